@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Usage: ./rosflight bench [NAME...] [--json FILE]
+
+Measures the project's figures, prints each with its target, and writes them to FILE as one JSON
+object: name -> {"value", "unit", "target", "met"}. NAME chooses by a part of the name.
+A figure that cannot be measured has value null and says why under "reason".
+Exit code 0 when every chosen figure was measured, met or not; 1 otherwise.
+"""
+
+import json
+import os
+import re
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Callable
+
+import bench_figures
+import project
+from bench_figures import Figure
+
+
+@dataclass
+class Result:
+    figure: Figure
+    value: float | None = None
+    reason: str = ""
+
+    def met(self) -> bool | None:
+        """None for a figure that is only reported."""
+        if self.figure.target == "report":
+            return None
+        return self.value is not None and meets(self.value, self.figure.target)
+
+    def as_json(self) -> dict:
+        entry = {"value": self.value, "unit": self.figure.unit, "target": self.figure.target,
+                 "met": self.met()}
+        return {**entry, "reason": self.reason} if self.reason else entry
+
+
+def meets(value: float, target: str) -> bool:
+    """Whether a value meets a target such as "<= 2500", "< 5", ">= 1000" or "= 0"."""
+    match = re.fullmatch(r"(<=|>=|<|>|=)\s*([\d.e+]+)", target)
+    if match is None:
+        raise ValueError(f"target '{target}' is none of <=, >=, <, >, = and a number")
+    limit = float(match[2])
+    return {"<=": value <= limit, ">=": value >= limit, "<": value < limit, ">": value > limit,
+            "=": value == limit}[match[1]]
+
+
+def measure(figure: Figure) -> Result:
+    """A figure that cannot be measured says why and does not stop the others."""
+    try:
+        return Result(figure, value=figure.measure())
+    except Exception as error:
+        return Result(figure, reason=str(error) or type(error).__name__)
+
+
+def shown(value: float | None) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.0f}" if value == int(value) or abs(value) >= 1000 else f"{value:.4g}"
+
+
+def row(*cells: str) -> str:
+    return f"{cells[0]:<34}{cells[1]:>12} {cells[2]:<14}{cells[3]:<14}{cells[4]}"
+
+
+def result_row(result: Result) -> str:
+    met = {True: "yes", False: "no", None: "-"}[result.met()]
+    line = row(result.figure.name, shown(result.value), result.figure.unit, result.figure.target, met)
+    return line + (f"  not measured: {result.reason}" if result.reason else "")
+
+
+def parse(arguments: list[str]) -> tuple[list[str], Path | None]:
+    """Names and the JSON file."""
+    names, file = [], None
+    rest = iter(arguments)
+    for argument in rest:
+        if argument == "--json":
+            file = next(rest, None)
+            if file is None:
+                raise ValueError("--json needs a file name")
+        elif argument.startswith("--json="):
+            file = argument.removeprefix("--json=")
+        elif argument.startswith("-"):
+            raise ValueError(f"unknown option '{argument}'; allowed: --json FILE, --help")
+        else:
+            names.append(argument)
+    return names, Path(file).absolute() if file else None
+
+
+def choose(names: list[str], figures: list[Figure]) -> list[Figure]:
+    for name in names:
+        if not any(name in figure.name for figure in figures):
+            known = ", ".join(figure.name for figure in figures)
+            raise ValueError(f"no figure matches '{name}'; figures: {known}")
+    return [f for f in figures if not names or any(name in f.name for name in names)]
+
+
+def main(arguments: list[str], figures: Callable[[], list[Figure]] = bench_figures.all_figures) -> int:
+    if {"-h", "--help"} & set(arguments):
+        print(__doc__)
+        return 0
+    try:
+        names, file = parse(arguments)
+        chosen = choose(names, figures())
+        if file and not os.access(file.parent, os.W_OK):
+            raise ValueError(f"cannot write {file}: no such folder, or not writable")
+    except ValueError as error:
+        print(f"rosflight: {error}", file=sys.stderr)
+        return 2
+    for preset in sorted({figure.preset for figure in chosen}):
+        bench_figures.prepare(preset)
+    print(row("figure", "value", "unit", "target", "met"), flush=True)
+    results = []
+    for figure in chosen:
+        results.append(measure(figure))
+        print(result_row(results[-1]), flush=True)
+    if file:
+        written = file.with_name(file.name + ".new")
+        written.write_text(json.dumps({r.figure.name: r.as_json() for r in results}, indent=2) + "\n")
+        written.replace(file)
+    return 1 if any(result.value is None for result in results) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,256 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Makes a machine ready: system packages, virtual environment, build. Each step does only what is
+# missing or changed and tells on stderr what it does. ./rosflight sources this file; by hand:
+#
+#   tools/ready.sh packages run test           what tools/system_packages.txt lists
+#   tools/ready.sh venv                        .venv from tools/requirements.txt
+#   tools/ready.sh build PRESET [TARGET...]    configure and build; no target means all
+#
+# ROSFLIGHT_JOBS limits compilers at work at once, ROSFLIGHT_KEEP_GOING=1 builds on after an error,
+# ROSFLIGHT_PYTHON names the interpreter the environment is made with.
+# Exit code 2: something this script cannot put right by itself; it says what.
+set -euo pipefail
+
+: "${root:=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)}"
+
+say() { printf 'rosflight: %s\n' "$*" >&2; }
+
+fail() {
+  say "$*"
+  exit 2
+}
+
+# One start at a time makes things ready; the kernel drops the lock when its owner ends.
+take_lock() {
+  [[ -n ${lock_fd:-} ]] && return
+  mkdir -p "$root/build/.ready" || fail "cannot write to $root/build"
+  exec {lock_fd}>"$root/build/.ready/lock" || fail "cannot write to $root/build/.ready"
+  if ! flock -n "$lock_fd"; then
+    say "another start is preparing this folder, waiting for it"
+    flock "$lock_fd"
+  fi
+}
+
+release_lock() {
+  [[ -n ${lock_fd:-} ]] && exec {lock_fd}>&-
+  lock_fd=
+}
+
+# ---- system packages ------------------------------------------------------------------------
+
+release_codename() {
+  # shellcheck disable=SC1090,SC1091
+  (. "${ROSFLIGHT_OS_RELEASE:-/etc/os-release}" && echo "${UBUNTU_CODENAME:-${VERSION_CODENAME:-}}")
+}
+
+wanted_packages() {  # SET...
+  awk -v sets=" $* " -v here="@$(release_codename)" '
+    { sub(/#.*/, "") }
+    /^\[/ { gsub(/[][]/, ""); chosen = index(sets, " " $1 " "); next }
+    chosen && (NF == 1 || $2 == here) { print $1 }' "$root/tools/system_packages.txt"
+}
+
+missing_packages() {  # NAME...
+  local installed
+  # shellcheck disable=SC2016
+  installed="$(dpkg-query -W -f '${db:Status-Status} ${Package}\n' "$@" 2>/dev/null || true)"
+  local name
+  for name in "$@"; do
+    grep -qxF "installed $name" <<<"$installed" || echo "$name"
+  done
+}
+
+install_packages() {  # NAME...
+  local -a as_root=()
+  if [[ $(id -u) != 0 ]]; then
+    if sudo -n true 2>/dev/null; then
+      as_root=(sudo -n)
+    else
+      say "system packages are missing; run this line and start again:"
+      printf 'sudo apt-get update && sudo apt-get install -y --no-install-recommends %s\n' "$*" >&2
+      exit 2
+    fi
+  fi
+  local log="$root/build/.ready/apt.log"
+  local -a apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600)
+  say "installing system packages: $*"
+  "${apt[@]}" update >"$log" 2>&1 || say "apt-get update had trouble, trying on with the old lists"
+  if ! "${apt[@]}" install -y --no-install-recommends "$@" >>"$log" 2>&1; then
+    tail -n 8 "$log" >&2
+    fail "apt-get could not install the packages; all it said is in $log"
+  fi
+}
+
+ready_packages() {  # SET...
+  take_lock
+  local stamp="$root/build/.ready/packages-$*"
+  [[ -f $stamp && $(<"$stamp") == "$(packages_key)" ]] && return
+  local -a wanted missing=()
+  mapfile -t wanted < <(wanted_packages "$@")
+  if command -v dpkg-query >/dev/null; then
+    mapfile -t missing < <(missing_packages "${wanted[@]}")
+  else
+    say "no dpkg here: please see that the contents of these packages are present: ${wanted[*]}"
+  fi
+  if ((${#missing[@]} > 0)); then
+    install_packages "${missing[@]}"
+  fi
+  packages_key >"$stamp"
+}
+
+# The list and the moment dpkg last changed anything: both as before means nothing to look for.
+packages_key() {
+  sha256sum <"$root/tools/system_packages.txt"
+  stat -c %y /var/lib/dpkg/status 2>/dev/null || true
+}
+
+# ---- virtual environment ----------------------------------------------------------------------
+
+usable_python() {  # prints the interpreter to make the environment with
+  local python
+  for python in "${ROSFLIGHT_PYTHON:-/usr/bin/python3}" python3; do
+    if "$python" -c 'import sys, venv, ensurepip; sys.exit(not (3, 10) <= sys.version_info < (3, 14))' 2>/dev/null; then
+      echo "$python"
+      return
+    fi
+  done
+  fail "no Python 3.10 to 3.13 with the modules venv and ensurepip found"
+}
+
+# What the environment was made from: a change of any of these means work.
+venv_key() {
+  printf '%s\n%s\n' "$(sha256sum <"$root/tools/requirements.txt")" "$(venv_place)"
+}
+
+# Environments hold absolute paths and belong to one interpreter: neither may change under them.
+venv_place() { echo "$root $(readlink -f "$root/.venv/bin/python3")"; }
+
+# The stamp holds the key and then every entry that must be in site-packages.
+venv_is_whole() {
+  local venv="$root/.venv" entry
+  [[ -x $venv/bin/python3 && -f $venv/.stamp ]] || return 1
+  local -a packages=("$venv"/lib/python3*/site-packages) lines
+  mapfile -t lines <"$venv/.stamp"
+  [[ ${#lines[@]} -gt 2 && ${lines[1]} == "$(venv_place)" ]] || return 1
+  for entry in "${lines[@]:2}"; do
+    [[ -e ${packages[0]}/$entry ]] || return 1
+  done
+}
+
+ready_venv() {
+  take_lock
+  local venv="$root/.venv" log="$root/build/.ready/venv.log"
+  local whole=no python
+  venv_is_whole && whole=yes
+  if [[ $whole == yes && $(head -n 2 "$venv/.stamp") == "$(venv_key)" ]]; then
+    return
+  fi
+  if [[ $whole == no ]]; then
+    say "making the Python environment .venv"
+    python="$(usable_python)" || exit $?
+    rm -rf "$venv"
+    if ! "$python" -m venv "$venv" >"$log" 2>&1; then
+      tail -n 8 "$log" >&2
+      fail "$python could not make .venv"
+    fi
+  else
+    say "bringing the Python environment .venv up to date"
+    rm -f "$venv/.stamp"
+  fi
+  if ! "$venv/bin/python3" -m pip install --disable-pip-version-check --no-input \
+    -r "$root/tools/requirements.txt" >"$log" 2>&1; then
+    tail -n 8 "$log" >&2
+    fail "pip could not install tools/requirements.txt; all it said is in $log"
+  fi
+  venv_key >"$venv/.stamp.new"
+  (cd "$venv"/lib/python3*/site-packages && printf '%s\n' *) >>"$venv/.stamp.new"
+  mv "$venv/.stamp.new" "$venv/.stamp"
+}
+
+# ---- build ------------------------------------------------------------------------------------
+
+# ccache keeps its files with the user, or in build/ when the home folder takes none.
+use_ccache() {
+  export CCACHE_BASEDIR="${CCACHE_BASEDIR:-$root}"
+  [[ -n ${CCACHE_DIR:-} ]] && return
+  local place="${XDG_CACHE_HOME:-${HOME:-/nonexistent}/.cache}/ccache"
+  if [[ -w ${HOME:-}/.ccache ]] || { mkdir -p "$place" && [[ -w $place ]]; }; then
+    return
+  fi 2>/dev/null
+  export CCACHE_DIR="$root/build/ccache"
+}
+
+# As many compilers as processors, but each may need a gigabyte.
+build_jobs() {
+  local processors memory_kb
+  processors="$(nproc)"
+  memory_kb="$(awk '/^MemAvailable/ { print $2 }' /proc/meminfo)"
+  local by_memory=$((memory_kb / 1000000))
+  ((by_memory >= 1)) || by_memory=1
+  echo "${ROSFLIGHT_JOBS:-$((processors < by_memory ? processors : by_memory))}"
+}
+
+# Passes on how far ninja is: one changing line on a terminal, else a line each tenth.
+show_progress() {  # WHAT
+  local line percent last=-1 shown=no
+  while IFS= read -r line; do
+    [[ $line =~ ^\[([0-9]+)/([0-9]+)\] ]] || continue
+    percent=$((100 * BASH_REMATCH[1] / BASH_REMATCH[2]))
+    if [[ -t 2 && -z ${CI:-} ]]; then
+      printf '\rrosflight: building %s %3d %% ' "$1" "$percent" >&2
+      shown=yes
+    elif ((percent / 10 != last / 10 || last < 0)); then
+      say "building $1 $percent %"
+    fi
+    last=$percent
+  done
+  [[ $shown == no ]] || printf '\n' >&2
+}
+
+# The lines of a build log a person wants to see: what failed and why, without command lines.
+show_failure() {  # LOG
+  grep -E -A6 'error:|CMake Error|undefined reference|FAILED:|fatal|No such file' "$1" |
+    grep -v -e '^[^ ]*ccache ' -e '^--$' -e '^\[[0-9]*/' | cut -c1-200 | head -n 30 >&2 || tail -n 20 "$1" >&2
+}
+
+configure() {  # PRESET
+  local build="$root/build/$1" key made_for=
+  key="$root"$'\n'"$(sha256sum <"$root/CMakePresets.json")"
+  [[ -f $build/.configured ]] && made_for="$(<"$build/.configured")"
+  [[ $made_for == "$key" && -f $build/build.ninja ]] && return
+  say "configuring $1"
+  # What was made in another place, or its old cache values, would silently win over the new ones.
+  if [[ -n $made_for && ${made_for%%$'\n'*} != "$root" ]]; then
+    rm -rf "$build"
+  fi
+  rm -rf "$build/CMakeCache.txt" "$build/CMakeFiles" "$build/.configured"
+  mkdir -p "$build"
+  if ! (cd "$root" && cmake --preset "$1") >"$build/configure.log" 2>&1; then
+    show_failure "$build/configure.log"
+    fail "configuring $1 failed; all of it is in $build/configure.log"
+  fi
+  printf '%s\n' "$key" >"$build/.configured"
+}
+
+ready_build() {  # PRESET TARGET...
+  take_lock
+  local preset=$1
+  shift
+  local build="$root/build/$preset"
+  use_ccache
+  configure "$preset"
+  local -a command=(ninja -C "$build" -j "$(build_jobs)")
+  [[ -n ${ROSFLIGHT_KEEP_GOING:-} ]] && command+=(-k 0)
+  if ! NINJA_STATUS='[%f/%t] ' "${command[@]}" "$@" 2>&1 </dev/null | tee "$build/build.log" | show_progress "$preset"; then
+    show_failure "$build/build.log"
+    fail "the build failed; all of it is in $build/build.log"
+  fi
+}
+
+if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
+  case ${1:-} in
+    packages | venv | build) "ready_$1" "${@:2}" ;;
+    *) fail "usage: tools/ready.sh packages SET... | venv | build PRESET [TARGET...]" ;;
+  esac
+fi

@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The stages of ./rosflight test. Each runs by itself and returns what passed and what failed."""
+
+import concurrent.futures
+import re
+import subprocess
+import sys
+import tempfile
+import xml.etree.ElementTree as xml
+from pathlib import Path
+
+import check_structure as structure
+import cpp_tests
+import project
+import tidy as clang_tidy
+from cpp_tests import Binary, Outcome
+from project import ROOT
+
+RESULTS = ROOT / "build" / "test_results"
+SHORT_FUZZ = ("-max_total_time=10", "-runs=100000")
+
+
+def _run(command: list[str], **options) -> subprocess.CompletedProcess:
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, **options)
+
+
+def _check(complaints: list[str]) -> Outcome:
+    """One check: it passes when there is nothing to complain about."""
+    return Outcome(int(not complaints), int(bool(complaints)), complaints)
+
+
+def _add(outcomes) -> Outcome:
+    total = Outcome()
+    for outcome in outcomes:
+        total.passed += outcome.passed
+        total.failed += outcome.failed
+        total.complaints += outcome.complaints
+    return total
+
+
+# ---- checks of the text -------------------------------------------------------------------------
+
+
+def check_format() -> Outcome:
+    """C++ as .clang-format wants it, shell scripts as shellcheck does."""
+    files = project.own_files()
+    sources = [str(path) for path in files if path.suffix in (".cpp", ".hpp")]
+    scripts = [str(path) for path in files if structure.is_shell(ROOT / path)]
+    cpp = _run([str(ROOT / ".venv/bin/clang-format"), "--dry-run", "--Werror", *sources])
+    shell = _run(["shellcheck", "-x", *scripts])
+    unformatted = sorted({line.split(":")[0] for line in cpp.stderr.splitlines() if ": error:" in line})
+    cpp_says = [f"{name}: not formatted; run .venv/bin/clang-format -i {name}" for name in unformatted]
+    if cpp.returncode and not cpp_says:
+        cpp_says = [cpp.stderr.strip()]
+    return _add([_check(cpp_says), _check(shell.stdout.splitlines() if shell.returncode else [])])
+
+
+def check_structure() -> Outcome:
+    return _add(_check(found) for found in structure.run().values())
+
+
+def tidy() -> Outcome:
+    clean, complaints = clang_tidy.run("release")
+    outcome = _check(complaints)
+    print(f"   {clean} files clean")
+    return outcome
+
+
+# ---- builds and what they hold ------------------------------------------------------------------
+
+
+def _build(preset: str, *targets: str) -> Outcome:
+    if project.build(preset, *targets, keep_going=True):
+        return Outcome(passed=1)
+    return Outcome(failed=1, complaints=[f"does not build, all output is in build/{preset}/*.log"])
+
+
+def build_release() -> Outcome:
+    return _build("release")
+
+
+def build_cortex_m7() -> Outcome:
+    return _build("cortex-m7")
+
+
+def test_names() -> list[str]:
+    """Names of all C++ tests, from the release build, configured if it is not yet."""
+    project.build("release", "build.ninja")
+    return [binary.name for binary in cpp_tests.find("release")]
+
+
+def python_files() -> list[Path]:
+    return [path for path in project.own_files() if re.fullmatch(r"test_\w+\.py", path.name)]
+
+
+def matching(parts: list[str]) -> tuple[list[str], list[Path]]:
+    """Test programs and pytest files with one of the parts in their name."""
+    files = [path for path in python_files() if any(part in str(path) for part in parts)]
+    return [name for name in test_names() if any(part in name for part in parts)], files
+
+
+def _run_binaries(preset: str, names: list[str] | None = None) -> dict[str, Outcome]:
+    binaries = [b for b in cpp_tests.find(preset) if names is None or b.name in names]
+    stale = {b.name for b in binaries if not _is_built(preset, b)}
+    outcomes = cpp_tests.run_all([b for b in binaries if b.name not in stale], RESULTS / preset)
+    for name in stale:
+        outcomes[name] = Outcome(failed=1, complaints=[f"{name}: not built"])
+    return outcomes
+
+
+def _is_built(preset: str, binary: Binary) -> bool:
+    """After a failed build an old program may still be there: it must not pass for the new one."""
+    program, build = Path(binary.command[0]), ROOT / "build" / preset
+    return not program.is_relative_to(build) or project.is_up_to_date(
+        preset, str(program.relative_to(build)))
+
+
+def unit_tests(names: list[str] | None = None) -> Outcome:
+    """Every case of every C++ test of the release build counts."""
+    if names is not None and not project.build("release", *names, keep_going=True):
+        return Outcome(failed=1, complaints=["does not build, all output is in build/release/*.log"])
+    return _add(_run_binaries("release", names).values())
+
+
+def sanitizers() -> Outcome:
+    """The same tests under address and undefined-behaviour sanitizers; each program counts once."""
+    built = _build("sanitizers")
+    ran = _run_binaries("sanitizers")
+    return _add([built, *(_check(outcome.complaints) for outcome in ran.values())])
+
+
+def python_tests(files: list[Path] | None = None) -> Outcome:
+    files = python_files() if files is None else files
+    if not files:
+        return Outcome()
+    RESULTS.mkdir(parents=True, exist_ok=True)
+    report = RESULTS / "pytest.xml"
+    report.unlink(missing_ok=True)
+    done = _run([sys.executable, "-m", "pytest", "-q", "--tb=short", "--no-header",
+                 f"--junitxml={report}", *map(str, files)], stdin=subprocess.DEVNULL)
+    outcome = Outcome()
+    if report.exists():
+        for case in xml.parse(report).getroot().iter("testcase"):
+            bad = case.find("failure") is not None or case.find("error") is not None
+            outcome.failed += bad
+            outcome.passed += not bad and case.find("skipped") is None
+    if done.returncode not in (0, 5) and outcome.failed == 0:
+        outcome.failed = 1
+    if outcome.failed:
+        outcome.complaints = (done.stdout + done.stderr).splitlines()[-80:]
+    return outcome
+
+
+# ---- fuzzing ------------------------------------------------------------------------------------
+
+
+def fuzzers() -> list[str]:
+    """Names of the fuzzers, as rosflight_fuzzer(NAME ...) in the folders' CMakeLists.txt has them."""
+    lists = [ROOT / path for path in project.own_files() if path.name == "CMakeLists.txt"]
+    named = (re.findall(r"^\s*rosflight_fuzzer\(\s*(\w+)", text.read_text(), re.M) for text in lists)
+    return sorted(name for names in named for name in names)
+
+
+def run_fuzzer(name: str, *limits: str) -> tuple[int, list[str]]:
+    """Runs one fuzzer from a fixed seed; how many inputs it tried and what it found."""
+    program = next((path for path in (ROOT / "build/fuzz").rglob(name) if path.is_file()), None)
+    if program is None:
+        return 0, [f"{name}: not built"]
+    seeds = [str(path) for path in ROOT.glob(f"**/fuzz/corpus/{name}") if path.is_dir()]
+    with tempfile.TemporaryDirectory() as scratch:
+        found = Path(scratch) / "found"
+        grown = Path(scratch) / "grown"
+        grown.mkdir()
+        done = _run([str(program), "-seed=1", "-print_final_stats=1", *limits,
+                     f"-artifact_prefix={found}-", str(grown), *seeds])
+        runs = re.search(r"stat::number_of_executed_units:\s*(\d+)", done.stderr)
+        if done.returncode == 0 and runs:
+            return int(runs[1]), []
+        complaints = [f"{name}: " + (_first_error(done.stderr) or f"ended with {done.returncode}")]
+        for path in Path(scratch).glob("found-*"):
+            complaints.append(f"{name}: input of {path.stat().st_size} B: {path.read_bytes()[:400].hex()}")
+        return int(runs[1]) if runs else 0, complaints
+
+
+def _first_error(said: str) -> str:
+    return next((line.strip() for line in said.splitlines() if "ERROR" in line or "error:" in line), "")
+
+
+def fuzz() -> Outcome:
+    """A short run of each fuzzer; the long one is in ./rosflight bench."""
+    names = fuzzers()
+    if not names:
+        return Outcome()
+    built = _build("fuzz", *names)
+    with concurrent.futures.ThreadPoolExecutor(project.jobs()) as pool:
+        found = list(pool.map(lambda name: run_fuzzer(name, *SHORT_FUZZ)[1], names))
+    return _add([built, *map(_check, found)])

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The frame of ./rosflight bench, with figures and programs made up here."""
+
+import json
+import shutil
+import subprocess
+
+import bench
+import bench_figures
+import callgrind
+import pytest
+from bench_figures import Figure
+
+
+def fail():
+    raise RuntimeError("no such program")
+
+
+FIGURES = [
+    Figure("a.fast", "s", "< 5", lambda: 4.9),
+    Figure("a.slow", "s", "< 5", lambda: 5.0),
+    Figure("b.told", "s/s", "report", lambda: 1234.5),
+    Figure("b.broken", "B", "<= 10", fail),
+]
+
+
+@pytest.fixture(autouse=True)
+def no_build(monkeypatch):
+    monkeypatch.setattr(bench_figures, "prepare", lambda preset: None)
+
+
+def run(*arguments: str) -> int:
+    return bench.main(list(arguments), lambda: FIGURES)
+
+
+def test_json_has_value_unit_target_and_met_of_every_figure(tmp_path, capsys):
+    assert run("--json", str(tmp_path / "f.json")) == 1
+    assert json.loads((tmp_path / "f.json").read_text()) == {
+        "a.fast": {"value": 4.9, "unit": "s", "target": "< 5", "met": True},
+        "a.slow": {"value": 5.0, "unit": "s", "target": "< 5", "met": False},
+        "b.told": {"value": 1234.5, "unit": "s/s", "target": "report", "met": None},
+        "b.broken": {"value": None, "unit": "B", "target": "<= 10", "met": False,
+                     "reason": "no such program"},
+    }
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == ["figure", "a.fast", "a.slow", "b.told", "b.broken"]
+    assert lines[4].endswith("no  not measured: no such program")
+
+
+def test_name_chooses_by_a_part(capsys):
+    assert run("b.t") == 0
+    assert [l.split()[0] for l in capsys.readouterr().out.splitlines()] == ["figure", "b.told"]
+
+
+@pytest.mark.parametrize("arguments", [["c.none"], ["--json"], ["--fast"], ["--json", "/nowhere/f.json"]])
+def test_bad_arguments_are_one_line_and_exit_code_2(arguments, capsys):
+    assert run(*arguments) == 2
+    said = capsys.readouterr()
+    assert said.out == "" and said.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("value, target, met", [
+    (2500, "<= 2500", True), (2501, "<= 2500", False), (999.9, ">= 1000", False), (0, "= 0", True),
+    (1, "= 0", False), (2, "> 2", False), (1e6, ">= 1000000", True)])
+def test_targets(value, target, met):
+    assert bench.meets(value, target) is met
+
+
+def test_unreadable_target_is_refused():
+    with pytest.raises(ValueError):
+        bench.meets(1, "about 2")
+
+
+def test_every_figure_of_the_project_has_a_readable_target_and_its_own_name():
+    figures = bench_figures.all_figures()
+    assert len({figure.name for figure in figures}) == len(figures)
+    for figure in figures:
+        assert figure.target == "report" or bench.meets(1, figure.target) in (True, False)
+
+
+def test_program_that_fails_or_prints_no_json_is_told():
+    with pytest.raises(RuntimeError, match="ended with 3: broken"):
+        bench_figures.run_json(["sh", "-c", "echo broken >&2; exit 3"])
+    with pytest.raises(RuntimeError, match="printed no JSON"):
+        bench_figures.run_json(["echo", "factor 7"])
+    with pytest.raises(RuntimeError, match="no number 'b' among a"):
+        bench_figures.number(bench_figures.run_json(["echo", '{"a": 1}']), "b")
+
+
+def test_totals_of_a_callgrind_profile():
+    assert callgrind.total("events: Ir\nfn=main\n1 2\n\ntotals: 123456\n") == 123456
+    assert callgrind.total("events: Ir\nsummary: 77\n1 2\n") == 77
+    with pytest.raises(RuntimeError, match="no totals"):
+        callgrind.total("events: Ir\n")
+
+
+@pytest.mark.skipif(not shutil.which("valgrind") or not shutil.which("gcc"), reason="no valgrind")
+def test_instructions_per_call_are_those_of_the_loop_alone(tmp_path):
+    # Two nops, the decrement and the jump.
+    source = tmp_path / "loop.c"
+    source.write_text('#include <stdlib.h>\nint main(int n, char** a) {\n'
+                      '  for (int i = 0; i < 5000; ++i) __asm__ volatile("nop");\n'
+                      '  long c = atol(a[n - 1]);\n'
+                      '  do { __asm__ volatile("nop\\n\\tnop"); } while (--c > 0);\n}\n')
+    subprocess.run(["gcc", "-O2", "-o", tmp_path / "loop", source], check=True)
+    count = callgrind.instructions_per_call([str(tmp_path / "loop"), "--passes"], 10000, 30000)
+    assert count in (4, 5)  # the compiler may add a test before the jump

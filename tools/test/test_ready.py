@@ -1,0 +1,279 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The script ./rosflight in a project of its own, with dpkg, apt, sudo, cmake and ninja replaced."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+# Stands in for an interpreter: makes an environment in no time, whose pip is always content.
+QUICK_PYTHON = """#!/bin/bash
+[[ $2 == venv ]] || exit 0
+mkdir -p "$3/bin" "$3/lib/python3.11/site-packages/pip"
+ln -s "$0" "$3/bin/python3"
+"""
+PACKAGES = "[run]\ng++\nccache\nold-name @jammy\nnew-name @noble\n[test]\nvalgrind  # counts\n"
+
+
+class House:
+    """A copy of the script in a folder with spaces, and a PATH that starts with replacements."""
+
+    def __init__(self, place: Path):
+        self.root = place / "a house"
+        self.bin = place / "bin"
+        self.calls = place / "calls"
+        (self.root / "tools").mkdir(parents=True)
+        self.bin.mkdir()
+        shutil.copy(ROOT / "rosflight", self.root)
+        for name in ("ready.sh", "run_tests.py", "bench.py"):
+            shutil.copy(ROOT / "tools" / name, self.root / "tools")
+        (self.root / "tools/system_packages.txt").write_text(PACKAGES)
+        (self.root / "tools/requirements.txt").write_text("# nothing\n")
+        (self.root / "CMakePresets.json").write_text("{}\n")
+        self.python = place / "quick-python"
+        self.python.write_text(QUICK_PYTHON)
+        self.python.chmod(0o755)
+        self.os_release = place / "os-release"
+        self.os_release.write_text("VERSION_CODENAME=noble\n")
+        self.installed("g++", "ccache", "new-name", "valgrind")
+        self.replace("sudo", "exit 1")
+        self.replace("apt-get", "exit 0")
+        self.replace("id", "echo 1000")
+        self.replace("cmake", 'mkdir -p build/$2 && touch build/$2/build.ninja')
+        self.replace("ninja", 'mkdir -p "$2/apps" && printf "#!/bin/sh\\necho flown \\"\\$@\\"\\n" '
+                              '>"$2/apps/rosflight" && chmod +x "$2/apps/rosflight"')
+
+    def replace(self, name: str, body: str):
+        """A program in PATH that notes its call and runs the body."""
+        path = self.bin / name
+        path.write_text(f'#!/bin/bash\necho "{name} $*" >>"{self.calls}"\n{body}\n')
+        path.chmod(0o755)
+
+    def installed(self, *names: str):
+        lines = "\\n".join(f"installed {name}" for name in names)
+        self.replace("dpkg-query", f"printf '{lines}\\n'")
+
+    def start(self, *arguments: str, **environment: str) -> subprocess.CompletedProcess:
+        return subprocess.run(
+            [str(self.root / "rosflight"), *arguments], cwd="/", capture_output=True, text=True,
+            stdin=subprocess.DEVNULL, timeout=120, env={**self.environment(), **environment})
+
+    def environment(self) -> dict:
+        return {**os.environ, "PATH": f"{self.bin}:{os.environ['PATH']}",
+                "ROSFLIGHT_OS_RELEASE": str(self.os_release), "ROSFLIGHT_PYTHON": str(self.python)}
+
+    def called(self, program: str) -> list[str]:
+        """The calls since the last question."""
+        lines = self.calls.read_text().splitlines() if self.calls.exists() else []
+        self.calls.write_text("\n".join(l for l in lines if not l.startswith(program + " ")) + "\n")
+        return [line for line in lines if line.startswith(program + " ")]
+
+
+@pytest.fixture
+def house(tmp_path):
+    return House(tmp_path)
+
+
+def test_help_lists_the_commands_and_prepares_nothing(house):
+    done = house.start("--help")
+    assert done.returncode == 0
+    for command in ("fly", "replay", "sil", "mixer", "test", "bench"):
+        assert f"\n  {command} " in done.stdout
+    assert not house.calls.exists() and not (house.root / "build").exists()
+
+
+@pytest.mark.parametrize("command", ["test", "bench"])
+def test_help_of_a_tool_needs_no_ready_machine(house, command):
+    done = house.start(command, "--help")
+    assert done.returncode == 0
+    assert done.stdout.startswith(f"Usage: ./rosflight {command} [NAME...]")
+    assert not (house.root / "build").exists()
+
+
+def test_unknown_command_is_one_line_and_exit_code_2(house):
+    done = house.start("fyl")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == ("rosflight: unknown command 'fyl'; "
+                           "allowed: fly, replay, sil, mixer, test, bench, --help\n")
+
+
+def test_no_command_shows_the_help_as_an_error(house):
+    done = house.start()
+    assert done.returncode == 2
+    assert "Usage: ./rosflight COMMAND" in done.stderr
+
+
+def test_missing_packages_without_root_or_sudo_give_the_line_to_run(house):
+    house.installed("ccache")
+    done = house.start("fly")
+    assert done.returncode == 2
+    assert done.stderr.splitlines()[-1] == (
+        "sudo apt-get update && sudo apt-get install -y --no-install-recommends g++ new-name")
+    assert house.called("apt-get") == []
+
+
+def test_missing_packages_are_installed_by_root_for_this_release_only(house):
+    house.installed("g++", "new-name")
+    house.os_release.write_text("VERSION_CODENAME=virginia\nUBUNTU_CODENAME=jammy\n")
+    house.replace("id", "echo 0")
+    assert house.start("fly").returncode == 0
+    update, install = house.called("apt-get")
+    assert update.endswith(" update")
+    assert install.endswith(" install -y --no-install-recommends ccache old-name")
+
+
+def test_missing_packages_are_installed_with_sudo_that_asks_nothing(house):
+    house.installed("g++")
+    house.replace("sudo", '[[ $2 == true ]] || exec "${@:2}"')
+    assert house.start("fly").returncode == 0
+    assert [line.split()[-1] for line in house.called("apt-get")] == ["update", "new-name"]
+    assert all(line.startswith("sudo -n ") for line in house.called("sudo"))
+
+
+def test_failing_apt_shows_what_it_said(house):
+    house.installed("ccache")
+    house.replace("id", "echo 0")
+    house.replace("apt-get", "echo E: no such package; exit 100")
+    done = house.start("fly")
+    assert done.returncode == 2
+    assert "E: no such package" in done.stderr and "apt.log" in done.stderr
+
+
+def test_program_gets_the_arguments_as_they_are(house):
+    done = house.start("fly", "--mission", "two words.yaml", "")
+    assert (done.returncode, done.stdout) == (0, "flown fly --mission two words.yaml \n")
+
+
+def test_second_start_installs_and_configures_nothing(house):
+    house.start("fly")
+    for program in ("dpkg-query", "cmake", "ninja"):
+        assert house.called(program)
+    done = house.start("fly")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert house.called("dpkg-query") == house.called("cmake") == []
+    assert house.called("ninja")  # ninja itself finds out that nothing changed
+
+
+def test_changed_package_list_is_looked_through_again(house):
+    house.start("fly")
+    house.called("dpkg-query")
+    (house.root / "tools/system_packages.txt").write_text("[run]\nnovel\n")
+    done = house.start("fly")
+    assert done.returncode == 2
+    assert done.stderr.endswith(" novel\n")
+
+
+def test_changed_presets_configure_again(house):
+    house.start("fly")
+    house.called("cmake")
+    (house.root / "build/release/CMakeCache.txt").write_text("old values")
+    (house.root / "CMakePresets.json").write_text("{ }\n")
+    house.start("fly")
+    assert house.called("cmake") == ["cmake --preset release"]
+    assert not (house.root / "build/release/CMakeCache.txt").exists()
+
+
+@pytest.mark.parametrize("harm", ["python", "stamp", "package", "half"])
+def test_broken_environment_is_remade(house, harm):
+    house.start("fly")
+    venv = house.root / ".venv"
+    (venv / "left over").touch()
+    if harm == "python":
+        (venv / "bin/python3").unlink()
+        (venv / "bin/python3").symlink_to("/nonexistent/python3")
+    elif harm == "stamp":
+        (venv / ".stamp").unlink()
+    elif harm == "package":
+        shutil.rmtree(next(venv.glob("lib/python3*/site-packages/pip")))
+    else:
+        shutil.rmtree(venv)
+        (venv / "left over").mkdir(parents=True)
+    done = house.start("fly")
+    assert done.returncode == 0
+    assert "making the Python environment" in done.stderr
+    assert not (venv / "left over").exists()
+    assert (venv / "lib/python3.11/site-packages/pip").exists()
+    assert house.start("fly").stderr == ""
+
+
+def test_environment_is_made_by_a_real_interpreter_and_has_pip(house):
+    house.python = Path(sys.executable)
+    assert house.start("fly").returncode == 0
+    python = house.root / ".venv/bin/python3"
+    assert subprocess.run([python, "-m", "pip", "--version"], capture_output=True).returncode == 0
+
+
+def test_moved_folder_makes_environment_and_build_anew(house):
+    house.start("fly")
+    (house.root / "build/release/stale").touch()
+    house.root = house.root.rename(house.root.with_name("another house"))
+    done = house.start("fly")
+    assert done.returncode == 0
+    assert "making the Python environment" in done.stderr and "configuring" in done.stderr
+    assert not (house.root / "build/release/stale").exists()
+
+
+def test_changed_requirements_update_the_environment_in_place(house):
+    house.start("fly")
+    (house.root / ".venv/kept").touch()
+    (house.root / "tools/requirements.txt").write_text("# still nothing\n")
+    assert "up to date" in house.start("fly").stderr
+    assert (house.root / ".venv/kept").exists()
+
+
+def test_requirement_that_pip_cannot_install_is_told_and_tried_again(house):
+    house.python = Path(sys.executable)
+    (house.root / "tools/requirements.txt").write_text("/nonexistent/wheel.whl\n")
+    for _ in range(2):
+        done = house.start("fly")
+        assert done.returncode == 2
+        assert "pip could not install tools/requirements.txt" in done.stderr
+
+
+def test_failing_build_shows_the_error_and_not_the_command_lines(house):
+    house.replace("ninja", 'echo "[1/2] Building CXX"; echo "FAILED: a.o"; '
+                           'echo "/usr/bin/ccache g++ a.cpp"; echo "a.cpp:1: error: no"; exit 1')
+    done = house.start("fly")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "a.cpp:1: error: no" in done.stderr and "build.log" in done.stderr
+    assert "/usr/bin/ccache" not in done.stderr
+
+
+def test_failing_configure_is_told_and_tried_again(house):
+    house.replace("cmake", 'echo "CMake Error: no compiler"; exit 1')
+    for _ in range(2):
+        done = house.start("fly")
+        assert done.returncode == 2
+        assert "CMake Error: no compiler" in done.stderr and house.called("cmake")
+
+
+def test_progress_of_a_build_is_a_line_each_tenth_without_a_terminal(house):
+    house.replace("ninja", 'for i in $(seq 200); do echo "[$i/200] Building"; done')
+    (house.root / "build/release/apps").mkdir(parents=True)
+    shutil.copy("/bin/true", house.root / "build/release/apps/rosflight")
+    lines = [l for l in house.start("fly").stderr.splitlines() if "building" in l]
+    assert lines[0].endswith("building release 0 %") and lines[-1].endswith("100 %")
+    assert len(lines) == 11
+
+
+def test_home_that_takes_nothing_puts_the_compiler_cache_into_the_build(house):
+    house.replace("ninja", f'echo "cache ${{CCACHE_DIR:-none}}" >>"{house.calls}"')
+    (house.root / "build/release/apps").mkdir(parents=True)
+    shutil.copy("/bin/true", house.root / "build/release/apps/rosflight")
+    environment = {"HOME": "/proc", "XDG_CACHE_HOME": "", "CCACHE_DIR": ""}
+    assert house.start("fly", **environment).returncode == 0
+    assert house.called("cache") == [f"cache {house.root}/build/ccache"]
+
+
+def test_two_starts_at_once_prepare_one_after_the_other(house):
+    house.replace("cmake", 'mkdir build/busy || exit 1; sleep 0.3; rmdir build/busy; '
+                           'mkdir -p build/$2; touch build/$2/build.ninja')
+    both = [subprocess.Popen([str(house.root / "rosflight"), "fly"], env=house.environment(),
+                             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            for _ in range(2)]
+    assert [process.wait(timeout=120) for process in both] == [0, 0]
+    assert house.called("cmake") == ["cmake --preset release"]

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The rules of check_structure.py, each shown on a small tree that breaks it."""
+
+from pathlib import Path
+
+import check_structure as structure
+import pytest
+
+SPDX = "// SPDX-License-Identifier: BSD-3-Clause\n"
+
+
+@pytest.fixture
+def tree(tmp_path):
+    def make(files: dict[str, str]) -> structure.Tree:
+        for name, text in files.items():
+            path = tmp_path / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        return structure.Tree(tmp_path, [Path(name) for name in files])
+
+    return make
+
+
+@pytest.mark.parametrize("path, included", [
+    ("firmware/core/mixer.cpp", "link/messages.hpp"),
+    ("firmware/core/mixer.cpp", "firmware/core/mixer.hpp"),
+    ("firmware/boards/linux/main.cpp", "firmware/core/firmware.hpp"),
+    ("firmware/boards/linux/test/board_test.cpp", "firmware/core/firmware.hpp"),
+    ("log/writer.hpp", "sim/types.hpp"),
+    ("apps/fly.cpp", "autonomy/path.hpp"),
+])
+def test_include_that_the_table_allows(tree, path, included):
+    assert structure.check_includes(tree({path: f'#include "{included}"\n'})) == []
+
+
+@pytest.mark.parametrize("path, included", [
+    ("link/codec.hpp", "firmware/hal/time.hpp"),
+    ("firmware/hal/roles.hpp", "link/messages.hpp"),
+    ("firmware/core/mixer.cpp", "firmware/boards/linux/board.hpp"),
+    ("firmware/core/test/mixer_test.cpp", "sim/types.hpp"),
+    ("firmware/boards/linux/board.cpp", "firmware/core/firmware.hpp"),
+    ("sim/world.cpp", "firmware/core/firmware.hpp"),
+    ("log/writer.hpp", "sim/modules.hpp"),
+    ("companion/client.cpp", "sim/types.hpp"),
+    ("autonomy/path.cpp", "companion/client.hpp"),
+])
+def test_include_against_the_direction_names_file_line_and_what_is_allowed(tree, path, included):
+    (complaint,) = structure.check_includes(tree({path: f'\n  # include "{included}"\n'}))
+    assert complaint.startswith(f"{path}:2: ")
+    assert f"must not include {included}; it may use: " in complaint
+
+
+def test_cpp_in_an_unknown_folder_is_told(tree):
+    assert len(structure.check_includes(tree({"misc/a.cpp": ""}))) == 1
+
+
+def test_include_that_hides_its_folder_is_told(tree):
+    found = structure.check_rooted(tree({"sim/a.cpp": '#include "../firmware/core/a.hpp"\n'
+                                                      '#include "b.hpp"\n#include "sim/c.hpp"\n'}))
+    assert [line.split(":")[1] for line in found] == ["1", "2"]
+
+
+@pytest.mark.parametrize("header", ["rclcpp/rclcpp.hpp", "sensor_msgs/msg/imu.hpp", "tf2_ros/buffer.h"])
+def test_ros_header_is_for_ros_alone(tree, header):
+    line = f"#include <{header}>\n"
+    (complaint,) = structure.check_ros_free(tree({"sim/a.cpp": line, "ros/src/a.cpp": line}))
+    assert complaint == f"sim/a.cpp:1: ROS header {header} outside ros/"
+
+
+def test_circle_of_headers_is_told(tree):
+    found = structure.check_cycles(tree({"sim/a.hpp": '#include "sim/b.hpp"\n',
+                                         "sim/b.hpp": '#include "sim/a.hpp"\n'}))
+    assert found == ["circle: sim/a.hpp -> sim/b.hpp -> sim/a.hpp"]
+
+
+def test_circle_of_folders_in_the_table_is_told(tree, monkeypatch):
+    monkeypatch.setitem(structure.MAY_INCLUDE, "link", ["companion"])
+    assert structure.check_cycles(tree({})) == ["circle: link -> companion -> link"]
+
+
+def test_licence_line_is_wanted_in_sources_and_scripts_only(tree):
+    found = structure.check_licences(tree({
+        "sim/good.cpp": SPDX, "sim/bad.cpp": "int a;\n", "CMakeLists.txt": "project(x)\n",
+        "script": "#!/usr/bin/env bash\n", "README.md": "text\n", "data": "#!not a script\n"}))
+    assert [line.split(":")[0] for line in found] == ["sim/bad.cpp", "CMakeLists.txt", "script"]
+
+
+def test_size_limits(tree, capsys):
+    found = structure.check_sizes(tree({"a.cpp": "\n" * 601, "b.cpp": "\n" * 600, "c.csv": "\n" * 999}))
+    assert found == ["a.cpp: 601 lines, at most 600"]
+    assert "b.cpp has 600 lines" in capsys.readouterr().out
+
+
+def test_folders_without_readme_are_told(tree):
+    found = structure.check_readmes(tree({"sim/README.md": "", "sim/a.cpp": "", "docs/a.md": "",
+                                          "firmware/README.md": "", "firmware/core/CMakeLists.txt": "",
+                                          "sim/test/CMakeLists.txt": "", ".ci/run": ""}))
+    assert found == ["docs: no README.md", "firmware/core: no README.md"]
+
+
+def test_paths_in_documents_exist(tree):
+    found = structure.check_paths(tree({
+        "sim/a.cpp": "", "sim/README.md": "[up](../docs/x.md) [web](https://a.b/c) [here](#x)\n",
+        "docs/x.md": "`sim/a.cpp` `sim/*.cpp` `build/release` `./sim/gone.hpp` `sim/b*` `a/b`\n"}))
+    assert found == ["docs/x.md:1: no such path: sim/gone.hpp", "docs/x.md:1: no such path: sim/b*"]
+
+
+def test_the_table_itself_has_no_circle(tree):
+    assert structure.check_cycles(tree({})) == []

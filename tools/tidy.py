@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs clang-tidy over our .cpp files and remembers which were clean.
+
+A file is looked at again when it, a header of ours that it includes, its compile command, the
+configuration or the tool changes. Usage: tidy.py [PRESET [NAME...]], after a build.
+"""
+
+import concurrent.futures
+import hashlib
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import project
+
+CACHE = project.ROOT / "build" / "clang_tidy"
+
+
+def tidy_program() -> str:
+    return str(project.ROOT / ".venv/bin/clang-tidy")
+
+
+def headers_by_object(build: Path) -> dict[str, list[Path]]:
+    """Headers of ours (written or generated) that each object file was made from, from ninja."""
+    listed = subprocess.run(["ninja", "-C", str(build), "-t", "deps"], capture_output=True, text=True)
+    found: dict[str, list[Path]] = {}
+    current: list[Path] = []
+    for line in listed.stdout.splitlines():
+        if match := re.match(r"(\S.*): #deps", line):
+            current = found.setdefault(match[1], [])
+        elif line.startswith("    "):
+            path = (build / line.strip()).resolve()
+            if path.is_relative_to(project.ROOT):
+                current.append(path)
+    return found
+
+
+def key_of(entry: dict, headers: list[Path], common: bytes) -> str:
+    digest = hashlib.sha256(common)
+    digest.update(entry["command"].encode())
+    for path in [Path(entry["file"]), *sorted(headers)]:
+        digest.update(str(path).encode() + b"\0")
+        digest.update(path.read_bytes() if path.is_file() else b"gone")
+    return digest.hexdigest()
+
+
+def check(entry: dict, build: Path) -> str:
+    """The complaints about one file, empty when clean."""
+    done = subprocess.run(
+        [tidy_program(), "-p", str(build), "--quiet", entry["file"]], cwd=build,
+        capture_output=True, text=True)
+    said = [line for line in (done.stdout + done.stderr).splitlines()
+            if not re.fullmatch(r"\d+ warnings? (generated|treated as errors?)\.?", line.strip())]
+    return "" if done.returncode == 0 else "\n".join(said)
+
+
+def run(preset: str = "release", names: list[str] | None = None) -> tuple[int, list[str]]:
+    """Number of clean files, and the complaints about the others."""
+    build = project.ROOT / "build" / preset
+    ours = {project.ROOT / path for path in project.own_files() if path.suffix == ".cpp"}
+    entries = {
+        entry["file"]: entry
+        for entry in json.loads((build / "compile_commands.json").read_text())
+        if Path(entry["file"]) in ours and (not names or any(n in entry["file"] for n in names))
+    }
+    headers = headers_by_object(build)
+    version = subprocess.run([tidy_program(), "--version"], capture_output=True).stdout
+    common = version + (project.ROOT / ".clang-tidy").read_bytes()
+    CACHE.mkdir(parents=True, exist_ok=True)
+    complaints: list[str] = []
+    clean = 0
+
+    def look(entry: dict) -> str:
+        used = headers.get(entry.get("output", ""))
+        known = CACHE / key_of(entry, used or [], common)
+        if used is not None and known.exists():
+            return ""
+        said = check(entry, build)
+        if not said:
+            known.touch()
+        return said
+
+    with concurrent.futures.ThreadPoolExecutor(project.jobs()) as pool:
+        for said in pool.map(look, entries.values()):
+            clean += not said
+            complaints += [said] if said else []
+    return clean, complaints
+
+
+if __name__ == "__main__":
+    clean, complaints = run(*sys.argv[1:2], names=sys.argv[2:])
+    print("\n".join([*complaints, f"{clean} clean, {len(complaints)} with complaints"]))
+    sys.exit(bool(complaints))
