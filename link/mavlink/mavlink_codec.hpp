@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "link/codec.hpp"
+
+namespace rosflight::link {
+
+namespace mavlink {
+
+struct Row;
+
+/// Bytes 2 to 5 of a frame.
+struct Sender {
+  std::uint8_t sequence{};
+  std::uint8_t system_id{};
+  std::uint8_t component_id{};
+  std::uint8_t message_id{};
+};
+
+}  // namespace mavlink
+
+/// The default codec: MAVLink 1.0 frames of the dialect in rosflight.xml, as ROSflight 2.x speaks
+/// it (release 2.0.1; ids and layouts: docs/link.md).
+///
+///     FE | length n | sequence | system | component | id | payload n | checksum, low byte first
+///
+/// Receiver. A frame counts if its id is known and its checksum right; its length need not be that
+/// of the message: missing bytes are read as zero, surplus ones ignored. Whatever fails is searched
+/// again from the byte behind its start byte, so noise never hides a good frame; the result does
+/// not depend on how the bytes were split over calls. Senders are not looked at; sequence numbers
+/// are counted, not judged. Values are not judged either (NaN passes, enumerators may be out of
+/// range), but texts are: nothing follows the first NUL, and a text of 50 characters loses the
+/// last, so that it always ends with one.
+///
+/// Owns about 0.4 kB; no heap. Cost: docs/link.md.
+class MavlinkCodec final : public Codec {
+ public:
+  static constexpr std::uint8_t kFcuComponent = 250;
+  static constexpr std::uint8_t kCompanionComponent = 50;
+
+  struct Identity {
+    std::uint8_t system_id{1};
+    /// 250 is an FCU: its PARAM_VALUE carries component 0, as ROSflight's does.
+    std::uint8_t component_id{kFcuComponent};
+  };
+
+  explicit MavlinkCodec(Identity identity)
+      : next_{0, identity.system_id, identity.component_id, 0} {}
+
+  bool encode(const Message& message, Frame& frame) override;
+  Decoded decode(const std::uint8_t* data, std::size_t size) override;
+  const Message& message() const override { return message_; }
+  void set_system_id(std::uint8_t id) override { next_.system_id = id; }
+  const Counters& counters() const override { return counters_; }
+
+ private:
+  bool decode_held(const std::uint8_t* data, std::size_t size, Decoded& result);
+  void hold(const std::uint8_t* data, std::size_t size);
+  void count_sequence(std::uint8_t sequence);
+  void accept(const std::uint8_t* frame, const mavlink::Row& row);
+
+  mavlink::Sender next_;
+  std::uint8_t expected_sequence_{0};
+  std::uint16_t held_size_{0};
+  Message message_;
+  Counters counters_{};
+  std::array<std::uint8_t, kMaxFrameBytes> held_{};  ///< Starts with a start byte, unless empty.
+};
+
+}  // namespace rosflight::link

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <utility>
+#include <variant>
+
+#include "link/codec.hpp"
+#include "link/mavlink/checksum.hpp"
+#include "link/mavlink/mavlink_codec.hpp"
+#include "link/mavlink/wire.hpp"
+#include "link/messages.hpp"
+
+/// One row per alternative of link::Message: how it is framed and which functions do it. Ids,
+/// lengths and CRC_EXTRA are those of the generated headers. Private to the codec.
+///
+/// Each message has its own encoder, so that lengths are constants in it: a third fewer
+/// instructions than one encoder for all.
+namespace rosflight::link::mavlink {
+
+inline constexpr std::uint8_t kStartByte = 0xFE;
+inline constexpr std::size_t kHeaderBytes = 6;
+inline constexpr std::size_t kOverheadBytes = kHeaderBytes + sizeof(std::uint16_t);
+
+struct Row {
+  std::uint8_t id;
+  std::uint8_t length;  ///< Payload bytes.
+  std::uint8_t crc_extra;
+  std::uint8_t alternative;  ///< Place in link::Message.
+  void (*encode)(const Message& message, Sender sender, Frame& frame);
+  void (*unpack)(const std::uint8_t* payload, Message& message);
+};
+
+// The generated structs are in wire order without gaps, so their first kLength bytes are the
+// payload.
+
+template <typename Ours, typename Wire, std::uint8_t kId, std::uint8_t kLength,
+          std::uint8_t kCrcExtra>
+void encode_as(const Message& message, Sender sender, Frame& frame) {
+  const Ours* const ours = std::get_if<Ours>(&message);
+  if (ours == nullptr) return;  // not reached: the row was chosen by the alternative
+  Wire wire;
+  pack(*ours, wire);
+  std::uint8_t* const bytes = frame.bytes.data();
+  bytes[0] = kStartByte;
+  bytes[1] = kLength;
+  sender.message_id = kId;
+  if (kId == MAVLINK_MSG_ID_PARAM_VALUE && sender.component_id == MAV_COMP_ID_ROSFLIGHT_FIRMWARE) {
+    sender.component_id = MAV_COMP_ID_ALL;
+  }
+  std::memcpy(bytes + 2, &sender, sizeof sender);
+  std::memcpy(bytes + kHeaderBytes, &wire, kLength);
+  const std::uint16_t crc = checksum(bytes + 1, kHeaderBytes - 1 + kLength, kCrcExtra);
+  std::memcpy(bytes + kHeaderBytes + kLength, &crc, sizeof crc);
+  frame.size = kOverheadBytes + kLength;
+}
+
+template <typename Ours, typename Wire, std::uint8_t kLength>
+void unpack_as(const std::uint8_t* payload, Message& message) {
+  Wire wire;
+  std::memcpy(&wire, payload, kLength);
+  unpack(wire, message.emplace<Ours>());
+}
+
+template <typename Ours, typename Wire, std::uint8_t kId, std::uint8_t kLength,
+          std::uint8_t kCrcExtra>
+constexpr Row row() {
+  static_assert(sizeof(Wire) >= kLength && sizeof(Wire) < kLength + alignof(Wire));
+  constexpr std::size_t kAlternative = Message(std::in_place_type<Ours>).index();
+  return {kId,
+          kLength,
+          kCrcExtra,
+          static_cast<std::uint8_t>(kAlternative),
+          &encode_as<Ours, Wire, kId, kLength, kCrcExtra>,
+          &unpack_as<Ours, Wire, kLength>};
+}
+
+inline constexpr std::uint8_t kNoRow = 0;  ///< std::monostate.
+
+inline constexpr std::array<Row, std::variant_size_v<Message>> kRows = {{
+    {},
+    row<Heartbeat, mavlink_heartbeat_t, MAVLINK_MSG_ID_HEARTBEAT, MAVLINK_MSG_ID_HEARTBEAT_LEN,
+        MAVLINK_MSG_ID_HEARTBEAT_CRC>(),
+    row<TimeSync, mavlink_timesync_t, MAVLINK_MSG_ID_TIMESYNC, MAVLINK_MSG_ID_TIMESYNC_LEN,
+        MAVLINK_MSG_ID_TIMESYNC_CRC>(),
+    row<ParamRequestRead, mavlink_param_request_read_t, MAVLINK_MSG_ID_PARAM_REQUEST_READ,
+        MAVLINK_MSG_ID_PARAM_REQUEST_READ_LEN, MAVLINK_MSG_ID_PARAM_REQUEST_READ_CRC>(),
+    row<ParamRequestList, mavlink_param_request_list_t, MAVLINK_MSG_ID_PARAM_REQUEST_LIST,
+        MAVLINK_MSG_ID_PARAM_REQUEST_LIST_LEN, MAVLINK_MSG_ID_PARAM_REQUEST_LIST_CRC>(),
+    row<ParamSet, mavlink_param_set_t, MAVLINK_MSG_ID_PARAM_SET, MAVLINK_MSG_ID_PARAM_SET_LEN,
+        MAVLINK_MSG_ID_PARAM_SET_CRC>(),
+    row<OffboardControl, mavlink_offboard_control_t, MAVLINK_MSG_ID_OFFBOARD_CONTROL,
+        MAVLINK_MSG_ID_OFFBOARD_CONTROL_LEN, MAVLINK_MSG_ID_OFFBOARD_CONTROL_CRC>(),
+    row<AuxCommand, mavlink_rosflight_aux_cmd_t, MAVLINK_MSG_ID_ROSFLIGHT_AUX_CMD,
+        MAVLINK_MSG_ID_ROSFLIGHT_AUX_CMD_LEN, MAVLINK_MSG_ID_ROSFLIGHT_AUX_CMD_CRC>(),
+    row<ExternalAttitude, mavlink_external_attitude_t, MAVLINK_MSG_ID_EXTERNAL_ATTITUDE,
+        MAVLINK_MSG_ID_EXTERNAL_ATTITUDE_LEN, MAVLINK_MSG_ID_EXTERNAL_ATTITUDE_CRC>(),
+    row<CommandRequest, mavlink_rosflight_cmd_t, MAVLINK_MSG_ID_ROSFLIGHT_CMD,
+        MAVLINK_MSG_ID_ROSFLIGHT_CMD_LEN, MAVLINK_MSG_ID_ROSFLIGHT_CMD_CRC>(),
+    row<ParamValue, mavlink_param_value_t, MAVLINK_MSG_ID_PARAM_VALUE,
+        MAVLINK_MSG_ID_PARAM_VALUE_LEN, MAVLINK_MSG_ID_PARAM_VALUE_CRC>(),
+    row<CommandAck, mavlink_rosflight_cmd_ack_t, MAVLINK_MSG_ID_ROSFLIGHT_CMD_ACK,
+        MAVLINK_MSG_ID_ROSFLIGHT_CMD_ACK_LEN, MAVLINK_MSG_ID_ROSFLIGHT_CMD_ACK_CRC>(),
+    row<Attitude, mavlink_attitude_quaternion_t, MAVLINK_MSG_ID_ATTITUDE_QUATERNION,
+        MAVLINK_MSG_ID_ATTITUDE_QUATERNION_LEN, MAVLINK_MSG_ID_ATTITUDE_QUATERNION_CRC>(),
+    row<Imu, mavlink_small_imu_t, MAVLINK_MSG_ID_SMALL_IMU, MAVLINK_MSG_ID_SMALL_IMU_LEN,
+        MAVLINK_MSG_ID_SMALL_IMU_CRC>(),
+    row<Mag, mavlink_small_mag_t, MAVLINK_MSG_ID_SMALL_MAG, MAVLINK_MSG_ID_SMALL_MAG_LEN,
+        MAVLINK_MSG_ID_SMALL_MAG_CRC>(),
+    row<Baro, mavlink_small_baro_t, MAVLINK_MSG_ID_SMALL_BARO, MAVLINK_MSG_ID_SMALL_BARO_LEN,
+        MAVLINK_MSG_ID_SMALL_BARO_CRC>(),
+    row<DiffPressure, mavlink_diff_pressure_t, MAVLINK_MSG_ID_DIFF_PRESSURE,
+        MAVLINK_MSG_ID_DIFF_PRESSURE_LEN, MAVLINK_MSG_ID_DIFF_PRESSURE_CRC>(),
+    row<Range, mavlink_small_range_t, MAVLINK_MSG_ID_SMALL_RANGE, MAVLINK_MSG_ID_SMALL_RANGE_LEN,
+        MAVLINK_MSG_ID_SMALL_RANGE_CRC>(),
+    row<RcChannels, mavlink_rc_channels_t, MAVLINK_MSG_ID_RC_CHANNELS,
+        MAVLINK_MSG_ID_RC_CHANNELS_LEN, MAVLINK_MSG_ID_RC_CHANNELS_CRC>(),
+    row<OutputRaw, mavlink_rosflight_output_raw_t, MAVLINK_MSG_ID_ROSFLIGHT_OUTPUT_RAW,
+        MAVLINK_MSG_ID_ROSFLIGHT_OUTPUT_RAW_LEN, MAVLINK_MSG_ID_ROSFLIGHT_OUTPUT_RAW_CRC>(),
+    row<Status, mavlink_rosflight_status_t, MAVLINK_MSG_ID_ROSFLIGHT_STATUS,
+        MAVLINK_MSG_ID_ROSFLIGHT_STATUS_LEN, MAVLINK_MSG_ID_ROSFLIGHT_STATUS_CRC>(),
+    row<Version, mavlink_rosflight_version_t, MAVLINK_MSG_ID_ROSFLIGHT_VERSION,
+        MAVLINK_MSG_ID_ROSFLIGHT_VERSION_LEN, MAVLINK_MSG_ID_ROSFLIGHT_VERSION_CRC>(),
+    row<HardError, mavlink_rosflight_hard_error_t, MAVLINK_MSG_ID_ROSFLIGHT_HARD_ERROR,
+        MAVLINK_MSG_ID_ROSFLIGHT_HARD_ERROR_LEN, MAVLINK_MSG_ID_ROSFLIGHT_HARD_ERROR_CRC>(),
+    row<Gnss, mavlink_rosflight_gnss_t, MAVLINK_MSG_ID_ROSFLIGHT_GNSS,
+        MAVLINK_MSG_ID_ROSFLIGHT_GNSS_LEN, MAVLINK_MSG_ID_ROSFLIGHT_GNSS_CRC>(),
+    row<BatteryStatus, mavlink_rosflight_battery_status_t, MAVLINK_MSG_ID_ROSFLIGHT_BATTERY_STATUS,
+        MAVLINK_MSG_ID_ROSFLIGHT_BATTERY_STATUS_LEN, MAVLINK_MSG_ID_ROSFLIGHT_BATTERY_STATUS_CRC>(),
+    row<StatusText, mavlink_statustext_t, MAVLINK_MSG_ID_STATUSTEXT, MAVLINK_MSG_ID_STATUSTEXT_LEN,
+        MAVLINK_MSG_ID_STATUSTEXT_CRC>(),
+}};
+
+constexpr bool rows_follow_message() {
+  for (std::size_t i = 1; i < kRows.size(); ++i) {
+    if (kRows[i].alternative != i) return false;
+  }
+  return true;
+}
+static_assert(rows_follow_message(), "row i belongs to alternative i of link::Message");
+
+constexpr std::array<std::uint8_t, 256> index_rows() {
+  std::array<std::uint8_t, 256> of_id{};
+  for (std::size_t i = 1; i < kRows.size(); ++i) of_id[kRows[i].id] = static_cast<std::uint8_t>(i);
+  return of_id;
+}
+inline constexpr std::array<std::uint8_t, 256> kRowOfId = index_rows();
+
+inline const Row* find_row(std::uint8_t id) {
+  const std::uint8_t index = kRowOfId[id];
+  return index == kNoRow ? nullptr : &kRows[index];
+}
+
+constexpr std::size_t longest_payload() {
+  std::size_t longest = 0;
+  for (const Row& row : kRows) longest = row.length > longest ? row.length : longest;
+  return longest;
+}
+inline constexpr std::size_t kLongestPayload = longest_payload();
+
+}  // namespace rosflight::link::mavlink
