@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "firmware/hal/roles.hpp"
+
+/// Peripherals of boards without hardware around them: a simulated vehicle puts samples in and
+/// looks at what comes out.
+namespace rosflight::boards {
+
+/// Holds one sample until it is polled; a newer one replaces it.
+template <class Sample, class Role = hal::Source<Sample>>
+class Mailbox : public Role {
+ public:
+  virtual ~Mailbox() = default;
+  bool poll(Sample& sample) override {
+    if (!full_) return false;
+    sample = sample_;
+    full_ = false;
+    return true;
+  }
+  void put(const Sample& sample) {
+    sample_ = sample;
+    full_ = true;
+  }
+
+ private:
+  Sample sample_{};
+  bool full_{false};
+};
+
+class SimulatedReceiver final : public Mailbox<hal::RcFrame, hal::Receiver> {
+ public:
+  bool start(hal::ReceiverType type) override {
+    type_ = type;
+    return true;
+  }
+  hal::ReceiverType type() const { return type_; }
+
+ private:
+  hal::ReceiverType type_{hal::ReceiverType::kSbus};
+};
+
+/// Scales what is put in, as a divider in front of a converter would.
+class SimulatedBattery final : public Mailbox<hal::BatterySample, hal::Battery> {
+ public:
+  bool poll(hal::BatterySample& sample) override {
+    if (!Mailbox::poll(sample)) return false;
+    sample.voltage_V *= voltage_;
+    sample.current_A *= current_;
+    return true;
+  }
+  void set_multipliers(float voltage, float current) override {
+    if (voltage != 0.0f) voltage_ = voltage;
+    if (current != 0.0f) current_ = current;
+  }
+
+ private:
+  float voltage_{1.0f};
+  float current_{1.0f};
+};
+
+class SimulatedOutputs final : public hal::Outputs {
+ public:
+  bool configure(const hal::OutputRates& rates_hz) override {
+    constexpr float kFastestPwm_hz = 490.0f;
+    constexpr float kSlowestDshot_hz = 150'000.0f;
+    constexpr float kFastestDshot_hz = 1'200'000.0f;
+    rates_ = rates_hz;
+    bool ok = true;
+    for (float& rate : rates_) {
+      const bool pwm = rate >= 0.0f && rate <= kFastestPwm_hz;
+      if (pwm || (rate >= kSlowestDshot_hz && rate <= kFastestDshot_hz)) continue;
+      ok = false;
+      rate = kFastestPwm_hz;
+    }
+    enabled_ = true;
+    return ok;
+  }
+  void write(const hal::OutputValues& values) override {
+    ++writes_;
+    if (!enabled_) return;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      values_[k] = std::min(std::max(0.0f, values[k]), 1.0f);  // in this order NaN becomes 0
+    }
+  }
+  void disable() override {
+    enabled_ = false;
+    values_.fill(0.0f);
+  }
+
+  const hal::OutputValues& values() const { return values_; }
+  const hal::OutputRates& rates_hz() const { return rates_; }
+  bool enabled() const { return enabled_; }
+  std::uint64_t writes() const { return writes_; }
+
+ private:
+  hal::OutputValues values_{};
+  hal::OutputRates rates_{};
+  std::uint64_t writes_{0};
+  bool enabled_{true};
+};
+
+/// Lives as long as the process: that is the power of such a board.
+class SimulatedBackup final : public hal::BackupMemory {
+ public:
+  bool read(std::uint8_t* data, std::size_t count) override {
+    if (count > bytes_.size()) return false;
+    std::copy_n(bytes_.begin(), count, data);
+    return true;
+  }
+  bool write(const std::uint8_t* data, std::size_t count) override {
+    if (count > bytes_.size()) return false;
+    std::copy_n(data, count, bytes_.begin());
+    return true;
+  }
+  void clear() override { bytes_.fill(0); }
+
+ private:
+  std::array<std::uint8_t, kSize> bytes_{};
+};
+
+class SimulatedLeds final : public hal::Leds {
+ public:
+  void set(hal::Led led, bool on) override { on_[static_cast<std::size_t>(led)] = on; }
+  bool on(hal::Led led) const { return on_[static_cast<std::size_t>(led)]; }
+
+ private:
+  std::array<bool, 2> on_{};
+};
+
+}  // namespace rosflight::boards

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware/core/command.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rosflight::core {
+namespace {
+
+constexpr Time kNever = Time::max();
+constexpr std::uint16_t kAllEntries = 0x3FF;
+constexpr std::uint16_t kFreeEntries = 0x3C0;
+
+using link::OffboardMode;
+
+CommandType offboard_type(OffboardMode mode, std::size_t entry) {
+  if (mode == OffboardMode::kPassThrough || entry >= 6) return CommandType::kPassThrough;
+  if (entry <= 2) return CommandType::kThrottle;
+  if (entry == 5 || mode == OffboardMode::kRatesThrottle) return CommandType::kRate;
+  return CommandType::kAngle;
+}
+
+}  // namespace
+
+void CommandManager::configure(const Config& config) {
+  config_ = config;
+  failsafe_ = CommandVector{};
+  failsafe_.active = kAllEntries;
+  if (config_.fixed_wing) {
+    failsafe_.type.fill(CommandType::kPassThrough);
+  } else if (failsafe_valid()) {
+    failsafe_.value[config_.throttle_entry] = config_.failsafe_throttle;
+  }
+  decided_ = false;
+}
+
+bool CommandManager::failsafe_valid() const {
+  return config_.fixed_wing ||
+         (config_.failsafe_throttle >= 0.0f && config_.failsafe_throttle <= 1.0f);
+}
+
+bool CommandManager::set_offboard(Time now, const link::OffboardControl& command,
+                                  float thrust_fraction) {
+  if (command.mode > static_cast<std::uint8_t>(OffboardMode::kRollPitchYawrateThrottle))
+    return false;
+  const auto valid = static_cast<std::uint16_t>(~command.ignore & kAllEntries);
+  for (std::size_t k = 0; k < kEntries; ++k) {
+    if ((static_cast<unsigned>(valid) >> k & 1u) != 0 && !std::isfinite(command.u[k])) return false;
+  }
+  for (std::size_t k = 0; k < kEntries; ++k) {
+    if ((static_cast<unsigned>(valid) >> k & 1u) != 0) offboard_.value[k] = command.u[k];
+    offboard_.type[k] = offboard_type(static_cast<OffboardMode>(command.mode), k);
+  }
+  offboard_.active = valid;
+  offboard_time_ = now;
+  offboard_thrust_fraction_ = thrust_fraction;
+  offboard_new_ = true;
+  return true;
+}
+
+bool CommandManager::StickHold::deviated(Time now, float stick, const Config& config) {
+  if (std::abs(stick) > config.stick_deviation) {
+    ever = true;
+    released = now;
+    return true;
+  }
+  return ever && now - released < config.stick_hold;
+}
+
+void CommandManager::interpret(const PilotInput& pilot) {
+  CommandVector& c = pilot_;
+  c = CommandVector{};
+  c.active = 0x3F;
+  c.value[config_.throttle_entry] = pilot.throttle;
+  c.value[3] = pilot.roll;
+  c.value[4] = pilot.pitch;
+  c.value[5] = pilot.yaw;
+  if (config_.fixed_wing) {
+    c.type.fill(CommandType::kPassThrough);
+    return;
+  }
+  const bool angle =
+      config_.type_switch_mapped ? pilot.is_on(Switch::kAttitudeType) : config_.angle_mode;
+  c.type[3] = c.type[4] = angle ? CommandType::kAngle : CommandType::kRate;
+  c.value[3] *= angle ? config_.max_roll_rad : config_.max_roll_rate_rad_s;
+  c.value[4] *= angle ? config_.max_pitch_rad : config_.max_pitch_rate_rad_s;
+  c.value[5] *= config_.max_yaw_rate_rad_s;
+}
+
+bool CommandManager::pilot_wants_less_thrust() const {
+  const std::size_t k = config_.throttle_entry;
+  if (offboard_.type[k] == CommandType::kThrottle) return pilot_.value[k] < offboard_.value[k];
+  if (config_.fixed_wing) return pilot_.value[k] < offboard_.value[k];
+  return pilot_.value[k] * config_.max_throttle < offboard_thrust_fraction_;
+}
+
+std::uint16_t CommandManager::override_now(Time now, const PilotInput& pilot) {
+  using namespace override_bit;  // NOLINT(google-build-using-namespace): a table of its constants
+  std::uint16_t word = 0;
+  if (pilot.is_on(Switch::kAttitudeOverride)) word |= kAttitudeSwitch;
+  if (pilot.is_on(Switch::kThrottleOverride)) word |= kThrottleSwitch;
+  if (holds_[0].deviated(now, pilot.roll, config_)) word |= kStickRoll;
+  if (holds_[1].deviated(now, pilot.pitch, config_)) word |= kStickPitch;
+  if (holds_[2].deviated(now, pilot.yaw, config_)) word |= kStickYaw;
+  if (config_.take_min_throttle && pilot_wants_less_thrust()) word |= kMinThrottle;
+  if (!offboard_.is_active(3)) word |= kRollInactive;
+  if (!offboard_.is_active(4)) word |= kPitchInactive;
+  if (!offboard_.is_active(5)) word |= kYawInactive;
+  if (!offboard_.is_active(config_.throttle_entry)) word |= kThrottleInactive;
+  return word;
+}
+
+void CommandManager::combine() {
+  std::uint16_t pilot = 0;
+  if ((override_ & override_bit::kThrottle) != 0) pilot |= 0x007;
+  if ((override_ & override_bit::kRoll) != 0) pilot |= 0x008;
+  if ((override_ & override_bit::kPitch) != 0) pilot |= 0x010;
+  if ((override_ & override_bit::kYaw) != 0) pilot |= 0x020;
+  if (config_.override_whole && pilot != 0) pilot = 0x03F;
+  for (std::size_t k = 0; k < kEntries; ++k) {
+    const CommandVector& source =
+        (static_cast<unsigned>(pilot) >> k & 1u) != 0 ? pilot_ : offboard_;
+    combined_.value[k] = source.value[k];
+    combined_.type[k] = source.type[k];
+  }
+  combined_.active =
+      static_cast<std::uint16_t>((pilot_.active & pilot) | (offboard_.active & ~pilot));
+  const auto free_inactive = static_cast<std::uint16_t>(kFreeEntries & ~offboard_.active);
+  primary_entries_ = static_cast<std::uint16_t>(pilot | free_inactive);
+}
+
+bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, bool failsafe) {
+  const bool due =
+      new_input || offboard_new_ || !decided_ || now >= decide_at_ || failsafe != in_failsafe_;
+  if (!due) return false;
+  decided_ = true;
+  offboard_new_ = false;
+  in_failsafe_ = failsafe;
+  if (now > offboard_time_ + config_.offboard_timeout) offboard_.active = 0;
+  interpret(pilot);
+  const std::uint16_t before = override_;
+  override_ = override_now(now, pilot);
+
+  decide_at_ = kNever;
+  if (offboard_.active != 0) {
+    decide_at_ = offboard_time_ + config_.offboard_timeout + hal::microseconds(1);
+  }
+  for (const StickHold& hold : holds_) {
+    const Time end = hold.released + config_.stick_hold;
+    if (hold.ever && end > now) decide_at_ = std::min(decide_at_, end);
+  }
+
+  if (failsafe) {
+    combined_ = failsafe_;
+    primary_entries_ = kAllEntries;
+  } else {
+    combine();
+  }
+  return override_ != before;
+}
+
+}  // namespace rosflight::core

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "firmware/hal/time.hpp"
+#include "link/messages.hpp"
+
+namespace rosflight::core {
+
+using hal::Time;
+using link::Severity;
+
+/// Builds one line of at most 49 characters without printf, heap or locale. Longer text is cut.
+class Text {
+ public:
+  Text() = default;
+  Text(const char* text) { add(text); }  // NOLINT(google-explicit-constructor): literals are texts
+  Text& add(const char* text);
+  Text& add(std::int32_t value);
+  Text& add_hex(std::uint32_t value);
+  /// With the given number of decimals (0..6); NaN and huge values as words.
+  Text& add(float value, int decimals);
+  /// A name that may lack its NUL.
+  Text& add(const link::ParamName& name);
+
+  const std::array<char, link::kTextLength>& chars() const { return chars_; }
+
+ private:
+  void put(char c);
+  std::array<char, link::kTextLength> chars_{};  ///< Always NUL-padded.
+  std::size_t length_{0};
+};
+
+/// Texts for the people at the other end: a ring that keeps the newest 25 until the link can take
+/// them. Everything the firmware has to say goes through here, in order. 1.4 kB.
+class Log {
+ public:
+  static constexpr std::size_t kCapacity = 25;
+
+  void info(const Text& text) { push(Severity::kInfo, text); }
+  void warning(const Text& text) { push(Severity::kWarning, text); }
+  void error(const Text& text) { push(Severity::kError, text); }
+  void critical(const Text& text) { push(Severity::kCritical, text); }
+  void push(Severity severity, const Text& text);
+
+  bool empty() const { return count_ == 0; }
+  /// Takes the oldest; call only if not empty().
+  link::StatusText pop();
+  /// Texts overwritten before anyone could read them.
+  std::uint32_t lost() const { return lost_; }
+
+ private:
+  std::array<link::StatusText, kCapacity> ring_{};
+  std::uint8_t first_{0};
+  std::uint8_t count_{0};
+  std::uint32_t lost_{0};
+};
+
+/// Lets something happen at most once per period: for texts that a control pass would repeat 400
+/// times a second.
+class RateLimit {
+ public:
+  constexpr explicit RateLimit(Time period) : period_{period} {}
+  bool allow(Time now) {
+    if (used_ && now - last_ < period_) return false;
+    used_ = true;
+    last_ = now;
+    return true;
+  }
+
+ private:
+  Time period_;
+  Time last_{};
+  bool used_{false};
+};
+
+}  // namespace rosflight::core

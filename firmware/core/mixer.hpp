@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/Core>
+
+#include "firmware/core/command.hpp"
+#include "firmware/core/motor_model.hpp"
+#include "firmware/hal/roles.hpp"
+
+namespace rosflight::core {
+
+inline constexpr std::size_t kChannels = 10;  ///< Output channels a mixer drives.
+
+enum class OutputType : std::uint8_t { kAux = 0, kServo = 1, kMotor = 2, kGpio = 3 };
+
+/// Gains K of one mixer, channel by input: tau_j = sum_i K(j, i) u_i. For multirotors K is the
+/// pseudo-inverse of the matrix M that says what each actuator adds to each force and torque. Two
+/// rows of zeros make a column three whole vector registers.
+inline constexpr std::size_t kPaddedChannels = 12;
+using MixerGains = Eigen::Matrix<float, kPaddedChannels, kEntries>;
+
+/// Kind and pulse rate of each channel; the primary mixer's serves both.
+struct MixerHeader {
+  std::array<OutputType, kChannels> type{};
+  hal::OutputRates rate_hz{};
+};
+
+/// Distributes forces and torques over the actuators, and limits what reaches the pins.
+///
+/// Per IMU sample: for every input the primary or the secondary gains (by who commands that input),
+/// then
+///
+///     multirotor             tau_j = sum_i K(j, i) u_i                                   (1)
+///     with motor parameters  tau_j = V(max(0, sum_i K(j, i) u_i)) / V_battery            (2)
+///     motors                 tau_j <- tau_j / max(1, max |tau|)                          (3)
+///     fixed wing             (1) with aileron, elevator, rudder reversed on request, no (3)
+///
+/// V() is MotorModel::voltage_V. Below the idle throttle the yaw torque is dropped, since yaw alone
+/// could start motors. Then auxiliary commands fill what the mixer leaves free, and every channel
+/// is limited by its type. NaN or infinity anywhere stops all motors for that pass; the other
+/// outputs keep what they had. Owns 0.9 kB.
+class Mixer {
+ public:
+  struct Config {
+    bool fixed_wing{false};
+    bool reverse_aileron{false}, reverse_elevator{false}, reverse_rudder{false};
+    bool use_motor_model{false};
+    bool spin_when_armed{true};
+    bool unsigned_throttle{
+        false};  ///< ESC calibration: full range whatever the sign of the throttle.
+    float idle_throttle{0.1f};
+    std::uint8_t throttle_entry{2};
+    float max_thrust_N{1.0f};
+    MotorModel motor{};
+  };
+
+  /// What else the mix depends on.
+  struct Conditions {
+    float density_kg_m3{1.225f};
+    float battery_V{0.0f};
+    bool armed{false};
+    std::uint16_t primary_entries{0x3FF};  ///< Bit i: input i goes through the primary gains.
+  };
+
+  void configure(const Config& config) {
+    config_ = config;
+    free_stale_ = true;
+  }
+  const Config& config() const { return config_; }
+
+  /// A mixer is in force; without one all outputs stay at zero.
+  bool valid() const { return valid_; }
+  void set_valid(bool valid) { valid_ = valid; }
+
+  void set_header(const MixerHeader& header);
+  const MixerHeader& header() const { return header_; }
+  MixerGains& primary() { return primary_; }
+  const MixerGains& primary() const { return primary_; }
+  MixerGains& secondary() { return secondary_; }
+  const MixerGains& secondary() const { return secondary_; }
+  /// The same gains in both: their inputs mean the same.
+  bool mixers_agree() const { return primary_ == secondary_; }
+
+  /// Stores an auxiliary command, in force until the next. @returns false, and changes nothing, if
+  /// a type is unknown or a value of an enabled channel is not finite.
+  bool set_auxiliary(const link::AuxCommand& command);
+
+  /// All 14 outputs, 0..1.
+  const hal::OutputValues& step(const std::array<float, kEntries>& u, const Conditions& conditions);
+
+  const hal::OutputValues& outputs() const { return outputs_; }
+  void clear_outputs() {
+    outputs_.fill(0.0f);
+    free_stale_ = true;
+  }
+  /// Zero on every channel that drives a motor; the others hold.
+  void stop_motors();
+  /// Result after (3), before limits; for logs.
+  const std::array<float, kPaddedChannels>& mixed() const { return mixed_; }
+  /// Largest motor value before (3); above 1 the command did not fit.
+  float saturation() const { return saturation_; }
+  /// (2) was asked for without a usable motor model or battery voltage.
+  bool motor_model_failed() const { return motor_model_failed_; }
+
+  /// Total thrust an offboard vector asks for through the secondary gains, as a fraction of what
+  /// the motors can give together.
+  float thrust_fraction(const std::array<float, kEntries>& u, float density_kg_m3) const;
+
+ private:
+  /// Channels of one kind, so that a pass need not look at the kinds.
+  struct ChannelList {
+    std::array<std::uint8_t, hal::kOutputs> channel{};
+    std::uint8_t size{0};
+    const std::uint8_t* begin() const { return channel.data(); }
+    const std::uint8_t* end() const { return channel.data() + size; }
+    void add(std::size_t k) { channel[size++] = static_cast<std::uint8_t>(k); }
+  };
+
+  using Column = Eigen::Matrix<float, kPaddedChannels, 1>;
+
+  void mix(const std::array<float, kEntries>& u, const Conditions& conditions);
+  void motors_from_speed(const Conditions& conditions);
+  void scale_motors();
+  bool mixed_is_finite() const;
+  void limit_mixed(bool armed);
+  void fill_free_channels(bool armed);
+  struct MotorRange {
+    float low;
+    float high;
+  };
+  MotorRange motor_range(bool armed) const;
+
+  Config config_{};
+  MixerHeader header_{};
+  MixerGains primary_{MixerGains::Zero()};
+  MixerGains secondary_{MixerGains::Zero()};
+  alignas(16) std::array<float, kPaddedChannels> mixed_{};
+  Column used_{Column::Zero()};  ///< 1 for channels of the mixer, 0 for free ones.
+  ChannelList motors_, servos_, gpios_, free_;
+  hal::OutputValues outputs_{};
+  link::AuxCommand auxiliary_{};
+  std::uint16_t was_servo_{0};  ///< Bit per output: idles at its centre once released.
+  float saturation_{0.0f};
+  bool motor_model_failed_{false};
+  bool valid_{false};
+  bool free_stale_{true};   ///< Outputs of free_ must be set again.
+  bool free_armed_{false};  ///< They were set for this.
+};
+
+}  // namespace rosflight::core

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace rosflight::core {
+
+/// Motor and propeller as the mixer knows them (parameters MOTOR_..., PROP_...).
+///
+/// Torque of the motor equals torque of the propeller (ROSflight 2.0 paper, appendix):
+///     K_Q [(V - K_V W)/R - i0] = rho D^5 C_Q W^2 / (4 pi^2)                         (1)
+/// with K_Q = K_V in SI units; thrust rho D^4 C_T W^2 / (4 pi^2).
+struct MotorModel {
+  float resistance_ohm{0.042f};
+  float kv_V_s_rad{0.01706f};
+  float no_load_current_A{1.5f};
+  float prop_diameter_m{0.381f};
+  float prop_ct{0.075f};
+  float prop_cq{0.0045f};
+  float full_voltage_V{25.0f};
+  int motor_count{4};
+
+  static constexpr float kSmallestKv = 1e-7f;
+  bool usable() const { return kv_V_s_rad > kSmallestKv; }
+
+  /// Voltage that turns the rotor at sqrt(speed_sq) in steady state; (1) solved for V.
+  float voltage_V(float speed_sq_rad2_s2, float density_kg_m3) const;
+  /// Squared speed at a voltage; the positive root of (1), 0 below the starting voltage.
+  float speed_sq_rad2_s2(float voltage_V, float density_kg_m3) const;
+  /// Thrust of one rotor per squared speed [N s^2].
+  float thrust_gain(float density_kg_m3) const;
+  /// Thrust of all motors at full battery voltage [N]; 292.279 for the defaults at 1.225 kg/m^3.
+  float max_thrust_N(float density_kg_m3) const;
+
+ private:
+  float torque_gain(float density_kg_m3) const;  ///< [N m s^2]
+};
+
+}  // namespace rosflight::core

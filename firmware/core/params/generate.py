@@ -1,0 +1,147 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Makes the parameter table of the firmware, and its reference page, from parameters.csv.
+
+usage: generate.py parameters.csv HEADER.hpp REFERENCE.md
+Checks the table itself: names, types, and that every default and sentinel is in range."""
+import csv
+import math
+import re
+import sys
+
+COLUMNS = ["name", "type", "default", "min", "max", "sentinel", "armed", "units", "description"]
+
+
+def identifier(name):
+    """PRI_MIXER_OUT_3 -> kPriMixerOut3, PRI_MIXER_1_2 -> kPriMixer1_2."""
+    parts = [p.capitalize() for p in name.split("_")]
+    text = parts[0]
+    for before, part in zip(parts, parts[1:]):
+        text += ("_" if before[-1].isdigit() and part[0].isdigit() else "") + part
+    return "k" + text
+
+
+def literal(kind, text):
+    return f"{int(text)}" if kind == "int32" else f"{float(text)!r}f"
+
+
+def fail(where, text):
+    print(f"{where}: {text}", file=sys.stderr)
+    sys.exit(2)
+
+
+def number(where, row, key, kind):
+    """The value of a cell. Integers must be whole and exact in a float, where their limits are kept."""
+    text = row[key]
+    try:
+        value = float(text)
+    except ValueError:
+        fail(where, f"{key}: found '{text}', allowed a number")
+    if math.isnan(value):
+        fail(where, f"{key}: found '{text}', allowed a number")
+    if kind == "int32" and (not re.fullmatch(r"-?[0-9]+", text) or abs(value) > 2**24):
+        fail(where, f"{key}: found '{text}', allowed an integer within +-{2**24}")
+    if kind == "float" and not math.isinf(value) and abs(value) > 3.4e38:
+        fail(where, f"{key}: found '{text}', allowed what a 32-bit float holds")
+    return value
+
+
+def check(where, row):
+    name, kind = row["name"], row["type"]
+    if not re.fullmatch(r"[A-Z][A-Z0-9_]{0,15}", name):
+        fail(where, f"name: found '{name}', allowed 1..16 of A-Z 0-9 _")
+    if kind not in ("int32", "float"):
+        fail(where, f"type: found '{kind}', allowed int32, float")
+    low, high, default = (number(where, row, key, kind) for key in ("min", "max", "default"))
+    sentinel = number(where, row, "sentinel", kind) if row["sentinel"] else None
+    if low > high:
+        fail(where, f"min: found {row['min']}, allowed up to max {row['max']}")
+    if math.isinf(default) or (sentinel is not None and math.isinf(sentinel)):
+        fail(where, "default, sentinel: found an infinity, allowed finite numbers")
+    if not (low <= default <= high or default == sentinel):
+        fail(where, f"default: found {row['default']}, allowed {row['min']}..{row['max']} or the sentinel")
+    if row["armed"] not in ("", "locked"):
+        fail(where, f"armed: found '{row['armed']}', allowed empty, locked")
+
+
+def read(path):
+    rows = []
+    lines = {}
+    try:
+        with open(path, newline="") as file:
+            reader = csv.DictReader(file, strict=True)
+            if reader.fieldnames != COLUMNS:
+                fail(f"{path}:1", f"columns: found {reader.fieldnames}, allowed {COLUMNS}")
+            for row in reader:
+                where = f"{path}:{reader.line_num}"
+                if None in row or None in row.values():
+                    fail(where, f"found another number of columns, allowed {len(COLUMNS)}")
+                check(where, row)
+                if row["name"] in lines:
+                    fail(where, f"name: '{row['name']}' is already in line {lines[row['name']]}")
+                lines[row["name"]] = reader.line_num
+                rows.append(row)
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        fail(path, str(error))
+    if not rows:
+        fail(path, "found no parameter")
+    return rows
+
+
+def limit(text):
+    value = float(text)
+    return ("-" if value < 0 else "") + "kInfinity" if math.isinf(value) else f"{value!r}f"
+
+
+def header(rows):
+    yield "// Generated from firmware/core/parameters.csv. Do not edit."
+    yield "#pragma once"
+    yield "#include <limits>"
+    yield '#include "firmware/core/parameter_row.hpp"'
+    yield "namespace rosflight::core {"
+    yield "enum class Param : std::uint16_t {"
+    for row in rows:
+        yield f"  {identifier(row['name'])},"
+    yield "};"
+    yield f"inline constexpr std::size_t kParamCount = {len(rows)};"
+    yield "namespace detail {"
+    yield "inline constexpr float kInfinity = std::numeric_limits<float>::infinity();"
+    yield "inline constexpr std::array<ParamRow, kParamCount> kParamTable{{"
+    for row in rows:
+        kind = row["type"]
+        make = "int_row" if kind == "int32" else "float_row"
+        default = literal(kind, row["default"])
+        low, high = limit(row["min"]), limit(row["max"])
+        sentinel = limit(row["sentinel"] or row["default"])
+        locked = "true" if row["armed"] else "false"
+        yield f'    {make}("{row["name"]}", {default}, {low}, {high}, {sentinel}, {locked}),'
+    yield "}};"
+    yield "}  // namespace detail"
+    yield "}  // namespace rosflight::core"
+
+
+def page(rows):
+    yield "# Firmware parameters"
+    yield ""
+    yield f"{len(rows)} parameters, in the order of their index on the link."
+    yield ""
+    yield "| index | name | type | default | allowed | unit | while armed | meaning |"
+    yield "|---|---|---|---|---|---|---|---|"
+    for index, row in enumerate(rows):
+        allowed = f"{row['min']} .. {row['max']}" + (f" or {row['sentinel']}" if row["sentinel"] else "")
+        description = row["description"].replace("|", "\\|")  # a bar would end the cell
+        yield (f"| {index} | {row['name']} | {row['type']} | {row['default']} | {allowed} | {row['units']} "
+               f"| {row['armed']} | {description} |")
+
+
+def main():
+    if len(sys.argv) != 4:
+        fail("generate.py", "usage: generate.py parameters.csv HEADER.hpp REFERENCE.md")
+    source, hpp, md = sys.argv[1:]
+    rows = read(source)
+    for path, lines in ((hpp, header(rows)), (md, page(rows))):
+        with open(path, "w") as file:
+            file.write("\n".join(lines) + "\n")
+
+
+main()

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware/core/rc.hpp"
+
+#include <algorithm>
+
+namespace rosflight::core {
+namespace {
+
+constexpr std::uint8_t kFirstSwitchChannel = 4;
+constexpr float kSwitchHigh = 0.8f;
+constexpr float kSwitchLow = 0.2f;
+constexpr float kLowestValid = -0.25f;
+constexpr float kHighestValid = 1.25f;
+
+constexpr std::array<const char*, kSwitchCount> kNames{"arm", "attitude override",
+                                                       "throttle override", "attitude type"};
+
+}  // namespace
+
+void Rc::configure(const Config& config) {
+  constexpr auto kArm = static_cast<std::size_t>(Switch::kArm);
+  const bool same_arm_switch = config.switch_channel[kArm] == config_.switch_channel[kArm] &&
+                               config.channel_count == config_.channel_count &&
+                               config.direction == config_.direction;
+  if (!same_arm_switch) arm_switch_seen_off_ = false;
+  config_ = config;
+}
+
+bool Rc::mapped(Switch s) const {
+  const std::uint8_t channel = config_.switch_channel[static_cast<std::size_t>(s)];
+  return channel >= kFirstSwitchChannel && channel < config_.channel_count;
+}
+
+void Rc::describe(Log& log) const {
+  for (std::size_t k = 0; k < kSwitchCount; ++k) {
+    Text text;
+    text.add(kNames[k]).add(" switch ");
+    if (mapped(static_cast<Switch>(k))) {
+      log.info(text.add("on channel ").add(static_cast<std::int32_t>(config_.switch_channel[k])));
+    } else {
+      log.info(text.add("not mapped"));
+    }
+  }
+}
+
+bool Rc::good(const hal::RcFrame& frame) const {
+  if (frame.frame_lost || frame.failsafe) return false;
+  const auto valid = [](float c) { return c >= kLowestValid && c <= kHighestValid; };
+  const auto n = std::min<std::size_t>(config_.channel_count, frame.channels.size());
+  const auto& c = frame.channels;
+  return std::all_of(c.begin(), c.begin() + static_cast<std::ptrdiff_t>(n), valid) &&
+         valid(c[config_.roll]) && valid(c[config_.pitch]) && valid(c[config_.yaw]) &&
+         valid(c[config_.throttle]);
+}
+
+bool Rc::read_switch(const hal::RcFrame& frame, Switch s) const {
+  if (!mapped(s)) return false;
+  const std::uint8_t channel = config_.switch_channel[static_cast<std::size_t>(s)];
+  const float c = frame.channels[channel];
+  const std::size_t k = channel - kFirstSwitchChannel;
+  const bool reversed = k < config_.direction.size() && config_.direction[k] < 0;
+  return reversed ? c < kSwitchLow : c >= kSwitchHigh;
+}
+
+Rc::Update Rc::step(Time now, const hal::RcFrame* frame, bool armed) {
+  Update update;
+  const Time since_good = now - last_good_;
+  if (frame == nullptr || !good(*frame)) {
+    const bool flagged = frame != nullptr && (frame->failsafe || since_good >= kBadFramesUntilLost);
+    update.lost = flagged || since_good >= kSilenceUntilLost;
+    return update;
+  }
+  last_good_ = now;
+  update.frame = true;
+  update.found = true;
+  input_.roll = 2.0f * (frame->channels[config_.roll] - 0.5f);
+  input_.pitch = 2.0f * (frame->channels[config_.pitch] - 0.5f);
+  input_.yaw = 2.0f * (frame->channels[config_.yaw] - 0.5f);
+  input_.throttle = frame->channels[config_.throttle];
+  for (std::size_t k = 0; k < kSwitchCount; ++k) {
+    input_.on[k] = read_switch(*frame, static_cast<Switch>(k));
+  }
+  if (mapped(Switch::kArm)) {
+    look_at_arm_switch(update);
+  } else {
+    // After boot or an outage the time since the last frame says nothing about the sticks.
+    const bool consecutive = heard_ && since_good < kBadFramesUntilLost;
+    look_for_gesture(consecutive ? since_good : Time{0}, armed, update);
+  }
+  heard_ = true;
+  return update;
+}
+
+void Rc::look_for_gesture(Time step, bool armed, Update& update) {
+  const bool corner = throttle_low() && (armed ? input_.yaw < -(1.0f - config_.arm_threshold)
+                                               : input_.yaw > 1.0f - config_.arm_threshold);
+  gesture_ = corner && step > Time{0} ? gesture_ + step : Time{0};
+  if (gesture_ <= kGestureTime) return;
+  update.arm = !armed;
+  update.disarm = armed;
+  if (armed) gesture_ = Time{0};
+}
+
+void Rc::look_at_arm_switch(Update& update) {
+  if (!input_.is_on(Switch::kArm)) {
+    arm_switch_seen_off_ = true;
+    update.disarm = true;
+  } else if (arm_switch_seen_off_) {
+    arm_switch_seen_off_ = false;
+    update.arm = true;
+  }
+}
+
+}  // namespace rosflight::core

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "firmware/core/log.hpp"
+#include "firmware/hal/samples.hpp"
+
+namespace rosflight::core {
+
+enum class Switch : std::uint8_t { kArm, kAttitudeOverride, kThrottleOverride, kAttitudeType };
+inline constexpr std::size_t kSwitchCount = 4;
+
+/// The pilot's controls. Throttle 0..1, the others -1..1, none of them clipped.
+struct PilotInput {
+  float roll{0.0f};
+  float pitch{0.0f};
+  float yaw{0.0f};
+  float throttle{0.0f};
+  std::array<bool, kSwitchCount> on{};  ///< Unmapped switches are off.
+  bool is_on(Switch s) const { return on[static_cast<std::size_t>(s)]; }
+};
+
+/// Interprets receiver frames: validity, sticks, switches, and the wish to arm or disarm.
+///
+/// A frame is bad if it carries a loss flag, or if one of its first `channel_count` channels or of
+/// the sticks' is outside -0.25..1.25; it then changes nothing. The radio counts as lost
+///     at once         if the receiver says so (failsafe flag),
+///     after 100 ms    of bad frames only, counted from the last good one,
+///     after 200 ms    without any good frame (unplugged receiver).
+class Rc {
+ public:
+  static constexpr Time kBadFramesUntilLost = hal::milliseconds(100);
+  static constexpr Time kSilenceUntilLost = hal::milliseconds(200);
+  static constexpr Time kGestureTime = hal::milliseconds(1000);
+
+  struct Config {
+    std::uint8_t channel_count{6};  ///< Checked for validity; switches must lie below.
+    std::uint8_t roll{0}, pitch{1}, throttle{2}, yaw{3};  ///< Channels of the sticks, below 24.
+    std::array<std::uint8_t, kSwitchCount> switch_channel{255, 4, 4, 255};
+    std::array<std::int8_t, 4> direction{1, 1, 1, 1};  ///< Of channels 4..7; negative reverses.
+    float arm_threshold{0.15f};
+  };
+
+  struct Update {
+    bool frame{};   ///< `input()` is new.
+    bool found{};   ///< A good frame: the radio is there.
+    bool lost{};    ///< The radio is gone.
+    bool arm{};     ///< The pilot asks to arm ...
+    bool disarm{};  ///< ... or to disarm.
+  };
+
+  /// An arm switch on another channel or reversed has to be seen off before it can arm.
+  void configure(const Config& config);
+  bool mapped(Switch s) const;
+  /// Says on which channel each switch is, one text each.
+  void describe(Log& log) const;
+
+  /// Once per pass, with a frame or without (nullptr).
+  Update step(Time now, const hal::RcFrame* frame, bool armed);
+
+  const PilotInput& input() const { return input_; }
+  bool throttle_low() const { return input_.throttle < config_.arm_threshold; }
+
+ private:
+  bool good(const hal::RcFrame& frame) const;
+  bool read_switch(const hal::RcFrame& frame, Switch s) const;
+  void look_for_gesture(Time step, bool armed, Update& update);
+  void look_at_arm_switch(Update& update);
+
+  Config config_{};
+  PilotInput input_{};
+  Time last_good_{};
+  Time gesture_{};     ///< How long the sticks have been in the corner.
+  bool heard_{false};  ///< A good frame came since boot.
+  bool arm_switch_seen_off_{false};
+};
+
+}  // namespace rosflight::core

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "firmware/core/command.hpp"
+#include "firmware/core/controller.hpp"
+#include "firmware/core/estimator.hpp"
+#include "firmware/core/mixer.hpp"
+#include "firmware/core/parameters.hpp"
+#include "firmware/core/rc.hpp"
+#include "firmware/core/sensors.hpp"
+
+/// From the parameter table to the small struct each module takes: the only place where a parameter
+/// meets its use.
+namespace rosflight::core {
+
+Sensors::Config sensor_settings(const Parameters& p);
+Estimator::Config estimator_settings(const Parameters& p);
+Rc::Config rc_settings(const Parameters& p);
+/// @param override_whole  the mixers differ (CommandManager::Config).
+CommandManager::Config command_settings(const Parameters& p, const Rc& rc, bool override_whole);
+MotorModel motor_settings(const Parameters& p);
+/// @param max_thrust_N  1 unless USE_MOTOR_PARAM.
+Controller::Config controller_settings(const Parameters& p, float max_thrust_N);
+Mixer::Config mixer_settings(const Parameters& p, float max_thrust_N);
+
+/// RC_F_AXIS as an entry 0..2.
+std::uint8_t throttle_entry(const Parameters& p);
+
+}  // namespace rosflight::core

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What must not happen in the air or on a bad day, on the whole firmware.
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "firmware/core/test/firmware_rig.hpp"
+
+namespace rosflight::core {
+namespace {
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+TEST(FirmwareSafeguards, ArmingForgetsACalibrationThatIsUnderWay) {
+  // It would end in the air, take the motion for a bias and start the estimator anew.
+  FirmwareRig rig;
+  rig.store_quadrotor();
+  rig.start();
+  rig.run_for(500);
+  rig.command(link::Command::kAccelCalibration);
+  rig.run_for(50);
+  ASSERT_TRUE(rig.firmware().sensors().calibrating_imu());
+  rig.arm();
+  EXPECT_FALSE(rig.firmware().sensors().calibrating_imu());
+  rig.gyro_rad_s = {0.3f, -0.2f, 0.1f};
+  rig.run_for(3000);  // 1001 samples at 400 Hz are 2.5 s
+  EXPECT_TRUE(rig.armed());
+  EXPECT_EQ(rig.firmware().parameters().get_float(Param::kGyroXBias), 1e-6f);
+  EXPECT_EQ(rig.firmware().parameters().get_float(Param::kAccXBias), 0.0f);
+}
+
+TEST(FirmwareSafeguards, NotANumberInAnIgnoredEntryDoesNotDisableTheThrottleStick) {
+  FirmwareRig rig;
+  rig.store_quadrotor();
+  rig.start();
+  rig.arm();
+  rig.rc.channels[FirmwareRig::kThrottle] = 1.0f;
+  link::OffboardControl command;
+  command.mode = static_cast<std::uint8_t>(link::OffboardMode::kPassThrough);
+  command.ignore = 0x3C0;
+  command.u = {0, 0, -0.6f, 0, 0, 0, kNan, kNan, kNan, kNan};
+  rig.offboard = command;
+  rig.run_for(200);
+  ASSERT_NEAR(rig.outputs()[0], 0.6f, 1e-3f);
+  rig.rc.channels[FirmwareRig::kThrottle] = 0.0f;
+  rig.run_for(100);
+  EXPECT_EQ(rig.outputs()[0], 0.1f);  // idle
+  EXPECT_NE(rig.firmware().command().override_word() & override_bit::kMinThrottle, 0);
+}
+
+TEST(FirmwareSafeguards, LargeIgnoredEntriesDoNotCountAsThrust) {
+  FirmwareRig rig;
+  rig.store_quadrotor();
+  rig.start();
+  rig.arm();
+  rig.rc.channels[FirmwareRig::kThrottle] = 0.9f;
+  link::OffboardControl command;
+  command.mode = static_cast<std::uint8_t>(link::OffboardMode::kPassThrough);
+  command.ignore = 0x3F8;
+  command.u = {0, 0, -0.5f, 1e6f, 1e6f, 1e6f, 1e6f};
+  rig.offboard = command;
+  rig.run_for(200);
+  EXPECT_EQ(rig.firmware().command().override_word() & override_bit::kMinThrottle, 0);
+}
+
+TEST(FirmwareSafeguards, WithoutImuMotorsStopAndServosHold) {
+  FirmwareRig rig;
+  rig.store_quadrotor();
+  rig.start();
+  link::AuxCommand aux;
+  aux.type[8] = static_cast<std::uint8_t>(link::AuxType::kServo);
+  aux.value[8] = 0.6f;
+  rig.send(aux);
+  rig.arm();
+  rig.rc.channels[FirmwareRig::kThrottle] = 0.5f;
+  rig.run_for(200);
+  ASSERT_GT(rig.outputs()[0], 0.3f);
+  ASSERT_FLOAT_EQ(rig.outputs()[8], 0.8f);
+  rig.imu_on = false;
+  rig.run_for(200);
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(rig.outputs()[k], 0.0f);
+  EXPECT_FLOAT_EQ(rig.outputs()[8], 0.8f);
+  rig.imu_on = true;
+  rig.run_for(50);
+  EXPECT_GT(rig.outputs()[0], 0.3f);
+}
+
+/// A medium whose reads fail for a while: a loose card.
+class LooseCard final : public hal::Storage {
+ public:
+  explicit LooseCard(hal::Storage& card) : card_{card} {}
+  std::size_t size() const override { return card_.size(); }
+  bool read(std::size_t offset, std::uint8_t* data, std::size_t count) override {
+    return !loose && card_.read(offset, data, count);
+  }
+  bool write(std::size_t offset, const std::uint8_t* data, std::size_t count) override {
+    return card_.write(offset, data, count);
+  }
+  bool flush() override { return card_.flush(); }
+
+  bool loose{false};
+
+ private:
+  hal::Storage& card_;
+};
+
+TEST(FirmwareSafeguards, DefaultsAreNotWrittenOverASetThatCannotBeRead) {
+  boards::SimulatedBoard parts;
+  boards::MemorySerial serial{16384};
+  const hal::Board roles = parts.roles(serial);
+  LooseCard card{parts.storage};
+  const hal::Board board{roles.clock,         roles.system, roles.serial,  card,
+                         roles.backup,        roles.leds,   roles.outputs, roles.receiver,
+                         roles.battery,       roles.imu,    roles.mag,     roles.baro,
+                         roles.diff_pressure, roles.range,  roles.gnss};
+  Parameters stored;
+  ASSERT_EQ(stored.set_int(Param::kPrimaryMixer, 2), SetResult::kChanged);
+  ASSERT_EQ(ParameterStore(parts.storage).save(stored), StoreResult::kOk);
+  const auto before = parts.storage.bytes();
+  for (const bool loose : {true, false}) {
+    card.loose = loose;
+    link::MavlinkCodec codec{{1, link::MavlinkCodec::kFcuComponent}};
+    Firmware firmware(board, codec);
+    firmware.start();
+    EXPECT_EQ(firmware.parameters().get_int(Param::kPrimaryMixer), loose ? 255 : 2);
+    EXPECT_EQ(parts.storage.bytes(), before);
+  }
+}
+
+TEST(FirmwareSafeguards, BlankStorageIsGivenTheDefaults) {
+  FirmwareRig rig;
+  rig.start();
+  Parameters p;
+  ParameterStore::LoadReport report;
+  EXPECT_EQ(ParameterStore(rig.board.storage).load(p, report), StoreResult::kOk);
+  EXPECT_EQ(report.loaded, kParamCount);
+}
+
+}  // namespace
+}  // namespace rosflight::core

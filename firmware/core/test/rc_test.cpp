@@ -1,0 +1,407 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware/core/rc.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace rosflight::core {
+namespace {
+
+using hal::milliseconds;
+
+constexpr std::size_t kRoll = 0, kPitch = 1, kThrottle = 2, kYaw = 3;
+constexpr std::int64_t kFrame_ms = 20;
+
+hal::RcFrame centred() {
+  hal::RcFrame f;
+  f.channel_count = 8;
+  f.channels.fill(0.5f);
+  f.channels[kThrottle] = 0.0f;
+  for (std::size_t k = 4; k < f.channels.size(); ++k) f.channels[k] = 0.0f;
+  return f;
+}
+
+class RcTest : public testing::Test {
+ protected:
+  /// One frame, `after_ms` after the last pass.
+  Rc::Update frame(std::int64_t after_ms = kFrame_ms) {
+    now_ += milliseconds(after_ms);
+    return rc_.step(now_, &frame_, armed_);
+  }
+  Rc::Update silence(std::int64_t after_ms) {
+    now_ += milliseconds(after_ms);
+    return rc_.step(now_, nullptr, armed_);
+  }
+  void configure() { rc_.configure(config_); }
+  void arm_by_sticks() {
+    frame_.channels[kThrottle] = 0.0f;
+    frame_.channels[kYaw] = 1.0f;
+  }
+
+  Rc rc_;
+  Rc::Config config_;
+  hal::RcFrame frame_{centred()};
+  Time now_{milliseconds(5000)};
+  bool armed_{false};
+};
+
+// ---- sticks and validity
+
+TEST_F(RcTest, NothingIsOnAndAllIsCentredBeforeTheFirstFrame) {
+  EXPECT_EQ(rc_.input().roll, 0.0f);
+  EXPECT_EQ(rc_.input().throttle, 0.0f);
+  for (const bool on : rc_.input().on) EXPECT_FALSE(on);
+}
+
+TEST_F(RcTest, SticksAreScaledAndNotClipped) {
+  frame_.channels[kRoll] = 1.1f;
+  frame_.channels[kPitch] = -0.05f;
+  frame_.channels[kYaw] = 0.75f;
+  frame_.channels[kThrottle] = 1.2f;
+  EXPECT_TRUE(frame().frame);
+  EXPECT_FLOAT_EQ(rc_.input().roll, 1.2f);
+  EXPECT_FLOAT_EQ(rc_.input().pitch, -1.1f);
+  EXPECT_FLOAT_EQ(rc_.input().yaw, 0.5f);
+  EXPECT_FLOAT_EQ(rc_.input().throttle, 1.2f);
+}
+
+TEST_F(RcTest, SticksFollowTheirChannels) {
+  config_.roll = 7, config_.pitch = 6, config_.throttle = 5, config_.yaw = 4;
+  config_.channel_count = 8;
+  configure();
+  frame_.channels[7] = 0.6f, frame_.channels[6] = 0.7f, frame_.channels[5] = 0.8f;
+  frame_.channels[4] = 0.9f;
+  frame();
+  EXPECT_FLOAT_EQ(rc_.input().roll, 0.2f);
+  EXPECT_FLOAT_EQ(rc_.input().pitch, 0.4f);
+  EXPECT_FLOAT_EQ(rc_.input().throttle, 0.8f);
+  EXPECT_FLOAT_EQ(rc_.input().yaw, 0.8f);
+}
+
+TEST_F(RcTest, LimitsOfAValidChannelAreInclusive) {
+  for (const float good : {-0.25f, 1.25f}) {
+    frame_.channels[kPitch] = good;
+    EXPECT_TRUE(frame().found) << good;
+  }
+  for (const float bad : {-0.251f, 1.251f, std::numeric_limits<float>::quiet_NaN()}) {
+    frame_.channels[kPitch] = bad;
+    const auto update = frame();
+    EXPECT_FALSE(update.found) << bad;
+    EXPECT_FALSE(update.frame) << bad;
+  }
+}
+
+TEST_F(RcTest, OnlyTheFirstChannelsAreChecked) {
+  config_.channel_count = 6;
+  configure();
+  frame_.channels[6] = 9.0f;
+  EXPECT_TRUE(frame().found);
+  frame_.channels[5] = 9.0f;
+  EXPECT_FALSE(frame().found);
+}
+
+// Weak point 74.
+TEST_F(RcTest, AStickIsCheckedWhereverItsChannelLies) {
+  config_.channel_count = 4;
+  config_.yaw = 7;
+  configure();
+  frame_.channels[7] = 9.0f;
+  EXPECT_FALSE(frame().found);
+  frame_.channels[7] = 0.5f;
+  EXPECT_TRUE(frame().found);
+}
+
+TEST_F(RcTest, ABadFrameChangesNothing) {
+  frame_.channels[kRoll] = 0.8f;
+  frame_.channels[4] = 1.0f;
+  frame();
+  const PilotInput before = rc_.input();
+  frame_ = centred();
+  frame_.frame_lost = true;
+  EXPECT_FALSE(frame().frame);
+  EXPECT_EQ(rc_.input().roll, before.roll);
+  EXPECT_EQ(rc_.input().on, before.on);
+}
+
+// ---- loss (weak points 2 and 3)
+
+TEST_F(RcTest, FailsafeFlagIsLossAtOnce) {
+  frame();
+  frame_.failsafe = true;
+  EXPECT_TRUE(frame(1).lost);
+}
+
+TEST_F(RcTest, BadFramesAreLossAfterATenthOfASecond) {
+  for (const bool flagged : {true, false}) {
+    frame_ = centred();
+    EXPECT_FALSE(frame().lost);
+    frame_.frame_lost = flagged;
+    if (!flagged) frame_.channels[kRoll] = 2.0f;
+    for (int k = 0; k < 9; ++k) EXPECT_FALSE(frame(11).lost) << k;  // 99 ms
+    EXPECT_TRUE(frame(1).lost);                                     // 100 ms
+  }
+}
+
+TEST_F(RcTest, AGoodFrameInBetweenStartsTheDebouncingAnew) {
+  for (int k = 0; k < 20; ++k) {
+    frame_.frame_lost = k % 4 != 0;
+    EXPECT_FALSE(frame(20).lost) << k;
+  }
+}
+
+TEST_F(RcTest, SilenceIsLossAfterTwoTenthsOfASecondAndTheFirstGoodFrameEndsIt) {
+  frame();
+  EXPECT_FALSE(silence(100).lost);
+  EXPECT_FALSE(silence(99).lost);
+  EXPECT_TRUE(silence(1).lost);
+  EXPECT_TRUE(silence(5000).lost);
+  const auto back = frame();
+  EXPECT_TRUE(back.found);
+  EXPECT_FALSE(back.lost);
+}
+
+TEST(RcAtBoot, SilenceFromTheStartIsLossToo) {
+  Rc rc;
+  EXPECT_FALSE(rc.step(milliseconds(199), nullptr, false).lost);
+  EXPECT_TRUE(rc.step(milliseconds(200), nullptr, false).lost);
+}
+
+// ---- switches
+
+TEST_F(RcTest, ASwitchIsMappedFromChannelFourToTheLastThatCounts) {
+  config_.channel_count = 7;
+  for (int channel = 0; channel < 256; ++channel) {
+    config_.switch_channel.fill(static_cast<std::uint8_t>(channel));
+    configure();
+    for (std::size_t s = 0; s < kSwitchCount; ++s) {
+      EXPECT_EQ(rc_.mapped(static_cast<Switch>(s)), channel >= 4 && channel < 7) << channel;
+    }
+  }
+}
+
+// Weak point 74.
+TEST_F(RcTest, FewerChannelsUnmapASwitchAtOnce) {
+  config_.channel_count = 6;
+  config_.switch_channel[1] = 5;
+  configure();
+  EXPECT_TRUE(rc_.mapped(Switch::kAttitudeOverride));
+  config_.channel_count = 5;
+  configure();
+  EXPECT_FALSE(rc_.mapped(Switch::kAttitudeOverride));
+}
+
+TEST_F(RcTest, AnUnmappedSwitchIsOff) {
+  config_.switch_channel.fill(255);
+  configure();
+  frame_.channels.fill(1.0f);
+  frame();
+  for (const bool on : rc_.input().on) EXPECT_FALSE(on);
+}
+
+TEST_F(RcTest, SwitchThresholdsDependOnItsDirection) {
+  config_.channel_count = 8;
+  struct Case {
+    float value;
+    std::int8_t direction;
+    bool on;
+  };
+  const Case cases[] = {{0.79f, 1, false}, {0.8f, 1, true},   {1.0f, 1, true},   {0.79f, 0, false},
+                        {0.8f, 0, true},   {0.2f, -1, false}, {0.19f, -1, true}, {0.0f, -1, true},
+                        {1.0f, -1, false}, {0.0f, 1, false},  {0.5f, -1, false}, {0.5f, 1, false}};
+  for (std::uint8_t channel = 4; channel < 8; ++channel) {
+    config_.switch_channel = {255, channel, 255, 255};
+    for (const Case& c : cases) {
+      config_.direction.fill(1);
+      config_.direction[channel - 4u] = c.direction;
+      configure();
+      frame_.channels[channel] = c.value;
+      frame();
+      EXPECT_EQ(rc_.input().is_on(Switch::kAttitudeOverride), c.on)
+          << "channel " << int{channel} << " direction " << int{c.direction} << " at " << c.value;
+    }
+    frame_.channels[channel] = 0.5f;
+  }
+}
+
+TEST_F(RcTest, EachSwitchReadsItsOwnChannel) {
+  config_.channel_count = 8;
+  config_.switch_channel = {4, 5, 6, 7};
+  configure();
+  for (std::size_t on = 0; on < kSwitchCount; ++on) {
+    for (std::size_t k = 0; k < kSwitchCount; ++k) frame_.channels[4 + k] = k == on ? 1.0f : 0.0f;
+    frame();
+    for (std::size_t k = 0; k < kSwitchCount; ++k) {
+      EXPECT_EQ(rc_.input().is_on(static_cast<Switch>(k)), k == on);
+    }
+  }
+}
+
+TEST_F(RcTest, TellsTheMappingOfEverySwitch) {
+  config_.switch_channel = {5, 4, 255, 3};
+  configure();
+  Log log;
+  rc_.describe(log);
+  EXPECT_STREQ(log.pop().text.data(), "arm switch on channel 5");
+  EXPECT_STREQ(log.pop().text.data(), "attitude override switch on channel 4");
+  EXPECT_STREQ(log.pop().text.data(), "throttle override switch not mapped");
+  EXPECT_STREQ(log.pop().text.data(), "attitude type switch not mapped");
+  EXPECT_TRUE(log.empty());
+}
+
+// ---- arming by sticks
+
+TEST_F(RcTest, SticksArmAfterMoreThanOneSecondInTheCorner) {
+  frame();
+  arm_by_sticks();
+  for (std::int64_t t = kFrame_ms; t <= 1000; t += kFrame_ms) {
+    EXPECT_FALSE(frame().arm) << t << " ms";
+  }
+  EXPECT_TRUE(frame().arm);
+  EXPECT_TRUE(frame().arm) << "asks until it is heard";
+}
+
+TEST_F(RcTest, SticksDisarmAfterMoreThanOneSecondInTheOtherCorner) {
+  armed_ = true;
+  frame();
+  frame_.channels[kYaw] = 0.0f;
+  for (std::int64_t t = kFrame_ms; t <= 1000; t += kFrame_ms) {
+    EXPECT_FALSE(frame().disarm) << t << " ms";
+  }
+  EXPECT_TRUE(frame().disarm);
+  EXPECT_FALSE(frame().disarm) << "the timer starts again";
+}
+
+TEST_F(RcTest, LeavingTheCornerStartsTheSecondAnew) {
+  frame();
+  arm_by_sticks();
+  for (int k = 0; k < 45; ++k) frame();
+  frame_.channels[kThrottle] = 0.15f;  // not below RC_ARM_THRESHOLD
+  frame();
+  frame_.channels[kThrottle] = 0.14f;
+  for (std::int64_t t = kFrame_ms; t <= 1000; t += kFrame_ms) EXPECT_FALSE(frame().arm);
+  EXPECT_TRUE(frame().arm);
+}
+
+TEST_F(RcTest, TheCornerIsWithinTheThreshold) {
+  frame();
+  arm_by_sticks();
+  frame_.channels[kYaw] = 0.92f;  // stick 0.84, needed more than 0.85
+  for (int k = 0; k < 100; ++k) EXPECT_FALSE(frame().arm);
+  frame_.channels[kYaw] = 0.93f;
+  for (int k = 0; k < 100; ++k) frame();
+  EXPECT_TRUE(frame().arm);
+}
+
+TEST_F(RcTest, TheWrongCornerDoesNothing) {
+  for (const bool armed : {false, true}) {
+    armed_ = armed;
+    arm_by_sticks();
+    frame_.channels[kYaw] = armed ? 1.0f : 0.0f;
+    for (int k = 0; k < 200; ++k) {
+      const auto update = frame();
+      EXPECT_FALSE(update.arm || update.disarm);
+    }
+  }
+}
+
+// Weak point 16: the reference armed on the first frame.
+TEST_F(RcTest, TheFirstFrameAfterBootOrAnOutageSaysNothingAboutTheTimeBefore) {
+  arm_by_sticks();
+  EXPECT_FALSE(frame().arm) << "at t = 5 s";
+  for (int k = 0; k < 25; ++k) frame();  // half a second
+  silence(60'000);
+  EXPECT_FALSE(frame().arm);
+  for (std::int64_t t = kFrame_ms; t <= 1000; t += kFrame_ms) EXPECT_FALSE(frame().arm);
+  EXPECT_TRUE(frame().arm);
+}
+
+TEST(RcAtBoot, AFirstFrameShortlyAfterBootDoesNotCountTheTimeSinceBoot) {
+  Rc rc;
+  hal::RcFrame corner = centred();
+  corner.channels[kYaw] = 1.0f;
+  std::int64_t t_ms = 90;
+  rc.step(milliseconds(t_ms), &corner, false);
+  for (; t_ms < 1090; t_ms += 20) {
+    EXPECT_FALSE(rc.step(milliseconds(t_ms + 20), &corner, false).arm) << t_ms + 20;
+  }
+  EXPECT_TRUE(rc.step(milliseconds(t_ms + 20), &corner, false).arm);
+}
+
+// ---- arming by switch
+
+class RcWithArmSwitch : public RcTest {
+ protected:
+  RcWithArmSwitch() {
+    config_.switch_channel[0] = 5;
+    configure();
+  }
+  void set_switch(bool on) { frame_.channels[5] = on ? 1.0f : 0.0f; }
+};
+
+TEST_F(RcWithArmSwitch, ArmsOnTheFirstFrameAfterTheSwitchGoesOnAndDisarmsOnTheFirstOff) {
+  frame();
+  set_switch(true);
+  EXPECT_TRUE(frame().arm);
+  armed_ = true;
+  EXPECT_FALSE(frame().disarm);
+  set_switch(false);
+  EXPECT_TRUE(frame().disarm);
+}
+
+// Weak point 17.
+TEST_F(RcWithArmSwitch, ASwitchOnAtPowerUpDoesNotArmUntilItWasOff) {
+  set_switch(true);
+  for (int k = 0; k < 200; ++k) EXPECT_FALSE(frame().arm);
+  set_switch(false);
+  frame();
+  set_switch(true);
+  EXPECT_TRUE(frame().arm);
+}
+
+TEST_F(RcWithArmSwitch, OneEdgeAsksOnce) {
+  frame();
+  set_switch(true);
+  EXPECT_TRUE(frame().arm);
+  for (int k = 0; k < 200; ++k) EXPECT_FALSE(frame().arm) << "refused: needs a new edge";
+}
+
+TEST_F(RcWithArmSwitch, SticksNoLongerArmOrDisarm) {
+  arm_by_sticks();
+  for (int k = 0; k < 200; ++k) EXPECT_FALSE(frame().arm);
+  set_switch(true);
+  frame();
+  armed_ = true;
+  frame_.channels[kYaw] = 0.0f;
+  for (int k = 0; k < 200; ++k) EXPECT_FALSE(frame().disarm);
+}
+
+TEST_F(RcWithArmSwitch, AnotherMappingNeedsToSeeTheSwitchOffFirst) {
+  config_.channel_count = 8;
+  configure();
+  frame();                    // channel 5 is off
+  frame_.channels[6] = 1.0f;  // another switch is on
+  config_.switch_channel[0] = 6;
+  configure();
+  EXPECT_FALSE(frame().arm) << "moved to a channel that is on";
+  frame_.channels[6] = 0.0f;
+  frame();
+  config_.direction[2] = -1;
+  configure();
+  EXPECT_FALSE(frame().arm) << "reversed";
+  frame_.channels[6] = 1.0f;
+  frame();
+  frame_.channels[6] = 0.0f;
+  EXPECT_TRUE(frame().arm);
+}
+
+TEST_F(RcWithArmSwitch, OtherParametersLeaveTheEdgeAlone) {
+  frame();
+  config_.arm_threshold = 0.2f;
+  configure();
+  set_switch(true);
+  EXPECT_TRUE(frame().arm);
+}
+
+}  // namespace
+}  // namespace rosflight::core
