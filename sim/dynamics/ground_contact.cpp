@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/dynamics/ground_contact.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace rosflight::sim {
+
+GroundParameters read_ground(const config::Section& section) {
+  using config::Range;
+  GroundParameters p;
+  p.model =
+      section.choice<GroundModel>("model", {{"contact", GroundModel::kContact},
+                                            {"frictionless_plane", GroundModel::kFrictionlessPlane},
+                                            {"none", GroundModel::kNone}});
+  // The rest is checked whatever the model, so that another model can be chosen from the command
+  // line alone.
+  if (p.model == GroundModel::kContact || section.has("contacts_m")) {
+    for (const auto& row : section.rows("contacts_m", 3, Range::between(-20.0, 20.0))) {
+      p.contacts_B.emplace_back(row[0], row[1], row[2]);
+    }
+    if (p.contacts_B.empty()) throw section.error("contacts_m", "no points", "one or more");
+    p.stiffness_N_m = section.number("stiffness_N_m", Range::positive_up_to(1e7));
+    p.damping_N_s_m = section.number("damping_N_s_m", Range::between(0.0, 1e6));
+    p.friction_stiffness_N_m = section.number("friction_stiffness_N_m", Range::positive_up_to(1e7));
+    p.friction_damping_N_s_m = section.number("friction_damping_N_s_m", Range::between(0.0, 1e6));
+    p.friction = section.number("friction", Range::between(0.0, 10.0));
+  }
+  section.finish();
+  return p;
+}
+
+GroundContact::GroundContact(const GroundParameters& parameters)
+    : parameters_{parameters}, anchors_(parameters.contacts_B.size()) {
+  for (const auto& p : parameters_.contacts_B) reach_m_ = std::max(reach_m_, p.norm());
+}
+
+double GroundContact::rest_height_m(double weight_N) const {
+  // The lowest points carry the weight; those that lie higher than the dent they make stay out.
+  std::vector<double> depth;
+  depth.reserve(parameters_.contacts_B.size());
+  for (const auto& p : parameters_.contacts_B) depth.push_back(p.z());
+  std::sort(depth.rbegin(), depth.rend());
+  double height = depth.front();
+  double sum = 0.0;
+  for (std::size_t n = 1; n <= depth.size(); ++n) {
+    sum += depth[n - 1];
+    height = (sum - weight_N / parameters_.stiffness_N_m) / static_cast<double>(n);
+    if (n == depth.size() || height >= depth[n]) break;
+  }
+  return height;
+}
+
+double GroundContact::depth_m(const BodyState& body) const {
+  double deepest = -std::numeric_limits<double>::infinity();
+  for (const auto& p : parameters_.contacts_B) {
+    deepest = std::max(deepest, (body.p_N + body.q_NB * p).z());
+  }
+  return deepest;
+}
+
+bool GroundContact::touch(std::size_t i, const BodyState& body, const Matrix3& R_NB,
+                          Touch& t) const {
+  const Vector3& p_B = parameters_.contacts_B[i];
+  const Vector3 p_N = body.p_N + R_NB * p_B;
+  if (p_N.z() <= 0.0) return false;
+  const Vector3 v_N = R_NB * (body.v_B + body.w_B.cross(p_B));
+  t.depth_m = p_N.z();
+  t.normal_N =
+      std::max(0.0, parameters_.stiffness_N_m * t.depth_m + parameters_.damping_N_s_m * v_N.z());
+  t.position_x = p_N.x();
+  t.position_y = p_N.y();
+  t.speed_x = v_N.x();
+  t.speed_y = v_N.y();
+  const Anchor& anchor = anchors_[i];
+  const double away_x = anchor.set ? p_N.x() - anchor.x : 0.0;
+  const double away_y = anchor.set ? p_N.y() - anchor.y : 0.0;
+  t.pull_x_N =
+      -parameters_.friction_stiffness_N_m * away_x - parameters_.friction_damping_N_s_m * v_N.x();
+  t.pull_y_N =
+      -parameters_.friction_stiffness_N_m * away_y - parameters_.friction_damping_N_s_m * v_N.y();
+  return true;
+}
+
+void GroundContact::add_wrench(const BodyState& body, const Matrix3& R_NB, Wrench& wrench) const {
+  for (std::size_t i = 0; i < anchors_.size(); ++i) {
+    Touch t;
+    if (!touch(i, body, R_NB, t)) continue;
+    const double limit = parameters_.friction * t.normal_N;
+    const double pull = std::sqrt(t.pull_x_N * t.pull_x_N + t.pull_y_N * t.pull_y_N);
+    const double share = pull > limit ? limit / pull : 1.0;
+    const Vector3 force_B =
+        R_NB.transpose() * Vector3(share * t.pull_x_N, share * t.pull_y_N, -t.normal_N);
+    wrench.force_B += force_B;
+    wrench.torque_B += parameters_.contacts_B[i].cross(force_B);
+  }
+}
+
+bool GroundContact::end_step(const BodyState& body, const Matrix3& R_NB) {
+  bool any = false;
+  for (std::size_t i = 0; i < anchors_.size(); ++i) {
+    Anchor& anchor = anchors_[i];
+    Touch t;
+    if (!touch(i, body, R_NB, t)) {
+      anchor.set = false;
+      continue;
+    }
+    any = true;
+    if (!anchor.set) anchor = {true, t.position_x, t.position_y};
+    const double limit = parameters_.friction * t.normal_N;
+    const double pull = std::sqrt(t.pull_x_N * t.pull_x_N + t.pull_y_N * t.pull_y_N);
+    if (pull <= limit) continue;
+    // Sliding: k_t (p - a) + c_t v_t = -F with |F| = mu N along the uncut force.
+    const double share = limit / pull;
+    const double k = parameters_.friction_stiffness_N_m;
+    const double c = parameters_.friction_damping_N_s_m;
+    anchor.x = t.position_x + (share * t.pull_x_N + c * t.speed_x) / k;
+    anchor.y = t.position_y + (share * t.pull_y_N + c * t.speed_y) / k;
+  }
+  return any;
+}
+
+}  // namespace rosflight::sim

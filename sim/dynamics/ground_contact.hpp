@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <vector>
+
+#include "config/strict_yaml.hpp"
+#include "sim/types.hpp"
+
+namespace rosflight::sim {
+
+enum class GroundModel {
+  kContact,            ///< Landing gear on a plane with friction.
+  kFrictionlessPlane,  ///< ROSflight 2.x: acts on the centre of mass, stops nothing but the fall.
+  kNone
+};
+
+struct GroundParameters {
+  GroundModel model{GroundModel::kNone};
+  std::vector<Vector3> contacts_B;  ///< Points of the gear that may touch [m].
+  double stiffness_N_m{};           ///< Of each contact, normal; likewise the next three.
+  double damping_N_s_m{};
+  double friction_stiffness_N_m{};  ///< Tangential, while it sticks.
+  double friction_damping_N_s_m{};
+  double friction{};  ///< Coulomb's coefficient.
+};
+
+/// Reads section `ground`. Throws config::Error.
+GroundParameters read_ground(const config::Section& section);
+
+/// Flat ground at z = 0 of N under a few points of the body.
+///
+/// A point at depth d > 0 with velocity v (downwards v_z, in the plane v_t) feels a spring and
+/// damper that cannot pull, and friction:
+///
+///     N = max(0, k d + c v_z)                                                         (1)
+///     F = -(k_t (p - a) + c_t v_t), cut to |F| <= mu N                                (2)
+///
+/// (2) holds the point at its anchor a, the place it stuck to, so a vehicle at rest does not creep
+/// under a steady load, as it would with friction that needs speed. A cut force means sliding:
+/// end_step() drags a along until (2) gives just mu N (return mapping of elasto-plasticity, J. Simo
+/// and T. Hughes, "Computational Inelasticity", 1998, ch. 1). Anchors stay put within a step, so
+/// the right-hand side is smooth for the integrator.
+///
+/// A mass m on one contact rebounds from a hard fall with the share (3) of its speed; (2) stops a
+/// slide after v^2/(2 mu g).
+///
+///     e = exp(-2 z/sqrt(1 - z^2) atan(sqrt(1 - z^2)/z)),   z = c/(2 sqrt(k m))        (3)
+class GroundContact {
+ public:
+  explicit GroundContact(const GroundParameters& parameters);
+
+  /// No point can touch while the centre of mass is higher than this [m].
+  double reach_m() const { return reach_m_; }
+  /// Height of the centre of mass of a level body of this weight at rest [m].
+  double rest_height_m(double weight_N) const;
+  /// Depth of the deepest point; negative in the air [m].
+  double depth_m(const BodyState& body) const;
+
+  /// Adds force and torque of all contacts.
+  void add_wrench(const BodyState& body, const Matrix3& R_NB, Wrench& wrench) const;
+  /// Moves anchors after a step. @returns whether any point touches.
+  bool end_step(const BodyState& body, const Matrix3& R_NB);
+  /// Forgets all anchors.
+  void lift() { anchors_.assign(anchors_.size(), Anchor{}); }
+
+ private:
+  struct Anchor {
+    bool set{false};
+    double x{};
+    double y{};
+  };
+  struct Touch {
+    double depth_m;
+    double normal_N;
+    double pull_x_N;  ///< (2) before the cut.
+    double pull_y_N;
+    double position_x;
+    double position_y;
+    double speed_x;
+    double speed_y;
+  };
+  /// @returns false for a point in the air.
+  bool touch(std::size_t i, const BodyState& body, const Matrix3& R_NB, Touch& t) const;
+
+  GroundParameters parameters_;
+  std::vector<Anchor> anchors_;
+  double reach_m_{0.0};
+};
+
+}  // namespace rosflight::sim

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "sim/dynamics/ground_contact.hpp"
+#include "sim/environment/environment.hpp"
+#include "sim/modules.hpp"
+
+namespace rosflight::sim {
+
+enum class Integration {
+  kRk4,          ///< Everything inside the right-hand side.
+  kFrozenForces  ///< ROSflight 2.x: all forces held over the step at their value at its start.
+};
+
+/// Section `body` of a vehicle file.
+struct BodyParameters {
+  double mass_kg{};
+  /// Matrix J about the centre of mass, as it stands in tau = J dw/dt + w x J w: its off-diagonal
+  /// elements are minus the products of inertia, J_xz = -integral x z dm. (ROSflight 2.x's
+  /// parameters Jxy, Jxz, Jyz are these matrix elements too.)
+  Matrix3 inertia_kg_m2{Matrix3::Identity()};
+  Integration integration{Integration::kRk4};
+  double longest_step_s{0.0025};  ///< Longer steps are split evenly.
+};
+
+/// Reads section `body`: mass, inertia that a body can have (positive, each principal moment at
+/// most the sum of the others), integration. Throws config::Error.
+BodyParameters read_body(const config::Section& section);
+
+/// Motion of one rigid body with the states x of its forces-and-moments module:
+///
+///     dp/dt = R v                    dv/dt = f/m + R^T g - w x v
+///     dq/dt = q (0, w)/2             dw/dt = J^-1 (tau - w x J w)              dx/dt = module
+///
+/// (R. Beard, T. McLain, "Small Unmanned Aircraft", 2012, eq. 3.14-3.17 with quaternions, app. B).
+/// Forces, gravity and ground contact are evaluated at each of the four stages of the classical
+/// Runge-Kutta scheme; afterwards the quaternion is normalised. Held over a step: outputs, air (at
+/// its start) and wind. Steps longer than longest_step_s are split, so a pause never becomes one
+/// giant step. No heap while stepping.
+///
+/// Truth: specific force and angular acceleration are those of the last stage, whose state differs
+/// from the new one by O(h^3).
+class RigidBody final : public Dynamics {
+ public:
+  /// Starts level, nose north, at rest on the ground at the origin (without ground: at the origin).
+  /// @param forces  must outlive this.
+  RigidBody(const BodyParameters& body, const GroundParameters& ground,
+            const EnvironmentParameters& environment, const ForcesAndMoments& forces,
+            const RandomSource& random);
+
+  void step(Time t, const hal::OutputValues& outputs) override;
+  const Truth& truth() const override { return truth_; }
+  /// Also false if a point of the gear would be more than 5 cm under ground.
+  bool set_state(const BodyState& state) override;
+
+  /// The state after construction.
+  const BodyState& rest_state() const { return rest_; }
+  /// States of the forces-and-moments module.
+  std::span<const double> module_state() const;
+
+ private:
+  static constexpr int kMost = 13 + static_cast<int>(ForcesAndMoments::kMaxStates);
+  using State = Eigen::Array<double, Eigen::Dynamic, 1, 0, kMost, 1>;  // in place, no heap
+
+  /// Wrenches at y (into wrench_ and total_) and the module's derivatives.
+  void evaluate(const State& y, const BodyState& body, const Matrix3& R_NB,
+                const hal::OutputValues& outputs, State& y_dot);
+  void derivative(const State& y, const hal::OutputValues& outputs, State& y_dot);
+  void stop_fall(const BodyState& body, const Matrix3& R_NB);
+  template <class Derivative>
+  void runge_kutta(double h, const Derivative& derivative);
+  void substep(double h, const hal::OutputValues& outputs);
+  void substep_frozen(double h, const hal::OutputValues& outputs);
+  void finish_substep();
+  void fill_truth(const hal::OutputValues& outputs);
+  void begin(const BodyState& state);
+  double height_m(const BodyState& body) const;
+
+  double mass_kg_;
+  Matrix3 inertia_;
+  Matrix3 inertia_inverse_;
+  Integration integration_;
+  double longest_step_s_;
+  GroundModel ground_model_;
+  GroundContact ground_;
+  double gravity_m_s2_;
+  double origin_height_m_;
+  Atmosphere atmosphere_;
+  Wind wind_;
+  const ForcesAndMoments& forces_;
+  BodyState rest_;
+  State y_;        ///< p, q (w x y z), v, w and those of the module.
+  Wrench wrench_;  ///< Of the module, at the last evaluation.
+  Wrench total_;   ///< With ground, without gravity.
+  Vector3 angular_acceleration_B_{Vector3::Zero()};  ///< At the last evaluation.
+  Truth truth_;
+};
+
+}  // namespace rosflight::sim

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/environment/wind.hpp"
+
+#include <cmath>
+
+#include "sim/portable_math.hpp"
+
+namespace rosflight::sim {
+namespace {
+
+constexpr double kTwoPi = 6.283185307179586;
+
+double exponential(RandomStream& stream, double mean) {
+  return -mean * portable::log(1.0 - stream.uniform());
+}
+
+Vector3 normal_vector(RandomStream& stream) {
+  const double x = stream.normal();
+  const double y = stream.normal();
+  const double z = stream.normal();
+  return {x, y, z};
+}
+
+}  // namespace
+
+Wind::Wind(const WindParameters& parameters, const RandomSource& source)
+    : gust_parameters_{parameters.gusts},
+      steady_N_{parameters.steady_N_m_s},
+      gust_stream_{source.stream("wind/gusts")},
+      calm_{parameters.turbulence_w20_m_s <= 0.0 && parameters.gusts.mean_interval_s <= 0.0} {
+  RandomStream draw = source.stream("wind/steady");
+  steady_N_ += parameters.random_std_N_m_s.cwiseProduct(normal_vector(draw));
+  const double speed = steady_N_.norm();
+  if (speed > 1e-9) direction_N_ = steady_N_ / speed;
+  const double horizontal =
+      std::sqrt(steady_N_.x() * steady_N_.x() + steady_N_.y() * steady_N_.y());
+  if (horizontal > 1e-9) along_N_ = Vector3(steady_N_.x(), steady_N_.y(), 0.0) / horizontal;
+  if (parameters.turbulence_w20_m_s > 0.0)
+    turbulence_.emplace(parameters.turbulence_w20_m_s, source);
+  if (gust_parameters_.mean_interval_s > 0.0) {
+    gusts_.reserve(kMaxGusts);
+    next_gust_s_ = exponential(gust_stream_, gust_parameters_.mean_interval_s);
+  }
+  velocity_N_ = steady_N_;
+}
+
+Wind::Gust Wind::draw_gust(double age_s) {
+  double magnitude = -1.0;
+  while (magnitude < 0.0) {
+    magnitude = gust_parameters_.magnitude_mean_m_s +
+                gust_parameters_.magnitude_std_m_s * gust_stream_.normal();
+  }
+  Vector3 direction = direction_N_;
+  const double spread = direction_N_.isZero() ? 1.0 : gust_parameters_.direction_std;
+  do {
+    direction = direction_N_ + spread * normal_vector(gust_stream_);
+  } while (direction.squaredNorm() < 1e-12);
+  const double duration =
+      gust_stream_.uniform(gust_parameters_.shortest_s, gust_parameters_.longest_s);
+  return {magnitude * direction.normalized(), duration, age_s};
+}
+
+void Wind::step_gusts(double dt_s) {
+  for (auto& gust : gusts_) gust.age_s += dt_s;
+  next_gust_s_ -= dt_s;
+  while (next_gust_s_ <= 0.0) {
+    const Gust gust = draw_gust(-next_gust_s_);
+    if (gusts_.size() < kMaxGusts) gusts_.push_back(gust);
+    next_gust_s_ += exponential(gust_stream_, gust_parameters_.mean_interval_s);
+  }
+  std::erase_if(gusts_, [](const Gust& gust) { return gust.age_s >= gust.duration_s; });
+  for (const auto& gust : gusts_) {
+    const double phase = kTwoPi * gust.age_s / gust.duration_s;
+    velocity_N_ += 0.5 * (1.0 - portable::sin_cos(phase).cos) * gust.peak_N;
+  }
+}
+
+const Vector3& Wind::step(double dt_s, double height_m, double airspeed_m_s) {
+  if (calm_) return velocity_N_;
+  velocity_N_ = steady_N_;
+  if (turbulence_) {
+    const Vector3 gust = turbulence_->step(dt_s, height_m, airspeed_m_s);
+    const Vector3 right_N(-along_N_.y(), along_N_.x(), 0.0);
+    velocity_N_ += gust.x() * along_N_ + gust.y() * right_N + Vector3(0.0, 0.0, gust.z());
+  }
+  if (gust_parameters_.mean_interval_s > 0.0) step_gusts(dt_s);
+  return velocity_N_;
+}
+
+}  // namespace rosflight::sim

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "sim/environment/dryden.hpp"
+
+namespace rosflight::sim {
+
+/// Discrete gusts, off while mean_interval_s is 0.
+struct GustParameters {
+  double mean_interval_s{0.0};
+  double magnitude_mean_m_s{
+      0.15};  ///< Of the normal law that is drawn from until the draw is not negative.
+  double magnitude_std_m_s{0.3};
+  double direction_std{0.1};  ///< Per axis, added to the unit vector of the steady wind.
+  double shortest_s{0.5};
+  double longest_s{5.0};
+};
+
+struct WindParameters {
+  Vector3 steady_N_m_s{Vector3::Zero()};
+  Vector3 random_std_N_m_s{Vector3::Zero()};  ///< Drawn once a run, added to the steady part.
+  double turbulence_w20_m_s{0.0};             ///< 0: no turbulence.
+  GustParameters gusts;
+};
+
+/// Velocity of the air over ground: steady + Dryden turbulence + one-minus-cosine gusts,
+///
+///     gust(t) = A/2 (1 - cos(2 pi t/T)) u,   0 <= t <= T         (F. W. Leahy, NASA, 2008)
+///
+/// that start as a Poisson process, add up, have A >= 0 and T uniform in shortest..longest; u is
+/// the direction of the steady wind with some spread, any direction without steady wind. Turbulence
+/// axes: along the steady wind (north without), to its right, down. The number of gusts at a time
+/// is bounded (kMaxGusts); no heap in step().
+class Wind {
+ public:
+  Wind(const WindParameters& parameters, const RandomSource& source);
+
+  /// Moves on by dt_s. @param airspeed_m_s of the vehicle.
+  const Vector3& step(double dt_s, double height_m, double airspeed_m_s);
+  const Vector3& velocity_N() const { return velocity_N_; }
+  /// No turbulence and no gusts: step() changes nothing.
+  bool calm() const { return calm_; }
+
+ private:
+  static constexpr std::size_t kMaxGusts = 16;
+  struct Gust {
+    Vector3 peak_N;
+    double duration_s;
+    double age_s;
+  };
+  void step_gusts(double dt_s);
+  Gust draw_gust(double age_s);
+
+  GustParameters gust_parameters_;
+  Vector3 steady_N_;
+  Vector3 direction_N_{Vector3::Zero()};  ///< Of the steady wind; zero without.
+  Vector3 along_N_{Vector3::UnitX()};     ///< Horizontal.
+  std::optional<DrydenTurbulence> turbulence_;
+  RandomStream gust_stream_;
+  double next_gust_s_{0.0};
+  std::vector<Gust> gusts_;
+  bool calm_;
+  Vector3 velocity_N_;
+};
+
+}  // namespace rosflight::sim

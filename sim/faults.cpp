@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/faults.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "config/strict_yaml.hpp"
+#include "sim/types.hpp"
+
+namespace rosflight::sim {
+namespace {
+constexpr double kLongest_s = 1e9;
+
+struct Name {
+  std::string_view name;
+  FaultKind kind;
+  std::string_view effect;
+};
+
+constexpr std::array<Name, kFaultKinds - 1> kNames{{
+    {"imu", FaultKind::kImu, "the IMU stops delivering"},
+    {"mag", FaultKind::kMag, "the magnetometer stops delivering"},
+    {"baro", FaultKind::kBaro, "the barometer stops delivering"},
+    {"gnss", FaultKind::kGnss, "the satellite receiver stops delivering"},
+    {"diff_pressure", FaultKind::kDiffPressure, "the pitot tube stops delivering"},
+    {"range", FaultKind::kRange, "the sonar or lidar stops delivering"},
+    {"battery", FaultKind::kBattery, "the battery monitor stops delivering"},
+    {"imu_nan", FaultKind::kImuNan, "IMU samples turn into NaN"},
+    {"imu_stuck", FaultKind::kImuStuck, "IMU samples repeat the last good values"},
+    {"rc_silence", FaultKind::kRcSilence, "the receiver falls silent"},
+    {"rc_frame_loss", FaultKind::kRcFrameLoss, "receiver frames carry the frame-lost flag"},
+    {"link_cut", FaultKind::kLinkCut, "no byte passes the link, either way"},
+}};
+
+config::Error fault_error(std::string_view text, const std::string& found,
+                          const std::string& allowed) {
+  return config::Error("--fault " + std::string(text.substr(0, 60)) + ": found " + found +
+                       ", allowed " + allowed);
+}
+
+std::string quoted(std::string_view text) {
+  return text.empty() ? "nothing" : "\"" + std::string(text.substr(0, 60)) + "\"";
+}
+
+std::string all_names() {
+  std::string out;
+  for (const Name& entry : kNames) out += std::string(entry.name) + ", ";
+  return out + "motorN_dead, motorN_partial=FACTOR (or motorN=FACTOR), N from 0 to " +
+         std::to_string(kMaxRotors - 1);
+}
+
+Time parse_seconds(std::string_view text, std::string_view part, const char* what, bool zero_too) {
+  const auto seconds = config::parse_number(part);
+  const bool good =
+      seconds && *seconds <= kLongest_s && (zero_too ? *seconds >= 0.0 : *seconds > 0.0);
+  if (!good) {
+    throw fault_error(text, std::string(what) + " " + quoted(part),
+                      zero_too ? "seconds >= 0" : "seconds > 0");
+  }
+  return Time{std::llround(*seconds * 1e6)};
+}
+
+/// "motor2_dead", "motor2_partial=0.6", "motor2=0.6".
+bool parse_motor(std::string_view text, std::string_view what, Fault& fault) {
+  constexpr std::string_view kMotor = "motor";
+  if (what.substr(0, kMotor.size()) != kMotor) return false;
+  std::string_view rest = what.substr(kMotor.size());
+  if (rest.empty() || rest.front() < '0' || rest.front() > '9') return false;
+  fault.motor = static_cast<std::size_t>(rest.front() - '0');
+  static_assert(kMaxRotors == 10, "one digit names every motor");
+  rest.remove_prefix(1);
+  fault.kind = FaultKind::kMotor;
+  if (rest == "_dead") {
+    fault.factor = 0.0;
+    return true;
+  }
+  const auto equals = rest.find('=');
+  const std::string_view word = rest.substr(0, equals);
+  if (equals == std::string_view::npos || (!word.empty() && word != "_partial")) return false;
+  const std::string_view number = rest.substr(equals + 1);
+  const auto factor = config::parse_number(number);
+  if (!factor || *factor < 0.0 || *factor > 1.0) {
+    throw fault_error(text, "the factor " + quoted(number), "a number from 0 to 1");
+  }
+  fault.factor = *factor;
+  return true;
+}
+}  // namespace
+
+Fault parse_fault(std::string_view text) {
+  Fault fault;
+  const auto at = text.find('@');
+  const std::string_view what = text.substr(0, at);
+  const auto* const known = std::find_if(kNames.begin(), kNames.end(),
+                                         [what](const Name& entry) { return entry.name == what; });
+  if (known != kNames.end()) {
+    fault.kind = known->kind;
+  } else if (!parse_motor(text, what, fault)) {
+    throw fault_error(text, quoted(what), all_names());
+  }
+  if (at == std::string_view::npos) throw fault_error(text, "no time", "WHAT@TIME[:DURATION]");
+  const std::string_view times = text.substr(at + 1);
+  const auto colon = times.find(':');
+  fault.start = parse_seconds(text, times.substr(0, colon), "the time", true);
+  if (colon != std::string_view::npos) {
+    fault.end = fault.start + parse_seconds(text, times.substr(colon + 1), "the duration", false);
+  }
+  return fault;
+}
+
+std::string fault_help() {
+  const auto line = [](std::string_view name, std::string_view effect) {
+    constexpr std::size_t kColumn = 26;  // longer than every name
+    std::string out = "  " + std::string(name);
+    out.resize(kColumn, ' ');
+    return out + std::string(effect) + "\n";
+  };
+  std::string out;
+  for (const Name& entry : kNames) out += line(entry.name, entry.effect);
+  out += line("motorN_partial=FACTOR", "motor N (from 0) gives FACTOR (0 to 1) of its thrust");
+  out += line("motorN_dead", "motor N gives none");
+  return out;
+}
+
+FaultSchedule::FaultSchedule(std::vector<Fault> faults) : faults_{std::move(faults)} {
+  for (const Fault& fault : faults_) kinds_ |= bit(fault.kind);
+}
+
+bool FaultSchedule::active_now(FaultKind kind, Time t) const {
+  return std::any_of(faults_.begin(), faults_.end(), [kind, t](const Fault& fault) {
+    return fault.kind == kind && t >= fault.start && t < fault.end;
+  });
+}
+
+double FaultSchedule::thrust_factor(std::size_t motor, Time t) const {
+  double factor = 1.0;
+  if ((kinds_ & bit(FaultKind::kMotor)) == 0U) return factor;
+  for (const Fault& fault : faults_) {
+    if (fault.kind == FaultKind::kMotor && fault.motor == motor && t >= fault.start &&
+        t < fault.end) {
+      factor *= fault.factor;
+    }
+  }
+  return factor;
+}
+
+}  // namespace rosflight::sim

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/hal/time.hpp"
+
+/// Things that break at a given time, for tests and for `--fault WHAT@TIME[:DURATION]`.
+namespace rosflight::sim {
+
+using hal::Time;
+
+enum class FaultKind : std::uint8_t {
+  kImu,  ///< The sensor stops delivering; likewise the next six.
+  kMag,
+  kBaro,
+  kGnss,
+  kDiffPressure,
+  kRange,
+  kBattery,
+  kImuNan,       ///< IMU samples keep coming and are not numbers.
+  kImuStuck,     ///< They repeat the last good values under new stamps.
+  kRcSilence,    ///< The receiver sends nothing.
+  kRcFrameLoss,  ///< Every receiver frame carries the frame-lost flag.
+  kLinkCut,      ///< No byte arrives, either way.
+  kMotor,        ///< One motor gives only a part of its thrust.
+};
+inline constexpr std::size_t kFaultKinds = 13;
+
+/// In force for start <= t < end.
+struct Fault {
+  FaultKind kind{};
+  std::size_t motor{};  ///< For kMotor: index from 0.
+  double factor{1.0};   ///< For kMotor: share of the thrust that is left, 0..1.
+  Time start{};
+  Time end{Time::max()};
+};
+
+/// Reads one WHAT@TIME[:DURATION], times in seconds. Without a duration it lasts to the end.
+/// @throws config::Error  one line with what was found and what is allowed.
+Fault parse_fault(std::string_view text);
+
+/// The names for WHAT, one "  name   what happens" line each, for --help.
+std::string fault_help();
+
+/// All faults of a run. Asking is a test of one bit while there is no fault of the kind.
+class FaultSchedule {
+ public:
+  FaultSchedule() = default;
+  explicit FaultSchedule(std::vector<Fault> faults);
+
+  bool active(FaultKind kind, Time t) const {
+    return (kinds_ & bit(kind)) != 0U && active_now(kind, t);
+  }
+  /// Share of its thrust that a motor gives at t: the product over its faults, 1 without any.
+  double thrust_factor(std::size_t motor, Time t) const;
+
+  const std::vector<Fault>& faults() const { return faults_; }
+
+ private:
+  static constexpr std::uint32_t bit(FaultKind kind) { return 1U << static_cast<unsigned>(kind); }
+  bool active_now(FaultKind kind, Time t) const;
+
+  std::vector<Fault> faults_;
+  std::uint32_t kinds_{0};
+};
+
+}  // namespace rosflight::sim

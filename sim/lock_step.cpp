@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/lock_step.hpp"
+
+namespace rosflight::sim {
+
+LockStep::LockStep(TimeSource& time, RcModule& rc, SensorsModule& sensors, BoardModule& board,
+                   Dynamics& dynamics)
+    : time_{time},
+      rc_{rc},
+      sensors_{sensors},
+      board_{board},
+      dynamics_{dynamics},
+      now_{dynamics.truth().time} {}
+
+void LockStep::step() {
+  const Time t = now_;
+  if (listener_ != nullptr) listener_->before_step(t);
+  has_frame_ = rc_.step(t, frame_);
+  sensors_.step(dynamics_.truth(), samples_);
+  const hal::OutputValues& outputs = board_.step(t, samples_, rc_frame());
+  if (listener_ != nullptr) listener_->after_board(t, outputs);
+  now_ = time_.advance(t);
+  dynamics_.step(now_, outputs);
+  for (Visualiser* visualiser : visualisers_) visualiser->step(dynamics_.truth(), outputs);
+  ++ticks_;
+}
+
+std::uint64_t LockStep::run_until(Time end) {
+  const std::uint64_t before = ticks_;
+  while (now_ < end) step();
+  return ticks_ - before;
+}
+
+}  // namespace rosflight::sim

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+
+#include "sim/modules.hpp"
+#include "sim/multirotor/lanes.hpp"
+#include "sim/multirotor/multirotor_parameters.hpp"
+
+namespace rosflight::sim {
+
+/// Forces and moments of a vehicle with fixed-pitch rotors anywhere, in any direction.
+///
+/// Rotor with thrust direction e; air velocity at its hub v = v_air + w x p, along it V = v.e,
+/// across it v' = v - V e; rotor speed O and u = 2 pi V/D:
+///
+///     T = rho D^4/(4 pi^2) (CT0 O^2 + CT1 O u + CT2 u^2)                              (1)
+///     Q = rho D^5/(4 pi^2) (CQ0 O^2 + CQ1 O u + CQ2 u^2)                              (2)
+///     F = k T e - C_r max(T, 0) v'                                                    (3)
+///
+/// (1), (2) are C_T(J), C_Q(J) with J = u/O multiplied out, so they hold at O = 0. In descent
+/// (u < 0) the square is left out, a continuation along the tangent, and u stops at
+/// -descent_limit O. The second part of (3) is the rotor's H-force. k is the ground effect,
+/// 1/(1 - (R/4z)^2) with z >= R/2 (I. C. Cheeseman, W. E. Bennett, ARC R&M 3021, 1955).
+///
+/// Motor and ESC, duty d, battery voltage V_b, K_Q = K_V in SI:
+///
+///     I = (d V_b - K_V O)/R        tau_m = K_Q (I - I0)        J_r dO/dt = tau_m - Q  (4)
+///     V_b = U0(charge) - R_b I_b   I_b = sum d I + I_avionics                         (5)
+///
+/// (4) and (5) are solved together, being linear in V_b; limits of the current are applied
+/// afterwards. d = 0 lets the rotor wheel freely: no current, and its friction K_Q I0 and Q stop
+/// it.
+///
+/// On the body act F, p x F, the motors' reaction spin e (Q + J_r dO/dt), the gyroscopic torque
+/// -w x h with h = -sum spin J_r O e, and the drag -1/2 rho |v| (C_D A)_k v_k along each axis k.
+/// Rotor model after ROSflight 2.x (simulator, multirotor forces) and R. Beard, T. McLain, "Small
+/// Unmanned Aircraft", suppl. 4.3; options reproduce its steady state, its flow and its ground
+/// effect exactly.
+///
+/// States: rotor speeds [rad/s], then charge [A s]. No heap in a step; about 900 instructions an
+/// evaluation of four rotors.
+class Multirotor final : public ForcesAndMoments {
+ public:
+  /// @param parameters  as read_multirotor() checks them.
+  explicit Multirotor(const MultirotorParameters& parameters);
+
+  std::size_t state_size() const override { return rotors_ + 1; }
+  void initial_state(std::span<double> x) const override;
+  void evaluate(const Input& in, std::span<const double> x, Wrench& wrench,
+                std::span<double> x_dot) const override;
+  void limit_state(std::span<double> x) const override;
+  void report(const Input& in, std::span<const double> x, Truth& truth) const override;
+  /// Thrust and torque of the propeller shrink alike; at 0 the ESC is dead and the rotor runs down.
+  void set_thrust_factor(std::size_t rotor, double factor) override;
+
+ private:
+  /// Rotors are worked on four at a time; missing ones have no thrust, torque or current.
+  static constexpr std::size_t kLanes = 4;
+  static constexpr std::size_t kGroups = (kMaxRotors + kLanes - 1) / kLanes;
+  using PerRotor = std::array<Lanes, kGroups>;
+
+  struct Group {
+    Vector3Lanes p_B, e_B, p_cross_e_B;
+    Lanes spin;
+    Lanes factor;  ///< Of thrust and torque; 1 if dead.
+    Lanes alive;   ///< 1, or 0: no output reaches the ESC.
+    std::array<std::size_t, kLanes> output;
+  };
+  /// Electric side of one moment.
+  struct Supply {
+    PerRotor duty;
+    PerRotor current_A;
+    double voltage_V;
+    double current_sum_A;  ///< At the battery.
+  };
+  struct Blades {
+    Lanes thrust_N;
+    Lanes torque_Nm;
+  };
+
+  void load(std::span<const double> x, PerRotor& speed) const;
+  void supply(const hal::OutputValues& outputs, const PerRotor& speed, double charge_As,
+              Supply& now) const;
+  Vector3Lanes hub_velocity(const Input& in, const Group& group) const;
+  Blades blades(Lanes speed, Lanes u, double density, Lanes factor) const;
+  Lanes steady_speed(Lanes drive_V, Lanes speed, Lanes u, double density, Lanes factor) const;
+  Lanes ground_factor(const Input& in, const Group& group) const;
+  Lanes acceleration(Lanes speed, Lanes current_A, Lanes torque_Nm) const;
+
+  std::array<Group, kGroups> group_;
+  std::size_t rotors_;
+  std::size_t groups_;
+  double extent_m_{0.0};  ///< No hub is farther from the centre of mass.
+  PropellerParameters propeller_;
+  MotorParameters motor_;
+  bool reference_flow_;
+  Battery battery_;
+  AeroParameters aero_;
+  double thrust_per_density_;  ///< D^4/(4 pi^2)
+  double flow_per_speed_;      ///< 2 pi/D
+  double per_resistance_;
+  double per_inertia_;
+};
+
+}  // namespace rosflight::sim

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/registry.hpp"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+
+#include "sim/multirotor/multirotor.hpp"
+
+namespace rosflight::sim {
+namespace {
+
+/// YAML files without `type` or `extends` are something else; broken ones may be vehicles and tell
+/// so when chosen.
+bool may_be_vehicle(const std::filesystem::path& file) {
+  try {
+    const auto document = config::Document::from_file(file);
+    if (document.is_list()) return false;
+    return document.root().has("type") || document.root().has("extends");
+  } catch (const config::Error&) {
+    return true;
+  }
+}
+
+}  // namespace
+
+void Registry::load_plugin(const std::filesystem::path& library) {
+  const std::string name = library.string();
+  // A bare file name would be searched for in the system's folders.
+  void* handle = dlopen(std::filesystem::absolute(library).c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (handle == nullptr) {
+    const char* reason = dlerror();
+    throw config::Error(name + ": found " + (reason == nullptr ? "no library" : reason) +
+                        ", allowed a shared library");
+  }
+  libraries_.emplace_back(handle, [](void* open) { dlclose(open); });
+  void* symbol = dlsym(handle, "rosflight_register");
+  if (symbol == nullptr)
+    throw config::Error(name + ": found no function rosflight_register, allowed a plugin");
+  // POSIX guarantees that a function fits a void pointer.
+  const auto enrol = reinterpret_cast<void (*)(Registry&)>(symbol);
+  enrol(*this);
+}
+
+void Registry::add_vehicles(const std::filesystem::path& folder) {
+  std::error_code code;
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, code)) {
+    if (entry.path().extension() == ".yaml" && may_be_vehicle(entry.path()))
+      files.push_back(entry.path());
+  }
+  if (code)
+    throw config::Error(folder.string() + ": found no such folder, allowed one with vehicle files");
+  std::sort(files.begin(), files.end());
+  for (const auto& file : files) vehicles.add(file.stem().string(), file);
+}
+
+std::filesystem::path Registry::vehicle_file(const std::string& name_or_path) const {
+  if (vehicles.has(name_or_path)) return vehicles.at(name_or_path);
+  std::filesystem::path path(name_or_path);
+  if (path.extension() == ".yaml" || name_or_path.find('/') != std::string::npos) return path;
+  return vehicles.at(name_or_path);
+}
+
+std::unique_ptr<ForcesAndMoments> Registry::make_forces(const Vehicle& vehicle,
+                                                        const RandomSource& random) const {
+  if (!forces.has(vehicle.type())) {
+    std::string known;
+    for (const auto& name : forces.names()) known += (known.empty() ? "" : ", ") + name;
+    throw vehicle.root().error("type", vehicle.type(), known);
+  }
+  auto module = forces.at(vehicle.type())(vehicle, random);
+  vehicle.finish();
+  return module;
+}
+
+void register_physics(Registry& registry) {
+  registry.forces.add("multirotor", [](const Vehicle& vehicle, const RandomSource&) {
+    return std::make_unique<Multirotor>(read_multirotor(vehicle.root()));
+  });
+}
+
+}  // namespace rosflight::sim

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/faults.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "config/strict_yaml.hpp"
+#include "sim/faulty_modules.hpp"
+#include "sim/types.hpp"
+
+namespace rosflight::sim {
+namespace {
+
+Time ms(std::int64_t value) {
+  return Time{value * 1000};
+}
+
+std::string message_of(std::string_view text) {
+  try {
+    static_cast<void>(parse_fault(text));
+  } catch (const config::Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Fault, EveryNameIsRead) {
+  const std::pair<const char*, FaultKind> names[]{{"imu", FaultKind::kImu},
+                                                  {"mag", FaultKind::kMag},
+                                                  {"baro", FaultKind::kBaro},
+                                                  {"gnss", FaultKind::kGnss},
+                                                  {"diff_pressure", FaultKind::kDiffPressure},
+                                                  {"range", FaultKind::kRange},
+                                                  {"battery", FaultKind::kBattery},
+                                                  {"imu_nan", FaultKind::kImuNan},
+                                                  {"imu_stuck", FaultKind::kImuStuck},
+                                                  {"rc_silence", FaultKind::kRcSilence},
+                                                  {"rc_frame_loss", FaultKind::kRcFrameLoss},
+                                                  {"link_cut", FaultKind::kLinkCut},
+                                                  {"motor0_dead", FaultKind::kMotor}};
+  for (const auto& [name, kind] : names) {
+    EXPECT_EQ(parse_fault(std::string(name) + "@1").kind, kind) << name;
+    if (kind == FaultKind::kMotor) continue;
+    EXPECT_NE(fault_help().find(std::string("  ") + name + " "), std::string::npos);
+  }
+  EXPECT_NE(fault_help().find("motorN_partial=FACTOR"), std::string::npos);
+  EXPECT_NE(fault_help().find("motorN_dead"), std::string::npos);
+}
+
+TEST(Fault, TimesAreSecondsToTheMicrosecond) {
+  const Fault fault = parse_fault("gnss@12.5:0.000001");
+  EXPECT_EQ(fault.start, Time{12'500'000});
+  EXPECT_EQ(fault.end, Time{12'500'001});
+  EXPECT_EQ(parse_fault("gnss@0").start, Time{0});
+  EXPECT_EQ(parse_fault("gnss@0").end, Time::max());
+}
+
+TEST(Fault, MotorsHaveNumberAndFactor) {
+  const Fault partial = parse_fault("motor2_partial=0.6@10:5");
+  EXPECT_EQ(partial.kind, FaultKind::kMotor);
+  EXPECT_EQ(partial.motor, 2U);
+  EXPECT_EQ(partial.factor, 0.6);
+  EXPECT_EQ(partial.end, Time{15'000'000});
+  EXPECT_EQ(parse_fault("motor9=1@0").factor, 1.0);
+  EXPECT_EQ(parse_fault("motor9=1@0").motor, 9U);
+  EXPECT_EQ(parse_fault("motor3_dead@1").factor, 0.0);
+}
+
+TEST(Fault, BadTextIsOneLineWithWhatIsAllowed) {
+  EXPECT_EQ(message_of("imu@"), "--fault imu@: found the time nothing, allowed seconds >= 0");
+  EXPECT_EQ(message_of("imu@-1"), "--fault imu@-1: found the time \"-1\", allowed seconds >= 0");
+  EXPECT_EQ(message_of("imu@5:0"),
+            "--fault imu@5:0: found the duration \"0\", allowed seconds > 0");
+  EXPECT_EQ(message_of("imu@5:"),
+            "--fault imu@5:: found the duration nothing, allowed seconds > 0");
+  EXPECT_EQ(message_of("imu@1e99"),
+            "--fault imu@1e99: found the time \"1e99\", allowed seconds >= 0");
+  EXPECT_EQ(message_of("imu"), "--fault imu: found no time, allowed WHAT@TIME[:DURATION]");
+  EXPECT_EQ(message_of("motor1=1.5@2"),
+            "--fault motor1=1.5@2: found the factor \"1.5\", allowed a number from 0 to 1");
+  EXPECT_EQ(message_of("motor1=nan@2"),
+            "--fault motor1=nan@2: found the factor \"nan\", allowed a number from 0 to 1");
+  EXPECT_EQ(
+      message_of("gyro@3"),
+      "--fault gyro@3: found \"gyro\", allowed imu, mag, baro, gnss, diff_pressure, range, "
+      "battery, "
+      "imu_nan, imu_stuck, rc_silence, rc_frame_loss, link_cut, motorN_dead, motorN_partial=FACTOR "
+      "(or motorN=FACTOR), N from 0 to 9");
+  for (const char* text : {"", "@", "@1", "motor@1", "motor_dead@1", "motor12_dead@1", "motor1@1",
+                           "IMU@1", "motor1_half=0.5@1", "motorX_dead@1"}) {
+    EXPECT_NE(message_of(text).find("allowed imu, mag"), std::string::npos) << text;
+    EXPECT_EQ(message_of(text).find('\n'), std::string::npos);
+  }
+}
+
+TEST(FaultSchedule, FaultsHoldFromTheirStartUpToTheirEnd) {
+  const FaultSchedule faults(
+      {parse_fault("baro@1:0.5"), parse_fault("baro@3"), parse_fault("mag@2:1")});
+  EXPECT_FALSE(faults.active(FaultKind::kBaro, ms(999)));
+  EXPECT_TRUE(faults.active(FaultKind::kBaro, ms(1000)));
+  EXPECT_TRUE(faults.active(FaultKind::kBaro, ms(1499)));
+  EXPECT_FALSE(faults.active(FaultKind::kBaro, ms(1500)));
+  EXPECT_TRUE(faults.active(FaultKind::kBaro, ms(1'000'000)));
+  EXPECT_FALSE(faults.active(FaultKind::kMag, ms(1000)));
+  EXPECT_TRUE(faults.active(FaultKind::kMag, ms(2000)));
+  EXPECT_FALSE(faults.active(FaultKind::kGnss, ms(2000)));
+  EXPECT_FALSE(FaultSchedule().active(FaultKind::kImu, ms(0)));
+}
+
+TEST(FaultSchedule, MotorFactorsMultiply) {
+  const FaultSchedule faults(
+      {parse_fault("motor1=0.5@1:2"), parse_fault("motor1=0.5@2"), parse_fault("motor2_dead@2:1")});
+  EXPECT_EQ(faults.thrust_factor(1, ms(500)), 1.0);
+  EXPECT_EQ(faults.thrust_factor(1, ms(1000)), 0.5);
+  EXPECT_EQ(faults.thrust_factor(1, ms(2000)), 0.25);
+  EXPECT_EQ(faults.thrust_factor(1, ms(3000)), 0.5);
+  EXPECT_EQ(faults.thrust_factor(2, ms(2500)), 0.0);
+  EXPECT_EQ(faults.thrust_factor(0, ms(2500)), 1.0);
+  EXPECT_EQ(FaultSchedule().thrust_factor(0, ms(0)), 1.0);
+}
+
+/// Everything new at every step; the IMU counts.
+class EagerSensors : public SensorsModule {
+ public:
+  void step(const Truth& truth, SensorSamples& s) override {
+    s.has_imu = s.has_mag = s.has_baro = s.has_diff_pressure = s.has_range = s.has_gnss =
+        s.has_battery = true;
+    ++count_;
+    s.imu.stamp = truth.time;
+    s.imu.gyro_rad_s = {count_, count_, count_};
+    s.imu.accel_m_s2 = {-count_, -count_, -count_};
+  }
+
+ private:
+  float count_{0.0F};
+};
+
+struct Sensing {
+  explicit Sensing(const char* fault) : faults{{parse_fault(fault)}} {}
+
+  const SensorSamples& at(std::int64_t t_ms) {
+    Truth truth;
+    truth.time = ms(t_ms);
+    faulty.step(truth, samples);
+    return samples;
+  }
+
+  FaultSchedule faults;
+  EagerSensors healthy;
+  FaultySensors faulty{healthy, faults};
+  SensorSamples samples;
+};
+
+TEST(FaultySensors, OnlyTheSensorNamedStopsAndComesBack) {
+  using Flag = bool SensorSamples::*;
+  const std::pair<const char*, Flag> sensors[]{
+      {"imu@1:1", &SensorSamples::has_imu},
+      {"mag@1:1", &SensorSamples::has_mag},
+      {"baro@1:1", &SensorSamples::has_baro},
+      {"gnss@1:1", &SensorSamples::has_gnss},
+      {"diff_pressure@1:1", &SensorSamples::has_diff_pressure},
+      {"range@1:1", &SensorSamples::has_range},
+      {"battery@1:1", &SensorSamples::has_battery}};
+  for (const auto& [fault, broken] : sensors) {
+    Sensing sensing(fault);
+    EXPECT_TRUE(sensing.at(0).*broken) << fault;
+    const SensorSamples during = sensing.at(1500);
+    for (const auto& [name, flag] : sensors)
+      EXPECT_EQ(during.*flag, flag != broken) << fault << name;
+    EXPECT_TRUE(sensing.at(2000).*broken) << fault;
+  }
+}
+
+TEST(FaultySensors, AStuckImuRepeatsItsLastGoodValuesUnderNewStamps) {
+  Sensing sensing("imu_stuck@1:1");
+  sensing.at(900);
+  const hal::ImuSample stuck = sensing.at(1000).imu;
+  EXPECT_EQ(stuck.gyro_rad_s[0], 1.0F);
+  EXPECT_EQ(stuck.accel_m_s2[2], -1.0F);
+  EXPECT_EQ(stuck.stamp, ms(1000));
+  EXPECT_EQ(sensing.at(1999).imu.gyro_rad_s[1], 1.0F);
+  EXPECT_EQ(sensing.at(2000).imu.gyro_rad_s[1], 4.0F);
+}
+
+TEST(FaultySensors, ANanImuIsNanAndNothingElse) {
+  Sensing sensing("imu_nan@1:1");
+  EXPECT_EQ(sensing.at(0).imu.gyro_rad_s[0], 1.0F);
+  const SensorSamples& during = sensing.at(1000);
+  EXPECT_TRUE(during.has_imu);
+  for (const float value : during.imu.gyro_rad_s) EXPECT_TRUE(std::isnan(value));
+  for (const float value : during.imu.accel_m_s2) EXPECT_TRUE(std::isnan(value));
+  EXPECT_EQ(during.imu.stamp, ms(1000));
+  EXPECT_EQ(sensing.at(2000).imu.gyro_rad_s[0], 3.0F);
+}
+
+class EagerRc : public RcModule {
+ public:
+  bool step(Time t, hal::RcFrame& frame) override {
+    frame = {};
+    frame.stamp = t;
+    return true;
+  }
+};
+
+TEST(FaultyRc, SilenceAndFrameLoss) {
+  const FaultSchedule faults({parse_fault("rc_silence@1:1"), parse_fault("rc_frame_loss@2:1")});
+  EagerRc healthy;
+  FaultyRc rc(healthy, faults);
+  hal::RcFrame frame;
+  EXPECT_TRUE(rc.step(ms(0), frame));
+  EXPECT_FALSE(frame.frame_lost);
+  EXPECT_FALSE(rc.step(ms(1500), frame));
+  EXPECT_TRUE(rc.step(ms(2000), frame));
+  EXPECT_TRUE(frame.frame_lost);
+  EXPECT_TRUE(rc.step(ms(3000), frame));
+  EXPECT_FALSE(frame.frame_lost);
+}
+
+}  // namespace
+}  // namespace rosflight::sim

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "firmware/hal/samples.hpp"
+
+/// The world's vocabulary. Double precision, SI. N = local north-east-down with its origin at the
+/// start point, B = body front-right-down at the centre of mass; q_NB takes B coordinates to N.
+namespace rosflight::sim {
+
+using hal::Time;
+using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
+using Quaternion = Eigen::Quaterniond;
+
+/// Motion of a rigid body.
+struct BodyState {
+  Vector3 p_N{Vector3::Zero()};  ///< Position [m].
+  Quaternion q_NB{Quaternion::Identity()};
+  Vector3 v_B{Vector3::Zero()};  ///< Velocity over ground, in body axes [m/s].
+  Vector3 w_B{Vector3::Zero()};  ///< Angular velocity [rad/s].
+};
+
+struct Wrench {
+  Vector3 force_B{Vector3::Zero()};   ///< [N]
+  Vector3 torque_B{Vector3::Zero()};  ///< About the centre of mass [N m].
+};
+
+/// Air at the vehicle.
+struct Air {
+  double density_kg_m3{1.225};
+  double pressure_Pa{101325.0};
+  double temperature_K{288.15};
+  Vector3 wind_N{Vector3::Zero()};  ///< Velocity of the air over ground [m/s].
+};
+
+inline constexpr std::size_t kMaxRotors = 10;
+
+/// All there is to know about the vehicle at one instant. Sensors, visualisers, logs read it.
+struct Truth {
+  Time time{};
+  BodyState body;
+  /// (All forces but gravity)/mass, ground included: what an accelerometer at the centre feels.
+  Vector3 specific_force_B{Vector3::Zero()};
+  /// Derivative of w_B [rad/s^2], gyroscopic part included.
+  Vector3 angular_acceleration_B{Vector3::Zero()};
+  Air air;        ///< At `body`; the wind is that of the step that led here.
+  Wrench wrench;  ///< Of the forces-and-moments module: without gravity and ground.
+  bool on_ground{true};
+  double battery_voltage_V{};
+  double battery_current_A{};
+  std::size_t rotor_count{};
+  std::array<double, kMaxRotors> rotor_speed_rad_s{};
+};
+
+/// Samples that became available in one step; a sensor that has nothing new is absent.
+struct SensorSamples {
+  bool has_imu{}, has_mag{}, has_baro{}, has_diff_pressure{}, has_range{}, has_gnss{},
+      has_battery{};
+  hal::ImuSample imu;
+  hal::MagSample mag;
+  hal::BaroSample baro;
+  hal::DiffPressureSample diff_pressure;
+  hal::RangeSample range;
+  hal::GnssSample gnss;
+  hal::BatterySample battery;
+};
+
+}  // namespace rosflight::sim

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/vehicle.hpp"
+
+#include <string>
+
+namespace rosflight::sim {
+namespace {
+
+constexpr int kLongestChain = 8;
+
+/// The file on top of all that it extends.
+config::Document read_chain(const std::filesystem::path& file, int depth) {
+  config::Document document = config::Document::from_file(file);
+  const config::Section root = document.root();
+  if (!root.has("extends")) return document;
+  if (depth == kLongestChain) {
+    throw root.error("extends", "a chain of more than " + std::to_string(kLongestChain) + " files",
+                     "a shorter one");
+  }
+  config::Document base = read_chain(root.directory() / root.text("extends"), depth + 1);
+  base.merge(document);
+  return base;
+}
+
+}  // namespace
+
+Vehicle Vehicle::from_file(const std::filesystem::path& file,
+                           const std::vector<std::string>& overrides) {
+  config::Document document = read_chain(file, 0);
+  document.remove("extends");  // done
+  for (const auto& assignment : overrides) document.set(assignment);
+  return Vehicle(std::move(document));
+}
+
+Vehicle::Vehicle(config::Document document)
+    : document_{std::move(document)},
+      root_{document_.root()},
+      type_{root_.text("type")},
+      body_{read_body(root_.section("body"))},
+      ground_{read_ground(root_.section("ground"))},
+      environment_{read_environment(root_.section("environment"))},
+      sensors_{root_.foreign_section("sensors")},
+      firmware_{root_.foreign_section("firmware")},
+      autonomy_{root_.foreign_section("autonomy")} {}
+
+}  // namespace rosflight::sim
