@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <string_view>
+
+/// How the FCU says that a calibration has ended: log lines that begin so, in any case of letters.
+/// All but the gyro's success are those of ROSflight 2.x; our firmware sends the same.
+namespace rosflight::companion {
+
+inline constexpr std::string_view kImuSuccess = "IMU offsets captured";
+inline constexpr std::string_view kImuMotion = "too much movement for IMU cal";
+inline constexpr std::string_view kImuLargeBias = "large accelerometer bias";
+inline constexpr std::string_view kGyroSuccess = "Gyro calibration complete";  ///< Ours only.
+inline constexpr std::string_view kGyroFailure = "gyro calibration failed";
+inline constexpr std::string_view kBaroSuccess = "Baro Cal successful!";
+inline constexpr std::string_view kBaroMotion = "too much movement for barometer cal";
+inline constexpr std::string_view kAirspeedSuccess = "Airspeed Cal Successful!";
+inline constexpr std::string_view kAirspeedMotion = "too much movement for diff pressure cal";
+
+/// ASCII case ignored.
+constexpr bool starts_with_text(std::string_view line, std::string_view prefix) {
+  constexpr auto kLower = [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  };
+  if (line.size() < prefix.size()) {
+    return false;
+  }
+  for (std::size_t i = 0; i < prefix.size(); ++i) {
+    if (kLower(line[i]) != kLower(prefix[i])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace rosflight::companion

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "companion/job.hpp"
+#include "companion/parameter_client.hpp"
+#include "companion/port.hpp"
+
+namespace rosflight::companion {
+
+struct CommandRule;
+
+struct CommandResult {
+  link::Command command{};
+  bool acknowledged{};   ///< The FCU said yes (a lost yes leaves this false in a job that is done
+                         ///< all the same).
+  std::string fcu_text;  ///< Its log line that decided the outcome, if one did.
+};
+
+/// Commands to the FCU, each a job that ends with the *outcome*, not with "sent":
+///
+/// - write, read, defaults, version, RC trim: the acknowledge. Sent again if it does not come, but
+/// for RC
+///   trim, which adds up.
+/// - calibrations: the FCU acknowledges the start; the end is known by its log line
+/// (calibration_texts.hpp)
+///   or, if that was lost or never sent (gyro of ROSflight 2.x), by biases that are new and not
+///   zero. When the time is up the biases are asked for before giving up.
+/// - reboot: the boot clock starts anew. Reboot to bootloader: silence, or a new start.
+///
+/// One job per command at a time; asking again while it runs gives a failed job.
+class CommandClient {
+ public:
+  struct Options {
+    Time ack_timeout{std::chrono::milliseconds{500}};
+    Time storage_timeout{
+        std::chrono::seconds{3}};  ///< Acknowledge of read and write; a card may take 1 s.
+    int attempts{6};               ///< Of what may be repeated.
+    /// From acknowledge to result: IMU 2.5 s at 400 Hz, barometer and airspeed 5.4 to 7.7 s.
+    Time calibration_timeout{std::chrono::seconds{20}};
+    Time reboot_timeout{std::chrono::seconds{15}};
+  };
+
+  CommandClient(const Options& options, Port& port, ParameterClient& parameters)
+      : options_(options), port_(port), parameters_(parameters) {}
+  ~CommandClient();
+  CommandClient(const CommandClient&) = delete;
+  CommandClient& operator=(const CommandClient&) = delete;
+
+  Job<CommandResult> start(link::Command command);
+
+  // For the session.
+  void received(const link::CommandAck& ack);
+  void received(const link::StatusText& line);
+  void received(const link::ParamValue& value);
+  void fcu_restarted();
+  void connection_lost();
+  void set_armed(bool armed) { armed_ = armed; }
+  void run(bool link_open);
+  Time next_due() const { return due_; }
+  bool idle() const { return pending_.empty(); }
+
+ private:
+  static constexpr std::size_t kMaxEvidence = 3;
+  enum class Phase : std::uint8_t { kAwaitAck, kAwaitResult, kLastLook };
+
+  struct Pending {
+    const CommandRule* rule{};
+    std::shared_ptr<JobRecord<CommandResult>> job;
+    Phase phase{Phase::kAwaitAck};
+    int attempts{0};
+    Time due{};
+    std::uint64_t parameter_revision{};
+    std::optional<Time>
+        good_until_contradicted;  ///< Success seen; done at this time unless a failure comes.
+    std::string good_text;
+    std::array<std::optional<ParameterValue>, kMaxEvidence> before;
+    std::array<std::optional<ParameterValue>, kMaxEvidence> latest;
+    bool ended{false};
+  };
+
+  void transmit(Pending& p);
+  void overdue(Pending& p);
+  void ask_for_evidence(Pending& p);
+  bool evidence_complete(const Pending& p) const;
+  void acknowledged(Pending& p);
+  void end(Pending& p, JobState state, const std::string& text);
+  void sweep();
+  Pending* find(link::Command command);
+
+  Options options_;
+  Port& port_;
+  ParameterClient& parameters_;
+  std::vector<Pending> pending_;
+  JobEnds ends_;
+  Time due_{kNever};
+  bool armed_{false};
+};
+
+}  // namespace rosflight::companion

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "companion/job.hpp"
+#include "companion/parameter_list.hpp"
+#include "companion/parameter_requests.hpp"
+#include "companion/parameter_results.hpp"
+#include "companion/parameter_table.hpp"
+#include "companion/port.hpp"
+
+namespace rosflight::companion {
+
+/// The FCU's parameters as seen from here: a mirror of its table, and jobs that read, set, load and
+/// save.
+class ParameterClient {
+ public:
+  struct Options {
+    bool automatic_list{true};  ///< Get the list by itself at each start of link or FCU.
+    ParameterList::Options list;
+    ParameterRequests::Options requests;
+    Time list_timeout{
+        std::chrono::seconds{30}};  ///< Of refresh() and save(), without any progress.
+  };
+
+  struct Counters {
+    std::uint64_t values{};     ///< PARAM_VALUE messages that fit the table.
+    std::uint64_t malformed{};  ///< Dropped: cannot be a parameter.
+    std::uint64_t foreign{};    ///< Dropped: belong to another table.
+  };
+
+  struct ListResult {
+    std::size_t received{};
+    std::size_t count{};
+  };
+
+  /// A set that took effect can be overwritten by a later one of the same file (a mixer choice
+  /// fills the matrix). If the first round set anything, the second therefore reads all again and
+  /// sets what did not stay; if there was such, the third decides.
+  static constexpr int kLoadRounds = 3;
+
+  ParameterClient(const Options& options, Port& port);
+  ~ParameterClient();
+  ParameterClient(const ParameterClient&) = delete;
+  ParameterClient& operator=(const ParameterClient&) = delete;
+
+  // The mirror.
+  const ParameterTable& table() const { return table_; }
+  bool complete() const { return table_.complete(); }
+  std::optional<ParameterValue> get(std::string_view name) const;
+  /// Some value changed since the last successful write command or start of the FCU.
+  bool unsaved() const { return changes_ != saved_changes_; }
+  const Counters& counters() const { return counters_; }
+  const ParameterList::Counters& list_counters() const { return list_.counters(); }
+
+  // Jobs. Each ends with a result or a time-out.
+  Job<ListResult> refresh();  ///< Reads the whole table again.
+  Job<ParameterResult> read(std::string_view name);
+  Job<ParameterResult> set(std::string_view name, double value);
+  /// Done if every entry is as wanted, failed if any is not; the report has them all.
+  Job<LoadReport> load(ParameterSet set);
+  /// As above from a file; a file with an error sets nothing and fails with the line to mend.
+  Job<LoadReport> load_file(const std::filesystem::path& path);
+  /// Writes all values, or only those that differ from `defaults` if given, as soon as the list is
+  /// complete. The file appears whole or not at all.
+  Job<ListResult> save_file(const std::filesystem::path& path, ParameterSet defaults = {});
+
+  // For the session.
+  void link_opened();
+  void connected(bool again);  ///< After a silence anything may have changed.
+  void fcu_restarted();  ///< Stored values are in force: forget, read anew, nothing is unsaved.
+  void start_list();
+  void received(const link::ParamValue& message);
+  void run(bool link_open);
+  Time next_due(bool link_open) const;
+  std::uint64_t revision() const { return changes_; }
+  /// A write command that was sent at `revision` succeeded.
+  void written(std::uint64_t revision);
+  /// A read command succeeded: the FCU has the stored values in force, the mirror does not.
+  void reloaded_from_storage();
+  void fail_all(const std::string& reason);
+  void set_firmware_version(std::string_view text) { firmware_version_ = text; }
+
+ private:
+  struct Load {
+    ParameterSet set;
+    std::shared_ptr<JobRecord<LoadReport>> job;
+    std::size_t open{0};
+    int round{1};
+    bool any_set{false};  ///< In this round.
+  };
+  struct Save {
+    std::filesystem::path path;
+    ParameterSet defaults;
+    std::shared_ptr<JobRecord<ListResult>> job;
+  };
+
+  void list_complete();
+  void write_save(const Save& save);
+  void request_entry(const std::shared_ptr<Load>& load, std::size_t entry);
+  void entry_ended(const std::shared_ptr<Load>& load, std::size_t entry,
+                   const ParameterResult& result);
+  void end_round(const std::shared_ptr<Load>& load);
+  void publish_unsaved();
+
+  Options options_;
+  Port& port_;
+  ParameterTable table_;
+  ParameterList list_;
+  ParameterRequests requests_;
+  JobEnds ends_;
+  std::vector<std::shared_ptr<JobRecord<ListResult>>> refreshes_;
+  std::vector<Save> saves_;
+  std::vector<std::shared_ptr<Load>> loads_;
+  Time list_progress_{};
+  std::uint64_t changes_{0};
+  std::uint64_t saved_changes_{0};
+  bool published_unsaved_{false};
+  bool saved_when_listed_{false};
+  int foreign_in_a_row_{0};
+  std::string firmware_version_;
+  Counters counters_;
+};
+
+}  // namespace rosflight::companion

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+
+#include "companion/parameter_table.hpp"
+#include "companion/port.hpp"
+
+namespace rosflight::companion {
+
+/// Gets the whole parameter table, whatever the link loses.
+///
+/// Asks for the list every `ask_period` until something comes (a new request makes the FCU begin
+/// again, so never later than that). When the flow has stopped for `stall`, or its last index has
+/// come, asks for what is missing, `window` indices at a time: the next batch when this one is
+/// answered or after `retry`, which doubles up to 3 s while nothing comes at all. Never gives up by
+/// itself.
+class ParameterList {
+ public:
+  struct Options {
+    Time ask_period{std::chrono::seconds{1}};
+    Time stall{std::chrono::milliseconds{250}};
+    Time retry{std::chrono::milliseconds{200}};
+    std::size_t window{16};
+  };
+
+  struct Counters {
+    std::uint64_t list_requests{};
+    std::uint64_t index_requests{};
+  };
+
+  ParameterList(const Options& options, const ParameterTable& table)
+      : options_(options), table_(table) {}
+
+  void start(Time now);
+  /// A value has been accepted into the table. @param newly_fresh  it filled a gap.
+  void received(std::size_t index, bool newly_fresh, Time now);
+  /// Sends what is due. Only call while the link is open.
+  void run(Port& port);
+
+  bool active() const { return phase_ != Phase::kIdle; }
+  Time next_due() const { return phase_ == Phase::kIdle ? kNever : due_; }
+  const Counters& counters() const { return counters_; }
+
+ private:
+  enum class Phase : std::uint8_t { kIdle, kAsking, kFlowing, kFilling };
+
+  void ask_for_missing(Port& port);
+
+  Options options_;
+  const ParameterTable& table_;
+  Phase phase_{Phase::kIdle};
+  Time due_{kNever};
+  Time retry_{};
+  std::size_t waiting_for_{0};  ///< Answers of the batch still to come.
+  std::size_t cursor_{0};
+  bool progress_{false};
+  Counters counters_;
+};
+
+}  // namespace rosflight::companion

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "companion/parameter.hpp"
+#include "link/messages.hpp"
+
+namespace rosflight::companion {
+
+/// The FCU's parameter table as far as it is known. An entry is its index; name and type belong to
+/// it.
+///
+/// Sized by the first count it sees. A PARAM_VALUE that does not fit (other count, index past the
+/// end, other name or type than the index had before, a name that stands elsewhere) is foreign: it
+/// changes nothing.
+class ParameterTable {
+ public:
+  enum class Update : std::uint8_t {
+    kMalformed,  ///< No parameter can look like this: count 0, bad type, bad name, index >= count.
+    kForeign,    ///< Fits another table than this one.
+    kNew,        ///< First value of this index.
+    kSame,
+    kChanged
+  };
+
+  struct Entry {
+    link::ParamName name{};
+    ParameterValue value{};
+    bool known{false};  ///< Seen at least once.
+    bool fresh{false};  ///< Seen since the last forget() or age().
+  };
+
+  struct Result {
+    Update update{};
+    ParameterValue old_value{};  ///< With kChanged.
+  };
+
+  Result accept(const link::ParamValue& message);
+
+  void forget();  ///< Another FCU, or the same started anew: nothing is known.
+  void age();     ///< All values may be old: nothing is fresh.
+
+  std::size_t count() const { return entries_.size(); }  ///< 0 until the first value.
+  std::size_t known() const { return known_; }
+  std::size_t fresh() const { return fresh_; }
+  bool complete() const { return !entries_.empty() && known_ == entries_.size(); }
+  bool all_fresh() const { return !entries_.empty() && fresh_ == entries_.size(); }
+
+  const Entry& operator[](std::size_t index) const { return entries_[index]; }
+  /// Index of a known entry.
+  std::optional<std::size_t> find(std::string_view name) const;
+  std::optional<std::size_t> find(const link::ParamName& name) const;
+  /// First index at or after `from` that is not fresh.
+  std::optional<std::size_t> next_missing(std::size_t from) const;
+
+  /// All known values, sorted by name.
+  ParameterSet values() const;
+
+ private:
+  std::vector<Entry> entries_;
+  std::size_t known_{0};
+  std::size_t fresh_{0};
+};
+
+}  // namespace rosflight::companion
