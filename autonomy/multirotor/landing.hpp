@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "autonomy/multirotor/types.hpp"
+
+namespace rosflight::autonomy {
+
+struct LandingConfig {
+  double speed_m_s{1.0};             ///< Descent above slow_height_m.
+  double touchdown_speed_m_s{0.35};  ///< Descent at the height of the start, and below it.
+  double slow_height_m{1.5};         ///< Above the start; from here on it slows down.
+  double acceleration_m_s2{1.0};     ///< Of the descent as it begins.
+  double contact_s{0.4};  ///< Sinking too slowly for this long means there may be ground.
+  double unload_s{1.0};   ///< Time from hover thrust to none while probing the ground.
+};
+
+/// Brings the vehicle down without knowing where the ground is, and tells when it stands.
+///
+/// Descend: down velocity as above. If the vehicle sinks at less than 0.4 of the commanded speed
+/// for contact_s while the thrust is below that of hovering, it probably stands. Unload: level,
+/// thrust ramped down. If it then sinks faster than 0.4 m/s it was no ground, and the descent goes
+/// on; if the thrust has fallen to a fifth of hovering and nothing moved for 0.3 s, it has touched
+/// down.
+///
+/// The thrust of hovering is what the vehicle was commanded in flight, averaged over 2 s, so
+/// neither its mass nor a tired battery matters.
+class Landing {
+ public:
+  struct Input {
+    double dt_s{};
+    double down_speed_m_s{};
+    double height_m{};  ///< Above the place of take-off.
+    double thrust_N{};  ///< Commanded in the step before.
+    double hover_thrust_N{};
+  };
+  struct Output {
+    bool unloading{};
+    double down_speed_m_s{};  ///< Command while descending.
+    double thrust_N{};        ///< Command while unloading.
+    bool touched{};
+  };
+
+  Landing() = default;
+  explicit Landing(const LandingConfig& config) : config_(config) {}
+  void start();
+  Output step(const Input& in);
+
+ private:
+  double descent_speed(double height_m) const;
+
+  LandingConfig config_{};
+  double since_start_s_{};
+  double slow_s_{};   ///< How long it has been sinking too slowly.
+  double still_s_{};  ///< How long it has stood still without thrust.
+  double thrust_N_{};
+  bool unloading_{false};
+};
+
+}  // namespace rosflight::autonomy
