@@ -1,0 +1,343 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reads a log of log_sample with the mcap and mcap-ros2-support packages (Foxglove's own readers) and compares
+every field of every channel with the literals in log_sample.cpp.
+
+ROSFLIGHT_BUILD names the build directory (default: build/release).
+"""
+
+import hashlib
+import math
+import os
+import pathlib
+import struct
+import subprocess
+
+import pytest
+from mcap.reader import NonSeekingReader, make_reader
+from mcap_ros2._dynamic import serialize_dynamic
+from mcap_ros2.decoder import DecoderFactory
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BUILD = ROOT / os.environ.get("ROSFLIGHT_BUILD", "build/release")
+SAMPLE = BUILD / "log" / "log_sample"
+EPOCH_S = 1_767_225_600  # 2026-01-01T00:00:00Z
+
+
+def f32(value):
+    """The double that a float32 holds."""
+    return struct.unpack("f", struct.pack("f", value))[0]
+
+
+def ramp(first, step, count):
+    return [first + k * step for k in range(count)]
+
+
+def header(seconds, frame=""):
+    return {"stamp": stamp(seconds), "frame_id": frame}
+
+
+def stamp(seconds):
+    microseconds = round(seconds * 1e6)
+    return {"sec": EPOCH_S + microseconds // 1_000_000, "nanosec": microseconds % 1_000_000 * 1000}
+
+
+def xyz(x, y, z):
+    return {"x": x, "y": y, "z": z}
+
+
+def xyzw(x, y, z, w):
+    return {"x": x, "y": y, "z": z, "w": w}
+
+
+NO_COVARIANCE = [0.0] * 9
+
+
+def imu(seconds, q, first_covariance, gyro, accel):
+    return {
+        "header": header(seconds, "body"),
+        "orientation": xyzw(*q),
+        "orientation_covariance": [first_covariance] + [0.0] * 8,
+        "angular_velocity": xyz(*gyro),
+        "angular_velocity_covariance": NO_COVARIANCE,
+        "linear_acceleration": xyz(*accel),
+        "linear_acceleration_covariance": NO_COVARIANCE,
+    }
+
+
+def sensor_range(seconds, kind, view, low, high, value):
+    return {
+        "header": header(seconds, "body"), "radiation_type": kind, "field_of_view": f32(view), "min_range": low,
+        "max_range": high, "range": value, "variance": 0.0,
+    }
+
+
+def text(seconds, level, source, message):
+    return {
+        "stamp": stamp(seconds), "level": level, "name": source, "msg": message, "file": "", "function": "",
+        "line": 0,
+    }
+
+
+# topic -> (type, [(log time in s, message), ...]); every message log_sample writes.
+EXPECTED = {
+    "/imu/data": ("sensor_msgs/msg/Imu", [
+        (1.000, imu(0.900001, (0.0, 0.0, 0.0, 1.0), -1.0, (0.125, -0.25, 0.375), (1.5, -2.5, -9.75))),
+        (1.002, imu(0.903003, (-0.5, 0.5, 0.5, 0.5), 0.0, (-0.125, 0.5, 0.0625), (0.5, 0.25, -9.5))),
+    ]),
+    "/imu/temperature": ("sensor_msgs/msg/Temperature", [
+        (1.000, {"header": header(0.900001, "body"), "temperature": f32(300.15) - 273.15, "variance": 0.0}),
+        (1.002, {"header": header(0.903003, "body"), "temperature": f32(301.15) - 273.15, "variance": 0.0}),
+    ]),
+    "/attitude": ("rosflight_msgs/msg/Attitude", [
+        (1.001, {"header": header(0.902, "NED"), "attitude": xyzw(-0.5, 0.5, 0.5, 0.5),
+                 "angular_velocity": xyz(f32(0.01), f32(0.02), f32(0.03))}),
+    ]),
+    "/attitude/euler": ("geometry_msgs/msg/Vector3Stamped", [
+        (1.001, {"header": header(0.902, "NED"), "vector": xyz(0.0, math.pi / 2, 0.0)}),
+    ]),
+    "/link/heartbeat": ("rosflight_log_msgs/msg/Heartbeat", [
+        (1.003, {"header": header(1.003), "direction": 0, "vehicle_type": 2}),
+        (2.000, {"header": header(2.000), "direction": 1, "vehicle_type": 0}),
+    ]),
+    "/link/time_sync": ("rosflight_log_msgs/msg/TimeSync", [
+        (1.004, {"header": header(1.004), "direction": 0, "tc1": 123456789012, "ts1": -5}),
+        (2.001, {"header": header(2.001), "direction": 1, "tc1": 0, "ts1": 987654321}),
+    ]),
+    "/link/param_value": ("rosflight_log_msgs/msg/ParamValue", [
+        (1.005, {"header": header(1.005), "name": "RC_ATT_OVRD_CHN_", "type": 6, "value": -2.0,
+                 "bits": 0xFFFFFFFE, "index": 332, "count": 333}),
+        (1.006, {"header": header(1.006), "name": "PID_ROLL_RATE_P", "type": 9, "value": f32(0.07),
+                 "bits": struct.unpack("I", struct.pack("f", 0.07))[0], "index": 17, "count": 333}),
+    ]),
+    "/link/command_ack": ("rosflight_log_msgs/msg/CommandAck", [
+        (1.007, {"header": header(1.007), "command": 6, "success": True}),
+    ]),
+    "/magnetometer": ("sensor_msgs/msg/MagneticField", [
+        (1.008, {"header": header(1.008, "body"), "magnetic_field": xyz(f32(2.5e-5), f32(-1.25e-5), f32(4.5e-5)),
+                 "magnetic_field_covariance": NO_COVARIANCE}),
+    ]),
+    "/baro": ("rosflight_msgs/msg/Barometer", [
+        (1.009, {"header": header(1.009), "altitude": 123.5, "pressure": 99876.5, "temperature": 299.25}),
+    ]),
+    "/airspeed": ("rosflight_msgs/msg/Airspeed", [
+        (1.010, {"header": header(1.010), "velocity": -3.5, "differential_pressure": -7.5, "temperature": 298.5}),
+    ]),
+    "/range": ("sensor_msgs/msg/Range", [
+        (1.011, sensor_range(1.011, 0, 1.0472, 0.25, 8.0, 1.25)),
+        (1.012, sensor_range(1.012, 1, 0.0349066, 0.125, 40.0, 11.5)),
+    ]),
+    "/rc_raw": ("rosflight_msgs/msg/RCRaw", [
+        (1.013, {"header": header(1.013), "values": ramp(1000, 25, 8)}),
+    ]),
+    "/output_raw": ("rosflight_msgs/msg/OutputRaw", [
+        (1.014, {"header": header(1.014), "values": ramp(-0.5, 0.125, 14)}),
+    ]),
+    "/status": ("rosflight_msgs/msg/Status", [
+        (1.015, {"header": header(1.015), "armed": True, "failsafe": False, "rc_override": 0x0241, "offboard": True,
+                 "control_mode": 2, "error_code": 0x24, "num_errors": -3, "loop_time_us": 245}),
+    ]),
+    "/version": ("std_msgs/msg/String", [(1.016, {"data": "v2.0.1-3-gabc"})]),
+    "/status/rosflight_errors": ("rosflight_msgs/msg/Error", [
+        (1.017, {"header": header(1.017), "error_message": "The flight controller crashed and restarted",
+                 "error_code": 0x1234, "reset_count": 3, "rearm": True, "pc": 0x08001234}),
+    ]),
+    "/gnss": ("rosflight_msgs/msg/GNSS", [
+        (1.018, {"header": header(1.0185, "NED"), "fix_type": 3, "num_sat": 14, "lat": 40.267123456789,
+                 "lon": -111.635987654321, "alt": 1387.5, "horizontal_accuracy": 0.5, "vertical_accuracy": 0.875,
+                 "vel_n": 1.5, "vel_e": -2.25, "vel_d": 0.75, "speed_accuracy": 0.0625,
+                 "gnss_unix_seconds": 1767225612, "gnss_unix_nanos": 345678901}),
+    ]),
+    "/battery": ("rosflight_msgs/msg/BatteryStatus", [
+        (1.019, {"header": header(1.019), "voltage": 14.75, "current": 21.5}),
+    ]),
+    "/rosout": ("rcl_interfaces/msg/Log", [
+        (1.020, text(1.020, 30, "fcu", "RC lost ä ?")),
+        (1.021, text(1.021, 50, "fcu", "Hard fault")),
+        (3.003, text(3.003, 40, "autonomy", 'Waypoint 3 "north" not reached <&>')),
+    ]),
+    "/link/param_request_read": ("rosflight_log_msgs/msg/ParamRequestRead", [
+        (2.002, {"header": header(2.002), "target_system": 7, "index": -1, "name": "FILT_GYRO"}),
+    ]),
+    "/link/param_request_list": ("rosflight_log_msgs/msg/ParamRequestList", [
+        (2.003, {"header": header(2.003), "target_system": 9}),
+    ]),
+    "/link/param_set": ("rosflight_log_msgs/msg/ParamSet", [
+        (2.004, {"header": header(2.004), "target_system": 1, "name": "ARM_THRESHOLD", "type": 9,
+                 "value": f32(0.15), "bits": struct.unpack("I", struct.pack("f", 0.15))[0]}),
+        (2.005, {"header": header(2.005), "target_system": 1, "name": "BAD_TYPE", "type": 3, "value": math.nan,
+                 "bits": 77}),
+    ]),
+    "/command": ("rosflight_msgs/msg/Command", [
+        (2.006, {"header": header(2.006), "mode": 2, "ignore": 0x3C1, "u": ramp(-1.0, 0.25, 10)}),
+    ]),
+    "/aux_command": ("rosflight_msgs/msg/AuxCommand", [
+        (2.007, {"header": header(2.007), "type_array": bytes(range(14)), "values": ramp(1.0, -0.125, 14)}),
+    ]),
+    "/external_attitude": ("rosflight_msgs/msg/Attitude", [
+        (2.008, {"header": header(2.008, "NED"), "attitude": xyzw(0.125, -0.25, 0.5, 0.75),
+                 "angular_velocity": xyz(0.0, 0.0, 0.0)}),
+    ]),
+    "/link/command_request": ("rosflight_log_msgs/msg/CommandRequest", [
+        (2.009, {"header": header(2.009), "command": 10}),
+    ]),
+    "/link/raw": ("rosflight_log_msgs/msg/RawFrame", [
+        (2.500, {"header": header(2.500), "direction": 1, "data": bytes([0xFE, 0x00, 0x7F, 0x80, 0xFF])}),
+    ]),
+    "/sim/truth_state": ("rosflight_msgs/msg/SimState", [
+        (3.000, {"header": header(3.000, "NED"),
+                 "pose": {"position": xyz(1.5, -2.5, -10.25), "orientation": xyzw(0.5, 0.5, 0.5, 0.5)},
+                 "twist": {"linear": xyz(3.5, 0.25, -0.125), "angular": xyz(0.1, 0.2, 0.3)},
+                 # Specific force plus gravity, which points along body y in this attitude.
+                 "acceleration": {"linear": xyz(0.5, -1.5 + 9.80665, -9.0), "angular": xyz(4.5, 5.5, 6.5)}}),
+    ]),
+    "/sim/truth_wind": ("geometry_msgs/msg/Vector3Stamped", [
+        (3.000, {"header": header(3.000, "NED"), "vector": xyz(2.0, -1.0, 0.5)}),
+    ]),
+    "/sim/forces_and_moments": ("geometry_msgs/msg/WrenchStamped", [
+        (3.000, {"header": header(3.000, "body"),
+                 "wrench": {"force": xyz(10.5, 20.5, -30.5), "torque": xyz(0.5, 0.25, -0.125)}}),
+    ]),
+    "/sim/pwm_output": ("rosflight_msgs/msg/PwmOutput", [
+        (3.000, {"header": header(3.000, "body"), "values": [1000] + ramp(1000, 125, 8) + [2000] * 5}),
+    ]),
+    "/sim/truth_vehicle": ("rosflight_log_msgs/msg/TruthVehicle", [
+        (3.000, {"header": header(3.000, "body"), "outputs": ramp(-0.125, 0.125, 14),
+                 "rotor_speed": ramp(400.0, 10.5, 4), "battery_voltage": 15.25, "battery_current": 33.5,
+                 "on_ground": False, "specific_force": xyz(0.5, -1.5, -9.0), "air_density": 1.1875,
+                 "air_pressure": 98765.25, "air_temperature": 287.5}),
+    ]),
+    "/trajectory_command": ("roscopter_msgs/msg/TrajectoryCommand", [
+        (3.001, {"header": header(3.001, "NED"), "position": [1.5, 2.5, -3.5], "velocity": [0.5, 0.25, 0.125],
+                 "acceleration": [-0.5, -0.25, 9.5], "psi": 1.25, "psi_dot": -0.75, "psi_dot_dot": 0.625}),
+    ]),
+    "/autonomy/phase": ("rosflight_log_msgs/msg/Phase", [
+        (3.002, {"header": header(3.002), "name": "climb"}),
+    ]),
+    "/parameters": ("rosflight_log_msgs/msg/Parameter", [
+        (3.004, {"header": header(3.004), "name": "BATT_VOLT_MAX", "type": 9, "value": 23.5}),
+    ]),
+}
+
+
+def plain(message):
+    """A decoded message as dictionaries and lists."""
+    if hasattr(message, "__slots__"):
+        return {name: plain(getattr(message, name)) for name in message.__slots__}
+    if isinstance(message, (list, tuple)):
+        return [plain(item) for item in message]
+    return message
+
+
+def same(found, expected):
+    if isinstance(expected, dict):
+        return found.keys() == expected.keys() and all(same(found[k], expected[k]) for k in expected)
+    if isinstance(expected, list):
+        return len(found) == len(expected) and all(map(same, found, expected))
+    if isinstance(expected, float) and not math.isnan(expected):
+        # Sums such as specific force + gravity may differ from ours in the last bits.
+        return math.isclose(found, expected, rel_tol=1e-15, abs_tol=1e-15)
+    return found == expected or (found != found and expected != expected)
+
+
+def write(path, *arguments):
+    return subprocess.run([SAMPLE, path, *arguments], check=True, capture_output=True, text=True).stdout.split()
+
+
+@pytest.fixture(scope="module")
+def sample(tmp_path_factory):
+    path = tmp_path_factory.mktemp("log") / "sample.mcap"
+    printed = write(path)
+    return path, printed
+
+
+READERS = [make_reader, NonSeekingReader]
+
+
+@pytest.mark.parametrize("reader", READERS)
+def test_every_field_of_every_channel(sample, reader):
+    found = {}
+    with open(sample[0], "rb") as stream:
+        messages = reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
+        for schema, channel, message, decoded in messages.iter_decoded_messages():
+            assert (schema.encoding, channel.message_encoding) == ("ros2msg", "cdr")
+            assert message.publish_time == message.log_time
+            of_topic = found.setdefault(channel.topic, (schema.name, []))
+            assert message.sequence == len(of_topic[1])
+            of_topic[1].append((message.log_time, plain(decoded)))
+    assert found.keys() == EXPECTED.keys()
+    for topic, (schema_name, expected) in EXPECTED.items():
+        assert found[topic][0] == schema_name
+        assert len(found[topic][1]) == len(expected), topic
+        for (log_time, message), (seconds, wanted) in zip(found[topic][1], expected):
+            assert log_time == EPOCH_S * 10**9 + round(seconds * 1000) * 10**6, topic
+            assert same(message, wanted), f"{topic}:\n{message}\n{wanted}"
+
+
+def test_every_message_has_exactly_the_bytes_of_its_schema(sample):
+    """Decoders do not mind bytes left over; writing the decoded message again does."""
+    with open(sample[0], "rb") as stream:
+        reader = make_reader(stream, decoder_factories=[DecoderFactory()])
+        for schema, channel, message, decoded in reader.iter_decoded_messages():
+            encode = serialize_dynamic(schema.name, schema.data.decode())[schema.name]
+            assert encode(decoded) == message.data, channel.topic
+
+
+def test_attachment_metadata_and_statistics(sample):
+    path, printed = sample
+    with open(path, "rb") as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        assert reader.get_header().profile == "ros2"
+        attachments = list(reader.iter_attachments())
+        metadata = {record.name: record.metadata for record in reader.iter_metadata()}
+        summary = reader.get_summary()
+    assert [(a.name, a.media_type, a.data) for a in attachments] == [
+        ("vehicle.yaml", "application/yaml", "mass_kg: 3.5  # ä\n".encode())]
+    assert metadata == {
+        "flight": {"vehicle": "quadrotor", "seed": "42"},
+        "parameters": {"BATT_VOLT_MAX": "23.5", "RC_ATT_OVRD_CHN": "5"},
+    }
+    statistics = summary.statistics
+    count = sum(len(messages) for _, messages in EXPECTED.values())
+    assert statistics.message_count == count
+    assert statistics.channel_count == len(EXPECTED)
+    assert statistics.schema_count == len({name for name, _ in EXPECTED.values()})
+    assert (statistics.attachment_count, statistics.metadata_count) == (1, 2)
+    assert statistics.message_start_time == (EPOCH_S + 1) * 10**9
+    assert statistics.message_end_time == EPOCH_S * 10**9 + 3_004_000_000
+    by_topic = {channel.topic: statistics.channel_message_counts[id] for id, channel in summary.channels.items()}
+    assert by_topic == {topic: len(messages) for topic, (_, messages) in EXPECTED.items()}
+    assert printed == [str(path), hashlib.sha256(path.read_bytes()).hexdigest(), str(count),
+                       str(path.stat().st_size)]
+
+
+@pytest.mark.parametrize("compression", ["none", "zstd"])
+def test_many_chunks_can_be_searched_by_time_and_topic(tmp_path, compression):
+    path = tmp_path / "long.mcap"
+    steps = 8000  # 20 s at 400 Hz, some 7 MB.
+    write(path, compression, str(steps))
+    with open(path, "rb") as stream:
+        reader = make_reader(stream, validate_crcs=True, decoder_factories=[DecoderFactory()])
+        summary = reader.get_summary()
+        assert len(summary.chunk_indexes) > 3
+        assert summary.statistics.chunk_count == len(summary.chunk_indexes)
+        start = (EPOCH_S + 10) * 10**9
+        window = [
+            message.log_time
+            for _, channel, message in reader.iter_messages(
+                topics=["/sim/truth_wind"], start_time=start, end_time=start + 10**9)
+        ]
+    assert window == [start + 2_500_000 * k for k in range(400)]
+
+
+def test_the_same_flight_gives_the_same_bytes(tmp_path):
+    first = write(tmp_path / "a.mcap", "none", "500")
+    second = write(tmp_path / "b.mcap", "none", "500")
+    assert first[1:] == second[1:]
+    assert (tmp_path / "a.mcap").read_bytes() == (tmp_path / "b.mcap").read_bytes()
+
+
+def test_a_place_that_cannot_be_written_is_one_line(tmp_path):
+    path = tmp_path / "missing" / "x.mcap"
+    done = subprocess.run([SAMPLE, path], capture_output=True, text=True)
+    assert done.returncode == 2
+    assert done.stderr == f"{path}.part: cannot create: No such file or directory\n"
