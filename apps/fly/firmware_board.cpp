@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "apps/fly/firmware_board.hpp"
+
+namespace rosflight::apps {
+
+FirmwareBoard::FirmwareBoard(BoardSerial& serial) : serial_{serial} {}
+
+void FirmwareBoard::start(sim::Time t) {
+  boot(t);
+}
+
+void FirmwareBoard::boot(sim::Time t) {
+  boot_ = t;
+  board_.clock.set(hal::Time{0});
+  firmware_.reset();
+  codec_.emplace(link::MavlinkCodec::Identity{1, link::MavlinkCodec::kFcuComponent});
+  firmware_.emplace(board_.roles(serial_), *codec_);
+  firmware_->start();
+}
+
+void FirmwareBoard::restart(sim::Time t, bool in_flight_fault) {
+  if (in_flight_fault) {
+    firmware_->record_fault({0, 0, 0, 0, 0, 0, 0x0800'1234u, 0});
+  } else {
+    board_.backup.clear();
+  }
+  board_.outputs.disable();
+  boot(t);
+}
+
+const hal::OutputValues& FirmwareBoard::step(sim::Time t, const sim::SensorSamples& samples,
+                                             const hal::RcFrame* rc) {
+  board_.clock.set(board_time(t));
+  if (rc != nullptr) board_.receiver.put(*rc);
+  if (rc != nullptr || serial_.waiting()) firmware_->run();
+  const auto to_board_time = [this](auto sample) {
+    sample.stamp = board_time(sample.stamp);
+    return sample;
+  };
+  if (samples.has_imu) board_.imu.put(to_board_time(samples.imu));
+  if (samples.has_mag) board_.mag.put(to_board_time(samples.mag));
+  if (samples.has_baro) board_.baro.put(to_board_time(samples.baro));
+  if (samples.has_diff_pressure) board_.diff_pressure.put(to_board_time(samples.diff_pressure));
+  if (samples.has_range) board_.range.put(to_board_time(samples.range));
+  if (samples.has_gnss) board_.gnss.put(to_board_time(samples.gnss));
+  if (samples.has_battery) board_.battery.put(to_board_time(samples.battery));
+  firmware_->run();
+  if (board_.system.reset_requested()) {
+    board_.system.acknowledge_reset();
+    boot(t);
+  }
+  return board_.outputs.values();
+}
+
+}  // namespace rosflight::apps

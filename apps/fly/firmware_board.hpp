@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <optional>
+
+#include "firmware/boards/simulated/simulated_board.hpp"
+#include "firmware/core/firmware.hpp"
+#include "link/mavlink/mavlink_codec.hpp"
+#include "sim/modules.hpp"
+
+namespace rosflight::apps {
+
+/// A serial port that can say whether a pass of the main loop would find bytes.
+class BoardSerial : public hal::Serial {
+ public:
+  virtual bool waiting() = 0;
+
+ protected:
+  ~BoardSerial() = default;
+};
+
+/// The board module of the simulation: the real firmware in this process, on the board of memory.
+///
+/// A real main loop spins many times between two IMU samples. Here one pass runs with what came by
+/// radio and link, if anything did, and one with the sensors' samples: what a real one would have
+/// done, less the idle passes. A reboot that the firmware asks for happens at the end of the step:
+/// its clock starts at zero again, storage and backup memory stay.
+class FirmwareBoard final : public sim::BoardModule {
+ public:
+  /// @param serial  the wire to the companion; must outlive this.
+  explicit FirmwareBoard(BoardSerial& serial);
+
+  /// Powers up at time t.
+  void start(sim::Time t);
+  const hal::OutputValues& step(sim::Time t, const sim::SensorSamples& samples,
+                                const hal::RcFrame* rc) override;
+  bool armed() const override { return firmware_->state().armed(); }
+
+  /// Power fails and returns: a reboot that backup memory does not survive. `in_flight_fault`
+  /// leaves a crash record instead, as a fault handler would, and keeps backup memory.
+  void restart(sim::Time t, bool in_flight_fault);
+
+  const core::Firmware& firmware() const { return *firmware_; }
+  boards::SimulatedBoard& board() { return board_; }
+  sim::Time boot_time() const { return boot_; }
+
+ private:
+  void boot(sim::Time t);
+  hal::Time board_time(sim::Time t) const { return t - boot_; }
+
+  BoardSerial& serial_;
+  boards::SimulatedBoard board_;
+  std::optional<link::MavlinkCodec> codec_;
+  std::optional<core::Firmware> firmware_;
+  sim::Time boot_{};
+};
+
+}  // namespace rosflight::apps

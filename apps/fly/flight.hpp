@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "apps/fly/cable_ends.hpp"
+#include "apps/fly/firmware_board.hpp"
+#include "apps/fly/flight_director.hpp"
+#include "apps/fly/flight_setup.hpp"
+#include "sim/dynamics/rigid_body.hpp"
+#include "sim/faulty_modules.hpp"
+#include "sim/lock_step.hpp"
+#include "sim/sensors/standard_sensors.hpp"
+#include "sim/time_sources.hpp"
+
+namespace rosflight::apps {
+
+/// How well the vehicle followed what it was asked to.
+struct Tracking {
+  std::uint64_t count{};
+  double sum_sq_m2{};
+  double max_m{};
+  void add(double error_m) {
+    ++count;
+    sum_sq_m2 += error_m * error_m;
+    max_m = std::max(max_m, error_m);
+  }
+  double rms_m() const {
+    return count == 0 ? 0.0 : std::sqrt(sum_sq_m2 / static_cast<double>(count));
+  }
+};
+
+/// One flight, all of it in this process and in lock-step: world, board with the real firmware,
+/// cable, companion, autonomy, pilot. A function of the setup alone: the same setup gives the same
+/// bits.
+class Flight final : private sim::LockStepListener {
+ public:
+  static constexpr sim::Time kStep{2500};  ///< 400 Hz, the rate of the IMU.
+
+  /// @param setup  must outlive this.
+  explicit Flight(const FlightSetup& setup);
+
+  /// Sees every frame on the cable, or nullptr.
+  void set_tap(LinkTap* tap);
+  void add(sim::Visualiser& visualiser) { loop_.add(visualiser); }
+  /// Called at the beginning of each step, after the director; tests play their part here.
+  void set_script(std::function<void(Flight&, sim::Time)> script) { script_ = std::move(script); }
+  /// Puts something between the loop and the board, such as a meter; it must outlive the flight.
+  void replace_board(sim::BoardModule& board) { board_slot_.board = &board; }
+  /// Real time instead of as fast as possible.
+  void set_pace(sim::TimeSource& time) { time_.source = &time; }
+
+  void step() { loop_.step(); }
+  /// Steps until the director is finished.
+  void run() {
+    while (!director_.finished()) loop_.step();
+  }
+
+  sim::Time now() const { return loop_.now(); }
+  const FlightSetup& setup() const { return setup_; }
+  const sim::Truth& truth() const { return dynamics_.truth(); }
+  sim::RigidBody& dynamics() { return dynamics_; }
+  sim::ForcesAndMoments& forces() { return *forces_; }
+  FlightDirector& director() { return director_; }
+  const FlightDirector& director() const { return director_; }
+  FirmwareBoard& board() { return board_; }
+  const FirmwareBoard& board() const { return board_; }
+  companion::Session& session() { return session_; }
+  sim::rc::Pilot& pilot() { return pilot_; }
+  sim::SerialCable& cable() { return cable_; }
+  const autonomy::FlightOutput& autonomy() const { return manager_.output(); }
+  const Tracking& tracking() const { return tracking_; }
+  /// Motor output that holds the vehicle in the air, by the vehicle file's numbers.
+  double firmware_hover_output() const;
+
+ private:
+  /// Lets the pace be chosen after the loop was built.
+  struct SwitchableTime final : sim::TimeSource {
+    sim::TimeSource* source{};
+    sim::Time advance(sim::Time now) override { return source->advance(now); }
+  };
+
+  struct SwitchableBoard final : sim::BoardModule {
+    sim::BoardModule* board{};
+    const hal::OutputValues& step(sim::Time t, const sim::SensorSamples& samples,
+                                  const hal::RcFrame* rc) override {
+      return board->step(t, samples, rc);
+    }
+    bool armed() const override { return board->armed(); }
+  };
+
+  void before_step(sim::Time t) override;
+  void apply_faults(sim::Time t);
+
+  const FlightSetup& setup_;
+  sim::RandomSource random_;
+  std::unique_ptr<sim::ForcesAndMoments> forces_;
+  sim::RigidBody dynamics_;
+  sim::sensors::StandardSensors healthy_sensors_;
+  sim::FaultySensors sensors_;
+  sim::rc::Pilot pilot_;
+  sim::FaultyRc rc_;
+  sim::Time wire_time_{};
+  sim::SerialCable cable_;
+  BoardEnd board_end_;
+  CompanionEnd companion_end_;
+  FirmwareBoard board_;
+  SwitchableBoard board_slot_;
+  link::MavlinkCodec codec_;
+  companion::Session session_;
+  autonomy::FlightManager manager_;
+  FlightDirector director_;
+  sim::LockStepTime fast_;
+  SwitchableTime time_;
+  sim::LockStep loop_;
+  std::function<void(Flight&, sim::Time)> script_;
+  Tracking tracking_;
+  bool motor_faults_{false};
+};
+
+}  // namespace rosflight::apps

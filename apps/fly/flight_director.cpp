@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "apps/fly/flight_director.hpp"
+
+#include <fmt/format.h>
+
+namespace rosflight::apps {
+namespace {
+
+using autonomy::FlightEventType;
+using link::Severity;
+using sim::rc::Control;
+
+/// How long each stage may take before the flight has failed [s].
+double patience_s(Stage stage, double longest_flight_s) {
+  switch (stage) {
+    case Stage::kFly:
+      return longest_flight_s;
+    case Stage::kConfigure:
+    case Stage::kCalibrate:
+      return 30.0;
+    default:
+      return 15.0;
+  }
+}
+
+double seconds(sim::Time t) {
+  return static_cast<double>(t.count()) * 1e-6;
+}
+
+}  // namespace
+
+const char* stage_name(Stage stage) {
+  switch (stage) {
+    case Stage::kConnect:
+      return "connect";
+    case Stage::kConfigure:
+      return "configure";
+    case Stage::kCalibrate:
+      return "calibrate";
+    case Stage::kStore:
+      return "store";
+    case Stage::kArm:
+      return "arm";
+    case Stage::kFly:
+      return "fly";
+    case Stage::kDisarm:
+      return "disarm";
+    case Stage::kDone:
+      return "done";
+    case Stage::kFailed:
+      return "failed";
+  }
+  return "";
+}
+
+FlightDirector::FlightDirector(const DirectorConfig& config, companion::Session& session,
+                               sim::rc::Pilot& pilot, autonomy::FlightManager& manager)
+    : config_{config}, session_{session}, pilot_{pilot}, manager_{manager} {
+  session_.add(*this);
+  // The pilot holds the vehicle until the computer is ready.
+  pilot_.set_switch(Control::kAttitudeOverride, true);
+  pilot_.set_switch(Control::kThrottleOverride, true);
+  pilot_.set_switch(Control::kAttitudeMode, true);
+}
+
+FlightDirector::~FlightDirector() {
+  session_.remove(*this);
+}
+
+void FlightDirector::note(Severity severity, const char* source, const std::string& text) {
+  if (notify_) notify_({now_, source, severity, text});
+}
+
+void FlightDirector::enter(Stage stage) {
+  stage_ = stage;
+  entered_ = now_;
+  note(Severity::kInfo, "director", fmt::format("stage {}", stage_name(stage)));
+}
+
+void FlightDirector::fail(const std::string& why) {
+  failure_ = why;
+  stage_ = Stage::kFailed;
+  note(Severity::kError, "director", why);
+}
+
+void FlightDirector::on_event(const companion::Event& event) {
+  if (const auto* log = std::get_if<companion::LogEvent>(&event)) {
+    note(log->line.severity, "fcu", std::string{companion::text_of(log->line.text)});
+  } else if (const auto* link = std::get_if<companion::ConnectionEvent>(&event)) {
+    if (link->change == companion::ConnectionChange::kLost) {
+      note(Severity::kWarning, "companion", "link lost");
+    } else if (link->change == companion::ConnectionChange::kConnected) {
+      note(Severity::kInfo, "companion", "link up");
+    } else if (link->change == companion::ConnectionChange::kRestarted) {
+      note(Severity::kWarning, "companion", "firmware restarted");
+    }
+  }
+}
+
+void FlightDirector::step(sim::Time t, const sim::Truth& truth) {
+  now_ = t;
+  session_.step(t);
+  if (finished()) return;
+  if (seconds(now_ - entered_) > patience_s(stage_, config_.longest_flight_s)) {
+    fail(fmt::format("stage {} took longer than {:.0f} s", stage_name(stage_),
+                     patience_s(stage_, config_.longest_flight_s)));
+    return;
+  }
+  switch (stage_) {
+    case Stage::kConnect:
+      return connect();
+    case Stage::kConfigure:
+      return configure();
+    case Stage::kCalibrate:
+      return calibrate();
+    case Stage::kStore:
+      return store();
+    case Stage::kArm:
+      return arm();
+    case Stage::kFly:
+      return fly(truth);
+    case Stage::kDisarm:
+      return disarm();
+    case Stage::kDone:
+    case Stage::kFailed:
+      return;
+  }
+}
+
+void FlightDirector::connect() {
+  if (!session_.connected() || !session_.parameters().complete()) return;
+  load_ = session_.parameters().load(config_.firmware);
+  enter(Stage::kConfigure);
+}
+
+void FlightDirector::configure() {
+  if (load_.pending()) return;
+  if (!load_.result().ok()) {
+    for (const companion::ParameterResult& entry : load_.result().entries) {
+      if (!entry.ok()) return fail(fmt::format("firmware parameter {}", entry.text));
+    }
+    return fail(fmt::format("firmware parameters: {}", load_.text()));
+  }
+  command_ = session_.commands().start(link::Command::kAccelCalibration);
+  enter(Stage::kCalibrate);
+}
+
+void FlightDirector::calibrate() {
+  if (command_.pending()) return;
+  if (command_.failed()) return fail(fmt::format("IMU calibration: {}", command_.text()));
+  command_ = session_.commands().start(link::Command::kWriteParams);
+  enter(Stage::kStore);
+}
+
+void FlightDirector::store() {
+  if (command_.pending()) return;
+  if (command_.failed()) return fail(fmt::format("writing parameters: {}", command_.text()));
+  enter(Stage::kArm);
+}
+
+void FlightDirector::arm() {
+  const link::Status& status = session_.streams().status.value;
+  if (status.armed) {
+    armed_at_ = now_;
+    for (const Control c : {Control::kAttitudeOverride, Control::kThrottleOverride}) {
+      pilot_.set_switch(c, false);
+    }
+    note(Severity::kInfo, "pilot", "gives control to the companion");
+    countdown_ = 0;
+    grounded_since_ = heard_ = now_;
+    enter(Stage::kFly);
+    return;
+  }
+  if (status.error_code == 0) pilot_.set_switch(Control::kArm, true);
+}
+
+/// The safety pilot's throttle: up to hover while the computer flies, so that whoever loses the
+/// computer keeps the height.
+void FlightDirector::keep_thumb_ready(const sim::Truth& truth) {
+  constexpr double kHighEnough_m = 1.0;
+  constexpr double kSinking = 0.9;
+  const autonomy::Phase phase = manager_.output().phase;
+  const bool up = -truth.body.p_N.z() > kHighEnough_m && phase != autonomy::Phase::kLanded;
+  double wanted = up ? config_.hover_stick : 0.0;
+  if (phase == autonomy::Phase::kLanding) wanted *= kSinking;
+  if (static_cast<float>(wanted) == thumb_) return;
+  thumb_ = static_cast<float>(wanted);
+  pilot_.set(Control::kThrottle, thumb_);
+}
+
+/// A flight that cannot go on ends here: what a referee beside the field would see.
+void FlightDirector::watch_for_the_end(const sim::Truth& truth) {
+  constexpr double kLongestOnGround_s = 1.0;
+  constexpr double kLongestSilence_s = 10.0;
+  const autonomy::Phase phase = manager_.output().phase;
+  const bool in_air =
+      phase == autonomy::Phase::kPositionHold || phase == autonomy::Phase::kOffboard;
+  const double tilt_cosine = (truth.body.q_NB * sim::Vector3::UnitZ()).z();
+  constexpr double kOverturned = 0.3;
+  if (!truth.on_ground || (!in_air && tilt_cosine > kOverturned)) grounded_since_ = now_;
+  if (session_.connected()) heard_ = now_;
+  if (seconds(now_ - grounded_since_) > kLongestOnGround_s) return fail("came down in flight");
+  if (seconds(now_ - heard_) > kLongestSilence_s) return fail("link lost in flight");
+  if (disarmed_) return fail("disarmed in flight");
+}
+
+void FlightDirector::fly(const sim::Truth& truth) {
+  if (--countdown_ > 0) return;
+  countdown_ = config_.autonomy_every;
+  keep_thumb_ready(truth);
+  const link::Status& fcu = session_.streams().status.value;
+  autonomy::State state;
+  state.p_N = truth.body.p_N;
+  state.v_N = truth.body.q_NB * truth.body.v_B;
+  state.q_NB = truth.body.q_NB;
+  state.w_B = truth.body.w_B;
+  autonomy::Status status;
+  status.armed = fcu.armed;
+  status.offboard = fcu.offboard;
+  status.rc_override = fcu.rc_override;
+  status.battery_voltage_V = static_cast<double>(session_.streams().battery.value.voltage_V);
+  const autonomy::FlightOutput& output = manager_.step(seconds(now_), state, status);
+  take_events(output);
+  if (!mute_) {
+    link::OffboardControl command;
+    command.mode = static_cast<std::uint8_t>(output.command.mode);
+    command.ignore = output.command.ignore;
+    command.u = output.command.u;
+    static_cast<void>(session_.offboard().send(command));
+  }
+  if (output.request_disarm) {
+    pilot_.set_switch(Control::kArm, false);
+    enter(Stage::kDisarm);
+    return;
+  }
+  disarmed_ = !fcu.armed && now_ - entered_ > std::chrono::seconds(1);
+  watch_for_the_end(truth);
+}
+
+void FlightDirector::take_events(const autonomy::FlightOutput& output) {
+  for (std::size_t k = 0; k < output.event_count; ++k) {
+    const autonomy::FlightEvent& e = output.events[k];
+    switch (e.type) {
+      case FlightEventType::kPhase:
+        note(Severity::kInfo, "autonomy", fmt::format("phase {}", name(output.phase)));
+        break;
+      case FlightEventType::kWaypointReached:
+      case FlightEventType::kWaypointMissed: {
+        const bool reached = e.type == FlightEventType::kWaypointReached;
+        if (arrivals_.size() <= e.index) arrivals_.resize(e.index + 1);
+        arrivals_[e.index] = {reached, e.value, seconds(now_)};
+        note(reached ? Severity::kInfo : Severity::kWarning, "autonomy",
+             fmt::format("waypoint {} {} at {:.2f} m", e.index + 1, reached ? "reached" : "missed",
+                         e.value));
+        break;
+      }
+      case FlightEventType::kMissionDone:
+        note(Severity::kInfo, "autonomy", "mission done");
+        break;
+      case FlightEventType::kTakeoffFailed:
+        note(Severity::kError, "autonomy", "take-off failed");
+        break;
+      case FlightEventType::kPilotTookOver:
+        note(Severity::kWarning, "autonomy", "pilot took over");
+        break;
+      case FlightEventType::kPilotGaveBack:
+        note(Severity::kInfo, "autonomy", "pilot gave back");
+        break;
+      case FlightEventType::kStateLost:
+        note(Severity::kError, "autonomy", "state lost");
+        break;
+      case FlightEventType::kStateRegained:
+        note(Severity::kInfo, "autonomy", "state regained");
+        break;
+    }
+  }
+}
+
+void FlightDirector::disarm() {
+  if (session_.streams().status.value.armed) return;
+  disarmed_ = true;
+  enter(Stage::kDone);
+}
+
+}  // namespace rosflight::apps

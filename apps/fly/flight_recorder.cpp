@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "apps/fly/flight_recorder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace rosflight::apps {
+namespace {
+
+using report::Tone;
+
+double seconds(sim::Time t) {
+  return static_cast<double>(t.count()) * 1e-6;
+}
+
+report::Vec3 to_vec3(const sim::Vector3& v) {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
+report::Vec3 euler(const sim::Quaternion& q) {
+  const std::array<double, 3> e =
+      log::euler_angles({static_cast<float>(q.w()), static_cast<float>(q.x()),
+                         static_cast<float>(q.y()), static_cast<float>(q.z())});
+  return {static_cast<float>(e[0]), static_cast<float>(e[1]), static_cast<float>(e[2])};
+}
+
+Tone tone_of(link::Severity severity) {
+  switch (severity) {
+    case link::Severity::kCritical:
+    case link::Severity::kError:
+      return Tone::kBad;
+    case link::Severity::kWarning:
+      return Tone::kWarning;
+    default:
+      return Tone::kNote;
+  }
+}
+
+std::string error_names(std::uint16_t errors) {
+  struct Name {
+    core::Error bit;
+    const char* text;
+  };
+  constexpr std::array<Name, 8> kNames{{{core::Error::kInvalidMixer, "mixer"},
+                                        {core::Error::kImuNotResponding, "IMU silent"},
+                                        {core::Error::kRcLost, "RC lost"},
+                                        {core::Error::kUnhealthyEstimator, "estimator"},
+                                        {core::Error::kTimeGoingBackwards, "time"},
+                                        {core::Error::kUncalibratedImu, "uncalibrated"},
+                                        {core::Error::kBufferOverrun, "buffer"},
+                                        {core::Error::kInvalidFailsafe, "failsafe throttle"}}};
+  std::string text;
+  for (const Name& name : kNames) {
+    if ((errors & static_cast<std::uint16_t>(name.bit)) == 0) continue;
+    text += (text.empty() ? "" : ", ") + std::string{name.text};
+  }
+  return text;
+}
+
+}  // namespace
+
+FlightRecorder::FlightRecorder(Flight& flight, const std::filesystem::path& log_file)
+    : flight_{flight} {
+  const FlightSetup& setup = flight.setup();
+  log::FlightLog::Options options;
+  options.gravity_m_s2 = setup.vehicle.environment().gravity_m_s2;
+  options.epoch_ns =
+      static_cast<std::uint64_t>(setup.vehicle.environment().start_unix_s) * 1'000'000'000U;
+  const log::TextMap facts{{"vehicle", std::filesystem::path(setup.choice.vehicle).stem().string()},
+                           {"mission", std::filesystem::path(setup.mission_file).stem().string()},
+                           {"seed", std::to_string(setup.choice.seed)},
+                           {"state", "truth"}};
+  log_ = std::make_unique<log::FlightLog>(log_file, options, facts);
+  log_->attach("vehicle.yaml", "application/yaml", setup.vehicle.text());
+  log_->attach("mission.yaml", "application/yaml", setup.mission_text);
+  record_.motor_count = setup.rotors.rotors.size();
+  for (const autonomy::Waypoint& waypoint : setup.mission.waypoints) {
+    report::Waypoint shown;
+    shown.p_N_m = {waypoint.p_N.x(), waypoint.p_N.y(), waypoint.p_N.z()};
+    shown.heading_rad = waypoint.psi_rad;
+    shown.hold_s = waypoint.hold_s;
+    record_.waypoints.push_back(shown);
+  }
+  flight.set_tap(this);
+  flight.add(*this);
+}
+
+void FlightRecorder::on_frame(Direction direction, hal::Time t, const std::uint8_t* data,
+                              std::size_t size, bool taken) {
+  if (!taken) ++dropped_;
+  const bool down = direction == Direction::kToCompanion;
+  if (down && flight_.board().boot_time() != boot_) {
+    boot_ = flight_.board().boot_time();
+    log_->set_fcu_boot(boot_);
+  }
+  link::MavlinkCodec& codec = down ? from_board_ : from_companion_;
+  const link::Codec::Decoded decoded = codec.decode(data, size);
+  log_->write_link(down ? log::Direction::kFcuToCompanion : log::Direction::kCompanionToFcu, t,
+                   decoded.complete ? codec.message() : link::Message{}, {data, size});
+}
+
+void FlightRecorder::note(const DirectorNote& note) {
+  // What the firmware says before it knows its vehicle is no news.
+  const bool in_flight = flight_.director().stage() >= Stage::kFly;
+  if (in_flight && note.severity == link::Severity::kWarning) ++warnings_;
+  if (in_flight && note.severity < link::Severity::kWarning) ++errors_;
+  record_.add_event(seconds(note.t), tone_of(note.severity), note.source, note.text);
+  if (note.source != "fcu") log_->write_event(note.t, note.severity, note.source, note.text);
+}
+
+void FlightRecorder::log_autonomy(sim::Time t) {
+  if (flight_.director().stage() != Stage::kFly) return;
+  const autonomy::FlightOutput& output = flight_.autonomy();
+  if (output.phase != last_phase_) {
+    last_phase_ = output.phase;
+    log_->write_phase(t, autonomy::name(output.phase));
+  }
+  constexpr double kInterval_s = 0.0099;  // autonomy runs at 100 Hz
+  if (seconds(t) - last_setpoint_s_ < kInterval_s) return;
+  last_setpoint_s_ = seconds(t);
+  const autonomy::Trajectory& s = output.setpoint;
+  log_->write_setpoint(
+      t, {to_vec3(s.p_N), to_vec3(s.v_N), to_vec3(s.a_N), static_cast<float>(s.psi_rad),
+          static_cast<float>(s.psi_dot_rad_s), static_cast<float>(s.psi_ddot_rad_s2)});
+}
+
+void FlightRecorder::step(const sim::Truth& truth, const hal::OutputValues& outputs) {
+  log_->write_truth(truth, outputs);
+  log_autonomy(truth.time);
+  if (record_.wants(seconds(truth.time))) add_sample(truth, outputs);
+  follow_states(seconds(truth.time));
+}
+
+void FlightRecorder::add_sample(const sim::Truth& truth, const hal::OutputValues& outputs) {
+  report::Sample sample;
+  sample.t_s = seconds(truth.time);
+  sample.p_N_m = to_vec3(truth.body.p_N);
+  sample.v_N_m_s = to_vec3(truth.body.q_NB * truth.body.v_B);
+  sample.attitude_rad = euler(truth.body.q_NB);
+  sample.rates_rad_s = to_vec3(truth.body.w_B);
+  const core::AttitudeEstimate& estimate = flight_.board().firmware().estimator().estimate();
+  sample.estimate_rad = {estimate.roll_rad, estimate.pitch_rad, core::yaw_of(estimate.q_NB)};
+  const core::CommandVector& command = flight_.board().firmware().command().combined();
+  if (flight_.board().armed()) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (command.type[3 + k] == core::CommandType::kAngle) {
+        sample.attitude_command_rad[k] = command.value[3 + k];
+      } else if (command.type[3 + k] == core::CommandType::kRate) {
+        sample.rate_command_rad_s[k] = command.value[3 + k];
+      }
+    }
+  }
+  const autonomy::FlightOutput& output = flight_.autonomy();
+  if (flight_.director().stage() == Stage::kFly && output.tracking) {
+    sample.setpoint_N_m = to_vec3(output.setpoint.p_N);
+  }
+  for (std::size_t k = 0; k < std::min(record_.motor_count, report::kMaxMotors); ++k) {
+    sample.motors[k] = outputs[flight_.setup().rotors.rotors[k].output];
+  }
+  for (std::size_t k = 0; k < std::min(truth.rotor_count, report::kMaxMotors); ++k) {
+    sample.rotors_rad_s[k] = static_cast<float>(truth.rotor_speed_rad_s[k]);
+  }
+  sample.battery_V = static_cast<float>(truth.battery_voltage_V);
+  sample.battery_A = static_cast<float>(truth.battery_current_A);
+  record_.add(sample);
+}
+
+void FlightRecorder::follow_states(double t_s) {
+  const core::StateMachine& state = flight_.board().firmware().state();
+  const bool armed = state.armed();
+  if (state.failsafe()) {
+    record_.set_state("firmware", t_s, "failsafe", Tone::kBad);
+  } else if (state.state() == core::State::kCalibrating) {
+    record_.set_state("firmware", t_s, "calibrating", Tone::kNote);
+  } else {
+    record_.set_state("firmware", t_s, armed ? "armed" : "disarmed",
+                      armed ? Tone::kGood : Tone::kNeutral);
+  }
+  record_.set_state("errors", t_s, error_names(state.errors()), Tone::kBad);
+  const core::CommandManager& command = flight_.board().firmware().command();
+  const std::uint16_t primary = command.primary_entries() & 0x3FU;
+  const char* who = primary == 0 ? "companion" : (primary == 0x3F ? "pilot" : "shared");
+  record_.set_state("control", t_s, armed ? (state.failsafe() ? "failsafe" : who) : "",
+                    primary == 0 ? Tone::kGood : Tone::kWarning);
+  const Stage stage = flight_.director().stage();
+  const bool flying = stage == Stage::kFly;
+  record_.set_state("autonomy", t_s,
+                    flying ? autonomy::name(flight_.autonomy().phase) : stage_name(stage),
+                    flying ? Tone::kGood : Tone::kNeutral);
+}
+
+log::LogSummary FlightRecorder::close() {
+  flight_.set_tap(nullptr);
+  return log_->close();
+}
+
+}  // namespace rosflight::apps

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "apps/fly/flight_setup.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+
+#include "apps/project_root.hpp"
+#include "firmware/core/motor_model.hpp"
+#include "firmware/core/parameters.hpp"
+
+namespace rosflight::apps {
+namespace {
+
+using companion::ParameterValue;
+using config::Error;
+
+sim::Registry& fill(sim::Registry& registry, const FlightChoice& choice) {
+  sim::register_physics(registry);
+  for (const std::string& plugin : choice.plugins) registry.load_plugin(plugin);
+  registry.add_vehicles(project_root() / "vehicles");
+  return registry;
+}
+
+sim::Vehicle open_vehicle(sim::Registry& registry, const FlightChoice& choice) {
+  std::vector<std::string> overrides = choice.overrides;
+  for (std::string& text : overrides) {
+    constexpr std::string_view kPrefix = "vehicle.";
+    if (text.rfind(kPrefix, 0) == 0) text.erase(0, kPrefix.size());
+  }
+  if (choice.wind) {
+    for (std::string& text : wind_overrides(*choice.wind)) overrides.push_back(std::move(text));
+  }
+  return sim::Vehicle::from_file(fill(registry, choice).vehicle_file(choice.vehicle), overrides);
+}
+
+std::string find_mission(const std::string& name) {
+  const bool path = name.find('/') != std::string::npos || name.find(".yaml") != std::string::npos;
+  if (path) return name;
+  const std::filesystem::path folder = project_root() / "missions";
+  const std::filesystem::path file = folder / (name + ".yaml");
+  if (std::filesystem::exists(file)) return file.string();
+  std::vector<std::string> known;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == ".yaml") known.push_back(entry.path().stem().string());
+  }
+  std::sort(known.begin(), known.end());
+  throw Error(
+      fmt::format("mission: found '{}', allowed a file or {}", name, fmt::join(known, ", ")));
+}
+
+std::string read_text(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// The one propeller and motor that autonomy's thrust curve knows, in the air at the origin.
+autonomy::RotorData rotor_data(const sim::MultirotorParameters& rotors,
+                               const sim::EnvironmentParameters& environment) {
+  autonomy::RotorData data;
+  data.count = static_cast<int>(rotors.rotors.size());
+  data.thrust_coefficient = rotors.propeller.thrust[0];
+  data.torque_coefficient = rotors.propeller.torque[0];
+  data.diameter_m = rotors.propeller.diameter_m;
+  data.motor_constant = rotors.motor.torque_constant_Nm_A;
+  data.resistance_ohm = rotors.motor.resistance_ohm;
+  data.no_load_current_A = rotors.motor.no_load_current_A;
+  const sim::Battery battery(rotors.battery);
+  data.supply_voltage_V = battery.open_circuit_V(battery.initial_charge_As());
+  data.air_density_kg_m3 =
+      sim::Atmosphere(environment.atmosphere).at(environment.origin.height_m).density_kg_m3;
+  return data;
+}
+
+autonomy::AutonomyConfig read_autonomy_section(const sim::Vehicle& vehicle,
+                                               const sim::MultirotorParameters& rotors,
+                                               const companion::ParameterSet& firmware) {
+  autonomy::VehicleFacts facts;
+  facts.mass_kg = vehicle.body().mass_kg;
+  facts.gravity_m_s2 = vehicle.environment().gravity_m_s2;
+  facts.rotors = rotor_data(rotors, vehicle.environment());
+  facts.throttle.rc_max_thr = firmware_value(firmware, "RC_MAX_THR");
+  if (firmware_value(firmware, "USE_MOTOR_PARAM") != 0.0) {
+    core::MotorModel motor;
+    const auto f = [&firmware](const char* name) {
+      return static_cast<float>(firmware_value(firmware, name));
+    };
+    motor.resistance_ohm = f("MOTOR_RESISTANCE");
+    motor.kv_V_s_rad = f("MOTOR_KV");
+    motor.no_load_current_A = f("NO_LOAD_CURRENT");
+    motor.prop_diameter_m = f("PROP_DIAMETER");
+    motor.prop_ct = f("PROP_CT");
+    motor.prop_cq = f("PROP_CQ");
+    motor.full_voltage_V = f("BATT_VOLT_MAX");
+    motor.motor_count = static_cast<int>(firmware_value(firmware, "NUM_MOTORS"));
+    facts.throttle.firmware_max_thrust_N =
+        static_cast<double>(motor.max_thrust_N(static_cast<float>(facts.rotors.air_density_kg_m3)));
+  }
+  return autonomy::read_autonomy(vehicle.autonomy(), facts);
+}
+
+sim::FaultSchedule read_faults(const std::vector<std::string>& texts) {
+  std::vector<sim::Fault> faults;
+  for (const std::string& text : texts) faults.push_back(sim::parse_fault(text));
+  return sim::FaultSchedule(std::move(faults));
+}
+
+}  // namespace
+
+companion::ParameterSet read_firmware_parameters(const config::Section& section) {
+  companion::ParameterSet set;
+  for (const std::string& name : section.keys()) {
+    const std::size_t index = core::Parameters::find(core::padded_name(name.c_str()));
+    if (name.size() > link::kParamNameLength || index == core::kParamCount) {
+      throw section.error(name, section.raw(name), "the name of a firmware parameter");
+    }
+    const auto id = static_cast<core::Param>(index);
+    const core::ParamRow& row = core::Parameters::row(id);
+    const double number = section.number(name, config::Range::any());
+    const bool whole = row.type == link::ParamType::kInt32;
+    const bool fits = std::abs(number) < 2147483648.0;
+    const core::ParamValue value =
+        whole ? core::ParamValue{fits ? static_cast<std::int32_t>(number) : 0}
+              : core::ParamValue{static_cast<float>(number)};
+    if (!fits || (whole && number != std::trunc(number)) ||
+        !core::Parameters::in_range(id, value)) {
+      throw section.error(
+          name, section.raw(name),
+          fmt::format("{}{} to {}", whole ? "a whole number from " : "", row.min, row.max));
+    }
+    set.push_back({name, whole ? ParameterValue::of(value.i) : ParameterValue::of(value.f)});
+  }
+  return set;
+}
+
+double firmware_value(const companion::ParameterSet& set, const std::string& name) {
+  for (const companion::NamedValue& entry : set) {
+    if (entry.name == name) return entry.value.number();
+  }
+  const std::size_t index = core::Parameters::find(core::padded_name(name.c_str()));
+  const core::ParamRow& row = core::Parameters::row(static_cast<core::Param>(index));
+  return row.type == link::ParamType::kInt32 ? static_cast<double>(row.initial.i)
+                                             : static_cast<double>(row.initial.f);
+}
+
+sim::rc::ChannelMap channels_of(const companion::ParameterSet& firmware) {
+  using sim::rc::Control;
+  sim::rc::ChannelMap map;
+  const auto set = [&](Control control, const char* parameter) {
+    map[control] = static_cast<int>(firmware_value(firmware, parameter));
+  };
+  set(Control::kRoll, "RC_X_CHN");
+  set(Control::kPitch, "RC_Y_CHN");
+  set(Control::kThrottle, "RC_F_CHN");
+  set(Control::kYaw, "RC_Z_CHN");
+  set(Control::kArm, "RC_ARM_CHN");
+  set(Control::kAttitudeOverride, "RC_ATT_OVRD_CHN");
+  set(Control::kThrottleOverride, "RC_THR_OVRD_CHN");
+  set(Control::kAttitudeMode, "RC_ATT_CTRL_CHN");
+  return map;
+}
+
+std::vector<std::string> wind_overrides(const std::string& text) {
+  std::vector<double> numbers;
+  std::size_t at = 0;
+  while (at <= text.size()) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    const auto number = config::parse_number(text.substr(at, end - at));
+    if (!number) {
+      numbers.clear();
+      break;
+    }
+    numbers.push_back(*number);
+    at = end + 1;
+  }
+  const bool shaped = numbers.size() == 2 || numbers.size() == 3;
+  if (!shaped || numbers[0] < 0.0 || numbers[0] > 40.0 || std::abs(numbers[1]) > 360.0 ||
+      (numbers.size() == 3 && (numbers[2] < 0.0 || numbers[2] > 40.0))) {
+    throw Error(fmt::format(
+        "--wind: found '{}', allowed SPEED,FROM_DEG[,W20] with speeds from 0 to 40 m/s", text));
+  }
+  const double from_rad = numbers[1] * std::numbers::pi / 180.0;
+  std::vector<std::string> overrides{
+      fmt::format("environment.wind.steady_N_m_s=[{:.9g}, {:.9g}, 0]",
+                  -numbers[0] * std::cos(from_rad), -numbers[0] * std::sin(from_rad))};
+  if (numbers.size() == 3) {
+    overrides.push_back(fmt::format("environment.wind.turbulence_w20_m_s={:.9g}", numbers[2]));
+  }
+  return overrides;
+}
+
+FlightSetup::FlightSetup(const FlightChoice& choice_in)
+    : choice{choice_in},
+      vehicle{open_vehicle(registry, choice)},
+      rotors{sim::read_multirotor(vehicle.root())},
+      firmware{read_firmware_parameters(vehicle.firmware())},
+      autonomy{read_autonomy_section(vehicle, rotors, firmware)},
+      mission_file{find_mission(choice.mission)},
+      mission{autonomy::load_mission(mission_file, autonomy.mission,
+                                     autonomy::Geodetic{vehicle.environment().origin.latitude_deg,
+                                                        vehicle.environment().origin.longitude_deg,
+                                                        vehicle.environment().origin.height_m})},
+      channels{channels_of(firmware)},
+      faults{read_faults(choice.faults)} {
+  mission_text = read_text(mission_file);
+}
+
+}  // namespace rosflight::apps

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "autonomy/multirotor/config.hpp"
+#include "companion/parameter.hpp"
+#include "sim/faults.hpp"
+#include "sim/multirotor/multirotor_parameters.hpp"
+#include "sim/rc/pilot.hpp"
+#include "sim/registry.hpp"
+
+namespace rosflight::apps {
+
+/// What a person chose for a flight; names and texts as typed.
+struct FlightChoice {
+  std::string vehicle{"multirotor"};
+  std::string mission{"default"};
+  std::uint64_t seed{1};
+  std::string state{"truth"};          ///< Position and velocity for guidance.
+  std::vector<std::string> overrides;  ///< "body.mass_kg=3.2"
+  std::vector<std::string> faults;     ///< "baro@20:5"
+  std::vector<std::string> plugins;    ///< Shared libraries.
+  std::optional<std::string> wind;     ///< "SPEED,FROM_DEG[,W20]"
+};
+
+/// Everything a flight needs, read and checked. @throws config::Error, one line.
+///
+/// Vehicles are found by name in vehicles/, missions in missions/, both also as paths.
+struct FlightSetup {
+  explicit FlightSetup(const FlightChoice& choice);
+
+  FlightChoice choice;
+  sim::Registry registry;
+  sim::Vehicle vehicle;
+  sim::MultirotorParameters rotors;
+  companion::ParameterSet firmware;
+  autonomy::AutonomyConfig autonomy;
+  std::string mission_file;
+  std::string mission_text;
+  autonomy::Mission mission;
+  sim::rc::ChannelMap channels;
+  sim::FaultSchedule faults;
+};
+
+/// Parameters of a vehicle's section `firmware`, typed and in range. @throws config::Error.
+companion::ParameterSet read_firmware_parameters(const config::Section& section);
+
+/// Value a parameter will have with `set` in force.
+double firmware_value(const companion::ParameterSet& set, const std::string& name);
+
+/// Receiver channels as the firmware will look for them.
+sim::rc::ChannelMap channels_of(const companion::ParameterSet& firmware);
+
+/// "8,270,5": 8 m/s from the west, turbulence as with 5 m/s at 20 ft; as overrides of a vehicle
+/// file.
+std::vector<std::string> wind_overrides(const std::string& text);
+
+}  // namespace rosflight::apps

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Flies every row of docs/faults.md.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "apps/fly/test/flight_rig.hpp"
+
+namespace rosflight::apps::testing {
+namespace {
+
+constexpr double kFault_s = 20.0;  // on the third leg, at 5 to 6 m, moving
+
+const Rig& nominal() {
+  static const std::unique_ptr<Rig> rig = [] {
+    auto r = std::make_unique<Rig>(FlightChoice{});
+    r->flight->run();
+    return r;
+  }();
+  return *rig;
+}
+
+Rig flown(const std::string& fault) {
+  Rig rig(Rig::with_faults({fault}));
+  rig.flight->run();
+  return rig;
+}
+
+/// Seconds from the fault until `condition`, looked at after every step; infinity if not within
+/// `limit_s`.
+template <class Condition>
+double time_until(Rig& rig, double limit_s, Condition condition) {
+  const double start_s = seconds(rig.flight->now());
+  while (seconds(rig.flight->now()) < start_s + limit_s) {
+    rig.flight->step();
+    if (condition()) return seconds(rig.flight->now()) - start_s;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+bool outputs_sane(const Rig& rig) {
+  for (const float value : rig.firmware().mixer().outputs()) {
+    if (!(value >= 0.0F && value <= 1.0F)) return false;
+  }
+  return true;
+}
+
+TEST(Faults, NominalFlightCompletes) {
+  EXPECT_TRUE(nominal().completed());
+  EXPECT_LT(nominal().flight->tracking().rms_m(), 0.3);
+}
+
+TEST(Faults, ShortImuGapIsBridged) {
+  Rig rig(Rig::with_faults({"imu@20:0.09"}));
+  bool error = false;
+  rig.flight->set_script([&](Flight& flight, sim::Time) {
+    error = error || flight.board().firmware().state().has(core::Error::kImuNotResponding);
+  });
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed());
+  EXPECT_FALSE(error);
+  EXPECT_LT(rig.flight->tracking().max_m, nominal().flight->tracking().max_m + 0.3);
+}
+
+TEST(Faults, ImuGapStopsMotorsAndFlightRecovers) {
+  Rig rig(Rig::with_faults({"imu@20:0.3"}));
+  rig.run_until(kFault_s);
+  const auto& state = rig.firmware().state();
+  EXPECT_LE(time_until(rig, 1.0, [&] { return state.has(core::Error::kImuNotResponding); }), 0.105);
+  EXPECT_TRUE(state.armed());
+  const auto motors_off = [&] { return rig.firmware().mixer().outputs()[0] == 0.0F; };
+  time_until(rig, 0.02, motors_off);
+  EXPECT_TRUE(motors_off()) << "125 ms after the last sample";
+  rig.run_until(kFault_s + 0.3 + 0.005);
+  EXPECT_FALSE(motors_off());
+  EXPECT_FALSE(state.has(core::Error::kImuNotResponding));
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed());
+}
+
+class ImuLost : public ::testing::TestWithParam<const char*> {};
+TEST_P(ImuLost, FallsWithMotorsOffAndStaysArmed) {
+  Rig rig(Rig::with_faults({std::string(GetParam()) + "@20"}));
+  bool sane = true;
+  double down_s = 0.0;
+  rig.flight->set_script([&](Flight& flight, sim::Time t) {
+    sane = sane && outputs_sane(rig);
+    if (down_s == 0.0 && seconds(t) > kFault_s && flight.truth().on_ground) down_s = seconds(t);
+  });
+  rig.flight->run();
+  EXPECT_TRUE(sane);
+  EXPECT_EQ(rig.flight->director().stage(), Stage::kFailed);
+  EXPECT_GT(down_s, 0.0);
+  EXPECT_LT(down_s, kFault_s + 3.0);
+  EXPECT_TRUE(rig.firmware().state().armed());
+  EXPECT_EQ(rig.firmware().mixer().outputs()[0], 0.0F);
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, ImuLost, ::testing::Values("imu", "imu_nan"));
+
+TEST(Faults, StuckImuLosesTheVehicleButNeverTheOutputs) {
+  Rig rig(Rig::with_faults({"imu_stuck@20"}));
+  bool sane = true;
+  rig.flight->set_script([&](Flight&, sim::Time) { sane = sane && outputs_sane(rig); });
+  rig.flight->run();
+  EXPECT_TRUE(sane);
+  EXPECT_EQ(rig.flight->director().stage(), Stage::kFailed);
+}
+
+class UnusedSensor : public ::testing::TestWithParam<const char*> {};
+TEST_P(UnusedSensor, DoesNotTouchTheFlight) {
+  Rig rig(Rig::with_faults({std::string(GetParam()) + "@20"}));
+  std::uint16_t errors = 0;
+  rig.flight->set_script([&](Flight& flight, sim::Time t) {
+    if (seconds(t) > kFault_s) errors |= flight.board().firmware().state().errors();
+  });
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed());
+  EXPECT_EQ(errors, 0);
+  EXPECT_NEAR(rig.flight->tracking().rms_m(), nominal().flight->tracking().rms_m(), 0.05);
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, UnusedSensor,
+                         ::testing::Values("mag", "baro", "gnss", "diff_pressure", "range"));
+
+TEST(Faults, BatteryMonitorKeepsTheLastVoltage) {
+  const Rig rig = flown("battery@20");
+  EXPECT_TRUE(rig.completed());
+  EXPECT_GT(rig.firmware().sensors().measurements().battery.voltage_V, 20.0F);
+  EXPECT_NEAR(rig.flight->tracking().rms_m(), nominal().flight->tracking().rms_m(), 0.1);
+}
+
+struct RadioFault {
+  const char* name;
+  double failsafe_within_s;
+};
+class Radio : public ::testing::TestWithParam<RadioFault> {};
+
+TEST_P(Radio, LossForTwoSecondsIsFailsafeThenTheMissionGoesOn) {
+  Rig rig(Rig::with_faults({std::string(GetParam().name) + "@20:2"}));
+  rig.run_until(kFault_s);
+  const auto& state = rig.firmware().state();
+  EXPECT_LE(time_until(rig, 1.0, [&] { return state.failsafe(); }), GetParam().failsafe_within_s);
+  EXPECT_TRUE(state.has(core::Error::kRcLost));
+  double worst_sink = 0.0;
+  double worst_tilt = 0.0;
+  while (seconds(rig.flight->now()) < kFault_s + 2.0) {
+    rig.flight->step();
+    worst_sink = std::max(worst_sink, rig.sink_m_s());
+    if (seconds(rig.flight->now()) > kFault_s + 1.5)
+      worst_tilt = std::max(worst_tilt, rig.tilt_deg());
+  }
+  EXPECT_LT(worst_sink, 2.5);
+  EXPECT_LT(worst_tilt, 10.0);
+  rig.run_for(0.025);
+  EXPECT_FALSE(state.failsafe());
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed());
+}
+
+TEST_P(Radio, LossForGoodSinksLevelToTheGround) {
+  Rig rig(Rig::with_faults({std::string(GetParam().name) + "@20"}));
+  rig.run_until(kFault_s);
+  double touch_sink = 0.0;
+  double touch_tilt = 0.0;
+  bool down = false;
+  while (!rig.flight->director().finished()) {
+    if (!down) {
+      touch_sink = rig.sink_m_s();
+      touch_tilt = rig.tilt_deg();
+    }
+    rig.flight->step();
+    down = down || rig.flight->truth().on_ground;
+  }
+  EXPECT_TRUE(down);
+  EXPECT_LT(touch_sink, 3.0);
+  EXPECT_LT(touch_tilt, 15.0);
+  EXPECT_TRUE(rig.firmware().state().armed());
+  EXPECT_EQ(rig.flight->director().stage(), Stage::kFailed);
+}
+// One receiver period (20 ms) and one step come on top of the time-out.
+INSTANTIATE_TEST_SUITE_P(Kinds, Radio,
+                         ::testing::Values(RadioFault{"rc_silence", 0.225},
+                                           RadioFault{"rc_frame_loss", 0.125}));
+
+TEST(Faults, CutLinkHandsOverToThePilotThenTheMissionGoesOn) {
+  Rig rig(Rig::with_faults({"link_cut@20:3"}));
+  rig.run_until(kFault_s);
+  EXPECT_LE(time_until(rig, 1.0, [&] { return !rig.firmware().command().offboard_active(); }),
+            0.115);
+  EXPECT_EQ(rig.firmware().command().primary_entries() & 0x3FU, 0x3FU);
+  const double height_m = rig.height_m();
+  rig.run_until(kFault_s + 3.0);
+  EXPECT_LT(std::abs(rig.height_m() - height_m), 2.0);
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed());
+}
+
+TEST(Faults, CutLinkForGoodEndsTheFlight) {
+  const Rig rig = flown("link_cut@20");
+  // In the pilot's hands it sinks slowly: the ground may be there before the patience is at its
+  // end.
+  const std::string why = rig.flight->director().failure();
+  EXPECT_TRUE(why == "link lost in flight" || why == "came down in flight") << why;
+  EXPECT_LT(seconds(rig.flight->now()), kFault_s + 15.0);
+}
+
+TEST(Faults, WeakMotorIsMadeUpFor) {
+  const Rig rig = flown("motor1_partial=0.8@20");
+  EXPECT_TRUE(rig.completed());
+  EXPECT_LT(rig.flight->tracking().rms_m(), 0.6);
+}
+
+TEST(Faults, DeadMotorLosesTheVehicle) {
+  Rig rig(Rig::with_faults({"motor3_dead@20"}));
+  bool sane = true;
+  double down_s = 0.0;
+  rig.flight->set_script([&](Flight& flight, sim::Time t) {
+    sane = sane && outputs_sane(rig);
+    if (down_s == 0.0 && seconds(t) > kFault_s && flight.truth().on_ground) down_s = seconds(t);
+  });
+  rig.flight->run();
+  EXPECT_TRUE(sane);
+  EXPECT_EQ(rig.flight->director().stage(), Stage::kFailed);
+  EXPECT_GT(down_s, 0.0);
+  EXPECT_LT(down_s, kFault_s + 6.0);
+}
+
+}  // namespace
+}  // namespace rosflight::apps::testing

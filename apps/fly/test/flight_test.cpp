@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "apps/fly/flight_recorder.hpp"
+#include "apps/fly/fly_command.hpp"
+#include "apps/fly/test/flight_rig.hpp"
+
+namespace rosflight::apps::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FlightFolder : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() /
+              (std::string("rosflight_") +
+               ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  log::LogSummary logged(const FlightChoice& choice, const char* name) {
+    fs::create_directories(folder_);
+    Rig rig(choice);
+    FlightRecorder recorder(*rig.flight, folder_ / name);
+    rig.flight->run();
+    return recorder.close();
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(FlightFolder, SameSeedGivesTheSameBytesAnotherSeedOthers) {
+  const auto first = logged(FlightChoice{}, "a.mcap");
+  const auto again = logged(FlightChoice{}, "b.mcap");
+  EXPECT_EQ(first.sha256, again.sha256);
+  EXPECT_EQ(first.messages, again.messages);
+  FlightChoice other;
+  other.seed = 2;
+  EXPECT_NE(logged(other, "c.mcap").sha256, first.sha256);
+}
+
+TEST_F(FlightFolder, LogDoesNotDependOnWhereTheProgramRuns) {
+  const auto here = logged(FlightChoice{}, "a.mcap");
+  const fs::path before = fs::current_path();
+  fs::current_path(fs::temp_directory_path());
+  const auto there = logged(FlightChoice{}, "b.mcap");
+  fs::current_path(before);
+  EXPECT_EQ(here.sha256, there.sha256);
+}
+
+TEST_F(FlightFolder, HoldsEverythingAndSaysHowItWent) {
+  FlyOptions options;
+  options.out = folder_;
+  options.json = true;
+  std::ostringstream out;
+  std::ostringstream err;
+  EXPECT_EQ(fly_command(options, out, err), 0);
+  for (const char* name : {"flight.mcap", "report.html", "path.svg", "summary.json", "vehicle.yaml",
+                           "mission.yaml", "parameters.yaml"}) {
+    EXPECT_GT(fs::file_size(folder_ / name), 100U) << name;
+  }
+  for (const auto& entry : fs::directory_iterator(folder_)) {
+    EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+  }
+  for (const char* key :
+       {"\"success\": true", "\"sim_time_s\"", "\"wall_time_s\"", "\"realtime_factor\"",
+        "\"waypoints_total\": 7", "\"waypoints_reached\": 7", "\"tracking_rms_m\"",
+        "\"tracking_max_m\"", "\"landed\": true", "\"disarmed\": true", "\"log\"", "\"log_sha256\"",
+        "\"seed\": 1"}) {
+    EXPECT_NE(out.str().find(key), std::string::npos) << key << " in " << out.str();
+  }
+}
+
+TEST_F(FlightFolder, ThatIsNotEmptyIsRefusedAndKept) {
+  fs::create_directories(folder_);
+  std::ofstream(folder_ / "mine.txt") << "precious";
+  FlyOptions options;
+  options.out = folder_;
+  std::ostringstream out;
+  std::ostringstream err;
+  EXPECT_THROW(fly_command(options, out, err), config::Error);
+  EXPECT_EQ(fs::file_size(folder_ / "mine.txt"), 8U);
+  EXPECT_FALSE(fs::exists(folder_ / "flight.mcap.part"));
+}
+
+TEST_F(FlightFolder, FailedMissionEndsWithOne) {
+  FlyOptions options;
+  options.out = folder_;
+  options.choice.faults = {"motor0_dead@20"};
+  std::ostringstream out;
+  std::ostringstream err;
+  EXPECT_EQ(fly_command(options, out, err), 1);
+  EXPECT_NE(out.str().find("came down in flight"), std::string::npos) << out.str();
+  EXPECT_TRUE(fs::exists(folder_ / "report.html"));
+}
+
+TEST(Flight, LosesNoByteOnTheCableAndAllocatesItsParametersOnce) {
+  Rig rig(FlightChoice{});
+  rig.flight->run();
+  ASSERT_TRUE(rig.completed());
+  EXPECT_EQ(rig.flight->session().statistics().frames.frames_dropped, 0U);
+  EXPECT_EQ(rig.flight->session().statistics().frames.sequence_gaps, 0U);
+  EXPECT_EQ(rig.flight->session().parameters().table().values().size(), core::kParamCount);
+  EXPECT_FALSE(rig.firmware().parameters().unsaved());
+}
+
+struct BadChoice {
+  const char* what;
+  FlightChoice choice;
+  const char* message;
+};
+class BadInput : public ::testing::TestWithParam<BadChoice> {};
+TEST_P(BadInput, GivesOneLine) {
+  try {
+    const FlightSetup setup(GetParam().choice);
+    const Flight flight(setup);
+    FAIL() << "was accepted";
+  } catch (const config::Error& e) {
+    const std::string text = e.what();
+    EXPECT_NE(text.find(GetParam().message), std::string::npos) << text;
+    EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+  }
+}
+FlightChoice set(const char* text) {
+  FlightChoice choice;
+  choice.overrides = {text};
+  return choice;
+}
+FlightChoice vehicle(const char* name) {
+  FlightChoice choice;
+  choice.vehicle = name;
+  return choice;
+}
+FlightChoice mission(const char* name) {
+  FlightChoice choice;
+  choice.mission = name;
+  return choice;
+}
+FlightChoice fault(const char* text) {
+  FlightChoice choice;
+  choice.faults = {text};
+  return choice;
+}
+FlightChoice wind(const char* text) {
+  FlightChoice choice;
+  choice.wind = text;
+  return choice;
+}
+FlightChoice plugin(const char* text) {
+  FlightChoice choice;
+  choice.plugins = {text};
+  return choice;
+}
+INSTANTIATE_TEST_SUITE_P(
+    Choices, BadInput,
+    ::testing::Values(BadChoice{"unknown vehicle", vehicle("zeppelin"), "zeppelin"},
+                      BadChoice{"missing vehicle file", vehicle("./nowhere.yaml"), "nowhere.yaml"},
+                      BadChoice{"unknown mission", mission("moon"), "allowed a file or"},
+                      BadChoice{"missing mission file", mission("./nowhere.yaml"), "nowhere.yaml"},
+                      BadChoice{"unknown key", set("vehicle.body.colour=red"), "colour"},
+                      BadChoice{"wrong type", set("vehicle.body.mass_kg=heavy"), "mass_kg"},
+                      BadChoice{"out of range", set("vehicle.body.mass_kg=-1"), "mass_kg"},
+                      BadChoice{"no assignment", set("vehicle.body"), "body"},
+                      BadChoice{"unknown firmware parameter", set("vehicle.firmware.PID_ROLL=1"),
+                                "PID_ROLL"},
+                      BadChoice{"firmware parameter out of range",
+                                set("vehicle.firmware.PRIMARY_MIXER=99"), "PRIMARY_MIXER"},
+                      BadChoice{"firmware parameter of the wrong type",
+                                set("vehicle.firmware.PRIMARY_MIXER=1.5"), "whole number"},
+                      BadChoice{"unknown fault", fault("gremlin@3"), "gremlin"},
+                      BadChoice{"fault without time", fault("imu"), "imu"},
+                      BadChoice{"wind", wind("gale"), "--wind"},
+                      BadChoice{"missing plugin", plugin("./libnothing.so"), "libnothing.so"}),
+    [](const auto& choice) {
+      std::string name;
+      for (const char c : std::string(choice.param.what)) name += c == ' ' ? '_' : c;
+      return name;
+    });
+
+}  // namespace
+}  // namespace rosflight::apps::testing

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A real flight folder read with programs nobody here wrote: the log with mcap and mcap_ros2, the report with an XML
+and HTML parser, the summary with json."""
+import hashlib
+import json
+import os
+import subprocess
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+
+PROGRAM = Path(os.environ.get("ROSFLIGHT_BUILD", Path(__file__).parents[3] / "build" / "release")) / "apps" / "rosflight"
+
+
+@pytest.fixture(scope="module")
+def flight(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fly") / "flight"
+    run = subprocess.run([PROGRAM, "fly", "--json", "--out", folder], capture_output=True, text=True, timeout=300)
+    assert run.returncode == 0, run.stdout + run.stderr
+    return folder, json.loads(run.stdout)
+
+
+def test_summary_tells_of_a_success(flight):
+    folder, summary = flight
+    assert summary["success"] and summary["landed"] and summary["disarmed"]
+    assert summary["waypoints_reached"] == summary["waypoints_total"] >= 5
+    assert summary == json.loads((folder / "summary.json").read_text())
+    assert hashlib.sha256((folder / "flight.mcap").read_bytes()).hexdigest() == summary["log_sha256"]
+
+
+def test_log_holds_the_whole_flight(flight):
+    folder, summary = flight
+    counts, last = {}, {}
+    with (folder / "flight.mcap").open("rb") as file:
+        reader = make_reader(file, decoder_factories=[DecoderFactory()])
+        for _, channel, message, decoded in reader.iter_decoded_messages():
+            counts[channel.topic] = counts.get(channel.topic, 0) + 1
+            last[channel.topic] = decoded
+    topics = {topic.lstrip("/") for topic in counts}
+    for topic in ("sim/truth_state", "imu/data", "attitude", "command", "output_raw", "status", "rc_raw"):
+        assert topic in topics, sorted(topics)
+    by_name = {topic.lstrip("/"): count for topic, count in counts.items()}
+    steps = summary["sim_time_s"] * 400
+    assert abs(by_name["sim/truth_state"] - steps) <= 2
+    assert abs(by_name["imu/data"] - steps) <= 4
+    status = last[next(t for t in counts if t.lstrip("/") == "status")]
+    assert not status.armed
+
+
+def test_report_stands_alone(flight):
+    folder, _ = flight
+    page = (folder / "report.html").read_text()
+    assert "://" not in page.replace("http://www.w3.org/", "")
+    HTMLParser().feed(page)
+    assert page.count("<svg") >= 8
+
+
+def test_same_seed_same_log_in_another_process(flight, tmp_path):
+    _, summary = flight
+    run = subprocess.run([PROGRAM, "fly", "--json", "--out", tmp_path / "again"], capture_output=True, text=True,
+                         timeout=300, cwd=tmp_path)
+    assert json.loads(run.stdout)["log_sha256"] == summary["log_sha256"]
+
+
+@pytest.mark.parametrize("arguments, part", [
+    (["--vehicle", "zeppelin"], "zeppelin"),
+    (["--mission", "moon"], "moon"),
+    (["--fault", "gremlin@1"], "gremlin"),
+    (["--seed", "many"], "seed"),
+    (["--colour", "red"], "colour"),
+    (["--state", "guess"], "guess"),
+])
+def test_nonsense_ends_with_one_line_and_code_2(arguments, part, tmp_path):
+    run = subprocess.run([PROGRAM, "fly", *arguments, "--out", tmp_path / "f"], capture_output=True, text=True, timeout=60)
+    assert run.returncode == 2
+    assert part in run.stderr and len(run.stderr.strip().splitlines()) == 1, run.stderr
+    assert run.stdout == "" and not (tmp_path / "f").exists()

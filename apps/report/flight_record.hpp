@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// What a report is made from: one flight, kept in memory while it happens. SI, north-east-down and
+/// body front-right-down. NaN everywhere means "not known" or "not commanded" and is drawn as a
+/// gap.
+namespace rosflight::report {
+
+inline constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+inline constexpr std::size_t kMaxMotors = 10;
+
+using Vec3 = std::array<float, 3>;
+inline constexpr Vec3 kNoVec3{kNone, kNone, kNone};
+
+/// Everything plotted over time, at one instant.
+struct Sample {
+  double t_s{};
+  Vec3 p_N_m{kNoVec3};
+  Vec3 v_N_m_s{kNoVec3};
+  Vec3 setpoint_N_m{kNoVec3};
+  Vec3 attitude_rad{kNoVec3};          ///< True roll, pitch, yaw.
+  Vec3 estimate_rad{kNoVec3};          ///< The same as the firmware sees it.
+  Vec3 attitude_command_rad{kNoVec3};  ///< Per axis; NaN where rates or torques are commanded.
+  Vec3 rates_rad_s{kNoVec3};           ///< True p, q, r.
+  Vec3 rate_command_rad_s{kNoVec3};
+  std::array<float, kMaxMotors> motors{kNone, kNone, kNone, kNone, kNone,
+                                       kNone, kNone, kNone, kNone, kNone};  ///< Outputs, 0..1.
+  std::array<float, kMaxMotors> rotors_rad_s{kNone, kNone, kNone, kNone, kNone,
+                                             kNone, kNone, kNone, kNone, kNone};
+  float battery_V{kNone};
+  float battery_A{kNone};
+};
+
+/// How a state or an event reads: decides its colour and sign.
+enum class Tone : std::uint8_t { kNeutral, kGood, kNote, kWarning, kBad };
+
+struct StateChange {
+  double t_s{};
+  std::string label;  ///< Empty: nothing to show from here on.
+  Tone tone{Tone::kNeutral};
+};
+
+/// One row of the state timeline; each change holds until the next.
+struct Lane {
+  std::string name;
+  std::vector<StateChange> changes;
+};
+
+struct Event {
+  double t_s{};
+  Tone tone{Tone::kNote};
+  std::string source;
+  std::string text;
+};
+
+struct Waypoint {
+  std::array<double, 3> p_N_m{};
+  double heading_rad{std::numeric_limits<double>::quiet_NaN()};
+  double hold_s{};
+  double reached_s{std::numeric_limits<double>::quiet_NaN()};  ///< NaN: missed.
+  double miss_m{std::numeric_limits<double>::quiet_NaN()};     ///< Closest distance.
+};
+
+struct Fault {
+  std::string what;
+  double from_s{};
+  double to_s{std::numeric_limits<double>::infinity()};
+};
+
+/// One line of the summary. The first few can be shown big.
+struct Fact {
+  std::string label;
+  std::string value;
+  std::string unit;
+  bool headline{false};
+  Tone tone{Tone::kNeutral};
+};
+
+struct ChangedParameter {
+  std::string name;
+  std::string default_value;
+  std::string value;
+  std::string unit;
+};
+
+class FlightRecord {
+ public:
+  /// @param interval_s  Samples closer than this to the last one kept are dropped; 0 keeps all. A
+  /// sample
+  ///                    takes 224 B: at 100 Hz 1.3 MB a minute.
+  explicit FlightRecord(double interval_s = 0.01) : interval_s_(interval_s) {}
+
+  /// True if a sample at t_s would be kept: lets a caller save the work of making it.
+  bool wants(double t_s) const;
+  void add(const Sample& sample);
+
+  /// The state of a lane (made at its first mention) from t_s on; the same state again is not a
+  /// change.
+  void set_state(std::string_view lane, double t_s, std::string_view label, Tone tone);
+  void add_event(double t_s, Tone tone, std::string_view source, std::string_view text);
+
+  const std::vector<Sample>& samples() const { return samples_; }
+  const std::vector<Lane>& lanes() const { return lanes_; }
+  const std::vector<Event>& events() const { return events_; }
+  /// Time of the last thing recorded, at least 0.
+  double end_s() const;
+
+  // Filled in directly, at any time before the report is written.
+  std::string title{"Flight report"};
+  std::string vehicle;
+  std::string mission;
+  std::string seed;
+  std::string command_line;  ///< What to type to fly this again.
+  bool success{false};
+  std::string verdict;  ///< One sentence: why success, or why not.
+  std::size_t motor_count{4};
+  std::vector<Fact> facts;
+  std::vector<Waypoint> waypoints;
+  std::vector<Fault> faults;
+  std::vector<ChangedParameter> changed_parameters;
+  std::vector<std::string> files;  ///< Names of the other files beside the report.
+
+ private:
+  double interval_s_;
+  std::vector<Sample> samples_;
+  std::vector<Lane> lanes_;
+  std::vector<Event> events_;
+};
+
+}  // namespace rosflight::report

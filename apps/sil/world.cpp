@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "apps/sil/world.hpp"
+
+#include "sim/rc/script.hpp"
+#include "sim/sensors/read_config.hpp"
+
+namespace rosflight::apps {
+namespace {
+
+sim::FaultSchedule read_faults(const std::vector<std::string>& texts) {
+  std::vector<sim::Fault> faults;
+  faults.reserve(texts.size());
+  for (const std::string& text : texts) faults.push_back(sim::parse_fault(text));
+  return sim::FaultSchedule{std::move(faults)};
+}
+
+sim::Vehicle read_vehicle(const SilOptions& options, sim::Registry& registry) {
+  sim::register_physics(registry);
+  for (const auto& plugin : options.plugins) registry.load_plugin(plugin);
+  registry.add_vehicles(options.vehicles_folder);
+  std::vector<std::string> overrides = options.overrides;
+  for (std::string& text : overrides) {
+    constexpr std::string_view kPrefix = "vehicle.";
+    if (text.rfind(kPrefix, 0) == 0) text.erase(0, kPrefix.size());
+  }
+  return sim::Vehicle::from_file(registry.vehicle_file(options.vehicle), overrides);
+}
+
+sim::sensors::SensorsConfig read_sensors(const sim::Vehicle& vehicle, sim::Time step) {
+  auto config = sim::sensors::read_sensors(vehicle.sensors());
+  config.imu.timing.period = step;
+  return config;
+}
+
+sim::rc::Script read_rc(const SilOptions& options) {
+  if (!options.rc) return {};
+  const auto document = config::Document::from_file(*options.rc);
+  return sim::rc::read_script(document.root());
+}
+
+}  // namespace
+
+SilWorld::SilWorld(const SilOptions& options, sim::Time step)
+    : random_{options.seed},
+      faults_{read_faults(options.faults)},
+      vehicle_{read_vehicle(options, registry_)},
+      forces_{registry_.make_forces(vehicle_, random_)},
+      dynamics_{vehicle_.body(), vehicle_.ground(), vehicle_.environment(), *forces_, random_},
+      sensors_{read_sensors(vehicle_, step), vehicle_.environment(), random_},
+      pilot_{read_rc(options)} {}
+
+void SilWorld::before_step(sim::Time t) {
+  for (std::size_t k = 0; k < sim::kMaxRotors; ++k) {
+    forces_->set_thrust_factor(k, faults_.thrust_factor(k, t));
+  }
+}
+
+}  // namespace rosflight::apps
