@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Simulated time over processor time of the default flight, without and with the log. One
+// measurement a run.
+//
+// usage: loop [--only-factor]
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
+#include <memory>
+
+#include "apps/fly/flight_recorder.hpp"
+
+namespace {
+
+using namespace rosflight::apps;  // NOLINT(google-build-using-namespace): a program of one file
+
+double processor_time_s() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+double factor(const FlightSetup& setup, const std::filesystem::path* log) {
+  const auto flight = std::make_unique<Flight>(setup);
+  std::unique_ptr<FlightRecorder> recorder;
+  if (log != nullptr) recorder = std::make_unique<FlightRecorder>(*flight, *log);
+  const double start_s = processor_time_s();
+  flight->run();
+  if (recorder) recorder->close();
+  const double took_s = processor_time_s() - start_s;
+  return static_cast<double>(flight->now().count()) * 1e-6 / took_s;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    const bool log_too = argc < 2 || std::strcmp(argv[1], "--only-factor") != 0;
+    const auto setup = std::make_unique<FlightSetup>(FlightChoice{});
+    const double plain = factor(*setup, nullptr);
+    double logged = 0.0;
+    if (log_too) {
+      const std::filesystem::path folder =
+          std::filesystem::temp_directory_path() / "rosflight_bench_loop";
+      std::filesystem::create_directories(folder);
+      const std::filesystem::path file = folder / "flight.mcap";
+      logged = factor(*setup, &file);
+      std::filesystem::remove_all(folder);
+    }
+    std::printf("{\"realtime_factor\": %.1f, \"realtime_factor_log\": %.1f}\n", plain, logged);
+    return 0;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "loop: %s\n", e.what());
+    return 1;
+  }
+}
