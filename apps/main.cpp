@@ -41,6 +41,9 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options) {
   fly->add_option("--plugin", choice.plugins,
                   "Shared library with modules of your own (examples/custom_drag)")
       ->take_all();
+  fly->add_option("--visualiser", choice.visualisers,
+                  "Visualiser of a plugin, by name; sees the flight beside the log")
+      ->take_all();
   fly->add_flag("--realtime", options.realtime, "At the pace of the wall clock");
   fly->add_option("--out", options.out, "Flight folder, new or empty; default: next in flights/");
   fly->add_flag("--json", options.json, "Print the summary as one JSON object");

@@ -69,6 +69,8 @@ using Factory =
 /// lives, which must therefore outlive every module it made. A plugin must be built with the
 /// headers and the compiler of the program that loads it.
 class Registry {
+  std::vector<std::shared_ptr<void>> libraries_;  ///< First: their factories must go before them.
+
  public:
   /// Forces and moments: `type` of a vehicle file.
   Catalogue<Factory<ForcesAndMoments>> forces{"type"};
@@ -94,9 +96,6 @@ class Registry {
   /// The module that `vehicle.type()` names; afterwards vehicle.finish() has found no unknown key.
   std::unique_ptr<ForcesAndMoments> make_forces(const Vehicle& vehicle,
                                                 const RandomSource& random) const;
-
- private:
-  std::vector<std::shared_ptr<void>> libraries_;
 };
 
 /// Adds the forces-and-moments modules of this folder: "multirotor".

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "sim/sensors/read_config.hpp"
-
 namespace rosflight::apps {
 namespace {
 
@@ -31,9 +29,8 @@ Flight::Flight(const FlightSetup& setup)
       forces_{setup.registry.make_forces(setup.vehicle, random_)},
       dynamics_{setup.vehicle.body(), setup.vehicle.ground(), setup.vehicle.environment(), *forces_,
                 random_},
-      healthy_sensors_{sim::sensors::read_sensors(setup.vehicle.sensors()),
-                       setup.vehicle.environment(), random_},
-      sensors_{healthy_sensors_, setup.faults},
+      healthy_sensors_{sim::sensors::make_sensors(setup.registry, setup.vehicle, random_)},
+      sensors_{*healthy_sensors_, setup.faults},
       pilot_{pilot_script(setup)},
       rc_{pilot_, setup.faults},
       cable_{sim::SerialLine::Config{}, random_},
@@ -53,6 +50,10 @@ Flight::Flight(const FlightSetup& setup)
   motor_faults_ = std::any_of(faults.begin(), faults.end(), [](const sim::Fault& fault) {
     return fault.kind == sim::FaultKind::kMotor;
   });
+  for (const std::string& name : setup.choice.visualisers) {
+    visualisers_.push_back(setup.registry.visualisers.at(name)(setup.vehicle, random_));
+    loop_.add(*visualisers_.back());
+  }
   board_.start(loop_.now());
 }
 

@@ -11,7 +11,7 @@
 #include "sim/dynamics/rigid_body.hpp"
 #include "sim/faulty_modules.hpp"
 #include "sim/lock_step.hpp"
-#include "sim/sensors/standard_sensors.hpp"
+#include "sim/sensors/register.hpp"
 #include "sim/time_sources.hpp"
 
 namespace rosflight::apps {
@@ -97,7 +97,7 @@ class Flight final : private sim::LockStepListener {
   sim::RandomSource random_;
   std::unique_ptr<sim::ForcesAndMoments> forces_;
   sim::RigidBody dynamics_;
-  sim::sensors::StandardSensors healthy_sensors_;
+  std::unique_ptr<sim::SensorsModule> healthy_sensors_;
   sim::FaultySensors sensors_;
   sim::rc::Pilot pilot_;
   sim::FaultyRc rc_;
@@ -114,6 +114,7 @@ class Flight final : private sim::LockStepListener {
   sim::LockStepTime fast_;
   SwitchableTime time_;
   sim::LockStep loop_;
+  std::vector<std::unique_ptr<sim::Visualiser>> visualisers_;  ///< Those the setup names.
   std::function<void(Flight&, sim::Time)> script_;
   Tracking tracking_;
   bool motor_faults_{false};

@@ -13,6 +13,7 @@
 #include "apps/project_root.hpp"
 #include "firmware/core/motor_model.hpp"
 #include "firmware/core/parameters.hpp"
+#include "sim/sensors/register.hpp"
 
 namespace rosflight::apps {
 namespace {
@@ -22,6 +23,7 @@ using config::Error;
 
 sim::Registry& fill(sim::Registry& registry, const FlightChoice& choice) {
   sim::register_physics(registry);
+  sim::sensors::register_sensors(registry);
   for (const std::string& plugin : choice.plugins) registry.load_plugin(plugin);
   registry.add_vehicles(project_root() / "vehicles");
   return registry;

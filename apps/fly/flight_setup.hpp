@@ -19,11 +19,12 @@ struct FlightChoice {
   std::string vehicle{"multirotor"};
   std::string mission{"default"};
   std::uint64_t seed{1};
-  std::string state{"truth"};          ///< Position and velocity for guidance.
-  std::vector<std::string> overrides;  ///< "body.mass_kg=3.2"
-  std::vector<std::string> faults;     ///< "baro@20:5"
-  std::vector<std::string> plugins;    ///< Shared libraries.
-  std::optional<std::string> wind;     ///< "SPEED,FROM_DEG[,W20]"
+  std::string state{"truth"};            ///< Position and velocity for guidance.
+  std::vector<std::string> overrides;    ///< "body.mass_kg=3.2"
+  std::vector<std::string> faults;       ///< "baro@20:5"
+  std::vector<std::string> plugins;      ///< Shared libraries.
+  std::vector<std::string> visualisers;  ///< Names that a plugin registered.
+  std::optional<std::string> wind;       ///< "SPEED,FROM_DEG[,W20]"
 };
 
 /// Everything a flight needs, read and checked. @throws config::Error, one line.

@@ -8,8 +8,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "config/strict_yaml.hpp"
-
 namespace rosflight::apps {
 namespace {
 
@@ -46,7 +44,10 @@ double FrameConfig::torque_gain_Nm_s2() const {
 }
 
 FrameConfig read_frame(const std::string& path) {
-  const config::Document document = config::Document::from_file(path);
+  return read_frame(config::Document::from_file(path));
+}
+
+FrameConfig read_frame(const config::Document& document) {
   const config::Section file = document.root();
   FrameConfig frame;
   const auto count = static_cast<std::size_t>(

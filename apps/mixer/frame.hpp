@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "companion/parameter.hpp"
+#include "config/strict_yaml.hpp"
 
 namespace rosflight::apps {
 
@@ -33,9 +34,10 @@ struct FrameConfig {
   double torque_gain_Nm_s2() const;  ///< kQ = C_Q rho D^5 / (4 pi^2).
 };
 
-/// Reads and checks the file. @throws config::Error with one line: lists of different length, more
+/// Reads and checks a frame. @throws config::Error with one line: lists of different length, more
 /// than ten motors, directions that are not unit vectors, spins other than +-1, values out of
 /// range.
+FrameConfig read_frame(const config::Document& document);
 FrameConfig read_frame(const std::string& path);
 
 /// Forces and torques per squared rotor speed, 6 x n (ROSflight 2.0 paper, appendix):

@@ -8,28 +8,40 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <utility>
 
 namespace rosflight::apps {
 
-CsvTable::CsvTable(const std::string& path) : path_{path} {
+namespace {
+
+std::string read_text(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(fmt::format("{}: cannot be read", path));
-  text_.assign(std::istreambuf_iterator<char>(file), {});
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace
+
+CsvTable::CsvTable(const std::string& path) : CsvTable(path, read_text(path)) {}
+
+CsvTable::CsvTable(std::string name, std::string text)
+    : path_{std::move(name)}, text_{std::move(text)} {
+  const std::string& path = path_;
   if (text_.find('\0') != std::string::npos) {
     throw InputError(fmt::format("{}: not a text file", path));
   }
   std::string_view rest = text_;
   for (std::size_t line = 1; !rest.empty(); ++line) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());
-    std::string_view text = rest.substr(0, end);
+    std::string_view cells = rest.substr(0, end);
     rest.remove_prefix(std::min(end + 1, rest.size()));
-    if (!text.empty() && text.back() == '\r') text.remove_suffix(1);
+    if (!cells.empty() && cells.back() == '\r') cells.remove_suffix(1);
     if (line == 1) {
-      split(text, columns_);
+      split(cells, columns_);
       continue;
     }
     const std::size_t before = cells_.size();
-    split(text, cells_);
+    split(cells, cells_);
     if (cells_.size() - before != columns_.size()) {
       throw InputError(fmt::format("{}:{}: found {} cells, allowed {} as in the header", path, line,
                                    cells_.size() - before, columns_.size()));

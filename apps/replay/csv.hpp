@@ -19,6 +19,10 @@ class CsvTable {
   /// @throws InputError with file and line: unreadable, empty, a NUL byte, a column named twice or
   /// not at all, a row with another number of cells.
   explicit CsvTable(const std::string& path);
+  /// The same for a text at hand; `name` is what errors call it.
+  CsvTable(std::string name, std::string text);
+  CsvTable(const CsvTable&) = delete;  // cells point into the text
+  CsvTable& operator=(const CsvTable&) = delete;
 
   const std::string& path() const { return path_; }
   const std::vector<std::string_view>& columns() const { return columns_; }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -13,6 +14,7 @@ namespace {
 
 constexpr float kTemperature_K = 298.15f;
 constexpr std::size_t kRcColumns = 8;
+constexpr std::int64_t kLatest_us = 1'000'000'000'000;  // eleven days
 
 const char* state_name(core::State state) {
   switch (state) {
@@ -61,9 +63,15 @@ struct ReplayRig::Row {
     const auto k = table.find(column);
     return k && !table.blank(index, *k) ? table.number_f(index, *k) : missing;
   }
-  std::int64_t integer(const std::string& column, std::int64_t missing = 0) const {
+  /// A whole number from 0 to `high`; 0 if the cell is blank.
+  std::int64_t integer(const std::string& column, std::int64_t high) const {
     const auto k = table.find(column);
-    return k && !table.blank(index, *k) ? table.integer(index, *k) : missing;
+    if (!k || table.blank(index, *k)) return 0;
+    const std::int64_t value = table.integer(index, *k);
+    if (value < 0 || value > high) {
+      throw table.error(index, *k, fmt::format("found {}, allowed 0..{}", value, high));
+    }
+    return value;
   }
   std::string_view text(const std::string& column) const {
     const auto k = table.find(column);
@@ -99,13 +107,16 @@ void ReplayRig::set_parameter(const std::string& name, double value) {
   if (whole && value != std::trunc(value)) {
     throw InputError(fmt::format("{}: found {}, allowed a whole number", name, value));
   }
-  const auto i = static_cast<std::int32_t>(value);
+  constexpr double kLargestInteger = 2147483647.0;
+  const auto i = static_cast<std::int32_t>(std::clamp(value, -kLargestInteger, kLargestInteger));
   const auto f = static_cast<float>(value);
   link::ParamSet set;
   set.name = padded;
   set.type = static_cast<std::uint8_t>(row.type);
   std::memcpy(&set.value.bits, whole ? static_cast<const void*>(&i) : &f, sizeof set.value.bits);
-  if (!core::Parameters::in_range(id, whole ? core::ParamValue{i} : core::ParamValue{f})) {
+  const bool representable = !whole || static_cast<double>(i) == value;
+  if (!representable ||
+      !core::Parameters::in_range(id, whole ? core::ParamValue{i} : core::ParamValue{f})) {
     throw InputError(fmt::format("{}: found {}, allowed {}..{}", name, value, row.min, row.max));
   }
   send(set);
@@ -114,7 +125,7 @@ void ReplayRig::set_parameter(const std::string& name, double value) {
 void ReplayRig::feed_imu(const Row& row) {
   if (!row.has("imu_stamp_us")) return;
   hal::ImuSample imu;
-  imu.stamp = hal::microseconds(row.integer("imu_stamp_us"));
+  imu.stamp = hal::microseconds(row.integer("imu_stamp_us", kLatest_us));
   imu.accel_m_s2 = {row.value("ax"), row.value("ay"), row.value("az")};
   imu.gyro_rad_s = {row.value("gx"), row.value("gy"), row.value("gz")};
   imu.temperature_K = kTemperature_K;
@@ -122,7 +133,7 @@ void ReplayRig::feed_imu(const Row& row) {
 }
 
 void ReplayRig::feed_receiver(const Row& row) {
-  if (row.integer("rc_new") == 0) return;
+  if (row.integer("rc_new", 1) == 0) return;
   hal::RcFrame frame;
   frame.stamp = board_.clock.now();
   frame.channel_count = kRcColumns;
@@ -130,22 +141,22 @@ void ReplayRig::feed_receiver(const Row& row) {
   for (std::size_t k = 0; k < kRcColumns; ++k) {
     frame.channels[k] = row.value(fmt::format("rc{}", k));
   }
-  frame.frame_lost = row.integer("rc_frame_lost") != 0;
-  frame.failsafe = row.integer("rc_failsafe") != 0;
+  frame.frame_lost = row.integer("rc_frame_lost", 1) != 0;
+  frame.failsafe = row.integer("rc_failsafe", 1) != 0;
   board_.receiver.put(frame);
 }
 
 void ReplayRig::feed_link(const Row& row) {
-  if (row.integer("ob_new") != 0) {
+  if (row.integer("ob_new", 1) != 0) {
     link::OffboardControl command;
-    command.mode = static_cast<std::uint8_t>(row.integer("ob_mode"));
-    command.ignore = static_cast<std::uint16_t>(row.integer("ob_ignore"));
+    command.mode = static_cast<std::uint8_t>(row.integer("ob_mode", 255));
+    command.ignore = static_cast<std::uint16_t>(row.integer("ob_ignore", 65535));
     for (std::size_t k = 0; k < command.u.size(); ++k) {
       command.u[k] = row.value(fmt::format("ob_u{}", k));
     }
     send(command);
   }
-  if (row.integer("ext_new") != 0) {
+  if (row.integer("ext_new", 1) != 0) {
     send(link::ExternalAttitude{
         {row.value("ext_qw"), row.value("ext_qx"), row.value("ext_qy"), row.value("ext_qz")}});
   }
@@ -218,7 +229,7 @@ void ReplayRig::feed_auxiliary(const Row& row, std::string_view text) {
 
 void ReplayRig::step(const CsvTable& table, std::size_t index) {
   const Row row{table, index};
-  board_.clock.set(hal::microseconds(row.integer("time_us")));
+  board_.clock.set(hal::microseconds(row.integer("time_us", kLatest_us)));
   feed_imu(row);
   feed_receiver(row);
   if (row.has("batt_v")) {

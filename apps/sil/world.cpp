@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/sil/world.hpp"
 
+#include <fmt/format.h>
+
 #include "sim/rc/script.hpp"
-#include "sim/sensors/read_config.hpp"
 
 namespace rosflight::apps {
 namespace {
@@ -14,8 +15,10 @@ sim::FaultSchedule read_faults(const std::vector<std::string>& texts) {
   return sim::FaultSchedule{std::move(faults)};
 }
 
-sim::Vehicle read_vehicle(const SilOptions& options, sim::Registry& registry) {
+/// The project's IMU keeps pace with the loop; a module of a user's own keeps its own rates.
+sim::Vehicle read_vehicle(const SilOptions& options, sim::Registry& registry, sim::Time step) {
   sim::register_physics(registry);
+  sim::sensors::register_sensors(registry);
   for (const auto& plugin : options.plugins) registry.load_plugin(plugin);
   registry.add_vehicles(options.vehicles_folder);
   std::vector<std::string> overrides = options.overrides;
@@ -23,13 +26,12 @@ sim::Vehicle read_vehicle(const SilOptions& options, sim::Registry& registry) {
     constexpr std::string_view kPrefix = "vehicle.";
     if (text.rfind(kPrefix, 0) == 0) text.erase(0, kPrefix.size());
   }
-  return sim::Vehicle::from_file(registry.vehicle_file(options.vehicle), overrides);
-}
-
-sim::sensors::SensorsConfig read_sensors(const sim::Vehicle& vehicle, sim::Time step) {
-  auto config = sim::sensors::read_sensors(vehicle.sensors());
-  config.imu.timing.period = step;
-  return config;
+  const auto file = registry.vehicle_file(options.vehicle);
+  const auto vehicle = sim::Vehicle::from_file(file, overrides);
+  if (vehicle.sensors().text("module", "standard") != "standard") return vehicle;
+  overrides.push_back(
+      fmt::format("sensors.imu.rate_Hz={:.17g}", 1e6 / static_cast<double>(step.count())));
+  return sim::Vehicle::from_file(file, overrides);
 }
 
 sim::rc::Script read_rc(const SilOptions& options) {
@@ -43,10 +45,10 @@ sim::rc::Script read_rc(const SilOptions& options) {
 SilWorld::SilWorld(const SilOptions& options, sim::Time step)
     : random_{options.seed},
       faults_{read_faults(options.faults)},
-      vehicle_{read_vehicle(options, registry_)},
+      vehicle_{read_vehicle(options, registry_, step)},
       forces_{registry_.make_forces(vehicle_, random_)},
       dynamics_{vehicle_.body(), vehicle_.ground(), vehicle_.environment(), *forces_, random_},
-      sensors_{read_sensors(vehicle_, step), vehicle_.environment(), random_},
+      sensors_{sim::sensors::make_sensors(registry_, vehicle_, random_)},
       pilot_{read_rc(options)} {}
 
 void SilWorld::before_step(sim::Time t) {

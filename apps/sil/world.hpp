@@ -8,7 +8,7 @@
 #include "sim/faulty_modules.hpp"
 #include "sim/rc/pilot.hpp"
 #include "sim/registry.hpp"
-#include "sim/sensors/standard_sensors.hpp"
+#include "sim/sensors/register.hpp"
 
 namespace rosflight::apps {
 
@@ -32,9 +32,9 @@ class SilWorld {
   sim::Vehicle vehicle_;
   std::unique_ptr<sim::ForcesAndMoments> forces_;
   sim::RigidBody dynamics_;
-  sim::sensors::StandardSensors sensors_;
+  std::unique_ptr<sim::SensorsModule> sensors_;
   sim::rc::Pilot pilot_;
-  sim::FaultySensors faulty_sensors_{sensors_, faults_};
+  sim::FaultySensors faulty_sensors_{*sensors_, faults_};
   sim::FaultyRc faulty_rc_{pilot_, faults_};
 };
 

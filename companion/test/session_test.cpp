@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "companion/test/rig.hpp"
+#include "test_support/allocations.hpp"
 
 namespace rosflight::companion::test {
 namespace {

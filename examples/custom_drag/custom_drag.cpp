@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cstdio>
+
 #include "sim/multirotor/multirotor.hpp"
 #include "sim/registry.hpp"
 
@@ -40,6 +43,23 @@ class LinearDragQuadrotor final : public ForcesAndMoments {
   Vector3 coefficient_N_s_m_;
 };
 
+/// Tells at the end of a flight how fast the vehicle was.
+class PeakSpeed final : public rosflight::sim::Visualiser {
+ public:
+  PeakSpeed() = default;
+  PeakSpeed(const PeakSpeed&) = delete;
+  PeakSpeed& operator=(const PeakSpeed&) = delete;
+  ~PeakSpeed() override { std::fprintf(stderr, "peak speed %.2f m/s\n", peak_m_s_); }
+
+  void step(const rosflight::sim::Truth& truth,
+            const rosflight::hal::OutputValues& /*outputs*/) override {
+    peak_m_s_ = std::max(peak_m_s_, truth.body.v_B.norm());
+  }
+
+ private:
+  double peak_m_s_{0.0};
+};
+
 }  // namespace
 
 extern "C" void rosflight_register(rosflight::sim::Registry& registry) {
@@ -47,4 +67,8 @@ extern "C" void rosflight_register(rosflight::sim::Registry& registry) {
                                         const rosflight::sim::RandomSource&) {
     return std::make_unique<LinearDragQuadrotor>(vehicle.root());
   });
+  registry.visualisers.add("peak_speed",
+                           [](const rosflight::sim::Vehicle&, const rosflight::sim::RandomSource&) {
+                             return std::make_unique<PeakSpeed>();
+                           });
 }

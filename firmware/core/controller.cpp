@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware/core/controller.hpp"
 
-#include <algorithm>
-
 namespace rosflight::core {
 namespace {
 
@@ -27,7 +25,7 @@ void Controller::reset() {
   }
 }
 
-float Controller::run_axis(Axis& axis, CommandType type, float command, const Moment& m) {
+inline float Controller::run_axis(Axis& axis, CommandType type, float command, const Moment& m) {
   if (type != axis.last) {
     axis.rate.reset();
     axis.angle.reset();
@@ -43,8 +41,9 @@ float Controller::run_axis(Axis& axis, CommandType type, float command, const Mo
 const Controller::Output& Controller::step(const CommandVector& command,
                                            const AttitudeEstimate& state, float dt_s, bool armed,
                                            bool saturated) {
-  const bool throttle_up = std::any_of(command.value.begin(), command.value.begin() + 3,
-                                       [](float force) { return force > kThrottleForIntegration; });
+  const bool throttle_up = command.value[0] > kThrottleForIntegration ||
+                           command.value[1] > kThrottleForIntegration ||
+                           command.value[2] > kThrottleForIntegration;
   Moment m{};
   m.dt_s = dt_s;
   m.tau_s = config_.tau_s;

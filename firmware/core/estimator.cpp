@@ -72,20 +72,20 @@ const AttitudeEstimate& Estimator::step(const hal::ImuSample& imu, float dt_s) {
   return estimate_;
 }
 
-void Estimator::filter(const hal::ImuSample& imu) {
+inline void Estimator::filter(const hal::ImuSample& imu) {
   acc_ += (1.0f - config_.acc_lpf) * (to_vector(imu.accel_m_s2) - acc_);
   const float xy = 1.0f - config_.gyro_xy_lpf;
   const Vector3 blend{xy, xy, 1.0f - config_.gyro_z_lpf};
   rate_ += blend.cwiseProduct(to_vector(imu.gyro_rad_s) - rate_);
 }
 
-bool Estimator::accelerometer_usable(float norm_sq) const {
+inline bool Estimator::accelerometer_usable(float norm_sq) const {
   const float low = (1.0f - config_.acc_margin) * kGravity_m_s2;
   const float high = (1.0f + config_.acc_margin) * kGravity_m_s2;
   return config_.use_acc && norm_sq > low * low && norm_sq < high * high;
 }
 
-Vector3 Estimator::accelerometer_error() const {
+inline Vector3 Estimator::accelerometer_error() const {
   const Vector3 n = acc_ / acc_.norm();
   const float d = -n.z();  // cosine between (0, 0, -1) and n
   constexpr float kUpsideDown = -0.9999f;
@@ -96,7 +96,7 @@ Vector3 Estimator::accelerometer_error() const {
   return {-2.0f * q.w * q.x, -2.0f * q.w * q.y, 0.0f};
 }
 
-Estimator::Correction Estimator::correction(Time now, float dt_s) {
+inline Estimator::Correction Estimator::correction(Time now, float dt_s) {
   Correction c;
   c.ki = config_.ki;
   const bool usable = accelerometer_usable(acc_.squaredNorm());
@@ -131,7 +131,7 @@ Estimator::Correction Estimator::correction(Time now, float dt_s) {
   return c;
 }
 
-Vector3 Estimator::rate_for_step() {
+inline Vector3 Estimator::rate_for_step() {
   if (!config_.quadratic_rates) return rate_;
   const Vector3 fit = (5.0f * rate_ + 8.0f * rate_1_ - rate_2_) * (1.0f / 12.0f);
   rate_2_ = rate_1_;
@@ -139,7 +139,7 @@ Vector3 Estimator::rate_for_step() {
   return fit;
 }
 
-void Estimator::propagate(const Vector3& rate, float dt_s) {
+inline void Estimator::propagate(const Vector3& rate, float dt_s) {
   const float speed_sq = rate.squaredNorm();
   if (!(speed_sq > 0.0f)) return;
   Quaternion half{1.0f, 0.0f, 0.0f, 0.0f};
@@ -171,7 +171,7 @@ void Estimator::level_from_accelerometer() {
   estimate_.pitch_rad = pitch;
 }
 
-void Estimator::watch_health(Time now, bool used) {
+inline void Estimator::watch_health(Time now, bool used) {
   if (used && !was_usable_) usable_since_ = now;
   if (used) last_acc_use_ = now;
   was_usable_ = used;

@@ -237,8 +237,7 @@ void Firmware::watch_imu(Time now) {
   } else {
     const Measurements& m = sensors_.measurements();
     const CommandVector& c = state_.failsafe() ? command_.combined() : command_.pilot();
-    static_cast<void>(
-        mixer_.step(c.value, {m.density_kg_m3, m.battery.voltage_V, state_.armed(), 0x3FF}));
+    static_cast<void>(mixer_.step(c.value, {m.density_kg_m3, m.battery.voltage_V, state_.armed()}));
   }
   board_.outputs.write(mixer_.outputs());
 }

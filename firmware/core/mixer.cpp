@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace rosflight::core {
 namespace {
@@ -11,19 +12,34 @@ constexpr float kSmallestBattery_V = 1e-4f;
 constexpr float kServoCentre = 0.5f;
 constexpr float kGpioThreshold = 0.5f;
 
+/// Four channels of a padded array, from the first of `group` on.
+template <class Values>
+auto four(Values& values, std::size_t group) {
+  using Array = std::conditional_t<std::is_const_v<Values>, const Eigen::Array<float, kGroup, 1>,
+                                   Eigen::Array<float, kGroup, 1>>;
+  return Eigen::Map<Array, Eigen::Aligned16>(values.data() + kGroup * group);
+}
+
 }  // namespace
 
 void Mixer::set_header(const MixerHeader& header) {
   header_ = header;
   motors_ = servos_ = gpios_ = free_ = ChannelList{};
-  used_.setZero();
+  mixed_.fill(0.0f);
+  used_.fill(0.0f);
+  motor_.fill(0.0f);
+  groups_ = 0;
   for (std::size_t k = 0; k < hal::kOutputs; ++k) {
     const OutputType type = k < kChannels ? header_.type[k] : OutputType::kAux;
-    if (type != OutputType::kAux) used_[static_cast<Eigen::Index>(k)] = 1.0f;
+    if (type != OutputType::kAux) {
+      used_[k] = 1.0f;
+      groups_ = static_cast<std::uint8_t>(k / kGroup + 1);
+    }
     const auto bit = static_cast<std::uint16_t>(1u << k);
     switch (type) {
       case OutputType::kMotor:
         motors_.add(k);
+        motor_[k] = 1.0f;
         was_servo_ &= static_cast<std::uint16_t>(~bit);
         break;
       case OutputType::kServo:
@@ -39,7 +55,7 @@ void Mixer::set_header(const MixerHeader& header) {
         break;
     }
   }
-  free_stale_ = true;
+  stale_ = true;
 }
 
 bool Mixer::set_auxiliary(const link::AuxCommand& command) {
@@ -48,12 +64,11 @@ bool Mixer::set_auxiliary(const link::AuxCommand& command) {
     if (command.type[k] != 0 && !std::isfinite(command.value[k])) return false;
   }
   auxiliary_ = command;
-  free_stale_ = true;
+  stale_ = true;
   return true;
 }
 
-const hal::OutputValues& Mixer::step(const std::array<float, kEntries>& u,
-                                     const Conditions& conditions) {
+const hal::OutputValues& Mixer::step(const Inputs& u, const Conditions& conditions) {
   if (!valid_) return outputs_;
   mix(u, conditions);
   if (!mixed_is_finite()) {
@@ -61,8 +76,13 @@ const hal::OutputValues& Mixer::step(const std::array<float, kEntries>& u,
     stop_motors();
     return outputs_;
   }
-  limit_mixed(conditions.armed);
-  if (free_stale_ || free_armed_ != conditions.armed) fill_free_channels(conditions.armed);
+  if (stale_ || set_armed_ != conditions.armed) {
+    stale_ = false;
+    set_armed_ = conditions.armed;
+    set_limits(conditions.armed);
+    fill_free_channels(conditions.armed);
+  }
+  limit_mixed();
   return outputs_;
 }
 
@@ -71,16 +91,18 @@ void Mixer::stop_motors() {
   for (const std::size_t k : free_) {
     if (auxiliary_.type[k] == static_cast<std::uint8_t>(link::AuxType::kMotor)) outputs_[k] = 0.0f;
   }
-  free_stale_ = true;
+  stale_ = true;
 }
 
-bool Mixer::mixed_is_finite() const {
-  return Eigen::Map<const Column, Eigen::Aligned16>(mixed_.data()).allFinite();
+inline bool Mixer::mixed_is_finite() const {
+  float sum = 0.0f;  // one NaN or infinity makes it one
+  for (std::size_t g = 0; g < groups_; ++g) sum += four(mixed_, g).abs().sum();
+  return std::isfinite(sum);
 }
 
-void Mixer::mix(const std::array<float, kEntries>& u, const Conditions& conditions) {
+inline void Mixer::mix(const Inputs& u, const Conditions& conditions) {
   const std::size_t throttle = config_.throttle_entry;
-  std::array<float, kEntries> input = u;
+  Inputs input = u;
   if (config_.fixed_wing) {
     if (config_.reverse_aileron) input[3] = -input[3];
     if (config_.reverse_elevator) input[4] = -input[4];
@@ -92,18 +114,36 @@ void Mixer::mix(const std::array<float, kEntries>& u, const Conditions& conditio
   }
   if (config_.unsigned_throttle) input[throttle] = std::abs(input[throttle]);
 
-  Column tau = Column::Zero();
-  for (std::size_t i = 0; i < kEntries; ++i) {
-    if (input[i] == 0.0f) continue;
-    const bool primary = (conditions.primary_entries >> i & 1u) != 0;
-    tau += (primary ? primary_ : secondary_).col(static_cast<Eigen::Index>(i)) * input[i];
+  const bool all_primary = conditions.primary_entries == kAllEntries;
+  for (std::size_t g = 0; g < groups_; ++g) {
+    four(mixed_, g) = four(used_, g) * (all_primary ? product(primary_, input, g)
+                                                    : product_by_entry(input, g, conditions));
   }
-  Eigen::Map<Column, Eigen::Aligned16>(mixed_.data()) = tau.cwiseProduct(used_);
   motor_model_failed_ = false;
   saturation_ = 0.0f;
   if (config_.fixed_wing) return;
   if (config_.use_motor_model) motors_from_speed(conditions);
   scale_motors();
+}
+
+/// (1) for the channels of one group.
+inline Mixer::Group Mixer::product(const MixerGains& gains, const Inputs& u, std::size_t group) {
+  using Rows = Eigen::Map<const Eigen::Matrix<float, kGroup, kEntries>, Eigen::Aligned16,
+                          Eigen::OuterStride<kPaddedChannels>>;
+  return Rows(gains.data() + kGroup * group)
+      .lazyProduct(Eigen::Map<const Eigen::Matrix<float, kEntries, 1>>(u.data()));
+}
+
+/// The same with each input through the gains of the mixer that has it.
+Mixer::Group Mixer::product_by_entry(const Inputs& u, std::size_t group,
+                                     const Conditions& conditions) const {
+  Group tau = Group::Zero();
+  for (std::size_t i = 0; i < kEntries; ++i) {
+    const bool primary = (conditions.primary_entries >> i & 1u) != 0;
+    const float* gains = (primary ? primary_ : secondary_).data() + kPaddedChannels * i;
+    tau += Eigen::Map<const Group, Eigen::Aligned16>(gains + kGroup * group) * u[i];
+  }
+  return tau;
 }
 
 void Mixer::motors_from_speed(const Conditions& conditions) {
@@ -116,8 +156,10 @@ void Mixer::motors_from_speed(const Conditions& conditions) {
   }
 }
 
-void Mixer::scale_motors() {
-  for (const std::size_t k : motors_) saturation_ = std::max(saturation_, std::abs(mixed_[k]));
+inline void Mixer::scale_motors() {
+  for (std::size_t g = 0; g < groups_; ++g) {
+    saturation_ = std::max(saturation_, (four(mixed_, g) * four(motor_, g)).abs().maxCoeff());
+  }
   if (saturation_ <= 1.0f) return;
   const float scale = 1.0f / saturation_;
   for (const std::size_t k : motors_) mixed_[k] *= scale;
@@ -128,25 +170,29 @@ Mixer::MotorRange Mixer::motor_range(bool armed) const {
   return {config_.spin_when_armed ? config_.idle_throttle : 0.0f, 1.0f};
 }
 
-/// Outputs of the mixer's own channels.
-void Mixer::limit_mixed(bool armed) {
+void Mixer::set_limits(bool armed) {
   const MotorRange range = motor_range(armed);
   for (const std::size_t k : motors_) {
-    outputs_[k] = std::min(std::max(range.low, mixed_[k]), range.high);
+    gain_[k] = 1.0f, centre_[k] = 0.0f, low_[k] = range.low, high_[k] = range.high;
   }
   for (const std::size_t k : servos_) {
-    outputs_[k] = std::clamp(mixed_[k], -1.0f, 1.0f) * 0.5f + kServoCentre;
+    gain_[k] = 0.5f, centre_[k] = kServoCentre, low_[k] = 0.0f, high_[k] = 1.0f;
   }
-  for (const std::size_t k : gpios_) {
-    outputs_[k] = mixed_[k] >= kGpioThreshold ? 1.0f : 0.0f;
+}
+
+/// Outputs of the mixer's own channels.
+inline void Mixer::limit_mixed() {
+  for (std::size_t g = 0; g < groups_; ++g) {
+    four(outputs_, g) = (four(mixed_, g) * four(gain_, g) + four(centre_, g))
+                            .max(four(low_, g))
+                            .min(four(high_, g));
   }
+  for (const std::size_t k : gpios_) outputs_[k] = mixed_[k] >= kGpioThreshold ? 1.0f : 0.0f;
 }
 
 /// Outputs that the mixer leaves to auxiliary commands.
 void Mixer::fill_free_channels(bool armed) {
   const MotorRange range = motor_range(armed);
-  free_stale_ = false;
-  free_armed_ = armed;
   for (const std::size_t k : free_) {
     const auto bit = static_cast<std::uint16_t>(1u << k);
     const float value = auxiliary_.value[k];
@@ -163,10 +209,11 @@ void Mixer::fill_free_channels(bool armed) {
         outputs_[k] = (was_servo_ & bit) != 0 ? kServoCentre : 0.0f;
         break;
     }
+    if (k < kPaddedChannels) low_[k] = high_[k] = outputs_[k];  // limit_mixed() leaves it so
   }
 }
 
-float Mixer::thrust_fraction(const std::array<float, kEntries>& u, float density_kg_m3) const {
+float Mixer::thrust_fraction(const Inputs& u, float density_kg_m3) const {
   if (motors_.size == 0) return 0.0f;
   float total = 0.0f;
   for (const std::size_t k : motors_) {

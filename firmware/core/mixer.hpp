@@ -14,7 +14,8 @@ enum class OutputType : std::uint8_t { kAux = 0, kServo = 1, kMotor = 2, kGpio =
 
 /// Gains K of one mixer, channel by input: tau_j = sum_i K(j, i) u_i. For multirotors K is the
 /// pseudo-inverse of the matrix M that says what each actuator adds to each force and torque. Two
-/// rows of zeros make a column three whole vector registers.
+/// rows of zeros make a column three groups of four channels, one vector register each.
+inline constexpr std::size_t kGroup = 4;
 inline constexpr std::size_t kPaddedChannels = 12;
 using MixerGains = Eigen::Matrix<float, kPaddedChannels, kEntries>;
 
@@ -37,9 +38,12 @@ struct MixerHeader {
 /// V() is MotorModel::voltage_V. Below the idle throttle the yaw torque is dropped, since yaw alone
 /// could start motors. Then auxiliary commands fill what the mixer leaves free, and every channel
 /// is limited by its type. NaN or infinity anywhere stops all motors for that pass; the other
-/// outputs keep what they had. Owns 0.9 kB.
+/// outputs keep what they had. Owns 1.2 kB.
 class Mixer {
  public:
+  using Inputs = std::array<float, kEntries>;
+  static constexpr std::uint16_t kAllEntries = 0x3FF;
+
   struct Config {
     bool fixed_wing{false};
     bool reverse_aileron{false}, reverse_elevator{false}, reverse_rudder{false};
@@ -58,12 +62,12 @@ class Mixer {
     float density_kg_m3{1.225f};
     float battery_V{0.0f};
     bool armed{false};
-    std::uint16_t primary_entries{0x3FF};  ///< Bit i: input i goes through the primary gains.
+    std::uint16_t primary_entries{kAllEntries};  ///< Bit i: input i goes through the primary gains.
   };
 
   void configure(const Config& config) {
     config_ = config;
-    free_stale_ = true;
+    stale_ = true;
   }
   const Config& config() const { return config_; }
 
@@ -85,12 +89,12 @@ class Mixer {
   bool set_auxiliary(const link::AuxCommand& command);
 
   /// All 14 outputs, 0..1.
-  const hal::OutputValues& step(const std::array<float, kEntries>& u, const Conditions& conditions);
+  const hal::OutputValues& step(const Inputs& u, const Conditions& conditions);
 
   const hal::OutputValues& outputs() const { return outputs_; }
   void clear_outputs() {
     outputs_.fill(0.0f);
-    free_stale_ = true;
+    stale_ = true;
   }
   /// Zero on every channel that drives a motor; the others hold.
   void stop_motors();
@@ -103,7 +107,7 @@ class Mixer {
 
   /// Total thrust an offboard vector asks for through the secondary gains, as a fraction of what
   /// the motors can give together.
-  float thrust_fraction(const std::array<float, kEntries>& u, float density_kg_m3) const;
+  float thrust_fraction(const Inputs& u, float density_kg_m3) const;
 
  private:
   /// Channels of one kind, so that a pass need not look at the kinds.
@@ -115,13 +119,17 @@ class Mixer {
     void add(std::size_t k) { channel[size++] = static_cast<std::uint8_t>(k); }
   };
 
-  using Column = Eigen::Matrix<float, kPaddedChannels, 1>;
+  using Group = Eigen::Array<float, kGroup, 1>;
+  using Padded = std::array<float, kPaddedChannels>;
 
-  void mix(const std::array<float, kEntries>& u, const Conditions& conditions);
+  void mix(const Inputs& u, const Conditions& conditions);
+  static Group product(const MixerGains& gains, const Inputs& u, std::size_t group);
+  Group product_by_entry(const Inputs& u, std::size_t group, const Conditions& conditions) const;
   void motors_from_speed(const Conditions& conditions);
   void scale_motors();
   bool mixed_is_finite() const;
-  void limit_mixed(bool armed);
+  void limit_mixed();
+  void set_limits(bool armed);
   void fill_free_channels(bool armed);
   struct MotorRange {
     float low;
@@ -133,17 +141,23 @@ class Mixer {
   MixerHeader header_{};
   MixerGains primary_{MixerGains::Zero()};
   MixerGains secondary_{MixerGains::Zero()};
-  alignas(16) std::array<float, kPaddedChannels> mixed_{};
-  Column used_{Column::Zero()};  ///< 1 for channels of the mixer, 0 for free ones.
+  alignas(16) Padded mixed_{};
+  alignas(16) Padded used_{};   ///< 1 for channels of the mixer, 0 for free ones.
+  alignas(16) Padded motor_{};  ///< 1 for motors, 0 for others.
+  alignas(16) Padded gain_{};   ///< Output of a channel: clamp(gain x mixed + centre, low, high).
+  alignas(16) Padded centre_{};
+  alignas(16) Padded low_{};
+  alignas(16) Padded high_{};
+  std::uint8_t groups_{0};  ///< Up to the last channel that the mixer uses.
   ChannelList motors_, servos_, gpios_, free_;
-  hal::OutputValues outputs_{};
+  alignas(16) hal::OutputValues outputs_{};
   link::AuxCommand auxiliary_{};
   std::uint16_t was_servo_{0};  ///< Bit per output: idles at its centre once released.
   float saturation_{0.0f};
   bool motor_model_failed_{false};
   bool valid_{false};
-  bool free_stale_{true};   ///< Outputs of free_ must be set again.
-  bool free_armed_{false};  ///< They were set for this.
+  bool stale_{true};       ///< Limits and outputs of free_ must be set again.
+  bool set_armed_{false};  ///< They were set for this.
 };
 
 }  // namespace rosflight::core

@@ -152,6 +152,11 @@ FlightChoice wind(const char* text) {
   choice.wind = text;
   return choice;
 }
+FlightChoice visualiser(const char* name) {
+  FlightChoice choice;
+  choice.visualisers = {name};
+  return choice;
+}
 FlightChoice plugin(const char* text) {
   FlightChoice choice;
   choice.plugins = {text};
@@ -159,24 +164,27 @@ FlightChoice plugin(const char* text) {
 }
 INSTANTIATE_TEST_SUITE_P(
     Choices, BadInput,
-    ::testing::Values(BadChoice{"unknown vehicle", vehicle("zeppelin"), "zeppelin"},
-                      BadChoice{"missing vehicle file", vehicle("./nowhere.yaml"), "nowhere.yaml"},
-                      BadChoice{"unknown mission", mission("moon"), "allowed a file or"},
-                      BadChoice{"missing mission file", mission("./nowhere.yaml"), "nowhere.yaml"},
-                      BadChoice{"unknown key", set("vehicle.body.colour=red"), "colour"},
-                      BadChoice{"wrong type", set("vehicle.body.mass_kg=heavy"), "mass_kg"},
-                      BadChoice{"out of range", set("vehicle.body.mass_kg=-1"), "mass_kg"},
-                      BadChoice{"no assignment", set("vehicle.body"), "body"},
-                      BadChoice{"unknown firmware parameter", set("vehicle.firmware.PID_ROLL=1"),
-                                "PID_ROLL"},
-                      BadChoice{"firmware parameter out of range",
-                                set("vehicle.firmware.PRIMARY_MIXER=99"), "PRIMARY_MIXER"},
-                      BadChoice{"firmware parameter of the wrong type",
-                                set("vehicle.firmware.PRIMARY_MIXER=1.5"), "whole number"},
-                      BadChoice{"unknown fault", fault("gremlin@3"), "gremlin"},
-                      BadChoice{"fault without time", fault("imu"), "imu"},
-                      BadChoice{"wind", wind("gale"), "--wind"},
-                      BadChoice{"missing plugin", plugin("./libnothing.so"), "libnothing.so"}),
+    ::testing::Values(
+        BadChoice{"unknown vehicle", vehicle("zeppelin"), "zeppelin"},
+        BadChoice{"missing vehicle file", vehicle("./nowhere.yaml"), "nowhere.yaml"},
+        BadChoice{"unknown mission", mission("moon"), "allowed a file or"},
+        BadChoice{"missing mission file", mission("./nowhere.yaml"), "nowhere.yaml"},
+        BadChoice{"unknown key", set("vehicle.body.colour=red"), "colour"},
+        BadChoice{"wrong type", set("vehicle.body.mass_kg=heavy"), "mass_kg"},
+        BadChoice{"out of range", set("vehicle.body.mass_kg=-1"), "mass_kg"},
+        BadChoice{"no assignment", set("vehicle.body"), "body"},
+        BadChoice{"unknown firmware parameter", set("vehicle.firmware.PID_ROLL=1"), "PID_ROLL"},
+        BadChoice{"firmware parameter out of range", set("vehicle.firmware.PRIMARY_MIXER=99"),
+                  "PRIMARY_MIXER"},
+        BadChoice{"firmware parameter of the wrong type", set("vehicle.firmware.PRIMARY_MIXER=1.5"),
+                  "whole number"},
+        BadChoice{"unknown fault", fault("gremlin@3"), "gremlin"},
+        BadChoice{"fault without time", fault("imu"), "imu"},
+        BadChoice{"wind", wind("gale"), "--wind"},
+        BadChoice{"unknown sensors module", set("vehicle.sensors.module=crystal_ball"),
+                  "allowed standard"},
+        BadChoice{"unknown visualiser", visualiser("tarot"), "visualiser: found tarot"},
+        BadChoice{"missing plugin", plugin("./libnothing.so"), "libnothing.so"}),
     [](const auto& choice) {
       std::string name;
       for (const char c : std::string(choice.param.what)) name += c == ' ' ? '_' : c;

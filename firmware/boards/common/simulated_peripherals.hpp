@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -82,9 +83,9 @@ class SimulatedOutputs final : public hal::Outputs {
   void write(const hal::OutputValues& values) override {
     ++writes_;
     if (!enabled_) return;
-    for (std::size_t k = 0; k < values.size(); ++k) {
-      values_[k] = std::min(std::max(0.0f, values[k]), 1.0f);  // in this order NaN becomes 0
-    }
+    using All = Eigen::Array<float, hal::kOutputs, 1>;
+    Eigen::Map<All>(values_.data()) =
+        All::Zero().max(Eigen::Map<const All>(values.data())).min(1.0f);  // so NaN becomes 0
   }
   void disable() override {
     enabled_ = false;
