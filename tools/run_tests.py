@@ -4,8 +4,8 @@
 Builds and runs every test and ends with the line "N passed, M failed". Exit code 1 if any failed.
 
 NAME chooses: a stage by its name, and test programs and pytest files by a part of theirs.
-Stages: format, structure, build, unit, python, cortex-m7, sanitizers, fuzz; and tidy, which runs when named: it
-takes as long as all others together.
+Stages: format, structure, build, unit, python, cortex-m7, sanitizers, fuzz, tidy (clang-tidy over what
+flies); and tidy-tests (the same over tests), which runs when named: it takes as long as most others together.
 """
 
 import os
@@ -27,9 +27,10 @@ STAGES = {
     "cortex-m7": stages.build_cortex_m7,
     "sanitizers": stages.sanitizers,
     "fuzz": stages.fuzz,
-    "tidy": stages.tidy,
+    "tidy": stages.tidy_product,
+    "tidy-tests": stages.tidy_tests,
 }
-ON_REQUEST = {"tidy"}
+ON_REQUEST = {"tidy-tests"}
 
 
 def chosen_stages(names: list[str]):

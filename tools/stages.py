@@ -59,8 +59,16 @@ def check_structure() -> Outcome:
     return _add(_check(found) for found in structure.run().values())
 
 
-def tidy() -> Outcome:
-    clean, complaints = clang_tidy.run("release")
+def tidy_product() -> Outcome:
+    return _tidy(lambda path: not clang_tidy.is_test(path))
+
+
+def tidy_tests() -> Outcome:
+    return _tidy(clang_tidy.is_test)
+
+
+def _tidy(wanted) -> Outcome:
+    clean, complaints = clang_tidy.run("release", wanted=wanted)
     outcome = _check(complaints)
     print(f"   {clean} files clean")
     return outcome

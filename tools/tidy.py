@@ -56,10 +56,16 @@ def check(entry: dict, build: Path) -> str:
     return "" if done.returncode == 0 else "\n".join(said)
 
 
-def run(preset: str = "release", names: list[str] | None = None) -> tuple[int, list[str]]:
-    """Number of clean files, and the complaints about the others."""
+def is_test(path: Path) -> bool:
+    return "test" in path.parts or "fuzz" in path.parts
+
+
+def run(preset: str = "release", names: list[str] | None = None,
+        wanted=lambda path: True) -> tuple[int, list[str]]:
+    """Number of clean files, and the complaints about the others; `wanted` chooses by path."""
     build = project.ROOT / "build" / preset
-    ours = {project.ROOT / path for path in project.own_files() if path.suffix == ".cpp"}
+    ours = {project.ROOT / path for path in project.own_files()
+            if path.suffix == ".cpp" and wanted(path)}
     entries = {
         entry["file"]: entry
         for entry in json.loads((build / "compile_commands.json").read_text())
