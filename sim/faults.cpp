@@ -127,6 +127,13 @@ FaultSchedule::FaultSchedule(std::vector<Fault> faults) : faults_{std::move(faul
   for (const Fault& fault : faults_) kinds_ |= bit(fault.kind);
 }
 
+FaultSchedule parse_faults(const std::vector<std::string>& texts) {
+  std::vector<Fault> faults;
+  faults.reserve(texts.size());
+  for (const std::string& text : texts) faults.push_back(parse_fault(text));
+  return FaultSchedule(std::move(faults));
+}
+
 bool FaultSchedule::active_now(FaultKind kind, Time t) const {
   return std::any_of(faults_.begin(), faults_.end(), [kind, t](const Fault& fault) {
     return fault.kind == kind && t >= fault.start && t < fault.end;

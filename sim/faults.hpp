@@ -67,4 +67,7 @@ class FaultSchedule {
   std::uint32_t kinds_{0};
 };
 
+/// Each as parse_fault() reads it.
+FaultSchedule parse_faults(const std::vector<std::string>& texts);
+
 }  // namespace rosflight::sim

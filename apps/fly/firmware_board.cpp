@@ -12,15 +12,14 @@ void FirmwareBoard::start(sim::Time t) {
 void FirmwareBoard::boot(sim::Time t) {
   boot_ = t;
   board_.clock.set(hal::Time{0});
-  firmware_.reset();
-  codec_.emplace(link::MavlinkCodec::Identity{1, link::MavlinkCodec::kFcuComponent});
-  firmware_.emplace(board_.roles(serial_), *codec_);
-  firmware_->start();
+  image_.reset();
+  image_ = std::make_unique<Image>(board_.roles(serial_));
+  image_->firmware.start();
 }
 
 void FirmwareBoard::restart(sim::Time t, bool in_flight_fault) {
   if (in_flight_fault) {
-    firmware_->record_fault({0, 0, 0, 0, 0, 0, 0x0800'1234u, 0});
+    image_->firmware.record_fault({0, 0, 0, 0, 0, 0, 0x0800'1234u, 0});
   } else {
     board_.backup.clear();
   }
@@ -32,7 +31,7 @@ const hal::OutputValues& FirmwareBoard::step(sim::Time t, const sim::SensorSampl
                                              const hal::RcFrame* rc) {
   board_.clock.set(board_time(t));
   if (rc != nullptr) board_.receiver.put(*rc);
-  if (rc != nullptr || serial_.waiting()) firmware_->run();
+  if (rc != nullptr || serial_.waiting()) image_->firmware.run();
   const auto to_board_time = [this](auto sample) {
     sample.stamp = board_time(sample.stamp);
     return sample;
@@ -44,7 +43,7 @@ const hal::OutputValues& FirmwareBoard::step(sim::Time t, const sim::SensorSampl
   if (samples.has_range) board_.range.put(to_board_time(samples.range));
   if (samples.has_gnss) board_.gnss.put(to_board_time(samples.gnss));
   if (samples.has_battery) board_.battery.put(to_board_time(samples.battery));
-  firmware_->run();
+  image_->firmware.run();
   if (board_.system.reset_requested()) {
     board_.system.acknowledge_reset();
     boot(t);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <optional>
+#include <memory>
 
 #include "firmware/boards/simulated/simulated_board.hpp"
 #include "firmware/core/firmware.hpp"
@@ -33,24 +33,29 @@ class FirmwareBoard final : public sim::BoardModule {
   void start(sim::Time t);
   const hal::OutputValues& step(sim::Time t, const sim::SensorSamples& samples,
                                 const hal::RcFrame* rc) override;
-  bool armed() const override { return firmware_->state().armed(); }
+  bool armed() const override { return image_->firmware.state().armed(); }
 
   /// Power fails and returns: a reboot that backup memory does not survive. `in_flight_fault`
   /// leaves a crash record instead, as a fault handler would, and keeps backup memory.
   void restart(sim::Time t, bool in_flight_fault);
 
-  const core::Firmware& firmware() const { return *firmware_; }
+  const core::Firmware& firmware() const { return image_->firmware; }
   boards::SimulatedBoard& board() { return board_; }
   sim::Time boot_time() const { return boot_; }
 
  private:
+  struct Image {
+    explicit Image(const hal::Board& board) : firmware{board, codec} {}
+    link::MavlinkCodec codec{{1, link::MavlinkCodec::kFcuComponent}};
+    core::Firmware firmware;
+  };
+
   void boot(sim::Time t);
   hal::Time board_time(sim::Time t) const { return t - boot_; }
 
   BoardSerial& serial_;
   boards::SimulatedBoard board_;
-  std::optional<link::MavlinkCodec> codec_;
-  std::optional<core::Firmware> firmware_;
+  std::unique_ptr<Image> image_;  ///< From start() on.
   sim::Time boot_{};
 };
 

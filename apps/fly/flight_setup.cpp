@@ -106,12 +106,6 @@ autonomy::AutonomyConfig read_autonomy_section(const sim::Vehicle& vehicle,
   return autonomy::read_autonomy(vehicle.autonomy(), facts);
 }
 
-sim::FaultSchedule read_faults(const std::vector<std::string>& texts) {
-  std::vector<sim::Fault> faults;
-  for (const std::string& text : texts) faults.push_back(sim::parse_fault(text));
-  return sim::FaultSchedule(std::move(faults));
-}
-
 }  // namespace
 
 companion::ParameterSet read_firmware_parameters(const config::Section& section) {
@@ -208,7 +202,7 @@ FlightSetup::FlightSetup(const FlightChoice& choice_in)
                                                         vehicle.environment().origin.longitude_deg,
                                                         vehicle.environment().origin.height_m})},
       channels{channels_of(firmware)},
-      faults{read_faults(choice.faults)} {
+      faults{sim::parse_faults(choice.faults)} {
   mission_text = read_text(mission_file);
 }
 

@@ -45,12 +45,16 @@ void check_columns(const CsvTable& table) {
     throw InputError(fmt::format("{}:1: found column '{}', allowed the columns of docs/replay.md",
                                  table.path(), column));
   }
-  if (!table.find("time_us"))
-    throw InputError(fmt::format("{}:1: no column time_us", table.path()));
 }
 
-void check_time(const CsvTable& table, std::size_t row, std::int64_t& last_us) {
-  const std::size_t column = *table.find("time_us");
+/// Where the time is.
+std::size_t time_column(const CsvTable& table) {
+  const auto column = table.find("time_us");
+  if (!column) throw InputError(fmt::format("{}:1: no column time_us", table.path()));
+  return *column;
+}
+
+void check_time(const CsvTable& table, std::size_t column, std::size_t row, std::int64_t& last_us) {
   const std::int64_t now = table.integer(row, column);
   if (now < 0 || (row > 0 && now < last_us)) {
     throw table.error(row, column,
@@ -64,6 +68,7 @@ void check_time(const CsvTable& table, std::size_t row, std::int64_t& last_us) {
 ReplayResult replay(const ReplayInput& input, bool compare) {
   const CsvTable& table = input.table;
   check_columns(table);
+  const std::size_t time = time_column(table);
   std::vector<Waiver> waivers;
   if (input.waivers) waivers = read_waivers(*input.waivers);
   const auto rig = std::make_unique<ReplayRig>();
@@ -85,7 +90,7 @@ ReplayResult replay(const ReplayInput& input, bool compare) {
 
   std::int64_t last_us = 0;
   for (std::size_t row = 0; row < table.rows(); ++row) {
-    check_time(table, row, last_us);
+    check_time(table, time, row, last_us);
     rig->step(table, row);
     result.csv += fmt::format("{},{}", row + 1, last_us);
     std::size_t check = 0;

@@ -78,7 +78,7 @@ struct ReplayRig::Row {
     return k ? table.cell(index, *k) : std::string_view{};
   }
   InputError error(const std::string& column, const std::string& text) const {
-    return table.error(index, *table.find(column), text);
+    return table.error(index, table.find(column).value_or(0), text);
   }
 };
 

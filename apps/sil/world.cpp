@@ -8,13 +8,6 @@
 namespace rosflight::apps {
 namespace {
 
-sim::FaultSchedule read_faults(const std::vector<std::string>& texts) {
-  std::vector<sim::Fault> faults;
-  faults.reserve(texts.size());
-  for (const std::string& text : texts) faults.push_back(sim::parse_fault(text));
-  return sim::FaultSchedule{std::move(faults)};
-}
-
 /// The project's IMU keeps pace with the loop; a module of a user's own keeps its own rates.
 sim::Vehicle read_vehicle(const SilOptions& options, sim::Registry& registry, sim::Time step) {
   sim::register_physics(registry);
@@ -27,7 +20,7 @@ sim::Vehicle read_vehicle(const SilOptions& options, sim::Registry& registry, si
     if (text.rfind(kPrefix, 0) == 0) text.erase(0, kPrefix.size());
   }
   const auto file = registry.vehicle_file(options.vehicle);
-  const auto vehicle = sim::Vehicle::from_file(file, overrides);
+  auto vehicle = sim::Vehicle::from_file(file, overrides);
   if (vehicle.sensors().text("module", "standard") != "standard") return vehicle;
   overrides.push_back(
       fmt::format("sensors.imu.rate_Hz={:.17g}", 1e6 / static_cast<double>(step.count())));
@@ -44,7 +37,7 @@ sim::rc::Script read_rc(const SilOptions& options) {
 
 SilWorld::SilWorld(const SilOptions& options, sim::Time step)
     : random_{options.seed},
-      faults_{read_faults(options.faults)},
+      faults_{sim::parse_faults(options.faults)},
       vehicle_{read_vehicle(options, registry_, step)},
       forces_{registry_.make_forces(vehicle_, random_)},
       dynamics_{vehicle_.body(), vehicle_.ground(), vehicle_.environment(), *forces_, random_},

@@ -2,6 +2,7 @@
 // Flies every row of docs/faults.md.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "apps/fly/test/flight_rig.hpp"
@@ -39,10 +40,9 @@ double time_until(Rig& rig, double limit_s, Condition condition) {
 }
 
 bool outputs_sane(const Rig& rig) {
-  for (const float value : rig.firmware().mixer().outputs()) {
-    if (!(value >= 0.0F && value <= 1.0F)) return false;
-  }
-  return true;
+  const auto& outputs = rig.firmware().mixer().outputs();
+  return std::all_of(outputs.begin(), outputs.end(),
+                     [](float value) { return value >= 0.0F && value <= 1.0F; });
 }
 
 TEST(Faults, NominalFlightCompletes) {
