@@ -8,6 +8,7 @@
 
 #include "apps/fly/fly_command.hpp"
 #include "apps/mixer/mixer_command.hpp"
+#include "apps/options.hpp"
 #include "apps/project_root.hpp"
 #include "apps/replay/replay.hpp"
 #include "apps/sil/sil_cli.hpp"
@@ -26,6 +27,7 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options) {
   fly->add_option("--mission", choice.mission, "Mission: a name of missions/ or a YAML file")
       ->capture_default_str();
   fly->add_option("--seed", choice.seed, "Seed of all noise and wind; same seed, same bits")
+      ->check(whole_number)
       ->capture_default_str();
   fly->add_option("--state", choice.state, "Where guidance gets position and velocity from: truth")
       ->capture_default_str()

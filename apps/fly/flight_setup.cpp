@@ -204,6 +204,11 @@ FlightSetup::FlightSetup(const FlightChoice& choice_in)
       channels{channels_of(firmware)},
       faults{sim::parse_faults(choice.faults)} {
   mission_text = read_text(mission_file);
+  for (const sim::Fault& fault : faults.faults()) {
+    if (fault.kind != sim::FaultKind::kMotor || fault.motor < rotors.rotors.size()) continue;
+    throw Error(fmt::format("--fault: found motor {}, allowed 0 to {}", fault.motor,
+                            rotors.rotors.size() - 1));
+  }
 }
 
 }  // namespace rosflight::apps

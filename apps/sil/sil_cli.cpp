@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/sil/sil_cli.hpp"
 
+#include "apps/options.hpp"
 #include "sim/faults.hpp"
 
 namespace rosflight::apps {
@@ -38,7 +39,9 @@ CLI::App* add_sil(CLI::App& app, SilOptions& options) {
   sil->add_option("--fault", options.faults, "something breaks, may be repeated; see below")
       ->type_name("WHAT@TIME[:DURATION]")
       ->allow_extra_args(false);
-  sil->add_option("--seed", options.seed, "of everything random")->capture_default_str();
+  sil->add_option("--seed", options.seed, "of everything random")
+      ->check(whole_number)
+      ->capture_default_str();
   sil->footer("Faults, times in seconds:\n" + sim::fault_help());
   return sil;
 }

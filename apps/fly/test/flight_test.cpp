@@ -180,6 +180,8 @@ INSTANTIATE_TEST_SUITE_P(
                   "whole number"},
         BadChoice{"unknown fault", fault("gremlin@3"), "gremlin"},
         BadChoice{"fault without time", fault("imu"), "imu"},
+        BadChoice{"fault of a motor that is not there", fault("motor4_dead@3"),
+                  "found motor 4, allowed 0 to 3"},
         BadChoice{"wind", wind("gale"), "--wind"},
         BadChoice{"unknown sensors module", set("vehicle.sensors.module=crystal_ball"),
                   "allowed standard"},

@@ -70,6 +70,7 @@ def test_same_seed_same_log_in_another_process(flight, tmp_path):
     (["--mission", "moon"], "moon"),
     (["--fault", "gremlin@1"], "gremlin"),
     (["--seed", "many"], "seed"),
+    (["--seed", "-1"], "seed"),
     (["--colour", "red"], "colour"),
     (["--state", "guess"], "guess"),
 ])
