@@ -103,13 +103,13 @@ void summarise(const boards::LinuxBoard& board, const SilBoard& firmware, const 
 
 }  // namespace
 
-int sil_command(const SilOptions& options, std::ostream& out) {
+int sil_command(const SilOptions& options, std::ostream& out, SilBoard::MakeCodec make_codec) {
   const sim::Time step = step_of(options);
   const auto address = read_link(options);
   SilWorld world{options, step};
   Signals signals;
   boards::LinuxBoard board{address, options.storage};
-  SilBoard firmware{board};
+  SilBoard firmware{board, std::move(make_codec)};
   sim::LockStepTime time{step};
   sim::LockStep loop{time, world.rc(), world.sensors(), firmware, world.dynamics()};
   Breaker breaker{world, board.serial};

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/sil/sil_board.hpp"
+
 /// The firmware as a process in real time, with a simulated vehicle around it, for any ground tool.
 namespace rosflight::apps {
 
@@ -31,6 +33,8 @@ struct SilOptions {
 /// open, "sil ready" and key=value words, and a summary to stderr at the end.
 /// @returns 0. @throws config::Error, boards::BoardError  one line; nothing has been created then,
 /// unless a blank memory file.
-int sil_command(const SilOptions& options, std::ostream& out);
+/// @param make_codec  what the firmware speaks; measurements put a decorator around it.
+int sil_command(const SilOptions& options, std::ostream& out,
+                SilBoard::MakeCodec make_codec = SilBoard::mavlink);
 
 }  // namespace rosflight::apps

@@ -3,10 +3,18 @@
 
 #include <algorithm>
 
+#include "link/mavlink/mavlink_codec.hpp"
+
 namespace rosflight::apps {
 
-SilBoard::SilBoard(boards::LinuxBoard& board) : board_{board}, tick_{boards::LinuxClock::steady()} {
+SilBoard::SilBoard(boards::LinuxBoard& board, MakeCodec make_codec)
+    : board_{board}, make_codec_{std::move(make_codec)}, tick_{boards::LinuxClock::steady()} {
   boot();
+}
+
+std::shared_ptr<link::Codec> SilBoard::mavlink(hal::Serial& /*port*/) {
+  return std::make_shared<link::MavlinkCodec>(
+      link::MavlinkCodec::Identity{1, link::MavlinkCodec::kFcuComponent});
 }
 
 void SilBoard::boot() {
@@ -15,7 +23,7 @@ void SilBoard::boot() {
   board_.system.restarted();
   board_.clock.boot();
   autopilot_.reset();
-  autopilot_ = std::make_unique<Autopilot>(board_.roles());
+  autopilot_ = std::make_unique<Autopilot>(board_.roles(), make_codec_(board_.serial));
   autopilot_->firmware.start();
 }
 

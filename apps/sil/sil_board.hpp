@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <functional>
 #include <memory>
+#include <utility>
 
 #include "firmware/boards/linux/linux_board.hpp"
 #include "firmware/core/firmware.hpp"
-#include "link/mavlink/mavlink_codec.hpp"
+#include "link/codec.hpp"
 #include "sim/modules.hpp"
 
 namespace rosflight::apps {
@@ -17,8 +19,12 @@ namespace rosflight::apps {
 /// its parameters from storage, and board time starts at zero.
 class SilBoard final : public sim::BoardModule {
  public:
+  /// The link of each boot, given the port it will write to.
+  using MakeCodec = std::function<std::shared_ptr<link::Codec>(hal::Serial& port)>;
+  static std::shared_ptr<link::Codec> mavlink(hal::Serial& port);
+
   /// Powers up. `board` must outlive this.
-  explicit SilBoard(boards::LinuxBoard& board);
+  explicit SilBoard(boards::LinuxBoard& board, MakeCodec make_codec = mavlink);
 
   /// The moment of the steady clock that the next step() stands for; not later than now.
   void set_tick(hal::Time steady) { tick_ = steady; }
@@ -32,8 +38,9 @@ class SilBoard final : public sim::BoardModule {
 
  private:
   struct Autopilot {
-    explicit Autopilot(const hal::Board& board) : firmware{board, codec} {}
-    link::MavlinkCodec codec{{1, link::MavlinkCodec::kFcuComponent}};
+    Autopilot(const hal::Board& board, std::shared_ptr<link::Codec> link)
+        : codec{std::move(link)}, firmware{board, *codec} {}
+    std::shared_ptr<link::Codec> codec;
     core::Firmware firmware;
   };
 
@@ -41,6 +48,7 @@ class SilBoard final : public sim::BoardModule {
   void pass();
 
   boards::LinuxBoard& board_;
+  MakeCodec make_codec_;
   std::unique_ptr<Autopilot> autopilot_;  ///< Of the present boot.
   hal::Time tick_;
   std::uint64_t restarts_{0};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/sil/sil_board.hpp"
+#include "link/mavlink/mavlink_codec.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/socket.h>
