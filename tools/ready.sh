@@ -4,7 +4,7 @@
 # missing or changed and tells on stderr what it does. ./rosflight sources this file; by hand:
 #
 #   tools/ready.sh packages run test           what tools/system_packages.txt lists
-#   tools/ready.sh venv                        .venv from tools/requirements.txt
+#   tools/ready.sh venv [FOLDER REQUIREMENTS]  .venv from tools/requirements.txt, or another by name
 #   tools/ready.sh build PRESET [TARGET...]    configure and build; no target means all
 #
 # ROSFLIGHT_JOBS limits compilers at work at once, ROSFLIGHT_KEEP_GOING=1 builds on after an error,
@@ -119,51 +119,52 @@ usable_python() {  # prints the interpreter to make the environment with
 }
 
 # What the environment was made from: a change of any of these means work.
-venv_key() {
-  printf '%s\n%s\n' "$(sha256sum <"$root/tools/requirements.txt")" "$(venv_place)"
+venv_key() {  # VENV REQUIREMENTS
+  printf '%s\n%s\n' "$(sha256sum <"$2")" "$(venv_place "$1")"
 }
 
 # Environments hold absolute paths and belong to one interpreter: neither may change under them.
-venv_place() { echo "$root $(readlink -f "$root/.venv/bin/python3")"; }
+venv_place() { echo "$root $(readlink -f "$1/bin/python3")"; }  # VENV
 
 # The stamp holds the key and then every entry that must be in site-packages.
-venv_is_whole() {
-  local venv="$root/.venv" entry
+venv_is_whole() {  # VENV
+  local venv=$1 entry
   [[ -x $venv/bin/python3 && -f $venv/.stamp ]] || return 1
   local -a packages=("$venv"/lib/python3*/site-packages) lines
   mapfile -t lines <"$venv/.stamp"
-  [[ ${#lines[@]} -gt 2 && ${lines[1]} == "$(venv_place)" ]] || return 1
+  [[ ${#lines[@]} -gt 2 && ${lines[1]} == "$(venv_place "$venv")" ]] || return 1
   for entry in "${lines[@]:2}"; do
     [[ -e ${packages[0]}/$entry ]] || return 1
   done
 }
 
-ready_venv() {
+ready_venv() {  # [FOLDER REQUIREMENTS], both from the root
   take_lock
-  local venv="$root/.venv" log="$root/build/.ready/venv.log"
+  local name=${1:-.venv} listed=${2:-tools/requirements.txt}
+  local venv="$root/$name" requirements="$root/$listed" log="$root/build/.ready/${name#.}.log"
   local whole=no python
-  venv_is_whole && whole=yes
-  if [[ $whole == yes && $(head -n 2 "$venv/.stamp") == "$(venv_key)" ]]; then
+  venv_is_whole "$venv" && whole=yes
+  if [[ $whole == yes && $(head -n 2 "$venv/.stamp") == "$(venv_key "$venv" "$requirements")" ]]; then
     return
   fi
   if [[ $whole == no ]]; then
-    say "making the Python environment .venv"
+    say "making the Python environment $name"
     python="$(usable_python)" || exit $?
     rm -rf "$venv"
     if ! "$python" -m venv "$venv" >"$log" 2>&1; then
       tail -n 8 "$log" >&2
-      fail "$python could not make .venv"
+      fail "$python could not make $name"
     fi
   else
-    say "bringing the Python environment .venv up to date"
+    say "bringing the Python environment $name up to date"
     rm -f "$venv/.stamp"
   fi
   if ! "$venv/bin/python3" -m pip install --disable-pip-version-check --no-input \
-    -r "$root/tools/requirements.txt" >"$log" 2>&1; then
+    -r "$requirements" >"$log" 2>&1; then
     tail -n 8 "$log" >&2
-    fail "pip could not install tools/requirements.txt; all it said is in $log"
+    fail "pip could not install $listed; all it said is in $log"
   fi
-  venv_key >"$venv/.stamp.new"
+  venv_key "$venv" "$requirements" >"$venv/.stamp.new"
   (cd "$venv"/lib/python3*/site-packages && printf '%s\n' *) >>"$venv/.stamp.new"
   mv "$venv/.stamp.new" "$venv/.stamp"
 }

@@ -4,7 +4,7 @@
 Builds and runs every test and ends with the line "N passed, M failed". Exit code 1 if any failed.
 
 NAME chooses: a stage by its name, and test programs and pytest files by a part of theirs.
-Stages: format, structure, build, unit, python, cortex-m7, sanitizers, fuzz; and tidy, which runs when named: it
+Stages: format, structure, build, unit, python, ros, cortex-m7, sanitizers, fuzz; and tidy, which runs when named: it
 takes as long as all others together.
 """
 
@@ -14,6 +14,7 @@ import time
 
 import cpp_tests
 import project
+import ros_test
 import stages
 from cpp_tests import Outcome
 
@@ -24,6 +25,7 @@ STAGES = {
     "build": stages.build_release,
     "unit": stages.unit_tests,
     "python": stages.python_tests,
+    "ros": stages.ros_tests,
     "cortex-m7": stages.build_cortex_m7,
     "sanitizers": stages.sanitizers,
     "fuzz": stages.fuzz,
@@ -40,14 +42,17 @@ def chosen_stages(names: list[str]):
     parts = [name for name in names if name not in STAGES]
     if parts:
         binaries, files = stages.matching(parts)
+        ros_parts = [part for part in parts if any(part in str(file) for file in ros_test.files())]
         for part in parts:
-            if not any(part in known for known in [*binaries, *map(str, files)]):
+            if not any(part in known for known in [*binaries, *map(str, files), *ros_parts]):
                 raise ValueError(f"no stage, test program or pytest file matches '{part}'; test "
                                  f"programs: {', '.join(stages.test_names())}")
         if binaries:
             chosen.append(("unit", lambda: stages.unit_tests(binaries)))
         if files:
             chosen.append(("python", lambda: stages.python_tests(files)))
+        if ros_parts:
+            chosen.append(("ros", lambda: stages.ros_tests(ros_parts)))
     return chosen
 
 

