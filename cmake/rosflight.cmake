@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Project-wide settings and the four functions every folder uses:
+# Project-wide settings, the four functions every folder uses, and one for the root:
 #
 #   rosflight_library(NAME [FIRMWARE] SOURCES ... USES ...)   one library, target rosflight::NAME
 #   rosflight_program(NAME SOURCES ... USES ...)              one executable
 #   rosflight_test(NAME SOURCES ... USES ...)                 one GoogleTest binary, registered with CTest
 #   rosflight_fuzzer(NAME SOURCES ... USES ...)               one libFuzzer binary (LLVMFuzzerTestOneInput), preset fuzz;
 #                                                             name it fuzz_..., seeds go to FOLDER/fuzz/corpus/NAME/
+#   rosflight_export_libraries()                              target rosflight_libraries and a file that imports them
 #
 # Headers are included by their path from the root of the project ("firmware/core/mixer.hpp").
 
@@ -81,8 +82,20 @@ function(rosflight_library name)
     set(visibility INTERFACE)
   endif()
   add_library(rosflight::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  set_property(GLOBAL APPEND PROPERTY ROSFLIGHT_LIBRARIES ${target})
   _rosflight_common(${target} ${visibility})
   target_link_libraries(${target} ${visibility} ${arg_USES})
+endfunction()
+
+# For programs outside this build, such as the ROS nodes: they include BUILD/rosflight_libraries.cmake
+# after the packages named there and link rosflight::NAME as if they were inside.
+function(rosflight_export_libraries)
+  get_property(libraries GLOBAL PROPERTY ROSFLIGHT_LIBRARIES)
+  add_custom_target(rosflight_libraries)
+  add_dependencies(rosflight_libraries ${libraries})
+  set_target_properties(rosflight_eigen PROPERTIES EXPORT_NAME eigen)
+  export(TARGETS rosflight_eigen ${libraries} NAMESPACE rosflight:: FILE ${CMAKE_BINARY_DIR}/rosflight_libraries.cmake)
 endfunction()
 
 function(rosflight_program name)

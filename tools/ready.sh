@@ -4,7 +4,8 @@
 # missing or changed and tells on stderr what it does. ./rosflight sources this file; by hand:
 #
 #   tools/ready.sh packages run test           what tools/system_packages.txt lists
-#   tools/ready.sh venv [FOLDER REQUIREMENTS]  .venv from tools/requirements.txt, or another by name
+#   tools/ready.sh venv                        .venv from tools/requirements.txt
+#   tools/ready.sh environment FOLDER FILE     another one, from another list
 #   tools/ready.sh build PRESET [TARGET...]    configure and build; no target means all
 #
 # ROSFLIGHT_JOBS limits compilers at work at once, ROSFLIGHT_KEEP_GOING=1 builds on after an error,
@@ -138,9 +139,11 @@ venv_is_whole() {  # VENV
   done
 }
 
-ready_venv() {  # [FOLDER REQUIREMENTS], both from the root
+ready_venv() { ready_environment .venv tools/requirements.txt; }
+
+ready_environment() {  # FOLDER REQUIREMENTS, both from the root
   take_lock
-  local name=${1:-.venv} listed=${2:-tools/requirements.txt}
+  local name=$1 listed=$2
   local venv="$root/$name" requirements="$root/$listed" log="$root/build/.ready/${name#.}.log"
   local whole=no python
   venv_is_whole "$venv" && whole=yes
@@ -251,7 +254,7 @@ ready_build() {  # PRESET TARGET...
 
 if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
   case ${1:-} in
-    packages | venv | build) "ready_$1" "${@:2}" ;;
+    packages | venv | environment | build) "ready_$1" "${@:2}" ;;
     *) fail "usage: tools/ready.sh packages SET... | venv | build PRESET [TARGET...]" ;;
   esac
 fi

@@ -95,7 +95,7 @@ def _colcon(environment: Environment, packages, place: Path, sanitize: bool) -> 
         *environment.colcon, "--log-base", str(place / "log"), "build",
         "--base-paths", str(SOURCES), "--build-base", str(place / "build"),
         "--install-base", str(place / "install"), "--merge-install",
-        "--executor", "sequential", "--event-handlers", "console_direct-", "console_cohesion-",
+        "--executor", "sequential", "--event-handlers", "console_direct+", "console_cohesion-",
         "desktop_notification-", "--cmake-args", "-G", "Ninja", "-Wno-dev", "--no-warn-unused-cli",
         *(f"-D{name}={value}" for name, value in flags.items()),
     ]

@@ -78,7 +78,7 @@ def find() -> Environment:
     if name:
         return Environment(name, Path("/usr/bin/python3"), ["colcon"])
     _ready("packages", "run", "test", "ros")
-    _ready("venv", VENV.name, REQUIREMENTS)
+    _ready("environment", VENV.name, REQUIREMENTS)
     fix_wheels()
     return wheels()
 

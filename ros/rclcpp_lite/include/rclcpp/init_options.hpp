@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+namespace rclcpp {
+
+class InitOptions {
+ public:
+  bool auto_initialize_logging() const { return logging_; }
+  InitOptions& auto_initialize_logging(bool on) {
+    logging_ = on;
+    return *this;
+  }
+  void set_domain_id(std::size_t id) { domain_id_ = id; }
+  std::optional<std::size_t> domain_id() const { return domain_id_; }
+  bool shutdown_on_signal{true};
+
+ private:
+  bool logging_{true};
+  std::optional<std::size_t> domain_id_;
+};
+
+}  // namespace rclcpp

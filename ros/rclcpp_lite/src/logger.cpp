@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rclcpp/logger.hpp"
+
+#include "rcl_call.hpp"
+
+namespace rclcpp {
+
+Logger get_logger(const std::string& name) {
+  return Logger(name);
+}
+
+void Logger::set_level(Level level) {
+  detail::check(rcutils_logging_set_logger_level(get_name(), static_cast<int>(level)),
+                "set the level of logger '" + name_ + "'");
+}
+
+Logger::Level Logger::get_effective_level() const {
+  return static_cast<Level>(rcutils_logging_get_logger_effective_level(get_name()));
+}
+
+}  // namespace rclcpp

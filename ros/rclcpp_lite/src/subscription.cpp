@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rclcpp/subscription.hpp"
+
+#include <rcl/error_handling.h>
+
+#include "rcl_call.hpp"
+
+namespace rclcpp {
+
+SubscriptionBase::SubscriptionBase(std::shared_ptr<rcl_node_t> node, const std::string& topic,
+                                   const rosidl_message_type_support_t& type, const QoS& qos,
+                                   bool ignore_local_publications)
+    : node_(std::move(node)), subscription_(rcl_get_zero_initialized_subscription()) {
+  auto options = rcl_subscription_get_default_options();
+  options.qos = qos.get_rmw_qos_profile();
+  options.rmw_subscription_options.ignore_local_publications = ignore_local_publications;
+  detail::check(rcl_subscription_init(&subscription_, node_.get(), &type, topic.c_str(), &options),
+                "subscribe to topic '" + topic + "'");
+}
+
+SubscriptionBase::~SubscriptionBase() {
+  detail::complain(rcl_subscription_fini(&subscription_, node_.get()), "end a subscription");
+}
+
+std::size_t SubscriptionBase::get_publisher_count() const {
+  std::size_t count = 0;
+  detail::check(rcl_subscription_get_publisher_count(&subscription_, &count), "count publishers");
+  return count;
+}
+
+QoS SubscriptionBase::get_actual_qos() const {
+  const auto* const profile = rcl_subscription_get_actual_qos(&subscription_);
+  if (profile == nullptr) {
+    exceptions::throw_from_rcl_error(RCL_RET_ERROR, "read a subscription's QoS");
+  }
+  return QoS(QoSInitialization::from_rmw(*profile), *profile);
+}
+
+void SubscriptionBase::add_to(rcl_wait_set_t& set) {
+  detail::check(rcl_wait_set_add_subscription(&set, &subscription_, &index_),
+                "wait for a subscription");
+}
+
+namespace {
+bool taken(rcl_ret_t code) {
+  if (code == RCL_RET_SUBSCRIPTION_TAKE_FAILED) {
+    rcl_reset_error();
+    return false;
+  }
+  detail::check(code, "take a message");
+  return true;
+}
+}  // namespace
+
+bool SubscriptionBase::take_message(void* message, MessageInfo& info) {
+  return taken(rcl_take(&subscription_, message, &info.get_rmw_message_info(), nullptr));
+}
+
+bool SubscriptionBase::take_bytes(rcl_serialized_message_t& bytes, MessageInfo& info) {
+  return taken(
+      rcl_take_serialized_message(&subscription_, &bytes, &info.get_rmw_message_info(), nullptr));
+}
+
+}  // namespace rclcpp
