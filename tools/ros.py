@@ -5,6 +5,7 @@ The ROS 2 side of the project: messages, nodes, launch files, all under ros/.
 
   build [PACKAGE...]    build the packages under ros/ (all, or these and what they need)
   test [NAME...]        build, then run the tests under ros/ (all, or files with NAME in their path)
+  launch FILE [A:=B...] run a launch file, or PACKAGE FILE: tools/ros_launch/README.md
   run COMMAND...        run a command inside the ROS environment
   env                   print the environment as lines for a shell: eval "$(./rosflight ros env)"
 
@@ -53,6 +54,10 @@ def run(command: list[str]) -> int:
         raise UsageError(f"cannot run '{command[0]}': {error.strerror}") from None
 
 
+def launch(words: list[str]) -> int:
+    return run([str(ros_environment.find().python), str(project.ROOT / "tools/ros_launch"), *words])
+
+
 def env(names: list[str]) -> int:
     if names:
         raise UsageError(f"ros env takes no argument, got '{names[0]}'")
@@ -61,13 +66,15 @@ def env(names: list[str]) -> int:
     return 0
 
 
+# Their arguments are for somebody else.
+PASS_ON = ("run", "launch")
 # A sub-command is a function of its arguments that returns the exit code.
-SUBCOMMANDS = {"build": build, "test": test, "run": run, "env": env}
+SUBCOMMANDS = {"build": build, "test": test, "launch": launch, "run": run, "env": env}
 
 
 def main(arguments: list[str]) -> int:
     name, *rest = arguments or [""]
-    if name in ("-h", "--help") or name != "run" and {"-h", "--help"} & set(rest):
+    if name in ("-h", "--help") or name not in PASS_ON and {"-h", "--help"} & set(rest):
         print(__doc__)
         return 0
     try:

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <geometry_msgs/msg/vector3_stamped.hpp>
+#include <geometry_msgs/msg/wrench_stamped.hpp>
+#include <rosflight_msgs/srv/set_sim_state.hpp>
+#include <std_srvs/srv/trigger.hpp>
+
+#include "ros/rosflight_sim/src/conversions.hpp"
+#include "ros/rosflight_sim/src/node_tools.hpp"
+#include "ros/rosflight_sim/src/vehicle_parameters.hpp"
+#include "sim/dynamics/rigid_body.hpp"
+
+namespace rosflight::ros_sim {
+namespace {
+
+using rosflight_msgs::srv::SetSimState;
+using std_srvs::srv::Trigger;
+
+/// The wrench of another node, as a forces-and-moments module without states.
+class HeldWrench final : public sim::ForcesAndMoments {
+ public:
+  std::size_t state_size() const override { return 0; }
+  void initial_state(std::span<double> /*x*/) const override {}
+  void evaluate(const Input& /*in*/, std::span<const double> /*x*/, sim::Wrench& wrench,
+                std::span<double> /*x_dot*/) const override {
+    wrench = held;
+  }
+  sim::Wrench held;
+};
+
+/// Moves the body under the wrenches it is sent: from the stamp of the last one to that of this one,
+/// then publishes truth and wind. Stamps that stand publish only; those that go back begin anew; a
+/// gap of more than longest_gap_s moves the body by that much.
+class DynamicsNode : public rclcpp::Node {
+ public:
+  DynamicsNode() : Node("dynamics"), parameters_{VehicleParameters::declare(*this)} {
+    longest_gap_s_ = declare_number(*this, "longest_gap_s", 0.1, 0.001, 10.0,
+                                    "longest step that one wrench may stand for [s]");
+    body_ = make_body();
+    truth_ = create_publisher<rosflight_msgs::msg::SimState>("sim/truth_state", newest());
+    wind_ = create_publisher<geometry_msgs::msg::Vector3Stamped>("sim/truth_wind", newest());
+    set_state_ = create_service<SetSimState>(
+        "dynamics/set_sim_state", [this](const std::shared_ptr<SetSimState::Request> request,
+                                         std::shared_ptr<SetSimState::Response> response) {
+          set_state(request->state, *response);
+        });
+    reset_ = create_service<Trigger>(
+        "dynamics/reset", [this](const std::shared_ptr<Trigger::Request>,
+                                 std::shared_ptr<Trigger::Response> response) {
+          body_ = make_body();
+          publish(now());
+          response->success = true;
+          response->message = "at rest at the origin";
+        });
+    wrenches_ = create_subscription<geometry_msgs::msg::WrenchStamped>(
+        "sim/forces_and_moments", newest(),
+        [this](geometry_msgs::msg::WrenchStamped::ConstSharedPtr message) { step(*message); });
+    publish(now());
+  }
+
+ private:
+  std::unique_ptr<sim::RigidBody> make_body() const {
+    const sim::Vehicle& vehicle = parameters_.vehicle;
+    return std::make_unique<sim::RigidBody>(vehicle.body(), vehicle.ground(),
+                                            vehicle.environment(), forces_, parameters_.random);
+  }
+
+  void step(const geometry_msgs::msg::WrenchStamped& message) {
+    if (!get(message.wrench, forces_.held)) {
+      constexpr int kInterval_ms = 2000;
+      RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kInterval_ms,
+                           "sim/forces_and_moments: found numbers that are not finite, not used");
+      return;
+    }
+    const std::int64_t stamp = nanoseconds(message.header.stamp);
+    std::int64_t gap_ns = started_ ? stamp - last_stamp_ns_ : 0;
+    started_ = true;
+    last_stamp_ns_ = stamp;
+    const auto longest_ns = static_cast<std::int64_t>(longest_gap_s_ * 1e9);
+    if (gap_ns > longest_ns) {
+      RCLCPP_WARN(get_logger(), "%.3f s between two wrenches: the body moves by %.3f s",
+                  static_cast<double>(gap_ns) * 1e-9, longest_gap_s_);
+      gap_ns = longest_ns;
+    }
+    if (gap_ns > 0) {
+      pending_ns_ += gap_ns;
+      constexpr std::int64_t kMicrosecond_ns = 1000;
+      body_->step(body_->truth().time + hal::Time{pending_ns_ / kMicrosecond_ns},
+                  hal::OutputValues{});
+      pending_ns_ %= kMicrosecond_ns;
+    }
+    publish(message.header.stamp);
+  }
+
+  void publish(const builtin_interfaces::msg::Time& stamp) {
+    geometry_msgs::msg::Vector3Stamped wind;
+    wind.header.stamp = stamp;
+    wind.header.frame_id = "NED";
+    put(body_->truth().air.wind_N, wind.vector);
+    wind_->publish(wind);
+    rosflight_msgs::msg::SimState state;
+    state.header.stamp = stamp;
+    state.header.frame_id = "NED";
+    put(body_->truth(), parameters_.vehicle.environment().gravity_m_s2, state);
+    truth_->publish(state);
+  }
+
+  /// An all-zero pose means the start: at rest on the gear, whose height the caller cannot know.
+  void set_state(const rosflight_msgs::msg::SimState& state, SetSimState::Response& response) {
+    sim::BodyState body = body_state(state);
+    if (body.p_N.isZero() && body.v_B.isZero() && body.w_B.isZero())
+      body.p_N = body_->rest_state().p_N;
+    response.success = body_->set_state(body);
+    response.message = response.success ? "set"
+                                        : "found a NaN, no rotation or a place under ground, "
+                                          "allowed finite numbers and z <= 0 (down is positive)";
+    if (response.success) publish(now());
+  }
+
+  VehicleParameters parameters_;
+  HeldWrench forces_;
+  std::unique_ptr<sim::RigidBody> body_;
+  double longest_gap_s_{};
+  bool started_{false};
+  std::int64_t last_stamp_ns_{0};
+  std::int64_t pending_ns_{0};
+  rclcpp::Publisher<rosflight_msgs::msg::SimState>::SharedPtr truth_;
+  rclcpp::Publisher<geometry_msgs::msg::Vector3Stamped>::SharedPtr wind_;
+  rclcpp::Service<SetSimState>::SharedPtr set_state_;
+  rclcpp::Service<Trigger>::SharedPtr reset_;
+  rclcpp::Subscription<geometry_msgs::msg::WrenchStamped>::SharedPtr wrenches_;
+};
+
+}  // namespace
+}  // namespace rosflight::ros_sim
+
+int main(int argc, char** argv) {
+  return rosflight::ros_sim::run_node<rosflight::ros_sim::DynamicsNode>(argc, argv);
+}

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <geometry_msgs/msg/vector3_stamped.hpp>
+#include <geometry_msgs/msg/wrench_stamped.hpp>
+
+#include "ros/rosflight_sim/src/conversions.hpp"
+#include "ros/rosflight_sim/src/module_states.hpp"
+#include "ros/rosflight_sim/src/node_tools.hpp"
+#include "ros/rosflight_sim/src/vehicle_parameters.hpp"
+#include "sim/registry.hpp"
+
+namespace rosflight::ros_sim {
+namespace {
+
+/// Forces and moments of the vehicle's module, one wrench for every message of pulses.
+///
+/// The module's own states (rotor speeds, charge) are integrated here, from the stamp of the last
+/// pulses to that of these, with the newest truth and wind held. The wrench carries the stamp of the
+/// pulses, so the dynamics' steps are the board's.
+class ForcesNode : public rclcpp::Node {
+ public:
+  ForcesNode() : Node("mav_forces_and_moments"), parameters_{VehicleParameters::declare(*this)} {
+    sim::register_physics(registry_);
+    const auto plugins = declare_parameter<std::vector<std::string>>(
+        "plugins", {}, described("shared libraries with forces-and-moments modules"));
+    for (const auto& plugin : plugins)
+      if (!plugin.empty()) registry_.load_plugin(plugin);
+    module_ = registry_.make_forces(parameters_.vehicle, parameters_.random);
+    states_.emplace(*module_);
+    atmosphere_ = sim::Atmosphere{parameters_.vehicle.environment().atmosphere};
+    no_ground_ = parameters_.vehicle.ground().model == sim::GroundModel::kNone;
+    wrench_ = create_publisher<geometry_msgs::msg::WrenchStamped>("sim/forces_and_moments", newest());
+    battery_ = create_publisher<rosflight_msgs::msg::BatteryStatus>("sim/truth_battery", newest());
+    truth_ = create_subscription<rosflight_msgs::msg::SimState>(
+        "sim/truth_state", newest(), [this](rosflight_msgs::msg::SimState::ConstSharedPtr message) {
+          const double gravity = parameters_.vehicle.environment().gravity_m_s2;
+          if (!get(*message, gravity, now_)) refuse("sim/truth_state");
+        });
+    wind_ = create_subscription<geometry_msgs::msg::Vector3Stamped>(
+        "sim/truth_wind", newest(),
+        [this](geometry_msgs::msg::Vector3Stamped::ConstSharedPtr message) {
+          const sim::Vector3 wind = vector(message->vector);
+          if (wind.allFinite()) {
+            now_.air.wind_N = wind;
+          } else {
+            refuse("sim/truth_wind");
+          }
+        });
+    pulses_ = create_subscription<rosflight_msgs::msg::PwmOutput>(
+        "sim/pwm_output", newest(), [this](rosflight_msgs::msg::PwmOutput::ConstSharedPtr message) {
+          answer(*message);
+        });
+  }
+
+ private:
+  void refuse(const char* topic) {
+    constexpr int kInterval_ms = 2000;
+    RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kInterval_ms,
+                         "%s: found numbers that are not finite or no rotation, not used", topic);
+  }
+
+  void answer(const rosflight_msgs::msg::PwmOutput& pulses) {
+    hal::OutputValues outputs{};
+    get(pulses, outputs);
+    const double height_m = parameters_.vehicle.environment().origin.height_m - now_.body.p_N.z();
+    const auto air = atmosphere_.at(height_m);
+    now_.air.density_kg_m3 = air.density_kg_m3;
+    now_.air.pressure_Pa = air.pressure_Pa;
+    now_.air.temperature_K = air.temperature_K;
+    const sim::Matrix3 R_NB = now_.body.q_NB.toRotationMatrix();
+    const sim::Vector3 v_air_B = now_.body.v_B - R_NB.transpose() * now_.air.wind_N;
+    constexpr double kNoGround_m = 1e6;
+    const sim::ForcesAndMoments::Input in{now_.body, R_NB,    v_air_B,
+                                          now_.air,  outputs, no_ground_ ? kNoGround_m
+                                                                         : -now_.body.p_N.z()};
+    const std::int64_t stamp = nanoseconds(pulses.header.stamp);
+    sim::Wrench wrench;
+    states_->step(in, static_cast<double>(stamp - last_stamp_) * 1e-9, wrench, now_);
+    last_stamp_ = stamp;
+    publish(pulses.header.stamp, wrench);
+  }
+
+  void publish(const builtin_interfaces::msg::Time& stamp, const sim::Wrench& wrench) {
+    geometry_msgs::msg::WrenchStamped message;
+    message.header.stamp = stamp;
+    message.header.frame_id = "aircraft_body";
+    put(wrench, message.wrench);
+    wrench_->publish(message);
+    constexpr int kBatteryEvery = 2;  // 200 Hz, as the battery's sensor
+    if (++wrenches_ % kBatteryEvery != 0) return;
+    rosflight_msgs::msg::BatteryStatus battery;
+    battery.header.stamp = stamp;
+    battery.voltage = static_cast<float>(now_.battery_voltage_V);
+    battery.current = static_cast<float>(now_.battery_current_A);
+    battery_->publish(battery);
+  }
+
+  VehicleParameters parameters_;
+  sim::Registry registry_;
+  std::unique_ptr<sim::ForcesAndMoments> module_;
+  std::optional<ModuleStates> states_;
+  sim::Atmosphere atmosphere_;
+  bool no_ground_{};
+  sim::Truth now_;
+  std::int64_t last_stamp_{0};
+  std::uint64_t wrenches_{0};
+  rclcpp::Publisher<geometry_msgs::msg::WrenchStamped>::SharedPtr wrench_;
+  rclcpp::Publisher<rosflight_msgs::msg::BatteryStatus>::SharedPtr battery_;
+  rclcpp::Subscription<rosflight_msgs::msg::SimState>::SharedPtr truth_;
+  rclcpp::Subscription<geometry_msgs::msg::Vector3Stamped>::SharedPtr wind_;
+  rclcpp::Subscription<rosflight_msgs::msg::PwmOutput>::SharedPtr pulses_;
+};
+
+}  // namespace
+}  // namespace rosflight::ros_sim
+
+int main(int argc, char** argv) {
+  return rosflight::ros_sim::run_node<rosflight::ros_sim::ForcesNode>(argc, argv);
+}

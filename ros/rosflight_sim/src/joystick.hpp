@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/boards/linux/file_descriptor.hpp"
+
+namespace rosflight::ros_sim {
+
+/// Axes -1..1 and buttons 0 or 1 of a controller; what it does not have reads 0.
+struct StickState {
+  std::vector<double> axes;
+  std::vector<double> buttons;
+
+  double axis(std::size_t i) const { return i < axes.size() ? axes[i] : 0.0; }
+  double button(std::size_t i) const { return i < buttons.size() ? buttons[i] : 0.0; }
+};
+
+inline constexpr std::size_t kRcChannels = 8;
+using Pulses = std::array<std::uint16_t, kRcChannels>;
+
+/// Where a channel of a controller comes from: value = scale * input + offset, -1..1.
+struct ChannelSource {
+  enum class Kind : std::uint8_t { kNone, kAxis, kButton };
+  Kind kind{Kind::kNone};
+  std::size_t index{};
+  double scale{1.0};
+  double offset{0.0};
+};
+
+/// Aileron, elevator, throttle, rudder, four switches.
+struct JoystickMap {
+  std::string_view name;
+  std::array<ChannelSource, kRcChannels> channels;
+
+  /// round(500 value + 1500), 1000..2000.
+  Pulses pulses(const StickState& state) const;
+};
+
+/// The map of a controller by the name that the system gives it; nothing for an unknown one.
+/// Controllers and axes of ROSflight 2.x's simulator.
+const JoystickMap* find_joystick_map(std::string_view device_name);
+
+/// A controller through Linux's joystick interface (/dev/input/js0). Never blocks.
+class Joystick {
+ public:
+  /// @returns nothing if there is no such device, or it is no joystick.
+  static std::optional<Joystick> open(const std::string& device);
+  /// For tests: any file that delivers joystick events.
+  Joystick(boards::FileDescriptor events, std::string name)
+      : events_{std::move(events)}, name_{std::move(name)} {}
+
+  const std::string& name() const { return name_; }
+  /// Takes what has happened since. @returns false once the device has gone.
+  bool poll();
+  const StickState& state() const { return state_; }
+
+ private:
+  boards::FileDescriptor events_;
+  std::string name_;
+  StickState state_;
+};
+
+}  // namespace rosflight::ros_sim

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <geometry_msgs/msg/vector3_stamped.hpp>
+
+#include "ros/rosflight_sim/src/conversions.hpp"
+#include "ros/rosflight_sim/src/node_tools.hpp"
+#include "ros/rosflight_sim/src/tick_tracker.hpp"
+#include "ros/rosflight_sim/src/vehicle_parameters.hpp"
+#include "sim/sensors/register.hpp"
+#include "sim/sensors/standard_sensors.hpp"
+
+namespace rosflight::ros_sim {
+namespace {
+
+/// Instruments in simulated time, fed with the truth of another node: one step of the sensors module
+/// at every message of truth. Samples carry the stamp of the truth they measured.
+class SensorsNode : public rclcpp::Node {
+ public:
+  SensorsNode() : Node("sensors"), parameters_{VehicleParameters::declare(*this)} {
+    const double rate_Hz = declare_number(*this, "truth_rate", 400.0, 50.0, 2000.0,
+                                          "rate of sim/truth_state the instruments expect [Hz]");
+    ticks_.emplace(static_cast<std::int64_t>(1e9 / rate_Hz));
+    frame_ = declare_text(*this, "frame_id", "aircraft_body", "frame of the samples");
+    sim::register_physics(registry_);
+    sim::sensors::register_sensors(registry_);
+    module_ = sim::sensors::make_sensors(registry_, parameters_.vehicle, parameters_.random);
+    standard_ = dynamic_cast<const sim::sensors::StandardSensors*>(module_.get());
+    set_up_truth();
+    open_topics();
+  }
+
+ private:
+  /// Until the nodes that know better have spoken.
+  void set_up_truth() {
+    constexpr double kSomeVoltage_V = 23.0;  // the reference simulator's
+    truth_.battery_voltage_V = kSomeVoltage_V;
+    truth_.battery_current_A = 1.0;
+    atmosphere_ = sim::Atmosphere{parameters_.vehicle.environment().atmosphere};
+  }
+
+  void open_topics() {
+    imu_ = create_publisher<sensor_msgs::msg::Imu>("sim/sensors/imu/data", newest());
+    temperature_ =
+        create_publisher<sensor_msgs::msg::Temperature>("sim/sensors/imu/temperature", newest());
+    bias_ = create_publisher<sensor_msgs::msg::Imu>("sim/truth_imu_bias", newest());
+    mag_ = create_publisher<sensor_msgs::msg::MagneticField>("sim/sensors/mag", newest());
+    baro_ = create_publisher<rosflight_msgs::msg::Barometer>("sim/sensors/baro", newest());
+    gnss_ = create_publisher<rosflight_msgs::msg::GNSS>("sim/sensors/gnss", newest());
+    pitot_ = create_publisher<rosflight_msgs::msg::Airspeed>("sim/sensors/diff_pressure", newest());
+    range_ = create_publisher<sensor_msgs::msg::Range>("sim/sensors/range", newest());
+    battery_ =
+        create_publisher<rosflight_msgs::msg::BatteryStatus>("sim/sensors/battery", newest());
+    winds_ = create_subscription<geometry_msgs::msg::Vector3Stamped>(
+        "sim/truth_wind", newest(),
+        [this](geometry_msgs::msg::Vector3Stamped::ConstSharedPtr message) {
+          const sim::Vector3 wind = vector(message->vector);
+          if (wind.allFinite()) truth_.air.wind_N = wind;
+        });
+    batteries_ = create_subscription<rosflight_msgs::msg::BatteryStatus>(
+        "sim/truth_battery", newest(),
+        [this](rosflight_msgs::msg::BatteryStatus::ConstSharedPtr message) {
+          truth_.battery_voltage_V = static_cast<double>(message->voltage);
+          truth_.battery_current_A = static_cast<double>(message->current);
+        });
+    truths_ = create_subscription<rosflight_msgs::msg::SimState>(
+        "sim/truth_state", newest(),
+        [this](rosflight_msgs::msg::SimState::ConstSharedPtr message) { step(*message); });
+  }
+
+  void step(const rosflight_msgs::msg::SimState& message) {
+    if (!get(message, parameters_.vehicle.environment().gravity_m_s2, truth_)) {
+      constexpr int kInterval_ms = 2000;
+      RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kInterval_ms,
+                           "sim/truth_state: found numbers that are not finite or no rotation, "
+                           "not used");
+      return;
+    }
+    stamp_ns_ = nanoseconds(message.header.stamp);
+    if (!ticks_->step(stamp_ns_)) return;
+    truth_.time = ticks_->time();
+    const double height_m =
+        parameters_.vehicle.environment().origin.height_m - truth_.body.p_N.z();
+    const auto air = atmosphere_.at(height_m);
+    truth_.air.density_kg_m3 = air.density_kg_m3;
+    truth_.air.pressure_Pa = air.pressure_Pa;
+    truth_.air.temperature_K = air.temperature_K;
+    module_->step(truth_, samples_);
+    publish_imu();
+    send(samples_.has_mag, samples_.mag, *mag_);
+    send(samples_.has_baro, samples_.baro, *baro_);
+    send(samples_.has_gnss, samples_.gnss, *gnss_);
+    send(samples_.has_diff_pressure, samples_.diff_pressure, *pitot_);
+    send(samples_.has_range, samples_.range, *range_);
+    send(samples_.has_battery, samples_.battery, *battery_);
+  }
+
+  /// Stamp and frame of a sample that was measured some time before this step.
+  template <class Sample>
+  std_msgs::msg::Header header(const Sample& sample) const {
+    constexpr std::int64_t kMicrosecond_ns = 1000;
+    std_msgs::msg::Header header;
+    header.stamp = stamp_of(stamp_ns_ - (truth_.time - sample.stamp).count() * kMicrosecond_ns);
+    header.frame_id = frame_;
+    return header;
+  }
+
+  template <class Sample, class Message>
+  void send(bool there, const Sample& sample, rclcpp::Publisher<Message>& publisher) {
+    if (!there) return;
+    Message message;
+    put(sample, message);
+    message.header = header(sample);
+    publisher.publish(message);
+  }
+
+  void publish_imu() {
+    if (!samples_.has_imu) return;
+    sensor_msgs::msg::Imu imu;
+    sensor_msgs::msg::Temperature temperature;
+    put(samples_.imu, imu, temperature);
+    imu.header = temperature.header = header(samples_.imu);
+    temperature_->publish(temperature);
+    imu_->publish(imu);
+    if (standard_ == nullptr) return;
+    sensor_msgs::msg::Imu bias;
+    bias.header = imu.header;
+    put(standard_->gyro_bias(), bias.angular_velocity);
+    put(standard_->accel_bias(), bias.linear_acceleration);
+    bias.orientation_covariance[0] = -1.0;
+    bias_->publish(bias);
+  }
+
+  VehicleParameters parameters_;
+  sim::Registry registry_;
+  std::unique_ptr<sim::SensorsModule> module_;
+  const sim::sensors::StandardSensors* standard_{nullptr};
+  sim::Atmosphere atmosphere_;
+  std::optional<TickTracker> ticks_;
+  std::string frame_;
+  sim::Truth truth_;
+  std::int64_t stamp_ns_{0};
+  sim::SensorSamples samples_;
+  rclcpp::Publisher<sensor_msgs::msg::Imu>::SharedPtr imu_, bias_;
+  rclcpp::Publisher<sensor_msgs::msg::Temperature>::SharedPtr temperature_;
+  rclcpp::Publisher<sensor_msgs::msg::MagneticField>::SharedPtr mag_;
+  rclcpp::Publisher<rosflight_msgs::msg::Barometer>::SharedPtr baro_;
+  rclcpp::Publisher<rosflight_msgs::msg::GNSS>::SharedPtr gnss_;
+  rclcpp::Publisher<rosflight_msgs::msg::Airspeed>::SharedPtr pitot_;
+  rclcpp::Publisher<sensor_msgs::msg::Range>::SharedPtr range_;
+  rclcpp::Publisher<rosflight_msgs::msg::BatteryStatus>::SharedPtr battery_;
+  rclcpp::Subscription<geometry_msgs::msg::Vector3Stamped>::SharedPtr winds_;
+  rclcpp::Subscription<rosflight_msgs::msg::BatteryStatus>::SharedPtr batteries_;
+  rclcpp::Subscription<rosflight_msgs::msg::SimState>::SharedPtr truths_;
+};
+
+}  // namespace
+}  // namespace rosflight::ros_sim
+
+int main(int argc, char** argv) {
+  return rosflight::ros_sim::run_node<rosflight::ros_sim::SensorsNode>(argc, argv);
+}

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <mutex>
+#include <std_srvs/srv/trigger.hpp>
+#include <thread>
+
+#include "ros/rosflight_sim/src/conversions.hpp"
+#include "ros/rosflight_sim/src/firmware_process.hpp"
+#include "ros/rosflight_sim/src/node_tools.hpp"
+
+namespace rosflight::ros_sim {
+namespace {
+
+namespace fs = std::filesystem;
+using std_srvs::srv::Trigger;
+
+/// Folder of the memory file: as given, or below the folder of ROS in the user's home. One
+/// sub-folder per namespace, so two vehicles never share a memory.
+fs::path memory_file(const std::string& folder, const std::string& name_space) {
+  fs::path base = folder;
+  if (folder.empty()) {
+    const char* ros_home = std::getenv("ROS_HOME");
+    const char* home = std::getenv("HOME");
+    base = ros_home != nullptr ? fs::path(ros_home)
+                               : fs::path(home != nullptr ? home : ".") / ".ros";
+    base /= "rosflight_memory";
+  }
+  base /= fs::path(name_space).relative_path();
+  fs::create_directories(base);
+  return base / "mem.bin";
+}
+
+boards::LinkAddress udp(const std::string& host, std::int64_t port, std::int64_t own_port) {
+  boards::LinkAddress address;
+  address.kind = boards::LinkAddress::Kind::kUdp;
+  address.host = host;
+  address.port = static_cast<std::uint16_t>(port);
+  address.listen = static_cast<std::uint16_t>(own_port);
+  return address;
+}
+
+/// The flight control unit: the real firmware, stepped by `sil_board/run`, with a UDP link to
+/// `rosflight_io`. Passes of the main loop come from two sides: a step, and bytes on the link, which
+/// a thread of its own waits for; a lock lets one in at a time.
+class SilBoardNode : public rclcpp::Node {
+ public:
+  SilBoardNode() : Node("sil_board") {
+    const std::string own_host = declare_text(*this, "simulation_host", "localhost",
+                                              "own side of the link: localhost or 0.0.0.0");
+    const auto own_port = declare_whole(*this, "simulation_port", 14525, 1, 65535, "own UDP port");
+    const std::string far_host = declare_text(*this, "ROS_host", own_host, "host of rosflight_io");
+    const auto far_port =
+        declare_whole(*this, "ROS_port", 14520, 1, 65535, "UDP port of rosflight_io");
+    const std::string folder = declare_text(
+        *this, "memory_folder", "", "of the non-volatile memory; empty: ~/.ros/rosflight_memory");
+    simulated_time_ = get_parameter("use_sim_time").as_bool();
+    const fs::path memory = memory_file(folder, get_namespace());
+    firmware_ = std::make_unique<FirmwareProcess>(udp(far_host, far_port, own_port), memory,
+                                                  [this] { return board_time(); });
+    RCLCPP_INFO(get_logger(), "%s memory=%s%s", firmware_->serial().where().c_str(),
+                memory.c_str(), firmware_->blank_memory() ? " (blank: default parameters)" : "");
+    pwm_ = create_publisher<rosflight_msgs::msg::PwmOutput>("sim/pwm_output", newest());
+    listen();
+    run_ = create_service<Trigger>(
+        "sil_board/run",
+        [this](const std::shared_ptr<Trigger::Request>, std::shared_ptr<Trigger::Response> answer) {
+          step();
+          answer->success = true;
+        });
+    wake_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
+    link_ = std::thread([this] { serve_link(); });
+  }
+
+  ~SilBoardNode() override {
+    stop_ = true;
+    const std::uint64_t one = 1;
+    static_cast<void>(::write(wake_, &one, sizeof one));
+    link_.join();
+    ::close(wake_);
+  }
+
+ private:
+  hal::Time board_time() const {
+    if (!simulated_time_) return boards::LinuxClock::steady();
+    constexpr std::int64_t kMicrosecond_ns = 1000;
+    return hal::Time{now().nanoseconds() / kMicrosecond_ns};
+  }
+
+  /// Time since a stamp of node time; stamps of the future, and those that are older than a second
+  /// (or were never set), count as now.
+  hal::Time age(const builtin_interfaces::msg::Time& stamp) const {
+    constexpr std::int64_t kMicrosecond_ns = 1000;
+    constexpr hal::Time kOldest = hal::milliseconds(1000);
+    const hal::Time age{(now().nanoseconds() - nanoseconds(stamp)) / kMicrosecond_ns};
+    return age < hal::Time{0} || age > kOldest ? hal::Time{0} : age;
+  }
+
+  template <class Message, class Sample>
+  void hear(const std::string& topic) {
+    subscriptions_.push_back(create_subscription<Message>(
+        topic, newest(), [this](typename Message::ConstSharedPtr message) {
+          Sample sample;
+          get(*message, sample);
+          const std::lock_guard lock{mutex_};
+          firmware_->put(sample, age(message->header.stamp));
+        }));
+  }
+
+  void listen() {
+    subscriptions_.push_back(create_subscription<sensor_msgs::msg::Imu>(
+        "sim/sensors/imu/data", newest(), [this](sensor_msgs::msg::Imu::ConstSharedPtr message) {
+          hal::ImuSample sample;
+          get(*message, sample);
+          const std::lock_guard lock{mutex_};
+          sample.temperature_K = imu_temperature_K_;
+          firmware_->put(sample, age(message->header.stamp));
+        }));
+    subscriptions_.push_back(create_subscription<sensor_msgs::msg::Temperature>(
+        "sim/sensors/imu/temperature", newest(),
+        [this](sensor_msgs::msg::Temperature::ConstSharedPtr message) {
+          const std::lock_guard lock{mutex_};
+          imu_temperature_K_ = static_cast<float>(message->temperature + kZeroCelsius_K);
+        }));
+    hear<sensor_msgs::msg::MagneticField, hal::MagSample>("sim/sensors/mag");
+    hear<rosflight_msgs::msg::Barometer, hal::BaroSample>("sim/sensors/baro");
+    hear<rosflight_msgs::msg::GNSS, hal::GnssSample>("sim/sensors/gnss");
+    hear<rosflight_msgs::msg::Airspeed, hal::DiffPressureSample>("sim/sensors/diff_pressure");
+    hear<sensor_msgs::msg::Range, hal::RangeSample>("sim/sensors/range");
+    hear<rosflight_msgs::msg::BatteryStatus, hal::BatterySample>("sim/sensors/battery");
+    hear<rosflight_msgs::msg::RCRaw, hal::RcFrame>("sim/RC");
+  }
+
+  void step() {
+    rosflight_msgs::msg::PwmOutput message;
+    {
+      const std::lock_guard lock{mutex_};
+      pass();
+      put(firmware_->outputs(), message);
+    }
+    message.header.stamp = now();
+    pwm_->publish(message);
+  }
+
+  void pass() {
+    const auto before = firmware_->restarts();
+    firmware_->pass();
+    if (firmware_->restarts() != before)
+      RCLCPP_WARN(get_logger(), "the firmware has restarted (%lu)", firmware_->restarts());
+  }
+
+  void serve_link() {
+    std::vector<pollfd> set;
+    while (!stop_) {
+      set.assign(1, {wake_, POLLIN, 0});
+      {
+        const std::lock_guard lock{mutex_};
+        firmware_->serial().add_to(set);
+      }
+      constexpr int kLongest_ms = 100;
+      if (::poll(set.data(), set.size(), kLongest_ms) <= 0 || stop_) continue;
+      const std::lock_guard lock{mutex_};
+      do {
+        pass();
+      } while (firmware_->serial().more());
+    }
+  }
+
+  bool simulated_time_{};
+  std::mutex mutex_;  ///< Of the firmware and all that it is fed with.
+  std::unique_ptr<FirmwareProcess> firmware_;
+  float imu_temperature_K_{298.15F};
+  rclcpp::Publisher<rosflight_msgs::msg::PwmOutput>::SharedPtr pwm_;
+  rclcpp::Service<Trigger>::SharedPtr run_;
+  std::vector<rclcpp::SubscriptionBase::SharedPtr> subscriptions_;
+  std::atomic<bool> stop_{false};
+  int wake_{-1};
+  std::thread link_;
+};
+
+}  // namespace
+}  // namespace rosflight::ros_sim
+
+int main(int argc, char** argv) {
+  return rosflight::ros_sim::run_node<rosflight::ros_sim::SilBoardNode>(argc, argv);
+}

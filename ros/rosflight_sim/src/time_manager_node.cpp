@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <chrono>
+#include <rosgraph_msgs/msg/clock.hpp>
+#include <std_srvs/srv/trigger.hpp>
+
+#include "ros/rosflight_sim/src/conversions.hpp"
+#include "ros/rosflight_sim/src/node_tools.hpp"
+
+namespace rosflight::ros_sim {
+namespace {
+
+using std::chrono::steady_clock;
+
+/// Simulated time on `clock`, scaled, paused, stepped.
+///
+/// Every message moves time on by default_pub_rate_us; the wall time between two is that divided by
+/// the factor. The timer asks the steady clock how many are due, so a late tick is made up and time
+/// keeps its pace; what is more than kPatience behind is lost, and said.
+class TimeManager : public rclcpp::Node {
+ public:
+  TimeManager() : Node("time_manager") {
+    step_us_ = declare_number(*this, "default_pub_rate_us", kDefaultStep_us, 50.0, 10'000.0,
+                              "simulated time between two clock messages [us]", true);
+    factor_ = declare_number(*this, "real_time_multiplier", 1.0, 0.01, 100.0,
+                             "simulated seconds per second", true);
+    single_us_ = declare_number(*this, "single_step_us", 2500.0, 50.0, 1'000'000.0,
+                                "simulated time of one take_step [us]");
+    const bool paused = declare_switch(*this, "start_paused", false, "wait for toggle_pause");
+    publisher_ = create_publisher<rosgraph_msgs::msg::Clock>(
+        "clock", rclcpp::QoS(rclcpp::KeepLast(1)).best_effort());
+    pause_ = create_service<std_srvs::srv::Trigger>(
+        "time_manager/toggle_pause",
+        [this](const std::shared_ptr<std_srvs::srv::Trigger::Request>,
+               std::shared_ptr<std_srvs::srv::Trigger::Response> response) {
+          set_paused(!paused_);
+          response->success = true;
+          response->message = paused_ ? "paused" : "running";
+        });
+    take_step_ = create_service<std_srvs::srv::Trigger>(
+        "time_manager/take_step",
+        [this](const std::shared_ptr<std_srvs::srv::Trigger::Request>,
+               std::shared_ptr<std_srvs::srv::Trigger::Response> response) {
+          single_step(*response);
+        });
+    changes_ = on_change(*this, [this](const rclcpp::Parameter& p) {
+      if (p.get_name() == "default_pub_rate_us") step_us_ = p.as_double();
+      if (p.get_name() == "real_time_multiplier") factor_ = p.as_double();
+      start();
+    });
+    paused_ = paused;
+    start();
+  }
+
+ private:
+  static constexpr double kDefaultStep_us = 1250.0;
+  static constexpr auto kPatience = std::chrono::milliseconds(50);
+  static constexpr auto kJudged = std::chrono::seconds(2);
+  static constexpr double kHeld = 0.98;  ///< Of the factor, to count as held.
+
+  std::chrono::nanoseconds wall_period() const {
+    return std::chrono::nanoseconds(static_cast<std::int64_t>(step_us_ * 1e3 / factor_));
+  }
+
+  /// Goes on from now at the present pace.
+  void start() {
+    next_ = steady_clock::now() + wall_period();
+    judge_from_ = steady_clock::now();
+    judge_time_ns_ = time_ns_;
+    timer_.reset();
+    if (paused_) return;
+    timer_ = create_wall_timer(wall_period(), [this] { tick(); });
+  }
+
+  void set_paused(bool paused) {
+    paused_ = paused;
+    start();
+  }
+
+  void single_step(std_srvs::srv::Trigger::Response& response) {
+    if (!paused_) {
+      response.success = false;
+      response.message = "found time running, allowed while it is paused";
+      return;
+    }
+    for (double left_us = single_us_; left_us > 0.0; left_us -= step_us_)
+      advance(std::min(left_us, step_us_));
+    response.success = true;
+    response.message = "time is " + std::to_string(time_ns_) + " ns";
+  }
+
+  void advance(double by_us) {
+    time_ns_ += static_cast<std::int64_t>(by_us * 1e3);
+    rosgraph_msgs::msg::Clock message;
+    message.clock = stamp_of(time_ns_);
+    publisher_->publish(message);
+  }
+
+  void tick() {
+    const auto now = steady_clock::now();
+    if (now - next_ > kPatience) next_ = now;
+    while (next_ <= now) {
+      advance(step_us_);
+      next_ += wall_period();
+    }
+    judge(now);
+  }
+
+  void judge(steady_clock::time_point now) {
+    if (now - judge_from_ < kJudged) return;
+    const std::chrono::duration<double> wall = now - judge_from_;
+    const double reached =
+        static_cast<double>(time_ns_ - judge_time_ns_) * 1e-9 / wall.count();
+    if (reached < kHeld * factor_) {
+      RCLCPP_WARN(get_logger(),
+                  "this machine cannot hold real_time_multiplier %.2f: time runs at %.2f", factor_,
+                  reached);
+    }
+    judge_from_ = now;
+    judge_time_ns_ = time_ns_;
+  }
+
+  double step_us_{};
+  double factor_{};
+  double single_us_{};
+  bool paused_{false};
+  std::int64_t time_ns_{0};
+  steady_clock::time_point next_;
+  steady_clock::time_point judge_from_;
+  std::int64_t judge_time_ns_{0};
+  rclcpp::Publisher<rosgraph_msgs::msg::Clock>::SharedPtr publisher_;
+  rclcpp::Service<std_srvs::srv::Trigger>::SharedPtr pause_;
+  rclcpp::Service<std_srvs::srv::Trigger>::SharedPtr take_step_;
+  rclcpp::TimerBase::SharedPtr timer_;
+  rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr changes_;
+};
+
+}  // namespace
+}  // namespace rosflight::ros_sim
+
+int main(int argc, char** argv) {
+  return rosflight::ros_sim::run_node<rosflight::ros_sim::TimeManager>(argc, argv);
+}

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <deque>
+#include <tf2_msgs/msg/tf_message.hpp>
+#include <visualization_msgs/msg/marker.hpp>
+
+#include "ros/rosflight_sim/src/conversions.hpp"
+#include "ros/rosflight_sim/src/frames.hpp"
+#include "ros/rosflight_sim/src/node_tools.hpp"
+
+namespace rosflight::ros_sim {
+namespace {
+
+using tf2_msgs::msg::TFMessage;
+using visualization_msgs::msg::Marker;
+
+/// Truth as RViz reads it: a mesh, the path flown, and the tree of frames (frames.hpp).
+class VizTranscriber : public rclcpp::Node {
+ public:
+  VizTranscriber() : Node("standalone_viz_transcriber") {
+    mesh_file_ = declare_text(*this, "sim_aircraft_file", "common_resource/multirotor.stl",
+                              "mesh, below the share folder of rosflight_sim");
+    scale_ = declare_number(*this, "aircraft_scale", 2.0, 0.01, 1000.0, "of the mesh", true);
+    path_every_ = declare_whole(*this, "path_publish_modulo", 40, 1, 100'000,
+                                "messages of truth per point of the path", true);
+    longest_path_ = declare_whole(*this, "max_path_history", 10'000, 2, 1'000'000,
+                                  "points of the path that are kept", true);
+    prefix_ = declare_text(*this, "frame_prefix", frame_prefix(get_namespace()),
+                           "in front of the names of frames");
+    const rclcpp::QoS markers = rclcpp::QoS(rclcpp::KeepLast(5)).reliable();
+    mesh_ = create_publisher<Marker>("rviz/mesh", markers);
+    path_ = create_publisher<Marker>("rviz/mesh_path", markers);
+    tf_ = create_publisher<TFMessage>("/tf", rclcpp::QoS(rclcpp::KeepLast(100)).reliable());
+    fixed_ = create_publisher<TFMessage>(
+        "/tf_static", rclcpp::QoS(rclcpp::KeepLast(1)).reliable().transient_local());
+    changes_ = on_change(*this, [this](const rclcpp::Parameter& p) {
+      if (p.get_name() == "aircraft_scale") scale_ = p.as_double();
+      if (p.get_name() == "path_publish_modulo") path_every_ = p.as_int();
+      if (p.get_name() == "max_path_history") longest_path_ = p.as_int();
+    });
+    publish_fixed_frames();
+    publish_mesh(now());
+    truth_ = create_subscription<rosflight_msgs::msg::SimState>(
+        "sim/truth_state", rclcpp::QoS(rclcpp::KeepLast(10)).reliable(),
+        [this](rosflight_msgs::msg::SimState::ConstSharedPtr message) { show(*message); });
+  }
+
+ private:
+  static constexpr std::uint64_t kPoseEvery = 8;    ///< 50 Hz of 400
+  static constexpr std::uint64_t kMeshEvery = 400;  ///< the frame moves the mesh; 1 Hz for late eyes
+
+  geometry_msgs::msg::TransformStamped transform(const builtin_interfaces::msg::Time& stamp,
+                                                 const std::string& parent,
+                                                 const std::string& child) const {
+    geometry_msgs::msg::TransformStamped t;
+    t.header.stamp = stamp;
+    t.header.frame_id = prefix_ + parent;
+    t.child_frame_id = prefix_ + child;
+    return t;
+  }
+
+  void publish_fixed_frames() {
+    TFMessage message;
+    for (const FrameEdge& edge : fixed_frames()) {
+      auto t = transform(now(), edge.parent, edge.child);
+      put(edge.rotation, t.transform.rotation);
+      message.transforms.push_back(t);
+    }
+    fixed_->publish(message);
+  }
+
+  void publish_mesh(const builtin_interfaces::msg::Time& stamp) {
+    constexpr float kGrey = 0.67F;
+    Marker marker;
+    marker.header.stamp = stamp;
+    marker.header.frame_id = prefix_ + "stl_frame";
+    marker.ns = "vehicle";
+    marker.type = Marker::MESH_RESOURCE;
+    marker.mesh_resource = "package://rosflight_sim/" + mesh_file_;
+    marker.pose.orientation.w = 1.0;
+    marker.scale.x = marker.scale.y = marker.scale.z = scale_;
+    marker.color.r = marker.color.g = marker.color.b = kGrey;
+    marker.color.a = 1.0F;
+    marker.frame_locked = true;
+    mesh_->publish(marker);
+  }
+
+  void publish_path(const builtin_interfaces::msg::Time& stamp) {
+    constexpr double kWidth_m = 0.1;
+    Marker marker;
+    marker.header.stamp = stamp;
+    marker.header.frame_id = prefix_ + "NED";
+    marker.ns = "vehicle_path";
+    marker.type = Marker::LINE_STRIP;
+    marker.pose.orientation.w = 1.0;
+    marker.scale.x = kWidth_m;
+    marker.color.a = 1.0F;
+    marker.points.assign(points_.begin(), points_.end());
+    path_->publish(marker);
+  }
+
+  void show(const rosflight_msgs::msg::SimState& state) {
+    const std::uint64_t count = count_++;
+    if (count % kPoseEvery == 0) {
+      auto t = transform(state.header.stamp, "NED", "aircraft_body");
+      t.transform.translation.x = state.pose.position.x;
+      t.transform.translation.y = state.pose.position.y;
+      t.transform.translation.z = state.pose.position.z;
+      t.transform.rotation = state.pose.orientation;
+      TFMessage message;
+      message.transforms.push_back(t);
+      tf_->publish(message);
+    }
+    if (count % kMeshEvery == 0) publish_mesh(state.header.stamp);
+    if (count % static_cast<std::uint64_t>(path_every_) != 0) return;
+    points_.push_back(state.pose.position);
+    while (points_.size() > static_cast<std::size_t>(longest_path_)) points_.pop_front();
+    publish_path(state.header.stamp);
+  }
+
+  std::string mesh_file_;
+  double scale_{};
+  std::int64_t path_every_{};
+  std::int64_t longest_path_{};
+  std::string prefix_;
+  std::uint64_t count_{0};
+  std::deque<geometry_msgs::msg::Point> points_;
+  rclcpp::Publisher<Marker>::SharedPtr mesh_, path_;
+  rclcpp::Publisher<TFMessage>::SharedPtr tf_, fixed_;
+  rclcpp::Subscription<rosflight_msgs::msg::SimState>::SharedPtr truth_;
+  rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr changes_;
+};
+
+}  // namespace
+}  // namespace rosflight::ros_sim
+
+int main(int argc, char** argv) {
+  return rosflight::ros_sim::run_node<rosflight::ros_sim::VizTranscriber>(argc, argv);
+}

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Launch files, parameter sets and meshes as data: no node is started."""
+
+import csv
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+from ros_launch.packages import Packages
+from ros_launch.reader import Reader
+
+PACKAGE = Path(__file__).resolve().parents[1]
+ROOT = PACKAGE.parents[1]
+LAUNCH = sorted((PACKAGE / "launch").glob("*.launch.xml"))
+
+# Arguments and defaults of ROSflight 2.x's launch files; ours may have more.
+REFERENCE_ARGUMENTS = {
+    "multirotor_standalone": {"use_sim_time": "false", "use_vimfly": "false", "rviz2_config_file": None},
+    "fixedwing_standalone": {"use_sim_time": "false", "use_vimfly": "false", "rviz2_config_file": None,
+                             "dynamics_param_file": None},
+    "standalone_sim": {"rviz2_config_file": None, "sim_aircraft_file": None},
+    "common_nodes_standalone": {"use_sim_time": "false", "use_vimfly": "false", "dynamics_param_file": ""},
+    "multirotor_init_firmware": {},
+    "fixedwing_init_firmware": {},
+}
+COMMON = {"sil_board", "rosflight_sil_manager", "standalone_sensors", "rc", "rosflight_io"}
+REFERENCE_NODES = {
+    "multirotor_standalone": COMMON | {"multirotor_forces_and_moments", "standalone_dynamics",
+                                       "standalone_viz_transcriber"},
+    "fixedwing_standalone": COMMON | {"fixedwing_forces_and_moments", "standalone_dynamics",
+                                      "standalone_viz_transcriber"},
+    "standalone_sim": {"standalone_viz_transcriber"},
+    "common_nodes_standalone": COMMON,
+}
+
+
+class AllThere(Packages):
+    """Every executable exists; folders are those of the source tree."""
+
+    def executable(self, package, name):
+        return Path("/lib") / package / name
+
+    def share(self, package):
+        assert package == "rosflight_sim"
+        return PACKAGE
+
+
+def plan(name, **given):
+    values = {key: str(value) for key, value in given.items()}
+    return Reader(AllThere([]), values, {"ROSFLIGHT_GUI": "false"}).read(
+        PACKAGE / f"launch/{name}.launch.xml")
+
+
+@pytest.mark.parametrize("name", [path.name.removesuffix(".launch.xml") for path in LAUNCH])
+def test_a_launch_file_can_be_read_and_has_its_python_name(name):
+    assert plan(name).nodes
+    script = (PACKAGE / f"launch/{name}.launch.py").read_text()
+    compile(script, name, "exec")
+    assert "XMLLaunchDescriptionSource" in script
+
+
+@pytest.mark.parametrize("name", REFERENCE_ARGUMENTS)
+def test_arguments_of_the_reference_are_there(name):
+    arguments = plan(name).arguments
+    for argument, default in REFERENCE_ARGUMENTS[name].items():
+        assert argument in arguments
+        assert default is None or arguments[argument].default == default
+
+
+@pytest.mark.parametrize("name", REFERENCE_NODES)
+def test_nodes_of_the_reference_are_there(name):
+    assert {node.name for node in plan(name).nodes} == REFERENCE_NODES[name]
+
+
+@pytest.mark.parametrize("argument, node", [
+    ("forces", "multirotor_forces_and_moments"), ("dynamics", "standalone_dynamics"), ("rc", "rc"),
+    ("sensors", "standalone_sensors"), ("io", "rosflight_io"), ("viz", "standalone_viz_transcriber")])
+def test_a_module_can_be_left_out(argument, node):
+    everything = {n.name for n in plan("multirotor_standalone").nodes}
+    without = {n.name for n in plan("multirotor_standalone", **{argument: "false"}).nodes}
+    assert everything - without == {node}
+
+
+def test_simulated_time_starts_a_time_manager_and_reaches_all():
+    nodes = plan("multirotor_standalone", use_sim_time="true", real_time_multiplier=2).nodes
+    values = {node.name: {k: v for source in node.parameters for k, v in source.items()}
+              for node in nodes}
+    manager = values.pop("standalone_time_manager")
+    assert manager["real_time_multiplier"] == 2
+    assert all(value["use_sim_time"] is True for value in values.values())
+
+
+def ranges():
+    with (ROOT / "firmware/core/parameters.csv").open() as file:
+        return {row["name"]: row for row in csv.DictReader(file)}
+
+
+# Numbers of entries of ROSflight 2.x's sets.
+@pytest.mark.parametrize("name, entries", [("multirotor_firmware", 70), ("fixedwing_firmware", 16)])
+def test_a_firmware_set_is_whole_and_in_range(name, entries):
+    known = ranges()
+    listed = yaml.safe_load((PACKAGE / f"params/{name}.yaml").read_text())
+    assert len({entry["name"] for entry in listed}) == len(listed) == entries
+    for entry in listed:
+        row = known[entry["name"]]
+        assert {"int32": 6, "float": 9}[row["type"]] == entry["type"]
+        sentinels = [float(word) for word in row["sentinel"].split()] if row["sentinel"] else []
+        value = float(entry["value"])
+        assert math.isfinite(value)
+        assert float(row["min"]) <= value <= float(row["max"]) or value in sentinels, entry
+
+
+@pytest.mark.parametrize("shape", ["multirotor", "fixedwing"])
+def test_a_mesh_is_closed(shape, tmp_path):
+    """Every edge belongs to two triangles, once in each direction."""
+    file = tmp_path / "m.stl"
+    subprocess.run([sys.executable, PACKAGE / "common_resource/make_mesh.py", shape, file], check=True)
+    corners = [tuple(line.split()[1:]) for line in file.read_text().splitlines() if "vertex" in line]
+    edges = {}
+    for i in range(0, len(corners), 3):
+        for a, b in ((0, 1), (1, 2), (2, 0)):
+            edge = (corners[i + a], corners[i + b])
+            edges[edge] = edges.get(edge, 0) + 1
+    assert edges and all(edges.get((b, a)) == n for (a, b), n in edges.items())
+
+
+def test_an_unknown_shape_is_refused(tmp_path):
+    done = subprocess.run([sys.executable, PACKAGE / "common_resource/make_mesh.py", "car", tmp_path / "m"],
+                          capture_output=True, text=True)
+    assert done.returncode == 1 and "allowed one of" in done.stderr
