@@ -11,7 +11,7 @@ from pathlib import Path
 
 import project
 from project import ROOT
-from ros_environment import LOOPBACK, PLACE, Environment
+from ros_environment import PLACE, Environment
 
 SOURCES = ROOT / "ros"
 # Packages that stand in for what the wheels lack hold a file COLCON_IGNORE, so that a plain colcon
@@ -102,7 +102,7 @@ def _colcon(environment: Environment, packages, place: Path, sanitize: bool) -> 
     if packages:
         command[command.index("--cmake-args"):command.index("--cmake-args")] = [
             "--packages-up-to", *packages]
-    variables = environment.for_process(place, **LOOPBACK)
+    variables = environment.for_process(place)
     variables["CMAKE_BUILD_PARALLEL_LEVEL"] = str(project.jobs())
     variables["MAKEFLAGS"] = f"-j{project.jobs()}"
     if environment.installed is None:

@@ -17,8 +17,6 @@ VENV = ROOT / ".venv-ros"
 REQUIREMENTS = "tools/requirements-ros.txt"
 PLACE = ROOT / "build" / "ros"
 DISTRIBUTIONS = ("humble", "jazzy")
-# ROS traffic of builds and tests never leaves the machine; Humble knows only the second name.
-LOOPBACK = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST", "ROS_LOCALHOST_ONLY": "1"}
 
 
 @dataclass
@@ -52,6 +50,12 @@ class Environment:
             joined |= {"VIRTUAL_ENV": str(VENV), "_ROS_WHEELS_BOOTSTRAP_COMPLETE": "1",
                        "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp"}
         return joined
+
+    def loopback(self) -> dict[str, str]:
+        """Keeps ROS traffic on the machine; for tests."""
+        if self.installed == "humble":
+            return {"ROS_LOCALHOST_ONLY": "1"}
+        return {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
 
     def for_process(self, place: Path = PLACE, **more: str) -> dict[str, str]:
         return {**os.environ, **self.variables(place), **more}

@@ -39,7 +39,7 @@ def run(names: list[str] = ()) -> Outcome:
         return Outcome(failed=1, complaints=["ros/ does not build, all output is in build/ros"])
     REPORT.parent.mkdir(parents=True, exist_ok=True)
     REPORT.unlink(missing_ok=True)
-    variables = environment.for_process(**ros_environment.LOOPBACK, ROS_DOMAIN_ID=domain(),
+    variables = environment.for_process(**environment.loopback(), ROS_DOMAIN_ID=domain(),
                                         ROS_LOG_DIR=str(ROOT / "build/ros/node_logs"))
     done = subprocess.run(
         [str(environment.python), "-m", "pytest", "-q", "--tb=short", "--no-header",
