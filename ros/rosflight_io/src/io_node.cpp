@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io_node.hpp"
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "diagnostics.hpp"
+
+namespace rosflight_io {
+
+namespace companion = rosflight::companion;
+
+namespace {
+
+constexpr std::chrono::milliseconds kLookAfterPeriod{10};
+constexpr std::chrono::seconds kDiagnosePeriod{1};
+constexpr int kWarningPeriod_ms = 1000;
+
+rosflight::link::MavlinkCodec::Identity companion_ids() {
+  return {1, rosflight::link::MavlinkCodec::kCompanionComponent};
+}
+
+rcl_interfaces::msg::ParameterDescriptor described(const std::string& text) {
+  rcl_interfaces::msg::ParameterDescriptor descriptor;
+  descriptor.description = text;
+  descriptor.read_only = true;
+  return descriptor;
+}
+
+rcl_interfaces::msg::ParameterDescriptor port_number(const std::string& text) {
+  rcl_interfaces::msg::ParameterDescriptor descriptor = described(text);
+  descriptor.integer_range.resize(1);
+  descriptor.integer_range[0].from_value = 1;
+  descriptor.integer_range[0].to_value = 65535;
+  return descriptor;
+}
+
+}  // namespace
+
+IoNode::IoNode(const rclcpp::NodeOptions& options)
+    : Node("rosflight_io", options),
+      clock_{get_clock()},
+      codec_{companion_ids()},
+      runner_{codec_, read_link(), companion::Session::Options{}, [this] { return clock_.now(); }},
+      streams_{
+          *this, clock_,
+          declare_parameter<std::string>(
+              "frame_id", "world", described("frame of IMU, IMU temperature and magnetometer"))},
+      log_lines_{get_logger()},
+      parameters_{*this, runner_},
+      services_{*this, runner_},
+      diagnostics_{create_publisher<diagnostic_msgs::msg::DiagnosticArray>("/diagnostics", 10)} {
+  companion::Session& session = runner_.session();
+  session.add(log_lines_);
+  session.add(streams_);
+  session.add(parameters_);
+  runner_.on_link_state([logger = get_logger()](bool open, const std::string& line) {
+    if (open) {
+      RCLCPP_INFO(logger, "%s", line.c_str());
+    } else {
+      RCLCPP_WARN(logger, "%s", line.c_str());
+    }
+  });
+  subscribe();
+  look_after_timer_ = create_wall_timer(kLookAfterPeriod, [this] { look_after(); });
+  diagnose_timer_ = create_wall_timer(kDiagnosePeriod, [this] { diagnose(); });
+  runner_.start();
+  link_ = std::thread([this] { run_link(); });
+}
+
+IoNode::~IoNode() {
+  runner_.stop();
+  if (link_.joinable()) link_.join();
+}
+
+companion::LinkSpec IoNode::read_link() {
+  const bool udp = declare_parameter("udp", false, described("UDP instead of the serial port"));
+  const std::string bind_host = declare_parameter<std::string>(
+      "bind_host", "localhost", described("kept for its name: the node listens on every address"));
+  const auto bind_port =
+      declare_parameter<std::int64_t>("bind_port", 14520, port_number("local UDP port"));
+  const std::string remote_host = declare_parameter<std::string>(
+      "remote_host", bind_host, described("address of the simulated board"));
+  const auto remote_port =
+      declare_parameter<std::int64_t>("remote_port", 14525, port_number("its UDP port"));
+  const std::string port =
+      declare_parameter<std::string>("port", "/dev/ttyACM0", described("serial device"));
+  const auto baud_rate =
+      declare_parameter<std::int64_t>("baud_rate", 921600, described("of the serial device"));
+  const bool wait = declare_parameter("wait_for_port", false,
+                                      described("a device that is not there yet is no error"));
+  const std::string link = declare_parameter<std::string>(
+      "link", "",
+      described("any link, over all above: serial:PATH[:BAUD], udp:HOST:PORT[:LOCAL_PORT], "
+                "tcp:HOST:PORT, tcp:PORT, pty"));
+  if (!link.empty()) return companion::parse_link(link);
+  if (udp) {
+    return companion::parse_link("udp:" + remote_host + ":" + std::to_string(remote_port) + ":" +
+                                 std::to_string(bind_port));
+  }
+  if (!wait && !std::filesystem::exists(port)) {
+    throw companion::LinkError("port: found " + port +
+                               ", which is not there; wait_for_port:=true "
+                               "waits for it");
+  }
+  return companion::parse_link("serial:" + port + ":" + std::to_string(baud_rate));
+}
+
+void IoNode::subscribe() {
+  using rosflight_msgs::msg::Attitude;
+  using rosflight_msgs::msg::AuxCommand;
+  using rosflight_msgs::msg::Command;
+  subscriptions_.push_back(create_subscription<Command>(
+      "command", 1, [this](Command::ConstSharedPtr m) { send("command", to_link(*m)); }));
+  subscriptions_.push_back(create_subscription<AuxCommand>(
+      "aux_command", 1,
+      [this](AuxCommand::ConstSharedPtr m) { send("aux_command", to_link(*m)); }));
+  subscriptions_.push_back(create_subscription<Attitude>(
+      "external_attitude", 1,
+      [this](Attitude::ConstSharedPtr m) { send("external_attitude", to_link(*m)); }));
+}
+
+template <class Message>
+void IoNode::send(const char* what, const Message& message) {
+  runner_.post([this, what, message](companion::Session& session) {
+    const companion::SendStatus status = session.offboard().send(message);
+    if (status == companion::SendStatus::kSent) return;
+    RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kWarningPeriod_ms, "%s not sent: %s", what,
+                         companion::send_status_text(status));
+  });
+}
+
+void IoNode::run_link() {
+  try {
+    runner_.run();
+  } catch (const std::exception& error) {
+    RCLCPP_FATAL(get_logger(), "the link has failed: %s", error.what());
+    rclcpp::shutdown();
+  }
+}
+
+/// What only the node's thread may do for the link's.
+void IoNode::look_after() {
+  parameters_.update();
+  if (has_baro_) services_.offer_baro();
+  if (has_airspeed_) services_.offer_airspeed();
+  // The link's timers do not see simulated time move: each task makes it look at the clock.
+  if (clock_.simulated()) runner_.post([](companion::Session&) {});
+}
+
+void IoNode::diagnose() {
+  runner_.post([this](companion::Session& session) {
+    has_baro_ = session.streams().baro.count > 0;
+    has_airspeed_ = session.streams().diff_pressure.count > 0;
+    auto array = diagnostics_of(session, get_fully_qualified_name(), runner_.transport().name());
+    array.header.stamp = now();
+    diagnostics_->publish(array);
+  });
+}
+
+}  // namespace rosflight_io

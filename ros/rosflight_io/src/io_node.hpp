@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <atomic>
+#include <diagnostic_msgs/msg/diagnostic_array.hpp>
+#include <memory>
+#include <rclcpp/rclcpp.hpp>
+#include <thread>
+
+#include "clock.hpp"
+#include "companion/asio/runner.hpp"
+#include "conversions.hpp"
+#include "link/mavlink/mavlink_codec.hpp"
+#include "log_lines.hpp"
+#include "parameter_mirror.hpp"
+#include "services.hpp"
+#include "stream_publisher.hpp"
+
+namespace rosflight_io {
+
+/// The companion's end of the serial link as a ROS 2 node: streams become topics, set-points become
+/// frames, parameters and commands become ROS parameters and services.
+///
+/// Two threads: the link's, which runs the companion library and publishes, and the node's, which
+/// takes commands and requests and hands them over. Topics, services and parameters are those of
+/// ROSflight 2.x; docs/compatibility-ros.md lists what differs.
+class IoNode final : public rclcpp::Node {
+ public:
+  /// Opens the link. @throws rosflight::companion::LinkError for a link that cannot be, rclcpp's
+  /// exceptions for parameters of the wrong type.
+  explicit IoNode(const rclcpp::NodeOptions& options = rclcpp::NodeOptions());
+  ~IoNode() override;
+
+ private:
+  rosflight::companion::LinkSpec read_link();
+  void subscribe();
+  template <class Message>
+  void send(const char* what, const Message& message);
+  void run_link();
+  void look_after();
+  void diagnose();
+
+  Clock clock_;
+  rosflight::link::MavlinkCodec codec_;
+  rosflight::companion::Runner runner_;
+  StreamPublisher streams_;
+  LogLines log_lines_;
+  ParameterMirror parameters_;
+  Services services_;
+  rclcpp::Publisher<diagnostic_msgs::msg::DiagnosticArray>::SharedPtr diagnostics_;
+  std::vector<rclcpp::SubscriptionBase::SharedPtr> subscriptions_;
+  rclcpp::TimerBase::SharedPtr look_after_timer_;
+  rclcpp::TimerBase::SharedPtr diagnose_timer_;
+  std::atomic<bool> has_baro_{false};
+  std::atomic<bool> has_airspeed_{false};
+  std::thread link_;
+};
+
+}  // namespace rosflight_io

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <mutex>
+#include <rclcpp/rclcpp.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "companion/asio/runner.hpp"
+#include "companion/listener.hpp"
+
+namespace rosflight_io {
+
+/// Every parameter of the firmware as a ROS parameter of the same name, both ways: a set waits for
+/// the firmware's answer and is refused with its reason; a change seen from the firmware changes
+/// the ROS parameter. Declared as soon as the list is complete.
+class ParameterMirror final : public rosflight::companion::Listener {
+ public:
+  ParameterMirror(rclcpp::Node& node, rosflight::companion::Runner& runner);
+
+  /// By the link's thread: remembers what is new.
+  void on_event(const rosflight::companion::Event& event) override;
+  /// By the node's thread: declares and updates.
+  void update();
+
+ private:
+  using Set = rosflight::companion::ParameterSet;
+
+  rcl_interfaces::msg::SetParametersResult on_set(const std::vector<rclcpp::Parameter>& parameters);
+  /// Empty if the firmware has taken it, else why not.
+  std::string send(const rclcpp::Parameter& parameter);
+  void mirror(const rosflight::companion::NamedValue& entry);
+
+  rclcpp::Node& node_;
+  rosflight::companion::Runner& runner_;
+  rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr handle_;
+  std::set<std::string> known_;  ///< Names of the firmware that are declared.
+  bool mirroring_{false};        ///< A set that comes from the firmware.
+
+  std::mutex mutex_;  ///< Of what follows.
+  Set news_;
+};
+
+}  // namespace rosflight_io

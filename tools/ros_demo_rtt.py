@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The round-trip demonstration; ros_demo.py tells its use."""
+
+import csv
+import json
+import statistics
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import matplotlib
+import rclpy
+
+matplotlib.use("Agg")
+from matplotlib import pyplot  # noqa: E402
+from ros_rig import PREFIXES, PROGRAM, Rig, Sil, free_udp_port  # noqa: E402
+from rosflight_msgs.srv import ParamSet  # noqa: E402
+
+SIL = PROGRAM.parent / "sil"
+PEER = next((place for prefix in PREFIXES if (place := prefix / "lib/rosflight_demos/rtt_peer").exists()), None)
+SHARES = {"median": 0.5, "99 %": 0.99, "99.9 %": 0.999}
+COLUMNS = ["path", "link", "load", "rate_hz", "sent", "lost", "min", "mean", "std", *SHARES, "max"]
+
+
+def figures(file: Path) -> dict[str, float]:
+    """Of the round trips in a CSV file, in ms."""
+    with file.open() as lines:
+        ms = sorted(float(row["round_trip_us"]) / 1000.0 for row in csv.DictReader(lines))
+    if not ms:
+        return {}
+    found = {"min": ms[0], "mean": statistics.fmean(ms), "std": statistics.pstdev(ms), "max": ms[-1]}
+    return found | {name: ms[int(share * (len(ms) - 1))] for name, share in SHARES.items()}
+
+
+def run_program(command: list) -> dict:
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError((done.stderr.strip().splitlines() or [f"{command[0]} failed"])[-1])
+    return json.loads(done.stdout.strip().splitlines()[-1])
+
+
+def bare(kind: str, loaded: bool, rate: float, count: int, file: Path) -> dict:
+    """On the companion link without ROS. Rate 0: as fast as they come back."""
+    with tempfile.TemporaryDirectory() as scratch:
+        here, there = free_udp_port(), free_udp_port()
+        link = ["--link", f"udp:localhost:{here}", "--listen", str(there)] if kind == "udp" else ["--link", "pty"]
+        sil = Sil(Path(scratch), link, program=SIL / "sil_echo")
+        try:
+            address = f"udp:localhost:{there}:{here}" if kind == "udp" else f"serial:{sil.where.removeprefix('link=pty:')}"
+            pace = ["--rate", rate] if rate > 0 else ["--window", 1]
+            return run_program([SIL / "sil_link_rtt", address, "--count", count, *pace, "--csv", file,
+                                *(["--parameters"] if loaded else [])])
+        finally:
+            sil.stop()
+
+
+def through_ros(kind: str, loaded: bool, rate: float, count: int, file: Path) -> dict:
+    """Publisher, rosflight_io, link, firmware and back. Load: parameters are set over and over."""
+    with tempfile.TemporaryDirectory() as scratch:
+        rig = Rig(Path(scratch), kind=kind, program=SIL / "sil_echo")
+        try:
+            command = [str(PEER), str(rate), str(count), str(file)]
+            peer = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            value = 0.0
+            while loaded and peer.poll() is None:
+                value = 0.1 if value != 0.1 else 0.2
+                rig.peer.call(ParamSet, "param_set", name="PID_ROLL_RATE_P", value=value)
+            out, err = peer.communicate()
+            if peer.returncode != 0:
+                raise RuntimeError(err.strip())
+            return json.loads(out.strip().splitlines()[-1])
+        finally:
+            rig.close()
+
+
+def measure(options) -> list[dict]:
+    rows = []
+    for path, measure_one in (("bare link", bare), ("ROS", through_ros)):
+        for kind in ("pty", "udp"):
+            for load, rate in (("idle", options.rate), ("parameters", options.rate), ("idle", 0.0)):
+                name = f"{path} {kind} {load} {'fastest' if rate == 0 else f'{rate:g} Hz'}"
+                print(f"rosflight: measuring {name}", file=sys.stderr)
+                file = options.out / (name.replace(" ", "_") + ".csv")
+                count = options.count if rate > 0 else max(options.count // 2, 1000)
+                told = measure_one(kind, load != "idle", rate, count, file)
+                rows.append({"path": path, "link": kind, "load": load, "rate_hz": told["achieved_Hz"],
+                             "wanted_hz": rate or None, "sent": told["sent"], "lost": told["lost"],
+                             **figures(file), "csv": file.name})
+    return rows
+
+
+def print_table(title: str, rows: list[dict]):
+    print(f"{title}, round trips in ms\n")
+    print("".join(f"{column:>11}" for column in COLUMNS))
+    for row in rows:
+        cells = [row.get(column, "-") for column in COLUMNS]
+        print("".join(f"{cell:>11.3f}" if isinstance(cell, float) and column not in ("rate_hz",) else
+                      f"{cell:>11.0f}" if isinstance(cell, float) else f"{cell:>11}"
+                      for column, cell in zip(COLUMNS, cells)))
+    print()
+
+
+def draw(rows: list[dict], folder: Path, file: Path):
+    figure, axes = pyplot.subplots(figsize=(9, 5), layout="constrained")
+    bins = [10 ** (-2.2 + k / 40) for k in range(181)]  # 0.006 to 200 ms, the same width on a log scale
+    for row in rows:
+        with (folder / row["csv"]).open() as lines:
+            ms = [float(line["round_trip_us"]) / 1000.0 for line in csv.DictReader(lines)]
+        axes.hist(ms, bins=bins, histtype="step", linestyle="-" if row["load"] == "idle" else ":",
+                  label=f"{row['path']}, {row['link']}, {row['load']}: {row['mean']:.3f} ms")
+    axes.set(title=f"Round trip of an offboard command at {rows[0]['wanted_hz']:g} Hz", xlabel="round trip [ms]",
+             ylabel="commands", xscale="log", yscale="log")
+    axes.legend(title="path, link, load: mean")
+    axes.grid(alpha=0.3)
+    figure.savefig(file, dpi=120)
+    pyplot.close(figure)
+
+
+def run(options) -> int:
+    rclpy.init()
+    try:
+        rows = measure(options)
+    except (RuntimeError, AssertionError) as error:
+        print(f"rosflight: {error}", file=sys.stderr)
+        return 1
+    finally:
+        rclpy.try_shutdown()
+    steady = [row for row in rows if row["wanted_hz"]]
+    draw(steady, options.out, options.out / "rtt.png")
+    (options.out / "rtt.json").write_text(json.dumps(rows, indent=2) + "\n")
+    if options.json:
+        print(json.dumps(rows, indent=2))
+    else:
+        print_table(f"At {options.rate:g} Hz", steady)
+        print_table("As fast as they come back, one at a time", [row for row in rows if not row["wanted_hz"]])
+        print(f"histogram, CSV and JSON are in {options.out}")
+    return 0

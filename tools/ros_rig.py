@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The real firmware in real time, the I/O node at its link, and rclpy as the peer, for tests and demonstrations under
+ros/. Runs inside the ROS environment. Every wait is bounded and far longer than a loaded machine needs."""
+
+import os
+import select
+import signal
+import socket
+import subprocess
+import threading
+import time
+from pathlib import Path
+
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.qos import DurabilityPolicy, QoSProfile
+
+ROOT = Path(__file__).resolve().parents[1]
+PROGRAM = Path(os.environ.get("ROSFLIGHT_BUILD", ROOT / "build" / "release")) / "apps" / "rosflight"
+PREFIXES = [Path(prefix) for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(":")]
+NODE = next((place for prefix in PREFIXES if (place := prefix / "lib/rosflight_io/rosflight_io").exists()), None)
+PATIENCE_S = 40.0
+
+
+def free_udp_port():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+def stop(process, how=signal.SIGINT):
+    if process.poll() is None:
+        process.send_signal(how)
+        try:
+            process.wait(timeout=10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+    return process.returncode
+
+
+class Sil:
+    """The firmware and its vehicle as a process. `link` holds the options of its serial port."""
+
+    def __init__(self, folder, link, *options, program=PROGRAM):
+        self.command = [program, "sil", "--nvm", folder / "memory", *link, *options]
+        self.folder = folder
+        self.start()
+
+    def start(self):
+        self.process = subprocess.Popen([str(word) for word in self.command], stdout=subprocess.PIPE, text=True,
+                                        stderr=subprocess.DEVNULL, cwd=self.folder)
+        ready, _, _ = select.select([self.process.stdout], [], [], PATIENCE_S)
+        line = self.process.stdout.readline() if ready else ""
+        assert line.startswith("sil ready "), line
+        self.where = line.split()[2]  # link=pty:/dev/pts/3
+
+    def stop(self, how=signal.SIGTERM):
+        return stop(self.process, how)
+
+
+class Io:
+    """The node as a process; its log in `lines`."""
+
+    def __init__(self, *arguments, namespace=""):
+        command = [str(NODE), "--ros-args", *arguments]
+        if namespace:
+            command += ["-r", f"__ns:={namespace}"]
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.lines = []
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self):
+        for line in self.process.stdout:
+            self.lines.append(line.rstrip())
+
+    def wait_line(self, part):
+        wait_for(lambda: any(part in line for line in self.lines), f"'{part}' in the node's log", lambda: self.lines[-20:])
+
+    def stop(self, how=signal.SIGINT):
+        return stop(self.process, how)
+
+
+def wait_for(condition, what, tell=lambda: "", patience_s=PATIENCE_S):
+    end = time.monotonic() + patience_s
+    while not condition():
+        assert time.monotonic() < end, f"waited {patience_s} s for {what}: {tell()}"
+        time.sleep(0.01)
+
+
+class Peer:
+    """An rclpy node that spins in a thread and keeps what it hears."""
+
+    def __init__(self, namespace=""):
+        self.node = rclpy.create_node("peer", namespace=namespace or None)
+        self.executor = SingleThreadedExecutor()
+        self.executor.add_node(self.node)
+        self.heard = {}
+        self.thread = threading.Thread(target=self._spin, daemon=True)
+        self.running = True
+        self.thread.start()
+
+    def _spin(self):
+        while self.running:
+            self.executor.spin_once(timeout_sec=0.05)
+
+    def listen(self, kind, topic, depth=100, latched=False):
+        """A list that grows with (arrival in s, message)."""
+        heard = self.heard.setdefault(topic, [])
+        qos = QoSProfile(depth=depth)
+        if latched:
+            qos.durability = DurabilityPolicy.TRANSIENT_LOCAL
+        self.node.create_subscription(kind, topic, lambda m: heard.append((time.time(), m)), qos)
+        return heard
+
+    def call(self, kind, service, /, **fields):
+        """The answer to one request."""
+        client = self.node.create_client(kind, service)
+        try:
+            assert client.wait_for_service(timeout_sec=PATIENCE_S), f"no service {service}"
+            future = client.call_async(kind.Request(**fields))
+            wait_for(future.done, f"an answer of {service}")
+            return future.result()
+        finally:
+            self.node.destroy_client(client)
+
+    def close(self):
+        self.running = False
+        self.thread.join(timeout=5)
+        self.executor.shutdown()
+        self.node.destroy_node()
+
+
+class Rig:
+    """Firmware, node and peer, connected over UDP, all parameters received."""
+
+    def __init__(self, folder, *sil_options, namespace="", kind="udp", program=PROGRAM):
+        sil_port, io_port = free_udp_port(), free_udp_port()
+        link = ["--link", f"udp:localhost:{io_port}", "--listen", str(sil_port)] if kind == "udp" else ["--link", "pty"]
+        self.sil = Sil(folder, link, *sil_options, program=program)
+        if kind == "udp":
+            self.io_arguments = ["-p", "udp:=true", "-p", f"remote_port:={sil_port}", "-p", f"bind_port:={io_port}"]
+        else:
+            self.io_arguments = ["-p", f"port:={self.sil.where.removeprefix('link=pty:')}"]
+        self.namespace = namespace
+        self.start_io()
+        self.peer = Peer(namespace)
+        self.folder = folder
+
+    def start_io(self):
+        self.io = Io(*self.io_arguments, namespace=self.namespace)
+        self.io.wait_line("parameters received")
+
+    def close(self):
+        self.peer.close()
+        self.io.stop()
+        self.sil.stop()
