@@ -26,8 +26,9 @@ inline rcl_interfaces::msg::ParameterDescriptor described(const std::string& tex
 }
 
 /// Declares a number in a range. Live ones can be changed while the node runs.
-inline double declare_number(rclcpp::Node& node, const std::string& name, double value, double least,
-                             double most, const std::string& text, bool live = false) {
+inline double declare_number(rclcpp::Node& node, const std::string& name, double value,
+                             double least, double most, const std::string& text,
+                             bool live = false) {
   auto descriptor = described(text, !live);
   rcl_interfaces::msg::FloatingPointRange range;
   range.from_value = least;
@@ -75,7 +76,9 @@ inline rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr on_chan
 template <class Service, class NodeType>
 typename rclcpp::Client<Service>::SharedPtr client_in_group(
     NodeType& node, const std::string& name, rclcpp::CallbackGroup::SharedPtr group) {
-  if constexpr (requires { node.template create_client<Service>(name, rclcpp::ServicesQoS(), group); }) {
+  if constexpr (requires {
+                  node.template create_client<Service>(name, rclcpp::ServicesQoS(), group);
+                }) {
     return node.template create_client<Service>(name, rclcpp::ServicesQoS(), group);
   } else {
     return node.template create_client<Service>(name, rmw_qos_profile_services_default, group);

@@ -11,8 +11,8 @@
 namespace rosflight::ros_sim {
 namespace {
 
-/// Instruments in simulated time, fed with the truth of another node: one step of the sensors module
-/// at every message of truth. Samples carry the stamp of the truth they measured.
+/// Instruments in simulated time, fed with the truth of another node: one step of the sensors
+/// module at every message of truth. Samples carry the stamp of the truth they measured.
 class SensorsNode : public rclcpp::Node {
  public:
   SensorsNode() : Node("sensors"), parameters_{VehicleParameters::declare(*this)} {
@@ -77,8 +77,7 @@ class SensorsNode : public rclcpp::Node {
     stamp_ns_ = nanoseconds(message.header.stamp);
     if (!ticks_->step(stamp_ns_)) return;
     truth_.time = ticks_->time();
-    const double height_m =
-        parameters_.vehicle.environment().origin.height_m - truth_.body.p_N.z();
+    const double height_m = parameters_.vehicle.environment().origin.height_m - truth_.body.p_N.z();
     const auto air = atmosphere_.at(height_m);
     truth_.air.density_kg_m3 = air.density_kg_m3;
     truth_.air.pressure_Pa = air.pressure_Pa;
