@@ -11,7 +11,8 @@ os.environ["ROS_DOMAIN_ID"] = str(os.getpid() % 100 + 1)
 
 @pytest.fixture(scope="session", autouse=True)
 def ros():
-    rclpy.init()
+    if not rclpy.ok():
+        rclpy.init()
     yield
     rclpy.try_shutdown()
 

@@ -71,6 +71,19 @@ inline rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr on_chan
       });
 }
 
+/// As on_change, for all parameters of one request together; a text that comes back is the reason
+/// why the change is refused, and then nothing may have changed.
+inline rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr on_change_or_refuse(
+    rclcpp::Node& node, std::function<std::string(const std::vector<rclcpp::Parameter>&)> changed) {
+  return node.add_on_set_parameters_callback(
+      [changed = std::move(changed)](const std::vector<rclcpp::Parameter>& parameters) {
+        rcl_interfaces::msg::SetParametersResult result;
+        result.reason = changed(parameters);
+        result.successful = result.reason.empty();
+        return result;
+      });
+}
+
 /// A client whose answers come in a callback group of its own. Humble and later distributions
 /// disagree on the type of the argument in the middle.
 template <class Service, class NodeType>
