@@ -16,6 +16,7 @@
 #include "apps/sil/signals.hpp"
 #include "firmware/boards/linux/linux_clock.hpp"
 #include "firmware/boards/linux/linux_serial.hpp"
+#include "link/mavlink/mavlink_codec.hpp"
 #include "sim/serial_cable.hpp"
 
 namespace {
@@ -47,15 +48,18 @@ class Cable {
   void add_to(std::vector<pollfd>& set) const { companion_.add_to(set), board_.add_to(set); }
 
   void step(hal::Time now) {
-    take(companion_, to_board_, now);
-    take(board_, to_companion_, now);
+    take(companion_, [&](const std::uint8_t* data, std::size_t size) {
+      static_cast<void>(to_board_.push(now, data, size, hal::Serial::kOrdinary));
+    });
+    take(board_,
+         [&](const std::uint8_t* data, std::size_t size) { queue_frames(now, data, size); });
     give(to_board_, board_, now);
     give(to_companion_, companion_, now);
   }
 
   void summarise() const {
     const auto tell = [](const char* name, const sim::SerialLine::Counters& c) {
-      return fmt::format("{} {} bytes, {} corrupted, {} chunks dropped", name, c.bytes_sent,
+      return fmt::format("{} {} bytes, {} corrupted, {} frames dropped", name, c.bytes_sent,
                          c.bytes_corrupted, c.frames_dropped[sim::SerialLine::kOrdinary]);
     };
     std::cerr << fmt::format("cable: {}; {}\n", tell("to board", to_board_.counters()),
@@ -63,8 +67,6 @@ class Cable {
   }
 
  private:
-  static constexpr std::uint8_t kOrdinaryQos = 255;
-
   static boards::LinkAddress board_address(const Options& options) {
     auto address = boards::LinkAddress::parse(options.board);
     address.listen = options.listen;
@@ -76,14 +78,32 @@ class Cable {
     return config;
   }
 
-  void take(boards::LinuxSerial& from, sim::SerialLine& line, hal::Time now) {
+  template <class Push>
+  void take(boards::LinuxSerial& from, Push push) {
     from.receive();
     while (const std::size_t size = from.read(chunk_.data(), chunk_.size()))
-      static_cast<void>(line.push(now, chunk_.data(), size, kOrdinaryQos));
+      push(chunk_.data(), size);
+  }
+  /// The board's own queue, which this stands for, lets urgent frames go first.
+  void queue_frames(hal::Time now, const std::uint8_t* data, std::size_t size) {
+    for (std::size_t used = 0; used < size;) {
+      const auto result = reader_.decode(data + used, size - used);
+      frame_.insert(frame_.end(), data + used, data + used + result.consumed);
+      used += result.consumed;
+      if (!result.complete) continue;
+      static_cast<void>(to_companion_.push(now, frame_.data(), frame_.size(), urgency()));
+      frame_.clear();
+    }
+  }
+  std::uint8_t urgency() const {
+    const auto* output = std::get_if<link::OutputRaw>(&reader_.message());
+    const bool echo = output != nullptr && output->time_boot_ms == 0;  // echo_codec.hpp
+    const bool imu = std::holds_alternative<link::Imu>(reader_.message());
+    return echo || imu ? hal::Serial::kUrgent : hal::Serial::kOrdinary;
   }
   void give(sim::SerialLine& line, boards::LinuxSerial& to, hal::Time now) {
     while (const std::size_t size = line.pop(now, chunk_.data(), chunk_.size()))
-      static_cast<void>(to.write(chunk_.data(), size, kOrdinaryQos));
+      static_cast<void>(to.write(chunk_.data(), size, hal::Serial::kOrdinary));
     to.transmit();
   }
 
@@ -92,6 +112,8 @@ class Cable {
   sim::SerialLine to_board_;
   sim::SerialLine to_companion_;
   std::array<std::uint8_t, 1024> chunk_{};
+  link::MavlinkCodec reader_{{1, link::MavlinkCodec::kCompanionComponent}};
+  std::vector<std::uint8_t> frame_;  ///< As far as it has come.
 };
 
 void relay(const Options& options) {
