@@ -35,6 +35,8 @@ def run(names: list[str] = ()) -> Outcome:
     if not chosen:
         raise ros_build.BadRequest(f"no test file under ros/ matches {', '.join(names)}; files: "
                                    f"{', '.join(map(str, files()))}")
+    if not project.build("release", *ros_build.PROGRAMS):
+        return Outcome(failed=1, complaints=["the programs do not build, all output is in build/release/build.log"])
     if not ros_build.build(environment):
         return Outcome(failed=1, complaints=["ros/ does not build, all output is in build/ros"])
     REPORT.parent.mkdir(parents=True, exist_ok=True)
