@@ -14,10 +14,10 @@ import rclpy
 
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
-from ros_rig import PREFIXES, SIL_TOOLS, Link, Rig  # noqa: E402
+from ros_rig import SIL_TOOLS, Link, Rig, program  # noqa: E402
 from rosflight_msgs.srv import ParamSet  # noqa: E402
 
-PEER = next((place for prefix in PREFIXES if (place := prefix / "lib/rosflight_demos/rtt_peer").exists()), None)
+PEER = program("rosflight_demos", "rtt_peer")
 SHARES = {"median": 0.5, "99 %": 0.99, "99.9 %": 0.999}
 COLUMNS = ["path", "link", "load", "rate_hz", "sent", "lost", "min", "mean", "std", *SHARES, "max"]
 
