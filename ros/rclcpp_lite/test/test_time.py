@@ -74,11 +74,11 @@ def test_timer_on_simulated_time_follows_the_clock_and_its_jumps(tester):
         seen = len(wall)
         until(lambda: len(wall) > seen + 10, "wall time goes on")
         assert len(sim.ticks) == 7
-        assert [jump.data for jump in jumps] == [1000 * SECOND - 15 * SECOND // 10]
+        until(lambda: jumps, "the jump forward is told")
         # After a jump back the timer goes on from there.
-        sim.show(5 * SECOND)
+        until(lambda: sim.show(5 * SECOND) or len(jumps) > 1, "the jump back is told")
         sim.tick_at(5 * SECOND + SECOND // 5)
-        assert [jump.data for jump in jumps][1:] == [-995 * SECOND]
+        assert [jump.data for jump in jumps] == [1000 * SECOND - 15 * SECOND // 10, -995 * SECOND]
 
 
 def test_sleep_on_simulated_time_ends_when_the_clock_says_so(tester):
