@@ -22,6 +22,10 @@ WHEEL_LINKING = "-Wl,--as-needed -Wl,--allow-shlib-undefined"
 SANITIZE = "-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer"
 
 
+# What tests and demonstrations start beside the nodes, in build/release/apps.
+PROGRAMS = ("rosflight", "sil_echo", "sil_link_rtt", "sil_cable")
+
+
 class BadRequest(ValueError):
     """The request names something that does not exist."""
 

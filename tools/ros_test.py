@@ -55,7 +55,10 @@ def run(names: list[str] = ()) -> Outcome:
                                    f"{', '.join(map(str, files()))}")
     if environment.installed:  # which has the real thing, and no stand-in is built
         chosen = [path for path in chosen if not is_of_stand_in(path)]
-    if not ros_build.build(environment, packages_of(chosen) if names else []):
+    packages = packages_of(chosen) if names else []
+    if packages != [LITE] and not project.build("release", *ros_build.PROGRAMS):
+        return Outcome(failed=1, complaints=["the programs do not build, all output is in build/release/build.log"])
+    if not ros_build.build(environment, packages):
         return Outcome(failed=1, complaints=["ros/ does not build, all output is in build/ros"])
     return _pytest(environment, chosen, ros_environment.PLACE)
 
