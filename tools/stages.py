@@ -166,6 +166,11 @@ def ros_tests(names: list[str] = ()) -> Outcome:
     return ros_test.run(names)
 
 
+def ros_sanitizers() -> Outcome:
+    """What stands in for rclcpp under sanitizers; nothing with a ROS installation."""
+    return ros_test.sanitizers()
+
+
 # ---- fuzzing ------------------------------------------------------------------------------------
 
 
