@@ -10,9 +10,9 @@ from pathlib import Path
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
-from ros_rig import PREFIXES, Rig, wait_for
+from ros_rig import Rig, program, wait_for
 
-WATCH = next((place for prefix in PREFIXES if (place := prefix / "lib/rosflight_demos/load_watch").exists()), None)
+WATCH = program("rosflight_demos", "load_watch")
 LINK_COUNTERS = ("frames dropped", "sequence gaps", "send failures")
 
 

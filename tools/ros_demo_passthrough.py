@@ -15,12 +15,12 @@ import yaml
 
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
-from ros_rig import PREFIXES, PROGRAM, ROOT, Rig, wait_for, write_parameters  # noqa: E402
+from ros_rig import PROGRAM, ROOT, Rig, program, wait_for, write_parameters  # noqa: E402
 from rosflight_msgs.msg import Status  # noqa: E402
 from rosflight_msgs.srv import ParamFile  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 
-NODE = next((place for prefix in PREFIXES if (place := prefix / "lib/rosflight_demos/passthrough").exists()), None)
+NODE = program("rosflight_demos", "passthrough")
 VEHICLE = ROOT / "vehicles" / "multirotor.yaml"
 ARM_S, RELEASE_S = 20.0, 21.5  # the pilot's part, after everything has been set up
 

@@ -14,10 +14,10 @@ import rclpy
 
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
-from ros_rig import PREFIXES, SIL_TOOLS, Link, Rig  # noqa: E402
+from ros_rig import SIL_TOOLS, Link, Rig, program  # noqa: E402
 from rosflight_msgs.srv import ParamSet  # noqa: E402
 
-PEER = next((place for prefix in PREFIXES if (place := prefix / "lib/rosflight_demos/rtt_peer").exists()), None)
+PEER = program("rosflight_demos", "rtt_peer")
 SHARES = {"median": 0.5, "99 %": 0.99, "99.9 %": 0.999}
 COLUMNS = ["path", "link", "load", "rate_hz", "sent", "lost", "min", "mean", "std", *SHARES, "max"]
 
@@ -98,7 +98,7 @@ def print_table(title: str, rows: list[dict]):
 
 
 def draw(rows: list[dict], folder: Path, file: Path):
-    figure, axes = pyplot.subplots(figsize=(9, 5), layout="constrained")
+    figure, axes = pyplot.subplots(figsize=(12, 5), layout="constrained")
     bins = [10 ** (-2.2 + k / 40) for k in range(181)]  # 0.006 to 200 ms, the same width on a log scale
     for row in rows:
         with (folder / row["csv"]).open() as lines:
@@ -107,7 +107,8 @@ def draw(rows: list[dict], folder: Path, file: Path):
                   label=f"{row['path']}, {row['link']}, {row['load']}: {row['mean']:.3f} ms")
     axes.set(title=f"Round trip of an offboard command at {rows[0]['wanted_hz']:g} Hz", xlabel="round trip [ms]",
              ylabel="commands", xscale="log", yscale="log")
-    axes.legend(title="path, link, load: mean")
+    axes.set_xlim(0.8 * min(row["min"] for row in rows), 1.25 * max(row["max"] for row in rows))
+    axes.legend(title="path, link, load: mean", loc="center left", bbox_to_anchor=(1.0, 0.5))
     axes.grid(alpha=0.3)
     figure.savefig(file, dpi=120)
     pyplot.close(figure)

@@ -19,7 +19,14 @@ ROOT = Path(__file__).resolve().parents[1]
 PROGRAM = Path(os.environ.get("ROSFLIGHT_BUILD", ROOT / "build" / "release")) / "apps" / "rosflight"
 SIL_TOOLS = PROGRAM.parent / "sil"  # sil_echo, sil_link_rtt, sil_cable
 PREFIXES = [Path(prefix) for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(":")]
-NODE = next((place for prefix in PREFIXES if (place := prefix / "lib/rosflight_io/rosflight_io").exists()), None)
+
+
+def program(package, name):
+    """Where the program of a package is installed; None if nowhere."""
+    return next((place for prefix in PREFIXES if (place := prefix / "lib" / package / name).exists()), None)
+
+
+NODE = program("rosflight_io", "rosflight_io")
 PATIENCE_S = 40.0
 
 
@@ -89,8 +96,8 @@ class Cable:
 class Io:
     """The node as a process; its log in `lines`."""
 
-    def __init__(self, *arguments, namespace=""):
-        command = [str(NODE), "--ros-args", *arguments]
+    def __init__(self, *arguments, namespace="", words=()):
+        command = [str(NODE), *words, "--ros-args", *arguments]
         if namespace:
             command += ["-r", f"__ns:={namespace}"]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
@@ -196,8 +203,8 @@ class Rig:
         self.start_io()
         self.peer = Peer(namespace)
 
-    def start_io(self):
-        self.io = Io(*self.link.node_arguments, namespace=self.namespace)
+    def start_io(self, words=()):
+        self.io = Io(*self.link.node_arguments, namespace=self.namespace, words=words)
         self.io.wait_line("parameters received")
 
     def close(self):

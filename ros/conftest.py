@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
+"""rclpy for all tests under ros/, on this machine only. ./rosflight ros test chooses the domain."""
+
 import os
 
 import pytest
@@ -11,7 +13,6 @@ os.environ.setdefault("ROS_DOMAIN_ID", str(os.getpid() % 100 + 1))
 
 @pytest.fixture(scope="session", autouse=True)
 def ros():
-    if not rclpy.ok():
-        rclpy.init()
+    rclpy.init()
     yield
     rclpy.try_shutdown()
