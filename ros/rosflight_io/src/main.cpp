@@ -9,15 +9,19 @@
 /// Exit code 2 and one line for a link that cannot be or a parameter that makes no sense.
 int main(int argc, char** argv) {
   constexpr int kBadInput = 2;
+  bool started = false;
   try {
     const rosflight_io::RealtimeConfigurator realtime{argc, argv};
     realtime.apply();
     rclcpp::init(argc, argv);
+    started = true;
     const auto node = std::make_shared<rosflight_io::IoNode>();
     const auto watch = realtime.watch(*node);
     RCLCPP_INFO(node->get_logger(), "ready");
     rclcpp::spin(node);
   } catch (const std::exception& error) {
+    // SIGINT while the node is being made leaves nothing to make it in: an end like any other.
+    if (started && !rclcpp::ok()) return 0;
     std::fprintf(stderr, "rosflight_io: %s\n", error.what());
     return kBadInput;
   }
