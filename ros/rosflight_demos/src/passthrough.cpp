@@ -195,7 +195,7 @@ class Passthrough final : public rclcpp::Node {
 int main(int argc, char** argv) {
   const std::vector<std::string> words = rclcpp::init_and_remove_ros_arguments(argc, argv);
   const double seconds = words.size() == 3 ? std::atof(words[1].c_str()) : 0.0;
-  if (!(seconds > 0.0 && seconds <= 600.0)) {
+  if (!(seconds > 0.0) || seconds > 600.0) {
     std::fprintf(stderr, "usage: passthrough SECONDS CSV, seconds up to 600\n");
     return 2;
   }
