@@ -6,8 +6,10 @@
 #include "io_node.hpp"
 #include "rosflight_io/realtime_configurator.hpp"
 
-/// Exit code 2 and one line for a link that cannot be or a parameter that makes no sense.
+/// Exit code 2 and one line for a link that cannot be or a parameter that makes no sense; 1 for one
+/// that failed later.
 int main(int argc, char** argv) {
+  constexpr int kBroken = 1;
   constexpr int kBadInput = 2;
   bool started = false;
   try {
@@ -19,6 +21,7 @@ int main(int argc, char** argv) {
     const auto watch = realtime.watch(*node);
     RCLCPP_INFO(node->get_logger(), "ready");
     rclcpp::spin(node);
+    if (node->link_failed()) return kBroken;
   } catch (const std::exception& error) {
     // SIGINT while the node is being made leaves nothing to make it in: an end like any other.
     if (started && !rclcpp::ok()) return 0;
