@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "apps/fly/emulated_board.hpp"
+
 namespace rosflight::apps {
 namespace {
 
@@ -21,6 +23,15 @@ DirectorConfig director_config(const FlightSetup& setup) {
   return config;
 }
 
+/// Nothing for the board in this process.
+std::unique_ptr<FlightBoard> make_other_board(const FlightSetup& setup, sim::SerialCable& cable,
+                                              BoardEnd& end) {
+  if (setup.choice.board != "qemu_m7") return nullptr;
+  EmulatedBoard::Emulator::Options options;
+  options.image = emulated_image();
+  return std::make_unique<EmulatedBoard>(cable, end, options);
+}
+
 }  // namespace
 
 Flight::Flight(const FlightSetup& setup)
@@ -37,6 +48,8 @@ Flight::Flight(const FlightSetup& setup)
       board_end_{cable_, wire_time_},
       companion_end_{cable_, wire_time_},
       board_{board_end_},
+      other_board_{make_other_board(setup, cable_, board_end_)},
+      flown_board_{other_board_ ? other_board_.get() : &board_},
       codec_{{1, link::MavlinkCodec::kCompanionComponent}},
       session_{codec_, companion_end_, companion::Session::Options{}},
       manager_{setup.autonomy.flight, setup.mission},
@@ -44,7 +57,7 @@ Flight::Flight(const FlightSetup& setup)
       fast_{kStep},
       loop_{time_, rc_, sensors_, board_slot_, dynamics_} {
   time_.source = &fast_;
-  board_slot_.board = &board_;
+  board_slot_.board = flown_board_;
   loop_.set_listener(this);
   const auto& faults = setup.faults.faults();
   motor_faults_ = std::any_of(faults.begin(), faults.end(), [](const sim::Fault& fault) {
@@ -54,7 +67,7 @@ Flight::Flight(const FlightSetup& setup)
     visualisers_.push_back(setup.registry.visualisers.at(name)(setup.vehicle, random_));
     loop_.add(*visualisers_.back());
   }
-  board_.start(loop_.now());
+  flown_board_->start(loop_.now());
 }
 
 void Flight::set_tap(LinkTap* tap) {
