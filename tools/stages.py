@@ -87,8 +87,12 @@ def build_release() -> Outcome:
     return _build("release")
 
 
-def build_cortex_m7() -> Outcome:
-    return _build("cortex-m7")
+def cortex_m7() -> Outcome:
+    """Everything for the microcontroller built, and run: the board's own tests on the emulated
+    processor, and flights with the firmware on it."""
+    built = _add([_build("cortex-m7"), _build("release", *EMULATOR_TESTS)])
+    ran = _run_binaries("release", EMULATOR_TESTS) if not built.failed else {}
+    return _add([built, *ran.values()])
 
 
 def test_names() -> list[str]:
@@ -110,7 +114,8 @@ def matching(parts: list[str]) -> tuple[list[str], list[Path]]:
 
 
 def _run_binaries(preset: str, names: list[str] | None = None) -> dict[str, Outcome]:
-    binaries = [b for b in cpp_tests.find(preset) if names is None or b.name in names]
+    binaries = [b for b in cpp_tests.find(preset)
+                if (b.name in names if names is not None else not b.needs_emulator)]
     stale = {b.name for b in binaries if not _is_built(preset, b)}
     outcomes = cpp_tests.run_all([b for b in binaries if b.name not in stale], RESULTS / preset)
     for name in stale:
