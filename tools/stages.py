@@ -90,9 +90,19 @@ def build_release() -> Outcome:
 def cortex_m7() -> Outcome:
     """Everything for the microcontroller built, and run: the board's own tests on the emulated
     processor, and flights with the firmware on it."""
-    built = _add([_build("cortex-m7"), _build("release", *EMULATOR_TESTS)])
-    ran = _run_binaries("release", EMULATOR_TESTS) if not built.failed else {}
-    return _add([built, *ran.values()])
+    names = _emulator_tests()
+    built = _add([_build("cortex-m7"), _build("release", *names)])
+    if built.failed:
+        return built
+    on_target = _run_binaries("cortex-m7")
+    return _add([built, *on_target.values(), *_run_binaries("release", names).values()])
+
+
+def _emulator_tests(names: list[str] | None = None) -> list[str]:
+    """Tests of the release build, all or of these, that need the microcontroller's image."""
+    project.build("release", "build.ninja")
+    return [b.name for b in cpp_tests.find("release")
+            if b.needs_emulator and (names is None or b.name in names)]
 
 
 def test_names() -> list[str]:
@@ -142,6 +152,8 @@ def unit_tests(names: list[str] | None = None) -> Outcome:
     """Every case of every C++ test of the release build counts."""
     if names is not None and not project.build("release", *_programs(names), keep_going=True):
         return Outcome(failed=1, complaints=["does not build, all output is in build/release/*.log"])
+    if names is not None and _emulator_tests(names) and _build("cortex-m7").failed:
+        return Outcome(failed=1, complaints=["does not build, all output is in build/cortex-m7/*.log"])
     return _add(_run_binaries("release", names).values())
 
 

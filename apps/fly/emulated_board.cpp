@@ -9,7 +9,6 @@ namespace rosflight::apps {
 namespace {
 
 using boards::m7::Bell;
-using boards::m7::Emulator;
 using boards::m7::EmulatorError;
 using boards::m7::FromBoard;
 using boards::m7::Order;

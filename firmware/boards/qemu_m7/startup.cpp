@@ -35,8 +35,6 @@ __attribute__((naked)) void take_fault() {
       "b board_handle_fault\n");
 }
 
-void ignore() {}
-
 }  // namespace
 
 namespace rosflight::boards::m7 {
@@ -65,6 +63,8 @@ __attribute__((weak)) void board_fault(const FaultRegisters& /*registers*/) {}
 __attribute__((weak)) void board_tick() {}
 __attribute__((weak)) void board_uart0_receive() {}
 __attribute__((weak)) void board_uart0_transmit() {}
+__attribute__((weak)) void board_uart1_receive() {}
+__attribute__((weak)) void board_uart1_transmit() {}
 
 [[noreturn]] __attribute__((used)) void board_handle_fault(const std::uint32_t* frame) {
   asm volatile("cpsid i" ::: "memory");
@@ -102,29 +102,6 @@ __attribute__((naked)) void Reset_Handler() {
   asm volatile("b board_start");
 }
 
-// What the compiler and the C library ask for; an image without heap has no use for them.
-void* __dso_handle = nullptr;  // NOLINT: the name is the ABI's
-__attribute__((weak)) int __aeabi_atexit(void* /*object*/, void (* /*destroy*/)(void*),  // NOLINT
-                                         void* /*dso*/) {
-  return 0;
-}
-[[noreturn]] __attribute__((weak)) void __cxa_pure_virtual() {  // NOLINT
-  semihosting::print("pure virtual call\n");
-  reset_processor();
-}
-[[noreturn]] __attribute__((weak)) void abort() {
-  semihosting::print("abort\n");
-  semihosting::exit(99);
-}
-}
-
-// Virtual destructors name it; nothing is ever deleted. There is no operator new: an image that
-// used the heap would not link.
-__attribute__((weak)) void operator delete(void* /*object*/, std::size_t /*size*/) noexcept {}
-__attribute__((weak)) void operator delete(void* /*object*/) noexcept {}
-
-extern "C" {
-
 struct VectorTable {
   const std::uint32_t* stack;
   void (*handlers[15 + 32])();
@@ -151,6 +128,7 @@ const VectorTable board_vectors = {board_stack_top,
                                        board_tick,
                                        board_uart0_receive,
                                        board_uart0_transmit,
-                                       ignore,
+                                       board_uart1_receive,
+                                       board_uart1_transmit,
                                    }};
 }

@@ -28,4 +28,6 @@ void board_fault(const rosflight::boards::m7::FaultRegisters& registers);
 void board_tick();
 void board_uart0_receive();
 void board_uart0_transmit();
+void board_uart1_receive();
+void board_uart1_transmit();
 }

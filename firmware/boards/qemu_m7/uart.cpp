@@ -49,6 +49,12 @@ std::size_t Uart::writable() const {
   return room > kFrameHeader ? room - kFrameHeader : 0;
 }
 
+bool Uart::idle() const {
+  const InterruptGuard guard;
+  return remaining_ == 0 &&
+         std::all_of(queues_.begin(), queues_.end(), [](const Queue& q) { return q.empty(); });
+}
+
 std::size_t Uart::read(std::uint8_t* data, std::size_t capacity) {
   const std::size_t count = std::min(capacity, received_.size());
   for (std::size_t k = 0; k < count; ++k) data[k] = received_.take();

@@ -28,6 +28,8 @@ class Uart final : public hal::Serial {
   std::size_t writable() const override;
   std::size_t read(std::uint8_t* data, std::size_t capacity) override;
   bool waiting() const { return !received_.empty(); }
+  /// Everything written is out.
+  bool idle() const;
 
   void on_receive();
   void on_transmit();
