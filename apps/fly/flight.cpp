@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "apps/fly/emulated_board.hpp"
+#include "apps/fly/uart_board.hpp"
 
 namespace rosflight::apps {
 namespace {
@@ -25,10 +26,14 @@ DirectorConfig director_config(const FlightSetup& setup) {
 
 /// Nothing for the board in this process.
 std::unique_ptr<FlightBoard> make_other_board(const FlightSetup& setup, sim::SerialCable& cable,
-                                              BoardEnd& end) {
+                                              BoardEnd& end, const sim::Time& clock) {
   if (setup.choice.board != "qemu_m7") return nullptr;
   EmulatedBoard::Emulator::Options options;
   options.image = emulated_image();
+  if (setup.choice.link == "uart") {
+    options.coupling = boards::m7::Coupling::kRealTime;
+    return std::make_unique<UartBoard>(clock, options);
+  }
   return std::make_unique<EmulatedBoard>(cable, end, options);
 }
 
@@ -48,10 +53,11 @@ Flight::Flight(const FlightSetup& setup)
       board_end_{cable_, wire_time_},
       companion_end_{cable_, wire_time_},
       board_{board_end_},
-      other_board_{make_other_board(setup, cable_, board_end_)},
+      other_board_{make_other_board(setup, cable_, board_end_, wire_time_)},
       flown_board_{other_board_ ? other_board_.get() : &board_},
       codec_{{1, link::MavlinkCodec::kCompanionComponent}},
-      session_{codec_, companion_end_, companion::Session::Options{}},
+      session_{codec_, flown_board_->link() != nullptr ? *flown_board_->link() : companion_end_,
+               companion::Session::Options{}},
       manager_{setup.autonomy.flight, setup.mission},
       director_{director_config(setup), session_, pilot_, manager_},
       fast_{kStep},
@@ -73,6 +79,7 @@ Flight::Flight(const FlightSetup& setup)
 void Flight::set_tap(LinkTap* tap) {
   board_end_.set_tap(tap);
   companion_end_.set_tap(tap);
+  flown_board_->set_link_tap(tap);
 }
 
 double Flight::firmware_hover_output() const {

@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "apps/fly/link_tap.hpp"
+#include "companion/transport.hpp"
 #include "firmware/core/command.hpp"
 #include "firmware/core/estimator.hpp"
 #include "firmware/core/state_machine.hpp"
@@ -31,7 +33,10 @@ struct ProcessorFigures {
   std::uint32_t stack_bytes{};   ///< High-water mark.
   std::uint64_t instructions{};  ///< Executed in passes.
   std::uint64_t passes{};
-  std::uint32_t resets{};  ///< After the first start.
+  std::uint32_t resets{};         ///< After the first start.
+  std::uint64_t uart_received{};  ///< Bytes over its own link, if it has one.
+  std::uint64_t uart_sent{};
+  std::uint64_t uart_lost{};  ///< Bytes received too fast, and frames that found no room.
 };
 
 /// A board that a flight can be flown with.
@@ -45,6 +50,10 @@ class FlightBoard : public sim::BoardModule {
   /// When the firmware's clock was zero.
   virtual sim::Time boot_time() const = 0;
   virtual FirmwareView view() const = 0;
+  /// The companion's end of the link, if the board brings its own; nullptr: the simulated cable.
+  virtual companion::Transport* link() { return nullptr; }
+  /// Who sees the frames on a link of its own.
+  virtual void set_link_tap(LinkTap* tap) { static_cast<void>(tap); }
   virtual std::optional<ProcessorFigures> figures() const { return std::nullopt; }
 };
 

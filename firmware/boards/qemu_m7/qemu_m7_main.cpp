@@ -141,6 +141,24 @@ bool read_block(const ExchangeBlock& block, ToBoard& copy) {
   return sequence == before;
 }
 
+/// From the world's clock to the board's. A block waits until the board looks, so the shortest wait
+/// tells the offset; it may grow again slowly, and at once after a pause of the host.
+class WorldLag {
+ public:
+  hal::Time update(hal::Time now) {
+    constexpr hal::Time kPause = hal::milliseconds(50);
+    constexpr int kSlowly = 1024;
+    const bool jumped = now > lag_ + kPause;
+    lag_ = !known_ || jumped || now < lag_ ? now : lag_ + (now - lag_) / kSlowly;
+    known_ = true;
+    return lag_;
+  }
+
+ private:
+  hal::Time lag_{};
+  bool known_{false};
+};
+
 void report_uart(const Uart& uart, FromBoard& out) {
   out.uart_received = uart.counters().received;
   out.uart_sent = uart.counters().sent;
@@ -161,12 +179,12 @@ void report_uart(const Uart& uart, FromBoard& out) {
   Watchdog::start(QemuBoard::kWatchdogRealTime_ms);
   FromBoard& out = block.from_board;
   std::uint32_t seen = 0;
+  WorldLag lag;
   for (;;) {
     const volatile std::uint32_t& sequence = block.to_board.sequence;
     if (sequence != seen && read_block(block, in)) {
       seen = in.sequence;
-      // Stamps keep their age on the board's own clock.
-      const hal::Time offset = clock.now() - hal::Time{in.time_us};
+      const hal::Time offset = lag.update(clock.now() - hal::Time{in.time_us});
       board.imu.expect(in.trouble);
       board.take_receiver(in, offset);
       board.take_sensors(in, offset);
@@ -174,6 +192,8 @@ void report_uart(const Uart& uart, FromBoard& out) {
       wait_for_interrupt();
     }
     firmware.run();
+    ++out.sequence;  // odd: being written
+    memory_barrier();
     ++out.passes;
     board.report(out);
     report_uart(uart, out);
