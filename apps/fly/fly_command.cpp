@@ -194,12 +194,10 @@ std::string quoted(const std::string& text) {
 std::string processor_json(const Flight& flight, double sim_time_s) {
   const auto figures = flight.flight_board().figures();
   if (!figures) return "";
-  const double passes = static_cast<double>(std::max<std::uint64_t>(figures->passes, 1));
   std::string text = fmt::format(", \"stack_bytes\": {}, \"resets\": {}, \"passes\": {}",
                                  figures->stack_bytes, figures->resets, figures->passes);
   if (figures->instructions > 0) {
-    text += fmt::format(", \"instructions_per_pass\": {:.1f}",
-                        static_cast<double>(figures->instructions) / passes);
+    text += fmt::format(", \"instructions\": {}", figures->instructions);
   }
   if (figures->uart_sent > 0) {
     text += fmt::format(

@@ -146,7 +146,7 @@ void Emulator::become_emulator(int to_board, int from_board, int said, int uart)
       options_.image.c_str()};
   if (options_.coupling == Coupling::kLockStep) {
     // One instruction is one nanosecond of the board's time: a run is repeatable to the bit.
-    arguments.insert(arguments.end(), {"-icount", "shift=0"});
+    arguments.insert(arguments.end(), {"-icount", "shift=0,sleep=off"});
   }
   arguments.push_back(nullptr);
   ::execv(program_path_.c_str(), const_cast<char* const*>(arguments.data()));
