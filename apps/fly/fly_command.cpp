@@ -15,6 +15,7 @@
 #include "apps/report/path_chart.hpp"
 #include "apps/report/report.hpp"
 #include "companion/parameter_file.hpp"
+#include "firmware/boards/qemu_m7/host/emulator.hpp"
 
 namespace rosflight::apps {
 namespace {
@@ -290,9 +291,15 @@ int fly_command(const FlyOptions& options, std::ostream& out, std::ostream& err)
   sim::SteadyWallClock wall;
   sim::PacedTime pace(Flight::kStep, 1.0, wall);
   if (options.realtime || options.choice.link == "uart") flight->set_pace(pace);
-  while (!flight->director().finished()) {
-    flight->step();
-    progress.tick(*flight);
+  try {
+    while (!flight->director().finished()) {
+      flight->step();
+      progress.tick(*flight);
+    }
+  } catch (const boards::m7::EmulatorError& error) {
+    progress.clear();
+    fmt::print(err, "rosflight: {:.2f} s: {}\n", seconds(flight->now()), error.what());
+    return 1;
   }
   progress.clear();
 
