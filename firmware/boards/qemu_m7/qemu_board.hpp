@@ -60,7 +60,7 @@ class TroubledImu final : public Mailbox<hal::ImuSample> {
 struct QemuBoard {
   /// Real time needs a long time-out: the emulator's clock runs on while the host does other
   /// things.
-  static constexpr std::uint32_t kWatchdogLockStep_ms = 100;
+  static constexpr std::uint32_t kWatchdogLockStep_ms = 25;  // 25 million instructions
   static constexpr std::uint32_t kWatchdogRealTime_ms = 2000;
 
   explicit QemuBoard(Coupling coupling);
