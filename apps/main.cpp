@@ -25,6 +25,14 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options) {
   FlightChoice& choice = options.choice;
   fly->add_option("--vehicle", choice.vehicle, "Vehicle: a name of vehicles/ or a YAML file")
       ->capture_default_str();
+  fly->add_option("--board", choice.board,
+                  "Where the firmware runs: in_process, or qemu_m7, an emulated Cortex-M7")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"in_process", "qemu_m7"}));
+  fly->add_option("--link", choice.link,
+                  "cable: the simulated one; uart: the emulated board's, in real time")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"cable", "uart"}));
   fly->add_option("--mission", choice.mission, "Mission: a name of missions/ or a YAML file")
       ->capture_default_str();
   fly->add_option("--seed", choice.seed, "Seed of all noise and wind; same seed, same bits")
