@@ -111,14 +111,18 @@ inline std::string one_line(const std::string& text) {
 template <class NodeType, class Executor = rclcpp::executors::SingleThreadedExecutor>
 int run_node(int argc, char** argv) {
   int code = 0;
+  bool started = false;
   try {
     rclcpp::init(argc, argv);
+    started = true;
     const auto node = std::make_shared<NodeType>();
     Executor executor;
     executor.add_node(node);
     RCLCPP_INFO(node->get_logger(), "ready");
     executor.spin();
   } catch (const std::exception& why) {
+    // SIGINT while the node is being made leaves nothing to make it in: an end like any other.
+    if (started && !rclcpp::ok()) return 0;
     const std::string program = argc > 0 ? argv[0] : "node";
     std::fprintf(stderr, "%s: %s\n", program.substr(program.rfind('/') + 1).c_str(),
                  one_line(why.what()).c_str());

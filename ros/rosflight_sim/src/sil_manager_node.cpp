@@ -103,6 +103,7 @@ class SilManager : public rclcpp::Node {
     }
     auto future = by_hand_->async_send_request(std::make_shared<Trigger::Request>());
     if (future.wait_for(milliseconds(result_ms_)) != std::future_status::ready) {
+      by_hand_->remove_pending_request(future);
       answer.message = "found no answer of sil_board/run in time";
       return;
     }
