@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The launch files as a user starts them: ready, death of a node, wrong input."""
 
+import math
 import os
 import signal
 import subprocess
 import time
 
 import pytest
-from ros_rig import free_udp_port
+from ros_rig import ROOT, free_udp_port
 from rosflight_msgs.msg import PwmOutput, SimState
 from sim_rig import SimPeer, executable, launch, stamp_ns
 
@@ -52,6 +53,22 @@ def test_two_vehicles_have_topics_memories_and_links_of_their_own(tmp_path):
             truth = watcher.listen(SimState, f"/{name}/sim/truth_state")
             watcher.wait(lambda: truth, f"truth of {name}")
             assert (tmp_path / name / "mem.bin").exists()
+
+
+@pytest.mark.parametrize("vehicle", ["anaconda", "aerosonde"])
+def test_a_fixed_wing_stands_and_takes_its_set(tmp_path, vehicle):
+    """The whole simulator of a fixed wing comes up, stands still, and its firmware takes the set."""
+    file = ROOT / f"vehicles/{vehicle}.yaml"
+    with SimPeer("watcher") as watcher, launch("rosflight_sim", "fixedwing_standalone.launch.py", use_sim_time="true",
+                                               dynamics_param_file=file, **own(tmp_path)) as world:
+        world.until("ready: 9 nodes in ")
+        truth = watcher.listen(SimState, "sim/truth_state")
+        watcher.wait(lambda: len(truth) > 400, "a second of truth")
+        assert all(math.isfinite(m.pose.position.z) and abs(m.pose.position.z) < 2 for m in truth)
+        assert math.hypot(truth[-1].pose.position.x, truth[-1].pose.position.y) < 1
+        with launch("rosflight_sim", "fixedwing_init_firmware.launch.py") as init:
+            assert init.end() == 0, init.text() + world.text()
+        assert world.process.poll() is None
 
 
 WRONG_TYPE = "sil_board: {ros__parameters: {simulation_port: abc}}\n"
