@@ -31,6 +31,8 @@ constexpr std::array<Name, kFaultKinds - 1> kNames{{
     {"rc_silence", FaultKind::kRcSilence, "the receiver falls silent"},
     {"rc_frame_loss", FaultKind::kRcFrameLoss, "receiver frames carry the frame-lost flag"},
     {"link_cut", FaultKind::kLinkCut, "no byte passes the link, either way"},
+    {"crash", FaultKind::kCrash, "the board's processor breaks down, once, and starts again"},
+    {"hang", FaultKind::kHang, "the firmware hangs, once, until the watchdog starts it again"},
 }};
 
 config::Error fault_error(std::string_view text, const std::string& found,

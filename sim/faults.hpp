@@ -25,9 +25,11 @@ enum class FaultKind : std::uint8_t {
   kRcSilence,    ///< The receiver sends nothing.
   kRcFrameLoss,  ///< Every receiver frame carries the frame-lost flag.
   kLinkCut,      ///< No byte arrives, either way.
+  kCrash,        ///< The board's processor breaks down at this moment and starts again.
+  kHang,         ///< The firmware hangs at this moment; the board's watchdog starts it again.
   kMotor,        ///< One motor gives only a part of its thrust.
 };
-inline constexpr std::size_t kFaultKinds = 13;
+inline constexpr std::size_t kFaultKinds = 15;
 
 /// In force for start <= t < end.
 struct Fault {

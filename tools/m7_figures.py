@@ -26,7 +26,8 @@ MODULE_OF = {"sensors": "sensors", "calibration": "sensors", "estimator": "estim
              "command": "command", "controller": "controller", "mixer": "mixer", "rc": "rc",
              "telemetry": "telemetry", "mavlink_codec": "link"}
 # Flights whose stack counts: by cable and, last, over the UART.
-FLIGHTS = ([], ["--fault", "rc_silence@20:2"], ["--fault", "imu@20"], ["--fault", "link_cut@20:3"])
+FLIGHTS = ([], ["--fault", "rc_silence@20:2"], ["--fault", "imu@20"], ["--fault", "link_cut@20:3"],
+           ["--fault", "crash@20"], ["--fault", "hang@20"])
 UART_FLIGHT = ["--link", "uart", "--mission", "hop"]
 
 

@@ -89,6 +89,10 @@ void EmulatedBoard::boot(sim::Time t) {
   take_answer();
 }
 
+void EmulatedBoard::break_down(sim::Time /*t*/, Breakdown kind) {
+  make_trouble(kind == Breakdown::kHang ? Trouble::kHang : Trouble::kBusFault);
+}
+
 void EmulatedBoard::restart(sim::Time t, bool in_flight_fault) {
   if (in_flight_fault) {
     make_trouble(Trouble::kBusFault);

@@ -28,6 +28,7 @@ class EmulatedBoard final : public FlightBoard {
   const hal::OutputValues& step(sim::Time t, const sim::SensorSamples& samples,
                                 const hal::RcFrame* rc) override;
   void restart(sim::Time t, bool in_flight_fault) override;
+  void break_down(sim::Time t, Breakdown kind) override;
   bool armed() const override { return emulator_.from_board().firmware.armed != 0; }
   sim::Time boot_time() const override { return boot_; }
   FirmwareView view() const override;

@@ -37,6 +37,8 @@ class FirmwareBoard final : public FlightBoard {
   /// Power fails and returns: a reboot that backup memory does not survive. `in_flight_fault`
   /// leaves a crash record instead, as a fault handler would, and keeps backup memory.
   void restart(sim::Time t, bool in_flight_fault) override;
+  /// A process cannot hang and be saved: either kind leaves a record and starts again at once.
+  void break_down(sim::Time t, Breakdown /*kind*/) override { restart(t, true); }
 
   const core::Firmware& firmware() const { return image_->firmware; }
   boards::SimulatedBoard& board() { return board_; }

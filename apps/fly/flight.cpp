@@ -105,6 +105,14 @@ void Flight::apply_faults(sim::Time t) {
     cable_.advance(t);
     cable_.set_cut(cut);
   }
+  using Breakdown = FlightBoard::Breakdown;
+  for (const auto& [kind, breakdown] : {std::pair{sim::FaultKind::kCrash, Breakdown::kCrash},
+                                        std::pair{sim::FaultKind::kHang, Breakdown::kHang}}) {
+    bool& done = broken_down_[static_cast<std::size_t>(breakdown)];
+    const bool active = setup_.faults.active(kind, t);
+    if (active && !done) flown_board_->break_down(t, breakdown);
+    done = active;
+  }
   if (!motor_faults_) return;
   for (std::size_t k = 0; k < setup_.rotors.rotors.size(); ++k) {
     forces_->set_thrust_factor(k, setup_.faults.thrust_factor(k, t));

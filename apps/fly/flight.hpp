@@ -125,6 +125,7 @@ class Flight final : private sim::LockStepListener {
   std::function<void(Flight&, sim::Time)> script_;
   Tracking tracking_;
   bool motor_faults_{false};
+  std::array<bool, 2> broken_down_{};  ///< Crash and hang have had their moment.
 };
 
 }  // namespace rosflight::apps

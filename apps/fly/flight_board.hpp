@@ -47,6 +47,10 @@ class FlightBoard : public sim::BoardModule {
   /// Power fails and returns: a reboot that backup memory does not survive. `in_flight_fault`: a
   /// crash of the processor instead, after which backup memory holds a record.
   virtual void restart(sim::Time t, bool in_flight_fault) = 0;
+  /// What can befall a processor in its sensor driver.
+  enum class Breakdown : std::uint8_t { kCrash, kHang };
+  /// It happens now or in the next step: a record is left, the board resets.
+  virtual void break_down(sim::Time t, Breakdown kind) = 0;
   /// When the firmware's clock was zero.
   virtual sim::Time boot_time() const = 0;
   virtual FirmwareView view() const = 0;

@@ -81,6 +81,10 @@ void UartBoard::start(sim::Time t) {
   }
 }
 
+void UartBoard::break_down(sim::Time /*t*/, Breakdown kind) {
+  trouble_ = kind == Breakdown::kHang ? Trouble::kHang : Trouble::kBusFault;
+}
+
 void UartBoard::restart(sim::Time t, bool in_flight_fault) {
   if (in_flight_fault) {
     trouble_ = Trouble::kBusFault;

@@ -39,6 +39,8 @@ TEST(Fault, EveryNameIsRead) {
                                                   {"rc_silence", FaultKind::kRcSilence},
                                                   {"rc_frame_loss", FaultKind::kRcFrameLoss},
                                                   {"link_cut", FaultKind::kLinkCut},
+                                                  {"crash", FaultKind::kCrash},
+                                                  {"hang", FaultKind::kHang},
                                                   {"motor0_dead", FaultKind::kMotor}};
   for (const auto& [name, kind] : names) {
     EXPECT_EQ(parse_fault(std::string(name) + "@1").kind, kind) << name;
@@ -82,12 +84,11 @@ TEST(Fault, BadTextIsOneLineWithWhatIsAllowed) {
             "--fault motor1=1.5@2: found the factor \"1.5\", allowed a number from 0 to 1");
   EXPECT_EQ(message_of("motor1=nan@2"),
             "--fault motor1=nan@2: found the factor \"nan\", allowed a number from 0 to 1");
-  EXPECT_EQ(
-      message_of("gyro@3"),
-      "--fault gyro@3: found \"gyro\", allowed imu, mag, baro, gnss, diff_pressure, range, "
-      "battery, "
-      "imu_nan, imu_stuck, rc_silence, rc_frame_loss, link_cut, motorN_dead, motorN_partial=FACTOR "
-      "(or motorN=FACTOR), N from 0 to 9");
+  EXPECT_EQ(message_of("gyro@3"),
+            "--fault gyro@3: found \"gyro\", allowed imu, mag, baro, gnss, diff_pressure, range, "
+            "battery, "
+            "imu_nan, imu_stuck, rc_silence, rc_frame_loss, link_cut, crash, hang, motorN_dead, "
+            "motorN_partial=FACTOR (or motorN=FACTOR), N from 0 to 9");
   for (const char* text : {"", "@", "@1", "motor@1", "motor_dead@1", "motor12_dead@1", "motor1@1",
                            "IMU@1", "motor1_half=0.5@1", "motorX_dead@1"}) {
     EXPECT_NE(message_of(text).find("allowed imu, mag"), std::string::npos) << text;
