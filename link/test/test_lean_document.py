@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The lean link as someone would write it who has nothing but docs/link.md.
+
+The fields come from the document's table; checksum, stuffing and schema from its words. Random
+messages go to our codec, which reads them and encodes them again, and come back the same.
+"""
+
+import os
+import random
+import re
+import struct
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = Path(os.environ.get("ROSFLIGHT_BUILD", ROOT / "build" / "release"))
+FORMATS = {"u8": "B", "u16": "H", "u32": "I", "u64": "Q", "i16": "h", "i32": "i", "i64": "q",
+           "f32": "f", "f64": "d", "b8": "B", "c8": "s"}
+
+
+def read_table():
+    """id -> (name, payload bytes, fields as written)."""
+    rows = re.findall(r"^\| (\d+) \| `(\w+)` \| (\d+) \| `([^`]+)` \|$",
+                      (ROOT / "docs" / "link.md").read_text(), re.M)
+    return {int(number): (name, int(size), fields) for number, name, size, fields in rows}
+
+
+TABLE = read_table()
+
+
+def schema():
+    text = "".join(f"{number} {TABLE[number][0]} {TABLE[number][2]}\n" for number in range(2, 26))
+    value = 2166136261
+    for byte in text.encode():
+        value = (value ^ byte) * 16777619 % 2**32
+    return value
+
+
+def checksum(content):
+    crc = 0
+    for byte in content:
+        crc ^= byte
+        for _ in range(8):
+            crc = crc >> 1 ^ (0x8408 if crc & 1 else 0)
+    seed = 0 if content[0] == 1 else (schema() ^ schema() >> 16) & 0xFFFF
+    return struct.pack("<H", crc ^ seed)
+
+
+def framed(number, sequence, payload):
+    content = bytes([number, sequence]) + payload
+    rest = bytearray([0xFF]) + content + checksum(content)  # an FF in the place of the code
+    places = [at for at, byte in enumerate(rest) if byte == 0xFF] + [len(rest)]
+    for at, following in zip(places, places[1:]):
+        rest[at] = 255 - (following - at)
+    return b"\xff" + bytes(rest)
+
+
+def unframed(frame):
+    """Id, sequence and payload; None if the checksum is wrong."""
+    assert frame[0] == 0xFF and 0xFF not in frame[1:]
+    rest = bytearray(frame[1:])
+    at = 0
+    while at < len(rest):
+        distance = 255 - rest[at]
+        rest[at] = 0xFF
+        at += distance
+    assert at == len(rest)
+    content = bytes(rest[1:-2])
+    return (content[0], content[1], content[2:]) if checksum(content) == rest[-2:] else None
+
+
+def random_payload(rng, number):
+    payload = b""
+    for field in TABLE[number][2].split():
+        name, kind, count = re.fullmatch(r"(\w+):(\w+)(?:\[(\d+)\])?", field).groups()
+        count = int(count or 1)
+        if name == "schema":
+            payload += struct.pack("<I", schema())
+        elif kind == "c8":
+            longest = count if count == 16 else count - 1
+            text = bytes(rng.randrange(1, 256) for _ in range(rng.randrange(longest + 1)))
+            payload += text.ljust(count, b"\0")
+        elif kind == "b8":
+            payload += bytes([rng.randrange(2)])
+        else:
+            size = struct.calcsize(FORMATS[kind]) * count
+            dense = rng.randrange(3) == 0  # sometimes nearly all FF
+            payload += bytes(0xFF if dense and rng.randrange(8) else rng.randrange(256)
+                             for _ in range(size))
+    return payload
+
+
+@pytest.fixture(scope="module")
+def exchange():
+    rng = random.Random(1)
+    sent = [(number, random_payload(rng, number)) for _ in range(40) for number in TABLE]
+    frames = [framed(number, k % 256, payload).hex() for k, (number, payload) in enumerate(sent)]
+    done = subprocess.run([BUILD / "link" / "test" / "link_codec_peer", "lean"], text=True,
+                          input="\n".join(frames) + "\n", capture_output=True, check=True, timeout=60)
+    answers = [line.split(" | ") for line in done.stdout.splitlines()]
+    assert len(answers) == len(sent)
+    return list(zip(sent, answers))
+
+
+def test_the_table_is_whole():
+    assert sorted(TABLE) == list(range(1, 26))
+    for _, size, fields in TABLE.values():
+        kinds = re.findall(r":(\w+)(?:\[(\d+)\])?", fields)
+        assert size == sum(struct.calcsize(FORMATS[kind]) * int(count or 1) for kind, count in kinds)
+
+
+def test_the_schema_is_the_one_the_document_names():
+    assert f"`{schema():08X}`" in (ROOT / "docs" / "link.md").read_text()
+
+
+def test_our_codec_reads_each_as_the_message_of_its_id(exchange):
+    for (number, _), (ours, _) in exchange:
+        assert ours.split()[0] == str(number)
+
+
+def test_what_our_codec_wrote_is_what_it_read(exchange):
+    for k, ((number, payload), (_, again)) in enumerate(exchange):
+        assert unframed(bytes.fromhex(again)) == (number, k % 256, payload), TABLE[number][0]
+
+
+def test_a_frame_with_another_schema_fails_the_checksum():
+    frame = bytearray(framed(11, 0, b"\x0a\x01"))
+    frame[-1] ^= 1
+    assert unframed(bytes(frame)) is None
