@@ -137,6 +137,9 @@ void fill_record(report::FlightRecord& record, const Flight& flight, const Resul
   if (setup.choice.wind) line += " --wind " + *setup.choice.wind;
   for (const std::string& text : setup.choice.overrides) line += " --set " + text;
   for (const std::string& text : setup.choice.faults) line += " --fault " + text;
+  if (setup.choice.link_protocol != FlightChoice{}.link_protocol) {
+    line += " --link-protocol " + setup.choice.link_protocol;
+  }
   if (options.realtime) line += " --realtime";
   record.command_line = line;
   const auto fact = [&record](std::string label, std::string value, std::string unit,
