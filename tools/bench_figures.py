@@ -46,8 +46,26 @@ def all_figures() -> list[Figure]:
         Figure("firmware.heap_allocations", "allocations", "= 0",
                lambda: size("firmware.heap_allocations")),
         Figure("fly.wall_s", "s", "< 5", fly_wall_s),
+        *ros_figures(),
         *(Figure(f"fuzz.{name.removeprefix('fuzz_')}_runs", "inputs", f">= {FUZZ_RUNS}",
                  functools.partial(fuzz_runs, name), preset="fuzz") for name in stages.fuzzers()),
+    ]
+
+
+def ros_figures() -> list[Figure]:
+    """Round trips at 400 Hz over UDP with all streams running, and ten minutes of everything."""
+    return [
+        Figure("rtt.ros_mean_ms", "ms", "<= 0.4", lambda: round_trip("ROS", "mean")),
+        Figure("rtt.ros_max_ms", "ms", "report", lambda: round_trip("ROS", "max")),
+        Figure("rtt.ros_max_rate_hz", "Hz", ">= 2000", lambda: round_trip("ROS", "rate_hz", fastest=True)),
+        Figure("rtt.link_mean_ms", "ms", "<= 0.1", lambda: round_trip("bare link", "mean")),
+        Figure("rtt.link_p999_ms", "ms", "<= 1.0", lambda: round_trip("bare link", "99.9 %")),
+        Figure("rtt.link_max_rate_hz", "Hz", ">= 10000",
+               lambda: round_trip("bare link", "rate_hz", fastest=True)),
+        Figure("load.missing", "messages", "= 0", lambda: load("missing")),
+        Figure("load.sequence_gaps", "frames", "= 0", lambda: load("sequence_gaps")),
+        Figure("load.memory_growth_kB", "kB", "< 1024", lambda: load("memory_growth_kB")),
+        Figure("load.stamp_error_ms", "ms", "report", lambda: load("stamp_error_ms")["max"]),
     ]
 
 
@@ -128,6 +146,26 @@ def fly_wall_s() -> float:
         if printed.get("success") is not True:
             raise RuntimeError("the flight did not succeed")
     return statistics.median(walls)
+
+
+@functools.cache
+def demo(*words: str):
+    with tempfile.TemporaryDirectory() as scratch:
+        return run_json([str(project.ROOT / "rosflight"), "ros", "demo", *words, "--json", "--out", scratch])
+
+
+def round_trip(path: str, quantity: str, fastest: bool = False) -> float:
+    """Of one row of the table of ./rosflight ros demo rtt. The fastest rate counts without loss only."""
+    rows = demo("rtt", "--link", "udp", "--count", "20000")
+    row = next(row for row in rows if row["path"] == path and row["load"] == "idle"
+               and (row["wanted_hz"] is None) == fastest)
+    if fastest and row["lost"]:
+        raise RuntimeError(f"{row['lost']} of {row['sent']} commands were lost at full speed")
+    return number(row, quantity)
+
+
+def load(quantity: str):
+    return demo("load", "--seconds", "600")[quantity]
 
 
 def fuzz_runs(name: str) -> float:
