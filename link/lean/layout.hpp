@@ -230,23 +230,25 @@ struct Layout<StatusText> {
 
 // ---- one value on the wire
 
-/// Numbers and enumerations: their bytes, lowest first. `kType` is their name in the schema.
+/// How a value looks in the schema: a type letter, its bytes, how many of them.
+struct Shape {
+  char letter{};
+  std::size_t item_bytes{};
+  std::size_t count{1};
+  constexpr std::size_t bytes() const { return item_bytes * count; }
+};
+
+/// Numbers and enumerations: their bytes, lowest first.
 template <typename T>
 struct Wire {
   static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>);
-  static constexpr std::size_t kBytes = sizeof(T);
-  static constexpr std::size_t kCount = 1;
-  static constexpr char type_letter() {
-    if constexpr (std::is_enum_v<T>) {
-      return 'u';
-    } else if constexpr (std::is_floating_point_v<T>) {
-      return 'f';
+  static constexpr Shape shape() {
+    if constexpr (std::is_floating_point_v<T>) {
+      return {'f', sizeof(T)};
     } else {
-      return std::is_signed_v<T> ? 'i' : 'u';
+      return {std::is_signed_v<T> ? 'i' : 'u', sizeof(T)};  // is_signed: not an enumeration
     }
   }
-  static constexpr char kLetter = type_letter();
-  static constexpr std::size_t kItemBytes = sizeof(T);
   static void put(const T& value, std::uint8_t* to) { std::memcpy(to, &value, sizeof value); }
   static void get(const std::uint8_t* from, T& value) { std::memcpy(&value, from, sizeof value); }
 };
@@ -254,45 +256,37 @@ struct Wire {
 /// One byte, true for any but 0.
 template <>
 struct Wire<bool> {
-  static constexpr std::size_t kBytes = 1;
-  static constexpr std::size_t kCount = 1;
-  static constexpr char kLetter = 'b';
-  static constexpr std::size_t kItemBytes = 1;
+  static constexpr Shape shape() { return {'b', 1}; }
   static void put(const bool& value, std::uint8_t* to) { *to = value ? 1 : 0; }
   static void get(const std::uint8_t* from, bool& value) { value = *from != 0; }
 };
 
 template <>
 struct Wire<ParamBits> {
-  static constexpr std::size_t kBytes = 4;
-  static constexpr std::size_t kCount = 1;
-  static constexpr char kLetter = 'u';
-  static constexpr std::size_t kItemBytes = 4;
-  static void put(const ParamBits& value, std::uint8_t* to) { std::memcpy(to, &value.bits, 4); }
-  static void get(const std::uint8_t* from, ParamBits& value) { std::memcpy(&value.bits, from, 4); }
+  static constexpr Shape shape() { return {'u', sizeof(std::uint32_t)}; }
+  static void put(const ParamBits& value, std::uint8_t* to) {
+    std::memcpy(to, &value.bits, sizeof value.bits);
+  }
+  static void get(const std::uint8_t* from, ParamBits& value) {
+    std::memcpy(&value.bits, from, sizeof value.bits);
+  }
 };
 
 template <typename T, std::size_t kSize>
 struct Wire<std::array<T, kSize>> {
-  static constexpr std::size_t kBytes = sizeof(T) * kSize;
-  static constexpr std::size_t kCount = kSize;
-  static constexpr char kLetter = Wire<T>::kLetter;
-  static constexpr std::size_t kItemBytes = sizeof(T);
+  static constexpr Shape shape() { return {Wire<T>::shape().letter, sizeof(T), kSize}; }
   static void put(const std::array<T, kSize>& values, std::uint8_t* to) {
-    std::memcpy(to, values.data(), kBytes);
+    std::memcpy(to, values.data(), sizeof values);
   }
   static void get(const std::uint8_t* from, std::array<T, kSize>& values) {
-    std::memcpy(values.data(), from, kBytes);
+    std::memcpy(values.data(), from, sizeof values);
   }
 };
 
 /// Nothing follows the first NUL; a name may fill its field, a text always ends with one.
 template <std::size_t kSize>
 struct Wire<std::array<char, kSize>> {
-  static constexpr std::size_t kBytes = kSize;
-  static constexpr std::size_t kCount = kSize;
-  static constexpr char kLetter = 'c';
-  static constexpr std::size_t kItemBytes = 1;
+  static constexpr Shape shape() { return {'c', 1, kSize}; }
   static void copy(const char* from, char* to) {
     if constexpr (kSize == kParamNameLength) {
       copy_text<kSize>(from, to);
@@ -324,7 +318,7 @@ constexpr void each_field(F&& f) {
 template <typename M>
 constexpr std::size_t payload_bytes() {
   std::size_t bytes = 0;
-  each_field<M>([&bytes](auto one) { bytes += decltype(wire_of(one))::kBytes; });
+  each_field<M>([&bytes](auto one) { bytes += decltype(wire_of(one))::shape().bytes(); });
   return bytes;
 }
 
@@ -333,7 +327,7 @@ void pack(const M& message, std::uint8_t* to) {
   each_field<M>([&message, &to](auto one) {
     using Value = decltype(wire_of(one));
     Value::put(message.*one.member, to);
-    to += Value::kBytes;
+    to += Value::shape().bytes();
   });
 }
 
@@ -342,7 +336,7 @@ void unpack(const std::uint8_t* from, M& message) {
   each_field<M>([&message, &from](auto one) {
     using Value = decltype(wire_of(one));
     Value::get(from, message.*one.member);
-    from += Value::kBytes;
+    from += Value::shape().bytes();
   });
 }
 

@@ -46,15 +46,15 @@ constexpr void spell(const char* text, Put&& put) {
 template <typename M, typename Put>
 constexpr void spell_fields(Put&& put) {
   each_field<M>([&put](auto one) {
-    using Value = decltype(wire_of(one));
+    constexpr Shape kShape = decltype(wire_of(one))::shape();
     put(' ');
     spell(one.name, put);
     put(':');
-    put(Value::kLetter);
-    spell(Value::kItemBytes * 8, put);
-    if (Value::kCount == 1) return;
+    put(kShape.letter);
+    spell(kShape.item_bytes * 8, put);
+    if (kShape.count == 1) return;
     put('[');
-    spell(Value::kCount, put);
+    spell(kShape.count, put);
     put(']');
   });
 }

@@ -20,11 +20,9 @@ namespace {
 
 using test::Bytes;
 using test::decoded;
-using test::describe;
 using test::encoded;
 using test::from_hex;
 using test::random_message;
-using test::to_hex;
 
 /// CRC-16/KERMIT bit by bit, from its definition.
 std::uint16_t crc_by_bits(const Bytes& bytes) {
