@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Callable
 
 import callgrind
+import m7_figures
 import project
 import stages
 
@@ -46,9 +47,41 @@ def all_figures() -> list[Figure]:
         Figure("firmware.heap_allocations", "allocations", "= 0",
                lambda: size("firmware.heap_allocations")),
         Figure("fly.wall_s", "s", "< 5", fly_wall_s),
+        *m7(),
         *ros_figures(),
         *(Figure(f"fuzz.{name.removeprefix('fuzz_')}_runs", "inputs", f">= {FUZZ_RUNS}",
                  functools.partial(fuzz_runs, name), preset="fuzz") for name in stages.fuzzers()),
+    ]
+
+
+def m7() -> list[Figure]:
+    """The emulated Cortex-M7; what the names mean stands in bench/m7/README.md."""
+    def counted(name: str, key: str, unit: str, target: str) -> Figure:
+        return Figure(f"m7.{name}", unit, target, lambda: m7_figures.passes()[key], "cortex-m7")
+
+    def by_uart(name: str, unit: str) -> Figure:
+        return Figure(f"m7.{name}", unit, "report", lambda: m7_figures.uart_flight()[name],
+                      "cortex-m7")
+
+    return [
+        Figure("m7.text_bytes", "B", "<= 90000", m7_figures.text_bytes, "cortex-m7"),
+        counted("object_bytes", "object_bytes", "B", "<= 12000"),
+        counted("instructions", "instructions", "instructions", "report"),
+        *(Figure(f"m7.instructions.{name}", "instructions", "report",
+                 lambda name=name: m7_figures.by_module()[name], "cortex-m7")
+          for name in m7_figures.MODULES),
+        Figure("m7.load_percent", "% of 400 MHz", "report", m7_figures.load_percent, "cortex-m7"),
+        counted("instructions_worst", "instructions_worst", "instructions", "report"),
+        Figure("m7.worst_over_mean", "x", "<= 2", lambda: m7_figures.passes()["instructions_worst"]
+               / m7_figures.passes()["instructions"], "cortex-m7"),
+        Figure("m7.stack_bytes", "B", "<= 8192", m7_figures.stack_bytes, "cortex-m7"),
+        Figure("m7.realtime_factor", "s/s", ">= 1",
+               lambda: m7_figures.flights()[0]["realtime_factor"], "cortex-m7"),
+        Figure("m7.uart_flights", "flights", ">= 1",
+               lambda: float(m7_figures.uart_flight()["success"]), "cortex-m7"),
+        by_uart("uart_sent_bytes_per_s", "B/s"),
+        by_uart("uart_received_bytes_per_s", "B/s"),
+        by_uart("uart_lost", "bytes, frames"),
     ]
 
 
@@ -74,6 +107,9 @@ def prepare(preset: str):
     if preset == "release":
         project.build("release", "bench/all", keep_going=True)
         project.build("release", "rosflight", keep_going=True)
+    elif preset == "cortex-m7":
+        project.build("release", "rosflight", keep_going=True)
+        project.build(preset, keep_going=True)
     else:
         project.build(preset, *stages.fuzzers(), keep_going=True)
 

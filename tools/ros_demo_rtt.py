@@ -98,7 +98,7 @@ def print_table(title: str, rows: list[dict]):
 
 
 def draw(rows: list[dict], folder: Path, file: Path):
-    figure, axes = pyplot.subplots(figsize=(9, 5), layout="constrained")
+    figure, axes = pyplot.subplots(figsize=(12, 5), layout="constrained")
     bins = [10 ** (-2.2 + k / 40) for k in range(181)]  # 0.006 to 200 ms, the same width on a log scale
     for row in rows:
         with (folder / row["csv"]).open() as lines:
@@ -107,7 +107,8 @@ def draw(rows: list[dict], folder: Path, file: Path):
                   label=f"{row['path']}, {row['link']}, {row['load']}: {row['mean']:.3f} ms")
     axes.set(title=f"Round trip of an offboard command at {rows[0]['wanted_hz']:g} Hz", xlabel="round trip [ms]",
              ylabel="commands", xscale="log", yscale="log")
-    axes.legend(title="path, link, load: mean")
+    axes.set_xlim(0.8 * min(row["min"] for row in rows), 1.25 * max(row["max"] for row in rows))
+    axes.legend(title="path, link, load: mean", loc="center left", bbox_to_anchor=(1.0, 0.5))
     axes.grid(alpha=0.3)
     figure.savefig(file, dpi=120)
     pyplot.close(figure)

@@ -54,4 +54,19 @@ const hal::OutputValues& FirmwareBoard::step(sim::Time t, const sim::SensorSampl
   return board_.outputs.values();
 }
 
+FirmwareView FirmwareBoard::view() const {
+  const core::Firmware& f = image_->firmware;
+  const core::AttitudeEstimate& estimate = f.estimator().estimate();
+  return {f.state().state(),
+          f.state().armed(),
+          f.state().failsafe(),
+          f.state().errors(),
+          f.command().primary_entries(),
+          f.command().combined().value,
+          f.command().combined().type,
+          estimate.q_NB,
+          estimate.roll_rad,
+          estimate.pitch_rad};
+}
+
 }  // namespace rosflight::apps

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 
+#include "apps/fly/emulated_board.hpp"
+#include "apps/fly/uart_board.hpp"
+
 namespace rosflight::apps {
 namespace {
 
@@ -21,6 +24,19 @@ DirectorConfig director_config(const FlightSetup& setup) {
   return config;
 }
 
+/// Nothing for the board in this process.
+std::unique_ptr<FlightBoard> make_other_board(const FlightSetup& setup, sim::SerialCable& cable,
+                                              BoardEnd& end, const sim::Time& clock) {
+  if (setup.choice.board != "qemu_m7") return nullptr;
+  EmulatedBoard::Emulator::Options options;
+  options.image = emulated_image();
+  if (setup.choice.link == "uart") {
+    options.coupling = boards::m7::Coupling::kRealTime;
+    return std::make_unique<UartBoard>(clock, options);
+  }
+  return std::make_unique<EmulatedBoard>(cable, end, options);
+}
+
 }  // namespace
 
 Flight::Flight(const FlightSetup& setup)
@@ -37,13 +53,16 @@ Flight::Flight(const FlightSetup& setup)
       board_end_{cable_, wire_time_},
       companion_end_{cable_, wire_time_},
       board_{board_end_, setup.choice.link_protocol},
-      session_{codec_, companion_end_, companion::Session::Options{}},
+      other_board_{make_other_board(setup, cable_, board_end_, wire_time_)},
+      flown_board_{other_board_ ? other_board_.get() : &board_},
+      session_{codec_, flown_board_->link() != nullptr ? *flown_board_->link() : companion_end_,
+               companion::Session::Options{}},
       manager_{setup.autonomy.flight, setup.mission},
       director_{director_config(setup), session_, pilot_, manager_},
       fast_{kStep},
       loop_{time_, rc_, sensors_, board_slot_, dynamics_} {
   time_.source = &fast_;
-  board_slot_.board = &board_;
+  board_slot_.board = flown_board_;
   loop_.set_listener(this);
   const auto& faults = setup.faults.faults();
   motor_faults_ = std::any_of(faults.begin(), faults.end(), [](const sim::Fault& fault) {
@@ -53,12 +72,13 @@ Flight::Flight(const FlightSetup& setup)
     visualisers_.push_back(setup.registry.visualisers.at(name)(setup.vehicle, random_));
     loop_.add(*visualisers_.back());
   }
-  board_.start(loop_.now());
+  flown_board_->start(loop_.now());
 }
 
 void Flight::set_tap(LinkTap* tap) {
   board_end_.set_tap(tap);
   companion_end_.set_tap(tap);
+  flown_board_->set_link_tap(tap);
 }
 
 double Flight::firmware_hover_output() const {

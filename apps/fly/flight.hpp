@@ -65,6 +65,11 @@ class Flight final : private sim::LockStepListener {
   sim::ForcesAndMoments& forces() { return *forces_; }
   FlightDirector& director() { return director_; }
   const FlightDirector& director() const { return director_; }
+  /// The board that flies.
+  FlightBoard& flight_board() { return *flown_board_; }
+  const FlightBoard& flight_board() const { return *flown_board_; }
+  /// The board in this process, which lets one look inside; it flies unless the setup names
+  /// another.
   FirmwareBoard& board() { return board_; }
   const FirmwareBoard& board() const { return board_; }
   companion::Session& session() { return session_; }
@@ -107,6 +112,8 @@ class Flight final : private sim::LockStepListener {
   BoardEnd board_end_;
   CompanionEnd companion_end_;
   FirmwareBoard board_;
+  std::unique_ptr<FlightBoard> other_board_;  ///< If the setup names one.
+  FlightBoard* flown_board_;
   SwitchableBoard board_slot_;
   link::DetectingCodec codec_;
   companion::Session session_;

@@ -16,6 +16,8 @@ namespace rosflight::apps {
 
 /// What a person chose for a flight; names and texts as typed.
 struct FlightChoice {
+  std::string board{"in_process"};  ///< Or "qemu_m7".
+  std::string link{"cable"};        ///< Or "uart", of qemu_m7, in real time.
   std::string vehicle{"multirotor"};
   std::string mission{"default"};
   std::uint64_t seed{1};

@@ -132,6 +132,7 @@ void IoNode::run_link() {
     runner_.run();
   } catch (const std::exception& error) {
     RCLCPP_FATAL(get_logger(), "the link has failed: %s", error.what());
+    link_failed_ = true;
     rclcpp::shutdown();
   }
 }

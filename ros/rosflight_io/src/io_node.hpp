@@ -29,6 +29,8 @@ class IoNode final : public rclcpp::Node {
   /// exceptions for parameters of the wrong type.
   explicit IoNode(const rclcpp::NodeOptions& options = rclcpp::NodeOptions());
   ~IoNode() override;
+  /// The link ended by itself and took ROS down with it.
+  bool link_failed() const { return link_failed_; }
 
  private:
   rosflight::companion::LinkSpec read_link();
@@ -52,6 +54,7 @@ class IoNode final : public rclcpp::Node {
   rclcpp::TimerBase::SharedPtr diagnose_timer_;
   std::atomic<bool> has_baro_{false};
   std::atomic<bool> has_airspeed_{false};
+  std::atomic<bool> link_failed_{false};
   std::thread link_;
 };
 
