@@ -29,7 +29,7 @@ std::unique_ptr<FlightBoard> make_other_board(const FlightSetup& setup, sim::Ser
                                               BoardEnd& end, const sim::Time& clock) {
   if (setup.choice.board != "qemu_m7") return nullptr;
   EmulatedBoard::Emulator::Options options;
-  options.image = emulated_image();
+  options.image = emulated_image(setup.choice.link_protocol);
   if (setup.choice.link == "uart") {
     options.coupling = boards::m7::Coupling::kRealTime;
     return std::make_unique<UartBoard>(clock, options);

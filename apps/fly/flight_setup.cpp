@@ -204,11 +204,6 @@ FlightSetup::FlightSetup(const FlightChoice& choice_in)
       channels{channels_of(firmware)},
       faults{sim::parse_faults(choice.faults)} {
   mission_text = read_text(mission_file);
-  if (choice.link_protocol != "mavlink" && choice.board == "qemu_m7") {
-    throw Error(
-        fmt::format("--link-protocol: found {} with --board qemu_m7, whose image speaks mavlink",
-                    choice.link_protocol));
-  }
   if (choice.link == "uart" && choice.board != "qemu_m7") {
     throw Error(fmt::format("--link: found uart with --board {}, allowed with --board qemu_m7",
                             choice.board));
