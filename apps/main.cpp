@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "apps/fly/fly_command.hpp"
+#include "apps/link_protocol.hpp"
 #include "apps/mixer/mixer_command.hpp"
 #include "apps/options.hpp"
 #include "apps/project_root.hpp"
@@ -41,6 +42,10 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options) {
   fly->add_option("--state", choice.state, "Where guidance gets position and velocity from: truth")
       ->capture_default_str()
       ->check(CLI::IsMember({"truth"}));
+  fly->add_option("--link-protocol", choice.link_protocol,
+                  "What the board speaks: mavlink or lean; the companion finds out")
+      ->capture_default_str()
+      ->check(CLI::IsMember(link_protocols()));
   fly->add_option("--wind", choice.wind,
                   "SPEED,FROM_DEG[,W20]: steady wind and Dryden turbulence [m/s]");
   fly->add_option("--set", choice.overrides, "vehicle.key=value, e.g. vehicle.body.mass_kg=3.2")

@@ -36,7 +36,10 @@ def all_figures() -> list[Figure]:
     return [
         Figure("firmware.instructions", "instructions", "<= 2500", firmware_pass),
         Figure("firmware.instructions_no_link", "instructions", "<= 2000",
-               lambda: firmware_pass("--no-link")),
+               lambda: firmware_pass("none")),
+        Figure("lean.instructions", "instructions", "report", lambda: firmware_pass("lean")),
+        Figure("mavlink.bytes_per_s", "B/s", "report", lambda: link_rate("mavlink")),
+        Figure("lean.bytes_per_s", "B/s", "report", lambda: link_rate("lean")),
         Figure("loop.realtime_factor", "s/s", ">= 1000", lambda: loop_factor("realtime_factor")),
         Figure("loop.realtime_factor_log", "s/s", "report",
                lambda: loop_factor("realtime_factor_log")),
@@ -138,9 +141,15 @@ def number(printed: dict, key: str) -> float:
     return value
 
 
-def firmware_pass(*options: str) -> float:
+def firmware_pass(protocol: str = "mavlink") -> float:
     return callgrind.instructions_per_call(
-        [program("firmware_pass"), *options, "--passes"], few=4_000, many=20_000)
+        [program("firmware_pass"), "--link-protocol", protocol, "--passes"],
+        few=4_000, many=20_000)
+
+
+def link_rate(protocol: str) -> float:
+    """Telemetry of the default flight, board to companion."""
+    return number(run_json([program("link_rate"), protocol]), "bytes_per_s")
 
 
 @functools.cache

@@ -20,8 +20,10 @@ constexpr std::uint64_t kInstructionsPerTick = 40;
 
 }  // namespace
 
-std::filesystem::path emulated_image() {
-  return project_root() / "build/cortex-m7/firmware/boards/qemu_m7/firmware_qemu_m7.elf";
+std::filesystem::path emulated_image(const std::string& link_protocol) {
+  const std::string name =
+      link_protocol == "mavlink" ? "firmware_qemu_m7" : "firmware_qemu_m7_" + link_protocol;
+  return project_root() / "build/cortex-m7/firmware/boards/qemu_m7" / (name + ".elf");
 }
 
 void fill_samples(ToBoard& block, const sim::SensorSamples& samples, const hal::RcFrame* rc,

@@ -9,7 +9,7 @@
 namespace rosflight::apps {
 
 /// The image of the emulated Cortex-M7 in the build tree.
-std::filesystem::path emulated_image();
+std::filesystem::path emulated_image(const std::string& link_protocol = "mavlink");
 
 /// The board module of the simulation: the firmware's image on an emulated Cortex-M7, in lock-step.
 ///

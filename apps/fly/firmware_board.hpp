@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <memory>
+#include <string>
+#include <utility>
 
 #include "apps/fly/flight_board.hpp"
 #include "firmware/boards/simulated/simulated_board.hpp"
 #include "firmware/core/firmware.hpp"
-#include "link/mavlink/mavlink_codec.hpp"
+#include "link/codec.hpp"
 
 namespace rosflight::apps {
 
@@ -27,7 +29,8 @@ class BoardSerial : public hal::Serial {
 class FirmwareBoard final : public FlightBoard {
  public:
   /// @param serial  the wire to the companion; must outlive this.
-  explicit FirmwareBoard(BoardSerial& serial);
+  /// @param protocol  what it speaks there: "mavlink" or "lean".
+  explicit FirmwareBoard(BoardSerial& serial, std::string protocol = "mavlink");
 
   void start(sim::Time t) override;
   const hal::OutputValues& step(sim::Time t, const sim::SensorSamples& samples,
@@ -47,8 +50,9 @@ class FirmwareBoard final : public FlightBoard {
 
  private:
   struct Image {
-    explicit Image(const hal::Board& board) : firmware{board, codec} {}
-    link::MavlinkCodec codec{{1, link::MavlinkCodec::kFcuComponent}};
+    Image(const hal::Board& board, std::shared_ptr<link::Codec> link)
+        : codec{std::move(link)}, firmware{board, *codec} {}
+    std::shared_ptr<link::Codec> codec;
     core::Firmware firmware;
   };
 
@@ -56,6 +60,7 @@ class FirmwareBoard final : public FlightBoard {
   hal::Time board_time(sim::Time t) const { return t - boot_; }
 
   BoardSerial& serial_;
+  std::string protocol_;
   boards::SimulatedBoard board_;
   std::unique_ptr<Image> image_;  ///< From start() on.
   sim::Time boot_{};

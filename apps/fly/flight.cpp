@@ -29,7 +29,7 @@ std::unique_ptr<FlightBoard> make_other_board(const FlightSetup& setup, sim::Ser
                                               BoardEnd& end, const sim::Time& clock) {
   if (setup.choice.board != "qemu_m7") return nullptr;
   EmulatedBoard::Emulator::Options options;
-  options.image = emulated_image();
+  options.image = emulated_image(setup.choice.link_protocol);
   if (setup.choice.link == "uart") {
     options.coupling = boards::m7::Coupling::kRealTime;
     return std::make_unique<UartBoard>(clock, options);
@@ -52,10 +52,9 @@ Flight::Flight(const FlightSetup& setup)
       cable_{sim::SerialLine::Config{}, random_},
       board_end_{cable_, wire_time_},
       companion_end_{cable_, wire_time_},
-      board_{board_end_},
+      board_{board_end_, setup.choice.link_protocol},
       other_board_{make_other_board(setup, cable_, board_end_, wire_time_)},
       flown_board_{other_board_ ? other_board_.get() : &board_},
-      codec_{{1, link::MavlinkCodec::kCompanionComponent}},
       session_{codec_, flown_board_->link() != nullptr ? *flown_board_->link() : companion_end_,
                companion::Session::Options{}},
       manager_{setup.autonomy.flight, setup.mission},

@@ -8,6 +8,7 @@
 #include "apps/fly/firmware_board.hpp"
 #include "apps/fly/flight_director.hpp"
 #include "apps/fly/flight_setup.hpp"
+#include "link/detect/detecting_codec.hpp"
 #include "sim/dynamics/rigid_body.hpp"
 #include "sim/faulty_modules.hpp"
 #include "sim/lock_step.hpp"
@@ -114,7 +115,7 @@ class Flight final : private sim::LockStepListener {
   std::unique_ptr<FlightBoard> other_board_;  ///< If the setup names one.
   FlightBoard* flown_board_;
   SwitchableBoard board_slot_;
-  link::MavlinkCodec codec_;
+  link::DetectingCodec codec_;
   companion::Session session_;
   autonomy::FlightManager manager_;
   FlightDirector director_;

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "apps/link_protocol.hpp"
+
 namespace rosflight::apps {
 namespace {
 
@@ -61,7 +63,9 @@ std::string error_names(std::uint16_t errors) {
 }  // namespace
 
 FlightRecorder::FlightRecorder(Flight& flight, const std::filesystem::path& log_file)
-    : flight_{flight} {
+    : flight_{flight},
+      from_board_{make_board_codec(flight.setup().choice.link_protocol)},
+      from_companion_{make_board_codec(flight.setup().choice.link_protocol)} {
   const FlightSetup& setup = flight.setup();
   log::FlightLog::Options options;
   options.gravity_m_s2 = setup.vehicle.environment().gravity_m_s2;
@@ -94,7 +98,7 @@ void FlightRecorder::on_frame(Direction direction, hal::Time t, const std::uint8
     boot_ = flight_.flight_board().boot_time();
     log_->set_fcu_boot(boot_);
   }
-  link::MavlinkCodec& codec = down ? from_board_ : from_companion_;
+  link::Codec& codec = down ? *from_board_ : *from_companion_;
   const link::Codec::Decoded decoded = codec.decode(data, size);
   log_->write_link(down ? log::Direction::kFcuToCompanion : log::Direction::kCompanionToFcu, t,
                    decoded.complete ? codec.message() : link::Message{}, {data, size});

@@ -21,6 +21,7 @@ struct FlightChoice {
   std::string vehicle{"multirotor"};
   std::string mission{"default"};
   std::uint64_t seed{1};
+  std::string link_protocol{"mavlink"};  ///< What the board speaks: mavlink or lean.
   std::string state{"truth"};            ///< Position and velocity for guidance.
   std::vector<std::string> overrides;    ///< "body.mass_kg=3.2"
   std::vector<std::string> faults;       ///< "baro@20:5"

@@ -140,6 +140,9 @@ void fill_record(report::FlightRecord& record, const Flight& flight, const Resul
   if (setup.choice.wind) line += " --wind " + *setup.choice.wind;
   for (const std::string& text : setup.choice.overrides) line += " --set " + text;
   for (const std::string& text : setup.choice.faults) line += " --fault " + text;
+  if (setup.choice.link_protocol != FlightChoice{}.link_protocol) {
+    line += " --link-protocol " + setup.choice.link_protocol;
+  }
   if (options.realtime) line += " --realtime";
   record.command_line = line;
   const auto fact = [&record](std::string label, std::string value, std::string unit,
@@ -224,7 +227,8 @@ std::string summary_json(const Flight& flight, const Result& result, const Fligh
         k < arrivals.size() ? fmt::format("{:.4f}", arrival.t_s) : "null");
   }
   return fmt::format(
-      "{{\"success\": {}, \"verdict\": {}, \"board\": {}, \"link\": {}, \"vehicle\": {}, "
+      "{{\"success\": {}, \"verdict\": {}, \"board\": {}, \"link\": {}, \"link_protocol\": {}, "
+      "\"vehicle\": {}, "
       "\"mission\": {}, \"seed\": {}, "
       "\"sim_time_s\": {:.4f}, \"flight_time_s\": {:.4f}, \"wall_time_s\": {:.4f}, "
       "\"realtime_factor\": {:.1f}, \"waypoints_total\": {}, \"waypoints_reached\": {}, "
@@ -233,13 +237,13 @@ std::string summary_json(const Flight& flight, const Result& result, const Fligh
       "\"disarmed\": {}, \"warnings\": {}, \"errors\": {}, \"frames_dropped\": {}, "
       "\"log\": {}, \"log_sha256\": \"{}\", \"log_messages\": {}, \"log_bytes\": {}{}}}\n",
       result.success, quoted(result.verdict), quoted(setup.choice.board), quoted(setup.choice.link),
-      quoted(setup.choice.vehicle), quoted(setup.choice.mission), setup.choice.seed,
-      result.sim_time_s, result.flight_time_s, result.wall_time_s, result.realtime_factor(),
-      setup.mission.waypoints.size(), result.waypoints_reached, waypoints,
-      flight.tracking().rms_m(), flight.tracking().max_m, flight.autonomy().landed,
-      flight.director().disarmed(), recorder.warnings(), recorder.errors(),
-      recorder.dropped_frames(), quoted(log.path.string()), log.sha256, log.messages, log.bytes,
-      processor_json(flight, result.sim_time_s));
+      quoted(setup.choice.link_protocol), quoted(setup.choice.vehicle),
+      quoted(setup.choice.mission), setup.choice.seed, result.sim_time_s, result.flight_time_s,
+      result.wall_time_s, result.realtime_factor(), setup.mission.waypoints.size(),
+      result.waypoints_reached, waypoints, flight.tracking().rms_m(), flight.tracking().max_m,
+      flight.autonomy().landed, flight.director().disarmed(), recorder.warnings(),
+      recorder.errors(), recorder.dropped_frames(), quoted(log.path.string()), log.sha256,
+      log.messages, log.bytes, processor_json(flight, result.sim_time_s));
 }
 
 void print_summary(std::ostream& out, const Flight& flight, const Result& result,

@@ -3,7 +3,7 @@
 #include "apps/fly/emulated_board.hpp"
 #include "apps/fly/link_tap.hpp"
 #include "companion/transport.hpp"
-#include "link/mavlink/mavlink_codec.hpp"
+#include "link/detect/detecting_codec.hpp"
 
 namespace rosflight::apps {
 
@@ -28,7 +28,7 @@ class UartEnd final : public companion::Transport {
   LinkTap* tap_{nullptr};
   std::vector<std::uint8_t> unsent_;
   /// Cuts what arrives into frames, for the tap.
-  link::MavlinkCodec cutter_{{1, link::MavlinkCodec::kCompanionComponent}};
+  link::DetectingCodec cutter_;
   std::vector<std::uint8_t> frame_;
 };
 

@@ -71,9 +71,14 @@ void expect_small_stack(const Rig& rig) {
   expect_small_stack(*rig.flight->flight_board().figures());
 }
 
-TEST(EmulatedM7, FliesTheDefaultMissionToTheBitAsInProcess) {
-  Rig here{FlightChoice{}};
-  Rig there{on_m7()};
+/// Speaking MAVLink, and with the image that speaks lean.
+class EmulatedM7Speaking : public ::testing::TestWithParam<const char*> {};
+TEST_P(EmulatedM7Speaking, FliesTheDefaultMissionToTheBitAsInProcess) {
+  FlightChoice in_process;
+  FlightChoice emulated = on_m7();
+  in_process.link_protocol = emulated.link_protocol = GetParam();
+  Rig here{in_process};
+  Rig there{emulated};
   while (!here.flight->director().finished()) {
     here.flight->step();
     there.flight->step();
@@ -84,9 +89,13 @@ TEST(EmulatedM7, FliesTheDefaultMissionToTheBitAsInProcess) {
   }
   EXPECT_TRUE(here.completed());
   EXPECT_TRUE(there.completed());
+  EXPECT_EQ(there.flight->session().statistics().frames.frames_dropped, 0U);
+  EXPECT_EQ(here.flight->session().statistics().bytes_received,
+            there.flight->session().statistics().bytes_received);
   EXPECT_EQ(board_of(there).figures()->resets, 0U);
   expect_small_stack(there);
 }
+INSTANTIATE_TEST_SUITE_P(Protocols, EmulatedM7Speaking, ::testing::Values("mavlink", "lean"));
 
 TEST(EmulatedM7, RadioLossIsFailsafeThenTheMissionGoesOn) {
   Rig rig{on_m7({"rc_silence@20:2"})};

@@ -8,7 +8,7 @@
 #include "firmware/boards/qemu_m7/startup.hpp"
 #include "firmware/boards/qemu_m7/uart.hpp"
 #include "firmware/core/firmware.hpp"
-#include "link/mavlink/mavlink_codec.hpp"
+#include ROSFLIGHT_BOARD_LINK
 
 namespace {
 
@@ -16,8 +16,8 @@ using namespace rosflight;              // NOLINT(google-build-using-namespace):
 using namespace rosflight::boards::m7;  // NOLINT(google-build-using-namespace)
 
 struct Autopilot {
-  explicit Autopilot(const hal::Board& board) : firmware{board, codec} {}
-  link::MavlinkCodec codec{{1, link::MavlinkCodec::kFcuComponent}};
+  explicit Autopilot(const hal::Board& board) : firmware{board, link.codec} {}
+  BoardLink link;
   core::Firmware firmware;
 };
 

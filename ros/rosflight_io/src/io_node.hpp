@@ -9,7 +9,7 @@
 #include "clock.hpp"
 #include "companion/asio/runner.hpp"
 #include "conversions.hpp"
-#include "link/mavlink/mavlink_codec.hpp"
+#include "link/detect/detecting_codec.hpp"
 #include "log_lines.hpp"
 #include "parameter_mirror.hpp"
 #include "services.hpp"
@@ -42,7 +42,7 @@ class IoNode final : public rclcpp::Node {
   void diagnose();
 
   Clock clock_;
-  rosflight::link::MavlinkCodec codec_;
+  rosflight::link::DetectingCodec codec_;
   rosflight::companion::Runner runner_;
   StreamPublisher streams_;
   LogLines log_lines_;
