@@ -207,5 +207,5 @@ def load(quantity: str):
 def fuzz_runs(name: str) -> float:
     runs, complaints = stages.run_fuzzer(name, f"-runs={FUZZ_RUNS}")
     if complaints:
-        raise RuntimeError(complaints[0])
+        raise RuntimeError("; ".join(complaints))
     return runs
