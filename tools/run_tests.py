@@ -5,7 +5,8 @@ Builds and runs every test and ends with the line "N passed, M failed". Exit cod
 
 NAME chooses: a stage by its name, and test programs and pytest files by a part of theirs.
 Stages: format, structure, build, unit, python, ros, cortex-m7, sanitizers, ros-sanitizers, fuzz, tidy (clang-tidy over
-what flies); and tidy-tests (the same over tests), which runs when named: it takes as long as most others together.
+what flies); and tidy-tests and tidy-ros (the same over tests and over the ROS nodes), which run when named: they take
+as long as most others together.
 """
 
 import os
@@ -32,8 +33,9 @@ STAGES = {
     "fuzz": stages.fuzz,
     "tidy": stages.tidy_product,
     "tidy-tests": stages.tidy_tests,
+    "tidy-ros": stages.tidy_ros,
 }
-ON_REQUEST = {"tidy-tests"}
+ON_REQUEST = {"tidy-tests", "tidy-ros"}
 
 
 def chosen_stages(names: list[str]):

@@ -59,21 +59,25 @@ def check_structure() -> Outcome:
     return _add(_check(found) for found in structure.run().values())
 
 
+RELEASE, ROS = "build/release", "build/ros/build"
+
+
 def tidy_product() -> Outcome:
-    return _tidy(lambda path: not clang_tidy.is_test(path))
+    return _tidy(RELEASE, lambda path: not clang_tidy.is_test(path))
 
 
 def tidy_tests() -> Outcome:
-    return _tidy(clang_tidy.is_test)
+    return _tidy(RELEASE, clang_tidy.is_test)
 
 
-def _tidy(wanted) -> Outcome:
-    total, said = 0, []
-    for folder in ("build/release", "build/ros/build"):
-        clean, complaints = clang_tidy.run(folder, wanted=wanted)
-        total, said = total + clean, said + complaints
-    print(f"   {total} files clean")
-    return _check(said)
+def tidy_ros() -> Outcome:
+    return _tidy(ROS, lambda path: True)
+
+
+def _tidy(build: str, wanted) -> Outcome:
+    clean, complaints = clang_tidy.run(build, wanted=wanted)
+    print(f"   {clean} files clean")
+    return _check(complaints)
 
 
 # ---- builds and what they hold ------------------------------------------------------------------
