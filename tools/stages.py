@@ -60,14 +60,19 @@ def check_structure() -> Outcome:
 
 
 RELEASE, ROS = "build/release", "build/ros/build"
+FLIES = {"autonomy", "companion", "config", "firmware", "link"}
+
+
+def _flies(path: Path) -> bool:
+    return path.parts[0] in FLIES and not clang_tidy.is_test(path)
 
 
 def tidy_product() -> Outcome:
-    return _tidy(RELEASE, lambda path: not clang_tidy.is_test(path))
+    return _tidy(RELEASE, _flies)
 
 
-def tidy_tests() -> Outcome:
-    return _tidy(RELEASE, clang_tidy.is_test)
+def tidy_rest() -> Outcome:
+    return _tidy(RELEASE, lambda path: not _flies(path))
 
 
 def tidy_ros() -> Outcome:
