@@ -4,9 +4,9 @@
 Builds and runs every test and ends with the line "N passed, M failed". Exit code 1 if any failed.
 
 NAME chooses: a stage by its name, and test programs and pytest files by a part of theirs.
-Stages: format, structure, build, unit, python, ros, cortex-m7, sanitizers, ros-sanitizers, fuzz, tidy (clang-tidy over
-what flies); and tidy-rest and tidy-ros (the same over simulation, programs and tests, and over the ROS nodes), which run
-when named: they take as long as all others together.
+Stages: format, structure, build, unit, python, ros, cortex-m7, sanitizers, ros-sanitizers, fuzz, tidy. Sanitizers and
+clang-tidy look at what flies and at whole flights; sanitizers-rest, tidy-rest and tidy-ros (simulation, programs, tests,
+ROS nodes) run when named: they take as long as all others together.
 """
 
 import os
@@ -32,10 +32,11 @@ STAGES = {
     "ros-sanitizers": stages.ros_sanitizers,
     "fuzz": stages.fuzz,
     "tidy": stages.tidy_product,
+    "sanitizers-rest": stages.sanitizers_rest,
     "tidy-rest": stages.tidy_rest,
     "tidy-ros": stages.tidy_ros,
 }
-ON_REQUEST = {"tidy-rest", "tidy-ros"}
+ON_REQUEST = {"sanitizers-rest", "tidy-rest", "tidy-ros"}
 
 
 def chosen_stages(names: list[str]):

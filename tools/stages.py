@@ -169,10 +169,24 @@ def unit_tests(names: list[str] | None = None) -> Outcome:
 
 
 def sanitizers() -> Outcome:
-    """The same tests under address and undefined-behaviour sanitizers; each program counts once."""
-    built = _build("sanitizers")
-    ran = _run_binaries("sanitizers")
-    return _add([built, *(_check(outcome.complaints) for outcome in ran.values())])
+    """Tests of what flies and whole flights under address and undefined-behaviour sanitizers; each program counts
+    once."""
+    return _sanitized(lambda folder: folder in FLIES | {"apps"})
+
+
+def sanitizers_rest() -> Outcome:
+    """The other tests under sanitizers."""
+    return _sanitized(lambda folder: folder not in FLIES | {"apps"})
+
+
+def _sanitized(wanted) -> Outcome:
+    build = ROOT / "build" / "sanitizers"
+    project.build("sanitizers", "build.ninja")
+    programs = [(b.name, Path(b.command[0])) for b in cpp_tests.find("sanitizers") if not b.needs_emulator]
+    names = [name for name, program in programs if program.is_relative_to(build)
+             and wanted(program.relative_to(build).parts[0])]
+    built = _build("sanitizers", *names)
+    return _add([built, *(_check(ran.complaints) for ran in _run_binaries("sanitizers", names).values())])
 
 
 def python_tests(files: list[Path] | None = None) -> Outcome:
