@@ -222,6 +222,23 @@ TEST_P(Breakdown, RearmsInTheAirAndTheMissionGoesOn) {
 }
 INSTANTIATE_TEST_SUITE_P(Kinds, Breakdown, ::testing::Values("crash", "hang"));
 
+/// What a fault leads to is not a matter of the protocol: over lean the mission goes on as over
+/// MAVLink, with nothing lost on the cable but what the fault takes.
+class OverLean : public ::testing::TestWithParam<const char*> {};
+TEST_P(OverLean, TheMissionGoesOnAfterTheFault) {
+  auto choice = Rig::with_faults({GetParam()});
+  choice.link_protocol = "lean";
+  Rig rig(choice);
+  bool sane = true;
+  rig.flight->set_script([&](Flight&, sim::Time) { sane = sane && outputs_sane(rig); });
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed());
+  EXPECT_TRUE(sane);
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, OverLean,
+                         ::testing::Values("rc_silence@20:2", "imu@20:0.3", "link_cut@20:3",
+                                           "crash@20"));
+
 TEST(Faults, WeakMotorIsMadeUpFor) {
   const Rig rig = flown("motor1_partial=0.8@20");
   EXPECT_TRUE(rig.completed());
