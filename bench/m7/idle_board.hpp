@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 
+#include "firmware/boards/common/simulated_peripherals.hpp"
 #include "firmware/hal/roles.hpp"
 
 /// A board that does nothing: each role keeps its contract's letter and costs as little as it can.
@@ -17,24 +18,7 @@ class IdleClock final : public hal::Clock {
 };
 
 template <class Sample, class Role = hal::Source<Sample>>
-class Slot : public Role {
- public:
-  virtual ~Slot() = default;
-  bool poll(Sample& sample) override {
-    if (!full_) return false;
-    full_ = false;
-    sample = sample_;
-    return true;
-  }
-  void put(const Sample& sample) {
-    sample_ = sample;
-    full_ = true;
-  }
-
- private:
-  Sample sample_{};
-  bool full_{false};
-};
+using Slot = boards::Mailbox<Sample, Role>;
 
 class IdleReceiver final : public Slot<hal::RcFrame, hal::Receiver> {
  public:

@@ -303,9 +303,8 @@ def descendants() -> list[int]:
         if fields[0] in "ZX":
             dead.add(int(entry.name))
     found: list[int] = []
-    todo = [os.getpid()]
-    while todo:
-        below = children.get(todo.pop(0), [])
-        found += below
-        todo += below
+    parents = [os.getpid()]
+    while parents:
+        parents = [child for parent in parents for child in children.get(parent, [])]
+        found += parents
     return [pid for pid in found if pid not in dead]
