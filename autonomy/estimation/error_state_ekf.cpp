@@ -77,8 +77,9 @@ void ErrorStateEkf<kWind>::predict(const ImuIncrement& u, const ProcessNoise& no
                           P_.template middleCols<3>(kAccelBias) * v_bias.transpose();
     P_.template middleCols<3>(kPosition) += 0.5 * dt * (v + v_new);
     P_.template middleCols<3>(kVelocity) = v_new;
-    P_.template middleCols<3>(kTheta) = theta * theta_theta.transpose() +
-                                        P_.template middleCols<3>(kGyroBias) * theta_bias.transpose();
+    P_.template middleCols<3>(kTheta) =
+        theta * theta_theta.transpose() +
+        P_.template middleCols<3>(kGyroBias) * theta_bias.transpose();
   }
 
   const auto variance = [dt](double density) { return density * density * dt; };
@@ -165,8 +166,7 @@ typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::range(
   Residual<1> r;
   r.nu(0) = range_m - height / cosine;
   r.H(0, kPosition + 2) = -1.0 / cosine;
-  r.H.template block<1, 3>(0, kTheta) =
-      d_height / cosine - height / (cosine * cosine) * d_cosine;
+  r.H.template block<1, 3>(0, kTheta) = d_height / cosine - height / (cosine * cosine) * d_cosine;
   return r;
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <array>
+
 #include "autonomy/estimation/rotation.hpp"
 
 namespace rosflight::autonomy::estimation {
@@ -28,7 +30,7 @@ struct ImuIncrement {
 struct ProcessNoise {
   double gyro_rad_s_rtHz{3e-4};
   double accel_m_s2_rtHz{1.5e-2};
-  double gyro_bias_rad_s_rts{2e-5};     ///< Random walks.
+  double gyro_bias_rad_s_rts{2e-5};  ///< Random walks.
   double accel_bias_m_s2_rts{1e-3};
   double baro_bias_m_rts{0.03};
   double wind_m_s_rts{0.1};
@@ -66,6 +68,15 @@ class ErrorStateEkf {
     Eigen::Matrix<double, kRows, 1> nu{Eigen::Matrix<double, kRows, 1>::Zero()};
     Eigen::Matrix<double, kRows, kSize> H{Eigen::Matrix<double, kRows, kSize>::Zero()};
     Eigen::Matrix<double, kRows, kRows> R{Eigen::Matrix<double, kRows, kRows>::Zero()};
+
+    /// Some of its rows as a residual of its own; without R.
+    template <int kPart>
+    Residual<kPart> rows(int first) const {
+      Residual<kPart> part;
+      part.nu = nu.template segment<kPart>(first);
+      part.H = H.template middleRows<kPart>(first);
+      return part;
+    }
   };
 
   struct Verdict {
@@ -90,13 +101,15 @@ class ErrorStateEkf {
   // ---- measurements; levers are from the IMU, in B
 
   /// y: position of an antenna at the lever [m].
-  static Residual<3> gnss_position(const NominalState& x, const Vector3& p_N, const Vector3& lever_B);
+  static Residual<3> gnss_position(const NominalState& x, const Vector3& p_N,
+                                   const Vector3& lever_B);
   /// y: velocity of the antenna; w_raw_B is what the gyro reads [rad/s].
-  static Residual<3> gnss_velocity(const NominalState& x, const Vector3& v_N, const Vector3& lever_B,
-                                   const Vector3& w_raw_B);
+  static Residual<3> gnss_velocity(const NominalState& x, const Vector3& v_N,
+                                   const Vector3& lever_B, const Vector3& w_raw_B);
   /// y: height by pressure above the origin, h = -p_down + bias [m].
   static Residual<1> baro_height(const NominalState& x, double height_m);
-  /// y: declination, h = atan2 of the levelled field: its angle east of true north, by our attitude.
+  /// y: declination, h = atan2 of the levelled field: its angle east of true north, by our
+  /// attitude.
   static Residual<1> magnetic_heading(const NominalState& x, const Vector3& field_B,
                                       double declination_rad);
   /// y: distance along body z to a level ground `ground_up_m` above the origin.
@@ -141,11 +154,11 @@ class ErrorStateEkf {
   /// The bias becomes what makes this height right.
   void relearn_baro_bias(double height_m, double sigma_m);
 
-  /// Limit of nis: of one degree of freedom exactly sigma^2, of three (sigma + 0.75)^2, which has
-  /// nearly the same tail (chi-square tables; 1 % off in the argument between 3 and 6 sigma).
+  /// Limit of nis: sigma^2 of one degree of freedom, (sigma + 0.4)^2 of two, (sigma + 0.7)^2 of
+  /// three, which have nearly the same tail (the limit is right to 4 % from 3 to 5 sigma).
   static double gate(int rows, double sigma) {
-    constexpr double kThreeRows = 0.75;
-    const double s = rows == 1 ? sigma : sigma + kThreeRows;
+    constexpr std::array<double, 4> kMore{0.0, 0.0, 0.40, 0.70};
+    const double s = sigma + kMore.at(static_cast<std::size_t>(rows));
     return s * s;
   }
 
