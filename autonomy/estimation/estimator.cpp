@@ -100,7 +100,9 @@ template <bool kWind>
 void Estimator<kWind>::add(const RangeSample& sample) {
   if (!config_.use_range || !health_.initialised) return;
   if (!(sample.range_m > sample.min_m && sample.range_m < sample.max_m)) return;  // no echo
-  queue(sample);
+  RangeSample echo = sample;
+  echo.t_s -= config_.range_delay_s;
+  queue(echo);
 }
 
 template <bool kWind>
@@ -351,8 +353,9 @@ void Estimator<kWind>::fuse_rest() {
 // ---- start
 
 template <bool kWind>
-double Estimator<kWind>::declination(const GnssSample& /*fix*/) const {
-  return config_.declination_rad.value_or(0.0);
+double Estimator<kWind>::declination(const GnssSample& fix) const {
+  if (config_.declination_rad) return *config_.declination_rad;
+  return config_.declination_at != nullptr ? config_.declination_at(fix) : 0.0;
 }
 
 template <bool kWind>
@@ -543,8 +546,7 @@ StateEstimate Estimator<kWind>::estimate() const {
                                                                             : Trust::kDeadReckoned;
   out.heading = attitude.z() < kHeadingGood_rad && age(Aid::kHeading) < 2.0 ? Trust::kGood
                                                                             : Trust::kDeadReckoned;
-  const double rest = at_rest_ ? age(Aid::kRest) : 1e9;
-  out.horizontal = aided(std::min(health_.gnss_age_s, rest), 1.0);
+  out.horizontal = aided(std::min(health_.gnss_age_s, age(Aid::kRest)), 1.0);
   out.vertical = aided(std::min({age(Aid::kBaro), age(Aid::kRange), age(Aid::kGnssVelocity)}), 1.0);
   return out;
 }

@@ -5,6 +5,7 @@
 #include "autonomy/common/geodesy.hpp"
 #include "autonomy/common/types.hpp"
 #include "autonomy/estimation/error_state_ekf.hpp"
+#include "autonomy/estimation/measurements.hpp"
 
 namespace rosflight::autonomy::estimation {
 
@@ -45,6 +46,7 @@ struct EstimatorConfig {
   double gate_sigma{5.0};
   double heading_gate_sigma{4.0};
   bool use_range{true};
+  double range_delay_s{0.0};  ///< Taken off the stamps of echoes.
   double range_max_tilt_rad{0.5};
   double min_airspeed_m_s{6.0};  ///< Below, pitot and sideslip say nothing.
   bool use_sideslip{true};
@@ -54,8 +56,11 @@ struct EstimatorConfig {
   double initial_accel_bias_m_s2{0.2};
   double initial_wind_m_s{4.0};
   double initial_window_s{1.0};           ///< Averaged before the start.
-  std::optional<double> declination_rad;  ///< Else WMM2025 at the first fix.
-  std::optional<Geodetic> origin;         ///< Of N; else where it starts, by the first fixes.
+  std::optional<double> declination_rad;  ///< Known beforehand.
+  /// Else asked once, with the first fix: a magnetic model. Neither: magnetic north is taken for
+  /// true.
+  double (*declination_at)(const GnssSample& fix){nullptr};  ///< [rad]
+  std::optional<Geodetic> origin;  ///< Of N; else where it starts, by the first fixes.
 
   // Patience.
   double gnss_reset_s{3.0};       ///< Refused for this long: the estimate moves to GNSS.
