@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 namespace rosflight::apps {
 namespace {
 
@@ -222,6 +224,12 @@ autonomy::State FlightDirector::state_of(const sim::Truth& truth) {
     return state;
   }
   estimate_ = navigator_.estimator().estimate();
+  constexpr double kStale_s = 0.5;
+  if (!navigator_.estimator().initialised() || seconds(now_) - estimate_.t_s > kStale_s) {
+    // Guidance gives the vehicle to the pilot.
+    state.p_N.setConstant(std::numeric_limits<double>::quiet_NaN());
+    return state;
+  }
   state.p_N = estimate_.p_N;
   state.v_N = estimate_.v_N;
   state.q_NB = estimate_.q_NB;
@@ -232,6 +240,7 @@ autonomy::State FlightDirector::state_of(const sim::Truth& truth) {
 /// Says what changes in the estimate; a position that is worth nothing ends the mission where it
 /// is.
 void FlightDirector::watch_the_estimate() {
+  if (!navigator_.estimator().initialised()) return;
   const autonomy::estimation::EstimatorHealth& health = navigator_.estimator().health();
   if (estimate_.horizontal != horizontal_seen_) {
     horizontal_seen_ = estimate_.horizontal;
