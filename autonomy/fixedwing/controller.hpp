@@ -30,7 +30,7 @@ struct ControllerConfig {
   SuccessiveLoopConfig successive_loops{};
   TotalEnergyConfig total_energy{};
 
-  PidGains course{1.6, 0.05, 0.0};        ///< rad -> rad of bank.
+  PidGains course{2.2, 0.01, 0.0};        ///< rad -> rad of bank.
   PidGains roll{1.1, 0.3, 0.06};          ///< rad -> aileron at cruise; kd acts on the roll rate.
   PidGains pitch{1.8, 1.5, 0.15};         ///< rad -> elevator at cruise; kd acts on the pitch rate.
   double yaw_damper_s{0.25};              ///< rad/s -> rudder at cruise.

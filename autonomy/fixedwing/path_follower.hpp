@@ -6,7 +6,7 @@ namespace rosflight::autonomy::fixedwing {
 
 struct FollowerConfig {
   double approach_rad{1.2};      ///< chi_inf: course towards a line from far away; < pi/2.
-  double line_gain_1_m{0.0175};  ///< k_path.
+  double line_gain_1_m{0.03};  ///< k_path.
   double circle_gain{2.0};       ///< k_orbit.
   double gravity_m_s2{9.80665};
   double max_roll_ff_rad{45.0 * kRadPerDeg};

@@ -31,7 +31,13 @@ bool PathManager::over(const Segment& segment, const Vector2& p_m) const {
   return beyond.dot(along(segment.course_at(segment.length_m) + 0.5 * segment.corner_rad)) > 0.0;
 }
 
-const PathManager::Output& PathManager::step(const Vector3& p_N) {
+/// Of the present segment; itself at the end.
+std::size_t PathManager::next() const {
+  if (index_ + 1 < plan_.segments.size()) return index_ + 1;
+  return plan_.loop_to == Plan::kNoLoop ? index_ : plan_.loop_to;
+}
+
+const PathManager::Output& PathManager::step(const Vector3& p_N, double lead_m) {
   out_.path.valid = false;
   out_.passed.reset();
   out_.done = done_;
@@ -45,18 +51,22 @@ const PathManager::Output& PathManager::step(const Vector3& p_N) {
       out_.passed = segment.waypoint;
       out_.passed_at_m = (waypoints_[segment.waypoint].p_N.head<2>() - p_m).norm();
     }
-    const bool last = index_ + 1 == plan_.segments.size();
-    if (last && plan_.loop_to == Plan::kNoLoop) {
+    if (next() == index_) {
       out_.done = done_ = true;
       break;
     }
     progress_m_ = segment.corner_rad == 0.0 ? progress_m_ - segment.length_m : 0.0;
-    index_ = last ? plan_.loop_to : index_ + 1;
+    index_ = next();
   }
   const Segment& segment = plan_.segments[index_];
   out_.segment = segment;
   out_.progress_m = progress_m_;
-  out_.path = segment.path_at(progress_m_);
+  const double ahead_m = progress_m_ + lead_m - segment.length_m;
+  if (ahead_m > 0.0 && segment.corner_rad == 0.0) {
+    out_.path = plan_.segments[next()].path_at(ahead_m);
+  } else {
+    out_.path = segment.path_at(progress_m_);
+  }
   out_.height_m = segment.height_at(progress_m_);
   out_.cross_track_m = segment.cross_track_m(p_m);
   out_.waypoint = segment.waypoint;

@@ -14,7 +14,10 @@ namespace rosflight::autonomy::fixedwing {
 /// 11.1, and on arcs it counts turns, so no plane can be taken from the wrong side. At a corner the
 /// plane bisects it: (p - w) . along(chi + corner/2) > 0.
 ///
-/// The height reference is that of the path beside the vehicle.
+/// The height reference is that of the path beside the vehicle. What the follower is told runs ahead
+/// of it by `lead_m`, about the way flown while the wing rolls: the fields of two segments that join
+/// smoothly are the same there but for lead^2/(2 R), and the bank is there when the arc begins.
+/// Corners are not led.
 class PathManager {
  public:
   struct Output {
@@ -40,7 +43,7 @@ class PathManager {
   bool started() const { return started_; }
 
   /// p_N finite. Every call may end at most a few segments, the last stays.
-  const Output& step(const Vector3& p_N);
+  const Output& step(const Vector3& p_N, double lead_m = 0.0);
 
   const std::vector<Waypoint>& waypoints() const { return waypoints_; }
   const Plan& plan() const { return plan_; }
@@ -49,6 +52,7 @@ class PathManager {
 
  private:
   bool over(const Segment& segment, const Vector2& p_m) const;
+  std::size_t next() const;
 
   Planner planner_{};
   std::vector<Waypoint> waypoints_;
