@@ -48,11 +48,12 @@ Controller::Controller(const ControllerConfig& config, std::unique_ptr<Longitudi
       course_(config.course),
       roll_(config.roll),
       pitch_(config.pitch),
-      climb_rate_(config.climb_rate) {}
+      climb_rate_(config.climb_rate),
+      glide_(config.glide) {}
 
 void Controller::reset() {
   law_->reset();
-  for (Pid* pid : {&course_, &roll_, &pitch_, &climb_rate_}) pid->reset();
+  for (Pid* pid : {&course_, &roll_, &pitch_, &climb_rate_, &glide_}) pid->reset();
   roll_c_rad_ = airspeed_rate_m_s2_ = washout_ = 0.0;
   fresh_ = true;
   had_command_ = false;
@@ -65,6 +66,7 @@ void Controller::configure(const ControllerConfig& config) {
   roll_.set_gains(config.roll);
   pitch_.set_gains(config.pitch);
   climb_rate_.set_gains(config.climb_rate);
+  glide_.set_gains(config.glide);
   law_ = make_law(config);
 }
 
@@ -92,7 +94,8 @@ double Controller::bank(const Input& in, const Motion& m, const ControllerComman
     const double error = wrap_angle(command.course_rad - in.state.course_rad);
     wanted = ff + course_.step_with_rate(error, 0.0, 0.0, in.dt_s);
   }
-  wanted = std::clamp(wanted, -config_.max_roll_rad, config_.max_roll_rad);
+  const double most = std::min(config_.max_roll_rad, in.direct.max_roll_rad);
+  wanted = std::clamp(wanted, -most, most);
   if (fresh_) roll_c_rad_ = m.attitude.roll_rad;
   const double step = config_.max_roll_rate_rad_s * in.dt_s;
   roll_c_rad_ += std::clamp(wanted - roll_c_rad_, -step, step);
@@ -132,10 +135,18 @@ void Controller::lengthwise(const Input& in, const Motion& m, const ControllerCo
     out_.climb_angle_c_rad =
         ff + climb_rate_.step_with_rate(*direct.climb_m_s, climb_m_s, 0.0, in.dt_s);
     out_.surfaces.throttle = std::clamp(law.throttle_ff, law.min_throttle, law.max_throttle);
+  } else if (direct.airspeed_by_pitch_m_s) {
+    glide_.set_limits({config_.glide_rad, config_.max_descent_rad + config_.glide_rad});
+    out_.climb_angle_c_rad =
+        config_.glide_rad +
+        (m.airspeed_known ? -glide_.step_with_rate(*direct.airspeed_by_pitch_m_s, v, 0.0, in.dt_s)
+                          : 0.0);
+    out_.surfaces.throttle = law.min_throttle;
   } else if (direct.pitch_rad && direct.throttle) {
     out_.climb_angle_c_rad = 0.0;
   } else {
     climb_rate_.reset();
+    glide_.reset();
     const LongitudinalLaw::Output answer = law_->step(law);
     out_.climb_angle_c_rad = answer.climb_angle_rad;
     out_.surfaces.throttle = answer.throttle;
@@ -145,10 +156,9 @@ void Controller::lengthwise(const Input& in, const Motion& m, const ControllerCo
   }
   out_.throttle_full = out_.surfaces.throttle >= config_.max_throttle - 1e-3;
   const double pitch = out_.climb_angle_c_rad + angle_of_attack(v, m.attitude.roll_rad);
-  const double low = direct.min_pitch_rad.value_or(config_.min_pitch_rad);
-  out_.pitch_c_rad = direct.pitch_rad
-                         ? *direct.pitch_rad
-                         : std::clamp(pitch, low, std::max(low, config_.max_pitch_rad));
+  const double high = std::min(config_.max_pitch_rad, direct.max_pitch_rad);
+  const double low = std::min(std::max(config_.min_pitch_rad, direct.min_pitch_rad), high);
+  out_.pitch_c_rad = direct.pitch_rad ? *direct.pitch_rad : std::clamp(pitch, low, high);
 }
 
 void Controller::surfaces(const Input& in, const Motion& m) {

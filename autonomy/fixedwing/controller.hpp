@@ -37,6 +37,8 @@ struct ControllerConfig {
   double yaw_washout_rad_s{0.6};          ///< Corner below which a yaw rate is a turn, not a swing.
   PidGains ground_course{1.2, 0.0, 0.4};  ///< rad -> rudder while rolling on wheels.
   PidGains climb_rate{0.05, 0.04, 0.0};   ///< m/s -> rad, of the flare.
+  PidGains glide{0.04, 0.01, 0.0};        ///< m/s -> rad, airspeed by pitch.
+  double glide_rad{-6.0 * kRadPerDeg};    ///< Angle it starts from.
 
   double cruise_m_s{15.0};
   double min_airspeed_m_s{11.5};    ///< Speed guard: nothing may pitch up below it.
@@ -86,7 +88,10 @@ class Controller {
     std::optional<double> climb_m_s;  ///< Climb rate instead of height: the flare.
     std::optional<double> throttle;
     std::optional<double> ground_course_rad;  ///< Rolling: rudder steers, wings level.
-    std::optional<double> min_pitch_rad;      ///< Lower limit of theta_c.
+    std::optional<double> airspeed_by_pitch_m_s;  ///< Climb angle for this airspeed: the glide.
+    double min_pitch_rad{-kPi};                   ///< Closer limits of theta_c and phi_c.
+    double max_pitch_rad{kPi};
+    double max_roll_rad{kPi};
     double max_throttle{1.0};
   };
   struct Input {
@@ -129,7 +134,7 @@ class Controller {
 
   ControllerConfig config_{};
   std::unique_ptr<LongitudinalLaw> law_;
-  Pid course_, roll_, pitch_, climb_rate_;
+  Pid course_, roll_, pitch_, climb_rate_, glide_;
   Output out_{};
   double roll_c_rad_{};
   double airspeed_rate_m_s2_{};
