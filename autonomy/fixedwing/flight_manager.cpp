@@ -18,6 +18,7 @@ constexpr double kTouch_m_s = 0.2;     // sink that tells rolling from sinking
 constexpr double kTouch_s = 0.4;
 constexpr double kTouchHeight_m = 5.0;  // no ground is higher above the believed one
 constexpr double kTooTilted = 0.8;      // cosine beyond which a range says little of the height
+constexpr double kTooFast_s_m = 0.2;  // throttle taken away per speed above cruise
 constexpr double kFlareRamp_1_s = 0.5;  // throttle taken away per second
 
 double heading_of(const Quaternion& q) {
@@ -209,7 +210,7 @@ void FlightManager::enter(Phase to, const Input& in) {
   const double radius_m = mission_.radius_m.value_or(config_.plan.radius_m);
   switch (to) {
     case Phase::kTakeoff:
-      start_N_ = in.state.p_N;
+      start_N_ = climb_from_N_ = in.state.p_N;
       start_course_rad_ = heading_of(in.state.q_NB);
       controller_.reset();
       break;
@@ -254,19 +255,28 @@ void FlightManager::enter(Phase to, const Input& in) {
     case Phase::kLanded:
       flown_ = true;
       break;
-    case Phase::kDisarmed:
     case Phase::kClimb:
+      climb_from_N_ = in.state.p_N;
+      break;
+    case Phase::kDisarmed:
       break;
   }
 }
 
+/// The line of the take-off; from where it is airborne it climbs.
 CurrentPath FlightManager::straight_on() const {
   CurrentPath out;
   out.valid = true;
   out.airspeed_m_s = config_.plan.airspeed_m_s;
-  const double height_m = mission_.takeoff_height_m.value_or(config_.takeoff.height_m);
-  out.r_N = start_N_ - Vector3(0.0, 0.0, height_m);
+  out.r_N = start_N_;
+  out.r_N.z() = climb_from_N_.z();
   out.q_N << along(start_course_rad_), 0.0;
+  if (out_.phase == Phase::kClimb) {
+    const Vector2 flown = (climb_from_N_ - start_N_).head<2>();
+    out.r_N.head<2>() += flown.dot(along(start_course_rad_)) * along(start_course_rad_);
+    out.q_N.z() = -config_.plan.climb_slope;
+    out.q_N.normalize();
+  }
   return out;
 }
 
@@ -292,7 +302,9 @@ Controller::Direct FlightManager::direct(const Input& in) {
       const bool fast = v > config_.takeoff.rotate_m_s;
       out.roll_rad = 0.0;
       out.pitch_rad = fast ? config_.takeoff.pitch_rad : 0.0;
-      out.throttle = std::min((in.t_s - since_s_) / config_.takeoff.ramp_s, 1.0);
+      // All there is, but no faster than cruise.
+      out.throttle = std::min({(in.t_s - since_s_) / config_.takeoff.ramp_s, 1.0,
+                               1.0 - kTooFast_s_m * (v - config_.controller.cruise_m_s)});
       if (!fast) out.ground_course_rad = start_course_rad_;
       break;
     }

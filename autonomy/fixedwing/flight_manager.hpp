@@ -155,6 +155,7 @@ class FlightManager {
   FlightOutput out_{};
   CurrentPath here_{};  ///< Circle of kLoiter.
   Vector3 start_N_{Vector3::Zero()};
+  Vector3 climb_from_N_{Vector3::Zero()};
   double start_course_rad_{};
   double flare_height_m_{};
   double flare_throttle_{};

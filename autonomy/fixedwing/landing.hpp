@@ -11,7 +11,7 @@ struct LandingConfig {
   double glide_slope{0.09};        ///< Of the glide path: 5 degrees.
   double level_m{120.0};           ///< Straight and level before it.
   double airspeed_m_s{13.5};       ///< On the glide path.
-  double flare_time_s{1.3};        ///< tau of the flare.
+  double flare_time_s{1.6};        ///< tau of the flare.
   double touchdown_m_s{0.45};      ///< Sink the flare ends with.
   double flare_throttle{0.2};      ///< Down to this over the flare; idle once on the ground.
   double max_roll_rad{12.0 * kRadPerDeg};  ///< In the flare.

@@ -71,8 +71,23 @@ class Plant {
     const Vector3 turn = w_ * dt_s;
     q_ = (q_ * Quaternion(1.0, 0.5 * turn.x(), 0.5 * turn.y(), 0.5 * turn.z())).normalized();
     t_s_ += dt_s;
+    on_ground_ = p_.z() >= 0.0;
+    if (on_ground_) roll(dt_s);
     fill();
   }
+
+  /// Standing on the ground at the origin.
+  void stand(double heading_rad) {
+    fly_from({0.0, 0.0, 0.0}, heading_rad, 0.0);
+    v_.setZero();
+    throttle_ = 0.0;
+    on_ground_ = true;
+    fill();
+  }
+  bool on_ground() const { return on_ground_; }
+  /// Sink of the last touch-down, and its place.
+  double touchdown_m_s() const { return touchdown_m_s_; }
+  const Vector3& touchdown_N() const { return touchdown_N_; }
 
   const StateEstimate& state() const { return state_; }
   StateEstimate& state() { return state_; }
@@ -89,6 +104,29 @@ class Plant {
   double thrust(double va) const {
     const double n = throttle_;
     return config_.motor * (44.0 * n * n - 0.65 * n * va) - 0.01 * va * va * (1.0 - n);
+  }
+
+  /// Wheels: level, along the nose, with rolling friction; the nose may come up.
+  void roll(double dt_s) {
+    if (v_.z() > 0.05) {
+      touchdown_m_s_ = v_.z();
+      touchdown_N_ = p_;
+    }
+    p_.z() = 0.0;
+    v_.z() = std::min(v_.z(), 0.0);
+    const double pitch = std::max(RollPitch::of(q_).pitch_rad, 0.0);
+    const double heading = std::atan2(2.0 * (q_.x() * q_.y() + q_.w() * q_.z()),
+                                      1.0 - 2.0 * (q_.y() * q_.y() + q_.z() * q_.z()));
+    q_ = Quaternion(std::cos(0.5 * heading), 0.0, 0.0, std::sin(0.5 * heading)) *
+         Quaternion(std::cos(0.5 * pitch), 0.0, std::sin(0.5 * pitch), 0.0);
+    w_.x() = 0.0;
+    w_.z() *= std::max(0.0, 1.0 - 2.0 * dt_s);
+    if (pitch == 0.0) w_.y() = std::max(w_.y(), 0.0);
+    const Vector2 nose = along(heading);
+    double speed = v_.head<2>().dot(nose);
+    const double braked = 0.05 * config_.gravity_m_s2 * dt_s;
+    speed = std::abs(speed) <= braked ? 0.0 : speed - std::copysign(braked, speed);
+    v_.head<2>() = speed * nose;
   }
 
   void fill() {
@@ -119,6 +157,9 @@ class Plant {
   double elevator_{};
   double rudder_{};
   double throttle_{0.5};
+  double touchdown_m_s_{};
+  Vector3 touchdown_N_{Vector3::Zero()};
+  bool on_ground_{false};
   double t_s_{};
   StateEstimate state_{};
 };
