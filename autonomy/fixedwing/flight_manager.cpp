@@ -12,6 +12,7 @@ namespace rosflight::autonomy::fixedwing {
 namespace {
 
 constexpr double kNearReference_m = 8.0;  // closer than this a path goes on from the reference
+constexpr double kCalm_m_s = 1.0;  // less wind than this does not turn the landing round
 constexpr double kStill_m_s = 1.0;
 constexpr double kStill_s = 1.0;
 constexpr double kTouch_m_s = 0.2;     // sink that tells rolling from sinking
@@ -90,11 +91,11 @@ double FlightManager::measure_height(const Input& in) const {
   const double tilt = cos_tilt(in.state.q_NB);
   if (in.range_m && std::isfinite(*in.range_m) && *in.range_m >= 0.0 && tilt > kTooTilted &&
       *in.range_m <= config_.safety.longest_range_m) {
-    return *in.range_m * tilt;
+    return *in.range_m * tilt - standing_range_m_;
   }
   const bool coming_down = out_.phase == Phase::kApproach || out_.phase == Phase::kFlare ||
                            out_.phase == Phase::kGlide;
-  const double ground_m = coming_down ? mission_.landing.aim_N.z() : start_N_.z();
+  const double ground_m = coming_down ? landing_place_N().z() : start_N_.z();
   return ground_m - in.state.p_N.z();
 }
 
@@ -168,8 +169,16 @@ std::uint16_t FlightManager::conditions(const Input& in, double dt_s, bool pilot
   return static_cast<std::uint16_t>(c);
 }
 
-double FlightManager::landing_course() const {
-  return mission_.landing.course_rad.value_or(start_course_rad_);
+double FlightManager::choose_landing_course(const Input& in) const {
+  if (mission_.landing.course_rad) return *mission_.landing.course_rad;
+  const bool tail_wind = head_wind(in, start_course_rad_) < -kCalm_m_s;
+  return tail_wind ? wrap_angle(start_course_rad_ + kPi) : start_course_rad_;
+}
+
+/// The aim point, as high as the centre of mass is when it stands there.
+Vector3 FlightManager::landing_place_N() const {
+  return {mission_.landing.aim_N.x(), mission_.landing.aim_N.y(),
+          start_N_.z() + mission_.landing.aim_N.z()};
 }
 
 double FlightManager::head_wind(const Input& in, double course_rad) const {
@@ -211,6 +220,7 @@ void FlightManager::enter(Phase to, const Input& in) {
   switch (to) {
     case Phase::kTakeoff:
       start_N_ = climb_from_N_ = in.state.p_N;
+      standing_range_m_ = in.range_m.value_or(0.0);
       start_course_rad_ = heading_of(in.state.q_NB);
       controller_.reset();
       break;
@@ -227,10 +237,10 @@ void FlightManager::enter(Phase to, const Input& in) {
       break;
     }
     case Phase::kApproach: {
-      const double course = landing_course();
+      landing_course_rad_ = choose_landing_course(in);
       const LandingPath landing =
-          LandingPath::plan(config_.landing, mission_.landing.aim_N, course,
-                            config_.plan.airspeed_m_s, head_wind(in, course));
+          LandingPath::plan(config_.landing, landing_place_N(), landing_course_rad_,
+                            config_.plan.airspeed_m_s, head_wind(in, landing_course_rad_));
       flare_height_m_ = landing.flare_height_m;
       begin_path(in, {landing.waypoints.begin(), landing.waypoints.end()}, false, 0,
                  config_.plan.radius_m);
@@ -244,12 +254,13 @@ void FlightManager::enter(Phase to, const Input& in) {
       here_.valid = here_.circle = true;
       here_.airspeed_m_s = config_.safety.glide_m_s;
       here_.radius_m = config_.plan.radius_m;
-      here_.c_N = mission_.landing.aim_N;
+      here_.c_N = landing_place_N();
       break;
     case Phase::kFlare:
       flare_throttle_ = motor_lost_ ? 0.0 : out_.control.surfaces.throttle;
       break;
     case Phase::kRollout:
+      roll_course_rad_ = heading_of(in.state.q_NB);
       if (!out_.mission_done && !land_) event(FlightEventType::kTakeoffFailed);
       break;
     case Phase::kLanded:
@@ -330,7 +341,7 @@ Controller::Direct FlightManager::direct(const Input& in) {
       out.roll_rad = 0.0;
       out.pitch_rad = 0.0;
       out.throttle = 0.0;
-      out.ground_course_rad = landing_course();
+      out.ground_course_rad = roll_course_rad_;
       break;
     default:
       break;

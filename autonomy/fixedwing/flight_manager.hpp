@@ -87,6 +87,8 @@ struct FlightOutput {
 ///     path manager -> path follower -> controller -> firmware command
 ///                   phases (take-off to landed) decide which path, or none
 ///
+/// A landing without a course goes along the take-off, or against it if the wind asks for that.
+///
 /// step() is called at any rate, 50 Hz and up; the control period is the difference of the times
 /// given. It allocates where a path begins.
 ///
@@ -145,7 +147,8 @@ class FlightManager {
   CurrentPath straight_on() const;
   Controller::Direct direct(const Input& in);
   double head_wind(const Input& in, double course_rad) const;
-  double landing_course() const;
+  double choose_landing_course(const Input& in) const;
+  Vector3 landing_place_N() const;
 
   FlightConfig config_{};
   Mission mission_{};
@@ -157,6 +160,9 @@ class FlightManager {
   Vector3 start_N_{Vector3::Zero()};
   Vector3 climb_from_N_{Vector3::Zero()};
   double start_course_rad_{};
+  double landing_course_rad_{};
+  double roll_course_rad_{};
+  double standing_range_m_{};  ///< What the range sensor reads on the ground.
   double flare_height_m_{};
   double flare_throttle_{};
   double last_t_s_{};

@@ -14,8 +14,8 @@ namespace rosflight::autonomy::fixedwing {
 
 /// Where and how to come down.
 struct LandingPlace {
-  Vector3 aim_N{Vector3::Zero()};  ///< Point of the ground.
-  std::optional<double> course_rad;  ///< Of the landing; absent: that of the take-off.
+  Vector3 aim_N{Vector3::Zero()};    ///< Point of the ground; z against that of the start.
+  std::optional<double> course_rad;  ///< Absent: that of the take-off, or against it, by the wind.
 };
 
 struct Mission {
