@@ -29,9 +29,9 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options) {
   fly->add_option("--seed", choice.seed, "Seed of all noise and wind; same seed, same bits")
       ->check(whole_number)
       ->capture_default_str();
-  fly->add_option("--state", choice.state, "Where guidance gets position and velocity from: truth")
+  fly->add_option("--state", choice.state, "Where guidance gets its state from: estimate (filter on the link's sensor streams) or truth")
       ->capture_default_str()
-      ->check(CLI::IsMember({"truth"}));
+      ->check(CLI::IsMember({"estimate", "truth"}));
   fly->add_option("--wind", choice.wind,
                   "SPEED,FROM_DEG[,W20]: steady wind and Dryden turbulence [m/s]");
   fly->add_option("--set", choice.overrides, "vehicle.key=value, e.g. vehicle.body.mass_kg=3.2")

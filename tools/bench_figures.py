@@ -39,6 +39,8 @@ def all_figures() -> list[Figure]:
         Figure("loop.realtime_factor", "s/s", ">= 1000", lambda: loop_factor("realtime_factor")),
         Figure("loop.realtime_factor_log", "s/s", "report",
                lambda: loop_factor("realtime_factor_log")),
+        Figure("loop.realtime_factor_ekf", "s/s", ">= 500",
+               lambda: loop_factor("realtime_factor_ekf")),
         Figure("firmware.object_bytes", "B", "<= 14000", lambda: size("firmware.object_bytes")),
         Figure("firmware.heap_allocations", "allocations", "= 0",
                lambda: size("firmware.heap_allocations")),

@@ -16,6 +16,7 @@ DirectorConfig director_config(const FlightSetup& setup) {
   DirectorConfig config;
   config.firmware = setup.firmware;
   config.step = Flight::kStep;
+  config.on_truth = setup.choice.state == "truth";
   config.hover_stick = setup.autonomy.flight.thrust.throttle(
       setup.vehicle.body().mass_kg * setup.vehicle.environment().gravity_m_s2);
   return config;
@@ -40,7 +41,8 @@ Flight::Flight(const FlightSetup& setup)
       codec_{{1, link::MavlinkCodec::kCompanionComponent}},
       session_{codec_, companion_end_, companion::Session::Options{}},
       manager_{setup.autonomy.flight, setup.mission},
-      director_{director_config(setup), session_, pilot_, manager_},
+      navigator_{session_, setup.estimator},
+      director_{director_config(setup), session_, pilot_, manager_, navigator_},
       fast_{kStep},
       loop_{time_, rc_, sensors_, board_slot_, dynamics_} {
   time_.source = &fast_;
@@ -54,6 +56,7 @@ Flight::Flight(const FlightSetup& setup)
     visualisers_.push_back(setup.registry.visualisers.at(name)(setup.vehicle, random_));
     loop_.add(*visualisers_.back());
   }
+  instruments_ = dynamic_cast<const sim::sensors::StandardSensors*>(healthy_sensors_.get());
   board_.start(loop_.now());
 }
 
@@ -75,8 +78,19 @@ void Flight::before_step(sim::Time t) {
   const autonomy::FlightOutput& output = manager_.output();
   if (output.tracking && director_.stage() == Stage::kFly) {
     tracking_.add((dynamics_.truth().body.p_N - output.setpoint.p_N).norm());
+    own_tracking_.add((seen_position_N() - output.setpoint.p_N).head<2>().norm());
   }
   if (script_) script_(*this, t);
+}
+
+sim::Vector3 Flight::seen_position_N() const {
+  const sim::Vector3& p_N = dynamics_.truth().body.p_N;
+  const auto& origin = navigator_.estimator().origin();
+  if (setup_.choice.state == "truth" || !origin || instruments_ == nullptr) return p_N;
+  const sim::GeodeticPosition& home = setup_.vehicle.environment().origin;
+  const sim::Vector3 origin_N =
+      autonomy::ned_of(*origin, {home.latitude_deg, home.longitude_deg, home.height_m});
+  return p_N + instruments_->gnss_bias() - origin_N;
 }
 
 void Flight::apply_faults(sim::Time t) {

@@ -8,10 +8,12 @@
 #include "apps/fly/firmware_board.hpp"
 #include "apps/fly/flight_director.hpp"
 #include "apps/fly/flight_setup.hpp"
+#include "apps/fly/navigator.hpp"
 #include "sim/dynamics/rigid_body.hpp"
 #include "sim/faulty_modules.hpp"
 #include "sim/lock_step.hpp"
 #include "sim/sensors/register.hpp"
+#include "sim/sensors/standard_sensors.hpp"
 #include "sim/time_sources.hpp"
 
 namespace rosflight::apps {
@@ -70,7 +72,14 @@ class Flight final : private sim::LockStepListener {
   sim::rc::Pilot& pilot() { return pilot_; }
   sim::SerialCable& cable() { return cable_; }
   const autonomy::FlightOutput& autonomy() const { return manager_.output(); }
+  /// Against the commanded path as it was meant.
   const Tracking& tracking() const { return tracking_; }
+  /// The same, horizontal, less the slow error of the satellites, which nothing on board can see:
+  /// truth + error of GNSS - error of the origin - commanded. On the truth: horizontal, as it is.
+  const Tracking& own_tracking() const { return own_tracking_; }
+  const Navigator<false>& navigator() const { return navigator_; }
+  /// Of the truth, in the estimator's frame as the satellites have it; for judging estimates.
+  sim::Vector3 seen_position_N() const;
   /// Motor output that holds the vehicle in the air, by the vehicle file's numbers.
   double firmware_hover_output() const;
 
@@ -110,6 +119,7 @@ class Flight final : private sim::LockStepListener {
   link::MavlinkCodec codec_;
   companion::Session session_;
   autonomy::FlightManager manager_;
+  Navigator<false> navigator_;
   FlightDirector director_;
   sim::LockStepTime fast_;
   SwitchableTime time_;
@@ -117,6 +127,8 @@ class Flight final : private sim::LockStepListener {
   std::vector<std::unique_ptr<sim::Visualiser>> visualisers_;  ///< Those the setup names.
   std::function<void(Flight&, sim::Time)> script_;
   Tracking tracking_;
+  Tracking own_tracking_;
+  const sim::sensors::StandardSensors* instruments_{};  ///< Null for a module of someone else's.
   bool motor_faults_{false};
 };
 

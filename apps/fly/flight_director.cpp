@@ -54,8 +54,9 @@ const char* stage_name(Stage stage) {
 }
 
 FlightDirector::FlightDirector(const DirectorConfig& config, companion::Session& session,
-                               sim::rc::Pilot& pilot, autonomy::FlightManager& manager)
-    : config_{config}, session_{session}, pilot_{pilot}, manager_{manager} {
+                               sim::rc::Pilot& pilot, autonomy::FlightManager& manager,
+                               Navigator<false>& navigator)
+    : config_{config}, session_{session}, pilot_{pilot}, manager_{manager}, navigator_{navigator} {
   session_.add(*this);
   // The pilot holds the vehicle until the computer is ready.
   pilot_.set_switch(Control::kAttitudeOverride, true);
@@ -155,6 +156,9 @@ void FlightDirector::calibrate() {
 void FlightDirector::store() {
   if (command_.pending()) return;
   if (command_.failed()) return fail(fmt::format("writing parameters: {}", command_.text()));
+  // From here on the IMU is as calibrated.
+  navigator_.set_listening(!config_.on_truth);
+  navigator_.estimator().restart();
   enter(Stage::kArm);
 }
 
@@ -171,7 +175,11 @@ void FlightDirector::arm() {
     enter(Stage::kFly);
     return;
   }
-  if (status.error_code == 0) pilot_.set_switch(Control::kArm, true);
+  constexpr double kFreshFix_s = 1.0;
+  const auto& estimator = navigator_.estimator();
+  const bool ready = config_.on_truth ||
+                     (estimator.estimate().usable() && estimator.health().gnss_age_s < kFreshFix_s);
+  if (status.error_code == 0 && ready) pilot_.set_switch(Control::kArm, true);
 }
 
 /// The safety pilot's throttle: up to hover while the computer flies, so that whoever loses the
@@ -204,16 +212,60 @@ void FlightDirector::watch_for_the_end(const sim::Truth& truth) {
   if (disarmed_) return fail("disarmed in flight");
 }
 
+autonomy::State FlightDirector::state_of(const sim::Truth& truth) {
+  autonomy::State state;
+  if (config_.on_truth) {
+    state.p_N = truth.body.p_N;
+    state.v_N = truth.body.q_NB * truth.body.v_B;
+    state.q_NB = truth.body.q_NB;
+    state.w_B = truth.body.w_B;
+    return state;
+  }
+  estimate_ = navigator_.estimator().estimate();
+  state.p_N = estimate_.p_N;
+  state.v_N = estimate_.v_N;
+  state.q_NB = estimate_.q_NB;
+  state.w_B = estimate_.w_B;
+  return state;
+}
+
+/// Says what changes in the estimate; a position that is worth nothing ends the mission where it
+/// is.
+void FlightDirector::watch_the_estimate() {
+  const autonomy::estimation::EstimatorHealth& health = navigator_.estimator().health();
+  if (estimate_.horizontal != horizontal_seen_) {
+    horizontal_seen_ = estimate_.horizontal;
+    if (horizontal_seen_ == autonomy::Trust::kGood) {
+      note(Severity::kInfo, "estimator", "position aided");
+    } else {
+      const bool lost = horizontal_seen_ == autonomy::Trust::kNone;
+      note(lost ? Severity::kError : Severity::kWarning, "estimator",
+           lost ? "position lost, landing" : "position by dead reckoning");
+      if (lost) manager_.request_land();
+    }
+  }
+  const bool heading = estimate_.heading == autonomy::Trust::kGood;
+  if (heading != heading_seen_) {
+    heading_seen_ = heading;
+    note(heading ? Severity::kInfo : Severity::kWarning, "estimator",
+         heading ? "heading aided" : "heading by the gyro alone");
+  }
+  const std::uint64_t resets =
+      health.gnss_resets + health.baro_relearned + health.ground_relearned + health.restarts;
+  if (resets == resets_seen_) return;
+  resets_seen_ = resets;
+  note(Severity::kWarning, "estimator",
+       fmt::format("resets: to GNSS {}, barometer's bias {}, ground {}, all {}", health.gnss_resets,
+                   health.baro_relearned, health.ground_relearned, health.restarts));
+}
+
 void FlightDirector::fly(const sim::Truth& truth) {
   if (--countdown_ > 0) return;
   countdown_ = config_.autonomy_every;
   keep_thumb_ready(truth);
   const link::Status& fcu = session_.streams().status.value;
-  autonomy::State state;
-  state.p_N = truth.body.p_N;
-  state.v_N = truth.body.q_NB * truth.body.v_B;
-  state.q_NB = truth.body.q_NB;
-  state.w_B = truth.body.w_B;
+  const autonomy::State state = state_of(truth);
+  if (!config_.on_truth) watch_the_estimate();
   autonomy::Status status;
   status.armed = fcu.armed;
   status.offboard = fcu.offboard;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/fly/navigator.hpp"
 #include "autonomy/multirotor/flight_manager.hpp"
 #include "companion/session.hpp"
 #include "sim/modules.hpp"
@@ -31,6 +32,7 @@ struct DirectorConfig {
   int autonomy_every{4};             ///< Autonomy runs every so many steps.
   double longest_flight_s{600.0};    ///< From arming; then the flight has failed.
   double hover_stick{0.5};           ///< Throttle stick that holds the vehicle in the air.
+  bool on_truth{false};              ///< Guidance is given the true state.
 };
 
 /// What the world shall do at a named moment of the flight; used by tests to play the pilot.
@@ -43,13 +45,14 @@ struct DirectorNote {
 
 /// The companion computer and the pilot's thumbs: brings the firmware up through its own link and
 /// radio, flies the mission with offboard commands, lands, disarms. Knows nothing that a real
-/// companion would not, but for the true position and velocity it is given as its state.
+/// companion would not, unless it is told to fly on the truth. The pilot and the referee, who end a
+/// flight that cannot go on, see the vehicle itself.
 class FlightDirector final : private companion::Listener {
  public:
   using Notify = std::function<void(const DirectorNote&)>;
 
   FlightDirector(const DirectorConfig& config, companion::Session& session, sim::rc::Pilot& pilot,
-                 autonomy::FlightManager& manager);
+                 autonomy::FlightManager& manager, Navigator<false>& navigator);
   ~FlightDirector() override;
 
   void set_notify(Notify notify) { notify_ = std::move(notify); }
@@ -73,6 +76,8 @@ class FlightDirector final : private companion::Listener {
   /// One per waypoint of the mission.
   const std::vector<Arrival>& arrivals() const { return arrivals_; }
   const autonomy::FlightOutput& output() const { return manager_.output(); }
+  /// Of the last step of guidance.
+  const autonomy::StateEstimate& estimate() const { return estimate_; }
 
  private:
   void on_event(const companion::Event& event) override;
@@ -82,6 +87,8 @@ class FlightDirector final : private companion::Listener {
   void store();
   void arm();
   void fly(const sim::Truth& truth);
+  autonomy::State state_of(const sim::Truth& truth);
+  void watch_the_estimate();
   void disarm();
   void keep_thumb_ready(const sim::Truth& truth);
   void watch_for_the_end(const sim::Truth& truth);
@@ -94,6 +101,11 @@ class FlightDirector final : private companion::Listener {
   companion::Session& session_;
   sim::rc::Pilot& pilot_;
   autonomy::FlightManager& manager_;
+  Navigator<false>& navigator_;
+  autonomy::StateEstimate estimate_;
+  std::uint64_t resets_seen_{0};
+  autonomy::Trust horizontal_seen_{autonomy::Trust::kGood};
+  bool heading_seen_{true};
   Notify notify_;
   sim::Time now_{};
   sim::Time entered_{};

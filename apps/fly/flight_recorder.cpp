@@ -70,7 +70,7 @@ FlightRecorder::FlightRecorder(Flight& flight, const std::filesystem::path& log_
   const log::TextMap facts{{"vehicle", std::filesystem::path(setup.choice.vehicle).stem().string()},
                            {"mission", std::filesystem::path(setup.mission_file).stem().string()},
                            {"seed", std::to_string(setup.choice.seed)},
-                           {"state", "truth"}};
+                           {"state", setup.choice.state}};
   log_ = std::make_unique<log::FlightLog>(log_file, options, facts);
   log_->attach("vehicle.yaml", "application/yaml", setup.vehicle.text());
   log_->attach("mission.yaml", "application/yaml", setup.mission_text);

@@ -10,7 +10,9 @@
 #include <iterator>
 #include <numbers>
 
+#include "apps/fly/navigator.hpp"
 #include "apps/project_root.hpp"
+#include "autonomy/estimation/read_estimator.hpp"
 #include "firmware/core/motor_model.hpp"
 #include "firmware/core/parameters.hpp"
 #include "sim/sensors/register.hpp"
@@ -106,6 +108,24 @@ autonomy::AutonomyConfig read_autonomy_section(const sim::Vehicle& vehicle,
   return autonomy::read_autonomy(vehicle.autonomy(), facts);
 }
 
+/// Height of the centre of mass over its lowest point of contact.
+double height_at_rest_m(const sim::Vehicle& vehicle) {
+  double lowest_m = 0.0;
+  for (const sim::Vector3& contact : vehicle.ground().contacts_B) {
+    lowest_m = std::max(lowest_m, contact.z());
+  }
+  return lowest_m;
+}
+
+autonomy::estimation::EstimatorConfig read_estimator_section(const sim::Vehicle& vehicle) {
+  autonomy::estimation::EstimatorConfig defaults;
+  defaults.gravity_m_s2 = vehicle.environment().gravity_m_s2;
+  defaults.declination_at = wmm2025_declination;
+  defaults.height_at_rest_m = height_at_rest_m(vehicle);
+  return autonomy::estimation::read_estimator(vehicle.autonomy().foreign_section("estimator"),
+                                              defaults);
+}
+
 }  // namespace
 
 companion::ParameterSet read_firmware_parameters(const config::Section& section) {
@@ -196,6 +216,7 @@ FlightSetup::FlightSetup(const FlightChoice& choice_in)
       rotors{sim::read_multirotor(vehicle.root())},
       firmware{read_firmware_parameters(vehicle.firmware())},
       autonomy{read_autonomy_section(vehicle, rotors, firmware)},
+      estimator{read_estimator_section(vehicle)},
       mission_file{find_mission(choice.mission)},
       mission{autonomy::load_mission(mission_file, autonomy.mission,
                                      autonomy::Geodetic{vehicle.environment().origin.latitude_deg,

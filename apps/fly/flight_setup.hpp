@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "autonomy/estimation/estimator_config.hpp"
 #include "autonomy/multirotor/config.hpp"
 #include "companion/parameter.hpp"
 #include "sim/faults.hpp"
@@ -19,7 +20,7 @@ struct FlightChoice {
   std::string vehicle{"multirotor"};
   std::string mission{"default"};
   std::uint64_t seed{1};
-  std::string state{"truth"};            ///< Position and velocity for guidance.
+  std::string state{"estimate"};         ///< What guidance flies on: estimate or truth.
   std::vector<std::string> overrides;    ///< "body.mass_kg=3.2"
   std::vector<std::string> faults;       ///< "baro@20:5"
   std::vector<std::string> plugins;      ///< Shared libraries.
@@ -39,6 +40,7 @@ struct FlightSetup {
   sim::MultirotorParameters rotors;
   companion::ParameterSet firmware;
   autonomy::AutonomyConfig autonomy;
+  autonomy::estimation::EstimatorConfig estimator;
   std::string mission_file;
   std::string mission_text;
   autonomy::Mission mission;

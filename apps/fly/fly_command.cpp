@@ -205,7 +205,8 @@ std::string summary_json(const Flight& flight, const Result& result, const Fligh
       "{{\"success\": {}, \"verdict\": {}, \"vehicle\": {}, \"mission\": {}, \"seed\": {}, "
       "\"sim_time_s\": {:.4f}, \"flight_time_s\": {:.4f}, \"wall_time_s\": {:.4f}, "
       "\"realtime_factor\": {:.1f}, \"waypoints_total\": {}, \"waypoints_reached\": {}, "
-      "\"waypoints\": [{}], \"tracking_rms_m\": {:.6f}, \"tracking_max_m\": {:.6f}, \"landed\": "
+      "\"waypoints\": [{}], \"tracking_rms_m\": {:.6f}, \"tracking_max_m\": {:.6f}, "
+      "\"own_tracking_rms_m\": {:.6f}, \"own_tracking_max_m\": {:.6f}, \"landed\": "
       "{}, "
       "\"disarmed\": {}, \"warnings\": {}, \"errors\": {}, \"frames_dropped\": {}, "
       "\"log\": {}, \"log_sha256\": \"{}\", \"log_messages\": {}, \"log_bytes\": {}}}\n",
@@ -213,9 +214,9 @@ std::string summary_json(const Flight& flight, const Result& result, const Fligh
       quoted(setup.choice.mission), setup.choice.seed, result.sim_time_s, result.flight_time_s,
       result.wall_time_s, result.realtime_factor(), setup.mission.waypoints.size(),
       result.waypoints_reached, waypoints, flight.tracking().rms_m(), flight.tracking().max_m,
-      flight.autonomy().landed, flight.director().disarmed(), recorder.warnings(),
-      recorder.errors(), recorder.dropped_frames(), quoted(log.path.string()), log.sha256,
-      log.messages, log.bytes);
+      flight.own_tracking().rms_m(), flight.own_tracking().max_m, flight.autonomy().landed,
+      flight.director().disarmed(), recorder.warnings(), recorder.errors(),
+      recorder.dropped_frames(), quoted(log.path.string()), log.sha256, log.messages, log.bytes);
 }
 
 void print_summary(std::ostream& out, const Flight& flight, const Result& result,
