@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -45,23 +46,18 @@ Eigen::MatrixXd linearise(const TrimVehicle& vehicle, const Trim& trim, Eigen::I
   return slope;
 }
 
-enum class Kind { kLongitudinal, kLateral, kMotor };
+/// How much of a mode is in rotor speeds, lateral and longitudinal motion: sums of participation
+/// factors |w_k v_k|, w and v its left and right eigenvectors, which do not depend on units.
+struct Share {
+  double motor{};
+  double lateral{};
+  double longitudinal{};
+};
 
-/// By the larger part of the eigenvector, speeds relative to those of the trim.
-Kind kind_of(const Eigen::VectorXcd& vector, const Trim& trim) {
-  const double per_speed = 1.0 / trim.condition.airspeed_m_s;
-  const auto square = [&vector](Eigen::Index i, double scale) {
-    return std::norm(vector[i] * scale);
-  };
-  const double lateral = square(1, per_speed) + square(3, 1.0) + square(5, 1.0) + square(6, 1.0);
-  const double longitudinal =
-      square(0, per_speed) + square(2, per_speed) + square(4, 1.0) + square(7, 1.0);
-  double motor = 0.0;
-  for (Eigen::Index i = kBody; i < vector.size(); ++i) {
-    motor += square(i, 1.0 / std::max(1.0, trim.module_state[static_cast<std::size_t>(i - kBody)]));
-  }
-  if (motor > lateral && motor > longitudinal) return Kind::kMotor;
-  return lateral > longitudinal ? Kind::kLateral : Kind::kLongitudinal;
+Share share_of(const Eigen::VectorXcd& right, const Eigen::RowVectorXcd& left) {
+  const Eigen::ArrayXd part = (right.transpose().array() * left.array()).abs().transpose();
+  return {part.tail(part.size() - kBody).sum(), part[1] + part[3] + part[5] + part[6],
+          part[0] + part[2] + part[4] + part[7]};
 }
 
 /// Fast first.
@@ -110,18 +106,25 @@ std::vector<Mode> find_modes(const TrimVehicle& vehicle, const Trim& trim) {
   const auto rotors =
       instant ? Eigen::Index{0} : static_cast<Eigen::Index>(propulsion.rotors.size());
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(linearise(vehicle, trim, rotors));
-  std::vector<Mode> longitudinal;
-  std::vector<Mode> lateral;
-  std::vector<Mode> motor;
+  const Eigen::MatrixXcd left = solver.eigenvectors().inverse();
+  std::vector<std::pair<Mode, Share>> found;
   for (Eigen::Index i = 0; i < solver.eigenvalues().size(); ++i) {
     const std::complex<double> value = solver.eigenvalues()[i];
     if (value.imag() < 0.0) continue;
-    const Mode mode{"motor", value.real(), value.imag()};
-    const Kind kind = kind_of(solver.eigenvectors().col(i), trim);
-    (kind == Kind::kMotor     ? motor
-     : kind == Kind::kLateral ? lateral
-                              : longitudinal)
-        .push_back(mode);
+    found.emplace_back(Mode{"motor", value.real(), value.imag()},
+                       share_of(solver.eigenvectors().col(i), left.row(i)));
+  }
+  // As many motors' modes as there are rotors, whatever else moves with them.
+  std::ranges::sort(found, std::greater<>(), [](const auto& f) { return f.second.motor; });
+  std::vector<Mode> motor;
+  std::vector<Mode> longitudinal;
+  std::vector<Mode> lateral;
+  for (const auto& [mode, share] : found) {
+    if (static_cast<Eigen::Index>(motor.size()) < rotors) {
+      motor.push_back(mode);
+    } else {
+      (share.lateral > share.longitudinal ? lateral : longitudinal).push_back(mode);
+    }
   }
   name_longitudinal(longitudinal);
   name_lateral(lateral);

@@ -137,13 +137,23 @@ class Search {
   }
 
   std::string reason() const {
+    const FlightCondition& c = trim_.condition;
+    const AirframeParameters& wing = parameters_.airframe;
+    double most = 0.0;
+    constexpr double kSearch_rad = 0.6;
+    for (double alpha = 0.0; alpha < kSearch_rad; alpha += 0.005)
+      most = std::max(most, vehicle_.forces.airframe().lift_coefficient(alpha));
+    const double pressure_Pa = 0.5 * trim_.air.density_kg_m3 * c.airspeed_m_s * c.airspeed_m_s;
+    const double weight_N = vehicle_.body.mass_kg * vehicle_.environment.gravity_m_s2;
+    if (pressure_Pa * wing.area_m2 * most < weight_N * std::cos(c.climb_rad))
+      return "more lift than the wing has";
     if (trim_.throttle >= kNearlyFull) return "more than full throttle";
     if (trim_.throttle <= 1.0 - kNearlyFull) return "less than no throttle";
     for (std::size_t i = 0; i < parameters_.surfaces.size(); ++i) {
       const float output = trim_.outputs[parameters_.surfaces[i].output];
       if (output <= 0.0F || output >= 1.0F) return "more than full deflection";
     }
-    return "more lift than the wing has";
+    return "more thrust, lift or deflection than it has";
   }
 
   bool within_travel() const {

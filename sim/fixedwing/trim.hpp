@@ -68,9 +68,9 @@ struct Mode {
 };
 
 /// Eigenvalues of the equations of motion linearised at a trim, deflections held: velocity, rates,
-/// roll, pitch and rotor speeds; by central differences. Named by what moves: lateral or
-/// longitudinal by the eigenvector's larger part, fast or slow by the modulus. Height, heading,
-/// charge and servos are left out.
+/// roll, pitch and rotor speeds; by central differences. Named by what moves (participation
+/// factors: I. Perez-Arriaga et al., IEEE Trans. PAS-101, 1982) and, within that, by the modulus.
+/// Height, heading, charge and servos are left out.
 std::vector<Mode> find_modes(const TrimVehicle& vehicle, const Trim& trim);
 
 /// Lanchester's phugoid, which trades height for speed at constant lift coefficient (F. Lanchester,

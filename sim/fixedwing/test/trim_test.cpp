@@ -125,12 +125,13 @@ std::map<std::string, Mode> modes_of(const Hangar& hangar, double speed) {
   return all;
 }
 
-TEST(Modes, EachAircraftHasTheFiveOfTheTextbook) {
+TEST(Modes, EachAircraftHasTheFiveOfTheTextbookAndItsMotors) {
   for (const ReferenceWing& wing : kReferenceWings) {
     SCOPED_TRACE(wing.name);
     const auto modes = modes_of(Hangar(wing.name), 18.0);
-    for (const char* name : {"short period", "phugoid", "Dutch roll", "roll", "spiral"})
+    for (const char* name : {"short period", "phugoid", "Dutch roll", "roll", "spiral", "motor"})
       EXPECT_TRUE(modes.contains(name)) << name;
+    EXPECT_EQ(modes.size(), 6U);
   }
 }
 
