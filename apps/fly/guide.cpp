@@ -54,8 +54,7 @@ Guide::Note note_of(const wing::FlightEvent& e) {
   using Type = wing::FlightEventType;
   switch (e.type) {
     case Type::kPhase:
-      return say(Severity::kInfo,
-                 fmt::format("phase {}", name(static_cast<wing::Phase>(e.index))));
+      return say(Severity::kInfo, fmt::format("phase {}", name(static_cast<wing::Phase>(e.index))));
     case Type::kWaypointPassed:
       return arrival(e.index, true, "passed", e.value);
     case Type::kMissionDone:

@@ -15,10 +15,10 @@ namespace rosflight::apps {
 struct GuideOutput {
   autonomy::FirmwareCommand command{};
   const char* phase{"disarmed"};
-  bool idle{true};      ///< Before take-off or after landing.
-  bool in_air{};        ///< Meant to be off the ground.
-  bool coming_down{};   ///< Landing.
-  bool tracking{};      ///< On the mission's path, holding all axes.
+  bool idle{true};                  ///< Before take-off or after landing.
+  bool in_air{};                    ///< Meant to be off the ground.
+  bool coming_down{};               ///< Landing.
+  bool tracking{};                  ///< On the mission's path, holding all axes.
   autonomy::Trajectory setpoint{};  ///< Where the vehicle is meant to be.
   std::size_t waypoint{};
   double distance_m{};

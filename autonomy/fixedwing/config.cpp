@@ -55,8 +55,7 @@ void read_limits(const Section& in, AutonomyConfig& out) {
   plan.airspeed_m_s = c.cruise_m_s;
   m.plan = plan;
   m.gravity_m_s2 = c.airframe.gravity_m_s2;
-  const double bank =
-      std::atan(c.cruise_m_s * c.cruise_m_s / (m.gravity_m_s2 * plan.radius_m));
+  const double bank = std::atan(c.cruise_m_s * c.cruise_m_s / (m.gravity_m_s2 * plan.radius_m));
   if (bank > m.max_bank_rad || m.max_bank_rad > c.max_roll_rad) {
     throw in.error("turn_radius_m",
                    number_text(plan.radius_m) + ", at cruise a bank of " +
@@ -77,11 +76,11 @@ void read_follower(const Section& in, FlightConfig& out) {
 }
 
 void read_energy(const Section& in, ControllerConfig& c) {
-  c.longitudinal = in.choice<LongitudinalKind>(
-      "longitudinal",
-      {{"total_energy", LongitudinalKind::kTotalEnergy},
-       {"successive_loops", LongitudinalKind::kSuccessiveLoops}},
-      c.longitudinal);
+  c.longitudinal =
+      in.choice<LongitudinalKind>("longitudinal",
+                                  {{"total_energy", LongitudinalKind::kTotalEnergy},
+                                   {"successive_loops", LongitudinalKind::kSuccessiveLoops}},
+                                  c.longitudinal);
   gains(in, "energy", c.total_energy.energy);
   gains(in, "balance", c.total_energy.balance);
   gains(in, "height", c.successive_loops.height);
@@ -156,7 +155,7 @@ void read_safety(const Section& in, SafetyConfig& s) {
   number(in, "longest_range_m", 0.0, 200.0, s.longest_range_m);
 }
 
-Airframe airframe_of(const VehicleFacts& vehicle) {
+Airframe airframe_of(const VehicleFacts& vehicle, double elevator_travel_rad) {
   Airframe out;
   out.mass_kg = vehicle.mass_kg;
   out.gravity_m_s2 = vehicle.gravity_m_s2;
@@ -164,7 +163,7 @@ Airframe airframe_of(const VehicleFacts& vehicle) {
   out.density_kg_m3 = vehicle.density_kg_m3;
   out.lift_zero = vehicle.lift_zero;
   out.lift_slope_1_rad = vehicle.lift_alpha_1_rad;
-  const double power = vehicle.pitch_elevator_1_rad * vehicle.elevator_travel_rad;
+  const double power = vehicle.pitch_elevator_1_rad * elevator_travel_rad;
   if (power < 0.0) {
     // C_m0 + C_ma alpha + C_mde de = 0, and a command by effect is the negative deflection.
     out.elevator_trim = vehicle.pitch_zero / power;
@@ -177,7 +176,9 @@ Airframe airframe_of(const VehicleFacts& vehicle) {
 
 AutonomyConfig read_autonomy(const Section& autonomy, const VehicleFacts& vehicle) {
   AutonomyConfig out;
-  out.flight.controller.airframe = airframe_of(vehicle);
+  double travel_rad = 0.0;
+  degrees(autonomy, "elevator_travel_deg", 0.0, 90.0, travel_rad);
+  out.flight.controller.airframe = airframe_of(vehicle, travel_rad);
   const config::Document nothing = config::Document::from_text("{}", "defaults");
   const auto section = [&](std::string_view key) {
     return autonomy.optional_section(key).value_or(nothing.root());
@@ -189,6 +190,7 @@ AutonomyConfig read_autonomy(const Section& autonomy, const VehicleFacts& vehicl
   read_takeoff(section("takeoff"), out.flight.takeoff);
   read_landing(section("landing"), out.flight.landing, out.flight.plan);
   read_safety(section("safety"), out.flight.safety);
+  static_cast<void>(autonomy.foreign_section("estimator"));  // estimation/read_estimator.hpp
   autonomy.finish();
   return out;
 }

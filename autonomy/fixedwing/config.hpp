@@ -17,7 +17,6 @@ struct VehicleFacts {
   double pitch_zero{};
   double pitch_alpha_1_rad{};
   double pitch_elevator_1_rad{};  ///< < 0: a positive deflection pitches down.
-  double elevator_travel_rad{};   ///< Deflection at a command of 1; 0: not known.
 };
 
 struct AutonomyConfig {

@@ -87,7 +87,7 @@ class Controller {
     std::optional<double> pitch_rad;
     std::optional<double> climb_m_s;  ///< Climb rate instead of height: the flare.
     std::optional<double> throttle;
-    std::optional<double> ground_course_rad;  ///< Rolling: rudder steers, wings level.
+    std::optional<double> ground_course_rad;      ///< Rolling: rudder steers, wings level.
     std::optional<double> airspeed_by_pitch_m_s;  ///< Climb angle for this airspeed: the glide.
     double min_pitch_rad{-kPi};                   ///< Closer limits of theta_c and phi_c.
     double max_pitch_rad{kPi};

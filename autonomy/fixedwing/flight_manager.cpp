@@ -12,14 +12,14 @@ namespace rosflight::autonomy::fixedwing {
 namespace {
 
 constexpr double kNearReference_m = 8.0;  // closer than this a path goes on from the reference
-constexpr double kCalm_m_s = 1.0;  // less wind than this does not turn the landing round
+constexpr double kCalm_m_s = 1.0;         // less wind than this does not turn the landing round
 constexpr double kStill_m_s = 1.0;
 constexpr double kStill_s = 1.0;
-constexpr double kTouch_m_s = 0.2;     // sink that tells rolling from sinking
+constexpr double kTouch_m_s = 0.2;  // sink that tells rolling from sinking
 constexpr double kTouch_s = 0.4;
 constexpr double kTouchHeight_m = 5.0;  // no ground is higher above the believed one
 constexpr double kTooTilted = 0.8;      // cosine beyond which a range says little of the height
-constexpr double kTooFast_s_m = 0.2;  // throttle taken away per speed above cruise
+constexpr double kTooFast_s_m = 0.2;    // throttle taken away per speed above cruise
 constexpr double kFlareRamp_1_s = 0.5;  // throttle taken away per second
 
 double heading_of(const Quaternion& q) {
@@ -72,8 +72,8 @@ void FlightManager::event(FlightEventType type, std::size_t index, double value)
 bool FlightManager::state_good(const Input& in) {
   const StateEstimate& s = in.state;
   const bool good = s.attitude != Trust::kNone && s.vertical != Trust::kNone &&
-                    std::isfinite(s.p_N.sum() + s.v_N.sum() + s.q_NB.coeffs().sum() +
-                                  s.w_B.sum() + s.a_B.sum() + s.airspeed_m_s + s.course_rad);
+                    std::isfinite(s.p_N.sum() + s.v_N.sum() + s.q_NB.coeffs().sum() + s.w_B.sum() +
+                                  s.a_B.sum() + s.airspeed_m_s + s.course_rad);
   if (good) {
     if (state_lost_) event(FlightEventType::kStateRegained);
     state_lost_ = false;
@@ -93,8 +93,8 @@ double FlightManager::measure_height(const Input& in) const {
       *in.range_m <= config_.safety.longest_range_m) {
     return *in.range_m * tilt - standing_range_m_;
   }
-  const bool coming_down = out_.phase == Phase::kApproach || out_.phase == Phase::kFlare ||
-                           out_.phase == Phase::kGlide;
+  const bool coming_down =
+      out_.phase == Phase::kApproach || out_.phase == Phase::kFlare || out_.phase == Phase::kGlide;
   const double ground_m = coming_down ? landing_place_N().z() : start_N_.z();
   return ground_m - in.state.p_N.z();
 }
@@ -118,8 +118,8 @@ bool FlightManager::motor_out(const Input& in, double dt_s) {
                                             std::sin(RollPitch::of(s.q_NB).pitch_rad);
   const double energy_m_s =
       -s.v_N.z() + s.airspeed_m_s * along_nose / config_.controller.airframe.gravity_m_s2;
-  const bool bad = flying && !pilot_ && out_.control.throttle_full &&
-                   energy_m_s < -config_.safety.motor_out_m_s;
+  const bool bad =
+      flying && !pilot_ && out_.control.throttle_full && energy_m_s < -config_.safety.motor_out_m_s;
   motor_bad_s_ = bad ? motor_bad_s_ + dt_s : 0.0;
   if (motor_bad_s_ > config_.safety.motor_out_s && !motor_lost_) {
     motor_lost_ = true;
@@ -129,10 +129,10 @@ bool FlightManager::motor_out(const Input& in, double dt_s) {
 }
 
 bool FlightManager::on_ground(const Input& in, double dt_s) {
-  const bool coming_down = out_.phase == Phase::kApproach || out_.phase == Phase::kFlare ||
-                           out_.phase == Phase::kGlide;
-  const bool rolls = std::abs(in.state.v_N.z()) < kTouch_m_s &&
-                     out_.height_above_ground_m < kTouchHeight_m;
+  const bool coming_down =
+      out_.phase == Phase::kApproach || out_.phase == Phase::kFlare || out_.phase == Phase::kGlide;
+  const bool rolls =
+      std::abs(in.state.v_N.z()) < kTouch_m_s && out_.height_above_ground_m < kTouchHeight_m;
   // A sink that is asked for and does not come.
   ground_s_ = coming_down && rolls ? ground_s_ + dt_s : 0.0;
   const double needed_s = out_.phase == Phase::kFlare ? kTouch_s : 3.0 * kTouch_s;
@@ -146,8 +146,8 @@ std::uint16_t FlightManager::conditions(const Input& in, double dt_s, bool pilot
   const bool moves = in.state.v_N.head<2>().norm() > kStill_m_s;
   still_s_ = moves ? 0.0 : still_s_ + dt_s;
   const double flare_m =
-      std::max(flare_height_m_, config_.landing.flare_time_s *
-                                    (in.state.v_N.z() - config_.landing.touchdown_m_s));
+      std::max(flare_height_m_,
+               config_.landing.flare_time_s * (in.state.v_N.z() - config_.landing.touchdown_m_s));
   const bool ends_down = mission_.at_end == AtEnd::kLand && out_.mission_done;
   const bool ends_home = mission_.at_end == AtEnd::kReturn && out_.mission_done;
   unsigned c = 0;
@@ -225,8 +225,7 @@ void FlightManager::enter(Phase to, const Input& in) {
       controller_.reset();
       break;
     case Phase::kMission:
-      begin_path(in, mission_.waypoints, mission_.at_end == AtEnd::kCycle, out_.waypoint,
-                 radius_m);
+      begin_path(in, mission_.waypoints, mission_.at_end == AtEnd::kCycle, out_.waypoint, radius_m);
       break;
     case Phase::kReturn: {
       Waypoint home;

@@ -13,23 +13,23 @@
 namespace rosflight::autonomy::fixedwing {
 
 struct TakeoffConfig {
-  double height_m{40.0};           ///< Above where it stands.
-  double rotate_m_s{11.5};         ///< Airspeed at which the nose comes up,
+  double height_m{40.0};               ///< Above where it stands.
+  double rotate_m_s{11.5};             ///< Airspeed at which the nose comes up,
   double pitch_rad{8.0 * kRadPerDeg};  ///< to this.
-  double ramp_s{1.0};              ///< Throttle from none to all.
+  double ramp_s{1.0};                  ///< Throttle from none to all.
   double airborne_m{4.0};
   double timeout_s{25.0};
   double margin_m{3.0};  ///< The climb ends this much below the height.
 };
 
 struct SafetyConfig {
-  double dead_reckoning_s{30.0};   ///< A position without aiding is followed this long.
-  double return_height_m{60.0};    ///< Above the start.
-  double motor_out_s{3.0};         ///< Full throttle and losing energy for this long.
-  double motor_out_m_s{0.5};       ///< Energy lost per weight, as a sink rate.
-  double glide_m_s{14.0};          ///< Airspeed that sinks least, and some.
-  double straight_below_m{20.0};   ///< A glide does not turn any more.
-  double longest_range_m{8.0};     ///< Readings of the range sensor beyond count as none.
+  double dead_reckoning_s{30.0};  ///< A position without aiding is followed this long.
+  double return_height_m{60.0};   ///< Above the start.
+  double motor_out_s{3.0};        ///< Full throttle and losing energy for this long.
+  double motor_out_m_s{0.5};      ///< Energy lost per weight, as a sink rate.
+  double glide_m_s{14.0};         ///< Airspeed that sinks least, and some.
+  double straight_below_m{20.0};  ///< A glide does not turn any more.
+  double longest_range_m{8.0};    ///< Readings of the range sensor beyond count as none.
 };
 
 struct FlightConfig {

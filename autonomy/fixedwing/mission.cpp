@@ -109,11 +109,11 @@ void check_bank(const Section& wp, const Waypoint& waypoint, double radius_m,
   const double v = waypoint.airspeed_m_s;
   const double bank = std::atan(v * v / (limits.gravity_m_s2 * radius_m));
   if (bank <= limits.max_bank_rad) return;
-  throw wp.error("speed",
-                 number_text(v) + " m/s in turns of " + metres(radius_m) + ", a bank of " +
-                     number_text(rounded(bank / kRadPerDeg, 1.0)) + " deg",
-                 "a bank of at most " +
-                     number_text(rounded(limits.max_bank_rad / kRadPerDeg, 1.0)) + " deg");
+  throw wp.error(
+      "speed",
+      number_text(v) + " m/s in turns of " + metres(radius_m) + ", a bank of " +
+          number_text(rounded(bank / kRadPerDeg, 1.0)) + " deg",
+      "a bank of at most " + number_text(rounded(limits.max_bank_rad / kRadPerDeg, 1.0)) + " deg");
 }
 
 Mission read(const MissionFile& file, const MissionLimits& limits,

@@ -29,7 +29,7 @@ struct Mission {
 /// What a mission may ask of a vehicle.
 struct MissionLimits {
   MissionArea area{.max_distance_m = 3000.0, .max_height_m = 150.0, .min_height_m = 15.0};
-  PlannerConfig plan{};            ///< Radius, slopes and airspeed where the mission says none.
+  PlannerConfig plan{};  ///< Radius, slopes and airspeed where the mission says none.
   double min_airspeed_m_s{13.0};
   double max_airspeed_m_s{22.0};
   double max_bank_rad{40.0 * kRadPerDeg};  ///< In still air, of any turn.

@@ -5,9 +5,9 @@
 namespace rosflight::autonomy::fixedwing {
 
 struct FollowerConfig {
-  double approach_rad{1.2};      ///< chi_inf: course towards a line from far away; < pi/2.
+  double approach_rad{1.2};    ///< chi_inf: course towards a line from far away; < pi/2.
   double line_gain_1_m{0.03};  ///< k_path.
-  double circle_gain{2.0};       ///< k_orbit.
+  double circle_gain{2.0};     ///< k_orbit.
   double gravity_m_s2{9.80665};
   double max_roll_ff_rad{45.0 * kRadPerDeg};
   double max_wind_angle_rad{70.0 * kRadPerDeg};  ///< Between course and heading, see (4).

@@ -14,10 +14,10 @@ namespace rosflight::autonomy::fixedwing {
 /// 11.1, and on arcs it counts turns, so no plane can be taken from the wrong side. At a corner the
 /// plane bisects it: (p - w) . along(chi + corner/2) > 0.
 ///
-/// The height reference is that of the path beside the vehicle. What the follower is told runs ahead
-/// of it by `lead_m`, about the way flown while the wing rolls: the fields of two segments that join
-/// smoothly are the same there but for lead^2/(2 R), and the bank is there when the arc begins.
-/// Corners are not led.
+/// The height reference is that of the path beside the vehicle. What the follower is told runs
+/// ahead of it by `lead_m`, about the way flown while the wing rolls: the fields of two segments
+/// that join smoothly are the same there but for lead^2/(2 R), and the bank is there when the arc
+/// begins. Corners are not led.
 class PathManager {
  public:
   struct Output {

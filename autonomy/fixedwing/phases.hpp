@@ -28,17 +28,17 @@ class Phases {
  public:
   enum Condition : std::uint16_t {
     kArmed = 1U << 0U,
-    kReady = 1U << 1U,        ///< The caller wants to fly.
-    kPilot = 1U << 2U,        ///< The pilot holds an axis.
-    kAirborne = 1U << 3U,     ///< Clearly above the ground of the take-off.
-    kHighEnough = 1U << 4U,   ///< Height of the take-off reached.
-    kTooLate = 1U << 5U,      ///< The take-off takes too long.
-    kPathDone = 1U << 6U,     ///< The path has ended, or there is none.
-    kLandNext = 1U << 7U,     ///< A landing was asked for, or is what comes after the mission.
-    kReturnNext = 1U << 8U,   ///< The same with the return.
-    kPlaceKnown = 1U << 9U,   ///< Position good enough to follow a path.
+    kReady = 1U << 1U,       ///< The caller wants to fly.
+    kPilot = 1U << 2U,       ///< The pilot holds an axis.
+    kAirborne = 1U << 3U,    ///< Clearly above the ground of the take-off.
+    kHighEnough = 1U << 4U,  ///< Height of the take-off reached.
+    kTooLate = 1U << 5U,     ///< The take-off takes too long.
+    kPathDone = 1U << 6U,    ///< The path has ended, or there is none.
+    kLandNext = 1U << 7U,    ///< A landing was asked for, or is what comes after the mission.
+    kReturnNext = 1U << 8U,  ///< The same with the return.
+    kPlaceKnown = 1U << 9U,  ///< Position good enough to follow a path.
     kMotorOut = 1U << 10U,
-    kLow = 1U << 11U,      ///< Height to flare.
+    kLow = 1U << 11U,  ///< Height to flare.
     kOnGround = 1U << 12U,
     kStands = 1U << 13U
   };
