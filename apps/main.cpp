@@ -12,6 +12,7 @@
 #include "apps/project_root.hpp"
 #include "apps/replay/replay.hpp"
 #include "apps/sil/sil_cli.hpp"
+#include "apps/trim/trim_command.hpp"
 
 namespace {
 
@@ -78,18 +79,34 @@ CLI::App* add_mixer(CLI::App& app, MixerOptions& options) {
   return mixer;
 }
 
+CLI::App* add_trim(CLI::App& app, TrimOptions& options) {
+  CLI::App* trim = app.add_subcommand("trim", "Trim a fixed wing; print state, outputs and modes");
+  trim->add_option("--vehicle", options.vehicle, "Fixed wing: a name of vehicles/ or a YAML file")
+      ->capture_default_str();
+  trim->add_option("--speed", options.speed_m_s, "Airspeed [m/s]")->required();
+  trim->add_option("--radius", options.radius_m, "Turn radius [m], to the right positive");
+  trim->add_option("--climb", options.climb_deg, "Angle of the path above the horizon [deg]");
+  trim->add_option("--height", options.height_m, "Above the vehicle's origin [m]");
+  trim->add_option("--set", options.overrides, "vehicle.key=value, e.g. vehicle.body.mass_kg=5")
+      ->take_all();
+  return trim;
+}
+
 int run(int argc, char** argv) {
-  CLI::App app{"rosflight: fly, replay, sil and mixer. ./rosflight --help lists all commands."};
+  CLI::App app{
+      "rosflight: fly, replay, sil, mixer and trim. ./rosflight --help lists all commands."};
   app.name("./rosflight");
   app.require_subcommand(1);
   FlyOptions fly_options;
   ReplayOptions replay_options;
   MixerOptions mixer_options;
   SilOptions sil_options;
+  TrimOptions trim_options;
   const CLI::App* fly = add_fly(app, fly_options);
   const CLI::App* replay_app = add_replay(app, replay_options);
   const CLI::App* mixer = add_mixer(app, mixer_options);
   const CLI::App* sil = add_sil(app, sil_options);
+  const CLI::App* trim = add_trim(app, trim_options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -100,6 +117,7 @@ int run(int argc, char** argv) {
   if (*fly) return fly_command(fly_options, std::cout, std::cerr);
   if (*replay_app) return replay(replay_options, std::cout);
   if (*mixer) return mixer_command(mixer_options, std::cout);
+  if (*trim) return trim_command(trim_options, std::cout);
   if (*sil) {
     sil_options.vehicles_folder = project_root() / "vehicles";
     return sil_command(sil_options, std::cout);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "sim/fixedwing/fixedwing.hpp"
 #include "sim/multirotor/multirotor.hpp"
 
 namespace rosflight::sim {
@@ -75,6 +76,9 @@ std::unique_ptr<ForcesAndMoments> Registry::make_forces(const Vehicle& vehicle,
 }
 
 void register_physics(Registry& registry) {
+  registry.forces.add("fixedwing", [](const Vehicle& vehicle, const RandomSource&) {
+    return std::make_unique<FixedWing>(read_fixed_wing(vehicle.root()));
+  });
   registry.forces.add("multirotor", [](const Vehicle& vehicle, const RandomSource&) {
     return std::make_unique<Multirotor>(read_multirotor(vehicle.root()));
   });

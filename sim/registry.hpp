@@ -98,7 +98,7 @@ class Registry {
                                                 const RandomSource& random) const;
 };
 
-/// Adds the forces-and-moments modules of this folder: "multirotor".
+/// Adds the forces-and-moments modules of this folder: "multirotor", "fixedwing".
 void register_physics(Registry& registry);
 
 }  // namespace rosflight::sim

@@ -55,6 +55,9 @@ struct Truth {
   double battery_current_A{};
   std::size_t rotor_count{};
   std::array<double, kMaxRotors> rotor_speed_rad_s{};
+  double aileron_rad{};  ///< Of control surfaces, all together; of a fixed wing, like the next two.
+  double elevator_rad{};
+  double rudder_rad{};
 };
 
 /// Samples that became available in one step; a sensor that has nothing new is absent.

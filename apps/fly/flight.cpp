@@ -17,9 +17,21 @@ DirectorConfig director_config(const FlightSetup& setup) {
   config.firmware = setup.firmware;
   config.step = Flight::kStep;
   config.on_truth = setup.choice.state == "truth";
-  config.hover_stick = setup.autonomy.flight.thrust.throttle(
-      setup.vehicle.body().mass_kg * setup.vehicle.environment().gravity_m_s2);
+  config.hover_stick = setup.hover_throttle;
   return config;
+}
+
+std::unique_ptr<Guide> make_guide(const FlightSetup& setup) {
+  if (const auto* wing = std::get_if<WingPlan>(&setup.plan)) {
+    return std::make_unique<FixedWingGuide>(wing->autonomy.flight, wing->mission);
+  }
+  const auto& rotors = std::get<MultirotorPlan>(setup.plan);
+  return std::make_unique<MultirotorGuide>(rotors.autonomy.flight, rotors.mission);
+}
+
+std::unique_ptr<Navigator> make_navigator(const FlightSetup& setup, companion::Session& session) {
+  if (setup.fixed_wing()) return std::make_unique<LinkNavigator<true>>(session, setup.estimator);
+  return std::make_unique<LinkNavigator<false>>(session, setup.estimator);
 }
 
 }  // namespace
@@ -40,9 +52,9 @@ Flight::Flight(const FlightSetup& setup)
       board_{board_end_},
       codec_{{1, link::MavlinkCodec::kCompanionComponent}},
       session_{codec_, companion_end_, companion::Session::Options{}},
-      manager_{setup.autonomy.flight, setup.mission},
-      navigator_{session_, setup.estimator},
-      director_{director_config(setup), session_, pilot_, manager_, navigator_},
+      guide_{make_guide(setup)},
+      navigator_{make_navigator(setup, session_)},
+      director_{director_config(setup), session_, pilot_, *guide_, *navigator_},
       fast_{kStep},
       loop_{time_, rc_, sensors_, board_slot_, dynamics_} {
   time_.source = &fast_;
@@ -66,16 +78,14 @@ void Flight::set_tap(LinkTap* tap) {
 }
 
 double Flight::firmware_hover_output() const {
-  const double weight_N = setup_.vehicle.body().mass_kg * setup_.vehicle.environment().gravity_m_s2;
-  return setup_.autonomy.flight.thrust.throttle(weight_N) *
-         firmware_value(setup_.firmware, "RC_MAX_THR");
+  return setup_.hover_throttle * firmware_value(setup_.firmware, "RC_MAX_THR");
 }
 
 void Flight::before_step(sim::Time t) {
   wire_time_ = t;
   apply_faults(t);
   director_.step(t, dynamics_.truth());
-  const autonomy::FlightOutput& output = manager_.output();
+  const GuideOutput& output = guide_->output();
   if (output.tracking && director_.stage() == Stage::kFly) {
     tracking_.add((dynamics_.truth().body.p_N - output.setpoint.p_N).norm());
     own_tracking_.add((seen_position_N() - output.setpoint.p_N).head<2>().norm());
@@ -85,7 +95,7 @@ void Flight::before_step(sim::Time t) {
 
 sim::Vector3 Flight::seen_position_N() const {
   const sim::Vector3& p_N = dynamics_.truth().body.p_N;
-  const auto& origin = navigator_.estimator().origin();
+  const auto& origin = navigator_->origin();
   if (setup_.choice.state == "truth" || !origin || instruments_ == nullptr) return p_N;
   const sim::GeodeticPosition& home = setup_.vehicle.environment().origin;
   const sim::Vector3 origin_N =

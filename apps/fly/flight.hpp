@@ -71,13 +71,15 @@ class Flight final : private sim::LockStepListener {
   companion::Session& session() { return session_; }
   sim::rc::Pilot& pilot() { return pilot_; }
   sim::SerialCable& cable() { return cable_; }
-  const autonomy::FlightOutput& autonomy() const { return manager_.output(); }
+  const GuideOutput& autonomy() const { return guide_->output(); }
+  Guide& guide() { return *guide_; }
+  const Guide& guide() const { return *guide_; }
   /// Against the commanded path as it was meant.
   const Tracking& tracking() const { return tracking_; }
   /// The same, horizontal, less the slow error of the satellites, which nothing on board can see:
   /// truth + error of GNSS - error of the origin - commanded. On the truth: horizontal, as it is.
   const Tracking& own_tracking() const { return own_tracking_; }
-  const Navigator<false>& navigator() const { return navigator_; }
+  const Navigator& navigator() const { return *navigator_; }
   /// Of the truth, in the estimator's frame as the satellites have it; for judging estimates.
   sim::Vector3 seen_position_N() const;
   /// Motor output that holds the vehicle in the air, by the vehicle file's numbers.
@@ -118,8 +120,8 @@ class Flight final : private sim::LockStepListener {
   SwitchableBoard board_slot_;
   link::MavlinkCodec codec_;
   companion::Session session_;
-  autonomy::FlightManager manager_;
-  Navigator<false> navigator_;
+  std::unique_ptr<Guide> guide_;
+  std::unique_ptr<Navigator> navigator_;
   FlightDirector director_;
   sim::LockStepTime fast_;
   SwitchableTime time_;

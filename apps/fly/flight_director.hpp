@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "apps/fly/guide.hpp"
 #include "apps/fly/navigator.hpp"
-#include "autonomy/multirotor/flight_manager.hpp"
 #include "companion/session.hpp"
 #include "sim/modules.hpp"
 #include "sim/rc/pilot.hpp"
@@ -32,6 +33,7 @@ struct DirectorConfig {
   int autonomy_every{4};             ///< Autonomy runs every so many steps.
   double longest_flight_s{600.0};    ///< From arming; then the flight has failed.
   double hover_stick{0.5};           ///< Throttle stick that holds the vehicle in the air.
+  bool use_range{true};              ///< Guidance is given the range sensor.
   bool on_truth{false};              ///< Guidance is given the true state.
 };
 
@@ -52,7 +54,7 @@ class FlightDirector final : private companion::Listener {
   using Notify = std::function<void(const DirectorNote&)>;
 
   FlightDirector(const DirectorConfig& config, companion::Session& session, sim::rc::Pilot& pilot,
-                 autonomy::FlightManager& manager, Navigator<false>& navigator);
+                 Guide& guide, Navigator& navigator);
   ~FlightDirector() override;
 
   void set_notify(Notify notify) { notify_ = std::move(notify); }
@@ -75,7 +77,7 @@ class FlightDirector final : private companion::Listener {
   };
   /// One per waypoint of the mission.
   const std::vector<Arrival>& arrivals() const { return arrivals_; }
-  const autonomy::FlightOutput& output() const { return manager_.output(); }
+  const GuideOutput& output() const { return guide_.output(); }
   /// Of the last step of guidance.
   const autonomy::StateEstimate& estimate() const { return estimate_; }
 
@@ -87,7 +89,7 @@ class FlightDirector final : private companion::Listener {
   void store();
   void arm();
   void fly(const sim::Truth& truth);
-  autonomy::State state_of(const sim::Truth& truth);
+  void look(const sim::Truth& truth);
   void watch_the_estimate();
   void disarm();
   void keep_thumb_ready(const sim::Truth& truth);
@@ -95,13 +97,14 @@ class FlightDirector final : private companion::Listener {
   void enter(Stage stage);
   void fail(const std::string& why);
   void note(link::Severity severity, const char* source, const std::string& text);
-  void take_events(const autonomy::FlightOutput& output);
+  std::optional<double> range() const;
+  void take(const Guide::Note& said);
 
   DirectorConfig config_;
   companion::Session& session_;
   sim::rc::Pilot& pilot_;
-  autonomy::FlightManager& manager_;
-  Navigator<false>& navigator_;
+  Guide& guide_;
+  Navigator& navigator_;
   autonomy::StateEstimate estimate_;
   std::uint64_t resets_seen_{0};
   autonomy::Trust horizontal_seen_{autonomy::Trust::kGood};

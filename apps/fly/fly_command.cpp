@@ -108,7 +108,7 @@ Result judge(const Flight& flight, double wall_s) {
   const auto& arrivals = director.arrivals();
   result.waypoints_reached = static_cast<std::size_t>(
       std::count_if(arrivals.begin(), arrivals.end(), [](const auto& a) { return a.reached; }));
-  const std::size_t total = flight.setup().mission.waypoints.size();
+  const std::size_t total = flight.setup().waypoints.size();
   const bool all = result.waypoints_reached == total;
   result.success =
       director.stage() == Stage::kDone && all && flight.autonomy().landed && director.disarmed();
@@ -145,7 +145,7 @@ void fill_record(report::FlightRecord& record, const Flight& flight, const Resul
         {std::move(label), std::move(value), std::move(unit), headline, report::Tone::kNeutral});
   };
   fact("Waypoints reached",
-       fmt::format("{} of {}", result.waypoints_reached, setup.mission.waypoints.size()), "", true);
+       fmt::format("{} of {}", result.waypoints_reached, setup.waypoints.size()), "", true);
   fact("Tracking error, rms", fmt::format("{:.2f}", flight.tracking().rms_m()), "m", true);
   fact("Tracking error, largest", fmt::format("{:.2f}", flight.tracking().max_m), "m", true);
   fact("Flight time", fmt::format("{:.1f}", result.flight_time_s), "s", true);
@@ -193,7 +193,7 @@ std::string summary_json(const Flight& flight, const Result& result, const Fligh
   const FlightSetup& setup = flight.setup();
   std::string waypoints;
   const auto& arrivals = flight.director().arrivals();
-  for (std::size_t k = 0; k < setup.mission.waypoints.size(); ++k) {
+  for (std::size_t k = 0; k < setup.waypoints.size(); ++k) {
     const FlightDirector::Arrival arrival =
         k < arrivals.size() ? arrivals[k] : FlightDirector::Arrival{};
     waypoints += fmt::format(
@@ -212,7 +212,7 @@ std::string summary_json(const Flight& flight, const Result& result, const Fligh
       "\"log\": {}, \"log_sha256\": \"{}\", \"log_messages\": {}, \"log_bytes\": {}}}\n",
       result.success, quoted(result.verdict), quoted(setup.choice.vehicle),
       quoted(setup.choice.mission), setup.choice.seed, result.sim_time_s, result.flight_time_s,
-      result.wall_time_s, result.realtime_factor(), setup.mission.waypoints.size(),
+      result.wall_time_s, result.realtime_factor(), setup.waypoints.size(),
       result.waypoints_reached, waypoints, flight.tracking().rms_m(), flight.tracking().max_m,
       flight.own_tracking().rms_m(), flight.own_tracking().max_m, flight.autonomy().landed,
       flight.director().disarmed(), recorder.warnings(), recorder.errors(),
@@ -224,7 +224,7 @@ void print_summary(std::ostream& out, const Flight& flight, const Result& result
   fmt::print(out, "{}\n\n", result.verdict);
   fmt::print(out, "waypoint  reached  missed by\n");
   const auto& arrivals = flight.director().arrivals();
-  for (std::size_t k = 0; k < flight.setup().mission.waypoints.size(); ++k) {
+  for (std::size_t k = 0; k < flight.setup().waypoints.size(); ++k) {
     if (k >= arrivals.size()) {
       fmt::print(out, "{:>8}  not flown\n", k + 1);
     } else if (arrivals[k].reached) {

@@ -1,31 +1,52 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <optional>
+
 #include "autonomy/estimation/estimator.hpp"
 #include "companion/session.hpp"
 
 namespace rosflight::apps {
 
-/// Feeds an estimator with what arrives over the link: the companion's own eyes. Times are
+/// The companion's own eyes, whatever filter looks through them.
+class Navigator {
+ public:
+  Navigator() = default;
+  Navigator(const Navigator&) = delete;
+  Navigator& operator=(const Navigator&) = delete;
+  virtual ~Navigator() = default;
+
+  virtual autonomy::StateEstimate estimate() const = 0;
+  virtual const autonomy::estimation::EstimatorHealth& health() const = 0;
+  virtual const std::optional<autonomy::Geodetic>& origin() const = 0;
+  virtual void restart() = 0;
+  /// Off: samples pass by.
+  virtual void set_listening(bool listening) = 0;
+};
+
+/// Feeds an estimator with what arrives over the link. Times are
 /// companion times of the samples; what has none on the wire borrows that of the IMU sample before
 /// it.
 template <bool kWind>
-class Navigator final : private companion::Listener {
+class LinkNavigator final : public Navigator, private companion::Listener {
  public:
   using Estimator = autonomy::estimation::Estimator<kWind>;
 
   /// @param session  must outlive this.
-  Navigator(companion::Session& session, const autonomy::estimation::EstimatorConfig& config)
+  LinkNavigator(companion::Session& session, const autonomy::estimation::EstimatorConfig& config)
       : session_{session}, estimator_{config} {
     session_.add(*this);
   }
-  ~Navigator() override { session_.remove(*this); }
-  Navigator(const Navigator&) = delete;
-  Navigator& operator=(const Navigator&) = delete;
+  ~LinkNavigator() override { session_.remove(*this); }
+  LinkNavigator(const LinkNavigator&) = delete;
+  LinkNavigator& operator=(const LinkNavigator&) = delete;
 
-  Estimator& estimator() { return estimator_; }
-  const Estimator& estimator() const { return estimator_; }
-  /// Off: samples pass by.
-  void set_listening(bool listening) { listening_ = listening; }
+  autonomy::StateEstimate estimate() const override { return estimator_.estimate(); }
+  const autonomy::estimation::EstimatorHealth& health() const override {
+    return estimator_.health();
+  }
+  const std::optional<autonomy::Geodetic>& origin() const override { return estimator_.origin(); }
+  void restart() override { estimator_.restart(); }
+  void set_listening(bool listening) override { listening_ = listening; }
 
  private:
   static double seconds(const companion::Stamp& stamp) {

@@ -6,6 +6,10 @@
 #include <limits>
 
 namespace rosflight::sim {
+namespace {
+/// Horizontal part of body x below which a wheel has no direction and acts as any point.
+constexpr double kLeastHeading = 0.1;
+}  // namespace
 
 GroundParameters read_ground(const config::Section& section) {
   using config::Range;
@@ -26,6 +30,13 @@ GroundParameters read_ground(const config::Section& section) {
     p.friction_stiffness_N_m = section.number("friction_stiffness_N_m", Range::positive_up_to(1e7));
     p.friction_damping_N_s_m = section.number("friction_damping_N_s_m", Range::between(0.0, 1e6));
     p.friction = section.number("friction", Range::between(0.0, 10.0));
+    if (section.has("wheels_m")) {
+      for (const auto& row : section.rows("wheels_m", 3, Range::between(-20.0, 20.0))) {
+        p.contacts_B.emplace_back(row[0], row[1], row[2]);
+        ++p.wheels;
+      }
+      p.rolling_friction = section.number("rolling_friction", Range::between(0.0, 10.0));
+    }
   }
   section.finish();
   return p;
@@ -83,15 +94,32 @@ bool GroundContact::touch(std::size_t i, const BodyState& body, const Matrix3& R
   return true;
 }
 
+GroundContact::Grip GroundContact::grip(std::size_t i, const Matrix3& R_NB, const Touch& t) const {
+  const double limit = parameters_.friction * t.normal_N;
+  const double heading = std::sqrt(R_NB(0, 0) * R_NB(0, 0) + R_NB(1, 0) * R_NB(1, 0));
+  const bool wheel = i + parameters_.wheels >= anchors_.size();
+  if (!wheel || heading < kLeastHeading) {
+    const double pull = std::sqrt(t.pull_x_N * t.pull_x_N + t.pull_y_N * t.pull_y_N);
+    if (pull <= limit) return {t.pull_x_N, t.pull_y_N, false};
+    const double share = limit / pull;
+    return {share * t.pull_x_N, share * t.pull_y_N, true};
+  }
+  const double north = R_NB(0, 0) / heading;
+  const double east = R_NB(1, 0) / heading;
+  const double along = t.pull_x_N * north + t.pull_y_N * east;
+  const double across = t.pull_y_N * north - t.pull_x_N * east;
+  const double rolling = parameters_.rolling_friction * t.normal_N;
+  const double a = std::clamp(along, -rolling, rolling);
+  const double b = std::clamp(across, -limit, limit);
+  return {a * north - b * east, a * east + b * north, a != along || b != across};
+}
+
 void GroundContact::add_wrench(const BodyState& body, const Matrix3& R_NB, Wrench& wrench) const {
   for (std::size_t i = 0; i < anchors_.size(); ++i) {
     Touch t;
     if (!touch(i, body, R_NB, t)) continue;
-    const double limit = parameters_.friction * t.normal_N;
-    const double pull = std::sqrt(t.pull_x_N * t.pull_x_N + t.pull_y_N * t.pull_y_N);
-    const double share = pull > limit ? limit / pull : 1.0;
-    const Vector3 force_B =
-        R_NB.transpose() * Vector3(share * t.pull_x_N, share * t.pull_y_N, -t.normal_N);
+    const Grip held = grip(i, R_NB, t);
+    const Vector3 force_B = R_NB.transpose() * Vector3(held.x_N, held.y_N, -t.normal_N);
     wrench.force_B += force_B;
     wrench.torque_B += parameters_.contacts_B[i].cross(force_B);
   }
@@ -108,15 +136,13 @@ bool GroundContact::end_step(const BodyState& body, const Matrix3& R_NB) {
     }
     any = true;
     if (!anchor.set) anchor = {true, t.position_x, t.position_y};
-    const double limit = parameters_.friction * t.normal_N;
-    const double pull = std::sqrt(t.pull_x_N * t.pull_x_N + t.pull_y_N * t.pull_y_N);
-    if (pull <= limit) continue;
-    // Sliding: k_t (p - a) + c_t v_t = -F with |F| = mu N along the uncut force.
-    const double share = limit / pull;
+    const Grip held = grip(i, R_NB, t);
+    if (!held.slides) continue;
+    // Sliding: k_t (p - a) + c_t v_t = -F with the cut force.
     const double k = parameters_.friction_stiffness_N_m;
     const double c = parameters_.friction_damping_N_s_m;
-    anchor.x = t.position_x + (share * t.pull_x_N + c * t.speed_x) / k;
-    anchor.y = t.position_y + (share * t.pull_y_N + c * t.speed_y) / k;
+    anchor.x = t.position_x + (held.x_N + c * t.speed_x) / k;
+    anchor.y = t.position_y + (held.y_N + c * t.speed_y) / k;
   }
   return any;
 }

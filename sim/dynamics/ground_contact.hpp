@@ -15,12 +15,15 @@ enum class GroundModel {
 
 struct GroundParameters {
   GroundModel model{GroundModel::kNone};
-  std::vector<Vector3> contacts_B;  ///< Points of the gear that may touch [m].
-  double stiffness_N_m{};           ///< Of each contact, normal; likewise the next three.
+  /// Points of the gear that may touch [m]; the last `wheels` of them roll along body x.
+  std::vector<Vector3> contacts_B;
+  std::size_t wheels{0};
+  double stiffness_N_m{};  ///< Of each contact, normal; likewise the next three.
   double damping_N_s_m{};
   double friction_stiffness_N_m{};  ///< Tangential, while it sticks.
   double friction_damping_N_s_m{};
-  double friction{};  ///< Coulomb's coefficient.
+  double friction{};          ///< Coulomb's coefficient; of a wheel, across its direction.
+  double rolling_friction{};  ///< Of a wheel along its direction.
 };
 
 /// Reads section `ground`. Throws config::Error.
@@ -39,6 +42,9 @@ GroundParameters read_ground(const config::Section& section);
 /// end_step() drags a along until (2) gives just mu N (return mapping of elasto-plasticity, J. Simo
 /// and T. Hughes, "Computational Inelasticity", 1998, ch. 1). Anchors stay put within a step, so
 /// the right-hand side is smooth for the integrator.
+///
+/// A wheel rolls in the ground's plane along the body's x axis: there and across it (2) is cut each
+/// by itself, at mu_r N and at mu N. Wheels neither turn nor brake.
 ///
 /// A mass m on one contact rebounds from a hard fall with the share (3) of its speed; (2) stops a
 /// slide after v^2/(2 mu g).
@@ -68,6 +74,12 @@ class GroundContact {
     double x{};
     double y{};
   };
+  /// Friction in the plane [N].
+  struct Grip {
+    double x_N;
+    double y_N;
+    bool slides;
+  };
   struct Touch {
     double depth_m;
     double normal_N;
@@ -80,6 +92,8 @@ class GroundContact {
   };
   /// @returns false for a point in the air.
   bool touch(std::size_t i, const BodyState& body, const Matrix3& R_NB, Touch& t) const;
+  /// (2), cut.
+  Grip grip(std::size_t i, const Matrix3& R_NB, const Touch& t) const;
 
   GroundParameters parameters_;
   std::vector<Anchor> anchors_;

@@ -4,6 +4,11 @@
 #include "sim/dynamics/rigid_body.hpp"
 
 namespace rosflight::sim {
+namespace {
+/// Error of a measured moment of inertia. The Anaconda of ROSflight 2.x is 1.6 % beyond the
+/// possible.
+constexpr double kMeasured = 0.02;
+}  // namespace
 
 BodyParameters read_body(const config::Section& section) {
   using config::Range;
@@ -19,13 +24,14 @@ BodyParameters read_body(const config::Section& section) {
   const double yz = j.number("yz", product, 0.0);
   p.inertia_kg_m2 << xx, xy, xz, xy, yy, yz, xz, yz, zz;
   const Vector3 principal = Eigen::SelfAdjointEigenSolver<Matrix3>(p.inertia_kg_m2).eigenvalues();
-  // Ascending; a flat plate reaches equality, hence the rounding.
-  if (principal.x() <= 0.0 || principal.z() > (principal.x() + principal.y()) * (1.0 + 1e-9)) {
+  // Ascending; a flat plate reaches equality, and measured ones of an airplane, nearly a plate, may
+  // pass it.
+  if (principal.x() <= 0.0 || principal.z() > (principal.x() + principal.y()) * (1.0 + kMeasured)) {
     throw section.error("inertia_kg_m2",
                         "principal moments " + config::number_text(principal.x()) + ", " +
                             config::number_text(principal.y()) + ", " +
                             config::number_text(principal.z()),
-                        "positive ones, none above the sum of the others");
+                        "positive ones, none more than 2 % above the sum of the others");
   }
   p.integration = section.choice<Integration>(
       "integration", {{"rk4", Integration::kRk4}, {"frozen_forces", Integration::kFrozenForces}},

@@ -102,15 +102,27 @@ std::span<const double> RigidBody::module_state() const {
   return module_part(y_);
 }
 
+bool RigidBody::possible(const BodyState& state) const {
+  if (!finite(state) || !(state.q_NB.norm() > 1e-6)) return false;
+  if (ground_model_ != GroundModel::kNone && state.p_N.z() > 0.0) return false;
+  BodyState unit = state;
+  unit.q_NB.coeffs() /= state.q_NB.norm();
+  return ground_model_ != GroundModel::kContact || ground_.depth_m(unit) <= kDeepestStart_m;
+}
+
 bool RigidBody::set_state(const BodyState& state) {
-  const double norm = state.q_NB.norm();
-  if (!finite(state) || !(norm > 1e-6)) return false;
-  BodyState start = state;
-  start.q_NB.coeffs() /= norm;
-  if (ground_model_ != GroundModel::kNone && start.p_N.z() > 0.0) return false;
-  if (ground_model_ == GroundModel::kContact && ground_.depth_m(start) > kDeepestStart_m)
+  if (!possible(state)) return false;
+  begin(state);
+  return true;
+}
+
+bool RigidBody::set_state(const BodyState& state, std::span<const double> module_state) {
+  const auto number = [](double x) { return std::isfinite(x); };
+  if (!possible(state) || module_state.size() != forces_.state_size() ||
+      !std::ranges::all_of(module_state, number)) {
     return false;
-  begin(start);
+  }
+  begin(state, module_state);
   return true;
 }
 
@@ -118,9 +130,12 @@ double RigidBody::height_m(const BodyState& body) const {
   return ground_model_ == GroundModel::kNone ? kNoGround_m : -body.p_N.z();
 }
 
-void RigidBody::begin(const BodyState& state) {
+void RigidBody::begin(const BodyState& given, std::span<const double> module_state) {
+  BodyState state = given;
+  state.q_NB.coeffs() /= given.q_NB.norm();
   pack(state, y_);
   forces_.initial_state(module_part(y_));
+  std::ranges::copy(module_state, module_part(y_).begin());
   ground_.lift();
   truth_.body = state;
   const AirProperties air = atmosphere_.at(origin_height_m_ - state.p_N.z());

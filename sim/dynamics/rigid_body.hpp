@@ -23,7 +23,7 @@ struct BodyParameters {
 };
 
 /// Reads section `body`: mass, inertia that a body can have (positive, each principal moment at
-/// most the sum of the others), integration. Throws config::Error.
+/// most the sum of the others and 2 %), integration. Throws config::Error.
 BodyParameters read_body(const config::Section& section);
 
 /// Motion of one rigid body with the states x of its forces-and-moments module:
@@ -51,6 +51,9 @@ class RigidBody final : public Dynamics {
   const Truth& truth() const override { return truth_; }
   /// Also false if a point of the gear would be more than 5 cm under ground.
   bool set_state(const BodyState& state) override;
+  /// The same with the states of the module; also false if their number is not its own or one is
+  /// no number.
+  bool set_state(const BodyState& state, std::span<const double> module_state);
 
   /// The state after construction.
   const BodyState& rest_state() const { return rest_; }
@@ -72,7 +75,8 @@ class RigidBody final : public Dynamics {
   void substep_frozen(double h, const hal::OutputValues& outputs);
   void finish_substep();
   void fill_truth(const hal::OutputValues& outputs);
-  void begin(const BodyState& state);
+  bool possible(const BodyState& state) const;
+  void begin(const BodyState& state, std::span<const double> module_state = {});
   double height_m(const BodyState& body) const;
 
   double mass_kg_;

@@ -35,6 +35,7 @@ Multirotor::Multirotor(const MultirotorParameters& p)
       propeller_{p.propeller},
       motor_{p.motor},
       reference_flow_{p.flow == RotorFlow::kReference},
+      airspeed_flow_{p.flow == RotorFlow::kAirspeed},
       battery_{p.battery},
       aero_{p.aero},
       thrust_per_density_{fourth_power(p.propeller.diameter_m) / (kTwoPi * kTwoPi)},
@@ -120,9 +121,14 @@ inline Vector3Lanes Multirotor::hub_velocity(const Input& in, const Group& group
   const Vector3& v = in.v_air_B;
   const Vector3& w = in.body.w_B;
   const Vector3Lanes& p = group.p_B;
-  if (reference_flow_) return {v.x(), v.y(), v.z()};
+  if (reference_flow_ || airspeed_flow_) return {v.x(), v.y(), v.z()};
   return {v.x() + (w.y() * p.z - w.z() * p.y), v.y() + (w.z() * p.x - w.x() * p.z),
           v.z() + (w.x() * p.y - w.y() * p.x)};
+}
+
+inline Lanes Multirotor::inflow(const Input& in, const Group& group,
+                                const Vector3Lanes& hub) const {
+  return airspeed_flow_ ? Lanes(in.v_air_B.norm()) : dot(hub, group.e_B);
 }
 
 inline Multirotor::Blades Multirotor::blades(Lanes speed, Lanes u, double density,
@@ -194,7 +200,7 @@ void Multirotor::evaluate(const Input& in, std::span<const double> x, Wrench& wr
     const Group& group = group_[g];
     const Vector3Lanes& e = group.e_B;
     const Vector3Lanes hub = hub_velocity(in, group);
-    const Lanes along = dot(hub, e);
+    const Lanes along = inflow(in, group, hub);
     const Lanes u = along * flow_per_speed_;
     Lanes speed = speeds[g];
     Lanes rate = 0.0;
@@ -261,7 +267,7 @@ void Multirotor::report(const Input& in, std::span<const double> x, Truth& truth
   if (motor_.model == MotorModel::kInstant) {
     for (std::size_t g = 0; g < groups_; ++g) {
       const Group& group = group_[g];
-      const Lanes u = dot(hub_velocity(in, group), group.e_B) * flow_per_speed_;
+      const Lanes u = inflow(in, group, hub_velocity(in, group)) * flow_per_speed_;
       speeds[g] = steady_speed(now.duty[g] * now.voltage_V, speeds[g], u, in.air.density_kg_m3,
                                group.factor);
     }

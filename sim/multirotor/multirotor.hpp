@@ -82,6 +82,8 @@ class Multirotor final : public ForcesAndMoments {
   void supply(const hal::OutputValues& outputs, const PerRotor& speed, double charge_As,
               Supply& now) const;
   Vector3Lanes hub_velocity(const Input& in, const Group& group) const;
+  /// Air velocity along the thrust direction.
+  Lanes inflow(const Input& in, const Group& group, const Vector3Lanes& hub) const;
   Blades blades(Lanes speed, Lanes u, double density, Lanes factor) const;
   Lanes steady_speed(Lanes drive_V, Lanes speed, Lanes u, double density, Lanes factor) const;
   Lanes ground_factor(const Input& in, const Group& group) const;
@@ -94,6 +96,7 @@ class Multirotor final : public ForcesAndMoments {
   PropellerParameters propeller_;
   MotorParameters motor_;
   bool reference_flow_;
+  bool airspeed_flow_;
   Battery battery_;
   AeroParameters aero_;
   double thrust_per_density_;  ///< D^4/(4 pi^2)

@@ -16,9 +16,10 @@ enum class MotorModel {
 };
 
 enum class RotorFlow {
-  kHub,       ///< Air velocity at each hub, coefficients continued smoothly into descent.
-  kReference  ///< Air velocity at the centre of mass, no inflow in descent, coefficients kept
-              ///< positive.
+  kHub,        ///< Air velocity at each hub, coefficients continued smoothly into descent.
+  kReference,  ///< Air velocity at the centre of mass, no inflow in descent, coefficients kept
+               ///< positive: multirotors of ROSflight 2.x.
+  kAirspeed    ///< The airspeed, whatever its direction: fixed wings of ROSflight 2.x.
 };
 
 enum class GroundEffect {
@@ -69,6 +70,10 @@ struct MultirotorParameters {
   BatteryParameters battery;
   AeroParameters aero;
 };
+
+/// Reads sections `rotors` and `battery` of a vehicle file: propulsion alone, for vehicles whose
+/// aerodynamics are their own. Throws config::Error.
+MultirotorParameters read_propulsion(const config::Section& vehicle);
 
 /// Reads sections `rotors`, `battery` and `aero` of a vehicle file. Throws config::Error.
 MultirotorParameters read_multirotor(const config::Section& vehicle);

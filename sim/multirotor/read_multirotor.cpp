@@ -133,12 +133,16 @@ AeroParameters read_aero(const Section& section) {
 
 }  // namespace
 
-MultirotorParameters read_multirotor(const Section& vehicle) {
+MultirotorParameters read_propulsion(const Section& vehicle) {
   MultirotorParameters p;
+  p.aero.ground_effect = GroundEffect::kNone;
   const Section rotors = vehicle.section("rotors");
   p.rotors = read_layout(rotors);
-  p.flow = rotors.choice<RotorFlow>(
-      "flow", {{"hub", RotorFlow::kHub}, {"reference", RotorFlow::kReference}}, RotorFlow::kHub);
+  p.flow = rotors.choice<RotorFlow>("flow",
+                                    {{"hub", RotorFlow::kHub},
+                                     {"reference", RotorFlow::kReference},
+                                     {"airspeed", RotorFlow::kAirspeed}},
+                                    RotorFlow::kHub);
   const Section motor = rotors.section("motor");
   p.motor = read_motor(motor);
   p.propeller =
@@ -149,9 +153,14 @@ MultirotorParameters read_multirotor(const Section& vehicle) {
     throw motor.error("model", "instant with a battery of cells",
                       "electrical, first_order, or battery.model constant");
   }
-  p.aero = read_aero(vehicle.section("aero"));
   rotors.finish();
   battery.finish();
+  return p;
+}
+
+MultirotorParameters read_multirotor(const Section& vehicle) {
+  MultirotorParameters p = read_propulsion(vehicle);
+  p.aero = read_aero(vehicle.section("aero"));
   vehicle.section("aero").finish();
   return p;
 }

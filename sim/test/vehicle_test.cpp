@@ -89,7 +89,7 @@ TEST(Vehicle, WrittenTextIsTheSameVehicle) {
 }
 
 TEST(Vehicle, BadValuesAreNamedInOneLine) {
-  EXPECT_EQ(message_with("type=submarine"), "type: found submarine, allowed multirotor");
+  EXPECT_EQ(message_with("type=submarine"), "type: found submarine, allowed fixedwing, multirotor");
   EXPECT_EQ(message_with("body.mass_kg=-1"),
             "body.mass_kg: found -1, allowed a number > 0 and <= 100000");
   EXPECT_EQ(message_with("body.mass_kg=3.5 kg"),
@@ -101,7 +101,7 @@ TEST(Vehicle, BadValuesAreNamedInOneLine) {
   EXPECT_EQ(message_with("body.inertia_kg_m2.zz=0.2"),
             "body.inertia_kg_m2: found principal moments 0.08, 0.08, "
             "0.2, allowed "
-            "positive ones, none above the sum of the others");
+            "positive ones, none more than 2 % above the sum of the others");
   EXPECT_EQ(message_with("body.inertia_kg_m2.xy=0.09").substr(0, 47),
             "body.inertia_kg_m2: found principal moments -0.");
   EXPECT_EQ(message_with("body.integration=euler"),
@@ -165,7 +165,7 @@ TEST(Registry, FindsVehiclesByNameAndByPath) {
   EXPECT_EQ(registry.vehicle_file("my.yaml"), "my.yaml");
   EXPECT_FALSE(registry.vehicles.has("mixer_frame_x650"));  // a YAML file, but no vehicle
   EXPECT_EQ(message_of([&] { registry.vehicle_file("zeppelin"); }).substr(0, 34),
-            "vehicle: found zeppelin, allowed m");
+            "vehicle: found zeppelin, allowed a");
   EXPECT_EQ(message_of([&] { registry.add_vehicles("nowhere"); }),
             "nowhere: found no such folder, allowed one with vehicle files");
 }
@@ -173,9 +173,9 @@ TEST(Registry, FindsVehiclesByNameAndByPath) {
 TEST(Registry, KnowsEachNameOnce) {
   Registry registry;
   register_physics(registry);
-  EXPECT_EQ(registry.forces.names(), std::vector<std::string>{"multirotor"});
+  EXPECT_EQ(registry.forces.names(), (std::vector<std::string>{"fixedwing", "multirotor"}));
   EXPECT_EQ(message_of([&] { register_physics(registry); }),
-            "type multirotor: found a second one, allowed one of a name");
+            "type fixedwing: found a second one, allowed one of a name");
   EXPECT_EQ(message_of([&] { registry.visualisers.at("hologram"); }),
             "visualiser: found hologram, allowed none: nothing is registered");
   EXPECT_EQ(message_of([&] { registry.vehicles.add("", "x"); }),

@@ -81,7 +81,7 @@ def house(tmp_path):
 def test_help_lists_the_commands_and_prepares_nothing(house):
     done = house.start("--help")
     assert done.returncode == 0
-    for command in ("fly", "replay", "sil", "mixer", "test", "bench"):
+    for command in ("fly", "replay", "sil", "mixer", "trim", "test", "bench"):
         assert f"\n  {command} " in done.stdout
     assert not house.calls.exists() and not (house.root / "build").exists()
 
@@ -98,7 +98,7 @@ def test_unknown_command_is_one_line_and_exit_code_2(house):
     done = house.start("fyl")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == ("rosflight: unknown command 'fyl'; "
-                           "allowed: fly, replay, sil, mixer, test, bench, --help\n")
+                           "allowed: fly, replay, sil, mixer, trim, test, bench, ros, --help\n")
 
 
 def test_no_command_shows_the_help_as_an_error(house):

@@ -26,9 +26,9 @@ TEST(CustomDrag, IsFoundByNameOnlyOnceItsLibraryIsLoaded) {
     registry.make_forces(vehicle, RandomSource{1});
     ADD_FAILURE() << "known without its library";
   } catch (const config::Error& error) {
-    EXPECT_STREQ(
-        error.what(),
-        "examples/custom_drag/linear_drag.yaml:4: type: found linear_drag, allowed multirotor");
+    EXPECT_STREQ(error.what(),
+                 "examples/custom_drag/linear_drag.yaml:4: type: found linear_drag, allowed "
+                 "fixedwing, multirotor");
   }
   registry.load_plugin(plugin());
   EXPECT_NE(registry.make_forces(vehicle, RandomSource{1}), nullptr);
