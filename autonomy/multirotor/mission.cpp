@@ -33,6 +33,25 @@ Waypoint waypoint_of(const Section& wp, const MissionLimits& limits,
   return out;
 }
 
+/// Behind its crossing, a waypoint like any other.
+Waypoint figure_of(const Section& in, const Waypoint& crossing, const MissionLimits& limits) {
+  constexpr double kLobeLength = 2.8322;  // in radii
+  if (crossing.hold_indefinitely)
+    throw in.error("a figure behind a hold for ever", "a hold that ends");
+  Waypoint out = crossing;
+  out.type = WaypointType::kGoto;
+  out.hold_s = 0.0;
+  out.figure_turns = static_cast<int>(in.integer("turns", 1, 100, 1));
+  out.figure_radius_m = in.number("radius_m", Range::between(0.5, 1000.0));
+  out.figure_course_rad = in.number("course_deg", Range::between(-360.0, 360.0), 0.0) * kRadPerDeg;
+  const double farthest_m = crossing.p_N.head<2>().norm() + kLobeLength * out.figure_radius_m;
+  if (farthest_m > limits.max_distance_m) {
+    throw in.error("radius_m", in.raw("radius_m"),
+                   "a figure within " + config::number_text(limits.max_distance_m) + " m");
+  }
+  return out;
+}
+
 Mission read(const MissionFile& file, const MissionLimits& limits,
              const std::optional<Geodetic>& origin) {
   Mission mission;
@@ -40,13 +59,16 @@ Mission read(const MissionFile& file, const MissionLimits& limits,
   mission.at_end =
       file.at_end({{"land", AtEnd::kLand}, {"hold", AtEnd::kHold}, {"cycle", AtEnd::kCycle}});
   if (file.root) refuse_wing_keys(*file.root, {"landing"});
-  mission.waypoints.reserve(file.waypoints.size());
+  mission.waypoints.reserve(2 * file.waypoints.size());
   for (const Section& wp : file.waypoints) {
     if (!mission.waypoints.empty() && mission.waypoints.back().hold_indefinitely) {
       throw wp.error("a waypoint behind one that holds for ever",
                      "hold_indefinitely at the last waypoint only");
     }
     mission.waypoints.push_back(waypoint_of(wp, limits, origin));
+    if (const auto figure = wp.optional_section("figure_eight")) {
+      mission.waypoints.push_back(figure_of(*figure, mission.waypoints.back(), limits));
+    }
     wp.finish();
   }
   file.finish();

@@ -23,6 +23,11 @@ struct Waypoint {
       kInfinity};   ///< Highest speed on the leg towards it; the path's own limit holds too.
   double hold_s{};  ///< Hold only: time to stay after arrival.
   bool hold_indefinitely{};  ///< Hold only: never go on.
+
+  // A figure of eight from here to here (figure_eight.hpp), where figure_turns > 0.
+  int figure_turns{};
+  double figure_radius_m{};
+  double figure_course_rad{};
 };
 
 /// A point of a trajectory: what the follower is to be at, now.
