@@ -251,9 +251,28 @@ void Estimator<kWind>::fuse(const GnssSample& sample) {
   static_cast<void>(weigh<1>(Aid::kGnssAltitude, altitude, config_.gate_sigma));
 
   if (velocity_ok && horizontal_ok) return;
+  if (health_.of(Aid::kGnssVelocity).refusing_for_s() > config_.gnss_doubt_s) doubt_the_imu();
   const double refused_s = std::max(health_.of(Aid::kGnssVelocity).refusing_for_s(),
                                     health_.of(Aid::kGnssHorizontal).refusing_for_s());
   if (refused_s > config_.gnss_reset_s) reset_to_gnss(p_N, sample.v_N_m_s);
+}
+
+/// The velocity runs away from what GNSS has: a bias must have jumped. Widens what such a jump
+/// touches, so that the next fixes are let in and tell where it went.
+template <bool kWind>
+void Estimator<kWind>::doubt_the_imu() {
+  constexpr double kTilt_rad = 0.02;
+  constexpr double kVelocity_m_s = 0.2;
+  constexpr double kGyroBias_rad_s = 0.01;
+  constexpr double kAccelBias_m_s2 = 0.1;
+  const auto widen = [this](int first, double sigma) {
+    for (int k = first; k < first + 3; ++k) filter_.covariance()(k, k) += sigma * sigma;
+  };
+  widen(Filter::kTheta, kTilt_rad);
+  widen(Filter::kVelocity, kVelocity_m_s);
+  widen(Filter::kGyroBias, kGyroBias_rad_s);
+  widen(Filter::kAccelBias, kAccelBias_m_s2);
+  ++health_.imu_doubts;
 }
 
 /// Horizontal position and velocity as GNSS has them; the height only where it has no other aid.

@@ -88,6 +88,7 @@ class Estimator {
   void fuse_rest();
   template <int kRows>
   bool weigh(Aid aid, const typename Filter::template Residual<kRows>& residual, double gate_sigma);
+  void doubt_the_imu();
   void reset_to_gnss(const Vector3& p_N, const Vector3& v_N);
   void try_start();
   void start(bool on_ground);

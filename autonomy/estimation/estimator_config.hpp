@@ -63,6 +63,7 @@ struct EstimatorConfig {
   std::optional<Geodetic> origin;  ///< Of N; else where it starts, by the first fixes.
 
   // Patience.
+  double gnss_doubt_s{0.3};       ///< Velocity refused for this long: the IMU may have changed.
   double gnss_reset_s{3.0};       ///< Refused for this long: the estimate moves to GNSS.
   double baro_relearn_s{1.0};     ///< Refused for this long: its bias is learned anew.
   double range_relearn_s{1.0};    ///< Refused for this long: the ground has another height.

@@ -41,6 +41,7 @@ struct EstimatorHealth {
   std::uint64_t unusable{};  ///< Not finite, or impossible.
   std::uint64_t imu_holes{};
   std::uint64_t restarts{};     ///< The clock jumped: started anew.
+  std::uint64_t imu_doubts{};   ///< Biases and tilt were widened.
   std::uint64_t gnss_resets{};  ///< Position or velocity moved to GNSS.
   std::uint64_t baro_relearned{};
   std::uint64_t ground_relearned{};

@@ -75,6 +75,7 @@ EstimatorConfig read_estimator(const Section& in, const EstimatorConfig& default
   if (in.has("declination_deg")) {
     c.declination_rad = in.number("declination_deg", Range::between(-180.0, 180.0)) * kRadPerDeg;
   }
+  sigma(in, "gnss_doubt_s", c.gnss_doubt_s);
   sigma(in, "gnss_reset_s", c.gnss_reset_s);
   sigma(in, "baro_relearn_s", c.baro_relearn_s);
   sigma(in, "range_relearn_s", c.range_relearn_s);

@@ -42,6 +42,8 @@ Waypoint figure_of(const Section& in, const Waypoint& crossing, const MissionLim
   out.type = WaypointType::kGoto;
   out.hold_s = 0.0;
   out.figure_turns = static_cast<int>(in.integer("turns", 1, 100, 1));
+  out.speed_m_s = in.number("speed", Range::between(kSlowestLeg_m_s, limits.max_speed_m_s),
+                            limits.max_speed_m_s);
   out.figure_radius_m = in.number("radius_m", Range::between(0.5, 1000.0));
   out.figure_course_rad = in.number("course_deg", Range::between(-360.0, 360.0), 0.0) * kRadPerDeg;
   const double farthest_m = crossing.p_N.head<2>().norm() + kLobeLength * out.figure_radius_m;
