@@ -68,6 +68,10 @@ Flight::Flight(const FlightSetup& setup)
     visualisers_.push_back(setup.registry.visualisers.at(name)(setup.vehicle, random_));
     loop_.add(*visualisers_.back());
   }
+  if (const auto* wing = std::get_if<WingPlan>(&setup.plan)) {
+    wing_record_.emplace(wing->mission.landing.aim_N,
+                         wing->autonomy.mission.plan_for(wing->mission).radius_m);
+  }
   instruments_ = dynamic_cast<const sim::sensors::StandardSensors*>(healthy_sensors_.get());
   board_.start(loop_.now());
 }
@@ -89,6 +93,10 @@ void Flight::before_step(sim::Time t) {
   if (output.tracking && director_.stage() == Stage::kFly) {
     tracking_.add((dynamics_.truth().body.p_N - output.setpoint.p_N).norm());
     own_tracking_.add((seen_position_N() - output.setpoint.p_N).head<2>().norm());
+  }
+  if (wing_record_ && director_.stage() == Stage::kFly) {
+    wing_record_->step(dynamics_.truth(), seen_position_N(),
+                       static_cast<const FixedWingGuide&>(*guide_).details());
   }
   if (script_) script_(*this, t);
 }
