@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "apps/fly/true_state.hpp"
 
 namespace rosflight::apps {
@@ -210,7 +212,15 @@ void FlightDirector::watch_for_the_end(const sim::Truth& truth) {
 }
 
 void FlightDirector::look(const sim::Truth& truth) {
-  estimate_ = config_.on_truth ? true_state(truth) : navigator_.estimate();
+  if (config_.on_truth) {
+    estimate_ = true_state(truth);
+    return;
+  }
+  estimate_ = navigator_.estimate();
+  constexpr double kStale_s = 0.5;
+  const bool stale = seconds(now_) - estimate_.t_s > kStale_s;
+  if (navigator_.health().initialised && !stale) return;
+  estimate_.p_N.setConstant(std::numeric_limits<double>::quiet_NaN());  // guidance gives up
 }
 
 /// What the range sensor says now, if it says anything.
@@ -229,6 +239,7 @@ std::optional<double> FlightDirector::range() const {
 /// is.
 void FlightDirector::watch_the_estimate() {
   const autonomy::estimation::EstimatorHealth& health = navigator_.health();
+  if (!health.initialised) return;
   if (estimate_.horizontal != horizontal_seen_) {
     horizontal_seen_ = estimate_.horizontal;
     if (horizontal_seen_ == autonomy::Trust::kGood) {

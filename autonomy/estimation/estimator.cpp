@@ -20,6 +20,7 @@ double standard_density_kg_m3(double pressure_Pa) {
 
 constexpr double kLowestPressure_Pa = 20e3;
 constexpr double kHighestPressure_Pa = 115e3;
+constexpr double kFreshHint_s = 0.5;
 
 }  // namespace
 
@@ -376,9 +377,14 @@ void Estimator<kWind>::restart() {
 template <bool kWind>
 void Estimator<kWind>::try_start() {
   if (config_.declination_rad) declination_rad_ = config_.declination_rad;
-  if (window_.length_s() < config_.initial_window_s) return;
+  const bool hinted = window_.end_s - hint_.t_s < kFreshHint_s;
+  constexpr double kHintedWindow_s = 0.2;
+  const double needed_s = !at_rest_ && hinted ? std::min(kHintedWindow_s, config_.initial_window_s)
+                                              : config_.initial_window_s;
+  if (window_.length_s() < needed_s) return;
   if (!window_.complete() || !declination_rad_) {
-    if (window_.length_s() > 4.0 * config_.initial_window_s) window_.clear();
+    constexpr double kTooLong = 4.0;  // windows: what was averaged is no longer the present
+    if (window_.length_s() > kTooLong * config_.initial_window_s) window_.clear();
     return;
   }
   if (at_rest_ && window_.still(config_.gravity_m_s2)) return start(true);
@@ -391,7 +397,7 @@ void Estimator<kWind>::try_start() {
 template <bool kWind>
 void Estimator<kWind>::start(bool on_ground) {
   const double now_s = window_.end_s;
-  const bool hinted = now_s - hint_.t_s < 0.5 && now_s >= hint_.t_s - 0.5;
+  const bool hinted = now_s - hint_.t_s < kFreshHint_s;
   NominalState x;
   const Vector3 field_B = window_.field.mean();
   if (on_ground || !hinted) {
@@ -454,6 +460,10 @@ void Estimator<kWind>::start(bool on_ground) {
   next_rest_s_ = now_s;
   health_.initialised = true;
   health_.in_air_start = !on_ground;
+  for (const Aid aid : {Aid::kHeading, Aid::kBaro, on_ground ? Aid::kRest : Aid::kGnssVelocity}) {
+    health_.of(aid).last_accepted_s = now_s;  // it started from them
+  }
+  health_.gnss_age_s = now_s - health_.of(Aid::kGnssVelocity).last_accepted_s;
   window_.clear();
 }
 
