@@ -93,6 +93,7 @@ class Flight final : private sim::LockStepListener {
 
   void before_step(sim::Time t) override;
   void apply_faults(sim::Time t);
+  void face_the_wind();
 
   const FlightSetup& setup_;
   sim::RandomSource random_;
