@@ -2,6 +2,8 @@
 #include "apps/fly/flight.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <stdexcept>
 
 namespace rosflight::apps {
 namespace {
@@ -68,8 +70,26 @@ Flight::Flight(const FlightSetup& setup)
     visualisers_.push_back(setup.registry.visualisers.at(name)(setup.vehicle, random_));
     loop_.add(*visualisers_.back());
   }
+  if (const auto* wing = std::get_if<WingPlan>(&setup.plan)) {
+    face_the_wind();
+    wing_record_.emplace(wing->mission.landing.aim_N,
+                         wing->autonomy.mission.plan_for(wing->mission).radius_m);
+  }
   instruments_ = dynamic_cast<const sim::sensors::StandardSensors*>(healthy_sensors_.get());
   board_.start(loop_.now());
+}
+
+/// A fixed wing takes off against the wind, if there is any to speak of, and somebody holds it
+/// until then.
+void Flight::face_the_wind() {
+  constexpr double kCalm_m_s = 2.0;
+  dynamics_.set_held(true);
+  const sim::Vector3& wind_N = setup_.vehicle.environment().wind.steady_N_m_s;
+  if (wind_N.head<2>().norm() < kCalm_m_s) return;
+  const double heading = std::atan2(-wind_N.y(), -wind_N.x());
+  sim::BodyState state = dynamics_.rest_state();
+  state.q_NB = sim::Quaternion(std::cos(0.5 * heading), 0.0, 0.0, std::sin(0.5 * heading));
+  if (!dynamics_.set_state(state)) throw std::logic_error("the start against the wind");
 }
 
 void Flight::set_tap(LinkTap* tap) {
@@ -89,6 +109,11 @@ void Flight::before_step(sim::Time t) {
   if (output.tracking && director_.stage() == Stage::kFly) {
     tracking_.add((dynamics_.truth().body.p_N - output.setpoint.p_N).norm());
     own_tracking_.add((seen_position_N() - output.setpoint.p_N).head<2>().norm());
+  }
+  if (wing_record_ && director_.stage() == Stage::kFly) {
+    dynamics_.set_held(guide_->output().idle && !guide_->output().landed);
+    wing_record_->step(dynamics_.truth(), seen_position_N(),
+                       static_cast<const FixedWingGuide&>(*guide_).details());
   }
   if (script_) script_(*this, t);
 }

@@ -188,6 +188,39 @@ std::string quoted(const std::string& text) {
   return out + "\"";
 }
 
+/// What only a fixed wing has, as further entries of the summary.
+std::string wing_json(const Flight& flight) {
+  const WingRecord* w = flight.wing_record();
+  if (w == nullptr) return "";
+  std::string out = fmt::format(
+      "\"straight_rms_m\": {:.6f}, \"arc_rms_m\": {:.6f}, \"straight_total_rms_m\": {:.6f}, "
+      "\"arc_total_rms_m\": {:.6f}, \"height_rms_m\": {:.6f}, \"height_total_rms_m\": {:.6f}, "
+      "\"airspeed_rms_m_s\": {:.6f}, \"largest_roll_deg\": {:.4f}, "
+      "\"lowest_airspeed_m_s\": {:.4f}, ",
+      w->straight.rms_m(), w->arc.rms_m(), w->straight_total.rms_m(), w->arc_total.rms_m(),
+      w->height.rms_m(), w->height_total.rms_m(), w->airspeed.rms_m(),
+      w->roll.max_m / autonomy::kRadPerDeg, w->lowest_airspeed_m_s);
+  if (const auto& t = w->touchdown()) {
+    out += fmt::format(
+        "\"touchdown\": {{\"distance_m\": {:.4f}, \"along_m\": {:.4f}, \"sink_m_s\": {:.4f}, "
+        "\"roll_deg\": {:.4f}, \"pitch_deg\": {:.4f}}}, ",
+        t->distance_m, t->along_m, t->sink_m_s, t->roll_rad / autonomy::kRadPerDeg,
+        t->pitch_rad / autonomy::kRadPerDeg);
+  }
+  return out;
+}
+
+void print_wing(std::ostream& out, const WingRecord& w) {
+  fmt::print(out, "cross-track      {:.2f} m rms on straights, {:.2f} m on arcs\n",
+             w.straight.rms_m(), w.arc.rms_m());
+  fmt::print(out, "height, airspeed {:.2f} m, {:.2f} m/s rms\n", w.height.rms_m(),
+             w.airspeed.rms_m());
+  if (const auto& t = w.touchdown()) {
+    fmt::print(out, "touch-down       {:.1f} m from the aim point, sink {:.2f} m/s\n", t->distance_m,
+               t->sink_m_s);
+  }
+}
+
 std::string summary_json(const Flight& flight, const Result& result, const FlightRecorder& recorder,
                          const log::LogSummary& log) {
   const FlightSetup& setup = flight.setup();
@@ -206,7 +239,7 @@ std::string summary_json(const Flight& flight, const Result& result, const Fligh
       "\"sim_time_s\": {:.4f}, \"flight_time_s\": {:.4f}, \"wall_time_s\": {:.4f}, "
       "\"realtime_factor\": {:.1f}, \"waypoints_total\": {}, \"waypoints_reached\": {}, "
       "\"waypoints\": [{}], \"tracking_rms_m\": {:.6f}, \"tracking_max_m\": {:.6f}, "
-      "\"own_tracking_rms_m\": {:.6f}, \"own_tracking_max_m\": {:.6f}, \"landed\": "
+      "\"own_tracking_rms_m\": {:.6f}, \"own_tracking_max_m\": {:.6f}, {}\"landed\": "
       "{}, "
       "\"disarmed\": {}, \"warnings\": {}, \"errors\": {}, \"frames_dropped\": {}, "
       "\"log\": {}, \"log_sha256\": \"{}\", \"log_messages\": {}, \"log_bytes\": {}}}\n",
@@ -214,7 +247,8 @@ std::string summary_json(const Flight& flight, const Result& result, const Fligh
       quoted(setup.choice.mission), setup.choice.seed, result.sim_time_s, result.flight_time_s,
       result.wall_time_s, result.realtime_factor(), setup.waypoints.size(),
       result.waypoints_reached, waypoints, flight.tracking().rms_m(), flight.tracking().max_m,
-      flight.own_tracking().rms_m(), flight.own_tracking().max_m, flight.autonomy().landed,
+      flight.own_tracking().rms_m(), flight.own_tracking().max_m, wing_json(flight),
+      flight.autonomy().landed,
       flight.director().disarmed(), recorder.warnings(), recorder.errors(),
       recorder.dropped_frames(), quoted(log.path.string()), log.sha256, log.messages, log.bytes);
 }
@@ -236,6 +270,7 @@ void print_summary(std::ostream& out, const Flight& flight, const Result& result
   }
   fmt::print(out, "\ntracking error   {:.2f} m rms, {:.2f} m largest\n", flight.tracking().rms_m(),
              flight.tracking().max_m);
+  if (const WingRecord* wing = flight.wing_record()) print_wing(out, *wing);
   fmt::print(out, "flight time      {:.1f} s of {:.1f} s simulated\n", result.flight_time_s,
              result.sim_time_s);
   fmt::print(out, "speed            {:.0f} times real time ({:.2f} s, log and report included)\n",

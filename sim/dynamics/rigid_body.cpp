@@ -158,6 +158,10 @@ void RigidBody::evaluate(const State& y, const BodyState& body, const Matrix3& R
   } else if (ground_model_ == GroundModel::kFrictionlessPlane) {
     stop_fall(body, R_NB);
   }
+  if (held_) {
+    total_.force_B = -mass_kg_ * gravity_m_s2_ * R_NB.row(2).transpose();
+    total_.torque_B = body.w_B.cross(inertia_ * body.w_B);
+  }
 }
 
 void RigidBody::stop_fall(const BodyState& body, const Matrix3& R_NB) {
