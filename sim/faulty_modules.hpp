@@ -16,8 +16,18 @@ class FaultySensors : public SensorsModule {
   FaultySensors(SensorsModule& sensors, const FaultSchedule& faults)
       : sensors_{sensors}, faults_{faults} {}
 
+  /// A cover keeps the wind out of the pitot tube, as people put one on before a flight: the
+  /// firmware takes the pressure it finds at its start for none.
+  void set_pitot_covered(bool covered) { pitot_covered_ = covered; }
+
   void step(const Truth& truth, SensorSamples& s) override {
-    sensors_.step(truth, s);
+    if (pitot_covered_) {
+      still_ = truth;
+      still_.air.wind_N = truth.body.q_NB * truth.body.v_B;
+      sensors_.step(still_, s);
+    } else {
+      sensors_.step(truth, s);
+    }
     const Time t = truth.time;
     const auto off = [this, t](FaultKind kind, bool& has) {
       if (faults_.active(kind, t)) has = false;
@@ -78,6 +88,8 @@ class FaultySensors : public SensorsModule {
   SensorsModule& sensors_;
   const FaultSchedule& faults_;
   hal::ImuSample good_imu_;
+  Truth still_;
+  bool pitot_covered_{false};
 };
 
 class FaultyRc : public RcModule {

@@ -80,7 +80,8 @@ Flight::Flight(const FlightSetup& setup)
 }
 
 /// A fixed wing takes off against the wind, if there is any to speak of, and somebody holds it
-/// until then.
+/// until then, with a cover on
+/// its pitot tube while it is being set up.
 void Flight::face_the_wind() {
   constexpr double kCalm_m_s = 2.0;
   dynamics_.set_held(true);
@@ -110,6 +111,7 @@ void Flight::before_step(sim::Time t) {
     tracking_.add((dynamics_.truth().body.p_N - output.setpoint.p_N).norm());
     own_tracking_.add((seen_position_N() - output.setpoint.p_N).head<2>().norm());
   }
+  if (wing_record_) sensors_.set_pitot_covered(director_.stage() < Stage::kArm);
   if (wing_record_ && director_.stage() == Stage::kFly) {
     dynamics_.set_held(guide_->output().idle && !guide_->output().landed);
     wing_record_->step(dynamics_.truth(), seen_position_N(),
