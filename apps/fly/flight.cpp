@@ -20,6 +20,7 @@ DirectorConfig director_config(const FlightSetup& setup) {
   config.step = Flight::kStep;
   config.on_truth = setup.choice.state == "truth";
   config.hover_stick = setup.hover_throttle;
+  config.calibrate_airspeed = setup.fixed_wing();
   return config;
 }
 

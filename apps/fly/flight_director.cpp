@@ -150,7 +150,12 @@ void FlightDirector::configure() {
 
 void FlightDirector::calibrate() {
   if (command_.pending()) return;
-  if (command_.failed()) return fail(fmt::format("IMU calibration: {}", command_.text()));
+  if (command_.failed()) return fail(fmt::format("calibration: {}", command_.text()));
+  if (config_.calibrate_airspeed && !airspeed_calibrated_) {
+    airspeed_calibrated_ = true;
+    command_ = session_.commands().start(link::Command::kAirspeedCalibration);
+    return;
+  }
   command_ = session_.commands().start(link::Command::kWriteParams);
   enter(Stage::kStore);
 }

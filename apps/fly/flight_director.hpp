@@ -33,6 +33,7 @@ struct DirectorConfig {
   int autonomy_every{4};             ///< Autonomy runs every so many steps.
   double longest_flight_s{600.0};    ///< From arming; then the flight has failed.
   double hover_stick{0.5};           ///< Throttle stick that holds the vehicle in the air.
+  bool calibrate_airspeed{false};    ///< There is a pitot tube, and it is covered.
   bool use_range{true};              ///< Guidance is given the range sensor.
   bool on_truth{false};              ///< Guidance is given the true state.
 };
@@ -120,6 +121,7 @@ class FlightDirector final : private companion::Listener {
   float thumb_{0.0F};
   bool mute_{false};
   bool disarmed_{false};
+  bool airspeed_calibrated_{false};
   std::string failure_;
   std::vector<Arrival> arrivals_;
   companion::Job<companion::LoadReport> load_;

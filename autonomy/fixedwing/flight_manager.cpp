@@ -194,10 +194,17 @@ void FlightManager::begin_path(const Input& in, std::vector<Waypoint> waypoints,
   if (out_.wanted.valid && std::abs(out_.wanted.height_m - height_m) < kNearReference_m) {
     height_m = out_.wanted.height_m;
   }
-  path_ = PathManager(plan);
-  path_.set_waypoints(std::move(waypoints), cycle);
   const PathStart from{{in.state.p_N.head<2>(), in.state.course_rad}, height_m};
-  if (path_.start(from, first)) event(FlightEventType::kPathFault, first);
+  path_ = PathManager(plan);
+  path_.set_waypoints(waypoints, cycle);
+  auto fault = path_.start(from, first);
+  if (fault && waypoints[first].passing == Passing::kFillet) {
+    // From here its corner is too sharp to be rounded off: over it.
+    waypoints[first].passing = Passing::kLine;
+    path_.set_waypoints(std::move(waypoints), cycle);
+    fault = path_.start(from, first);
+  }
+  if (fault) event(FlightEventType::kPathFault, fault->waypoint);
   path_done_ = !path_.started();
 }
 
