@@ -12,8 +12,8 @@ namespace wing = autonomy::fixedwing;
 
 bool WingRecord::captured(const wing::FlightOutput& output) {
   const wing::Segment& now = output.path.segment;
-  const bool new_segment = now.start.p_m != segment_.start.p_m ||
-                           now.start.course_rad != segment_.start.course_rad;
+  const bool new_segment =
+      now.start.p_m != segment_.start.p_m || now.start.course_rad != segment_.start.course_rad;
   if (new_segment) {
     after_corner_ = segment_.corner_rad != 0.0;
     segment_ = now;
@@ -55,7 +55,10 @@ void WingRecord::step(const sim::Truth& truth, const sim::Vector3& seen_N,
                            attitude.roll_rad,
                            attitude.pitch_rad};
   }
-  was_in_air_ = flying && !truth.on_ground;
+  const bool coming_down =
+      output.phase == wing::Phase::kApproach || output.phase == wing::Phase::kGlide ||
+      output.phase == wing::Phase::kFlare || output.phase == wing::Phase::kRollout;
+  was_in_air_ = coming_down && !truth.on_ground;
   sink_m_s_ = v_N.z();
 }
 

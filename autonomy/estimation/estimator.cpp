@@ -351,8 +351,7 @@ void Estimator<kWind>::fuse(const PitotSample& sample) {
     auto residual = Filter::pitot(x, sample.pressure_Pa, density_kg_m3_);
     // rho/2 (m^2 - u^2) = rho (m + u)/2 (m - u): with the mean of measured and expected speed the
     // residual is linear, however far off the wind is at first.
-    const double measured_m_s =
-        std::sqrt(2.0 * std::max(sample.pressure_Pa, 0.0) / density_kg_m3_);
+    const double measured_m_s = std::sqrt(2.0 * std::max(sample.pressure_Pa, 0.0) / density_kg_m3_);
     residual.nu *= 2.0 * forward_m_s / (measured_m_s + forward_m_s);
     residual.R(0) = config_.pitot_sigma_Pa * config_.pitot_sigma_Pa;
     static_cast<void>(weigh<1>(Aid::kPitot, residual, config_.gate_sigma));

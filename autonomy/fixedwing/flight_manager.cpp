@@ -17,7 +17,8 @@ constexpr double kStill_m_s = 1.0;
 constexpr double kStill_s = 1.0;
 constexpr double kTouch_m_s = 0.2;  // sink that tells rolling from sinking
 constexpr double kTouch_s = 0.4;
-constexpr double kTouchHeight_m = 5.0;  // no ground is higher above the believed one
+constexpr double kTouchHeight_m = 3.0;  // no ground is higher above the believed one,
+constexpr double kTouchRange_m = 0.15;  // or above the measured one
 constexpr double kTooTilted = 0.8;      // cosine beyond which a range says little of the height
 constexpr double kTooFast_s_m = 0.2;    // throttle taken away per speed above cruise
 constexpr double kFlareRamp_1_s = 0.5;  // throttle taken away per second
@@ -87,12 +88,14 @@ bool FlightManager::state_good(const Input& in) {
   return false;
 }
 
-double FlightManager::measure_height(const Input& in) const {
+double FlightManager::measure_height(const Input& in) {
   const double tilt = cos_tilt(in.state.q_NB);
+  range_seen_ = true;
   if (in.range_m && std::isfinite(*in.range_m) && *in.range_m >= 0.0 && tilt > kTooTilted &&
       *in.range_m <= config_.safety.longest_range_m) {
     return *in.range_m * tilt - standing_range_m_;
   }
+  range_seen_ = false;
   const bool coming_down =
       out_.phase == Phase::kApproach || out_.phase == Phase::kFlare || out_.phase == Phase::kGlide;
   const double ground_m = coming_down ? landing_place_N().z() : start_N_.z();
@@ -220,6 +223,7 @@ void FlightManager::circle_here(const Input& in) {
 }
 
 void FlightManager::enter(Phase to, const Input& in) {
+  const Phase from = out_.phase;
   out_.phase = to;
   since_s_ = in.t_s;
   event(FlightEventType::kPhase, static_cast<std::size_t>(to));
@@ -267,7 +271,7 @@ void FlightManager::enter(Phase to, const Input& in) {
       break;
     case Phase::kRollout:
       roll_course_rad_ = heading_of(in.state.q_NB);
-      if (!out_.mission_done && !land_) event(FlightEventType::kTakeoffFailed);
+      if (from == Phase::kTakeoff) event(FlightEventType::kTakeoffFailed);
       break;
     case Phase::kLanded:
       flown_ = true;

@@ -133,7 +133,7 @@ class FlightManager {
  private:
   void event(FlightEventType type, std::size_t index = 0, double value = 0.0);
   bool state_good(const Input& in);
-  double measure_height(const Input& in) const;
+  double measure_height(const Input& in);
   bool place_known(const Input& in);
   bool motor_out(const Input& in, double dt_s);
   bool on_ground(const Input& in, double dt_s);
@@ -172,6 +172,7 @@ class FlightManager {
   double motor_bad_s_{};
   double ground_s_{};
   double still_s_{};
+  bool range_seen_{false};
   bool started_{false};
   bool state_lost_{false};
   bool place_lost_{false};

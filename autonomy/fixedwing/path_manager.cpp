@@ -27,6 +27,8 @@ std::optional<PlanFault> PathManager::start(const PathStart& from, std::size_t f
 
 bool PathManager::over(const Segment& segment, const Vector2& p_m) const {
   if (segment.corner_rad == 0.0) return progress_m_ >= segment.length_m;
+  // The plane of a sharp corner lies along the leg: only near its end does it say anything.
+  if (progress_m_ < segment.length_m - planner_.config().radius_m) return false;
   const Vector2 beyond = p_m - segment.point_at(segment.length_m);
   return beyond.dot(along(segment.course_at(segment.length_m) + 0.5 * segment.corner_rad)) > 0.0;
 }

@@ -12,7 +12,7 @@ namespace rosflight::autonomy::fixedwing {
 /// A segment is over when the way along it (Segment::progress) reaches its length; for segments
 /// that join smoothly this is the half plane of Beard & McLain, Small Unmanned Aircraft, 2012, sec.
 /// 11.1, and on arcs it counts turns, so no plane can be taken from the wrong side. At a corner the
-/// plane bisects it: (p - w) . along(chi + corner/2) > 0.
+/// plane bisects it: (p - w) . along(chi + corner/2) > 0, from a turn radius before the corner on.
 ///
 /// The height reference is that of the path beside the vehicle. What the follower is told runs
 /// ahead of it by `lead_m`, about the way flown while the wing rolls: the fields of two segments

@@ -56,7 +56,7 @@ class RigidBody final : public Dynamics {
   bool set_state(const BodyState& state, std::span<const double> module_state);
 
   /// Somebody holds it, as before a take-off in wind: all forces and torques but gravity are
-  /// balanced, so what is at rest stays where it is.
+  /// balanced, so what is at rest stays where it is, and the wind turns no propeller.
   void set_held(bool held) { held_ = held; }
 
   /// The state after construction.
