@@ -34,6 +34,7 @@ struct DirectorConfig {
   double longest_flight_s{600.0};    ///< From arming; then the flight has failed.
   double hover_stick{0.5};           ///< Throttle stick that holds the vehicle in the air.
   bool use_range{true};              ///< Guidance is given the range sensor.
+  bool share_attitude{true};         ///< The estimated attitude goes to the firmware's filter.
   bool on_truth{false};              ///< Guidance is given the true state.
 };
 
@@ -91,6 +92,7 @@ class FlightDirector final : private companion::Listener {
   void fly(const sim::Truth& truth);
   void look(const sim::Truth& truth);
   void watch_the_estimate();
+  void share_the_attitude();
   void disarm();
   void keep_thumb_ready(const sim::Truth& truth);
   void watch_for_the_end(const sim::Truth& truth);

@@ -216,8 +216,8 @@ void print_wing(std::ostream& out, const WingRecord& w) {
   fmt::print(out, "height, airspeed {:.2f} m, {:.2f} m/s rms\n", w.height.rms_m(),
              w.airspeed.rms_m());
   if (const auto& t = w.touchdown()) {
-    fmt::print(out, "touch-down       {:.1f} m from the aim point, sink {:.2f} m/s\n", t->distance_m,
-               t->sink_m_s);
+    fmt::print(out, "touch-down       {:.1f} m from the aim point, sink {:.2f} m/s\n",
+               t->distance_m, t->sink_m_s);
   }
 }
 
@@ -248,9 +248,9 @@ std::string summary_json(const Flight& flight, const Result& result, const Fligh
       result.wall_time_s, result.realtime_factor(), setup.waypoints.size(),
       result.waypoints_reached, waypoints, flight.tracking().rms_m(), flight.tracking().max_m,
       flight.own_tracking().rms_m(), flight.own_tracking().max_m, wing_json(flight),
-      flight.autonomy().landed,
-      flight.director().disarmed(), recorder.warnings(), recorder.errors(),
-      recorder.dropped_frames(), quoted(log.path.string()), log.sha256, log.messages, log.bytes);
+      flight.autonomy().landed, flight.director().disarmed(), recorder.warnings(),
+      recorder.errors(), recorder.dropped_frames(), quoted(log.path.string()), log.sha256,
+      log.messages, log.bytes);
 }
 
 void print_summary(std::ostream& out, const Flight& flight, const Result& result,

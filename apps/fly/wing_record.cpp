@@ -12,8 +12,8 @@ namespace wing = autonomy::fixedwing;
 
 bool WingRecord::captured(const wing::FlightOutput& output) {
   const wing::Segment& now = output.path.segment;
-  const bool new_segment = now.start.p_m != segment_.start.p_m ||
-                           now.start.course_rad != segment_.start.course_rad;
+  const bool new_segment =
+      now.start.p_m != segment_.start.p_m || now.start.course_rad != segment_.start.course_rad;
   if (new_segment) {
     after_corner_ = segment_.corner_rad != 0.0;
     segment_ = now;

@@ -33,14 +33,14 @@ class WingRecord {
   void step(const sim::Truth& truth, const sim::Vector3& seen_N,
             const autonomy::fixedwing::FlightOutput& output);
 
-  Tracking straight;        ///< Cross-track, as seen.
+  Tracking straight;  ///< Cross-track, as seen.
   Tracking arc;
   Tracking straight_total;  ///< The same of the truth.
   Tracking arc_total;
-  Tracking height;          ///< As seen.
+  Tracking height;  ///< As seen.
   Tracking height_total;
-  Tracking airspeed;        ///< [m/s]
-  Tracking roll;            ///< Largest bank in the air [rad].
+  Tracking airspeed;                ///< [m/s]
+  Tracking roll;                    ///< Largest bank in the air [rad].
   double lowest_airspeed_m_s{1e9};  ///< From climb to approach.
   const std::optional<Touchdown>& touchdown() const { return touchdown_; }
 
