@@ -251,7 +251,9 @@ void Estimator<kWind>::fuse(const GnssSample& sample) {
 template <bool kWind>
 Vector2 Estimator<kWind>::unshown_jump_N(double t_s) const {
   const double size_m = jump_.moved_N.norm();
-  const double shown_m = config_.jump_speed_m_s * (t_s - jump_.t_s);
+  constexpr double kLongest_s = 5.0;
+  const double speed_m_s = std::max(config_.jump_speed_m_s, size_m / kLongest_s);
+  const double shown_m = speed_m_s * (t_s - jump_.t_s);
   if (shown_m >= size_m) return Vector2::Zero();
   return jump_.moved_N * (1.0 - shown_m / size_m);
 }
