@@ -45,9 +45,33 @@ def all_figures() -> list[Figure]:
         Figure("firmware.heap_allocations", "allocations", "= 0",
                lambda: size("firmware.heap_allocations")),
         Figure("fly.wall_s", "s", "< 5", fly_wall_s),
+        *(Figure(f"missions.{name}.{quantity}", unit, target,
+                 functools.partial(mission_figure, name, quantity))
+          for name, quantity, unit, target in MISSIONS),
         *(Figure(f"fuzz.{name.removeprefix('fuzz_')}_runs", "inputs", f">= {FUZZ_RUNS}",
                  functools.partial(fuzz_runs, name), preset="fuzz") for name in stages.fuzzers()),
     ]
+
+
+def mission_rows() -> list[tuple[str, str, str, str]]:
+    """Name, quantity, unit, target: what the flights of bench/missions.cpp are held to."""
+    rows = []
+    for name, limit in (("default", 1.0), ("figure_eight", 1.0), ("survey", 1.0), ("hover", 0.7)):
+        rows += [(name, "horizontal_rms_m", "m", f"<= {limit}"), (name, "total_rms_m", "m", "report"),
+                 (name, "completed", "flights", "= 1")]
+    for name in ("gnss_loss", "gnss_loss_fast", "gnss_loss_wind"):
+        rows += [(name, "horizontal_max_m", "m", "<= 30"), (name, "max_tilt_deg", "deg", "<= 45"),
+                 (name, "landed", "flights", "= 1")]
+    for name in ("baro_step", "mag_turned", "accel_step_x", "accel_step_y", "accel_step_z",
+                 "gyro_step_x", "gyro_step_y", "gyro_step_z"):
+        rows += [(name, "horizontal_max_m", "m", "report"), (name, "max_tilt_deg", "deg", "<= 45"),
+                 (name, "landed", "flights", "= 1")]
+    rows += [("default_gusts", "completed", "flights", "= 100"),
+             ("default_gusts", "worst_horizontal_rms_m", "m", "report")]
+    return rows
+
+
+MISSIONS = mission_rows()
 
 
 def prepare(preset: str):
@@ -99,6 +123,15 @@ def loop_runs() -> list[dict]:
 
 def loop_factor(key: str) -> float:
     return statistics.median(number(printed, key) for printed in loop_runs())
+
+
+@functools.cache
+def missions() -> dict:
+    return run_json([program("missions")])
+
+
+def mission_figure(name: str, quantity: str) -> float:
+    return number(missions()[name], quantity)
 
 
 @functools.cache

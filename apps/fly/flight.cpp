@@ -19,6 +19,7 @@ DirectorConfig director_config(const FlightSetup& setup) {
   config.firmware = setup.firmware;
   config.step = Flight::kStep;
   config.on_truth = setup.choice.state == "truth";
+  config.share_attitude = setup.estimator.share_attitude;
   config.hover_stick = setup.hover_throttle;
   config.calibrate_airspeed = setup.fixed_wing();
   return config;

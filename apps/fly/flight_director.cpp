@@ -271,13 +271,29 @@ void FlightDirector::watch_the_estimate() {
                    health.baro_relearned, health.ground_relearned, health.restarts));
 }
 
+/// The firmware's own filter has nothing but gyro and accelerometer: in drag and in turns it takes
+/// what it feels for tilt. This is what ROSflight's external attitude is for.
+void FlightDirector::share_the_attitude() {
+  const bool good = navigator_.health().initialised && estimate_.p_N.allFinite() &&
+                    estimate_.attitude == autonomy::Trust::kGood;
+  if (!config_.share_attitude || mute_ || !good) return;
+  const autonomy::Quaternion& q = estimate_.q_NB;
+  link::ExternalAttitude attitude;
+  attitude.q_NB = {static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
+                   static_cast<float>(q.z())};
+  static_cast<void>(session_.offboard().send(attitude));
+}
+
 void FlightDirector::fly(const sim::Truth& truth) {
   if (--countdown_ > 0) return;
   countdown_ = config_.autonomy_every;
   keep_thumb_ready(truth);
   const link::Status& fcu = session_.streams().status.value;
   look(truth);
-  if (!config_.on_truth) watch_the_estimate();
+  if (!config_.on_truth) {
+    watch_the_estimate();
+    share_the_attitude();
+  }
   autonomy::Status status;
   status.armed = fcu.armed;
   status.offboard = fcu.offboard;

@@ -35,6 +35,7 @@ struct DirectorConfig {
   double hover_stick{0.5};           ///< Throttle stick that holds the vehicle in the air.
   bool calibrate_airspeed{false};    ///< There is a pitot tube, and it is covered.
   bool use_range{true};              ///< Guidance is given the range sensor.
+  bool share_attitude{true};         ///< The estimated attitude goes to the firmware's filter.
   bool on_truth{false};              ///< Guidance is given the true state.
 };
 
@@ -92,6 +93,7 @@ class FlightDirector final : private companion::Listener {
   void fly(const sim::Truth& truth);
   void look(const sim::Truth& truth);
   void watch_the_estimate();
+  void share_the_attitude();
   void disarm();
   void keep_thumb_ready(const sim::Truth& truth);
   void watch_for_the_end(const sim::Truth& truth);

@@ -139,17 +139,20 @@ typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::baro_h
 }
 
 /// With m = R m_B and the attitude error as a rotation phi = R dtheta in N, dm = phi x m and
-/// d atan2(m_e, m_n) = phi_d - m_d (m_n phi_n + m_e phi_e)/(m_n^2 + m_e^2).
+/// d atan2(m_e, m_n) = phi_d - m_d (m_n phi_n + m_e phi_e)/(m_n^2 + m_e^2). The direction of (m_n,
+/// m_e) is taken where it should be, along the declination, not where it was measured: there its
+/// noise would be in both the innovation and H, whose product then has a mean that walks the tilt
+/// away.
 template <bool kWind>
 typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::magnetic_heading(
     const NominalState& x, const Vector3& field_B, double declination_rad) {
   const Matrix3 R = x.q_NB.toRotationMatrix();
   const Vector3 m = R * field_B;
-  const double level_square = m.head<2>().squaredNorm();
+  const double slope = m.z() / m.head<2>().norm();
   Residual<1> r;
   r.nu(0) = wrap(declination_rad - std::atan2(m.y(), m.x()));
-  const Eigen::RowVector3d by_phi(-m.z() * m.x() / level_square, -m.z() * m.y() / level_square,
-                                  1.0);
+  const Eigen::RowVector3d by_phi(-slope * std::cos(declination_rad),
+                                  -slope * std::sin(declination_rad), 1.0);
   r.H.template block<1, 3>(0, kTheta) = by_phi * R;
   return r;
 }

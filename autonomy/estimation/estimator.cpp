@@ -237,6 +237,29 @@ void Estimator<kWind>::fuse(const GnssSample& sample) {
                        here.altitude_m + p_N.z()};
   }
   const Vector3 p_N = ned_of(sample.place, *origin_);
+  const Vector2 before_N = filter_.state().p_N.template head<2>();
+  constexpr double kGap_s = 1.0;
+  const bool was_away = filter_s_ - health_.of(Aid::kGnssHorizontal).last_accepted_s > kGap_s;
+  const std::uint64_t resets = health_.gnss_resets;
+  fuse_gnss(sample, p_N);
+  if (!was_away && health_.gnss_resets == resets) return;
+  const Vector2 moved_N = filter_.state().p_N.template head<2>() - before_N;
+  jump_.moved_N = unshown_jump_N(filter_s_) + moved_N;
+  jump_.t_s = filter_s_;
+}
+
+template <bool kWind>
+Vector2 Estimator<kWind>::unshown_jump_N(double t_s) const {
+  const double size_m = jump_.moved_N.norm();
+  constexpr double kLongest_s = 5.0;
+  const double speed_m_s = std::max(config_.jump_speed_m_s, size_m / kLongest_s);
+  const double shown_m = speed_m_s * (t_s - jump_.t_s);
+  if (shown_m >= size_m) return Vector2::Zero();
+  return jump_.moved_N * (1.0 - shown_m / size_m);
+}
+
+template <bool kWind>
+void Estimator<kWind>::fuse_gnss(const GnssSample& sample, const Vector3& p_N) {
   const auto square = [](double x) { return x * x; };
   auto velocity = Filter::gnss_velocity(filter_.state(), sample.v_N_m_s, gnss_lever(), w_raw_B_);
   velocity.R = square(config_.gnss_velocity_sigma_m_s) * Matrix3::Identity();
@@ -392,6 +415,7 @@ void Estimator<kWind>::restart() {
   filter_ = Filter{};
   hint_ = {};
   ground_up_m_ = 0.0;
+  jump_ = {};
   const std::uint64_t restarts = health_.restarts;
   health_ = {};
   health_.restarts = restarts;
@@ -536,6 +560,7 @@ StateEstimate Estimator<kWind>::estimate() const {
   out.a_B = dt > 0.0 ? Vector3(recent.dv_B / dt - x.accel_bias_B) : Vector3(Vector3::Zero());
   out.q_NB = x.q_NB;
   out.p_N = x.p_N - x.q_NB * config_.imu_position_B;
+  out.p_N.template head<2>() -= unshown_jump_N(out.t_s);
   out.v_N = x.v_N - x.q_NB * out.w_B.cross(config_.imu_position_B);
   out.gyro_bias_B = x.gyro_bias_B;
   out.accel_bias_B = x.accel_bias_B;

@@ -19,8 +19,9 @@ namespace rosflight::autonomy::estimation {
 /// Samples may come in any order and late by up to `lag_s`: each waits in a queue and is fused at
 /// the very time it was taken, when the filter, which runs lag_s behind the newest IMU sample, gets
 /// there; what comes later still is counted and dropped. estimate() carries the filter's state to
-/// the newest IMU sample. N has its origin where the vehicle stood at the start, as the first fixes
-/// have it, unless the configuration names another place.
+/// the newest IMU sample; when GNSS comes back, the move of the position is shown at
+/// jump_speed_m_s, so that guidance is not given a step. N has its origin where the vehicle stood
+/// at the start, as the first fixes have it, unless the configuration names another place.
 ///
 /// Starts on the ground (set_at_rest(true), still: level by the accelerometer, gyro bias as
 /// averaged) or in the air (position and velocity by GNSS, attitude by the hint or by the
@@ -80,6 +81,7 @@ class Estimator {
   void predict(const ImuBuffer::Segment& segment);
   void fuse(const Sample& sample);
   void fuse(const GnssSample& sample);
+  void fuse_gnss(const GnssSample& sample, const Vector3& p_N);
   void fuse(const BaroSample& sample);
   void fuse(const MagSample& sample);
   void fuse(const RangeSample& sample);
@@ -89,6 +91,7 @@ class Estimator {
   template <int kRows>
   bool weigh(Aid aid, const typename Filter::template Residual<kRows>& residual, double gate_sigma);
   void doubt_the_imu();
+  Vector2 unshown_jump_N(double t_s) const;
   void reset_to_gnss(const Vector3& p_N, const Vector3& v_N);
   void try_start();
   void start(bool on_ground);
@@ -117,6 +120,11 @@ class Estimator {
     double t_s{-1e9};
     Quaternion q_NB{Quaternion::Identity()};
   } hint_;
+  /// What a late correction moved the position by, and since when it is being shown.
+  struct {
+    Vector2 moved_N{Vector2::Zero()};
+    double t_s{};
+  } jump_;
   EstimatorHealth health_;
 };
 

@@ -62,11 +62,16 @@ struct EstimatorConfig {
   double (*declination_at)(const GnssSample& fix){nullptr};  ///< [rad]
   std::optional<Geodetic> origin;  ///< Of N; else where it starts, by the first fixes.
 
+  /// Whether the owner passes the attitude on to the flight controller, whose own filter takes drag
+  /// and turns for tilt.
+  bool share_attitude{true};
+
   // Patience.
   double gnss_doubt_s{0.3};       ///< Velocity refused for this long: the IMU may have changed.
   double gnss_reset_s{3.0};       ///< Refused for this long: the estimate moves to GNSS.
   double baro_relearn_s{1.0};     ///< Refused for this long: its bias is learned anew.
   double range_relearn_s{1.0};    ///< Refused for this long: the ground has another height.
+  double jump_speed_m_s{1.5};     ///< Of showing what GNSS moves the position by when it returns.
   double dead_reckoning_s{30.0};  ///< Without GNSS for this long: position is worth nothing.
 };
 

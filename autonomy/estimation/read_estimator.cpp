@@ -67,6 +67,7 @@ EstimatorConfig read_estimator(const Section& in, const EstimatorConfig& default
   c.use_range = in.boolean("use_range", c.use_range);
   degrees(in, "range_max_tilt_deg", Range::between(0.0, 80.0), c.range_max_tilt_rad);
   c.min_airspeed_m_s = in.number("min_airspeed_m_s", Range::positive(), c.min_airspeed_m_s);
+  c.share_attitude = in.boolean("share_attitude", c.share_attitude);
   c.use_sideslip = in.boolean("use_sideslip", c.use_sideslip);
   sigma(in, "initial_gyro_bias_rad_s", c.initial_gyro_bias_rad_s);
   sigma(in, "initial_accel_bias_m_s2", c.initial_accel_bias_m_s2);
@@ -79,6 +80,7 @@ EstimatorConfig read_estimator(const Section& in, const EstimatorConfig& default
   sigma(in, "gnss_reset_s", c.gnss_reset_s);
   sigma(in, "baro_relearn_s", c.baro_relearn_s);
   sigma(in, "range_relearn_s", c.range_relearn_s);
+  sigma(in, "jump_speed_m_s", c.jump_speed_m_s);
   sigma(in, "dead_reckoning_s", c.dead_reckoning_s);
   in.finish();
   return c;

@@ -26,7 +26,21 @@ struct Motion {
 /// Where something is at any time.
 using Path = std::function<Motion(double)>;
 
-/// Attitude with body z along the thrust, as a multirotor flies.
+/// Body z along the thrust, as a multirotor flies.
+inline Quaternion thrust_attitude(const Vector3& a_N, double psi_rad) {
+  const Vector3 z = -(a_N - Vector3(0.0, 0.0, kGravity)).normalized();
+  const Vector3 y = z.cross(Vector3(std::cos(psi_rad), std::sin(psi_rad), 0.0)).normalized();
+  Matrix3 R;
+  R.col(0) = y.cross(z);
+  R.col(1) = y;
+  R.col(2) = z;
+  return Quaternion(R);
+}
+
+inline double multirotor_heading(double t, double phase) {
+  return 0.3 + phase + 0.8 * std::sin(0.4 * t);
+}
+
 inline Motion multirotor_at(double t, double phase) {
   Motion m;
   const double a = 4.0 + phase;
@@ -37,14 +51,7 @@ inline Motion multirotor_at(double t, double phase) {
   m.p_N = {a * (1.0 - c), 3.0 * (1.0 - c2), -5.0 - 1.5 * (1.0 - c)};
   m.v_N = {a * w * s, 6.0 * w * s2, -1.5 * w * s};
   m.a_N = {a * w * w * c, 12.0 * w * w * c2, -1.5 * w * w * c};
-  const double psi = 0.3 + phase + 0.8 * std::sin(0.4 * t);
-  const Vector3 z = -(m.a_N - Vector3(0.0, 0.0, kGravity)).normalized();
-  const Vector3 y = z.cross(Vector3(std::cos(psi), std::sin(psi), 0.0)).normalized();
-  Matrix3 R;
-  R.col(0) = y.cross(z);
-  R.col(1) = y;
-  R.col(2) = z;
-  m.q_NB = Quaternion(R);
+  m.q_NB = thrust_attitude(m.a_N, multirotor_heading(t, phase));
   return m;
 }
 
