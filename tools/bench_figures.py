@@ -41,13 +41,16 @@ def all_figures() -> list[Figure]:
                lambda: loop_factor("realtime_factor_log")),
         Figure("loop.realtime_factor_ekf", "s/s", ">= 500",
                lambda: loop_factor("realtime_factor_ekf")),
+        Figure("loop.realtime_factor_fixedwing", "s/s", ">= 500",
+               lambda: loop_factor("realtime_factor_fixedwing")),
         Figure("firmware.object_bytes", "B", "<= 14000", lambda: size("firmware.object_bytes")),
         Figure("firmware.heap_allocations", "allocations", "= 0",
                lambda: size("firmware.heap_allocations")),
         Figure("fly.wall_s", "s", "< 5", fly_wall_s),
         *(Figure(f"missions.{name}.{quantity}", unit, target,
                  functools.partial(mission_figure, name, quantity))
-          for name, quantity, unit, target in MISSIONS),
+          for name, quantity, unit, target in MISSIONS + FIXEDWING_MISSIONS),
+        *ros_figures(),
         *(Figure(f"fuzz.{name.removeprefix('fuzz_')}_runs", "inputs", f">= {FUZZ_RUNS}",
                  functools.partial(fuzz_runs, name), preset="fuzz") for name in stages.fuzzers()),
     ]
@@ -72,6 +75,53 @@ def mission_rows() -> list[tuple[str, str, str, str]]:
 
 
 MISSIONS = mission_rows()
+
+
+def fixedwing_rows() -> list[tuple[str, str, str, str]]:
+    """The same for bench/missions_fixedwing.cpp. Faults are held to docs/faults.md."""
+    rows = []
+    for name in ("line", "fillet", "dubins", "racetrack_wind", "energy", "loops"):
+        rows += [(name, "straight_rms_m", "m", "<= 3"), (name, "straight_total_rms_m", "m", "report"),
+                 (name, "arc_rms_m", "m", "<= 5"), (name, "arc_total_rms_m", "m", "report"),
+                 (name, "height_rms_m", "m", "<= 2"), (name, "airspeed_rms_m_s", "m/s", "<= 1"),
+                 (name, "completed", "flights", "= 1")]
+    for name, limit in (("landing_range", 15), ("landing_no_range", 40), ("landing_wind", 15)):
+        rows += [(name, "touchdown_distance_m", "m", f"<= {limit}"),
+                 (name, "touchdown_sink_m_s", "m/s", "<= 1.5"), (name, "completed", "flights", "= 1")]
+    rows += [("pitot_blocked", "min_airspeed_m_s", "m/s", ">= 11"),
+             ("pitot_blocked", "completed", "flights", "= 1"),
+             ("gnss_loss", "straight_total_rms_m", "m", "<= 15"),
+             ("gnss_loss", "completed", "flights", "= 1"),
+             ("motor_off", "min_airspeed_m_s", "m/s", ">= 11"),
+             ("motor_off", "touchdown_sink_m_s", "m/s", "<= 2"),
+             ("motor_off", "touchdown_distance_m", "m", "<= 500"),
+             ("motor_off", "landed", "flights", "= 1")]
+    rows += [(name, "max_bank_deg", "deg", "<= 60")
+             for name in ("pitot_blocked", "gnss_loss", "motor_off", "gusts")]
+    rows += [("gusts", "completed", "flights", "= 100"), ("gusts", "straight_rms_m", "m", "report"),
+             ("gusts", "touchdown_distance_m", "m", "report"),
+             ("gusts", "touchdown_sink_m_s", "m/s", "report")]
+    return [(f"fixedwing_{name}", *rest) for name, *rest in rows]
+
+
+FIXEDWING_MISSIONS = fixedwing_rows()
+
+
+def ros_figures() -> list[Figure]:
+    """Round trips at 400 Hz over UDP with all streams running, and ten minutes of everything."""
+    return [
+        Figure("rtt.ros_mean_ms", "ms", "<= 0.4", lambda: round_trip("ROS", "mean")),
+        Figure("rtt.ros_max_ms", "ms", "report", lambda: round_trip("ROS", "max")),
+        Figure("rtt.ros_max_rate_hz", "Hz", ">= 2000", lambda: round_trip("ROS", "rate_hz", fastest=True)),
+        Figure("rtt.link_mean_ms", "ms", "<= 0.1", lambda: round_trip("bare link", "mean")),
+        Figure("rtt.link_p999_ms", "ms", "<= 1.0", lambda: round_trip("bare link", "99.9 %")),
+        Figure("rtt.link_max_rate_hz", "Hz", ">= 10000",
+               lambda: round_trip("bare link", "rate_hz", fastest=True)),
+        Figure("load.missing", "messages", "= 0", lambda: load("missing")),
+        Figure("load.sequence_gaps", "frames", "= 0", lambda: load("sequence_gaps")),
+        Figure("load.memory_growth_kB", "kB", "< 1024", lambda: load("memory_growth_kB")),
+        Figure("load.stamp_error_ms", "ms", "report", lambda: load("stamp_error_ms")["max"]),
+    ]
 
 
 def prepare(preset: str):
@@ -130,8 +180,14 @@ def missions() -> dict:
     return run_json([program("missions")])
 
 
+@functools.cache
+def fixedwing_missions() -> dict:
+    return run_json([program("missions_fixedwing")])
+
+
 def mission_figure(name: str, quantity: str) -> float:
-    return number(missions()[name], quantity)
+    flown = fixedwing_missions() if name.startswith("fixedwing_") else missions()
+    return number(flown[name], quantity)
 
 
 @functools.cache
@@ -154,6 +210,26 @@ def fly_wall_s() -> float:
         if printed.get("success") is not True:
             raise RuntimeError("the flight did not succeed")
     return statistics.median(walls)
+
+
+@functools.cache
+def demo(*words: str):
+    with tempfile.TemporaryDirectory() as scratch:
+        return run_json([str(project.ROOT / "rosflight"), "ros", "demo", *words, "--json", "--out", scratch])
+
+
+def round_trip(path: str, quantity: str, fastest: bool = False) -> float:
+    """Of one row of the table of ./rosflight ros demo rtt. The fastest rate counts without loss only."""
+    rows = demo("rtt", "--link", "udp", "--count", "20000")
+    row = next(row for row in rows if row["path"] == path and row["load"] == "idle"
+               and (row["wanted_hz"] is None) == fastest)
+    if fastest and row["lost"]:
+        raise RuntimeError(f"{row['lost']} of {row['sent']} commands were lost at full speed")
+    return number(row, quantity)
+
+
+def load(quantity: str):
+    return demo("load", "--seconds", "600")[quantity]
 
 
 def fuzz_runs(name: str) -> float:

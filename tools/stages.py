@@ -68,10 +68,12 @@ def tidy_tests() -> Outcome:
 
 
 def _tidy(wanted) -> Outcome:
-    clean, complaints = clang_tidy.run("release", wanted=wanted)
-    outcome = _check(complaints)
-    print(f"   {clean} files clean")
-    return outcome
+    total, said = 0, []
+    for folder in ("build/release", "build/ros/build"):
+        clean, complaints = clang_tidy.run(folder, wanted=wanted)
+        total, said = total + clean, said + complaints
+    print(f"   {total} files clean")
+    return _check(said)
 
 
 # ---- builds and what they hold ------------------------------------------------------------------
@@ -162,6 +164,11 @@ def python_tests(files: list[Path] | None = None) -> Outcome:
 def ros_tests(names: list[str] = ()) -> Outcome:
     """The packages under ros/ built, and their pytest files run in the ROS environment."""
     return ros_test.run(names)
+
+
+def ros_sanitizers() -> Outcome:
+    """What stands in for rclcpp under sanitizers; nothing with a ROS installation."""
+    return ros_test.sanitizers()
 
 
 # ---- fuzzing ------------------------------------------------------------------------------------

@@ -116,10 +116,11 @@ int sil_command(const SilOptions& options, std::ostream& out, SilBoard::MakeCode
   loop.set_listener(&breaker);
   Waiter waiter{board.serial, firmware, signals};
 
-  out << fmt::format("sil ready {} rate_Hz={} vehicle={} seed={} nvm={}", board.serial.where(),
-                     options.rate_Hz, options.vehicle, options.seed, options.storage.string())
-      << std::endl;
   const hal::Time start = LinuxClock::steady();
+  out << fmt::format("sil ready {} rate_Hz={} vehicle={} seed={} start_us={} nvm={}",
+                     board.serial.where(), options.rate_Hz, options.vehicle, options.seed,
+                     start.count(), options.storage.string())
+      << std::endl;
   Pace pace{start, step};
   const auto seconds = [&loop] { return static_cast<double>(loop.now().count()) * 1e-6; };
   do {

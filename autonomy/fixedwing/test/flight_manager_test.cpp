@@ -34,20 +34,25 @@ TEST(FixedWingFlight, TracksFilletsAndDubinsInWind) {
     mission.radius_m = 70.0;
     for (Waypoint& wp : mission.waypoints) wp.airspeed_m_s = 15.0;
     SmallWorld world(mission, {.wind_N = {0.0, 6.0, 0.0}});
-    double sum = 0.0;
+    double straight = 0.0;
+    double arc = 0.0;
     double height = 0.0;
-    int n = 0;
+    int on_straight = 0;
+    int on_arc = 0;
     world.run(300.0, [&] {
       const FlightOutput& out = world.manager.output();
       if (!out.tracking) return;
-      sum += out.path.cross_track_m * out.path.cross_track_m;
-      const double e = out.path.height_m - world.height_m();
-      height += e * e;
-      ++n;
+      const double e_m = out.path.cross_track_m;
+      (out.path.segment.straight() ? straight : arc) += e_m * e_m;
+      ++(out.path.segment.straight() ? on_straight : on_arc);
+      const double off_m = out.path.height_m - world.height_m();
+      height += off_m * off_m;
     });
-    ASSERT_GT(n, 5000);
-    EXPECT_LT(std::sqrt(sum / n), 3.0);
-    EXPECT_LT(std::sqrt(height / n), 2.0);
+    ASSERT_GT(on_straight, 2000);
+    ASSERT_GT(on_arc, 2000);
+    EXPECT_LT(std::sqrt(straight / on_straight), 3.0);
+    EXPECT_LT(std::sqrt(arc / on_arc), 5.0);
+    EXPECT_LT(std::sqrt(height / (on_straight + on_arc)), 2.0);
   }
 }
 

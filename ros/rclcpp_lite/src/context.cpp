@@ -27,10 +27,8 @@ class RclInitOptions {
  public:
   explicit RclInitOptions(const InitOptions& options) {
     detail::check(rcl_init_options_init(&options_, rcl_get_default_allocator()), "make options");
-    if (options.domain_id()) {
-      detail::check(rcl_init_options_set_domain_id(&options_, *options.domain_id()),
-                    "set the domain");
-    }
+    detail::check(rcl_init_options_set_domain_id(&options_, options.get_domain_id()),
+                  "set the domain");
   }
   RclInitOptions(const RclInitOptions&) = delete;
   RclInitOptions& operator=(const RclInitOptions&) = delete;

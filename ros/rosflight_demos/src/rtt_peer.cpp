@@ -52,8 +52,8 @@ class Peer final : public rclcpp::Node {
     start_->cancel();
     began_ = Clock::now();
     if (rate_hz_ > 0.0) {
-      pace_ = create_wall_timer(
-          std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / rate_hz_)), [this] { send(); });
+      pace_ = create_wall_timer(std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / rate_hz_)),
+                                [this] { send(); });
     } else {
       send();
     }

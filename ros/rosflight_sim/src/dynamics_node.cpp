@@ -27,9 +27,9 @@ class HeldWrench final : public sim::ForcesAndMoments {
   sim::Wrench held;
 };
 
-/// Moves the body under the wrenches it is sent: from the stamp of the last one to that of this one,
-/// then publishes truth and wind. Stamps that stand publish only; those that go back begin anew; a
-/// gap of more than longest_gap_s moves the body by that much.
+/// Moves the body under the wrenches it is sent: from the stamp of the last one to that of this
+/// one, then publishes truth and wind. Stamps that stand publish only; those that go back begin
+/// anew; a gap of more than longest_gap_s moves the body by that much.
 class DynamicsNode : public rclcpp::Node {
  public:
   DynamicsNode() : Node("dynamics"), parameters_{VehicleParameters::declare(*this)} {
@@ -43,14 +43,14 @@ class DynamicsNode : public rclcpp::Node {
                                          std::shared_ptr<SetSimState::Response> response) {
           set_state(request->state, *response);
         });
-    reset_ = create_service<Trigger>(
-        "dynamics/reset", [this](const std::shared_ptr<Trigger::Request>,
-                                 std::shared_ptr<Trigger::Response> response) {
-          body_ = make_body();
-          publish(now());
-          response->success = true;
-          response->message = "at rest at the origin";
-        });
+    reset_ = create_service<Trigger>("dynamics/reset",
+                                     [this](const std::shared_ptr<Trigger::Request>,
+                                            std::shared_ptr<Trigger::Response> response) {
+                                       body_ = make_body();
+                                       publish(now());
+                                       response->success = true;
+                                       response->message = "at rest at the origin";
+                                     });
     wrenches_ = create_subscription<geometry_msgs::msg::WrenchStamped>(
         "sim/forces_and_moments", newest(),
         [this](geometry_msgs::msg::WrenchStamped::ConstSharedPtr message) { step(*message); });
@@ -60,8 +60,8 @@ class DynamicsNode : public rclcpp::Node {
  private:
   std::unique_ptr<sim::RigidBody> make_body() const {
     const sim::Vehicle& vehicle = parameters_.vehicle;
-    return std::make_unique<sim::RigidBody>(vehicle.body(), vehicle.ground(),
-                                            vehicle.environment(), forces_, parameters_.random);
+    return std::make_unique<sim::RigidBody>(vehicle.body(), vehicle.ground(), vehicle.environment(),
+                                            forces_, parameters_.random);
   }
 
   void step(const geometry_msgs::msg::WrenchStamped& message) {

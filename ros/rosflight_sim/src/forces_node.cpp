@@ -14,8 +14,8 @@ namespace {
 /// Forces and moments of the vehicle's module, one wrench for every message of pulses.
 ///
 /// The module's own states (rotor speeds, charge) are integrated here, from the stamp of the last
-/// pulses to that of these, with the newest truth and wind held. The wrench carries the stamp of the
-/// pulses, so the dynamics' steps are the board's.
+/// pulses to that of these, with the newest truth and wind held. The wrench carries the stamp of
+/// the pulses, so the dynamics' steps are the board's.
 class ForcesNode : public rclcpp::Node {
  public:
   ForcesNode() : Node("mav_forces_and_moments"), parameters_{VehicleParameters::declare(*this)} {
@@ -28,7 +28,8 @@ class ForcesNode : public rclcpp::Node {
     states_.emplace(*module_);
     atmosphere_ = sim::Atmosphere{parameters_.vehicle.environment().atmosphere};
     no_ground_ = parameters_.vehicle.ground().model == sim::GroundModel::kNone;
-    wrench_ = create_publisher<geometry_msgs::msg::WrenchStamped>("sim/forces_and_moments", newest());
+    wrench_ =
+        create_publisher<geometry_msgs::msg::WrenchStamped>("sim/forces_and_moments", newest());
     battery_ = create_publisher<rosflight_msgs::msg::BatteryStatus>("sim/truth_battery", newest());
     truth_ = create_subscription<rosflight_msgs::msg::SimState>(
         "sim/truth_state", newest(), [this](rosflight_msgs::msg::SimState::ConstSharedPtr message) {
@@ -46,9 +47,8 @@ class ForcesNode : public rclcpp::Node {
           }
         });
     pulses_ = create_subscription<rosflight_msgs::msg::PwmOutput>(
-        "sim/pwm_output", newest(), [this](rosflight_msgs::msg::PwmOutput::ConstSharedPtr message) {
-          answer(*message);
-        });
+        "sim/pwm_output", newest(),
+        [this](rosflight_msgs::msg::PwmOutput::ConstSharedPtr message) { answer(*message); });
   }
 
  private:
@@ -69,9 +69,8 @@ class ForcesNode : public rclcpp::Node {
     const sim::Matrix3 R_NB = now_.body.q_NB.toRotationMatrix();
     const sim::Vector3 v_air_B = now_.body.v_B - R_NB.transpose() * now_.air.wind_N;
     constexpr double kNoGround_m = 1e6;
-    const sim::ForcesAndMoments::Input in{now_.body, R_NB,    v_air_B,
-                                          now_.air,  outputs, no_ground_ ? kNoGround_m
-                                                                         : -now_.body.p_N.z()};
+    const sim::ForcesAndMoments::Input in{
+        now_.body, R_NB, v_air_B, now_.air, outputs, no_ground_ ? kNoGround_m : -now_.body.p_N.z()};
     const std::int64_t stamp = nanoseconds(pulses.header.stamp);
     sim::Wrench wrench;
     states_->step(in, static_cast<double>(stamp - last_stamp_) * 1e-9, wrench, now_);

@@ -26,8 +26,9 @@ inline rcl_interfaces::msg::ParameterDescriptor described(const std::string& tex
 }
 
 /// Declares a number in a range. Live ones can be changed while the node runs.
-inline double declare_number(rclcpp::Node& node, const std::string& name, double value, double least,
-                             double most, const std::string& text, bool live = false) {
+inline double declare_number(rclcpp::Node& node, const std::string& name, double value,
+                             double least, double most, const std::string& text,
+                             bool live = false) {
   auto descriptor = described(text, !live);
   rcl_interfaces::msg::FloatingPointRange range;
   range.from_value = least;
@@ -70,12 +71,27 @@ inline rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr on_chan
       });
 }
 
+/// As on_change, for all parameters of one request together; a text that comes back is the reason
+/// why the change is refused, and then nothing may have changed.
+inline rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr on_change_or_refuse(
+    rclcpp::Node& node, std::function<std::string(const std::vector<rclcpp::Parameter>&)> changed) {
+  return node.add_on_set_parameters_callback(
+      [changed = std::move(changed)](const std::vector<rclcpp::Parameter>& parameters) {
+        rcl_interfaces::msg::SetParametersResult result;
+        result.reason = changed(parameters);
+        result.successful = result.reason.empty();
+        return result;
+      });
+}
+
 /// A client whose answers come in a callback group of its own. Humble and later distributions
 /// disagree on the type of the argument in the middle.
 template <class Service, class NodeType>
 typename rclcpp::Client<Service>::SharedPtr client_in_group(
     NodeType& node, const std::string& name, rclcpp::CallbackGroup::SharedPtr group) {
-  if constexpr (requires { node.template create_client<Service>(name, rclcpp::ServicesQoS(), group); }) {
+  if constexpr (requires {
+                  node.template create_client<Service>(name, rclcpp::ServicesQoS(), group);
+                }) {
     return node.template create_client<Service>(name, rclcpp::ServicesQoS(), group);
   } else {
     return node.template create_client<Service>(name, rmw_qos_profile_services_default, group);

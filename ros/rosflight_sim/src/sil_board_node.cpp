@@ -26,8 +26,8 @@ fs::path memory_file(const std::string& folder, const std::string& name_space) {
   if (folder.empty()) {
     const char* ros_home = std::getenv("ROS_HOME");
     const char* home = std::getenv("HOME");
-    base = ros_home != nullptr ? fs::path(ros_home)
-                               : fs::path(home != nullptr ? home : ".") / ".ros";
+    base =
+        ros_home != nullptr ? fs::path(ros_home) : fs::path(home != nullptr ? home : ".") / ".ros";
     base /= "rosflight_memory";
   }
   base /= fs::path(name_space).relative_path();
@@ -45,8 +45,8 @@ boards::LinkAddress udp(const std::string& host, std::int64_t port, std::int64_t
 }
 
 /// The flight control unit: the real firmware, stepped by `sil_board/run`, with a UDP link to
-/// `rosflight_io`. Passes of the main loop come from two sides: a step, and bytes on the link, which
-/// a thread of its own waits for; a lock lets one in at a time.
+/// `rosflight_io`. Passes of the main loop come from two sides: a step, and bytes on the link,
+/// which a thread of its own waits for; a lock lets one in at a time.
 class SilBoardNode : public rclcpp::Node {
  public:
   SilBoardNode() : Node("sil_board") {
@@ -62,8 +62,8 @@ class SilBoardNode : public rclcpp::Node {
     const fs::path memory = memory_file(folder, get_namespace());
     firmware_ = std::make_unique<FirmwareProcess>(udp(far_host, far_port, own_port), memory,
                                                   [this] { return board_time(); });
-    RCLCPP_INFO(get_logger(), "%s memory=%s%s", firmware_->serial().where().c_str(),
-                memory.c_str(), firmware_->blank_memory() ? " (blank: default parameters)" : "");
+    RCLCPP_INFO(get_logger(), "%s memory=%s%s", firmware_->serial().where().c_str(), memory.c_str(),
+                firmware_->blank_memory() ? " (blank: default parameters)" : "");
     pwm_ = create_publisher<rosflight_msgs::msg::PwmOutput>("sim/pwm_output", newest());
     listen();
     run_ = create_service<Trigger>(

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <atomic>
 #include <chrono>
 #include <std_srvs/srv/trigger.hpp>
 
@@ -14,8 +13,9 @@ using std::chrono::steady_clock;
 
 /// Asks the board for one step at every tick of node time, or when told to.
 ///
-/// A step that has not been answered when the next is due is given up after
-/// service_result_timeout_ms; ticks that come meanwhile are skipped, counted and said.
+/// One step at a time. A tick that comes before the step has been answered is made up for as soon
+/// as it is; more than one are skipped, counted and said. An answer that does not come within
+/// service_result_timeout_ms is waited for no longer.
 class SilManager : public rclcpp::Node {
  public:
   SilManager() : Node("rosflight_sil_manager") {
@@ -55,18 +55,28 @@ class SilManager : public rclcpp::Node {
     ++ticks_;
     const auto now = steady_clock::now();
     if (busy_ && now - asked_ > milliseconds(result_ms_)) busy_ = false;
-    if (busy_ || !client_->service_is_ready()) {
+    if (!client_->service_is_ready()) {
       ++skipped_;
+    } else if (!busy_) {
+      ask();
     } else {
-      busy_ = true;
-      asked_ = now;
-      const std::uint64_t number = ++number_;
-      client_->async_send_request(std::make_shared<Trigger::Request>(),
-                                  [this, number](rclcpp::Client<Trigger>::SharedFuture) {
-                                    if (number == number_) busy_ = false;
-                                  });
+      skipped_ += due_ ? 1 : 0;
+      due_ = true;
     }
     report(now);
+  }
+
+  void ask() {
+    busy_ = true;
+    due_ = false;
+    asked_ = steady_clock::now();
+    const std::uint64_t number = ++number_;
+    client_->async_send_request(std::make_shared<Trigger::Request>(),
+                                [this, number](rclcpp::Client<Trigger>::SharedFuture) {
+                                  if (number != number_) return;
+                                  busy_ = false;
+                                  if (due_) ask();
+                                });
   }
 
   void report(steady_clock::time_point now) {
@@ -100,9 +110,10 @@ class SilManager : public rclcpp::Node {
   double frequency_Hz_{};
   std::int64_t exists_ms_{};
   std::int64_t result_ms_{};
-  std::atomic<bool> busy_{false};
+  bool busy_{false};  ///< With the members below: of the default group, one callback at a time.
+  bool due_{false};   ///< A tick came while busy.
   steady_clock::time_point asked_;
-  std::atomic<std::uint64_t> number_{0};
+  std::uint64_t number_{0};
   std::uint64_t ticks_{0};
   std::uint64_t skipped_{0};
   steady_clock::time_point report_from_;
