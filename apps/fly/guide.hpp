@@ -34,12 +34,12 @@ class Guide {
     double t_s{};
     const autonomy::StateEstimate& state;
     autonomy::Status status{};
-    std::optional<double> range_m{};
+    std::optional<double> range_m;
   };
   struct Note {
     link::Severity severity{};
     std::string text;
-    std::optional<std::size_t> waypoint{};  ///< One that was reached or missed, and how.
+    std::optional<std::size_t> waypoint;  ///< One that was reached or missed, and how.
     bool reached{};
     double distance_m{};
   };

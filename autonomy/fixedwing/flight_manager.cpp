@@ -201,9 +201,11 @@ void FlightManager::begin_path(const Input& in, std::vector<Waypoint> waypoints,
   path_ = PathManager(plan);
   path_.set_waypoints(waypoints, cycle);
   auto fault = path_.start(from, first);
-  if (fault && waypoints[first].passing == Passing::kFillet) {
-    // From here its corner is too sharp to be rounded off: over it.
-    waypoints[first].passing = Passing::kLine;
+  if (fault && waypoints[first].passing == Passing::kFillet && waypoints.size() > 1) {
+    // From here its corner is too sharp to be rounded off: over it, already on the next leg.
+    const Vector3& next_N = waypoints[(first + 1) % waypoints.size()].p_N;
+    waypoints[first].passing = Passing::kDubins;
+    waypoints[first].course_rad = course_of((next_N - waypoints[first].p_N).head<2>());
     path_.set_waypoints(std::move(waypoints), cycle);
     fault = path_.start(from, first);
   }
@@ -397,7 +399,8 @@ const FlightOutput& FlightManager::step(const Input& in) {
     event(pilot.any() ? FlightEventType::kPilotTookOver : FlightEventType::kPilotGaveBack);
   }
   pilot_ = !idle_now && pilot.any();
-  if (to != out_.phase) {
+  const bool new_list = to == Phase::kMission && !path_.started();
+  if (to != out_.phase || new_list) {
     enter(to, in);
   } else if (pilot_ && to == Phase::kLoiter) {
     circle_here(in);
@@ -405,8 +408,6 @@ const FlightOutput& FlightManager::step(const Input& in) {
     start_N_ = in.state.p_N;
     start_course_rad_ = heading_of(in.state.q_NB);
     since_s_ = in.t_s;
-  } else if (to == Phase::kMission && !path_.started()) {
-    enter(to, in);
   }
   out_.request_disarm = out_.phase == Phase::kLanded;
   out_.landed = out_.landed || out_.phase == Phase::kLanded;

@@ -110,7 +110,7 @@ class FlightManager {
     double t_s{};
     const StateEstimate& state;
     Status status{};
-    std::optional<double> range_m{};  ///< Along the body's z axis, from the centre of mass.
+    std::optional<double> range_m;  ///< Along the body's z axis, from the centre of mass.
   };
 
   /// Throws std::invalid_argument for a mission without waypoints.

@@ -54,7 +54,7 @@ class PathManager {
   bool over(const Segment& segment, const Vector2& p_m) const;
   std::size_t next() const;
 
-  Planner planner_{};
+  Planner planner_;
   std::vector<Waypoint> waypoints_;
   Plan plan_{};
   Output out_{};
