@@ -45,7 +45,7 @@ sim::Vehicle open_vehicle(sim::Registry& registry, const FlightChoice& choice) {
 }
 
 std::string find_mission(const std::string& wanted, bool fixed_wing) {
-  const std::string name = wanted == "default" && fixed_wing ? "fixedwing" : wanted;
+  std::string name = wanted == "default" && fixed_wing ? "fixedwing" : wanted;
   const bool path = name.find('/') != std::string::npos || name.find(".yaml") != std::string::npos;
   if (path) return name;
   const std::filesystem::path folder = project_root() / "missions";

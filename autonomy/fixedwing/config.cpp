@@ -41,6 +41,7 @@ void read_limits(const Section& in, AutonomyConfig& out) {
   degrees(in, "roll_rate_deg_s", 10.0, 360.0, c.max_roll_rate_rad_s);
   degrees(in, "pitch_deg", 5.0, 45.0, c.max_pitch_rad);
   degrees(in, "nose_down_deg", -45.0, -5.0, c.min_pitch_rad);
+  degrees(in, "alpha_deg", 3.0, 30.0, c.max_alpha_rad);
   degrees(in, "climb_deg", 1.0, 30.0, c.max_climb_rad);
   degrees(in, "descent_deg", 1.0, 30.0, c.max_descent_rad);
   number(in, "turn_radius_m", 5.0, 1000.0, plan.radius_m);

@@ -156,7 +156,9 @@ void Controller::lengthwise(const Input& in, const Motion& m, const ControllerCo
   }
   out_.throttle_full = out_.surfaces.throttle >= config_.max_throttle - 1e-3;
   const double pitch = out_.climb_angle_c_rad + angle_of_attack(v, m.attitude.roll_rad);
-  const double high = std::min(config_.max_pitch_rad, direct.max_pitch_rad);
+  const double path = std::asin(std::clamp(climb_m_s / v, -0.9, 0.9));
+  const double stall = path + config_.max_alpha_rad * std::cos(m.attitude.roll_rad);
+  const double high = std::min({config_.max_pitch_rad, direct.max_pitch_rad, stall});
   const double low = std::min(std::max(config_.min_pitch_rad, direct.min_pitch_rad), high);
   out_.pitch_c_rad = direct.pitch_rad ? *direct.pitch_rad : std::clamp(pitch, low, high);
 }

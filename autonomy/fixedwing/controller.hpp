@@ -47,6 +47,7 @@ struct ControllerConfig {
   double max_roll_rate_rad_s{90.0 * kRadPerDeg};  ///< Of the commanded bank.
   double max_pitch_rad{25.0 * kRadPerDeg};
   double min_pitch_rad{-20.0 * kRadPerDeg};
+  double max_alpha_rad{10.0 * kRadPerDeg};  ///< Of the stall guard; the wing stalls at 11.6 deg.
   double max_climb_rad{15.0 * kRadPerDeg};
   double max_descent_rad{12.0 * kRadPerDeg};
   double throttle_cruise{0.5};
@@ -74,6 +75,10 @@ struct ControllerConfig {
 ///
 /// Speed guard: gamma_c <= k (V - V_min), so a wing that gets slow - motor off, climb too steep -
 /// gives height for speed. Without a known airspeed V is cruise and the throttle is fed forward.
+///
+/// Stall guard: theta_c <= asin(h_dot/V) + alpha_max cos(phi). A wing that a gust has stalled
+/// sinks, and a law that holds its height would keep the nose up and the wing stalled, however
+/// fast.
 ///
 /// Stops: without a valid command younger than command_timeout_s it circles: bank lost_roll_rad,
 /// height of the last good command (its own if there was none), cruise; Output::lost says so. A

@@ -161,6 +161,17 @@ TEST(FixedWingController, SpeedGuardGivesHeightForSpeed) {
   EXPECT_LT(bench.height(), 90.0);
 }
 
+/// Sinking fast with the nose up is a stall, however fast: the nose must come down.
+TEST(FixedWingController, StallGuardFollowsThePathOfTheAir) {
+  Bench bench;
+  StateEstimate s = bench.plant.state();
+  s.v_N.z() = 5.0;
+  s.airspeed_m_s = 20.0;
+  bench.command.height_m = 120.0;
+  const auto& out = bench.controller->step({s, bench.command, 0.0, 0.01, {}, {}});
+  EXPECT_NEAR(out.pitch_c_rad, std::asin(-0.25) + bench.config.max_alpha_rad, 1e-9);
+}
+
 /// Points 33, 39: repeated times and the first step change nothing that was not set.
 TEST(FixedWingController, RepeatedTimeRepeatsTheOutput) {
   Bench bench;
