@@ -237,13 +237,21 @@ void Estimator<kWind>::fuse(const GnssSample& sample) {
                        here.altitude_m + p_N.z()};
   }
   const Vector3 p_N = ned_of(sample.place, *origin_);
-  const Vector2 before_N = filter_.state().p_N.template head<2>();
+  // Where the output will be, which is ahead of the filter.
+  const double ahead_s = imu_.last().t_s - filter_s_;
+  const auto shown_N = [this, ahead_s]() -> Vector2 {
+    const NominalState& x = filter_.state();
+    return (x.p_N + ahead_s * x.v_N).template head<2>();
+  };
+  const Vector2 before_N = shown_N();
   constexpr double kGap_s = 1.0;
   const bool was_away = filter_s_ - health_.of(Aid::kGnssHorizontal).last_accepted_s > kGap_s;
   const std::uint64_t resets = health_.gnss_resets;
   fuse_gnss(sample, p_N);
-  if (!was_away && health_.gnss_resets == resets) return;
-  const Vector2 moved_N = filter_.state().p_N.template head<2>() - before_N;
+  constexpr double kReturning_s = 2.0;
+  if (was_away || health_.gnss_resets != resets) jump_.until_s = filter_s_ + kReturning_s;
+  if (filter_s_ > jump_.until_s) return;
+  const Vector2 moved_N = shown_N() - before_N;
   jump_.moved_N = unshown_jump_N(filter_s_) + moved_N;
   jump_.t_s = filter_s_;
 }
