@@ -45,12 +45,22 @@ def all_figures() -> list[Figure]:
         Figure("firmware.heap_allocations", "allocations", "= 0",
                lambda: size("firmware.heap_allocations")),
         Figure("fly.wall_s", "s", "< 5", fly_wall_s),
+        *(Figure(f"estimation.{noise}.{quantity}", unit, "report",
+                 functools.partial(estimation_figure, noise, quantity))
+          for noise in ("shipped", "modelled") for quantity, unit in ESTIMATION),
         *(Figure(f"missions.{name}.{quantity}", unit, target,
                  functools.partial(mission_figure, name, quantity))
           for name, quantity, unit, target in MISSIONS),
         *(Figure(f"fuzz.{name.removeprefix('fuzz_')}_runs", "inputs", f">= {FUZZ_RUNS}",
                  functools.partial(fuzz_runs, name), preset="fuzz") for name in stages.fuzzers()),
     ]
+
+
+# Errors of the estimate in the default flight: rms and what 95 of 100 samples stay below.
+ESTIMATION = [(f"{name}_{kind}", unit)
+              for name, unit in (("horizontal_m", "m"), ("vertical_m", "m"), ("velocity_m_s", "m/s"),
+                                 ("tilt_deg", "deg"), ("heading_deg", "deg")) for kind in ("rms", "p95")]
+ESTIMATION += [("nees", "1")]
 
 
 def mission_rows() -> list[tuple[str, str, str, str]]:
@@ -123,6 +133,15 @@ def loop_runs() -> list[dict]:
 
 def loop_factor(key: str) -> float:
     return statistics.median(number(printed, key) for printed in loop_runs())
+
+
+@functools.cache
+def estimation() -> dict:
+    return run_json([program("estimation")])
+
+
+def estimation_figure(noise: str, quantity: str) -> float:
+    return number(estimation()[noise], quantity)
 
 
 @functools.cache

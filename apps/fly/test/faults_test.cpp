@@ -121,6 +121,28 @@ TEST_P(OneSensorOfMany, IsDoneWithout) {
 INSTANTIATE_TEST_SUITE_P(Kinds, OneSensorOfMany,
                          ::testing::Values("mag", "baro", "diff_pressure", "range"));
 
+class SizedFault : public ::testing::TestWithParam<const char*> {};
+TEST_P(SizedFault, IsFlownThrough) {
+  constexpr double kMostTilt_deg = 45.0;
+  constexpr double kMostDrift_m = 30.0;
+  Rig rig(Rig::with_faults({GetParam()}));
+  double tilt_deg = 0.0;
+  rig.flight->set_script([&](Flight& flight, sim::Time) {
+    if (flight.director().stage() == Stage::kFly) tilt_deg = std::max(tilt_deg, rig.tilt_deg());
+  });
+  rig.flight->run();
+  EXPECT_EQ(rig.flight->director().stage(), Stage::kDone) << rig.flight->director().failure();
+  EXPECT_TRUE(rig.flight->autonomy().landed);
+  EXPECT_LT(tilt_deg, kMostTilt_deg);
+  EXPECT_LT(rig.flight->own_tracking().max_m, kMostDrift_m);
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, SizedFault,
+                         ::testing::Values("gnss@20:20", "gnss@20", "baro_step=5@20",
+                                           "mag_turned=30@20", "accel_step_x=0.3@20",
+                                           "accel_step_y=-0.3@20", "accel_step_z=0.3@20",
+                                           "gyro_step_x=0.02@20", "gyro_step_y=-0.02@20",
+                                           "gyro_step_z=0.02@20"));
+
 TEST(Faults, BatteryMonitorKeepsTheLastVoltage) {
   const Rig rig = flown("battery@20");
   EXPECT_TRUE(rig.completed());
