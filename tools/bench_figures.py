@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Callable
 
 import callgrind
+import m7_figures
 import project
 import stages
 
@@ -35,7 +36,10 @@ def all_figures() -> list[Figure]:
     return [
         Figure("firmware.instructions", "instructions", "<= 2500", firmware_pass),
         Figure("firmware.instructions_no_link", "instructions", "<= 2000",
-               lambda: firmware_pass("--no-link")),
+               lambda: firmware_pass("none")),
+        Figure("lean.instructions", "instructions", "report", lambda: firmware_pass("lean")),
+        Figure("mavlink.bytes_per_s", "B/s", "report", lambda: link_rate("mavlink")),
+        Figure("lean.bytes_per_s", "B/s", "report", lambda: link_rate("lean")),
         Figure("loop.realtime_factor", "s/s", ">= 1000", lambda: loop_factor("realtime_factor")),
         Figure("loop.realtime_factor_log", "s/s", "report",
                lambda: loop_factor("realtime_factor_log")),
@@ -51,6 +55,8 @@ def all_figures() -> list[Figure]:
         *(Figure(f"missions.{name}.{quantity}", unit, target,
                  functools.partial(mission_figure, name, quantity))
           for name, quantity, unit, target in MISSIONS),
+        *m7(),
+        *ros_figures(),
         *(Figure(f"fuzz.{name.removeprefix('fuzz_')}_runs", "inputs", f">= {FUZZ_RUNS}",
                  functools.partial(fuzz_runs, name), preset="fuzz") for name in stages.fuzzers()),
     ]
@@ -84,11 +90,62 @@ def mission_rows() -> list[tuple[str, str, str, str]]:
 MISSIONS = mission_rows()
 
 
+def m7() -> list[Figure]:
+    """The emulated Cortex-M7; what the names mean stands in bench/m7/README.md."""
+    def counted(name: str, key: str, unit: str, target: str) -> Figure:
+        return Figure(f"m7.{name}", unit, target, lambda: m7_figures.passes()[key], "cortex-m7")
+
+    def by_uart(name: str, unit: str) -> Figure:
+        return Figure(f"m7.{name}", unit, "report", lambda: m7_figures.uart_flight()[name],
+                      "cortex-m7")
+
+    return [
+        Figure("m7.text_bytes", "B", "<= 90000", m7_figures.text_bytes, "cortex-m7"),
+        counted("object_bytes", "object_bytes", "B", "<= 12000"),
+        counted("instructions", "instructions", "instructions", "report"),
+        *(Figure(f"m7.instructions.{name}", "instructions", "report",
+                 lambda name=name: m7_figures.by_module()[name], "cortex-m7")
+          for name in m7_figures.MODULES),
+        Figure("m7.load_percent", "% of 400 MHz", "report", m7_figures.load_percent, "cortex-m7"),
+        counted("instructions_worst", "instructions_worst", "instructions", "report"),
+        Figure("m7.worst_over_mean", "x", "<= 2", lambda: m7_figures.passes()["instructions_worst"]
+               / m7_figures.passes()["instructions"], "cortex-m7"),
+        Figure("m7.stack_bytes", "B", "<= 8192", m7_figures.stack_bytes, "cortex-m7"),
+        Figure("m7.realtime_factor", "s/s", ">= 1",
+               lambda: m7_figures.flights()[0]["realtime_factor"], "cortex-m7"),
+        Figure("m7.uart_flights", "flights", ">= 1",
+               lambda: float(m7_figures.uart_flight()["success"]), "cortex-m7"),
+        by_uart("uart_sent_bytes_per_s", "B/s"),
+        by_uart("uart_received_bytes_per_s", "B/s"),
+        by_uart("uart_lost", "bytes, frames"),
+    ]
+
+
+def ros_figures() -> list[Figure]:
+    """Round trips at 400 Hz over UDP with all streams running, and ten minutes of everything."""
+    return [
+        Figure("rtt.ros_mean_ms", "ms", "<= 0.4", lambda: round_trip("ROS", "mean")),
+        Figure("rtt.ros_max_ms", "ms", "report", lambda: round_trip("ROS", "max")),
+        Figure("rtt.ros_max_rate_hz", "Hz", ">= 2000", lambda: round_trip("ROS", "rate_hz", fastest=True)),
+        Figure("rtt.link_mean_ms", "ms", "<= 0.1", lambda: round_trip("bare link", "mean")),
+        Figure("rtt.link_p999_ms", "ms", "<= 1.0", lambda: round_trip("bare link", "99.9 %")),
+        Figure("rtt.link_max_rate_hz", "Hz", ">= 10000",
+               lambda: round_trip("bare link", "rate_hz", fastest=True)),
+        Figure("load.missing", "messages", "= 0", lambda: load("missing")),
+        Figure("load.sequence_gaps", "frames", "= 0", lambda: load("sequence_gaps")),
+        Figure("load.memory_growth_kB", "kB", "< 1024", lambda: load("memory_growth_kB")),
+        Figure("load.stamp_error_ms", "ms", "report", lambda: load("stamp_error_ms")["max"]),
+    ]
+
+
 def prepare(preset: str):
     """Builds what the figures run. What does not build fails where it is measured."""
     if preset == "release":
         project.build("release", "bench/all", keep_going=True)
         project.build("release", "rosflight", keep_going=True)
+    elif preset == "cortex-m7":
+        project.build("release", "rosflight", keep_going=True)
+        project.build(preset, keep_going=True)
     else:
         project.build(preset, *stages.fuzzers(), keep_going=True)
 
@@ -120,9 +177,15 @@ def number(printed: dict, key: str) -> float:
     return value
 
 
-def firmware_pass(*options: str) -> float:
+def firmware_pass(protocol: str = "mavlink") -> float:
     return callgrind.instructions_per_call(
-        [program("firmware_pass"), *options, "--passes"], few=4_000, many=20_000)
+        [program("firmware_pass"), "--link-protocol", protocol, "--passes"],
+        few=4_000, many=20_000)
+
+
+def link_rate(protocol: str) -> float:
+    """Telemetry of the default flight, board to companion."""
+    return number(run_json([program("link_rate"), protocol]), "bytes_per_s")
 
 
 @functools.cache
@@ -173,6 +236,26 @@ def fly_wall_s() -> float:
         if printed.get("success") is not True:
             raise RuntimeError("the flight did not succeed")
     return statistics.median(walls)
+
+
+@functools.cache
+def demo(*words: str):
+    with tempfile.TemporaryDirectory() as scratch:
+        return run_json([str(project.ROOT / "rosflight"), "ros", "demo", *words, "--json", "--out", scratch])
+
+
+def round_trip(path: str, quantity: str, fastest: bool = False) -> float:
+    """Of one row of the table of ./rosflight ros demo rtt. The fastest rate counts without loss only."""
+    rows = demo("rtt", "--link", "udp", "--count", "20000")
+    row = next(row for row in rows if row["path"] == path and row["load"] == "idle"
+               and (row["wanted_hz"] is None) == fastest)
+    if fastest and row["lost"]:
+        raise RuntimeError(f"{row['lost']} of {row['sent']} commands were lost at full speed")
+    return number(row, quantity)
+
+
+def load(quantity: str):
+    return demo("load", "--seconds", "600")[quantity]
 
 
 def fuzz_runs(name: str) -> float:

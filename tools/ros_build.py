@@ -17,40 +17,61 @@ SOURCES = ROOT / "ros"
 # Packages that stand in for what the wheels lack hold a file COLCON_IGNORE, so that a plain colcon
 # build on a ROS installation never sees them. Without an installation colcon is told to look.
 SEE_STAND_INS = {"COLCON_EXTENSION_BLOCKLIST": "colcon_core.package_identification.ignore"}
+SETTINGS = ("CMakeLists.txt", "CMakePresets.json", "tools/ros_build.py", "tools/ros_environment.py")
 WHEEL_LINKING = "-Wl,--as-needed -Wl,--allow-shlib-undefined"
 SANITIZE = "-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer"
+
+
+# What tests and demonstrations start beside the nodes, in build/release/apps.
+PROGRAMS = ("rosflight", "sil_echo", "sil_link_rtt", "sil_cable")
 
 
 class BadRequest(ValueError):
     """The request names something that does not exist."""
 
 
-def package_names() -> list[str]:
-    """Names of all packages under ros/, stand-ins included."""
+def _packages() -> dict[str, str]:
+    """Names of all packages under ros/, stand-ins included, and the names of their folders."""
     manifests = [path for path in project.own_files() if path.name == "package.xml"
                  and path.parts[0] == "ros"]
-    return sorted(re.search(r"<name>\s*([\w-]+)\s*</name>", (ROOT / path).read_text())[1]
-                  for path in manifests)
+    return {name_in(ROOT / path): path.parent.name for path in sorted(manifests)}
+
+
+def package_names() -> list[str]:
+    return sorted(_packages())
+
+
+def name_in(manifest: Path) -> str:
+    """The package's name as its package.xml has it; the folder may have another."""
+    return re.search(r"<name>\s*([\w-]+)\s*</name>", manifest.read_text())[1]
 
 
 def build(environment: Environment, packages: list[str] = (), place: Path = PLACE,
           sanitize: bool = False) -> bool:
     """Builds all packages, or those named and what they need. False: failed, and why was said."""
-    unknown = sorted(set(packages) - set(package_names()))
-    if unknown:
-        raise BadRequest(f"no package '{unknown[0]}' under ros/; allowed: "
-                         f"{', '.join(package_names())}")
-    stamp = place / ("stamp_" + "_".join(sorted(packages)))
+    packages = sorted({_known(name) for name in packages})
+    every, stamp = place / "stamp_", place / ("stamp_" + "_".join(packages))
     state = _state(environment, sanitize)
-    if stamp.exists() and stamp.read_text() == state:
+    if any(made.exists() and made.read_text() == state for made in (every, stamp)):
         return True
     place.mkdir(parents=True, exist_ok=True)
     (place / "COLCON_IGNORE").touch()
     stamp.unlink(missing_ok=True)
     if not _colcon(environment, packages, place, sanitize):
         return False
-    stamp.write_text(_state(environment, sanitize))
+    stamp.write_text(state)  # of before: a change while it was built counts as new
     return True
+
+
+def _known(name: str) -> str:
+    """The package of this name, or in the folder of this name."""
+    folders = _packages()
+    if name in folders:
+        return name
+    for package, folder in folders.items():
+        if name == folder:
+            return package
+    raise BadRequest(f"no package '{name}' under ros/; allowed: {', '.join(sorted(folders))}")
 
 
 def _state(environment: Environment, sanitize: bool) -> str:
@@ -62,8 +83,7 @@ def _state(environment: Environment, sanitize: bool) -> str:
     folders_of_libraries = _library_folders()
     for path in project.own_files():
         name = str(path)
-        if name.startswith(("ros/", "tools/ros", "cmake/", *folders_of_libraries)) \
-                or name in ("CMakeLists.txt", "CMakePresets.json"):
+        if name.startswith(("ros/", "cmake/", *folders_of_libraries)) or name in SETTINGS:
             found = (ROOT / path).stat()
             digest.update(f"{name} {found.st_mtime_ns} {found.st_size}\n".encode())
     return digest.hexdigest()
@@ -77,7 +97,7 @@ def _library_folders() -> list[str]:
 
 def _colcon(environment: Environment, packages, place: Path, sanitize: bool) -> bool:
     flags = {
-        "CMAKE_BUILD_TYPE": "RelWithDebInfo" if sanitize else "Release",
+        "CMAKE_BUILD_TYPE": "Debug" if sanitize else "Release",
         "CMAKE_C_COMPILER_LAUNCHER": "ccache",
         "CMAKE_CXX_COMPILER_LAUNCHER": "ccache",
         "CMAKE_EXPORT_COMPILE_COMMANDS": "ON",
@@ -85,8 +105,8 @@ def _colcon(environment: Environment, packages, place: Path, sanitize: bool) -> 
     }
     linking = WHEEL_LINKING if environment.installed is None else ""
     if sanitize:
-        flags |= {"CMAKE_C_FLAGS": SANITIZE, "CMAKE_CXX_FLAGS": SANITIZE}
-        linking = linking.replace("-Wl,--as-needed", "").strip()
+        flags |= {"CMAKE_C_FLAGS": SANITIZE, "CMAKE_CXX_FLAGS": SANITIZE,
+                  "CMAKE_C_FLAGS_DEBUG": "-O1 -g1", "CMAKE_CXX_FLAGS_DEBUG": "-O1 -g1"}
     if linking:
         flags |= {f"CMAKE_{kind}_LINKER_FLAGS": linking for kind in ("EXE", "SHARED", "MODULE")}
     if environment.installed is None:

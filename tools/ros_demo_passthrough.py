@@ -15,12 +15,12 @@ import yaml
 
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
-from ros_rig import PREFIXES, PROGRAM, ROOT, Rig, wait_for  # noqa: E402
+from ros_rig import PROGRAM, ROOT, Rig, program, wait_for, write_parameters  # noqa: E402
 from rosflight_msgs.msg import Status  # noqa: E402
 from rosflight_msgs.srv import ParamFile  # noqa: E402
 from std_srvs.srv import Trigger  # noqa: E402
 
-NODE = next((place for prefix in PREFIXES if (place := prefix / "lib/rosflight_demos/passthrough").exists()), None)
+NODE = program("rosflight_demos", "passthrough")
 VEHICLE = ROOT / "vehicles" / "multirotor.yaml"
 ARM_S, RELEASE_S = 20.0, 21.5  # the pilot's part, after everything has been set up
 
@@ -52,12 +52,10 @@ def parameters(folder: Path) -> Path:
     frame, file = folder / "frame.yaml", folder / "parameters.yaml"
     frame.write_text(yaml.safe_dump(frame_of(vehicle)))
     subprocess.run([PROGRAM, "mixer", "-f", frame, "-o", file, "-t", "PRI"], check=True, capture_output=True)
-    made = {entry["name"] for entry in yaml.safe_load(file.read_text())}
-    with file.open("a") as lines:
-        for name, value in vehicle["firmware"].items():
-            if name.startswith(("RC_", "FAILSAFE", "BATT_", "TAKE")) and name not in made:
-                kind = 6 if isinstance(value, int) else 9
-                lines.write(f"- {{name: {name}, type: {kind}, value: {value}}}\n")
+    made = {entry["name"]: entry["value"] for entry in yaml.safe_load(file.read_text())}
+    radio = {name: value for name, value in vehicle["firmware"].items()
+             if name.startswith(("RC_", "FAILSAFE", "BATT_", "TAKE"))}
+    write_parameters(file, radio | made)
     return file
 
 

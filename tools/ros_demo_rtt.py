@@ -14,11 +14,10 @@ import rclpy
 
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
-from ros_rig import PREFIXES, PROGRAM, Rig, Sil, free_udp_port  # noqa: E402
+from ros_rig import SIL_TOOLS, Link, Rig, program  # noqa: E402
 from rosflight_msgs.srv import ParamSet  # noqa: E402
 
-SIL = PROGRAM.parent / "sil"
-PEER = next((place for prefix in PREFIXES if (place := prefix / "lib/rosflight_demos/rtt_peer").exists()), None)
+PEER = program("rosflight_demos", "rtt_peer")
 SHARES = {"median": 0.5, "99 %": 0.99, "99.9 %": 0.999}
 COLUMNS = ["path", "link", "load", "rate_hz", "sent", "lost", "min", "mean", "std", *SHARES, "max"]
 
@@ -43,22 +42,19 @@ def run_program(command: list) -> dict:
 def bare(kind: str, loaded: bool, rate: float, count: int, file: Path) -> dict:
     """On the companion link without ROS. Rate 0: as fast as they come back."""
     with tempfile.TemporaryDirectory() as scratch:
-        here, there = free_udp_port(), free_udp_port()
-        link = ["--link", f"udp:localhost:{here}", "--listen", str(there)] if kind == "udp" else ["--link", "pty"]
-        sil = Sil(Path(scratch), link, program=SIL / "sil_echo")
+        link = Link(kind, Path(scratch), program=SIL_TOOLS / "sil_echo")
         try:
-            address = f"udp:localhost:{there}:{here}" if kind == "udp" else f"serial:{sil.where.removeprefix('link=pty:')}"
             pace = ["--rate", rate] if rate > 0 else ["--window", 1]
-            return run_program([SIL / "sil_link_rtt", address, "--count", count, *pace, "--csv", file,
+            return run_program([SIL_TOOLS / "sil_link_rtt", link.address, "--count", count, *pace, "--csv", file,
                                 *(["--parameters"] if loaded else [])])
         finally:
-            sil.stop()
+            link.stop()
 
 
 def through_ros(kind: str, loaded: bool, rate: float, count: int, file: Path) -> dict:
     """Publisher, rosflight_io, link, firmware and back. Load: parameters are set over and over."""
     with tempfile.TemporaryDirectory() as scratch:
-        rig = Rig(Path(scratch), kind=kind, program=SIL / "sil_echo")
+        rig = Rig(Path(scratch), kind=kind, program=SIL_TOOLS / "sil_echo")
         try:
             command = [str(PEER), str(rate), str(count), str(file)]
             peer = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -77,7 +73,7 @@ def through_ros(kind: str, loaded: bool, rate: float, count: int, file: Path) ->
 def measure(options) -> list[dict]:
     rows = []
     for path, measure_one in (("bare link", bare), ("ROS", through_ros)):
-        for kind in ("pty", "udp"):
+        for kind in options.link or Link.KINDS:
             for load, rate in (("idle", options.rate), ("parameters", options.rate), ("idle", 0.0)):
                 name = f"{path} {kind} {load} {'fastest' if rate == 0 else f'{rate:g} Hz'}"
                 print(f"rosflight: measuring {name}", file=sys.stderr)
@@ -102,7 +98,7 @@ def print_table(title: str, rows: list[dict]):
 
 
 def draw(rows: list[dict], folder: Path, file: Path):
-    figure, axes = pyplot.subplots(figsize=(9, 5), layout="constrained")
+    figure, axes = pyplot.subplots(figsize=(12, 5), layout="constrained")
     bins = [10 ** (-2.2 + k / 40) for k in range(181)]  # 0.006 to 200 ms, the same width on a log scale
     for row in rows:
         with (folder / row["csv"]).open() as lines:
@@ -111,7 +107,8 @@ def draw(rows: list[dict], folder: Path, file: Path):
                   label=f"{row['path']}, {row['link']}, {row['load']}: {row['mean']:.3f} ms")
     axes.set(title=f"Round trip of an offboard command at {rows[0]['wanted_hz']:g} Hz", xlabel="round trip [ms]",
              ylabel="commands", xscale="log", yscale="log")
-    axes.legend(title="path, link, load: mean")
+    axes.set_xlim(0.8 * min(row["min"] for row in rows), 1.25 * max(row["max"] for row in rows))
+    axes.legend(title="path, link, load: mean", loc="center left", bbox_to_anchor=(1.0, 0.5))
     axes.grid(alpha=0.3)
     figure.savefig(file, dpi=120)
     pyplot.close(figure)

@@ -12,13 +12,21 @@ import time
 from pathlib import Path
 
 import rclpy
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 ROOT = Path(__file__).resolve().parents[1]
 PROGRAM = Path(os.environ.get("ROSFLIGHT_BUILD", ROOT / "build" / "release")) / "apps" / "rosflight"
+SIL_TOOLS = PROGRAM.parent / "sil"  # sil_echo, sil_link_rtt, sil_cable
 PREFIXES = [Path(prefix) for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(":")]
-NODE = next((place for prefix in PREFIXES if (place := prefix / "lib/rosflight_io/rosflight_io").exists()), None)
+
+
+def program(package, name):
+    """Where the program of a package is installed; None if nowhere."""
+    return next((place for prefix in PREFIXES if (place := prefix / "lib" / package / name).exists()), None)
+
+
+NODE = program("rosflight_io", "rosflight_io")
 PATIENCE_S = 40.0
 
 
@@ -26,6 +34,13 @@ def free_udp_port():
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(("127.0.0.1", 0))
         return probe.getsockname()[1]
+
+
+def write_parameters(file, values):
+    """Parameters by name as a file of rosflight_io. Integers are those of the table, not floats."""
+    lines = [f"- {{name: {name}, type: {6 if isinstance(value, int) else 9}, value: {value}}}\n"
+             for name, value in values.items()]
+    Path(file).write_text("".join(lines))
 
 
 def stop(process, how=signal.SIGINT):
@@ -39,6 +54,16 @@ def stop(process, how=signal.SIGINT):
     return process.returncode
 
 
+def start_ready(command, word, folder=None):
+    """A program that prints a line with `word` first once it can be used. @returns process and line."""
+    process = subprocess.Popen([str(part) for part in command], stdout=subprocess.PIPE, text=True,
+                               stderr=subprocess.DEVNULL, cwd=folder)
+    ready, _, _ = select.select([process.stdout], [], [], PATIENCE_S)
+    line = process.stdout.readline() if ready else ""
+    assert line.startswith(word), f"{command[0]}: {line!r}"
+    return process, line
+
+
 class Sil:
     """The firmware and its vehicle as a process. `link` holds the options of its serial port."""
 
@@ -48,22 +73,31 @@ class Sil:
         self.start()
 
     def start(self):
-        self.process = subprocess.Popen([str(word) for word in self.command], stdout=subprocess.PIPE, text=True,
-                                        stderr=subprocess.DEVNULL, cwd=self.folder)
-        ready, _, _ = select.select([self.process.stdout], [], [], PATIENCE_S)
-        line = self.process.stdout.readline() if ready else ""
-        assert line.startswith("sil ready "), line
+        self.process, line = start_ready(self.command, "sil ready ", self.folder)
         self.where = line.split()[2]  # link=pty:/dev/pts/3
+        self.start_us = int(line.split("start_us=")[1].split()[0])  # of the steady clock: the first sample
 
     def stop(self, how=signal.SIGTERM):
         return stop(self.process, how)
 
 
+class Cable:
+    """A serial cable with byte times and noise; the companion's end is the pty `where`."""
+
+    def __init__(self, board_port, own_port, *options):
+        self.process, line = start_ready([SIL_TOOLS / "sil_cable", "--board", f"udp:localhost:{board_port}",
+                                          "--listen", own_port, *options], "cable ready ")
+        self.where = line.split()[2].removeprefix("link=pty:")
+
+    def stop(self):
+        return stop(self.process)
+
+
 class Io:
     """The node as a process; its log in `lines`."""
 
-    def __init__(self, *arguments, namespace=""):
-        command = [str(NODE), "--ros-args", *arguments]
+    def __init__(self, *arguments, namespace="", words=()):
+        command = [str(NODE), *words, "--ros-args", *arguments]
         if namespace:
             command += ["-r", f"__ns:={namespace}"]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
@@ -101,8 +135,11 @@ class Peer:
         self.thread.start()
 
     def _spin(self):
-        while self.running:
-            self.executor.spin_once(timeout_sec=0.05)
+        try:
+            while self.running:
+                self.executor.spin_once(timeout_sec=0.05)
+        except ExternalShutdownException:
+            pass
 
     def listen(self, kind, topic, depth=100, latched=False):
         """A list that grows with (arrival in s, message)."""
@@ -131,27 +168,46 @@ class Peer:
         self.node.destroy_node()
 
 
-class Rig:
-    """Firmware, node and peer, connected over UDP, all parameters received."""
+class Link:
+    """The firmware and its way to a companion: over UDP, a pty, or a cable of 921600 baud."""
 
-    def __init__(self, folder, *sil_options, namespace="", kind="udp", program=PROGRAM):
-        sil_port, io_port = free_udp_port(), free_udp_port()
-        link = ["--link", f"udp:localhost:{io_port}", "--listen", str(sil_port)] if kind == "udp" else ["--link", "pty"]
-        self.sil = Sil(folder, link, *sil_options, program=program)
+    KINDS = ("udp", "pty", "cable")
+
+    def __init__(self, kind, folder, *sil_options, program=PROGRAM, cable_options=()):
+        there, here = free_udp_port(), free_udp_port()
+        options = ["--link", "pty"] if kind == "pty" else ["--link", f"udp:localhost:{here}", "--listen", str(there)]
+        self.sil = Sil(folder, options, *sil_options, program=program)
+        self.cable = Cable(there, here, *cable_options) if kind == "cable" else None
         if kind == "udp":
-            self.io_arguments = ["-p", "udp:=true", "-p", f"remote_port:={sil_port}", "-p", f"bind_port:={io_port}"]
+            self.address = f"udp:localhost:{there}:{here}"  # of companion/link_spec.hpp
+            self.node_arguments = ["-p", "udp:=true", "-p", f"remote_port:={there}", "-p", f"bind_port:={here}"]
         else:
-            self.io_arguments = ["-p", f"port:={self.sil.where.removeprefix('link=pty:')}"]
+            device = self.cable.where if self.cable else self.sil.where.removeprefix("link=pty:")
+            self.address = f"serial:{device}"
+            self.node_arguments = ["-p", f"port:={device}"]
+
+    def stop(self):
+        if self.cable:
+            self.cable.stop()
+        self.sil.stop()
+
+
+class Rig:
+    """Firmware, node and peer, connected over UDP or as `kind` says, all parameters received."""
+
+    def __init__(self, folder, *sil_options, namespace="", kind="udp", program=PROGRAM, cable_options=()):
+        self.link = Link(kind, folder, *sil_options, program=program, cable_options=cable_options)
+        self.sil = self.link.sil
+        self.folder = folder
         self.namespace = namespace
         self.start_io()
         self.peer = Peer(namespace)
-        self.folder = folder
 
-    def start_io(self):
-        self.io = Io(*self.io_arguments, namespace=self.namespace)
+    def start_io(self, words=()):
+        self.io = Io(*self.link.node_arguments, namespace=self.namespace, words=words)
         self.io.wait_line("parameters received")
 
     def close(self):
         self.peer.close()
         self.io.stop()
-        self.sil.stop()
+        self.link.stop()

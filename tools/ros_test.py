@@ -13,8 +13,11 @@ import ros_environment
 from cpp_tests import Outcome
 from project import ROOT
 
-REPORT = ROOT / "build" / "test_results" / "ros.xml"
+REPORTS = ROOT / "build" / "test_results"
 FOLDER = "ros"
+LITE = "rclcpp"  # the package in ros/rclcpp_lite
+# Packages whose tests start nothing of other packages and no program of the project.
+ALONE = {LITE, "rosflight_msgs"}
 
 
 def files() -> list[Path]:
@@ -28,6 +31,23 @@ def domain() -> str:
     return os.environ.get("ROS_DOMAIN_ID") or str(1 + os.getpid() % 100)
 
 
+def owner(path: Path) -> str | None:
+    """Name of the package that a file under ros/ belongs to; None: it is about all of them."""
+    manifests = (ROOT / parent / "package.xml" for parent in path.parents)
+    manifest = next((found for found in manifests if found.exists()), None)
+    return ros_build.name_in(manifest) if manifest else None
+
+
+def packages_of(paths: list[Path]) -> list[str]:
+    """The packages these files need built; empty means all."""
+    owners = {owner(path) for path in paths}
+    return sorted(owners) if owners <= ALONE else []
+
+
+def is_of_stand_in(path: Path) -> bool:
+    return any((ROOT / parent / "COLCON_IGNORE").exists() for parent in path.parents)
+
+
 def run(names: list[str] = ()) -> Outcome:
     """Builds, then runs the files with one of `names` in their path; no names means all."""
     environment = ros_environment.find()
@@ -35,14 +55,38 @@ def run(names: list[str] = ()) -> Outcome:
     if not chosen:
         raise ros_build.BadRequest(f"no test file under ros/ matches {', '.join(names)}; files: "
                                    f"{', '.join(map(str, files()))}")
-    if not ros_build.build(environment):
+    if environment.installed:  # which has the real thing, and no stand-in is built
+        chosen = [path for path in chosen if not is_of_stand_in(path)]
+    packages = packages_of(chosen) if names else []
+    if not packages and not project.build("release", *ros_build.PROGRAMS):
+        return Outcome(failed=1, complaints=["the programs do not build, all output is in build/release/build.log"])
+    if not ros_build.build(environment, packages):
         return Outcome(failed=1, complaints=["ros/ does not build, all output is in build/ros"])
-    REPORT.parent.mkdir(parents=True, exist_ok=True)
-    REPORT.unlink(missing_ok=True)
-    variables = environment.for_process(**environment.loopback(), ROS_DOMAIN_ID=domain(),
-                                        ROS_LOG_DIR=str(ROOT / "build/ros/node_logs"))
+    return _pytest(environment, chosen, ros_environment.PLACE)
+
+
+def sanitizers() -> Outcome:
+    """The tests of rclcpp_lite again, its code and that of its peers under address and
+    undefined-behaviour sanitizers. rcl and the middleware below are the wheels', as they are."""
+    environment = ros_environment.find()
+    if environment.installed:
+        return Outcome()
+    chosen = [path for path in files() if owner(path) == LITE]
+    place = ROOT / "build" / "ros_sanitizers"
+    if not ros_build.build(environment, [LITE], place, sanitize=True):
+        return Outcome(failed=1, complaints=[f"{LITE} does not build with sanitizers"])
+    return _pytest(environment, chosen, place)
+
+
+def _pytest(environment: ros_environment.Environment, chosen: list[Path], place: Path) -> Outcome:
+    report = REPORTS / f"{place.name}.xml"
+    report.parent.mkdir(parents=True, exist_ok=True)
+    report.unlink(missing_ok=True)
+    variables = environment.for_process(
+        place, **environment.loopback(), **cpp_tests.SANITIZER_OPTIONS, ROS_DOMAIN_ID=domain(),
+        ROS_LOG_DIR=str(place / "node_logs"))
     done = subprocess.run(
         [str(environment.python), "-m", "pytest", "-q", "--tb=short", "--no-header",
-         "-o", "pythonpath=tools ros/test_support", f"--junitxml={REPORT}", *map(str, chosen)],
+         "-o", "pythonpath=tools ros/test_support", f"--junitxml={report}", *map(str, chosen)],
         cwd=ROOT, env=variables, capture_output=True, text=True, stdin=subprocess.DEVNULL)
-    return cpp_tests.count_pytest(REPORT, done)
+    return cpp_tests.count_pytest(report, done)

@@ -4,8 +4,8 @@
 Builds and runs every test and ends with the line "N passed, M failed". Exit code 1 if any failed.
 
 NAME chooses: a stage by its name, and test programs and pytest files by a part of theirs.
-Stages: format, structure, build, unit, python, ros, cortex-m7, sanitizers, fuzz, tidy (clang-tidy over what flies);
-and tidy-tests (the same over tests), which runs when named: it takes as long as most others together.
+Stages: format, structure, build, unit, python, ros, cortex-m7, sanitizers, ros-sanitizers, fuzz, tidy (clang-tidy over
+what flies); and tidy-tests (the same over tests), which runs when named: it takes as long as most others together.
 """
 
 import os
@@ -26,8 +26,9 @@ STAGES = {
     "unit": stages.unit_tests,
     "python": stages.python_tests,
     "ros": stages.ros_tests,
-    "cortex-m7": stages.build_cortex_m7,
+    "cortex-m7": stages.cortex_m7,
     "sanitizers": stages.sanitizers,
+    "ros-sanitizers": stages.ros_sanitizers,
     "fuzz": stages.fuzz,
     "tidy": stages.tidy_product,
     "tidy-tests": stages.tidy_tests,
@@ -91,10 +92,10 @@ def main(names: list[str]) -> int:
 
 
 def print_table(rows):
-    print(f"\n{'stage':<12}{'minutes':>8}{'passed':>8}{'failed':>8}")
+    print(f"\n{'stage':<15}{'minutes':>8}{'passed':>8}{'failed':>8}")
     for name, minutes, outcome in rows:
-        print(f"{name:<12}{minutes:>8.1f}{outcome.passed:>8}{outcome.failed:>8}")
-    print(f"{'all':<12}{sum(row[1] for row in rows):>8.1f}\n")
+        print(f"{name:<15}{minutes:>8.1f}{outcome.passed:>8}{outcome.failed:>8}")
+    print(f"{'all':<15}{sum(row[1] for row in rows):>8.1f}\n")
 
 
 if __name__ == "__main__":

@@ -2,7 +2,8 @@
 """Runs clang-tidy over our .cpp files and remembers which were clean.
 
 A file is looked at again when it, a header of ours that it includes, its compile command, the
-configuration or the tool changes. Usage: tidy.py [PRESET [NAME...]], after a build.
+configuration or the tool changes. Usage: tidy.py [BUILD [NAME...]], after a build; BUILD is
+build/release or build/ros/build.
 """
 
 import concurrent.futures
@@ -37,6 +38,10 @@ def headers_by_object(build: Path) -> dict[str, list[Path]]:
     return found
 
 
+def all_headers() -> list[Path]:
+    return [project.ROOT / path for path in project.own_files() if path.suffix == ".hpp"]
+
+
 def key_of(entry: dict, headers: list[Path], common: bytes) -> str:
     digest = hashlib.sha256(common)
     digest.update(entry["command"].encode())
@@ -60,10 +65,11 @@ def is_test(path: Path) -> bool:
     return "test" in path.parts or "fuzz" in path.parts
 
 
-def run(preset: str = "release", names: list[str] | None = None,
+def run(folder: str = "build/release", names: list[str] | None = None,
         wanted=lambda path: True) -> tuple[int, list[str]]:
-    """Number of clean files, and the complaints about the others; `wanted` chooses by path."""
-    build = project.ROOT / "build" / preset
+    """Number of clean files, and the complaints about the others; `wanted` chooses by path. A build that ninja alone
+    did not make (colcon) does not tell who includes what: any header may have mattered then."""
+    build = project.ROOT / folder
     ours = {project.ROOT / path for path in project.own_files()
             if path.suffix == ".cpp" and wanted(path)}
     entries = {
@@ -71,7 +77,9 @@ def run(preset: str = "release", names: list[str] | None = None,
         for entry in json.loads((build / "compile_commands.json").read_text())
         if Path(entry["file"]) in ours and (not names or any(n in entry["file"] for n in names))
     }
-    headers = headers_by_object(build)
+    made_by_ninja = (build / "build.ninja").exists()
+    headers = headers_by_object(build) if made_by_ninja else {}
+    any_header = None if made_by_ninja else all_headers()
     version = subprocess.run([tidy_program(), "--version"], capture_output=True).stdout
     common = version + (project.ROOT / ".clang-tidy").read_bytes()
     CACHE.mkdir(parents=True, exist_ok=True)
@@ -79,7 +87,7 @@ def run(preset: str = "release", names: list[str] | None = None,
     clean = 0
 
     def look(entry: dict) -> str:
-        used = headers.get(entry.get("output", ""))
+        used = headers.get(entry.get("output", ""), any_header)
         known = CACHE / key_of(entry, used or [], common)
         if used is not None and known.exists():
             return ""

@@ -6,6 +6,7 @@
 
 #include <iostream>
 
+#include "apps/link_protocol.hpp"
 #include "apps/sil/pace.hpp"
 #include "apps/sil/signals.hpp"
 #include "apps/sil/sil_board.hpp"
@@ -105,6 +106,9 @@ void summarise(const boards::LinuxBoard& board, const SilBoard& firmware, const 
 
 int sil_command(const SilOptions& options, std::ostream& out, SilBoard::MakeCodec make_codec) {
   const sim::Time step = step_of(options);
+  if (!make_codec) {
+    make_codec = [&options](hal::Serial&) { return make_board_codec(options.link_protocol); };
+  }
   const auto address = read_link(options);
   SilWorld world{options, step};
   Signals signals;
@@ -116,10 +120,11 @@ int sil_command(const SilOptions& options, std::ostream& out, SilBoard::MakeCode
   loop.set_listener(&breaker);
   Waiter waiter{board.serial, firmware, signals};
 
-  out << fmt::format("sil ready {} rate_Hz={} vehicle={} seed={} nvm={}", board.serial.where(),
-                     options.rate_Hz, options.vehicle, options.seed, options.storage.string())
-      << std::endl;
   const hal::Time start = LinuxClock::steady();
+  out << fmt::format("sil ready {} rate_Hz={} vehicle={} seed={} start_us={} nvm={}",
+                     board.serial.where(), options.rate_Hz, options.vehicle, options.seed,
+                     start.count(), options.storage.string())
+      << std::endl;
   Pace pace{start, step};
   const auto seconds = [&loop] { return static_cast<double>(loop.now().count()) * 1e-6; };
   do {

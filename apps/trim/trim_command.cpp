@@ -45,7 +45,7 @@ sim::FlightCondition condition_of(const TrimOptions& options) {
   check("--climb", options.climb_deg, config::Range::between(-60.0, 60.0));
   check("--height", options.height_m, config::Range::between(-500.0, 10000.0));
   const double radius = options.radius_m.value_or(0.0);
-  if (options.radius_m && !(std::abs(radius) >= 1.0 && std::abs(radius) <= 1e6)) {
+  if (options.radius_m && !config::Range::between(1.0, 1e6).contains(std::abs(radius))) {
     throw config::Error(fmt::format(
         "--radius: found {}, allowed 1 to 1000000 m, right turns positive, left ones negative",
         radius));

@@ -10,10 +10,10 @@ namespace rosflight::apps {
 struct TrimOptions {
   std::string vehicle{"anaconda"};
   double speed_m_s{};
-  std::optional<double> radius_m{};  ///< Of a turn, to the right positive.
+  std::optional<double> radius_m;  ///< Of a turn, to the right positive.
   double climb_deg{0.0};
   double height_m{0.0};  ///< Above the origin of the vehicle file.
-  std::vector<std::string> overrides{};
+  std::vector<std::string> overrides;
 };
 
 /// `./rosflight trim`: state and outputs that hold a flight condition, what is left of the

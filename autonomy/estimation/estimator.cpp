@@ -74,7 +74,9 @@ void Estimator<kWind>::add(const GnssSample& sample) {
 
 template <bool kWind>
 void Estimator<kWind>::add(const BaroSample& sample) {
-  if (!(sample.pressure_Pa > kLowestPressure_Pa && sample.pressure_Pa < kHighestPressure_Pa)) {
+  const bool on_earth =
+      sample.pressure_Pa > kLowestPressure_Pa && sample.pressure_Pa < kHighestPressure_Pa;
+  if (!on_earth) {
     ++health_.unusable;
     return;
   }
@@ -87,7 +89,8 @@ void Estimator<kWind>::add(const BaroSample& sample) {
 template <bool kWind>
 void Estimator<kWind>::add(const MagSample& sample) {
   const double strength_T = sample.field_T.norm();
-  if (!(strength_T > 1e-6 && strength_T < 1e-2)) {  // the earth's is 22 to 67 uT
+  const bool a_field = strength_T > 1e-6 && strength_T < 1e-2;  // the earth's is 22 to 67 uT
+  if (!a_field) {
     ++health_.unusable;
     return;
   }
@@ -100,7 +103,8 @@ void Estimator<kWind>::add(const MagSample& sample) {
 template <bool kWind>
 void Estimator<kWind>::add(const RangeSample& sample) {
   if (!config_.use_range || !health_.initialised) return;
-  if (!(sample.range_m > sample.min_m && sample.range_m < sample.max_m)) return;  // no echo
+  const bool echoed = sample.range_m > sample.min_m && sample.range_m < sample.max_m;
+  if (!echoed) return;
   RangeSample echo = sample;
   echo.t_s -= config_.range_delay_s;
   queue(echo);
@@ -127,7 +131,8 @@ void Estimator<kWind>::add(const SideslipSample& sample) {
 template <bool kWind>
 void Estimator<kWind>::set_attitude_hint(double t_s, const Quaternion& q_NB) {
   const double norm = q_NB.norm();
-  if (!(norm > 0.5 && norm < 2.0) || !std::isfinite(t_s)) return;
+  const bool a_rotation = norm > 0.5 && norm < 2.0;
+  if (!a_rotation || !std::isfinite(t_s)) return;
   hint_.t_s = t_s;
   hint_.q_NB = q_NB.normalized();
 }
@@ -451,10 +456,11 @@ void Estimator<kWind>::start(bool on_ground) {
   const bool hinted = now_s - hint_.t_s < kFreshHint_s;
   NominalState x;
   const Vector3 field_B = window_.field.mean();
+  const double declination_rad = declination_rad_.value_or(0.0);
   if (on_ground || !hinted) {
-    x.q_NB = level_attitude(window_.accel.mean(), field_B, *declination_rad_);
+    x.q_NB = level_attitude(window_.accel.mean(), field_B, declination_rad);
   } else {
-    x.q_NB = with_heading_of(hint_.q_NB, field_B, *declination_rad_);
+    x.q_NB = with_heading_of(hint_.q_NB, field_B, declination_rad);
   }
   if (!origin_) origin_ = config_.origin;
   const bool first_start = !origin_;
@@ -471,7 +477,7 @@ void Estimator<kWind>::start(bool on_ground) {
     if (!first_start && window_.last_fix) {
       x.p_N.head<2>() = ned_of(window_.last_fix->place, *origin_).head<2>();
     }
-  } else {
+  } else if (window_.last_fix && origin_) {
     const GnssSample& fix = *window_.last_fix;
     x.v_N = fix.v_N_m_s;
     x.p_N = ned_of(fix.place, *origin_) + (now_s - fix.t_s) * fix.v_N_m_s - x.q_NB * gnss_lever();

@@ -5,6 +5,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "sim/fixedwing/motion.hpp"
@@ -49,7 +50,8 @@ class Search {
     share_ = effect.completeOrthogonalDecomposition().pseudoInverse();
   }
 
-  Vector first_guess() const {
+  /// @param load  advance ratio of the propellers as a share of that without thrust.
+  Vector first_guess(double load) const {
     const AirframeParameters& wing = parameters_.airframe;
     const FlightCondition& c = trim_.condition;
     const double weight_N = vehicle_.body.mass_kg * vehicle_.environment.gravity_m_s2;
@@ -63,8 +65,21 @@ class Search {
                            (vehicle_.environment.gravity_m_s2 * c.turn_radius_m));
     }
     z[kPitch] = z[kAlpha] + c.climb_rad;
-    z[kThrottle] = 0.6;
-    z.tail(speeds_).setOnes();
+    const PropellerParameters& propeller = parameters_.propulsion.propeller;
+    const MotorParameters& motor = parameters_.propulsion.motor;
+    const auto& ct = propeller.thrust;
+    // The positive root of C_T; a propeller without one is taken as lightly loaded.
+    const double root = std::sqrt(std::max(0.0, ct[1] * ct[1] - 4.0 * ct[0] * ct[2]));
+    const double free = ct[2] < 0.0 ? -(ct[1] + root) / (2.0 * ct[2]) : 1.0;
+    const double speed_rad_s =
+        2.0 * std::numbers::pi * c.airspeed_m_s / (load * free * propeller.diameter_m);
+    const Battery battery(parameters_.propulsion.battery);
+    const double supply_V = battery.open_circuit_V(battery.initial_charge_As());
+    constexpr double kLoss_V = 1.0;  // of the current, so that there is one
+    z[kThrottle] = std::clamp(
+        (motor.torque_constant_Nm_A * speed_rad_s + kLoss_V) / std::max(supply_V, kLoss_V), 0.1,
+        0.95);
+    z.tail(speeds_).setConstant(speed_rad_s / kSpeedScale_rad_s);
     return z;
   }
 
@@ -140,9 +155,9 @@ class Search {
     const FlightCondition& c = trim_.condition;
     const AirframeParameters& wing = parameters_.airframe;
     double most = 0.0;
-    constexpr double kSearch_rad = 0.6;
-    for (double alpha = 0.0; alpha < kSearch_rad; alpha += 0.005)
-      most = std::max(most, vehicle_.forces.airframe().lift_coefficient(alpha));
+    constexpr int kAngles = 120;  // to 0.6 rad
+    for (int i = 0; i < kAngles; ++i)
+      most = std::max(most, vehicle_.forces.airframe().lift_coefficient(0.005 * i));
     const double pressure_Pa = 0.5 * trim_.air.density_kg_m3 * c.airspeed_m_s * c.airspeed_m_s;
     const double weight_N = vehicle_.body.mass_kg * vehicle_.environment.gravity_m_s2;
     if (pressure_Pa * wing.area_m2 * most < weight_N * std::cos(c.climb_rad))
@@ -220,9 +235,11 @@ Acceleration accelerate(const TrimVehicle& vehicle, const Air& air, const Motion
 
 }  // namespace detail
 
-Trim find_trim(const TrimVehicle& vehicle, const FlightCondition& condition) {
-  Search search(vehicle, condition);
-  Vector z = search.first_guess();
+namespace {
+
+/// From a guess to the nearest solution, or to where Newton's method gives up; `search` is there
+/// afterwards. @returns whether it is a solution.
+bool solve(Search& search, Vector z) {
   Vector left = search.residual(z);
   for (int step = 0; step < kMostSteps; ++step) {
     const Vector delta = search.jacobian(z).fullPivLu().solve(-left);
@@ -241,9 +258,20 @@ Trim find_trim(const TrimVehicle& vehicle, const FlightCondition& condition) {
     if (!better) break;
   }
   search.residual(z);
-  if (!(length(left) < kGoodEnough) || !search.within_travel())
-    throw std::runtime_error("needs " + search.reason());
-  return search.finish();
+  return length(left) < kGoodEnough;
+}
+
+}  // namespace
+
+Trim find_trim(const TrimVehicle& vehicle, const FlightCondition& condition) {
+  Search search(vehicle, condition);
+  constexpr double kLoads[] = {0.85, 0.95, 0.7, 0.5};
+  for (const double load : kLoads) {
+    if (!solve(search, search.first_guess(load))) continue;
+    if (search.within_travel()) return search.finish();
+    break;
+  }
+  throw std::runtime_error("needs " + search.reason());
 }
 
 }  // namespace rosflight::sim

@@ -225,6 +225,25 @@ TEST(Faults, CutLinkForGoodEndsTheFlight) {
   EXPECT_LT(seconds(rig.flight->now()), kFault_s + 15.0);
 }
 
+class Breakdown : public ::testing::TestWithParam<const char*> {};
+TEST_P(Breakdown, RearmsInTheAirAndTheMissionGoesOn) {
+  Rig rig(Rig::with_faults({std::string(GetParam()) + "@20"}));
+  rig.run_until(kFault_s);
+  const sim::Time boot = rig.flight->board().boot_time();
+  const double height_m = rig.height_m();
+  rig.flight->step();
+  EXPECT_GT(rig.flight->board().boot_time(), boot);
+  EXPECT_TRUE(rig.firmware().state().armed());
+  rig.run_for(1.0);
+  EXPECT_LT(rig.tilt_deg(), 30.0);
+  EXPECT_NEAR(rig.height_m(), height_m, 1.5);
+  const sim::Time only = rig.flight->board().boot_time();
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed()) << rig.flight->director().failure();
+  EXPECT_EQ(rig.flight->board().boot_time(), only) << "once";
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, Breakdown, ::testing::Values("crash", "hang"));
+
 TEST(Faults, WeakMotorIsMadeUpFor) {
   const Rig rig = flown("motor1_partial=0.8@20");
   EXPECT_TRUE(rig.completed());

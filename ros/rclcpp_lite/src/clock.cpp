@@ -29,14 +29,6 @@ bool Clock::ros_time_is_active() {
   return active;
 }
 
-bool Clock::started() {
-  return rcl_clock_time_started(&clock_);
-}
-
-bool Clock::wait_until_started(Context::SharedPtr context) {
-  return started() || sleep_until(Time(std::int64_t{1}, get_clock_type()), context);
-}
-
 bool Clock::sleep_for(Duration span, Context::SharedPtr context) {
   return sleep_until(now() + span, std::move(context));
 }

@@ -5,6 +5,7 @@
 #include <rcl/init.h>
 #include <rcl/init_options.h>
 #include <rcl/logging.h>
+#include <rcutils/logging_macros.h>
 
 #include <stdexcept>
 
@@ -27,10 +28,8 @@ class RclInitOptions {
  public:
   explicit RclInitOptions(const InitOptions& options) {
     detail::check(rcl_init_options_init(&options_, rcl_get_default_allocator()), "make options");
-    if (options.domain_id()) {
-      detail::check(rcl_init_options_set_domain_id(&options_, *options.domain_id()),
-                    "set the domain");
-    }
+    detail::check(rcl_init_options_set_domain_id(&options_, options.get_domain_id()),
+                  "set the domain");
   }
   RclInitOptions(const RclInitOptions&) = delete;
   RclInitOptions& operator=(const RclInitOptions&) = delete;
@@ -45,9 +44,10 @@ class RclInitOptions {
 Context::Context() = default;
 Context::~Context() {
   try {
-    shutdown("context destroyed");
-  } catch (const std::exception&) {
-    // A callback's trouble; there is nobody left to tell.
+    Context::shutdown("context destroyed");
+  } catch (const std::exception& error) {
+    // A callback's trouble; nobody but the log is left to tell.
+    RCUTILS_LOG_ERROR_NAMED("rclcpp", "shutdown: %s", error.what());
   }
 }
 

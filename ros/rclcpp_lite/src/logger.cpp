@@ -14,8 +14,4 @@ void Logger::set_level(Level level) {
                 "set the level of logger '" + name_ + "'");
 }
 
-Logger::Level Logger::get_effective_level() const {
-  return static_cast<Level>(rcutils_logging_get_logger_effective_level(get_name()));
-}
-
 }  // namespace rclcpp

@@ -5,18 +5,17 @@
 
 namespace rclcpp {
 
-namespace {
-Duration period_of(double rate) {
+std::chrono::nanoseconds Rate::period_of(double rate) {
   if (!(rate > 0.0)) throw std::invalid_argument("a rate must be above 0 Hz");
-  return Duration::from_seconds(1.0 / rate);
+  return Duration::from_seconds(1.0 / rate).to_chrono<std::chrono::nanoseconds>();
 }
-}  // namespace
 
-Rate::Rate(double rate, Clock::SharedPtr clock) : Rate(period_of(rate), std::move(clock)) {}
-
-Rate::Rate(const Duration& period, Clock::SharedPtr clock)
+Rate::Rate(double rate) : Rate(period_of(rate)) {}
+Rate::Rate(std::chrono::nanoseconds period)
+    : Rate(period, std::make_shared<Clock>(RCL_SYSTEM_TIME)) {}
+Rate::Rate(std::chrono::nanoseconds period, Clock::SharedPtr clock)
     : clock_(std::move(clock)), period_(period), last_(clock_->now()) {
-  if (period_.nanoseconds() <= 0) throw std::invalid_argument("a period must be above 0 s");
+  if (period.count() <= 0) throw std::invalid_argument("a period must be above 0 s");
 }
 
 bool Rate::sleep() {

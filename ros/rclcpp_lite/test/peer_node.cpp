@@ -41,7 +41,13 @@ class Peer : public rclcpp::Node {
     String text;
     text.data = "kept for late ones";
     latched_->publish(text);
+    recent_ = create_publisher<Int64>("recent", rclcpp::QoS(5).transient_local());
+    for (std::int64_t i = 1; i <= 8; ++i) say(*recent_, i);
+    kept_.push_back(
+        create_subscription<Int64>("to_latched", rclcpp::QoS(5).transient_local(),
+                                   [this](const Int64& message) { reply(message.data); }));
     offer_services();
+    watch_jumps();
     start_timers();
   }
 
@@ -51,11 +57,12 @@ class Peer : public rclcpp::Node {
     kept_.push_back(create_subscription<Int64>(topic, 10, std::forward<CallbackT>(callback)));
   }
   void on_member(const Int64::ConstSharedPtr& message) { reply(message->data); }
-  void reply(std::int64_t value) {
+  static void say(rclcpp::Publisher<Int64>& publisher, std::int64_t value) {
     Int64 message;
     message.data = value;
-    reply_->publish(message);
+    publisher.publish(message);
   }
+  void reply(std::int64_t value) { say(*reply_, value); }
 
   /// Says on TOPIC/heard what it got on TOPIC, both with the same quality of service.
   void offer_qos(const std::string& topic, const rclcpp::QoS& qos) {
@@ -113,6 +120,14 @@ class Peer : public rclcpp::Node {
           }
           answer->success = true;
         });
+    declare_ = create_service<Trigger>(
+        "declare", [this](const Trigger::Request::SharedPtr, Trigger::Response::SharedPtr answer) {
+          rcl_interfaces::msg::ParameterDescriptor free;
+          free.dynamic_typing = true;
+          if (has_parameter("late")) undeclare_parameter("late");
+          answer->message = std::to_string(declare_parameter("late", 7, free));
+          answer->success = true;
+        });
     count_ = create_service<Trigger>(
         "count", [this](const Trigger::Request::SharedPtr, Trigger::Response::SharedPtr answer) {
           answer->message = std::to_string(count_subscribers("reply")) + " " +
@@ -123,17 +138,17 @@ class Peer : public rclcpp::Node {
   }
 
   void start_timers() {
-    wall_ = create_wall_timer(20ms, [this] { tick(*wall_ticks_, ++walls_); });
-    ros_ = rclcpp::create_timer(this, get_clock(), 100ms, [this] {
-      Int64 message;
-      message.data = now().nanoseconds();
-      ros_ticks_->publish(message);
-    });
+    wall_ = create_wall_timer(20ms, [this] { say(*wall_ticks_, ++walls_); });
+    ros_ = rclcpp::create_timer(this, get_clock(), 100ms,
+                                [this] { say(*ros_ticks_, now().nanoseconds()); });
   }
-  static void tick(rclcpp::Publisher<Int64>& publisher, std::int64_t count) {
-    Int64 message;
-    message.data = count;
-    publisher.publish(message);
+
+  /// Tells how far the clock jumped [ns]: forward by 10 s or more, back by any span.
+  void watch_jumps() {
+    const rcl_jump_threshold_t far{true, {10'000'000'000}, {-1}};
+    jumps_ = get_clock()->create_jump_callback(
+        nullptr, [this](const rcl_time_jump_t& jump) { say(*jumped_, jump.delta.nanoseconds); },
+        far);
   }
 
   void declare() {
@@ -157,6 +172,9 @@ class Peer : public rclcpp::Node {
     declare_parameter("group.deep.names", std::vector<std::string>{"a", "b"});
     declare_parameter("group.numbers", std::vector<double>{1.0, 2.5});
     declare_parameter("even", 2);
+    rcl_interfaces::msg::ParameterDescriptor free;
+    free.dynamic_typing = true;
+    declare_parameter("free", 1, free);
     on_set_ = add_on_set_parameters_callback([](const std::vector<rclcpp::Parameter>& parameters) {
       rcl_interfaces::msg::SetParametersResult result;
       result.successful = true;
@@ -174,10 +192,13 @@ class Peer : public rclcpp::Node {
   rclcpp::Publisher<Int64>::SharedPtr wall_ticks_{create_publisher<Int64>("wall_ticks", 10)};
   rclcpp::Publisher<Int64>::SharedPtr ros_ticks_{create_publisher<Int64>("ros_ticks", 50)};
   rclcpp::Publisher<String>::SharedPtr python_said_{create_publisher<String>("python_said", 10)};
+  rclcpp::Publisher<Int64>::SharedPtr jumped_{create_publisher<Int64>("jumps", 50)};
   rclcpp::Publisher<String>::SharedPtr latched_;
+  rclcpp::Publisher<Int64>::SharedPtr recent_;
+  rclcpp::JumpHandler::SharedPtr jumps_;
   std::vector<rclcpp::SubscriptionBase::SharedPtr> kept_;
   rclcpp::Service<SetBool>::SharedPtr simple_, with_id_, deferred_;
-  rclcpp::Service<Trigger>::SharedPtr ask_, log_, count_;
+  rclcpp::Service<Trigger>::SharedPtr ask_, log_, count_, declare_;
   rclcpp::Client<SetBool>::SharedPtr client_;
   rclcpp::TimerBase::SharedPtr wall_, ros_, later_;
   std::int64_t walls_{0};
@@ -187,11 +208,15 @@ class Peer : public rclcpp::Node {
 }  // namespace
 
 int main(int argc, char** argv) {
+  bool started = false;
   try {
     rclcpp::init(argc, argv);
+    started = true;
     rclcpp::spin(std::make_shared<Peer>());
     rclcpp::shutdown();
   } catch (const std::exception& error) {
+    // A signal may come while the node is being made: that is an end like any other.
+    if (started && !rclcpp::ok()) return 0;
     RCLCPP_FATAL(rclcpp::get_logger("peer"), "%s", error.what());
     return 2;
   }

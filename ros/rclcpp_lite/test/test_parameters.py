@@ -5,8 +5,11 @@ import pytest
 from rcl_interfaces.msg import Parameter, ParameterEvent, ParameterType, ParameterValue
 from rcl_interfaces.srv import (DescribeParameters, GetParameters, GetParameterTypes,
                                 ListParameters, SetParameters, SetParametersAtomically)
+from rclpy.parameter import Parameter as ClientParameter
 from rclpy.parameter import parameter_value_to_python
-from ros_peer import Process, Tester, lite_program, run, until
+from rclpy.parameter_client import AsyncParameterClient
+from ros_peer import LIMIT_S, Process, Tester, lite_program, run, until
+from std_srvs.srv import Trigger
 
 
 def double(name: str, value: float) -> Parameter:
@@ -35,8 +38,8 @@ def set_one(tester, parameter: Parameter):
 
 def test_list_has_all_names_and_prefixes(tester, peer):
     found = tester.call(ListParameters, "/peer/list_parameters").result
-    assert set(found.names) == {"count", "even", "fixed", "gain", "group.deep.names", "group.flag",
-                                "group.numbers", "use_sim_time"}
+    assert set(found.names) == {"count", "even", "fixed", "free", "gain", "group.deep.names",
+                                "group.flag", "group.numbers", "use_sim_time"}
     assert set(found.prefixes) == {"group", "group.deep"}
 
 
@@ -46,7 +49,7 @@ def test_list_has_all_names_and_prefixes(tester, peer):
     (["group.deep"], 1, {"group.deep.names"}),
     (["even"], 1, {"even"}),
     (["eve"], 0, set()),
-    ([], 1, {"count", "even", "fixed", "gain", "use_sim_time"})])
+    ([], 1, {"count", "even", "fixed", "free", "gain", "use_sim_time"})])
 def test_list_obeys_prefixes_and_depth(tester, peer, prefixes, depth, names):
     found = tester.call(ListParameters, "/peer/list_parameters", prefixes=prefixes, depth=depth)
     assert set(found.result.names) == names
@@ -121,6 +124,59 @@ def test_atomic_set_takes_all_or_none(tester, peer):
     assert values(tester, "gain", "even") == [0.5, 4]
 
 
+def test_late_declaration_is_told_as_an_event(tester):
+    events = tester.hear(ParameterEvent, "/parameter_events", 100)
+    words = ["--ros-args", "-r", "__ns:=/young", "-p", "late:=6"]
+    with Process(lite_program("peer_node", *words)):
+        tester.matched("/parameter_events", 2)
+        def told():
+            tester.call(Trigger, "/young/declare")
+            return [parameter_value_to_python(new.value) for event in events
+                    if event.node == "/young/peer" for new in event.new_parameters
+                    if new.name == "late"]
+        until(told, "the declaration")
+        assert told()[0] == 6
+        assert values(tester, "late", node="young/peer") == [6]
+
+
+def test_client_of_rclpy_understands_the_node(tester, peer, tmp_path):
+    client = AsyncParameterClient(tester.node, "/peer")
+    assert client.wait_for_services(LIMIT_S)
+
+    def done(future):
+        until(future.done, "an answer")
+        return future.result()
+    assert "gain" in done(client.list_parameters(["gain"], 1)).result.names
+    results = done(client.set_parameters([ClientParameter("gain", value=0.25),
+                                          ClientParameter("even", value=1)])).results
+    assert [result.successful for result in results] == [True, False]
+    assert parameter_value_to_python(done(client.get_parameters(["gain"])).values[0]) == 0.25
+    assert done(client.describe_parameters(["gain"])).descriptors[0].description == "a gain"
+    file = tmp_path / "more.yaml"
+    file.write_text("/**:\n  ros__parameters: {gain: 0.5, even: 12}\n")
+    loaded = done(client.load_parameter_file(str(file), use_wildcard=True)).results
+    assert [result.successful for result in loaded] == [True, True]
+    assert values(tester, "gain", "even") == [0.5, 12]
+
+
+def test_only_a_parameter_of_free_type_changes_it_or_goes_away(tester, peer):
+    client = AsyncParameterClient(tester.node, "/peer")
+    assert client.wait_for_services(LIMIT_S)
+    events = tester.hear(ParameterEvent, "/parameter_events", 100)
+    tester.matched("/parameter_events", 2)
+    assert set_one(tester, string("free", "now a text")).successful
+    assert values(tester, "free") == ["now a text"]
+    future = client.delete_parameters(["free"])
+    until(future.done, "an answer")
+    assert future.result().results[0].successful
+    gone = [event for event in events if event.deleted_parameters and event.node == "/peer"]
+    until(lambda: gone or [event for event in events if event.deleted_parameters], "the event")
+    assert values(tester, "free") == []
+    future = client.delete_parameters(["gain"])
+    until(future.done, "an answer")
+    assert not future.result().results[0].successful
+
+
 # ---- the command line ----------------------------------------------------------------------------
 
 
@@ -156,8 +212,16 @@ def test_files_wildcards_names_and_remappings(tmp_path):
     (["-p", "gain:=5.0"], "'gain' is 5.000000"), (["-p", "gain:=one"], "declared as [double]"),
     (["-p", "gain:=1"], "declared as [double], given [integer]"),
     (["-r", "__node:=two words"], "two words"),
+    (["-p", "other:gain:=1", "-p", "peer:gain:=9.0"], "'gain' is 9.000000"),
     (["--no-such-word"], "--no-such-word"), (["--params-file", "/none.yaml"], "/none.yaml")])
 def test_bad_words_on_the_command_line_end_the_program(words, says):
     done = run(lite_program("peer_node", "--ros-args", *words))
     assert done.returncode == 2, done.stdout
     assert says in done.stdout
+
+
+def test_file_that_is_no_yaml_ends_the_program(tmp_path):
+    file = tmp_path / "bad.yaml"
+    file.write_text("/**:\n  ros__parameters: [1, 2\n")
+    done = run(lite_program("peer_node", "--ros-args", "--params-file", str(file)))
+    assert done.returncode == 2 and str(file) in done.stdout, done.stdout

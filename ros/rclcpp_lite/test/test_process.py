@@ -2,6 +2,7 @@
 """A program on rclcpp_lite from outside: its log, its end on a signal."""
 
 import signal
+import time
 
 import pytest
 from rcl_interfaces.msg import Log
@@ -49,6 +50,17 @@ def test_signal_ends_the_program_cleanly(tester, number):
         tester.matched("/ended/reply")
         assert process.end(number) == 0, process.said()
         assert "rror" not in process.said()
+
+
+@pytest.mark.parametrize("delay_ms", [0, 2, 5, 10, 20, 40, 80])
+def test_signal_at_any_moment_of_the_start_ends_the_program(delay_ms):
+    with Process(lite_program("peer_node")) as process:
+        time.sleep(delay_ms / 1000)
+        # Before the handler stands, the signal's own way of ending is right.
+        code = process.end()
+        assert code in (0, -signal.SIGINT), process.said()
+        assert "rror" not in process.said() and "FATAL" not in process.said()
+        process.process.returncode = 0
 
 
 @pytest.mark.parametrize("waits", ["sleep", "sim_sleep", "service", "rate", "future", "threads"])

@@ -2,7 +2,7 @@
 """Services both ways between rclcpp_lite and rclpy."""
 
 import pytest
-from ros_peer import until
+from ros_peer import Process, lite_program, until
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
@@ -29,4 +29,17 @@ def test_client_finds_and_calls_a_service_in_python(tester):
     until(lambda: said, "the answer came to the callback")
     assert said[-1].data == "python got True"
     assert tester.call(Trigger, "ask_python").message == "/server_in_python"
+    tester.node.destroy_service(service)
+
+
+def test_plain_code_waits_for_a_service_and_its_answer(tester):
+    def serve(request, response):
+        response.message = f"python got {request.data}"
+        return response
+    words = ["call", "--ros-args", "-r", "__ns:=/plain"]
+    with Process(lite_program("waiting_program", *words)) as process:
+        until(lambda: "not there yet" in process.said(), "a wait without a service ends")
+        service = tester.node.create_service(SetBool, "/plain/server_in_python", serve)
+        until(lambda: process.process.poll() is not None, "the answer ends the program")
+        assert "answer: python got True" in process.said()
     tester.node.destroy_service(service)

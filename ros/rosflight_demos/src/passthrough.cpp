@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pass-through demonstration of the ROSflight 2.0 paper: attitude loops in a ROS node, closed at
-// the rate of `attitude` over the serial link, forces and torques to the firmware's mixer.
+// The pass-through demonstration of the ROSflight 2.0 paper: attitude loops in a ROS node, closed
+// at the rate of `attitude` over the serial link, forces and torques to the firmware's mixer.
 //
 //     passthrough SECONDS CSV [--ros-args -p mass_kg:=3.5 ...]
 //
@@ -25,6 +25,8 @@
 #include <sensor_msgs/msg/imu.hpp>
 #include <string>
 #include <vector>
+
+#include "program.hpp"
 
 namespace {
 
@@ -139,14 +141,16 @@ class Passthrough final : public rclcpp::Node {
     const double set_height = std::min(height_set_m_, flown_s) - 0.6 * sinking;
     const auto torque = [&](std::size_t k, double inertia, double error, double rate_error) {
       integral_[k] = std::clamp(integral_[k] + error * dt_s, -0.2, 0.2);
-      return inertia * (w_ * w_ * (error + integral_[k] / kIntegral_s) + 2.0 * kDamping * w_ * rate_error);
+      return inertia *
+             (w_ * w_ * (error + integral_[k] / kIntegral_s) + 2.0 * kDamping * w_ * rate_error);
     };
     const double yaw_error = std::remainder(yaw_ - a.yaw, 2.0 * std::numbers::pi);
     const std::array<double, 3> torques{
         torque(0, inertia_xx_, set_roll - a.roll, set_rate - m.angular_velocity.x),
         torque(1, inertia_yy_, -a.pitch, -m.angular_velocity.y),
         torque(2, inertia_zz_, 0.1 * yaw_error, 0.3 * -m.angular_velocity.z)};
-    const double lift = kGravity_m_s2 + 2.0 * (set_height - height_.height_m()) - 2.5 * height_.climb_m_s();
+    const double lift =
+        kGravity_m_s2 + 2.0 * (set_height - height_.height_m()) - 2.5 * height_.climb_m_s();
     const double thrust = mass_kg_ * std::clamp(lift, 2.0, 15.0) /
                           std::max(0.5, std::cos(a.roll) * std::cos(a.pitch));
     const bool down_again = sinking > 1.0 && height_.height_m() < 0.3;
@@ -190,10 +194,10 @@ class Passthrough final : public rclcpp::Node {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+static int run(int argc, char** argv) {
   const std::vector<std::string> words = rclcpp::init_and_remove_ros_arguments(argc, argv);
   const double seconds = words.size() == 3 ? std::atof(words[1].c_str()) : 0.0;
-  if (!(seconds > 0.0 && seconds <= 600.0)) {
+  if (!(seconds > 0.0) || seconds > 600.0) {
     std::fprintf(stderr, "usage: passthrough SECONDS CSV, seconds up to 600\n");
     return 2;
   }
@@ -218,4 +222,8 @@ int main(int argc, char** argv) {
   std::fclose(csv);
   rclcpp::shutdown();
   return 0;
+}
+
+int main(int argc, char** argv) {
+  return program("passthrough", [&] { return run(argc, argv); });
 }

@@ -13,6 +13,21 @@ using rosflight_msgs::srv::ParamFile;
 using rosflight_msgs::srv::ParamGet;
 using rosflight_msgs::srv::ParamSet;
 
+namespace {
+
+/// Answers a trigger with the outcome of a job.
+template <class Result, class Reply>
+void reply_when_finished(companion::Job<Result> job, const Reply& reply) {
+  job.when_finished([job, reply] {
+    std_srvs::srv::Trigger::Response response;
+    response.success = job.done();
+    response.message = job.text();
+    reply(response);
+  });
+}
+
+}  // namespace
+
 Services::Services(rclcpp::Node& node, companion::Runner& runner)
     : node_{node}, runner_{runner}, mag_{runner.session()} {
   mag_.on_prompt([logger = node.get_logger()](const std::string& line) {
@@ -27,13 +42,7 @@ Services::Services(rclcpp::Node& node, companion::Runner& runner)
   offer_command("reboot_to_bootloader", Command::kRebootToBootloader);
   offer<Trigger>("calibrate_mag",
                  [this](Session&, const Trigger::Request&, const Reply<Trigger>& reply) {
-                   companion::Job<companion::MagFit> job = mag_.start();
-                   job.when_finished([job, reply] {
-                     Trigger::Response response;
-                     response.success = job.done();
-                     response.message = job.text();
-                     reply(response);
-                   });
+                   reply_when_finished(mag_.start(), reply);
                  });
 }
 
@@ -64,13 +73,7 @@ void Services::offer(const std::string& name, Handler<Service> handler) {
 void Services::offer_command(const std::string& name, Command command) {
   offer<Trigger>(name,
                  [command](Session& session, const Trigger::Request&, const Reply<Trigger>& reply) {
-                   companion::Job<companion::CommandResult> job = session.commands().start(command);
-                   job.when_finished([job, reply] {
-                     Trigger::Response response;
-                     response.success = job.done();
-                     response.message = job.text();
-                     reply(response);
-                   });
+                   reply_when_finished(session.commands().start(command), reply);
                  });
 }
 

@@ -91,8 +91,7 @@ inline void put(const sim::Truth& truth, double gravity_m_s2, rosflight_msgs::ms
   put(body.q_NB, m.pose.orientation);
   put(body.v_B, m.twist.linear);
   put(body.w_B, m.twist.angular);
-  const sim::Vector3 gravity_B =
-      body.q_NB.conjugate() * sim::Vector3(0.0, 0.0, gravity_m_s2);
+  const sim::Vector3 gravity_B = body.q_NB.conjugate() * sim::Vector3(0.0, 0.0, gravity_m_s2);
   put(sim::Vector3(truth.specific_force_B + gravity_B), m.acceleration.linear);
   put(truth.angular_acceleration_B, m.acceleration.angular);
 }

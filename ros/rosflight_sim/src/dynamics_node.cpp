@@ -6,7 +6,7 @@
 
 #include "ros/rosflight_sim/src/conversions.hpp"
 #include "ros/rosflight_sim/src/node_tools.hpp"
-#include "ros/rosflight_sim/src/vehicle_parameters.hpp"
+#include "ros/rosflight_sim/src/vehicle_tuning.hpp"
 #include "sim/dynamics/rigid_body.hpp"
 
 namespace rosflight::ros_sim {
@@ -27,12 +27,15 @@ class HeldWrench final : public sim::ForcesAndMoments {
   sim::Wrench held;
 };
 
-/// Moves the body under the wrenches it is sent: from the stamp of the last one to that of this one,
-/// then publishes truth and wind. Stamps that stand publish only; those that go back begin anew; a
-/// gap of more than longest_gap_s moves the body by that much.
+/// Moves the body under the wrenches it is sent: from the stamp of the last one to that of this
+/// one, then publishes truth and wind. Stamps that stand publish only; those that go back begin
+/// anew; a gap of more than longest_gap_s moves the body by that much.
 class DynamicsNode : public rclcpp::Node {
  public:
-  DynamicsNode() : Node("dynamics"), parameters_{VehicleParameters::declare(*this)} {
+  DynamicsNode()
+      : Node("dynamics"),
+        parameters_{VehicleParameters::declare(*this)},
+        tuning_{*this, dynamics_views(), parameters_, [this] { retune(); }} {
     longest_gap_s_ = declare_number(*this, "longest_gap_s", 0.1, 0.001, 10.0,
                                     "longest step that one wrench may stand for [s]");
     body_ = make_body();
@@ -43,14 +46,14 @@ class DynamicsNode : public rclcpp::Node {
                                          std::shared_ptr<SetSimState::Response> response) {
           set_state(request->state, *response);
         });
-    reset_ = create_service<Trigger>(
-        "dynamics/reset", [this](const std::shared_ptr<Trigger::Request>,
-                                 std::shared_ptr<Trigger::Response> response) {
-          body_ = make_body();
-          publish(now());
-          response->success = true;
-          response->message = "at rest at the origin";
-        });
+    reset_ = create_service<Trigger>("dynamics/reset",
+                                     [this](const std::shared_ptr<Trigger::Request>,
+                                            std::shared_ptr<Trigger::Response> response) {
+                                       body_ = make_body();
+                                       publish(now());
+                                       response->success = true;
+                                       response->message = "at rest at the origin";
+                                     });
     wrenches_ = create_subscription<geometry_msgs::msg::WrenchStamped>(
         "sim/forces_and_moments", newest(),
         [this](geometry_msgs::msg::WrenchStamped::ConstSharedPtr message) { step(*message); });
@@ -60,8 +63,15 @@ class DynamicsNode : public rclcpp::Node {
  private:
   std::unique_ptr<sim::RigidBody> make_body() const {
     const sim::Vehicle& vehicle = parameters_.vehicle;
-    return std::make_unique<sim::RigidBody>(vehicle.body(), vehicle.ground(),
-                                            vehicle.environment(), forces_, parameters_.random);
+    return std::make_unique<sim::RigidBody>(vehicle.body(), vehicle.ground(), vehicle.environment(),
+                                            forces_, parameters_.random);
+  }
+
+  /// Another body or wind, where and as fast as the one before.
+  void retune() {
+    const sim::BodyState state = body_->truth().body;
+    body_ = make_body();
+    body_->set_state(state);
   }
 
   void step(const geometry_msgs::msg::WrenchStamped& message) {
@@ -117,6 +127,7 @@ class DynamicsNode : public rclcpp::Node {
   }
 
   VehicleParameters parameters_;
+  VehicleTuning tuning_;
   HeldWrench forces_;
   std::unique_ptr<sim::RigidBody> body_;
   double longest_gap_s_{};

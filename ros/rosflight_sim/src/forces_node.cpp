@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <geometry_msgs/msg/vector3_stamped.hpp>
 #include <geometry_msgs/msg/wrench_stamped.hpp>
+#include <optional>
 
 #include "ros/rosflight_sim/src/conversions.hpp"
 #include "ros/rosflight_sim/src/module_states.hpp"
 #include "ros/rosflight_sim/src/node_tools.hpp"
-#include "ros/rosflight_sim/src/vehicle_parameters.hpp"
+#include "ros/rosflight_sim/src/vehicle_tuning.hpp"
 #include "sim/registry.hpp"
 
 namespace rosflight::ros_sim {
@@ -14,8 +16,8 @@ namespace {
 /// Forces and moments of the vehicle's module, one wrench for every message of pulses.
 ///
 /// The module's own states (rotor speeds, charge) are integrated here, from the stamp of the last
-/// pulses to that of these, with the newest truth and wind held. The wrench carries the stamp of the
-/// pulses, so the dynamics' steps are the board's.
+/// pulses to that of these, with the newest truth and wind held. The wrench carries the stamp of
+/// the pulses, so the dynamics' steps are the board's.
 class ForcesNode : public rclcpp::Node {
  public:
   ForcesNode() : Node("mav_forces_and_moments"), parameters_{VehicleParameters::declare(*this)} {
@@ -24,11 +26,11 @@ class ForcesNode : public rclcpp::Node {
         "plugins", {}, described("shared libraries with forces-and-moments modules"));
     for (const auto& plugin : plugins)
       if (!plugin.empty()) registry_.load_plugin(plugin);
-    module_ = registry_.make_forces(parameters_.vehicle, parameters_.random);
-    states_.emplace(*module_);
-    atmosphere_ = sim::Atmosphere{parameters_.vehicle.environment().atmosphere};
-    no_ground_ = parameters_.vehicle.ground().model == sim::GroundModel::kNone;
-    wrench_ = create_publisher<geometry_msgs::msg::WrenchStamped>("sim/forces_and_moments", newest());
+    if (parameters_.vehicle.type() == "multirotor")
+      tuning_.emplace(*this, multirotor_views(), parameters_, [this] { make_module(); });
+    make_module();
+    wrench_ =
+        create_publisher<geometry_msgs::msg::WrenchStamped>("sim/forces_and_moments", newest());
     battery_ = create_publisher<rosflight_msgs::msg::BatteryStatus>("sim/truth_battery", newest());
     truth_ = create_subscription<rosflight_msgs::msg::SimState>(
         "sim/truth_state", newest(), [this](rosflight_msgs::msg::SimState::ConstSharedPtr message) {
@@ -46,12 +48,23 @@ class ForcesNode : public rclcpp::Node {
           }
         });
     pulses_ = create_subscription<rosflight_msgs::msg::PwmOutput>(
-        "sim/pwm_output", newest(), [this](rosflight_msgs::msg::PwmOutput::ConstSharedPtr message) {
-          answer(*message);
-        });
+        "sim/pwm_output", newest(),
+        [this](rosflight_msgs::msg::PwmOutput::ConstSharedPtr message) { answer(*message); });
   }
 
  private:
+  /// The module from the vehicle; its states go on if they are as many as before.
+  void make_module() {
+    std::vector<double> before;
+    if (states_) before.assign(states_->states().begin(), states_->states().end());
+    module_ = registry_.make_forces(parameters_.vehicle, parameters_.random);
+    states_.emplace(*module_);
+    if (states_->states().size() == before.size())
+      std::copy(before.begin(), before.end(), states_->states().begin());
+    atmosphere_ = sim::Atmosphere{parameters_.vehicle.environment().atmosphere};
+    no_ground_ = parameters_.vehicle.ground().model == sim::GroundModel::kNone;
+  }
+
   void refuse(const char* topic) {
     constexpr int kInterval_ms = 2000;
     RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kInterval_ms,
@@ -69,9 +82,8 @@ class ForcesNode : public rclcpp::Node {
     const sim::Matrix3 R_NB = now_.body.q_NB.toRotationMatrix();
     const sim::Vector3 v_air_B = now_.body.v_B - R_NB.transpose() * now_.air.wind_N;
     constexpr double kNoGround_m = 1e6;
-    const sim::ForcesAndMoments::Input in{now_.body, R_NB,    v_air_B,
-                                          now_.air,  outputs, no_ground_ ? kNoGround_m
-                                                                         : -now_.body.p_N.z()};
+    const sim::ForcesAndMoments::Input in{
+        now_.body, R_NB, v_air_B, now_.air, outputs, no_ground_ ? kNoGround_m : -now_.body.p_N.z()};
     const std::int64_t stamp = nanoseconds(pulses.header.stamp);
     sim::Wrench wrench;
     states_->step(in, static_cast<double>(stamp - last_stamp_) * 1e-9, wrench, now_);
@@ -95,6 +107,7 @@ class ForcesNode : public rclcpp::Node {
   }
 
   VehicleParameters parameters_;
+  std::optional<VehicleTuning> tuning_;
   sim::Registry registry_;
   std::unique_ptr<sim::ForcesAndMoments> module_;
   std::optional<ModuleStates> states_;

@@ -19,18 +19,33 @@ void KeyboardSticks::stroke(char key, Time now) {
   constexpr int kLowest_us = 1000;
   constexpr int kHighest_us = 2000;
   switch (key) {
-    case 'h': return push(roll_, -1.0, now);
-    case 'l': return push(roll_, 1.0, now);
-    case 'k': return push(pitch_, -1.0, now);
-    case 'j': return push(pitch_, 1.0, now);
-    case 'd': return push(yaw_, -1.0, now);
-    case 'f': return push(yaw_, 1.0, now);
-    case 'a': throttle_us_ = std::min(throttle_us_ + kThrottleStroke_us, kHighest_us); return;
-    case 's': throttle_us_ = std::max(throttle_us_ - kThrottleStroke_us, kLowest_us); return;
-    case 't': return flip_arm();
-    case 'r': return flip_override();
-    case 'm': angles_ = !angles_; return;
-    default: return;
+    case 'h':
+      return push(roll_, -1.0, now);
+    case 'l':
+      return push(roll_, 1.0, now);
+    case 'k':
+      return push(pitch_, -1.0, now);
+    case 'j':
+      return push(pitch_, 1.0, now);
+    case 'd':
+      return push(yaw_, -1.0, now);
+    case 'f':
+      return push(yaw_, 1.0, now);
+    case 'a':
+      throttle_us_ = std::min(throttle_us_ + kThrottleStroke_us, kHighest_us);
+      return;
+    case 's':
+      throttle_us_ = std::max(throttle_us_ - kThrottleStroke_us, kLowest_us);
+      return;
+    case 't':
+      return flip_arm();
+    case 'r':
+      return flip_override();
+    case 'm':
+      angles_ = !angles_;
+      return;
+    default:
+      return;
   }
 }
 
@@ -42,8 +57,9 @@ Pulses KeyboardSticks::pulses(Time now) const {
         std::lround(kMiddle_us + (now < s.until ? kHalfSpan_us * s.value : 0.0)));
   };
   const auto two_way = [](bool on) { return static_cast<std::uint16_t>(on ? 2000 : 1000); };
-  return {stick(roll_),    stick(pitch_),     static_cast<std::uint16_t>(throttle_us_), stick(yaw_),
-          two_way(arm_),   two_way(override_), two_way(angles_),                        1500};
+  return {stick(roll_),     stick(pitch_), static_cast<std::uint16_t>(throttle_us_),
+          stick(yaw_),      two_way(arm_), two_way(override_),
+          two_way(angles_), 1500};
 }
 
 std::optional<Terminal> Terminal::open() {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <termios.h>
 #include <chrono>
 #include <optional>
-#include <termios.h>
 
 #include "firmware/boards/linux/file_descriptor.hpp"
 #include "ros/rosflight_sim/src/joystick.hpp"

@@ -21,8 +21,8 @@ class RcNode : public rclcpp::Node {
     const bool use_keyboard = declare_switch(*this, "use_vimfly", false, "fly with the keyboard");
     const std::string device =
         declare_text(*this, "joystick_device", "/dev/input/js0", "Linux joystick");
-    const double deflection = declare_number(
-        *this, "key_deflection", 0.4, 0.05, 1.0, "of the attitude sticks, of their whole way");
+    const double deflection = declare_number(*this, "key_deflection", 0.4, 0.05, 1.0,
+                                             "of the attitude sticks, of their whole way");
     sticks_.emplace(deflection);
     choose(device, use_keyboard);
     publisher_ = create_publisher<rosflight_msgs::msg::RCRaw>(
@@ -61,18 +61,18 @@ class RcNode : public rclcpp::Node {
   }
 
   void offer_services() {
-    arm_ = create_service<Trigger>(
-        "toggle_arm", [this](const std::shared_ptr<Trigger::Request>,
-                             std::shared_ptr<Trigger::Response> response) {
+    arm_ =
+        create_service<Trigger>("toggle_arm", [this](const std::shared_ptr<Trigger::Request>,
+                                                     std::shared_ptr<Trigger::Response> response) {
           sticks_->flip_arm();
           answer(*response, "arm", kArmChannel);
         });
-    override_ = create_service<Trigger>(
-        "toggle_override", [this](const std::shared_ptr<Trigger::Request>,
-                                  std::shared_ptr<Trigger::Response> response) {
-          sticks_->flip_override();
-          answer(*response, "override", kOverrideChannel);
-        });
+    override_ = create_service<Trigger>("toggle_override",
+                                        [this](const std::shared_ptr<Trigger::Request>,
+                                               std::shared_ptr<Trigger::Response> response) {
+                                          sticks_->flip_override();
+                                          answer(*response, "override", kOverrideChannel);
+                                        });
   }
 
   void answer(Trigger::Response& response, const char* what, std::size_t channel) {
@@ -100,7 +100,8 @@ class RcNode : public rclcpp::Node {
       if (terminal_)
         while (const auto key = terminal_->key()) sticks_->stroke(*key, wall());
       message.values = sticks_->pulses(wall());
-      if (!terminal_) message.values[kModeChannel] = 1500;  // as in ROSflight 2.x: a switch in the middle
+      if (!terminal_)
+        message.values[kModeChannel] = 1500;  // as in ROSflight 2.x: a switch in the middle
     }
     message.header.stamp = now();
     publisher_->publish(message);

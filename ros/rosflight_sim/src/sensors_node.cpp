@@ -3,16 +3,18 @@
 
 #include "ros/rosflight_sim/src/conversions.hpp"
 #include "ros/rosflight_sim/src/node_tools.hpp"
+#include "ros/rosflight_sim/src/sensor_parameters.hpp"
 #include "ros/rosflight_sim/src/tick_tracker.hpp"
 #include "ros/rosflight_sim/src/vehicle_parameters.hpp"
+#include "sim/sensors/read_config.hpp"
 #include "sim/sensors/register.hpp"
 #include "sim/sensors/standard_sensors.hpp"
 
 namespace rosflight::ros_sim {
 namespace {
 
-/// Instruments in simulated time, fed with the truth of another node: one step of the sensors module
-/// at every message of truth. Samples carry the stamp of the truth they measured.
+/// Instruments in simulated time, fed with the truth of another node: one step of the sensors
+/// module at every message of truth. Samples carry the stamp of the truth they measured.
 class SensorsNode : public rclcpp::Node {
  public:
   SensorsNode() : Node("sensors"), parameters_{VehicleParameters::declare(*this)} {
@@ -22,19 +24,47 @@ class SensorsNode : public rclcpp::Node {
     frame_ = declare_text(*this, "frame_id", "aircraft_body", "frame of the samples");
     sim::register_physics(registry_);
     sim::sensors::register_sensors(registry_);
+    environment_ = parameters_.vehicle.environment();
     module_ = sim::sensors::make_sensors(registry_, parameters_.vehicle, parameters_.random);
-    standard_ = dynamic_cast<const sim::sensors::StandardSensors*>(module_.get());
+    if (dynamic_cast<const sim::sensors::StandardSensors*>(module_.get()) != nullptr)
+      declare_instruments();
     set_up_truth();
     open_topics();
   }
 
  private:
+  /// The parameters of ROSflight 2.x, with what the vehicle file says as their defaults.
+  void declare_instruments() {
+    settings_ = {sim::sensors::read_sensors(parameters_.vehicle.sensors()), environment_};
+    for (const SensorParameter& p : tunable_) {
+      const double from_file = p.get(settings_);
+      const double value = declare_number(*this, p.name, from_file, p.least, p.most, p.text, true);
+      if (value != from_file) p.set(settings_, value);
+    }
+    make_instruments();
+    changes_ = on_change(*this, [this](const rclcpp::Parameter& changed) {
+      for (const SensorParameter& p : tunable_) {
+        if (p.name != changed.get_name()) continue;
+        p.set(settings_, changed.as_double());
+        make_instruments();
+      }
+    });
+  }
+
+  void make_instruments() {
+    environment_ = settings_.environment;
+    auto made = std::make_unique<sim::sensors::StandardSensors>(settings_.sensors, environment_,
+                                                                parameters_.random);
+    standard_ = made.get();
+    module_ = std::move(made);
+  }
+
   /// Until the nodes that know better have spoken.
   void set_up_truth() {
     constexpr double kSomeVoltage_V = 23.0;  // the reference simulator's
     truth_.battery_voltage_V = kSomeVoltage_V;
     truth_.battery_current_A = 1.0;
-    atmosphere_ = sim::Atmosphere{parameters_.vehicle.environment().atmosphere};
+    atmosphere_ = sim::Atmosphere{environment_.atmosphere};
   }
 
   void open_topics() {
@@ -67,7 +97,7 @@ class SensorsNode : public rclcpp::Node {
   }
 
   void step(const rosflight_msgs::msg::SimState& message) {
-    if (!get(message, parameters_.vehicle.environment().gravity_m_s2, truth_)) {
+    if (!get(message, environment_.gravity_m_s2, truth_)) {
       constexpr int kInterval_ms = 2000;
       RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kInterval_ms,
                            "sim/truth_state: found numbers that are not finite or no rotation, "
@@ -77,8 +107,7 @@ class SensorsNode : public rclcpp::Node {
     stamp_ns_ = nanoseconds(message.header.stamp);
     if (!ticks_->step(stamp_ns_)) return;
     truth_.time = ticks_->time();
-    const double height_m =
-        parameters_.vehicle.environment().origin.height_m - truth_.body.p_N.z();
+    const double height_m = environment_.origin.height_m - truth_.body.p_N.z();
     const auto air = atmosphere_.at(height_m);
     truth_.air.density_kg_m3 = air.density_kg_m3;
     truth_.air.pressure_Pa = air.pressure_Pa;
@@ -133,6 +162,9 @@ class SensorsNode : public rclcpp::Node {
   sim::Registry registry_;
   std::unique_ptr<sim::SensorsModule> module_;
   const sim::sensors::StandardSensors* standard_{nullptr};
+  sim::EnvironmentParameters environment_;
+  std::vector<SensorParameter> tunable_{sensor_parameters()};
+  SensorSettings settings_;  ///< Of the module `standard`.
   sim::Atmosphere atmosphere_;
   std::optional<TickTracker> ticks_;
   std::string frame_;
@@ -150,6 +182,7 @@ class SensorsNode : public rclcpp::Node {
   rclcpp::Subscription<geometry_msgs::msg::Vector3Stamped>::SharedPtr winds_;
   rclcpp::Subscription<rosflight_msgs::msg::BatteryStatus>::SharedPtr batteries_;
   rclcpp::Subscription<rosflight_msgs::msg::SimState>::SharedPtr truths_;
+  rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr changes_;
 };
 
 }  // namespace

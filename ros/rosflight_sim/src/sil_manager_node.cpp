@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <atomic>
 #include <chrono>
 #include <std_srvs/srv/trigger.hpp>
 
@@ -14,8 +13,9 @@ using std::chrono::steady_clock;
 
 /// Asks the board for one step at every tick of node time, or when told to.
 ///
-/// A step that has not been answered when the next is due is given up after
-/// service_result_timeout_ms; ticks that come meanwhile are skipped, counted and said.
+/// One step at a time. A tick that comes before the step has been answered is made up for as soon
+/// as it is; more than one are skipped, counted and said. An answer that does not come within
+/// service_result_timeout_ms is waited for no longer.
 class SilManager : public rclcpp::Node {
  public:
   SilManager() : Node("rosflight_sil_manager") {
@@ -23,9 +23,9 @@ class SilManager : public rclcpp::Node {
                                    "steps of the board per second of node time [Hz]", true);
     const bool use_timer =
         declare_switch(*this, "use_timer", true, "false: step only by rosflight_sil/take_sim_step");
-    exists_ms_ = declare_whole(*this, "service_exists_timeout_ms", 10, 1, 10'000,
+    exists_ms_ = declare_whole(*this, "service_exists_timeout_ms", 500, 1, 10'000,
                                "how long take_sim_step waits for sil_board/run to exist [ms]");
-    result_ms_ = declare_whole(*this, "service_result_timeout_ms", 10, 1, 10'000,
+    result_ms_ = declare_whole(*this, "service_result_timeout_ms", 500, 1, 10'000,
                                "how long a step may take [ms]");
     client_group_ = create_callback_group(rclcpp::CallbackGroupType::MutuallyExclusive);
     client_ = create_client<Trigger>("sil_board/run");
@@ -54,19 +54,32 @@ class SilManager : public rclcpp::Node {
   void tick() {
     ++ticks_;
     const auto now = steady_clock::now();
-    if (busy_ && now - asked_ > milliseconds(result_ms_)) busy_ = false;
-    if (busy_ || !client_->service_is_ready()) {
+    if (busy_ && now - asked_ > milliseconds(result_ms_)) {
+      client_->prune_pending_requests();
+      busy_ = false;
+    }
+    if (!client_->service_is_ready()) {
       ++skipped_;
+    } else if (!busy_) {
+      ask();
     } else {
-      busy_ = true;
-      asked_ = now;
-      const std::uint64_t number = ++number_;
-      client_->async_send_request(std::make_shared<Trigger::Request>(),
-                                  [this, number](rclcpp::Client<Trigger>::SharedFuture) {
-                                    if (number == number_) busy_ = false;
-                                  });
+      skipped_ += due_ ? 1 : 0;
+      due_ = true;
     }
     report(now);
+  }
+
+  void ask() {
+    busy_ = true;
+    due_ = false;
+    asked_ = steady_clock::now();
+    const std::uint64_t number = ++number_;
+    client_->async_send_request(std::make_shared<Trigger::Request>(),
+                                [this, number](rclcpp::Client<Trigger>::SharedFuture) {
+                                  if (number != number_) return;
+                                  busy_ = false;
+                                  if (due_) ask();
+                                });
   }
 
   void report(steady_clock::time_point now) {
@@ -74,7 +87,6 @@ class SilManager : public rclcpp::Node {
     if (now - report_from_ < kInterval) return;
     constexpr std::uint64_t kWorthSaying = 100;  // one in this many
     if (skipped_ * kWorthSaying > ticks_) {
-      client_->prune_pending_requests();
       RCLCPP_WARN(get_logger(), "%lu of %lu steps skipped in %ld s: the board did not answer",
                   skipped_, ticks_, static_cast<long>(kInterval.count()));
     }
@@ -91,6 +103,7 @@ class SilManager : public rclcpp::Node {
     }
     auto future = by_hand_->async_send_request(std::make_shared<Trigger::Request>());
     if (future.wait_for(milliseconds(result_ms_)) != std::future_status::ready) {
+      by_hand_->remove_pending_request(future);
       answer.message = "found no answer of sil_board/run in time";
       return;
     }
@@ -100,9 +113,10 @@ class SilManager : public rclcpp::Node {
   double frequency_Hz_{};
   std::int64_t exists_ms_{};
   std::int64_t result_ms_{};
-  std::atomic<bool> busy_{false};
+  bool busy_{false};  ///< With the members below: of the default group, one callback at a time.
+  bool due_{false};   ///< A tick came while busy.
   steady_clock::time_point asked_;
-  std::atomic<std::uint64_t> number_{0};
+  std::uint64_t number_{0};
   std::uint64_t ticks_{0};
   std::uint64_t skipped_{0};
   steady_clock::time_point report_from_;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <chrono>
+#include <rosflight_msgs/msg/sim_state.hpp>
 #include <rosgraph_msgs/msg/clock.hpp>
 #include <std_srvs/srv/trigger.hpp>
 
@@ -19,12 +20,16 @@ using std::chrono::steady_clock;
 class TimeManager : public rclcpp::Node {
  public:
   TimeManager() : Node("time_manager") {
-    step_us_ = declare_number(*this, "default_pub_rate_us", kDefaultStep_us, 50.0, 10'000.0,
-                              "simulated time between two clock messages [us]", true);
+    step_us_ = declare_number(
+        *this, "default_pub_rate_us", kDefaultStep_us, 50.0, 10'000.0,
+        "simulated time between two clock messages; a loop period: lock-step [us]", true);
     factor_ = declare_number(*this, "real_time_multiplier", 1.0, 0.01, 100.0,
                              "simulated seconds per second", true);
     single_us_ = declare_number(*this, "single_step_us", 2500.0, 50.0, 1'000'000.0,
                                 "simulated time of one take_step [us]");
+    lead_us_ = declare_number(
+        *this, "longest_lead_us", 2500.0, 0.0, 1'000'000.0,
+        "time runs at most this far ahead of sim/truth_state, 0: never waits [us]", true);
     const bool paused = declare_switch(*this, "start_paused", false, "wait for toggle_pause");
     publisher_ = create_publisher<rosgraph_msgs::msg::Clock>(
         "clock", rclcpp::QoS(rclcpp::KeepLast(1)).best_effort());
@@ -42,7 +47,11 @@ class TimeManager : public rclcpp::Node {
                std::shared_ptr<std_srvs::srv::Trigger::Response> response) {
           single_step(*response);
         });
+    truth_ = create_subscription<rosflight_msgs::msg::SimState>(
+        "sim/truth_state", newest(),
+        [this](rosflight_msgs::msg::SimState::ConstSharedPtr) { world_follows(); });
     changes_ = on_change(*this, [this](const rclcpp::Parameter& p) {
+      if (p.get_name() == "longest_lead_us") lead_us_ = p.as_double();
       if (p.get_name() == "default_pub_rate_us") step_us_ = p.as_double();
       if (p.get_name() == "real_time_multiplier") factor_ = p.as_double();
       start();
@@ -52,9 +61,11 @@ class TimeManager : public rclcpp::Node {
   }
 
  private:
-  static constexpr double kDefaultStep_us = 1250.0;
+  static constexpr double kDefaultStep_us = 2500.0;
   static constexpr auto kPatience = std::chrono::milliseconds(50);
   static constexpr auto kJudged = std::chrono::seconds(2);
+  static constexpr auto kSayAgain = std::chrono::milliseconds(20);
+  static constexpr auto kGiveUp = std::chrono::seconds(1);
   static constexpr double kHeld = 0.98;  ///< Of the factor, to count as held.
 
   std::chrono::nanoseconds wall_period() const {
@@ -64,10 +75,14 @@ class TimeManager : public rclcpp::Node {
   /// Goes on from now at the present pace.
   void start() {
     next_ = steady_clock::now() + wall_period();
+    advanced_ = steady_clock::now();
     judge_from_ = steady_clock::now();
     judge_time_ns_ = time_ns_;
     timer_.reset();
-    if (paused_) return;
+    if (paused_) {  // for nodes that come now, and if a message was lost
+      timer_ = create_wall_timer(kSayAgain, [this] { advance(0.0); });
+      return;
+    }
     timer_ = create_wall_timer(wall_period(), [this] { tick(); });
   }
 
@@ -95,11 +110,35 @@ class TimeManager : public rclcpp::Node {
     publisher_->publish(message);
   }
 
+  /// Everything up to here has happened in the world.
+  void world_follows() {
+    followed_ns_ = time_ns_;
+    follows_ = true;
+    if (!paused_ && waiting_) tick();
+  }
+
+  bool must_wait(steady_clock::time_point now) {
+    waiting_ = follows_ && lead_us_ > 0.0 &&
+               static_cast<double>(time_ns_ - followed_ns_) + step_us_ * 0.5e3 > lead_us_ * 1e3;
+    if (waiting_ && now - said_ > kSayAgain) {  // best effort: it may have been lost
+      advance(0.0);
+      said_ = now;
+    }
+    if (waiting_ && now - advanced_ > kGiveUp) {
+      follows_ = waiting_ = false;
+      next_ = now;
+      RCLCPP_WARN(get_logger(), "no sim/truth_state for %ld s: time goes on without it",
+                  static_cast<long>(kGiveUp.count()));
+    }
+    return waiting_;
+  }
+
   void tick() {
     const auto now = steady_clock::now();
     if (now - next_ > kPatience) next_ = now;
-    while (next_ <= now) {
+    while (next_ <= now && !must_wait(now)) {
       advance(step_us_);
+      advanced_ = said_ = now;
       next_ += wall_period();
     }
     judge(now);
@@ -108,8 +147,7 @@ class TimeManager : public rclcpp::Node {
   void judge(steady_clock::time_point now) {
     if (now - judge_from_ < kJudged) return;
     const std::chrono::duration<double> wall = now - judge_from_;
-    const double reached =
-        static_cast<double>(time_ns_ - judge_time_ns_) * 1e-9 / wall.count();
+    const double reached = static_cast<double>(time_ns_ - judge_time_ns_) * 1e-9 / wall.count();
     if (reached < kHeld * factor_) {
       RCLCPP_WARN(get_logger(),
                   "this machine cannot hold real_time_multiplier %.2f: time runs at %.2f", factor_,
@@ -123,13 +161,20 @@ class TimeManager : public rclcpp::Node {
   double factor_{};
   double single_us_{};
   bool paused_{false};
+  double lead_us_{};
+  bool follows_{false};  ///< There is a world that answers.
+  bool waiting_{false};  ///< For it.
+  std::int64_t followed_ns_{0};
   std::int64_t time_ns_{0};
   steady_clock::time_point next_;
+  steady_clock::time_point advanced_;
+  steady_clock::time_point said_;
   steady_clock::time_point judge_from_;
   std::int64_t judge_time_ns_{0};
   rclcpp::Publisher<rosgraph_msgs::msg::Clock>::SharedPtr publisher_;
   rclcpp::Service<std_srvs::srv::Trigger>::SharedPtr pause_;
   rclcpp::Service<std_srvs::srv::Trigger>::SharedPtr take_step_;
+  rclcpp::Subscription<rosflight_msgs::msg::SimState>::SharedPtr truth_;
   rclcpp::TimerBase::SharedPtr timer_;
   rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr changes_;
 };

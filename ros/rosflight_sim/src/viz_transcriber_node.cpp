@@ -45,8 +45,9 @@ class VizTranscriber : public rclcpp::Node {
   }
 
  private:
-  static constexpr std::uint64_t kPoseEvery = 8;    ///< 50 Hz of 400
-  static constexpr std::uint64_t kMeshEvery = 400;  ///< the frame moves the mesh; 1 Hz for late eyes
+  static constexpr std::uint64_t kPoseEvery = 8;  ///< 50 Hz of 400
+  static constexpr std::uint64_t kMeshEvery =
+      400;  ///< the frame moves the mesh; 1 Hz for late eyes
 
   geometry_msgs::msg::TransformStamped transform(const builtin_interfaces::msg::Time& stamp,
                                                  const std::string& parent,

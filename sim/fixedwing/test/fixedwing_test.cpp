@@ -216,6 +216,8 @@ TEST(FixedWing, RefusesWhatCannotFly) {
   EXPECT_NE(message("surfaces.time_constant_s=0.001").find("allowed 0 or a number from 0.002"),
             std::string::npos);
   EXPECT_NE(message("aero.lift.alpha=0").find("found 0, allowed a number > 0"), std::string::npos);
+  EXPECT_NE(message("aero.side={zero: 0, beta: -1}").find("aero.side.p: found nothing, allowed"),
+            std::string::npos);
   EXPECT_NE(message("aero.wing.span=2").find("span"), std::string::npos);
   EXPECT_EQ(message("aero.model=glider"),
             "--set aero.model=glider: aero.model: found glider, allowed stall, reference");

@@ -76,6 +76,21 @@ TEST(Trim, BelowTheStallThereIsNone) {
   EXPECT_THROW(hangar.trim(8.0), std::runtime_error);
 }
 
+TEST(Trim, IsFoundOverTheWholeSpeedRange) {
+  const Hangar hangar("anaconda");
+  double last_throttle = 0.0;
+  for (double speed = 13.0; speed <= 31.0; speed += 0.5) {
+    SCOPED_TRACE(speed);
+    Trim trim;
+    ASSERT_NO_THROW(trim = hangar.trim(speed));
+    EXPECT_GT(trim.throttle, last_throttle);  // beyond the speed of least power
+    last_throttle = trim.throttle;
+    ASSERT_NO_THROW(hangar.trim({speed, -4.0 * kDegree, 0.0, 0.0}));
+    if (speed < 16.0) continue;
+    ASSERT_NO_THROW(hangar.trim({speed, 0.0, -speed * speed / 8.0, 0.0}));
+  }
+}
+
 TEST(Trim, StaysWhereItIsInTheSimulator) {
   for (const ReferenceWing& wing : kReferenceWings) {
     SCOPED_TRACE(wing.name);

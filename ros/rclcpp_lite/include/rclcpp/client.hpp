@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "rclcpp/context.hpp"
+#include "rclcpp/detail/arguments.hpp"
 #include "rclcpp/detail/entity.hpp"
 #include "rclcpp/macros.hpp"
 #include "rclcpp/qos.hpp"
@@ -31,6 +32,11 @@ struct FutureAndRequestId {
   std::int64_t request_id;
   FutureAndRequestId(FutureT awaited, std::int64_t id)
       : future(std::move(awaited)), request_id(id) {}
+  FutureAndRequestId(FutureAndRequestId&&) noexcept = default;
+  FutureAndRequestId& operator=(FutureAndRequestId&&) noexcept = default;
+  FutureAndRequestId(const FutureAndRequestId&) = delete;  // as with rclcpp
+  FutureAndRequestId& operator=(const FutureAndRequestId&) = delete;
+  ~FutureAndRequestId() = default;
   operator FutureT&() { return future; }  // NOLINT: implicit in rclcpp too
   auto get() { return future.get(); }
   bool valid() const noexcept { return future.valid(); }
@@ -125,7 +131,8 @@ class Client : public ClientBase {
   }
 
   template <typename CallbackT,
-            std::enable_if_t<std::is_invocable_v<CallbackT&, SharedFuture>>* = nullptr>
+            std::enable_if_t<detail::kDeclares<CallbackT, SharedFuture> &&
+                             std::is_invocable_v<CallbackT&, SharedFuture>>* = nullptr>
   SharedFutureAndRequestId async_send_request(SharedRequest request, CallbackT&& callback) {
     Promise promise;
     SharedFuture future(promise.get_future());
@@ -140,7 +147,8 @@ class Client : public ClientBase {
   }
 
   template <typename CallbackT,
-            std::enable_if_t<std::is_invocable_v<CallbackT&, SharedFutureWithRequest> &&
+            std::enable_if_t<detail::kDeclares<CallbackT, SharedFutureWithRequest> &&
+                             std::is_invocable_v<CallbackT&, SharedFutureWithRequest> &&
                              !std::is_invocable_v<CallbackT&, SharedFuture>>* = nullptr>
   SharedFutureWithRequestAndRequestId async_send_request(SharedRequest request,
                                                          CallbackT&& callback) {

@@ -46,10 +46,6 @@ class Clock {
   bool sleep_for(Duration span,
                  Context::SharedPtr context = contexts::get_global_default_context());
 
-  /// A simulated clock has not started while it shows zero.
-  bool started();
-  bool wait_until_started(Context::SharedPtr context = contexts::get_global_default_context());
-
   /// True when this is ROS time and it is simulated.
   bool ros_time_is_active();
   rcl_clock_type_t get_clock_type() const { return clock_.type; }

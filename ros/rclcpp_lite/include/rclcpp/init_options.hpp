@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <rcl/domain_id.h>
+
 #include <cstddef>
-#include <optional>
 
 namespace rclcpp {
 
@@ -14,12 +15,13 @@ class InitOptions {
     return *this;
   }
   void set_domain_id(std::size_t id) { domain_id_ = id; }
-  std::optional<std::size_t> domain_id() const { return domain_id_; }
+  /// RCL_DEFAULT_DOMAIN_ID: what the environment says.
+  std::size_t get_domain_id() const { return domain_id_; }
   bool shutdown_on_signal{true};
 
  private:
   bool logging_{true};
-  std::optional<std::size_t> domain_id_;
+  std::size_t domain_id_{RCL_DEFAULT_DOMAIN_ID};
 };
 
 }  // namespace rclcpp

@@ -19,9 +19,7 @@ class Logger {
     Fatal = RCUTILS_LOG_SEVERITY_FATAL,
   };
   const char* get_name() const { return name_.c_str(); }
-  Logger get_child(const std::string& suffix) const { return Logger(name_ + "." + suffix); }
   void set_level(Level level);
-  Level get_effective_level() const;
 
  private:
   friend Logger get_logger(const std::string& name);

@@ -9,6 +9,13 @@
 #include "rclcpp/logger.hpp"
 #include "rclcpp/utilities.hpp"
 
+namespace rclcpp::detail {
+/// Takes a logger only: a node has a name as well, but rclcpp refuses it.
+inline const char* name_of(const Logger& logger) {
+  return logger.get_name();
+}
+}  // namespace rclcpp::detail
+
 // Macros because the place in the source, the condition and the text must not be evaluated twice or
 // for nothing. RCLCPP_<SEVERITY>[_STREAM][_ONCE|_EXPRESSION|_SKIPFIRST|_THROTTLE](logger, ...).
 
@@ -26,16 +33,17 @@
     return RCUTILS_RET_OK;                                 \
   }
 
-#define RCLCPP_DEBUG(logger, ...) RCUTILS_LOG_DEBUG_NAMED((logger).get_name(), __VA_ARGS__)
+#define RCLCPP_DEBUG(logger, ...) \
+  RCUTILS_LOG_DEBUG_NAMED(::rclcpp::detail::name_of(logger), __VA_ARGS__)
 #define RCLCPP_DEBUG_ONCE(logger, ...) \
-  RCUTILS_LOG_DEBUG_ONCE_NAMED((logger).get_name(), __VA_ARGS__)
+  RCUTILS_LOG_DEBUG_ONCE_NAMED(::rclcpp::detail::name_of(logger), __VA_ARGS__)
 #define RCLCPP_DEBUG_EXPRESSION(logger, expression, ...) \
-  RCUTILS_LOG_DEBUG_EXPRESSION_NAMED(expression, (logger).get_name(), __VA_ARGS__)
+  RCUTILS_LOG_DEBUG_EXPRESSION_NAMED(expression, ::rclcpp::detail::name_of(logger), __VA_ARGS__)
 #define RCLCPP_DEBUG_SKIPFIRST(logger, ...) \
-  RCUTILS_LOG_DEBUG_SKIPFIRST_NAMED((logger).get_name(), __VA_ARGS__)
-#define RCLCPP_DEBUG_THROTTLE(logger, clock, period_ms, ...)                                      \
-  RCUTILS_LOG_DEBUG_THROTTLE_NAMED(RCLCPP_LITE_READ_CLOCK(clock), period_ms, (logger).get_name(), \
-                                   __VA_ARGS__)
+  RCUTILS_LOG_DEBUG_SKIPFIRST_NAMED(::rclcpp::detail::name_of(logger), __VA_ARGS__)
+#define RCLCPP_DEBUG_THROTTLE(logger, clock, period_ms, ...)                 \
+  RCUTILS_LOG_DEBUG_THROTTLE_NAMED(RCLCPP_LITE_READ_CLOCK(clock), period_ms, \
+                                   ::rclcpp::detail::name_of(logger), __VA_ARGS__)
 #define RCLCPP_DEBUG_STREAM(logger, stream) \
   RCLCPP_DEBUG(logger, "%s", RCLCPP_LITE_STREAM_TEXT(stream).c_str())
 #define RCLCPP_DEBUG_STREAM_ONCE(logger, stream) \
@@ -47,15 +55,17 @@
 #define RCLCPP_DEBUG_STREAM_THROTTLE(logger, clock, period_ms, stream) \
   RCLCPP_DEBUG_THROTTLE(logger, clock, period_ms, "%s", RCLCPP_LITE_STREAM_TEXT(stream).c_str())
 
-#define RCLCPP_INFO(logger, ...) RCUTILS_LOG_INFO_NAMED((logger).get_name(), __VA_ARGS__)
-#define RCLCPP_INFO_ONCE(logger, ...) RCUTILS_LOG_INFO_ONCE_NAMED((logger).get_name(), __VA_ARGS__)
+#define RCLCPP_INFO(logger, ...) \
+  RCUTILS_LOG_INFO_NAMED(::rclcpp::detail::name_of(logger), __VA_ARGS__)
+#define RCLCPP_INFO_ONCE(logger, ...) \
+  RCUTILS_LOG_INFO_ONCE_NAMED(::rclcpp::detail::name_of(logger), __VA_ARGS__)
 #define RCLCPP_INFO_EXPRESSION(logger, expression, ...) \
-  RCUTILS_LOG_INFO_EXPRESSION_NAMED(expression, (logger).get_name(), __VA_ARGS__)
+  RCUTILS_LOG_INFO_EXPRESSION_NAMED(expression, ::rclcpp::detail::name_of(logger), __VA_ARGS__)
 #define RCLCPP_INFO_SKIPFIRST(logger, ...) \
-  RCUTILS_LOG_INFO_SKIPFIRST_NAMED((logger).get_name(), __VA_ARGS__)
-#define RCLCPP_INFO_THROTTLE(logger, clock, period_ms, ...)                                      \
-  RCUTILS_LOG_INFO_THROTTLE_NAMED(RCLCPP_LITE_READ_CLOCK(clock), period_ms, (logger).get_name(), \
-                                  __VA_ARGS__)
+  RCUTILS_LOG_INFO_SKIPFIRST_NAMED(::rclcpp::detail::name_of(logger), __VA_ARGS__)
+#define RCLCPP_INFO_THROTTLE(logger, clock, period_ms, ...)                 \
+  RCUTILS_LOG_INFO_THROTTLE_NAMED(RCLCPP_LITE_READ_CLOCK(clock), period_ms, \
+                                  ::rclcpp::detail::name_of(logger), __VA_ARGS__)
 #define RCLCPP_INFO_STREAM(logger, stream) \
   RCLCPP_INFO(logger, "%s", RCLCPP_LITE_STREAM_TEXT(stream).c_str())
 #define RCLCPP_INFO_STREAM_ONCE(logger, stream) \
@@ -67,15 +77,17 @@
 #define RCLCPP_INFO_STREAM_THROTTLE(logger, clock, period_ms, stream) \
   RCLCPP_INFO_THROTTLE(logger, clock, period_ms, "%s", RCLCPP_LITE_STREAM_TEXT(stream).c_str())
 
-#define RCLCPP_WARN(logger, ...) RCUTILS_LOG_WARN_NAMED((logger).get_name(), __VA_ARGS__)
-#define RCLCPP_WARN_ONCE(logger, ...) RCUTILS_LOG_WARN_ONCE_NAMED((logger).get_name(), __VA_ARGS__)
+#define RCLCPP_WARN(logger, ...) \
+  RCUTILS_LOG_WARN_NAMED(::rclcpp::detail::name_of(logger), __VA_ARGS__)
+#define RCLCPP_WARN_ONCE(logger, ...) \
+  RCUTILS_LOG_WARN_ONCE_NAMED(::rclcpp::detail::name_of(logger), __VA_ARGS__)
 #define RCLCPP_WARN_EXPRESSION(logger, expression, ...) \
-  RCUTILS_LOG_WARN_EXPRESSION_NAMED(expression, (logger).get_name(), __VA_ARGS__)
+  RCUTILS_LOG_WARN_EXPRESSION_NAMED(expression, ::rclcpp::detail::name_of(logger), __VA_ARGS__)
 #define RCLCPP_WARN_SKIPFIRST(logger, ...) \
-  RCUTILS_LOG_WARN_SKIPFIRST_NAMED((logger).get_name(), __VA_ARGS__)
-#define RCLCPP_WARN_THROTTLE(logger, clock, period_ms, ...)                                      \
-  RCUTILS_LOG_WARN_THROTTLE_NAMED(RCLCPP_LITE_READ_CLOCK(clock), period_ms, (logger).get_name(), \
-                                  __VA_ARGS__)
+  RCUTILS_LOG_WARN_SKIPFIRST_NAMED(::rclcpp::detail::name_of(logger), __VA_ARGS__)
+#define RCLCPP_WARN_THROTTLE(logger, clock, period_ms, ...)                 \
+  RCUTILS_LOG_WARN_THROTTLE_NAMED(RCLCPP_LITE_READ_CLOCK(clock), period_ms, \
+                                  ::rclcpp::detail::name_of(logger), __VA_ARGS__)
 #define RCLCPP_WARN_STREAM(logger, stream) \
   RCLCPP_WARN(logger, "%s", RCLCPP_LITE_STREAM_TEXT(stream).c_str())
 #define RCLCPP_WARN_STREAM_ONCE(logger, stream) \
@@ -87,16 +99,17 @@
 #define RCLCPP_WARN_STREAM_THROTTLE(logger, clock, period_ms, stream) \
   RCLCPP_WARN_THROTTLE(logger, clock, period_ms, "%s", RCLCPP_LITE_STREAM_TEXT(stream).c_str())
 
-#define RCLCPP_ERROR(logger, ...) RCUTILS_LOG_ERROR_NAMED((logger).get_name(), __VA_ARGS__)
+#define RCLCPP_ERROR(logger, ...) \
+  RCUTILS_LOG_ERROR_NAMED(::rclcpp::detail::name_of(logger), __VA_ARGS__)
 #define RCLCPP_ERROR_ONCE(logger, ...) \
-  RCUTILS_LOG_ERROR_ONCE_NAMED((logger).get_name(), __VA_ARGS__)
+  RCUTILS_LOG_ERROR_ONCE_NAMED(::rclcpp::detail::name_of(logger), __VA_ARGS__)
 #define RCLCPP_ERROR_EXPRESSION(logger, expression, ...) \
-  RCUTILS_LOG_ERROR_EXPRESSION_NAMED(expression, (logger).get_name(), __VA_ARGS__)
+  RCUTILS_LOG_ERROR_EXPRESSION_NAMED(expression, ::rclcpp::detail::name_of(logger), __VA_ARGS__)
 #define RCLCPP_ERROR_SKIPFIRST(logger, ...) \
-  RCUTILS_LOG_ERROR_SKIPFIRST_NAMED((logger).get_name(), __VA_ARGS__)
-#define RCLCPP_ERROR_THROTTLE(logger, clock, period_ms, ...)                                      \
-  RCUTILS_LOG_ERROR_THROTTLE_NAMED(RCLCPP_LITE_READ_CLOCK(clock), period_ms, (logger).get_name(), \
-                                   __VA_ARGS__)
+  RCUTILS_LOG_ERROR_SKIPFIRST_NAMED(::rclcpp::detail::name_of(logger), __VA_ARGS__)
+#define RCLCPP_ERROR_THROTTLE(logger, clock, period_ms, ...)                 \
+  RCUTILS_LOG_ERROR_THROTTLE_NAMED(RCLCPP_LITE_READ_CLOCK(clock), period_ms, \
+                                   ::rclcpp::detail::name_of(logger), __VA_ARGS__)
 #define RCLCPP_ERROR_STREAM(logger, stream) \
   RCLCPP_ERROR(logger, "%s", RCLCPP_LITE_STREAM_TEXT(stream).c_str())
 #define RCLCPP_ERROR_STREAM_ONCE(logger, stream) \
@@ -108,16 +121,17 @@
 #define RCLCPP_ERROR_STREAM_THROTTLE(logger, clock, period_ms, stream) \
   RCLCPP_ERROR_THROTTLE(logger, clock, period_ms, "%s", RCLCPP_LITE_STREAM_TEXT(stream).c_str())
 
-#define RCLCPP_FATAL(logger, ...) RCUTILS_LOG_FATAL_NAMED((logger).get_name(), __VA_ARGS__)
+#define RCLCPP_FATAL(logger, ...) \
+  RCUTILS_LOG_FATAL_NAMED(::rclcpp::detail::name_of(logger), __VA_ARGS__)
 #define RCLCPP_FATAL_ONCE(logger, ...) \
-  RCUTILS_LOG_FATAL_ONCE_NAMED((logger).get_name(), __VA_ARGS__)
+  RCUTILS_LOG_FATAL_ONCE_NAMED(::rclcpp::detail::name_of(logger), __VA_ARGS__)
 #define RCLCPP_FATAL_EXPRESSION(logger, expression, ...) \
-  RCUTILS_LOG_FATAL_EXPRESSION_NAMED(expression, (logger).get_name(), __VA_ARGS__)
+  RCUTILS_LOG_FATAL_EXPRESSION_NAMED(expression, ::rclcpp::detail::name_of(logger), __VA_ARGS__)
 #define RCLCPP_FATAL_SKIPFIRST(logger, ...) \
-  RCUTILS_LOG_FATAL_SKIPFIRST_NAMED((logger).get_name(), __VA_ARGS__)
-#define RCLCPP_FATAL_THROTTLE(logger, clock, period_ms, ...)                                      \
-  RCUTILS_LOG_FATAL_THROTTLE_NAMED(RCLCPP_LITE_READ_CLOCK(clock), period_ms, (logger).get_name(), \
-                                   __VA_ARGS__)
+  RCUTILS_LOG_FATAL_SKIPFIRST_NAMED(::rclcpp::detail::name_of(logger), __VA_ARGS__)
+#define RCLCPP_FATAL_THROTTLE(logger, clock, period_ms, ...)                 \
+  RCUTILS_LOG_FATAL_THROTTLE_NAMED(RCLCPP_LITE_READ_CLOCK(clock), period_ms, \
+                                   ::rclcpp::detail::name_of(logger), __VA_ARGS__)
 #define RCLCPP_FATAL_STREAM(logger, stream) \
   RCLCPP_FATAL(logger, "%s", RCLCPP_LITE_STREAM_TEXT(stream).c_str())
 #define RCLCPP_FATAL_STREAM_ONCE(logger, stream) \

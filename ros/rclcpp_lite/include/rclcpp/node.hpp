@@ -81,26 +81,17 @@ class Node : public std::enable_shared_from_this<Node> {
       const std::string& topic, const QoS& qos, CallbackT&& callback,
       const SubscriptionOptionsWithAllocator<AllocatorT>& options = {});
 
+  // Humble takes an rmw_qos_profile_t in place of the QoS of the next two, so common code leaves it
+  // to the default, or asks which one there is.
   template <typename ServiceT, typename CallbackT>
   typename Service<ServiceT>::SharedPtr create_service(const std::string& name,
                                                        CallbackT&& callback,
                                                        const QoS& qos = ServicesQoS(),
                                                        CallbackGroup::SharedPtr group = nullptr);
-  /// The form that Humble has.
-  template <typename ServiceT, typename CallbackT>
-  typename Service<ServiceT>::SharedPtr create_service(const std::string& name,
-                                                       CallbackT&& callback,
-                                                       const rmw_qos_profile_t& qos,
-                                                       CallbackGroup::SharedPtr group = nullptr);
 
   template <typename ServiceT>
   typename Client<ServiceT>::SharedPtr create_client(const std::string& name,
                                                      const QoS& qos = ServicesQoS(),
-                                                     CallbackGroup::SharedPtr group = nullptr);
-  /// The form that Humble has.
-  template <typename ServiceT>
-  typename Client<ServiceT>::SharedPtr create_client(const std::string& name,
-                                                     const rmw_qos_profile_t& qos,
                                                      CallbackGroup::SharedPtr group = nullptr);
 
   template <typename Rep, typename Period, typename CallbackT>

@@ -42,6 +42,17 @@ inline constexpr bool kIsVector = false;
 template <typename T>
 inline constexpr bool kIsVector<std::vector<T>> = true;
 
+/// What rclcpp makes a parameter value from. Other integers would have to be converted by a guess.
+template <typename T, typename... Known>
+inline constexpr bool kIsOneOf = (std::is_same_v<T, Known> || ...);
+template <typename T>
+inline constexpr bool kMakesParameter =
+    kIsOneOf<T, bool, int, std::int64_t, float, double, std::string> ||
+    std::is_convertible_v<T, const char*> ||
+    kIsOneOf<T, std::vector<std::uint8_t>, std::vector<bool>, std::vector<int>,
+             std::vector<std::int64_t>, std::vector<float>, std::vector<double>,
+             std::vector<std::string>>;
+
 /// The parameter type that holds a C++ type.
 template <typename T>
 constexpr ParameterType parameter_type_of() {
@@ -118,6 +129,7 @@ class ParameterValue {
                                                     !std::is_same_v<T, Message> &&
                                                     !std::is_same_v<T, const char*>>>
   explicit ParameterValue(const T& value) {
+    static_assert(detail::kMakesParameter<T>, "no parameter is made from this type");
     value_.type = detail::parameter_type_of<T>();
     if constexpr (std::is_arithmetic_v<T> || std::is_convertible_v<T, std::string>) {
       member<detail::parameter_type_of<T>()>(value_) = convert<T>(value);
@@ -138,23 +150,10 @@ class ParameterValue {
     if (get_type() != kType) throw ParameterTypeException(kType, get_type());
     return member<kType>(value_);
   }
-  /// As above, converted to T; basic types are returned by value.
+  /// As above, of the type that holds a T: std::int64_t for every integer, double for a float.
   template <typename T>
-  decltype(auto) get() const {
-    using Held = std::decay_t<decltype(get<detail::parameter_type_of<T>()>())>;
-    if constexpr (std::is_same_v<T, Held>) {
-      return get<detail::parameter_type_of<T>()>();
-    } else if constexpr (detail::kIsVector<T>) {
-      const auto& held = get<detail::parameter_type_of<T>()>();
-      T converted;
-      converted.reserve(held.size());
-      for (const auto& element : held) {
-        converted.push_back(static_cast<typename T::value_type>(element));
-      }
-      return converted;
-    } else {
-      return static_cast<T>(get<detail::parameter_type_of<T>()>());
-    }
+  const auto& get() const {
+    return get<detail::parameter_type_of<T>()>();
   }
 
  private:

@@ -20,12 +20,15 @@ class Rate : public RateBase {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(Rate)
   /// Throws std::invalid_argument unless the rate [Hz] or the period is positive.
-  explicit Rate(double rate, Clock::SharedPtr clock = std::make_shared<Clock>(RCL_SYSTEM_TIME));
-  explicit Rate(const Duration& period,
-                Clock::SharedPtr clock = std::make_shared<Clock>(RCL_SYSTEM_TIME));
+  explicit Rate(double rate);
+  explicit Rate(std::chrono::nanoseconds period);
   /// Sleeps to the end of the period. False: it was over already, or the context is shut down.
   bool sleep() override;
   void reset() override;
+
+ protected:
+  Rate(std::chrono::nanoseconds period, Clock::SharedPtr clock);
+  static std::chrono::nanoseconds period_of(double rate);
 
  private:
   Clock::SharedPtr clock_;
@@ -37,8 +40,8 @@ class Rate : public RateBase {
 class WallRate : public Rate {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(WallRate)
-  explicit WallRate(double rate) : Rate(rate, std::make_shared<Clock>(RCL_STEADY_TIME)) {}
-  explicit WallRate(const Duration& period)
+  explicit WallRate(double rate) : WallRate(period_of(rate)) {}
+  explicit WallRate(std::chrono::nanoseconds period)
       : Rate(period, std::make_shared<Clock>(RCL_STEADY_TIME)) {}
 };
 

@@ -5,10 +5,22 @@
 #include <memory>
 #include <type_traits>
 
+#include "rclcpp/detail/arguments.hpp"
 #include "rclcpp/message_info.hpp"
 #include "rclcpp/serialized_message.hpp"
 
 namespace rclcpp::detail {
+
+/// Is T one of the forms in which rclcpp hands a message over, alone or with MessageInfo behind?
+template <typename CallbackT, typename T, typename... Info>
+inline constexpr bool kTakesForm =
+    kDeclares<CallbackT, const T&, Info...> || kDeclares<CallbackT, std::unique_ptr<T>, Info...> ||
+    kDeclares<CallbackT, std::shared_ptr<T>, Info...> ||
+    kDeclares<CallbackT, std::shared_ptr<const T>, Info...> ||
+    kDeclares<CallbackT, const std::shared_ptr<const T>&, Info...>;
+template <typename CallbackT, typename T>
+inline constexpr bool kTakes =
+    kTakesForm<CallbackT, T> || kTakesForm<CallbackT, T, const MessageInfo&>;
 
 /// A subscription's callback in any of the forms rclcpp takes: a message by const reference, unique
 /// or shared pointer, or its bytes; with or without MessageInfo behind.
@@ -21,6 +33,8 @@ class MessageCallback {
   template <typename CallbackT>
   explicit MessageCallback(CallbackT&& callback) {
     using Callback = std::decay_t<CallbackT>;
+    static_assert(kTakes<Callback, MessageT> || kTakes<Callback, SerializedMessage>,
+                  "rclcpp takes messages as const reference, unique or shared pointer");
     if constexpr (std::is_invocable_v<Callback&, Argument<MessageT>>) {
       call_ = [callback = Callback(std::forward<CallbackT>(callback))](
                   const Message& message, const Bytes&, const MessageInfo&) mutable {

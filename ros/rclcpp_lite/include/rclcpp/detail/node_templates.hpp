@@ -29,17 +29,9 @@ template <typename ServiceT, typename CallbackT>
 typename Service<ServiceT>::SharedPtr Node::create_service(const std::string& name,
                                                            CallbackT&& callback, const QoS& qos,
                                                            CallbackGroup::SharedPtr group) {
-  return create_service<ServiceT>(name, std::forward<CallbackT>(callback),
-                                  qos.get_rmw_qos_profile(), std::move(group));
-}
-
-template <typename ServiceT, typename CallbackT>
-typename Service<ServiceT>::SharedPtr Node::create_service(const std::string& name,
-                                                           CallbackT&& callback,
-                                                           const rmw_qos_profile_t& qos,
-                                                           CallbackGroup::SharedPtr group) {
   auto service = std::make_shared<Service<ServiceT>>(base_->get_shared_rcl_node_handle(), name,
-                                                     std::forward<CallbackT>(callback), qos);
+                                                     std::forward<CallbackT>(callback),
+                                                     qos.get_rmw_qos_profile());
   group_or_default(group).add(service);
   return service;
 }
@@ -47,15 +39,8 @@ typename Service<ServiceT>::SharedPtr Node::create_service(const std::string& na
 template <typename ServiceT>
 typename Client<ServiceT>::SharedPtr Node::create_client(const std::string& name, const QoS& qos,
                                                          CallbackGroup::SharedPtr group) {
-  return create_client<ServiceT>(name, qos.get_rmw_qos_profile(), std::move(group));
-}
-
-template <typename ServiceT>
-typename Client<ServiceT>::SharedPtr Node::create_client(const std::string& name,
-                                                         const rmw_qos_profile_t& qos,
-                                                         CallbackGroup::SharedPtr group) {
-  auto client = std::make_shared<Client<ServiceT>>(base_->get_shared_rcl_node_handle(),
-                                                   base_->get_context(), name, qos);
+  auto client = std::make_shared<Client<ServiceT>>(
+      base_->get_shared_rcl_node_handle(), base_->get_context(), name, qos.get_rmw_qos_profile());
   group_or_default(group).add(client);
   return client;
 }
@@ -98,8 +83,9 @@ std::vector<ParameterT> Node::declare_parameters(
     bool ignore_overrides) {
   std::vector<ParameterT> values;
   for (const auto& [name, value] : parameters) {
-    values.push_back(declare_parameter(name_space.empty() ? name : name_space + "." + name, value,
-                                       Descriptor(), ignore_overrides));
+    values.push_back(static_cast<ParameterT>(
+        declare_parameter(name_space.empty() ? name : name_space + "." + name, value, Descriptor(),
+                          ignore_overrides)));
   }
   return values;
 }
@@ -108,7 +94,7 @@ template <typename ParameterT>
 bool Node::get_parameter(const std::string& name, ParameterT& value) const {
   Parameter parameter;
   const bool found = get_parameter(name, parameter);
-  if (found) value = parameter.get_value<ParameterT>();
+  if (found) value = static_cast<ParameterT>(parameter.get_value<ParameterT>());
   return found;
 }
 
@@ -134,7 +120,8 @@ bool Node::get_parameters(const std::string& prefix,
   bool found = false;
   for (const auto& name : list_parameters({}, 0).names) {
     if (name.rfind(start, 0) != 0) continue;
-    values[name.substr(start.size())] = get_parameter(name).get_value<ParameterT>();
+    values[name.substr(start.size())] =
+        static_cast<ParameterT>(get_parameter(name).get_value<ParameterT>());
     found = true;
   }
   return found;

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Both examples fly their square in the launched simulator; where they were is judged from outside. The second flight
+is on forces and moments of somebody else, in Python."""
+
+import math
+import sys
+
+import pytest
+from ros_rig import ROOT, free_udp_port
+from rosflight_msgs.msg import SimState, Status
+from sim_rig import Process, SimPeer, launch
+
+PYTHON_FORCES = ROOT / "ros/rosflight_sim/test/python_forces.py"
+CORNERS = [(0, 0), (3, 0), (3, 3), (0, 3), (0, 0)]
+FASTEST = "10.0"  # more than this machine holds: as fast as it can, and time waits for the world
+
+
+def distance_to_square(x, y):
+    """From the outline, inside or outside."""
+    inside = min(x, 3 - x, y, 3 - y)
+    return inside if inside >= 0 else math.hypot(max(-x, 0, x - 3), max(-y, 0, y - 3))
+
+
+@pytest.mark.parametrize("program, modules, forces", [
+    ("square", {}, None), ("square.py", {"forces": "false"}, PYTHON_FORCES)])
+def test_a_square_is_flown(tmp_path, program, modules, forces):
+    ports = {"simulation_port": free_udp_port(), "ROS_port": free_udp_port()}
+    with SimPeer("judge") as judge, launch("rosflight_sim", "multirotor_standalone.launch.xml", use_sim_time="true",
+                                           real_time_multiplier=FASTEST, memory_folder=tmp_path, **ports, **modules) as world:
+        theirs = Process(sys.executable, forces) if forces else None
+        try:
+            world.until("ready: ")
+            truth, status = judge.listen(SimState, "sim/truth_state"), judge.listen(Status, "status")
+            with launch("rosflight_sim", "multirotor_init_firmware.launch.py") as init:
+                assert init.end() == 0, init.text()
+            judge.wait(lambda: truth and status, "the world")
+            truth.clear()
+            with launch("rosflight_examples", "square.launch.xml", exec=program, use_sim_time="true") as flight:
+                assert flight.end() == 0, flight.text() + world.text()
+            assert "[square]: done" in flight.text()
+        finally:
+            if theirs:
+                theirs.stop()
+    flown = [(m.pose.position.x, m.pose.position.y, -m.pose.position.z) for m in truth]
+    at_height = [(x, y) for x, y, height in flown if height > 1.5]
+    for corner in CORNERS:
+        assert min(math.dist(corner, place) for place in at_height) < 0.3
+    assert max(distance_to_square(x, y) for x, y in at_height) < 0.6
+    assert 1.7 < max(height for _, _, height in flown) < 2.6
+    assert flown[-1][2] < 0.4 and math.hypot(*flown[-1][:2]) < 0.5
+    assert any(m.armed and m.offboard and not m.rc_override & 3 for m in status)
+    assert not status[-1].armed and not any(m.failsafe for m in status)

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Faults in flight: the vehicle is in the air, its pilot's sticks hold it level, and ROS leans it."""
+
+import math
+import signal
+
+import pytest
+import yaml
+from ros_rig import ROOT, Rig, wait_for, write_parameters
+from rosflight_msgs.msg import Attitude, Command, Status
+from rosflight_msgs.srv import ParamFile
+from std_srvs.srv import Trigger
+
+ARM_S, TAKE_OFF_S, RELEASE_S = 20.0, 21.5, 23.0  # after all has been set up
+THROTTLE = 0.75  # of RC_MAX_THR: climbs slowly, for as long as the tests take
+LEAN_RAD = 0.2
+LEVEL_RAD = 0.05
+
+
+def pilot(folder):
+    script = folder / "rc.yaml"
+    script.write_text(f"""start: {{throttle: 0.0, attitude_override: 1.0, attitude_mode: 1.0}}
+events:
+  - {{at_s: {ARM_S}, switch: arm, on: true}}
+  - {{at_s: {TAKE_OFF_S}, ramp: throttle, to: {THROTTLE}, over_s: 0.5}}
+  - {{at_s: {RELEASE_S}, switch: attitude_override, on: false}}
+""")
+    return script
+
+
+class Flight:
+    """A vehicle in the air. `lean` publishes a roll angle at 50 Hz as long as it is not None; the throttle stays the
+    pilot's."""
+
+    def __init__(self, folder, **options):
+        self.rig = Rig(folder, "--rc", pilot(folder), **options)
+        self.attitude = self.rig.peer.listen(Attitude, "attitude")
+        self.status = self.rig.peer.listen(Status, "status")
+        self.publisher = self.rig.peer.node.create_publisher(Command, "command", 1)
+        self.lean = None
+        self.rig.peer.node.create_timer(0.02, self._publish)
+
+    def take_off(self):
+        folder = self.rig.folder
+        firmware = yaml.safe_load((ROOT / "vehicles/multirotor.yaml").read_text())["firmware"]
+        write_parameters(folder / "vehicle.yaml", firmware)
+        answer = self.rig.peer.call(ParamFile, "param_load_from_file", filename=str(folder / "vehicle.yaml"))
+        assert answer.success, self.rig.io.lines[-10:]
+        assert self.rig.peer.call(Trigger, "calibrate_imu").success
+        assert self.rig.peer.call(Trigger, "param_write").success
+        assert not (self.status and self.status[-1][1].armed), "the pilot armed before all was set up"
+        wait_for(lambda: self.status and self.status[-1][1].armed, "arming", lambda: self.rig.io.lines[-10:])
+
+    def _publish(self):
+        if self.lean is not None:
+            command = Command(mode=Command.MODE_ROLL_PITCH_YAWRATE_THROTTLE)
+            command.ignore = Command.IGNORE_VALUE0 | Command.IGNORE_VALUE1 | Command.IGNORE_VALUE2
+            command.u[3] = self.lean
+            self.publisher.publish(command)
+
+    def roll(self):
+        q = self.attitude[-1][1].attitude
+        return math.atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x ** 2 + q.y ** 2))
+
+    def wait_roll(self, wanted_rad):
+        wait_for(lambda: abs(self.roll() - wanted_rad) < LEVEL_RAD, f"roll {wanted_rad}", self.roll)
+
+    def wait_new(self, count=10):
+        """Until so many states arrived after this moment."""
+        before = len(self.status)
+        wait_for(lambda: len(self.status) >= before + count, "states", lambda: self.rig.io.lines[-10:])
+
+    def close(self):
+        self.lean = None
+        self.rig.close()
+
+
+@pytest.fixture(scope="module")
+def flight(tmp_path_factory):
+    flight = Flight(tmp_path_factory.mktemp("flight"))
+    try:
+        flight.take_off()
+        yield flight
+    finally:
+        flight.close()
+
+
+def test_ros_leans_the_vehicle_and_the_pilot_has_it_back_when_ros_stops(flight):
+    flight.lean = LEAN_RAD
+    flight.wait_roll(LEAN_RAD)
+    assert flight.status[-1][1].offboard
+    flight.lean = None
+    flight.wait_roll(0.0)
+    assert not flight.status[-1][1].offboard and flight.status[-1][1].armed
+
+
+def test_node_killed_in_flight_pilot_has_it_then_ros_again(flight):
+    flight.lean = LEAN_RAD
+    flight.wait_roll(LEAN_RAD)
+    flight.rig.io.stop(signal.SIGKILL)
+    flight.lean = None
+    flight.rig.start_io()
+    flight.wait_new()
+    state = flight.status[-1][1]
+    assert state.armed and not state.failsafe and not state.offboard
+    flight.wait_roll(0.0)
+    flight.lean = -LEAN_RAD
+    flight.wait_roll(-LEAN_RAD)
+    assert flight.status[-1][1].offboard
+    flight.lean = None

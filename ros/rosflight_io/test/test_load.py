@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Everything at once for 20 s: nothing is lost and memory stays. ./rosflight bench load.* does the same for 10 minutes."""
+
+import ros_demo_load
+
+SECONDS = 20.0
+
+
+def test_all_streams_and_offboard_at_100_Hz_lose_nothing(rig):
+    told = ros_demo_load.measure(rig, SECONDS)
+    assert told["missing"] == 0, told
+    assert told["sequence_gaps"] == 0 and told["frames_dropped"] == 0 and told["send_failures"] == 0, told
+    assert told["commands"] > 50 * SECONDS, told
+    assert abs(told["topics"]["imu/data"]["period_ms"] - 2.5) < 0.1, told
+    assert told["memory_growth_kB"] < 2048, told
+
+
+def test_twenty_late_subscribers_all_hear(rig):
+    from rosflight_msgs.msg import Attitude
+    from ros_rig import Peer, wait_for
+    from std_msgs.msg import String
+    late = Peer()
+    try:
+        heard = []
+        for _ in range(20):
+            messages = []
+            late.node.create_subscription(Attitude, "attitude", messages.append, 10)
+            heard.append(messages)
+        versions = late.listen(String, "version", depth=1, latched=True)
+        wait_for(lambda: all(len(messages) >= 20 for messages in heard) and versions, "20 messages each",
+                 lambda: [len(messages) for messages in heard])
+    finally:
+        late.close()
+    assert ros_demo_load.memory_kB(rig.io.process.pid) < 500_000

@@ -1,0 +1,505 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Each module by itself, fed message by message by an rclpy peer: the contract of sim_contract.py, and that what comes out
+is physics. The forces and moments are checked twice: ours, and a node in Python."""
+
+import math
+import sys
+from pathlib import Path
+
+import pytest
+from sim_contract import MODULES, check_headers, check_module
+from geometry_msgs.msg import Vector3Stamped, WrenchStamped
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import GetParameters, SetParameters
+from ros_rig import free_udp_port
+from rosflight_msgs.msg import BatteryStatus, PwmOutput, RCRaw, SimState
+from rosflight_msgs.srv import SetSimState
+from rosgraph_msgs.msg import Clock
+from sim_rig import ALL, ALL_BEST_EFFORT, BEST_EFFORT, LATCHED, VEHICLE, Process, SimPeer, node, stamp, stamp_ns
+from std_srvs.srv import Trigger
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import Marker
+
+TICK_NS = 2_500_000
+START_NS = 100_000_000_000
+GRAVITY = 9.80665  # of vehicles/multirotor.yaml
+
+
+def state(ns, z=0.0, **rates):
+    message = stamp(SimState(), ns)
+    message.header.frame_id = "NED"
+    message.pose.orientation.w = 1.0
+    message.pose.position.z = z
+    return message
+
+
+def parameter(peer, node_name, name):
+    return peer.call(GetParameters, f"{node_name}/get_parameters", names=[name]).values[0].double_value
+
+
+def set_double(peer, node_name, name, value):
+    new = Parameter(name=name, value=ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=value))
+    return peer.call(SetParameters, f"{node_name}/set_parameters", parameters=[new]).results[0]
+
+
+# ---- forces and moments --------------------------------------------------------------------------
+
+
+def ours(**more):
+    return node("multirotor_forces_and_moments", at_launch="multirotor_forces_and_moments", vehicle_file=VEHICLE, **more)
+
+
+def python(**_):
+    process = Process(sys.executable, Path(__file__).with_name("python_forces.py"))
+    process.until("ready")
+    return process
+
+
+class Wrenches:
+    """Pulses in, wrenches out, one for one."""
+
+    def __init__(self, peer):
+        self.peer, self.ns = peer, START_NS
+        self.heard = peer.listen(WrenchStamped, "sim/forces_and_moments")
+        self.pulses = peer.publisher(PwmOutput, "sim/pwm_output")
+        self.truth = peer.publisher(SimState, "sim/truth_state")
+        peer.introduce(lambda: self._send([1000] * 4), self.heard, "sim/pwm_output")
+
+    def _send(self, pulses):
+        self.ns += TICK_NS
+        self.pulses.publish(stamp(PwmOutput(values=[*pulses, *[1000] * 10]), self.ns))
+
+    def step(self, *pulses):
+        count = len(self.heard)
+        self._send(pulses)
+        self.peer.wait(lambda: len(self.heard) > count, "a wrench")
+        return self.heard[-1]
+
+    def settle(self, *pulses):
+        """After 1.25 s: rotors have their speed."""
+        for _ in range(500):
+            last = self.step(*pulses)
+        return last.wrench
+
+
+@pytest.mark.parametrize("make", [ours, python])
+def test_forces(peer, make):
+    with make():
+        check_module(peer, "forces")
+        world = Wrenches(peer)
+        for _ in range(100):
+            assert stamp_ns(world.step(1000, 1000, 1000, 1000)) == world.ns  # the stamp of the step
+        check_headers(world.heard, MODULES["forces"].outputs["sim/forces_and_moments"])
+        assert len(world.heard) == 100  # one wrench for one message of pulses
+        rest = world.settle(1000, 1000, 1000, 1000)
+        assert abs(rest.force.z) < 0.05
+        up = world.settle(1500, 1500, 1500, 1500)
+        assert up.force.z < -10 and abs(up.torque.x) < 1e-6 and abs(up.torque.y) < 1e-6
+        # rotors: front right, rear right, rear left, front left; 0 and 2 turn so that their drag turns the nose right
+        assert world.settle(1400, 1400, 1600, 1600).torque.x > 0.5  # left side up: right wing down
+        assert world.settle(1600, 1400, 1400, 1600).torque.y > 0.5  # front up: nose up
+        assert world.settle(1600, 1400, 1600, 1400).torque.z > 0.05  # nose right
+        falling = state(world.ns)
+        falling.twist.linear.x = 10.0
+        world.truth.publish(falling)
+        peer.poll(lambda: world.step(1000, 1000, 1000, 1000).wrench.force.x < -0.5, "drag at 10 m/s")
+
+
+# Static thrust of one rotor of ROSflight 2.x's multirotor, with its parameters under its names.
+@pytest.mark.parametrize("throttle, thrust_N", [(0.3, 3.3831), (0.5, 9.3057), (0.7, 17.9953)])
+def test_forces_have_the_thrust_of_the_reference(peer, throttle, thrust_N):
+    reference = {"rho": 1.225, "V_max": 24.0, "D_prop": 0.381, "CT_0": 0.08729101, "CQ_0": 0.00428594, "R_motor": 0.042,
+                 "I_0": 1.5, "KQ": 0.028937, "num_rotors": 4, "rotor_dists": "[0.25, 0.25, 0.25, 0.25]"}
+    with ours(vehicle_overrides='["aero.ground_effect=none", "rotors.motor.current_limit_A=1000"]', **reference):
+        world = Wrenches(peer)
+        pulse = round(1000 + 1000 * throttle)
+        assert world.settle(pulse, pulse, pulse, pulse).force.z == pytest.approx(-4 * thrust_N, rel=1e-3)
+        if throttle == 0.5:
+            assert set_double(peer, "multirotor_forces_and_moments", "rho", 2.45).successful  # live
+            assert world.settle(pulse, pulse, pulse, pulse).force.z < -1.3 * 4 * thrust_N
+            assert not set_double(peer, "multirotor_forces_and_moments", "CT_0", -0.5).successful
+            assert not set_double(peer, "multirotor_forces_and_moments", "rho", -1.0).successful
+
+
+def test_forces_refuse_a_truth_that_is_none(peer):
+    with ours() as forces:
+        world = Wrenches(peer)
+        bad = state(world.ns)
+        bad.twist.linear.x = math.nan
+        peer.poll(lambda: world.truth.publish(bad) or "not finite" in forces.text(), "a warning")
+        assert math.isfinite(world.step(1500, 1500, 1500, 1500).wrench.force.x)
+
+
+# ---- dynamics ------------------------------------------------------------------------------------
+
+
+class Body:
+    """Wrenches in, truth out, one for one."""
+
+    def __init__(self, peer):
+        self.peer, self.ns = peer, START_NS
+        self.truth = peer.listen(SimState, "sim/truth_state")
+        self.wind = peer.listen(Vector3Stamped, "sim/truth_wind")
+        self.wrench = peer.publisher(WrenchStamped, "sim/forces_and_moments")
+        peer.introduce(lambda: self._send(0.0), self.truth, "sim/forces_and_moments")
+        self.wind.clear()
+
+    def _send(self, up_N, roll_Nm=0.0):
+        self.ns += TICK_NS
+        message = stamp(WrenchStamped(), self.ns)
+        message.wrench.force.z, message.wrench.torque.x = -up_N, roll_Nm
+        self.wrench.publish(message)
+
+    def step(self, up_N=0.0, roll_Nm=0.0):
+        count = len(self.truth)
+        self._send(up_N, roll_Nm)
+        self.peer.wait(lambda: len(self.truth) > count, "truth")
+        return self.truth[-1]
+
+    def put(self, message):
+        return self.peer.call(SetSimState, "dynamics/set_sim_state", state=message)
+
+
+@pytest.fixture
+def body(peer):
+    with node("standalone_dynamics", at_launch="standalone_dynamics", vehicle_file=VEHICLE) as process:
+        body = Body(peer)
+        body.process = process
+        yield body
+
+
+def test_dynamics(peer, body):
+    check_module(peer, "dynamics")
+    outputs = MODULES["dynamics"].outputs
+    for _ in range(100):
+        assert stamp_ns(body.step()) == body.ns  # the stamp of the wrench
+    check_headers(body.truth, outputs["sim/truth_state"])
+    peer.wait(lambda: len(body.wind) >= 100, "wind")
+    check_headers(body.wind, outputs["sim/truth_wind"])
+    at_rest = body.step()
+    assert at_rest.pose.orientation.w == pytest.approx(1, abs=1e-6)
+    assert math.hypot(at_rest.twist.linear.x, at_rest.twist.linear.z) < 1e-3
+
+
+def test_a_body_falls_and_turns_as_newton_says(body):
+    assert body.put(state(0, z=-100.0)).success
+    first = body.step().pose.position.z
+    for _ in range(400):
+        last = body.step(roll_Nm=0.08)  # inertia 0.08 kg m^2: 1 rad/s^2
+    assert last.twist.angular.x == pytest.approx(1.0, abs=1e-6)
+    assert last.acceleration.linear.z == pytest.approx(GRAVITY * math.cos(0.5), rel=1e-5)  # body axes, rolled 0.5 rad
+    assert last.acceleration.linear.y == pytest.approx(GRAVITY * math.sin(0.5), rel=1e-5)
+    # s = v0 t + g t^2/2 with v0 = g T after the first step
+    assert last.pose.position.z - first == pytest.approx(GRAVITY * (0.0025 + 0.5), rel=1e-6)
+
+
+def test_a_hovering_body_stays(body):
+    assert body.put(state(0, z=-10.0)).success
+    for _ in range(100):
+        last = body.step(up_N=3.5 * GRAVITY)
+    assert last.pose.position.z == pytest.approx(-10.0, abs=1e-9)
+
+
+def test_mass_and_wind_change_live_and_nonsense_is_refused(peer, body):
+    def put(name, value):
+        return set_double(peer, "standalone_dynamics", name, value)
+    assert body.put(state(0, z=-100.0)).success
+    assert put("mass", 7.0).successful
+    body.step()
+    start = body.step().twist.linear.z
+    for _ in range(40):
+        last = body.step(up_N=3.5 * GRAVITY)  # half of what would carry it
+    assert last.twist.linear.z - start == pytest.approx(0.5 * GRAVITY * 0.1, rel=1e-6)
+    refused = put("Jxx", 5.0)  # more than the other two moments together
+    assert not refused.successful and "inertia" in refused.reason
+    assert not put("mass", -1.0).successful
+    assert parameter(peer, "standalone_dynamics", "mass") == 7.0
+
+    def wind(**values):
+        kinds = {bool: "bool_value", list: "double_array_value"}
+        types = {bool: ParameterType.PARAMETER_BOOL, list: ParameterType.PARAMETER_DOUBLE_ARRAY}
+        new = [Parameter(name=name, value=ParameterValue(type=types[type(value)], **{kinds[type(value)]: value}))
+               for name, value in values.items()]
+        return peer.call(SetParameters, "standalone_dynamics/set_parameters", parameters=new).results
+    assert all(r.successful for r in wind(steady_state_wind=[3.0, -2.0, 0.0], use_random_wind=False, sim_has_wind=True))
+    body.wind.clear()
+    body.step()
+    peer.wait(lambda: body.wind and (body.wind[-1].vector.x, body.wind[-1].vector.y) == (3.0, -2.0), "the wind")
+    assert all(r.successful for r in wind(use_random_wind=True, random_wind_mean=[9.0, 0.0, 0.0]))
+    body.step()
+    peer.wait(lambda: 5.0 < body.wind[-1].vector.x < 13.0 and body.wind[-1].vector.x != 9.0, "a drawn wind")
+    assert all(r.successful for r in wind(sim_has_wind=False, wind_has_gusts=True))
+    body.step()
+    peer.wait(lambda: abs(body.wind[-1].vector.x) < 1.0, "gusts at most")
+
+
+def test_states_that_cannot_be_are_refused_and_zeros_mean_the_start(body):
+    bad = state(0, z=-10.0)
+    bad.twist.linear.x = math.nan
+    answer = body.put(bad)
+    assert not answer.success and "NaN" in answer.message
+    no_rotation = state(0, z=-10.0)
+    no_rotation.pose.orientation.w = 0.0
+    assert not body.put(no_rotation).success
+    assert not body.put(state(0, z=3.0)).success  # under ground
+    start = body.step().pose.position.z
+    assert body.put(state(0, z=-10.0)).success
+    assert body.step().pose.position.z == pytest.approx(-10.0, abs=0.01)
+    assert body.put(state(0)).success
+    assert body.step().pose.position.z == pytest.approx(start, abs=0.01)
+    assert body.put(state(0, z=-10.0)).success
+    assert body.peer.call(Trigger, "dynamics/reset").success
+    assert body.step().pose.position.z == pytest.approx(start, abs=0.01)
+
+
+def test_wrenches_that_are_none_are_refused_and_a_gap_is_bounded(peer, body):
+    assert body.put(state(0, z=-100.0)).success
+    before = body.step()
+    bad = stamp(WrenchStamped(), body.ns + 1)
+    bad.wrench.force.x = math.inf
+    body.wrench.publish(bad)
+    peer.poll(lambda: "not finite" in body.process.text(), "a warning")
+    body.ns += 10_000_000_000
+    assert body.step().pose.position.z - before.pose.position.z < 0.1  # not 490 m
+    assert "10.0" in body.process.until("between two wrenches")
+
+
+# ---- sensors -------------------------------------------------------------------------------------
+
+
+class Instruments:
+    def __init__(self, peer, **more):
+        self.peer, self.ns = peer, START_NS
+        self.truth = peer.publisher(SimState, "sim/truth_state")
+        self.heard = {topic: peer.listen(out.kind, topic) for topic, out in MODULES["sensors"].outputs.items()}
+        self.imu = self.heard["sim/sensors/imu/data"]
+        peer.introduce(self._send, self.imu, "sim/truth_state")
+        for heard in self.heard.values():
+            heard.clear()
+
+    def _send(self, z=0.0):
+        self.ns += TICK_NS
+        message = state(self.ns, z)
+        self.truth.publish(message)
+
+    def step(self, z=0.0):
+        count = len(self.imu)
+        self._send(z)
+        self.peer.wait(lambda: len(self.imu) > count, "a sample")
+
+    def mean(self, topic, value):
+        return sum(value(message) for message in self.heard[topic]) / len(self.heard[topic])
+
+
+def test_sensors(peer):
+    with node("standalone_sensors", at_launch="standalone_sensors", vehicle_file=VEHICLE,
+              vehicle_overrides='["sensors={preset: ideal}"]'):
+        check_module(peer, "sensors")
+        world = Instruments(peer)
+        seconds = 2
+        for _ in range(400 * seconds):
+            world.step()
+        for topic, out in MODULES["sensors"].outputs.items():
+            rate_Hz = parameter(peer, "standalone_sensors", out.rate_Hz)
+            assert rate_Hz > 0
+            peer.poll(lambda h=world.heard[topic], r=rate_Hz: abs(len(h) - r * seconds) <= 1, f"{rate_Hz} Hz of {topic}")
+            stamps = check_headers(world.heard[topic], out)
+            assert world.ns - stamps[-1] <= 1e9 / rate_Hz  # the time of the truth that was measured
+        # Without errors: gravity, the field of Provo, and the standard atmosphere at 1387 m.
+        assert world.mean("sim/sensors/imu/data", lambda m: m.linear_acceleration.z) == pytest.approx(-GRAVITY, abs=1e-3)
+        field_nT = [1e9 * world.mean("sim/sensors/mag", lambda m, a=a: getattr(m.magnetic_field, a)) for a in "xyz"]
+        assert field_nT == pytest.approx([20840, 3917, 46071], abs=700)  # model years differ by some hundred nT
+        assert world.mean("sim/sensors/baro", lambda m: m.pressure) == pytest.approx(85729, abs=30)
+        assert world.mean("sim/sensors/gnss", lambda m: m.lat) == pytest.approx(40.2463724, abs=1e-5)
+        assert world.mean("sim/sensors/gnss", lambda m: m.lon) == pytest.approx(-111.6474138, abs=1e-5)
+
+
+def test_sensor_readings_follow_their_parameters_live(peer):
+    with node("standalone_sensors", at_launch="standalone_sensors", vehicle_file=VEHICLE, gyro_stdev=0.5):
+        world = Instruments(peer)
+        for _ in range(400):
+            world.step()
+
+        def spread():
+            rates = [m.angular_velocity.x for m in world.imu]
+            mean = sum(rates) / len(rates)
+            return math.sqrt(sum((rate - mean)**2 for rate in rates) / len(rates))
+        assert spread() == pytest.approx(0.5, rel=0.2)
+        assert set_double(peer, "standalone_sensors", "gyro_stdev", 0.01).successful
+        assert set_double(peer, "standalone_sensors", "baro_update_frequency", 20.0).successful
+        assert not set_double(peer, "standalone_sensors", "baro_update_frequency", -1.0).successful
+        for heard in world.heard.values():
+            heard.clear()
+        for _ in range(400):
+            world.step()
+        assert spread() == pytest.approx(0.01, rel=0.3)
+        assert len(world.heard["sim/sensors/baro"]) == pytest.approx(20, abs=2)
+
+
+# ---- board, pilot, steps -------------------------------------------------------------------------
+
+
+def board(tmp_path, **more):
+    return node("sil_board", at_launch="sil_board", memory_folder=tmp_path, simulation_port=free_udp_port(),
+                ROS_port=free_udp_port(), **more)
+
+
+def test_board(peer, tmp_path):
+    with board(tmp_path):
+        check_module(peer, "board")
+        heard = peer.listen(PwmOutput, "sim/pwm_output")
+        peer.introduce(lambda: peer.call(Trigger, "sil_board/run"), heard, "sil_board/run")
+        for count in range(1, 11):
+            assert peer.call(Trigger, "sil_board/run").success
+            peer.wait(lambda c=count: len(heard) == c, "pulses of this step")
+        check_headers(heard, MODULES["board"].outputs["sim/pwm_output"])
+        assert all(list(message.values) == [1000] * 14 for message in heard)  # disarmed
+    assert (tmp_path / "mem.bin").stat().st_size > 1000
+
+
+def test_a_board_in_a_namespace_has_a_memory_of_its_own(tmp_path):
+    with board(tmp_path, namespace="/air/two"):
+        assert (tmp_path / "air/two/mem.bin").exists()
+
+
+def test_rc(peer):
+    with node("rc"):
+        check_module(peer, "rc")
+        heard = peer.listen(RCRaw, "sim/RC")
+        peer.wait(lambda: len(heard) >= 20, "frames")
+        check_headers(heard, MODULES["rc"].outputs["sim/RC"])
+        initial = [1500, 1500, 1000, 1500, 1000, 2000, 1500, 1500]  # disarmed, the pilot holds
+        assert list(heard[-1].values) == initial
+        for service, channel in (("toggle_arm", 4), ("toggle_override", 5)):
+            assert peer.call(Trigger, service).success
+            peer.wait(lambda c=channel: heard[-1].values[c] == 3000 - initial[c], f"channel {channel}")
+            assert peer.call(Trigger, service).success
+            peer.wait(lambda: list(heard[-1].values) == initial, "the first state")
+
+
+class Run:
+    """A board that only counts its steps."""
+
+    def __init__(self, peer):
+        self.peer, self.count = peer, 0
+        peer.node.create_service(Trigger, "sil_board/run", self._answer)
+
+    def _answer(self, _, response):
+        with self.peer.changed:
+            self.count += 1
+            self.peer.changed.notify_all()
+        response.success = True
+        return response
+
+
+def test_manager_steps_by_hand(peer):
+    with node("rosflight_sil_manager", use_timer="false", service_exists_timeout_ms=200, service_result_timeout_ms=9000):
+        check_module(peer, "manager")
+        answer = peer.call(Trigger, "rosflight_sil/take_sim_step")
+        assert not answer.success and "sil_board/run" in answer.message
+        run = Run(peer)
+        peer.poll(lambda: peer.call(Trigger, "rosflight_sil/take_sim_step").success, "the first step")
+        run.count = 0
+        for count in range(1, 6):
+            assert peer.call(Trigger, "rosflight_sil/take_sim_step").success
+            assert run.count == count
+
+
+def test_manager_steps_at_its_rate_in_simulated_time(peer):
+    with node("rosflight_sil_manager", use_sim_time="true"):
+        run = Run(peer)
+        clock = peer.publisher(Clock, "/clock", BEST_EFFORT)
+        time_ns = 0
+
+        def ticks(count):
+            """So many periods of 2.5 ms; a tick is sent again until it has been seen."""
+            nonlocal time_ns
+            for _ in range(count):
+                time_ns += TICK_NS
+                before = run.count
+                message = Clock()
+                message.clock.sec, message.clock.nanosec = divmod(time_ns, 1_000_000_000)
+                for _ in range(200):
+                    clock.publish(message)
+                    with peer.changed:
+                        if peer.changed.wait_for(lambda b=before: run.count > b, 0.2):
+                            break
+        ticks(5)
+        run.count = 0
+        ticks(100)
+        assert run.count == 100
+
+
+def test_time(peer):
+    with node("standalone_time_manager", at_launch="standalone_time_manager", start_paused="true",
+              single_step_us=2500.0, default_pub_rate_us=1250.0) as process:
+        check_module(peer, "time")
+        heard = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
+
+        def now_ns():
+            return heard[-1].clock.sec * 1_000_000_000 + heard[-1].clock.nanosec if heard else -1
+        peer.wait(lambda: heard, "time, which is told again and again while it stands")
+        first = int(peer.call(Trigger, "time_manager/take_step").message.split()[2])
+        for count in range(1, 11):
+            answer = peer.call(Trigger, "time_manager/take_step")
+            assert answer.success and int(answer.message.split()[2]) == first + count * TICK_NS
+        peer.wait(lambda: now_ns() == first + 10 * TICK_NS, "the last step")
+        assert peer.call(Trigger, "time_manager/toggle_pause").message == "running"
+        peer.wait(lambda: now_ns() > first + 1_000_000_000, "time to run")
+        refused = peer.call(Trigger, "time_manager/take_step")
+        assert not refused.success and "paused" in refused.message
+        assert peer.call(Trigger, "time_manager/toggle_pause").message == "paused"
+        times = [m.clock.sec * 1_000_000_000 + m.clock.nanosec for m in heard]
+        assert all(later >= earlier for earlier, later in zip(times, times[1:]))
+        assert all(m.clock.nanosec < 1_000_000_000 for m in heard)
+        # A factor that no machine holds is reported with what is reached.
+        assert set_double(peer, "standalone_time_manager", "default_pub_rate_us", 50.0).successful
+        assert set_double(peer, "standalone_time_manager", "real_time_multiplier", 100.0).successful
+        peer.call(Trigger, "time_manager/toggle_pause")
+        process.until("cannot hold real_time_multiplier 100.00: time runs at ")
+        assert not set_double(peer, "standalone_time_manager", "real_time_multiplier", 0.0).successful
+
+
+def test_scaled_time_has_the_factor(peer):
+    """Judged by the node's own clock against the wall between two of its messages; a busy machine only makes it slower."""
+    import time
+    with node("standalone_time_manager", at_launch="standalone_time_manager", real_time_multiplier=0.25):
+        heard = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
+        peer.wait(lambda: heard, "time")
+        start, first = time.monotonic(), heard[-1]
+        peer.wait(lambda: heard[-1].clock.sec - first.clock.sec >= 1, "a second")
+        elapsed = time.monotonic() - start
+        passed = heard[-1].clock.sec - first.clock.sec + 1e-9 * (heard[-1].clock.nanosec - first.clock.nanosec)
+        assert passed <= 0.26 * elapsed + 0.02
+
+
+# ---- display -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("namespace, prefix", [(None, ""), ("/air", "air/")])
+def test_display(namespace, prefix):
+    with SimPeer("peer", namespace) as peer, node("standalone_viz_transcriber", namespace=namespace,
+                                                  path_publish_modulo=4):
+        check_module(peer, "viz") if namespace is None else None
+        fixed, moving = peer.listen(TFMessage, "/tf_static", LATCHED), peer.listen(TFMessage, "/tf")
+        mesh, path = peer.listen(Marker, "rviz/mesh"), peer.listen(Marker, "rviz/mesh_path")
+        truth = peer.publisher(SimState, "sim/truth_state", ALL)
+        ns = START_NS
+
+        def send():
+            nonlocal ns
+            ns += TICK_NS
+            truth.publish(state(ns, z=-5.0))
+        peer.introduce(send, moving, "sim/truth_state")
+        peer.wait(lambda: fixed, "fixed frames")
+        peer.poll(lambda: [send() for _ in range(4)] and (len(moving) >= 5 and len(mesh) >= 2 and len(path) >= 2), "display")
+        transform = moving[-1].transforms[0]
+        assert (transform.header.frame_id, transform.child_frame_id) == (prefix + "NED", prefix + "aircraft_body")
+        assert transform.transform.translation.z == -5.0
+        edges = {(t.header.frame_id, t.child_frame_id) for t in fixed[0].transforms}
+        assert edges == {(prefix + a, prefix + b) for a, b in (
+            ("map", "odom"), ("odom", "world"), ("world", "NED"), ("aircraft_body", "base_link"),
+            ("aircraft_body", "stl_frame"))}
+        assert mesh[-1].header.frame_id == prefix + "stl_frame" and mesh[-1].mesh_resource.startswith("package://")
+        assert path[-1].header.frame_id == prefix + "NED" and path[-1].points[-1].z == -5.0
+        assert stamp_ns(transform) in range(START_NS, ns + 1)

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The load demonstration and test; ros_demo.py tells its use."""
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from ros_rig import Rig, program, wait_for
+
+WATCH = program("rosflight_demos", "load_watch")
+LINK_COUNTERS = ("frames dropped", "sequence gaps", "send failures")
+
+
+def memory_kB(pid: int) -> int:
+    """Resident, of a process."""
+    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    return int(next(line for line in lines if line.startswith("VmRSS:")).split()[1])
+
+
+def link_counters(heard: list) -> dict[str, int]:
+    """Of the newest /diagnostics."""
+    values = {entry.key: entry.value for status in heard[-1][1].status for entry in status.values}
+    return {name: int(values[name]) for name in LINK_COUNTERS}
+
+
+def measure(rig: Rig, seconds: float) -> dict:
+    """What is lost on the way and how the node's memory grows while everything runs for that time."""
+    diagnostics = rig.peer.listen(DiagnosticArray, "/diagnostics")
+    watch = subprocess.Popen([str(WATCH), str(seconds), str(rig.sil.start_us)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(3.0)  # its subscriptions make buffers grow once
+    wait_for(lambda: diagnostics, "diagnostics")
+    memory, counters = memory_kB(rig.io.process.pid), link_counters(diagnostics)
+    out, err = watch.communicate(timeout=seconds + 120.0)
+    if watch.returncode != 0:
+        raise RuntimeError(err.strip())
+    count = len(diagnostics)
+    wait_for(lambda: len(diagnostics) > count, "diagnostics")
+    found = json.loads(out)
+    return found | {
+        "seconds": seconds,
+        "missing": sum(topic.get("missing", 0) for topic in found["topics"].values()),
+        "memory_growth_kB": memory_kB(rig.io.process.pid) - memory,
+        **{name.replace(" ", "_"): value - counters[name] for name, value in link_counters(diagnostics).items()},
+    }
+
+
+def print_table(told: dict):
+    print(f"{told['seconds']:g} s of all streams and {told['commands']} offboard commands\n")
+    print(f"{'topic':<18}{'heard':>9}{'period [ms]':>13}{'missing':>9}")
+    for name, topic in told["topics"].items():
+        period = f"{topic['period_ms']:.3f}" if "period_ms" in topic else "-"
+        print(f"{name:<18}{topic['heard']:>9}{period:>13}{topic.get('missing', '-'):>9}")
+    error = told["stamp_error_ms"]
+    print(f"\nstamps of the IMU against the true times of its samples: {error['mean']:+.3f} ms mean, "
+          f"{error['std']:.3f} ms standard deviation, {error['max']:.3f} ms at most")
+    print(f"link: {told['sequence_gaps']} gaps in sequence, {told['frames_dropped']} bad frames, "
+          f"{told['send_failures']} commands not sent; memory of rosflight_io grew by {told['memory_growth_kB']} kB")
+
+
+def run(options) -> int:
+    rclpy.init()
+    try:
+        with tempfile.TemporaryDirectory() as scratch:
+            rig = Rig(Path(scratch))
+            try:
+                told = measure(rig, options.seconds)
+            finally:
+                rig.close()
+    except (RuntimeError, AssertionError, subprocess.SubprocessError) as error:
+        print(f"rosflight: {error}", file=sys.stderr)
+        return 1
+    finally:
+        rclpy.try_shutdown()
+    (options.out / "load.json").write_text(json.dumps(told, indent=2) + "\n")
+    if options.json:
+        print(json.dumps(told, indent=2))
+    else:
+        print_table(told)
+        print(f"JSON is in {options.out}")
+    return 0

@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""./rosflight ros: its arguments, its environment, what it builds. No ROS is needed here."""
+
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import project
+import pytest
+import ros
+import ros_build
+import ros_environment
+import ros_test
+from project import ROOT
+
+
+@pytest.fixture
+def wheels(monkeypatch):
+    """As if .venv-ros were there and whole."""
+    environment = ros_environment.Environment(None, Path("/venv/bin/python3"), ["colcon"])
+    monkeypatch.setattr(ros_environment, "find", lambda: environment)
+    return environment
+
+
+@pytest.fixture
+def house(tmp_path, monkeypatch, wheels):
+    """A project of three packages; what colcon is asked to build is noted, not built."""
+    for folder, name in (("rclcpp_lite", "rclcpp"), ("msgs", "rosflight_msgs"), ("node", "house_node")):
+        (tmp_path / "ros" / folder / "test").mkdir(parents=True)
+        (tmp_path / "ros" / folder / "package.xml").write_text(f"<package><name>{name}</name></package>")
+        (tmp_path / "ros" / folder / "test" / f"test_{folder}.py").touch()
+    (tmp_path / "ros/rclcpp_lite/COLCON_IGNORE").touch()
+    for module in (ros_build, ros_test, ros_environment, project):
+        monkeypatch.setattr(module, "ROOT", tmp_path)
+    monkeypatch.setattr(project, "own_files", lambda: sorted(
+        path.relative_to(tmp_path) for path in (tmp_path / "ros").rglob("*") if path.is_file()))
+    asked = []
+
+    def colcon(environment, packages, place, sanitize):
+        asked.append(list(packages))
+        return True
+    monkeypatch.setattr(ros_build, "_colcon", colcon)
+    monkeypatch.setattr(project, "build", lambda preset, *targets: asked.append(["programs"]) or True)
+    return asked
+
+
+def refused(capsys, *words: str) -> str:
+    assert ros.main(list(words)) == 2
+    said = capsys.readouterr()
+    assert not said.out and said.err.count("\n") == 1
+    return said.err.strip()
+
+
+def test_unknown_sub_command_is_refused_with_those_there_are(capsys):
+    says = refused(capsys, "bild")
+    assert says == ("rosflight: unknown sub-command 'bild' of ros; allowed: "
+                    f"{', '.join(ros.SUBCOMMANDS)}")
+    assert "unknown sub-command ''" in refused(capsys)
+
+
+def test_unknown_package_is_refused_with_those_there_are(capsys, wheels):
+    says = refused(capsys, "build", "rosflight_oi")
+    assert "no package 'rosflight_oi' under ros/; allowed: " in says and "rosflight_io" in says
+
+
+def test_run_wants_a_command_that_exists(capsys, wheels, monkeypatch):
+    assert refused(capsys, "run") == "rosflight: ros run needs a command"
+    monkeypatch.setattr(ros_build, "build", lambda environment: True)
+    assert refused(capsys, "run", "no_such_program") == (
+        "rosflight: cannot run 'no_such_program': No such file or directory")
+
+
+def test_env_takes_no_argument(capsys):
+    assert refused(capsys, "env", "zsh") == "rosflight: ros env takes no argument, got 'zsh'"
+
+
+def test_unknown_test_is_refused_with_the_files_there_are(capsys, house):
+    says = refused(capsys, "test", "nothing_like_it")
+    assert "no test file under ros/ matches nothing_like_it" in says and "test_msgs.py" in says
+
+
+@pytest.mark.parametrize("words", [["--help"], ["-h"], ["build", "--help"], ["env", "-h"]])
+def test_help_names_every_sub_command(capsys, words):
+    assert ros.main(words) == 0
+    said = capsys.readouterr().out
+    assert all(re.search(rf"^  {name}\b", said, re.M) for name in ros.SUBCOMMANDS)
+
+
+def test_help_of_the_script_needs_no_machine_made_ready():
+    done = subprocess.run([ROOT / "rosflight", "ros", "--help"], capture_output=True, text=True,
+                          env={"PATH": "/usr/bin:/bin"})
+    assert done.returncode == 0 and "Usage: ./rosflight ros SUBCOMMAND" in done.stdout
+
+
+def test_failed_build_ends_with_1(capsys, wheels, monkeypatch):
+    monkeypatch.setattr(ros_build, "build", lambda environment, packages=(): False)
+    assert ros.main(["build"]) == 1
+    assert ros.main(["run", "true"]) == 1
+
+
+def test_nothing_is_built_again_until_something_changes(house, wheels, tmp_path):
+    place = tmp_path / "build/ros"
+    for _ in range(2):
+        assert ros_build.build(wheels, place=place)
+    assert house == [[]]
+    # What all were built from was built for one, too.
+    assert ros_build.build(wheels, ["rosflight_msgs"], place)
+    assert house == [[]]
+    source = tmp_path / "ros/node/package.xml"
+    os.utime(source, ns=(1, 1))
+    for _ in range(2):
+        assert ros_build.build(wheels, ["house_node"], place)
+    assert house == [[], ["house_node"]]
+    assert ros_build.build(wheels, place=place)
+    assert house == [[], ["house_node"], []]
+
+
+def test_a_failed_build_is_tried_again(house, wheels, tmp_path, monkeypatch):
+    monkeypatch.setattr(ros_build, "_colcon", lambda *_: house.append("tried"))
+    for _ in range(2):
+        assert not ros_build.build(wheels, place=tmp_path / "build/ros")
+    assert house == ["tried", "tried"]
+
+
+def test_a_folder_may_be_named_for_its_package(house, wheels, tmp_path):
+    assert ros_build.build(wheels, ["rclcpp_lite"], tmp_path / "build/ros")
+    assert house == [["rclcpp"]]
+
+
+@pytest.fixture
+def ran(monkeypatch):
+    """Names of the files that would have been given to pytest, for each run."""
+    runs = []
+    monkeypatch.setattr(ros_test, "_pytest",
+                        lambda environment, files, place: runs.append([path.stem for path in files]))
+    return runs
+
+
+def test_tests_that_need_their_own_package_only_build_no_more(house, ran):
+    ros_test.run(["test_msgs", "lite"])
+    assert house == [["rclcpp", "rosflight_msgs"]]
+    ros_test.run(["test_node"])
+    assert house[1:] == [["programs"], []]
+    ros_test.run()
+    assert ran == [["test_msgs", "test_rclcpp_lite"], ["test_node"],
+                   ["test_msgs", "test_node", "test_rclcpp_lite"]]
+
+
+def test_an_installation_is_not_tested_with_what_stands_in_for_it(house, wheels, ran):
+    wheels.installed = "humble"
+    ros_test.run()
+    assert ran == [["test_msgs", "test_node"]]
+    assert (ros_test.sanitizers().passed, len(ran)) == (0, 1)
+
+
+# ---- the environment -----------------------------------------------------------------------------
+
+
+def install(prefix: Path) -> Path:
+    config = prefix / "share/rclcpp/cmake/rclcppConfig.cmake"
+    config.parent.mkdir(parents=True)
+    config.touch()
+    return prefix
+
+
+@pytest.mark.parametrize("name, found", [("humble", "humble"), ("jazzy", "jazzy"), ("", None),
+                                         ("foxy", None)])
+def test_only_a_known_installation_counts(tmp_path, monkeypatch, name, found):
+    monkeypatch.setenv("ROS_DISTRO", name)
+    monkeypatch.setenv("AMENT_PREFIX_PATH", str(install(tmp_path / "opt")))
+    assert ros_environment.sourced() == found
+
+
+def test_our_own_rclcpp_is_no_installation(tmp_path, monkeypatch):
+    monkeypatch.setattr(ros_environment, "PLACE", tmp_path)
+    monkeypatch.setenv("ROS_DISTRO", "jazzy")
+    monkeypatch.setenv("AMENT_PREFIX_PATH", f"{install(tmp_path / 'install')}:/none")
+    assert ros_environment.sourced() is None
+
+
+def test_variables_put_ours_in_front_once_and_keep_the_rest(tmp_path, monkeypatch, wheels):
+    monkeypatch.setenv("AMENT_PREFIX_PATH", f"/other:{tmp_path}/install")
+    variables = wheels.variables(tmp_path)
+    assert variables["AMENT_PREFIX_PATH"] == f"{tmp_path}/install:{ros_environment.VENV}:/other"
+    wheels.installed = "jazzy"
+    variables = wheels.variables(tmp_path)
+    assert variables["AMENT_PREFIX_PATH"] == f"{tmp_path}/install:/other"
+    assert "RMW_IMPLEMENTATION" not in variables and "VIRTUAL_ENV" not in variables
+
+
+def test_printed_environment_is_read_by_a_shell(tmp_path, monkeypatch, capsys, wheels):
+    monkeypatch.setenv("PATH", f"{os.environ['PATH']}:/a folder/with 'quotes'")
+    assert ros.main(["env"]) == 0
+    done = subprocess.run(["bash", "-c", f'{capsys.readouterr().out}\nprintf %s "$PATH"'],
+                          capture_output=True, text=True, check=True)
+    assert done.stdout == wheels.variables()["PATH"]
+    assert "with 'quotes'" in done.stdout
+
+
+def test_paths_of_the_building_machine_are_rewritten(tmp_path, monkeypatch):
+    monkeypatch.setattr(ros_environment, "VENV", tmp_path)
+    monkeypatch.setattr(ros_environment, "_replacements", lambda: [
+        (re.compile(r"/opt/python/cp\d+-cp\d+/include/python3\.\d+"), "/usr/include/python3.11")])
+    touched, left = tmp_path / "share/a/A.cmake", tmp_path / "share/b/B.cmake"
+    for path, text in ((touched, 'set(x "/opt/python/cp311-cp311/include/python3.11;y")'), (left, "z")):
+        path.parent.mkdir(parents=True)
+        path.write_text(text)
+    os.utime(left, ns=(5, 5))
+    ros_environment.correct_paths()
+    assert touched.read_text() == 'set(x "/usr/include/python3.11;y")'
+    assert left.stat().st_mtime_ns == 5, "what needs no change is left alone"
+
+
+# ---- what common code may use --------------------------------------------------------------------
+
+
+def calls(text: str, name: str):
+    """The arguments of every call of a template function, as texts split at the outer commas."""
+    for found in re.finditer(rf"\b{name}<", text):
+        start = text.find("(", found.end())
+        depth, arguments, current = 0, [], ""
+        for letter in text[start:]:
+            depth += letter in "([{"
+            depth -= letter in ")]}"
+            if depth == 0:
+                break
+            if letter == "," and depth == 1:
+                arguments.append(current)
+                current = ""
+            elif not (depth == 1 and letter == "("):
+                current += letter
+        yield [*arguments, current]
+
+
+# Jazzy's alone, or gone in it.
+NOT_IN_BOTH = (r"add_p(re|ost)_set_parameters_callback|->create_timer\(|[^:\w]create_timer\(|"
+               r"ament_auto|rclcpp::ROSRate|BestAvailable|create_generic_|get_type_hash")
+
+
+def node_sources() -> list[Path]:
+    return [path for path in project.own_files() if path.parts[0] == "ros"
+            and path.suffix in (".cpp", ".hpp") and path.parts[1] != "rclcpp_lite"]
+
+
+def test_calls_are_split_at_their_outer_commas():
+    text = "create_service<A>(\n name, [this](int a, int b) { f(a, b); }); create_service<B>(x);"
+    assert [len(arguments) for arguments in calls(text, "create_service")] == [2, 1]
+
+
+def test_nodes_use_only_what_humble_and_jazzy_both_have():
+    sources = {path: (ROOT / path).read_text() for path in node_sources()}
+    assert len(sources) > 10
+    wrong = [f"{path}: {found[0]}" for path, text in sources.items()
+             for found in re.finditer(NOT_IN_BOTH, text)]
+    # The argument after the callback or the name has one type in Humble and another in Jazzy:
+    # client_in_group() asks which.
+    for path, text in sources.items():
+        if "client_in_group(" in text and path.name == "node_tools.hpp":
+            continue
+        for function, most in (("create_service", 2), ("create_client", 1)):
+            wrong += [f"{path}: {function} with {len(arguments)} arguments"
+                      for arguments in calls(text, function) if len(arguments) > most]
+    assert not wrong
