@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "apps/fly/fly_command.hpp"
+#include "apps/link_protocol.hpp"
 #include "apps/mixer/mixer_command.hpp"
 #include "apps/options.hpp"
 #include "apps/project_root.hpp"
@@ -25,14 +26,28 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options) {
   FlightChoice& choice = options.choice;
   fly->add_option("--vehicle", choice.vehicle, "Vehicle: a name of vehicles/ or a YAML file")
       ->capture_default_str();
+  fly->add_option("--board", choice.board,
+                  "Where the firmware runs: in_process, or qemu_m7, an emulated Cortex-M7")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"in_process", "qemu_m7"}));
+  fly->add_option("--link", choice.link,
+                  "cable: the simulated one; uart: the emulated board's, in real time")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"cable", "uart"}));
   fly->add_option("--mission", choice.mission, "Mission: a name of missions/ or a YAML file")
       ->capture_default_str();
   fly->add_option("--seed", choice.seed, "Seed of all noise and wind; same seed, same bits")
       ->check(whole_number)
       ->capture_default_str();
-  fly->add_option("--state", choice.state, "Where guidance gets its state from: estimate (filter on the link's sensor streams) or truth")
+  fly->add_option("--state", choice.state,
+                  "Where guidance gets its state from: estimate (filter on the link's sensor "
+                  "streams) or truth")
       ->capture_default_str()
       ->check(CLI::IsMember({"estimate", "truth"}));
+  fly->add_option("--link-protocol", choice.link_protocol,
+                  "What the board speaks: mavlink or lean; the companion finds out")
+      ->capture_default_str()
+      ->check(CLI::IsMember(link_protocols()));
   fly->add_option("--wind", choice.wind,
                   "SPEED,FROM_DEG[,W20]: steady wind and Dryden turbulence [m/s]");
   fly->add_option("--set", choice.overrides, "vehicle.key=value, e.g. vehicle.body.mass_kg=3.2")

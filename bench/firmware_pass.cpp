@@ -2,7 +2,7 @@
 // Runs the firmware armed in hover for a number of passes, for counting instructions: an IMU sample
 // in every pass at 400 Hz, a receiver frame at 50 Hz, angle mode, all streams on.
 //
-// usage: firmware_pass --passes N [--no-link]
+// usage: firmware_pass --passes N [--link-protocol mavlink|lean|none]
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -11,6 +11,7 @@
 
 #include "firmware/boards/simulated/simulated_board.hpp"
 #include "firmware/core/firmware.hpp"
+#include "link/lean/lean_codec.hpp"
 #include "link/mavlink/mavlink_codec.hpp"
 
 namespace {
@@ -88,8 +89,6 @@ class Rig {
   }
 
   bool bring_up() {
-    link::MavlinkCodec companion{{1, link::MavlinkCodec::kCompanionComponent}};
-    link::Frame frame;
     firmware_.handle(
         link::CommandRequest{static_cast<std::uint8_t>(link::Command::kAccelCalibration)},
         board_.clock.now());
@@ -122,21 +121,23 @@ class Rig {
 
 int main(int argc, char** argv) {
   long passes = -1;
-  bool link_on = true;
-  for (int k = 1; k < argc; ++k) {
-    if (std::strcmp(argv[k], "--no-link") == 0) {
-      link_on = false;
-    } else if (std::strcmp(argv[k], "--passes") == 0 && k + 1 < argc) {
-      passes = std::strtol(argv[++k], nullptr, 10);
-    }
-  }
-  if (passes < 0) {
-    std::fprintf(stderr, "usage: firmware_pass --passes N [--no-link]\n");
-    return 2;
+  const char* protocol = "mavlink";
+  for (int k = 1; k + 1 < argc; k += 2) {
+    if (std::strcmp(argv[k], "--link-protocol") == 0) protocol = argv[k + 1];
+    if (std::strcmp(argv[k], "--passes") == 0) passes = std::strtol(argv[k + 1], nullptr, 10);
   }
   link::MavlinkCodec mavlink{{1, link::MavlinkCodec::kFcuComponent}};
+  link::LeanCodec lean;
   NoCodec none;
-  const auto rig = std::make_unique<Rig>(link_on ? static_cast<link::Codec&>(mavlink) : none);
+  link::Codec* codec = nullptr;
+  if (std::strcmp(protocol, "mavlink") == 0) codec = &mavlink;
+  if (std::strcmp(protocol, "lean") == 0) codec = &lean;
+  if (std::strcmp(protocol, "none") == 0) codec = &none;
+  if (passes < 0 || codec == nullptr) {
+    std::fprintf(stderr, "usage: firmware_pass --passes N [--link-protocol mavlink|lean|none]\n");
+    return 2;
+  }
+  const auto rig = std::make_unique<Rig>(*codec);
   if (!rig->bring_up()) {
     std::fprintf(stderr, "firmware_pass: the firmware did not arm\n");
     return 1;

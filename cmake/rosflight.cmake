@@ -3,7 +3,8 @@
 #
 #   rosflight_library(NAME [FIRMWARE] SOURCES ... USES ...)   one library, target rosflight::NAME
 #   rosflight_program(NAME SOURCES ... USES ...)              one executable
-#   rosflight_test(NAME SOURCES ... USES ...)                 one GoogleTest binary, registered with CTest
+#   rosflight_test(NAME SOURCES ... USES ... [LABELS ...])   one GoogleTest binary, registered with CTest;
+#                                                             LABELS emulator: needs the image of preset cortex-m7
 #   rosflight_fuzzer(NAME SOURCES ... USES ...)               one libFuzzer binary (LLVMFuzzerTestOneInput), preset fuzz;
 #                                                             name it fuzz_..., seeds go to FOLDER/fuzz/corpus/NAME/
 #   rosflight_export_libraries()                              target rosflight_libraries and a file that imports them
@@ -52,8 +53,8 @@ add_library(rosflight::eigen ALIAS rosflight_eigen)
 target_include_directories(rosflight_eigen SYSTEM INTERFACE ${ROSFLIGHT_EIGEN_DIR})
 target_compile_definitions(rosflight_eigen INTERFACE EIGEN_MPL2_ONLY)
 
+enable_testing()
 if(NOT ROSFLIGHT_BARE_METAL)
-  enable_testing()
   find_package(GTest REQUIRED)
   find_package(Threads REQUIRED)
 endif()
@@ -114,11 +115,11 @@ function(rosflight_test name)
   if(ROSFLIGHT_BARE_METAL OR ROSFLIGHT_FUZZ)
     return()
   endif()
-  cmake_parse_arguments(arg "" "" "SOURCES;USES" ${ARGN})
+  cmake_parse_arguments(arg "" "" "SOURCES;USES;LABELS" ${ARGN})
   rosflight_program(${name} SOURCES ${arg_SOURCES} USES ${arg_USES} GTest::gtest_main)
   add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${ROSFLIGHT_ROOT})
   # The label tells ./rosflight test that it can count the cases inside.
-  set_tests_properties(${name} PROPERTIES TIMEOUT 300 LABELS gtest)
+  set_tests_properties(${name} PROPERTIES TIMEOUT 300 LABELS "gtest;${arg_LABELS}")
 endfunction()
 
 function(rosflight_fuzzer name)

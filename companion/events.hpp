@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <string>
 #include <string_view>
 #include <variant>
 
@@ -62,9 +63,18 @@ struct VersionEvent {
   VersionMatch match{};  ///< Compares major and minor only.
 };
 
+/// The FCU was built from other messages than we are: nothing of it is understood, and nothing but
+/// heartbeats is sent to it. Told once, and again if its schema changes.
+struct SchemaEvent {
+  std::uint32_t ours{};
+  std::uint32_t theirs{};
+};
+/// What to tell people: one line.
+std::string schema_text(const SchemaEvent& event);
+
 using Event =
     std::variant<ConnectionEvent, LogEvent, ClockJumpEvent, ParameterEvent, ParameterListEvent,
-                 UnsavedEvent, VersionEvent, link::CommandAck, link::HardError>;
+                 UnsavedEvent, VersionEvent, SchemaEvent, link::CommandAck, link::HardError>;
 
 /// The text in a NUL-padded field that may lack the NUL.
 template <std::size_t N>

@@ -64,10 +64,25 @@ void Session::receive() {
         break;  // a codec always eats; never hang on one that does not
       }
     }
+    watch_schema();
+  }
+}
+
+void Session::watch_schema() {
+  const link::Codec::SchemaMismatch* const mismatch = codec_.mismatch();
+  if (mismatch == nullptr) {
+    refused_schema_.reset();
+  } else if (refused_schema_ != mismatch->theirs) {
+    refused_schema_ = mismatch->theirs;
+    publish(SchemaEvent{mismatch->ours, mismatch->theirs});
   }
 }
 
 bool Session::send(const link::Message& message, std::uint8_t qos) {
+  if (refused() && !std::holds_alternative<link::Heartbeat>(message)) {
+    ++statistics_.send_failures;
+    return false;
+  }
   if (!link_open_ || !codec_.encode(message, frame_) ||
       !transport_.write(frame_.bytes.data(), frame_.size, qos)) {
     ++statistics_.send_failures;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -85,6 +86,8 @@ class Session final : private Port {
   /// Empty until the FCU has told.
   std::string_view firmware_version() const { return text_of(version_.text); }
   VersionMatch version_match() const { return version_match_; }
+  /// The FCU speaks of other messages than we know (SchemaEvent).
+  bool refused() const { return refused_schema_.has_value(); }
 
   /// Sends a message as it is, for tools and tests. False if it did not leave.
   bool send(const link::Message& message, std::uint8_t qos = kOrdinary) override;
@@ -103,6 +106,7 @@ class Session final : private Port {
   void dispatch(const link::Message& message);
   void run_timers();
   void watch_link();
+  void watch_schema();
   void fcu_clock(Time fcu);
   void restarted();
 
@@ -123,6 +127,7 @@ class Session final : private Port {
   Time now_{};
   Time next_due_{};
   bool link_open_{false};
+  std::optional<std::uint32_t> refused_schema_;  ///< Of an FCU we cannot talk to.
   Timer heartbeat_;
   Timer sync_;
   Timer version_request_;

@@ -32,6 +32,12 @@ class Codec {
                                      ///< number; one that comes late is taken off again.
   };
 
+  /// Two ends that were built from different messages.
+  struct SchemaMismatch {
+    std::uint32_t ours{};
+    std::uint32_t theirs{};
+  };
+
   struct Decoded {
     std::size_t consumed{};  ///< Bytes used up; <= size.
     bool complete{};         ///< message() is new.
@@ -51,6 +57,10 @@ class Codec {
   virtual void set_system_id(std::uint8_t id) = 0;
 
   virtual const Counters& counters() const = 0;
+
+  /// Not nullptr while the peer has told that its messages are laid out differently from ours: then
+  /// nothing of it is reported as a message. A codec whose layouts cannot differ never says so.
+  virtual const SchemaMismatch* mismatch() const { return nullptr; }
 
  protected:
   ~Codec() = default;

@@ -18,7 +18,7 @@ struct Name {
   std::string_view effect;
 };
 
-constexpr std::array<Name, 13> kNames{{
+constexpr std::array<Name, 15> kNames{{
     {"imu", FaultKind::kImu, "the IMU stops delivering"},
     {"mag", FaultKind::kMag, "the magnetometer stops delivering"},
     {"baro", FaultKind::kBaro, "the barometer stops delivering"},
@@ -31,6 +31,8 @@ constexpr std::array<Name, 13> kNames{{
     {"rc_silence", FaultKind::kRcSilence, "the receiver falls silent"},
     {"rc_frame_loss", FaultKind::kRcFrameLoss, "receiver frames carry the frame-lost flag"},
     {"link_cut", FaultKind::kLinkCut, "no byte passes the link, either way"},
+    {"crash", FaultKind::kCrash, "the board's processor breaks down, once, and starts again"},
+    {"hang", FaultKind::kHang, "the firmware hangs, once, until the watchdog starts it again"},
     {"pitot_blocked", FaultKind::kPitotBlocked, "the pitot tube reads no pressure"},
 }};
 

@@ -25,6 +25,8 @@ enum class FaultKind : std::uint8_t {
   kRcSilence,     ///< The receiver sends nothing.
   kRcFrameLoss,   ///< Every receiver frame carries the frame-lost flag.
   kLinkCut,       ///< No byte arrives, either way.
+  kCrash,         ///< The board's processor breaks down at this moment and starts again.
+  kHang,          ///< The firmware hangs at this moment; the board's watchdog starts it again.
   kBaroStep,      ///< The barometer reads a height too high by `value` [m].
   kMagTurned,     ///< The magnetometer is turned by `value` about body z [rad].
   kAccelStep,     ///< `value` on top of an axis of the accelerometer [m/s^2].
@@ -32,7 +34,7 @@ enum class FaultKind : std::uint8_t {
   kPitotBlocked,  ///< The pitot tube reads no pressure.
   kMotor,         ///< One motor gives only a part of its thrust.
 };
-inline constexpr std::size_t kFaultKinds = 18;
+inline constexpr std::size_t kFaultKinds = 20;
 
 /// In force for start <= t < end.
 struct Fault {

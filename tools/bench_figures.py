@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Callable
 
 import callgrind
+import m7_figures
 import project
 import stages
 
@@ -35,7 +36,10 @@ def all_figures() -> list[Figure]:
     return [
         Figure("firmware.instructions", "instructions", "<= 2500", firmware_pass),
         Figure("firmware.instructions_no_link", "instructions", "<= 2000",
-               lambda: firmware_pass("--no-link")),
+               lambda: firmware_pass("none")),
+        Figure("lean.instructions", "instructions", "report", lambda: firmware_pass("lean")),
+        Figure("mavlink.bytes_per_s", "B/s", "report", lambda: link_rate("mavlink")),
+        Figure("lean.bytes_per_s", "B/s", "report", lambda: link_rate("lean")),
         Figure("loop.realtime_factor", "s/s", ">= 1000", lambda: loop_factor("realtime_factor")),
         Figure("loop.realtime_factor_log", "s/s", "report",
                lambda: loop_factor("realtime_factor_log")),
@@ -47,13 +51,24 @@ def all_figures() -> list[Figure]:
         Figure("firmware.heap_allocations", "allocations", "= 0",
                lambda: size("firmware.heap_allocations")),
         Figure("fly.wall_s", "s", "< 5", fly_wall_s),
+        *(Figure(f"estimation.{noise}.{quantity}", unit, "report",
+                 functools.partial(estimation_figure, noise, quantity))
+          for noise in ("shipped", "modelled") for quantity, unit in ESTIMATION),
         *(Figure(f"missions.{name}.{quantity}", unit, target,
                  functools.partial(mission_figure, name, quantity))
           for name, quantity, unit, target in MISSIONS + FIXEDWING_MISSIONS),
+        *m7(),
         *ros_figures(),
         *(Figure(f"fuzz.{name.removeprefix('fuzz_')}_runs", "inputs", f">= {FUZZ_RUNS}",
                  functools.partial(fuzz_runs, name), preset="fuzz") for name in stages.fuzzers()),
     ]
+
+
+# Errors of the estimate in the default flight: rms and what 95 of 100 samples stay below.
+ESTIMATION = [(f"{name}_{kind}", unit)
+              for name, unit in (("horizontal_m", "m"), ("vertical_m", "m"), ("velocity_m_s", "m/s"),
+                                 ("tilt_deg", "deg"), ("heading_deg", "deg")) for kind in ("rms", "p95")]
+ESTIMATION += [("nees", "1")]
 
 
 def mission_rows() -> list[tuple[str, str, str, str]]:
@@ -107,6 +122,37 @@ def fixedwing_rows() -> list[tuple[str, str, str, str]]:
 FIXEDWING_MISSIONS = fixedwing_rows()
 
 
+def m7() -> list[Figure]:
+    """The emulated Cortex-M7; what the names mean stands in bench/m7/README.md."""
+    def counted(name: str, key: str, unit: str, target: str) -> Figure:
+        return Figure(f"m7.{name}", unit, target, lambda: m7_figures.passes()[key], "cortex-m7")
+
+    def by_uart(name: str, unit: str) -> Figure:
+        return Figure(f"m7.{name}", unit, "report", lambda: m7_figures.uart_flight()[name],
+                      "cortex-m7")
+
+    return [
+        Figure("m7.text_bytes", "B", "<= 90000", m7_figures.text_bytes, "cortex-m7"),
+        counted("object_bytes", "object_bytes", "B", "<= 12000"),
+        counted("instructions", "instructions", "instructions", "report"),
+        *(Figure(f"m7.instructions.{name}", "instructions", "report",
+                 lambda name=name: m7_figures.by_module()[name], "cortex-m7")
+          for name in m7_figures.MODULES),
+        Figure("m7.load_percent", "% of 400 MHz", "report", m7_figures.load_percent, "cortex-m7"),
+        counted("instructions_worst", "instructions_worst", "instructions", "report"),
+        Figure("m7.worst_over_mean", "x", "<= 2", lambda: m7_figures.passes()["instructions_worst"]
+               / m7_figures.passes()["instructions"], "cortex-m7"),
+        Figure("m7.stack_bytes", "B", "<= 8192", m7_figures.stack_bytes, "cortex-m7"),
+        Figure("m7.realtime_factor", "s/s", ">= 1",
+               lambda: m7_figures.flights()[0]["realtime_factor"], "cortex-m7"),
+        Figure("m7.uart_flights", "flights", ">= 1",
+               lambda: float(m7_figures.uart_flight()["success"]), "cortex-m7"),
+        by_uart("uart_sent_bytes_per_s", "B/s"),
+        by_uart("uart_received_bytes_per_s", "B/s"),
+        by_uart("uart_lost", "bytes, frames"),
+    ]
+
+
 def ros_figures() -> list[Figure]:
     """Round trips at 400 Hz over UDP with all streams running, and ten minutes of everything."""
     return [
@@ -129,6 +175,9 @@ def prepare(preset: str):
     if preset == "release":
         project.build("release", "bench/all", keep_going=True)
         project.build("release", "rosflight", keep_going=True)
+    elif preset == "cortex-m7":
+        project.build("release", "rosflight", keep_going=True)
+        project.build(preset, keep_going=True)
     else:
         project.build(preset, *stages.fuzzers(), keep_going=True)
 
@@ -160,9 +209,15 @@ def number(printed: dict, key: str) -> float:
     return value
 
 
-def firmware_pass(*options: str) -> float:
+def firmware_pass(protocol: str = "mavlink") -> float:
     return callgrind.instructions_per_call(
-        [program("firmware_pass"), *options, "--passes"], few=4_000, many=20_000)
+        [program("firmware_pass"), "--link-protocol", protocol, "--passes"],
+        few=4_000, many=20_000)
+
+
+def link_rate(protocol: str) -> float:
+    """Telemetry of the default flight, board to companion."""
+    return number(run_json([program("link_rate"), protocol]), "bytes_per_s")
 
 
 @functools.cache
@@ -173,6 +228,15 @@ def loop_runs() -> list[dict]:
 
 def loop_factor(key: str) -> float:
     return statistics.median(number(printed, key) for printed in loop_runs())
+
+
+@functools.cache
+def estimation() -> dict:
+    return run_json([program("estimation")])
+
+
+def estimation_figure(noise: str, quantity: str) -> float:
+    return number(estimation()[noise], quantity)
 
 
 @functools.cache

@@ -21,6 +21,7 @@ class Binary:
     folder: str = str(project.ROOT)
     timeout_s: float = 300
     counts_cases: bool = False
+    needs_emulator: bool = False
 
 
 @dataclass
@@ -48,6 +49,7 @@ def _binary(test: dict) -> Binary:
         folder=properties.get("WORKING_DIRECTORY", str(project.ROOT)),
         timeout_s=float(properties.get("TIMEOUT", 300)),
         counts_cases="gtest" in properties.get("LABELS", []),
+        needs_emulator="emulator" in properties.get("LABELS", []),
     )
 
 

@@ -26,7 +26,7 @@ STAGES = {
     "unit": stages.unit_tests,
     "python": stages.python_tests,
     "ros": stages.ros_tests,
-    "cortex-m7": stages.build_cortex_m7,
+    "cortex-m7": stages.cortex_m7,
     "sanitizers": stages.sanitizers,
     "ros-sanitizers": stages.ros_sanitizers,
     "fuzz": stages.fuzz,

@@ -89,8 +89,22 @@ def build_release() -> Outcome:
     return _build("release")
 
 
-def build_cortex_m7() -> Outcome:
-    return _build("cortex-m7")
+def cortex_m7() -> Outcome:
+    """Everything for the microcontroller built, and run: the board's own tests on the emulated
+    processor, and flights with the firmware on it."""
+    names = _emulator_tests()
+    built = _add([_build("cortex-m7"), _build("release", *names)])
+    if built.failed:
+        return built
+    on_target = _run_binaries("cortex-m7")
+    return _add([built, *on_target.values(), *_run_binaries("release", names).values()])
+
+
+def _emulator_tests(names: list[str] | None = None) -> list[str]:
+    """Tests of the release build, all or of these, that need the microcontroller's image."""
+    project.build("release", "build.ninja")
+    return [b.name for b in cpp_tests.find("release")
+            if b.needs_emulator and (names is None or b.name in names)]
 
 
 def test_names() -> list[str]:
@@ -112,7 +126,8 @@ def matching(parts: list[str]) -> tuple[list[str], list[Path]]:
 
 
 def _run_binaries(preset: str, names: list[str] | None = None) -> dict[str, Outcome]:
-    binaries = [b for b in cpp_tests.find(preset) if names is None or b.name in names]
+    binaries = [b for b in cpp_tests.find(preset)
+                if (b.name in names if names is not None else not b.needs_emulator)]
     stale = {b.name for b in binaries if not _is_built(preset, b)}
     outcomes = cpp_tests.run_all([b for b in binaries if b.name not in stale], RESULTS / preset)
     for name in stale:
@@ -139,6 +154,8 @@ def unit_tests(names: list[str] | None = None) -> Outcome:
     """Every case of every C++ test of the release build counts."""
     if names is not None and not project.build("release", *_programs(names), keep_going=True):
         return Outcome(failed=1, complaints=["does not build, all output is in build/release/*.log"])
+    if names is not None and _emulator_tests(names) and _build("cortex-m7").failed:
+        return Outcome(failed=1, complaints=["does not build, all output is in build/cortex-m7/*.log"])
     return _add(_run_binaries("release", names).values())
 
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/fly/firmware_board.hpp"
 
+#include "apps/link_protocol.hpp"
+
 namespace rosflight::apps {
 
-FirmwareBoard::FirmwareBoard(BoardSerial& serial) : serial_{serial} {}
+FirmwareBoard::FirmwareBoard(BoardSerial& serial, std::string protocol)
+    : serial_{serial}, protocol_{std::move(protocol)} {}
 
 void FirmwareBoard::start(sim::Time t) {
   boot(t);
@@ -13,7 +16,7 @@ void FirmwareBoard::boot(sim::Time t) {
   boot_ = t;
   board_.clock.set(hal::Time{0});
   image_.reset();
-  image_ = std::make_unique<Image>(board_.roles(serial_));
+  image_ = std::make_unique<Image>(board_.roles(serial_), make_board_codec(protocol_));
   image_->firmware.start();
 }
 
@@ -49,6 +52,21 @@ const hal::OutputValues& FirmwareBoard::step(sim::Time t, const sim::SensorSampl
     boot(t);
   }
   return board_.outputs.values();
+}
+
+FirmwareView FirmwareBoard::view() const {
+  const core::Firmware& f = image_->firmware;
+  const core::AttitudeEstimate& estimate = f.estimator().estimate();
+  return {f.state().state(),
+          f.state().armed(),
+          f.state().failsafe(),
+          f.state().errors(),
+          f.command().primary_entries(),
+          f.command().combined().value,
+          f.command().combined().type,
+          estimate.q_NB,
+          estimate.roll_rad,
+          estimate.pitch_rad};
 }
 
 }  // namespace rosflight::apps

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "apps/fly/emulated_board.hpp"
+#include "apps/fly/uart_board.hpp"
+
 namespace rosflight::apps {
 namespace {
 
@@ -38,6 +41,19 @@ std::unique_ptr<Navigator> make_navigator(const FlightSetup& setup, companion::S
   return std::make_unique<LinkNavigator<false>>(session, setup.estimator);
 }
 
+/// Nothing for the board in this process.
+std::unique_ptr<FlightBoard> make_other_board(const FlightSetup& setup, sim::SerialCable& cable,
+                                              BoardEnd& end, const sim::Time& clock) {
+  if (setup.choice.board != "qemu_m7") return nullptr;
+  EmulatedBoard::Emulator::Options options;
+  options.image = emulated_image(setup.choice.link_protocol);
+  if (setup.choice.link == "uart") {
+    options.coupling = boards::m7::Coupling::kRealTime;
+    return std::make_unique<UartBoard>(clock, options);
+  }
+  return std::make_unique<EmulatedBoard>(cable, end, options);
+}
+
 }  // namespace
 
 Flight::Flight(const FlightSetup& setup)
@@ -53,16 +69,18 @@ Flight::Flight(const FlightSetup& setup)
       cable_{sim::SerialLine::Config{}, random_},
       board_end_{cable_, wire_time_},
       companion_end_{cable_, wire_time_},
-      board_{board_end_},
-      codec_{{1, link::MavlinkCodec::kCompanionComponent}},
-      session_{codec_, companion_end_, companion::Session::Options{}},
+      board_{board_end_, setup.choice.link_protocol},
+      other_board_{make_other_board(setup, cable_, board_end_, wire_time_)},
+      flown_board_{other_board_ ? other_board_.get() : &board_},
+      session_{codec_, flown_board_->link() != nullptr ? *flown_board_->link() : companion_end_,
+               companion::Session::Options{}},
       guide_{make_guide(setup)},
       navigator_{make_navigator(setup, session_)},
       director_{director_config(setup), session_, pilot_, *guide_, *navigator_},
       fast_{kStep},
       loop_{time_, rc_, sensors_, board_slot_, dynamics_} {
   time_.source = &fast_;
-  board_slot_.board = &board_;
+  board_slot_.board = flown_board_;
   loop_.set_listener(this);
   const auto& faults = setup.faults.faults();
   motor_faults_ = std::any_of(faults.begin(), faults.end(), [](const sim::Fault& fault) {
@@ -78,7 +96,7 @@ Flight::Flight(const FlightSetup& setup)
                          wing->autonomy.mission.plan_for(wing->mission).radius_m);
   }
   instruments_ = dynamic_cast<const sim::sensors::StandardSensors*>(healthy_sensors_.get());
-  board_.start(loop_.now());
+  flown_board_->start(loop_.now());
 }
 
 /// A fixed wing takes off against the wind, if there is any to speak of, and somebody holds it
@@ -98,6 +116,7 @@ void Flight::face_the_wind() {
 void Flight::set_tap(LinkTap* tap) {
   board_end_.set_tap(tap);
   companion_end_.set_tap(tap);
+  flown_board_->set_link_tap(tap);
 }
 
 double Flight::firmware_hover_output() const {
@@ -137,6 +156,14 @@ void Flight::apply_faults(sim::Time t) {
   if (cut != cable_.to_board.cut()) {
     cable_.advance(t);
     cable_.set_cut(cut);
+  }
+  using Breakdown = FlightBoard::Breakdown;
+  for (const auto& [kind, breakdown] : {std::pair{sim::FaultKind::kCrash, Breakdown::kCrash},
+                                        std::pair{sim::FaultKind::kHang, Breakdown::kHang}}) {
+    bool& done = broken_down_[static_cast<std::size_t>(breakdown)];
+    const bool active = setup_.faults.active(kind, t);
+    if (active && !done) flown_board_->break_down(t, breakdown);
+    done = active;
   }
   if (!motor_faults_) return;
   for (std::size_t k = 0; k < setup_.rotors.rotors.size(); ++k) {

@@ -12,6 +12,7 @@
 #include "apps/fly/navigator.hpp"
 #include "apps/fly/tracking.hpp"
 #include "apps/fly/wing_record.hpp"
+#include "link/detect/detecting_codec.hpp"
 #include "sim/dynamics/rigid_body.hpp"
 #include "sim/faulty_modules.hpp"
 #include "sim/lock_step.hpp"
@@ -54,6 +55,11 @@ class Flight final : private sim::LockStepListener {
   sim::ForcesAndMoments& forces() { return *forces_; }
   FlightDirector& director() { return director_; }
   const FlightDirector& director() const { return director_; }
+  /// The board that flies.
+  FlightBoard& flight_board() { return *flown_board_; }
+  const FlightBoard& flight_board() const { return *flown_board_; }
+  /// The board in this process, which lets one look inside; it flies unless the setup names
+  /// another.
   FirmwareBoard& board() { return board_; }
   const FirmwareBoard& board() const { return board_; }
   companion::Session& session() { return session_; }
@@ -108,8 +114,10 @@ class Flight final : private sim::LockStepListener {
   BoardEnd board_end_;
   CompanionEnd companion_end_;
   FirmwareBoard board_;
+  std::unique_ptr<FlightBoard> other_board_;  ///< If the setup names one.
+  FlightBoard* flown_board_;
   SwitchableBoard board_slot_;
-  link::MavlinkCodec codec_;
+  link::DetectingCodec codec_;
   companion::Session session_;
   std::unique_ptr<Guide> guide_;
   std::unique_ptr<Navigator> navigator_;
@@ -124,6 +132,7 @@ class Flight final : private sim::LockStepListener {
   std::optional<WingRecord> wing_record_;
   const sim::sensors::StandardSensors* instruments_{};  ///< Null for a module of someone else's.
   bool motor_faults_{false};
+  std::array<bool, 2> broken_down_{};  ///< Crash and hang have had their moment.
 };
 
 }  // namespace rosflight::apps

@@ -89,6 +89,8 @@ void FlightDirector::fail(const std::string& why) {
 void FlightDirector::on_event(const companion::Event& event) {
   if (const auto* log = std::get_if<companion::LogEvent>(&event)) {
     note(log->line.severity, "fcu", std::string{companion::text_of(log->line.text)});
+  } else if (const auto* schema = std::get_if<companion::SchemaEvent>(&event)) {
+    fail(companion::schema_text(*schema));
   } else if (const auto* link = std::get_if<companion::ConnectionEvent>(&event)) {
     if (link->change == companion::ConnectionChange::kLost) {
       note(Severity::kWarning, "companion", "link lost");

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "apps/link_protocol.hpp"
+
 namespace rosflight::apps {
 namespace {
 
@@ -61,7 +63,9 @@ std::string error_names(std::uint16_t errors) {
 }  // namespace
 
 FlightRecorder::FlightRecorder(Flight& flight, const std::filesystem::path& log_file)
-    : flight_{flight} {
+    : flight_{flight},
+      from_board_{make_board_codec(flight.setup().choice.link_protocol)},
+      from_companion_{make_board_codec(flight.setup().choice.link_protocol)} {
   const FlightSetup& setup = flight.setup();
   log::FlightLog::Options options;
   options.gravity_m_s2 = setup.vehicle.environment().gravity_m_s2;
@@ -90,11 +94,11 @@ void FlightRecorder::on_frame(Direction direction, hal::Time t, const std::uint8
                               std::size_t size, bool taken) {
   if (!taken) ++dropped_;
   const bool down = direction == Direction::kToCompanion;
-  if (down && flight_.board().boot_time() != boot_) {
-    boot_ = flight_.board().boot_time();
+  if (down && flight_.flight_board().boot_time() != boot_) {
+    boot_ = flight_.flight_board().boot_time();
     log_->set_fcu_boot(boot_);
   }
-  link::MavlinkCodec& codec = down ? from_board_ : from_companion_;
+  link::Codec& codec = down ? *from_board_ : *from_companion_;
   const link::Codec::Decoded decoded = codec.decode(data, size);
   log_->write_link(down ? log::Direction::kFcuToCompanion : log::Direction::kCompanionToFcu, t,
                    decoded.complete ? codec.message() : link::Message{}, {data, size});
@@ -139,15 +143,14 @@ void FlightRecorder::add_sample(const sim::Truth& truth, const hal::OutputValues
   sample.v_N_m_s = to_vec3(truth.body.q_NB * truth.body.v_B);
   sample.attitude_rad = euler(truth.body.q_NB);
   sample.rates_rad_s = to_vec3(truth.body.w_B);
-  const core::AttitudeEstimate& estimate = flight_.board().firmware().estimator().estimate();
-  sample.estimate_rad = {estimate.roll_rad, estimate.pitch_rad, core::yaw_of(estimate.q_NB)};
-  const core::CommandVector& command = flight_.board().firmware().command().combined();
-  if (flight_.board().armed()) {
+  const FirmwareView firmware = flight_.flight_board().view();
+  sample.estimate_rad = {firmware.roll_rad, firmware.pitch_rad, core::yaw_of(firmware.q_NB)};
+  if (firmware.armed) {
     for (std::size_t k = 0; k < 3; ++k) {
-      if (command.type[3 + k] == core::CommandType::kAngle) {
-        sample.attitude_command_rad[k] = command.value[3 + k];
-      } else if (command.type[3 + k] == core::CommandType::kRate) {
-        sample.rate_command_rad_s[k] = command.value[3 + k];
+      if (firmware.command_type[3 + k] == core::CommandType::kAngle) {
+        sample.attitude_command_rad[k] = firmware.command[3 + k];
+      } else if (firmware.command_type[3 + k] == core::CommandType::kRate) {
+        sample.rate_command_rad_s[k] = firmware.command[3 + k];
       }
     }
   }
@@ -167,21 +170,20 @@ void FlightRecorder::add_sample(const sim::Truth& truth, const hal::OutputValues
 }
 
 void FlightRecorder::follow_states(double t_s) {
-  const core::StateMachine& state = flight_.board().firmware().state();
-  const bool armed = state.armed();
-  if (state.failsafe()) {
+  const FirmwareView firmware = flight_.flight_board().view();
+  const bool armed = firmware.armed;
+  if (firmware.failsafe) {
     record_.set_state("firmware", t_s, "failsafe", Tone::kBad);
-  } else if (state.state() == core::State::kCalibrating) {
+  } else if (firmware.state == core::State::kCalibrating) {
     record_.set_state("firmware", t_s, "calibrating", Tone::kNote);
   } else {
     record_.set_state("firmware", t_s, armed ? "armed" : "disarmed",
                       armed ? Tone::kGood : Tone::kNeutral);
   }
-  record_.set_state("errors", t_s, error_names(state.errors()), Tone::kBad);
-  const core::CommandManager& command = flight_.board().firmware().command();
-  const std::uint16_t primary = command.primary_entries() & 0x3FU;
+  record_.set_state("errors", t_s, error_names(firmware.errors), Tone::kBad);
+  const std::uint16_t primary = firmware.primary_entries & 0x3FU;
   const char* who = primary == 0 ? "companion" : (primary == 0x3F ? "pilot" : "shared");
-  record_.set_state("control", t_s, armed ? (state.failsafe() ? "failsafe" : who) : "",
+  record_.set_state("control", t_s, armed ? (firmware.failsafe ? "failsafe" : who) : "",
                     primary == 0 ? Tone::kGood : Tone::kWarning);
   const Stage stage = flight_.director().stage();
   const bool flying = stage == Stage::kFly;

@@ -38,8 +38,8 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
   Flight& flight_;
   std::unique_ptr<log::FlightLog> log_;
   report::FlightRecord record_;
-  link::MavlinkCodec from_board_{{1, link::MavlinkCodec::kCompanionComponent}};
-  link::MavlinkCodec from_companion_{{1, link::MavlinkCodec::kFcuComponent}};
+  std::shared_ptr<link::Codec> from_board_;
+  std::shared_ptr<link::Codec> from_companion_;
   sim::Time boot_{};
   double last_setpoint_s_{-1.0};
   std::string last_phase_{"disarmed"};

@@ -294,6 +294,10 @@ FlightSetup::FlightSetup(const FlightChoice& choice_in)
       channels{channels_of(firmware)},
       faults{sim::parse_faults(choice.faults)} {
   mission_text = read_text(mission_file);
+  if (choice.link == "uart" && choice.board != "qemu_m7") {
+    throw Error(fmt::format("--link: found uart with --board {}, allowed with --board qemu_m7",
+                            choice.board));
+  }
   for (const sim::Fault& fault : faults.faults()) {
     if (fault.kind != sim::FaultKind::kMotor || fault.motor < rotors.rotors.size()) continue;
     throw Error(fmt::format("--fault: found motor {}, allowed 0 to {}", fault.motor,

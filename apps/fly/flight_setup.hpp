@@ -19,9 +19,12 @@ namespace rosflight::apps {
 
 /// What a person chose for a flight; names and texts as typed.
 struct FlightChoice {
+  std::string board{"in_process"};  ///< Or "qemu_m7".
+  std::string link{"cable"};        ///< Or "uart", of qemu_m7, in real time.
   std::string vehicle{"multirotor"};
   std::string mission{"default"};  ///< Of the vehicle's kind.
   std::uint64_t seed{1};
+  std::string link_protocol{"mavlink"};  ///< What the board speaks: mavlink or lean.
   std::string state{"estimate"};         ///< What guidance flies on: estimate or truth.
   std::vector<std::string> overrides;    ///< "body.mass_kg=3.2"
   std::vector<std::string> faults;       ///< "baro@20:5"

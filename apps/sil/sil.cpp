@@ -6,6 +6,7 @@
 
 #include <iostream>
 
+#include "apps/link_protocol.hpp"
 #include "apps/sil/pace.hpp"
 #include "apps/sil/signals.hpp"
 #include "apps/sil/sil_board.hpp"
@@ -105,6 +106,9 @@ void summarise(const boards::LinuxBoard& board, const SilBoard& firmware, const 
 
 int sil_command(const SilOptions& options, std::ostream& out, SilBoard::MakeCodec make_codec) {
   const sim::Time step = step_of(options);
+  if (!make_codec) {
+    make_codec = [&options](hal::Serial&) { return make_board_codec(options.link_protocol); };
+  }
   const auto address = read_link(options);
   SilWorld world{options, step};
   Signals signals;

@@ -18,6 +18,7 @@ struct SilOptions {
   std::vector<std::string> overrides;          ///< "vehicle.section.key=value" each.
   std::vector<std::filesystem::path> plugins;  ///< Shared libraries with modules of a user's own.
   std::string link{"pty"};                     ///< See boards::LinkAddress.
+  std::string link_protocol{"mavlink"};        ///< "mavlink" or "lean".
   std::optional<std::uint16_t> listen;         ///< Own port of a UDP link.
   std::filesystem::path storage{"rosflight.nvm"};
   int rate_Hz{400};  ///< IMU samples and simulation steps a second.
@@ -33,8 +34,8 @@ struct SilOptions {
 /// open, "sil ready" and key=value words, and a summary to stderr at the end.
 /// @returns 0. @throws config::Error, boards::BoardError  one line; nothing has been created then,
 /// unless a blank memory file.
-/// @param make_codec  what the firmware speaks; measurements put a decorator around it.
+/// @param make_codec  instead of what `link_protocol` says: measurements put a decorator around it.
 int sil_command(const SilOptions& options, std::ostream& out,
-                SilBoard::MakeCodec make_codec = SilBoard::mavlink);
+                SilBoard::MakeCodec make_codec = nullptr);
 
 }  // namespace rosflight::apps

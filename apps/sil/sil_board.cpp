@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "link/mavlink/mavlink_codec.hpp"
+#include "apps/link_protocol.hpp"
 
 namespace rosflight::apps {
 
@@ -13,8 +13,7 @@ SilBoard::SilBoard(boards::LinuxBoard& board, MakeCodec make_codec)
 }
 
 std::shared_ptr<link::Codec> SilBoard::mavlink(hal::Serial& /*port*/) {
-  return std::make_shared<link::MavlinkCodec>(
-      link::MavlinkCodec::Identity{1, link::MavlinkCodec::kFcuComponent});
+  return make_board_codec("mavlink");
 }
 
 void SilBoard::boot() {

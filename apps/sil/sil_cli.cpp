@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/sil/sil_cli.hpp"
 
+#include "apps/link_protocol.hpp"
 #include "apps/options.hpp"
 #include "sim/faults.hpp"
 
@@ -25,6 +26,11 @@ CLI::App* add_sil(CLI::App& app, SilOptions& options) {
   sil->add_option("--listen", options.listen,
                   "own port of a UDP link [14525 if the far end is 14520, otherwise any free one]")
       ->type_name("PORT");
+  sil->add_option("--link-protocol", options.link_protocol,
+                  "what the board speaks: mavlink or lean; ground tools of ROSflight want mavlink")
+      ->type_name("NAME")
+      ->capture_default_str()
+      ->check(CLI::IsMember(link_protocols()));
   sil->add_option("--nvm", options.storage, "file that keeps the parameters; created if missing")
       ->type_name("FILE")
       ->capture_default_str();

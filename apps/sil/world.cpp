@@ -33,11 +33,22 @@ sim::rc::Script read_rc(const SilOptions& options) {
   return sim::rc::read_script(document.root());
 }
 
+/// This process is the processor: it cannot break down and start again.
+sim::FaultSchedule read_faults(const SilOptions& options) {
+  sim::FaultSchedule faults = sim::parse_faults(options.faults);
+  for (const sim::Fault& fault : faults.faults()) {
+    if (fault.kind == sim::FaultKind::kCrash || fault.kind == sim::FaultKind::kHang) {
+      throw config::Error("--fault: found crash or hang, allowed with ./rosflight fly only");
+    }
+  }
+  return faults;
+}
+
 }  // namespace
 
 SilWorld::SilWorld(const SilOptions& options, sim::Time step)
     : random_{options.seed},
-      faults_{sim::parse_faults(options.faults)},
+      faults_{read_faults(options)},
       vehicle_{read_vehicle(options, registry_, step)},
       forces_{registry_.make_forces(vehicle_, random_)},
       dynamics_{vehicle_.body(), vehicle_.ground(), vehicle_.environment(), *forces_, random_},

@@ -74,7 +74,9 @@ void Estimator<kWind>::add(const GnssSample& sample) {
 
 template <bool kWind>
 void Estimator<kWind>::add(const BaroSample& sample) {
-  if (!(sample.pressure_Pa > kLowestPressure_Pa && sample.pressure_Pa < kHighestPressure_Pa)) {
+  const bool on_earth =
+      sample.pressure_Pa > kLowestPressure_Pa && sample.pressure_Pa < kHighestPressure_Pa;
+  if (!on_earth) {
     ++health_.unusable;
     return;
   }
@@ -87,7 +89,8 @@ void Estimator<kWind>::add(const BaroSample& sample) {
 template <bool kWind>
 void Estimator<kWind>::add(const MagSample& sample) {
   const double strength_T = sample.field_T.norm();
-  if (!(strength_T > 1e-6 && strength_T < 1e-2)) {  // the earth's is 22 to 67 uT
+  const bool a_field = strength_T > 1e-6 && strength_T < 1e-2;  // the earth's is 22 to 67 uT
+  if (!a_field) {
     ++health_.unusable;
     return;
   }
@@ -100,7 +103,8 @@ void Estimator<kWind>::add(const MagSample& sample) {
 template <bool kWind>
 void Estimator<kWind>::add(const RangeSample& sample) {
   if (!config_.use_range || !health_.initialised) return;
-  if (!(sample.range_m > sample.min_m && sample.range_m < sample.max_m)) return;  // no echo
+  const bool echoed = sample.range_m > sample.min_m && sample.range_m < sample.max_m;
+  if (!echoed) return;
   RangeSample echo = sample;
   echo.t_s -= config_.range_delay_s;
   queue(echo);
@@ -127,7 +131,8 @@ void Estimator<kWind>::add(const SideslipSample& sample) {
 template <bool kWind>
 void Estimator<kWind>::set_attitude_hint(double t_s, const Quaternion& q_NB) {
   const double norm = q_NB.norm();
-  if (!(norm > 0.5 && norm < 2.0) || !std::isfinite(t_s)) return;
+  const bool a_rotation = norm > 0.5 && norm < 2.0;
+  if (!a_rotation || !std::isfinite(t_s)) return;
   hint_.t_s = t_s;
   hint_.q_NB = q_NB.normalized();
 }
@@ -237,13 +242,21 @@ void Estimator<kWind>::fuse(const GnssSample& sample) {
                        here.altitude_m + p_N.z()};
   }
   const Vector3 p_N = ned_of(sample.place, *origin_);
-  const Vector2 before_N = filter_.state().p_N.template head<2>();
+  // Where the output will be, which is ahead of the filter.
+  const double ahead_s = imu_.last().t_s - filter_s_;
+  const auto shown_N = [this, ahead_s]() -> Vector2 {
+    const NominalState& x = filter_.state();
+    return (x.p_N + ahead_s * x.v_N).template head<2>();
+  };
+  const Vector2 before_N = shown_N();
   constexpr double kGap_s = 1.0;
   const bool was_away = filter_s_ - health_.of(Aid::kGnssHorizontal).last_accepted_s > kGap_s;
   const std::uint64_t resets = health_.gnss_resets;
   fuse_gnss(sample, p_N);
-  if (!was_away && health_.gnss_resets == resets) return;
-  const Vector2 moved_N = filter_.state().p_N.template head<2>() - before_N;
+  constexpr double kReturning_s = 2.0;
+  if (was_away || health_.gnss_resets != resets) jump_.until_s = filter_s_ + kReturning_s;
+  if (filter_s_ > jump_.until_s) return;
+  const Vector2 moved_N = shown_N() - before_N;
   jump_.moved_N = unshown_jump_N(filter_s_) + moved_N;
   jump_.t_s = filter_s_;
 }
@@ -447,10 +460,11 @@ void Estimator<kWind>::start(bool on_ground) {
   const bool hinted = now_s - hint_.t_s < kFreshHint_s;
   NominalState x;
   const Vector3 field_B = window_.field.mean();
+  const double declination_rad = declination_rad_.value_or(0.0);
   if (on_ground || !hinted) {
-    x.q_NB = level_attitude(window_.accel.mean(), field_B, *declination_rad_);
+    x.q_NB = level_attitude(window_.accel.mean(), field_B, declination_rad);
   } else {
-    x.q_NB = with_heading_of(hint_.q_NB, field_B, *declination_rad_);
+    x.q_NB = with_heading_of(hint_.q_NB, field_B, declination_rad);
   }
   if (!origin_) origin_ = config_.origin;
   const bool first_start = !origin_;
@@ -467,7 +481,7 @@ void Estimator<kWind>::start(bool on_ground) {
     if (!first_start && window_.last_fix) {
       x.p_N.head<2>() = ned_of(window_.last_fix->place, *origin_).head<2>();
     }
-  } else {
+  } else if (window_.last_fix && origin_) {
     const GnssSample& fix = *window_.last_fix;
     x.v_N = fix.v_N_m_s;
     x.p_N = ned_of(fix.place, *origin_) + (now_s - fix.t_s) * fix.v_N_m_s - x.q_NB * gnss_lever();
@@ -530,83 +544,6 @@ void Estimator<kWind>::start_at(double t_s, const NominalState& state,
   imu_ = ImuBuffer{config_.increment_s};
   health_.initialised = true;
   health_.in_air_start = true;
-}
-
-// ---- out
-
-template <bool kWind>
-Trust Estimator<kWind>::aided(double age_s, double good_s) const {
-  if (age_s < good_s) return Trust::kGood;
-  return age_s < config_.dead_reckoning_s ? Trust::kDeadReckoned : Trust::kNone;
-}
-
-template <bool kWind>
-StateEstimate Estimator<kWind>::estimate() const {
-  StateEstimate out;
-  out.t_s = imu_.last().t_s;
-  if (!health_.initialised) return out;
-  NominalState x = filter_.state();
-  for (std::size_t k = 0; k < imu_.size(); ++k) {
-    Filter::propagate(x, imu_.at(k).u, config_.gravity_m_s2);
-  }
-  const ImuIncrement open = imu_.open();
-  if (open.dt_s > 0.0) Filter::propagate(x, open, config_.gravity_m_s2);
-
-  // The newest rates, over one increment.
-  const ImuIncrement& recent =
-      open.dt_s > 0.5 * config_.increment_s || imu_.size() == 0 ? open : imu_.at(imu_.size() - 1).u;
-  const double dt = recent.dt_s;
-  out.w_B = dt > 0.0 ? Vector3(recent.dtheta_B / dt - x.gyro_bias_B) : Vector3(Vector3::Zero());
-  out.a_B = dt > 0.0 ? Vector3(recent.dv_B / dt - x.accel_bias_B) : Vector3(Vector3::Zero());
-  out.q_NB = x.q_NB;
-  out.p_N = x.p_N - x.q_NB * config_.imu_position_B;
-  out.p_N.template head<2>() -= unshown_jump_N(out.t_s);
-  out.v_N = x.v_N - x.q_NB * out.w_B.cross(config_.imu_position_B);
-  out.gyro_bias_B = x.gyro_bias_B;
-  out.accel_bias_B = x.accel_bias_B;
-  out.baro_bias_m = x.baro_bias_m;
-
-  constexpr double kCourseSpeed_m_s = 0.5;
-  const double ground_speed = out.v_N.template head<2>().norm();
-  out.course_rad =
-      ground_speed > kCourseSpeed_m_s
-          ? std::atan2(out.v_N.y(), out.v_N.x())
-          : std::atan2(2.0 * (x.q_NB.x() * x.q_NB.y() + x.q_NB.w() * x.q_NB.z()),
-                       1.0 - 2.0 * (x.q_NB.y() * x.q_NB.y() + x.q_NB.z() * x.q_NB.z()));
-
-  const auto& P = filter_.covariance();
-  const auto sigma = [&P](int first) {
-    return P.diagonal().template segment<3>(first).cwiseSqrt().eval();
-  };
-  out.p_sigma_N_m = sigma(Filter::kPosition);
-  out.v_sigma_N_m_s = sigma(Filter::kVelocity);
-  out.attitude_sigma_B_rad = sigma(Filter::kTheta);
-
-  if constexpr (kWind) {
-    out.wind_N = {x.wind_N.x(), x.wind_N.y(), 0.0};
-    out.wind_sigma_N_m_s = {std::sqrt(P(Filter::kWindIndex, Filter::kWindIndex)),
-                            std::sqrt(P(Filter::kWindIndex + 1, Filter::kWindIndex + 1)), 0.0};
-    const Vector3 air_B = x.q_NB.conjugate() * (out.v_N - out.wind_N);
-    out.airspeed_m_s = air_B.norm();
-    out.wind_valid = out.wind_sigma_N_m_s.norm() < 0.75 * config_.initial_wind_m_s;
-    out.air_valid = out.airspeed_m_s > config_.min_airspeed_m_s;
-    if (out.air_valid) {
-      out.alpha_rad = std::atan2(air_B.z(), air_B.x());
-      out.beta_rad = std::asin(std::clamp(air_B.y() / out.airspeed_m_s, -1.0, 1.0));
-    }
-  }
-
-  const auto age = [this](Aid aid) { return filter_s_ - health_.of(aid).last_accepted_s; };
-  constexpr double kAttitudeGood_rad = 0.1;
-  constexpr double kHeadingGood_rad = 0.2;
-  const Vector3& attitude = out.attitude_sigma_B_rad;
-  out.attitude = attitude.template head<2>().maxCoeff() < kAttitudeGood_rad ? Trust::kGood
-                                                                            : Trust::kDeadReckoned;
-  out.heading = attitude.z() < kHeadingGood_rad && age(Aid::kHeading) < 2.0 ? Trust::kGood
-                                                                            : Trust::kDeadReckoned;
-  out.horizontal = aided(std::min(health_.gnss_age_s, age(Aid::kRest)), 1.0);
-  out.vertical = aided(std::min({age(Aid::kBaro), age(Aid::kRange), age(Aid::kGnssVelocity)}), 1.0);
-  return out;
 }
 
 template class Estimator<false>;

@@ -124,6 +124,7 @@ class Estimator {
   struct {
     Vector2 moved_N{Vector2::Zero()};
     double t_s{};
+    double until_s{-1e9};  ///< Corrections up to here belong to it.
   } jump_;
   EstimatorHealth health_;
 };

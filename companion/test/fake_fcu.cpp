@@ -30,10 +30,10 @@ void FakeFcu::step(Time now) {
   std::array<std::uint8_t, 256> buffer{};
   for (std::size_t size = 0; (size = transport_.read(buffer.data(), buffer.size())) > 0;) {
     for (std::size_t used = 0; used < size;) {
-      const auto decoded = codec_.decode(buffer.data() + used, size - used);
+      const auto decoded = codec->decode(buffer.data() + used, size - used);
       used += decoded.consumed;
       if (decoded.complete && !silent) {
-        handle(codec_.message());
+        handle(codec->message());
       }
     }
   }
@@ -63,7 +63,7 @@ void FakeFcu::stream() {
 
 void FakeFcu::send(const link::Message& message, std::uint8_t qos) {
   link::Frame frame;
-  if (codec_.encode(message, frame)) {
+  if (codec->encode(message, frame)) {
     transport_.write(frame.bytes.data(), frame.size, qos);
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -103,6 +104,9 @@ class FakeFcu {
   /// Return true to swallow a message before the FCU sees it.
   std::function<bool(const link::Message&)> intercept;
   std::vector<link::Message> received;
+  /// What it speaks.
+  std::shared_ptr<link::Codec> codec{std::make_shared<link::MavlinkCodec>(
+      link::MavlinkCodec::Identity{1, link::MavlinkCodec::kFcuComponent})};
 
  private:
   void handle(const link::Message& message);
@@ -112,7 +116,6 @@ class FakeFcu {
   void stream();
 
   Transport& transport_;
-  link::MavlinkCodec codec_{{1, link::MavlinkCodec::kFcuComponent}};
   Time now_{};
   std::optional<Time> booted_;
   Time next_heartbeat_{};

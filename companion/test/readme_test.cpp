@@ -7,14 +7,14 @@
 #include <sstream>
 
 #include "companion/asio/runner.hpp"
-#include "link/mavlink/mavlink_codec.hpp"
+#include "link/detect/detecting_codec.hpp"
 
 namespace rosflight::companion {
 namespace {
 
 // clang-format off
 void example() {
-    rosflight::link::MavlinkCodec codec({1, rosflight::link::MavlinkCodec::kCompanionComponent});
+    rosflight::link::DetectingCodec codec;  // MAVLink or lean, as the FCU speaks
     Runner runner(codec, parse_link("serial:/dev/ttyACM0:921600"), {});
     runner.on_link_state([](bool, const std::string& line) { std::cerr << line << '\n'; });
     Session& session = runner.session();

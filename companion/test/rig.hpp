@@ -7,6 +7,7 @@
 #include "companion/in_process.hpp"
 #include "companion/session.hpp"
 #include "companion/test/fake_fcu.hpp"
+#include "link/detect/detecting_codec.hpp"
 
 namespace rosflight::companion::test {
 
@@ -89,7 +90,7 @@ class Rig {
   LossyTransport lossy_up;
   LossyTransport lossy_down;
   FakeFcu fcu;
-  link::MavlinkCodec codec{{1, link::MavlinkCodec::kCompanionComponent}};
+  link::DetectingCodec codec;
   Session session;
   EventLog log;
 };

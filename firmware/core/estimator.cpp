@@ -152,8 +152,9 @@ inline void Estimator::propagate(const Vector3& rate, float dt_s) {
       scale *= 1.0f - x_sq / 6.0f * (1.0f - x_sq / 20.0f);
     } else {
       const float speed = std::sqrt(speed_sq);
-      half.w = std::cos(0.5f * speed * dt_s);
-      scale = std::sin(0.5f * speed * dt_s) / speed;
+      const SinCos x = sin_cos(0.5f * speed * dt_s);
+      half.w = x.cos;
+      scale = x.sin / speed;
     }
   }
   half.x = scale * rate.x();
@@ -164,8 +165,8 @@ inline void Estimator::propagate(const Vector3& rate, float dt_s) {
 
 void Estimator::level_from_accelerometer() {
   if (!accelerometer_usable(acc_.squaredNorm())) return;
-  const float roll = std::atan2(-acc_.y(), -acc_.z());
-  const float pitch = std::atan2(acc_.x(), std::hypot(acc_.y(), acc_.z()));
+  const float roll = atan2(-acc_.y(), -acc_.z());
+  const float pitch = atan2(acc_.x(), std::sqrt(acc_.y() * acc_.y() + acc_.z() * acc_.z()));
   estimate_.q_NB = normalized(quaternion_from_euler(roll, pitch, yaw_of(estimate_.q_NB)));
   estimate_.roll_rad = roll;
   estimate_.pitch_rad = pitch;

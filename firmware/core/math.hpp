@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cmath>
 
+#include "firmware/core/elementary.hpp"
 #include "firmware/hal/samples.hpp"
 
 /// Small mathematics shared by the core: fixed-size vectors, quaternions, the air.
@@ -51,20 +52,20 @@ inline Matrix3 rotation_matrix(const Quaternion& q) {
 
 /// Yaw-pitch-roll (z-y-x) angles [rad].
 inline float roll_of(const Quaternion& q) {
-  return std::atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x * q.x + q.y * q.y));
+  return atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x * q.x + q.y * q.y));
 }
 inline float pitch_of(const Quaternion& q) {
   const float s = 2 * (q.w * q.y - q.z * q.x);
-  return std::asin(s > 1.0f ? 1.0f : (s < -1.0f ? -1.0f : s));
+  return asin(s > 1.0f ? 1.0f : (s < -1.0f ? -1.0f : s));
 }
 inline float yaw_of(const Quaternion& q) {
-  return std::atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z));
+  return atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z));
 }
 
 inline Quaternion quaternion_from_euler(float roll_rad, float pitch_rad, float yaw_rad) {
-  const float cr = std::cos(roll_rad / 2), sr = std::sin(roll_rad / 2);
-  const float cp = std::cos(pitch_rad / 2), sp = std::sin(pitch_rad / 2);
-  const float cy = std::cos(yaw_rad / 2), sy = std::sin(yaw_rad / 2);
+  const auto [sr, cr] = sin_cos(roll_rad / 2);
+  const auto [sp, cp] = sin_cos(pitch_rad / 2);
+  const auto [sy, cy] = sin_cos(yaw_rad / 2);
   return {cr * cp * cy + sr * sp * sy, sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy,
           cr * cp * sy - sr * sp * cy};
 }
@@ -75,10 +76,10 @@ inline Quaternion quaternion_from_euler(float roll_rad, float pitch_rad, float y
 ///     h   = (1 - (p/101325)^0.190326730028458) 44318.1386038261  [m above sea level]
 inline constexpr float kSeaLevelDensity_kg_m3 = 1.225f;
 inline float air_density_kg_m3(float pressure_Pa) {
-  return kSeaLevelDensity_kg_m3 * std::pow(pressure_Pa / 101325.0f, 0.809736895f);
+  return kSeaLevelDensity_kg_m3 * pow(pressure_Pa / 101325.0f, 0.809736895f);
 }
 inline float pressure_altitude_m(float pressure_Pa) {
-  return (1.0f - std::pow(pressure_Pa / 101325.0f, 0.190326730f)) * 44318.1386f;
+  return (1.0f - pow(pressure_Pa / 101325.0f, 0.190326730f)) * 44318.1386f;
 }
 
 }  // namespace rosflight::core

@@ -128,10 +128,12 @@ inline void Mixer::mix(const Inputs& u, const Conditions& conditions) {
 
 /// (1) for the channels of one group.
 inline Mixer::Group Mixer::product(const MixerGains& gains, const Inputs& u, std::size_t group) {
-  using Rows = Eigen::Map<const Eigen::Matrix<float, kGroup, kEntries>, Eigen::Aligned16,
-                          Eigen::OuterStride<kPaddedChannels>>;
-  return Rows(gains.data() + kGroup * group)
-      .lazyProduct(Eigen::Map<const Eigen::Matrix<float, kEntries, 1>>(u.data()));
+  // Entry by entry, the same order of sums on every processor.
+  const float* column = gains.data() + kGroup * group;
+  using Four = Eigen::Map<const Group, Eigen::Aligned16>;
+  Group tau = Four(column) * u[0];
+  for (std::size_t i = 1; i < kEntries; ++i) tau += Four(column + kPaddedChannels * i) * u[i];
+  return tau;
 }
 
 /// The same with each input through the gains of the mixer that has it.
@@ -217,8 +219,10 @@ float Mixer::thrust_fraction(const Inputs& u, float density_kg_m3) const {
   if (motors_.size == 0) return 0.0f;
   float total = 0.0f;
   for (const std::size_t k : motors_) {
-    const float value = secondary_.row(static_cast<Eigen::Index>(k))
-                            .dot(Eigen::Map<const Eigen::Matrix<float, 1, kEntries>>(u.data()));
+    float value = 0.0f;
+    for (std::size_t i = 0; i < kEntries; ++i) {
+      value += secondary_(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i)) * u[i];
+    }
     total += std::max(0.0f, value);
   }
   if (!config_.use_motor_model) return total / static_cast<float>(motors_.size);

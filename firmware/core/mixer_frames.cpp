@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware/core/mixer_frames.hpp"
 
-#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace rosflight::core {
@@ -116,20 +117,66 @@ MixerGains frame_gains(MixerId id) {
   return pseudo_inverse(M);
 }
 
+/// One-sided Jacobi rotations (M. R. Hestenes, J. SIAM 6(1), 1958): turns pairs of columns of A = M
+/// V until all are orthogonal; their lengths are then the singular values, and the inverse is the
+/// sum of v_k a_k^T / |a_k|^2. Sums run in one order on every processor.
 MixerGains pseudo_inverse(const Eigen::Matrix<float, kEntries, kChannels>& M) {
   using Square = Eigen::Matrix<float, kEntries, kChannels>;
-  const Eigen::JacobiSVD<Square, Eigen::FullPivHouseholderQRPreconditioner> svd(
-      M, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const auto& sigma = svd.singularValues();
-  const float smallest = 10.0f * std::numeric_limits<float>::epsilon() * sigma(0);
-  Eigen::Matrix<float, kEntries, 1> inverse = Eigen::Matrix<float, kEntries, 1>::Zero();
-  for (Eigen::Index k = 0; k < sigma.size(); ++k) {
-    if (sigma(k) > smallest) inverse(k) = 1.0f / sigma(k);
-  }
-  const Square found = svd.matrixV() * inverse.asDiagonal() * svd.matrixU().transpose();
-  constexpr float kNoise = 1e-6f;
+  constexpr int kMostSweeps = 30;  // six are usual
+  constexpr float kEpsilon = std::numeric_limits<float>::epsilon();
+  constexpr Eigen::Index n = kChannels;
+  const auto product = [](const Square& A, Eigen::Index p, Eigen::Index q) {
+    float sum = 0.0f;
+    for (Eigen::Index i = 0; i < n; ++i) sum += A(i, p) * A(i, q);
+    return sum;
+  };
   MixerGains gains = MixerGains::Zero();
-  gains.topRows<kChannels>() = (found.array().abs() < kNoise).select(0.0f, found);
+  const float largest = M.cwiseAbs().maxCoeff();
+  if (!(largest > 0.0f)) return gains;
+  Square A = M / largest;
+  Square V = Square::Identity();
+  bool turned = true;
+  for (int sweep = 0; turned && sweep < kMostSweeps; ++sweep) {
+    turned = false;
+    for (Eigen::Index p = 0; p < n; ++p) {
+      for (Eigen::Index q = p + 1; q < n; ++q) {
+        const float pp = product(A, p, p);
+        const float qq = product(A, q, q);
+        const float pq = product(A, p, q);
+        if (!(std::abs(pq) > kEpsilon * std::sqrt(pp * qq))) continue;
+        turned = true;
+        const float zeta = (qq - pp) / (2.0f * pq);
+        const float t =
+            (zeta < 0.0f ? -1.0f : 1.0f) / (std::abs(zeta) + std::sqrt(1.0f + zeta * zeta));
+        const float c = 1.0f / std::sqrt(1.0f + t * t);
+        for (Square* X : {&A, &V}) {
+          for (Eigen::Index i = 0; i < n; ++i) {
+            const float x = (*X)(i, p);
+            const float y = (*X)(i, q);
+            (*X)(i, p) = c * (x - t * y);
+            (*X)(i, q) = c * (y + t * x);
+          }
+        }
+      }
+    }
+  }
+  float longest_sq = 0.0f;
+  for (Eigen::Index k = 0; k < n; ++k) longest_sq = std::max(longest_sq, product(A, k, k));
+  constexpr float kSmallest = 10.0f * kEpsilon;  // of the largest singular value
+  constexpr float kNoise = 1e-6f;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const float length_sq = product(A, k, k);
+    if (!(length_sq > kSmallest * kSmallest * longest_sq)) continue;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      for (Eigen::Index j = 0; j < n; ++j) gains(i, j) += V(i, k) * (A(j, k) / length_sq);
+    }
+  }
+  for (Eigen::Index j = 0; j < gains.cols(); ++j) {
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const float found = gains(i, j) / largest;
+      gains(i, j) = std::abs(found) < kNoise ? 0.0f : found;
+    }
+  }
   return gains;
 }
 

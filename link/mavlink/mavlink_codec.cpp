@@ -118,21 +118,6 @@ void MavlinkCodec::hold(const std::uint8_t* data, std::size_t size) {
   held_size_ = static_cast<std::uint16_t>(size);
 }
 
-/// Urgent frames overtake others in the sender's queues, so a number up to half the circle back is
-/// a frame that was counted as missing and came late.
-void MavlinkCodec::count_sequence(std::uint8_t sequence) {
-  constexpr unsigned kHalfCircle = 128;
-  const auto ahead = static_cast<std::uint8_t>(sequence - expected_sequence_);
-  if (counters_.frames_received == 0) {
-    expected_sequence_ = static_cast<std::uint8_t>(sequence + 1);
-  } else if (ahead < kHalfCircle) {
-    counters_.sequence_gaps += ahead;
-    expected_sequence_ = static_cast<std::uint8_t>(sequence + 1);
-  } else if (counters_.sequence_gaps > 0) {
-    --counters_.sequence_gaps;
-  }
-}
-
 void MavlinkCodec::accept(const std::uint8_t* frame, const mavlink::Row& row) {
   const std::size_t payload = frame[1];
   if (payload >= row.length) {
@@ -142,7 +127,7 @@ void MavlinkCodec::accept(const std::uint8_t* frame, const mavlink::Row& row) {
     std::memcpy(extended.data(), frame + kHeaderBytes, payload);
     row.unpack(extended.data(), message_);
   }
-  count_sequence(frame[2]);
+  sequence_.count(frame[2], counters_);
   ++counters_.frames_received;
 }
 

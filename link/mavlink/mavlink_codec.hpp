@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "link/codec.hpp"
+#include "link/sequence.hpp"
 
 namespace rosflight::link {
 
@@ -59,11 +60,10 @@ class MavlinkCodec final : public Codec {
  private:
   bool decode_held(const std::uint8_t* data, std::size_t size, Decoded& result);
   void hold(const std::uint8_t* data, std::size_t size);
-  void count_sequence(std::uint8_t sequence);
   void accept(const std::uint8_t* frame, const mavlink::Row& row);
 
   mavlink::Sender next_;
-  std::uint8_t expected_sequence_{0};
+  SequenceWatch sequence_;
   std::uint16_t held_size_{0};
   Message message_;
   Counters counters_{};

@@ -8,29 +8,13 @@
 #include <cstring>
 
 #include "link/messages.hpp"
+#include "link/text.hpp"
 
 /// Our structs to those of the generated headers and back, field by field; same order as
 /// messages.hpp. Private to the codec.
 namespace rosflight::link::mavlink {
 
 inline constexpr std::uint8_t kDialectVersion = 2;  ///< <version> of rosflight.xml.
-
-/// Copies a text without what may lie behind its first NUL.
-template <std::size_t kSize>
-void copy_text(const char* from, char* to) {
-  std::memcpy(to, from, kSize);
-  if (const void* const end = std::memchr(to, 0, kSize)) {
-    const auto length = static_cast<std::size_t>(static_cast<const char*>(end) - to);
-    std::memset(to + length, 0, kSize - length);
-  }
-}
-
-/// The same for a text that must end with a NUL.
-template <std::size_t kSize>
-void copy_terminated(const char* from, char* to) {
-  copy_text<kSize - 1>(from, to);
-  to[kSize - 1] = 0;
-}
 
 /// The 32 bits of a parameter travel in a float field without ever being a float.
 inline void copy_bits(const ParamBits& from, float& to) {

@@ -93,8 +93,8 @@ def exchange(dialect):
         frame = kind(**fields).pack(sender, force_mavlink1=True)
         sender.seq = (sender.seq + 1) % 256
         sent.append((kind, types, fields, bytes(frame)))
-    program = BUILD / "link" / "test" / "link_mavlink_peer"
-    result = subprocess.run([program], input="\n".join(f.hex() for *_, f in sent) + "\n", text=True,
+    program = BUILD / "link" / "test" / "link_codec_peer"
+    result = subprocess.run([program, "mavlink"], input="\n".join(f.hex() for *_, f in sent) + "\n", text=True,
                             capture_output=True, check=True, timeout=60)
     answers = [line.split(" | ") for line in result.stdout.splitlines()]
     assert len(answers) == len(sent)

@@ -149,6 +149,7 @@ class SimPeer:
                 self.changed.wait_for(lambda: heard, 0.1)
         count = -1
         while count != len(heard):
+            assert time.monotonic() < end, f"{what} never falls silent"
             count = len(heard)
             time.sleep(0.2)
         heard.clear()

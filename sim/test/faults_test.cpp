@@ -40,6 +40,8 @@ TEST(Fault, EveryNameIsRead) {
                                                   {"rc_frame_loss", FaultKind::kRcFrameLoss},
                                                   {"link_cut", FaultKind::kLinkCut},
                                                   {"pitot_blocked", FaultKind::kPitotBlocked},
+                                                  {"crash", FaultKind::kCrash},
+                                                  {"hang", FaultKind::kHang},
                                                   {"motor0_dead", FaultKind::kMotor}};
   for (const auto& [name, kind] : names) {
     EXPECT_EQ(parse_fault(std::string(name) + "@1").kind, kind) << name;
@@ -104,7 +106,8 @@ TEST(Fault, BadTextIsOneLineWithWhatIsAllowed) {
       message_of("gyro@3"),
       "--fault gyro@3: found \"gyro\", allowed imu, mag, baro, gnss, diff_pressure, range, "
       "battery, "
-      "imu_nan, imu_stuck, rc_silence, rc_frame_loss, link_cut, pitot_blocked, baro_step=VALUE, "
+      "imu_nan, imu_stuck, rc_silence, rc_frame_loss, link_cut, crash, hang, pitot_blocked, "
+      "baro_step=VALUE, "
       "mag_turned=VALUE, accel_step_x=VALUE, accel_step_y=VALUE, accel_step_z=VALUE, "
       "gyro_step_x=VALUE, gyro_step_y=VALUE, gyro_step_z=VALUE, motorN_dead, motorN_partial=FACTOR "
       "(or motorN=FACTOR), N from 0 to 9");

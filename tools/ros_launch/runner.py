@@ -63,7 +63,7 @@ class Runner:
         self._told = False  # whether "ready" or "not ready" has been said
 
     def run(self) -> int:
-        """0: asked to stop, or all finished well; 1: something died."""
+        """0: asked to stop, or all finished well; 1: something died; 2: a node refused what it was given."""
         _LIBC.prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
         before = {number: signal.signal(number, self._on_signal)
                   for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
@@ -76,15 +76,22 @@ class Runner:
             while self._asked is None and died is None and not self._all_ended():
                 self._pump(_TICK_S)
                 died = self._look_for_dead()
-                self._look_for_ready(time.monotonic() - start)
-            if died is not None:
+                if died is None:
+                    self._look_for_ready(time.monotonic() - start)
+            if died is not None and not _refused(died):
                 self._report(died)
         finally:
             self._graph.stop()
             self._stop_all()
             for number, handler in before.items():
                 signal.signal(number, handler)
-        return 1 if died is not None else 0
+        if died is None:
+            return 0
+        if not _refused(died):
+            return 1
+        last = next((line for line in reversed(died.last) if line.strip()), "(said nothing)")
+        self._say(f"launch: {died.node.name} ({died.node.what}) refused to start: {last}")
+        return 2
 
     def _on_signal(self, number: int, _frame: object) -> None:
         self._asked = number
@@ -243,6 +250,11 @@ class Runner:
                 os.kill(pid, number)
             except ProcessLookupError:
                 pass
+
+
+def _refused(died: Running) -> bool:
+    """Exit code 2 before it was ready: its input is wrong, and its last line tells how."""
+    return died.process.returncode == 2 and not died.said_ready
 
 
 def _end_with_parent() -> None:

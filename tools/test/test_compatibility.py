@@ -26,8 +26,12 @@ def test_each_is_decided_and_shown(row):
 
 @pytest.fixture(scope="module")
 def sources():
-    return {path.name: (project.ROOT / path).read_text()
-            for path in project.own_files(project.ROOT) if path.name.endswith("_test.cpp")}
+    """Text by file name; folders may use a name twice."""
+    found: dict[str, str] = {}
+    for path in project.own_files(project.ROOT):
+        if path.name.endswith("_test.cpp"):
+            found[path.name] = found.get(path.name, "") + (project.ROOT / path).read_text()
+    return found
 
 
 @pytest.mark.parametrize("file, suite, name", named_tests, ids=lambda part: part)

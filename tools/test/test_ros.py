@@ -26,7 +26,7 @@ def wheels(monkeypatch):
 @pytest.fixture
 def house(tmp_path, monkeypatch, wheels):
     """A project of three packages; what colcon is asked to build is noted, not built."""
-    for folder, name in (("rclcpp_lite", "rclcpp"), ("msgs", "house_msgs"), ("node", "house_node")):
+    for folder, name in (("rclcpp_lite", "rclcpp"), ("msgs", "rosflight_msgs"), ("node", "house_node")):
         (tmp_path / "ros" / folder / "test").mkdir(parents=True)
         (tmp_path / "ros" / folder / "package.xml").write_text(f"<package><name>{name}</name></package>")
         (tmp_path / "ros" / folder / "test" / f"test_{folder}.py").touch()
@@ -41,6 +41,7 @@ def house(tmp_path, monkeypatch, wheels):
         asked.append(list(packages))
         return True
     monkeypatch.setattr(ros_build, "_colcon", colcon)
+    monkeypatch.setattr(project, "build", lambda preset, *targets: asked.append(["programs"]) or True)
     return asked
 
 
@@ -104,7 +105,7 @@ def test_nothing_is_built_again_until_something_changes(house, wheels, tmp_path)
         assert ros_build.build(wheels, place=place)
     assert house == [[]]
     # What all were built from was built for one, too.
-    assert ros_build.build(wheels, ["house_msgs"], place)
+    assert ros_build.build(wheels, ["rosflight_msgs"], place)
     assert house == [[]]
     source = tmp_path / "ros/node/package.xml"
     os.utime(source, ns=(1, 1))
@@ -127,22 +128,26 @@ def test_a_folder_may_be_named_for_its_package(house, wheels, tmp_path):
     assert house == [["rclcpp"]]
 
 
-def test_tests_of_some_packages_build_only_those(house, wheels, monkeypatch):
-    ran = []
+@pytest.fixture
+def ran(monkeypatch):
+    """Names of the files that would have been given to pytest, for each run."""
+    runs = []
     monkeypatch.setattr(ros_test, "_pytest",
-                        lambda environment, files, place: ran.append([path.stem for path in files]))
-    ros_test.run(["test_node"])
+                        lambda environment, files, place: runs.append([path.stem for path in files]))
+    return runs
+
+
+def test_tests_that_need_their_own_package_only_build_no_more(house, ran):
     ros_test.run(["test_msgs", "lite"])
+    assert house == [["rclcpp", "rosflight_msgs"]]
+    ros_test.run(["test_node"])
+    assert house[1:] == [["programs"], []]
     ros_test.run()
-    assert house == [["house_node"], ["house_msgs", "rclcpp"], []]
-    assert ran == [["test_node"], ["test_msgs", "test_rclcpp_lite"],
+    assert ran == [["test_msgs", "test_rclcpp_lite"], ["test_node"],
                    ["test_msgs", "test_node", "test_rclcpp_lite"]]
 
 
-def test_an_installation_is_not_tested_with_what_stands_in_for_it(house, wheels, monkeypatch):
-    ran = []
-    monkeypatch.setattr(ros_test, "_pytest",
-                        lambda environment, files, place: ran.append([path.stem for path in files]))
+def test_an_installation_is_not_tested_with_what_stands_in_for_it(house, wheels, ran):
     wheels.installed = "humble"
     ros_test.run()
     assert ran == [["test_msgs", "test_node"]]

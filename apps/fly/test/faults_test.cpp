@@ -121,6 +121,28 @@ TEST_P(OneSensorOfMany, IsDoneWithout) {
 INSTANTIATE_TEST_SUITE_P(Kinds, OneSensorOfMany,
                          ::testing::Values("mag", "baro", "diff_pressure", "range"));
 
+class SizedFault : public ::testing::TestWithParam<const char*> {};
+TEST_P(SizedFault, IsFlownThrough) {
+  constexpr double kMostTilt_deg = 45.0;
+  constexpr double kMostDrift_m = 30.0;
+  Rig rig(Rig::with_faults({GetParam()}));
+  double tilt_deg = 0.0;
+  rig.flight->set_script([&](Flight& flight, sim::Time) {
+    if (flight.director().stage() == Stage::kFly) tilt_deg = std::max(tilt_deg, rig.tilt_deg());
+  });
+  rig.flight->run();
+  EXPECT_EQ(rig.flight->director().stage(), Stage::kDone) << rig.flight->director().failure();
+  EXPECT_TRUE(rig.flight->autonomy().landed);
+  EXPECT_LT(tilt_deg, kMostTilt_deg);
+  EXPECT_LT(rig.flight->own_tracking().max_m, kMostDrift_m);
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, SizedFault,
+                         ::testing::Values("gnss@20:20", "gnss@20", "baro_step=5@20",
+                                           "mag_turned=30@20", "accel_step_x=0.3@20",
+                                           "accel_step_y=-0.3@20", "accel_step_z=0.3@20",
+                                           "gyro_step_x=0.02@20", "gyro_step_y=-0.02@20",
+                                           "gyro_step_z=0.02@20"));
+
 TEST(Faults, BatteryMonitorKeepsTheLastVoltage) {
   const Rig rig = flown("battery@20");
   EXPECT_TRUE(rig.completed());
@@ -202,6 +224,25 @@ TEST(Faults, CutLinkForGoodEndsTheFlight) {
   EXPECT_TRUE(why == "link lost in flight" || why == "came down in flight") << why;
   EXPECT_LT(seconds(rig.flight->now()), kFault_s + 15.0);
 }
+
+class Breakdown : public ::testing::TestWithParam<const char*> {};
+TEST_P(Breakdown, RearmsInTheAirAndTheMissionGoesOn) {
+  Rig rig(Rig::with_faults({std::string(GetParam()) + "@20"}));
+  rig.run_until(kFault_s);
+  const sim::Time boot = rig.flight->board().boot_time();
+  const double height_m = rig.height_m();
+  rig.flight->step();
+  EXPECT_GT(rig.flight->board().boot_time(), boot);
+  EXPECT_TRUE(rig.firmware().state().armed());
+  rig.run_for(1.0);
+  EXPECT_LT(rig.tilt_deg(), 30.0);
+  EXPECT_NEAR(rig.height_m(), height_m, 1.5);
+  const sim::Time only = rig.flight->board().boot_time();
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed()) << rig.flight->director().failure();
+  EXPECT_EQ(rig.flight->board().boot_time(), only) << "once";
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, Breakdown, ::testing::Values("crash", "hang"));
 
 TEST(Faults, WeakMotorIsMadeUpFor) {
   const Rig rig = flown("motor1_partial=0.8@20");

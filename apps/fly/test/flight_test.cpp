@@ -110,6 +110,31 @@ TEST(Flight, LosesNoByteOnTheCableAndAllocatesItsParametersOnce) {
   EXPECT_FALSE(rig.firmware().parameters().unsaved());
 }
 
+TEST(Flight, OverLeanFindsTheBoardByItselfAndLosesNoByte) {
+  FlightChoice choice;
+  choice.link_protocol = "lean";
+  Rig rig(choice);
+  rig.flight->run();
+  ASSERT_TRUE(rig.completed());
+  EXPECT_LT(rig.flight->own_tracking().rms_m(), 0.3);
+  EXPECT_EQ(rig.flight->session().statistics().frames.frames_dropped, 0U);
+  EXPECT_EQ(rig.flight->session().statistics().frames.sequence_gaps, 0U);
+  EXPECT_EQ(rig.flight->session().parameters().table().values().size(), core::kParamCount);
+}
+
+TEST_F(FlightFolder, OverLeanIsRepeatableAndDecodedInTheLog) {
+  FlightChoice choice;
+  choice.link_protocol = "lean";
+  const auto first = logged(choice, "a.mcap");
+  const auto again = logged(choice, "b.mcap");
+  const auto mavlink = logged(FlightChoice{}, "c.mcap");
+  EXPECT_EQ(first.sha256, again.sha256);
+  EXPECT_NE(first.sha256, mavlink.sha256);
+  // Every frame is in the log raw and, if it is understood, as a message.
+  EXPECT_NEAR(static_cast<double>(first.messages), static_cast<double>(mavlink.messages),
+              0.01 * static_cast<double>(mavlink.messages));
+}
+
 struct BadChoice {
   const char* what;
   FlightChoice choice;

@@ -5,6 +5,7 @@
 #include <rcl/init.h>
 #include <rcl/init_options.h>
 #include <rcl/logging.h>
+#include <rcutils/logging_macros.h>
 
 #include <stdexcept>
 
@@ -43,9 +44,10 @@ class RclInitOptions {
 Context::Context() = default;
 Context::~Context() {
   try {
-    shutdown("context destroyed");
-  } catch (const std::exception&) {
-    // A callback's trouble; there is nobody left to tell.
+    Context::shutdown("context destroyed");
+  } catch (const std::exception& error) {
+    // A callback's trouble; nobody but the log is left to tell.
+    RCUTILS_LOG_ERROR_NAMED("rclcpp", "shutdown: %s", error.what());
   }
 }
 

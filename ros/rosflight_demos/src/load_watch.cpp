@@ -33,6 +33,8 @@
 #include <string>
 #include <vector>
 
+#include "program.hpp"
+
 namespace {
 
 constexpr std::size_t kDepth = 100;
@@ -151,7 +153,7 @@ class Watch final : public rclcpp::Node {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+static int run(int argc, char** argv) {
   using Clock = std::chrono::steady_clock;
   const std::vector<std::string> words = rclcpp::init_and_remove_ros_arguments(argc, argv);
   const double seconds = words.size() == 3 ? std::atof(words[1].c_str()) : 0.0;
@@ -178,4 +180,8 @@ int main(int argc, char** argv) {
   watch->report(1e-6 * std::atof(words[2].c_str()));
   rclcpp::shutdown();
   return 0;
+}
+
+int main(int argc, char** argv) {
+  return program("load_watch", [&] { return run(argc, argv); });
 }

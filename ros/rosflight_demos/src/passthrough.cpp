@@ -26,6 +26,8 @@
 #include <string>
 #include <vector>
 
+#include "program.hpp"
+
 namespace {
 
 constexpr double kGravity_m_s2 = 9.80665;
@@ -192,7 +194,7 @@ class Passthrough final : public rclcpp::Node {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+static int run(int argc, char** argv) {
   const std::vector<std::string> words = rclcpp::init_and_remove_ros_arguments(argc, argv);
   const double seconds = words.size() == 3 ? std::atof(words[1].c_str()) : 0.0;
   if (!(seconds > 0.0) || seconds > 600.0) {
@@ -220,4 +222,8 @@ int main(int argc, char** argv) {
   std::fclose(csv);
   rclcpp::shutdown();
   return 0;
+}
+
+int main(int argc, char** argv) {
+  return program("passthrough", [&] { return run(argc, argv); });
 }

@@ -17,6 +17,8 @@
 #include <utility>
 #include <vector>
 
+#include "program.hpp"
+
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -116,7 +118,7 @@ bool write_csv(const std::string& path, const std::vector<double>& us) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+static int run(int argc, char** argv) {
   const std::vector<std::string> words = rclcpp::init_and_remove_ros_arguments(argc, argv);
   const double rate_hz = words.size() == 4 ? std::atof(words[1].c_str()) : -1.0;
   const long count = words.size() == 4 ? std::atol(words[2].c_str()) : 0;
@@ -142,4 +144,8 @@ int main(int argc, char** argv) {
     return 2;
   }
   return 0;
+}
+
+int main(int argc, char** argv) {
+  return program("rtt_peer", [&] { return run(argc, argv); });
 }

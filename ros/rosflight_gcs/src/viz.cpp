@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <cstdio>
 #include <functional>
 #include <geometry_msgs/msg/point.hpp>
 #include <geometry_msgs/msg/pose_stamped.hpp>
@@ -104,8 +105,17 @@ class VizNode final : public rclcpp::Node {
 }  // namespace rosflight_gcs
 
 int main(int argc, char** argv) {
-  rclcpp::init(argc, argv);
-  rclcpp::spin(std::make_shared<rosflight_gcs::VizNode>());
+  bool started = false;
+  try {
+    rclcpp::init(argc, argv);
+    started = true;
+    rclcpp::spin(std::make_shared<rosflight_gcs::VizNode>());
+  } catch (const std::exception& error) {
+    // SIGINT while the node is being made leaves nothing to make it in: an end like any other.
+    if (started && !rclcpp::ok()) return 0;
+    std::fprintf(stderr, "viz: %s\n", error.what());
+    return 2;
+  }
   rclcpp::shutdown();
   return 0;
 }

@@ -18,10 +18,6 @@ constexpr std::chrono::milliseconds kLookAfterPeriod{10};
 constexpr std::chrono::seconds kDiagnosePeriod{1};
 constexpr int kWarningPeriod_ms = 1000;
 
-rosflight::link::MavlinkCodec::Identity companion_ids() {
-  return {1, rosflight::link::MavlinkCodec::kCompanionComponent};
-}
-
 rcl_interfaces::msg::ParameterDescriptor described(const std::string& text) {
   rcl_interfaces::msg::ParameterDescriptor descriptor;
   descriptor.description = text;
@@ -42,7 +38,6 @@ rcl_interfaces::msg::ParameterDescriptor port_number(const std::string& text) {
 IoNode::IoNode(const rclcpp::NodeOptions& options)
     : Node("rosflight_io", options),
       clock_{get_clock()},
-      codec_{companion_ids()},
       runner_{codec_, read_link(), companion::Session::Options{}, [this] { return clock_.now(); }},
       streams_{
           *this, clock_,
@@ -137,6 +132,7 @@ void IoNode::run_link() {
     runner_.run();
   } catch (const std::exception& error) {
     RCLCPP_FATAL(get_logger(), "the link has failed: %s", error.what());
+    link_failed_ = true;
     rclcpp::shutdown();
   }
 }

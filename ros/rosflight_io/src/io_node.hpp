@@ -9,7 +9,7 @@
 #include "clock.hpp"
 #include "companion/asio/runner.hpp"
 #include "conversions.hpp"
-#include "link/mavlink/mavlink_codec.hpp"
+#include "link/detect/detecting_codec.hpp"
 #include "log_lines.hpp"
 #include "parameter_mirror.hpp"
 #include "services.hpp"
@@ -29,6 +29,8 @@ class IoNode final : public rclcpp::Node {
   /// exceptions for parameters of the wrong type.
   explicit IoNode(const rclcpp::NodeOptions& options = rclcpp::NodeOptions());
   ~IoNode() override;
+  /// The link ended by itself and took ROS down with it.
+  bool link_failed() const { return link_failed_; }
 
  private:
   rosflight::companion::LinkSpec read_link();
@@ -40,7 +42,7 @@ class IoNode final : public rclcpp::Node {
   void diagnose();
 
   Clock clock_;
-  rosflight::link::MavlinkCodec codec_;
+  rosflight::link::DetectingCodec codec_;
   rosflight::companion::Runner runner_;
   StreamPublisher streams_;
   LogLines log_lines_;
@@ -52,6 +54,7 @@ class IoNode final : public rclcpp::Node {
   rclcpp::TimerBase::SharedPtr diagnose_timer_;
   std::atomic<bool> has_baro_{false};
   std::atomic<bool> has_airspeed_{false};
+  std::atomic<bool> link_failed_{false};
   std::thread link_;
 };
 

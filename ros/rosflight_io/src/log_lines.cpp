@@ -41,6 +41,9 @@ void LogLines::on_event(const companion::Event& event) {
   if (const auto* connection = std::get_if<companion::ConnectionEvent>(&event)) tell(*connection);
   if (const auto* line = std::get_if<companion::LogEvent>(&event)) tell(*line);
   if (const auto* version = std::get_if<companion::VersionEvent>(&event)) tell(*version);
+  if (const auto* schema = std::get_if<companion::SchemaEvent>(&event)) {
+    RCLCPP_ERROR(logger_, "%s", companion::schema_text(*schema).c_str());
+  }
   if (const auto* jump = std::get_if<companion::ClockJumpEvent>(&event)) {
     RCLCPP_WARN(logger_, "The autopilot's clock jumped by %.3f s",
                 companion::to_seconds(jump->new_offset - jump->old_offset));

@@ -6,7 +6,7 @@
 
 #include "ros/rosflight_sim/src/conversions.hpp"
 #include "ros/rosflight_sim/src/node_tools.hpp"
-#include "ros/rosflight_sim/src/vehicle_parameters.hpp"
+#include "ros/rosflight_sim/src/vehicle_tuning.hpp"
 #include "sim/dynamics/rigid_body.hpp"
 
 namespace rosflight::ros_sim {
@@ -32,7 +32,10 @@ class HeldWrench final : public sim::ForcesAndMoments {
 /// anew; a gap of more than longest_gap_s moves the body by that much.
 class DynamicsNode : public rclcpp::Node {
  public:
-  DynamicsNode() : Node("dynamics"), parameters_{VehicleParameters::declare(*this)} {
+  DynamicsNode()
+      : Node("dynamics"),
+        parameters_{VehicleParameters::declare(*this)},
+        tuning_{*this, dynamics_views(), parameters_, [this] { retune(); }} {
     longest_gap_s_ = declare_number(*this, "longest_gap_s", 0.1, 0.001, 10.0,
                                     "longest step that one wrench may stand for [s]");
     body_ = make_body();
@@ -62,6 +65,13 @@ class DynamicsNode : public rclcpp::Node {
     const sim::Vehicle& vehicle = parameters_.vehicle;
     return std::make_unique<sim::RigidBody>(vehicle.body(), vehicle.ground(), vehicle.environment(),
                                             forces_, parameters_.random);
+  }
+
+  /// Another body or wind, where and as fast as the one before.
+  void retune() {
+    const sim::BodyState state = body_->truth().body;
+    body_ = make_body();
+    body_->set_state(state);
   }
 
   void step(const geometry_msgs::msg::WrenchStamped& message) {
@@ -117,6 +127,7 @@ class DynamicsNode : public rclcpp::Node {
   }
 
   VehicleParameters parameters_;
+  VehicleTuning tuning_;
   HeldWrench forces_;
   std::unique_ptr<sim::RigidBody> body_;
   double longest_gap_s_{};

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <geometry_msgs/msg/vector3_stamped.hpp>
 #include <geometry_msgs/msg/wrench_stamped.hpp>
+#include <optional>
 
 #include "ros/rosflight_sim/src/conversions.hpp"
 #include "ros/rosflight_sim/src/module_states.hpp"
 #include "ros/rosflight_sim/src/node_tools.hpp"
-#include "ros/rosflight_sim/src/vehicle_parameters.hpp"
+#include "ros/rosflight_sim/src/vehicle_tuning.hpp"
 #include "sim/registry.hpp"
 
 namespace rosflight::ros_sim {
@@ -24,10 +26,9 @@ class ForcesNode : public rclcpp::Node {
         "plugins", {}, described("shared libraries with forces-and-moments modules"));
     for (const auto& plugin : plugins)
       if (!plugin.empty()) registry_.load_plugin(plugin);
-    module_ = registry_.make_forces(parameters_.vehicle, parameters_.random);
-    states_.emplace(*module_);
-    atmosphere_ = sim::Atmosphere{parameters_.vehicle.environment().atmosphere};
-    no_ground_ = parameters_.vehicle.ground().model == sim::GroundModel::kNone;
+    if (parameters_.vehicle.type() == "multirotor")
+      tuning_.emplace(*this, multirotor_views(), parameters_, [this] { make_module(); });
+    make_module();
     wrench_ =
         create_publisher<geometry_msgs::msg::WrenchStamped>("sim/forces_and_moments", newest());
     battery_ = create_publisher<rosflight_msgs::msg::BatteryStatus>("sim/truth_battery", newest());
@@ -52,6 +53,18 @@ class ForcesNode : public rclcpp::Node {
   }
 
  private:
+  /// The module from the vehicle; its states go on if they are as many as before.
+  void make_module() {
+    std::vector<double> before;
+    if (states_) before.assign(states_->states().begin(), states_->states().end());
+    module_ = registry_.make_forces(parameters_.vehicle, parameters_.random);
+    states_.emplace(*module_);
+    if (states_->states().size() == before.size())
+      std::copy(before.begin(), before.end(), states_->states().begin());
+    atmosphere_ = sim::Atmosphere{parameters_.vehicle.environment().atmosphere};
+    no_ground_ = parameters_.vehicle.ground().model == sim::GroundModel::kNone;
+  }
+
   void refuse(const char* topic) {
     constexpr int kInterval_ms = 2000;
     RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kInterval_ms,
@@ -94,6 +107,7 @@ class ForcesNode : public rclcpp::Node {
   }
 
   VehicleParameters parameters_;
+  std::optional<VehicleTuning> tuning_;
   sim::Registry registry_;
   std::unique_ptr<sim::ForcesAndMoments> module_;
   std::optional<ModuleStates> states_;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <functional>
@@ -98,20 +100,32 @@ typename rclcpp::Client<Service>::SharedPtr client_in_group(
   }
 }
 
+/// What went wrong in one line: without the places in the sources of ROS that rcl adds.
+inline std::string one_line(const std::string& text) {
+  std::string line = text.substr(0, std::min(text.find(", at /"), text.find('\n')));
+  return line.empty() ? "failed without saying why" : line;
+}
+
 /// The whole of a node's main(): says `ready` when the node stands, one line and exit code 2 if it
 /// cannot be made.
 template <class NodeType, class Executor = rclcpp::executors::SingleThreadedExecutor>
 int run_node(int argc, char** argv) {
-  rclcpp::init(argc, argv);
   int code = 0;
+  bool started = false;
   try {
+    rclcpp::init(argc, argv);
+    started = true;
     const auto node = std::make_shared<NodeType>();
     Executor executor;
     executor.add_node(node);
     RCLCPP_INFO(node->get_logger(), "ready");
     executor.spin();
   } catch (const std::exception& why) {
-    std::fprintf(stderr, "%s\n", why.what());
+    // SIGINT while the node is being made leaves nothing to make it in: an end like any other.
+    if (started && !rclcpp::ok()) return 0;
+    const std::string program = argc > 0 ? argv[0] : "node";
+    std::fprintf(stderr, "%s: %s\n", program.substr(program.rfind('/') + 1).c_str(),
+                 one_line(why.what()).c_str());
     code = 2;
   }
   rclcpp::shutdown();

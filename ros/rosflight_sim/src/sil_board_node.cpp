@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <mutex>
 #include <std_srvs/srv/trigger.hpp>
@@ -31,7 +32,12 @@ fs::path memory_file(const std::string& folder, const std::string& name_space) {
     base /= "rosflight_memory";
   }
   base /= fs::path(name_space).relative_path();
-  fs::create_directories(base);
+  std::error_code failed;
+  fs::create_directories(base, failed);
+  if (failed) {
+    throw std::runtime_error("parameter memory_folder: found " + base.string() + " (" +
+                             failed.message() + "), allowed a folder that can be made");
+  }
   return base / "mem.bin";
 }
 
@@ -136,14 +142,31 @@ class SilBoardNode : public rclcpp::Node {
   }
 
   void step() {
+    wait_for_new_time();
     rosflight_msgs::msg::PwmOutput message;
+    message.header.stamp = stamp_of(last_step_ns_);
     {
       const std::lock_guard lock{mutex_};
       pass();
       put(firmware_->outputs(), message);
     }
-    message.header.stamp = now();
     pwm_->publish(message);
+  }
+
+  /// Simulated time and the wish for a step come on different ways, and the wish may be here first:
+  /// the step belongs to a later moment than the one before. Steps by hand while time stands are
+  /// taken after the wait.
+  void wait_for_new_time() {
+    using std::chrono::steady_clock;
+    constexpr auto kLongest = std::chrono::milliseconds(60);
+    constexpr auto kLook = std::chrono::microseconds(50);
+    const auto give_up = steady_clock::now() + kLongest;
+    std::int64_t time_ns = now().nanoseconds();
+    while (simulated_time_ && time_ns == last_step_ns_ && steady_clock::now() < give_up) {
+      std::this_thread::sleep_for(kLook);
+      time_ns = now().nanoseconds();
+    }
+    last_step_ns_ = time_ns;
   }
 
   void pass() {
@@ -171,6 +194,7 @@ class SilBoardNode : public rclcpp::Node {
   }
 
   bool simulated_time_{};
+  std::int64_t last_step_ns_{-1};
   std::mutex mutex_;  ///< Of the firmware and all that it is fed with.
   std::unique_ptr<FirmwareProcess> firmware_;
   float imu_temperature_K_{298.15F};

@@ -23,9 +23,9 @@ class SilManager : public rclcpp::Node {
                                    "steps of the board per second of node time [Hz]", true);
     const bool use_timer =
         declare_switch(*this, "use_timer", true, "false: step only by rosflight_sil/take_sim_step");
-    exists_ms_ = declare_whole(*this, "service_exists_timeout_ms", 10, 1, 10'000,
+    exists_ms_ = declare_whole(*this, "service_exists_timeout_ms", 500, 1, 10'000,
                                "how long take_sim_step waits for sil_board/run to exist [ms]");
-    result_ms_ = declare_whole(*this, "service_result_timeout_ms", 10, 1, 10'000,
+    result_ms_ = declare_whole(*this, "service_result_timeout_ms", 500, 1, 10'000,
                                "how long a step may take [ms]");
     client_group_ = create_callback_group(rclcpp::CallbackGroupType::MutuallyExclusive);
     client_ = create_client<Trigger>("sil_board/run");
@@ -54,7 +54,10 @@ class SilManager : public rclcpp::Node {
   void tick() {
     ++ticks_;
     const auto now = steady_clock::now();
-    if (busy_ && now - asked_ > milliseconds(result_ms_)) busy_ = false;
+    if (busy_ && now - asked_ > milliseconds(result_ms_)) {
+      client_->prune_pending_requests();
+      busy_ = false;
+    }
     if (!client_->service_is_ready()) {
       ++skipped_;
     } else if (!busy_) {
@@ -84,7 +87,6 @@ class SilManager : public rclcpp::Node {
     if (now - report_from_ < kInterval) return;
     constexpr std::uint64_t kWorthSaying = 100;  // one in this many
     if (skipped_ * kWorthSaying > ticks_) {
-      client_->prune_pending_requests();
       RCLCPP_WARN(get_logger(), "%lu of %lu steps skipped in %ld s: the board did not answer",
                   skipped_, ticks_, static_cast<long>(kInterval.count()));
     }
@@ -101,6 +103,7 @@ class SilManager : public rclcpp::Node {
     }
     auto future = by_hand_->async_send_request(std::make_shared<Trigger::Request>());
     if (future.wait_for(milliseconds(result_ms_)) != std::future_status::ready) {
+      by_hand_->remove_pending_request(future);
       answer.message = "found no answer of sil_board/run in time";
       return;
     }

@@ -20,8 +20,9 @@ using std::chrono::steady_clock;
 class TimeManager : public rclcpp::Node {
  public:
   TimeManager() : Node("time_manager") {
-    step_us_ = declare_number(*this, "default_pub_rate_us", kDefaultStep_us, 50.0, 10'000.0,
-                              "simulated time between two clock messages [us]", true);
+    step_us_ = declare_number(
+        *this, "default_pub_rate_us", kDefaultStep_us, 50.0, 10'000.0,
+        "simulated time between two clock messages; a loop period: lock-step [us]", true);
     factor_ = declare_number(*this, "real_time_multiplier", 1.0, 0.01, 100.0,
                              "simulated seconds per second", true);
     single_us_ = declare_number(*this, "single_step_us", 2500.0, 50.0, 1'000'000.0,
@@ -60,10 +61,10 @@ class TimeManager : public rclcpp::Node {
   }
 
  private:
-  static constexpr double kDefaultStep_us = 1250.0;
+  static constexpr double kDefaultStep_us = 2500.0;
   static constexpr auto kPatience = std::chrono::milliseconds(50);
   static constexpr auto kJudged = std::chrono::seconds(2);
-  static constexpr auto kSayAgain = std::chrono::milliseconds(50);
+  static constexpr auto kSayAgain = std::chrono::milliseconds(20);
   static constexpr auto kGiveUp = std::chrono::seconds(1);
   static constexpr double kHeld = 0.98;  ///< Of the factor, to count as held.
 
@@ -78,7 +79,10 @@ class TimeManager : public rclcpp::Node {
     judge_from_ = steady_clock::now();
     judge_time_ns_ = time_ns_;
     timer_.reset();
-    if (paused_) return;
+    if (paused_) {  // for nodes that come now, and if a message was lost
+      timer_ = create_wall_timer(kSayAgain, [this] { advance(0.0); });
+      return;
+    }
     timer_ = create_wall_timer(wall_period(), [this] { tick(); });
   }
 

@@ -105,15 +105,20 @@ def test_forces(peer, make):
         peer.poll(lambda: world.step(1000, 1000, 1000, 1000).wrench.force.x < -0.5, "drag at 10 m/s")
 
 
-# Static thrust and torque of one rotor at half throttle, and what it takes to hover: ROSflight 2.x's multirotor.
+# Static thrust of one rotor of ROSflight 2.x's multirotor, with its parameters under its names.
 @pytest.mark.parametrize("throttle, thrust_N", [(0.3, 3.3831), (0.5, 9.3057), (0.7, 17.9953)])
 def test_forces_have_the_thrust_of_the_reference(peer, throttle, thrust_N):
-    overrides = ["battery={model: constant, constant_voltage_V: 24.0}", "aero.ground_effect=none",
-                 "environment.atmosphere={model: constant, density_kg_m3: 1.225}", "rotors.motor.current_limit_A=1000"]
-    with ours(vehicle_overrides=str(overrides).replace("'", '"')):
+    reference = {"rho": 1.225, "V_max": 24.0, "D_prop": 0.381, "CT_0": 0.08729101, "CQ_0": 0.00428594, "R_motor": 0.042,
+                 "I_0": 1.5, "KQ": 0.028937, "num_rotors": 4, "rotor_dists": "[0.25, 0.25, 0.25, 0.25]"}
+    with ours(vehicle_overrides='["aero.ground_effect=none", "rotors.motor.current_limit_A=1000"]', **reference):
         world = Wrenches(peer)
         pulse = round(1000 + 1000 * throttle)
         assert world.settle(pulse, pulse, pulse, pulse).force.z == pytest.approx(-4 * thrust_N, rel=1e-3)
+        if throttle == 0.5:
+            assert set_double(peer, "multirotor_forces_and_moments", "rho", 2.45).successful  # live
+            assert world.settle(pulse, pulse, pulse, pulse).force.z < -1.3 * 4 * thrust_N
+            assert not set_double(peer, "multirotor_forces_and_moments", "CT_0", -0.5).successful
+            assert not set_double(peer, "multirotor_forces_and_moments", "rho", -1.0).successful
 
 
 def test_forces_refuse_a_truth_that_is_none(peer):
@@ -193,6 +198,39 @@ def test_a_hovering_body_stays(body):
     for _ in range(100):
         last = body.step(up_N=3.5 * GRAVITY)
     assert last.pose.position.z == pytest.approx(-10.0, abs=1e-9)
+
+
+def test_mass_and_wind_change_live_and_nonsense_is_refused(peer, body):
+    def put(name, value):
+        return set_double(peer, "standalone_dynamics", name, value)
+    assert body.put(state(0, z=-100.0)).success
+    assert put("mass", 7.0).successful
+    body.step()
+    start = body.step().twist.linear.z
+    for _ in range(40):
+        last = body.step(up_N=3.5 * GRAVITY)  # half of what would carry it
+    assert last.twist.linear.z - start == pytest.approx(0.5 * GRAVITY * 0.1, rel=1e-6)
+    refused = put("Jxx", 5.0)  # more than the other two moments together
+    assert not refused.successful and "inertia" in refused.reason
+    assert not put("mass", -1.0).successful
+    assert parameter(peer, "standalone_dynamics", "mass") == 7.0
+
+    def wind(**values):
+        kinds = {bool: "bool_value", list: "double_array_value"}
+        types = {bool: ParameterType.PARAMETER_BOOL, list: ParameterType.PARAMETER_DOUBLE_ARRAY}
+        new = [Parameter(name=name, value=ParameterValue(type=types[type(value)], **{kinds[type(value)]: value}))
+               for name, value in values.items()]
+        return peer.call(SetParameters, "standalone_dynamics/set_parameters", parameters=new).results
+    assert all(r.successful for r in wind(steady_state_wind=[3.0, -2.0, 0.0], use_random_wind=False, sim_has_wind=True))
+    body.wind.clear()
+    body.step()
+    peer.wait(lambda: body.wind and (body.wind[-1].vector.x, body.wind[-1].vector.y) == (3.0, -2.0), "the wind")
+    assert all(r.successful for r in wind(use_random_wind=True, random_wind_mean=[9.0, 0.0, 0.0]))
+    body.step()
+    peer.wait(lambda: 5.0 < body.wind[-1].vector.x < 13.0 and body.wind[-1].vector.x != 9.0, "a drawn wind")
+    assert all(r.successful for r in wind(sim_has_wind=False, wind_has_gusts=True))
+    body.step()
+    peer.wait(lambda: abs(body.wind[-1].vector.x) < 1.0, "gusts at most")
 
 
 def test_states_that_cannot_be_are_refused_and_zeros_mean_the_start(body):
@@ -400,7 +438,7 @@ def test_time(peer):
 
         def now_ns():
             return heard[-1].clock.sec * 1_000_000_000 + heard[-1].clock.nanosec if heard else -1
-        peer.introduce(lambda: peer.call(Trigger, "time_manager/take_step"), heard, "time_manager/take_step")
+        peer.wait(lambda: heard, "time, which is told again and again while it stands")
         first = int(peer.call(Trigger, "time_manager/take_step").message.split()[2])
         for count in range(1, 11):
             answer = peer.call(Trigger, "time_manager/take_step")
@@ -412,7 +450,7 @@ def test_time(peer):
         assert not refused.success and "paused" in refused.message
         assert peer.call(Trigger, "time_manager/toggle_pause").message == "paused"
         times = [m.clock.sec * 1_000_000_000 + m.clock.nanosec for m in heard]
-        assert all(later > earlier for earlier, later in zip(times, times[1:]))
+        assert all(later >= earlier for earlier, later in zip(times, times[1:]))
         assert all(m.clock.nanosec < 1_000_000_000 for m in heard)
         # A factor that no machine holds is reported with what is reached.
         assert set_double(peer, "standalone_time_manager", "default_pub_rate_us", 50.0).successful

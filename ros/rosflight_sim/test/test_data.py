@@ -132,3 +132,12 @@ def test_an_unknown_shape_is_refused(tmp_path):
     done = subprocess.run([sys.executable, PACKAGE / "common_resource/make_mesh.py", "car", tmp_path / "m"],
                           capture_output=True, text=True)
     assert done.returncode == 1 and "allowed one of" in done.stderr
+
+
+def test_the_layout_of_rviz_shows_what_the_simulator_sends():
+    layout = yaml.safe_load((PACKAGE / "rviz/standalone.rviz").read_text())["Visualization Manager"]
+    topics = {display["Topic"]["Value"] for display in layout["Displays"] if "Topic" in display}
+    assert topics == {"/rviz/mesh", "/rviz/mesh_path", "/rviz/waypoint"}  # as ROSflight 2.x's
+    frames = (PACKAGE / "src/frames.hpp").read_text()
+    assert f'"{layout["Global Options"]["Fixed Frame"]}"' in frames
+    assert f'"{layout["Views"]["Current"]["Target Frame"]}"' in frames

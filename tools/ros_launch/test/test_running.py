@@ -136,6 +136,15 @@ def test_a_death_takes_the_launch_down_and_says_who_and_why(launch):
     assert launch.left() == []
 
 
+def test_a_node_that_refuses_its_input_is_the_last_line_and_the_code(launch):
+    launch.package(a=SERVER, picky="import sys\nprint('reading')\nprint('x: found 1, allowed 2', file=sys.stderr)\nsys.exit(2)\n")
+    code, rest = launch.start("a", "picky").end()
+    assert code == 2
+    assert rest.splitlines()[-1] == "launch: picky (world/picky) refused to start: x: found 1, allowed 2"
+    assert "ready:" not in rest
+    assert launch.left() == []
+
+
 def test_death_by_signal_has_its_name(launch):
     launch.package(mortal="import os\nos.kill(os.getpid(), 11)\n")
     code, rest = launch.start("mortal").end()

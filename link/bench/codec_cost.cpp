@@ -2,7 +2,7 @@
 // Encodes or decodes one message COUNT times, for counting instructions: the difference of two runs
 // under `valgrind --tool=callgrind`, divided by the difference of their COUNTs, is the cost of one.
 //
-// usage: link_mavlink_cost (encode | decode | decode_chunks) MESSAGE COUNT
+// usage: link_codec_cost (mavlink | lean) (encode | decode | decode_chunks) MESSAGE COUNT
 #include <cstdlib>
 #include <cstring>
 #include <iostream>
@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "link/lean/lean_codec.hpp"
 #include "link/mavlink/mavlink_codec.hpp"
 
 namespace {
@@ -31,8 +32,7 @@ const std::map<std::string, Message>& messages() {
   return kMessages;
 }
 
-int encode(const Message& message, long count) {
-  MavlinkCodec codec({1, MavlinkCodec::kFcuComponent});
+int encode(Codec& codec, const Message& message, long count) {
   Frame frame;
   int sum = 0;
   for (long i = 0; i < count; ++i) {
@@ -43,9 +43,7 @@ int encode(const Message& message, long count) {
 }
 
 /// Frames arrive in a stream, `chunk` bytes at a time (0: all at once).
-int decode(const Message& message, long count, std::size_t chunk) {
-  MavlinkCodec sender({1, MavlinkCodec::kFcuComponent});
-  MavlinkCodec receiver({1, MavlinkCodec::kCompanionComponent});
+int decode(Codec& sender, Codec& receiver, const Message& message, long count, std::size_t chunk) {
   constexpr long kFrames = 256;
   std::vector<std::uint8_t> stream;
   Frame frame;
@@ -72,15 +70,26 @@ int decode(const Message& message, long count, std::size_t chunk) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 4 || messages().count(argv[2]) == 0) {
-    std::cerr << "usage: link_mavlink_cost (encode | decode | decode_chunks) MESSAGE COUNT\n";
+  const std::string protocol = argc == 5 ? argv[1] : "";
+  if ((protocol != "mavlink" && protocol != "lean") || messages().count(argv[3]) == 0) {
+    std::cerr
+        << "usage: link_codec_cost (mavlink | lean) (encode | decode | decode_chunks) MESSAGE "
+           "COUNT\n";
     return 2;
   }
-  const std::string what = argv[1];
-  const Message& message = messages().at(argv[2]);
-  const long count = std::atol(argv[3]);
-  std::cout << (what == "encode" ? encode(message, count)
-                                 : decode(message, count, what == "decode" ? 0 : 17))
+  MavlinkCodec mavlink({1, MavlinkCodec::kFcuComponent});
+  MavlinkCodec mavlink_companion({1, MavlinkCodec::kCompanionComponent});
+  LeanCodec lean;
+  LeanCodec lean_companion;
+  const bool is_lean = protocol == "lean";
+  Codec& sender = is_lean ? static_cast<Codec&>(lean) : mavlink;
+  Codec& receiver = is_lean ? static_cast<Codec&>(lean_companion) : mavlink_companion;
+  const std::string what = argv[2];
+  const Message& message = messages().at(argv[3]);
+  const long count = std::atol(argv[4]);
+  std::cout << (what == "encode"
+                    ? encode(sender, message, count)
+                    : decode(sender, receiver, message, count, what == "decode" ? 0 : 17))
             << '\n';
   return 0;
 }

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "apps/fly/emulated_board.hpp"
+#include "apps/fly/link_tap.hpp"
+#include "companion/transport.hpp"
+#include "link/detect/detecting_codec.hpp"
+
+namespace rosflight::apps {
+
+/// The companion's end of the emulated UART: a socket of the emulator.
+class UartEnd final : public companion::Transport {
+ public:
+  /// `clock` is the world's.
+  UartEnd(boards::m7::Emulator& emulator, const hal::Time& clock)
+      : emulator_{emulator}, now_{clock} {}
+  void set_tap(LinkTap* tap) { tap_ = tap; }
+
+  bool connected() override { return emulator_.uart() >= 0; }
+  std::size_t read(std::uint8_t* data, std::size_t capacity) override;
+  bool write(const std::uint8_t* data, std::size_t size, std::uint8_t qos) override;
+
+ private:
+  void show(const std::uint8_t* data, std::size_t size);
+  void send_rest();
+
+  boards::m7::Emulator& emulator_;
+  const hal::Time& now_;
+  LinkTap* tap_{nullptr};
+  std::vector<std::uint8_t> unsent_;
+  /// Cuts what arrives into frames, for the tap.
+  link::DetectingCodec cutter_;
+  std::vector<std::uint8_t> frame_;
+};
+
+/// The board module with the firmware on an emulated Cortex-M7 in real time: its own clock runs,
+/// the link goes over its UART, samples through the block when it looks. The loop must keep the
+/// pace of the wall. Never repeatable.
+class UartBoard final : public FlightBoard {
+ public:
+  UartBoard(const hal::Time& clock, const boards::m7::Emulator::Options& options);
+
+  void start(sim::Time t) override;
+  const hal::OutputValues& step(sim::Time t, const sim::SensorSamples& samples,
+                                const hal::RcFrame* rc) override;
+  void restart(sim::Time t, bool in_flight_fault) override;
+  void break_down(sim::Time t, Breakdown kind) override;
+  bool armed() const override { return answer_.firmware.armed != 0; }
+  sim::Time boot_time() const override { return boot_; }
+  FirmwareView view() const override { return view_of(answer_.firmware); }
+  std::optional<ProcessorFigures> figures() const override { return figures_; }
+  companion::Transport* link() override { return &end_; }
+  void set_link_tap(LinkTap* tap) override { end_.set_tap(tap); }
+
+  const boards::m7::FromBoard& last_answer() const { return answer_; }
+
+ private:
+  void take_answer();
+
+  boards::m7::Emulator emulator_;
+  UartEnd end_;
+  boards::m7::Trouble trouble_{boards::m7::Trouble::kNone};
+  boards::m7::FromBoard answer_;
+  ProcessorFigures figures_;
+  sim::Time boot_{};
+  int until_check_{0};
+};
+
+}  // namespace rosflight::apps

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "firmware/boards/qemu_m7/registers.hpp"
+
+namespace rosflight::boards::m7 {
+
+/// Bytes between an interrupt and the main loop: one of them puts, the other takes, nobody locks.
+/// The counters run freely; their difference is what waits. N is a power of two.
+template <std::size_t N>
+class ByteRing {
+  static_assert((N & (N - 1)) == 0 && N > 0);
+
+ public:
+  std::size_t size() const { return put_ - taken_; }
+  std::size_t room() const { return N - size(); }
+  bool empty() const { return put_ == taken_; }
+
+  /// `count` <= room(). Visible to the taker all at once.
+  void put(const std::uint8_t* data, std::size_t count) {
+    const std::uint32_t first = put_;
+    for (std::size_t k = 0; k < count; ++k) bytes_[(first + k) % N] = data[k];
+    memory_barrier();
+    put_ = first + static_cast<std::uint32_t>(count);
+  }
+  /// `skip` < size().
+  std::uint8_t peek(std::size_t skip = 0) const { return bytes_[(taken_ + skip) % N]; }
+  /// `count` <= size().
+  void drop(std::size_t count) {
+    memory_barrier();
+    taken_ = taken_ + static_cast<std::uint32_t>(count);
+  }
+  std::uint8_t take() {
+    const std::uint8_t byte = peek();
+    drop(1);
+    return byte;
+  }
+
+ private:
+  std::array<std::uint8_t, N> bytes_{};
+  volatile std::uint32_t put_{0};
+  volatile std::uint32_t taken_{0};
+};
+
+}  // namespace rosflight::boards::m7

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include "firmware/hal/samples.hpp"
+
+/// What the emulated board and the world outside exchange: one block in memory that both see, laid
+/// out the same on a little-endian 64-bit host and on the Cortex-M7.
+///
+/// The board's 16 MiB of external RAM at 0x60000000 are backed by memory of the host. The block
+/// lies at its beginning, the non-volatile storage one mebibyte above.
+///
+/// Lock-step: the world fills ToBoard and sends one byte over a pipe; the board, which has stood
+/// still in a semihosting read, makes its passes, fills FromBoard and sends one byte back. Real
+/// time: no pipes; each side counts `sequence` up after writing and copies what the other wrote
+/// until the count was the same before and after.
+namespace rosflight::boards::m7 {
+
+inline constexpr std::uint32_t kExternalRam = 0x6000'0000u;
+inline constexpr std::size_t kExternalRamSize = 16u << 20u;
+inline constexpr std::size_t kStorageOffset = 1u << 20u;
+inline constexpr std::size_t kStorageSize = 16384;
+
+/// Bytes on the pipes.
+enum class Bell : char {
+  kRing = 'r',    ///< To the board: ToBoard is ready.
+  kDone = 'd',    ///< From the board: FromBoard is ready.
+  kBooted = 'b',  ///< From the board: it has started and waits for kStart.
+};
+/// File descriptors of the emulator's process at which the pipes are; the board opens them by name.
+inline constexpr int kToBoardFd = 20;
+inline constexpr int kFromBoardFd = 21;
+inline constexpr char kToBoardPipe[] = "/proc/self/fd/20";
+inline constexpr char kFromBoardPipe[] = "/proc/self/fd/21";
+
+enum class Coupling : std::uint32_t { kLockStep = 1, kRealTime = 2 };
+
+enum class Order : std::uint32_t {
+  kNone = 0,
+  kStart = 1,  ///< Build the firmware and start it; the clock shows time_us.
+  kStep = 2,   ///< Passes with what the block carries.
+};
+
+/// Faults that the board makes itself, in its sensor driver, for tests.
+enum class Trouble : std::uint32_t {
+  kNone = 0,
+  kBusFault = 1,  ///< Reads where nothing is.
+  kHang = 2,      ///< Never comes back.
+};
+
+/// Transmit classes of the cable: urgent, timely, ordinary.
+inline constexpr std::size_t kTransmitClasses = 3;
+
+struct ToBoard {
+  static constexpr std::size_t kLinkCapacity = 4096;
+
+  std::uint32_t sequence{};
+  Coupling coupling{Coupling::kLockStep};
+  Order order{Order::kNone};
+  Trouble trouble{Trouble::kNone};
+  std::int64_t
+      time_us{};  ///< Lock-step: the board's clock. Real time: clock of the samples' stamps.
+  std::array<std::uint32_t, kTransmitClasses> room{};  ///< Free bytes of the cable's queues.
+  std::uint32_t link_count{};
+  std::uint8_t has_rc{}, has_imu{}, has_mag{}, has_baro{};
+  std::uint8_t has_diff_pressure{}, has_range{}, has_gnss{}, has_battery{};
+  hal::RcFrame rc;
+  hal::ImuSample imu;
+  hal::MagSample mag;
+  hal::BaroSample baro;
+  hal::DiffPressureSample diff_pressure;
+  hal::RangeSample range;
+  hal::GnssSample gnss;
+  hal::BatterySample battery;
+  std::array<std::uint8_t, kLinkCapacity> link{};
+};
+
+/// What a display may know of the firmware inside; filled by the image's main().
+struct FirmwareGlance {
+  std::array<float, 10> command{};  ///< Combined command.
+  std::array<std::uint8_t, 10> command_type{};
+  std::uint8_t state{};
+  std::uint8_t armed{};
+  std::uint8_t failsafe{};
+  std::uint8_t reserved{};
+  std::uint16_t errors{};
+  std::uint16_t primary_entries{};
+  std::array<float, 4> q_NB{1.0f, 0.0f, 0.0f, 0.0f};
+  float roll_rad{};
+  float pitch_rad{};
+  std::array<float, 3> rates_rad_s{};
+};
+
+struct FromBoard {
+  static constexpr std::size_t kLinkCapacity = 16384;
+  /// Each frame in `link` stands behind these bytes: size (two, little-endian), urgency, and
+  /// whether the board counted on room for it.
+  static constexpr std::size_t kFrameHeader = 4;
+
+  std::uint32_t sequence{};
+  std::uint32_t boots{};            ///< Since the power came on.
+  std::uint32_t reset_requested{};  ///< 1: resets itself after this answer.
+  std::uint32_t stack_bytes{};      ///< High-water mark since the power came on.
+  std::uint32_t ticks{};            ///< Of the 25 MHz counter, spent in the passes of this step.
+  std::uint32_t passes{};
+  std::uint32_t link_count{};
+  std::uint32_t link_overflow{};  ///< Frames lost because `link` was full.
+  std::uint32_t uart_received{};  ///< Bytes since start, real time only.
+  std::uint32_t uart_sent{};
+  std::uint32_t uart_overruns{};
+  std::uint32_t uart_frames_dropped{};
+  hal::OutputValues outputs{};
+  std::array<std::uint8_t, 2> leds{};
+  std::array<std::uint8_t, 6> reserved{};
+  FirmwareGlance firmware;
+  std::array<std::uint8_t, kLinkCapacity> link{};
+};
+
+struct ExchangeBlock {
+  ToBoard to_board;
+  FromBoard from_board;
+};
+
+// Both compilers must agree; these are the sizes.
+static_assert(sizeof(hal::RcFrame) == 112 && sizeof(hal::ImuSample) == 40);
+static_assert(sizeof(hal::MagSample) == 24 && sizeof(hal::BaroSample) == 16);
+static_assert(sizeof(hal::DiffPressureSample) == 16 && sizeof(hal::RangeSample) == 24);
+static_assert(sizeof(hal::GnssSample) == 72 && sizeof(hal::BatterySample) == 16);
+static_assert(sizeof(FirmwareGlance) == 96);
+static_assert(offsetof(ToBoard, rc) == 48 && sizeof(ToBoard) == 48 + 320 + ToBoard::kLinkCapacity);
+static_assert(offsetof(FromBoard, link) == 208);
+static_assert(std::is_trivially_copyable_v<ExchangeBlock>);
+static_assert(sizeof(ExchangeBlock) <= kStorageOffset);
+
+}  // namespace rosflight::boards::m7

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "link/lean/lean_codec.hpp"
+
+namespace rosflight::boards::m7 {
+
+/// What the image speaks: this one, or that of mavlink_main.hpp, as the build says.
+struct BoardLink {
+  link::LeanCodec codec;
+};
+
+}  // namespace rosflight::boards::m7

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "link/mavlink/mavlink_codec.hpp"
+
+namespace rosflight::boards::m7 {
+
+/// What the image speaks: this one, or that of lean_main.hpp, as the build says.
+struct BoardLink {
+  link::MavlinkCodec codec{{1, link::MavlinkCodec::kFcuComponent}};
+};
+
+}  // namespace rosflight::boards::m7

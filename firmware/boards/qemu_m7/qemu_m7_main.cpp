@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The image: board, link and firmware put together, in lock-step with the world or in real time.
+#include <new>
+
+#include "firmware/boards/qemu_m7/block_serial.hpp"
+#include "firmware/boards/qemu_m7/qemu_board.hpp"
+#include "firmware/boards/qemu_m7/semihosting.hpp"
+#include "firmware/boards/qemu_m7/startup.hpp"
+#include "firmware/boards/qemu_m7/uart.hpp"
+#include "firmware/core/firmware.hpp"
+#include ROSFLIGHT_BOARD_LINK
+
+namespace {
+
+using namespace rosflight;              // NOLINT(google-build-using-namespace): this is their main
+using namespace rosflight::boards::m7;  // NOLINT(google-build-using-namespace)
+
+struct Autopilot {
+  explicit Autopilot(const hal::Board& board) : firmware{board, link.codec} {}
+  BoardLink link;
+  core::Firmware firmware;
+};
+
+/// Memory for one object that is built when its time has come and never destroyed.
+template <class T>
+class Place {
+ public:
+  template <class... Arguments>
+  T& make(Arguments&&... arguments) {
+    object_ = new (memory_) T(static_cast<Arguments&&>(arguments)...);
+    return *object_;
+  }
+  T* get() { return object_; }
+
+ private:
+  alignas(T) unsigned char memory_[sizeof(T)];
+  T* object_;
+};
+
+// One of each in an image; the interrupt handlers at the end must find them. All zero at start.
+Place<Autopilot> autopilot_place;
+Place<HardwareClock> hardware_clock_place;
+Place<Uart> uart_place;
+Place<QemuBoard> board_place;
+Place<ToBoard> inputs_place;
+
+void glance(const core::Firmware& firmware, FirmwareGlance& out) {
+  const core::CommandVector& combined = firmware.command().combined();
+  for (std::size_t k = 0; k < out.command.size(); ++k) {
+    out.command[k] = combined.value[k];
+    out.command_type[k] = static_cast<std::uint8_t>(combined.type[k]);
+  }
+  const core::StateMachine& state = firmware.state();
+  out.state = static_cast<std::uint8_t>(state.state());
+  out.armed = state.armed() ? 1 : 0;
+  out.failsafe = state.failsafe() ? 1 : 0;
+  out.errors = state.errors();
+  out.primary_entries = firmware.command().primary_entries();
+  const core::AttitudeEstimate& estimate = firmware.estimator().estimate();
+  out.q_NB = {estimate.q_NB.w, estimate.q_NB.x, estimate.q_NB.y, estimate.q_NB.z};
+  out.roll_rad = estimate.roll_rad;
+  out.pitch_rad = estimate.pitch_rad;
+  for (std::size_t k = 0; k < 3; ++k) {
+    out.rates_rad_s[k] = estimate.rates_rad_s[static_cast<Eigen::Index>(k)];
+  }
+}
+
+/// The two ends of the lock-step's pipes.
+class Doorbell {
+ public:
+  Doorbell()
+      : in_{semihosting::open(kToBoardPipe, sizeof kToBoardPipe - 1, 1)},
+        out_{semihosting::open(kFromBoardPipe, sizeof kFromBoardPipe - 1, 5)} {
+    if (in_ < 0 || out_ < 0) {
+      semihosting::print("qemu_m7: no pipes to the world\n");
+      semihosting::exit(1);
+    }
+  }
+  void ring(Bell what) const { semihosting::write_byte(out_, static_cast<char>(what)); }
+  /// Stands still until the world rings; when it never will again, this is the end.
+  void wait() const {
+    char byte = 0;
+    if (!semihosting::read_byte(in_, byte)) semihosting::exit(0);
+    memory_barrier();
+  }
+
+ private:
+  int in_;
+  int out_;
+};
+
+[[noreturn]] void run_in_lock_step(ExchangeBlock& block) {
+  const Doorbell bell;
+  LatchedClock clock;
+  BlockSerial serial(block);
+  QemuBoard& board = board_place.make(Coupling::kLockStep);
+  core::Firmware& firmware = autopilot_place.make(board.roles(clock, serial)).firmware;
+  bell.ring(Bell::kBooted);
+  for (;;) {
+    bell.wait();
+    const ToBoard& in = block.to_board;
+    FromBoard& out = block.from_board;
+    // The watchdog watches passes; waiting for the world is no hang.
+    Watchdog::start(QemuBoard::kWatchdogLockStep_ms);
+    const std::uint32_t begin = cycles();
+    out.passes = 0;
+    clock.set(hal::Time{in.time_us});
+    serial.begin();
+    if (in.order == Order::kStart) {
+      firmware.start();
+    } else if (in.order == Order::kStep) {
+      board.imu.expect(in.trouble);
+      board.take_receiver(in, hal::Time{0});
+      if (in.has_rc != 0 || serial.waiting()) {
+        firmware.run();
+        ++out.passes;
+      }
+      board.take_sensors(in, hal::Time{0});
+      firmware.run();
+      ++out.passes;
+    }
+    out.ticks = cycles() - begin;
+    Watchdog::stop();
+    board.report(out);
+    glance(firmware, out.firmware);
+    ++out.sequence;
+    memory_barrier();
+    bell.ring(Bell::kDone);
+    if (board.system.reset_requested()) reset_processor();
+  }
+}
+
+/// Copies what the world wrote, once it is whole. @returns false if it is being written.
+bool read_block(const ExchangeBlock& block, ToBoard& copy) {
+  const volatile std::uint32_t& sequence = block.to_board.sequence;
+  const std::uint32_t before = sequence;
+  if ((before & 1u) != 0) return false;  // odd: the world is writing
+  memory_barrier();
+  copy = block.to_board;
+  memory_barrier();
+  return sequence == before;
+}
+
+/// From the world's clock to the board's. A block waits until the board looks, so the shortest wait
+/// tells the offset; it may grow again slowly, and at once after a pause of the host.
+class WorldLag {
+ public:
+  hal::Time update(hal::Time now) {
+    constexpr hal::Time kPause = hal::milliseconds(50);
+    constexpr int kSlowly = 1024;
+    const bool jumped = now > lag_ + kPause;
+    lag_ = !known_ || jumped || now < lag_ ? now : lag_ + (now - lag_) / kSlowly;
+    known_ = true;
+    return lag_;
+  }
+
+ private:
+  hal::Time lag_{};
+  bool known_{false};
+};
+
+void report_uart(const Uart& uart, FromBoard& out) {
+  out.uart_received = uart.counters().received;
+  out.uart_sent = uart.counters().sent;
+  out.uart_overruns = uart.counters().overruns;
+  out.uart_frames_dropped = uart.counters().frames_dropped;
+}
+
+[[noreturn]] void run_in_real_time(ExchangeBlock& block) {
+  constexpr std::uint32_t kTick_Hz = 1000;
+  ToBoard& in = inputs_place.make();
+  HardwareClock& clock = hardware_clock_place.make();
+  Uart& uart = uart_place.make(Uart::kUart0);
+  QemuBoard& board = board_place.make(Coupling::kRealTime);
+  core::Firmware& firmware = autopilot_place.make(board.roles(clock, uart)).firmware;
+  start_tick(kTick_Hz);
+  asm volatile("cpsie i" ::: "memory");
+  firmware.start();
+  Watchdog::start(QemuBoard::kWatchdogRealTime_ms);
+  FromBoard& out = block.from_board;
+  std::uint32_t seen = 0;
+  WorldLag lag;
+  for (;;) {
+    const volatile std::uint32_t& sequence = block.to_board.sequence;
+    if (sequence != seen && read_block(block, in)) {
+      seen = in.sequence;
+      const hal::Time offset = lag.update(clock.now() - hal::Time{in.time_us});
+      board.imu.expect(in.trouble);
+      board.take_receiver(in, offset);
+      board.take_sensors(in, offset);
+    } else if (!uart.waiting()) {
+      wait_for_interrupt();
+    }
+    firmware.run();
+    ++out.sequence;  // odd: being written
+    memory_barrier();
+    ++out.passes;
+    board.report(out);
+    report_uart(uart, out);
+    glance(firmware, out.firmware);
+    memory_barrier();
+    ++out.sequence;
+    if (board.system.reset_requested()) reset_processor();
+  }
+}
+
+}  // namespace
+
+extern "C" {
+
+void board_fault(const FaultRegisters& registers) {
+  if (board_place.get() != nullptr) board_place.get()->outputs.disable();
+  if (autopilot_place.get() != nullptr) autopilot_place.get()->firmware.record_fault(registers);
+}
+
+void board_tick() {
+  if (hardware_clock_place.get() != nullptr) static_cast<void>(hardware_clock_place.get()->now());
+}
+
+void board_uart0_receive() {
+  uart_place.get()->on_receive();
+}
+void board_uart0_transmit() {
+  uart_place.get()->on_transmit();
+}
+
+int board_main() {
+  ExchangeBlock& block = exchange_block();
+  if (block.to_board.coupling == Coupling::kRealTime) run_in_real_time(block);
+  run_in_lock_step(block);
+}
+}

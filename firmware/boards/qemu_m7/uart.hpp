@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "firmware/boards/qemu_m7/byte_ring.hpp"
+#include "firmware/hal/roles.hpp"
+
+namespace rosflight::boards::m7 {
+
+/// The serial role on a CMSDK UART, driven by interrupts in both directions. Three transmit queues,
+/// the most urgent frame next; a frame on its way is not interrupted. A received byte that finds
+/// its queue full is lost and counted, as on any UART.
+///
+/// The image forwards its two interrupts to on_receive() and on_transmit().
+class Uart final : public hal::Serial {
+ public:
+  struct Place {
+    std::uintptr_t base;
+    unsigned receive_irq;
+    unsigned transmit_irq;
+  };
+  static constexpr Place kUart0{0x4000'4000u, 0, 1};
+  static constexpr Place kUart1{0x4000'5000u, 2, 3};
+
+  explicit Uart(const Place& place) : place_{place} {}
+
+  /// The one device there is, at any rate that the clock can be divided to (up to 1.5 Mbit/s).
+  bool open(std::uint32_t baud, std::uint8_t device) override;
+  bool write(const std::uint8_t* data, std::size_t size, std::uint8_t qos) override;
+  std::size_t writable() const override;
+  std::size_t read(std::uint8_t* data, std::size_t capacity) override;
+  bool waiting() const { return !received_.empty(); }
+  /// Everything written is out.
+  bool idle() const;
+
+  void on_receive();
+  void on_transmit();
+
+  struct Counters {
+    std::uint32_t received{};
+    std::uint32_t sent{};
+    std::uint32_t overruns{};        ///< Received bytes without room.
+    std::uint32_t frames_dropped{};  ///< By write().
+  };
+  const Counters& counters() const { return counters_; }
+
+ private:
+  static constexpr std::size_t kFrameHeader = 2;  ///< Its size, before each frame in a queue.
+  using Queue = ByteRing<4096>;
+
+  volatile std::uint32_t& data_register() const { return reg(place_.base); }
+  volatile std::uint32_t& state() const { return reg(place_.base + 0x04u); }
+  volatile std::uint32_t& control() const { return reg(place_.base + 0x08u); }
+  volatile std::uint32_t& interrupts() const { return reg(place_.base + 0x0Cu); }
+  volatile std::uint32_t& divider() const { return reg(place_.base + 0x10u); }
+  Queue& queue(std::uint8_t qos) { return queues_[qos == 0 ? 0 : qos < 255 ? 1 : 2]; }
+  bool next_byte(std::uint8_t& byte);
+
+  Place place_;
+  ByteRing<8192> received_;
+  std::array<Queue, 3> queues_;
+  std::size_t sending_{0};    ///< Queue of the frame on its way.
+  std::size_t remaining_{0};  ///< Of its bytes.
+  Counters counters_{};
+};
+
+}  // namespace rosflight::boards::m7

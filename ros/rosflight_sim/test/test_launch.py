@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The launch files as a user starts them: ready, death of a node, wrong input."""
+
+import math
+import os
+import signal
+import subprocess
+import time
+
+import pytest
+from ros_rig import ROOT, free_udp_port
+from rosflight_msgs.msg import PwmOutput, SimState
+from sim_rig import SimPeer, executable, launch, stamp_ns
+
+
+
+def own(tmp_path):
+    return {"memory_folder": tmp_path, "simulation_port": free_udp_port(), "ROS_port": free_udp_port()}
+
+
+def pid_of(world, program):
+    """Process of a node of this launch, among its children."""
+    listed = subprocess.run(["ps", "--ppid", str(world.process.pid), "-o", "pid=,args="], capture_output=True, text=True, check=True)
+    return next(int(line.split()[0]) for line in listed.stdout.splitlines() if line.split()[1].endswith("/" + program))
+
+
+def test_wall_time_runs_and_a_dead_node_takes_the_launch_down(tmp_path):
+    with SimPeer("watcher") as watcher, launch("rosflight_sim", "multirotor_standalone.launch.xml", **own(tmp_path)) as world:
+        world.until("ready: 8 nodes in ")
+        truth, pulses = watcher.listen(SimState, "sim/truth_state"), watcher.listen(PwmOutput, "sim/pwm_output")
+        watcher.wait(lambda: len(truth) > 200, "half a second of truth")
+        assert abs(stamp_ns(truth[-1]) - time.time_ns()) < 60e9  # the wall's time
+        pairs = {stamp_ns(message) for message in truth} & {stamp_ns(message) for message in pulses}
+        assert len(pairs) > 20  # truth carries the stamp of the pulses that led to it
+        os.kill(pid_of(world, "standalone_dynamics"), signal.SIGSEGV)
+        assert world.end() == 1
+        assert "launch: standalone_dynamics (rosflight_sim/standalone_dynamics) ended with signal 11 (SIGSEGV); its last lines:" in world.text()
+        assert "ready" in world.text().split("its last lines:")[1]
+
+
+def test_two_vehicles_have_topics_memories_and_links_of_their_own(tmp_path):
+    file = tmp_path / "two.launch.xml"
+    vehicle = """<group><push-ros-namespace namespace="{0}"/>
+      <include file="$(find-pkg-share rosflight_sim)/launch/multirotor_standalone.launch.xml">
+        <arg name="use_sim_time" value="false"/><arg name="viz" value="false"/></include></group>"""
+    ports = [free_udp_port() for _ in range(4)]
+    lets = '<let name="memory_folder" value="{}"/><let name="simulation_port" value="{}"/><let name="ROS_port" value="{}"/>'
+    file.write_text("<launch>" + lets.format(tmp_path, *ports[:2]) + vehicle.format("one")
+                    + lets.format(tmp_path, *ports[2:]) + vehicle.format("two") + "</launch>")
+    with SimPeer("watcher") as watcher, launch(file) as world:
+        world.until("ready: 14 nodes in ")
+        for name in ("one", "two"):
+            truth = watcher.listen(SimState, f"/{name}/sim/truth_state")
+            watcher.wait(lambda: truth, f"truth of {name}")
+            assert (tmp_path / name / "mem.bin").exists()
+
+
+@pytest.mark.parametrize("vehicle", ["anaconda", "aerosonde"])
+def test_a_fixed_wing_stands_and_takes_its_set(tmp_path, vehicle):
+    """The whole simulator of a fixed wing comes up, stands still, and its firmware takes the set."""
+    file = ROOT / f"vehicles/{vehicle}.yaml"
+    with SimPeer("watcher") as watcher, launch("rosflight_sim", "fixedwing_standalone.launch.py", use_sim_time="true",
+                                               dynamics_param_file=file, **own(tmp_path)) as world:
+        world.until("ready: 9 nodes in ")
+        truth = watcher.listen(SimState, "sim/truth_state")
+        watcher.wait(lambda: len(truth) > 400, "a second of truth")
+        assert all(math.isfinite(m.pose.position.z) and abs(m.pose.position.z) < 2 for m in truth)
+        assert math.hypot(truth[-1].pose.position.x, truth[-1].pose.position.y) < 1
+        with launch("rosflight_sim", "fixedwing_init_firmware.launch.py") as init:
+            assert init.end() == 0, init.text() + world.text()
+        assert world.process.poll() is None
+
+
+WRONG_TYPE = "sil_board: {ros__parameters: {simulation_port: abc}}\n"
+
+
+@pytest.mark.parametrize("words, said", [
+    (["rosflight_sim", "multirotor_standalone.launch.xml", "use_vim_fly:=true"], "argument: found 'use_vim_fly', allowed one of "),
+    (["rosflight_simm", "multirotor_standalone.launch.xml"], "package: found 'rosflight_simm', allowed "),
+    (["rosflight_sim", "quadrotor.launch.xml"], "found 'quadrotor.launch.xml', allowed one of "),
+    (["no_such_file.launch.xml"], "found 'no_such_file.launch.xml', allowed a file that is there"),
+])
+def test_a_wrong_command_is_one_line(words, said):
+    with launch(*words) as world:
+        assert world.end() == 2
+        assert len(world.lines) == 1 and said in world.lines[0]
+
+
+@pytest.mark.parametrize("words, said", [
+    (["multirotor_standalone.launch.xml", "dynamics_param_file:=/no/such.yaml"], "/no/such.yaml: found no such file, allowed a YAML file"),
+    (["multirotor_standalone.launch.xml", "seed:=-1"], "seed"),
+    (["multirotor_standalone.launch.xml", "simulation_port:=abc"], "simulation_port' has invalid type"),
+    (["hardware_io.launch.xml", "port:=/dev/no_such_port"], "port: found /dev/no_such_port"),
+    (["hardware_io.launch.xml", "port:=/dev/null", "baud_rate:=12345"], "baud"),
+    (["hardware_io.launch.xml", "baud_rate:=fast"], "baud_rate"),
+])
+def test_what_a_node_refuses_is_the_last_line(words, said):
+    with launch("rosflight_sim", *words) as world:
+        assert world.end() == 2, world.text()
+        assert "refused to start: " in world.lines[-1] and said in world.lines[-1], world.text()
+
+
+@pytest.mark.parametrize("text, said", [
+    (WRONG_TYPE, "parameter 'simulation_port' has invalid type"),
+    ("sil_board: {ros__parameters: {simulation_port: 0}}\n", "simulation_port"),
+    ("sil_board: [1\n", "params file"),
+    (None, "params file"),
+])
+def test_a_wrong_parameter_file_is_told_by_the_node(tmp_path, text, said):
+    file = tmp_path / "parameters.yaml"
+    if text is not None:
+        file.write_text(text)
+    done = subprocess.run([executable("rosflight_sim", "sil_board"), "--ros-args", "--params-file", file], capture_output=True, text=True,
+                          timeout=60)
+    assert done.returncode == 2
+    last = done.stderr.strip().splitlines()[-1]
+    assert last.startswith("sil_board: ") and said in last, done.stderr
+
+
+def test_a_wrong_parameter_file_in_a_launch_file(tmp_path):
+    for text, code, said in ((WRONG_TYPE, 2, "parameter 'simulation_port' has invalid type"), ("sil_board: 3\n", 2, "found no node with ros__parameters")):
+        parameters, file = tmp_path / "p.yaml", tmp_path / "it.launch.xml"
+        parameters.write_text(text)
+        file.write_text(f'<launch><node pkg="rosflight_sim" exec="sil_board" name="sil_board"><param from="{parameters}"/></node></launch>')
+        with launch(file) as world:
+            assert world.end() == code
+            assert said in world.lines[-1]
+
+
+def test_init_firmware_without_an_autopilot_tells_what_it_waits_for(tmp_path):
+    """Ends with the node's own words when nothing is there: checked with a file that is not."""
+    done = subprocess.run([executable("rosflight_sim", "init_firmware")], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 2 and "found 0 files, allowed one" in done.stderr
