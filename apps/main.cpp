@@ -39,9 +39,11 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options) {
   fly->add_option("--seed", choice.seed, "Seed of all noise and wind; same seed, same bits")
       ->check(whole_number)
       ->capture_default_str();
-  fly->add_option("--state", choice.state, "Where guidance gets position and velocity from: truth")
+  fly->add_option("--state", choice.state,
+                  "Where guidance gets its state from: estimate (filter on the link's sensor "
+                  "streams) or truth")
       ->capture_default_str()
-      ->check(CLI::IsMember({"truth"}));
+      ->check(CLI::IsMember({"estimate", "truth"}));
   fly->add_option("--link-protocol", choice.link_protocol,
                   "What the board speaks: mavlink or lean; the companion finds out")
       ->capture_default_str()

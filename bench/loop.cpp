@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Simulated time over processor time of the default flight, without and with the log. One
-// measurement a run.
+// Simulated time over processor time of the default flight: on the truth without and with the log,
+// and on the estimate; and of the default fixed wing on the estimate. One measurement a run.
 //
 // usage: loop [--only-factor]
 #include <cstdio>
@@ -37,9 +37,13 @@ double factor(const FlightSetup& setup, const std::filesystem::path* log) {
 int main(int argc, char** argv) {
   try {
     const bool log_too = argc < 2 || std::strcmp(argv[1], "--only-factor") != 0;
-    const auto setup = std::make_unique<FlightSetup>(FlightChoice{});
+    FlightChoice on_truth;
+    on_truth.state = "truth";
+    const auto setup = std::make_unique<FlightSetup>(on_truth);
     const double plain = factor(*setup, nullptr);
     double logged = 0.0;
+    double estimated = 0.0;
+    double winged = 0.0;
     if (log_too) {
       const std::filesystem::path folder =
           std::filesystem::temp_directory_path() / "rosflight_bench_loop";
@@ -47,8 +51,16 @@ int main(int argc, char** argv) {
       const std::filesystem::path file = folder / "flight.mcap";
       logged = factor(*setup, &file);
       std::filesystem::remove_all(folder);
+      const auto on_estimate = std::make_unique<FlightSetup>(FlightChoice{});
+      estimated = factor(*on_estimate, nullptr);
+      FlightChoice wing;
+      wing.vehicle = "anaconda";
+      winged = factor(*std::make_unique<FlightSetup>(wing), nullptr);
     }
-    std::printf("{\"realtime_factor\": %.1f, \"realtime_factor_log\": %.1f}\n", plain, logged);
+    std::printf(
+        "{\"realtime_factor\": %.1f, \"realtime_factor_log\": %.1f, \"realtime_factor_ekf\": "
+        "%.1f, \"realtime_factor_fixedwing\": %.1f}\n",
+        plain, logged, estimated, winged);
     return 0;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "loop: %s\n", e.what());

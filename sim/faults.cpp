@@ -18,7 +18,7 @@ struct Name {
   std::string_view effect;
 };
 
-constexpr std::array<Name, kFaultKinds - 1> kNames{{
+constexpr std::array<Name, 15> kNames{{
     {"imu", FaultKind::kImu, "the IMU stops delivering"},
     {"mag", FaultKind::kMag, "the magnetometer stops delivering"},
     {"baro", FaultKind::kBaro, "the barometer stops delivering"},
@@ -33,6 +33,31 @@ constexpr std::array<Name, kFaultKinds - 1> kNames{{
     {"link_cut", FaultKind::kLinkCut, "no byte passes the link, either way"},
     {"crash", FaultKind::kCrash, "the board's processor breaks down, once, and starts again"},
     {"hang", FaultKind::kHang, "the firmware hangs, once, until the watchdog starts it again"},
+    {"pitot_blocked", FaultKind::kPitotBlocked, "the pitot tube reads no pressure"},
+}};
+
+/// A fault with a size: NAME=VALUE. `unit` turns what is typed into what Fault holds.
+struct Step {
+  std::string_view name;
+  FaultKind kind;
+  std::size_t axis;
+  double largest;  ///< As typed, either sign.
+  double unit;
+  std::string_view effect;
+};
+
+constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
+constexpr std::array<Step, 8> kSteps{{
+    {"baro_step", FaultKind::kBaroStep, 0, 1000.0, 1.0,
+     "the barometer reads so many metres too high"},
+    {"mag_turned", FaultKind::kMagTurned, 0, 180.0, kRadPerDeg,
+     "the magnetometer turns by degrees about body z"},
+    {"accel_step_x", FaultKind::kAccelStep, 0, 100.0, 1.0, "m/s^2 on an axis of the accelerometer"},
+    {"accel_step_y", FaultKind::kAccelStep, 1, 100.0, 1.0, "the same"},
+    {"accel_step_z", FaultKind::kAccelStep, 2, 100.0, 1.0, "the same"},
+    {"gyro_step_x", FaultKind::kGyroStep, 0, 10.0, 1.0, "rad/s on an axis of the gyro"},
+    {"gyro_step_y", FaultKind::kGyroStep, 1, 10.0, 1.0, "the same"},
+    {"gyro_step_z", FaultKind::kGyroStep, 2, 10.0, 1.0, "the same"},
 }};
 
 config::Error fault_error(std::string_view text, const std::string& found,
@@ -48,6 +73,7 @@ std::string quoted(std::string_view text) {
 std::string all_names() {
   std::string out;
   for (const Name& entry : kNames) out += std::string(entry.name) + ", ";
+  for (const Step& entry : kSteps) out += std::string(entry.name) + "=VALUE, ";
   return out + "motorN_dead, motorN_partial=FACTOR (or motorN=FACTOR), N from 0 to " +
          std::to_string(kMaxRotors - 1);
 }
@@ -88,6 +114,26 @@ bool parse_motor(std::string_view text, std::string_view what, Fault& fault) {
   fault.factor = *factor;
   return true;
 }
+/// "baro_step=5".
+bool parse_step(std::string_view text, std::string_view what, Fault& fault) {
+  const auto equals = what.find('=');
+  const std::string_view name = what.substr(0, equals);
+  const auto* const known = std::find_if(kSteps.begin(), kSteps.end(),
+                                         [name](const Step& entry) { return entry.name == name; });
+  if (known == kSteps.end()) return false;
+  const std::string_view number =
+      equals == std::string_view::npos ? std::string_view{} : what.substr(equals + 1);
+  const auto value = config::parse_number(number);
+  if (!value || !(std::abs(*value) <= known->largest)) {
+    throw fault_error(text, "the value " + quoted(number),
+                      std::string(name) + "=VALUE with at most " +
+                          config::number_text(known->largest) + " either way");
+  }
+  fault.kind = known->kind;
+  fault.axis = known->axis;
+  fault.value = *value * known->unit;
+  return true;
+}
 }  // namespace
 
 Fault parse_fault(std::string_view text) {
@@ -98,7 +144,7 @@ Fault parse_fault(std::string_view text) {
                                          [what](const Name& entry) { return entry.name == what; });
   if (known != kNames.end()) {
     fault.kind = known->kind;
-  } else if (!parse_motor(text, what, fault)) {
+  } else if (!parse_step(text, what, fault) && !parse_motor(text, what, fault)) {
     throw fault_error(text, quoted(what), all_names());
   }
   if (at == std::string_view::npos) throw fault_error(text, "no time", "WHAT@TIME[:DURATION]");
@@ -120,6 +166,7 @@ std::string fault_help() {
   };
   std::string out;
   for (const Name& entry : kNames) out += line(entry.name, entry.effect);
+  for (const Step& entry : kSteps) out += line(std::string(entry.name) + "=VALUE", entry.effect);
   out += line("motorN_partial=FACTOR", "motor N (from 0) gives FACTOR (0 to 1) of its thrust");
   out += line("motorN_dead", "motor N gives none");
   return out;
@@ -140,6 +187,16 @@ bool FaultSchedule::active_now(FaultKind kind, Time t) const {
   return std::any_of(faults_.begin(), faults_.end(), [kind, t](const Fault& fault) {
     return fault.kind == kind && t >= fault.start && t < fault.end;
   });
+}
+
+double FaultSchedule::value_now(FaultKind kind, Time t, std::size_t axis) const {
+  double sum = 0.0;
+  for (const Fault& fault : faults_) {
+    if (fault.kind == kind && fault.axis == axis && t >= fault.start && t < fault.end) {
+      sum += fault.value;
+    }
+  }
+  return sum;
 }
 
 double FaultSchedule::thrust_factor(std::size_t motor, Time t) const {

@@ -20,27 +20,35 @@ enum class FaultKind : std::uint8_t {
   kDiffPressure,
   kRange,
   kBattery,
-  kImuNan,       ///< IMU samples keep coming and are not numbers.
-  kImuStuck,     ///< They repeat the last good values under new stamps.
-  kRcSilence,    ///< The receiver sends nothing.
-  kRcFrameLoss,  ///< Every receiver frame carries the frame-lost flag.
-  kLinkCut,      ///< No byte arrives, either way.
-  kCrash,        ///< The board's processor breaks down at this moment and starts again.
-  kHang,         ///< The firmware hangs at this moment; the board's watchdog starts it again.
-  kMotor,        ///< One motor gives only a part of its thrust.
+  kImuNan,        ///< IMU samples keep coming and are not numbers.
+  kImuStuck,      ///< They repeat the last good values under new stamps.
+  kRcSilence,     ///< The receiver sends nothing.
+  kRcFrameLoss,   ///< Every receiver frame carries the frame-lost flag.
+  kLinkCut,       ///< No byte arrives, either way.
+  kCrash,         ///< The board's processor breaks down at this moment and starts again.
+  kHang,          ///< The firmware hangs at this moment; the board's watchdog starts it again.
+  kBaroStep,      ///< The barometer reads a height too high by `value` [m].
+  kMagTurned,     ///< The magnetometer is turned by `value` about body z [rad].
+  kAccelStep,     ///< `value` on top of an axis of the accelerometer [m/s^2].
+  kGyroStep,      ///< `value` on top of an axis of the gyro [rad/s].
+  kPitotBlocked,  ///< The pitot tube reads no pressure.
+  kMotor,         ///< One motor gives only a part of its thrust.
 };
-inline constexpr std::size_t kFaultKinds = 15;
+inline constexpr std::size_t kFaultKinds = 20;
 
 /// In force for start <= t < end.
 struct Fault {
   FaultKind kind{};
   std::size_t motor{};  ///< For kMotor: index from 0.
   double factor{1.0};   ///< For kMotor: share of the thrust that is left, 0..1.
+  std::size_t axis{};   ///< For steps of the IMU: 0, 1, 2.
+  double value{};       ///< For steps and turns, in the unit of the kind.
   Time start{};
   Time end{Time::max()};
 };
 
-/// Reads one WHAT@TIME[:DURATION], times in seconds. Without a duration it lasts to the end.
+/// Reads one WHAT[=VALUE]@TIME[:DURATION], times in seconds. Without a duration it lasts to the
+/// end.
 /// @throws config::Error  one line with what was found and what is allowed.
 Fault parse_fault(std::string_view text);
 
@@ -56,6 +64,10 @@ class FaultSchedule {
   bool active(FaultKind kind, Time t) const {
     return (kinds_ & bit(kind)) != 0U && active_now(kind, t);
   }
+  /// Sum of the values of a kind in force at t; of one axis for steps of the IMU.
+  double value(FaultKind kind, Time t, std::size_t axis = 0) const {
+    return (kinds_ & bit(kind)) == 0U ? 0.0 : value_now(kind, t, axis);
+  }
   /// Share of its thrust that a motor gives at t: the product over its faults, 1 without any.
   double thrust_factor(std::size_t motor, Time t) const;
 
@@ -64,6 +76,7 @@ class FaultSchedule {
  private:
   static constexpr std::uint32_t bit(FaultKind kind) { return 1U << static_cast<unsigned>(kind); }
   bool active_now(FaultKind kind, Time t) const;
+  double value_now(FaultKind kind, Time t, std::size_t axis) const;
 
   std::vector<Fault> faults_;
   std::uint32_t kinds_{0};

@@ -4,6 +4,7 @@
 
 #include "sim/faults.hpp"
 #include "sim/modules.hpp"
+#include "sim/portable_math.hpp"
 
 /// Modules that break on schedule. They wrap healthy ones, which go on as if nothing happened, so
 /// that everything is as it would have been once the fault is over.
@@ -15,8 +16,18 @@ class FaultySensors : public SensorsModule {
   FaultySensors(SensorsModule& sensors, const FaultSchedule& faults)
       : sensors_{sensors}, faults_{faults} {}
 
+  /// A cover keeps the wind out of the pitot tube, as people put one on before a flight: the
+  /// firmware takes the pressure it finds at its start for none.
+  void set_pitot_covered(bool covered) { pitot_covered_ = covered; }
+
   void step(const Truth& truth, SensorSamples& s) override {
-    sensors_.step(truth, s);
+    if (pitot_covered_) {
+      still_ = truth;
+      still_.air.wind_N = truth.body.q_NB * truth.body.v_B;
+      sensors_.step(still_, s);
+    } else {
+      sensors_.step(truth, s);
+    }
     const Time t = truth.time;
     const auto off = [this, t](FaultKind kind, bool& has) {
       if (faults_.active(kind, t)) has = false;
@@ -29,10 +40,39 @@ class FaultySensors : public SensorsModule {
     off(FaultKind::kRange, s.has_range);
     off(FaultKind::kBattery, s.has_battery);
     if (s.has_imu) spoil(t, s.imu);
+    if (s.has_baro) spoil(t, s.baro);
+    if (s.has_mag) spoil(t, s.mag);
+    if (s.has_diff_pressure && faults_.active(FaultKind::kPitotBlocked, t)) {
+      s.diff_pressure.pressure_Pa = 0.0F;
+    }
   }
 
  private:
+  void spoil(Time t, hal::BaroSample& baro) const {
+    const double step_m = faults_.value(FaultKind::kBaroStep, t);
+    if (step_m == 0.0) return;
+    // Of the standard atmosphere: p = p0 (1 - h/(T0/L))^(g/(R L)).
+    constexpr double kSea_Pa = 101325.0;
+    constexpr double kScale_m = 44330.77;
+    constexpr double kPower = 5.25588;
+    const double level = portable::log(static_cast<double>(baro.pressure_Pa) / kSea_Pa) / kPower;
+    const double share = portable::exp(level) - step_m / kScale_m;
+    baro.pressure_Pa = static_cast<float>(kSea_Pa * portable::exp(kPower * portable::log(share)));
+  }
+  void spoil(Time t, hal::MagSample& mag) const {
+    const double turn_rad = faults_.value(FaultKind::kMagTurned, t);
+    if (turn_rad == 0.0) return;
+    const auto [sine, cosine] = portable::sin_cos(turn_rad);
+    const auto c = static_cast<float>(cosine);
+    const auto s = static_cast<float>(sine);
+    const hal::Vec3 m = mag.field_T;  // an instrument turned by +psi reads the field turned by -psi
+    mag.field_T = {c * m[0] + s * m[1], -s * m[0] + c * m[1], m[2]};
+  }
   void spoil(Time t, hal::ImuSample& imu) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      imu.accel_m_s2[axis] += static_cast<float>(faults_.value(FaultKind::kAccelStep, t, axis));
+      imu.gyro_rad_s[axis] += static_cast<float>(faults_.value(FaultKind::kGyroStep, t, axis));
+    }
     if (faults_.active(FaultKind::kImuStuck, t)) {
       imu.accel_m_s2 = good_imu_.accel_m_s2;
       imu.gyro_rad_s = good_imu_.gyro_rad_s;
@@ -48,6 +88,8 @@ class FaultySensors : public SensorsModule {
   SensorsModule& sensors_;
   const FaultSchedule& faults_;
   hal::ImuSample good_imu_;
+  Truth still_;
+  bool pitot_covered_{false};
 };
 
 class FaultyRc : public RcModule {

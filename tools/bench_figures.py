@@ -43,15 +43,83 @@ def all_figures() -> list[Figure]:
         Figure("loop.realtime_factor", "s/s", ">= 1000", lambda: loop_factor("realtime_factor")),
         Figure("loop.realtime_factor_log", "s/s", "report",
                lambda: loop_factor("realtime_factor_log")),
+        Figure("loop.realtime_factor_ekf", "s/s", ">= 500",
+               lambda: loop_factor("realtime_factor_ekf")),
+        Figure("loop.realtime_factor_fixedwing", "s/s", ">= 500",
+               lambda: loop_factor("realtime_factor_fixedwing")),
         Figure("firmware.object_bytes", "B", "<= 14000", lambda: size("firmware.object_bytes")),
         Figure("firmware.heap_allocations", "allocations", "= 0",
                lambda: size("firmware.heap_allocations")),
         Figure("fly.wall_s", "s", "< 5", fly_wall_s),
+        *(Figure(f"estimation.{noise}.{quantity}", unit, "report",
+                 functools.partial(estimation_figure, noise, quantity))
+          for noise in ("shipped", "modelled") for quantity, unit in ESTIMATION),
+        *(Figure(f"missions.{name}.{quantity}", unit, target,
+                 functools.partial(mission_figure, name, quantity))
+          for name, quantity, unit, target in MISSIONS + FIXEDWING_MISSIONS),
         *m7(),
         *ros_figures(),
         *(Figure(f"fuzz.{name.removeprefix('fuzz_')}_runs", "inputs", f">= {FUZZ_RUNS}",
                  functools.partial(fuzz_runs, name), preset="fuzz") for name in stages.fuzzers()),
     ]
+
+
+# Errors of the estimate in the default flight: rms and what 95 of 100 samples stay below.
+ESTIMATION = [(f"{name}_{kind}", unit)
+              for name, unit in (("horizontal_m", "m"), ("vertical_m", "m"), ("velocity_m_s", "m/s"),
+                                 ("tilt_deg", "deg"), ("heading_deg", "deg")) for kind in ("rms", "p95")]
+ESTIMATION += [("nees", "1")]
+
+
+def mission_rows() -> list[tuple[str, str, str, str]]:
+    """Name, quantity, unit, target: what the flights of bench/missions.cpp are held to."""
+    rows = []
+    for name, limit in (("default", 1.0), ("figure_eight", 1.0), ("survey", 1.0), ("hover", 0.7)):
+        rows += [(name, "horizontal_rms_m", "m", f"<= {limit}"), (name, "total_rms_m", "m", "report"),
+                 (name, "completed", "flights", "= 1")]
+    for name in ("gnss_loss", "gnss_loss_fast", "gnss_loss_wind"):
+        rows += [(name, "horizontal_max_m", "m", "<= 30"), (name, "max_tilt_deg", "deg", "<= 45"),
+                 (name, "landed", "flights", "= 1")]
+    for name in ("baro_step", "mag_turned", "accel_step_x", "accel_step_y", "accel_step_z",
+                 "gyro_step_x", "gyro_step_y", "gyro_step_z"):
+        rows += [(name, "horizontal_max_m", "m", "report"), (name, "max_tilt_deg", "deg", "<= 45"),
+                 (name, "landed", "flights", "= 1")]
+    rows += [("default_gusts", "completed", "flights", "= 100"),
+             ("default_gusts", "worst_horizontal_rms_m", "m", "report")]
+    return rows
+
+
+MISSIONS = mission_rows()
+
+
+def fixedwing_rows() -> list[tuple[str, str, str, str]]:
+    """The same for bench/missions_fixedwing.cpp. Faults are held to docs/faults.md."""
+    rows = []
+    for name in ("line", "fillet", "dubins", "racetrack_wind", "energy", "loops"):
+        rows += [(name, "straight_rms_m", "m", "<= 3"), (name, "straight_total_rms_m", "m", "report"),
+                 (name, "arc_rms_m", "m", "<= 5"), (name, "arc_total_rms_m", "m", "report"),
+                 (name, "height_rms_m", "m", "<= 2"), (name, "airspeed_rms_m_s", "m/s", "<= 1"),
+                 (name, "completed", "flights", "= 1")]
+    for name, limit in (("landing_range", 15), ("landing_no_range", 40), ("landing_wind", 15)):
+        rows += [(name, "touchdown_distance_m", "m", f"<= {limit}"),
+                 (name, "touchdown_sink_m_s", "m/s", "<= 1.5"), (name, "completed", "flights", "= 1")]
+    rows += [("pitot_blocked", "min_airspeed_m_s", "m/s", ">= 11"),
+             ("pitot_blocked", "completed", "flights", "= 1"),
+             ("gnss_loss", "straight_total_rms_m", "m", "<= 15"),
+             ("gnss_loss", "completed", "flights", "= 1"),
+             ("motor_off", "min_airspeed_m_s", "m/s", ">= 11"),
+             ("motor_off", "touchdown_sink_m_s", "m/s", "<= 2"),
+             ("motor_off", "touchdown_distance_m", "m", "<= 500"),
+             ("motor_off", "landed", "flights", "= 1")]
+    rows += [(name, "max_bank_deg", "deg", "<= 60")
+             for name in ("pitot_blocked", "gnss_loss", "motor_off", "gusts")]
+    rows += [("gusts", "completed", "flights", "= 100"), ("gusts", "straight_rms_m", "m", "report"),
+             ("gusts", "touchdown_distance_m", "m", "report"),
+             ("gusts", "touchdown_sink_m_s", "m/s", "report")]
+    return [(f"fixedwing_{name}", *rest) for name, *rest in rows]
+
+
+FIXEDWING_MISSIONS = fixedwing_rows()
 
 
 def m7() -> list[Figure]:
@@ -160,6 +228,30 @@ def loop_runs() -> list[dict]:
 
 def loop_factor(key: str) -> float:
     return statistics.median(number(printed, key) for printed in loop_runs())
+
+
+@functools.cache
+def estimation() -> dict:
+    return run_json([program("estimation")])
+
+
+def estimation_figure(noise: str, quantity: str) -> float:
+    return number(estimation()[noise], quantity)
+
+
+@functools.cache
+def missions() -> dict:
+    return run_json([program("missions")])
+
+
+@functools.cache
+def fixedwing_missions() -> dict:
+    return run_json([program("missions_fixedwing")])
+
+
+def mission_figure(name: str, quantity: str) -> float:
+    flown = fixedwing_missions() if name.startswith("fixedwing_") else missions()
+    return number(flown[name], quantity)
 
 
 @functools.cache

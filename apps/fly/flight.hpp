@@ -1,36 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <cmath>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "apps/fly/cable_ends.hpp"
 #include "apps/fly/firmware_board.hpp"
 #include "apps/fly/flight_director.hpp"
 #include "apps/fly/flight_setup.hpp"
+#include "apps/fly/navigator.hpp"
+#include "apps/fly/tracking.hpp"
+#include "apps/fly/wing_record.hpp"
 #include "link/detect/detecting_codec.hpp"
 #include "sim/dynamics/rigid_body.hpp"
 #include "sim/faulty_modules.hpp"
 #include "sim/lock_step.hpp"
 #include "sim/sensors/register.hpp"
+#include "sim/sensors/standard_sensors.hpp"
 #include "sim/time_sources.hpp"
 
 namespace rosflight::apps {
-
-/// How well the vehicle followed what it was asked to.
-struct Tracking {
-  std::uint64_t count{};
-  double sum_sq_m2{};
-  double max_m{};
-  void add(double error_m) {
-    ++count;
-    sum_sq_m2 += error_m * error_m;
-    max_m = std::max(max_m, error_m);
-  }
-  double rms_m() const {
-    return count == 0 ? 0.0 : std::sqrt(sum_sq_m2 / static_cast<double>(count));
-  }
-};
 
 /// One flight, all of it in this process and in lock-step: world, board with the real firmware,
 /// cable, companion, autonomy, pilot. A function of the setup alone: the same setup gives the same
@@ -75,8 +65,19 @@ class Flight final : private sim::LockStepListener {
   companion::Session& session() { return session_; }
   sim::rc::Pilot& pilot() { return pilot_; }
   sim::SerialCable& cable() { return cable_; }
-  const autonomy::FlightOutput& autonomy() const { return manager_.output(); }
+  const GuideOutput& autonomy() const { return guide_->output(); }
+  Guide& guide() { return *guide_; }
+  const Guide& guide() const { return *guide_; }
+  /// Against the commanded path as it was meant.
   const Tracking& tracking() const { return tracking_; }
+  /// The same, horizontal, less the slow error of the satellites, which nothing on board can see:
+  /// truth + error of GNSS - error of the origin - commanded. On the truth: horizontal, as it is.
+  const Tracking& own_tracking() const { return own_tracking_; }
+  /// Null unless a fixed wing flies.
+  const WingRecord* wing_record() const { return wing_record_ ? &*wing_record_ : nullptr; }
+  const Navigator& navigator() const { return *navigator_; }
+  /// Of the truth, in the estimator's frame as the satellites have it; for judging estimates.
+  sim::Vector3 seen_position_N() const;
   /// Motor output that holds the vehicle in the air, by the vehicle file's numbers.
   double firmware_hover_output() const;
 
@@ -98,6 +99,7 @@ class Flight final : private sim::LockStepListener {
 
   void before_step(sim::Time t) override;
   void apply_faults(sim::Time t);
+  void face_the_wind();
 
   const FlightSetup& setup_;
   sim::RandomSource random_;
@@ -117,7 +119,8 @@ class Flight final : private sim::LockStepListener {
   SwitchableBoard board_slot_;
   link::DetectingCodec codec_;
   companion::Session session_;
-  autonomy::FlightManager manager_;
+  std::unique_ptr<Guide> guide_;
+  std::unique_ptr<Navigator> navigator_;
   FlightDirector director_;
   sim::LockStepTime fast_;
   SwitchableTime time_;
@@ -125,6 +128,9 @@ class Flight final : private sim::LockStepListener {
   std::vector<std::unique_ptr<sim::Visualiser>> visualisers_;  ///< Those the setup names.
   std::function<void(Flight&, sim::Time)> script_;
   Tracking tracking_;
+  Tracking own_tracking_;
+  std::optional<WingRecord> wing_record_;
+  const sim::sensors::StandardSensors* instruments_{};  ///< Null for a module of someone else's.
   bool motor_faults_{false};
   std::array<bool, 2> broken_down_{};  ///< Crash and hang have had their moment.
 };

@@ -3,10 +3,13 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
+#include "apps/fly/true_state.hpp"
+
 namespace rosflight::apps {
 namespace {
 
-using autonomy::FlightEventType;
 using link::Severity;
 using sim::rc::Control;
 
@@ -54,8 +57,8 @@ const char* stage_name(Stage stage) {
 }
 
 FlightDirector::FlightDirector(const DirectorConfig& config, companion::Session& session,
-                               sim::rc::Pilot& pilot, autonomy::FlightManager& manager)
-    : config_{config}, session_{session}, pilot_{pilot}, manager_{manager} {
+                               sim::rc::Pilot& pilot, Guide& guide, Navigator& navigator)
+    : config_{config}, session_{session}, pilot_{pilot}, guide_{guide}, navigator_{navigator} {
   session_.add(*this);
   // The pilot holds the vehicle until the computer is ready.
   pilot_.set_switch(Control::kAttitudeOverride, true);
@@ -149,7 +152,12 @@ void FlightDirector::configure() {
 
 void FlightDirector::calibrate() {
   if (command_.pending()) return;
-  if (command_.failed()) return fail(fmt::format("IMU calibration: {}", command_.text()));
+  if (command_.failed()) return fail(fmt::format("calibration: {}", command_.text()));
+  if (config_.calibrate_airspeed && !airspeed_calibrated_) {
+    airspeed_calibrated_ = true;
+    command_ = session_.commands().start(link::Command::kAirspeedCalibration);
+    return;
+  }
   command_ = session_.commands().start(link::Command::kWriteParams);
   enter(Stage::kStore);
 }
@@ -157,6 +165,9 @@ void FlightDirector::calibrate() {
 void FlightDirector::store() {
   if (command_.pending()) return;
   if (command_.failed()) return fail(fmt::format("writing parameters: {}", command_.text()));
+  // From here on the IMU is as calibrated.
+  navigator_.set_listening(!config_.on_truth);
+  navigator_.restart();
   enter(Stage::kArm);
 }
 
@@ -173,7 +184,10 @@ void FlightDirector::arm() {
     enter(Stage::kFly);
     return;
   }
-  if (status.error_code == 0) pilot_.set_switch(Control::kArm, true);
+  constexpr double kFreshFix_s = 1.0;
+  const bool ready = config_.on_truth || (navigator_.estimate().usable() &&
+                                          navigator_.health().gnss_age_s < kFreshFix_s);
+  if (status.error_code == 0 && ready) pilot_.set_switch(Control::kArm, true);
 }
 
 /// The safety pilot's throttle: up to hover while the computer flies, so that whoever loses the
@@ -181,10 +195,10 @@ void FlightDirector::arm() {
 void FlightDirector::keep_thumb_ready(const sim::Truth& truth) {
   constexpr double kHighEnough_m = 1.0;
   constexpr double kSinking = 0.9;
-  const autonomy::Phase phase = manager_.output().phase;
-  const bool up = -truth.body.p_N.z() > kHighEnough_m && phase != autonomy::Phase::kLanded;
+  const GuideOutput& doing = guide_.output();
+  const bool up = -truth.body.p_N.z() > kHighEnough_m && !(doing.idle && doing.landed);
   double wanted = up ? config_.hover_stick : 0.0;
-  if (phase == autonomy::Phase::kLanding) wanted *= kSinking;
+  if (doing.coming_down) wanted *= kSinking;
   if (static_cast<float>(wanted) == thumb_) return;
   thumb_ = static_cast<float>(wanted);
   pilot_.set(Control::kThrottle, thumb_);
@@ -194,9 +208,7 @@ void FlightDirector::keep_thumb_ready(const sim::Truth& truth) {
 void FlightDirector::watch_for_the_end(const sim::Truth& truth) {
   constexpr double kLongestOnGround_s = 1.0;
   constexpr double kLongestSilence_s = 10.0;
-  const autonomy::Phase phase = manager_.output().phase;
-  const bool in_air =
-      phase == autonomy::Phase::kPositionHold || phase == autonomy::Phase::kOffboard;
+  const bool in_air = guide_.output().in_air;
   const double tilt_cosine = (truth.body.q_NB * sim::Vector3::UnitZ()).z();
   constexpr double kOverturned = 0.3;
   if (!truth.on_ground || (!in_air && tilt_cosine > kOverturned)) grounded_since_ = now_;
@@ -206,23 +218,92 @@ void FlightDirector::watch_for_the_end(const sim::Truth& truth) {
   if (disarmed_) return fail("disarmed in flight");
 }
 
+void FlightDirector::look(const sim::Truth& truth) {
+  if (config_.on_truth) {
+    estimate_ = true_state(truth);
+    return;
+  }
+  estimate_ = navigator_.estimate();
+  constexpr double kStale_s = 0.5;
+  const bool stale = seconds(now_) - estimate_.t_s > kStale_s;
+  if (navigator_.health().initialised && !stale) return;
+  estimate_.p_N.setConstant(std::numeric_limits<double>::quiet_NaN());  // guidance gives up
+}
+
+/// What the range sensor says now, if it says anything.
+std::optional<double> FlightDirector::range() const {
+  constexpr double kOld_s = 0.2;
+  const auto& range = session_.streams().range;
+  const double reading_m = static_cast<double>(range.value.range_m);
+  const bool fresh =
+      range.count > 0 && seconds(now_) - companion::to_seconds(range.stamp.arrival) < kOld_s;
+  const bool inside = reading_m >= static_cast<double>(range.value.min_m) &&
+                      reading_m < static_cast<double>(range.value.max_m);
+  return fresh && inside && config_.use_range ? std::optional(reading_m) : std::nullopt;
+}
+
+/// Says what changes in the estimate; a position that is worth nothing ends the mission where it
+/// is.
+void FlightDirector::watch_the_estimate() {
+  const autonomy::estimation::EstimatorHealth& health = navigator_.health();
+  if (!health.initialised) return;
+  if (estimate_.horizontal != horizontal_seen_) {
+    horizontal_seen_ = estimate_.horizontal;
+    if (horizontal_seen_ == autonomy::Trust::kGood) {
+      note(Severity::kInfo, "estimator", "position aided");
+    } else {
+      const bool lost = horizontal_seen_ == autonomy::Trust::kNone;
+      note(lost ? Severity::kError : Severity::kWarning, "estimator",
+           lost ? "position lost, landing" : "position by dead reckoning");
+      if (lost) guide_.request_land();
+    }
+  }
+  const bool heading = estimate_.heading == autonomy::Trust::kGood;
+  if (heading != heading_seen_) {
+    heading_seen_ = heading;
+    note(heading ? Severity::kInfo : Severity::kWarning, "estimator",
+         heading ? "heading aided" : "heading by the gyro alone");
+  }
+  const std::uint64_t resets =
+      health.gnss_resets + health.baro_relearned + health.ground_relearned + health.restarts;
+  if (resets == resets_seen_) return;
+  resets_seen_ = resets;
+  note(Severity::kWarning, "estimator",
+       fmt::format("resets: to GNSS {}, barometer's bias {}, ground {}, all {}", health.gnss_resets,
+                   health.baro_relearned, health.ground_relearned, health.restarts));
+}
+
+/// The firmware's own filter has nothing but gyro and accelerometer: in drag and in turns it takes
+/// what it feels for tilt. This is what ROSflight's external attitude is for.
+void FlightDirector::share_the_attitude() {
+  const bool good = navigator_.health().initialised && estimate_.p_N.allFinite() &&
+                    estimate_.attitude == autonomy::Trust::kGood;
+  if (!config_.share_attitude || mute_ || !good) return;
+  const autonomy::Quaternion& q = estimate_.q_NB;
+  link::ExternalAttitude attitude;
+  attitude.q_NB = {static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
+                   static_cast<float>(q.z())};
+  static_cast<void>(session_.offboard().send(attitude));
+}
+
 void FlightDirector::fly(const sim::Truth& truth) {
   if (--countdown_ > 0) return;
   countdown_ = config_.autonomy_every;
   keep_thumb_ready(truth);
   const link::Status& fcu = session_.streams().status.value;
-  autonomy::State state;
-  state.p_N = truth.body.p_N;
-  state.v_N = truth.body.q_NB * truth.body.v_B;
-  state.q_NB = truth.body.q_NB;
-  state.w_B = truth.body.w_B;
+  look(truth);
+  if (!config_.on_truth) {
+    watch_the_estimate();
+    share_the_attitude();
+  }
   autonomy::Status status;
   status.armed = fcu.armed;
   status.offboard = fcu.offboard;
   status.rc_override = fcu.rc_override;
   status.battery_voltage_V = static_cast<double>(session_.streams().battery.value.voltage_V);
-  const autonomy::FlightOutput& output = manager_.step(seconds(now_), state, status);
-  take_events(output);
+  const Guide::Input in{
+      .t_s = seconds(now_), .state = estimate_, .status = status, .range_m = range()};
+  const GuideOutput& output = guide_.step(in, [this](const Guide::Note& said) { take(said); });
   if (!mute_) {
     link::OffboardControl command;
     command.mode = static_cast<std::uint8_t>(output.command.mode);
@@ -239,43 +320,11 @@ void FlightDirector::fly(const sim::Truth& truth) {
   watch_for_the_end(truth);
 }
 
-void FlightDirector::take_events(const autonomy::FlightOutput& output) {
-  for (std::size_t k = 0; k < output.event_count; ++k) {
-    const autonomy::FlightEvent& e = output.events[k];
-    switch (e.type) {
-      case FlightEventType::kPhase:
-        note(Severity::kInfo, "autonomy", fmt::format("phase {}", name(output.phase)));
-        break;
-      case FlightEventType::kWaypointReached:
-      case FlightEventType::kWaypointMissed: {
-        const bool reached = e.type == FlightEventType::kWaypointReached;
-        if (arrivals_.size() <= e.index) arrivals_.resize(e.index + 1);
-        arrivals_[e.index] = {reached, e.value, seconds(now_)};
-        note(reached ? Severity::kInfo : Severity::kWarning, "autonomy",
-             fmt::format("waypoint {} {} at {:.2f} m", e.index + 1, reached ? "reached" : "missed",
-                         e.value));
-        break;
-      }
-      case FlightEventType::kMissionDone:
-        note(Severity::kInfo, "autonomy", "mission done");
-        break;
-      case FlightEventType::kTakeoffFailed:
-        note(Severity::kError, "autonomy", "take-off failed");
-        break;
-      case FlightEventType::kPilotTookOver:
-        note(Severity::kWarning, "autonomy", "pilot took over");
-        break;
-      case FlightEventType::kPilotGaveBack:
-        note(Severity::kInfo, "autonomy", "pilot gave back");
-        break;
-      case FlightEventType::kStateLost:
-        note(Severity::kError, "autonomy", "state lost");
-        break;
-      case FlightEventType::kStateRegained:
-        note(Severity::kInfo, "autonomy", "state regained");
-        break;
-    }
-  }
+void FlightDirector::take(const Guide::Note& said) {
+  note(said.severity, "autonomy", said.text);
+  if (!said.waypoint) return;
+  if (arrivals_.size() <= *said.waypoint) arrivals_.resize(*said.waypoint + 1);
+  arrivals_[*said.waypoint] = {said.reached, said.distance_m, seconds(now_)};
 }
 
 void FlightDirector::disarm() {

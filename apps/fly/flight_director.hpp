@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "autonomy/multirotor/flight_manager.hpp"
+#include "apps/fly/guide.hpp"
+#include "apps/fly/navigator.hpp"
 #include "companion/session.hpp"
 #include "sim/modules.hpp"
 #include "sim/rc/pilot.hpp"
@@ -31,6 +33,10 @@ struct DirectorConfig {
   int autonomy_every{4};             ///< Autonomy runs every so many steps.
   double longest_flight_s{600.0};    ///< From arming; then the flight has failed.
   double hover_stick{0.5};           ///< Throttle stick that holds the vehicle in the air.
+  bool calibrate_airspeed{false};    ///< There is a pitot tube, and it is covered.
+  bool use_range{true};              ///< Guidance is given the range sensor.
+  bool share_attitude{true};         ///< The estimated attitude goes to the firmware's filter.
+  bool on_truth{false};              ///< Guidance is given the true state.
 };
 
 /// What the world shall do at a named moment of the flight; used by tests to play the pilot.
@@ -43,13 +49,14 @@ struct DirectorNote {
 
 /// The companion computer and the pilot's thumbs: brings the firmware up through its own link and
 /// radio, flies the mission with offboard commands, lands, disarms. Knows nothing that a real
-/// companion would not, but for the true position and velocity it is given as its state.
+/// companion would not, unless it is told to fly on the truth. The pilot and the referee, who end a
+/// flight that cannot go on, see the vehicle itself.
 class FlightDirector final : private companion::Listener {
  public:
   using Notify = std::function<void(const DirectorNote&)>;
 
   FlightDirector(const DirectorConfig& config, companion::Session& session, sim::rc::Pilot& pilot,
-                 autonomy::FlightManager& manager);
+                 Guide& guide, Navigator& navigator);
   ~FlightDirector() override;
 
   void set_notify(Notify notify) { notify_ = std::move(notify); }
@@ -72,7 +79,9 @@ class FlightDirector final : private companion::Listener {
   };
   /// One per waypoint of the mission.
   const std::vector<Arrival>& arrivals() const { return arrivals_; }
-  const autonomy::FlightOutput& output() const { return manager_.output(); }
+  const GuideOutput& output() const { return guide_.output(); }
+  /// Of the last step of guidance.
+  const autonomy::StateEstimate& estimate() const { return estimate_; }
 
  private:
   void on_event(const companion::Event& event) override;
@@ -82,18 +91,27 @@ class FlightDirector final : private companion::Listener {
   void store();
   void arm();
   void fly(const sim::Truth& truth);
+  void look(const sim::Truth& truth);
+  void watch_the_estimate();
+  void share_the_attitude();
   void disarm();
   void keep_thumb_ready(const sim::Truth& truth);
   void watch_for_the_end(const sim::Truth& truth);
   void enter(Stage stage);
   void fail(const std::string& why);
   void note(link::Severity severity, const char* source, const std::string& text);
-  void take_events(const autonomy::FlightOutput& output);
+  std::optional<double> range() const;
+  void take(const Guide::Note& said);
 
   DirectorConfig config_;
   companion::Session& session_;
   sim::rc::Pilot& pilot_;
-  autonomy::FlightManager& manager_;
+  Guide& guide_;
+  Navigator& navigator_;
+  autonomy::StateEstimate estimate_;
+  std::uint64_t resets_seen_{0};
+  autonomy::Trust horizontal_seen_{autonomy::Trust::kGood};
+  bool heading_seen_{true};
   Notify notify_;
   sim::Time now_{};
   sim::Time entered_{};
@@ -105,6 +123,7 @@ class FlightDirector final : private companion::Listener {
   float thumb_{0.0F};
   bool mute_{false};
   bool disarmed_{false};
+  bool airspeed_calibrated_{false};
   std::string failure_;
   std::vector<Arrival> arrivals_;
   companion::Job<companion::LoadReport> load_;

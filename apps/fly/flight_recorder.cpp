@@ -74,15 +74,15 @@ FlightRecorder::FlightRecorder(Flight& flight, const std::filesystem::path& log_
   const log::TextMap facts{{"vehicle", std::filesystem::path(setup.choice.vehicle).stem().string()},
                            {"mission", std::filesystem::path(setup.mission_file).stem().string()},
                            {"seed", std::to_string(setup.choice.seed)},
-                           {"state", "truth"}};
+                           {"state", setup.choice.state}};
   log_ = std::make_unique<log::FlightLog>(log_file, options, facts);
   log_->attach("vehicle.yaml", "application/yaml", setup.vehicle.text());
   log_->attach("mission.yaml", "application/yaml", setup.mission_text);
   record_.motor_count = setup.rotors.rotors.size();
-  for (const autonomy::Waypoint& waypoint : setup.mission.waypoints) {
+  for (const ShownWaypoint& waypoint : setup.waypoints) {
     report::Waypoint shown;
     shown.p_N_m = {waypoint.p_N.x(), waypoint.p_N.y(), waypoint.p_N.z()};
-    shown.heading_rad = waypoint.psi_rad;
+    shown.heading_rad = waypoint.heading_rad;
     shown.hold_s = waypoint.hold_s;
     record_.waypoints.push_back(shown);
   }
@@ -115,10 +115,10 @@ void FlightRecorder::note(const DirectorNote& note) {
 
 void FlightRecorder::log_autonomy(sim::Time t) {
   if (flight_.director().stage() != Stage::kFly) return;
-  const autonomy::FlightOutput& output = flight_.autonomy();
+  const GuideOutput& output = flight_.autonomy();
   if (output.phase != last_phase_) {
     last_phase_ = output.phase;
-    log_->write_phase(t, autonomy::name(output.phase));
+    log_->write_phase(t, output.phase);
   }
   constexpr double kInterval_s = 0.0099;  // autonomy runs at 100 Hz
   if (seconds(t) - last_setpoint_s_ < kInterval_s) return;
@@ -154,7 +154,7 @@ void FlightRecorder::add_sample(const sim::Truth& truth, const hal::OutputValues
       }
     }
   }
-  const autonomy::FlightOutput& output = flight_.autonomy();
+  const GuideOutput& output = flight_.autonomy();
   if (flight_.director().stage() == Stage::kFly && output.tracking) {
     sample.setpoint_N_m = to_vec3(output.setpoint.p_N);
   }
@@ -187,8 +187,7 @@ void FlightRecorder::follow_states(double t_s) {
                     primary == 0 ? Tone::kGood : Tone::kWarning);
   const Stage stage = flight_.director().stage();
   const bool flying = stage == Stage::kFly;
-  record_.set_state("autonomy", t_s,
-                    flying ? autonomy::name(flight_.autonomy().phase) : stage_name(stage),
+  record_.set_state("autonomy", t_s, flying ? flight_.autonomy().phase : stage_name(stage),
                     flying ? Tone::kGood : Tone::kNeutral);
 }
 

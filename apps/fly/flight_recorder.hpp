@@ -42,7 +42,7 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
   std::shared_ptr<link::Codec> from_companion_;
   sim::Time boot_{};
   double last_setpoint_s_{-1.0};
-  autonomy::Phase last_phase_{autonomy::Phase::kDisarmed};
+  std::string last_phase_{"disarmed"};
   int warnings_{0};
   int errors_{0};
   std::uint64_t dropped_{0};

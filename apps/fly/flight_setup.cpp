@@ -10,9 +10,12 @@
 #include <iterator>
 #include <numbers>
 
+#include "apps/fly/navigator.hpp"
 #include "apps/project_root.hpp"
+#include "autonomy/estimation/read_estimator.hpp"
 #include "firmware/core/motor_model.hpp"
 #include "firmware/core/parameters.hpp"
+#include "sim/fixedwing/fixedwing.hpp"
 #include "sim/sensors/register.hpp"
 
 namespace rosflight::apps {
@@ -41,7 +44,8 @@ sim::Vehicle open_vehicle(sim::Registry& registry, const FlightChoice& choice) {
   return sim::Vehicle::from_file(fill(registry, choice).vehicle_file(choice.vehicle), overrides);
 }
 
-std::string find_mission(const std::string& name) {
+std::string find_mission(const std::string& wanted, bool fixed_wing) {
+  std::string name = wanted == "default" && fixed_wing ? "fixedwing" : wanted;
   const bool path = name.find('/') != std::string::npos || name.find(".yaml") != std::string::npos;
   if (path) return name;
   const std::filesystem::path folder = project_root() / "missions";
@@ -104,6 +108,93 @@ autonomy::AutonomyConfig read_autonomy_section(const sim::Vehicle& vehicle,
         static_cast<double>(motor.max_thrust_N(static_cast<float>(facts.rotors.air_density_kg_m3)));
   }
   return autonomy::read_autonomy(vehicle.autonomy(), facts);
+}
+
+/// Height of the centre of mass over its lowest point of contact.
+double height_at_rest_m(const sim::Vehicle& vehicle) {
+  double lowest_m = 0.0;
+  for (const sim::Vector3& contact : vehicle.ground().contacts_B) {
+    lowest_m = std::max(lowest_m, contact.z());
+  }
+  return lowest_m;
+}
+
+autonomy::estimation::EstimatorConfig read_estimator_section(const sim::Vehicle& vehicle) {
+  autonomy::estimation::EstimatorConfig defaults;
+  defaults.gravity_m_s2 = vehicle.environment().gravity_m_s2;
+  defaults.declination_at = wmm2025_declination;
+  defaults.height_at_rest_m = height_at_rest_m(vehicle);
+  return autonomy::estimation::read_estimator(vehicle.autonomy().foreign_section("estimator"),
+                                              defaults);
+}
+
+constexpr std::string_view kFixedWing = "fixedwing";
+
+bool is_fixed_wing(const sim::Vehicle& vehicle) {
+  return vehicle.type() == kFixedWing;
+}
+
+sim::MultirotorParameters read_rotors(const sim::Vehicle& vehicle) {
+  if (is_fixed_wing(vehicle)) return sim::read_fixed_wing(vehicle.root()).propulsion;
+  return sim::read_multirotor(vehicle.root());
+}
+
+autonomy::fixedwing::AutonomyConfig read_wing_section(const sim::Vehicle& vehicle) {
+  const sim::AirframeParameters airframe = sim::read_fixed_wing(vehicle.root()).airframe;
+  const sim::EnvironmentParameters& environment = vehicle.environment();
+  autonomy::fixedwing::VehicleFacts facts;
+  facts.mass_kg = vehicle.body().mass_kg;
+  facts.gravity_m_s2 = environment.gravity_m_s2;
+  facts.wing_area_m2 = airframe.area_m2;
+  facts.density_kg_m3 =
+      sim::Atmosphere(environment.atmosphere).at(environment.origin.height_m).density_kg_m3;
+  facts.lift_zero = airframe.lift.zero;
+  facts.lift_alpha_1_rad = airframe.lift.alpha;
+  facts.pitch_zero = airframe.pitch.zero;
+  facts.pitch_alpha_1_rad = airframe.pitch.alpha;
+  facts.pitch_elevator_1_rad = airframe.pitch.elevator;
+  return autonomy::fixedwing::read_autonomy(vehicle.autonomy(), facts);
+}
+
+std::variant<MultirotorPlan, WingPlan> read_plan(const sim::Vehicle& vehicle,
+                                                 const sim::MultirotorParameters& rotors,
+                                                 const companion::ParameterSet& firmware,
+                                                 const std::string& mission_file) {
+  const sim::GeodeticPosition& place = vehicle.environment().origin;
+  const autonomy::Geodetic origin{place.latitude_deg, place.longitude_deg, place.height_m};
+  if (is_fixed_wing(vehicle)) {
+    WingPlan plan;
+    plan.autonomy = read_wing_section(vehicle);
+    plan.mission = autonomy::fixedwing::load_mission(mission_file, plan.autonomy.mission, origin);
+    return plan;
+  }
+  MultirotorPlan plan;
+  plan.autonomy = read_autonomy_section(vehicle, rotors, firmware);
+  plan.mission = autonomy::load_mission(mission_file, plan.autonomy.mission, origin);
+  return plan;
+}
+
+std::vector<ShownWaypoint> shown(const std::variant<MultirotorPlan, WingPlan>& plan) {
+  std::vector<ShownWaypoint> out;
+  if (const auto* wing = std::get_if<WingPlan>(&plan)) {
+    for (const auto& wp : wing->mission.waypoints) {
+      out.push_back({wp.p_N, wp.course_rad, wp.hold_s});
+    }
+    return out;
+  }
+  for (const auto& wp : std::get<MultirotorPlan>(plan).mission.waypoints) {
+    out.push_back({wp.p_N, wp.psi_rad, wp.hold_s});
+  }
+  return out;
+}
+
+double throttle_that_carries(const std::variant<MultirotorPlan, WingPlan>& plan,
+                             const sim::Vehicle& vehicle) {
+  if (const auto* wing = std::get_if<WingPlan>(&plan)) {
+    return wing->autonomy.flight.controller.throttle_cruise;
+  }
+  return std::get<MultirotorPlan>(plan).autonomy.flight.thrust.throttle(
+      vehicle.body().mass_kg * vehicle.environment().gravity_m_s2);
 }
 
 }  // namespace
@@ -193,14 +284,13 @@ std::vector<std::string> wind_overrides(const std::string& text) {
 FlightSetup::FlightSetup(const FlightChoice& choice_in)
     : choice{choice_in},
       vehicle{open_vehicle(registry, choice)},
-      rotors{sim::read_multirotor(vehicle.root())},
+      rotors{read_rotors(vehicle)},
       firmware{read_firmware_parameters(vehicle.firmware())},
-      autonomy{read_autonomy_section(vehicle, rotors, firmware)},
-      mission_file{find_mission(choice.mission)},
-      mission{autonomy::load_mission(mission_file, autonomy.mission,
-                                     autonomy::Geodetic{vehicle.environment().origin.latitude_deg,
-                                                        vehicle.environment().origin.longitude_deg,
-                                                        vehicle.environment().origin.height_m})},
+      estimator{read_estimator_section(vehicle)},
+      mission_file{find_mission(choice.mission, is_fixed_wing(vehicle))},
+      plan{read_plan(vehicle, rotors, firmware, mission_file)},
+      waypoints{shown(plan)},
+      hover_throttle{throttle_that_carries(plan, vehicle)},
       channels{channels_of(firmware)},
       faults{sim::parse_faults(choice.faults)} {
   mission_text = read_text(mission_file);

@@ -3,8 +3,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
+#include "autonomy/estimation/estimator_config.hpp"
+#include "autonomy/fixedwing/config.hpp"
 #include "autonomy/multirotor/config.hpp"
 #include "companion/parameter.hpp"
 #include "sim/faults.hpp"
@@ -19,15 +22,31 @@ struct FlightChoice {
   std::string board{"in_process"};  ///< Or "qemu_m7".
   std::string link{"cable"};        ///< Or "uart", of qemu_m7, in real time.
   std::string vehicle{"multirotor"};
-  std::string mission{"default"};
+  std::string mission{"default"};  ///< Of the vehicle's kind.
   std::uint64_t seed{1};
   std::string link_protocol{"mavlink"};  ///< What the board speaks: mavlink or lean.
-  std::string state{"truth"};            ///< Position and velocity for guidance.
+  std::string state{"estimate"};         ///< What guidance flies on: estimate or truth.
   std::vector<std::string> overrides;    ///< "body.mass_kg=3.2"
   std::vector<std::string> faults;       ///< "baro@20:5"
   std::vector<std::string> plugins;      ///< Shared libraries.
   std::vector<std::string> visualisers;  ///< Names that a plugin registered.
   std::optional<std::string> wind;       ///< "SPEED,FROM_DEG[,W20]"
+};
+
+struct MultirotorPlan {
+  autonomy::AutonomyConfig autonomy;
+  autonomy::Mission mission;
+};
+struct WingPlan {
+  autonomy::fixedwing::AutonomyConfig autonomy;
+  autonomy::fixedwing::Mission mission;
+};
+
+/// A waypoint as the report shows it.
+struct ShownWaypoint {
+  sim::Vector3 p_N{sim::Vector3::Zero()};
+  double heading_rad{};
+  double hold_s{};
 };
 
 /// Everything a flight needs, read and checked. @throws config::Error, one line.
@@ -39,14 +58,18 @@ struct FlightSetup {
   FlightChoice choice;
   sim::Registry registry;
   sim::Vehicle vehicle;
-  sim::MultirotorParameters rotors;
+  sim::MultirotorParameters rotors;  ///< Of a fixed wing: its propulsion.
   companion::ParameterSet firmware;
-  autonomy::AutonomyConfig autonomy;
+  autonomy::estimation::EstimatorConfig estimator;
   std::string mission_file;
   std::string mission_text;
-  autonomy::Mission mission;
+  std::variant<MultirotorPlan, WingPlan> plan;
+  std::vector<ShownWaypoint> waypoints;
+  double hover_throttle{};  ///< Stick that carries the vehicle: hovering, or in cruise.
   sim::rc::ChannelMap channels;
   sim::FaultSchedule faults;
+
+  bool fixed_wing() const { return std::holds_alternative<WingPlan>(plan); }
 };
 
 /// Parameters of a vehicle's section `firmware`, typed and in range. @throws config::Error.

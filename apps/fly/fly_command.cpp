@@ -109,7 +109,7 @@ Result judge(const Flight& flight, double wall_s) {
   const auto& arrivals = director.arrivals();
   result.waypoints_reached = static_cast<std::size_t>(
       std::count_if(arrivals.begin(), arrivals.end(), [](const auto& a) { return a.reached; }));
-  const std::size_t total = flight.setup().mission.waypoints.size();
+  const std::size_t total = flight.setup().waypoints.size();
   const bool all = result.waypoints_reached == total;
   result.success =
       director.stage() == Stage::kDone && all && flight.autonomy().landed && director.disarmed();
@@ -151,7 +151,7 @@ void fill_record(report::FlightRecord& record, const Flight& flight, const Resul
         {std::move(label), std::move(value), std::move(unit), headline, report::Tone::kNeutral});
   };
   fact("Waypoints reached",
-       fmt::format("{} of {}", result.waypoints_reached, setup.mission.waypoints.size()), "", true);
+       fmt::format("{} of {}", result.waypoints_reached, setup.waypoints.size()), "", true);
   fact("Tracking error, rms", fmt::format("{:.2f}", flight.tracking().rms_m()), "m", true);
   fact("Tracking error, largest", fmt::format("{:.2f}", flight.tracking().max_m), "m", true);
   fact("Flight time", fmt::format("{:.1f}", result.flight_time_s), "s", true);
@@ -194,6 +194,39 @@ std::string quoted(const std::string& text) {
   return out + "\"";
 }
 
+/// What only a fixed wing has, as further entries of the summary.
+std::string wing_json(const Flight& flight) {
+  const WingRecord* w = flight.wing_record();
+  if (w == nullptr) return "";
+  std::string out = fmt::format(
+      "\"straight_rms_m\": {:.6f}, \"arc_rms_m\": {:.6f}, \"straight_total_rms_m\": {:.6f}, "
+      "\"arc_total_rms_m\": {:.6f}, \"height_rms_m\": {:.6f}, \"height_total_rms_m\": {:.6f}, "
+      "\"airspeed_rms_m_s\": {:.6f}, \"largest_roll_deg\": {:.4f}, "
+      "\"lowest_airspeed_m_s\": {:.4f}, ",
+      w->straight.rms_m(), w->arc.rms_m(), w->straight_total.rms_m(), w->arc_total.rms_m(),
+      w->height.rms_m(), w->height_total.rms_m(), w->airspeed.rms_m(),
+      w->roll.max_m / autonomy::kRadPerDeg, w->lowest_airspeed_m_s);
+  if (const auto& t = w->touchdown()) {
+    out += fmt::format(
+        "\"touchdown\": {{\"distance_m\": {:.4f}, \"along_m\": {:.4f}, \"sink_m_s\": {:.4f}, "
+        "\"roll_deg\": {:.4f}, \"pitch_deg\": {:.4f}}}, ",
+        t->distance_m, t->along_m, t->sink_m_s, t->roll_rad / autonomy::kRadPerDeg,
+        t->pitch_rad / autonomy::kRadPerDeg);
+  }
+  return out;
+}
+
+void print_wing(std::ostream& out, const WingRecord& w) {
+  fmt::print(out, "cross-track      {:.2f} m rms on straights, {:.2f} m on arcs\n",
+             w.straight.rms_m(), w.arc.rms_m());
+  fmt::print(out, "height, airspeed {:.2f} m, {:.2f} m/s rms\n", w.height.rms_m(),
+             w.airspeed.rms_m());
+  if (const auto& t = w.touchdown()) {
+    fmt::print(out, "touch-down       {:.1f} m from the aim point, sink {:.2f} m/s\n",
+               t->distance_m, t->sink_m_s);
+  }
+}
+
 /// Figures of a board with a processor of its own, as further members of the summary.
 std::string processor_json(const Flight& flight, double sim_time_s) {
   const auto figures = flight.flight_board().figures();
@@ -218,7 +251,7 @@ std::string summary_json(const Flight& flight, const Result& result, const Fligh
   const FlightSetup& setup = flight.setup();
   std::string waypoints;
   const auto& arrivals = flight.director().arrivals();
-  for (std::size_t k = 0; k < setup.mission.waypoints.size(); ++k) {
+  for (std::size_t k = 0; k < setup.waypoints.size(); ++k) {
     const FlightDirector::Arrival arrival =
         k < arrivals.size() ? arrivals[k] : FlightDirector::Arrival{};
     waypoints += fmt::format(
@@ -232,15 +265,17 @@ std::string summary_json(const Flight& flight, const Result& result, const Fligh
       "\"mission\": {}, \"seed\": {}, "
       "\"sim_time_s\": {:.4f}, \"flight_time_s\": {:.4f}, \"wall_time_s\": {:.4f}, "
       "\"realtime_factor\": {:.1f}, \"waypoints_total\": {}, \"waypoints_reached\": {}, "
-      "\"waypoints\": [{}], \"tracking_rms_m\": {:.6f}, \"tracking_max_m\": {:.6f}, \"landed\": "
+      "\"waypoints\": [{}], \"tracking_rms_m\": {:.6f}, \"tracking_max_m\": {:.6f}, "
+      "\"own_tracking_rms_m\": {:.6f}, \"own_tracking_max_m\": {:.6f}, {}\"landed\": "
       "{}, "
       "\"disarmed\": {}, \"warnings\": {}, \"errors\": {}, \"frames_dropped\": {}, "
       "\"log\": {}, \"log_sha256\": \"{}\", \"log_messages\": {}, \"log_bytes\": {}{}}}\n",
       result.success, quoted(result.verdict), quoted(setup.choice.board), quoted(setup.choice.link),
       quoted(setup.choice.link_protocol), quoted(setup.choice.vehicle),
       quoted(setup.choice.mission), setup.choice.seed, result.sim_time_s, result.flight_time_s,
-      result.wall_time_s, result.realtime_factor(), setup.mission.waypoints.size(),
+      result.wall_time_s, result.realtime_factor(), setup.waypoints.size(),
       result.waypoints_reached, waypoints, flight.tracking().rms_m(), flight.tracking().max_m,
+      flight.own_tracking().rms_m(), flight.own_tracking().max_m, wing_json(flight),
       flight.autonomy().landed, flight.director().disarmed(), recorder.warnings(),
       recorder.errors(), recorder.dropped_frames(), quoted(log.path.string()), log.sha256,
       log.messages, log.bytes, processor_json(flight, result.sim_time_s));
@@ -251,7 +286,7 @@ void print_summary(std::ostream& out, const Flight& flight, const Result& result
   fmt::print(out, "{}\n\n", result.verdict);
   fmt::print(out, "waypoint  reached  missed by\n");
   const auto& arrivals = flight.director().arrivals();
-  for (std::size_t k = 0; k < flight.setup().mission.waypoints.size(); ++k) {
+  for (std::size_t k = 0; k < flight.setup().waypoints.size(); ++k) {
     if (k >= arrivals.size()) {
       fmt::print(out, "{:>8}  not flown\n", k + 1);
     } else if (arrivals[k].reached) {
@@ -263,6 +298,7 @@ void print_summary(std::ostream& out, const Flight& flight, const Result& result
   }
   fmt::print(out, "\ntracking error   {:.2f} m rms, {:.2f} m largest\n", flight.tracking().rms_m(),
              flight.tracking().max_m);
+  if (const WingRecord* wing = flight.wing_record()) print_wing(out, *wing);
   fmt::print(out, "flight time      {:.1f} s of {:.1f} s simulated\n", result.flight_time_s,
              result.sim_time_s);
   fmt::print(out, "speed            {:.0f} times real time ({:.2f} s, log and report included)\n",

@@ -2,16 +2,10 @@
 #pragma once
 #include <cmath>
 
+#include "autonomy/common/angles.hpp"
 #include "autonomy/multirotor/types.hpp"
 
 namespace rosflight::autonomy {
-
-/// The same angle in (-pi, pi]; exact for |angle| <= pi.
-inline double wrap_angle(double angle_rad) {
-  if (angle_rad > -kPi && angle_rad <= kPi) return angle_rad;
-  const double wrapped = std::remainder(angle_rad, 2.0 * kPi);
-  return wrapped <= -kPi ? kPi : wrapped;
-}
 
 /// The attitude as the control loops need it, with one trigonometric call.
 struct AttitudeView {
@@ -34,21 +28,6 @@ struct AttitudeView {
       cos_psi = r00 / length;
       psi_rad = std::atan2(r10, r00);
     }
-  }
-};
-
-struct RollPitch {
-  double roll_rad{};
-  double pitch_rad{};
-
-  static RollPitch of(const Quaternion& q_NB) {
-    const double w = q_NB.w();
-    const double x = q_NB.x();
-    const double y = q_NB.y();
-    const double z = q_NB.z();
-    const double sin_pitch = 2.0 * (w * y - x * z);
-    return {std::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)),
-            std::asin(std::fmin(1.0, std::fmax(-1.0, sin_pitch)))};
   }
 };
 

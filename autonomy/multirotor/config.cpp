@@ -220,6 +220,7 @@ AutonomyConfig read_autonomy(const Section& autonomy, const VehicleFacts& vehicl
   read_takeoff(section("takeoff"), out.flight.states);
   read_hold(section("hold"), out.flight.states);
   read_landing(section("landing"), out.flight.states.landing);
+  static_cast<void>(autonomy.foreign_section("estimator"));  // estimation/read_estimator.hpp
   autonomy.finish();
   return out;
 }

@@ -2,8 +2,8 @@
 #pragma once
 #include <array>
 
+#include "autonomy/common/pid.hpp"
 #include "autonomy/multirotor/angles.hpp"
-#include "autonomy/multirotor/pid.hpp"
 #include "autonomy/multirotor/thrust_model.hpp"
 #include "autonomy/multirotor/types.hpp"
 

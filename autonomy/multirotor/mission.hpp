@@ -6,16 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "autonomy/multirotor/geodesy.hpp"
+#include "autonomy/common/mission_file.hpp"
 #include "autonomy/multirotor/types.hpp"
 
 namespace rosflight::autonomy {
-
-enum class AtEnd : std::uint8_t {
-  kLand,  ///< Below the last waypoint.
-  kHold,  ///< Stay at the last waypoint.
-  kCycle  ///< Fly to the first again.
-};
 
 struct Mission {
   std::vector<Waypoint> waypoints;
@@ -29,9 +23,9 @@ struct MissionLimits {
   double max_height_m{120.0};     ///< Above the origin.
   double min_height_m{0.5};
   double max_speed_m_s{5.0};
-};
 
-inline constexpr std::size_t kMaxWaypoints = 1000;
+  MissionArea area() const { return {max_distance_m, max_height_m, min_height_m}; }
+};
 
 /// Reads a mission file.
 ///

@@ -67,6 +67,12 @@ void PathManager::plan_leg(double t_s, const Trajectory& from) {
   LegLimits limits = config_.limits;
   limits.speed_m_s = std::min(limits.speed_m_s, target.speed_m_s);
   const double way_m = (target.p_N - from.p_N).norm();
+  constexpr double kAtCrossing_m = 0.01;
+  if (target.figure_turns > 0 && way_m < kAtCrossing_m && from.v_N.isZero(1e-6)) {
+    leg_ = FigureEightLeg(from, target.figure_radius_m, target.figure_turns,
+                          target.figure_course_rad, limits.speed_m_s, limits.acceleration_m_s2);
+    return;
+  }
   const bool along_path = speed_m_s_ > 0.0 || from.v_N.isZero(0.0);
   if (config_.interpolation == Interpolation::kLinear && along_path && way_m > kShortestLinear_m) {
     const double reachable =

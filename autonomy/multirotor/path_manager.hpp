@@ -3,6 +3,7 @@
 #include <variant>
 #include <vector>
 
+#include "autonomy/multirotor/figure_eight.hpp"
 #include "autonomy/multirotor/leg.hpp"
 #include "autonomy/multirotor/types.hpp"
 
@@ -30,6 +31,9 @@ struct PathConfig {
 /// Linear legs pass a goto waypoint at its speed, without waiting: reached or missed is judged at
 /// the moment of passing. Speeds are lowered where 2 a_max d does not allow the change. Velocity
 /// then jumps in direction at a corner: that is the price of the option.
+///
+/// A waypoint with a figure of eight is flown as one, from where the waypoint before it has led to;
+/// started anew after a pause it is an ordinary waypoint.
 ///
 /// The clock runs from start() on, so a list can be given at any time before the flight.
 class PathManager {
@@ -66,7 +70,7 @@ class PathManager {
   const PathConfig& config() const { return config_; }
 
  private:
-  using Leg = std::variant<QuinticLeg, LinearLeg>;
+  using Leg = std::variant<QuinticLeg, LinearLeg, FigureEightLeg>;
   void plan_speeds();
   void plan_leg(double t_s, const Trajectory& from);
   double leg_duration_s() const;

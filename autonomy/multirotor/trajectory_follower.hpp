@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include "autonomy/common/pid.hpp"
 #include "autonomy/multirotor/angles.hpp"
-#include "autonomy/multirotor/pid.hpp"
 #include "autonomy/multirotor/types.hpp"
 
 namespace rosflight::autonomy {

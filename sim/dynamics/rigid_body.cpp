@@ -149,7 +149,8 @@ void RigidBody::begin(const BodyState& given, std::span<const double> module_sta
 
 void RigidBody::evaluate(const State& y, const BodyState& body, const Matrix3& R_NB,
                          const hal::OutputValues& outputs, State& y_dot) {
-  const Vector3 v_air_B = body.v_B - R_NB.transpose() * truth_.air.wind_N;
+  Vector3 v_air_B = Vector3::Zero();
+  if (!held_) v_air_B = body.v_B - R_NB.transpose() * truth_.air.wind_N;
   const ForcesAndMoments::Input in{body, R_NB, v_air_B, truth_.air, outputs, height_m(body)};
   forces_.evaluate(in, module_part(y), wrench_, module_part(y_dot));
   total_ = wrench_;
@@ -157,6 +158,10 @@ void RigidBody::evaluate(const State& y, const BodyState& body, const Matrix3& R
     if (-body.p_N.z() < ground_.reach_m()) ground_.add_wrench(body, R_NB, total_);
   } else if (ground_model_ == GroundModel::kFrictionlessPlane) {
     stop_fall(body, R_NB);
+  }
+  if (held_) {
+    total_.force_B = -mass_kg_ * gravity_m_s2_ * R_NB.row(2).transpose();
+    total_.torque_B = body.w_B.cross(inertia_ * body.w_B);
   }
 }
 

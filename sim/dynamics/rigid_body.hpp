@@ -55,6 +55,10 @@ class RigidBody final : public Dynamics {
   /// no number.
   bool set_state(const BodyState& state, std::span<const double> module_state);
 
+  /// Somebody holds it, as before a take-off in wind: all forces and torques but gravity are
+  /// balanced, so what is at rest stays where it is, and the wind turns no propeller.
+  void set_held(bool held) { held_ = held; }
+
   /// The state after construction.
   const BodyState& rest_state() const { return rest_; }
   /// States of the forces-and-moments module.
@@ -91,6 +95,7 @@ class RigidBody final : public Dynamics {
   Atmosphere atmosphere_;
   Wind wind_;
   const ForcesAndMoments& forces_;
+  bool held_{false};
   BodyState rest_;
   State y_;        ///< p, q (w x y z), v, w and those of the module.
   Wrench wrench_;  ///< Of the module, at the last evaluation.

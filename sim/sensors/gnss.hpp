@@ -42,6 +42,8 @@ class Gnss {
   Gnss(const Config& config, const GeodeticPosition& origin, std::int64_t start_unix_s,
        const RandomSource& source);
   bool measure(const Truth& truth, Sample& sample);
+  /// The part of the last position's error that is not white noise.
+  Vector3 bias() const { return {north_.bias(), east_.bias(), down_.bias()}; }
 
  private:
   bool has_fix(Time now);

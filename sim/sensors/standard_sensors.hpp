@@ -37,6 +37,8 @@ class StandardSensors : public SensorsModule {
   /// Biases of the last IMU sample, for logs and for judging estimators.
   Vector3 gyro_bias() const { return imu_.instrument().gyro_bias(); }
   Vector3 accel_bias() const { return imu_.instrument().accel_bias(); }
+  /// Slow error of the last satellite fix [m].
+  Vector3 gnss_bias() const { return gnss_.instrument().bias(); }
 
  private:
   Scheduled<Imu> imu_;

@@ -39,6 +39,7 @@ TEST(Fault, EveryNameIsRead) {
                                                   {"rc_silence", FaultKind::kRcSilence},
                                                   {"rc_frame_loss", FaultKind::kRcFrameLoss},
                                                   {"link_cut", FaultKind::kLinkCut},
+                                                  {"pitot_blocked", FaultKind::kPitotBlocked},
                                                   {"crash", FaultKind::kCrash},
                                                   {"hang", FaultKind::kHang},
                                                   {"motor0_dead", FaultKind::kMotor}};
@@ -70,6 +71,23 @@ TEST(Fault, MotorsHaveNumberAndFactor) {
   EXPECT_EQ(parse_fault("motor3_dead@1").factor, 0.0);
 }
 
+TEST(Fault, StepsHaveAValueInTheUnitOfTheirName) {
+  EXPECT_EQ(parse_fault("baro_step=-5@10").kind, FaultKind::kBaroStep);
+  EXPECT_EQ(parse_fault("baro_step=-5@10").value, -5.0);
+  EXPECT_NEAR(parse_fault("mag_turned=30@10").value, 0.5235987755982988, 1e-15);
+  EXPECT_EQ(parse_fault("accel_step_z=0.3@10:5").axis, 2U);
+  EXPECT_EQ(parse_fault("gyro_step_y=0.02@1").axis, 1U);
+  EXPECT_NE(fault_help().find("  gyro_step_x=VALUE "), std::string::npos);
+  EXPECT_EQ(
+      message_of("baro_step@1"),
+      "--fault baro_step@1: found the value nothing, allowed baro_step=VALUE with at most 1000 "
+      "either way");
+  EXPECT_EQ(message_of("gyro_step_x=11@1"),
+            "--fault gyro_step_x=11@1: found the value \"11\", allowed gyro_step_x=VALUE with at "
+            "most 10 either way");
+  EXPECT_NE(message_of("mag_turned=nan@1").find("allowed mag_turned=VALUE"), std::string::npos);
+}
+
 TEST(Fault, BadTextIsOneLineWithWhatIsAllowed) {
   EXPECT_EQ(message_of("imu@"), "--fault imu@: found the time nothing, allowed seconds >= 0");
   EXPECT_EQ(message_of("imu@-1"), "--fault imu@-1: found the time \"-1\", allowed seconds >= 0");
@@ -84,11 +102,15 @@ TEST(Fault, BadTextIsOneLineWithWhatIsAllowed) {
             "--fault motor1=1.5@2: found the factor \"1.5\", allowed a number from 0 to 1");
   EXPECT_EQ(message_of("motor1=nan@2"),
             "--fault motor1=nan@2: found the factor \"nan\", allowed a number from 0 to 1");
-  EXPECT_EQ(message_of("gyro@3"),
-            "--fault gyro@3: found \"gyro\", allowed imu, mag, baro, gnss, diff_pressure, range, "
-            "battery, "
-            "imu_nan, imu_stuck, rc_silence, rc_frame_loss, link_cut, crash, hang, motorN_dead, "
-            "motorN_partial=FACTOR (or motorN=FACTOR), N from 0 to 9");
+  EXPECT_EQ(
+      message_of("gyro@3"),
+      "--fault gyro@3: found \"gyro\", allowed imu, mag, baro, gnss, diff_pressure, range, "
+      "battery, "
+      "imu_nan, imu_stuck, rc_silence, rc_frame_loss, link_cut, crash, hang, pitot_blocked, "
+      "baro_step=VALUE, "
+      "mag_turned=VALUE, accel_step_x=VALUE, accel_step_y=VALUE, accel_step_z=VALUE, "
+      "gyro_step_x=VALUE, gyro_step_y=VALUE, gyro_step_z=VALUE, motorN_dead, motorN_partial=FACTOR "
+      "(or motorN=FACTOR), N from 0 to 9");
   for (const char* text : {"", "@", "@1", "motor@1", "motor_dead@1", "motor12_dead@1", "motor1@1",
                            "IMU@1", "motor1_half=0.5@1", "motorX_dead@1"}) {
     EXPECT_NE(message_of(text).find("allowed imu, mag"), std::string::npos) << text;
@@ -172,6 +194,35 @@ TEST(FaultySensors, OnlyTheSensorNamedStopsAndComesBack) {
       EXPECT_EQ(during.*flag, flag != broken) << fault << name;
     EXPECT_TRUE(sensing.at(2000).*broken) << fault;
   }
+}
+
+TEST(FaultySensors, StepsAndTurnsAreAsLargeAsAskedAndPass) {
+  Sensing accel("accel_step_y=0.5@1:1");
+  EXPECT_EQ(accel.at(0).imu.accel_m_s2[1], -1.0F);
+  EXPECT_EQ(accel.at(1000).imu.accel_m_s2[1], -2.0F + 0.5F);
+  EXPECT_EQ(accel.samples.imu.accel_m_s2[0], -2.0F);
+  EXPECT_EQ(accel.samples.imu.gyro_rad_s[1], 2.0F);
+  EXPECT_EQ(accel.at(2000).imu.accel_m_s2[1], -3.0F);
+  Sensing gyro("gyro_step_z=-0.25@1");
+  EXPECT_EQ(gyro.at(1000).imu.gyro_rad_s[2], 1.0F - 0.25F);
+
+  Sensing mag("mag_turned=90@1");
+  mag.samples.mag.field_T = {2e-5F, 1e-5F, 4e-5F};
+  mag.at(1000);  // turned right by 90 degrees: x now reads what y did, y the opposite of x
+  EXPECT_NEAR(mag.samples.mag.field_T[0], 1e-5, 1e-10);
+  EXPECT_NEAR(mag.samples.mag.field_T[1], -2e-5, 1e-10);
+  EXPECT_EQ(mag.samples.mag.field_T[2], 4e-5F);
+
+  // US Standard Atmosphere 1976, table I: 898.76 hPa at 1000 m, 954.61 hPa at 500 m (geopotential).
+  Sensing baro("baro_step=500@1");
+  baro.samples.baro.pressure_Pa = 95461.0F;
+  baro.at(1000);
+  EXPECT_NEAR(baro.samples.baro.pressure_Pa, 89876.0, 3.0);
+
+  Sensing pitot("pitot_blocked@1");
+  pitot.samples.diff_pressure.pressure_Pa = 120.0F;
+  EXPECT_EQ(pitot.at(0).diff_pressure.pressure_Pa, 120.0F);
+  EXPECT_EQ(pitot.at(1000).diff_pressure.pressure_Pa, 0.0F);
 }
 
 TEST(FaultySensors, AStuckImuRepeatsItsLastGoodValuesUnderNewStamps) {

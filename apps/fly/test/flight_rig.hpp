@@ -49,7 +49,7 @@ struct Rig {
   bool completed() const {
     const auto& arrivals = flight->director().arrivals();
     if (flight->director().stage() != Stage::kDone || !flight->autonomy().landed) return false;
-    if (arrivals.size() != setup->mission.waypoints.size()) return false;
+    if (arrivals.size() != setup->waypoints.size()) return false;
     for (const auto& arrival : arrivals) {
       if (!arrival.reached) return false;
     }

@@ -116,7 +116,7 @@ TEST(Flight, OverLeanFindsTheBoardByItselfAndLosesNoByte) {
   Rig rig(choice);
   rig.flight->run();
   ASSERT_TRUE(rig.completed());
-  EXPECT_LT(rig.flight->tracking().rms_m(), 0.3);
+  EXPECT_LT(rig.flight->own_tracking().rms_m(), 0.3);
   EXPECT_EQ(rig.flight->session().statistics().frames.frames_dropped, 0U);
   EXPECT_EQ(rig.flight->session().statistics().frames.sequence_gaps, 0U);
   EXPECT_EQ(rig.flight->session().parameters().table().values().size(), core::kParamCount);

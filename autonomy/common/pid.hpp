@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "autonomy/multirotor/types.hpp"
+#include "autonomy/common/types.hpp"
 
 namespace rosflight::autonomy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "autonomy/multirotor/geodesy.hpp"
+#include "autonomy/common/geodesy.hpp"
 
 #include <cmath>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include "autonomy/multirotor/types.hpp"
+#include "autonomy/common/types.hpp"
 
 namespace rosflight::autonomy {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "autonomy/multirotor/pid.hpp"
+#include "autonomy/common/pid.hpp"
 
 #include <cmath>
 

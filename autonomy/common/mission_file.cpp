@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "autonomy/common/mission_file.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+namespace rosflight::autonomy {
+namespace {
+
+using config::Document;
+using config::number_text;
+using config::Range;
+using config::Section;
+
+constexpr double kLongestHold_s = 86400.0;
+constexpr double kLowestTakeoff_m = 0.3;
+
+bool is_waypoint_line(std::string_view line) {
+  return line.rfind("wp:", 0) == 0 && (line.size() == 3 || line[3] == ' ' || line[3] == '\r');
+}
+
+template <typename Visit>
+void for_each_line(std::string_view text, Visit visit) {
+  while (!text.empty()) {
+    const auto end = text.find('\n');
+    visit(text.substr(0, end));
+    text = end == std::string_view::npos ? std::string_view{} : text.substr(end + 1);
+  }
+}
+
+/// The file of ROSflight 2.x is a map whose key `wp` repeats. As a list it is YAML, line by line
+/// the same.
+bool repeats_wp(std::string_view text) {
+  bool found = false;
+  bool decided = false;
+  for_each_line(text, [&](std::string_view line) {
+    const auto first = line.find_first_not_of(" \t\r");
+    const bool blank = first == std::string_view::npos || line[first] == '#';
+    if (decided || blank || line.rfind("---", 0) == 0) return;
+    decided = true;
+    found = is_waypoint_line(line);
+  });
+  return found;
+}
+
+std::string as_list(std::string_view text) {
+  std::string out;
+  out.reserve(text.size() + 1);
+  for_each_line(text, [&](std::string_view line) {
+    if (is_waypoint_line(line)) {
+      out.append("-  ").append(line.substr(3));
+    } else {
+      out.append(line);
+    }
+    out.push_back('\n');
+  });
+  return out;
+}
+
+MissionFile open(const Document& document) {
+  MissionFile out;
+  if (document.is_list()) {
+    out.waypoints = document.root_sections();
+    return out;
+  }
+  out.root = document.root();
+  out.waypoints = out.root->sections("mission");
+  if (out.waypoints.empty() || out.waypoints.size() > kMaxWaypoints) {
+    throw out.root->error("mission", std::to_string(out.waypoints.size()) + " waypoints",
+                          "1 to " + std::to_string(kMaxWaypoints));
+  }
+  return out;
+}
+
+}  // namespace
+
+MissionFile MissionFile::read(std::string_view text, const std::string& name) {
+  if (!repeats_wp(text)) return open(Document::from_text(text, name));
+  MissionFile out = open(Document::from_text(as_list(text), name));
+  if (out.waypoints.size() > kMaxWaypoints) {
+    throw config::Error(name + ": wp: found " + std::to_string(out.waypoints.size()) +
+                        " waypoints, allowed 1 to " + std::to_string(kMaxWaypoints));
+  }
+  return out;
+}
+
+MissionFile MissionFile::load(const std::filesystem::path& file) {
+  std::error_code code;
+  const bool readable = std::filesystem::is_regular_file(file, code) &&
+                        std::filesystem::file_size(file, code) <= Document::kMaxBytes && !code;
+  if (readable) {
+    std::ifstream stream(file, std::ios::binary);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    if (repeats_wp(text.str())) return read(text.str(), file.string());
+  }
+  return open(Document::from_file(file));
+}
+
+std::optional<double> MissionFile::takeoff_height_m(const MissionArea& area) const {
+  if (!root || !root->has("takeoff_height_m")) return {};
+  return root->number("takeoff_height_m", Range::between(kLowestTakeoff_m, area.max_height_m));
+}
+
+AtEnd MissionFile::at_end(const Section::Choices<AtEnd>& choices) const {
+  const AtEnd usual = choices.front().second;
+  return root ? root->choice<AtEnd>("at_end", choices, usual) : usual;
+}
+
+void MissionFile::finish() const {
+  if (root) root->finish();
+}
+
+WaypointType waypoint_type(const Section& wp) {
+  return wp.choice<WaypointType>("type", {{"goto", WaypointType::kGoto},
+                                          {"hold", WaypointType::kHold},
+                                          {"1", WaypointType::kGoto},
+                                          {"0", WaypointType::kHold}});
+}
+
+Vector3 waypoint_position(const Section& wp, const MissionArea& area,
+                          const std::optional<Geodetic>& origin) {
+  if (wp.has("use_lla") && wp.has("lla")) {
+    throw wp.error("lla", "use_lla beside it", "one of the two");
+  }
+  const std::string_view key = wp.has("lla") ? "lla" : "use_lla";
+  const bool geodetic = wp.boolean(key, false);
+  const std::vector<double> w = wp.numbers("w", 3, Range::any());
+  Vector3 p_N{w[0], w[1], w[2]};
+  if (geodetic) {
+    if (!origin)
+      throw wp.error(key, "true", "false, because the start has no known place on earth");
+    if (std::abs(w[0]) > 90.0)
+      throw wp.error("w", "latitude " + number_text(w[0]), "-90 to 90 deg");
+    if (std::abs(w[1]) > 180.0)
+      throw wp.error("w", "longitude " + number_text(w[1]), "-180 to 180 deg");
+    if (!(std::abs(w[2]) < 20000.0))
+      throw wp.error("w", "altitude " + number_text(w[2]), "-20000 to 20000 m");
+    p_N = ned_of({w[0], w[1], w[2]}, *origin);
+  }
+  const double distance_m = std::hypot(p_N.x(), p_N.y());
+  if (!(distance_m <= area.max_distance_m)) {
+    throw wp.error("w", "a place " + number_text(std::round(distance_m)) + " m from the start",
+                   "at most " + number_text(area.max_distance_m) + " m");
+  }
+  const double height_m = -p_N.z();
+  if (!Range::between(area.min_height_m, area.max_height_m).contains(height_m)) {
+    throw wp.error("w", "a height of " + number_text(std::round(height_m * 100.0) / 100.0) + " m",
+                   number_text(area.min_height_m) + " to " + number_text(area.max_height_m) +
+                       " m above the start (down is positive in NED)");
+  }
+  return p_N;
+}
+
+std::optional<double> waypoint_heading_rad(const Section& wp, std::string_view radians) {
+  if (wp.has(radians) && wp.has("heading_deg")) {
+    throw wp.error("heading_deg", std::string(radians) + " beside it",
+                   "either " + std::string(radians) + " or heading_deg");
+  }
+  if (wp.has("heading_deg"))
+    return wp.number("heading_deg", Range::between(-360.0, 360.0)) * kRadPerDeg;
+  if (wp.has(radians)) return wp.number(radians, Range::between(-2.0 * kPi, 2.0 * kPi));
+  return {};
+}
+
+HoldTime waypoint_hold(const Section& wp, WaypointType type) {
+  HoldTime out;
+  const bool hold = type == WaypointType::kHold;
+  out.indefinitely = wp.boolean("hold_indefinitely", false);
+  if (!hold && out.indefinitely)
+    throw wp.error("hold_indefinitely", "true at a goto", "false, or type hold");
+  const Range seconds = Range::between(0.0, hold ? kLongestHold_s : 0.0);
+  const bool must_say = hold && !out.indefinitely;
+  out.hold_s =
+      must_say ? wp.number("hold_seconds", seconds) : wp.number("hold_seconds", seconds, 0.0);
+  return out;
+}
+
+}  // namespace rosflight::autonomy

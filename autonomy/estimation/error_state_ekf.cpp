@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "autonomy/estimation/error_state_ekf.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace rosflight::autonomy::estimation {
+namespace {
+
+double wrap(double angle_rad) {
+  return std::remainder(angle_rad, 2.0 * std::numbers::pi);
+}
+
+/// Velocity through the air, in body axes.
+Vector3 air_velocity_B(const NominalState& x) {
+  const Vector3 v_N = x.v_N - Vector3(x.wind_N.x(), x.wind_N.y(), 0.0);
+  return x.q_NB.conjugate() * v_N;
+}
+
+}  // namespace
+
+template <bool kWind>
+void ErrorStateEkf<kWind>::propagate(NominalState& x, const ImuIncrement& u, double gravity_m_s2) {
+  const Vector3 before = x.v_N;
+  x.v_N += x.q_NB * (u.dv_B - x.accel_bias_B * u.dt_s);
+  x.v_N.z() += gravity_m_s2 * u.dt_s;
+  x.p_N += 0.5 * u.dt_s * (before + x.v_N);
+  x.q_NB = (x.q_NB * exp_rotation(u.dtheta_B - x.gyro_bias_B * u.dt_s)).normalized();
+}
+
+template <bool kWind>
+typename ErrorStateEkf<kWind>::Covariance ErrorStateEkf<kWind>::transition(const NominalState& x,
+                                                                           const ImuIncrement& u) {
+  const double dt = u.dt_s;
+  const Vector3 turn = u.dtheta_B - x.gyro_bias_B * dt;
+  const Matrix3 R = x.q_NB.toRotationMatrix();
+  Covariance F = Covariance::Identity();
+  F.template block<3, 3>(kTheta, kTheta) = exp_rotation(turn).toRotationMatrix().transpose();
+  F.template block<3, 3>(kTheta, kGyroBias) = -dt * right_jacobian(turn);
+  const Matrix3 v_theta = -R * skew(u.dv_B - x.accel_bias_B * dt);
+  F.template block<3, 3>(kVelocity, kTheta) = v_theta;
+  F.template block<3, 3>(kVelocity, kAccelBias) = -dt * R;
+  F.template block<3, 3>(kPosition, kTheta) = 0.5 * dt * v_theta;
+  F.template block<3, 3>(kPosition, kVelocity) = dt * Matrix3::Identity();
+  F.template block<3, 3>(kPosition, kAccelBias) = -0.5 * dt * dt * R;
+  return F;
+}
+
+/// P <- F P F' + Q, by the blocks of F that are neither zero nor one; transition() is the same F in
+/// one piece.
+template <bool kWind>
+void ErrorStateEkf<kWind>::predict(const ImuIncrement& u, const ProcessNoise& noise,
+                                   double gravity_m_s2) {
+  const double dt = u.dt_s;
+  const Vector3 turn = u.dtheta_B - x_.gyro_bias_B * dt;
+  const Matrix3 R = x_.q_NB.toRotationMatrix();
+  const Matrix3 theta_theta = exp_rotation(turn).toRotationMatrix().transpose();
+  const Matrix3 theta_bias = -dt * right_jacobian(turn);
+  const Matrix3 v_theta = -R * skew(u.dv_B - x_.accel_bias_B * dt);
+  const Matrix3 v_bias = -dt * R;
+
+  {
+    using Rows = Eigen::Matrix<double, 3, kSize>;
+    const Rows theta = P_.template middleRows<3>(kTheta);
+    const Rows v = P_.template middleRows<3>(kVelocity);
+    const Rows v_new = v + v_theta * theta + v_bias * P_.template middleRows<3>(kAccelBias);
+    P_.template middleRows<3>(kPosition) += 0.5 * dt * (v + v_new);
+    P_.template middleRows<3>(kVelocity) = v_new;
+    P_.template middleRows<3>(kTheta) =
+        theta_theta * theta + theta_bias * P_.template middleRows<3>(kGyroBias);
+  }
+  {
+    using Columns = Eigen::Matrix<double, kSize, 3>;
+    const Columns theta = P_.template middleCols<3>(kTheta);
+    const Columns v = P_.template middleCols<3>(kVelocity);
+    const Columns v_new = v + theta * v_theta.transpose() +
+                          P_.template middleCols<3>(kAccelBias) * v_bias.transpose();
+    P_.template middleCols<3>(kPosition) += 0.5 * dt * (v + v_new);
+    P_.template middleCols<3>(kVelocity) = v_new;
+    P_.template middleCols<3>(kTheta) =
+        theta * theta_theta.transpose() +
+        P_.template middleCols<3>(kGyroBias) * theta_bias.transpose();
+  }
+
+  const auto variance = [dt](double density) { return density * density * dt; };
+  const double q_v = variance(noise.accel_m_s2_rtHz);
+  const double q_theta = variance(noise.gyro_rad_s_rtHz);
+  const double q_gyro = variance(noise.gyro_bias_rad_s_rts);
+  const double q_accel = variance(noise.accel_bias_m_s2_rts);
+  for (int k = 0; k < 3; ++k) {
+    P_(kTheta + k, kTheta + k) += q_theta;
+    P_(kVelocity + k, kVelocity + k) += q_v;
+    P_(kVelocity + k, kPosition + k) += 0.5 * dt * q_v;
+    P_(kPosition + k, kVelocity + k) += 0.5 * dt * q_v;
+    P_(kPosition + k, kPosition + k) += 0.25 * dt * dt * q_v;
+    P_(kGyroBias + k, kGyroBias + k) += q_gyro;
+    P_(kAccelBias + k, kAccelBias + k) += q_accel;
+  }
+  P_(kBaroBias, kBaroBias) += variance(noise.baro_bias_m_rts);
+  if constexpr (kWind) {
+    P_(kWindIndex, kWindIndex) += variance(noise.wind_m_s_rts);
+    P_(kWindIndex + 1, kWindIndex + 1) += variance(noise.wind_m_s_rts);
+  }
+  propagate(x_, u, gravity_m_s2);
+}
+
+template <bool kWind>
+typename ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::gnss_position(
+    const NominalState& x, const Vector3& p_N, const Vector3& lever_B) {
+  const Matrix3 R = x.q_NB.toRotationMatrix();
+  Residual<3> r;
+  r.nu = p_N - (x.p_N + R * lever_B);
+  r.H.template block<3, 3>(0, kPosition).setIdentity();
+  r.H.template block<3, 3>(0, kTheta) = -R * skew(lever_B);
+  return r;
+}
+
+template <bool kWind>
+typename ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::gnss_velocity(
+    const NominalState& x, const Vector3& v_N, const Vector3& lever_B, const Vector3& w_raw_B) {
+  const Matrix3 R = x.q_NB.toRotationMatrix();
+  const Vector3 around_B = (w_raw_B - x.gyro_bias_B).cross(lever_B);
+  Residual<3> r;
+  r.nu = v_N - (x.v_N + R * around_B);
+  r.H.template block<3, 3>(0, kVelocity).setIdentity();
+  r.H.template block<3, 3>(0, kTheta) = -R * skew(around_B);
+  r.H.template block<3, 3>(0, kGyroBias) = R * skew(lever_B);
+  return r;
+}
+
+template <bool kWind>
+typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::baro_height(
+    const NominalState& x, double height_m) {
+  Residual<1> r;
+  r.nu(0) = height_m - (x.baro_bias_m - x.p_N.z());
+  r.H(0, kPosition + 2) = -1.0;
+  r.H(0, kBaroBias) = 1.0;
+  return r;
+}
+
+/// With m = R m_B and the attitude error as a rotation phi = R dtheta in N, dm = phi x m and
+/// d atan2(m_e, m_n) = phi_d - m_d (m_n phi_n + m_e phi_e)/(m_n^2 + m_e^2). The direction of (m_n,
+/// m_e) is taken where it should be, along the declination, not where it was measured: there its
+/// noise would be in both the innovation and H, whose product then has a mean that walks the tilt
+/// away.
+template <bool kWind>
+typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::magnetic_heading(
+    const NominalState& x, const Vector3& field_B, double declination_rad) {
+  const Matrix3 R = x.q_NB.toRotationMatrix();
+  const Vector3 m = R * field_B;
+  const double slope = m.z() / m.head<2>().norm();
+  Residual<1> r;
+  r.nu(0) = wrap(declination_rad - std::atan2(m.y(), m.x()));
+  const Eigen::RowVector3d by_phi(-slope * std::cos(declination_rad),
+                                  -slope * std::sin(declination_rad), 1.0);
+  r.H.template block<1, 3>(0, kTheta) = by_phi * R;
+  return r;
+}
+
+template <bool kWind>
+typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::range(
+    const NominalState& x, double range_m, double ground_up_m, const Vector3& lever_B) {
+  const Matrix3 R = x.q_NB.toRotationMatrix();
+  const Eigen::RowVector3d down = R.row(2);
+  const double cosine = down.z();
+  const double height = -(x.p_N.z() + down * lever_B) - ground_up_m;
+  const Eigen::RowVector3d d_height = down * skew(lever_B);
+  const Eigen::RowVector3d d_cosine = -(down * skew(Vector3::UnitZ()));
+  Residual<1> r;
+  r.nu(0) = range_m - height / cosine;
+  r.H(0, kPosition + 2) = -1.0 / cosine;
+  r.H.template block<1, 3>(0, kTheta) = d_height / cosine - height / (cosine * cosine) * d_cosine;
+  return r;
+}
+
+template <bool kWind>
+typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::pitot(
+    const NominalState& x, double pressure_Pa, double density_kg_m3) {
+  const Vector3 air_B = air_velocity_B(x);
+  const double u = air_B.x();
+  const double slope = density_kg_m3 * std::abs(u);
+  const Eigen::RowVector3d forward_N = x.q_NB.toRotationMatrix().col(0).transpose();
+  Residual<1> r;
+  r.nu(0) = pressure_Pa - 0.5 * density_kg_m3 * u * std::abs(u);
+  r.H.template block<1, 3>(0, kVelocity) = slope * forward_N;
+  r.H.template block<1, 3>(0, kTheta) = slope * skew(air_B).row(0);
+  if constexpr (kWind) r.H.template block<1, 2>(0, kWindIndex) = -slope * forward_N.head<2>();
+  return r;
+}
+
+template <bool kWind>
+typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::sideslip(
+    const NominalState& x, double v_air_y_m_s) {
+  const Vector3 air_B = air_velocity_B(x);
+  const Eigen::RowVector3d right_N = x.q_NB.toRotationMatrix().col(1).transpose();
+  Residual<1> r;
+  r.nu(0) = v_air_y_m_s - air_B.y();
+  r.H.template block<1, 3>(0, kVelocity) = right_N;
+  r.H.template block<1, 3>(0, kTheta) = skew(air_B).row(1);
+  if constexpr (kWind) r.H.template block<1, 2>(0, kWindIndex) = -right_N.head<2>();
+  return r;
+}
+
+template <bool kWind>
+typename ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::velocity(
+    const NominalState& x, const Vector3& v_N) {
+  Residual<3> r;
+  r.nu = v_N - x.v_N;
+  r.H.template block<3, 3>(0, kVelocity).setIdentity();
+  return r;
+}
+
+template <bool kWind>
+NominalState ErrorStateEkf<kWind>::added(const NominalState& x, const Error& dx) {
+  NominalState y = x;
+  y.q_NB = (x.q_NB * exp_rotation(dx.template segment<3>(kTheta))).normalized();
+  y.v_N += dx.template segment<3>(kVelocity);
+  y.p_N += dx.template segment<3>(kPosition);
+  y.gyro_bias_B += dx.template segment<3>(kGyroBias);
+  y.accel_bias_B += dx.template segment<3>(kAccelBias);
+  y.baro_bias_m += dx(kBaroBias);
+  if constexpr (kWind) y.wind_N += dx.template segment<2>(kWindIndex);
+  return y;
+}
+
+template <bool kWind>
+typename ErrorStateEkf<kWind>::Error ErrorStateEkf<kWind>::difference(const NominalState& to,
+                                                                      const NominalState& from) {
+  Error dx;
+  dx.template segment<3>(kTheta) = log_rotation(from.q_NB.conjugate() * to.q_NB);
+  dx.template segment<3>(kVelocity) = to.v_N - from.v_N;
+  dx.template segment<3>(kPosition) = to.p_N - from.p_N;
+  dx.template segment<3>(kGyroBias) = to.gyro_bias_B - from.gyro_bias_B;
+  dx.template segment<3>(kAccelBias) = to.accel_bias_B - from.accel_bias_B;
+  dx(kBaroBias) = to.baro_bias_m - from.baro_bias_m;
+  if constexpr (kWind) dx.template segment<2>(kWindIndex) = to.wind_N - from.wind_N;
+  return dx;
+}
+
+template <bool kWind>
+void ErrorStateEkf<kWind>::inject(const Error& dx) {
+  x_ = added(x_, dx);
+  const Matrix3 G = Matrix3::Identity() - 0.5 * skew(dx.template segment<3>(kTheta));
+  P_.template middleRows<3>(kTheta) = (G * P_.template middleRows<3>(kTheta)).eval();
+  P_.template middleCols<3>(kTheta) = (P_.template middleCols<3>(kTheta) * G.transpose()).eval();
+}
+
+template <bool kWind>
+void ErrorStateEkf<kWind>::reset_variance(int first, int size, double sigma) {
+  P_.middleRows(first, size).setZero();
+  P_.middleCols(first, size).setZero();
+  for (int k = first; k < first + size; ++k) P_(k, k) = sigma * sigma;
+}
+
+template <bool kWind>
+void ErrorStateEkf<kWind>::relearn_baro_bias(double height_m, double sigma_m) {
+  x_.baro_bias_m = height_m + x_.p_N.z();
+  P_.row(kBaroBias) = P_.row(kPosition + 2);
+  P_.col(kBaroBias) = P_.col(kPosition + 2);
+  P_(kBaroBias, kBaroBias) = P_(kPosition + 2, kPosition + 2) + sigma_m * sigma_m;
+}
+
+template class ErrorStateEkf<false>;
+template class ErrorStateEkf<true>;
+
+}  // namespace rosflight::autonomy::estimation

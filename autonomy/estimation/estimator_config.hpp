@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <optional>
+
+#include "autonomy/common/geodesy.hpp"
+#include "autonomy/common/types.hpp"
+#include "autonomy/estimation/error_state_ekf.hpp"
+#include "autonomy/estimation/measurements.hpp"
+
+namespace rosflight::autonomy::estimation {
+
+/// Settings of an Estimator; the keys of the section `autonomy.estimator` in a vehicle file.
+/// Sigmas are standard deviations of one sample.
+struct EstimatorConfig {
+  double gravity_m_s2{9.80665};
+  /// The filter works this far behind the newest IMU sample, so that what is late by up to this is
+  /// still fused at its own time; the output is carried on to the newest sample.
+  double lag_s{0.06};
+  double increment_s{0.01};  ///< IMU samples are summed up to this.
+
+  // Where things are, in body axes from the body's origin [m].
+  Vector3 imu_position_B{Vector3::Zero()};
+  Vector3 gnss_position_B{Vector3::Zero()};
+  Vector3 range_position_B{Vector3::Zero()};
+  double height_at_rest_m{};  ///< Of the body's origin above the ground it stands on.
+
+  ProcessNoise noise{};
+
+  double gnss_horizontal_sigma_m{0.5};
+  double gnss_altitude_sigma_m{10.0};
+  double gnss_velocity_sigma_m_s{0.08};
+  double baro_sigma_m{0.1};
+  double mag_sigma_T{4e-7};        ///< Of each axis.
+  double heading_sigma_rad{0.05};  ///< Besides: declination, iron of the vehicle.
+  double range_sigma_m{0.05};
+  double pitot_sigma_Pa{4.0};
+  double sideslip_sigma_m_s{1.0};
+  double rest_sigma_m_s{0.02};  ///< Of "it stands still" while at rest.
+
+  // Longest rates at which samples are fused; 0: all.
+  double mag_interval_s{0.05};
+  double baro_interval_s{0.0};
+  double pitot_interval_s{0.05};
+  double rest_interval_s{0.1};
+
+  double gate_sigma{5.0};
+  double heading_gate_sigma{4.0};
+  bool use_range{true};
+  double range_delay_s{0.0};  ///< Taken off the stamps of echoes.
+  double range_max_tilt_rad{0.5};
+  double min_airspeed_m_s{6.0};  ///< Below, pitot and sideslip say nothing.
+  bool use_sideslip{true};
+
+  // What is known before the first sample.
+  double initial_gyro_bias_rad_s{0.01};
+  double initial_accel_bias_m_s2{0.2};
+  double initial_wind_m_s{4.0};
+  double initial_window_s{1.0};           ///< Averaged before the start.
+  std::optional<double> declination_rad;  ///< Known beforehand.
+  /// Else asked once, with the first fix: a magnetic model. Neither: magnetic north is taken for
+  /// true.
+  double (*declination_at)(const GnssSample& fix){nullptr};  ///< [rad]
+  std::optional<Geodetic> origin;  ///< Of N; else where it starts, by the first fixes.
+
+  /// Whether the owner passes the attitude on to the flight controller, whose own filter takes drag
+  /// and turns for tilt.
+  bool share_attitude{true};
+
+  // Patience.
+  double gnss_doubt_s{0.3};       ///< Velocity refused for this long: the IMU may have changed.
+  double gnss_reset_s{3.0};       ///< Refused for this long: the estimate moves to GNSS.
+  double baro_relearn_s{1.0};     ///< Refused for this long: its bias is learned anew.
+  double range_relearn_s{1.0};    ///< Refused for this long: the ground has another height.
+  double jump_speed_m_s{1.5};     ///< Of showing what GNSS moves the position by when it returns.
+  double dead_reckoning_s{30.0};  ///< Without GNSS for this long: position is worth nothing.
+};
+
+}  // namespace rosflight::autonomy::estimation

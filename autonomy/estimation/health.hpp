@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace rosflight::autonomy::estimation {
+
+/// What is fused, each with its own gate and record.
+enum class Aid : std::uint8_t {
+  kGnssHorizontal,
+  kGnssAltitude,
+  kGnssVelocity,
+  kBaro,
+  kHeading,
+  kRange,
+  kPitot,
+  kSideslip,
+  kRest
+};
+inline constexpr std::size_t kAids = 9;
+
+/// Record of one aid.
+struct AidHealth {
+  std::uint64_t accepted{};
+  std::uint64_t refused{};  ///< Outside the gate.
+  double last_accepted_s{-1e9};
+  double last_refused_s{-1e9};
+  double refused_since_s{};  ///< First refusal since the last acceptance; if `refusing`.
+  bool refusing{};
+  double nis{};  ///< Of the last one, by its degrees of freedom.
+
+  double refusing_for_s() const { return refusing ? last_refused_s - refused_since_s : 0.0; }
+};
+
+struct EstimatorHealth {
+  bool initialised{};
+  bool in_air_start{};
+  std::array<AidHealth, kAids> aids{};
+  std::uint64_t late{};      ///< Older than the lag: not fused.
+  std::uint64_t unusable{};  ///< Not finite, or impossible.
+  std::uint64_t imu_holes{};
+  std::uint64_t restarts{};     ///< The clock jumped: started anew.
+  std::uint64_t imu_doubts{};   ///< Biases and tilt were widened.
+  std::uint64_t gnss_resets{};  ///< Position or velocity moved to GNSS.
+  std::uint64_t baro_relearned{};
+  std::uint64_t ground_relearned{};
+  double gnss_age_s{1e9};  ///< Since the last accepted horizontal aiding.
+
+  const AidHealth& of(Aid aid) const { return aids[static_cast<std::size_t>(aid)]; }
+  AidHealth& of(Aid aid) { return aids[static_cast<std::size_t>(aid)]; }
+};
+
+}  // namespace rosflight::autonomy::estimation

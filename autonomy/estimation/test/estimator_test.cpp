@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What surrounds the filter: times, starts, losses and doubts.
+#include "autonomy/estimation/estimator.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "autonomy/estimation/test/world.hpp"
+
+namespace rosflight::autonomy::estimation::test {
+namespace {
+
+/// Stands for five seconds, then flies like multirotor_at(), whose clock starts smoothly within
+/// four more.
+Motion from_the_ground(double t) {
+  constexpr double kStart_s = 5.0;
+  constexpr double kRamp_s = 4.0;
+  const double s = std::clamp((t - kStart_s) / kRamp_s, 0.0, 1.0);
+  const double clock =
+      kRamp_s * (s * s * s - 0.5 * s * s * s * s) + std::max(0.0, t - kStart_s - kRamp_s);
+  const double rate = s * s * (3.0 - 2.0 * s);
+  const double change = 6.0 * s * (1.0 - s) / kRamp_s;
+  Motion m = multirotor_at(clock, 0.0);
+  m.p_N.z() += 5.0;  // from the ground up
+  m.a_N = rate * rate * m.a_N + change * m.v_N;
+  m.v_N *= rate;
+  m.q_NB = thrust_attitude(m.a_N, multirotor_heading(clock, 0.0));
+  return m;
+}
+
+struct Fixture {
+  explicit Fixture(double lag_s = 0.06, double gnss_delay_s = 0.03, Path path = from_the_ground) {
+    WorldConfig config;
+    config.filter.declination_rad = field_declination();
+    config.filter.lag_s = lag_s;
+    config.filter.gnss_horizontal_sigma_m = 0.1;
+    config.gnss_delay_s = gnss_delay_s;
+    config.accel_bias_sigma = 0.05;
+    config.range = false;
+    world = std::make_unique<World>(config, std::move(path));
+    estimator = std::make_unique<MultirotorEstimator>(config.filter);
+  }
+  void run_until(double t_s) {
+    while (world->time_s() < t_s) {
+      estimator->set_at_rest(world->time_s() < rest_until_s);
+      world->step(*estimator);
+    }
+  }
+  /// Of the newest estimate against the truth at its own time.
+  double position_error_m() const {
+    const StateEstimate e = estimator->estimate();
+    return (e.p_N - world->motion(e.t_s).p_N).head<2>().norm();
+  }
+  double velocity_error_m_s() const {
+    const StateEstimate e = estimator->estimate();
+    return (e.v_N - world->motion(e.t_s).v_N).norm();
+  }
+  double attitude_error_rad() const {
+    const StateEstimate e = estimator->estimate();
+    return e.q_NB.angularDistance(world->motion(e.t_s).q_NB);
+  }
+  const AidHealth& aid(Aid which) const { return estimator->health().of(which); }
+
+  double rest_until_s{4.5};
+  std::unique_ptr<World> world;
+  std::unique_ptr<MultirotorEstimator> estimator;
+};
+
+TEST(Estimator, StartsOnTheGroundAndKnowsItsBiases) {
+  Fixture f;
+  EXPECT_FALSE(f.estimator->estimate().usable());
+  f.run_until(4.0);
+  ASSERT_TRUE(f.estimator->initialised());
+  EXPECT_FALSE(f.estimator->health().in_air_start);
+  const StateEstimate e = f.estimator->estimate();
+  EXPECT_TRUE(e.usable());
+  EXPECT_NEAR(e.t_s, f.world->time_s() - kStep_s, 1e-9) << "the newest IMU sample";
+  EXPECT_LT(f.velocity_error_m_s(), 0.05);
+  EXPECT_LT(f.attitude_error_rad(), 0.05);
+  EXPECT_LT((e.gyro_bias_B - f.world->truth_at(e.t_s).gyro_bias_B).norm(), 1e-3);
+  f.run_until(30.0);
+  EXPECT_LT(f.position_error_m(), 0.3);
+  EXPECT_LT(f.velocity_error_m_s(), 0.2);
+  EXPECT_LT(f.attitude_error_rad(), 0.03);
+  EXPECT_EQ(f.estimator->health().late, 0U);
+}
+
+TEST(Estimator, StartsInTheAirWithoutAHintCoarselyThenFinds) {
+  Fixture flying(0.06, 0.03, [](double t) { return multirotor_at(t + 3.0, 0.4); });
+  flying.rest_until_s = -1.0;
+  flying.run_until(3.0);
+  ASSERT_TRUE(flying.estimator->initialised());
+  EXPECT_TRUE(flying.estimator->health().in_air_start);
+  flying.run_until(25.0);
+  EXPECT_LT(flying.velocity_error_m_s(), 0.3);
+  EXPECT_LT(flying.attitude_error_rad(), 0.06);
+}
+
+TEST(Estimator, LateMeasurementsAreFusedAtTheirOwnTime) {
+  // At up to 4.6 m/s, half a second is 2 m: taken for new, the fixes would pull the position back.
+  Fixture late(0.5, 0.45);
+  late.run_until(40.0);
+  EXPECT_LE(late.estimator->health().late, 5U) << "those from before the start";
+  EXPECT_EQ(late.aid(Aid::kGnssHorizontal).refused, 0U);
+  double largest_m = 0.0;
+  for (int k = 0; k < 100; ++k) {
+    late.run_until(40.0 + 0.1 * k);
+    largest_m = std::max(largest_m, late.position_error_m());
+  }
+  EXPECT_LT(largest_m, 0.35);
+}
+
+TEST(Estimator, WhatIsLaterThanTheLagIsCountedAndDropped) {
+  Fixture f(0.02, 0.2);
+  f.run_until(10.0);
+  EXPECT_GT(f.estimator->health().late, 40U);
+  EXPECT_EQ(f.aid(Aid::kGnssHorizontal).accepted, 0U);
+}
+
+TEST(Estimator, DeadReckonsThroughALossOfGnssAndSaysSo) {
+  Fixture f;
+  f.run_until(40.0);
+  f.world->gnss_on = false;
+  f.run_until(40.5);
+  EXPECT_EQ(f.estimator->estimate().horizontal, Trust::kGood);
+  f.run_until(42.0);
+  EXPECT_EQ(f.estimator->estimate().horizontal, Trust::kDeadReckoned);
+  f.run_until(60.0);
+  const StateEstimate e = f.estimator->estimate();
+  EXPECT_LT(f.position_error_m(), 30.0);
+  EXPECT_LT(f.position_error_m(), 4.0 * e.p_sigma_N_m.head<2>().norm()) << "knows how bad it is";
+  f.run_until(75.0);
+  EXPECT_EQ(f.estimator->estimate().horizontal, Trust::kNone);
+  f.world->gnss_on = true;
+  f.run_until(95.0);
+  EXPECT_EQ(f.estimator->estimate().horizontal, Trust::kGood);
+  EXPECT_LT(f.position_error_m(), 0.5);
+}
+
+TEST(Estimator, ShowsTheReturnOfGnssAsASlopeNotAStep) {
+  Fixture f;
+  f.run_until(40.0);
+  f.world->gnss_on = false;
+  f.world->extra_accel = {0.1, 0.0, 0.0};  // so that there is something to come back from
+  f.run_until(60.0);
+  ASSERT_GT(f.position_error_m(), 3.0);
+  f.world->gnss_on = true;
+  double before_m = f.position_error_m();
+  for (double t = 60.0; t < 70.0; t += 0.01) {
+    f.run_until(t);
+    ASSERT_LT(std::abs(f.position_error_m() - before_m), 0.3) << t;  // else many metres
+    before_m = f.position_error_m();
+  }
+}
+
+TEST(Estimator, ABarometerStepIsRefusedThenLearned) {
+  Fixture f;
+  f.run_until(30.0);
+  const double bias_m = f.estimator->estimate().baro_bias_m;
+  f.world->extra_baro_m = 5.0;
+  f.run_until(30.5);
+  EXPECT_TRUE(f.aid(Aid::kBaro).refusing);
+  f.run_until(33.0);
+  EXPECT_EQ(f.estimator->health().baro_relearned, 1U);
+  const StateEstimate e = f.estimator->estimate();
+  EXPECT_NEAR(e.baro_bias_m - bias_m, 5.0, 0.3);
+  EXPECT_NEAR(e.p_N.z(), f.world->motion(e.t_s).p_N.z(), 0.5);
+}
+
+TEST(Estimator, ATurnedMagnetometerDoesNotTurnTheVehicle) {
+  Fixture f;
+  f.run_until(30.0);
+  f.world->extra_heading_rad = 30.0 * kRadPerDeg;
+  f.run_until(50.0);
+  EXPECT_TRUE(f.aid(Aid::kHeading).refusing);
+  EXPECT_EQ(f.estimator->estimate().heading, Trust::kDeadReckoned);
+  EXPECT_LT(f.attitude_error_rad(), 0.06);
+  f.world->extra_heading_rad = 0.0;
+  f.run_until(52.0);
+  EXPECT_FALSE(f.aid(Aid::kHeading).refusing);
+  EXPECT_EQ(f.estimator->estimate().heading, Trust::kGood);
+}
+
+TEST(Estimator, StepsOfTheImuAreFoundOut) {
+  for (int axis = 0; axis < 3; ++axis) {
+    Fixture gyro;
+    gyro.run_until(30.0);
+    gyro.world->extra_gyro = 0.02 * Vector3::Unit(axis);
+    gyro.run_until(60.0);
+    EXPECT_LT(gyro.position_error_m(), 0.5) << axis;
+    EXPECT_LT(gyro.attitude_error_rad(), 0.06) << axis;
+    Fixture accel;
+    accel.run_until(30.0);
+    accel.world->extra_accel = 0.3 * Vector3::Unit(axis);
+    accel.run_until(60.0);
+    EXPECT_LT(accel.position_error_m(), 0.5) << axis;
+    EXPECT_LT(accel.attitude_error_rad(), 0.06) << axis;
+  }
+}
+
+TEST(Estimator, RubbishIsCountedAndChangesNothing) {
+  Fixture f;
+  f.run_until(20.0);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double t = f.world->time_s();
+  const Vector3 p_N = f.estimator->estimate().p_N;
+  const std::uint64_t before = f.estimator->health().unusable;
+  f.estimator->add(ImuSample{t, Vector3::Constant(nan), Vector3::Zero()});
+  f.estimator->add(ImuSample{nan, Vector3::Zero(), Vector3::Zero()});
+  f.estimator->add(ImuSample{t - 0.5, Vector3::Zero(), Vector3::Zero()});  // older than the last
+  f.estimator->add(BaroSample{t, nan});
+  f.estimator->add(BaroSample{t, 0.0});
+  f.estimator->add(MagSample{t, Vector3::Zero()});
+  GnssSample fix;
+  fix.t_s = t;
+  fix.fix_3d = true;
+  fix.place = {nan, 0.0, 0.0};
+  f.estimator->add(fix);
+  fix.place = World::origin();
+  fix.v_N_m_s = Vector3::Constant(nan);
+  f.estimator->add(fix);
+  EXPECT_EQ(f.estimator->health().unusable - before, 8U);
+  EXPECT_EQ(f.estimator->estimate().p_N, p_N);
+  f.run_until(25.0);
+  EXPECT_LT(f.position_error_m(), 0.4);
+}
+
+TEST(Estimator, AClockThatJumpsStartsItAnewWithTheSameOrigin) {
+  Fixture f;
+  f.run_until(20.0);
+  ASSERT_TRUE(f.estimator->origin().has_value());
+  const Geodetic origin = *f.estimator->origin();
+  f.estimator->add(ImuSample{5000.0, Vector3::Zero(), Vector3(0.0, 0.0, -kGravity)});
+  EXPECT_FALSE(f.estimator->initialised());
+  EXPECT_EQ(f.estimator->health().restarts, 1U);
+  f.run_until(21.0);  // back again: another jump
+  f.run_until(30.0);
+  ASSERT_TRUE(f.estimator->initialised());
+  EXPECT_TRUE(f.estimator->health().in_air_start);
+  EXPECT_EQ(f.estimator->origin()->latitude_deg, origin.latitude_deg);
+}
+
+TEST(Estimator, FindsTheWindWithPitotAndSideslip) {
+  WorldConfig config;
+  config.filter.declination_rad = field_declination();
+  config.filter.gnss_horizontal_sigma_m = 0.3;
+  config.filter.noise.wind_m_s_rts = 0.02;
+  config.filter.sideslip_sigma_m_s = 0.5;
+  config.filter.use_sideslip = false;
+  config.wing = true;
+  config.range = false;
+  config.accel_bias_sigma = 0.03;
+  config.wind_N = {5.0, -3.0, 0.0};
+  const Vector3 wind_N = config.wind_N;
+  World world(config, [wind_N](double t) { return fixedwing_at(t, 0.5, wind_N); });
+  FixedwingEstimator estimator(config.filter);
+  estimator.set_attitude_hint(0.3, world.motion(0.3).q_NB);
+  while (world.time_s() < 40.0) {
+    if (!estimator.initialised()) {
+      estimator.set_attitude_hint(world.time_s(), world.motion(world.time_s()).q_NB);
+    }
+    world.step(estimator);
+  }
+  const StateEstimate e = estimator.estimate();
+  EXPECT_TRUE(e.wind_valid);
+  EXPECT_TRUE(e.air_valid);
+  EXPECT_LT((e.wind_N - wind_N).norm(), 0.6);
+  const Motion truth = world.motion(e.t_s);
+  EXPECT_NEAR(e.airspeed_m_s, (truth.v_N - wind_N).norm(), 0.5);
+  EXPECT_NEAR(e.beta_rad, 0.0, 0.05);
+  EXPECT_NEAR(e.course_rad, std::atan2(truth.v_N.y(), truth.v_N.x()), 0.05);
+}
+
+}  // namespace
+}  // namespace rosflight::autonomy::estimation::test

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Every derivative of the filter against central differences of the function it belongs to, at
+// random states.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <random>
+
+#include "autonomy/estimation/error_state_ekf.hpp"
+
+namespace rosflight::autonomy::estimation {
+namespace {
+
+constexpr double kGravity = 9.80665;
+constexpr int kStates = 200;
+
+class RandomStates {
+ public:
+  explicit RandomStates(unsigned seed) : generator_{seed} {}
+
+  double uniform(double low, double high) {
+    return std::uniform_real_distribution<double>{low, high}(generator_);
+  }
+  Vector3 vector(double size) {
+    return {uniform(-size, size), uniform(-size, size), uniform(-size, size)};
+  }
+  /// Any attitude, inverted and nose-up included.
+  NominalState state() {
+    NominalState x;
+    x.q_NB =
+        Quaternion(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).normalized();
+    x.v_N = vector(20.0);
+    x.p_N = vector(300.0);
+    x.gyro_bias_B = vector(0.2);
+    x.accel_bias_B = vector(0.6);
+    x.baro_bias_m = uniform(-50.0, 50.0);
+    x.wind_N = vector(8.0).head<2>();
+    return x;
+  }
+  ImuIncrement increment() {
+    ImuIncrement u;
+    u.dt_s = uniform(1e-4, 0.05);
+    u.dtheta_B = u.dt_s * vector(4.0);
+    u.dv_B = u.dt_s * (vector(10.0) - Vector3(0.0, 0.0, kGravity));
+    return u;
+  }
+
+ private:
+  std::mt19937 generator_;
+};
+
+template <class Filter>
+class Jacobian : public ::testing::Test {};
+using Filters = ::testing::Types<ErrorStateEkf<false>, ErrorStateEkf<true>>;
+TYPED_TEST_SUITE(Jacobian, Filters);
+
+/// Largest entry of a difference, by the largest entry of what it is compared with.
+template <class A, class B>
+double relative_difference(const A& a, const B& b) {
+  return (a - b).cwiseAbs().maxCoeff() / std::max(1.0, b.cwiseAbs().maxCoeff());
+}
+
+constexpr double kStep = 1e-5;
+// Central differences are good to kStep^2 times a third derivative (about the state's size) and to
+// rounding, 1e-16 of 300 m over kStep.
+constexpr double kTolerance = 1e-8;
+
+TYPED_TEST(Jacobian, OfTheTransition) {
+  using Filter = TypeParam;
+  RandomStates random(1);
+  for (int n = 0; n < kStates; ++n) {
+    const NominalState x = random.state();
+    const ImuIncrement u = random.increment();
+    typename Filter::Covariance numeric;
+    for (int k = 0; k < Filter::kSize; ++k) {
+      NominalState plus = Filter::added(x, kStep * Filter::Error::Unit(k));
+      NominalState minus = Filter::added(x, -kStep * Filter::Error::Unit(k));
+      NominalState middle = x;
+      for (NominalState* state : {&plus, &minus, &middle}) Filter::propagate(*state, u, kGravity);
+      numeric.col(k) =
+          (Filter::difference(plus, middle) - Filter::difference(minus, middle)) / (2.0 * kStep);
+    }
+    ASSERT_LT(relative_difference(Filter::transition(x, u), numeric), kTolerance) << n;
+  }
+}
+
+/// Checks the H of a residual: y - h falls by H dx when the state moves by dx.
+template <class Filter, class Function>
+void check(const Function& residual_of, unsigned seed,
+           const std::function<bool(const NominalState&)>& usable = nullptr) {
+  RandomStates random(seed);
+  for (int n = 0; n < kStates;) {
+    const NominalState x = random.state();
+    if (usable && !usable(x)) continue;
+    ++n;
+    const auto residual = residual_of(x);
+    auto numeric = residual.H;
+    for (int k = 0; k < Filter::kSize; ++k) {
+      const auto plus = residual_of(Filter::added(x, kStep * Filter::Error::Unit(k)));
+      const auto minus = residual_of(Filter::added(x, -kStep * Filter::Error::Unit(k)));
+      numeric.col(k) = (minus.nu - plus.nu) / (2.0 * kStep);
+    }
+    ASSERT_LT(relative_difference(residual.H, numeric), 20.0 * kTolerance) << n;
+  }
+}
+
+const Vector3 kLever(-0.12, 0.05, -0.08);
+
+TYPED_TEST(Jacobian, OfGnssPosition) {
+  using Filter = TypeParam;
+  check<Filter>([](const NominalState& x) { return Filter::gnss_position(x, {3, -4, 5}, kLever); },
+                2);
+}
+
+TYPED_TEST(Jacobian, OfGnssVelocity) {
+  using Filter = TypeParam;
+  check<Filter>(
+      [](const NominalState& x) {
+        return Filter::gnss_velocity(x, {3, -4, 5}, kLever, {1, 2, -3});
+      },
+      3);
+}
+
+TYPED_TEST(Jacobian, OfBaroHeight) {
+  using Filter = TypeParam;
+  check<Filter>([](const NominalState& x) { return Filter::baro_height(x, 12.0); }, 4);
+}
+
+TYPED_TEST(Jacobian, OfMagneticHeading) {
+  using Filter = TypeParam;
+  // Where the measurement is what the state says; elsewhere H leaves the noise out on purpose.
+  const Vector3 field_N(2.1e-5, 0.4e-5, 4.6e-5);
+  const double declination = std::atan2(field_N.y(), field_N.x());
+  RandomStates random(5);
+  for (int n = 0; n < kStates; ++n) {
+    const NominalState x = random.state();
+    const Vector3 field_B = x.q_NB.conjugate() * field_N;
+    const auto of = [&](double step, int k) {
+      const NominalState moved = Filter::added(x, step * Filter::Error::Unit(k));
+      return Filter::magnetic_heading(moved, field_B, declination).nu(0);
+    };
+    const auto H = Filter::magnetic_heading(x, field_B, declination).H;
+    for (int k = 0; k < Filter::kSize; ++k) {
+      ASSERT_NEAR(H(k), (of(-kStep, k) - of(kStep, k)) / (2.0 * kStep), 20.0 * kTolerance) << n;
+    }
+  }
+}
+
+TYPED_TEST(Jacobian, OfRange) {
+  using Filter = TypeParam;
+  check<Filter>(
+      [](const NominalState& x) { return Filter::range(x, 2.0, -1.0, kLever); }, 6,
+      [](const NominalState& x) { return std::abs((x.q_NB * Vector3::UnitZ()).z()) > 0.3; });
+}
+
+TYPED_TEST(Jacobian, OfPitotAndSideslip) {
+  using Filter = TypeParam;
+  check<Filter>([](const NominalState& x) { return Filter::pitot(x, 100.0, 1.1); }, 7);
+  check<Filter>([](const NominalState& x) { return Filter::sideslip(x, 0.3); }, 8);
+}
+
+TYPED_TEST(Jacobian, OfVelocity) {
+  using Filter = TypeParam;
+  check<Filter>([](const NominalState& x) { return Filter::velocity(x, Vector3::Zero()); }, 9);
+}
+
+/// predict() works by blocks; one prediction must be F P F' + Q with the F tested above.
+TYPED_TEST(Jacobian, PredictionByBlocksIsTheWholeProduct) {
+  using Filter = TypeParam;
+  RandomStates random(10);
+  for (int n = 0; n < kStates; ++n) {
+    Filter filter;
+    filter.state() = random.state();
+    typename Filter::Covariance half;
+    for (int k = 0; k < half.size(); ++k) half.data()[k] = random.uniform(-1.0, 1.0);
+    filter.covariance() = half * half.transpose();
+    const ImuIncrement u = random.increment();
+    const auto F = Filter::transition(filter.state(), u);
+    const ProcessNoise noise{};
+    typename Filter::Covariance expected = F * filter.covariance() * F.transpose();
+    // Q = G W G' with the noise of the increments: dtheta, dv and the four walks.
+    typename Filter::Covariance Q = Filter::Covariance::Zero();
+    const double dt = u.dt_s;
+    const auto add = [&](int first, int size, double density) {
+      for (int k = first; k < first + size; ++k) Q(k, k) += density * density * dt;
+    };
+    add(Filter::kTheta, 3, noise.gyro_rad_s_rtHz);
+    add(Filter::kGyroBias, 3, noise.gyro_bias_rad_s_rts);
+    add(Filter::kAccelBias, 3, noise.accel_bias_m_s2_rts);
+    add(Filter::kBaroBias, 1, noise.baro_bias_m_rts);
+    if (Filter::kSize == 18) add(Filter::kWindIndex, 2, noise.wind_m_s_rts);
+    Eigen::Matrix<double, Filter::kSize, 3> G = Eigen::Matrix<double, Filter::kSize, 3>::Zero();
+    G.template middleRows<3>(Filter::kVelocity).setIdentity();
+    G.template middleRows<3>(Filter::kPosition) = 0.5 * dt * Matrix3::Identity();
+    Q += noise.accel_m_s2_rtHz * noise.accel_m_s2_rtHz * dt * G * G.transpose();
+    expected += Q;
+    filter.predict(u, noise, kGravity);
+    ASSERT_LT(relative_difference(filter.covariance(), expected), 1e-13) << n;
+  }
+}
+
+TEST(Rotation, ExponentialAndLogarithmUndoEachOther) {
+  RandomStates random(11);
+  for (int n = 0; n < kStates; ++n) {
+    const double size = std::pow(10.0, random.uniform(-12.0, 0.25));
+    const Vector3 phi = random.vector(size);
+    EXPECT_LT((log_rotation(exp_rotation(phi)) - phi).norm(), 1e-14 + 1e-15 * size);
+    EXPECT_NEAR(exp_rotation(phi).norm(), 1.0, 1e-15);
+    const Eigen::AngleAxisd known(phi.norm(), phi.normalized());
+    EXPECT_LT(exp_rotation(phi).angularDistance(Quaternion(known)), 1e-7);
+  }
+}
+
+TEST(Gate, HasTheTailOfAScalar) {
+  // Chi-square quantiles of three degrees of freedom at the two-sided normal tails of 3 and 5 sigma
+  // (the tail is erfc(sqrt(x/2)) + sqrt(2 x/pi) exp(-x/2)).
+  EXPECT_DOUBLE_EQ(ErrorStateEkf<false>::gate(1, 3.0), 9.0);
+  EXPECT_NEAR(ErrorStateEkf<false>::gate(3, 3.0), 14.156, 0.04 * 14.156);
+  EXPECT_NEAR(ErrorStateEkf<false>::gate(3, 5.0), 31.812, 0.04 * 31.812);
+  // Of two the tail is exp(-x/2).
+  EXPECT_NEAR(ErrorStateEkf<false>::gate(2, 3.0), -2.0 * std::log(std::erfc(3.0 / std::sqrt(2.0))),
+              0.3);
+  EXPECT_NEAR(ErrorStateEkf<false>::gate(2, 5.0), -2.0 * std::log(std::erfc(5.0 / std::sqrt(2.0))),
+              0.6);
+}
+
+}  // namespace
+}  // namespace rosflight::autonomy::estimation

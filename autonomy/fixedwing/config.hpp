@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "autonomy/fixedwing/flight_manager.hpp"
+#include "autonomy/fixedwing/mission.hpp"
+#include "config/strict_yaml.hpp"
+
+namespace rosflight::autonomy::fixedwing {
+
+/// What other sections of the vehicle file say; given, so that no number stands in two places.
+struct VehicleFacts {
+  double mass_kg{};
+  double gravity_m_s2{9.80665};
+  double wing_area_m2{};
+  double density_kg_m3{1.225};  ///< At the start.
+  double lift_zero{};
+  double lift_alpha_1_rad{};
+  double pitch_zero{};
+  double pitch_alpha_1_rad{};
+  double pitch_elevator_1_rad{};  ///< < 0: a positive deflection pitches down.
+};
+
+struct AutonomyConfig {
+  FlightConfig flight{};
+  MissionLimits mission{};
+};
+
+/// Reads the section `autonomy` of a fixed wing's vehicle file; docs/autonomy-keys.md lists the
+/// keys. Every key may be absent: the defaults of the structs hold.
+/// Throws config::Error for a key that is unknown, of the wrong type or out of range, and for turns
+/// that the bank limit does not allow. Finishes the section.
+AutonomyConfig read_autonomy(const config::Section& autonomy, const VehicleFacts& vehicle);
+
+}  // namespace rosflight::autonomy::fixedwing

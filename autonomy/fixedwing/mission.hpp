@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "autonomy/common/mission_file.hpp"
+#include "autonomy/fixedwing/planner.hpp"
+#include "autonomy/fixedwing/types.hpp"
+
+namespace rosflight::autonomy::fixedwing {
+
+/// Where and how to come down.
+struct LandingPlace {
+  Vector3 aim_N{Vector3::Zero()};    ///< Point of the ground; z against that of the start.
+  std::optional<double> course_rad;  ///< Absent: that of the take-off, or against it, by the wind.
+};
+
+struct Mission {
+  std::vector<Waypoint> waypoints;
+  AtEnd at_end{AtEnd::kLand};
+  std::optional<double> takeoff_height_m;  ///< Else the vehicle's.
+  std::optional<double> radius_m;          ///< Of its turns; else the vehicle's.
+  LandingPlace landing{};                  ///< Absent: the place of the start.
+};
+
+/// What a mission may ask of a vehicle.
+struct MissionLimits {
+  MissionArea area{.max_distance_m = 3000.0, .max_height_m = 150.0, .min_height_m = 15.0};
+  PlannerConfig plan{};  ///< Radius, slopes and airspeed where the mission says none.
+  double min_airspeed_m_s{13.0};
+  double max_airspeed_m_s{22.0};
+  double max_bank_rad{40.0 * kRadPerDeg};  ///< In still air, of any turn.
+  double gravity_m_s2{9.80665};
+
+  /// The plan's configuration for this mission.
+  PlannerConfig plan_for(const Mission& mission) const;
+};
+
+/// Reads a mission file, the same format as for a multirotor (missions/README.md):
+///
+///     takeoff_height_m: 40         # optional
+///     at_end: land                 # land (default), hold, cycle or return
+///     path: fillet                 # line, fillet (default) or dubins: how waypoints are passed
+///     radius_m: 60                 # of turns, at least the vehicle's
+///     landing: {aim: [0, 0], heading_deg: 0}
+///     mission:
+///       - {type: goto, w: [400, -250, -70], speed: 17}
+///       - {type: goto, w: [-400, -50, -70], path: dubins, heading_deg: 66}
+///       - {type: hold, w: [0, 0, -60], hold_seconds: 30, turn: left}
+///
+/// The file of ROSflight 2.x (rosplane: w, lla, chi_d, use_chi, va_d under a repeated `wp`) is read
+/// too: use_chi true is dubins with chi_d, false is fillet.
+///
+/// Before anything flies the path is planned: spacing below the turn radius, turns longer than
+/// their legs or steeper than max_bank_rad, climbs too steep and circles that cannot be joined are
+/// errors at the waypoint's line. After a fault nothing has been loaded.
+/// Throws config::Error, one line: FILE:LINE: KEY: found X, allowed Y.
+Mission load_mission(const std::filesystem::path& file, const MissionLimits& limits,
+                     const std::optional<Geodetic>& origin = {});
+/// The same from memory; `name` stands for the file in messages.
+Mission read_mission(std::string_view text, const std::string& name, const MissionLimits& limits,
+                     const std::optional<Geodetic>& origin = {});
+
+}  // namespace rosflight::autonomy::fixedwing

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "autonomy/multirotor/figure_eight.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace rosflight::autonomy {
+namespace {
+
+constexpr double kRadius_m = 20.0;
+constexpr double kSpeed_m_s = 8.0;
+
+FigureEightLeg eight(int turns = 1, double course_rad = 0.0) {
+  Trajectory start;
+  start.p_N = {5.0, -3.0, -10.0};
+  start.psi_rad = 0.7;
+  return {start, kRadius_m, turns, course_rad, kSpeed_m_s, 3.0};
+}
+
+TEST(FigureEight, BeginsAndEndsAtRestInItsCrossing) {
+  const FigureEightLeg leg = eight(2);
+  for (const double t : {-1.0, 0.0, leg.duration_s(), leg.duration_s() + 1.0}) {
+    const Trajectory at = leg.sample(t);
+    EXPECT_EQ(at.p_N, Vector3(5.0, -3.0, -10.0));
+    EXPECT_TRUE(at.v_N.isZero(0.0) && at.a_N.isZero(0.0) && at.j_N.isZero(0.0));
+    EXPECT_EQ(at.psi_rad, 0.7);
+  }
+  const double nearly = leg.duration_s() - 1e-3;
+  EXPECT_LT((leg.sample(nearly).p_N - leg.sample(leg.duration_s()).p_N).norm(), 1e-6);
+}
+
+TEST(FigureEight, DerivativesAreThoseOfThePosition) {
+  const FigureEightLeg leg = eight(1, 0.4);
+  constexpr double kStep_s = 1e-4;
+  for (double t = 0.05; t < leg.duration_s() - 0.05; t += 0.0731) {
+    const Trajectory before = leg.sample(t - kStep_s);
+    const Trajectory at = leg.sample(t);
+    const Trajectory after = leg.sample(t + kStep_s);
+    EXPECT_LT(((after.p_N - before.p_N) / (2.0 * kStep_s) - at.v_N).norm(), 1e-6) << t;
+    EXPECT_LT(((after.v_N - before.v_N) / (2.0 * kStep_s) - at.a_N).norm(), 1e-4) << t;
+    EXPECT_LT(((after.a_N - before.a_N) / (2.0 * kStep_s) - at.j_N).norm(), 1e-2) << t;
+  }
+}
+
+TEST(FigureEight, HasTheRadiusTheSpeedAndTheLobesItSays) {
+  const FigureEightLeg leg = eight();
+  double sharpest = 0.0;
+  double fastest = 0.0;
+  double north_high = 0.0, north_low = 0.0, east_high = 0.0, east_low = 0.0;
+  double way_m = 0.0;
+  Vector3 last = leg.sample(0.0).p_N;
+  for (double t = 0.0; t < leg.duration_s(); t += 1e-3) {
+    const Trajectory at = leg.sample(t);
+    const double v = at.v_N.norm();
+    fastest = std::max(fastest, v);
+    if (v > 1.0) sharpest = std::max(sharpest, at.v_N.cross(at.a_N).norm() / (v * v * v));
+    const Vector3 p = at.p_N - Vector3(5.0, -3.0, -10.0);
+    north_high = std::max(north_high, p.x());
+    north_low = std::min(north_low, p.x());
+    east_high = std::max(east_high, p.y());
+    east_low = std::min(east_low, p.y());
+    way_m += (at.p_N - last).norm();
+    last = at.p_N;
+  }
+  EXPECT_NEAR(fastest, kSpeed_m_s, 1e-9);
+  EXPECT_NEAR(1.0 / sharpest, kRadius_m, 0.01);
+  EXPECT_NEAR(way_m, leg.length_m(), 0.02);
+  // By numerical integration of the course, in another program.
+  EXPECT_NEAR(north_high, 2.832143 * kRadius_m, 1e-3);
+  EXPECT_NEAR(north_low, -2.832143 * kRadius_m, 1e-3);
+  EXPECT_NEAR(east_high - east_low, 2.094318 * kRadius_m, 1e-3);
+}
+
+TEST(FigureEight, SmallOnesAreFlownSlower) {
+  Trajectory start;
+  const FigureEightLeg leg(start, 0.5, 1, 0.0, kSpeed_m_s, 3.0);
+  double fastest = 0.0;
+  for (double t = 0.0; t < leg.duration_s(); t += 0.01) {
+    fastest = std::max(fastest, leg.sample(t).v_N.norm());
+  }
+  EXPECT_LT(fastest, 3.0);
+  EXPECT_GT(fastest, 1.0);
+}
+
+}  // namespace
+}  // namespace rosflight::autonomy

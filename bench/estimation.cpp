@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How good the estimate of the default flight is: errors against the truth and the normalised
+// squared error (NEES) of position, velocity and attitude, over seeded flights with the shipped
+// sensors and with sensors whose noise is the white one that the filter models (its biases walk,
+// those of the sensors do not: that leaves the filter a little too careful).
+//
+// usage: estimation [FLIGHTS]        (default 60)
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/fly/flight.hpp"
+
+namespace {
+
+using namespace rosflight::apps;  // NOLINT(google-build-using-namespace): a program of one file
+using rosflight::autonomy::estimation::log_rotation;
+using rosflight::sim::BodyState;
+using rosflight::sim::Vector3;
+using Filter = rosflight::autonomy::estimation::ErrorStateEkf<false>;
+
+constexpr double kDegPerRad = 57.29577951308232;
+
+/// Root mean square and the value that 95 of 100 samples stay below.
+struct Spread {
+  std::vector<double> values;
+  double rms() const {
+    double sum = 0.0;
+    for (const double v : values) sum += v * v;
+    return std::sqrt(sum / static_cast<double>(values.size()));
+  }
+  double p95() {
+    const auto at =
+        values.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(values.size()));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+  }
+};
+
+struct Errors {
+  Spread horizontal_m, vertical_m, velocity_m_s, tilt_deg, heading_deg;
+  double nees_sum{};
+  std::uint64_t nees_count{};
+};
+
+struct Past {
+  double t_s;
+  BodyState body;
+  Vector3 seen_N;  ///< Position, in the frame of the filter as the satellites have it.
+};
+
+void judge_output(const Flight& flight, Errors& errors) {
+  const auto estimate = flight.navigator().estimate();
+  const BodyState& truth = flight.truth().body;
+  const Vector3 p = estimate.p_N - flight.seen_position_N();
+  const Vector3 turn_N = truth.q_NB * log_rotation(truth.q_NB.conjugate() * estimate.q_NB);
+  errors.horizontal_m.values.push_back(p.head<2>().norm());
+  errors.vertical_m.values.push_back(std::abs(estimate.p_N.z() - truth.p_N.z()));
+  errors.velocity_m_s.values.push_back((estimate.v_N - truth.q_NB * truth.v_B).norm());
+  errors.tilt_deg.values.push_back(kDegPerRad * turn_N.head<2>().norm());
+  errors.heading_deg.values.push_back(kDegPerRad * std::abs(turn_N.z()));
+}
+
+void judge_filter(const Flight& flight, const std::deque<Past>& past, Errors& errors) {
+  const auto* navigator = dynamic_cast<const LinkNavigator<false>*>(&flight.navigator());
+  const auto& estimator = navigator->estimator();
+  const Past* at = nullptr;
+  for (const Past& p : past) {
+    if (std::abs(p.t_s - estimator.filter_time_s()) < 1.3e-3) at = &p;
+  }
+  if (at == nullptr) return;
+  const Vector3 lever_B = estimator.config().imu_position_B;
+  const auto& x = estimator.filter().state();
+  Eigen::Matrix<double, 9, 1> e;
+  e << log_rotation(x.q_NB.conjugate() * at->body.q_NB),
+      at->body.q_NB * (at->body.v_B + at->body.w_B.cross(lever_B)) - x.v_N,
+      at->seen_N + at->body.q_NB * lever_B - x.p_N;
+  const Eigen::Matrix<double, 9, 9> P = estimator.filter().covariance().topLeftCorner<9, 9>();
+  errors.nees_sum += e.dot(P.ldlt().solve(e)) / 9.0;
+  ++errors.nees_count;
+}
+
+Errors fly(int flights, const std::vector<std::string>& overrides) {
+  Errors errors;
+  for (int seed = 1; seed <= flights; ++seed) {
+    FlightChoice choice;
+    choice.seed = static_cast<std::uint64_t>(seed);
+    choice.overrides = overrides;
+    const FlightSetup setup(choice);
+    const auto flight = std::make_unique<Flight>(setup);
+    std::deque<Past> past;
+    int step = 0;
+    flight->set_script([&](Flight& f, rosflight::sim::Time t) {
+      if (f.director().stage() != Stage::kFly) return;
+      Vector3 seen_N = f.seen_position_N();
+      seen_N.z() = f.truth().body.p_N.z();  // the height hangs on the barometer, not on GNSS
+      past.push_back({static_cast<double>(t.count()) * 1e-6, f.truth().body, seen_N});
+      if (past.size() > 80) past.pop_front();
+      constexpr int kEvery = 40;  // ten times a second
+      if (!f.autonomy().tracking || ++step % kEvery != 0) return;
+      judge_output(f, errors);
+      judge_filter(f, past, errors);
+    });
+    flight->run();
+    if (flight->director().stage() != Stage::kDone) {
+      throw std::runtime_error("a flight failed: " + flight->director().failure());
+    }
+  }
+  return errors;
+}
+
+void print(const char* name, Errors& errors, const char* before) {
+  const auto one = [](const char* key, Spread& s) {
+    std::printf("\"%s_rms\": %.4g, \"%s_p95\": %.4g, ", key, s.rms(), key, s.p95());
+  };
+  std::printf("%s\"%s\": {", before, name);
+  one("horizontal_m", errors.horizontal_m);
+  one("vertical_m", errors.vertical_m);
+  one("velocity_m_s", errors.velocity_m_s);
+  one("tilt_deg", errors.tilt_deg);
+  one("heading_deg", errors.heading_deg);
+  std::printf("\"nees\": %.4g}", errors.nees_sum / static_cast<double>(errors.nees_count));
+}
+
+/// Sensors of the preset `ideal` with the white noise of the filter's configuration on top. The
+/// pressure is that at the place the vehicle flies, 1387 m: 10.3 Pa for each metre.
+std::vector<std::string> as_modelled() {
+  return {
+      "sensors.preset=ideal",
+      "sensors.imu.gyro_rad_s.noise_density=3e-4",
+      "sensors.imu.accel_vibration=7.73e-4",  // 0.3 m/s^2 at the 388 rad/s of hover
+      "sensors.range.delay_us=20000",
+      "sensors.range.range_m.noise_sigma=0.05",
+      "sensors.gnss.delay_us=22000",
+      "sensors.gnss.horizontal_m.noise_sigma=0.5",
+      "sensors.gnss.vertical_m.noise_sigma=10",
+      "sensors.gnss.velocity_m_s.noise_sigma=0.08",
+      "sensors.baro.pressure_Pa.noise_sigma=1.03",
+      "sensors.mag.field_T.noise_sigma=4e-7",
+      "autonomy.estimator.sigma.heading_deg=0.5",
+  };
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    const int flights = argc > 1 ? std::atoi(argv[1]) : 60;
+    if (flights < 1) throw std::invalid_argument("FLIGHTS is a number from 1");
+    Errors shipped = fly(flights, {});
+    print("shipped", shipped, "{");
+    std::fflush(stdout);
+    Errors modelled = fly(flights, as_modelled());
+    print("modelled", modelled, ",\n ");
+    std::printf("}\n");
+    return 0;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "estimation: %s\n", e.what());
+    return 1;
+  }
+}

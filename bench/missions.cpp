@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Flies every mission that the project answers for, in lock-step and on the estimate, and prints
+// how it went: one JSON object, NAME -> {QUANTITY: number}.
+//
+// usage: missions [NAME...]
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/fly/flight.hpp"
+
+namespace {
+
+using namespace rosflight::apps;  // NOLINT(google-build-using-namespace): a program of one file
+using rosflight::sim::Time;
+using rosflight::sim::Vector3;
+
+constexpr double kDegPerRad = 57.29577951308232;
+
+struct Row {
+  const char* name;
+  const char* mission;
+  const char* wind;   ///< "" for calm; SPEED,FROM,W20.
+  const char* fault;  ///< "" for none.
+  int seeds{1};
+};
+
+// Faults begin in the middle of the mission, which starts some 8 s after power-up.
+constexpr Row kRows[]{
+    {"default", "default", "", ""},
+    {"figure_eight", "figure_eight", "", ""},
+    {"survey", "survey", "", ""},
+    {"hover", "hover", "6,270,6", ""},
+    {"gnss_loss", "default", "", "gnss@20:20"},
+    {"gnss_loss_fast", "figure_eight", "", "gnss@30:20"},
+    {"gnss_loss_wind", "default", "6,270,6", "gnss@20:20"},
+    {"baro_step", "default", "", "baro_step=5@20"},
+    {"mag_turned", "default", "", "mag_turned=30@20"},
+    {"accel_step_x", "default", "", "accel_step_x=0.3@20"},
+    {"accel_step_y", "default", "", "accel_step_y=0.3@20"},
+    {"accel_step_z", "default", "", "accel_step_z=0.3@20"},
+    {"gyro_step_x", "default", "", "gyro_step_x=0.02@20"},
+    {"gyro_step_y", "default", "", "gyro_step_y=0.02@20"},
+    {"gyro_step_z", "default", "", "gyro_step_z=0.02@20"},
+    {"default_gusts", "default", "6,270,6", "", 100},
+};
+
+/// Sums of one flight.
+struct Score {
+  Tracking own;    ///< Horizontal, less the slow error of the satellites.
+  Tracking total;  ///< Horizontal, as it was.
+  double max_tilt_deg{};
+  double max_height_error_m{};
+  bool landed{};     ///< Came down on its own and was disarmed.
+  bool completed{};  ///< With all waypoints reached.
+
+  void look(Flight& flight) {
+    const GuideOutput& guide = flight.autonomy();
+    if (flight.director().stage() != Stage::kFly) return;
+    const auto& truth = flight.truth().body;
+    const double cosine = (truth.q_NB * Vector3::UnitZ()).z();
+    max_tilt_deg = std::max(max_tilt_deg, kDegPerRad * std::acos(std::clamp(cosine, -1.0, 1.0)));
+    if (!guide.tracking) return;
+    own.add((flight.seen_position_N() - guide.setpoint.p_N).head<2>().norm());
+    total.add((truth.p_N - guide.setpoint.p_N).head<2>().norm());
+    max_height_error_m =
+        std::max(max_height_error_m, std::abs(truth.p_N.z() - guide.setpoint.p_N.z()));
+  }
+};
+
+Score fly(const Row& row, std::uint64_t seed) {
+  FlightChoice choice;
+  choice.mission = row.mission;
+  choice.seed = seed;
+  if (std::strlen(row.wind) > 0) choice.wind = row.wind;
+  if (std::strlen(row.fault) > 0) choice.faults = {row.fault};
+  const FlightSetup setup(choice);
+  const auto flight = std::make_unique<Flight>(setup);
+  Score score;
+  flight->set_script([&score](Flight& f, Time /*t*/) { score.look(f); });
+  flight->run();
+  const FlightDirector& director = flight->director();
+  score.landed = director.stage() == Stage::kDone && flight->autonomy().landed;
+  bool all = director.arrivals().size() == setup.waypoints.size();
+  for (const auto& arrival : director.arrivals()) all = all && arrival.reached;
+  score.completed = score.landed && all;
+  return score;
+}
+
+void print(const Row& row) {
+  std::map<std::string, double> out;
+  if (row.seeds == 1) {
+    const Score s = fly(row, 1);
+    out["horizontal_rms_m"] = s.own.rms_m();
+    out["horizontal_max_m"] = s.own.max_m;
+    out["total_rms_m"] = s.total.rms_m();
+    out["height_max_m"] = s.max_height_error_m;
+    out["max_tilt_deg"] = s.max_tilt_deg;
+    out["landed"] = s.landed ? 1.0 : 0.0;
+    out["completed"] = s.completed ? 1.0 : 0.0;
+  } else {
+    double completed = 0.0, worst_m = 0.0, tilt_deg = 0.0;
+    for (int seed = 1; seed <= row.seeds; ++seed) {
+      const Score s = fly(row, static_cast<std::uint64_t>(seed));
+      completed += s.completed ? 1.0 : 0.0;
+      worst_m = std::max(worst_m, s.own.rms_m());
+      tilt_deg = std::max(tilt_deg, s.max_tilt_deg);
+    }
+    out["completed"] = completed;
+    out["worst_horizontal_rms_m"] = worst_m;
+    out["max_tilt_deg"] = tilt_deg;
+  }
+  std::printf("\"%s\": {", row.name);
+  const char* comma = "";
+  for (const auto& [key, value] : out) {
+    std::printf("%s\"%s\": %.6g", comma, key.c_str(), value);
+    comma = ", ";
+  }
+  std::printf("}");
+}
+
+bool wanted(const char* name, int argc, char** argv) {
+  if (argc < 2) return true;
+  for (int k = 1; k < argc; ++k) {
+    if (std::strcmp(argv[k], name) == 0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    const char* comma = "{";
+    for (const Row& row : kRows) {
+      if (!wanted(row.name, argc, argv)) continue;
+      std::printf("%s", comma);
+      print(row);
+      std::fflush(stdout);
+      comma = ",\n ";
+    }
+    std::printf("%s\n", *comma == '{' ? "{}" : "}");
+    return 0;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "missions: %s\n", e.what());
+    return 1;
+  }
+}

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Flies every mission of a fixed wing that the project answers for, in lock-step and on the
+// estimate, and prints how it went: one JSON object, NAME -> {QUANTITY: number}, like missions.cpp.
+//
+// usage: missions_fixedwing [NAME...]
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "apps/fly/flight.hpp"
+
+namespace {
+
+using namespace rosflight::apps;  // NOLINT(google-build-using-namespace): a program of one file
+
+constexpr double kDegPerRad = 57.29577951308232;
+constexpr const char* kLoops = "autonomy.energy.longitudinal=successive_loops";
+
+struct Row {
+  const char* name;
+  const char* mission;
+  const char* wind;      ///< "" for calm; SPEED,FROM[,W20].
+  const char* fault;     ///< "" for none.
+  const char* override;  ///< "" for none.
+  int seeds{1};
+};
+
+// The mission starts some 20 s after power-up; 80 s is on its long leg.
+constexpr Row kRows[]{
+    {"fixedwing_line", "hourglass_line", "", "", ""},
+    {"fixedwing_fillet", "fixedwing", "", "", ""},
+    {"fixedwing_dubins", "hourglass_dubins", "", "", ""},
+    {"fixedwing_racetrack_wind", "racetrack", "8,250", "", ""},
+    {"fixedwing_energy", "climb_and_descent", "", "", ""},
+    {"fixedwing_loops", "climb_and_descent", "", "", kLoops},
+    {"fixedwing_landing_range", "fixedwing", "", "", ""},
+    {"fixedwing_landing_no_range", "fixedwing", "", "range@0", ""},
+    {"fixedwing_landing_wind", "fixedwing", "5,250,2", "", ""},
+    {"fixedwing_pitot_blocked", "fixedwing", "", "pitot_blocked@80", ""},
+    {"fixedwing_gnss_loss", "fixedwing", "", "gnss@80:20", ""},
+    {"fixedwing_motor_off", "fixedwing", "", "motor0_dead@80", ""},
+    {"fixedwing_gusts", "fixedwing", "6,270,6", "", "", 100},
+};
+
+using Figures = std::map<std::string, double>;
+
+Figures fly(const Row& row, std::uint64_t seed) {
+  FlightChoice choice;
+  choice.vehicle = "anaconda";
+  choice.mission = row.mission;
+  choice.seed = seed;
+  if (std::strlen(row.wind) > 0) choice.wind = row.wind;
+  if (std::strlen(row.fault) > 0) choice.faults = {row.fault};
+  if (std::strlen(row.override) > 0) choice.overrides = {row.override};
+  const FlightSetup setup(choice);
+  const auto flight = std::make_unique<Flight>(setup);
+  flight->run();
+  const FlightDirector& director = flight->director();
+  const WingRecord& wing = *flight->wing_record();
+  Figures out;
+  const bool landed = director.stage() == Stage::kDone && flight->autonomy().landed;
+  bool all = director.arrivals().size() == setup.waypoints.size();
+  for (const auto& arrival : director.arrivals()) all = all && arrival.reached;
+  out["landed"] = landed ? 1.0 : 0.0;
+  out["completed"] = landed && all ? 1.0 : 0.0;
+  out["straight_rms_m"] = wing.straight.rms_m();
+  out["arc_rms_m"] = wing.arc.rms_m();
+  out["straight_total_rms_m"] = wing.straight_total.rms_m();
+  out["arc_total_rms_m"] = wing.arc_total.rms_m();
+  out["height_rms_m"] = wing.height.rms_m();
+  out["airspeed_rms_m_s"] = wing.airspeed.rms_m();
+  out["max_bank_deg"] = kDegPerRad * wing.roll.max_m;
+  out["min_airspeed_m_s"] = wing.lowest_airspeed_m_s;
+  if (const auto& touch = wing.touchdown()) {
+    out["touchdown_distance_m"] = touch->distance_m;
+    out["touchdown_sink_m_s"] = touch->sink_m_s;
+    out["touchdown_bank_deg"] = kDegPerRad * std::abs(touch->roll_rad);
+  }
+  return out;
+}
+
+/// Over many seeds: the number completed, and the worst of the rest.
+Figures worst_of(const Row& row) {
+  Figures out{{"completed", 0.0}, {"landed", 0.0}};
+  for (int seed = 1; seed <= row.seeds; ++seed) {
+    for (const auto& [key, value] : fly(row, static_cast<std::uint64_t>(seed))) {
+      if (key == "completed" || key == "landed") {
+        out[key] += value;
+      } else if (key == "min_airspeed_m_s") {
+        const auto [entry, fresh] = out.emplace(key, value);
+        if (!fresh) entry->second = std::min(entry->second, value);
+      } else {
+        const auto [entry, fresh] = out.emplace(key, value);
+        if (!fresh) entry->second = std::max(entry->second, value);
+      }
+    }
+  }
+  return out;
+}
+
+void print(const Row& row) {
+  std::printf("\"%s\": {", row.name);
+  const char* comma = "";
+  for (const auto& [key, value] : row.seeds == 1 ? fly(row, 1) : worst_of(row)) {
+    std::printf("%s\"%s\": %.6g", comma, key.c_str(), value);
+    comma = ", ";
+  }
+  std::printf("}");
+}
+
+bool wanted(const char* name, int argc, char** argv) {
+  if (argc < 2) return true;
+  for (int k = 1; k < argc; ++k) {
+    if (std::strcmp(argv[k], name) == 0) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    const char* comma = "{";
+    for (const Row& row : kRows) {
+      if (!wanted(row.name, argc, argv)) continue;
+      std::printf("%s", comma);
+      print(row);
+      std::fflush(stdout);
+      comma = ",\n ";
+    }
+    std::printf("%s\n", *comma == '{' ? "{}" : "}");
+    return 0;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "missions_fixedwing: %s\n", e.what());
+    return 1;
+  }
+}
