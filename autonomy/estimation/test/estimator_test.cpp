@@ -147,7 +147,8 @@ TEST(Estimator, ShowsTheReturnOfGnssAsASlopeNotAStep) {
   ASSERT_GT(f.position_error_m(), 3.0);
   f.world->gnss_on = true;
   double before_m = f.position_error_m();
-  for (double t = 60.0; t < 70.0; t += 0.01) {
+  for (int k = 0; k < 1000; ++k) {
+    const double t = 60.0 + 0.01 * k;
     f.run_until(t);
     ASSERT_LT(std::abs(f.position_error_m() - before_m), 0.3) << t;  // else many metres
     before_m = f.position_error_m();
@@ -229,8 +230,8 @@ TEST(Estimator, RubbishIsCountedAndChangesNothing) {
 TEST(Estimator, AClockThatJumpsStartsItAnewWithTheSameOrigin) {
   Fixture f;
   f.run_until(20.0);
-  ASSERT_TRUE(f.estimator->origin().has_value());
-  const Geodetic origin = *f.estimator->origin();
+  const Geodetic origin = f.estimator->origin().value_or(Geodetic{});
+  ASSERT_NE(origin.latitude_deg, 0.0);
   f.estimator->add(ImuSample{5000.0, Vector3::Zero(), Vector3(0.0, 0.0, -kGravity)});
   EXPECT_FALSE(f.estimator->initialised());
   EXPECT_EQ(f.estimator->health().restarts, 1U);
@@ -238,7 +239,7 @@ TEST(Estimator, AClockThatJumpsStartsItAnewWithTheSameOrigin) {
   f.run_until(30.0);
   ASSERT_TRUE(f.estimator->initialised());
   EXPECT_TRUE(f.estimator->health().in_air_start);
-  EXPECT_EQ(f.estimator->origin()->latitude_deg, origin.latitude_deg);
+  EXPECT_EQ(f.estimator->origin().value_or(Geodetic{}).latitude_deg, origin.latitude_deg);
 }
 
 TEST(Estimator, FindsTheWindWithPitotAndSideslip) {

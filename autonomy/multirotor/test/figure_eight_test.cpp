@@ -33,7 +33,8 @@ TEST(FigureEight, BeginsAndEndsAtRestInItsCrossing) {
 TEST(FigureEight, DerivativesAreThoseOfThePosition) {
   const FigureEightLeg leg = eight(1, 0.4);
   constexpr double kStep_s = 1e-4;
-  for (double t = 0.05; t < leg.duration_s() - 0.05; t += 0.0731) {
+  for (int k = 1; 0.0731 * k < leg.duration_s() - 0.05; ++k) {
+    const double t = 0.0731 * k;
     const Trajectory before = leg.sample(t - kStep_s);
     const Trajectory at = leg.sample(t);
     const Trajectory after = leg.sample(t + kStep_s);
@@ -50,8 +51,8 @@ TEST(FigureEight, HasTheRadiusTheSpeedAndTheLobesItSays) {
   double north_high = 0.0, north_low = 0.0, east_high = 0.0, east_low = 0.0;
   double way_m = 0.0;
   Vector3 last = leg.sample(0.0).p_N;
-  for (double t = 0.0; t < leg.duration_s(); t += 1e-3) {
-    const Trajectory at = leg.sample(t);
+  for (int k = 0; 1e-3 * k < leg.duration_s(); ++k) {
+    const Trajectory at = leg.sample(1e-3 * k);
     const double v = at.v_N.norm();
     fastest = std::max(fastest, v);
     if (v > 1.0) sharpest = std::max(sharpest, at.v_N.cross(at.a_N).norm() / (v * v * v));
@@ -76,8 +77,8 @@ TEST(FigureEight, SmallOnesAreFlownSlower) {
   Trajectory start;
   const FigureEightLeg leg(start, 0.5, 1, 0.0, kSpeed_m_s, 3.0);
   double fastest = 0.0;
-  for (double t = 0.0; t < leg.duration_s(); t += 0.01) {
-    fastest = std::max(fastest, leg.sample(t).v_N.norm());
+  for (int k = 0; 0.01 * k < leg.duration_s(); ++k) {
+    fastest = std::max(fastest, leg.sample(0.01 * k).v_N.norm());
   }
   EXPECT_LT(fastest, 3.0);
   EXPECT_GT(fastest, 1.0);
