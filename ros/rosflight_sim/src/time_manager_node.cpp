@@ -64,6 +64,8 @@ class TimeManager : public rclcpp::Node {
   static constexpr double kDefaultStep_us = 2500.0;
   static constexpr auto kPatience = std::chrono::milliseconds(50);
   static constexpr auto kJudged = std::chrono::seconds(2);
+  /// A pace that nobody holds must not keep services and parameters waiting.
+  static constexpr auto kLongestTick = std::chrono::milliseconds(2);
   static constexpr auto kSayAgain = std::chrono::milliseconds(20);
   static constexpr auto kGiveUp = std::chrono::seconds(1);
   static constexpr double kHeld = 0.98;  ///< Of the factor, to count as held.
@@ -136,7 +138,7 @@ class TimeManager : public rclcpp::Node {
   void tick() {
     const auto now = steady_clock::now();
     if (now - next_ > kPatience) next_ = now;
-    while (next_ <= now && !must_wait(now)) {
+    while (next_ <= now && !must_wait(now) && steady_clock::now() - now < kLongestTick) {
       advance(step_us_);
       advanced_ = said_ = now;
       next_ += wall_period();
