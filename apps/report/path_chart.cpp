@@ -62,6 +62,7 @@ Bounds bounds_along(const FlightRecord& record, Direction direction) {
   }
   for (const Waypoint& waypoint : record.waypoints)
     bounds.include(along(waypoint.p_N_m, direction));
+  for (const auto& p_N_m : record.route) bounds.include(along(p_N_m, direction));
   if (bounds.empty()) bounds.include(0.0);
   return bounds;
 }
@@ -138,6 +139,17 @@ void append_track_of(std::string& svg, const FlightRecord& record, const Frame& 
   svg += "<path class=\"curve ";
   svg += css;
   svg += "\" d=\"";
+  append_track(svg, points, kTolerance_px);
+  svg += "\"/>";
+}
+
+void append_route(std::string& svg, const FlightRecord& record, const Frame& frame,
+                  const PathView& view) {
+  if (record.route.empty()) return;
+  std::vector<Point> points;
+  points.reserve(record.route.size());
+  for (const auto& p_N_m : record.route) points.push_back(frame.place(p_N_m, view));
+  svg += "<path class=\"curve route\" d=\"";
   append_track(svg, points, kTolerance_px);
   svg += "\"/>";
 }
@@ -260,6 +272,7 @@ double append_path_svg(std::string& svg, const FlightRecord& record, const PathV
   }
   svg += "\">";
   append_axes(svg, frame, view);
+  append_route(svg, record, frame, view);
   append_track_of(svg, record, frame, view, "command",
                   [](const Sample& s) { return s.setpoint_N_m; });
   append_track_of(svg, record, frame, view, "actual", [](const Sample& s) { return s.p_N_m; });
@@ -274,7 +287,10 @@ void append_path_figure(std::string& html, const FlightRecord& record, const Pat
   html +=
       "<figure class=\"chart\"><figcaption><span class=\"name\">" + escape(view.title) +
       "</span><span class=\"keys\"><span class=\"key\"><i class=\"swatch actual\"></i>flown</span>"
-      "<span class=\"key\"><i class=\"swatch command\"></i>set-point</span>"
+      "<span class=\"key\"><i class=\"swatch command\"></i>set-point</span>" +
+      std::string(record.route.empty()
+                      ? ""
+                      : "<span class=\"key\"><i class=\"swatch route\"></i>planned</span>") +
       "<span class=\"key\"><i class=\"sign start\">▲</i>start</span>"
       "<span class=\"key\"><i class=\"sign finish\">■</i>end</span></span></figcaption>";
   append_path_svg(html, record, view);
