@@ -90,8 +90,10 @@ FlightRecorder::FlightRecorder(Flight& flight, const std::filesystem::path& log_
     shown.heading_rad = waypoint.heading_rad;
     shown.hold_s = waypoint.hold_s;
     record_.waypoints.push_back(shown);
-    if (!record_.fixed_wing) record_.route.push_back(shown.p_N_m);
+    const bool elsewhere = record_.route.empty() || record_.route.back() != shown.p_N_m;
+    if (!record_.fixed_wing && elsewhere) record_.route.push_back(shown.p_N_m);
   }
+  if (record_.route.size() == 1) record_.route.clear();  // a place is no way
   flight.set_tap(this);
   flight.add(*this);
 }

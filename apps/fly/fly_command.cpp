@@ -158,6 +158,10 @@ void fill_record(report::FlightRecord& record, const Flight& flight, const Resul
   const bool wing = flight.wing_record() != nullptr;  // has its own figures
   fact("Tracking error, rms", fmt::format("{:.2f}", flight.tracking().rms_m()), "m", !wing);
   fact("Tracking error, largest", fmt::format("{:.2f}", flight.tracking().max_m), "m", !wing);
+  if (!wing && setup.choice.state != "truth") {
+    fact("Across ground, less GNSS drift, rms",
+         fmt::format("{:.2f}", flight.own_tracking().rms_m()), "m", true);
+  }
   if (wing) add_wing_facts(record, *flight.wing_record());
   fact("Flight time", fmt::format("{:.1f}", result.flight_time_s), "s", true);
   fact("Simulated time", fmt::format("{:.1f}", result.sim_time_s), "s", false);

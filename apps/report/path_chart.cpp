@@ -157,7 +157,7 @@ void append_route(std::string& svg, const FlightRecord& record, const Frame& fra
 /// Waypoints that fall on each other in this view share one label.
 struct Label {
   Point at;
-  std::string numbers;
+  std::vector<std::size_t> numbers;
   std::string tip;
   bool missed{false};
 };
@@ -176,7 +176,7 @@ std::vector<Label> waypoint_labels(const FlightRecord& record, const Frame& fram
     if (label == labels.end()) label = labels.insert(labels.end(), Label{at, {}, {}, false});
     const std::string name = std::to_string(k + 1);
     const bool missed = !std::isfinite(waypoint.reached_s);
-    label->numbers += (label->numbers.empty() ? "" : " ") + name;
+    label->numbers.push_back(k + 1);
     label->tip += (label->tip.empty() ? "" : "; ") + std::string("waypoint ") + name +
                   (missed ? " missed" : " reached at " + number(waypoint.reached_s, 1) + " s");
     label->missed = label->missed || missed;
@@ -184,12 +184,26 @@ std::vector<Label> waypoint_labels(const FlightRecord& record, const Frame& fram
   return labels;
 }
 
+/// Of many numbers the first and the last; the tip has them all.
+std::string text_of(const Label& label) {
+  constexpr std::size_t kMost = 3;
+  if (label.numbers.size() > kMost) {
+    return std::to_string(label.numbers.front()) + " .. " + std::to_string(label.numbers.back());
+  }
+  std::string out;
+  for (const std::size_t number : label.numbers) {
+    out += (out.empty() ? "" : " ") + std::to_string(number);
+  }
+  return out;
+}
+
 void append_waypoints(std::string& svg, const std::vector<Label>& labels) {
   constexpr double kHalfHeight = 8.5;
   constexpr double kCharacter = 6.4;
   for (const Label& label : labels) {
+    const std::string text = text_of(label);
     const double half_width =
-        std::max(kHalfHeight, 0.5 * kCharacter * static_cast<double>(label.numbers.size()) + 4.0);
+        std::max(kHalfHeight, 0.5 * kCharacter * static_cast<double>(text.size()) + 4.0);
     svg += "<g class=\"waypoint";
     svg += label.missed ? " missed" : "";
     svg += "\"><title>" + escape(label.tip) + "</title><rect";
@@ -201,7 +215,7 @@ void append_waypoints(std::string& svg, const std::vector<Label>& labels) {
     svg += "/><text text-anchor=\"middle\"";
     append_attribute(svg, "x", label.at.x);
     append_attribute(svg, "y", label.at.y + 4.0);
-    svg += ">" + escape(label.numbers) + "</text></g>";
+    svg += ">" + escape(text) + "</text></g>";
   }
 }
 
