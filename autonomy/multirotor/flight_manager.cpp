@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace rosflight::autonomy {
 namespace {
@@ -27,8 +28,11 @@ PathConfig with_cycle(PathConfig config, const Mission& mission) {
 
 }  // namespace
 
-FlightManager::FlightManager(const FlightConfig& config, const Mission& mission)
-    : config_(config), follower_(config.follower), controller_(config.controller, config.thrust) {
+FlightManager::FlightManager(const FlightConfig& config, const Mission& mission,
+                             std::unique_ptr<TrajectoryLaw> law)
+    : config_(config),
+      follower_(law ? std::move(law) : std::make_unique<TrajectoryFollower>(config.follower)),
+      controller_(config.controller, config.thrust) {
   const double weight_N = config.controller.mass_kg * config.controller.gravity_m_s2;
   if (config.thrust.max_thrust_N() < 1.1 * weight_N) {
     throw std::invalid_argument("the vehicle weighs " + std::to_string(weight_N) +
@@ -98,12 +102,12 @@ void FlightManager::hand_over(const StateMachine::Output& machine, double t_s, c
   if (machine.takeoff_late) event(FlightEventType::kTakeoffFailed);
   if (machine.follow) {
     start_path(t_s, state, attitude);
-    follower_.restart(controller_.trim_N());
+    follower_->restart(controller_.trim_N());
     return;
   }
   if (out_.phase == Phase::kOffboard) {
     path_.stop();
-    controller_.enter(machine.command.mode, follower_.trim_N());
+    controller_.enter(machine.command.mode, follower_->trim_N());
   }
   if (machine.phase == Phase::kTakeoff) controller_.clear_integrators();
   if (machine.phase == Phase::kLanded) flown_ = true;
@@ -125,7 +129,7 @@ ControllerCommand FlightManager::follow(double t_s, double dt_s, const State& st
   out_.setpoint = path.setpoint;
   out_.waypoint = path.waypoint;
   out_.distance_m = path.distance_m;
-  return follower_.step({state, attitude, out_.setpoint, 0.0, dt_s, pilot});
+  return follower_->step({state, attitude, out_.setpoint, 0.0, dt_s, pilot});
 }
 
 void FlightManager::note(const StateMachine::Output& machine, const PilotOverride& pilot) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <array>
+#include <memory>
 
 #include "autonomy/multirotor/controller.hpp"
 #include "autonomy/multirotor/mission.hpp"
@@ -74,7 +75,9 @@ class FlightManager {
   static constexpr double kStateGrace_s = 0.1;
 
   /// Throws std::invalid_argument if the mission cannot be flown with this configuration.
-  FlightManager(const FlightConfig& config, const Mission& mission);
+  /// @param law  flies the trajectories; none: a TrajectoryFollower.
+  FlightManager(const FlightConfig& config, const Mission& mission,
+                std::unique_ptr<TrajectoryLaw> law = nullptr);
 
   /// @param t_s  must grow; a step at a time not after the last repeats the last output without
   /// events.
@@ -101,7 +104,7 @@ class FlightManager {
 
   FlightConfig config_{};
   PathManager path_;
-  TrajectoryFollower follower_;
+  std::unique_ptr<TrajectoryLaw> follower_;
   Controller controller_;
   StateMachine machine_;
   AtEnd at_end_{AtEnd::kLand};
