@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <optional>
+
 #include "autonomy/common/pid.hpp"
 #include "autonomy/multirotor/trajectory_law.hpp"
 
@@ -9,6 +11,7 @@ struct FollowerConfig {
   double mass_kg{3.5};
   double gravity_m_s2{9.81};
   PidGains horizontal{3.5, 1.0, 3.2};  ///< kp [1/s^2], ki [1/s^3], kd [1/s].
+  std::optional<PidGains> east{};      ///< Else horizontal is that of both.
   PidGains vertical{4.0, 1.0, 3.5};
   PidGains heading{2.0, 0.0, 0.0};   ///< kp [1/s], ki [1/s^2], kd [-].
   double drag_1_s{0.0};              ///< Deceleration per speed through still air, fed forward.
@@ -51,6 +54,9 @@ class TrajectoryFollower final : public TrajectoryLaw {
   ControllerCommand step(const Input& in) override;
 
   void clear_integrators();
+  /// Gains and limits change, integrals and filters stay.
+  void configure(const FollowerConfig& config);
+  const FollowerConfig& config() const { return config_; }
   void restart(const Vector3& trim_N) override;
   Vector3 trim_N() const override {
     return {north_.integral(), east_.integral(), down_.integral()};
