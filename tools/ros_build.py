@@ -92,7 +92,7 @@ def _state(environment: Environment, sanitize: bool) -> str:
 def _library_folders() -> list[str]:
     """Folders of the project's libraries: whatever the root builds that ros/ may use."""
     return [f"{folder}/" for folder in ("link", "firmware", "sim", "companion", "config",
-                                        "autonomy", "log")]
+                                        "autonomy", "log", "apps/vehicle")]
 
 
 def _colcon(environment: Environment, packages, place: Path, sanitize: bool) -> bool:

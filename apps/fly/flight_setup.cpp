@@ -10,18 +10,12 @@
 #include <iterator>
 #include <numbers>
 
-#include "apps/fly/navigator.hpp"
 #include "apps/project_root.hpp"
-#include "autonomy/estimation/read_estimator.hpp"
-#include "firmware/core/motor_model.hpp"
-#include "firmware/core/parameters.hpp"
-#include "sim/fixedwing/fixedwing.hpp"
 #include "sim/sensors/register.hpp"
 
 namespace rosflight::apps {
 namespace {
 
-using companion::ParameterValue;
 using config::Error;
 
 sim::Registry& fill(sim::Registry& registry, const FlightChoice& choice) {
@@ -65,97 +59,6 @@ std::string read_text(const std::string& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// The one propeller and motor that autonomy's thrust curve knows, in the air at the origin.
-autonomy::RotorData rotor_data(const sim::MultirotorParameters& rotors,
-                               const sim::EnvironmentParameters& environment) {
-  autonomy::RotorData data;
-  data.count = static_cast<int>(rotors.rotors.size());
-  data.thrust_coefficient = rotors.propeller.thrust[0];
-  data.torque_coefficient = rotors.propeller.torque[0];
-  data.diameter_m = rotors.propeller.diameter_m;
-  data.motor_constant = rotors.motor.torque_constant_Nm_A;
-  data.resistance_ohm = rotors.motor.resistance_ohm;
-  data.no_load_current_A = rotors.motor.no_load_current_A;
-  const sim::Battery battery(rotors.battery);
-  data.supply_voltage_V = battery.open_circuit_V(battery.initial_charge_As());
-  data.air_density_kg_m3 =
-      sim::Atmosphere(environment.atmosphere).at(environment.origin.height_m).density_kg_m3;
-  return data;
-}
-
-autonomy::AutonomyConfig read_autonomy_section(const sim::Vehicle& vehicle,
-                                               const sim::MultirotorParameters& rotors,
-                                               const companion::ParameterSet& firmware) {
-  autonomy::VehicleFacts facts;
-  facts.mass_kg = vehicle.body().mass_kg;
-  facts.gravity_m_s2 = vehicle.environment().gravity_m_s2;
-  facts.rotors = rotor_data(rotors, vehicle.environment());
-  facts.throttle.rc_max_thr = firmware_value(firmware, "RC_MAX_THR");
-  if (firmware_value(firmware, "USE_MOTOR_PARAM") != 0.0) {
-    core::MotorModel motor;
-    const auto f = [&firmware](const char* name) {
-      return static_cast<float>(firmware_value(firmware, name));
-    };
-    motor.resistance_ohm = f("MOTOR_RESISTANCE");
-    motor.kv_V_s_rad = f("MOTOR_KV");
-    motor.no_load_current_A = f("NO_LOAD_CURRENT");
-    motor.prop_diameter_m = f("PROP_DIAMETER");
-    motor.prop_ct = f("PROP_CT");
-    motor.prop_cq = f("PROP_CQ");
-    motor.full_voltage_V = f("BATT_VOLT_MAX");
-    motor.motor_count = static_cast<int>(firmware_value(firmware, "NUM_MOTORS"));
-    facts.throttle.firmware_max_thrust_N =
-        static_cast<double>(motor.max_thrust_N(static_cast<float>(facts.rotors.air_density_kg_m3)));
-  }
-  return autonomy::read_autonomy(vehicle.autonomy(), facts);
-}
-
-/// Height of the centre of mass over its lowest point of contact.
-double height_at_rest_m(const sim::Vehicle& vehicle) {
-  double lowest_m = 0.0;
-  for (const sim::Vector3& contact : vehicle.ground().contacts_B) {
-    lowest_m = std::max(lowest_m, contact.z());
-  }
-  return lowest_m;
-}
-
-autonomy::estimation::EstimatorConfig read_estimator_section(const sim::Vehicle& vehicle) {
-  autonomy::estimation::EstimatorConfig defaults;
-  defaults.gravity_m_s2 = vehicle.environment().gravity_m_s2;
-  defaults.declination_at = wmm2025_declination;
-  defaults.height_at_rest_m = height_at_rest_m(vehicle);
-  return autonomy::estimation::read_estimator(vehicle.autonomy().foreign_section("estimator"),
-                                              defaults);
-}
-
-constexpr std::string_view kFixedWing = "fixedwing";
-
-bool is_fixed_wing(const sim::Vehicle& vehicle) {
-  return vehicle.type() == kFixedWing;
-}
-
-sim::MultirotorParameters read_rotors(const sim::Vehicle& vehicle) {
-  if (is_fixed_wing(vehicle)) return sim::read_fixed_wing(vehicle.root()).propulsion;
-  return sim::read_multirotor(vehicle.root());
-}
-
-autonomy::fixedwing::AutonomyConfig read_wing_section(const sim::Vehicle& vehicle) {
-  const sim::AirframeParameters airframe = sim::read_fixed_wing(vehicle.root()).airframe;
-  const sim::EnvironmentParameters& environment = vehicle.environment();
-  autonomy::fixedwing::VehicleFacts facts;
-  facts.mass_kg = vehicle.body().mass_kg;
-  facts.gravity_m_s2 = environment.gravity_m_s2;
-  facts.wing_area_m2 = airframe.area_m2;
-  facts.density_kg_m3 =
-      sim::Atmosphere(environment.atmosphere).at(environment.origin.height_m).density_kg_m3;
-  facts.lift_zero = airframe.lift.zero;
-  facts.lift_alpha_1_rad = airframe.lift.alpha;
-  facts.pitch_zero = airframe.pitch.zero;
-  facts.pitch_alpha_1_rad = airframe.pitch.alpha;
-  facts.pitch_elevator_1_rad = airframe.pitch.elevator;
-  return autonomy::fixedwing::read_autonomy(vehicle.autonomy(), facts);
-}
-
 std::variant<MultirotorPlan, WingPlan> read_plan(const sim::Vehicle& vehicle,
                                                  const sim::MultirotorParameters& rotors,
                                                  const companion::ParameterSet& firmware,
@@ -164,12 +67,12 @@ std::variant<MultirotorPlan, WingPlan> read_plan(const sim::Vehicle& vehicle,
   const autonomy::Geodetic origin{place.latitude_deg, place.longitude_deg, place.height_m};
   if (is_fixed_wing(vehicle)) {
     WingPlan plan;
-    plan.autonomy = read_wing_section(vehicle);
+    plan.autonomy = read_wing_autonomy(vehicle);
     plan.mission = autonomy::fixedwing::load_mission(mission_file, plan.autonomy.mission, origin);
     return plan;
   }
   MultirotorPlan plan;
-  plan.autonomy = read_autonomy_section(vehicle, rotors, firmware);
+  plan.autonomy = read_multirotor_autonomy(vehicle, rotors, firmware);
   plan.mission = autonomy::load_mission(mission_file, plan.autonomy.mission, origin);
   return plan;
 }
@@ -198,42 +101,6 @@ double throttle_that_carries(const std::variant<MultirotorPlan, WingPlan>& plan,
 }
 
 }  // namespace
-
-companion::ParameterSet read_firmware_parameters(const config::Section& section) {
-  companion::ParameterSet set;
-  for (const std::string& name : section.keys()) {
-    const std::size_t index = core::Parameters::find(core::padded_name(name.c_str()));
-    if (name.size() > link::kParamNameLength || index == core::kParamCount) {
-      throw section.error(name, section.raw(name), "the name of a firmware parameter");
-    }
-    const auto id = static_cast<core::Param>(index);
-    const core::ParamRow& row = core::Parameters::row(id);
-    const double number = section.number(name, config::Range::any());
-    const bool whole = row.type == link::ParamType::kInt32;
-    const bool fits = std::abs(number) < 2147483648.0;
-    const core::ParamValue value =
-        whole ? core::ParamValue{fits ? static_cast<std::int32_t>(number) : 0}
-              : core::ParamValue{static_cast<float>(number)};
-    if (!fits || (whole && number != std::trunc(number)) ||
-        !core::Parameters::in_range(id, value)) {
-      throw section.error(
-          name, section.raw(name),
-          fmt::format("{}{} to {}", whole ? "a whole number from " : "", row.min, row.max));
-    }
-    set.push_back({name, whole ? ParameterValue::of(value.i) : ParameterValue::of(value.f)});
-  }
-  return set;
-}
-
-double firmware_value(const companion::ParameterSet& set, const std::string& name) {
-  for (const companion::NamedValue& entry : set) {
-    if (entry.name == name) return entry.value.number();
-  }
-  const std::size_t index = core::Parameters::find(core::padded_name(name.c_str()));
-  const core::ParamRow& row = core::Parameters::row(static_cast<core::Param>(index));
-  return row.type == link::ParamType::kInt32 ? static_cast<double>(row.initial.i)
-                                             : static_cast<double>(row.initial.f);
-}
 
 sim::rc::ChannelMap channels_of(const companion::ParameterSet& firmware) {
   using sim::rc::Control;
@@ -286,7 +153,7 @@ FlightSetup::FlightSetup(const FlightChoice& choice_in)
       vehicle{open_vehicle(registry, choice)},
       rotors{read_rotors(vehicle)},
       firmware{read_firmware_parameters(vehicle.firmware())},
-      estimator{read_estimator_section(vehicle)},
+      estimator{read_estimator(vehicle)},
       mission_file{find_mission(choice.mission, is_fixed_wing(vehicle))},
       plan{read_plan(vehicle, rotors, firmware, mission_file)},
       waypoints{shown(plan)},

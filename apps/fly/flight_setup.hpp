@@ -6,10 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "autonomy/estimation/estimator_config.hpp"
-#include "autonomy/fixedwing/config.hpp"
-#include "autonomy/multirotor/config.hpp"
-#include "companion/parameter.hpp"
+#include "apps/vehicle/vehicle_setup.hpp"
 #include "sim/faults.hpp"
 #include "sim/multirotor/multirotor_parameters.hpp"
 #include "sim/rc/pilot.hpp"
@@ -71,12 +68,6 @@ struct FlightSetup {
 
   bool fixed_wing() const { return std::holds_alternative<WingPlan>(plan); }
 };
-
-/// Parameters of a vehicle's section `firmware`, typed and in range. @throws config::Error.
-companion::ParameterSet read_firmware_parameters(const config::Section& section);
-
-/// Value a parameter will have with `set` in force.
-double firmware_value(const companion::ParameterSet& set, const std::string& name);
 
 /// Receiver channels as the firmware will look for them.
 sim::rc::ChannelMap channels_of(const companion::ParameterSet& firmware);

@@ -107,8 +107,4 @@ class LinkNavigator final : public Navigator, private companion::Listener {
   bool listening_{false};
 };
 
-/// What the magnetic model of the world's national surveys says at a fix: WMM2025, within its
-/// years.
-double wmm2025_declination(const autonomy::estimation::GnssSample& fix);
-
 }  // namespace rosflight::apps

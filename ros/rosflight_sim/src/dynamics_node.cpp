@@ -4,13 +4,15 @@
 #include <rosflight_msgs/srv/set_sim_state.hpp>
 #include <std_srvs/srv/trigger.hpp>
 
+#include "ros/common/node_tools.hpp"
 #include "ros/rosflight_sim/src/conversions.hpp"
-#include "ros/rosflight_sim/src/node_tools.hpp"
 #include "ros/rosflight_sim/src/vehicle_tuning.hpp"
 #include "sim/dynamics/rigid_body.hpp"
 
 namespace rosflight::ros_sim {
 namespace {
+
+using namespace ros_common;
 
 using rosflight_msgs::srv::SetSimState;
 using std_srvs::srv::Trigger;
@@ -145,5 +147,5 @@ class DynamicsNode : public rclcpp::Node {
 }  // namespace rosflight::ros_sim
 
 int main(int argc, char** argv) {
-  return rosflight::ros_sim::run_node<rosflight::ros_sim::DynamicsNode>(argc, argv);
+  return rosflight::ros_common::run_node<rosflight::ros_sim::DynamicsNode>(argc, argv);
 }

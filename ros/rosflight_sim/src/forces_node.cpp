@@ -4,14 +4,16 @@
 #include <geometry_msgs/msg/wrench_stamped.hpp>
 #include <optional>
 
+#include "ros/common/node_tools.hpp"
 #include "ros/rosflight_sim/src/conversions.hpp"
 #include "ros/rosflight_sim/src/module_states.hpp"
-#include "ros/rosflight_sim/src/node_tools.hpp"
 #include "ros/rosflight_sim/src/vehicle_tuning.hpp"
 #include "sim/registry.hpp"
 
 namespace rosflight::ros_sim {
 namespace {
+
+using namespace ros_common;
 
 /// Forces and moments of the vehicle's module, one wrench for every message of pulses.
 ///
@@ -130,5 +132,5 @@ class ForcesNode : public rclcpp::Node {
 }  // namespace rosflight::ros_sim
 
 int main(int argc, char** argv) {
-  return rosflight::ros_sim::run_node<rosflight::ros_sim::ForcesNode>(argc, argv);
+  return rosflight::ros_common::run_node<rosflight::ros_sim::ForcesNode>(argc, argv);
 }

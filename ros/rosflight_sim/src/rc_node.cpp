@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <std_srvs/srv/trigger.hpp>
 
+#include "ros/common/node_tools.hpp"
 #include "ros/rosflight_sim/src/conversions.hpp"
 #include "ros/rosflight_sim/src/joystick.hpp"
 #include "ros/rosflight_sim/src/keyboard.hpp"
-#include "ros/rosflight_sim/src/node_tools.hpp"
 
 namespace rosflight::ros_sim {
 namespace {
+
+using namespace ros_common;
 
 using std_srvs::srv::Trigger;
 
@@ -125,5 +127,5 @@ class RcNode : public rclcpp::Node {
 }  // namespace rosflight::ros_sim
 
 int main(int argc, char** argv) {
-  return rosflight::ros_sim::run_node<rosflight::ros_sim::RcNode>(argc, argv);
+  return rosflight::ros_common::run_node<rosflight::ros_sim::RcNode>(argc, argv);
 }

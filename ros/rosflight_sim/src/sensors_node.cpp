@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <geometry_msgs/msg/vector3_stamped.hpp>
 
+#include "ros/common/node_tools.hpp"
 #include "ros/rosflight_sim/src/conversions.hpp"
-#include "ros/rosflight_sim/src/node_tools.hpp"
 #include "ros/rosflight_sim/src/sensor_parameters.hpp"
 #include "ros/rosflight_sim/src/tick_tracker.hpp"
 #include "ros/rosflight_sim/src/vehicle_parameters.hpp"
@@ -12,6 +12,8 @@
 
 namespace rosflight::ros_sim {
 namespace {
+
+using namespace ros_common;
 
 /// Instruments in simulated time, fed with the truth of another node: one step of the sensors
 /// module at every message of truth. Samples carry the stamp of the truth they measured.
@@ -189,5 +191,5 @@ class SensorsNode : public rclcpp::Node {
 }  // namespace rosflight::ros_sim
 
 int main(int argc, char** argv) {
-  return rosflight::ros_sim::run_node<rosflight::ros_sim::SensorsNode>(argc, argv);
+  return rosflight::ros_common::run_node<rosflight::ros_sim::SensorsNode>(argc, argv);
 }

@@ -10,12 +10,14 @@
 #include <std_srvs/srv/trigger.hpp>
 #include <thread>
 
+#include "ros/common/node_tools.hpp"
 #include "ros/rosflight_sim/src/conversions.hpp"
 #include "ros/rosflight_sim/src/firmware_process.hpp"
-#include "ros/rosflight_sim/src/node_tools.hpp"
 
 namespace rosflight::ros_sim {
 namespace {
+
+using namespace ros_common;
 
 namespace fs = std::filesystem;
 using std_srvs::srv::Trigger;
@@ -210,5 +212,5 @@ class SilBoardNode : public rclcpp::Node {
 }  // namespace rosflight::ros_sim
 
 int main(int argc, char** argv) {
-  return rosflight::ros_sim::run_node<rosflight::ros_sim::SilBoardNode>(argc, argv);
+  return rosflight::ros_common::run_node<rosflight::ros_sim::SilBoardNode>(argc, argv);
 }

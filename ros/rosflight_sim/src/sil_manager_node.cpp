@@ -2,10 +2,12 @@
 #include <chrono>
 #include <std_srvs/srv/trigger.hpp>
 
-#include "ros/rosflight_sim/src/node_tools.hpp"
+#include "ros/common/node_tools.hpp"
 
 namespace rosflight::ros_sim {
 namespace {
+
+using namespace ros_common;
 
 using Trigger = std_srvs::srv::Trigger;
 using std::chrono::milliseconds;
@@ -132,6 +134,6 @@ class SilManager : public rclcpp::Node {
 }  // namespace rosflight::ros_sim
 
 int main(int argc, char** argv) {
-  return rosflight::ros_sim::run_node<rosflight::ros_sim::SilManager,
-                                      rclcpp::executors::MultiThreadedExecutor>(argc, argv);
+  return rosflight::ros_common::run_node<rosflight::ros_sim::SilManager,
+                                         rclcpp::executors::MultiThreadedExecutor>(argc, argv);
 }

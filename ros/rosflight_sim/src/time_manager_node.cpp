@@ -4,11 +4,13 @@
 #include <rosgraph_msgs/msg/clock.hpp>
 #include <std_srvs/srv/trigger.hpp>
 
+#include "ros/common/node_tools.hpp"
 #include "ros/rosflight_sim/src/conversions.hpp"
-#include "ros/rosflight_sim/src/node_tools.hpp"
 
 namespace rosflight::ros_sim {
 namespace {
+
+using namespace ros_common;
 
 using std::chrono::steady_clock;
 
@@ -185,5 +187,5 @@ class TimeManager : public rclcpp::Node {
 }  // namespace rosflight::ros_sim
 
 int main(int argc, char** argv) {
-  return rosflight::ros_sim::run_node<rosflight::ros_sim::TimeManager>(argc, argv);
+  return rosflight::ros_common::run_node<rosflight::ros_sim::TimeManager>(argc, argv);
 }

@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "ros/rosflight_sim/src/node_tools.hpp"
+#include "ros/common/node_tools.hpp"
+#include "ros/common/vehicle_file.hpp"
 #include "sim/random.hpp"
 #include "sim/vehicle.hpp"
 
@@ -26,20 +27,11 @@ struct VehicleParameters {
 
   /// @throws config::Error  one line: no such file, unknown key, value out of range.
   static VehicleParameters declare(rclcpp::Node& node) {
-    const std::string file =
-        declare_text(node, "vehicle_file", "", "vehicle file (YAML), see vehicles/README.md");
-    if (file.empty()) {
-      throw config::Error("parameter vehicle_file: found nothing, allowed a vehicle file");
-    }
-    const auto overrides = node.declare_parameter<std::vector<std::string>>(
-        "vehicle_overrides", {}, described("section.key=value, instead of what the file says"));
-    std::vector<std::string> given;
-    for (const auto& text : overrides)
-      if (!text.empty()) given.push_back(text);
-    const std::int64_t seed = declare_whole(node, "seed", 1, 0, 1'000'000'000'000,
-                                            "of all random numbers: errors of sensors, wind");
-    return {sim::Vehicle::from_file(file, given),
-            sim::RandomSource{static_cast<std::uint64_t>(seed)}, file, given};
+    const auto given = ros_common::VehicleFile::declare(node);
+    const std::int64_t seed = ros_common::declare_whole(
+        node, "seed", 1, 0, 1'000'000'000'000, "of all random numbers: errors of sensors, wind");
+    return {given.read(), sim::RandomSource{static_cast<std::uint64_t>(seed)}, given.file,
+            given.overrides};
   }
 };
 

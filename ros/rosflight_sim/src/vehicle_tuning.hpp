@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "ros/rosflight_sim/src/node_tools.hpp"
+#include "ros/common/node_tools.hpp"
 #include "ros/rosflight_sim/src/vehicle_parameters.hpp"
 #include "ros/rosflight_sim/src/vehicle_views.hpp"
 
@@ -28,7 +28,7 @@ class VehicleTuning {
       if (values_[view.name] != from_file) differing_.insert(view.name);
     }
     if (!differing_.empty()) parameters_.make(views_.assignments(values_, differing_));
-    handle_ = on_change_or_refuse(
+    handle_ = ros_common::on_change_or_refuse(
         node, [this](const std::vector<rclcpp::Parameter>& given) { return change(given); });
   }
 
@@ -38,9 +38,9 @@ class VehicleTuning {
 
   static Values declare(rclcpp::Node& node, const VehicleView& view, const Values& value) {
     if (view.kind == Kind::kNumber)
-      return {
-          declare_number(node, view.name, value[0], view.least, view.most, view.text, view.live)};
-    const auto descriptor = described(view.text, !view.live);
+      return {ros_common::declare_number(node, view.name, value[0], view.least, view.most,
+                                         view.text, view.live)};
+    const auto descriptor = ros_common::described(view.text, !view.live);
     if (view.kind == Kind::kSwitch)
       return {node.declare_parameter<bool>(view.name, value[0] != 0.0, descriptor) ? 1.0 : 0.0};
     if (view.kind == Kind::kNumbers)

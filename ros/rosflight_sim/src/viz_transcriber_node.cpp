@@ -3,12 +3,14 @@
 #include <tf2_msgs/msg/tf_message.hpp>
 #include <visualization_msgs/msg/marker.hpp>
 
+#include "ros/common/node_tools.hpp"
 #include "ros/rosflight_sim/src/conversions.hpp"
 #include "ros/rosflight_sim/src/frames.hpp"
-#include "ros/rosflight_sim/src/node_tools.hpp"
 
 namespace rosflight::ros_sim {
 namespace {
+
+using namespace ros_common;
 
 using tf2_msgs::msg::TFMessage;
 using visualization_msgs::msg::Marker;
@@ -135,5 +137,5 @@ class VizTranscriber : public rclcpp::Node {
 }  // namespace rosflight::ros_sim
 
 int main(int argc, char** argv) {
-  return rosflight::ros_sim::run_node<rosflight::ros_sim::VizTranscriber>(argc, argv);
+  return rosflight::ros_common::run_node<rosflight::ros_sim::VizTranscriber>(argc, argv);
 }

@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-/// What all nodes of this package do alike.
-namespace rosflight::ros_sim {
+/// What all nodes of the project do alike.
+namespace rosflight::ros_common {
 
-/// As all topics of the simulator but `clock`: reliable, volatile, the newest message only.
+/// Reliable, volatile, the newest message only: as all topics of the simulator but `clock`.
 inline rclcpp::QoS newest() {
   return rclcpp::QoS(rclcpp::KeepLast(1)).reliable();
 }
@@ -132,4 +132,4 @@ int run_node(int argc, char** argv) {
   return code;
 }
 
-}  // namespace rosflight::ros_sim
+}  // namespace rosflight::ros_common
