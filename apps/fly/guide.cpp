@@ -89,8 +89,8 @@ const GuideOutput& MultirotorGuide::step(const Input& in, const Notify& notify) 
   state.q_NB = in.state.q_NB;
   state.w_B = in.state.w_B;
   const autonomy::FlightOutput& output = manager_.step(in.t_s, state, in.status);
-  for (std::size_t k = 0; k < output.event_count; ++k) {
-    notify(note_of(output.events[k], output.phase));
+  for (std::size_t k = 0; k < output.events.count; ++k) {
+    notify(note_of(output.events.list[k], output.phase));
   }
   using autonomy::Phase;
   out_.command = output.command;

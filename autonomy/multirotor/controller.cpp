@@ -33,10 +33,10 @@ void Controller::configure(const ControllerConfig& config, const ThrustModel& th
   };
   const double climb = config.max_thrust_N / config.mass_kg - config.gravity_m_s2;
   set(kPosN, config.position_horizontal, -kInfinity, kInfinity);
-  set(kPosE, config.position_horizontal, -kInfinity, kInfinity);
+  set(kPosE, config.position_east.value_or(config.position_horizontal), -kInfinity, kInfinity);
   set(kPosD, config.position_vertical, -config.max_climb_m_s, config.max_descend_m_s);
   set(kVelN, config.velocity_horizontal, -kInfinity, kInfinity);
-  set(kVelE, config.velocity_horizontal, -kInfinity, kInfinity);
+  set(kVelE, config.velocity_east.value_or(config.velocity_horizontal), -kInfinity, kInfinity);
   set(kVelD, config.velocity_vertical, -climb, config.max_descend_acceleration_m_s2);
   set(kHeading, config.heading_to_rate, -config.max_yaw_rate_rad_s, config.max_yaw_rate_rad_s);
   const double q = config.max_roll_pitch_torque_Nm;

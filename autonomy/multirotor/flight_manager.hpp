@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <array>
-
-#include "autonomy/multirotor/controller.hpp"
+#include "autonomy/multirotor/commanded_flight.hpp"
 #include "autonomy/multirotor/mission.hpp"
 #include "autonomy/multirotor/path_manager.hpp"
-#include "autonomy/multirotor/state_machine.hpp"
 #include "autonomy/multirotor/trajectory_follower.hpp"
 
 namespace rosflight::autonomy {
@@ -18,28 +15,8 @@ struct FlightConfig {
   ThrustModel thrust;
 };
 
-enum class FlightEventType : std::uint8_t {
-  kPhase,            ///< index: the new Phase.
-  kWaypointReached,  ///< index: the waypoint; value: distance [m].
-  kWaypointMissed,   ///< The same; it waited arrival_timeout_s for the vehicle.
-  kMissionDone,
-  kTakeoffFailed,
-  kPilotTookOver,
-  kPilotGaveBack,
-  kStateLost,  ///< The state is not finite: the vehicle is handed to the pilot.
-  kStateRegained
-};
-
-struct FlightEvent {
-  FlightEventType type{};
-  std::size_t index{};
-  double value{};
-};
-
 /// Everything there is to say about one step.
 struct FlightOutput {
-  static constexpr std::size_t kMaxEvents = 8;
-
   FirmwareCommand command{};
   Phase phase{Phase::kDisarmed};
   Trajectory setpoint{};   ///< What the vehicle is meant to be at.
@@ -54,13 +31,12 @@ struct FlightOutput {
   bool landed{};
   bool request_disarm{};
 
-  std::array<FlightEvent, kMaxEvents> events{};
-  std::size_t event_count{};
+  FlightEvents events{};
 };
 
 /// A whole flight of a multirotor: take-off, mission, landing.
 ///
-///     path manager -> trajectory follower -> [state machine] -> controller -> firmware command
+///     path manager -> trajectory follower -> CommandedFlight -> firmware command
 ///
 /// step() is called at any rate, 100 Hz and up; the control period is the difference of the times
 /// given. It allocates nothing and takes well under a microsecond.
@@ -71,7 +47,7 @@ struct FlightOutput {
 /// kStateGrace_s, then all entries are given up, which hands the vehicle to the pilot.
 class FlightManager {
  public:
-  static constexpr double kStateGrace_s = 0.1;
+  static constexpr double kStateGrace_s = CommandedFlight::kStateGrace_s;
 
   /// Throws std::invalid_argument if the mission cannot be flown with this configuration.
   FlightManager(const FlightConfig& config, const Mission& mission);
@@ -81,7 +57,7 @@ class FlightManager {
   const FlightOutput& step(double t_s, const State& state, const Status& status);
 
   /// Land where it is; cannot be taken back.
-  void request_land() { land_ = true; }
+  void request_land() { control_.request_land(); }
   /// Another mission, also in flight; a flight that has ended may start again. May allocate.
   void set_mission(const Mission& mission);
 
@@ -89,29 +65,16 @@ class FlightManager {
   const FlightConfig& config() const { return config_; }
 
  private:
-  void event(FlightEventType type, std::size_t index = 0, double value = 0.0);
-  bool check_state(double t_s, const State& state);
-  bool near_plan(const State& state) const;
-  void start_path(double t_s, const State& state, const AttitudeView& attitude);
-  ControllerCommand follow(double t_s, double dt_s, const State& state,
-                           const AttitudeView& attitude, const PilotOverride& pilot);
-  void hand_over(const StateMachine::Output& machine, double t_s, const State& state,
-                 const AttitudeView& attitude);
-  void note(const StateMachine::Output& machine, const PilotOverride& pilot);
+  void start_path(double t_s, const State& state);
+  void hand_over(double t_s, const State& state);
+  ControllerCommand follow(double t_s, const State& state);
 
   FlightConfig config_{};
   PathManager path_;
   TrajectoryFollower follower_;
-  Controller controller_;
-  StateMachine machine_;
+  CommandedFlight control_;
   AtEnd at_end_{AtEnd::kLand};
   FlightOutput out_{};
-  double last_t_s_{};
-  double last_good_s_{};
-  bool started_{false};
-  bool state_lost_{false};
-  bool pilot_{false};
-  bool land_{false};
   bool flown_{false};  ///< Landed once with this mission.
   bool command_good_{true};
 };

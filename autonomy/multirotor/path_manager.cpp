@@ -10,6 +10,8 @@
 namespace rosflight::autonomy {
 namespace {
 
+constexpr double kNearPlan_m = 1.0;  // closer than this a path goes on from its own setpoint
+constexpr double kNearPlan_m_s = 0.5;
 constexpr double kShortestLinear_m = 1e-3;  // a shorter way is a turn on the spot
 
 }  // namespace
@@ -19,6 +21,21 @@ void PathManager::set_waypoints(std::vector<Waypoint> waypoints) {
   index_ = 0;
   arrived_ = judged_ = done_ = false;
   replan_ = started_;
+  plan_speeds();
+}
+
+void PathManager::append(const Waypoint& waypoint) {
+  if (waypoints_.empty()) {
+    set_waypoints({waypoint});
+    return;
+  }
+  waypoints_.push_back(waypoint);
+  done_ = false;
+  plan_speeds();
+}
+
+void PathManager::configure(const PathConfig& config) {
+  config_ = config;
   plan_speeds();
 }
 
@@ -154,6 +171,24 @@ PathManager::Output PathManager::step(double t_s, const Vector3& p_N, double psi
   if (!stay) advance(t_s, out);
   out.done = done_;
   return out;
+}
+
+bool near_plan(const State& state, const Trajectory& setpoint) {
+  return (setpoint.p_N - state.p_N).squaredNorm() < kNearPlan_m * kNearPlan_m &&
+         (setpoint.v_N - state.v_N).squaredNorm() < kNearPlan_m_s * kNearPlan_m_s;
+}
+
+Trajectory path_start(const State& state, double psi_rad, const Trajectory& setpoint) {
+  Trajectory from;
+  if (near_plan(state, setpoint)) {
+    from.p_N = setpoint.p_N;
+    from.psi_rad = wrap_angle(setpoint.psi_rad);
+  } else {
+    from.p_N = state.p_N;
+    from.v_N = state.v_N;
+    from.psi_rad = psi_rad;
+  }
+  return from;
 }
 
 }  // namespace rosflight::autonomy

@@ -56,11 +56,16 @@ class PathManager {
   /// a running hold included. In flight the path leads on from the present setpoint. May allocate.
   void set_waypoints(std::vector<Waypoint> waypoints);
 
+  /// One more at the end; progress stays. A path that was done goes on. May allocate.
+  void append(const Waypoint& waypoint);
+
   /// Starts the clock of the leg to the present waypoint, from where the vehicle or its setpoint
   /// is. Also resumes after a pause; a hold that was interrupted starts over.
   void start(double t_s, const Trajectory& from);
   void stop() { started_ = false; }
   void set_cycle(bool cycle) { config_.cycle = cycle; }
+  /// Takes effect with the next leg.
+  void configure(const PathConfig& config);
   bool started() const { return started_; }
 
   /// Only after start(); t_s must not decrease.
@@ -95,5 +100,12 @@ class PathManager {
   bool done_{false};
   bool replan_{false};
 };
+
+/// Is the vehicle where `setpoint` means it to be, and about as fast?
+bool near_plan(const State& state, const Trajectory& setpoint);
+
+/// Where a path begins that takes over from `setpoint`: in it, at rest, if the vehicle is near it;
+/// else in the vehicle with its velocity.
+Trajectory path_start(const State& state, double psi_rad, const Trajectory& setpoint);
 
 }  // namespace rosflight::autonomy

@@ -73,6 +73,11 @@ Phase StateMachine::next(Phase from, std::uint16_t conditions) {
 StateMachine::StateMachine(const StateMachineConfig& config, double weight_N)
     : config_(config), landing_(config.landing), weight_N_(weight_N), hover_thrust_N_(weight_N) {}
 
+void StateMachine::configure(const StateMachineConfig& config) {
+  config_ = config;
+  if (phase_ != Phase::kLanding) landing_ = Landing(config.landing);
+}
+
 bool StateMachine::command_good(const ControllerCommand& command, double age_s) const {
   const auto& c = command.cmd;
   return command.valid && age_s >= 0.0 && age_s <= config_.command_timeout_s &&

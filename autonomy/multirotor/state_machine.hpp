@@ -101,6 +101,8 @@ class StateMachine {
   StateMachine(const StateMachineConfig& config, double weight_N);
 
   Output step(const Input& in);
+  /// Heights, speeds and times change; a landing that has begun goes on as it was.
+  void configure(const StateMachineConfig& config);
   Phase phase() const { return phase_; }
   const StateMachineConfig& config() const { return config_; }
 

@@ -25,13 +25,21 @@ Pid::Integrate may_integrate(const Pid& pid, double error, bool pilot, bool limi
 
 }  // namespace
 
-TrajectoryFollower::TrajectoryFollower(const FollowerConfig& config)
-    : config_(config),
-      north_(config.horizontal),
-      east_(config.horizontal),
-      down_(config.vertical),
-      heading_(config.heading, {-config.max_yaw_rate_rad_s, config.max_yaw_rate_rad_s}, 0.05),
-      tan_tilt_(std::tan(config.max_tilt_rad)) {}
+TrajectoryFollower::TrajectoryFollower(const FollowerConfig& config) {
+  configure(config);
+}
+
+void TrajectoryFollower::configure(const FollowerConfig& config) {
+  constexpr double kHeadingTau_s = 0.05;
+  config_ = config;
+  north_.set_gains(config.horizontal);
+  east_.set_gains(config.east.value_or(config.horizontal));
+  down_.set_gains(config.vertical);
+  heading_.set_gains(config.heading);
+  heading_.set_limits({-config.max_yaw_rate_rad_s, config.max_yaw_rate_rad_s});
+  heading_.set_derivative_tau(kHeadingTau_s);
+  tan_tilt_ = std::tan(config.max_tilt_rad);
+}
 
 void TrajectoryFollower::clear_integrators() {
   for (Pid* pid : {&north_, &east_, &down_, &heading_}) pid->clear_integral();

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <optional>
+
 #include "autonomy/common/pid.hpp"
 #include "autonomy/multirotor/angles.hpp"
 #include "autonomy/multirotor/types.hpp"
@@ -10,6 +12,7 @@ struct FollowerConfig {
   double mass_kg{3.5};
   double gravity_m_s2{9.81};
   PidGains horizontal{3.5, 1.0, 3.2};  ///< kp [1/s^2], ki [1/s^3], kd [1/s].
+  std::optional<PidGains> east{};      ///< Else horizontal is that of both.
   PidGains vertical{4.0, 1.0, 3.5};
   PidGains heading{2.0, 0.0, 0.0};   ///< kp [1/s], ki [1/s^2], kd [-].
   double drag_1_s{0.0};              ///< Deceleration per speed through still air, fed forward.
@@ -61,6 +64,9 @@ class TrajectoryFollower {
   ControllerCommand step(const Input& in);
 
   void clear_integrators();
+  /// Gains and limits change, integrals and filters stay.
+  void configure(const FollowerConfig& config);
+  const FollowerConfig& config() const { return config_; }
   /// As new, but for the acceleration trim_N that another loop has found to hold the vehicle in
   /// place.
   void restart(const Vector3& trim_N);

@@ -80,8 +80,8 @@ def type_name(kind):
 
 
 def check_module(peer, name):
-    """The graph shows every topic and service of a module, with type and quality of service."""
-    module = MODULES[name]
+    """The graph shows every topic and service of a module (of ours by its name), with type and quality of service."""
+    module = MODULES[name] if isinstance(name, str) else name
 
     def ends(look, topic):
         topic = peer.node.resolve_topic_name(topic)

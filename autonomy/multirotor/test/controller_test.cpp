@@ -342,5 +342,21 @@ TEST(PilotOverride, ReadsTheWordAsTheFirmwareCombinesEntries) {
   }
 }
 
+TEST(Controller, EastHasGainsOfItsOwnWhereTheyAreGiven) {
+  ControllerConfig c = plain();
+  c.position_horizontal = {1.0, 0.0, 0.0};
+  c.velocity_horizontal = {0.5, 0.0, 0.0};
+  Bench same(c);
+  c.position_east = PidGains{0.5, 0.0, 0.0};
+  c.velocity_east = PidGains{0.25, 0.0, 0.0};
+  Bench other(c);
+  const auto roll = [](Bench& bench) {
+    return bench.step(ControlMode::kNposEposDposYaw, {0.0, 1.0, 0.0, 0.0}).roll_rad;
+  };
+  // 1 m east: a_e = kp_v kp_p m/s^2, roll = asin(a_e/|f|).
+  EXPECT_NEAR(roll(same), std::asin(0.5 / std::hypot(0.5, 9.81)), 1e-9);
+  EXPECT_NEAR(roll(other), std::asin(0.125 / std::hypot(0.125, 9.81)), 1e-9);
+}
+
 }  // namespace
 }  // namespace rosflight::autonomy

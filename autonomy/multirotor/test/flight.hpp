@@ -68,8 +68,8 @@ class Flight {
   void control(const std::function<void()>& after_step) {
     last_step_s = t_s;
     const FlightOutput& out = manager.step(t_s, plant.state(), status());
-    events.insert(events.end(), out.events.begin(),
-                  out.events.begin() + static_cast<long>(out.event_count));
+    events.insert(events.end(), out.events.list.begin(),
+                  out.events.list.begin() + static_cast<long>(out.events.count));
     if (out.tracking) {
       square_sum_ += (out.setpoint.p_N - plant.state().p_N).squaredNorm();
       ++samples_;

@@ -139,7 +139,7 @@ TEST(FlightManager, RepeatedAndBackwardTimesChangeNothing) {
     const FlightOutput& after = flight.manager.step(t, flight.plant.state(), flight.status());
     EXPECT_EQ(after.command.u, before.command.u);
     EXPECT_EQ(after.phase, Phase::kOffboard);
-    EXPECT_EQ(after.event_count, 0U);
+    EXPECT_EQ(after.events.count, 0U);
   }
   flight.run(80.0);
   EXPECT_TRUE(flight.disarmed);
@@ -187,13 +187,13 @@ TEST(FlightManager, LostStateIsHandedToThePilotAndTakenBack) {
   EXPECT_EQ(out->command.ignore, 0);
   out = &flight.manager.step(t += 0.06, bad, flight.status());
   EXPECT_EQ(out->command.ignore, kIgnoreAll);
-  ASSERT_EQ(out->event_count, 1U);
-  EXPECT_EQ(out->events[0].type, FlightEventType::kStateLost);
-  EXPECT_EQ(flight.manager.step(t += 1.0, bad, flight.status()).event_count, 0U);
+  ASSERT_EQ(out->events.count, 1U);
+  EXPECT_EQ(out->events.list[0].type, FlightEventType::kStateLost);
+  EXPECT_EQ(flight.manager.step(t += 1.0, bad, flight.status()).events.count, 0U);
   out = &flight.manager.step(t + 0.01, flight.plant.state(), flight.status());
   EXPECT_EQ(out->command.ignore, 0);
   EXPECT_EQ(out->phase, Phase::kPositionHold);
-  EXPECT_EQ(out->events[0].type, FlightEventType::kStateRegained);
+  EXPECT_EQ(out->events.list[0].type, FlightEventType::kStateRegained);
   for (const float u : out->command.u) EXPECT_TRUE(std::isfinite(u));
 }
 

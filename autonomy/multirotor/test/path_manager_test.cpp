@@ -352,5 +352,60 @@ TEST(PathManagerLinear, PassingTooFarAwayIsAMiss) {
   EXPECT_NEAR(out.setpoint.p_N.x(), 12.0 + 2.0 * 0.01, 1e-3);  // the clock of the path did not wait
 }
 
+TEST(PathManager, OneMoreWaypointChangesNothingBeforeIt) {
+  PathManager path(config());
+  path.append(go_to({3, 0, -5}));  // the first of all
+  path.start(0.0, standing({0, 0, -5}));
+  PathManager same(config());
+  same.set_waypoints({go_to({3, 0, -5})});
+  same.start(0.0, standing({0, 0, -5}));
+  path.append(go_to({3, 4, -5}));
+  for (double t = 0.0; t < 1.0; t += kStep_s) {
+    EXPECT_EQ(path.step(t, {0, 0, -5}, 0.0).setpoint.p_N,
+              same.step(t, {0, 0, -5}, 0.0).setpoint.p_N);
+  }
+}
+
+TEST(PathManager, APathThatWasDoneGoesOnToOneMoreWaypoint) {
+  PathManager path(config());
+  path.set_waypoints({go_to({3, 0, -5})});
+  path.start(0.0, standing({0, 0, -5}));
+  PerfectFlight flight(path, 0.0);
+  flight.p_N = {0, 0, -5};
+  ASSERT_GT(flight.until_event(), 0.0);
+  EXPECT_TRUE(flight.step().done);
+  path.append(go_to({3, 4, -5}));
+  EXPECT_FALSE(flight.step().done);
+  // From rest: max(1.875 d/v, sqrt(10/sqrt(3) d/a)) = max(2.5, 2.149) s for 4 m at 3 m/s, 5 m/s^2.
+  EXPECT_NEAR(flight.until_event(), 2.5, 3.0 * kStep_s);
+  EXPECT_EQ(flight.out.event_waypoint, 1U);
+}
+
+TEST(PathManager, ALowerSpeedLimitHoldsFromTheNextLegOn) {
+  PathManager path(config());
+  path.set_waypoints({go_to({8, 0, -5}), go_to({0, 0, -5})});
+  path.start(0.0, standing({0, 0, -5}));
+  PerfectFlight flight(path, 0.0);
+  flight.p_N = {0, 0, -5};
+  flight.step();
+  PathConfig slow = config();
+  slow.limits.speed_m_s = 1.0;
+  path.configure(slow);
+  EXPECT_NEAR(flight.until_event(), 1.875 * 8.0 / 3.0, 3.0 * kStep_s);
+  EXPECT_NEAR(flight.until_event(), 1.875 * 8.0 / 1.0, 3.0 * kStep_s);
+}
+
+TEST(PathManager, StartsInTheSetpointOnlyWhenTheVehicleIsThere) {
+  State state;
+  state.p_N = {10, 0, -5};
+  state.v_N = {0.3, 0, 0};
+  EXPECT_EQ(path_start(state, 0.4, standing({10.5, 0, -5}, 7.0)).p_N, Vector3(10.5, 0, -5));
+  EXPECT_NEAR(path_start(state, 0.4, standing({10.5, 0, -5}, 7.0)).psi_rad, 7.0 - 2.0 * kPi, 1e-12);
+  EXPECT_EQ(path_start(state, 0.4, standing({12, 0, -5})).p_N, state.p_N);
+  EXPECT_EQ(path_start(state, 0.4, standing({12, 0, -5})).v_N, state.v_N);
+  state.v_N = {2, 0, 0};
+  EXPECT_EQ(path_start(state, 0.4, standing({10.5, 0, -5})).v_N, state.v_N);
+}
+
 }  // namespace
 }  // namespace rosflight::autonomy

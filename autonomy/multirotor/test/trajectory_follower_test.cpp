@@ -343,5 +343,22 @@ TEST(AttitudeView, MatchesTheRotationMatrix) {
   EXPECT_TRUE(std::isfinite(up.psi_rad + up.sin_psi + up.cos_psi));
 }
 
+TEST(TrajectoryFollower, NewGainsActAtOnceAndKeepTheIntegrals) {
+  Bench bench;
+  bench.setpoint.p_N = {0.5, 0.5, 0.0};
+  for (int k = 0; k < 100; ++k) bench.step();
+  const Vector3 trim = bench.follower.trim_N();
+  ASSERT_GT(trim.x(), 0.1);
+  FollowerConfig harder = config();
+  harder.east = harder.horizontal;
+  harder.east->kp *= 3.0;
+  bench.follower.configure(harder);
+  const double north = Bench::acceleration(bench.step(1e-6), 0.0).x();
+  const double east = Bench::acceleration(bench.step(1e-6), 0.0).y();
+  const double kp = config().horizontal.kp;
+  EXPECT_NEAR(north, kp * 0.5 + trim.x(), 1e-4);
+  EXPECT_NEAR(east, 3.0 * kp * 0.5 + trim.y(), 1e-4);
+}
+
 }  // namespace
 }  // namespace rosflight::autonomy

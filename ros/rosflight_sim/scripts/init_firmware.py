@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Usage: init_firmware FILE
+"""Usage: init_firmware FILE | init_firmware --vehicle VEHICLE_FILE
 
 Loads firmware parameters through rosflight_io, calibrates the IMU and stores: each step when the one
-before has answered. The names are relative, so it works in a namespace. Ends with 0 when all is done.
+before has answered. The second form takes the section `firmware` of a vehicle file, defaults for the rest. The names are relative, so it works in a namespace. Ends with 0 when all is done.
 """
 
+import subprocess
 import sys
+import tempfile
 import time
+from pathlib import Path
 
 import rclpy
 from rclpy.utilities import remove_ros_args
@@ -50,15 +53,31 @@ def initialise(node, file):
     demand(node, Trigger, "param_write")
 
 
+def parameters_of(vehicle_file, folder):
+    """The parameter file of a vehicle file, made in the folder; says why not on stderr and ends."""
+    made = Path(folder, "firmware.yaml")
+    done = subprocess.run([Path(__file__).resolve().parent / "vehicle_firmware", vehicle_file, made], check=False)
+    if done.returncode != 0:
+        sys.exit(done.returncode)
+    return str(made)
+
+
 def main():
-    words = remove_ros_args(sys.argv)
-    if len(words) != 2:
-        print(f"init_firmware: found {len(words) - 1} files, allowed one", file=sys.stderr)
+    words = remove_ros_args(sys.argv)[1:]
+    if len(words) == 2 and words[0] == "--vehicle":
+        with tempfile.TemporaryDirectory() as folder:
+            return run(parameters_of(words[1], folder))
+    if len(words) != 1:
+        print(f"init_firmware: found {len(words)} files, allowed one", file=sys.stderr)
         return 2
+    return run(words[0])
+
+
+def run(file):
     rclpy.init()
     node = rclpy.create_node("init_firmware")
     try:
-        initialise(node, words[1])
+        initialise(node, file)
     except RuntimeError as why:
         node.get_logger().error(str(why))
         return 1

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "autonomy/multirotor/commanded_flight.hpp"
+
+#include <cmath>
+
+namespace rosflight::autonomy {
+namespace {
+
+bool finite(const State& s) {
+  return std::isfinite(s.p_N.sum() + s.v_N.sum() + s.q_NB.coeffs().sum() + s.w_B.sum());
+}
+
+}  // namespace
+
+bool CommandedFlight::on_ground() const {
+  return machine_.phase() == Phase::kDisarmed || machine_.phase() == Phase::kLanded;
+}
+
+void CommandedFlight::renew(const StateMachineConfig& states) {
+  const ControllerConfig& config = controller_.config();
+  if (!started_ || on_ground()) {
+    machine_ = StateMachine(states, config.mass_kg * config.gravity_m_s2);
+  }
+  land_ = false;
+  out_.landed = false;
+}
+
+void CommandedFlight::lose_state() {
+  if (!state_lost_) out_.events.add(FlightEventType::kStateLost);
+  state_lost_ = true;
+  out_.command.ignore = kIgnoreAll;
+  out_.tracking = false;
+}
+
+bool CommandedFlight::check_state(const Input& in) {
+  if (finite(in.state)) {
+    last_good_s_ = in.t_s;
+    return true;
+  }
+  if (in.t_s - last_good_s_ >= kStateGrace_s) lose_state();
+  return false;
+}
+
+void CommandedFlight::note(bool changed) {
+  if (changed) {
+    out_.events.add(FlightEventType::kPhase, static_cast<std::size_t>(step_.phase));
+    if (step_.takeoff_late) out_.events.add(FlightEventType::kTakeoffFailed);
+  }
+  const bool flying = !step_.idle;
+  if (flying && pilot_.any() != pilot_had_it_) {
+    out_.events.add(pilot_.any() ? FlightEventType::kPilotTookOver
+                                 : FlightEventType::kPilotGaveBack);
+  }
+  pilot_had_it_ = flying && pilot_.any();
+  out_.before = out_.phase;
+  out_.phase = step_.phase;
+  out_.tracking = step_.follow && !pilot_.any();
+  out_.request_disarm = step_.request_disarm;
+  out_.landed = out_.landed || step_.phase == Phase::kLanded;
+}
+
+CommandedFlight::Turn CommandedFlight::begin(const Input& in) {
+  out_.events.count = 0;
+  if (!started_) {
+    started_ = true;
+    last_t_s_ = last_good_s_ = in.t_s;
+    return Turn::kNone;
+  }
+  dt_s_ = in.t_s - last_t_s_;
+  if (!(dt_s_ > 0.0)) return Turn::kNone;
+  last_t_s_ = in.t_s;
+  if (!check_state(in)) return Turn::kNone;
+  const bool regained = state_lost_;
+  if (regained) out_.events.add(FlightEventType::kStateRegained);
+  state_lost_ = false;
+
+  attitude_.emplace(in.state.q_NB);
+  pilot_ = PilotOverride::from_word(in.status.rc_override);
+  voltage_V_ = in.status.battery_voltage_V;
+  step_ = machine_.step({.t_s = in.t_s,
+                         .dt_s = dt_s_,
+                         .state = in.state,
+                         .psi_rad = attitude_->psi_rad,
+                         .armed = in.status.armed,
+                         .pilot = pilot_.any() || regained,
+                         .ready = in.ready,
+                         .command_good = in.command_good,
+                         .land = land_,
+                         .thrust_N = out_.thrust_N,
+                         .planned = in.planned});
+  note(step_.changed);
+  if (step_.changed && step_.phase == Phase::kTakeoff) controller_.clear_integrators();
+  out_.setpoint = step_.setpoint;
+  if (!step_.idle) return step_.follow ? Turn::kFollow : Turn::kOwn;
+  out_.command = FirmwareCommand{};
+  out_.thrust_N = out_.roll_rad = out_.pitch_rad = out_.yaw_rate_rad_s = 0.0;
+  controller_.clear_integrators();
+  return Turn::kIdle;
+}
+
+void CommandedFlight::finish(const State& state, const ControllerCommand& command) {
+  const Controller::Output control =
+      controller_.step({state, *attitude_, step_.follow ? command : step_.command, dt_s_, pilot_,
+                        step_.level, voltage_V_});
+  out_.command = control.command;
+  out_.roll_rad = control.roll_rad;
+  out_.pitch_rad = control.pitch_rad;
+  out_.yaw_rate_rad_s = control.yaw_rate_rad_s;
+  out_.thrust_N = control.thrust_N;
+}
+
+}  // namespace rosflight::autonomy

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <optional>
+
+#include "autonomy/multirotor/controller.hpp"
+#include "autonomy/multirotor/state_machine.hpp"
+
+namespace rosflight::autonomy {
+
+enum class FlightEventType : std::uint8_t {
+  kPhase,            ///< index: the new Phase.
+  kWaypointReached,  ///< index: the waypoint; value: distance [m].
+  kWaypointMissed,   ///< The same; it waited arrival_timeout_s for the vehicle.
+  kMissionDone,
+  kTakeoffFailed,
+  kPilotTookOver,
+  kPilotGaveBack,
+  kStateLost,  ///< The state is not finite, or missing: the vehicle is handed to the pilot.
+  kStateRegained
+};
+
+struct FlightEvent {
+  FlightEventType type{};
+  std::size_t index{};
+  double value{};
+};
+
+/// What happened in one step, in order; more than kMost are dropped.
+struct FlightEvents {
+  static constexpr std::size_t kMost = 8;
+  std::array<FlightEvent, kMost> list{};
+  std::size_t count{};
+
+  void add(FlightEventType type, std::size_t index = 0, double value = 0.0) {
+    if (count < kMost) list[count++] = {type, index, value};
+  }
+};
+
+/// A multirotor flown by the ControllerCommands of someone else, from take-off to landing:
+///
+///     received command -> [state machine] -> controller -> firmware command
+///
+/// begin() says whose turn it is; finish() makes the command of the turn. FlightManager gives the
+/// commands of its own follower, the ROS controller those it receives.
+///
+/// The flight starts when the vehicle is armed, nobody holds an axis and the caller is ready. A
+/// state that is not finite: the last command is repeated for kStateGrace_s, then all entries are
+/// given up, which hands the vehicle to the pilot. It allocates nothing.
+class CommandedFlight {
+ public:
+  static constexpr double kStateGrace_s = 0.1;
+
+  enum class Turn : std::uint8_t {
+    kNone,   ///< Time stood still, or no state to fly on: output() holds.
+    kIdle,   ///< Motors idle; output() is complete.
+    kOwn,    ///< finish() with the state machine's command: take-off, hold, landing.
+    kFollow  ///< finish() with the received command, if it is good.
+  };
+  struct Input {
+    double t_s{};  ///< Must grow.
+    const State& state;
+    const Status& status;
+    bool ready{true};             ///< The caller wants to fly.
+    bool command_good{true};      ///< The received command may be flown.
+    const Trajectory* planned{};  ///< Where the vehicle is meant to be; may be null.
+  };
+  struct Output {
+    FirmwareCommand command{};
+    Phase phase{Phase::kDisarmed};
+    Phase before{Phase::kDisarmed};  ///< Phase of the step before.
+    Trajectory setpoint{};           ///< What the state machine holds or moves along.
+    double roll_rad{};               ///< Commanded.
+    double pitch_rad{};
+    double yaw_rate_rad_s{};
+    double thrust_N{};
+    bool tracking{};  ///< The received command is flown, and we hold all axes.
+    bool landed{};    ///< Once in this flight.
+    bool request_disarm{};
+    FlightEvents events{};
+  };
+
+  CommandedFlight() = default;
+  CommandedFlight(const ControllerConfig& config, const ThrustModel& thrust)
+      : controller_(config, thrust) {}
+
+  Turn begin(const Input& in);
+  /// @param command  the received one, for kFollow; nobody looks at it for kOwn.
+  void finish(const State& state, const ControllerCommand& command);
+
+  /// No state will come: as one that is not finite, but at once.
+  void lose_state();
+  /// Land where it is; cannot be taken back.
+  void request_land() { land_ = true; }
+  /// Forgets a landing, asked for or done. The machine too, if it is on the ground.
+  void renew(const StateMachineConfig& states);
+
+  bool started() const { return started_; }
+  bool on_ground() const;
+  bool command_good(const ControllerCommand& command, double age_s) const {
+    return machine_.command_good(command, age_s);
+  }
+  /// As Controller::trim_N and Controller::enter, for whoever hands over.
+  Vector3 trim_N() const { return controller_.trim_N(); }
+  void take_over(const Vector3& trim_N) { controller_.enter(step_.command.mode, trim_N); }
+  /// Gains and limits change, integrals and filters stay.
+  void configure(const ControllerConfig& config, const StateMachineConfig& states) {
+    controller_.configure(config, controller_.thrust_model());
+    machine_.configure(states);
+  }
+  const AttitudeView& attitude() const { return *attitude_; }  ///< Of the state of this turn.
+  const PilotOverride& pilot() const { return pilot_; }
+  double dt_s() const { return dt_s_; }
+  const Output& output() const { return out_; }
+
+ private:
+  bool check_state(const Input& in);
+  void note(bool changed);
+
+  Controller controller_;
+  StateMachine machine_;
+  StateMachine::Output step_{};
+  Output out_{};
+  std::optional<AttitudeView> attitude_;
+  PilotOverride pilot_{};
+  double dt_s_{};
+  double voltage_V_{};
+  double last_t_s_{};
+  double last_good_s_{};
+  bool started_{false};
+  bool state_lost_{false};
+  bool pilot_had_it_{false};
+  bool land_{false};
+};
+
+}  // namespace rosflight::autonomy
