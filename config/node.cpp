@@ -86,9 +86,8 @@ class Builder {
         throw fault(key_line, node.path, "a key that is no word", "words");
       const std::string& key = entry.first.Scalar();
       const std::string path = join(node.path, printable(key));
-      if (key.empty() || key.find('.') != std::string::npos) {
-        throw fault(key_line, path, "the key \"" + printable(key) + "\"",
-                    "keys that are not empty and have no dot");
+      if (!is_key(key)) {
+        throw fault(key_line, path, "the key \"" + printable(key) + "\"", std::string(kKeys));
       }
       const auto [first, is_new] = first_line.emplace(key, key_line);
       if (!is_new) {
@@ -303,6 +302,12 @@ std::string emit(const Node& root) {
   std::string out;
   emit_children(root, "", out);
   return out;
+}
+
+bool is_key(std::string_view key) {
+  constexpr std::size_t kLongest = 128;
+  return !key.empty() && key.size() <= kLongest && key.find('.') == std::string_view::npos &&
+         std::none_of(key.begin(), key.end(), is_control);
 }
 
 std::string printable(std::string_view text) {

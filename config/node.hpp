@@ -46,6 +46,12 @@ void merge(Node& base, const Node& over);
 /// Block-style YAML.
 std::string emit(const Node& root);
 
+/// YAML's emitters and readers agree on keys up to 1024 characters, escapes included; a dot would
+/// be a path, a control character does not belong into a message.
+bool is_key(std::string_view key);
+inline constexpr std::string_view kKeys =
+    "keys of 1 to 128 characters without dots and control characters";
+
 /// Key or text cut to a length and freed of control characters, for messages.
 std::string printable(std::string_view text);
 

@@ -332,7 +332,10 @@ void Document::set(std::string_view assignment, std::string_view option) {
   for (std::size_t start = 0; start <= path.size();) {
     const auto dot = std::min(path.find('.', start), path.size());
     const std::string key(path.substr(start, dot - start));
-    if (key.empty()) throw Error(where + ": found an empty key, allowed key.sub=value");
+    if (!detail::is_key(key)) {
+      throw Error(where + ": found the key \"" + detail::printable(key) + "\", allowed " +
+                  std::string(detail::kKeys));
+    }
     node = step_into(*node, key, where);
     start = dot + 1;
   }

@@ -59,8 +59,9 @@ def check_structure() -> Outcome:
     return _add(_check(found) for found in structure.run().values())
 
 
-RELEASE, ROS = "build/release", "build/ros/build"
+RELEASE, ROS, CORTEX_M7 = "build/release", "build/ros/build", "build/cortex-m7"
 FLIES = {"autonomy", "companion", "config", "firmware", "link"}
+BOARD = "firmware/boards/qemu_m7"  # what no other compiler than the microcontroller's sees
 
 
 def _flies(path: Path) -> bool:
@@ -68,7 +69,8 @@ def _flies(path: Path) -> bool:
 
 
 def tidy_product() -> Outcome:
-    return _tidy(RELEASE, _flies)
+    on_board = _tidy(CORTEX_M7, lambda path: _flies(path) and path.is_relative_to(BOARD))
+    return _add([_tidy(RELEASE, _flies), on_board])
 
 
 def tidy_rest() -> Outcome:

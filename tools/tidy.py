@@ -3,10 +3,11 @@
 
 A file is looked at again when it, a header of ours that it includes, its compile command, the
 configuration or the tool changes. Usage: tidy.py [BUILD [NAME...]], after a build; BUILD is
-build/release or build/ros/build.
+build/release, build/cortex-m7 or build/ros/build.
 """
 
 import concurrent.futures
+import functools
 import hashlib
 import json
 import re
@@ -51,10 +52,26 @@ def key_of(entry: dict, headers: list[Path], common: bytes) -> str:
     return digest.hexdigest()
 
 
+@functools.cache
+def headers_of_cross_compiler(compiler: str, options: tuple[str, ...]) -> list[str]:
+    """Where a compiler for another machine finds its own headers: clang does not look there."""
+    said = subprocess.run([compiler, *options, "-x", "c++", "-E", "-v", "-"], stdin=subprocess.DEVNULL,
+                          capture_output=True, text=True, check=True).stderr
+    listed = said.split("#include <...> search starts here:")[1].split("End of search list.")[0]
+    return [f"--extra-arg=-isystem{line.strip()}" for line in listed.splitlines() if line.strip()]
+
+
+def extra_arguments(entry: dict) -> list[str]:
+    compiler, *options = entry["command"].split()
+    if "arm-none-eabi" not in compiler:
+        return []
+    return headers_of_cross_compiler(compiler, tuple(word for word in options if word.startswith("-m")))
+
+
 def check(entry: dict, build: Path) -> str:
     """The complaints about one file, empty when clean."""
     done = subprocess.run(
-        [tidy_program(), "-p", str(build), "--quiet", entry["file"]], cwd=build,
+        [tidy_program(), "-p", str(build), "--quiet", *extra_arguments(entry), entry["file"]], cwd=build,
         capture_output=True, text=True)
     said = [line for line in (done.stdout + done.stderr).splitlines()
             if not re.fullmatch(r"\d+ warnings? (generated|treated as errors?)\.?", line.strip())]

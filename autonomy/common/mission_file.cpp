@@ -58,31 +58,27 @@ std::string as_list(std::string_view text) {
   return out;
 }
 
-MissionFile open(const Document& document) {
+MissionFile open(const Document& document, const std::string& name) {
   MissionFile out;
   if (document.is_list()) {
     out.waypoints = document.root_sections();
-    return out;
+  } else {
+    out.root = document.root();
+    out.waypoints = out.root->sections("mission");
   }
-  out.root = document.root();
-  out.waypoints = out.root->sections("mission");
-  if (out.waypoints.empty() || out.waypoints.size() > kMaxWaypoints) {
-    throw out.root->error("mission", std::to_string(out.waypoints.size()) + " waypoints",
-                          "1 to " + std::to_string(kMaxWaypoints));
-  }
-  return out;
+  const std::size_t count = out.waypoints.size();
+  if (count >= 1 && count <= kMaxWaypoints) return out;
+  const std::string found = std::to_string(count) + " waypoints";
+  const std::string allowed = "1 to " + std::to_string(kMaxWaypoints);
+  throw out.root ? out.root->error("mission", found, allowed)
+                 : config::Error(name + ": found " + found + ", allowed " + allowed);
 }
 
 }  // namespace
 
 MissionFile MissionFile::read(std::string_view text, const std::string& name) {
-  if (!repeats_wp(text)) return open(Document::from_text(text, name));
-  MissionFile out = open(Document::from_text(as_list(text), name));
-  if (out.waypoints.size() > kMaxWaypoints) {
-    throw config::Error(name + ": wp: found " + std::to_string(out.waypoints.size()) +
-                        " waypoints, allowed 1 to " + std::to_string(kMaxWaypoints));
-  }
-  return out;
+  const auto list = repeats_wp(text) ? as_list(text) : std::string(text);
+  return open(Document::from_text(list, name), name);
 }
 
 MissionFile MissionFile::load(const std::filesystem::path& file) {
@@ -95,7 +91,7 @@ MissionFile MissionFile::load(const std::filesystem::path& file) {
     text << stream.rdbuf();
     if (repeats_wp(text.str())) return read(text.str(), file.string());
   }
-  return open(Document::from_file(file));
+  return open(Document::from_file(file), file.string());
 }
 
 std::optional<double> MissionFile::takeoff_height_m(const MissionArea& area) const {

@@ -179,15 +179,20 @@ TEST(Mission, RefusesWithOneLine) {
                  {"m from the start"}, kProvo);
 }
 
-TEST(Mission, RefusesTooManyWaypoints) {
+TEST(Mission, RefusesNoneAndTooManyWaypointsInEveryForm) {
   std::string text = "mission:\n";
+  std::string list;
   std::string repeated;
   for (int k = 0; k < 1001; ++k) {
     text += "  - {type: goto, w: [1, 2, -3], psi: 0}\n";
+    list += "- {type: goto, w: [1, 2, -3], psi: 0}\n";
     repeated += "wp: {type: 1, w: [1, 2, -3], psi: 0}\n";
   }
   expect_refused(text, {"1001 waypoints"});
+  expect_refused(list, {"m.yaml: found 1001 waypoints, allowed 1 to 1000"});
   expect_refused(repeated, {"1001 waypoints"});
+  expect_refused("mission: []\n", {"m.yaml:1: mission: found 0 waypoints"});
+  expect_refused("[]\n", {"m.yaml: found 0 waypoints"});
 }
 
 TEST(Mission, RefusesFilesThatAreNone) {

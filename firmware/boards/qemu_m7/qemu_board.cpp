@@ -8,7 +8,7 @@ extern "C" std::uint8_t board_backup[];
 namespace rosflight::boards::m7 {
 
 std::uint8_t* storage_memory() {
-  return reinterpret_cast<std::uint8_t*>(kExternalRam + kStorageOffset);
+  return &memory_at<std::uint8_t>(kExternalRam + kStorageOffset);
 }
 
 std::uint8_t* backup_memory() {

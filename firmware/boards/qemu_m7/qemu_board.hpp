@@ -89,7 +89,7 @@ struct QemuBoard {
 };
 
 inline ExchangeBlock& exchange_block() {
-  return *reinterpret_cast<ExchangeBlock*>(kExternalRam);
+  return memory_at<ExchangeBlock>(kExternalRam);
 }
 std::uint8_t* storage_memory();
 std::uint8_t* backup_memory();

@@ -9,8 +9,14 @@ namespace rosflight::boards::m7 {
 
 inline constexpr std::uint32_t kClock_Hz = 25'000'000;
 
+/// What the hardware has there: the one place where a number becomes a pointer.
+template <typename T>
+T& memory_at(std::uintptr_t address) {
+  return *reinterpret_cast<T*>(address);  // NOLINT(performance-no-int-to-ptr)
+}
+
 inline volatile std::uint32_t& reg(std::uintptr_t address) {
-  return *reinterpret_cast<volatile std::uint32_t*>(address);
+  return memory_at<volatile std::uint32_t>(address);
 }
 
 inline void memory_barrier() {

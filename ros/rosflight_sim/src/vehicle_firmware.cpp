@@ -14,7 +14,12 @@ using rosflight::companion::ParameterSet;
 using rosflight::companion::ParameterValue;
 namespace core = rosflight::core;
 
-/// All parameters of the firmware: what the vehicle file says, defaults for the rest, so that
+/// Entries of the mixing matrices: the firmware itself fills them in when a mixer is chosen.
+bool is_mixer_entry(const std::string& name) {
+  return name.rfind("PRI_MIXER_", 0) == 0 || name.rfind("SEC_MIXER_", 0) == 0;
+}
+
+/// The parameters of the firmware: what the vehicle file says, defaults for the rest, so that
 /// nothing of another vehicle stays behind.
 ParameterSet whole_set(const std::string& vehicle_file) {
   const auto vehicle = rosflight::sim::Vehicle::from_file(vehicle_file);
@@ -23,7 +28,7 @@ ParameterSet whole_set(const std::string& vehicle_file) {
   for (std::size_t index = 0; index < core::kParamCount; ++index) {
     const core::ParamRow& row = core::Parameters::row(static_cast<core::Param>(index));
     const std::string name(row.name.data(), ::strnlen(row.name.data(), row.name.size()));
-    bool known = false;
+    bool known = is_mixer_entry(name);
     for (std::size_t k = 0; k < given; ++k) known = known || set[k].name == name;
     if (known) continue;
     const bool whole = row.type == rosflight::link::ParamType::kInt32;

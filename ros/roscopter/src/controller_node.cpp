@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <rosflight_msgs/msg/battery_status.hpp>
+#include <std_msgs/msg/float64.hpp>
+#include <std_msgs/msg/string.hpp>
+#include <std_srvs/srv/trigger.hpp>
+
+#include "apps/vehicle/vehicle_setup.hpp"
+#include "autonomy/multirotor/commanded_flight.hpp"
+#include "ros/common/time.hpp"
+#include "ros/common/vehicle_file.hpp"
+#include "ros/roscopter/src/controller_parameters.hpp"
+#include "ros/roscopter/src/conversions.hpp"
+
+namespace rosflight::roscopter {
+namespace {
+
+using autonomy::CommandedFlight;
+using autonomy::Phase;
+using roscopter_msgs::msg::ControllerCommand;
+using roscopter_msgs::msg::State;
+using rosflight_msgs::msg::BatteryStatus;
+using rosflight_msgs::msg::Command;
+using rosflight_msgs::msg::Status;
+using std_srvs::srv::Trigger;
+
+/// autonomy's CommandedFlight, state machine and controller, once per State.
+///
+/// Without State or Status for their time-outs the vehicle is handed to the pilot: one Command with
+/// all entries ignored, then silence. Without commands it holds where it is and lands after
+/// lost_command_land_s. It tells its phase on `flight_phase` and lands by `controller/land`.
+class ControllerNode : public rclcpp::Node {
+ public:
+  ControllerNode()
+      : Node("controller"),
+        config_{
+            apps::read_multirotor_autonomy(ros_common::VehicleFile::declare(*this).read()).flight},
+        tuning_{tuning_of(config_)},
+        parameters_{*this, controller_parameters(), tuning_} {
+    state_patience_s_ =
+        ros_common::declare_number(*this, "state_timeout_s", 0.25, 0.01, 10.0,
+                                   "without a state for this long the vehicle is the pilot's [s]");
+    status_patience_s_ = ros_common::declare_number(*this, "status_timeout_s", 2.0, 0.1, 60.0,
+                                                    "the same without a status [s]");
+    const std::string why = fault(tuning_);
+    if (!why.empty()) throw config::Error("parameter " + why);
+    parameters_.on_change([this](const Tuning& tuning) {
+      std::string refusal = fault(tuning);
+      if (refusal.empty()) control_.configure(tuning.controller, with_mission(tuning.states));
+      return refusal;
+    });
+    control_ = CommandedFlight(tuning_.controller, config_.thrust);
+    control_.renew(tuning_.states);
+    open();
+  }
+
+ private:
+  using FlightConfig = autonomy::FlightConfig;
+
+  static Tuning tuning_of(const FlightConfig& config) {
+    Tuning tuning{config.controller, config.states};
+    auto& c = tuning.controller;
+    if (!c.position_east) c.position_east = c.position_horizontal;
+    if (!c.velocity_east) c.velocity_east = c.velocity_horizontal;
+    return tuning;
+  }
+
+  /// What no range of a single parameter can say; empty if all is well.
+  std::string fault(const Tuning& tuning) const {
+    const auto& c = tuning.controller;
+    const auto& s = tuning.states;
+    const double weight_N = c.mass_kg * c.gravity_m_s2;
+    if (c.min_throttle >= c.max_throttle)
+      return "min_throttle: found " + config::number_text(c.min_throttle) +
+             ", allowed less than max_throttle, " + config::number_text(c.max_throttle);
+    if (config_.thrust.max_thrust_N() < 1.1 * weight_N)
+      return "mass: found " + config::number_text(c.mass_kg) + ", allowed what full throttle of " +
+             config::number_text(config_.thrust.max_thrust_N()) + " N carries";
+    if (s.takeoff_tolerance_m >= s.takeoff_height_m)
+      return "takeoff_height_threshold: found " + config::number_text(s.takeoff_tolerance_m) +
+             ", allowed less than the height of the take-off, " +
+             config::number_text(s.takeoff_height_m);
+    return "";
+  }
+
+  autonomy::StateMachineConfig with_mission(autonomy::StateMachineConfig states) const {
+    if (std::isfinite(mission_height_m_)) states.takeoff_height_m = mission_height_m_;
+    return states;
+  }
+
+  void open() {
+    const auto newest = rclcpp::QoS(1);
+    const auto latched = rclcpp::QoS(1).transient_local();
+    out_ = create_publisher<Command>("command", newest);
+    phase_ = create_publisher<std_msgs::msg::String>("flight_phase", latched);
+    tell_phase();
+    given_sub_ = create_subscription<ControllerCommand>(
+        "high_level_command", newest, [this](ControllerCommand::ConstSharedPtr message) {
+          given_ = command_of(*message);
+          given_at_ = now();
+        });
+    status_sub_ =
+        create_subscription<Status>("status", newest, [this](Status::ConstSharedPtr message) {
+          status_.armed = message->armed;
+          status_.offboard = message->offboard;
+          status_.rc_override = message->rc_override;
+          status_at_ = now();
+        });
+    battery_sub_ = create_subscription<BatteryStatus>(
+        "battery", newest, [this](BatteryStatus::ConstSharedPtr message) {
+          status_.battery_voltage_V = static_cast<double>(message->voltage);
+        });
+    height_sub_ = create_subscription<std_msgs::msg::Float64>(
+        "mission/takeoff_height", latched, [this](std_msgs::msg::Float64::ConstSharedPtr message) {
+          mission_height_m_ = message->data;
+          control_.configure(tuning_.controller, with_mission(tuning_.states));
+        });
+    state_sub_ = create_subscription<State>(
+        "estimated_state", newest, [this](State::ConstSharedPtr message) { step(*message); });
+    land_ = create_service<Trigger>(
+        "controller/land", [this](const std::shared_ptr<Trigger::Request>,
+                                  std::shared_ptr<Trigger::Response> response) {
+          response->success = !control_.on_ground();
+          response->message = response->success ? "landing"
+                                                : std::string("found phase ") +
+                                                      autonomy::name(control_.output().phase) +
+                                                      ", allowed in flight";
+          if (response->success) control_.request_land();
+        });
+    watch_ = rclcpp::create_timer(this, get_clock(), rclcpp::Duration::from_seconds(kWatch_s),
+                                  [this] { watch(); });
+  }
+
+  void step(const State& message) {
+    if (!status_at_) return;
+    const rclcpp::Time arrived = now();
+    const double t_s = ros_common::seconds(message.header);
+    if (t_s < last_s_ - kBack_s) {
+      RCLCPP_WARN(get_logger(), "time went back by %.1f s: beginning anew", last_s_ - t_s);
+      control_ = CommandedFlight(tuning_.controller, config_.thrust);
+      control_.renew(with_mission(tuning_.states));
+    }
+    last_s_ = t_s;
+    state_at_ = arrived;
+    if (silent_ && (arrived - *status_at_).seconds() > status_patience_s_) return;
+    silent_ = false;
+    const double age_s = given_at_ ? (arrived - *given_at_).seconds() : autonomy::kInfinity;
+    const bool good = control_.command_good(given_, std::max(age_s, 0.0));
+    const autonomy::State state = state_of(message);
+    using Turn = CommandedFlight::Turn;
+    const Turn turn = control_.begin({.t_s = t_s,
+                                      .state = state,
+                                      .status = status_,
+                                      .ready = good && !flown_,
+                                      .command_good = good});
+    if (turn == Turn::kOwn || turn == Turn::kFollow) control_.finish(state, given_);
+    note();
+    publish(message.header.stamp);
+  }
+
+  void publish(const builtin_interfaces::msg::Time& stamp) {
+    Command out;
+    fill(control_.output().command, out);
+    out.header.stamp = stamp;
+    out_->publish(out);
+  }
+
+  void note() {
+    using Type = autonomy::FlightEventType;
+    const autonomy::FlightEvents& events = control_.output().events;
+    for (std::size_t k = 0; k < events.count; ++k) {
+      switch (events.list[k].type) {
+        case Type::kPhase:
+          enter(control_.output().phase);
+          break;
+        case Type::kTakeoffFailed:
+          RCLCPP_ERROR(get_logger(), "take-off failed");
+          break;
+        case Type::kPilotTookOver:
+          RCLCPP_WARN(get_logger(), "pilot took over");
+          break;
+        case Type::kPilotGaveBack:
+          RCLCPP_INFO(get_logger(), "pilot gave back");
+          break;
+        case Type::kStateLost:
+          RCLCPP_ERROR(get_logger(), "state lost: the vehicle is the pilot's");
+          break;
+        case Type::kStateRegained:
+          RCLCPP_INFO(get_logger(), "state regained");
+          break;
+        case Type::kWaypointReached:
+        case Type::kWaypointMissed:
+        case Type::kMissionDone:
+          break;
+      }
+    }
+  }
+
+  void enter(Phase phase) {
+    tell_phase();
+    RCLCPP_INFO(get_logger(), "phase %s%s", autonomy::name(phase),
+                phase == Phase::kLanded ? ": disarm" : "");
+    if (phase == Phase::kLanded) flown_ = true;
+    if (phase != Phase::kDisarmed) return;
+    flown_ = false;  // whoever arms it again wants to fly again
+    control_.renew(with_mission(tuning_.states));
+  }
+
+  void tell_phase() {
+    std_msgs::msg::String message;
+    message.data = autonomy::name(control_.output().phase);
+    phase_->publish(message);
+  }
+
+  /// What no message can tell: that none comes.
+  void watch() {
+    if (silent_ || !state_at_ || !status_at_) return;
+    const rclcpp::Time time = now();
+    const bool no_state = (time - *state_at_).seconds() > state_patience_s_;
+    const bool no_status = (time - *status_at_).seconds() > status_patience_s_;
+    if (!no_state && !no_status) return;
+    silent_ = true;
+    control_.lose_state();
+    RCLCPP_ERROR(get_logger(), "%s is silent: the vehicle is the pilot's",
+                 no_state ? "estimated_state" : "status");
+    publish(time);
+  }
+
+  static constexpr double kWatch_s = 0.05;
+  static constexpr double kBack_s = 1.0;
+
+  FlightConfig config_;
+  Tuning tuning_;
+  ros_common::LiveParameters<Tuning> parameters_;
+  CommandedFlight control_;
+  autonomy::Status status_{};
+  autonomy::ControllerCommand given_{};
+  std::optional<rclcpp::Time> given_at_;
+  std::optional<rclcpp::Time> status_at_;
+  std::optional<rclcpp::Time> state_at_;
+  double mission_height_m_{std::numeric_limits<double>::quiet_NaN()};
+  double state_patience_s_{};
+  double status_patience_s_{};
+  double last_s_{};
+  bool silent_{false};
+  bool flown_{false};
+  rclcpp::Publisher<Command>::SharedPtr out_;
+  rclcpp::Publisher<std_msgs::msg::String>::SharedPtr phase_;
+  rclcpp::Subscription<ControllerCommand>::SharedPtr given_sub_;
+  rclcpp::Subscription<Status>::SharedPtr status_sub_;
+  rclcpp::Subscription<BatteryStatus>::SharedPtr battery_sub_;
+  rclcpp::Subscription<std_msgs::msg::Float64>::SharedPtr height_sub_;
+  rclcpp::Subscription<State>::SharedPtr state_sub_;
+  rclcpp::Service<Trigger>::SharedPtr land_;
+  rclcpp::TimerBase::SharedPtr watch_;
+};
+
+}  // namespace
+}  // namespace rosflight::roscopter
+
+int main(int argc, char** argv) {
+  using rosflight::roscopter::ControllerNode;
+  return rosflight::ros_common::run_node<ControllerNode>(argc, argv);
+}

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <vector>
+
+#include "autonomy/multirotor/controller.hpp"
+#include "autonomy/multirotor/state_machine.hpp"
+#include "ros/common/live_parameters.hpp"
+
+namespace rosflight::roscopter {
+
+/// What the controller node lets be changed while it runs.
+struct Tuning {
+  autonomy::ControllerConfig controller{};
+  autonomy::StateMachineConfig states{};
+};
+
+/// Parameters of roscopter's controller over Tuning, in its units: degrees, and units of gravity
+/// where an acceleration comes out. Which is which: docs/autonomy/roscopter.md.
+std::vector<ros_common::LiveParameter<Tuning>> controller_parameters();
+
+}  // namespace rosflight::roscopter

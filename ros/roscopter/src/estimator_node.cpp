@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ros/common/estimator_node.hpp"
+
+#include <algorithm>
+
+#include "ros/roscopter/src/conversions.hpp"
+
+namespace rosflight::roscopter {
+namespace {
+
+using autonomy::estimation::EstimatorConfig;
+
+constexpr double kNotGiven = -1e6;          // "use the model", as the reference writes it
+constexpr double kPascalPerMetre = 12.013;  // 1.225 kg/m^3 times 9.80665 m/s^2
+
+/// North and east have one sigma here, the velocities too: docs/autonomy/roscopter.md
+struct Policy {
+  static constexpr bool kWind = false;
+  using Message = roscopter_msgs::msg::State;
+
+  static void fill(const autonomy::StateEstimate& in,
+                   const std::optional<autonomy::Geodetic>& origin, Message& out) {
+    roscopter::fill(in, origin, out);
+  }
+
+  static std::vector<ros_common::EstimatorView> views() {
+    using C = EstimatorConfig;
+    return {
+        {"gravity", 9.0, 10.0, "[m/s^2]", [](const C& c) { return c.gravity_m_s2; },
+         [](C& c, double x) { c.gravity_m_s2 = x; }},
+        {"sigma_n_gps", 1e-3, 100.0, "of GNSS, north and east [m]",
+         [](const C& c) { return c.gnss_horizontal_sigma_m; },
+         [](C& c, double x) { c.gnss_horizontal_sigma_m = x; }},
+        {"sigma_h_gps", 1e-3, 100.0, "of the altitude of GNSS [m]",
+         [](const C& c) { return c.gnss_altitude_sigma_m; },
+         [](C& c, double x) { c.gnss_altitude_sigma_m = x; }},
+        {"sigma_vn_gps", 1e-3, 100.0, "of the velocity of GNSS, each axis [m/s]",
+         [](const C& c) { return c.gnss_velocity_sigma_m_s; },
+         [](C& c, double x) { c.gnss_velocity_sigma_m_s = x; }},
+        {"sigma_static_press", 0.01, 1000.0, "of the barometer [Pa]",
+         [](const C& c) { return kPascalPerMetre * c.baro_sigma_m; },
+         [](C& c, double x) { c.baro_sigma_m = x / kPascalPerMetre; }},
+        {"declination", kNotGiven, 180.0, "of the magnetic field [deg]; -1e6: by WMM2025",
+         [](const C& c) {
+           return c.declination_rad ? *c.declination_rad / autonomy::kRadPerDeg : kNotGiven;
+         },
+         [](C& c, double x) {
+           if (x < -180.0 && x != kNotGiven) {
+             throw config::Error("parameter declination: found " + config::number_text(x) +
+                                 ", allowed -180 to 180, or -1e6 for the magnetic model");
+           }
+           c.declination_rad.reset();
+           if (x != kNotGiven) c.declination_rad = x * autonomy::kRadPerDeg;
+         }},
+    };
+  }
+};
+
+}  // namespace
+}  // namespace rosflight::roscopter
+
+int main(int argc, char** argv) {
+  using rosflight::roscopter::Policy;
+  return rosflight::ros_common::run_node<rosflight::ros_common::EstimatorNode<Policy>>(argc, argv);
+}

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <roscopter_msgs/msg/state.hpp>
+#include <rosflight_msgs/msg/attitude.hpp>
+
+#include "ros/common/node_tools.hpp"
+
+namespace rosflight::roscopter {
+namespace {
+
+using roscopter_msgs::msg::State;
+using rosflight_msgs::msg::Attitude;
+
+/// Passes the estimated attitude on to the flight controller, whose own filter takes drag and turns
+/// for tilt.
+class ExtAttTranscriber : public rclcpp::Node {
+ public:
+  ExtAttTranscriber() : Node("ext_att_transcriber") {
+    attitudes_ = create_publisher<Attitude>("external_attitude", rclcpp::QoS(1));
+    states_ = create_subscription<State>("estimated_state", rclcpp::QoS(1),
+                                         [this](State::ConstSharedPtr state) {
+                                           Attitude out;
+                                           out.header = state->header;
+                                           out.attitude = state->quat;
+                                           out.angular_velocity.x = static_cast<double>(state->p);
+                                           out.angular_velocity.y = static_cast<double>(state->q);
+                                           out.angular_velocity.z = static_cast<double>(state->r);
+                                           attitudes_->publish(out);
+                                         });
+  }
+
+ private:
+  rclcpp::Publisher<Attitude>::SharedPtr attitudes_;
+  rclcpp::Subscription<State>::SharedPtr states_;
+};
+
+}  // namespace
+}  // namespace rosflight::roscopter
+
+int main(int argc, char** argv) {
+  using rosflight::roscopter::ExtAttTranscriber;
+  return rosflight::ros_common::run_node<ExtAttTranscriber>(argc, argv);
+}

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <std_msgs/msg/string.hpp>
+#include <std_srvs/srv/trigger.hpp>
+
+#include "apps/vehicle/vehicle_setup.hpp"
+#include "autonomy/multirotor/angles.hpp"
+#include "autonomy/multirotor/path_manager.hpp"
+#include "ros/common/live_parameters.hpp"
+#include "ros/common/time.hpp"
+#include "ros/common/vehicle_file.hpp"
+#include "ros/roscopter/src/conversions.hpp"
+#include "ros/roscopter/src/flight_phase.hpp"
+
+namespace rosflight::roscopter {
+namespace {
+
+using autonomy::PathConfig;
+using autonomy::PathManager;
+using roscopter_msgs::msg::State;
+using roscopter_msgs::msg::TrajectoryCommand;
+using roscopter_msgs::msg::Waypoint;
+using std_srvs::srv::Trigger;
+
+std::vector<ros_common::LiveParameter<PathConfig>> path_parameters() {
+  using C = PathConfig;
+  return {
+      {"max_velocity", 0.1, 50.0, "of legs [m/s]", [](const C& c) { return c.limits.speed_m_s; },
+       [](C& c, double x) { c.limits.speed_m_s = x; }},
+      {"max_acceleration", 0.1, 50.0, "of legs [m/s^2]",
+       [](const C& c) { return c.limits.acceleration_m_s2; },
+       [](C& c, double x) { c.limits.acceleration_m_s2 = x; }},
+      {"waypoint_tolerance", 0.01, 100.0, "closer counts as reached [m]",
+       [](const C& c) { return c.waypoint_tolerance_m; },
+       [](C& c, double x) { c.waypoint_tolerance_m = x; }},
+      {"arrival_timeout_s", 0.1, 3600.0, "longest wait for the vehicle at the end of a leg [s]",
+       [](const C& c) { return c.arrival_timeout_s; },
+       [](C& c, double x) { c.arrival_timeout_s = x; }},
+      {"do_linear_interpolation", 0.0, 1.0, "legs at constant acceleration instead of quintics",
+       [](const C& c) { return c.interpolation == autonomy::Interpolation::kLinear ? 1.0 : 0.0; },
+       [](C& c, double x) {
+         c.interpolation =
+             x != 0.0 ? autonomy::Interpolation::kLinear : autonomy::Interpolation::kQuintic;
+       },
+       true},
+      {"hold_last", 0.0, 1.0,
+       "stay at the last waypoint, else fly to the first again; a mission's at_end counts more",
+       [](const C& c) { return c.cycle ? 0.0 : 1.0; }, [](C& c, double x) { c.cycle = x == 0.0; },
+       true},
+  };
+}
+
+/// Turns waypoints into a trajectory: autonomy's PathManager, one set-point per State.
+///
+/// The clock of the path runs while the controller says "offboard" on `flight_phase`; until then
+/// the set-point is where the vehicle is. If nobody publishes a phase the path begins with the
+/// first waypoint. After the last waypoint of a mission that ends in a landing it calls
+/// controller/land.
+///
+/// Without State nothing goes out, and nothing without a waypoint on the ground; a list that is
+/// cleared in flight leaves the set-point where it is.
+class PathManagerNode : public rclcpp::Node {
+ public:
+  PathManagerNode()
+      : Node("path_manager"),
+        config_{apps::read_multirotor_autonomy(ros_common::VehicleFile::declare(*this).read())
+                    .flight.path},
+        parameters_{*this, path_parameters(), config_},
+        phase_{*this, [this](const std::string& phase) { enter(phase); }} {
+    const double rate_Hz = ros_common::declare_number(*this, "path_update_frequency", 100.0, 1.0,
+                                                      1000.0, "most set-points a second [Hz]");
+    interval_s_ = kAlmost / rate_Hz;
+    parameters_.on_change([this](const PathConfig& config) {
+      path_.configure(in_force(config));
+      return "";
+    });
+    path_.configure(in_force(config_));
+    setpoints_ = create_publisher<TrajectoryCommand>("trajectory_command", rclcpp::QoS(1));
+    waypoints_ = create_subscription<Waypoint>(
+        "waypoints", rclcpp::QoS(autonomy::kMaxWaypoints + 1).transient_local(),
+        [this](Waypoint::ConstSharedPtr message) { take(*message); });
+    at_end_ = create_subscription<std_msgs::msg::String>(
+        "mission/at_end", rclcpp::QoS(1).transient_local(),
+        [this](std_msgs::msg::String::ConstSharedPtr message) {
+          end_ = message->data;
+          path_.configure(in_force(config_));
+        });
+    states_ = create_subscription<State>("estimated_state", rclcpp::QoS(1),
+                                         [this](State::ConstSharedPtr message) { step(*message); });
+    land_ = create_client<Trigger>("controller/land");
+    clear_ = create_service<Trigger>(
+        "path_manager/clear_waypoints", [this](const std::shared_ptr<Trigger::Request>,
+                                               std::shared_ptr<Trigger::Response> response) {
+          response->success = true;
+          response->message = std::to_string(count()) + " waypoints forgotten";
+          clear();
+        });
+    print_ = create_service<Trigger>(
+        "path_manager/print_waypoints", [this](const std::shared_ptr<Trigger::Request>,
+                                               std::shared_ptr<Trigger::Response> response) {
+          for (const autonomy::Waypoint& wp : path_.waypoints()) {
+            RCLCPP_INFO(get_logger(), "north %.2f, east %.2f, down %.2f m", wp.p_N.x(), wp.p_N.y(),
+                        wp.p_N.z());
+          }
+          response->success = true;
+          response->message = std::to_string(count()) + " waypoints";
+        });
+  }
+
+ private:
+  static constexpr double kAlmost = 0.9;  // of a period: jitter of stamps must not drop set-points
+  static constexpr double kBack_s = 1.0;
+
+  std::size_t count() const { return path_.waypoints().size() + geodetic_.size(); }
+
+  PathConfig in_force(PathConfig config) const {
+    if (!end_.empty()) config.cycle = end_ == "cycle";
+    return config;
+  }
+
+  void clear() {
+    geodetic_.clear();
+    path_.set_waypoints({});
+    done_ = false;
+  }
+
+  void take(const Waypoint& message) {
+    if (message.clear_wp_list) {
+      clear();
+      return;
+    }
+    if (message.use_lla && !origin_) {
+      geodetic_.push_back(message);  // until a state tells the origin
+      return;
+    }
+    append(message);
+  }
+
+  void append(const Waypoint& message) {
+    autonomy::Waypoint waypoint = waypoint_of(message);
+    if (message.use_lla) {
+      waypoint.p_N =
+          autonomy::ned_of({waypoint.p_N.x(), waypoint.p_N.y(), waypoint.p_N.z()}, *origin_);
+    }
+    if (!waypoint.p_N.allFinite() || !std::isfinite(waypoint.psi_rad)) {
+      RCLCPP_ERROR(get_logger(), "waypoints: found numbers that are not finite, not used");
+      return;
+    }
+    path_.append(waypoint);
+    done_ = false;
+  }
+
+  void enter(const std::string& phase) {
+    if (phase != kTakeoff) return;
+    path_.set_waypoints(std::vector<autonomy::Waypoint>(path_.waypoints()));  // from the first on
+    done_ = false;
+  }
+
+  void step(const State& message) {
+    if (!origin_) origin_ = origin_of(message);
+    if (origin_ && !geodetic_.empty()) {
+      for (const Waypoint& waypoint : geodetic_) append(waypoint);
+      geodetic_.clear();
+    }
+    const autonomy::State state = state_of(message);
+    const double t_s = ros_common::seconds(message.header);
+    if (t_s < last_s_ - kBack_s) last_s_ = t_s - 1.0;  // the clock was set back
+    const bool good =
+        state.p_N.allFinite() && state.v_N.allFinite() && state.q_NB.coeffs().allFinite();
+    if (!good || t_s - last_s_ < interval_s_) return;
+    last_s_ = t_s;
+    const double psi_rad = autonomy::AttitudeView(state.q_NB).psi_rad;
+    const bool fly = phase_.following();
+    if (!fly) path_.stop();
+    if (!path_.started()) {
+      setpoint_ = {};
+      setpoint_.p_N = state.p_N;
+      setpoint_.psi_rad = psi_rad;
+      if (path_.waypoints().empty()) return;
+      if (fly) path_.start(t_s, autonomy::path_start(state, psi_rad, setpoint_));
+    }
+    if (path_.started()) follow(path_.step(t_s, state.p_N, psi_rad));
+    TrajectoryCommand out;
+    fill(setpoint_, out);
+    out.header.stamp = message.header.stamp;
+    out.header.frame_id = "NED";
+    setpoints_->publish(out);
+  }
+
+  void follow(const PathManager::Output& path) {
+    setpoint_ = path.setpoint;
+    if (path.event != PathManager::Event::kNone) {
+      const bool reached = path.event == PathManager::Event::kReached;
+      RCLCPP_INFO(get_logger(), "waypoint %zu %s at %.2f m", path.event_waypoint + 1,
+                  reached ? "reached" : "missed", path.event_distance_m);
+    }
+    if (!path.done || done_) return;
+    if (end_ == "land" && !land_->service_is_ready()) {
+      constexpr int kInterval_ms = 5000;
+      RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kInterval_ms,
+                           "controller/land: nobody serves it, holding at the last waypoint");
+      return;
+    }
+    done_ = true;
+    RCLCPP_INFO(get_logger(), "mission done");
+    if (end_ == "land") land_->async_send_request(std::make_shared<Trigger::Request>());
+  }
+
+  PathConfig config_;
+  ros_common::LiveParameters<PathConfig> parameters_;
+  FlightPhase phase_;
+  PathManager path_;
+  autonomy::Trajectory setpoint_{};
+  std::vector<Waypoint> geodetic_;
+  std::optional<autonomy::Geodetic> origin_;
+  std::string end_;  ///< What the mission says, if anything.
+  double interval_s_{};
+  double last_s_{-autonomy::kInfinity};
+  bool done_{false};
+  rclcpp::Publisher<TrajectoryCommand>::SharedPtr setpoints_;
+  rclcpp::Subscription<Waypoint>::SharedPtr waypoints_;
+  rclcpp::Subscription<std_msgs::msg::String>::SharedPtr at_end_;
+  rclcpp::Subscription<State>::SharedPtr states_;
+  rclcpp::Client<Trigger>::SharedPtr land_;
+  rclcpp::Service<Trigger>::SharedPtr clear_;
+  rclcpp::Service<Trigger>::SharedPtr print_;
+};
+
+}  // namespace
+}  // namespace rosflight::roscopter
+
+int main(int argc, char** argv) {
+  using rosflight::roscopter::PathManagerNode;
+  return rosflight::ros_common::run_node<PathManagerNode>(argc, argv);
+}

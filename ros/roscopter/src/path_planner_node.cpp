@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cstdio>
+#include <limits>
+#include <roscopter_msgs/srv/add_waypoint.hpp>
+#include <std_msgs/msg/float64.hpp>
+#include <std_msgs/msg/string.hpp>
+
+#include "apps/vehicle/vehicle_setup.hpp"
+#include "autonomy/multirotor/mission.hpp"
+#include "ros/common/planner_node.hpp"
+#include "ros/roscopter/src/conversions.hpp"
+
+namespace rosflight::roscopter {
+namespace {
+
+using config::number_text;
+
+[[noreturn]] void refuse(const std::string& field, const std::string& found,
+                         const std::string& allowed) {
+  throw config::Error("wp." + field + ": found " + found + ", allowed " + allowed);
+}
+
+/// Waypoints of a multirotor: missions inside the limits of the vehicle file.
+class Policy {
+ public:
+  using Waypoint = roscopter_msgs::msg::Waypoint;
+  using State = roscopter_msgs::msg::State;
+  using AddWaypoint = roscopter_msgs::srv::AddWaypoint;
+  static constexpr const char* kTopic = "waypoints";
+  static constexpr const char* kServices = "path_planner/";
+  struct Plan {
+    std::vector<Waypoint> waypoints;
+    autonomy::AtEnd at_end{autonomy::AtEnd::kLand};
+    std::optional<double> takeoff_height_m;
+  };
+
+  explicit Policy(const sim::Vehicle& vehicle)
+      : limits_{apps::read_multirotor_autonomy(vehicle).mission} {}
+
+  Plan load(const std::string& file, const std::optional<autonomy::Geodetic>& origin) const {
+    const autonomy::Mission mission = autonomy::load_mission(file, limits_, origin);
+    Plan plan;
+    plan.at_end = mission.at_end;
+    plan.takeoff_height_m = mission.takeoff_height_m;
+    for (const autonomy::Waypoint& waypoint : mission.waypoints) {
+      if (waypoint.figure_turns > 0) {
+        throw config::Error(file +
+                            ": figure_eight: found one, allowed none over ROS, because a Waypoint "
+                            "has no room for it");
+      }
+      plan.waypoints.push_back(message_of(waypoint));
+    }
+    return plan;
+  }
+
+  void check(Waypoint& wp, const std::optional<autonomy::Geodetic>& origin) const {
+    if (wp.clear_wp_list) refuse("clear_wp_list", "true", "false; call clear_waypoints");
+    if (wp.type > Waypoint::TYPE_GOTO)
+      refuse("type", std::to_string(wp.type), "0 (hold) or 1 (goto)");
+    check_place(wp, origin);
+    if (!(std::abs(static_cast<double>(wp.psi)) <= 2.0 * autonomy::kPi))
+      refuse("psi", number_text(static_cast<double>(wp.psi)), "-2 pi to 2 pi");
+    const bool speed_fits =
+        wp.speed == 0.0F ||
+        (wp.speed >= kSlowest_m_s && static_cast<double>(wp.speed) <= limits_.max_speed_m_s);
+    if (!speed_fits) {
+      refuse("speed", number_text(static_cast<double>(wp.speed)),
+             "0.1 to " + number_text(limits_.max_speed_m_s) + ", or 0 for the vehicle's");
+    }
+    if (!(wp.hold_seconds >= 0.0F && wp.hold_seconds <= kLongestHold_s))
+      refuse("hold_seconds", number_text(static_cast<double>(wp.hold_seconds)), "0 to 86400");
+    if (wp.hold_indefinitely && wp.type == Waypoint::TYPE_GOTO)
+      refuse("hold_indefinitely", "true at a goto", "false, or type 0");
+  }
+
+  static std::optional<autonomy::Geodetic> origin(const State& state) { return origin_of(state); }
+
+  static std::string text(const Waypoint& wp) {
+    std::array<char, 160> line{};
+    std::snprintf(line.data(), line.size(),
+                  "%s north %.2f, east %.2f, down %.2f m, heading %.2f rad, hold %.1f s%s",
+                  wp.type == Waypoint::TYPE_GOTO ? "goto" : "hold", static_cast<double>(wp.w[0]),
+                  static_cast<double>(wp.w[1]), static_cast<double>(wp.w[2]),
+                  static_cast<double>(wp.psi), static_cast<double>(wp.hold_seconds),
+                  wp.hold_indefinitely ? " and for ever" : "");
+    return line.data();
+  }
+
+ private:
+  static constexpr float kSlowest_m_s = 0.1F;
+  static constexpr float kLongestHold_s = 86400.0F;
+
+  void check_place(Waypoint& wp, const std::optional<autonomy::Geodetic>& origin) const {
+    autonomy::Vector3 p_N = vector(wp.w);
+    if (wp.use_lla) {
+      if (!origin) refuse("use_lla", "true", "false, as long as no state tells the origin");
+      if (!(std::abs(p_N.x()) <= 90.0 && std::abs(p_N.y()) <= 180.0))
+        refuse("w", number_text(p_N.x()) + ", " + number_text(p_N.y()), "latitude, longitude");
+      p_N = autonomy::ned_of({p_N.x(), p_N.y(), p_N.z()}, *origin);
+      wp.w = array(p_N);
+      wp.use_lla = false;
+    }
+    const double distance_m = std::hypot(p_N.x(), p_N.y());
+    if (!(distance_m <= limits_.max_distance_m)) {
+      refuse("w", "a place " + number_text(distance_m) + " m from the origin",
+             "at most " + number_text(limits_.max_distance_m) + " m");
+    }
+    const double height_m = -p_N.z();
+    if (!(height_m >= limits_.min_height_m && height_m <= limits_.max_height_m)) {
+      refuse("w", "a height of " + number_text(height_m) + " m",
+             number_text(limits_.min_height_m) + " to " + number_text(limits_.max_height_m) +
+                 " m above the origin (down is positive)");
+    }
+  }
+
+  autonomy::MissionLimits limits_;
+};
+
+const char* word(autonomy::AtEnd at_end) {
+  switch (at_end) {
+    case autonomy::AtEnd::kHold:
+      return "hold";
+    case autonomy::AtEnd::kCycle:
+      return "cycle";
+    case autonomy::AtEnd::kLand:
+    case autonomy::AtEnd::kReturn:
+      break;
+  }
+  return "land";
+}
+
+/// Tells besides what a Waypoint cannot: what happens at the end, and the height of the take-off.
+class PathPlanner final : public ros_common::PlannerNode<Policy> {
+ public:
+  PathPlanner() {
+    const auto latched = rclcpp::QoS(1).transient_local();
+    at_end_ = create_publisher<std_msgs::msg::String>("mission/at_end", latched);
+    takeoff_ = create_publisher<std_msgs::msg::Float64>("mission/takeoff_height", latched);
+    changed();
+  }
+
+ private:
+  void changed() final {
+    if (!at_end_) return;  // still being made
+    // Waypoints that wait to be published are no end: it holds there.
+    std_msgs::msg::String end;
+    if (plan()) end.data = all_published() ? word(plan()->at_end) : "hold";
+    at_end_->publish(end);
+    std_msgs::msg::Float64 height;
+    height.data = plan() && plan()->takeoff_height_m ? *plan()->takeoff_height_m
+                                                     : std::numeric_limits<double>::quiet_NaN();
+    takeoff_->publish(height);
+  }
+
+  rclcpp::Publisher<std_msgs::msg::String>::SharedPtr at_end_;
+  rclcpp::Publisher<std_msgs::msg::Float64>::SharedPtr takeoff_;
+};
+
+}  // namespace
+}  // namespace rosflight::roscopter
+
+int main(int argc, char** argv) {
+  using rosflight::roscopter::PathPlanner;
+  return rosflight::ros_common::run_node<PathPlanner>(argc, argv);
+}

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <array>
+#include <roscopter_msgs/msg/controller_command.hpp>
+
+#include "ros/common/signal_node.hpp"
+
+namespace rosflight::roscopter {
+namespace {
+
+using roscopter_msgs::msg::ControllerCommand;
+
+/// A waveform on one of the four numbers of a command of any mode. Its commands are always valid,
+/// so an armed vehicle takes off on them.
+class SignalGenerator final : public ros_common::SignalNode {
+ public:
+  SignalGenerator() : SignalNode("signal_generator/") {
+    mode_ = ros_common::declare_whole(*this, "controller_mode", 0, 0, 11,
+                                      "of roscopter_msgs/ControllerCommand", true);
+    output_ =
+        ros_common::declare_whole(*this, "controller_output", 1, 1, 4, "the cmd that varies", true);
+    for (std::size_t k = 0; k < base_.size(); ++k) {
+      base_[k] = ros_common::declare_number(*this, "default_cmd" + std::to_string(k + 1), 0.0,
+                                            -10'000.0, 10'000.0, "value, or lower end", true);
+    }
+    commands_ = create_publisher<ControllerCommand>("high_level_command", rclcpp::QoS(1));
+    changes_ = ros_common::on_change(*this, [this](const rclcpp::Parameter& p) { take(p); });
+  }
+
+ private:
+  void take(const rclcpp::Parameter& p) {
+    if (p.get_name() == "controller_mode") mode_ = p.as_int();
+    if (p.get_name() == "controller_output") output_ = p.as_int();
+    for (std::size_t k = 0; k < base_.size(); ++k) {
+      if (p.get_name() == "default_cmd" + std::to_string(k + 1)) base_[k] = p.as_double();
+    }
+  }
+
+  void publish() final {
+    std::array<double, 4> cmd = base_;
+    double& varied = cmd[static_cast<std::size_t>(output_ - 1)];
+    varied = signal(varied);
+    ControllerCommand out;
+    out.header.stamp = now();
+    out.mode = static_cast<std::uint8_t>(mode_);
+    out.cmd1 = static_cast<float>(cmd[0]);
+    out.cmd2 = static_cast<float>(cmd[1]);
+    out.cmd3 = static_cast<float>(cmd[2]);
+    out.cmd4 = static_cast<float>(cmd[3]);
+    out.cmd_valid = true;
+    commands_->publish(out);
+  }
+
+  std::int64_t mode_{};
+  std::int64_t output_{1};
+  std::array<double, 4> base_{};
+  rclcpp::Publisher<ControllerCommand>::SharedPtr commands_;
+  rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr changes_;
+};
+
+}  // namespace
+}  // namespace rosflight::roscopter
+
+int main(int argc, char** argv) {
+  using rosflight::roscopter::SignalGenerator;
+  return rosflight::ros_common::run_node<SignalGenerator>(argc, argv);
+}

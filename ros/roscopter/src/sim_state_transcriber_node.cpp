@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <rosflight_msgs/msg/sim_state.hpp>
+
+#include "ros/common/node_tools.hpp"
+#include "ros/roscopter/src/conversions.hpp"
+
+namespace rosflight::roscopter {
+namespace {
+
+using roscopter_msgs::msg::State;
+using rosflight_msgs::msg::SimState;
+
+/// The simulator's truth as a State: biases and origin are zero. For comparing, and for tuning
+/// without an estimator.
+class SimStateTranscriber : public rclcpp::Node {
+ public:
+  SimStateTranscriber() : Node("roscopter_truth") {
+    states_ = create_publisher<State>("sim/roscopter/state", rclcpp::QoS(1));
+    truth_ =
+        create_subscription<SimState>("sim/truth_state", rclcpp::QoS(1),
+                                      [this](SimState::ConstSharedPtr truth) { pass(*truth); });
+  }
+
+ private:
+  void pass(const SimState& truth) {
+    const auto& p = truth.pose.position;
+    const auto& q = truth.pose.orientation;
+    const auto& v = truth.twist.linear;
+    const auto& w = truth.twist.angular;
+    autonomy::StateEstimate state;
+    state.p_N = {p.x, p.y, p.z};
+    state.q_NB = autonomy::Quaternion{q.w, q.x, q.y, q.z};
+    state.v_N = state.q_NB * autonomy::Vector3{v.x, v.y, v.z};
+    state.w_B = {w.x, w.y, w.z};
+    State out;
+    fill(state, {}, out);
+    out.header = truth.header;
+    states_->publish(out);
+  }
+
+  rclcpp::Publisher<State>::SharedPtr states_;
+  rclcpp::Subscription<SimState>::SharedPtr truth_;
+};
+
+}  // namespace
+}  // namespace rosflight::roscopter
+
+int main(int argc, char** argv) {
+  using rosflight::roscopter::SimStateTranscriber;
+  return rosflight::ros_common::run_node<SimStateTranscriber>(argc, argv);
+}
