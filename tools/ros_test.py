@@ -17,7 +17,7 @@ REPORTS = ROOT / "build" / "test_results"
 FOLDER = "ros"
 LITE = "rclcpp"  # the package in ros/rclcpp_lite
 # Packages whose tests start nothing of other packages and no program of the project.
-ALONE = {LITE, "rosflight_msgs"}
+ALONE = {LITE, "rosflight_msgs", "rosplane_msgs"}
 
 
 def files() -> list[Path]:

@@ -58,25 +58,14 @@ Guide::Note note_of(const wing::FlightEvent& e) {
     case Type::kWaypointPassed:
       return arrival(e.index, true, "passed", e.value);
     case Type::kMissionDone:
-      return say(Severity::kInfo, "mission done");
-    case Type::kTakeoffFailed:
-      return say(Severity::kError, "take-off failed");
-    case Type::kPathFault:
-      return say(Severity::kError, "no path leads on from here");
-    case Type::kMotorOut:
-      return say(Severity::kError, "motor out");
-    case Type::kPlaceLost:
-      return say(Severity::kError, "position lost");
-    case Type::kPilotTookOver:
-      return say(Severity::kWarning, "pilot took over");
     case Type::kPilotGaveBack:
-      return say(Severity::kInfo, "pilot gave back");
-    case Type::kStateLost:
-      return say(Severity::kError, "state lost");
     case Type::kStateRegained:
-      return say(Severity::kInfo, "state regained");
+      return say(Severity::kInfo, name(e.type));
+    case Type::kPilotTookOver:
+      return say(Severity::kWarning, name(e.type));
+    default:
+      return say(Severity::kError, name(e.type));
   }
-  return {};
 }
 
 /// The point of the path beside the vehicle, and how the path goes on there.

@@ -11,6 +11,8 @@ struct PidGains {
   double kp{};
   double ki{};
   double kd{};
+
+  bool operator==(const PidGains&) const = default;
 };
 
 /// One control loop with derivative on the measurement and an integral that cannot wind up.

@@ -61,13 +61,16 @@ void Controller::reset() {
 }
 
 void Controller::configure(const ControllerConfig& config) {
+  const bool same_law = config.longitudinal == config_.longitudinal &&
+                        config.successive_loops == config_.successive_loops &&
+                        config.total_energy == config_.total_energy;
   config_ = config;
   course_.set_gains(config.course);
   roll_.set_gains(config.roll);
   pitch_.set_gains(config.pitch);
   climb_rate_.set_gains(config.climb_rate);
   glide_.set_gains(config.glide);
-  law_ = make_law(config);
+  if (!same_law) law_ = make_law(config);
 }
 
 double Controller::angle_of_attack(double airspeed_m_s, double roll_rad) const {

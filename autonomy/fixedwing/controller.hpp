@@ -126,7 +126,8 @@ class Controller {
 
   const Output& step(const Input& in);
   void reset();
-  /// Gains change; integrals start anew where the law is replaced.
+  /// Gains change; the longitudinal law is made anew, its integrals forgotten, if its own have
+  /// changed.
   void configure(const ControllerConfig& config);
   const ControllerConfig& config() const { return config_; }
 

@@ -46,6 +46,8 @@ struct SuccessiveLoopConfig {
   PidGains height{0.018, 0.0015, 0.012};  ///< m -> rad; kd acts on the climb rate.
   PidGains airspeed{0.12, 0.03, 0.05};    ///< m/s -> throttle; kd acts on its rate.
   double max_height_error_m{12.0};        ///< Farther away the error counts as this much.
+
+  bool operator==(const SuccessiveLoopConfig&) const = default;
 };
 
 /// Altitude to climb angle and airspeed to throttle, one loop each.
@@ -72,6 +74,8 @@ struct TotalEnergyConfig {
   PidGains balance{0.9, 0.07, 0.5};  ///< Relative energy difference -> rad.
   double max_height_error_m{12.0};
   double gravity_m_s2{9.80665};
+
+  bool operator==(const TotalEnergyConfig&) const = default;
 };
 
 /// Total energy control: throttle makes energy, pitch shares it between height and speed.

@@ -79,41 +79,42 @@ LandingPlace landing_of(const Section& in, const MissionLimits& limits) {
   return out;
 }
 
-config::Error error_of(const PlanFault& fault, const Section& wp) {
+MissionFault fault_of(const PlanFault& fault) {
   const double found = fault.found;
   const double allowed = fault.allowed;
+  const std::size_t k = fault.waypoint;
   switch (fault.kind) {
     case PlanFaultKind::kTooClose:
-      return wp.error("w", metres(found) + " to the waypoint before",
-                      "at least the turn radius of " + metres(allowed));
+      return {k, "w", metres(found) + " to the waypoint before",
+              "at least the turn radius of " + metres(allowed)};
     case PlanFaultKind::kTurn:
-      return wp.error("w", "a turn that needs " + metres(found) + " of a leg of " + metres(allowed),
-                      "longer legs, a smaller radius_m, or path line or dubins");
+      return {k, "w", "a turn that needs " + metres(found) + " of a leg of " + metres(allowed),
+              "longer legs, a smaller radius_m, or path line or dubins"};
     case PlanFaultKind::kReversal:
-      return wp.error("w", "a turn of " + number_text(rounded(found / kRadPerDeg, 1.0)) + " deg",
-                      "at most " + number_text(rounded(allowed / kRadPerDeg, 1.0)) +
-                          " deg for a fillet; or path dubins");
+      return {k, "w", "a turn of " + number_text(rounded(found / kRadPerDeg, 1.0)) + " deg",
+              "at most " + number_text(rounded(allowed / kRadPerDeg, 1.0)) +
+                  " deg for a fillet; or path dubins"};
     case PlanFaultKind::kTooSteep:
-      return wp.error("w", "a climb of " + percent(found), "at most " + percent(allowed));
+      return {k, "w", "a climb of " + percent(found), "at most " + percent(allowed)};
     case PlanFaultKind::kTooSteepDown:
-      return wp.error("w", "a descent of " + percent(found), "at most " + percent(allowed));
+      return {k, "w", "a descent of " + percent(found), "at most " + percent(allowed)};
     case PlanFaultKind::kUnreachable:
-      return wp.error("w", "no way to it from the circle before, " + metres(found) + " away",
-                      "a distance of " + metres(allowed) + ", or the same turn");
+      return {k, "w", "no way to it from the circle before, " + metres(found) + " away",
+              "a distance of " + metres(allowed) + ", or the same turn"};
   }
-  return wp.error("w", "a leg that cannot be flown", "another");
+  return {k, "w", "a leg that cannot be flown", "another"};
 }
 
-void check_bank(const Section& wp, const Waypoint& waypoint, double radius_m,
-                const MissionLimits& limits) {
+std::optional<MissionFault> bank_fault(std::size_t k, const Waypoint& waypoint, double radius_m,
+                                       const MissionLimits& limits) {
   const double v = waypoint.airspeed_m_s;
   const double bank = std::atan(v * v / (limits.gravity_m_s2 * radius_m));
-  if (bank <= limits.max_bank_rad) return;
-  throw wp.error(
-      "speed",
+  if (bank <= limits.max_bank_rad) return {};
+  return MissionFault{
+      k, "speed",
       number_text(v) + " m/s in turns of " + metres(radius_m) + ", a bank of " +
           number_text(rounded(bank / kRadPerDeg, 1.0)) + " deg",
-      "a bank of at most " + number_text(rounded(limits.max_bank_rad / kRadPerDeg, 1.0)) + " deg");
+      "a bank of at most " + number_text(rounded(limits.max_bank_rad / kRadPerDeg, 1.0)) + " deg"};
 }
 
 Mission read(const MissionFile& file, const MissionLimits& limits,
@@ -144,22 +145,9 @@ Mission read(const MissionFile& file, const MissionLimits& limits,
     wp.finish();
   }
   file.finish();
-  const PlannerConfig plan = limits.plan_for(mission);
-  for (std::size_t k = 0; k < file.waypoints.size(); ++k) {
-    check_bank(file.waypoints[k], mission.waypoints[k], plan.radius_m, limits);
-  }
-  Waypoint& last = mission.waypoints.back();
-  const bool stays = mission.at_end == AtEnd::kHold ||
-                     (mission.at_end == AtEnd::kCycle && mission.waypoints.size() == 1);
-  if (stays && !last.hold_indefinitely) {
-    if (last.passing != Passing::kCircle) last.turn = 1;
-    last.passing = Passing::kCircle;
-    last.hold_indefinitely = true;
-  }
-  Plan out;
-  const bool cycle = mission.at_end == AtEnd::kCycle;
-  if (const auto fault = Planner(plan).plan({}, mission.waypoints, cycle, 0, out)) {
-    throw error_of(*fault, file.waypoints[fault->waypoint]);
+  close_mission(mission);
+  if (const auto fault = check_mission(mission, limits)) {
+    throw file.waypoints[fault->waypoint].error(fault->key, fault->found, fault->allowed);
   }
   return mission;
 }
@@ -170,6 +158,30 @@ PlannerConfig MissionLimits::plan_for(const Mission& mission) const {
   PlannerConfig out = plan;
   out.radius_m = mission.radius_m.value_or(plan.radius_m);
   return out;
+}
+
+void close_mission(Mission& mission) {
+  if (mission.waypoints.empty()) return;
+  Waypoint& last = mission.waypoints.back();
+  const bool stays = mission.at_end == AtEnd::kHold ||
+                     (mission.at_end == AtEnd::kCycle && mission.waypoints.size() == 1);
+  if (!stays || last.hold_indefinitely) return;
+  if (last.passing != Passing::kCircle) last.turn = 1;
+  last.passing = Passing::kCircle;
+  last.hold_indefinitely = true;
+}
+
+std::optional<MissionFault> check_mission(const Mission& mission, const MissionLimits& limits) {
+  const PlannerConfig plan = limits.plan_for(mission);
+  for (std::size_t k = 0; k < mission.waypoints.size(); ++k) {
+    if (auto fault = bank_fault(k, mission.waypoints[k], plan.radius_m, limits)) return fault;
+  }
+  Plan out;
+  const bool cycle = mission.at_end == AtEnd::kCycle;
+  if (const auto fault = Planner(plan).plan({}, mission.waypoints, cycle, 0, out)) {
+    return fault_of(*fault);
+  }
+  return {};
 }
 
 Mission read_mission(std::string_view text, const std::string& name, const MissionLimits& limits,

@@ -39,6 +39,19 @@ struct MissionLimits {
   PlannerConfig plan_for(const Mission& mission) const;
 };
 
+/// Makes the last waypoint a circle for ever where at_end says that the flight stays there.
+void close_mission(Mission& mission);
+
+/// What cannot be flown, and where.
+struct MissionFault {
+  std::size_t waypoint{};  ///< Counted from 0.
+  std::string key;         ///< Of a mission file.
+  std::string found;
+  std::string allowed;
+};
+/// Plans the path of a list that is not empty: spacing, turns, slopes and banks.
+std::optional<MissionFault> check_mission(const Mission& mission, const MissionLimits& limits);
+
 /// Reads a mission file, the same format as for a multirotor (missions/README.md):
 ///
 ///     takeoff_height_m: 40         # optional

@@ -165,7 +165,7 @@ class EstimatorNode : public rclcpp::Node {
     const bool back = stamp_ns < last_ns_;
     if (!back && stamp_ns - last_ns_ < interval_ns_) return;
     const autonomy::StateEstimate estimate = estimator_.estimate();
-    if (!estimate.usable()) return;
+    if (!worth_telling(estimate)) return;
     last_ns_ = stamp_ns;
     Message out;
     Policy::fill(estimate, estimator_.origin(), out);
@@ -202,7 +202,7 @@ class EstimatorNode : public rclcpp::Node {
     DiagnosticStatus status;
     status.name = std::string(get_fully_qualified_name()) + ": estimate";
     status.hardware_id = "estimator";
-    const bool flowing = estimate.usable() && !sensors_[kImu].silent;
+    const bool flowing = worth_telling(estimate) && !sensors_[kImu].silent;
     const bool good = flowing && estimate.horizontal == autonomy::Trust::kGood &&
                       estimate.vertical == autonomy::Trust::kGood;
     status.level =
@@ -227,6 +227,15 @@ class EstimatorNode : public rclcpp::Node {
     all.header.stamp = time;
     all.status.push_back(status);
     diagnostics_->publish(all);
+  }
+
+  /// A policy may tell states that are not whole.
+  static bool worth_telling(const autonomy::StateEstimate& estimate) {
+    if constexpr (requires { Policy::worth_telling(estimate); }) {
+      return estimate.attitude != autonomy::Trust::kNone && Policy::worth_telling(estimate);
+    } else {
+      return estimate.usable();
+    }
   }
 
   static constexpr std::size_t kDepth = 10;

@@ -34,7 +34,9 @@ inline bool is_geodetic(const autonomy::MissionFile& mission) {
 ///     kTopic, kServices                     name of the topic, prefix of the services
 ///     explicit Policy(const sim::Vehicle&)  limits of missions
 ///     Plan load(file, origin)               a struct with `waypoints`; throws config::Error
-///     void check(Waypoint&, origin)         one from outside: made local, throws config::Error
+///     void check(Waypoint&, origin)         one from outside: made local, throws config::Error;
+///                                           or with the list and the place it takes there
+///     Waypoint waypoint_of(Request)         of AddWaypoint, unless it has a field wp
 ///     optional<Geodetic> origin(const State&)
 ///     string text(const Waypoint&)          one line
 ///
@@ -90,7 +92,11 @@ class PlannerNode : public rclcpp::Node {
     add_ = create_service<AddWaypoint>(
         service("add_waypoint"), [this](const std::shared_ptr<typename AddWaypoint::Request> in,
                                         std::shared_ptr<typename AddWaypoint::Response> out) {
-          add(in->wp, in->publish_now, *out);
+          if constexpr (requires { in->wp; }) {
+            add(in->wp, in->publish_now, *out);
+          } else {
+            add(Policy::waypoint_of(*in), in->publish_now, *out);
+          }
         });
     load_ = create_service<ParamFile>(service("load_mission_from_file"),
                                       [this](const std::shared_ptr<ParamFile::Request> request,
@@ -130,7 +136,11 @@ class PlannerNode : public rclcpp::Node {
         throw config::Error("waypoints: found " + std::to_string(kMost) + " of them, allowed " +
                             std::to_string(kMost));
       }
-      policy_.check(waypoint, origin_);
+      if constexpr (requires { policy_.check(waypoint, origin_, list_, list_.size()); }) {
+        policy_.check(waypoint, origin_, list_, publish_now ? published_ : list_.size());
+      } else {
+        policy_.check(waypoint, origin_);
+      }
     } catch (const config::Error& why) {
       response.success = false;
       response.message = why.what();

@@ -211,5 +211,22 @@ TEST(FixedWingController, SurfacesAreByEffectAndLimited) {
   EXPECT_NEAR(bench.roll(), 40.0 * kRadPerDeg, 0.03);
 }
 
+/// A change of inner gains in flight leaves the trim of the outer ones alone.
+TEST(FixedWingController, AChangeOfRollGainsKeepsTheThrottle) {
+  Bench bench;
+  bench.command.airspeed_m_s = 17.0;
+  bench.run(60.0);
+  const double before = bench.out.surfaces.throttle;
+  ControllerConfig changed = bench.config;
+  changed.roll.kp *= 1.2;
+  bench.controller->configure(changed);
+  bench.run(0.02);
+  EXPECT_NEAR(bench.out.surfaces.throttle, before, 0.01);
+  changed.total_energy.energy.kp *= 1.2;
+  bench.controller->configure(changed);
+  bench.run(0.02);
+  EXPECT_GT(std::abs(bench.out.surfaces.throttle - before), 0.01);  // its integral is forgotten
+}
+
 }  // namespace
 }  // namespace rosflight::autonomy::fixedwing::test

@@ -28,8 +28,11 @@ class ForcesNode : public rclcpp::Node {
         "plugins", {}, described("shared libraries with forces-and-moments modules"));
     for (const auto& plugin : plugins)
       if (!plugin.empty()) registry_.load_plugin(plugin);
-    if (parameters_.vehicle.type() == "multirotor")
-      tuning_.emplace(*this, multirotor_views(), parameters_, [this] { make_module(); });
+    const std::string& type = parameters_.vehicle.type();
+    if (type == "multirotor" || type == "fixedwing") {
+      tuning_.emplace(*this, type == "multirotor" ? multirotor_views() : fixedwing_views(),
+                      parameters_, [this] { make_module(); });
+    }
     make_module();
     wrench_ =
         create_publisher<geometry_msgs::msg::WrenchStamped>("sim/forces_and_moments", newest());

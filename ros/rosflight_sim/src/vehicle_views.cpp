@@ -3,55 +3,84 @@
 
 #include <cmath>
 #include <numbers>
-#include <sstream>
 #include <utility>
 
+#include "ros/rosflight_sim/src/view_tools.hpp"
 #include "sim/environment/atmosphere.hpp"
-#include "sim/multirotor/multirotor_parameters.hpp"
+#include "sim/fixedwing/fixedwing.hpp"
 
 namespace rosflight::ros_sim {
-namespace {
+namespace views {
 
-using Kind = VehicleView::Kind;
-using sim::Vehicle;
-using Numbers = std::vector<double>;
-using Names = std::set<std::string>;
-using List = std::vector<VehicleView>;
+sim::MultirotorParameters rotors_of(const Vehicle& v) {
+  return v.type() == "fixedwing" ? sim::read_fixed_wing(v.root()).propulsion
+                                 : sim::read_multirotor(v.root());
+}
+
+void add_propulsion(List& list) {
+  const char* thrust[] = {"CT_0", "CT_1", "CT_2"};
+  const char* torque[] = {"CQ_0", "CQ_1", "CQ_2"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    add(list, thrust[i], -1.0, 1.0, "thrust coefficient over the advance ratio",
+        [i](const Vehicle& v) { return rotors_of(v).propeller.thrust[i]; });
+    add(list, torque[i], -1.0, 1.0, "torque coefficient over the advance ratio",
+        [i](const Vehicle& v) { return rotors_of(v).propeller.torque[i]; });
+  }
+  add(list, "D_prop", 0.001, 5.0, "diameter of a propeller [m]",
+      [](const Vehicle& v) { return rotors_of(v).propeller.diameter_m; });
+  add(list, "KQ", 1e-6, 10.0, "torque constant of a motor [N m/A]",
+      [](const Vehicle& v) { return rotors_of(v).motor.torque_constant_Nm_A; });
+  add(list, "R_motor", 1e-6, 100.0, "resistance of a motor [ohm]",
+      [](const Vehicle& v) { return rotors_of(v).motor.resistance_ohm; });
+  add(list, "I_0", 0.0, 100.0, "no-load current of a motor [A]",
+      [](const Vehicle& v) { return rotors_of(v).motor.no_load_current_A; });
+  add(list, "V_max", 0.1, 1000.0, "at full throttle; changed: a battery without end [V]",
+      [](const Vehicle& v) {
+        const sim::Battery battery{rotors_of(v).battery};
+        return battery.open_circuit_V(battery.initial_charge_As());
+      });
+}
+
+void add_density(List& list) {
+  add(list, "rho", 0.01, 10.0, "density of the air; changed: the same everywhere [kg/m^3]",
+      [](const Vehicle& v) {
+        const auto& place = v.environment();
+        return sim::Atmosphere{place.atmosphere}.at(place.origin.height_m).density_kg_m3;
+      });
+}
+
+void assign_propulsion(std::vector<std::string>& out, const ViewValues& all, const Names& changed) {
+  const auto number = [&all](const char* name) { return all.at(name)[0]; };
+  const auto single = [&](const char* name, const char* key) {
+    if (changed.count(name) != 0) out.push_back(std::string(key) + "=" + text(number(name)));
+  };
+  if (any(changed, {"CT_0", "CT_1", "CT_2"}))
+    out.push_back("rotors.propeller.thrust_coefficients=" +
+                  text(Numbers{number("CT_0"), number("CT_1"), number("CT_2")}));
+  if (any(changed, {"CQ_0", "CQ_1", "CQ_2"}))
+    out.push_back("rotors.propeller.torque_coefficients=" +
+                  text(Numbers{number("CQ_0"), number("CQ_1"), number("CQ_2")}));
+  single("D_prop", "rotors.propeller.diameter_m");
+  single("KQ", "rotors.motor.torque_constant_Nm_A");
+  single("R_motor", "rotors.motor.resistance_ohm");
+  single("I_0", "rotors.motor.no_load_current_A");
+  if (changed.count("V_max") != 0)
+    out.push_back("battery={model: constant, constant_voltage_V: " + text(number("V_max")) + "}");
+  if (changed.count("rho") != 0)
+    out.push_back("environment.atmosphere={model: constant, density_kg_m3: " + text(number("rho")) +
+                  "}");
+}
+
+}  // namespace views
+
+using namespace views;
+
+namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 Numbers numbers(const sim::Vector3& v) {
   return {v.x(), v.y(), v.z()};
-}
-
-std::string text(double value) {
-  std::ostringstream out;
-  out.precision(17);
-  out << value;
-  return out.str();
-}
-
-std::string text(const Numbers& values) {
-  std::string out = "[";
-  for (const double value : values) out += (out.size() > 1 ? ", " : "") + text(value);
-  return out + "]";
-}
-
-void add(List& list, std::string name, double least, double most, std::string what,
-         std::function<double(const Vehicle&)> get) {
-  list.push_back({std::move(name), Kind::kNumber, least, most, std::move(what), true,
-                  [get = std::move(get)](const Vehicle& v) { return Numbers{get(v)}; }});
-}
-
-void add_list(List& list, std::string name, Kind kind, std::string what, bool live,
-              std::function<Numbers(const Vehicle&)> get) {
-  list.push_back({std::move(name), kind, -1e9, 1e9, std::move(what), live, std::move(get)});
-}
-
-bool any(const Names& changed, const std::initializer_list<const char*>& names) {
-  for (const char* name : names)
-    if (changed.count(name) != 0) return true;
-  return false;
 }
 
 // ---- body and wind ------------------------------------------------------------------------------
@@ -141,10 +170,6 @@ void assign_wind(std::vector<std::string>& out, const ViewValues& all) {
 
 // ---- multirotor ---------------------------------------------------------------------------------
 
-sim::MultirotorParameters rotors_of(const Vehicle& v) {
-  return sim::read_multirotor(v.root());
-}
-
 template <class Get>
 Numbers for_each_rotor(const Vehicle& v, Get get) {
   Numbers out;
@@ -174,38 +199,10 @@ void add_rotors(List& list) {
            });
 }
 
-void add_propulsion(List& list) {
-  const char* thrust[] = {"CT_0", "CT_1", "CT_2"};
-  const char* torque[] = {"CQ_0", "CQ_1", "CQ_2"};
-  for (std::size_t i = 0; i < 3; ++i) {
-    add(list, thrust[i], -1.0, 1.0, "thrust coefficient over the advance ratio",
-        [i](const Vehicle& v) { return rotors_of(v).propeller.thrust[i]; });
-    add(list, torque[i], -1.0, 1.0, "torque coefficient over the advance ratio",
-        [i](const Vehicle& v) { return rotors_of(v).propeller.torque[i]; });
-  }
-  add(list, "D_prop", 0.001, 5.0, "diameter of a propeller [m]",
-      [](const Vehicle& v) { return rotors_of(v).propeller.diameter_m; });
-  add(list, "KQ", 1e-6, 10.0, "torque constant of a motor [N m/A]",
-      [](const Vehicle& v) { return rotors_of(v).motor.torque_constant_Nm_A; });
-  add(list, "R_motor", 1e-6, 100.0, "resistance of a motor [ohm]",
-      [](const Vehicle& v) { return rotors_of(v).motor.resistance_ohm; });
-  add(list, "I_0", 0.0, 100.0, "no-load current of a motor [A]",
-      [](const Vehicle& v) { return rotors_of(v).motor.no_load_current_A; });
-  add(list, "V_max", 0.1, 1000.0, "at full throttle; changed: a battery without end [V]",
-      [](const Vehicle& v) {
-        const sim::Battery battery{rotors_of(v).battery};
-        return battery.open_circuit_V(battery.initial_charge_As());
-      });
-}
-
 constexpr double kArea_m2 = 0.04;  ///< A_c, when the vehicle file knows only the product C_D A.
 
 void add_air(List& list) {
-  add(list, "rho", 0.01, 10.0, "density of the air; changed: the same everywhere [kg/m^3]",
-      [](const Vehicle& v) {
-        const auto& place = v.environment();
-        return sim::Atmosphere{place.atmosphere}.at(place.origin.height_m).density_kg_m3;
-      });
+  add_density(list);
   add(list, "CD", 0.0, 1e4, "drag coefficient of the airframe",
       [](const Vehicle& v) { return rotors_of(v).aero.drag_area_m2.maxCoeff() / kArea_m2; });
   add(list, "A_c", 0.0, 1e4, "area of the airframe [m^2]",
@@ -249,22 +246,8 @@ std::vector<std::string> assign_multirotor(const ViewValues& all, const Names& c
   if (any(changed,
           {"num_rotors", "rotor_dists", "rotor_radial_angles", "rotor_rotation_directions"}))
     out.push_back(layout(all));
-  if (any(changed, {"CT_0", "CT_1", "CT_2"}))
-    out.push_back("rotors.propeller.thrust_coefficients=" +
-                  text(Numbers{number("CT_0"), number("CT_1"), number("CT_2")}));
-  if (any(changed, {"CQ_0", "CQ_1", "CQ_2"}))
-    out.push_back("rotors.propeller.torque_coefficients=" +
-                  text(Numbers{number("CQ_0"), number("CQ_1"), number("CQ_2")}));
-  single("D_prop", "rotors.propeller.diameter_m");
-  single("KQ", "rotors.motor.torque_constant_Nm_A");
-  single("R_motor", "rotors.motor.resistance_ohm");
-  single("I_0", "rotors.motor.no_load_current_A");
+  assign_propulsion(out, all, changed);
   single("CD_induced", "aero.rotor_drag_s_m");
-  if (changed.count("V_max") != 0)
-    out.push_back("battery={model: constant, constant_voltage_V: " + text(number("V_max")) + "}");
-  if (changed.count("rho") != 0)
-    out.push_back("environment.atmosphere={model: constant, density_kg_m3: " + text(number("rho")) +
-                  "}");
   if (any(changed, {"CD", "A_c"})) {
     const double area_m2 = number("CD") * number("A_c");
     out.push_back("aero.drag_area_m2=" + text(Numbers{area_m2, area_m2, area_m2}));

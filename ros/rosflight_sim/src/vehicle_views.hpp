@@ -41,4 +41,7 @@ VehicleViews dynamics_views();
 /// Rotors, motors, propellers and drag of a vehicle of type multirotor.
 VehicleViews multirotor_views();
 
+/// Airframe, motor, propeller and servos of a vehicle of type fixedwing.
+VehicleViews fixedwing_views();
+
 }  // namespace rosflight::ros_sim

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <rclcpp/rclcpp.hpp>
+#include <rosflight_msgs/msg/command.hpp>
+#include <rosflight_msgs/msg/status.hpp>
+#include <rosplane_msgs/msg/controller_internals.hpp>
+#include <string>
+
+#include "autonomy/fixedwing/flight_manager.hpp"
+#include "ros/common/node_tools.hpp"
+#include "ros/rosplane/src/controller_parameters.hpp"
+#include "ros/rosplane/src/conversions.hpp"
+
+namespace rosflight::ros_plane {
+namespace {
+
+using rosflight_msgs::msg::Command;
+using rosplane_msgs::msg::ControllerCommands;
+using rosplane_msgs::msg::ControllerInternals;
+using rosplane_msgs::msg::FlightPhase;
+using rosplane_msgs::msg::State;
+
+/// Course, height and airspeed to surfaces and throttle, one command for a state.
+///
+/// With a path_manager of ours, flight_phase tells what is flown; without one, altitude zones take
+/// off by themselves once there is a command.
+///
+/// Stops:
+/// - no state that can be flown on for 0.1 s: every entry of the command goes to the pilot, until
+///   it is back;
+/// - no valid command for the vehicle file's controller.command_timeout_s: circles (Controller);
+/// - flight_phase stops: on the ground it stays there, in the air it flies its commands on.
+class ControllerNode : public rclcpp::Node {
+ protected:
+  explicit ControllerNode(std::optional<wing::LongitudinalKind> kind)
+      : Node("controller"),
+        config_{with(WingConfig::declare(*this), kind)},
+        parameters_{*this, controller_parameters(), config_},
+        reader_{config_.min_airspeed_known_m_s, config_.flight.controller.airframe.gravity_m_s2},
+        controller_{config_.flight.controller},
+        zones_{config_.zones} {
+    parameters_.on_change([this](const WingConfig& wanted) { return apply(wanted); });
+    commands_ = create_publisher<Command>("command", rclcpp::QoS(10));
+    internals_ = create_publisher<ControllerInternals>("controller_internals", rclcpp::QoS(10));
+    wanted_ = create_subscription<ControllerCommands>(
+        "controller_command", rclcpp::QoS(10), [this](ControllerCommands::ConstSharedPtr message) {
+          command_ = *message;
+          command_heard_ = now();
+        });
+    phases_ = create_subscription<FlightPhase>(
+        "flight_phase", rclcpp::QoS(10),
+        [this](FlightPhase::ConstSharedPtr message) { take(*message); });
+    statuses_ = create_subscription<rosflight_msgs::msg::Status>(
+        "status", rclcpp::QoS(10), [this](rosflight_msgs::msg::Status::ConstSharedPtr message) {
+          armed_ = message->armed;
+          pilot_ = autonomy::PilotOverride::from_word(message->rc_override);
+        });
+    states_ = create_subscription<State>("estimated_state", rclcpp::QoS(10),
+                                         [this](State::ConstSharedPtr message) { step(*message); });
+    watch_ = rclcpp::create_timer(this, get_clock(), rclcpp::Duration::from_seconds(0.02),
+                                  [this] { watch(); });
+  }
+
+ private:
+  static WingConfig with(WingConfig config, std::optional<wing::LongitudinalKind> kind) {
+    if (kind) config.flight.controller.longitudinal = *kind;
+    return config;
+  }
+
+  std::string apply(const WingConfig& wanted) {
+    controller_.configure(wanted.flight.controller);
+    zones_.configure(wanted.zones);
+    return "";
+  }
+
+  void take(const FlightPhase& message) {
+    const bool begins =
+        message.phase == FlightPhase::TAKEOFF && (!phase_ || phase_->phase != FlightPhase::TAKEOFF);
+    if (begins) controller_.reset();
+    phase_ = message;
+    phase_heard_ = now();
+  }
+
+  bool fresh(const std::optional<rclcpp::Time>& heard) const {
+    return heard && age_s(*heard) <= config_.flight.controller.command_timeout_s;
+  }
+  double age_s(const rclcpp::Time& heard) const { return std::max(0.0, (now() - heard).seconds()); }
+
+  void step(const State& message) {
+    const autonomy::StateEstimate& state = reader_.read(message);
+    if (!flyable(state)) return;
+    state_heard_ = now();
+    if (lost_) RCLCPP_INFO(get_logger(), "estimated_state is back");
+    lost_ = false;
+    if (!thinning_.pass(state.t_s, config_.rate_Hz)) return;
+    const double dt_s = state.t_s - last_s_;
+    last_s_ = state.t_s;
+    const auto direct = what_is_told(state);
+    Command out;
+    out.header = message.header;
+    if (direct) {
+      fly(state, *direct, dt_s, out);
+    } else {
+      controller_.reset();
+    }
+    commands_->publish(out);
+  }
+
+  /// What is flown beside the command; nothing: the vehicle stays on the ground.
+  std::optional<wing::Controller::Direct> what_is_told(const autonomy::StateEstimate& state) {
+    if (!phase_) {
+      if (!command_heard_) return {};
+      return zones_.step(
+          {state.t_s, state, armed_, pilot_.any(), static_cast<double>(command_.h_c)},
+          config_.flight);
+    }
+    if (phase_->idle || !armed_) return {};
+    if (fresh(phase_heard_)) return direct_of(*phase_);
+    return wing::Controller::Direct{};
+  }
+
+  void fly(const autonomy::StateEstimate& state, wing::Controller::Direct direct, double dt_s,
+           Command& out) {
+    const bool commanded = fresh(command_heard_);
+    const bool taking_off = zone() == ControllerInternals::TAKE_OFF;
+    if (taking_off) {
+      direct.max_throttle = std::min(direct.max_throttle, config_.max_takeoff_throttle);
+    } else if (commanded) {
+      if (config_.roll_override) direct.roll_rad = given(command_.phi_c);
+      if (config_.pitch_override) direct.pitch_rad = given(command_.theta_c);
+    }
+    const wing::ControllerCommand command = command_of(command_);
+    const double age_s = command_heard_ ? this->age_s(*command_heard_) : 1e9;
+    const wing::Controller::Output& control =
+        controller_.step({state, command, age_s, dt_s, pilot_, direct});
+    if (control.lost != circling_ && !direct.roll_rad) {
+      circling_ = control.lost;
+      if (circling_) {
+        RCLCPP_WARN(get_logger(), "controller_command is silent: circles");
+      } else {
+        RCLCPP_INFO(get_logger(), "flies by controller_command");
+      }
+    }
+    const autonomy::FirmwareCommand command_out = wing::command_of(control.surfaces);
+    out.mode = static_cast<std::uint8_t>(command_out.mode);
+    out.ignore = command_out.ignore;
+    out.u = command_out.u;
+    ControllerInternals inner;
+    inner.header = out.header;
+    inner.theta_c = single(control.pitch_c_rad);
+    inner.phi_c = single(control.roll_c_rad);
+    inner.alt_zone = zone();
+    internals_->publish(inner);
+  }
+
+  std::uint8_t zone() const {
+    if (!phase_) return static_cast<std::uint8_t>(zones_.zone());
+    switch (phase_->phase) {
+      case FlightPhase::DISARMED:
+      case FlightPhase::TAKEOFF:
+        return ControllerInternals::TAKE_OFF;
+      case FlightPhase::CLIMB:
+        return ControllerInternals::CLIMB;
+      case FlightPhase::MISSION:
+      case FlightPhase::LOITER:
+      case FlightPhase::RETURN:
+        return ControllerInternals::ALTITUDE_HOLD;
+      default:
+        return ControllerInternals::DESCEND;
+    }
+  }
+
+  /// No state: the pilot gets what he is asked for.
+  void watch() {
+    if (!state_heard_ || age_s(*state_heard_) <= wing::Guidance::kStateGrace_s) return;
+    if (!lost_) RCLCPP_ERROR(get_logger(), "estimated_state is silent: the pilot has control");
+    lost_ = true;
+    Command out;
+    out.header.stamp = now();
+    out.ignore = autonomy::kIgnoreAll;
+    commands_->publish(out);
+  }
+
+  WingConfig config_;
+  WingParameters parameters_;
+  StateReader reader_;
+  wing::Controller controller_;
+  wing::AltitudeZones zones_;
+  ControllerCommands command_;
+  std::optional<FlightPhase> phase_;
+  std::optional<rclcpp::Time> command_heard_, phase_heard_, state_heard_;
+  autonomy::PilotOverride pilot_{};
+  Thinning thinning_;
+  double last_s_{};
+  bool armed_{false};
+  bool lost_{false};
+  bool circling_{false};
+  rclcpp::Publisher<Command>::SharedPtr commands_;
+  rclcpp::Publisher<ControllerInternals>::SharedPtr internals_;
+  rclcpp::Subscription<ControllerCommands>::SharedPtr wanted_;
+  rclcpp::Subscription<FlightPhase>::SharedPtr phases_;
+  rclcpp::Subscription<rosflight_msgs::msg::Status>::SharedPtr statuses_;
+  rclcpp::Subscription<State>::SharedPtr states_;
+  rclcpp::TimerBase::SharedPtr watch_;
+};
+
+struct AsVehicle final : ControllerNode {
+  AsVehicle() : ControllerNode({}) {}
+};
+struct TotalEnergyNode final : ControllerNode {
+  TotalEnergyNode() : ControllerNode(wing::LongitudinalKind::kTotalEnergy) {}
+};
+struct SuccessiveLoopNode final : ControllerNode {
+  SuccessiveLoopNode() : ControllerNode(wing::LongitudinalKind::kSuccessiveLoops) {}
+};
+
+/// The word before --ros-args, if there is one.
+std::string control_type(int argc, char** argv) {
+  const std::string word = argc > 1 ? argv[1] : "";
+  return word == "--ros-args" ? "" : word;
+}
+
+}  // namespace
+}  // namespace rosflight::ros_plane
+
+/// Usage: controller [vehicle|total_energy|successive_loop]. Without a word, or with `vehicle` or
+/// `default`, the vehicle file says which.
+int main(int argc, char** argv) {
+  namespace own = rosflight::ros_plane;
+  const std::string word = own::control_type(argc, argv);
+  if (word.empty() || word == "vehicle" || word == "default")
+    return rosflight::ros_common::run_node<own::AsVehicle>(argc, argv);
+  if (word == "total_energy")
+    return rosflight::ros_common::run_node<own::TotalEnergyNode>(argc, argv);
+  if (word == "successive_loop")
+    return rosflight::ros_common::run_node<own::SuccessiveLoopNode>(argc, argv);
+  std::fprintf(stderr,
+               "controller: control type: found '%s', allowed total_energy, successive_loop or "
+               "vehicle\n",
+               word.c_str());
+  return 2;
+}

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ros/common/estimator_node.hpp"
+
+#include "ros/rosplane/src/conversions.hpp"
+
+namespace rosflight::ros_plane {
+namespace {
+
+using autonomy::estimation::EstimatorConfig;
+
+constexpr double kNotGiven = -1e6;          // "use the model", as the reference writes it
+constexpr double kPascalPerMetre = 12.013;  // 1.225 kg/m^3 times 9.80665 m/s^2
+
+/// One parameter over one number of the configuration, `unit` parameters to one of ours.
+ros_common::EstimatorView view(const char* name, double least, double most, const char* text,
+                               double (*get)(const EstimatorConfig&),
+                               void (*set)(EstimatorConfig&, double)) {
+  return {name, least, most, text, get, set};
+}
+
+struct Policy {
+  static constexpr bool kWind = true;
+  using Message = rosplane_msgs::msg::State;
+
+  static void fill(const autonomy::StateEstimate& in,
+                   const std::optional<autonomy::Geodetic>& origin, Message& out) {
+    put(in, origin, out);
+  }
+
+  /// A wing that does not know where it is can still fly: its place goes out as NaN.
+  static bool worth_telling(const autonomy::StateEstimate& in) {
+    using autonomy::Trust;
+    return in.attitude != Trust::kNone && in.heading != Trust::kNone && in.vertical != Trust::kNone;
+  }
+
+  static std::vector<ros_common::EstimatorView> views() {
+    using C = EstimatorConfig;
+    return {
+        view(
+            "gravity", 9.0, 10.0, "[m/s^2]", [](const C& c) { return c.gravity_m_s2; },
+            [](C& c, double x) { c.gravity_m_s2 = x; }),
+        view(
+            "sigma_n_gps", 1e-3, 100.0, "of GNSS, north and east [m]",
+            [](const C& c) { return c.gnss_horizontal_sigma_m; },
+            [](C& c, double x) { c.gnss_horizontal_sigma_m = x; }),
+        view(
+            "sigma_h_gps", 1e-3, 100.0, "of the altitude of GNSS [m]",
+            [](const C& c) { return c.gnss_altitude_sigma_m; },
+            [](C& c, double x) { c.gnss_altitude_sigma_m = x; }),
+        view(
+            "sigma_vn_gps", 1e-3, 100.0, "of the velocity of GNSS, each axis [m/s]",
+            [](const C& c) { return c.gnss_velocity_sigma_m_s; },
+            [](C& c, double x) { c.gnss_velocity_sigma_m_s = x; }),
+        view(
+            "sigma_static_press", 0.01, 1000.0, "of the barometer [Pa]",
+            [](const C& c) { return kPascalPerMetre * c.baro_sigma_m; },
+            [](C& c, double x) { c.baro_sigma_m = x / kPascalPerMetre; }),
+        view(
+            "sigma_diff", 0.01, 1000.0, "of the pitot tube [Pa]",
+            [](const C& c) { return c.pitot_sigma_Pa; },
+            [](C& c, double x) { c.pitot_sigma_Pa = x; }),
+        view(
+            "sigma_beta", 1e-3, 100.0, "of no sideslip, as a speed [m/s]",
+            [](const C& c) { return c.sideslip_sigma_m_s; },
+            [](C& c, double x) { c.sideslip_sigma_m_s = x; }),
+        view(
+            "min_airspeed_estimation", 0.1, 100.0, "below, pitot and sideslip say nothing [m/s]",
+            [](const C& c) { return c.min_airspeed_m_s; },
+            [](C& c, double x) { c.min_airspeed_m_s = x; }),
+        view(
+            "declination", kNotGiven, 180.0, "of the magnetic field [deg]; -1e6: by WMM2025",
+            [](const C& c) {
+              return c.declination_rad ? *c.declination_rad / autonomy::kRadPerDeg : kNotGiven;
+            },
+            [](C& c, double x) {
+              if (x < -180.0 && x != kNotGiven) {
+                throw config::Error("parameter declination: found " + config::number_text(x) +
+                                    ", allowed -180 to 180, or -1e6 for the magnetic model");
+              }
+              c.declination_rad.reset();
+              if (x != kNotGiven) c.declination_rad = x * autonomy::kRadPerDeg;
+            }),
+    };
+  }
+};
+
+}  // namespace
+}  // namespace rosflight::ros_plane
+
+int main(int argc, char** argv) {
+  using rosflight::ros_plane::Policy;
+  return rosflight::ros_common::run_node<rosflight::ros_common::EstimatorNode<Policy>>(argc, argv);
+}

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <rclcpp/rclcpp.hpp>
+
+#include "autonomy/fixedwing/path_follower.hpp"
+#include "ros/common/node_tools.hpp"
+#include "ros/rosplane/src/conversions.hpp"
+#include "ros/rosplane/src/wing_parameters.hpp"
+
+namespace rosflight::ros_plane {
+namespace {
+
+using rosplane_msgs::msg::ControllerCommands;
+using rosplane_msgs::msg::CurrentPath;
+using rosplane_msgs::msg::State;
+
+/// Course, height and airspeed for the present path, one command for a state.
+///
+/// Stops: without a state, a path younger than the vehicle file's follower.timeout_s or a path that
+/// can be followed it says nothing, and the controller does what it does without commands.
+class PathFollowerNode : public rclcpp::Node {
+ public:
+  PathFollowerNode()
+      : Node("path_follower"),
+        config_{WingConfig::declare(*this)},
+        parameters_{*this, parameters(), config_},
+        reader_{config_.min_airspeed_known_m_s, config_.flight.follower.gravity_m_s2} {
+    apply(config_);
+    parameters_.on_change([this](const WingConfig& wanted) { return apply(wanted); });
+    commands_ = create_publisher<ControllerCommands>("controller_command", rclcpp::QoS(1));
+    paths_ = create_subscription<CurrentPath>("current_path", rclcpp::QoS(100),
+                                              [this](CurrentPath::ConstSharedPtr message) {
+                                                path_ = path_of(*message);
+                                                heard_ = now();
+                                              });
+    states_ = create_subscription<State>("estimated_state", rclcpp::QoS(10),
+                                         [this](State::ConstSharedPtr message) { step(*message); });
+  }
+
+ private:
+  static std::vector<WingParameter> parameters() {
+    return {over("controller_commands_pub_frequency", 1.0, 1000.0, "most commands a second [Hz]",
+                 [](auto& c) -> auto& { return c.rate_Hz; }),
+            over("chi_infty", 0.05, 1.57, "course towards a line from far away [rad]",
+                 [](auto& c) -> auto& { return c.flight.follower.approach_rad; }),
+            over("k_path", 1e-4, 1.0, "how sharply a line is joined [1/m]",
+                 [](auto& c) -> auto& { return c.flight.follower.line_gain_1_m; }),
+            over("k_orbit", 0.1, 20.0, "how sharply an orbit is joined",
+                 [](auto& c) -> auto& { return c.flight.follower.circle_gain; }),
+            over("gravity", 9.0, 10.0, "[m/s^2]",
+                 [](auto& c) -> auto& { return c.flight.follower.gravity_m_s2; })};
+  }
+
+  std::string apply(const WingConfig& wanted) {
+    follower_ = wing::PathFollower(wanted.flight.follower);
+    return "";
+  }
+
+  void step(const State& message) {
+    const autonomy::StateEstimate& state = reader_.read(message);
+    if (!heard_ || !thinning_.pass(state.t_s, config_.rate_Hz)) return;
+    if (!flyable(state) || state.horizontal == autonomy::Trust::kNone) return;
+    const wing::ControllerCommand command =
+        follower_.step(state, path_, (now() - *heard_).seconds());
+    if (command.valid != told_) {
+      told_ = command.valid;
+      if (told_) {
+        RCLCPP_INFO(get_logger(), "follows");
+      } else {
+        RCLCPP_WARN(get_logger(), "current_path is silent or cannot be followed: no commands");
+      }
+    }
+    if (!command.valid) return;
+    ControllerCommands out;
+    put(command, out);
+    out.header = message.header;
+    commands_->publish(out);
+  }
+
+  WingConfig config_;
+  WingParameters parameters_;
+  StateReader reader_;
+  wing::PathFollower follower_;
+  wing::CurrentPath path_{};
+  std::optional<rclcpp::Time> heard_;
+  Thinning thinning_;
+  bool told_{false};
+  rclcpp::Publisher<ControllerCommands>::SharedPtr commands_;
+  rclcpp::Subscription<CurrentPath>::SharedPtr paths_;
+  rclcpp::Subscription<State>::SharedPtr states_;
+};
+
+}  // namespace
+}  // namespace rosflight::ros_plane
+
+int main(int argc, char** argv) {
+  return rosflight::ros_common::run_node<rosflight::ros_plane::PathFollowerNode>(argc, argv);
+}

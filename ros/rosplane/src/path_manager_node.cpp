@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <rclcpp/rclcpp.hpp>
+#include <rosflight_msgs/msg/command.hpp>
+#include <rosflight_msgs/msg/status.hpp>
+#include <sensor_msgs/msg/range.hpp>
+#include <std_srvs/srv/trigger.hpp>
+
+#include "autonomy/fixedwing/guidance.hpp"
+#include "ros/common/node_tools.hpp"
+#include "ros/rosplane/src/conversions.hpp"
+#include "ros/rosplane/src/wing_parameters.hpp"
+
+namespace rosflight::ros_plane {
+namespace {
+
+using rosplane_msgs::msg::CurrentPath;
+using rosplane_msgs::msg::FlightPhase;
+using rosplane_msgs::msg::State;
+using rosplane_msgs::msg::Waypoint;
+using std_srvs::srv::Trigger;
+
+/// Guidance: which path is flown when, from take-off to landing. One path and one phase for a
+/// state.
+///
+/// Without waypoints it circles the origin at default_altitude, from kGrace_s after its start on.
+///
+/// Stops: without a state, or with one that cannot be flown on, nothing is published, so the
+/// follower's path and the controller's commands grow old. Position not known: circles at a fixed
+/// bank (Guidance).
+class PathManagerNode : public rclcpp::Node {
+ public:
+  PathManagerNode()
+      : Node("path_manager"),
+        config_{WingConfig::declare(*this)},
+        parameters_{*this, parameters(), config_},
+        reader_{config_.min_airspeed_known_m_s, config_.flight.controller.airframe.gravity_m_s2},
+        guidance_{config_.flight, without_waypoints()},
+        started_{now()} {
+    parameters_.on_change([this](const WingConfig& wanted) { return apply(wanted); });
+    paths_ = create_publisher<CurrentPath>("current_path", rclcpp::QoS(10));
+    phases_ = create_publisher<FlightPhase>("flight_phase", rclcpp::QoS(10));
+    listen();
+    serve("land", [this] { guidance_.request_land(); });
+    serve("return_to_base", [this] { guidance_.request_return(); });
+  }
+
+ private:
+  static constexpr double kGrace_s = 10.0;
+  static constexpr double kOld_s = 0.2;  // of range, throttle and height wanted
+
+  static std::vector<WingParameter> parameters() {
+    WingParameter radius = over("R_min", 5.0, 1000.0, "radius of turns [m]",
+                                [](auto& c) -> auto& { return c.flight.plan.radius_m; });
+    radius.set = [](WingConfig& c, double x) {
+      c.flight.plan.radius_m = c.limits.plan.radius_m = x;
+    };
+    WingParameter speed = over("default_airspeed", 3.0, 100.0, "where a waypoint says none [m/s]",
+                               [](auto& c) -> auto& { return c.flight.plan.airspeed_m_s; });
+    speed.set = [](WingConfig& c, double x) {
+      c.flight.plan.airspeed_m_s = c.limits.plan.airspeed_m_s = x;
+    };
+    return {over("current_path_pub_frequency", 10.0, 1000.0, "most paths a second [Hz]",
+                 [](auto& c) -> auto& { return c.rate_Hz; }),
+            radius, speed,
+            over("default_altitude", 5.0, 10000.0, "without waypoints [m]",
+                 [](auto& c) -> auto& { return c.default_height_m; }),
+            flag("orbit_last", "circle the last waypoint for ever",
+                 [](auto& c) -> auto& { return c.orbit_last; })};
+  }
+
+  void listen() {
+    states_ = create_subscription<State>("estimated_state", rclcpp::QoS(10),
+                                         [this](State::ConstSharedPtr message) { step(*message); });
+    waypoints_ = create_subscription<Waypoint>(
+        "waypoint_path", rclcpp::QoS(autonomy::kMaxWaypoints + 1).transient_local(),
+        [this](Waypoint::ConstSharedPtr message) { take(*message); });
+    settings_ = create_subscription<rosplane_msgs::msg::MissionSettings>(
+        "mission_settings", rclcpp::QoS(1).transient_local(),
+        [this](rosplane_msgs::msg::MissionSettings::ConstSharedPtr message) {
+          ros_plane::take(*message, head_);
+          new_mission();
+        });
+    statuses_ = create_subscription<rosflight_msgs::msg::Status>(
+        "status", rclcpp::QoS(10), [this](rosflight_msgs::msg::Status::ConstSharedPtr message) {
+          status_.armed = message->armed;
+          status_.offboard = message->offboard;
+          status_.rc_override = message->rc_override;
+        });
+    ranges_ = create_subscription<sensor_msgs::msg::Range>(
+        "range", rclcpp::QoS(10), [this](sensor_msgs::msg::Range::ConstSharedPtr message) {
+          range_ = *message;
+          range_heard_ = now();
+        });
+    commands_ = create_subscription<rosflight_msgs::msg::Command>(
+        "command", rclcpp::QoS(10), [this](rosflight_msgs::msg::Command::ConstSharedPtr message) {
+          last_.throttle = wide(message->u[0]);
+          constexpr double kFull = 1e-3;
+          last_.throttle_full = last_.throttle >= config_.flight.controller.max_throttle - kFull;
+        });
+    wanted_ = create_subscription<rosplane_msgs::msg::ControllerCommands>(
+        "controller_command", rclcpp::QoS(10),
+        [this](rosplane_msgs::msg::ControllerCommands::ConstSharedPtr message) {
+          last_.wanted_height_m = wide(message->h_c);
+          wanted_heard_ = now();
+        });
+  }
+
+  template <class Act>
+  void serve(const char* name, Act act) {
+    services_.push_back(
+        create_service<Trigger>(name, [this, act](const std::shared_ptr<Trigger::Request>,
+                                                  std::shared_ptr<Trigger::Response> response) {
+          const wing::Phase phase = guidance_.output().phase;
+          response->success = phase != wing::Phase::kDisarmed && phase != wing::Phase::kLanded;
+          response->message = std::string("phase ") + wing::name(phase);
+          if (response->success) act();
+        }));
+  }
+
+  bool old(const std::optional<rclcpp::Time>& heard) const {
+    return !heard || (now() - *heard).seconds() > kOld_s;
+  }
+
+  // ---- mission ----------------------------------------------------------------------------------
+
+  wing::Mission without_waypoints() const {
+    wing::Mission out;
+    wing::Waypoint circle;
+    circle.p_N = {0.0, 0.0, -config_.default_height_m};
+    circle.passing = wing::Passing::kCircle;
+    circle.turn = 1;
+    circle.hold_indefinitely = true;
+    out.waypoints.push_back(circle);
+    out.at_end = autonomy::AtEnd::kHold;
+    return out;
+  }
+
+  /// As the reference: round and round.
+  static wing::Mission until_told() {
+    wing::Mission out;
+    out.at_end = autonomy::AtEnd::kCycle;
+    return out;
+  }
+
+  void take(const Waypoint& message) {
+    if (message.clear_wp_list) {
+      list_.clear();
+      head_ = until_told();
+      new_mission();
+      return;
+    }
+    list_.push_back(message);
+    new_mission();
+  }
+
+  wing::Mission mission(const WingConfig& config) const {
+    if (list_.empty()) return without_waypoints();
+    wing::Mission out = head_;
+    out.waypoints.clear();
+    for (const Waypoint& message : list_) {
+      out.waypoints.push_back(waypoint_of(message, origin_));
+    }
+    if (config.orbit_last) out.at_end = autonomy::AtEnd::kHold;
+    wing::close_mission(out);
+    return out;
+  }
+
+  /// In flight it goes on with the waypoint it is on its way to, or with the first new one.
+  void new_mission() {
+    const wing::GuidanceOutput& now_flown = guidance_.output();
+    const bool longer = list_.size() > flown_ && flown_ > 0;
+    const std::size_t first = !longer ? 0 : (now_flown.mission_done ? flown_ : now_flown.waypoint);
+    guidance_.set_mission(mission(config_), first);
+    flown_ = list_.size();
+  }
+
+  std::string apply(const WingConfig& wanted) {
+    wing::Mission changed = mission(wanted);
+    if (const auto fault = wing::check_mission(changed, wanted.limits)) {
+      return "waypoint " + std::to_string(fault->waypoint + 1) + ": found " + fault->found +
+             ", allowed " + fault->allowed;
+    }
+    guidance_.configure(wanted.flight);
+    guidance_.set_mission(changed, guidance_.output().waypoint);
+    return "";
+  }
+
+  // ---- flight -----------------------------------------------------------------------------------
+
+  std::optional<double> range() const {
+    if (old(range_heard_) || !(range_.range >= range_.min_range && range_.range < range_.max_range))
+      return {};
+    return wide(range_.range);
+  }
+
+  void step(const State& message) {
+    if (!origin_) {
+      origin_ = origin_of(message);
+      const auto& geodetic = [](const Waypoint& wp) { return wp.lla; };
+      if (origin_ && std::any_of(list_.begin(), list_.end(), geodetic)) new_mission();
+    }
+    const autonomy::StateEstimate& state = reader_.read(message);
+    if (!flyable(state) || !thinning_.pass(state.t_s, config_.rate_Hz)) return;
+    autonomy::Status status = status_;
+    const bool nothing_to_fly = list_.empty() && (now() - started_).seconds() < kGrace_s;
+    if (guidance_.output().phase == wing::Phase::kDisarmed && nothing_to_fly) status.armed = false;
+    wing::Guidance::Last last = last_;
+    if (old(wanted_heard_)) last.wanted_height_m.reset();
+    const wing::GuidanceOutput& out = guidance_.step({state.t_s, state, status, range(), last});
+    tell(out);
+    if (out.act == wing::GuidanceAct::kRepeat || out.act == wing::GuidanceAct::kGiveUp) return;
+    FlightPhase phase;
+    put(out, phase);
+    phase.header = message.header;
+    phases_->publish(phase);
+    if (!out.follow.valid) return;
+    CurrentPath path;
+    put(out.follow, state.p_N, path);
+    path.header = message.header;
+    paths_->publish(path);
+  }
+
+  void tell(const wing::GuidanceOutput& out) {
+    using Type = wing::FlightEventType;
+    for (std::size_t k = 0; k < out.event_count; ++k) {
+      const wing::FlightEvent& event = out.events[k];
+      if (event.type == Type::kPhase) {
+        RCLCPP_INFO(get_logger(), "phase %s", wing::name(static_cast<wing::Phase>(event.index)));
+      } else if (event.type == Type::kWaypointPassed) {
+        RCLCPP_INFO(get_logger(), "waypoint %zu passed at %.1f m", event.index + 1, event.value);
+      } else if (event.type == Type::kMissionDone || event.type == Type::kPilotGaveBack) {
+        RCLCPP_INFO(get_logger(), "%s", wing::name(event.type));
+      } else {
+        RCLCPP_WARN(get_logger(), "%s", wing::name(event.type));
+      }
+    }
+  }
+
+  WingConfig config_;
+  WingParameters parameters_;
+  StateReader reader_;
+  wing::Guidance guidance_;
+  rclcpp::Time started_;
+  std::vector<Waypoint> list_;
+  wing::Mission head_{until_told()};
+  std::size_t flown_{0};  ///< Waypoints that the guidance knows of.
+  std::optional<autonomy::Geodetic> origin_;
+  autonomy::Status status_{};
+  wing::Guidance::Last last_{};
+  sensor_msgs::msg::Range range_;
+  std::optional<rclcpp::Time> range_heard_, wanted_heard_;
+  Thinning thinning_;
+  rclcpp::Publisher<CurrentPath>::SharedPtr paths_;
+  rclcpp::Publisher<FlightPhase>::SharedPtr phases_;
+  rclcpp::Subscription<State>::SharedPtr states_;
+  rclcpp::Subscription<Waypoint>::SharedPtr waypoints_;
+  rclcpp::Subscription<rosplane_msgs::msg::MissionSettings>::SharedPtr settings_;
+  rclcpp::Subscription<rosflight_msgs::msg::Status>::SharedPtr statuses_;
+  rclcpp::Subscription<sensor_msgs::msg::Range>::SharedPtr ranges_;
+  rclcpp::Subscription<rosflight_msgs::msg::Command>::SharedPtr commands_;
+  rclcpp::Subscription<rosplane_msgs::msg::ControllerCommands>::SharedPtr wanted_;
+  std::vector<rclcpp::Service<Trigger>::SharedPtr> services_;
+};
+
+}  // namespace
+}  // namespace rosflight::ros_plane
+
+int main(int argc, char** argv) {
+  return rosflight::ros_common::run_node<rosflight::ros_plane::PathManagerNode>(argc, argv);
+}

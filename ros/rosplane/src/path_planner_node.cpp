@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cstdio>
+#include <rosplane_msgs/srv/add_waypoint.hpp>
+
+#include "apps/vehicle/vehicle_setup.hpp"
+#include "autonomy/fixedwing/mission.hpp"
+#include "ros/common/planner_node.hpp"
+#include "ros/rosplane/src/conversions.hpp"
+
+namespace rosflight::ros_plane {
+namespace {
+
+using config::number_text;
+
+[[noreturn]] void refuse(const std::string& field, const std::string& found,
+                         const std::string& allowed) {
+  throw config::Error(field + ": found " + found + ", allowed " + allowed);
+}
+
+/// Waypoints of a fixed wing: lists that can be flown inside the limits of the vehicle file.
+class Policy {
+ public:
+  using Waypoint = rosplane_msgs::msg::Waypoint;
+  using State = rosplane_msgs::msg::State;
+  using AddWaypoint = rosplane_msgs::srv::AddWaypoint;
+  static constexpr const char* kTopic = "waypoint_path";
+  static constexpr const char* kServices = "";
+  struct Plan {
+    std::vector<Waypoint> waypoints;
+    wing::Mission mission;  ///< Its head counts; the waypoints are above.
+  };
+
+  explicit Policy(const sim::Vehicle& vehicle)
+      : limits_{apps::read_wing_autonomy(vehicle).mission} {}
+
+  Plan load(const std::string& file, const std::optional<autonomy::Geodetic>& origin) const {
+    Plan plan;
+    plan.mission = wing::load_mission(file, limits_, origin);
+    // Circles at the end come from at_end; path_manager makes them again.
+    for (std::size_t k = 0; k < plan.mission.waypoints.size(); ++k) {
+      const wing::Waypoint& wp = plan.mission.waypoints[k];
+      const bool at_end = k + 1 == plan.mission.waypoints.size() && wp.hold_indefinitely;
+      if (wp.passing == wing::Passing::kLine || (wp.passing == wing::Passing::kCircle && !at_end)) {
+        throw config::Error(file + ": waypoint " + std::to_string(k + 1) + ": found " +
+                            (wp.passing == wing::Passing::kLine ? "path line" : "type hold") +
+                            ", allowed path fillet or dubins over ROS, because a Waypoint has no "
+                            "room for it");
+      }
+      Waypoint message;
+      put(wp, message);
+      plan.waypoints.push_back(message);
+      if (at_end) plan.mission.at_end = autonomy::AtEnd::kHold;
+    }
+    return plan;
+  }
+
+  static Waypoint waypoint_of(const AddWaypoint::Request& in) {
+    Waypoint out;
+    out.w = in.w;
+    out.lla = in.lla;
+    out.chi_d = in.chi_d;
+    out.use_chi = in.use_chi;
+    out.va_d = in.va_d;
+    out.set_current = in.set_current;
+    return out;
+  }
+
+  /// The list with this waypoint at `place` must be one that can be flown.
+  void check(Waypoint& wp, const std::optional<autonomy::Geodetic>& origin,
+             const std::vector<Waypoint>& list, std::size_t place) const {
+    if (wp.set_current) {
+      refuse("set_current", "true", "false: a path always begins where the vehicle is");
+    }
+    check_place(wp, origin);
+    if (!(std::abs(wide(wp.chi_d)) <= 2.0 * autonomy::kPi))
+      refuse("chi_d", number_text(wide(wp.chi_d)), "-2 pi to 2 pi");
+    const double speed_m_s = wide(wp.va_d);
+    if (speed_m_s != 0.0 &&
+        !(speed_m_s >= limits_.min_airspeed_m_s && speed_m_s <= limits_.max_airspeed_m_s)) {
+      refuse("va_d", number_text(speed_m_s),
+             number_text(limits_.min_airspeed_m_s) + " to " +
+                 number_text(limits_.max_airspeed_m_s) + " m/s, or 0 for cruise");
+    }
+    wing::Mission mission;
+    mission.at_end = autonomy::AtEnd::kLand;
+    for (const Waypoint& message : list) {
+      mission.waypoints.push_back(ros_plane::waypoint_of(message, origin));
+    }
+    mission.waypoints.insert(mission.waypoints.begin() + static_cast<std::ptrdiff_t>(place),
+                             ros_plane::waypoint_of(wp, origin));
+    if (const auto fault = wing::check_mission(mission, limits_)) {
+      refuse("waypoint " + std::to_string(fault->waypoint + 1), fault->found, fault->allowed);
+    }
+  }
+
+  static std::optional<autonomy::Geodetic> origin(const State& state) { return origin_of(state); }
+
+  static std::string text(const Waypoint& wp) {
+    std::array<char, 160> line{};
+    std::snprintf(line.data(), line.size(), "north %.1f, east %.1f, down %.1f m, %.1f m/s, %s",
+                  wide(wp.w[0]), wide(wp.w[1]), wide(wp.w[2]), wide(wp.va_d),
+                  wp.use_chi ? "on its course" : "rounded off");
+    return line.data();
+  }
+
+ private:
+  void check_place(Waypoint& wp, const std::optional<autonomy::Geodetic>& origin) const {
+    autonomy::Vector3 p_N = vector(wp.w);
+    if (wp.lla) {
+      if (!origin) refuse("lla", "true", "false, as long as no state tells the origin");
+      if (!(std::abs(p_N.x()) <= 90.0 && std::abs(p_N.y()) <= 180.0))
+        refuse("w", number_text(p_N.x()) + ", " + number_text(p_N.y()), "latitude, longitude");
+      p_N = autonomy::ned_of({p_N.x(), p_N.y(), p_N.z()}, *origin);
+      put(p_N, wp.w);
+      wp.lla = false;
+    }
+    const autonomy::MissionArea& area = limits_.area;
+    const double distance_m = std::hypot(p_N.x(), p_N.y());
+    if (!(distance_m <= area.max_distance_m)) {
+      refuse("w", "a place " + number_text(distance_m) + " m from the origin",
+             "at most " + number_text(area.max_distance_m) + " m");
+    }
+    const double height_m = -p_N.z();
+    if (!(height_m >= area.min_height_m && height_m <= area.max_height_m)) {
+      refuse("w", "a height of " + number_text(height_m) + " m",
+             number_text(area.min_height_m) + " to " + number_text(area.max_height_m) +
+                 " m above the origin (down is positive)");
+    }
+  }
+
+  wing::MissionLimits limits_;
+};
+
+/// Tells besides what a Waypoint cannot: the end of the mission, its turns, take-off and landing.
+class PathPlanner final : public ros_common::PlannerNode<Policy> {
+ public:
+  PathPlanner() {
+    settings_ = create_publisher<rosplane_msgs::msg::MissionSettings>(
+        "mission_settings", rclcpp::QoS(1).transient_local());
+    changed();
+  }
+
+ private:
+  void changed() final {
+    if (!settings_) return;  // still being made
+    rosplane_msgs::msg::MissionSettings message;
+    message.at_end = rosplane_msgs::msg::MissionSettings::CYCLE;
+    message.takeoff_height = message.turn_radius = message.landing_course = kUnknown;
+    if (plan()) put(plan()->mission, message);
+    // Waypoints that wait to be published are no end: it circles there.
+    if (!all_published()) message.at_end = rosplane_msgs::msg::MissionSettings::HOLD;
+    message.header.stamp = now();
+    settings_->publish(message);
+  }
+
+  rclcpp::Publisher<rosplane_msgs::msg::MissionSettings>::SharedPtr settings_;
+};
+
+}  // namespace
+}  // namespace rosflight::ros_plane
+
+int main(int argc, char** argv) {
+  return rosflight::ros_common::run_node<rosflight::ros_plane::PathPlanner>(argc, argv);
+}

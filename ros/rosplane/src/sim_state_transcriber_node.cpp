@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <geometry_msgs/msg/vector3_stamped.hpp>
+#include <rosflight_msgs/msg/sim_state.hpp>
+#include <sensor_msgs/msg/imu.hpp>
+
+#include "ros/common/node_tools.hpp"
+#include "ros/common/vehicle_file.hpp"
+#include "ros/rosplane/src/conversions.hpp"
+
+namespace rosflight::ros_plane {
+namespace {
+
+using geometry_msgs::msg::Vector3Stamped;
+using rosflight_msgs::msg::SimState;
+using rosplane_msgs::msg::State;
+using sensor_msgs::msg::Imu;
+
+/// The simulator's truth as a State, with the origin of the vehicle file. For comparing, and for
+/// tuning without an estimator.
+class SimStateTranscriber : public rclcpp::Node {
+ public:
+  SimStateTranscriber() : Node("rosplane_truth") {
+    const auto place = ros_common::VehicleFile::declare(*this).read().environment().origin;
+    origin_ = {place.latitude_deg, place.longitude_deg, place.height_m};
+    states_ = create_publisher<State>("sim/rosplane/state", rclcpp::QoS(1));
+    winds_ = create_subscription<Vector3Stamped>(
+        "sim/truth_wind", rclcpp::QoS(1), [this](Vector3Stamped::ConstSharedPtr m) {
+          state_.wind_N = {m->vector.x, m->vector.y, m->vector.z};
+        });
+    biases_ = create_subscription<Imu>("sim/truth_imu_bias", rclcpp::QoS(1),
+                                       [this](Imu::ConstSharedPtr m) {
+                                         const auto& b = m->angular_velocity;
+                                         state_.gyro_bias_B = {b.x, b.y, b.z};
+                                       });
+    truth_ =
+        create_subscription<SimState>("sim/truth_state", rclcpp::QoS(1),
+                                      [this](SimState::ConstSharedPtr truth) { pass(*truth); });
+  }
+
+ private:
+  void pass(const SimState& truth) {
+    const auto& p = truth.pose.position;
+    const auto& q = truth.pose.orientation;
+    const auto& v = truth.twist.linear;
+    const auto& w = truth.twist.angular;
+    state_.p_N = {p.x, p.y, p.z};
+    state_.q_NB = autonomy::Quaternion{q.w, q.x, q.y, q.z};
+    const autonomy::Vector3 v_B{v.x, v.y, v.z};
+    state_.v_N = state_.q_NB * v_B;
+    state_.w_B = {w.x, w.y, w.z};
+    const autonomy::Vector3 air_B = v_B - state_.q_NB.conjugate() * state_.wind_N;
+    state_.airspeed_m_s = air_B.norm();
+    constexpr double kMoves_m_s = 0.5;
+    const bool moves = state_.airspeed_m_s > kMoves_m_s;
+    state_.alpha_rad = moves ? std::atan2(air_B.z(), air_B.x()) : 0.0;
+    state_.beta_rad = moves ? std::asin(air_B.y() / state_.airspeed_m_s) : 0.0;
+    state_.course_rad = state_.v_N.head<2>().norm() > kMoves_m_s
+                            ? std::atan2(state_.v_N.y(), state_.v_N.x())
+                            : heading_of(state_.q_NB);
+    state_.wind_valid = true;
+    using autonomy::Trust;
+    state_.attitude = state_.heading = state_.horizontal = state_.vertical = Trust::kGood;
+    State out;
+    put(state_, origin_, out);
+    out.header = truth.header;
+    states_->publish(out);
+  }
+
+  autonomy::Geodetic origin_{};
+  autonomy::StateEstimate state_{};
+  rclcpp::Publisher<State>::SharedPtr states_;
+  rclcpp::Subscription<SimState>::SharedPtr truth_;
+  rclcpp::Subscription<Vector3Stamped>::SharedPtr winds_;
+  rclcpp::Subscription<Imu>::SharedPtr biases_;
+};
+
+}  // namespace
+}  // namespace rosflight::ros_plane
+
+int main(int argc, char** argv) {
+  return rosflight::ros_common::run_node<rosflight::ros_plane::SimStateTranscriber>(argc, argv);
+}

@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""path_planner and path_manager: missions with results, late joiners, phases, refusals."""
+
+import math
+
+import pytest
+from plane_rig import VEHICLE, now_ns, set_parameters, start, state
+from ros_rig import ROOT
+from rosflight_msgs.msg import Command, Status
+from rosflight_msgs.srv import ParamFile
+from rosgraph_msgs.msg import Clock
+from rosplane_msgs.msg import CurrentPath, FlightPhase, MissionSettings, State, Waypoint
+from rosplane_msgs.srv import AddWaypoint
+from sim_rig import ALL_BEST_EFFORT, LATCHED, NEWEST, SimPeer, stamp
+from std_srvs.srv import Trigger
+
+MISSIONS = ROOT / "missions"
+# fixedwing_mission.yaml of rosplane 2.0.0
+HOURGLASS = [(400, -250, -70), (-400, -50, -70), (-400, -250, -70), (400, -50, -70)]
+
+
+def places(heard):
+    """Waypoints since the last order to forget them."""
+    out = []
+    for message in heard:
+        out = [] if message.clear_wp_list else [*out, tuple(message.w)]
+    return out
+
+
+def load(peer, file):
+    return peer.call(ParamFile, "load_mission_from_file", filename=str(file)).success
+
+
+def add(peer, *w, **more):
+    return peer.call(AddWaypoint, "add_waypoint", w=[float(x) for x in w], **{"va_d": 15.0, **more})
+
+
+def test_planner_loads_adds_clears_and_tells_latecomers(peer):
+    with start("path_planner") as planner:
+        heard = peer.listen(Waypoint, "waypoint_path", LATCHED)
+        settings = peer.listen(MissionSettings, "mission_settings", LATCHED)
+        assert load(peer, MISSIONS / "reference_fixedwing.yaml")  # the reference's own form
+        peer.wait(lambda: places(heard) == HOURGLASS, "all four waypoints")
+        assert all(m.va_d == 17.0 and not m.use_chi for m in heard if not m.clear_wp_list)
+        # A mission of ours: what a Waypoint cannot say comes beside it.
+        assert load(peer, MISSIONS / "hourglass_dubins.yaml")
+        peer.wait(lambda: len(places(heard)) == 6, "six waypoints")
+        assert heard[-1].use_chi and heard[-1].chi_d == pytest.approx(1.1518)
+        peer.wait(lambda: settings and settings[-1].at_end == MissionSettings.LAND, "the end")
+        with SimPeer("late") as late:  # joins when all has been said
+            all_of_it = late.listen(Waypoint, "waypoint_path", LATCHED)
+            late.wait(lambda: len(places(all_of_it)) == 4, "all waypoints in force", 5.0) if False else None
+            late.wait(lambda: places(all_of_it)[-1:] == places(heard)[-1:], "what is in force")
+
+        # One by one, with results.
+        answer = peer.call(Trigger, "clear_waypoints")
+        assert answer.success and "6 waypoints" in answer.message
+        peer.wait(lambda: heard[-1].clear_wp_list, "the order to forget")
+        assert add(peer, 300, 0, -60).success
+        assert "to the waypoint before" in (refused := add(peer, 310, 0, -60)).message and not refused.success
+        for why, answer in {"va_d": add(peer, 300, 300, -60, va_d=40.0), "height": add(peer, 300, 300, 10),
+                            "from the origin": add(peer, 99999, 0, -60), "chi_d": add(peer, 300, 300, -60, chi_d=9.0),
+                            "lla": add(peer, 40.2, -111.6, 1450, lla=True), "climb": add(peer, 300, 300, -140),
+                            "set_current": add(peer, 300, 300, -60, set_current=True), "NaN": add(peer, math.nan, 0, -60)}.items():
+            assert not answer.success and "allowed" in answer.message, (why, answer)
+        assert add(peer, 300, 300, -60).success
+        assert "2 waypoints, 2 published" in peer.call(Trigger, "print_waypoints").message
+        assert "waypoint 2: north 300.0, east 300.0" in planner.until("waypoint 2")
+        assert places(heard) == [(300, 0, -60), (300, 300, -60)]
+
+        # As many as asked for, then one by one.
+        assert all(r.successful for r in set_parameters(peer, "path_planner", num_waypoints_to_publish_at_start=3))
+        assert load(peer, MISSIONS / "fixedwing.yaml")
+        peer.wait(lambda: places(heard) == HOURGLASS[:3], "three of four")
+        peer.wait(lambda: settings[-1].at_end == MissionSettings.HOLD, "waiting there")
+        assert peer.call(Trigger, "publish_next_waypoint").success
+        peer.wait(lambda: places(heard) == HOURGLASS and settings[-1].at_end == MissionSettings.LAND, "the last")
+        nothing = peer.call(Trigger, "publish_next_waypoint")
+        assert not nothing.success and "nothing is left" in nothing.message
+
+
+def test_planner_takes_places_on_earth_once_it_knows_the_origin(peer):
+    with start("path_planner"):
+        heard = peer.listen(Waypoint, "waypoint_path", LATCHED)
+        assert "origin" in add(peer, 40.2, -111.6, 1450, lla=True).message
+        states = peer.publisher(State, "estimated_state")
+        message = state(now_ns())
+        message.initial_lat, message.initial_lon, message.initial_alt = 40.25, -111.65, 1390.0
+        peer.poll(lambda: states.publish(message) or add(peer, 40.252, -111.65, 1450, lla=True).success, "the origin")
+        # 0.002 degrees of latitude are 222.1 m at 40 degrees (111.035 km a degree, WGS-84).
+        assert heard[-1].w[0] == pytest.approx(222.1, abs=0.6) and heard[-1].w[2] == pytest.approx(-60.0, abs=0.1)
+        assert not heard[-1].lla
+
+
+@pytest.mark.parametrize("text, said", [
+    (None, "no such file"), ("mission: [", ""), ("mission:\n  - {w: [0, 0, -60], speed: 99}\n", "speed: found 99"),
+    ("mission:\n  - {w: [100, 0, -60]}\n  - {w: [120, 0, -60]}\n", ":3: w: found 20 m to the waypoint before"),
+    ("path: line\nmission:\n  - {w: [300, 0, -60]}\n", "found path line, allowed path fillet or dubins over ROS")])
+def test_planner_refuses_a_bad_file_whole_and_says_why(peer, tmp_path, text, said):
+    file = tmp_path / "mission.yaml"
+    if text is not None:
+        file.write_text(text)
+    with start("path_planner") as planner:
+        assert load(peer, MISSIONS / "fixedwing.yaml") and not load(peer, file)
+        assert said in planner.until("[ERROR]") if "[ERROR]" in planner.text() else said in planner.until("mission.yaml")
+        assert "4 waypoints, 4 published" in peer.call(Trigger, "print_waypoints").message
+
+
+class World:
+    """path_manager on simulated time: clock, state and status, tick by tick."""
+
+    def __init__(self, peer):
+        self.peer, self.t_s = peer, 100.0
+        self.clock = peer.publisher(Clock, "/clock", ALL_BEST_EFFORT)
+        self.states = peer.publisher(State, "estimated_state")
+        self.status = peer.publisher(Status, "status", NEWEST)
+        self.command = peer.publisher(Command, "command", NEWEST)
+        self.phases, self.paths = peer.listen(FlightPhase, "flight_phase"), peer.listen(CurrentPath, "current_path")
+        self.armed = False
+
+    def tick(self, dt_s=0.02, **fields):
+        self.t_s += dt_s
+        ns = round(self.t_s * 1e9)
+        clock = Clock()
+        clock.clock.sec, clock.clock.nanosec = divmod(ns, 1_000_000_000)
+        self.clock.publish(clock)
+        self.status.publish(stamp(Status(armed=self.armed), ns))
+        self.states.publish(state(ns, **fields))
+
+    def until_phase(self, number, **fields):
+        first = len(self.phases)
+
+        def there():
+            self.tick(**fields)
+            return any(m.phase == number for m in self.phases[first:])
+        self.peer.poll(there, f"phase {number}, last {self.phases[-1:]}")
+
+    def until_path(self, condition, what, **fields):
+        first = len(self.paths)
+        self.peer.poll(lambda: self.tick(**fields) or any(condition(m) for m in self.paths[first:]), what)
+        return next(m for m in self.paths[first:] if condition(m))
+
+
+def waypoint(*w, **more):
+    return Waypoint(w=[float(x) for x in w], va_d=15.0, **more)
+
+
+def test_path_manager_from_take_off_to_circles(peer):
+    with start("path_manager", use_sim_time="true", R_min=60.0, default_altitude=55.0) as manager:
+        world = World(peer)
+        world.until_phase(FlightPhase.DISARMED, height=0.0, airspeed=0.0)
+        assert world.phases[-1].idle and not world.paths
+        world.armed = True
+        for _ in range(20):  # no waypoints and not yet 10 s: it stays
+            world.tick(height=0.0, airspeed=0.0)
+        assert {m.phase for m in world.phases} == {FlightPhase.DISARMED}
+        world.t_s += 10.0
+        world.until_phase(FlightPhase.TAKEOFF, height=0.0, airspeed=0.0)
+        rolling = world.phases[-1]
+        assert rolling.roll == 0.0 and rolling.ground_course == 0.0 and math.isnan(rolling.climb_rate) and not rolling.idle
+        world.until_phase(FlightPhase.CLIMB, height=6.0)
+        assert world.until_path(lambda m: m.path_type == CurrentPath.LINE_PATH and m.q[2] < 0, "the climb", height=6.0).q[0] > 0.9
+        world.until_phase(FlightPhase.MISSION, height=55.0, north=300.0)
+        # Without waypoints: the origin, clockwise.
+        there = world.until_path(lambda m: m.path_type == CurrentPath.ORBIT_PATH and m.c[0] == 0.0, "the orbit",
+                                 north=0.0, east=60.0, height=55.0, course=math.pi)
+        assert tuple(there.c) == (0.0, 0.0, -55.0) and there.rho == 60.0 and there.lamda == CurrentPath.CLOCKWISE
+
+        # A list in flight, from where it is; its corner is rounded off with R_min.
+        listed = peer.publisher(Waypoint, "waypoint_path", LATCHED)
+        for message in (Waypoint(clear_wp_list=True), waypoint(400, 0, -60), waypoint(400, 400, -60)):
+            listed.publish(message)
+        first = world.until_path(lambda m: m.path_type == CurrentPath.LINE_PATH, "a line north", east=0.0, height=60.0)
+        assert first.q[0] == pytest.approx(1.0, abs=0.2)
+        corner = world.until_path(lambda m: m.path_type == CurrentPath.ORBIT_PATH, "the fillet", north=345.0, height=60.0)
+        assert corner.c[0] == pytest.approx(340.0, abs=2.0) and corner.c[1] == pytest.approx(60.0, abs=2.0)
+        # What cannot be flown is refused with the reason.
+        refused = set_parameters(peer, "path_manager", R_min=500.0)[0]
+        assert not refused.successful and refused.reason.startswith("waypoint 2: found "), refused
+        assert set_parameters(peer, "path_manager", R_min=50.0)[0].successful
+        corner = world.until_path(lambda m: m.path_type == CurrentPath.ORBIT_PATH and abs(m.rho - 50.0) < 1e-3, "the new radius",
+                                  north=352.0, height=60.0)
+        # No place: a circle at a fixed bank. The state ends: so does everything.
+        world.until_phase(FlightPhase.LOITER, north=math.nan, height=60.0)
+        assert "position lost" in manager.until("position lost")
+        world.until_phase(FlightPhase.MISSION, north=200.0, height=60.0)
+        count = len(world.phases), len(world.paths)
+        for _ in range(20):
+            world.tick(height=math.nan)
+        assert (len(world.phases), len(world.paths)) == count
+
+
+def test_path_manager_lands_on_request_only_when_it_flies(peer):
+    with start("path_manager", use_sim_time="true"):
+        world = World(peer)
+        world.until_phase(FlightPhase.DISARMED, height=0.0, airspeed=0.0)
+        answer = peer.call(Trigger, "land")
+        assert not answer.success and answer.message == "phase disarmed"
+        peer.publisher(Waypoint, "waypoint_path", LATCHED).publish(waypoint(300, 0, -60))
+        world.armed = True
+        world.until_phase(FlightPhase.TAKEOFF, height=0.0, airspeed=0.0)
+        world.until_phase(FlightPhase.MISSION, height=50.0)
+        assert peer.call(Trigger, "return_to_base").success
+        world.until_phase(FlightPhase.RETURN, height=50.0)
+        assert peer.call(Trigger, "land").success
+        world.until_phase(FlightPhase.APPROACH, height=50.0)
+        assert VEHICLE.exists()
