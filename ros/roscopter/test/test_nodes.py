@@ -1,29 +1,25 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Each node by itself, fed message by message by an rclpy peer: its contract, what it does when its input stops, its
-parameters, and numbers worked out by hand."""
+parameters, and numbers worked out by hand. The planner and the controller have files of their own."""
 
 import math
 import time
 
 import pytest
+from copter_nodes import LATCHED_ALL, START_NS, WITHOUT_VEHICLE, copter, going, set_values, state
 from geometry_msgs.msg import Vector3
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, ListParameters, SetParameters
 from roscopter_msgs.msg import ControllerCommand, State, TrajectoryCommand, Waypoint
-from roscopter_msgs.srv import AddWaypoint
-from ros_rig import ROOT
 from rosflight_msgs.msg import Attitude, Barometer, Command, GNSS, SimState, Status
-from rosflight_msgs.srv import ParamFile
 from sensor_msgs.msg import Imu, MagneticField
 from sim_contract import TRIGGER, Module, Out, check_module
-from sim_rig import ALL, LATCHED, VEHICLE, Process, SimPeer, executable, launch, node, stamp, stamp_ns
+from sim_rig import ALL, LATCHED, VEHICLE, Process, SimPeer, executable, launch, stamp, stamp_ns
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import Marker
 
 GRAVITY, MASS = 9.80665, 3.5  # of vehicles/multirotor.yaml
-START_NS = 100_000_000_000
-IGNORE_ALL = 0x3FF
 
 PARAM_FILE = "rosflight_msgs/srv/ParamFile"
 MODULES = [
@@ -50,37 +46,12 @@ MODULES = [
                                     "toggle_step_signal", "reset_signal", "pause_signal", "start_continuous_signal",
                                     "start_single_period_signal")})),
 ]
-WITHOUT_VEHICLE = ("ext_att_transcriber", "rviz_waypoint_publisher", "sim_state_transcriber", "signal_generator")
-
-
-def copter(name, **parameters):
-    if name not in WITHOUT_VEHICLE:
-        parameters.setdefault("vehicle_file", VEHICLE)
-    return node(name, package="roscopter", **parameters)
 
 
 @pytest.fixture
 def peer():
     with SimPeer() as it:
         yield it
-
-
-def set_values(peer, name, **values):
-    """The results, one for all: of doubles and switches."""
-    def typed(value):
-        if isinstance(value, bool):
-            return ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=value)
-        return ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=value)
-    given = [Parameter(name=key, value=typed(value)) for key, value in values.items()]
-    return peer.call(SetParameters, f"{name}/set_parameters", parameters=given).results
-
-
-def state(ns, place=(0.0, 0.0, 0.0), psi=0.0):
-    message = stamp(State(), ns)
-    message.p_n, message.p_e, message.p_d = (float(x) for x in place)
-    message.psi = psi
-    message.quat.w, message.quat.z = math.cos(psi / 2), math.sin(psi / 2)
-    return message
 
 
 @pytest.mark.parametrize("name, module", MODULES)
@@ -126,98 +97,6 @@ def test_the_tuning_launch_starts_what_it_names(peer):
         assert (heard[-1].mode, heard[-1].cmd4) == (11, 30.0)
         assert peer.call(Trigger, "signal_generator/start_continuous_signal").success
         peer.wait(lambda: heard[-1].cmd4 > 30.5, "the signal")
-
-
-# ---- planner -------------------------------------------------------------------------------------
-
-
-def going(north, height=5.0, **more):
-    return Waypoint(type=Waypoint.TYPE_GOTO, w=[float(north), 0.0, -height], **more)
-
-
-def test_the_planner_publishes_so_many_and_late_joiners_get_all(peer, tmp_path):
-    mission = tmp_path / "long.yaml"
-    mission.write_text("mission:\n" + "".join(f"  - {{type: goto, w: [{k}, 0, -5], psi: 0}}\n" for k in range(40)))
-    with copter("path_planner", mission_file=mission, num_waypoints_to_publish_at_start=30):
-        late = peer.listen(Waypoint, "waypoints", LATCHED_ALL)
-        peer.wait(lambda: late and late[-1].w[0] == 29.0, "30 waypoints")
-        in_force = late[max(k for k, m in enumerate(late) if m.clear_wp_list) + 1:]
-        assert [m.w[0] for m in in_force] == list(range(30)), "more than roscopter keeps, in order"
-        ends = peer.listen(String, "mission/at_end", LATCHED)
-        peer.wait(lambda: ends and ends[-1].data == "hold", "hold: waypoints wait")
-        for k in range(10):
-            answer = peer.call(Trigger, "path_planner/publish_next_waypoint")
-            assert answer.success and f"waypoint {31 + k} of 40" in answer.message
-        answer = peer.call(Trigger, "path_planner/publish_next_waypoint")
-        assert not answer.success and "nothing is left" in answer.message
-        peer.wait(lambda: ends[-1].data == "land", "the end of the file")
-        inserted = peer.call(AddWaypoint, "path_planner/add_waypoint", wp=going(77), publish_now=True)
-        assert inserted.success and "41 waypoints, 41 published" in inserted.message
-        peer.wait(lambda: late[-1].w[0] == 77.0, "the added waypoint")
-        assert "41 waypoints" in peer.call(Trigger, "path_planner/print_waypoints").message
-        assert peer.call(Trigger, "path_planner/clear_waypoints").success
-        peer.wait(lambda: late[-1].clear_wp_list, "the clear marker")
-
-
-LATCHED_ALL = type(LATCHED)(depth=2000, durability=LATCHED.durability)
-
-
-@pytest.mark.parametrize("waypoint, said", [
-    (going(10, height=500.0), "wp.w: found a height of 500 m, allowed 0.5 to 120 m"),
-    (going(99_999), "wp.w: found a place"),
-    (going(math.nan), "wp.w: found"),
-    (going(10, speed=99.0), "wp.speed: found 99, allowed 0.1 to 8"),
-    (going(10, psi=9.0), "wp.psi: found 9"),
-    (going(10, hold_indefinitely=True), "wp.hold_indefinitely: found true at a goto"),
-    (Waypoint(type=7), "wp.type: found 7, allowed 0 (hold) or 1 (goto)"),
-    (going(10, use_lla=True), "wp.use_lla: found true, allowed false, as long as no state tells the origin"),
-])
-def test_the_planner_names_what_is_wrong_with_a_waypoint(planner, waypoint, said):
-    peer, _ = planner
-    answer = peer.call(AddWaypoint, "path_planner/add_waypoint", wp=waypoint)
-    assert not answer.success and said in answer.message
-    assert peer.call(Trigger, "path_planner/print_waypoints").message == "0 waypoints, 0 published"
-
-
-@pytest.fixture(scope="module")
-def planner():
-    """One for many tests, in a namespace of its own so that nobody else hears its waypoints."""
-    with SimPeer("planner_peer", "apart") as it, copter("path_planner", namespace="/apart") as process:
-        yield it, process
-
-
-def test_missions_load_whole_or_not_at_all_and_geodetic_ones_with_an_origin(planner, tmp_path):
-    peer, process = planner
-    heard = peer.listen(Waypoint, "waypoints", LATCHED_ALL)
-
-    def load(file):
-        return peer.call(ParamFile, "path_planner/load_mission_from_file", filename=str(file)).success
-    assert load(ROOT / "missions/reference_example.yaml"), "the form of ROSflight 2.x"
-    peer.wait(lambda: heard and heard[-1].w[2] == -40.0, "its last waypoint")
-    assert heard[-1].type == Waypoint.TYPE_HOLD and heard[-1].hold_seconds == 10.0 and heard[-2].w[1] == -20.0
-    bad = tmp_path / "bad.yaml"
-    bad.write_text("mission:\n  - {type: goto, w: [1, 0, -5], psi: 0}\n  - {type: goto, w: [1, 0, -5], psi: 0, sped: 3}\n")
-    assert not load(bad)
-    process.until("bad.yaml:3: mission.1.sped: found an unknown key, allowed")
-    assert "5 waypoints" in peer.call(Trigger, "path_planner/print_waypoints").message, "the list before stays"
-    assert not load(ROOT / "missions/figure_eight.yaml")
-    process.until("figure_eight: found one, allowed none over ROS")
-
-    geodetic = tmp_path / "geodetic.yaml"
-    geodetic.write_text("mission:\n  - {type: goto, w: [40.001, -111.0, 1410], use_lla: true, psi: 0}\n")
-    assert not load(geodetic)
-    process.until("use_lla: found true, allowed false, because the start has no known place")
-    states = peer.publisher(State, "estimated_state")
-    origin = state(START_NS)
-    origin.initial_lat, origin.initial_lon, origin.initial_alt = 40.0, -111.0, 1400.0
-
-    def loaded():
-        states.publish(origin)
-        return load(geodetic)
-    peer.poll(loaded, "the origin")
-    # A meridian's radius at 40 deg on WGS-84, a(1-e^2)/(1-e^2 sin^2)^1.5 = 6361815.8 m, and the height of the origin.
-    peer.wait(lambda: abs(heard[-1].w[0] - math.radians(0.001) * (6361815.8 + 1400.0)) < 0.01, "the place")
-    assert abs(heard[-1].w[1]) < 1e-3 and abs(heard[-1].w[2] + 10.0) < 0.01 and not heard[-1].use_lla
 
 
 # ---- path manager --------------------------------------------------------------------------------
@@ -346,128 +225,6 @@ def test_the_follower_obeys_its_gains_and_stops_when_set_points_do(peer):
         assert peer.call(Trigger, "trajectory_follower/clear_integrators").success
         peer.poll(lambda: not answer().cmd_valid, "an end of valid commands, trajectory_timeout_s after the last set-point")
         peer.poll(lambda: (followed(0.5), answer().cmd_valid)[1], "valid commands again")
-
-
-# ---- controller ----------------------------------------------------------------------------------
-
-
-class Flown:
-    """A vehicle without dynamics in front of the controller: it is where it is put."""
-
-    def __init__(self, peer):
-        self.peer, self.ns, self.place = peer, START_NS, (0.0, 0.0, 0.0)
-        self.commands = peer.listen(Command, "command")
-        self.phases = peer.listen(String, "flight_phase", LATCHED)
-        self.states = peer.publisher(State, "estimated_state")
-        self.status = peer.publisher(Status, "status")
-        self.given = peer.publisher(ControllerCommand, "high_level_command")
-        self.wanted = ControllerCommand(mode=0, cmd_valid=True)
-        self.armed = False
-        peer.poll(lambda: all(p.get_subscription_count() for p in (self.states, self.status, self.given)), "subscribers")
-
-    def step(self, status=True, given=True):
-        """The Command that answers a State; 50 ms of stamps later than the one before."""
-        self.ns += 50_000_000
-        if status:
-            self.status.publish(Status(armed=self.armed))
-        if given:
-            self.given.publish(self.wanted)
-        self.states.publish(state(self.ns, self.place))
-        self.peer.wait(lambda: self.commands and stamp_ns(self.commands[-1]) == self.ns, "a command")
-        return self.commands[-1]
-
-    def until(self, condition, what, **how):
-        self.peer.poll(lambda: (self.step(**how), condition())[1], what)
-
-    def phase(self):
-        return self.phases[-1].data if self.phases else ""
-
-    def take_off(self):
-        self.peer.poll(lambda: (self.status.publish(Status()), self.states.publish(state(self.ns, self.place)),
-                                self.commands)[2], "a first command")
-        self.until(lambda: self.phase() == "disarmed", "phase disarmed")
-        assert list(self.commands[-1].u) == [0.0] * 10 and self.commands[-1].mode == Command.MODE_PASS_THROUGH
-        self.armed = True
-        self.until(lambda: self.phase() == "takeoff", "phase takeoff")
-        self.place = (0.0, 0.0, -2.0)
-        self.until(lambda: self.phase() == "position_hold", "phase position_hold")
-        self.until(lambda: self.phase() == "offboard", "phase offboard")
-
-
-@pytest.fixture
-def flown(peer):
-    with copter("controller") as process:
-        it = Flown(peer)
-        it.process = process
-        it.take_off()
-        yield it
-
-
-LEVEL = None  # angles and rates of zero, and a throttle that carries
-MODES = [  # mode, four numbers at north 0, east 0, down -2 and heading 0; mode and u[2] to u[5] of the Command
-    (0, (0, 0, -2, 0), 2, LEVEL),
-    (1, (0, 0, -2, 0.2), 2, (None, 0, 0, 0.2)),
-    (2, (0.1, 0, 0, 0.1), 2, (None, 0, -math.atan(0.1), 0.1)),
-    (3, (0, 0, 0, -0.2), 2, (None, 0, 0, -0.2)),
-    (4, (0, 0, 0, 0), 2, LEVEL),
-    (5, (0.1, 0.05, 0, 0.5), 2, (0.5, 0.1, 0.05, 0)),
-    (6, (0.2, 0.05, 0.3, 0.4), 2, (0.4, 0.2, 0.05, 0.3)),
-    (7, (0.2, -0.1, 0.3, 0.45), 1, (0.45, 0.2, -0.1, 0.3)),
-    (8, (0.2, -0.1, 0.3, 33.0), 0, (-33.0, 0.2, -0.1, 0.3)),
-    (9, (0.15, 0.05, 0, 34.3), 2, (None, 0.15, 0.05, 0)),
-    (10, (0.25, 0.05, 0.2, 34.3), 2, (None, 0.25, 0.05, 0.2)),
-    (11, (0.25, 0.15, 0.1, 34.3), 1, (None, 0.25, 0.15, 0.1)),
-]
-
-
-def test_all_modes_reach_the_firmware_and_gains_act(flown):
-    def given(mode, numbers):
-        flown.wanted = ControllerCommand(mode=mode, cmd_valid=True, **{f"cmd{k + 1}": float(x) for k, x in enumerate(numbers)})
-
-    def matches(mode, wanted):
-        command = flown.commands[-1]
-        wanted = (None, 0, 0, 0) if wanted is LEVEL else wanted
-        close = all(x is None or abs(u - x) < 1e-3 for u, x in zip(command.u[2:6], wanted))
-        return command.mode == mode and close and abs(command.u[2]) > 0.3 and command.ignore == 0
-    for mode, numbers, firmware_mode, wanted in MODES:
-        given(mode, numbers)
-        flown.until(lambda m=firmware_mode, w=wanted: matches(m, w), f"what mode {mode} gives")
-
-    # Velocity to acceleration in units of gravity: 0.2 g s/m times 0.5 m/s is 0.1 g, a pitch of -atan 0.1.
-    alone = {f"vel_n_to_accel_{k}": v for k, v in (("kp", 0.2), ("ki", 0.0), ("kd", 0.0))}
-    assert all(result.successful for result in set_values(flown.peer, "controller", **alone))
-    given(3, (0.5, 0, 0, 0))
-    flown.until(lambda: matches(2, (None, 0, -math.atan(0.1), 0)), "the pitch of the new gain")
-    assert set_values(flown.peer, "controller", min_throttle=0.55)[0].successful
-    given(6, (0.2, 0.05, 0.3, 0.4))
-    flown.until(lambda: matches(2, (0.55, 0.2, 0.05, 0.3)), "the new least throttle")
-    refused = set_values(flown.peer, "controller", max_throttle=0.3)[0]
-    assert not refused.successful and "min_throttle: found 0.55, allowed less than max_throttle, 0.3" in refused.reason
-    assert flown.phase() == "offboard"
-
-
-def test_the_controller_holds_without_commands_and_hands_over_without_state(flown):
-    flown.until(lambda: flown.phase() == "position_hold", "a hold command_timeout_s after the last command", given=False)
-    held = flown.commands[-1]
-    assert held.mode == Command.MODE_ROLL_PITCH_YAWRATE_THROTTLE and held.ignore == 0 and 0.3 < held.u[2] < 0.9
-    flown.until(lambda: flown.phase() == "offboard", "commands followed again")
-    for bad in (ControllerCommand(mode=12, cmd_valid=True), ControllerCommand(mode=0, cmd1=math.nan, cmd_valid=True),
-                ControllerCommand(mode=0, cmd_valid=False)):
-        flown.wanted = bad
-        flown.until(lambda: flown.phase() == "position_hold", f"no flying of {bad}")
-        flown.wanted = ControllerCommand(mode=0, cmd3=-2.0, cmd_valid=True)
-        flown.until(lambda: flown.phase() == "offboard", "commands followed again")
-    flown.peer.wait(lambda: flown.commands[-1].ignore == IGNORE_ALL, "the hand-over, state_timeout_s after the last state")
-    flown.process.until("estimated_state is silent: the vehicle is the pilot's")
-    flown.until(lambda: flown.phase() == "position_hold", "a hold when the state is back")
-    assert flown.commands[-1].ignore == 0
-    flown.until(lambda: flown.phase() == "offboard", "commands followed again")
-    assert flown.peer.call(Trigger, "controller/land").success
-    flown.until(lambda: flown.phase() == "landing", "phase landing")
-    flown.armed = False
-    flown.until(lambda: flown.phase() == "disarmed", "phase disarmed")
-    answer = flown.peer.call(Trigger, "controller/land")
-    assert not answer.success and "found phase disarmed, allowed in flight" in answer.message
 
 
 # ---- estimator, transcribers, signal ---------------------------------------------------------------
