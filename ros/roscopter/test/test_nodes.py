@@ -8,15 +8,18 @@ import time
 import pytest
 from geometry_msgs.msg import Vector3
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-from rcl_interfaces.srv import SetParameters
+from rcl_interfaces.srv import DescribeParameters, ListParameters, SetParameters
 from roscopter_msgs.msg import ControllerCommand, State, TrajectoryCommand, Waypoint
 from roscopter_msgs.srv import AddWaypoint
+from ros_rig import ROOT
 from rosflight_msgs.msg import Attitude, Barometer, Command, GNSS, SimState, Status
+from rosflight_msgs.srv import ParamFile
 from sensor_msgs.msg import Imu, MagneticField
 from sim_contract import TRIGGER, Module, Out, check_module
-from sim_rig import ALL, LATCHED, NEWEST, VEHICLE, SimPeer, node, stamp, stamp_ns
+from sim_rig import ALL, LATCHED, VEHICLE, Process, SimPeer, executable, launch, node, stamp, stamp_ns
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
+from visualization_msgs.msg import Marker
 
 GRAVITY, MASS = 9.80665, 3.5  # of vehicles/multirotor.yaml
 START_NS = 100_000_000_000
@@ -40,13 +43,14 @@ MODULES = [
                           {"estimated_state": State, "high_level_command": ControllerCommand, "status": Status},
                           {"controller/land": TRIGGER})),
     ("ext_att_transcriber", Module("ext_att_transcriber", {"external_attitude": Out(Attitude)}, {"estimated_state": State})),
+    ("rviz_waypoint_publisher", Module("rviz_waypoint_publisher", {"rviz/waypoint": Out(Marker, latched=True)}, {"waypoints": Waypoint})),
     ("sim_state_transcriber", Module("roscopter_truth", {"sim/roscopter/state": Out(State)}, {"sim/truth_state": SimState})),
     ("signal_generator", Module("signal_generator", {"high_level_command": Out(ControllerCommand)}, {},
                                 {f"signal_generator/{name}": TRIGGER for name in (
                                     "toggle_step_signal", "reset_signal", "pause_signal", "start_continuous_signal",
                                     "start_single_period_signal")})),
 ]
-WITHOUT_VEHICLE = ("ext_att_transcriber", "sim_state_transcriber", "signal_generator")
+WITHOUT_VEHICLE = ("ext_att_transcriber", "rviz_waypoint_publisher", "sim_state_transcriber", "signal_generator")
 
 
 def copter(name, **parameters):
@@ -95,11 +99,33 @@ def test_the_graph_shows_every_topic_and_service(peer, name, module):
     ("signal_generator", {"signal_type": "noise"}, "signal_type: found 'noise', allowed step, square"),
 ])
 def test_what_a_node_refuses_is_one_line_and_code_2(name, parameters, said):
-    from sim_rig import Process, executable
     words = [word for key, value in parameters.items() for word in ("-p", f"{key}:={value}")]
     with Process(executable("roscopter", name), "--ros-args", *words) as process:
         assert process.end() == 2
         assert process.lines[-1].startswith(f"{name}: ") and said in process.lines[-1], process.text()
+
+
+@pytest.mark.parametrize("name", [name for name, _ in MODULES if name not in WITHOUT_VEHICLE] + ["signal_generator"])
+def test_every_parameter_says_what_it_is(peer, name):
+    """For rqt_reconfigure and ros2 param: a text each, and a range for every number."""
+    with copter(name):
+        names = [n for n in peer.call(ListParameters, f"{name}/list_parameters").result.names if n != "use_sim_time"]
+        assert len(names) >= 3
+        for each in peer.call(DescribeParameters, f"{name}/describe_parameters", names=names).descriptors:
+            assert each.description, each.name
+            if each.type == ParameterType.PARAMETER_DOUBLE:
+                assert each.floating_point_range[0].from_value < each.floating_point_range[0].to_value, each.name
+
+
+def test_the_tuning_launch_starts_what_it_names(peer):
+    heard = peer.listen(ControllerCommand, "high_level_command")
+    with launch("roscopter", "roscopter_tuning.launch.py", controller_mode=11, controller_output=4, signal_type="triangle",
+                signal_magnitude="4.0", default_cmd4="30.0") as world:
+        world.until("ready: 5 nodes in ")
+        peer.wait(lambda: heard, "a command")
+        assert (heard[-1].mode, heard[-1].cmd4) == (11, 30.0)
+        assert peer.call(Trigger, "signal_generator/start_continuous_signal").success
+        peer.wait(lambda: heard[-1].cmd4 > 30.5, "the signal")
 
 
 # ---- planner -------------------------------------------------------------------------------------
@@ -161,8 +187,6 @@ def planner():
 
 
 def test_missions_load_whole_or_not_at_all_and_geodetic_ones_with_an_origin(planner, tmp_path):
-    from ros_rig import ROOT
-    from rosflight_msgs.srv import ParamFile
     peer, process = planner
     heard = peer.listen(Waypoint, "waypoints", LATCHED_ALL)
 
@@ -507,6 +531,19 @@ def test_the_transcribers_copy(peer):
         copy = states[-1]
         assert (copy.p_n, copy.v_x, copy.v_y, copy.r) == pytest.approx((3.0, 2.0, 0.0, 0.5), abs=1e-6)
         assert copy.psi == pytest.approx(math.pi / 2) and copy.initial_lat == 0.0 and stamp_ns(copy) == START_NS
+
+
+def test_waypoints_are_shown_in_rviz_until_they_are_cleared(peer):
+    waypoints = peer.publisher(Waypoint, "waypoints", LATCHED)
+    for north in (1.0, 5.0):
+        waypoints.publish(going(north))
+    with copter("rviz_waypoint_publisher"):
+        heard = peer.listen(Marker, "rviz/waypoint", LATCHED_ALL)
+        peer.wait(lambda: [m.text for m in heard if m.type == Marker.TEXT_VIEW_FACING] == ["1", "2"], "two numbers")
+        line = [m for m in heard if m.type == Marker.LINE_STRIP][-1]
+        assert [(p.x, p.y, p.z) for p in line.points] == [(1.0, 0.0, -5.0), (5.0, 0.0, -5.0)] and line.header.frame_id == "NED"
+        waypoints.publish(Waypoint(clear_wp_list=True))
+        peer.wait(lambda: heard[-1].action == Marker.DELETEALL, "nothing left")
 
 
 def test_the_signal_generator_makes_its_waves(peer):
