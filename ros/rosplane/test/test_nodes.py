@@ -5,7 +5,7 @@ import math
 import subprocess
 
 import pytest
-from plane_rig import NODES, VEHICLE, WITHOUT_VEHICLE, now_ns, parameter, set_parameters, start, state
+from plane_rig import NODES, VEHICLE, WITHOUT_VEHICLE, falls_silent, now_ns, parameter, set_parameters, start, state
 from ros_rig import ROOT
 from rosflight_msgs.msg import Command, RCRaw, SimState, Status
 from rosplane_msgs.msg import ControllerCommands, ControllerInternals, CurrentPath, FlightPhase, State
@@ -115,10 +115,7 @@ def test_path_follower_follows_stops_and_takes_gains(peer):
         # No path any more: commands end, and it says so once.
         feed.others = []
         peer.poll(lambda: feed.give() or "current_path is silent" in process.text(), "a word about the silence")
-        count = len(feed.heard)
-        for _ in range(50):
-            feed.give()
-        assert len(feed.heard) == count and process.text().count("is silent") == 1
+        assert falls_silent(feed.heard, feed.give) and process.text().count("is silent") == 1
 
 
 @pytest.mark.parametrize("broken", [{"q": [0.0, 0.0, 0.0]}, {"q": [0.0, 0.0, 1.0]}, {"q": [NAN, 0.0, 0.0]},
@@ -136,12 +133,7 @@ def test_path_follower_follows_nothing_that_is_no_path(peer, broken):
             return message
         feed.others = []
         feed.also(CurrentPath, "current_path", bad)
-        count = -1
-        while count != len(feed.heard):  # until it falls silent
-            count = len(feed.heard)
-            for _ in range(40):
-                feed.give()
-            peer.wait(lambda: True, "")
+        assert falls_silent(feed.heard, feed.give)
 
 
 # ---- controller ----------------------------------------------------------------------------------
