@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How good the estimate of the default flight is: errors against the truth and the normalised
-// squared error (NEES) of position, velocity and attitude, over seeded flights with the shipped
-// sensors and with sensors whose noise is the white one that the filter models (its biases walk,
-// those of the sensors do not: that leaves the filter a little too careful).
+// How good the estimate of the default flights is: errors against the truth and the normalised
+// squared error (NEES) of position, velocity and attitude, over seeded flights. Multirotor: with
+// the shipped sensors and with sensors whose noise is the white one that the filter models (its
+// biases walk, those of the sensors do not: that leaves the filter a little too careful). Fixed
+// wing: shipped sensors, in steady wind and in gusts, with the errors of airspeed and wind (against
+// the air at the aircraft, gusts included); a third of the flights.
 //
 // usage: estimation [FLIGHTS]        (default 60)
 #include <algorithm>
@@ -22,7 +24,6 @@ using namespace rosflight::apps;  // NOLINT(google-build-using-namespace): a pro
 using rosflight::autonomy::estimation::log_rotation;
 using rosflight::sim::BodyState;
 using rosflight::sim::Vector3;
-using Filter = rosflight::autonomy::estimation::ErrorStateEkf<false>;
 
 constexpr double kDegPerRad = 57.29577951308232;
 
@@ -44,6 +45,7 @@ struct Spread {
 
 struct Errors {
   Spread horizontal_m, vertical_m, velocity_m_s, tilt_deg, heading_deg;
+  Spread airspeed_m_s, wind_m_s;  ///< Fixed wing only.
   double nees_sum{};
   std::uint64_t nees_count{};
 };
@@ -64,10 +66,16 @@ void judge_output(const Flight& flight, Errors& errors) {
   errors.velocity_m_s.values.push_back((estimate.v_N - truth.q_NB * truth.v_B).norm());
   errors.tilt_deg.values.push_back(kDegPerRad * turn_N.head<2>().norm());
   errors.heading_deg.values.push_back(kDegPerRad * std::abs(turn_N.z()));
+  if (!estimate.wind_valid || !estimate.air_valid) return;
+  const Vector3& wind_N = flight.truth().air.wind_N;
+  const double through_air = (truth.q_NB * truth.v_B - wind_N).norm();
+  errors.airspeed_m_s.values.push_back(std::abs(estimate.airspeed_m_s - through_air));
+  errors.wind_m_s.values.push_back((estimate.wind_N - wind_N).head<2>().norm());
 }
 
+template <bool kWind>
 void judge_filter(const Flight& flight, const std::deque<Past>& past, Errors& errors) {
-  const auto* navigator = dynamic_cast<const LinkNavigator<false>*>(&flight.navigator());
+  const auto* navigator = dynamic_cast<const LinkNavigator<kWind>*>(&flight.navigator());
   const auto& estimator = navigator->estimator();
   const Past* at = nullptr;
   for (const Past& p : past) {
@@ -80,17 +88,17 @@ void judge_filter(const Flight& flight, const std::deque<Past>& past, Errors& er
   e << log_rotation(x.q_NB.conjugate() * at->body.q_NB),
       at->body.q_NB * (at->body.v_B + at->body.w_B.cross(lever_B)) - x.v_N,
       at->seen_N + at->body.q_NB * lever_B - x.p_N;
-  const Eigen::Matrix<double, 9, 9> P = estimator.filter().covariance().topLeftCorner<9, 9>();
+  const Eigen::Matrix<double, 9, 9> P =
+      estimator.filter().covariance().template topLeftCorner<9, 9>();
   errors.nees_sum += e.dot(P.ldlt().solve(e)) / 9.0;
   ++errors.nees_count;
 }
 
-Errors fly(int flights, const std::vector<std::string>& overrides) {
+template <bool kWind>
+Errors fly(int flights, FlightChoice choice) {
   Errors errors;
   for (int seed = 1; seed <= flights; ++seed) {
-    FlightChoice choice;
     choice.seed = static_cast<std::uint64_t>(seed);
-    choice.overrides = overrides;
     const FlightSetup setup(choice);
     const auto flight = std::make_unique<Flight>(setup);
     std::deque<Past> past;
@@ -104,7 +112,7 @@ Errors fly(int flights, const std::vector<std::string>& overrides) {
       constexpr int kEvery = 40;  // ten times a second
       if (!f.autonomy().tracking || ++step % kEvery != 0) return;
       judge_output(f, errors);
-      judge_filter(f, past, errors);
+      judge_filter<kWind>(f, past, errors);
     });
     flight->run();
     if (flight->director().stage() != Stage::kDone) {
@@ -124,7 +132,18 @@ void print(const char* name, Errors& errors, const char* before) {
   one("velocity_m_s", errors.velocity_m_s);
   one("tilt_deg", errors.tilt_deg);
   one("heading_deg", errors.heading_deg);
+  if (!errors.wind_m_s.values.empty()) {
+    one("airspeed_m_s", errors.airspeed_m_s);
+    one("wind_m_s", errors.wind_m_s);
+  }
   std::printf("\"nees\": %.4g}", errors.nees_sum / static_cast<double>(errors.nees_count));
+}
+
+FlightChoice wing_in(const char* wind) {
+  FlightChoice choice;
+  choice.vehicle = "anaconda";
+  choice.wind = wind;
+  return choice;
 }
 
 /// Sensors of the preset `ideal` with the white noise of the filter's configuration on top. The
@@ -152,11 +171,19 @@ int main(int argc, char** argv) {
   try {
     const int flights = argc > 1 ? std::atoi(argv[1]) : 60;
     if (flights < 1) throw std::invalid_argument("FLIGHTS is a number from 1");
-    Errors shipped = fly(flights, {});
-    print("shipped", shipped, "{");
+    const int wings = (flights + 2) / 3;
+    FlightChoice modelled;
+    modelled.overrides = as_modelled();
+    Errors errors = fly<false>(flights, {});
+    print("shipped", errors, "{");
     std::fflush(stdout);
-    Errors modelled = fly(flights, as_modelled());
-    print("modelled", modelled, ",\n ");
+    errors = fly<false>(flights, modelled);
+    print("modelled", errors, ",\n ");
+    std::fflush(stdout);
+    errors = fly<true>(wings, wing_in("6,270"));
+    print("fixedwing", errors, ",\n ");
+    errors = fly<true>(wings, wing_in("6,270,6"));
+    print("fixedwing_gusts", errors, ",\n ");
     std::printf("}\n");
     return 0;
   } catch (const std::exception& e) {

@@ -118,8 +118,10 @@ function(rosflight_test name)
   cmake_parse_arguments(arg "" "" "SOURCES;USES;LABELS" ${ARGN})
   rosflight_program(${name} SOURCES ${arg_SOURCES} USES ${arg_USES} GTest::gtest_main)
   add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${ROSFLIGHT_ROOT})
-  # The label tells ./rosflight test that it can count the cases inside.
-  set_tests_properties(${name} PROPERTIES TIMEOUT 300 LABELS "gtest;${arg_LABELS}")
+  # The labels tell ./rosflight test that it can count the cases inside, and whose test it is.
+  file(RELATIVE_PATH folder ${ROSFLIGHT_ROOT} ${CMAKE_CURRENT_SOURCE_DIR})
+  string(REGEX REPLACE "/.*" "" folder ${folder})
+  set_tests_properties(${name} PROPERTIES TIMEOUT 300 LABELS "gtest;of ${folder};${arg_LABELS}")
 endfunction()
 
 function(rosflight_fuzzer name)

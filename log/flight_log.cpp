@@ -157,6 +157,12 @@ void FlightLog::write_setpoint(hal::Time time, const Setpoint& setpoint) {
         [&](CdrWriter& out) { serialize(out, {now, kInertialFrame}, setpoint); });
 }
 
+void FlightLog::write_estimate(hal::Time time, const Estimate& estimate) {
+  const std::uint64_t now = stamp(time);
+  write(Topic::kEstimate, now,
+        [&](CdrWriter& out) { serialize(out, {now, kInertialFrame}, estimate); });
+}
+
 void FlightLog::write_phase(hal::Time time, std::string_view name) {
   const std::uint64_t now = stamp(time);
   write(Topic::kPhase, now, [&](CdrWriter& out) { serialize_phase(out, {now, {}}, name); });

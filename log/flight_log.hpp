@@ -57,6 +57,8 @@ class FlightLog {
 
   void write_setpoint(hal::Time time, const Setpoint& setpoint);
 
+  void write_estimate(hal::Time time, const Estimate& estimate);
+
   /// Autonomy entered the phase `name`.
   void write_phase(hal::Time time, std::string_view name);
 

@@ -41,6 +41,7 @@ enum class Topic : std::uint8_t {
   kPwmOutput,
   kTruthVehicle,
   kSetpoint,
+  kEstimate,
   kPhase,
   kParameter,
   kTexts
@@ -87,6 +88,7 @@ inline constexpr std::array kTopics{
     TopicType{"/sim/pwm_output", "rosflight_msgs/msg/PwmOutput"},
     TopicType{"/sim/truth_vehicle", "rosflight_log_msgs/msg/TruthVehicle"},
     TopicType{"/trajectory_command", "roscopter_msgs/msg/TrajectoryCommand"},
+    TopicType{"/autonomy/estimate", "rosflight_log_msgs/msg/Estimate"},
     TopicType{"/autonomy/phase", "rosflight_log_msgs/msg/Phase"},
     TopicType{"/parameters", "rosflight_log_msgs/msg/Parameter"},
     TopicType{"/rosout", "rcl_interfaces/msg/Log"},

@@ -243,6 +243,26 @@ string name
 uint8 type
 float64 value  # exact
 )"},
+    MessageDefinition{
+        "rosflight_log_msgs/msg/Estimate",
+        R"(# What guidance is told of the vehicle; sigma: standard deviations by the filter.
+std_msgs/Header header
+float32[3] position         # m, north-east-down
+float32[3] velocity         # m/s, over ground
+float32[4] attitude         # w, x, y, z: takes body coordinates to north-east-down
+float32[3] gyro_bias        # rad/s, body axes
+float32[3] accel_bias       # m/s^2, body axes
+float32[2] wind             # m/s, north, east; NaN where the filter has none
+float32 airspeed            # m/s; NaN likewise
+float32 course              # rad
+float32[3] position_sigma
+float32[3] velocity_sigma
+float32[3] attitude_sigma   # rad, about body axes
+float32[2] wind_sigma
+# Of each aid (GNSS horizontal, GNSS altitude, GNSS velocity, barometer, heading, range, pitot, sideslip, rest):
+float32[9] innovation       # squared, over its covariance and degrees of freedom: 1 on average
+bool[9] refusing
+)"},
     MessageDefinition{"rosflight_log_msgs/msg/Phase", "std_msgs/Header header\nstring name\n"},
     MessageDefinition{"rosflight_log_msgs/msg/TruthVehicle", R"(std_msgs/Header header
 float32[14] outputs                    # 0..1, commands to the actuators

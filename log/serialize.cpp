@@ -343,6 +343,24 @@ void serialize(CdrWriter& out, const Header& header, const Setpoint& setpoint) {
   out.put(setpoint.yaw_acceleration_rad_s2);
 }
 
+void serialize(CdrWriter& out, const Header& header, const Estimate& estimate) {
+  put_header(out, header);
+  out.put(estimate.p_N_m);
+  out.put(estimate.v_N_m_s);
+  out.put(estimate.q_NB);
+  out.put(estimate.gyro_bias_rad_s);
+  out.put(estimate.accel_bias_m_s2);
+  out.put(estimate.wind_N_m_s);
+  out.put(estimate.airspeed_m_s);
+  out.put(estimate.course_rad);
+  out.put(estimate.p_sigma_m);
+  out.put(estimate.v_sigma_m_s);
+  out.put(estimate.attitude_sigma_rad);
+  out.put(estimate.wind_sigma_m_s);
+  out.put(estimate.innovation);
+  for (const bool refusing : estimate.refusing) out.put(refusing);
+}
+
 void serialize_text(CdrWriter& out, std::uint64_t stamp_ns, link::Severity severity,
                     std::string_view source, std::string_view text) {
   constexpr std::uint8_t kInfo = 20;

@@ -31,6 +31,25 @@ struct Setpoint {
   float yaw_acceleration_rad_s2{};
 };
 
+/// What guidance is told of the vehicle, with standard deviations; NaN: not known.
+struct Estimate {
+  static constexpr std::size_t kAids = 9;
+  std::array<float, 3> p_N_m{};
+  std::array<float, 3> v_N_m_s{};
+  std::array<float, 4> q_NB{};  ///< w, x, y, z.
+  std::array<float, 3> gyro_bias_rad_s{};
+  std::array<float, 3> accel_bias_m_s2{};
+  std::array<float, 2> wind_N_m_s{};
+  float airspeed_m_s{};
+  float course_rad{};
+  std::array<float, 3> p_sigma_m{};
+  std::array<float, 3> v_sigma_m_s{};
+  std::array<float, 3> attitude_sigma_rad{};
+  std::array<float, 2> wind_sigma_m_s{};
+  std::array<float, kAids> innovation{};
+  std::array<bool, kAids> refusing{};
+};
+
 // ---- rosflight_msgs, sensor_msgs, geometry_msgs, std_msgs
 void serialize(CdrWriter& out, const Header& header, const link::Attitude& message);
 void serialize(CdrWriter& out, const Header& header, const link::ExternalAttitude& message);
@@ -85,6 +104,7 @@ void serialize_vehicle(CdrWriter& out, const Header& header, const sim::Truth& t
 
 // ---- guidance and texts
 void serialize(CdrWriter& out, const Header& header, const Setpoint& setpoint);
+void serialize(CdrWriter& out, const Header& header, const Estimate& estimate);
 /// rcl_interfaces/Log: a stamp instead of a header.
 void serialize_text(CdrWriter& out, std::uint64_t stamp_ns, link::Severity severity,
                     std::string_view source, std::string_view text);

@@ -54,6 +54,9 @@ def all_figures() -> list[Figure]:
         *(Figure(f"estimation.{noise}.{quantity}", unit, "report",
                  functools.partial(estimation_figure, noise, quantity))
           for noise in ("shipped", "modelled") for quantity, unit in ESTIMATION),
+        *(Figure(f"estimation.{air}.{quantity}", unit, "report",
+                 functools.partial(estimation_figure, air, quantity))
+          for air in ("fixedwing", "fixedwing_gusts") for quantity, unit in ESTIMATION + AIR),
         *(Figure(f"missions.{name}.{quantity}", unit, target,
                  functools.partial(mission_figure, name, quantity))
           for name, quantity, unit, target in MISSIONS + FIXEDWING_MISSIONS),
@@ -64,11 +67,12 @@ def all_figures() -> list[Figure]:
     ]
 
 
-# Errors of the estimate in the default flight: rms and what 95 of 100 samples stay below.
+# Errors of the estimate in the default flights: rms and what 95 of 100 samples stay below.
 ESTIMATION = [(f"{name}_{kind}", unit)
               for name, unit in (("horizontal_m", "m"), ("vertical_m", "m"), ("velocity_m_s", "m/s"),
                                  ("tilt_deg", "deg"), ("heading_deg", "deg")) for kind in ("rms", "p95")]
 ESTIMATION += [("nees", "1")]
+AIR = [(f"{name}_{kind}", "m/s") for name in ("airspeed_m_s", "wind_m_s") for kind in ("rms", "p95")]
 
 
 def mission_rows() -> list[tuple[str, str, str, str]]:

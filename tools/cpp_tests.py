@@ -17,11 +17,12 @@ SANITIZER_OPTIONS = {"UBSAN_OPTIONS": "print_stacktrace=1"}
 @dataclass
 class Binary:
     name: str
-    command: list[str]
+    command: list[str]  # empty while it is not built: CTest does not tell it then
     folder: str = str(project.ROOT)
     timeout_s: float = 300
     counts_cases: bool = False
     needs_emulator: bool = False
+    part: str = ""  # the folder at the root that it tests, of programs that we build
 
 
 @dataclass
@@ -32,24 +33,26 @@ class Outcome:
 
 
 def find(preset: str) -> list[Binary]:
-    """The tests CTest knows of in build/PRESET, which must be configured."""
+    """The tests CTest knows of in build/PRESET, which must be configured but need not be built."""
     build = project.ROOT / "build" / preset
     shown = subprocess.run(["ctest", "--test-dir", str(build), "--show-only=json-v1"],
                            capture_output=True, text=True)
     if shown.returncode != 0:
         raise RuntimeError(f"ctest cannot list the tests of {build}: {shown.stderr.strip()}")
-    return [_binary(test) for test in json.loads(shown.stdout)["tests"] if "command" in test]
+    return [_binary(test) for test in json.loads(shown.stdout)["tests"]]
 
 
 def _binary(test: dict) -> Binary:
     properties = {entry["name"]: entry["value"] for entry in test.get("properties", [])}
+    labels = properties.get("LABELS", [])
     return Binary(
         name=test["name"],
-        command=test["command"],
+        command=test.get("command", []),
         folder=properties.get("WORKING_DIRECTORY", str(project.ROOT)),
         timeout_s=float(properties.get("TIMEOUT", 300)),
-        counts_cases="gtest" in properties.get("LABELS", []),
-        needs_emulator="emulator" in properties.get("LABELS", []),
+        counts_cases="gtest" in labels,
+        needs_emulator="emulator" in labels,
+        part=next((label.removeprefix("of ") for label in labels if label.startswith("of ")), ""),
     )
 
 

@@ -3,6 +3,7 @@
 
 import csv
 import json
+import math
 import statistics
 import subprocess
 import sys
@@ -99,15 +100,18 @@ def print_table(title: str, rows: list[dict]):
 
 def draw(rows: list[dict], folder: Path, file: Path):
     figure, axes = pyplot.subplots(figsize=(12, 5), layout="constrained")
-    bins = [10 ** (-2.2 + k / 40) for k in range(181)]  # 0.006 to 200 ms, the same width on a log scale
+    lowest = math.log10(min(row["min"] for row in rows))
+    count = math.ceil(40 * (math.log10(max(row["max"] for row in rows)) - lowest)) + 1
+    bins = [10 ** (lowest + k / 40) for k in range(count + 1)]  # the same width on a log scale
+    colours: dict[tuple, str] = {}
     for row in rows:
+        colour = colours.setdefault((row["path"], row["link"]), f"C{len(colours)}")
         with (folder / row["csv"]).open() as lines:
             ms = [float(line["round_trip_us"]) / 1000.0 for line in csv.DictReader(lines)]
-        axes.hist(ms, bins=bins, histtype="step", linestyle="-" if row["load"] == "idle" else ":",
+        axes.hist(ms, bins=bins, histtype="step", color=colour, linestyle="-" if row["load"] == "idle" else ":",
                   label=f"{row['path']}, {row['link']}, {row['load']}: {row['mean']:.3f} ms")
     axes.set(title=f"Round trip of an offboard command at {rows[0]['wanted_hz']:g} Hz", xlabel="round trip [ms]",
              ylabel="commands", xscale="log", yscale="log")
-    axes.set_xlim(0.8 * min(row["min"] for row in rows), 1.25 * max(row["max"] for row in rows))
     axes.legend(title="path, link, load: mean", loc="center left", bbox_to_anchor=(1.0, 0.5))
     axes.grid(alpha=0.3)
     figure.savefig(file, dpi=120)
@@ -124,7 +128,7 @@ def run(options) -> int:
     finally:
         rclpy.try_shutdown()
     steady = [row for row in rows if row["wanted_hz"]]
-    draw(steady, options.out, options.out / "rtt.png")
+    draw([row for row in steady if "min" in row], options.out, options.out / "rtt.png")
     (options.out / "rtt.json").write_text(json.dumps(rows, indent=2) + "\n")
     if options.json:
         print(json.dumps(rows, indent=2))

@@ -56,7 +56,7 @@ std::unique_ptr<FlightBoard> make_other_board(const FlightSetup& setup, sim::Ser
 
 }  // namespace
 
-Flight::Flight(const FlightSetup& setup)
+Flight::Flight(const FlightSetup& setup, std::unique_ptr<Guide> guide)
     : setup_{setup},
       random_{setup.choice.seed},
       forces_{setup.registry.make_forces(setup.vehicle, random_)},
@@ -74,7 +74,7 @@ Flight::Flight(const FlightSetup& setup)
       flown_board_{other_board_ ? other_board_.get() : &board_},
       session_{codec_, flown_board_->link() != nullptr ? *flown_board_->link() : companion_end_,
                companion::Session::Options{}},
-      guide_{make_guide(setup)},
+      guide_{guide ? std::move(guide) : make_guide(setup)},
       navigator_{make_navigator(setup, session_)},
       director_{director_config(setup), session_, pilot_, *guide_, *navigator_},
       fast_{kStep},
@@ -92,6 +92,7 @@ Flight::Flight(const FlightSetup& setup)
   }
   if (const auto* wing = std::get_if<WingPlan>(&setup.plan)) {
     face_the_wind();
+    wing_guide_ = dynamic_cast<const FixedWingGuide*>(guide_.get());
     wing_record_.emplace(wing->mission.landing.aim_N,
                          wing->autonomy.mission.plan_for(wing->mission).radius_m);
   }
@@ -135,8 +136,9 @@ void Flight::before_step(sim::Time t) {
   if (wing_record_) sensors_.set_pitot_covered(director_.stage() < Stage::kArm);
   if (wing_record_ && director_.stage() == Stage::kFly) {
     dynamics_.set_held(guide_->output().idle && !guide_->output().landed);
-    wing_record_->step(dynamics_.truth(), seen_position_N(),
-                       static_cast<const FixedWingGuide&>(*guide_).details());
+    if (wing_guide_ != nullptr) {
+      wing_record_->step(dynamics_.truth(), seen_position_N(), wing_guide_->details());
+    }
   }
   if (script_) script_(*this, t);
 }

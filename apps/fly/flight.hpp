@@ -30,7 +30,8 @@ class Flight final : private sim::LockStepListener {
   static constexpr sim::Time kStep{2500};  ///< 400 Hz, the rate of the IMU.
 
   /// @param setup  must outlive this.
-  explicit Flight(const FlightSetup& setup);
+  /// @param guide  of your own (docs/autonomy/replace-a-module.md); none: the project's.
+  explicit Flight(const FlightSetup& setup, std::unique_ptr<Guide> guide = nullptr);
 
   /// Sees every frame on the cable, or nullptr.
   void set_tap(LinkTap* tap);
@@ -129,6 +130,7 @@ class Flight final : private sim::LockStepListener {
   std::function<void(Flight&, sim::Time)> script_;
   Tracking tracking_;
   Tracking own_tracking_;
+  const FixedWingGuide* wing_guide_{};  ///< Null unless the project's guidance flies a fixed wing.
   std::optional<WingRecord> wing_record_;
   const sim::sensors::StandardSensors* instruments_{};  ///< Null for a module of someone else's.
   bool motor_faults_{false};

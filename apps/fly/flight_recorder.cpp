@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "apps/link_protocol.hpp"
 
@@ -79,13 +82,18 @@ FlightRecorder::FlightRecorder(Flight& flight, const std::filesystem::path& log_
   log_->attach("vehicle.yaml", "application/yaml", setup.vehicle.text());
   log_->attach("mission.yaml", "application/yaml", setup.mission_text);
   record_.motor_count = setup.rotors.rotors.size();
+  record_.estimated = setup.choice.state != "truth";
+  record_.fixed_wing = setup.fixed_wing();
   for (const ShownWaypoint& waypoint : setup.waypoints) {
     report::Waypoint shown;
     shown.p_N_m = {waypoint.p_N.x(), waypoint.p_N.y(), waypoint.p_N.z()};
     shown.heading_rad = waypoint.heading_rad;
     shown.hold_s = waypoint.hold_s;
     record_.waypoints.push_back(shown);
+    const bool elsewhere = record_.route.empty() || record_.route.back() != shown.p_N_m;
+    if (!record_.fixed_wing && elsewhere) record_.route.push_back(shown.p_N_m);
   }
+  if (record_.route.size() == 1) record_.route.clear();  // a place is no way
   flight.set_tap(this);
   flight.add(*this);
 }
@@ -119,6 +127,9 @@ void FlightRecorder::log_autonomy(sim::Time t) {
   if (output.phase != last_phase_) {
     last_phase_ = output.phase;
     log_->write_phase(t, output.phase);
+    if (const auto* wing = dynamic_cast<const FixedWingGuide*>(&flight_.guide())) {
+      add_route(wing->manager());
+    }
   }
   constexpr double kInterval_s = 0.0099;  // autonomy runs at 100 Hz
   if (seconds(t) - last_setpoint_s_ < kInterval_s) return;
@@ -136,6 +147,34 @@ void FlightRecorder::step(const sim::Truth& truth, const hal::OutputValues& outp
   follow_states(seconds(truth.time));
 }
 
+/// The path as it is planned from here on.
+void FlightRecorder::add_route(const autonomy::fixedwing::FlightManager& manager) {
+  if (!manager.path().started()) return;
+  constexpr double kEvery_m = 5.0;
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (!record_.route.empty()) record_.route.push_back({kNone, kNone, kNone});
+  for (const autonomy::fixedwing::Segment& segment : manager.path().plan().segments) {
+    const double turn_m = 2.0 * std::numbers::pi * std::abs(segment.radius_m);
+    const double length_m = std::isfinite(segment.length_m) ? segment.length_m : turn_m;
+    const int pieces = segment.straight() ? 1 : 1 + static_cast<int>(length_m / kEvery_m);
+    for (int k = 0; k <= pieces; ++k) {
+      const double s_m = length_m * k / pieces;
+      const auto p = segment.point_at(s_m);
+      record_.route.push_back({p.x(), p.y(), -segment.height_at(s_m)});
+    }
+  }
+}
+
+void FlightRecorder::add_estimate(const sim::Truth& truth, report::Sample& sample) {
+  const Navigator& navigator = flight_.navigator();
+  if (!record_.estimated || !navigator.health().initialised) return;
+  estimate_ = navigator.estimate();
+  log_->write_estimate(truth.time, logged(estimate_, navigator.health()));
+  estimates_.follow(record_, sample.t_s, estimate_, navigator.health());
+  sample.estimate =
+      estimates_.sample(estimate_, navigator.health(), truth, flight_.seen_position_N());
+}
+
 void FlightRecorder::add_sample(const sim::Truth& truth, const hal::OutputValues& outputs) {
   report::Sample sample;
   sample.t_s = seconds(truth.time);
@@ -144,7 +183,7 @@ void FlightRecorder::add_sample(const sim::Truth& truth, const hal::OutputValues
   sample.attitude_rad = euler(truth.body.q_NB);
   sample.rates_rad_s = to_vec3(truth.body.w_B);
   const FirmwareView firmware = flight_.flight_board().view();
-  sample.estimate_rad = {firmware.roll_rad, firmware.pitch_rad, core::yaw_of(firmware.q_NB)};
+  sample.firmware_rad = {firmware.roll_rad, firmware.pitch_rad, core::yaw_of(firmware.q_NB)};
   if (firmware.armed) {
     for (std::size_t k = 0; k < 3; ++k) {
       if (firmware.command_type[3 + k] == core::CommandType::kAngle) {
@@ -166,6 +205,10 @@ void FlightRecorder::add_sample(const sim::Truth& truth, const hal::OutputValues
   }
   sample.battery_V = static_cast<float>(truth.battery_voltage_V);
   sample.battery_A = static_cast<float>(truth.battery_current_A);
+  add_estimate(truth, sample);
+  if (const auto* wing = dynamic_cast<const FixedWingGuide*>(&flight_.guide())) {
+    sample.wing = wing_sample(wing->details(), truth, flight_.seen_position_N());
+  }
   record_.add(sample);
 }
 

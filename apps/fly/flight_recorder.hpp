@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "apps/fly/estimate_record.hpp"
 #include "apps/fly/flight.hpp"
 #include "apps/report/flight_record.hpp"
 #include "log/flight_log.hpp"
@@ -33,11 +34,15 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
  private:
   void log_autonomy(sim::Time t);
   void add_sample(const sim::Truth& truth, const hal::OutputValues& outputs);
+  void add_estimate(const sim::Truth& truth, report::Sample& sample);
+  void add_route(const autonomy::fixedwing::FlightManager& manager);
   void follow_states(double t_s);
 
   Flight& flight_;
   std::unique_ptr<log::FlightLog> log_;
   report::FlightRecord record_;
+  EstimateRecord estimates_;
+  autonomy::StateEstimate estimate_;  ///< Of this sample.
   std::shared_ptr<link::Codec> from_board_;
   std::shared_ptr<link::Codec> from_companion_;
   sim::Time boot_{};

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <numbers>
 
 #include "apps/project_root.hpp"
@@ -77,11 +78,14 @@ std::variant<MultirotorPlan, WingPlan> read_plan(const sim::Vehicle& vehicle,
   return plan;
 }
 
+constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
+
 std::vector<ShownWaypoint> shown(const std::variant<MultirotorPlan, WingPlan>& plan) {
   std::vector<ShownWaypoint> out;
   if (const auto* wing = std::get_if<WingPlan>(&plan)) {
     for (const auto& wp : wing->mission.waypoints) {
-      out.push_back({wp.p_N, wp.course_rad, wp.hold_s});
+      const bool on_course = wp.passing == autonomy::fixedwing::Passing::kDubins;
+      out.push_back({wp.p_N, on_course ? wp.course_rad : kNotGiven, wp.hold_s});
     }
     return out;
   }

@@ -42,7 +42,7 @@ struct WingPlan {
 /// A waypoint as the report shows it.
 struct ShownWaypoint {
   sim::Vector3 p_N{sim::Vector3::Zero()};
-  double heading_rad{};
+  double heading_rad{};  ///< NaN: none was asked for.
   double hold_s{};
 };
 

@@ -12,6 +12,7 @@
 #include <iostream>
 
 #include "apps/fly/flight_recorder.hpp"
+#include "apps/fly/wing_summary.hpp"
 #include "apps/report/path_chart.hpp"
 #include "apps/report/report.hpp"
 #include "companion/parameter_file.hpp"
@@ -137,6 +138,8 @@ void fill_record(report::FlightRecord& record, const Flight& flight, const Resul
                                  setup.choice.vehicle, setup.choice.mission, setup.choice.seed);
   if (setup.choice.board != "in_process") line += " --board " + setup.choice.board;
   if (setup.choice.link != "cable") line += " --link " + setup.choice.link;
+  if (setup.choice.state != FlightChoice{}.state) line += " --state " + setup.choice.state;
+  for (const std::string& text : setup.choice.plugins) line += " --plugin " + text;
   if (setup.choice.wind) line += " --wind " + *setup.choice.wind;
   for (const std::string& text : setup.choice.overrides) line += " --set " + text;
   for (const std::string& text : setup.choice.faults) line += " --fault " + text;
@@ -152,8 +155,14 @@ void fill_record(report::FlightRecord& record, const Flight& flight, const Resul
   };
   fact("Waypoints reached",
        fmt::format("{} of {}", result.waypoints_reached, setup.waypoints.size()), "", true);
-  fact("Tracking error, rms", fmt::format("{:.2f}", flight.tracking().rms_m()), "m", true);
-  fact("Tracking error, largest", fmt::format("{:.2f}", flight.tracking().max_m), "m", true);
+  const bool wing = flight.wing_record() != nullptr;  // has its own figures
+  fact("Tracking error, rms", fmt::format("{:.2f}", flight.tracking().rms_m()), "m", !wing);
+  fact("Tracking error, largest", fmt::format("{:.2f}", flight.tracking().max_m), "m", !wing);
+  if (!wing && setup.choice.state != "truth") {
+    fact("Across ground, less GNSS drift, rms",
+         fmt::format("{:.2f}", flight.own_tracking().rms_m()), "m", true);
+  }
+  if (wing) add_wing_facts(record, *flight.wing_record());
   fact("Flight time", fmt::format("{:.1f}", result.flight_time_s), "s", true);
   fact("Simulated time", fmt::format("{:.1f}", result.sim_time_s), "s", false);
   fact("Warnings", std::to_string(recorder.warnings()), "", false);
@@ -192,39 +201,6 @@ std::string quoted(const std::string& text) {
     }
   }
   return out + "\"";
-}
-
-/// What only a fixed wing has, as further entries of the summary.
-std::string wing_json(const Flight& flight) {
-  const WingRecord* w = flight.wing_record();
-  if (w == nullptr) return "";
-  std::string out = fmt::format(
-      "\"straight_rms_m\": {:.6f}, \"arc_rms_m\": {:.6f}, \"straight_total_rms_m\": {:.6f}, "
-      "\"arc_total_rms_m\": {:.6f}, \"height_rms_m\": {:.6f}, \"height_total_rms_m\": {:.6f}, "
-      "\"airspeed_rms_m_s\": {:.6f}, \"largest_roll_deg\": {:.4f}, "
-      "\"lowest_airspeed_m_s\": {:.4f}, ",
-      w->straight.rms_m(), w->arc.rms_m(), w->straight_total.rms_m(), w->arc_total.rms_m(),
-      w->height.rms_m(), w->height_total.rms_m(), w->airspeed.rms_m(),
-      w->roll.max_m / autonomy::kRadPerDeg, w->lowest_airspeed_m_s);
-  if (const auto& t = w->touchdown()) {
-    out += fmt::format(
-        "\"touchdown\": {{\"distance_m\": {:.4f}, \"along_m\": {:.4f}, \"sink_m_s\": {:.4f}, "
-        "\"roll_deg\": {:.4f}, \"pitch_deg\": {:.4f}}}, ",
-        t->distance_m, t->along_m, t->sink_m_s, t->roll_rad / autonomy::kRadPerDeg,
-        t->pitch_rad / autonomy::kRadPerDeg);
-  }
-  return out;
-}
-
-void print_wing(std::ostream& out, const WingRecord& w) {
-  fmt::print(out, "cross-track      {:.2f} m rms on straights, {:.2f} m on arcs\n",
-             w.straight.rms_m(), w.arc.rms_m());
-  fmt::print(out, "height, airspeed {:.2f} m, {:.2f} m/s rms\n", w.height.rms_m(),
-             w.airspeed.rms_m());
-  if (const auto& t = w.touchdown()) {
-    fmt::print(out, "touch-down       {:.1f} m from the aim point, sink {:.2f} m/s\n",
-               t->distance_m, t->sink_m_s);
-  }
 }
 
 /// Figures of a board with a processor of its own, as further members of the summary.
@@ -275,7 +251,7 @@ std::string summary_json(const Flight& flight, const Result& result, const Fligh
       quoted(setup.choice.mission), setup.choice.seed, result.sim_time_s, result.flight_time_s,
       result.wall_time_s, result.realtime_factor(), setup.waypoints.size(),
       result.waypoints_reached, waypoints, flight.tracking().rms_m(), flight.tracking().max_m,
-      flight.own_tracking().rms_m(), flight.own_tracking().max_m, wing_json(flight),
+      flight.own_tracking().rms_m(), flight.own_tracking().max_m, wing_json(flight.wing_record()),
       flight.autonomy().landed, flight.director().disarmed(), recorder.warnings(),
       recorder.errors(), recorder.dropped_frames(), quoted(log.path.string()), log.sha256,
       log.messages, log.bytes, processor_json(flight, result.sim_time_s));
@@ -320,7 +296,8 @@ void print_summary(std::ostream& out, const Flight& flight, const Result& result
 int fly_command(const FlyOptions& options, std::ostream& out, std::ostream& err) {
   const auto start = std::chrono::steady_clock::now();
   const auto setup = std::make_unique<FlightSetup>(options.choice);
-  const auto flight = std::make_unique<Flight>(*setup);
+  const auto flight =
+      std::make_unique<Flight>(*setup, options.guide ? options.guide(*setup) : nullptr);
   const fs::path folder = make_folder(options.out);
   FlightRecorder recorder(*flight, folder / "flight.mcap");
   Progress progress(err, isatty(STDERR_FILENO) == 1);

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <iosfwd>
+#include <memory>
 #include <optional>
 
 #include "apps/fly/flight_setup.hpp"
+#include "apps/fly/guide.hpp"
 
 namespace rosflight::apps {
 
@@ -14,6 +17,8 @@ struct FlyOptions {
       out;  ///< Flight folder; default: the next number in flights/.
   bool realtime{false};
   bool json{false};
+  /// Guidance of your own instead of the project's.
+  std::function<std::unique_ptr<Guide>(const FlightSetup&)> guide;
 };
 
 /// `./rosflight fly`: flies, leaves a flight folder, says how it went. Results go to `out`,

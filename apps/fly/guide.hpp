@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "autonomy/common/state_estimate.hpp"
 #include "autonomy/fixedwing/flight_manager.hpp"
@@ -60,8 +62,10 @@ class Guide {
 
 class MultirotorGuide final : public Guide {
  public:
-  MultirotorGuide(const autonomy::FlightConfig& config, const autonomy::Mission& mission)
-      : manager_{config, mission} {}
+  /// @param law  flies the trajectories; none: the one of the project.
+  MultirotorGuide(const autonomy::FlightConfig& config, const autonomy::Mission& mission,
+                  std::unique_ptr<autonomy::TrajectoryLaw> law = nullptr)
+      : manager_{config, mission, std::move(law)} {}
   const GuideOutput& step(const Input& in, const Notify& notify) override;
   void request_land() override { manager_.request_land(); }
   autonomy::FlightManager& manager() { return manager_; }
@@ -78,6 +82,7 @@ class FixedWingGuide final : public Guide {
   const GuideOutput& step(const Input& in, const Notify& notify) override;
   void request_land() override { manager_.request_land(); }
   autonomy::fixedwing::FlightManager& manager() { return manager_; }
+  const autonomy::fixedwing::FlightManager& manager() const { return manager_; }
   const autonomy::fixedwing::FlightOutput& details() const { return manager_.output(); }
 
  private:

@@ -62,4 +62,30 @@ void WingRecord::step(const sim::Truth& truth, const sim::Vector3& seen_N,
   sink_m_s_ = v_N.z();
 }
 
+report::Wing wing_sample(const wing::FlightOutput& output, const sim::Truth& truth,
+                         const sim::Vector3& seen_N) {
+  const auto single = [](double x) { return static_cast<float>(x); };
+  const sim::Vector3 v_N = truth.body.q_NB * truth.body.v_B;
+  const sim::Vector3& wind_N = truth.air.wind_N;
+  report::Wing out;
+  out.wind_N_m_s = {single(wind_N.x()), single(wind_N.y())};
+  out.airspeed_m_s = single((v_N - wind_N).norm());
+  constexpr double kMoving_m_s = 2.0;  // Slower, a course is noise.
+  if (v_N.head<2>().norm() > kMoving_m_s) out.course_rad = single(std::atan2(v_N.y(), v_N.x()));
+  if (output.phase == wing::Phase::kDisarmed) return out;
+  const wing::Surfaces& surfaces = output.control.surfaces;
+  out.surfaces = {single(surfaces.aileron), single(surfaces.elevator), single(surfaces.rudder)};
+  if (output.wanted.valid) {
+    out.airspeed_command_m_s = single(output.wanted.airspeed_m_s);
+    out.course_command_rad = single(output.wanted.course_rad);
+  }
+  if (output.tracking) {
+    const wing::Segment& segment = output.path.segment;
+    out.cross_track_m = single(segment.cross_track_m(seen_N.head<2>()));
+    out.cross_track_total_m = single(segment.cross_track_m(truth.body.p_N.head<2>()));
+    out.height_error_m = single(-truth.body.p_N.z() - output.path.height_m);
+  }
+  return out;
+}
+
 }  // namespace rosflight::apps

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "apps/fly/tracking.hpp"
+#include "apps/report/flight_record.hpp"
 #include "autonomy/fixedwing/flight_manager.hpp"
 #include "sim/types.hpp"
 
@@ -55,5 +56,10 @@ class WingRecord {
   double sink_m_s_{};
   std::optional<Touchdown> touchdown_;
 };
+
+/// What the report shows of a fixed wing at one moment.
+/// @param seen_N  the true position less what no filter on board can see.
+report::Wing wing_sample(const autonomy::fixedwing::FlightOutput& output, const sim::Truth& truth,
+                         const sim::Vector3& seen_N);
 
 }  // namespace rosflight::apps

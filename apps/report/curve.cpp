@@ -130,6 +130,39 @@ void append_time_curve(std::string& path_data, std::span<const Point> points) {
   pen.end();
 }
 
+void append_time_band(std::string& path_data, std::span<const Point> lower,
+                      std::span<const Point> upper) {
+  const std::size_t count = std::min(lower.size(), upper.size());
+  std::vector<Point> below;  // One run between gaps.
+  std::vector<Point> above;
+  const auto flush = [&] {
+    for (std::size_t k = 0; k < below.size(); ++k)
+      append_point(path_data, k == 0 ? 'M' : 'L', below[k]);
+    for (std::size_t k = above.size(); k-- > 0;) append_point(path_data, 'L', above[k]);
+    if (!below.empty()) path_data += 'Z';
+    below.clear();
+    above.clear();
+  };
+  for (std::size_t k = 0; k < count;) {
+    if (is_gap(lower[k]) || is_gap(upper[k])) {
+      flush();
+      ++k;
+      continue;
+    }
+    const double column = std::floor(lower[k].x);
+    Point low = lower[k];
+    Point high = upper[k];
+    for (; k < count && !is_gap(lower[k]) && !is_gap(upper[k]) && std::floor(lower[k].x) == column;
+         ++k) {
+      low.y = std::max(low.y, lower[k].y);  // y runs downwards
+      high.y = std::min(high.y, upper[k].y);
+    }
+    below.push_back(low);
+    above.push_back(high);
+  }
+  flush();
+}
+
 void append_track(std::string& path_data, std::span<const Point> points, double tolerance) {
   for (std::size_t k = 0; k < points.size();) {
     const std::size_t first = k;

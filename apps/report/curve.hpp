@@ -18,6 +18,11 @@ struct Point {
 /// caps).
 void append_time_curve(std::string& path_data, std::span<const Point> points);
 
+/// Appends SVG path data for the area between two curves over the same times: of the points in one
+/// pixel column the widest. A gap in either is a gap in the band.
+void append_time_band(std::string& path_data, std::span<const Point> lower,
+                      std::span<const Point> upper);
+
 /// Appends SVG path data for a track in the plane, thinned to `tolerance` pixels (Douglas and
 /// Peucker 1973).
 void append_track(std::string& path_data, std::span<const Point> points, double tolerance);

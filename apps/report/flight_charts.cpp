@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "apps/report/estimate_charts.hpp"
 #include "apps/report/svg_chart.hpp"
 
 namespace rosflight::report {
@@ -25,13 +26,15 @@ std::vector<double> column(const FlightRecord& record, const Get& get) {
 }
 
 void append_position(std::string& html, const FlightRecord& record) {
-  constexpr std::array kNames{"North", "East", "Altitude"};
+  constexpr std::array kNames{"North", "East", "Height"};
   for (std::size_t k = 0; k < 3; ++k) {
     const float sign = k == 2 ? -1.0F : 1.0F;
     TimeChart chart({kNames[k], "m", 2.0, 2, {}, {}}, record);
     chart.add("set-point", CurveStyle::kCommand,
               [&](const Sample& s) { return sign * s.setpoint_N_m[k]; });
     chart.add("flown", CurveStyle::kActual, [&](const Sample& s) { return sign * s.p_N_m[k]; });
+    chart.add("estimate", CurveStyle::kEstimate,
+              [&](const Sample& s) { return sign * s.estimate.p_N_m[k]; });
     chart.append_to(html);
   }
 }
@@ -58,19 +61,19 @@ void append_angle(std::string& html, const FlightRecord& record, std::size_t k) 
   constexpr std::size_t kYaw = 2;
   auto actual = column(record, [k](const Sample& s) { return s.attitude_rad[k]; });
   auto command = column(record, [k](const Sample& s) { return s.attitude_command_rad[k]; });
-  auto estimate = column(record, [k](const Sample& s) { return s.estimate_rad[k]; });
+  auto firmware = column(record, [k](const Sample& s) { return s.firmware_rad[k]; });
   if (k == kYaw) {
     actual = unwrapped(std::move(actual));
     command = unwrapped(std::move(command), &actual);
-    estimate = unwrapped(std::move(estimate), &actual);
+    firmware = unwrapped(std::move(firmware), &actual);
   }
-  for (auto* values : {&actual, &command, &estimate}) {
+  for (auto* values : {&actual, &command, &firmware}) {
     for (double& value : *values) value *= kDegrees;
   }
   TimeChart chart({kAngles[k], "°", 4.0, 2, {}, {}}, record);
   chart.add("command", CurveStyle::kCommand, std::move(command));
   chart.add("true", CurveStyle::kActual, std::move(actual));
-  chart.add("estimate", CurveStyle::kEstimate, std::move(estimate));
+  chart.add("firmware", CurveStyle::kEstimate, std::move(firmware));
   chart.append_to(html);
 }
 
@@ -127,7 +130,10 @@ void append_flight_charts(std::string& html, const FlightRecord& record) {
       "moment. Broad pale lines are commands, shaded spans are faults.</p>\n<div class=\"charts\">";
   append_position(html, record);
   append_error_and_speed(html, record);
-  html += "</div>\n<h2>Attitude and rates</h2>\n<div class=\"charts\">";
+  html += "</div>\n";
+  if (record.fixed_wing) append_wing_charts(html, record);
+  if (record.estimated) append_estimate_charts(html, record);
+  html += "<h2>Attitude and rates</h2>\n<div class=\"charts\">";
   for (std::size_t k = 0; k < 3; ++k) {
     append_angle(html, record, k);
     append_rate(html, record, k);

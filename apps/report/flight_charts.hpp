@@ -7,8 +7,8 @@
 
 namespace rosflight::report {
 
-/// Appends every chart over time: position and its error, speed, attitude beside rates, motors,
-/// battery.
+/// Appends every chart over time: position and its error, speed, what a fixed wing follows, the
+/// estimate, attitude beside rates, motors, battery.
 void append_flight_charts(std::string& html, const FlightRecord& record);
 
 /// Yaw angles without the jumps at half turns [rad]. `follow`: each value is moved by whole turns

@@ -18,6 +18,46 @@ inline constexpr std::size_t kMaxMotors = 10;
 using Vec3 = std::array<float, 3>;
 inline constexpr Vec3 kNoVec3{kNone, kNone, kNone};
 
+/// Of a horizontal vector: north, east.
+using Vec2 = std::array<float, 2>;
+inline constexpr Vec2 kNoVec2{kNone, kNone};
+
+/// What guidance is told of the vehicle, beside the truth. Errors are estimate less truth.
+struct Estimate {
+  static constexpr std::size_t kAids = 9;
+  static constexpr std::array<std::string_view, kAids> kAidNames{
+      "GNSS position", "GNSS height", "GNSS velocity", "barometer", "heading",
+      "range",         "pitot",       "sideslip",      "standing"};
+  Vec3 p_N_m{kNoVec3};
+  Vec3 p_error_m{kNoVec3};       ///< Less what no filter on board can see.
+  Vec3 v_error_m_s{kNoVec3};     ///< North, east, down.
+  Vec3 turn_error_rad{kNoVec3};  ///< Rotation vector in body axes.
+  Vec3 p_sigma_m{kNoVec3};
+  Vec3 v_sigma_m_s{kNoVec3};
+  Vec3 turn_sigma_rad{kNoVec3};
+  Vec2 wind_N_m_s{kNoVec2};
+  Vec2 wind_sigma_m_s{kNoVec2};
+  float airspeed_m_s{kNone};
+  float course_rad{kNone};
+  /// Squared innovation over its covariance and degrees of freedom, mean over some seconds: 1 is
+  /// right.
+  std::array<float, kAids> innovation{kNone, kNone, kNone, kNone, kNone,
+                                      kNone, kNone, kNone, kNone};
+};
+
+/// What a fixed wing flies by.
+struct Wing {
+  Vec2 wind_N_m_s{kNoVec2};  ///< True.
+  float airspeed_m_s{kNone};
+  float airspeed_command_m_s{kNone};
+  float course_rad{kNone};
+  float course_command_rad{kNone};
+  float cross_track_m{kNone};  ///< Positive right of the path, less what no filter can see.
+  float cross_track_total_m{kNone};
+  float height_error_m{kNone};  ///< Above the ramped reference.
+  Vec3 surfaces{kNoVec3};       ///< Aileron, elevator, rudder by effect, -1..1.
+};
+
 /// Everything plotted over time, at one instant.
 struct Sample {
   double t_s{};
@@ -25,7 +65,7 @@ struct Sample {
   Vec3 v_N_m_s{kNoVec3};
   Vec3 setpoint_N_m{kNoVec3};
   Vec3 attitude_rad{kNoVec3};          ///< True roll, pitch, yaw.
-  Vec3 estimate_rad{kNoVec3};          ///< The same as the firmware sees it.
+  Vec3 firmware_rad{kNoVec3};          ///< The same as the firmware sees it.
   Vec3 attitude_command_rad{kNoVec3};  ///< Per axis; NaN where rates or torques are commanded.
   Vec3 rates_rad_s{kNoVec3};           ///< True p, q, r.
   Vec3 rate_command_rad_s{kNoVec3};
@@ -35,6 +75,8 @@ struct Sample {
                                              kNone, kNone, kNone, kNone, kNone};
   float battery_V{kNone};
   float battery_A{kNone};
+  Estimate estimate{};
+  Wing wing{};
 };
 
 /// How a state or an event reads: decides its colour and sign.
@@ -93,7 +135,7 @@ class FlightRecord {
  public:
   /// @param interval_s  Samples closer than this to the last one kept are dropped; 0 keeps all. A
   /// sample
-  ///                    takes 224 B: at 100 Hz 1.3 MB a minute.
+  ///                    takes some 450 B: at 100 Hz 2.7 MB a minute.
   explicit FlightRecord(double interval_s = 0.01) : interval_s_(interval_s) {}
 
   /// True if a sample at t_s would be kept: lets a caller save the work of making it.
@@ -117,11 +159,15 @@ class FlightRecord {
   std::string mission;
   std::string seed;
   std::string command_line;  ///< What to type to fly this again.
+  bool estimated{false};     ///< It flew on an estimate: samples have one.
+  bool fixed_wing{false};    ///< Samples have `wing`.
   bool success{false};
   std::string verdict;  ///< One sentence: why success, or why not.
   std::size_t motor_count{4};
   std::vector<Fact> facts;
   std::vector<Waypoint> waypoints;
+  /// The way as it was planned, north-east-down [m]; NaN between pieces that do not join.
+  std::vector<std::array<double, 3>> route;
   std::vector<Fault> faults;
   std::vector<ChangedParameter> changed_parameters;
   std::vector<std::string> files;  ///< Names of the other files beside the report.

@@ -62,6 +62,7 @@ Bounds bounds_along(const FlightRecord& record, Direction direction) {
   }
   for (const Waypoint& waypoint : record.waypoints)
     bounds.include(along(waypoint.p_N_m, direction));
+  for (const auto& p_N_m : record.route) bounds.include(along(p_N_m, direction));
   if (bounds.empty()) bounds.include(0.0);
   return bounds;
 }
@@ -142,10 +143,21 @@ void append_track_of(std::string& svg, const FlightRecord& record, const Frame& 
   svg += "\"/>";
 }
 
+void append_route(std::string& svg, const FlightRecord& record, const Frame& frame,
+                  const PathView& view) {
+  if (record.route.empty()) return;
+  std::vector<Point> points;
+  points.reserve(record.route.size());
+  for (const auto& p_N_m : record.route) points.push_back(frame.place(p_N_m, view));
+  svg += "<path class=\"curve route\" d=\"";
+  append_track(svg, points, kTolerance_px);
+  svg += "\"/>";
+}
+
 /// Waypoints that fall on each other in this view share one label.
 struct Label {
   Point at;
-  std::string numbers;
+  std::vector<std::size_t> numbers;
   std::string tip;
   bool missed{false};
 };
@@ -164,7 +176,7 @@ std::vector<Label> waypoint_labels(const FlightRecord& record, const Frame& fram
     if (label == labels.end()) label = labels.insert(labels.end(), Label{at, {}, {}, false});
     const std::string name = std::to_string(k + 1);
     const bool missed = !std::isfinite(waypoint.reached_s);
-    label->numbers += (label->numbers.empty() ? "" : " ") + name;
+    label->numbers.push_back(k + 1);
     label->tip += (label->tip.empty() ? "" : "; ") + std::string("waypoint ") + name +
                   (missed ? " missed" : " reached at " + number(waypoint.reached_s, 1) + " s");
     label->missed = label->missed || missed;
@@ -172,12 +184,26 @@ std::vector<Label> waypoint_labels(const FlightRecord& record, const Frame& fram
   return labels;
 }
 
+/// Of many numbers the first and the last; the tip has them all.
+std::string text_of(const Label& label) {
+  constexpr std::size_t kMost = 3;
+  if (label.numbers.size() > kMost) {
+    return std::to_string(label.numbers.front()) + " .. " + std::to_string(label.numbers.back());
+  }
+  std::string out;
+  for (const std::size_t number : label.numbers) {
+    out += (out.empty() ? "" : " ") + std::to_string(number);
+  }
+  return out;
+}
+
 void append_waypoints(std::string& svg, const std::vector<Label>& labels) {
   constexpr double kHalfHeight = 8.5;
   constexpr double kCharacter = 6.4;
   for (const Label& label : labels) {
+    const std::string text = text_of(label);
     const double half_width =
-        std::max(kHalfHeight, 0.5 * kCharacter * static_cast<double>(label.numbers.size()) + 4.0);
+        std::max(kHalfHeight, 0.5 * kCharacter * static_cast<double>(text.size()) + 4.0);
     svg += "<g class=\"waypoint";
     svg += label.missed ? " missed" : "";
     svg += "\"><title>" + escape(label.tip) + "</title><rect";
@@ -189,7 +215,7 @@ void append_waypoints(std::string& svg, const std::vector<Label>& labels) {
     svg += "/><text text-anchor=\"middle\"";
     append_attribute(svg, "x", label.at.x);
     append_attribute(svg, "y", label.at.y + 4.0);
-    svg += ">" + escape(label.numbers) + "</text></g>";
+    svg += ">" + escape(text) + "</text></g>";
   }
 }
 
@@ -260,6 +286,7 @@ double append_path_svg(std::string& svg, const FlightRecord& record, const PathV
   }
   svg += "\">";
   append_axes(svg, frame, view);
+  append_route(svg, record, frame, view);
   append_track_of(svg, record, frame, view, "command",
                   [](const Sample& s) { return s.setpoint_N_m; });
   append_track_of(svg, record, frame, view, "actual", [](const Sample& s) { return s.p_N_m; });
@@ -274,7 +301,10 @@ void append_path_figure(std::string& html, const FlightRecord& record, const Pat
   html +=
       "<figure class=\"chart\"><figcaption><span class=\"name\">" + escape(view.title) +
       "</span><span class=\"keys\"><span class=\"key\"><i class=\"swatch actual\"></i>flown</span>"
-      "<span class=\"key\"><i class=\"swatch command\"></i>set-point</span>"
+      "<span class=\"key\"><i class=\"swatch command\"></i>set-point</span>" +
+      std::string(record.route.empty()
+                      ? ""
+                      : "<span class=\"key\"><i class=\"swatch route\"></i>planned</span>") +
       "<span class=\"key\"><i class=\"sign start\">▲</i>start</span>"
       "<span class=\"key\"><i class=\"sign finish\">■</i>end</span></span></figcaption>";
   append_path_svg(html, record, view);

@@ -82,7 +82,7 @@ void append_waypoint_table(std::string& html, const FlightRecord& record) {
       "<div><h2>Waypoints</h2><div class=\"scroll\"><table><thead><tr><th class=\"n\">#</th>"
       "<th class=\"n\">north, m</th><th class=\"n\">east, m</th><th class=\"n\">up, m</th>"
       "<th class=\"n\">heading, °</th><th class=\"n\">hold, s</th><th class=\"n\">reached, s</th>"
-      "<th class=\"n\">missed by, m</th></tr></thead><tbody>";
+      "<th class=\"n\">distance, m</th></tr></thead><tbody>";
   for (std::size_t k = 0; k < record.waypoints.size(); ++k) {
     const Waypoint& waypoint = record.waypoints[k];
     html += "<tr>";

@@ -14,6 +14,7 @@ constexpr double kWidth = 560.0;
 constexpr double kHeight = 158.0;
 constexpr double kLeft = 48.0;
 constexpr double kRight = 552.0;
+constexpr double kMargin = 8.0;  // Right of a drawing over time.
 constexpr double kTop = 8.0;
 constexpr double kBottom = 134.0;
 constexpr double kTickGap = 6.0;
@@ -73,9 +74,12 @@ void append_time_grid(std::string& svg, const Axis& time, double top, double bot
   for (const double tick : ticks) {
     const double x = time.pixel(tick);
     append_line(svg, "grid", x, top, x, bottom);
-    append_tick_text(
-        svg, x, bottom + kTimeDrop, "middle",
-        time_label(tick, time) + std::string(tick == ticks.back() ? time_unit(time) : ""));
+    const bool last = tick == ticks.back();
+    constexpr double kHalfLabel = 20.0;  // With its unit; it must not leave the drawing.
+    const bool at_edge = last && x > time.pixel_high - kHalfLabel + kMargin;
+    append_tick_text(svg, at_edge ? time.pixel_high + kMargin : x, bottom + kTimeDrop,
+                     at_edge ? "end" : "middle",
+                     time_label(tick, time) + std::string(last ? time_unit(time) : ""));
   }
 }
 
@@ -140,6 +144,25 @@ void TimeChart::add(std::string_view name, CurveStyle style, std::vector<double>
   curves_.push_back(std::move(curve));
 }
 
+void TimeChart::add_band(std::string_view name, std::vector<double> low, std::vector<double> high) {
+  // How unsure a filter was as it began must not shrink the rest: the widest part may be cut off.
+  constexpr double kShown = 0.95;
+  std::vector<double> lowest;
+  std::vector<double> highest;
+  for (std::size_t k = 0; k < std::min(low.size(), high.size()); ++k) {
+    if (!std::isfinite(low[k]) || !std::isfinite(high[k])) continue;
+    lowest.push_back(-low[k]);
+    highest.push_back(high[k]);
+  }
+  if (lowest.empty()) return;
+  const auto at = static_cast<std::ptrdiff_t>(kShown * static_cast<double>(lowest.size() - 1));
+  std::nth_element(lowest.begin(), lowest.begin() + at, lowest.end());
+  std::nth_element(highest.begin(), highest.begin() + at, highest.end());
+  bounds_.include(-lowest[static_cast<std::size_t>(at)]);
+  bounds_.include(highest[static_cast<std::size_t>(at)]);
+  bands_.push_back({std::string(name), std::move(low), std::move(high)});
+}
+
 void TimeChart::append_caption(std::string& html) const {
   html += "<figcaption><span class=\"name\">" + escape(format_.title) + "</span>";
   if (!format_.unit.empty()) html += "<span class=\"unit\">" + escape(format_.unit) + "</span>";
@@ -148,7 +171,27 @@ void TimeChart::append_caption(std::string& html) const {
     html += "<span class=\"key\"><i class=\"swatch " + curve.css + "\"></i>" + escape(curve.name) +
             "<output></output></span>";
   }
+  for (const Band& band : bands_) {
+    html += "<span class=\"key\"><i class=\"swatch band3\"></i>" + escape(band.name) + "</span>";
+  }
   html += "</span></figcaption>";
+}
+
+void TimeChart::append_bands(std::string& html, const Axis& time, const Axis& value) const {
+  const auto points_of = [&](const std::vector<double>& values) {
+    std::vector<Point> points(std::min(record_.samples().size(), values.size()));
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const double y = value.pixel(values[k]);
+      points[k] = {time.pixel(record_.samples()[k].t_s),
+                   std::isnan(y) ? y : std::clamp(y, kTop, kBottom)};
+    }
+    return points;
+  };
+  for (const Band& band : bands_) {
+    html += "<path class=\"shade\" d=\"";
+    append_time_band(html, points_of(band.low), points_of(band.high));
+    html += "\"/>";
+  }
 }
 
 void TimeChart::append_curves(std::string& html, const Axis& time, const Axis& value) const {
@@ -194,9 +237,10 @@ void TimeChart::append_to(std::string& html) const {
           std::to_string(format_.decimals) + "\">";
   append_fault_shades(html, record_, time, kTop, kBottom);
   append_grid(html, time, value);
-  if (curves_.empty()) {
+  if (curves_.empty() && bands_.empty()) {
     append_tick_text(html, 0.5 * (kLeft + kRight), 0.5 * (kTop + kBottom), "middle", "no data");
   }
+  append_bands(html, time, value);
   append_curves(html, time, value);
   html += "</svg></figure>\n";
 }

@@ -48,6 +48,9 @@ class TimeChart {
   /// Adds a curve with one value per sample of the record.
   void add(std::string_view name, CurveStyle style, std::vector<double> values);
 
+  /// Adds a shaded band from `low` to `high`, beneath all curves.
+  void add_band(std::string_view name, std::vector<double> low, std::vector<double> high);
+
   /// Appends the figure. A curve without a finite value is left out, legend included; a chart
   /// without a curve says so.
   void append_to(std::string& html) const;
@@ -60,12 +63,20 @@ class TimeChart {
     std::vector<double> values;
   };
 
+  struct Band {
+    std::string name;
+    std::vector<double> low;
+    std::vector<double> high;
+  };
+
   void append_caption(std::string& html) const;
+  void append_bands(std::string& html, const Axis& time, const Axis& value) const;
   void append_curves(std::string& html, const Axis& time, const Axis& value) const;
 
   Format format_;
   const FlightRecord& record_;
   std::vector<Curve> curves_;
+  std::vector<Band> bands_;
   Bounds bounds_;
   std::size_t numbered_{0};
 };

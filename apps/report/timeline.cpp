@@ -85,10 +85,14 @@ void append_lane(std::string& svg, const Lane& lane, const Axis& time, double y)
 void append_waypoints(std::string& svg, const FlightRecord& record, const Axis& time, double y) {
   constexpr double kRadius = 8.5;
   append_name(svg, "Waypoints", y);
+  double last_px = -1.0;
   for (std::size_t k = 0; k < record.waypoints.size(); ++k) {
     const Waypoint& waypoint = record.waypoints[k];
     if (!std::isfinite(waypoint.reached_s)) continue;
-    const double x = time.pixel(std::clamp(waypoint.reached_s, time.low, time.high));
+    double x = time.pixel(std::clamp(waypoint.reached_s, time.low, time.high));
+    // Two that follow each other closely stand side by side.
+    if (x < last_px + 2.0 * kRadius + 1.0) x = last_px + 2.0 * kRadius + 1.0;
+    last_px = x;
     const std::string name = std::to_string(k + 1);
     svg += "<g class=\"waypoint\"><title>waypoint " + name + " reached at " +
            number(waypoint.reached_s, 2) + " s</title><circle";

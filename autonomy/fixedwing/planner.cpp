@@ -255,6 +255,83 @@ std::optional<PlanFault> fit_fillet(const Node& node, Leg& before, Leg& after, d
   return {};
 }
 
+/// All legs, with the cuts of their fillets.
+std::optional<PlanFault> make_legs(std::vector<Node>& nodes, bool from_start, double radius_m,
+                                   std::vector<Leg>& legs) {
+  legs.resize(nodes.size() - 1);
+  for (std::size_t k = 0; k < legs.size(); ++k) {
+    if (auto fault = make_leg(nodes[k], nodes[k + 1], from_start && k == 0, radius_m, legs[k])) {
+      return fault;
+    }
+  }
+  for (std::size_t k = 1; k < legs.size(); ++k) {
+    if (nodes[k].passing != Passing::kFillet) continue;
+    if (auto fault = fit_fillet(nodes[k], legs[k - 1], legs[k], radius_m)) return fault;
+  }
+  return {};
+}
+
+/// Change of course at the end of a leg that has a point there.
+double turn_after(const Leg& leg, const Node& to, const Leg* next) {
+  if (next == nullptr || !is_point(to)) return 0.0;
+  return wrap_angle(next->course_rad - leg.course_rad);
+}
+
+/// The parts of a leg less what fillets cut off.
+void lay_leg(Row& row, const Leg& leg, const Node& from, const Node& to) {
+  const auto& [arc1, straight, arc2] = leg.parts;
+  if (from.passing == Passing::kDubins) {
+    row.allow_turns(arc1.start, arc1.radius_m, to);
+    row.add(arc1.start, arc1.radius_m, arc1.length_m, to);
+  }
+  if (straight.radius_m == 0.0) {
+    const Pose begin{straight.start.p_m + leg.cut_start_m * along(leg.course_rad), leg.course_rad};
+    row.add(begin, 0.0, straight.length_m - leg.cut_start_m - leg.cut_end_m, to);
+  } else {
+    row.add(straight.start, straight.radius_m, straight.length_m, to);
+  }
+  if (to.passing == Passing::kDubins) {
+    row.allow_turns(arc2.start, arc2.radius_m, to);
+    row.add(arc2.start, arc2.radius_m, arc2.length_m, to);
+  }
+}
+
+enum class Half : bool { kFirst, kSecond };
+
+/// Half of the arc that rounds off the corner behind a leg.
+void lay_fillet(Row& row, Half half, const Leg& leg, const Node& corner, double turn_rad,
+                double radius_m, const Node& target) {
+  const double s = turn_rad > 0.0 ? radius_m : -radius_m;
+  const double half_m = 0.5 * radius_m * std::abs(turn_rad);
+  const Pose entry{corner.pose.p_m - leg.cut_end_m * along(leg.course_rad), leg.course_rad};
+  const double middle = leg.course_rad + 0.5 * turn_rad;
+  row.add(half == Half::kFirst ? entry : Pose{TurnCircle::at(entry, s).point(middle), middle}, s,
+          half_m, target);
+}
+
+/// Around a kCircle for as long as it asks, to where the next leg begins.
+void lay_circle(Row& row, const Leg& leg, const Node& node, const Leg* next, double radius_m) {
+  const double s = node.radius_m;
+  const Pose entry{TurnCircle{node.pose.p_m, s}.point(leg.course_rad), leg.course_rad};
+  double length_m = node.forever ? kInfinity : node.hold_m;
+  if (!node.forever && next != nullptr) {
+    const double leaves = swept_angle(leg.course_rad, next->course_rad, s) * radius_m;
+    const double round = 2.0 * kPi * radius_m;
+    length_m = leaves + round * std::ceil(std::max(node.hold_m - leaves, 0.0) / round);
+  }
+  row.circle(entry, s, length_m, node);
+}
+
+/// The row of a cycle ends where its second waypoint is passed for the second time: on after the
+/// first.
+std::size_t loop_begin(const Plan& plan, std::size_t second) {
+  for (std::size_t k = 0; k + 1 < plan.segments.size(); ++k) {
+    const Segment& s = plan.segments[k];
+    if (s.passes_waypoint && s.waypoint == second) return k + 1;
+  }
+  return Plan::kNoLoop;
+}
+
 }  // namespace
 
 std::optional<PlanFault> Planner::plan(const std::optional<PathStart>& start,
@@ -265,22 +342,8 @@ std::optional<PlanFault> Planner::plan(const std::optional<PathStart>& start,
   if (waypoints.empty()) return {};
   const double radius_m = config_.radius_m;
   std::vector<Node> nodes = nodes_of(start, waypoints, cycle, first, config_);
-  std::vector<Leg> legs(nodes.size() - 1);
-  const auto give_up = [&out](const PlanFault& fault) {
-    out.segments.clear();
-    out.loop_to = Plan::kNoLoop;
-    return fault;
-  };
-  for (std::size_t k = 0; k < legs.size(); ++k) {
-    const bool from_start = start && k == 0;
-    if (auto fault = make_leg(nodes[k], nodes[k + 1], from_start, radius_m, legs[k])) {
-      return give_up(*fault);
-    }
-  }
-  for (std::size_t k = 1; k < legs.size(); ++k) {
-    if (nodes[k].passing != Passing::kFillet) continue;
-    if (auto fault = fit_fillet(nodes[k], legs[k - 1], legs[k], radius_m)) return give_up(*fault);
-  }
+  std::vector<Leg> legs;
+  if (auto fault = make_legs(nodes, start.has_value(), radius_m, legs)) return fault;
 
   Row row(out);
   row.mark(nodes[0].height_m, nodes[0], config_);
@@ -288,64 +351,22 @@ std::optional<PlanFault> Planner::plan(const std::optional<PathStart>& start,
   const std::size_t end = looping ? legs.size() - 1 : legs.size();
   for (std::size_t k = 0; k < end; ++k) {
     const Leg& leg = legs[k];
-    const Node& from = nodes[k];
+    const Leg* const next = k + 1 < legs.size() ? &legs[k + 1] : nullptr;
     const Node& to = nodes[k + 1];
-    const auto& [arc1, straight, arc2] = leg.parts;
-    if (from.passing == Passing::kDubins) row.allow_turns(arc1.start, arc1.radius_m, to);
-    if (from.passing == Passing::kDubins) row.add(arc1.start, arc1.radius_m, arc1.length_m, to);
-    if (straight.radius_m == 0.0) {
-      const Pose begin{straight.start.p_m + leg.cut_start_m * along(leg.course_rad),
-                       leg.course_rad};
-      row.add(begin, 0.0, straight.length_m - leg.cut_start_m - leg.cut_end_m, to);
-    } else {
-      row.add(straight.start, straight.radius_m, straight.length_m, to);
+    const double turn = turn_after(leg, to, next);
+    const bool fillet = to.passing == Passing::kFillet && std::abs(turn) > kNoTurn_rad;
+    lay_leg(row, leg, nodes[k], to);
+    if (fillet) lay_fillet(row, Half::kFirst, leg, to, turn, radius_m, to);
+    if (auto fault = row.mark(to.height_m, to, config_)) {
+      out.segments.clear();
+      return fault;
     }
-    if (to.passing == Passing::kDubins) {
-      row.allow_turns(arc2.start, arc2.radius_m, to);
-      row.add(arc2.start, arc2.radius_m, arc2.length_m, to);
-    }
-    const bool last = k + 1 == legs.size();
-    const double turn =
-        !last && is_point(to) ? wrap_angle(legs[k + 1].course_rad - leg.course_rad) : 0.0;
-    if (to.passing == Passing::kFillet && std::abs(turn) > kNoTurn_rad) {
-      const double s = turn > 0.0 ? radius_m : -radius_m;
-      const double half_m = 0.5 * radius_m * std::abs(turn);
-      const Pose entry{to.pose.p_m - leg.cut_end_m * along(leg.course_rad), leg.course_rad};
-      const TurnCircle circle = TurnCircle::at(entry, s);
-      row.add(entry, s, half_m, to);
-      if (auto fault = row.mark(to.height_m, to, config_)) return give_up(*fault);
-      row.pass(0.0);
-      if (k + 1 == end) break;
-      const double middle = leg.course_rad + 0.5 * turn;
-      row.add({circle.point(middle), middle}, s, half_m, nodes[k + 2]);
-      continue;
-    }
-    if (auto fault = row.mark(to.height_m, to, config_)) return give_up(*fault);
     row.pass(to.passing == Passing::kLine ? turn : 0.0);
     if (looping && k + 1 == end) break;
-    if (to.passing == Passing::kCircle) {
-      const double s = to.radius_m;
-      const Pose entry{TurnCircle{to.pose.p_m, s}.point(leg.course_rad), leg.course_rad};
-      double length_m = to.forever ? kInfinity : to.hold_m;
-      if (!to.forever && !last) {
-        const double leaves = swept_angle(leg.course_rad, legs[k + 1].course_rad, s) * radius_m;
-        const double round = 2.0 * kPi * radius_m;
-        length_m = leaves + round * std::ceil(std::max(to.hold_m - leaves, 0.0) / round);
-      }
-      row.circle(entry, s, length_m, to);
-    }
+    if (fillet) lay_fillet(row, Half::kSecond, leg, to, turn, radius_m, nodes[k + 2]);
+    if (to.passing == Passing::kCircle) lay_circle(row, leg, to, next, radius_m);
   }
-  if (looping) {
-    // The row ends where the second waypoint is passed for the second time: on after the first.
-    const std::size_t second = (first + 1) % waypoints.size();
-    for (std::size_t k = 0; k + 1 < out.segments.size(); ++k) {
-      const Segment& s = out.segments[k];
-      if (s.passes_waypoint && s.waypoint == second) {
-        out.loop_to = k + 1;
-        break;
-      }
-    }
-  }
+  if (looping) out.loop_to = loop_begin(out, (first + 1) % waypoints.size());
   return {};
 }
 

@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace rosflight::autonomy {
 namespace {
@@ -19,8 +20,11 @@ PathConfig with_cycle(PathConfig config, const Mission& mission) {
 
 }  // namespace
 
-FlightManager::FlightManager(const FlightConfig& config, const Mission& mission)
-    : config_(config), follower_(config.follower), control_(config.controller, config.thrust) {
+FlightManager::FlightManager(const FlightConfig& config, const Mission& mission,
+                             std::unique_ptr<TrajectoryLaw> law)
+    : config_(config),
+      follower_(law ? std::move(law) : std::make_unique<TrajectoryFollower>(config.follower)),
+      control_(config.controller, config.thrust) {
   const double weight_N = config.controller.mass_kg * config.controller.gravity_m_s2;
   if (config.thrust.max_thrust_N() < 1.1 * weight_N) {
     throw std::invalid_argument("the vehicle weighs " + std::to_string(weight_N) +
@@ -53,12 +57,12 @@ void FlightManager::hand_over(double t_s, const State& state) {
   const CommandedFlight::Output& control = control_.output();
   if (control.phase == Phase::kOffboard) {
     start_path(t_s, state);
-    follower_.restart(control_.trim_N());
+    follower_->restart(control_.trim_N());
     return;
   }
   if (control.before == Phase::kOffboard) {
     path_.stop();
-    control_.take_over(follower_.trim_N());
+    control_.take_over(follower_->trim_N());
   }
   if (control.phase == Phase::kLanded) flown_ = true;
 }
@@ -79,7 +83,7 @@ ControllerCommand FlightManager::follow(double t_s, const State& state) {
   out_.setpoint = path.setpoint;
   out_.waypoint = path.waypoint;
   out_.distance_m = path.distance_m;
-  return follower_.step({state, attitude, out_.setpoint, 0.0, control_.dt_s(), control_.pilot()});
+  return follower_->step({state, attitude, out_.setpoint, 0.0, control_.dt_s(), control_.pilot()});
 }
 
 const FlightOutput& FlightManager::step(double t_s, const State& state, const Status& status) {

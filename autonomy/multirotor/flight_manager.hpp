@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <memory>
+
 #include "autonomy/multirotor/commanded_flight.hpp"
 #include "autonomy/multirotor/mission.hpp"
 #include "autonomy/multirotor/path_manager.hpp"
@@ -50,7 +52,9 @@ class FlightManager {
   static constexpr double kStateGrace_s = CommandedFlight::kStateGrace_s;
 
   /// Throws std::invalid_argument if the mission cannot be flown with this configuration.
-  FlightManager(const FlightConfig& config, const Mission& mission);
+  /// @param law  flies the trajectories; none: a TrajectoryFollower.
+  FlightManager(const FlightConfig& config, const Mission& mission,
+                std::unique_ptr<TrajectoryLaw> law = nullptr);
 
   /// @param t_s  must grow; a step at a time not after the last repeats the last output without
   /// events.
@@ -71,7 +75,7 @@ class FlightManager {
 
   FlightConfig config_{};
   PathManager path_;
-  TrajectoryFollower follower_;
+  std::unique_ptr<TrajectoryLaw> follower_;
   CommandedFlight control_;
   AtEnd at_end_{AtEnd::kLand};
   FlightOutput out_{};

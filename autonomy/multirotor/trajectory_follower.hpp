@@ -3,8 +3,7 @@
 #include <optional>
 
 #include "autonomy/common/pid.hpp"
-#include "autonomy/multirotor/angles.hpp"
-#include "autonomy/multirotor/types.hpp"
+#include "autonomy/multirotor/trajectory_law.hpp"
 
 namespace rosflight::autonomy {
 
@@ -45,33 +44,23 @@ struct FollowerConfig {
 /// Limits, in this order: lift (up/down) between min_lift_ratio weights and what the tilt limit
 /// leaves, then sideways force by tilt and by the thrust left over. A limited axis holds its
 /// integral. The yaw rate is limited.
-class TrajectoryFollower {
+class TrajectoryFollower final : public TrajectoryLaw {
  public:
-  struct Input {
-    const State& state;
-    const AttitudeView& attitude;  ///< Of state.q_NB.
-    const Trajectory& setpoint;
-    double setpoint_age_s{};
-    double dt_s{};          ///< <= 0: the last output is repeated.
-    PilotOverride pilot{};  ///< Integrals of the axes the pilot holds are cleared.
-  };
-
   TrajectoryFollower() = default;
   explicit TrajectoryFollower(const FollowerConfig& config);
 
   /// Mode kRollPitchYawrateThrust. Not valid, and nothing changed, for a setpoint that is too old
   /// or a number that is not finite.
-  ControllerCommand step(const Input& in);
+  ControllerCommand step(const Input& in) override;
 
   void clear_integrators();
   /// Gains and limits change, integrals and filters stay.
   void configure(const FollowerConfig& config);
   const FollowerConfig& config() const { return config_; }
-  /// As new, but for the acceleration trim_N that another loop has found to hold the vehicle in
-  /// place.
-  void restart(const Vector3& trim_N);
-  /// The present integrals as an acceleration.
-  Vector3 trim_N() const { return {north_.integral(), east_.integral(), down_.integral()}; }
+  void restart(const Vector3& trim_N) override;
+  Vector3 trim_N() const override {
+    return {north_.integral(), east_.integral(), down_.integral()};
+  }
   double heading_integral() const { return heading_.integral(); }
 
  private:

@@ -133,6 +133,22 @@ void write_others(FlightLog& log) {
       at(3001),
       {{1.5F, 2.5F, -3.5F}, {0.5F, 0.25F, 0.125F}, {-0.5F, -0.25F, 9.5F}, 1.25F, -0.75F, 0.625F});
   log.write_phase(at(3002), "climb");
+  rosflight::log::Estimate estimate;
+  estimate.p_N_m = {1.5F, -2.5F, -10.5F};
+  estimate.v_N_m_s = {0.5F, 0.25F, -0.125F};
+  estimate.q_NB = {0.5F, -0.5F, 0.25F, 0.75F};
+  estimate.gyro_bias_rad_s = {0.01F, 0.02F, 0.03F};
+  estimate.accel_bias_m_s2 = {0.1F, 0.2F, 0.3F};
+  estimate.wind_N_m_s = {4.5F, -3.5F};
+  estimate.airspeed_m_s = 15.5F;
+  estimate.course_rad = -1.25F;
+  estimate.p_sigma_m = {0.375F, 0.5F, 0.625F};
+  estimate.v_sigma_m_s = {0.0625F, 0.03125F, 0.015625F};
+  estimate.attitude_sigma_rad = {0.004F, 0.005F, 0.006F};
+  estimate.wind_sigma_m_s = {0.75F, 0.875F};
+  estimate.innovation = ramp<float, rosflight::log::Estimate::kAids>(0.25F, 0.5F);
+  estimate.refusing = {false, true, false, false, true, false, false, false, true};
+  log.write_estimate(at(3002), estimate);
   log.write_event(at(3003), link::Severity::kError, "autonomy",
                   "Waypoint 3 \"north\" not reached <&>");
   log.write_parameter(at(3004), "BATT_VOLT_MAX", link::ParamType::kFloat,

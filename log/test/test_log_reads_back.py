@@ -213,6 +213,16 @@ EXPECTED = {
     "/autonomy/phase": ("rosflight_log_msgs/msg/Phase", [
         (3.002, {"header": header(3.002), "name": "climb"}),
     ]),
+    "/autonomy/estimate": ("rosflight_log_msgs/msg/Estimate", [
+        (3.002, {"header": header(3.002, "NED"), "position": [1.5, -2.5, -10.5], "velocity": [0.5, 0.25, -0.125],
+                 "attitude": [0.5, -0.5, 0.25, 0.75], "gyro_bias": [f32(0.01), f32(0.02), f32(0.03)],
+                 "accel_bias": [f32(0.1), f32(0.2), f32(0.3)], "wind": [4.5, -3.5], "airspeed": 15.5,
+                 "course": -1.25, "position_sigma": [0.375, 0.5, 0.625],
+                 "velocity_sigma": [0.0625, 0.03125, 0.015625],
+                 "attitude_sigma": [f32(0.004), f32(0.005), f32(0.006)], "wind_sigma": [0.75, 0.875],
+                 "innovation": ramp(0.25, 0.5, 9),
+                 "refusing": [False, True, False, False, True, False, False, False, True]}),
+    ]),
     "/parameters": ("rosflight_log_msgs/msg/Parameter", [
         (3.004, {"header": header(3.004), "name": "BATT_VOLT_MAX", "type": 9, "value": 23.5}),
     ]),

@@ -52,6 +52,17 @@ def test_report_of_an_earlier_run_does_not_count(tmp_path):
     assert (outcome.passed, outcome.failed) == (0, 1)
 
 
+def test_tests_are_listed_before_they_are_built_and_fail_unbuilt(tmp_path, monkeypatch):
+    monkeypatch.setattr(cpp_tests.project, "ROOT", tmp_path)
+    build = tmp_path / "build/release"
+    build.mkdir(parents=True)
+    (build / "CTestTestfile.cmake").write_text(
+        f'add_test(new_test "{build}/new_test")\nset_tests_properties(new_test PROPERTIES LABELS "gtest;of sim")\n')
+    found, = cpp_tests.find("release")
+    assert (found.name, found.command, found.part, found.counts_cases) == ("new_test", [], "sim", True)
+    assert stages._run_binaries("release")["new_test"].complaints == ["new_test: not built"]
+
+
 def broken():
     raise RuntimeError("no compiler")
 

@@ -46,6 +46,10 @@ def test_log_holds_the_whole_flight(flight):
     steps = summary["sim_time_s"] * 400
     assert abs(by_name["sim/truth_state"] - steps) <= 2
     assert abs(by_name["imu/data"] - steps) <= 4
+    # Guidance runs on the estimate, which is there from the arming on, a hundred times a second.
+    assert by_name["autonomy/estimate"] > 100 * (summary["flight_time_s"] - 1)
+    estimate = last["/autonomy/estimate"]
+    assert all(0 < sigma < 1 for sigma in estimate.position_sigma) and not any(estimate.refusing)
     status = last[next(t for t in counts if t.lstrip("/") == "status")]
     assert not status.armed
 
@@ -56,6 +60,18 @@ def test_report_stands_alone(flight):
     assert "://" not in page.replace("http://www.w3.org/", "")
     HTMLParser().feed(page)
     assert page.count("<svg") >= 8
+    assert page.count('class="shade"') == 9, "errors of position, velocity, attitude inside 3 sigma"
+
+
+def test_report_of_a_fixed_wing_shows_what_it_followed(tmp_path):
+    subprocess.run([PROGRAM, "fly", "--vehicle", "anaconda", "--out", tmp_path / "f"], check=True, capture_output=True,
+                   timeout=300)
+    page = (tmp_path / "f" / "report.html").read_text()
+    HTMLParser().feed(page)
+    for part in ("Cross-track error", "Wind, to the east", "Touch-down from aim", "pitot", "sideslip"):
+        assert part in page, part
+    assert page.count('class="shade"') == 9 + 2, "the wind as well"
+    assert "no data" not in page
 
 
 def test_same_seed_same_log_in_another_process(flight, tmp_path):

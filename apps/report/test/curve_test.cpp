@@ -48,6 +48,14 @@ TEST(TimeCurve, OfOnePixelTheLowestAndHighestStayInTheirOrder) {
             "M5.1 9L5.3 1L6 2");
 }
 
+TEST(TimeBand, GoesRoundEachRunAndIsAsWideAsTheWidestOfAPixel) {
+  const std::vector<Point> lower{{0, 5}, {1, 6}, {1.5, 8}, {2, kNan}, {3, 5}, {4, 5}};
+  const std::vector<Point> upper{{0, 1}, {1, 2}, {1.5, 3}, {2, 1}, {3, 1}, {4, 1}};
+  std::string out;
+  append_time_band(out, lower, upper);
+  EXPECT_EQ(out, "M0 5L1 8L1 2L0 1ZM3 5L4 5L4 1L3 1Z");
+}
+
 TEST(TimeCurve, NoSpikeIsLostInALongFlight) {
   std::vector<Point> points;
   points.reserve(1'000'000);

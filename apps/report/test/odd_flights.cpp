@@ -13,6 +13,7 @@ constexpr const char* kHostile =
 
 FlightRecord one() {
   FlightRecord record(0.0);
+  record.estimated = record.fixed_wing = true;
   Sample sample;
   sample.p_N_m = {1.0F, 2.0F, -3.0F};
   sample.attitude_rad = {0.1F, 0.2F, 0.3F};
@@ -23,6 +24,7 @@ FlightRecord one() {
 
 FlightRecord nan() {
   FlightRecord record(0.0);
+  record.estimated = record.fixed_wing = true;
   for (int k = 0; k < 100; ++k) {
     Sample sample;
     sample.t_s = 0.1 * k;
@@ -37,6 +39,7 @@ FlightRecord nan() {
 FlightRecord wild() {
   constexpr float kInf = std::numeric_limits<float>::infinity();
   FlightRecord record(0.0);
+  record.estimated = record.fixed_wing = true;
   for (int k = 0; k < 50; ++k) {
     Sample sample;
     sample.t_s = k < 25 ? 0.5 * k : 12.5;

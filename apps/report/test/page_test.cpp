@@ -99,6 +99,57 @@ TEST(TimeChart, ACurveWithoutValuesIsLeftOutAndAnEmptyChartSaysSo) {
   EXPECT_EQ(html.find(">nothing<"), std::string::npos);
 }
 
+TEST(Report, ShowsTheEstimateOnlyOfAFlightOnOne) {
+  FlightRecord record = synthetic_flight(0.1);
+  const std::string with = report_html(record);
+  for (const char* part :
+       {"Position error, north", "Velocity error, down", "±3 σ", "GNSS position", ">planned<"}) {
+    EXPECT_NE(with.find(part), std::string::npos) << part;
+  }
+  EXPECT_EQ(count(with, "class=\"shade\""), 9U);          // three times three errors
+  EXPECT_EQ(with.find(">sideslip<"), std::string::npos);  // an aid that was not used
+  record.estimated = false;
+  EXPECT_EQ(report_html(record).find("Position error, north"), std::string::npos);
+}
+
+TEST(Report, AFixedWingHasChartsOfItsOwn) {
+  FlightRecord record(0.0);
+  record.fixed_wing = true;
+  for (int k = 0; k < 20; ++k) {
+    Sample sample;
+    sample.t_s = k;
+    sample.wing.cross_track_m = 0.1F * static_cast<float>(k);
+    sample.wing.course_rad = 3.1F;
+    record.add(sample);
+  }
+  const std::string html = report_html(record);
+  for (const char* part : {"Cross-track error", "Height above the ramped reference", "Airspeed",
+                           "Course over ground", "Wind, to the north", "Surfaces, by effect"}) {
+    EXPECT_NE(html.find(part), std::string::npos) << part;
+  }
+}
+
+TEST(TimeChart, ABandLiesBeneathAndItsWidestPartMayBeCutOff) {
+  FlightRecord record(0.0);
+  std::vector<double> low;
+  std::vector<double> high;
+  for (int k = 0; k < 100; ++k) {
+    Sample sample;
+    sample.t_s = k;
+    record.add(sample);
+    high.push_back(k < 3 ? 1000.0 : 1.0);
+    low.push_back(-high.back());
+  }
+  TimeChart chart({"Band", "m", 1.0, 2, {}, {}}, record);
+  chart.add_band("sure", low, high);
+  chart.add("x", CurveStyle::kActual, std::vector<double>(100, 0.5));
+  std::string html;
+  chart.append_to(html);
+  EXPECT_LT(html.find("class=\"shade\""), html.find("class=\"curve actual\""));
+  EXPECT_EQ(count(html, "class=\"shade\""), 1U);
+  EXPECT_EQ(html.find(">1000<"), std::string::npos);  // no tick out there
+}
+
 TEST(TimeChart, PastAFixedRangeTheCurveRunsAlongTheEdge) {
   FlightRecord record(0.0);
   for (const float value : {0.5F, 7.0F, -7.0F, 0.5F}) {

@@ -94,7 +94,7 @@ Sample sample_at(double t_s, Noise& noise) {
                          std::remainder(heading, 2.0 * kPi)};
   for (std::size_t k = 0; k < 3; ++k) {
     s.attitude_rad[k] = single(angle[k]);
-    s.estimate_rad[k] =
+    s.firmware_rad[k] =
         single(angle[k] + 0.004 * std::sin(0.3 * t_s + static_cast<double>(k)) + 0.001 * noise());
     s.rates_rad_s[k] =
         single((k == 2 ? now.speed[3] : 9.0 * 0.012 * std::cos(9.0 * t_s) * (flying ? 1.0 : 0.0)) +
@@ -117,6 +117,17 @@ Sample sample_at(double t_s, Noise& noise) {
     s.motors[k] = single(output);
     s.rotors_rad_s[k] = single(620.0 * std::sqrt(output) + 2.0 * noise() * (flying ? 1.0 : 0.0));
     total += output;
+  }
+  s.estimate.p_N_m = s.p_N_m;
+  s.estimate.innovation[0] = single(1.0 + 0.2 * std::sin(t_s));
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double swing = std::sin(0.4 * t_s + static_cast<double>(k));
+    s.estimate.p_error_m[k] = single(0.1 * swing);
+    s.estimate.p_sigma_m[k] = single(0.1 + 0.5 * std::exp(-t_s));
+    s.estimate.v_error_m_s[k] = single(0.03 * swing);
+    s.estimate.v_sigma_m_s[k] = 0.03F;
+    s.estimate.turn_error_rad[k] = single(0.005 * swing);
+    s.estimate.turn_sigma_rad[k] = 0.004F;
   }
   s.battery_A = single(0.4 + 5.2 * total + 0.2 * noise());
   s.battery_V =
@@ -157,6 +168,8 @@ void add_story(FlightRecord& record) {
 }
 
 void add_facts(FlightRecord& record) {
+  record.estimated = true;
+  record.route = {{0, 0, -6}, {14, 0, -6}};
   record.title = "Quadrotor, six waypoints";
   record.vehicle = "quadrotor";
   record.mission = "missions/demo.yaml";

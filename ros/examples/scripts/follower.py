@@ -79,11 +79,13 @@ class Follower(Node):
     def follow(self, state, dt):
         """Roll, pitch [rad], yaw rate [rad/s], thrust [N]."""
         place, speed, to = (state.p_n, state.p_e, state.p_d), in_ned(state), self.target
+        # Arrays of a message hold numpy's numbers; a field of a message takes Python's only.
+        position, velocity, acceleration = (list(map(float, v)) for v in (to.position, to.velocity, to.acceleration))
         wanted = []
         for axis in range(3):
-            error = clipped(to.position[axis] - place[axis], 2.0)
+            error = clipped(position[axis] - place[axis], 2.0)
             self.sum[axis] = clipped(self.sum[axis] + error * dt, 4.0) if self.phase == "offboard" else 0.0
-            wanted.append(to.acceleration[axis] + self.kp * error + self.kd * (to.velocity[axis] - speed[axis])
+            wanted.append(acceleration[axis] + self.kp * error + self.kd * (velocity[axis] - speed[axis])
                           + self.ki * self.sum[axis])
         north, east, down = wanted
         lift = max(0.4 * GRAVITY_M_S2, GRAVITY_M_S2 - down)  # what carries, per mass

@@ -78,7 +78,7 @@ def test_a_second_flight_with_waypoints_added_and_gains_changed_in_flight(flight
     assert set_double(flight, "path_manager", "max_velocity", 1.0).successful
     assert set_double(flight, "trajectory_follower", "u_d_kp", 6.0).successful
     assert peer.call(GetParameters, "trajectory_follower/get_parameters", names=["u_d_kp"]).values[0].double_value == 6.0
-    flight.until(lambda: flight.states[-1].p_n > start[0] + 11.0, "the second waypoint")
+    flight.until(lambda: flight.states[-1].p_n > start[0] + 11.0 and not any(flight.setpoints[-1].velocity), "the second waypoint")
     flight.setpoints.clear()
     back = peer.call(AddWaypoint, "path_planner/add_waypoint", wp=waypoint(6.0, 4.0), publish_now=True)
     assert back.success, back.message

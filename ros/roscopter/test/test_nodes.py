@@ -1,0 +1,560 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Each node by itself, fed message by message by an rclpy peer: its contract, what it does when its input stops, its
+parameters, and numbers worked out by hand."""
+
+import math
+import time
+
+import pytest
+from geometry_msgs.msg import Vector3
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import DescribeParameters, ListParameters, SetParameters
+from roscopter_msgs.msg import ControllerCommand, State, TrajectoryCommand, Waypoint
+from roscopter_msgs.srv import AddWaypoint
+from ros_rig import ROOT
+from rosflight_msgs.msg import Attitude, Barometer, Command, GNSS, SimState, Status
+from rosflight_msgs.srv import ParamFile
+from sensor_msgs.msg import Imu, MagneticField
+from sim_contract import TRIGGER, Module, Out, check_module
+from sim_rig import ALL, LATCHED, VEHICLE, Process, SimPeer, executable, launch, node, stamp, stamp_ns
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+GRAVITY, MASS = 9.80665, 3.5  # of vehicles/multirotor.yaml
+START_NS = 100_000_000_000
+IGNORE_ALL = 0x3FF
+
+PARAM_FILE = "rosflight_msgs/srv/ParamFile"
+MODULES = [
+    ("estimator", Module("estimator", {"estimated_state": Out(State)},
+                         {"imu/data": Imu, "gnss": GNSS, "baro": Barometer, "magnetometer": MagneticField, "status": Status})),
+    ("path_planner", Module("path_planner", {"waypoints": Out(Waypoint, latched=True)}, {"estimated_state": State},
+                            {"path_planner/add_waypoint": "roscopter_msgs/srv/AddWaypoint",
+                             "path_planner/clear_waypoints": TRIGGER, "path_planner/load_mission_from_file": PARAM_FILE,
+                             "path_planner/print_waypoints": TRIGGER, "path_planner/publish_next_waypoint": TRIGGER})),
+    ("path_manager", Module("path_manager", {"trajectory_command": Out(TrajectoryCommand)},
+                            {"estimated_state": State, "waypoints": Waypoint},
+                            {"path_manager/clear_waypoints": TRIGGER, "path_manager/print_waypoints": TRIGGER})),
+    ("trajectory_follower", Module("trajectory_follower", {"high_level_command": Out(ControllerCommand)},
+                                   {"estimated_state": State, "trajectory_command": TrajectoryCommand, "status": Status},
+                                   {"trajectory_follower/clear_integrators": TRIGGER})),
+    ("controller", Module("controller", {"command": Out(Command), "flight_phase": Out(String, latched=True)},
+                          {"estimated_state": State, "high_level_command": ControllerCommand, "status": Status},
+                          {"controller/land": TRIGGER})),
+    ("ext_att_transcriber", Module("ext_att_transcriber", {"external_attitude": Out(Attitude)}, {"estimated_state": State})),
+    ("sim_state_transcriber", Module("roscopter_truth", {"sim/roscopter/state": Out(State)}, {"sim/truth_state": SimState})),
+    ("signal_generator", Module("signal_generator", {"high_level_command": Out(ControllerCommand)}, {},
+                                {f"signal_generator/{name}": TRIGGER for name in (
+                                    "toggle_step_signal", "reset_signal", "pause_signal", "start_continuous_signal",
+                                    "start_single_period_signal")})),
+]
+WITHOUT_VEHICLE = ("ext_att_transcriber", "sim_state_transcriber", "signal_generator")
+
+
+def copter(name, **parameters):
+    if name not in WITHOUT_VEHICLE:
+        parameters.setdefault("vehicle_file", VEHICLE)
+    return node(name, package="roscopter", **parameters)
+
+
+@pytest.fixture
+def peer():
+    with SimPeer() as it:
+        yield it
+
+
+def set_values(peer, name, **values):
+    """The results, one for all: of doubles and switches."""
+    def typed(value):
+        if isinstance(value, bool):
+            return ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=value)
+        return ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=value)
+    given = [Parameter(name=key, value=typed(value)) for key, value in values.items()]
+    return peer.call(SetParameters, f"{name}/set_parameters", parameters=given).results
+
+
+def state(ns, place=(0.0, 0.0, 0.0), psi=0.0):
+    message = stamp(State(), ns)
+    message.p_n, message.p_e, message.p_d = (float(x) for x in place)
+    message.psi = psi
+    message.quat.w, message.quat.z = math.cos(psi / 2), math.sin(psi / 2)
+    return message
+
+
+@pytest.mark.parametrize("name, module", MODULES)
+def test_the_graph_shows_every_topic_and_service(peer, name, module):
+    with copter(name):
+        check_module(peer, module)
+
+
+@pytest.mark.parametrize("name, parameters, said", [
+    ("controller", {"vehicle_file": "''"}, "vehicle_file: found nothing, allowed a vehicle file"),
+    ("controller", {"vehicle_file": "/no/such.yaml"}, "/no/such.yaml: found no such file"),
+    ("controller", {"vehicle_file": VEHICLE, "min_throttle": "0.8", "max_throttle": "0.4"}, "min_throttle: found 0.8, allowed less than"),
+    ("trajectory_follower", {"vehicle_file": VEHICLE, "u_n_kp": "5000.0"}, "u_n_kp"),
+    ("path_planner", {"vehicle_file": VEHICLE, "mission_file": "/no/such.yaml"}, "/no/such.yaml: found no such file"),
+    ("estimator", {"vehicle_file": VEHICLE, "hotstart_estimator": "true"}, "hotstart_estimator: found true, allowed false"),
+    ("signal_generator", {"signal_type": "noise"}, "signal_type: found 'noise', allowed step, square"),
+])
+def test_what_a_node_refuses_is_one_line_and_code_2(name, parameters, said):
+    words = [word for key, value in parameters.items() for word in ("-p", f"{key}:={value}")]
+    with Process(executable("roscopter", name), "--ros-args", *words) as process:
+        assert process.end() == 2
+        assert process.lines[-1].startswith(f"{name}: ") and said in process.lines[-1], process.text()
+
+
+@pytest.mark.parametrize("name", [name for name, _ in MODULES if name not in WITHOUT_VEHICLE] + ["signal_generator"])
+def test_every_parameter_says_what_it_is(peer, name):
+    """For rqt_reconfigure and ros2 param: a text each, and a range for every number."""
+    with copter(name):
+        names = [n for n in peer.call(ListParameters, f"{name}/list_parameters").result.names if n != "use_sim_time"]
+        assert len(names) >= 3
+        for each in peer.call(DescribeParameters, f"{name}/describe_parameters", names=names).descriptors:
+            assert each.description, each.name
+            if each.type == ParameterType.PARAMETER_DOUBLE:
+                assert each.floating_point_range[0].from_value < each.floating_point_range[0].to_value, each.name
+
+
+def test_the_tuning_launch_starts_what_it_names(peer):
+    heard = peer.listen(ControllerCommand, "high_level_command")
+    with launch("roscopter", "roscopter_tuning.launch.py", controller_mode=11, controller_output=4, signal_type="triangle",
+                signal_magnitude="4.0", default_cmd4="30.0") as world:
+        world.until("ready: 5 nodes in ")
+        peer.wait(lambda: heard, "a command")
+        assert (heard[-1].mode, heard[-1].cmd4) == (11, 30.0)
+        assert peer.call(Trigger, "signal_generator/start_continuous_signal").success
+        peer.wait(lambda: heard[-1].cmd4 > 30.5, "the signal")
+
+
+# ---- planner -------------------------------------------------------------------------------------
+
+
+def going(north, height=5.0, **more):
+    return Waypoint(type=Waypoint.TYPE_GOTO, w=[float(north), 0.0, -height], **more)
+
+
+def test_the_planner_publishes_so_many_and_late_joiners_get_all(peer, tmp_path):
+    mission = tmp_path / "long.yaml"
+    mission.write_text("mission:\n" + "".join(f"  - {{type: goto, w: [{k}, 0, -5], psi: 0}}\n" for k in range(40)))
+    with copter("path_planner", mission_file=mission, num_waypoints_to_publish_at_start=30):
+        late = peer.listen(Waypoint, "waypoints", LATCHED_ALL)
+        peer.wait(lambda: late and late[-1].w[0] == 29.0, "30 waypoints")
+        in_force = late[max(k for k, m in enumerate(late) if m.clear_wp_list) + 1:]
+        assert [m.w[0] for m in in_force] == list(range(30)), "more than roscopter keeps, in order"
+        ends = peer.listen(String, "mission/at_end", LATCHED)
+        peer.wait(lambda: ends and ends[-1].data == "hold", "hold: waypoints wait")
+        for k in range(10):
+            answer = peer.call(Trigger, "path_planner/publish_next_waypoint")
+            assert answer.success and f"waypoint {31 + k} of 40" in answer.message
+        answer = peer.call(Trigger, "path_planner/publish_next_waypoint")
+        assert not answer.success and "nothing is left" in answer.message
+        peer.wait(lambda: ends[-1].data == "land", "the end of the file")
+        inserted = peer.call(AddWaypoint, "path_planner/add_waypoint", wp=going(77), publish_now=True)
+        assert inserted.success and "41 waypoints, 41 published" in inserted.message
+        peer.wait(lambda: late[-1].w[0] == 77.0, "the added waypoint")
+        assert "41 waypoints" in peer.call(Trigger, "path_planner/print_waypoints").message
+        assert peer.call(Trigger, "path_planner/clear_waypoints").success
+        peer.wait(lambda: late[-1].clear_wp_list, "the clear marker")
+
+
+LATCHED_ALL = type(LATCHED)(depth=2000, durability=LATCHED.durability)
+
+
+@pytest.mark.parametrize("waypoint, said", [
+    (going(10, height=500.0), "wp.w: found a height of 500 m, allowed 0.5 to 120 m"),
+    (going(99_999), "wp.w: found a place"),
+    (going(math.nan), "wp.w: found"),
+    (going(10, speed=99.0), "wp.speed: found 99, allowed 0.1 to 8"),
+    (going(10, psi=9.0), "wp.psi: found 9"),
+    (going(10, hold_indefinitely=True), "wp.hold_indefinitely: found true at a goto"),
+    (Waypoint(type=7), "wp.type: found 7, allowed 0 (hold) or 1 (goto)"),
+    (going(10, use_lla=True), "wp.use_lla: found true, allowed false, as long as no state tells the origin"),
+])
+def test_the_planner_names_what_is_wrong_with_a_waypoint(planner, waypoint, said):
+    peer, _ = planner
+    answer = peer.call(AddWaypoint, "path_planner/add_waypoint", wp=waypoint)
+    assert not answer.success and said in answer.message
+    assert peer.call(Trigger, "path_planner/print_waypoints").message == "0 waypoints, 0 published"
+
+
+@pytest.fixture(scope="module")
+def planner():
+    """One for many tests, in a namespace of its own so that nobody else hears its waypoints."""
+    with SimPeer("planner_peer", "apart") as it, copter("path_planner", namespace="/apart") as process:
+        yield it, process
+
+
+def test_missions_load_whole_or_not_at_all_and_geodetic_ones_with_an_origin(planner, tmp_path):
+    peer, process = planner
+    heard = peer.listen(Waypoint, "waypoints", LATCHED_ALL)
+
+    def load(file):
+        return peer.call(ParamFile, "path_planner/load_mission_from_file", filename=str(file)).success
+    assert load(ROOT / "missions/reference_example.yaml"), "the form of ROSflight 2.x"
+    peer.wait(lambda: heard and heard[-1].w[2] == -40.0, "its last waypoint")
+    assert heard[-1].type == Waypoint.TYPE_HOLD and heard[-1].hold_seconds == 10.0 and heard[-2].w[1] == -20.0
+    bad = tmp_path / "bad.yaml"
+    bad.write_text("mission:\n  - {type: goto, w: [1, 0, -5], psi: 0}\n  - {type: goto, w: [1, 0, -5], psi: 0, sped: 3}\n")
+    assert not load(bad)
+    process.until("bad.yaml:3: mission.1.sped: found an unknown key, allowed")
+    assert "5 waypoints" in peer.call(Trigger, "path_planner/print_waypoints").message, "the list before stays"
+    assert not load(ROOT / "missions/figure_eight.yaml")
+    process.until("figure_eight: found one, allowed none over ROS")
+
+    geodetic = tmp_path / "geodetic.yaml"
+    geodetic.write_text("mission:\n  - {type: goto, w: [40.001, -111.0, 1410], use_lla: true, psi: 0}\n")
+    assert not load(geodetic)
+    process.until("use_lla: found true, allowed false, because the start has no known place")
+    states = peer.publisher(State, "estimated_state")
+    origin = state(START_NS)
+    origin.initial_lat, origin.initial_lon, origin.initial_alt = 40.0, -111.0, 1400.0
+
+    def loaded():
+        states.publish(origin)
+        return load(geodetic)
+    peer.poll(loaded, "the origin")
+    # A meridian's radius at 40 deg on WGS-84, a(1-e^2)/(1-e^2 sin^2)^1.5 = 6361815.8 m, and the height of the origin.
+    peer.wait(lambda: abs(heard[-1].w[0] - math.radians(0.001) * (6361815.8 + 1400.0)) < 0.01, "the place")
+    assert abs(heard[-1].w[1]) < 1e-3 and abs(heard[-1].w[2] + 10.0) < 0.01 and not heard[-1].use_lla
+
+
+# ---- path manager --------------------------------------------------------------------------------
+
+
+class Path:
+    """A vehicle that is always where the set-point is."""
+
+    def __init__(self, peer, place):
+        self.peer, self.ns, self.place = peer, START_NS, place
+        self.heard = peer.listen(TrajectoryCommand, "trajectory_command")
+        self.states = peer.publisher(State, "estimated_state")
+        self.waypoints = peer.publisher(Waypoint, "waypoints", LATCHED)
+        peer.poll(lambda: self.waypoints.get_subscription_count() and self.states.get_subscription_count(), "subscribers")
+
+    def step(self, seconds=0.05):
+        """The set-point that answers a State."""
+        self.ns += round(seconds * 1e9)
+        self.states.publish(state(self.ns, self.place))
+        self.peer.wait(lambda: self.heard and stamp_ns(self.heard[-1]) == self.ns, "a set-point")
+        self.place = tuple(float(x) for x in self.heard[-1].position)
+        return self.heard[-1]
+
+    def silent(self):
+        """No answer to some States."""
+        count = len(self.heard)
+        for _ in range(5):
+            self.ns += 50_000_000
+            self.states.publish(state(self.ns, self.place))
+            time.sleep(0.05)
+        return len(self.heard) == count
+
+
+def test_the_path_manager_flies_legs_of_the_closed_form(peer):
+    with copter("path_manager", max_velocity=4.0, max_acceleration=3.0) as process:
+        path = Path(peer, (1.0, 2.0, -3.0))
+        assert path.silent(), "nothing to fly"
+        path.waypoints.publish(Waypoint(type=Waypoint.TYPE_GOTO, w=[9.0, 2.0, -3.0]))
+        peer.poll(lambda: "1 waypoints" in peer.call(Trigger, "path_manager/print_waypoints").message, "the waypoint")
+        first = path.step()
+        assert path.place == pytest.approx((1.0, 2.0, -3.0), abs=1e-6), "it begins where the vehicle is"
+        # From rest over 8 m: T = max(1.875 d/v, sqrt(10/sqrt(3) d/a)) = max(3.75, 3.924) s.
+        duration = math.sqrt(10 / math.sqrt(3) * 8 / 3)
+        speeds = []
+        while path.place[0] < 9.0 - 1e-5:
+            tau = (stamp_ns(path.step()) - stamp_ns(first)) * 1e-9 / duration
+            wanted = 6 * tau**5 - 15 * tau**4 + 10 * tau**3 if tau < 1 else 1.0
+            assert path.place[0] == pytest.approx(1 + 8 * wanted, abs=1e-4)
+            speeds.append(path.heard[-1].velocity[0])
+        assert max(speeds) == pytest.approx(1.875 * 8 / duration, rel=2e-3)
+        assert (path.ns - stamp_ns(first)) * 1e-9 == pytest.approx(duration, abs=0.06)
+        path.step()
+        process.until("waypoint 1 reached")
+
+        assert set_values(peer, "path_manager", max_velocity=1.0)[0].successful
+        refused = set_values(peer, "path_manager", max_velocity=-1.0)[0]
+        assert not refused.successful and refused.reason
+        path.waypoints.publish(Waypoint(type=Waypoint.TYPE_GOTO, w=[9.0, 6.0, -3.0]))
+        peer.poll(lambda: "2 waypoints" in peer.call(Trigger, "path_manager/print_waypoints").message, "the waypoint")
+        path.heard.clear()
+        while path.place[1] < 5.99:
+            path.step(0.1)
+        assert max(m.velocity[1] for m in path.heard) == pytest.approx(1.0, rel=0.01), "the new limit"
+        assert peer.call(Trigger, "path_manager/clear_waypoints").success
+        here = path.place
+        for _ in range(20):
+            path.step()
+        assert path.place == pytest.approx(here, abs=0.05), "a list that is cleared in flight leaves it where it is"
+
+
+def test_the_clock_of_the_path_runs_only_while_the_controller_follows(peer):
+    phases = peer.publisher(String, "flight_phase", LATCHED)
+    phases.publish(String(data="position_hold"))
+    with copter("path_manager"):
+        path = Path(peer, (0.0, 0.0, -2.0))
+        path.waypoints.publish(Waypoint(type=Waypoint.TYPE_GOTO, w=[5.0, 0.0, -2.0]))
+        peer.poll(lambda: "1 waypoints" in peer.call(Trigger, "path_manager/print_waypoints").message, "the waypoint")
+        for _ in range(60):
+            path.step()
+        assert path.place == pytest.approx((0.0, 0.0, -2.0), abs=1e-6), "it waits, however long"
+        phases.publish(String(data="offboard"))
+        while path.place[0] < 0.5:
+            step = path.step()
+            assert step.velocity[0] < 2.0, "from rest, not where the clock would be"
+
+
+# ---- follower ------------------------------------------------------------------------------------
+
+
+def test_the_follower_obeys_its_gains_and_stops_when_set_points_do(peer):
+    gains = {"u_n_kp": 6.0, "u_n_ki": 0.0, "u_e_ki": 0.0, "u_d_ki": 0.0}
+    with copter("trajectory_follower", **gains):
+        heard = peer.listen(ControllerCommand, "high_level_command")
+        states, setpoints = peer.publisher(State, "estimated_state"), peer.publisher(TrajectoryCommand, "trajectory_command")
+        peer.poll(lambda: states.get_subscription_count() and setpoints.get_subscription_count(), "subscribers")
+        ns = START_NS
+
+        def answer():
+            nonlocal ns
+            ns += 10_000_000
+            states.publish(state(ns))
+            peer.wait(lambda: heard and stamp_ns(heard[-1]) == ns, "a command")
+            return heard[-1]
+
+        def followed(north):
+            """The command once the set-point has arrived: no velocity, no acceleration, no integral."""
+            setpoints.publish(stamp(TrajectoryCommand(position=[north, 0.0, 0.0]), ns))
+
+        states.publish(state(ns))
+        time.sleep(0.2)
+        assert not heard, "nothing before the first set-point"
+        followed(0.5)
+        peer.poll(lambda: (states.publish(state(ns)), heard)[1], "the first command")
+
+        def until_pitch(acceleration):
+            pitch, thrust = -math.atan(acceleration / GRAVITY), MASS * math.hypot(acceleration, GRAVITY)
+            peer.poll(lambda: (followed(0.5), abs(answer().cmd2 - pitch) < 1e-5)[1], f"a pitch of {pitch}")
+            assert heard[-1].mode == ControllerCommand.MODE_ROLL_PITCH_YAWRATE_THRUST_TO_MIXER and heard[-1].cmd_valid
+            assert heard[-1].cmd1 == pytest.approx(0.0, abs=1e-5) and heard[-1].cmd4 == pytest.approx(thrust, rel=1e-5)
+        until_pitch(6.0 * 0.5)
+        assert set_values(peer, "trajectory_follower", u_n_kp=2.0)[0].successful
+        until_pitch(2.0 * 0.5)
+        refused = set_values(peer, "trajectory_follower", u_n_kp=5000.0)[0]
+        assert not refused.successful and "u_n_kp" in refused.reason
+        until_pitch(2.0 * 0.5)
+        assert peer.call(Trigger, "trajectory_follower/clear_integrators").success
+        peer.poll(lambda: not answer().cmd_valid, "an end of valid commands, trajectory_timeout_s after the last set-point")
+        peer.poll(lambda: (followed(0.5), answer().cmd_valid)[1], "valid commands again")
+
+
+# ---- controller ----------------------------------------------------------------------------------
+
+
+class Flown:
+    """A vehicle without dynamics in front of the controller: it is where it is put."""
+
+    def __init__(self, peer):
+        self.peer, self.ns, self.place = peer, START_NS, (0.0, 0.0, 0.0)
+        self.commands = peer.listen(Command, "command")
+        self.phases = peer.listen(String, "flight_phase", LATCHED)
+        self.states = peer.publisher(State, "estimated_state")
+        self.status = peer.publisher(Status, "status")
+        self.given = peer.publisher(ControllerCommand, "high_level_command")
+        self.wanted = ControllerCommand(mode=0, cmd_valid=True)
+        self.armed = False
+        peer.poll(lambda: all(p.get_subscription_count() for p in (self.states, self.status, self.given)), "subscribers")
+
+    def step(self, status=True, given=True):
+        """The Command that answers a State; 50 ms of stamps later than the one before."""
+        self.ns += 50_000_000
+        if status:
+            self.status.publish(Status(armed=self.armed))
+        if given:
+            self.given.publish(self.wanted)
+        self.states.publish(state(self.ns, self.place))
+        self.peer.wait(lambda: self.commands and stamp_ns(self.commands[-1]) == self.ns, "a command")
+        return self.commands[-1]
+
+    def until(self, condition, what, **how):
+        self.peer.poll(lambda: (self.step(**how), condition())[1], what)
+
+    def phase(self):
+        return self.phases[-1].data if self.phases else ""
+
+    def take_off(self):
+        self.peer.poll(lambda: (self.status.publish(Status()), self.states.publish(state(self.ns, self.place)),
+                                self.commands)[2], "a first command")
+        self.until(lambda: self.phase() == "disarmed", "phase disarmed")
+        assert list(self.commands[-1].u) == [0.0] * 10 and self.commands[-1].mode == Command.MODE_PASS_THROUGH
+        self.armed = True
+        self.until(lambda: self.phase() == "takeoff", "phase takeoff")
+        self.place = (0.0, 0.0, -2.0)
+        self.until(lambda: self.phase() == "position_hold", "phase position_hold")
+        self.until(lambda: self.phase() == "offboard", "phase offboard")
+
+
+@pytest.fixture
+def flown(peer):
+    with copter("controller") as process:
+        it = Flown(peer)
+        it.process = process
+        it.take_off()
+        yield it
+
+
+LEVEL = None  # angles and rates of zero, and a throttle that carries
+MODES = [  # mode, four numbers at north 0, east 0, down -2 and heading 0; mode and u[2] to u[5] of the Command
+    (0, (0, 0, -2, 0), 2, LEVEL),
+    (1, (0, 0, -2, 0.2), 2, (None, 0, 0, 0.2)),
+    (2, (0.1, 0, 0, 0.1), 2, (None, 0, -math.atan(0.1), 0.1)),
+    (3, (0, 0, 0, -0.2), 2, (None, 0, 0, -0.2)),
+    (4, (0, 0, 0, 0), 2, LEVEL),
+    (5, (0.1, 0.05, 0, 0.5), 2, (0.5, 0.1, 0.05, 0)),
+    (6, (0.2, 0.05, 0.3, 0.4), 2, (0.4, 0.2, 0.05, 0.3)),
+    (7, (0.2, -0.1, 0.3, 0.45), 1, (0.45, 0.2, -0.1, 0.3)),
+    (8, (0.2, -0.1, 0.3, 33.0), 0, (-33.0, 0.2, -0.1, 0.3)),
+    (9, (0.15, 0.05, 0, 34.3), 2, (None, 0.15, 0.05, 0)),
+    (10, (0.25, 0.05, 0.2, 34.3), 2, (None, 0.25, 0.05, 0.2)),
+    (11, (0.25, 0.15, 0.1, 34.3), 1, (None, 0.25, 0.15, 0.1)),
+]
+
+
+def test_all_modes_reach_the_firmware_and_gains_act(flown):
+    def given(mode, numbers):
+        flown.wanted = ControllerCommand(mode=mode, cmd_valid=True, **{f"cmd{k + 1}": float(x) for k, x in enumerate(numbers)})
+
+    def matches(mode, wanted):
+        command = flown.commands[-1]
+        wanted = (None, 0, 0, 0) if wanted is LEVEL else wanted
+        close = all(x is None or abs(u - x) < 1e-3 for u, x in zip(command.u[2:6], wanted))
+        return command.mode == mode and close and abs(command.u[2]) > 0.3 and command.ignore == 0
+    for mode, numbers, firmware_mode, wanted in MODES:
+        given(mode, numbers)
+        flown.until(lambda m=firmware_mode, w=wanted: matches(m, w), f"what mode {mode} gives")
+
+    # Velocity to acceleration in units of gravity: 0.2 g s/m times 0.5 m/s is 0.1 g, a pitch of -atan 0.1.
+    alone = {f"vel_n_to_accel_{k}": v for k, v in (("kp", 0.2), ("ki", 0.0), ("kd", 0.0))}
+    assert all(result.successful for result in set_values(flown.peer, "controller", **alone))
+    given(3, (0.5, 0, 0, 0))
+    flown.until(lambda: matches(2, (None, 0, -math.atan(0.1), 0)), "the pitch of the new gain")
+    assert set_values(flown.peer, "controller", min_throttle=0.55)[0].successful
+    given(6, (0.2, 0.05, 0.3, 0.4))
+    flown.until(lambda: matches(2, (0.55, 0.2, 0.05, 0.3)), "the new least throttle")
+    refused = set_values(flown.peer, "controller", max_throttle=0.3)[0]
+    assert not refused.successful and "min_throttle: found 0.55, allowed less than max_throttle, 0.3" in refused.reason
+    assert flown.phase() == "offboard"
+
+
+def test_the_controller_holds_without_commands_and_hands_over_without_state(flown):
+    flown.until(lambda: flown.phase() == "position_hold", "a hold command_timeout_s after the last command", given=False)
+    held = flown.commands[-1]
+    assert held.mode == Command.MODE_ROLL_PITCH_YAWRATE_THROTTLE and held.ignore == 0 and 0.3 < held.u[2] < 0.9
+    flown.until(lambda: flown.phase() == "offboard", "commands followed again")
+    for bad in (ControllerCommand(mode=12, cmd_valid=True), ControllerCommand(mode=0, cmd1=math.nan, cmd_valid=True),
+                ControllerCommand(mode=0, cmd_valid=False)):
+        flown.wanted = bad
+        flown.until(lambda: flown.phase() == "position_hold", f"no flying of {bad}")
+        flown.wanted = ControllerCommand(mode=0, cmd3=-2.0, cmd_valid=True)
+        flown.until(lambda: flown.phase() == "offboard", "commands followed again")
+    flown.peer.wait(lambda: flown.commands[-1].ignore == IGNORE_ALL, "the hand-over, state_timeout_s after the last state")
+    flown.process.until("estimated_state is silent: the vehicle is the pilot's")
+    flown.until(lambda: flown.phase() == "position_hold", "a hold when the state is back")
+    assert flown.commands[-1].ignore == 0
+    flown.until(lambda: flown.phase() == "offboard", "commands followed again")
+    assert flown.peer.call(Trigger, "controller/land").success
+    flown.until(lambda: flown.phase() == "landing", "phase landing")
+    flown.armed = False
+    flown.until(lambda: flown.phase() == "disarmed", "phase disarmed")
+    answer = flown.peer.call(Trigger, "controller/land")
+    assert not answer.success and "found phase disarmed, allowed in flight" in answer.message
+
+
+# ---- estimator, transcribers, signal ---------------------------------------------------------------
+
+
+def test_the_estimator_finds_its_attitude_and_falls_silent_with_the_imu(peer):
+    """At rest with the nose to the east: the field of 20 uT north, 45 uT down is 20 uT to the left."""
+    with copter("estimator", declination=0.0) as process:
+        heard = peer.listen(State, "estimated_state")
+        imu, mag = peer.publisher(Imu, "imu/data", ALL), peer.publisher(MagneticField, "magnetometer", ALL)
+        baro, gnss = peer.publisher(Barometer, "baro", ALL), peer.publisher(GNSS, "gnss", ALL)
+        peer.poll(lambda: all(p.get_subscription_count() for p in (imu, mag, baro, gnss)), "subscribers")
+        tick = 0
+
+        def some():
+            nonlocal tick
+            for _ in range(5):
+                ns = START_NS + tick * 5_000_000
+                if tick % 4 == 0:
+                    mag.publish(stamp(MagneticField(magnetic_field=Vector3(x=0.0, y=-2e-5, z=4.5e-5)), ns))
+                    baro.publish(stamp(Barometer(pressure=86_000.0), ns))
+                if tick % 40 == 0:
+                    gnss.publish(stamp(GNSS(fix_type=3, num_sat=12, lat=40.0, lon=-111.0, alt=1400.0,
+                                            gnss_unix_seconds=1_780_000_000), ns))
+                imu.publish(stamp(Imu(linear_acceleration=Vector3(z=-GRAVITY)), ns))
+                tick += 1
+            time.sleep(0.002)
+            return len(heard) > 100
+        peer.poll(some, "a hundred states")
+        last = heard[-1]
+        assert last.psi == pytest.approx(math.pi / 2, abs=0.02) and abs(last.phi) < 0.01 and abs(last.theta) < 0.01
+        assert last.quat.z == pytest.approx(math.sin(math.pi / 4), abs=0.01)
+        assert math.hypot(last.p_n, last.p_e, last.p_d) < 1.0
+        assert (last.initial_lat, last.initial_lon) == pytest.approx((40.0, -111.0), abs=1e-5)
+        assert last.initial_alt == pytest.approx(1400.0, abs=1.0)
+        stamps = [stamp_ns(m) for m in heard]
+        assert all(later > earlier for earlier, later in zip(stamps, stamps[1:]))
+        process.until("imu/data is silent: no state goes out")
+        count = len(heard)
+        time.sleep(0.2)
+        assert len(heard) == count
+
+
+def test_the_transcribers_copy(peer):
+    with copter("ext_att_transcriber"), copter("sim_state_transcriber"):
+        attitudes, states = peer.listen(Attitude, "external_attitude"), peer.listen(State, "sim/roscopter/state")
+        estimate, truth = peer.publisher(State, "estimated_state"), peer.publisher(SimState, "sim/truth_state")
+        in_estimate = state(START_NS, psi=1.0)
+        in_estimate.p, in_estimate.q, in_estimate.r = 0.1, 0.2, 0.3
+        in_truth = stamp(SimState(), START_NS)
+        in_truth.pose.position.x, in_truth.twist.linear.x, in_truth.twist.angular.z = 3.0, 2.0, 0.5
+        in_truth.pose.orientation.w = in_truth.pose.orientation.z = math.sqrt(0.5)
+        peer.introduce(lambda: estimate.publish(in_estimate), attitudes, "external_attitude")
+        peer.introduce(lambda: truth.publish(in_truth), states, "sim/roscopter/state")
+        estimate.publish(in_estimate)
+        truth.publish(in_truth)
+        peer.wait(lambda: attitudes and states, "the copies")
+        out = attitudes[-1]
+        assert (out.attitude.w, out.attitude.z) == pytest.approx((math.cos(0.5), math.sin(0.5)))
+        assert (out.angular_velocity.x, out.angular_velocity.y, out.angular_velocity.z) == pytest.approx((0.1, 0.2, 0.3))
+        copy = states[-1]
+        assert (copy.p_n, copy.v_x, copy.v_y, copy.r) == pytest.approx((3.0, 2.0, 0.0, 0.5), abs=1e-6)
+        assert copy.psi == pytest.approx(math.pi / 2) and copy.initial_lat == 0.0 and stamp_ns(copy) == START_NS
+
+
+def test_the_signal_generator_makes_its_waves(peer):
+    with copter("signal_generator", controller_mode=11, controller_output=2, signal_type="sine", signal_magnitude=2.0,
+                frequency_hz=4.0, default_cmd2=1.0, default_cmd4=30.0):
+        heard = peer.listen(ControllerCommand, "high_level_command")
+        peer.wait(lambda: len(heard) > 10, "commands")
+        assert {(m.mode, m.cmd1, m.cmd2, m.cmd4, m.cmd_valid) for m in heard} == {(11, 0.0, 1.0, 30.0, True)}
+        answer = peer.call(Trigger, "signal_generator/toggle_step_signal")
+        assert not answer.success and "allowed step" in answer.message
+        assert peer.call(Trigger, "signal_generator/start_continuous_signal").success
+        heard.clear()
+        peer.wait(lambda: len(heard) > 100, "a second of commands")
+        values = [m.cmd2 for m in heard]
+        assert 1.0 <= min(values) < 1.1 and 2.9 < max(values) <= 3.0
+        assert peer.call(Trigger, "signal_generator/pause_signal").success
+        assert peer.call(Trigger, "signal_generator/reset_signal").success
+        peer.poll(lambda: heard[-1].cmd2 == 1.0, "the lower end")
+        heard.clear()
+        assert peer.call(Trigger, "signal_generator/start_single_period_signal").success
+        peer.wait(lambda: heard and max(m.cmd2 for m in heard) > 2.9, "the top")
+        peer.wait(lambda: heard[-1].cmd2 == 1.0, "the end of the period")
+
+        text = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value="step")
+        change = [Parameter(name="signal_type", value=text)]
+        assert peer.call(SetParameters, "signal_generator/set_parameters", parameters=change).results[0].successful
+        assert peer.call(Trigger, "signal_generator/toggle_step_signal").success
+        peer.wait(lambda: heard[-1].cmd2 == 3.0, "the upper end of the step")
+        assert not peer.call(Trigger, "signal_generator/start_continuous_signal").success
