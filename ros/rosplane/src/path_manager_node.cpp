@@ -181,7 +181,8 @@ class PathManagerNode : public rclcpp::Node {
              ", allowed " + fault->allowed;
     }
     guidance_.configure(wanted.flight);
-    guidance_.set_mission(changed, guidance_.output().waypoint);
+    // A flight that is over does not begin again because of a parameter.
+    if (!guidance_.output().landed) guidance_.set_mission(changed, guidance_.output().waypoint);
     return "";
   }
 
