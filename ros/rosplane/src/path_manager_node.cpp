@@ -203,8 +203,8 @@ class PathManagerNode : public rclcpp::Node {
     const autonomy::StateEstimate& state = reader_.read(message);
     if (!flyable(state) || !thinning_.pass(state.t_s, config_.rate_Hz)) return;
     autonomy::Status status = status_;
-    if (!started_) started_ = now();
-    const bool nothing_to_fly = list_.empty() && (now() - *started_).seconds() < kGrace_s;
+    if (!started_s_) started_s_ = state.t_s;
+    const bool nothing_to_fly = list_.empty() && state.t_s - *started_s_ < kGrace_s;
     if (guidance_.output().phase == wing::Phase::kDisarmed && nothing_to_fly) status.armed = false;
     wing::Guidance::Last last = last_;
     if (old(wanted_heard_)) last.wanted_height_m.reset();
@@ -242,7 +242,7 @@ class PathManagerNode : public rclcpp::Node {
   WingParameters parameters_;
   StateReader reader_;
   wing::Guidance guidance_;
-  std::optional<rclcpp::Time> started_;
+  std::optional<double> started_s_;  ///< Time of the first state.
   std::vector<Waypoint> list_;
   wing::Mission head_{until_told()};
   std::size_t flown_{0};  ///< Waypoints that the guidance knows of.
