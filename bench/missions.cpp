@@ -5,6 +5,7 @@
 // usage: missions [NAME...]
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -49,7 +50,13 @@ constexpr Row kRows[]{
     {"default_gusts", "default", "6,270,6", "", 100},
 };
 
-/// Sums of one flight.
+/// When the fault of a row begins; what came before does not count.
+double from_s(const Row& row) {
+  const char* const at = std::strchr(row.fault, '@');
+  return at == nullptr ? 0.0 : std::atof(at + 1);
+}
+
+/// Sums of one flight, from the start of its fault on.
 struct Score {
   Tracking own;    ///< Horizontal, less the slow error of the satellites.
   Tracking total;  ///< Horizontal, as it was.
@@ -58,9 +65,12 @@ struct Score {
   bool landed{};     ///< Came down on its own and was disarmed.
   bool completed{};  ///< With all waypoints reached.
 
+  double from_s{};
+
   void look(Flight& flight) {
     const GuideOutput& guide = flight.autonomy();
     if (flight.director().stage() != Stage::kFly) return;
+    if (static_cast<double>(flight.now().count()) * 1e-6 < from_s) return;
     const auto& truth = flight.truth().body;
     const double cosine = (truth.q_NB * Vector3::UnitZ()).z();
     max_tilt_deg = std::max(max_tilt_deg, kDegPerRad * std::acos(std::clamp(cosine, -1.0, 1.0)));
@@ -81,6 +91,7 @@ Score fly(const Row& row, std::uint64_t seed) {
   const FlightSetup setup(choice);
   const auto flight = std::make_unique<Flight>(setup);
   Score score;
+  score.from_s = from_s(row);
   flight->set_script([&score](Flight& f, Time /*t*/) { score.look(f); });
   flight->run();
   const FlightDirector& director = flight->director();

@@ -68,6 +68,8 @@ Figures fly(const Row& row, std::uint64_t seed) {
   out["completed"] = landed && all ? 1.0 : 0.0;
   out["straight_rms_m"] = wing.straight.rms_m();
   out["arc_rms_m"] = wing.arc.rms_m();
+  out["corner_rms_m"] = wing.corner.rms_m();
+  out["corner_max_m"] = wing.corner.max_m;
   out["straight_total_rms_m"] = wing.straight_total.rms_m();
   out["arc_total_rms_m"] = wing.arc_total.rms_m();
   out["height_rms_m"] = wing.height.rms_m();

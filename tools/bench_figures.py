@@ -104,6 +104,8 @@ def fixedwing_rows() -> list[tuple[str, str, str, str]]:
                  (name, "arc_rms_m", "m", "<= 5"), (name, "arc_total_rms_m", "m", "report"),
                  (name, "height_rms_m", "m", "<= 2"), (name, "airspeed_rms_m_s", "m/s", "<= 1"),
                  (name, "completed", "flights", "= 1")]
+    # Where a path has corners without arcs no wing can follow; these three radii behind each are not in the rows above.
+    rows += [("line", "corner_rms_m", "m", "report"), ("line", "corner_max_m", "m", "report")]
     for name, limit in (("landing_range", 15), ("landing_no_range", 40), ("landing_wind", 15)):
         rows += [(name, "touchdown_distance_m", "m", f"<= {limit}"),
                  (name, "touchdown_sink_m_s", "m/s", "<= 1.5"), (name, "completed", "flights", "= 1")]

@@ -95,6 +95,14 @@ std::vector<ShownWaypoint> shown(const std::variant<MultirotorPlan, WingPlan>& p
   return out;
 }
 
+/// Some waypoint is given by latitude and longitude.
+bool names_places_on_earth(const std::string& mission_file) {
+  const auto file = autonomy::MissionFile::load(mission_file);
+  return std::any_of(file.waypoints.begin(), file.waypoints.end(), [](const config::Section& wp) {
+    return wp.boolean("use_lla", false) || wp.boolean("lla", false);
+  });
+}
+
 double throttle_that_carries(const std::variant<MultirotorPlan, WingPlan>& plan,
                              const sim::Vehicle& vehicle) {
   if (const auto* wing = std::get_if<WingPlan>(&plan)) {
@@ -165,6 +173,12 @@ FlightSetup::FlightSetup(const FlightChoice& choice_in)
       channels{channels_of(firmware)},
       faults{sim::parse_faults(choice.faults)} {
   mission_text = read_text(mission_file);
+  if (names_places_on_earth(mission_file)) {
+    // Such a mission was converted from here: the estimate counts from the same place on the map,
+    // not from where the first fixes of a flight say that it stands.
+    const sim::GeodeticPosition& place = vehicle.environment().origin;
+    estimator.origin = autonomy::Geodetic{place.latitude_deg, place.longitude_deg, place.height_m};
+  }
   if (choice.link == "uart" && choice.board != "qemu_m7") {
     throw Error(fmt::format("--link: found uart with --board {}, allowed with --board qemu_m7",
                             choice.board));

@@ -26,8 +26,10 @@ void WingRecord::step(const sim::Truth& truth, const sim::Vector3& seen_N,
   const sim::Vector3 v_N = truth.body.q_NB * truth.body.v_B;
   const double through_air = (v_N - truth.air.wind_N).norm();
   const auto attitude = autonomy::RollPitch::of(truth.body.q_NB);
-  if (output.tracking && captured(output)) {
-    const wing::Segment& segment = output.path.segment;
+  const wing::Segment& segment = output.path.segment;
+  const bool counts = output.tracking && captured(output);
+  if (output.tracking && !counts) corner.add(segment.cross_track_m(seen_N.head<2>()));
+  if (counts) {
     Tracking& seen = segment.straight() ? straight : arc;
     Tracking& total = segment.straight() ? straight_total : arc_total;
     seen.add(segment.cross_track_m(seen_N.head<2>()));

@@ -13,7 +13,9 @@ namespace rosflight::apps {
 ///
 /// Cross-track and height errors are against the path beside the vehicle, height against the ramped
 /// reference, airspeed against the commanded one; all only on the mission's path. After a corner
-/// that no arc rounds off (path: line) no wing can follow: a leg counts from kCapture radii on.
+/// that no arc rounds off (path: line) no wing can follow: the turn itself takes up to two radii to
+/// the side, and the field of the follower brings the aircraft back over some three. The straight
+/// and height, airspeed count from kCapture radii on; what lies before is in `corner`.
 class WingRecord {
  public:
   static constexpr double kCapture = 3.0;
@@ -36,6 +38,7 @@ class WingRecord {
 
   Tracking straight;  ///< Cross-track, as seen.
   Tracking arc;
+  Tracking corner;          ///< The same within kCapture radii after a sharp corner.
   Tracking straight_total;  ///< The same of the truth.
   Tracking arc_total;
   Tracking height;  ///< As seen.

@@ -11,12 +11,13 @@ namespace rosflight::apps {
 std::string wing_json(const WingRecord* w) {
   if (w == nullptr) return "";
   std::string out = fmt::format(
-      "\"straight_rms_m\": {:.6f}, \"arc_rms_m\": {:.6f}, \"straight_total_rms_m\": {:.6f}, "
+      "\"straight_rms_m\": {:.6f}, \"arc_rms_m\": {:.6f}, \"corner_rms_m\": {:.6f}, "
+      "\"straight_total_rms_m\": {:.6f}, "
       "\"arc_total_rms_m\": {:.6f}, \"height_rms_m\": {:.6f}, \"height_total_rms_m\": {:.6f}, "
       "\"airspeed_rms_m_s\": {:.6f}, \"largest_roll_deg\": {:.4f}, "
       "\"lowest_airspeed_m_s\": {:.4f}, ",
-      w->straight.rms_m(), w->arc.rms_m(), w->straight_total.rms_m(), w->arc_total.rms_m(),
-      w->height.rms_m(), w->height_total.rms_m(), w->airspeed.rms_m(),
+      w->straight.rms_m(), w->arc.rms_m(), w->corner.rms_m(), w->straight_total.rms_m(),
+      w->arc_total.rms_m(), w->height.rms_m(), w->height_total.rms_m(), w->airspeed.rms_m(),
       w->roll.max_m / autonomy::kRadPerDeg, w->lowest_airspeed_m_s);
   if (const auto& t = w->touchdown()) {
     out += fmt::format(
@@ -46,6 +47,7 @@ void add_wing_facts(report::FlightRecord& record, const WingRecord& w) {
   };
   fact("Cross-track, straights, rms", w.straight.rms_m(), "m");
   fact("Cross-track, arcs, rms", w.arc.rms_m(), "m");
+  if (w.corner.count > 0) fact("After sharp corners, rms", w.corner.rms_m(), "m");
   fact("Height, rms", w.height.rms_m(), "m");
   fact("Airspeed, rms", w.airspeed.rms_m(), "m/s");
   if (const auto& t = w.touchdown()) {

@@ -73,6 +73,18 @@ def now_ns():
     return time.time_ns()
 
 
+def falls_silent(heard, feed):
+    """Feeds a node until it has not answered 40 times in a row; what was on its way still comes. False: it never ends."""
+    for _ in range(20):
+        count = len(heard)
+        for _ in range(40):
+            feed()
+            time.sleep(0.005)
+        if len(heard) == count:
+            return True
+    return False
+
+
 def set_parameters(peer, name, **values):
     """Results of setting parameters of a node; numbers as doubles."""
     def value(given):

@@ -7,9 +7,11 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 
 #include "apps/fly/emulated_board.hpp"
+#include "apps/fly/flight_recorder.hpp"
 #include "apps/fly/test/flight_rig.hpp"
 
 namespace rosflight::apps::testing {
@@ -96,6 +98,30 @@ TEST_P(EmulatedM7Speaking, FliesTheDefaultMissionToTheBitAsInProcess) {
   expect_small_stack(there);
 }
 INSTANTIATE_TEST_SUITE_P(Protocols, EmulatedM7Speaking, ::testing::Values("mavlink", "lean"));
+
+/// Of a flight on the estimate, which the log has as well: every byte of the link, a hundred
+/// estimates a second.
+std::string log_hash(const FlightChoice& choice, const std::filesystem::path& file) {
+  Rig rig{choice};
+  EXPECT_EQ(rig.setup->choice.state, "estimate");
+  FlightRecorder recorder(*rig.flight, file);
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed()) << rig.flight->director().failure();
+  const std::string hash = recorder.close().sha256;
+  std::filesystem::remove(file);
+  return hash;
+}
+
+class EmulatedM7Log : public ::testing::TestWithParam<const char*> {};
+TEST_P(EmulatedM7Log, IsTheSameToTheByteAsInProcess) {
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("rosflight_m7_log_" + std::string(GetParam()));
+  FlightChoice in_process;
+  FlightChoice emulated = on_m7();
+  in_process.vehicle = emulated.vehicle = GetParam();
+  EXPECT_EQ(log_hash(emulated, file), log_hash(in_process, file));
+}
+INSTANTIATE_TEST_SUITE_P(Vehicles, EmulatedM7Log, ::testing::Values("multirotor", "anaconda"));
 
 TEST(EmulatedM7, RadioLossIsFailsafeThenTheMissionGoesOn) {
   Rig rig{on_m7({"rc_silence@20:2"})};

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -43,6 +44,31 @@ TEST_F(FlightFolder, SameSeedGivesTheSameBytesAnotherSeedOthers) {
   FlightChoice other;
   other.seed = 2;
   EXPECT_NE(logged(other, "c.mcap").sha256, first.sha256);
+}
+
+/// A waypoint on the map is flown to on the map: the estimate counts from the mission's origin, not
+/// from where the first fixes say that the vehicle stands.
+TEST_F(FlightFolder, AMissionWithLatitudesCountsFromTheOriginOfTheMap) {
+  fs::create_directories(folder_);
+  const fs::path mission = folder_ / "geodetic.yaml";
+  Rig local{FlightChoice{}};
+  const sim::GeodeticPosition& home = local.setup->vehicle.environment().origin;
+  std::ofstream(mission) << "mission:\n  - {type: goto, use_lla: true, w: ["
+                         << fmt::format("{:.9f}, {:.9f}, {:.3f}", home.latitude_deg + 1e-4,
+                                        home.longitude_deg, home.height_m + 4.0)
+                         << "], psi: 0}\n";
+  FlightChoice choice;
+  choice.mission = mission.string();
+  Rig rig(choice);
+  EXPECT_NEAR(rig.setup->waypoints.front().p_N.x(), 11.1, 0.1);
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed()) << rig.flight->director().failure();
+  ASSERT_TRUE(rig.flight->navigator().origin());
+  EXPECT_EQ(rig.flight->navigator().origin()->latitude_deg, home.latitude_deg);
+  EXPECT_EQ(rig.flight->navigator().origin()->longitude_deg, home.longitude_deg);
+  local.reach(Stage::kFly);
+  ASSERT_TRUE(local.flight->navigator().origin());
+  EXPECT_NE(local.flight->navigator().origin()->latitude_deg, home.latitude_deg);
 }
 
 TEST_F(FlightFolder, LogDoesNotDependOnWhereTheProgramRuns) {

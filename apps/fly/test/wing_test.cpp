@@ -89,6 +89,18 @@ INSTANTIATE_TEST_SUITE_P(
               "{output: 1, travel_deg: 40, aileron: -0.5, elevator: 0.5}]"}}),
     [](const auto& instance) { return std::string(instance.param.name); });
 
+TEST(Wing, TheAerosondeFliesItsCircuit) {
+  FlightChoice choice = wing("wide_circuit");
+  choice.vehicle = "aerosonde";
+  Rig rig(choice);
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed()) << rig.flight->director().failure();
+  expect_tracked(rig);
+  EXPECT_LE(record(rig).roll.max_m, 60.0 * autonomy::kRadPerDeg);
+  EXPECT_GE(record(rig).lowest_airspeed_m_s, 18.0);
+  expect_touchdown(rig, 15.0, 1.5);
+}
+
 TEST(Wing, RacetrackInWind) {
   FlightChoice choice = wing("racetrack");
   choice.wind = "8,250";

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""fly.launch.xml under the name that ROSflight 2.x gives it."""
+"""fly.launch.xml for those who start Python launch files."""
 
 from pathlib import Path
 

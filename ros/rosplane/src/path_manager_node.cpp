@@ -22,7 +22,8 @@ using std_srvs::srv::Trigger;
 /// Guidance: which path is flown when, from take-off to landing. One path and one phase for a
 /// state.
 ///
-/// Without waypoints it circles the origin at default_altitude, from kGrace_s after its start on.
+/// Without waypoints it circles the origin at default_altitude, from kGrace_s after the
+/// first state on.
 ///
 /// Stops: without a state, or with one that cannot be flown on, nothing is published, so the
 /// follower's path and the controller's commands grow old. Position not known: circles at a fixed
@@ -34,8 +35,7 @@ class PathManagerNode : public rclcpp::Node {
         config_{WingConfig::declare(*this)},
         parameters_{*this, parameters(), config_},
         reader_{config_.min_airspeed_known_m_s, config_.flight.controller.airframe.gravity_m_s2},
-        guidance_{config_.flight, without_waypoints()},
-        started_{now()} {
+        guidance_{config_.flight, without_waypoints()} {
     parameters_.on_change([this](const WingConfig& wanted) { return apply(wanted); });
     paths_ = create_publisher<CurrentPath>("current_path", rclcpp::QoS(10));
     phases_ = create_publisher<FlightPhase>("flight_phase", rclcpp::QoS(10));
@@ -135,7 +135,8 @@ class PathManagerNode : public rclcpp::Node {
     return out;
   }
 
-  /// As the reference: round and round.
+  /// As the reference: round and round. Kept when a list is cleared: who tells settings tells new
+  /// ones then, and they may come first.
   static wing::Mission until_told() {
     wing::Mission out;
     out.at_end = autonomy::AtEnd::kCycle;
@@ -145,7 +146,6 @@ class PathManagerNode : public rclcpp::Node {
   void take(const Waypoint& message) {
     if (message.clear_wp_list) {
       list_.clear();
-      head_ = until_told();
       new_mission();
       return;
     }
@@ -181,7 +181,8 @@ class PathManagerNode : public rclcpp::Node {
              ", allowed " + fault->allowed;
     }
     guidance_.configure(wanted.flight);
-    guidance_.set_mission(changed, guidance_.output().waypoint);
+    // A flight that is over does not begin again because of a parameter.
+    if (!guidance_.output().landed) guidance_.set_mission(changed, guidance_.output().waypoint);
     return "";
   }
 
@@ -202,7 +203,8 @@ class PathManagerNode : public rclcpp::Node {
     const autonomy::StateEstimate& state = reader_.read(message);
     if (!flyable(state) || !thinning_.pass(state.t_s, config_.rate_Hz)) return;
     autonomy::Status status = status_;
-    const bool nothing_to_fly = list_.empty() && (now() - started_).seconds() < kGrace_s;
+    if (!started_s_) started_s_ = state.t_s;
+    const bool nothing_to_fly = list_.empty() && state.t_s - *started_s_ < kGrace_s;
     if (guidance_.output().phase == wing::Phase::kDisarmed && nothing_to_fly) status.armed = false;
     wing::Guidance::Last last = last_;
     if (old(wanted_heard_)) last.wanted_height_m.reset();
@@ -240,7 +242,7 @@ class PathManagerNode : public rclcpp::Node {
   WingParameters parameters_;
   StateReader reader_;
   wing::Guidance guidance_;
-  rclcpp::Time started_;
+  std::optional<double> started_s_;  ///< Time of the first state.
   std::vector<Waypoint> list_;
   wing::Mission head_{until_told()};
   std::size_t flown_{0};  ///< Waypoints that the guidance knows of.

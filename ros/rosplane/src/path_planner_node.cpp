@@ -144,7 +144,7 @@ class PathPlanner final : public ros_common::PlannerNode<Policy> {
   void changed() final {
     if (!settings_) return;  // still being made
     rosplane_msgs::msg::MissionSettings message;
-    message.at_end = rosplane_msgs::msg::MissionSettings::CYCLE;
+    message.at_end = rosplane_msgs::msg::MissionSettings::HOLD;  // of waypoints added one by one
     message.takeoff_height = message.turn_radius = message.landing_course = kUnknown;
     if (plan()) put(plan()->mission, message);
     // Waypoints that wait to be published are no end: it circles there.

@@ -5,12 +5,13 @@ import math
 import subprocess
 
 import pytest
-from plane_rig import NODES, VEHICLE, WITHOUT_VEHICLE, now_ns, parameter, set_parameters, start, state
+from plane_rig import NODES, VEHICLE, WITHOUT_VEHICLE, falls_silent, now_ns, parameter, set_parameters, start, state
 from ros_rig import ROOT
-from rosflight_msgs.msg import Command, RCRaw, SimState, Status
+from rosflight_msgs.msg import Airspeed, Barometer, Command, GNSS, RCRaw, SimState, Status
 from rosplane_msgs.msg import ControllerCommands, ControllerInternals, CurrentPath, FlightPhase, State
+from sensor_msgs.msg import Imu, MagneticField
 from sim_contract import check_module
-from sim_rig import NEWEST, executable, stamp, stamp_ns
+from sim_rig import ALL, NEWEST, executable, stamp, stamp_ns
 from std_srvs.srv import Trigger
 
 NAN = math.nan
@@ -115,10 +116,7 @@ def test_path_follower_follows_stops_and_takes_gains(peer):
         # No path any more: commands end, and it says so once.
         feed.others = []
         peer.poll(lambda: feed.give() or "current_path is silent" in process.text(), "a word about the silence")
-        count = len(feed.heard)
-        for _ in range(50):
-            feed.give()
-        assert len(feed.heard) == count and process.text().count("is silent") == 1
+        assert falls_silent(feed.heard, feed.give) and process.text().count("is silent") == 1
 
 
 @pytest.mark.parametrize("broken", [{"q": [0.0, 0.0, 0.0]}, {"q": [0.0, 0.0, 1.0]}, {"q": [NAN, 0.0, 0.0]},
@@ -136,12 +134,7 @@ def test_path_follower_follows_nothing_that_is_no_path(peer, broken):
             return message
         feed.others = []
         feed.also(CurrentPath, "current_path", bad)
-        count = -1
-        while count != len(feed.heard):  # until it falls silent
-            count = len(feed.heard)
-            for _ in range(40):
-                feed.give()
-            peer.wait(lambda: True, "")
+        assert falls_silent(feed.heard, feed.give)
 
 
 # ---- controller ----------------------------------------------------------------------------------
@@ -236,6 +229,70 @@ def test_controller_takes_off_by_itself_without_a_path_manager(peer):
         climb = bank_of(feed, lambda m: m.alt_zone == ControllerInternals.CLIMB, "the climb", height=20.0)
         assert climb.phi_c == pytest.approx(0.0, abs=0.05)
         bank_of(feed, lambda m: m.alt_zone == ControllerInternals.ALTITUDE_HOLD and m.phi_c > 0.1, "the course", height=55.0)
+
+
+# ---- estimator -----------------------------------------------------------------------------------
+
+
+class Sensors:
+    """What an aircraft's sensors say while it stands at 1400 m, 100 times a second of its own time."""
+
+    def __init__(self, peer):
+        self.peer, self.ns, self.ticks = peer, 1_000_000_000_000, 0
+        self.states = peer.listen(State, "estimated_state")
+        self.to = {topic: peer.publisher(kind, topic, ALL) for topic, kind in NODES["estimator"].inputs.items()}
+        self.gnss, self.armed = True, False
+
+    def tick(self):
+        self.ns += 10_000_000
+        self.ticks += 1
+
+        def send(topic, message):
+            self.to[topic].publish(stamp(message, self.ns))
+        if self.ticks % 10 == 0:
+            send("status", Status(armed=self.armed))
+        if self.ticks % 2 == 0:
+            send("baro", Barometer(pressure=85600.0))
+            field = MagneticField()
+            field.magnetic_field.x, field.magnetic_field.z = 2.1e-5, 4.6e-5
+            send("magnetometer", field)
+            send("airspeed", Airspeed(differential_pressure=0.0))
+        if self.ticks % 20 == 0 and self.gnss:
+            send("gnss", GNSS(fix_type=GNSS.GNSS_FIX_TYPE_3D_FIX, lat=40.0, lon=-111.0, alt=1400.0))
+        imu = Imu()
+        imu.linear_acceleration.z = -9.80665
+        send("imu/data", imu)
+
+    def run(self, seconds):
+        """Each tick waits for its state, so that none is lost."""
+        for _ in range(round(100 * seconds)):
+            count = len(self.states)
+            self.tick()
+            self.peer.wait(lambda c=count: len(self.states) > c, "a state")
+        return self.states[-1]
+
+
+def test_estimator_starts_tells_and_says_what_it_does_not_know(peer):
+    with start("estimator", declination=10.0, estimator_update_frequency=200.0) as process:
+        sensors = Sensors(peer)
+        peer.poll(lambda: sensors.tick() or sensors.states, "a first state")
+        still = sensors.run(1.0)
+        assert (still.initial_lat, still.initial_lon) == pytest.approx((40.0, -111.0))
+        assert math.hypot(still.p_n, still.p_e, still.p_d) < 1.0 and abs(still.phi) < 0.01
+        assert still.psi == pytest.approx(math.radians(10.0), abs=0.01)  # the field points to magnetic north
+        assert stamp_ns(still) == sensors.ns and math.isnan(still.w_n)
+        # Armed and without GNSS for longer than dead_reckoning_s: it says that it does not know where it is, and goes on.
+        sensors.armed, sensors.gnss = True, False
+        lost = sensors.run(32.0)
+        assert math.isnan(lost.p_n) and math.isnan(lost.p_e)
+        assert math.isfinite(lost.p_d) and abs(lost.phi) < 0.05
+        sensors.gnss = True
+        assert math.isfinite(sensors.run(2.0).p_n)
+        # No IMU: no state.
+        process.until("imu/data is silent")
+        count = len(sensors.states)
+        sensors.to["baro"].publish(stamp(Barometer(pressure=85600.0), sensors.ns + 10_000_000))
+        assert len(sensors.states) == count
 
 
 # ---- tools ---------------------------------------------------------------------------------------
