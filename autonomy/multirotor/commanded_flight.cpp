@@ -74,13 +74,13 @@ CommandedFlight::Turn CommandedFlight::begin(const Input& in) {
   if (regained) out_.events.add(FlightEventType::kStateRegained);
   state_lost_ = false;
 
-  attitude_.emplace(in.state.q_NB);
+  attitude_ = AttitudeView(in.state.q_NB);
   pilot_ = PilotOverride::from_word(in.status.rc_override);
   voltage_V_ = in.status.battery_voltage_V;
   step_ = machine_.step({.t_s = in.t_s,
                          .dt_s = dt_s_,
                          .state = in.state,
-                         .psi_rad = attitude_->psi_rad,
+                         .psi_rad = attitude_.psi_rad,
                          .armed = in.status.armed,
                          .pilot = pilot_.any() || regained,
                          .ready = in.ready,
@@ -100,7 +100,7 @@ CommandedFlight::Turn CommandedFlight::begin(const Input& in) {
 
 void CommandedFlight::finish(const State& state, const ControllerCommand& command) {
   const Controller::Output control =
-      controller_.step({state, *attitude_, step_.follow ? command : step_.command, dt_s_, pilot_,
+      controller_.step({state, attitude_, step_.follow ? command : step_.command, dt_s_, pilot_,
                         step_.level, voltage_V_});
   out_.command = control.command;
   out_.roll_rad = control.roll_rad;

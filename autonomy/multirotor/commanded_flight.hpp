@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <array>
-#include <optional>
 
 #include "autonomy/multirotor/controller.hpp"
 #include "autonomy/multirotor/state_machine.hpp"
@@ -108,7 +107,7 @@ class CommandedFlight {
     controller_.configure(config, controller_.thrust_model());
     machine_.configure(states);
   }
-  const AttitudeView& attitude() const { return *attitude_; }  ///< Of the state of this turn.
+  const AttitudeView& attitude() const { return attitude_; }  ///< Of the state of this turn.
   const PilotOverride& pilot() const { return pilot_; }
   double dt_s() const { return dt_s_; }
   const Output& output() const { return out_; }
@@ -121,7 +120,7 @@ class CommandedFlight {
   StateMachine machine_;
   StateMachine::Output step_{};
   Output out_{};
-  std::optional<AttitudeView> attitude_;
+  AttitudeView attitude_{Quaternion::Identity()};
   PilotOverride pilot_{};
   double dt_s_{};
   double voltage_V_{};

@@ -26,8 +26,8 @@ struct ControllerConfig {
   PidGains position_horizontal{1.0, 0.0, 0.0};  ///< m -> m/s.
   PidGains position_vertical{1.2, 0.0, 0.0};
   PidGains velocity_horizontal{2.2, 0.8, 0.0};  ///< m/s -> m/s^2.
-  std::optional<PidGains> position_east{};      ///< Else as north.
-  std::optional<PidGains> velocity_east{};
+  std::optional<PidGains> position_east;        ///< Else as north.
+  std::optional<PidGains> velocity_east;
   PidGains velocity_vertical{3.0, 1.0, 0.0};
   PidGains heading_to_rate{2.0, 0.0, 0.0};  ///< rad -> rad/s.
   PidGains roll_to_torque{5.0, 0.0, 0.8};   ///< rad -> N m.

@@ -11,7 +11,7 @@ struct FollowerConfig {
   double mass_kg{3.5};
   double gravity_m_s2{9.81};
   PidGains horizontal{3.5, 1.0, 3.2};  ///< kp [1/s^2], ki [1/s^3], kd [1/s].
-  std::optional<PidGains> east{};      ///< Else horizontal is that of both.
+  std::optional<PidGains> east;        ///< Else horizontal is that of both.
   PidGains vertical{4.0, 1.0, 3.5};
   PidGains heading{2.0, 0.0, 0.0};   ///< kp [1/s], ki [1/s^2], kd [-].
   double drag_1_s{0.0};              ///< Deceleration per speed through still air, fed forward.

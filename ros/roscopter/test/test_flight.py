@@ -8,7 +8,7 @@ import pytest
 from copter_flight import Flight
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters
-from roscopter_msgs.msg import ControllerCommand, State, Waypoint
+from roscopter_msgs.msg import ControllerCommand, Waypoint
 from roscopter_msgs.srv import AddWaypoint
 from ros_rig import ROOT
 from rosflight_msgs.srv import ParamFile
