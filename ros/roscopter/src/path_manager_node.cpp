@@ -138,7 +138,7 @@ class PathManagerNode : public rclcpp::Node {
 
   void append(const Waypoint& message) {
     autonomy::Waypoint waypoint = waypoint_of(message);
-    if (message.use_lla) {
+    if (message.use_lla && origin_) {
       waypoint.p_N =
           autonomy::ned_of({waypoint.p_N.x(), waypoint.p_N.y(), waypoint.p_N.z()}, *origin_);
     }

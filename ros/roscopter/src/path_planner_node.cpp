@@ -15,6 +15,10 @@ namespace {
 
 using config::number_text;
 
+bool between(double x, double least, double most) {
+  return x >= least && x <= most;
+}
+
 [[noreturn]] void refuse(const std::string& field, const std::string& found,
                          const std::string& allowed) {
   throw config::Error("wp." + field + ": found " + found + ", allowed " + allowed);
@@ -67,7 +71,7 @@ class Policy {
       refuse("speed", number_text(static_cast<double>(wp.speed)),
              "0.1 to " + number_text(limits_.max_speed_m_s) + ", or 0 for the vehicle's");
     }
-    if (!(wp.hold_seconds >= 0.0F && wp.hold_seconds <= kLongestHold_s))
+    if (!between(static_cast<double>(wp.hold_seconds), 0.0, kLongestHold_s))
       refuse("hold_seconds", number_text(static_cast<double>(wp.hold_seconds)), "0 to 86400");
     if (wp.hold_indefinitely && wp.type == Waypoint::TYPE_GOTO)
       refuse("hold_indefinitely", "true at a goto", "false, or type 0");
@@ -88,13 +92,13 @@ class Policy {
 
  private:
   static constexpr float kSlowest_m_s = 0.1F;
-  static constexpr float kLongestHold_s = 86400.0F;
+  static constexpr double kLongestHold_s = 86400.0;
 
   void check_place(Waypoint& wp, const std::optional<autonomy::Geodetic>& origin) const {
     autonomy::Vector3 p_N = vector(wp.w);
     if (wp.use_lla) {
       if (!origin) refuse("use_lla", "true", "false, as long as no state tells the origin");
-      if (!(std::abs(p_N.x()) <= 90.0 && std::abs(p_N.y()) <= 180.0))
+      if (!between(p_N.x(), -90.0, 90.0) || !between(p_N.y(), -180.0, 180.0))
         refuse("w", number_text(p_N.x()) + ", " + number_text(p_N.y()), "latitude, longitude");
       p_N = autonomy::ned_of({p_N.x(), p_N.y(), p_N.z()}, *origin);
       wp.w = array(p_N);
@@ -106,7 +110,7 @@ class Policy {
              "at most " + number_text(limits_.max_distance_m) + " m");
     }
     const double height_m = -p_N.z();
-    if (!(height_m >= limits_.min_height_m && height_m <= limits_.max_height_m)) {
+    if (!between(height_m, limits_.min_height_m, limits_.max_height_m)) {
       refuse("w", "a height of " + number_text(height_m) + " m",
              number_text(limits_.min_height_m) + " to " + number_text(limits_.max_height_m) +
                  " m above the origin (down is positive)");
@@ -143,12 +147,15 @@ class PathPlanner final : public ros_common::PlannerNode<Policy> {
   void changed() final {
     if (!at_end_) return;  // still being made
     // Waypoints that wait to be published are no end: it holds there.
+    const std::optional<Policy::Plan>& mission = plan();
     std_msgs::msg::String end;
-    if (plan()) end.data = all_published() ? word(plan()->at_end) : "hold";
-    at_end_->publish(end);
     std_msgs::msg::Float64 height;
-    height.data = plan() && plan()->takeoff_height_m ? *plan()->takeoff_height_m
-                                                     : std::numeric_limits<double>::quiet_NaN();
+    height.data = std::numeric_limits<double>::quiet_NaN();
+    if (mission) {
+      end.data = all_published() ? word(mission->at_end) : "hold";
+      height.data = mission->takeoff_height_m.value_or(height.data);
+    }
+    at_end_->publish(end);
     takeoff_->publish(height);
   }
 

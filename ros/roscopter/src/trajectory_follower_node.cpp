@@ -78,10 +78,8 @@ class TrajectoryFollowerNode : public rclcpp::Node {
     });
     commands_ = create_publisher<ControllerCommand>("high_level_command", rclcpp::QoS(1));
     setpoints_ = create_subscription<TrajectoryCommand>(
-        "trajectory_command", rclcpp::QoS(1), [this](TrajectoryCommand::ConstSharedPtr message) {
-          setpoint_ = *message;
-          heard_ = now();
-        });
+        "trajectory_command", rclcpp::QoS(1),
+        [this](TrajectoryCommand::ConstSharedPtr message) { heard_ = Heard{*message, now()}; });
     status_ = create_subscription<Status>(
         "status", rclcpp::QoS(1), [this](Status::ConstSharedPtr message) {
           pilot_ = autonomy::PilotOverride::from_word(message->rc_override);
@@ -98,10 +96,14 @@ class TrajectoryFollowerNode : public rclcpp::Node {
   }
 
  private:
+  struct Heard {
+    TrajectoryCommand message;
+    rclcpp::Time at;
+  };
   static constexpr double kFarthest_s = 0.1;  // a set-point is carried on
 
   void step(const State& message) {
-    if (!setpoint_) return;
+    if (!heard_) return;
     const double t_s = ros_common::seconds(message.header);
     const double dt_s = t_s - last_s_;
     last_s_ = t_s;
@@ -109,9 +111,9 @@ class TrajectoryFollowerNode : public rclcpp::Node {
     const autonomy::State state = state_of(message);
     const autonomy::AttitudeView attitude(state.q_NB);
     const double ahead_s =
-        std::clamp(t_s - ros_common::seconds(setpoint_->header), 0.0, kFarthest_s);
-    const autonomy::Trajectory setpoint = carried_on(trajectory_of(*setpoint_), ahead_s);
-    const double age_s = (now() - *heard_).seconds();
+        std::clamp(t_s - ros_common::seconds(heard_->message.header), 0.0, kFarthest_s);
+    const autonomy::Trajectory setpoint = carried_on(trajectory_of(heard_->message), ahead_s);
+    const double age_s = (now() - heard_->at).seconds();
     ControllerCommand out;
     fill(follower_.step({state, attitude, setpoint, age_s, dt_s, pilot_}), out);
     out.header.stamp = message.header.stamp;
@@ -122,8 +124,7 @@ class TrajectoryFollowerNode : public rclcpp::Node {
   ros_common::LiveParameters<FollowerConfig> parameters_;
   FlightPhase phase_;
   autonomy::TrajectoryFollower follower_;
-  std::optional<TrajectoryCommand> setpoint_;
-  std::optional<rclcpp::Time> heard_;
+  std::optional<Heard> heard_;
   autonomy::PilotOverride pilot_{};
   double last_s_{};
   rclcpp::Publisher<ControllerCommand>::SharedPtr commands_;

@@ -19,6 +19,7 @@ from sim_contract import TRIGGER, Module, Out, check_module
 from sim_rig import ALL, LATCHED, VEHICLE, Process, SimPeer, executable, launch, node, stamp, stamp_ns
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
+from visualization_msgs.msg import Marker
 
 GRAVITY, MASS = 9.80665, 3.5  # of vehicles/multirotor.yaml
 START_NS = 100_000_000_000
@@ -42,13 +43,14 @@ MODULES = [
                           {"estimated_state": State, "high_level_command": ControllerCommand, "status": Status},
                           {"controller/land": TRIGGER})),
     ("ext_att_transcriber", Module("ext_att_transcriber", {"external_attitude": Out(Attitude)}, {"estimated_state": State})),
+    ("rviz_waypoint_publisher", Module("rviz_waypoint_publisher", {"rviz/waypoint": Out(Marker, latched=True)}, {"waypoints": Waypoint})),
     ("sim_state_transcriber", Module("roscopter_truth", {"sim/roscopter/state": Out(State)}, {"sim/truth_state": SimState})),
     ("signal_generator", Module("signal_generator", {"high_level_command": Out(ControllerCommand)}, {},
                                 {f"signal_generator/{name}": TRIGGER for name in (
                                     "toggle_step_signal", "reset_signal", "pause_signal", "start_continuous_signal",
                                     "start_single_period_signal")})),
 ]
-WITHOUT_VEHICLE = ("ext_att_transcriber", "sim_state_transcriber", "signal_generator")
+WITHOUT_VEHICLE = ("ext_att_transcriber", "rviz_waypoint_publisher", "sim_state_transcriber", "signal_generator")
 
 
 def copter(name, **parameters):
@@ -529,6 +531,19 @@ def test_the_transcribers_copy(peer):
         copy = states[-1]
         assert (copy.p_n, copy.v_x, copy.v_y, copy.r) == pytest.approx((3.0, 2.0, 0.0, 0.5), abs=1e-6)
         assert copy.psi == pytest.approx(math.pi / 2) and copy.initial_lat == 0.0 and stamp_ns(copy) == START_NS
+
+
+def test_waypoints_are_shown_in_rviz_until_they_are_cleared(peer):
+    waypoints = peer.publisher(Waypoint, "waypoints", LATCHED)
+    for north in (1.0, 5.0):
+        waypoints.publish(going(north))
+    with copter("rviz_waypoint_publisher"):
+        heard = peer.listen(Marker, "rviz/waypoint", LATCHED_ALL)
+        peer.wait(lambda: [m.text for m in heard if m.type == Marker.TEXT_VIEW_FACING] == ["1", "2"], "two numbers")
+        line = [m for m in heard if m.type == Marker.LINE_STRIP][-1]
+        assert [(p.x, p.y, p.z) for p in line.points] == [(1.0, 0.0, -5.0), (5.0, 0.0, -5.0)] and line.header.frame_id == "NED"
+        waypoints.publish(Waypoint(clear_wp_list=True))
+        peer.wait(lambda: heard[-1].action == Marker.DELETEALL, "nothing left")
 
 
 def test_the_signal_generator_makes_its_waves(peer):
