@@ -223,6 +223,7 @@ class InputMapper : public rclcpp::Node {
     request->parameters.push_back(
         rclcpp::Parameter("pitch_command_override", wanted[1]).to_parameter_msg());
     using Future = rclcpp::Client<rcl_interfaces::srv::SetParameters>::SharedFuture;
+    // NOLINTNEXTLINE(performance-unnecessary-value-param): rclcpp wants a copy
     overrides_->async_send_request(request, [this](Future answer) {
       for (const auto& result : answer.get()->results) {
         if (!result.successful)

@@ -189,8 +189,8 @@ class PathManagerNode : public rclcpp::Node {
   // ---- flight -----------------------------------------------------------------------------------
 
   std::optional<double> range() const {
-    if (old(range_heard_) || !(range_.range >= range_.min_range && range_.range < range_.max_range))
-      return {};
+    const bool inside = range_.range >= range_.min_range && range_.range < range_.max_range;
+    if (!inside || old(range_heard_)) return {};
     return wide(range_.range);
   }
 

@@ -75,8 +75,9 @@ class Policy {
     if (!(std::abs(wide(wp.chi_d)) <= 2.0 * autonomy::kPi))
       refuse("chi_d", number_text(wide(wp.chi_d)), "-2 pi to 2 pi");
     const double speed_m_s = wide(wp.va_d);
-    if (speed_m_s != 0.0 &&
-        !(speed_m_s >= limits_.min_airspeed_m_s && speed_m_s <= limits_.max_airspeed_m_s)) {
+    const bool flown =
+        speed_m_s >= limits_.min_airspeed_m_s && speed_m_s <= limits_.max_airspeed_m_s;
+    if (speed_m_s != 0.0 && !flown) {
       refuse("va_d", number_text(speed_m_s),
              number_text(limits_.min_airspeed_m_s) + " to " +
                  number_text(limits_.max_airspeed_m_s) + " m/s, or 0 for cruise");
@@ -108,7 +109,8 @@ class Policy {
     autonomy::Vector3 p_N = vector(wp.w);
     if (wp.lla) {
       if (!origin) refuse("lla", "true", "false, as long as no state tells the origin");
-      if (!(std::abs(p_N.x()) <= 90.0 && std::abs(p_N.y()) <= 180.0))
+      const bool on_earth = std::abs(p_N.x()) <= 90.0 && std::abs(p_N.y()) <= 180.0;
+      if (!on_earth)
         refuse("w", number_text(p_N.x()) + ", " + number_text(p_N.y()), "latitude, longitude");
       p_N = autonomy::ned_of({p_N.x(), p_N.y(), p_N.z()}, *origin);
       put(p_N, wp.w);
@@ -121,7 +123,8 @@ class Policy {
              "at most " + number_text(area.max_distance_m) + " m");
     }
     const double height_m = -p_N.z();
-    if (!(height_m >= area.min_height_m && height_m <= area.max_height_m)) {
+    const bool inside = height_m >= area.min_height_m && height_m <= area.max_height_m;
+    if (!inside) {
       refuse("w", "a height of " + number_text(height_m) + " m",
              number_text(area.min_height_m) + " to " + number_text(area.max_height_m) +
                  " m above the origin (down is positive)");
@@ -146,7 +149,8 @@ class PathPlanner final : public ros_common::PlannerNode<Policy> {
     rosplane_msgs::msg::MissionSettings message;
     message.at_end = rosplane_msgs::msg::MissionSettings::HOLD;  // of waypoints added one by one
     message.takeoff_height = message.turn_radius = message.landing_course = kUnknown;
-    if (plan()) put(plan()->mission, message);
+    const std::optional<Policy::Plan>& loaded = plan();
+    if (loaded) put(loaded->mission, message);
     // Waypoints that wait to be published are no end: it circles there.
     if (!all_published()) message.at_end = rosplane_msgs::msg::MissionSettings::HOLD;
     message.header.stamp = now();

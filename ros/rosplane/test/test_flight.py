@@ -14,7 +14,7 @@ from std_srvs.srv import Trigger
 FASTEST = "10.0"  # more than this machine holds: as fast as it can, and time waits for the world
 LONG_S = 300.0  # patience for what takes tens of simulated seconds
 OVERRIDE = Status.OVERRIDE_ATT_SWITCH | Status.OVERRIDE_THR_SWITCH
-WAYPOINTS = [(400.0, -200.0, -50.0), (-200.0, -200.0, -50.0)]  # missions/circuit.yaml
+WAYPOINTS = [(300.0, -150.0, -40.0), (-150.0, -150.0, -40.0)]  # missions/circuit.yaml
 RADIUS = 50.0  # limits.turn_radius_m of vehicles/anaconda.yaml
 
 
@@ -82,7 +82,7 @@ def test_a_mission_from_take_off_to_landing(tmp_path):
         flight.until(lambda: not flight.status[-1].armed, "being disarmed")
 
         places = [(m.pose.position.x, m.pose.position.y, m.pose.position.z) for m in flight.truth]
-        # A fillet of a turn passes at R (1/cos(turn/2) - 1): 130 degrees, as the climb ends beyond 230 m; the last is flown over.
+        # A fillet of a turn passes at R (1/cos(turn/2) - 1): 130 degrees, as the climb ends beyond 150 m; the last is flown over.
         for waypoint, cut in zip(WAYPOINTS, (RADIUS * (1 / math.cos(math.radians(65.0)) - 1), 0.0)):
             assert min(math.dist(waypoint, place) for place in places) < cut + 5.0
         speeds = flight.speeds(aloft, cruised)
