@@ -6,6 +6,7 @@ The ROS 2 side of the project: messages, nodes, launch files, all under ros/.
   build [PACKAGE...]    build the packages under ros/ (all, or these and what they need)
   test [NAME...]        build, then run the tests under ros/ (all, or files with NAME in their path)
   launch FILE [A:=B...] run a launch file, or PACKAGE FILE: tools/ros_launch/README.md
+  call SERVICE [F:=V...] call a service once, as ros2 service call does, which pip does not have
   demo rtt|passthrough  the demonstrations of the paper: ./rosflight ros demo --help
   run COMMAND...        run a command inside the ROS environment
   env                   print the environment as lines for a shell: eval "$(./rosflight ros env)"
@@ -59,6 +60,10 @@ def launch(words: list[str]) -> int:
     return run([str(ros_environment.find().python), str(project.ROOT / "tools/ros_launch"), *words])
 
 
+def call(words: list[str]) -> int:
+    return run([str(ros_environment.find().python), str(project.ROOT / "tools/ros_call.py"), *words])
+
+
 def demo(words: list[str]) -> int:
     if not project.build("release", *ros_build.PROGRAMS):
         return 1
@@ -74,10 +79,10 @@ def env(names: list[str]) -> int:
 
 
 # Their arguments are for somebody else.
-PASS_ON = ("run", "launch", "demo")
+PASS_ON = ("run", "launch", "call", "demo")
 # A sub-command is a function of its arguments that returns the exit code.
-SUBCOMMANDS = {"build": build, "test": test, "launch": launch, "demo": demo, "run": run,
-               "env": env}
+SUBCOMMANDS = {"build": build, "test": test, "launch": launch, "call": call, "demo": demo,
+               "run": run, "env": env}
 
 
 def main(arguments: list[str]) -> int:

@@ -227,7 +227,7 @@ bool Estimator<kWind>::weigh(Aid aid, const typename Filter::template Residual<k
 
 template <bool kWind>
 void Estimator<kWind>::fuse(const Sample& sample) {
-  std::visit([this](const auto& s) { fuse(s); }, sample);
+  std::visit([this](const auto& s) { this->fuse(s); }, sample);
 }
 
 template <bool kWind>
