@@ -121,7 +121,11 @@ function(rosflight_test name)
   # The labels tell ./rosflight test that it can count the cases inside, and whose test it is.
   file(RELATIVE_PATH folder ${ROSFLIGHT_ROOT} ${CMAKE_CURRENT_SOURCE_DIR})
   string(REGEX REPLACE "/.*" "" folder ${folder})
-  set_tests_properties(${name} PROPERTIES TIMEOUT 300 LABELS "gtest;of ${folder};${arg_LABELS}")
+  set(patience_s 300)
+  if(ROSFLIGHT_SANITIZE)
+    set(patience_s 1200)
+  endif()
+  set_tests_properties(${name} PROPERTIES TIMEOUT ${patience_s} LABELS "gtest;of ${folder};${arg_LABELS}")
 endfunction()
 
 function(rosflight_fuzzer name)
