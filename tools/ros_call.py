@@ -38,6 +38,18 @@ def type_of(node, service: str):
     raise Wrong(f"found no service {service}, allowed: {', '.join(ours) or 'none, because no node runs'}")
 
 
+def converted(text: str, default):
+    """The text as a value of the default's type; any list will do for sequences and arrays."""
+    if isinstance(default, str):
+        return text
+    value = yaml.safe_load(text)
+    if isinstance(default, float) and type(value) is int:
+        value = float(value)
+    if type(value) is not (type(default) if isinstance(default, (bool, int, float)) else list):
+        raise TypeError
+    return value
+
+
 def fill(request, words: list[str]):
     fields = request.get_fields_and_field_types()
     for word in words:
@@ -45,10 +57,8 @@ def fill(request, words: list[str]):
         if not separator or name not in fields:
             allowed = ", ".join(f"{field} ({kind})" for field, kind in fields.items()) or "no field"
             raise Wrong(f"found '{word}', allowed FIELD:=VALUE with {allowed}")
-        wanted = type(getattr(request, name))
         try:
-            value = text if wanted is str else yaml.safe_load(text)
-            setattr(request, name, float(value) if wanted is float else value)
+            setattr(request, name, converted(text, getattr(request, name)))
         except (AssertionError, TypeError, ValueError, yaml.YAMLError):
             raise Wrong(f"{name}: found '{text}', allowed {fields[name]}") from None
     return request
