@@ -4,19 +4,19 @@
 //
 // usage: missions [NAME...]
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "apps/fly/flight.hpp"
+#include "bench/mission_rows.hpp"
 
 namespace {
 
 using namespace rosflight::apps;  // NOLINT(google-build-using-namespace): a program of one file
+using rosflight::bench::Figures;
 using rosflight::sim::Time;
 using rosflight::sim::Vector3;
 
@@ -102,8 +102,8 @@ Score fly(const Row& row, std::uint64_t seed) {
   return score;
 }
 
-void print(const Row& row) {
-  std::map<std::string, double> out;
+Figures figures_of(const Row& row) {
+  Figures out;
   if (row.seeds == 1) {
     const Score s = fly(row, 1);
     out["horizontal_rms_m"] = s.own.rms_m();
@@ -125,39 +125,11 @@ void print(const Row& row) {
     out["worst_horizontal_rms_m"] = worst_m;
     out["max_tilt_deg"] = tilt_deg;
   }
-  std::printf("\"%s\": {", row.name);
-  const char* comma = "";
-  for (const auto& [key, value] : out) {
-    std::printf("%s\"%s\": %.6g", comma, key.c_str(), value);
-    comma = ", ";
-  }
-  std::printf("}");
-}
-
-bool wanted(const char* name, int argc, char** argv) {
-  if (argc < 2) return true;
-  for (int k = 1; k < argc; ++k) {
-    if (std::strcmp(argv[k], name) == 0) return true;
-  }
-  return false;
+  return out;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    const char* comma = "{";
-    for (const Row& row : kRows) {
-      if (!wanted(row.name, argc, argv)) continue;
-      std::printf("%s", comma);
-      print(row);
-      std::fflush(stdout);
-      comma = ",\n ";
-    }
-    std::printf("%s\n", *comma == '{' ? "{}" : "}");
-    return 0;
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "missions: %s\n", e.what());
-    return 1;
-  }
+  return rosflight::bench::print_rows("missions", kRows, figures_of, argc, argv);
 }

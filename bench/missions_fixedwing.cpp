@@ -3,18 +3,18 @@
 // estimate, and prints how it went: one JSON object, NAME -> {QUANTITY: number}, like missions.cpp.
 //
 // usage: missions_fixedwing [NAME...]
-#include <cstdio>
 #include <cstring>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "apps/fly/flight.hpp"
+#include "bench/mission_rows.hpp"
 
 namespace {
 
 using namespace rosflight::apps;  // NOLINT(google-build-using-namespace): a program of one file
+using rosflight::bench::Figures;
 
 constexpr double kDegPerRad = 57.29577951308232;
 constexpr const char* kLoops = "autonomy.energy.longitudinal=successive_loops";
@@ -44,8 +44,6 @@ constexpr Row kRows[]{
     {"fixedwing_motor_off", "fixedwing", "", "motor0_dead@80", ""},
     {"fixedwing_gusts", "fixedwing", "6,270,6", "", "", 100},
 };
-
-using Figures = std::map<std::string, double>;
 
 Figures fly(const Row& row, std::uint64_t seed) {
   FlightChoice choice;
@@ -103,40 +101,12 @@ Figures worst_of(const Row& row) {
   return out;
 }
 
-void print(const Row& row) {
-  std::printf("\"%s\": {", row.name);
-  const char* comma = "";
-  for (const auto& [key, value] : row.seeds == 1 ? fly(row, 1) : worst_of(row)) {
-    std::printf("%s\"%s\": %.6g", comma, key.c_str(), value);
-    comma = ", ";
-  }
-  std::printf("}");
-}
-
-bool wanted(const char* name, int argc, char** argv) {
-  if (argc < 2) return true;
-  for (int k = 1; k < argc; ++k) {
-    if (std::strcmp(argv[k], name) == 0) return true;
-  }
-  return false;
+Figures figures_of(const Row& row) {
+  return row.seeds == 1 ? fly(row, 1) : worst_of(row);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    const char* comma = "{";
-    for (const Row& row : kRows) {
-      if (!wanted(row.name, argc, argv)) continue;
-      std::printf("%s", comma);
-      print(row);
-      std::fflush(stdout);
-      comma = ",\n ";
-    }
-    std::printf("%s\n", *comma == '{' ? "{}" : "}");
-    return 0;
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "missions_fixedwing: %s\n", e.what());
-    return 1;
-  }
+  return rosflight::bench::print_rows("missions_fixedwing", kRows, figures_of, argc, argv);
 }
