@@ -35,6 +35,30 @@ struct EstimatorView {
   void (*set)(autonomy::estimation::EstimatorConfig&, double);
 };
 
+/// Of standard air at sea level: 1.225 kg/m^3 times 9.80665 m/s^2.
+inline constexpr double kPascalPerMetre = 12.013;
+
+/// The declination, which both stacks name alike; -1e6, as the reference has it: by the model.
+inline EstimatorView declination_view() {
+  using C = autonomy::estimation::EstimatorConfig;
+  static constexpr double kNotGiven = -1e6;
+  return {"declination",
+          kNotGiven,
+          180.0,
+          "of the magnetic field [deg]; -1e6: by WMM2025",
+          [](const C& c) {
+            return c.declination_rad ? *c.declination_rad / autonomy::kRadPerDeg : kNotGiven;
+          },
+          [](C& c, double x) {
+            if (x < -180.0 && x != kNotGiven) {
+              throw config::Error("parameter declination: found " + config::number_text(x) +
+                                  ", allowed -180 to 180, or -1e6 for the magnetic model");
+            }
+            c.declination_rad.reset();
+            if (x != kNotGiven) c.declination_rad = x * autonomy::kRadPerDeg;
+          }};
+}
+
 /// The estimator of autonomy/estimation as a node, for both stacks.
 ///
 /// Policy: `kWind` (airspeed is listened to), `Message` with a `header`, `views()` and

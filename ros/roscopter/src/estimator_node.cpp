@@ -9,9 +9,7 @@ namespace rosflight::roscopter {
 namespace {
 
 using autonomy::estimation::EstimatorConfig;
-
-constexpr double kNotGiven = -1e6;          // "use the model", as the reference writes it
-constexpr double kPascalPerMetre = 12.013;  // 1.225 kg/m^3 times 9.80665 m/s^2
+using ros_common::kPascalPerMetre;
 
 /// North and east have one sigma here, the velocities too: docs/autonomy/roscopter.md
 struct Policy {
@@ -40,18 +38,7 @@ struct Policy {
         {"sigma_static_press", 0.01, 1000.0, "of the barometer [Pa]",
          [](const C& c) { return kPascalPerMetre * c.baro_sigma_m; },
          [](C& c, double x) { c.baro_sigma_m = x / kPascalPerMetre; }},
-        {"declination", kNotGiven, 180.0, "of the magnetic field [deg]; -1e6: by WMM2025",
-         [](const C& c) {
-           return c.declination_rad ? *c.declination_rad / autonomy::kRadPerDeg : kNotGiven;
-         },
-         [](C& c, double x) {
-           if (x < -180.0 && x != kNotGiven) {
-             throw config::Error("parameter declination: found " + config::number_text(x) +
-                                 ", allowed -180 to 180, or -1e6 for the magnetic model");
-           }
-           c.declination_rad.reset();
-           if (x != kNotGiven) c.declination_rad = x * autonomy::kRadPerDeg;
-         }},
+        ros_common::declination_view(),
     };
   }
 };

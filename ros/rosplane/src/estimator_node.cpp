@@ -7,9 +7,7 @@ namespace rosflight::ros_plane {
 namespace {
 
 using autonomy::estimation::EstimatorConfig;
-
-constexpr double kNotGiven = -1e6;          // "use the model", as the reference writes it
-constexpr double kPascalPerMetre = 12.013;  // 1.225 kg/m^3 times 9.80665 m/s^2
+using ros_common::kPascalPerMetre;
 
 /// One parameter over one number of the configuration, `unit` parameters to one of ours.
 ros_common::EstimatorView view(const char* name, double least, double most, const char* text,
@@ -67,19 +65,7 @@ struct Policy {
             "min_airspeed_estimation", 0.1, 100.0, "below, pitot and sideslip say nothing [m/s]",
             [](const C& c) { return c.min_airspeed_m_s; },
             [](C& c, double x) { c.min_airspeed_m_s = x; }),
-        view(
-            "declination", kNotGiven, 180.0, "of the magnetic field [deg]; -1e6: by WMM2025",
-            [](const C& c) {
-              return c.declination_rad ? *c.declination_rad / autonomy::kRadPerDeg : kNotGiven;
-            },
-            [](C& c, double x) {
-              if (x < -180.0 && x != kNotGiven) {
-                throw config::Error("parameter declination: found " + config::number_text(x) +
-                                    ", allowed -180 to 180, or -1e6 for the magnetic model");
-              }
-              c.declination_rad.reset();
-              if (x != kNotGiven) c.declination_rad = x * autonomy::kRadPerDeg;
-            }),
+        ros_common::declination_view(),
     };
   }
 };
