@@ -4,7 +4,7 @@
 #include <string_view>
 
 /// How the FCU says that a calibration has ended: log lines that begin so, in any case of letters.
-/// All but the gyro's success are those of ROSflight 2.x; our firmware sends the same.
+/// Those of ROSflight 2.x, which our firmware sends too, and those that only ours sends.
 namespace rosflight::companion {
 
 inline constexpr std::string_view kImuSuccess = "IMU offsets captured";
@@ -12,6 +12,8 @@ inline constexpr std::string_view kImuMotion = "too much movement for IMU cal";
 inline constexpr std::string_view kImuLargeBias = "large accelerometer bias";
 inline constexpr std::string_view kGyroSuccess = "Gyro calibration complete";  ///< Ours only.
 inline constexpr std::string_view kGyroFailure = "gyro calibration failed";
+inline constexpr std::string_view kGyroRefused = "gyro calibration refused";    ///< Ours only.
+inline constexpr std::string_view kAccelRefused = "accel calibration refused";  ///< Ours only.
 inline constexpr std::string_view kBaroSuccess = "Baro Cal successful!";
 inline constexpr std::string_view kBaroMotion = "too much movement for barometer cal";
 inline constexpr std::string_view kAirspeedSuccess = "Airspeed Cal Successful!";

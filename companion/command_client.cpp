@@ -17,7 +17,7 @@ struct CommandRule {
   bool repeatable;
   bool slow_ack;
   std::array<std::string_view, 1> success;
-  std::array<std::string_view, 3> failure;
+  std::array<std::string_view, 5> failure;
   std::array<std::string_view, 3> evidence;  ///< Parameters that get new values.
 };
 
@@ -34,7 +34,7 @@ constexpr std::array<CommandRule, 11> kRules{{
      true,
      false,
      {kImuSuccess},
-     {kImuMotion, kImuLargeBias, kGyroFailure},
+     {kImuMotion, kImuLargeBias, kGyroFailure, kGyroRefused, kAccelRefused},
      {"ACC_X_BIAS", "ACC_Y_BIAS", "ACC_Z_BIAS"}},
     {Command::kGyroCalibration,
      "gyro calibration",
@@ -42,7 +42,7 @@ constexpr std::array<CommandRule, 11> kRules{{
      true,
      false,
      {kGyroSuccess},
-     {kGyroFailure},
+     {kGyroFailure, kGyroRefused},
      {"GYRO_X_BIAS", "GYRO_Y_BIAS", "GYRO_Z_BIAS"}},
     {Command::kBaroCalibration,
      "barometer calibration",

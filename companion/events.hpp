@@ -72,9 +72,9 @@ struct SchemaEvent {
 /// What to tell people: one line.
 std::string schema_text(const SchemaEvent& event);
 
-using Event =
-    std::variant<ConnectionEvent, LogEvent, ClockJumpEvent, ParameterEvent, ParameterListEvent,
-                 UnsavedEvent, VersionEvent, SchemaEvent, link::CommandAck, link::HardError>;
+using Event = std::variant<ConnectionEvent, LogEvent, ClockJumpEvent, ParameterEvent,
+                           ParameterListEvent, UnsavedEvent, VersionEvent, SchemaEvent,
+                           link::CommandAck, link::HardError, link::CheckResult, link::Counters>;
 
 /// The text in a NUL-padded field that may lack the NUL.
 template <std::size_t N>

@@ -89,6 +89,15 @@ class Session final : private Port {
   /// The FCU speaks of other messages than we know (SchemaEvent).
   bool refused() const { return refused_schema_.has_value(); }
 
+  /// Asks the FCU for a report: its lines arrive as link::CheckResult or link::Counters events.
+  bool request_report(link::ReportKind kind) {
+    return send(link::ReportRequest{target_system(), static_cast<std::uint8_t>(kind)});
+  }
+  /// Runs one motor on the bench. The FCU ends it 0.3 s after the last call.
+  bool test_motor(std::uint8_t motor, float value) {
+    return send(link::MotorTest{target_system(), motor, value}, kTimely);
+  }
+
   /// Sends a message as it is, for tools and tests. False if it did not leave.
   bool send(const link::Message& message, std::uint8_t qos = kOrdinary) override;
 

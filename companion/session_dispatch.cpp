@@ -108,6 +108,14 @@ struct Session::Dispatcher {
     announce(m, arrival());
     s.publish(m);
   }
+  void operator()(const link::CheckResult& m) {
+    announce(m, arrival());
+    s.publish(m);
+  }
+  void operator()(const link::Counters& m) {
+    announce(m, arrival());
+    s.publish(m);
+  }
   void operator()(const link::Version& m) {
     announce(m, arrival());
     s.version_ = m;

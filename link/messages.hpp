@@ -16,6 +16,8 @@ inline constexpr std::size_t kCommandEntries = 10;  ///< Fx Fy Fz Qx Qy Qz and f
 inline constexpr std::size_t kParamNameLength = 16;
 inline constexpr std::size_t kTextLength = 50;
 inline constexpr std::size_t kRcChannels = 18;
+inline constexpr std::size_t kCheckNameLength = 16;
+inline constexpr std::size_t kCounterBins = 8;
 
 /// A name of at most 16 characters, NUL-padded; a name of exactly 16 has no NUL.
 using ParamName = std::array<char, kParamNameLength>;
@@ -101,6 +103,20 @@ enum class Command : std::uint8_t {
 
 struct CommandRequest {
   std::uint8_t command{};  ///< A Command if the sender behaves.
+};
+
+/// Runs one motor on the bench; repeated while it shall run.
+struct MotorTest {
+  std::uint8_t target_system{1};
+  std::uint8_t motor{};  ///< Output number, from 0.
+  float value{};         ///< 0 to 1; the FCU has a limit of its own.
+};
+
+enum class ReportKind : std::uint8_t { kChecks = 0, kCounters = 1 };
+
+struct ReportRequest {
+  std::uint8_t target_system{1};
+  std::uint8_t kind{};  ///< A ReportKind if the sender behaves.
 };
 
 // ---- FCU to companion
@@ -215,10 +231,35 @@ struct StatusText {
   std::array<char, kTextLength> text{};  ///< NUL-terminated and NUL-padded.
 };
 
+enum class CheckOutcome : std::uint8_t { kPass = 0, kWarning = 1, kRefuses = 2 };
+
+/// One line of the check list before arming; all of them answer a ReportRequest.
+struct CheckResult {
+  std::uint8_t index{};
+  std::uint8_t count{};   ///< Lines of the list.
+  std::uint8_t result{};  ///< A CheckOutcome if the sender behaves.
+  std::array<char, kCheckNameLength> name{};
+  std::array<char, kTextLength> reason{};  ///< NUL-terminated and NUL-padded; empty if it passed.
+};
+
+/// What the FCU counted since it started; answers a ReportRequest.
+struct Counters {
+  std::uint32_t longest_pass_us{};
+  std::uint32_t pass_budget_us{};
+  std::uint32_t passes_over_budget{};
+  std::uint32_t passes{};
+  std::uint32_t frames_dropped{};  ///< Received and not understood.
+  std::uint32_t tx_dropped{};      ///< Frames the serial port did not take.
+  std::uint32_t texts_lost{};
+  std::array<std::uint32_t, kCounterBins> imu_jitter{};  ///< IMU intervals by their deviation.
+  std::array<std::uint32_t, kCounterBins> rejected{};    ///< Sensor samples by cause.
+};
+
 using Message =
     std::variant<std::monostate, Heartbeat, TimeSync, ParamRequestRead, ParamRequestList, ParamSet,
                  OffboardControl, AuxCommand, ExternalAttitude, CommandRequest, ParamValue,
                  CommandAck, Attitude, Imu, Mag, Baro, DiffPressure, Range, RcChannels, OutputRaw,
-                 Status, Version, HardError, Gnss, BatteryStatus, StatusText>;
+                 Status, Version, HardError, Gnss, BatteryStatus, StatusText, MotorTest,
+                 ReportRequest, CheckResult, Counters>;
 
 }  // namespace rosflight::link

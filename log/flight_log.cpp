@@ -99,6 +99,10 @@ struct FlightLog::LinkVisitor {
   void operator()(const link::CommandRequest& m) const { put(Topic::kCommandRequest, m); }
   void operator()(const link::ParamValue& m) const { put(Topic::kParamValue, m); }
   void operator()(const link::CommandAck& m) const { put(Topic::kCommandAck, m); }
+  void operator()(const link::MotorTest& m) const { put(Topic::kMotorTest, m); }
+  void operator()(const link::ReportRequest& m) const { put(Topic::kReportRequest, m); }
+  void operator()(const link::CheckResult& m) const { put(Topic::kCheckResult, m); }
+  void operator()(const link::Counters& m) const { put(Topic::kCounters, m); }
   void operator()(const link::Mag& m) const { put(Topic::kMagnetometer, m, {now, kBodyFrame}); }
   void operator()(const link::Baro& m) const { put(Topic::kBaro, m); }
   void operator()(const link::DiffPressure& m) const { put(Topic::kAirspeed, m); }

@@ -236,6 +236,38 @@ uint16 count
                       "std_msgs/Header header\nuint8 command  # ROSFLIGHT_CMD code\n"},
     MessageDefinition{"rosflight_log_msgs/msg/CommandAck",
                       "std_msgs/Header header\nuint8 command\nbool success\n"},
+    MessageDefinition{"rosflight_log_msgs/msg/MotorTest", R"(std_msgs/Header header
+uint8 target_system
+uint8 motor    # output, from 0
+float32 value  # 0 to 1
+)"},
+    MessageDefinition{"rosflight_log_msgs/msg/ReportRequest", R"(uint8 CHECKS=0
+uint8 COUNTERS=1
+std_msgs/Header header
+uint8 target_system
+uint8 kind
+)"},
+    MessageDefinition{"rosflight_log_msgs/msg/CheckResult", R"(uint8 PASS=0
+uint8 WARNING=1
+uint8 REFUSES=2
+std_msgs/Header header
+uint8 index
+uint8 count
+uint8 result
+string name
+string reason
+)"},
+    MessageDefinition{"rosflight_log_msgs/msg/Counters", R"(std_msgs/Header header
+uint32 longest_pass  # us
+uint32 pass_budget   # us
+uint32 passes_over_budget
+uint32 passes
+uint32 frames_dropped
+uint32 tx_dropped
+uint32 texts_lost
+uint32[8] imu_jitter
+uint32[8] rejected
+)"},
     MessageDefinition{"rosflight_log_msgs/msg/Parameter", R"(uint8 INT32=6
 uint8 FLOAT=9
 std_msgs/Header header

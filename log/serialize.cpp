@@ -272,6 +272,41 @@ void serialize(CdrWriter& out, const Header& header, const link::CommandAck& mes
   out.put(message.success);
 }
 
+void serialize(CdrWriter& out, const Header& header, const link::MotorTest& message) {
+  put_header(out, header);
+  out.put(message.target_system);
+  out.put(message.motor);
+  out.put(message.value);
+}
+
+void serialize(CdrWriter& out, const Header& header, const link::ReportRequest& message) {
+  put_header(out, header);
+  out.put(message.target_system);
+  out.put(message.kind);
+}
+
+void serialize(CdrWriter& out, const Header& header, const link::CheckResult& message) {
+  put_header(out, header);
+  out.put(message.index);
+  out.put(message.count);
+  out.put(message.result);
+  out.put(std::string_view(fixed_text(message.name)));
+  out.put(std::string_view(fixed_text(message.reason)));
+}
+
+void serialize(CdrWriter& out, const Header& header, const link::Counters& message) {
+  put_header(out, header);
+  out.put(message.longest_pass_us);
+  out.put(message.pass_budget_us);
+  out.put(message.passes_over_budget);
+  out.put(message.passes);
+  out.put(message.frames_dropped);
+  out.put(message.tx_dropped);
+  out.put(message.texts_lost);
+  out.put(message.imu_jitter);
+  out.put(message.rejected);
+}
+
 void serialize_parameter(CdrWriter& out, const Header& header, std::string_view name,
                          link::ParamType type, link::ParamBits value) {
   put_header(out, header);

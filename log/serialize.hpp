@@ -88,6 +88,10 @@ void serialize(CdrWriter& out, const Header& header, const link::ParamSet& messa
 void serialize(CdrWriter& out, const Header& header, const link::ParamValue& message);
 void serialize(CdrWriter& out, const Header& header, const link::CommandRequest& message);
 void serialize(CdrWriter& out, const Header& header, const link::CommandAck& message);
+void serialize(CdrWriter& out, const Header& header, const link::MotorTest& message);
+void serialize(CdrWriter& out, const Header& header, const link::ReportRequest& message);
+void serialize(CdrWriter& out, const Header& header, const link::CheckResult& message);
+void serialize(CdrWriter& out, const Header& header, const link::Counters& message);
 void serialize_parameter(CdrWriter& out, const Header& header, std::string_view name,
                          link::ParamType type, link::ParamBits value);
 void serialize_phase(CdrWriter& out, const Header& header, std::string_view name);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "firmware/hal/roles.hpp"
 #include "firmware/hal/time.hpp"
 #include "sim/random.hpp"
 
@@ -47,8 +48,8 @@ class ByteRing {
 class SerialLine {
  public:
   static constexpr std::size_t kClasses = 3;
-  static constexpr std::size_t kUrgent = 0;    ///< hal::Serial qos 0 and 1.
-  static constexpr std::size_t kTimely = 1;    ///< 2 to 254.
+  static constexpr std::size_t kUrgent = 0;    ///< hal::Serial qos 0.
+  static constexpr std::size_t kTimely = 1;    ///< 1 to 254.
   static constexpr std::size_t kOrdinary = 2;  ///< 255.
 
   struct Config {
@@ -96,9 +97,7 @@ class SerialLine {
   bool cut() const { return cut_; }
   const Counters& counters() const { return counters_; }
 
-  static constexpr std::size_t class_of(std::uint8_t qos) {
-    return qos <= 1 ? kUrgent : qos == 255 ? kOrdinary : kTimely;
-  }
+  static constexpr std::size_t class_of(std::uint8_t qos) { return hal::Serial::class_of(qos); }
 
  private:
   struct Class {

@@ -2,6 +2,7 @@
 """The real firmware in real time, the I/O node at its link, and rclpy as the peer, for tests and demonstrations under
 ros/. Runs inside the ROS environment. Every wait is bounded and far longer than a loaded machine needs."""
 
+import csv
 import os
 import select
 import signal
@@ -28,6 +29,12 @@ def program(package, name):
 
 NODE = program("rosflight_io", "rosflight_io")
 PATIENCE_S = 40.0
+
+
+def table_size():
+    """Parameters of the firmware: the 333 of ROSflight 2.x and ours behind them."""
+    with (ROOT / "firmware" / "core" / "parameters.csv").open(newline="") as file:
+        return sum(1 for _ in csv.DictReader(file))
 
 
 def free_udp_port():

@@ -16,14 +16,18 @@ DOCUMENT = "docs/state-machine.md"
 
 ROW = re.compile(r"\{State::k(\w+),\s*Event::k(\w+),\s*Condition::k(\w+),\s*([^,]+?),\s*State::k(\w+)\}")
 EVENTS = {"Initialized": "initialised", "RcFound": "RC found", "RcLost": "RC lost", "Error": "an error",
-          "NoError": "no error", "Arm": "arm request", "Disarm": "disarm request",
-          "CalibrationComplete": "calibration complete", "CalibrationFailed": "calibration failed"}
-CONDITIONS = {"Always": "", "ThrottleHigh": "throttle not low", "OverrideOff": "throttle override off",
-              "CalibrationWanted": "ARM_CAL_GYRO", "ErrorFlag": "error flag"}
-ACTIONS = {"None": "", "Arm": "arm", "Disarm": "disarm", "FailsafeOn": "failsafe on", "FailsafeOff": "failsafe off",
-           "ErrorOn": "flag on", "ErrorOff": "flag off", "SetRcLost": "set RC lost",
-           "ClearRcLost": "clear RC lost", "CalibrateGyro": "calibrate gyro", "RefuseThrottle": "refuse",
-           "RefuseOverride": "refuse", "RefuseErrors": "refuse"}
+          "NoError": "no error", "Arm": "arm request", "ArmInAir": "arm request in the air",
+          "Disarm": "disarm request", "CalibrationComplete": "calibration complete",
+          "CalibrationFailed": "calibration failed", "Saved": "parameters stored",
+          "SaveFailed": "storing failed", "MotorTest": "motor test request", "MotorTestEnd": "motor test over"}
+CONDITIONS = {"Always": "", "NotReady": "a check refuses", "CalibrationWanted": "ARM_CAL_GYRO",
+              "SaveWanted": "parameters not stored", "ErrorFlag": "error flag",
+              "CannotFly": "no mixer, IMU or receiver"}
+ACTIONS = {"None": "", "Arm": "arm", "InAir": "at once", "Disarm": "disarm", "FailsafeOn": "failsafe on",
+           "FailsafeOff": "failsafe off", "ErrorOn": "flag on", "ErrorOff": "flag off", "SetRcLost": "set RC lost",
+           "ClearRcLost": "clear RC lost", "CalibrateGyro": "calibrate gyro",
+           "StopCalibration": "stop the calibration", "Save": "store the parameters", "Refuse": "refuse",
+           "RefuseStorage": "refuse", "StopMotorTest": "motors off"}
 
 
 @dataclass

@@ -47,6 +47,7 @@ const hal::OutputValues& FirmwareBoard::step(sim::Time t, const sim::SensorSampl
   if (samples.has_gnss) board_.gnss.put(to_board_time(samples.gnss));
   if (samples.has_battery) board_.battery.put(to_board_time(samples.battery));
   image_->firmware.run();
+  if (boards::aids_waiting(board_)) image_->firmware.run();
   if (board_.system.reset_requested()) {
     board_.system.acknowledge_reset();
     boot(t);

@@ -59,6 +59,8 @@ class Flight final : private sim::LockStepListener {
   /// The board that flies.
   FlightBoard& flight_board() { return *flown_board_; }
   const FlightBoard& flight_board() const { return *flown_board_; }
+  /// The newest IMU sample that the board was given; its stamp is simulated time.
+  const std::optional<hal::ImuSample>& imu() const { return board_slot_.imu; }
   /// The board in this process, which lets one look inside; it flies unless the setup names
   /// another.
   FirmwareBoard& board() { return board_; }
@@ -91,8 +93,10 @@ class Flight final : private sim::LockStepListener {
 
   struct SwitchableBoard final : sim::BoardModule {
     sim::BoardModule* board{};
+    std::optional<hal::ImuSample> imu;  ///< The last that the board was given.
     const hal::OutputValues& step(sim::Time t, const sim::SensorSamples& samples,
                                   const hal::RcFrame* rc) override {
+      if (samples.has_imu) imu = samples.imu;
       return board->step(t, samples, rc);
     }
     bool armed() const override { return board->armed(); }

@@ -286,8 +286,17 @@ void FlightDirector::share_the_attitude() {
   static_cast<void>(session_.offboard().send(attitude));
 }
 
+/// Once a second what the firmware counted, for the report; the last answer counts.
+void FlightDirector::ask_for_counters() {
+  constexpr sim::Time kEvery = std::chrono::seconds(1);
+  if (now_ - asked_ < kEvery) return;
+  asked_ = now_;
+  static_cast<void>(session_.request_report(link::ReportKind::kCounters));
+}
+
 void FlightDirector::fly(const sim::Truth& truth) {
   if (--countdown_ > 0) return;
+  ask_for_counters();
   countdown_ = config_.autonomy_every;
   keep_thumb_ready(truth);
   const link::Status& fcu = session_.streams().status.value;

@@ -95,6 +95,7 @@ class FlightDirector final : private companion::Listener {
   void watch_the_estimate();
   void share_the_attitude();
   void disarm();
+  void ask_for_counters();
   void keep_thumb_ready(const sim::Truth& truth);
   void watch_for_the_end(const sim::Truth& truth);
   void enter(Stage stage);
@@ -119,6 +120,7 @@ class FlightDirector final : private companion::Listener {
   Stage stage_{Stage::kConnect};
   sim::Time grounded_since_{};
   sim::Time heard_{};
+  sim::Time asked_{};  ///< For the firmware's counters.
   int countdown_{0};
   float thumb_{0.0F};
   bool mute_{false};

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "apps/link_protocol.hpp"
+#include "firmware/core/pass_counters.hpp"
 
 namespace rosflight::apps {
 namespace {
@@ -63,6 +64,20 @@ std::string error_names(std::uint16_t errors) {
   return text;
 }
 
+/// Bins of the firmware's histograms, for people.
+void name_counters(report::FlightRecord& record) {
+  const auto& ends_us = core::PassCounters::kJitterEnds_us;
+  record.jitter_names.push_back(fmt::format("below {} µs", ends_us.front()));
+  for (std::size_t k = 1; k < ends_us.size(); ++k) {
+    record.jitter_names.push_back(fmt::format("{} to {} µs", ends_us[k - 1], ends_us[k]));
+  }
+  record.jitter_names.push_back(fmt::format("{} µs and more", ends_us.back()));
+  record.rejected_names = {"not a number, or no measurement", "IMU: stamp went back",
+                           "IMU: stamp far from its arrival", "IMU: stuck",
+                           "pressure out of range",           "other sensor out of range",
+                           "external attitude rejected",      "gyro clipped, used"};
+}
+
 }  // namespace
 
 FlightRecorder::FlightRecorder(Flight& flight, const std::filesystem::path& log_file)
@@ -93,6 +108,7 @@ FlightRecorder::FlightRecorder(Flight& flight, const std::filesystem::path& log_
     const bool elsewhere = record_.route.empty() || record_.route.back() != shown.p_N_m;
     if (!record_.fixed_wing && elsewhere) record_.route.push_back(shown.p_N_m);
   }
+  name_counters(record_);
   if (record_.route.size() == 1) record_.route.clear();  // a place is no way
   flight.set_tap(this);
   flight.add(*this);
@@ -108,8 +124,25 @@ void FlightRecorder::on_frame(Direction direction, hal::Time t, const std::uint8
   }
   link::Codec& codec = down ? *from_board_ : *from_companion_;
   const link::Codec::Decoded decoded = codec.decode(data, size);
+  if (down && decoded.complete) {
+    follow_gyro(codec.message());
+    if (const auto* counters = std::get_if<link::Counters>(&codec.message())) {
+      record_.counters = *counters;
+    }
+  }
   log_->write_link(down ? log::Direction::kFcuToCompanion : log::Direction::kCompanionToFcu, t,
                    decoded.complete ? codec.message() : link::Message{}, {data, size});
+}
+
+/// Only in the air: what the motors do to the gyro is what its filters are for.
+void FlightRecorder::follow_gyro(const link::Message& message) {
+  const bool in_air = flight_.director().stage() == Stage::kFly && flight_.autonomy().in_air;
+  const auto* attitude = std::get_if<link::Attitude>(&message);
+  if (!in_air || attitude == nullptr || !flight_.imu()) return;
+  hal::ImuSample sample = *flight_.imu();
+  sample.stamp -= flight_.flight_board().boot_time();
+  gyro_.sent(sample);
+  gyro_.received(*attitude);
 }
 
 void FlightRecorder::note(const DirectorNote& note) {
@@ -236,6 +269,7 @@ void FlightRecorder::follow_states(double t_s) {
 
 log::LogSummary FlightRecorder::close() {
   flight_.set_tap(nullptr);
+  record_.gyro = gyro_.spectrum();
   return log_->close();
 }
 

@@ -6,6 +6,7 @@
 
 #include "apps/fly/estimate_record.hpp"
 #include "apps/fly/flight.hpp"
+#include "apps/fly/gyro_record.hpp"
 #include "apps/report/flight_record.hpp"
 #include "log/flight_log.hpp"
 
@@ -32,6 +33,7 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
   log::LogSummary close();
 
  private:
+  void follow_gyro(const link::Message& message);
   void log_autonomy(sim::Time t);
   void add_sample(const sim::Truth& truth, const hal::OutputValues& outputs);
   void add_estimate(const sim::Truth& truth, report::Sample& sample);
@@ -42,6 +44,7 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
   std::unique_ptr<log::FlightLog> log_;
   report::FlightRecord record_;
   EstimateRecord estimates_;
+  GyroRecord gyro_;
   autonomy::StateEstimate estimate_;  ///< Of this sample.
   std::shared_ptr<link::Codec> from_board_;
   std::shared_ptr<link::Codec> from_companion_;

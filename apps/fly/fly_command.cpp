@@ -222,7 +222,25 @@ std::string processor_json(const Flight& flight, double sim_time_s) {
   return text;
 }
 
-std::string summary_json(const Flight& flight, const Result& result, const FlightRecorder& recorder,
+/// What the firmware counted, and the delay of its gyro filters, as further members of the summary.
+std::string firmware_json(const report::FlightRecord& record) {
+  std::string text;
+  if (std::isfinite(record.gyro.latency_s)) {
+    text += fmt::format(", \"gyro_latency_ms\": {:.3f}", 1e3 * record.gyro.latency_s);
+  }
+  if (!record.counters) return text;
+  const link::Counters& c = *record.counters;
+  return text + fmt::format(
+                    ", \"counters\": {{\"longest_pass_us\": {}, \"pass_budget_us\": {}, "
+                    "\"passes_over_budget\": {}, \"passes\": {}, \"frames_dropped\": {}, "
+                    "\"tx_dropped\": {}, \"texts_lost\": {}, \"imu_jitter\": [{}], "
+                    "\"rejected\": [{}]}}",
+                    c.longest_pass_us, c.pass_budget_us, c.passes_over_budget, c.passes,
+                    c.frames_dropped, c.tx_dropped, c.texts_lost, fmt::join(c.imu_jitter, ", "),
+                    fmt::join(c.rejected, ", "));
+}
+
+std::string summary_json(const Flight& flight, const Result& result, FlightRecorder& recorder,
                          const log::LogSummary& log) {
   const FlightSetup& setup = flight.setup();
   std::string waypoints;
@@ -254,7 +272,8 @@ std::string summary_json(const Flight& flight, const Result& result, const Fligh
       flight.own_tracking().rms_m(), flight.own_tracking().max_m, wing_json(flight.wing_record()),
       flight.autonomy().landed, flight.director().disarmed(), recorder.warnings(),
       recorder.errors(), recorder.dropped_frames(), quoted(log.path.string()), log.sha256,
-      log.messages, log.bytes, processor_json(flight, result.sim_time_s));
+      log.messages, log.bytes,
+      processor_json(flight, result.sim_time_s) + firmware_json(recorder.record()));
 }
 
 void print_summary(std::ostream& out, const Flight& flight, const Result& result,

@@ -75,7 +75,15 @@ def compare(name: str, folder: Path, change=lambda vehicle: None) -> Comparison:
     own, foreign = ours[0].away_from(ours[1]), theirs[0].away_from(theirs[1])
     # The largest so far: an error does not go away because two curves cross.
     bound = {q: SAFETY * np.maximum.accumulate(own[q] + foreign[q]) for q in own}
+    bound["position_m"] = bound["position_m"] + rounding_m(len(bound["position_m"]), FRAMES[kind][-1])
     return Comparison(name, ours[1], theirs[1], ours[1].away_from(theirs[1]), bound)
+
+
+def rounding_m(samples: int, frames: int) -> np.ndarray:
+    """What rounding adds to a position of JSBSim, which keeps it in feet from the planet's centre: a random walk of
+    errors that are uniform within half a unit of the last place, three standard deviations of it."""
+    unit_m = np.spacing(jsbsim_model.FLAT_RADIUS_M / jsbsim_model.FT) * jsbsim_model.FT
+    return 3.0 * unit_m / np.sqrt(12.0) * np.sqrt(frames * np.arange(samples))
 
 
 def table(comparison: Comparison) -> str:

@@ -48,8 +48,8 @@ std::vector<Waiver> read_waivers(const CsvTable& table) {
                         fmt::format("found {}..{}, allowed 1 <= first <= last", w.first, w.last));
     }
     constexpr std::int64_t kWeakPoints = 77;
-    if (w.weak_point < 1 || w.weak_point > kWeakPoints) {
-      throw table.error(row, point, fmt::format("found {}, allowed 1..77", w.weak_point));
+    if (w.weak_point < 0 || w.weak_point > kWeakPoints) {
+      throw table.error(row, point, fmt::format("found {}, allowed 0..77", w.weak_point));
     }
     waivers.push_back(std::move(w));
   }
@@ -94,7 +94,11 @@ bool ColumnCheck::report(std::ostream& out) const {
   } else {
     fmt::print(out, "ok");
   }
-  if (waived_ > 0) fmt::print(out, ", {} rows waived (weak point {})", waived_, weak_point_);
+  if (waived_ > 0) {
+    const std::string why =
+        weak_point_ > 0 ? fmt::format("weak point {}", weak_point_) : "other difference";
+    fmt::print(out, ", {} rows waived ({})", waived_, why);
+  }
   fmt::print(out, "\n");
   return failed_ == 0;
 }

@@ -26,6 +26,10 @@ const char* state_name(core::State state) {
       return "failsafe";
     case core::State::kCalibrating:
       return "calibrating";
+    case core::State::kSaving:
+      return "saving";
+    case core::State::kMotorTest:
+      return "motor_test";
     default:
       return "preflight";
   }
@@ -313,7 +317,7 @@ std::string ReplayRig::output(const std::string& column) const {
   if (column.rfind("cmd_u", 0) == 0) return number(command.value[at(5)]);
   if (column.rfind("ctl", 0) == 0) return number(firmware_.controller().output()[at(3)]);
   if (column.rfind("mix", 0) == 0) return number(firmware_.mixer().mixed()[at(3)]);
-  if (column.rfind("out", 0) == 0) return number(firmware_.mixer().outputs()[at(3)]);
+  if (column.rfind("out", 0) == 0) return number(board_.outputs.values()[at(3)]);
   if (column[0] == 'q') {
     return number(column[1] == 'w' ? q.w
                                    : (column[1] == 'x' ? q.x : (column[1] == 'y' ? q.y : q.z)));

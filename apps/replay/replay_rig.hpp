@@ -25,6 +25,9 @@ class ReplayRig {
   /// Value of an output column after the last step, as text. `column` is one of output_columns().
   std::string output(const std::string& column) const;
 
+  /// What the firmware runs on.
+  boards::SimulatedBoard& board() { return board_; }
+
   static const std::vector<std::string>& output_columns();
   /// True for a column that is an input, known and possibly ignored.
   static bool is_input(std::string_view column);

@@ -3,9 +3,12 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "link/messages.hpp"
 
 /// What a report is made from: one flight, kept in memory while it happens. SI, north-east-down and
 /// body front-right-down. NaN everywhere means "not known" or "not commanded" and is drawn as a
@@ -131,6 +134,15 @@ struct ChangedParameter {
   std::string unit;
 };
 
+/// Amplitude densities of the gyro, three axes together [rad/s per square root of Hz], as the
+/// sensor gave it and as the firmware's controller takes it.
+struct GyroSpectrum {
+  std::vector<double> frequency_Hz;
+  std::vector<double> before;
+  std::vector<double> after;
+  double latency_s{std::numeric_limits<double>::quiet_NaN()};  ///< Of slow motion.
+};
+
 class FlightRecord {
  public:
   /// @param interval_s  Samples closer than this to the last one kept are dropped; 0 keeps all. A
@@ -170,6 +182,10 @@ class FlightRecord {
   std::vector<std::array<double, 3>> route;
   std::vector<Fault> faults;
   std::vector<ChangedParameter> changed_parameters;
+  std::optional<link::Counters> counters;  ///< The last the firmware sent.
+  std::vector<std::string> jitter_names;   ///< Of their bins.
+  std::vector<std::string> rejected_names;
+  GyroSpectrum gyro;               ///< In the air.
   std::vector<std::string> files;  ///< Names of the other files beside the report.
 
  private:

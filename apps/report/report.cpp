@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "apps/report/firmware_section.hpp"
 #include "apps/report/flight_charts.hpp"
 #include "apps/report/html.hpp"
 #include "apps/report/page.hpp"
@@ -209,6 +210,7 @@ std::string report_html(const FlightRecord& record) {
   html += "</div>\n<h2>States and events</h2>\n";
   append_timeline(html, record);
   append_flight_charts(html, record);
+  append_firmware_section(html, record);
   append_event_table(html, record);
   html += "<div class=\"columns\">";
   append_parameters(html, record);

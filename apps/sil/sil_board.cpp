@@ -51,6 +51,7 @@ const hal::OutputValues& SilBoard::step(sim::Time t, const sim::SensorSamples& s
   if (samples.has_gnss) board_.gnss.put(to_board_time(samples.gnss));
   if (samples.has_battery) board_.battery.put(to_board_time(samples.battery));
   pass();
+  if (boards::aids_waiting(board_)) pass();
   return board_.outputs.values();
 }
 

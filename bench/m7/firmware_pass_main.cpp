@@ -68,9 +68,11 @@ class Rig {
     set("RC_ARM_CHN", std::int32_t{5});
     set("ACC_Z_BIAS", 0.01f);  // calibrated
     firmware_.handle(link::Heartbeat{}, board_.clock.now());
-    constexpr int kSettle = 16;
+    constexpr int kSettle = 400;  // the vehicle has to be seen at rest
     for (int k = 0; k < kSettle; ++k) pass(0.0f, false);
-    while (!firmware_.state().armed() && passes_ < 100) pass(0.0f, true);
+    // Changed parameters are stored first, a block in each pass.
+    while (!firmware_.state().armed() && passes_ < 2000) pass(0.0f, true);
+    for (int k = 0; k < kSettle; ++k) pass(0.0f, true);  // motors at idle first
   }
   bool armed() const { return firmware_.state().armed(); }
 
@@ -88,7 +90,9 @@ class Rig {
   /// Every sensor, receiver and offboard command at once, while a parameter list runs.
   std::uint32_t full_pass() {
     const hal::Time now = next_time();
-    board_.imu.put({now, {0.05f, -0.03f, -9.7f}, {0.02f, -0.01f, 0.01f}, 300.0f});
+    const float wobble =
+        passes_ % 2 == 0 ? 1e-3f : -1e-3f;  // equal samples would be a stuck sensor
+    board_.imu.put({now, {0.05f, -0.03f, -9.7f}, {0.02f + wobble, -0.01f, 0.01f}, 300.0f});
     board_.mag.put({now, {1e-5f, 2e-5f, 4e-5f}, 300.0f});
     board_.baro.put({now, 95000.0f, 300.0f});
     board_.diff_pressure.put({now, 20.0f, 300.0f});
@@ -160,7 +164,7 @@ extern "C" __attribute__((noinline)) void bench_mean_ends() {
 }
 
 int board_main() {
-  Rig rig;
+  static Rig rig;
   rig.bring_up();
   if (!rig.armed()) {
     m7::semihosting::print("firmware_pass: the firmware did not arm\n");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <algorithm>
 #include <array>
+#include <cstring>
 
 #include "firmware/boards/common/simulated_peripherals.hpp"
 #include "firmware/hal/roles.hpp"
@@ -40,8 +42,9 @@ class IdleSerial final : public hal::Serial {
   }
   std::size_t writable() const override { return 4096; }
   std::size_t read(std::uint8_t* data, std::size_t capacity) override {
-    std::size_t count = 0;
-    while (count < capacity && taken_ < size_) data[count++] = bytes_[taken_++];
+    const std::size_t count = std::min(capacity, size_ - taken_);
+    std::memcpy(data, &bytes_[taken_], count);  // a driver's copy, not the firmware's work
+    taken_ += count;
     return count;
   }
   void put(const std::uint8_t* data, std::size_t size) {
@@ -64,16 +67,24 @@ class IdleOutputs final : public hal::Outputs {
   void disable() override {}
 };
 
+/// Memory: arming stores changed parameters first, and reads them back.
 class IdleStorage final : public hal::Storage {
  public:
-  std::size_t size() const override { return 0; }
-  bool read(std::size_t /*offset*/, std::uint8_t* /*data*/, std::size_t /*count*/) override {
-    return false;
+  std::size_t size() const override { return bytes_.size(); }
+  bool read(std::size_t offset, std::uint8_t* data, std::size_t count) override {
+    if (offset > bytes_.size() || count > bytes_.size() - offset) return false;
+    for (std::size_t k = 0; k < count; ++k) data[k] = bytes_[offset + k];
+    return true;
   }
-  bool write(std::size_t /*offset*/, const std::uint8_t* /*data*/, std::size_t /*count*/) override {
-    return false;
+  bool write(std::size_t offset, const std::uint8_t* data, std::size_t count) override {
+    if (offset > bytes_.size() || count > bytes_.size() - offset) return false;
+    for (std::size_t k = 0; k < count; ++k) bytes_[offset + k] = data[k];
+    return true;
   }
-  bool flush() override { return false; }
+  bool flush() override { return true; }
+
+ private:
+  std::array<std::uint8_t, 16384> bytes_{};
 };
 
 class IdleBackup final : public hal::BackupMemory {
@@ -95,6 +106,8 @@ class IdleSystem final : public hal::System {
   const char* sensor_message(std::size_t /*index*/, bool& /*ok*/) const override { return nullptr; }
   void reset(bool /*to_bootloader*/) override {}
   void alive() override {}
+  hal::Time busy_time() const override { return {}; }
+  bool shares_processor() const override { return false; }
 };
 
 struct IdleBoard {

@@ -158,6 +158,21 @@ TEST(Session, KeepsLatestValuesCountsAndRates) {
   EXPECT_EQ(rig.session.statistics().frames.frames_dropped, 0U);
 }
 
+TEST(Session, AsksForReportsAndTellsTheirLines) {
+  Rig rig;
+  ASSERT_TRUE(rig.run_until([&] { return rig.session.connected(); }, 2s));
+  ASSERT_TRUE(rig.session.request_report(link::ReportKind::kCounters));
+  ASSERT_TRUE(rig.session.test_motor(2, 0.125F));
+  rig.fcu.send(link::CheckResult{.index = 1, .count = 9, .result = 2});
+  rig.fcu.send(link::Counters{.passes = 7});
+  rig.run_for(100ms);
+  ASSERT_EQ(rig.log.of<link::CheckResult>().size(), 1U);
+  EXPECT_EQ(rig.log.of<link::CheckResult>()[0].index, 1);
+  ASSERT_EQ(rig.log.of<link::Counters>().size(), 1U);
+  EXPECT_EQ(rig.log.of<link::Counters>()[0].passes, 7U);
+  EXPECT_EQ(rig.session.statistics().unexpected, 0U);
+}
+
 TEST(Session, PassesTextsErrorsAndEveryMessageOn) {
   Rig rig;
   Recorder recorder;

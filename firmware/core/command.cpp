@@ -32,6 +32,7 @@ void CommandManager::configure(const Config& config) {
     failsafe_.value[config_.throttle_entry] = config_.failsafe_throttle;
   }
   decided_ = false;
+  set_entry_limits(offboard_limits_[static_cast<std::size_t>(OffboardMode::kPassThrough)]);
 }
 
 bool CommandManager::failsafe_valid() const {
@@ -39,23 +40,68 @@ bool CommandManager::failsafe_valid() const {
          (config_.failsafe_throttle >= 0.0f && config_.failsafe_throttle <= 1.0f);
 }
 
+void CommandManager::set_entry_limits(const std::array<float, kEntries>& limits) {
+  constexpr auto kRates = static_cast<std::size_t>(OffboardMode::kRatesThrottle);
+  constexpr auto kAngles = static_cast<std::size_t>(OffboardMode::kRollPitchYawrateThrottle);
+  offboard_limits_.fill(limits);
+  for (const std::size_t mode : {kRates, kAngles}) {
+    auto& limit = offboard_limits_[mode];
+    limit[0] = limit[1] = limit[2] = 1.0f;
+    limit[3] = mode == kAngles ? config_.max_roll_rad : config_.max_roll_rate_rad_s;
+    limit[4] = mode == kAngles ? config_.max_pitch_rad : config_.max_pitch_rate_rad_s;
+    limit[5] = config_.max_yaw_rate_rad_s;
+  }
+}
+
+bool CommandManager::admit(link::OffboardControl& command) {
+  if (command.mode >= kModes) return false;
+  const bool throttle = static_cast<OffboardMode>(command.mode) != OffboardMode::kPassThrough;
+  const auto& limits = offboard_limits_[command.mode];
+  bool limited = false;
+  for (std::size_t k = 0; k < kEntries; ++k) {
+    float& u = command.u[k];
+    if ((static_cast<unsigned>(command.ignore) >> k & 1u) != 0) {
+      u = 0.0f;  // whatever is in there
+      continue;
+    }
+    const float low = throttle && k < 3 ? 0.0f : -limits[k];
+    if (u >= low && u <= limits[k]) continue;
+    if (!std::isfinite(u)) return false;
+    const float used = u < low ? low : limits[k];
+    if (!limited) limited_ = {limited_.count + 1, static_cast<std::uint8_t>(k), u, used};
+    limited = true;
+    u = used;
+  }
+  return true;
+}
+
 bool CommandManager::set_offboard(Time now, const link::OffboardControl& command,
                                   float thrust_fraction) {
-  if (command.mode > static_cast<std::uint8_t>(OffboardMode::kRollPitchYawrateThrottle))
-    return false;
-  const auto valid = static_cast<std::uint16_t>(~command.ignore & kAllEntries);
+  link::OffboardControl admitted = command;
+  if (!admit(admitted)) return false;
+  take_offboard(now, admitted, thrust_fraction);
+  return true;
+}
+
+void CommandManager::take_offboard(Time now, const link::OffboardControl& command,
+                                   float thrust_fraction) {
+  offboard_.active = static_cast<std::uint16_t>(~command.ignore & kAllEntries);
+  offboard_.value = command.u;
   for (std::size_t k = 0; k < kEntries; ++k) {
-    if ((static_cast<unsigned>(valid) >> k & 1u) != 0 && !std::isfinite(command.u[k])) return false;
-  }
-  for (std::size_t k = 0; k < kEntries; ++k) {
-    if ((static_cast<unsigned>(valid) >> k & 1u) != 0) offboard_.value[k] = command.u[k];
     offboard_.type[k] = offboard_type(static_cast<OffboardMode>(command.mode), k);
   }
-  offboard_.active = valid;
+  if (offboard_.is_active(config_.throttle_entry)) {
+    offboard_throttle_ = command.u[config_.throttle_entry];
+  }
   offboard_time_ = now;
   offboard_thrust_fraction_ = thrust_fraction;
   offboard_new_ = true;
-  return true;
+}
+
+void CommandManager::forget_offboard() {
+  offboard_ = CommandVector{};
+  offboard_throttle_ = offboard_thrust_fraction_ = 0.0f;
+  decided_ = false;
 }
 
 bool CommandManager::StickHold::deviated(Time now, float stick, const Config& config) {
@@ -89,9 +135,19 @@ void CommandManager::interpret(const PilotInput& pilot) {
 
 bool CommandManager::pilot_wants_less_thrust() const {
   const std::size_t k = config_.throttle_entry;
-  if (offboard_.type[k] == CommandType::kThrottle) return pilot_.value[k] < offboard_.value[k];
-  if (config_.fixed_wing) return pilot_.value[k] < offboard_.value[k];
+  if (offboard_.type[k] == CommandType::kThrottle) return pilot_.value[k] < offboard_throttle_;
+  if (config_.fixed_wing) return pilot_.value[k] < offboard_throttle_;
   return pilot_.value[k] * config_.max_throttle < offboard_thrust_fraction_;
+}
+
+/// How much of a pass-through companion's torques remains when the pilot has its thrust: the
+/// pilot's thrust over the companion's, so that no thrust means no torque either.
+float CommandManager::torque_share() const {
+  const std::size_t k = config_.throttle_entry;
+  if (config_.fixed_wing || offboard_.type[k] != CommandType::kPassThrough) return 1.0f;
+  const float thrust = pilot_.value[k] * config_.max_throttle;
+  if (!(thrust > 0.0f)) return 0.0f;
+  return thrust < offboard_thrust_fraction_ ? thrust / offboard_thrust_fraction_ : 1.0f;
 }
 
 std::uint16_t CommandManager::override_now(Time now, const PilotInput& pilot) {
@@ -117,11 +173,19 @@ void CommandManager::combine() {
   if ((override_ & override_bit::kPitch) != 0) pilot |= 0x010;
   if ((override_ & override_bit::kYaw) != 0) pilot |= 0x020;
   if (config_.override_whole && pilot != 0) pilot = 0x03F;
-  for (std::size_t k = 0; k < kEntries; ++k) {
-    const CommandVector& source =
-        (static_cast<unsigned>(pilot) >> k & 1u) != 0 ? pilot_ : offboard_;
-    combined_.value[k] = source.value[k];
-    combined_.type[k] = source.type[k];
+  combined_.value = offboard_.value;
+  combined_.type = offboard_.type;
+  constexpr std::size_t kOfThePilot = 6;  // the free entries are never his
+  for (std::size_t k = 0; pilot != 0 && k < kOfThePilot; ++k) {
+    if ((static_cast<unsigned>(pilot) >> k & 1u) == 0) continue;
+    combined_.value[k] = pilot_.value[k];
+    combined_.type[k] = pilot_.type[k];
+  }
+  if ((override_ & override_bit::kThrottle) != 0) {
+    const float share = torque_share();
+    for (std::size_t k = 3; k < 6; ++k) {
+      if ((static_cast<unsigned>(pilot) >> k & 1u) == 0) combined_.value[k] *= share;
+    }
   }
   combined_.active =
       static_cast<std::uint16_t>((pilot_.active & pilot) | (offboard_.active & ~pilot));
@@ -136,7 +200,10 @@ bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, b
   decided_ = true;
   offboard_new_ = false;
   in_failsafe_ = failsafe;
-  if (now > offboard_time_ + config_.offboard_timeout) offboard_.active = 0;
+  if (now > offboard_time_ + config_.offboard_timeout) {
+    offboard_.active = 0;
+    offboard_.value.fill(0.0f);
+  }
   interpret(pilot);
   const std::uint16_t before = override_;
   override_ = override_now(now, pilot);

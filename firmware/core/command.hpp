@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <limits>
 
 #include "firmware/core/rc.hpp"
 #include "link/messages.hpp"
@@ -72,12 +73,39 @@ class CommandManager {
   /// The failsafe throttle is usable (always, for fixed wings).
   bool failsafe_valid() const;
 
-  /// A command of the companion. Entries masked out keep their last value and are inactive.
+  /// The largest magnitude of each entry that the companion may command in pass-through
+  /// (Mixer::entry_limits).
+  void set_entry_limits(const std::array<float, kEntries>& limits);
+
+  /// A command of the companion before it is used: entries masked out become 0, the others are
+  /// limited by their type,
+  ///
+  ///     throttle      0..1
+  ///     angle, rate   the largest that the sticks can command, of either sign
+  ///     pass-through  the limits of set_entry_limits(), of either sign
+  ///
+  /// @returns false for an unknown mode or a value that is not finite: to be refused whole.
+  bool admit(link::OffboardControl& command);
+  /// What admit() last limited.
+  struct Limited {
+    std::uint32_t count{0};  ///< Commands with a limited entry, since start.
+    std::uint8_t entry{0};   ///< The first of the newest such command ...
+    float asked{0.0f};
+    float used{0.0f};
+  };
+  const Limited& limited() const { return limited_; }
+
+  /// Takes an admitted command. Entries masked out are inactive, as all are after the time-out. An
+  /// inactive entry is the pilot's, or 0 where the pilot has none.
   /// @param thrust_fraction  total thrust it asks for, 0..1 of what the motors can give; used only
   /// in
   ///                         pass-through, where the entries do not tell.
-  /// @returns false for an unknown mode or a value that is not finite: nothing changed.
+  void take_offboard(Time now, const link::OffboardControl& command, float thrust_fraction);
+  /// Both in one. @returns what admit() returns; if false nothing changed.
   bool set_offboard(Time now, const link::OffboardControl& command, float thrust_fraction);
+  /// As if the companion had never commanded anything: what came before an arming on the ground
+  /// does not count after it.
+  void forget_offboard();
 
   /// Once per pass. @param new_input  `pilot` changed.
   /// @returns true if the override word changed.
@@ -102,16 +130,27 @@ class CommandManager {
   void interpret(const PilotInput& pilot);
   std::uint16_t override_now(Time now, const PilotInput& pilot);
   bool pilot_wants_less_thrust() const;
+  float torque_share() const;
   void combine();
 
+  static constexpr std::size_t kModes = 3;
+  using Limits = std::array<float, kEntries>;
+  static constexpr Limits no_limits() {
+    constexpr float kNone = std::numeric_limits<float>::max();
+    return {kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone};
+  }
+
   Config config_{};
+  std::array<Limits, kModes> offboard_limits_{no_limits(), no_limits(), no_limits()};  ///< By mode.
+  Limited limited_{};
   CommandVector pilot_{};
   CommandVector offboard_{};
   CommandVector failsafe_{};
   CommandVector combined_{};
   std::array<StickHold, 3> holds_{};
   Time offboard_time_{};
-  Time decide_at_{};  ///< Next moment at which time alone changes something.
+  Time decide_at_{};               ///< Next moment at which time alone changes something.
+  float offboard_throttle_{0.0f};  ///< The last one commanded, masked or timed out since or not.
   float offboard_thrust_fraction_{0.0f};
   std::uint16_t override_{0};
   std::uint16_t primary_entries_{0x3FF};

@@ -1,11 +1,39 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware/core/controller.hpp"
 
+#include <Eigen/Geometry>
+
 namespace rosflight::core {
 namespace {
 
 constexpr float kThrottleForIntegration = 0.1f;
 constexpr float kLongestIntegrationStep_s = 0.01f;
+
+/// Squared sines of half the tilt between which the angle errors fade from differences into a
+/// rotation: 60 and 75 degrees.
+constexpr float kModerateTilt = 0.25f;
+constexpr float kSteepTilt = 0.37f;
+
+/// (1 - cos tilt)/2.
+float half_tilt_squared(const Quaternion& q) {
+  return q.x * q.x + q.y * q.y;
+}
+
+/// Gravity's direction in the body axes of an attitude: the last row of R(q_NB).
+Vector3 down_B(const Quaternion& q) {
+  return {2.0f * (q.x * q.z - q.y * q.w), 2.0f * (q.y * q.z + q.x * q.w),
+          1.0f - 2.0f * (q.x * q.x + q.y * q.y)};
+}
+
+/// (1) as a rotation vector [rad]. Half a turn, which has no shortest axis, is one about x.
+Vector3 shortest_rotation(const Vector3& wanted, const Vector3& down) {
+  constexpr float kParallel = 1e-6f;
+  const Vector3 axis = wanted.cross(down);
+  const float sine = std::sqrt(axis.squaredNorm());
+  const float cosine = wanted.dot(down);
+  if (sine < kParallel) return cosine > 0.0f ? axis : Vector3{kPi, 0.0f, 0.0f};
+  return axis * (atan2(sine, cosine) / sine);
+}
 
 }  // namespace
 
@@ -25,7 +53,23 @@ void Controller::reset() {
   }
 }
 
-inline float Controller::run_axis(Axis& axis, CommandType type, float command, const Moment& m) {
+Controller::AngleErrors Controller::steep_errors(const CommandVector& command,
+                                                 const AttitudeEstimate& state) {
+  AngleErrors e{command.value[3] - state.roll_rad, command.value[4] - state.pitch_rad};
+  if (command.type[3] != CommandType::kAngle) return e;
+  const bool pitch_commanded = command.type[4] == CommandType::kAngle;
+  const auto [sr, cr] = sin_cos(command.value[3]);
+  const auto [sp, cp] = sin_cos(pitch_commanded ? command.value[4] : state.pitch_rad);
+  const Vector3 rotation = shortest_rotation({-sp, sr * cp, cr * cp}, down_B(state.q_NB));
+  float share = (half_tilt_squared(state.q_NB) - kModerateTilt) / (kSteepTilt - kModerateTilt);
+  if (share > 1.0f) share = 1.0f;
+  e.roll += share * (rotation.x() - e.roll);
+  e.pitch += share * (rotation.y() - e.pitch);
+  return e;
+}
+
+[[gnu::always_inline]] inline float Controller::run_axis(Axis& axis, CommandType type,
+                                                         float command, const Moment& m) {
   if (type != axis.last) {
     axis.rate.reset();
     axis.angle.reset();
@@ -33,14 +77,14 @@ inline float Controller::run_axis(Axis& axis, CommandType type, float command, c
   }
   if (type == CommandType::kRate) {
     const float x_dot = axis.rate.derivative(m.rate, m.dt_s, m.tau_s);
-    return axis.rate.step(command, m.rate, x_dot, m.dt_s, m.integrate, m.limit);
+    return axis.rate.step(command - m.rate, x_dot, m.dt_s, m.integrate, m.saturated, m.limit);
   }
-  return axis.angle.step(command, m.angle, m.rate, m.dt_s, m.integrate, m.limit);
+  return axis.angle.step(m.error, m.rate, m.dt_s, m.integrate, m.saturated, m.limit);
 }
 
-const Controller::Output& Controller::step(const CommandVector& command,
-                                           const AttitudeEstimate& state, float dt_s, bool armed,
-                                           bool saturated) {
+[[gnu::always_inline]] inline const Controller::Output& Controller::run(
+    const CommandVector& command, const AttitudeEstimate& state, float dt_s, bool armed,
+    bool saturated, const AngleErrors& errors) {
   const bool throttle_up = command.value[0] > kThrottleForIntegration ||
                            command.value[1] > kThrottleForIntegration ||
                            command.value[2] > kThrottleForIntegration;
@@ -48,21 +92,22 @@ const Controller::Output& Controller::step(const CommandVector& command,
   m.dt_s = dt_s;
   m.tau_s = config_.tau_s;
   m.limit = config_.max_thrust_N;  // full normalised torque, or full thrust on a lever of 1 m
-  m.integrate = armed && throttle_up && dt_s < kLongestIntegrationStep_s && !saturated;
+  m.integrate = armed && throttle_up && dt_s < kLongestIntegrationStep_s;
+  m.saturated = saturated;
 
   output_ = command.value;
-  const std::array<float, 3> angles{state.roll_rad, state.pitch_rad, 0.0f};
   for (std::size_t k = 0; k < 3; ++k) {
     const CommandType type = command.type[3 + k];
     const bool closed = type == CommandType::kRate || (type == CommandType::kAngle && k < 2);
+    float torque = command.value[3 + k];
     if (closed) {
-      m.angle = angles[k];
+      m.error = k == 0 ? errors.roll : errors.pitch;
       m.rate = state.rates_rad_s[static_cast<Eigen::Index>(k)];
-      output_[3 + k] = run_axis(axes_[k], type, command.value[3 + k], m);
+      torque = run_axis(axes_[k], type, torque, m);
     } else {
       axes_[k].last = type;
     }
-    output_[3 + k] += config_.equilibrium_torque[k];
+    output_[3 + k] = torque + config_.equilibrium_torque[k];
   }
   const float throttle_scale = config_.max_throttle * config_.max_thrust_N;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -71,6 +116,24 @@ const Controller::Output& Controller::step(const CommandVector& command,
     }
   }
   return output_;
+}
+
+const Controller::Output& Controller::step(const CommandVector& command,
+                                           const AttitudeEstimate& state, float dt_s, bool armed,
+                                           bool saturated) {
+  if (!(half_tilt_squared(state.q_NB) <= kModerateTilt)) {
+    return step_steep(command, state, dt_s, armed, saturated);
+  }
+  return run(command, state, dt_s, armed, saturated,
+             {command.value[3] - state.roll_rad, command.value[4] - state.pitch_rad});
+}
+
+/// Apart from step(), so that this pays nothing for it.
+[[gnu::noinline]] const Controller::Output& Controller::step_steep(const CommandVector& command,
+                                                                   const AttitudeEstimate& state,
+                                                                   float dt_s, bool armed,
+                                                                   bool saturated) {
+  return run(command, state, dt_s, armed, saturated, steep_errors(command, state));
 }
 
 std::array<float, 3> Controller::trim(const CommandVector& pilot) const {

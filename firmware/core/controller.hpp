@@ -15,6 +15,15 @@ namespace rosflight::core {
 /// 2          throttle      - c * max_throttle * max_thrust      (up is negative z)
 /// else                     as it is
 /// and entries 3..5 get the equilibrium torque on top, always.
+///
+/// The angle errors are, up to a tilt of 60 degrees, the differences of roll and pitch. Beyond 75
+/// degrees, where roll and pitch lose their meaning, they are the body x and y components of the
+/// shortest rotation from the present to the wanted attitude at any heading,
+///
+///     q_e = (1 + c . d, c x d) / |.|                                                     (1)
+///
+/// with d the direction of gravity in body axes and c that of the commanded roll and pitch; for an
+/// error in roll alone or pitch alone both are the same. In between they fade into each other.
 class Controller {
  public:
   using Output = std::array<float, kEntries>;
@@ -33,13 +42,21 @@ class Controller {
   /// All loops start from rest: on arming.
   void reset();
 
-  /// @param saturated  the mixer could not give what was asked for last time: integrals wait.
+  /// @param saturated  the mixer could not give what was asked for last time: integrals only
+  /// unwind.
   const Output& step(const CommandVector& command, const AttitudeEstimate& state, float dt_s,
                      bool armed, bool saturated);
 
   /// Torques that the pilot's present stick command asks for, level and at rest: what the sticks
   /// trim away (equilibrium-torque capture).
   std::array<float, 3> trim(const CommandVector& pilot) const;
+
+  /// `u` with the equilibrium torques on top: for what reaches the mixer without a loop.
+  Output trimmed(const Output& u) const {
+    Output sum = u;
+    for (std::size_t k = 0; k < 3; ++k) sum[3 + k] += config_.equilibrium_torque[k];
+    return sum;
+  }
 
   const Output& output() const { return output_; }
 
@@ -50,9 +67,17 @@ class Controller {
     CommandType last{CommandType::kPassThrough};
   };
   struct Moment {
-    float angle, rate, dt_s, tau_s, limit;
-    bool integrate;
+    float error, rate, dt_s, tau_s, limit;
+    bool integrate, saturated;
   };
+  struct AngleErrors {
+    float roll, pitch;
+  };
+  static AngleErrors steep_errors(const CommandVector& command, const AttitudeEstimate& state);
+  const Output& step_steep(const CommandVector& command, const AttitudeEstimate& state, float dt_s,
+                           bool armed, bool saturated);
+  const Output& run(const CommandVector& command, const AttitudeEstimate& state, float dt_s,
+                    bool armed, bool saturated, const AngleErrors& errors);
   static float run_axis(Axis& axis, CommandType type, float command, const Moment& m);
 
   Config config_{};

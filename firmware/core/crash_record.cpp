@@ -7,7 +7,9 @@ namespace rosflight::core {
 namespace {
 
 using Bytes = std::array<std::uint8_t, CrashRecord::kBytes>;
-constexpr std::size_t kChecked = CrashRecord::kBytes - 4;
+constexpr std::size_t kChecked = CrashRecord::kReferenceBytes - 4;
+constexpr std::size_t kOwn = CrashRecord::kReferenceBytes;
+constexpr std::size_t kOwnChecked = CrashRecord::kBytes - 4;
 
 void put(Bytes& b, std::size_t at, std::uint32_t v, std::size_t n) {
   for (std::size_t k = 0; k < n; ++k) b[at + k] = static_cast<std::uint8_t>(v >> (8 * k));
@@ -31,7 +33,16 @@ bool take_crash_record(hal::BackupMemory& memory, CrashRecord& record) {
   for (std::size_t k = 0; k < record.registers.size(); ++k) {
     record.registers[k] = get(bytes, 8 + 4 * k, 4);
   }
+  const bool own = get(bytes, kOwnChecked, 4) == fletcher16(&bytes[kOwn], kOwnChecked - kOwn);
+  record.above_idle = own && get(bytes, kOwn, 4) == CrashRecord::kAboveIdle;
+  for (std::size_t k = 0; k < record.rearm_age_ms.size(); ++k) {
+    record.rearm_age_ms[k] = own ? get(bytes, kOwn + 4 + 4 * k, 4) : CrashRecord::kNever;
+  }
   return true;
+}
+
+bool CrashRecord::may_rearm() const {
+  return armed && above_idle && hal::milliseconds(rearm_age_ms.back()) >= kRearmWindow;
 }
 
 bool write_crash_record(hal::BackupMemory& memory, const CrashRecord& record) {
@@ -43,6 +54,11 @@ bool write_crash_record(hal::BackupMemory& memory, const CrashRecord& record) {
     put(bytes, 8 + 4 * k, record.registers[k], 4);
   }
   put(bytes, kChecked, fletcher16(bytes.data(), kChecked), 4);
+  put(bytes, kOwn, record.above_idle ? CrashRecord::kAboveIdle : 0, 4);
+  for (std::size_t k = 0; k < record.rearm_age_ms.size(); ++k) {
+    put(bytes, kOwn + 4 + 4 * k, record.rearm_age_ms[k], 4);
+  }
+  put(bytes, kOwnChecked, fletcher16(&bytes[kOwn], kOwnChecked - kOwn), 4);
   return memory.write(bytes.data(), bytes.size());
 }
 

@@ -7,17 +7,40 @@
 
 namespace rosflight::core {
 
-/// What a fault handler leaves in backup memory for the next start. 44 bytes, little-endian:
-/// u16 faults since power-up | u16 error word | u32 arm word | 8 x u32 registers | u32 Fletcher-16.
+using hal::Time;
+
+/// What a fault handler leaves in backup memory for the next start, little-endian. The first 44
+/// bytes are those of ROSflight 2.x:
+///
+///     u16 faults since power-up | u16 error word | u32 arm word | 8 x u32 registers | u32
+///     Fletcher-16
+///
+/// and 20 of our own follow:
+///
+///     u32 flight word | 3 x u32 age of a rearming [ms] | u32 Fletcher-16
+///
+/// A record without a valid second part counts as written on the ground.
 struct CrashRecord {
-  static constexpr std::size_t kBytes = 44;
+  static constexpr std::size_t kReferenceBytes = 44;
+  static constexpr std::size_t kBytes = 64;
   static constexpr std::uint32_t kArmed = 0xBAD2FA11u;
+  static constexpr std::uint32_t kAboveIdle = 0x0F117E5Du;
+  static constexpr std::uint32_t kNever = 0xFFFFFFFFu;
+  static constexpr Time kRearmWindow = hal::milliseconds(60'000);
+  static constexpr std::size_t kMaxRearms = 3;  ///< In that window.
 
   std::uint16_t fault_count{};
   std::uint16_t error_word{};
   bool armed{};
   std::array<std::uint32_t, 8> registers{};  ///< r0, r1, r2, r3, r12, lr, pc, psr.
+  bool above_idle{};                         ///< Some motor turned faster than idle at the fault.
+  using Ages = std::array<std::uint32_t, kMaxRearms>;
+  /// How long before the fault the last three rearmings were, the newest first; kNever if not.
+  Ages rearm_age_ms{kNever, kNever, kNever};
+
   std::uint32_t pc() const { return registers[6]; }
+  /// It was flying, and has not been rearmed three times within the last 60 s.
+  bool may_rearm() const;
 };
 
 /// Reads and clears the record. @returns false if there is none or its checksum is wrong.

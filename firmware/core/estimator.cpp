@@ -9,6 +9,51 @@ namespace rosflight::core {
 namespace {
 
 constexpr float kBoost = 10.0f;
+/// Sine of 5 degrees: a vehicle that stands so level at power-up starts exactly level, as in
+/// ROSflight 2.x, whose recorded traces and check values begin so.
+constexpr float kLevelEnough = 0.0871557427f;
+constexpr float kMicroseconds = 1e6f;  // in a second
+constexpr float kRound = 0.5f;         // positive numbers to the nearest whole one
+// Cosines of half the angles of 20 and 5 degrees.
+constexpr float kCos10Deg = 0.984807753f;
+constexpr float kCos2_5Deg = 0.999048222f;
+
+/// True if the rotation between two unit quaternions is at most twice the angle of this cosine.
+bool within(const Quaternion& a, const Quaternion& b, float cos_half_angle) {
+  return std::abs(a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z) >= cos_half_angle;
+}
+
+/// q turned by a constant body rate for a time.
+inline Quaternion turned(const Quaternion& q, const Vector3& rate, float dt_s, bool exact) {
+  const float speed_sq = rate.squaredNorm();
+  if (!(speed_sq > 0.0f)) return q;
+  Quaternion half{1.0f, 0.0f, 0.0f, 0.0f};
+  float scale = 0.5f * dt_s;
+  if (exact) {
+    const float x_sq = 0.25f * speed_sq * dt_s * dt_s;  // x: half the angle of this step
+    constexpr float kSeriesIsExact = 0.01f;             // next terms are below float resolution
+    if (x_sq < kSeriesIsExact) {
+      half.w = 1.0f - x_sq / 2.0f * (1.0f - x_sq / 12.0f);
+      scale *= 1.0f - x_sq / 6.0f * (1.0f - x_sq / 20.0f);
+    } else {
+      const float speed = std::sqrt(speed_sq);
+      const SinCos x = sin_cos(0.5f * speed * dt_s);
+      half.w = x.cos;
+      scale = x.sin / speed;
+    }
+  }
+  half.x = scale * rate.x();
+  half.y = scale * rate.y();
+  half.z = scale * rate.z();
+  return normalized(q * half);
+}
+
+/// Axis of length 1 perpendicular to the unit vector n: which one is of no matter.
+Vector3 any_perpendicular(const Vector3& n) {
+  constexpr float kNearX = 0.9f;
+  const Vector3 other = std::abs(n.x()) < kNearX ? Vector3::UnitX() : Vector3::UnitY();
+  return n.cross(other).normalized();
+}
 
 }  // namespace
 
@@ -19,8 +64,8 @@ void Estimator::reset() {
   rate_.setZero();
   rate_1_.setZero();
   rate_2_.setZero();
-  boost_start_ = Time{0};
   external_pending_ = false;
+  external_run_ = 0;
   in_flight_ = false;
   healthy_ = true;
 }
@@ -34,42 +79,83 @@ void Estimator::reset_in_flight() {
 bool Estimator::set_external_attitude(const std::array<float, 4>& q_NB) {
   const Quaternion q{q_NB[0], q_NB[1], q_NB[2], q_NB[3]};
   const float norm_sq = squared_norm(q);
-  if (!std::isfinite(norm_sq) || norm_sq <= 1e-6f || norm_sq >= 1e6f) return false;
+  const bool valid = norm_sq > 1e-6f && norm_sq < 1e6f;  // false for NaN
+  if (!valid) external_run_ = 0;
+  if (!valid || !external_plausible(normalized(q))) {
+    ++external_rejected_;
+    return false;
+  }
   external_ = normalized(q);
   external_pending_ = true;
   return true;
+}
+
+bool Estimator::external_plausible(const Quaternion& q) {
+  if (within(q, estimate_.q_NB, kCos10Deg)) {
+    external_run_ = 0;
+    return true;
+  }
+  const Quaternion expected =
+      external_reference_ * conjugate(external_base_) * estimate_.q_NB;  // carried on
+  const bool agrees = external_run_ > 0 && within(q, expected, kCos2_5Deg);
+  external_run_ = agrees ? std::min(external_run_ + 1, kExternalRun) : 1;
+  const bool taken = external_run_ == kExternalRun;
+  // Before, each has to agree with the first of its run; after, with the one before, because the
+  // estimate moves towards them.
+  if (!agrees || taken) {
+    external_reference_ = q;
+    external_base_ = estimate_.q_NB;
+  }
+  return taken;
 }
 
 const AttitudeEstimate& Estimator::step(const hal::ImuSample& imu, float dt_s) {
   estimate_.stamp = imu.stamp;
   if (!started_) {
     started_ = true;
-    last_acc_use_ = imu.stamp;
-    external_time_ = imu.stamp;
-    if (in_flight_) {
-      boost_start_ = imu.stamp;
-      acc_ = to_vector(imu.accel_m_s2);
+    constexpr Time kLatest{std::int64_t{1} << 60};  // room for sums, whatever the first stamp is
+    now_ = std::clamp(imu.stamp, Time{0}, kLatest);
+    last_acc_use_ = external_time_ = now_;
+    boost_start_ = now_;
+    const Vector3 first = to_vector(imu.accel_m_s2);
+    const float horizontal_sq = first.x() * first.x() + first.y() * first.y();
+    if (in_flight_ || horizontal_sq > kLevelEnough * kLevelEnough * first.squaredNorm()) {
+      acc_ = first;
       level_from_accelerometer();
     }
     return estimate_;
   }
-  if (dt_s > kLongestGap_s) {
-    acc_ = to_vector(imu.accel_m_s2);
-    rate_ = rate_1_ = rate_2_ = to_vector(imu.gyro_rad_s);
-    level_from_accelerometer();
-    boost_start_ = imu.stamp;
-    in_flight_ = true;
+  if (dt_s > kGap_s) {
+    cross_gap(imu, dt_s);
     dt_s = 0.0f;
   }
+  now_ += hal::microseconds(static_cast<std::int32_t>(dt_s * kMicroseconds + kRound));
   filter(imu);
-  const Correction c = correction(imu.stamp, dt_s);
-  bias_ -= c.ki * dt_s * c.error;
-  propagate(rate_for_step() - bias_ + c.kp * c.error, dt_s);
+  const Correction c = correction(dt_s);
+  bias_ -= c.ki * dt_s * Vector3{c.error.x(), c.error.y(), c.yaw_bias_error};
+  propagate(rate_for_step() - bias_ + c.kp * c.error, dt_s, config_.exact_step);
 
   estimate_.rates_rad_s = rate_ - bias_;
   estimate_.roll_rad = roll_of(estimate_.q_NB);
   estimate_.pitch_rad = pitch_of(estimate_.q_NB);
   return estimate_;
+}
+
+void Estimator::cross_gap(const hal::ImuSample& imu, float dt_s) {
+  constexpr float kLongest_s = 1e9f;  // keeps the sum of times finite
+  const Time gap{static_cast<std::int64_t>(std::min(dt_s, kLongest_s) * kMicroseconds)};
+  now_ += gap;
+  last_acc_use_ += gap;  // health counts what was measured
+  usable_since_ += gap;
+  const Vector3 before = rate_;
+  rate_ = rate_1_ = rate_2_ = to_vector(imu.gyro_rad_s);
+  if (dt_s <= kLongestGap_s) {
+    propagate(0.5f * (before + rate_) - bias_, dt_s, true);
+    return;
+  }
+  acc_ = to_vector(imu.accel_m_s2);
+  level_from_accelerometer();
+  boost_start_ = now_;
 }
 
 inline void Estimator::filter(const hal::ImuSample& imu) {
@@ -86,40 +172,44 @@ inline bool Estimator::accelerometer_usable(float norm_sq) const {
 }
 
 inline Vector3 Estimator::accelerometer_error() const {
-  const Vector3 n = acc_ / acc_.norm();
-  const float d = -n.z();  // cosine between (0, 0, -1) and n
-  constexpr float kUpsideDown = -0.9999f;
-  if (d >= 1.0f || d <= kUpsideDown) return Vector3::Zero();
-  const float s = std::sqrt(2.0f * (1.0f + d));
-  const Quaternion shortest{s / 2.0f, n.y() / s, -n.x() / s, 0.0f};
-  const Quaternion q = estimate_.q_NB * shortest;
-  return {-2.0f * q.w * q.x, -2.0f * q.w * q.y, 0.0f};
+  const Vector3 n = acc_ * (1.0f / acc_.norm());
+  const Quaternion& q = estimate_.q_NB;
+  const Vector3 p{2.0f * (q.w * q.y - q.x * q.z), -2.0f * (q.w * q.x + q.y * q.z),
+                  2.0f * (q.x * q.x + q.y * q.y) - 1.0f};
+  Vector3 error = n.cross(p);
+  if (n.dot(p) < 0.0f) {
+    constexpr float kOpposite = 1e-3f;  // sine below which rounding chooses the axis anyway
+    const float sine = error.norm();
+    error = sine > kOpposite ? Vector3{error / sine} : any_perpendicular(n);
+  }
+  error.z() *= p.x() * p.x() + p.y() * p.y();
+  return error;
 }
 
-inline Estimator::Correction Estimator::correction(Time now, float dt_s) {
+Estimator::Correction Estimator::external_correction(float dt_s) {
+  Correction c;
+  external_pending_ = false;
+  const Quaternion d = normalized(conjugate(estimate_.q_NB) * external_);
+  const Vector3 s{d.x, d.y, d.z};
+  const float length = s.norm();
+  c.error = d.w >= length ? Vector3{4.0f * d.w * s} : Vector3{2.0f / length * s};
+  c.kp = config_.ext_kp;
+  c.ki = config_.ki;
+  const float longest = c.kp > 0.0f ? 0.5f / c.kp : 0.0f;
+  c.error *= std::min(hal::seconds(now_ - external_time_), longest) / dt_s;
+  c.yaw_bias_error = c.error.z();
+  external_time_ = now_;
+  external_base_ = turned(estimate_.q_NB, c.kp * c.error, dt_s, true);
+  return c;
+}
+
+inline Estimator::Correction Estimator::correction(float dt_s) {
+  const bool usable = accelerometer_usable(acc_.squaredNorm());
+  watch_health(usable);
+  const bool boosted = now_ - boost_start_ < config_.init_time;
+  if (external_pending_ && dt_s > 0.0f) return external_correction(dt_s);
   Correction c;
   c.ki = config_.ki;
-  const bool usable = accelerometer_usable(acc_.squaredNorm());
-  watch_health(now, usable);
-  const bool boosted = now - boost_start_ < config_.init_time;
-  if (external_pending_) {
-    external_pending_ = false;
-    const Matrix3 R = rotation_matrix(estimate_.q_NB);
-    const Matrix3 S = rotation_matrix(external_);
-    for (int i = 0; i < 3; ++i) {
-      c.error += Vector3{S.row(i).transpose()}.cross(Vector3{R.row(i).transpose()});
-    }
-    c.kp = config_.ext_kp;
-    if (boosted && !in_flight_) {
-      c.kp = kBoost * config_.acc_kp;
-      c.ki = kBoost * config_.ki;
-    }
-    const float longest = c.kp > 0.0f ? 0.5f / c.kp : 0.0f;
-    const float interval = std::min(hal::seconds(now - external_time_), longest);
-    c.error *= dt_s > 0.0f ? interval / dt_s : 0.0f;
-    external_time_ = now;
-    return c;
-  }
   if (usable) {
     c.error = accelerometer_error();
     c.kp = config_.acc_kp;
@@ -139,28 +229,8 @@ inline Vector3 Estimator::rate_for_step() {
   return fit;
 }
 
-inline void Estimator::propagate(const Vector3& rate, float dt_s) {
-  const float speed_sq = rate.squaredNorm();
-  if (!(speed_sq > 0.0f)) return;
-  Quaternion half{1.0f, 0.0f, 0.0f, 0.0f};
-  float scale = 0.5f * dt_s;
-  if (config_.exact_step) {
-    const float x_sq = 0.25f * speed_sq * dt_s * dt_s;  // x: half the angle of this step
-    constexpr float kSeriesIsExact = 0.01f;             // next terms are below float resolution
-    if (x_sq < kSeriesIsExact) {
-      half.w = 1.0f - x_sq / 2.0f * (1.0f - x_sq / 12.0f);
-      scale *= 1.0f - x_sq / 6.0f * (1.0f - x_sq / 20.0f);
-    } else {
-      const float speed = std::sqrt(speed_sq);
-      const SinCos x = sin_cos(0.5f * speed * dt_s);
-      half.w = x.cos;
-      scale = x.sin / speed;
-    }
-  }
-  half.x = scale * rate.x();
-  half.y = scale * rate.y();
-  half.z = scale * rate.z();
-  estimate_.q_NB = normalized(estimate_.q_NB * half);
+inline void Estimator::propagate(const Vector3& rate, float dt_s, bool exact) {
+  estimate_.q_NB = turned(estimate_.q_NB, rate, dt_s, exact);
 }
 
 void Estimator::level_from_accelerometer() {
@@ -172,13 +242,13 @@ void Estimator::level_from_accelerometer() {
   estimate_.pitch_rad = pitch;
 }
 
-inline void Estimator::watch_health(Time now, bool used) {
-  if (used && !was_usable_) usable_since_ = now;
-  if (used) last_acc_use_ = now;
+inline void Estimator::watch_health(bool used) {
+  if (used && !was_usable_) usable_since_ = now_;
+  if (used) last_acc_use_ = now_;
   was_usable_ = used;
   const bool judged = config_.use_acc && !config_.fixed_wing;
-  const bool well = used && now - usable_since_ >= kHealthyAfter;
-  if (judged && now - last_acc_use_ > kUnhealthyAfter) {
+  const bool well = used && now_ - usable_since_ >= kHealthyAfter;
+  if (judged && now_ - last_acc_use_ > kUnhealthyAfter) {
     healthy_ = false;
   } else if (!judged || well) {
     healthy_ = true;

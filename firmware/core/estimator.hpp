@@ -17,25 +17,44 @@ struct AttitudeEstimate {
 
 /// Attitude from gyro and accelerometer: quaternion complementary filter after Mahony, Hamel and
 /// Pflimlin, "Nonlinear complementary filters on the special orthogonal group", IEEE TAC 53(5),
-/// 2008, with the corrections of ROSflight 2.x.
+/// 2008, with the low-passes, the integration and the start-up boost of ROSflight 2.x.
 ///
-///     a  <- (1 - alpha) a_imu + alpha a ,   w <- (1 - alpha) w_imu + alpha w (1) w_e = -2 q_w
-///     (q_x, q_y, 0) of  q (x) q_a ,  q_a: shortest rotation (0,0,-1) -> a/|a|       (2) b  <- b -
-///     k_i w_e dt                                                                      (3) w_f = w
-///     - b + k_p w_e        (w by a quadratic fit of three samples if asked for)         (4) q  <-
-///     q (x) exp(w_f dt / 2)  (or the Euler step q + q (x) (0, w_f) dt / 2)                 (5)
+///     a   <- (1 - alpha) a_imu + alpha a,   w <- (1 - alpha) w_imu + alpha w              (1)
+///     w_e  = S (a/|a| x p),   p = R(q)^T (0, 0, -1),   S = diag(1, 1, p_x^2 + p_y^2)      (2)
+///     b   <- b - k_i (w_e,x  w_e,y  0) dt                                                 (3)
+///     w_f  = w - b + k_p w_e                                                              (4)
+///     q   <- q (x) exp(w_f dt / 2)   or the Euler step   q + q (x) (0, w_f) dt / 2        (5)
 ///
-/// (2) is used while |a| is within `acc_margin` of 1 g. A pending external attitude replaces it:
-///     w_e = sum_i s_i x r_i , rows of R(q_ext) and R(q) (6)
+/// In (4), w is a quadratic fit of three samples if asked for. (2) turns the predicted direction of
+/// the specific force at rest, p, onto the measured one. It contains no heading. S leaves out the
+/// turn about body z while that is a turn of the heading (level), as ROSflight 2.x does, and keeps
+/// it where it is one of roll and pitch (on the side). The product is as long as the sine of the
+/// error up to 90 degrees and 1 beyond, also for an estimate that is upside down, whose axis is
+/// arbitrary. (2) is used while |a| is within `acc_margin` of 1 g.
+///
+/// A pending external attitude replaces (2). With q_d = q^-1 (x) q_ext = (c, s), c >= 0:
+///
+///     w_e  = 4 c s                  up to 90 degrees, else   2 s / |s|                    (6)
+///
 /// times (time since the previous one)/dt, because it stands for that whole interval; the interval
-/// counts only up to 1/(2 k_p), which is what closes the gap without overshoot. During the first
-/// `init_time` both gains are ten times FILT_ACC_KP and FILT_KI. Yaw is seen only by the gyro and
-/// by external attitudes.
+/// counts only up to 1/(2 k_p), which is what closes the gap without overshoot. An external
+/// attitude more than 20 degrees from the estimate is rejected until ten in a row agree within 5
+/// degrees, each carried on by the estimated motion; those that follow are used as long as they
+/// agree with the one before. The heading at power-up is arbitrary: ten is also what it takes a
+/// companion to set it.
+///
+/// During the first `init_time` from the first sample on both gains are ten times FILT_ACC_KP and
+/// FILT_KI; external attitudes keep their own. A first sample that shows more than 5 degrees of tilt
+/// sets roll and pitch; below that the estimate starts level, as in ROSflight 2.x. A gap in the
+/// samples is bridged with the mean of the rates before and after it and does not touch gains or
+/// biases; only a gap above 1 s makes roll and pitch start again from the accelerometer, with the
+/// boost. Times are sums of dt, so a clock of the IMU that starts anew does not matter.
 class Estimator {
  public:
-  /// A gap in the IMU data longer than this makes roll and pitch start again from the
-  /// accelerometer.
-  static constexpr float kLongestGap_s = 0.1f;
+  /// Longer steps are gaps: no low-pass, no correction [s].
+  static constexpr float kGap_s = 0.025f;
+  /// After a longer gap roll and pitch start again from the accelerometer [s].
+  static constexpr float kLongestGap_s = 1.0f;
   static constexpr Time kUnhealthyAfter = hal::milliseconds(500);
   static constexpr Time kHealthyAfter = hal::milliseconds(100);
 
@@ -62,7 +81,8 @@ class Estimator {
   /// A fresh gyro calibration makes the bias estimate meaningless.
   void clear_bias() { bias_.setZero(); }
 
-  /// Normalises; @returns false (and ignores it) for NaN or a quaternion of length zero.
+  /// Normalises; @returns false and ignores it for NaN, a length of zero and while it is rejected
+  /// because it is far from the estimate.
   bool set_external_attitude(const std::array<float, 4>& q_NB);
 
   /// One IMU sample, calibrated, dt after the previous one [s, >= 0].
@@ -70,25 +90,33 @@ class Estimator {
 
   const AttitudeEstimate& estimate() const { return estimate_; }
   const Vector3& bias_rad_s() const { return bias_; }
+  /// External attitudes not used, since power-up.
+  std::uint32_t external_rejected() const { return external_rejected_; }
   /// False after 0.5 s without a usable accelerometer (multirotors), true again after 0.1 s with
   /// one.
   bool healthy() const { return healthy_; }
 
  private:
+  static constexpr int kExternalRun = 10;
+
   struct Correction {
     Vector3 error{Vector3::Zero()};
+    float yaw_bias_error{0.0f};
     float kp{0.0f};
     float ki{0.0f};
   };
 
+  bool external_plausible(const Quaternion& q);
   void filter(const hal::ImuSample& imu);
   bool accelerometer_usable(float norm_sq) const;
   Vector3 accelerometer_error() const;
-  Correction correction(Time now, float dt_s);
+  Correction correction(float dt_s);
+  Correction external_correction(float dt_s);
   Vector3 rate_for_step();
-  void propagate(const Vector3& rate, float dt_s);
+  void propagate(const Vector3& rate, float dt_s, bool exact);
   void level_from_accelerometer();
-  void watch_health(Time now, bool used);
+  void cross_gap(const hal::ImuSample& imu, float dt_s);
+  void watch_health(bool used);
 
   Config config_{};
   AttitudeEstimate estimate_{};
@@ -98,6 +126,11 @@ class Estimator {
   Vector3 rate_1_{Vector3::Zero()};
   Vector3 rate_2_{Vector3::Zero()};
   Quaternion external_{};
+  Quaternion external_reference_{};  ///< What the next external attitude has to agree with,
+  Quaternion external_base_{};       ///< and the estimate at that time.
+  std::uint32_t external_rejected_{0};
+  int external_run_{0};  ///< That agreed, 1..kExternalRun; 0: none is far from the estimate.
+  Time now_{};           ///< Stamp of the first sample plus all dt since.
   Time external_time_{};
   Time boost_start_{};
   Time last_acc_use_{};

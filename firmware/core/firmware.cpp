@@ -15,22 +15,32 @@ Firmware::Firmware(const hal::Board& board, link::Codec& codec)
 void Firmware::run() {
   const Time now = board_.clock.now();
   board_.system.alive();
+  const Time busy_before = board_.system.busy_time();
   longest_pass_ = std::max(longest_pass_, now - pass_begin_);
   pass_begin_ = now;
 
+  // Only what was handed to handle() between two passes; all else was applied by supervise().
+  if (parameters_.has_changes()) apply_parameter_changes();
   sense(now);
   float dt_s = 0.0f;
   if (sensors_.measurements().new_imu && time_step(dt_s)) control(now, dt_s);
-  telemetry_.stream(now, sensors_.measurements(), estimator_.estimate(), mixer_.outputs());
+  telemetry_.stream(sensors_.measurements(), estimator_.estimate());
 
   receive(now);
   supervise(now);
   listen_to_pilot(now);
   decide(now);
 
-  if (telemetry_.tick(now, parameters_.get_bool(Param::kFixedWing))) telemetry_.send(status());
-  telemetry_.send_backlog(parameters_, log_);
-  if (now >= reboot_at_) {
+  if (telemetry_.tick(now, parameters_.get_bool(Param::kFixedWing))) {
+    telemetry_.send(status());
+    tell_losses(now);
+    tell_sensors(now);
+  }
+  if (next_check_ < kCheckCount) report_checks(now);
+  telemetry_.send_backlog(now, {mixer_.outputs(), rc_frame_}, parameters_, log_);
+  counters_.pass(now, board_.system.busy_time() - busy_before, stored_);
+  stored_ = false;
+  if (now >= reboot_at_ && !store_.busy()) {
     reboot_at_ = Time::max();
     board_.outputs.disable();
     board_.system.reset(reboot_to_bootloader_);
@@ -48,13 +58,21 @@ void Firmware::start() {
   static_cast<void>(parameters_.take_changes());
   parameters_.mark_all_reported();
 
+  const bool saved = !parameters_.unsaved();
   apply_mixers();
+  // What follows from a stored choice of mixer follows from it again at the next start.
+  if (saved) parameters_.mark_saved(parameters_.version());
+  static_cast<void>(parameters_.take_changes());
   if (!board_.receiver.start(static_cast<hal::ReceiverType>(parameters_.get_int(Param::kRcType)))) {
     log_.warning("RC_TYPE: this board has no such receiver");
   }
   codec_.set_system_id(static_cast<std::uint8_t>(parameters_.get_int(Param::kSysId)));
-  if (!board_.serial.open(static_cast<std::uint32_t>(parameters_.get_int(Param::kBaudRate)),
-                          static_cast<std::uint8_t>(parameters_.get_int(Param::kSerialDevice)))) {
+  constexpr std::uint32_t kBitsPerByte = 10;  // with start and stop bit
+  const auto baud = static_cast<std::uint32_t>(parameters_.get_int(Param::kBaudRate));
+  if (board_.serial.open(baud,
+                         static_cast<std::uint8_t>(parameters_.get_int(Param::kSerialDevice)))) {
+    telemetry_.set_line(baud / kBitsPerByte);
+  } else {
     log_.warning("SERIAL_DEVICE, BAUD_RATE: board uses its own");
   }
   board_.system.start_sensors();
@@ -63,6 +81,7 @@ void Firmware::start() {
     log_.push(ok ? Severity::kInfo : Severity::kError, text);
   }
   apply_settings();
+  static_cast<void>(parameters_.take_changes());  // rows a mixer choice filled in: they follow it
   rc_.describe(log_);
   check_calibration();
   estimator_.reset();
@@ -79,35 +98,63 @@ void Firmware::start() {
 
 void Firmware::sense(Time now) {
   const Sensors::CalibrationEvents events = sensors_.step(now, board_, parameters_, log_);
+  sensor_watch_.step(now, sensors_.measurements());
   if (sensors_.measurements().new_imu) {
     imu_heard_ = now;
+    counters_.imu(now, sensors_.measurements().imu.stamp);
     if (state_.has(Error::kImuNotResponding)) set_error(Error::kImuNotResponding, false);
+    if (state_.has(Error::kTimeGoingBackwards)) set_error(Error::kTimeGoingBackwards, false);
+  } else if (sensors_.imu_step().backwards && !state_.has(Error::kTimeGoingBackwards)) {
+    set_error(Error::kTimeGoingBackwards, true);
   }
-  if (events.accel_settled) estimator_.reset();
-  if (events.accel_done) set_error(Error::kUncalibratedImu, false);
-  if (events.gyro_done) {
-    estimator_.clear_bias();
-    act(state_.handle(Event::kCalibrationComplete), now);
-  }
-  if (events.gyro_failed) act(state_.handle(Event::kCalibrationFailed), now);
+  if (events.any()) finish_calibration(events, now);
   if (sensors_.measurements().new_baro && mixer_.config().use_motor_model) update_max_thrust();
   if (sensors_.measurements().new_battery) watch_battery(now);
 }
 
+void Firmware::finish_calibration(const Sensors::CalibrationEvents& events, Time now) {
+  if (events.accel_settled) estimator_.reset();
+  if (events.accel_done) {
+    accel_calibrated_ = true;
+    set_error(Error::kUncalibratedImu, false);
+  }
+  if (events.gyro_done) {
+    estimator_.clear_bias();
+    act(state_.handle(Event::kCalibrationComplete, arm_request(now)), now);
+    continue_save(now);  // a block is enough for the new biases: armed before this pass's control
+  }
+  if (events.gyro_failed) act(state_.handle(Event::kCalibrationFailed), now);
+}
+
 bool Firmware::time_step(float& dt_s) {
-  const Time stamp = sensors_.measurements().imu.stamp;
-  const Time previous = imu_stamp_;
-  imu_stamp_ = stamp;
-  if (!imu_known_) {
-    imu_known_ = true;
-    return false;
+  const ImuClock::Step& step = sensors_.imu_step();
+  dt_s = step.dt_s;
+  return !step.restarted || dt_s > 0.0f;  // the first sample only sets the clock
+}
+
+/// What the mixer depends on besides its inputs.
+inline Mixer::Conditions Firmware::mixer_conditions(Time now) {
+  const Measurements& m = sensors_.measurements();
+  Mixer::Conditions c;
+  c.density_kg_m3 = m.density_kg_m3;
+  c.battery_V = m.battery.voltage_V;
+  c.armed = motors_enabled();
+  c.hold_idle = motor_stop_.probing() || (holding_idle_ && still_holding_idle(now));
+  if (mixer_.has_auxiliary_motors()) {
+    c.failsafe = state_.failsafe();
+    c.companion_present = now - companion_heard_ <= kCompanionSilence;
   }
-  const bool backwards = stamp < previous;
-  if (backwards != state_.has(Error::kTimeGoingBackwards)) {
-    set_error(Error::kTimeGoingBackwards, backwards);
+  if (state_.state() == State::kMotorTest) {
+    c.test_motor = test_motor_;
+    c.test_value = test_value_;
   }
-  dt_s = hal::seconds(stamp - previous);
-  return !backwards;
+  return c;
+}
+
+bool Firmware::is_request(const link::Message& message) {
+  return std::holds_alternative<link::ParamSet>(message) ||
+         std::holds_alternative<link::ParamRequestRead>(message) ||
+         std::holds_alternative<link::CommandRequest>(message);
 }
 
 void Firmware::control(Time now, float dt_s) {
@@ -116,16 +163,21 @@ void Firmware::control(Time now, float dt_s) {
   if (estimator_.healthy() == state_.has(Error::kUnhealthyEstimator)) {
     set_error(Error::kUnhealthyEstimator, !estimator_.healthy());
   }
-  const auto& forces = controller_.step(command_.combined(), attitude, dt_s, state_.armed(),
-                                        mixer_.saturation() > 1.0f);
-  board_.outputs.write(mixer_.step(
-      forces, {m.density_kg_m3, m.battery.voltage_V, state_.armed(), command_.primary_entries()}));
-  constexpr float kWorthATest = 2.0f;
-  if (mixer_.saturation() > kWorthATest && saturation_texts_.allow(now)) {
+  const auto& forces =
+      controller_.step(command_.combined(), attitude, dt_s, state_.armed(), mixer_.saturated());
+  Mixer::Conditions conditions = mixer_conditions(now);
+  conditions.primary_entries = command_.primary_entries();
+  board_.outputs.write(mixer_.step(forces, conditions));
+  if (!state_.armed() || motor_stop_.watching(state_.failsafe())) watch_motion(now);
+  constexpr float kWorthAText = 2.0f;
+  if (mixer_.saturation() > kWorthAText && saturation_texts_.allow(now)) {
     log_.warning(Text("Motor command above full: x ").add(mixer_.saturation(), 2));
   }
   if (mixer_.motor_model_failed() && motor_model_texts_.allow(now)) {
     log_.error("No battery voltage or no MOTOR_KV: motors off");
+  }
+  if (mixer_.voltage_replaced() && motor_model_texts_.allow(now)) {
+    log_.error("No usable battery voltage: 0.6 BATT_VOLT_MAX used");
   }
   const Time took = board_.clock.now() - now;
   loop_time_us_ = static_cast<std::int16_t>(
@@ -133,42 +185,54 @@ void Firmware::control(Time now, float dt_s) {
 }
 
 void Firmware::receive(Time now) {
-  constexpr int kMostReads = 16;        // 2 kB: 22 ms of a 921 600 baud line; the rest waits
-  std::array<std::uint8_t, 128> bytes;  // NOLINT: read() fills what is used
-  for (int k = 0; k < kMostReads; ++k) {
-    const std::size_t count = board_.serial.read(bytes.data(), bytes.size());
-    if (count == 0) return;
-    for (std::size_t used = 0; used < count;) {
-      const auto result = codec_.decode(bytes.data() + used, count - used);
-      used += result.consumed;
-      if (result.complete) handle(codec_.message(), now);
+  if (incoming_used_ < incoming_size_ || refill()) take_messages(now);
+}
+
+void Firmware::take_messages(Time now) {
+  int messages_left = kMessagesPerPass;
+  std::size_t bytes_left = kBytesPerPass;
+  do {
+    const std::size_t waiting = std::min(incoming_size_ - incoming_used_, bytes_left);
+    const auto result = codec_.decode(incoming_.data() + incoming_used_, waiting);
+    incoming_used_ += result.consumed;
+    bytes_left -= result.consumed;
+    if (result.complete) {
+      handle(codec_.message(), now);
+      messages_left -= is_request(codec_.message()) ? kRequestCounts : 1;
+      if (messages_left <= 0) return;
     }
-  }
+  } while (bytes_left > 0 && (incoming_used_ < incoming_size_ || refill()));
+}
+
+bool Firmware::refill() {
+  incoming_used_ = 0;
+  incoming_size_ = board_.serial.read(incoming_.data(), incoming_.size());
+  return incoming_size_ > 0;
 }
 
 void Firmware::supervise(Time now) {
   if (parameters_.has_changes()) apply_parameter_changes();
-  watch_imu(now);
+  if (now - imu_heard_ > kImuSilence) watch_imu(now);
+  if (store_.busy() || save_asked_) continue_save(now);
+  if (state_.state() == State::kMotorTest) watch_motor_test(now);
+  if (motor_stop_.stopped()) tell_motor_stop();
   act(state_.update(), now);
   show_leds(now);
 }
 
 void Firmware::listen_to_pilot(Time now) {
-  const bool received = board_.receiver.poll(rc_frame_);
-  if (received) telemetry_.send_rc(now, rc_frame_);
-  const Rc::Update update = rc_.step(now, received ? &rc_frame_ : nullptr, state_.armed());
+  if (!board_.receiver.poll(rc_frame_)) {
+    if (rc_.silent(now) && !state_.has(Error::kRcLost)) act(state_.handle(Event::kRcLost), now);
+    return;
+  }
+  telemetry_.note_rc();
+  const Rc::Update update = rc_.step(now, &rc_frame_, state_.arming());
   if (update.lost && !state_.has(Error::kRcLost)) act(state_.handle(Event::kRcLost), now);
   if (update.found && (state_.has(Error::kRcLost) || state_.failsafe())) {
     act(state_.handle(Event::kRcFound), now);
   }
   if (update.disarm) act(state_.handle(Event::kDisarm), now);
-  if (update.arm) {
-    const bool override_ok =
-        parameters_.get_bool(Param::kTakeMinThr) || rc_.input().is_on(Switch::kThrottleOverride);
-    act(state_.handle(Event::kArm,
-                      {rc_.throttle_low(), override_ok, parameters_.get_bool(Param::kArmCalGyro)}),
-        now);
-  }
+  if (update.arm) request_arming(now);
   pilot_new_ = update.frame;
 }
 
@@ -179,43 +243,21 @@ void Firmware::decide(Time now) {
 
 // ---- supervision
 
-void Firmware::act(std::uint16_t actions, Time now) {
+void Firmware::act(Actions actions, Time now) {
   if (actions == action::kNone) return;
   if ((actions & action::kSendStatus) != 0) telemetry_.request_status();
-  if ((actions & action::kArm) != 0) {
-    controller_.reset();
-    sensors_.stop_calibrations();
-    if (parameters_.unsaved()) static_cast<void>(save_parameters());
-    log_.warning("Armed");
+  if ((actions & action::kArm) != 0) armed_now(actions, now);
+  if ((actions & action::kDisarm) != 0) disarmed_now(now);
+  if ((actions & action::kCalibrateGyro) != 0) {
+    sensors_.start_gyro_calibration();
+    if (parameters_.unsaved()) begin_save();
   }
-  if ((actions & action::kDisarm) != 0) log_.warning("Disarmed");
-  if ((actions & action::kCalibrateGyro) != 0) sensors_.start_gyro_calibration();
-  refuse(actions, now);
-}
-
-void Firmware::refuse(std::uint16_t actions, Time now) {
-  constexpr std::uint16_t kRefusals =
-      action::kRefuseThrottle | action::kRefuseOverride | action::kRefuseErrors;
-  if ((actions & kRefusals) == 0 || !refusals_.allow(now)) return;
-  if ((actions & action::kRefuseThrottle) != 0) log_.error("Unable to arm: throttle not low");
-  if ((actions & action::kRefuseOverride) != 0) {
-    log_.error("Unable to arm: throttle override switch is off");
-  }
-  if ((actions & action::kRefuseErrors) == 0) return;
-  struct Reason {
-    Error error;
-    const char* text;
-  };
-  constexpr std::array<Reason, 7> kReasons{
-      {{Error::kInvalidMixer, "Unable to arm: invalid mixer"},
-       {Error::kImuNotResponding, "Unable to arm: IMU not responding"},
-       {Error::kRcLost, "Unable to arm: RC signal lost"},
-       {Error::kUnhealthyEstimator, "Unable to arm: unhealthy estimator"},
-       {Error::kTimeGoingBackwards, "Unable to arm: time going backwards"},
-       {Error::kUncalibratedImu, "Unable to arm: IMU not calibrated"},
-       {Error::kInvalidFailsafe, "Unable to arm: FAILSAFE_THR not set"}}};
-  for (const Reason& reason : kReasons) {
-    if (state_.has(reason.error)) log_.error(reason.text);
+  if ((actions & action::kStopCalibration) != 0) sensors_.stop_calibrations();
+  if ((actions & action::kSave) != 0) begin_save();
+  if ((actions & action::kStopMotorTest) != 0) stop_motors();
+  if ((actions & action::kRefuse) != 0) refuse(now);
+  if ((actions & action::kRefuseStorage) != 0) {
+    log_.error("Unable to arm: parameters could not be stored");
   }
 }
 
@@ -224,32 +266,27 @@ void Firmware::set_error(Error error, bool on) {
 }
 
 void Firmware::watch_imu(Time now) {
-  if (now - imu_heard_ <= kImuSilence) return;
   if (!state_.has(Error::kImuNotResponding)) {
     set_error(Error::kImuNotResponding, true);
     log_.critical("IMU not responding");
   }
+  if (state_.armed()) motor_stop_.watch_imu(now, imu_heard_);
   constexpr Time kFallbackPeriod = hal::milliseconds(20);
   if (now - fallback_written_ < kFallbackPeriod) return;
   fallback_written_ = now;
   if (!parameters_.get_bool(Param::kFixedWing)) {
     mixer_.stop_motors();
   } else {
-    const Measurements& m = sensors_.measurements();
     const CommandVector& c = state_.failsafe() ? command_.combined() : command_.pilot();
-    static_cast<void>(mixer_.step(c.value, {m.density_kg_m3, m.battery.voltage_V, state_.armed()}));
+    static_cast<void>(mixer_.step(controller_.trimmed(c.value), mixer_conditions(now)));
   }
   board_.outputs.write(mixer_.outputs());
 }
 
 void Firmware::watch_battery(Time now) {
-  constexpr float kLowFraction = 0.8f;
-  constexpr float kConnected_V = 1.0f;
-  const float voltage = sensors_.measurements().battery.voltage_V;
-  const bool low =
-      voltage > kConnected_V && voltage < kLowFraction * parameters_.get_float(Param::kBattVoltMax);
-  if (low && state_.armed() && battery_texts_.allow(now)) {
-    log_.warning(Text("Low battery: ").add(voltage, 1).add(" V"));
+  if (state_.armed() && battery_low() && battery_texts_.allow(now)) {
+    const float voltage_V = sensors_.measurements().battery.voltage_V;
+    log_.warning(Text("Low battery: ").add(voltage_V, 1).add(" V"));
   }
 }
 
@@ -263,34 +300,6 @@ void Firmware::show_leds(Time now) {
   if (wanted[0] != leds_[0]) board_.leds.set(hal::Led::kOverride, wanted[0]);
   if (wanted[1] != leds_[1]) board_.leds.set(hal::Led::kStatus, wanted[1]);
   leds_ = wanted;
-}
-
-void Firmware::record_fault(const std::array<std::uint32_t, 8>& registers) {
-  CrashRecord record;
-  record.fault_count = static_cast<std::uint16_t>(fault_count_ + 1);
-  record.error_word = state_.errors();
-  record.armed = state_.armed();
-  record.registers = registers;
-  static_cast<void>(write_crash_record(board_.backup, record));
-}
-
-void Firmware::recover_from_crash() {
-  CrashRecord record;
-  if (!take_crash_record(board_.backup, record)) return;
-  fault_count_ = record.fault_count;
-  const Time now = board_.clock.now();
-  act(state_.update(), now);
-  if (record.armed) {
-    act(state_.handle(Event::kArm, {true, true, false}), now);
-    if (state_.armed()) {
-      estimator_.reset_in_flight();
-      log_.critical("Rearmed after a fault in flight");
-    } else {
-      log_.critical("Fault in flight, but rearming failed");
-    }
-  }
-  telemetry_.report_crash(record, record.armed);
-  log_.critical(Text("Fault ").add(record.fault_count).add(" at pc ").add_hex(record.pc()));
 }
 
 link::Status Firmware::status() const {

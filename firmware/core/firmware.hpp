@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include "firmware/core/arming_checks.hpp"
 #include "firmware/core/mixer_setup.hpp"
+#include "firmware/core/motor_stop.hpp"
 #include "firmware/core/parameter_store.hpp"
+#include "firmware/core/pass_counters.hpp"
 #include "firmware/core/settings.hpp"
 #include "firmware/core/telemetry.hpp"
 
@@ -16,6 +19,21 @@ class Firmware {
   /// An IMU that is silent for this long is not responding: multirotors stop their motors, fixed
   /// wings fly on the sticks, until it answers again.
   static constexpr Time kImuSilence = hal::milliseconds(100);
+  /// After arming on the ground the motors turn at idle for this long, unless the throttle stick is
+  /// raised or the companion sends a command.
+  static constexpr Time kIdleFirst = hal::milliseconds(500);
+  /// Arming this soon after disarming with motors above idle is taken as arming in the air.
+  static constexpr Time kRearmInAir = hal::milliseconds(1000);
+  /// A motor test ends this long after its last message.
+  static constexpr Time kMotorTestTime = hal::milliseconds(300);
+  static constexpr float kMotorTestLimit = 0.3f;
+  /// What a pass looks at of the link: 400 passes a second keep up with 3 000 000 baud; the rest
+  /// waits in its order.
+  static constexpr int kMessagesPerPass = 8;
+  static constexpr int kRequestCounts = 2;  ///< A request, which is searched for and answered.
+  static constexpr std::size_t kBytesPerPass = 1024;
+  /// A companion that sent no valid frame for longer than this no longer commands auxiliary motors.
+  static constexpr Time kCompanionSilence = hal::milliseconds(1000);
 
   Firmware(const hal::Board& board, link::Codec& codec);
 
@@ -38,6 +56,10 @@ class Firmware {
   const Parameters& parameters() const { return parameters_; }
   const Log& log() const { return log_; }
   const Telemetry& telemetry() const { return telemetry_; }
+  const MotorStop& motor_stop() const { return motor_stop_; }
+  const PassCounters& counters() const { return counters_; }
+  /// The list before arming, as it stands now.
+  CheckResults checks(Time now) const;
 
   // The doors of the link, for replay: the same that messages take.
   void handle(const link::Message& message, Time now);
@@ -45,9 +67,13 @@ class Firmware {
  private:
   // run(), step by step
   void sense(Time now);
+  void finish_calibration(const Sensors::CalibrationEvents& events, Time now);
   bool time_step(float& dt_s);
   void control(Time now, float dt_s);
+  Mixer::Conditions mixer_conditions(Time now);
   void receive(Time now);
+  bool refill();
+  void take_messages(Time now);
   void supervise(Time now);
   void listen_to_pilot(Time now);
   void decide(Time now);
@@ -60,8 +86,15 @@ class Firmware {
   void on(const link::ParamSet& message);
   void on(const link::CommandRequest& message, Time now);
   void on(const link::OffboardControl& message, Time now);
+  void on(const link::MotorTest& message, Time now);
+  void on(const link::ReportRequest& message);
   bool run_command(link::Command command, Time now);
   bool is_me(std::uint8_t target_system) const;
+  static bool is_request(const link::Message& message);
+  void note_multiplier(Param id);
+  void answer_with(Param id);
+  void tell_losses(Time now);
+  void tell_sensors(Time now);
 
   // parameters
   void apply_parameter_changes();
@@ -72,11 +105,32 @@ class Firmware {
   void check_failsafe();
   StoreResult load_parameters();
   bool save_parameters();
+  void begin_save();
+  bool begin_write();
+  void continue_save(Time now);
 
   // state
-  void act(std::uint16_t actions, Time now);
+  void act(Actions actions, Time now);
   void set_error(Error error, bool on);
-  void refuse(std::uint16_t actions, Time now);
+
+  // arming, and what ends it (firmware_arming.cpp)
+  void request_arming(Time now);
+  ArmRequest arm_request(Time now) const;
+  void armed_now(Actions actions, Time now);
+  void disarmed_now(Time now);
+  void refuse(Time now);
+  void warn_before_arming(Time now);
+  Text check_text(Check check, Time now) const;
+  bool above_idle() const;
+  bool motors_enabled() const { return state_.armed() && !motor_stop_.stopped(); }
+  bool still_holding_idle(Time now);
+  void stop_motors();
+  void tell_motor_stop();
+  bool battery_low() const;
+  void watch_motion(Time now);
+  void watch_motor_test(Time now);
+  void report_checks(Time now);
+  void send_counters();
   void recover_from_crash();
   void watch_imu(Time now);
   void watch_battery(Time now);
@@ -97,19 +151,46 @@ class Firmware {
   Controller controller_;
   Mixer mixer_;
   Telemetry telemetry_;
+  MotorStop motor_stop_;
+  SensorWatch sensor_watch_;
+  PassCounters counters_;
 
+  std::array<std::uint8_t, 128> incoming_{};  ///< Bytes of the link, from incoming_used_ on.
+  std::size_t incoming_size_{0};
+  std::size_t incoming_used_{0};
+  std::array<std::uint32_t, 3> losses_told_{};  ///< Frames in and out, texts.
+  std::array<bool, kAidCount> silent_told_{};
+  std::uint16_t sensor_errors_told_{0};
+  RateLimit sensor_texts_{hal::milliseconds(10000)};
+  RateLimit loss_texts_{hal::milliseconds(10000)};
   hal::RcFrame rc_frame_{};  ///< The newest; a member so that a pass without one need not clear it.
   Time pass_begin_{};
-  Time longest_pass_{};  ///< From one pass to the next, since it was last told.
-  Time imu_stamp_{};     ///< Of the previous sample.
-  Time imu_heard_{};     ///< When it came.
+  Time longest_pass_{};                   ///< From one pass to the next, since it was last told.
+  Time moved_{hal::milliseconds(-1000)};  ///< When the disarmed vehicle was last seen turning.
+  Time idle_until_{};                     ///< End of kIdleFirst, while holding_idle_.
+  Time disarmed_{};                       ///< When it was disarmed with motors above idle.
+  Time test_until_{};                     ///< When the motor test ends.
+  CrashRecord::Ages rearm_ages_ms_{CrashRecord{}.rearm_age_ms};  ///< At the start.
+  std::size_t next_check_{kCheckCount};  ///< Of the list that is being sent.
+  float test_value_{0.0f};
+  std::int8_t test_motor_{-1};
+  bool holding_idle_{false};
+  bool rearm_in_air_{false};
+  bool accel_calibrated_{false};
+  bool stop_told_{false};
+  bool save_asked_{false};
+  bool storage_healthy_{true};
+  bool stored_{false};            ///< This pass wrote a block to storage.
+  bool write_again_{false};       ///< WRITE_PARAMS came while a save was under way.
+  std::uint8_t writes_asked_{0};  ///< Acknowledgements that wait for its end.
+  Time imu_heard_{};              ///< When the last usable sample came.
+  Time companion_heard_{};        ///< Its newest valid frame.
   Time fallback_written_{};
   Time reboot_at_{Time::max()};
   float max_thrust_N_{1.0f};
   std::uint16_t fault_count_{0};
   std::int16_t loop_time_us_{0};
   bool reboot_to_bootloader_{false};
-  bool imu_known_{false};
   bool pilot_new_{false};
   std::array<bool, 2> leds_{};
   RateLimit refusals_{hal::milliseconds(1000)};
@@ -117,6 +198,8 @@ class Firmware {
   RateLimit motor_model_texts_{hal::milliseconds(1000)};
   RateLimit battery_texts_{hal::milliseconds(10000)};
   RateLimit offboard_texts_{hal::milliseconds(1000)};
+  RateLimit motor_test_texts_{hal::milliseconds(1000)};
+  RateLimit limit_texts_{hal::milliseconds(1000)};
 };
 
 }  // namespace rosflight::core

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The part of Firmware that answers messages and follows parameters.
+// The part of Firmware that answers messages.
 #include <algorithm>
 #include <limits>
 
@@ -11,23 +11,20 @@ namespace {
 
 constexpr Time kRebootDelay = hal::milliseconds(20);  // lets the acknowledgement out
 
-bool any_of(const Parameters::ChangeSet& changed, Param first, Param last) {
-  for (auto k = static_cast<std::size_t>(first); k <= static_cast<std::size_t>(last); ++k) {
-    if (changed.test(k)) return true;
-  }
-  return false;
-}
-
-bool any_of(const Parameters::ChangeSet& changed, std::initializer_list<Param> ids) {
-  for (const Param id : ids) {
-    if (changed.test(static_cast<std::size_t>(id))) return true;
-  }
-  return false;
+/// The system that a message is for. 0, for all, if it has no such field.
+std::uint8_t target_of(const link::Message& message) {
+  if (const auto* set = std::get_if<link::ParamSet>(&message)) return set->target_system;
+  if (const auto* read = std::get_if<link::ParamRequestRead>(&message)) return read->target_system;
+  if (const auto* list = std::get_if<link::ParamRequestList>(&message)) return list->target_system;
+  if (const auto* test = std::get_if<link::MotorTest>(&message)) return test->target_system;
+  if (const auto* report = std::get_if<link::ReportRequest>(&message)) return report->target_system;
+  return 0;
 }
 
 }  // namespace
 
 void Firmware::handle(const link::Message& message, Time now) {
+  if (is_me(target_of(message))) companion_heard_ = now;
   if (const auto* offboard = std::get_if<link::OffboardControl>(&message)) {
     on(*offboard, now);
   } else if (const auto* sync = std::get_if<link::TimeSync>(&message)) {
@@ -46,6 +43,10 @@ void Firmware::handle(const link::Message& message, Time now) {
     static_cast<void>(mixer_.set_auxiliary(*aux));
   } else if (const auto* attitude = std::get_if<link::ExternalAttitude>(&message)) {
     static_cast<void>(estimator_.set_external_attitude(attitude->q_NB));
+  } else if (const auto* test = std::get_if<link::MotorTest>(&message)) {
+    on(*test, now);
+  } else if (const auto* report = std::get_if<link::ReportRequest>(&message)) {
+    on(*report);
   }
 }
 
@@ -59,7 +60,7 @@ void Firmware::on(const link::Heartbeat& /*message*/, Time now) {
 
 void Firmware::on(const link::TimeSync& message, Time now) {
   if (message.tc1_ns != 0) return;
-  telemetry_.send(link::TimeSync{now.count() * 1000, message.ts1_ns}, hal::Serial::kTimely);
+  telemetry_.send(link::TimeSync{now.count() * 1000, message.ts1_ns});
 }
 
 void Firmware::on(const link::ParamRequestRead& message) {
@@ -67,7 +68,7 @@ void Firmware::on(const link::ParamRequestRead& message) {
   const std::size_t index =
       message.index >= 0 ? static_cast<std::size_t>(message.index) : Parameters::find(message.name);
   if (index < kParamCount) {
-    telemetry_.send_parameter(static_cast<Param>(index), parameters_);
+    answer_with(static_cast<Param>(index));
   } else {
     log_.warning(Text("No parameter ").add(message.name));
   }
@@ -85,9 +86,10 @@ void Firmware::on(const link::ParamSet& message) {
     return;
   }
   const auto id = static_cast<Param>(index);
-  switch (parameters_.set_bits(id, message.type, message.value.bits, state_.armed())) {
-    case SetResult::kChanged:
-      apply_parameter_changes();
+  const SetResult result =
+      parameters_.set_bits(id, message.type, message.value.bits, state_.armed());
+  switch (result) {
+    case SetResult::kChanged:  // modules follow once a pass
       break;
     case SetResult::kOutOfRange:
       log_.warning(Text("Out of range, kept: ").add(message.name));
@@ -98,25 +100,49 @@ void Firmware::on(const link::ParamSet& message) {
     case SetResult::kLockedArmed:
       log_.warning(Text("Not while armed, kept: ").add(message.name));
       break;
+    case SetResult::kTooFar:
+      log_.warning(Text("Not that far while armed, kept: ").add(message.name));
+      break;
     case SetResult::kUnchanged:
       break;
+  }
+  const bool taken = result == SetResult::kChanged || result == SetResult::kUnchanged;
+  if (taken && !state_.armed()) note_multiplier(id);
+  answer_with(id);
+}
+
+/// The value in force, at once if there is room for it, else as soon as there is.
+void Firmware::answer_with(Param id) {
+  if (!telemetry_.has_room()) {
+    parameters_.mark_unreported(id);
+    return;
   }
   telemetry_.send_parameter(id, parameters_);
   parameters_.mark_reported(id);
 }
 
 void Firmware::on(const link::OffboardControl& message, Time now) {
+  link::OffboardControl command = message;
+  const std::uint32_t limited_before = command_.limited().count;
+  if (!command_.admit(command)) {
+    if (offboard_texts_.allow(now)) log_.warning("Offboard command refused: mode or value");
+    return;
+  }
+  const CommandManager::Limited& limited = command_.limited();
+  if (limited.count != limited_before && limit_texts_.allow(now)) {
+    log_.warning(Text("Offboard command limited: axis ")
+                     .add(static_cast<std::int32_t>(limited.entry))
+                     .add(", ")
+                     .add(limited.asked, 2)
+                     .add(" to ")
+                     .add(limited.used, 2));
+  }
   const bool pass_through =
-      message.mode == static_cast<std::uint8_t>(link::OffboardMode::kPassThrough);
-  auto u = message.u;
-  for (std::size_t k = 0; k < u.size(); ++k) {
-    if ((message.ignore >> k & 1u) != 0) u[k] = 0.0f;  // whatever is in there, NaN included
-  }
+      command.mode == static_cast<std::uint8_t>(link::OffboardMode::kPassThrough);
   const float fraction =
-      pass_through ? mixer_.thrust_fraction(u, sensors_.measurements().density_kg_m3) : 0.0f;
-  if (!command_.set_offboard(now, message, fraction) && offboard_texts_.allow(now)) {
-    log_.warning("Offboard command refused: mode or value");
-  }
+      pass_through ? mixer_.thrust_fraction(command.u, sensors_.measurements().density_kg_m3)
+                   : 0.0f;
+  command_.take_offboard(now, command, fraction);
 }
 
 void Firmware::on(const link::CommandRequest& message, Time now) {
@@ -124,8 +150,70 @@ void Firmware::on(const link::CommandRequest& message, Time now) {
   const auto command = static_cast<link::Command>(message.command);
   const bool known = message.command <= kLast;
   const bool allowed = !state_.armed() || command == link::Command::kSendVersion;
+  if (known && allowed && command == link::Command::kWriteParams && begin_write()) return;
   const bool success = known && allowed && run_command(command, now);
   telemetry_.send_ack(message.command, success);
+}
+
+void Firmware::on(const link::ReportRequest& message) {
+  if (!is_me(message.target_system)) return;
+  if (message.kind == static_cast<std::uint8_t>(link::ReportKind::kChecks)) next_check_ = 0;
+  if (message.kind == static_cast<std::uint8_t>(link::ReportKind::kCounters)) send_counters();
+}
+
+void Firmware::send_counters() {
+  const auto us = [](Time t) {
+    return static_cast<std::uint32_t>(
+        std::min<std::int64_t>(t.count(), std::numeric_limits<std::uint32_t>::max()));
+  };
+  link::Counters c;
+  c.longest_pass_us = us(counters_.longest());
+  c.pass_budget_us = us(PassCounters::kBudget);
+  c.passes_over_budget = counters_.over_budget();
+  c.passes = counters_.passes();
+  c.frames_dropped = codec_.counters().frames_dropped;
+  c.tx_dropped = telemetry_.dropped();
+  c.texts_lost = log_.lost();
+  c.imu_jitter = counters_.jitter();
+  const auto& rejected = sensors_.rejected();
+  static_assert(std::tuple_size_v<std::decay_t<decltype(rejected)>> <= link::kCounterBins);
+  std::copy(rejected.begin(), rejected.end(), c.rejected.begin());
+  c.rejected[static_cast<std::size_t>(Reject::kExternalAttitude)] = estimator_.external_rejected();
+  telemetry_.send(c);
+}
+
+/// One text, every 10 s at most, as long as the link goes on losing something.
+void Firmware::tell_losses(Time now) {
+  const std::array<std::uint32_t, 3> lost{codec_.counters().frames_dropped, telemetry_.dropped(),
+                                          log_.lost()};
+  if (!telemetry_.connected()) {  // nobody listens, so frames get lost: only texts are missed
+    losses_told_ = {lost[0], lost[1], losses_told_[2]};
+    return;
+  }
+  if (lost == losses_told_ || !loss_texts_.allow(now)) return;
+  losses_told_ = lost;
+  log_.warning(Text("Link lost: in ")
+                   .add(static_cast<std::int32_t>(lost[0]))
+                   .add(", out ")
+                   .add(static_cast<std::int32_t>(lost[1]))
+                   .add(", texts ")
+                   .add(static_cast<std::int32_t>(lost[2])));
+}
+
+/// A sensor that falls silent, or answers again, is told when it happens; so are the starts and
+/// answers that the board counts as failed.
+void Firmware::tell_sensors(Time now) {
+  for (std::size_t k = 0; k < kAidCount; ++k) {
+    const bool silent = sensor_watch_.silent(static_cast<Aid>(k), now);
+    if (silent == silent_told_[k]) continue;
+    silent_told_[k] = silent;
+    log_.push(silent ? Severity::kError : Severity::kInfo,
+              Text(silent ? "Sensor silent: " : "Sensor answers again: ").add(kAidNames[k]));
+  }
+  const std::uint16_t errors = board_.system.sensor_errors();
+  if (errors == sensor_errors_told_ || !sensor_texts_.allow(now)) return;
+  sensor_errors_told_ = errors;
+  log_.error(Text("Sensor errors since start: ").add(std::int32_t{errors}));
 }
 
 bool Firmware::run_command(link::Command command, Time now) {
@@ -146,9 +234,9 @@ bool Firmware::run_command(link::Command command, Time now) {
       sensors_.start_airspeed_calibration();
       return true;
     case link::Command::kReadParams:
-      return load_parameters() == StoreResult::kOk;
+      return !store_.busy() && load_parameters() == StoreResult::kOk;
     case link::Command::kWriteParams:
-      return save_parameters();
+      return false;  // could not begin
     case link::Command::kSetParamDefaults:
       parameters_.reset_to_defaults();
       return true;
@@ -193,96 +281,6 @@ void Firmware::capture_trim() {
   } else {
     log_.error("Equilibrium torque out of range, not taken");
   }
-}
-
-// ---- parameters
-
-StoreResult Firmware::load_parameters() {
-  ParameterStore::LoadReport report;
-  const StoreResult result = store_.load(parameters_, report);
-  if (report.skipped > 0) {
-    log_.warning(Text("Stored parameters skipped: ").add(report.skipped));
-  }
-  return result;
-}
-
-bool Firmware::save_parameters() {
-  if (store_.save(parameters_) != StoreResult::kOk) {
-    log_.error("Parameters not saved: storage failed");
-    return false;
-  }
-  parameters_.mark_saved();
-  return true;
-}
-
-void Firmware::apply_parameter_changes() {
-  const Parameters::ChangeSet changed = parameters_.take_changes();
-  if (any_of(changed, {Param::kSysId})) {
-    codec_.set_system_id(static_cast<std::uint8_t>(parameters_.get_int(Param::kSysId)));
-  }
-  if (any_of(changed, {Param::kPrimaryMixer, Param::kSecondaryMixer, Param::kUseMotorParam,
-                       Param::kRcFAxis})) {
-    apply_mixers();
-  } else if (any_of(changed, Param::kPriMixerOut0, Param::kSecMixer9_9) &&
-             take_mixer_changes(changed, parameters_, mixer_)) {
-    if (!board_.outputs.configure(output_rates(mixer_.header()))) {
-      log_.warning("PRI_MIXER_PWM: board cannot give all rates");
-    }
-  }
-  if (any_of(changed, {Param::kRcType}) &&
-      !board_.receiver.start(static_cast<hal::ReceiverType>(parameters_.get_int(Param::kRcType)))) {
-    log_.warning("RC_TYPE: this board has no such receiver");
-  }
-  apply_settings();
-  if (any_of(changed, Param::kRcAttOvrdChn, Param::kSwitch8Dir)) rc_.describe(log_);
-  if (any_of(changed, Param::kGyroXBias, Param::kAccZBias) ||
-      any_of(changed, Param::kImuRoll, Param::kImuYaw)) {
-    check_calibration();
-  }
-}
-
-void Firmware::apply_mixers() {
-  set_error(Error::kInvalidMixer, !choose_mixers(parameters_, mixer_, log_));
-  if (!board_.outputs.configure(output_rates(mixer_.header()))) {
-    log_.warning("PRI_MIXER_PWM: board cannot give all rates");
-  }
-}
-
-void Firmware::apply_settings() {
-  sensors_.configure(sensor_settings(parameters_));
-  estimator_.configure(estimator_settings(parameters_));
-  rc_.configure(rc_settings(parameters_));
-  command_.configure(command_settings(parameters_, rc_, !mixer_.mixers_agree()));
-  update_max_thrust();
-  // 1, the table's default, means that nobody chose a scale: the board keeps its own.
-  const auto scale = [this](Param id) {
-    const float v = parameters_.get_float(id);
-    return v == 1.0f ? 0.0f : v;
-  };
-  board_.battery.set_multipliers(scale(Param::kBattVoltMult), scale(Param::kBattCurrMult));
-  check_failsafe();
-}
-
-void Firmware::update_max_thrust() {
-  max_thrust_N_ =
-      parameters_.get_bool(Param::kUseMotorParam)
-          ? motor_settings(parameters_).max_thrust_N(sensors_.measurements().density_kg_m3)
-          : 1.0f;
-  controller_.configure(controller_settings(parameters_, max_thrust_N_));
-  mixer_.configure(mixer_settings(parameters_, max_thrust_N_));
-}
-
-void Firmware::check_calibration() {
-  bool biased = false;
-  for (auto k = static_cast<std::uint16_t>(Param::kGyroXBias);
-       k <= static_cast<std::uint16_t>(Param::kAccZBias); ++k) {
-    biased = biased || parameters_.get_float(static_cast<Param>(k)) != 0.0f;
-  }
-  set_error(Error::kUncalibratedImu, !biased);
-}
-
-void Firmware::check_failsafe() {
-  set_error(Error::kInvalidFailsafe, !command_.failsafe_valid());
 }
 
 }  // namespace rosflight::core

@@ -10,12 +10,21 @@ void Text::put(char c) {
 }
 
 Text& Text::add(const char* text) {
-  for (; *text != '\0'; ++text) put(*text);
-  return *this;
+  return add(text, chars_.size());
 }
 
 Text& Text::add(const link::ParamName& name) {
-  for (std::size_t k = 0; k < name.size() && name[k] != '\0'; ++k) put(name[k]);
+  return add(name.data(), name.size());
+}
+
+/// As many characters as there are before a NUL, at most `size`.
+Text& Text::add(const char* text, std::size_t size) {
+  const std::size_t room = chars_.size() - 1 - length_;
+  const std::size_t most = size < room ? size : room;
+  char* const to = &chars_[length_];
+  std::size_t k = 0;
+  for (; k < most && text[k] != '\0'; ++k) to[k] = text[k];
+  length_ += k;
   return *this;
 }
 

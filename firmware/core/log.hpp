@@ -24,11 +24,13 @@ class Text {
   Text& add(float value, int decimals);
   /// A name that may lack its NUL.
   Text& add(const link::ParamName& name);
+  Text& add(const Text& text) { return add(text.chars_.data()); }
 
   const std::array<char, link::kTextLength>& chars() const { return chars_; }
 
  private:
   void put(char c);
+  Text& add(const char* text, std::size_t size);
   std::array<char, link::kTextLength> chars_{};  ///< Always NUL-padded.
   std::size_t length_{0};
 };

@@ -35,6 +35,11 @@ inline float squared_norm(const Quaternion& q) {
   return q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
 }
 
+/// Inverse of a unit quaternion.
+inline Quaternion conjugate(const Quaternion& q) {
+  return {q.w, -q.x, -q.y, -q.z};
+}
+
 /// Scaled to length 1 with w >= 0, so that one attitude has one quaternion.
 inline Quaternion normalized(const Quaternion& q) {
   const float scale = (q.w < 0.0f ? -1.0f : 1.0f) / std::sqrt(squared_norm(q));

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <type_traits>
+#include <utility>
 
 namespace rosflight::core {
 namespace {
@@ -20,9 +22,14 @@ auto four(Values& values, std::size_t group) {
   return Eigen::Map<Array, Eigen::Aligned16>(values.data() + kGroup * group);
 }
 
+bool drives_motor(const link::AuxCommand& command, std::size_t channel) {
+  return command.type[channel] == static_cast<std::uint8_t>(link::AuxType::kMotor);
+}
+
 }  // namespace
 
 void Mixer::set_header(const MixerHeader& header) {
+  const MixerHeader before = header_;
   header_ = header;
   motors_ = servos_ = gpios_ = free_ = ChannelList{};
   mixed_.fill(0.0f);
@@ -54,8 +61,12 @@ void Mixer::set_header(const MixerHeader& header) {
         free_.add(k);
         break;
     }
+    // Nothing has commanded the channel as what it is now.
+    if (k < kChannels && type != OutputType::kAux && type != before.type[k]) {
+      outputs_[k] = type == OutputType::kServo ? kServoCentre : 0.0f;
+    }
   }
-  stale_ = true;
+  invalidate();
 }
 
 bool Mixer::set_auxiliary(const link::AuxCommand& command) {
@@ -64,40 +75,80 @@ bool Mixer::set_auxiliary(const link::AuxCommand& command) {
     if (command.type[k] != 0 && !std::isfinite(command.value[k])) return false;
   }
   auxiliary_ = command;
-  stale_ = true;
+  auxiliary_motors_ = false;
+  for (std::size_t k = 0; k < command.type.size(); ++k) {
+    if (!drives_motor(command, k)) continue;
+    auxiliary_motors_ = true;
+    if (used_by_mixer(k)) continue;
+    was_servo_ &= static_cast<std::uint16_t>(~(1u << k));  // it stays a motor once released
+  }
+  invalidate();
   return true;
 }
 
-const hal::OutputValues& Mixer::step(const Inputs& u, const Conditions& conditions) {
-  if (!valid_) return outputs_;
-  mix(u, conditions);
-  if (!mixed_is_finite()) {
-    mixed_.fill(0.0f);
-    stop_motors();
-    return outputs_;
+void Mixer::drop_auxiliary_motors() {
+  if (!auxiliary_motors_) return;
+  for (std::size_t k = 0; k < auxiliary_.type.size(); ++k) {
+    if (!drives_motor(auxiliary_, k)) continue;
+    auxiliary_.type[k] = static_cast<std::uint8_t>(link::AuxType::kDisabled);
   }
-  if (stale_ || set_armed_ != conditions.armed) {
+  auxiliary_motors_ = false;
+  invalidate();
+}
+
+void Mixer::clear_outputs() {
+  for (std::size_t k = 0; k < outputs_.size(); ++k) {
+    outputs_[k] = (static_cast<unsigned>(was_servo_) >> k & 1u) != 0 ? kServoCentre : 0.0f;
+  }
+  set_for_ = Mode::kDisarmed;
+  invalidate();
+}
+
+/// What need not be done in every pass: ends auxiliary motors, sets limits and free channels.
+void Mixer::prepare(Mode mode, const Conditions& conditions) {
+  const bool off = mode == Mode::kDisarmed || set_for_ == Mode::kDisarmed;
+  if (off || conditions.failsafe || !conditions.companion_present) drop_auxiliary_motors();
+  if (stale_ || set_for_ != mode) {
     stale_ = false;
-    set_armed_ = conditions.armed;
-    set_limits(conditions.armed);
-    fill_free_channels(conditions.armed);
+    set_for_ = mode;
+    set_limits();
+    fill_free_channels();
   }
-  limit_mixed();
-  return outputs_;
+  prepared_for_ = auxiliary_motors_ ? Mode::kNone : mode;  // those are looked at in every pass
+}
+
+/// Disarmed, all motors are at zero already.
+void Mixer::turn_test_motor(const Conditions& conditions) {
+  if (conditions.armed) return;
+  const auto channel = static_cast<std::size_t>(conditions.test_motor);
+  if (!is_motor(channel) || !(conditions.test_value > 0.0f)) return;
+  outputs_[channel] = std::min(conditions.test_value, kTestLimit);
 }
 
 void Mixer::stop_motors() {
   for (const std::size_t k : motors_) outputs_[k] = 0.0f;
   for (const std::size_t k : free_) {
-    if (auxiliary_.type[k] == static_cast<std::uint8_t>(link::AuxType::kMotor)) outputs_[k] = 0.0f;
+    // A motor that is no longer commanded may still have its last value: all but servos.
+    const bool servo = auxiliary_.type[k] == static_cast<std::uint8_t>(link::AuxType::kServo) ||
+                       (static_cast<unsigned>(was_servo_) >> k & 1u) != 0;
+    if (!servo) outputs_[k] = 0.0f;
   }
-  stale_ = true;
+  invalidate();
 }
 
 inline bool Mixer::mixed_is_finite() const {
   float sum = 0.0f;  // one NaN or infinity makes it one
   for (std::size_t g = 0; g < groups_; ++g) sum += four(mixed_, g).abs().sum();
   return std::isfinite(sum);
+}
+
+[[gnu::
+      always_inline]]  /// Free entries without a command are the primary mixer's and zero: any gains give the same.
+inline bool
+Mixer::all_secondary(const Inputs& u, std::uint16_t primary_entries) {
+  constexpr std::uint16_t kFreeEntries = 0x3C0;
+  if ((primary_entries & ~kFreeEntries) != 0) return false;
+  return primary_entries == 0 || (u[6] == 0.0f && u[7] == 0.0f && u[8] == 0.0f && u[9] == 0.0f);
 }
 
 inline void Mixer::mix(const Inputs& u, const Conditions& conditions) {
@@ -115,24 +166,30 @@ inline void Mixer::mix(const Inputs& u, const Conditions& conditions) {
   if (config_.unsigned_throttle) input[throttle] = std::abs(input[throttle]);
 
   const bool all_primary = conditions.primary_entries == kAllEntries;
+  const bool one_mixer = all_primary || all_secondary(input, conditions.primary_entries);
+  const MixerGains& gains = all_primary ? primary_ : secondary_;
   for (std::size_t g = 0; g < groups_; ++g) {
-    four(mixed_, g) = four(used_, g) * (all_primary ? product(primary_, input, g)
-                                                    : product_by_entry(input, g, conditions));
+    four(mixed_, g) =
+        four(used_, g) * (one_mixer
+                              ? product(gains, input, g, std::make_index_sequence<kEntries - 1>{})
+                              : product_by_entry(input, g, conditions));
   }
-  motor_model_failed_ = false;
+  motor_model_failed_ = voltage_replaced_ = false;
   saturation_ = 0.0f;
   if (config_.fixed_wing) return;
   if (config_.use_motor_model) motors_from_speed(conditions);
   scale_motors();
 }
 
-/// (1) for the channels of one group.
-inline Mixer::Group Mixer::product(const MixerGains& gains, const Inputs& u, std::size_t group) {
-  // Entry by entry, the same order of sums on every processor.
+/// (1) for the channels of one group. Entry by entry, the same order of sums on every processor, and
+/// without a loop, which would cost as much as the sums.
+template <std::size_t... kLater>
+inline Mixer::Group Mixer::product(const MixerGains& gains, const Inputs& u, std::size_t group,
+                                   std::index_sequence<kLater...> /*entries from 1 on*/) {
   const float* column = gains.data() + kGroup * group;
   using Four = Eigen::Map<const Group, Eigen::Aligned16>;
   Group tau = Four(column) * u[0];
-  for (std::size_t i = 1; i < kEntries; ++i) tau += Four(column + kPaddedChannels * i) * u[i];
+  ((tau += Four(column + kPaddedChannels * (kLater + 1)) * u[kLater + 1]), ...);
   return tau;
 }
 
@@ -149,31 +206,43 @@ Mixer::Group Mixer::product_by_entry(const Inputs& u, std::size_t group,
 }
 
 void Mixer::motors_from_speed(const Conditions& conditions) {
-  motor_model_failed_ = !config_.motor.usable() || !(conditions.battery_V >= kSmallestBattery_V);
+  const float battery_V = voltage(conditions.battery_V);
+  motor_model_failed_ = !config_.motor.usable() || !(battery_V >= kSmallestBattery_V);
   for (const std::size_t k : motors_) {
     const float speed_sq = std::max(mixed_[k], 0.0f);  // in this order a NaN stays one
-    mixed_[k] = motor_model_failed_ ? 0.0f
-                                    : config_.motor.voltage_V(speed_sq, conditions.density_kg_m3) /
-                                          conditions.battery_V;
+    mixed_[k] = motor_model_failed_
+                    ? 0.0f
+                    : config_.motor.voltage_V(speed_sq, conditions.density_kg_m3) / battery_V;
   }
 }
 
+/// The measured voltage if it can be that of a battery that still flies, else the lowest of those.
+float Mixer::voltage(float battery_V) {
+  const float lowest_V = kLowestVoltage * config_.motor.full_voltage_V;
+  voltage_replaced_ = !(battery_V >= lowest_V && std::isfinite(battery_V));
+  return voltage_replaced_ ? lowest_V : battery_V;
+}
+
 inline void Mixer::scale_motors() {
+  float largest = 0.0f;
   for (std::size_t g = 0; g < groups_; ++g) {
-    saturation_ = std::max(saturation_, (four(mixed_, g) * four(motor_, g)).abs().maxCoeff());
+    const Group size = (four(mixed_, g) * four(motor_, g)).abs();
+    largest = std::max(largest, std::max(std::max(size[0], size[1]), std::max(size[2], size[3])));
   }
+  saturation_ = largest;
   if (saturation_ <= 1.0f) return;
   const float scale = 1.0f / saturation_;
   for (const std::size_t k : motors_) mixed_[k] *= scale;
 }
 
-Mixer::MotorRange Mixer::motor_range(bool armed) const {
-  if (!armed) return {0.0f, 0.0f};
-  return {config_.spin_when_armed ? config_.idle_throttle : 0.0f, 1.0f};
+Mixer::MotorRange Mixer::motor_range() const {
+  if (set_for_ == Mode::kDisarmed) return {0.0f, 0.0f};
+  return {config_.spin_when_armed ? config_.idle_throttle : 0.0f,
+          set_for_ == Mode::kHeldAtIdle ? config_.idle_throttle : 1.0f};
 }
 
-void Mixer::set_limits(bool armed) {
-  const MotorRange range = motor_range(armed);
+void Mixer::set_limits() {
+  const MotorRange range = motor_range();
   for (const std::size_t k : motors_) {
     gain_[k] = 1.0f, centre_[k] = 0.0f, low_[k] = range.low, high_[k] = range.high;
   }
@@ -183,7 +252,7 @@ void Mixer::set_limits(bool armed) {
 }
 
 /// Outputs of the mixer's own channels.
-inline void Mixer::limit_mixed() {
+[[gnu::always_inline]] inline void Mixer::limit_mixed() {
   for (std::size_t g = 0; g < groups_; ++g) {
     four(outputs_, g) = (four(mixed_, g) * four(gain_, g) + four(centre_, g))
                             .max(four(low_, g))
@@ -192,9 +261,25 @@ inline void Mixer::limit_mixed() {
   for (const std::size_t k : gpios_) outputs_[k] = mixed_[k] >= kGpioThreshold ? 1.0f : 0.0f;
 }
 
+const hal::OutputValues& Mixer::step(const Inputs& u, const Conditions& conditions) {
+  if (!valid_) return outputs_;
+  Mode mode = Mode::kDisarmed;
+  if (conditions.armed) mode = conditions.hold_idle ? Mode::kHeldAtIdle : Mode::kArmed;
+  if (prepared_for_ != mode) prepare(mode, conditions);
+  mix(u, conditions);
+  if (!mixed_is_finite()) {
+    mixed_.fill(0.0f);
+    stop_motors();
+    return outputs_;
+  }
+  limit_mixed();
+  if (conditions.test_motor >= 0) turn_test_motor(conditions);
+  return outputs_;
+}
+
 /// Outputs that the mixer leaves to auxiliary commands.
-void Mixer::fill_free_channels(bool armed) {
-  const MotorRange range = motor_range(armed);
+void Mixer::fill_free_channels() {
+  const MotorRange range = motor_range();
   for (const std::size_t k : free_) {
     const auto bit = static_cast<std::uint16_t>(1u << k);
     const float value = auxiliary_.value[k];
@@ -213,6 +298,25 @@ void Mixer::fill_free_channels(bool armed) {
     }
     if (k < kPaddedChannels) low_[k] = high_[k] = outputs_[k];  // limit_mixed() leaves it so
   }
+}
+
+Mixer::Inputs Mixer::entry_limits(float density_kg_m3) const {
+  constexpr float kRounding = 1.0001f;  // of the gains: full output is within the limits
+  const bool by_speed = config_.use_motor_model && !config_.fixed_wing;
+  const float motor_end =
+      by_speed ? config_.motor.speed_sq_rad2_s2(config_.motor.full_voltage_V, density_kg_m3) : 1.0f;
+  Inputs limits;
+  limits.fill(std::numeric_limits<float>::max());
+  for (std::size_t k = 0; k < kChannels; ++k) {
+    if (!used_by_mixer(k)) continue;
+    const float end = kRounding * (is_motor(k) ? motor_end : 1.0f);
+    for (std::size_t i = 0; i < kEntries; ++i) {
+      const float gain =
+          std::abs(secondary_(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i)));
+      if (gain * limits[i] > end) limits[i] = end / gain;
+    }
+  }
+  return limits;
 }
 
 float Mixer::thrust_fraction(const Inputs& u, float density_kg_m3) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Eigen/Core>
+#include <utility>
 
 #include "firmware/core/command.hpp"
 #include "firmware/core/motor_model.hpp"
@@ -38,11 +39,20 @@ struct MixerHeader {
 /// V() is MotorModel::voltage_V. Below the idle throttle the yaw torque is dropped, since yaw alone
 /// could start motors. Then auxiliary commands fill what the mixer leaves free, and every channel
 /// is limited by its type. NaN or infinity anywhere stops all motors for that pass; the other
-/// outputs keep what they had. Owns 1.2 kB.
+/// outputs keep what they had, a servo that has had no command yet its centre.
+///
+/// An auxiliary motor runs on a command that came while the mixer was armed, and only as long as
+/// the mixer stays armed, the pilot's radio is there and the companion sends frames. When one of
+/// these ends the motor stops and the command is forgotten: a new one has to come. Owns 1.2 kB.
 class Mixer {
  public:
   using Inputs = std::array<float, kEntries>;
   static constexpr std::uint16_t kAllEntries = 0x3FF;
+  /// Largest output of a motor test.
+  static constexpr float kTestLimit = 0.3f;
+  /// Lowest voltage in (2), as a fraction of that of the full battery: no sensor failure can ask
+  /// for more than 1/0.6 of the right throttle.
+  static constexpr float kLowestVoltage = 0.6f;
 
   struct Config {
     bool fixed_wing{false};
@@ -61,13 +71,18 @@ class Mixer {
   struct Conditions {
     float density_kg_m3{1.225f};
     float battery_V{0.0f};
-    bool armed{false};
+    bool armed{false};                           ///< Motors may turn.
     std::uint16_t primary_entries{kAllEntries};  ///< Bit i: input i goes through the primary gains.
+    bool hold_idle{false};  ///< Motors turn at the idle throttle at most, just after arming.
+    bool failsafe{false};   ///< The pilot's radio is lost.
+    bool companion_present{false};  ///< A frame of the companion came during the last second.
+    std::int8_t test_motor{-1};     ///< Disarmed: this motor of the mixer turns alone; -1 none.
+    float test_value{0.0f};         ///< Its output, 0..kTestLimit.
   };
 
   void configure(const Config& config) {
     config_ = config;
-    stale_ = true;
+    invalidate();
   }
   const Config& config() const { return config_; }
 
@@ -84,26 +99,45 @@ class Mixer {
   /// The same gains in both: their inputs mean the same.
   bool mixers_agree() const { return primary_ == secondary_; }
 
-  /// Stores an auxiliary command, in force until the next. @returns false, and changes nothing, if
-  /// a type is unknown or a value of an enabled channel is not finite.
+  /// The mixer drives a motor on this channel: what a motor test may turn.
+  bool is_motor(std::size_t channel) const {
+    return channel < kChannels && header_.type[channel] == OutputType::kMotor;
+  }
+  /// The mixer that calibrates speed controllers: the stick drives all motors from 0 to 1.
+  bool calibrates_escs() const { return config_.unsigned_throttle; }
+
+  /// Stores an auxiliary command, in force until the next; motors see above. @returns false, and
+  /// changes nothing, if a type is unknown or a value of an enabled channel is not finite.
   bool set_auxiliary(const link::AuxCommand& command);
+  /// An auxiliary motor is commanded: failsafe and companion_present matter.
+  bool has_auxiliary_motors() const { return auxiliary_motors_; }
+  /// Forgets motors of the auxiliary command; servos hold. step() does it by itself when the
+  /// conditions end.
+  void drop_auxiliary_motors();
 
   /// All 14 outputs, 0..1.
   const hal::OutputValues& step(const Inputs& u, const Conditions& conditions);
 
   const hal::OutputValues& outputs() const { return outputs_; }
-  void clear_outputs() {
-    outputs_.fill(0.0f);
-    stale_ = true;
-  }
+  /// As without any command: servos at their centre, everything else at zero.
+  void clear_outputs();
   /// Zero on every channel that drives a motor; the others hold.
   void stop_motors();
   /// Result after (3), before limits; for logs.
   const std::array<float, kPaddedChannels>& mixed() const { return mixed_; }
   /// Largest motor value before (3); above 1 the command did not fit.
   float saturation() const { return saturation_; }
-  /// (2) was asked for without a usable motor model or battery voltage.
+  /// The actuators do not give what was asked for: too much of it, or motors are held at idle.
+  bool saturated() const { return saturation_ > 1.0f || set_for_ == Mode::kHeldAtIdle; }
+  /// (2) was asked for without a usable motor model.
   bool motor_model_failed() const { return motor_model_failed_; }
+  /// (2) took the lowest voltage instead of the measured one.
+  bool voltage_replaced() const { return voltage_replaced_; }
+
+  /// The largest magnitude of each input that the secondary gains turn into different outputs when
+  /// it is the only one: what drives the first actuator to its end. Motors with motor parameters
+  /// end at the speed that the full battery gives. An input that nothing uses has no limit.
+  Inputs entry_limits(float density_kg_m3) const;
 
   /// Total thrust an offboard vector asks for through the secondary gains, as a fraction of what
   /// the motors can give together.
@@ -121,21 +155,36 @@ class Mixer {
 
   using Group = Eigen::Array<float, kGroup, 1>;
   using Padded = std::array<float, kPaddedChannels>;
+  /// What the limits of the motors depend on.
+  enum class Mode : std::uint8_t { kDisarmed, kHeldAtIdle, kArmed, kNone };
 
+  static bool all_secondary(const Inputs& u, std::uint16_t primary_entries);
   void mix(const Inputs& u, const Conditions& conditions);
-  static Group product(const MixerGains& gains, const Inputs& u, std::size_t group);
+  template <std::size_t... kLater>
+  static Group product(const MixerGains& gains, const Inputs& u, std::size_t group,
+                       std::index_sequence<kLater...>);
   Group product_by_entry(const Inputs& u, std::size_t group, const Conditions& conditions) const;
   void motors_from_speed(const Conditions& conditions);
   void scale_motors();
   bool mixed_is_finite() const;
+  bool used_by_mixer(std::size_t channel) const {
+    return channel < kChannels && header_.type[channel] != OutputType::kAux;
+  }
   void limit_mixed();
-  void set_limits(bool armed);
-  void fill_free_channels(bool armed);
+  void invalidate() {
+    stale_ = true;
+    prepared_for_ = Mode::kNone;
+  }
+  void prepare(Mode mode, const Conditions& conditions);
+  void set_limits();
+  void fill_free_channels();
+  void turn_test_motor(const Conditions& conditions);
   struct MotorRange {
     float low;
     float high;
   };
-  MotorRange motor_range(bool armed) const;
+  MotorRange motor_range() const;
+  float voltage(float battery_V);
 
   Config config_{};
   MixerHeader header_{};
@@ -155,9 +204,12 @@ class Mixer {
   std::uint16_t was_servo_{0};  ///< Bit per output: idles at its centre once released.
   float saturation_{0.0f};
   bool motor_model_failed_{false};
+  bool voltage_replaced_{false};
   bool valid_{false};
-  bool stale_{true};       ///< Limits and outputs of free_ must be set again.
-  bool set_armed_{false};  ///< They were set for this.
+  bool auxiliary_motors_{false};    ///< auxiliary_ drives one.
+  bool stale_{true};                ///< Limits and outputs of free_ must be set again.
+  Mode set_for_{Mode::kDisarmed};   ///< They were set for this.
+  Mode prepared_for_{Mode::kNone};  ///< prepare() has nothing to do while this is the mode.
 };
 
 }  // namespace rosflight::core

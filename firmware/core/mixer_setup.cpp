@@ -11,6 +11,7 @@ constexpr auto kFirstRate = static_cast<std::uint16_t>(Param::kPriMixerPwm0);
 constexpr auto kFirstPrimary = static_cast<std::uint16_t>(Param::kPriMixer0_0);
 constexpr auto kFirstSecondary = static_cast<std::uint16_t>(Param::kSecMixer0_0);
 constexpr std::uint16_t kGainCount = kChannels * kEntries;
+constexpr auto kEscCalibration = static_cast<std::int32_t>(MixerId::kEscCalibration);
 constexpr float kDefaultRate_hz = 50.0f;
 
 // Parameter PRI_MIXER_a_b is the gain from input a to channel b; the index runs fastest over a.
@@ -48,10 +49,15 @@ void save_header(Parameters& parameters, const MixerHeader& header) {
 }
 
 void warn_about_choice(std::int32_t id, const Parameters& parameters, Log& log) {
+  if (id == kEscCalibration) log.critical("ESC calibration mixer: stick drives all motors");
   if (id <= static_cast<std::int32_t>(MixerId::kX8)) {
-    if (parameters.get_bool(Param::kUseMotorParam)) {
+    if (id != kEscCalibration && parameters.get_bool(Param::kUseMotorParam)) {
       log.warning(Text("Mixer ").add(id).add(" works without units,"));
       log.warning("but USE_MOTOR_PARAM wants newtons: use a custom one");
+    }
+    if (parameters.get_int(Param::kRcFAxis) != 2) {
+      log.warning(Text("Mixer ").add(id).add(" takes throttle from axis 2,"));
+      log.warning("but RC_F_AXIS is not 2: throttle would be lost");
     }
   } else if (parameters.get_int(Param::kRcFAxis) != 0) {
     log.warning(Text("Mixer ").add(id).add(" takes throttle from axis 0,"));

@@ -19,12 +19,27 @@ union ParamValue {
   float f;
 };
 
+/// The first rows of the table are those of ROSflight 2.x, in its order; rows of our own follow.
+inline constexpr std::size_t kReferenceParamCount = 333;
+
+/// How far one message may change a parameter while armed, from v to w:
+///
+///     either  v w > 0  and  |v| / factor <= |w| <= factor |v|
+///     or      |w - v| <= step,   and  w >= v  if `only_up`
+///
+/// A factor of 0 locks the parameter, an infinite one leaves it open. So a step lets a value of 0,
+/// or a tiny one, move and change its sign; without a step no value becomes 0 or leaves 0.
+struct ArmedRule {
+  float factor;
+  float step;
+  bool only_up;
+};
+
 /// One row of the parameter table (parameters.csv). Limits of integers are exact in a float.
 struct ParamRow {
   link::ParamName name;
   ParamType type;
-  bool locked_while_armed;  ///< A change in flight could turn the aircraft over: refused while
-                            ///< armed.
+  std::uint8_t armed_rule;  ///< Which of detail::kArmedRules limits a change while armed.
   ParamValue initial;
   float min;
   float max;
@@ -38,13 +53,15 @@ constexpr link::ParamName padded_name(const char* text) {
 }
 
 constexpr ParamRow int_row(const char* name, std::int32_t initial, float min, float max,
-                           float sentinel, bool locked) {
-  return {padded_name(name), ParamType::kInt32, locked, ParamValue{initial}, min, max, sentinel};
+                           float sentinel, std::uint8_t armed_rule) {
+  return {padded_name(name), ParamType::kInt32, armed_rule, ParamValue{initial}, min, max,
+          sentinel};
 }
 
 constexpr ParamRow float_row(const char* name, float initial, float min, float max, float sentinel,
-                             bool locked) {
-  return {padded_name(name), ParamType::kFloat, locked, ParamValue{initial}, min, max, sentinel};
+                             std::uint8_t armed_rule) {
+  return {padded_name(name), ParamType::kFloat, armed_rule, ParamValue{initial}, min, max,
+          sentinel};
 }
 
 }  // namespace rosflight::core

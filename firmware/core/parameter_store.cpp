@@ -4,14 +4,18 @@
 #include <algorithm>
 #include <cstring>
 
-#include "firmware/core/checksum.hpp"
-
 namespace rosflight::core {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x31504652u;  // "RFP1"
+constexpr std::uint32_t kMagic = 0x31504652u;      // "RFP1"
+constexpr std::uint32_t kGyroMagic = 0x31474652u;  // "RFG1"
 constexpr std::size_t kHeaderBytes = 12;
-constexpr std::size_t kBufferBytes = 64;
+constexpr std::size_t kCrcBytes = 4;
+constexpr std::size_t kRecordBytes = 24;
+constexpr std::size_t kRecordCovered = kRecordBytes - kCrcBytes;
+constexpr std::array<Param, 3> kGyroBias{Param::kGyroXBias, Param::kGyroYBias, Param::kGyroZBias};
+
+using Block = std::array<std::uint8_t, ParameterStore::kBlockBytes>;
 
 void put_u32(std::uint8_t* p, std::uint32_t v) {
   for (int k = 0; k < 4; ++k) p[k] = static_cast<std::uint8_t>(v >> (8 * k));
@@ -21,142 +25,287 @@ std::uint32_t get_u32(const std::uint8_t* p) {
          static_cast<std::uint32_t>(p[2]) << 16 | static_cast<std::uint32_t>(p[3]) << 24;
 }
 
-/// Collects bytes and writes them in ascending order.
-class Stream {
- public:
-  Stream(hal::Storage& storage, std::size_t offset) : storage_{storage}, offset_{offset} {}
+bool all_are(const std::uint8_t* data, std::size_t size, std::uint8_t value) {
+  return std::all_of(data, data + size, [value](std::uint8_t byte) { return byte == value; });
+}
 
-  void add(const std::uint8_t* data, std::size_t size) {
-    crc_.add(data, size);
-    append(data, size);
-  }
-  bool finish() {
-    std::array<std::uint8_t, 4> crc{};
-    put_u32(crc.data(), crc_.value());
-    append(crc.data(), crc.size());
-    drain();
-    return ok_ && storage_.flush();
-  }
+std::uint32_t crc_of(const std::uint8_t* data, std::size_t size) {
+  Crc32 crc;
+  crc.add(data, size);
+  return crc.value();
+}
 
- private:
-  void append(const std::uint8_t* data, std::size_t size) {
-    for (std::size_t k = 0; k < size; ++k) {
-      buffer_[used_++] = data[k];
-      if (used_ == buffer_.size()) drain();
-    }
+/// The record of gyro biases that belongs to the set `sequence`.
+void fill_record(const Parameters& parameters, std::uint32_t sequence, std::uint8_t* record) {
+  put_u32(record, kGyroMagic);
+  put_u32(record + 4, sequence);
+  for (std::size_t k = 0; k < kGyroBias.size(); ++k) {
+    put_u32(record + 8 + 4 * k, parameters.bits(kGyroBias[k]));
   }
-  void drain() {
-    if (used_ > 0) ok_ = ok_ && storage_.write(offset_, buffer_.data(), used_);
-    offset_ += used_;
-    used_ = 0;
-  }
-
-  hal::Storage& storage_;
-  std::size_t offset_;
-  std::array<std::uint8_t, kBufferBytes> buffer_{};
-  std::size_t used_{0};
-  Crc32 crc_;
-  bool ok_{true};
-};
+  put_u32(record + kRecordCovered, crc_of(record, kRecordCovered));
+}
 
 }  // namespace
 
-ParameterStore::Slot ParameterStore::inspect(std::size_t index) const {
-  std::array<std::uint8_t, kBufferBytes> buffer{};
+// ---- reading
+
+ParameterStore::Slot ParameterStore::inspect(std::size_t index) {
+  Block block{};
   const std::size_t start = offset(index);
   const std::size_t slot_bytes = storage_.size() / 2;
-  Slot slot;
-  slot.unreadable = true;  // until its last byte has been read
-  if (slot_bytes < kHeaderBytes + 4 || !storage_.read(start, buffer.data(), kHeaderBytes)) {
+  Slot slot;  // unreadable, until its last byte has been read
+  if (slot_bytes < kHeaderBytes + kCrcBytes || !storage_.read(start, block.data(), kHeaderBytes)) {
     return slot;
   }
-  if (get_u32(buffer.data()) != kMagic) return {};
-  slot.sequence = get_u32(buffer.data() + 4);
-  slot.count = static_cast<std::uint16_t>(get_u32(buffer.data() + 8) & 0xFFFFu);
+  if (get_u32(block.data()) != kMagic) return inspect_unmarked(index, block.data());
+  slot.sequence_known = true;
+  slot.sequence = get_u32(block.data() + 4);
+  slot.count = static_cast<std::uint16_t>(get_u32(block.data() + 8) & 0xFFFFu);
   const std::size_t body = kHeaderBytes + slot.count * kEntryBytes;
-  if (body + 4 > slot_bytes) return {};
+  if (body + kCrcBytes > slot_bytes) {
+    slot.condition = Condition::kDamaged;
+    return slot;
+  }
   Crc32 crc;
   for (std::size_t at = 0; at < body;) {
-    const std::size_t n = std::min(buffer.size(), body - at);
-    if (!storage_.read(start + at, buffer.data(), n)) return slot;
-    crc.add(buffer.data(), n);
+    const std::size_t n = std::min(block.size(), body - at);
+    if (!storage_.read(start + at, block.data(), n)) return slot;
+    crc.add(block.data(), n);
     at += n;
   }
-  if (!storage_.read(start + body, buffer.data(), 4)) return slot;
-  slot.unreadable = false;
+  if (!storage_.read(start + body, block.data(), kCrcBytes)) return slot;
   slot.crc = crc.value();
-  slot.valid = get_u32(buffer.data()) == slot.crc;
+  slot.condition = get_u32(block.data()) == slot.crc ? Condition::kValid : Condition::kDamaged;
+  return slot;
+}
+
+/// A slot without our magic is blank if it is erased from end to end.
+ParameterStore::Slot ParameterStore::inspect_unmarked(std::size_t index,
+                                                      const std::uint8_t* header) {
+  Block block{};
+  Slot slot;
+  const std::uint8_t erased = header[0];
+  bool blank = (erased == 0x00 || erased == 0xFF) && all_are(header, kHeaderBytes, erased);
+  const std::size_t slot_bytes = storage_.size() / 2;
+  for (std::size_t at = 0; blank && at < slot_bytes;) {
+    const std::size_t n = std::min(block.size(), slot_bytes - at);
+    if (!storage_.read(offset(index) + at, block.data(), n)) return slot;
+    blank = all_are(block.data(), n, erased);
+    at += n;
+  }
+  slot.condition = blank ? Condition::kBlank : Condition::kDamaged;
   return slot;
 }
 
 bool ParameterStore::newest_is_second(const Slot& first, const Slot& second) {
   constexpr std::uint32_t kHalf = 0x80000000u;
   const bool later = second.sequence != first.sequence && second.sequence - first.sequence < kHalf;
-  return second.valid && (!first.valid || later);
+  return second.valid() && (!first.valid() || later);
+}
+
+/// The set before the valid one may be damaged without harm; any other number is that of a newer
+/// set, or is damaged itself.
+bool ParameterStore::may_be_newer(const Slot& other, const Slot& valid) {
+  if (other.condition == Condition::kUnreadable) return true;
+  return other.condition == Condition::kDamaged &&
+         (!other.sequence_known || other.sequence + 1 != valid.sequence);
+}
+
+/// Finds out which slot is in force and which is to be written next. @returns false if neither can
+/// be read.
+bool ParameterStore::survey(Slot& first, Slot& second) {
+  first = inspect(0);
+  second = inspect(1);
+  const bool newest_is_b = newest_is_second(first, second);
+  const Slot& newest = newest_is_b ? second : first;
+  set_in_force_ = newest.valid();
+  sequence_ = set_in_force_ ? newest.sequence : 0;
+  newest_ = newest_is_b || !first.valid() ? 1 : 0;
+  const bool unreadable =
+      first.condition == Condition::kUnreadable || second.condition == Condition::kUnreadable;
+  surveyed_ = !unreadable;
+  return set_in_force_ || !unreadable;
 }
 
 StoreResult ParameterStore::load(Parameters& parameters, LoadReport& report) {
-  const Slot a = inspect(0);
-  const Slot b = inspect(1);
-  if (!a.valid && !b.valid) {
-    return a.unreadable || b.unreadable ? StoreResult::kFailed : StoreResult::kBlank;
-  }
-  const bool use_b = newest_is_second(a, b);
-  const Slot& slot = use_b ? b : a;
+  Slot a;
+  Slot b;
   report = {};
+  const bool known = survey(a, b);
+  if (!set_in_force_) {
+    if (!known) return StoreResult::kFailed;
+    const bool damaged = a.condition == Condition::kDamaged || b.condition == Condition::kDamaged;
+    return damaged ? StoreResult::kDamaged : StoreResult::kBlank;
+  }
+  const Slot& slot = newest_ == 1 ? b : a;
+  report.fell_back = may_be_newer(newest_ == 1 ? a : b, slot);
   Parameters loaded = parameters;  // the medium may still fail halfway
-  Crc32 crc;
-  std::array<std::uint8_t, kEntryBytes> entry{};
-  if (!storage_.read(offset(use_b ? 1 : 0), entry.data(), kHeaderBytes)) {
+  if (read_set(newest_, slot, loaded, report) != StoreResult::kOk) {
+    surveyed_ = false;
     return StoreResult::kFailed;
   }
+  read_gyro_bias(newest_, loaded);
+  if (report.loaded == kParamCount) loaded.mark_saved(loaded.version());
+  parameters = loaded;
+  return StoreResult::kOk;
+}
+
+StoreResult ParameterStore::read_set(std::size_t index, const Slot& slot, Parameters& loaded,
+                                     LoadReport& report) {
+  Crc32 crc;
+  std::array<std::uint8_t, kEntryBytes> entry{};
+  if (!storage_.read(offset(index), entry.data(), kHeaderBytes)) return StoreResult::kFailed;
   crc.add(entry.data(), kHeaderBytes);
   for (std::size_t k = 0; k < slot.count; ++k) {
-    const std::size_t at = offset(use_b ? 1 : 0) + kHeaderBytes + k * kEntryBytes;
+    const std::size_t at = offset(index) + kHeaderBytes + k * kEntryBytes;
     if (!storage_.read(at, entry.data(), entry.size())) return StoreResult::kFailed;
     crc.add(entry.data(), entry.size());
     link::ParamName name{};
     std::memcpy(name.data(), entry.data(), name.size());
     // As a rule this very firmware wrote the set, in the order of the table.
     const bool in_order = k < kParamCount && Parameters::row(static_cast<Param>(k)).name == name;
-    const std::size_t index = in_order ? k : Parameters::find(name);
-    const SetResult result = index == kParamCount
+    const std::size_t found = in_order ? k : Parameters::find(name);
+    const SetResult result = found == kParamCount
                                  ? SetResult::kWrongType
-                                 : loaded.set_bits(static_cast<Param>(index), entry[name.size()],
+                                 : loaded.set_bits(static_cast<Param>(found), entry[name.size()],
                                                    get_u32(&entry[name.size() + 1]), false);
     const bool taken = result == SetResult::kChanged || result == SetResult::kUnchanged;
+    if (!taken && report.skipped == 0) report.first_skipped = name;
     ++(taken ? report.loaded : report.skipped);
   }
-  if (crc.value() != slot.crc) return StoreResult::kFailed;  // read differently a second time
-  if (report.loaded == kParamCount) loaded.mark_saved();
-  parameters = loaded;
+  // Read differently a second time: not to be trusted.
+  return crc.value() == slot.crc ? StoreResult::kOk : StoreResult::kFailed;
+}
+
+void ParameterStore::read_gyro_bias(std::size_t index, Parameters& loaded) {
+  std::array<std::uint8_t, kRecordBytes> record{};
+  if (!present() || !storage_.read(record_offset(index), record.data(), record.size())) return;
+  if (get_u32(record.data()) != kGyroMagic || get_u32(&record[4]) != sequence_ ||
+      get_u32(&record[kRecordCovered]) != crc_of(record.data(), kRecordCovered)) {
+    return;
+  }
+  Parameters corrected = loaded;
+  for (std::size_t k = 0; k < kGyroBias.size(); ++k) {
+    const SetResult result =
+        corrected.set_bits(kGyroBias[k], static_cast<std::uint8_t>(ParamType::kFloat),
+                           get_u32(&record[8 + 4 * k]), false);
+    if (result != SetResult::kChanged && result != SetResult::kUnchanged) return;
+  }
+  loaded = corrected;
+}
+
+// ---- writing
+
+StoreResult ParameterStore::begin(const Parameters& parameters) {
+  if (!present()) return StoreResult::kFailed;
+  if (!surveyed_) {
+    Slot a;
+    Slot b;
+    if (!survey(a, b)) return StoreResult::kFailed;
+  }
+  begun_ = parameters.version();
+  crc_ = {};
+  entry_ = 0;
+  at_ = 0;
+  writing_ = Writing::kRecordOfSet;
+  return StoreResult::kBusy;
+}
+
+StoreResult ParameterStore::begin_gyro_bias(const Parameters& parameters) {
+  if (!present() || busy() || !surveyed_ || !set_in_force_) return StoreResult::kFailed;
+  begun_ = parameters.version();
+  writing_ = Writing::kGyroBias;
+  return StoreResult::kBusy;
+}
+
+/// Fills a block with what comes next of the set: whole entries, so that no value is stored half
+/// old and half new. Empty once the checksum has been written too.
+std::size_t ParameterStore::fill(const Parameters& parameters, std::uint8_t* block) {
+  std::size_t used = 0;
+  if (at_ == 0) {
+    put_u32(block, kMagic);
+    put_u32(block + 4, sequence_ + 1);
+    put_u32(block + 8, static_cast<std::uint32_t>(kParamCount));
+    used = kHeaderBytes;
+  }
+  for (; entry_ < kParamCount && used + kEntryBytes <= kBlockBytes; used += kEntryBytes) {
+    const auto id = static_cast<Param>(entry_++);
+    const ParamRow& row = Parameters::row(id);
+    std::uint8_t* const entry = block + used;
+    std::memcpy(entry, row.name.data(), row.name.size());
+    entry[row.name.size()] = static_cast<std::uint8_t>(row.type);
+    put_u32(entry + row.name.size() + 1, parameters.bits(id));
+  }
+  crc_.add(block, used);
+  const std::size_t behind = at_ + used + kCrcBytes;
+  if (behind == kSetBytes && used + kCrcBytes <= kBlockBytes) {
+    put_u32(block + used, crc_.value());
+    used += kCrcBytes;
+  }
+  return used;
+}
+
+bool ParameterStore::write_block(std::size_t at, const std::uint8_t* block, std::size_t size) {
+  Block back{};
+  return storage_.write(at, block, size) && storage_.read(at, back.data(), size) &&
+         std::memcmp(back.data(), block, size) == 0;
+}
+
+StoreResult ParameterStore::step(const Parameters& parameters) {
+  if (!busy()) return StoreResult::kFailed;
+  Block block{};
+  const std::size_t target = newest_ == 0 ? 1 : 0;
+  if (writing_ == Writing::kGyroBias) {
+    fill_record(parameters, sequence_, block.data());
+    begun_ = parameters.version();
+    const bool ok = write_block(record_offset(newest_), block.data(), kRecordBytes);
+    return finish(ok && storage_.flush());
+  }
+  if (writing_ == Writing::kRecordOfSet) {  // first, so that the set is complete with its last byte
+    fill_record(parameters, sequence_ + 1, block.data());
+    writing_ = Writing::kSet;
+    const bool ok = write_block(record_offset(target), block.data(), kRecordBytes);
+    return ok ? StoreResult::kBusy : finish(false);
+  }
+  const std::size_t used = fill(parameters, block.data());
+  if (!write_block(offset(target) + at_, block.data(), used)) return finish(false);
+  at_ = static_cast<std::uint16_t>(at_ + used);
+  return at_ < kSetBytes ? StoreResult::kBusy : finish(storage_.flush());
+}
+
+StoreResult ParameterStore::finish(bool ok) {
+  whole_ = writing_ == Writing::kSet;
+  writing_ = Writing::kNothing;
+  if (!ok) return StoreResult::kFailed;
+  if (whole_) {
+    newest_ = newest_ == 0 ? 1 : 0;
+    ++sequence_;
+    set_in_force_ = true;
+    surveyed_ = true;
+  }
   return StoreResult::kOk;
 }
 
-StoreResult ParameterStore::save(const Parameters& parameters) {
-  if (storage_.size() / 2 < kSlotBytes) return StoreResult::kFailed;
-  const Slot a = inspect(0);
-  const Slot b = inspect(1);
-  const bool newest_is_b = newest_is_second(a, b);
-  const std::uint32_t newest = newest_is_b ? b.sequence : (a.valid ? a.sequence : 0);
-  const bool write_b = !newest_is_b && a.valid;
-
-  Stream stream(storage_, offset(write_b ? 1 : 0));
-  std::array<std::uint8_t, kHeaderBytes> header{};
-  put_u32(header.data(), kMagic);
-  put_u32(&header[4], newest + 1);
-  put_u32(&header[8], static_cast<std::uint32_t>(kParamCount));
-  stream.add(header.data(), header.size());
-  for (std::size_t k = 0; k < kParamCount; ++k) {
-    const auto id = static_cast<Param>(k);
-    const ParamRow& row = Parameters::row(id);
-    std::array<std::uint8_t, kEntryBytes> entry{};
-    std::memcpy(entry.data(), row.name.data(), row.name.size());
-    entry[row.name.size()] = static_cast<std::uint8_t>(row.type);
-    put_u32(&entry[row.name.size() + 1], parameters.bits(id));
-    stream.add(entry.data(), entry.size());
+void ParameterStore::mark_saved(Parameters& parameters) const {
+  if (whole_) {
+    parameters.mark_saved(begun_);
+  } else {
+    parameters.mark_gyro_bias_saved(begun_);
   }
-  return stream.finish() ? StoreResult::kOk : StoreResult::kFailed;
+}
+
+StoreResult ParameterStore::save(const Parameters& parameters, hal::System* system) {
+  StoreResult result = begin(parameters);
+  while (result == StoreResult::kBusy) {
+    if (system != nullptr) system->alive();
+    result = step(parameters);
+  }
+  return result;
+}
+
+StoreResult ParameterStore::save_gyro_bias(const Parameters& parameters) {
+  const StoreResult begun = begin_gyro_bias(parameters);
+  return begun == StoreResult::kBusy ? step(parameters) : begun;
 }
 
 }  // namespace rosflight::core

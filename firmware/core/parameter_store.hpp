@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include "firmware/core/checksum.hpp"
 #include "firmware/core/parameters.hpp"
 #include "firmware/hal/roles.hpp"
 
@@ -7,8 +8,10 @@ namespace rosflight::core {
 
 enum class [[nodiscard]] StoreResult : std::uint8_t {
   kOk,
-  kBlank,   ///< Storage can be read and holds no valid set.
-  kFailed,  ///< The medium refused or is too small; what was stored before is still there.
+  kBlank,    ///< Storage can be read and was never written: all 0x00 or all 0xFF.
+  kDamaged,  ///< Storage can be read and holds something, but no valid set.
+  kFailed,   ///< The medium refused or is too small; what was stored before is still there.
+  kBusy      ///< Not finished: call step() again.
 };
 
 /// Keeps the parameter table in non-volatile memory so that a cut of power at any byte of a write
@@ -23,39 +26,96 @@ enum class [[nodiscard]] StoreResult : std::uint8_t {
 /// little-endian; the CRC covers all before it and is the last to be written. The slot with a valid
 /// CRC and the later sequence number (a 32-bit number that may wrap) is in force. Values are found
 /// by name, so a firmware with other parameters still reads what it knows; unknown names and values
-/// out of range are skipped and counted. Streams through a 64-byte buffer.
+/// out of range are skipped and counted.
+///
+/// The last 64 bytes of a slot are a record of their own, so that a gyro calibration costs one
+/// block:
+///
+///     magic u32 | sequence u32 of the set it belongs to | three biases, bits u32 | CRC-32
+///
+/// It counts if its CRC is right, its sequence is that of the set and its values are in range;
+/// otherwise the biases of the set stand.
+///
+/// Writes go in blocks of at most 64 bytes, whole parameters in each, and every block is read back
+/// and compared in the same step. Nothing is allocated; 28 bytes of state.
 class ParameterStore {
  public:
   static constexpr std::size_t kEntryBytes = link::kParamNameLength + 1 + 4;
-  static constexpr std::size_t kSlotBytes = 12 + kParamCount * kEntryBytes + 4;
+  static constexpr std::size_t kSetBytes = 12 + kParamCount * kEntryBytes + 4;
+  static constexpr std::size_t kBlockBytes = 64;
+  static constexpr std::size_t kSlotBytes = kSetBytes + kBlockBytes;
 
   struct LoadReport {
     std::uint16_t loaded{};
     std::uint16_t skipped{};  ///< Unknown name, other type or out of range.
+    link::ParamName first_skipped{};
+    bool fell_back{};  ///< The other slot is damaged or unreadable, and may be the newer.
   };
 
   explicit ParameterStore(hal::Storage& storage) : storage_{storage} {}
 
+  /// Whether the medium has room for two slots.
+  bool present() const { return storage_.size() / 2 >= kSlotBytes; }
+
   /// Validates a whole slot first, then takes over its values all at once. After a failure the live
-  /// table is untouched. Parameters that the set does not name keep their values.
+  /// table is untouched. Parameters that the set does not name keep their values. Not while busy().
   StoreResult load(Parameters& parameters, LoadReport& report);
 
-  /// Stores all values. May block as long as the medium does: call it disarmed or while arming.
-  StoreResult save(const Parameters& parameters);
+  /// Starts to store all values. @returns kBusy; kFailed if the medium is too small or neither slot
+  /// can be read (a slot that cannot be read today may hold the set of tomorrow).
+  StoreResult begin(const Parameters& parameters);
+  /// Starts to store the three gyro biases alone, beside the set in force: one block.
+  /// @returns kBusy; kFailed if no set is known to be in force.
+  StoreResult begin_gyro_bias(const Parameters& parameters);
+  /// Writes one block and compares it. @returns kBusy until the end; then kOk or kFailed. A value
+  /// that changes meanwhile may be stored or not.
+  StoreResult step(const Parameters& parameters);
+  bool busy() const { return writing_ != Writing::kNothing; }
+  /// After a step() that returned kOk: marks in the table what is stored now.
+  void mark_saved(Parameters& parameters) const;
+
+  /// All steps at once, for the start; feeds the watchdog of `system` between them.
+  StoreResult save(const Parameters& parameters, hal::System* system = nullptr);
+  /// One block at once.
+  StoreResult save_gyro_bias(const Parameters& parameters);
 
  private:
+  enum class Writing : std::uint8_t { kNothing, kRecordOfSet, kSet, kGyroBias };
+  enum class Condition : std::uint8_t { kBlank, kValid, kDamaged, kUnreadable };
   struct Slot {
-    bool valid{};
-    bool unreadable{};  ///< Nobody knows what is in it.
+    Condition condition{Condition::kUnreadable};
+    bool sequence_known{};
     std::uint32_t sequence{};
     std::uint16_t count{};
     std::uint32_t crc{};
+    bool valid() const { return condition == Condition::kValid; }
   };
-  Slot inspect(std::size_t index) const;
+  Slot inspect(std::size_t index);
+  Slot inspect_unmarked(std::size_t index, const std::uint8_t* header);
+  bool survey(Slot& first, Slot& second);
   static bool newest_is_second(const Slot& first, const Slot& second);
+  static bool may_be_newer(const Slot& damaged, const Slot& valid);
+  StoreResult read_set(std::size_t index, const Slot& slot, Parameters& loaded, LoadReport& report);
+  void read_gyro_bias(std::size_t index, Parameters& loaded);
+  std::size_t fill(const Parameters& parameters, std::uint8_t* block);
+  bool write_block(std::size_t at, const std::uint8_t* block, std::size_t size);
+  StoreResult finish(bool ok);
   std::size_t offset(std::size_t index) const { return index * (storage_.size() / 2); }
+  std::size_t record_offset(std::size_t index) const {
+    return offset(index) + storage_.size() / 2 - kBlockBytes;
+  }
 
   hal::Storage& storage_;
+  Parameters::Version begun_{};  ///< Of the values when the save began.
+  Crc32 crc_;
+  std::uint32_t sequence_{0};  ///< Of the newest set.
+  std::uint16_t entry_{0};     ///< The next to be written.
+  std::uint16_t at_{0};        ///< Where it goes in its slot.
+  std::uint8_t newest_{1};     ///< Slot of the newest set; a save goes to the other.
+  bool surveyed_{false};       ///< The two above are known.
+  bool set_in_force_{false};   ///< There is a valid set in slot newest_.
+  bool whole_{false};          ///< The last save was one of all values.
+  Writing writing_{Writing::kNothing};
 };
 
 }  // namespace rosflight::core

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware/core/parameters.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -20,15 +21,34 @@ ParamValue from_bits(ParamType type, std::uint32_t bits) {
   return ParamValue{value};
 }
 
+/// Whether `rule` lets a float go from `from` to `to`; comparisons with a NaN are false.
+bool near_enough(const ArmedRule& rule, float from, float to) {
+  if (rule.only_up && !(to >= from)) return false;
+  if (std::abs(to - from) <= rule.step) return true;
+  const float a = std::abs(from);
+  const float b = std::abs(to);
+  return std::signbit(from) == std::signbit(to) && a > 0.0f && b > 0.0f && b <= rule.factor * a &&
+         a <= rule.factor * b;
+}
+
 }  // namespace
 
 std::size_t Parameters::find(const link::ParamName& name) {
-  std::size_t index = 0;
-  while (index < kParamCount &&
-         std::strncmp(detail::kParamTable[index].name.data(), name.data(), name.size()) != 0) {
-    ++index;
+  std::size_t low = 0;
+  std::size_t high = kParamCount;
+  while (low < high) {
+    const std::size_t middle = (low + high) / 2;
+    const std::size_t index = detail::kParamOrder[middle];
+    const int order =
+        std::strncmp(detail::kParamTable[index].name.data(), name.data(), name.size());
+    if (order == 0) return index;
+    if (order < 0) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
   }
-  return index;
+  return kParamCount;
 }
 
 std::uint32_t Parameters::bits(Param id) const {
@@ -53,7 +73,13 @@ SetResult Parameters::set_bits(Param id, std::uint8_t type, std::uint32_t bits, 
   const ParamValue value = from_bits(r.type, bits);
   if (!in_range(id, value)) return SetResult::kOutOfRange;
   if (bits == this->bits(id)) return SetResult::kUnchanged;
-  if (armed && r.locked_while_armed) return SetResult::kLockedArmed;
+  if (armed) {
+    const ArmedRule& rule = armed_rule(id);
+    if (rule.factor == 0.0f) return SetResult::kLockedArmed;
+    if (r.type == ParamType::kFloat && !near_enough(rule, get_float(id), value.f)) {
+      return SetResult::kTooFar;
+    }
+  }
   return store(id, value);
 }
 
@@ -74,10 +100,13 @@ SetResult Parameters::store(Param id, ParamValue value) {
   if (raw(values_[index]) == raw(value)) return SetResult::kUnchanged;
   values_[index] = value;
   changed_.set(index);
-  unreported_.set(index);
   any_changed_ = true;
-  any_unreported_ = true;
-  unsaved_ = true;
+  mark_unreported(id);
+  if (id >= Param::kGyroXBias && id <= Param::kGyroZBias) {
+    ++now_.gyro_bias;
+  } else if (id != Param::kBaroBias && id != Param::kGroundLevel) {
+    ++now_.others;
+  }
   return SetResult::kChanged;
 }
 
@@ -95,15 +124,25 @@ Parameters::ChangeSet Parameters::take_changes() {
 }
 
 bool Parameters::take_unreported(Param& id) {
-  if (!any_unreported_) return false;
-  for (std::size_t k = 0; k < kParamCount; ++k) {
-    if (!unreported_.test(k)) continue;
-    unreported_.reset(k);
-    id = static_cast<Param>(k);
-    return true;
-  }
-  any_unreported_ = false;
-  return false;
+  if (unreported_count_ == 0) return false;
+  while (!unreported_.test(first_unreported_)) ++first_unreported_;
+  id = static_cast<Param>(first_unreported_);
+  mark_reported(id);
+  return true;
+}
+
+void Parameters::mark_unreported(Param id) {
+  const auto index = static_cast<std::uint16_t>(id);
+  if (!unreported_.test(index)) ++unreported_count_;
+  unreported_.set(index);
+  first_unreported_ = std::min(first_unreported_, index);
+}
+
+void Parameters::mark_reported(Param id) {
+  const auto index = static_cast<std::size_t>(id);
+  if (!unreported_.test(index)) return;
+  unreported_.reset(index);
+  --unreported_count_;
 }
 
 }  // namespace rosflight::core

@@ -13,6 +13,7 @@ enum class [[nodiscard]] SetResult : std::uint8_t {
   kOutOfRange,   ///< Outside min..max and not the sentinel, or not finite. Value kept.
   kWrongType,    ///< Type code is not the stored one. Value kept.
   kLockedArmed,  ///< Dangerous to change in flight. Value kept.
+  kTooFar,       ///< Further than one message may go while armed. Value kept.
 };
 
 /// The live parameter table: values in RAM, names, types and limits from parameters.csv. Knows
@@ -26,6 +27,9 @@ class Parameters {
 
   static constexpr const ParamRow& row(Param id) {
     return detail::kParamTable[static_cast<std::size_t>(id)];
+  }
+  static constexpr const ArmedRule& armed_rule(Param id) {
+    return detail::kArmedRules[row(id).armed_rule];
   }
   /// Finds a name of up to 16 characters; @returns kParamCount if there is none.
   static std::size_t find(const link::ParamName& name);
@@ -52,16 +56,28 @@ class Parameters {
   ChangeSet take_changes();
   /// Changes that the companion has not been told yet; one is taken per call, lowest index first.
   bool take_unreported(Param& id);
-  void mark_reported(Param id) { unreported_.reset(static_cast<std::size_t>(id)); }
-  bool has_unreported() const { return any_unreported_; }
+  void mark_unreported(Param id);
+  void mark_reported(Param id);
+  bool has_unreported() const { return unreported_count_ > 0; }
   void mark_all_reported() {
     unreported_.reset();
-    any_unreported_ = false;
+    unreported_count_ = 0;
   }
 
-  /// Some value differs from what storage holds.
-  bool unsaved() const { return unsaved_; }
-  void mark_saved() { unsaved_ = false; }
+  /// How often values changed that storage keeps.
+  struct Version {
+    std::uint32_t gyro_bias{};
+    std::uint32_t others{};
+  };
+  Version version() const { return now_; }
+  /// Some value differs from what storage holds. BARO_BIAS and GROUND_LEVEL do not count: they are
+  /// measured at every start and nothing uses them.
+  bool unsaved() const { return others_unsaved() || now_.gyro_bias != saved_.gyro_bias; }
+  /// The same, the three gyro biases aside.
+  bool others_unsaved() const { return now_.others != saved_.others; }
+  /// Storage holds the values of that version.
+  void mark_saved(Version stored) { saved_ = stored; }
+  void mark_gyro_bias_saved(Version stored) { saved_.gyro_bias = stored.gyro_bias; }
 
  private:
   SetResult store(Param id, ParamValue value);
@@ -69,9 +85,11 @@ class Parameters {
   std::array<ParamValue, kParamCount> values_;
   ChangeSet changed_;
   ChangeSet unreported_;
+  std::uint16_t first_unreported_{0};  ///< None below it.
   bool any_changed_{false};
-  bool any_unreported_{false};  ///< May be true with none left; take_unreported() finds out.
-  bool unsaved_{false};
+  std::uint16_t unreported_count_{0};
+  Version now_{};
+  Version saved_{};
 };
 
 }  // namespace rosflight::core

@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <cmath>
 
 namespace rosflight::core {
 
-/// One PID loop:  u = K_P (r - x) - K_D dx/dt + K_I s ,  s <- s + (r - x) dt.
+/// One PID loop on an error e:
+///
+///     u = K_P e - K_D dx/dt + I ,  I <- I + K_I e dt .                                (1)
+///
+/// I is kept in units of the output, so that a new K_I makes no step; with K_I = 0 it stays as it
+/// is. While the actuators are saturated it moves only if that takes u or I itself towards zero.
 ///
 /// Differing from ROSflight 2.x on purpose (docs/compatibility.md, 40 and 41): while integration is
-/// held, the integral term stays in u; it is clamped; and a loop that starts anew starts from rest.
+/// held, I stays in u; it is clamped; and a loop that starts anew starts from rest.
 class Pid {
  public:
   struct Gains {
@@ -19,18 +25,22 @@ class Pid {
 
   Pid() = default;
 
+  /// (1). A NaN or infinity goes into u, never into I.
   /// @param x_dot       derivative of x if it is measured, else use derivative().
-  /// @param integrate   let the integral move.
-  /// @param limit       largest magnitude of K_I s.
-  float step(float r, float x, float x_dot, float dt_s, bool integrate, float limit) {
-    const float e = r - x;
-    if (gains_.i > 0.0f) {
-      if (integrate) integral_ += e * dt_s;
-      const float most = limit / gains_.i;
-      integral_ = integral_ > most ? most : (integral_ < -most ? -most : integral_);
-    }
+  /// @param integrate   let I move.
+  /// @param saturated   the actuators did not give what was asked for last time.
+  /// @param limit       largest magnitude of I.
+  float step(float e, float x_dot, float dt_s, bool integrate, bool saturated, float limit) {
     const float d = gains_.d > 0.0f ? gains_.d * x_dot : 0.0f;
-    return gains_.p * e - d + gains_.i * integral_;
+    const float quick = gains_.p * e - d;
+    if (gains_.i > 0.0f) {
+      float next = integral_;
+      if (integrate && (!saturated || unwinds(e, quick))) next += gains_.i * e * dt_s;
+      if (std::isfinite(next)) {
+        integral_ = next > limit ? limit : (next < -limit ? -limit : next);
+      }
+    }
+    return quick + integral_;
   }
 
   /// Band-limited derivative, time constant tau (Tustin):
@@ -45,7 +55,9 @@ class Pid {
     constexpr float kSmallestStep_s = 1e-4f;
     if (dt_s > kSmallestStep_s && has_last_) {
       const float sum = 2.0f * tau_s + dt_s;
-      derivative_ = (2.0f * tau_s - dt_s) / sum * derivative_ + 2.0f / sum * (x - last_);
+      const float next = (2.0f * tau_s - dt_s) / sum * derivative_ + 2.0f / sum * (x - last_);
+      if (!std::isfinite(next)) return next;  // and remembers nothing of it
+      derivative_ = next;
     }
     last_ = x;
     has_last_ = true;
@@ -53,10 +65,15 @@ class Pid {
   }
 
  private:
+  /// The error takes the output or the integral towards zero.
+  bool unwinds(float e, float quick) const {
+    return e * (quick + integral_) < 0.0f || e * integral_ < 0.0f;
+  }
+
   explicit Pid(const Gains& gains) : gains_{gains} {}
 
   Gains gains_{};
-  float integral_{0.0f};
+  float integral_{0.0f};  ///< I.
   float derivative_{0.0f};
   float last_{0.0f};
   bool has_last_{false};

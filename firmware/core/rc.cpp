@@ -22,7 +22,7 @@ void Rc::configure(const Config& config) {
   const bool same_arm_switch = config.switch_channel[kArm] == config_.switch_channel[kArm] &&
                                config.channel_count == config_.channel_count &&
                                config.direction == config_.direction;
-  if (!same_arm_switch) arm_switch_seen_off_ = false;
+  if (!same_arm_switch) forget_arm_switch();
   config_ = config;
 }
 
@@ -46,15 +46,21 @@ void Rc::describe(Log& log) const {
 bool Rc::good(const hal::RcFrame& frame) const {
   if (frame.frame_lost || frame.failsafe) return false;
   const auto valid = [](float c) { return c >= kLowestValid && c <= kHighestValid; };
-  const auto n = std::min<std::size_t>(config_.channel_count, frame.channels.size());
+  const auto delivered = std::min<std::size_t>(frame.channel_count, frame.channels.size());
+  const auto n = std::min<std::size_t>(config_.channel_count, delivered);
   const auto& c = frame.channels;
+  const auto good_stick = [&](std::uint8_t k) { return k < delivered && valid(c[k]); };
   return std::all_of(c.begin(), c.begin() + static_cast<std::ptrdiff_t>(n), valid) &&
-         valid(c[config_.roll]) && valid(c[config_.pitch]) && valid(c[config_.yaw]) &&
-         valid(c[config_.throttle]);
+         good_stick(config_.roll) && good_stick(config_.pitch) && good_stick(config_.yaw) &&
+         good_stick(config_.throttle);
+}
+
+bool Rc::carries(const hal::RcFrame& frame, Switch s) const {
+  return mapped(s) && config_.switch_channel[static_cast<std::size_t>(s)] < frame.channel_count;
 }
 
 bool Rc::read_switch(const hal::RcFrame& frame, Switch s) const {
-  if (!mapped(s)) return false;
+  if (!carries(frame, s)) return false;
   const std::uint8_t channel = config_.switch_channel[static_cast<std::size_t>(s)];
   const float c = frame.channels[channel];
   const std::size_t k = channel - kFirstSwitchChannel;
@@ -62,12 +68,12 @@ bool Rc::read_switch(const hal::RcFrame& frame, Switch s) const {
   return reversed ? c < kSwitchLow : c >= kSwitchHigh;
 }
 
-Rc::Update Rc::step(Time now, const hal::RcFrame* frame, bool armed) {
+Rc::Update Rc::step(Time now, const hal::RcFrame* frame, bool may_disarm) {
   Update update;
   const Time since_good = now - last_good_;
   if (frame == nullptr || !good(*frame)) {
     const bool flagged = frame != nullptr && (frame->failsafe || since_good >= kBadFramesUntilLost);
-    update.lost = flagged || since_good >= kSilenceUntilLost;
+    update.lost = flagged || silent(now);
     return update;
   }
   last_good_ = now;
@@ -80,35 +86,45 @@ Rc::Update Rc::step(Time now, const hal::RcFrame* frame, bool armed) {
   for (std::size_t k = 0; k < kSwitchCount; ++k) {
     input_.on[k] = read_switch(*frame, static_cast<Switch>(k));
   }
-  if (mapped(Switch::kArm)) {
-    look_at_arm_switch(update);
+  // After boot or an outage the time since the last frame says nothing about the controls.
+  const bool consecutive = heard_ && since_good < kBadFramesUntilLost;
+  const bool by_switch = carries(*frame, Switch::kArm);
+  if (!consecutive || !by_switch) forget_arm_switch();
+  if (by_switch) {
+    gesture_ = Time{0};
+    look_at_arm_switch(now, update);
   } else {
-    // After boot or an outage the time since the last frame says nothing about the sticks.
-    const bool consecutive = heard_ && since_good < kBadFramesUntilLost;
-    look_for_gesture(consecutive ? since_good : Time{0}, armed, update);
+    look_for_gesture(consecutive ? since_good : Time{0}, may_disarm, update);
   }
   heard_ = true;
   return update;
 }
 
-void Rc::look_for_gesture(Time step, bool armed, Update& update) {
-  const bool corner = throttle_low() && (armed ? input_.yaw < -(1.0f - config_.arm_threshold)
-                                               : input_.yaw > 1.0f - config_.arm_threshold);
+void Rc::look_for_gesture(Time step, bool may_disarm, Update& update) {
+  const bool corner = throttle_low() && (may_disarm ? input_.yaw < -(1.0f - config_.arm_threshold)
+                                                    : input_.yaw > 1.0f - config_.arm_threshold);
   gesture_ = corner && step > Time{0} ? gesture_ + step : Time{0};
   if (gesture_ <= kGestureTime) return;
-  update.arm = !armed;
-  update.disarm = armed;
-  if (armed) gesture_ = Time{0};
+  update.arm = !may_disarm;
+  update.disarm = may_disarm;
+  if (may_disarm) gesture_ = Time{0};
 }
 
-void Rc::look_at_arm_switch(Update& update) {
-  if (!input_.is_on(Switch::kArm)) {
-    arm_switch_seen_off_ = true;
-    update.disarm = true;
-  } else if (arm_switch_seen_off_) {
-    arm_switch_seen_off_ = false;
-    update.arm = true;
+void Rc::look_at_arm_switch(Time now, Update& update) {
+  if (input_.is_on(Switch::kArm)) {
+    update.arm = arm_switch_was_off_;
+    forget_arm_switch();
+    return;
   }
+  if (off_frames_ == 0) off_since_ = now;
+  if (off_frames_ < kOffFrames) ++off_frames_;
+  update.disarm = off_frames_ == kOffFrames && now - off_since_ >= kOffTime;
+  arm_switch_was_off_ = arm_switch_was_off_ || update.disarm;
+}
+
+void Rc::forget_arm_switch() {
+  off_frames_ = 0;
+  arm_switch_was_off_ = false;
 }
 
 }  // namespace rosflight::core

@@ -23,13 +23,20 @@ struct PilotInput {
 
 /// Interprets receiver frames: validity, sticks, switches, and the wish to arm or disarm.
 ///
-/// A frame is bad if it carries a loss flag, or if one of its first `channel_count` channels or of
-/// the sticks' is outside -0.25..1.25; it then changes nothing. The radio counts as lost
+/// A frame is bad if it carries a loss flag, if it lacks the channel of a stick, or if one of the
+/// sticks or of its first `channel_count` channels is outside -0.25..1.25; it then changes nothing.
+/// A switch on a channel that the frame lacks is unmapped in that frame. The radio counts as lost
 ///     at once         if the receiver says so (failsafe flag),
 ///     after 100 ms    of bad frames only, counted from the last good one,
 ///     after 200 ms    without any good frame (unplugged receiver).
+///
+/// An arm switch asks to arm with the first frame that says on. It asks to disarm, and permits
+/// another arming, when it was off for 100 ms: every good frame of that time, three at least. Bad
+/// frames in between say nothing; an outage of 100 ms starts the count anew.
 class Rc {
  public:
+  static constexpr Time kOffTime = hal::milliseconds(100);
+  static constexpr std::uint8_t kOffFrames = 3;
   static constexpr Time kBadFramesUntilLost = hal::milliseconds(100);
   static constexpr Time kSilenceUntilLost = hal::milliseconds(200);
   static constexpr Time kGestureTime = hal::milliseconds(1000);
@@ -50,30 +57,38 @@ class Rc {
     bool disarm{};  ///< ... or to disarm.
   };
 
-  /// An arm switch on another channel or reversed has to be seen off before it can arm.
+  /// An arm switch on another channel or reversed has to be off for kOffTime before it can arm.
   void configure(const Config& config);
   bool mapped(Switch s) const;
   /// Says on which channel each switch is, one text each.
   void describe(Log& log) const;
 
   /// Once per pass, with a frame or without (nullptr).
-  Update step(Time now, const hal::RcFrame* frame, bool armed);
+  /// @param may_disarm  the stick gesture looked for is that of disarming, else that of arming.
+  Update step(Time now, const hal::RcFrame* frame, bool may_disarm);
+
+  /// No good frame for so long that the radio counts as lost: what step() says without a frame.
+  bool silent(Time now) const { return now - last_good_ >= kSilenceUntilLost; }
 
   const PilotInput& input() const { return input_; }
   bool throttle_low() const { return input_.throttle < config_.arm_threshold; }
 
  private:
   bool good(const hal::RcFrame& frame) const;
+  bool carries(const hal::RcFrame& frame, Switch s) const;
   bool read_switch(const hal::RcFrame& frame, Switch s) const;
-  void look_for_gesture(Time step, bool armed, Update& update);
-  void look_at_arm_switch(Update& update);
+  void look_for_gesture(Time step, bool may_disarm, Update& update);
+  void look_at_arm_switch(Time now, Update& update);
+  void forget_arm_switch();
 
   Config config_{};
   PilotInput input_{};
   Time last_good_{};
-  Time gesture_{};     ///< How long the sticks have been in the corner.
-  bool heard_{false};  ///< A good frame came since boot.
-  bool arm_switch_seen_off_{false};
+  Time gesture_{};                  ///< How long the sticks have been in the corner.
+  Time off_since_{};                ///< First of the frames in a row that said off.
+  std::uint8_t off_frames_{0};      ///< Their number, up to kOffFrames.
+  bool arm_switch_was_off_{false};  ///< For kOffTime: on may arm.
+  bool heard_{false};               ///< A good frame came since boot.
 };
 
 }  // namespace rosflight::core

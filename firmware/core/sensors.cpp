@@ -1,14 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware/core/sensors.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace rosflight::core {
 namespace {
 
-constexpr float kLargestGyroBias_rad_s = 1.0f;
+// Offset of each axis at rest, of the parts that fly: +-20 deg/s of an MPU-6000 (data sheet,
+// zero-rate output), +-0.25 rad/s in the simulator of ROSflight 2.x, +-1 deg/s of a BMI088.
+constexpr float kLargestGyroBias_rad_s = 0.35f;
+// Maximum less minimum of 1001 samples is some 6.5 sigma of white noise: 0.25 rad/s as the norm of
+// three axes at 0.0226 rad/s (the noisiest simulated sensor), 0.05 rad/s for a BMI088. The rest is
+// for wind and hands.
+constexpr float kLargestGyroSpread_rad_s = 0.3f;
 constexpr float kLargestAccelSpread_m_s2 = 1.0f;
 constexpr float kLargestAccelBias_m_s2 = 3.0f;
+constexpr float kLargestTilt_deg = 5.0f;
+
+/// Angle between a mean accelerometer reading and that of a level vehicle, from its horizontal part
+/// (which an offset along z does not change) up to 90 degrees.
+float tilt_deg(const Vector3& accel) {
+  const float horizontal = std::sqrt(accel.x() * accel.x() + accel.y() * accel.y());
+  if (accel.z() > 0.0f) return atan2(horizontal, -accel.z()) / kRadPerDeg;
+  return asin(std::min(horizontal / kGravity_m_s2, 1.0f)) / kRadPerDeg;
+}
 
 /// False for NaN, infinity and what no sensor of any kind measures in SI units: sums and squares of
 /// what passes are finite too.
@@ -17,9 +34,37 @@ bool plausible(const hal::Vec3& v) {
   return std::abs(v[0]) < kAbsurd && std::abs(v[1]) < kAbsurd && std::abs(v[2]) < kAbsurd;
 }
 
-bool plausible(const hal::GnssSample& s) {
+bool finite(const hal::GnssSample& s) {
   return std::isfinite(s.latitude_deg) && std::isfinite(s.longitude_deg) &&
          std::isfinite(s.height_msl_m) && plausible(s.velocity_ned_m_s);
+}
+
+/// On the Earth, below the height and the speed at which civil receivers stop (export rules).
+bool in_range(const hal::GnssSample& s) {
+  constexpr double kLowest_m = -1000.0, kHighest_m = 100e3;
+  constexpr float kFastest_m_s = 1000.0f;
+  const hal::Vec3& v = s.velocity_ned_m_s;
+  return std::abs(s.latitude_deg) <= 90.0 && std::abs(s.longitude_deg) <= 360.0 &&
+         double{s.height_msl_m} >= kLowest_m && double{s.height_msl_m} <= kHighest_m &&
+         std::abs(v[0]) <= kFastest_m_s && std::abs(v[1]) <= kFastest_m_s &&
+         std::abs(v[2]) <= kFastest_m_s;
+}
+
+/// All axes at the end of the widest ranges sold: +-4000 deg/s, +-400 g.
+bool in_range(const hal::ImuSample& s) {
+  constexpr float kFastest_rad_s = 125.0f, kHardest_m_s2 = 7000.0f, kHottest_K = 1000.0f;
+  return to_vector(s.gyro_rad_s).squaredNorm() <= kFastest_rad_s * kFastest_rad_s &&
+         to_vector(s.accel_m_s2).squaredNorm() <= kHardest_m_s2 * kHardest_m_s2 &&
+         std::abs(s.temperature_K) <= kHottest_K;
+}
+
+bool same_bits(const hal::Vec3& a, const hal::Vec3& b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison)
+}
+
+/// What a driver hands over that could not read the part: no sensor has six zeros.
+bool is_blank(const hal::ImuSample& s) {
+  return s.gyro_rad_s[0] == 0.0f && s.gyro_rad_s == hal::Vec3{} && s.accel_m_s2 == hal::Vec3{};
 }
 
 hal::Vec3 to_array(const Vector3& v) {
@@ -48,39 +93,142 @@ bool set_three(Parameters& parameters, Param first, const Vector3& v) {
 }  // namespace
 
 void Sensors::configure(const Config& config) {
+  // Rotations cost more than the rest together and hardly ever change.
+  if (config.imu_mounting_deg != config_.imu_mounting_deg) {
+    imu_mounting_ = mounting(config.imu_mounting_deg);
+  }
+  if (config.mag_mounting_deg != config_.mag_mounting_deg) {
+    mag_mounting_ = mounting(config.mag_mounting_deg);
+  }
+  if (config.gyro_low_pass_Hz != config_.gyro_low_pass_Hz ||
+      config.gyro_notch_Hz != config_.gyro_notch_Hz ||
+      config.gyro_notch_width_Hz != config_.gyro_notch_width_Hz) {
+    gyro_chain_rate_Hz_ = 0.0f;
+    rate_samples_ = 0;
+  }
+  gyro_filtered_ = config.gyro_low_pass_Hz > 0.0f || config.gyro_notch_Hz > 0.0f;
   config_ = config;
-  imu_mounting_ = mounting(config.imu_mounting_deg);
-  mag_mounting_ = mounting(config.mag_mounting_deg);
   imu_rotated_ = !config.imu_mounting_deg.isZero(0.0f);
+}
+
+/// The slower sensors first, so that the faster ones never keep them waiting.
+inline void Sensors::poll_aids(Time now, hal::Board& board, Parameters& parameters, Log& log) {
+  if (now_.new_aid) {
+    now_.new_aid = now_.new_gnss = now_.new_baro = now_.new_mag = false;
+    now_.new_diff_pressure = now_.new_range = now_.new_battery = false;
+  }
+  const bool only_one = now_.new_imu;
+  bool taken = false;
+  const auto wanted = [&] { return !(taken && only_one); };
+  if (board.gnss.poll(raw_.gnss)) {
+    taken = true;
+    now_.new_gnss = take(raw_.gnss);
+  }
+  if (wanted() && board.battery.poll(raw_.battery)) {
+    taken = true;
+    now_.new_battery = take(raw_.battery);
+  }
+  if (wanted() && board.range.poll(raw_.range)) {
+    taken = true;
+    now_.new_range = take(raw_.range);
+  }
+  if (wanted() && board.baro.poll(raw_.baro)) {
+    taken = true;
+    now_.new_baro = take(now, raw_.baro, parameters, log);
+  }
+  if (wanted() && board.mag.poll(raw_.mag)) {
+    taken = true;
+    now_.new_mag = take(raw_.mag);
+  }
+  if (wanted() && board.diff_pressure.poll(raw_.diff_pressure)) {
+    taken = true;
+    now_.new_diff_pressure = take(now, raw_.diff_pressure, parameters, log);
+  }
+  now_.new_aid = taken;
 }
 
 Sensors::CalibrationEvents Sensors::step(Time now, hal::Board& board, Parameters& parameters,
                                          Log& log) {
   CalibrationEvents events;
-  now_.new_imu = take_imu(board, parameters, log, events);
-  now_.new_gnss = board.gnss.poll(now_.gnss) && plausible(now_.gnss);
-  hal::BaroSample baro;
-  now_.new_baro = board.baro.poll(baro) && take(now, baro, parameters, log);
-  hal::MagSample mag;
-  now_.new_mag = board.mag.poll(mag) && take(mag);
-  hal::DiffPressureSample pressure;
-  now_.new_diff_pressure =
-      board.diff_pressure.poll(pressure) && take(now, pressure, parameters, log);
-  hal::RangeSample range;
-  now_.new_range = board.range.poll(range) && take(range);
-  hal::BatterySample battery;
-  now_.new_battery = board.battery.poll(battery) && take(battery);
+  now_.new_imu = take_imu(now, board, parameters, log, events);
+  poll_aids(now, board, parameters, log);
   return events;
 }
 
-bool Sensors::take_imu(hal::Board& board, Parameters& parameters, Log& log,
-                       CalibrationEvents& events) {
-  hal::ImuSample raw;
-  if (!board.imu.poll(raw)) return false;
-  if (!plausible(raw.accel_m_s2) || !plausible(raw.gyro_rad_s) ||
-      !std::isfinite(raw.temperature_K)) {
+/// The filters need the sample rate: it is measured over 200 samples, during which nothing is
+/// filtered, and from then on watched.
+void Sensors::filter_gyro(hal::ImuSample& raw, Log& log) {
+  constexpr int kSamples = 200;
+  constexpr float kLongestStep_s = 0.025f;  // a gap says nothing about the rate
+  constexpr float kTolerance = 0.05f;
+  const float dt_s = imu_step_.dt_s;
+  if (dt_s > 0.0f && dt_s < kLongestStep_s) {
+    if (rate_samples_ == 0) rate_window_s_ = 0.0f;
+    rate_window_s_ += dt_s;
+    if (++rate_samples_ == kSamples) {
+      rate_samples_ = 0;
+      const float rate_Hz = static_cast<float>(kSamples) / rate_window_s_;
+      if (std::abs(rate_Hz - gyro_chain_rate_Hz_) > kTolerance * gyro_chain_rate_Hz_) {
+        configure_gyro_chain(rate_Hz, log);
+      }
+    }
+  }
+  if (gyro_chain_rate_Hz_ == 0.0f) return;
+  raw.gyro_rad_s = to_array(gyro_chain_.step(to_vector(raw.gyro_rad_s)));
+  rejected_[static_cast<std::size_t>(Reject::kGyroClipped)] = gyro_chain_.clipped();
+}
+
+void Sensors::configure_gyro_chain(float rate_Hz, Log& log) {
+  constexpr float kFullScale_rad_s = 2000.0f * kRadPerDeg;  // of the parts boards have
+  gyro_chain_rate_Hz_ = rate_Hz;
+  GyroChain::Config c;
+  c.sample_rate_Hz = rate_Hz;
+  c.low_pass_Hz = config_.gyro_low_pass_Hz;
+  c.notch_Hz = config_.gyro_notch_Hz;
+  c.notch_width_Hz = config_.gyro_notch_width_Hz;
+  c.full_scale_rad_s = kFullScale_rad_s;
+  const GyroChain::Refused refused = gyro_chain_.configure(c);
+  const float limit_Hz = GyroChain::kHighest * rate_Hz;
+  if (refused.low_pass) {
+    log.error(Text("GYRO_LPF_HZ off: not below ").add(limit_Hz, 0).add(" Hz"));
+  }
+  if (refused.notch) {
+    log.error(Text("GYRO_NOTCH_HZ, BW off: not below ").add(limit_Hz, 0).add(" Hz"));
+  }
+}
+
+/// Equal bit by bit to the nineteen samples before it, or more.
+inline bool Sensors::stuck(const hal::ImuSample& raw) {
+  constexpr std::uint8_t kStuck = 20;
+  if (!same_bits(raw.gyro_rad_s, last_gyro_) || !same_bits(raw.accel_m_s2, last_accel_)) {
+    last_gyro_ = raw.gyro_rad_s;
+    last_accel_ = raw.accel_m_s2;
+    equal_samples_ = 1;
     return false;
   }
+  if (equal_samples_ < kStuck) ++equal_samples_;
+  return equal_samples_ >= kStuck;
+}
+
+inline bool Sensors::usable(Time now, const hal::ImuSample& raw) {
+  if (!in_range(raw)) {
+    const bool finite =
+        plausible(raw.accel_m_s2) && plausible(raw.gyro_rad_s) && std::isfinite(raw.temperature_K);
+    return reject(finite ? Reject::kRange : Reject::kNotFinite);
+  }
+  if (is_blank(raw) || stuck(raw)) return reject(Reject::kStuck);
+  imu_step_ = imu_clock_.step(raw.stamp, now);
+  if (imu_step_.usable) return true;
+  return reject(imu_step_.standing    ? Reject::kStuck
+                : imu_step_.backwards ? Reject::kBackwards
+                                      : Reject::kOutlier);
+}
+
+bool Sensors::take_imu(Time now, hal::Board& board, Parameters& parameters, Log& log,
+                       CalibrationEvents& events) {
+  hal::ImuSample& raw = raw_.imu;
+  if (!board.imu.poll(raw) || !usable(now, raw)) return false;
+  if (gyro_filtered_) filter_gyro(raw, log);
   Vector3 accel = to_vector(raw.accel_m_s2);
   Vector3 gyro = to_vector(raw.gyro_rad_s);
   if (imu_rotated_) {
@@ -90,7 +238,7 @@ bool Sensors::take_imu(hal::Board& board, Parameters& parameters, Log& log,
   if (accel_calibration_.running()) {
     calibrate_accel(accel, raw.temperature_K, parameters, log, events);
   }
-  if (gyro_calibration_.running()) calibrate_gyro(gyro, parameters, log, events);
+  if (gyro_calibration_.running()) calibrate_gyro(gyro, accel, parameters, log, events);
   // While a bias is being measured none is subtracted; if that fails the old one is still there.
   accel -= config_.acc_temp_comp * raw.temperature_K;
   if (!accel_calibration_.running()) accel -= config_.acc_bias;
@@ -107,8 +255,13 @@ void Sensors::calibrate_accel(const Vector3& accel, float temperature_K, Paramet
     log.error("Too much movement for IMU cal");
     return;
   }
-  events.accel_settled = true;
   const Vector3 bias = accel_calibration_.mean();
+  const float tilt = tilt_deg(level + bias);
+  if (tilt > kLargestTilt_deg) {
+    log.error(Text("Accel calibration refused: tilt ").add(tilt, 1).add(" deg"));
+    return;
+  }
+  events.accel_settled = true;
   if (bias.norm() >= kLargestAccelBias_m_s2 || !set_three(parameters, Param::kAccXBias, bias)) {
     log.error(Text("Large accelerometer bias: norm ").add(bias.norm(), 2));
     return;
@@ -118,22 +271,32 @@ void Sensors::calibrate_accel(const Vector3& accel, float temperature_K, Paramet
   log.info("IMU offsets captured");
 }
 
-void Sensors::calibrate_gyro(const Vector3& gyro, Parameters& parameters, Log& log,
-                             CalibrationEvents& events) {
+void Sensors::calibrate_gyro(const Vector3& gyro, const Vector3& accel, Parameters& parameters,
+                             Log& log, CalibrationEvents& events) {
+  gravity_while_gyro_.add(accel);
   if (!gyro_calibration_.add(gyro)) return;
   const Vector3 bias = gyro_calibration_.mean();
-  if (bias.norm() >= kLargestGyroBias_rad_s || !set_three(parameters, Param::kGyroXBias, bias)) {
-    events.gyro_failed = true;
-    log.error("Gyro calibration failed: too much movement");
+  const float moved = gyro_calibration_.spread().norm();
+  const float swayed = gravity_while_gyro_.spread().norm();
+  Text refused("Gyro calibration refused: ");
+  if (moved > kLargestGyroSpread_rad_s) {
+    refused.add("moved ").add(moved, 2).add(" rad/s");
+  } else if (bias.cwiseAbs().maxCoeff() > kLargestGyroBias_rad_s) {
+    refused.add("mean ").add(bias.norm(), 2).add(" rad/s");
+  } else if (swayed > kLargestAccelSpread_m_s2) {  // turned too slowly for the gyro's own spread
+    refused.add("swayed ").add(swayed, 2).add(" m/s^2");
+  } else if (set_three(parameters, Param::kGyroXBias, bias)) {
+    config_.gyro_bias = bias;
+    events.gyro_done = true;
+    log.info("Gyro calibration complete");
     return;
   }
-  config_.gyro_bias = bias;
-  events.gyro_done = true;
-  log.info("Gyro calibration complete");
+  events.gyro_failed = true;
+  log.error(refused);
 }
 
 bool Sensors::take(const hal::MagSample& raw) {
-  if (!plausible(raw.field_T)) return false;
+  if (!plausible(raw.field_T)) return reject(Reject::kNotFinite);
   const Vector3 field =
       config_.mag_soft_iron * (mag_mounting_ * to_vector(raw.field_T) - config_.mag_bias);
   now_.mag = {raw.stamp, to_array(field), raw.temperature_K};
@@ -141,7 +304,11 @@ bool Sensors::take(const hal::MagSample& raw) {
 }
 
 bool Sensors::take(Time now, const hal::BaroSample& raw, Parameters& parameters, Log& log) {
-  if (!std::isfinite(raw.pressure_Pa) || raw.pressure_Pa <= 0.0f) return false;
+  constexpr float kLowest_Pa = 30e3f, kHighest_Pa = 120e3f;  // 9000 m high, 1400 m below the sea
+  if (!std::isfinite(raw.pressure_Pa)) return reject(Reject::kNotFinite);
+  if (raw.pressure_Pa < kLowest_Pa || raw.pressure_Pa > kHighest_Pa) {
+    return reject(Reject::kPressure);
+  }
   if (baro_calibration_.running()) {
     const auto result = baro_calibration_.add(now, raw.pressure_Pa);
     if (result == PressureCalibration::Result::kGood) {
@@ -161,12 +328,25 @@ bool Sensors::take(Time now, const hal::BaroSample& raw, Parameters& parameters,
   }
   now_.baro = raw;
   now_.altitude_m = pressure_altitude_m(raw.pressure_Pa);
-  now_.density_kg_m3 = air_density_kg_m3(raw.pressure_Pa);
+  filter_density(now, air_density_kg_m3(raw.pressure_Pa));
   return true;
 }
 
+/// The air changes slowly; a sample that is wrong must not change the thrust.
+void Sensors::filter_density(Time now, float density) {
+  constexpr float kTimeConstant_s = 5.0f;
+  constexpr Time kLongest = hal::milliseconds(50);  // what one sample may stand for
+  const float dt_s = hal::seconds(std::min(now - baro_time_, kLongest));
+  const float share = baro_seen_ ? dt_s / (kTimeConstant_s + dt_s) : 1.0f;
+  now_.density_kg_m3 += share * (density - now_.density_kg_m3);
+  baro_time_ = now;
+  baro_seen_ = true;
+}
+
 bool Sensors::take(Time now, const hal::DiffPressureSample& raw, Parameters& parameters, Log& log) {
-  if (!std::isfinite(raw.pressure_Pa)) return false;
+  constexpr float kLargest_Pa = 50e3f;  // 280 m/s
+  if (!std::isfinite(raw.pressure_Pa)) return reject(Reject::kNotFinite);
+  if (std::abs(raw.pressure_Pa) > kLargest_Pa) return reject(Reject::kRange);
   if (airspeed_calibration_.running()) {
     const auto result = airspeed_calibration_.add(now, raw.pressure_Pa);
     if (result == PressureCalibration::Result::kGood) {
@@ -188,14 +368,30 @@ bool Sensors::take(Time now, const hal::DiffPressureSample& raw, Parameters& par
   return true;
 }
 
+bool Sensors::take(const hal::GnssSample& raw) {
+  if (!finite(raw)) return reject(Reject::kNotFinite);
+  if (!in_range(raw)) return reject(Reject::kRange);
+  now_.gnss = raw;
+  return true;
+}
+
 bool Sensors::take(const hal::RangeSample& raw) {
-  if (std::isnan(raw.range_m)) return false;
+  if (std::isnan(raw.range_m)) return reject(Reject::kNotFinite);
+  if (raw.range_m < 0.0f) return reject(Reject::kRange);
   now_.range = raw;
   return true;
 }
 
 bool Sensors::take(const hal::BatterySample& raw) {
-  if (!std::isfinite(raw.voltage_V) || !std::isfinite(raw.current_A)) return false;
+  if (!std::isfinite(raw.voltage_V) || !std::isfinite(raw.current_A)) {
+    return reject(Reject::kNotFinite);
+  }
+  constexpr float kNoise_V = -1.0f;  // of a converter without a battery
+  constexpr float kHighest_V = 100.0f, kLargest_A = 2000.0f;
+  if (raw.voltage_V < kNoise_V || raw.voltage_V > kHighest_V ||
+      std::abs(raw.current_A) > kLargest_A) {
+    return reject(Reject::kRange);
+  }
   hal::BatterySample& filtered = now_.battery;
   if (!battery_seen_) {
     battery_seen_ = true;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include "firmware/core/calibration.hpp"
+#include "firmware/core/gyro_chain.hpp"
+#include "firmware/core/imu_clock.hpp"
 #include "firmware/core/log.hpp"
 #include "firmware/core/parameters.hpp"
 #include "firmware/hal/roles.hpp"
@@ -11,6 +13,7 @@ namespace rosflight::core {
 struct Measurements {
   bool new_imu{}, new_mag{}, new_baro{}, new_diff_pressure{}, new_range{}, new_gnss{},
       new_battery{};
+  bool new_aid{};  ///< Some sensor besides the IMU.
   hal::ImuSample imu;
   hal::MagSample mag;
   hal::BaroSample baro;
@@ -20,19 +23,27 @@ struct Measurements {
   hal::BatterySample battery;  ///< Low-passed.
   float altitude_m{};          ///< Standard-atmosphere altitude of the raw pressure.
   float airspeed_m_s{};        ///< Indicated, signed.
-  float density_kg_m3{kSeaLevelDensity_kg_m3};
+  float density_kg_m3{kSeaLevelDensity_kg_m3};  ///< Low-passed.
 };
 
 /// Takes samples from the board and makes measurements of them: mounting, calibration, filters.
 ///
 ///     imu        v <- R(q_mount)^T v ,  a <- a - (temp_comp T + bias) ,  w <- w - bias
+///                w filtered as sampled, before all this, if asked for (GyroChain)
 ///     mag        m <- A (R(q_mount)^T m - bias)
 ///     pressure   p <- p - bias ,  airspeed = sign(p) sqrt(|p| / (0.5 rho_0))
+///     density    rho <- rho + dt/(5 s + dt) (rho(p) - rho), from the first sample on
 ///     battery    V <- (1 - alpha) V + alpha V_before, from the first sample on
 ///
-/// Samples with a NaN, an infinity or an absurdly large number are dropped (an infinite range is
-/// not: it says that nothing is in reach). Calibrations need the vehicle at rest, the
-/// accelerometer's also level; a failed one leaves the biases that were in force.
+/// Samples with a NaN, an infinity or a number beyond what the sensor can measure are dropped (an
+/// infinite range is not: it says that nothing is in reach), and so are IMU samples whose stamp is
+/// unusable (ImuClock) and those that equal the nineteen before bit by bit: noise changes the last
+/// bits of every real sensor. Dropped samples are counted and otherwise as if they had not come.
+///
+/// Calibrations need the vehicle at rest, the accelerometer's also level within 5 degrees; a failed
+/// one leaves the biases that were in force. The gyro's is refused for a spread or a mean beyond
+/// what sensors at rest show, and if gravity moves meanwhile: a slow turn about a horizontal axis.
+/// A turn about the vertical that is slower than an offset may be (0.35 rad/s) looks like one.
 class Sensors {
  public:
   struct Config {
@@ -41,28 +52,37 @@ class Sensors {
     Vector3 mag_bias{Vector3::Zero()};
     Matrix3 mag_soft_iron{Matrix3::Identity()};
     float diff_pressure_bias_Pa{0.0f};
+    float gyro_low_pass_Hz{0.0f}, gyro_notch_Hz{0.0f}, gyro_notch_width_Hz{30.0f};
     float battery_voltage_lpf{0.995f}, battery_current_lpf{0.995f};
   };
 
   /// What calibrations found out in one pass.
   struct CalibrationEvents {
     bool gyro_done{}, gyro_failed{};
-    bool accel_settled{};  ///< Measured without motion, whatever came of it: the estimator starts
-                           ///< anew.
+    bool accel_settled{};  ///< Measured level and without motion, whatever came of it: the
+                           ///< estimator starts anew.
     bool accel_done{};
+    bool any() const { return gyro_done || gyro_failed || accel_settled || accel_done; }
   };
 
   void configure(const Config& config);
 
-  /// Polls every sensor once, in a fixed order. Results of calibrations go into `parameters` and
-  /// `log`.
+  /// Polls the IMU, then the other sensors: a pass with an IMU sample takes one sample of them at
+  /// most, so that the way from gyro to motors stays short; a pass without takes all that wait.
+  /// Results of calibrations go into `parameters` and `log`.
   CalibrationEvents step(Time now, hal::Board& board, Parameters& parameters, Log& log);
 
   const Measurements& measurements() const { return now_; }
+  /// Time step of the newest IMU sample; of an unusable one too.
+  const ImuClock::Step& imu_step() const { return imu_step_; }
+  /// Samples that were not used, by cause (Reject), since power-up.
+  const std::array<std::uint32_t, kRejects>& rejected() const { return rejected_; }
+  /// Filters of the gyro at the IMU rate; off unless parameters ask for them.
+  const GyroChain& gyro_chain() const { return gyro_chain_; }
 
-  void start_gyro_calibration() { gyro_calibration_.start(); }
+  void start_gyro_calibration() { start_gyro(); }
   void start_accel_calibration() {
-    gyro_calibration_.start();
+    start_gyro();
     accel_calibration_.start();
   }
   void start_baro_calibration() { baro_calibration_.start(); }
@@ -79,15 +99,31 @@ class Sensors {
   }
 
  private:
-  bool take_imu(hal::Board& board, Parameters& parameters, Log& log, CalibrationEvents& events);
+  void poll_aids(Time now, hal::Board& board, Parameters& parameters, Log& log);
+  bool take_imu(Time now, hal::Board& board, Parameters& parameters, Log& log,
+                CalibrationEvents& events);
+  void filter_gyro(hal::ImuSample& raw, Log& log);
+  void configure_gyro_chain(float rate_Hz, Log& log);
+  bool usable(Time now, const hal::ImuSample& raw);
+  bool stuck(const hal::ImuSample& raw);
+  bool reject(Reject cause) {
+    ++rejected_[static_cast<std::size_t>(cause)];
+    return false;
+  }
   void calibrate_accel(const Vector3& accel, float temperature_K, Parameters& parameters, Log& log,
                        CalibrationEvents& events);
-  void calibrate_gyro(const Vector3& gyro, Parameters& parameters, Log& log,
+  void calibrate_gyro(const Vector3& gyro, const Vector3& accel, Parameters& parameters, Log& log,
                       CalibrationEvents& events);
+  void start_gyro() {
+    gyro_calibration_.start();
+    gravity_while_gyro_.start();
+  }
   // Each returns false for a sample that is no measurement.
   bool take(const hal::MagSample& raw);
   bool take(Time now, const hal::BaroSample& raw, Parameters& parameters, Log& log);
   bool take(Time now, const hal::DiffPressureSample& raw, Parameters& parameters, Log& log);
+  void filter_density(Time now, float density);
+  bool take(const hal::GnssSample& raw);
   bool take(const hal::RangeSample& raw);
   bool take(const hal::BatterySample& raw);
 
@@ -96,10 +132,34 @@ class Sensors {
   Matrix3 mag_mounting_{Matrix3::Identity()};
   bool imu_rotated_{false};
   Measurements now_{};
+  ImuClock imu_clock_;
+  ImuClock::Step imu_step_{};
+  GyroChain gyro_chain_;
+  float gyro_chain_rate_Hz_{0.0f};  ///< For which it is configured; 0: not yet.
+  float rate_window_s_{0.0f};
+  int rate_samples_{0};
+  bool gyro_filtered_{false};
+  hal::Vec3 last_accel_{}, last_gyro_{};  ///< As they came.
+  std::uint8_t equal_samples_{0};
+  std::array<std::uint32_t, kRejects> rejected_{};
   ImuCalibration gyro_calibration_;
+  ImuCalibration gravity_while_gyro_;  ///< Its spread shows a slow turn.
   ImuCalibration accel_calibration_;
   PressureCalibration baro_calibration_{25.0f};
   PressureCalibration airspeed_calibration_{100.0f};
+  /// As they came: members, so that a pass without a sample need not clear it.
+  struct Raw {
+    hal::ImuSample imu;
+    hal::GnssSample gnss;
+    hal::BaroSample baro;
+    hal::MagSample mag;
+    hal::DiffPressureSample diff_pressure;
+    hal::RangeSample range;
+    hal::BatterySample battery;
+  };
+  Raw raw_{};
+  Time baro_time_{};
+  bool baro_seen_{false};
   bool battery_seen_{false};
 };
 

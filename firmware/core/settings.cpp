@@ -25,6 +25,14 @@ std::uint8_t channel(const Parameters& p, Param id) {
 
 }  // namespace
 
+bool calibrates_escs(const Parameters& p) {
+  return p.get_int(Param::kPrimaryMixer) == kEscCalibrationMixer;
+}
+
+bool uses_motor_model(const Parameters& p) {
+  return p.get_bool(Param::kUseMotorParam) && !calibrates_escs(p);
+}
+
 std::uint8_t throttle_entry(const Parameters& p) {
   return static_cast<std::uint8_t>(p.get_int(Param::kRcFAxis));
 }
@@ -41,6 +49,9 @@ Sensors::Config sensor_settings(const Parameters& p) {
   c.mag_soft_iron.row(1) = three(p, Param::kMagCalA10).transpose();
   c.mag_soft_iron.row(2) = three(p, Param::kMagCalA20).transpose();
   c.diff_pressure_bias_Pa = p.get_float(Param::kDiffPressBias);
+  c.gyro_low_pass_Hz = p.get_float(Param::kGyroLpfHz);
+  c.gyro_notch_Hz = p.get_float(Param::kGyroNotchHz);
+  c.gyro_notch_width_Hz = p.get_float(Param::kGyroNotchBw);
   c.battery_voltage_lpf = p.get_float(Param::kBattVoltLpf);
   c.battery_current_lpf = p.get_float(Param::kBattCurrLpf);
   return c;
@@ -125,8 +136,7 @@ Controller::Config controller_settings(const Parameters& p, float max_thrust_N) 
   const Vector3 trim = three(p, Param::kXEqTorque);
   c.equilibrium_torque = {trim.x(), trim.y(), trim.z()};
   // Calibrating speed controllers takes the whole range of the stick.
-  const bool whole_range = p.get_int(Param::kPrimaryMixer) == kEscCalibrationMixer;
-  c.max_throttle = whole_range ? 1.0f : p.get_float(Param::kRcMaxThr);
+  c.max_throttle = calibrates_escs(p) ? 1.0f : p.get_float(Param::kRcMaxThr);
   c.max_thrust_N = max_thrust_N;
   return c;
 }
@@ -137,9 +147,9 @@ Mixer::Config mixer_settings(const Parameters& p, float max_thrust_N) {
   c.reverse_aileron = p.get_bool(Param::kRevAileron);
   c.reverse_elevator = p.get_bool(Param::kRevElevator);
   c.reverse_rudder = p.get_bool(Param::kRevRudder);
-  c.use_motor_model = p.get_bool(Param::kUseMotorParam);
-  c.spin_when_armed = p.get_bool(Param::kArmSpinMotors);
-  c.unsigned_throttle = p.get_int(Param::kPrimaryMixer) == kEscCalibrationMixer;
+  c.use_motor_model = uses_motor_model(p);
+  c.unsigned_throttle = calibrates_escs(p);
+  c.spin_when_armed = p.get_bool(Param::kArmSpinMotors) && !calibrates_escs(p);
   c.idle_throttle = p.get_float(Param::kMotorIdleThr);
   c.throttle_entry = throttle_entry(p);
   c.max_thrust_N = max_thrust_N;

@@ -22,6 +22,11 @@ MotorModel motor_settings(const Parameters& p);
 Controller::Config controller_settings(const Parameters& p, float max_thrust_N);
 Mixer::Config mixer_settings(const Parameters& p, float max_thrust_N);
 
+/// PRIMARY_MIXER is the one that calibrates speed controllers: the stick drives all motors from 0
+/// to 1, without idle, RC_MAX_THR or motor parameters.
+bool calibrates_escs(const Parameters& p);
+/// USE_MOTOR_PARAM, unless speed controllers are calibrated.
+bool uses_motor_model(const Parameters& p);
 /// RC_F_AXIS as an entry 0..2.
 std::uint8_t throttle_entry(const Parameters& p);
 

@@ -30,19 +30,21 @@ bool StateMachine::holds(Condition condition, const ArmRequest& request) const {
   switch (condition) {
     case Condition::kAlways:
       return true;
-    case Condition::kThrottleHigh:
-      return !request.throttle_low;
-    case Condition::kOverrideOff:
-      return !request.override_ok;
+    case Condition::kNotReady:
+      return !request.ready;
     case Condition::kCalibrationWanted:
       return request.calibrate_gyro;
+    case Condition::kSaveWanted:
+      return request.save;
     case Condition::kErrorFlag:
       return error_;
+    case Condition::kCannotFly:
+      return has(Error::kInvalidMixer) || has(Error::kImuNotResponding) || has(Error::kRcLost);
   }
   return false;
 }
 
-std::uint16_t StateMachine::handle(Event event, const ArmRequest& request) {
+Actions StateMachine::handle(Event event, const ArmRequest& request) {
   for (std::size_t k = kIndex.first[slot(state_, event)]; k < kTransitions.size(); ++k) {
     const Transition& row = kTransitions[k];
     if (row.state != state_ || row.event != event) break;
@@ -51,7 +53,7 @@ std::uint16_t StateMachine::handle(Event event, const ArmRequest& request) {
   return action::kNone;
 }
 
-std::uint16_t StateMachine::apply(const Transition& row) {
+Actions StateMachine::apply(const Transition& row) {
   const State before = state_;
   if ((row.actions & action::kArm) != 0) armed_ = true;
   if ((row.actions & action::kDisarm) != 0) armed_ = false;
@@ -60,33 +62,26 @@ std::uint16_t StateMachine::apply(const Transition& row) {
   if ((row.actions & action::kErrorOn) != 0) error_ = true;
   if ((row.actions & action::kErrorOff) != 0) error_ = false;
   state_ = row.next;
-  constexpr std::uint16_t kForOwner = action::kArm | action::kDisarm | action::kCalibrateGyro |
-                                      action::kRefuseThrottle | action::kRefuseOverride |
-                                      action::kRefuseErrors;
-  auto result = static_cast<std::uint16_t>(row.actions & kForOwner);
+  constexpr Actions kOwn = action::kFailsafeOn | action::kFailsafeOff | action::kErrorOn |
+                           action::kErrorOff | action::kSetRcLost | action::kClearRcLost;
+  Actions result = row.actions & ~kOwn;
   if (state_ != before) result |= action::kSendStatus;
   if ((row.actions & action::kSetRcLost) != 0) result |= set_error(Error::kRcLost);
   if ((row.actions & action::kClearRcLost) != 0) result |= clear_error(Error::kRcLost);
   return result;
 }
 
-std::uint16_t StateMachine::set_error(Error error) {
+Actions StateMachine::set_error(Error error) {
   const std::uint16_t before = errors_;
   errors_ |= static_cast<std::uint16_t>(error);
-  const std::uint16_t changed = errors_ != before ? action::kSendStatus : action::kNone;
-  return static_cast<std::uint16_t>(handle(Event::kError) | changed);
+  const Actions changed = errors_ != before ? action::kSendStatus : action::kNone;
+  return handle(Event::kError) | changed;
 }
 
-std::uint16_t StateMachine::clear_error(Error error) {
+Actions StateMachine::clear_error(Error error) {
   if (!has(error)) return action::kNone;
   errors_ &= static_cast<std::uint16_t>(~static_cast<std::uint16_t>(error));
-  return static_cast<std::uint16_t>(update() | action::kSendStatus);
-}
-
-std::uint16_t StateMachine::update() {
-  // The flag follows the word in every state that the table reaches, so equal means nothing to do.
-  if ((errors_ != 0) == error_) return action::kNone;
-  return handle(errors_ != 0 ? Event::kError : Event::kNoError);
+  return update() | action::kSendStatus;
 }
 
 }  // namespace rosflight::core

@@ -6,21 +6,35 @@
 
 namespace rosflight::core {
 
-enum class State : std::uint8_t { kInit, kPreflight, kArmed, kError, kFailsafe, kCalibrating };
-inline constexpr std::size_t kStateCount = 6;
+enum class State : std::uint8_t {
+  kInit,
+  kPreflight,
+  kArmed,
+  kError,
+  kFailsafe,
+  kCalibrating,  ///< Arming was asked for; the gyro calibration that it needs is running.
+  kSaving,       ///< Arming was asked for; changed parameters are being stored, a block per pass.
+  kMotorTest,    ///< Disarmed, and one motor turns at most at a third of full output.
+};
+inline constexpr std::size_t kStateCount = 8;
 
 enum class Event : std::uint8_t {
   kInitialized,
   kRcFound,
   kRcLost,
-  kError,    ///< Some error bit is set.
-  kNoError,  ///< No error bit is set.
-  kArm,
+  kError,     ///< Some error bit is set.
+  kNoError,   ///< No error bit is set.
+  kArm,       ///< Arming is requested on the ground: every condition is tested.
+  kArmInAir,  ///< The outputs have to follow the command again at once.
   kDisarm,
   kCalibrationComplete,
   kCalibrationFailed,
+  kSaved,
+  kSaveFailed,
+  kMotorTest,     ///< A motor test was asked for.
+  kMotorTestEnd,  ///< Its time is over, or another motor was asked for.
 };
-inline constexpr std::size_t kEventCount = 9;
+inline constexpr std::size_t kEventCount = 14;
 
 /// Bits of the error word, as in the status message.
 enum class Error : std::uint16_t {
@@ -35,96 +49,129 @@ enum class Error : std::uint16_t {
 };
 
 /// What a transition does besides changing the state. Combined as bits.
+using Actions = std::uint32_t;
 namespace action {
-inline constexpr std::uint16_t kNone = 0;
-inline constexpr std::uint16_t kArm = 1 << 0;
-inline constexpr std::uint16_t kDisarm = 1 << 1;
-inline constexpr std::uint16_t kFailsafeOn = 1 << 2;
-inline constexpr std::uint16_t kFailsafeOff = 1 << 3;
-inline constexpr std::uint16_t kErrorOn = 1 << 4;
-inline constexpr std::uint16_t kErrorOff = 1 << 5;
-inline constexpr std::uint16_t kSetRcLost = 1 << 6;
-inline constexpr std::uint16_t kClearRcLost = 1 << 7;
+inline constexpr Actions kNone = 0;
+inline constexpr Actions kArm = 1 << 0;
+inline constexpr Actions kDisarm = 1 << 1;
+inline constexpr Actions kFailsafeOn = 1 << 2;
+inline constexpr Actions kFailsafeOff = 1 << 3;
+inline constexpr Actions kErrorOn = 1 << 4;
+inline constexpr Actions kErrorOff = 1 << 5;
+inline constexpr Actions kSetRcLost = 1 << 6;
+inline constexpr Actions kClearRcLost = 1 << 7;
 // To be carried out by the owner:
-inline constexpr std::uint16_t kCalibrateGyro = 1 << 8;
-inline constexpr std::uint16_t kRefuseThrottle = 1 << 9;   ///< Not armed: throttle stick not low.
-inline constexpr std::uint16_t kRefuseOverride = 1 << 10;  ///< Not armed: throttle override is off.
-inline constexpr std::uint16_t kRefuseErrors = 1 << 11;    ///< Not armed: error word not empty.
-inline constexpr std::uint16_t kSendStatus = 1 << 12;      ///< State or error word changed.
+inline constexpr Actions kCalibrateGyro = 1 << 8;
+inline constexpr Actions kStopCalibration = 1 << 9;
+inline constexpr Actions kSave = 1 << 10;           ///< Store the parameters.
+inline constexpr Actions kRefuse = 1 << 11;         ///< Not armed: a check of the list refuses.
+inline constexpr Actions kRefuseStorage = 1 << 12;  ///< Not armed: parameters not stored.
+inline constexpr Actions kStopMotorTest = 1 << 13;
+inline constexpr Actions kSendStatus = 1 << 14;  ///< State or error word changed.
+inline constexpr Actions kInAir = 1 << 15;       ///< With kArm: armed in the air.
 }  // namespace action
 
 /// What must hold for a row of the table; the first row that holds is taken.
 enum class Condition : std::uint8_t {
   kAlways,
-  kThrottleHigh,
-  kOverrideOff,
-  kCalibrationWanted,
+  kNotReady,           ///< A check of the list before arming refuses.
+  kCalibrationWanted,  ///< ARM_CAL_GYRO.
+  kSaveWanted,         ///< Parameters have changed since they were stored.
   kErrorFlag,
+  kCannotFly,  ///< No mixer, no IMU or no receiver.
 };
 
 struct Transition {
   State state;
   Event event;
   Condition condition;
-  std::uint16_t actions;
+  Actions actions;
   State next;
 };
 
 /// The safety logic, whole. Combinations that are not listed change nothing. tools/state_diagram.py
-/// draws the picture in docs/ from these rows.
+/// draws the picture in docs/ from these rows. A motor test goes on through disarm requests: an arm
+/// switch that is off sends one with every frame.
 // clang-format off
-inline constexpr std::array<Transition, 25> kTransitions{{
-    {State::kInit,        Event::kInitialized,         Condition::kAlways,            action::kNone,          State::kPreflight},
+inline constexpr std::array<Transition, 45> kTransitions{{
+    {State::kInit,        Event::kInitialized,         Condition::kAlways,             action::kNone, State::kPreflight},
 
-    {State::kPreflight,   Event::kRcFound,             Condition::kAlways,            action::kClearRcLost | action::kFailsafeOff, State::kPreflight},
-    {State::kPreflight,   Event::kRcLost,              Condition::kAlways,            action::kSetRcLost,     State::kPreflight},
-    {State::kPreflight,   Event::kError,               Condition::kAlways,            action::kErrorOn,       State::kError},
-    {State::kPreflight,   Event::kArm,                 Condition::kThrottleHigh,      action::kRefuseThrottle, State::kPreflight},
-    {State::kPreflight,   Event::kArm,                 Condition::kOverrideOff,       action::kRefuseOverride, State::kPreflight},
-    {State::kPreflight,   Event::kArm,                 Condition::kCalibrationWanted, action::kCalibrateGyro, State::kCalibrating},
-    {State::kPreflight,   Event::kArm,                 Condition::kAlways,            action::kArm,           State::kArmed},
+    {State::kPreflight,   Event::kRcFound,             Condition::kAlways,             action::kClearRcLost | action::kFailsafeOff, State::kPreflight},
+    {State::kPreflight,   Event::kRcLost,              Condition::kAlways,             action::kSetRcLost, State::kPreflight},
+    {State::kPreflight,   Event::kError,               Condition::kAlways,             action::kErrorOn, State::kError},
+    {State::kPreflight,   Event::kArm,                 Condition::kNotReady,           action::kRefuse, State::kPreflight},
+    {State::kPreflight,   Event::kArm,                 Condition::kCalibrationWanted,  action::kCalibrateGyro, State::kCalibrating},
+    {State::kPreflight,   Event::kArm,                 Condition::kSaveWanted,         action::kSave, State::kSaving},
+    {State::kPreflight,   Event::kArm,                 Condition::kAlways,             action::kArm, State::kArmed},
+    {State::kPreflight,   Event::kArmInAir,            Condition::kAlways,             action::kArm | action::kInAir, State::kArmed},
+    {State::kPreflight,   Event::kDisarm,              Condition::kAlways,             action::kNone, State::kPreflight},
+    {State::kPreflight,   Event::kMotorTest,           Condition::kAlways,             action::kNone, State::kMotorTest},
 
-    {State::kError,       Event::kRcFound,             Condition::kAlways,            action::kClearRcLost | action::kFailsafeOff, State::kError},
-    {State::kError,       Event::kRcLost,              Condition::kAlways,            action::kSetRcLost,     State::kError},
-    {State::kError,       Event::kNoError,             Condition::kAlways,            action::kErrorOff,      State::kPreflight},
-    {State::kError,       Event::kArm,                 Condition::kAlways,            action::kRefuseErrors,  State::kError},
+    {State::kError,       Event::kRcFound,             Condition::kAlways,             action::kClearRcLost | action::kFailsafeOff, State::kError},
+    {State::kError,       Event::kRcLost,              Condition::kAlways,             action::kSetRcLost, State::kError},
+    {State::kError,       Event::kNoError,             Condition::kAlways,             action::kErrorOff, State::kPreflight},
+    {State::kError,       Event::kArm,                 Condition::kAlways,             action::kRefuse, State::kError},
+    {State::kError,       Event::kArmInAir,            Condition::kCannotFly,          action::kRefuse, State::kError},
+    {State::kError,       Event::kArmInAir,            Condition::kAlways,             action::kArm | action::kInAir, State::kArmed},
+    {State::kError,       Event::kDisarm,              Condition::kAlways,             action::kNone, State::kError},
 
-    {State::kCalibrating, Event::kCalibrationComplete, Condition::kAlways,            action::kArm,           State::kArmed},
-    {State::kCalibrating, Event::kCalibrationFailed,   Condition::kAlways,            action::kNone,          State::kPreflight},
-    {State::kCalibrating, Event::kRcLost,              Condition::kAlways,            action::kSetRcLost,     State::kCalibrating},
-    {State::kCalibrating, Event::kError,               Condition::kAlways,            action::kErrorOn,       State::kError},
-    {State::kCalibrating, Event::kNoError,             Condition::kAlways,            action::kErrorOff,      State::kCalibrating},
+    {State::kCalibrating, Event::kCalibrationComplete, Condition::kNotReady,           action::kRefuse, State::kPreflight},
+    {State::kCalibrating, Event::kCalibrationComplete, Condition::kSaveWanted,         action::kSave, State::kSaving},
+    {State::kCalibrating, Event::kCalibrationComplete, Condition::kAlways,             action::kArm, State::kArmed},
+    {State::kCalibrating, Event::kCalibrationFailed,   Condition::kAlways,             action::kNone, State::kPreflight},
+    {State::kCalibrating, Event::kDisarm,              Condition::kAlways,             action::kStopCalibration, State::kPreflight},
+    {State::kCalibrating, Event::kRcLost,              Condition::kAlways,             action::kSetRcLost, State::kCalibrating},
+    {State::kCalibrating, Event::kError,               Condition::kAlways,             action::kErrorOn | action::kStopCalibration, State::kError},
 
-    {State::kArmed,       Event::kRcLost,              Condition::kAlways,            action::kFailsafeOn | action::kSetRcLost, State::kFailsafe},
-    {State::kArmed,       Event::kDisarm,              Condition::kErrorFlag,         action::kDisarm,        State::kError},
-    {State::kArmed,       Event::kDisarm,              Condition::kAlways,            action::kDisarm,        State::kPreflight},
-    {State::kArmed,       Event::kError,               Condition::kAlways,            action::kErrorOn,       State::kArmed},
-    {State::kArmed,       Event::kNoError,             Condition::kAlways,            action::kErrorOff,      State::kArmed},
+    {State::kSaving,      Event::kSaved,               Condition::kNotReady,           action::kRefuse, State::kPreflight},
+    {State::kSaving,      Event::kSaved,               Condition::kSaveWanted,         action::kSave, State::kSaving},
+    {State::kSaving,      Event::kSaved,               Condition::kAlways,             action::kArm, State::kArmed},
+    {State::kSaving,      Event::kSaveFailed,          Condition::kAlways,             action::kRefuseStorage, State::kPreflight},
+    {State::kSaving,      Event::kDisarm,              Condition::kAlways,             action::kNone, State::kPreflight},
+    {State::kSaving,      Event::kRcLost,              Condition::kAlways,             action::kSetRcLost, State::kSaving},
+    {State::kSaving,      Event::kError,               Condition::kAlways,             action::kErrorOn, State::kError},
 
-    {State::kFailsafe,    Event::kRcFound,             Condition::kAlways,            action::kFailsafeOff | action::kClearRcLost, State::kArmed},
-    {State::kFailsafe,    Event::kDisarm,              Condition::kAlways,            action::kDisarm,        State::kError},
-    {State::kFailsafe,    Event::kError,               Condition::kAlways,            action::kErrorOn,       State::kFailsafe},
+    {State::kArmed,       Event::kRcLost,              Condition::kAlways,             action::kFailsafeOn | action::kSetRcLost, State::kFailsafe},
+    {State::kArmed,       Event::kDisarm,              Condition::kErrorFlag,          action::kDisarm, State::kError},
+    {State::kArmed,       Event::kDisarm,              Condition::kAlways,             action::kDisarm, State::kPreflight},
+    {State::kArmed,       Event::kError,               Condition::kAlways,             action::kErrorOn, State::kArmed},
+    {State::kArmed,       Event::kNoError,             Condition::kAlways,             action::kErrorOff, State::kArmed},
+
+    {State::kFailsafe,    Event::kRcFound,             Condition::kAlways,             action::kFailsafeOff | action::kClearRcLost, State::kArmed},
+    {State::kFailsafe,    Event::kDisarm,              Condition::kAlways,             action::kDisarm, State::kError},
+    {State::kFailsafe,    Event::kError,               Condition::kAlways,             action::kErrorOn, State::kFailsafe},
+
+    {State::kMotorTest,   Event::kMotorTestEnd,        Condition::kAlways,             action::kStopMotorTest, State::kPreflight},
+    {State::kMotorTest,   Event::kArm,                 Condition::kAlways,             action::kStopMotorTest, State::kPreflight},
+    {State::kMotorTest,   Event::kDisarm,              Condition::kAlways,             action::kNone, State::kMotorTest},
+    {State::kMotorTest,   Event::kRcLost,              Condition::kAlways,             action::kSetRcLost, State::kMotorTest},
+    {State::kMotorTest,   Event::kError,               Condition::kAlways,             action::kErrorOn | action::kStopMotorTest, State::kError},
 }};
 // clang-format on
 
-/// What the pilot's controls say when he asks to arm.
+/// What decides about a request to arm on the ground; looked at again whenever a step of arming
+/// ends.
 struct ArmRequest {
-  bool throttle_low{true};
-  bool override_ok{true};      ///< TAKE_MIN_THR is set, or the throttle override switch is on.
+  bool ready{true};            ///< No check of the list refuses (arming_checks.hpp).
   bool calibrate_gyro{false};  ///< ARM_CAL_GYRO.
+  bool save{false};            ///< Parameters differ from those stored.
 };
 
 /// Arms, disarms, and remembers what is wrong: the table above, the three flags and the error word.
 /// Setting an error bit raises kError; clearing one raises kError or kNoError by what is left.
 class StateMachine {
  public:
-  /// @returns the actions left to the owner (kCalibrateGyro, kRefuse..., kSendStatus, and kArm or
-  /// kDisarm if it happened).
-  std::uint16_t handle(Event event, const ArmRequest& request = {});
-  std::uint16_t set_error(Error error);
-  std::uint16_t clear_error(Error error);
+  /// @returns the actions left to the owner: all from kCalibrateGyro on, and kArm or kDisarm if it
+  /// happened.
+  Actions handle(Event event, const ArmRequest& request = {});
+  Actions set_error(Error error);
+  Actions clear_error(Error error);
   /// Once per pass: lets the state follow the error word.
-  std::uint16_t update();
+  Actions update() {
+    // The flag follows the word in every state that the table reaches, so equal means nothing to do.
+    if ((errors_ != 0) == error_) return action::kNone;
+    return handle(errors_ != 0 ? Event::kError : Event::kNoError);
+  }
 
   State state() const { return state_; }
   bool armed() const { return armed_; }
@@ -132,9 +179,13 @@ class StateMachine {
   bool error() const { return error_; }
   std::uint16_t errors() const { return errors_; }
   bool has(Error error) const { return (errors_ & static_cast<std::uint16_t>(error)) != 0; }
+  /// Armed, or on the way there: a disarm request has something to end.
+  bool arming() const {
+    return armed_ || state_ == State::kCalibrating || state_ == State::kSaving;
+  }
 
  private:
-  std::uint16_t apply(const Transition& row);
+  Actions apply(const Transition& row);
   bool holds(Condition condition, const ArmRequest& request) const;
 
   State state_{State::kInit};

@@ -8,6 +8,27 @@ namespace {
 
 constexpr std::uint8_t kOutputDecimation = 8;
 constexpr int kParametersPerPass = 2;
+constexpr std::uint32_t kLeastShare = 600;  // bytes per second
+constexpr std::uint32_t kAssumed = 48'000;  // bytes per second, until it has been measured
+constexpr std::uint32_t kSlowLine = 2'000;  // bytes per second
+constexpr std::size_t kRoomForOthers = 128;
+
+/// The urgency of each message; everything else is ordinary.
+constexpr auto make_urgencies() {
+  std::array<std::uint8_t, std::variant_size_v<link::Message>> qos{};
+  for (std::uint8_t& one : qos) one = hal::Serial::kOrdinary;
+  qos[link::Message(std::in_place_type<link::Imu>).index()] = hal::Serial::kUrgent;
+  qos[link::Message(std::in_place_type<link::TimeSync>).index()] = hal::Serial::kTimely;
+  return qos;
+}
+constexpr auto kUrgency = make_urgencies();
+
+/// Bytes per second that samples may have of a line.
+constexpr std::uint32_t budget(std::uint32_t line) {
+  const std::uint32_t share = std::max(line / 4, kLeastShare);
+  return line > share ? line - share : 1;
+}
+
 /// Lists and texts leave this much of the transmit queue to the sensors.
 constexpr std::size_t kRoomForStreams = 256;
 
@@ -38,9 +59,62 @@ link::Gnss to_message(const hal::GnssSample& s) {
 
 }  // namespace
 
-void Telemetry::send(const link::Message& message, std::uint8_t qos) {
+/// @returns the bytes of the frame, taken or not.
+std::size_t Telemetry::put(const link::Message& message) {
   link::Frame frame;
-  if (codec_.encode(message, frame)) serial_.write(frame.bytes.data(), frame.size, qos);
+  if (codec_.encode(message, frame) &&
+      !serial_.write(frame.bytes.data(), frame.size, kUrgency[message.index()])) {
+    ++dropped_;
+  }
+  return frame.size;
+}
+
+void Telemetry::send(const link::Message& message) {
+  static_cast<void>(put(message));
+}
+
+// ---- samples, by what the line carries
+
+void Telemetry::set_line(std::uint32_t bytes_per_s) {
+  line_bytes_per_s_ = bytes_per_s;
+  every_ = (kAssumed - 1) / budget(bytes_per_s) + 1;
+  // The kinds take turns, so that they do not all come at once.
+  for (std::size_t k = 0; k < waited_.size(); ++k) {
+    waited_[k] = static_cast<std::uint16_t>(k * every_ / waited_.size());
+  }
+}
+
+bool Telemetry::turn_of_many(Stream kind) {
+  offered_ += bytes_[kind];
+  ++waited_[kind];
+  return waited_[kind] >= every_ && serial_.writable() >= kRoomForOthers + bytes_[kind];
+}
+
+void Telemetry::send_sample(Stream kind, const link::Message& message) {
+  const std::size_t bytes = put(message);
+  bytes_[kind] = static_cast<std::uint8_t>(bytes);
+  if (every_ == 1) {
+    offered_ += static_cast<std::uint32_t>(bytes);
+  } else {
+    waited_[kind] = 0;
+  }
+}
+
+/// (1), once a second.
+void Telemetry::measure(Time now) {
+  const auto ms = static_cast<std::uint64_t>(hal::to_ms(now - measured_));
+  constexpr std::uint64_t kShortest_ms = 500;  // the first second may be cut short
+  if (line_bytes_per_s_ > 0 && ms >= kShortest_ms && measured_ > Time{0}) {
+    const std::uint64_t offered = std::uint64_t{offered_} * 1000 / ms;
+    const std::uint64_t carried = budget(line_bytes_per_s_);
+    const auto needed = [carried](std::uint64_t bytes) {
+      return static_cast<std::uint32_t>(bytes == 0 ? 1 : (bytes - 1) / carried + 1);
+    };
+    every_ = needed(offered) > every_ ? needed(offered)
+                                      : std::min(every_, needed(offered + offered / 10));
+  }
+  measured_ = now;
+  offered_ = 0;
 }
 
 void Telemetry::send_parameter(Param id, const Parameters& parameters) {
@@ -56,43 +130,54 @@ void Telemetry::send_ack(std::uint8_t command, bool success) {
   send(link::CommandAck{command, success});
 }
 
-void Telemetry::stream(Time now, const Measurements& m, const AttitudeEstimate& attitude,
-                       const hal::OutputValues& outputs) {
+void Telemetry::stream(const Measurements& m, const AttitudeEstimate& attitude) {
+  room_ = m.new_imu && !m.new_aid ? 1 : (m.new_imu ? 0 : kMessagesWithoutImu);
   if (m.new_imu) {
-    send(link::Imu{static_cast<std::uint64_t>(m.imu.stamp.count()), m.imu.accel_m_s2,
-                   m.imu.gyro_rad_s, m.imu.temperature_K},
-         hal::Serial::kUrgent);
-    const Quaternion& q = attitude.q_NB;
-    const Vector3& w = attitude.rates_rad_s;
-    send(link::Attitude{ms32(m.imu.stamp), {q.w, q.x, q.y, q.z}, {w.x(), w.y(), w.z()}});
-    stream_outputs(now, outputs);
+    if (turn(kImu)) {
+      send_sample(kImu, link::Imu{static_cast<std::uint64_t>(m.imu.stamp.count()), m.imu.accel_m_s2,
+                                  m.imu.gyro_rad_s, m.imu.temperature_K});
+    }
+    if (turn(kAttitude)) {
+      const Quaternion& q = attitude.q_NB;
+      const Vector3& w = attitude.rates_rad_s;
+      send_sample(kAttitude,
+                  link::Attitude{ms32(m.imu.stamp), {q.w, q.x, q.y, q.z}, {w.x(), w.y(), w.z()}});
+    }
+    if (imu_count_ == 0 && turn(kOutputs)) outputs_due_ = true;
+    imu_count_ = static_cast<std::uint8_t>((imu_count_ + 1) % kOutputDecimation);
   }
-  if (m.new_diff_pressure) {
-    send(link::DiffPressure{m.airspeed_m_s, m.diff_pressure.pressure_Pa,
-                            m.diff_pressure.temperature_K});
+  if (!m.new_aid) return;
+  if (m.new_diff_pressure && turn(kDiffPressure)) {
+    send_sample(kDiffPressure, link::DiffPressure{m.airspeed_m_s, m.diff_pressure.pressure_Pa,
+                                                  m.diff_pressure.temperature_K});
   }
-  if (m.new_baro) send(link::Baro{m.altitude_m, m.baro.pressure_Pa, m.baro.temperature_K});
-  if (m.new_mag) send(link::Mag{m.mag.field_T});
-  if (m.new_range) {
-    send(link::Range{static_cast<std::uint8_t>(m.range.kind), m.range.range_m, m.range.max_m,
-                     m.range.min_m});
+  if (m.new_baro && turn(kBaro)) {
+    send_sample(kBaro, link::Baro{m.altitude_m, m.baro.pressure_Pa, m.baro.temperature_K});
   }
-  if (m.new_battery) send(link::BatteryStatus{m.battery.voltage_V, m.battery.current_A});
-  if (m.new_gnss) send(to_message(m.gnss));
+  if (m.new_mag && turn(kMag)) send_sample(kMag, link::Mag{m.mag.field_T});
+  if (m.new_range && turn(kRange)) {
+    send_sample(kRange, link::Range{static_cast<std::uint8_t>(m.range.kind), m.range.range_m,
+                                    m.range.max_m, m.range.min_m});
+  }
+  if (m.new_battery && turn(kBattery)) {
+    send_sample(kBattery, link::BatteryStatus{m.battery.voltage_V, m.battery.current_A});
+  }
+  if (m.new_gnss && turn(kGnss)) send_sample(kGnss, to_message(m.gnss));
 }
 
-void Telemetry::stream_outputs(Time now, const hal::OutputValues& outputs) {
-  if (imu_count_ == 0) send(link::OutputRaw{static_cast<std::uint64_t>(hal::to_ms(now)), outputs});
-  imu_count_ = static_cast<std::uint8_t>((imu_count_ + 1) % kOutputDecimation);
+void Telemetry::send_outputs(Time now, const hal::OutputValues& outputs) {
+  outputs_due_ = false;
+  send_sample(kOutputs, link::OutputRaw{static_cast<std::uint64_t>(hal::to_ms(now)), outputs});
 }
 
 void Telemetry::send_rc(Time now, const hal::RcFrame& frame) {
+  rc_due_ = false;
   link::RcChannels message;
   message.time_boot_ms = ms32(now);
   const auto n = std::min<std::size_t>(frame.channel_count, message.pulse_us.size());
   for (std::size_t k = 0; k < n; ++k) message.pulse_us[k] = pulse_us(frame.channels[k]);
   message.count = static_cast<std::uint8_t>(n);
-  send(message);
+  send_sample(kRc, message);
 }
 
 void Telemetry::heard_peer(Time now) {
@@ -108,37 +193,66 @@ void Telemetry::report_crash(const CrashRecord& record, bool rearmed) {
   crash_waiting_ = true;
 }
 
-bool Telemetry::tick(Time now, bool fixed_wing) {
-  if (now >= next_tenth_) {
-    constexpr std::int64_t kTenth_us = 100'000;
-    const std::int64_t tenth = now.count() / kTenth_us;
-    const bool first_of_second =
-        next_tenth_ == Time{0} || tenth / 10 != (next_tenth_.count() / kTenth_us - 1) / 10;
-    next_tenth_ = Time{(tenth + 1) * kTenth_us};
-    if (first_of_second) {
-      send(link::Heartbeat{fixed_wing ? link::VehicleType::kFixedWing
-                                      : link::VehicleType::kMultirotor});
-    }
-    if (connected_ && now - last_heard_ > kPeerSilence) connected_ = false;
-    status_due_ = true;
+void Telemetry::tenth(Time now, bool fixed_wing) {
+  constexpr std::int64_t kTenth_us = 100'000;
+  const std::int64_t tenth = now.count() / kTenth_us;
+  const bool first_of_second =
+      next_tenth_ == Time{0} || tenth / 10 != (next_tenth_.count() / kTenth_us - 1) / 10;
+  next_tenth_ = Time{(tenth + 1) * kTenth_us};
+  if (first_of_second) {
+    measure(now);
+    send(link::Heartbeat{fixed_wing ? link::VehicleType::kFixedWing
+                                    : link::VehicleType::kMultirotor});
   }
-  const bool due = status_due_;
-  status_due_ = false;
-  return due;
+  if (connected_ && now - last_heard_ > kPeerSilence) connected_ = false;
+  const bool slow = line_bytes_per_s_ > 0 && line_bytes_per_s_ < kSlowLine;
+  if (!slow || tenth % 5 == 0) status_due_ = true;
 }
 
-void Telemetry::send_backlog(Parameters& parameters, Log& log) {
-  const bool listing = next_listed_ < kParamCount;
-  if (!listing && log.empty() && !parameters.has_unreported()) return;
-  for (int k = 0; k < kParametersPerPass && serial_.writable() > kRoomForStreams; ++k) {
+bool Telemetry::has_room() const {
+  return serial_.writable() > kRoomForStreams;
+}
+
+/// The kinds take turns, so that none keeps another waiting.
+void Telemetry::send_waiting(Time now, const Waiting& w, Parameters& parameters, Log& log) {
+  if (room_ == 0 && ++passed_over_ < kMostPassedOver) return;
+  passed_over_ = 0;
+  int left = std::max<int>(room_, 1);
+  constexpr int kKinds = 4;
+  for (int k = 0; k < kKinds && left > 0; ++k) {
+    next_waiting_ = static_cast<std::uint8_t>((next_waiting_ + 1) % kKinds);
+    switch (next_waiting_) {
+      case 0:
+        if (outputs_due_) send_outputs(now, w.outputs), --left;
+        break;
+      case 1:
+        if (rc_due_) send_rc(now, w.rc), --left;
+        break;
+      case 2:
+        left -= send_parameters(parameters, left);
+        break;
+      default:
+        if (connected_ && !log.empty() && has_room()) send(log.pop()), --left;
+        break;
+    }
+  }
+}
+
+/// @returns how many it sent.
+int Telemetry::send_parameters(Parameters& parameters, int most) {
+  int sent = 0;
+  while (sent < std::min(most, kParametersPerPass) && has_room()) {
     Param id{};
     if (parameters.take_unreported(id)) {
       send_parameter(id, parameters);
     } else if (next_listed_ < kParamCount) {
       send_parameter(static_cast<Param>(next_listed_++), parameters);
+    } else {
+      break;
     }
+    ++sent;
   }
-  if (connected_ && !log.empty() && serial_.writable() > kRoomForStreams) send(log.pop());
+  return sent;
 }
 
 }  // namespace rosflight::core

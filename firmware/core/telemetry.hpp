@@ -14,44 +14,125 @@ namespace rosflight::core {
 
 /// The sending half of the link: what goes out in a pass, and in which order. Sensor messages
 /// follow their samples; lists and texts fill the room that is left.
+///
+/// A line that cannot carry every sample gets every n-th of each kind. It carries C = baud/10 bytes
+/// per second; R = max(C/4, 600) of them are kept for heartbeat, status, acknowledgements, time
+/// synchronisation, parameters and texts, and with O bytes per second of samples offered
+///
+///     n = ceil(O / (C - R))                                                                 (1)
+///
+/// measured once a second (48 kB/s are assumed for the first); n falls only when there is a tenth
+/// to spare. n = 1 whenever all fits: from 921 600 baud on with an IMU at 400 Hz. While n > 1 a
+/// sample also waits for its next turn unless the transmit queue keeps 128 bytes for the others.
+/// Below 20 000 baud the status leaves twice a second and on change, else ten times.
 class Telemetry {
  public:
   static constexpr Time kPeerSilence = hal::milliseconds(3000);
+  /// Outputs, receiver channels, two parameters, a text.
+  static constexpr std::uint8_t kMessagesWithoutImu = 5;
+  /// What is due is not passed over longer than this, however busy the sensors are.
+  static constexpr std::uint8_t kMostPassedOver = 8;
 
   Telemetry(hal::Serial& serial, link::Codec& codec) : serial_{serial}, codec_{codec} {}
 
-  void send(const link::Message& message, std::uint8_t qos = hal::Serial::kOrdinary);
+  /// What the line carries, if the serial port took the rate; without it nothing is decimated.
+  void set_line(std::uint32_t bytes_per_s);
+
+  /// A frame that the serial port does not take is counted.
+  void send(const link::Message& message);
   void send_parameter(Param id, const Parameters& parameters);
   void send_ack(std::uint8_t command, bool success);
 
-  /// What follows the sensors, in this order: IMU, attitude, outputs (with every 8th IMU sample,
-  /// the first one included), differential pressure, barometer, magnetometer, range, battery, GNSS.
-  void stream(Time now, const Measurements& m, const AttitudeEstimate& attitude,
-              const hal::OutputValues& outputs);
-  void send_rc(Time now, const hal::RcFrame& frame);
+  /// What follows the sensors, in this order: IMU, attitude, differential pressure, barometer,
+  /// magnetometer, range, battery, GNSS. With every 8th IMU sample, the first one included, the
+  /// outputs are due.
+  void stream(const Measurements& m, const AttitudeEstimate& attitude);
+  /// A frame of the receiver is due.
+  void note_rc() { rc_due_ = turn(kRc); }
   /// Once per pass: heartbeat, and whether it is time for a status message. @returns true if so.
-  bool tick(Time now, bool fixed_wing);
-  /// Once per pass, last: changed parameters, the parameter list, texts.
-  void send_backlog(Parameters& parameters, Log& log);
+  bool tick(Time now, bool fixed_wing) {
+    if (now >= next_tenth_) tenth(now, fixed_wing);
+    const bool due = status_due_;
+    status_due_ = false;
+    return due;
+  }
+  /// What can wait, and what it is made of when its turn comes.
+  struct Waiting {
+    const hal::OutputValues& outputs;
+    const hal::RcFrame& rc;
+  };
+  /// Once per pass, last: outputs, receiver channels, parameters, texts. A pass with an IMU sample
+  /// sends one of these, or one aiding sensor's message instead; a pass without all that is due.
+  void send_backlog(Time now, const Waiting& w, Parameters& parameters, Log& log) {
+    if (outputs_due_ || rc_due_ || next_listed_ < kParamCount || parameters.has_unreported() ||
+        (connected_ && !log.empty())) {
+      send_waiting(now, w, parameters, log);
+    }
+  }
 
   /// The next tick() says true, whatever the clock says.
   void request_status() { status_due_ = true; }
-  void start_list() { next_listed_ = 0; }
+  void start_list() {
+    next_listed_ = 0;
+    next_waiting_ = 1;  // parameters are next: early companions wait for the first one
+  }
+  /// A message that can wait would not push a sensor's out of the transmit queue.
+  bool has_room() const;
   void heard_peer(Time now);
   bool connected() const { return connected_; }
+  /// Frames the serial port did not take.
+  std::uint32_t dropped() const { return dropped_; }
+  /// The n of (1).
+  std::uint32_t decimation() const { return every_; }
   /// Held until a peer is there.
   void report_crash(const CrashRecord& record, bool rearmed);
 
  private:
-  void stream_outputs(Time now, const hal::OutputValues& outputs);
+  /// The kinds of samples; each waits for its own turn.
+  enum Stream : std::uint8_t {
+    kImu,
+    kAttitude,
+    kOutputs,
+    kDiffPressure,
+    kBaro,
+    kMag,
+    kRange,
+    kBattery,
+    kGnss,
+    kRc,
+    kStreams
+  };
+  std::size_t put(const link::Message& message);
+  /// Whether a sample of that kind is to be sent.
+  bool turn(Stream kind) { return every_ == 1 || turn_of_many(kind); }
+  bool turn_of_many(Stream kind);
+  void send_sample(Stream kind, const link::Message& message);
+  void measure(Time now);
+  void tenth(Time now, bool fixed_wing);
+  void send_waiting(Time now, const Waiting& w, Parameters& parameters, Log& log);
+  void send_outputs(Time now, const hal::OutputValues& outputs);
+  void send_rc(Time now, const hal::RcFrame& frame);
+  int send_parameters(Parameters& parameters, int most);
 
   hal::Serial& serial_;
   link::Codec& codec_;
   link::HardError crash_{};
   Time last_heard_{};
   Time next_tenth_{};
+  Time measured_{};  ///< When offered_ began.
+  std::uint32_t line_bytes_per_s_{0};
+  std::uint32_t offered_{0};  ///< Bytes of samples, since measured_.
+  std::uint32_t every_{1};
+  std::uint32_t dropped_{0};
+  std::array<std::uint16_t, kStreams> waited_{};  ///< Samples since the last one sent.
+  std::array<std::uint8_t, kStreams> bytes_{};    ///< Of the last frame of each kind.
   std::uint16_t next_listed_{static_cast<std::uint16_t>(kParamCount)};
   std::uint8_t imu_count_{0};
+  std::uint8_t room_{0};          ///< Messages that this pass may still send.
+  std::uint8_t passed_over_{0};   ///< Passes in which something was due and had no room.
+  std::uint8_t next_waiting_{3};  ///< Whose turn was last.
+  bool outputs_due_{false};
+  bool rc_due_{false};
   bool status_due_{false};
   bool connected_{false};
   bool crash_waiting_{false};

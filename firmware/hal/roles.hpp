@@ -58,6 +58,12 @@ class Serial {
   static constexpr std::uint8_t kUrgent = 0;  ///< Goes out first; IMU samples.
   static constexpr std::uint8_t kTimely = 1;  ///< Time synchronisation.
   static constexpr std::uint8_t kOrdinary = 255;
+  /// The three classes in the order in which they go out, the same on every board that has queues:
+  /// urgent is 0, ordinary 255, all between is timely.
+  static constexpr std::size_t kClasses = 3;
+  static constexpr std::size_t class_of(std::uint8_t qos) {
+    return qos == kUrgent ? 0 : qos == kOrdinary ? 2 : 1;
+  }
 
   /// Called once. @returns false if the board has no such device or rate; it then uses its own.
   virtual bool open(std::uint32_t baud, std::uint8_t device) = 0;
@@ -140,6 +146,11 @@ class System {
   virtual void reset(bool to_bootloader) = 0;
   /// Feeds the watchdog; called once per pass.
   virtual void alive() = 0;
+  /// Processor time that this thread has used, from any origin; never decreases. The difference of
+  /// two calls is what a pass cost: where nothing else runs, the clock.
+  virtual Time busy_time() const = 0;
+  /// Other programs share the processor: how long a pass takes is not the firmware's doing alone.
+  virtual bool shares_processor() const = 0;
 
  protected:
   ~System() = default;

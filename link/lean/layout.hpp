@@ -228,6 +228,42 @@ struct Layout<StatusText> {
       std::make_tuple(field("severity", &StatusText::severity), field("text", &StatusText::text));
 };
 
+template <>
+struct Layout<MotorTest> {
+  static constexpr const char* kName = "MotorTest";
+  static constexpr auto kFields =
+      std::make_tuple(field("target_system", &MotorTest::target_system),
+                      field("motor", &MotorTest::motor), field("value", &MotorTest::value));
+};
+
+template <>
+struct Layout<ReportRequest> {
+  static constexpr const char* kName = "ReportRequest";
+  static constexpr auto kFields = std::make_tuple(
+      field("target_system", &ReportRequest::target_system), field("kind", &ReportRequest::kind));
+};
+
+template <>
+struct Layout<CheckResult> {
+  static constexpr const char* kName = "CheckResult";
+  static constexpr auto kFields =
+      std::make_tuple(field("index", &CheckResult::index), field("count", &CheckResult::count),
+                      field("result", &CheckResult::result), field("name", &CheckResult::name),
+                      field("reason", &CheckResult::reason));
+};
+
+template <>
+struct Layout<Counters> {
+  static constexpr const char* kName = "Counters";
+  static constexpr auto kFields = std::make_tuple(
+      field("longest_pass_us", &Counters::longest_pass_us),
+      field("pass_budget_us", &Counters::pass_budget_us),
+      field("passes_over_budget", &Counters::passes_over_budget),
+      field("passes", &Counters::passes), field("frames_dropped", &Counters::frames_dropped),
+      field("tx_dropped", &Counters::tx_dropped), field("texts_lost", &Counters::texts_lost),
+      field("imu_jitter", &Counters::imu_jitter), field("rejected", &Counters::rejected));
+};
+
 // ---- one value on the wire
 
 /// How a value looks in the schema: a type letter, its bytes, how many of them.

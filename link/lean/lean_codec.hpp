@@ -17,7 +17,7 @@ struct Sender {
   std::uint8_t sequence{};
 };
 
-inline constexpr std::size_t kLongestFrame = 76;  ///< AuxCommand; checked in the source.
+inline constexpr std::size_t kLongestFrame = 98;  ///< Counters; checked in the source.
 
 }  // namespace lean
 

@@ -287,4 +287,56 @@ inline void unpack(const mavlink_statustext_t& w, StatusText& m) {
   copy_terminated<kTextLength>(w.text, m.text.data());
 }
 
+inline void pack(const MotorTest& m, mavlink_motor_test_t& w) {
+  w = {m.value, m.target_system, m.motor};
+}
+inline void unpack(const mavlink_motor_test_t& w, MotorTest& m) {
+  m = {w.target_system, w.motor, w.value};
+}
+
+inline void pack(const ReportRequest& m, mavlink_report_request_t& w) {
+  w = {m.target_system, m.kind};
+}
+inline void unpack(const mavlink_report_request_t& w, ReportRequest& m) {
+  m = {w.target_system, w.kind};
+}
+
+inline void pack(const CheckResult& m, mavlink_check_result_t& w) {
+  w.index = m.index;
+  w.count = m.count;
+  w.result = m.result;
+  copy_text<kCheckNameLength>(m.name.data(), w.name);
+  copy_terminated<kTextLength>(m.reason.data(), w.reason);
+}
+inline void unpack(const mavlink_check_result_t& w, CheckResult& m) {
+  m.index = w.index;
+  m.count = w.count;
+  m.result = w.result;
+  copy_text<kCheckNameLength>(w.name, m.name.data());
+  copy_terminated<kTextLength>(w.reason, m.reason.data());
+}
+
+inline void pack(const Counters& m, mavlink_counters_t& w) {
+  w.longest_pass = m.longest_pass_us;
+  w.pass_budget = m.pass_budget_us;
+  w.passes_over_budget = m.passes_over_budget;
+  w.passes = m.passes;
+  w.frames_dropped = m.frames_dropped;
+  w.tx_dropped = m.tx_dropped;
+  w.texts_lost = m.texts_lost;
+  std::memcpy(w.imu_jitter, m.imu_jitter.data(), sizeof w.imu_jitter);
+  std::memcpy(w.rejected, m.rejected.data(), sizeof w.rejected);
+}
+inline void unpack(const mavlink_counters_t& w, Counters& m) {
+  m.longest_pass_us = w.longest_pass;
+  m.pass_budget_us = w.pass_budget;
+  m.passes_over_budget = w.passes_over_budget;
+  m.passes = w.passes;
+  m.frames_dropped = w.frames_dropped;
+  m.tx_dropped = w.tx_dropped;
+  m.texts_lost = w.texts_lost;
+  std::memcpy(m.imu_jitter.data(), w.imu_jitter, sizeof w.imu_jitter);
+  std::memcpy(m.rejected.data(), w.rejected, sizeof w.rejected);
+}
+
 }  // namespace rosflight::link::mavlink

@@ -131,6 +131,14 @@ inline constexpr std::array<Row, std::variant_size_v<Message>> kRows = {{
         MAVLINK_MSG_ID_ROSFLIGHT_BATTERY_STATUS_LEN, MAVLINK_MSG_ID_ROSFLIGHT_BATTERY_STATUS_CRC>(),
     row<StatusText, mavlink_statustext_t, MAVLINK_MSG_ID_STATUSTEXT, MAVLINK_MSG_ID_STATUSTEXT_LEN,
         MAVLINK_MSG_ID_STATUSTEXT_CRC>(),
+    row<MotorTest, mavlink_motor_test_t, MAVLINK_MSG_ID_MOTOR_TEST, MAVLINK_MSG_ID_MOTOR_TEST_LEN,
+        MAVLINK_MSG_ID_MOTOR_TEST_CRC>(),
+    row<ReportRequest, mavlink_report_request_t, MAVLINK_MSG_ID_REPORT_REQUEST,
+        MAVLINK_MSG_ID_REPORT_REQUEST_LEN, MAVLINK_MSG_ID_REPORT_REQUEST_CRC>(),
+    row<CheckResult, mavlink_check_result_t, MAVLINK_MSG_ID_CHECK_RESULT,
+        MAVLINK_MSG_ID_CHECK_RESULT_LEN, MAVLINK_MSG_ID_CHECK_RESULT_CRC>(),
+    row<Counters, mavlink_counters_t, MAVLINK_MSG_ID_COUNTERS, MAVLINK_MSG_ID_COUNTERS_LEN,
+        MAVLINK_MSG_ID_COUNTERS_CRC>(),
 }};
 
 constexpr bool rows_follow_message() {

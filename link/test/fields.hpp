@@ -168,6 +168,33 @@ void each_field(Either<StatusText> auto& m, auto&& f) {
   f("severity", m.severity);
   f("text", m.text);
 }
+void each_field(Either<MotorTest> auto& m, auto&& f) {
+  f("target_system", m.target_system);
+  f("motor", m.motor);
+  f("value", m.value);
+}
+void each_field(Either<ReportRequest> auto& m, auto&& f) {
+  f("target_system", m.target_system);
+  f("kind", m.kind);
+}
+void each_field(Either<CheckResult> auto& m, auto&& f) {
+  f("index", m.index);
+  f("count", m.count);
+  f("result", m.result);
+  f("name", m.name);
+  f("reason", m.reason);
+}
+void each_field(Either<Counters> auto& m, auto&& f) {
+  f("longest_pass", m.longest_pass_us);
+  f("pass_budget", m.pass_budget_us);
+  f("passes_over_budget", m.passes_over_budget);
+  f("passes", m.passes);
+  f("frames_dropped", m.frames_dropped);
+  f("tx_dropped", m.tx_dropped);
+  f("texts_lost", m.texts_lost);
+  f("imu_jitter", m.imu_jitter);
+  f("rejected", m.rejected);
+}
 
 template <typename To, typename From>
 To bits_of(const From& from) {

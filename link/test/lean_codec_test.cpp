@@ -170,7 +170,8 @@ TEST(LeanFrames, TheCodecIsSmall) {
 }
 
 TEST(LeanReceiver, AnUnknownIdIsDroppedEvenWithAChecksumThatFits) {
-  for (const std::uint8_t id : Bytes{0, 26, 200}) {
+  constexpr auto kPastTheEnd = static_cast<std::uint8_t>(lean::kAlternatives);
+  for (const std::uint8_t id : Bytes{0, kPastTheEnd, 200}) {
     LeanCodec codec;
     EXPECT_TRUE(decoded(codec, framed({id, 0, 1, 2, 3}, seed_of(lean::kSchema))).empty());
     EXPECT_EQ(codec.counters().frames_dropped, 1u) << int{id};

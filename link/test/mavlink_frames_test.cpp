@@ -133,7 +133,11 @@ std::vector<Layout> layouts() {
           {196, 16, 10, HardError{}},
           {197, 66, 221, Gnss{}},
           {199, 8, 48, BatteryStatus{}},
-          {253, 51, 83, StatusText{}}};
+          {253, 51, 83, StatusText{}},
+          {236, 6, 164, MotorTest{}},
+          {237, 2, 114, ReportRequest{}},
+          {238, 69, 133, CheckResult{}},
+          {239, 92, 2, Counters{}}};
 }
 
 /// CRC-16/MCRF4XX bit by bit, from its definition.

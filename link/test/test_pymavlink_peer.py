@@ -7,6 +7,7 @@ It encodes random messages, our codec reads them and encodes them again, and pym
 import importlib.util
 import os
 import random
+import re
 import struct
 import subprocess
 import sys
@@ -26,6 +27,7 @@ CONSTANT = {"HEARTBEAT": {"autopilot": 0, "base_mode": 0, "custom_mode": 0, "sys
             "PARAM_REQUEST_READ": {"target_component": 0},
             "PARAM_REQUEST_LIST": {"target_component": 0},
             "PARAM_SET": {"target_component": 0}}
+OURS = {236, 237, 238, 239}
 BOOLEAN = {("ROSFLIGHT_CMD_ACK", "success"), ("ROSFLIGHT_STATUS", "armed"),
            ("ROSFLIGHT_STATUS", "failsafe"), ("ROSFLIGHT_STATUS", "offboard")}
 
@@ -101,8 +103,12 @@ def exchange(dialect):
     return list(zip(sent, answers))
 
 
-def test_the_dialect_has_25_messages(dialect):
-    assert len(dialect.mavlink_map) == 25
+def test_the_dialect_has_25_messages_of_rosflight_and_four_of_ours(dialect):
+    assert len(dialect.mavlink_map) == 25 + 4
+    assert [dialect.mavlink_map[number].msgname for number in sorted(OURS)] == [
+        "MOTOR_TEST", "REPORT_REQUEST", "CHECK_RESULT", "COUNTERS"]
+    public = importlib.import_module("pymavlink.dialects.v20.all").mavlink_map
+    assert not OURS & public.keys()  # no public dialect means something else by them
 
 
 def test_we_read_what_pymavlink_wrote(exchange):
@@ -126,3 +132,37 @@ def test_pymavlink_reads_what_we_wrote(exchange, dialect):
                 got = got.encode("ascii")
             assert got == expected, f"{kind.msgname}.{name}"
         assert again[6:-2] == frame[6:-2], kind.msgname
+
+
+@pytest.fixture(scope="module")
+def dialect_of_release_2(tmp_path_factory):
+    """What a ground tool of ROSflight 2.x has: the dialect without our messages."""
+    folder = tmp_path_factory.mktemp("dialect")
+    text = (ROOT / "link" / "mavlink" / "rosflight.xml").read_text()
+    for number in OURS:
+        text, count = re.subn(rf'    <message id="{number}".*?</message>\n', "", text, flags=re.S)
+        assert count == 1
+    (folder / "release_2.xml").write_text(text)
+    subprocess.run([sys.executable, ROOT / "link" / "mavlink" / "generate.py", "Python3",
+                    folder / "release_2.xml", folder / "release_2.py"], check=True, timeout=60)
+    spec = importlib.util.spec_from_file_location("release_2", folder / "release_2.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    assert len(module.mavlink_map) == 25
+    return module
+
+
+def test_a_tool_without_our_messages_ignores_them_and_loses_nothing_else(dialect, dialect_of_release_2):
+    sender = dialect.MAVLink(None, srcSystem=1, srcComponent=250)
+    stream, others = b"", []
+    for kind, _, fields in random_messages(dialect, 20):
+        stream += bytes(kind(**fields).pack(sender, force_mavlink1=True))
+        sender.seq = (sender.seq + 1) % 256
+        if kind.id not in OURS:
+            others.append(kind.msgname)
+    parser = dialect_of_release_2.MAVLink(None)
+    parser.robust_parsing = True
+    got = [message.get_type() for message in parser.parse_buffer(stream)]
+    assert [name for name in got if name in others] == others
+    assert all(name in others or name == "BAD_DATA" or name.startswith("UNKNOWN") for name in got)

@@ -81,6 +81,10 @@ void write_fcu_messages(FlightLog& log) {
   put(link::BatteryStatus{14.75F, 21.5F});
   put(link::StatusText{link::Severity::kWarning, text<link::kTextLength>("RC lost \xC3\xA4 \xFF")});
   put(link::StatusText{link::Severity::kCritical, text<link::kTextLength>("Hard fault")});
+  put(link::CheckResult{3, 9, 2, text<link::kCheckNameLength>("gyro still"),
+                        text<link::kTextLength>("0.21 rad/s")});
+  put(link::Counters{310, 2500, 2, 400'000, 5, 6, 7, ramp<std::uint32_t, link::kCounterBins>(10, 1),
+                     ramp<std::uint32_t, link::kCounterBins>(30, 2)});
 }
 
 /// Messages to the flight control unit, 1 ms apart from 2.000 s on.
@@ -100,6 +104,8 @@ void write_companion_messages(FlightLog& log) {
                        ramp<float, link::kOutputs>(1.0F, -0.125F)});
   put(link::ExternalAttitude{{0.75F, 0.125F, -0.25F, 0.5F}});
   put(link::CommandRequest{10});
+  put(link::MotorTest{1, 3, 0.25F});
+  put(link::ReportRequest{1, 1});
 }
 
 sim::Truth truth_at(Time time) {

@@ -180,6 +180,21 @@ EXPECTED = {
     "/link/command_request": ("rosflight_log_msgs/msg/CommandRequest", [
         (2.009, {"header": header(2.009), "command": 10}),
     ]),
+    "/link/motor_test": ("rosflight_log_msgs/msg/MotorTest", [
+        (2.010, {"header": header(2.010), "target_system": 1, "motor": 3, "value": 0.25}),
+    ]),
+    "/link/report_request": ("rosflight_log_msgs/msg/ReportRequest", [
+        (2.011, {"header": header(2.011), "target_system": 1, "kind": 1}),
+    ]),
+    "/link/check_result": ("rosflight_log_msgs/msg/CheckResult", [
+        (1.022, {"header": header(1.022), "index": 3, "count": 9, "result": 2, "name": "gyro still",
+                 "reason": "0.21 rad/s"}),
+    ]),
+    "/link/counters": ("rosflight_log_msgs/msg/Counters", [
+        (1.023, {"header": header(1.023), "longest_pass": 310, "pass_budget": 2500, "passes_over_budget": 2,
+                 "passes": 400000, "frames_dropped": 5, "tx_dropped": 6, "texts_lost": 7,
+                 "imu_jitter": ramp(10, 1, 8), "rejected": ramp(30, 2, 8)}),
+    ]),
     "/link/raw": ("rosflight_log_msgs/msg/RawFrame", [
         (2.500, {"header": header(2.500), "direction": 1, "data": bytes([0xFE, 0x00, 0x7F, 0x80, 0xFF])}),
     ]),

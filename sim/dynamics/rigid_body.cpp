@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace rosflight::sim {
@@ -132,7 +133,10 @@ double RigidBody::height_m(const BodyState& body) const {
 
 void RigidBody::begin(const BodyState& given, std::span<const double> module_state) {
   BodyState state = given;
-  state.q_NB.coeffs() /= given.q_NB.norm();
+  // A unit quaternion stays as it is to the bit, so that a state that was read can be set again.
+  constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
+  const double norm = given.q_NB.norm();
+  if (std::abs(norm - 1.0) > kRounding) state.q_NB.coeffs() /= norm;
   pack(state, y_);
   forces_.initial_state(module_part(y_));
   std::ranges::copy(module_state, module_part(y_).begin());

@@ -101,6 +101,12 @@ bool Imu::measure(const Truth& truth, Sample& sample) {
             .accel_m_s2 = to_floats(accel),
             .gyro_rad_s = to_floats(gyro),
             .temperature_K = static_cast<float>(temperature_K_)};
+  if (sample.accel_m_s2 == last_accel_ && sample.gyro_rad_s == last_gyro_) {
+    float& z = sample.accel_m_s2[2];
+    z = std::nextafter(z, z > 0.0F ? 0.0F : 1.0F);
+  }
+  last_accel_ = sample.accel_m_s2;
+  last_gyro_ = sample.gyro_rad_s;
   return true;
 }
 

@@ -15,6 +15,9 @@ namespace rosflight::sim::sensors {
 /// Strapdown Inertial Navigation Technology, 2nd ed., sec. 2). Rotors shake the airframe: white
 /// noise of sigma = vibration * rms rotor speed adds in power. Earth's rotation (7e-5 rad/s) is
 /// left out, below the bias of any part used here.
+/// A sample that would equal the one before bit by bit (no noise, at rest) has the last bit of the
+/// accelerometer's z changed: no real sensor repeats itself, and a flight controller takes one that
+/// does for stuck.
 /// Errors and saturation act in the axes of the chip, which is turned by rotation_deg.
 class Imu {
  public:
@@ -65,6 +68,7 @@ class Imu {
   double rise_K_;
   double rise_keep_;
   bool temperature_matters_;
+  hal::Vec3 last_accel_{}, last_gyro_{};
   double temperature_K_{};
   Vector3 gyro_temperature_bias_{Vector3::Zero()};
   Vector3 accel_temperature_bias_{Vector3::Zero()};

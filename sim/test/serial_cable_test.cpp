@@ -122,7 +122,7 @@ TEST(SerialLine, UrgentFramesOvertakeButNeverSplit) {
   push(line, 50, Bytes(3, 'U'), kUrgentQos);
   push(line, 50, Bytes(3, 'V'), 1);
   const Bytes all = pop(line, 10'000);
-  EXPECT_EQ(std::string(all.begin(), all.end()), "aaaaaaaaaaUUUVVVTTTbbbbbbbbbb");
+  EXPECT_EQ(std::string(all.begin(), all.end()), "aaaaaaaaaaUUUTTTVVVbbbbbbbbbb");
 }
 
 TEST(SerialLine, AFrameThatDoesNotFitItsClassIsDroppedWholeAndCounted) {

@@ -95,15 +95,64 @@ TEST_P(ImuLost, FallsWithMotorsOffAndStaysArmed) {
   EXPECT_TRUE(rig.firmware().state().armed());
   EXPECT_EQ(rig.firmware().mixer().outputs()[0], 0.0F);
 }
-INSTANTIATE_TEST_SUITE_P(Kinds, ImuLost, ::testing::Values("imu", "imu_nan"));
+INSTANTIATE_TEST_SUITE_P(Kinds, ImuLost, ::testing::Values("imu", "imu_nan", "imu_stuck"));
 
-TEST(Faults, StuckImuLosesTheVehicleButNeverTheOutputs) {
+TEST(Faults, AStuckImuIsNotRespondingAfterTwentySamples) {
   Rig rig(Rig::with_faults({"imu_stuck@20"}));
-  bool sane = true;
-  rig.flight->set_script([&](Flight&, sim::Time) { sane = sane && outputs_sane(rig); });
-  rig.flight->run();
-  EXPECT_TRUE(sane);
-  EXPECT_EQ(rig.flight->director().stage(), Stage::kFailed);
+  rig.run_until(kFault_s);
+  const auto& state = rig.firmware().state();
+  // Twenty samples take 50 ms, silence another 100 ms.
+  EXPECT_LE(time_until(rig, 1.0, [&] { return state.has(core::Error::kImuNotResponding); }), 0.155);
+  const auto motors_off = [&] { return rig.firmware().mixer().outputs()[0] == 0.0F; };
+  EXPECT_LE(time_until(rig, 1.0, motors_off), 0.025);
+  EXPECT_TRUE(state.armed());
+}
+
+TEST(Faults, AfterASecondWithoutImuTheMotorsStayOffWhenItAnswers) {
+  Rig rig(Rig::with_faults({"imu@20:1.5"}));
+  rig.run_until(kFault_s + 1.0);
+  float largest = 0.0F;
+  rig.flight->set_script([&](Flight&, sim::Time) {
+    largest = std::max(largest, rig.firmware().mixer().outputs()[0]);
+  });
+  rig.run_for(5.0);
+  EXPECT_FALSE(rig.firmware().state().has(core::Error::kImuNotResponding));
+  EXPECT_TRUE(rig.firmware().state().armed());
+  EXPECT_EQ(largest, 0.0F);
+}
+
+TEST(Faults, FailsafeAtRestOnTheGroundStopsTheMotorsAfterThirtySeconds) {
+  Rig rig(Rig::with_faults({"rc_silence@20"}));
+  rig.run_until(kFault_s);
+  ASSERT_LT(time_until(rig, 30.0, [&] { return rig.flight->truth().on_ground; }), 30.0);
+  const auto running = [&] { return rig.firmware().mixer().outputs()[0] > 0.0F; };
+  rig.run_for(25.0);
+  EXPECT_TRUE(running()) << "rests for 25 s";
+  EXPECT_LT(time_until(rig, 20.0, [&] { return !running(); }), 15.0);
+  rig.run_for(5.0);
+  EXPECT_FALSE(running());
+}
+
+TEST(Faults, DisarmedByMistakeInTheAirItArmsAgainAtOnce) {
+  Rig rig(FlightChoice{});
+  rig.run_until(kFault_s);
+  using sim::rc::Control;
+  // The pilot takes over, and touches the wrong switch.
+  rig.flight->pilot().set_switch(Control::kAttitudeOverride, true);
+  rig.flight->pilot().set_switch(Control::kThrottleOverride, true);
+  rig.run_for(0.5);
+  rig.flight->pilot().set_switch(Control::kArm, false);
+  EXPECT_LT(time_until(rig, 1.0, [&] { return !rig.firmware().state().armed(); }), 0.15);
+  EXPECT_EQ(rig.firmware().mixer().outputs()[0], 0.0F);
+  rig.run_for(0.1);
+  rig.flight->pilot().set_switch(Control::kArm, true);
+  const auto flies = [&] {
+    return rig.firmware().state().armed() && rig.firmware().mixer().outputs()[0] > 0.15F;
+  };
+  EXPECT_LT(time_until(rig, 1.0, flies), 0.03);
+  rig.run_for(1.5);
+  EXPECT_GT(rig.height_m(), 1.0);
+  EXPECT_LT(rig.tilt_deg(), 15.0);
 }
 
 class OneSensorOfMany : public ::testing::TestWithParam<const char*> {};

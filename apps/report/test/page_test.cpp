@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <limits>
 
 #include "apps/report/path_chart.hpp"
 #include "apps/report/report.hpp"
@@ -52,6 +53,28 @@ TEST(Report, HasEverythingAsked) {
         "RC silent", "class=\"badge bad\">missed"}) {
     EXPECT_NE(html.find(part), std::string::npos) << part;
   }
+}
+
+TEST(Report, ShowsWhatTheFirmwareCountedAndHowItFilteredTheGyro) {
+  FlightRecord record = synthetic_flight(0.1);
+  const std::string html = report_html(record);
+  for (const char* part : {"Longest pass, µs", ">431<", "10 to 30 µs", "IMU: stuck",
+                           "Gyro, density by frequency", "1.07 ms"}) {
+    EXPECT_NE(html.find(part), std::string::npos) << part;
+  }
+  record.counters.reset();
+  record.gyro = {};
+  EXPECT_EQ(report_html(record).find("<h2>Firmware</h2>"), std::string::npos);
+}
+
+TEST(Report, ASpectrumOfNothingStillDraws) {
+  FlightRecord record;
+  record.gyro.frequency_Hz = {1.0, 2.0};
+  record.gyro.before = {0.0, 0.0};
+  record.gyro.after = {std::numeric_limits<double>::quiet_NaN(), 1e300};
+  const std::string html = report_html(record);
+  EXPECT_EQ(html.find("nan"), std::string::npos);
+  EXPECT_EQ(html.find("inf\""), std::string::npos);
 }
 
 TEST(Report, OddFlightsHaveAPageToo) {

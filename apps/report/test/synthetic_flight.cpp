@@ -208,6 +208,19 @@ void add_facts(FlightRecord& record) {
   record.changed_parameters = {{"PRIMARY_MIXER", "255", "2", ""},
                                {"PID_ROLL_RATE_P", "0.070", "0.092", "N m s/rad"},
                                {"BATT_VOLT_MAX", "25.0", "16.8", "V"}};
+  record.counters = link::Counters{};
+  record.counters->longest_pass_us = 431;
+  record.counters->pass_budget_us = 2000;
+  record.counters->imu_jitter = {25000, 6};
+  record.counters->rejected = {0, 3};
+  record.jitter_names = {"below 10 µs", "10 to 30 µs"};
+  record.rejected_names = {"IMU: not a number", "IMU: stuck"};
+  for (int k = 1; k <= 128; ++k) {
+    record.gyro.frequency_Hz.push_back(1.5625 * k);
+    record.gyro.before.push_back(1e-3 * (1.0 + 1.0 / k));
+    record.gyro.after.push_back(1e-3 / k);
+  }
+  record.gyro.latency_s = 0.00107;
   record.files = {"flight.mcap", "parameters.yaml", "mission.yaml", "vehicle.yaml", "summary.json"};
 }
 

@@ -73,7 +73,8 @@ def test_drawings_are_xml_with_finite_numbers(report):
     kind, text, _ = report
     drawings = re.findall(r"<svg.*?</svg>", text, re.DOTALL)
     estimate, wing = {"empty": (0, 0), "flight": (10, 0)}.get(kind, (10, 7))
-    assert len(drawings) == 4 + 1 + 16 + estimate + wing  # Paths, states, charts.
+    spectrum = 1 if kind == "flight" else 0
+    assert len(drawings) == 4 + 1 + 16 + estimate + wing + spectrum  # Paths, states, charts.
     for drawing in drawings:
         xml.fromstring(drawing)
         for data in re.findall(r' d="([^"]*)"', drawing):

@@ -104,6 +104,7 @@ TEST_F(SilBoardTest, StampsSamplesWithTheTickAndTheDistancesOfSimulatedTime) {
   sim::SensorSamples samples;
   samples.has_imu = samples.has_baro = true;
   samples.imu.stamp = hal::milliseconds(1000);
+  samples.imu.accel_m_s2 = {0.0f, 0.0f, -9.80665f};
   samples.baro.stamp = hal::milliseconds(997);
   samples.baro.pressure_Pa = 101325.0f;
   samples.baro.temperature_K = 288.15f;
@@ -129,7 +130,7 @@ TEST_F(SilBoardTest, ARebootBuildsTheFirmwareAnewFromWhatWasWritten) {
   ground_.send(set("NUM_MOTORS", 6));
   sil_.link_pass();
   ground_.send(link::CommandRequest{static_cast<std::uint8_t>(link::Command::kWriteParams)});
-  sil_.link_pass();
+  for (int k = 0; k < 300; ++k) sil_.link_pass();  // a block is written in each
   ASSERT_TRUE(ground_.expect<link::CommandAck>().success);
   ground_.send(set("NUM_MOTORS", 8));
   sil_.link_pass();

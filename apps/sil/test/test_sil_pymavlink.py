@@ -47,9 +47,13 @@ def test_heartbeat_and_version(ground):
     assert ground.expect("ROSFLIGHT_VERSION").version
 
 
-def test_all_parameters_have_the_names_types_and_defaults_of_the_reference(ground):
+def test_all_parameters_have_the_names_types_and_defaults_of_the_reference_and_ours_follow(ground):
+    with (ROOT / "firmware" / "core" / "parameters.csv").open() as file:
+        table = list(csv.DictReader(file))
     reference = reference_parameters()
-    assert len(reference) == 333
+    assert len(reference) == 333 < len(table)
+    assert [row["name"] for row in table[:333]] == [row["name"] for row in reference]
+    reference += table[333:]
     ground.mav.param_request_list_send(1, 1)
     got = {}
     while len(got) < len(reference):
@@ -64,6 +68,28 @@ def test_all_parameters_have_the_names_types_and_defaults_of_the_reference(groun
         wanted = int(row["default"]) if row["type"] == "int32" else struct.unpack(
             "<f", struct.pack("<f", float(row["default"])))[0]
         assert decoded(message) == wanted, row["name"]
+
+
+def test_a_tool_that_knows_only_the_protocol_loads_all_parameters_and_sets_one_of_ours(pty_ground):
+    """As official tools do: a table of the size that the first value tells, filled by index, gaps asked for."""
+    pty_ground.mav.param_request_list_send(1, 1)
+    first = pty_ground.expect("PARAM_VALUE")
+    table = [None] * first.param_count
+    message = first
+    for _ in range(2 * first.param_count):
+        assert message.param_count == len(table) and message.param_index < len(table)
+        table[message.param_index] = message.param_id
+        if all(table):
+            break
+        message = pty_ground.expect("PARAM_VALUE")
+    assert all(table) and len(set(table)) == len(table) > 333
+    index = table.index("CHECK_LEVEL")
+    assert index >= 333
+    pty_ground.set("CHECK_LEVEL", 1)
+    answer = pty_ground.expect("PARAM_VALUE", lambda m: m.param_id == "CHECK_LEVEL")
+    assert decoded(answer) == 1 and answer.param_index == index and answer.param_count == len(table)
+    pty_ground.mav.param_request_read_send(1, 1, b"", index)
+    assert decoded(pty_ground.expect("PARAM_VALUE", lambda m: m.param_index == index)) == 1
 
 
 def test_sensors_stream_in_real_time(pty_ground):

@@ -22,6 +22,7 @@ class Mailbox : public Role {
     full_ = false;
     return true;
   }
+  bool waiting() const { return full_; }
   void put(const Sample& sample) {
     sample_ = sample;
     full_ = true;
@@ -131,5 +132,13 @@ class SimulatedLeds final : public hal::Leds {
  private:
   std::array<bool, 2> on_{};
 };
+
+/// A sensor besides the IMU still has a sample that the firmware has not taken: a real main loop
+/// would turn once more before the next IMU sample.
+template <class BoardOfMailboxes>
+bool aids_waiting(const BoardOfMailboxes& board) {
+  return board.mag.waiting() || board.baro.waiting() || board.diff_pressure.waiting() ||
+         board.range.waiting() || board.gnss.waiting() || board.battery.waiting();
+}
 
 }  // namespace rosflight::boards

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <chrono>
 #include <cstdint>
+#include <ctime>
 
 #include "firmware/boards/linux/linux_clock.hpp"
 
@@ -31,6 +33,15 @@ class LinuxSystem final : public hal::System {
     last_pass_ = now;
     ++passes_;
   }
+
+  /// Of the calling thread, so that waiting for other programs does not count.
+  hal::Time busy_time() const override {
+    timespec used{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
+    return std::chrono::duration_cast<hal::Time>(std::chrono::seconds{used.tv_sec} +
+                                                 std::chrono::nanoseconds{used.tv_nsec});
+  }
+  bool shares_processor() const override { return true; }
 
   bool sensors_started() const { return started_; }
   std::uint64_t passes() const { return passes_; }

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "firmware/hal/roles.hpp"
+
 namespace rosflight::boards {
 
 /// Frames that wait for the wire: urgent before timely before ordinary, in each class in the order
@@ -15,7 +17,7 @@ class TransmitQueue {
 
   explicit TransmitQueue(std::size_t capacity);
 
-  /// @param qos  0 urgent, 1 timely, anything else ordinary.
+  /// @param qos  As hal::Serial::class_of() has it.
   /// @returns false, with nothing queued, for an empty or too large frame or without room.
   bool push(const std::uint8_t* data, std::size_t size, std::uint8_t qos);
   /// Moves whole frames to `data` as long as they fit. @returns their bytes.
@@ -33,13 +35,12 @@ class TransmitQueue {
     std::size_t first{0};
     std::size_t used{0};
   };
-  static std::size_t class_of(std::uint8_t qos) { return qos < 2 ? qos : 2; }
   static void put(Class& c, const std::uint8_t* data, std::size_t count);
   static void peek(const Class& c, std::uint8_t* data, std::size_t count, std::size_t skip);
 
   std::size_t capacity_;
   std::size_t size_{0};
-  std::array<Class, 3> classes_;
+  std::array<Class, hal::Serial::kClasses> classes_;
 };
 
 }  // namespace rosflight::boards

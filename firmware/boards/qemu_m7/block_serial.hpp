@@ -56,8 +56,6 @@ class BlockSerial final : public hal::Serial {
   bool waiting() const { return taken_ < available_; }
 
  private:
-  static std::size_t class_of(std::uint8_t qos) { return qos <= 1 ? 0 : qos == 255 ? 2 : 1; }
-
   ExchangeBlock& block_;
   std::size_t taken_{0};
   std::size_t available_{0};

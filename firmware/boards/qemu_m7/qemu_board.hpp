@@ -20,6 +20,10 @@ class QemuSystem final : public hal::System {
     to_bootloader_ = to_bootloader;
   }
   void alive() override { Watchdog::feed(watchdog_ms_); }
+  /// The emulator's clock says nothing about the time a pass would take: bench/m7 counts
+  /// instructions.
+  hal::Time busy_time() const override { return {}; }
+  bool shares_processor() const override { return true; }
 
   bool sensors_started() const { return sensors_started_; }
   bool reset_requested() const { return reset_requested_; }

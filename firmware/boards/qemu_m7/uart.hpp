@@ -51,7 +51,7 @@ class Uart final : public hal::Serial {
   volatile std::uint32_t& control() const { return reg(place_.base + 0x08u); }
   volatile std::uint32_t& interrupts() const { return reg(place_.base + 0x0Cu); }
   volatile std::uint32_t& divider() const { return reg(place_.base + 0x10u); }
-  Queue& queue(std::uint8_t qos) { return queues_[qos == 0 ? 0 : qos < 255 ? 1 : 2]; }
+  Queue& queue(std::uint8_t qos) { return queues_[class_of(qos)]; }
   bool next_byte(std::uint8_t& byte);
 
   Place place_;

@@ -50,6 +50,9 @@ class SimulatedSystem final : public hal::System {
   const char* sensor_message(std::size_t index, bool& ok) const override;
   void reset(bool to_bootloader) override;
   void alive() override { ++passes_; }
+  /// Simulated time stands still during a pass: none is used, unless a test says so.
+  hal::Time busy_time() const override { return busy_ += work_; }
+  bool shares_processor() const override { return false; }
 
   bool sensors_started() const { return started_; }
   std::uint64_t passes() const { return passes_; }
@@ -57,6 +60,8 @@ class SimulatedSystem final : public hal::System {
   bool to_bootloader() const { return to_bootloader_; }
   /// The owner has restarted the firmware.
   void acknowledge_reset() { reset_requested_ = false; }
+  /// From now on this much processor time passes between two calls of busy_time().
+  void set_work(hal::Time work) { work_ = work; }
   void set_sensor_errors(std::uint16_t count) { sensor_errors_ = count; }
   void add_message(std::string text, bool ok) { messages_.push_back({std::move(text), ok}); }
 
@@ -67,6 +72,8 @@ class SimulatedSystem final : public hal::System {
   };
   std::vector<Message> messages_;
   std::uint64_t passes_{0};
+  mutable hal::Time busy_{};
+  hal::Time work_{};
   std::uint16_t sensor_errors_{0};
   bool started_{false};
   bool reset_requested_{false};

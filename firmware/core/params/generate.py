@@ -3,7 +3,11 @@
 """Makes the parameter table of the firmware, and its reference page, from parameters.csv.
 
 usage: generate.py parameters.csv HEADER.hpp REFERENCE.md
-Checks the table itself: names, types, and that every default and sentinel is in range."""
+Checks the table itself: names, types, and that every default and sentinel is in range.
+
+Column `armed`, what one message may do to the value while armed: empty = anything in range; `locked` = nothing;
+`FACTOR [step STEP] [up]` = at most FACTOR times as much or as little, with the same sign, or a change of at most STEP;
+with `up` never less than it is. Floats only."""
 import csv
 import math
 import re
@@ -23,6 +27,25 @@ def identifier(name):
 
 def literal(kind, text):
     return f"{int(text)}" if kind == "int32" else f"{float(text)!r}f"
+
+
+ARMED = re.compile(r"([0-9.]+)(?: step ([0-9.]+))?( up)?")
+
+
+def armed_rule(where, row):
+    """Factor, step and direction of the column `armed`, as in ArmedRule."""
+    text = row["armed"]
+    if text in ("", "locked"):
+        return (0.0 if text else math.inf), 0.0, False
+    found = ARMED.fullmatch(text)
+    try:
+        factor, step = (float(part or 0) for part in found.groups()[:2])
+    except (AttributeError, ValueError):
+        factor = 0.0
+    if factor < 1.0 or row["type"] != "float":
+        fail(where, f"armed: found '{text}', allowed empty, locked, and for a float: FACTOR [step STEP] [up] "
+                    "with a factor of 1 or more")
+    return factor, step, found[3] is not None
 
 
 def fail(where, text):
@@ -60,8 +83,7 @@ def check(where, row):
         fail(where, "default, sentinel: found an infinity, allowed finite numbers")
     if not (low <= default <= high or default == sentinel):
         fail(where, f"default: found {row['default']}, allowed {row['min']}..{row['max']} or the sentinel")
-    if row["armed"] not in ("", "locked"):
-        fail(where, f"armed: found '{row['armed']}', allowed empty, locked")
+    armed_rule(where, row)
 
 
 def read(path):
@@ -94,6 +116,7 @@ def limit(text):
 
 
 def header(rows):
+    rules = list(dict.fromkeys(armed_rule("", row) for row in rows))
     yield "// Generated from firmware/core/parameters.csv. Do not edit."
     yield "#pragma once"
     yield "#include <limits>"
@@ -106,6 +129,10 @@ def header(rows):
     yield f"inline constexpr std::size_t kParamCount = {len(rows)};"
     yield "namespace detail {"
     yield "inline constexpr float kInfinity = std::numeric_limits<float>::infinity();"
+    yield f"inline constexpr std::array<ArmedRule, {len(rules)}> kArmedRules{{{{"
+    for factor, step, only_up in rules:
+        yield f"    {{{limit(str(factor))}, {limit(str(step))}, {str(only_up).lower()}}},"
+    yield "}};"
     yield "inline constexpr std::array<ParamRow, kParamCount> kParamTable{{"
     for row in rows:
         kind = row["type"]
@@ -113,8 +140,14 @@ def header(rows):
         default = literal(kind, row["default"])
         low, high = limit(row["min"]), limit(row["max"])
         sentinel = limit(row["sentinel"] or row["default"])
-        locked = "true" if row["armed"] else "false"
-        yield f'    {make}("{row["name"]}", {default}, {low}, {high}, {sentinel}, {locked}),'
+        rule = rules.index(armed_rule("", row))
+        yield f'    {make}("{row["name"]}", {default}, {low}, {high}, {sentinel}, {rule}),'
+    yield "}};"
+    yield "/// Indices in the order of the names."
+    yield f"inline constexpr std::array<std::uint16_t, kParamCount> kParamOrder{{{{"
+    order = sorted(range(len(rows)), key=lambda index: rows[index]["name"])
+    for start in range(0, len(order), 16):
+        yield "    " + "".join(f"{index}, " for index in order[start:start + 16]).rstrip()
     yield "}};"
     yield "}  // namespace detail"
     yield "}  // namespace rosflight::core"
@@ -124,6 +157,11 @@ def page(rows):
     yield "# Firmware parameters"
     yield ""
     yield f"{len(rows)} parameters, in the order of their index on the link."
+    yield ""
+    yield "While armed: *locked* parameters keep their value. A number f is the largest factor by which one message may"
+    yield "change the value v, up or down, with the same sign: |v|/f .. f |v|. With *step s* a change of at most s is"
+    yield "allowed too, through 0 and from it; without one a value never becomes 0. With *up* the value never falls. A message"
+    yield "that asks for more is answered with the value in force and the text `Not that far while armed, kept: NAME`."
     yield ""
     yield "| index | name | type | default | allowed | unit | while armed | meaning |"
     yield "|---|---|---|---|---|---|---|---|"

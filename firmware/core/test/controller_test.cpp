@@ -23,6 +23,7 @@ CommandVector command(std::array<float, kEntries> value, CommandType attitude = 
 
 AttitudeEstimate state(float roll = 0, float pitch = 0, const Vector3& rates = Vector3::Zero()) {
   AttitudeEstimate s;
+  s.q_NB = quaternion_from_euler(roll, pitch, 0.0f);
   s.roll_rad = roll;
   s.pitch_rad = pitch;
   s.rates_rad_s = rates;
@@ -76,12 +77,148 @@ TEST(Controller, AngleLoopsUseTheAngleAndTheBodyRate) {
   EXPECT_FLOAT_EQ(u[4], 0.15f * -0.3f + 0.03f);
 }
 
-TEST(Controller, AngleErrorsAreNotWrapped) {
+// ---- angle errors, of any attitude
+
+/// Roll and pitch torque with gains of 1: the errors that the loops get.
+std::array<float, 2> angle_errors(const Quaternion& q_NB, float roll, float pitch,
+                                  CommandType pitch_type = CommandType::kAngle) {
   Controller::Config config;
-  config.roll_angle = {0.15f, 0, 0};
+  config.roll_angle = config.pitch_angle = {1.0f, 0, 0};
+  config.pitch_rate = {0, 0, 0};
   Controller c = make(config);
-  EXPECT_FLOAT_EQ(c.step(command({0, 0, 0, 3.0f}), state(-3.0f), kDt, true, false)[3],
-                  0.15f * 6.0f);
+  AttitudeEstimate s;
+  s.q_NB = q_NB;
+  s.roll_rad = roll_of(q_NB);
+  s.pitch_rad = pitch_of(q_NB);
+  CommandVector cmd = command({0, 0, 0.5f, roll, pitch});
+  cmd.type[4] = pitch_type;
+  const auto& u = c.step(cmd, s, kDt, true, false);
+  return {u[3], u[4]};
+}
+constexpr float kDeg = kRadPerDeg;
+
+/// Turned by roll about x or pitch about y alone, at a heading; any angle.
+Quaternion rolled(float deg, float heading_deg = 0.0f) {
+  return quaternion_from_euler(0, 0, heading_deg * kDeg) * quaternion_from_euler(deg * kDeg, 0, 0);
+}
+Quaternion pitched(float deg, float heading_deg = 0.0f) {
+  const auto [s, c] = sin_cos(deg * kDeg / 2.0f);
+  return quaternion_from_euler(0, 0, heading_deg * kDeg) * Quaternion{c, 0.0f, s, 0.0f};
+}
+float wrapped_deg(float deg) {
+  return std::remainder(deg, 360.0f);
+}
+
+TEST(ControllerAttitude, ErrorsInRollAloneOrPitchAloneAreDifferencesAtEveryTilt) {
+  for (const float heading : {0.0f, 70.0f, 180.0f, -135.0f}) {
+    for (float is = -179.0f; is < 180.0f; is += 7.0f) {
+      for (const float wanted : {0.0f, 30.0f, -45.0f}) {
+        const float error = wrapped_deg(wanted - is);
+        if (std::abs(error) > 178.0f) continue;  // either way is short
+        SCOPED_TRACE(is);
+        const auto roll = angle_errors(rolled(is, heading), wanted * kDeg, 0.0f);
+        EXPECT_NEAR(roll[0], error * kDeg, 2e-5f);
+        EXPECT_NEAR(roll[1], 0.0f, 1e-5f);
+        const auto pitch = angle_errors(pitched(is, heading), 0.0f, wanted * kDeg);
+        EXPECT_NEAR(pitch[1], error * kDeg, std::abs(is) < 80.0f ? 2e-5f : 3e-4f);
+        EXPECT_NEAR(pitch[0], 0.0f, 1e-4f);
+      }
+    }
+  }
+}
+
+TEST(ControllerAttitude, UpToSixtyDegreesOfTiltTheErrorsAreTheDifferencesOfRollAndPitch) {
+  for (const float heading : {0.0f, 120.0f}) {
+    for (float roll = -42.0f; roll <= 42.0f; roll += 6.0f) {
+      for (float pitch = -42.0f; pitch <= 42.0f; pitch += 6.0f) {
+        const Quaternion q = quaternion_from_euler(roll * kDeg, pitch * kDeg, heading * kDeg);
+        const auto e = angle_errors(q, 0.786f, -0.5f);
+        ASSERT_EQ(e[0], 0.786f - roll_of(q));
+        ASSERT_EQ(e[1], -0.5f - pitch_of(q));
+      }
+    }
+  }
+}
+
+TEST(ControllerAttitude, NothingFlipsBeyond90DegreesOfPitch) {
+  for (const float sign : {1.0f, -1.0f}) {
+    for (const float pitch : {89.0f, 89.9f, 90.0f, 90.1f, 91.0f, 120.0f, 179.0f}) {
+      const auto e = angle_errors(pitched(sign * pitch), 0.0f, 0.0f);
+      EXPECT_NEAR(e[0], 0.0f, 1e-3f) << pitch;
+      EXPECT_NEAR(e[1], -sign * pitch * kDeg, 1e-3f) << pitch;
+      // Roll is held at zero while a loop is flown with the pitch rate.
+      const auto loop = angle_errors(pitched(sign * pitch), 0.0f, 0.0f, CommandType::kRate);
+      EXPECT_NEAR(loop[0], 0.0f, 1e-3f) << pitch;
+    }
+  }
+  // A little roll or yaw near the vertical changes the errors a little.
+  for (const float pitch : {88.0f, 90.0f, 92.0f}) {
+    for (const float small : {-1.0f, 1.0f}) {
+      const auto e = angle_errors(pitched(pitch) * rolled(small), 0.0f, 0.0f);
+      EXPECT_NEAR(e[0], 0.0f, 3.0f * kDeg) << pitch;
+      EXPECT_NEAR(e[1], -pitch * kDeg, 3.0f * kDeg) << pitch;
+      const auto yawed =
+          angle_errors(pitched(pitch) * quaternion_from_euler(0, 0, small * kDeg), 0.0f, 0.0f);
+      EXPECT_NEAR(yawed[0], 0.0f, 3.0f * kDeg) << pitch;
+      EXPECT_NEAR(yawed[1], -pitch * kDeg, 3.0f * kDeg) << pitch;
+    }
+  }
+}
+
+TEST(ControllerAttitude, InEveryQuadrantTheErrorsLeadToTheWantedAttitude) {
+  // Follows the errors as body rates in small steps from every attitude, inverted ones included.
+  for (int roll = -180; roll < 180; roll += 20) {
+    for (int pitch = -80; pitch <= 80; pitch += 20) {
+      for (const auto& [wanted_roll, wanted_pitch] :
+           {std::pair{0.0f, 0.0f}, {0.5f, 0.3f}, {-0.786f, 0.786f}}) {
+        Quaternion q = quaternion_from_euler(static_cast<float>(roll) * kDeg,
+                                             static_cast<float>(pitch) * kDeg, 1.0f);
+        float travelled = 0.0f;
+        for (int k = 0; k < 2000; ++k) {
+          const auto e = angle_errors(q, wanted_roll, wanted_pitch);
+          ASSERT_TRUE(std::isfinite(e[0]) && std::isfinite(e[1]));
+          ASSERT_LT(std::hypot(e[0], e[1]), 1.5f * kPi);
+          travelled += 0.01f * std::hypot(e[0], e[1]);
+          q = normalized(q * Quaternion{1.0f, 0.005f * e[0], 0.005f * e[1], 0.0f});
+        }
+        EXPECT_NEAR(roll_of(q), wanted_roll, 1e-2f) << roll << " " << pitch;
+        EXPECT_NEAR(pitch_of(q), wanted_pitch, 1e-2f) << roll << " " << pitch;
+        EXPECT_LT(travelled, 1.6f * kPi) << "no detours";
+      }
+    }
+  }
+}
+
+TEST(ControllerAttitude, ErrorsAreContinuousInTheTilt) {
+  for (const float direction : {0.0f, 0.4f, 1.2f, 2.5f, -2.0f}) {
+    std::array<float, 2> last{};
+    for (int k = 0; k <= 1500; ++k) {  // to 150 degrees, short of the opposite of what is wanted
+      const auto [s, c] = sin_cos(0.1f * static_cast<float>(k) * kDeg / 2.0f);
+      const auto [sd, cd] = sin_cos(direction);
+      const auto e = angle_errors({c, cd * s, sd * s, 0.0f}, 0.1f, -0.2f);
+      if (k > 0) {
+        ASSERT_NEAR(e[0], last[0], 0.03f) << 0.1f * static_cast<float>(k);
+        ASSERT_NEAR(e[1], last[1], 0.03f) << 0.1f * static_cast<float>(k);
+      }
+      last = e;
+    }
+  }
+}
+
+TEST(ControllerAttitude, InvertedAndNotANumber) {
+  for (const Quaternion& inverted :
+       {rolled(180.0f), pitched(180.0f), Quaternion{0, 0.6f, 0.8f, 0}}) {
+    const auto e = angle_errors(inverted, 0.0f, 0.0f);
+    EXPECT_NEAR(std::hypot(e[0], e[1]), kPi, 1e-3f) << "half a turn about some axis";
+  }
+  const float nan = std::nanf("");
+  for (const Quaternion& q :
+       {Quaternion{nan, 0, 0, 0}, Quaternion{1, nan, 0, 0}, Quaternion{nan, nan, nan, nan}}) {
+    const auto e = angle_errors(q, 0.1f, 0.1f);
+    EXPECT_TRUE(std::isnan(e[0]) || std::isnan(e[1])) << "the mixer stops the motors";
+  }
+  const auto e = angle_errors(rolled(120.0f), nan, 0.0f);
+  EXPECT_TRUE(std::isnan(e[0]));
 }
 
 TEST(Controller, RateLoopsUseTheRates) {
@@ -150,7 +287,7 @@ TEST(ControllerIntegral, GrowsOnlyArmedWithThrottleAndShortSteps) {
   EXPECT_FALSE(grows(0.1f, true, 0.005f, false));  // must be above 0.1
   EXPECT_TRUE(grows(0.101f, true, 0.005f, false));
   EXPECT_FALSE(grows(0.5f, true, 0.01f, false));  // must be below 10 ms
-  EXPECT_FALSE(grows(0.5f, true, 0.005f, true));
+  EXPECT_FALSE(grows(0.5f, true, 0.005f, true));  // saturated
 }
 
 TEST(ControllerIntegral, AnyForceEntryCounts) {
@@ -182,6 +319,29 @@ TEST(ControllerIntegral, IsClampedAtFullTorque) {
   Controller n = make(newtons);
   for (int k = 0; k < 50'000; ++k) roll_torque(n, 0.5f);
   EXPECT_FLOAT_EQ(roll_torque(n, 0.5f), 20.0f);
+}
+
+TEST(ControllerIntegral, UnwindsWhileTheMotorsAreSaturated) {
+  Controller c = make(integrating());
+  for (int k = 0; k < 200; ++k) roll_torque(c, 0.5f);
+  const float wound = roll_torque(c, 0.0f);
+  ASSERT_NEAR(wound, 0.2f, 2e-3f);
+  for (int k = 0; k < 100; ++k) roll_torque(c, 0.5f, true, 0.005f, true);
+  EXPECT_EQ(roll_torque(c, 0.0f), wound) << "no further";
+  for (int k = 0; k < 100; ++k) roll_torque(c, 0.5f, true, 0.005f, true, -0.2f);
+  EXPECT_NEAR(roll_torque(c, 0.0f), wound - 0.1f, 2e-3f) << "but back";
+}
+
+TEST(ControllerIntegral, AnotherGainMakesNoStep) {
+  for (const float gain : {0.25f, 4.0f, 0.0f}) {
+    Controller::Config config = integrating();
+    Controller c = make(config);
+    for (int k = 0; k < 200; ++k) roll_torque(c, 0.5f);
+    const float before = roll_torque(c, 0.0f);
+    config.roll_angle.i = gain;
+    c.configure(config);
+    EXPECT_EQ(roll_torque(c, 0.0f), before) << gain;
+  }
 }
 
 TEST(ControllerIntegral, IsForgottenOnResetAndOnAChangeOfMode) {

@@ -12,6 +12,7 @@ namespace {
 
 CrashRecord example() {
   CrashRecord r;
+  r.above_idle = true;
   r.fault_count = 0x0102;
   r.error_word = 0x00A1;
   r.armed = true;
@@ -51,7 +52,59 @@ TEST(CrashRecord, LaysOutItsFieldsLittleEndian) {
   EXPECT_EQ(b[40] + 256u * b[41], sum);
   EXPECT_EQ(b[42], 0u);
   EXPECT_EQ(b[43], 0u);
-  EXPECT_EQ(CrashRecord::kBytes, 44u);
+  EXPECT_EQ(CrashRecord::kReferenceBytes, 44u);
+}
+
+TEST(CrashRecord, OurOwnPartFollowsThatOfTheReference) {
+  boards::SimulatedBackup memory;
+  CrashRecord written = example();
+  written.above_idle = true;
+  written.rearm_age_ms = {0x01020304, 5, CrashRecord::kNever};
+  ASSERT_TRUE(write_crash_record(memory, written));
+  const auto b = memory_of(memory);
+  EXPECT_EQ(std::vector<std::uint8_t>(b.begin() + 44, b.begin() + 52),
+            (std::vector<std::uint8_t>{0x5D, 0x7E, 0x11, 0x0F, 0x04, 0x03, 0x02, 0x01}));
+  CrashRecord read;
+  ASSERT_TRUE(take_crash_record(memory, read));
+  EXPECT_TRUE(read.above_idle);
+  EXPECT_EQ(read.rearm_age_ms, written.rearm_age_ms);
+}
+
+TEST(CrashRecord, ARecordOfTheReferenceAloneCountsAsWrittenOnTheGround) {
+  boards::SimulatedBackup memory;
+  CrashRecord written = example();
+  written.above_idle = true;
+  ASSERT_TRUE(write_crash_record(memory, written));
+  auto b = memory_of(memory);
+  std::fill(b.begin() + CrashRecord::kReferenceBytes, b.end(), std::uint8_t{0xFF});
+  ASSERT_TRUE(memory.write(b.data(), b.size()));
+  CrashRecord read;
+  ASSERT_TRUE(take_crash_record(memory, read));
+  EXPECT_TRUE(read.armed);
+  EXPECT_FALSE(read.above_idle);
+  EXPECT_FALSE(read.may_rearm());
+}
+
+TEST(CrashRecord, RearmsThreeTimesInAMinuteAtMostAndOnlyInTheAir) {
+  constexpr std::uint32_t kNever = CrashRecord::kNever;
+  CrashRecord r;
+  r.armed = r.above_idle = true;
+  EXPECT_TRUE(r.may_rearm()) << "the first fault";
+  r.rearm_age_ms = {100, kNever, kNever};
+  EXPECT_TRUE(r.may_rearm());
+  r.rearm_age_ms = {100, 300, kNever};
+  EXPECT_TRUE(r.may_rearm()) << "two rearmings within 60 s, the third is allowed";
+  r.rearm_age_ms = {100, 300, 600};
+  EXPECT_FALSE(r.may_rearm()) << "it would be the fourth";
+  r.rearm_age_ms = {20'000, 40'000, 59'999};
+  EXPECT_FALSE(r.may_rearm());
+  r.rearm_age_ms = {20'000, 40'000, 60'000};
+  EXPECT_TRUE(r.may_rearm()) << "the oldest of the three is 60 s ago";
+  r.above_idle = false;
+  EXPECT_FALSE(r.may_rearm());
+  r.above_idle = true;
+  r.armed = false;
+  EXPECT_FALSE(r.may_rearm());
 }
 
 TEST(CrashRecord, IsReadBackOnce) {
@@ -87,7 +140,12 @@ TEST(CrashRecord, AnyFlippedBitIsNoticedAndTheMemoryCleared) {
       b[byte] = static_cast<std::uint8_t>(b[byte] ^ (1u << bit));
       ASSERT_TRUE(memory.write(b.data(), b.size()));
       CrashRecord read;
-      ASSERT_FALSE(take_crash_record(memory, read)) << byte << "." << bit;
+      if (byte < CrashRecord::kReferenceBytes) {
+        ASSERT_FALSE(take_crash_record(memory, read)) << byte << "." << bit;
+      } else {
+        ASSERT_TRUE(take_crash_record(memory, read)) << byte << "." << bit;
+        ASSERT_FALSE(read.above_idle) << byte << "." << bit;
+      }
       ASSERT_EQ(memory_of(memory), std::vector<std::uint8_t>(CrashRecord::kBytes, 0));
     }
   }

@@ -1,28 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The parameter protocol of the whole firmware, and what a change does.
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <set>
-
-#include "firmware/core/test/firmware_rig.hpp"
+#include "firmware/core/test/firmware_parameters_rig.hpp"
 
 namespace rosflight::core {
 namespace {
-
-class FirmwareParameters : public testing::Test {
- protected:
-  void start() {
-    rig_.store_quadrotor();
-    rig_.start();
-    rig_.run_for(500);
-    rig_.inbox.clear();
-  }
-  float value(Param id) const { return rig_.firmware().parameters().get_float(id); }
-  std::int32_t number(Param id) const { return rig_.firmware().parameters().get_int(id); }
-
-  FirmwareRig rig_;
-};
 
 // ---- setting (weak point 59: equal values, wrong types and unknown names got no answer)
 
@@ -34,7 +15,7 @@ TEST_F(FirmwareParameters, AChangeIsEchoedOnceInTheSamePass) {
   const auto echo = rig_.values_of("RC_MAX_THR")[0];
   EXPECT_EQ(echo.value.bits, bits_of(0.6f));
   EXPECT_EQ(echo.type, ParamType::kFloat);
-  EXPECT_EQ(echo.count, 333);
+  EXPECT_EQ(echo.count, kParamCount);
   EXPECT_EQ(echo.index, static_cast<std::uint16_t>(Param::kRcMaxThr));
   rig_.run_for(200);
   EXPECT_EQ(rig_.values_of("RC_MAX_THR").size(), 1u);
@@ -147,6 +128,39 @@ TEST_F(FirmwareParameters, GainsMayBeTunedInFlight) {
   EXPECT_TRUE(rig_.armed());
 }
 
+TEST_F(FirmwareParameters, OneMessageInFlightGoesNoFurtherThanItsRuleAndIsAnsweredWithTheKept) {
+  start();
+  rig_.arm();
+  rig_.set_param("PID_ROLL_ANG_P", 0.61f);
+  rig_.set_param("PID_PITCH_ANG_P", 0.0f);
+  rig_.set_param("RC_MAX_THR", 0.0f);
+  rig_.run_for(20);
+  EXPECT_EQ(value(Param::kPidRollAngP), 0.15f);
+  EXPECT_EQ(value(Param::kPidPitchAngP), 0.15f);
+  EXPECT_EQ(value(Param::kRcMaxThr), 0.7f);
+  EXPECT_TRUE(rig_.said("Not that far while armed, kept: PID_ROLL_ANG_P"));
+  EXPECT_TRUE(rig_.said("Not that far while armed, kept: RC_MAX_THR"));
+  ASSERT_EQ(rig_.values_of("RC_MAX_THR").size(), 1u);
+  EXPECT_EQ(rig_.values_of("RC_MAX_THR")[0].value.bits, bits_of(0.7f));
+}
+
+TEST_F(FirmwareParameters, NothingThatHoldsTheAttitudeTogetherChangesInFlight) {
+  start();
+  rig_.arm();
+  const auto before = rig_.firmware().parameters();
+  for (const char* name : {"GYRO_X_BIAS", "ACC_Z_BIAS", "GYRO_XY_LPF", "ACC_LPF", "FILT_ACC_KP",
+                           "PID_TAU", "RC_ARM_THRESHOLD", "MOTOR_IDLE_THR", "PRI_MIXER_0_0"}) {
+    rig_.set_param(name, 1.0f);
+    rig_.set_param(name, 0.0f);
+  }
+  rig_.set_param("ARM_SPIN_MOTORS", 0);
+  rig_.run_for(100);
+  for (std::size_t k = 0; k < kParamCount; ++k) {
+    const auto id = static_cast<Param>(k);
+    EXPECT_EQ(rig_.firmware().parameters().bits(id), before.bits(id)) << k;
+  }
+}
+
 // ---- reading and listing
 
 TEST_F(FirmwareParameters, OneIsReadByIndexOrByName) {
@@ -163,7 +177,8 @@ TEST_F(FirmwareParameters, OneIsReadByIndexOrByName) {
 
 TEST_F(FirmwareParameters, IndicesPastTheEndAreNotAnswered) {
   start();
-  for (const int index : {333, 334, 1000, 32767}) {
+  constexpr int kEnd = static_cast<int>(kParamCount);
+  for (const int index : {kEnd, kEnd + 1, 1000, 32767}) {
     rig_.send(link::ParamRequestRead{1, static_cast<std::int16_t>(index), {}});
   }
   rig_.run_for(50);
@@ -176,12 +191,12 @@ TEST_F(FirmwareParameters, AListStartsAtOnceComesInOrderAndNeverChangesItsCount)
   rig_.send(link::ParamRequestList{});
   rig_.pass();
   ASSERT_FALSE(rig_.got<link::ParamValue>().empty()) << "in the same pass";
-  rig_.run_for(1000);
+  rig_.run_for(1200);
   const auto values = rig_.got<link::ParamValue>();
-  ASSERT_EQ(values.size(), 333u);
+  ASSERT_EQ(values.size(), kParamCount);
   for (std::size_t k = 0; k < values.size(); ++k) {
     EXPECT_EQ(values[k].index, k);
-    EXPECT_EQ(values[k].count, 333);
+    EXPECT_EQ(values[k].count, kParamCount);
   }
 }
 
@@ -220,7 +235,7 @@ TEST(FirmwareParametersOnASlowLine, AListWaitsForRoomAndLosesNothing) {
         seen.insert(v->index);
     }
   }
-  EXPECT_EQ(seen.size(), 333u);
+  EXPECT_EQ(seen.size(), kParamCount);
 }
 
 TEST_F(FirmwareParameters, AListRestartsWhenAskedAgain) {
@@ -241,7 +256,7 @@ TEST_F(FirmwareParameters, AMixerSelectionIsToldPacedAndComplete) {
   rig_.inbox.clear();
   rig_.set_param("PRIMARY_MIXER", 6);
   std::set<std::string> told;
-  for (int k = 0; k < 100; ++k) {
+  for (int k = 0; k < 130; ++k) {
     rig_.inbox.clear();
     rig_.pass();
     EXPECT_LE(rig_.got<link::ParamValue>().size(), 3u) << "the echo and two more";
@@ -249,80 +264,6 @@ TEST_F(FirmwareParameters, AMixerSelectionIsToldPacedAndComplete) {
   }
   EXPECT_EQ(told.size(), 83u);  // reference run: octocopter X from defaults
   EXPECT_EQ(told.count("PRIMARY_MIXER"), 1u);
-}
-
-// ---- commands 5, 6, 7 (weak point 62: neither modules nor companion were told)
-
-TEST_F(FirmwareParameters, WriteReadAndDefaultsAreToldToModulesAndCompanion) {
-  start();
-  rig_.set_param("RC_MAX_THR", 0.5f);
-  rig_.command(link::Command::kWriteParams);
-  rig_.run_for(50);
-  ASSERT_TRUE(rig_.got<link::CommandAck>().back().success);
-  rig_.inbox.clear();
-
-  rig_.command(link::Command::kSetParamDefaults);
-  rig_.run_for(500);
-  EXPECT_TRUE(rig_.got<link::CommandAck>().back().success);
-  EXPECT_EQ(rig_.values_of("RC_MAX_THR").size(), 1u);
-  EXPECT_EQ(rig_.values_of("PRIMARY_MIXER").size(), 1u);
-  EXPECT_FLOAT_EQ(value(Param::kRcMaxThr), 0.7f);
-  EXPECT_EQ(rig_.errors(), 0xA1) << "the modules follow: no mixer, no failsafe, no biases";
-  rig_.inbox.clear();
-
-  rig_.command(link::Command::kReadParams);
-  rig_.run_for(500);
-  EXPECT_TRUE(rig_.got<link::CommandAck>().back().success);
-  EXPECT_EQ(rig_.values_of("RC_MAX_THR").size(), 1u);
-  EXPECT_FLOAT_EQ(value(Param::kRcMaxThr), 0.5f);
-  EXPECT_EQ(number(Param::kPrimaryMixer), 2);
-  EXPECT_EQ(rig_.errors(), 0);
-}
-
-TEST_F(FirmwareParameters, AFailedReadLeavesTheLiveTableAlone) {
-  start();
-  rig_.set_param("RC_MAX_THR", 0.5f);
-  rig_.run_for(10);
-  rig_.board.storage.set_bytes(std::vector<std::uint8_t>(16384, 0x5A));
-  rig_.command(link::Command::kReadParams);
-  rig_.run_for(50);
-  EXPECT_FALSE(rig_.got<link::CommandAck>().back().success);
-  EXPECT_FLOAT_EQ(value(Param::kRcMaxThr), 0.5f);
-  EXPECT_EQ(rig_.errors(), 0);
-}
-
-TEST_F(FirmwareParameters, AFailedWriteIsRefusedAndTold) {
-  start();
-  rig_.board.storage.cut_power_after(0);
-  rig_.command(link::Command::kWriteParams);
-  rig_.run_for(50);
-  EXPECT_FALSE(rig_.got<link::CommandAck>().back().success);
-  EXPECT_TRUE(rig_.said("Parameters not saved: storage failed"));
-}
-
-TEST_F(FirmwareParameters, ChangesAreGoneAfterARestartUnlessWritten) {
-  start();
-  rig_.set_param("RC_MAX_ROLL", 0.5f);
-  rig_.run_for(10);
-  FirmwareRig again;
-  again.board.storage.set_bytes(rig_.board.storage.bytes());
-  again.start();
-  EXPECT_FLOAT_EQ(again.firmware().parameters().get_float(Param::kRcMaxRoll), 0.786f);
-  rig_.command(link::Command::kWriteParams);
-  rig_.run_for(10);
-  FirmwareRig third;
-  third.board.storage.set_bytes(rig_.board.storage.bytes());
-  third.start();
-  EXPECT_FLOAT_EQ(third.firmware().parameters().get_float(Param::kRcMaxRoll), 0.5f);
-}
-
-TEST_F(FirmwareParameters, ABlankStorageIsFilledWithTheDefaults) {
-  rig_.start();
-  FirmwareRig again;
-  again.board.storage.set_bytes(rig_.board.storage.bytes());
-  again.start();
-  again.run_for(1000);
-  EXPECT_FALSE(again.said("Unable to load parameters, using defaults"));
 }
 
 // ---- reactions
@@ -378,18 +319,77 @@ TEST_F(FirmwareParameters, AChangedSwitchMappingIsTold) {
   EXPECT_TRUE(rig_.said("arm switch on channel 5"));
 }
 
-TEST_F(FirmwareParameters, BatteryScaleOneLeavesTheBoardItsOwn) {  // weak point 30
-  rig_.board.battery.set_multipliers(11.0f, 5.0f);
-  start();
-  rig_.board.battery.put({rig_.now(), 1.5f, 1.0f});
-  rig_.pass();
-  EXPECT_FLOAT_EQ(rig_.got<link::BatteryStatus>().at(0).voltage_V, 16.5f);
-  rig_.set_param("BATT_VOLT_LPF", 0.0f);
+/// Volts and amperes that the companion is told of 1.5 V and 1 A at the pins.
+std::pair<float, float> battery_of(FirmwareRig& rig) {
+  rig.run_for(10);
+  rig.inbox.clear();
+  rig.board.battery.put({rig.now(), 1.5f, 1.0f});
+  rig.pass();
+  const auto status = rig.got<link::BatteryStatus>();
+  return status.empty() ? std::pair{-1.0f, -1.0f}
+                        : std::pair{status.back().voltage_V, status.back().current_A};
+}
+void store_unfiltered_battery(FirmwareRig& rig) {
+  rig.board.battery.set_multipliers(11.0f, 5.0f);
+  rig.store([](Parameters& p) {
+    ASSERT_EQ(p.set_float(Param::kBattVoltLpf, 0.0f), SetResult::kChanged);
+    ASSERT_EQ(p.set_float(Param::kBattCurrLpf, 0.0f), SetResult::kChanged);
+  });
+}
+
+TEST_F(FirmwareParameters, BatteryScalesThatNobodySetAreTheBoardsOwn) {  // weak point 30
+  store_unfiltered_battery(rig_);
+  rig_.start();
+  EXPECT_EQ(battery_of(rig_), std::pair(16.5f, 5.0f));
+  EXPECT_EQ(number(Param::kBattMultSet), 0);
+}
+
+TEST_F(FirmwareParameters, ABatteryScaleThatIsSetIsMeantAlsoIfItIsOne) {
+  store_unfiltered_battery(rig_);
+  rig_.start();
   rig_.set_param("BATT_VOLT_MULT", 2.0f);
+  EXPECT_EQ(battery_of(rig_), std::pair(3.0f, 5.0f));
+  rig_.set_param("BATT_VOLT_MULT", 1.0f);
+  EXPECT_EQ(battery_of(rig_), std::pair(1.5f, 5.0f));
+  EXPECT_EQ(number(Param::kBattMultSet), 1);
+  rig_.set_param("BATT_CURR_MULT", 1.0f);  // the value it has
+  EXPECT_EQ(battery_of(rig_), std::pair(1.5f, 1.0f));
+  EXPECT_EQ(number(Param::kBattMultSet), 3);
+}
+
+TEST_F(FirmwareParameters, ABatteryScaleOfOneOutlivesARestartAndEndsWithTheDefaults) {
+  store_unfiltered_battery(rig_);
+  rig_.start();
+  rig_.set_param("BATT_VOLT_MULT", 1.0f);
   rig_.run_for(10);
-  rig_.board.battery.put({rig_.now(), 1.5f, 1.0f});
-  rig_.pass();
-  EXPECT_FLOAT_EQ(rig_.got<link::BatteryStatus>().back().voltage_V, 3.0f);
+  rig_.command(link::Command::kWriteParams);
+  rig_.run_for(500);
+  FirmwareRig again;
+  again.board.battery.set_multipliers(11.0f, 5.0f);
+  again.board.storage.set_bytes(rig_.board.storage.bytes());
+  again.start();
+  EXPECT_EQ(battery_of(again), std::pair(1.5f, 5.0f));
+  again.command(link::Command::kSetParamDefaults);
+  again.run_for(10);
+  again.command(link::Command::kWriteParams);
+  again.run_for(500);
+  FirmwareRig third;
+  third.board.battery.set_multipliers(11.0f, 5.0f);
+  third.board.storage.set_bytes(again.board.storage.bytes());
+  third.start();
+  EXPECT_EQ(third.firmware().parameters().get_int(Param::kBattMultSet), 0);
+  EXPECT_EQ(battery_of(third), std::pair(16.5f, 5.0f));
+}
+
+TEST_F(FirmwareParameters, ABatteryScaleThatIsRefusedChoosesNothing) {
+  store_unfiltered_battery(rig_);
+  start();
+  rig_.set_param("BATT_VOLT_MULT", -1.0f);
+  rig_.set_param("BATT_CURR_MULT", 1);  // the wrong type
+  rig_.arm();
+  rig_.set_param("BATT_VOLT_MULT", 1.0f);  // the value it has, but in flight
+  EXPECT_EQ(battery_of(rig_), std::pair(16.5f, 5.0f));
+  EXPECT_EQ(number(Param::kBattMultSet), 0);
 }
 
 // ---- boards that lack something (weak point 73)

@@ -2,6 +2,7 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <optional>
@@ -65,6 +66,7 @@ class FirmwareRig {
     store([](Parameters& p) {
       ASSERT_EQ(p.set_int(Param::kPrimaryMixer, 2), SetResult::kChanged);
       ASSERT_EQ(p.set_float(Param::kFailsafeThr, 0.4f), SetResult::kChanged);
+      ASSERT_EQ(p.set_float(Param::kAccXBias, 1e-6f), SetResult::kChanged);
       ASSERT_EQ(p.set_float(Param::kGyroXBias, 1e-6f), SetResult::kChanged);
     });
   }
@@ -73,7 +75,7 @@ class FirmwareRig {
       ASSERT_EQ(p.set_int(Param::kPrimaryMixer, 9), SetResult::kChanged);
       ASSERT_EQ(p.set_int(Param::kFixedWing, 1), SetResult::kChanged);
       ASSERT_EQ(p.set_int(Param::kRcFAxis, 0), SetResult::kChanged);
-      ASSERT_EQ(p.set_float(Param::kGyroXBias, 1e-6f), SetResult::kChanged);
+      ASSERT_EQ(p.set_float(Param::kAccXBias, 1e-6f), SetResult::kChanged);
     });
   }
   void set_time(Time now) {
@@ -100,6 +102,7 @@ class FirmwareRig {
     }
     if (offboard) send(*offboard);
     firmware_.run();
+    if (boards::aids_waiting(board)) firmware_.run();
     collect();
   }
   void run_for(std::int64_t ms) {
@@ -115,7 +118,13 @@ class FirmwareRig {
     }
     return -1;
   }
-  hal::ImuSample imu_at(Time t) const { return {t + imu_offset, accel_m_s2, gyro_rad_s, 298.15f}; }
+  /// At rest but for the last bit of one number, as no real sensor repeats itself.
+  hal::ImuSample imu_at(Time t) const {
+    hal::ImuSample sample{t + imu_offset, accel_m_s2, gyro_rad_s, 298.15f};
+    const bool odd = t.count() / kPass_us % 2 != 0;
+    if (dither && odd) sample.accel_m_s2[2] = std::nextafter(accel_m_s2[2], 0.0f);
+    return sample;
+  }
 
   void send(const link::Message& message) {
     link::Frame frame;
@@ -192,6 +201,7 @@ class FirmwareRig {
   hal::Vec3 gyro_rad_s{1e-6f, 0.0f, 0.0f};
   Time imu_offset{};  ///< Of the stamps.
   Time imu_drift{};   ///< Of the stamps, per pass.
+  bool dither{true};
   bool imu_on{true};
   bool rc_on{true};
   bool companion_on{true};

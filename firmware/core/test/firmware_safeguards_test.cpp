@@ -26,7 +26,119 @@ TEST(FirmwareSafeguards, ArmingForgetsACalibrationThatIsUnderWay) {
   rig.run_for(3000);  // 1001 samples at 400 Hz are 2.5 s
   EXPECT_TRUE(rig.armed());
   EXPECT_EQ(rig.firmware().parameters().get_float(Param::kGyroXBias), 1e-6f);
-  EXPECT_EQ(rig.firmware().parameters().get_float(Param::kAccXBias), 0.0f);
+  EXPECT_EQ(rig.firmware().parameters().get_float(Param::kAccXBias), 1e-6f);
+}
+
+/// An auxiliary motor on output 10 at 0.8 and a servo on output 11 at 0.75.
+link::AuxCommand motor_and_servo() {
+  link::AuxCommand aux;
+  aux.type[10] = static_cast<std::uint8_t>(link::AuxType::kMotor);
+  aux.value[10] = 0.8f;
+  aux.type[11] = static_cast<std::uint8_t>(link::AuxType::kServo);
+  aux.value[11] = 0.5f;
+  return aux;
+}
+
+TEST(FirmwareSafeguards, AnAuxiliaryMotorRunsOnOneCommandUntilTheCompanionIsSilentForASecond) {
+  FirmwareRig rig;
+  rig.store_quadrotor();
+  rig.start();
+  rig.arm();
+  rig.send(motor_and_servo());
+  rig.run_for(10'000);  // heartbeats alone, once a second
+  EXPECT_FLOAT_EQ(rig.outputs()[10], 0.8f);
+  rig.companion_on = false;
+  rig.send(link::TimeSync{});
+  EXPECT_NEAR(static_cast<float>(rig.ms_until([&rig] { return rig.outputs()[10] == 0.0f; }, 2000)),
+              1000.0f, 5.0f);
+  EXPECT_FLOAT_EQ(rig.outputs()[11], 0.75f) << "servos hold";
+  EXPECT_TRUE(rig.armed());
+  rig.companion_on = true;
+  rig.run_for(2000);
+  EXPECT_EQ(rig.outputs()[10], 0.0f) << "it takes a new command";
+}
+
+TEST(FirmwareSafeguards, MessagesForAnotherSystemDoNotKeepAnAuxiliaryMotorRunning) {
+  FirmwareRig rig;
+  rig.store_quadrotor();
+  rig.start();
+  rig.arm();
+  rig.send(motor_and_servo());
+  rig.companion_on = false;
+  constexpr std::uint8_t kOther = 77;
+  for (int k = 0; k < 15; ++k) {
+    rig.send(link::ParamRequestRead{kOther, 1, {}});
+    rig.send(link::ParamRequestList{kOther});
+    rig.send(link::ParamSet{kOther, param_name("SYS_ID"), {1}, 6});
+    rig.send(link::MotorTest{kOther, 0, 0.1f});
+    rig.send(link::ReportRequest{kOther, 0});
+    rig.run_for(100);
+  }
+  EXPECT_EQ(rig.outputs()[10], 0.0f);
+}
+
+TEST(FirmwareSafeguards, AnAuxiliaryMotorReleasedWithoutImuStops) {
+  FirmwareRig rig;
+  rig.store_quadrotor();
+  rig.start();
+  rig.arm();
+  rig.send(motor_and_servo());
+  rig.run_for(100);
+  ASSERT_FLOAT_EQ(rig.outputs()[10], 0.8f);
+  rig.imu_on = false;
+  rig.send(link::AuxCommand{});  // all released before the silence of the IMU is known
+  rig.run_for(150);
+  EXPECT_EQ(rig.outputs()[10], 0.0f);
+  EXPECT_FLOAT_EQ(rig.outputs()[11], 0.75f) << "servos hold";
+}
+
+TEST(FirmwareSafeguards, AServoThatBecomesAMotorStopsInThatPassImuOrNot) {
+  FirmwareRig rig;
+  rig.store_airplane();
+  rig.start();
+  rig.run_for(100);
+  ASSERT_FLOAT_EQ(rig.outputs()[0], 0.5f);
+  rig.imu_on = false;
+  rig.set_param("PRI_MIXER_OUT_0", 2);
+  rig.pass();
+  EXPECT_EQ(rig.outputs()[0], 0.0f);
+}
+
+TEST(FirmwareSafeguards, AnAuxiliaryMotorEndsWithFailsafeAndWithDisarmingForGood) {
+  for (const bool disarm : {false, true}) {
+    FirmwareRig rig;
+    rig.store_quadrotor();
+    rig.start();
+    rig.arm();
+    rig.send(motor_and_servo());
+    rig.run_for(100);
+    ASSERT_FLOAT_EQ(rig.outputs()[10], 0.8f);
+    if (disarm) {
+      rig.rc.channels[FirmwareRig::kYaw] = 0.0f;
+      ASSERT_GE(rig.ms_until([&rig] { return !rig.armed(); }, 1500), 0);
+      rig.run_for(3);  // the next sample
+      EXPECT_EQ(rig.outputs()[10], 0.0f);
+      rig.send(motor_and_servo());
+      rig.run_for(600'000);
+      rig.arm();
+    } else {
+      rig.rc.failsafe = true;
+      rig.run_for(30);
+      ASSERT_TRUE(rig.firmware().state().failsafe());
+      EXPECT_EQ(rig.outputs()[10], 0.0f);
+      rig.send(motor_and_servo());
+      rig.run_for(100);
+      EXPECT_EQ(rig.outputs()[10], 0.0f);
+      rig.rc.failsafe = false;
+      rig.run_for(100);
+      ASSERT_FALSE(rig.firmware().state().failsafe());
+    }
+    EXPECT_EQ(rig.outputs()[10], 0.0f);
+    EXPECT_FLOAT_EQ(rig.outputs()[11], 0.75f);
+    rig.send(motor_and_servo());
+    rig.run_for(10);
+    EXPECT_FLOAT_EQ(rig.outputs()[10], 0.8f);
+  }
 }
 
 TEST(FirmwareSafeguards, NotANumberInAnIgnoredEntryDoesNotDisableTheThrottleStick) {

@@ -7,6 +7,13 @@ namespace {
 
 using namespace mixer_rig;  // NOLINT(google-build-using-namespace): the vocabulary of these tests
 
+link::AuxCommand aux(std::size_t channel, link::AuxType type, float value) {
+  link::AuxCommand command;
+  command.type[channel] = static_cast<std::uint8_t>(type);
+  command.value[channel] = value;
+  return command;
+}
+
 // ---- limits by type
 
 TEST(MixerLimits, MotorsStandStillDisarmed) {
@@ -53,23 +60,95 @@ TEST(MixerLimits, GpioPinsAreLowOrHigh) {
   }
 }
 
-// ---- auxiliary commands
-
-link::AuxCommand aux(std::size_t channel, link::AuxType type, float value) {
-  link::AuxCommand command;
-  command.type[channel] = static_cast<std::uint8_t>(type);
-  command.value[channel] = value;
-  return command;
+TEST(MixerLimits, JustAfterArmingNoMotorIsAboveIdle) {
+  for (const bool spin : {true, false}) {
+    Mixer::Config config;
+    config.spin_when_armed = spin;
+    Mixer m = make_mixer(MixerId::kQuadX, config);
+    static_cast<void>(m.step({}, armed()));
+    link::AuxCommand command;
+    command.type[10] = static_cast<std::uint8_t>(link::AuxType::kMotor);
+    command.value[10] = 0.9f;
+    command.type[11] = static_cast<std::uint8_t>(link::AuxType::kServo);
+    command.value[11] = 0.5f;
+    ASSERT_TRUE(m.set_auxiliary(command));
+    Mixer::Conditions held = armed();
+    held.hold_idle = true;
+    for (const float throttle : {0.0f, 0.05f, 0.63f, 9.0f}) {
+      const auto& out = m.step(wrench(-throttle, 0.3f, 0.3f, 0.3f), held);
+      for (const std::size_t k : {0u, 1u, 2u, 3u, 10u}) {
+        EXPECT_LE(out[k], 0.1f) << k;
+        EXPECT_GE(out[k], spin ? 0.1f : 0.0f) << k;
+      }
+      EXPECT_FLOAT_EQ(out[11], 0.75f) << "servos move";
+      EXPECT_TRUE(m.saturated()) << "integrals know that the motors do not follow";
+    }
+    EXPECT_NEAR(m.step(wrench(-0.63f), armed())[0], 0.63f, 1e-6f) << "and then at once";
+    EXPECT_EQ(m.outputs()[10], 0.9f);
+    EXPECT_FALSE(m.saturated());
+    held.armed = false;
+    EXPECT_EQ(m.step(wrench(-0.63f), held)[0], 0.0f) << "disarmed is zero";
+  }
 }
+
+// ---- motor test
+
+Mixer::Conditions testing(int motor, float value) {
+  Mixer::Conditions c = disarmed();
+  c.test_motor = static_cast<std::int8_t>(motor);
+  c.test_value = value;
+  return c;
+}
+
+TEST(MixerMotorTest, TurnsOneMotorOfTheMixerAndNothingElse) {
+  Mixer m = make_mixer(MixerId::kHexX);
+  static_cast<void>(m.step({}, armed()));
+  ASSERT_TRUE(m.set_auxiliary(aux(9, link::AuxType::kMotor, 0.6f)));
+  for (int motor = 0; motor < 6; ++motor) {
+    const auto& out = m.step(wrench(-0.8f, 0.1f), testing(motor, 0.2f));
+    for (int k = 0; k < static_cast<int>(hal::kOutputs); ++k) {
+      EXPECT_EQ(out[static_cast<std::size_t>(k)], k == motor ? 0.2f : 0.0f) << motor << " " << k;
+    }
+  }
+  for (const float value : m.step(wrench(-0.8f), disarmed())) EXPECT_EQ(value, 0.0f);
+}
+
+TEST(MixerMotorTest, IsLimitedAndIgnoresWhatIsNoMotor) {
+  Mixer m = make_mixer(MixerId::kFixedWing);  // servos 0, 1, 2, motor 4
+  EXPECT_TRUE(m.is_motor(4));
+  EXPECT_EQ(m.step({}, testing(4, 0.9f))[4], Mixer::kTestLimit);
+  EXPECT_EQ(m.step({}, testing(4, kInf))[4], Mixer::kTestLimit);
+  for (const float value : {0.0f, -0.2f, -kInf, kNan}) {
+    EXPECT_EQ(m.step({}, testing(4, value))[4], 0.0f) << value;
+  }
+  const hal::OutputValues rest = m.step({}, disarmed());
+  for (const int motor : {-128, -1, 0, 3, 5, 9, 10, 13, 14, 127}) {
+    EXPECT_FALSE(motor >= 0 && m.is_motor(static_cast<std::size_t>(motor))) << motor;
+    EXPECT_EQ(m.step({}, testing(motor, 0.2f)), rest) << motor;
+  }
+}
+
+TEST(MixerMotorTest, HasNoEffectWhileArmedNorWithoutAMixer) {
+  Mixer m = make_mixer(MixerId::kQuadX);
+  Mixer::Conditions c = testing(1, 0.3f);
+  c.armed = true;
+  EXPECT_EQ(m.step({}, c)[1], 0.1f);
+  m.set_valid(false);
+  m.clear_outputs();
+  for (const float value : m.step({}, testing(1, 0.3f))) EXPECT_EQ(value, 0.0f);
+}
+
+// ---- auxiliary commands
 
 TEST(MixerAux, DrivesWhatTheMixerLeavesFree) {
   Mixer m = make_mixer(MixerId::kQuadX);
   for (const std::size_t k : {4u, 9u, 10u, 13u}) {
     ASSERT_TRUE(m.set_auxiliary(aux(k, link::AuxType::kServo, 0.5f)));
-    EXPECT_FLOAT_EQ(m.step(wrench(-0.5f), Mixer::Conditions{})[k], 0.75f) << k;
+    EXPECT_FLOAT_EQ(m.step(wrench(-0.5f), disarmed())[k], 0.75f) << k;
+    static_cast<void>(m.step(wrench(-0.5f), armed()));
     ASSERT_TRUE(m.set_auxiliary(aux(k, link::AuxType::kMotor, 0.6f)));
-    EXPECT_EQ(m.step(wrench(-0.5f), Mixer::Conditions{})[k], 0.0f) << k;
     EXPECT_FLOAT_EQ(m.step(wrench(-0.5f), armed())[k], 0.6f) << k;
+    EXPECT_EQ(m.step(wrench(-0.5f), disarmed())[k], 0.0f) << k;
   }
 }
 
@@ -89,6 +168,7 @@ TEST(MixerAux, StaysUntilTheNextCommand) {
 
 TEST(MixerAux, IsLimited) {
   Mixer m = make_mixer(MixerId::kQuadX);
+  static_cast<void>(m.step({}, armed()));
   ASSERT_TRUE(m.set_auxiliary(aux(5, link::AuxType::kServo, 7.0f)));
   EXPECT_EQ(m.step({}, armed())[5], 1.0f);
   ASSERT_TRUE(m.set_auxiliary(aux(5, link::AuxType::kMotor, 7.0f)));
@@ -97,11 +177,10 @@ TEST(MixerAux, IsLimited) {
   EXPECT_EQ(m.step({}, armed())[5], 0.1f);  // idles as every motor
 }
 
-TEST(MixerAux, MotorsFollowArmingAndTheIdleThrottle) {
+TEST(MixerAux, MotorsIdleAsTheOthers) {
   Mixer m = make_mixer(MixerId::kQuadX);
+  static_cast<void>(m.step({}, armed()));
   ASSERT_TRUE(m.set_auxiliary(aux(10, link::AuxType::kMotor, 0.0f)));
-  EXPECT_EQ(m.step({}, armed())[10], 0.1f);
-  EXPECT_EQ(m.step({}, Mixer::Conditions{})[10], 0.0f);
   EXPECT_EQ(m.step({}, armed())[10], 0.1f);
   Mixer::Config config = m.config();
   config.idle_throttle = 0.2f;
@@ -109,9 +188,89 @@ TEST(MixerAux, MotorsFollowArmingAndTheIdleThrottle) {
   EXPECT_EQ(m.step({}, armed())[10], 0.2f);
 }
 
+/// A motor at 0.8 on channel 10 and a servo at 0.75 on channel 11.
+link::AuxCommand motor_and_servo() {
+  link::AuxCommand command = aux(10, link::AuxType::kMotor, 0.8f);
+  command.type[11] = static_cast<std::uint8_t>(link::AuxType::kServo);
+  command.value[11] = 0.5f;
+  return command;
+}
+
+TEST(MixerAux, AMotorStopsOnDisarmFailsafeOrSilenceAndWaitsForANewCommandServosHold) {
+  const auto with = [](void (*change)(Mixer::Conditions&)) {
+    Mixer::Conditions c = armed();
+    change(c);
+    return c;
+  };
+  for (const Mixer::Conditions& end :
+       {disarmed(), with([](Mixer::Conditions& c) { c.failsafe = true; }),
+        with([](Mixer::Conditions& c) { c.companion_present = false; })}) {
+    Mixer m = make_mixer(MixerId::kQuadX);
+    static_cast<void>(m.step({}, armed()));
+    ASSERT_TRUE(m.set_auxiliary(motor_and_servo()));
+    for (int k = 0; k < 1000; ++k)
+      ASSERT_FLOAT_EQ(m.step({}, armed())[10], 0.8f);  // once is enough
+    EXPECT_EQ(m.step({}, end)[10], 0.0f) << "in the same pass, and no idle";
+    EXPECT_FLOAT_EQ(m.outputs()[11], 0.75f);
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(m.step({}, armed())[10], 0.0f) << "it is forgotten";
+    EXPECT_FLOAT_EQ(m.outputs()[11], 0.75f);
+    ASSERT_TRUE(m.set_auxiliary(motor_and_servo()));
+    EXPECT_FLOAT_EQ(m.step({}, armed())[10], 0.8f);
+  }
+}
+
+TEST(MixerAux, AMotorCommandThatCameBeforeOrWhileDisarmedNeverCounts) {
+  Mixer m = make_mixer(MixerId::kQuadX);
+  ASSERT_TRUE(m.set_auxiliary(motor_and_servo()));
+  EXPECT_EQ(m.step({}, armed())[10], 0.0f) << "before the first pass";
+  EXPECT_FLOAT_EQ(m.outputs()[11], 0.75f);
+  static_cast<void>(m.step({}, disarmed()));
+  ASSERT_TRUE(m.set_auxiliary(motor_and_servo()));
+  EXPECT_EQ(m.step({}, armed())[10], 0.0f) << "in the pass that armed";
+  Mixer::Conditions failsafe = armed();
+  failsafe.failsafe = true;
+  static_cast<void>(m.step({}, failsafe));
+  ASSERT_TRUE(m.set_auxiliary(motor_and_servo()));
+  EXPECT_EQ(m.step({}, failsafe)[10], 0.0f) << "the companion has no say in failsafe";
+  EXPECT_EQ(m.step({}, armed())[10], 0.0f) << "nor what it said then";
+}
+
+TEST(MixerAux, AMotorOnAServosPinStopsAtZeroNotAtTheServosCentre) {
+  for (const bool drop : {false, true}) {
+    Mixer m = make_mixer(MixerId::kQuadX);
+    ASSERT_TRUE(m.set_auxiliary(aux(10, link::AuxType::kServo, 1.0f)));
+    static_cast<void>(m.step({}, armed()));
+    ASSERT_TRUE(m.set_auxiliary(aux(10, link::AuxType::kMotor, 0.5f)));
+    if (drop) m.drop_auxiliary_motors();
+    EXPECT_EQ(m.step({}, drop ? armed() : disarmed())[10], 0.0f);
+  }
+}
+
+TEST(MixerAux, AMotorStopsWhileTheMixIsNonsenseToo) {
+  Mixer m = make_mixer(MixerId::kQuadX);
+  static_cast<void>(m.step({}, armed()));
+  ASSERT_TRUE(m.set_auxiliary(motor_and_servo()));
+  static_cast<void>(m.step({}, armed()));
+  static_cast<void>(m.step(wrench(kNan), disarmed()));
+  EXPECT_EQ(m.outputs()[10], 0.0f);
+  EXPECT_EQ(m.step({}, armed())[10], 0.0f);
+}
+
+TEST(MixerAux, AMotorOnAChannelThatTheMixerGivesUpIsForgottenToo) {
+  Mixer m = make_mixer(MixerId::kQuadX);
+  static_cast<void>(m.step({}, armed()));
+  ASSERT_TRUE(m.set_auxiliary(aux(0, link::AuxType::kMotor, 0.8f)));
+  static_cast<void>(m.step({}, disarmed()));
+  MixerHeader header = m.header();
+  header.type[0] = OutputType::kAux;
+  m.set_header(header);
+  EXPECT_EQ(m.step({}, armed())[0], 0.0f);
+}
+
 TEST(MixerAux, ReleasedChannelsReturnToADefinedIdle) {
   // Weak point 48: in the reference they keep their last value for ever.
   Mixer m = make_mixer(MixerId::kQuadX);
+  static_cast<void>(m.step({}, armed()));
   ASSERT_TRUE(m.set_auxiliary(aux(11, link::AuxType::kServo, 1.0f)));
   EXPECT_EQ(m.step({}, armed())[11], 1.0f);
   ASSERT_TRUE(m.set_auxiliary({}));
@@ -173,6 +332,7 @@ TEST(MixerSafety, NotANumberAnywhereStopsAllMotorsAndHoldsTheRest) {
                                 OutputType::kMotor, OutputType::kAux},
                                config);
         m.primary().topRows(4).setConstant(motor_model ? 1e5f : 0.05f);
+        static_cast<void>(m.step({}, armed()));
         link::AuxCommand command = aux(10, link::AuxType::kMotor, 0.5f);
         command.type[11] = static_cast<std::uint8_t>(link::AuxType::kServo);
         command.value[11] = 0.5f;
@@ -197,6 +357,34 @@ TEST(MixerSafety, NotANumberAnywhereStopsAllMotorsAndHoldsTheRest) {
       }
     }
   }
+}
+
+TEST(MixerSafety, AServoWithoutACommandIsAtItsCentre) {
+  Mixer m = make_mixer(MixerId::kFixedWing);
+  const auto expect_rest = [&m](const char* when) {
+    for (const std::size_t k : {0u, 1u, 2u}) EXPECT_EQ(m.outputs()[k], 0.5f) << when << " " << k;
+    EXPECT_EQ(m.outputs()[4], 0.0f) << when;
+  };
+  expect_rest("before the first pass");
+  static_cast<void>(m.step({kNan, kNan, kNan, kNan, kNan, kNan}, armed()));
+  expect_rest("nonsense in the first pass");
+  static_cast<void>(m.step({1, 0, 0, 1, 1, 1}, armed()));
+  ASSERT_EQ(m.outputs()[0], 1.0f);
+  m.clear_outputs();
+  expect_rest("cleared");
+  static_cast<void>(m.step({1, 0, 0, 1, 1, 1}, armed()));
+  m.set_header(frame_header(MixerId::kQuadX));
+  m.set_valid(false);
+  m.clear_outputs();
+  EXPECT_EQ(m.outputs(), hal::OutputValues{}) << "motors now";
+  m.set_header(frame_header(MixerId::kFixedWing));
+  expect_rest("chosen anew");
+  static_cast<void>(m.step({1, 0, 0, 1, 1, 1}, armed()));
+  EXPECT_EQ(m.outputs(), (hal::OutputValues{0.5f, 0.5f, 0.5f})) << "no mixer";
+  MixerHeader none;
+  m.set_header(none);
+  m.clear_outputs();
+  EXPECT_EQ(m.outputs(), (hal::OutputValues{0.5f, 0.5f, 0.5f})) << "released: servos hang there";
 }
 
 TEST(MixerSafety, GainsThatOverflowAreNonsenseToo) {

@@ -40,6 +40,12 @@ inline Mixer::Conditions armed(std::uint16_t primary_entries = 0x3FF) {
   c.armed = true;
   c.battery_V = 24.0f;
   c.primary_entries = primary_entries;
+  c.companion_present = true;
+  return c;
+}
+inline Mixer::Conditions disarmed() {
+  Mixer::Conditions c = armed();
+  c.armed = false;
   return c;
 }
 

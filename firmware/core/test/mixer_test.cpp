@@ -171,42 +171,60 @@ TEST(MixerMotorModel, FollowsBatteryAndAir) {
   Mixer m = motor_mixer();
   Mixer::Conditions c = armed();
   const float full = m.step(wrench(1.6e5f), c)[0];
-  c.battery_V = 12.0f;
-  EXPECT_NEAR(m.step(wrench(1.6e5f), c)[0], 2.0f * full, 1e-6f);
+  c.battery_V = 16.0f;
+  EXPECT_NEAR(m.step(wrench(1.6e5f), c)[0], 1.5f * full, 1e-6f);
   c.density_kg_m3 = 1.0f;
   // Only the first term, 7.3286... - (0.063 + 0.01706 * 400) V, goes with the density.
   const float loss =
-      (0.3053573f * 24.0f - 0.063f - 0.01706f * 400.0f) * (1.0f - 1.0f / 1.225f) / 12.0f;
-  EXPECT_NEAR(m.step(wrench(1.6e5f), c)[0], 2.0f * full - loss, 1e-6f);
+      (0.3053573f * 24.0f - 0.063f - 0.01706f * 400.0f) * (1.0f - 1.0f / 1.225f) / 16.0f;
+  EXPECT_NEAR(m.step(wrench(1.6e5f), c)[0], 1.5f * full - loss, 1e-6f);
 }
 
 TEST(MixerMotorModel, ScalesWhenTheVoltageIsNotThere) {
   Mixer m = motor_mixer();
   Mixer::Conditions c = armed();
-  c.battery_V = 6.0f;
-  const auto& out = m.step(wrench(4.9e5f), c);
-  EXPECT_NEAR(m.saturation(), 4.0f * 0.5565551f, 2e-6f);
-  EXPECT_EQ(out[0], 1.0f);
+  c.battery_V = 16.0f;
+  const auto& out = m.step(wrench(3.0f * 4.9e5f), c);
+  EXPECT_GT(m.saturation(), 1.0f);
+  EXPECT_FLOAT_EQ(out[0], 1.0f);
 }
 
-TEST(MixerMotorModel, StopsMotorsWithoutBatteryOrMotorConstant) {
-  Mixer m = motor_mixer();
+TEST(MixerMotorModel, TheVoltageIsNeverBelowSixTenthsOfTheFullBattery) {
+  Mixer m = motor_mixer();  // 25 V when full
   Mixer::Conditions c = armed();
-  for (const float volts : {0.0f, 0.9e-4f, -12.0f, kNan}) {
+  c.battery_V = 15.01f;
+  EXPECT_NEAR(m.step(wrench(1.6e5f), c)[0], 0.3053573f * 24.0f / 15.01f, 1e-6f);
+  EXPECT_FALSE(m.voltage_replaced());
+  const Mixer::Config config = m.config();
+  for (const float volts : {14.99f, 6.0f, 0.0f, 0.9e-4f, -12.0f, kNan, kInf, -kInf}) {
     c.battery_V = volts;
     const auto& out = m.step({0, 0, 1e5f, 0, 0.5f}, c);
-    EXPECT_TRUE(m.motor_model_failed());
-    EXPECT_EQ(out[0], 0.0f);
-    EXPECT_FLOAT_EQ(out[1], 0.75f);  // the servo goes on
+    EXPECT_TRUE(m.voltage_replaced()) << volts;
+    EXPECT_FALSE(m.motor_model_failed()) << volts;
+    EXPECT_NEAR(out[0], config.motor.voltage_V(1e5f, 1.225f) / 15.0f, 1e-6f) << volts;
+    EXPECT_FLOAT_EQ(out[1], 0.75f);
   }
-  c.battery_V = 24.0f;
-  static_cast<void>(m.step(wrench(1e5f), c));
-  EXPECT_FALSE(m.motor_model_failed());
+}
+
+TEST(MixerMotorModel, StopsMotorsWithoutAMotorConstantOrAnyVoltage) {
+  Mixer m = motor_mixer();
   Mixer::Config config = m.config();
   config.motor.kv_V_s_rad = 0.9e-7f;
   m.configure(config);
-  EXPECT_EQ(m.step(wrench(1e5f), c)[0], 0.0f);
+  EXPECT_EQ(m.step({0, 0, 1e5f, 0, 0.5f}, armed())[0], 0.0f);
   EXPECT_TRUE(m.motor_model_failed());
+  EXPECT_FLOAT_EQ(m.outputs()[1], 0.75f);  // the servo goes on
+  config = motor_mixer().config();
+  config.motor.full_voltage_V = 0.0f;  // then the measurement is all there is
+  m.configure(config);
+  EXPECT_GT(m.step(wrench(1e5f), armed())[0], 0.0f);
+  EXPECT_FALSE(m.motor_model_failed());
+  Mixer::Conditions c = armed();
+  for (const float volts : {0.0f, 0.9e-4f, -12.0f, kNan, kInf}) {
+    c.battery_V = volts;
+    EXPECT_EQ(m.step(wrench(1e5f), c)[0], 0.0f) << volts;
+    EXPECT_TRUE(m.motor_model_failed()) << volts;
+  }
 }
 
 TEST(MixerMotorModel, CustomQuadrotorInNewtonsHoversAsItsFrameSays) {
@@ -284,6 +302,60 @@ TEST(MixerEscCalibration, TakesTheWholeRangeOfAMultirotorCommand) {
       for (std::size_t k = 0; k < kChannels; ++k) EXPECT_NEAR(out[k], throttle, 1e-5f);
     }
   }
+}
+
+TEST(MixerEntryLimits, AreWhereTheFirstActuatorReachesItsEnd) {
+  Mixer m = make_mixer(MixerId::kQuadX);
+  const Inputs limits = m.entry_limits(1.225f);
+  for (const std::size_t i : {2u, 3u, 4u, 5u}) {
+    SCOPED_TRACE(i);
+    Inputs u{};
+    u[i] = limits[i];
+    u[2] = i == 2 ? -limits[2] : 0.0f;
+    Mixer::Config config;
+    config.idle_throttle = 0.0f;  // keeps the yaw entry
+    m.configure(config);
+    static_cast<void>(m.step(u, armed()));
+    EXPECT_NEAR(m.saturation(), 1.0f, 2e-4f);
+    EXPECT_GE(m.saturation(), 1.0f) << "full output is within them";
+  }
+  EXPECT_NEAR(limits[3], 1.0f / 0.353557f, 1e-3f);
+  for (const std::size_t i : {0u, 1u, 6u, 9u}) {
+    EXPECT_EQ(limits[i], std::numeric_limits<float>::max()) << i;
+  }
+  const Inputs fixed_wing = make_mixer(MixerId::kInvertedVTail).entry_limits(1.225f);
+  EXPECT_NEAR(fixed_wing[0], 1.0f, 2e-4f);
+  EXPECT_NEAR(fixed_wing[4], 2.0f, 3e-4f);
+}
+
+TEST(MixerEntryLimits, AreThoseOfTheSecondaryAndOfItsUsedChannels) {
+  Mixer m = custom_mixer({OutputType::kMotor, OutputType::kServo});
+  m.primary()(0, 2) = 100.0f;
+  m.secondary()(0, 2) = -0.5f;
+  m.secondary()(1, 4) = 4.0f;
+  m.secondary()(1, 5) = kNan;
+  m.secondary()(7, 6) = 50.0f;  // a free channel
+  const Inputs limits = m.entry_limits(1.225f);
+  EXPECT_NEAR(limits[2], 2.0f, 3e-4f);
+  EXPECT_NEAR(limits[4], 0.25f, 3e-5f);
+  for (const std::size_t i : {5u, 6u}) EXPECT_EQ(limits[i], std::numeric_limits<float>::max());
+}
+
+TEST(MixerEntryLimits, WithMotorParametersTheFullBatteryIsTheEnd) {
+  Mixer m = motor_mixer();  // input 2: gains 1 and -1; a servo on input 4
+  m.secondary() = m.primary();
+  const float full = m.config().motor.speed_sq_rad2_s2(25.0f, 1.225f);
+  EXPECT_NEAR(m.entry_limits(1.225f)[2] / full, 1.0f, 2e-4f);
+  EXPECT_NEAR(m.entry_limits(1.225f)[4], 1.0f, 2e-4f);
+  EXPECT_GT(m.entry_limits(0.8f)[2], 1.01f * full) << "thin air brakes less";
+  Mixer::Config config = m.config();
+  config.fixed_wing = true;  // has no such law
+  m.configure(config);
+  EXPECT_NEAR(m.entry_limits(1.225f)[2], 1.0f, 2e-4f);
+  config = motor_mixer().config();
+  config.motor.kv_V_s_rad = 0.0f;
+  m.configure(config);
+  EXPECT_EQ(m.entry_limits(1.225f)[2], 0.0f) << "motors that cannot be driven";
 }
 
 TEST(MixerThrustFraction, IsTheMeanThrottleOfTheSecondary) {

@@ -1,93 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "firmware/core/parameter_store.hpp"
-
-#include <gtest/gtest.h>
-
-#include <cstring>
-#include <string>
-#include <vector>
-
-#include "firmware/boards/simulated/simulated_board.hpp"
-#include "firmware/core/checksum.hpp"
+#include "firmware/core/test/parameter_store_rig.hpp"
 
 namespace rosflight::core {
 namespace {
-
-using boards::SimulatedStorage;
-
-constexpr std::size_t kHeader = 12;
-
-void put_u32(std::vector<std::uint8_t>& out, std::uint32_t v) {
-  for (int k = 0; k < 4; ++k) out.push_back(static_cast<std::uint8_t>(v >> (8 * k)));
-}
-
-struct Entry {
-  std::string name;
-  std::uint8_t type;
-  std::uint32_t bits;
-};
-
-/// A slot as some other firmware could have written it.
-std::vector<std::uint8_t> slot_of(std::uint32_t sequence, const std::vector<Entry>& entries) {
-  std::vector<std::uint8_t> out;
-  put_u32(out, 0x31504652u);
-  put_u32(out, sequence);
-  put_u32(out, static_cast<std::uint32_t>(entries.size()));
-  for (const Entry& e : entries) {
-    const link::ParamName name = padded_name(e.name.c_str());
-    out.insert(out.end(), name.begin(), name.end());
-    out.push_back(e.type);
-    put_u32(out, e.bits);
-  }
-  Crc32 crc;
-  crc.add(out.data(), out.size());
-  put_u32(out, crc.value());
-  return out;
-}
-
-void place(SimulatedStorage& storage, int slot, const std::vector<std::uint8_t>& bytes) {
-  std::vector<std::uint8_t> all = storage.bytes();
-  const std::size_t start = slot == 0 ? 0 : all.size() / 2;
-  std::copy(bytes.begin(), bytes.end(), all.begin() + static_cast<std::ptrdiff_t>(start));
-  storage.set_bytes(std::move(all));
-}
-
-std::uint32_t float_bits(float value) {
-  std::uint32_t bits = 0;
-  std::memcpy(&bits, &value, sizeof bits);
-  return bits;
-}
-
-bool same(const Parameters& a, const Parameters& b) {
-  for (std::size_t k = 0; k < kParamCount; ++k) {
-    if (a.bits(static_cast<Param>(k)) != b.bits(static_cast<Param>(k))) return false;
-  }
-  return true;
-}
-
-/// A set that differs from another number's in many places.
-Parameters set_number(int n) {
-  Parameters p;
-  static_cast<void>(p.set_int(Param::kSysId, n));
-  for (std::size_t k = 0; k < 100; ++k) {
-    const auto id = static_cast<Param>(static_cast<std::size_t>(Param::kPriMixer0_0) + k);
-    static_cast<void>(p.set_float(id, static_cast<float>(n) + static_cast<float>(k) * 0.01f));
-  }
-  static_cast<void>(p.set_float(Param::kBattVoltLpf, 0.5f + 0.001f * static_cast<float>(n)));
-  return p;
-}
-
-struct Loaded {
-  StoreResult result;
-  Parameters parameters;
-  ParameterStore::LoadReport report;
-};
-
-Loaded load(hal::Storage& storage) {
-  Loaded l{};
-  l.result = ParameterStore(storage).load(l.parameters, l.report);
-  return l;
-}
 
 TEST(ParameterStore, ReadsBackWhatItWrote) {
   SimulatedStorage storage;
@@ -102,10 +17,25 @@ TEST(ParameterStore, ReadsBackWhatItWrote) {
 }
 
 TEST(ParameterStore, BlankMediaHoldNothing) {
-  for (const unsigned fill : {0x00u, 0xFFu, 0xA5u}) {
+  for (const unsigned fill : {0x00u, 0xFFu}) {
     SimulatedStorage storage;
     storage.set_bytes(std::vector<std::uint8_t>(16384, static_cast<std::uint8_t>(fill)));
     EXPECT_EQ(load(storage).result, StoreResult::kBlank);
+  }
+}
+
+TEST(ParameterStore, AnythingElseThanAnErasedMediumIsDamage) {
+  for (const unsigned fill : {0xA5u, 0x01u, 0xFEu}) {
+    SimulatedStorage storage;
+    storage.set_bytes(std::vector<std::uint8_t>(16384, static_cast<std::uint8_t>(fill)));
+    EXPECT_EQ(load(storage).result, StoreResult::kDamaged);
+  }
+  for (const std::size_t place : {0u, 13u, 8191u, 8192u, 16383u}) {  // one byte of an erased one
+    SimulatedStorage storage;
+    auto bytes = storage.bytes();
+    bytes[place] = 0x00;
+    storage.set_bytes(bytes);
+    EXPECT_EQ(load(storage).result, StoreResult::kDamaged) << place;
   }
 }
 
@@ -146,6 +76,9 @@ TEST(ParameterStore, TheSequenceNumberMayWrap) {
   EXPECT_EQ(load(storage).parameters.get_int(Param::kSysId), 4);
 }
 
+/// Bytes of one save: the record of gyro biases, then the set.
+constexpr std::size_t kWritten = 24 + ParameterStore::kSetBytes;
+
 /// Cuts the power after every possible number of bytes of one save.
 void cut_everywhere(int saves_before) {
   SimulatedStorage storage;
@@ -157,7 +90,7 @@ void cut_everywhere(int saves_before) {
   const Parameters newer = set_number(saves_before + 1);
   std::size_t old_sets = 0;
   std::size_t new_sets = 0;
-  for (std::size_t cut = 0; cut <= ParameterStore::kSlotBytes; ++cut) {
+  for (std::size_t cut = 0; cut <= kWritten; ++cut) {
     storage.set_bytes(before);
     storage.cut_power_after(cut);
     const StoreResult result = ParameterStore(storage).save(newer);
@@ -181,7 +114,7 @@ void cut_everywhere(int saves_before) {
     }
   }
   EXPECT_EQ(new_sets, 1u);  // only the last byte of the checksum makes the set the new one
-  EXPECT_EQ(old_sets, ParameterStore::kSlotBytes);
+  EXPECT_EQ(old_sets, kWritten);
 }
 
 TEST(ParameterStore, ACutAtEveryByteOfTheFirstSaveLeavesNothingOrTheWholeSet) {
@@ -201,7 +134,7 @@ TEST(ParameterStore, ACorruptedByteAnywhereFallsBackToTheOlderSet) {
   const std::vector<std::uint8_t> intact = storage.bytes();
   const std::size_t start = intact.size() / 2;
   const Parameters older = set_number(1);
-  for (std::size_t k = 0; k < ParameterStore::kSlotBytes; ++k) {
+  for (std::size_t k = 0; k < ParameterStore::kSetBytes; ++k) {
     if (k == 10 || k == 11) continue;  // reserved; part of the checksum, tested below
     std::vector<std::uint8_t> bytes = intact;
     bytes[start + k] ^= static_cast<std::uint8_t>(1u << (k % 8));
@@ -212,6 +145,40 @@ TEST(ParameterStore, ACorruptedByteAnywhereFallsBackToTheOlderSet) {
   }
 }
 
+TEST(ParameterStore, FallingBackToTheOlderSetIsReported) {
+  SimulatedStorage storage;
+  ASSERT_EQ(ParameterStore(storage).save(set_number(1)), StoreResult::kOk);
+  EXPECT_FALSE(load(storage).report.fell_back);  // the other slot is blank
+  ASSERT_EQ(ParameterStore(storage).save(set_number(2)), StoreResult::kOk);
+  EXPECT_FALSE(load(storage).report.fell_back);
+  const std::vector<std::uint8_t> intact = storage.bytes();
+  const std::size_t half = intact.size() / 2;
+  for (const std::size_t k : {std::size_t{0}, std::size_t{4}, std::size_t{7}, std::size_t{8},
+                              std::size_t{100}, ParameterStore::kSetBytes - 1}) {
+    for (const std::size_t slot : {std::size_t{0}, std::size_t{1}}) {
+      std::vector<std::uint8_t> bytes = intact;
+      bytes[slot * half + k] ^= 0x80u;
+      storage.set_bytes(bytes);
+      const Loaded l = load(storage);
+      ASSERT_EQ(l.result, StoreResult::kOk);
+      EXPECT_TRUE(same(l.parameters, set_number(slot == 1 ? 1 : 2)));
+      // A damaged older set is reported only if nobody can tell that it is the older one.
+      EXPECT_EQ(l.report.fell_back, slot == 1 || k < 8) << slot << ' ' << k;
+    }
+  }
+}
+
+TEST(ParameterStore, ASaveThatWasCutOffIsReportedToo) {
+  SimulatedStorage storage;
+  ASSERT_EQ(ParameterStore(storage).save(set_number(1)), StoreResult::kOk);
+  storage.cut_power_after(500);
+  ASSERT_EQ(ParameterStore(storage).save(set_number(2)), StoreResult::kFailed);
+  storage.restore_power();
+  EXPECT_TRUE(load(storage).report.fell_back);
+  ASSERT_EQ(ParameterStore(storage).save(set_number(2)), StoreResult::kOk);
+  EXPECT_FALSE(load(storage).report.fell_back);
+}
+
 TEST(ParameterStore, TheReservedBytesAreCheckedToo) {
   SimulatedStorage storage;
   ASSERT_EQ(ParameterStore(storage).save(set_number(1)), StoreResult::kOk);
@@ -220,7 +187,7 @@ TEST(ParameterStore, TheReservedBytesAreCheckedToo) {
     bytes[k] ^= 1u;
     SimulatedStorage damaged;
     damaged.set_bytes(bytes);
-    EXPECT_EQ(load(damaged).result, StoreResult::kBlank);
+    EXPECT_EQ(load(damaged).result, StoreResult::kDamaged);
   }
 }
 
@@ -230,7 +197,7 @@ TEST(ParameterStore, ACountBeyondTheSlotIsNoSet) {
   slot[8] = 0xFF;
   slot[9] = 0xFF;
   place(storage, 0, slot);
-  EXPECT_EQ(load(storage).result, StoreResult::kBlank);
+  EXPECT_EQ(load(storage).result, StoreResult::kDamaged);
 }
 
 TEST(ParameterStore, UnknownNamesOtherTypesAndBadValuesAreSkippedAndCounted) {
@@ -247,6 +214,7 @@ TEST(ParameterStore, UnknownNamesOtherTypesAndBadValuesAreSkippedAndCounted) {
   ASSERT_EQ(l.result, StoreResult::kOk);
   EXPECT_EQ(l.report.loaded, 3u);
   EXPECT_EQ(l.report.skipped, 4u);
+  EXPECT_EQ(l.report.first_skipped, padded_name("GONE_PARAMETER"));
   EXPECT_EQ(l.parameters.get_int(Param::kSysId), 7);
   EXPECT_EQ(l.parameters.get_float(Param::kRcArmThreshold), 0.2f);
   EXPECT_EQ(l.parameters.get_float(Param::kFailsafeThr), 0.4f);
@@ -258,7 +226,7 @@ TEST(ParameterStore, NamesThatStorageLacksKeepTheirValuesAndStayUnsaved) {
   SimulatedStorage storage;
   place(storage, 0, slot_of(1, {{"SYS_ID", 6, 7}}));
   Parameters p;
-  p.mark_saved();
+  p.mark_saved(p.version());
   ASSERT_EQ(p.set_int(Param::kNumMotors, 6), SetResult::kChanged);
   ParameterStore::LoadReport report;
   ASSERT_EQ(ParameterStore(storage).load(p, report), StoreResult::kOk);
@@ -299,77 +267,6 @@ TEST(ParameterStore, ATooSmallMediumFailsAndIsNotTouched) {
   ASSERT_EQ(ParameterStore(exact).save(set_number(1)), StoreResult::kOk);
   ASSERT_EQ(ParameterStore(exact).save(set_number(2)), StoreResult::kOk);
   EXPECT_TRUE(same(load(exact).parameters, set_number(2)));
-}
-
-/// A medium whose reads fail, or lie, from the n-th on.
-class FlakyStorage final : public hal::Storage {
- public:
-  explicit FlakyStorage(hal::Storage& good) : good_{good} {}
-  std::size_t size() const override { return good_.size(); }
-  bool read(std::size_t offset, std::uint8_t* data, std::size_t count) override {
-    const bool bad = reads_++ >= good_reads;
-    if (bad && !lies) return false;
-    const bool ok = good_.read(offset, data, count);
-    if (bad) data[count - 1] ^= 1u;
-    return ok;
-  }
-  bool write(std::size_t offset, const std::uint8_t* data, std::size_t count) override {
-    return good_.write(offset, data, count);
-  }
-  bool flush() override { return good_.flush(); }
-
-  std::size_t reads() const { return reads_; }
-  std::size_t good_reads{~std::size_t{0}};
-  bool lies{false};
-
- private:
-  hal::Storage& good_;
-  std::size_t reads_{0};
-};
-
-TEST(ParameterStore, AMediumThatFailsHalfwayLeavesTheLiveTableAlone) {
-  SimulatedStorage good;
-  ASSERT_EQ(ParameterStore(good).save(set_number(1)), StoreResult::kOk);
-  FlakyStorage whole(good);
-  EXPECT_EQ(load(whole).result, StoreResult::kOk);
-  const std::size_t reads = whole.reads();
-  ASSERT_GT(reads, kParamCount);
-  for (const bool lies : {false, true}) {
-    for (std::size_t n = 0; n < reads; ++n) {
-      FlakyStorage flaky(good);
-      flaky.good_reads = n;
-      flaky.lies = lies;
-      const Loaded l = load(flaky);
-      // A slot that cannot be read may be the newer one, but the other is still a whole set.
-      if (l.result == StoreResult::kOk) {
-        ASSERT_TRUE(same(l.parameters, set_number(1))) << n;
-      } else {
-        ASSERT_TRUE(same(l.parameters, Parameters())) << n << (lies ? " lies" : " fails");
-      }
-      if (!lies && n == 0) {
-        EXPECT_EQ(l.result, StoreResult::kFailed);  // nobody knows what is stored
-      }
-    }
-  }
-}
-
-TEST(ParameterStore, TheLayoutIsTheDocumentedOne) {
-  SimulatedStorage storage;
-  Parameters p;
-  ASSERT_EQ(p.set_int(Param::kBaudRate, 0x000E1000), SetResult::kUnchanged);  // 921600
-  ASSERT_EQ(ParameterStore(storage).save(p), StoreResult::kOk);
-  const auto& b = storage.bytes();
-  EXPECT_EQ(std::string(b.begin(), b.begin() + 4), "RFP1");
-  EXPECT_EQ(b[4], 1u);  // sequence
-  EXPECT_EQ(b[8] + 256 * b[9], 333);
-  EXPECT_EQ(std::string(b.begin() + kHeader, b.begin() + kHeader + 9), "BAUD_RATE");
-  EXPECT_EQ(b[kHeader + 15], 0u);
-  EXPECT_EQ(b[kHeader + 16], 6u);
-  EXPECT_EQ(b[kHeader + 17], 0x00u);
-  EXPECT_EQ(b[kHeader + 18], 0x10u);
-  EXPECT_EQ(b[kHeader + 19], 0x0Eu);
-  EXPECT_EQ(b[kHeader + 20], 0x00u);
-  EXPECT_EQ(ParameterStore::kSlotBytes, 12u + 333u * 21u + 4u);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -57,8 +58,8 @@ std::vector<ReferenceRow> reference() {
 
 TEST(ParameterTable, HasNamesTypesDefaultsAndOrderOfTheReference) {
   const auto rows = reference();
-  ASSERT_EQ(rows.size(), 333u);
-  ASSERT_EQ(kParamCount, 333u);
+  ASSERT_EQ(rows.size(), kReferenceParamCount);
+  ASSERT_GE(kParamCount, kReferenceParamCount);  // ours follow
   const Parameters fresh;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     SCOPED_TRACE(rows[k].name);
@@ -154,6 +155,23 @@ TEST(ParameterTable, LimitsThemselvesAreInside) {
   }
 }
 
+TEST(Parameters, WhatNoVehicleFliesWithIsOutOfRange) {
+  for (const auto& [id, bad, good] :
+       std::vector<std::tuple<Param, float, float>>{{Param::kGyroXyLpf, 1.0f, 0.99f},
+                                                    {Param::kGyroZLpf, 1.0f, 0.99f},
+                                                    {Param::kAccLpf, 1.0f, 0.99f},
+                                                    {Param::kBattVoltLpf, 1.0f, 0.9999f},
+                                                    {Param::kBattCurrLpf, 1.0f, 0.9999f},
+                                                    {Param::kRcArmThreshold, 1.0f, 0.5f},
+                                                    {Param::kRcArmThreshold, 0.0f, 0.01f},
+                                                    {Param::kPidTau, 0.0f, 0.001f},
+                                                    {Param::kMotorIdleThr, 1.0f, 0.5f}}) {
+    Parameters p;
+    EXPECT_EQ(p.set_float(id, bad), SetResult::kOutOfRange) << static_cast<int>(id);
+    EXPECT_EQ(p.set_float(id, good), SetResult::kChanged) << static_cast<int>(id);
+  }
+}
+
 TEST(Parameters, NotANumberAndInfinityAreRefusedEverywhere) {
   for (std::size_t k = 0; k < kParamCount; ++k) {
     const auto id = static_cast<Param>(k);
@@ -198,21 +216,125 @@ TEST(Parameters, DangerousOnesAreLockedWhileArmed) {
   // Asking for the value it has is no change, and out of range is worse than armed.
   EXPECT_EQ(p.set_bits(Param::kPrimaryMixer, kIntCode, bits_of(255), true), SetResult::kUnchanged);
   EXPECT_EQ(p.set_bits(Param::kPrimaryMixer, kIntCode, bits_of(99), true), SetResult::kOutOfRange);
-  // Gains are tuned in flight, and custom mixer elements change live.
+  // Gains are tuned in flight, a mixer is not.
   EXPECT_EQ(p.set_bits(Param::kPidRollRateP, kFloatCode, bits_of(0.1f), true), SetResult::kChanged);
-  EXPECT_EQ(p.set_bits(Param::kPriMixer3_0, kFloatCode, bits_of(0.1f), true), SetResult::kChanged);
+  EXPECT_EQ(p.set_bits(Param::kPriMixer3_0, kFloatCode, bits_of(0.1f), true),
+            SetResult::kLockedArmed);
   EXPECT_EQ(p.set_bits(Param::kPrimaryMixer, kIntCode, bits_of(2), false), SetResult::kChanged);
 }
 
-TEST(Parameters, EveryParameterThatReconfiguresOutputsOrReceiverIsLocked) {
-  for (const char* name :
-       {"PRIMARY_MIXER", "SECONDARY_MIXER", "USE_MOTOR_PARAM", "RC_F_AXIS", "FIXED_WING",
-        "PRI_MIXER_OUT_0", "PRI_MIXER_OUT_9", "PRI_MIXER_PWM_0", "PRI_MIXER_PWM_9", "RC_TYPE",
-        "RC_X_CHN", "RC_F_CHN", "RC_NUM_CHN", "RC_ARM_CHN", "IMU_ROLL", "IMU_YAW"}) {
-    const std::size_t index = Parameters::find(padded_name(name));
-    ASSERT_LT(index, kParamCount) << name;
-    EXPECT_TRUE(Parameters::row(static_cast<Param>(index)).locked_while_armed) << name;
+TEST(Parameters, OnlyGainsTrimsAndTheLargestThrottleMayChangeWhileArmed) {
+  std::set<std::string> open;
+  for (std::size_t k = 0; k < kParamCount; ++k) {
+    if (Parameters::armed_rule(static_cast<Param>(k)).factor != 0.0f) open.insert(name_of(k));
   }
+  std::set<std::string> wanted{"X_EQ_TORQUE", "Y_EQ_TORQUE", "Z_EQ_TORQUE", "RC_MAX_THR"};
+  for (const char* loop : {"ROLL_RATE", "PITCH_RATE", "YAW_RATE", "ROLL_ANG", "PITCH_ANG"}) {
+    for (const char* term : {"P", "I", "D"}) {
+      wanted.insert(std::string("PID_") + loop + "_" + term);
+    }
+  }
+  EXPECT_EQ(open, wanted);
+}
+
+/// Values worth asking for, whatever the parameter: neighbours, limits, other signs, extremes.
+std::vector<std::uint32_t> asked_for(const ParamRow& row, std::uint32_t now) {
+  std::vector<std::uint32_t> bits;
+  if (row.type == ParamType::kInt32) {
+    const auto v = static_cast<std::int32_t>(now);
+    for (const std::int32_t w :
+         {v + 1, v - 1, -v, 0, 1, static_cast<std::int32_t>(row.min),
+          static_cast<std::int32_t>(row.max), static_cast<std::int32_t>(row.sentinel)}) {
+      bits.push_back(bits_of(w));
+    }
+    return bits;
+  }
+  float v = 0.0f;
+  std::memcpy(&v, &now, sizeof v);
+  for (const float w : {v * 1.1f, v / 1.1f, -v, 0.0f, -0.0f, v + 1e-6f, v - 1e-6f, v + 0.5f,
+                        v - 0.5f, 1.0f, 0.02f, 1e-30f, 1e30f, row.min, row.max, row.sentinel}) {
+    bits.push_back(bits_of(w));
+  }
+  return bits;
+}
+
+TEST(Parameters, WhileArmedNoLockedOneTakesAnyOtherValue) {
+  std::size_t locked = 0;
+  for (std::size_t k = 0; k < kParamCount; ++k) {
+    const auto id = static_cast<Param>(k);
+    const ParamRow& row = Parameters::row(id);
+    if (Parameters::armed_rule(id).factor != 0.0f) continue;
+    SCOPED_TRACE(name_of(k));
+    ++locked;
+    Parameters p;
+    const std::uint32_t before = p.bits(id);
+    for (const std::uint32_t bits : asked_for(row, before)) {
+      const SetResult result = p.set_bits(id, static_cast<std::uint8_t>(row.type), bits, true);
+      if (bits == before) {
+        EXPECT_EQ(result, SetResult::kUnchanged);
+      } else {
+        EXPECT_TRUE(result == SetResult::kLockedArmed || result == SetResult::kOutOfRange);
+      }
+      EXPECT_EQ(p.bits(id), before);
+    }
+  }
+  EXPECT_EQ(locked, kParamCount - 19);
+}
+
+TEST(Parameters, WhileArmedEachOpenOneKeepsToItsRule) {
+  for (std::size_t k = 0; k < kParamCount; ++k) {
+    const auto id = static_cast<Param>(k);
+    const ArmedRule& rule = Parameters::armed_rule(id);
+    if (rule.factor == 0.0f) continue;
+    SCOPED_TRACE(name_of(k));
+    ASSERT_EQ(Parameters::row(id).type, ParamType::kFloat);
+    const bool signs = Parameters::row(id).min < 0.0f;
+    const auto ask = [id](float from, float to) {
+      Parameters p;
+      EXPECT_NE(p.set_float(id, from), SetResult::kOutOfRange);
+      const SetResult result = p.set_bits(id, kFloatCode, bits_of(to), true);
+      EXPECT_EQ(p.bits(id), bits_of(result == SetResult::kChanged ? to : from))
+          << from << ' ' << to;
+      return result;
+    };
+    for (const float bad : {kNan, kInf, -kInf}) EXPECT_EQ(ask(0.5f, bad), SetResult::kOutOfRange);
+    const float from = 0.5f;
+    const float most = std::min(from * rule.factor, Parameters::row(id).max);
+    const float least = rule.only_up ? from : from / rule.factor;
+    EXPECT_EQ(ask(from, most), SetResult::kChanged);
+    EXPECT_EQ(ask(from, least), rule.only_up ? SetResult::kUnchanged : SetResult::kChanged);
+    if (most < Parameters::row(id).max) {
+      EXPECT_EQ(ask(from, std::nextafter(most, kInf)), SetResult::kTooFar);
+    }
+    EXPECT_EQ(ask(from, std::nextafter(least, -kInf)), SetResult::kTooFar);
+    EXPECT_EQ(ask(from, 0.0f), SetResult::kTooFar);
+    if (signs) {
+      EXPECT_EQ(ask(from, -from), SetResult::kTooFar);
+    }
+    // Around zero: a step where there is one, else nothing gets to zero or away from it.
+    const float tiny = 0.001f;
+    EXPECT_EQ(ask(0.0f, 0.02f), rule.step > 0.0f ? SetResult::kChanged : SetResult::kTooFar);
+    EXPECT_EQ(ask(0.02f, 0.0f), rule.step > 0.0f ? SetResult::kChanged : SetResult::kTooFar);
+    EXPECT_EQ(ask(tiny, 0.02f), rule.step > 0.0f ? SetResult::kChanged : SetResult::kTooFar);
+    EXPECT_EQ(ask(0.0f, 0.021f), SetResult::kTooFar);
+    EXPECT_EQ(ask(tiny, 0.022f), SetResult::kTooFar);
+    if (signs) {
+      EXPECT_EQ(ask(0.01f, -0.01f), SetResult::kChanged);
+      EXPECT_EQ(ask(0.011f, -0.011f), SetResult::kTooFar);
+      EXPECT_EQ(ask(-0.5f, -2.0f), SetResult::kChanged);
+      EXPECT_EQ(ask(-0.5f, -2.1f), SetResult::kTooFar);
+    }
+  }
+}
+
+TEST(Parameters, WhileArmedTheThrottleLimitOnlyRises) {
+  Parameters p;  // 0.7
+  for (const float lower : {0.69f, 0.5f, 0.3f, 0.0f}) {
+    EXPECT_EQ(p.set_bits(Param::kRcMaxThr, kFloatCode, bits_of(lower), true), SetResult::kTooFar);
+  }
+  EXPECT_EQ(p.set_bits(Param::kRcMaxThr, kFloatCode, bits_of(1.0f), true), SetResult::kChanged);
+  EXPECT_EQ(p.set_bits(Param::kRcMaxThr, kFloatCode, bits_of(0.7f), true), SetResult::kTooFar);
+  EXPECT_EQ(p.set_bits(Param::kRcMaxThr, kFloatCode, bits_of(0.7f), false), SetResult::kChanged);
 }
 
 TEST(Parameters, SetsValuesBitForBit) {
@@ -233,11 +355,14 @@ TEST(Parameters, SetsValuesBitForBit) {
 
 TEST(Parameters, NegativeZeroPassesALimitOfZero) {
   Parameters p;
-  EXPECT_EQ(p.set_float(Param::kPidTau, -0.0f), SetResult::kChanged);
-  EXPECT_EQ(p.get_float(Param::kPidTau), 0.0f);
+  EXPECT_EQ(p.set_float(Param::kNoLoadCurrent, -0.0f), SetResult::kChanged);
+  EXPECT_EQ(p.get_float(Param::kNoLoadCurrent), 0.0f);
 }
 
 TEST(Parameters, AreFoundByTheirWholeName) {
+  for (std::size_t k = 0; k < kParamCount; ++k) {
+    EXPECT_EQ(Parameters::find(Parameters::row(static_cast<Param>(k)).name), k);
+  }
   EXPECT_EQ(Parameters::find(padded_name("BAUD_RATE")), 0u);
   EXPECT_EQ(Parameters::find(padded_name("BATT_CURR_LPF")), 332u);
   EXPECT_EQ(Parameters::find(padded_name("BAUD_RAT")), kParamCount);
@@ -245,12 +370,21 @@ TEST(Parameters, AreFoundByTheirWholeName) {
   EXPECT_EQ(Parameters::find(padded_name("baud_rate")), kParamCount);
   EXPECT_EQ(Parameters::find(padded_name("")), kParamCount);
   // These have 16 characters and no NUL on the wire.
-  for (const char* name :
-       {"MOTOR_RESISTANCE", "PID_PITCH_RATE_P", "PID_PITCH_RATE_I", "PID_PITCH_RATE_D",
-        "RC_MAX_PITCHRATE", "RC_ARM_THRESHOLD", "OFFBOARD_TIMEOUT"}) {
+  for (const char* name : {"MOTOR_RESISTANCE", "PID_PITCH_RATE_P", "PID_PITCH_RATE_I",
+                           "PID_PITCH_RATE_D", "RC_MAX_PITCHRATE", "OFFBOARD_TIMEOUT"}) {
     const std::size_t index = Parameters::find(padded_name(name));
     ASSERT_LT(index, kParamCount) << name;
     EXPECT_EQ(name_of(index), name);
+  }
+  for (std::size_t k = 0; k < kParamCount; ++k) {
+    const link::ParamName name = Parameters::row(static_cast<Param>(k)).name;
+    EXPECT_EQ(Parameters::find(name), k);
+    link::ParamName other = name;  // neighbours in the order are other names
+    other[0] = static_cast<char>(other[0] + 1);
+    EXPECT_NE(Parameters::find(other), k);
+  }
+  for (const char* name : {"A", "ZZZZZZZZZZZZZZZZ", "\x7F", "\xFF\xFF", "PID", "PRI_MIXER_"}) {
+    EXPECT_EQ(Parameters::find(padded_name(name)), kParamCount);
   }
   link::ParamName dirty = padded_name("SYS_ID");
   dirty[10] = 'X';  // left over after the NUL
@@ -261,7 +395,7 @@ TEST(Parameters, RememberWhatChanged) {
   Parameters p;
   static_cast<void>(p.take_changes());
   p.mark_all_reported();
-  p.mark_saved();
+  p.mark_saved(p.version());
   EXPECT_FALSE(p.has_changes());
 
   EXPECT_EQ(p.set_int(Param::kSysId, 1), SetResult::kUnchanged);

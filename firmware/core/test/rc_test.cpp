@@ -249,6 +249,39 @@ TEST_F(RcTest, TellsTheMappingOfEverySwitch) {
   EXPECT_TRUE(log.empty());
 }
 
+TEST_F(RcTest, ASwitchOnAChannelThatTheReceiverLacksIsOff) {
+  config_.channel_count = 8;
+  config_.switch_channel = {255, 4, 5, 6};
+  configure();
+  frame_.channels.fill(1.0f);  // leftovers beyond channel_count
+  for (int count = 4; count <= 8; ++count) {
+    frame_.channel_count = static_cast<std::uint8_t>(count);
+    ASSERT_TRUE(frame().found) << count;
+    for (std::size_t s = 1; s < kSwitchCount; ++s) {
+      EXPECT_EQ(rc_.input().on[s], static_cast<int>(s) + 3 < count) << count;
+    }
+  }
+}
+
+TEST_F(RcTest, AFrameThatLacksAStickIsBadAndWhatItDoesNotCarryIsNotChecked) {
+  config_.channel_count = 8;
+  configure();
+  frame_.channels[5] = 9.0f;
+  for (int count = 0; count < 4; ++count) {
+    frame_.channel_count = static_cast<std::uint8_t>(count);
+    EXPECT_FALSE(frame().found) << count;
+  }
+  for (const int count : {4, 5}) {
+    frame_.channel_count = static_cast<std::uint8_t>(count);
+    EXPECT_TRUE(frame().found) << count;
+  }
+  frame_.channel_count = 6;
+  EXPECT_FALSE(frame().found) << "channel 5 is out of range";
+  frame_.channels[5] = 0.0f;
+  frame_.channel_count = 255;
+  EXPECT_TRUE(frame().found) << "no more than there can be";
+}
+
 // ---- arming by sticks
 
 TEST_F(RcTest, SticksArmAfterMoreThanOneSecondInTheCorner) {
@@ -337,16 +370,116 @@ class RcWithArmSwitch : public RcTest {
     configure();
   }
   void set_switch(bool on) { frame_.channels[5] = on ? 1.0f : 0.0f; }
+  /// Frames at the standard rate until the switch has been off for long enough.
+  void wait_off() {
+    set_switch(false);
+    for (std::int64_t t = 0; t <= 100; t += kFrame_ms) frame();
+  }
 };
 
-TEST_F(RcWithArmSwitch, ArmsOnTheFirstFrameAfterTheSwitchGoesOnAndDisarmsOnTheFirstOff) {
+TEST_F(RcWithArmSwitch, ArmsOnTheFirstOnAndDisarmsWhenEveryFrameOfATenthOfASecondSaidOff) {
+  struct Rate {
+    std::int64_t period_us;
+    int frames;  ///< That say off before it counts: the first, and those until 100 ms later.
+  };
+  for (const Rate& rate : {Rate{20'000, 6}, Rate{9'000, 13}, Rate{2'000, 51}, Rate{50'000, 3}}) {
+    SCOPED_TRACE(rate.period_us);
+    const auto next = [&](bool on) {
+      set_switch(on);
+      now_ += hal::microseconds(rate.period_us);
+      return rc_.step(now_, &frame_, armed_);
+    };
+    for (int k = 0; k < 100; ++k) static_cast<void>(next(false));
+    EXPECT_TRUE(next(true).arm);
+    for (int k = 0; k < 100; ++k) {
+      const auto update = next(true);
+      ASSERT_FALSE(update.arm || update.disarm);
+    }
+    for (int glitch = 1; glitch < rate.frames; ++glitch) {
+      for (int k = 0; k < glitch; ++k) ASSERT_FALSE(next(false).disarm) << glitch << " " << k;
+      ASSERT_FALSE(next(true).arm) << glitch << " frames off permit no arming";
+    }
+    for (int k = 1; k < rate.frames; ++k) ASSERT_FALSE(next(false).disarm) << k;
+    EXPECT_TRUE(next(false).disarm);
+    EXPECT_TRUE(next(false).disarm) << "asks until it is heard";
+    EXPECT_TRUE(next(true).arm);
+  }
+}
+
+TEST_F(RcWithArmSwitch, LostFramesInBetweenSayNothing) {
+  for (const std::int64_t period_us : {20'000, 9'000, 2'000}) {
+    for (const bool flagged : {true, false}) {
+      SCOPED_TRACE(period_us);
+      const auto next = [&](bool on, bool lost) {
+        set_switch(on);
+        frame_.frame_lost = lost && flagged;
+        frame_.channels[kRoll] = lost && !flagged ? 2.0f : 0.5f;
+        now_ += hal::microseconds(period_us);
+        return rc_.step(now_, &frame_, armed_);
+      };
+      for (int k = 0; k < 100; ++k) static_cast<void>(next(false, false));
+      static_cast<void>(next(true, false));
+      // Off between lost frames that say on, and the other way round: only good ones count.
+      Time first{};
+      bool disarm = false;
+      for (int k = 0; k < 200 && !disarm; ++k) {
+        const bool lost = k % 3 != 0;
+        disarm = next(lost, lost).disarm;
+        if (k == 0) first = now_;
+      }
+      EXPECT_TRUE(disarm);
+      EXPECT_GE(now_ - first, milliseconds(100));
+      EXPECT_LE(now_ - first, milliseconds(100) + 3 * hal::microseconds(period_us));
+      EXPECT_TRUE(next(true, false).arm);
+      for (int k = 0; k < 200; ++k) {
+        const bool lost = k % 3 != 0;
+        ASSERT_FALSE(next(!lost, lost).disarm);
+      }
+    }
+  }
+}
+
+TEST_F(RcWithArmSwitch, TwoFramesAreNotEnoughHoweverFarApart) {
+  wait_off();
+  set_switch(true);
   frame();
+  set_switch(false);
+  EXPECT_FALSE(frame().disarm);
+  EXPECT_FALSE(frame(99).disarm);
+  EXPECT_FALSE(frame(0).disarm) << "99 ms";
+  EXPECT_TRUE(frame(1).disarm);
+  set_switch(true);
+  frame();
+  set_switch(false);
+  EXPECT_FALSE(frame().disarm);
+  EXPECT_FALSE(frame(60).disarm);
+  EXPECT_TRUE(frame(60).disarm) << "three in 120 ms";
+}
+
+TEST_F(RcWithArmSwitch, AnOutageStartsTheCountAnew) {
+  for (const bool bad_frames : {false, true}) {
+    wait_off();
+    set_switch(true);
+    EXPECT_TRUE(frame().arm);
+    set_switch(false);
+    for (int k = 0; k < 4; ++k) EXPECT_FALSE(frame().disarm);
+    frame_.frame_lost = bad_frames;
+    bad_frames ? frame(50) : silence(50);
+    frame_.frame_lost = false;
+    EXPECT_FALSE(frame(50).disarm) << "100 ms after the last good frame";
+    for (int k = 0; k < 4; ++k) EXPECT_FALSE(frame().disarm);
+    EXPECT_TRUE(frame().disarm);
+  }
+}
+
+TEST_F(RcWithArmSwitch, OnAfterAnOutageDoesNotArm) {
+  wait_off();
+  silence(5000);
+  set_switch(true);
+  for (int k = 0; k < 100; ++k) EXPECT_FALSE(frame().arm);
+  wait_off();
   set_switch(true);
   EXPECT_TRUE(frame().arm);
-  armed_ = true;
-  EXPECT_FALSE(frame().disarm);
-  set_switch(false);
-  EXPECT_TRUE(frame().disarm);
 }
 
 // Weak point 17.
@@ -356,11 +489,14 @@ TEST_F(RcWithArmSwitch, ASwitchOnAtPowerUpDoesNotArmUntilItWasOff) {
   set_switch(false);
   frame();
   set_switch(true);
+  EXPECT_FALSE(frame().arm) << "one frame off is a glitch";
+  wait_off();
+  set_switch(true);
   EXPECT_TRUE(frame().arm);
 }
 
 TEST_F(RcWithArmSwitch, OneEdgeAsksOnce) {
-  frame();
+  wait_off();
   set_switch(true);
   EXPECT_TRUE(frame().arm);
   for (int k = 0; k < 200; ++k) EXPECT_FALSE(frame().arm) << "refused: needs a new edge";
@@ -379,28 +515,46 @@ TEST_F(RcWithArmSwitch, SticksNoLongerArmOrDisarm) {
 TEST_F(RcWithArmSwitch, AnotherMappingNeedsToSeeTheSwitchOffFirst) {
   config_.channel_count = 8;
   configure();
-  frame();                    // channel 5 is off
+  wait_off();                 // channel 5 is off
   frame_.channels[6] = 1.0f;  // another switch is on
   config_.switch_channel[0] = 6;
   configure();
   EXPECT_FALSE(frame().arm) << "moved to a channel that is on";
   frame_.channels[6] = 0.0f;
-  frame();
+  wait_off();
   config_.direction[2] = -1;
   configure();
   EXPECT_FALSE(frame().arm) << "reversed";
   frame_.channels[6] = 1.0f;
-  frame();
+  wait_off();
   frame_.channels[6] = 0.0f;
   EXPECT_TRUE(frame().arm);
 }
 
 TEST_F(RcWithArmSwitch, OtherParametersLeaveTheEdgeAlone) {
-  frame();
+  wait_off();
   config_.arm_threshold = 0.2f;
   configure();
   set_switch(true);
   EXPECT_TRUE(frame().arm);
+}
+
+TEST_F(RcWithArmSwitch, OnAChannelThatTheReceiverLacksItIsUnmappedAndDisarmsNobody) {
+  wait_off();
+  set_switch(true);
+  EXPECT_TRUE(frame().arm);
+  armed_ = true;
+  set_switch(false);
+  for (int k = 0; k < 4; ++k) EXPECT_FALSE(frame().disarm);
+  frame_.channel_count = 5;
+  for (int k = 0; k < 100; ++k) EXPECT_FALSE(frame().disarm) << "it says nothing";
+  frame_.channel_count = 8;
+  for (int k = 0; k < 5; ++k) EXPECT_FALSE(frame().disarm) << "and the count starts anew";
+  EXPECT_TRUE(frame().disarm);
+  frame_.channel_count = 5;
+  frame_.channels[kYaw] = 0.0f;
+  for (std::int64_t t = 0; t < 1000; t += kFrame_ms) EXPECT_FALSE(frame().disarm);
+  EXPECT_TRUE(frame().disarm) << "then the sticks disarm";
 }
 
 }  // namespace

@@ -1,71 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "firmware/core/sensors.hpp"
+#include <tuple>
+#include <utility>
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
-#include <string>
-
-#include "firmware/boards/simulated/simulated_board.hpp"
+#include "firmware/core/test/sensors_rig.hpp"
 
 namespace rosflight::core {
 namespace {
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInf = std::numeric_limits<float>::infinity();
-constexpr hal::Vec3 kLevel{0.0f, 0.0f, -9.80665f};
-constexpr int kCalibrationSamples = 1001;
-
-class SensorsTest : public ::testing::Test {
- protected:
-  using Events = Sensors::CalibrationEvents;
-
-  Events step() {
-    now_ += hal::microseconds(2500);
-    return sensors_.step(now_, roles_, parameters_, log_);
-  }
-  Events imu(const hal::Vec3& accel, const hal::Vec3& gyro = {}, float temperature_K = 298.15f) {
-    board_.imu.put({now_, accel, gyro, temperature_K});
-    return step();
-  }
-  /// A whole calibration; events of all its passes together.
-  Events calibrate(const hal::Vec3& accel, const hal::Vec3& gyro, const hal::Vec3& shake = {}) {
-    Events all;
-    for (int k = 0; k < kCalibrationSamples; ++k) {
-      hal::Vec3 a = accel;
-      for (std::size_t i = 0; i < 3; ++i) a[i] += k % 2 == 0 ? shake[i] : -shake[i];
-      const Events e = imu(a, gyro);
-      all.gyro_done = all.gyro_done || e.gyro_done;
-      all.gyro_failed = all.gyro_failed || e.gyro_failed;
-      all.accel_settled = all.accel_settled || e.accel_settled;
-      all.accel_done = all.accel_done || e.accel_done;
-    }
-    return all;
-  }
-  void set(Param id, float value) {
-    ASSERT_NE(parameters_.set_float(id, value), SetResult::kOutOfRange);
-  }
-  std::string texts() {
-    std::string all;
-    while (!log_.empty()) all += std::string(log_.pop().text.data()) + "\n";
-    return all;
-  }
-  const Measurements& now() const { return sensors_.measurements(); }
-
-  boards::SimulatedBoard board_;
-  boards::MemorySerial serial_;
-  hal::Board roles_{board_.roles(serial_)};
-  Parameters parameters_;
-  Log log_;
-  Sensors::Config config_;
-  Sensors sensors_;
-  Time now_{hal::milliseconds(1000)};
-};
-
-void expect_near(const hal::Vec3& v, const hal::Vec3& expected, float tolerance) {
-  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(v[k], expected[k], tolerance) << "axis " << k;
-}
 
 // ---- mounting, corrections
 
@@ -141,16 +81,131 @@ TEST_F(SensorsTest, CorrectsTheMagnetometerForHardAndSoftIron) {
   expect_near(now().mag.field_T, {2.0f, 3.0f * 2.0f + 3.0f, 12.0f}, 1e-6f);
 }
 
+TEST_F(SensorsTest, APassWithAnImuSampleTakesOneOtherSensorAtMost) {
+  const auto new_ones = [this] {
+    return int{now().new_gnss} + int{now().new_battery} + int{now().new_range} +
+           int{now().new_baro} + int{now().new_mag} + int{now().new_diff_pressure};
+  };
+  const auto put_all = [this] {
+    board_.mag.put({now_, {1e-5f, 0.0f, 4e-5f}, 290.0f});
+    board_.baro.put({now_, 90'000.0f, 280.0f});
+    board_.diff_pressure.put({now_, 10.0f, 280.0f});
+    board_.range.put({now_, 1.0f, 0.1f, 8.0f});
+    board_.gnss.put({now_});
+    board_.battery.put({now_, 16.0f, 1.0f});
+  };
+  put_all();
+  for (int k = 0; k < 6; ++k) {  // slowest first
+    imu(kLevel, {1e-3f * static_cast<float>(k % 2), 0.0f, 0.0f});
+    EXPECT_EQ(new_ones(), 1) << k;
+    EXPECT_TRUE(now().new_aid);
+    EXPECT_EQ(now().new_gnss, k == 0);
+    EXPECT_EQ(now().new_diff_pressure, k == 5);
+  }
+  imu(kLevel, {5e-3f, 0.0f, 0.0f});
+  EXPECT_EQ(new_ones(), 0);
+  EXPECT_FALSE(now().new_aid);
+  put_all();
+  step();
+  EXPECT_EQ(new_ones(), 6) << "without an IMU sample all that wait";
+}
+
 TEST_F(SensorsTest, BarometerGivesAltitudeAndDensityOfTheStandardAtmosphere) {
   board_.baro.put({now_, 90'000.0f, 280.0f});
   step();
   EXPECT_NEAR(now().altitude_m, 988.545f, 5e-3f);  // as the reference, one float pow
   // ISA: T = 288.15 - 0.0065 * 988.545 = 281.724 K, p/(R T) = 90000/(287.053 * 281.724).
   EXPECT_NEAR(now().density_kg_m3, 1.11290f, 1e-5f);
+  sensors_ = Sensors{};
   board_.baro.put({now_, 101'325.0f, 288.15f});
   step();
   EXPECT_NEAR(now().altitude_m, 0.0f, 1e-2f);
   EXPECT_NEAR(now().density_kg_m3, 1.225f, 1e-6f);
+}
+
+TEST_F(SensorsTest, DensityIsLowPassedWithFiveSeconds) {
+  const auto breathe = [this](float pressure_Pa, int samples) {
+    for (int k = 0; k < samples; ++k) {
+      now_ += hal::microseconds(17'500);  // and 2.5 ms of step()
+      board_.baro.put({now_, pressure_Pa, 280.0f});
+      step();
+    }
+  };
+  breathe(90'000.0f, 1);
+  const float first = now().density_kg_m3;
+  EXPECT_NEAR(first, 1.11290f, 1e-5f);
+  breathe(101'325.0f, 250);  // one time constant
+  EXPECT_NEAR((now().density_kg_m3 - first) / (1.225f - first), 1.0f - std::exp(-1.0f), 2e-3f);
+}
+
+TEST_F(SensorsTest, OneWrongPressureDoesNotChangeTheDensity) {
+  for (const float pressure_Pa : {101'325.0f, 54'000.0f}) {
+    for (const std::int64_t period_ms : {10, 20, 50, 200, 5000}) {
+      sensors_ = Sensors{};
+      for (int k = 0; k < 10; ++k) {
+        now_ += hal::milliseconds(period_ms);
+        board_.baro.put({now_, pressure_Pa, 280.0f});
+        step();
+      }
+      const float before = now().density_kg_m3;
+      for (const float wrong : {1'000.0f, 115'000.0f, 29'999.0f, 120'001.0f, 1e9f, 0.0f, -5.0f}) {
+        now_ += hal::milliseconds(period_ms);
+        board_.baro.put({now_, wrong, 280.0f});
+        step();
+        EXPECT_EQ(now().new_baro, wrong == 115'000.0f) << wrong;
+        EXPECT_NEAR(now().density_kg_m3 / before, 1.0f, 0.01f) << wrong;
+      }
+      EXPECT_EQ(sensors_.rejected()[cause(Reject::kPressure)], 6u);
+    }
+  }
+}
+
+TEST_F(SensorsTest, NumbersBeyondWhatASensorMeasuresAreDropped) {
+  imu(kLevel, {0.1f, 0, 0});
+  imu(kLevel, {126.0f, 0, 0});
+  EXPECT_FALSE(now().new_imu);
+  imu({0, 7001.0f, 0});
+  EXPECT_FALSE(now().new_imu);
+  imu(kLevel, {}, 1e5f);
+  EXPECT_FALSE(now().new_imu);
+  EXPECT_EQ(now().imu.gyro_rad_s[0], 0.1f);
+  for (const auto& [voltage, current] :
+       {std::pair{-2.0f, 1.0f}, {101.0f, 1.0f}, {12.0f, 3000.0f}}) {
+    board_.battery.put({now_, voltage, current});
+    step();
+    EXPECT_FALSE(now().new_battery);
+  }
+  board_.battery.put({now_, -0.02f, -0.1f});  // noise without a battery
+  step();
+  EXPECT_TRUE(now().new_battery);
+  for (const float pressure_Pa : {60e3f, -60e3f, 1e20f}) {
+    board_.diff_pressure.put({now_, pressure_Pa, 290.0f});
+    step();
+    EXPECT_FALSE(now().new_diff_pressure);
+  }
+  for (const float range_m : {-1.0f, -kInf}) {
+    board_.range.put({now_, range_m, 0.1f, 40.0f, hal::RangeKind::kLidar});
+    step();
+    EXPECT_FALSE(now().new_range);
+  }
+  hal::GnssSample good;
+  good.latitude_deg = 40.0;
+  board_.gnss.put(good);
+  step();
+  EXPECT_TRUE(now().new_gnss);
+  for (int k = 0; k < 5; ++k) {
+    hal::GnssSample gnss;
+    if (k == 0) gnss.latitude_deg = -90.1;
+    if (k == 1) gnss.longitude_deg = 361.0;
+    if (k == 2) gnss.height_msl_m = 2e5;
+    if (k == 3) gnss.velocity_ned_m_s = {0, -1001.0f, 0};
+    if (k == 4) gnss.height_msl_m = -1001.0;
+    board_.gnss.put(gnss);
+    step();
+    EXPECT_FALSE(now().new_gnss) << k;
+    EXPECT_EQ(now().gnss.latitude_deg, 40.0);  // the last good one is still there
+  }
+  EXPECT_EQ(sensors_.rejected()[cause(Reject::kRange)], 3u + 3u + 3u + 2u + 5u);
 }
 
 TEST_F(SensorsTest, AirspeedHasTheSignOfThePressure) {
@@ -253,6 +308,61 @@ TEST_F(SensorsTest, SamplesThatAreNoMeasurementAreDropped) {
   EXPECT_TRUE(now().new_range);
 }
 
+TEST_F(SensorsTest, TwentyEqualImuSamplesAreAStuckSensor) {
+  const auto put = [this](const hal::Vec3& accel, const hal::Vec3& gyro) {
+    board_.imu.put({now_, accel, gyro, 298.15f});
+    step();
+    return now().new_imu;
+  };
+  for (int round = 0; round < 3; ++round) {
+    const hal::Vec3 gyro{0.1f, 0.2f, 0.01f * static_cast<float>(round)};
+    for (int k = 1; k <= 100; ++k) EXPECT_EQ(put(kLevel, gyro), k < 20) << k;
+  }
+  EXPECT_EQ(sensors_.rejected()[cause(Reject::kStuck)], 3 * 81u);
+  for (int axis = 0; axis < 6; ++axis) {  // one bit of any of the six is enough
+    for (int k = 0; k < 100; ++k) {
+      hal::Vec3 accel = kLevel, gyro{0.1f, 0.2f, 0.3f};
+      float& v = axis < 3 ? accel[static_cast<std::size_t>(axis)]
+                          : gyro[static_cast<std::size_t>(axis - 3)];
+      if (k % 19 == 0) v = std::nextafter(v, 100.0f);
+      EXPECT_TRUE(put(accel, gyro)) << axis << " " << k;
+    }
+  }
+}
+
+TEST_F(SensorsTest, SixZerosAreNoImuSample) {
+  // Weak point 26: what the ADIS driver of the reference hands over after a bad packet.
+  imu(kLevel, {0.1f, 0, 0});
+  for (const float zero : {0.0f, -0.0f}) {
+    board_.imu.put({now_, {zero, zero, zero}, {zero, zero, zero}, 298.15f});
+    step();
+    EXPECT_FALSE(now().new_imu);
+  }
+  EXPECT_EQ(now().imu.gyro_rad_s[0], 0.1f);
+  imu(kLevel);  // a perfect gyro at rest
+  EXPECT_TRUE(now().new_imu);
+  imu({0, 0, 0}, {0, 1e-3f, 0});  // free fall
+  EXPECT_TRUE(now().new_imu);
+}
+
+TEST_F(SensorsTest, SamplesWithUnusableStampsAreAsIfTheyHadNotCome) {
+  for (int k = 0; k < 10; ++k) imu(kLevel, {0.1f, 0, 0});
+  const auto at = [this](Time stamp) {
+    board_.imu.put({stamp, kLevel, {9.0f, 0, 0}, 298.15f});
+    const Events e = step();
+    return now().new_imu || e.gyro_done;
+  };
+  sensors_.start_gyro_calibration();
+  EXPECT_FALSE(at(now_ + hal::milliseconds(150)));
+  EXPECT_FALSE(at(now_ - hal::milliseconds(10)));
+  EXPECT_TRUE(sensors_.imu_step().backwards);
+  EXPECT_EQ(now().imu.gyro_rad_s[0], 0.1f);
+  EXPECT_EQ(sensors_.rejected()[cause(Reject::kOutlier)], 1u);
+  EXPECT_EQ(sensors_.rejected()[cause(Reject::kBackwards)], 1u);
+  EXPECT_TRUE(calibrate(kLevel, {0.1f, 0, 0}).gyro_done);
+  EXPECT_NEAR(parameters_.get_float(Param::kGyroXBias), 0.1f, 1e-5f);
+}
+
 TEST_F(SensorsTest, ACalibrationDoesNotCountDroppedSamples) {
   sensors_.start_gyro_calibration();
   for (int k = 0; k < 500; ++k) {
@@ -264,180 +374,56 @@ TEST_F(SensorsTest, ACalibrationDoesNotCountDroppedSamples) {
   EXPECT_NEAR(parameters_.get_float(Param::kGyroXBias), 0.1f, 1e-5f);
 }
 
-// ---- IMU calibration
+// ---- gyro filters
 
-TEST_F(SensorsTest, GyroCalibrationFindsTheBiasAndReportsIt) {
-  sensors_.start_gyro_calibration();
-  EXPECT_TRUE(sensors_.calibrating_imu());
-  const Events e = calibrate(kLevel, {0.02f, -0.03f, 0.04f});
-  EXPECT_TRUE(e.gyro_done);
-  EXPECT_FALSE(e.gyro_failed || e.accel_done || e.accel_settled);
-  EXPECT_FALSE(sensors_.calibrating_imu());
-  // A float sum of 1001 samples is good to some 1e-6 of itself.
-  EXPECT_NEAR(parameters_.get_float(Param::kGyroXBias), 0.02f, 1e-6f);
-  EXPECT_NEAR(parameters_.get_float(Param::kGyroYBias), -0.03f, 1e-6f);
-  EXPECT_NEAR(parameters_.get_float(Param::kGyroZBias), 0.04f, 1e-6f);
-  EXPECT_NE(texts(), "");  // weak point 35: success is reported too
-  imu(kLevel, {0.02f, -0.03f, 0.04f});
-  expect_near(now().imu.gyro_rad_s, {0, 0, 0}, 1e-6f);  // in force at once
-}
-
-TEST_F(SensorsTest, AFailedGyroCalibrationKeepsTheOldBias) {
-  // Weak point 34: in the reference the biases stay zero.
-  set(Param::kGyroXBias, 0.1f);
-  config_.gyro_bias = {0.1f, 0, 0};
+TEST_F(SensorsTest, GyroFiltersActAtTheMeasuredRate) {
+  config_.gyro_low_pass_Hz = 30.0f;
+  config_.gyro_notch_Hz = 100.0f;
   sensors_.configure(config_);
-  sensors_.start_gyro_calibration();
-  const Events e = calibrate(kLevel, {0.6f, 0.6f, 0.6f});  // norm 1.04 rad/s
-  EXPECT_TRUE(e.gyro_failed);
-  EXPECT_FALSE(e.gyro_done);
-  EXPECT_EQ(parameters_.get_float(Param::kGyroXBias), 0.1f);
-  EXPECT_NE(texts(), "");
-  imu(kLevel, {0.3f, 0, 0});
-  EXPECT_NEAR(now().imu.gyro_rad_s[0], 0.2f, 1e-6f);
-}
-
-TEST_F(SensorsTest, GyroBiasMustBeBelowOneRadianPerSecond) {
-  for (const auto& [rate, good] : {std::pair{0.99f, true}, {1.01f, false}}) {
-    sensors_.start_gyro_calibration();
-    EXPECT_EQ(calibrate(kLevel, {0, rate, 0}).gyro_done, good) << rate;
+  float largest_before = 0.0f, largest_after = 0.0f;
+  for (int k = 0; k < 1000; ++k) {
+    imu(kLevel, {std::sin(kPi / 2 * static_cast<float>(k)), 0.25f, 0.0f});  // 100 Hz
+    const float x = std::abs(now().imu.gyro_rad_s[0]);
+    if (k < 200) largest_before = std::max(largest_before, x);
+    if (k > 300) largest_after = std::max(largest_after, x);
+    EXPECT_NEAR(now().imu.gyro_rad_s[1], 0.25f, 1e-4f);
+    if (k == 600) sensors_.configure(config_);  // another parameter was set: no start anew
   }
+  EXPECT_NEAR(largest_before, 1.0f, 1e-3f);
+  EXPECT_LT(largest_after, 1e-2f);
+  EXPECT_EQ(texts(), "");
+  // 2 samples of delay at least: what the pilot pays.
+  EXPECT_NEAR(sensors_.gyro_chain().group_delay_s(0.0f), 0.0075f + 0.0011f, 1e-3f);
 }
 
-TEST_F(SensorsTest, AccelCalibrationFindsBothBiases) {
-  sensors_.start_accel_calibration();
-  const Events e = calibrate({0.2f, -0.1f, -9.50665f}, {0.01f, 0, 0});
-  EXPECT_TRUE(e.accel_done && e.accel_settled && e.gyro_done);
-  EXPECT_NEAR(parameters_.get_float(Param::kAccXBias), 0.2f, 1e-5f);
-  EXPECT_NEAR(parameters_.get_float(Param::kAccYBias), -0.1f, 1e-5f);
-  EXPECT_NEAR(parameters_.get_float(Param::kAccZBias), 0.3f, 1e-5f);
-  EXPECT_NEAR(parameters_.get_float(Param::kGyroXBias), 0.01f, 1e-6f);
-  imu({0.2f, -0.1f, -9.50665f});
-  expect_near(now().imu.accel_m_s2, kLevel, 1e-5f);
-}
-
-TEST_F(SensorsTest, AccelCalibrationIsFreeOfTheOldBiasAndOfTemperature) {
-  config_.acc_bias = {3.0f, 3.0f, 3.0f};
-  config_.acc_temp_comp = {0.001f, 0, 0};
+TEST_F(SensorsTest, GyroFiltersAboveHalfTheRateAreOffAndTold) {
+  config_.gyro_low_pass_Hz = 200.0f;
+  config_.gyro_notch_Hz = 250.0f;
   sensors_.configure(config_);
-  sensors_.start_accel_calibration();
-  Events e;
-  for (int k = 0; k < kCalibrationSamples; ++k) e = imu({0.5f, 0, -9.80665f}, {}, 300.0f);
-  EXPECT_TRUE(e.accel_done);
-  EXPECT_NEAR(parameters_.get_float(Param::kAccXBias), 0.5f - 0.3f, 1e-5f);
-  EXPECT_NEAR(parameters_.get_float(Param::kAccYBias), 0.0f, 1e-5f);
-}
-
-TEST_F(SensorsTest, AccelCalibrationRefusesMotion) {
-  // Spread is the norm of maximum less minimum: up to 1.0 m/s^2.
-  sensors_.start_accel_calibration();
-  Events e = calibrate(kLevel, {}, {0.49f, 0, 0});
-  EXPECT_TRUE(e.accel_done);
-  set(Param::kAccXBias, 0.25f);
-  sensors_.start_accel_calibration();
-  e = calibrate(kLevel, {}, {0.3f, 0.3f, 0.3f});  // 0.6 * sqrt(3) = 1.04
-  EXPECT_FALSE(e.accel_done);
-  EXPECT_FALSE(e.accel_settled);  // the estimator is not reset by a shake
-  EXPECT_EQ(parameters_.get_float(Param::kAccXBias), 0.25f);
-}
-
-TEST_F(SensorsTest, AccelCalibrationRefusesALargeBiasAndKeepsTheOld) {
-  set(Param::kAccZBias, 0.25f);
-  config_.acc_bias = {0, 0, 0.25f};
-  sensors_.configure(config_);
-  sensors_.start_accel_calibration();
-  const Events e = calibrate({3.1f, 0, -9.80665f}, {});
-  EXPECT_FALSE(e.accel_done);
-  EXPECT_TRUE(e.accel_settled);
-  EXPECT_EQ(parameters_.get_float(Param::kAccZBias), 0.25f);
-  EXPECT_NE(texts().find("3.10"), std::string::npos);  // the norm is in the message
-  imu(kLevel);
-  EXPECT_NEAR(now().imu.accel_m_s2[2], -9.80665f - 0.25f, 1e-6f);
-}
-
-TEST_F(SensorsTest, AStoppedCalibrationLeavesEverythingAsItWas) {
-  set(Param::kGyroXBias, 0.1f);
-  config_.gyro_bias = {0.1f, 0, 0};
-  sensors_.configure(config_);
-  sensors_.start_accel_calibration();
-  for (int k = 0; k < 600; ++k) imu(kLevel, {0.5f, 0, 0});
-  EXPECT_NEAR(now().imu.gyro_rad_s[0], 0.5f, 1e-6f);  // bias not subtracted while it is measured
-  sensors_.stop_calibrations();
-  EXPECT_FALSE(sensors_.calibrating_imu());
-  const Events e = calibrate(kLevel, {0.5f, 0, 0});
-  EXPECT_FALSE(e.gyro_done || e.gyro_failed || e.accel_done || e.accel_settled);
-  EXPECT_NEAR(now().imu.gyro_rad_s[0], 0.4f, 1e-6f);
-  EXPECT_EQ(parameters_.get_float(Param::kGyroXBias), 0.1f);
-}
-
-TEST_F(SensorsTest, CalibratesInBodyAxes) {
-  config_.imu_mounting_deg = {180.0f, 0.0f, 0.0f};  // upside down on its board
-  sensors_.configure(config_);
-  sensors_.start_accel_calibration();
-  const Events e = calibrate({0.0f, 0.2f, 9.80665f}, {0, 0.1f, 0});
-  EXPECT_TRUE(e.accel_done);
-  EXPECT_NEAR(parameters_.get_float(Param::kAccYBias), -0.2f, 1e-5f);
-  EXPECT_NEAR(parameters_.get_float(Param::kAccZBias), 0.0f, 2e-5f);
-  EXPECT_NEAR(parameters_.get_float(Param::kGyroYBias), -0.1f, 1e-5f);
-}
-
-// ---- pressure calibration
-
-TEST_F(SensorsTest, BarometerCalibrationSetsBiasAndGroundLevel) {
-  sensors_.start_baro_calibration();
-  for (int k = 0; k < 256; ++k) {
-    now_ += hal::milliseconds(25);
-    board_.baro.put({now_, 90'000.0f, 280.0f});
-    step();
+  for (int k = 0; k < 500; ++k) {
+    const float x = 0.01f * static_cast<float>(k);
+    imu(kLevel, {x, 0, 0});
+    EXPECT_EQ(now().imu.gyro_rad_s[0], x);
   }
-  EXPECT_NEAR(parameters_.get_float(Param::kBaroBias), 90'000.0f, 0.01f);
-  EXPECT_NEAR(parameters_.get_float(Param::kGroundLevel), 988.545f, 5e-3f);
-  EXPECT_NE(texts(), "");
-  // Recorded, not used: altitude stays that of the raw pressure (weak point 33).
-  EXPECT_NEAR(now().altitude_m, 988.545f, 5e-3f);
+  EXPECT_EQ(texts(),
+            "GYRO_LPF_HZ off: not below 196 Hz\nGYRO_NOTCH_HZ, BW off: not below 196 Hz\n");
 }
 
-TEST_F(SensorsTest, BarometerCalibrationDoesNotTakeHalfOfAResult) {
-  // 100 Pa would be a ground level of 32 km, beyond its range: neither parameter may change.
-  const float bias = parameters_.get_float(Param::kBaroBias);
-  const float level = parameters_.get_float(Param::kGroundLevel);
-  sensors_.start_baro_calibration();
-  for (int k = 0; k < 256; ++k) {
-    now_ += hal::milliseconds(25);
-    board_.baro.put({now_, 100.0f, 280.0f});
-    step();
-  }
-  EXPECT_EQ(parameters_.get_float(Param::kBaroBias), bias);
-  EXPECT_EQ(parameters_.get_float(Param::kGroundLevel), level);
-  EXPECT_NE(texts(), "");
-}
-
-TEST_F(SensorsTest, AirspeedCalibrationTakesTheOffsetAtOnce) {
-  sensors_.start_airspeed_calibration();
-  for (int k = 0; k < 256; ++k) {
-    now_ += hal::milliseconds(25);
-    board_.diff_pressure.put({now_, 12.5f, 280.0f});
-    step();
-  }
-  EXPECT_FLOAT_EQ(parameters_.get_float(Param::kDiffPressBias), 12.5f);
-  EXPECT_NEAR(now().diff_pressure.pressure_Pa, 0.0f, 1e-5f);
-}
-
-TEST_F(SensorsTest, AnUnsteadyAirspeedKeepsTheOffset) {
-  set(Param::kDiffPressBias, 3.0f);
-  config_.diff_pressure_bias_Pa = 3.0f;
+TEST_F(SensorsTest, GyroFiltersFollowAnotherRate) {
+  config_.gyro_low_pass_Hz = 50.0f;
   sensors_.configure(config_);
-  sensors_.start_airspeed_calibration();
-  for (int k = 0; k < 256; ++k) {
-    now_ += hal::milliseconds(25);
-    board_.diff_pressure.put({now_, k % 2 == 0 ? 50.0f : -50.0f, 280.0f});
-    step();
+  for (int k = 0; k < 300; ++k) imu(kLevel, {0.1f, 0, 0});
+  const float at_400_Hz = sensors_.gyro_chain().group_delay_s(1.0f);
+  for (int k = 0; k < 600; ++k) {
+    now_ += hal::microseconds(2500);  // 200 Hz
+    imu(kLevel, {0.1f, 0, 0});
+    EXPECT_NEAR(now().imu.gyro_rad_s[0], 0.1f, 1e-5f);
   }
-  EXPECT_EQ(parameters_.get_float(Param::kDiffPressBias), 3.0f);
-  EXPECT_NE(texts(), "");
-  board_.diff_pressure.put({now_, 3.0f, 280.0f});
-  step();
-  EXPECT_FLOAT_EQ(now().diff_pressure.pressure_Pa, 0.0f);
+  // At 0 Hz sqrt(2)/(2 T tan(pi f T)) samples of T: near sqrt(2)/(2 pi f) = 4.5 ms.
+  EXPECT_NEAR(at_400_Hz, 4.268e-3f, 1e-5f);
+  EXPECT_NEAR(sensors_.gyro_chain().group_delay_s(1.0f), 3.536e-3f, 1e-5f);
+  for (int k = 0; k < 5; ++k) imu(kLevel, {40.0f, 0, 0});
+  EXPECT_EQ(sensors_.rejected()[cause(Reject::kGyroClipped)], 5u);
 }
 
 TEST_F(SensorsTest, GnssAndRangePassUnchanged) {

@@ -3,24 +3,28 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 #include <tuple>
 #include <vector>
 
 // The expectation is written a second time, from the tables of the behaviour of ROSflight 2.0.1
-// (error word, state machine, arming), not from the rows of state_machine.hpp.
+// (error word, state machine, arming) and what docs/compatibility.md adds to them, not from the
+// rows of state_machine.hpp.
 namespace rosflight::core {
 namespace {
 
 constexpr std::uint16_t kRcLostBit = 0x04;
-constexpr std::array<State, kStateCount> kStates{State::kInit,     State::kPreflight,
-                                                 State::kArmed,    State::kError,
-                                                 State::kFailsafe, State::kCalibrating};
+constexpr std::array<State, kStateCount> kStates{
+    State::kInit,     State::kPreflight,   State::kArmed,  State::kError,
+    State::kFailsafe, State::kCalibrating, State::kSaving, State::kMotorTest};
 constexpr std::array<Event, kEventCount> kEvents{
-    Event::kInitialized,      Event::kRcFound, Event::kRcLost, Event::kError,
-    Event::kNoError,          Event::kArm,     Event::kDisarm, Event::kCalibrationComplete,
-    Event::kCalibrationFailed};
+    Event::kInitialized, Event::kRcFound,     Event::kRcLost,
+    Event::kError,       Event::kNoError,     Event::kArm,
+    Event::kArmInAir,    Event::kDisarm,      Event::kCalibrationComplete,
+    Event::kSaved,       Event::kSaveFailed,  Event::kCalibrationFailed,
+    Event::kMotorTest,   Event::kMotorTestEnd};
 
 std::vector<ArmRequest> all_requests() {
   std::vector<ArmRequest> requests;
@@ -69,7 +73,13 @@ class Sheet {
         in_error(e);
         break;
       case State::kCalibrating:
-        calibrating(e);
+        calibrating(e, r);
+        break;
+      case State::kSaving:
+        saving(e, r);
+        break;
+      case State::kMotorTest:
+        testing(e);
         break;
       case State::kArmed:
         flying(e);
@@ -96,7 +106,7 @@ class Sheet {
   }
 
   Seen now;
-  std::uint16_t owner{0};
+  Actions owner{0};
 
  private:
   void preflight(Event e, const ArmRequest& r) {
@@ -109,16 +119,16 @@ class Sheet {
       now.error = true;
       now.state = State::kError;
     }
+    if (e == Event::kArmInAir) arm_in_air();
+    if (e == Event::kMotorTest) now.state = State::kMotorTest;
     if (e != Event::kArm) return;
-    if (!r.throttle_low) {
-      owner |= action::kRefuseThrottle;
-    } else if (!r.override_ok) {
-      owner |= action::kRefuseOverride;
+    if (!r.ready) {
+      owner |= action::kRefuse;
     } else if (r.calibrate_gyro) {
       now.state = State::kCalibrating;
       owner |= action::kCalibrateGyro;
     } else {
-      arm();
+      save_or_arm(r);
     }
   }
   void in_error(Event e) {
@@ -131,17 +141,60 @@ class Sheet {
       now.error = false;
       now.state = State::kPreflight;
     }
-    if (e == Event::kArm) owner |= action::kRefuseErrors;
+    if (e == Event::kArm) owner |= action::kRefuse;
+    if (e == Event::kArmInAir) {
+      constexpr std::uint16_t kNoFlight = 0x01 | 0x02 | kRcLostBit;
+      if ((now.errors & kNoFlight) != 0) {
+        owner |= action::kRefuse;
+      } else {
+        arm_in_air();
+      }
+    }
   }
-  void calibrating(Event e) {
-    if (e == Event::kCalibrationComplete) arm();
+  void arming(Event e, Actions ended) {
+    if (e == Event::kDisarm) {
+      owner |= ended;
+      now.state = State::kPreflight;
+    }
+    if (e == Event::kRcLost) set_bit(kRcLostBit);
+    if (e == Event::kError) {
+      owner |= ended;
+      now.error = true;
+      now.state = State::kError;
+    }
+  }
+  void calibrating(Event e, const ArmRequest& r) {
+    if (e == Event::kCalibrationComplete) ask_again(r);
     if (e == Event::kCalibrationFailed) now.state = State::kPreflight;
+    arming(e, action::kStopCalibration);
+  }
+  void saving(Event e, const ArmRequest& r) {
+    if (e == Event::kSaved) ask_again(r);
+    if (e == Event::kSaveFailed) {
+      owner |= action::kRefuseStorage;
+      now.state = State::kPreflight;
+    }
+    arming(e, action::kNone);
+  }
+  void testing(Event e) {
+    const bool ends = e == Event::kMotorTestEnd || e == Event::kArm || e == Event::kError;
+    if (ends) owner |= action::kStopMotorTest;
+    if (e == Event::kMotorTestEnd || e == Event::kArm) now.state = State::kPreflight;
     if (e == Event::kRcLost) set_bit(kRcLostBit);
     if (e == Event::kError) {
       now.error = true;
       now.state = State::kError;
     }
-    if (e == Event::kNoError) now.error = false;
+  }
+  void ask_again(const ArmRequest& r) {
+    if (r.ready) return save_or_arm(r);
+    owner |= action::kRefuse;
+    now.state = State::kPreflight;
+  }
+  void save_or_arm(const ArmRequest& r) {
+    if (!r.save) return arm();
+    now.state = State::kSaving;
+    owner |= action::kSave;
   }
   void flying(Event e) {
     if (e == Event::kRcLost) {
@@ -161,6 +214,10 @@ class Sheet {
     }
     if (e == Event::kDisarm) disarm(State::kError);
     if (e == Event::kError) now.error = true;
+  }
+  void arm_in_air() {
+    owner |= action::kInAir;
+    arm();
   }
   void arm() {
     now.armed = true;
@@ -228,7 +285,7 @@ TEST_F(EveryConfiguration, AnswersEveryEventAndArmRequestAsTheSheetSays) {
     for (const Event e : kEvents) {
       for (const ArmRequest& r : all_requests()) {
         StateMachine m = machine;
-        const std::uint16_t owner = m.handle(e, r);
+        const Actions owner = m.handle(e, r);
         Sheet sheet(seen);
         sheet.event(e, r);
         ASSERT_EQ(look(m), sheet.now) << seen << " event " << static_cast<int>(e);
@@ -262,7 +319,7 @@ TEST_F(EveryConfiguration, SetsAndClearsEveryErrorBitAsTheSheetSays) {
 TEST_F(EveryFlownConfiguration, UpdateEqualsRaisingTheEventOfTheErrorWord) {
   for (const auto& [seen, machine] : all_) {
     StateMachine m = machine;
-    const std::uint16_t owner = m.update();
+    const Actions owner = m.update();
     Sheet sheet(seen);
     sheet.event(seen.errors != 0 ? Event::kError : Event::kNoError, {});
     ASSERT_EQ(look(m), sheet.now) << seen;
@@ -285,7 +342,9 @@ TEST_F(EveryFlownConfiguration, EveryErrorWordIsMetWhereItCanBe) {
   for (const std::uint16_t word : words[State::kArmed]) EXPECT_EQ(word & kRcLostBit, 0);
   for (const std::uint16_t word : words[State::kFailsafe]) EXPECT_NE(word & kRcLostBit, 0);
   EXPECT_EQ(words[State::kPreflight].count(0), 1u);
-  EXPECT_EQ(words[State::kCalibrating], std::set<std::uint16_t>{0});
+  for (const State state : {State::kCalibrating, State::kSaving, State::kMotorTest}) {
+    EXPECT_EQ(words[state], std::set<std::uint16_t>{0}) << static_cast<int>(state);
+  }
 }
 
 TEST_F(EveryFlownConfiguration, ArmedAndFailsafeBelongToTheirStates) {
@@ -300,16 +359,50 @@ TEST_F(EveryFlownConfiguration, ArmedAndFailsafeBelongToTheirStates) {
   }
 }
 
-TEST_F(EveryFlownConfiguration, OnlyAnArmRequestOrItsCalibrationArms) {
+TEST_F(EveryFlownConfiguration, OnlyAnArmRequestOrWhatItWaitedForArms) {
   for (const auto& [seen, machine] : all_) {
     if (seen.armed) continue;
     for (const Event e : kEvents) {
       StateMachine m = machine;
-      m.handle(e, {true, true, false});
+      m.handle(e, {true, false, false});
       if (!m.armed()) continue;
+      if (e == Event::kArmInAir) {
+        EXPECT_EQ(seen.errors & 0x07, 0) << seen << " mixer, IMU, receiver";
+        continue;
+      }
       EXPECT_EQ(seen.errors, 0) << seen;
-      EXPECT_TRUE(e == Event::kArm || e == Event::kCalibrationComplete) << seen;
+      EXPECT_TRUE(e == Event::kArm || e == Event::kCalibrationComplete || e == Event::kSaved)
+          << seen;
     }
+  }
+}
+
+TEST_F(EveryFlownConfiguration, NothingThatIsNotReadyArmsOnTheGround) {
+  for (const auto& [seen, machine] : all_) {
+    if (seen.armed) continue;
+    for (const Event e : kEvents) {
+      if (e == Event::kArmInAir) continue;
+      for (const ArmRequest& r : all_requests()) {
+        StateMachine m = machine;
+        m.handle(e, r);
+        EXPECT_TRUE(!m.armed() || (r.ready && !r.save)) << seen << " event " << static_cast<int>(e);
+      }
+    }
+  }
+}
+
+TEST_F(EveryFlownConfiguration, ADisarmRequestIsARowOfEveryStateAndEndsArming) {
+  for (const State state : kStates) {
+    if (state == State::kInit) continue;  // no pilot yet
+    EXPECT_TRUE(std::any_of(kTransitions.begin(), kTransitions.end(), [state](const Transition& t) {
+      return t.state == state && t.event == Event::kDisarm;
+    })) << static_cast<int>(state);
+  }
+  for (const auto& [seen, machine] : all_) {
+    StateMachine m = machine;
+    m.handle(Event::kDisarm);
+    EXPECT_FALSE(m.armed()) << seen;
+    EXPECT_FALSE(m.arming()) << seen;
   }
 }
 
@@ -345,9 +438,9 @@ TEST(StateMachine, FailsafeFlagOutlivesADisarmUntilTheRadioIsBack) {
 TEST(StateMachine, ErrorDuringTheArmingCalibrationCancelsIt) {
   StateMachine m;
   m.handle(Event::kInitialized);
-  EXPECT_EQ(m.handle(Event::kArm, {true, true, true}),
+  EXPECT_EQ(m.handle(Event::kArm, {true, true, false}),
             action::kCalibrateGyro | action::kSendStatus);
-  m.set_error(Error::kImuNotResponding);
+  EXPECT_EQ(m.set_error(Error::kImuNotResponding), action::kStopCalibration | action::kSendStatus);
   m.clear_error(Error::kImuNotResponding);
   EXPECT_EQ(m.state(), State::kPreflight);
   m.handle(Event::kCalibrationComplete);

@@ -4,6 +4,7 @@
 // main loop.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 #include "firmware/core/mixer_setup.hpp"
@@ -27,14 +28,14 @@ class Chain {
     configure();
   }
   void configure() {
-    const float max_thrust_N = parameters.get_bool(Param::kUseMotorParam)
-                                   ? motor_settings(parameters).max_thrust_N(1.225f)
-                                   : 1.0f;
+    const float max_thrust_N =
+        uses_motor_model(parameters) ? motor_settings(parameters).max_thrust_N(1.225f) : 1.0f;
     Rc rc;
     rc.configure(rc_settings(parameters));
     command.configure(command_settings(parameters, rc, !mixer.mixers_agree()));
     controller.configure(controller_settings(parameters, max_thrust_N));
     mixer.configure(mixer_settings(parameters, max_thrust_N));
+    command.set_entry_limits(mixer.entry_limits(1.225f));
   }
   /// One pass, level and at rest, 1 kHz, armed.
   const hal::OutputValues& sticks(const PilotInput& pilot, bool failsafe = false) {
@@ -45,9 +46,11 @@ class Chain {
   }
   void offboard(link::OffboardMode mode, const std::array<float, kEntries>& u,
                 std::uint16_t ignore = 0) {
+    link::OffboardControl message{static_cast<std::uint8_t>(mode), ignore, u};
+    EXPECT_TRUE(command.admit(message));
     const float fraction =
-        mode == link::OffboardMode::kPassThrough ? mixer.thrust_fraction(u, 1.225f) : 0.0f;
-    EXPECT_TRUE(command.set_offboard(now_, {static_cast<std::uint8_t>(mode), ignore, u}, fraction));
+        mode == link::OffboardMode::kPassThrough ? mixer.thrust_fraction(message.u, 1.225f) : 0.0f;
+    command.take_offboard(now_, message, fraction);
   }
 
   Parameters parameters;
@@ -154,11 +157,18 @@ TEST(SticksToOutputs, FixedWingPassesSticksThrough) {
 }
 
 TEST(SticksToOutputs, EscCalibrationReachesBothEndsOfTheStick) {
-  // Weak point 49. Full stick is full output although RC_MAX_THR is 0.7.
-  Chain chain({{Param::kPrimaryMixer, 0.0f}, {Param::kArmSpinMotors, 0.0f}});
-  for (const float throttle : {0.0f, 0.5f, 1.0f}) {
-    const auto& out = chain.sticks(pilot(throttle));
-    for (std::size_t k = 0; k < kChannels; ++k) EXPECT_NEAR(out[k], throttle, 1e-5f);
+  // Weak point 49. Full stick is full output although RC_MAX_THR is 0.7, and no stick none although
+  // armed motors idle at 0.1, with motor parameters too.
+  for (const float spin : {0.0f, 1.0f}) {
+    for (const float motor_param : {0.0f, 1.0f}) {
+      Chain chain({{Param::kPrimaryMixer, 0.0f},
+                   {Param::kArmSpinMotors, spin},
+                   {Param::kUseMotorParam, motor_param}});
+      for (const float throttle : {0.0f, 0.5f, 1.0f}) {
+        const auto& out = chain.sticks(pilot(throttle));
+        for (std::size_t k = 0; k < kChannels; ++k) EXPECT_NEAR(out[k], throttle, 1e-5f);
+      }
+    }
   }
 }
 
@@ -170,6 +180,92 @@ TEST(SticksToOutputs, APredefinedMixerWithMotorParametersComputesWithLoadedConst
   EXPECT_FALSE(chain.mixer.motor_model_failed());
   // 204.6 rad^2/s^2: V = a tiny first term + 0.063 + 0.01706 * sqrt(204.595)
   EXPECT_NEAR(chain.mixer.mixed()[0], (0.063f + 0.01706f * 14.3037f + 0.00057f) / 24.0f, 1e-5f);
+}
+
+// ---- offboard values are limited by their type
+
+TEST(SticksToOutputs, DegreesForRadiansGiveTheOutputsOfTheLargestAngle) {
+  const auto outputs = [](float roll, float pitch) {
+    Chain chain;
+    PilotInput pilot;
+    pilot.throttle = 0.9f;
+    chain.offboard(link::OffboardMode::kRollPitchYawrateThrottle, {0, 0, 0.5f, roll, pitch});
+    return chain.sticks(pilot);
+  };
+  const auto limited = outputs(20.0f, -20.0f);
+  EXPECT_EQ(limited, outputs(0.786f, -0.786f));
+  EXPECT_NE(limited, outputs(0.785f, -0.785f));
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_LT(limited[k], 0.6f) << "far from full output";
+}
+
+TEST(SticksToOutputs, PassThroughWithinTheMeansOfTheMixerIsUntouched) {
+  // The forces that reach the mixer are the very numbers of the message.
+  Chain chain({{Param::kPrimaryMixer, 2.0f}, {Param::kTakeMinThr, 0.0f}});
+  const PilotInput pilot;
+  for (int k = 0; k < 400; ++k) {
+    const float wave = std::sin(0.1f * static_cast<float>(k));
+    const std::array<float, kEntries> u{0.0f,        0.0f,         -0.35f + 0.34f * wave,
+                                        2.8f * wave, -2.8f * wave, 3.9f * wave};
+    chain.offboard(link::OffboardMode::kPassThrough, u);
+    static_cast<void>(chain.sticks(pilot));
+    ASSERT_EQ(chain.forces, u);
+  }
+  EXPECT_EQ(chain.command.limited().count, 0u);
+  chain.offboard(link::OffboardMode::kPassThrough, {0, 0, -1.0f});
+  EXPECT_EQ(chain.command.limited().count, 0u) << "full output";
+  chain.offboard(link::OffboardMode::kPassThrough, {0, 0, -0.5f, 20.0f});
+  EXPECT_EQ(chain.command.limited().count, 1u);
+}
+
+TEST(SticksToOutputs, ACustomMixerInNewtonsTakesNewtonsAndNewtonMetres) {
+  // Four motors that share 292.279 N at 25 V and stand 0.25 m from both axes.
+  Chain chain(
+      {{Param::kPrimaryMixer, 11.0f}, {Param::kUseMotorParam, 1.0f}, {Param::kTakeMinThr, 0.0f}});
+  const float thrust_gain = motor_settings(chain.parameters).thrust_gain(1.225f);
+  constexpr float kArm_m = 0.25f;
+  MixerHeader header;
+  const std::array<float, 4> roll{-1, -1, 1, 1};
+  for (std::size_t k = 0; k < 4; ++k) {
+    header.type[k] = OutputType::kMotor;
+    const auto row = static_cast<Eigen::Index>(k);
+    chain.mixer.primary()(row, 2) = -0.25f / thrust_gain;
+    chain.mixer.primary()(row, 3) = 0.25f * roll[k] / (kArm_m * thrust_gain);
+  }
+  chain.mixer.secondary() = chain.mixer.primary();
+  chain.mixer.set_header(header);
+  chain.configure();
+  const PilotInput pilot;
+  const std::array<float, kEntries> u{0, 0, -200.0f, 70.0f, 1e30f};  // nothing uses entry 4
+  chain.offboard(link::OffboardMode::kPassThrough, u);
+  static_cast<void>(chain.sticks(pilot));
+  EXPECT_EQ(chain.forces, u);
+  EXPECT_EQ(chain.command.limited().count, 0u);
+  chain.offboard(link::OffboardMode::kPassThrough, {0, 0, -1000.0f, 1000.0f});
+  static_cast<void>(chain.sticks(pilot));
+  EXPECT_EQ(chain.command.limited().count, 1u);
+  EXPECT_NEAR(chain.forces[2], -292.279f, 0.1f);
+  EXPECT_NEAR(chain.forces[3], 292.279f * kArm_m, 0.1f);
+}
+
+// ---- a pass-through companion under the pilot's throttle
+
+TEST(SticksToOutputs, WithoutThrustAPassThroughCompanionHasNoTorqueEither) {
+  Chain chain;
+  PilotInput pilot;
+  const std::array<float, kEntries> u{0, 0, -0.6f, 0.3f, -0.2f, 0.4f};
+  const auto motors = [&](float throttle) {
+    pilot.throttle = throttle;
+    chain.offboard(link::OffboardMode::kPassThrough, u);
+    return chain.sticks(pilot);
+  };
+  static_cast<void>(motors(1.0f));
+  EXPECT_EQ(chain.forces, u);
+  for (const float throttle : {0.0f, -0.1f}) {
+    const auto& out = motors(throttle);
+    for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(out[k], 0.1f) << "idle";
+  }
+  static_cast<void>(motors(0.3f / 0.7f));  // half of the thrust, half of the torques
+  for (std::size_t k = 2; k < 6; ++k) EXPECT_NEAR(chain.forces[k], 0.5f * u[k], 1e-5f) << k;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <map>
 #include <vector>
 
 #include "firmware/boards/simulated/simulated_board.hpp"
@@ -50,7 +51,13 @@ class TelemetryTest : public testing::Test {
     return n;
   }
 
+  void backlog(Time now = milliseconds(5)) {
+    telemetry_.send_backlog(now, {outputs_, frame_}, parameters_, log_);
+  }
+
   NotingSerial serial_;
+  hal::OutputValues outputs_{};
+  hal::RcFrame frame_;
   link::MavlinkCodec fcu_{{1, 250}};
   link::MavlinkCodec companion_{{1, 50}};
   Telemetry telemetry_{serial_, fcu_};
@@ -60,15 +67,43 @@ class TelemetryTest : public testing::Test {
 
 TEST_F(TelemetryTest, ImuGoesFirstAndEverythingElseOrdinary) {
   Measurements m;
-  m.new_imu = m.new_baro = m.new_gnss = true;
-  telemetry_.stream(milliseconds(5), m, {}, {});
-  ASSERT_EQ(serial_.priorities.size(), 5u);  // IMU, attitude, outputs, barometer, GNSS
+  m.new_imu = m.new_aid = m.new_baro = m.new_gnss = true;
+  parameters_.mark_all_reported();
+  telemetry_.stream(m, {});
+  telemetry_.stream({}, {});
+  backlog();
+  ASSERT_EQ(serial_.priorities.size(), 5u);  // IMU, attitude, barometer, GNSS, outputs
   EXPECT_EQ(serial_.priorities[0], 0);
   for (std::size_t k = 1; k < 5; ++k) EXPECT_EQ(serial_.priorities[k], 255);
 }
 
+template <std::size_t... kAlternatives>
+std::vector<link::Message> one_of_each(std::index_sequence<kAlternatives...>) {
+  return {link::Message(std::in_place_index<kAlternatives + 1>)...};
+}
+
+TEST_F(TelemetryTest, EveryMessageHasTheSameUrgencyOnEveryBoard) {
+  constexpr auto kAll = std::variant_size_v<link::Message> - 1;
+  for (const link::Message& message : one_of_each(std::make_index_sequence<kAll>{})) {
+    serial_.priorities.clear();
+    telemetry_.send(message);
+    ASSERT_EQ(serial_.priorities.size(), 1u);
+    const std::size_t wanted = std::holds_alternative<link::Imu>(message)        ? 0
+                               : std::holds_alternative<link::TimeSync>(message) ? 1
+                                                                                 : 2;
+    EXPECT_EQ(hal::Serial::class_of(serial_.priorities[0]), wanted) << message.index();
+  }
+  for (unsigned qos = 0; qos < 256; ++qos) {
+    EXPECT_EQ(hal::Serial::class_of(static_cast<std::uint8_t>(qos)), qos == 0     ? 0u
+                                                                     : qos == 255 ? 2u
+                                                                                  : 1u);
+  }
+}
+
 TEST_F(TelemetryTest, NothingNewSendsNothing) {
-  telemetry_.stream(milliseconds(5), {}, {}, {});
+  parameters_.mark_all_reported();
+  telemetry_.stream({}, {});
+  backlog();
   EXPECT_TRUE(serial_.frames.empty());
 }
 
@@ -119,20 +154,24 @@ TEST_F(TelemetryTest, TheBacklogLeavesRoomForTheStreams) {
   telemetry_.heard_peer(milliseconds(0));
   telemetry_.start_list();
   serial_.room = 256;
-  telemetry_.send_backlog(parameters_, log_);
+  telemetry_.stream({}, {});
+  backlog();
   EXPECT_TRUE(serial_.frames.empty());
   serial_.room = 257;
-  telemetry_.send_backlog(parameters_, log_);
+  telemetry_.stream({}, {});
+  backlog();
   EXPECT_EQ(serial_.frames.size(), 3u) << "two parameters and one text";
 }
 
 TEST_F(TelemetryTest, ChangedParametersGoBeforeTheRestOfAList) {
   parameters_.mark_all_reported();
   telemetry_.start_list();
-  telemetry_.send_backlog(parameters_, log_);
+  telemetry_.stream({}, {});
+  backlog();
   sent();
   ASSERT_EQ(parameters_.set_float(Param::kRcMaxThr, 0.5f), SetResult::kChanged);
-  telemetry_.send_backlog(parameters_, log_);
+  telemetry_.stream({}, {});
+  backlog();
   const auto messages = sent();
   ASSERT_EQ(messages.size(), 2u);
   EXPECT_EQ(std::get<link::ParamValue>(messages[0]).index,
@@ -140,14 +179,52 @@ TEST_F(TelemetryTest, ChangedParametersGoBeforeTheRestOfAList) {
   EXPECT_EQ(std::get<link::ParamValue>(messages[1]).index, 2);
 }
 
+TEST_F(TelemetryTest, APassWithAnImuSampleSendsOneMessageBesidesIt) {
+  parameters_.mark_all_reported();
+  telemetry_.heard_peer(milliseconds(0));
+  Measurements m;
+  m.new_imu = true;
+  const auto pass = [&](bool aid) {
+    m.new_aid = m.new_baro = aid;
+    telemetry_.stream(m, {});
+    telemetry_.note_rc();
+    backlog();
+    return sent();
+  };
+  telemetry_.start_list();
+  for (int k = 0; k < 12; ++k) log_.info("text");
+  std::map<std::size_t, int> seen;
+  for (int k = 0; k < 32; ++k) {
+    const auto messages = pass(false);
+    ASSERT_EQ(messages.size(), 3u) << "IMU, attitude and one more";
+    ++seen[messages[2].index()];
+  }
+  EXPECT_EQ(seen[link::Message(link::OutputRaw{}).index()], 4) << "every eighth IMU sample";
+  EXPECT_GT(seen[link::Message(link::RcChannels{}).index()], 8);
+  EXPECT_GT(seen[link::Message(link::ParamValue{}).index()], 8);
+  EXPECT_GE(seen[link::Message(link::StatusText{}).index()], 8);
+
+  int others = 0;
+  for (int k = 0; k < 64; ++k) {
+    const auto messages = pass(true);
+    ASSERT_LE(messages.size(), 4u);
+    EXPECT_TRUE(std::holds_alternative<link::Baro>(messages[2]));
+    others += messages.size() == 4 ? 1 : 0;
+  }
+  EXPECT_EQ(others, 8) << "passed over for eight passes at most, however busy the sensors are";
+}
+
 TEST_F(TelemetryTest, PulsesOfAnyChannelValueAreNumbersInRange) {
-  hal::RcFrame frame;
+  parameters_.mark_all_reported();
+  hal::RcFrame& frame = frame_;
   frame.channel_count = 24;
   frame.channels[0] = std::numeric_limits<float>::quiet_NaN();
   frame.channels[1] = -5.0f;
   frame.channels[2] = 1e9f;
   frame.channels[17] = 0.5f;
-  telemetry_.send_rc(milliseconds(7), frame);
+  telemetry_.stream({}, {});
+  telemetry_.note_rc();
+  backlog(milliseconds(7));
   const auto messages = sent();
   ASSERT_EQ(messages.size(), 1u);
   const auto& rc = std::get<link::RcChannels>(messages[0]);
@@ -164,7 +241,9 @@ TEST_F(TelemetryTest, MillisecondFieldsWrapAtTheirWidthOnly) {
   Measurements m;
   m.new_imu = true;
   m.imu.stamp = milliseconds((std::int64_t{1} << 32) + 5);
-  telemetry_.stream(m.imu.stamp, m, {}, {});
+  parameters_.mark_all_reported();
+  telemetry_.stream(m, {});
+  backlog(m.imu.stamp);
   const auto messages = sent();
   EXPECT_EQ(std::get<link::Imu>(messages[0]).time_boot_us, ((1ull << 32) + 5) * 1000);
   EXPECT_EQ(std::get<link::Attitude>(messages[1]).time_boot_ms, 5u);

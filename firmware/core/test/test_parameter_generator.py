@@ -42,15 +42,28 @@ def test_makes_a_row_and_an_entry_of_each_parameter(tmp_path):
     done, header, page = run(tmp_path, table(GOOD, float_row, sentinel_row))
     assert done.returncode == 0, done.stderr
     text = header.read_text()
-    assert 'int_row("SYS_ID", 1, 1.0f, 255.0f, 1.0f, false)' in text
-    assert 'float_row("PRI_MIXER_0_1", 0.5f, -kInfinity, kInfinity, 0.5f, true)' in text
-    assert 'float_row("FAILSAFE_THR", -1.0f, 0.0f, 1.0f, -1.0f, false)' in text
+    assert 'int_row("SYS_ID", 1, 1.0f, 255.0f, 1.0f, 0)' in text
+    assert 'float_row("PRI_MIXER_0_1", 0.5f, -kInfinity, kInfinity, 0.5f, 1)' in text
+    assert 'float_row("FAILSAFE_THR", -1.0f, 0.0f, 1.0f, -1.0f, 0)' in text
     assert "kParamCount = 3;" in text
+    assert "{kInfinity, 0.0f, false}," in text and "{0.0f, 0.0f, false}," in text
     assert [line.strip() for line in text.splitlines() if line.strip().startswith("k") and line.endswith(",")] \
         == ["kSysId,", "kPriMixer0_1,", "kFailsafeThr,"]
     lines = page.read_text().splitlines()
     assert "| 1 | PRI_MIXER_0_1 | float | 0.5 | -inf .. inf | N | locked | A gain |" in lines
     assert any("0 .. 1 or -1" in line and r"If \|x\| is lost" in line for line in lines)
+
+
+def test_each_armed_rule_stands_once_in_the_header(tmp_path):
+    rows = [["A", "float", "1", "0", "9", "", armed, "", "A"] for armed in ("4 step 0.02", "1.5 up", "4", "4")]
+    for name, row in zip("ABCD", rows):
+        row[0] = name
+    done, header, page = run(tmp_path, table(*rows))
+    assert done.returncode == 0, done.stderr
+    text = header.read_text()
+    assert "{4.0f, 0.02f, false},\n    {1.5f, 0.0f, true},\n    {4.0f, 0.0f, false},\n}};" in text
+    assert [f'float_row("{name}", 1.0f, 0.0f, 9.0f, 1.0f, {rule})' in text for name, rule in zip("ABCD", (0, 1, 2, 2))]
+    assert "| 1.5 up |" in page.read_text()
 
 
 @pytest.mark.parametrize("row, key", [
@@ -73,6 +86,10 @@ def test_makes_a_row_and_an_entry_of_each_parameter(tmp_path):
     (changed(sentinel="none"), "sentinel"),
     (changed(sentinel="0.5"), "sentinel"),
     (changed(armed="yes"), "armed"),
+    (changed(armed="4"), "armed"),
+    (changed(type="float", armed="0.5"), "armed"),
+    (changed(type="float", armed="4 up up"), "armed"),
+    (changed(type="float", armed="4.. step 1"), "armed"),
     (changed(type="float", default="inf", max="inf"), "default"),
     (changed(type="float", max="1e39"), "max"),
 ])
@@ -121,7 +138,9 @@ def test_a_missing_file_or_argument_gives_one_line(tmp_path):
 def test_our_own_table_describes_every_parameter():
     with open(CORE / "parameters.csv", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) == 333
+    with open(CORE / "test" / "data" / "reference_parameters.csv", newline="") as file:
+        reference = [row["name"] for row in csv.DictReader(file)]
+    assert len(reference) == 333 and [row["name"] for row in rows[:333]] == reference
     for row in rows:
         assert row["description"].strip(), row["name"]
         assert math.isfinite(float(row["default"])), row["name"]

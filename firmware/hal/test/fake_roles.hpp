@@ -179,11 +179,16 @@ class Processor final : public System {
     reset_asked = true;
     bootloader_asked = to_bootloader;
   }
-  void alive() override {}
+  void alive() override { used_ += microseconds(100); }
+  Time busy_time() const override { return used_; }
+  bool shares_processor() const override { return false; }
 
   bool sensors_started{false};
   bool reset_asked{false};
   bool bootloader_asked{false};
+
+ private:
+  Time used_{};
 };
 
 }  // namespace rosflight::hal::fake

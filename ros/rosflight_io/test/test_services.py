@@ -3,7 +3,7 @@
 
 import pytest
 import yaml
-from ros_rig import wait_for
+from ros_rig import table_size, wait_for
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
 from rosflight_msgs.srv import ParamFile, ParamGet, ParamSet
@@ -47,7 +47,7 @@ def test_file_of_all_parameters_and_back(rig):
     file = rig.folder / "all.yaml"
     assert rig.peer.call(ParamFile, "param_save_to_file", filename=str(file)).success
     entries = yaml.safe_load(file.read_text())
-    assert len(entries) == 333 and set(entries[0]) == {"name", "type", "value"}
+    assert len(entries) == table_size() and set(entries[0]) == {"name", "type", "value"}
     assert rig.peer.call(ParamFile, "param_load_from_file", filename=str(file)).success
 
 
@@ -112,7 +112,7 @@ def ros_get(rig, name):
 def test_every_firmware_parameter_is_a_ros_parameter(rig):
     names = rig.peer.call(ListParameters, "rosflight_io/list_parameters").result.names
     assert {"PID_ROLL_RATE_P", "RC_MAX_THR", "PRI_MIXER_0_0", "SYS_ID", "udp", "port"} <= set(names)
-    assert len([name for name in names if name.isupper()]) >= 333
+    assert len([name for name in names if name.isupper()]) >= table_size()
     description = rig.peer.call(DescribeParameters, "rosflight_io/describe_parameters", names=["SYS_ID"]).descriptors[0]
     assert description.description and description.type == ParameterType.PARAMETER_INTEGER
 

@@ -47,6 +47,18 @@ TEST(Imu, LevelAndAtRestItFeelsGravityUpwards) {
   EXPECT_EQ(sample.temperature_K, 288.15F);
 }
 
+TEST(Imu, NeverRepeatsItselfBitByBit) {
+  Imu imu(perfect(), kTestGravity, kSource);
+  auto before = measured(imu, at_rest());
+  for (int k = 0; k < 100; ++k) {
+    const auto sample = measured(imu, at_rest());
+    EXPECT_NE(sample.accel_m_s2, before.accel_m_s2);
+    expect_near(sample.accel_m_s2, {0.0, 0.0, -kTestGravity}, 1e-6);
+    EXPECT_EQ(sample.gyro_rad_s, (hal::Vec3{}));
+    before = sample;
+  }
+}
+
 TEST(Imu, AwayFromTheCentreItFeelsTheTurning) {
   // Spin of 3 rad/s about z, 0.2 m forward: centripetal 9 * 0.2 towards the centre. Angular
   // acceleration of 5 rad/s^2 about z: 5 * 0.2 to the right.

@@ -27,7 +27,7 @@ TEST(TransmitQueue, UrgentBeforeTimelyBeforeOrdinary) {
   ASSERT_TRUE(push(queue, {3, 3, 3}, hal::Serial::kUrgent));
   ASSERT_TRUE(push(queue, {4}, hal::Serial::kUrgent));
   ASSERT_TRUE(push(queue, {5}, 77));
-  EXPECT_EQ(take(queue, 100), (Bytes{3, 3, 3, 4, 2, 1, 1, 5}));
+  EXPECT_EQ(take(queue, 100), (Bytes{3, 3, 3, 4, 2, 5, 1, 1}));
   EXPECT_TRUE(queue.empty());
 }
 

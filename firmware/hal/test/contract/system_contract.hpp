@@ -67,8 +67,20 @@ TYPED_TEST_P(SystemContract, ResetsIntoTheBootloaderWhenAsked) {
   EXPECT_TRUE(this->traits_.bootloader_asked());
 }
 
+TYPED_TEST_P(SystemContract, ProcessorTimeNeverDecreases) {
+  Time last = this->traits_.role().busy_time();
+  const bool shared = this->traits_.role().shares_processor();
+  for (int k = 0; k < 100; ++k) {
+    this->traits_.role().alive();
+    const Time now = this->traits_.role().busy_time();
+    EXPECT_GE(now, last);
+    last = now;
+  }
+  EXPECT_EQ(this->traits_.role().shares_processor(), shared);
+}
+
 REGISTER_TYPED_TEST_SUITE_P(SystemContract, StartsSensorsWhenAskedAndNotBefore, ItsStartReportEnds,
                             BadNewsInTheReportAreCountedAsErrors, ResetsOnlyWhenAsked,
-                            ResetsIntoTheBootloaderWhenAsked);
+                            ResetsIntoTheBootloaderWhenAsked, ProcessorTimeNeverDecreases);
 
 }  // namespace rosflight::hal::contract

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "firmware/core/sensors.hpp"
+#include "firmware/core/state_machine.hpp"
+
+namespace rosflight::core {
+
+/// What is looked at before arming on the ground. The order is that of the list people see.
+enum class Check : std::uint8_t {
+  kMixer,
+  kEscCalibration,
+  kImu,
+  kTime,
+  kCalibration,
+  kEstimator,
+  kReceiver,
+  kFailsafe,
+  kThrottle,
+  kOverride,
+  kStill,
+  kLevel,
+  kSensors,
+  kStorage,
+  kLoopTime,
+  kBatteryKnown,
+  kBattery,
+};
+inline constexpr std::size_t kCheckCount = 17;
+
+enum class Verdict : std::uint8_t { kPass = 0, kWarning = 1, kRefuses = 2 };
+
+/// One row of the list.
+struct CheckRow {
+  Check check;
+  const char* name;  ///< At most 16 characters.
+  const char* text;  ///< What is wrong, at most 34 characters: "Unable to arm: " comes before it.
+  Verdict verdict;   ///< What a failure leads to, unless a parameter says otherwise.
+};
+
+/// The list before arming. Level and battery refuse with CHECK_LEVEL and CHECK_BATTERY, the loop
+/// time only warns where other programs share the processor.
+// clang-format off
+inline constexpr std::array<CheckRow, kCheckCount> kChecks{{
+    {Check::kMixer,          "mixer",        "invalid mixer",                    Verdict::kRefuses},
+    {Check::kEscCalibration, "ESC mixer",    "ESC calibration mixer chosen",     Verdict::kWarning},
+    {Check::kImu,            "IMU",          "IMU not responding",               Verdict::kRefuses},
+    {Check::kTime,           "IMU time",     "time going backwards",             Verdict::kRefuses},
+    {Check::kCalibration,    "calibration",  "IMU not calibrated",               Verdict::kRefuses},
+    {Check::kEstimator,      "estimator",    "unhealthy estimator",              Verdict::kRefuses},
+    {Check::kReceiver,       "receiver",     "RC signal lost",                   Verdict::kRefuses},
+    {Check::kFailsafe,       "failsafe",     "FAILSAFE_THR not set",             Verdict::kRefuses},
+    {Check::kThrottle,       "throttle",     "throttle not low",                 Verdict::kRefuses},
+    {Check::kOverride,       "override",     "throttle override switch is off",  Verdict::kRefuses},
+    {Check::kStill,          "still",        "vehicle is being moved",           Verdict::kRefuses},
+    {Check::kLevel,          "level",        "vehicle is not level",             Verdict::kWarning},
+    {Check::kSensors,        "sensors",      "no samples from",                  Verdict::kRefuses},
+    {Check::kStorage,        "storage",      "stored parameters damaged",        Verdict::kRefuses},
+    {Check::kLoopTime,       "loop time",    "main loop too slow",               Verdict::kRefuses},
+    {Check::kBatteryKnown,   "battery seen", "motor model without battery",      Verdict::kRefuses},
+    {Check::kBattery,        "battery",      "battery is low",                   Verdict::kWarning},
+}};
+// clang-format on
+
+/// Sensors besides the IMU, for the check that those which answered once still do.
+enum class Aid : std::uint8_t { kMag, kBaro, kDiffPressure, kRange, kGnss, kBattery };
+inline constexpr std::size_t kAidCount = 6;
+inline constexpr std::array<const char*, kAidCount> kAidNames{"mag",   "baro", "airspeed",
+                                                              "range", "GNSS", "battery"};
+
+/// Remembers which sensors ever answered, and which of them fell silent.
+class SensorWatch {
+ public:
+  static constexpr Time kSilence = hal::milliseconds(3000);  ///< Slowest sensor: 1 Hz.
+
+  /// Once per pass.
+  void step(Time now, const Measurements& m) {
+    if (!m.new_aid) return;
+    if (m.new_mag) answered(Aid::kMag, now);
+    if (m.new_baro) answered(Aid::kBaro, now);
+    if (m.new_diff_pressure) answered(Aid::kDiffPressure, now);
+    if (m.new_range) answered(Aid::kRange, now);
+    if (m.new_gnss) answered(Aid::kGnss, now);
+    if (m.new_battery) answered(Aid::kBattery, now);
+  }
+  bool answered(Aid aid) const { return ever_[static_cast<std::size_t>(aid)]; }
+  bool silent(Aid aid, Time now) const {
+    const auto k = static_cast<std::size_t>(aid);
+    return ever_[k] && now - last_[k] > kSilence;
+  }
+
+ private:
+  void answered(Aid aid, Time now) {
+    ever_[static_cast<std::size_t>(aid)] = true;
+    last_[static_cast<std::size_t>(aid)] = now;
+  }
+  std::array<Time, kAidCount> last_{};
+  std::array<bool, kAidCount> ever_{};
+};
+
+/// All that the list depends on.
+struct CheckInputs {
+  std::uint16_t errors{};  ///< The error word.
+  bool esc_calibration{};
+  bool throttle_low{true};
+  bool override_ok{true};  ///< TAKE_MIN_THR is set, or the throttle override switch is on.
+  bool still{true};
+  bool level{true};
+  bool sensor_silent{};
+  bool storage_healthy{true};
+  bool loop_in_time{true};
+  bool battery_missing{};  ///< The motor model needs a voltage and no sample ever came.
+  bool battery_low{};
+  bool level_refuses{};     ///< CHECK_LEVEL.
+  bool battery_refuses{};   ///< CHECK_BATTERY.
+  bool shares_processor{};  ///< The loop time depends on other programs.
+};
+
+/// The list with a verdict for each row.
+struct CheckResults {
+  std::array<Verdict, kCheckCount> verdict{};
+  bool ready() const;
+  Verdict of(Check check) const { return verdict[static_cast<std::size_t>(check)]; }
+};
+
+CheckResults run_checks(const CheckInputs& in);
+
+}  // namespace rosflight::core

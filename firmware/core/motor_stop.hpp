@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+
+#include "firmware/core/math.hpp"
+
+namespace rosflight::core {
+
+using hal::Time;
+
+/// Why the motors of an armed vehicle stand still until it is disarmed.
+enum class StopReason : std::uint8_t { kNone, kImuSilent, kTipOver, kImpact, kFailsafeAtRest };
+
+/// Stops the motors of an armed vehicle for a reason that does not go away by itself. The reason
+/// stays until disarming, so that nothing turns again when somebody picks the vehicle up.
+///
+///     IMU silent        no usable sample for 1 s (multirotors)                           always
+///     tip-over          more than 100 deg of tilt for 0.5 s with throttle commanded CRASH_STOP 1
+///     impact            |a| above 8 g, then 1 s without motion CRASH_STOP 2 failsafe at rest  30 s
+///     of failsafe without motion, and the vehicle stands          always
+///
+/// "Without motion" is a rate below 0.15 rad/s and a specific force within 0.1 g of 1 g. That alone
+/// cannot tell a vehicle at rest from one that sinks steadily, so the last reason asks the vehicle:
+/// the motors are held at idle for 0.5 s. In the air the thrust that is missing shows in the
+/// accelerometer within a few motor time constants, the probe ends and the 30 s start again. On the
+/// ground the specific force stays 1 g, but for the first 0.25 s, in which 0.25 g and 0.5 rad/s are
+/// allowed: the weight comes back on the landing gear. With a barometer the pressure altitude must
+/// also stay within 1 m during the 30 s. Fixed wings are left alone: their failsafe has no throttle.
+class MotorStop {
+ public:
+  static constexpr Time kImuSilence = hal::milliseconds(1000);
+  static constexpr Time kTipOverTime = hal::milliseconds(500);
+  static constexpr float kTipOverCosine = -0.173648178f;  ///< cos(100 deg).
+  static constexpr float kImpact_m_s2 = 8.0f * kGravity_m_s2;
+  static constexpr Time kImpactStillness = hal::milliseconds(1000);
+  static constexpr Time kImpactWindow = hal::milliseconds(5000);  ///< Stillness counts until then.
+  static constexpr Time kFailsafeRest = hal::milliseconds(30000);
+  static constexpr Time kProbe = hal::milliseconds(500);
+  static constexpr Time kSettling = hal::milliseconds(250);  ///< Of the probe.
+  static constexpr float kAltitudeBand_m = 1.0f;
+
+  struct Config {
+    bool fixed_wing{false};
+    bool tip_over{false};
+    bool impact{false};
+  };
+
+  /// What one IMU sample brings while armed.
+  struct Input {
+    Quaternion q_NB{};
+    Vector3 accel_m_s2{Vector3::Zero()};
+    Vector3 rates_rad_s{Vector3::Zero()};
+    float altitude_m{};  ///< Of the barometer; 0 without one.
+    bool throttle_commanded{};
+    bool failsafe{};
+  };
+
+  void configure(const Config& config) { config_ = config; }
+  /// Some rule of step() could act: saves its call in ordinary flight.
+  bool watching(bool failsafe) const {
+    return failsafe || probing_ || config_.tip_over || config_.impact;
+  }
+  void step(Time now, const Input& in);
+  /// No IMU sample since `imu_heard`. Call while armed.
+  void watch_imu(Time now, Time imu_heard) {
+    if (!config_.fixed_wing && now - imu_heard > kImuSilence) stop(StopReason::kImuSilent);
+  }
+  /// Armed or disarmed: every reason is gone.
+  void reset() { *this = MotorStop{config_}; }
+
+  bool stopped() const { return reason_ != StopReason::kNone; }
+  StopReason reason() const { return reason_; }
+  /// The motors are to be held at idle: the vehicle is being asked whether it stands.
+  bool probing() const { return probing_; }
+
+  MotorStop() = default;
+
+ private:
+  explicit MotorStop(const Config& config) : config_{config} {}
+  void stop(StopReason reason) {
+    if (reason_ == StopReason::kNone) reason_ = reason;
+    probing_ = false;
+  }
+  bool without_motion(const Input& in, bool settling);
+  void watch_tilt(Time now, const Input& in);
+  void watch_impact(Time now, const Input& in, bool still);
+  void watch_rest(Time now, const Input& in, bool still);
+
+  Config config_{};
+  StopReason reason_{StopReason::kNone};
+  bool tilted_{false};
+  bool hit_{false};
+  bool still_after_hit_{false};
+  bool resting_{false};
+  bool probing_{false};
+  Time tilted_since_{};
+  Time hit_at_{};
+  Time still_since_{};
+  Time rest_since_{};
+  Time probe_since_{};
+  Vector3 smooth_accel_{0.0f, 0.0f, -kGravity_m_s2};
+  float lowest_m_{};
+  float highest_m_{};
+};
+
+}  // namespace rosflight::core
