@@ -21,6 +21,8 @@ import stages
 
 RELEASE = project.ROOT / "build" / "release"
 FUZZ_RUNS = 1_000_000
+STORM_PASSES = 60
+PROPERTY_FLIGHTS = 25_000  # of 4000 passes each
 
 
 @dataclass(frozen=True)
@@ -30,10 +32,14 @@ class Figure:
     target: str  # "<= 2500", or "report" when there is nothing to meet
     measure: Callable[[], float]
     preset: str = "release"  # the build it needs
+    on_request: bool = False  # takes long: only measured when named
 
 
 def all_figures() -> list[Figure]:
     return [
+        Figure("firmware.instructions_full", "instructions", "<= 4200",
+               lambda: firmware_pass(load="full")),
+        Figure("firmware.worst_over_mean", "x", "<= 4", worst_over_mean),
         Figure("firmware.instructions", "instructions", "<= 2500", firmware_pass),
         Figure("firmware.instructions_no_link", "instructions", "<= 2000",
                lambda: firmware_pass("none")),
@@ -51,6 +57,10 @@ def all_figures() -> list[Figure]:
         Figure("firmware.heap_allocations", "allocations", "= 0",
                lambda: size("firmware.heap_allocations")),
         Figure("fly.wall_s", "s", "< 5", fly_wall_s),
+        Figure("firmware.frames_dropped", "frames", "= 0", lambda: counted("frames_dropped", "tx_dropped")),
+        Figure("firmware.texts_lost", "texts", "= 0", lambda: counted("texts_lost")),
+        Figure("firmware.samples_rejected", "samples", "= 0", lambda: counted("rejected")),
+        Figure("firmware.gyro_latency_ms", "ms", "report", lambda: number(fly_runs()[0][1], "gyro_latency_ms")),
         *(Figure(f"estimation.{noise}.{quantity}", unit, "report",
                  functools.partial(estimation_figure, noise, quantity))
           for noise in ("shipped", "modelled") for quantity, unit in ESTIMATION),
@@ -60,6 +70,10 @@ def all_figures() -> list[Figure]:
         *(Figure(f"missions.{name}.{quantity}", unit, target,
                  functools.partial(mission_figure, name, quantity))
           for name, quantity, unit, target in MISSIONS + FIXEDWING_MISSIONS),
+        Figure("property.passes", "passes", ">= 100000000", lambda: properties()["passes"], "sanitizers",
+               on_request=True),
+        Figure("property.violations", "flights", "= 0", lambda: properties()["violations"], "sanitizers",
+               on_request=True),
         *m7(),
         *ros_figures(),
         *(Figure(f"fuzz.{name.removeprefix('fuzz_')}_runs", "inputs", f">= {FUZZ_RUNS}",
@@ -156,6 +170,8 @@ def m7() -> list[Figure]:
         by_uart("uart_sent_bytes_per_s", "B/s"),
         by_uart("uart_received_bytes_per_s", "B/s"),
         by_uart("uart_lost", "bytes, frames"),
+        *(Figure(f"m7.{name}", unit, "report", lambda name=name: float(m7_figures.uart_flight()["counters"][name]),
+                 "cortex-m7") for name, unit in (("longest_pass_us", "us"), ("passes_over_budget", "passes"))),
     ]
 
 
@@ -181,6 +197,8 @@ def prepare(preset: str):
     if preset == "release":
         project.build("release", "bench/all", keep_going=True)
         project.build("release", "rosflight", keep_going=True)
+    elif preset == "sanitizers":
+        project.build(preset, "bench/properties", keep_going=True)
     elif preset == "cortex-m7":
         project.build("release", "rosflight", keep_going=True)
         project.build(preset, keep_going=True)
@@ -215,10 +233,34 @@ def number(printed: dict, key: str) -> float:
     return value
 
 
-def firmware_pass(protocol: str = "mavlink") -> float:
+@functools.cache
+def firmware_pass(protocol: str = "mavlink", load: str = "hover") -> float:
     return callgrind.instructions_per_call(
-        [program("firmware_pass"), "--link-protocol", protocol, "--passes"],
+        [program("firmware_pass"), "--link-protocol", protocol, "--load", load, "--passes"],
         few=4_000, many=20_000)
+
+
+def worst_over_mean() -> float:
+    """The dearest pass of a storm in which everything comes at once, over the mean of the full load."""
+    storm = callgrind.instructions_by_call(
+        [program("firmware_pass"), "--load", "storm", "--passes", str(STORM_PASSES)],
+        "bench_counted_pass")
+    return max(storm) / firmware_pass(load="full")
+
+
+@functools.cache
+def properties() -> dict:
+    """Random flights under sanitizers, a share on each processor. What did not hold stands in build/properties.log."""
+    path = project.ROOT / "build" / "sanitizers" / "bench" / "properties"
+    if not path.is_file() or not project.is_up_to_date("sanitizers", "bench/properties"):
+        raise RuntimeError("bench/properties does not build, see build/sanitizers/build.log")
+    share = PROPERTY_FLIGHTS // project.jobs() + 1
+    log = (project.ROOT / "build" / "properties.log").open("w")
+    running = [subprocess.Popen([str(path), "--first", str(1 + k * share), "--flights", str(share)],
+                                stdout=subprocess.PIPE, stderr=log, text=True)
+               for k in range(project.jobs())]
+    printed = [json.loads(process.communicate()[0] or "{}") for process in running]
+    return {key: sum(number(one, key) for one in printed) for key in ("passes", "violations")}
 
 
 def link_rate(protocol: str) -> float:
@@ -269,17 +311,31 @@ def size(key: str) -> float:
     return number(sizes(), key)
 
 
-def fly_wall_s() -> float:
-    """Wall time of the default flight, median of three; it must succeed to count."""
-    walls = []
+@functools.cache
+def fly_runs() -> list[tuple[float, dict]]:
+    """Wall time and summary of the default flight, three times; it must succeed to count."""
+    runs = []
     for _ in range(3):
         with tempfile.TemporaryDirectory() as scratch:
             start = time.monotonic()
             printed = run_json([program("rosflight", "apps"), "fly", "--json", "--out", f"{scratch}/flight"])
-            walls.append(time.monotonic() - start)
+            runs.append((time.monotonic() - start, printed))
         if printed.get("success") is not True:
             raise RuntimeError("the flight did not succeed")
-    return statistics.median(walls)
+    return runs
+
+
+def fly_wall_s() -> float:
+    return statistics.median(wall for wall, _ in fly_runs())
+
+
+def counted(*names: str) -> float:
+    """Sum of what the firmware counted in the default flight."""
+    counters = fly_runs()[0][1].get("counters") or {}
+    values = [counters.get(name) for name in names]
+    if None in values:
+        raise RuntimeError(f"no counters {names} in the summary of the flight")
+    return float(sum(sum(value) if isinstance(value, list) else value for value in values))
 
 
 @functools.cache

@@ -52,6 +52,12 @@ def test_name_chooses_by_a_part(capsys):
     assert [l.split()[0] for l in capsys.readouterr().out.splitlines()] == ["figure", "b.told"]
 
 
+def test_what_takes_long_is_measured_when_named(capsys):
+    figures = [*FIGURES[:1], Figure("c.long", "s", "report", lambda: 1.0, on_request=True)]
+    assert bench.choose([], figures) == figures[:1]
+    assert bench.choose(["c.long"], figures) == figures[1:]
+
+
 @pytest.mark.parametrize("arguments", [["c.none"], ["--json"], ["--fast"], ["--json", "/nowhere/f.json"]])
 def test_bad_arguments_are_one_line_and_exit_code_2(arguments, capsys):
     assert run(*arguments) == 2
