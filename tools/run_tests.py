@@ -4,9 +4,12 @@
 Builds and runs every test and ends with the line "N passed, M failed". Exit code 1 if any failed.
 
 NAME chooses: a stage by its name, and test programs and pytest files by a part of theirs.
-Stages: format, structure, build, unit, python, ros, cortex-m7, sanitizers, ros-sanitizers, fuzz, tidy. Sanitizers and
-clang-tidy look at what flies and at whole flights; sanitizers-rest, tidy-rest and tidy-ros (simulation, programs, tests,
-ROS nodes) run when named: they take as long as all others together.
+Stages: format, structure, build, unit, mutation, python, ros, cortex-m7, sanitizers, ros-sanitizers, fuzz, tidy. Sanitizers
+and clang-tidy look at what flies and at whole flights; sanitizers-rest, tidy-rest and tidy-ros (simulation, programs,
+tests, ROS nodes) run when named: they take as long as all others together.
+
+./rosflight test mutations [NAME...] writes each defect of tools/mutations/ into a copy of the tree and shows that a test
+sees it; NAME is a part of the names there. The stage mutation does one of them.
 """
 
 import os
@@ -14,6 +17,7 @@ import sys
 import time
 
 import cpp_tests
+import mutation_tests
 import project
 import ros_test
 import stages
@@ -25,6 +29,7 @@ STAGES = {
     "structure": stages.check_structure,
     "build": stages.build_release,
     "unit": stages.unit_tests,
+    "mutation": mutation_tests.test_one,
     "python": stages.python_tests,
     "ros": stages.ros_tests,
     "cortex-m7": stages.cortex_m7,
@@ -43,6 +48,9 @@ def chosen_stages(names: list[str]):
     """The stages to run as (name, function of no argument)."""
     if not names:
         return [(name, run) for name, run in STAGES.items() if name not in ON_REQUEST]
+    if names[0] == "mutations":
+        mutation_tests.chosen(names[1:])
+        return [("mutations", lambda: mutation_tests.test(names[1:]))]
     chosen = [(name, STAGES[name]) for name in names if name in STAGES]
     parts = [name for name in names if name not in STAGES]
     if parts:

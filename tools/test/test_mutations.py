@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every mutation still fits the tree, and the frame that tries them tells caught from not caught."""
+
+import mutation_tests
+import project
+import pytest
+import run_tests
+from mutation_tests import Mutation
+
+
+@pytest.mark.parametrize("mutation", mutation_tests.all_mutations(), ids=lambda m: m.name)
+def test_mutation_fits_the_tree(mutation):
+    before = (project.ROOT / mutation.file).read_text()
+    after = mutation.apply(before)
+    assert after != before
+    assert after.count("\n") == before.count("\n")
+    assert mutation.file.startswith("firmware/core/") and "/test/" not in mutation.file
+    test = project.ROOT / "firmware/core/test" / f"{mutation.test}.cpp"
+    assert test.is_file()
+
+
+def test_there_is_one_for_each_invariant():
+    text = (project.ROOT / "firmware/core/test/flight_invariants.cpp").read_text()
+    said = [mutation.says for mutation in mutation_tests.all_mutations()]
+    import re
+    invariants = set(re.findall(r'fail\((?:silent \? )?"(\w+)"', text))
+    missing = {name for name in invariants if name not in said}
+    assert not missing, f"no mutation shows that these see their defect: {', '.join(sorted(missing))}"
+
+
+def test_line_must_be_there_once():
+    text = "a();\nb() {\n  a();\n}\nc() {\n  a();\n}\n"
+    assert Mutation("m", "", "f", "a();", "", below="b()").apply(text) == "a();\nb() {\n  \n}\nc() {\n  a();\n}\n"
+    with pytest.raises(ValueError, match="3 times"):
+        Mutation("m", "", "f", "a();", "").apply(text)
+    with pytest.raises(ValueError, match="0 times"):
+        Mutation("m", "", "f", "d();", "").apply(text)
+    with pytest.raises(ValueError, match="has no 'e"):
+        Mutation("m", "", "f", "a();", "", below="e()").apply(text)
+
+
+def test_cheapest_exists_and_unknown_names_are_refused():
+    assert [m.name for m in mutation_tests.chosen([mutation_tests.CHEAPEST])] == [mutation_tests.CHEAPEST]
+    with pytest.raises(ValueError, match="no mutation matches 'nonsense'"):
+        run_tests.chosen_stages(["mutations", "nonsense"])
+
+
+@pytest.mark.parametrize("passes, said, complaint", [
+    (True, "", "not caught by t"),
+    (False, "outputs_in_range: x", ""),
+    (False, "something else", "t fails, but says nothing of 'outputs_in_range'"),
+])
+def test_only_the_failure_it_names_counts(tmp_path, monkeypatch, passes, said, complaint):
+    (tmp_path / "f").write_text("good\n")
+    monkeypatch.setattr(mutation_tests, "COPY", tmp_path)
+
+    def build_and_run(test):
+        assert (tmp_path / "f").read_text() == "bad\n"
+        return passes, said
+
+    monkeypatch.setattr(mutation_tests, "build_and_run", build_and_run)
+    mutation = Mutation("m", "", "f", "good", "bad", test="t", says="outputs_in_range")
+    assert mutation_tests.try_one(mutation) == complaint
+    assert (tmp_path / "f").read_text() == "good\n"
