@@ -188,8 +188,7 @@ void Firmware::tell_motor_stop() {
 
 void Firmware::on(const link::MotorTest& message, Time now) {
   if (!is_me(message.target_system)) return;
-  const bool motor =
-      message.motor < kChannels && mixer_.header().type[message.motor] == OutputType::kMotor;
+  const bool motor = mixer_.is_motor(message.motor);
   const bool in_range = message.value >= 0.0f && message.value <= kMotorTestLimit;  // false for NaN
   const auto wanted = static_cast<std::int8_t>(message.motor);
   if (state_.state() == State::kMotorTest) {

@@ -120,7 +120,7 @@ void Mixer::prepare(Mode mode, const Conditions& conditions) {
 /// Disarmed, all motors are at zero already.
 void Mixer::turn_test_motor(const Conditions& conditions) {
   if (conditions.armed) return;
-  const auto channel = static_cast<std::size_t>(conditions.test_motor);
+  const auto channel = static_cast<std::uint8_t>(conditions.test_motor);
   if (!is_motor(channel) || !(conditions.test_value > 0.0f)) return;
   outputs_[channel] = std::min(conditions.test_value, kTestLimit);
 }
@@ -219,7 +219,7 @@ void Mixer::motors_from_speed(const Conditions& conditions) {
 /// The measured voltage if it can be that of a battery that still flies, else the lowest of those.
 float Mixer::voltage(float battery_V) {
   const float lowest_V = kLowestVoltage * config_.motor.full_voltage_V;
-  voltage_replaced_ = !(battery_V >= lowest_V && std::isfinite(battery_V));
+  voltage_replaced_ = battery_V < lowest_V || !std::isfinite(battery_V);
   return voltage_replaced_ ? lowest_V : battery_V;
 }
 

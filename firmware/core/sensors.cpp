@@ -41,11 +41,10 @@ bool finite(const hal::GnssSample& s) {
 
 /// On the Earth, below the height and the speed at which civil receivers stop (export rules).
 bool in_range(const hal::GnssSample& s) {
-  constexpr double kLowest_m = -1000.0, kHighest_m = 100e3;
-  constexpr float kFastest_m_s = 1000.0f;
+  constexpr float kLowest_m = -1000.0f, kHighest_m = 100e3f, kFastest_m_s = 1000.0f;
   const hal::Vec3& v = s.velocity_ned_m_s;
   return std::abs(s.latitude_deg) <= 90.0 && std::abs(s.longitude_deg) <= 360.0 &&
-         double{s.height_msl_m} >= kLowest_m && double{s.height_msl_m} <= kHighest_m &&
+         s.height_msl_m >= kLowest_m && s.height_msl_m <= kHighest_m &&
          std::abs(v[0]) <= kFastest_m_s && std::abs(v[1]) <= kFastest_m_s &&
          std::abs(v[2]) <= kFastest_m_s;
 }
