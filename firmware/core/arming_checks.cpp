@@ -50,7 +50,7 @@ bool failed(Check check, const CheckInputs& in) {
     case Check::kLoopTime:
       return !in.loop_in_time;
     case Check::kBatteryKnown:
-      return in.battery_missing;
+      return in.motor_model_unusable;
     case Check::kBattery:
       return in.battery_low;
   }

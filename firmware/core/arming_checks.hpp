@@ -60,7 +60,7 @@ inline constexpr std::array<CheckRow, kCheckCount> kChecks{{
     {Check::kSensors,        "sensors",      "no samples from",                  Verdict::kRefuses},
     {Check::kStorage,        "storage",      "stored parameters damaged",        Verdict::kRefuses},
     {Check::kLoopTime,       "loop time",    "main loop too slow",               Verdict::kRefuses},
-    {Check::kBatteryKnown,   "battery seen", "motor model without battery",      Verdict::kRefuses},
+    {Check::kBatteryKnown,   "battery seen", "no battery or motor parameters",   Verdict::kRefuses},
     {Check::kBattery,        "battery",      "battery is low",                   Verdict::kWarning},
 }};
 // clang-format on
@@ -112,7 +112,7 @@ struct CheckInputs {
   bool sensor_silent{};
   bool storage_healthy{true};
   bool loop_in_time{true};
-  bool battery_missing{};  ///< The motor model needs a voltage and no sample ever came.
+  bool motor_model_unusable{};  ///< The motor model is wanted and has no battery or no thrust.
   bool battery_low{};
   bool level_refuses{};     ///< CHECK_LEVEL.
   bool battery_refuses{};   ///< CHECK_BATTERY.
@@ -123,6 +123,7 @@ struct CheckInputs {
 struct CheckResults {
   std::array<Verdict, kCheckCount> verdict{};
   bool ready() const;
+  void pass(Check check) { verdict[static_cast<std::size_t>(check)] = Verdict::kPass; }
   Verdict of(Check check) const { return verdict[static_cast<std::size_t>(check)]; }
 };
 

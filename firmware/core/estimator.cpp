@@ -70,6 +70,14 @@ void Estimator::reset() {
   healthy_ = true;
 }
 
+void Estimator::settle() {
+  constexpr float kSettled = 0.0175f;  // sine of 1 degree
+  bias_.setZero();
+  if (started_ && acc_.squaredNorm() > 0.0f && accelerometer_error().norm() > kSettled) {
+    level_from_accelerometer();
+  }
+}
+
 void Estimator::reset_in_flight() {
   reset();
   started_ = false;

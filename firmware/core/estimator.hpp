@@ -78,8 +78,9 @@ class Estimator {
   /// After a restart in the air: roll and pitch from the first accelerometer sample, the boost
   /// counts from that sample and leaves external attitudes alone.
   void reset_in_flight();
-  /// A fresh gyro calibration makes the bias estimate meaningless.
-  void clear_bias() { bias_.setZero(); }
+  /// After a gyro calibration, so at rest: the bias estimate was that of the old offset, and so was
+  /// an attitude more than 1 degree from the accelerometer's, which takes its place. Yaw stays.
+  void settle();
 
   /// Normalises; @returns false and ignores it for NaN, a length of zero and while it is rejected
   /// because it is far from the estimate.

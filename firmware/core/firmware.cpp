@@ -33,6 +33,7 @@ void Firmware::run() {
 
   if (telemetry_.tick(now, parameters_.get_bool(Param::kFixedWing))) {
     telemetry_.send(status());
+    if (turning()) moved_ = now;
     tell_losses(now);
     tell_sensors(now);
   }
@@ -115,12 +116,16 @@ void Firmware::sense(Time now) {
 void Firmware::finish_calibration(const Sensors::CalibrationEvents& events, Time now) {
   if (events.accel_settled) estimator_.reset();
   if (events.accel_done) {
-    accel_calibrated_ = true;
+    if (parameters_.has_changes()) apply_parameter_changes();
+    accel_calibrated_ = true;  // until a bias is set; the result itself may be zero
     set_error(Error::kUncalibratedImu, false);
   }
   if (events.gyro_done) {
-    estimator_.clear_bias();
-    act(state_.handle(Event::kCalibrationComplete, arm_request(now)), now);
+    estimator_.settle();
+    moved_ = now - kStillTime;  // it stood still all the time
+    act(rc_.arm_switch_off() ? state_.handle(Event::kDisarm)
+                             : state_.handle(Event::kCalibrationComplete, arm_request(now)),
+        now);
     continue_save(now);  // a block is enough for the new biases: armed before this pass's control
   }
   if (events.gyro_failed) act(state_.handle(Event::kCalibrationFailed), now);
@@ -157,6 +162,11 @@ bool Firmware::is_request(const link::Message& message) {
          std::holds_alternative<link::CommandRequest>(message);
 }
 
+bool Firmware::is_command(const link::Message& message) {
+  return std::holds_alternative<link::OffboardControl>(message) ||
+         std::holds_alternative<link::AuxCommand>(message);
+}
+
 void Firmware::control(Time now, float dt_s) {
   const Measurements& m = sensors_.measurements();
   const AttitudeEstimate& attitude = estimator_.step(m.imu, dt_s);
@@ -177,7 +187,7 @@ void Firmware::control(Time now, float dt_s) {
     log_.error("No battery voltage or no MOTOR_KV: motors off");
   }
   if (mixer_.voltage_replaced() && motor_model_texts_.allow(now)) {
-    log_.error("No usable battery voltage: 0.6 BATT_VOLT_MAX used");
+    log_.error("Battery voltage not usable: nearest that is taken");
   }
   const Time took = board_.clock.now() - now;
   loop_time_us_ = static_cast<std::int16_t>(
@@ -185,10 +195,13 @@ void Firmware::control(Time now, float dt_s) {
 }
 
 void Firmware::receive(Time now) {
-  if (incoming_used_ < incoming_size_ || refill()) take_messages(now);
+  const bool waiting = (incoming_used_ < incoming_size_ || refill()) && take_messages(now);
+  commands_stale_ = commands_stale_ && waiting;
+  input_waits_ = waiting;
 }
 
-void Firmware::take_messages(Time now) {
+/// @returns whether more may be waiting.
+bool Firmware::take_messages(Time now) {
   int messages_left = kMessagesPerPass;
   std::size_t bytes_left = kBytesPerPass;
   do {
@@ -197,11 +210,13 @@ void Firmware::take_messages(Time now) {
     incoming_used_ += result.consumed;
     bytes_left -= result.consumed;
     if (result.complete) {
-      handle(codec_.message(), now);
+      if (!commands_stale_ || !is_command(codec_.message())) handle(codec_.message(), now);
       messages_left -= is_request(codec_.message()) ? kRequestCounts : 1;
-      if (messages_left <= 0) return;
+      if (messages_left <= 0) return true;
     }
-  } while (bytes_left > 0 && (incoming_used_ < incoming_size_ || refill()));
+    if (bytes_left == 0) return true;
+  } while (incoming_used_ < incoming_size_ || refill());
+  return false;
 }
 
 bool Firmware::refill() {
@@ -216,6 +231,9 @@ void Firmware::supervise(Time now) {
   if (store_.busy() || save_asked_) continue_save(now);
   if (state_.state() == State::kMotorTest) watch_motor_test(now);
   if (motor_stop_.stopped()) tell_motor_stop();
+  if (mixer_.has_auxiliary_motors() && mixer_.end_auxiliary_motors(mixer_conditions(now))) {
+    board_.outputs.write(mixer_.outputs());
+  }
   act(state_.update(), now);
   show_leds(now);
 }
@@ -246,6 +264,7 @@ void Firmware::decide(Time now) {
 void Firmware::act(Actions actions, Time now) {
   if (actions == action::kNone) return;
   if ((actions & action::kSendStatus) != 0) telemetry_.request_status();
+  if ((actions & action::kStopMotorTest) != 0) stop_motors();
   if ((actions & action::kArm) != 0) armed_now(actions, now);
   if ((actions & action::kDisarm) != 0) disarmed_now(now);
   if ((actions & action::kCalibrateGyro) != 0) {
@@ -254,7 +273,6 @@ void Firmware::act(Actions actions, Time now) {
   }
   if ((actions & action::kStopCalibration) != 0) sensors_.stop_calibrations();
   if ((actions & action::kSave) != 0) begin_save();
-  if ((actions & action::kStopMotorTest) != 0) stop_motors();
   if ((actions & action::kRefuse) != 0) refuse(now);
   if ((actions & action::kRefuseStorage) != 0) {
     log_.error("Unable to arm: parameters could not be stored");
@@ -267,6 +285,7 @@ void Firmware::set_error(Error error, bool on) {
 
 void Firmware::watch_imu(Time now) {
   if (!state_.has(Error::kImuNotResponding)) {
+    powered_before_gap_ = above_idle();
     set_error(Error::kImuNotResponding, true);
     log_.critical("IMU not responding");
   }

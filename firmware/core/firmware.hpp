@@ -22,6 +22,8 @@ class Firmware {
   /// After arming on the ground the motors turn at idle for this long, unless the throttle stick is
   /// raised or the companion sends a command.
   static constexpr Time kIdleFirst = hal::milliseconds(500);
+  /// Arming on the ground needs a vehicle that did not turn for this long.
+  static constexpr Time kStillTime = hal::milliseconds(500);
   /// Arming this soon after disarming with motors above idle is taken as arming in the air.
   static constexpr Time kRearmInAir = hal::milliseconds(1000);
   /// A motor test ends this long after its last message.
@@ -73,7 +75,7 @@ class Firmware {
   Mixer::Conditions mixer_conditions(Time now);
   void receive(Time now);
   bool refill();
-  void take_messages(Time now);
+  bool take_messages(Time now);
   void supervise(Time now);
   void listen_to_pilot(Time now);
   void decide(Time now);
@@ -83,7 +85,7 @@ class Firmware {
   void on(const link::TimeSync& message, Time now);
   void on(const link::ParamRequestRead& message);
   void on(const link::ParamRequestList& message);
-  void on(const link::ParamSet& message);
+  void on(const link::ParamSet& message, Time now);
   void on(const link::CommandRequest& message, Time now);
   void on(const link::OffboardControl& message, Time now);
   void on(const link::MotorTest& message, Time now);
@@ -91,6 +93,7 @@ class Firmware {
   bool run_command(link::Command command, Time now);
   bool is_me(std::uint8_t target_system) const;
   static bool is_request(const link::Message& message);
+  static bool is_command(const link::Message& message);
   void note_multiplier(Param id);
   void answer_with(Param id);
   void tell_losses(Time now);
@@ -121,7 +124,9 @@ class Firmware {
   void refuse(Time now);
   void warn_before_arming(Time now);
   Text check_text(Check check, Time now) const;
+  bool in_flight(Time now) const;
   bool above_idle() const;
+  bool turning() const;
   bool motors_enabled() const { return state_.armed() && !motor_stop_.stopped(); }
   bool still_holding_idle(Time now);
   void stop_motors();
@@ -135,7 +140,7 @@ class Firmware {
   void watch_imu(Time now);
   void watch_battery(Time now);
   void show_leds(Time now);
-  void capture_trim();
+  bool capture_trim();
   link::Status status() const;
 
   hal::Board board_;
@@ -176,7 +181,10 @@ class Firmware {
   std::int8_t test_motor_{-1};
   bool holding_idle_{false};
   bool rearm_in_air_{false};
-  bool accel_calibrated_{false};
+  bool powered_before_gap_{false};  ///< A motor was above idle when the IMU fell silent.
+  bool input_waits_{false};         ///< Messages that came before this pass are still waiting.
+  bool commands_stale_{false};      ///< Commands that waited while the vehicle armed do not count.
+  bool accel_calibrated_{false};    ///< Since a bias of it was last set.
   bool stop_told_{false};
   bool save_asked_{false};
   bool storage_healthy_{true};

@@ -11,7 +11,6 @@ namespace rosflight::core {
 namespace {
 
 constexpr float kStillRate_rad_s = 0.3f;
-constexpr Time kStillTime = hal::milliseconds(500);
 constexpr float kLevelCosine = 0.965925826f;  // cos(15 deg)
 constexpr float kLowBatteryFraction = 0.8f;
 constexpr float kBatteryConnected_V = 1.0f;
@@ -25,8 +24,9 @@ CheckResults Firmware::checks(Time now) const {
   const Quaternion& q = estimator_.estimate().q_NB;
   CheckInputs in;
   in.errors = state_.errors();
-  in.esc_calibration = parameters_.get_int(Param::kPrimaryMixer) ==
-                       static_cast<std::int32_t>(MixerId::kEscCalibration);
+  constexpr auto kEscs = static_cast<std::int32_t>(MixerId::kEscCalibration);
+  in.esc_calibration = parameters_.get_int(Param::kPrimaryMixer) == kEscs ||
+                       parameters_.get_int(Param::kSecondaryMixer) == kEscs;
   in.throttle_low = rc_.throttle_low();
   in.override_ok =
       parameters_.get_bool(Param::kTakeMinThr) || rc_.input().is_on(Switch::kThrottleOverride);
@@ -38,7 +38,10 @@ CheckResults Firmware::checks(Time now) const {
   in.storage_healthy = storage_healthy_;
   in.loop_in_time = counters_.in_time(now);
   const bool battery_seen = sensor_watch_.answered(Aid::kBattery);
-  in.battery_missing = parameters_.get_bool(Param::kUseMotorParam) && !battery_seen;
+  const float battery_V = sensors_.measurements().battery.voltage_V;
+  in.motor_model_unusable =
+      mixer_.config().use_motor_model &&
+      !(battery_seen && battery_V > kBatteryConnected_V && max_thrust_N_ > 0.0f);
   in.battery_low = battery_seen && battery_low();
   in.level_refuses = parameters_.get_bool(Param::kCheckLevel);
   in.battery_refuses = parameters_.get_bool(Param::kCheckBattery);
@@ -96,12 +99,23 @@ void Firmware::report_checks(Time now) {
 // ---- arming and disarming
 
 ArmRequest Firmware::arm_request(Time now) const {
-  return {checks(now).ready(), parameters_.get_bool(Param::kArmCalGyro),
-          parameters_.unsaved() || store_.busy()};
+  CheckResults results = checks(now);
+  const bool calibrate = parameters_.get_bool(Param::kArmCalGyro);
+  if (calibrate && state_.state() == State::kPreflight) {
+    // Rates and attitude cannot tell before the gyro's offset is known: its calibration does.
+    results.pass(Check::kStill);
+    results.pass(Check::kLevel);
+  }
+  return {results.ready(), calibrate, parameters_.unsaved() || store_.busy()};
+}
+
+/// Armed, or disarmed so shortly that the vehicle may still be in the air.
+bool Firmware::in_flight(Time now) const {
+  return state_.armed() || (rearm_in_air_ && now - disarmed_ <= kRearmInAir);
 }
 
 void Firmware::request_arming(Time now) {
-  const bool in_air = rearm_in_air_ && now - disarmed_ <= kRearmInAir;
+  const bool in_air = in_flight(now);
   act(in_air ? state_.handle(Event::kArmInAir) : state_.handle(Event::kArm, arm_request(now)), now);
 }
 
@@ -118,6 +132,7 @@ void Firmware::armed_now(Actions actions, Time now) {
   idle_until_ = now + kIdleFirst;
   if (!in_air) {
     command_.forget_offboard();
+    commands_stale_ = input_waits_;
     warn_before_arming(now);
   }
   log_.warning(in_air ? "Armed in the air" : "Armed");
@@ -137,7 +152,11 @@ void Firmware::stop_motors() {
   board_.outputs.write(mixer_.outputs());
 }
 
+/// A motor is commanded above idle, or was when the IMU fell silent and the motors with it.
 bool Firmware::above_idle() const {
+  if (state_.has(Error::kImuNotResponding) && powered_before_gap_ && !motor_stop_.stopped()) {
+    return true;
+  }
   const float idle = parameters_.get_float(Param::kMotorIdleThr) + kIdleMargin;
   for (std::size_t k = 0; k < kChannels; ++k) {
     if (mixer_.header().type[k] == OutputType::kMotor && mixer_.outputs()[k] > idle) return true;
@@ -150,11 +169,16 @@ bool Firmware::still_holding_idle(Time now) {
   return holding_idle_;
 }
 
+bool Firmware::turning() const {
+  // In this order a NaN is motion.
+  const float rate_sq = estimator_.estimate().rates_rad_s.squaredNorm();
+  return !(rate_sq < kStillRate_rad_s * kStillRate_rad_s);
+}
+
 void Firmware::watch_motion(Time now) {
   const AttitudeEstimate& attitude = estimator_.estimate();
   if (!state_.armed()) {
-    // In this order a NaN is motion.
-    if (!(attitude.rates_rad_s.squaredNorm() < kStillRate_rad_s * kStillRate_rad_s)) moved_ = now;
+    if (turning()) moved_ = now;
     return;
   }
   const Measurements& m = sensors_.measurements();
@@ -197,7 +221,7 @@ void Firmware::on(const link::MotorTest& message, Time now) {
       return;
     }
   } else {
-    if (motor && in_range) act(state_.handle(Event::kMotorTest), now);
+    if (motor && in_range && !in_flight(now)) act(state_.handle(Event::kMotorTest), now);
     if (state_.state() != State::kMotorTest) {
       if (motor_test_texts_.allow(now)) {
         log_.error(!motor      ? "Motor test refused: no motor on that output"

@@ -32,7 +32,7 @@ void Firmware::handle(const link::Message& message, Time now) {
   } else if (const auto* beat = std::get_if<link::Heartbeat>(&message)) {
     on(*beat, now);
   } else if (const auto* set = std::get_if<link::ParamSet>(&message)) {
-    on(*set);
+    on(*set, now);
   } else if (const auto* read = std::get_if<link::ParamRequestRead>(&message)) {
     on(*read);
   } else if (const auto* list = std::get_if<link::ParamRequestList>(&message)) {
@@ -78,7 +78,7 @@ void Firmware::on(const link::ParamRequestList& message) {
   if (is_me(message.target_system)) telemetry_.start_list();
 }
 
-void Firmware::on(const link::ParamSet& message) {
+void Firmware::on(const link::ParamSet& message, Time now) {
   if (!is_me(message.target_system)) return;
   const std::size_t index = Parameters::find(message.name);
   if (index >= kParamCount) {
@@ -87,7 +87,7 @@ void Firmware::on(const link::ParamSet& message) {
   }
   const auto id = static_cast<Param>(index);
   const SetResult result =
-      parameters_.set_bits(id, message.type, message.value.bits, state_.armed());
+      parameters_.set_bits(id, message.type, message.value.bits, in_flight(now));
   switch (result) {
     case SetResult::kChanged:  // modules follow once a pass
       break;
@@ -149,7 +149,7 @@ void Firmware::on(const link::CommandRequest& message, Time now) {
   constexpr auto kLast = static_cast<std::uint8_t>(link::Command::kSendVersion);
   const auto command = static_cast<link::Command>(message.command);
   const bool known = message.command <= kLast;
-  const bool allowed = !state_.armed() || command == link::Command::kSendVersion;
+  const bool allowed = !in_flight(now) || command == link::Command::kSendVersion;
   if (known && allowed && command == link::Command::kWriteParams && begin_write()) return;
   const bool success = known && allowed && run_command(command, now);
   telemetry_.send_ack(message.command, success);
@@ -219,8 +219,7 @@ void Firmware::tell_sensors(Time now) {
 bool Firmware::run_command(link::Command command, Time now) {
   switch (command) {
     case link::Command::kRcCalibration:
-      capture_trim();
-      return true;
+      return capture_trim();
     case link::Command::kAccelCalibration:
       sensors_.start_accel_calibration();
       return true;
@@ -260,7 +259,12 @@ bool Firmware::run_command(link::Command command, Time now) {
   return false;
 }
 
-void Firmware::capture_trim() {
+/// @returns false without a radio: sticks of long ago are no trim.
+bool Firmware::capture_trim() {
+  if (state_.has(Error::kRcLost)) {
+    log_.error("No trim taken: RC signal lost");
+    return false;
+  }
   const auto torque = controller_.trim(command_.pilot());
   const auto axis = [](std::uint16_t k) {
     return static_cast<Param>(static_cast<std::uint16_t>(Param::kXEqTorque) + k);
@@ -281,6 +285,7 @@ void Firmware::capture_trim() {
   } else {
     log_.error("Equilibrium torque out of range, not taken");
   }
+  return in_range;
 }
 
 }  // namespace rosflight::core

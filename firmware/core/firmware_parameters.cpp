@@ -33,7 +33,7 @@ void Firmware::note_multiplier(Param id) {
 
 StoreResult Firmware::load_parameters() {
   ParameterStore::LoadReport report;
-  const StoreResult result = store_.load(parameters_, report);
+  const StoreResult result = store_.load(parameters_, report, &board_.system);
   if (report.skipped > 0) {
     log_.warning(Text("Stored parameters skipped: ").add(report.skipped));
     log_.warning(Text("The first of them: ").add(report.first_skipped));
@@ -131,6 +131,7 @@ void Firmware::apply_parameter_changes() {
   }
   apply_settings();
   if (any_of(changed, Param::kRcAttOvrdChn, Param::kSwitch8Dir)) rc_.describe(log_);
+  if (any_of(changed, Param::kAccXBias, Param::kAccZBias)) accel_calibrated_ = false;
   if (any_of(changed, Param::kGyroXBias, Param::kAccZBias) ||
       any_of(changed, Param::kImuRoll, Param::kImuYaw)) {
     check_calibration();

@@ -91,9 +91,16 @@ void Mixer::drop_auxiliary_motors() {
   for (std::size_t k = 0; k < auxiliary_.type.size(); ++k) {
     if (!drives_motor(auxiliary_, k)) continue;
     auxiliary_.type[k] = static_cast<std::uint8_t>(link::AuxType::kDisabled);
+    if (!used_by_mixer(k)) outputs_[k] = 0.0f;
   }
   auxiliary_motors_ = false;
   invalidate();
+}
+
+bool Mixer::end_auxiliary_motors(const Conditions& conditions) {
+  if (conditions.armed && !conditions.failsafe && conditions.companion_present) return false;
+  drop_auxiliary_motors();
+  return true;
 }
 
 void Mixer::clear_outputs() {
@@ -106,8 +113,7 @@ void Mixer::clear_outputs() {
 
 /// What need not be done in every pass: ends auxiliary motors, sets limits and free channels.
 void Mixer::prepare(Mode mode, const Conditions& conditions) {
-  const bool off = mode == Mode::kDisarmed || set_for_ == Mode::kDisarmed;
-  if (off || conditions.failsafe || !conditions.companion_present) drop_auxiliary_motors();
+  end_auxiliary_motors(conditions);
   if (stale_ || set_for_ != mode) {
     stale_ = false;
     set_for_ = mode;
@@ -216,11 +222,16 @@ void Mixer::motors_from_speed(const Conditions& conditions) {
   }
 }
 
-/// The measured voltage if it can be that of a battery that still flies, else the lowest of those.
+/// The measured voltage, within those at which a battery still flies. Without BATT_VOLT_MAX the
+/// measurement is all there is.
 float Mixer::voltage(float battery_V) {
   const float lowest_V = kLowestVoltage * config_.motor.full_voltage_V;
-  voltage_replaced_ = battery_V < lowest_V || !std::isfinite(battery_V);
-  return voltage_replaced_ ? lowest_V : battery_V;
+  const float highest_V = kHighestVoltage * config_.motor.full_voltage_V;
+  const bool too_low = battery_V < lowest_V || !std::isfinite(battery_V);
+  const bool too_high = !too_low && battery_V > highest_V && highest_V > 0.0f;
+  voltage_replaced_ = too_low || too_high;
+  if (too_low) return lowest_V;
+  return too_high ? highest_V : battery_V;
 }
 
 inline void Mixer::scale_motors() {

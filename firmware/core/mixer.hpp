@@ -50,9 +50,10 @@ class Mixer {
   static constexpr std::uint16_t kAllEntries = 0x3FF;
   /// Largest output of a motor test.
   static constexpr float kTestLimit = 0.3f;
-  /// Lowest voltage in (2), as a fraction of that of the full battery: no sensor failure can ask
-  /// for more than 1/0.6 of the right throttle.
+  /// Range of the voltage in (2), as fractions of that of the full battery: no sensor failure can
+  /// ask for more than 1/0.6 of the right throttle, or for less than 0.6/1.1.
   static constexpr float kLowestVoltage = 0.6f;
+  static constexpr float kHighestVoltage = 1.1f;
 
   struct Config {
     bool fixed_wing{false};
@@ -111,9 +112,12 @@ class Mixer {
   bool set_auxiliary(const link::AuxCommand& command);
   /// An auxiliary motor is commanded: failsafe and companion_present matter.
   bool has_auxiliary_motors() const { return auxiliary_motors_; }
-  /// Forgets motors of the auxiliary command; servos hold. step() does it by itself when the
-  /// conditions end.
+  /// Forgets motors of the auxiliary command and stops them; servos hold.
   void drop_auxiliary_motors();
+  /// The same unless armed, with a radio and a companion. step() does it too, but a condition may
+  /// end and hold again before the next IMU sample: call it once a pass while a motor is commanded.
+  /// @returns whether it dropped them.
+  bool end_auxiliary_motors(const Conditions& conditions);
 
   /// All 14 outputs, 0..1.
   const hal::OutputValues& step(const Inputs& u, const Conditions& conditions);

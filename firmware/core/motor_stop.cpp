@@ -49,9 +49,14 @@ void MotorStop::watch_tilt(Time now, const Input& in) {
 
 void MotorStop::watch_impact(Time now, const Input& in, bool still) {
   if (in.accel_m_s2.squaredNorm() > kImpact_m_s2 * kImpact_m_s2) {
-    hit_ = true;
-    hit_at_ = now;
-    still_after_hit_ = false;
+    const bool alone = hard_samples_ == 0 || now - hard_at_ > kImpactApart;
+    hard_samples_ = alone ? 1 : kImpactSamples;
+    hard_at_ = now;
+    if (!alone) {
+      hit_ = true;
+      hit_at_ = now;
+      still_after_hit_ = false;
+    }
   }
   if (!hit_) return;
   if (now - hit_at_ > kImpactWindow) {
@@ -63,7 +68,16 @@ void MotorStop::watch_impact(Time now, const Input& in, bool still) {
   if (still && now - still_since_ >= kImpactStillness) stop(StopReason::kImpact);
 }
 
+void MotorStop::smooth_altitude(Time now, const Input& in) {
+  const float dt_s = hal::seconds(now - altitude_at_);
+  const float share = altitude_known_ ? dt_s / (kAltitudeTime_s + dt_s) : 1.0f;
+  altitude_m_ += share * (in.altitude_m - altitude_m_);
+  altitude_at_ = now;
+  altitude_known_ = in.failsafe;
+}
+
 void MotorStop::watch_rest(Time now, const Input& in, bool still) {
+  smooth_altitude(now, in);
   if (!in.failsafe || !still) {
     resting_ = probing_ = false;
     return;
@@ -71,10 +85,10 @@ void MotorStop::watch_rest(Time now, const Input& in, bool still) {
   if (!resting_) {
     resting_ = true;
     rest_since_ = now;
-    lowest_m_ = highest_m_ = in.altitude_m;
+    lowest_m_ = highest_m_ = altitude_m_;
   }
-  lowest_m_ = std::min(lowest_m_, in.altitude_m);
-  highest_m_ = std::max(highest_m_, in.altitude_m);
+  lowest_m_ = std::min(lowest_m_, altitude_m_);
+  highest_m_ = std::max(highest_m_, altitude_m_);
   if (highest_m_ - lowest_m_ > kAltitudeBand_m) {
     resting_ = probing_ = false;
     return;

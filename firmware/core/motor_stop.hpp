@@ -38,6 +38,9 @@ class MotorStop {
   static constexpr Time kProbe = hal::milliseconds(500);
   static constexpr Time kSettling = hal::milliseconds(250);  ///< Of the probe.
   static constexpr float kAltitudeBand_m = 1.0f;
+  static constexpr float kAltitudeTime_s = 2.0f;  ///< Low-pass: a barometer's noise is no motion.
+  static constexpr int kImpactSamples = 2;        ///< One alone is the sensor's fault, ...
+  static constexpr Time kImpactApart = hal::milliseconds(50);  ///< ... or if it stands alone.
 
   struct Config {
     bool fixed_wing{false};
@@ -84,21 +87,27 @@ class MotorStop {
   bool without_motion(const Input& in, bool settling);
   void watch_tilt(Time now, const Input& in);
   void watch_impact(Time now, const Input& in, bool still);
+  void smooth_altitude(Time now, const Input& in);
   void watch_rest(Time now, const Input& in, bool still);
 
   Config config_{};
   StopReason reason_{StopReason::kNone};
   bool tilted_{false};
   bool hit_{false};
+  bool altitude_known_{false};
+  std::uint8_t hard_samples_{0};  ///< Above kImpact_m_s2, each at most kImpactApart after the last.
   bool still_after_hit_{false};
   bool resting_{false};
   bool probing_{false};
   Time tilted_since_{};
   Time hit_at_{};
+  Time hard_at_{};
+  Time altitude_at_{};
   Time still_since_{};
   Time rest_since_{};
   Time probe_since_{};
   Vector3 smooth_accel_{0.0f, 0.0f, -kGravity_m_s2};
+  float altitude_m_{};  ///< Low-passed.
   float lowest_m_{};
   float highest_m_{};
 };

@@ -104,9 +104,11 @@ bool ParameterStore::newest_is_second(const Slot& first, const Slot& second) {
 }
 
 /// The set before the valid one may be damaged without harm; any other number is that of a newer
-/// set, or is damaged itself.
+/// set, or is damaged itself. A blank slot is natural beside the first set only: after two sets
+/// both have been written.
 bool ParameterStore::may_be_newer(const Slot& other, const Slot& valid) {
   if (other.condition == Condition::kUnreadable) return true;
+  if (other.condition == Condition::kBlank) return valid.sequence > 1;
   return other.condition == Condition::kDamaged &&
          (!other.sequence_known || other.sequence + 1 != valid.sequence);
 }
@@ -127,11 +129,12 @@ bool ParameterStore::survey(Slot& first, Slot& second) {
   return set_in_force_ || !unreadable;
 }
 
-StoreResult ParameterStore::load(Parameters& parameters, LoadReport& report) {
+StoreResult ParameterStore::load(Parameters& parameters, LoadReport& report, hal::System* system) {
   Slot a;
   Slot b;
   report = {};
   const bool known = survey(a, b);
+  if (system != nullptr) system->alive();
   if (!set_in_force_) {
     if (!known) return StoreResult::kFailed;
     const bool damaged = a.condition == Condition::kDamaged || b.condition == Condition::kDamaged;
@@ -140,23 +143,25 @@ StoreResult ParameterStore::load(Parameters& parameters, LoadReport& report) {
   const Slot& slot = newest_ == 1 ? b : a;
   report.fell_back = may_be_newer(newest_ == 1 ? a : b, slot);
   Parameters loaded = parameters;  // the medium may still fail halfway
-  if (read_set(newest_, slot, loaded, report) != StoreResult::kOk) {
+  if (read_set(newest_, slot, loaded, report, system) != StoreResult::kOk) {
     surveyed_ = false;
     return StoreResult::kFailed;
   }
-  read_gyro_bias(newest_, loaded);
+  if (!read_gyro_bias(newest_, loaded)) report.fell_back = true;
   if (report.loaded == kParamCount) loaded.mark_saved(loaded.version());
   parameters = loaded;
   return StoreResult::kOk;
 }
 
 StoreResult ParameterStore::read_set(std::size_t index, const Slot& slot, Parameters& loaded,
-                                     LoadReport& report) {
+                                     LoadReport& report, hal::System* system) {
+  constexpr std::size_t kReadsBetweenFeeds = 32;
   Crc32 crc;
   std::array<std::uint8_t, kEntryBytes> entry{};
   if (!storage_.read(offset(index), entry.data(), kHeaderBytes)) return StoreResult::kFailed;
   crc.add(entry.data(), kHeaderBytes);
   for (std::size_t k = 0; k < slot.count; ++k) {
+    if (system != nullptr && k % kReadsBetweenFeeds == 0) system->alive();
     const std::size_t at = offset(index) + kHeaderBytes + k * kEntryBytes;
     if (!storage_.read(at, entry.data(), entry.size())) return StoreResult::kFailed;
     crc.add(entry.data(), entry.size());
@@ -177,21 +182,26 @@ StoreResult ParameterStore::read_set(std::size_t index, const Slot& slot, Parame
   return crc.value() == slot.crc ? StoreResult::kOk : StoreResult::kFailed;
 }
 
-void ParameterStore::read_gyro_bias(std::size_t index, Parameters& loaded) {
+/// @returns false if there was one that is damaged. One of an earlier set is none.
+bool ParameterStore::read_gyro_bias(std::size_t index, Parameters& loaded) {
   std::array<std::uint8_t, kRecordBytes> record{};
-  if (!present() || !storage_.read(record_offset(index), record.data(), record.size())) return;
-  if (get_u32(record.data()) != kGyroMagic || get_u32(&record[4]) != sequence_ ||
+  if (!present()) return true;
+  if (!storage_.read(record_offset(index), record.data(), record.size())) return false;
+  if (all_are(record.data(), record.size(), record[0])) return true;  // erased
+  if (get_u32(record.data()) != kGyroMagic ||
       get_u32(&record[kRecordCovered]) != crc_of(record.data(), kRecordCovered)) {
-    return;
+    return false;
   }
+  if (get_u32(&record[4]) != sequence_) return true;
   Parameters corrected = loaded;
   for (std::size_t k = 0; k < kGyroBias.size(); ++k) {
     const SetResult result =
         corrected.set_bits(kGyroBias[k], static_cast<std::uint8_t>(ParamType::kFloat),
                            get_u32(&record[8 + 4 * k]), false);
-    if (result != SetResult::kChanged && result != SetResult::kUnchanged) return;
+    if (result != SetResult::kChanged && result != SetResult::kUnchanged) return false;
   }
   loaded = corrected;
+  return true;
 }
 
 // ---- writing

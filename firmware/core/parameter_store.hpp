@@ -49,7 +49,9 @@ class ParameterStore {
     std::uint16_t loaded{};
     std::uint16_t skipped{};  ///< Unknown name, other type or out of range.
     link::ParamName first_skipped{};
-    bool fell_back{};  ///< The other slot is damaged or unreadable, and may be the newer.
+    /// Something newer is lost: the other slot is damaged, unreadable or blank and may have been the
+    /// newer, or the newest gyro biases are damaged.
+    bool fell_back{};
   };
 
   explicit ParameterStore(hal::Storage& storage) : storage_{storage} {}
@@ -59,7 +61,8 @@ class ParameterStore {
 
   /// Validates a whole slot first, then takes over its values all at once. After a failure the live
   /// table is untouched. Parameters that the set does not name keep their values. Not while busy().
-  StoreResult load(Parameters& parameters, LoadReport& report);
+  /// Reads both slots at once, so it feeds the watchdog of `system` meanwhile.
+  StoreResult load(Parameters& parameters, LoadReport& report, hal::System* system = nullptr);
 
   /// Starts to store all values. @returns kBusy; kFailed if the medium is too small or neither slot
   /// can be read (a slot that cannot be read today may hold the set of tomorrow).
@@ -94,9 +97,10 @@ class ParameterStore {
   Slot inspect_unmarked(std::size_t index, const std::uint8_t* header);
   bool survey(Slot& first, Slot& second);
   static bool newest_is_second(const Slot& first, const Slot& second);
-  static bool may_be_newer(const Slot& damaged, const Slot& valid);
-  StoreResult read_set(std::size_t index, const Slot& slot, Parameters& loaded, LoadReport& report);
-  void read_gyro_bias(std::size_t index, Parameters& loaded);
+  static bool may_be_newer(const Slot& other, const Slot& valid);
+  StoreResult read_set(std::size_t index, const Slot& slot, Parameters& loaded, LoadReport& report,
+                       hal::System* system);
+  bool read_gyro_bias(std::size_t index, Parameters& loaded);
   std::size_t fill(const Parameters& parameters, std::uint8_t* block);
   bool write_block(std::size_t at, const std::uint8_t* block, std::size_t size);
   StoreResult finish(bool ok);

@@ -83,21 +83,30 @@ Rc::Update Rc::step(Time now, const hal::RcFrame* frame, bool may_disarm) {
   input_.pitch = 2.0f * (frame->channels[config_.pitch] - 0.5f);
   input_.yaw = 2.0f * (frame->channels[config_.yaw] - 0.5f);
   input_.throttle = frame->channels[config_.throttle];
+  // After boot or an outage the time since the last frame says nothing about the controls.
+  const bool consecutive = heard_ && since_good < kBadFramesUntilLost;
+  heard_ = true;
+  if (shortened(now, *frame)) return update;
   for (std::size_t k = 0; k < kSwitchCount; ++k) {
     input_.on[k] = read_switch(*frame, static_cast<Switch>(k));
   }
-  // After boot or an outage the time since the last frame says nothing about the controls.
-  const bool consecutive = heard_ && since_good < kBadFramesUntilLost;
-  const bool by_switch = carries(*frame, Switch::kArm);
-  if (!consecutive || !by_switch) forget_arm_switch();
-  if (by_switch) {
+  by_switch_ = carries(*frame, Switch::kArm);
+  if (!consecutive || !by_switch_) forget_arm_switch();
+  if (by_switch_) {
     gesture_ = Time{0};
     look_at_arm_switch(now, update);
   } else {
     look_for_gesture(consecutive ? since_good : Time{0}, may_disarm, update);
   }
-  heard_ = true;
   return update;
+}
+
+bool Rc::shortened(Time now, const hal::RcFrame& frame) {
+  const bool fewer = frame.channel_count < complete_channels_;
+  if (fewer && now - complete_ < kBadFramesUntilLost) return true;
+  complete_channels_ = frame.channel_count;
+  complete_ = now;
+  return false;
 }
 
 void Rc::look_for_gesture(Time step, bool may_disarm, Update& update) {

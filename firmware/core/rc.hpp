@@ -32,7 +32,8 @@ struct PilotInput {
 ///
 /// An arm switch asks to arm with the first frame that says on. It asks to disarm, and permits
 /// another arming, when it was off for 100 ms: every good frame of that time, three at least. Bad
-/// frames in between say nothing; an outage of 100 ms starts the count anew.
+/// frames in between say nothing; an outage of 100 ms starts the count anew. A frame with fewer
+/// channels than another of the last 100 ms says nothing about switches.
 class Rc {
  public:
   static constexpr Time kOffTime = hal::milliseconds(100);
@@ -72,10 +73,13 @@ class Rc {
 
   const PilotInput& input() const { return input_; }
   bool throttle_low() const { return input_.throttle < config_.arm_threshold; }
+  /// There is an arm switch and it says off.
+  bool arm_switch_off() const { return by_switch_ && !input_.is_on(Switch::kArm); }
 
  private:
   bool good(const hal::RcFrame& frame) const;
   bool carries(const hal::RcFrame& frame, Switch s) const;
+  bool shortened(Time now, const hal::RcFrame& frame);
   bool read_switch(const hal::RcFrame& frame, Switch s) const;
   void look_for_gesture(Time step, bool may_disarm, Update& update);
   void look_at_arm_switch(Time now, Update& update);
@@ -84,11 +88,14 @@ class Rc {
   Config config_{};
   PilotInput input_{};
   Time last_good_{};
-  Time gesture_{};                  ///< How long the sticks have been in the corner.
-  Time off_since_{};                ///< First of the frames in a row that said off.
-  std::uint8_t off_frames_{0};      ///< Their number, up to kOffFrames.
-  bool arm_switch_was_off_{false};  ///< For kOffTime: on may arm.
-  bool heard_{false};               ///< A good frame came since boot.
+  Time gesture_{};                     ///< How long the sticks have been in the corner.
+  Time off_since_{};                   ///< First of the frames in a row that said off.
+  std::uint8_t off_frames_{0};         ///< Their number, up to kOffFrames.
+  bool arm_switch_was_off_{false};     ///< For kOffTime: on may arm.
+  bool heard_{false};                  ///< A good frame came since boot.
+  bool by_switch_{false};              ///< Arming is by switch: the receiver carries its channel.
+  Time complete_{};                    ///< When the last frame that was not shortened came.
+  std::uint8_t complete_channels_{0};  ///< Its number of channels.
 };
 
 }  // namespace rosflight::core

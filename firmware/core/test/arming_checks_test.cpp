@@ -43,7 +43,7 @@ std::vector<Case> cases() {
       {Check::kSensors, [](CheckInputs& in) { in.sensor_silent = true; }, kRefuses},
       {Check::kStorage, [](CheckInputs& in) { in.storage_healthy = false; }, kRefuses},
       {Check::kLoopTime, [](CheckInputs& in) { in.loop_in_time = false; }, kRefuses},
-      {Check::kBatteryKnown, [](CheckInputs& in) { in.battery_missing = true; }, kRefuses},
+      {Check::kBatteryKnown, [](CheckInputs& in) { in.motor_model_unusable = true; }, kRefuses},
       {Check::kBattery, [](CheckInputs& in) { in.battery_low = true; }, kWarning},
   };
 }

@@ -313,14 +313,26 @@ TEST(EstimatorReset, ForgetsEverythingButTheClock) {
   EXPECT_NEAR(rig.q().w, 1.0f, 1e-7f);  // the pending external attitude is gone
 }
 
-TEST(EstimatorReset, ClearingTheBiasKeepsTheAttitude) {
+TEST(EstimatorReset, SettlingClearsTheBiasAndKeepsAnAttitudeThatFits) {
   Rig rig(2500);
-  rig.rest(10.0, Attitude::from_euler(0.3, 0, 0).accel_at_rest(), {0.05f, 0.0f, 0.0f});
+  rig.rest(10.0, Attitude::from_euler(0.3, 0, 0).accel_at_rest(), {0.002f, 0.0f, 0.0f});
   ASSERT_GT(rig.estimator.bias_rad_s().norm(), 0.0f);
-  const float roll = roll_of(rig.q());
-  rig.estimator.clear_bias();
+  const Quaternion before = rig.q();
+  rig.estimator.settle();
   EXPECT_EQ(rig.estimator.bias_rad_s(), Vector3::Zero());
-  EXPECT_EQ(roll_of(rig.q()), roll);
+  EXPECT_EQ(rig.q().x, before.x);
+  EXPECT_EQ(rig.q().w, before.w);
+}
+
+TEST(EstimatorReset, SettlingTakesTheTiltOfTheAccelerometerWhereAnOffsetHadTurnedIt) {
+  Rig rig(2500);
+  rig.rest(10.0, Attitude::from_euler(0.3, -0.1, 0).accel_at_rest(), {0.1f, 0.1f, 0.05f});
+  ASSERT_GT(std::abs(roll_of(rig.q()) - 0.3f), 0.05f);
+  const float yaw = yaw_of(rig.q());
+  rig.estimator.settle();
+  EXPECT_NEAR(roll_of(rig.q()), 0.3f, 1e-3f);
+  EXPECT_NEAR(pitch_of(rig.q()), -0.1f, 1e-3f);
+  EXPECT_NEAR(yaw_of(rig.q()), yaw, 1e-3f);
 }
 
 // ---- health

@@ -156,7 +156,7 @@ TEST_F(ArmingOnTheGround, AMotorModelNeedsABatteryThatAnswered) {
   arm_switch(true);
   rig_.run_for(200);
   EXPECT_FALSE(rig_.armed());
-  EXPECT_TRUE(rig_.said("Unable to arm: motor model without battery"));
+  EXPECT_TRUE(rig_.said("Unable to arm: no battery or motor parameters"));
   arm_switch(false);
   rig_.run_for(200);
   rig_.board.battery.put({rig_.now(), 24.0f, 1.0f});

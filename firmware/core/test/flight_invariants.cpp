@@ -178,6 +178,7 @@ void FlightInvariants::note_frame(const hal::RcFrame& frame, const Firmware& f) 
 
 void FlightInvariants::note_restart(const PassInputs& in, const WatchedFirmware& watched) {
   ++coverage_.restarts;
+  if (in.restart == Restart::kPowerCut) rearmed_.fill(kNever);  // nobody remembers
   const bool armed = watched.firmware().state().armed();
   if (armed) {
     ++coverage_.armed_after_fault;

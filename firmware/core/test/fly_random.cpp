@@ -47,7 +47,7 @@ std::string reduced(const Violation& violation) {
   text << violation.invariant << ": " << violation.detail << "\n  seed " << violation.seed
        << ", pass " << violation.pass << "\n  reduced: " << last.detail << " in pass " << last.pass
        << " of: " << flight.description() << "\n  again: properties --seed " << violation.seed
-       << " --passes " << last.pass + 1 << " --without " << without.to_ulong();
+       << " --passes " << last.pass + 2 << " --without " << without.to_ulong();
   return text.str();
 }
 

@@ -206,6 +206,18 @@ TEST(MixerMotorModel, TheVoltageIsNeverBelowSixTenthsOfTheFullBattery) {
   }
 }
 
+TEST(MixerMotorModel, TheVoltageIsNeverAboveElevenTenthsOfTheFullBattery) {
+  Mixer m = motor_mixer();  // 25 V when full
+  Mixer::Conditions c = armed();
+  const Mixer::Config config = m.config();
+  for (const float volts : {27.4f, 27.6f, 40.0f, 99.0f}) {
+    c.battery_V = volts;
+    const float used_V = std::min(volts, 27.5f);
+    EXPECT_NEAR(m.step(wrench(1e5f), c)[0], config.motor.voltage_V(1e5f, 1.225f) / used_V, 1e-6f);
+    EXPECT_EQ(m.voltage_replaced(), volts > 27.5f) << volts;
+  }
+}
+
 TEST(MixerMotorModel, StopsMotorsWithoutAMotorConstantOrAnyVoltage) {
   Mixer m = motor_mixer();
   Mixer::Config config = m.config();

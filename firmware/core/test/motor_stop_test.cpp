@@ -5,6 +5,8 @@
 
 #include <limits>
 
+#include "firmware/core/test/random.hpp"
+
 namespace rosflight::core {
 namespace {
 
@@ -88,6 +90,18 @@ TEST_F(MotorStopTest, AnImpactAndASecondWithoutMotionStop) {
   EXPECT_EQ(stop_.reason(), StopReason::kImpact);
 }
 
+TEST_F(MotorStopTest, OneSampleIsNoImpact) {
+  watch(false, true);
+  for (int k = 0; k < 10; ++k) {
+    in_.accel_m_s2 = {0.0f, 0.0f, -6900.0f};
+    stop_.step(now_ += kStep, in_);
+    in_ = at_rest();
+    run_for(60);  // two within 50 ms would be one
+  }
+  run_for(5000);
+  EXPECT_FALSE(stop_.stopped());
+}
+
 TEST_F(MotorStopTest, AHardManoeuvreOrALandingLongAgoIsNoImpact) {
   watch(false, true);
   in_.accel_m_s2 = {0.0f, 0.0f, -75.0f};  // 7.6 g
@@ -115,6 +129,39 @@ TEST_F(MotorStopTest, FailsafeAtRestOnTheGroundEndsAfterThirtySecondsAndAProbe) 
   run_for(500);
   EXPECT_EQ(stop_.reason(), StopReason::kFailsafeAtRest);
   EXPECT_FALSE(stop_.probing());
+}
+
+/// Mean 0, standard deviation 1: twelve uniform numbers less their mean.
+float normal(Random& random) {
+  float sum = -6.0f;
+  for (int k = 0; k < 12; ++k) sum += random.uniform(0.0f, 1.0f);
+  return sum;
+}
+
+/// The barometers of the shipped presets have up to 4 Pa of noise, 0.33 m, at 100 Hz.
+TEST_F(MotorStopTest, TheNoiseOfABarometerIsNoMotion) {
+  constexpr float kMetrePerPascal = 0.0832f;
+  for (const float sigma_Pa : {1.0f, 4.0f, 6.0f}) {
+    Random random(7);
+    stop_.reset();
+    in_ = at_rest();
+    in_.failsafe = true;
+    int k = 0;
+    for (; k < 400 * 60 && !stop_.stopped(); ++k) {
+      if (k % 4 == 0) in_.altitude_m = 200.0f + sigma_Pa * kMetrePerPascal * normal(random);
+      stop_.step(now_ += kStep, in_);
+    }
+    EXPECT_LE(k, 400 * 36) << sigma_Pa << " Pa";
+  }
+}
+
+TEST_F(MotorStopTest, ASlowDescentOfAVehicleWithoutOtherMotionIsMotion) {
+  in_.failsafe = true;
+  for (int k = 0; k < 400 * 120; ++k) {
+    in_.altitude_m = 100.0f - 0.1f * static_cast<float>(k) / 400.0f;  // 3 m in 30 s
+    stop_.step(now_ += kStep, in_);
+    ASSERT_FALSE(stop_.probing()) << k;
+  }
 }
 
 /// The weight that the rotors carried comes back on the landing gear when the probe begins.

@@ -214,7 +214,7 @@ TEST(ParameterStore, AGyroCalibrationCostsOneBlock) {
   EXPECT_TRUE(same(load(medium).parameters, p));
 }
 
-TEST(ParameterStore, ADamagedOrForeignGyroRecordIsIgnored) {
+TEST(ParameterStore, ADamagedGyroRecordIsToldAndTheBiasesOfTheSetAreInForce) {
   SimulatedStorage storage;
   ParameterStore store(storage);
   const Parameters first = with_biases(0.01f, 0.02f, 0.03f);
@@ -230,7 +230,7 @@ TEST(ParameterStore, ADamagedOrForeignGyroRecordIsIgnored) {
     storage.set_bytes(bytes);
     const Loaded l = load(storage);
     EXPECT_EQ(l.result, StoreResult::kOk);
-    EXPECT_FALSE(l.report.fell_back);
+    EXPECT_TRUE(l.report.fell_back) << "byte " << k;
     EXPECT_TRUE(same(l.parameters, first)) << k;
   }
   // A power cut while it is written leaves the biases of the set.
@@ -245,6 +245,28 @@ TEST(ParameterStore, ADamagedOrForeignGyroRecordIsIgnored) {
     storage.restore_power();
     const Parameters after = load(storage).parameters;
     EXPECT_TRUE(same(after, first) || same(after, second)) << cut;
+  }
+}
+
+TEST(ParameterStore, ABlankSlotBesideTheSecondSetIsALossBesideTheFirstItIsNone) {
+  SimulatedStorage storage;
+  ParameterStore store(storage);
+  ASSERT_EQ(store.save(with_biases(0.01f, 0.0f, 0.0f)), StoreResult::kOk);
+  EXPECT_FALSE(load(storage).report.fell_back) << "nothing was ever in the other";
+  ASSERT_EQ(store.save(with_biases(0.02f, 0.0f, 0.0f)), StoreResult::kOk);
+  ASSERT_EQ(store.save(with_biases(0.03f, 0.0f, 0.0f)), StoreResult::kOk);
+  const auto intact = storage.bytes();
+  ASSERT_FALSE(load(storage).report.fell_back);
+  for (const int erased : {0x00, 0xFF}) {
+    for (const bool second : {false, true}) {
+      auto bytes = intact;
+      const auto half = static_cast<std::ptrdiff_t>(bytes.size() / 2);
+      std::fill_n(bytes.begin() + (second ? half : 0), half, static_cast<std::uint8_t>(erased));
+      storage.set_bytes(bytes);
+      const Loaded l = load(storage);
+      EXPECT_EQ(l.result, StoreResult::kOk);
+      EXPECT_TRUE(l.report.fell_back) << erased << " " << second;
+    }
   }
 }
 

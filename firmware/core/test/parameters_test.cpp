@@ -162,7 +162,7 @@ TEST(Parameters, WhatNoVehicleFliesWithIsOutOfRange) {
                                                     {Param::kAccLpf, 1.0f, 0.99f},
                                                     {Param::kBattVoltLpf, 1.0f, 0.9999f},
                                                     {Param::kBattCurrLpf, 1.0f, 0.9999f},
-                                                    {Param::kRcArmThreshold, 1.0f, 0.5f},
+                                                    {Param::kRcArmThreshold, 0.26f, 0.25f},
                                                     {Param::kRcArmThreshold, 0.0f, 0.01f},
                                                     {Param::kPidTau, 0.0f, 0.001f},
                                                     {Param::kMotorIdleThr, 1.0f, 0.5f}}) {

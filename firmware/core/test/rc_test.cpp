@@ -547,14 +547,35 @@ TEST_F(RcWithArmSwitch, OnAChannelThatTheReceiverLacksItIsUnmappedAndDisarmsNobo
   set_switch(false);
   for (int k = 0; k < 4; ++k) EXPECT_FALSE(frame().disarm);
   frame_.channel_count = 5;
-  for (int k = 0; k < 100; ++k) EXPECT_FALSE(frame().disarm) << "it says nothing";
+  for (int k = 0; k < 100; ++k) EXPECT_FALSE(frame().disarm) << "without the channel, no switch";
   frame_.channel_count = 8;
   for (int k = 0; k < 5; ++k) EXPECT_FALSE(frame().disarm) << "and the count starts anew";
   EXPECT_TRUE(frame().disarm);
   frame_.channel_count = 5;
   frame_.channels[kYaw] = 0.0f;
-  for (std::int64_t t = 0; t < 1000; t += kFrame_ms) EXPECT_FALSE(frame().disarm);
+  for (std::int64_t t = 0; t < 1080; t += kFrame_ms) EXPECT_FALSE(frame().disarm);
   EXPECT_TRUE(frame().disarm) << "then the sticks disarm";
+}
+
+TEST_F(RcWithArmSwitch, AShortFrameAmongLongOnesSaysNothingAboutSwitches) {
+  wait_off();
+  set_switch(true);
+  EXPECT_TRUE(frame().arm);
+  armed_ = true;
+  set_switch(false);
+  frame_.channels[kThrottle] = 0.0f;
+  frame_.channels[kYaw] = 1.0f;  // the corner that arms
+  bool disarm = false;
+  int frames = 0;
+  for (; frames < 10 && !disarm; ++frames) {
+    frame_.channel_count = frames % 4 == 2 ? 5 : 8;
+    const Rc::Update update = frame();
+    EXPECT_FALSE(update.arm) << "short frames make no gesture either";
+    disarm = update.disarm;
+    EXPECT_FALSE(rc_.input().is_on(Switch::kArm)) << frames;
+  }
+  EXPECT_TRUE(disarm);
+  EXPECT_LE(frames, 7);
 }
 
 }  // namespace

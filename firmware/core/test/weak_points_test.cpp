@@ -199,7 +199,7 @@ TEST_F(WeakPoints, N51AMissingBatteryIsToldOnceASecond) {
   rig_.run_for(100);
   rig_.inbox.clear();
   rig_.run_for(3000);
-  const auto n = rig_.count_text("No usable battery voltage: 0.6 BATT_VOLT_MAX used");
+  const auto n = rig_.count_text("Battery voltage not usable: nearest that is taken");
   EXPECT_GE(n, 2u);
   EXPECT_LE(n, 4u);
 }
