@@ -195,9 +195,13 @@ void Firmware::control(Time now, float dt_s) {
 }
 
 void Firmware::receive(Time now) {
-  const bool waiting = (incoming_used_ < incoming_size_ || refill()) && take_messages(now);
-  commands_stale_ = commands_stale_ && waiting;
-  input_waits_ = waiting;
+  if (incoming_used_ == incoming_size_ && !refill()) {
+    queue_ = Queue::kEmpty;
+  } else if (!take_messages(now)) {
+    queue_ = Queue::kEmpty;
+  } else if (queue_ == Queue::kEmpty) {
+    queue_ = Queue::kWaiting;
+  }
 }
 
 /// @returns whether more may be waiting.
@@ -210,7 +214,7 @@ bool Firmware::take_messages(Time now) {
     incoming_used_ += result.consumed;
     bytes_left -= result.consumed;
     if (result.complete) {
-      if (!commands_stale_ || !is_command(codec_.message())) handle(codec_.message(), now);
+      if (queue_ != Queue::kStale || !is_command(codec_.message())) handle(codec_.message(), now);
       messages_left -= is_request(codec_.message()) ? kRequestCounts : 1;
       if (messages_left <= 0) return true;
     }

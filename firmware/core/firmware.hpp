@@ -67,6 +67,10 @@ class Firmware {
   void handle(const link::Message& message, Time now);
 
  private:
+  /// What is left to receive of the bytes that came before this pass. Stale: the vehicle armed while
+  /// they waited, so commands among them do not count.
+  enum class Queue : std::uint8_t { kEmpty, kWaiting, kStale };
+
   // run(), step by step
   void sense(Time now);
   void finish_calibration(const Sensors::CalibrationEvents& events, Time now);
@@ -182,9 +186,8 @@ class Firmware {
   bool holding_idle_{false};
   bool rearm_in_air_{false};
   bool powered_before_gap_{false};  ///< A motor was above idle when the IMU fell silent.
-  bool input_waits_{false};         ///< Messages that came before this pass are still waiting.
-  bool commands_stale_{false};      ///< Commands that waited while the vehicle armed do not count.
-  bool accel_calibrated_{false};    ///< Since a bias of it was last set.
+  Queue queue_{Queue::kEmpty};
+  bool accel_calibrated_{false};  ///< Since a bias of it was last set.
   bool stop_told_{false};
   bool save_asked_{false};
   bool storage_healthy_{true};

@@ -132,7 +132,7 @@ void Firmware::armed_now(Actions actions, Time now) {
   idle_until_ = now + kIdleFirst;
   if (!in_air) {
     command_.forget_offboard();
-    commands_stale_ = input_waits_;
+    if (queue_ == Queue::kWaiting) queue_ = Queue::kStale;
     warn_before_arming(now);
   }
   log_.warning(in_air ? "Armed in the air" : "Armed");

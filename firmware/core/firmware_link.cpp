@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The part of Firmware that answers messages.
-#include <algorithm>
-#include <limits>
-
 #include "firmware/core/firmware.hpp"
-#include "firmware/core/version.hpp"
 
 namespace rosflight::core {
 namespace {
-
-constexpr Time kRebootDelay = hal::milliseconds(20);  // lets the acknowledgement out
 
 /// The system that a message is for. 0, for all, if it has no such field.
 std::uint8_t target_of(const link::Message& message) {
@@ -159,133 +153,6 @@ void Firmware::on(const link::ReportRequest& message) {
   if (!is_me(message.target_system)) return;
   if (message.kind == static_cast<std::uint8_t>(link::ReportKind::kChecks)) next_check_ = 0;
   if (message.kind == static_cast<std::uint8_t>(link::ReportKind::kCounters)) send_counters();
-}
-
-void Firmware::send_counters() {
-  const auto us = [](Time t) {
-    return static_cast<std::uint32_t>(
-        std::min<std::int64_t>(t.count(), std::numeric_limits<std::uint32_t>::max()));
-  };
-  link::Counters c;
-  c.longest_pass_us = us(counters_.longest());
-  c.pass_budget_us = us(PassCounters::kBudget);
-  c.passes_over_budget = counters_.over_budget();
-  c.passes = counters_.passes();
-  c.frames_dropped = codec_.counters().frames_dropped;
-  c.tx_dropped = telemetry_.dropped();
-  c.texts_lost = log_.lost();
-  c.imu_jitter = counters_.jitter();
-  const auto& rejected = sensors_.rejected();
-  static_assert(std::tuple_size_v<std::decay_t<decltype(rejected)>> <= link::kCounterBins);
-  std::copy(rejected.begin(), rejected.end(), c.rejected.begin());
-  c.rejected[static_cast<std::size_t>(Reject::kExternalAttitude)] = estimator_.external_rejected();
-  telemetry_.send(c);
-}
-
-/// One text, every 10 s at most, as long as the link goes on losing something.
-void Firmware::tell_losses(Time now) {
-  const std::array<std::uint32_t, 3> lost{codec_.counters().frames_dropped, telemetry_.dropped(),
-                                          log_.lost()};
-  if (!telemetry_.connected()) {  // nobody listens, so frames get lost: only texts are missed
-    losses_told_ = {lost[0], lost[1], losses_told_[2]};
-    return;
-  }
-  if (lost == losses_told_ || !loss_texts_.allow(now)) return;
-  losses_told_ = lost;
-  log_.warning(Text("Link lost: in ")
-                   .add(static_cast<std::int32_t>(lost[0]))
-                   .add(", out ")
-                   .add(static_cast<std::int32_t>(lost[1]))
-                   .add(", texts ")
-                   .add(static_cast<std::int32_t>(lost[2])));
-}
-
-/// A sensor that falls silent, or answers again, is told when it happens; so are the starts and
-/// answers that the board counts as failed.
-void Firmware::tell_sensors(Time now) {
-  for (std::size_t k = 0; k < kAidCount; ++k) {
-    const bool silent = sensor_watch_.silent(static_cast<Aid>(k), now);
-    if (silent == silent_told_[k]) continue;
-    silent_told_[k] = silent;
-    log_.push(silent ? Severity::kError : Severity::kInfo,
-              Text(silent ? "Sensor silent: " : "Sensor answers again: ").add(kAidNames[k]));
-  }
-  const std::uint16_t errors = board_.system.sensor_errors();
-  if (errors == sensor_errors_told_ || !sensor_texts_.allow(now)) return;
-  sensor_errors_told_ = errors;
-  log_.error(Text("Sensor errors since start: ").add(std::int32_t{errors}));
-}
-
-bool Firmware::run_command(link::Command command, Time now) {
-  switch (command) {
-    case link::Command::kRcCalibration:
-      return capture_trim();
-    case link::Command::kAccelCalibration:
-      sensors_.start_accel_calibration();
-      return true;
-    case link::Command::kGyroCalibration:
-      sensors_.start_gyro_calibration();
-      return true;
-    case link::Command::kBaroCalibration:
-      sensors_.start_baro_calibration();
-      return true;
-    case link::Command::kAirspeedCalibration:
-      sensors_.start_airspeed_calibration();
-      return true;
-    case link::Command::kReadParams:
-      return !store_.busy() && load_parameters() == StoreResult::kOk;
-    case link::Command::kWriteParams:
-      return false;  // could not begin
-    case link::Command::kSetParamDefaults:
-      parameters_.reset_to_defaults();
-      return true;
-    case link::Command::kReboot:
-    case link::Command::kRebootToBootloader:
-      reboot_to_bootloader_ = command == link::Command::kRebootToBootloader;
-      reboot_at_ = now + kRebootDelay;
-      return true;
-    case link::Command::kSendVersion: {
-      link::Version version;
-      version.text = Text(kVersion).chars();
-      telemetry_.send(version);
-      log_.info(Text("Longest pass: ")
-                    .add(static_cast<std::int32_t>(std::min<std::int64_t>(
-                        longest_pass_.count(), std::numeric_limits<std::int32_t>::max())))
-                    .add(" us"));
-      longest_pass_ = Time{0};
-      return true;
-    }
-  }
-  return false;
-}
-
-/// @returns false without a radio: sticks of long ago are no trim.
-bool Firmware::capture_trim() {
-  if (state_.has(Error::kRcLost)) {
-    log_.error("No trim taken: RC signal lost");
-    return false;
-  }
-  const auto torque = controller_.trim(command_.pilot());
-  const auto axis = [](std::uint16_t k) {
-    return static_cast<Param>(static_cast<std::uint16_t>(Param::kXEqTorque) + k);
-  };
-  std::array<float, 3> sum{};
-  bool in_range = true;
-  for (std::uint16_t k = 0; k < 3; ++k) {
-    sum[k] = parameters_.get_float(axis(k)) + torque[k];
-    in_range = in_range && Parameters::in_range(axis(k), ParamValue{sum[k]});
-  }
-  if (in_range) {
-    for (std::uint16_t k = 0; k < 3; ++k) {
-      static_cast<void>(parameters_.set_float(axis(k), sum[k]));
-    }
-    log_.warning("Equilibrium torques found and applied");
-    log_.warning("Now zero the trims of the transmitter");
-    log_.warning("and write the parameters to keep them");
-  } else {
-    log_.error("Equilibrium torque out of range, not taken");
-  }
-  return in_range;
 }
 
 }  // namespace rosflight::core
