@@ -116,8 +116,7 @@ void Firmware::sense(Time now) {
 void Firmware::finish_calibration(const Sensors::CalibrationEvents& events, Time now) {
   if (events.accel_settled) estimator_.reset();
   if (events.accel_done) {
-    if (parameters_.has_changes()) apply_parameter_changes();
-    accel_calibrated_ = true;  // until a bias is set; the result itself may be zero
+    accel_calibrated_ = true;  // the result itself may be zero
     set_error(Error::kUncalibratedImu, false);
   }
   if (events.gyro_done) {
@@ -289,7 +288,6 @@ void Firmware::set_error(Error error, bool on) {
 
 void Firmware::watch_imu(Time now) {
   if (!state_.has(Error::kImuNotResponding)) {
-    powered_before_gap_ = above_idle();
     set_error(Error::kImuNotResponding, true);
     log_.critical("IMU not responding");
   }

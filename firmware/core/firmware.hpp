@@ -109,6 +109,7 @@ class Firmware {
   void apply_mixers();
   void update_max_thrust();
   void check_calibration();
+  void forget_accel_calibration();
   void check_failsafe();
   StoreResult load_parameters();
   bool save_parameters();
@@ -185,9 +186,8 @@ class Firmware {
   std::int8_t test_motor_{-1};
   bool holding_idle_{false};
   bool rearm_in_air_{false};
-  bool powered_before_gap_{false};  ///< A motor was above idle when the IMU fell silent.
   Queue queue_{Queue::kEmpty};
-  bool accel_calibrated_{false};  ///< Since a bias of it was last set.
+  bool accel_calibrated_{false};  ///< And none of its biases set since.
   bool stop_told_{false};
   bool save_asked_{false};
   bool storage_healthy_{true};

@@ -152,11 +152,7 @@ void Firmware::stop_motors() {
   board_.outputs.write(mixer_.outputs());
 }
 
-/// A motor is commanded above idle, or was when the IMU fell silent and the motors with it.
 bool Firmware::above_idle() const {
-  if (state_.has(Error::kImuNotResponding) && powered_before_gap_ && !motor_stop_.stopped()) {
-    return true;
-  }
   const float idle = parameters_.get_float(Param::kMotorIdleThr) + kIdleMargin;
   for (std::size_t k = 0; k < kChannels; ++k) {
     if (mixer_.header().type[k] == OutputType::kMotor && mixer_.outputs()[k] > idle) return true;

@@ -102,6 +102,9 @@ void Firmware::on(const link::ParamSet& message, Time now) {
   }
   const bool taken = result == SetResult::kChanged || result == SetResult::kUnchanged;
   if (taken && !state_.armed()) note_multiplier(id);
+  if (result == SetResult::kChanged && id >= Param::kAccXBias && id <= Param::kAccZBias) {
+    forget_accel_calibration();
+  }
   answer_with(id);
 }
 

@@ -131,7 +131,6 @@ void Firmware::apply_parameter_changes() {
   }
   apply_settings();
   if (any_of(changed, Param::kRcAttOvrdChn, Param::kSwitch8Dir)) rc_.describe(log_);
-  if (any_of(changed, Param::kAccXBias, Param::kAccZBias)) accel_calibrated_ = false;
   if (any_of(changed, Param::kGyroXBias, Param::kAccZBias) ||
       any_of(changed, Param::kImuRoll, Param::kImuYaw)) {
     check_calibration();
@@ -175,6 +174,12 @@ void Firmware::update_max_thrust() {
   controller_.configure(controller_settings(parameters_, max_thrust_N_));
   mixer_.configure(mixer_settings(parameters_, max_thrust_N_));
   command_.set_entry_limits(mixer_.entry_limits(sensors_.measurements().density_kg_m3));
+}
+
+/// Biases came from elsewhere: what was measured no longer counts.
+void Firmware::forget_accel_calibration() {
+  accel_calibrated_ = false;
+  check_calibration();
 }
 
 /// Only the accelerometer's biases tell: those of the gyro are measured at every calibration, also

@@ -32,11 +32,14 @@ bool Firmware::run_command(link::Command command, Time now) {
       sensors_.start_airspeed_calibration();
       return true;
     case link::Command::kReadParams:
-      return !store_.busy() && load_parameters() == StoreResult::kOk;
+      if (store_.busy() || load_parameters() != StoreResult::kOk) return false;
+      forget_accel_calibration();
+      return true;
     case link::Command::kWriteParams:
       return false;  // could not begin
     case link::Command::kSetParamDefaults:
       parameters_.reset_to_defaults();
+      forget_accel_calibration();
       return true;
     case link::Command::kReboot:
     case link::Command::kRebootToBootloader:

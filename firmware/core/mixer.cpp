@@ -91,9 +91,9 @@ void Mixer::drop_auxiliary_motors() {
   for (std::size_t k = 0; k < auxiliary_.type.size(); ++k) {
     if (!drives_motor(auxiliary_, k)) continue;
     auxiliary_.type[k] = static_cast<std::uint8_t>(link::AuxType::kDisabled);
-    if (!used_by_mixer(k)) outputs_[k] = 0.0f;
   }
   auxiliary_motors_ = false;
+  fill_free_channels();
   invalidate();
 }
 

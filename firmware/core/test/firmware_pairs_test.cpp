@@ -284,21 +284,6 @@ TEST_F(FirmwarePairs, WhatIsLockedInFlightIsLockedInItsDisarmedMomentToo) {
   EXPECT_EQ(parameter(Param::kMotorIdleThr), 0.05f) << "a second later it is on the ground";
 }
 
-TEST_F(FirmwarePairs, ADisarmWithinAnImuGapOfAFlightIsTakenBackInTheAir) {
-  start();
-  fly();
-  rig_.imu_on = false;
-  rig_.run_for(150);
-  ASSERT_EQ(rig_.outputs()[0], 0.0f);
-  disarm_in_flight();
-  rig_.imu_on = true;
-  rig_.run_for(5);
-  arm_switch(true);
-  ASSERT_TRUE(arms_within(100));
-  rig_.run_for(10);
-  EXPECT_GT(rig_.outputs()[0], 0.2f);
-}
-
 TEST_F(FirmwarePairs, ADisarmWithinAnImuGapAtIdleIsOnTheGround) {
   start();
   arm_switch(true);
