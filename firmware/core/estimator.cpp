@@ -71,7 +71,7 @@ void Estimator::reset() {
 }
 
 void Estimator::settle() {
-  constexpr float kSettled = 0.0175f;  // sine of 1 degree
+  constexpr float kSettled = 0.0523f;  // sine of 3 degrees
   bias_.setZero();
   if (started_ && acc_.squaredNorm() > 0.0f && accelerometer_error().norm() > kSettled) {
     level_from_accelerometer();

@@ -78,8 +78,9 @@ class Estimator {
   /// After a restart in the air: roll and pitch from the first accelerometer sample, the boost
   /// counts from that sample and leaves external attitudes alone.
   void reset_in_flight();
-  /// After a gyro calibration, so at rest: the bias estimate was that of the old offset, and so was
-  /// an attitude more than 1 degree from the accelerometer's, which takes its place. Yaw stays.
+  /// At the end of a gyro calibration, so at rest: the bias estimate was that of the old offset, and
+  /// an attitude more than 3 degrees from the accelerometer's was turned by the offset, from which
+  /// nothing was subtracted while it was measured: the accelerometer's takes its place. Yaw stays.
   void settle();
 
   /// Normalises; @returns false and ignores it for NaN, a length of zero and while it is rejected

@@ -124,6 +124,7 @@ void Firmware::armed_now(Actions actions, Time now) {
   if (reboot_at_ != Time::max()) log_.warning("Reboot cancelled by arming");
   reboot_at_ = Time::max();
   controller_.reset();
+  if (!in_air && sensors_.calibrating_imu()) estimator_.settle();
   sensors_.stop_calibrations();
   motor_stop_.reset();
   mixer_.drop_auxiliary_motors();

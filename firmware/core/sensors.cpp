@@ -238,9 +238,10 @@ bool Sensors::take_imu(Time now, hal::Board& board, Parameters& parameters, Log&
     calibrate_accel(accel, raw.temperature_K, parameters, log, events);
   }
   if (gyro_calibration_.running()) calibrate_gyro(gyro, accel, parameters, log, events);
-  // Those in force until a calibration has measured others: the attitude goes on meanwhile.
-  accel -= config_.acc_temp_comp * raw.temperature_K + config_.acc_bias;
-  gyro -= config_.gyro_bias;
+  // While a bias is being measured none is subtracted; if that fails the old one is still there.
+  accel -= config_.acc_temp_comp * raw.temperature_K;
+  if (!accel_calibration_.running()) accel -= config_.acc_bias;
+  if (!gyro_calibration_.running()) gyro -= config_.gyro_bias;
   now_.imu = {raw.stamp, to_array(accel), to_array(gyro), raw.temperature_K};
   return true;
 }

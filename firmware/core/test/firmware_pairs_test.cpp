@@ -185,13 +185,13 @@ TEST_P(ArmingWithAGyroOffset, AVehicleAtRestArmsAndIsLevelWhateverIsStored) {
     rig.rc.channels[kArmSwitch] = 1.0f;
     ASSERT_GE(rig.ms_until([&rig] { return rig.armed(); }, 6000), 0) << "stored: " << stored;
     const AttitudeEstimate& e = rig.firmware().estimator().estimate();
-    EXPECT_NEAR(e.roll_rad, 0.0f, 1.0f * kRadPerDeg) << "stored: " << stored;
-    EXPECT_NEAR(e.pitch_rad, 0.0f, 1.0f * kRadPerDeg) << "stored: " << stored;
+    const float tilt = std::max(std::abs(e.roll_rad), std::abs(e.pitch_rad));
+    EXPECT_LE(tilt, 3.0f * kRadPerDeg) << "stored: " << stored;
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Offsets, ArmingWithAGyroOffset,
-                         testing::Values(0.0f, 0.05f, 0.1f, 0.15f, 0.2f, 0.25f, 0.33f));
+                         testing::Values(0.0f, 0.02f, 0.03f, 0.05f, 0.1f, 0.15f, 0.2f, 0.25f, 0.33f));
 
 TEST_F(FirmwarePairs, ArmingDuringAGyroCalibrationByCommandKeepsTheAttitude) {
   rig_.gyro_rad_s = {0.29f, 0.0f, 0.0f};
@@ -201,7 +201,7 @@ TEST_F(FirmwarePairs, ArmingDuringAGyroCalibrationByCommandKeepsTheAttitude) {
   rig_.run_for(2400);
   arm_switch(true);
   ASSERT_TRUE(arms_within(500));
-  EXPECT_NEAR(rig_.firmware().estimator().estimate().roll_rad, 0.0f, 1.0f * kRadPerDeg);
+  EXPECT_NEAR(rig_.firmware().estimator().estimate().roll_rad, 0.0f, 3.0f * kRadPerDeg);
 }
 
 TEST_F(FirmwarePairs, ASwitchThatGoesOffAsTheCalibrationEndsDoesNotArm) {
