@@ -196,15 +196,12 @@ void Firmware::control(Time now, float dt_s) {
 void Firmware::receive(Time now) {
   if (incoming_used_ == incoming_size_ && !refill()) {
     queue_ = Queue::kEmpty;
-  } else if (!take_messages(now)) {
-    queue_ = Queue::kEmpty;
-  } else if (queue_ == Queue::kEmpty) {
-    queue_ = Queue::kWaiting;
+  } else {
+    take_messages(now);
   }
 }
 
-/// @returns whether more may be waiting.
-bool Firmware::take_messages(Time now) {
+void Firmware::take_messages(Time now) {
   int messages_left = kMessagesPerPass;
   std::size_t bytes_left = kBytesPerPass;
   do {
@@ -215,11 +212,13 @@ bool Firmware::take_messages(Time now) {
     if (result.complete) {
       if (queue_ != Queue::kStale || !is_command(codec_.message())) handle(codec_.message(), now);
       messages_left -= is_request(codec_.message()) ? kRequestCounts : 1;
-      if (messages_left <= 0) return true;
     }
-    if (bytes_left == 0) return true;
+    if (messages_left <= 0 || bytes_left == 0) {
+      if (queue_ == Queue::kEmpty) queue_ = Queue::kWaiting;
+      return;
+    }
   } while (incoming_used_ < incoming_size_ || refill());
-  return false;
+  queue_ = Queue::kEmpty;
 }
 
 bool Firmware::refill() {

@@ -79,7 +79,7 @@ class Firmware {
   Mixer::Conditions mixer_conditions(Time now);
   void receive(Time now);
   bool refill();
-  bool take_messages(Time now);
+  void take_messages(Time now);
   void supervise(Time now);
   void listen_to_pilot(Time now);
   void decide(Time now);

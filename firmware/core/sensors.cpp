@@ -234,16 +234,28 @@ bool Sensors::take_imu(Time now, hal::Board& board, Parameters& parameters, Log&
     accel = imu_mounting_ * accel;
     gyro = imu_mounting_ * gyro;
   }
-  if (accel_calibration_.running()) {
-    calibrate_accel(accel, raw.temperature_K, parameters, log, events);
+  if (calibrating_imu()) [[unlikely]] {
+    calibrate(accel, gyro, raw.temperature_K, parameters, log, events);
+  } else {
+    accel -= config_.acc_temp_comp * raw.temperature_K;
+    accel -= config_.acc_bias;
+    gyro -= config_.gyro_bias;
   }
-  if (gyro_calibration_.running()) calibrate_gyro(gyro, accel, parameters, log, events);
-  // While a bias is being measured none is subtracted; if that fails the old one is still there.
-  accel -= config_.acc_temp_comp * raw.temperature_K;
-  if (!accel_calibration_.running()) accel -= config_.acc_bias;
-  if (!gyro_calibration_.running()) gyro -= config_.gyro_bias;
   now_.imu = {raw.stamp, to_array(accel), to_array(gyro), raw.temperature_K};
   return true;
+}
+
+/// While a bias is being measured none is subtracted; if that fails the old one is still there.
+[[gnu::noinline]] void Sensors::calibrate(Vector3& accel, Vector3& gyro, float temperature_K,
+                                          Parameters& parameters, Log& log,
+                                          CalibrationEvents& events) {
+  if (accel_calibration_.running()) {
+    calibrate_accel(accel, temperature_K, parameters, log, events);
+  }
+  if (gyro_calibration_.running()) calibrate_gyro(gyro, accel, parameters, log, events);
+  accel -= config_.acc_temp_comp * temperature_K;
+  if (!accel_calibration_.running()) accel -= config_.acc_bias;
+  if (!gyro_calibration_.running()) gyro -= config_.gyro_bias;
 }
 
 void Sensors::calibrate_accel(const Vector3& accel, float temperature_K, Parameters& parameters,

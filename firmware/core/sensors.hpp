@@ -110,6 +110,8 @@ class Sensors {
     ++rejected_[static_cast<std::size_t>(cause)];
     return false;
   }
+  void calibrate(Vector3& accel, Vector3& gyro, float temperature_K, Parameters& parameters,
+                 Log& log, CalibrationEvents& events);
   void calibrate_accel(const Vector3& accel, float temperature_K, Parameters& parameters, Log& log,
                        CalibrationEvents& events);
   void calibrate_gyro(const Vector3& gyro, const Vector3& accel, Parameters& parameters, Log& log,

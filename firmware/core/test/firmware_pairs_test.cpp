@@ -191,7 +191,8 @@ TEST_P(ArmingWithAGyroOffset, AVehicleAtRestArmsAndIsLevelWhateverIsStored) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Offsets, ArmingWithAGyroOffset,
-                         testing::Values(0.0f, 0.02f, 0.03f, 0.05f, 0.1f, 0.15f, 0.2f, 0.25f, 0.33f));
+                         testing::Values(0.0f, 0.02f, 0.03f, 0.05f, 0.1f, 0.15f, 0.2f, 0.25f,
+                                         0.33f));
 
 TEST_F(FirmwarePairs, ArmingDuringAGyroCalibrationByCommandKeepsTheAttitude) {
   rig_.gyro_rad_s = {0.29f, 0.0f, 0.0f};
