@@ -186,7 +186,7 @@ void Firmware::control(Time now, float dt_s) {
     log_.error("No battery voltage or no MOTOR_KV: motors off");
   }
   if (mixer_.voltage_replaced() && motor_model_texts_.allow(now)) {
-    log_.error("Battery voltage not usable: nearest that is taken");
+    log_.error("Battery voltage out of range");
   }
   const Time took = board_.clock.now() - now;
   loop_time_us_ = static_cast<std::int16_t>(
@@ -277,7 +277,7 @@ void Firmware::act(Actions actions, Time now) {
   if ((actions & action::kSave) != 0) begin_save();
   if ((actions & action::kRefuse) != 0) refuse(now);
   if ((actions & action::kRefuseStorage) != 0) {
-    log_.error("Unable to arm: parameters could not be stored");
+    log_.error("Unable to arm: parameters not stored");
   }
 }
 

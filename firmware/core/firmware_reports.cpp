@@ -64,7 +64,7 @@ bool Firmware::run_command(link::Command command, Time now) {
 /// @returns false without a radio: sticks of long ago are no trim.
 bool Firmware::capture_trim() {
   if (state_.has(Error::kRcLost)) {
-    log_.error("No trim taken: RC signal lost");
+    log_.error("RC signal lost: no trim");
     return false;
   }
   const auto torque = controller_.trim(command_.pilot());

@@ -69,7 +69,7 @@ void choose_secondary(Parameters& parameters, Mixer& mixer, Log& log) {
   const std::int32_t id = parameters.get_int(Param::kSecondaryMixer);
   if (is_predefined(id)) {
     log.info(Text("Secondary mixer ").add(id));
-    if (id == kEscCalibration) log.critical("ESC calibration mixer: companion drives motors");
+    if (id == kEscCalibration) log.critical("ESC calibration mixer as secondary");
     mixer.secondary() = frame_gains(static_cast<MixerId>(id));
   } else if (id == static_cast<std::int32_t>(MixerId::kCustom)) {
     log.info("Secondary mixer custom");

@@ -257,7 +257,7 @@ TEST_F(FirmwarePairs, NoTrimIsTakenFromTheSticksOfALostRadio) {
   rig_.command(link::Command::kRcCalibration);
   rig_.run_for(300);
   EXPECT_EQ(parameter(Param::kXEqTorque), 0.0f);
-  EXPECT_TRUE(rig_.said("No trim taken: RC signal lost"));
+  EXPECT_TRUE(rig_.said("RC signal lost: no trim"));
 }
 
 // ---- the disarmed moment of a flight
@@ -340,7 +340,7 @@ TEST_F(FirmwarePairs, TheEscCalibrationMixerIsToldAsTheSecondaryToo) {
   start();
   rig_.set_param("SECONDARY_MIXER", std::int32_t{0});
   rig_.run_for(300);
-  EXPECT_TRUE(rig_.said("ESC calibration mixer: companion drives motors"));
+  EXPECT_TRUE(rig_.said("ESC calibration mixer as secondary"));
   arm_switch(true);
   rig_.run_for(2000);
   EXPECT_TRUE(rig_.said("Arming: ESC calibration mixer chosen"));

@@ -199,7 +199,7 @@ TEST_F(WeakPoints, N51AMissingBatteryIsToldOnceASecond) {
   rig_.run_for(100);
   rig_.inbox.clear();
   rig_.run_for(3000);
-  const auto n = rig_.count_text("Battery voltage not usable: nearest that is taken");
+  const auto n = rig_.count_text("Battery voltage out of range");
   EXPECT_GE(n, 2u);
   EXPECT_LE(n, 4u);
 }
