@@ -41,7 +41,7 @@ CheckResults Firmware::checks(Time now) const {
   const float battery_V = sensors_.measurements().battery.voltage_V;
   in.motor_model_unusable =
       mixer_.config().use_motor_model &&
-      !(battery_seen && battery_V > kBatteryConnected_V && max_thrust_N_ > 0.0f);
+      (!battery_seen || battery_V <= kBatteryConnected_V || max_thrust_N_ <= 0.0f);
   in.battery_low = battery_seen && battery_low();
   in.level_refuses = parameters_.get_bool(Param::kCheckLevel);
   in.battery_refuses = parameters_.get_bool(Param::kCheckBattery);
