@@ -89,12 +89,13 @@ def test_a_wrong_command_is_one_line(words, said):
 @pytest.mark.parametrize("words, said", [
     (["multirotor_standalone.launch.xml", "dynamics_param_file:=/no/such.yaml"], "/no/such.yaml: found no such file, allowed a YAML file"),
     (["multirotor_standalone.launch.xml", "seed:=-1"], "seed"),
-    (["multirotor_standalone.launch.xml", "simulation_port:=abc"], "simulation_port' has invalid type"),
+    (["multirotor_standalone.launch.xml", "simulation_port:=abc"], "_port' has invalid type: declared as [integer], given [string] abc"),
     (["hardware_io.launch.xml", "port:=/dev/no_such_port"], "port: found /dev/no_such_port"),
     (["hardware_io.launch.xml", "port:=/dev/null", "baud_rate:=12345"], "baud"),
     (["hardware_io.launch.xml", "baud_rate:=fast"], "baud_rate"),
 ])
 def test_what_a_node_refuses_is_the_last_line(words, said):
+    """One argument can reach several nodes (the port: the board and the I/O node); the first that refuses it ends the launch."""
     with launch("rosflight_sim", *words) as world:
         assert world.end() == 2, world.text()
         assert "refused to start: " in world.lines[-1] and said in world.lines[-1], world.text()
