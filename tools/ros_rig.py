@@ -15,6 +15,7 @@ from pathlib import Path
 import rclpy
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from ros_client import ask
 
 ROOT = Path(__file__).resolve().parents[1]
 PROGRAM = Path(os.environ.get("ROSFLIGHT_BUILD", ROOT / "build" / "release")) / "apps" / "rosflight"
@@ -159,14 +160,7 @@ class Peer:
 
     def call(self, kind, service, /, **fields):
         """The answer to one request."""
-        client = self.node.create_client(kind, service)
-        try:
-            assert client.wait_for_service(timeout_sec=PATIENCE_S), f"no service {service}"
-            future = client.call_async(kind.Request(**fields))
-            wait_for(future.done, f"an answer of {service}")
-            return future.result()
-        finally:
-            self.node.destroy_client(client)
+        return ask(self.node, kind, service, fields, PATIENCE_S)
 
     def close(self):
         self.running = False

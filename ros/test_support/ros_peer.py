@@ -15,6 +15,7 @@ from pathlib import Path
 import rclpy
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from ros_client import ask
 
 LIMIT_S = 30.0
 
@@ -139,9 +140,4 @@ class Tester:
 
     def call(self, kind, service: str, limit_s: float = LIMIT_S, **request):
         """The response of a service, called with these fields."""
-        client = self.node.create_client(kind, service)
-        assert client.wait_for_service(limit_s), f"no service {service}"
-        future = client.call_async(kind.Request(**request))
-        until(future.done, f"an answer of {service}", limit_s)
-        self.node.destroy_client(client)
-        return future.result()
+        return ask(self.node, kind, service, request, limit_s)

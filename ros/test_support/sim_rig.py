@@ -13,6 +13,7 @@ import time
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_services_default
+from ros_client import ask
 from ros_rig import PATIENCE_S, PREFIXES, ROOT, stop
 
 NEWEST = QoSProfile(depth=1)
@@ -155,14 +156,7 @@ class SimPeer:
         heard.clear()
 
     def call(self, kind, service, /, **fields):
-        client = self.node.create_client(kind, service, qos_profile=qos_profile_services_default)
-        try:
-            assert client.wait_for_service(PATIENCE_S), f"no service {service}"
-            future = client.call_async(kind.Request(**fields))
-            self.poll(future.done, f"an answer of {service}")
-            return future.result()
-        finally:
-            self.node.destroy_client(client)
+        return ask(self.node, kind, service, fields, PATIENCE_S, qos_profile=qos_profile_services_default)
 
     def close(self):
         self.running = False
