@@ -234,7 +234,7 @@ bool Sensors::take_imu(Time now, hal::Board& board, Parameters& parameters, Log&
     accel = imu_mounting_ * accel;
     gyro = imu_mounting_ * gyro;
   }
-  if (calibrating_imu()) [[unlikely]] {
+  if (calibrating_imu()) {
     calibrate(accel, gyro, raw.temperature_K, parameters, log, events);
   } else {
     accel -= config_.acc_temp_comp * raw.temperature_K;
@@ -246,9 +246,9 @@ bool Sensors::take_imu(Time now, hal::Board& board, Parameters& parameters, Log&
 }
 
 /// While a bias is being measured none is subtracted; if that fails the old one is still there.
-[[gnu::noinline]] void Sensors::calibrate(Vector3& accel, Vector3& gyro, float temperature_K,
-                                          Parameters& parameters, Log& log,
-                                          CalibrationEvents& events) {
+[[gnu::cold, gnu::noinline]] void Sensors::calibrate(Vector3& accel, Vector3& gyro,
+                                                     float temperature_K, Parameters& parameters,
+                                                     Log& log, CalibrationEvents& events) {
   if (accel_calibration_.running()) {
     calibrate_accel(accel, temperature_K, parameters, log, events);
   }
