@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""compare_logs.py sees one bit, and passes over what may differ. The logs are written with mcap_ros2, not with our writer."""
+
+import math
+
+import compare_logs
+import pytest
+from mcap.writer import CompressionType
+from mcap_ros2.writer import Writer
+
+IMU = "# of a gyro\nuint8 MODE=1\nfloat64 rate\nfloat32[2] field\nstring frame"
+LOG = "uint8 level\nstring msg"
+FRAME = "uint8 direction\nuint8[] data"
+STATUSTEXT = bytes([0xFE, 51, 0, 1, 1, 253, 6]) + b"Armed".ljust(50, b"\0") + b"\x12\x34"
+
+
+def write(path, messages, imu=IMU, **options):
+    """Messages are (type, time in ns, fields)."""
+    path.parent.mkdir(exist_ok=True)
+    with path.open("wb") as file:
+        writer = Writer(file, **options)
+        schemas = {"imu": writer.register_msgdef("a/msg/Imu", imu), "log": writer.register_msgdef("rcl_interfaces/msg/Log", LOG),
+                   "raw": writer.register_msgdef("rosflight_log_msgs/msg/RawFrame", FRAME)}
+        for kind, time_ns, fields in messages:
+            writer.write_message(f"/{kind}", schemas[kind], fields, log_time=time_ns, publish_time=time_ns)
+        writer.finish()
+    return path
+
+
+def imu(time_ns=5, **fields):
+    return "imu", time_ns, {"rate": 1.5, "field": [0.0, math.nan], "frame": "body", **fields}
+
+
+def text(words, level=20, time_ns=7):
+    return "log", time_ns, {"level": level, "msg": words}
+
+
+def raw(frame):
+    return "raw", 8, {"direction": 0, "data": list(frame)}
+
+
+def compared(tmp_path, before, after, **options):
+    return compare_logs.compare(write(tmp_path / "a.mcap", before), write(tmp_path / "b.mcap", after, **options))
+
+
+@pytest.mark.parametrize("before, after", [
+    ([imu()], [imu()]),
+    ([text("armed")], [text("Armed.")]),
+    ([raw(STATUSTEXT)], [raw(STATUSTEXT.replace(b"Armed", b"ARMED")[:-2] + b"\x56\x78")]),
+])
+def test_equal_logs_are_equal(tmp_path, before, after):
+    assert compared(tmp_path, before, after) == (1, None)
+
+
+def test_schema_text_compression_and_chunks_may_differ(tmp_path):
+    other = "float64 rate  # rad/s\nfloat32[2] field\nuint8 MODE=1\nstring frame"
+    assert compared(tmp_path, [imu(), imu(6)], [imu(), imu(6)], imu=other, compression=CompressionType.NONE, chunk_size=10) == (2, None)
+
+
+@pytest.mark.parametrize("before, after, said", [
+    (imu(), imu(rate=math.nextafter(1.5, 2.0)), "/imu at 5 ns: rate was 1.5, is 1.5000000000000002"),
+    (imu(), imu(field=[-0.0, math.nan]), "field[0] was 0.0, is -0.0"),
+    (imu(), imu(frame="Body"), "frame was 'body', is 'Body'"),
+    (imu(), imu(6), "log_time_ns was 5, is 6"),
+    (imu(), text("armed", time_ns=5), "topic was /imu, is /log"),
+    (text("armed"), text("armed", level=30), "level was 20, is 30"),
+    (raw(STATUSTEXT), raw(STATUSTEXT[:6] + b"\x04" + STATUSTEXT[7:]), "data was b'\\xfe3"),
+    (raw(b"\xfe\x01\x00\x01\x01\x00\x07\x00\x00"), raw(b"\xfe\x01\x00\x01\x01\x00\x08\x00\x00"), "data was b'\\xfe\\x01"),
+])
+def test_a_difference_is_told_with_its_place(tmp_path, before, after, said):
+    count, found = compared(tmp_path, [imu(1), before], [imu(1), after])
+    assert count == 1 and said in found
+
+
+def test_a_log_that_ends_early_differs(tmp_path):
+    assert compared(tmp_path, [imu(), imu(6)], [imu()]) == (1, "one log ends after 1 messages, the other goes on")
+
+
+def test_a_renamed_field_is_the_same_field_only_when_listed(tmp_path, monkeypatch):
+    renamed = IMU.replace("rate", "angular_rate")
+    fields = imu()[2]
+    after = ("imu", 5, {"angular_rate": fields["rate"], "field": fields["field"], "frame": "body"})
+    assert "field angular_rate is in the new log only" in compared(tmp_path, [imu()], [after], imu=renamed)[1]
+    monkeypatch.setattr(compare_logs, "RENAMED", {("a/msg/Imu", "rate"): "angular_rate"})
+    assert compared(tmp_path, [imu()], [after], imu=renamed) == (1, None)
+
+
+def test_folders_are_compared_flight_by_flight(tmp_path, capsys):
+    for folder, flights in (("old", "xy"), ("new", "xz")):
+        (tmp_path / folder).mkdir()
+        for flight in flights:
+            write(tmp_path / folder / flight / "flight.mcap", [imu()])
+    assert compare_logs.main([str(tmp_path / "old"), str(tmp_path / "new")]) == 1
+    said = capsys.readouterr().out
+    assert "x: 1 messages equal\n" in said and f"y: only in {tmp_path / 'old'}" in said and f"z: only in {tmp_path / 'new'}" in said
+
+
+@pytest.mark.parametrize("words", [["only_one"], ["no_such_log", "no_such_log"], []])
+def test_nonsense_ends_with_2(words, capsys):
+    assert compare_logs.main(words) == 2
+    assert capsys.readouterr().err
+
+
+def test_what_is_no_log_ends_with_2(tmp_path, capsys):
+    (tmp_path / "a.mcap").write_bytes(b"nonsense")
+    assert compare_logs.main([str(tmp_path / "a.mcap")] * 2) == 2
+    assert capsys.readouterr().err.startswith("compare_logs: ")
