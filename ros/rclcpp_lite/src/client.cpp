@@ -75,15 +75,24 @@ class GraphWatch {
 }  // namespace
 
 bool ClientBase::wait_for_service_ns(std::chrono::nanoseconds timeout) {
+  if (service_is_ready()) return true;
+  if (timeout.count() == 0) return false;
+  try {
+    return wait_while_valid(timeout);
+  } catch (const exceptions::RCLError&) {  // a signal can end the context between any two calls
+    if (context_->is_valid()) throw;
+    return false;
+  }
+}
+
+bool ClientBase::wait_while_valid(std::chrono::nanoseconds timeout) {
   using Clock = std::chrono::steady_clock;
   // The graph's condition is shared with others who may take its signal away, so look at times.
   constexpr std::chrono::nanoseconds kLookAgain = std::chrono::milliseconds(100);
   const auto start = Clock::now();
-  if (service_is_ready()) return true;
-  if (timeout.count() == 0 || !context_->is_valid()) return false;
   const auto wake_up = std::make_shared<detail::WakeUp>(context_);
-  const auto at_shutdown = context_->add_on_shutdown_callback([wake_up] { wake_up->trigger(); });
   GraphWatch watch(*node_, context_->get_rcl_context().get());
+  const auto at_shutdown = context_->add_on_shutdown_callback([wake_up] { wake_up->trigger(); });
   bool ready = service_is_ready();
   while (!ready && context_->is_valid()) {
     auto span = kLookAgain;

@@ -104,6 +104,13 @@ TEST_F(Executor, CallbackMayWaitForAServiceOfItsOwnNode) {
   EXPECT_TRUE(answered);
 }
 
+TEST_F(Executor, WaitingForAServiceEndsWithTheContext) {
+  const auto node = std::make_shared<rclcpp::Node>("waiting");
+  const auto client = node->create_client<Trigger>("nobody");
+  rclcpp::shutdown();
+  EXPECT_FALSE(client->wait_for_service());
+}
+
 TEST_F(Executor, FutureIsAwaitedNotLongerThanAllowed) {
   const auto node = std::make_shared<rclcpp::Node>("waiting");
   std::promise<int> promise;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <rclcpp/rclcpp.hpp>
 #include <std_srvs/srv/set_bool.hpp>
+#include <stdexcept>
 #include <string>
 
 namespace {
@@ -27,11 +28,29 @@ void call(const std::shared_ptr<rclcpp::Node>& node) {
   }
 }
 
+// Neither executor nor client can be made once a signal has ended the context: the waiting begins behind them.
+
+bool spin(const std::shared_ptr<rclcpp::Node>& node, const std::string& how) {
+  rclcpp::executors::MultiThreadedExecutor executor(rclcpp::ExecutorOptions(),
+                                                    how == "threads" ? 4 : 1);
+  executor.add_node(node);
+  std::cout << "waiting\n" << std::flush;
+  if (how == "future") {
+    std::promise<int> never;
+    return executor.spin_until_future_complete(never.get_future().share()) ==
+           rclcpp::FutureReturnCode::INTERRUPTED;
+  }
+  executor.spin();
+  return !rclcpp::ok();
+}
+
 /// True when the waiting ended because of the signal.
 bool wait(const std::string& how) {
   auto options = rclcpp::NodeOptions();
   if (how.rfind("sim_", 0) == 0) options.append_parameter_override("use_sim_time", true);
   const auto node = std::make_shared<rclcpp::Node>("waiting", options);
+  if (how == "future" || how == "threads") return spin(node, how);
+  const auto nobody = node->create_client<SetBool>("nobody");
   std::cout << "waiting\n" << std::flush;
   if (how == "sleep") return !rclcpp::sleep_for(1h);
   if (how == "sim_sleep") return !node->get_clock()->sleep_for(1h);
@@ -44,19 +63,9 @@ bool wait(const std::string& how) {
     call(node);
     return false;
   }
-  if (how == "service") {
-    return !node->create_client<SetBool>("nobody")->wait_for_service();
-  }
+  if (how == "service") return !nobody->wait_for_service();
   if (how == "rate") return !rclcpp::WallRate(1e-4).sleep();
-  if (how == "future") {
-    std::promise<int> never;
-    return rclcpp::spin_until_future_complete(node, never.get_future().share()) ==
-           rclcpp::FutureReturnCode::INTERRUPTED;
-  }
-  rclcpp::executors::MultiThreadedExecutor executor(rclcpp::ExecutorOptions(), 4);
-  executor.add_node(node);
-  executor.spin();
-  return !rclcpp::ok();
+  throw std::invalid_argument("waits: found '" + how + "'");
 }
 
 }  // namespace

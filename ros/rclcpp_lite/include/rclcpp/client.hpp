@@ -81,6 +81,7 @@ class ClientBase : public detail::Entity {
 
  private:
   bool wait_for_service_ns(std::chrono::nanoseconds timeout);
+  bool wait_while_valid(std::chrono::nanoseconds timeout);
   std::shared_ptr<rcl_node_t> node_;
   Context::SharedPtr context_;
   rcl_client_t client_;
