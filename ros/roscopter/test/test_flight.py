@@ -50,7 +50,9 @@ def test_a_shipped_mission_is_flown_on_the_estimate(flight):
     x, y, z = flight.place()
     assert abs(z) < 0.4 and math.hypot(x - 4, y - 4) < 2.5
     assert [p.data for p in flight.phases][-5:] == ["takeoff", "position_hold", "offboard", "landing", "landed"]
-    assert all(c.mode == ControllerCommand.MODE_ROLL_PITCH_YAWRATE_THRUST_TO_MIXER for c in list(flight.commands))
+    valid = [c for c in list(flight.commands) if c.cmd_valid]  # the follower marks those that a slow machine made too late
+    assert len(valid) > 500
+    assert all(c.mode == ControllerCommand.MODE_ROLL_PITCH_YAWRATE_THRUST_TO_MIXER for c in valid)
     seen = errors(flight)
     assert len(seen) > 500
     rms = [math.sqrt(sum(e[k] ** 2 for e in seen) / len(seen)) for k in (0, 1)]
