@@ -30,7 +30,7 @@ TEXTS = {
     "rosflight_log_msgs/msg/CheckResult": {"name", "reason"},
     "std_msgs/msg/String": {"data"},
 }
-# Fields with another name than in logs of before: (type, field before) -> field today. Nested ones with dots.
+# Renamed fields: (type, name in the old log) -> name in the new log; dots separate the levels of nested fields.
 RENAMED: dict[tuple[str, str], str] = {}
 
 RAW_FRAME = "rosflight_log_msgs/msg/RawFrame"
@@ -187,14 +187,12 @@ def compare_all(old: Path, new: Path) -> bool:
     before, after = logs_in(old), logs_in(new)
     equal = True
     for name in sorted(before.keys() | after.keys()):
-        if name not in before or name not in after:
-            said = f"only in {old if name in before else new}"
-        else:
+        if name in before and name in after:
             count, found = compare(before[name], after[name])
-            said = found or f"{count} messages equal"
-            equal &= found is None
-        equal &= name in before and name in after
-        print(f"{name or new}: {said}", flush=True)
+        else:
+            count, found = 0, f"only in {old if name in before else new}"
+        equal &= found is None
+        print(f"{name or new}: {found or f'{count} messages equal'}", flush=True)
     return equal
 
 

@@ -39,9 +39,9 @@ CheckResults Firmware::checks(Time now) const {
   in.loop_in_time = counters_.in_time(now);
   const bool battery_seen = sensor_watch_.answered(Aid::kBattery);
   const float battery_V = sensors_.measurements().battery.voltage_V;
-  in.motor_model_unusable =
-      mixer_.config().use_motor_model &&
-      (!battery_seen || battery_V <= kBatteryConnected_V || max_thrust_N_ <= 0.0f);
+  const bool motors_known =  // false for NaN
+      battery_seen && battery_V > kBatteryConnected_V && max_thrust_N_ > 0.0f;
+  in.motor_model_unusable = mixer_.config().use_motor_model && !motors_known;
   in.battery_low = battery_seen && battery_low();
   in.level_refuses = parameters_.get_bool(Param::kCheckLevel);
   in.battery_refuses = parameters_.get_bool(Param::kCheckBattery);

@@ -28,8 +28,8 @@ void call(const std::shared_ptr<rclcpp::Node>& node) {
   }
 }
 
-// Neither executor nor client can be made once a signal has ended the context: the waiting begins behind them.
-
+/// True when the spinning ended because of the signal. Prints "waiting" after making the executor: rclcpp refuses to make
+/// one, or a client, for a context that a signal has ended.
 bool spin(const std::shared_ptr<rclcpp::Node>& node, const std::string& how) {
   rclcpp::executors::MultiThreadedExecutor executor(rclcpp::ExecutorOptions(),
                                                     how == "threads" ? 4 : 1);
