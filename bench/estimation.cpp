@@ -12,20 +12,24 @@
 #include <cstdio>
 #include <cstdlib>
 #include <deque>
+#include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "apps/fly/flight.hpp"
+#include "base/constants.hpp"
+#include "flight/flight.hpp"
+#include "flight/link_state_estimator.hpp"
 
 namespace {
 
-using namespace rosflight::apps;  // NOLINT(google-build-using-namespace): a program of one file
+using namespace rosflight::flight;  // NOLINT(google-build-using-namespace): a program of one file
 using rosflight::autonomy::estimation::log_rotation;
 using rosflight::sim::BodyState;
 using rosflight::sim::Vector3;
 
-constexpr double kDegPerRad = 57.29577951308232;
+using rosflight::base::kDegPerRad;
 
 /// Root mean square and the value that 95 of 100 samples stay below.
 struct Spread {
@@ -53,30 +57,31 @@ struct Errors {
 struct Past {
   double t_s;
   BodyState body;
-  Vector3 seen_N;  ///< Position, in the frame of the filter as the satellites have it.
+  Vector3 seen_W;  ///< Position, in the frame of the filter as the satellites have it.
 };
 
 void judge_output(const Flight& flight, Errors& errors) {
-  const auto estimate = flight.navigator().estimate();
+  const auto estimate = flight.estimate_source().estimate();
   const BodyState& truth = flight.truth().body;
-  const Vector3 p = estimate.p_N - flight.seen_position_N();
-  const Vector3 turn_N = truth.q_NB * log_rotation(truth.q_NB.conjugate() * estimate.q_NB);
+  const Vector3 p = estimate.p_W - flight.seen_position_W();
+  const Vector3 turn_W = truth.q_WB * log_rotation(truth.q_WB.conjugate() * estimate.q_WB);
   errors.horizontal_m.values.push_back(p.head<2>().norm());
-  errors.vertical_m.values.push_back(std::abs(estimate.p_N.z() - truth.p_N.z()));
-  errors.velocity_m_s.values.push_back((estimate.v_N - truth.q_NB * truth.v_B).norm());
-  errors.tilt_deg.values.push_back(kDegPerRad * turn_N.head<2>().norm());
-  errors.heading_deg.values.push_back(kDegPerRad * std::abs(turn_N.z()));
+  errors.vertical_m.values.push_back(std::abs(estimate.p_W.z() - truth.p_W.z()));
+  errors.velocity_m_s.values.push_back((estimate.v_W - truth.q_WB * truth.v_B).norm());
+  errors.tilt_deg.values.push_back(kDegPerRad * turn_W.head<2>().norm());
+  errors.heading_deg.values.push_back(kDegPerRad * std::abs(turn_W.z()));
   if (!estimate.wind_valid || !estimate.air_valid) return;
-  const Vector3& wind_N = flight.truth().air.wind_N;
-  const double through_air = (truth.q_NB * truth.v_B - wind_N).norm();
+  const Vector3& wind_W = flight.truth().air.wind_W;
+  const double through_air = (truth.q_WB * truth.v_B - wind_W).norm();
   errors.airspeed_m_s.values.push_back(std::abs(estimate.airspeed_m_s - through_air));
-  errors.wind_m_s.values.push_back((estimate.wind_N - wind_N).head<2>().norm());
+  errors.wind_m_s.values.push_back((estimate.wind_W - wind_W).head<2>().norm());
 }
 
 template <bool kWind>
 void judge_filter(const Flight& flight, const std::deque<Past>& past, Errors& errors) {
-  const auto* navigator = dynamic_cast<const LinkNavigator<kWind>*>(&flight.navigator());
-  const auto& estimator = navigator->estimator();
+  const auto* estimate_source =
+      dynamic_cast<const LinkStateEstimator<kWind>*>(&flight.estimate_source());
+  const auto& estimator = estimate_source->estimator();
   const Past* at = nullptr;
   for (const Past& p : past) {
     if (std::abs(p.t_s - estimator.filter_time_s()) < 1.3e-3) at = &p;
@@ -85,9 +90,9 @@ void judge_filter(const Flight& flight, const std::deque<Past>& past, Errors& er
   const Vector3 lever_B = estimator.config().imu_position_B;
   const auto& x = estimator.filter().state();
   Eigen::Matrix<double, 9, 1> e;
-  e << log_rotation(x.q_NB.conjugate() * at->body.q_NB),
-      at->body.q_NB * (at->body.v_B + at->body.w_B.cross(lever_B)) - x.v_N,
-      at->seen_N + at->body.q_NB * lever_B - x.p_N;
+  e << log_rotation(x.q_WB.conjugate() * at->body.q_WB),
+      at->body.q_WB * (at->body.v_B + at->body.w_B.cross(lever_B)) - x.v_W,
+      at->seen_W + at->body.q_WB * lever_B - x.p_W;
   const Eigen::Matrix<double, 9, 9> P =
       estimator.filter().covariance().template topLeftCorner<9, 9>();
   errors.nees_sum += e.dot(P.ldlt().solve(e)) / 9.0;
@@ -104,10 +109,10 @@ Errors fly(int flights, FlightChoice choice) {
     std::deque<Past> past;
     int step = 0;
     flight->set_script([&](Flight& f, rosflight::sim::Time t) {
-      if (f.director().stage() != Stage::kFly) return;
-      Vector3 seen_N = f.seen_position_N();
-      seen_N.z() = f.truth().body.p_N.z();  // the height hangs on the barometer, not on GNSS
-      past.push_back({static_cast<double>(t.count()) * 1e-6, f.truth().body, seen_N});
+      if (f.runner().stage() != Stage::kFly) return;
+      Vector3 seen_W = f.seen_position_W();
+      seen_W.z() = f.truth().body.p_W.z();  // the height hangs on the barometer, not on GNSS
+      past.push_back({static_cast<double>(t.count()) * 1e-6, f.truth().body, seen_W});
       if (past.size() > 80) past.pop_front();
       constexpr int kEvery = 40;  // ten times a second
       if (!f.autonomy().tracking || ++step % kEvery != 0) return;
@@ -115,18 +120,19 @@ Errors fly(int flights, FlightChoice choice) {
       judge_filter<kWind>(f, past, errors);
     });
     flight->run();
-    if (flight->director().stage() != Stage::kDone) {
-      throw std::runtime_error("a flight failed: " + flight->director().failure());
+    if (flight->runner().stage() != Stage::kDone) {
+      throw std::runtime_error("a flight failed: " + flight->runner().failure());
     }
   }
   return errors;
 }
 
-void print(const char* name, Errors& errors, const char* before) {
-  const auto one = [](const char* key, Spread& s) {
-    std::printf("\"%s_rms\": %.4g, \"%s_p95\": %.4g, ", key, s.rms(), key, s.p95());
+nlohmann::ordered_json json_of(Errors& errors) {
+  nlohmann::ordered_json json;
+  const auto one = [&json](const std::string& key, Spread& s) {
+    json[key + "_rms"] = s.rms();
+    json[key + "_p95"] = s.p95();
   };
-  std::printf("%s\"%s\": {", before, name);
   one("horizontal_m", errors.horizontal_m);
   one("vertical_m", errors.vertical_m);
   one("velocity_m_s", errors.velocity_m_s);
@@ -136,7 +142,8 @@ void print(const char* name, Errors& errors, const char* before) {
     one("airspeed_m_s", errors.airspeed_m_s);
     one("wind_m_s", errors.wind_m_s);
   }
-  std::printf("\"nees\": %.4g}", errors.nees_sum / static_cast<double>(errors.nees_count));
+  json["nees"] = errors.nees_sum / static_cast<double>(errors.nees_count);
+  return json;
 }
 
 FlightChoice wing_in(const char* wind) {
@@ -175,16 +182,14 @@ int main(int argc, char** argv) {
     FlightChoice modelled;
     modelled.overrides = as_modelled();
     Errors errors = fly<false>(flights, {});
-    print("shipped", errors, "{");
-    std::fflush(stdout);
+    nlohmann::ordered_json json{{"shipped", json_of(errors)}};
     errors = fly<false>(flights, modelled);
-    print("modelled", errors, ",\n ");
-    std::fflush(stdout);
+    json["modelled"] = json_of(errors);
     errors = fly<true>(wings, wing_in("6,270"));
-    print("fixedwing", errors, ",\n ");
+    json["fixedwing"] = json_of(errors);
     errors = fly<true>(wings, wing_in("6,270,6"));
-    print("fixedwing_gusts", errors, ",\n ");
-    std::printf("}\n");
+    json["fixedwing_gusts"] = json_of(errors);
+    std::cout << json.dump(1) << "\n";
     return 0;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "estimation: %s\n", e.what());

@@ -5,19 +5,21 @@
 //
 // usage: link_rate (mavlink | lean)
 #include <cstdio>
+#include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 
-#include "apps/fly/flight.hpp"
+#include "flight/flight.hpp"
 
 namespace {
 
 using namespace rosflight;  // NOLINT(google-build-using-namespace): a program of one file
 
-class Meter final : public apps::LinkTap {
+class Meter final : public flight::LinkTap {
  public:
-  void on_frame(apps::Direction direction, hal::Time /*t*/, const std::uint8_t* /*data*/,
+  void on_frame(flight::Direction direction, hal::Time /*t*/, const std::uint8_t* /*data*/,
                 std::size_t size, bool /*taken*/) override {
-    if (direction != apps::Direction::kToCompanion) return;
+    if (direction != flight::Direction::kToCompanion) return;
     bytes_ += size;
     ++frames_;
   }
@@ -37,28 +39,29 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    apps::FlightChoice choice;
+    flight::FlightChoice choice;
     choice.link_protocol = argv[1];
-    const auto setup = std::make_unique<apps::FlightSetup>(choice);
-    const auto flight = std::make_unique<apps::Flight>(*setup);
-    const auto in_stage = [&flight](apps::Stage stage) {
-      return flight->director().stage() == stage;
+    const auto setup = std::make_unique<flight::FlightSetup>(choice);
+    const auto flight = std::make_unique<flight::Flight>(*setup);
+    const auto in_stage = [&flight](flight::Stage stage) {
+      return flight->runner().stage() == stage;
     };
-    while (!flight->director().finished() && !in_stage(apps::Stage::kFly)) flight->step();
+    while (!flight->runner().finished() && !in_stage(flight::Stage::kFly)) flight->step();
     Meter meter;
     const sim::Time begin = flight->now();
     flight->set_tap(&meter);
-    while (in_stage(apps::Stage::kFly)) flight->step();
+    while (in_stage(flight::Stage::kFly)) flight->step();
     const double took_s = static_cast<double>((flight->now() - begin).count()) * 1e-6;
     flight->run();
-    if (!in_stage(apps::Stage::kDone)) {
+    if (!in_stage(flight::Stage::kDone)) {
       std::fprintf(stderr, "link_rate: the flight failed: %s\n",
-                   flight->director().failure().c_str());
+                   flight->runner().failure().c_str());
       return 1;
     }
-    std::printf("{\"bytes_per_s\": %.1f, \"frames_per_s\": %.1f}\n",
-                static_cast<double>(meter.bytes()) / took_s,
-                static_cast<double>(meter.frames()) / took_s);
+    std::cout
+        << nlohmann::ordered_json{{"bytes_per_s", static_cast<double>(meter.bytes()) / took_s},
+                                  {"frames_per_s", static_cast<double>(meter.frames()) / took_s}}
+        << "\n";
     return 0;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "link_rate: %s\n", e.what());

@@ -2,18 +2,22 @@
 // Simulated time over processor time of the default flight: on the truth without and with the log,
 // and on the estimate; and of the default fixed wing on the estimate. One measurement a run.
 //
+// Processor time is that of all threads, so that of the log's compression too.
+//
 // usage: loop [--only-factor]
 #include <cstdio>
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 
-#include "apps/fly/flight_recorder.hpp"
+#include "flight/flight_recorder.hpp"
 
 namespace {
 
-using namespace rosflight::apps;  // NOLINT(google-build-using-namespace): a program of one file
+using namespace rosflight::flight;  // NOLINT(google-build-using-namespace): a program of one file
 
 double processor_time_s() {
   timespec t{};
@@ -57,10 +61,11 @@ int main(int argc, char** argv) {
       wing.vehicle = "anaconda";
       winged = factor(*std::make_unique<FlightSetup>(wing), nullptr);
     }
-    std::printf(
-        "{\"realtime_factor\": %.1f, \"realtime_factor_log\": %.1f, \"realtime_factor_ekf\": "
-        "%.1f, \"realtime_factor_fixedwing\": %.1f}\n",
-        plain, logged, estimated, winged);
+    std::cout << nlohmann::ordered_json{{"realtime_factor", plain},
+                                        {"realtime_factor_log", logged},
+                                        {"realtime_factor_ekf", estimated},
+                                        {"realtime_factor_fixedwing", winged}}
+              << "\n";
     return 0;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "loop: %s\n", e.what());

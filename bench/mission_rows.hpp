@@ -3,7 +3,9 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <iostream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 
 /// What the programs that fly missions have in common.
@@ -12,7 +14,7 @@ namespace rosflight::bench {
 using Figures = std::map<std::string, double>;
 
 /// The rest of main(): `figures_of(row)` for every row, or those named on the command line, as one
-/// JSON object NAME -> {QUANTITY: number}, each row as soon as it is known.
+/// JSON object NAME -> {QUANTITY: number}.
 template <class Rows, class FiguresOf>
 int print_rows(const char* program, const Rows& rows, FiguresOf figures_of, int argc, char** argv) {
   const auto wanted = [argc, argv](const char* name) {
@@ -22,20 +24,11 @@ int print_rows(const char* program, const Rows& rows, FiguresOf figures_of, int 
     return argc < 2;
   };
   try {
-    const char* separator = "{";
+    nlohmann::ordered_json all = nlohmann::ordered_json::object();
     for (const auto& row : rows) {
-      if (!wanted(row.name)) continue;
-      std::printf("%s\"%s\": {", separator, row.name);
-      const char* comma = "";
-      for (const auto& [key, value] : figures_of(row)) {
-        std::printf("%s\"%s\": %.6g", comma, key.c_str(), value);
-        comma = ", ";
-      }
-      std::printf("}");
-      std::fflush(stdout);
-      separator = ",\n ";
+      if (wanted(row.name)) all[row.name] = figures_of(row);
     }
-    std::printf("%s\n", *separator == '{' ? "{}" : "}");
+    std::cout << all.dump(1) << "\n";
     return 0;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "%s: %s\n", program, e.what());

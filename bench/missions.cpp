@@ -10,17 +10,18 @@
 #include <string>
 #include <vector>
 
-#include "apps/fly/flight.hpp"
+#include "base/constants.hpp"
 #include "bench/mission_rows.hpp"
+#include "flight/flight.hpp"
 
 namespace {
 
-using namespace rosflight::apps;  // NOLINT(google-build-using-namespace): a program of one file
+using namespace rosflight::flight;  // NOLINT(google-build-using-namespace): a program of one file
 using rosflight::bench::Figures;
 using rosflight::sim::Time;
 using rosflight::sim::Vector3;
 
-constexpr double kDegPerRad = 57.29577951308232;
+using rosflight::base::kDegPerRad;
 
 struct Row {
   const char* name;
@@ -58,8 +59,8 @@ double from_s(const Row& row) {
 
 /// Sums of one flight, from the start of its fault on.
 struct Score {
-  Tracking own;    ///< Horizontal, less the slow error of the satellites.
-  Tracking total;  ///< Horizontal, as it was.
+  ErrorStatistics own;    ///< Horizontal, less the slow error of the satellites.
+  ErrorStatistics total;  ///< Horizontal, as it was.
   double max_tilt_deg{};
   double max_height_error_m{};
   bool landed{};     ///< Came down on its own and was disarmed.
@@ -68,17 +69,17 @@ struct Score {
   double from_s{};
 
   void look(Flight& flight) {
-    const GuideOutput& guide = flight.autonomy();
-    if (flight.director().stage() != Stage::kFly) return;
+    const GuidanceOutput& guide = flight.autonomy();
+    if (flight.runner().stage() != Stage::kFly) return;
     if (static_cast<double>(flight.now().count()) * 1e-6 < from_s) return;
     const auto& truth = flight.truth().body;
-    const double cosine = (truth.q_NB * Vector3::UnitZ()).z();
+    const double cosine = (truth.q_WB * Vector3::UnitZ()).z();
     max_tilt_deg = std::max(max_tilt_deg, kDegPerRad * std::acos(std::clamp(cosine, -1.0, 1.0)));
     if (!guide.tracking) return;
-    own.add((flight.seen_position_N() - guide.setpoint.p_N).head<2>().norm());
-    total.add((truth.p_N - guide.setpoint.p_N).head<2>().norm());
+    own.add((flight.seen_position_W() - guide.setpoint.p_W).head<2>().norm());
+    total.add((truth.p_W - guide.setpoint.p_W).head<2>().norm());
     max_height_error_m =
-        std::max(max_height_error_m, std::abs(truth.p_N.z() - guide.setpoint.p_N.z()));
+        std::max(max_height_error_m, std::abs(truth.p_W.z() - guide.setpoint.p_W.z()));
   }
 };
 
@@ -94,10 +95,10 @@ Score fly(const Row& row, std::uint64_t seed) {
   score.from_s = from_s(row);
   flight->set_script([&score](Flight& f, Time /*t*/) { score.look(f); });
   flight->run();
-  const FlightDirector& director = flight->director();
-  score.landed = director.stage() == Stage::kDone && flight->autonomy().landed;
-  bool all = director.arrivals().size() == setup.waypoints.size();
-  for (const auto& arrival : director.arrivals()) all = all && arrival.reached;
+  const MissionRunner& runner = flight->runner();
+  score.landed = runner.stage() == Stage::kDone && flight->autonomy().landed;
+  bool all = runner.arrivals().size() == setup.waypoints.size();
+  for (const auto& arrival : runner.arrivals()) all = all && arrival.reached;
   score.completed = score.landed && all;
   return score;
 }
@@ -106,9 +107,9 @@ Figures figures_of(const Row& row) {
   Figures out;
   if (row.seeds == 1) {
     const Score s = fly(row, 1);
-    out["horizontal_rms_m"] = s.own.rms_m();
-    out["horizontal_max_m"] = s.own.max_m;
-    out["total_rms_m"] = s.total.rms_m();
+    out["horizontal_rms_m"] = s.own.rms();
+    out["horizontal_max_m"] = s.own.max;
+    out["total_rms_m"] = s.total.rms();
     out["height_max_m"] = s.max_height_error_m;
     out["max_tilt_deg"] = s.max_tilt_deg;
     out["landed"] = s.landed ? 1.0 : 0.0;
@@ -118,7 +119,7 @@ Figures figures_of(const Row& row) {
     for (int seed = 1; seed <= row.seeds; ++seed) {
       const Score s = fly(row, static_cast<std::uint64_t>(seed));
       completed += s.completed ? 1.0 : 0.0;
-      worst_m = std::max(worst_m, s.own.rms_m());
+      worst_m = std::max(worst_m, s.own.rms());
       tilt_deg = std::max(tilt_deg, s.max_tilt_deg);
     }
     out["completed"] = completed;

@@ -8,15 +8,16 @@
 #include <string>
 #include <vector>
 
-#include "apps/fly/flight.hpp"
+#include "base/constants.hpp"
 #include "bench/mission_rows.hpp"
+#include "flight/flight.hpp"
 
 namespace {
 
-using namespace rosflight::apps;  // NOLINT(google-build-using-namespace): a program of one file
+using namespace rosflight::flight;  // NOLINT(google-build-using-namespace): a program of one file
 using rosflight::bench::Figures;
 
-constexpr double kDegPerRad = 57.29577951308232;
+using rosflight::base::kDegPerRad;
 constexpr const char* kLoops = "autonomy.energy.longitudinal=successive_loops";
 
 struct Row {
@@ -56,23 +57,23 @@ Figures fly(const Row& row, std::uint64_t seed) {
   const FlightSetup setup(choice);
   const auto flight = std::make_unique<Flight>(setup);
   flight->run();
-  const FlightDirector& director = flight->director();
-  const WingRecord& wing = *flight->wing_record();
+  const MissionRunner& runner = flight->runner();
+  const FixedWingRecord& wing = *flight->fixedwing_record();
   Figures out;
-  const bool landed = director.stage() == Stage::kDone && flight->autonomy().landed;
-  bool all = director.arrivals().size() == setup.waypoints.size();
-  for (const auto& arrival : director.arrivals()) all = all && arrival.reached;
+  const bool landed = runner.stage() == Stage::kDone && flight->autonomy().landed;
+  bool all = runner.arrivals().size() == setup.waypoints.size();
+  for (const auto& arrival : runner.arrivals()) all = all && arrival.reached;
   out["landed"] = landed ? 1.0 : 0.0;
   out["completed"] = landed && all ? 1.0 : 0.0;
-  out["straight_rms_m"] = wing.straight.rms_m();
-  out["arc_rms_m"] = wing.arc.rms_m();
-  out["corner_rms_m"] = wing.corner.rms_m();
-  out["corner_max_m"] = wing.corner.max_m;
-  out["straight_total_rms_m"] = wing.straight_total.rms_m();
-  out["arc_total_rms_m"] = wing.arc_total.rms_m();
-  out["height_rms_m"] = wing.height.rms_m();
-  out["airspeed_rms_m_s"] = wing.airspeed.rms_m();
-  out["max_bank_deg"] = kDegPerRad * wing.roll.max_m;
+  out["straight_rms_m"] = wing.straight.rms();
+  out["arc_rms_m"] = wing.arc.rms();
+  out["corner_rms_m"] = wing.corner.rms();
+  out["corner_max_m"] = wing.corner.max;
+  out["straight_total_rms_m"] = wing.straight_total.rms();
+  out["arc_total_rms_m"] = wing.arc_total.rms();
+  out["height_rms_m"] = wing.height.rms();
+  out["airspeed_rms_m_s"] = wing.airspeed.rms();
+  out["max_bank_deg"] = kDegPerRad * wing.roll.max;
   out["min_airspeed_m_s"] = wing.lowest_airspeed_m_s;
   if (const auto& touch = wing.touchdown()) {
     out["touchdown_distance_m"] = touch->distance_m;

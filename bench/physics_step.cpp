@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <iostream>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "sim/registry.hpp"
@@ -34,17 +36,17 @@ int main(int argc, char** argv) {
     sim::RigidBody dynamics(vehicle.body(), vehicle.ground(), vehicle.environment(), *forces,
                             random);
     sim::BodyState start;
-    start.p_N.z() = -50.0;
+    start.p_W.z() = -50.0;
     dynamics.set_state(start);
     hal::OutputValues outputs{};
     for (std::int64_t i = 1; i <= steps; ++i) {
       // Holds height well enough: more when below or falling.
       const sim::BodyState& body = dynamics.truth().body;
-      const double duty = 0.49 + 0.02 * (body.p_N.z() + 50.0) - 0.05 * -body.v_B.z();
+      const double duty = 0.49 + 0.02 * (body.p_W.z() + 50.0) - 0.05 * -body.v_B.z();
       outputs.fill(static_cast<float>(duty));
       dynamics.step(hal::microseconds(2500 * i), outputs);
     }
-    std::printf("{\"height_m\": %.6f}\n", -dynamics.truth().body.p_N.z());
+    std::cout << nlohmann::json{{"height_m", -dynamics.truth().body.p_W.z()}} << "\n";
   } catch (const config::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

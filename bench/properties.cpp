@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <iostream>
+#include <nlohmann/json.hpp>
 
 #include "firmware/core/test/fly_random.hpp"
 
@@ -49,8 +51,9 @@ int main(int argc, char** argv) {
     }
   }
   std::fprintf(stderr, "%s", coverage.report().c_str());
-  std::printf("{\"passes\": %llu, \"violations\": %d, \"armed_passes\": %llu}\n",
-              static_cast<unsigned long long>(coverage.passes), violations,
-              static_cast<unsigned long long>(coverage.armed_passes));
+  std::cout << nlohmann::ordered_json{{"passes", coverage.passes},
+                                      {"violations", violations},
+                                      {"armed_passes", coverage.armed_passes}}
+            << "\n";
   return 0;
 }

@@ -17,50 +17,55 @@ struct CommandRule;
 
 struct CommandResult {
   link::Command command{};
-  bool acknowledged{};   ///< The FCU said yes (a lost yes leaves this false in a job that is done
-                         ///< all the same).
-  std::string fcu_text;  ///< Its log line that decided the outcome, if one did.
+  bool acknowledged{};   ///< The acknowledgement was received; it may be lost in a successful job.
+  std::string fcu_text;  ///< The log line of the FCU that decided the outcome, if any.
 };
 
-/// Commands to the FCU, each a job that ends with the *outcome*, not with "sent":
+/// Commands to the FCU. Each is a job that ends with the outcome, not when the command is sent:
 ///
-/// - write, read, defaults, version, RC trim: the acknowledge. Sent again if it does not come, but
-/// for RC
-///   trim, which adds up.
-/// - calibrations: the FCU acknowledges the start; the end is known by its log line
-/// (calibration_texts.hpp)
-///   or, if that was lost or never sent (gyro of ROSflight 2.x), by biases that are new and not
-///   zero. When the time is up the biases are asked for before giving up.
-/// - reboot: the boot clock starts anew. Reboot to bootloader: silence, or a new start.
+/// - Write, read, defaults, version, RC trim end with the acknowledgement. A request without one is
+///   sent again, except RC trim, whose effect accumulates.
+/// - Calibrations: the FCU acknowledges the start. The end is recognised by its log line
+///   (calibration_texts.hpp) or, if that was lost or is never sent (gyro of ROSflight 2.x), by
+///   biases that are new and not zero. At the timeout the biases are requested once more.
+/// - Reboot ends when the boot clock starts again. Reboot to the bootloader ends with silence or
+///   with a new start.
 ///
-/// One job per command at a time; asking again while it runs gives a failed job.
+/// One job per command at a time; a second start() while it runs returns a failed job.
 class CommandClient {
  public:
   struct Options {
     Time ack_timeout{std::chrono::milliseconds{500}};
     Time storage_timeout{
         std::chrono::seconds{3}};  ///< Acknowledge of read and write; a card may take 1 s.
-    int attempts{6};               ///< Of what may be repeated.
+    int attempts{6};               ///< For commands that may be repeated.
     /// From acknowledge to result: IMU 2.5 s at 400 Hz, barometer and airspeed 5.4 to 7.7 s.
     Time calibration_timeout{std::chrono::seconds{20}};
     Time reboot_timeout{std::chrono::seconds{15}};
   };
 
+  /// @param port  must outlive this. @param parameters  likewise.
   CommandClient(const Options& options, Port& port, ParameterClient& parameters)
       : options_(options), port_(port), parameters_(parameters) {}
   ~CommandClient();
   CommandClient(const CommandClient&) = delete;
   CommandClient& operator=(const CommandClient&) = delete;
 
+  /// Sends the command. @returns a job that ends with its outcome or a timeout.
   Job<CommandResult> start(link::Command command);
 
   // For the session.
+  /// A message that may end a job.
   void received(const link::CommandAck& ack);
   void received(const link::StatusText& line);
   void received(const link::ParamValue& value);
+  /// The boot clock of the FCU started again: ends reboots, fails everything else.
   void fcu_restarted();
+  /// No valid message for the connection timeout.
   void connection_lost();
+  /// State of the FCU; no calibration starts while armed.
   void set_armed(bool armed) { armed_ = armed; }
+  /// Repeats requests and ends jobs whose time is over.
   void run(bool link_open);
   Time next_due() const { return due_; }
   bool idle() const { return pending_.empty(); }

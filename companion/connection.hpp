@@ -6,26 +6,26 @@
 
 namespace rosflight::companion {
 
-/// Knows whether an FCU is at the other end and whether it has started anew.
+/// Detects whether an FCU is connected and whether it has restarted.
 ///
-/// Connected: a heartbeat came, and since then never more than `timeout` without a valid message.
-/// Restarted: two stamps running lie more than 200 ms before the latest one seen. One such stamp
-/// may be a late datagram; a clock does not go back twice. Feed it only prompt messages (IMU,
-/// TIMESYNC answers).
+/// Connected: a heartbeat was received, and since then no gap of `timeout` without a valid message.
+/// Restarted: two consecutive stamps are more than 200 ms before the latest one. A single such stamp
+/// may be a late datagram. Use only messages that are sent without delay (IMU, TIMESYNC answers).
 class Connection {
  public:
+  /// @param timeout  without a valid message, after which the connection is lost.
   explicit Connection(Time timeout = std::chrono::seconds{2}) : timeout_(timeout) {}
 
-  /// Any valid message. @returns true if this made the connection.
+  /// A valid message was received. @returns true if it established the connection.
   bool received(Time now, bool is_heartbeat);
   /// @returns true if the connection was lost by now.
   bool expired(Time now);
-  /// When expired() can turn true at the earliest.
+  /// The earliest time at which expired() can return true.
   Time next_due() const { return connected_ ? last_received_ + timeout_ : kNever; }
-  /// The link itself closed. @returns true if there was a connection.
+  /// The link was closed. @returns true if there was a connection.
   bool close();
 
-  /// Takes the FCU's clock as seen in a message. @returns true if the FCU has restarted.
+  /// Processes the FCU's clock from a message. @returns true if the FCU has restarted.
   bool fcu_clock(Time fcu);
 
   bool connected() const { return connected_; }

@@ -7,15 +7,15 @@
 #include "companion/time.hpp"
 #include "link/messages.hpp"
 
-/// What happens on a link besides the flow of samples. Plain values without heap.
+/// Events of a link, besides the streams of samples. Plain values without heap.
 namespace rosflight::companion {
 
 enum class ConnectionChange : std::uint8_t {
   kLinkOpened,  ///< The transport can carry bytes.
   kLinkClosed,
   kConnected,  ///< An FCU sends heartbeats.
-  kLost,       ///< Nothing valid from the FCU for the time-out.
-  kRestarted   ///< The FCU's boot clock went back: it started anew.
+  kLost,       ///< No valid message of the FCU for the timeout.
+  kRestarted   ///< The FCU's boot clock decreased: it restarted.
 };
 
 struct ConnectionEvent {
@@ -29,18 +29,18 @@ struct LogEvent {
   Time time{};
 };
 
-/// The FCU clock jumped against ours; the new offset is in force from here on.
+/// The FCU clock jumped relative to companion time; the new offset is in force from now on.
 struct ClockJumpEvent {
   Time old_offset{};
   Time new_offset{};
 };
 
-/// A parameter was seen for the first time, or has another value than before.
+/// A parameter was received for the first time, or with a new value.
 struct ParameterEvent {
   link::ParamName name{};
   link::ParamType type{};
   link::ParamBits value{};
-  bool first{};  ///< First sight; there is no old value.
+  bool first{};  ///< Received for the first time; there is no old value.
   link::ParamBits old_value{};
 };
 
@@ -51,7 +51,7 @@ struct ParameterListEvent {
   bool complete{};
 };
 
-/// Values on the FCU differ from those it has stored (as far as this end can know).
+/// Values on the FCU differ from its stored ones, as far as this end has observed.
 struct UnsavedEvent {
   bool unsaved{};
 };
@@ -63,13 +63,13 @@ struct VersionEvent {
   VersionMatch match{};  ///< Compares major and minor only.
 };
 
-/// The FCU was built from other messages than we are: nothing of it is understood, and nothing but
-/// heartbeats is sent to it. Told once, and again if its schema changes.
+/// The FCU was built with other message layouts: its frames are rejected, and only heartbeats are sent
+/// to it. Published once, and again if its schema changes.
 struct SchemaEvent {
   std::uint32_t ours{};
   std::uint32_t theirs{};
 };
-/// What to tell people: one line.
+/// One line for a person.
 std::string schema_text(const SchemaEvent& event);
 
 using Event = std::variant<ConnectionEvent, LogEvent, ClockJumpEvent, ParameterEvent,

@@ -12,10 +12,10 @@ namespace rosflight::companion {
 
 enum class JobState : std::uint8_t { kPending, kDone, kFailed };
 
-/// The inside of a job, written by the client that does the work.
+/// The shared state of a job, written by the client that does the work.
 struct JobRecordBase {
   JobState state{JobState::kPending};
-  std::string text;  ///< One line: what is going on, and at the end what came out.
+  std::string text;  ///< One line: the progress, and at the end the outcome.
   Time started{};
   Time finished{};
   std::vector<std::function<void()>> callbacks;
@@ -26,12 +26,13 @@ struct JobRecord : JobRecordBase {
   Result result{};
 };
 
-/// Handle of something that ends in a result or a time-out, never in silence. Copies show the same
-/// job; a handle may outlive the session. The default-made handle is a failed job.
+/// Handle of a task that ends with a result or a timeout. Copies refer to the same job; a handle may
+/// outlive the session. A default-constructed handle is a failed job.
 template <class Result>
 class Job {
  public:
   Job() : record_(refused()) {}
+  /// @param record  the state that the client writes.
   explicit Job(std::shared_ptr<JobRecord<Result>> record) : record_(std::move(record)) {}
 
   JobState state() const { return record_->state; }
@@ -39,7 +40,7 @@ class Job {
   bool done() const { return record_->state == JobState::kDone; }
   bool failed() const { return record_->state == JobState::kFailed; }
   const std::string& text() const { return record_->text; }
-  /// Meaningful when not pending.
+  /// Valid when not pending.
   const Result& result() const { return record_->result; }
   Time duration() const { return pending() ? Time{} : record_->finished - record_->started; }
 
@@ -75,6 +76,7 @@ class JobEnds {
     }
   }
 
+  /// Ends a job; its callbacks run in flush().
   void finish(const std::shared_ptr<JobRecordBase>& record, JobState state, std::string text,
               Time now) {
     record->state = state;
@@ -85,6 +87,7 @@ class JobEnds {
     }
   }
 
+  /// Calls the callbacks of ended jobs, also of those that end meanwhile.
   void flush() {
     while (!ended_.empty()) {
       const auto batch = std::exchange(ended_, {});

@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
+
+#include "base/constants.hpp"
 
 namespace rosflight::companion {
 
 namespace {
 
-constexpr double kGravity_m_s2 = 9.80665;
+constexpr double kGravity_m_s2 = base::kStandardGravity_m_s2;
 constexpr double kFaceTolerance_m_s2 = 1.0;  // 26 deg of tilt
 constexpr double kStill_rad_s = 0.3;
 constexpr double kAccelWeight = 0.05;  // 50 ms at 400 Hz
@@ -92,7 +93,7 @@ double circle_coverage(std::span<const MagFit::Vector> samples, std::size_t per_
   std::array<std::size_t, kSectors> filled{};
   for (const MagFit::Vector& s : samples) {
     const Vector3d d = point(s) - centre;
-    const double turn = std::atan2(y.dot(d), x.dot(d)) / (2.0 * std::numbers::pi) + 0.5;
+    const double turn = std::atan2(y.dot(d), x.dot(d)) / (2.0 * base::kPi) + 0.5;
     const auto sector =
         static_cast<std::size_t>(std::max(turn, 0.0) * static_cast<double>(kSectors));
     ++filled[std::min(sector, kSectors - 1)];
@@ -175,14 +176,14 @@ void MagCalibration::reset_done(const Job<LoadReport>& job) {
     fail("old correction cannot be taken away: " + job.text());
     return;
   }
-  ask_for_face();
+  prompt_for_face();
 }
 
-void MagCalibration::ask_for_face() {
+void MagCalibration::prompt_for_face() {
   enter(State::kFindFace);
   face_since_ = now_;
-  say(std::to_string(done_.count()) +
-      " of 6 faces done: put the vehicle on another face and hold it still");
+  prompt(std::to_string(done_.count()) +
+         " of 6 faces done: put the vehicle on another face and hold it still");
 }
 
 void MagCalibration::on_imu(const link::Imu& imu, const Stamp& stamp) {
@@ -200,7 +201,7 @@ void MagCalibration::on_imu(const link::Imu& imu, const Stamp& stamp) {
     face_ = face;
     face_since_ = now_;
   }
-  if (now_ - state_since_ > options_.patience) {
+  if (now_ - state_since_ > options_.face_timeout) {
     fail("nothing new for too long");
   } else if (state_ == State::kFindFace) {
     find_face(imu);
@@ -223,13 +224,13 @@ void MagCalibration::find_face(const link::Imu& imu) {
     circle_.clear();
     turned_ = 0.0;
     enter(State::kTurn);
-    say(std::string(kFaceNames[turning_face_]) + ": turn a full circle about the vertical");
+    prompt(std::string(kFaceNames[turning_face_]) + ": turn a full circle about the vertical");
   }
 }
 
 void MagCalibration::watch_turn() {
   if (face_ != turning_face_ && now_ - face_since_ > kTiltedAway) {
-    ask_for_face();
+    prompt_for_face();
   }
 }
 
@@ -262,7 +263,7 @@ void MagCalibration::face_done() {
   if (done_.all()) {
     finish_fit();
   } else {
-    ask_for_face();
+    prompt_for_face();
   }
 }
 
@@ -314,7 +315,7 @@ void MagCalibration::enter(State state) {
   state_since_ = session_.now();
 }
 
-void MagCalibration::say(const std::string& line) {
+void MagCalibration::prompt(const std::string& line) {
   job_->text = "magnetometer calibration: " + line;
   if (prompt_) {
     prompt_(line);

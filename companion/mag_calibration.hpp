@@ -16,17 +16,17 @@
 
 namespace rosflight::companion {
 
-/// Calibrates the magnetometer with a person who turns the vehicle: each of the six faces down
-/// once, and a full circle about the vertical with each.
+/// Calibrates the magnetometer while a person turns the vehicle: each of the six faces down once,
+/// and a full circle about the vertical with each.
 ///
-/// 1. The correction on the FCU is set to none and confirmed, so that raw values come.
-/// 2. Any face not yet done, held still for `hold`, is the next; then the vehicle is turned until
-/// each of
-///    ten sectors of the circle has `per_sector` samples (sectors in the plane that fits the
-///    samples best). Tilted away, the face is looked for again.
-/// 3. After six faces the fit (mag_fit.hpp); if it is good, its values are set and confirmed.
-/// If anything fails, or on cancel(), the values from before are put back. Nothing is written to
-/// non-volatile memory. Can be repeated.
+/// 1. The correction on the FCU is cleared and confirmed, so that raw values are received.
+/// 2. A face that is not done yet and is held still for `hold` is the next. The vehicle is then
+///    turned until each of ten sectors of the circle has `per_sector` samples; the sectors lie in
+///    the plane that fits the samples best. If the vehicle is tilted, the face is detected again.
+/// 3. After six faces the samples are fitted (mag_fit.hpp); a good fit is set and confirmed.
+///
+/// After a failure or cancel() the previous values are restored. Nothing is written to non-volatile
+/// memory. Can be repeated.
 class MagCalibration final : public Listener {
  public:
   static constexpr std::size_t kFaces = 6;
@@ -34,7 +34,7 @@ class MagCalibration final : public Listener {
   struct Options {
     Time hold{std::chrono::seconds{2}};
     std::size_t per_sector{20};
-    Time patience{std::chrono::minutes{2}};  ///< For one face.
+    Time face_timeout{std::chrono::minutes{2}};
     MagFit::Limits fit;
   };
 
@@ -44,21 +44,24 @@ class MagCalibration final : public Listener {
     State state{State::kIdle};
     std::size_t faces_done{};
     const char* face{""};  ///< "nose down"; in kTurn.
-    double turned{};       ///< Share of the circle that is full, 0..1; in kTurn.
+    double turned{};       ///< Fraction of the circle that is complete, 0..1; in kTurn.
     std::size_t samples{};
   };
 
+  /// @param session  must outlive this.
   explicit MagCalibration(Session& session) : MagCalibration(session, Options{}) {}
   MagCalibration(Session& session, const Options& options);
   ~MagCalibration() override;
   MagCalibration(const MagCalibration&) = delete;
   MagCalibration& operator=(const MagCalibration&) = delete;
 
-  /// Fails at once while one runs, while armed, or if the FCU has no magnetometer parameters.
+  /// Starts. The job fails at once if one is running, while armed, or if the FCU has no magnetometer
+  /// parameters.
   Job<MagFit> start();
+  /// Ends the job and restores the previous values.
   void cancel();
   Progress progress() const;
-  /// What to do next, one line, for the person.
+  /// Sets the function that receives the next instruction for the person, one line.
   void on_prompt(std::function<void(const std::string&)> handler) { prompt_ = std::move(handler); }
 
   void on_imu(const link::Imu& imu, const Stamp& stamp) override;
@@ -68,8 +71,8 @@ class MagCalibration final : public Listener {
  private:
   bool collecting() const { return state_ == State::kFindFace || state_ == State::kTurn; }
   void enter(State state);
-  void say(const std::string& line);
-  void ask_for_face();
+  void prompt(const std::string& line);
+  void prompt_for_face();
   void find_face(const link::Imu& imu);
   void watch_turn();
   void face_done();
@@ -95,7 +98,7 @@ class MagCalibration final : public Listener {
   Time state_since_{};
   std::array<double, 3> accel_m_s2_{};  ///< Low-passed.
   bool accel_started_{false};
-  std::optional<std::size_t> face_;  ///< That the accelerometer shows.
+  std::optional<std::size_t> face_;  ///< The face that is down, by the accelerometer.
   Time face_since_{};
   std::size_t turning_face_{};
   std::bitset<kFaces> done_;
@@ -104,8 +107,7 @@ class MagCalibration final : public Listener {
   double turned_{};
 };
 
-/// How full the emptiest of ten sectors is, 0..1, when samples are seen from their centroid in
-/// their plane.
+/// Fill of the emptiest of ten sectors, 0..1, with samples seen from their centroid in their plane.
 double circle_coverage(std::span<const MagFit::Vector> samples, std::size_t per_sector);
 
 }  // namespace rosflight::companion

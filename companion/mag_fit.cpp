@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <bitset>
 #include <cmath>
-#include <numbers>
 #include <vector>
+
+#include "base/constants.hpp"
 
 namespace rosflight::companion {
 
@@ -168,7 +169,7 @@ double coverage_of(const Points& points, const Ellipsoid& e) {
     const Vector3d u = (e.w * (p - e.b)).normalized();
     const double band = (u.z() + 1.0) / 2.0 * static_cast<double>(kBands);
     const double sector =
-        (std::atan2(u.y(), u.x()) / (2.0 * std::numbers::pi) + 0.5) * static_cast<double>(kSectors);
+        (std::atan2(u.y(), u.x()) / (2.0 * base::kPi) + 0.5) * static_cast<double>(kSectors);
     const auto cell = [](double x, std::size_t n) {
       return std::min(static_cast<std::size_t>(std::max(x, 0.0)), n - 1);
     };

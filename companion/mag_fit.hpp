@@ -6,22 +6,22 @@
 
 namespace rosflight::companion {
 
-/// Correction of a magnetometer from samples taken in many attitudes in one undisturbed place.
+/// Correction of a magnetometer from samples in many attitudes at one undisturbed position.
 ///
-/// The true field has one strength F in all attitudes. The sensor, with permanent magnets (hard
-/// iron b) and magnetisable parts (soft iron) around it, makes an ellipsoid of that sphere. Wanted
-/// are b and the symmetric A with
+/// The strength F of the true field is the same in all attitudes. Permanent magnets (hard iron b) and
+/// magnetisable parts (soft iron) near the sensor turn this sphere into an ellipsoid. The fit
+/// determines b and the symmetric A with
 ///
-///     m_cal = A (m - b),   |m_cal| = F for all samples,   det A = 1            (1)
+///     m_cal = A (m - b),   |m_cal| = F for all samples,   det A = 1                       (1)
 ///
-/// which is the form the firmware applies (MAG_X_BIAS.., MAG_CAL_A00..). Start: the quadric with
-/// the smallest algebraic residual (Gander, Golub & Strebel, BIT 34 (1994) 558: least squares under
-/// |v| = 1), on centred and scaled samples. That is biased by noise; Levenberg-Marquardt then
-/// minimises
+/// which is the form that the firmware applies (MAG_X_BIAS.., MAG_CAL_A00..). It starts with the
+/// quadric of the smallest algebraic residual (Gander, Golub & Strebel, BIT 34 (1994) 558: least
+/// squares under |v| = 1), on centred and scaled samples. This is biased by noise, so
+/// Levenberg-Marquardt then minimises
 ///
-///     sum_k ( |W (m_k - b)| - 1 )^2   over W = A/F, b                           (2)
+///     sum_k ( |W (m_k - b)| - 1 )^2   over W = A/F, b                                     (2)
 ///
-/// A rotation of the sensor cannot be seen in field strengths alone; a symmetric A adds none.
+/// Field strengths do not show a rotation of the sensor; a symmetric A adds none.
 struct MagFit {
   using Vector = std::array<double, 3>;
 
@@ -29,9 +29,9 @@ struct MagFit {
     kOk,
     kTooFewSamples,
     kNotFinite,
-    kUndetermined,  ///< Attitudes too alike: some of the nine unknowns are free
+    kUndetermined,  ///< Attitudes too similar: some of the nine unknowns are free
                     ///< (Limits::determination).
-    kNoEllipsoid,   ///< The best quadric is none, or (2) does not converge.
+    kNoEllipsoid,   ///< The best quadric is no ellipsoid, or (2) does not converge.
     kPoorFit        ///< Residual above the limit: disturbed field, moved magnets.
   };
 
@@ -51,14 +51,16 @@ struct MagFit {
   double residual{};               ///< Root of the mean of (2): relative error of the strength.
   double raw_residual{};           ///< The same without correction, for comparison.
   double determination{};          ///< See Limits.
-  double coverage{};               ///< Share of 72 equal cells of the sphere that have a sample.
+  double coverage{};               ///< Fraction of 72 equal cells of the sphere with a sample.
 
+  /// (1) for one sample, in its unit.
   Vector corrected(const Vector& sample) const;
 };
 
+/// One line for a person.
 const char* mag_fit_status_text(MagFit::Status status);
 
-/// Cost: a few ms for 5000 samples.
+/// Fits (1) to samples of the raw field, in any unit. Costs a few ms for 5000 samples.
 MagFit fit_magnetometer(std::span<const MagFit::Vector> samples, const MagFit::Limits& limits = {});
 
 }  // namespace rosflight::companion

@@ -8,9 +8,9 @@ namespace rosflight::companion {
 
 namespace {
 
-constexpr std::size_t kRollEntry = 3;
-constexpr std::size_t kPitchEntry = 4;
-constexpr std::size_t kYawEntry = 5;
+constexpr std::size_t kRollAxis = 3;
+constexpr std::size_t kPitchAxis = 4;
+constexpr std::size_t kYawAxis = 5;
 constexpr float kSmallestNorm = 1e-3f;
 
 template <std::size_t N>
@@ -28,9 +28,9 @@ link::OffboardControl attitude_command(link::OffboardMode mode, float roll, floa
     command.ignore = static_cast<std::uint16_t>(command.ignore & ~ignore_bit(entry));
   };
   use(static_cast<std::size_t>(axis), throttle);
-  use(kRollEntry, roll);
-  use(kPitchEntry, pitch);
-  use(kYawEntry, yaw);
+  use(kRollAxis, roll);
+  use(kPitchAxis, pitch);
+  use(kYawAxis, yaw);
   return command;
 }
 
@@ -48,7 +48,7 @@ bool in_range(std::uint8_t type, float value) {
 
 }  // namespace
 
-link::OffboardControl pass_through(const std::array<float, link::kCommandEntries>& u,
+link::OffboardControl pass_through(const std::array<float, link::kCommandAxes>& u,
                                    std::uint16_t ignore) {
   return {static_cast<std::uint8_t>(link::OffboardMode::kPassThrough), ignore, u};
 }
@@ -121,7 +121,7 @@ void Offboard::run() {
     return;
   }
   static_cast<void>(send(held_));
-  // Late steps do not make up for lost set-points: only the newest counts.
+  // Late steps do not make up for lost setpoints: only the newest counts.
   next_ = next_ + period_ > now ? next_ + period_ : now + period_;
 }
 
@@ -138,11 +138,11 @@ SendStatus Offboard::send(const link::AuxCommand& command) {
 }
 
 SendStatus Offboard::send(const link::ExternalAttitude& attitude) {
-  if (!all_finite(attitude.q_NB)) {
+  if (!all_finite(attitude.q_WB)) {
     return check(SendStatus::kNotFinite);
   }
   double norm_squared = 0.0;
-  for (const float q : attitude.q_NB) {
+  for (const float q : attitude.q_WB) {
     norm_squared += static_cast<double>(q) * static_cast<double>(q);
   }
   const double norm = std::sqrt(norm_squared);
@@ -150,8 +150,8 @@ SendStatus Offboard::send(const link::ExternalAttitude& attitude) {
     return check(SendStatus::kBadMode);
   }
   link::ExternalAttitude unit;
-  for (std::size_t i = 0; i < unit.q_NB.size(); ++i) {
-    unit.q_NB[i] = static_cast<float>(static_cast<double>(attitude.q_NB[i]) / norm);
+  for (std::size_t i = 0; i < unit.q_WB.size(); ++i) {
+    unit.q_WB[i] = static_cast<float>(static_cast<double>(attitude.q_WB[i]) / norm);
   }
   return put(unit, kOrdinary);
 }

@@ -10,11 +10,12 @@
 
 namespace rosflight::companion {
 
-/// A typed parameter value: 32 bits and what they mean.
+/// A typed parameter value: 32 bits and their type.
 struct ParameterValue {
   link::ParamType type{link::ParamType::kInt32};
   link::ParamBits bits{};
 
+  /// The value of a number, with its type.
   static ParameterValue of(std::int32_t v) {
     return {link::ParamType::kInt32, {std::bit_cast<std::uint32_t>(v)}};
   }
@@ -24,7 +25,7 @@ struct ParameterValue {
 
   std::int32_t as_int32() const { return std::bit_cast<std::int32_t>(bits.bits); }
   float as_float() const { return std::bit_cast<float>(bits.bits); }
-  /// Exact for both types.
+  /// The value as a double, exact for both types.
   double number() const;
   /// Shortest text that reads back as the same value: "3", "0.1", "1.0", ".nan".
   std::string text() const;
@@ -33,9 +34,10 @@ struct ParameterValue {
 /// Equal as numbers of the same type (so -0 is 0), or both not a number.
 bool same_value(const ParameterValue& a, const ParameterValue& b);
 
-/// What a number would be as a parameter of `type`, or in `error` why it cannot be one.
+/// A number as a value of `type`; nothing, and the reason in `error`, if it has no such value.
 std::optional<ParameterValue> to_value(double number, link::ParamType type, std::string& error);
 
+/// "int32" or "float".
 const char* type_name(link::ParamType type);
 
 /// NUL-padded name; nothing if `text` is empty, longer than 16 or has other characters than A-Z a-z

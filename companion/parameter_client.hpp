@@ -14,12 +14,11 @@
 
 namespace rosflight::companion {
 
-/// The FCU's parameters as seen from here: a mirror of its table, and jobs that read, set, load and
-/// save.
+/// The parameters of the FCU: a mirror of its table, and jobs that read, set, load and save.
 class ParameterClient {
  public:
   struct Options {
-    bool automatic_list{true};  ///< Get the list by itself at each start of link or FCU.
+    bool automatic_list{true};  ///< Request the list at each start of link or FCU.
     ParameterList::Options list;
     ParameterRequests::Options requests;
     Time list_timeout{
@@ -28,8 +27,8 @@ class ParameterClient {
 
   struct Counters {
     std::uint64_t values{};     ///< PARAM_VALUE messages that fit the table.
-    std::uint64_t malformed{};  ///< Dropped: cannot be a parameter.
-    std::uint64_t foreign{};    ///< Dropped: belong to another table.
+    std::uint64_t malformed{};  ///< Rejected: not a valid parameter.
+    std::uint64_t foreign{};    ///< Rejected: belongs to another table.
   };
 
   struct ListResult {
@@ -42,6 +41,7 @@ class ParameterClient {
   /// sets what did not stay; if there was such, the third decides.
   static constexpr int kLoadRounds = 3;
 
+  /// @param port  must outlive this.
   ParameterClient(const Options& options, Port& port);
   ~ParameterClient();
   ParameterClient(const ParameterClient&) = delete;
@@ -50,38 +50,48 @@ class ParameterClient {
   // The mirror.
   const ParameterTable& table() const { return table_; }
   bool complete() const { return table_.complete(); }
+  /// The last value received of a parameter; nothing if none was.
   std::optional<ParameterValue> get(std::string_view name) const;
-  /// Some value changed since the last successful write command or start of the FCU.
+  /// A value changed since the last successful write command or start of the FCU.
   bool unsaved() const { return changes_ != saved_changes_; }
   const Counters& counters() const { return counters_; }
   const ParameterList::Counters& list_counters() const { return list_.counters(); }
 
-  // Jobs. Each ends with a result or a time-out.
+  // Jobs. Each ends with a result or a timeout.
   Job<ListResult> refresh();  ///< Reads the whole table again.
+  /// Reads one parameter from the FCU.
   Job<ParameterResult> read(std::string_view name);
+  /// Sets one parameter and confirms its value (ParameterRequests).
   Job<ParameterResult> set(std::string_view name, double value);
-  /// Done if every entry is as wanted, failed if any is not; the report has them all.
+  /// Sets all values of a set. Done if every value is in force, failed if any is not; the report lists
+  /// them all.
   Job<LoadReport> load(ParameterSet set);
-  /// As above from a file; a file with an error sets nothing and fails with the line to mend.
+  /// The same from a file. A file with an error sets nothing and fails with the line of the error.
   Job<LoadReport> load_file(const std::filesystem::path& path);
   /// Writes all values, or only those that differ from `defaults` if given, as soon as the list is
   /// complete. The file appears whole or not at all.
   Job<ListResult> save_file(const std::filesystem::path& path, ParameterSet defaults = {});
 
   // For the session.
-  void link_opened();
-  void connected(bool again);  ///< After a silence anything may have changed.
-  void fcu_restarted();  ///< Stored values are in force: forget, read anew, nothing is unsaved.
+  void link_opened();          ///< Requests the list, if automatic.
+  void connected(bool again);  ///< After a lost connection any value may have changed.
+  void fcu_restarted();  ///< Stored values are in force: clears the mirror and reads it again.
+  /// Requests the whole list.
   void start_list();
+  /// Processes a value of the FCU.
   void received(const link::ParamValue& message);
+  /// Sends due requests and ends overdue jobs.
   void run(bool link_open);
+  /// The earliest time at which run() has something to do.
   Time next_due(bool link_open) const;
   std::uint64_t revision() const { return changes_; }
   /// A write command that was sent at `revision` succeeded.
   void written(std::uint64_t revision);
-  /// A read command succeeded: the FCU has the stored values in force, the mirror does not.
+  /// A read command succeeded: the stored values are in force on the FCU, but not in the mirror.
   void reloaded_from_storage();
+  /// Ends every job as failed, with a reason.
   void fail_all(const std::string& reason);
+  /// The version for the head of saved files.
   void set_firmware_version(std::string_view text) { firmware_version_ = text; }
 
  private:

@@ -2,14 +2,11 @@
 #include "companion/parameter_file.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <limits>
 #include <set>
-#include <stdexcept>
 
+#include "base/atomic_file.hpp"
 #include "config/strict_yaml.hpp"
 
 namespace rosflight::companion {
@@ -51,10 +48,6 @@ ParameterSet read_document(const config::Document& document) {
   return set;
 }
 
-[[noreturn]] void fail(const std::filesystem::path& path, const char* what, int error) {
-  throw std::runtime_error(path.string() + ": " + what + ": " + std::strerror(error));
-}
-
 }  // namespace
 
 ParameterSet read_parameter_file(const std::filesystem::path& path) {
@@ -92,29 +85,7 @@ std::string format_parameters(const ParameterSet& set, std::string_view firmware
 
 void write_parameter_file(const std::filesystem::path& path, const ParameterSet& set,
                           std::string_view firmware_version) {
-  const std::filesystem::path part = path.string() + ".part";
-  {
-    errno = 0;
-    std::ofstream file(part, std::ios::binary | std::ios::trunc);
-    if (!file) {
-      fail(path, "cannot be written", errno);
-    }
-    file << format_parameters(set, firmware_version);
-    file.close();
-    if (!file) {
-      const int error = errno;
-      std::error_code ignored;
-      std::filesystem::remove(part, ignored);
-      fail(path, "cannot be written", error);
-    }
-  }
-  std::error_code error;
-  std::filesystem::rename(part, path, error);
-  if (error) {
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-    throw std::runtime_error(path.string() + ": cannot be written: " + error.message());
-  }
+  base::write_file(path, format_parameters(set, firmware_version), base::Durability::kPowerCut);
 }
 
 }  // namespace rosflight::companion

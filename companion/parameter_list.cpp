@@ -73,7 +73,7 @@ void ParameterList::ask_for_missing(Port& port) {
     const auto missing = table_.next_missing(cursor_);
     if (!missing) {
       cursor_ = 0;
-      ++looked;  // once round is enough; a small rest is asked for once only
+      ++looked;  // at most one round; a short rest is requested once
       if (waiting_for_ > 0) {
         break;
       }

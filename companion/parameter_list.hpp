@@ -7,13 +7,12 @@
 
 namespace rosflight::companion {
 
-/// Gets the whole parameter table, whatever the link loses.
+/// Receives the whole parameter table over a link that may lose messages.
 ///
-/// Asks for the list every `ask_period` until something comes (a new request makes the FCU begin
-/// again, so never later than that). When the flow has stopped for `stall`, or its last index has
-/// come, asks for what is missing, `window` indices at a time: the next batch when this one is
-/// answered or after `retry`, which doubles up to 3 s while nothing comes at all. Never gives up by
-/// itself.
+/// Requests the list every `ask_period` until a value arrives (a later request would make the FCU
+/// begin again). When no value arrives for `stall`, or the last index has arrived, it requests the
+/// missing values, `window` indices at a time: the next batch when this one is answered or after
+/// `retry`, which doubles up to 3 s while no value arrives. It never ends by itself.
 class ParameterList {
  public:
   struct Options {
@@ -28,13 +27,15 @@ class ParameterList {
     std::uint64_t index_requests{};
   };
 
+  /// @param table  receives the values; must outlive this.
   ParameterList(const Options& options, const ParameterTable& table)
       : options_(options), table_(table) {}
 
+  /// Requests the list from the beginning.
   void start(Time now);
   /// A value has been accepted into the table. @param newly_fresh  it filled a gap.
   void received(std::size_t index, bool newly_fresh, Time now);
-  /// Sends what is due. Only call while the link is open.
+  /// Sends due requests. Call it only while the link is open.
   void run(Port& port);
 
   bool active() const { return phase_ != Phase::kIdle; }

@@ -69,7 +69,7 @@ void ParameterRequests::run(bool link_open) {
       continue;
     }
     const bool alive = last_answer_ && *last_answer_ >= request.started;
-    if (request.attempts < (alive ? options_.attempts_alive : options_.attempts)) {
+    if (request.attempts < (alive ? options_.attempts_connected : options_.attempts)) {
       transmit(request);
       continue;
     }
@@ -269,7 +269,7 @@ void ParameterRequests::end(Request& request, ParameterOutcome outcome, const st
   request.result.text = request.result.name + ": " + reason;
 }
 
-// Takes ended requests out before anyone is told: `done` may start new ones.
+// Removes ended requests before their callbacks: `done` may start new ones.
 void ParameterRequests::sweep() {
   std::vector<Request> ended;
   for (Request& request : active_) {

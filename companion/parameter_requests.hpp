@@ -11,37 +11,41 @@
 
 namespace rosflight::companion {
 
-/// Reads and sets single parameters, many at a time, each until the FCU has confirmed a value.
+/// Reads and sets single parameters, several at a time, each until the FCU has confirmed a value.
 ///
-/// A set is believed when a PARAM_VALUE with the wanted value comes. The old value proves nothing
-/// yet: it may have been on its way (list transfer), or the set was lost and only the question
-/// after it arrived. So the set is repeated with a read behind it; when two old values answer that
-/// pair (two pairs while a list is coming), the FCU has seen the set and refused. A third value
-/// seen twice is the FCU's own choice: clamped. An FCU of ROSflight 2.x answers nothing to a set of
-/// the value it has: a parameter that seems to have it is read instead. Requests are served in
-/// order, `window` at a time, never two of the same name.
+/// A set is confirmed by a PARAM_VALUE with the requested value. The old value is no refusal yet: it
+/// may have been sent before (list transfer), or the set was lost and only the read after it
+/// arrived. The set is therefore repeated with a read behind it; when two old values answer that
+/// pair (two pairs during a list transfer), the FCU has refused the set. A third value received
+/// twice was chosen by the FCU: clamped. An FCU of ROSflight 2.x does not answer a set of the value
+/// it has, so a parameter that seems to have it is read instead. Requests are served in order,
+/// `window` at a time, never two of the same name.
 class ParameterRequests {
  public:
   struct Options {
-    Time retry{std::chrono::milliseconds{200}};  ///< First time-out; grows by half each, up to 1 s.
-    int attempts{8};         ///< While the FCU answers nothing at all: 5.6 s until "no answer".
-    int attempts_alive{20};  ///< While it answers others. Enough for 1 % of the bytes lost.
+    Time retry{std::chrono::milliseconds{200}};  ///< First timeout; grows by half each, up to 1 s.
+    int attempts{8};             ///< Without any answer of the FCU: 5.6 s until "no answer".
+    int attempts_connected{20};  ///< While it answers others. Enough for 1 % of the bytes lost.
     std::size_t window{16};
     Time closed_link_timeout{std::chrono::seconds{10}};
   };
   using Done = std::function<void(const ParameterResult&)>;
 
+  /// @param table  the mirror of the FCU's table. @param port  both must outlive this.
   ParameterRequests(const Options& options, const ParameterTable& table, Port& port)
       : options_(options), table_(table), port_(port) {}
 
+  /// Reads a parameter; `done` receives the result.
   void read(std::string_view name, Done done);
+  /// Sets a parameter; `done` receives the result.
   /// @param type  the type it must have on the FCU, if that matters.
   void set(std::string_view name, double wanted, std::optional<link::ParamType> type, Done done);
 
   /// A well-formed value has been accepted into the table.
   void received(const link::ParamName& name, const ParameterValue& value);
-  /// Nothing is known of the table any more: whoever is on the way starts again.
+  /// The table was cleared: active requests start again.
   void table_forgotten();
+  /// Sends due requests and ends those without an answer.
   void run(bool link_open);
   Time next_due() const { return due_; }
   bool idle() const { return queue_.empty() && active_.empty(); }

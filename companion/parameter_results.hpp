@@ -11,16 +11,17 @@ namespace rosflight::companion {
 
 enum class ParameterOutcome : std::uint8_t {
   kPending,
-  kRead,       ///< The FCU told its value; nothing was to be set.
-  kUnchanged,  ///< Already had the wanted value, as confirmed by the FCU.
-  kSet,        ///< Has the wanted value now, as confirmed by the FCU.
-  kClamped,    ///< The FCU took another value than wanted.
-  kRefused,    ///< The FCU kept its value, or the wanted number can be no parameter.
+  kRead,       ///< The value was read.
+  kUnchanged,  ///< Already had the requested value, confirmed by the FCU.
+  kSet,        ///< Has the requested value now, confirmed by the FCU.
+  kClamped,    ///< The FCU set another value than requested.
+  kRefused,    ///< The FCU kept its value, or the number is no valid parameter value.
   kUnknown,    ///< The FCU has no such parameter.
-  kWrongType,  ///< The FCU's has another type.
+  kWrongType,  ///< The parameter of the FCU has another type.
   kNoAnswer
 };
 
+/// A word for messages.
 constexpr const char* outcome_name(ParameterOutcome outcome) {
   constexpr const char* kNames[] = {"pending", "read",    "unchanged",  "set",      "clamped",
                                     "refused", "unknown", "wrong type", "no answer"};
@@ -31,7 +32,7 @@ struct ParameterResult {
   std::string name;
   ParameterOutcome outcome{ParameterOutcome::kPending};
   double wanted{};                      ///< For sets.
-  std::optional<ParameterValue> value;  ///< In force on the FCU at the end, as far as it told.
+  std::optional<ParameterValue> value;  ///< In force on the FCU at the end, if it was received.
   std::string text;                     ///< One line with name, outcome and reason.
 
   bool ok() const {
@@ -40,10 +41,11 @@ struct ParameterResult {
   }
 };
 
-/// What became of each entry of a loaded set, in the order of the set.
+/// The result of each value of a loaded set, in the order of the set.
 struct LoadReport {
   std::vector<ParameterResult> entries;
 
+  /// Number of values with that outcome.
   std::size_t count(ParameterOutcome outcome) const {
     return static_cast<std::size_t>(
         std::count_if(entries.begin(), entries.end(),

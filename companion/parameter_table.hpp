@@ -9,17 +9,17 @@
 
 namespace rosflight::companion {
 
-/// The FCU's parameter table as far as it is known. An entry is its index; name and type belong to
-/// it.
+/// The part of the FCU's parameter table that was received. The index identifies an entry; name and
+/// type belong to it.
 ///
-/// Sized by the first count it sees. A PARAM_VALUE that does not fit (other count, index past the
-/// end, other name or type than the index had before, a name that stands elsewhere) is foreign: it
-/// changes nothing.
+/// The first count sets the size. A PARAM_VALUE that does not fit (other count, index past the end,
+/// other name or type than before at that index, a name at another index) is foreign and changes
+/// nothing.
 class ParameterTable {
  public:
   enum class Update : std::uint8_t {
-    kMalformed,  ///< No parameter can look like this: count 0, bad type, bad name, index >= count.
-    kForeign,    ///< Fits another table than this one.
+    kMalformed,  ///< No valid parameter: count 0, bad type, bad name, index >= count.
+    kForeign,    ///< Belongs to another table.
     kNew,        ///< First value of this index.
     kSame,
     kChanged
@@ -28,8 +28,8 @@ class ParameterTable {
   struct Entry {
     link::ParamName name{};
     ParameterValue value{};
-    bool known{false};  ///< Seen at least once.
-    bool fresh{false};  ///< Seen since the last forget() or age().
+    bool known{false};  ///< Received at least once.
+    bool fresh{false};  ///< Received since the last forget() or age().
   };
 
   struct Result {
@@ -37,10 +37,11 @@ class ParameterTable {
     ParameterValue old_value{};  ///< With kChanged.
   };
 
+  /// Processes a message of the FCU.
   Result accept(const link::ParamValue& message);
 
-  void forget();  ///< Another FCU, or the same started anew: nothing is known.
-  void age();     ///< All values may be old: nothing is fresh.
+  void forget();  ///< Clears the table: another FCU, or a restart.
+  void age();     ///< Marks all values as not fresh.
 
   std::size_t count() const { return entries_.size(); }  ///< 0 until the first value.
   std::size_t known() const { return known_; }

@@ -7,15 +7,16 @@
 
 namespace rosflight::companion {
 
-/// What the parts of a session may ask of it.
+/// The services of a session for its parts.
 class Port {
  public:
-  /// @returns false if the frame did not leave: link closed or its queue full. Try again later.
+  /// Sends a message. @returns false if it was not sent: link closed or its queue full.
   virtual bool send(const link::Message& message, std::uint8_t qos) = 0;
   /// Companion time of the step in progress, or of the last one.
   virtual Time now() const = 0;
-  /// The caller's due time may have moved nearer: run the timers in this step or the next.
+  /// The caller's due time may be earlier now: the timers run in this step or the next.
   virtual void wake() = 0;
+  /// Passes an event to all listeners.
   virtual void publish(const Event& event) = 0;
   virtual std::uint8_t target_system() const = 0;
 

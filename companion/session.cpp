@@ -89,12 +89,12 @@ bool Session::send(const link::Message& message, std::uint8_t qos) {
     return false;
   }
   statistics_.bytes_sent += frame_.size;
-  tell([&](Listener& l) { l.on_sent(message, now_); });
+  notify([&](Listener& l) { l.on_sent(message, now_); });
   return true;
 }
 
 void Session::publish(const Event& event) {
-  tell([&](Listener& l) { l.on_event(event); });
+  notify([&](Listener& l) { l.on_event(event); });
 }
 
 void Session::watch_link() {

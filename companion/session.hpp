@@ -18,12 +18,12 @@
 
 namespace rosflight::companion {
 
-/// Numbers of the link since the start.
+/// Counters of the link since the start.
 struct LinkStatistics {
   std::uint64_t bytes_received{};
   std::uint64_t bytes_sent{};
-  std::uint64_t send_failures{};  ///< Frames the transport did not take.
-  std::uint64_t unexpected{};  ///< Messages only a companion sends: an echo or a second companion.
+  std::uint64_t send_failures{};  ///< Frames that the transport rejected.
+  std::uint64_t unexpected{};     ///< Messages that only companions send: an echo or a second one.
   std::uint64_t restarts{};
   std::uint64_t connections{};
   double receive_rate_bytes_s{};  ///< Over the last second.
@@ -31,23 +31,22 @@ struct LinkStatistics {
   link::Codec::Counters frames;
 };
 
-/// The companion's end of one link: decodes what comes, keeps the periodic traffic going, serves
-/// the clients.
+/// The companion's end of one link: decodes messages, sends the periodic ones, serves the clients.
 ///
 ///     Session session(codec, transport, {});
 ///     session.add(listener);
 ///     for (;;) session.step(now);          // lock-step; in real time asio/runner.hpp does this
 ///
-/// Periodic traffic while the link is open: heartbeat 1 s, TIMESYNC request 100 ms, version request
-/// until answered, the parameter list at each start of link or FCU, with its gaps.
+/// Periodic messages while the link is open: heartbeat 1 s, TIMESYNC request 100 ms, version request
+/// until it is answered, the parameter list at each start of link or FCU until it is complete.
 ///
-/// One thread: every call of session and clients from the same. No clock, no waiting. A step
-/// without bytes and without due timers is two virtual calls; no heap but for jobs.
+/// All calls of session and clients come from one thread. It reads no clock and never waits. A step
+/// without bytes and due timers is two virtual calls; only jobs use the heap.
 class Session final : private Port {
  public:
   struct Options {
     std::uint8_t target_system{
-        1};  ///< SYS_ID of the FCU; follows when that parameter is set through us.
+        1};  ///< SYS_ID of the FCU; updated when that parameter is set through this session.
     std::string version{"2.0"};  ///< Major and minor that this companion is made for.
     Time heartbeat_period{std::chrono::seconds{1}};
     Time time_sync_period{std::chrono::milliseconds{100}};  ///< Zero: never.
@@ -57,20 +56,22 @@ class Session final : private Port {
     CommandClient::Options commands;
   };
 
+  /// @param codec  must outlive this. @param transport  likewise.
   Session(link::Codec& codec, Transport& transport, const Options& options);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Takes everything that has arrived, then does what is due. `now` never goes back. Step once
-  /// before starting jobs: their time-outs count from the last step.
+  /// Processes all received bytes, then runs due timers. `now` never decreases. Step once before
+  /// starting jobs: their timeouts count from the last step.
   void step(Time now);
-  /// When step() has something to do even if no byte arrives.
+  /// The time at which step() has something to do even if no byte arrives.
   Time next_due() const { return next_due_; }
   Time now() const override { return now_; }
 
   /// Listeners are called in the order they were added and must live until removed.
   void add(Listener& listener) { listeners_.push_back(&listener); }
+  /// Its functions are no longer called.
   void remove(Listener& listener) { std::erase(listeners_, &listener); }
 
   ParameterClient& parameters() { return parameters_; }
@@ -82,23 +83,26 @@ class Session final : private Port {
   const TimeSync& time_sync() const { return time_sync_; }
 
   bool connected() const { return connection_.connected(); }
+  /// Counters and rates of the link.
   const LinkStatistics& statistics();
-  /// Empty until the FCU has told.
+  /// Empty until the FCU has sent it.
   std::string_view firmware_version() const { return text_of(version_.text); }
   VersionMatch version_match() const { return version_match_; }
-  /// The FCU speaks of other messages than we know (SchemaEvent).
+  /// The FCU uses other message layouts (SchemaEvent); its frames are rejected.
   bool refused() const { return refused_schema_.has_value(); }
 
-  /// Asks the FCU for a report: its lines arrive as link::CheckResult or link::Counters events.
+  /// Requests a report from the FCU: it arrives as link::CheckResult or link::Counters events.
+  /// @returns false if the request was not sent.
   bool request_report(link::ReportKind kind) {
     return send(link::ReportRequest{target_system(), static_cast<std::uint8_t>(kind)});
   }
-  /// Runs one motor on the bench. The FCU ends it 0.3 s after the last call.
+  /// Runs one motor on the bench; `value` 0..1. The FCU stops it 0.3 s after the last call.
+  /// @returns false if the message was not sent.
   bool test_motor(std::uint8_t motor, float value) {
     return send(link::MotorTest{target_system(), motor, value}, kTimely);
   }
 
-  /// Sends a message as it is, for tools and tests. False if it did not leave.
+  /// Sends a message unchecked, for tools and tests. @returns false if it was not sent.
   bool send(const link::Message& message, std::uint8_t qos = kOrdinary) override;
 
  private:
@@ -120,7 +124,7 @@ class Session final : private Port {
   void restarted();
 
   template <class F>
-  void tell(F&& call) {
+  void notify(F&& call) {
     for (std::size_t i = 0; i < listeners_.size(); ++i) {  // a listener may add another
       call(*listeners_[i]);
     }
@@ -136,7 +140,7 @@ class Session final : private Port {
   Time now_{};
   Time next_due_{};
   bool link_open_{false};
-  std::optional<std::uint32_t> refused_schema_;  ///< Of an FCU we cannot talk to.
+  std::optional<std::uint32_t> refused_schema_;  ///< Of an FCU with other layouts.
   Timer heartbeat_;
   Timer sync_;
   Timer version_request_;

@@ -15,12 +15,12 @@ struct Session::Dispatcher {
               void (Listener::*call)(const T&, const Stamp&)) {
     latest.set(m, stamp);
     announce(m, stamp);
-    s.tell([&](Listener& l) { (l.*call)(m, stamp); });
+    s.notify([&](Listener& l) { (l.*call)(m, stamp); });
   }
 
   template <class T>
   void announce(const T&, const Stamp& stamp) {
-    s.tell([&](Listener& l) { l.on_received(s.codec_.message(), stamp); });
+    s.notify([&](Listener& l) { l.on_received(s.codec_.message(), stamp); });
   }
 
   Stamp arrival() const { return {s.now_, s.now_, StampSource::kArrival}; }

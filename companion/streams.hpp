@@ -9,15 +9,16 @@
 
 namespace rosflight::companion {
 
-/// The latest message of one kind, how many came and how often.
+/// The latest message of one kind, the number received and their rate.
 template <class T>
 struct Latest {
   T value{};
   Stamp stamp;
-  std::uint64_t count{0};    ///< Zero: `value` means nothing.
+  std::uint64_t count{0};    ///< Zero: `value` is not valid.
   double rate_hz{0.0};       ///< Over the last update period (1 s).
   std::uint64_t counted{0};  ///< `count` at the last update of the rate.
 
+  /// Stores a received message.
   void set(const T& v, const Stamp& s) {
     value = v;
     stamp = s;
@@ -25,7 +26,7 @@ struct Latest {
   }
 };
 
-/// Latest values of all streams, stamped. Reading costs nothing; no heap.
+/// Latest values of all streams with their stamps. No heap.
 class Streams {
  public:
   Latest<link::Heartbeat> heartbeat;
@@ -50,16 +51,18 @@ class Streams {
 
   /// Recomputes the rates; called by the session once a second.
   void update_rates(Time now);
-  /// Forgets the FCU's clock (it restarted); values and counts stay.
+  /// Discards the FCU's clock after a restart; values and counts are kept.
   void forget_clock() { last_imu_us_.reset(); }
 
-  // Stamps of the messages as they come. IMU first: others borrow from it.
+  // Stamps of received messages. Call them in the order of arrival: others use the IMU's.
+  /// The stamp of an IMU sample.
   Stamp stamp(const link::Imu& m, Time now, const TimeSync& sync);
-  /// Milliseconds on the wire. If they are those of the last IMU sample, its microseconds are the
-  /// truth.
+  /// The stamp of a message with milliseconds on the wire. If they equal those of the last IMU sample,
+  /// its microseconds are used.
   Stamp stamp_with_imu_ms(std::uint64_t time_boot_ms, Time now, const TimeSync& sync) const;
+  /// The stamp of a message with microseconds on the wire.
   static Stamp stamp_us(std::uint64_t time_boot_us, Time now, const TimeSync& sync);
-  /// No time on the wire.
+  /// The stamp of a message without a time on the wire.
   Stamp stamp_unstamped(Time now, const TimeSync& sync) const;
 
  private:
@@ -67,7 +70,7 @@ class Streams {
   Time rates_since_{};
 };
 
-/// FCU microseconds as a duration; nothing for a number no FCU can have reached.
+/// FCU microseconds as a duration; nothing for a number beyond 292 years.
 std::optional<Time> fcu_time(std::uint64_t us);
 
 }  // namespace rosflight::companion

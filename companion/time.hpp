@@ -5,25 +5,26 @@
 
 namespace rosflight::companion {
 
-/// Companion time: a monotonic clock of the caller's choice (simulated time in lock-step, the
-/// steady clock in real time). Nothing in this folder reads a clock by itself.
+/// Companion time: a monotonic clock chosen by the caller (simulated time in lock-step, the steady
+/// clock in real time). No code in this folder reads a clock itself.
 using Time = std::chrono::nanoseconds;
 
 inline constexpr Time kNever = Time::max();
 
+/// In seconds.
 constexpr double to_seconds(Time t) {
   return static_cast<double>(t.count()) * 1e-9;
 }
 
-/// Where the time of a sample comes from, best first.
+/// Source of the time of a sample, best first.
 enum class StampSource : std::uint8_t {
   kFcuClock,  ///< Stamped by the FCU, mapped with the clock offset.
-  kImuPass,   ///< The FCU sends it unstamped, right after the IMU sample whose stamp it borrows:
-              ///< early by less than one IMU period.
-  kArrival    ///< Clocks not synchronised yet, or nothing better known.
+  kImuPass,   ///< Sent without a stamp, directly after the IMU sample whose stamp is used: early by
+              ///< less than one IMU period.
+  kArrival    ///< Clocks not synchronised yet, or no better time available.
 };
 
-/// When a message was received and when its content was true, both in companion time.
+/// Times of arrival and of the sample, both in companion time.
 struct Stamp {
   Time arrival{};
   Time sample{};

@@ -14,8 +14,8 @@ constexpr Time kSentNever{-1};
 constexpr Time kPointPeriod = 1s;
 constexpr Time kLongestRoundTrip = 2s;
 constexpr Time kJumpMargin = 5ms;
-constexpr Time kReferenceJump = 10ms;
-constexpr double kReferenceWeight = 0.95;
+constexpr Time kRosflight2Jump = 10ms;
+constexpr double kRosflight2Weight = 0.95;
 constexpr double kFloor_ns = 20e3;
 constexpr double kMaxSlope = 500e-6;
 constexpr double kMinSpan_s = 4.0;
@@ -65,11 +65,11 @@ TimeSync::Answer TimeSync::answer(const link::TimeSync& message, Time now) {
   figures_.round_trip = point.round_trip;
 
   if (!synchronised_) {
-    start_anew(point);
+    restart_from(point);
     return Answer::kAccepted;
   }
-  if (rule_ == Rule::kReference) {
-    apply_reference_rule(point);
+  if (rule_ == Rule::kRosflight2) {
+    apply_rosflight2_rule(point);
     return Answer::kAccepted;
   }
   if (contradicts(point)) {
@@ -81,7 +81,7 @@ TimeSync::Answer TimeSync::answer(const link::TimeSync& message, Time now) {
       return Answer::kIgnored;
     }
     ++figures_.jumps;
-    start_anew(point);
+    restart_from(point);
     return Answer::kJumped;
   }
   suspect_.reset();
@@ -108,7 +108,7 @@ bool TimeSync::contradicts(const Point& point) const {
          (point.round_trip + figures_.min_round_trip) / 2 + kJumpMargin;
 }
 
-void TimeSync::start_anew(const Point& point) {
+void TimeSync::restart_from(const Point& point) {
   synchronised_ = true;
   suspect_.reset();
   count_ = 1;
@@ -175,13 +175,13 @@ void TimeSync::fit() {
   offset_ = best->offset + from_ns((y_sum - slope_ * x_sum) / w_sum);
 }
 
-void TimeSync::apply_reference_rule(const Point& point) {
-  if (std::chrono::abs(offset_ - point.offset) > kReferenceJump) {
+void TimeSync::apply_rosflight2_rule(const Point& point) {
+  if (std::chrono::abs(offset_ - point.offset) > kRosflight2Jump) {
     ++figures_.jumps;
-    start_anew(point);
+    restart_from(point);
     return;
   }
-  offset_ += from_ns(kReferenceWeight * ns(point.offset - offset_));
+  offset_ += from_ns(kRosflight2Weight * ns(point.offset - offset_));
   figures_.min_round_trip = std::min(figures_.min_round_trip, point.round_trip);
   measure(point);
 }

@@ -11,32 +11,32 @@ namespace rosflight::companion {
 
 /// Maps the FCU's boot clock to companion time from TIMESYNC exchanges.
 ///
-/// A request leaves at t_s, the FCU notes its clock t_c and the answer is here at t_r. Then
+/// A request is sent at t_s, the FCU reads its clock t_c, and the answer is received at t_r. Then
 ///
-///     round trip  r = t_r - t_s                                   (1)
-///     offset      o = (t_s + t_r)/2 - t_c                         (2)
-///     |o - O| <= r/2     for the true offset O, whatever the split of the delay   (3)
+///     round trip  r = t_r - t_s                                                           (1)
+///     offset      o = (t_s + t_r)/2 - t_c                                                 (2)
+///     error       |o - O| <= r/2   for the true offset O and any split of the delay       (3)
 ///
 /// kMinimumDelay (default): per second the exchange with the smallest r is kept (the clock filter
-/// of NTP, RFC 5905 sec. 10). Through the last 16 of them goes a straight line, offset against FCU
-/// time, fitted by least squares with weights 1/(s^2 + ((r - r_min)/2)^2), s = 20 us; its slope is
+/// of NTP, RFC 5905 sec. 10). A straight line, offset against FCU time, is fitted to the last 16 of
+/// them by least squares with weights 1/(s^2 + ((r - r_min)/2)^2), s = 20 us; its slope is
 /// the drift, fixed at zero until the points span 4 s and kept within 500 ppm (crystals are good
-/// for 100 ppm). A clock jump is what (3) cannot explain: |o - O| > r/2 + r_min/2 + 5 ms, seen
-/// twice running.
+/// for 100 ppm). A clock jump violates (3): |o - O| > r/2 + r_min/2 + 5 ms, twice in a row.
 ///
-/// kReference: the rule of ROSflight 2.x: the first offset and jumps above 10 ms are taken as they
-/// are, else O <- 0.95 o + 0.05 O. For comparison.
+/// kRosflight2, for comparison: the rule of ROSflight 2.x. The first offset and jumps above 10 ms are
+/// used unchanged, else O <- 0.95 o + 0.05 O.
 ///
-/// The asymmetry of the delays cannot be observed; error_bound says how much it could matter.
+/// The asymmetry of the delays cannot be observed; error_bound is the largest error it can cause.
 class TimeSync {
  public:
-  enum class Rule : std::uint8_t { kMinimumDelay, kReference };
+  enum class Rule : std::uint8_t { kMinimumDelay, kRosflight2 };
   enum class Answer : std::uint8_t { kIgnored, kAccepted, kJumped };
 
   struct Figures {
     std::uint64_t requests{};
     std::uint64_t answers{};
-    std::uint64_t ignored{};  ///< Not ours, late by more than 16 requests, doubled or impossible.
+    std::uint64_t
+        ignored{};  ///< Of another companion, over 16 requests late, doubled or impossible.
     std::uint64_t jumps{};
     Time offset{};       ///< At the last answer: companion time - FCU time.
     double drift_ppm{};  ///< Rate of the companion clock against the FCU's, minus one.
@@ -46,13 +46,14 @@ class TimeSync {
     Time error_bound{};  ///< Half the smallest round trip: (3).
   };
 
+  /// @param rule  that determines the offset.
   explicit TimeSync(Rule rule = Rule::kMinimumDelay) : rule_(rule) {}
 
   /// A request to send at `now`.
   link::TimeSync request(Time now);
-  /// Takes an answer that arrived at `now`.
+  /// Processes an answer that was received at `now`.
   Answer answer(const link::TimeSync& message, Time now);
-  /// Forgets the offset (the FCU restarted); counters stay.
+  /// Discards the offset after a restart of the FCU; counters are kept.
   void reset();
 
   bool synchronised() const { return synchronised_; }
@@ -71,10 +72,10 @@ class TimeSync {
 
   bool is_ours(Time sent);
   bool contradicts(const Point& point) const;
-  void start_anew(const Point& point);
+  void restart_from(const Point& point);
   void insert(const Point& point);
   void fit();
-  void apply_reference_rule(const Point& point);
+  void apply_rosflight2_rule(const Point& point);
   void measure(const Point& point);
 
   Rule rule_;

@@ -10,18 +10,17 @@ inline constexpr std::uint8_t kUrgent = 0;      ///< Offboard commands.
 inline constexpr std::uint8_t kTimely = 1;      ///< Time synchronisation.
 inline constexpr std::uint8_t kOrdinary = 255;  ///< All else.
 
-/// One end of a byte link. No call blocks, none throws; a transport that can fail repairs itself
-/// and shows it by connected(). Implementations: in_process.hpp, asio/ (serial, pty, UDP, TCP), or
+/// One end of a byte link. No call blocks or throws; a transport that fails reconnects by itself and
+/// reports its state by connected(). Implementations: in_process.hpp, asio/ (serial, pty, UDP, TCP), or
 /// the caller's own.
 class Transport {
  public:
   virtual ~Transport() = default;
 
-  /// The link is open: bytes can leave. Says nothing about anyone listening.
+  /// The link is open and bytes can be sent; whether a peer receives them is not known.
   virtual bool connected() = 0;
 
-  /// Copies what has arrived, `capacity` bytes at most. @returns the number copied, 0 if nothing
-  /// waits.
+  /// Copies up to `capacity` received bytes. @returns the number copied, 0 if none was received.
   virtual std::size_t read(std::uint8_t* data, std::size_t capacity) = 0;
 
   /// Queues a whole frame or drops it whole. @returns false if it was dropped (closed or full).

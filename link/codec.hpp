@@ -20,46 +20,46 @@ struct Frame {
 /// own identity, sequence number and parser state and nothing else, so any number live in one
 /// process.
 ///
-/// Bytes are hostile: noise, truncated and foreign frames are dropped and counted, never reported
-/// as a message. No heap, no exceptions; both ends use the same implementation.
+/// Received bytes may be anything: noise, truncated and foreign frames are rejected and counted,
+/// never reported as a message. No heap, no exceptions; both ends use the same implementation.
 class Codec {
  public:
   struct Counters {
     std::uint32_t frames_sent{};
     std::uint32_t frames_received{};  ///< Complete, checksum right, known id.
-    std::uint32_t frames_dropped{};  ///< Bad checksum, unknown id or a start byte that led nowhere.
-    std::uint32_t sequence_gaps{};   ///< Frames the peer sent and we never saw, by sequence
-                                     ///< number; one that comes late is taken off again.
+    std::uint32_t frames_dropped{};   ///< Bad checksum, unknown id or a start byte without a frame.
+    std::uint32_t sequence_gaps{};    ///< Frames of the peer that were not received, by sequence
+                                      ///< number; one that arrives late is subtracted again.
   };
 
-  /// Two ends that were built from different messages.
+  /// The schemas of two ends that were built from different messages.
   struct SchemaMismatch {
     std::uint32_t ours{};
     std::uint32_t theirs{};
   };
 
   struct Decoded {
-    std::size_t consumed{};  ///< Bytes used up; <= size.
+    std::size_t consumed{};  ///< Number of bytes consumed; <= size.
     bool complete{};         ///< message() is new.
   };
 
   /// Encodes `message` into `frame`. @returns false (and size 0) for std::monostate only.
   virtual bool encode(const Message& message, Frame& frame) = 0;
 
-  /// Eats bytes up to the end of the first complete message, or all of them. Call again with the
-  /// rest.
+  /// Consumes bytes up to the end of the first complete message, or all of them. Call it again with
+  /// the rest.
   virtual Decoded decode(const std::uint8_t* data, std::size_t size) = 0;
 
   /// The last decoded message; valid until the next decode().
   virtual const Message& message() const = 0;
 
-  /// System id this end sends with; a companion's target system is a field of its messages.
+  /// Sets the system id of this end's frames; a companion's target system is a field of its messages.
   virtual void set_system_id(std::uint8_t id) = 0;
 
   virtual const Counters& counters() const = 0;
 
-  /// Not nullptr while the peer has told that its messages are laid out differently from ours: then
-  /// nothing of it is reported as a message. A codec whose layouts cannot differ never says so.
+  /// Not nullptr while the peer has announced layouts that differ from ours; none of its frames is then
+  /// reported as a message. Always nullptr for a codec whose layouts cannot differ.
   virtual const SchemaMismatch* mismatch() const { return nullptr; }
 
  protected:

@@ -5,14 +5,14 @@
 #include <cstdint>
 #include <variant>
 
-/// The messages between flight control unit (FCU) and companion, as our own structs. Units and
+/// The messages between flight control unit (FCU) and companion, as plain structs. Units and
 /// frames are those of the wire, so that a codec only packs and unpacks: SI, body axes
 /// front-right-down, quaternions scalar first (body to north-east-down). Ids and layouts:
 /// docs/link.md.
 namespace rosflight::link {
 
 inline constexpr std::size_t kOutputs = 14;
-inline constexpr std::size_t kCommandEntries = 10;  ///< Fx Fy Fz Qx Qy Qz and four free ones.
+inline constexpr std::size_t kCommandAxes = 10;  ///< Fx Fy Fz Qx Qy Qz and four free ones.
 inline constexpr std::size_t kParamNameLength = 16;
 inline constexpr std::size_t kTextLength = 50;
 inline constexpr std::size_t kRcChannels = 18;
@@ -24,8 +24,7 @@ using ParamName = std::array<char, kParamNameLength>;
 
 enum class ParamType : std::uint8_t { kInt32 = 6, kFloat = 9 };
 
-/// The 32 bits of a parameter, as they travel. Which of the two they are says the ParamType beside
-/// them.
+/// The 32 bits of a parameter as they are transmitted; the ParamType beside them gives their type.
 struct ParamBits {
   std::uint32_t bits{};
 };
@@ -72,8 +71,8 @@ enum class OffboardMode : std::uint8_t {
 
 struct OffboardControl {
   std::uint8_t mode{};     ///< An OffboardMode if the sender behaves.
-  std::uint16_t ignore{};  ///< Bit k set: entry k is not valid.
-  std::array<float, kCommandEntries> u{};
+  std::uint16_t ignore{};  ///< Bit k set: axis k carries no command.
+  std::array<float, kCommandAxes> u{};
 };
 
 enum class AuxType : std::uint8_t { kDisabled = 0, kServo = 1, kMotor = 2 };
@@ -84,7 +83,7 @@ struct AuxCommand {
 };
 
 struct ExternalAttitude {
-  std::array<float, 4> q_NB{1.0f, 0.0f, 0.0f, 0.0f};  ///< w, x, y, z; not trusted to be normalised.
+  std::array<float, 4> q_WB{1.0f, 0.0f, 0.0f, 0.0f};  ///< w, x, y, z; need not be normalised.
 };
 
 enum class Command : std::uint8_t {
@@ -105,7 +104,7 @@ struct CommandRequest {
   std::uint8_t command{};  ///< A Command if the sender behaves.
 };
 
-/// Runs one motor on the bench; repeated while it shall run.
+/// Runs one motor on the bench; must be repeated while it runs.
 struct MotorTest {
   std::uint8_t target_system{1};
   std::uint8_t motor{};  ///< Output number, from 0.
@@ -136,7 +135,7 @@ struct CommandAck {
 
 struct Attitude {
   std::uint32_t time_boot_ms{};
-  std::array<float, 4> q_NB{1.0f, 0.0f, 0.0f, 0.0f};
+  std::array<float, 4> q_WB{1.0f, 0.0f, 0.0f, 0.0f};
   std::array<float, 3> rates_rad_s{};  ///< Low-passed, bias removed.
 };
 
@@ -185,7 +184,7 @@ struct OutputRaw {
 struct Status {
   bool armed{};
   bool failsafe{};
-  bool offboard{};  ///< Some of entries 0..5 of the last offboard command is in force.
+  bool offboard{};  ///< An axis 0..5 of the last offboard command is in force.
   std::uint16_t rc_override{};
   std::uint8_t error_code{};
   std::uint8_t control_mode{};  ///< As OffboardMode.
@@ -233,7 +232,7 @@ struct StatusText {
 
 enum class CheckOutcome : std::uint8_t { kPass = 0, kWarning = 1, kRefuses = 2 };
 
-/// One line of the check list before arming; all of them answer a ReportRequest.
+/// One line of the checks before arming; a ReportRequest is answered by all of them.
 struct CheckResult {
   std::uint8_t index{};
   std::uint8_t count{};   ///< Lines of the list.
@@ -242,14 +241,14 @@ struct CheckResult {
   std::array<char, kTextLength> reason{};  ///< NUL-terminated and NUL-padded; empty if it passed.
 };
 
-/// What the FCU counted since it started; answers a ReportRequest.
+/// The counters of the FCU since its start; the answer to a ReportRequest.
 struct Counters {
   std::uint32_t longest_pass_us{};
   std::uint32_t pass_budget_us{};
   std::uint32_t passes_over_budget{};
   std::uint32_t passes{};
-  std::uint32_t frames_dropped{};  ///< Received and not understood.
-  std::uint32_t tx_dropped{};      ///< Frames the serial port did not take.
+  std::uint32_t frames_dropped{};  ///< Received and rejected.
+  std::uint32_t tx_dropped{};      ///< Frames that the serial port rejected.
   std::uint32_t texts_lost{};
   std::array<std::uint32_t, kCounterBins> imu_jitter{};  ///< IMU intervals by their deviation.
   std::array<std::uint32_t, kCounterBins> rejected{};    ///< Sensor samples by cause.

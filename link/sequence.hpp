@@ -6,10 +6,10 @@
 
 namespace rosflight::link {
 
-/// Counts frames of the peer that never came, by their sequence numbers (one byte, wrapping).
+/// Counts frames of the peer that did not arrive, by their sequence numbers (one byte, wrapping).
 ///
-/// Urgent frames overtake others in the sender's queues, so a number up to half the circle back is
-/// a frame that was counted as missing and came late.
+/// Urgent frames overtake others in the sender's queues, so a number up to half the circle back
+/// belongs to a frame that was counted as missing and arrived late.
 class SequenceWatch {
  public:
   /// Call it before the frame is added to counters.frames_received: the first one sets the start.

@@ -3,10 +3,10 @@
 #include <cstddef>
 #include <cstring>
 
-/// Texts of fixed size on their way into a frame or out of one, for codecs.
+/// Copies texts of fixed size into and out of frames, for codecs.
 namespace rosflight::link {
 
-/// Copies a text without what may lie behind its first NUL.
+/// Copies a text and clears the bytes behind its first NUL.
 template <std::size_t kSize>
 void copy_text(const char* from, char* to) {
   std::memcpy(to, from, kSize);

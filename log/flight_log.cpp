@@ -4,10 +4,21 @@
 #include <variant>
 
 #include "log/flight_log_topics.hpp"
-#include "log/schemas.hpp"
-#include "log/utf8.hpp"
+#include "messages/link.hpp"
+#include "messages/simulation.hpp"
+#include "messages/utf8.hpp"
 
 namespace rosflight::log {
+
+using messages::to_message;
+
+namespace {
+
+messages::std_msgs::Header header(std::uint64_t stamp_ns, std::string_view frame = {}) {
+  return {messages::stamp_of(stamp_ns), std::string(frame)};
+}
+
+}  // namespace
 
 static_assert(kTopics.size() <= 48, "raise FlightLog::kMaxTopics");
 
@@ -34,36 +45,48 @@ McapWriter::ChannelId FlightLog::channel(Topic topic) {
     if (kTopics[k].type == kTopics[index].type) schema = schemas_[k];
   }
   if (schema == 0) {
-    schema = writer_.add_schema(kTopics[index].type, "ros2msg", schema_text(kTopics[index].type));
+    schema = writer_.add_schema(kTopics[index].type, "ros2msg", kTopics[index].schema());
   }
   schemas_[index] = schema;
   channels_[index] = writer_.add_channel(kTopics[index].name, schema, "cdr");
   return channels_[index];
 }
 
-template <class Put>
-void FlightLog::write(Topic topic, std::uint64_t log_time_ns, const Put& put) {
+bool FlightLog::due(Topic topic, std::uint64_t now) {
+  constexpr std::uint64_t kInterval_ns = 10'000'000;
+  std::uint64_t& next_ns = next_due_ns_[static_cast<std::size_t>(topic)];
+  if (options_.detail == Detail::kPlot && now < next_ns) return false;
+  next_ns = (now / kInterval_ns + 1) * kInterval_ns;
+  return true;
+}
+
+template <Topic kTopic, class Message>
+void FlightLog::write(std::uint64_t log_time_ns, const Message& message) {
+  static_assert(kTopics[static_cast<std::size_t>(kTopic)].type == Message::kName);
   cdr_.begin();
-  put(cdr_);
-  writer_.write(channel(topic), log_time_ns, log_time_ns, cdr_.bytes());
+  serialize(cdr_, message);
+  latest_ns_ = std::max(latest_ns_, log_time_ns);
+  writer_.write(channel(kTopic), log_time_ns, log_time_ns, cdr_.bytes());
+}
+
+template <Topic kTopic, class Message>
+void FlightLog::write(std::uint64_t log_time_ns, const messages::std_msgs::Header& header,
+                      Message&& message) {
+  message.header = header;
+  write<kTopic>(log_time_ns, message);
 }
 
 void FlightLog::write_truth(const sim::Truth& truth, const hal::OutputValues& outputs) {
-  if (options_.truth_every == 0 || truth_calls_++ % options_.truth_every != 0) return;
   const std::uint64_t now = stamp(truth.time);
-  const Header inertial{now, kInertialFrame};
-  const Header body{now, kBodyFrame};
-  write(Topic::kTruthState, now,
-        [&](CdrWriter& out) { serialize_state(out, inertial, truth, options_.gravity_m_s2); });
-  write(Topic::kTruthWind, now, [&](CdrWriter& out) {
-    serialize_vector(out, inertial,
-                     {truth.air.wind_N.x(), truth.air.wind_N.y(), truth.air.wind_N.z()});
-  });
-  write(Topic::kForcesAndMoments, now,
-        [&](CdrWriter& out) { serialize_wrench(out, body, truth.wrench); });
-  write(Topic::kPwmOutput, now, [&](CdrWriter& out) { serialize_pwm(out, body, outputs); });
-  write(Topic::kTruthVehicle, now,
-        [&](CdrWriter& out) { serialize_vehicle(out, body, truth, outputs); });
+  if (!due(Topic::kTruthState, now)) return;
+  const auto inertial = header(now, kInertialFrame);
+  const auto body = header(now, kBodyFrame);
+  write<Topic::kTruthState>(now, inertial, to_message(truth, options_.gravity_m_s2));
+  write<Topic::kTruthWind>(now, inertial, messages::wind_message(truth.air.wind_W));
+  write<Topic::kForcesAndMoments>(now, body, to_message(truth.wrench));
+  write<Topic::kPwmOutput>(now, body, to_message(outputs));
+  messages::fill_vehicle(truth, outputs, vehicle_);
+  write<Topic::kTruthVehicle>(now, body, vehicle_);
 }
 
 /// One overload per message: which topic, which stamp, which frame.
@@ -72,77 +95,76 @@ struct FlightLog::LinkVisitor {
   Direction direction;
   std::uint64_t now;
 
-  template <class Message>
-  void put(Topic topic, const Message& message, const Header& header) const {
-    log.write(topic, now, [&](CdrWriter& out) { serialize(out, header, message); });
+  template <Topic kTopic, class Message>
+  void put(const Message& message, const messages::std_msgs::Header& header) const {
+    log.write<kTopic>(now, header, to_message(message));
   }
-  template <class Message>
-  void put(Topic topic, const Message& message) const {
-    put(topic, message, {now, {}});
+  template <Topic kTopic, class Message>
+  void put(const Message& message, std::string_view frame = {}) const {
+    put<kTopic>(message, header(now, frame));
   }
-  template <class Message>
-  void put_both_ways(Topic topic, const Message& message) const {
-    log.write(topic, now, [&](CdrWriter& out) { serialize(out, {now, {}}, direction, message); });
+  template <Topic kTopic, class Message>
+  void put_both_ways(const Message& message) const {
+    auto out = to_message(message);
+    out.direction = static_cast<std::uint8_t>(direction);
+    log.write<kTopic>(now, header(now), out);
   }
 
   void operator()(const std::monostate& /*none*/) const {}
-  void operator()(const link::Heartbeat& m) const { put_both_ways(Topic::kHeartbeat, m); }
-  void operator()(const link::TimeSync& m) const { put_both_ways(Topic::kTimeSync, m); }
-  void operator()(const link::ParamRequestRead& m) const { put(Topic::kParamRequestRead, m); }
-  void operator()(const link::ParamRequestList& m) const { put(Topic::kParamRequestList, m); }
-  void operator()(const link::ParamSet& m) const { put(Topic::kParamSet, m); }
-  void operator()(const link::OffboardControl& m) const { put(Topic::kCommand, m); }
-  void operator()(const link::AuxCommand& m) const { put(Topic::kAuxCommand, m); }
+  void operator()(const link::Heartbeat& m) const { put_both_ways<Topic::kHeartbeat>(m); }
+  void operator()(const link::TimeSync& m) const { put_both_ways<Topic::kTimeSync>(m); }
+  void operator()(const link::ParamRequestRead& m) const { put<Topic::kParamRequestRead>(m); }
+  void operator()(const link::ParamRequestList& m) const { put<Topic::kParamRequestList>(m); }
+  void operator()(const link::ParamSet& m) const { put<Topic::kParamSet>(m); }
+  void operator()(const link::OffboardControl& m) const { put<Topic::kCommand>(m); }
+  void operator()(const link::AuxCommand& m) const { put<Topic::kAuxCommand>(m); }
   void operator()(const link::ExternalAttitude& m) const {
-    put(Topic::kExternalAttitude, m, {now, kInertialFrame});
+    put<Topic::kExternalAttitude>(m, kInertialFrame);
   }
-  void operator()(const link::CommandRequest& m) const { put(Topic::kCommandRequest, m); }
-  void operator()(const link::ParamValue& m) const { put(Topic::kParamValue, m); }
-  void operator()(const link::CommandAck& m) const { put(Topic::kCommandAck, m); }
-  void operator()(const link::MotorTest& m) const { put(Topic::kMotorTest, m); }
-  void operator()(const link::ReportRequest& m) const { put(Topic::kReportRequest, m); }
-  void operator()(const link::CheckResult& m) const { put(Topic::kCheckResult, m); }
-  void operator()(const link::Counters& m) const { put(Topic::kCounters, m); }
-  void operator()(const link::Mag& m) const { put(Topic::kMagnetometer, m, {now, kBodyFrame}); }
-  void operator()(const link::Baro& m) const { put(Topic::kBaro, m); }
-  void operator()(const link::DiffPressure& m) const { put(Topic::kAirspeed, m); }
-  void operator()(const link::Range& m) const { put(Topic::kRange, m, {now, kBodyFrame}); }
+  void operator()(const link::CommandRequest& m) const { put<Topic::kCommandRequest>(m); }
+  void operator()(const link::ParamValue& m) const { put<Topic::kParamValue>(m); }
+  void operator()(const link::CommandAck& m) const { put<Topic::kCommandAck>(m); }
+  void operator()(const link::MotorTest& m) const { put<Topic::kMotorTest>(m); }
+  void operator()(const link::ReportRequest& m) const { put<Topic::kReportRequest>(m); }
+  void operator()(const link::CheckResult& m) const { put<Topic::kCheckResult>(m); }
+  void operator()(const link::Counters& m) const { put<Topic::kCounters>(m); }
+  void operator()(const link::Mag& m) const { put<Topic::kMagnetometer>(m, kBodyFrame); }
+  void operator()(const link::Baro& m) const { put<Topic::kBaro>(m); }
+  void operator()(const link::DiffPressure& m) const { put<Topic::kAirspeed>(m); }
+  void operator()(const link::Range& m) const { put<Topic::kRange>(m, kBodyFrame); }
   void operator()(const link::RcChannels& m) const {
-    put(Topic::kRcRaw, m, {log.fcu_stamp_ms(m.time_boot_ms), {}});
+    put<Topic::kRcRaw>(m, header(log.fcu_stamp_ms(m.time_boot_ms)));
   }
   void operator()(const link::OutputRaw& m) const {
-    put(Topic::kOutputRaw, m, {log.fcu_stamp_ms(m.time_boot_ms), {}});
+    if (!log.due(Topic::kOutputRaw, now)) return;
+    put<Topic::kOutputRaw>(m, header(log.fcu_stamp_ms(m.time_boot_ms)));
   }
-  void operator()(const link::Status& m) const { put(Topic::kStatus, m); }
-  void operator()(const link::Version& m) const { put(Topic::kVersion, m); }
-  void operator()(const link::HardError& m) const { put(Topic::kHardError, m); }
+  void operator()(const link::Status& m) const { put<Topic::kStatus>(m); }
+  void operator()(const link::Version& m) const { log.write<Topic::kVersion>(now, to_message(m)); }
+  void operator()(const link::HardError& m) const { put<Topic::kHardError>(m); }
   void operator()(const link::Gnss& m) const {
-    put(Topic::kGnss, m, {log.fcu_stamp_us(m.time_boot_us), kInertialFrame});
+    put<Topic::kGnss>(m, header(log.fcu_stamp_us(m.time_boot_us), kInertialFrame));
   }
-  void operator()(const link::BatteryStatus& m) const { put(Topic::kBattery, m); }
+  void operator()(const link::BatteryStatus& m) const { put<Topic::kBattery>(m); }
 
   void operator()(const link::Attitude& m) const {
-    log.has_attitude_ = true;
-    log.q_NB_ = m.q_NB;
-    const Header header{log.fcu_stamp_ms(m.time_boot_ms), kInertialFrame};
-    put(Topic::kAttitude, m, header);
-    log.write(Topic::kAttitudeEuler, now,
-              [&](CdrWriter& out) { serialize_vector(out, header, euler_angles(m.q_NB)); });
+    log.attitude_ = m;
+    if (!log.due(Topic::kAttitude, now)) return;
+    const auto sampled = header(log.fcu_stamp_ms(m.time_boot_ms), kInertialFrame);
+    put<Topic::kAttitude>(m, sampled);
+    log.write<Topic::kAttitudeEuler>(now, sampled, messages::euler_message(m));
   }
 
   void operator()(const link::Imu& m) const {
-    const Header header{log.fcu_stamp_us(m.time_boot_us), kBodyFrame};
-    const auto* const attitude = log.has_attitude_ ? &log.q_NB_ : nullptr;
-    log.write(Topic::kImu, now, [&](CdrWriter& out) { serialize_imu(out, header, m, attitude); });
-    log.write(Topic::kImuTemperature, now, [&](CdrWriter& out) {
-      serialize_temperature(out, header, static_cast<double>(m.temperature_K));
-    });
+    const auto sampled = header(log.fcu_stamp_us(m.time_boot_us), kBodyFrame);
+    log.write<Topic::kImu>(now, sampled,
+                           log.attitude_ ? to_message(m, *log.attitude_) : to_message(m));
+    if (!log.due(Topic::kImuTemperature, now)) return;
+    log.write<Topic::kImuTemperature>(now, sampled, messages::imu_temperature(m));
   }
 
   void operator()(const link::StatusText& m) const {
-    log.write(Topic::kTexts, now, [&](CdrWriter& out) {
-      serialize_text(out, now, m.severity, "fcu", {m.text.data(), m.text.size()});
-    });
+    log.write_text(now, m.severity, "fcu", {m.text.data(), m.text.size()});
   }
 };
 
@@ -151,39 +173,63 @@ void FlightLog::write_link(Direction direction, hal::Time time, const link::Mess
   const std::uint64_t now = stamp(time);
   std::visit(LinkVisitor{*this, direction, now}, message);
   if (raw_frame.empty()) return;
-  write(Topic::kRawFrame, now,
-        [&](CdrWriter& out) { serialize(out, {now, {}}, direction, raw_frame); });
+  // One message for many frames: each message costs 50 bytes beside its contents, most of a frame's own size.
+  constexpr std::uint64_t kInterval_ns = 50'000'000;
+  if (now - raw_start_ns_ >= kInterval_ns) write_raw_frames(now);
+  if (raw_frames_.length.empty()) raw_start_ns_ = now;
+  raw_frames_.delay_us.push_back(static_cast<std::uint32_t>((now - raw_start_ns_) / 1000));
+  raw_frames_.direction.push_back(static_cast<std::uint8_t>(direction));
+  raw_frames_.length.push_back(static_cast<std::uint16_t>(raw_frame.size()));
+  raw_frames_.data.insert(raw_frames_.data.end(), raw_frame.begin(), raw_frame.end());
 }
 
-void FlightLog::write_setpoint(hal::Time time, const Setpoint& setpoint) {
-  const std::uint64_t now = stamp(time);
-  write(Topic::kSetpoint, now,
-        [&](CdrWriter& out) { serialize(out, {now, kInertialFrame}, setpoint); });
+void FlightLog::write_raw_frames(std::uint64_t now) {
+  if (raw_frames_.length.empty()) return;
+  write<Topic::kRawFrames>(now, header(raw_start_ns_), raw_frames_);
+  raw_frames_.delay_us.clear();
+  raw_frames_.direction.clear();
+  raw_frames_.length.clear();
+  raw_frames_.data.clear();
 }
 
-void FlightLog::write_estimate(hal::Time time, const Estimate& estimate) {
+LogSummary FlightLog::close() {
+  write_raw_frames(latest_ns_);
+  return writer_.close();
+}
+
+void FlightLog::write_setpoint(hal::Time time,
+                               messages::roscopter_msgs::TrajectoryCommand setpoint) {
   const std::uint64_t now = stamp(time);
-  write(Topic::kEstimate, now,
-        [&](CdrWriter& out) { serialize(out, {now, kInertialFrame}, estimate); });
+  write<Topic::kSetpoint>(now, header(now, kInertialFrame), setpoint);
+}
+
+void FlightLog::write_estimate(hal::Time time, messages::rosflight_log_msgs::Estimate estimate) {
+  const std::uint64_t now = stamp(time);
+  write<Topic::kEstimate>(now, header(now, kInertialFrame), estimate);
 }
 
 void FlightLog::write_phase(hal::Time time, std::string_view name) {
   const std::uint64_t now = stamp(time);
-  write(Topic::kPhase, now, [&](CdrWriter& out) { serialize_phase(out, {now, {}}, name); });
+  write<Topic::kPhase>(
+      now, messages::rosflight_log_msgs::Phase{header(now), messages::clean_utf8(name)});
+}
+
+void FlightLog::write_text(std::uint64_t now, link::Severity severity, std::string_view source,
+                           std::string_view text) {
+  auto message = to_message(severity, source, text);
+  message.stamp = messages::stamp_of(now);
+  write<Topic::kTexts>(now, message);
 }
 
 void FlightLog::write_event(hal::Time time, link::Severity severity, std::string_view source,
                             std::string_view text) {
-  const std::uint64_t now = stamp(time);
-  write(Topic::kTexts, now,
-        [&](CdrWriter& out) { serialize_text(out, now, severity, source, text); });
+  write_text(stamp(time), severity, source, text);
 }
 
 void FlightLog::write_parameter(hal::Time time, std::string_view name, link::ParamType type,
                                 link::ParamBits value) {
   const std::uint64_t now = stamp(time);
-  write(Topic::kParameter, now,
-        [&](CdrWriter& out) { serialize_parameter(out, {now, {}}, name, type, value); });
+  write<Topic::kParameter>(now, header(now), to_message(name, type, value));
 }
 
 }  // namespace rosflight::log

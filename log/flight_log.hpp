@@ -2,17 +2,27 @@
 #pragma once
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string_view>
 
+#include "base/constants.hpp"
 #include "link/messages.hpp"
-#include "log/cdr.hpp"
 #include "log/mcap_writer.hpp"
-#include "log/serialize.hpp"
+#include "messages/roscopter_msgs.hpp"
+#include "messages/rosflight_log_msgs.hpp"
 #include "sim/types.hpp"
 
 namespace rosflight::log {
 
 enum class Topic : std::uint8_t;  // flight_log_topics.hpp
+
+enum class Direction : std::uint8_t { kFcuToCompanion = 0, kCompanionToFcu = 1 };
+/// How much of a flight its log contains.
+enum class Detail : std::uint8_t {
+  /// Truth, attitude, outputs and temperature of the IMU at 100 Hz; all other sensor data and link bytes.
+  kPlot,
+  kFull  ///< Everything.
+};
 
 /// The log of one flight: an MCAP file of ROS 2 messages under the topic names a ROSflight user
 /// knows, which Foxglove, PlotJuggler and rosbag2 open. README.md lists the topics.
@@ -20,15 +30,16 @@ enum class Topic : std::uint8_t;  // flight_log_topics.hpp
 /// Times given are simulated (or, in real time, since the start); stamps in the file are epoch_ns
 /// later, so that tools show a date. A message that carries a sample time of the FCU has that time
 /// in its header; all others the time given. Channels appear with their first message: a missing
-/// topic is a missing sensor. Same calls, same bytes. All functions throw LogError when the disk
-/// does not take it.
+/// topic is a missing sensor. Same calls, same LogSummary::sha256. All functions throw LogError when
+/// the disk is full or broken (McapWriter says when).
 class FlightLog {
  public:
   struct Options {
     /// Added to all times. Part of the bytes: for comparable logs take a fixed date, not today's.
     std::uint64_t epoch_ns{kDefaultEpoch_ns};
-    std::uint32_t truth_every{1};  ///< Logs every n-th call of write_truth(); 0 logs none.
-    double gravity_m_s2{9.80665};  ///< The simulation's; see serialize_state().
+    Detail detail{Detail::kPlot};
+    double gravity_m_s2{base::kStandardGravity_m_s2};  ///< The simulation's; added to the specific
+                                                       ///< force of the truth.
     McapWriter::Options mcap;
   };
   static constexpr std::uint64_t kDefaultEpoch_ns =
@@ -51,13 +62,15 @@ class FlightLog {
   void write_truth(const sim::Truth& truth, const hal::OutputValues& outputs);
 
   /// A message that crossed the link at `time`, decoded and as bytes. std::monostate logs the bytes
-  /// only.
+  /// only. Bytes (at most 65535) are written together with those of the next 50 ms.
   void write_link(Direction direction, hal::Time time, const link::Message& message,
                   Bytes raw_frame);
 
-  void write_setpoint(hal::Time time, const Setpoint& setpoint);
+  /// Where guidance wants the vehicle. The header is made here, like that of the next one.
+  void write_setpoint(hal::Time time, messages::roscopter_msgs::TrajectoryCommand setpoint);
 
-  void write_estimate(hal::Time time, const Estimate& estimate);
+  /// The state estimate that guidance uses.
+  void write_estimate(hal::Time time, messages::rosflight_log_msgs::Estimate estimate);
 
   /// Autonomy entered the phase `name`.
   void write_phase(hal::Time time, std::string_view name);
@@ -72,7 +85,7 @@ class FlightLog {
   /// The FCU's clock started from zero at `time` (default: at 0). Converts its sample times.
   void set_fcu_boot(hal::Time time) { fcu_boot_ns_ = stamp(time); }
 
-  LogSummary close() { return writer_.close(); }
+  LogSummary close();
 
   const std::filesystem::path& path() const { return writer_.path(); }
 
@@ -85,20 +98,34 @@ class FlightLog {
   std::uint64_t fcu_stamp_us(std::uint64_t boot_us) const { return fcu_boot_ns_ + boot_us * 1000; }
   std::uint64_t fcu_stamp_ms(std::uint64_t boot_ms) const { return fcu_stamp_us(boot_ms * 1000); }
   McapWriter::ChannelId channel(Topic topic);
+  /// At `now`, so that the file is in the order of time.
+  void write_raw_frames(std::uint64_t now);
+  void write_text(std::uint64_t now, link::Severity severity, std::string_view source,
+                  std::string_view text);
+  /// Whether a message at `now` of a topic that Detail::kPlot thins out goes into the log: the first
+  /// of every 10 ms.
+  bool due(Topic topic, std::uint64_t now);
 
-  /// Serialises with `put(cdr)` and writes.
-  template <class Put>
-  void write(Topic topic, std::uint64_t log_time_ns, const Put& put);
+  template <Topic kTopic, class Message>
+  void write(std::uint64_t log_time_ns, const Message& message);
+  /// With this header.
+  template <Topic kTopic, class Message>
+  void write(std::uint64_t log_time_ns, const messages::std_msgs::Header& header,
+             Message&& message);
 
   Options options_;
   McapWriter writer_;
-  CdrWriter cdr_;
+  messages::CdrWriter cdr_;
   std::array<McapWriter::ChannelId, kMaxTopics> channels_{};
   std::array<McapWriter::SchemaId, kMaxTopics> schemas_{};
   std::uint64_t fcu_boot_ns_{};
-  std::uint32_t truth_calls_{0};
-  bool has_attitude_{false};
-  std::array<float, 4> q_NB_{};
+  std::optional<link::Attitude> attitude_;              ///< The latest.
+  messages::rosflight_log_msgs::RawFrames raw_frames_;  ///< Not written yet.
+  std::uint64_t raw_start_ns_{};                        ///< Of the first of them.
+  std::uint64_t latest_ns_{};                           ///< Of all messages.
+  // Kept for its memory.
+  messages::rosflight_log_msgs::TruthVehicle vehicle_;
+  std::array<std::uint64_t, kMaxTopics> next_due_ns_{};
 };
 
 }  // namespace rosflight::log

@@ -4,6 +4,14 @@
 #include <cstdint>
 #include <string_view>
 
+#include "messages/geometry_msgs.hpp"
+#include "messages/rcl_interfaces.hpp"
+#include "messages/roscopter_msgs.hpp"
+#include "messages/rosflight_log_msgs.hpp"
+#include "messages/rosflight_msgs.hpp"
+#include "messages/sensor_msgs.hpp"
+#include "messages/std_msgs.hpp"
+
 namespace rosflight::log {
 
 /// What a flight log can contain, in the order of kTopics.
@@ -38,7 +46,7 @@ enum class Topic : std::uint8_t {
   kReportRequest,
   kCheckResult,
   kCounters,
-  kRawFrame,
+  kRawFrames,
   kTruthState,
   kTruthWind,
   kForcesAndMoments,
@@ -54,52 +62,58 @@ enum class Topic : std::uint8_t {
 struct TopicType {
   std::string_view name;
   std::string_view type;
+  std::string_view (*schema)();
 };
+
+template <class Message>
+constexpr TopicType of(std::string_view name) {
+  return {name, Message::kName, &Message::schema};
+}
 
 /// Names down to /external_attitude, /sim/ (but for truth_vehicle) and /trajectory_command:
 /// ROSflight 2.x.
 inline constexpr std::array kTopics{
-    TopicType{"/imu/data", "sensor_msgs/msg/Imu"},
-    TopicType{"/imu/temperature", "sensor_msgs/msg/Temperature"},
-    TopicType{"/attitude", "rosflight_msgs/msg/Attitude"},
-    TopicType{"/attitude/euler", "geometry_msgs/msg/Vector3Stamped"},
-    TopicType{"/baro", "rosflight_msgs/msg/Barometer"},
-    TopicType{"/magnetometer", "sensor_msgs/msg/MagneticField"},
-    TopicType{"/airspeed", "rosflight_msgs/msg/Airspeed"},
-    TopicType{"/range", "sensor_msgs/msg/Range"},
-    TopicType{"/gnss", "rosflight_msgs/msg/GNSS"},
-    TopicType{"/battery", "rosflight_msgs/msg/BatteryStatus"},
-    TopicType{"/rc_raw", "rosflight_msgs/msg/RCRaw"},
-    TopicType{"/output_raw", "rosflight_msgs/msg/OutputRaw"},
-    TopicType{"/status", "rosflight_msgs/msg/Status"},
-    TopicType{"/version", "std_msgs/msg/String"},
-    TopicType{"/status/rosflight_errors", "rosflight_msgs/msg/Error"},
-    TopicType{"/command", "rosflight_msgs/msg/Command"},
-    TopicType{"/aux_command", "rosflight_msgs/msg/AuxCommand"},
-    TopicType{"/external_attitude", "rosflight_msgs/msg/Attitude"},
-    TopicType{"/link/heartbeat", "rosflight_log_msgs/msg/Heartbeat"},
-    TopicType{"/link/time_sync", "rosflight_log_msgs/msg/TimeSync"},
-    TopicType{"/link/param_request_read", "rosflight_log_msgs/msg/ParamRequestRead"},
-    TopicType{"/link/param_request_list", "rosflight_log_msgs/msg/ParamRequestList"},
-    TopicType{"/link/param_set", "rosflight_log_msgs/msg/ParamSet"},
-    TopicType{"/link/param_value", "rosflight_log_msgs/msg/ParamValue"},
-    TopicType{"/link/command_request", "rosflight_log_msgs/msg/CommandRequest"},
-    TopicType{"/link/command_ack", "rosflight_log_msgs/msg/CommandAck"},
-    TopicType{"/link/motor_test", "rosflight_log_msgs/msg/MotorTest"},
-    TopicType{"/link/report_request", "rosflight_log_msgs/msg/ReportRequest"},
-    TopicType{"/link/check_result", "rosflight_log_msgs/msg/CheckResult"},
-    TopicType{"/link/counters", "rosflight_log_msgs/msg/Counters"},
-    TopicType{"/link/raw", "rosflight_log_msgs/msg/RawFrame"},
-    TopicType{"/sim/truth_state", "rosflight_msgs/msg/SimState"},
-    TopicType{"/sim/truth_wind", "geometry_msgs/msg/Vector3Stamped"},
-    TopicType{"/sim/forces_and_moments", "geometry_msgs/msg/WrenchStamped"},
-    TopicType{"/sim/pwm_output", "rosflight_msgs/msg/PwmOutput"},
-    TopicType{"/sim/truth_vehicle", "rosflight_log_msgs/msg/TruthVehicle"},
-    TopicType{"/trajectory_command", "roscopter_msgs/msg/TrajectoryCommand"},
-    TopicType{"/autonomy/estimate", "rosflight_log_msgs/msg/Estimate"},
-    TopicType{"/autonomy/phase", "rosflight_log_msgs/msg/Phase"},
-    TopicType{"/parameters", "rosflight_log_msgs/msg/Parameter"},
-    TopicType{"/rosout", "rcl_interfaces/msg/Log"},
+    of<messages::sensor_msgs::Imu>("/imu/data"),
+    of<messages::sensor_msgs::Temperature>("/imu/temperature"),
+    of<messages::rosflight_msgs::Attitude>("/attitude"),
+    of<messages::geometry_msgs::Vector3Stamped>("/attitude/euler"),
+    of<messages::rosflight_msgs::Barometer>("/baro"),
+    of<messages::sensor_msgs::MagneticField>("/magnetometer"),
+    of<messages::rosflight_msgs::Airspeed>("/airspeed"),
+    of<messages::sensor_msgs::Range>("/range"),
+    of<messages::rosflight_msgs::GNSS>("/gnss"),
+    of<messages::rosflight_msgs::BatteryStatus>("/battery"),
+    of<messages::rosflight_msgs::RCRaw>("/rc_raw"),
+    of<messages::rosflight_msgs::OutputRaw>("/output_raw"),
+    of<messages::rosflight_msgs::Status>("/status"),
+    of<messages::std_msgs::String>("/version"),
+    of<messages::rosflight_msgs::Error>("/status/rosflight_errors"),
+    of<messages::rosflight_msgs::Command>("/command"),
+    of<messages::rosflight_msgs::AuxCommand>("/aux_command"),
+    of<messages::rosflight_msgs::Attitude>("/external_attitude"),
+    of<messages::rosflight_log_msgs::Heartbeat>("/link/heartbeat"),
+    of<messages::rosflight_log_msgs::TimeSync>("/link/time_sync"),
+    of<messages::rosflight_log_msgs::ParamRequestRead>("/link/param_request_read"),
+    of<messages::rosflight_log_msgs::ParamRequestList>("/link/param_request_list"),
+    of<messages::rosflight_log_msgs::ParamSet>("/link/param_set"),
+    of<messages::rosflight_log_msgs::ParamValue>("/link/param_value"),
+    of<messages::rosflight_log_msgs::CommandRequest>("/link/command_request"),
+    of<messages::rosflight_log_msgs::CommandAck>("/link/command_ack"),
+    of<messages::rosflight_log_msgs::MotorTest>("/link/motor_test"),
+    of<messages::rosflight_log_msgs::ReportRequest>("/link/report_request"),
+    of<messages::rosflight_log_msgs::CheckResult>("/link/check_result"),
+    of<messages::rosflight_log_msgs::Counters>("/link/counters"),
+    of<messages::rosflight_log_msgs::RawFrames>("/link/raw"),
+    of<messages::rosflight_msgs::SimState>("/sim/truth_state"),
+    of<messages::geometry_msgs::Vector3Stamped>("/sim/truth_wind"),
+    of<messages::geometry_msgs::WrenchStamped>("/sim/forces_and_moments"),
+    of<messages::rosflight_msgs::PwmOutput>("/sim/pwm_output"),
+    of<messages::rosflight_log_msgs::TruthVehicle>("/sim/truth_vehicle"),
+    of<messages::roscopter_msgs::TrajectoryCommand>("/trajectory_command"),
+    of<messages::rosflight_log_msgs::Estimate>("/autonomy/estimate"),
+    of<messages::rosflight_log_msgs::Phase>("/autonomy/phase"),
+    of<messages::rosflight_log_msgs::Parameter>("/parameters"),
+    of<messages::rcl_interfaces::Log>("/rosout"),
 };
 static_assert(kTopics.size() == static_cast<std::size_t>(Topic::kTexts) + 1);
 

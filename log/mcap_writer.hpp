@@ -4,16 +4,13 @@
 #include <map>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
+#include "log/block_thread.hpp"
 #include "log/byte_buffer.hpp"
-#include "log/crc32.hpp"
-#include "log/output_file.hpp"
+#include "log/mcap_file.hpp"
 
 namespace rosflight::log {
-
-enum class Compression : std::uint8_t { kNone, kZstd };
 
 /// String to string, sorted, as MCAP maps are.
 using TextMap = std::map<std::string, std::string, std::less<>>;
@@ -21,36 +18,25 @@ using TextMap = std::map<std::string, std::string, std::less<>>;
 /// What became of a log.
 struct LogSummary {
   std::filesystem::path path;
-  std::string sha256;  ///< Of the whole file, 64 hexadecimal digits.
+  std::string sha256;  ///< Identity of the contents (McapFile), 64 hexadecimal digits.
   std::uint64_t messages{};
-  std::uint64_t bytes{};
+  std::uint64_t bytes{};  ///< Size of the file.
 };
 
-/// Writes one MCAP file (mcap.dev/spec, version 0): chunks with message indexes, attachments,
-/// metadata, and a summary with statistics, chunk, attachment and metadata indexes; every checksum
-/// the format has.
+/// Writes a log as one MCAP file (mcap.dev/spec, version 0).
 ///
-///     magic Header { Chunk MessageIndex* | Attachment | Metadata }* DataEnd
-///     Schema* Channel* Statistics ChunkIndex* AttachmentIndex* MetadataIndex* SummaryOffset*
-///     Footer magic
-///
-/// The same calls give the same bytes: times are the caller's, nothing is asked of the machine.
-/// (With Compression::kZstd: the same bytes as long as the zstd library stays the same; so it is
-/// not the default.) The file appears under its name only in close(); see OutputFile. Any member
-/// may throw LogError.
+/// The caller's thread only appends messages to a chunk; hash, compression and the file are the work
+/// of a second thread (BlockThread, McapFile). The same calls give the same LogSummary::sha256 with
+/// any compression, chunk size and library version: times are the caller's, nothing is asked of the
+/// machine. The file appears under its name only in close(). Any member may throw LogError; an error
+/// of the disk is thrown by one of the calls after it, at the latest by close().
 class McapWriter {
  public:
-  struct Options {
-    std::string profile{"ros2"};
-    std::string library{"rosflight"};  ///< No version here: it would change every fingerprint.
-    std::size_t chunk_bytes{std::size_t{1} << 20U};
-    Compression compression{Compression::kNone};
-  };
-
+  using Options = McapFile::Options;
   using SchemaId = std::uint16_t;
   using ChannelId = std::uint16_t;
 
-  McapWriter(std::filesystem::path path, Options options);
+  McapWriter(std::filesystem::path path, const Options& options);
 
   SchemaId add_schema(std::string_view name, std::string_view encoding, std::string_view text);
   ChannelId add_channel(std::string_view topic, SchemaId schema, std::string_view message_encoding,
@@ -70,53 +56,29 @@ class McapWriter {
   /// Writes the rest and gives the file its name. Nothing may be called afterwards.
   LogSummary close();
 
-  const std::filesystem::path& path() const { return file_.path(); }
+  const std::filesystem::path& path() const { return path_; }
 
  private:
-  struct Channel {
-    std::uint32_t sequence{0};                                   ///< Messages so far.
-    std::vector<std::pair<std::uint64_t, std::uint64_t>> index;  ///< Of this chunk: time, offset.
-    bool sorted{true};
-  };
-  struct SummaryGroup {
-    std::uint8_t opcode{};
-    std::uint64_t start{};
-    std::uint64_t length{};
-  };
-
-  void emit(Bytes bytes);
-  void emit_and_clear(ByteBuffer& record);
   void end_chunk();
-  Bytes compress_chunk();
-  void write_message_indexes(ByteBuffer& offsets);
-  void write_summary();
-  void write_group(std::uint8_t opcode, Bytes records, std::vector<SummaryGroup>& groups);
+  /// Gives a whole record, with what the summary says about it, to the thread.
+  void put_record(ByteBuffer& record, ByteBuffer& index);
   ByteBuffer statistics() const;
   void put_statistics(ByteBuffer& out) const;
 
-  OutputFile file_;
-  Options options_;
-  Crc32 crc_;           ///< Of the section being written: data, then summary.
-  ByteBuffer scratch_;  ///< One record.
-  ByteBuffer chunk_;
-  ByteBuffer compressed_;
-  std::uint64_t chunk_start_ns_{};
-  std::uint64_t chunk_end_ns_{};
-  bool chunk_has_messages_{false};
-
-  std::vector<Channel> channels_;  ///< Channel id k + 1 is entry k.
-  ByteBuffer schema_records_;      ///< Repeated in the summary.
+  std::filesystem::path path_;
+  std::size_t chunk_bytes_;
+  McapFile file_;  ///< Belongs to the thread until close().
+  BlockThread::Block chunk_;
+  ByteBuffer schema_records_;  ///< Repeated in the summary.
   ByteBuffer channel_records_;
-  ByteBuffer chunk_indexes_;
-  ByteBuffer attachment_indexes_;
-  ByteBuffer metadata_indexes_;
+  std::vector<std::uint32_t> sequences_;  ///< Messages so far; channel id k + 1 is entry k.
   SchemaId schemas_{0};
   std::uint32_t attachments_{0};
   std::uint32_t metadata_{0};
-  std::uint32_t chunks_{0};
   std::uint64_t messages_{0};
   std::uint64_t first_ns_{};
   std::uint64_t last_ns_{};
+  BlockThread thread_;  ///< Last: uses file_.
 };
 
 }  // namespace rosflight::log

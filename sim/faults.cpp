@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/constants.hpp"
 #include "config/strict_yaml.hpp"
 #include "sim/types.hpp"
 
@@ -46,7 +47,7 @@ struct Step {
   std::string_view effect;
 };
 
-constexpr double kRadPerDeg = 3.14159265358979323846 / 180.0;
+using base::kRadPerDeg;
 constexpr std::array<Step, 8> kSteps{{
     {"baro_step", FaultKind::kBaroStep, 0, 1000.0, 1.0,
      "the barometer reads so many metres too high"},

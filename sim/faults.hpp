@@ -59,8 +59,10 @@ std::string fault_help();
 class FaultSchedule {
  public:
   FaultSchedule() = default;
+  /// @param faults  in any order.
   explicit FaultSchedule(std::vector<Fault> faults);
 
+  /// A fault of that kind is in force at `t`.
   bool active(FaultKind kind, Time t) const {
     return (kinds_ & bit(kind)) != 0U && active_now(kind, t);
   }

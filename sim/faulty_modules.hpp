@@ -2,6 +2,7 @@
 #pragma once
 #include <limits>
 
+#include "base/atmosphere.hpp"
 #include "sim/faults.hpp"
 #include "sim/modules.hpp"
 #include "sim/portable_math.hpp"
@@ -23,7 +24,7 @@ class FaultySensors : public SensorsModule {
   void step(const Truth& truth, SensorSamples& s) override {
     if (pitot_covered_) {
       still_ = truth;
-      still_.air.wind_N = truth.body.q_NB * truth.body.v_B;
+      still_.air.wind_W = truth.body.q_WB * truth.body.v_B;
       sensors_.step(still_, s);
     } else {
       sensors_.step(truth, s);
@@ -52,9 +53,9 @@ class FaultySensors : public SensorsModule {
     const double step_m = faults_.value(FaultKind::kBaroStep, t);
     if (step_m == 0.0) return;
     // Of the standard atmosphere: p = p0 (1 - h/(T0/L))^(g/(R L)).
-    constexpr double kSea_Pa = 101325.0;
-    constexpr double kScale_m = 44330.77;
-    constexpr double kPower = 5.25588;
+    constexpr double kSea_Pa = base::kSeaLevelPressure_Pa;
+    constexpr double kScale_m = base::kTroposphere.scale_m;
+    constexpr double kPower = base::kTroposphere.pressure_exponent;
     const double level = portable::log(static_cast<double>(baro.pressure_Pa) / kSea_Pa) / kPower;
     const double share = portable::exp(level) - step_m / kScale_m;
     baro.pressure_Pa = static_cast<float>(kSea_Pa * portable::exp(kPower * portable::log(share)));

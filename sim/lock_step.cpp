@@ -3,12 +3,12 @@
 
 namespace rosflight::sim {
 
-LockStep::LockStep(TimeSource& time, RcModule& rc, SensorsModule& sensors, BoardModule& board,
-                   Dynamics& dynamics)
+LockStep::LockStep(TimeSource& time, RcModule& rc, SensorsModule& sensors,
+                   AutopilotModule& autopilot, Dynamics& dynamics)
     : time_{time},
       rc_{rc},
       sensors_{sensors},
-      board_{board},
+      autopilot_{autopilot},
       dynamics_{dynamics},
       now_{dynamics.truth().time} {}
 
@@ -17,8 +17,8 @@ void LockStep::step() {
   if (listener_ != nullptr) listener_->before_step(t);
   has_frame_ = rc_.step(t, frame_);
   sensors_.step(dynamics_.truth(), samples_);
-  const hal::OutputValues& outputs = board_.step(t, samples_, rc_frame());
-  if (listener_ != nullptr) listener_->after_board(t, outputs);
+  const hal::OutputValues& outputs = autopilot_.step(t, samples_, rc_frame());
+  if (listener_ != nullptr) listener_->after_autopilot(t, outputs);
   now_ = time_.advance(t);
   dynamics_.step(now_, outputs);
   for (Visualiser* visualiser : visualisers_) visualiser->step(dynamics_.truth(), outputs);

@@ -7,15 +7,15 @@
 
 namespace rosflight::sim {
 
-/// Takes part in the loop without being a module: the companion computer, a flight director,
+/// Participates in the loop without being a module: the companion computer, a mission runner,
 /// faults.
 class LockStepListener {
  public:
   virtual ~LockStepListener() = default;
   /// At the very beginning of the step at t, before RC and sensors.
   virtual void before_step(Time t) { static_cast<void>(t); }
-  /// The board has run its step at t; what it wrote to the link is there to be read.
-  virtual void after_board(Time t, const hal::OutputValues& outputs) {
+  /// The autopilot has executed its step at t; the bytes that it sent can be read.
+  virtual void after_autopilot(Time t, const hal::OutputValues& outputs) {
     static_cast<void>(t), static_cast<void>(outputs);
   }
 };
@@ -25,25 +25,26 @@ class LockStepListener {
 ///     listener      before_step(t)
 ///     RC            frame, if one arrives at t
 ///     sensors       samples that become available at t, from the truth at t
-///     board         firmware pass with them -> outputs
-///     listener      after_board(t): the companion reads and writes the link
+///     autopilot     firmware pass with them -> outputs
+///     listener      after_autopilot(t): the companion reads and writes the link
 ///     time          t' = end of the step; a paced source waits here for the wall
 ///     dynamics      truth moves to t' under these outputs; it evaluates forces and moments
-///     visualisers   see the truth at t' and the outputs that led to it, in the order they were
-///     added
+///     visualisers   get the truth at t' and the outputs that led to it, in the order of add()
 ///
 /// The order is the same in every step and nothing else calls the modules, so a run is a function
 /// of their states alone. Owns references and one set of samples; allocates nothing while stepping.
 class LockStep {
  public:
   /// Everything referred to must outlive this. Time starts at truth().time.
-  LockStep(TimeSource& time, RcModule& rc, SensorsModule& sensors, BoardModule& board,
+  LockStep(TimeSource& time, RcModule& rc, SensorsModule& sensors, AutopilotModule& autopilot,
            Dynamics& dynamics);
 
+  /// Adds a visualiser, which must outlive this; see the order above.
   void add(Visualiser& visualiser) { visualisers_.push_back(&visualiser); }
   /// nullptr: none.
   void set_listener(LockStepListener* listener) { listener_ = listener; }
 
+  /// Executes one step.
   void step();
   /// Steps while now() < end. @returns the number of steps.
   std::uint64_t run_until(Time end);
@@ -51,7 +52,7 @@ class LockStep {
   /// Start of the next step.
   Time now() const { return now_; }
   std::uint64_t ticks() const { return ticks_; }
-  /// What the sensors delivered and whether a receiver frame came in the last step.
+  /// Samples and receiver frame of the last step.
   const SensorSamples& samples() const { return samples_; }
   const hal::RcFrame* rc_frame() const { return has_frame_ ? &frame_ : nullptr; }
 
@@ -59,7 +60,7 @@ class LockStep {
   TimeSource& time_;
   RcModule& rc_;
   SensorsModule& sensors_;
-  BoardModule& board_;
+  AutopilotModule& autopilot_;
   Dynamics& dynamics_;
   LockStepListener* listener_{nullptr};
   std::vector<Visualiser*> visualisers_;

@@ -5,32 +5,31 @@
 #include "sim/types.hpp"
 
 /// The seven exchangeable modules of the simulation. Each is a plain object; the same objects are
-/// wired in lock-step (sim/lock_step.hpp) and, one per process, as ROS 2 nodes. None reads a wall
-/// clock or a global.
+/// wired in lock-step (sim/lock_step.hpp) and, one per process, as ROS 2 nodes. None of them reads a
+/// wall clock or a global variable.
 namespace rosflight::sim {
 
-/// 1. Time: how far each step goes and whether anyone waits for the wall.
+/// 1. Time: the length of each step, and the pace of the steps.
 class TimeSource {
  public:
   virtual ~TimeSource() = default;
-  /// Ends the step that started at `now` and returns the start of the next; may sleep to keep a
-  /// pace.
+  /// Ends the step that started at `now` and returns the start of the next; sleeps if the source has
+  /// a pace.
   virtual Time advance(Time now) = 0;
 };
 
-/// 2. Board: the flight control unit with the real firmware inside.
-class BoardModule {
+/// 2. Autopilot: flight control hardware with the real firmware, the system under test.
+class AutopilotModule {
  public:
-  virtual ~BoardModule() = default;
-  /// One step at time t: takes what arrived, runs the firmware, returns the 14 outputs (0..1).
-  /// @param rc  a receiver frame, or nullptr if none came in this step.
+  virtual ~AutopilotModule() = default;
+  /// One step at time t: passes samples and bytes to the firmware, runs it and returns the 14 outputs
+  /// (0..1).
+  /// @param rc  a receiver frame, or nullptr if none was received in this step.
   virtual const hal::OutputValues& step(Time t, const SensorSamples& samples,
                                         const hal::RcFrame* rc) = 0;
-  /// Armed: outputs of motors mean something. Used by displays only.
-  virtual bool armed() const = 0;
 };
 
-/// 3. RC: the pilot and his transmitter (script, joystick, keyboard, ROS).
+/// 3. RC: the pilot with a transmitter (script, joystick, keyboard, ROS).
 class RcModule {
  public:
   virtual ~RcModule() = default;
@@ -51,12 +50,12 @@ class SensorsModule {
 /// scheme.
 class ForcesAndMoments {
  public:
-  /// Most states a module may have.
+  /// Maximum number of states of a module.
   static constexpr std::size_t kMaxStates = 32;
 
   struct Input {
     const BodyState& body;
-    const Matrix3& R_NB;     ///< Of body.q_NB.
+    const Matrix3& R_WB;     ///< Of body.q_WB.
     const Vector3& v_air_B;  ///< Velocity through the air: body.v_B less the wind [m/s].
     const Air& air;
     const hal::OutputValues& outputs;  ///< Held constant over a step; may be NaN.
@@ -65,9 +64,10 @@ class ForcesAndMoments {
 
   virtual ~ForcesAndMoments() = default;
   virtual std::size_t state_size() const = 0;
+  /// Fills the state_size() states of a vehicle at rest with stopped rotors.
   virtual void initial_state(std::span<double> x) const = 0;
-  /// Wrench without gravity and ground contact, and dx/dt. Called four times a step: no side
-  /// effects, no heap.
+  /// Computes the wrench without gravity and ground contact, and dx/dt. Called four times per step: no
+  /// side effects, no heap.
   virtual void evaluate(const Input& in, std::span<const double> x, Wrench& wrench,
                         std::span<double> x_dot) const = 0;
   /// Keeps states physical after a step (rotor speed >= 0, charge >= 0). Default: nothing.
@@ -76,8 +76,8 @@ class ForcesAndMoments {
   virtual void report(const Input& in, std::span<const double> x, Truth& truth) const {
     static_cast<void>(in), static_cast<void>(x), static_cast<void>(truth);
   }
-  /// A fault from outside, in force until the next call: rotor `rotor` gives `factor` (0..1) of its
-  /// thrust; 0 is a dead motor. Default: nothing, for modules without rotors.
+  /// Injects a fault, in force until the next call: the rotor has `factor` (0..1) of its thrust; 0 is a
+  /// dead motor. Default: nothing, for modules without rotors.
   virtual void set_thrust_factor(std::size_t rotor, double factor) {
     static_cast<void>(rotor), static_cast<void>(factor);
   }
@@ -90,15 +90,16 @@ class Dynamics {
   /// Advances from truth().time to t with the outputs held.
   virtual void step(Time t, const hal::OutputValues& outputs) = 0;
   virtual const Truth& truth() const = 0;
-  /// Puts the body somewhere, at rest actuators. @returns false (and changes nothing) for a state
-  /// with a NaN, a zero quaternion or a position under ground; the quaternion is normalised.
+  /// Sets the state, with actuators at rest; the quaternion is normalised. @returns false and changes
+  /// nothing for a state with a NaN, a zero quaternion or a position below the ground.
   virtual bool set_state(const BodyState& state) = 0;
 };
 
-/// 7. Visualiser: sees everything, changes nothing (log, RViz, web).
+/// 7. Visualiser: receives the truth and changes nothing (log, RViz, web).
 class Visualiser {
  public:
   virtual ~Visualiser() = default;
+  /// Called after every step with the new truth and the outputs that led to it.
   virtual void step(const Truth& truth, const hal::OutputValues& outputs) = 0;
 };
 

@@ -15,29 +15,34 @@
 /// sample, so changing the rate of a sensor does not change how it drifts.
 ///
 /// Names, units and slopes after IEEE Std 952-1997 (R2008), annex C; the discrete forms (1), (3)
-/// and (4) are exact for samples T apart, not approximations for small T. Each draws from a stream
-/// of its own and draws nothing while it is switched off (sigma 0): no error shifts the numbers of
-/// another.
+/// and (4) are exact for samples T apart, not approximations for small T. Each uses a stream of its
+/// own and draws nothing while it is off (sigma 0), so no error changes the numbers of another.
 namespace rosflight::sim {
 
 using hal::Time;
 
+/// In seconds.
 inline double to_seconds(Time t) {
   return static_cast<double>(t.count()) * 1e-6;
 }
 
-/// White noise:  e_k = sigma N_k,  sigma = density / sqrt(T) (1)
+/// White noise:
+///
+///     e_k = sigma N_k,   sigma = density / sqrt(T)                                        (1)
 ///
 /// Allan deviation density / sqrt(tau): slope -1/2, equal to the density at tau = 1 s. A density is
 /// in units/sqrt(Hz) over a bandwidth of 1/T, the reading under which a data sheet's rate noise
 /// density is also its angle random walk in units/sqrt(s).
 class WhiteNoise {
  public:
+  /// With a standard deviation per sample.
   static WhiteNoise per_sample(double sigma, RandomStream stream) { return {sigma, stream}; }
+  /// With a density [unit/sqrt(Hz)] at the sample period.
   static WhiteNoise from_density(double density, Time period, RandomStream stream) {
     return {density / std::sqrt(to_seconds(period)), stream};
   }
 
+  /// The next error.
   double sample() { return sigma_ == 0.0 ? 0.0 : sigma_ * stream_.normal(); }
   /// The same draw with another sigma (vibration grows with rotor speed).
   double sample(double sigma) { return sigma == 0.0 ? 0.0 : sigma * stream_.normal(); }
@@ -50,15 +55,19 @@ class WhiteNoise {
   RandomStream stream_;
 };
 
-/// Random walk of a bias:  b_0 = 0,  b_k+1 = b_k + rate sqrt(T) N_k (2)
+/// Random walk of a bias:
+///
+///     b_0 = 0,   b_k+1 = b_k + rate sqrt(T) N_k                                           (2)
 ///
 /// `rate` in units/sqrt(s): the standard deviation after t seconds is rate sqrt(t) whatever T is.
 /// Allan deviation rate sqrt(tau / 3): slope +1/2, equal to the rate at tau = 3 s.
 class RandomWalk {
  public:
+  /// @param rate  [unit/sqrt(s)].
   RandomWalk(double rate, Time period, RandomStream stream)
       : step_{rate * std::sqrt(to_seconds(period))}, stream_{stream} {}
 
+  /// The bias at the next sample.
   double sample() {
     if (step_ != 0.0) value_ += step_ * stream_.normal();
     return value_;
@@ -72,11 +81,12 @@ class RandomWalk {
 
 /// First-order Gauss-Markov process, an error that wanders but stays bounded:
 ///
-///     x_0 = sigma N,   x_k+1 = phi x_k + sigma sqrt(1 - phi^2) N_k,   phi = exp(-T / tau) (3)
+///     x_0 = sigma N,   x_k+1 = phi x_k + sigma sqrt(1 - phi^2) N_k,   phi = exp(-T / tau)  (3)
 ///
 /// Stationary from the first sample: standard deviation sigma, autocorrelation exp(-|t| / tau).
 class GaussMarkov {
  public:
+  /// @param tau_s  correlation time, > 0 unless sigma is 0.
   GaussMarkov(double sigma, double tau_s, Time period, RandomStream stream)
       : phi_{sigma == 0.0 ? 0.0 : portable::exp(-to_seconds(period) / tau_s)},
         drive_{sigma * std::sqrt(1.0 - phi_ * phi_)},
@@ -99,17 +109,19 @@ class GaussMarkov {
   RandomStream stream_;
 };
 
-/// Turn-on bias: constant for one run, uniform in +-range, another one for every seed. (4)
+/// (4): turn-on bias, constant for one run, uniform in +-range, different for every seed.
 inline double turn_on_bias(double range, RandomStream stream) {
   return range == 0.0 ? 0.0 : stream.uniform(-range, range);
 }
 
-/// What a converter does to a value: limits it to +-limit, then rounds it to a multiple of `step`,
-/// halves to even. Zero switches either off. (5)
+/// (5): a converter limits a value to +-limit, then rounds it to a multiple of `step`, halves to even.
+/// Zero switches either off.
 class Quantiser {
  public:
+  /// @param step, limit  in the unit of the value; 0 switches each off.
   Quantiser(double step, double limit) : step_{step}, limit_{limit} {}
 
+  /// (5) of one value.
   double apply(double value) const {
     if (limit_ > 0.0) value = std::clamp(value, -limit_, limit_);
     if (step_ <= 0.0) return value;
@@ -130,7 +142,7 @@ struct ErrorParameters {
   double fixed_bias{};     ///< The same in every run [unit].
   double turn_on_bias{};   ///< Half width of (4) [unit].
   double noise_density{};  ///< (1) [unit/sqrt(Hz)]; adds to noise_sigma in power.
-  double noise_sigma{};    ///< White noise per sample, whatever the rate [unit].
+  double noise_sigma{};    ///< White noise per sample, independent of the rate [unit].
   double bias_walk{};      ///< (2) [unit/sqrt(s)].
   double drift_sigma{};    ///< (3) [unit].
   double drift_time_s{};   ///< (3) > 0 where drift_sigma > 0.
@@ -140,7 +152,7 @@ struct ErrorParameters {
 
 /// The errors of one scalar together:
 ///
-///     y = quantise( x + fixed + turn_on + walk + drift + white ) (6)
+///     y = quantise( x + fixed + turn_on + walk + drift + white )                                   (6)
 class ErrorModel {
  public:
   /// @param name  prefix of the streams' names, such as "sensors/imu/gyro/x".
@@ -160,7 +172,7 @@ class ErrorModel {
     bias_ = constant_ + walk_.sample() + drift_.sample();
     return quantiser_.apply(truth + bias_);
   }
-  /// Everything of the last error that was neither white noise nor rounding.
+  /// The last error without white noise and rounding.
   double bias() const { return bias_; }
 
  private:
@@ -172,8 +184,8 @@ class ErrorModel {
   Quantiser quantiser_;
 };
 
-/// Holds values back for a fixed time: what goes in at t comes out at t + delay, in order. Room for
-/// what can be on the way at once is taken at construction; never grows.
+/// Delays values by a fixed time: a value stored at t is returned at t + delay, in order. Memory for
+/// all values in the line is allocated at construction.
 template <class Value>
 class DelayLine {
  public:
@@ -181,6 +193,7 @@ class DelayLine {
   DelayLine(Time delay, Time period)
       : delay_{delay}, ring_(static_cast<std::size_t>(delay / period) + 3) {}
 
+  /// Stores a value; if there is no room the oldest one is lost.
   void push(Time now, const Value& value) {
     if (count_ == ring_.size()) drop_oldest();
     const std::size_t end = head_ + count_;

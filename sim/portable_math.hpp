@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "base/constants.hpp"
+
 /// Elementary functions built from +, -, *, / and the square root (exact by IEEE 754) alone, so
 /// that every machine and compiler gives the same bits. The C library's own may differ between
 /// versions and between processors with and without fused multiply-add. Relative error below 4e-16
@@ -109,7 +111,7 @@ constexpr SinCos sin_cos(double x) {
 /// Angle of the point (x, y) from the x axis, in (-pi, pi]; 0 for the origin. Two half-angle steps
 /// bring the tangent below 0.2, the series to the 23rd power does the rest.
 inline double atan2(double y, double x) {
-  constexpr double kPi = 3.141592653589793;
+  using base::kPi;
   const double ax = std::abs(x);
   const double ay = std::abs(y);
   if (ax == 0.0 && ay == 0.0) return 0.0;

@@ -10,7 +10,7 @@
 ///     RandomStream gusts = source.stream("wind/gust");   // independent of all other names
 ///     double w = 2.0 * gusts.normal();
 ///
-/// Each consumer takes a stream of its own name, so adding one never shifts the numbers of another.
+/// Each consumer has a stream of its own name, so a new one does not change the numbers of another.
 ///
 /// Generator: xoshiro256++ 1.0 (D. Blackman, S. Vigna, "Scrambled linear pseudorandom number
 /// generators", ACM Trans. Math. Softw. 47, 2021), state filled by SplitMix64 (G. Steele et al.,
@@ -43,6 +43,7 @@ constexpr std::uint64_t stable_hash(std::string_view text) {
 /// One sequence of random numbers. A value: copies continue alike and apart. 32 bytes.
 class RandomStream {
  public:
+  /// @param state  not all zero.
   explicit constexpr RandomStream(const std::array<std::uint64_t, 4>& state) : s_{state} {}
 
   /// 64 independent bits.
@@ -79,8 +80,10 @@ class RandomStream {
 /// Makes the named streams of one seed.
 class RandomSource {
  public:
+  /// @param seed  from which every stream follows.
   explicit constexpr RandomSource(std::uint64_t seed) : seed_{seed} {}
 
+  /// The stream of a name; the same name gives the same numbers.
   constexpr RandomStream stream(std::string_view name) const {
     std::uint64_t state = mixed(name);
     std::array<std::uint64_t, 4> s{};
@@ -111,6 +114,7 @@ struct Ziggurat {
 extern const Ziggurat kZiggurat;
 }  // namespace detail
 
+/// Standard normal number (ziggurat).
 inline double RandomStream::normal() {
   const std::uint64_t draw = bits();
   const auto layer = draw & 0xFFU;

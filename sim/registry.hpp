@@ -13,10 +13,11 @@
 
 namespace rosflight::sim {
 
-/// Things of one kind under their names.
+/// Named things of one kind.
 template <class Thing>
 class Catalogue {
  public:
+  /// @param kind  for messages, such as "vehicle".
   explicit Catalogue(std::string kind) : kind_{std::move(kind)} {}
 
   /// Throws config::Error if the name is taken or empty.
@@ -27,6 +28,7 @@ class Catalogue {
       throw config::Error(kind_ + " " + place->first +
                           ": found a second one, allowed one of a name");
   }
+  /// There is something with that name.
   bool has(std::string_view name) const { return things_.find(name) != things_.end(); }
   /// Throws config::Error with all names if there is none of this name.
   const Thing& at(std::string_view name) const {

@@ -19,9 +19,11 @@ struct Timing {
 /// of piling them up.
 class SampleClock {
  public:
+  /// @param timing  period and phase.
   explicit SampleClock(const Timing& timing)
       : next_{timing.enabled ? timing.phase : Time::max()}, period_{timing.period} {}
 
+  /// Whether a sample is due at `now`; at most one per call.
   bool due(Time now) {
     if (now < next_) return false;
     next_ += period_;

@@ -17,6 +17,7 @@ using hal::Time;
 /// Bytes in order of arrival, in a ring of fixed size.
 class ByteRing {
  public:
+  /// @param capacity  in bytes.
   explicit ByteRing(std::size_t capacity) : bytes_(capacity) {}
 
   std::size_t size() const { return size_; }
@@ -25,6 +26,7 @@ class ByteRing {
   void put(const std::uint8_t* data, std::size_t count);
   /// `count` <= size(); `data` may be nullptr: the bytes are then thrown away.
   void take(std::uint8_t* data, std::size_t count);
+  /// Discards all bytes.
   void clear() { first_ = size_ = 0; }
 
  private:
@@ -35,8 +37,7 @@ class ByteRing {
 
 /// One direction of an asynchronous serial line, with the queues at both of its ends.
 ///
-///     sender -> push() -> [urgent | timely | ordinary] -> wire -> [receive queue] -> pop() ->
-///     receiver
+///     push() -> [urgent | timely | ordinary queue] -> wire -> [receive queue] -> pop()
 ///
 /// The wire takes frame_bits / baud seconds per byte (921600 baud 8N1: 10.85 us, 92 160 bytes/s).
 /// The sum is kept in microsecond-bauds (1e6 frame_bits of them are one byte), so it is exact for
@@ -80,23 +81,24 @@ class SerialLine {
   /// Advances, then copies what has arrived, `capacity` bytes at most. @returns their number.
   std::size_t pop(Time now, std::uint8_t* data, std::size_t capacity);
 
-  /// Bytes that pop() would give now.
+  /// Number of bytes that pop() would return now.
   std::size_t waiting(Time now) {
     advance(now);
     return received_.size();
   }
 
-  /// Bytes a frame of that qos could have now.
+  /// Largest frame of that class that push() would accept now, in bytes.
   std::size_t writable(std::uint8_t qos = 255) const {
     return classes_[class_of(qos)].bytes.room();
   }
-  /// Bytes that wait or are on the wire.
+  /// Number of bytes queued or on the wire.
   std::size_t queued() const;
   /// While cut, bytes leave the sender as ever and nothing arrives. Call advance(now) first.
   void set_cut(bool cut) { cut_ = cut; }
   bool cut() const { return cut_; }
   const Counters& counters() const { return counters_; }
 
+  /// Index of the queue of a quality of service.
   static constexpr std::size_t class_of(std::uint8_t qos) { return hal::Serial::class_of(qos); }
 
  private:
@@ -130,11 +132,14 @@ class SerialLine {
 
 /// Both directions.
 struct SerialCable {
+  /// @param source  of the corrupted bytes, one stream per direction.
   SerialCable(const SerialLine::Config& config, const RandomSource& source)
       : to_companion{config, source.stream("cable/to_companion")},
         to_board{config, source.stream("cable/to_board")} {}
 
+  /// Advances both directions.
   void advance(Time now) { to_companion.advance(now), to_board.advance(now); }
+  /// Cuts or restores both directions.
   void set_cut(bool cut) { to_companion.set_cut(cut), to_board.set_cut(cut); }
 
   SerialLine to_companion;

@@ -54,7 +54,7 @@ Time PacedTime::advance(Time now) {
   const Time wall = wall_.now();
   if (wall < due) {
     wall_.sleep_until(due);
-  } else if (wall - due > kPatience) {
+  } else if (wall - due > kMaxDelay) {
     sim_anchor_ = next;
     wall_anchor_ = wall;
     ++slips_;

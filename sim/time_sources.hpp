@@ -23,7 +23,9 @@ class LockStepTime : public TimeSource {
 class WallClock {
  public:
   virtual ~WallClock() = default;
+  /// Time of the wall, from any origin.
   virtual Time now() = 0;
+  /// Returns at that time, or at once if it has passed.
   virtual void sleep_until(Time wall) = 0;
 };
 
@@ -36,14 +38,14 @@ class SteadyWallClock : public WallClock {
 
 /// Steps of the same length, paced so that simulated time runs at `factor` times wall time:
 ///
-///     step ends at  wall_0 + (t - t_0) / factor (1)
+///     step ends at  wall_0 + (t - t_0) / factor                                          (1)
 ///
 /// The steps are the same numbers as in lock-step; only their moments on the wall differ. A step
-/// that comes up to `patience` late is caught up at full speed; one that is later (debugger,
+/// that comes up to `timeout` late is caught up at full speed; one that is later (debugger,
 /// suspended computer) moves t_0 and wall_0 to now instead of racing, and counts as a slip.
 class PacedTime : public TimeSource {
  public:
-  static constexpr Time kPatience = std::chrono::milliseconds(100);
+  static constexpr Time kMaxDelay = std::chrono::milliseconds(100);
 
   /// `wall` must outlive this. @throws std::invalid_argument  step or factor not positive or
   /// finite.

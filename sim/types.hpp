@@ -6,10 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "base/atmosphere.hpp"
 #include "firmware/hal/samples.hpp"
 
-/// The world's vocabulary. Double precision, SI. N = local north-east-down with its origin at the
-/// start point, B = body front-right-down at the centre of mass; q_NB takes B coordinates to N.
+/// Types of the simulated world. Double precision, SI. W is local north-east-down with its origin at
+/// the start point, B is body front-right-down at the centre of mass; q_WB takes B coordinates to W.
 namespace rosflight::sim {
 
 using hal::Time;
@@ -19,8 +20,8 @@ using Quaternion = Eigen::Quaterniond;
 
 /// Motion of a rigid body.
 struct BodyState {
-  Vector3 p_N{Vector3::Zero()};  ///< Position [m].
-  Quaternion q_NB{Quaternion::Identity()};
+  Vector3 p_W{Vector3::Zero()};  ///< Position [m].
+  Quaternion q_WB{Quaternion::Identity()};
   Vector3 v_B{Vector3::Zero()};  ///< Velocity over ground, in body axes [m/s].
   Vector3 w_B{Vector3::Zero()};  ///< Angular velocity [rad/s].
 };
@@ -32,23 +33,24 @@ struct Wrench {
 
 /// Air at the vehicle.
 struct Air {
-  double density_kg_m3{1.225};
-  double pressure_Pa{101325.0};
-  double temperature_K{288.15};
-  Vector3 wind_N{Vector3::Zero()};  ///< Velocity of the air over ground [m/s].
+  double density_kg_m3{base::kSeaLevelDensity_kg_m3};
+  double pressure_Pa{base::kSeaLevelPressure_Pa};
+  double temperature_K{base::kSeaLevelTemperature_K};
+  Vector3 wind_W{Vector3::Zero()};  ///< Velocity of the air over ground [m/s].
 };
 
 inline constexpr std::size_t kMaxRotors = 10;
 
-/// All there is to know about the vehicle at one instant. Sensors, visualisers, logs read it.
+/// The complete state of the vehicle at one time, for sensors, visualisers and logs.
 struct Truth {
   Time time{};
   BodyState body;
-  /// (All forces but gravity)/mass, ground included: what an accelerometer at the centre feels.
+  /// (All forces but gravity)/mass, ground included: the reading of an ideal accelerometer at the centre
+  /// of mass.
   Vector3 specific_force_B{Vector3::Zero()};
   /// Derivative of w_B [rad/s^2], gyroscopic part included.
   Vector3 angular_acceleration_B{Vector3::Zero()};
-  Air air;        ///< At `body`; the wind is that of the step that led here.
+  Air air;        ///< At `body`; the wind is that of the last step.
   Wrench wrench;  ///< Of the forces-and-moments module: without gravity and ground.
   bool on_ground{true};
   double battery_voltage_V{};
@@ -60,7 +62,7 @@ struct Truth {
   double rudder_rad{};
 };
 
-/// Samples that became available in one step; a sensor that has nothing new is absent.
+/// Samples that became available in one step.
 struct SensorSamples {
   bool has_imu{}, has_mag{}, has_baro{}, has_diff_pressure{}, has_range{}, has_gnss{},
       has_battery{};

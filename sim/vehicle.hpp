@@ -17,15 +17,15 @@ namespace rosflight::sim {
 /// | type                  | here: name of the forces-and-moments module         |
 /// | body, ground, environment | here                                            |
 /// | sensors               | the sensors module                                  |
-/// | firmware              | whoever boots the firmware: parameter name: value   |
+/// | firmware              | the program that starts the firmware: parameter name: value |
 /// | autonomy              | autonomy                                            |
 /// | all others            | the forces-and-moments module, from root()          |
 ///
 /// A file may begin with `extends: FILE`, relative to its own folder: it then holds only what
 /// differs. Maps are merged key by key, everything else is replaced.
 ///
-/// Each owner finishes his own section. When the forces-and-moments module has read its sections,
-/// finish() finds top-level keys that nobody knows. Numbers used twice are YAML anchors (&mass,
+/// Each owner finishes its own section. When the forces-and-moments module has read its sections,
+/// finish() rejects unknown top-level keys. Numbers used twice are YAML anchors (&mass,
 /// *mass).
 class Vehicle {
  public:
@@ -33,6 +33,7 @@ class Vehicle {
   /// Throws config::Error: one line FILE:LINE: KEY: found X, allowed Y.
   static Vehicle from_file(const std::filesystem::path& file,
                            const std::vector<std::string>& overrides = {});
+  /// @throws config::Error  a section of this class has an error.
   explicit Vehicle(config::Document document);
 
   const std::string& type() const { return type_; }

@@ -3,7 +3,7 @@
 
 Measures the project's figures, prints each with its target, and writes them to FILE as one JSON
 object: name -> {"value", "unit", "target", "met"}. NAME chooses by a part of the name. The figures of
-random flights (property) take half an hour and are measured when named.
+random flights (property) take half an hour, that of the build (build) some minutes; both are measured when named.
 A figure that cannot be measured has value null and says why under "reason".
 Exit code 0 when every chosen figure was measured, met or not; 1 otherwise.
 """
@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Callable
 
 import bench_figures
-import project
 from bench_figures import Figure
 
 

@@ -14,6 +14,7 @@ import time
 from dataclasses import dataclass
 from typing import Callable
 
+import bench_build
 import callgrind
 import m7_figures
 import project
@@ -31,7 +32,7 @@ class Figure:
     unit: str
     target: str  # "<= 2500", or "report" when there is nothing to meet
     measure: Callable[[], float]
-    preset: str = "release"  # the build it needs
+    preset: str = "release"  # the build it needs, or "none"
     on_request: bool = False  # takes long: only measured when named
 
 
@@ -49,6 +50,7 @@ def all_figures() -> list[Figure]:
         Figure("loop.realtime_factor", "s/s", ">= 1000", lambda: loop_factor("realtime_factor")),
         Figure("loop.realtime_factor_log", "s/s", "report",
                lambda: loop_factor("realtime_factor_log")),
+        Figure("loop.log_share", "x", "report", log_share),
         Figure("loop.realtime_factor_ekf", "s/s", ">= 500",
                lambda: loop_factor("realtime_factor_ekf")),
         Figure("loop.realtime_factor_fixedwing", "s/s", ">= 500",
@@ -74,6 +76,7 @@ def all_figures() -> list[Figure]:
                on_request=True),
         Figure("property.violations", "flights", "= 0", lambda: properties()["violations"], "sanitizers",
                on_request=True),
+        Figure("build.flight_cpu_s", "s", "report", bench_build.flight_cpu_s, "none", on_request=True),
         *m7(),
         *ros_figures(),
         *(Figure(f"fuzz.{name.removeprefix('fuzz_')}_runs", "inputs", f">= {FUZZ_RUNS}",
@@ -194,6 +197,8 @@ def ros_figures() -> list[Figure]:
 
 def prepare(preset: str):
     """Builds what the figures run. What does not build fails where it is measured."""
+    if preset == "none":
+        return
     if preset == "release":
         project.build("release", "bench/all", keep_going=True)
         project.build("release", "rosflight", keep_going=True)
@@ -276,6 +281,12 @@ def loop_runs() -> list[dict]:
 
 def loop_factor(key: str) -> float:
     return statistics.median(number(printed, key) for printed in loop_runs())
+
+
+def log_share() -> float:
+    """Speed of the logged flight over that of the same flight without a log, by processor time of all threads."""
+    return statistics.median(number(printed, "realtime_factor_log") / number(printed, "realtime_factor")
+                             for printed in loop_runs())
 
 
 @functools.cache

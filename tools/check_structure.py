@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Checks that the folders are the architecture: who includes whom, licences, READMEs, paths, sizes.
+"""Checks that the folders are the architecture: includes, constants, namespaces, licences, READMEs, paths, sizes.
 
 Usage: check_structure.py. Prints one line per complaint and ends with 1 if there is any.
 """
@@ -12,8 +12,12 @@ from pathlib import Path
 import project
 
 # What the files of a folder may include, besides the folder itself. The longest folder that a path
-# starts with counts. "*" is everything. A single file may be allowed by naming it.
+# starts with counts. A single file may be allowed by naming it.
+# Everybody may use base; what runs on a microcontroller only its headers without I/O, heap and exceptions.
+BARE_BASE = ["base/angles.hpp", "base/atmosphere.hpp", "base/constants.hpp"]
+BARE_METAL = ("link", "firmware/hal", "firmware/core")
 MAY_INCLUDE = {
+    "base": [],
     "test_support": [],
     "config": [],
     "link": [],
@@ -21,14 +25,28 @@ MAY_INCLUDE = {
     "firmware/core": ["firmware/hal", "link"],
     "firmware/boards": ["firmware/hal"],
     "sim": ["firmware/hal", "config"],
-    "log": ["link", "firmware/hal", "sim/types.hpp"],
+    "messages": ["link", "firmware/hal", "sim/types.hpp"],
+    "log": ["messages", "link", "firmware/hal", "sim/types.hpp"],
     "companion": ["link", "config"],
     "autonomy": ["config"],
-    "apps": ["*"],
-    "bench": ["*"],
-    "examples": ["*"],
-    "ros": ["*"],
+    "flight": ["link", "firmware/hal", "firmware/core", "firmware/boards", "sim", "messages", "log", "companion", "autonomy",
+               "config"],
+    "apps": ["flight", "companion", "sim", "link", "firmware/hal", "firmware/core", "firmware/boards", "config"],
+    "bench": ["flight", "sim", "link", "firmware/hal", "firmware/core", "firmware/boards", "test_support"],
+    "examples": ["flight", "autonomy", "sim", "config"],
+    "ros/common": ["autonomy", "config", "sim", "flight/vehicle/vehicle_setup.hpp"],
+    "ros/examples": [],
+    "ros/roscopter": ["ros/common", "autonomy", "config", "flight/vehicle/vehicle_setup.hpp"],
+    "ros/rosflight_demos": [],
+    "ros/rosflight_gcs": [],
+    "ros/rosflight_io": ["companion", "link", "messages", "ros/common/messages.hpp"],
+    "ros/rosflight_sim": ["ros/common", "sim", "config", "companion", "link", "messages", "firmware/hal", "firmware/core",
+                          "firmware/boards", "flight/vehicle/vehicle_setup.hpp"],
+    "ros/rosplane": ["ros/common", "autonomy", "config", "flight/vehicle/vehicle_setup.hpp"],
+    "ros_standin": [],
 }
+# Each ROS package and each example is a project of its own.
+OWN_INCLUDE_DIRECTORIES = ("ros", "ros_standin", "examples")
 # Where an image is put together, the board meets what runs on it.
 MAIN_MAY_INCLUDE = {"firmware/boards": ["firmware/core", "link"]}
 # Tests may in addition drive the folder through these.
@@ -91,7 +109,8 @@ def folder_of(path: str, table=MAY_INCLUDE) -> str | None:
 
 
 def allowed_for(path: Path, folder: str) -> list[str]:
-    allowed = list(MAY_INCLUDE[folder])
+    bare = folder in BARE_METAL and "test" not in path.parts
+    allowed = MAY_INCLUDE[folder] + (BARE_BASE if bare else ["base"])
     if path.stem == "main" or path.stem.endswith("_main"):
         allowed += MAIN_MAY_INCLUDE.get(folder, [])
     if "test" in path.parts:
@@ -111,24 +130,95 @@ def check_includes(tree: Tree) -> list[str]:
         allowed = allowed_for(path, folder)
         for number, name in tree.includes(path):
             target = folder_of(name)
-            if target in (None, folder) or "*" in allowed or target in allowed or name in allowed:
+            if target in (None, folder) or ("*" in allowed and target != "apps") or target in allowed or name in allowed:
                 continue
             complaints.append(f"{path}:{number}: {folder} must not include {name}; it may use: "
                               f"{', '.join(allowed) or 'nothing of ours'}")
     return complaints
 
 
+# Numbers that stand in base/ alone, as they would be written in C++.
+CONSTANTS = re.compile(
+    r"(?<![\w.])(3\.1415926\d*|0\.0174532\d*|57\.29\d+|9\.80665|101325|6378137|298\.257\d*|1\.225)(?![\d])"
+    r"|[pP]i\w*(<\w+>)? */ *180|180(\.0)?[fF]? */ *[\w:]*\b(k?[pP]i)\b|std::numbers::pi|\bM_PI\b")
+# The direction of the wind is bit-equal with earlier flights: (x pi)/180 rounds unlike x (pi/180).
+CONSTANTS_ALLOWED = {"flight_setup.cpp": "base::kPi / 180"}
+
+
+def check_constants(tree: Tree) -> list[str]:
+    """A constant of nature or mathematics stands once, in base/; tests have their own as a check on it."""
+    complaints = []
+    for path in tree.cpp():
+        if path.parts[0] == "base" or {"test", "fuzz"} & set(path.parts):
+            continue
+        for number, line in enumerate(tree.text(path).splitlines(), 1):
+            code = re.sub(r'//.*|/\*.*?\*/|"(?:[^"\\]|\\.)*"', "", line).replace(
+                CONSTANTS_ALLOWED.get(path.name, "//"), "")
+            if found := CONSTANTS.search(code):
+                complaints.append(f"{path}:{number}: {found[0]}: take it from base/constants.hpp or base/atmosphere.hpp")
+    return complaints
+
+
+# Folders whose parts have a namespace of their own; elsewhere a part may have one, named like its folder.
+OWN_NAMESPACE = ("autonomy/estimation", "autonomy/fixedwing", "autonomy/multirotor", "sim/rc", "sim/sensors")
+# Namespaces that are not the folder's, with the reason.
+NAMESPACE_EXCEPTIONS = {
+    "sim/portable_math.hpp": "rosflight::sim::portable",  # replaces the C library: calls say which function they mean
+    "firmware/boards/qemu_m7": "rosflight::boards::m7",  # drivers of the Cortex-M7, not of its emulator
+    "flight/report": "rosflight::report",  # leaves the tree with the browser view
+    "apps/measure": "rosflight::flight",  # wraps the codec of flight/sil
+    "ros/rosflight_sim": "rosflight::ros_sim",  # packages whose namespace follows with their own include folders
+    "ros/rosflight_sim/src/view_tools.hpp": "rosflight::ros_sim::views",  # functions of *_views.cpp alone
+    "ros/rosplane": "rosflight::ros_plane",
+    "ros/roscopter": "rosflight::roscopter",
+}
+
+
+def namespace_of(path: Path) -> str:
+    """rosflight::FOLDER; a ROS package and an example are projects with a namespace of their own."""
+    top, *rest = path.parts[:-1]
+    if top == "examples":
+        return rest[0]
+    if top == "ros":
+        return "rosflight::ros_common" if rest[0] == "common" else rest[0]
+    if top == "firmware":
+        return f"rosflight::{rest[0]}"
+    own = folder_of(str(path), OWN_NAMESPACE)
+    return "rosflight::" + (own or top).replace("/", "::")
+
+
+def check_namespaces(tree: Tree) -> list[str]:
+    """Namespace = folder. What a file adds below it is named after a folder on its path, or `detail`."""
+    complaints = []
+    for path in tree.cpp():
+        if {"test", "fuzz"} & set(path.parts) or path.parts[0] == "ros_standin":
+            continue
+        folder = folder_of(str(path), NAMESPACE_EXCEPTIONS)
+        exception = NAMESPACE_EXCEPTIONS.get(str(path)) or NAMESPACE_EXCEPTIONS.get(folder)
+        wanted = [namespace_of(path)] + [exception] * bool(exception)
+        for number, line in enumerate(tree.text(path).splitlines(), 1):
+            found = re.match(r"(?:inline )?namespace (rosflight\w*(?:::\w+)+|ros\w+) \{", line)
+            if found and not any(_within(found[1], name, path) for name in wanted):
+                complaints.append(f"{path}:{number}: namespace {found[1]}, expected {wanted[0]}")
+    return complaints
+
+
+def _within(namespace: str, outer: str, path: Path) -> bool:
+    inner = namespace.removeprefix(outer).removeprefix("::")
+    return namespace.startswith(outer) and set(inner.split("::")) <= {"", "detail", path.stem, *path.parts}
+
+
 def check_rooted(tree: Tree) -> list[str]:
     """Quoted includes are paths from the root, so that the table above sees them all."""
     return [f'{path}:{number}: write "{name}" as a path from the root of the project'
-            for path in tree.cpp() if "*" not in MAY_INCLUDE.get(folder_of(str(path)), [])
+            for path in tree.cpp() if path.parts[0] not in OWN_INCLUDE_DIRECTORIES
             for number, name in tree.includes(path) if folder_of(name) is None]
 
 
 def check_ros_free(tree: Tree) -> list[str]:
-    """ROS headers stay inside ros/."""
+    """ROS headers stay inside ros/ and what stands in for ROS."""
     return [f"{path}:{number}: ROS header {name} outside ros/"
-            for path in tree.cpp() if path.parts[0] != "ros"
+            for path in tree.cpp() if path.parts[0] not in ("ros", "ros_standin")
             for number, name in tree.includes(path, "<>") + tree.includes(path)
             if ROS_HEADER.match(name)]
 
@@ -208,7 +298,7 @@ def _exists(base: Path, name: str) -> bool:
     return any(base.glob(name.rstrip("/"))) if "*" in name else (base / name).exists()
 
 
-CHECKS = [check_includes, check_rooted, check_ros_free, check_cycles, check_licences, check_sizes,
+CHECKS = [check_includes, check_constants, check_namespaces, check_rooted, check_ros_free, check_cycles, check_licences, check_sizes,
           check_readmes, check_paths]
 
 

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Compares flight logs by value: a change that shall not alter behaviour leaves every message the same to the bit.
 
-Usage: compare_logs.py OLD NEW           two logs, or two folders with one log per flight
+Usage: compare_logs.py OLD NEW           two logs, two recordings of tools/record_ros.py (.txt), or two folders of them
        compare_logs.py --fly PROGRAM DIR flies the flights of FLIGHTS with a built `rosflight` program into DIR
+       compare_logs.py --frames LOG      prints the frames that the firmware sent, in hexadecimal digits
 
-Every message of both logs is decoded; time, topic, field and value are compared bit by bit, in the order of the file.
-Schema text, compression and chunks may differ. So may what TEXTS and RENAMED name: the wording of a text (its time,
-its severity and the number of texts stay), and fields that have another name today.
+Every message of both logs is decoded; time, topic, field and value are compared bit by bit, in the order of the
+file; then the frames on the link.
+Schema text, compression and chunks may differ. So may what TEXTS, RENAMED and CORRECTED name: the wording of a text (its
+time, its severity and the number of texts stay), fields that have another name today, numbers that were put right.
 Exit code 0 when equal, 1 when not, 2 when a log cannot be read.
 """
 
@@ -14,6 +16,7 @@ import re
 import struct
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -33,7 +36,16 @@ TEXTS = {
 # Renamed fields: (type, name in the old log) -> name in the new log; dots separate the levels of nested fields.
 RENAMED: dict[tuple[str, str], str] = {}
 
-RAW_FRAME = "rosflight_log_msgs/msg/RawFrame"
+# Numbers that were put right: (type, field) -> whether a value of the old log may be this value of the new one.
+CORRECTED = {
+    # Pulses are rounded down to whole microseconds, as in ROSflight 2.x and our ROS nodes; the old log rounded to the nearest.
+    ("rosflight_msgs/msg/PwmOutput", "values"): lambda before, after: after in (before, before - 1),
+    # Who says a text.
+    ("rcl_interfaces/msg/Log", "name"): lambda before, after: before == after or (before, after) == ("director", "mission"),
+}
+
+# Frames of the link: one message each in logs until November 2026, those of 50 ms in one message since.
+RAW_FRAME, RAW_FRAMES = "rosflight_log_msgs/msg/RawFrame", "rosflight_log_msgs/msg/RawFrames"
 STATUSTEXT, FIRMWARE_VERSION, CHECK_RESULT = 253, 192, 238  # MAVLink 1 ids of the messages that carry words
 MAVLINK_1_START, MAVLINK_1_HEADER, MAVLINK_CHECKSUM = 0xFE, 6, 2
 
@@ -90,9 +102,12 @@ class LogReader:
 
     def fields(self, message: Message) -> dict[str, object]:
         """Every number and text of a message by its path, such as "header.stamp.sec" or "values[3]"."""
+        return dict(flattened(self.decoded(message)))
+
+    def decoded(self, message: Message):
         if message.schema.id not in self._decoders:
             self._decoders[message.schema.id] = DecoderFactory().decoder_for("cdr", message.schema)
-        return dict(flattened(self._decoders[message.schema.id](message.data)))
+        return self._decoders[message.schema.id](message.data)
 
 
 def layout_of(schema: str) -> str:
@@ -145,39 +160,81 @@ def difference(old: Message, new: Message, readers: tuple[LogReader, LogReader])
     if old.data == new.data and old.layout == new.layout:
         return None
     before, after = renamed(old.type, readers[0].fields(old)), readers[1].fields(new)
-    if old.type == RAW_FRAME:
-        before["data"], after["data"] = without_words(before["data"]), without_words(after["data"])
     if before.keys() != after.keys():
         odd = sorted(before.keys() ^ after.keys())[0]
         return f"{old.where}: field {odd} is in {'the old' if odd in before else 'the new'} log only"
     for path, value in before.items():
+        corrected = CORRECTED.get((old.type, path.split("[")[0]))
+        if corrected and corrected(value, after[path]):
+            continue
         if path not in TEXTS.get(old.type, ()) and bits(value) != bits(after[path]):
             return f"{old.where}: {path} was {value!r}, is {after[path]!r}"
     return None
 
 
-def compare(old: Path, new: Path) -> tuple[int, str | None]:
-    """Number of messages that were compared, and the first difference."""
-    readers = LogReader(old), LogReader(new)
+def compare_recordings(old: Path, new: Path) -> tuple[int, str | None]:
+    """The same for what a ROS node published: a line for each field."""
+    before, after = old.read_text().splitlines(), new.read_text().splitlines()
+    for number, (one, other) in enumerate(zip(before, after)):
+        if one != other:
+            return number, f"line {number + 1} was {one!r}, is {other!r}"
+    if len(before) != len(after):
+        return min(len(before), len(after)), f"{len(before)} lines, now {len(after)}"
+    return len(before), None if before else "both recordings are empty"
+
+
+def frames_of(reader: LogReader) -> Iterator[tuple[int, int, bytes]]:
+    """Time in ns, direction and bytes of each frame on the link."""
+    for message in reader:
+        if message.type == RAW_FRAME:
+            one = reader.decoded(message)
+            yield message.log_time_ns, one.direction, bytes(one.data)
+        elif message.type == RAW_FRAMES:
+            many, start = reader.decoded(message), 0
+            start_ns = many.header.stamp.sec * 1_000_000_000 + many.header.stamp.nanosec
+            for delay_us, direction, length in zip(many.delay_us, many.direction, many.length, strict=True):
+                yield start_ns + 1000 * delay_us, direction, bytes(many.data[start:start + length])
+                start += length
+
+
+def differing_frames(old: tuple[int, int, bytes], new: tuple[int, int, bytes]) -> str | None:
+    if old[:2] != new[:2] or without_words(old[2]) != without_words(new[2]):
+        return f"frame on the link at {old[0]} ns: was {old[1:]}, is {new[1:]} at {new[0]} ns"
+    return None
+
+
+def compare_streams(first: Iterator, second: Iterator, differs, what: str) -> tuple[int, str | None]:
     count, ended = 0, object()
-    first, second = iter(readers[0]), iter(readers[1])
     while True:
         one, other = next(first, ended), next(second, ended)
         if one is ended and other is ended:
-            return count, None if count else "both logs are empty"
+            return count, None
         if one is ended or other is ended:
-            return count, f"one log ends after {count} messages, the other goes on"
-        found = difference(one, other, readers)
-        if found:
+            return count, f"one log ends after {count} {what}, the other goes on"
+        if found := differs(one, other):
             return count, found
         count += 1
 
 
+def compare(old: Path, new: Path) -> tuple[int, str | None]:
+    """Number of messages and frames that were compared, and the first difference."""
+    if old.suffix == ".txt":
+        return compare_recordings(old, new)
+    readers = LogReader(old), LogReader(new)
+    messages = (filter(lambda m: m.type not in (RAW_FRAME, RAW_FRAMES), reader) for reader in readers)
+    count, found = compare_streams(*messages, lambda one, other: difference(one, other, readers), "messages")
+    if found:
+        return count, found
+    frames, found = compare_streams(*map(frames_of, readers), differing_frames, "frames")
+    return count + frames, found or (None if count + frames else "both logs are empty")
+
+
 def logs_in(path: Path) -> dict[str, Path]:
-    """The logs of a folder by the name of their flight; a file is one log without a name."""
+    """The logs of a folder by the name of their flight, ROS recordings by theirs; a file is one log without a name."""
     if path.is_file():
         return {"": path}
     found = {str(log.parent.relative_to(path)): log for log in sorted(path.glob("**/*.mcap"))}
+    found |= {log.name: log for log in sorted(path.glob("*.txt"))}
     if not found:
         raise FileNotFoundError(f"{path}: found no log, allowed a .mcap file or a folder of flights")
     return found
@@ -192,7 +249,8 @@ def compare_all(old: Path, new: Path) -> bool:
         else:
             count, found = 0, f"only in {old if name in before else new}"
         equal &= found is None
-        print(f"{name or new}: {found or f'{count} messages equal'}", flush=True)
+        what = "fields" if before.get(name, new).suffix == ".txt" else "messages"
+        print(f"{name or new}: {found or f'{count} {what} equal'}", flush=True)
     return equal
 
 
@@ -206,8 +264,17 @@ def fly(program: Path, folder: Path):
         print(f"{name}: {done.stdout.strip().splitlines()[0]}", flush=True)
 
 
+def print_frames(log: Path):
+    for _, direction, frame in frames_of(LogReader(log)):
+        if direction == 0:
+            print(frame.hex())
+
+
 def main(arguments: list[str]) -> int:
     try:
+        if len(arguments) == 2 and arguments[0] == "--frames":
+            print_frames(Path(arguments[1]))
+            return 0
         if len(arguments) == 3 and arguments[0] == "--fly":
             fly(Path(arguments[1]).resolve(), Path(arguments[2]))
             return 0

@@ -104,21 +104,6 @@ def _count(report: Path) -> Outcome:
     return outcome
 
 
-def count_pytest(report: Path, done: subprocess.CompletedProcess) -> Outcome:
-    """Cases of a JUnit report that pytest left; skipped ones count as neither."""
-    outcome = Outcome()
-    if report.exists():
-        for case in xml.parse(report).getroot().iter("testcase"):
-            bad = case.find("failure") is not None or case.find("error") is not None
-            outcome.failed += bad
-            outcome.passed += not bad and case.find("skipped") is None
-    if done.returncode not in (0, 5) and outcome.failed == 0:
-        outcome.failed = 1
-    if outcome.failed:
-        outcome.complaints = (done.stdout + done.stderr).splitlines()[-80:]
-    return outcome
-
-
 def tail(log: Path, lines: int = 25) -> list[str]:
     return log.read_text(errors="replace").splitlines()[-lines:]
 

@@ -17,7 +17,7 @@ from cpp_tests import Outcome
 
 FOLDER = project.ROOT / "tools" / "mutations"
 COPY = project.ROOT / "build" / "mutations"
-PARTS = ("link", "firmware/hal", "firmware/core", "test_support", "firmware/boards/simulated")
+PARTS = ("base", "link", "firmware/hal", "firmware/core", "test_support", "firmware/boards/simulated")
 PROPERTIES = "firmware_properties_test"
 CHEAPEST = "disarm_leaves_motors"  # one small file of the core; the one that CI builds
 KEYS = {"breaks", "file", "below", "line", "becomes", "test", "says"}
@@ -84,15 +84,16 @@ def copy_tree():
         target.chmod(source.stat().st_mode)
     for path in COPY.rglob("*"):
         relative = path.relative_to(COPY)
-        if path.is_file() and relative.parts[0] not in ("build", ".venv") and relative not in wanted:
+        if path.is_file() and relative.parts[0] not in ("build", ".venv-build") and relative not in wanted:
             path.unlink()
-    if not (COPY / ".venv").exists():
-        (COPY / ".venv").symlink_to(project.ROOT / ".venv")
+    if not (COPY / ".venv-build").exists():
+        (COPY / ".venv-build").symlink_to(project.ROOT / ".venv-build")
 
 
 def run(command: list[str]) -> subprocess.CompletedProcess:
     # With the copy as base, ccache finds what was compiled for the tree itself.
-    environment = {**os.environ, "CCACHE_BASEDIR": str(COPY), "CCACHE_NOHASHDIR": "1"}
+    environment = {**os.environ, "CCACHE_BASEDIR": str(COPY), "CCACHE_NOHASHDIR": "1",
+                   "CCACHE_SLOPPINESS": "pch_defines,time_macros"}
     return subprocess.run(command, cwd=COPY, env=environment, capture_output=True, text=True)
 
 
@@ -133,7 +134,7 @@ def test(names: list[str] = ()) -> Outcome:
     """Each chosen mutation counts once. Without one the tests must pass, or failing says nothing."""
     mutations = chosen(list(names))
     copy_tree()
-    configured = run(["cmake", "--preset", "release", f"-DROSFLIGHT_PARTS={';'.join(PARTS)}"])
+    configured = run(["cmake", "--preset", "release", "-DROSFLIGHT_PRECOMPILE=ON", f"-DROSFLIGHT_PARTS={';'.join(PARTS)}"])
     if configured.returncode != 0:
         return Outcome(failed=1, complaints=configured.stderr.splitlines()[-5:])
     outcome = Outcome()

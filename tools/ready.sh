@@ -4,9 +4,9 @@
 # missing or changed and tells on stderr what it does. ./rosflight sources this file; by hand:
 #
 #   tools/ready.sh packages run test           what tools/system_packages.txt lists
-#   tools/ready.sh venv                        .venv from tools/requirements.txt
+#   tools/ready.sh venv                        .venv from tools/requirements.txt, for tests and tools
 #   tools/ready.sh environment FOLDER FILE     another one, from another list
-#   tools/ready.sh build PRESET [TARGET...]    configure and build; no target means all
+#   tools/ready.sh build PRESET [TARGET...]    configure and build; no target means all. Makes .venv-build
 #
 # ROSFLIGHT_JOBS limits compilers at work at once, ROSFLIGHT_KEEP_GOING=1 builds on after an error,
 # ROSFLIGHT_PYTHON names the interpreter the environment is made with.
@@ -22,11 +22,14 @@ fail() {
   exit 2
 }
 
-# One start at a time makes things ready; the kernel drops the lock when its owner ends.
-take_lock() {
-  [[ -n ${lock_fd:-} ]] && return
+# One start at a time makes one thing ready: packages and environments, or the build of one preset. The kernel drops the
+# lock when its owner ends.
+take_lock() {  # NAME
+  [[ ${lock_name:-} == "$1" ]] && return
+  release_lock
   mkdir -p "$root/build/.ready" || fail "cannot write to $root/build"
-  exec {lock_fd}>"$root/build/.ready/lock" || fail "cannot write to $root/build/.ready"
+  exec {lock_fd}>"$root/build/.ready/lock-$1" || fail "cannot write to $root/build/.ready"
+  lock_name=$1
   if ! flock -n "$lock_fd"; then
     say "another start is preparing this folder, waiting for it"
     flock "$lock_fd"
@@ -35,7 +38,8 @@ take_lock() {
 
 release_lock() {
   [[ -n ${lock_fd:-} ]] && exec {lock_fd}>&-
-  lock_fd=
+  lock_fd=""
+  lock_name=""
 }
 
 # ---- system packages ------------------------------------------------------------------------
@@ -84,7 +88,7 @@ install_packages() {  # NAME...
 }
 
 ready_packages() {  # SET...
-  take_lock
+  take_lock machine
   local stamp="$root/build/.ready/packages-$*"
   [[ -f $stamp && $(<"$stamp") == "$(packages_key)" ]] && return
   local -a wanted missing=()
@@ -141,8 +145,11 @@ venv_is_whole() {  # VENV
 
 ready_venv() { ready_environment .venv tools/requirements.txt; }
 
+# All that a build needs of Python: quickly made, so that a first flight does not wait for what only tests use.
+ready_build_venv() { ready_environment .venv-build tools/requirements-build.txt; }
+
 ready_environment() {  # FOLDER REQUIREMENTS, both from the root
-  take_lock
+  take_lock machine
   local name=$1 listed=$2
   local venv="$root/$name" requirements="$root/$listed" log="$root/build/.ready/${name#.}.log"
   local whole=no python
@@ -162,7 +169,8 @@ ready_environment() {  # FOLDER REQUIREMENTS, both from the root
     say "bringing the Python environment $name up to date"
     rm -f "$venv/.stamp"
   fi
-  if ! "$venv/bin/python3" -m pip install --disable-pip-version-check --no-input \
+  # Compiling all dialects that pymavlink brings takes longer than the rest; what is imported is compiled then.
+  if ! "$venv/bin/python3" -m pip install --disable-pip-version-check --no-input --no-compile \
     -r "$requirements" >"$log" 2>&1; then
     tail -n 8 "$log" >&2
     fail "pip could not install $listed; all it said is in $log"
@@ -177,6 +185,8 @@ ready_environment() {  # FOLDER REQUIREMENTS, both from the root
 # ccache keeps its files with the user, or in build/ when the home folder takes none.
 use_ccache() {
   export CCACHE_BASEDIR="${CCACHE_BASEDIR:-$root}"
+  # Without the first ccache keeps nothing that uses precompiled headers, without the second it reads them for each file.
+  export CCACHE_SLOPPINESS=pch_defines,time_macros CCACHE_INODECACHE=true
   [[ -n ${CCACHE_DIR:-} ]] && return
   local place="${XDG_CACHE_HOME:-${HOME:-/nonexistent}/.cache}/ccache"
   if [[ -w ${HOME:-}/.ccache ]] || { mkdir -p "$place" && [[ -w $place ]]; }; then
@@ -230,7 +240,10 @@ configure() {  # PRESET
   fi
   rm -rf "$build/CMakeCache.txt" "$build/CMakeFiles" "$build/.configured"
   mkdir -p "$build"
-  if ! (cd "$root" && cmake --preset "$1") >"$build/configure.log" 2>&1; then
+  # Host builds with precompiled headers; fuzz and cortex-m7 compile without, which shows a missing #include.
+  local -a options=()
+  [[ $1 == fuzz || $1 == cortex-m7 ]] || options=(-DROSFLIGHT_PRECOMPILE=ON)
+  if ! (cd "$root" && cmake --preset "$1" "${options[@]}") >"$build/configure.log" 2>&1; then
     show_failure "$build/configure.log"
     fail "configuring $1 failed; all of it is in $build/configure.log"
   fi
@@ -238,7 +251,8 @@ configure() {  # PRESET
 }
 
 ready_build() {  # PRESET TARGET...
-  take_lock
+  ready_build_venv
+  take_lock "$1"
   local preset=$1
   shift
   local build="$root/build/$preset"

@@ -5,14 +5,14 @@ The ROS 2 side of the project: messages, nodes, launch files, all under ros/.
 
   build [PACKAGE...]    build the packages under ros/ (all, or these and what they need)
   test [NAME...]        build, then run the tests under ros/ (all, or files with NAME in their path)
-  launch FILE [A:=B...] run a launch file, or PACKAGE FILE: tools/ros_launch/README.md
+  launch FILE [A:=B...] run a launch file, or PACKAGE FILE: ros_standin/ros_launch/README.md
   call SERVICE [F:=V...] call a service once, as ros2 service call does, which pip does not have
   demo rtt|passthrough  the demonstrations of the paper: ./rosflight ros demo --help
   run COMMAND...        run a command inside the ROS environment
   env                   print the environment as lines for a shell: eval "$(./rosflight ros env)"
 
 With a sourced ROS 2 Humble or Jazzy everything is built against it. Without one, ROS 2 Jazzy is
-installed from pip into .venv-ros first; rclcpp, which pip does not have, is ros/rclcpp_lite then.
+installed from pip into .venv-ros first, and ros_standin/ takes the place of what pip does not have.
 Results are in build/ros. Exit code 1: a build or a test failed; 2: a wrong argument.
 """
 
@@ -57,11 +57,11 @@ def run(command: list[str]) -> int:
 
 
 def launch(words: list[str]) -> int:
-    return run([str(ros_environment.find().python), str(project.ROOT / "tools/ros_launch"), *words])
+    return run([str(ros_environment.find().python), str(project.ROOT / "ros_standin/ros_launch"), *words])
 
 
 def call(words: list[str]) -> int:
-    return run([str(ros_environment.find().python), str(project.ROOT / "tools/ros_call.py"), *words])
+    return run([str(ros_environment.find().python), str(project.ROOT / "ros_standin/ros_call.py"), *words])
 
 
 def demo(words: list[str]) -> int:

@@ -2,8 +2,8 @@
 """Builds the packages under ros/ with colcon into build/ros, or tells that nothing changed."""
 
 import hashlib
-import os
 import re
+import shutil
 import subprocess
 import sys
 import time
@@ -13,15 +13,16 @@ import project
 from project import ROOT
 from ros_environment import PLACE, Environment
 
-SOURCES = ROOT / "ros"
-# Packages that stand in for what the wheels lack hold a file COLCON_IGNORE, so that a plain colcon
-# build on a ROS installation never sees them. Without an installation colcon is told to look.
+SOURCES, STAND_INS = "ros", "ros_standin"
+# The stand-ins hold a file COLCON_IGNORE, so that a plain colcon build on a ROS installation never
+# sees them. Without an installation colcon is told to look.
 SEE_STAND_INS = {"COLCON_EXTENSION_BLOCKLIST": "colcon_core.package_identification.ignore"}
 SETTINGS = ("CMakeLists.txt", "CMakePresets.json", "tools/ros_build.py", "tools/ros_environment.py")
 WHEEL_LINKING = "-Wl,--as-needed -Wl,--allow-shlib-undefined"
 SANITIZE = "-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer"
 
 
+LIBRARIES = ROOT / "build" / "release"  # where find_package(rosflight) finds the project
 # What tests and demonstrations start beside the nodes, in build/release/apps.
 PROGRAMS = ("rosflight", "sil_echo", "sil_link_rtt", "sil_cable")
 
@@ -31,9 +32,9 @@ class BadRequest(ValueError):
 
 
 def _packages() -> dict[str, str]:
-    """Names of all packages under ros/, stand-ins included, and the names of their folders."""
+    """Names of all packages, stand-ins included, and the names of their folders."""
     manifests = [path for path in project.own_files() if path.name == "package.xml"
-                 and path.parts[0] == "ros"]
+                 and path.parts[0] in (SOURCES, STAND_INS)]
     return {name_in(ROOT / path): path.parent.name for path in sorted(manifests)}
 
 
@@ -57,10 +58,21 @@ def build(environment: Environment, packages: list[str] = (), place: Path = PLAC
     place.mkdir(parents=True, exist_ok=True)
     (place / "COLCON_IGNORE").touch()
     stamp.unlink(missing_ok=True)
+    if _need_libraries(packages) and not project.build("release", "rosflight_libraries"):
+        return False
+    _remove_moved(place / "build")
     if not _colcon(environment, packages, place, sanitize):
         return False
     stamp.write_text(state)  # of before: a change while it was built counts as new
     return True
+
+
+def _remove_moved(builds: Path):
+    """Build folders of packages that stood elsewhere when they were configured: CMake refuses those."""
+    for cache in builds.glob("*/CMakeCache.txt"):
+        source = re.search(r"^CMAKE_HOME_DIRECTORY:INTERNAL=(.*)$", cache.read_text(errors="replace"), re.M)
+        if source is None or not (Path(source[1]) / "CMakeLists.txt").exists():
+            shutil.rmtree(cache.parent)
 
 
 def _known(name: str) -> str:
@@ -74,6 +86,21 @@ def _known(name: str) -> str:
     raise BadRequest(f"no package '{name}' under ros/; allowed: {', '.join(sorted(folders))}")
 
 
+def _need_libraries(packages: list[str]) -> bool:
+    """True if one of the packages (none: all) is built with find_package(rosflight), itself or by what it needs."""
+    texts = {name_in(path): path.read_text() for path in
+             (ROOT / found for found in project.own_files()) if path.name == "package.xml"}
+    left, seen = list(packages or texts), set()
+    while left:
+        name = left.pop()
+        if name == "rosflight":
+            return True
+        if name in texts and name not in seen:
+            seen.add(name)
+            left += re.findall(r"depend>([\w-]+)</", texts[name])
+    return False
+
+
 def _state(environment: Environment, sanitize: bool) -> str:
     """Changes when anything does that the packages are built from."""
     digest = hashlib.sha256(f"{environment} {sanitize}".encode())
@@ -83,7 +110,7 @@ def _state(environment: Environment, sanitize: bool) -> str:
     folders_of_libraries = _library_folders()
     for path in project.own_files():
         name = str(path)
-        if name.startswith(("ros/", "cmake/", *folders_of_libraries)) or name in SETTINGS:
+        if name.startswith(("ros/", "ros_standin/", "cmake/", *folders_of_libraries)) or name in SETTINGS:
             found = (ROOT / path).stat()
             digest.update(f"{name} {found.st_mtime_ns} {found.st_size}\n".encode())
     return digest.hexdigest()
@@ -92,11 +119,12 @@ def _state(environment: Environment, sanitize: bool) -> str:
 def _library_folders() -> list[str]:
     """Folders of the project's libraries: whatever the root builds that ros/ may use."""
     return [f"{folder}/" for folder in ("link", "firmware", "sim", "companion", "config",
-                                        "autonomy", "log", "apps/vehicle")]
+                                        "autonomy", "messages", "log", "flight/vehicle")]
 
 
 def _colcon(environment: Environment, packages, place: Path, sanitize: bool) -> bool:
     flags = {
+        "rosflight_DIR": str(LIBRARIES),
         "CMAKE_BUILD_TYPE": "Debug" if sanitize else "Release",
         "CMAKE_C_COMPILER_LAUNCHER": "ccache",
         "CMAKE_CXX_COMPILER_LAUNCHER": "ccache",
@@ -111,9 +139,10 @@ def _colcon(environment: Environment, packages, place: Path, sanitize: bool) -> 
         flags |= {f"CMAKE_{kind}_LINKER_FLAGS": linking for kind in ("EXE", "SHARED", "MODULE")}
     if environment.installed is None:
         flags["Python3_EXECUTABLE"] = str(environment.python)
+    folders = [str(ROOT / SOURCES)] + ([] if environment.installed else [str(ROOT / STAND_INS)])
     command = [
         *environment.colcon, "--log-base", str(place / "log"), "build",
-        "--base-paths", str(SOURCES), "--build-base", str(place / "build"),
+        "--base-paths", *folders, "--build-base", str(place / "build"),
         "--install-base", str(place / "install"), "--merge-install",
         "--executor", "sequential", "--event-handlers", "console_direct+", "console_cohesion-",
         "desktop_notification-", "--cmake-args", "-G", "Ninja", "-Wno-dev", "--no-warn-unused-cli",

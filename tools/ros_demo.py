@@ -12,7 +12,7 @@ as CSV. The default count takes about an hour.
 passthrough: attitude loops in a ROS node close over the link at 400 Hz, in pass-through mode through a custom mixer of
 ./rosflight mixer, and follow a triangle wave of roll. Leaves a plot with lag and error.
 
-load: offboard commands at 100 Hz while every stream is heard: what is lost on the link and in ROS, and whether the
+load: offboard commands at 100 Hz while every stream is received: what is lost on the link and in ROS, and whether the
 node's memory grows.
 
 The paper (on its hardware): 0.416 ms mean, 2.334 ms largest at 400 Hz, 1360 Hz. --json prints the table as JSON.

@@ -22,9 +22,9 @@ def memory_kB(pid: int) -> int:
     return int(next(line for line in lines if line.startswith("VmRSS:")).split()[1])
 
 
-def link_counters(heard: list) -> dict[str, int]:
+def link_counters(received: list) -> dict[str, int]:
     """Of the newest /diagnostics."""
-    values = {entry.key: entry.value for status in heard[-1][1].status for entry in status.values}
+    values = {entry.key: entry.value for status in received[-1][1].status for entry in status.values}
     return {name: int(values[name]) for name in LINK_COUNTERS}
 
 
@@ -51,10 +51,10 @@ def measure(rig: Rig, seconds: float) -> dict:
 
 def print_table(told: dict):
     print(f"{told['seconds']:g} s of all streams and {told['commands']} offboard commands\n")
-    print(f"{'topic':<18}{'heard':>9}{'period [ms]':>13}{'missing':>9}")
+    print(f"{'topic':<18}{'received':>9}{'period [ms]':>13}{'missing':>9}")
     for name, topic in told["topics"].items():
         period = f"{topic['period_ms']:.3f}" if "period_ms" in topic else "-"
-        print(f"{name:<18}{topic['heard']:>9}{period:>13}{topic.get('missing', '-'):>9}")
+        print(f"{name:<18}{topic['received']:>9}{period:>13}{topic.get('missing', '-'):>9}")
     error = told["stamp_error_ms"]
     print(f"\nstamps of the IMU against the true times of its samples: {error['mean']:+.3f} ms mean, "
           f"{error['std']:.3f} ms standard deviation, {error['max']:.3f} ms at most")

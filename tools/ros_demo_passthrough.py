@@ -112,7 +112,7 @@ def draw(csv_file: Path, told: dict, picture: Path):
         rows = [tuple(map(float, line)) for line in list(csv.reader(lines))[1:]]
     times, wanted, found = zip(*rows)
     figure, axes = pyplot.subplots(figsize=(10, 4.5), layout="constrained")
-    axes.plot(times, [math.degrees(x) for x in wanted], label="set-point", color="#e69f00")
+    axes.plot(times, [math.degrees(x) for x in wanted], label="setpoint", color="#e69f00")
     axes.plot(times, [math.degrees(x) for x in found], label="measured", color="#0072b2")
     axes.set(title=f"Roll through pass-through at {told['rate_hz']:.0f} Hz: lag {1000 * told['lag_s']:.0f} ms, "
                    f"error {told['rms_deg']:.2f}° rms ({told['rms_without_lag_deg']:.2f}° without the lag)",

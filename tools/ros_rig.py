@@ -19,7 +19,7 @@ from ros_client import ask
 
 ROOT = Path(__file__).resolve().parents[1]
 PROGRAM = Path(os.environ.get("ROSFLIGHT_BUILD", ROOT / "build" / "release")) / "apps" / "rosflight"
-SIL_TOOLS = PROGRAM.parent / "sil"  # sil_echo, sil_link_rtt, sil_cable
+SIL_TOOLS = PROGRAM.parent / "measure"  # sil_echo, sil_link_rtt, sil_cable
 PREFIXES = [Path(prefix) for prefix in os.environ.get("AMENT_PREFIX_PATH", "").split(":")]
 
 
@@ -29,7 +29,7 @@ def program(package, name):
 
 
 NODE = program("rosflight_io", "rosflight_io")
-PATIENCE_S = 40.0
+TIMEOUT_S = 40.0
 
 
 def table_size():
@@ -66,7 +66,7 @@ def start_ready(command, word, folder=None):
     """A program that prints a line with `word` first once it can be used. @returns process and line."""
     process = subprocess.Popen([str(part) for part in command], stdout=subprocess.PIPE, text=True,
                                stderr=subprocess.DEVNULL, cwd=folder)
-    ready, _, _ = select.select([process.stdout], [], [], PATIENCE_S)
+    ready, _, _ = select.select([process.stdout], [], [], TIMEOUT_S)
     line = process.stdout.readline() if ready else ""
     assert line.startswith(word), f"{command[0]}: {line!r}"
     return process, line
@@ -123,21 +123,21 @@ class Io:
         return stop(self.process, how)
 
 
-def wait_for(condition, what, tell=lambda: "", patience_s=PATIENCE_S):
-    end = time.monotonic() + patience_s
+def wait_for(condition, what, tell=lambda: "", timeout_s=TIMEOUT_S):
+    end = time.monotonic() + timeout_s
     while not condition():
-        assert time.monotonic() < end, f"waited {patience_s} s for {what}: {tell()}"
+        assert time.monotonic() < end, f"waited {timeout_s} s for {what}: {tell()}"
         time.sleep(0.01)
 
 
 class Peer:
-    """An rclpy node that spins in a thread and keeps what it hears."""
+    """An rclpy node that spins in a thread and keeps what it receives."""
 
     def __init__(self, namespace=""):
         self.node = rclpy.create_node("peer", namespace=namespace or None)
         self.executor = SingleThreadedExecutor()
         self.executor.add_node(self.node)
-        self.heard = {}
+        self.received = {}
         self.thread = threading.Thread(target=self._spin, daemon=True)
         self.running = True
         self.thread.start()
@@ -151,16 +151,16 @@ class Peer:
 
     def listen(self, kind, topic, depth=100, latched=False):
         """A list that grows with (arrival in s, message)."""
-        heard = self.heard.setdefault(topic, [])
+        received = self.received.setdefault(topic, [])
         qos = QoSProfile(depth=depth)
         if latched:
             qos.durability = DurabilityPolicy.TRANSIENT_LOCAL
-        self.node.create_subscription(kind, topic, lambda m: heard.append((time.time(), m)), qos)
-        return heard
+        self.node.create_subscription(kind, topic, lambda m: received.append((time.time(), m)), qos)
+        return received
 
     def call(self, kind, service, /, **fields):
         """The answer to one request."""
-        return ask(self.node, kind, service, fields, PATIENCE_S)
+        return ask(self.node, kind, service, fields, TIMEOUT_S)
 
     def close(self):
         self.running = False
@@ -180,7 +180,7 @@ class Link:
         self.sil = Sil(folder, options, *sil_options, program=program)
         self.cable = Cable(there, here, *cable_options) if kind == "cable" else None
         if kind == "udp":
-            self.address = f"udp:localhost:{there}:{here}"  # of companion/link_spec.hpp
+            self.address = f"udp:localhost:{there}:{here}"  # of base/transport/link_address.hpp
             self.node_arguments = ["-p", "udp:=true", "-p", f"remote_port:={there}", "-p", f"bind_port:={here}"]
         else:
             device = self.cable.where if self.cable else self.sil.where.removeprefix("link=pty:")

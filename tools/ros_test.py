@@ -3,32 +3,38 @@
 
 import os
 import re
-import subprocess
 from pathlib import Path
 
 import cpp_tests
 import project
+import pytest_files
 import ros_build
 import ros_environment
 from cpp_tests import Outcome
 from project import ROOT
 
 REPORTS = ROOT / "build" / "test_results"
-FOLDER = "ros"
-LITE = "rclcpp"  # the package in ros/rclcpp_lite
+STAND_INS = "ros_standin"
+LITE = "rclcpp"  # the package in ros_standin/rclcpp_lite
+FOLDERS = ("ros/", f"{STAND_INS}/rclcpp_lite/")
 # Packages whose tests start nothing of other packages and no program of the project.
 ALONE = {LITE, "rosflight_msgs", "rosplane_msgs"}
+
+
+def needs_ros(path: Path) -> bool:
+    return str(path).startswith(FOLDERS)
 
 
 def files() -> list[Path]:
     """All pytest files that need the ROS environment, from the root."""
     return [path for path in project.own_files()
-            if path.parts[0] == FOLDER and re.fullmatch(r"test_\w+\.py", path.name)]
+            if needs_ros(path) and re.fullmatch(r"test_\w+\.py", path.name)]
 
 
-def domain() -> str:
-    """Runs at the same time on one machine must not hear each other: one domain per process id."""
-    return os.environ.get("ROS_DOMAIN_ID") or str(1 + os.getpid() % 100)
+def domain(lane: int = 0) -> str:
+    """What runs at the same time on one machine must not receive each other's messages: domains by process id and lane."""
+    lanes = pytest_files.LANES
+    return os.environ.get("ROS_DOMAIN_ID") or str(1 + os.getpid() * lanes % 100 + lane)
 
 
 def owner(path: Path) -> str | None:
@@ -44,10 +50,6 @@ def packages_of(paths: list[Path]) -> list[str]:
     return sorted(owners) if owners <= ALONE else []
 
 
-def is_of_stand_in(path: Path) -> bool:
-    return any((ROOT / parent / "COLCON_IGNORE").exists() for parent in path.parents)
-
-
 def run(names: list[str] = ()) -> Outcome:
     """Builds, then runs the files with one of `names` in their path; no names means all."""
     environment = ros_environment.find()
@@ -56,7 +58,7 @@ def run(names: list[str] = ()) -> Outcome:
         raise ros_build.BadRequest(f"no test file under ros/ matches {', '.join(names)}; files: "
                                    f"{', '.join(map(str, files()))}")
     if environment.installed:  # which has the real thing, and no stand-in is built
-        chosen = [path for path in chosen if not is_of_stand_in(path)]
+        chosen = [path for path in chosen if path.parts[0] != STAND_INS]
     packages = packages_of(chosen) if names else []
     if not packages and not project.build("release", *ros_build.PROGRAMS):
         return Outcome(failed=1, complaints=["the programs do not build, all output is in build/release/build.log"])
@@ -79,14 +81,10 @@ def sanitizers() -> Outcome:
 
 
 def _pytest(environment: ros_environment.Environment, chosen: list[Path], place: Path) -> Outcome:
-    report = REPORTS / f"{place.name}.xml"
-    report.parent.mkdir(parents=True, exist_ok=True)
-    report.unlink(missing_ok=True)
-    variables = environment.for_process(
-        place, **environment.loopback(), **cpp_tests.SANITIZER_OPTIONS, ROS_DOMAIN_ID=domain(),
-        ROS_LOG_DIR=str(place / "node_logs"))
-    done = subprocess.run(
-        [str(environment.python), "-m", "pytest", "-q", "--tb=short", "--no-header",
-         "-o", "pythonpath=tools ros/test_support", f"--junitxml={report}", *map(str, chosen)],
-        cwd=ROOT, env=variables, capture_output=True, text=True, stdin=subprocess.DEVNULL)
-    return cpp_tests.count_pytest(report, done)
+    def variables(lane: int) -> dict[str, str]:
+        return environment.for_process(
+            place, **environment.loopback(), **cpp_tests.SANITIZER_OPTIONS, ROS_DOMAIN_ID=domain(lane),
+            ROS_LOG_DIR=str(place / "node_logs"))
+    lanes = 1 if "ROS_DOMAIN_ID" in os.environ else pytest_files.LANES
+    return pytest_files.run(chosen, str(environment.python), REPORTS / place.name,
+                            ["-o", "pythonpath=tools ros_standin test_support/ros"], lanes, variables)

@@ -3,10 +3,14 @@
 
 Builds and runs every test and ends with the line "N passed, M failed". Exit code 1 if any failed.
 
-NAME chooses: a stage by its name, and test programs and pytest files by a part of theirs.
+NAME chooses: a stage by its name, and test programs and pytest files by a part of theirs. quick stands for format,
+structure, build, unit and python: less than five minutes after a build.
 Stages: format, structure, build, unit, mutation, python, ros, cortex-m7, sanitizers, ros-sanitizers, fuzz, tidy. Sanitizers
 and clang-tidy look at what flies and at whole flights; sanitizers-rest, tidy-rest and tidy-ros (simulation, programs,
 tests, ROS nodes) run when named: they take as long as all others together.
+
+Stages that run in real time (python, ros, ros-sanitizers) run beside those that compute, which have the lowest priority.
+The output of a stage is printed when it ends. The table gives wall time and processor time of each stage.
 
 ./rosflight test mutations [NAME...] writes each defect of tools/mutations/ into a copy of the tree and shows that a test
 sees it; NAME is a part of the names there. The stage mutation does one of them.
@@ -14,45 +18,46 @@ sees it; NAME is a part of the names there. The stage mutation does one of them.
 
 import os
 import sys
-import time
 
-import cpp_tests
+import lanes
 import mutation_tests
 import project
 import ros_test
 import stages
-from cpp_tests import Outcome
+from lanes import COMPUTES, WAITS, Stage
 
-# Quick ones first, so that a slip shows early. Each is (name, what to run).
+# In each lane quick ones first, so that a slip shows early.
 STAGES = {
-    "format": stages.check_format,
-    "structure": stages.check_structure,
-    "build": stages.build_release,
-    "unit": stages.unit_tests,
-    "mutation": mutation_tests.test_one,
-    "python": stages.python_tests,
-    "ros": stages.ros_tests,
-    "cortex-m7": stages.cortex_m7,
-    "sanitizers": stages.sanitizers,
-    "ros-sanitizers": stages.ros_sanitizers,
-    "fuzz": stages.fuzz,
-    "tidy": stages.tidy_product,
-    "sanitizers-rest": stages.sanitizers_rest,
-    "tidy-rest": stages.tidy_rest,
-    "tidy-ros": stages.tidy_ros,
+    "format": Stage(stages.check_format),
+    "structure": Stage(stages.check_structure),
+    "build": Stage(stages.build_release),
+    "python": Stage(stages.python_tests, WAITS),
+    "ros": Stage(stages.ros_tests, WAITS),
+    "ros-sanitizers": Stage(stages.ros_sanitizers, WAITS),
+    "unit": Stage(stages.unit_tests, COMPUTES),
+    "mutation": Stage(mutation_tests.test_one, COMPUTES),
+    "cortex-m7": Stage(stages.cortex_m7, COMPUTES),
+    "fuzz": Stage(stages.fuzz, COMPUTES),
+    "sanitizers": Stage(stages.sanitizers, COMPUTES),
+    "tidy": Stage(stages.tidy_product, COMPUTES),
+    "sanitizers-rest": Stage(stages.sanitizers_rest, COMPUTES),
+    "tidy-rest": Stage(stages.tidy_rest, COMPUTES),
+    "tidy-ros": Stage(stages.tidy_ros, COMPUTES),
 }
 ON_REQUEST = {"sanitizers-rest", "tidy-rest", "tidy-ros"}
+QUICK = ("format", "structure", "build", "unit", "python")
 
 
-def chosen_stages(names: list[str]):
-    """The stages to run as (name, function of no argument)."""
+def chosen_stages(names: list[str]) -> list[tuple[str, Stage]]:
+    """The stages to run, in order, each with its name."""
     if not names:
-        return [(name, run) for name, run in STAGES.items() if name not in ON_REQUEST]
+        return [(name, stage) for name, stage in STAGES.items() if name not in ON_REQUEST]
     if names[0] == "mutations":
         mutation_tests.chosen(names[1:])
-        return [("mutations", lambda: mutation_tests.test(names[1:]))]
-    chosen = [(name, STAGES[name]) for name in names if name in STAGES]
-    parts = [name for name in names if name not in STAGES]
+        return [("mutations", Stage(lambda: mutation_tests.test(names[1:])))]
+    named = [stage for name in names for stage in (QUICK if name == "quick" else [name])]
+    chosen = [(name, STAGES[name]) for name in dict.fromkeys(named) if name in STAGES]
+    parts = [name for name in named if name not in STAGES]
     if parts:
         binaries, files = stages.matching(parts)
         ros_parts = [part for part in parts if any(part in str(file) for file in ros_test.files())]
@@ -61,20 +66,12 @@ def chosen_stages(names: list[str]):
                 raise ValueError(f"no stage, test program or pytest file matches '{part}'; test "
                                  f"programs: {', '.join(stages.test_names())}")
         if binaries:
-            chosen.append(("unit", lambda: stages.unit_tests(binaries)))
+            chosen.append(("unit", Stage(lambda: stages.unit_tests(binaries))))
         if files:
-            chosen.append(("python", lambda: stages.python_tests(files)))
+            chosen.append(("python", Stage(lambda: stages.python_tests(files))))
         if ros_parts:
-            chosen.append(("ros", lambda: stages.ros_tests(ros_parts)))
+            chosen.append(("ros", Stage(lambda: stages.ros_tests(ros_parts))))
     return chosen
-
-
-def run_stage(function) -> Outcome:
-    """A stage that breaks is a failure of that stage; the others still run."""
-    try:
-        return function()
-    except Exception as error:
-        return Outcome(failed=1, complaints=[f"{type(error).__name__}: {error}"])
 
 
 def main(names: list[str]) -> int:
@@ -86,27 +83,22 @@ def main(names: list[str]) -> int:
     except ValueError as error:
         print(f"rosflight: {error}", file=sys.stderr)
         return 2
-    rows = []
-    for name, function in chosen:
-        print(f"== {name}", flush=True)
-        start = time.monotonic()
-        outcome = run_stage(function)
-        minutes = (time.monotonic() - start) / 60
-        for line in outcome.complaints:
-            print(f"   {line}")
-        rows.append((name, minutes, outcome))
-        print(f"   {outcome.passed} passed, {outcome.failed} failed, {minutes:.1f} min", flush=True)
-    print_table(rows)
-    failed = sum(outcome.failed for _, _, outcome in rows)
-    print(f"{sum(outcome.passed for _, _, outcome in rows)} passed, {failed} failed")
+    rows, minutes = lanes.run(chosen)
+    print_table(rows, minutes)
+    failed = sum(row.outcome.failed for row in rows)
+    if len(rows) != len(chosen):  # a stage that was never run must not look like one that passed
+        failed += len(chosen) - len(rows)
+        print(f"{len(chosen) - len(rows)} stages did not run")
+    print(f"{sum(row.outcome.passed for row in rows)} passed, {failed} failed")
     return 1 if failed else 0
 
 
-def print_table(rows):
-    print(f"\n{'stage':<15}{'minutes':>8}{'passed':>8}{'failed':>8}")
-    for name, minutes, outcome in rows:
-        print(f"{name:<15}{minutes:>8.1f}{outcome.passed:>8}{outcome.failed:>8}")
-    print(f"{'all':<15}{sum(row[1] for row in rows):>8.1f}\n")
+def print_table(rows: list[lanes.Row], minutes: float):
+    print(f"\n{'stage':<15}{'minutes':>8}{'processor':>10}{'passed':>8}{'failed':>8}")
+    for row in rows:
+        print(f"{row.name:<15}{row.minutes:>8.1f}{row.processor_minutes:>10.1f}{row.outcome.passed:>8}{row.outcome.failed:>8}")
+    print(f"{'sum':<15}{sum(r.minutes for r in rows):>8.1f}{sum(r.processor_minutes for r in rows):>10.1f}")
+    print(f"{'wall time':<15}{minutes:>8.1f}\n")
 
 
 if __name__ == "__main__":

@@ -9,8 +9,10 @@ import tempfile
 from pathlib import Path
 
 import check_structure as structure
+import check_text
 import cpp_tests
 import project
+import pytest_files
 import ros_test
 import tidy as clang_tidy
 from cpp_tests import Binary, Outcome
@@ -56,7 +58,8 @@ def check_format() -> Outcome:
 
 
 def check_structure() -> Outcome:
-    return _add(_check(found) for found in structure.run().values())
+    """Who uses whom, names, sizes of files; words, equations and suffixes of frames in comments and documents."""
+    return _add(_check(found) for checks in (structure, check_text) for found in checks.run().values())
 
 
 RELEASE, ROS, CORTEX_M7 = "build/release", "build/ros/build", "build/cortex-m7"
@@ -127,7 +130,7 @@ def test_names() -> list[str]:
 def python_files() -> list[Path]:
     """All pytest files but those that need the ROS environment."""
     return [path for path in project.own_files() if re.fullmatch(r"test_\w+\.py", path.name)
-            and path.parts[0] != ros_test.FOLDER]
+            and not ros_test.needs_ros(path)]
 
 
 def matching(parts: list[str]) -> tuple[list[str], list[Path]]:
@@ -174,12 +177,12 @@ def unit_tests(names: list[str] | None = None) -> Outcome:
 def sanitizers() -> Outcome:
     """Tests of what flies and whole flights under address and undefined-behaviour sanitizers; each program counts
     once."""
-    return _sanitized(lambda folder: folder in FLIES | {"apps"})
+    return _sanitized(lambda folder: folder in FLIES | {"apps", "flight"})
 
 
 def sanitizers_rest() -> Outcome:
     """The other tests under sanitizers."""
-    return _sanitized(lambda folder: folder not in FLIES | {"apps"})
+    return _sanitized(lambda folder: folder not in FLIES | {"apps", "flight"})
 
 
 def _sanitized(wanted) -> Outcome:
@@ -196,12 +199,7 @@ def python_tests(files: list[Path] | None = None) -> Outcome:
     files = python_files() if files is None else files
     if not files:
         return Outcome()
-    RESULTS.mkdir(parents=True, exist_ok=True)
-    report = RESULTS / "pytest.xml"
-    report.unlink(missing_ok=True)
-    done = _run([sys.executable, "-m", "pytest", "-q", "--tb=short", "--no-header",
-                 f"--junitxml={report}", *map(str, files)], stdin=subprocess.DEVNULL)
-    return cpp_tests.count_pytest(report, done)
+    return pytest_files.run(files, sys.executable, RESULTS / "python")
 
 
 def ros_tests(names: list[str] = ()) -> Outcome:

@@ -10,6 +10,7 @@ import concurrent.futures
 import functools
 import hashlib
 import json
+import os
 import re
 import subprocess
 import sys
@@ -17,7 +18,27 @@ from pathlib import Path
 
 import project
 
-CACHE = project.ROOT / "build" / "clang_tidy"
+PRECOMPILED = re.compile(r" -Winvalid-pch| -fpch-preprocess| -include \S*/cmake_pch\.hxx")
+
+
+def memory() -> Path:
+    """Which files were clean, with the user, so that a new clone knows too; in build/ when the home folder takes nothing."""
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path(os.environ.get("HOME") or "/nonexistent") / ".cache")
+    place = home / "rosflight" / "clang_tidy"
+    try:
+        place.mkdir(parents=True, exist_ok=True)
+        if os.access(place, os.W_OK):
+            return place
+    except OSError:
+        pass
+    place = project.ROOT / "build" / "clang_tidy" / "clean"
+    place.mkdir(parents=True, exist_ok=True)
+    return place
+
+
+def without_precompiled(entry: dict) -> dict:
+    """The compile command as if no header were precompiled: a missing #include shows then."""
+    return {**entry, "command": PRECOMPILED.sub("", entry["command"])}
 
 
 def tidy_program() -> str:
@@ -44,10 +65,11 @@ def all_headers() -> list[Path]:
 
 
 def key_of(entry: dict, headers: list[Path], common: bytes) -> str:
+    """The same in every clone: paths count from its root."""
     digest = hashlib.sha256(common)
-    digest.update(entry["command"].encode())
+    digest.update(entry["command"].replace(str(project.ROOT), ".").encode())
     for path in [Path(entry["file"]), *sorted(headers)]:
-        digest.update(str(path).encode() + b"\0")
+        digest.update(str(path).replace(str(project.ROOT), ".").encode() + b"\0")
         digest.update(path.read_bytes() if path.is_file() else b"gone")
     return digest.hexdigest()
 
@@ -68,10 +90,10 @@ def extra_arguments(entry: dict) -> list[str]:
     return headers_of_cross_compiler(compiler, tuple(word for word in options if word.startswith("-m")))
 
 
-def check(entry: dict, build: Path) -> str:
-    """The complaints about one file, empty when clean."""
+def check(entry: dict, build: Path, commands: Path) -> str:
+    """The complaints about one file, empty when clean. `commands` is the folder of the compile commands."""
     done = subprocess.run(
-        [tidy_program(), "-p", str(build), "--quiet", *extra_arguments(entry), entry["file"]], cwd=build,
+        [tidy_program(), "-p", str(commands), "--quiet", *extra_arguments(entry), entry["file"]], cwd=build,
         capture_output=True, text=True)
     said = [line for line in (done.stdout + done.stderr).splitlines()
             if not re.fullmatch(r"\d+ warnings? (generated|treated as errors?)\.?", line.strip())]
@@ -89,9 +111,13 @@ def run(folder: str = "build/release", names: list[str] | None = None,
     build = project.ROOT / folder
     ours = {project.ROOT / path for path in project.own_files()
             if path.suffix == ".cpp" and wanted(path)}
+    every = [without_precompiled(entry) for entry in json.loads((build / "compile_commands.json").read_text())]
+    commands = project.ROOT / "build" / "clang_tidy" / build.relative_to(project.ROOT)
+    commands.mkdir(parents=True, exist_ok=True)
+    (commands / "compile_commands.json").write_text(json.dumps(every))
     entries = {
         entry["file"]: entry
-        for entry in json.loads((build / "compile_commands.json").read_text())
+        for entry in every
         if Path(entry["file"]) in ours and (not names or any(n in entry["file"] for n in names))
     }
     made_by_ninja = (build / "build.ninja").exists()
@@ -99,16 +125,16 @@ def run(folder: str = "build/release", names: list[str] | None = None,
     any_header = None if made_by_ninja else all_headers()
     version = subprocess.run([tidy_program(), "--version"], capture_output=True).stdout
     common = version + (project.ROOT / ".clang-tidy").read_bytes()
-    CACHE.mkdir(parents=True, exist_ok=True)
+    cleaned = memory()
     complaints: list[str] = []
     clean = 0
 
     def look(entry: dict) -> str:
         used = headers.get(entry.get("output", ""), any_header)
-        known = CACHE / key_of(entry, used or [], common)
+        known = cleaned / key_of(entry, used or [], common)
         if used is not None and known.exists():
             return ""
-        said = check(entry, build)
+        said = check(entry, build, commands)
         if not said:
             known.touch()
         return said

@@ -3,25 +3,23 @@
 #include <cmath>
 
 #include "autonomy/common/types.hpp"
+#include "base/angles.hpp"
 
 namespace rosflight::autonomy {
 
-/// The same angle in (-pi, pi]; exact for |angle| <= pi.
-inline double wrap_angle(double angle_rad) {
-  if (angle_rad > -kPi && angle_rad <= kPi) return angle_rad;
-  const double wrapped = std::remainder(angle_rad, 2.0 * kPi);
-  return wrapped <= -kPi ? kPi : wrapped;
-}
+using base::wrap_angle;
 
 struct RollPitch {
   double roll_rad{};
   double pitch_rad{};
 
-  static RollPitch of(const Quaternion& q_NB) {
-    const double w = q_NB.w();
-    const double x = q_NB.x();
-    const double y = q_NB.y();
-    const double z = q_NB.z();
+  /// Roll and pitch of the 3-2-1 Euler angles of an attitude [rad]; pitch within +-pi/2, also when
+  /// rounding takes its sine past 1.
+  static RollPitch of(const Quaternion& q_WB) {
+    const double w = q_WB.w();
+    const double x = q_WB.x();
+    const double y = q_WB.y();
+    const double z = q_WB.z();
     const double sin_pitch = 2.0 * (w * y - x * z);
     return {std::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)),
             std::asin(std::fmin(1.0, std::fmax(-1.0, sin_pitch)))};

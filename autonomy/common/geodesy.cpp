@@ -6,20 +6,16 @@
 namespace rosflight::autonomy {
 namespace {
 
-constexpr double kSemiMajor_m = 6378137.0;
-constexpr double kFlattening = 1.0 / 298.257223563;
-constexpr double kEccentricitySq = kFlattening * (2.0 - kFlattening);
+struct SinCos {
+  double sin;
+  double cos;
+};
 
 }  // namespace
 
 Vector3 ecef_of(const Geodetic& place) {
-  const double lat = place.latitude_deg * kRadPerDeg;
-  const double lon = place.longitude_deg * kRadPerDeg;
-  const double s = std::sin(lat);
-  const double n = kSemiMajor_m / std::sqrt(1.0 - kEccentricitySq * s * s);
-  const double across = (n + place.altitude_m) * std::cos(lat);
-  return {across * std::cos(lon), across * std::sin(lon),
-          (n * (1.0 - kEccentricitySq) + place.altitude_m) * s};
+  return base::to_ecef(
+      place, [](double angle_rad) { return SinCos{std::sin(angle_rad), std::cos(angle_rad)}; });
 }
 
 Vector3 ned_of(const Geodetic& place, const Geodetic& origin) {

@@ -13,8 +13,8 @@ using config::number_text;
 using config::Range;
 using config::Section;
 
-constexpr double kLongestHold_s = 86400.0;
-constexpr double kLowestTakeoff_m = 0.3;
+constexpr double kMaxHold_s = 86400.0;
+constexpr double kMinTakeoff_m = 0.3;
 
 bool is_waypoint_line(std::string_view line) {
   return line.rfind("wp:", 0) == 0 && (line.size() == 3 || line[3] == ' ' || line[3] == '\r');
@@ -96,7 +96,7 @@ MissionFile MissionFile::load(const std::filesystem::path& file) {
 
 std::optional<double> MissionFile::takeoff_height_m(const MissionArea& area) const {
   if (!root || !root->has("takeoff_height_m")) return {};
-  return root->number("takeoff_height_m", Range::between(kLowestTakeoff_m, area.max_height_m));
+  return root->number("takeoff_height_m", Range::between(kMinTakeoff_m, area.max_height_m));
 }
 
 AtEnd MissionFile::at_end(const Section::Choices<AtEnd>& choices) const {
@@ -123,7 +123,7 @@ Vector3 waypoint_position(const Section& wp, const MissionArea& area,
   const std::string_view key = wp.has("lla") ? "lla" : "use_lla";
   const bool geodetic = wp.boolean(key, false);
   const std::vector<double> w = wp.numbers("w", 3, Range::any());
-  Vector3 p_N{w[0], w[1], w[2]};
+  Vector3 p_W{w[0], w[1], w[2]};
   if (geodetic) {
     if (!origin)
       throw wp.error(key, "true", "false, because the start has no known place on earth");
@@ -133,20 +133,20 @@ Vector3 waypoint_position(const Section& wp, const MissionArea& area,
       throw wp.error("w", "longitude " + number_text(w[1]), "-180 to 180 deg");
     if (!(std::abs(w[2]) < 20000.0))
       throw wp.error("w", "altitude " + number_text(w[2]), "-20000 to 20000 m");
-    p_N = ned_of({w[0], w[1], w[2]}, *origin);
+    p_W = ned_of({w[0], w[1], w[2]}, *origin);
   }
-  const double distance_m = std::hypot(p_N.x(), p_N.y());
+  const double distance_m = std::hypot(p_W.x(), p_W.y());
   if (!(distance_m <= area.max_distance_m)) {
     throw wp.error("w", "a place " + number_text(std::round(distance_m)) + " m from the start",
                    "at most " + number_text(area.max_distance_m) + " m");
   }
-  const double height_m = -p_N.z();
+  const double height_m = -p_W.z();
   if (!Range::between(area.min_height_m, area.max_height_m).contains(height_m)) {
     throw wp.error("w", "a height of " + number_text(std::round(height_m * 100.0) / 100.0) + " m",
                    number_text(area.min_height_m) + " to " + number_text(area.max_height_m) +
                        " m above the start (down is positive in NED)");
   }
-  return p_N;
+  return p_W;
 }
 
 std::optional<double> waypoint_heading_rad(const Section& wp, std::string_view radians) {
@@ -166,7 +166,7 @@ HoldTime waypoint_hold(const Section& wp, WaypointType type) {
   out.indefinitely = wp.boolean("hold_indefinitely", false);
   if (!hold && out.indefinitely)
     throw wp.error("hold_indefinitely", "true at a goto", "false, or type hold");
-  const Range seconds = Range::between(0.0, hold ? kLongestHold_s : 0.0);
+  const Range seconds = Range::between(0.0, hold ? kMaxHold_s : 0.0);
   const bool must_say = hold && !out.indefinitely;
   out.hold_s =
       must_say ? wp.number("hold_seconds", seconds) : wp.number("hold_seconds", seconds, 0.0);

@@ -13,10 +13,10 @@
 namespace rosflight::autonomy {
 
 enum class AtEnd : std::uint8_t {
-  kLand,   ///< Multirotor: below the last waypoint. Fixed wing: as the section `landing` says.
+  kLand,   ///< Multirotor: below the last waypoint. Fixed wing: at the section `landing`.
   kHold,   ///< Stay at the last waypoint; a fixed wing circles it.
   kCycle,  ///< Fly to the first again.
-  kReturn  ///< Fixed wing: circle the place of the start.
+  kReturn  ///< Fixed wing: circle the position of the start.
 };
 
 /// The space a mission may use.
@@ -42,7 +42,9 @@ struct MissionFile {
   /// The same from memory; `name` stands for the file in messages.
   static MissionFile read(std::string_view text, const std::string& name);
 
+  /// Above the start [m]; absent if the file has none. Throws config::Error outside the area.
   std::optional<double> takeoff_height_m(const MissionArea& area) const;
+  /// Key `at_end`; the first of `choices` if the file has none.
   AtEnd at_end(const config::Section::Choices<AtEnd>& choices) const;
   /// Unknown keys of the head are errors.
   void finish() const;

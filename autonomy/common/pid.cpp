@@ -7,7 +7,7 @@ namespace rosflight::autonomy {
 
 double Pid::step(double desired, double current, double dt_s, Integrate integrate) {
   if (!(dt_s > 0.0) || !std::isfinite(desired) || !std::isfinite(current)) return output_;
-  const bool restarted = fresh_ || dt_s > kLongestGap_s;
+  const bool restarted = fresh_ || dt_s > kMaxGap_s;
   if (restarted) {
     derivative_ = 0.0;
   } else {

@@ -28,10 +28,10 @@ struct PidGains {
 /// change of ki does not jump. Gains of either sign act; zero switches a term off.
 ///
 /// dt <= 0 or a number that is not finite: the last output is repeated and nothing changes. A gap
-/// of more than kLongestGap_s restarts derivative and trapezoid, I is kept.
+/// of more than kMaxGap_s restarts derivative and trapezoid, I is kept.
 class Pid {
  public:
-  static constexpr double kLongestGap_s = 1.0;
+  static constexpr double kMaxGap_s = 1.0;
   enum class Integrate : bool { kNo, kYes };
   struct Limits {
     double lower{-kInfinity};
@@ -39,7 +39,10 @@ class Pid {
   };
 
   Pid() = default;
+  /// Without limits; derivative filter of 0.05 s.
   explicit Pid(const PidGains& gains) : gains_(gains) {}
+  /// @param limits            of the output, in its unit; lower <= upper.
+  /// @param derivative_tau_s  time constant of the derivative in (3).
   Pid(const PidGains& gains, const Limits& limits, double derivative_tau_s)
       : gains_(gains), limits_(limits), tau_s_(derivative_tau_s) {}
 
@@ -51,13 +54,17 @@ class Pid {
 
   /// ki = 0 also drops the integral: nothing could ever take it back.
   void set_gains(const PidGains& gains);
+  /// Limits of the output from the next step on; the integral stays until a step moves it.
   void set_limits(const Limits& limits) { limits_ = limits; }
+  /// Time constant of the derivative in (3) [s].
   void set_derivative_tau(double tau_s) { tau_s_ = tau_s; }
   const PidGains& gains() const { return gains_; }
 
-  /// Output share of the integral. Setting it hands over a trim from another loop.
+  /// Share of the integral in the output, in the unit of the output.
   double integral() const { return integral_; }
+  /// Takes over a trim from another loop; no effect without an integral gain.
   void set_integral(double value) { integral_ = gains_.ki != 0.0 ? value : 0.0; }
+  /// Sets the integral to zero; derivative and history stay.
   void clear_integral() { integral_ = 0.0; }
   /// As new: integral, derivative and history forgotten.
   void reset();
@@ -83,14 +90,14 @@ inline double Pid::step_with_rate(double desired, double current, double rate, d
   const double error = desired - current;
   if (!(dt_s > 0.0) || !std::isfinite(error) || !std::isfinite(rate)) return output_;
   previous_value_ = current;
-  return finish(error, rate, dt_s, fresh_ || dt_s > kLongestGap_s, integrate);
+  return finish(error, rate, dt_s, fresh_ || dt_s > kMaxGap_s, integrate);
 }
 
 inline double Pid::finish(double error, double rate, double dt_s, bool restarted,
                           Integrate integrate) {
   const double rest = gains_.kp * error - gains_.kd * rate;
   if (gains_.ki != 0.0 && integrate == Integrate::kYes) {
-    const double step_s = dt_s > kLongestGap_s ? 0.0 : dt_s;
+    const double step_s = dt_s > kMaxGap_s ? 0.0 : dt_s;
     const double mean = 0.5 * (error + (restarted ? error : previous_error_));
     const double wanted = integral_ + gains_.ki * step_s * mean;
     if (wanted > integral_) {

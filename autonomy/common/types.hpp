@@ -6,38 +6,41 @@
 #include <cstdint>
 #include <limits>
 
-/// Words that guidance and control of all vehicles share. Double precision, SI, radians.
-/// N = local north-east-down, B = body front-right-down, q_NB takes B coordinates to N. Nothing
-/// here knows the link, ROS or a clock: time comes in as seconds.
+#include "base/constants.hpp"
+
+/// Types that guidance and control of all vehicles share. Double precision, SI, radians.
+/// W = local north-east-down, B = body front-right-down, q_WB takes B coordinates to W. Nothing
+/// here depends on the link, on ROS or on a clock: time is an argument in seconds.
 namespace rosflight::autonomy {
 
 using Vector3 = Eigen::Vector3d;
 using Quaternion = Eigen::Quaterniond;
 
-inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
-inline constexpr double kRadPerDeg = kPi / 180.0;
+using base::kPi;
+using base::kRadPerDeg;
 
 enum class WaypointType : std::uint8_t { kHold = 0, kGoto = 1 };
 
-/// Entry meaning of a FirmwareCommand; the numbers are those of the link's offboard command.
+/// Meaning of the channels of a FirmwareCommand; the numbers are those of the link's offboard command.
 enum class FirmwareMode : std::uint8_t {
   kPassThrough = 0,              ///< u = Fx, Fy, Fz [N], Qx, Qy, Qz [N m].
   kRatesThrottle = 1,            ///< u = throttle x, y, z, roll, pitch, yaw rate [rad/s].
   kRollPitchYawrateThrottle = 2  ///< u = throttle x, y, z, roll, pitch [rad], yaw rate [rad/s].
 };
 
-inline constexpr std::size_t kFirmwareEntries = 10;
-inline constexpr std::uint16_t kIgnoreAll = 0x3FF;  ///< No entry valid: the pilot has the vehicle.
+inline constexpr std::size_t kFirmwareAxes = 10;
+inline constexpr std::uint16_t kIgnoreAll =
+    0x3FF;  ///< No channel is valid: the pilot flies the vehicle.
 
-/// What goes to the flight controller, in the precision of the link.
+/// A command to the flight controller, in the precision of the link.
 struct FirmwareCommand {
   FirmwareMode mode{FirmwareMode::kPassThrough};
-  std::uint16_t ignore{};  ///< Bit k set: entry k is not valid.
-  std::array<float, kFirmwareEntries> u{};
+  std::uint16_t ignore{};  ///< Bit k set: channel k is not valid.
+  std::array<float, kFirmwareAxes> u{};
 };
 
-/// Which axes the pilot holds, out of the firmware's override word.
+/// Which axes the pilot controls, from the firmware's override word.
 struct PilotOverride {
   bool roll_pitch{};
   bool yaw{};
@@ -52,10 +55,10 @@ struct PilotOverride {
   bool any() const { return roll_pitch || yaw || throttle; }
 };
 
-/// What the flight controller reports of itself.
+/// Status that the flight controller sends.
 struct Status {
   bool armed{};
-  bool offboard{};  ///< Some entry of our command is in force.
+  bool offboard{};  ///< At least one channel of the offboard command is in force.
   std::uint16_t rc_override{};
   double battery_voltage_V{};  ///< <= 0: unknown, the nominal voltage is assumed.
 };

@@ -10,10 +10,12 @@ namespace rosflight::autonomy::estimation {
 /// Averages the sensors over a window until a filter can start from them.
 class Alignment {
  public:
+  /// Mean and spread of a vector, in its unit.
   struct Mean {
     Vector3 sum{Vector3::Zero()};
     double squares{};
     int count{};
+    /// One more sample; must be finite.
     void add(const Vector3& v) {
       sum += v;
       squares += v.squaredNorm();
@@ -27,7 +29,10 @@ class Alignment {
     }
   };
 
+  /// Begins a new window.
   void clear() { *this = {}; }
+  /// One more sample of the window. IMU samples, in order of time, define its length; of GNSS fixes
+  /// the last is kept as well.
   void add(const ImuSample& s) {
     if (gyro.count == 0) start_s = s.t_s;
     end_s = s.t_s;
@@ -38,7 +43,7 @@ class Alignment {
   void add(const BaroSample& s) { pressure_Pa.add({s.pressure_Pa, 0.0, 0.0}); }
   void add(const GnssSample& s) {
     last_fix = s;
-    fixes.add({s.place.latitude_deg, s.place.longitude_deg, s.place.altitude_m});
+    fixes.add({s.position.latitude_deg, s.position.longitude_deg, s.position.altitude_m});
   }
   double length_s() const { return gyro.count > 1 ? end_s - start_s : 0.0; }
   bool complete() const { return gyro.count > 1 && field.count > 0 && pressure_Pa.count > 0; }
@@ -56,8 +61,8 @@ class Alignment {
   std::optional<GnssSample> last_fix;
 };
 
-/// Roll and pitch from what an accelerometer feels when nothing accelerates but gravity, heading
-/// from the magnetic field levelled with them.
+/// Roll and pitch from the specific force that an accelerometer measures at rest, heading from the
+/// magnetic field levelled with them.
 inline Quaternion level_attitude(const Vector3& accel_B, const Vector3& field_B,
                                  double declination_rad) {
   const Vector3 down_B = -accel_B.normalized();
@@ -71,10 +76,10 @@ inline Quaternion level_attitude(const Vector3& accel_B, const Vector3& field_B,
 }
 
 /// Turns an attitude about the vertical until the field points to magnetic north.
-inline Quaternion with_heading_of(const Quaternion& q_NB, const Vector3& field_B,
+inline Quaternion with_heading_of(const Quaternion& q_WB, const Vector3& field_B,
                                   double declination_rad) {
-  const Vector3 m = q_NB * field_B;
-  return exp_rotation({0.0, 0.0, declination_rad - std::atan2(m.y(), m.x())}) * q_NB;
+  const Vector3 m = q_WB * field_B;
+  return exp_rotation({0.0, 0.0, declination_rad - std::atan2(m.y(), m.x())}) * q_WB;
 }
 
 }  // namespace rosflight::autonomy::estimation

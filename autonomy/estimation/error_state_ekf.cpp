@@ -2,30 +2,27 @@
 #include "autonomy/estimation/error_state_ekf.hpp"
 
 #include <cmath>
-#include <numbers>
+
+#include "base/angles.hpp"
 
 namespace rosflight::autonomy::estimation {
 namespace {
 
-double wrap(double angle_rad) {
-  return std::remainder(angle_rad, 2.0 * std::numbers::pi);
-}
-
 /// Velocity through the air, in body axes.
 Vector3 air_velocity_B(const NominalState& x) {
-  const Vector3 v_N = x.v_N - Vector3(x.wind_N.x(), x.wind_N.y(), 0.0);
-  return x.q_NB.conjugate() * v_N;
+  const Vector3 v_W = x.v_W - Vector3(x.wind_W.x(), x.wind_W.y(), 0.0);
+  return x.q_WB.conjugate() * v_W;
 }
 
 }  // namespace
 
 template <bool kWind>
 void ErrorStateEkf<kWind>::propagate(NominalState& x, const ImuIncrement& u, double gravity_m_s2) {
-  const Vector3 before = x.v_N;
-  x.v_N += x.q_NB * (u.dv_B - x.accel_bias_B * u.dt_s);
-  x.v_N.z() += gravity_m_s2 * u.dt_s;
-  x.p_N += 0.5 * u.dt_s * (before + x.v_N);
-  x.q_NB = (x.q_NB * exp_rotation(u.dtheta_B - x.gyro_bias_B * u.dt_s)).normalized();
+  const Vector3 before = x.v_W;
+  x.v_W += x.q_WB * (u.dv_B - x.accel_bias_B * u.dt_s);
+  x.v_W.z() += gravity_m_s2 * u.dt_s;
+  x.p_W += 0.5 * u.dt_s * (before + x.v_W);
+  x.q_WB = (x.q_WB * exp_rotation(u.dtheta_B - x.gyro_bias_B * u.dt_s)).normalized();
 }
 
 template <bool kWind>
@@ -33,7 +30,7 @@ typename ErrorStateEkf<kWind>::Covariance ErrorStateEkf<kWind>::transition(const
                                                                            const ImuIncrement& u) {
   const double dt = u.dt_s;
   const Vector3 turn = u.dtheta_B - x.gyro_bias_B * dt;
-  const Matrix3 R = x.q_NB.toRotationMatrix();
+  const Matrix3 R = x.q_WB.toRotationMatrix();
   Covariance F = Covariance::Identity();
   F.template block<3, 3>(kTheta, kTheta) = exp_rotation(turn).toRotationMatrix().transpose();
   F.template block<3, 3>(kTheta, kGyroBias) = -dt * right_jacobian(turn);
@@ -53,7 +50,7 @@ void ErrorStateEkf<kWind>::predict(const ImuIncrement& u, const ProcessNoise& no
                                    double gravity_m_s2) {
   const double dt = u.dt_s;
   const Vector3 turn = u.dtheta_B - x_.gyro_bias_B * dt;
-  const Matrix3 R = x_.q_NB.toRotationMatrix();
+  const Matrix3 R = x_.q_WB.toRotationMatrix();
   const Matrix3 theta_theta = exp_rotation(turn).toRotationMatrix().transpose();
   const Matrix3 theta_bias = -dt * right_jacobian(turn);
   const Matrix3 v_theta = -R * skew(u.dv_B - x_.accel_bias_B * dt);
@@ -106,10 +103,10 @@ void ErrorStateEkf<kWind>::predict(const ImuIncrement& u, const ProcessNoise& no
 
 template <bool kWind>
 typename ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::gnss_position(
-    const NominalState& x, const Vector3& p_N, const Vector3& lever_B) {
-  const Matrix3 R = x.q_NB.toRotationMatrix();
+    const NominalState& x, const Vector3& p_W, const Vector3& lever_B) {
+  const Matrix3 R = x.q_WB.toRotationMatrix();
   Residual<3> r;
-  r.nu = p_N - (x.p_N + R * lever_B);
+  r.nu = p_W - (x.p_W + R * lever_B);
   r.H.template block<3, 3>(0, kPosition).setIdentity();
   r.H.template block<3, 3>(0, kTheta) = -R * skew(lever_B);
   return r;
@@ -117,11 +114,11 @@ typename ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::gnss_p
 
 template <bool kWind>
 typename ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::gnss_velocity(
-    const NominalState& x, const Vector3& v_N, const Vector3& lever_B, const Vector3& w_raw_B) {
-  const Matrix3 R = x.q_NB.toRotationMatrix();
+    const NominalState& x, const Vector3& v_W, const Vector3& lever_B, const Vector3& w_raw_B) {
+  const Matrix3 R = x.q_WB.toRotationMatrix();
   const Vector3 around_B = (w_raw_B - x.gyro_bias_B).cross(lever_B);
   Residual<3> r;
-  r.nu = v_N - (x.v_N + R * around_B);
+  r.nu = v_W - (x.v_W + R * around_B);
   r.H.template block<3, 3>(0, kVelocity).setIdentity();
   r.H.template block<3, 3>(0, kTheta) = -R * skew(around_B);
   r.H.template block<3, 3>(0, kGyroBias) = R * skew(lever_B);
@@ -132,13 +129,13 @@ template <bool kWind>
 typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::baro_height(
     const NominalState& x, double height_m) {
   Residual<1> r;
-  r.nu(0) = height_m - (x.baro_bias_m - x.p_N.z());
+  r.nu(0) = height_m - (x.baro_bias_m - x.p_W.z());
   r.H(0, kPosition + 2) = -1.0;
   r.H(0, kBaroBias) = 1.0;
   return r;
 }
 
-/// With m = R m_B and the attitude error as a rotation phi = R dtheta in N, dm = phi x m and
+/// With m = R m_B and the attitude error as a rotation phi = R dtheta in W, dm = phi x m and
 /// d atan2(m_e, m_n) = phi_d - m_d (m_n phi_n + m_e phi_e)/(m_n^2 + m_e^2). The direction of (m_n,
 /// m_e) is taken where it should be, along the declination, not where it was measured: there its
 /// noise would be in both the innovation and H, whose product then has a mean that walks the tilt
@@ -146,11 +143,11 @@ typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::baro_h
 template <bool kWind>
 typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::magnetic_heading(
     const NominalState& x, const Vector3& field_B, double declination_rad) {
-  const Matrix3 R = x.q_NB.toRotationMatrix();
+  const Matrix3 R = x.q_WB.toRotationMatrix();
   const Vector3 m = R * field_B;
   const double slope = m.z() / m.head<2>().norm();
   Residual<1> r;
-  r.nu(0) = wrap(declination_rad - std::atan2(m.y(), m.x()));
+  r.nu(0) = base::wrap_angle(declination_rad - std::atan2(m.y(), m.x()));
   const Eigen::RowVector3d by_phi(-slope * std::cos(declination_rad),
                                   -slope * std::sin(declination_rad), 1.0);
   r.H.template block<1, 3>(0, kTheta) = by_phi * R;
@@ -160,10 +157,10 @@ typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::magnet
 template <bool kWind>
 typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::range(
     const NominalState& x, double range_m, double ground_up_m, const Vector3& lever_B) {
-  const Matrix3 R = x.q_NB.toRotationMatrix();
+  const Matrix3 R = x.q_WB.toRotationMatrix();
   const Eigen::RowVector3d down = R.row(2);
   const double cosine = down.z();
-  const double height = -(x.p_N.z() + down * lever_B) - ground_up_m;
+  const double height = -(x.p_W.z() + down * lever_B) - ground_up_m;
   const Eigen::RowVector3d d_height = down * skew(lever_B);
   const Eigen::RowVector3d d_cosine = -(down * skew(Vector3::UnitZ()));
   Residual<1> r;
@@ -179,12 +176,12 @@ typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::pitot(
   const Vector3 air_B = air_velocity_B(x);
   const double u = air_B.x();
   const double slope = density_kg_m3 * std::abs(u);
-  const Eigen::RowVector3d forward_N = x.q_NB.toRotationMatrix().col(0).transpose();
+  const Eigen::RowVector3d forward_W = x.q_WB.toRotationMatrix().col(0).transpose();
   Residual<1> r;
   r.nu(0) = pressure_Pa - 0.5 * density_kg_m3 * u * std::abs(u);
-  r.H.template block<1, 3>(0, kVelocity) = slope * forward_N;
+  r.H.template block<1, 3>(0, kVelocity) = slope * forward_W;
   r.H.template block<1, 3>(0, kTheta) = slope * skew(air_B).row(0);
-  if constexpr (kWind) r.H.template block<1, 2>(0, kWindIndex) = -slope * forward_N.head<2>();
+  if constexpr (kWind) r.H.template block<1, 2>(0, kWindIndex) = -slope * forward_W.head<2>();
   return r;
 }
 
@@ -192,20 +189,20 @@ template <bool kWind>
 typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::sideslip(
     const NominalState& x, double v_air_y_m_s) {
   const Vector3 air_B = air_velocity_B(x);
-  const Eigen::RowVector3d right_N = x.q_NB.toRotationMatrix().col(1).transpose();
+  const Eigen::RowVector3d right_W = x.q_WB.toRotationMatrix().col(1).transpose();
   Residual<1> r;
   r.nu(0) = v_air_y_m_s - air_B.y();
-  r.H.template block<1, 3>(0, kVelocity) = right_N;
+  r.H.template block<1, 3>(0, kVelocity) = right_W;
   r.H.template block<1, 3>(0, kTheta) = skew(air_B).row(1);
-  if constexpr (kWind) r.H.template block<1, 2>(0, kWindIndex) = -right_N.head<2>();
+  if constexpr (kWind) r.H.template block<1, 2>(0, kWindIndex) = -right_W.head<2>();
   return r;
 }
 
 template <bool kWind>
 typename ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::velocity(
-    const NominalState& x, const Vector3& v_N) {
+    const NominalState& x, const Vector3& v_W) {
   Residual<3> r;
-  r.nu = v_N - x.v_N;
+  r.nu = v_W - x.v_W;
   r.H.template block<3, 3>(0, kVelocity).setIdentity();
   return r;
 }
@@ -213,13 +210,13 @@ typename ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::veloci
 template <bool kWind>
 NominalState ErrorStateEkf<kWind>::added(const NominalState& x, const Error& dx) {
   NominalState y = x;
-  y.q_NB = (x.q_NB * exp_rotation(dx.template segment<3>(kTheta))).normalized();
-  y.v_N += dx.template segment<3>(kVelocity);
-  y.p_N += dx.template segment<3>(kPosition);
+  y.q_WB = (x.q_WB * exp_rotation(dx.template segment<3>(kTheta))).normalized();
+  y.v_W += dx.template segment<3>(kVelocity);
+  y.p_W += dx.template segment<3>(kPosition);
   y.gyro_bias_B += dx.template segment<3>(kGyroBias);
   y.accel_bias_B += dx.template segment<3>(kAccelBias);
   y.baro_bias_m += dx(kBaroBias);
-  if constexpr (kWind) y.wind_N += dx.template segment<2>(kWindIndex);
+  if constexpr (kWind) y.wind_W += dx.template segment<2>(kWindIndex);
   return y;
 }
 
@@ -227,13 +224,13 @@ template <bool kWind>
 typename ErrorStateEkf<kWind>::Error ErrorStateEkf<kWind>::difference(const NominalState& to,
                                                                       const NominalState& from) {
   Error dx;
-  dx.template segment<3>(kTheta) = log_rotation(from.q_NB.conjugate() * to.q_NB);
-  dx.template segment<3>(kVelocity) = to.v_N - from.v_N;
-  dx.template segment<3>(kPosition) = to.p_N - from.p_N;
+  dx.template segment<3>(kTheta) = log_rotation(from.q_WB.conjugate() * to.q_WB);
+  dx.template segment<3>(kVelocity) = to.v_W - from.v_W;
+  dx.template segment<3>(kPosition) = to.p_W - from.p_W;
   dx.template segment<3>(kGyroBias) = to.gyro_bias_B - from.gyro_bias_B;
   dx.template segment<3>(kAccelBias) = to.accel_bias_B - from.accel_bias_B;
   dx(kBaroBias) = to.baro_bias_m - from.baro_bias_m;
-  if constexpr (kWind) dx.template segment<2>(kWindIndex) = to.wind_N - from.wind_N;
+  if constexpr (kWind) dx.template segment<2>(kWindIndex) = to.wind_W - from.wind_W;
   return dx;
 }
 
@@ -254,7 +251,7 @@ void ErrorStateEkf<kWind>::reset_variance(int first, int size, double sigma) {
 
 template <bool kWind>
 void ErrorStateEkf<kWind>::relearn_baro_bias(double height_m, double sigma_m) {
-  x_.baro_bias_m = height_m + x_.p_N.z();
+  x_.baro_bias_m = height_m + x_.p_W.z();
   P_.row(kBaroBias) = P_.row(kPosition + 2);
   P_.col(kBaroBias) = P_.col(kPosition + 2);
   P_(kBaroBias, kBaroBias) = P_(kPosition + 2, kPosition + 2) + sigma_m * sigma_m;

@@ -8,18 +8,18 @@ namespace rosflight::autonomy::estimation {
 
 using Vector2 = Eigen::Vector2d;
 
-/// What the filter carries, at the place of the IMU. N = north-east-down, B = body.
+/// State of the filter, at the position of the IMU. W = north-east-down, B = body.
 struct NominalState {
-  Quaternion q_NB{Quaternion::Identity()};
-  Vector3 v_N{Vector3::Zero()};
-  Vector3 p_N{Vector3::Zero()};
+  Quaternion q_WB{Quaternion::Identity()};
+  Vector3 v_W{Vector3::Zero()};
+  Vector3 p_W{Vector3::Zero()};
   Vector3 gyro_bias_B{Vector3::Zero()};
   Vector3 accel_bias_B{Vector3::Zero()};
   double baro_bias_m{};
-  Vector2 wind_N{Vector2::Zero()};  ///< Only where the filter has wind.
+  Vector2 wind_W{Vector2::Zero()};  ///< Only where the filter has wind.
 };
 
-/// What the IMU felt over dt_s: turn as a rotation vector, velocity in body axes of the start.
+/// Integral of the IMU over dt_s: rotation vector, velocity change in body axes of the start.
 struct ImuIncrement {
   double dt_s{};
   Vector3 dtheta_B{Vector3::Zero()};
@@ -36,11 +36,11 @@ struct ProcessNoise {
   double wind_m_s_rts{0.1};
 };
 
-/// Extended Kalman filter on the error of the state, without buffers, time or policy: predict,
-/// weigh, correct. The estimator around it (estimator.hpp) decides what is fused when.
+/// Extended Kalman filter on the error of the state, without buffers, time or policy. The
+/// estimator around it (estimator.hpp) decides what is fused when.
 ///
 ///     truth:  q = q^ exp(dtheta),  every other x = x^ + dx                                 (1)
-///     error:  [dtheta_B, dv_N, dp_N, dbg_B, dba_B, dbaro (, dw_N)],  16 or 18 numbers      (2)
+///     error:  [dtheta_B, dv_W, dp_W, dbg_B, dba_B, dbaro (, dw_W)],  16 or 18 numbers      (2)
 ///
 /// The attitude error is three small angles in body axes, so no attitude is singular. Prediction
 /// over an increment, u = dtheta - bg dt and a = dv - ba dt:
@@ -101,12 +101,12 @@ class ErrorStateEkf {
   // ---- measurements; levers are from the IMU, in B
 
   /// y: position of an antenna at the lever [m].
-  static Residual<3> gnss_position(const NominalState& x, const Vector3& p_N,
+  static Residual<3> gnss_position(const NominalState& x, const Vector3& p_W,
                                    const Vector3& lever_B);
   /// y: velocity of the antenna; w_raw_B is what the gyro reads [rad/s].
-  static Residual<3> gnss_velocity(const NominalState& x, const Vector3& v_N,
+  static Residual<3> gnss_velocity(const NominalState& x, const Vector3& v_W,
                                    const Vector3& lever_B, const Vector3& w_raw_B);
-  /// y: height by pressure above the origin, h = -p_down + bias [m].
+  /// y: pressure altitude above the origin, h = -p_down + bias [m].
   static Residual<1> baro_height(const NominalState& x, double height_m);
   /// y: declination, h = atan2 of the levelled field: its angle east of true north, by our
   /// attitude.
@@ -120,11 +120,11 @@ class ErrorStateEkf {
   /// y: speed through the air to the right; zero is the assumption of no sideslip [m/s].
   static Residual<1> sideslip(const NominalState& x, double v_air_y_m_s);
   /// y: velocity of the IMU over ground; zero is the assumption of standing still.
-  static Residual<3> velocity(const NominalState& x, const Vector3& v_N);
+  static Residual<3> velocity(const NominalState& x, const Vector3& v_W);
 
-  /// Weighs and, below the gate, corrects. A gate of `gate_sigma` lets pass what one scalar within
-  /// so many standard deviations would; infinity: everything. A residual that is not finite is
-  /// refused.
+  /// Corrects the state if the residual is inside the gate. `gate_sigma` is the limit of a scalar
+  /// residual in standard deviations; infinity accepts everything. A residual that is not finite is
+  /// rejected.
   template <int kRows>
   Verdict correct(const Residual<kRows>& r, double gate_sigma) {
     const Eigen::Matrix<double, kSize, kRows> PHt = P_ * r.H.transpose();
@@ -149,9 +149,9 @@ class ErrorStateEkf {
   /// The error that takes `from` to `to`.
   static Error difference(const NominalState& to, const NominalState& from);
 
-  /// Forgets what is known of `size` errors from `first` on: their variance becomes sigma^2.
+  /// Sets the variance of `size` errors from `first` on to sigma^2 and their covariances to zero.
   void reset_variance(int first, int size, double sigma);
-  /// The bias becomes what makes this height right.
+  /// Sets the bias of the barometer so that this altitude has no residual.
   void relearn_baro_bias(double height_m, double sigma_m);
 
   /// Limit of nis: sigma^2 of one degree of freedom, (sigma + 0.4)^2 of two, (sigma + 0.7)^2 of

@@ -6,13 +6,14 @@
 #include "autonomy/common/types.hpp"
 #include "autonomy/estimation/error_state_ekf.hpp"
 #include "autonomy/estimation/measurements.hpp"
+#include "base/constants.hpp"
 
 namespace rosflight::autonomy::estimation {
 
 /// Settings of an Estimator; the keys of the section `autonomy.estimator` in a vehicle file.
 /// Sigmas are standard deviations of one sample.
 struct EstimatorConfig {
-  double gravity_m_s2{9.80665};
+  double gravity_m_s2{base::kStandardGravity_m_s2};
   /// The filter works this far behind the newest IMU sample, so that what is late by up to this is
   /// still fused at its own time; the output is carried on to the newest sample.
   double lag_s{0.06};
@@ -48,7 +49,7 @@ struct EstimatorConfig {
   bool use_range{true};
   double range_delay_s{0.0};  ///< Taken off the stamps of echoes.
   double range_max_tilt_rad{0.5};
-  double min_airspeed_m_s{6.0};  ///< Below, pitot and sideslip say nothing.
+  double min_airspeed_m_s{6.0};  ///< Below, pitot and sideslip are not fused.
   bool use_sideslip{true};
 
   // What is known before the first sample.
@@ -66,13 +67,13 @@ struct EstimatorConfig {
   /// and turns for tilt.
   bool share_attitude{true};
 
-  // Patience.
-  double gnss_doubt_s{0.3};       ///< Velocity refused for this long: the IMU may have changed.
-  double gnss_reset_s{3.0};       ///< Refused for this long: the estimate moves to GNSS.
-  double baro_relearn_s{1.0};     ///< Refused for this long: its bias is learned anew.
-  double range_relearn_s{1.0};    ///< Refused for this long: the ground has another height.
+  // Timeouts of rejected measurements.
+  double gnss_doubt_s{0.3};       ///< Velocity rejected for this long: IMU errors are widened.
+  double gnss_reset_s{3.0};       ///< Rejected for this long: the estimate is reset to GNSS.
+  double baro_relearn_s{1.0};     ///< Rejected for this long: its bias is estimated again.
+  double range_relearn_s{1.0};    ///< Rejected for this long: the ground altitude is set again.
   double jump_speed_m_s{1.5};     ///< Of showing what GNSS moves the position by when it returns.
-  double dead_reckoning_s{30.0};  ///< Without GNSS for this long: position is worth nothing.
+  double dead_reckoning_s{30.0};  ///< Without GNSS for this long: no position.
 };
 
 }  // namespace rosflight::autonomy::estimation

@@ -23,14 +23,14 @@ inline constexpr std::size_t kAids = 9;
 /// Record of one aid.
 struct AidHealth {
   std::uint64_t accepted{};
-  std::uint64_t refused{};  ///< Outside the gate.
+  std::uint64_t rejected{};  ///< Outside the gate.
   double last_accepted_s{-1e9};
-  double last_refused_s{-1e9};
-  double refused_since_s{};  ///< First refusal since the last acceptance; if `refusing`.
-  bool refusing{};
+  double last_rejected_s{-1e9};
+  double rejected_since_s{};  ///< First rejection since the last acceptance; valid if `rejecting`.
+  bool rejecting{};
   double nis{};  ///< Of the last one, by its degrees of freedom.
 
-  double refusing_for_s() const { return refusing ? last_refused_s - refused_since_s : 0.0; }
+  double rejecting_for_s() const { return rejecting ? last_rejected_s - rejected_since_s : 0.0; }
 };
 
 struct EstimatorHealth {
@@ -40,13 +40,14 @@ struct EstimatorHealth {
   std::uint64_t late{};      ///< Older than the lag: not fused.
   std::uint64_t unusable{};  ///< Not finite, or impossible.
   std::uint64_t imu_holes{};
-  std::uint64_t restarts{};     ///< The clock jumped: started anew.
-  std::uint64_t imu_doubts{};   ///< Biases and tilt were widened.
-  std::uint64_t gnss_resets{};  ///< Position or velocity moved to GNSS.
+  std::uint64_t restarts{};       ///< The clock jumped: started again.
+  std::uint64_t imu_widenings{};  ///< The variances of biases and tilt were widened.
+  std::uint64_t gnss_resets{};    ///< Position or velocity moved to GNSS.
   std::uint64_t baro_relearned{};
   std::uint64_t ground_relearned{};
   double gnss_age_s{1e9};  ///< Since the last accepted horizontal aiding.
 
+  /// Record of one aid.
   const AidHealth& of(Aid aid) const { return aids[static_cast<std::size_t>(aid)]; }
   AidHealth& of(Aid aid) { return aids[static_cast<std::size_t>(aid)]; }
 };

@@ -23,8 +23,8 @@ namespace rosflight::autonomy::estimation {
 class ImuBuffer {
  public:
   static constexpr std::size_t kCapacity = 128;
-  /// Samples further apart than this leave a hole that the filter is told of.
-  static constexpr double kLongestStep_s = 0.05;
+  /// Samples further apart than this leave a hole, which widens the covariance.
+  static constexpr double kMaxStep_s = 0.05;
 
   struct Segment {
     double start_s{};
@@ -35,9 +35,10 @@ class ImuBuffer {
 
   enum class Taken { kFirst, kSummed, kFull, kTooOld, kJump };
 
+  /// @param increment_s  length to which samples are summed [s]; > 0.
   explicit ImuBuffer(double increment_s) : increment_s_{increment_s} {}
 
-  /// kFull: the sample ended an increment. kJump: more than a second apart, the buffer starts anew.
+  /// kFull: the sample ended an increment. kJump: more than a second apart; the buffer is cleared.
   Taken add(const ImuSample& sample, const Vector3& gyro_bias_B) {
     constexpr double kJump_s = 1.0;
     if (!started_) return restart(sample, Taken::kFirst);
@@ -50,7 +51,7 @@ class ImuBuffer {
     C_ = C_ * exp_rotation(turn);
     sum_.dt_s += dt;
     bias_turn_B_ += dt * gyro_bias_B;
-    hole_ = hole_ || dt > kLongestStep_s;
+    hole_ = hole_ || dt > kMaxStep_s;
     last_ = sample;
     if (sum_.dt_s < increment_s_ - 1e-6) return Taken::kSummed;
     close();
@@ -59,8 +60,10 @@ class ImuBuffer {
 
   std::size_t size() const { return count_; }
   bool full() const { return count_ == kCapacity; }
+  /// The k-th increment that waits, from the oldest; k < size().
   const Segment& at(std::size_t k) const { return ring_[(head_ + k) % kCapacity]; }
   const Segment& front() const { return at(0); }
+  /// Drops the oldest increment; only if size() > 0.
   void pop() {
     head_ = (head_ + 1) % kCapacity;
     --count_;
@@ -81,6 +84,7 @@ class ImuBuffer {
     whole.start_s = until_s;
     return part;
   }
+  /// Drops all increments and the open sum; the last sample stays.
   void clear() {
     count_ = 0;
     sum_ = {};

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Eigen/Core>
+#include <variant>
 
 #include "autonomy/common/geodesy.hpp"
 
-/// What sensors tell an estimator. t_s is when it was true, on one clock for all of them; SI units,
+/// Inputs of an estimator. t_s is the time of the measurement, on one clock for all; SI units,
 /// body axes front-right-down.
 namespace rosflight::autonomy::estimation {
 
@@ -18,8 +19,8 @@ struct GnssSample {
   double t_s{};
   double unix_s{};  ///< For the magnetic model.
   bool fix_3d{};
-  Geodetic place;  ///< Height above mean sea level.
-  Eigen::Vector3d v_N_m_s{Eigen::Vector3d::Zero()};
+  Geodetic position;  ///< Altitude above mean sea level.
+  Eigen::Vector3d v_W_m_s{Eigen::Vector3d::Zero()};
 };
 
 struct BaroSample {
@@ -51,5 +52,9 @@ struct SideslipSample {
   double t_s{};
   double v_air_y_m_s{};
 };
+
+/// Every measurement that aids the IMU.
+using AidSample =
+    std::variant<GnssSample, BaroSample, MagSample, RangeSample, PitotSample, SideslipSample>;
 
 }  // namespace rosflight::autonomy::estimation

@@ -1,89 +1,115 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "autonomy/estimation/read_estimator.hpp"
 
+#include "config/table.hpp"
+
 namespace rosflight::autonomy::estimation {
 namespace {
 
+using config::kDeg;
 using config::Range;
-using config::Section;
+using config::Row;
+using config::Table;
 
-void position(const Section& in, std::string_view key, Vector3& value) {
-  const auto n = in.numbers(key, 3, Range::between(-10.0, 10.0), {value.x(), value.y(), value.z()});
-  value = {n[0], n[1], n[2]};
+constexpr Range kSigma = Range::positive();
+constexpr Range kNotNegative = Range::at_least(0.0);
+constexpr Range kPosition_m = Range::between(-10.0, 10.0);
+constexpr Range kGate = Range::between(1.0, 1000.0);
+
+Table<ProcessNoise> noise_table() {
+  using N = ProcessNoise;
+  return {{"gyro_rad_s_rtHz", &N::gyro_rad_s_rtHz, "rad/s/sqrt(Hz)", kSigma, "white noise"},
+          {"accel_m_s2_rtHz", &N::accel_m_s2_rtHz, "m/s^2/sqrt(Hz)", kSigma, "white noise"},
+          {"gyro_bias_rad_s_rts", &N::gyro_bias_rad_s_rts, "rad/s/sqrt(s)", kNotNegative,
+           "random walk"},
+          {"accel_bias_m_s2_rts", &N::accel_bias_m_s2_rts, "m/s^2/sqrt(s)", kNotNegative,
+           "random walk"},
+          {"baro_bias_m_rts", &N::baro_bias_m_rts, "m/sqrt(s)", kNotNegative, "random walk"},
+          {"wind_m_s_rts", &N::wind_m_s_rts, "m/s/sqrt(s)", kNotNegative, "random walk"}};
 }
 
-void sigma(const Section& in, std::string_view key, double& value) {
-  value = in.number(key, Range::positive(), value);
-}
-
-void not_negative(const Section& in, std::string_view key, double& value) {
-  value = in.number(key, Range::at_least(0.0), value);
-}
-
-void degrees(const Section& in, std::string_view key, Range allowed, double& value_rad) {
-  value_rad = in.number(key, allowed, value_rad / kRadPerDeg) * kRadPerDeg;
-}
-
-void read_noise(const Section& in, ProcessNoise& noise) {
-  sigma(in, "gyro_rad_s_rtHz", noise.gyro_rad_s_rtHz);
-  sigma(in, "accel_m_s2_rtHz", noise.accel_m_s2_rtHz);
-  not_negative(in, "gyro_bias_rad_s_rts", noise.gyro_bias_rad_s_rts);
-  not_negative(in, "accel_bias_m_s2_rts", noise.accel_bias_m_s2_rts);
-  not_negative(in, "baro_bias_m_rts", noise.baro_bias_m_rts);
-  not_negative(in, "wind_m_s_rts", noise.wind_m_s_rts);
-}
-
-void read_sigmas(const Section& in, EstimatorConfig& c) {
-  sigma(in, "gnss_horizontal_m", c.gnss_horizontal_sigma_m);
-  sigma(in, "gnss_altitude_m", c.gnss_altitude_sigma_m);
-  sigma(in, "gnss_velocity_m_s", c.gnss_velocity_sigma_m_s);
-  sigma(in, "baro_m", c.baro_sigma_m);
-  sigma(in, "mag_T", c.mag_sigma_T);
-  degrees(in, "heading_deg", Range::between(0.0, 90.0), c.heading_sigma_rad);
-  sigma(in, "range_m", c.range_sigma_m);
-  sigma(in, "pitot_Pa", c.pitot_sigma_Pa);
-  sigma(in, "sideslip_m_s", c.sideslip_sigma_m_s);
-  sigma(in, "rest_m_s", c.rest_sigma_m_s);
+Table<EstimatorConfig> sigma_table() {
+  using E = EstimatorConfig;
+  return {
+      {"gnss_horizontal_m", &E::gnss_horizontal_sigma_m, "m", kSigma, "position"},
+      {"gnss_altitude_m", &E::gnss_altitude_sigma_m, "m", kSigma, "altitude"},
+      {"gnss_velocity_m_s", &E::gnss_velocity_sigma_m_s, "m/s", kSigma, "velocity"},
+      {"baro_m", &E::baro_sigma_m, "m", kSigma, "barometric altitude"},
+      {"mag_T", &E::mag_sigma_T, "T", kSigma, "each axis of the magnetometer"},
+      {"heading_deg", &E::heading_sigma_rad, kDeg, Range::between(0.0, 90.0),
+       "besides mag_T: declination, iron of the vehicle"},
+      {"range_m", &E::range_sigma_m, "m", kSigma, "range sensor"},
+      {"pitot_Pa", &E::pitot_sigma_Pa, "Pa", kSigma, "differential pressure"},
+      {"sideslip_m_s", &E::sideslip_sigma_m_s, "m/s", kSigma, "lateral airspeed of a fixed wing"},
+      {"rest_m_s", &E::rest_sigma_m_s, "m/s", kSigma, "velocity while at rest"}};
 }
 
 }  // namespace
 
-EstimatorConfig read_estimator(const Section& in, const EstimatorConfig& defaults) {
-  EstimatorConfig c = defaults;
-  c.lag_s = in.number("lag_s", Range::between(0.0, 0.5), c.lag_s);
-  c.increment_s = in.number("increment_s", Range::between(0.005, 0.05), c.increment_s);
-  position(in, "imu_position_m", c.imu_position_B);
-  position(in, "gnss_position_m", c.gnss_position_B);
-  position(in, "range_position_m", c.range_position_B);
-  if (const auto noise = in.optional_section("process_noise")) read_noise(*noise, c.noise);
-  if (const auto sigmas = in.optional_section("sigma")) read_sigmas(*sigmas, c);
-  not_negative(in, "mag_interval_s", c.mag_interval_s);
-  not_negative(in, "baro_interval_s", c.baro_interval_s);
-  not_negative(in, "pitot_interval_s", c.pitot_interval_s);
-  not_negative(in, "range_delay_s", c.range_delay_s);
-  c.gate_sigma = in.number("gate_sigma", Range::between(1.0, 1000.0), c.gate_sigma);
-  c.heading_gate_sigma =
-      in.number("heading_gate_sigma", Range::between(1.0, 1000.0), c.heading_gate_sigma);
-  c.use_range = in.boolean("use_range", c.use_range);
-  degrees(in, "range_max_tilt_deg", Range::between(0.0, 80.0), c.range_max_tilt_rad);
-  c.min_airspeed_m_s = in.number("min_airspeed_m_s", Range::positive(), c.min_airspeed_m_s);
-  c.share_attitude = in.boolean("share_attitude", c.share_attitude);
-  c.use_sideslip = in.boolean("use_sideslip", c.use_sideslip);
-  sigma(in, "initial_gyro_bias_rad_s", c.initial_gyro_bias_rad_s);
-  sigma(in, "initial_accel_bias_m_s2", c.initial_accel_bias_m_s2);
-  sigma(in, "initial_wind_m_s", c.initial_wind_m_s);
-  c.initial_window_s = in.number("initial_window_s", Range::between(0.1, 60.0), c.initial_window_s);
-  if (in.has("declination_deg")) {
-    c.declination_rad = in.number("declination_deg", Range::between(-180.0, 180.0)) * kRadPerDeg;
-  }
-  sigma(in, "gnss_doubt_s", c.gnss_doubt_s);
-  sigma(in, "gnss_reset_s", c.gnss_reset_s);
-  sigma(in, "baro_relearn_s", c.baro_relearn_s);
-  sigma(in, "range_relearn_s", c.range_relearn_s);
-  sigma(in, "jump_speed_m_s", c.jump_speed_m_s);
-  sigma(in, "dead_reckoning_s", c.dead_reckoning_s);
+Table<EstimatorConfig> parameters() {
+  using E = EstimatorConfig;
+  return {
+      {"lag_s", &E::lag_s, "s", Range::between(0.0, 0.5),
+       "how late a sample may be and still be fused at its own time"},
+      {"increment_s", &E::increment_s, "s", Range::between(0.005, 0.05),
+       "IMU samples are summed over this"},
+      {"imu_position_m", &E::imu_position_B, "m", kPosition_m,
+       "from the body's origin: front, right, down"},
+      {"gnss_position_m", &E::gnss_position_B, "m", kPosition_m,
+       "from the body's origin: front, right, down"},
+      {"range_position_m", &E::range_position_B, "m", kPosition_m,
+       "from the body's origin: front, right, down"},
+      {"process_noise", &E::noise, noise_table(), "of the model"},
+      {"sigma", [](E& e) -> E& { return e; }, sigma_table(), "standard deviation of one sample"},
+      {"mag_interval_s", &E::mag_interval_s, "s", kNotNegative,
+       "samples sooner than this after the last are left out"},
+      {"baro_interval_s", &E::baro_interval_s, "s", kNotNegative,
+       "samples sooner than this after the last are left out"},
+      {"pitot_interval_s", &E::pitot_interval_s, "s", kNotNegative,
+       "samples sooner than this after the last are left out"},
+      {"range_delay_s", &E::range_delay_s, "s", kNotNegative,
+       "subtracted from the stamp of an echo"},
+      {"gate_sigma", &E::gate_sigma, "sigma", kGate,
+       "innovation gate: outside, a sample is rejected"},
+      {"heading_gate_sigma", &E::heading_gate_sigma, "sigma", kGate,
+       "innovation gate of the heading"},
+      {"use_range", &E::use_range, "use the range sensor, over level ground"},
+      {"range_max_tilt_deg", &E::range_max_tilt_rad, kDeg, Range::between(0.0, 80.0),
+       "with more tilt the range sensor is not used"},
+      {"min_airspeed_m_s", &E::min_airspeed_m_s, "m/s", Range::positive(),
+       "below this, differential pressure and sideslip are not used"},
+      {"share_attitude", &E::share_attitude,
+       "the attitude goes to the flight controller's estimator"},
+      {"use_sideslip", &E::use_sideslip, "fixed wing: assume no sideslip"},
+      {"initial_gyro_bias_rad_s", &E::initial_gyro_bias_rad_s, "rad/s", kSigma,
+       "standard deviation at the start"},
+      {"initial_accel_bias_m_s2", &E::initial_accel_bias_m_s2, "m/s^2", kSigma,
+       "standard deviation at the start"},
+      {"initial_wind_m_s", &E::initial_wind_m_s, "m/s", kSigma, "standard deviation at the start"},
+      {"initial_window_s", &E::initial_window_s, "s", Range::between(0.1, 60.0),
+       "averaged before the start"},
+      Row<E>{"declination_deg", &E::declination_rad, kDeg, Range::between(-180.0, 180.0),
+             "east, instead of the magnetic model"}
+          .if_absent("WMM2025"),
+      {"gnss_doubt_s", &E::gnss_doubt_s, "s", kSigma,
+       "velocity rejected for this long: the IMU may have changed"},
+      {"gnss_reset_s", &E::gnss_reset_s, "s", kSigma,
+       "GNSS rejected for this long: the estimate is reset to GNSS"},
+      {"baro_relearn_s", &E::baro_relearn_s, "s", kSigma,
+       "barometer rejected for this long: its bias is estimated again"},
+      {"range_relearn_s", &E::range_relearn_s, "s", kSigma,
+       "range rejected for this long: the ground has another altitude"},
+      {"jump_speed_m_s", &E::jump_speed_m_s, "m/s", kSigma,
+       "at which a reset of the position is shown when GNSS returns"},
+      {"dead_reckoning_s", &E::dead_reckoning_s, "s", kSigma,
+       "without GNSS for this long the position is not valid"}};
+}
+
+EstimatorConfig read_estimator(const config::Section& in, const EstimatorConfig& defaults) {
+  EstimatorConfig config = defaults;
+  parameters().read(in, config);
   in.finish();
-  return c;
+  return config;
 }
 
 }  // namespace rosflight::autonomy::estimation

@@ -10,15 +10,15 @@
 namespace rosflight::autonomy::fixedwing {
 namespace {
 
-constexpr double kLongestStep_s = 0.2;
+constexpr double kMaxStep_s = 0.2;
 constexpr double kAirspeedRateTau_s = 0.5;
 constexpr double kSteepestBank_rad = 60.0 * kRadPerDeg;
-constexpr double kLowestGain = 0.4;
-constexpr double kHighestGain = 2.5;
+constexpr double kMinGain = 0.4;
+constexpr double kMaxGain = 2.5;
 constexpr double kStallAngle_rad = 14.0 * kRadPerDeg;
 
 bool finite(const StateEstimate& s) {
-  return std::isfinite(s.p_N.sum() + s.v_N.sum() + s.q_NB.coeffs().sum() + s.w_B.sum() +
+  return std::isfinite(s.p_W.sum() + s.v_W.sum() + s.q_WB.coeffs().sum() + s.w_B.sum() +
                        s.airspeed_m_s + s.course_rad + s.a_B.sum());
 }
 
@@ -105,15 +105,15 @@ double Controller::bank(const Input& in, const Motion& m, const ControllerComman
   return roll_c_rad_;
 }
 
-void Controller::lengthwise(const Input& in, const Motion& m, const ControllerCommand& command) {
+void Controller::longitudinal(const Input& in, const Motion& m, const ControllerCommand& command) {
   const Direct& direct = in.direct;
   const double v = m.airspeed_m_s;
-  const double climb_m_s = -in.state.v_N.z();
+  const double climb_m_s = -in.state.v_W.z();
   const double guard = config_.speed_guard_rad_s_m * (v - config_.min_airspeed_m_s);
   out_.speed_guard = m.airspeed_known && guard < 0.0;
   LongitudinalLaw::Input law;
   law.dt_s = in.dt_s;
-  law.height_m = -in.state.p_N.z();
+  law.height_m = -in.state.p_W.z();
   law.climb_m_s = climb_m_s;
   law.airspeed_m_s = v;
   law.airspeed_rate_m_s2 = airspeed_rate_m_s2_;
@@ -191,7 +191,7 @@ void Controller::surfaces(const Input& in, const Motion& m) {
   yaw_rate_rad_s_ = w.z();
   out.rudder = whole(-m.gain * config_.yaw_damper_s * washout_);
   if (in.direct.ground_course_rad) {
-    const Quaternion& q = in.state.q_NB;
+    const Quaternion& q = in.state.q_WB;
     const double heading = std::atan2(2.0 * (q.x() * q.y() + q.w() * q.z()),
                                       1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z()));
     out.rudder =
@@ -202,7 +202,7 @@ void Controller::surfaces(const Input& in, const Motion& m) {
 
 const Controller::Output& Controller::step(const Input& in) {
   if (!(in.dt_s > 0.0) || !finite(in.state)) return out_;
-  const double dt_s = std::min(in.dt_s, kLongestStep_s);
+  const double dt_s = std::min(in.dt_s, kMaxStep_s);
   if (in.pilot.roll_pitch) {
     course_.clear_integral();
     roll_.clear_integral();
@@ -210,21 +210,21 @@ const Controller::Output& Controller::step(const Input& in) {
   }
   if (in.pilot.throttle || in.pilot.roll_pitch) law_->reset();
   Motion m{};
-  m.attitude = RollPitch::of(in.state.q_NB);
+  m.attitude = RollPitch::of(in.state.q_WB);
   m.airspeed_known = in.state.air_valid;
   m.airspeed_m_s = m.airspeed_known ? std::max(in.state.airspeed_m_s, 0.3 * config_.cruise_m_s)
                                     : config_.cruise_m_s;
   m.gain = std::clamp(config_.cruise_m_s * config_.cruise_m_s / (m.airspeed_m_s * m.airspeed_m_s),
-                      kLowestGain, kHighestGain);
+                      kMinGain, kMaxGain);
   m.load = 1.0 / std::cos(std::clamp(m.attitude.roll_rad, -kSteepestBank_rad, kSteepestBank_rad));
-  // Along the nose and against the air: what the wings feel less gravity's share.
+  // Along the nose and against the air: the specific force less the share of gravity.
   const double rate =
       in.state.a_B.x() - config_.airframe.gravity_m_s2 * std::sin(m.attitude.pitch_rad);
   airspeed_rate_m_s2_ += (rate - airspeed_rate_m_s2_) * dt_s / (kAirspeedRateTau_s + dt_s);
 
   const bool good = in.command.valid && in.command_age_s >= 0.0 &&
                     in.command_age_s <= config_.command_timeout_s && in.command.airspeed_m_s > 0.0;
-  if (good || !had_command_) lost_height_m_ = good ? in.command.height_m : -in.state.p_N.z();
+  if (good || !had_command_) lost_height_m_ = good ? in.command.height_m : -in.state.p_W.z();
   had_command_ = true;
   ControllerCommand command = in.command;
   if (!good) {
@@ -237,7 +237,7 @@ const Controller::Output& Controller::step(const Input& in) {
   out_.airspeed_c_m_s = command.airspeed_m_s;
   const Input limited{in.state, in.command, in.command_age_s, dt_s, in.pilot, in.direct};
   out_.roll_c_rad = bank(limited, m, command, !good);
-  lengthwise(limited, m, command);
+  longitudinal(limited, m, command);
   surfaces(limited, m);
   fresh_ = false;
   return out_;

@@ -6,13 +6,14 @@
 #include "autonomy/common/pid.hpp"
 #include "autonomy/fixedwing/longitudinal.hpp"
 #include "autonomy/fixedwing/types.hpp"
+#include "base/constants.hpp"
 
 namespace rosflight::autonomy::fixedwing {
 
-/// What the controller knows of the airframe. Zero lift_slope: unknown, pitch_trim_rad holds.
+/// Airframe data of the controller. A zero lift_slope means unknown: pitch_trim_rad is used.
 struct Airframe {
   double mass_kg{4.5};
-  double gravity_m_s2{9.80665};
+  double gravity_m_s2{base::kStandardGravity_m_s2};
   double wing_area_m2{0.52};
   double density_kg_m3{1.07};
   double lift_zero{0.506};        ///< C_L at no angle of attack.
@@ -73,7 +74,7 @@ struct ControllerConfig {
 /// 2012, ch. 6: successive loop closure; (5) its washout, in Tustin's form. The square of V0/V
 /// keeps the loop gains, as surfaces work with dynamic pressure; it stays within 0.4 to 2.5.
 ///
-/// Speed guard: gamma_c <= k (V - V_min), so a wing that gets slow - motor off, climb too steep -
+/// Speed guard: gamma_c <= k (V - V_min), so a vehicle that gets slow - motor off, climb too steep -
 /// gives height for speed. Without a known airspeed V is cruise and the throttle is fed forward.
 ///
 /// Stall guard: theta_c <= asin(h_dot/V) + alpha_max cos(phi). A wing that a gust has stalled
@@ -120,13 +121,16 @@ class Controller {
   };
 
   Controller() : Controller(ControllerConfig{}) {}
+  /// With the longitudinal law that the configuration names.
   explicit Controller(const ControllerConfig& config);
   /// With a law of one's own.
   Controller(const ControllerConfig& config, std::unique_ptr<LongitudinalLaw> law);
 
+  /// Surfaces and throttle for one period dt_s. Cannot fail; see the class for invalid input.
   const Output& step(const Input& in);
+  /// Clears integrals, filters and the last output, for a new flight.
   void reset();
-  /// Gains change; the longitudinal law is made anew, its integrals forgotten, if its own have
+  /// Gains change; the longitudinal law is made again, its integrals forgotten, if its own have
   /// changed.
   void configure(const ControllerConfig& config);
   const ControllerConfig& config() const { return config_; }
@@ -134,7 +138,7 @@ class Controller {
  private:
   struct Motion;
   double bank(const Input& in, const Motion& m, const ControllerCommand& command, bool lost);
-  void lengthwise(const Input& in, const Motion& m, const ControllerCommand& command);
+  void longitudinal(const Input& in, const Motion& m, const ControllerCommand& command);
   void surfaces(const Input& in, const Motion& m);
   double angle_of_attack(double airspeed_m_s, double roll_rad) const;
 

@@ -4,7 +4,7 @@
 
 namespace rosflight::autonomy::fixedwing {
 
-/// Everything there is to say about one step.
+/// Output of one step.
 struct FlightOutput : GuidanceOutput {
   FirmwareCommand command{};  ///< Mode pass-through: u0 throttle, u3 roll, u4 pitch, u5 yaw.
   bool tracking{};            ///< On a path of the mission, and we hold all axes.
@@ -19,15 +19,15 @@ FirmwareCommand command_of(const Surfaces& s);
 ///
 ///     guidance (phases, path manager) -> path follower -> controller -> firmware command
 ///
-/// A landing without a course goes along the take-off, or against it if the wind asks for that.
+/// A landing without a course goes along the take-off, or against it if that is down the wind.
 ///
 /// step() is called at any rate, 50 Hz and up; the control period is the difference of the times
 /// given. It allocates where a path begins.
 ///
 /// The flight starts when the vehicle is armed and no axis is the pilot's, in the direction it
 /// points, and happens once. What stops it, and how:
-/// - state not finite or without attitude: the last command for kStateGrace_s, then all entries are
-///   given up, which hands the vehicle to the pilot;
+/// - state not finite or without attitude: the last command for kStateGrace_s, then all channels
+///   are ignored, which hands the vehicle to the pilot;
 /// - position without aiding longer than dead_reckoning_s: circles at a fixed bank, height and
 ///   airspeed held, until the position is back;
 /// - airspeed unknown: throttle by feed-forward, height by pitch;
@@ -39,7 +39,7 @@ class FlightManager {
   static constexpr double kStateGrace_s = Guidance::kStateGrace_s;
 
   struct Input {
-    double t_s{};
+    double t_s{};  ///< Must grow.
     const StateEstimate& state;
     Status status{};
     std::optional<double> range_m;  ///< Along the body's z axis, from the centre of mass.
@@ -48,12 +48,14 @@ class FlightManager {
   /// Throws std::invalid_argument for a mission without waypoints.
   FlightManager(const FlightConfig& config, const Mission& mission);
 
-  /// t_s must grow; a step at a time not after the last repeats the last output without events.
+  /// A step at a time not after the last repeats the last output without events.
   const FlightOutput& step(const Input& in);
 
+  /// Lands after the present step; set_mission() cancels it.
   void request_land() { guidance_.request_land(); }
+  /// Returns to the position of the start and circles there; set_mission() cancels it.
   void request_return() { guidance_.request_return(); }
-  /// Another mission, also in flight.
+  /// Another mission, also in flight. May allocate.
   void set_mission(const Mission& mission);
   /// Gains change in flight.
   void configure(const ControllerConfig& controller, const FollowerConfig& follower);

@@ -33,11 +33,16 @@ struct LandingConfig {
 /// head wind of the estimate.
 struct LandingPath {
   double flare_height_m{};
-  double flare_way_m{};
+  double flare_distance_m{};
   /// Beginning of the level part (kDubins), of the glide path and its end on the ground (kLine).
   std::array<Waypoint, 3> waypoints{};
 
-  static LandingPath plan(const LandingConfig& config, const Vector3& aim_N, double course_rad,
+  /// Path and flare for a landing on aim_W, the position of the standing vehicle [m].
+  /// @param course_rad     of the landing, over ground.
+  /// @param cruise_m_s     airspeed up to the level part.
+  /// @param head_wind_m_s  along the course, negative with a tail wind; the ground speed of (1) is
+  ///                       never taken below 0.3 of the airspeed.
+  static LandingPath plan(const LandingConfig& config, const Vector3& aim_W, double course_rad,
                           double cruise_m_s, double head_wind_m_s);
 };
 

@@ -7,10 +7,10 @@
 namespace rosflight::autonomy::fixedwing {
 namespace {
 
-constexpr double kSlowest_m_s = 1.0;
+constexpr double kMin_m_s = 1.0;
 
 double climb_angle(double climb_m_s, double airspeed_m_s) {
-  return std::asin(std::clamp(climb_m_s / std::max(airspeed_m_s, kSlowest_m_s), -0.9, 0.9));
+  return std::asin(std::clamp(climb_m_s / std::max(airspeed_m_s, kMin_m_s), -0.9, 0.9));
 }
 
 /// A loop around zero on top of a feed-forward, in the limits of the sum.
@@ -55,7 +55,7 @@ TotalEnergy::TotalEnergy(const TotalEnergyConfig& config)
 LongitudinalLaw::Output TotalEnergy::step(const Input& in) {
   const double g = config_.gravity_m_s2;
   const double v = in.airspeed_m_s;
-  const double v_c = std::max(in.airspeed_c_m_s, kSlowest_m_s);
+  const double v_c = std::max(in.airspeed_c_m_s, kMin_m_s);
   const double reference = 0.5 * v_c * v_c;
   const double potential = g * std::clamp(in.height_c_m - in.height_m, -config_.max_height_error_m,
                                           config_.max_height_error_m);

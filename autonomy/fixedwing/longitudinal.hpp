@@ -4,6 +4,7 @@
 
 #include "autonomy/common/pid.hpp"
 #include "autonomy/fixedwing/types.hpp"
+#include "base/constants.hpp"
 
 namespace rosflight::autonomy::fixedwing {
 
@@ -37,8 +38,9 @@ class LongitudinalLaw {
   LongitudinalLaw& operator=(const LongitudinalLaw&) = delete;
   virtual ~LongitudinalLaw() = default;
 
+  /// Climb angle and throttle within the limits of the input. Called once a period.
   virtual Output step(const Input& in) = 0;
-  /// Integrals forgotten.
+  /// Clears integrals, for a new flight.
   virtual void reset() = 0;
 };
 
@@ -59,6 +61,7 @@ struct SuccessiveLoopConfig {
 /// throttle), with the ramp of the reference fed forward. Integrals stop at the limits (Pid).
 class SuccessiveLoops final : public LongitudinalLaw {
  public:
+  /// Height error -> climb angle [rad], airspeed error -> throttle [0..1].
   explicit SuccessiveLoops(const SuccessiveLoopConfig& config);
   Output step(const Input& in) override;
   void reset() override;
@@ -73,7 +76,7 @@ struct TotalEnergyConfig {
   PidGains energy{2.5, 0.7, 1.0};    ///< Relative energy error -> throttle.
   PidGains balance{0.9, 0.07, 0.5};  ///< Relative energy difference -> rad.
   double max_height_error_m{12.0};
-  double gravity_m_s2{9.80665};
+  double gravity_m_s2{base::kStandardGravity_m_s2};
 
   bool operator==(const TotalEnergyConfig&) const = default;
 };
@@ -91,6 +94,7 @@ struct TotalEnergyConfig {
 /// 1 m/s.
 class TotalEnergy final : public LongitudinalLaw {
  public:
+  /// gravity_m_s2 > 0.
   explicit TotalEnergy(const TotalEnergyConfig& config);
   Output step(const Input& in) override;
   void reset() override;

@@ -11,7 +11,7 @@ using config::number_text;
 using config::Range;
 using config::Section;
 
-constexpr double kLargestRadius_m = 2000.0;
+constexpr double kMaxRadius_m = 2000.0;
 
 const Section::Choices<Passing> kPassings{
     {"line", Passing::kLine}, {"fillet", Passing::kFillet}, {"dubins", Passing::kDubins}};
@@ -45,7 +45,7 @@ Waypoint waypoint_of(const Section& wp, Passing usual, const MissionLimits& limi
                      const std::optional<Geodetic>& origin) {
   Waypoint out;
   const WaypointType type = wp.has("type") ? waypoint_type(wp) : WaypointType::kGoto;
-  out.p_N = waypoint_position(wp, limits.area, origin);
+  out.p_W = waypoint_position(wp, limits.area, origin);
   const std::string_view radians = spelling(wp, "psi", "chi_d");
   const auto heading_rad = waypoint_heading_rad(wp, radians);
   out.passing = passing_of(wp, usual);
@@ -67,10 +67,10 @@ Waypoint waypoint_of(const Section& wp, Passing usual, const MissionLimits& limi
   return out;
 }
 
-LandingPlace landing_of(const Section& in, const MissionLimits& limits) {
-  LandingPlace out;
+LandingSite landing_of(const Section& in, const MissionLimits& limits) {
+  LandingSite out;
   const std::vector<double> aim = in.numbers("aim", 2, Range::any(), {0.0, 0.0});
-  out.aim_N = {aim[0], aim[1], -in.number("height_m", Range::between(-200.0, 200.0), 0.0)};
+  out.aim_W = {aim[0], aim[1], -in.number("height_m", Range::between(-200.0, 200.0), 0.0)};
   if (std::hypot(aim[0], aim[1]) > limits.area.max_distance_m) {
     throw in.error("aim", metres(std::hypot(aim[0], aim[1])) + " from the start",
                    "at most " + metres(limits.area.max_distance_m));
@@ -130,7 +130,7 @@ Mission read(const MissionFile& file, const MissionLimits& limits,
     usual = file.root->choice<Passing>("path", kPassings, usual);
     if (file.root->has("radius_m")) {
       mission.radius_m =
-          file.root->number("radius_m", Range::between(limits.plan.radius_m, kLargestRadius_m));
+          file.root->number("radius_m", Range::between(limits.plan.radius_m, kMaxRadius_m));
     }
     if (const auto landing = file.root->optional_section("landing")) {
       mission.landing = landing_of(*landing, limits);

@@ -9,12 +9,13 @@
 #include "autonomy/common/mission_file.hpp"
 #include "autonomy/fixedwing/planner.hpp"
 #include "autonomy/fixedwing/types.hpp"
+#include "base/constants.hpp"
 
 namespace rosflight::autonomy::fixedwing {
 
-/// Where and how to come down.
-struct LandingPlace {
-  Vector3 aim_N{Vector3::Zero()};    ///< Point of the ground; z against that of the start.
+/// Where a landing touches down, and its course.
+struct LandingSite {
+  Vector3 aim_W{Vector3::Zero()};    ///< Point of the ground; z against that of the start.
   std::optional<double> course_rad;  ///< Absent: that of the take-off, or against it, by the wind.
 };
 
@@ -23,7 +24,7 @@ struct Mission {
   AtEnd at_end{AtEnd::kLand};
   std::optional<double> takeoff_height_m;  ///< Else the vehicle's.
   std::optional<double> radius_m;          ///< Of its turns; else the vehicle's.
-  LandingPlace landing{};                  ///< Absent: the place of the start.
+  LandingSite landing{};                   ///< Absent: the position of the start.
 };
 
 /// What a mission may ask of a vehicle.
@@ -33,7 +34,7 @@ struct MissionLimits {
   double min_airspeed_m_s{13.0};
   double max_airspeed_m_s{22.0};
   double max_bank_rad{40.0 * kRadPerDeg};  ///< In still air, of any turn.
-  double gravity_m_s2{9.80665};
+  double gravity_m_s2{base::kStandardGravity_m_s2};
 
   /// The plan's configuration for this mission.
   PlannerConfig plan_for(const Mission& mission) const;

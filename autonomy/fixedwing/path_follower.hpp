@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include "autonomy/fixedwing/types.hpp"
+#include "base/constants.hpp"
 
 namespace rosflight::autonomy::fixedwing {
 
@@ -8,16 +9,16 @@ struct FollowerConfig {
   double approach_rad{1.2};    ///< chi_inf: course towards a line from far away; < pi/2.
   double line_gain_1_m{0.03};  ///< k_path.
   double circle_gain{2.0};     ///< k_orbit.
-  double gravity_m_s2{9.80665};
+  double gravity_m_s2{base::kStandardGravity_m_s2};
   double max_roll_ff_rad{45.0 * kRadPerDeg};
   double max_wind_angle_rad{70.0 * kRadPerDeg};  ///< Between course and heading, see (4).
   double timeout_s{1.0};                         ///< An older path is not followed.
 };
 
-/// Vector fields: a course for every place, that leads to the path and along it.
+/// Vector fields: a course for every position, which leads to the path and along it.
 ///
 ///     line:    chi_c = chi_q - chi_inf 2/pi atan(k e),   e right of the line               (1)
-///     circle:  chi_c = phi + turn (pi/2 + atan(k (d - R)/R)),  phi, d polar from the centre (2)
+///     circle:  chi_c = phi + turn (pi/2 + atan(k (d - R)/R)),  (phi, d) polar from c  (2)
 ///     h_c = -r_d + slope ((p - r) . q_h)  on a line;  -c_d on a circle                      (3)
 ///     roll_ff = atan( Vg chi_c_dot / (g cos(chi - psi)) )                                   (4)
 ///
@@ -39,8 +40,12 @@ struct FollowerConfig {
 class PathFollower {
  public:
   PathFollower() = default;
+  /// Takes a copy of the gains of (1) to (4).
   explicit PathFollower(const FollowerConfig& config) : config_(config) {}
 
+  /// Course, height, airspeed and feed-forward that lead onto the path, by (1) to (4).
+  /// @param path_age_s  time since the path was received [s].
+  /// @return not valid in the cases that the class names.
   ControllerCommand step(const StateEstimate& state, const CurrentPath& path,
                          double path_age_s) const;
   const FollowerConfig& config() const { return config_; }

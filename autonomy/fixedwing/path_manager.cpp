@@ -6,7 +6,7 @@
 namespace rosflight::autonomy::fixedwing {
 namespace {
 
-constexpr int kMostPerStep = 4;
+constexpr int kMaxPerStep = 4;
 
 }  // namespace
 
@@ -39,19 +39,19 @@ std::size_t PathManager::next() const {
   return plan_.loop_to == Plan::kNoLoop ? index_ : plan_.loop_to;
 }
 
-const PathManager::Output& PathManager::step(const Vector3& p_N, double lead_m) {
+const PathManager::Output& PathManager::step(const Vector3& p_W, double lead_m) {
   out_.path.valid = false;
   out_.passed.reset();
   out_.done = done_;
   if (!started_) return out_;
-  const Vector2 p_m = p_N.head<2>();
-  for (int k = 0; k < kMostPerStep; ++k) {
+  const Vector2 p_m = p_W.head<2>();
+  for (int k = 0; k < kMaxPerStep; ++k) {
     const Segment& segment = plan_.segments[index_];
     progress_m_ = segment.progress(p_m, progress_m_);
     if (!over(segment, p_m) || done_) break;
     if (segment.passes_waypoint) {
       out_.passed = segment.waypoint;
-      out_.passed_at_m = (waypoints_[segment.waypoint].p_N.head<2>() - p_m).norm();
+      out_.passed_at_m = (waypoints_[segment.waypoint].p_W.head<2>() - p_m).norm();
     }
     if (next() == index_) {
       out_.done = done_ = true;

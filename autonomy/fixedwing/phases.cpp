@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "autonomy/fixedwing/phases.hpp"
 
-#include <array>
-
 namespace rosflight::autonomy::fixedwing {
 namespace {
 
-using P = Phases;
-using T = Phases::Transition;
+using P = Conditions;
+using T = PhaseTransition<Phase>;
 
 constexpr std::array kTransitions = {
     T{Phase::kDisarmed, P::kReady, P::kPilot, Phase::kTakeoff},
@@ -19,32 +17,32 @@ constexpr std::array kTransitions = {
 
     T{Phase::kClimb, P::kPilot, 0, Phase::kLoiter},
     T{Phase::kClimb, P::kMotorOut, 0, Phase::kGlide},
-    T{Phase::kClimb, P::kHighEnough | P::kPlaceKnown, 0, Phase::kMission},
+    T{Phase::kClimb, P::kHighEnough | P::kPositionKnown, 0, Phase::kMission},
     T{Phase::kClimb, P::kHighEnough, 0, Phase::kLoiter},
 
     T{Phase::kMission, P::kPilot, 0, Phase::kLoiter},
     T{Phase::kMission, P::kMotorOut, 0, Phase::kGlide},
-    T{Phase::kMission, 0, P::kPlaceKnown, Phase::kLoiter},
+    T{Phase::kMission, 0, P::kPositionKnown, Phase::kLoiter},
     T{Phase::kMission, P::kLandNext, 0, Phase::kApproach},
     T{Phase::kMission, P::kReturnNext, 0, Phase::kReturn},
     T{Phase::kMission, P::kPathDone, 0, Phase::kLoiter},
 
     T{Phase::kLoiter, P::kPilot, 0, Phase::kLoiter},
     T{Phase::kLoiter, P::kMotorOut, 0, Phase::kGlide},
-    T{Phase::kLoiter, P::kPlaceKnown | P::kLandNext, 0, Phase::kApproach},
-    T{Phase::kLoiter, P::kPlaceKnown | P::kReturnNext, 0, Phase::kReturn},
-    T{Phase::kLoiter, P::kPlaceKnown, P::kPathDone, Phase::kMission},
+    T{Phase::kLoiter, P::kPositionKnown | P::kLandNext, 0, Phase::kApproach},
+    T{Phase::kLoiter, P::kPositionKnown | P::kReturnNext, 0, Phase::kReturn},
+    T{Phase::kLoiter, P::kPositionKnown, P::kPathDone, Phase::kMission},
 
     T{Phase::kReturn, P::kPilot, 0, Phase::kLoiter},
     T{Phase::kReturn, P::kMotorOut, 0, Phase::kGlide},
-    T{Phase::kReturn, 0, P::kPlaceKnown, Phase::kLoiter},
+    T{Phase::kReturn, 0, P::kPositionKnown, Phase::kLoiter},
     T{Phase::kReturn, P::kLandNext, 0, Phase::kApproach},
 
     T{Phase::kApproach, P::kPilot, 0, Phase::kLoiter},
     T{Phase::kApproach, P::kLow, 0, Phase::kFlare},
     T{Phase::kApproach, P::kOnGround, 0, Phase::kRollout},
     T{Phase::kApproach, P::kMotorOut, 0, Phase::kGlide},
-    T{Phase::kApproach, 0, P::kPlaceKnown, Phase::kLoiter},
+    T{Phase::kApproach, 0, P::kPositionKnown, Phase::kLoiter},
 
     T{Phase::kGlide, P::kPilot, 0, Phase::kLoiter},
     T{Phase::kGlide, P::kLow, 0, Phase::kFlare},
@@ -56,48 +54,11 @@ constexpr std::array kTransitions = {
     T{Phase::kRollout, P::kStands, 0, Phase::kLanded},
 };
 
+constexpr std::array kNames{"disarmed", "takeoff", "climb", "mission", "loiter", "return",
+                            "approach", "glide",   "flare", "rollout", "landed"};
+
 }  // namespace
 
-const char* name(Phase phase) {
-  switch (phase) {
-    case Phase::kDisarmed:
-      return "disarmed";
-    case Phase::kTakeoff:
-      return "takeoff";
-    case Phase::kClimb:
-      return "climb";
-    case Phase::kMission:
-      return "mission";
-    case Phase::kLoiter:
-      return "loiter";
-    case Phase::kReturn:
-      return "return";
-    case Phase::kApproach:
-      return "approach";
-    case Phase::kGlide:
-      return "glide";
-    case Phase::kFlare:
-      return "flare";
-    case Phase::kRollout:
-      return "rollout";
-    case Phase::kLanded:
-      return "landed";
-  }
-  return "unknown";
-}
-
-std::span<const Phases::Transition> Phases::transitions() {
-  return kTransitions;
-}
-
-Phase Phases::next(Phase from, std::uint16_t conditions) {
-  if ((conditions & kArmed) == 0) return Phase::kDisarmed;
-  for (const Transition& row : kTransitions) {
-    if (row.from == from && (conditions & row.all) == row.all && (conditions & row.none) == 0) {
-      return row.to;
-    }
-  }
-  return from;
-}
+constinit const PhaseTable<Phase> kPhaseTable{kNames, kTransitions};
 
 }  // namespace rosflight::autonomy::fixedwing

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNothing_m = 1e-6;
 constexpr double kNoTurn_rad = 1e-9;
-constexpr double kLargestFillet_rad = 175.0 * kRadPerDeg;
+constexpr double kMaxFillet_rad = 175.0 * kRadPerDeg;
 
 /// What lies at the end of a leg: a waypoint, or the start.
 struct Node {
@@ -116,23 +116,23 @@ class Row {
 
   /// From here back to the last mark the height changes evenly to height_m.
   std::optional<PlanFault> mark(double height_m, const Node& target, const PlannerConfig& config) {
-    double way_m = way();
+    double path_m = path_length();
     if (marked_) {
       const double rise_m = height_m - height_m_;
       const double allowed = rise_m > 0.0 ? config.climb_slope : config.descent_slope;
       const double needed_m = std::abs(rise_m) / allowed;
-      if (needed_m > way_m + kNothing_m && wind_up(needed_m - way_m, config.radius_m)) {
-        way_m = way();
+      if (needed_m > path_m + kNothing_m && wind_up(needed_m - path_m, config.radius_m)) {
+        path_m = path_length();
       }
-      if (needed_m > way_m + kNothing_m) {
+      if (needed_m > path_m + kNothing_m) {
         return PlanFault{rise_m > 0.0 ? PlanFaultKind::kTooSteep : PlanFaultKind::kTooSteepDown,
-                         target.waypoint, std::abs(rise_m) / std::max(way_m, kNothing_m), allowed};
+                         target.waypoint, std::abs(rise_m) / std::max(path_m, kNothing_m), allowed};
       }
       double height = height_m_;
       for (std::size_t k = from_; k < plan_.segments.size(); ++k) {
         Segment& s = plan_.segments[k];
         s.height0_m = height;
-        if (way_m > 0.0) height += rise_m * s.length_m / way_m;
+        if (path_m > 0.0) height += rise_m * s.length_m / path_m;
         s.height1_m = height;
       }
       if (from_ < plan_.segments.size()) plan_.segments.back().height1_m = height_m;
@@ -166,10 +166,11 @@ class Row {
  private:
   static constexpr std::size_t kNowhere = static_cast<std::size_t>(-1);
 
-  double way() const {
-    double way_m = 0.0;
-    for (std::size_t k = from_; k < plan_.segments.size(); ++k) way_m += plan_.segments[k].length_m;
-    return way_m;
+  double path_length() const {
+    double path_m = 0.0;
+    for (std::size_t k = from_; k < plan_.segments.size(); ++k)
+      path_m += plan_.segments[k].length_m;
+    return path_m;
   }
 
   bool wind_up(double missing_m, double radius_m) {
@@ -205,8 +206,8 @@ std::vector<Node> nodes_of(const std::optional<PathStart>& start,
     const Waypoint& wp = waypoints[(first + k) % n];
     Node node;
     node.passing = wp.passing;
-    node.pose = {wp.p_N.head<2>(), wp.course_rad};
-    node.height_m = -wp.p_N.z();
+    node.pose = {wp.p_W.head<2>(), wp.course_rad};
+    node.height_m = -wp.p_W.z();
     node.airspeed_m_s = wp.airspeed_m_s > 0.0 ? wp.airspeed_m_s : config.airspeed_m_s;
     node.waypoint = (first + k) % n;
     if (wp.passing == Passing::kCircle) {
@@ -240,8 +241,8 @@ bool is_point(const Node& node) {
 /// Cuts both legs for the arc between them. @return the turn, or a fault.
 std::optional<PlanFault> fit_fillet(const Node& node, Leg& before, Leg& after, double radius_m) {
   const double turn = wrap_angle(after.course_rad - before.course_rad);
-  if (std::abs(turn) > kLargestFillet_rad) {
-    return PlanFault{PlanFaultKind::kReversal, node.waypoint, std::abs(turn), kLargestFillet_rad};
+  if (std::abs(turn) > kMaxFillet_rad) {
+    return PlanFault{PlanFaultKind::kReversal, node.waypoint, std::abs(turn), kMaxFillet_rad};
   }
   const double cut_m = radius_m * std::tan(0.5 * std::abs(turn));
   before.cut_end_m = after.cut_start_m = cut_m;

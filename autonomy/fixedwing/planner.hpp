@@ -11,8 +11,8 @@ namespace rosflight::autonomy::fixedwing {
 
 struct PlannerConfig {
   double radius_m{50.0};       ///< Of every turn.
-  double climb_slope{0.15};    ///< Most height gained per way.
-  double descent_slope{0.15};  ///< Most height lost per way.
+  double climb_slope{0.15};    ///< Maximum altitude gained per distance.
+  double descent_slope{0.15};  ///< Maximum altitude lost per distance.
   double airspeed_m_s{15.0};   ///< Where a waypoint says none.
 };
 
@@ -22,7 +22,7 @@ struct PathStart {
   double height_m{};
 };
 
-/// Segments that join without a step in place, height or (but for corners) course.
+/// Segments that join without a step in position, altitude or (but for corners) course.
 struct Plan {
   static constexpr std::size_t kNoLoop = static_cast<std::size_t>(-1);
   std::vector<Segment> segments;
@@ -56,12 +56,13 @@ struct PlanFault {
 /// Unmanned Aircraft, 2012, sec. 11.1, algorithm 5; there t from the angle between the legs.)
 ///
 /// Height: exactly that of the waypoint where it is passed, which for a fillet is the middle of its
-/// arc; in between even along the way, arcs included. A Dubins leg that is too steep for its length
+/// arc; in between linear along the path, arcs included. A Dubins leg that is too steep for its length
 /// begins with as many whole turns as it needs (Owen, Beard, McLain, Implementing Dubins airplane
 /// paths on fixed-wing UAVs, 2015, "high altitude" case, with the radius kept and the slope eased).
 class Planner {
  public:
   Planner() = default;
+  /// radius_m and the slopes must be > 0.
   explicit Planner(const PlannerConfig& config) : config_(config) {}
 
   /// Path from `start` over the waypoints; without a start from the first waypoint on. With `cycle`

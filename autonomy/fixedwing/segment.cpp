@@ -46,13 +46,13 @@ CurrentPath Segment::path_at(double s_m) const {
   out.airspeed_m_s = airspeed_m_s;
   out.slope = slope();
   if (straight()) {
-    out.r_N << start.p_m, -height0_m;
-    out.q_N << along(start.course_rad), -out.slope;
-    out.q_N.normalize();
+    out.r_W << start.p_m, -height0_m;
+    out.q_W << along(start.course_rad), -out.slope;
+    out.q_W.normalize();
     return out;
   }
   out.circle = true;
-  out.c_N << circle().centre_m, -height_at(s_m);
+  out.c_W << circle().centre_m, -height_at(s_m);
   out.radius_m = std::abs(radius_m);
   out.turn = radius_m > 0.0 ? 1 : -1;
   return out;

@@ -8,7 +8,7 @@
 namespace rosflight::autonomy::fixedwing {
 
 /// One piece of a path: a straight or an arc of any number of turns, with a height that changes
-/// evenly along the way.
+/// linearly along the path.
 ///
 ///     straight:  p(s) = p0 + s along(chi0),          chi(s) = chi0
 ///     arc:       p(s) = c - R right_of(chi(s)),      chi(s) = chi0 + s/R,  c = p0 + R
@@ -28,17 +28,20 @@ struct Segment {
 
   bool straight() const { return radius_m == 0.0; }
   TurnCircle circle() const { return TurnCircle::at(start, radius_m); }
+  /// Course at distance s_m along the segment [rad]; grows past pi on an arc.
   double course_at(double s_m) const;
+  /// Horizontal position, north and east [m].
   Vector2 point_at(double s_m) const;
+  /// Height h(s), held at both ends [m].
   double height_at(double s_m) const;
   double slope() const;  ///< dh/ds
 
-  /// Way s of the point of this segment next to p; on an arc the one next to `guess_m`, so that
+  /// Distance s of the point of this segment next to p; on an arc the one next to `guess_m`, so that
   /// whole turns count. Not clipped to the segment.
   double progress(const Vector2& p_m, double guess_m) const;
-  /// Distance from the line or circle; positive to the right of the way.
+  /// Distance from the line or circle; positive to the right of the path.
   double cross_track_m(const Vector2& p_m) const;
-  /// What the follower is told at way s.
+  /// The path for the follower at distance s along the segment.
   CurrentPath path_at(double s_m) const;
 };
 

@@ -6,26 +6,28 @@
 #include "autonomy/common/state_estimate.hpp"
 #include "autonomy/common/types.hpp"
 
-/// The vocabulary of guidance and control of a fixed wing, on top of autonomy/common/types.hpp.
+/// Types of guidance and control of a fixed wing, beside autonomy/common/types.hpp.
 /// Course chi: direction of the velocity over ground, heading psi: of the nose; both from north,
-/// clockwise. Height h is up, so h = -p_N.z. A turn is +1 to the right (clockwise from above), -1
+/// clockwise. Height h is up, so h = -p_W.z. A turn is +1 to the right (clockwise from above), -1
 /// to the left.
 namespace rosflight::autonomy::fixedwing {
 
 using Vector2 = Eigen::Vector2d;  ///< North, east [m].
 
-/// Unit vector along a course, and the one to its right.
+/// Unit vector along a course.
 inline Vector2 along(double course_rad) {
   return {std::cos(course_rad), std::sin(course_rad)};
 }
+/// Unit vector to the right of a course.
 inline Vector2 right_of(double course_rad) {
   return {-std::sin(course_rad), std::cos(course_rad)};
 }
+/// Course of a direction, within +-pi; 0 for the zero vector.
 inline double course_of(const Vector2& direction) {
   return std::atan2(direction.y(), direction.x());
 }
 
-/// A place with a course.
+/// Horizontal position and course.
 struct Pose {
   Vector2 p_m{Vector2::Zero()};
   double course_rad{};
@@ -41,29 +43,30 @@ enum class Passing : std::uint8_t {
 
 /// One target, always local: geodetic input is converted when a mission is loaded.
 struct Waypoint {
-  Vector3 p_N{Vector3::Zero()};
+  Vector3 p_W{Vector3::Zero()};
   Passing passing{Passing::kFillet};
   double course_rad{};       ///< kDubins only.
   double airspeed_m_s{};     ///< On the leg to it; 0: the vehicle's cruise.
-  int turn{};                ///< kCircle only: +1, -1, or 0 for the shorter way.
-  double hold_s{};           ///< kCircle only: least time on the circle, in still air.
+  int turn{};                ///< kCircle only: +1, -1, or 0 for the shorter path.
+  double hold_s{};           ///< kCircle only: minimum time on the circle, in still air.
   bool hold_indefinitely{};  ///< kCircle only: never go on.
 };
 
-/// What the follower flies at one moment: ROSflight's CurrentPath, with the height of arcs in c.
+/// The path that the follower flies in one step: ROSflight's CurrentPath, with the altitude of arcs in
+/// c.
 struct CurrentPath {
   bool valid{};
   bool circle{};
   double airspeed_m_s{};
-  Vector3 r_N{Vector3::Zero()};   ///< Line: a point of it,
-  Vector3 q_N{Vector3::UnitX()};  ///< and its unit direction.
-  Vector3 c_N{Vector3::Zero()};   ///< Circle: centre; c_N.z is the reference here and now.
+  Vector3 r_W{Vector3::Zero()};   ///< Line: a point of it,
+  Vector3 q_W{Vector3::UnitX()};  ///< and its unit direction.
+  Vector3 c_W{Vector3::Zero()};   ///< Circle: centre; c_W.z is the reference here and now.
   double radius_m{};              ///< Circle; > 0.
   int turn{1};                    ///< Circle: +1 clockwise from above, -1 not.
-  double slope{};                 ///< Circle: height gained per way over ground.
+  double slope{};                 ///< Circle: altitude gained per horizontal distance.
 };
 
-/// What the follower asks of the controller: ROSflight's ControllerCommands.
+/// Output of the follower, input of the controller: ROSflight's ControllerCommands.
 struct ControllerCommand {
   bool valid{};
   double airspeed_m_s{};

@@ -6,15 +6,15 @@
 namespace rosflight::autonomy::fixedwing {
 
 void AltitudeZones::begin(const Input& in) {
-  const Quaternion& q = in.state.q_NB;
+  const Quaternion& q = in.state.q_WB;
   since_s_ = in.t_s;
-  start_height_m_ = -in.state.p_N.z();
+  start_height_m_ = -in.state.p_W.z();
   start_course_rad_ = std::atan2(2.0 * (q.x() * q.y() + q.w() * q.z()),
                                  1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z()));
 }
 
 std::optional<Controller::Direct> AltitudeZones::step(const Input& in, const FlightConfig& flight) {
-  const double height_m = -in.state.p_N.z();
+  const double height_m = -in.state.p_W.z();
   if (!in.armed) {
     armed_ = false;
     zone_ = AltitudeZone::kTakeOff;
@@ -33,7 +33,7 @@ std::optional<Controller::Direct> AltitudeZones::step(const Input& in, const Fli
   Controller::Direct out;
   if (zone_ == AltitudeZone::kTakeOff) {
     const double v =
-        in.state.air_valid ? in.state.airspeed_m_s : std::hypot(in.state.v_N.x(), in.state.v_N.y());
+        in.state.air_valid ? in.state.airspeed_m_s : std::hypot(in.state.v_W.x(), in.state.v_W.y());
     out = takeoff_direct(flight, v, in.t_s - since_s_, start_course_rad_);
   } else if (zone_ == AltitudeZone::kClimb) {
     out.roll_rad = 0.0;

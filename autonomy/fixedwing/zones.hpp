@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include "autonomy/fixedwing/guidance.hpp"
+#include "autonomy/fixedwing/phase_path.hpp"
 
 namespace rosflight::autonomy::fixedwing {
 
@@ -12,15 +12,15 @@ struct ZoneConfig {
   double hold_m{10.0};    ///< Below the wanted height: the climb ends.
 };
 
-/// Take-off for a controller that nobody tells what phase the flight is in: commands come from a
-/// path manager or a tuning tool that only knows course, height and airspeed.
+/// Take-off for a controller that receives no flight phase: its commands come from a path manager
+/// or a tuning tool with course, altitude and airspeed only.
 ///
 ///     kTakeOff -> kClimb    height above the start >= takeoff_m
 ///     kClimb   -> kHold     height >= wanted height - hold_m
 ///
 /// Wings level up to kHold. A take-off happens once between arming and disarming, so low flight is
 /// no take-off. Armed in the air begins in kHold. While the pilot holds an axis the take-off starts
-/// anew from where the vehicle is. After rosplane 2.0.0 of ROSflight, whose zones can go back.
+/// again from where the vehicle is. After rosplane 2.0.0 of ROSflight, whose zones can go back.
 class AltitudeZones {
  public:
   struct Input {
@@ -32,7 +32,9 @@ class AltitudeZones {
   };
 
   AltitudeZones() = default;
+  /// Altitude limits of the zones; starts disarmed.
   explicit AltitudeZones(const ZoneConfig& config) : config_(config) {}
+  /// Limits change, the zone stays.
   void configure(const ZoneConfig& config) { config_ = config; }
 
   /// Nothing while disarmed: the controller must not fly.

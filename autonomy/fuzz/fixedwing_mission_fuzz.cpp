@@ -25,8 +25,8 @@ void need(bool holds) {
 void check_waypoints(const Mission& mission, const MissionLimits& limits) {
   need(!mission.waypoints.empty() && mission.waypoints.size() <= autonomy::kMaxWaypoints);
   for (const auto& wp : mission.waypoints) {
-    need(std::hypot(wp.p_N.x(), wp.p_N.y()) <= limits.area.max_distance_m);
-    need(-wp.p_N.z() >= limits.area.min_height_m && -wp.p_N.z() <= limits.area.max_height_m);
+    need(std::hypot(wp.p_W.x(), wp.p_W.y()) <= limits.area.max_distance_m);
+    need(-wp.p_W.z() >= limits.area.min_height_m && -wp.p_W.z() <= limits.area.max_height_m);
     need(wp.airspeed_m_s == 0.0 || (wp.airspeed_m_s >= limits.min_airspeed_m_s &&
                                     wp.airspeed_m_s <= limits.max_airspeed_m_s));
     need(wp.hold_s >= 0.0 && std::isfinite(wp.hold_s) && std::isfinite(wp.course_rad));

@@ -5,7 +5,7 @@
 #include "autonomy/common/angles.hpp"
 #include "autonomy/multirotor/types.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 
 /// The attitude as the control loops need it, with one trigonometric call.
 struct AttitudeView {
@@ -14,11 +14,12 @@ struct AttitudeView {
   double cos_psi{1.0};
   double cos_tilt{1.0};  ///< Body z against the vertical: cos(roll) cos(pitch).
 
-  explicit AttitudeView(const Quaternion& q_NB) {
-    const double w = q_NB.w();
-    const double x = q_NB.x();
-    const double y = q_NB.y();
-    const double z = q_NB.z();
+  /// @param q_WB  normalised. Nose straight up or down: heading 0.
+  explicit AttitudeView(const Quaternion& q_WB) {
+    const double w = q_WB.w();
+    const double x = q_WB.x();
+    const double y = q_WB.y();
+    const double z = q_WB.z();
     const double r00 = 1.0 - 2.0 * (y * y + z * z);
     const double r10 = 2.0 * (x * y + w * z);
     cos_tilt = 1.0 - 2.0 * (x * x + y * y);
@@ -46,6 +47,7 @@ struct ThrustDirection {
   double pitch_rad{};
   double specific_force_m_s2{};
 
+  /// (1) for a force per mass in v1 [m/s^2]; level if it does not point up (f_z < 0) or is zero.
   static ThrustDirection of(double f_x, double f_y, double f_z) {
     const double length = std::sqrt(f_x * f_x + f_y * f_y + f_z * f_z);
     if (length < 1e-6 || f_z > -1e-6) return {0.0, 0.0, length};
@@ -53,4 +55,4 @@ struct ThrustDirection {
   }
 };
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

@@ -3,11 +3,11 @@
 
 #include <cmath>
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
 bool finite(const State& s) {
-  return std::isfinite(s.p_N.sum() + s.v_N.sum() + s.q_NB.coeffs().sum() + s.w_B.sum());
+  return std::isfinite(s.p_W.sum() + s.v_W.sum() + s.q_WB.coeffs().sum() + s.w_B.sum());
 }
 
 }  // namespace
@@ -74,7 +74,7 @@ CommandedFlight::Turn CommandedFlight::begin(const Input& in) {
   if (regained) out_.events.add(FlightEventType::kStateRegained);
   state_lost_ = false;
 
-  attitude_ = AttitudeView(in.state.q_NB);
+  attitude_ = AttitudeView(in.state.q_WB);
   pilot_ = PilotOverride::from_word(in.status.rc_override);
   voltage_V_ = in.status.battery_voltage_V;
   step_ = machine_.step({.t_s = in.t_s,
@@ -109,4 +109,4 @@ void CommandedFlight::finish(const State& state, const ControllerCommand& comman
   out_.thrust_N = control.thrust_N;
 }
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

@@ -1,51 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <array>
-
+#include "autonomy/common/flight_events.hpp"
 #include "autonomy/multirotor/controller.hpp"
 #include "autonomy/multirotor/state_machine.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 
-enum class FlightEventType : std::uint8_t {
-  kPhase,            ///< index: the new Phase.
-  kWaypointReached,  ///< index: the waypoint; value: distance [m].
-  kWaypointMissed,   ///< The same; it waited arrival_timeout_s for the vehicle.
-  kMissionDone,
-  kTakeoffFailed,
-  kPilotTookOver,
-  kPilotGaveBack,
-  kStateLost,  ///< The state is not finite, or missing: the vehicle is handed to the pilot.
-  kStateRegained
-};
-
-struct FlightEvent {
-  FlightEventType type{};
-  std::size_t index{};
-  double value{};
-};
-
-/// What happened in one step, in order; more than kMost are dropped.
-struct FlightEvents {
-  static constexpr std::size_t kMost = 8;
-  std::array<FlightEvent, kMost> list{};
-  std::size_t count{};
-
-  void add(FlightEventType type, std::size_t index = 0, double value = 0.0) {
-    if (count < kMost) list[count++] = {type, index, value};
-  }
-};
-
-/// A multirotor flown by the ControllerCommands of someone else, from take-off to landing:
+/// Flies a multirotor by received ControllerCommands, from take-off to landing:
 ///
 ///     received command -> [state machine] -> controller -> firmware command
 ///
-/// begin() says whose turn it is; finish() makes the command of the turn. FlightManager gives the
-/// commands of its own follower, the ROS controller those it receives.
+/// begin() selects the source of the command; finish() computes the firmware command. FlightManager
+/// passes the commands of its own follower, the ROS controller those it receives.
 ///
-/// The flight starts when the vehicle is armed, nobody holds an axis and the caller is ready. A
-/// state that is not finite: the last command is repeated for kStateGrace_s, then all entries are
-/// given up, which hands the vehicle to the pilot. It allocates nothing.
+/// The flight starts when the vehicle is armed, the pilot holds no axis and the caller is ready. A
+/// state that is not finite: the last command is repeated for kStateGrace_s, then all channels
+/// are ignored, which hands the vehicle to the pilot. It allocates nothing.
 class CommandedFlight {
  public:
   static constexpr double kStateGrace_s = 0.1;
@@ -80,11 +50,14 @@ class CommandedFlight {
   };
 
   CommandedFlight() = default;
+  /// On the ground until renew() has given the machine its settings.
   CommandedFlight(const ControllerConfig& config, const ThrustModel& thrust)
       : controller_(config, thrust) {}
 
+  /// Checks the state, steps the state machine and selects the source of the command. Once a step;
+  /// a time not after the last gives kNone.
   Turn begin(const Input& in);
-  /// @param command  the received one, for kFollow; nobody looks at it for kOwn.
+  /// @param command  the received one, for kFollow; not used for kOwn.
   void finish(const State& state, const ControllerCommand& command);
 
   /// No state will come: as one that is not finite, but at once.
@@ -96,12 +69,14 @@ class CommandedFlight {
 
   bool started() const { return started_; }
   bool on_ground() const;
+  /// As StateMachine::command_good.
   bool command_good(const ControllerCommand& command, double age_s) const {
     return machine_.command_good(command, age_s);
   }
-  /// As Controller::trim_N and Controller::enter, for whoever hands over.
-  Vector3 trim_N() const { return controller_.trim_N(); }
-  void take_over(const Vector3& trim_N) { controller_.enter(step_.command.mode, trim_N); }
+  /// As Controller::trim_W, for a follower that takes over.
+  Vector3 trim_W() const { return controller_.trim_W(); }
+  /// As Controller::enter, with the trim of a follower that hands over [m/s^2].
+  void take_over(const Vector3& trim_W) { controller_.enter(step_.command.mode, trim_W); }
   /// Gains and limits change, integrals and filters stay.
   void configure(const ControllerConfig& config, const StateMachineConfig& states) {
     controller_.configure(config, controller_.thrust_model());
@@ -132,4 +107,4 @@ class CommandedFlight {
   bool land_{false};
 };
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

@@ -3,10 +3,11 @@
 #include "autonomy/multirotor/flight_manager.hpp"
 #include "autonomy/multirotor/mission.hpp"
 #include "config/strict_yaml.hpp"
+#include "config/table_fwd.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 
-/// What other sections of the vehicle file say; given, so that no number stands in two places.
+/// Values from other sections of the vehicle file; passed in, so that no number is written twice.
 struct VehicleFacts {
   double mass_kg{};
   double gravity_m_s2{9.81};
@@ -17,7 +18,13 @@ struct VehicleFacts {
 struct AutonomyConfig {
   FlightConfig flight{};
   MissionLimits mission{};
+  double min_thrust_weights{0.2};  ///< Thrust limits in weights of the vehicle; at most 95 % of
+  double max_thrust_weights{2.0};  ///< full throttle.
+  std::optional<ThrustModel::Curve> thrust_curve;  ///< Measured, else from the rotors.
 };
+
+/// The parameters of the section `autonomy`: config/table.hpp.
+config::Table<AutonomyConfig> parameters();
 
 /// Reads the section `autonomy` of a vehicle file; docs/autonomy-keys.md lists the keys. Every key
 /// may be absent: the defaults of the structs hold, with thrust limits in weights of this vehicle.
@@ -25,4 +32,4 @@ struct AutonomyConfig {
 /// vehicle that cannot fly. Finishes the section.
 AutonomyConfig read_autonomy(const config::Section& autonomy, const VehicleFacts& vehicle);
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

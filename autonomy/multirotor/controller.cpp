@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
 constexpr unsigned bit(unsigned loop) {
@@ -78,18 +78,18 @@ unsigned Controller::loops_of(ControlMode mode) {
   return 0;
 }
 
-void Controller::enter(ControlMode mode, const Vector3& trim_N) {
+void Controller::enter(ControlMode mode, const Vector3& trim_W) {
   const unsigned fresh = loops_of(mode) & ~loops_of(mode_);
   for (unsigned loop = 0; loop < kLoops; ++loop) {
     if ((fresh & bit(loop)) == 0) continue;
     pids_[loop].reset();
     if (loop >= kVelN && loop <= kVelD)
-      pids_[loop].set_integral(trim_N[static_cast<int>(loop - kVelN)]);
+      pids_[loop].set_integral(trim_W[static_cast<int>(loop - kVelN)]);
   }
   mode_ = mode;
 }
 
-Vector3 Controller::trim_N() const {
+Vector3 Controller::trim_W() const {
   return {pids_[kVelN].integral(), pids_[kVelE].integral(), pids_[kVelD].integral()};
 }
 
@@ -120,7 +120,7 @@ double Controller::run(Loop loop, double desired, double current, double rate, c
 }
 
 Vector3 Controller::position_to_velocity(const Four& cmd, bool down_too, const Input& in) {
-  const Vector3& p = in.state.p_N;
+  const Vector3& p = in.state.p_W;
   Vector3 v{run(kPosN, cmd[0], p.x(), in), run(kPosE, cmd[1], p.y(), in), cmd[2]};
   if (down_too) v.z() = run(kPosD, cmd[2], p.z(), in);
   const double speed = std::sqrt(v.x() * v.x() + v.y() * v.y());
@@ -135,10 +135,10 @@ double Controller::heading_to_rate(double psi_rad, const Input& in) {
   return run(kHeading, psi + wrap_angle(psi_rad - psi), psi, in.state.w_B.z(), in);
 }
 
-Vector3 Controller::velocity_to_acceleration(const Vector3& v_N, const Input& in) {
-  const Vector3& v = in.state.v_N;
-  const double down = std::clamp(v_N.z(), -config_.max_climb_m_s, config_.max_descend_m_s);
-  return {run(kVelN, v_N.x(), v.x(), in), run(kVelE, v_N.y(), v.y(), in),
+Vector3 Controller::velocity_to_acceleration(const Vector3& v_W, const Input& in) {
+  const Vector3& v = in.state.v_W;
+  const double down = std::clamp(v_W.z(), -config_.max_climb_m_s, config_.max_descend_m_s);
+  return {run(kVelN, v_W.x(), v.x(), in), run(kVelE, v_W.y(), v.y(), in),
           run(kVelD, down, v.z(), in)};
 }
 
@@ -208,7 +208,7 @@ Controller::Output Controller::torques(ControlMode mode, const Four& cmd, const 
         run(kYawRate, in.on_ground ? 0.0 : clip(cmd[2], config_.max_yaw_rate_rad_s), w.z(), in),
         cmd[3]);
   }
-  const RollPitch at = RollPitch::of(in.state.q_NB);
+  const RollPitch at = RollPitch::of(in.state.q_WB);
   const double roll = in.on_ground ? 0.0 : clip(cmd[0], config_.max_tilt_rad);
   const double pitch = in.on_ground ? 0.0 : clip(cmd[1], config_.max_tilt_rad);
   const double qx = run(kRollTorque, roll, at.roll_rad, w.x(), in);
@@ -226,8 +226,8 @@ Controller::Output Controller::torques(ControlMode mode, const Four& cmd, const 
 
 Controller::Output Controller::dispatch(const Input& in) {
   const Four& cmd = in.command.cmd;
-  const auto accelerate_N = [&](const Vector3& v_N, double yaw_rate) {
-    const Vector3 a = velocity_to_acceleration(v_N, in);
+  const auto accelerate_W = [&](const Vector3& v_W, double yaw_rate) {
+    const Vector3 a = velocity_to_acceleration(v_W, in);
     const double c = in.attitude.cos_psi;
     const double s = in.attitude.sin_psi;
     return accelerate(c * a.x() + s * a.y(), -s * a.x() + c * a.y(), a.z(), yaw_rate, in);
@@ -249,15 +249,15 @@ Controller::Output Controller::dispatch(const Input& in) {
 
   switch (in.command.mode) {
     case ControlMode::kNposEposDposYaw:
-      return accelerate_N(position_to_velocity(cmd, true, in), heading_to_rate(cmd[3], in));
+      return accelerate_W(position_to_velocity(cmd, true, in), heading_to_rate(cmd[3], in));
     case ControlMode::kNvelEvelDposYawrate:
-      return accelerate_N({cmd[0], cmd[1], run(kPosD, cmd[2], in.state.p_N.z(), in)}, cmd[3]);
+      return accelerate_W({cmd[0], cmd[1], run(kPosD, cmd[2], in.state.p_W.z(), in)}, cmd[3]);
     case ControlMode::kFaccRaccDaccYawrate:
       return accelerate(g * cmd[0], g * cmd[1], g * cmd[2], cmd[3], in);
     case ControlMode::kNvelEvelDvelYawrate:
-      return accelerate_N({cmd[0], cmd[1], cmd[2]}, cmd[3]);
+      return accelerate_W({cmd[0], cmd[1], cmd[2]}, cmd[3]);
     case ControlMode::kNposEposDvelYaw:
-      return accelerate_N(position_to_velocity(cmd, false, in), heading_to_rate(cmd[3], in));
+      return accelerate_W(position_to_velocity(cmd, false, in), heading_to_rate(cmd[3], in));
     case ControlMode::kRollPitchYawThrottle:
       return throttle_mode(kAngles, heading_to_rate(cmd[2], in));
     case ControlMode::kRollPitchYawrateThrottle:
@@ -279,7 +279,7 @@ Controller::Output Controller::dispatch(const Input& in) {
 
 Controller::Output Controller::step(const Input& in) {
   if (!(in.dt_s > 0.0)) return last_;
-  if (in.command.mode != mode_) enter(in.command.mode, trim_N());
+  if (in.command.mode != mode_) enter(in.command.mode, trim_W());
   if (in.pilot.any()) {
     for (unsigned loop = 0; loop < kLoops; ++loop) {
       if (pilot_holds(static_cast<Loop>(loop), in.pilot)) pids_[loop].clear_integral();
@@ -289,4 +289,4 @@ Controller::Output Controller::step(const Input& in) {
   return last_;
 }
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

@@ -8,7 +8,7 @@
 #include "autonomy/multirotor/thrust_model.hpp"
 #include "autonomy/multirotor/types.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 
 /// Who closes the attitude loops of the thrust modes 9 to 11.
 enum class AttitudeLoops : std::uint8_t {
@@ -55,7 +55,7 @@ struct ControllerConfig {
 
 /// Turns a ControllerCommand of any of the twelve modes into what the flight controller takes.
 ///
-/// A mode runs through the chain below until it is one the firmware knows; every number out is
+/// A mode runs through the chain below until it is one the firmware has; every number out is
 /// clipped.
 ///
 ///     0 -> 3 -> 2 -> 6     position to velocity, r = PID(psi)
@@ -78,11 +78,11 @@ class Controller {
  public:
   struct Input {
     const State& state;
-    const AttitudeView& attitude;  ///< Of state.q_NB.
+    const AttitudeView& attitude;  ///< Of state.q_WB.
     const ControllerCommand& command;
     double dt_s{};          ///< <= 0: the last output is repeated.
     PilotOverride pilot{};  ///< Integrals of the axes the pilot holds are cleared.
-    bool on_ground{};       ///< Keep level and do not turn; sideways loops hold their integrals.
+    bool on_ground{};       ///< Keep level and do not turn; lateral loops hold their integrals.
     double battery_voltage_V{};  ///< <= 0: nominal.
   };
   struct Output {
@@ -94,16 +94,19 @@ class Controller {
   };
 
   Controller() = default;
+  /// Takes copies; every loop starts without integral.
   Controller(const ControllerConfig& config, const ThrustModel& thrust);
 
+  /// Firmware command for one period dt_s, by the loops of the command's mode.
   Output step(const Input& in);
 
   /// Restarts the loops that `mode` needs and the present mode does not; the velocity loops among
-  /// them start with the acceleration trim_N. step() does the same when the mode is new to it, with
+  /// them start with the acceleration trim_W. step() does the same when the mode is new to it, with
   /// the trim that the velocity loops had when they last ran.
-  void enter(ControlMode mode, const Vector3& trim_N);
+  void enter(ControlMode mode, const Vector3& trim_W);
   /// Integrals of the velocity loops, as an acceleration.
-  Vector3 trim_N() const;
+  Vector3 trim_W() const;
+  /// Sets the integrals of all loops to zero; filters stay.
   void clear_integrators();
   /// Gains and limits change, integrals and filters stay.
   void configure(const ControllerConfig& config, const ThrustModel& thrust);
@@ -137,7 +140,7 @@ class Controller {
 
   Vector3 position_to_velocity(const Four& cmd, bool down_too, const Input& in);
   double heading_to_rate(double psi_rad, const Input& in);
-  Vector3 velocity_to_acceleration(const Vector3& v_N, const Input& in);
+  Vector3 velocity_to_acceleration(const Vector3& v_W, const Input& in);
   Output accelerate(double forward, double right, double down, double yaw_rate, const Input& in);
   Output attitude_thrust(const Four& cmd, const Input& in);
   Output to_firmware(FirmwareMode mode, double x, double y, double z, double throttle,
@@ -157,4 +160,4 @@ class Controller {
   bool tilt_limited_{false};
 };
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

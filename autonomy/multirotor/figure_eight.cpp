@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
 constexpr double kFirstZeroOfJ0 = 2.404825557695773;
@@ -48,9 +48,9 @@ FigureEightLeg::Along FigureEightLeg::along(double t_s) const {
 
 Trajectory FigureEightLeg::sample(double t_s) const {
   Trajectory out = start_;
-  out.v_N.setZero();
-  out.a_N.setZero();
-  out.j_N.setZero();
+  out.v_W.setZero();
+  out.a_W.setZero();
+  out.j_W.setZero();
   out.psi_dot_rad_s = out.psi_ddot_rad_s2 = 0.0;
   if (t_s >= duration_s() || t_s <= 0.0) return out;  // both ends are the crossing
   const Along at = along(t_s);
@@ -75,11 +75,11 @@ Trajectory FigureEightLeg::sample(double t_s) const {
   };
   const double c = std::cos(chi);
   const double s = std::sin(chi);
-  out.p_N += turned(x, y);
-  out.v_N = turned(v * c, v * s);
-  out.a_N = turned(a_t * c - a_n * s, a_t * s + a_n * c);
-  out.j_N = turned(j_t * c - j_n * s, j_t * s + j_n * c);
+  out.p_W += turned(x, y);
+  out.v_W = turned(v * c, v * s);
+  out.a_W = turned(a_t * c - a_n * s, a_t * s + a_n * c);
+  out.j_W = turned(j_t * c - j_n * s, j_t * s + j_n * c);
   return out;
 }
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

@@ -4,11 +4,11 @@
 
 #include "autonomy/multirotor/leg.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 
 /// A figure of eight, flown whole times around from rest to rest in its crossing.
 ///
-/// The sine-generated curve of course chi(phi) = chi0 + m cos phi, phi = 2 pi s/L after a way s,
+/// The sine-generated curve of course chi(phi) = chi0 + m cos phi, phi = 2 pi s/L at distance s,
 /// closes where the Bessel function J0(m) = 0: m = 2.404826. Its curvature -(2 pi m/L) sin phi goes
 /// smoothly from one side to the other, and the tightest turn, in the middle of each lobe, has the
 /// radius L/(2 pi m), which is what the figure is asked for by. A lobe is 2.83 radii long and 1.05
@@ -29,6 +29,8 @@ class FigureEightLeg {
   FigureEightLeg(const Trajectory& start, double radius_m, int turns, double course_rad,
                  double speed_m_s, double acceleration_m_s2);
 
+  /// Setpoint at t_s after the start of the leg, with three derivatives, in W; clipped to
+  /// 0..duration_s().
   Trajectory sample(double t_s) const;
   double duration_s() const { return cruise_end_s_ + ramp_s_; }
   double length_m() const { return length_m_; }
@@ -50,4 +52,4 @@ class FigureEightLeg {
   double cruise_end_s_{};
 };
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

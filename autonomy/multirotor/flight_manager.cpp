@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
 StateMachineConfig with_height(StateMachineConfig config, const Mission& mission) {
@@ -57,19 +57,19 @@ void FlightManager::hand_over(double t_s, const State& state) {
   const CommandedFlight::Output& control = control_.output();
   if (control.phase == Phase::kOffboard) {
     start_path(t_s, state);
-    follower_->restart(control_.trim_N());
+    follower_->restart(control_.trim_W());
     return;
   }
   if (control.before == Phase::kOffboard) {
     path_.stop();
-    control_.take_over(follower_->trim_N());
+    control_.take_over(follower_->trim_W());
   }
   if (control.phase == Phase::kLanded) flown_ = true;
 }
 
 ControllerCommand FlightManager::follow(double t_s, const State& state) {
   const AttitudeView& attitude = control_.attitude();
-  const PathManager::Output path = path_.step(t_s, state.p_N, attitude.psi_rad);
+  const PathManager::Output path = path_.step(t_s, state.p_W, attitude.psi_rad);
   if (path.event != PathManager::Event::kNone) {
     const bool reached = path.event == PathManager::Event::kReached;
     out_.events.add(reached ? FlightEventType::kWaypointReached : FlightEventType::kWaypointMissed,
@@ -86,15 +86,15 @@ ControllerCommand FlightManager::follow(double t_s, const State& state) {
   return follower_->step({state, attitude, out_.setpoint, 0.0, control_.dt_s(), control_.pilot()});
 }
 
-const FlightOutput& FlightManager::step(double t_s, const State& state, const Status& status) {
+const FlightOutput& FlightManager::step(const Input& in) {
   using Turn = CommandedFlight::Turn;
   const Turn turn =
-      control_.begin({.t_s = t_s,
-                      .state = state,
-                      .status = status,
+      control_.begin({.t_s = in.t_s,
+                      .state = in.state,
+                      .status = in.status,
                       .ready = !flown_,
                       .command_good = command_good_,
-                      .planned = near_plan(state, out_.setpoint) ? &out_.setpoint : nullptr});
+                      .planned = near_plan(in.state, out_.setpoint) ? &out_.setpoint : nullptr});
   const CommandedFlight::Output& control = control_.output();
   out_.events = control.events;
   if (turn == Turn::kNone) {
@@ -102,20 +102,20 @@ const FlightOutput& FlightManager::step(double t_s, const State& state, const St
     out_.tracking = control.tracking;
     return out_;
   }
-  if (control.phase != control.before) hand_over(t_s, state);
+  if (control.phase != control.before) hand_over(in.t_s, in.state);
   out_.phase = control.phase;
   out_.tracking = control.tracking;
   out_.request_disarm = control.request_disarm;
   out_.landed = control.landed;
   command_good_ = true;
   if (turn == Turn::kFollow) {
-    const ControllerCommand command = follow(t_s, state);
+    const ControllerCommand command = follow(in.t_s, in.state);
     command_good_ = control_.command_good(command, 0.0);
     if (!command_good_) return out_;  // the machine holds the position from the next step on
-    control_.finish(state, command);
+    control_.finish(in.state, command);
   } else {
     out_.setpoint = control.setpoint;
-    if (turn == Turn::kOwn) control_.finish(state, {});
+    if (turn == Turn::kOwn) control_.finish(in.state, {});
   }
   out_.command = control.command;
   out_.roll_rad = control.roll_rad;
@@ -125,4 +125,4 @@ const FlightOutput& FlightManager::step(double t_s, const State& state, const St
   return out_;
 }
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

@@ -2,12 +2,13 @@
 #pragma once
 #include <memory>
 
+#include "autonomy/common/flight_progress.hpp"
 #include "autonomy/multirotor/commanded_flight.hpp"
 #include "autonomy/multirotor/mission.hpp"
 #include "autonomy/multirotor/path_manager.hpp"
 #include "autonomy/multirotor/trajectory_follower.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 
 struct FlightConfig {
   PathConfig path{};
@@ -17,23 +18,16 @@ struct FlightConfig {
   ThrustModel thrust;
 };
 
-/// Everything there is to say about one step.
-struct FlightOutput {
+/// Output of one step.
+struct FlightOutput : FlightProgress<Phase> {
   FirmwareCommand command{};
-  Phase phase{Phase::kDisarmed};
-  Trajectory setpoint{};   ///< What the vehicle is meant to be at.
-  bool tracking{};         ///< The setpoint is the mission's path, and we hold all axes.
-  std::size_t waypoint{};  ///< Target of the present leg, counted from 0.
-  double distance_m{};     ///< To that waypoint.
-  double roll_rad{};       ///< Commanded.
+  bool tracking{};        ///< The setpoint is the mission's path, and we hold all axes.
+  Trajectory setpoint{};  ///< Where the vehicle is meant to be.
+  double distance_m{};    ///< To the waypoint.
+  double roll_rad{};      ///< Commanded.
   double pitch_rad{};
   double yaw_rate_rad_s{};
   double thrust_N{};
-  bool mission_done{};
-  bool landed{};
-  bool request_disarm{};
-
-  FlightEvents events{};
 };
 
 /// A whole flight of a multirotor: take-off, mission, landing.
@@ -45,20 +39,25 @@ struct FlightOutput {
 ///
 /// The flight starts when the vehicle is armed and no axis is the pilot's, and happens once: after
 /// the landing a new mission must be set. A leg that was interrupted (pilot, lost state) starts
-/// anew from where the vehicle is. A state that is not finite: the last command is repeated for
-/// kStateGrace_s, then all entries are given up, which hands the vehicle to the pilot.
+/// again from where the vehicle is. A state that is not finite: the last command is repeated for
+/// kStateGrace_s, then all channels are ignored, which hands the vehicle to the pilot.
 class FlightManager {
  public:
   static constexpr double kStateGrace_s = CommandedFlight::kStateGrace_s;
+
+  struct Input {
+    double t_s{};  ///< Must grow.
+    const State& state;
+    Status status{};
+  };
 
   /// Throws std::invalid_argument if the mission cannot be flown with this configuration.
   /// @param law  flies the trajectories; none: a TrajectoryFollower.
   FlightManager(const FlightConfig& config, const Mission& mission,
                 std::unique_ptr<TrajectoryLaw> law = nullptr);
 
-  /// @param t_s  must grow; a step at a time not after the last repeats the last output without
-  /// events.
-  const FlightOutput& step(double t_s, const State& state, const Status& status);
+  /// A step at a time not after the last repeats the last output without events.
+  const FlightOutput& step(const Input& in);
 
   /// Land where it is; cannot be taken back.
   void request_land() { control_.request_land(); }
@@ -83,4 +82,4 @@ class FlightManager {
   bool command_good_{true};
 };
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

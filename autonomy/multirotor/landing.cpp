@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
 constexpr double kSettle_s = 1.0;     // the descent builds up first
 constexpr double kTooSlow = 0.4;      // share of the commanded descent
-constexpr double kBelowHover = 0.97;  // thrust that tells standing from hovering
+constexpr double kBelowHover = 0.97;  // standing still with less thrust: on the ground
 constexpr double kFalling_m_s = 0.4;  // no ground under it
 constexpr double kUnloaded = 0.2;     // share of the hover thrust
 constexpr double kStill_m_s = 0.2;
@@ -58,4 +58,4 @@ Landing::Output Landing::step(const Input& in) {
   return out;
 }
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

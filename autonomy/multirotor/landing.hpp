@@ -2,7 +2,7 @@
 #pragma once
 #include "autonomy/multirotor/types.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 
 struct LandingConfig {
   double speed_m_s{1.0};             ///< Descent above slow_height_m.
@@ -13,7 +13,7 @@ struct LandingConfig {
   double unload_s{1.0};   ///< Time from hover thrust to none while probing the ground.
 };
 
-/// Brings the vehicle down without knowing where the ground is, and tells when it stands.
+/// Lands on ground of unknown altitude and detects touchdown.
 ///
 /// Descend: down velocity as above. If the vehicle sinks at less than 0.4 of the commanded speed
 /// for contact_s while the thrust is below that of hovering, it probably stands. Unload: level,
@@ -28,7 +28,7 @@ class Landing {
   struct Input {
     double dt_s{};
     double down_speed_m_s{};
-    double height_m{};  ///< Above the place of take-off.
+    double height_m{};  ///< Above the position of take-off.
     double thrust_N{};  ///< Commanded in the step before.
     double hover_thrust_N{};
   };
@@ -40,8 +40,12 @@ class Landing {
   };
 
   Landing() = default;
+  /// Takes a copy; start() begins the landing.
   explicit Landing(const LandingConfig& config) : config_(config) {}
+  /// Begins to descend: forgets an earlier landing.
   void start();
+  /// One period of the descent: a speed to descend at, or a thrust while unloading, until it
+  /// has touched the ground.
   Output step(const Input& in);
 
  private:
@@ -55,4 +59,4 @@ class Landing {
   bool unloading_{false};
 };
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

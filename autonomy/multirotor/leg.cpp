@@ -6,14 +6,14 @@
 
 #include "autonomy/multirotor/angles.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
-constexpr double kShortestLeg_s = 1e-3;  // below this nothing moves
-constexpr int kLimitSamples = 24;  // a quintic has at most three extrema of its first derivative
+constexpr double kMinLeg_s = 1e-3;  // below this nothing moves
+constexpr int kLimitSamples = 24;   // a quintic has at most three extrema of its first derivative
 constexpr int kStretchings = 40;
 constexpr double kStretch = 1.1;
-constexpr double kSlowest_m_s = 0.05;  // two speeds below this never arrive
+constexpr double kMin_m_s = 0.05;  // two speeds below this never arrive
 
 double rest_to_rest_s(double distance, double rate_limit, double acceleration_limit) {
   return std::max(kQuinticPeakSpeed * distance / rate_limit,
@@ -22,23 +22,23 @@ double rest_to_rest_s(double distance, double rate_limit, double acceleration_li
 
 }  // namespace
 
-QuinticLeg::QuinticLeg(const Trajectory& start, const Vector3& target_N, double target_psi_rad,
+QuinticLeg::QuinticLeg(const Trajectory& start, const Vector3& target_W, double target_psi_rad,
                        const LegLimits& limits) {
   const double turn = wrap_angle(target_psi_rad - start.psi_rad);
-  start_ << start.p_N, start.psi_rad;
-  start_rate_ << start.v_N, start.psi_dot_rad_s;
-  start_acceleration_ << start.a_N, start.psi_ddot_rad_s2;
-  target_ << target_N, start.psi_rad + turn;
+  start_ << start.p_W, start.psi_rad;
+  start_rate_ << start.v_W, start.psi_dot_rad_s;
+  start_acceleration_ << start.a_W, start.psi_ddot_rad_s2;
+  target_ << target_W, start.psi_rad + turn;
   double duration_s = std::max(
-      rest_to_rest_s((target_N - start.p_N).norm(), limits.speed_m_s, limits.acceleration_m_s2),
+      rest_to_rest_s((target_W - start.p_W).norm(), limits.speed_m_s, limits.acceleration_m_s2),
       rest_to_rest_s(std::abs(turn), limits.yaw_rate_rad_s, limits.yaw_acceleration_rad_s2));
   const bool at_rest = start_rate_.isZero(0.0) && start_acceleration_.isZero(0.0);
   if (!at_rest) {
-    duration_s = std::max({duration_s, kShortestLeg_s, start.v_N.norm() / limits.acceleration_m_s2,
+    duration_s = std::max({duration_s, kMinLeg_s, start.v_W.norm() / limits.acceleration_m_s2,
                            std::abs(start.psi_dot_rad_s) / limits.yaw_acceleration_rad_s2});
     fit(duration_s);
     for (int i = 0; i < kStretchings && !within(limits); ++i) fit(duration_s_ * kStretch);
-  } else if (duration_s >= kShortestLeg_s) {
+  } else if (duration_s >= kMinLeg_s) {
     fit(duration_s);
   }
 }
@@ -79,7 +79,7 @@ bool QuinticLeg::within(const LegLimits& limits) const {
       std::max(limits.yaw_acceleration_rad_s2, 1.1 * std::abs(start_acceleration_[3]));
   for (int i = 1; i < kLimitSamples; ++i) {
     const Trajectory at = sample(duration_s_ * i / kLimitSamples);
-    if (at.v_N.norm() > speed || at.a_N.norm() > acceleration ||
+    if (at.v_W.norm() > speed || at.a_W.norm() > acceleration ||
         std::abs(at.psi_dot_rad_s) > yaw_rate || std::abs(at.psi_ddot_rad_s2) > yaw_acceleration) {
       return false;
     }
@@ -90,7 +90,7 @@ bool QuinticLeg::within(const LegLimits& limits) const {
 Trajectory QuinticLeg::sample(double t_s) const {
   Trajectory out;
   if (t_s >= duration_s_) {
-    out.p_N = target_.head<3>();
+    out.p_W = target_.head<3>();
     out.psi_rad = wrap_angle(target_[3]);
     return out;
   }
@@ -101,27 +101,27 @@ Trajectory QuinticLeg::sample(double t_s) const {
   for (std::size_t k = 4; k-- > 0;) v = v_[k] + tau * v;
   Vector4 a = a_[3];
   for (std::size_t k = 3; k-- > 0;) a = a_[k] + tau * a;
-  out.p_N = p.head<3>();
-  out.v_N = v.head<3>();
-  out.a_N = a.head<3>();
-  out.j_N = (j_[0] + tau * (j_[1] + tau * j_[2])).head<3>();
+  out.p_W = p.head<3>();
+  out.v_W = v.head<3>();
+  out.a_W = a.head<3>();
+  out.j_W = (j_[0] + tau * (j_[1] + tau * j_[2])).head<3>();
   out.psi_rad = wrap_angle(p[3]);
   out.psi_dot_rad_s = v[3];
   out.psi_ddot_rad_s2 = a[3];
   return out;
 }
 
-LinearLeg::LinearLeg(const Trajectory& start, const Vector3& target_N, double target_psi_rad,
+LinearLeg::LinearLeg(const Trajectory& start, const Vector3& target_W, double target_psi_rad,
                      double start_speed_m_s, double end_speed_m_s, const LegLimits& limits)
     : start_(start),
-      target_N_(target_N),
+      target_W_(target_W),
       target_psi_rad_(wrap_angle(target_psi_rad)),
       psi_change_rad_(wrap_angle(target_psi_rad - start.psi_rad)),
-      distance_m_((target_N - start.p_N).norm()),
+      distance_m_((target_W - start.p_W).norm()),
       end_speed_m_s_(end_speed_m_s),
       start_speed_m_s_(start_speed_m_s) {
-  direction_N_ = (target_N - start.p_N) / distance_m_;
-  if (start_speed_m_s + end_speed_m_s > 2.0 * kSlowest_m_s) {
+  direction_W_ = (target_W - start.p_W) / distance_m_;
+  if (start_speed_m_s + end_speed_m_s > 2.0 * kMin_m_s) {
     duration_s_ = ramp_s_ = cruise_s_ = 2.0 * distance_m_ / (start_speed_m_s + end_speed_m_s);
     acceleration_m_s2_ = (end_speed_m_s - start_speed_m_s) / duration_s_;
     return;
@@ -137,8 +137,8 @@ LinearLeg::LinearLeg(const Trajectory& start, const Vector3& target_N, double ta
 Trajectory LinearLeg::sample(double t_s) const {
   Trajectory out;
   if (t_s >= duration_s_) {
-    out.p_N = target_N_;
-    out.v_N = direction_N_ * end_speed_m_s_;
+    out.p_W = target_W_;
+    out.v_W = direction_W_ * end_speed_m_s_;
     out.psi_rad = target_psi_rad_;
     return out;
   }
@@ -159,9 +159,9 @@ Trajectory LinearLeg::sample(double t_s) const {
     speed = acceleration * left_s;
     acceleration = -acceleration;
   }
-  out.p_N = start_.p_N + direction_N_ * way;
-  out.v_N = direction_N_ * speed;
-  out.a_N = direction_N_ * acceleration;
+  out.p_W = start_.p_W + direction_W_ * way;
+  out.v_W = direction_W_ * speed;
+  out.a_W = direction_W_ * acceleration;
   const double turn_per_m = psi_change_rad_ / distance_m_;
   out.psi_rad = wrap_angle(start_.psi_rad + turn_per_m * way);
   out.psi_dot_rad_s = turn_per_m * speed;
@@ -169,4 +169,4 @@ Trajectory LinearLeg::sample(double t_s) const {
   return out;
 }
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

@@ -4,7 +4,7 @@
 
 #include "autonomy/multirotor/types.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 
 /// Peak of the rest-to-rest quintic's first and second derivative: 15/8 at 1/2, 10/sqrt(3) at
 /// (3-sqrt(3))/6.
@@ -27,15 +27,18 @@ struct LegLimits {
 ///     T = max(1.875 d/v_max, sqrt(5.7735 d/a_max)), the same for the heading                 (1)
 ///
 /// (ROSflight 2.x, roscopter path manager). From motion T of (1) is stretched until the polynomial
-/// keeps the limits, as far as the start itself does. The heading turns the short way. For t >= T
+/// keeps the limits, as far as the start itself does. The heading takes the shorter turn. For t >= T
 /// the sample is exactly the target with zero derivatives; T = 0 (nothing to move) is a leg like
 /// any other.
 class QuinticLeg {
  public:
   QuinticLeg() = default;
-  QuinticLeg(const Trajectory& start, const Vector3& target_N, double target_psi_rad,
+  /// @param start   position [m], velocity, acceleration and heading [rad] at t = 0, in W.
+  /// @param limits  > 0; kept as (1) says.
+  QuinticLeg(const Trajectory& start, const Vector3& target_W, double target_psi_rad,
              const LegLimits& limits);
 
+  /// Setpoint at t_s after the start, with three derivatives, in W; t_s < 0 counts as 0.
   Trajectory sample(double t_s) const;
   double duration_s() const { return duration_s_; }
 
@@ -63,14 +66,16 @@ class QuinticLeg {
 ///
 /// (roscopter's linear interpolation in closed form). Two speeds of (almost) zero would never move:
 /// the leg then accelerates and brakes at a_max with at most the speed limit in between
-/// (trapezoid). The heading turns the short way in proportion to the way flown.
+/// (trapezoid). The heading takes the shorter turn, in proportion to the distance flown.
 class LinearLeg {
  public:
   LinearLeg() = default;
   /// @param start  at rest but for its speed along the leg; distance must be positive.
-  LinearLeg(const Trajectory& start, const Vector3& target_N, double target_psi_rad,
+  LinearLeg(const Trajectory& start, const Vector3& target_W, double target_psi_rad,
             double start_speed_m_s, double end_speed_m_s, const LegLimits& limits);
 
+  /// Setpoint at t_s after the start, with velocity and acceleration, in W; clipped to
+  /// 0..duration_s().
   Trajectory sample(double t_s) const;
   double duration_s() const { return duration_s_; }
   /// As flown: 0 for the trapezoid.
@@ -78,8 +83,8 @@ class LinearLeg {
 
  private:
   Trajectory start_{};
-  Vector3 target_N_{Vector3::Zero()};
-  Vector3 direction_N_{Vector3::Zero()};
+  Vector3 target_W_{Vector3::Zero()};
+  Vector3 direction_W_{Vector3::Zero()};
   double target_psi_rad_{};
   double psi_change_rad_{};
   double distance_m_{};
@@ -92,4 +97,4 @@ class LinearLeg {
   double cruise_s_{};  ///< End of the second.
 };
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

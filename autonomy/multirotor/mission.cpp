@@ -3,15 +3,15 @@
 
 #include <string>
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
 using config::Range;
 using config::Section;
 
-constexpr double kSlowestLeg_m_s = 0.1;
+constexpr double kMinLegSpeed_m_s = 0.1;
 
-void refuse_wing_keys(const Section& in, std::initializer_list<std::string_view> keys) {
+void reject_fixedwing_keys(const Section& in, std::initializer_list<std::string_view> keys) {
   for (const std::string_view key : keys) {
     if (in.has(key)) throw in.error(key, in.raw(key), "nothing: it is for a fixed wing");
   }
@@ -19,13 +19,13 @@ void refuse_wing_keys(const Section& in, std::initializer_list<std::string_view>
 
 Waypoint waypoint_of(const Section& wp, const MissionLimits& limits,
                      const std::optional<Geodetic>& origin) {
-  refuse_wing_keys(wp, {"path", "turn", "chi_d", "use_chi", "va_d"});
+  reject_fixedwing_keys(wp, {"path", "turn", "chi_d", "use_chi", "va_d"});
   Waypoint out;
   out.type = waypoint_type(wp);
-  out.p_N = waypoint_position(wp, limits.area(), origin);
+  out.p_W = waypoint_position(wp, limits.area(), origin);
   const auto psi_rad = waypoint_heading_rad(wp, "psi");
   out.psi_rad = psi_rad ? *psi_rad : wp.number("psi", Range::any());
-  out.speed_m_s = wp.number("speed", Range::between(kSlowestLeg_m_s, limits.max_speed_m_s),
+  out.speed_m_s = wp.number("speed", Range::between(kMinLegSpeed_m_s, limits.max_speed_m_s),
                             limits.max_speed_m_s);
   const HoldTime hold = waypoint_hold(wp, out.type);
   out.hold_s = hold.hold_s;
@@ -42,11 +42,11 @@ Waypoint figure_of(const Section& in, const Waypoint& crossing, const MissionLim
   out.type = WaypointType::kGoto;
   out.hold_s = 0.0;
   out.figure_turns = static_cast<int>(in.integer("turns", 1, 100, 1));
-  out.speed_m_s = in.number("speed", Range::between(kSlowestLeg_m_s, limits.max_speed_m_s),
+  out.speed_m_s = in.number("speed", Range::between(kMinLegSpeed_m_s, limits.max_speed_m_s),
                             limits.max_speed_m_s);
   out.figure_radius_m = in.number("radius_m", Range::between(0.5, 1000.0));
   out.figure_course_rad = in.number("course_deg", Range::between(-360.0, 360.0), 0.0) * kRadPerDeg;
-  const double farthest_m = crossing.p_N.head<2>().norm() + kLobeLength * out.figure_radius_m;
+  const double farthest_m = crossing.p_W.head<2>().norm() + kLobeLength * out.figure_radius_m;
   if (farthest_m > limits.max_distance_m) {
     throw in.error("radius_m", in.raw("radius_m"),
                    "a figure within " + config::number_text(limits.max_distance_m) + " m");
@@ -60,7 +60,7 @@ Mission read(const MissionFile& file, const MissionLimits& limits,
   mission.takeoff_height_m = file.takeoff_height_m(limits.area());
   mission.at_end =
       file.at_end({{"land", AtEnd::kLand}, {"hold", AtEnd::kHold}, {"cycle", AtEnd::kCycle}});
-  if (file.root) refuse_wing_keys(*file.root, {"landing"});
+  if (file.root) reject_fixedwing_keys(*file.root, {"landing"});
   mission.waypoints.reserve(2 * file.waypoints.size());
   for (const Section& wp : file.waypoints) {
     if (!mission.waypoints.empty() && mission.waypoints.back().hold_indefinitely) {
@@ -89,4 +89,4 @@ Mission load_mission(const std::filesystem::path& file, const MissionLimits& lim
   return read(MissionFile::load(file), limits, origin);
 }
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

@@ -9,7 +9,7 @@
 #include "autonomy/common/mission_file.hpp"
 #include "autonomy/multirotor/types.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 
 struct Mission {
   std::vector<Waypoint> waypoints;
@@ -50,4 +50,4 @@ Mission load_mission(const std::filesystem::path& file, const MissionLimits& lim
 Mission read_mission(std::string_view text, const std::string& name, const MissionLimits& limits,
                      const std::optional<Geodetic>& origin = {});
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

@@ -7,12 +7,12 @@
 
 #include "autonomy/multirotor/angles.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
 constexpr double kNearPlan_m = 1.0;  // closer than this a path goes on from its own setpoint
 constexpr double kNearPlan_m_s = 0.5;
-constexpr double kShortestLinear_m = 1e-3;  // a shorter way is a turn on the spot
+constexpr double kMinLinear_m = 1e-3;  // a shorter way is a turn on the spot
 
 }  // namespace
 
@@ -43,13 +43,12 @@ void PathManager::plan_speeds() {
   const std::size_t n = waypoints_.size();
   passing_speed_m_s_.assign(n, 0.0);
   if (config_.interpolation != Interpolation::kLinear || n < 2) return;
-  const auto way_m = [&](std::size_t i) {
-    return (waypoints_[(i + 1) % n].p_N - waypoints_[i].p_N).norm();
+  const auto leg_m = [&](std::size_t i) {
+    return (waypoints_[(i + 1) % n].p_W - waypoints_[i].p_W).norm();
   };
   for (std::size_t i = 0; i < n; ++i) {
     const bool last = i + 1 == n && !config_.cycle;
-    const bool stops =
-        last || waypoints_[i].type == WaypointType::kHold || way_m(i) < kShortestLinear_m;
+    const bool stops = last || waypoints_[i].type == WaypointType::kHold || leg_m(i) < kMinLinear_m;
     if (!stops) passing_speed_m_s_[i] = std::min(waypoints_[i].speed_m_s, config_.limits.speed_m_s);
   }
   // Backwards, so that every leg can brake to the speed at its end; twice around closes a cycle.
@@ -57,7 +56,7 @@ void PathManager::plan_speeds() {
     const std::size_t i = k % n;
     const double next = passing_speed_m_s_[(i + 1) % n];
     const double feasible =
-        std::sqrt(next * next + 2.0 * config_.limits.acceleration_m_s2 * way_m(i));
+        std::sqrt(next * next + 2.0 * config_.limits.acceleration_m_s2 * leg_m(i));
     if (i + 1 < n || config_.cycle)
       passing_speed_m_s_[i] = std::min(passing_speed_m_s_[i], feasible);
   }
@@ -77,29 +76,29 @@ void PathManager::plan_leg(double t_s, const Trajectory& from) {
   arrived_ = false;
   leg_end_speed_m_s_ = 0.0;
   if (waypoints_.empty()) {
-    leg_ = QuinticLeg(from, from.p_N, from.psi_rad, config_.limits);
+    leg_ = QuinticLeg(from, from.p_W, from.psi_rad, config_.limits);
     return;
   }
   const Waypoint& target = waypoints_[index_];
   LegLimits limits = config_.limits;
   limits.speed_m_s = std::min(limits.speed_m_s, target.speed_m_s);
-  const double way_m = (target.p_N - from.p_N).norm();
+  const double leg_m = (target.p_W - from.p_W).norm();
   constexpr double kAtCrossing_m = 0.01;
-  if (target.figure_turns > 0 && way_m < kAtCrossing_m && from.v_N.isZero(1e-6)) {
+  if (target.figure_turns > 0 && leg_m < kAtCrossing_m && from.v_W.isZero(1e-6)) {
     leg_ = FigureEightLeg(from, target.figure_radius_m, target.figure_turns,
                           target.figure_course_rad, limits.speed_m_s, limits.acceleration_m_s2);
     return;
   }
-  const bool along_path = speed_m_s_ > 0.0 || from.v_N.isZero(0.0);
-  if (config_.interpolation == Interpolation::kLinear && along_path && way_m > kShortestLinear_m) {
+  const bool along_path = speed_m_s_ > 0.0 || from.v_W.isZero(0.0);
+  if (config_.interpolation == Interpolation::kLinear && along_path && leg_m > kMinLinear_m) {
     const double reachable =
-        std::sqrt(speed_m_s_ * speed_m_s_ + 2.0 * limits.acceleration_m_s2 * way_m);
-    const LinearLeg leg(from, target.p_N, target.psi_rad, speed_m_s_,
+        std::sqrt(speed_m_s_ * speed_m_s_ + 2.0 * limits.acceleration_m_s2 * leg_m);
+    const LinearLeg leg(from, target.p_W, target.psi_rad, speed_m_s_,
                         std::min(passing_speed_m_s_[index_], reachable), limits);
     leg_ = leg;
     leg_end_speed_m_s_ = leg.end_speed_m_s();
   } else {
-    leg_ = QuinticLeg(from, target.p_N, target.psi_rad, limits);
+    leg_ = QuinticLeg(from, target.p_W, target.psi_rad, limits);
   }
 }
 
@@ -133,7 +132,7 @@ void PathManager::advance(double t_s, Output& out) {
   out.waypoint = index_;
 }
 
-PathManager::Output PathManager::step(double t_s, const Vector3& p_N, double psi_rad) {
+PathManager::Output PathManager::step(double t_s, const Vector3& p_W, double psi_rad) {
   if (replan_) {
     replan_ = false;
     speed_m_s_ = 0.0;
@@ -147,7 +146,7 @@ PathManager::Output PathManager::step(double t_s, const Vector3& p_N, double psi
   out.done = done_;
   if (waypoints_.empty()) return out;
   const Waypoint& target = waypoints_[index_];
-  out.distance_m = (target.p_N - p_N).norm();
+  out.distance_m = (target.p_W - p_W).norm();
   const double waited_s = t_s - leg_start_s_ - leg_duration_s();
   if (waited_s < 0.0) return out;
 
@@ -174,21 +173,21 @@ PathManager::Output PathManager::step(double t_s, const Vector3& p_N, double psi
 }
 
 bool near_plan(const State& state, const Trajectory& setpoint) {
-  return (setpoint.p_N - state.p_N).squaredNorm() < kNearPlan_m * kNearPlan_m &&
-         (setpoint.v_N - state.v_N).squaredNorm() < kNearPlan_m_s * kNearPlan_m_s;
+  return (setpoint.p_W - state.p_W).squaredNorm() < kNearPlan_m * kNearPlan_m &&
+         (setpoint.v_W - state.v_W).squaredNorm() < kNearPlan_m_s * kNearPlan_m_s;
 }
 
 Trajectory path_start(const State& state, double psi_rad, const Trajectory& setpoint) {
   Trajectory from;
   if (near_plan(state, setpoint)) {
-    from.p_N = setpoint.p_N;
+    from.p_W = setpoint.p_W;
     from.psi_rad = wrap_angle(setpoint.psi_rad);
   } else {
-    from.p_N = state.p_N;
-    from.v_N = state.v_N;
+    from.p_W = state.p_W;
+    from.v_W = state.v_W;
     from.psi_rad = psi_rad;
   }
   return from;
 }
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

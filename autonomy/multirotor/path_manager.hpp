@@ -7,7 +7,7 @@
 #include "autonomy/multirotor/leg.hpp"
 #include "autonomy/multirotor/types.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 
 enum class Interpolation : std::uint8_t { kQuintic, kLinear };
 
@@ -33,7 +33,7 @@ struct PathConfig {
 /// then jumps in direction at a corner: that is the price of the option.
 ///
 /// A waypoint with a figure of eight is flown as one, from where the waypoint before it has led to;
-/// started anew after a pause it is an ordinary waypoint.
+/// started again after a pause it is an ordinary waypoint.
 ///
 /// The clock runs from start() on, so a list can be given at any time before the flight.
 class PathManager {
@@ -50,6 +50,7 @@ class PathManager {
   };
 
   PathManager() = default;
+  /// Without waypoints; nothing moves before start().
   explicit PathManager(const PathConfig& config) : config_(config) {}
 
   /// Replaces the whole list at once (empty: stay where the setpoint is) and forgets the progress,
@@ -62,14 +63,16 @@ class PathManager {
   /// Starts the clock of the leg to the present waypoint, from where the vehicle or its setpoint
   /// is. Also resumes after a pause; a hold that was interrupted starts over.
   void start(double t_s, const Trajectory& from);
+  /// Stops the clock of the leg; start() resumes it. step() must not be called in between.
   void stop() { started_ = false; }
+  /// Whether the first waypoint follows the last; takes effect when the last is reached.
   void set_cycle(bool cycle) { config_.cycle = cycle; }
   /// Takes effect with the next leg.
   void configure(const PathConfig& config);
   bool started() const { return started_; }
 
   /// Only after start(); t_s must not decrease.
-  Output step(double t_s, const Vector3& p_N, double psi_rad);
+  Output step(double t_s, const Vector3& p_W, double psi_rad);
 
   const std::vector<Waypoint>& waypoints() const { return waypoints_; }
   const PathConfig& config() const { return config_; }
@@ -108,4 +111,4 @@ bool near_plan(const State& state, const Trajectory& setpoint);
 /// else in the vehicle with its velocity.
 Trajectory path_start(const State& state, double psi_rad, const Trajectory& setpoint);
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

@@ -5,70 +5,13 @@
 #include <array>
 #include <cmath>
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
-using S = StateMachine;
-
-constexpr std::array kTransitions = {
-    S::Transition{Phase::kDisarmed, S::kReady, S::kPilot, Phase::kTakeoff},
-
-    S::Transition{Phase::kTakeoff, S::kPilot | S::kLiftedOff, 0, Phase::kPositionHold},
-    S::Transition{Phase::kTakeoff, S::kPilot, 0, Phase::kTakeoff},
-    S::Transition{Phase::kTakeoff, S::kLandAsked | S::kLiftedOff, 0, Phase::kLanding},
-    S::Transition{Phase::kTakeoff, S::kLandAsked, 0, Phase::kLanded},
-    S::Transition{Phase::kTakeoff, S::kHeightReached, 0, Phase::kPositionHold},
-    S::Transition{Phase::kTakeoff, S::kTakeoffLate | S::kLiftedOff, 0, Phase::kLanding},
-    S::Transition{Phase::kTakeoff, S::kTakeoffLate, 0, Phase::kLanded},
-
-    S::Transition{Phase::kPositionHold, S::kPilot, 0, Phase::kPositionHold},
-    S::Transition{Phase::kPositionHold, S::kLandAsked, 0, Phase::kLanding},
-    S::Transition{Phase::kPositionHold, S::kHoldOver | S::kCommandGood, 0, Phase::kOffboard},
-    S::Transition{Phase::kPositionHold, S::kCommandLost, 0, Phase::kLanding},
-
-    S::Transition{Phase::kOffboard, S::kPilot, 0, Phase::kPositionHold},
-    S::Transition{Phase::kOffboard, S::kLandAsked, 0, Phase::kLanding},
-    S::Transition{Phase::kOffboard, 0, S::kCommandGood, Phase::kPositionHold},
-
-    S::Transition{Phase::kLanding, S::kPilot, 0, Phase::kPositionHold},
-    S::Transition{Phase::kLanding, S::kTouched, 0, Phase::kLanded},
-};
-
 constexpr double kHoverAverage_s = 2.0;
-constexpr double kSlowestClimb_m_s = 0.3;
+constexpr double kMinClimb_m_s = 0.3;
 
 }  // namespace
-
-const char* name(Phase phase) {
-  switch (phase) {
-    case Phase::kDisarmed:
-      return "disarmed";
-    case Phase::kTakeoff:
-      return "takeoff";
-    case Phase::kPositionHold:
-      return "position_hold";
-    case Phase::kOffboard:
-      return "offboard";
-    case Phase::kLanding:
-      return "landing";
-    case Phase::kLanded:
-      return "landed";
-  }
-  return "unknown";
-}
-
-std::span<const StateMachine::Transition> StateMachine::transitions() {
-  return kTransitions;
-}
-
-Phase StateMachine::next(Phase from, std::uint16_t conditions) {
-  if ((conditions & kArmed) == 0) return Phase::kDisarmed;
-  for (const Transition& row : kTransitions) {
-    if (row.from == from && (conditions & row.all) == row.all && (conditions & row.none) == 0)
-      return row.to;
-  }
-  return from;
-}
 
 StateMachine::StateMachine(const StateMachineConfig& config, double weight_N)
     : config_(config), landing_(config.landing), weight_N_(weight_N), hover_thrust_N_(weight_N) {}
@@ -86,33 +29,33 @@ bool StateMachine::command_good(const ControllerCommand& command, double age_s) 
 }
 
 void StateMachine::hold_here(const Input& in) {
-  hold_N_ = in.state.p_N;
+  hold_W_ = in.state.p_W;
   hold_psi_rad_ = in.psi_rad;
 }
 
 bool StateMachine::settled(const Input& in) const {
-  return (in.state.p_N - hold_N_).norm() <= config_.settle_distance_m &&
-         in.state.v_N.norm() <= config_.settle_speed_m_s;
+  return (in.state.p_W - hold_W_).norm() <= config_.settle_distance_m &&
+         in.state.v_W.norm() <= config_.settle_speed_m_s;
 }
 
-std::uint16_t StateMachine::conditions(const Input& in) const {
-  const double height_m = ground_down_m_ - in.state.p_N.z();
+PhaseConditions StateMachine::conditions(const Input& in) const {
+  const double height_m = ground_down_m_ - in.state.p_W.z();
   const double phase_s = in.t_s - since_s_;
-  unsigned c = 0;
-  const auto set = [&c](bool holds, unsigned which) { c |= holds ? which : 0U; };
-  set(in.armed, kArmed);
-  set(in.ready, kReady);
-  set(in.command_good, kCommandGood);
-  set(in.pilot, kPilot);
-  set(in.land, kLandAsked);
-  set(height_m > config_.lift_off_height_m, kLiftedOff);
-  set(height_m >= config_.takeoff_height_m - config_.takeoff_tolerance_m, kHeightReached);
-  set(phase_s > config_.takeoff_timeout_s, kTakeoffLate);
-  const bool patient = phase_s < config_.hold_s + config_.settle_timeout_s;
-  set(phase_s >= config_.hold_s && (settled(in) || !patient), kHoldOver);
-  set(in.t_s - good_s_ > config_.lost_command_land_s, kCommandLost);
-  set(landing_step_.touched, kTouched);
-  return static_cast<std::uint16_t>(c);
+  PhaseConditions out;
+  out.set(Conditions::kArmed, in.armed);
+  out.set(Conditions::kReady, in.ready);
+  out.set(Conditions::kCommandGood, in.command_good);
+  out.set(Conditions::kPilot, in.pilot);
+  out.set(Conditions::kLandAsked, in.land);
+  out.set(Conditions::kLiftedOff, height_m > config_.lift_off_height_m);
+  out.set(Conditions::kHeightReached,
+          height_m >= config_.takeoff_height_m - config_.takeoff_tolerance_m);
+  out.set(Conditions::kTakeoffLate, phase_s > config_.takeoff_timeout_s);
+  const bool settle_timeout = !(phase_s < config_.hold_s + config_.settle_timeout_s);
+  out.set(Conditions::kHoldOver, phase_s >= config_.hold_s && (settled(in) || settle_timeout));
+  out.set(Conditions::kCommandLost, in.t_s - good_s_ > config_.lost_command_land_s);
+  out.set(Conditions::kTouched, landing_step_.touched);
+  return out;
 }
 
 void StateMachine::enter(Phase to, const Input& in) {
@@ -122,12 +65,12 @@ void StateMachine::enter(Phase to, const Input& in) {
   switch (to) {
     case Phase::kTakeoff:
       hold_here(in);
-      ground_down_m_ = in.state.p_N.z();
+      ground_down_m_ = in.state.p_W.z();
       hover_thrust_N_ = weight_N_;
       break;
     case Phase::kPositionHold:
       if (from == Phase::kTakeoff && !in.pilot) {
-        hold_N_.z() = ground_down_m_ - config_.takeoff_height_m;
+        hold_W_.z() = ground_down_m_ - config_.takeoff_height_m;
       } else {
         hold_here(in);
       }
@@ -136,7 +79,7 @@ void StateMachine::enter(Phase to, const Input& in) {
       if (from == Phase::kOffboard) {
         hold_here(in);
         if (in.planned != nullptr) {
-          hold_N_ = in.planned->p_N;
+          hold_W_ = in.planned->p_W;
           hold_psi_rad_ = in.planned->psi_rad;
         }
       }
@@ -158,49 +101,49 @@ void StateMachine::learn_hover_thrust(const Input& in, bool descending_freely) {
 }
 
 void StateMachine::fly(const Input& in, Output& out) {
-  out.setpoint.p_N = hold_N_;
+  out.setpoint.p_W = hold_W_;
   out.setpoint.psi_rad = hold_psi_rad_;
   out.command.valid = true;
   out.command.mode = ControlMode::kNposEposDvelYaw;
-  const double height_m = ground_down_m_ - in.state.p_N.z();
+  const double height_m = ground_down_m_ - in.state.p_W.z();
   double down_speed_m_s = 0.0;
   if (phase_ == Phase::kPositionHold) {
     out.command.mode = ControlMode::kNposEposDposYaw;
-    out.command.cmd = {hold_N_.x(), hold_N_.y(), hold_N_.z(), hold_psi_rad_};
+    out.command.cmd = {hold_W_.x(), hold_W_.y(), hold_W_.z(), hold_psi_rad_};
     return;
   }
   if (phase_ == Phase::kTakeoff) {
     const double left_m = config_.takeoff_height_m - height_m;
-    down_speed_m_s = -std::clamp(left_m, std::min(kSlowestClimb_m_s, config_.takeoff_speed_m_s),
+    down_speed_m_s = -std::clamp(left_m, std::min(kMinClimb_m_s, config_.takeoff_speed_m_s),
                                  config_.takeoff_speed_m_s);
     out.level = height_m < config_.lift_off_height_m;
   } else {
     landing_step_ =
-        landing_.step({in.dt_s, in.state.v_N.z(), height_m, in.thrust_N, hover_thrust_N_});
+        landing_.step({in.dt_s, in.state.v_W.z(), height_m, in.thrust_N, hover_thrust_N_});
     down_speed_m_s = landing_step_.down_speed_m_s;
     out.level = landing_step_.unloading;
-    const bool free = !landing_step_.unloading && in.state.v_N.z() > 0.6 * down_speed_m_s;
+    const bool free = !landing_step_.unloading && in.state.v_W.z() > 0.6 * down_speed_m_s;
     learn_hover_thrust(in, free);
     if (landing_step_.unloading) {
       out.command.mode = ControlMode::kRollPitchYawrateThrust;
       out.command.cmd = {0.0, 0.0, 0.0, landing_step_.thrust_N};
-      out.setpoint.p_N.z() = in.state.p_N.z();
+      out.setpoint.p_W.z() = in.state.p_W.z();
       return;
     }
   }
-  out.setpoint.p_N.z() = in.state.p_N.z();
-  out.setpoint.v_N.z() = down_speed_m_s;
-  out.command.cmd = {hold_N_.x(), hold_N_.y(), down_speed_m_s, hold_psi_rad_};
+  out.setpoint.p_W.z() = in.state.p_W.z();
+  out.setpoint.v_W.z() = down_speed_m_s;
+  out.command.cmd = {hold_W_.x(), hold_W_.y(), down_speed_m_s, hold_psi_rad_};
 }
 
 StateMachine::Output StateMachine::step(const Input& in) {
   Output out;
   if (in.command_good) good_s_ = in.t_s;
   learn_hover_thrust(in, false);
-  const std::uint16_t now = conditions(in);
-  const Phase to = next(phase_, now);
+  const PhaseConditions now = conditions(in);
+  const Phase to = kPhaseTable.next(phase_, now.bits());
   const bool gives_up = to == Phase::kLanding || to == Phase::kLanded;
-  out.takeoff_late = phase_ == Phase::kTakeoff && gives_up && (now & kTakeoffLate) != 0;
+  out.takeoff_late = phase_ == Phase::kTakeoff && gives_up && now.has(Conditions::kTakeoffLate);
   out.changed = to != phase_;
   const bool waits = in.pilot && (to == Phase::kPositionHold || to == Phase::kTakeoff);
   if (out.changed) {
@@ -208,14 +151,14 @@ StateMachine::Output StateMachine::step(const Input& in) {
   } else if (waits) {
     hold_here(in);
     since_s_ = good_s_ = in.t_s;
-    if (to == Phase::kTakeoff) ground_down_m_ = in.state.p_N.z();
+    if (to == Phase::kTakeoff) ground_down_m_ = in.state.p_W.z();
   }
   out.phase = phase_;
   out.idle = phase_ == Phase::kDisarmed || phase_ == Phase::kLanded;
   out.follow = phase_ == Phase::kOffboard;
   out.request_disarm = phase_ == Phase::kLanded;
   if (out.idle) {
-    out.setpoint.p_N = in.state.p_N;
+    out.setpoint.p_W = in.state.p_W;
     out.setpoint.psi_rad = in.psi_rad;
   } else if (!out.follow) {
     fly(in, out);
@@ -223,4 +166,4 @@ StateMachine::Output StateMachine::step(const Input& in) {
   return out;
 }
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

@@ -1,22 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <span>
-
 #include "autonomy/multirotor/landing.hpp"
+#include "autonomy/multirotor/phases.hpp"
 #include "autonomy/multirotor/types.hpp"
 
-namespace rosflight::autonomy {
-
-enum class Phase : std::uint8_t {
-  kDisarmed,  ///< Or armed, but told not to fly.
-  kTakeoff,
-  kPositionHold,
-  kOffboard,  ///< The received command is flown.
-  kLanding,
-  kLanded  ///< Stands, motors idle, asks to be disarmed.
-};
-inline constexpr std::size_t kPhases = 6;
-const char* name(Phase phase);
+namespace rosflight::autonomy::multirotor {
 
 struct StateMachineConfig {
   double takeoff_height_m{2.0};  ///< Above where it stands.
@@ -33,43 +21,18 @@ struct StateMachineConfig {
   LandingConfig landing{};
 };
 
-/// Decides who flies the vehicle and where it waits. One table (transitions()) holds every change
-/// of phase: the first row that fits wins; not armed always means kDisarmed.
+/// Decides which command the vehicle follows and where it waits. phases.hpp holds the table of the
+/// phases.
 ///
-/// - Take-off climbs takeoff_height_m above where it stood, wherever that is.
-/// - A command that is not valid, or too old, is never flown: the vehicle holds where it was when
-/// the
-///   command failed, for at least hold_s, and lands if none comes for lost_command_land_s.
-/// - While the pilot holds any axis the vehicle waits in kPositionHold and the hold point goes with
-/// it; on
-///   the ground the take-off waits.
-/// - kLanding ends in kLanded when Landing feels the ground; kLanded asks to be disarmed and ends
-/// there.
+/// - Take-off climbs takeoff_height_m above the position at which the vehicle stood.
+/// - A command that is invalid or too old is never flown. The vehicle holds the position at which
+///   the command failed for at least hold_s, and lands if none arrives for lost_command_land_s.
+/// - While the pilot overrides any axis the vehicle is in kPositionHold and the hold point follows
+///   it; on the ground the take-off is postponed.
+/// - kLanding ends in kLanded when Landing detects the ground; kLanded requests to be disarmed and
+///   ends when the vehicle is.
 class StateMachine {
  public:
-  enum Condition : std::uint16_t {
-    kArmed = 1U << 0U,
-    kReady = 1U << 1U,  ///< The caller wants to fly.
-    kCommandGood = 1U << 2U,
-    kPilot = 1U << 3U,  ///< The pilot holds an axis.
-    kLandAsked = 1U << 4U,
-    kLiftedOff = 1U << 5U,
-    kHeightReached = 1U << 6U,
-    kTakeoffLate = 1U << 7U,
-    kHoldOver = 1U << 8U,
-    kCommandLost = 1U << 9U,  ///< No good command for lost_command_land_s.
-    kTouched = 1U << 10U
-  };
-  struct Transition {
-    Phase from;
-    std::uint16_t all;   ///< Conditions that must hold.
-    std::uint16_t none;  ///< Conditions that must not.
-    Phase to;
-  };
-  static std::span<const Transition> transitions();
-  /// The phase after `from` under these conditions.
-  static Phase next(Phase from, std::uint16_t conditions);
-
   struct Input {
     double t_s{};
     double dt_s{};
@@ -100,17 +63,18 @@ class StateMachine {
   /// @param weight_N  first guess of the thrust that hovers.
   StateMachine(const StateMachineConfig& config, double weight_N);
 
+  /// One row of the phase table at most, then the command of the phase. Once a control period.
   Output step(const Input& in);
   /// Heights, speeds and times change; a landing that has begun goes on as it was.
   void configure(const StateMachineConfig& config);
   Phase phase() const { return phase_; }
   const StateMachineConfig& config() const { return config_; }
 
-  /// A finite command of a known mode, not older than the time-out.
+  /// A finite command of a known mode, not older than the timeout.
   bool command_good(const ControllerCommand& command, double age_s) const;
 
  private:
-  std::uint16_t conditions(const Input& in) const;
+  PhaseConditions conditions(const Input& in) const;
   void enter(Phase to, const Input& in);
   void hold_here(const Input& in);
   bool settled(const Input& in) const;
@@ -121,13 +85,13 @@ class StateMachine {
   Landing landing_;
   Landing::Output landing_step_{};
   Phase phase_{Phase::kDisarmed};
-  Vector3 hold_N_{Vector3::Zero()};
+  Vector3 hold_W_{Vector3::Zero()};
   double hold_psi_rad_{};
-  double ground_down_m_{};  ///< Down coordinate of the place of take-off.
+  double ground_down_m_{};  ///< Down coordinate of the take-off position.
   double since_s_{};        ///< Entry of the phase.
   double good_s_{};         ///< Last time with a good command, or of entry.
   double weight_N_{};
   double hover_thrust_N_{};
 };
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

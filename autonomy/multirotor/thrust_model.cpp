@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
 void require(bool good, const char* what, double found) {
@@ -70,4 +70,4 @@ double ThrustModel::thrust_N(double throttle, double voltage_V, double density_r
   return curve_.max_thrust_N * y * y;
 }
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include "autonomy/multirotor/types.hpp"
+#include "base/atmosphere.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 
 /// One rotor and its motor, as in the vehicle file; all rotors are alike.
 struct RotorData {
@@ -14,7 +15,7 @@ struct RotorData {
   double resistance_ohm{};
   double no_load_current_A{};
   double supply_voltage_V{};
-  double air_density_kg_m3{1.225};
+  double air_density_kg_m3{base::kSeaLevelDensity_kg_m3};
 };
 
 /// What the flight controller does with a throttle before it reaches the motors.
@@ -65,4 +66,4 @@ class ThrustModel {
   double square_{};  // c2
 };
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

@@ -4,17 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
 bool finite(const Trajectory& s) {
   // A sum is finite only if every term is; overflow of honest numbers is out of reach.
-  return std::isfinite(s.p_N.sum() + s.v_N.sum() + s.a_N.sum() + s.j_N.sum() + s.psi_rad +
+  return std::isfinite(s.p_W.sum() + s.v_W.sum() + s.a_W.sum() + s.j_W.sum() + s.psi_rad +
                        s.psi_dot_rad_s);
 }
 
 bool finite(const State& s) {
-  return std::isfinite(s.p_N.sum() + s.v_N.sum() + s.q_NB.coeffs().sum() + s.w_B.sum());
+  return std::isfinite(s.p_W.sum() + s.v_W.sum() + s.q_WB.coeffs().sum() + s.w_B.sum());
 }
 
 /// May this integral move? Not in the pilot's hands; when limited only back towards zero.
@@ -45,11 +45,11 @@ void TrajectoryFollower::clear_integrators() {
   for (Pid* pid : {&north_, &east_, &down_, &heading_}) pid->clear_integral();
 }
 
-void TrajectoryFollower::restart(const Vector3& trim_N) {
+void TrajectoryFollower::restart(const Vector3& trim_W) {
   for (Pid* pid : {&north_, &east_, &down_, &heading_}) pid->reset();
-  north_.set_integral(trim_N.x());
-  east_.set_integral(trim_N.y());
-  down_.set_integral(trim_N.z());
+  north_.set_integral(trim_W.x());
+  east_.set_integral(trim_W.y());
+  down_.set_integral(trim_W.z());
   last_ = ControllerCommand{};
   sideways_limited_ = lift_limited_ = false;
 }
@@ -57,55 +57,55 @@ void TrajectoryFollower::restart(const Vector3& trim_N) {
 Vector3 TrajectoryFollower::wanted_acceleration(const Input& in) {
   const State& at = in.state;
   const Trajectory& to = in.setpoint;
-  Vector3 error = to.p_N - at.p_N;
+  Vector3 error = to.p_W - at.p_W;
   const double window = config_.max_position_error_m;
   const double sideways = std::sqrt(error.x() * error.x() + error.y() * error.y());
   const bool far_sideways = sideways > window;
   const bool far_below_or_above = std::abs(error.z()) > window;
   if (far_sideways) error.head<2>() *= window / sideways;
   error.z() = std::clamp(error.z(), -window, window);
-  const Vector3 v_excess = at.v_N - to.v_N;
-  const Vector3 target = at.p_N + error;
+  const Vector3 v_excess = at.v_W - to.v_W;
+  const Vector3 target = at.p_W + error;
 
   const bool pilot = in.pilot.roll_pitch;
   const bool limited = sideways_limited_ || far_sideways;
   Vector3 u;
-  u.x() = north_.step_with_rate(target.x(), at.p_N.x(), v_excess.x(), in.dt_s,
+  u.x() = north_.step_with_rate(target.x(), at.p_W.x(), v_excess.x(), in.dt_s,
                                 may_integrate(north_, error.x(), pilot, limited));
-  u.y() = east_.step_with_rate(target.y(), at.p_N.y(), v_excess.y(), in.dt_s,
+  u.y() = east_.step_with_rate(target.y(), at.p_W.y(), v_excess.y(), in.dt_s,
                                may_integrate(east_, error.y(), pilot, limited));
   u.z() = down_.step_with_rate(
-      target.z(), at.p_N.z(), v_excess.z(), in.dt_s,
+      target.z(), at.p_W.z(), v_excess.z(), in.dt_s,
       may_integrate(down_, error.z(), in.pilot.throttle, lift_limited_ || far_below_or_above));
   const double drag = config_.drag_1_s;
   const double lag_s = config_.attitude_lag_s;
   u.head<2>() +=
-      (1.0 + lag_s * drag) * to.a_N.head<2>() + drag * to.v_N.head<2>() + lag_s * to.j_N.head<2>();
-  u.z() += to.a_N.z() + config_.thrust_lag_s * to.j_N.z();
+      (1.0 + lag_s * drag) * to.a_W.head<2>() + drag * to.v_W.head<2>() + lag_s * to.j_W.head<2>();
+  u.z() += to.a_W.z() + config_.thrust_lag_s * to.j_W.z();
   return u;
 }
 
-void TrajectoryFollower::limit(Vector3& f_N) {
+void TrajectoryFollower::limit(Vector3& f_W) {
   const double max_force = config_.max_thrust_N / config_.mass_kg;
   const double lift =
-      std::clamp(f_N.z(), -max_force, -config_.min_lift_ratio * config_.gravity_m_s2);
-  lift_limited_ = lift != f_N.z();
-  f_N.z() = lift;
+      std::clamp(f_W.z(), -max_force, -config_.min_lift_ratio * config_.gravity_m_s2);
+  lift_limited_ = lift != f_W.z();
+  f_W.z() = lift;
   const double left = std::sqrt(std::max(max_force * max_force - lift * lift, 0.0));
   const double most = std::min(-lift * tan_tilt_, left);
-  const double sideways = std::sqrt(f_N.x() * f_N.x() + f_N.y() * f_N.y());
+  const double sideways = std::sqrt(f_W.x() * f_W.x() + f_W.y() * f_W.y());
   sideways_limited_ = sideways > most;
-  if (sideways_limited_) f_N.head<2>() *= most / sideways;
+  if (sideways_limited_) f_W.head<2>() *= most / sideways;
 }
 
 double TrajectoryFollower::wanted_yaw_rate(const Input& in) {
   const AttitudeView& att = in.attitude;
   const double error = wrap_angle(in.setpoint.psi_rad - att.psi_rad);
-  // Row of q_NB's rotation that carries body rates to the vertical: the heading's share of the
+  // Row of q_WB's rotation that carries body rates to the vertical: the heading's share of the
   // rotation.
   double psi_dot = 0.0;
   if (heading_.gains().kd != 0.0) {
-    const RollPitch rp = RollPitch::of(in.state.q_NB);
+    const RollPitch rp = RollPitch::of(in.state.q_WB);
     const double cos_pitch = std::max(std::cos(rp.pitch_rad), 0.1);
     psi_dot =
         (in.state.w_B.y() * std::sin(rp.roll_rad) + in.state.w_B.z() * std::cos(rp.roll_rad)) /
@@ -125,14 +125,14 @@ ControllerCommand TrajectoryFollower::step(const Input& in) {
   if (in.pilot.throttle) down_.clear_integral();
   if (in.pilot.yaw) heading_.clear_integral();
 
-  Vector3 f_N = wanted_acceleration(in);
-  f_N.z() -= config_.gravity_m_s2;
-  limit(f_N);
+  Vector3 f_W = wanted_acceleration(in);
+  f_W.z() -= config_.gravity_m_s2;
+  limit(f_W);
   const double c = in.attitude.cos_psi;
   const double s = in.attitude.sin_psi;
-  const double f_x = c * f_N.x() + s * f_N.y();
-  const double f_y = -s * f_N.x() + c * f_N.y();
-  const double f_z = f_N.z();
+  const double f_x = c * f_W.x() + s * f_W.y();
+  const double f_y = -s * f_W.x() + c * f_W.y();
+  const double f_z = f_W.z();
   const ThrustDirection to = ThrustDirection::of(f_x, f_y, f_z);
 
   const double u_psi = wanted_yaw_rate(in);
@@ -152,4 +152,4 @@ ControllerCommand TrajectoryFollower::step(const Input& in) {
   return last_;
 }
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

@@ -5,7 +5,7 @@
 #include "autonomy/common/pid.hpp"
 #include "autonomy/multirotor/trajectory_law.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 
 struct FollowerConfig {
   double mass_kg{3.5};
@@ -33,32 +33,34 @@ struct FollowerConfig {
 ///     thrust = m |f|;  roll and pitch by ThrustDirection of f in v1                       (3)
 ///     u_psi = psi_dot_c + kp (psi_c - psi) + kd (psi_dot_c - psi_dot) + I                 (4)
 ///     r = u_psi cos(pitch) cos(roll) - pitch_dot sin(roll),
-///     pitch_dot = d/dt atan(f_x/f_z) = u_psi f_y f_z/(f_x^2 + f_z^2),   f fixed in N      (5)
+///     pitch_dot = d/dt atan(f_x/f_z) = u_psi f_y f_z/(f_x^2 + f_z^2),   f fixed in W      (5)
 ///
 /// Ferrin, Leishman, Beard, McLain, Differential flatness based control of a rotorcraft for
 /// aggressive maneuvers, IROS 2011, with PID in place of LQR. In (2) the drag term extends flatness
 /// to linear rotor drag: Faessler, Franchi, Scaramuzza, RA-L 3(2), 2018; the lag term undoes the
-/// first-order delay of the loops below, sideways attitude_lag_s, up and down thrust_lag_s. Because
+/// first-order delay of the loops below, lateral attitude_lag_s, vertical thrust_lag_s. Because
 /// (1) damps the velocity error there is no steady lag at constant speed.
 ///
 /// Limits, in this order: lift (up/down) between min_lift_ratio weights and what the tilt limit
-/// leaves, then sideways force by tilt and by the thrust left over. A limited axis holds its
+/// leaves, then lateral force by tilt and by the thrust left over. A limited axis holds its
 /// integral. The yaw rate is limited.
 class TrajectoryFollower final : public TrajectoryLaw {
  public:
   TrajectoryFollower() = default;
+  /// Takes a copy of gains, vehicle and limits.
   explicit TrajectoryFollower(const FollowerConfig& config);
 
   /// Mode kRollPitchYawrateThrust. Not valid, and nothing changed, for a setpoint that is too old
   /// or a number that is not finite.
   ControllerCommand step(const Input& in) override;
 
+  /// Sets the integrals of all four loops to zero.
   void clear_integrators();
   /// Gains and limits change, integrals and filters stay.
   void configure(const FollowerConfig& config);
   const FollowerConfig& config() const { return config_; }
-  void restart(const Vector3& trim_N) override;
-  Vector3 trim_N() const override {
+  void restart(const Vector3& trim_W) override;
+  Vector3 trim_W() const override {
     return {north_.integral(), east_.integral(), down_.integral()};
   }
   double heading_integral() const { return heading_.integral(); }
@@ -66,7 +68,7 @@ class TrajectoryFollower final : public TrajectoryLaw {
  private:
   Vector3 wanted_acceleration(const Input& in);
   double wanted_yaw_rate(const Input& in);
-  void limit(Vector3& f_N);
+  void limit(Vector3& f_W);
 
   FollowerConfig config_{};
   Pid north_, east_, down_, heading_;
@@ -76,4 +78,4 @@ class TrajectoryFollower final : public TrajectoryLaw {
   bool lift_limited_{false};
 };
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

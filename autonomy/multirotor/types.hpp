@@ -4,20 +4,20 @@
 
 /// The vocabulary of guidance and control of a multirotor, on top of autonomy/common/types.hpp;
 /// "v1" is N turned by the heading only.
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 
 /// Where the vehicle is, from an estimator or from truth.
 struct State {
-  Vector3 p_N{Vector3::Zero()};
-  Vector3 v_N{Vector3::Zero()};
-  Quaternion q_NB{Quaternion::Identity()};  ///< Normalised by whoever fills it.
+  Vector3 p_W{Vector3::Zero()};
+  Vector3 v_W{Vector3::Zero()};
+  Quaternion q_WB{Quaternion::Identity()};  ///< Normalised by the source.
   Vector3 w_B{Vector3::Zero()};
 };
 
 /// One target, always local: geodetic input is converted when a mission is loaded (geodesy.hpp).
 struct Waypoint {
   WaypointType type{WaypointType::kGoto};
-  Vector3 p_N{Vector3::Zero()};
+  Vector3 p_W{Vector3::Zero()};
   double psi_rad{};  ///< Heading on arrival; any finite angle.
   double speed_m_s{
       kInfinity};   ///< Highest speed on the leg towards it; the path's own limit holds too.
@@ -32,10 +32,10 @@ struct Waypoint {
 
 /// A point of a trajectory: what the follower is to be at, now.
 struct Trajectory {
-  Vector3 p_N{Vector3::Zero()};
-  Vector3 v_N{Vector3::Zero()};
-  Vector3 a_N{Vector3::Zero()};
-  Vector3 j_N{Vector3::Zero()};  ///< Jerk, the derivative of a_N; zero where nobody knows it.
+  Vector3 p_W{Vector3::Zero()};
+  Vector3 v_W{Vector3::Zero()};
+  Vector3 a_W{Vector3::Zero()};
+  Vector3 j_W{Vector3::Zero()};  ///< Jerk, the derivative of a_W; zero where it is unknown.
   double psi_rad{};              ///< In (-pi, pi].
   double psi_dot_rad_s{};
   double psi_ddot_rad_s2{};
@@ -66,4 +66,4 @@ struct ControllerCommand {
   bool valid{false};
 };
 
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

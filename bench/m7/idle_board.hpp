@@ -105,7 +105,7 @@ class IdleSystem final : public hal::System {
   std::uint16_t sensor_errors() const override { return 0; }
   const char* sensor_message(std::size_t /*index*/, bool& /*ok*/) const override { return nullptr; }
   void reset(bool /*to_bootloader*/) override {}
-  void alive() override {}
+  void feed_watchdog() override {}
   hal::Time busy_time() const override { return {}; }
   bool shares_processor() const override { return false; }
 };

@@ -1,26 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "companion/asio/endpoint.hpp"
 
-#include <unistd.h>
-
 namespace rosflight::companion {
 
-Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
-  if (this != &other) {
-    reset();
-    fd_ = other.release();
-  }
-  return *this;
-}
-
-void Descriptor::reset() {
-  if (fd_ >= 0) {
-    ::close(fd_);
-    fd_ = -1;
-  }
-}
-
-Endpoint::Opened Endpoint::finish(Descriptor waited) {
+Endpoint::Opened Endpoint::finish(FileDescriptor waited) {
   return {Result::kOpen, std::move(waited), {}};
 }
 

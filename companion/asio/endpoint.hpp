@@ -2,29 +2,17 @@
 #pragma once
 #include <memory>
 #include <string>
-#include <utility>
 
-#include "companion/link_spec.hpp"
+#include "base/file_descriptor.hpp"
+#include "base/transport/link_address.hpp"
 
 namespace rosflight::companion {
 
-/// Owns a POSIX descriptor.
-class Descriptor {
- public:
-  Descriptor() = default;
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(Descriptor&& other) noexcept : fd_(other.release()) {}
-  Descriptor& operator=(Descriptor&& other) noexcept;
-  ~Descriptor() { reset(); }
-
-  int get() const { return fd_; }
-  explicit operator bool() const { return fd_ >= 0; }
-  int release() { return std::exchange(fd_, -1); }
-  void reset();
-
- private:
-  int fd_{-1};
-};
+using base::FileDescriptor;
+using base::LinkError;
+using base::parse_link;
+/// Which link to open.
+using LinkSpec = base::LinkAddress;
 
 /// Knows how to open one kind of link. Never blocks, apart from the look-up of a host name when
 /// made.
@@ -40,13 +28,17 @@ class Endpoint {
   };
   struct Opened {
     Result result{Result::kNotNow};
-    Descriptor descriptor;
+    FileDescriptor descriptor;
     std::string reason;  ///< In case of failure.
   };
 
   virtual ~Endpoint() = default;
+  /// Starts to open the link, without blocking. A failure is a Result with its reason, never an
+  /// exception.
   virtual Opened open() = 0;
-  virtual Opened finish(Descriptor waited);
+  /// Goes on with the descriptor of kWaitRead (accepts a peer) or kWaitWrite (a connection that has
+  /// succeeded or failed). The default takes the descriptor as open.
+  virtual Opened finish(FileDescriptor waited);
   /// Each write is a datagram; an empty read or a refusal by the peer is no end.
   virtual bool datagrams() const { return false; }
   /// Closed and opened again after 2 s without a byte: another peer may be there.
@@ -61,10 +53,15 @@ std::unique_ptr<Endpoint> make_endpoint(const LinkSpec& spec);
 
 // The parts of make_endpoint(), for its implementation.
 std::unique_ptr<Endpoint> make_serial_endpoint(const LinkSpec& spec);
+/// A new pseudo terminal; name() gives the path of its other end.
 std::unique_ptr<Endpoint> make_pty_endpoint();
+/// Sends to a host and port and receives from it. Throws LinkError if the host is unknown.
 std::unique_ptr<Endpoint> make_udp_endpoint(const LinkSpec& spec);
+/// Binds a port and serves the first peer that sends a datagram.
 std::unique_ptr<Endpoint> make_udp_server_endpoint(const LinkSpec& spec);
+/// Connects to a server. Throws LinkError if the host is unknown.
 std::unique_ptr<Endpoint> make_tcp_client_endpoint(const LinkSpec& spec);
+/// Listens on a port and serves one client at a time.
 std::unique_ptr<Endpoint> make_tcp_server_endpoint(const LinkSpec& spec);
 
 }  // namespace rosflight::companion

@@ -9,6 +9,8 @@
 #include <cerrno>
 #include <cstring>
 
+#include "base/transport/socket.hpp"
+
 namespace rosflight::companion {
 
 namespace {
@@ -22,10 +24,6 @@ constexpr auto kConnectTimeout = 3s;
 constexpr auto kSilence = 2s;
 constexpr std::size_t kOrdinaryLimit = 2048;
 constexpr std::size_t kUrgentLimit = 4096;
-
-bool would_block(int error) {
-  return error == EAGAIN || error == EWOULDBLOCK || error == EINTR;
-}
 
 }  // namespace
 
@@ -54,7 +52,7 @@ void LinkTransport::stop() {
 void LinkTransport::close() {
   if (descriptor_.is_open()) {
     // Also cancels what waits on it.
-    const Descriptor closes_here(descriptor_.release());
+    const FileDescriptor closes_here(descriptor_.release());
   }
 }
 
@@ -93,7 +91,7 @@ void LinkTransport::wait_for(stream_descriptor::wait_type what) {
       return;
     }
     timer_.cancel();
-    proceed(endpoint_->finish(Descriptor(descriptor_.release())), false);
+    proceed(endpoint_->finish(FileDescriptor(descriptor_.release())), false);
   });
   if (what == stream_descriptor::wait_write) {
     timer_.expires_after(kConnectTimeout);
@@ -105,7 +103,7 @@ void LinkTransport::wait_for(stream_descriptor::wait_type what) {
   }
 }
 
-void LinkTransport::opened(Descriptor descriptor) {
+void LinkTransport::opened(FileDescriptor descriptor) {
   generation_ = std::make_shared<int>(0);  // a connect timer that has fired already is of the past
   descriptor_.assign(descriptor.release());
   descriptor_.native_non_blocking(true);
@@ -115,7 +113,7 @@ void LinkTransport::opened(Descriptor descriptor) {
   back_off_ = 0ms;
   report(true, endpoint_->name() + ": open");
   arm_read();
-  heard_ = true;
+  received_ = true;
   if (endpoint_->yields_after_silence()) {
     watch_silence();
   }
@@ -125,7 +123,7 @@ void LinkTransport::opened(Descriptor descriptor) {
 }
 
 void LinkTransport::watch_silence() {
-  if (!std::exchange(heard_, false)) {
+  if (!std::exchange(received_, false)) {
     failed("the peer is silent");
     return;
   }
@@ -192,11 +190,11 @@ std::size_t LinkTransport::read(std::uint8_t* data, std::size_t capacity) {
   }
   const ssize_t size = ::read(descriptor_.native_handle(), data, capacity);
   if (size > 0) {
-    heard_ = true;
+    received_ = true;
     return static_cast<std::size_t>(size);
   }
   const int error = errno;
-  if (endpoint_->datagrams() || (size < 0 && would_block(error))) {
+  if (endpoint_->datagrams() || (size < 0 && base::would_block(error))) {
     return 0;
   }
   failed(size == 0 ? "closed by the peer" : std::strerror(error));
@@ -223,7 +221,7 @@ bool LinkTransport::write(const std::uint8_t* data, std::size_t size, std::uint8
   std::size_t done = 0;
   if (queue_.empty()) {
     const long result = put(data, size);
-    if (result < 0 && !would_block(errno)) {
+    if (result < 0 && !base::would_block(errno)) {
       failed(std::strerror(errno));
       return false;
     }
@@ -251,7 +249,7 @@ void LinkTransport::arm_write() {
 
 void LinkTransport::flush() {
   const long result = put(queue_.data(), queue_.size());
-  if (result < 0 && !would_block(errno)) {
+  if (result < 0 && !base::would_block(errno)) {
     failed(std::strerror(errno));
     return;
   }

@@ -28,16 +28,19 @@ class LinkTransport final : public Transport {
     std::function<void(bool open, const std::string& line)> state;  ///< One line for people.
   };
 
+  /// Opens nothing yet. `io` must outlive the transport.
   LinkTransport(boost::asio::io_context& io, std::unique_ptr<Endpoint> endpoint);
   ~LinkTransport() override;
   LinkTransport(const LinkTransport&) = delete;
   LinkTransport& operator=(const LinkTransport&) = delete;
 
+  /// Set before start(); the handlers run in the thread of the io_context.
   void set_handlers(Handlers handlers) { handlers_ = std::move(handlers); }
 
   /// Opens for the first time. A peer or device that is not there is waited for; throws LinkError
   /// for what waiting cannot mend: port taken, forbidden, no serial port.
   void start();
+  /// Closes the link and ends the attempts to open it; start() opens it again.
   void stop();
 
   bool connected() override { return open_; }
@@ -50,7 +53,7 @@ class LinkTransport final : public Transport {
   void attempt(bool first);
   void proceed(Endpoint::Opened opened, bool first);
   void wait_for(boost::asio::posix::stream_descriptor::wait_type what);
-  void opened(Descriptor descriptor);
+  void opened(FileDescriptor descriptor);
   void failed(const std::string& reason);
   void close();
   void retry_later();
@@ -69,7 +72,7 @@ class LinkTransport final : public Transport {
   bool started_{false};
   bool open_{false};
   bool writing_{false};
-  bool heard_{false};  ///< Since the last look of watch_silence().
+  bool received_{false};  ///< Since the last look of watch_silence().
   std::chrono::milliseconds back_off_{0};
   std::string last_line_;
   std::vector<std::uint8_t> queue_;

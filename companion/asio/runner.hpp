@@ -28,6 +28,7 @@ class Runner {
 
   Session& session() { return session_; }
   LinkTransport& transport() { return transport_; }
+  /// For timers and sockets of the caller in the same thread.
   boost::asio::io_context& io() { return io_; }
 
   /// One line for each change of the link ("/dev/ttyACM0: open"). Set before start().

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // UDP and TCP.
 #include <fcntl.h>
-#include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <sys/socket.h>
@@ -9,6 +8,7 @@
 #include <cerrno>
 #include <cstring>
 
+#include "base/transport/socket.hpp"
 #include "companion/asio/endpoint.hpp"
 
 namespace rosflight::companion {
@@ -19,61 +19,6 @@ using Result = Endpoint::Result;
 
 constexpr int kReceiveBytes = 1 << 20;  // some seconds of all streams
 
-struct Address {
-  sockaddr_storage storage{};
-  socklen_t size{};
-
-  const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&storage); }  // NOLINT
-  int family() const { return storage.ss_family; }
-};
-
-/// Throws LinkError.
-Address look_up(const LinkSpec& spec, int socket_type) {
-  addrinfo hints{};
-  hints.ai_family = AF_UNSPEC;
-  hints.ai_socktype = socket_type;
-  addrinfo* found = nullptr;
-  const int error =
-      ::getaddrinfo(spec.host.c_str(), std::to_string(spec.port).c_str(), &hints, &found);
-  if (error != 0 || found == nullptr) {
-    throw LinkError("link \"" + spec.text() + "\": host " + spec.host + ": " +
-                    ::gai_strerror(error));
-  }
-  // "localhost" may be ::1 first; a peer that binds IPv4, as most do, would not hear us.
-  const addrinfo* chosen = found;
-  for (const addrinfo* a = found; a != nullptr; a = a->ai_next) {
-    if (a->ai_family == AF_INET) {
-      chosen = a;
-      break;
-    }
-  }
-  Address address;
-  std::memcpy(&address.storage, chosen->ai_addr, chosen->ai_addrlen);
-  address.size = chosen->ai_addrlen;
-  ::freeaddrinfo(found);
-  return address;
-}
-
-Address any_address(int family, std::uint16_t port) {
-  Address address;
-  if (family == AF_INET6) {
-    sockaddr_in6 v6{};
-    v6.sin6_family = AF_INET6;
-    v6.sin6_addr = in6addr_any;
-    v6.sin6_port = htons(port);
-    std::memcpy(&address.storage, &v6, sizeof v6);
-    address.size = sizeof v6;
-  } else {
-    sockaddr_in v4{};
-    v4.sin_family = AF_INET;
-    v4.sin_addr.s_addr = htonl(INADDR_ANY);
-    v4.sin_port = htons(port);
-    std::memcpy(&address.storage, &v4, sizeof v4);
-    address.size = sizeof v4;
-  }
-  return address;
-}
-
 Endpoint::Opened failure(const std::string& what, int error) {
   if (error == EADDRINUSE) {
     return {Result::kNotPossible, {}, what + " is in use by another program"};
@@ -83,12 +28,13 @@ Endpoint::Opened failure(const std::string& what, int error) {
   return {final ? Result::kNotPossible : Result::kNotNow, {}, what + ": " + std::strerror(error)};
 }
 
-Descriptor new_socket(int family, int type) {
-  return Descriptor(::socket(family, type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
-}
-
-void set_option(int fd, int level, int option, int value) {
-  ::setsockopt(fd, level, option, &value, sizeof value);
+/// Throws LinkError.
+base::SocketAddress look_up(const LinkSpec& spec, int type) {
+  try {
+    return base::look_up(spec.host, spec.port, type);
+  } catch (const LinkError& error) {
+    throw LinkError("link \"" + spec.text() + "\": host " + spec.host + ": " + error.what());
+  }
 }
 
 class UdpEndpoint final : public Endpoint {
@@ -99,13 +45,12 @@ class UdpEndpoint final : public Endpoint {
         name_("udp " + spec.host + ":" + std::to_string(spec.port)) {}
 
   Opened open() override {
-    Descriptor fd = new_socket(peer_.family(), SOCK_DGRAM);
-    if (!fd) {
+    FileDescriptor fd = base::new_socket(peer_.family(), SOCK_DGRAM);
+    if (!fd.valid()) {
       return failure("socket", errno);
     }
-    set_option(fd.get(), SOL_SOCKET, SO_RCVBUF, kReceiveBytes);
-    const Address local = any_address(peer_.family(), local_port_);
-    if (::bind(fd.get(), local.get(), local.size) != 0) {
+    base::set_option(fd, SOL_SOCKET, SO_RCVBUF, kReceiveBytes);
+    if (!base::bind_socket(fd, base::any_address(peer_.family(), local_port_), SOCK_DGRAM)) {
       return failure("local port " + std::to_string(local_port_), errno);
     }
     // Connected: the kernel passes only what comes from this peer.
@@ -119,7 +64,7 @@ class UdpEndpoint final : public Endpoint {
   std::string name() const override { return name_; }
 
  private:
-  Address peer_;
+  base::SocketAddress peer_;
   std::uint16_t local_port_;
   std::string name_;
 };
@@ -131,24 +76,21 @@ class UdpServerEndpoint final : public Endpoint {
       : port_(spec.port), name_("udp port " + std::to_string(spec.port)) {}
 
   Opened open() override {
-    Descriptor fd = new_socket(AF_INET, SOCK_DGRAM);
-    if (!fd) {
+    FileDescriptor fd = base::new_socket(AF_INET, SOCK_DGRAM);
+    if (!fd.valid()) {
       return failure("socket", errno);
     }
-    set_option(fd.get(), SOL_SOCKET, SO_RCVBUF, kReceiveBytes);
-    const Address local = any_address(AF_INET, port_);
-    if (::bind(fd.get(), local.get(), local.size) != 0) {
+    base::set_option(fd, SOL_SOCKET, SO_RCVBUF, kReceiveBytes);
+    if (!base::bind_socket(fd, base::any_address(AF_INET, port_), SOCK_DGRAM)) {
       return failure("port " + std::to_string(port_), errno);
     }
     return {Result::kWaitRead, std::move(fd), {}};
   }
 
-  Opened finish(Descriptor waited) override {
-    Address peer;
-    peer.size = sizeof peer.storage;
+  Opened finish(FileDescriptor waited) override {
+    base::SocketAddress peer;
     char byte = 0;
-    auto* const address = reinterpret_cast<sockaddr*>(&peer.storage);  // NOLINT
-    const ssize_t size = ::recvfrom(waited.get(), &byte, 1, MSG_PEEK, address, &peer.size);
+    const ssize_t size = ::recvfrom(waited.get(), &byte, 1, MSG_PEEK, peer.get(), &peer.size);
     if (size < 0 || ::connect(waited.get(), peer.get(), peer.size) != 0) {
       return failure("peer", errno);
     }
@@ -171,8 +113,8 @@ class TcpClientEndpoint final : public Endpoint {
         name_("tcp " + spec.host + ":" + std::to_string(spec.port)) {}
 
   Opened open() override {
-    Descriptor fd = new_socket(peer_.family(), SOCK_STREAM);
-    if (!fd) {
+    FileDescriptor fd = base::new_socket(peer_.family(), SOCK_STREAM);
+    if (!fd.valid()) {
       return failure("socket", errno);
     }
     if (::connect(fd.get(), peer_.get(), peer_.size) == 0 || errno == EINPROGRESS) {
@@ -181,20 +123,20 @@ class TcpClientEndpoint final : public Endpoint {
     return failure("cannot connect", errno);
   }
 
-  Opened finish(Descriptor waited) override {
+  Opened finish(FileDescriptor waited) override {
     int error = 0;
     socklen_t size = sizeof error;
     if (::getsockopt(waited.get(), SOL_SOCKET, SO_ERROR, &error, &size) != 0 || error != 0) {
       return failure("cannot connect", error);
     }
-    set_option(waited.get(), IPPROTO_TCP, TCP_NODELAY, 1);
+    base::set_option(waited, IPPROTO_TCP, TCP_NODELAY, 1);
     return {Result::kOpen, std::move(waited), {}};
   }
   bool is_socket() const override { return true; }
   std::string name() const override { return name_; }
 
  private:
-  Address peer_;
+  base::SocketAddress peer_;
   std::string name_;
 };
 
@@ -204,24 +146,21 @@ class TcpServerEndpoint final : public Endpoint {
       : port_(spec.port), name_("tcp port " + std::to_string(spec.port)) {}
 
   Opened open() override {
-    if (!listener_) {
-      Descriptor fd = new_socket(AF_INET, SOCK_STREAM);
-      set_option(fd.get(), SOL_SOCKET, SO_REUSEADDR, 1);
-      const Address local = any_address(AF_INET, port_);
-      if (!fd || ::bind(fd.get(), local.get(), local.size) != 0 || ::listen(fd.get(), 1) != 0) {
+    if (!listener_.valid()) {
+      FileDescriptor fd = base::new_socket(AF_INET, SOCK_STREAM);
+      if (!fd.valid() || !base::bind_socket(fd, base::any_address(AF_INET, port_), SOCK_STREAM)) {
         return failure("port " + std::to_string(port_), errno);
       }
       listener_ = std::move(fd);
     }
-    return {Result::kWaitRead, Descriptor(::fcntl(listener_.get(), F_DUPFD_CLOEXEC, 0)), {}};
+    return {Result::kWaitRead, FileDescriptor(::fcntl(listener_.get(), F_DUPFD_CLOEXEC, 0)), {}};
   }
 
-  Opened finish(Descriptor waited) override {
-    Descriptor peer(::accept4(waited.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
-    if (!peer) {
+  Opened finish(FileDescriptor waited) override {
+    FileDescriptor peer = base::accept_client(waited);
+    if (!peer.valid()) {
       return {Result::kNotNow, {}, std::string("no peer: ") + std::strerror(errno)};
     }
-    set_option(peer.get(), IPPROTO_TCP, TCP_NODELAY, 1);
     return {Result::kOpen, std::move(peer), {}};
   }
   bool is_socket() const override { return true; }
@@ -230,7 +169,7 @@ class TcpServerEndpoint final : public Endpoint {
  private:
   std::uint16_t port_;
   std::string name_;
-  Descriptor listener_;
+  FileDescriptor listener_;
 };
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kPatience = 20s;
+constexpr auto kMaxDelay = 20s;
 
 /// A port that was free a moment ago.
 std::uint16_t free_port(int type) {
@@ -65,7 +65,7 @@ class CompanionEnd {
 
 template <class Condition>
 bool wait_for(CompanionEnd& companion, FcuEnd* fcu, Condition&& condition) {
-  const auto end = std::chrono::steady_clock::now() + kPatience;
+  const auto end = std::chrono::steady_clock::now() + kMaxDelay;
   while (!condition()) {
     if (std::chrono::steady_clock::now() > end) {
       return false;
@@ -258,7 +258,7 @@ TEST_F(AsioLink, OtherThreadsPostTasks) {
   std::thread thread([&] { companion.runner.run(); });
   std::atomic<bool> connected{false};
   std::atomic<int> asked{0};
-  const auto end = std::chrono::steady_clock::now() + kPatience;
+  const auto end = std::chrono::steady_clock::now() + kMaxDelay;
   while (!connected && std::chrono::steady_clock::now() < end) {
     fcu->poll();
     if (asked == 0) {

@@ -209,7 +209,7 @@ TEST(Calibration, AsksForTheBiasesWhenLineAndValuesWereLost) {
   CommandRig rig;
   const auto job = rig.session.commands().start(Command::kAirspeedCalibration);
   rig.run_for(1s);
-  rig.fcu.find("DIFF_PRESS_BIAS")->value = ParameterValue::of(12.5f);  // and nobody hears of it
+  rig.fcu.find("DIFF_PRESS_BIAS")->value = ParameterValue::of(12.5f);  // without a message about it
   ASSERT_TRUE(rig.run_job(job, 30s));
   EXPECT_TRUE(job.done());
   EXPECT_NEAR(to_seconds(job.duration()), 20.5, 0.1);

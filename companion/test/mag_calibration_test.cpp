@@ -43,10 +43,10 @@ struct Bench : Rig {
 
   Vector3d raw() const {
     // Inclination 60 deg, 50 uT; soft iron stretches x and y apart.
-    const Vector3d field_N(25e-6, 0.0, 43.3e-6);
+    const Vector3d field_W(25e-6, 0.0, 43.3e-6);
     Matrix3d soft;
     soft << 1.1, 0.05, 0.0, 0.05, 0.95, 0.0, 0.0, 0.0, 1.0;
-    return soft * (q_NB.conjugate() * field_N) + Vector3d(15e-6, -10e-6, 5e-6);
+    return soft * (q_WB.conjugate() * field_W) + Vector3d(15e-6, -10e-6, 5e-6);
   }
   Vector3d corrected() const {
     FakeFcu& unit = const_cast<FakeFcu&>(fcu);
@@ -62,16 +62,16 @@ struct Bench : Rig {
     return a * (raw() - b);
   }
 
-  /// Turns with constant rate (in N) for a while.
-  void move(const Vector3d& rate_N_rad_s, Time duration) {
+  /// Turns with constant rate (in W) for a while.
+  void move(const Vector3d& rate_W_rad_s, Time duration) {
     for (const Time end = now + duration; now < end;) {
       const double dt_s = to_seconds(kStep);
-      if (rate_N_rad_s.norm() > 0.0) {
-        q_NB =
-            Quaterniond(AngleAxisd(rate_N_rad_s.norm() * dt_s, rate_N_rad_s.normalized())) * q_NB;
+      if (rate_W_rad_s.norm() > 0.0) {
+        q_WB =
+            Quaterniond(AngleAxisd(rate_W_rad_s.norm() * dt_s, rate_W_rad_s.normalized())) * q_WB;
       }
-      const Vector3d force_B = q_NB.conjugate() * Vector3d(0, 0, -kGravity_m_s2);
-      const Vector3d rate_B = q_NB.conjugate() * rate_N_rad_s;
+      const Vector3d force_B = q_WB.conjugate() * Vector3d(0, 0, -kGravity_m_s2);
+      const Vector3d rate_B = q_WB.conjugate() * rate_W_rad_s;
       link::Imu imu;
       imu.time_boot_us = static_cast<std::uint64_t>(fcu.boot_clock().count() / 1000);
       for (int i = 0; i < 3; ++i) {
@@ -93,7 +93,7 @@ struct Bench : Rig {
   void circle() { move({0, 0, std::numbers::pi / 4}, 8500ms); }
   /// Puts it on a face: body axis `down` points down.
   void tilt(const Vector3d& down) {
-    const Vector3d now_down = q_NB * down;
+    const Vector3d now_down = q_WB * down;
     const Quaterniond turn = Quaterniond::FromTwoVectors(now_down, Vector3d(0, 0, 1));
     const AngleAxisd angle(turn);
     move(angle.axis() * angle.angle(), 1s);
@@ -108,7 +108,7 @@ struct Bench : Rig {
   }
   float parameter(const char* name) { return fcu.find(name)->value.as_float(); }
 
-  Quaterniond q_NB{Quaterniond::Identity()};
+  Quaterniond q_WB{Quaterniond::Identity()};
   int passes{0};
   MagCalibration calibration;
   std::vector<std::string> prompts;
@@ -130,7 +130,7 @@ TEST(MagCalibration, SixFacesGiveAConstantFieldStrength) {
   EXPECT_NEAR(bench.parameter("MAG_Z_BIAS"), 5e-6, 1e-9);
   // The direction is right, the strength that of the field times cbrt(det soft) = 1.0135.
   EXPECT_LT(std::acos(bench.corrected().normalized().dot(
-                (bench.q_NB.conjugate() * Vector3d(25e-6, 0, 43.3e-6)).normalized())),
+                (bench.q_WB.conjugate() * Vector3d(25e-6, 0, 43.3e-6)).normalized())),
             1e-3);
   EXPECT_NEAR(bench.corrected().norm(), 50e-6 * std::cbrt(1.1 * 0.95 - 0.05 * 0.05), 0.01e-6);
   EXPECT_EQ(bench.calibration.progress().state, MagCalibration::State::kIdle);
@@ -148,7 +148,7 @@ TEST(MagCalibration, CanBeRepeated) {
   }
 }
 
-TEST(MagCalibration, TellsWhatToDoAndHowFarItIs) {
+TEST(MagCalibration, ReportsTheNextInstructionAndTheProgress) {
   Bench bench;
   const auto job = bench.calibration.start();
   bench.hold(200ms);

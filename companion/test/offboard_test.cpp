@@ -98,7 +98,7 @@ TEST(Offboard, GoodOnesArriveUnchangedAndAttitudesNormalised) {
   EXPECT_EQ(offboards(rig.fcu)[0].u, angles(0.1f, -0.2f, 0.3f, 0.5f).u);
   for (const link::Message& m : rig.fcu.received) {
     if (const auto* attitude = std::get_if<link::ExternalAttitude>(&m)) {
-      EXPECT_EQ(attitude->q_NB, (std::array<float, 4>{0, 0, 0, -1}));
+      EXPECT_EQ(attitude->q_WB, (std::array<float, 4>{0, 0, 0, -1}));
     }
     if (const auto* command = std::get_if<link::AuxCommand>(&m)) {
       EXPECT_EQ(command->value, aux.value);

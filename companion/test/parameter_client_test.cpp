@@ -105,7 +105,7 @@ TEST(ParameterList, MalformedAndForeignValuesChangeNothing) {
 }
 
 // Another firmware flashed while the cable was off: its values do not fit and the table is read
-// anew.
+// again.
 TEST(ParameterList, AnotherTableReplacesTheOldOne) {
   Rig rig(numbered_table(10));
   ASSERT_TRUE(rig.run_until([&] { return rig.session.parameters().complete(); }));
@@ -533,8 +533,8 @@ TEST_F(ParameterFiles, SavingToABadPlaceFailsWithOneLine) {
   const auto saved = rig.session.parameters().save_file(folder / "none" / "a.yaml");
   ASSERT_TRUE(rig.run_job(saved));
   EXPECT_TRUE(saved.failed());
-  EXPECT_EQ(saved.text(), (folder / "none" / "a.yaml").string() +
-                              ": cannot be written: No such file or directory");
+  EXPECT_EQ(saved.text(), (folder / "none" / "a.yaml.part").string() +
+                              ": cannot create: No such file or directory");
 }
 
 TEST_F(ParameterFiles, AFileWithAnErrorSetsNothing) {

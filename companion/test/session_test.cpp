@@ -46,7 +46,7 @@ TEST(Session, SaysWhenTheFirmwareIsAnother) {
   EXPECT_EQ(events[0].match, VersionMatch::kDiffers);
 }
 
-// An armed ROSflight 2.x does not tell its version; asking must not become a flood.
+// An armed ROSflight 2.x does not send its version; requests for it must stay rare.
 TEST(Session, AsksForTheVersionLessOftenWhileRefused) {
   Rig rig;
   rig.fcu.armed = true;
@@ -72,7 +72,7 @@ TEST(Session, ConnectionComesGoesAndComesBack) {
   EXPECT_EQ(rig.log.count(ConnectionChange::kRestarted), 0U);
 }
 
-// What the FCU changed by itself while nobody heard it is found afterwards.
+// Changes that the FCU made without a link are detected afterwards.
 TEST(Session, ReadsTheParametersAgainAfterASilence) {
   Rig rig;
   rig.run_for(1s);

@@ -83,7 +83,7 @@ TEST(TimeSync, MinimumDelayRuleBeatsTheReferenceRuleUnderQueueing) {
     return worst_error;
   };
   EXPECT_LT(worst(TimeSync::Rule::kMinimumDelay), 20us);
-  EXPECT_GT(worst(TimeSync::Rule::kReference), 2ms);
+  EXPECT_GT(worst(TimeSync::Rule::kRosflight2), 2ms);
 }
 
 TEST(TimeSync, DriftOfACrystalIsFoundAndFollowed) {
@@ -174,7 +174,7 @@ TEST(TimeSync, ResetTakesTheNextAnswerAsItIs) {
 // The rule of ROSflight 2.x, by hand: offsets 0, then 1 ms: 0.95 * 1 ms; then 20 ms off: taken
 // directly.
 TEST(TimeSync, ReferenceRuleFiltersAndJumps) {
-  TimeSync sync(TimeSync::Rule::kReference);
+  TimeSync sync(TimeSync::Rule::kRosflight2);
   const auto exchange = [&sync](Time at, Time offset) {
     const auto request = sync.request(at);
     sync.answer({(at - offset).count(), request.ts1_ns}, at);

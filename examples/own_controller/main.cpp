@@ -4,8 +4,8 @@
 #include <iostream>
 #include <memory>
 
-#include "apps/fly/fly_command.hpp"
-#include "examples/own_controller/own_guide.hpp"
+#include "flight/fly.hpp"
+#include "own_guidance.hpp"
 
 int main(int argc, char** argv) {
   using namespace rosflight;
@@ -14,11 +14,18 @@ int main(int argc, char** argv) {
     return 2;
   }
   try {
-    apps::FlyOptions options;
-    options.out = argv[1];
+    flight::FlyOptions options;
+    options.folder = argv[1];
     if (argc > 2) options.choice.mission = argv[2];
-    options.guide = own_controller::own_guide;
-    return apps::fly_command(options, std::cout, std::cerr);
+    options.parts = [](const flight::FlightSetup& setup) {
+      flight::FlightParts parts;
+      parts.guidance = own_controller::own_guidance(setup);
+      return parts;
+    };
+    const flight::FlightSummary summary = flight::fly(options);
+    std::cout << summary.verdict << " Tracking error " << summary.tracking.rms()
+              << " m rms, report " << (summary.folder / "report.html").string() << '\n';
+    return summary.success ? 0 : 1;
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
     return 2;

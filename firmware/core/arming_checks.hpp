@@ -9,7 +9,7 @@
 
 namespace rosflight::core {
 
-/// What is looked at before arming on the ground. The order is that of the list people see.
+/// The checks before arming on the ground, in the order of the list that users see.
 enum class Check : std::uint8_t {
   kMixer,
   kEscCalibration,
@@ -37,12 +37,12 @@ enum class Verdict : std::uint8_t { kPass = 0, kWarning = 1, kRefuses = 2 };
 struct CheckRow {
   Check check;
   const char* name;  ///< At most 16 characters.
-  const char* text;  ///< What is wrong, at most 34 characters: "Unable to arm: " comes before it.
-  Verdict verdict;   ///< What a failure leads to, unless a parameter says otherwise.
+  const char* text;  ///< The reason, at most 34 characters; follows "Unable to arm: ".
+  Verdict verdict;   ///< Result of a failed check, unless a parameter changes it.
 };
 
-/// The list before arming. Level and battery refuse with CHECK_LEVEL and CHECK_BATTERY, the loop
-/// time only warns where other programs share the processor.
+/// The list before arming. CHECK_LEVEL and CHECK_BATTERY turn the warnings of level and battery into
+/// refusals. The loop time only warns where other programs share the processor.
 // clang-format off
 inline constexpr std::array<CheckRow, kCheckCount> kChecks{{
     {Check::kMixer,          "mixer",        "invalid mixer",                    Verdict::kRefuses},
@@ -65,13 +65,13 @@ inline constexpr std::array<CheckRow, kCheckCount> kChecks{{
 }};
 // clang-format on
 
-/// Sensors besides the IMU, for the check that those which answered once still do.
+/// Sensors besides the IMU. A sensor that has delivered one sample must go on delivering them.
 enum class Aid : std::uint8_t { kMag, kBaro, kDiffPressure, kRange, kGnss, kBattery };
 inline constexpr std::size_t kAidCount = 6;
 inline constexpr std::array<const char*, kAidCount> kAidNames{"mag",   "baro", "airspeed",
                                                               "range", "GNSS", "battery"};
 
-/// Remembers which sensors ever answered, and which of them fell silent.
+/// Records which sensors have delivered samples, and which of them have stopped.
 class SensorWatch {
  public:
   static constexpr Time kSilence = hal::milliseconds(3000);  ///< Slowest sensor: 1 Hz.
@@ -86,7 +86,9 @@ class SensorWatch {
     if (m.new_gnss) answered(Aid::kGnss, now);
     if (m.new_battery) answered(Aid::kBattery, now);
   }
+  /// A sample has been received since power-up.
   bool answered(Aid aid) const { return ever_[static_cast<std::size_t>(aid)]; }
+  /// Samples were received, but none for longer than kSilence.
   bool silent(Aid aid, Time now) const {
     const auto k = static_cast<std::size_t>(aid);
     return ever_[k] && now - last_[k] > kSilence;
@@ -101,7 +103,7 @@ class SensorWatch {
   std::array<bool, kAidCount> ever_{};
 };
 
-/// All that the list depends on.
+/// The inputs of the checks.
 struct CheckInputs {
   std::uint16_t errors{};  ///< The error word.
   bool esc_calibration{};
@@ -122,11 +124,15 @@ struct CheckInputs {
 /// The list with a verdict for each row.
 struct CheckResults {
   std::array<Verdict, kCheckCount> verdict{};
+  /// No check refuses; warnings are allowed.
   bool ready() const;
+  /// Marks a check as passed.
   void pass(Check check) { verdict[static_cast<std::size_t>(check)] = Verdict::kPass; }
+  /// The verdict of one check.
   Verdict of(Check check) const { return verdict[static_cast<std::size_t>(check)]; }
 };
 
+/// Evaluates every check of the list.
 CheckResults run_checks(const CheckInputs& in);
 
 }  // namespace rosflight::core

@@ -16,7 +16,7 @@ PressureCalibration::Result PressureCalibration::add(Time now, float pressure_Pa
     return Result::kRunning;
   }
   const float variance = squares_ / static_cast<float>(kAverage - 1);
-  if (variance < largest_variance_) {
+  if (variance < max_variance_) {
     running_ = false;
     return Result::kGood;
   }

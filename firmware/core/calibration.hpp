@@ -6,15 +6,17 @@ namespace rosflight::core {
 
 using hal::Time;
 
-/// Mean, and spread, of IMU samples taken at rest.
+/// Mean and spread of IMU samples taken at rest.
 class ImuCalibration {
  public:
   static constexpr int kSamples = 1001;
 
+  /// Discards what was collected and begins again.
   void start() {
     *this = ImuCalibration{};
     running_ = true;
   }
+  /// Ends without a result.
   void stop() { running_ = false; }
   bool running() const { return running_; }
   /// @returns true with the last sample; the results below are then final and running() is false.
@@ -42,15 +44,17 @@ class PressureCalibration {
  public:
   enum class Result : std::uint8_t { kRunning, kGood, kUnsteady };
 
-  explicit PressureCalibration(float largest_variance_Pa2)
-      : largest_variance_{largest_variance_Pa2} {}
+  /// @param max_variance_Pa2  of the samples; above it the calibration fails.
+  explicit PressureCalibration(float max_variance_Pa2) : max_variance_{max_variance_Pa2} {}
 
+  /// Discards what was collected and begins again.
   void start() {
     running_ = true;
     step_ = 0;
     mean_ = 0.0f;
     squares_ = 0.0f;
   }
+  /// Ends without a result.
   void stop() { running_ = false; }
   bool running() const { return running_; }
   /// After kGood it is no longer running; after kUnsteady it starts over.
@@ -62,7 +66,7 @@ class PressureCalibration {
   static constexpr int kSettle = 128;
   static constexpr int kAverage = 127;
 
-  float largest_variance_;
+  float max_variance_;
   Time last_{};
   int step_{0};
   float mean_{0.0f};

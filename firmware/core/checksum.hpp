@@ -26,6 +26,7 @@ inline constexpr std::array<std::uint32_t, 16> kCrcOfNibble = crc_of_nibbles();
 /// 0xCBF43926.
 class Crc32 {
  public:
+  /// Continues the checksum over `size` bytes.
   void add(const std::uint8_t* data, std::size_t size) {
     for (std::size_t k = 0; k < size; ++k) {
       state_ ^= data[k];

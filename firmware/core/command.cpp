@@ -8,15 +8,15 @@ namespace rosflight::core {
 namespace {
 
 constexpr Time kNever = Time::max();
-constexpr std::uint16_t kAllEntries = 0x3FF;
-constexpr std::uint16_t kFreeEntries = 0x3C0;
+constexpr std::uint16_t kAllAxes = 0x3FF;
+constexpr std::uint16_t kFreeAxes = 0x3C0;
 
 using link::OffboardMode;
 
-CommandType offboard_type(OffboardMode mode, std::size_t entry) {
-  if (mode == OffboardMode::kPassThrough || entry >= 6) return CommandType::kPassThrough;
-  if (entry <= 2) return CommandType::kThrottle;
-  if (entry == 5 || mode == OffboardMode::kRatesThrottle) return CommandType::kRate;
+CommandType offboard_type(OffboardMode mode, std::size_t axis) {
+  if (mode == OffboardMode::kPassThrough || axis >= 6) return CommandType::kPassThrough;
+  if (axis <= 2) return CommandType::kThrottle;
+  if (axis == 5 || mode == OffboardMode::kRatesThrottle) return CommandType::kRate;
   return CommandType::kAngle;
 }
 
@@ -25,14 +25,14 @@ CommandType offboard_type(OffboardMode mode, std::size_t entry) {
 void CommandManager::configure(const Config& config) {
   config_ = config;
   failsafe_ = CommandVector{};
-  failsafe_.active = kAllEntries;
+  failsafe_.active = kAllAxes;
   if (config_.fixed_wing) {
     failsafe_.type.fill(CommandType::kPassThrough);
   } else if (failsafe_valid()) {
-    failsafe_.value[config_.throttle_entry] = config_.failsafe_throttle;
+    failsafe_.value[config_.throttle_axis] = config_.failsafe_throttle;
   }
   decided_ = false;
-  set_entry_limits(offboard_limits_[static_cast<std::size_t>(OffboardMode::kPassThrough)]);
+  set_axis_limits(offboard_limits_[static_cast<std::size_t>(OffboardMode::kPassThrough)]);
 }
 
 bool CommandManager::failsafe_valid() const {
@@ -40,7 +40,7 @@ bool CommandManager::failsafe_valid() const {
          (config_.failsafe_throttle >= 0.0f && config_.failsafe_throttle <= 1.0f);
 }
 
-void CommandManager::set_entry_limits(const std::array<float, kEntries>& limits) {
+void CommandManager::set_axis_limits(const std::array<float, kAxes>& limits) {
   constexpr auto kRates = static_cast<std::size_t>(OffboardMode::kRatesThrottle);
   constexpr auto kAngles = static_cast<std::size_t>(OffboardMode::kRollPitchYawrateThrottle);
   offboard_limits_.fill(limits);
@@ -58,10 +58,10 @@ bool CommandManager::admit(link::OffboardControl& command) {
   const bool throttle = static_cast<OffboardMode>(command.mode) != OffboardMode::kPassThrough;
   const auto& limits = offboard_limits_[command.mode];
   bool limited = false;
-  for (std::size_t k = 0; k < kEntries; ++k) {
+  for (std::size_t k = 0; k < kAxes; ++k) {
     float& u = command.u[k];
     if ((static_cast<unsigned>(command.ignore) >> k & 1u) != 0) {
-      u = 0.0f;  // whatever is in there
+      u = 0.0f;  // its value has no meaning
       continue;
     }
     const float low = throttle && k < 3 ? 0.0f : -limits[k];
@@ -85,13 +85,13 @@ bool CommandManager::set_offboard(Time now, const link::OffboardControl& command
 
 void CommandManager::take_offboard(Time now, const link::OffboardControl& command,
                                    float thrust_fraction) {
-  offboard_.active = static_cast<std::uint16_t>(~command.ignore & kAllEntries);
+  offboard_.active = static_cast<std::uint16_t>(~command.ignore & kAllAxes);
   offboard_.value = command.u;
-  for (std::size_t k = 0; k < kEntries; ++k) {
+  for (std::size_t k = 0; k < kAxes; ++k) {
     offboard_.type[k] = offboard_type(static_cast<OffboardMode>(command.mode), k);
   }
-  if (offboard_.is_active(config_.throttle_entry)) {
-    offboard_throttle_ = command.u[config_.throttle_entry];
+  if (offboard_.is_active(config_.throttle_axis)) {
+    offboard_throttle_ = command.u[config_.throttle_axis];
   }
   offboard_time_ = now;
   offboard_thrust_fraction_ = thrust_fraction;
@@ -117,7 +117,7 @@ void CommandManager::interpret(const PilotInput& pilot) {
   CommandVector& c = pilot_;
   c = CommandVector{};
   c.active = 0x3F;
-  c.value[config_.throttle_entry] = pilot.throttle;
+  c.value[config_.throttle_axis] = pilot.throttle;
   c.value[3] = pilot.roll;
   c.value[4] = pilot.pitch;
   c.value[5] = pilot.yaw;
@@ -134,16 +134,16 @@ void CommandManager::interpret(const PilotInput& pilot) {
 }
 
 bool CommandManager::pilot_wants_less_thrust() const {
-  const std::size_t k = config_.throttle_entry;
+  const std::size_t k = config_.throttle_axis;
   if (offboard_.type[k] == CommandType::kThrottle) return pilot_.value[k] < offboard_throttle_;
   if (config_.fixed_wing) return pilot_.value[k] < offboard_throttle_;
   return pilot_.value[k] * config_.max_throttle < offboard_thrust_fraction_;
 }
 
-/// How much of a pass-through companion's torques remains when the pilot has its thrust: the
-/// pilot's thrust over the companion's, so that no thrust means no torque either.
+/// Fraction of a pass-through companion's torques that remains when the pilot commands the thrust:
+/// the pilot's thrust over the companion's, so that no thrust means no torque.
 float CommandManager::torque_share() const {
-  const std::size_t k = config_.throttle_entry;
+  const std::size_t k = config_.throttle_axis;
   if (config_.fixed_wing || offboard_.type[k] != CommandType::kPassThrough) return 1.0f;
   const float thrust = pilot_.value[k] * config_.max_throttle;
   if (!(thrust > 0.0f)) return 0.0f;
@@ -162,7 +162,7 @@ std::uint16_t CommandManager::override_now(Time now, const PilotInput& pilot) {
   if (!offboard_.is_active(3)) word |= kRollInactive;
   if (!offboard_.is_active(4)) word |= kPitchInactive;
   if (!offboard_.is_active(5)) word |= kYawInactive;
-  if (!offboard_.is_active(config_.throttle_entry)) word |= kThrottleInactive;
+  if (!offboard_.is_active(config_.throttle_axis)) word |= kThrottleInactive;
   return word;
 }
 
@@ -175,7 +175,7 @@ void CommandManager::combine() {
   if (config_.override_whole && pilot != 0) pilot = 0x03F;
   combined_.value = offboard_.value;
   combined_.type = offboard_.type;
-  constexpr std::size_t kOfThePilot = 6;  // the free entries are never his
+  constexpr std::size_t kOfThePilot = 6;  // the pilot has no free axes
   for (std::size_t k = 0; pilot != 0 && k < kOfThePilot; ++k) {
     if ((static_cast<unsigned>(pilot) >> k & 1u) == 0) continue;
     combined_.value[k] = pilot_.value[k];
@@ -189,8 +189,8 @@ void CommandManager::combine() {
   }
   combined_.active =
       static_cast<std::uint16_t>((pilot_.active & pilot) | (offboard_.active & ~pilot));
-  const auto free_inactive = static_cast<std::uint16_t>(kFreeEntries & ~offboard_.active);
-  primary_entries_ = static_cast<std::uint16_t>(pilot | free_inactive);
+  const auto free_inactive = static_cast<std::uint16_t>(kFreeAxes & ~offboard_.active);
+  primary_axes_ = static_cast<std::uint16_t>(pilot | free_inactive);
 }
 
 bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, bool failsafe) {
@@ -219,7 +219,7 @@ bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, b
 
   if (failsafe) {
     combined_ = failsafe_;
-    primary_entries_ = kAllEntries;
+    primary_axes_ = kAllAxes;
   } else {
     combine();
   }

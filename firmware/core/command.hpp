@@ -9,20 +9,21 @@
 
 namespace rosflight::core {
 
-inline constexpr std::size_t kEntries = link::kCommandEntries;
+inline constexpr std::size_t kAxes = link::kCommandAxes;
 
-/// How an entry of the command vector is to be taken.
+/// The meaning of one axis of the command vector.
 enum class CommandType : std::uint8_t { kRate, kAngle, kThrottle, kPassThrough };
 
-/// Ten entries: 0..2 force or throttle x y z, 3..5 torque, angle or rate about x y z, 6..9 free.
+/// Ten axes: 0..2 force or throttle along x y z; 3..5 torque, angle or rate about x y z; 6..9 free.
 struct CommandVector {
-  std::array<float, kEntries> value{};
-  std::array<CommandType, kEntries> type{CommandType::kThrottle,    CommandType::kThrottle,
-                                         CommandType::kThrottle,    CommandType::kAngle,
-                                         CommandType::kAngle,       CommandType::kRate,
-                                         CommandType::kPassThrough, CommandType::kPassThrough,
-                                         CommandType::kPassThrough, CommandType::kPassThrough};
-  std::uint16_t active{0};  ///< Bit k: entry k is meant.
+  std::array<float, kAxes> value{};
+  std::array<CommandType, kAxes> type{CommandType::kThrottle,    CommandType::kThrottle,
+                                      CommandType::kThrottle,    CommandType::kAngle,
+                                      CommandType::kAngle,       CommandType::kRate,
+                                      CommandType::kPassThrough, CommandType::kPassThrough,
+                                      CommandType::kPassThrough, CommandType::kPassThrough};
+  std::uint16_t active{0};  ///< Bit k: axis k carries a command.
+  /// Axis k carries a command; k < kAxes.
   bool is_active(std::size_t k) const { return (active >> k & 1u) != 0; }
 };
 
@@ -38,22 +39,21 @@ inline constexpr std::uint16_t kRollInactive = 0x040;
 inline constexpr std::uint16_t kPitchInactive = 0x080;
 inline constexpr std::uint16_t kYawInactive = 0x100;
 inline constexpr std::uint16_t kThrottleInactive = 0x200;
-inline constexpr std::uint16_t kThrottle = 0x222;  ///< Any of these: entries 0..2 are the pilot's.
-inline constexpr std::uint16_t kRoll = 0x045;      ///< Any of these: entry 3 is.
+inline constexpr std::uint16_t kThrottle = 0x222;  ///< Any of these: the pilot commands axes 0..2.
+inline constexpr std::uint16_t kRoll = 0x045;      ///< Any of these: the pilot commands axis 3.
 inline constexpr std::uint16_t kPitch = 0x089;
 inline constexpr std::uint16_t kYaw = 0x111;
 }  // namespace override_bit
 
-/// Decides who flies: combines the pilot's sticks and the companion's commands, entry by entry, and
-/// holds the failsafe command. Decides anew at every receiver frame and offboard command and at the
-/// moment a time-out or hold ends, so the answer is never older than one pass.
+/// Combines the pilot's sticks and the companion's commands, axis by axis, and holds the failsafe
+/// command. The combination is computed at every receiver frame, every offboard command, and when a
+/// timeout or a stick hold ends, so it is never older than one pass.
 class CommandManager {
  public:
   struct Config {
     bool fixed_wing{false};
-    std::uint8_t throttle_entry{
-        2};                 ///< RC_F_AXIS: which of entries 0..2 the throttle stick drives.
-    bool angle_mode{true};  ///< Stick roll and pitch are angles unless a switch decides.
+    std::uint8_t throttle_axis{2};  ///< RC_F_AXIS: the axis, 0..2, of the throttle stick.
+    bool angle_mode{true};  ///< Roll and pitch sticks command angles, unless a switch decides.
     bool type_switch_mapped{false};
     float max_roll_rad{0.786f}, max_pitch_rad{0.786f};
     float max_roll_rate_rad_s{3.14159f}, max_pitch_rate_rad_s{3.14159f}, max_yaw_rate_rad_s{1.507f};
@@ -63,48 +63,45 @@ class CommandManager {
     bool take_min_throttle{true};
     Time offboard_timeout{hal::milliseconds(100)};
     float failsafe_throttle{-1.0f};
-    /// The two mixers differ, so their entries may mean different things: any override then takes
-    /// all six entries, or none.
+    /// The two mixers differ, so their axes may mean different things: an override then applies to
+    /// all six axes or to none.
     bool override_whole{false};
   };
 
-  /// Takes new settings and rebuilds the failsafe command.
+  /// Applies new settings and rebuilds the failsafe command.
   void configure(const Config& config);
   /// The failsafe throttle is usable (always, for fixed wings).
   bool failsafe_valid() const;
 
-  /// The largest magnitude of each entry that the companion may command in pass-through
-  /// (Mixer::entry_limits).
-  void set_entry_limits(const std::array<float, kEntries>& limits);
+  /// Sets the largest magnitude of each axis that the companion may command in pass-through
+  /// (Mixer::axis_limits).
+  void set_axis_limits(const std::array<float, kAxes>& limits);
 
-  /// A command of the companion before it is used: entries masked out become 0, the others are
-  /// limited by their type,
+  /// Limits a command of the companion. Masked axes become 0, the others are limited by their type:
   ///
   ///     throttle      0..1
-  ///     angle, rate   the largest that the sticks can command, of either sign
-  ///     pass-through  the limits of set_entry_limits(), of either sign
+  ///     angle, rate   the maximum of the sticks, of either sign
+  ///     pass-through  the limits of set_axis_limits(), of either sign
   ///
-  /// @returns false for an unknown mode or a value that is not finite: to be refused whole.
+  /// @returns false for an unknown mode or a value that is not finite; the command is then rejected.
   bool admit(link::OffboardControl& command);
-  /// What admit() last limited.
+  /// The last command that admit() limited.
   struct Limited {
-    std::uint32_t count{0};  ///< Commands with a limited entry, since start.
-    std::uint8_t entry{0};   ///< The first of the newest such command ...
-    float asked{0.0f};
-    float used{0.0f};
+    std::uint32_t count{0};  ///< Commands with a limited axis, since start.
+    std::uint8_t axis{0};    ///< The first limited axis of the newest such command ...
+    float requested{0.0f};   ///< ... its value ...
+    float used{0.0f};        ///< ... and the limit.
   };
   const Limited& limited() const { return limited_; }
 
-  /// Takes an admitted command. Entries masked out are inactive, as all are after the time-out. An
-  /// inactive entry is the pilot's, or 0 where the pilot has none.
-  /// @param thrust_fraction  total thrust it asks for, 0..1 of what the motors can give; used only
-  /// in
-  ///                         pass-through, where the entries do not tell.
+  /// Stores an admitted command. Masked axes are inactive; after the timeout all are. An inactive
+  /// axis follows the pilot, or is 0 where the pilot has no command for it.
+  /// @param thrust_fraction  total thrust of the command, 0..1 of the motors' maximum; used only in
+  ///                         pass-through, where the axes do not show it.
   void take_offboard(Time now, const link::OffboardControl& command, float thrust_fraction);
-  /// Both in one. @returns what admit() returns; if false nothing changed.
+  /// admit() and take_offboard(). @returns the result of admit(); if false nothing changed.
   bool set_offboard(Time now, const link::OffboardControl& command, float thrust_fraction);
-  /// As if the companion had never commanded anything: what came before an arming on the ground
-  /// does not count after it.
+  /// Discards every offboard command, as on arming on the ground.
   void forget_offboard();
 
   /// Once per pass. @param new_input  `pilot` changed.
@@ -114,10 +111,10 @@ class CommandManager {
   const CommandVector& combined() const { return combined_; }
   const CommandVector& pilot() const { return pilot_; }
   std::uint16_t override_word() const { return override_; }
-  /// Some of the offboard entries 0..5 is in force.
+  /// Any of the offboard axes 0..5 is in force.
   bool offboard_active() const { return (offboard_.active & 0x3Fu) != 0; }
-  /// Entries (bits) that come from the pilot or the failsafe: they use the primary mixer.
-  std::uint16_t primary_entries() const { return primary_entries_; }
+  /// Bit k: axis k comes from the pilot or the failsafe, and uses the primary mixer.
+  std::uint16_t primary_axes() const { return primary_axes_; }
   bool in_failsafe() const { return in_failsafe_; }
 
  private:
@@ -134,7 +131,7 @@ class CommandManager {
   void combine();
 
   static constexpr std::size_t kModes = 3;
-  using Limits = std::array<float, kEntries>;
+  using Limits = std::array<float, kAxes>;
   static constexpr Limits no_limits() {
     constexpr float kNone = std::numeric_limits<float>::max();
     return {kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone};
@@ -149,11 +146,11 @@ class CommandManager {
   CommandVector combined_{};
   std::array<StickHold, 3> holds_{};
   Time offboard_time_{};
-  Time decide_at_{};               ///< Next moment at which time alone changes something.
-  float offboard_throttle_{0.0f};  ///< The last one commanded, masked or timed out since or not.
+  Time decide_at_{};               ///< Next time at which a timeout or a hold ends.
+  float offboard_throttle_{0.0f};  ///< The last one commanded, also if masked or timed out since.
   float offboard_thrust_fraction_{0.0f};
   std::uint16_t override_{0};
-  std::uint16_t primary_entries_{0x3FF};
+  std::uint16_t primary_axes_{0x3FF};
   bool offboard_new_{false};
   bool in_failsafe_{false};
   bool decided_{false};

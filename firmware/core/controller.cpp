@@ -9,8 +9,8 @@ namespace {
 constexpr float kThrottleForIntegration = 0.1f;
 constexpr float kLongestIntegrationStep_s = 0.01f;
 
-/// Squared sines of half the tilt between which the angle errors fade from differences into a
-/// rotation: 60 and 75 degrees.
+/// Squared sines of half the tilts, 60 and 75 degrees, between which the angle errors are blended
+/// from differences to a rotation.
 constexpr float kModerateTilt = 0.25f;
 constexpr float kSteepTilt = 0.37f;
 
@@ -19,7 +19,7 @@ float half_tilt_squared(const Quaternion& q) {
   return q.x * q.x + q.y * q.y;
 }
 
-/// Gravity's direction in the body axes of an attitude: the last row of R(q_NB).
+/// Gravity's direction in the body axes of an attitude: the last row of R(q_WB).
 Vector3 down_B(const Quaternion& q) {
   return {2.0f * (q.x * q.z - q.y * q.w), 2.0f * (q.y * q.z + q.x * q.w),
           1.0f - 2.0f * (q.x * q.x + q.y * q.y)};
@@ -60,8 +60,8 @@ Controller::AngleErrors Controller::steep_errors(const CommandVector& command,
   const bool pitch_commanded = command.type[4] == CommandType::kAngle;
   const auto [sr, cr] = sin_cos(command.value[3]);
   const auto [sp, cp] = sin_cos(pitch_commanded ? command.value[4] : state.pitch_rad);
-  const Vector3 rotation = shortest_rotation({-sp, sr * cp, cr * cp}, down_B(state.q_NB));
-  float share = (half_tilt_squared(state.q_NB) - kModerateTilt) / (kSteepTilt - kModerateTilt);
+  const Vector3 rotation = shortest_rotation({-sp, sr * cp, cr * cp}, down_B(state.q_WB));
+  float share = (half_tilt_squared(state.q_WB) - kModerateTilt) / (kSteepTilt - kModerateTilt);
   if (share > 1.0f) share = 1.0f;
   e.roll += share * (rotation.x() - e.roll);
   e.pitch += share * (rotation.y() - e.pitch);
@@ -121,14 +121,14 @@ Controller::AngleErrors Controller::steep_errors(const CommandVector& command,
 const Controller::Output& Controller::step(const CommandVector& command,
                                            const AttitudeEstimate& state, float dt_s, bool armed,
                                            bool saturated) {
-  if (!(half_tilt_squared(state.q_NB) <= kModerateTilt)) {
+  if (!(half_tilt_squared(state.q_WB) <= kModerateTilt)) {
     return step_steep(command, state, dt_s, armed, saturated);
   }
   return run(command, state, dt_s, armed, saturated,
              {command.value[3] - state.roll_rad, command.value[4] - state.pitch_rad});
 }
 
-/// Apart from step(), so that this pays nothing for it.
+/// A function of its own, so that step() does not pay for it.
 [[gnu::noinline]] const Controller::Output& Controller::step_steep(const CommandVector& command,
                                                                    const AttitudeEstimate& state,
                                                                    float dt_s, bool armed,

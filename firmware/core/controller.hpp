@@ -8,13 +8,13 @@ namespace rosflight::core {
 
 /// Turns the command vector into forces and torques for the mixer.
 ///
-/// entry      type          output
+/// axis       type          output
 /// 3, 4       angle         angle PID, derivative = body rate
 /// 3, 4, 5    rate          rate PID, derivative filtered
 /// 0, 1       throttle      + c * max_throttle * max_thrust
 /// 2          throttle      - c * max_throttle * max_thrust      (up is negative z)
-/// else                     as it is
-/// and entries 3..5 get the equilibrium torque on top, always.
+/// else                     unchanged
+/// The equilibrium torque is added to axes 3..5, always.
 ///
 /// The angle errors are, up to a tilt of 60 degrees, the differences of roll and pitch. Beyond 75
 /// degrees, where roll and pitch lose their meaning, they are the body x and y components of the
@@ -23,10 +23,10 @@ namespace rosflight::core {
 ///     q_e = (1 + c . d, c x d) / |.|                                                     (1)
 ///
 /// with d the direction of gravity in body axes and c that of the commanded roll and pitch; for an
-/// error in roll alone or pitch alone both are the same. In between they fade into each other.
+/// error in roll alone or pitch alone both are the same. Between the two tilts they are blended.
 class Controller {
  public:
-  using Output = std::array<float, kEntries>;
+  using Output = std::array<float, kAxes>;
 
   struct Config {
     Pid::Gains roll_rate{0.07f, 0, 0}, pitch_rate{0.07f, 0, 0}, yaw_rate{0.25f, 0, 0};
@@ -42,16 +42,16 @@ class Controller {
   /// All loops start from rest: on arming.
   void reset();
 
-  /// @param saturated  the mixer could not give what was asked for last time: integrals only
-  /// unwind.
+  /// @param dt_s       time since the previous step [s].
+  /// @param saturated  the previous output did not fit the actuators: integrals only unwind.
   const Output& step(const CommandVector& command, const AttitudeEstimate& state, float dt_s,
                      bool armed, bool saturated);
 
-  /// Torques that the pilot's present stick command asks for, level and at rest: what the sticks
-  /// trim away (equilibrium-torque capture).
+  /// Torques that the present stick command produces, level and at rest: the equilibrium torques of
+  /// a vehicle that flies straight under this command.
   std::array<float, 3> trim(const CommandVector& pilot) const;
 
-  /// `u` with the equilibrium torques on top: for what reaches the mixer without a loop.
+  /// `u` plus the equilibrium torques, for commands that reach the mixer without a loop.
   Output trimmed(const Output& u) const {
     Output sum = u;
     for (std::size_t k = 0; k < 3; ++k) sum[3 + k] += config_.equilibrium_torque[k];

@@ -9,13 +9,13 @@ namespace rosflight::core {
 
 using hal::Time;
 
-/// What a fault handler leaves in backup memory for the next start, little-endian. The first 44
-/// bytes are those of ROSflight 2.x:
+/// The record that a fault handler leaves in backup memory for the next start, little-endian. The
+/// first 44 bytes are those of ROSflight 2.x:
 ///
-///     u16 faults since power-up | u16 error word | u32 arm word | 8 x u32 registers | u32
-///     Fletcher-16
+///     u16 faults since power-up | u16 error word | u32 arm word | 8 x u32 registers
+///     u32 Fletcher-16
 ///
-/// and 20 of our own follow:
+/// and 20 of this firmware follow:
 ///
 ///     u32 flight word | 3 x u32 age of a rearming [ms] | u32 Fletcher-16
 ///
@@ -33,13 +33,13 @@ struct CrashRecord {
   std::uint16_t error_word{};
   bool armed{};
   std::array<std::uint32_t, 8> registers{};  ///< r0, r1, r2, r3, r12, lr, pc, psr.
-  bool above_idle{};                         ///< Some motor turned faster than idle at the fault.
+  bool above_idle{};                         ///< A motor turned faster than idle at the fault.
   using Ages = std::array<std::uint32_t, kMaxRearms>;
-  /// How long before the fault the last three rearmings were, the newest first; kNever if not.
+  /// Ages of the last three rearmings at the fault, newest first; kNever where there was none.
   Ages rearm_age_ms{kNever, kNever, kNever};
 
   std::uint32_t pc() const { return registers[6]; }
-  /// It was flying, and has not been rearmed three times within the last 60 s.
+  /// The vehicle was flying, and was not rearmed three times within the last 60 s.
   bool may_rearm() const;
 };
 

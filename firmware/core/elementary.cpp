@@ -6,6 +6,8 @@
 #include <cstring>
 #include <limits>
 
+#include "base/constants.hpp"
+
 namespace rosflight::core {
 namespace {
 
@@ -29,7 +31,7 @@ float atan2(float y, float x) {
   float angle = t + t * (z * p);
   if (turned) angle = 0.785398163f + angle;
   if (ax < ay) angle = 1.57079633f - angle;
-  if (x < 0.0f) angle = 3.14159265f - angle;
+  if (x < 0.0f) angle = static_cast<float>(base::kPi) - angle;
   return y < 0.0f ? -angle : angle;
 }
 

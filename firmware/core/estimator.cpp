@@ -48,7 +48,7 @@ inline Quaternion turned(const Quaternion& q, const Vector3& rate, float dt_s, b
   return normalized(q * half);
 }
 
-/// Axis of length 1 perpendicular to the unit vector n: which one is of no matter.
+/// Some unit vector perpendicular to the unit vector n.
 Vector3 any_perpendicular(const Vector3& n) {
   constexpr float kNearX = 0.9f;
   const Vector3 other = std::abs(n.x()) < kNearX ? Vector3::UnitX() : Vector3::UnitY();
@@ -84,8 +84,8 @@ void Estimator::reset_in_flight() {
   in_flight_ = true;
 }
 
-bool Estimator::set_external_attitude(const std::array<float, 4>& q_NB) {
-  const Quaternion q{q_NB[0], q_NB[1], q_NB[2], q_NB[3]};
+bool Estimator::set_external_attitude(const std::array<float, 4>& q_WB) {
+  const Quaternion q{q_WB[0], q_WB[1], q_WB[2], q_WB[3]};
   const float norm_sq = squared_norm(q);
   const bool valid = norm_sq > 1e-6f && norm_sq < 1e6f;  // false for NaN
   if (!valid) external_run_ = 0;
@@ -99,20 +99,20 @@ bool Estimator::set_external_attitude(const std::array<float, 4>& q_NB) {
 }
 
 bool Estimator::external_plausible(const Quaternion& q) {
-  if (within(q, estimate_.q_NB, kCos10Deg)) {
+  if (within(q, estimate_.q_WB, kCos10Deg)) {
     external_run_ = 0;
     return true;
   }
-  const Quaternion expected =
-      external_reference_ * conjugate(external_base_) * estimate_.q_NB;  // carried on
+  const Quaternion expected = external_reference_ * conjugate(external_base_) *
+                              estimate_.q_WB;  // propagated with the estimate
   const bool agrees = external_run_ > 0 && within(q, expected, kCos2_5Deg);
   external_run_ = agrees ? std::min(external_run_ + 1, kExternalRun) : 1;
   const bool taken = external_run_ == kExternalRun;
-  // Before, each has to agree with the first of its run; after, with the one before, because the
-  // estimate moves towards them.
+  // Until the run is complete each must agree with its first; afterwards with the previous one,
+  // because the estimate moves towards them.
   if (!agrees || taken) {
     external_reference_ = q;
-    external_base_ = estimate_.q_NB;
+    external_base_ = estimate_.q_WB;
   }
   return taken;
 }
@@ -121,7 +121,7 @@ const AttitudeEstimate& Estimator::step(const hal::ImuSample& imu, float dt_s) {
   estimate_.stamp = imu.stamp;
   if (!started_) {
     started_ = true;
-    constexpr Time kLatest{std::int64_t{1} << 60};  // room for sums, whatever the first stamp is
+    constexpr Time kLatest{std::int64_t{1} << 60};  // leaves room for sums with any first stamp
     now_ = std::clamp(imu.stamp, Time{0}, kLatest);
     last_acc_use_ = external_time_ = now_;
     boost_start_ = now_;
@@ -144,20 +144,20 @@ const AttitudeEstimate& Estimator::step(const hal::ImuSample& imu, float dt_s) {
   propagate(rate_for_step() - bias_ + c.kp * c.error, dt_s, config_.exact_step);
 
   estimate_.rates_rad_s = rate_ - bias_;
-  estimate_.roll_rad = roll_of(estimate_.q_NB);
-  estimate_.pitch_rad = pitch_of(estimate_.q_NB);
+  estimate_.roll_rad = roll_of(estimate_.q_WB);
+  estimate_.pitch_rad = pitch_of(estimate_.q_WB);
   return estimate_;
 }
 
 void Estimator::cross_gap(const hal::ImuSample& imu, float dt_s) {
-  constexpr float kLongest_s = 1e9f;  // keeps the sum of times finite
-  const Time gap{static_cast<std::int64_t>(std::min(dt_s, kLongest_s) * kMicroseconds)};
+  constexpr float kMaxTime_s = 1e9f;  // keeps the sum of times finite
+  const Time gap{static_cast<std::int64_t>(std::min(dt_s, kMaxTime_s) * kMicroseconds)};
   now_ += gap;
   last_acc_use_ += gap;  // health counts what was measured
   usable_since_ += gap;
   const Vector3 before = rate_;
   rate_ = rate_1_ = rate_2_ = to_vector(imu.gyro_rad_s);
-  if (dt_s <= kLongestGap_s) {
+  if (dt_s <= kMaxGap_s) {
     propagate(0.5f * (before + rate_) - bias_, dt_s, true);
     return;
   }
@@ -181,12 +181,12 @@ inline bool Estimator::accelerometer_usable(float norm_sq) const {
 
 inline Vector3 Estimator::accelerometer_error() const {
   const Vector3 n = acc_ * (1.0f / acc_.norm());
-  const Quaternion& q = estimate_.q_NB;
+  const Quaternion& q = estimate_.q_WB;
   const Vector3 p{2.0f * (q.w * q.y - q.x * q.z), -2.0f * (q.w * q.x + q.y * q.z),
                   2.0f * (q.x * q.x + q.y * q.y) - 1.0f};
   Vector3 error = n.cross(p);
   if (n.dot(p) < 0.0f) {
-    constexpr float kOpposite = 1e-3f;  // sine below which rounding chooses the axis anyway
+    constexpr float kOpposite = 1e-3f;  // sine below which rounding determines the axis
     const float sine = error.norm();
     error = sine > kOpposite ? Vector3{error / sine} : any_perpendicular(n);
   }
@@ -197,7 +197,7 @@ inline Vector3 Estimator::accelerometer_error() const {
 Estimator::Correction Estimator::external_correction(float dt_s) {
   Correction c;
   external_pending_ = false;
-  const Quaternion d = normalized(conjugate(estimate_.q_NB) * external_);
+  const Quaternion d = normalized(conjugate(estimate_.q_WB) * external_);
   const Vector3 s{d.x, d.y, d.z};
   const float length = s.norm();
   c.error = d.w >= length ? Vector3{4.0f * d.w * s} : Vector3{2.0f / length * s};
@@ -207,7 +207,7 @@ Estimator::Correction Estimator::external_correction(float dt_s) {
   c.error *= std::min(hal::seconds(now_ - external_time_), longest) / dt_s;
   c.yaw_bias_error = c.error.z();
   external_time_ = now_;
-  external_base_ = turned(estimate_.q_NB, c.kp * c.error, dt_s, true);
+  external_base_ = turned(estimate_.q_WB, c.kp * c.error, dt_s, true);
   return c;
 }
 
@@ -238,14 +238,14 @@ inline Vector3 Estimator::rate_for_step() {
 }
 
 inline void Estimator::propagate(const Vector3& rate, float dt_s, bool exact) {
-  estimate_.q_NB = turned(estimate_.q_NB, rate, dt_s, exact);
+  estimate_.q_WB = turned(estimate_.q_WB, rate, dt_s, exact);
 }
 
 void Estimator::level_from_accelerometer() {
   if (!accelerometer_usable(acc_.squaredNorm())) return;
   const float roll = atan2(-acc_.y(), -acc_.z());
   const float pitch = atan2(acc_.x(), std::sqrt(acc_.y() * acc_.y() + acc_.z() * acc_.z()));
-  estimate_.q_NB = normalized(quaternion_from_euler(roll, pitch, yaw_of(estimate_.q_NB)));
+  estimate_.q_WB = normalized(quaternion_from_euler(roll, pitch, yaw_of(estimate_.q_WB)));
   estimate_.roll_rad = roll;
   estimate_.pitch_rad = pitch;
 }

@@ -6,10 +6,11 @@ namespace rosflight::core {
 
 using hal::Time;
 
-/// What the estimator believes. Body front-right-down, N north-east-down with an arbitrary north.
+/// The attitude estimate. Body B is front-right-down; W is north-east-down with an arbitrary north,
+/// since nothing on board measures the heading.
 struct AttitudeEstimate {
   Time stamp{};
-  Quaternion q_NB{};
+  Quaternion q_WB{};
   Vector3 rates_rad_s{Vector3::Zero()};  ///< Low-passed gyro less bias.
   float roll_rad{0.0f};
   float pitch_rad{0.0f};
@@ -48,13 +49,13 @@ struct AttitudeEstimate {
 /// sets roll and pitch; below that the estimate starts level, as in ROSflight 2.x. A gap in the
 /// samples is bridged with the mean of the rates before and after it and does not touch gains or
 /// biases; only a gap above 1 s makes roll and pitch start again from the accelerometer, with the
-/// boost. Times are sums of dt, so a clock of the IMU that starts anew does not matter.
+/// boost. Times are sums of dt, so a restart of the IMU's clock has no effect.
 class Estimator {
  public:
   /// Longer steps are gaps: no low-pass, no correction [s].
   static constexpr float kGap_s = 0.025f;
   /// After a longer gap roll and pitch start again from the accelerometer [s].
-  static constexpr float kLongestGap_s = 1.0f;
+  static constexpr float kMaxGap_s = 1.0f;
   static constexpr Time kUnhealthyAfter = hal::milliseconds(500);
   static constexpr Time kHealthyAfter = hal::milliseconds(100);
 
@@ -71,6 +72,7 @@ class Estimator {
     bool fixed_wing{false};
   };
 
+  /// Applies new settings; the state is kept.
   void configure(const Config& config) { config_ = config; }
 
   /// Level, no bias, filters at rest. The very first step after construction only records its time.
@@ -78,21 +80,22 @@ class Estimator {
   /// After a restart in the air: roll and pitch from the first accelerometer sample, the boost
   /// counts from that sample and leaves external attitudes alone.
   void reset_in_flight();
-  /// At the end of a gyro calibration, so at rest: the bias estimate was that of the old offset, and
-  /// an attitude more than 3 degrees from the accelerometer's was turned by the offset, from which
-  /// nothing was subtracted while it was measured: the accelerometer's takes its place. Yaw stays.
+  /// At the end of a gyro calibration, hence at rest: resets the bias estimate, which belonged to the
+  /// old offset. While the offset was measured nothing was subtracted from it, and it turned the
+  /// attitude: roll and pitch more than 3 degrees from the accelerometer's are set to those. Yaw is
+  /// kept.
   void settle();
 
-  /// Normalises; @returns false and ignores it for NaN, a length of zero and while it is rejected
-  /// because it is far from the estimate.
-  bool set_external_attitude(const std::array<float, 4>& q_NB);
+  /// Normalises and stores an attitude for the next step. @returns false and ignores it if it holds a
+  /// NaN, has no length, or is rejected because it is far from the estimate.
+  bool set_external_attitude(const std::array<float, 4>& q_WB);
 
   /// One IMU sample, calibrated, dt after the previous one [s, >= 0].
   const AttitudeEstimate& step(const hal::ImuSample& imu, float dt_s);
 
   const AttitudeEstimate& estimate() const { return estimate_; }
   const Vector3& bias_rad_s() const { return bias_; }
-  /// External attitudes not used, since power-up.
+  /// Rejected external attitudes since power-up.
   std::uint32_t external_rejected() const { return external_rejected_; }
   /// False after 0.5 s without a usable accelerometer (multirotors), true again after 0.1 s with
   /// one.

@@ -14,12 +14,12 @@ Firmware::Firmware(const hal::Board& board, link::Codec& codec)
 
 void Firmware::run() {
   const Time now = board_.clock.now();
-  board_.system.alive();
+  board_.system.feed_watchdog();
   const Time busy_before = board_.system.busy_time();
-  longest_pass_ = std::max(longest_pass_, now - pass_begin_);
+  max_pass_ = std::max(max_pass_, now - pass_begin_);
   pass_begin_ = now;
 
-  // Only what was handed to handle() between two passes; all else was applied by supervise().
+  // Only changes by handle() between two passes; all others were applied by supervise().
   if (parameters_.has_changes()) apply_parameter_changes();
   sense(now);
   float dt_s = 0.0f;
@@ -28,14 +28,14 @@ void Firmware::run() {
 
   receive(now);
   supervise(now);
-  listen_to_pilot(now);
+  read_pilot(now);
   decide(now);
 
   if (telemetry_.tick(now, parameters_.get_bool(Param::kFixedWing))) {
     telemetry_.send(status());
     if (turning()) moved_ = now;
-    tell_losses(now);
-    tell_sensors(now);
+    report_losses(now);
+    report_sensors(now);
   }
   if (next_check_ < kCheckCount) report_checks(now);
   telemetry_.send_backlog(now, {mixer_.outputs(), rc_frame_}, parameters_, log_);
@@ -54,14 +54,14 @@ void Firmware::start() {
   board_.leds.set(hal::Led::kStatus, false);
   const StoreResult loaded = load_parameters();
   if (loaded != StoreResult::kOk) log_.warning("Unable to load parameters, using defaults");
-  // Only over nothing: a set that cannot be read today may still be there tomorrow.
+  // Only onto blank storage: a set that cannot be read now may be valid at the next start.
   if (loaded == StoreResult::kBlank) static_cast<void>(save_parameters());
   static_cast<void>(parameters_.take_changes());
   parameters_.mark_all_reported();
 
   const bool saved = !parameters_.unsaved();
   apply_mixers();
-  // What follows from a stored choice of mixer follows from it again at the next start.
+  // Rows that follow from the stored choice of mixer follow from it again at the next start.
   if (saved) parameters_.mark_saved(parameters_.version());
   static_cast<void>(parameters_.take_changes());
   if (!board_.receiver.start(static_cast<hal::ReceiverType>(parameters_.get_int(Param::kRcType)))) {
@@ -82,7 +82,7 @@ void Firmware::start() {
     log_.push(ok ? Severity::kInfo : Severity::kError, text);
   }
   apply_settings();
-  static_cast<void>(parameters_.take_changes());  // rows a mixer choice filled in: they follow it
+  static_cast<void>(parameters_.take_changes());  // rows that the choice of mixer has filled in
   rc_.describe(log_);
   check_calibration();
   estimator_.reset();
@@ -91,8 +91,8 @@ void Firmware::start() {
     sensors_.start_baro_calibration();
     if (parameters_.get_float(Param::kDiffPressBias) == 0.0f) sensors_.start_airspeed_calibration();
   }
-  imu_heard_ = pass_begin_ = board_.clock.now();
-  decide(imu_heard_);
+  last_imu_ = pass_begin_ = board_.clock.now();
+  decide(last_imu_);
 }
 
 // ---- the steps of a pass
@@ -101,7 +101,7 @@ void Firmware::sense(Time now) {
   const Sensors::CalibrationEvents events = sensors_.step(now, board_, parameters_, log_);
   sensor_watch_.step(now, sensors_.measurements());
   if (sensors_.measurements().new_imu) {
-    imu_heard_ = now;
+    last_imu_ = now;
     counters_.imu(now, sensors_.measurements().imu.stamp);
     if (state_.has(Error::kImuNotResponding)) set_error(Error::kImuNotResponding, false);
     if (state_.has(Error::kTimeGoingBackwards)) set_error(Error::kTimeGoingBackwards, false);
@@ -121,11 +121,11 @@ void Firmware::finish_calibration(const Sensors::CalibrationEvents& events, Time
   }
   if (events.gyro_done) {
     estimator_.settle();
-    moved_ = now - kStillTime;  // it stood still all the time
+    moved_ = now - kStillTime;  // it did not move meanwhile
     act(rc_.arm_switch_off() ? state_.handle(Event::kDisarm)
                              : state_.handle(Event::kCalibrationComplete, arm_request(now)),
         now);
-    continue_save(now);  // a block is enough for the new biases: armed before this pass's control
+    continue_save(now);  // the new biases fit one block: armed before this pass's control
   }
   if (events.gyro_failed) act(state_.handle(Event::kCalibrationFailed), now);
 }
@@ -136,7 +136,7 @@ bool Firmware::time_step(float& dt_s) {
   return !step.restarted || dt_s > 0.0f;  // the first sample only sets the clock
 }
 
-/// What the mixer depends on besides its inputs.
+/// Conditions of the mixer, besides its inputs.
 inline Mixer::Conditions Firmware::mixer_conditions(Time now) {
   const Measurements& m = sensors_.measurements();
   Mixer::Conditions c;
@@ -146,7 +146,7 @@ inline Mixer::Conditions Firmware::mixer_conditions(Time now) {
   c.hold_idle = motor_stop_.probing() || (holding_idle_ && still_holding_idle(now));
   if (mixer_.has_auxiliary_motors()) {
     c.failsafe = state_.failsafe();
-    c.companion_present = now - companion_heard_ <= kCompanionSilence;
+    c.companion_present = now - last_companion_frame_ <= kCompanionSilence;
   }
   if (state_.state() == State::kMotorTest) {
     c.test_motor = test_motor_;
@@ -175,7 +175,7 @@ void Firmware::control(Time now, float dt_s) {
   const auto& forces =
       controller_.step(command_.combined(), attitude, dt_s, state_.armed(), mixer_.saturated());
   Mixer::Conditions conditions = mixer_conditions(now);
-  conditions.primary_entries = command_.primary_entries();
+  conditions.primary_axes = command_.primary_axes();
   board_.outputs.write(mixer_.step(forces, conditions));
   if (!state_.armed() || motor_stop_.watching(state_.failsafe())) watch_motion(now);
   constexpr float kWorthAText = 2.0f;
@@ -229,10 +229,10 @@ bool Firmware::refill() {
 
 void Firmware::supervise(Time now) {
   if (parameters_.has_changes()) apply_parameter_changes();
-  if (now - imu_heard_ > kImuSilence) watch_imu(now);
-  if (store_.busy() || save_asked_) continue_save(now);
+  if (now - last_imu_ > kImuSilence) watch_imu(now);
+  if (store_.busy() || save_requested_) continue_save(now);
   if (state_.state() == State::kMotorTest) watch_motor_test(now);
-  if (motor_stop_.stopped()) tell_motor_stop();
+  if (motor_stop_.stopped()) report_motor_stop();
   if (mixer_.has_auxiliary_motors() && mixer_.end_auxiliary_motors(mixer_conditions(now))) {
     board_.outputs.write(mixer_.outputs());
   }
@@ -240,7 +240,7 @@ void Firmware::supervise(Time now) {
   show_leds(now);
 }
 
-void Firmware::listen_to_pilot(Time now) {
+void Firmware::read_pilot(Time now) {
   if (!board_.receiver.poll(rc_frame_)) {
     if (rc_.silent(now) && !state_.has(Error::kRcLost)) act(state_.handle(Event::kRcLost), now);
     return;
@@ -290,7 +290,7 @@ void Firmware::watch_imu(Time now) {
     set_error(Error::kImuNotResponding, true);
     log_.critical("IMU not responding");
   }
-  if (state_.armed()) motor_stop_.watch_imu(now, imu_heard_);
+  if (state_.armed()) motor_stop_.watch_imu(now, last_imu_);
   constexpr Time kFallbackPeriod = hal::milliseconds(20);
   if (now - fallback_written_ < kFallbackPeriod) return;
   fallback_written_ = now;

@@ -10,45 +10,46 @@
 
 namespace rosflight::core {
 
-/// The autopilot. Owns every module, knows their order, and is the only one that reads the clock.
+/// The autopilot. Owns every module, defines their order, and alone reads the clock.
 ///
-/// A board's main() builds it, calls start() once and run() for ever. Everything lives inside the
+/// A board's main() constructs it, calls start() once and run() for ever. All state is inside the
 /// object: no heap, no globals, so any number of autopilots fit in one process.
 class Firmware {
  public:
-  /// An IMU that is silent for this long is not responding: multirotors stop their motors, fixed
-  /// wings fly on the sticks, until it answers again.
+  /// Without a sample for this long the IMU is not responding: multirotors stop their motors and
+  /// fixed wings follow the sticks directly, until samples arrive again.
   static constexpr Time kImuSilence = hal::milliseconds(100);
   /// After arming on the ground the motors turn at idle for this long, unless the throttle stick is
   /// raised or the companion sends a command.
   static constexpr Time kIdleFirst = hal::milliseconds(500);
-  /// Arming on the ground needs a vehicle that did not turn for this long.
+  /// Arming on the ground requires that the vehicle did not turn for this long.
   static constexpr Time kStillTime = hal::milliseconds(500);
-  /// Arming this soon after disarming with motors above idle is taken as arming in the air.
+  /// Arming within this time of a disarming with motors above idle counts as arming in the air.
   static constexpr Time kRearmInAir = hal::milliseconds(1000);
   /// A motor test ends this long after its last message.
   static constexpr Time kMotorTestTime = hal::milliseconds(300);
   static constexpr float kMotorTestLimit = 0.3f;
-  /// What a pass looks at of the link: 400 passes a second keep up with 3 000 000 baud; the rest
-  /// waits in its order.
+  /// Limits of the link's work in one pass: 400 passes a second keep up with 3 000 000 baud. Further
+  /// messages wait in their order.
   static constexpr int kMessagesPerPass = 8;
-  static constexpr int kRequestCounts = 2;  ///< A request, which is searched for and answered.
+  static constexpr int kRequestCounts = 2;  ///< A request counts double: it is also answered.
   static constexpr std::size_t kBytesPerPass = 1024;
-  /// A companion that sent no valid frame for longer than this no longer commands auxiliary motors.
+  /// Without a valid frame for this long the companion no longer commands auxiliary motors.
   static constexpr Time kCompanionSilence = hal::milliseconds(1000);
 
+  /// @param board  the roles that it names must outlive this. @param codec  likewise.
   Firmware(const hal::Board& board, link::Codec& codec);
 
-  /// Brings the autopilot up: parameters, mixer, receiver, link, sensors, crash recovery.
+  /// Starts up: parameters, mixer, receiver, link, sensors, crash recovery.
   void start();
 
   /// One pass of the main loop. Call it without pause.
   void run();
 
-  /// For a fault handler: leaves a record for the next start. The board resets afterwards.
+  /// For a fault handler: writes a record for the next start. The board must reset afterwards.
   void record_fault(const std::array<std::uint32_t, 8>& registers);
 
-  // What replay, tests and displays look at.
+  // For replay, tests and displays.
   const StateMachine& state() const { return state_; }
   const CommandManager& command() const { return command_; }
   const Estimator& estimator() const { return estimator_; }
@@ -60,15 +61,15 @@ class Firmware {
   const Telemetry& telemetry() const { return telemetry_; }
   const MotorStop& motor_stop() const { return motor_stop_; }
   const PassCounters& counters() const { return counters_; }
-  /// The list before arming, as it stands now.
+  /// The checks before arming, evaluated now.
   CheckResults checks(Time now) const;
 
-  // The doors of the link, for replay: the same that messages take.
+  /// Handles one message as if it had been received; for replay.
   void handle(const link::Message& message, Time now);
 
  private:
-  /// What is left to receive of the bytes that came before this pass. Stale: the vehicle armed while
-  /// they waited, so commands among them do not count.
+  /// The bytes that arrived before this pass and are not yet decoded. Stale: the vehicle armed while
+  /// they waited, so commands among them are discarded.
   enum class Queue : std::uint8_t { kEmpty, kWaiting, kStale };
 
   // run(), step by step
@@ -81,7 +82,7 @@ class Firmware {
   bool refill();
   void take_messages(Time now);
   void supervise(Time now);
-  void listen_to_pilot(Time now);
+  void read_pilot(Time now);
   void decide(Time now);
 
   // messages
@@ -100,8 +101,8 @@ class Firmware {
   static bool is_command(const link::Message& message);
   void note_multiplier(Param id);
   void answer_with(Param id);
-  void tell_losses(Time now);
-  void tell_sensors(Time now);
+  void report_losses(Time now);
+  void report_sensors(Time now);
 
   // parameters
   void apply_parameter_changes();
@@ -135,7 +136,7 @@ class Firmware {
   bool motors_enabled() const { return state_.armed() && !motor_stop_.stopped(); }
   bool still_holding_idle(Time now);
   void stop_motors();
-  void tell_motor_stop();
+  void report_motor_stop();
   bool battery_low() const;
   void watch_motion(Time now);
   void watch_motor_test(Time now);
@@ -168,34 +169,34 @@ class Firmware {
   std::array<std::uint8_t, 128> incoming_{};  ///< Bytes of the link, from incoming_used_ on.
   std::size_t incoming_size_{0};
   std::size_t incoming_used_{0};
-  std::array<std::uint32_t, 3> losses_told_{};  ///< Frames in and out, texts.
-  std::array<bool, kAidCount> silent_told_{};
-  std::uint16_t sensor_errors_told_{0};
+  std::array<std::uint32_t, 3> reported_losses_{};  ///< Frames in and out, texts.
+  std::array<bool, kAidCount> reported_silent_{};
+  std::uint16_t reported_sensor_errors_{0};
   RateLimit sensor_texts_{hal::milliseconds(10000)};
   RateLimit loss_texts_{hal::milliseconds(10000)};
   hal::RcFrame rc_frame_{};  ///< The newest; a member so that a pass without one need not clear it.
   Time pass_begin_{};
-  Time longest_pass_{};                   ///< From one pass to the next, since it was last told.
-  Time moved_{hal::milliseconds(-1000)};  ///< When the disarmed vehicle was last seen turning.
+  Time max_pass_{};                       ///< Longest time between passes since the last report.
+  Time moved_{hal::milliseconds(-1000)};  ///< When the disarmed vehicle last turned.
   Time idle_until_{};                     ///< End of kIdleFirst, while holding_idle_.
   Time disarmed_{};                       ///< When it was disarmed with motors above idle.
   Time test_until_{};                     ///< When the motor test ends.
   CrashRecord::Ages rearm_ages_ms_{CrashRecord{}.rearm_age_ms};  ///< At the start.
-  std::size_t next_check_{kCheckCount};  ///< Of the list that is being sent.
+  std::size_t next_check_{kCheckCount};  ///< Next line of the report on checks.
   float test_value_{0.0f};
   std::int8_t test_motor_{-1};
   bool holding_idle_{false};
   bool rearm_in_air_{false};
   Queue queue_{Queue::kEmpty};
   bool accel_calibrated_{false};  ///< And none of its biases set since.
-  bool stop_told_{false};
-  bool save_asked_{false};
+  bool stop_reported_{false};
+  bool save_requested_{false};
   bool storage_healthy_{true};
-  bool stored_{false};            ///< This pass wrote a block to storage.
-  bool write_again_{false};       ///< WRITE_PARAMS came while a save was under way.
-  std::uint8_t writes_asked_{0};  ///< Acknowledgements that wait for its end.
-  Time imu_heard_{};              ///< When the last usable sample came.
-  Time companion_heard_{};        ///< Its newest valid frame.
+  bool stored_{false};                ///< This pass wrote a block to storage.
+  bool write_again_{false};           ///< WRITE_PARAMS came while a save was under way.
+  std::uint8_t writes_requested_{0};  ///< Acknowledgements that are due at its end.
+  Time last_imu_{};                   ///< When the last usable sample came.
+  Time last_companion_frame_{};       ///< Its newest valid frame.
   Time fallback_written_{};
   Time reboot_at_{Time::max()};
   float max_thrust_N_{1.0f};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The part of Firmware that arms, and that ends what arming began.
+// The part of Firmware that arms and disarms.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -21,7 +21,7 @@ constexpr float kIdleMargin = 0.005f;
 // ---- the list before arming
 
 CheckResults Firmware::checks(Time now) const {
-  const Quaternion& q = estimator_.estimate().q_NB;
+  const Quaternion& q = estimator_.estimate().q_WB;
   CheckInputs in;
   in.errors = state_.errors();
   constexpr auto kEscs = static_cast<std::int32_t>(MixerId::kEscCalibration);
@@ -102,14 +102,14 @@ ArmRequest Firmware::arm_request(Time now) const {
   CheckResults results = checks(now);
   const bool calibrate = parameters_.get_bool(Param::kArmCalGyro);
   if (calibrate && state_.state() == State::kPreflight) {
-    // Rates and attitude cannot tell before the gyro's offset is known: its calibration does.
+    // Before the gyro's offset is known, rates and attitude show no motion; its calibration does.
     results.pass(Check::kStill);
     results.pass(Check::kLevel);
   }
   return {results.ready(), calibrate, parameters_.unsaved() || store_.busy()};
 }
 
-/// Armed, or disarmed so shortly that the vehicle may still be in the air.
+/// Armed, or disarmed so recently that the vehicle may still be in the air.
 bool Firmware::in_flight(Time now) const {
   return state_.armed() || (rearm_in_air_ && now - disarmed_ <= kRearmInAir);
 }
@@ -128,7 +128,7 @@ void Firmware::armed_now(Actions actions, Time now) {
   sensors_.stop_calibrations();
   motor_stop_.reset();
   mixer_.drop_auxiliary_motors();
-  stop_told_ = rearm_in_air_ = false;
+  stop_reported_ = rearm_in_air_ = false;
   holding_idle_ = !in_air;
   idle_until_ = now + kIdleFirst;
   if (!in_air) {
@@ -167,7 +167,7 @@ bool Firmware::still_holding_idle(Time now) {
 }
 
 bool Firmware::turning() const {
-  // In this order a NaN is motion.
+  // In this order of comparison a NaN counts as motion.
   const float rate_sq = estimator_.estimate().rates_rad_s.squaredNorm();
   return !(rate_sq < kStillRate_rad_s * kStillRate_rad_s);
 }
@@ -179,13 +179,13 @@ void Firmware::watch_motion(Time now) {
     return;
   }
   const Measurements& m = sensors_.measurements();
-  motor_stop_.step(now, {attitude.q_NB, to_vector(m.imu.accel_m_s2), attitude.rates_rad_s,
+  motor_stop_.step(now, {attitude.q_WB, to_vector(m.imu.accel_m_s2), attitude.rates_rad_s,
                          m.altitude_m, above_idle(), state_.failsafe()});
 }
 
-void Firmware::tell_motor_stop() {
-  if (stop_told_) return;
-  stop_told_ = true;
+void Firmware::report_motor_stop() {
+  if (stop_reported_) return;
+  stop_reported_ = true;
   stop_motors();
   switch (motor_stop_.reason()) {
     case StopReason::kImuSilent:

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The part of Firmware that answers messages.
+// The part of Firmware that handles messages.
 #include "firmware/core/firmware.hpp"
 
 namespace rosflight::core {
 namespace {
 
-/// The system that a message is for. 0, for all, if it has no such field.
+/// The system that a message is addressed to; 0 (all) if it has no such field.
 std::uint8_t target_of(const link::Message& message) {
   if (const auto* set = std::get_if<link::ParamSet>(&message)) return set->target_system;
   if (const auto* read = std::get_if<link::ParamRequestRead>(&message)) return read->target_system;
@@ -18,7 +18,7 @@ std::uint8_t target_of(const link::Message& message) {
 }  // namespace
 
 void Firmware::handle(const link::Message& message, Time now) {
-  if (is_me(target_of(message))) companion_heard_ = now;
+  if (is_me(target_of(message))) last_companion_frame_ = now;
   if (const auto* offboard = std::get_if<link::OffboardControl>(&message)) {
     on(*offboard, now);
   } else if (const auto* sync = std::get_if<link::TimeSync>(&message)) {
@@ -36,7 +36,7 @@ void Firmware::handle(const link::Message& message, Time now) {
   } else if (const auto* aux = std::get_if<link::AuxCommand>(&message)) {
     static_cast<void>(mixer_.set_auxiliary(*aux));
   } else if (const auto* attitude = std::get_if<link::ExternalAttitude>(&message)) {
-    static_cast<void>(estimator_.set_external_attitude(attitude->q_NB));
+    static_cast<void>(estimator_.set_external_attitude(attitude->q_WB));
   } else if (const auto* test = std::get_if<link::MotorTest>(&message)) {
     on(*test, now);
   } else if (const auto* report = std::get_if<link::ReportRequest>(&message)) {
@@ -49,7 +49,7 @@ bool Firmware::is_me(std::uint8_t target_system) const {
 }
 
 void Firmware::on(const link::Heartbeat& /*message*/, Time now) {
-  telemetry_.heard_peer(now);
+  telemetry_.note_peer_frame(now);
 }
 
 void Firmware::on(const link::TimeSync& message, Time now) {
@@ -83,7 +83,7 @@ void Firmware::on(const link::ParamSet& message, Time now) {
   const SetResult result =
       parameters_.set_bits(id, message.type, message.value.bits, in_flight(now));
   switch (result) {
-    case SetResult::kChanged:  // modules follow once a pass
+    case SetResult::kChanged:  // modules apply it once per pass
       break;
     case SetResult::kOutOfRange:
       log_.warning(Text("Out of range, kept: ").add(message.name));
@@ -108,7 +108,7 @@ void Firmware::on(const link::ParamSet& message, Time now) {
   answer_with(id);
 }
 
-/// The value in force, at once if there is room for it, else as soon as there is.
+/// Sends the value in force: now if the queue has room, else as soon as it has.
 void Firmware::answer_with(Param id) {
   if (!telemetry_.has_room()) {
     parameters_.mark_unreported(id);
@@ -128,9 +128,9 @@ void Firmware::on(const link::OffboardControl& message, Time now) {
   const CommandManager::Limited& limited = command_.limited();
   if (limited.count != limited_before && limit_texts_.allow(now)) {
     log_.warning(Text("Offboard command limited: axis ")
-                     .add(static_cast<std::int32_t>(limited.entry))
+                     .add(static_cast<std::int32_t>(limited.axis))
                      .add(", ")
-                     .add(limited.asked, 2)
+                     .add(limited.requested, 2)
                      .add(" to ")
                      .add(limited.used, 2));
   }

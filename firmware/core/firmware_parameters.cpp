@@ -23,7 +23,7 @@ bool any_of(const Parameters::ChangeSet& changed, std::initializer_list<Param> i
 
 }  // namespace
 
-/// A battery multiplier that someone set is meant, also if it is 1: BATT_MULT_SET remembers it.
+/// A battery multiplier of 1 counts if it was set by a user: BATT_MULT_SET records that.
 void Firmware::note_multiplier(Param id) {
   std::int32_t chosen = parameters_.get_int(Param::kBattMultSet);
   if (id == Param::kBattVoltMult) chosen |= kVoltageChosen;
@@ -53,30 +53,30 @@ StoreResult Firmware::load_parameters() {
 
 /// Stores what differs from storage, a block per pass: the gyro biases alone cost one.
 void Firmware::begin_save() {
-  save_asked_ = true;
+  save_requested_ = true;
   if (store_.busy()) return;
   if (parameters_.others_unsaved() || store_.begin_gyro_bias(parameters_) != StoreResult::kBusy) {
     static_cast<void>(store_.begin(parameters_));
   }
 }
 
-/// WRITE_PARAMS: all of them, acknowledged when they are stored. Asked again meanwhile, they are
-/// stored again, so that the acknowledgement covers what was set before it was asked for.
+/// WRITE_PARAMS: stores all parameters and acknowledges when they are stored. A request during a
+/// save stores them again, so that its acknowledgement covers every earlier change.
 bool Firmware::begin_write() {
   write_again_ = store_.busy();
   if (!write_again_ && store_.begin(parameters_) != StoreResult::kBusy) {
     log_.error("Parameters not saved: storage failed");
     return false;
   }
-  ++writes_asked_;
+  ++writes_requested_;
   return true;
 }
 
-/// Once a pass at most, never armed: writes a block. What began with begin_save() or begin_write()
-/// ends here, and arming that waits for it goes on.
+/// At most once per pass and never armed: writes a block. Completes begin_save() and begin_write(),
+/// and continues an arming that waits for them.
 void Firmware::continue_save(Time now) {
   const bool busy = store_.busy();
-  if (stored_ || state_.armed() || !(busy || save_asked_)) return;
+  if (stored_ || state_.armed() || !(busy || save_requested_)) return;
   stored_ = busy;
   StoreResult result = busy ? store_.step(parameters_) : StoreResult::kFailed;
   if (result == StoreResult::kBusy) return;
@@ -88,17 +88,17 @@ void Firmware::continue_save(Time now) {
   }
   const bool ok = result == StoreResult::kOk;
   if (!ok) log_.error("Parameters not saved: storage failed");
-  if (ok && writes_asked_ > 0) storage_healthy_ = true;
-  for (; writes_asked_ > 0; --writes_asked_) {
+  if (ok && writes_requested_ > 0) storage_healthy_ = true;
+  for (; writes_requested_ > 0; --writes_requested_) {
     telemetry_.send_ack(static_cast<std::uint8_t>(link::Command::kWriteParams), ok);
   }
   write_again_ = false;
-  if (!save_asked_) return;
-  save_asked_ = false;
+  if (!save_requested_) return;
+  save_requested_ = false;
   act(ok ? state_.handle(Event::kSaved, arm_request(now)) : state_.handle(Event::kSaveFailed), now);
 }
 
-/// All at once, for the start.
+/// Stores all at once, for the start.
 bool Firmware::save_parameters() {
   const bool ok = store_.save(parameters_, &board_.system) == StoreResult::kOk;
   if (ok) {
@@ -109,7 +109,7 @@ bool Firmware::save_parameters() {
   return ok;
 }
 
-/// Once a pass, however many parameters changed: lets the modules follow.
+/// Once per pass: applies the changed parameters to the modules.
 void Firmware::apply_parameter_changes() {
   const Parameters::ChangeSet changed = parameters_.take_changes();
   if (any_of(changed, {Param::kSysId})) {
@@ -135,7 +135,7 @@ void Firmware::apply_parameter_changes() {
       any_of(changed, Param::kImuRoll, Param::kImuYaw)) {
     check_calibration();
   }
-  static_cast<void>(parameters_.take_changes());  // rows a mixer choice filled in: they follow it
+  static_cast<void>(parameters_.take_changes());  // rows that the choice of mixer has filled in
 }
 
 void Firmware::apply_mixers() {
@@ -143,7 +143,7 @@ void Firmware::apply_mixers() {
   if (!board_.outputs.configure(output_rates(mixer_.header()))) {
     log_.warning("PRI_MIXER_PWM: board cannot give all rates");
   }
-  stop_motors();  // an output that was a servo may be one now
+  stop_motors();  // an output that was a servo may now be a motor
 }
 
 void Firmware::apply_settings() {
@@ -152,7 +152,7 @@ void Firmware::apply_settings() {
   rc_.configure(rc_settings(parameters_));
   command_.configure(command_settings(parameters_, rc_, !mixer_.mixers_agree()));
   update_max_thrust();
-  // 1 is also the table's default: unless someone chose it, the board keeps its own scale.
+  // 1 is also the table's default: unless a user set it, the board keeps its own scale.
   const std::int32_t chosen = parameters_.get_int(Param::kBattMultSet);
   const auto scale = [this, chosen](Param id, std::int32_t bit) {
     const float v = parameters_.get_float(id);
@@ -173,17 +173,17 @@ void Firmware::update_max_thrust() {
           : 1.0f;
   controller_.configure(controller_settings(parameters_, max_thrust_N_));
   mixer_.configure(mixer_settings(parameters_, max_thrust_N_));
-  command_.set_entry_limits(mixer_.entry_limits(sensors_.measurements().density_kg_m3));
+  command_.set_axis_limits(mixer_.axis_limits(sensors_.measurements().density_kg_m3));
 }
 
-/// Biases came from elsewhere: what was measured no longer counts.
+/// Biases were set by a user: the measured ones are no longer in force.
 void Firmware::forget_accel_calibration() {
   accel_calibrated_ = false;
   check_calibration();
 }
 
-/// Only the accelerometer's biases tell: those of the gyro are measured at every calibration, also
-/// on a vehicle whose accelerometer never was.
+/// Only the accelerometer's biases show a calibration: those of the gyro are measured at every
+/// calibration, also on a vehicle whose accelerometer was never calibrated.
 void Firmware::check_calibration() {
   bool calibrated = accel_calibrated_;
   for (const Param id : {Param::kAccXBias, Param::kAccYBias, Param::kAccZBias}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The part of Firmware that carries out commands and tells what it counts.
+// The part of Firmware that executes commands and sends reports.
 #include <algorithm>
 #include <limits>
 
@@ -9,7 +9,7 @@
 namespace rosflight::core {
 namespace {
 
-constexpr Time kRebootDelay = hal::milliseconds(20);  // lets the acknowledgement out
+constexpr Time kRebootDelay = hal::milliseconds(20);  // time to send the acknowledgement
 
 }  // namespace
 
@@ -36,7 +36,7 @@ bool Firmware::run_command(link::Command command, Time now) {
       forget_accel_calibration();
       return true;
     case link::Command::kWriteParams:
-      return false;  // could not begin
+      return false;  // could not start
     case link::Command::kSetParamDefaults:
       parameters_.reset_to_defaults();
       forget_accel_calibration();
@@ -52,16 +52,16 @@ bool Firmware::run_command(link::Command command, Time now) {
       telemetry_.send(version);
       log_.info(Text("Longest pass: ")
                     .add(static_cast<std::int32_t>(std::min<std::int64_t>(
-                        longest_pass_.count(), std::numeric_limits<std::int32_t>::max())))
+                        max_pass_.count(), std::numeric_limits<std::int32_t>::max())))
                     .add(" us"));
-      longest_pass_ = Time{0};
+      max_pass_ = Time{0};
       return true;
     }
   }
   return false;
 }
 
-/// @returns false without a radio: sticks of long ago are no trim.
+/// @returns false without a radio: old stick positions are no trim.
 bool Firmware::capture_trim() {
   if (state_.has(Error::kRcLost)) {
     log_.error("RC signal lost: no trim");
@@ -113,16 +113,16 @@ void Firmware::send_counters() {
   telemetry_.send(c);
 }
 
-/// One text, every 10 s at most, as long as the link goes on losing something.
-void Firmware::tell_losses(Time now) {
+/// At most one text every 10 s while the link loses frames or texts.
+void Firmware::report_losses(Time now) {
   const std::array<std::uint32_t, 3> lost{codec_.counters().frames_dropped, telemetry_.dropped(),
                                           log_.lost()};
-  if (!telemetry_.connected()) {  // nobody listens, so frames get lost: only texts are missed
-    losses_told_ = {lost[0], lost[1], losses_told_[2]};
+  if (!telemetry_.connected()) {  // without a companion frames are expected to be lost
+    reported_losses_ = {lost[0], lost[1], reported_losses_[2]};
     return;
   }
-  if (lost == losses_told_ || !loss_texts_.allow(now)) return;
-  losses_told_ = lost;
+  if (lost == reported_losses_ || !loss_texts_.allow(now)) return;
+  reported_losses_ = lost;
   log_.warning(Text("Link lost: in ")
                    .add(static_cast<std::int32_t>(lost[0]))
                    .add(", out ")
@@ -131,19 +131,19 @@ void Firmware::tell_losses(Time now) {
                    .add(static_cast<std::int32_t>(lost[2])));
 }
 
-/// A sensor that falls silent, or answers again, is told when it happens; so are the starts and
-/// answers that the board counts as failed.
-void Firmware::tell_sensors(Time now) {
+/// Reports a sensor that stops delivering samples or delivers them again, and the start-ups and
+/// transfers that the board counts as failed.
+void Firmware::report_sensors(Time now) {
   for (std::size_t k = 0; k < kAidCount; ++k) {
     const bool silent = sensor_watch_.silent(static_cast<Aid>(k), now);
-    if (silent == silent_told_[k]) continue;
-    silent_told_[k] = silent;
+    if (silent == reported_silent_[k]) continue;
+    reported_silent_[k] = silent;
     log_.push(silent ? Severity::kError : Severity::kInfo,
               Text(silent ? "Sensor silent: " : "Sensor answers again: ").add(kAidNames[k]));
   }
   const std::uint16_t errors = board_.system.sensor_errors();
-  if (errors == sensor_errors_told_ || !sensor_texts_.allow(now)) return;
-  sensor_errors_told_ = errors;
+  if (errors == reported_sensor_errors_ || !sensor_texts_.allow(now)) return;
+  reported_sensor_errors_ = errors;
   log_.error(Text("Sensor errors since start: ").add(std::int32_t{errors}));
 }
 

@@ -17,7 +17,7 @@ float tangent(float angle_rad) {
 }  // namespace
 
 GyroChain::Refused GyroChain::configure(const Config& config) {
-  const float highest_Hz = kHighest * config.sample_rate_Hz;
+  const float highest_Hz = kMaxFrequencyRatio * config.sample_rate_Hz;
   const auto possible = [highest_Hz](float frequency_Hz) {  // false for NaN
     return frequency_Hz > 0.0f && frequency_Hz < highest_Hz;
   };
@@ -76,7 +76,7 @@ float GyroChain::group_delay_s(float frequency_Hz) const {
 }
 
 void GyroChain::Section::settle(const Vector3& x) {
-  // y = x for ever: the gain of both filters at 0 Hz is 1.
+  // The steady state y = x: the gain of both filters at 0 Hz is 1.
   z2 = (b0 - a2) * x;
   z1 = (b1 - a1) * x + z2;
 }

@@ -19,9 +19,9 @@ namespace rosflight::core {
 /// at the IMU rate. Owns 0.2 kB; 27 multiplications a section and sample.
 class GyroChain {
  public:
-  /// Frequencies have to be below this share of the sample rate: half of it, less what a measured
-  /// rate may be wrong.
-  static constexpr float kHighest = 0.49f;
+  /// Frequencies must be below this fraction of the sample rate: half of it, less the error of a
+  /// measured rate.
+  static constexpr float kMaxFrequencyRatio = 0.49f;
 
   struct Config {
     float sample_rate_Hz{0.0f};
@@ -31,22 +31,23 @@ class GyroChain {
     float full_scale_rad_s{0.0f};  ///< Of the part; 0: clipping is not counted.
   };
 
-  /// What configure() left off because it cannot be: a frequency not below kHighest, or a number
-  /// that makes no filter.
+  /// The filters that configure() left off: their frequency is not below kMaxFrequencyRatio, or a
+  /// number makes no filter.
   struct Refused {
     bool low_pass{false};
     bool notch{false};
   };
 
   GyroChain() = default;
+  /// As configure().
   explicit GyroChain(const Config& config) { static_cast<void>(configure(config)); }
 
-  /// Keeps what it has filtered: the first sample afterwards is taken as having stood for ever.
+  /// Applies new settings. The first sample afterwards initialises the filters at its value.
   Refused configure(const Config& config);
-  /// The next sample starts the filters anew, at its value.
+  /// The next sample initialises the filters at its value.
   void reset() { settled_ = false; }
 
-  /// @returns the sample filtered. One that is not finite is returned as it is and not kept.
+  /// @returns the filtered sample. A sample that is not finite is returned unchanged and not stored.
   Vector3 step(const Vector3& rate_rad_s);
 
   bool on() const { return low_pass_.on || notch_.on; }

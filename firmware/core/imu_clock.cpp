@@ -18,7 +18,7 @@ ImuClock::Step ImuClock::examine(Time stamp, Time arrival, std::int64_t dt, std:
   if (dt > 0 && fits(dt, waited)) return use(stamp, arrival, false, Time{dt});
   watching_ = true;
   if (dt == 0) {
-    const bool time_passed = waited > 0;  // a paused simulation stands as a whole
+    const bool time_passed = waited > 0;  // a paused simulation stops both clocks
     if (time_passed && equal_ < kStanding) ++equal_;
     Step s;
     s.standing = equal_ >= kStanding;

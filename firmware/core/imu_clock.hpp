@@ -9,16 +9,16 @@ namespace rosflight::core {
 
 using hal::Time;
 
-/// Why samples were not used.
+/// Why a sample was rejected.
 enum class Reject : std::uint8_t {
-  kNotFinite,         ///< A NaN, an infinity or what no sensor of the kind measures.
+  kNotFinite,         ///< A NaN, an infinity or a value beyond any sensor of the kind.
   kBackwards,         ///< IMU stamp before that of the previous sample.
   kOutlier,           ///< IMU stamp that does not fit the arrival.
   kStuck,             ///< Twenty equal IMU samples or stamps, or six zeros.
   kPressure,          ///< Static pressure outside 30..120 kPa.
   kRange,             ///< Any other sensor outside its range.
   kExternalAttitude,  ///< Far from the estimate, or no attitude.
-  kGyroClipped,       ///< At full scale; counted by the gyro chain and used all the same.
+  kGyroClipped,       ///< At full scale; counted by the gyro chain, not rejected.
 };
 inline constexpr std::size_t kRejects = 8;
 
@@ -26,11 +26,11 @@ inline constexpr std::size_t kRejects = 8;
 ///
 ///     dt = stamp - stamp of the last usable sample,   |dt - its time of arrival| <= 50 ms    (1)
 ///
-/// A sample whose stamp goes back or breaks (1) is unusable: the caller treats it as missing, and
-/// the last usable one stays what the next is compared with. If three unusable samples in a row fit
-/// one another by (1), the clock of the IMU has been set: the third is usable, and its dt is the
-/// time since the arrival of the last usable one. A stamp equal to the last is usable with dt = 0,
-/// but twenty equal stamps are a clock that stands, unusable until it moves.
+/// A sample whose stamp decreases or violates (1) is unusable: the caller treats it as missing, and
+/// the next one is still compared with the last usable one. If three unusable samples in a row
+/// satisfy (1) among each other, the clock of the IMU was set: the third is usable, and its dt is
+/// the time since the arrival of the last usable one. A stamp equal to the last is usable with
+/// dt = 0; after twenty equal stamps the clock counts as stopped, unusable until it moves.
 /// The first sample is usable and has no dt. Some ten instructions a sample.
 class ImuClock {
  public:

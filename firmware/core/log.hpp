@@ -17,8 +17,10 @@ class Text {
  public:
   Text() = default;
   Text(const char* text) { add(text); }  // NOLINT(google-explicit-constructor): literals are texts
+  /// Appends text, or a number in decimal digits.
   Text& add(const char* text);
   Text& add(std::int32_t value);
+  /// Appends eight hexadecimal digits.
   Text& add_hex(std::uint32_t value);
   /// With the given number of decimals (0..6); NaN and huge values as words.
   Text& add(float value, int decimals);
@@ -35,22 +37,27 @@ class Text {
   std::size_t length_{0};
 };
 
-/// Texts for the people at the other end: a ring that keeps the newest 25 until the link can take
-/// them. Everything the firmware has to say goes through here, in order. 1.4 kB.
+/// Texts for the ground: a ring of the newest 25 until the link can send them. Every text of the
+/// firmware passes through it, in order. 1.4 kB.
 class Log {
  public:
   static constexpr std::size_t kCapacity = 25;
 
+  /// Adds a text of that severity; with a full ring the oldest is overwritten and counted.
   void info(const Text& text) { push(Severity::kInfo, text); }
+  /// As info().
   void warning(const Text& text) { push(Severity::kWarning, text); }
+  /// As info().
   void error(const Text& text) { push(Severity::kError, text); }
+  /// As info().
   void critical(const Text& text) { push(Severity::kCritical, text); }
+  /// As info(), with the severity as an argument.
   void push(Severity severity, const Text& text);
 
   bool empty() const { return count_ == 0; }
-  /// Takes the oldest; call only if not empty().
+  /// Removes and returns the oldest text; call only if not empty().
   link::StatusText pop();
-  /// Texts overwritten before anyone could read them.
+  /// Texts that were overwritten before they were sent.
   std::uint32_t lost() const { return lost_; }
 
  private:
@@ -60,11 +67,13 @@ class Log {
   std::uint32_t lost_{0};
 };
 
-/// Lets something happen at most once per period: for texts that a control pass would repeat 400
-/// times a second.
+/// Permits something at most once per period: for texts that a control pass would repeat 400 times
+/// a second.
 class RateLimit {
  public:
+  /// @param period  shortest time between two permissions.
   constexpr explicit RateLimit(Time period) : period_{period} {}
+  /// @returns true if the last permission is at least one period ago, and records this one.
   bool allow(Time now) {
     if (used_ && now - last_ < period_) return false;
     used_ = true;

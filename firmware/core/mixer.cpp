@@ -61,7 +61,7 @@ void Mixer::set_header(const MixerHeader& header) {
         free_.add(k);
         break;
     }
-    // Nothing has commanded the channel as what it is now.
+    // There is no command for the channel's new kind.
     if (k < kChannels && type != OutputType::kAux && type != before.type[k]) {
       outputs_[k] = type == OutputType::kServo ? kServoCentre : 0.0f;
     }
@@ -111,7 +111,7 @@ void Mixer::clear_outputs() {
   invalidate();
 }
 
-/// What need not be done in every pass: ends auxiliary motors, sets limits and free channels.
+/// Work that is not needed in every pass: ends auxiliary motors, sets limits and free channels.
 void Mixer::prepare(Mode mode, const Conditions& conditions) {
   end_auxiliary_motors(conditions);
   if (stale_ || set_for_ != mode) {
@@ -120,7 +120,7 @@ void Mixer::prepare(Mode mode, const Conditions& conditions) {
     set_limits();
     fill_free_channels();
   }
-  prepared_for_ = auxiliary_motors_ ? Mode::kNone : mode;  // those are looked at in every pass
+  prepared_for_ = auxiliary_motors_ ? Mode::kNone : mode;  // these are tested in every pass
 }
 
 /// Disarmed, all motors are at zero already.
@@ -148,17 +148,16 @@ inline bool Mixer::mixed_is_finite() const {
   return std::isfinite(sum);
 }
 
-[[gnu::
-      always_inline]]  /// Free entries without a command are the primary mixer's and zero: any gains give the same.
-inline bool
-Mixer::all_secondary(const Inputs& u, std::uint16_t primary_entries) {
-  constexpr std::uint16_t kFreeEntries = 0x3C0;
-  if ((primary_entries & ~kFreeEntries) != 0) return false;
-  return primary_entries == 0 || (u[6] == 0.0f && u[7] == 0.0f && u[8] == 0.0f && u[9] == 0.0f);
+/// Free axes without a command are zero and use the primary gains: all gains give the same.
+[[gnu::always_inline]] inline bool Mixer::all_secondary(const Inputs& u,
+                                                        std::uint16_t primary_axes) {
+  constexpr std::uint16_t kFreeAxes = 0x3C0;
+  if ((primary_axes & ~kFreeAxes) != 0) return false;
+  return primary_axes == 0 || (u[6] == 0.0f && u[7] == 0.0f && u[8] == 0.0f && u[9] == 0.0f);
 }
 
 inline void Mixer::mix(const Inputs& u, const Conditions& conditions) {
-  const std::size_t throttle = config_.throttle_entry;
+  const std::size_t throttle = config_.throttle_axis;
   Inputs input = u;
   if (config_.fixed_wing) {
     if (config_.reverse_aileron) input[3] = -input[3];
@@ -171,14 +170,13 @@ inline void Mixer::mix(const Inputs& u, const Conditions& conditions) {
   }
   if (config_.unsigned_throttle) input[throttle] = std::abs(input[throttle]);
 
-  const bool all_primary = conditions.primary_entries == kAllEntries;
-  const bool one_mixer = all_primary || all_secondary(input, conditions.primary_entries);
+  const bool all_primary = conditions.primary_axes == kAllAxes;
+  const bool one_mixer = all_primary || all_secondary(input, conditions.primary_axes);
   const MixerGains& gains = all_primary ? primary_ : secondary_;
   for (std::size_t g = 0; g < groups_; ++g) {
-    four(mixed_, g) =
-        four(used_, g) * (one_mixer
-                              ? product(gains, input, g, std::make_index_sequence<kEntries - 1>{})
-                              : product_by_entry(input, g, conditions));
+    four(mixed_, g) = four(used_, g) *
+                      (one_mixer ? product(gains, input, g, std::make_index_sequence<kAxes - 1>{})
+                                 : product_by_axis(input, g, conditions));
   }
   motor_model_failed_ = voltage_replaced_ = false;
   saturation_ = 0.0f;
@@ -187,11 +185,11 @@ inline void Mixer::mix(const Inputs& u, const Conditions& conditions) {
   scale_motors();
 }
 
-/// (1) for the channels of one group. Entry by entry, the same order of sums on every processor, and
-/// without a loop, which would cost as much as the sums.
+/// (1) for the channels of one group. Axis by axis: the order of sums is the same on every processor.
+/// Unrolled, because a loop would cost as much as the sums.
 template <std::size_t... kLater>
 inline Mixer::Group Mixer::product(const MixerGains& gains, const Inputs& u, std::size_t group,
-                                   std::index_sequence<kLater...> /*entries from 1 on*/) {
+                                   std::index_sequence<kLater...> /*axes from 1 on*/) {
   const float* column = gains.data() + kGroup * group;
   using Four = Eigen::Map<const Group, Eigen::Aligned16>;
   Group tau = Four(column) * u[0];
@@ -199,12 +197,12 @@ inline Mixer::Group Mixer::product(const MixerGains& gains, const Inputs& u, std
   return tau;
 }
 
-/// The same with each input through the gains of the mixer that has it.
-Mixer::Group Mixer::product_by_entry(const Inputs& u, std::size_t group,
-                                     const Conditions& conditions) const {
+/// The same, each input with the gains of its own mixer.
+Mixer::Group Mixer::product_by_axis(const Inputs& u, std::size_t group,
+                                    const Conditions& conditions) const {
   Group tau = Group::Zero();
-  for (std::size_t i = 0; i < kEntries; ++i) {
-    const bool primary = (conditions.primary_entries >> i & 1u) != 0;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const bool primary = (conditions.primary_axes >> i & 1u) != 0;
     const float* gains = (primary ? primary_ : secondary_).data() + kPaddedChannels * i;
     tau += Eigen::Map<const Group, Eigen::Aligned16>(gains + kGroup * group) * u[i];
   }
@@ -215,15 +213,15 @@ void Mixer::motors_from_speed(const Conditions& conditions) {
   const float battery_V = voltage(conditions.battery_V);
   motor_model_failed_ = !config_.motor.usable() || !(battery_V >= kSmallestBattery_V);
   for (const std::size_t k : motors_) {
-    const float speed_sq = std::max(mixed_[k], 0.0f);  // in this order a NaN stays one
+    const float speed_sq = std::max(mixed_[k], 0.0f);  // in this order a NaN is kept
     mixed_[k] = motor_model_failed_
                     ? 0.0f
                     : config_.motor.voltage_V(speed_sq, conditions.density_kg_m3) / battery_V;
   }
 }
 
-/// The measured voltage, within those at which a battery still flies. Without BATT_VOLT_MAX the
-/// measurement is all there is.
+/// The measured voltage, limited to the range of a usable battery. Without BATT_VOLT_MAX there are no
+/// limits.
 float Mixer::voltage(float battery_V) {
   const float lowest_V = kLowestVoltage * config_.motor.full_voltage_V;
   const float highest_V = kHighestVoltage * config_.motor.full_voltage_V;
@@ -307,11 +305,11 @@ void Mixer::fill_free_channels() {
         outputs_[k] = (was_servo_ & bit) != 0 ? kServoCentre : 0.0f;
         break;
     }
-    if (k < kPaddedChannels) low_[k] = high_[k] = outputs_[k];  // limit_mixed() leaves it so
+    if (k < kPaddedChannels) low_[k] = high_[k] = outputs_[k];  // limit_mixed() does not change it
   }
 }
 
-Mixer::Inputs Mixer::entry_limits(float density_kg_m3) const {
+Mixer::Inputs Mixer::axis_limits(float density_kg_m3) const {
   constexpr float kRounding = 1.0001f;  // of the gains: full output is within the limits
   const bool by_speed = config_.use_motor_model && !config_.fixed_wing;
   const float motor_end =
@@ -321,7 +319,7 @@ Mixer::Inputs Mixer::entry_limits(float density_kg_m3) const {
   for (std::size_t k = 0; k < kChannels; ++k) {
     if (!used_by_mixer(k)) continue;
     const float end = kRounding * (is_motor(k) ? motor_end : 1.0f);
-    for (std::size_t i = 0; i < kEntries; ++i) {
+    for (std::size_t i = 0; i < kAxes; ++i) {
       const float gain =
           std::abs(secondary_(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i)));
       if (gain * limits[i] > end) limits[i] = end / gain;
@@ -335,7 +333,7 @@ float Mixer::thrust_fraction(const Inputs& u, float density_kg_m3) const {
   float total = 0.0f;
   for (const std::size_t k : motors_) {
     float value = 0.0f;
-    for (std::size_t i = 0; i < kEntries; ++i) {
+    for (std::size_t i = 0; i < kAxes; ++i) {
       value += secondary_(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(i)) * u[i];
     }
     total += std::max(0.0f, value);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "firmware/core/command.hpp"
+#include "firmware/core/math.hpp"
 #include "firmware/core/motor_model.hpp"
 #include "firmware/hal/roles.hpp"
 
@@ -14,11 +15,11 @@ inline constexpr std::size_t kChannels = 10;  ///< Output channels a mixer drive
 enum class OutputType : std::uint8_t { kAux = 0, kServo = 1, kMotor = 2, kGpio = 3 };
 
 /// Gains K of one mixer, channel by input: tau_j = sum_i K(j, i) u_i. For multirotors K is the
-/// pseudo-inverse of the matrix M that says what each actuator adds to each force and torque. Two
-/// rows of zeros make a column three groups of four channels, one vector register each.
+/// pseudo-inverse of the matrix M of what each actuator contributes to each force and torque. Two
+/// rows of zeros complete a column to three groups of four channels, one vector register each.
 inline constexpr std::size_t kGroup = 4;
 inline constexpr std::size_t kPaddedChannels = 12;
-using MixerGains = Eigen::Matrix<float, kPaddedChannels, kEntries>;
+using MixerGains = Eigen::Matrix<float, kPaddedChannels, kAxes>;
 
 /// Kind and pulse rate of each channel; the primary mixer's serves both.
 struct MixerHeader {
@@ -26,32 +27,32 @@ struct MixerHeader {
   hal::OutputRates rate_hz{};
 };
 
-/// Distributes forces and torques over the actuators, and limits what reaches the pins.
+/// Distributes forces and torques over the actuators and limits the outputs.
 ///
-/// Per IMU sample: for every input the primary or the secondary gains (by who commands that input),
-/// then
+/// Per IMU sample, with the primary gains for the inputs of the pilot and the secondary gains for
+/// those of the companion:
 ///
 ///     multirotor             tau_j = sum_i K(j, i) u_i                                   (1)
 ///     with motor parameters  tau_j = V(max(0, sum_i K(j, i) u_i)) / V_battery            (2)
 ///     motors                 tau_j <- tau_j / max(1, max |tau|)                          (3)
-///     fixed wing             (1) with aileron, elevator, rudder reversed on request, no (3)
+///     fixed wing             (1) with aileron, elevator, rudder reversed on request, without (3)
 ///
-/// V() is MotorModel::voltage_V. Below the idle throttle the yaw torque is dropped, since yaw alone
-/// could start motors. Then auxiliary commands fill what the mixer leaves free, and every channel
-/// is limited by its type. NaN or infinity anywhere stops all motors for that pass; the other
-/// outputs keep what they had, a servo that has had no command yet its centre.
+/// V() is MotorModel::voltage_V. Below the idle throttle the yaw torque is left out, since it alone
+/// could start motors. Then auxiliary commands set the channels that the mixer leaves free, and
+/// every channel is limited by its type. A NaN or an infinity in any of them stops all motors for
+/// that pass; the other outputs keep their value, and a servo without a command its centre.
 ///
-/// An auxiliary motor runs on a command that came while the mixer was armed, and only as long as
-/// the mixer stays armed, the pilot's radio is there and the companion sends frames. When one of
-/// these ends the motor stops and the command is forgotten: a new one has to come. Owns 1.2 kB.
+/// An auxiliary motor turns on a command that was received while armed, and only while the mixer is
+/// armed, the radio is present and the companion sends frames. When one of these ends, the motor
+/// stops and its command is discarded: a new one is needed. Owns 1.2 kB.
 class Mixer {
  public:
-  using Inputs = std::array<float, kEntries>;
-  static constexpr std::uint16_t kAllEntries = 0x3FF;
+  using Inputs = std::array<float, kAxes>;
+  static constexpr std::uint16_t kAllAxes = 0x3FF;
   /// Largest output of a motor test.
   static constexpr float kTestLimit = 0.3f;
-  /// Range of the voltage in (2), as fractions of that of the full battery: no sensor failure can
-  /// ask for more than 1/0.6 of the right throttle, or for less than 0.6/1.1.
+  /// Range of the voltage in (2), as fractions of that of the full battery: a failed sensor changes
+  /// the throttle by a factor between 0.6/1.1 and 1/0.6.
   static constexpr float kLowestVoltage = 0.6f;
   static constexpr float kHighestVoltage = 1.1f;
 
@@ -60,27 +61,27 @@ class Mixer {
     bool reverse_aileron{false}, reverse_elevator{false}, reverse_rudder{false};
     bool use_motor_model{false};
     bool spin_when_armed{true};
-    bool unsigned_throttle{
-        false};  ///< ESC calibration: full range whatever the sign of the throttle.
+    bool unsigned_throttle{false};  ///< ESC calibration: full range for either sign of throttle.
     float idle_throttle{0.1f};
-    std::uint8_t throttle_entry{2};
+    std::uint8_t throttle_axis{2};
     float max_thrust_N{1.0f};
     MotorModel motor{};
   };
 
-  /// What else the mix depends on.
+  /// Everything besides the inputs that the outputs depend on.
   struct Conditions {
-    float density_kg_m3{1.225f};
+    float density_kg_m3{kSeaLevelDensity_kg_m3};
     float battery_V{0.0f};
-    bool armed{false};                           ///< Motors may turn.
-    std::uint16_t primary_entries{kAllEntries};  ///< Bit i: input i goes through the primary gains.
-    bool hold_idle{false};  ///< Motors turn at the idle throttle at most, just after arming.
-    bool failsafe{false};   ///< The pilot's radio is lost.
-    bool companion_present{false};  ///< A frame of the companion came during the last second.
+    bool armed{false};                     ///< Motors may turn.
+    std::uint16_t primary_axes{kAllAxes};  ///< Bit i: input i goes through the primary gains.
+    bool hold_idle{false};          ///< Just after arming: motors do not exceed the idle throttle.
+    bool failsafe{false};           ///< The pilot's radio is lost.
+    bool companion_present{false};  ///< A frame was received within the last second.
     std::int8_t test_motor{-1};     ///< Disarmed: this motor of the mixer turns alone; -1 none.
     float test_value{0.0f};         ///< Its output, 0..kTestLimit.
   };
 
+  /// Applies new settings from the next step on.
   void configure(const Config& config) {
     config_ = config;
     invalidate();
@@ -89,66 +90,69 @@ class Mixer {
 
   /// A mixer is in force; without one all outputs stay at zero.
   bool valid() const { return valid_; }
+  /// See valid().
   void set_valid(bool valid) { valid_ = valid; }
 
+  /// Sets kinds and rates; a channel whose kind changes starts without a command.
   void set_header(const MixerHeader& header);
   const MixerHeader& header() const { return header_; }
   MixerGains& primary() { return primary_; }
   const MixerGains& primary() const { return primary_; }
   MixerGains& secondary() { return secondary_; }
   const MixerGains& secondary() const { return secondary_; }
-  /// The same gains in both: their inputs mean the same.
+  /// Both mixers have the same gains, so their inputs mean the same.
   bool mixers_agree() const { return primary_ == secondary_; }
 
-  /// The mixer drives a motor on this channel: what a motor test may turn.
+  /// The mixer drives a motor on this channel, so a motor test may turn it.
   bool is_motor(std::size_t channel) const {
     return channel < kChannels && header_.type[channel] == OutputType::kMotor;
   }
   /// The mixer that calibrates speed controllers: the stick drives all motors from 0 to 1.
   bool calibrates_escs() const { return config_.unsigned_throttle; }
 
-  /// Stores an auxiliary command, in force until the next; motors see above. @returns false, and
-  /// changes nothing, if a type is unknown or a value of an enabled channel is not finite.
+  /// Stores an auxiliary command, in force until the next (motors: see above). @returns false and
+  /// changes nothing if a type is unknown or a value of an enabled channel is not finite.
   bool set_auxiliary(const link::AuxCommand& command);
-  /// An auxiliary motor is commanded: failsafe and companion_present matter.
+  /// An auxiliary motor is commanded, so failsafe and companion_present have an effect.
   bool has_auxiliary_motors() const { return auxiliary_motors_; }
-  /// Forgets motors of the auxiliary command and stops them; servos hold.
+  /// Discards the motors of the auxiliary command and stops them; servos keep their value.
   void drop_auxiliary_motors();
-  /// The same unless armed, with a radio and a companion. step() does it too, but a condition may
-  /// end and hold again before the next IMU sample: call it once a pass while a motor is commanded.
-  /// @returns whether it dropped them.
+  /// drop_auxiliary_motors() unless armed, with a radio and a companion. step() includes it, but a
+  /// condition may end and hold again before the next IMU sample: call it once per pass while a
+  /// motor is commanded. @returns whether it dropped them.
   bool end_auxiliary_motors(const Conditions& conditions);
 
   /// All 14 outputs, 0..1.
   const hal::OutputValues& step(const Inputs& u, const Conditions& conditions);
 
   const hal::OutputValues& outputs() const { return outputs_; }
-  /// As without any command: servos at their centre, everything else at zero.
+  /// Outputs as without any command: servos at their centre, all others at zero.
   void clear_outputs();
-  /// Zero on every channel that drives a motor; the others hold.
+  /// Sets every channel that drives a motor to zero; the others keep their value.
   void stop_motors();
   /// Result after (3), before limits; for logs.
   const std::array<float, kPaddedChannels>& mixed() const { return mixed_; }
-  /// Largest motor value before (3); above 1 the command did not fit.
+  /// Largest motor value before (3); above 1 the command exceeds the actuators.
   float saturation() const { return saturation_; }
-  /// The actuators do not give what was asked for: too much of it, or motors are held at idle.
+  /// The outputs do not produce the commanded forces: they are at a limit or motors are held at idle.
   bool saturated() const { return saturation_ > 1.0f || set_for_ == Mode::kHeldAtIdle; }
-  /// (2) was asked for without a usable motor model.
+  /// (2) is configured without a usable motor model.
   bool motor_model_failed() const { return motor_model_failed_; }
-  /// (2) took the lowest voltage instead of the measured one.
+  /// (2) used the lowest voltage instead of the measured one.
   bool voltage_replaced() const { return voltage_replaced_; }
 
-  /// The largest magnitude of each input that the secondary gains turn into different outputs when
-  /// it is the only one: what drives the first actuator to its end. Motors with motor parameters
-  /// end at the speed that the full battery gives. An input that nothing uses has no limit.
-  Inputs entry_limits(float density_kg_m3) const;
+  /// For each input alone, the largest magnitude that still changes an output of the secondary gains:
+  /// it drives the first actuator to its limit. With motor parameters the limit of a motor is its
+  /// speed on a full battery. An unused input has no limit.
+  /// @param density_kg_m3  of the air.
+  Inputs axis_limits(float density_kg_m3) const;
 
-  /// Total thrust an offboard vector asks for through the secondary gains, as a fraction of what
-  /// the motors can give together.
+  /// Total thrust of an offboard vector through the secondary gains, as a fraction of the motors'
+  /// maximum.
   float thrust_fraction(const Inputs& u, float density_kg_m3) const;
 
  private:
-  /// Channels of one kind, so that a pass need not look at the kinds.
+  /// Channels of one kind, so that a pass need not test kinds.
   struct ChannelList {
     std::array<std::uint8_t, hal::kOutputs> channel{};
     std::uint8_t size{0};
@@ -159,15 +163,15 @@ class Mixer {
 
   using Group = Eigen::Array<float, kGroup, 1>;
   using Padded = std::array<float, kPaddedChannels>;
-  /// What the limits of the motors depend on.
+  /// Selects the limits of the motors.
   enum class Mode : std::uint8_t { kDisarmed, kHeldAtIdle, kArmed, kNone };
 
-  static bool all_secondary(const Inputs& u, std::uint16_t primary_entries);
+  static bool all_secondary(const Inputs& u, std::uint16_t primary_axes);
   void mix(const Inputs& u, const Conditions& conditions);
   template <std::size_t... kLater>
   static Group product(const MixerGains& gains, const Inputs& u, std::size_t group,
                        std::index_sequence<kLater...>);
-  Group product_by_entry(const Inputs& u, std::size_t group, const Conditions& conditions) const;
+  Group product_by_axis(const Inputs& u, std::size_t group, const Conditions& conditions) const;
   void motors_from_speed(const Conditions& conditions);
   void scale_motors();
   bool mixed_is_finite() const;

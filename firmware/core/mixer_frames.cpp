@@ -81,7 +81,7 @@ MixerHeader frame_header(MixerId id) {
 
 MixerGains frame_gains(MixerId id) {
   MixerGains gains = MixerGains::Zero();
-  Eigen::Matrix<float, kEntries, kChannels> M;
+  Eigen::Matrix<float, kAxes, kChannels> M;
   M.setZero();
   switch (id) {
     case MixerId::kEscCalibration:
@@ -120,9 +120,9 @@ MixerGains frame_gains(MixerId id) {
 /// One-sided Jacobi rotations (M. R. Hestenes, J. SIAM 6(1), 1958): turns pairs of columns of A = M
 /// V until all are orthogonal; their lengths are then the singular values, and the inverse is the
 /// sum of v_k a_k^T / |a_k|^2. Sums run in one order on every processor.
-MixerGains pseudo_inverse(const Eigen::Matrix<float, kEntries, kChannels>& M) {
-  using Square = Eigen::Matrix<float, kEntries, kChannels>;
-  constexpr int kMostSweeps = 30;  // six are usual
+MixerGains pseudo_inverse(const Eigen::Matrix<float, kAxes, kChannels>& M) {
+  using Square = Eigen::Matrix<float, kAxes, kChannels>;
+  constexpr int kMaxSweeps = 30;  // six are usual
   constexpr float kEpsilon = std::numeric_limits<float>::epsilon();
   constexpr Eigen::Index n = kChannels;
   const auto product = [](const Square& A, Eigen::Index p, Eigen::Index q) {
@@ -136,7 +136,7 @@ MixerGains pseudo_inverse(const Eigen::Matrix<float, kEntries, kChannels>& M) {
   Square A = M / largest;
   Square V = Square::Identity();
   bool turned = true;
-  for (int sweep = 0; turned && sweep < kMostSweeps; ++sweep) {
+  for (int sweep = 0; turned && sweep < kMaxSweeps; ++sweep) {
     turned = false;
     for (Eigen::Index p = 0; p < n; ++p) {
       for (Eigen::Index q = p + 1; q < n; ++q) {
@@ -162,11 +162,11 @@ MixerGains pseudo_inverse(const Eigen::Matrix<float, kEntries, kChannels>& M) {
   }
   float longest_sq = 0.0f;
   for (Eigen::Index k = 0; k < n; ++k) longest_sq = std::max(longest_sq, product(A, k, k));
-  constexpr float kSmallest = 10.0f * kEpsilon;  // of the largest singular value
+  constexpr float kMinRatio = 10.0f * kEpsilon;  // of the largest singular value
   constexpr float kNoise = 1e-6f;
   for (Eigen::Index k = 0; k < n; ++k) {
     const float length_sq = product(A, k, k);
-    if (!(length_sq > kSmallest * kSmallest * longest_sq)) continue;
+    if (!(length_sq > kMinRatio * kMinRatio * longest_sq)) continue;
     for (Eigen::Index i = 0; i < n; ++i) {
       for (Eigen::Index j = 0; j < n; ++j) gains(i, j) += V(i, k) * (A(j, k) / length_sq);
     }

@@ -21,6 +21,7 @@ enum class MixerId : std::uint8_t {
 };
 inline constexpr std::int32_t kFirstNoMixer = 12;  ///< This and above: none.
 
+/// The id names a mixer whose gains the firmware computes.
 constexpr bool is_predefined(std::int32_t id) {
   return id >= 0 && id < 11;
 }
@@ -28,13 +29,13 @@ constexpr bool is_predefined(std::int32_t id) {
 /// Kinds and rates of a predefined mixer (ROSflight 2.0.1 tables).
 MixerHeader frame_header(MixerId id);
 
-/// Gains of a predefined mixer: multirotor frames by pseudo-inverse of their geometry, the fixed
-/// wings as they are.
+/// Gains of a predefined mixer: the pseudo-inverse of the geometry for multirotor frames, the table
+/// for fixed wings.
 MixerGains frame_gains(MixerId id);
 
 /// Moore-Penrose pseudo-inverse by singular values; those below 10 epsilon of the largest count as
 /// zero, and elements below 1e-6 become exactly 0. M is input by channel, the result channel by
 /// input. Slow: call it disarmed.
-MixerGains pseudo_inverse(const Eigen::Matrix<float, kEntries, kChannels>& M);
+MixerGains pseudo_inverse(const Eigen::Matrix<float, kAxes, kChannels>& M);
 
 }  // namespace rosflight::core

@@ -10,14 +10,14 @@ constexpr auto kFirstType = static_cast<std::uint16_t>(Param::kPriMixerOut0);
 constexpr auto kFirstRate = static_cast<std::uint16_t>(Param::kPriMixerPwm0);
 constexpr auto kFirstPrimary = static_cast<std::uint16_t>(Param::kPriMixer0_0);
 constexpr auto kFirstSecondary = static_cast<std::uint16_t>(Param::kSecMixer0_0);
-constexpr std::uint16_t kGainCount = kChannels * kEntries;
+constexpr std::uint16_t kGainCount = kChannels * kAxes;
 constexpr auto kEscCalibration = static_cast<std::int32_t>(MixerId::kEscCalibration);
 constexpr float kDefaultRate_hz = 50.0f;
 
 // Parameter PRI_MIXER_a_b is the gain from input a to channel b; the index runs fastest over a.
 float& element(MixerGains& gains, std::uint16_t offset) {
-  return gains(offset / static_cast<std::uint16_t>(kEntries),
-               offset % static_cast<std::uint16_t>(kEntries));
+  return gains(offset / static_cast<std::uint16_t>(kAxes),
+               offset % static_cast<std::uint16_t>(kAxes));
 }
 
 void load_gains(const Parameters& parameters, std::uint16_t first, MixerGains& gains) {

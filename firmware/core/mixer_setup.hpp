@@ -6,16 +6,14 @@
 
 namespace rosflight::core {
 
-/// Chooses both mixers as PRIMARY_MIXER and SECONDARY_MIXER say: predefined ones are computed and
-/// written back to the PRI_MIXER_... and SEC_MIXER_... parameters, custom ones are read from them,
-/// no secondary means a copy of the primary. Slow; called at start-up and, disarmed, when the
-/// choice changes.
+/// Sets up the mixers of PRIMARY_MIXER and SECONDARY_MIXER: predefined ones are computed and written
+/// back to the PRI_MIXER_... and SEC_MIXER_... parameters, custom ones are read from them; without a
+/// secondary the primary is copied. Slow; called at start-up and, disarmed, when the choice changes.
 /// @returns false if there is no primary mixer: arming is then impossible.
 bool choose_mixers(Parameters& parameters, Mixer& mixer, Log& log);
 
-/// Carries changed PRI_MIXER_... and SEC_MIXER_... parameters into the mixer, one by one; without a
-/// secondary mixer of its own, SEC follows PRI. @returns true if some channel's kind or
-/// pulse rate changed.
+/// Copies changed PRI_MIXER_... and SEC_MIXER_... parameters into the mixer; without a secondary
+/// mixer of its own, SEC follows PRI. @returns true if the kind or pulse rate of a channel changed.
 bool take_mixer_changes(const Parameters::ChangeSet& changed, Parameters& parameters, Mixer& mixer);
 
 /// Pulse rates for the board: an unset rate (0) of a used channel means 50 Hz.

@@ -3,10 +3,12 @@
 
 namespace rosflight::core {
 
-/// Motor and propeller as the mixer knows them (parameters MOTOR_..., PROP_...).
+/// Model of one motor with its propeller (parameters MOTOR_..., PROP_...).
 ///
 /// Torque of the motor equals torque of the propeller (ROSflight 2.0 paper, appendix):
-///     K_Q [(V - K_V W)/R - i0] = rho D^5 C_Q W^2 / (4 pi^2)                         (1)
+///
+///     K_Q [(V - K_V W)/R - i0] = rho D^5 C_Q W^2 / (4 pi^2)                               (1)
+///
 /// with K_Q = K_V in SI units; thrust rho D^4 C_T W^2 / (4 pi^2).
 struct MotorModel {
   float resistance_ohm{0.042f};
@@ -18,8 +20,8 @@ struct MotorModel {
   float full_voltage_V{25.0f};
   int motor_count{4};
 
-  static constexpr float kSmallestKv = 1e-7f;
-  bool usable() const { return kv_V_s_rad > kSmallestKv; }
+  static constexpr float kMinKv = 1e-7f;
+  bool usable() const { return kv_V_s_rad > kMinKv; }
 
   /// Voltage that turns the rotor at sqrt(speed_sq) in steady state; (1) solved for V.
   float voltage_V(float speed_sq_rad2_s2, float density_kg_m3) const;

@@ -36,7 +36,7 @@ void MotorStop::step(Time now, const Input& in) {
 }
 
 void MotorStop::watch_tilt(Time now, const Input& in) {
-  const Quaternion& q = in.q_NB;
+  const Quaternion& q = in.q_WB;
   const float cos_tilt = 1.0f - 2.0f * (q.x * q.x + q.y * q.y);
   if (!in.throttle_commanded || cos_tilt > kTipOverCosine) {
     tilted_ = false;

@@ -8,24 +8,25 @@ namespace rosflight::core {
 
 using hal::Time;
 
-/// Why the motors of an armed vehicle stand still until it is disarmed.
+/// Why the motors of an armed vehicle are stopped until it is disarmed.
 enum class StopReason : std::uint8_t { kNone, kImuSilent, kTipOver, kImpact, kFailsafeAtRest };
 
-/// Stops the motors of an armed vehicle for a reason that does not go away by itself. The reason
-/// stays until disarming, so that nothing turns again when somebody picks the vehicle up.
+/// Stops the motors of an armed vehicle for a reason that does not end by itself. The reason is
+/// latched until disarming, so that no motor turns when a person picks the vehicle up.
 ///
-///     IMU silent        no usable sample for 1 s (multirotors)                           always
-///     tip-over          more than 100 deg of tilt for 0.5 s with throttle commanded CRASH_STOP 1
-///     impact            |a| above 8 g, then 1 s without motion CRASH_STOP 2 failsafe at rest  30 s
-///     of failsafe without motion, and the vehicle stands          always
+///     reason            condition                                               enabled by
+///     IMU silent        no usable sample for 1 s (multirotors)                  always
+///     tip-over          tilt above 100 deg for 0.5 s with throttle commanded    CRASH_STOP 1
+///     impact            |a| above 8 g, then 1 s without motion                  CRASH_STOP 2
+///     failsafe at rest  30 s of failsafe without motion, on the ground          always
 ///
-/// "Without motion" is a rate below 0.15 rad/s and a specific force within 0.1 g of 1 g. That alone
-/// cannot tell a vehicle at rest from one that sinks steadily, so the last reason asks the vehicle:
-/// the motors are held at idle for 0.5 s. In the air the thrust that is missing shows in the
-/// accelerometer within a few motor time constants, the probe ends and the 30 s start again. On the
-/// ground the specific force stays 1 g, but for the first 0.25 s, in which 0.25 g and 0.5 rad/s are
-/// allowed: the weight comes back on the landing gear. With a barometer the pressure altitude must
-/// also stay within 1 m during the 30 s. Fixed wings are left alone: their failsafe has no throttle.
+/// "Without motion" is a rate below 0.15 rad/s and a specific force within 0.1 g of 1 g. A vehicle
+/// that sinks steadily satisfies it too, so the last reason includes a probe: the motors are held at
+/// idle for 0.5 s. In the air the missing thrust appears in the accelerometer within a few motor
+/// time constants, the probe ends and the 30 s start again. On the ground the specific force stays
+/// 1 g, except for the first 0.25 s, in which 0.25 g and 0.5 rad/s are allowed while the weight
+/// returns to the landing gear. With a barometer the pressure altitude must also stay within 1 m
+/// during the 30 s. Fixed wings are excluded: their failsafe has no throttle.
 class MotorStop {
  public:
   static constexpr Time kImuSilence = hal::milliseconds(1000);
@@ -38,9 +39,9 @@ class MotorStop {
   static constexpr Time kProbe = hal::milliseconds(500);
   static constexpr Time kSettling = hal::milliseconds(250);  ///< Of the probe.
   static constexpr float kAltitudeBand_m = 1.0f;
-  static constexpr float kAltitudeTime_s = 2.0f;  ///< Low-pass: a barometer's noise is no motion.
-  static constexpr int kImpactSamples = 2;        ///< One alone is the sensor's fault, ...
-  static constexpr Time kImpactApart = hal::milliseconds(50);  ///< ... or if it stands alone.
+  static constexpr float kAltitudeTime_s = 2.0f;  ///< Low-pass against the barometer's noise.
+  static constexpr int kImpactSamples = 2;        ///< A single sample is an outlier of the sensor.
+  static constexpr Time kImpactApart = hal::milliseconds(50);  ///< Longest time between the two.
 
   struct Config {
     bool fixed_wing{false};
@@ -48,9 +49,9 @@ class MotorStop {
     bool impact{false};
   };
 
-  /// What one IMU sample brings while armed.
+  /// Input of one IMU sample while armed.
   struct Input {
-    Quaternion q_NB{};
+    Quaternion q_WB{};
     Vector3 accel_m_s2{Vector3::Zero()};
     Vector3 rates_rad_s{Vector3::Zero()};
     float altitude_m{};  ///< Of the barometer; 0 without one.
@@ -58,22 +59,25 @@ class MotorStop {
     bool failsafe{};
   };
 
+  /// Applies new settings.
   void configure(const Config& config) { config_ = config; }
-  /// Some rule of step() could act: saves its call in ordinary flight.
+  /// A rule of step() is enabled; saves the call in ordinary flight.
   bool watching(bool failsafe) const {
     return failsafe || probing_ || config_.tip_over || config_.impact;
   }
+  /// Evaluates the rules for one IMU sample; call while armed.
   void step(Time now, const Input& in);
-  /// No IMU sample since `imu_heard`. Call while armed.
-  void watch_imu(Time now, Time imu_heard) {
-    if (!config_.fixed_wing && now - imu_heard > kImuSilence) stop(StopReason::kImuSilent);
+  /// Evaluates the rule "IMU silent"; call once per pass while armed.
+  /// @param last_imu  time of the last usable sample.
+  void watch_imu(Time now, Time last_imu) {
+    if (!config_.fixed_wing && now - last_imu > kImuSilence) stop(StopReason::kImuSilent);
   }
-  /// Armed or disarmed: every reason is gone.
+  /// Clears the reason; call on arming and disarming.
   void reset() { *this = MotorStop{config_}; }
 
   bool stopped() const { return reason_ != StopReason::kNone; }
   StopReason reason() const { return reason_; }
-  /// The motors are to be held at idle: the vehicle is being asked whether it stands.
+  /// The probe is running: hold the motors at idle.
   bool probing() const { return probing_; }
 
   MotorStop() = default;

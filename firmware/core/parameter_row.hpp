@@ -10,7 +10,7 @@ namespace rosflight::core {
 
 using ParamType = link::ParamType;
 
-/// A parameter's 32 bits: an int32 or a float, its row says which.
+/// The 32 bits of a parameter: an int32 or a float, as the type in its row.
 union ParamValue {
   constexpr ParamValue() : i{0} {}
   constexpr explicit ParamValue(std::int32_t value) : i{value} {}
@@ -46,18 +46,21 @@ struct ParamRow {
   float sentinel;  ///< One value outside the range that is allowed too ("none"); else the default.
 };
 
+/// A name of up to 16 characters, padded with NUL.
 constexpr link::ParamName padded_name(const char* text) {
   link::ParamName name{};
   for (std::size_t k = 0; k < name.size() && text[k] != '\0'; ++k) name[k] = text[k];
   return name;
 }
 
+/// A row of the generated table; arguments as the members of ParamRow.
 constexpr ParamRow int_row(const char* name, std::int32_t initial, float min, float max,
                            float sentinel, std::uint8_t armed_rule) {
   return {padded_name(name), ParamType::kInt32, armed_rule, ParamValue{initial}, min, max,
           sentinel};
 }
 
+/// As int_row(), for a float.
 constexpr ParamRow float_row(const char* name, float initial, float min, float max, float sentinel,
                              std::uint8_t armed_rule) {
   return {padded_name(name), ParamType::kFloat, armed_rule, ParamValue{initial}, min, max,

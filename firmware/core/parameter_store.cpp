@@ -103,9 +103,9 @@ bool ParameterStore::newest_is_second(const Slot& first, const Slot& second) {
   return second.valid() && (!first.valid() || later);
 }
 
-/// The set before the valid one may be damaged without harm; any other number is that of a newer
-/// set, or is damaged itself. A blank slot is natural beside the first set only: after two sets
-/// both have been written.
+/// The set before the valid one may be damaged without a loss; any other number belongs to a newer
+/// set, or is damaged itself. A blank slot is expected beside the first set only: after two sets
+/// both slots have been written.
 bool ParameterStore::may_be_newer(const Slot& other, const Slot& valid) {
   if (other.condition == Condition::kUnreadable) return true;
   if (other.condition == Condition::kBlank) return valid.sequence > 1;
@@ -113,7 +113,7 @@ bool ParameterStore::may_be_newer(const Slot& other, const Slot& valid) {
          (!other.sequence_known || other.sequence + 1 != valid.sequence);
 }
 
-/// Finds out which slot is in force and which is to be written next. @returns false if neither can
+/// Determines which slot is in force and which is written next. @returns false if neither can
 /// be read.
 bool ParameterStore::survey(Slot& first, Slot& second) {
   first = inspect(0);
@@ -134,7 +134,7 @@ StoreResult ParameterStore::load(Parameters& parameters, LoadReport& report, hal
   Slot b;
   report = {};
   const bool known = survey(a, b);
-  if (system != nullptr) system->alive();
+  if (system != nullptr) system->feed_watchdog();
   if (!set_in_force_) {
     if (!known) return StoreResult::kFailed;
     const bool damaged = a.condition == Condition::kDamaged || b.condition == Condition::kDamaged;
@@ -142,7 +142,7 @@ StoreResult ParameterStore::load(Parameters& parameters, LoadReport& report, hal
   }
   const Slot& slot = newest_ == 1 ? b : a;
   report.fell_back = may_be_newer(newest_ == 1 ? a : b, slot);
-  Parameters loaded = parameters;  // the medium may still fail halfway
+  Parameters loaded = parameters;  // the medium may fail before the end
   if (read_set(newest_, slot, loaded, report, system) != StoreResult::kOk) {
     surveyed_ = false;
     return StoreResult::kFailed;
@@ -161,13 +161,13 @@ StoreResult ParameterStore::read_set(std::size_t index, const Slot& slot, Parame
   if (!storage_.read(offset(index), entry.data(), kHeaderBytes)) return StoreResult::kFailed;
   crc.add(entry.data(), kHeaderBytes);
   for (std::size_t k = 0; k < slot.count; ++k) {
-    if (system != nullptr && k % kReadsBetweenFeeds == 0) system->alive();
+    if (system != nullptr && k % kReadsBetweenFeeds == 0) system->feed_watchdog();
     const std::size_t at = offset(index) + kHeaderBytes + k * kEntryBytes;
     if (!storage_.read(at, entry.data(), entry.size())) return StoreResult::kFailed;
     crc.add(entry.data(), entry.size());
     link::ParamName name{};
     std::memcpy(name.data(), entry.data(), name.size());
-    // As a rule this very firmware wrote the set, in the order of the table.
+    // Usually the same firmware wrote the set, in the order of the table.
     const bool in_order = k < kParamCount && Parameters::row(static_cast<Param>(k)).name == name;
     const std::size_t found = in_order ? k : Parameters::find(name);
     const SetResult result = found == kParamCount
@@ -178,11 +178,11 @@ StoreResult ParameterStore::read_set(std::size_t index, const Slot& slot, Parame
     if (!taken && report.skipped == 0) report.first_skipped = name;
     ++(taken ? report.loaded : report.skipped);
   }
-  // Read differently a second time: not to be trusted.
+  // The second reading differs: the set is not valid.
   return crc.value() == slot.crc ? StoreResult::kOk : StoreResult::kFailed;
 }
 
-/// @returns false if there was one that is damaged. One of an earlier set is none.
+/// @returns false if the record is damaged; that of an earlier set is ignored.
 bool ParameterStore::read_gyro_bias(std::size_t index, Parameters& loaded) {
   std::array<std::uint8_t, kRecordBytes> record{};
   if (!present()) return true;
@@ -228,8 +228,8 @@ StoreResult ParameterStore::begin_gyro_bias(const Parameters& parameters) {
   return StoreResult::kBusy;
 }
 
-/// Fills a block with what comes next of the set: whole entries, so that no value is stored half
-/// old and half new. Empty once the checksum has been written too.
+/// Fills a block with the next entries of the set, whole ones, so that no value is stored half old
+/// and half new. Empty after the checksum has been written.
 std::size_t ParameterStore::fill(const Parameters& parameters, std::uint8_t* block) {
   std::size_t used = 0;
   if (at_ == 0) {
@@ -307,7 +307,7 @@ void ParameterStore::mark_saved(Parameters& parameters) const {
 StoreResult ParameterStore::save(const Parameters& parameters, hal::System* system) {
   StoreResult result = begin(parameters);
   while (result == StoreResult::kBusy) {
-    if (system != nullptr) system->alive();
+    if (system != nullptr) system->feed_watchdog();
     result = step(parameters);
   }
   return result;

@@ -9,8 +9,8 @@ namespace rosflight::core {
 enum class [[nodiscard]] StoreResult : std::uint8_t {
   kOk,
   kBlank,    ///< Storage can be read and was never written: all 0x00 or all 0xFF.
-  kDamaged,  ///< Storage can be read and holds something, but no valid set.
-  kFailed,   ///< The medium refused or is too small; what was stored before is still there.
+  kDamaged,  ///< Storage can be read and is not blank, but holds no valid set.
+  kFailed,   ///< The medium failed or is too small; the previous set is unchanged.
   kBusy      ///< Not finished: call step() again.
 };
 
@@ -20,15 +20,16 @@ enum class [[nodiscard]] StoreResult : std::uint8_t {
 /// Storage holds two slots of half its size. A save goes to the slot that does not hold the newest
 /// set:
 ///
-///     magic u32 | sequence u32 | count u16 | reserved u16 | count x {name 16, type u8, bits u32} |
+///     magic u32 | sequence u32 | count u16 | reserved u16
+///     count x { name 16 | type u8 | bits u32 }
 ///     CRC-32
 ///
 /// little-endian; the CRC covers all before it and is the last to be written. The slot with a valid
 /// CRC and the later sequence number (a 32-bit number that may wrap) is in force. Values are found
-/// by name, so a firmware with other parameters still reads what it knows; unknown names and values
+/// by name, so a firmware with other parameters reads those that it has; unknown names and values
 /// out of range are skipped and counted.
 ///
-/// The last 64 bytes of a slot are a record of their own, so that a gyro calibration costs one
+/// The last 64 bytes of a slot are a record of their own, so that a gyro calibration writes one
 /// block:
 ///
 ///     magic u32 | sequence u32 of the set it belongs to | three biases, bits u32 | CRC-32
@@ -54,6 +55,7 @@ class ParameterStore {
     bool fell_back{};
   };
 
+  /// @param storage  must outlive this.
   explicit ParameterStore(hal::Storage& storage) : storage_{storage} {}
 
   /// Whether the medium has room for two slots.
@@ -65,7 +67,7 @@ class ParameterStore {
   StoreResult load(Parameters& parameters, LoadReport& report, hal::System* system = nullptr);
 
   /// Starts to store all values. @returns kBusy; kFailed if the medium is too small or neither slot
-  /// can be read (a slot that cannot be read today may hold the set of tomorrow).
+  /// can be read (a slot that cannot be read now may hold a valid set).
   StoreResult begin(const Parameters& parameters);
   /// Starts to store the three gyro biases alone, beside the set in force: one block.
   /// @returns kBusy; kFailed if no set is known to be in force.

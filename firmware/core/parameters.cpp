@@ -21,7 +21,7 @@ ParamValue from_bits(ParamType type, std::uint32_t bits) {
   return ParamValue{value};
 }
 
-/// Whether `rule` lets a float go from `from` to `to`; comparisons with a NaN are false.
+/// Whether `rule` permits a float to change from `from` to `to`; comparisons with a NaN are false.
 bool near_enough(const ArmedRule& rule, float from, float to) {
   if (rule.only_up && !(to >= from)) return false;
   if (std::abs(to - from) <= rule.step) return true;

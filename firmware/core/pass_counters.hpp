@@ -10,19 +10,19 @@ namespace rosflight::core {
 
 using hal::Time;
 
-/// How well the main loop keeps its time: passes, the longest, those above the budget, and how
-/// evenly IMU samples come.
+/// Timing of the main loop: passes, the longest pass, passes above the budget, and the jitter of IMU
+/// samples.
 class PassCounters {
  public:
-  /// Four fifths of the period of a 400 Hz IMU: what is left is for interrupts.
+  /// Four fifths of the period of a 400 Hz IMU; the rest is for interrupts.
   static constexpr Time kBudget = hal::microseconds(2000);
   static constexpr std::size_t kJitterBins = 8;
   /// Upper ends of the bins; the last one has none.
   static constexpr std::array<std::int64_t, kJitterBins - 1> kJitterEnds_us{10,   30,   100,  300,
                                                                             1000, 3000, 10000};
 
-  /// At the end of a pass that kept the processor busy for `busy`. A pass that wrote to storage is
-  /// expected to be slow and is counted, not judged.
+  /// Counts a pass that used the processor for `busy`. A pass that wrote to storage is expected to be
+  /// slow and does not count for in_time().
   void pass(Time now, Time busy, bool stored) {
     ++passes_;
     longest_ = std::max(longest_, busy);
@@ -30,7 +30,7 @@ class PassCounters {
     ++over_budget_;
     if (!stored) slow_.add(now);
   }
-  /// A new IMU sample: how far its arrival is from where its stamp says, against the one before.
+  /// Counts the jitter of an IMU sample: the change of arrival less stamp since the previous one.
   void imu(Time now, Time stamp) {
     const Time delay = now - stamp;
     const std::int64_t jitter = std::abs((delay - delay_).count());

@@ -83,9 +83,9 @@ Rc::Update Rc::step(Time now, const hal::RcFrame* frame, bool may_disarm) {
   input_.pitch = 2.0f * (frame->channels[config_.pitch] - 0.5f);
   input_.yaw = 2.0f * (frame->channels[config_.yaw] - 0.5f);
   input_.throttle = frame->channels[config_.throttle];
-  // After boot or an outage the time since the last frame says nothing about the controls.
-  const bool consecutive = heard_ && since_good < kBadFramesUntilLost;
-  heard_ = true;
+  // After boot or an outage the time since the last frame does not count as time in the gesture.
+  const bool consecutive = received_ && since_good < kBadFramesUntilLost;
+  received_ = true;
   if (shortened(now, *frame)) return update;
   for (std::size_t k = 0; k < kSwitchCount; ++k) {
     input_.on[k] = read_switch(*frame, static_cast<Switch>(k));

@@ -18,22 +18,23 @@ struct PilotInput {
   float yaw{0.0f};
   float throttle{0.0f};
   std::array<bool, kSwitchCount> on{};  ///< Unmapped switches are off.
+  /// The switch is mapped and on.
   bool is_on(Switch s) const { return on[static_cast<std::size_t>(s)]; }
 };
 
-/// Interprets receiver frames: validity, sticks, switches, and the wish to arm or disarm.
+/// Interprets receiver frames: validity, sticks, switches, and requests to arm or disarm.
 ///
 /// A frame is bad if it carries a loss flag, if it lacks the channel of a stick, or if one of the
 /// sticks or of its first `channel_count` channels is outside -0.25..1.25; it then changes nothing.
 /// A switch on a channel that the frame lacks is unmapped in that frame. The radio counts as lost
-///     at once         if the receiver says so (failsafe flag),
+///     at once         if the receiver sets its failsafe flag,
 ///     after 100 ms    of bad frames only, counted from the last good one,
 ///     after 200 ms    without any good frame (unplugged receiver).
 ///
-/// An arm switch asks to arm with the first frame that says on. It asks to disarm, and permits
-/// another arming, when it was off for 100 ms: every good frame of that time, three at least. Bad
-/// frames in between say nothing; an outage of 100 ms starts the count anew. A frame with fewer
-/// channels than another of the last 100 ms says nothing about switches.
+/// An arm switch requests arming with the first frame in which it is on. It requests disarming, and
+/// permits another arming, when it was off for 100 ms: in every good frame of that time, at least
+/// three. Bad frames in between are ignored; an outage of 100 ms restarts the count. Switches are not
+/// read from a frame with fewer channels than another of the last 100 ms.
 class Rc {
  public:
   static constexpr Time kOffTime = hal::milliseconds(100);
@@ -60,6 +61,7 @@ class Rc {
 
   /// An arm switch on another channel or reversed has to be off for kOffTime before it can arm.
   void configure(const Config& config);
+  /// The switch has a channel.
   bool mapped(Switch s) const;
   /// Says on which channel each switch is, one text each.
   void describe(Log& log) const;
@@ -68,12 +70,12 @@ class Rc {
   /// @param may_disarm  the stick gesture looked for is that of disarming, else that of arming.
   Update step(Time now, const hal::RcFrame* frame, bool may_disarm);
 
-  /// No good frame for so long that the radio counts as lost: what step() says without a frame.
+  /// No good frame for so long that the radio counts as lost; step() reports it without a frame.
   bool silent(Time now) const { return now - last_good_ >= kSilenceUntilLost; }
 
   const PilotInput& input() const { return input_; }
   bool throttle_low() const { return input_.throttle < config_.arm_threshold; }
-  /// There is an arm switch and it says off.
+  /// There is an arm switch and it is off.
   bool arm_switch_off() const { return by_switch_ && !input_.is_on(Switch::kArm); }
 
  private:
@@ -89,10 +91,10 @@ class Rc {
   PilotInput input_{};
   Time last_good_{};
   Time gesture_{};                     ///< How long the sticks have been in the corner.
-  Time off_since_{};                   ///< First of the frames in a row that said off.
+  Time off_since_{};                   ///< First of the consecutive frames with the switch off.
   std::uint8_t off_frames_{0};         ///< Their number, up to kOffFrames.
   bool arm_switch_was_off_{false};     ///< For kOffTime: on may arm.
-  bool heard_{false};                  ///< A good frame came since boot.
+  bool received_{false};               ///< A good frame came since boot.
   bool by_switch_{false};              ///< Arming is by switch: the receiver carries its channel.
   Time complete_{};                    ///< When the last frame that was not shortened came.
   std::uint8_t complete_channels_{0};  ///< Its number of channels.

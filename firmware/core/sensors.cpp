@@ -15,7 +15,7 @@ constexpr float kLargestGyroBias_rad_s = 0.35f;
 // three axes at 0.0226 rad/s (the noisiest simulated sensor), 0.05 rad/s for a BMI088. The rest is
 // for wind and hands.
 constexpr float kLargestGyroSpread_rad_s = 0.3f;
-constexpr float kLargestAccelSpread_m_s2 = 1.0f;
+constexpr float kMaxAccelSpread_m_s2 = 1.0f;
 constexpr float kLargestAccelBias_m_s2 = 3.0f;
 constexpr float kLargestTilt_deg = 5.0f;
 
@@ -27,8 +27,8 @@ float tilt_deg(const Vector3& accel) {
   return asin(std::min(horizontal / kGravity_m_s2, 1.0f)) / kRadPerDeg;
 }
 
-/// False for NaN, infinity and what no sensor of any kind measures in SI units: sums and squares of
-/// what passes are finite too.
+/// False for NaN, infinity and numbers beyond any sensor in SI units, so that sums and squares of
+/// accepted samples are finite.
 bool plausible(const hal::Vec3& v) {
   constexpr float kAbsurd = 1e6f;
   return std::abs(v[0]) < kAbsurd && std::abs(v[1]) < kAbsurd && std::abs(v[2]) < kAbsurd;
@@ -39,7 +39,7 @@ bool finite(const hal::GnssSample& s) {
          std::isfinite(s.height_msl_m) && plausible(s.velocity_ned_m_s);
 }
 
-/// On the Earth, below the height and the speed at which civil receivers stop (export rules).
+/// A position on the Earth, below the altitude and speed limits of civil receivers (export rules).
 bool in_range(const hal::GnssSample& s) {
   constexpr float kLowest_m = -1000.0f, kHighest_m = 100e3f, kFastest_m_s = 1000.0f;
   const hal::Vec3& v = s.velocity_ned_m_s;
@@ -49,7 +49,7 @@ bool in_range(const hal::GnssSample& s) {
          std::abs(v[2]) <= kFastest_m_s;
 }
 
-/// All axes at the end of the widest ranges sold: +-4000 deg/s, +-400 g.
+/// Within the widest ranges sold: +-4000 deg/s, +-400 g.
 bool in_range(const hal::ImuSample& s) {
   constexpr float kFastest_rad_s = 125.0f, kHardest_m_s2 = 7000.0f, kHottest_K = 1000.0f;
   return to_vector(s.gyro_rad_s).squaredNorm() <= kFastest_rad_s * kFastest_rad_s &&
@@ -61,7 +61,7 @@ bool same_bits(const hal::Vec3& a, const hal::Vec3& b) {
   return std::memcmp(&a, &b, sizeof a) == 0;  // NOLINT(bugprone-suspicious-memory-comparison)
 }
 
-/// What a driver hands over that could not read the part: no sensor has six zeros.
+/// Six zeros: the result of a driver that could not read the part.
 bool is_blank(const hal::ImuSample& s) {
   return s.gyro_rad_s[0] == 0.0f && s.gyro_rad_s == hal::Vec3{} && s.accel_m_s2 == hal::Vec3{};
 }
@@ -92,7 +92,7 @@ bool set_three(Parameters& parameters, Param first, const Vector3& v) {
 }  // namespace
 
 void Sensors::configure(const Config& config) {
-  // Rotations cost more than the rest together and hardly ever change.
+  // Rotations cost more than the rest together and rarely change.
   if (config.imu_mounting_deg != config_.imu_mounting_deg) {
     imu_mounting_ = mounting(config.imu_mounting_deg);
   }
@@ -110,7 +110,7 @@ void Sensors::configure(const Config& config) {
   imu_rotated_ = !config.imu_mounting_deg.isZero(0.0f);
 }
 
-/// The slower sensors first, so that the faster ones never keep them waiting.
+/// The slower sensors first, so that the faster ones do not delay them.
 inline void Sensors::poll_aids(Time now, hal::Board& board, Parameters& parameters, Log& log) {
   if (now_.new_aid) {
     now_.new_aid = now_.new_gnss = now_.new_baro = now_.new_mag = false;
@@ -155,13 +155,13 @@ Sensors::CalibrationEvents Sensors::step(Time now, hal::Board& board, Parameters
 }
 
 /// The filters need the sample rate: it is measured over 200 samples, during which nothing is
-/// filtered, and from then on watched.
+/// filtered, and monitored afterwards.
 void Sensors::filter_gyro(hal::ImuSample& raw, Log& log) {
   constexpr int kSamples = 200;
-  constexpr float kLongestStep_s = 0.025f;  // a gap says nothing about the rate
+  constexpr float kMaxStep_s = 0.025f;  // a gap does not show the rate
   constexpr float kTolerance = 0.05f;
   const float dt_s = imu_step_.dt_s;
-  if (dt_s > 0.0f && dt_s < kLongestStep_s) {
+  if (dt_s > 0.0f && dt_s < kMaxStep_s) {
     if (rate_samples_ == 0) rate_window_s_ = 0.0f;
     rate_window_s_ += dt_s;
     if (++rate_samples_ == kSamples) {
@@ -178,7 +178,7 @@ void Sensors::filter_gyro(hal::ImuSample& raw, Log& log) {
 }
 
 void Sensors::configure_gyro_chain(float rate_Hz, Log& log) {
-  constexpr float kFullScale_rad_s = 2000.0f * kRadPerDeg;  // of the parts boards have
+  constexpr float kFullScale_rad_s = 2000.0f * kRadPerDeg;  // full scale of the gyros on boards
   gyro_chain_rate_Hz_ = rate_Hz;
   GyroChain::Config c;
   c.sample_rate_Hz = rate_Hz;
@@ -187,7 +187,7 @@ void Sensors::configure_gyro_chain(float rate_Hz, Log& log) {
   c.notch_width_Hz = config_.gyro_notch_width_Hz;
   c.full_scale_rad_s = kFullScale_rad_s;
   const GyroChain::Refused refused = gyro_chain_.configure(c);
-  const float limit_Hz = GyroChain::kHighest * rate_Hz;
+  const float limit_Hz = GyroChain::kMaxFrequencyRatio * rate_Hz;
   if (refused.low_pass) {
     log.error(Text("GYRO_LPF_HZ off: not below ").add(limit_Hz, 0).add(" Hz"));
   }
@@ -245,7 +245,7 @@ bool Sensors::take_imu(Time now, hal::Board& board, Parameters& parameters, Log&
   return true;
 }
 
-/// While a bias is being measured none is subtracted; if that fails the old one is still there.
+/// While a bias is measured none is subtracted; after a failure the old one is in force again.
 [[gnu::cold, gnu::noinline]] void Sensors::calibrate(Vector3& accel, Vector3& gyro,
                                                      float temperature_K, Parameters& parameters,
                                                      Log& log, CalibrationEvents& events) {
@@ -262,7 +262,7 @@ void Sensors::calibrate_accel(const Vector3& accel, float temperature_K, Paramet
                               Log& log, CalibrationEvents& events) {
   const Vector3 level{0.0f, 0.0f, -kGravity_m_s2};
   if (!accel_calibration_.add(accel - level - config_.acc_temp_comp * temperature_K)) return;
-  if (accel_calibration_.spread().norm() > kLargestAccelSpread_m_s2) {
+  if (accel_calibration_.spread().norm() > kMaxAccelSpread_m_s2) {
     log.error("Too much movement for IMU cal");
     return;
   }
@@ -294,7 +294,7 @@ void Sensors::calibrate_gyro(const Vector3& gyro, const Vector3& accel, Paramete
     refused.add("moved ").add(moved, 2).add(" rad/s");
   } else if (bias.cwiseAbs().maxCoeff() > kLargestGyroBias_rad_s) {
     refused.add("mean ").add(bias.norm(), 2).add(" rad/s");
-  } else if (swayed > kLargestAccelSpread_m_s2) {  // turned too slowly for the gyro's own spread
+  } else if (swayed > kMaxAccelSpread_m_s2) {  // a turn too slow for the spread of the gyro
     refused.add("swayed ").add(swayed, 2).add(" m/s^2");
   } else if (set_three(parameters, Param::kGyroXBias, bias)) {
     config_.gyro_bias = bias;
@@ -315,9 +315,9 @@ bool Sensors::take(const hal::MagSample& raw) {
 }
 
 bool Sensors::take(Time now, const hal::BaroSample& raw, Parameters& parameters, Log& log) {
-  constexpr float kLowest_Pa = 30e3f, kHighest_Pa = 120e3f;  // 9000 m high, 1400 m below the sea
+  constexpr float kMin_Pa = 30e3f, kMax_Pa = 120e3f;  // 9000 m high, 1400 m below the sea
   if (!std::isfinite(raw.pressure_Pa)) return reject(Reject::kNotFinite);
-  if (raw.pressure_Pa < kLowest_Pa || raw.pressure_Pa > kHighest_Pa) {
+  if (raw.pressure_Pa < kMin_Pa || raw.pressure_Pa > kMax_Pa) {
     return reject(Reject::kPressure);
   }
   if (baro_calibration_.running()) {
@@ -343,11 +343,11 @@ bool Sensors::take(Time now, const hal::BaroSample& raw, Parameters& parameters,
   return true;
 }
 
-/// The air changes slowly; a sample that is wrong must not change the thrust.
+/// The density changes slowly; a wrong sample must not change the thrust.
 void Sensors::filter_density(Time now, float density) {
   constexpr float kTimeConstant_s = 5.0f;
-  constexpr Time kLongest = hal::milliseconds(50);  // what one sample may stand for
-  const float dt_s = hal::seconds(std::min(now - baro_time_, kLongest));
+  constexpr Time kMaxStep = hal::milliseconds(50);  // limit of one sample's weight
+  const float dt_s = hal::seconds(std::min(now - baro_time_, kMaxStep));
   const float share = baro_seen_ ? dt_s / (kTimeConstant_s + dt_s) : 1.0f;
   now_.density_kg_m3 += share * (density - now_.density_kg_m3);
   baro_time_ = now;
@@ -355,9 +355,9 @@ void Sensors::filter_density(Time now, float density) {
 }
 
 bool Sensors::take(Time now, const hal::DiffPressureSample& raw, Parameters& parameters, Log& log) {
-  constexpr float kLargest_Pa = 50e3f;  // 280 m/s
+  constexpr float kMax_Pa = 50e3f;  // 280 m/s
   if (!std::isfinite(raw.pressure_Pa)) return reject(Reject::kNotFinite);
-  if (std::abs(raw.pressure_Pa) > kLargest_Pa) return reject(Reject::kRange);
+  if (std::abs(raw.pressure_Pa) > kMax_Pa) return reject(Reject::kRange);
   if (airspeed_calibration_.running()) {
     const auto result = airspeed_calibration_.add(now, raw.pressure_Pa);
     if (result == PressureCalibration::Result::kGood) {
@@ -397,7 +397,7 @@ bool Sensors::take(const hal::BatterySample& raw) {
   if (!std::isfinite(raw.voltage_V) || !std::isfinite(raw.current_A)) {
     return reject(Reject::kNotFinite);
   }
-  constexpr float kNoise_V = -1.0f;  // of a converter without a battery
+  constexpr float kNoise_V = -1.0f;  // noise of a converter without a battery
   constexpr float kHighest_V = 100.0f, kLargest_A = 2000.0f;
   if (raw.voltage_V < kNoise_V || raw.voltage_V > kHighest_V ||
       std::abs(raw.current_A) > kLargest_A) {

@@ -26,7 +26,7 @@ struct Measurements {
   float density_kg_m3{kSeaLevelDensity_kg_m3};  ///< Low-passed.
 };
 
-/// Takes samples from the board and makes measurements of them: mounting, calibration, filters.
+/// Turns samples of the board into measurements: mounting, calibration, filters.
 ///
 ///     imu        v <- R(q_mount)^T v ,  a <- a - (temp_comp T + bias) ,  w <- w - bias
 ///                w filtered as sampled, before all this, if asked for (GyroChain)
@@ -35,15 +35,16 @@ struct Measurements {
 ///     density    rho <- rho + dt/(5 s + dt) (rho(p) - rho), from the first sample on
 ///     battery    V <- (1 - alpha) V + alpha V_before, from the first sample on
 ///
-/// Samples with a NaN, an infinity or a number beyond what the sensor can measure are dropped (an
-/// infinite range is not: it says that nothing is in reach), and so are IMU samples whose stamp is
-/// unusable (ImuClock) and those that equal the nineteen before bit by bit: noise changes the last
-/// bits of every real sensor. Dropped samples are counted and otherwise as if they had not come.
+/// Samples with a NaN, an infinity or a number beyond the range of the sensor are rejected (an
+/// infinite range is valid: nothing is within reach). So are IMU samples whose stamp is unusable
+/// (ImuClock) and those that equal the nineteen before bit by bit: noise changes the last bits of
+/// every real sensor. Rejected samples are counted and have no other effect.
 ///
-/// Calibrations need the vehicle at rest, the accelerometer's also level within 5 degrees; a failed
-/// one leaves the biases that were in force. The gyro's is refused for a spread or a mean beyond
-/// what sensors at rest show, and if gravity moves meanwhile: a slow turn about a horizontal axis.
-/// A turn about the vertical that is slower than an offset may be (0.35 rad/s) looks like one.
+/// Calibrations need the vehicle at rest, that of the accelerometer also level within 5 degrees; a
+/// failed one leaves the biases unchanged. A gyro calibration is rejected if spread or mean exceed
+/// those of a sensor at rest, and if gravity moves meanwhile (a slow turn about a horizontal axis).
+/// A turn about the vertical slower than the largest offset (0.35 rad/s) cannot be distinguished
+/// from an offset.
 class Sensors {
  public:
   struct Config {
@@ -56,20 +57,21 @@ class Sensors {
     float battery_voltage_lpf{0.995f}, battery_current_lpf{0.995f};
   };
 
-  /// What calibrations found out in one pass.
+  /// Calibrations that ended in one pass.
   struct CalibrationEvents {
     bool gyro_done{}, gyro_failed{};
-    bool accel_settled{};  ///< Measured level and without motion, whatever came of it: the
-                           ///< estimator starts anew.
+    bool accel_settled{};  ///< Measured level and without motion, with or without a result; the
+                           ///< estimator is restarted.
     bool accel_done{};
     bool any() const { return gyro_done || gyro_failed || accel_settled || accel_done; }
   };
 
+  /// Applies new settings; filters and calibrations go on.
   void configure(const Config& config);
 
-  /// Polls the IMU, then the other sensors: a pass with an IMU sample takes one sample of them at
-  /// most, so that the way from gyro to motors stays short; a pass without takes all that wait.
-  /// Results of calibrations go into `parameters` and `log`.
+  /// Polls the IMU, then the other sensors. A pass with an IMU sample takes at most one sample of
+  /// them, so that the delay from gyro to motors stays short; a pass without takes one of each.
+  /// Results of calibrations go to `parameters` and `log`.
   CalibrationEvents step(Time now, hal::Board& board, Parameters& parameters, Log& log);
 
   const Measurements& measurements() const { return now_; }
@@ -80,14 +82,18 @@ class Sensors {
   /// Filters of the gyro at the IMU rate; off unless parameters ask for them.
   const GyroChain& gyro_chain() const { return gyro_chain_; }
 
+  /// Starts a calibration; the vehicle must be at rest.
   void start_gyro_calibration() { start_gyro(); }
+  /// Likewise, with the gyro's; the vehicle must also be level.
   void start_accel_calibration() {
     start_gyro();
     accel_calibration_.start();
   }
+  /// Starts the calibration of the barometer at rest.
   void start_baro_calibration() { baro_calibration_.start(); }
+  /// Starts the calibration of the differential pressure, without wind on the pitot tube.
   void start_airspeed_calibration() { airspeed_calibration_.start(); }
-  /// No calibration may end in the air: one that is under way on arming is forgotten.
+  /// Ends every calibration without a result; call on arming, so that none ends in the air.
   void stop_calibrations() {
     gyro_calibration_.stop();
     accel_calibration_.stop();

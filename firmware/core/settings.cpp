@@ -33,7 +33,7 @@ bool uses_motor_model(const Parameters& p) {
   return p.get_bool(Param::kUseMotorParam) && !calibrates_escs(p);
 }
 
-std::uint8_t throttle_entry(const Parameters& p) {
+std::uint8_t throttle_axis(const Parameters& p) {
   return static_cast<std::uint8_t>(p.get_int(Param::kRcFAxis));
 }
 
@@ -94,7 +94,7 @@ Rc::Config rc_settings(const Parameters& p) {
 CommandManager::Config command_settings(const Parameters& p, const Rc& rc, bool override_whole) {
   CommandManager::Config c;
   c.fixed_wing = p.get_bool(Param::kFixedWing);
-  c.throttle_entry = throttle_entry(p);
+  c.throttle_axis = throttle_axis(p);
   c.angle_mode = p.get_bool(Param::kRcAttMode);
   c.type_switch_mapped = rc.mapped(Switch::kAttitudeType);
   c.max_roll_rad = p.get_float(Param::kRcMaxRoll);
@@ -151,7 +151,7 @@ Mixer::Config mixer_settings(const Parameters& p, float max_thrust_N) {
   c.unsigned_throttle = calibrates_escs(p);
   c.spin_when_armed = p.get_bool(Param::kArmSpinMotors) && !calibrates_escs(p);
   c.idle_throttle = p.get_float(Param::kMotorIdleThr);
-  c.throttle_entry = throttle_entry(p);
+  c.throttle_axis = throttle_axis(p);
   c.max_thrust_N = max_thrust_N;
   c.motor = motor_settings(p);
   return c;

@@ -8,18 +8,23 @@
 #include "firmware/core/rc.hpp"
 #include "firmware/core/sensors.hpp"
 
-/// From the parameter table to the small struct each module takes: the only place where a parameter
-/// meets its use.
+/// Converts the parameter table to the settings struct of each module. Only here a parameter meets
+/// its use.
 namespace rosflight::core {
 
+/// Settings of Sensors.
 Sensors::Config sensor_settings(const Parameters& p);
+/// Settings of Estimator.
 Estimator::Config estimator_settings(const Parameters& p);
+/// Settings of Rc.
 Rc::Config rc_settings(const Parameters& p);
 /// @param override_whole  the mixers differ (CommandManager::Config).
 CommandManager::Config command_settings(const Parameters& p, const Rc& rc, bool override_whole);
+/// The motor model of MOTOR_... and PROP_...
 MotorModel motor_settings(const Parameters& p);
 /// @param max_thrust_N  1 unless USE_MOTOR_PARAM.
 Controller::Config controller_settings(const Parameters& p, float max_thrust_N);
+/// Settings of Mixer. @param max_thrust_N  as above.
 Mixer::Config mixer_settings(const Parameters& p, float max_thrust_N);
 
 /// PRIMARY_MIXER is the one that calibrates speed controllers: the stick drives all motors from 0
@@ -27,7 +32,7 @@ Mixer::Config mixer_settings(const Parameters& p, float max_thrust_N);
 bool calibrates_escs(const Parameters& p);
 /// USE_MOTOR_PARAM, unless speed controllers are calibrated.
 bool uses_motor_model(const Parameters& p);
-/// RC_F_AXIS as an entry 0..2.
-std::uint8_t throttle_entry(const Parameters& p);
+/// RC_F_AXIS as an axis 0..2.
+std::uint8_t throttle_axis(const Parameters& p);
 
 }  // namespace rosflight::core

@@ -4,7 +4,7 @@
 namespace rosflight::core {
 namespace {
 
-/// First row of each state and event, or the table's end: saves walking the table on every pass.
+/// First row of each state and event, or the table's end, so that a pass need not search the table.
 struct RowIndex {
   std::array<std::uint8_t, kStateCount * kEventCount> first{};
 };

@@ -12,9 +12,9 @@ enum class State : std::uint8_t {
   kArmed,
   kError,
   kFailsafe,
-  kCalibrating,  ///< Arming was asked for; the gyro calibration that it needs is running.
-  kSaving,       ///< Arming was asked for; changed parameters are being stored, a block per pass.
-  kMotorTest,    ///< Disarmed, and one motor turns at most at a third of full output.
+  kCalibrating,  ///< Arming was requested; the gyro calibration that it needs is running.
+  kSaving,       ///< Arming was requested; changed parameters are being stored, a block per pass.
+  kMotorTest,    ///< Disarmed, one motor turns, at most at 30 % of full output.
 };
 inline constexpr std::size_t kStateCount = 8;
 
@@ -25,14 +25,14 @@ enum class Event : std::uint8_t {
   kError,     ///< Some error bit is set.
   kNoError,   ///< No error bit is set.
   kArm,       ///< Arming is requested on the ground: every condition is tested.
-  kArmInAir,  ///< The outputs have to follow the command again at once.
+  kArmInAir,  ///< The outputs must follow the command again at once.
   kDisarm,
   kCalibrationComplete,
   kCalibrationFailed,
   kSaved,
   kSaveFailed,
-  kMotorTest,     ///< A motor test was asked for.
-  kMotorTestEnd,  ///< Its time is over, or another motor was asked for.
+  kMotorTest,     ///< A motor test was requested.
+  kMotorTestEnd,  ///< Its time is over, or another motor was requested.
 };
 inline constexpr std::size_t kEventCount = 14;
 
@@ -48,7 +48,7 @@ enum class Error : std::uint16_t {
   kInvalidFailsafe = 0x80,
 };
 
-/// What a transition does besides changing the state. Combined as bits.
+/// Actions of a transition besides the change of state, combined as bits.
 using Actions = std::uint32_t;
 namespace action {
 inline constexpr Actions kNone = 0;
@@ -60,7 +60,7 @@ inline constexpr Actions kErrorOn = 1 << 4;
 inline constexpr Actions kErrorOff = 1 << 5;
 inline constexpr Actions kSetRcLost = 1 << 6;
 inline constexpr Actions kClearRcLost = 1 << 7;
-// To be carried out by the owner:
+// Carried out by the owner:
 inline constexpr Actions kCalibrateGyro = 1 << 8;
 inline constexpr Actions kStopCalibration = 1 << 9;
 inline constexpr Actions kSave = 1 << 10;           ///< Store the parameters.
@@ -71,7 +71,7 @@ inline constexpr Actions kSendStatus = 1 << 14;  ///< State or error word change
 inline constexpr Actions kInAir = 1 << 15;       ///< With kArm: armed in the air.
 }  // namespace action
 
-/// What must hold for a row of the table; the first row that holds is taken.
+/// Condition of a row of the table; the first row whose condition holds is taken.
 enum class Condition : std::uint8_t {
   kAlways,
   kNotReady,           ///< A check of the list before arming refuses.
@@ -89,9 +89,9 @@ struct Transition {
   State next;
 };
 
-/// The safety logic, whole. Combinations that are not listed change nothing. tools/state_diagram.py
-/// draws the picture in docs/ from these rows. A motor test goes on through disarm requests: an arm
-/// switch that is off sends one with every frame.
+/// The complete safety logic. Combinations that are not listed change nothing. tools/state_diagram.py
+/// draws the diagram in docs/ from these rows. A disarm request does not end a motor test, because an
+/// arm switch that is off sends one with every frame.
 // clang-format off
 inline constexpr std::array<Transition, 45> kTransitions{{
     {State::kInit,        Event::kInitialized,         Condition::kAlways,             action::kNone, State::kPreflight},
@@ -149,24 +149,26 @@ inline constexpr std::array<Transition, 45> kTransitions{{
 }};
 // clang-format on
 
-/// What decides about a request to arm on the ground; looked at again whenever a step of arming
-/// ends.
+/// Inputs of the decision about a request to arm on the ground; evaluated again at the end of each
+/// step of arming.
 struct ArmRequest {
   bool ready{true};            ///< No check of the list refuses (arming_checks.hpp).
   bool calibrate_gyro{false};  ///< ARM_CAL_GYRO.
   bool save{false};            ///< Parameters differ from those stored.
 };
 
-/// Arms, disarms, and remembers what is wrong: the table above, the three flags and the error word.
-/// Setting an error bit raises kError; clearing one raises kError or kNoError by what is left.
+/// Evaluates the table above and holds the three flags and the error word. Setting an error bit
+/// raises kError; clearing one raises kError or kNoError, depending on the remaining bits.
 class StateMachine {
  public:
-  /// @returns the actions left to the owner: all from kCalibrateGyro on, and kArm or kDisarm if it
-  /// happened.
+  /// Applies the first row that holds. @returns the actions for the owner: all from kCalibrateGyro on,
+  /// and kArm or kDisarm if it happened.
   Actions handle(Event event, const ArmRequest& request = {});
+  /// Sets a bit of the error word. @returns as handle().
   Actions set_error(Error error);
+  /// Clears a bit of the error word. @returns as handle().
   Actions clear_error(Error error);
-  /// Once per pass: lets the state follow the error word.
+  /// Once per pass: brings the state into agreement with the error word. @returns as handle().
   Actions update() {
     // The flag follows the word in every state that the table reaches, so equal means nothing to do.
     if ((errors_ != 0) == error_) return action::kNone;
@@ -178,8 +180,9 @@ class StateMachine {
   bool failsafe() const { return failsafe_; }
   bool error() const { return error_; }
   std::uint16_t errors() const { return errors_; }
+  /// The bit is set in the error word.
   bool has(Error error) const { return (errors_ & static_cast<std::uint16_t>(error)) != 0; }
-  /// Armed, or on the way there: a disarm request has something to end.
+  /// Armed, or in a step of arming, so that a disarm request has an effect.
   bool arming() const {
     return armed_ || state_ == State::kCalibrating || state_ == State::kSaving;
   }

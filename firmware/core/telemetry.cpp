@@ -8,12 +8,12 @@ namespace {
 
 constexpr std::uint8_t kOutputDecimation = 8;
 constexpr int kParametersPerPass = 2;
-constexpr std::uint32_t kLeastShare = 600;  // bytes per second
+constexpr std::uint32_t kMinShare = 600;    // bytes per second
 constexpr std::uint32_t kAssumed = 48'000;  // bytes per second, until it has been measured
 constexpr std::uint32_t kSlowLine = 2'000;  // bytes per second
 constexpr std::size_t kRoomForOthers = 128;
 
-/// The urgency of each message; everything else is ordinary.
+/// The class of each message; all others are ordinary.
 constexpr auto make_urgencies() {
   std::array<std::uint8_t, std::variant_size_v<link::Message>> qos{};
   for (std::uint8_t& one : qos) one = hal::Serial::kOrdinary;
@@ -23,13 +23,13 @@ constexpr auto make_urgencies() {
 }
 constexpr auto kUrgency = make_urgencies();
 
-/// Bytes per second that samples may have of a line.
+/// Bytes per second of a line that samples may use.
 constexpr std::uint32_t budget(std::uint32_t line) {
-  const std::uint32_t share = std::max(line / 4, kLeastShare);
+  const std::uint32_t share = std::max(line / 4, kMinShare);
   return line > share ? line - share : 1;
 }
 
-/// Lists and texts leave this much of the transmit queue to the sensors.
+/// Lists and texts leave this part of the transmit queue to the sensors.
 constexpr std::size_t kRoomForStreams = 256;
 
 std::uint32_t ms32(Time t) {
@@ -59,7 +59,7 @@ link::Gnss to_message(const hal::GnssSample& s) {
 
 }  // namespace
 
-/// @returns the bytes of the frame, taken or not.
+/// @returns the size of the frame in bytes, accepted or not.
 std::size_t Telemetry::put(const link::Message& message) {
   link::Frame frame;
   if (codec_.encode(message, frame) &&
@@ -73,12 +73,12 @@ void Telemetry::send(const link::Message& message) {
   static_cast<void>(put(message));
 }
 
-// ---- samples, by what the line carries
+// ---- samples, decimated to the capacity of the line
 
 void Telemetry::set_line(std::uint32_t bytes_per_s) {
   line_bytes_per_s_ = bytes_per_s;
   every_ = (kAssumed - 1) / budget(bytes_per_s) + 1;
-  // The kinds take turns, so that they do not all come at once.
+  // The kinds alternate, so that they are not all sent in one pass.
   for (std::size_t k = 0; k < waited_.size(); ++k) {
     waited_[k] = static_cast<std::uint16_t>(k * every_ / waited_.size());
   }
@@ -103,8 +103,8 @@ void Telemetry::send_sample(Stream kind, const link::Message& message) {
 /// (1), once a second.
 void Telemetry::measure(Time now) {
   const auto ms = static_cast<std::uint64_t>(hal::to_ms(now - measured_));
-  constexpr std::uint64_t kShortest_ms = 500;  // the first second may be cut short
-  if (line_bytes_per_s_ > 0 && ms >= kShortest_ms && measured_ > Time{0}) {
+  constexpr std::uint64_t kMinMeasured_ms = 500;  // the first second may be cut short
+  if (line_bytes_per_s_ > 0 && ms >= kMinMeasured_ms && measured_ > Time{0}) {
     const std::uint64_t offered = std::uint64_t{offered_} * 1000 / ms;
     const std::uint64_t carried = budget(line_bytes_per_s_);
     const auto needed = [carried](std::uint64_t bytes) {
@@ -138,7 +138,7 @@ void Telemetry::stream(const Measurements& m, const AttitudeEstimate& attitude) 
                                   m.imu.gyro_rad_s, m.imu.temperature_K});
     }
     if (turn(kAttitude)) {
-      const Quaternion& q = attitude.q_NB;
+      const Quaternion& q = attitude.q_WB;
       const Vector3& w = attitude.rates_rad_s;
       send_sample(kAttitude,
                   link::Attitude{ms32(m.imu.stamp), {q.w, q.x, q.y, q.z}, {w.x(), w.y(), w.z()}});
@@ -180,8 +180,8 @@ void Telemetry::send_rc(Time now, const hal::RcFrame& frame) {
   send_sample(kRc, message);
 }
 
-void Telemetry::heard_peer(Time now) {
-  last_heard_ = now;
+void Telemetry::note_peer_frame(Time now) {
+  last_peer_frame_ = now;
   connected_ = true;
   if (!crash_waiting_) return;
   crash_waiting_ = false;
@@ -204,7 +204,7 @@ void Telemetry::tenth(Time now, bool fixed_wing) {
     send(link::Heartbeat{fixed_wing ? link::VehicleType::kFixedWing
                                     : link::VehicleType::kMultirotor});
   }
-  if (connected_ && now - last_heard_ > kPeerSilence) connected_ = false;
+  if (connected_ && now - last_peer_frame_ > kPeerSilence) connected_ = false;
   const bool slow = line_bytes_per_s_ > 0 && line_bytes_per_s_ < kSlowLine;
   if (!slow || tenth % 5 == 0) status_due_ = true;
 }
@@ -213,9 +213,9 @@ bool Telemetry::has_room() const {
   return serial_.writable() > kRoomForStreams;
 }
 
-/// The kinds take turns, so that none keeps another waiting.
+/// The kinds alternate, so that none delays another.
 void Telemetry::send_waiting(Time now, const Waiting& w, Parameters& parameters, Log& log) {
-  if (room_ == 0 && ++passed_over_ < kMostPassedOver) return;
+  if (room_ == 0 && ++passed_over_ < kMaxPassedOver) return;
   passed_over_ = 0;
   int left = std::max<int>(room_, 1);
   constexpr int kKinds = 4;
@@ -238,10 +238,10 @@ void Telemetry::send_waiting(Time now, const Waiting& w, Parameters& parameters,
   }
 }
 
-/// @returns how many it sent.
-int Telemetry::send_parameters(Parameters& parameters, int most) {
+/// @returns the number sent.
+int Telemetry::send_parameters(Parameters& parameters, int max_count) {
   int sent = 0;
-  while (sent < std::min(most, kParametersPerPass) && has_room()) {
+  while (sent < std::min(max_count, kParametersPerPass) && has_room()) {
     Param id{};
     if (parameters.take_unreported(id)) {
       send_parameter(id, parameters);

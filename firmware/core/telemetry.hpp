@@ -12,8 +12,8 @@
 
 namespace rosflight::core {
 
-/// The sending half of the link: what goes out in a pass, and in which order. Sensor messages
-/// follow their samples; lists and texts fill the room that is left.
+/// The transmitting half of the link: which messages a pass sends, and in which order. Sensor
+/// messages follow their samples; lists and texts use the remaining capacity.
 ///
 /// A line that cannot carry every sample gets every n-th of each kind. It carries C = baud/10 bytes
 /// per second; R = max(C/4, 600) of them are kept for heartbeat, status, acknowledgements, time
@@ -30,20 +30,23 @@ class Telemetry {
   static constexpr Time kPeerSilence = hal::milliseconds(3000);
   /// Outputs, receiver channels, two parameters, a text.
   static constexpr std::uint8_t kMessagesWithoutImu = 5;
-  /// What is due is not passed over longer than this, however busy the sensors are.
-  static constexpr std::uint8_t kMostPassedOver = 8;
+  /// A due message is postponed for at most this many passes with sensor samples.
+  static constexpr std::uint8_t kMaxPassedOver = 8;
 
+  /// @param serial  the port; must outlive this. @param codec  likewise.
   Telemetry(hal::Serial& serial, link::Codec& codec) : serial_{serial}, codec_{codec} {}
 
-  /// What the line carries, if the serial port took the rate; without it nothing is decimated.
+  /// Capacity of the line, if the serial port accepted the rate; without it nothing is decimated.
   void set_line(std::uint32_t bytes_per_s);
 
-  /// A frame that the serial port does not take is counted.
+  /// Sends a message; a frame that the serial port rejects is counted.
   void send(const link::Message& message);
+  /// Sends the value of a parameter with its index and the count.
   void send_parameter(Param id, const Parameters& parameters);
+  /// Sends the acknowledgement of a command.
   void send_ack(std::uint8_t command, bool success);
 
-  /// What follows the sensors, in this order: IMU, attitude, differential pressure, barometer,
+  /// Sends the messages of new samples, in this order: IMU, attitude, differential pressure, barometer,
   /// magnetometer, range, battery, GNSS. With every 8th IMU sample, the first one included, the
   /// outputs are due.
   void stream(const Measurements& m, const AttitudeEstimate& attitude);
@@ -56,7 +59,7 @@ class Telemetry {
     status_due_ = false;
     return due;
   }
-  /// What can wait, and what it is made of when its turn comes.
+  /// Contents of messages that can wait for a later pass.
   struct Waiting {
     const hal::OutputValues& outputs;
     const hal::RcFrame& rc;
@@ -70,21 +73,23 @@ class Telemetry {
     }
   }
 
-  /// The next tick() says true, whatever the clock says.
+  /// The next tick() returns true, independent of the clock.
   void request_status() { status_due_ = true; }
+  /// Starts to send every parameter.
   void start_list() {
     next_listed_ = 0;
     next_waiting_ = 1;  // parameters are next: early companions wait for the first one
   }
-  /// A message that can wait would not push a sensor's out of the transmit queue.
+  /// The transmit queue can take a deferrable message without loss of a sensor message.
   bool has_room() const;
-  void heard_peer(Time now);
+  /// A valid frame was received.
+  void note_peer_frame(Time now);
   bool connected() const { return connected_; }
-  /// Frames the serial port did not take.
+  /// Frames that the serial port rejected.
   std::uint32_t dropped() const { return dropped_; }
   /// The n of (1).
   std::uint32_t decimation() const { return every_; }
-  /// Held until a peer is there.
+  /// Sends the crash record as soon as a companion is connected.
   void report_crash(const CrashRecord& record, bool rearmed);
 
  private:
@@ -112,12 +117,12 @@ class Telemetry {
   void send_waiting(Time now, const Waiting& w, Parameters& parameters, Log& log);
   void send_outputs(Time now, const hal::OutputValues& outputs);
   void send_rc(Time now, const hal::RcFrame& frame);
-  int send_parameters(Parameters& parameters, int most);
+  int send_parameters(Parameters& parameters, int max_count);
 
   hal::Serial& serial_;
   link::Codec& codec_;
   link::HardError crash_{};
-  Time last_heard_{};
+  Time last_peer_frame_{};
   Time next_tenth_{};
   Time measured_{};  ///< When offered_ began.
   std::uint32_t line_bytes_per_s_{0};
@@ -129,8 +134,8 @@ class Telemetry {
   std::uint16_t next_listed_{static_cast<std::uint16_t>(kParamCount)};
   std::uint8_t imu_count_{0};
   std::uint8_t room_{0};          ///< Messages that this pass may still send.
-  std::uint8_t passed_over_{0};   ///< Passes in which something was due and had no room.
-  std::uint8_t next_waiting_{3};  ///< Whose turn was last.
+  std::uint8_t passed_over_{0};   ///< Passes in which a message was due and postponed.
+  std::uint8_t next_waiting_{3};  ///< Kind that was sent last.
   bool outputs_due_{false};
   bool rc_due_{false};
   bool status_due_{false};

@@ -6,9 +6,9 @@
 #include "firmware/hal/samples.hpp"
 #include "firmware/hal/time.hpp"
 
-/// What the autopilot needs from a board: one narrow interface per role. Everything is called from
-/// the one control thread and never blocks unless said so; nothing throws. test/contract/ has one
-/// suite per role that every implementation passes.
+/// What the autopilot needs from a board: one narrow interface per role. Every function is called
+/// from the single control thread, does not block unless its comment says otherwise, and does not
+/// throw. test/contract/ has one suite per role, which every implementation passes.
 namespace rosflight::hal {
 
 class Clock {
@@ -52,15 +52,15 @@ class Battery : public Source<BatterySample> {
   ~Battery() = default;
 };
 
-/// The wire to the companion computer.
+/// The serial link to the companion computer.
 class Serial {
  public:
-  static constexpr std::uint8_t kUrgent = 0;  ///< Goes out first; IMU samples.
+  static constexpr std::uint8_t kUrgent = 0;  ///< Transmitted first; IMU samples.
   static constexpr std::uint8_t kTimely = 1;  ///< Time synchronisation.
   static constexpr std::uint8_t kOrdinary = 255;
-  /// The three classes in the order in which they go out, the same on every board that has queues:
-  /// urgent is 0, ordinary 255, all between is timely.
+  /// The three classes in the order of transmission, the same on every board that has queues.
   static constexpr std::size_t kClasses = 3;
+  /// Class of a quality of service: 0 for kUrgent, 2 for kOrdinary, 1 for every value between.
   static constexpr std::size_t class_of(std::uint8_t qos) {
     return qos == kUrgent ? 0 : qos == kOrdinary ? 2 : 1;
   }
@@ -71,8 +71,7 @@ class Serial {
   virtual bool write(const std::uint8_t* data, std::size_t size, std::uint8_t qos) = 0;
   /// Bytes that write() would accept now; senders of bulk data pace themselves with it.
   virtual std::size_t writable() const = 0;
-  /// Copies what has arrived, `capacity` bytes at most. @returns the number copied, 0 if nothing
-  /// waits.
+  /// Copies up to `capacity` received bytes. @returns the number copied, 0 if none was received.
   virtual std::size_t read(std::uint8_t* data, std::size_t capacity) = 0;
 
  protected:
@@ -102,7 +101,7 @@ class Storage {
   virtual bool read(std::size_t offset, std::uint8_t* data, std::size_t count) = 0;
   /// May block up to 1 s; called disarmed only. Bytes reach the medium in ascending order.
   virtual bool write(std::size_t offset, const std::uint8_t* data, std::size_t count) = 0;
-  /// Called at the end of a set of writes: returns when all of it is safe.
+  /// Called after a set of writes. Returns when all of it is stored. @returns false if that failed.
   virtual bool flush() = 0;
 
  protected:
@@ -113,8 +112,12 @@ class Storage {
 class BackupMemory {
  public:
   static constexpr std::size_t kSize = 64;
+  /// Reads the first `count` <= kSize bytes. @returns false if there is no such memory or its content
+  /// did not survive.
   virtual bool read(std::uint8_t* data, std::size_t count) = 0;
+  /// Writes the first `count` <= kSize bytes. @returns false if there is no such memory.
   virtual bool write(const std::uint8_t* data, std::size_t count) = 0;
+  /// Sets every byte to 0.
   virtual void clear() = 0;
 
  protected:
@@ -125,6 +128,7 @@ enum class Led : std::uint8_t { kOverride = 0, kStatus = 1 };
 
 class Leds {
  public:
+  /// Switches an LED; a board without it does nothing.
   virtual void set(Led led, bool on) = 0;
 
  protected:
@@ -138,18 +142,19 @@ class System {
   virtual void start_sensors() = 0;
   /// Sensors that failed to start or to answer, since boot.
   virtual std::uint16_t sensor_errors() const = 0;
-  /// Start-up report, one line per sensor; nullptr past the last. `ok` tells whether it is bad
-  /// news.
+  /// Start-up report, one line per sensor; nullptr past the last. Sets `ok` to false for a sensor
+  /// that failed.
   virtual const char* sensor_message(std::size_t index, bool& ok) const = 0;
-  /// Restarts the processor, into its bootloader if asked. Returns on a simulated board, which
-  /// restarts when control comes back to it.
+  /// Restarts the processor, into its bootloader if requested. Returns only on a simulated board,
+  /// which restarts when the pass has ended.
   virtual void reset(bool to_bootloader) = 0;
   /// Feeds the watchdog; called once per pass.
-  virtual void alive() = 0;
+  virtual void feed_watchdog() = 0;
   /// Processor time that this thread has used, from any origin; never decreases. The difference of
-  /// two calls is what a pass cost: where nothing else runs, the clock.
+  /// two calls is the cost of a pass. A board that runs nothing else returns its clock.
   virtual Time busy_time() const = 0;
-  /// Other programs share the processor: how long a pass takes is not the firmware's doing alone.
+  /// Other programs share the processor, so the duration of a pass does not depend on the firmware
+  /// alone.
   virtual bool shares_processor() const = 0;
 
  protected:

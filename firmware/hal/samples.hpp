@@ -5,7 +5,7 @@
 
 #include "firmware/hal/time.hpp"
 
-/// What sensors deliver: plain structs in SI units, board axes x forward, y right, z down.
+/// Samples of the sensors: plain structs in SI units, board axes x forward, y right, z down.
 /// `stamp` is the time of the measurement on the board clock, not of its arrival.
 namespace rosflight::hal {
 

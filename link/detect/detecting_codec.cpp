@@ -6,7 +6,8 @@
 
 namespace rosflight::link {
 
-static_assert(2 * lean::kLongestFrame <= kMaxFrameBytes, "a greeting and a message in one piece");
+static_assert(2 * lean::kMaxLeanFrameBytes <= kMaxFrameBytes,
+              "a greeting and a message in one piece");
 
 const Codec& DetectingCodec::active() const {
   if (protocol_ == Protocol::kLean) return lean_;
@@ -39,10 +40,10 @@ Codec::Decoded DetectingCodec::decode(const std::uint8_t* data, std::size_t size
   std::size_t used = 0;
   while (used < size) {
     if (protocol_ == Protocol::kUnknown) {
-      const Decoded result = listen(data + used, size - used);
+      const Decoded result = detect(data + used, size - used);
       return {used + result.consumed, result.complete};
     }
-    const std::size_t run = std::min(size - used, kDoubt - silent_bytes_);
+    const std::size_t run = std::min(size - used, kMaxBytesWithoutMessage - silent_bytes_);
     const Decoded result = active().decode(data + used, run);
     used += result.consumed;
     if (result.complete) {
@@ -50,7 +51,7 @@ Codec::Decoded DetectingCodec::decode(const std::uint8_t* data, std::size_t size
       return {used, true};
     }
     silent_bytes_ += result.consumed;
-    if (silent_bytes_ == kDoubt) {
+    if (silent_bytes_ == kMaxBytesWithoutMessage) {
       protocol_ = Protocol::kUnknown;
       greet_ = false;
       silent_bytes_ = 0;
@@ -61,7 +62,7 @@ Codec::Decoded DetectingCodec::decode(const std::uint8_t* data, std::size_t size
 
 /// Byte by byte, so that the first message wins wherever the bytes are cut. A codec may complete a
 /// message that it held without eating the byte: that one comes again.
-Codec::Decoded DetectingCodec::listen(const std::uint8_t* data, std::size_t size) {
+Codec::Decoded DetectingCodec::detect(const std::uint8_t* data, std::size_t size) {
   for (std::size_t k = 0; k < size; ++k) {
     const Decoded mavlink = mavlink_.decode(data + k, 1);
     if (mavlink.complete) {

@@ -9,18 +9,17 @@
 
 namespace rosflight::link {
 
-/// For a companion that does not know what its FCU speaks: listens for both protocols and goes on
-/// in the one that first makes a whole message. An FCU talks without being asked, so that takes one
-/// frame.
+/// Detects the protocol of the FCU: decodes both protocols and continues with the one that first
+/// gives a complete message. An FCU sends without a request, so this takes one frame.
 ///
-/// Until then it speaks MAVLink, which a lean FCU takes for noise; so the first thing said in lean
-/// is a heartbeat, in one piece with the message that follows. An FCU that was exchanged for
-/// one of the other protocol is noticed when kDoubt bytes in a row held no message. The result does
-/// not depend on how the bytes were split over calls.
+/// Until then it sends MAVLink, which a lean FCU rejects as noise. The first frame sent in lean is
+/// therefore a heartbeat, together with the message that follows. After kMaxBytesWithoutMessage
+/// bytes without a message it detects again, in case the FCU was exchanged. The result does not
+/// depend on how the bytes were divided into calls.
 class DetectingCodec final : public Codec {
  public:
   /// 45 ms of a 921 600 baud line at its limit, 16 of the longest frames.
-  static constexpr std::size_t kDoubt = 4096;
+  static constexpr std::size_t kMaxBytesWithoutMessage = 4096;
 
   enum class Protocol : std::uint8_t { kUnknown, kMavlink, kLean };
 
@@ -34,20 +33,20 @@ class DetectingCodec final : public Codec {
   Decoded decode(const std::uint8_t* data, std::size_t size) override;
   const Message& message() const override { return active().message(); }
   void set_system_id(std::uint8_t id) override;
-  /// Those of the protocol in use; of MAVLink as long as none is.
+  /// Counters of the protocol in use; of MAVLink before one is detected.
   const Counters& counters() const override { return active().counters(); }
-  /// A lean peer of another schema is known by its greeting, although nothing of it is understood.
+  /// A lean peer of another schema is recognised by its heartbeat, although its frames are rejected.
   const SchemaMismatch* mismatch() const override { return lean_.mismatch(); }
 
  private:
   const Codec& active() const;
   Codec& active();
-  Decoded listen(const std::uint8_t* data, std::size_t size);
+  Decoded detect(const std::uint8_t* data, std::size_t size);
 
   MavlinkCodec mavlink_{{1, MavlinkCodec::kCompanionComponent}};
   LeanCodec lean_;
   Protocol protocol_{Protocol::kUnknown};
-  bool greet_{false};            ///< The FCU has not heard of us.
+  bool greet_{false};            ///< The next frame in lean carries a heartbeat.
   std::size_t silent_bytes_{0};  ///< Since the last message.
 };
 

@@ -6,18 +6,17 @@
 
 #include "link/codec.hpp"
 
-/// Hostile bytes for a receiver. The first byte says how the stream is cut into calls and whether
-/// the frames in it get right checksums; what comes out must not depend on the cut, and must be the
-/// same after another round.
+/// Feeds arbitrary bytes to a receiver. The first byte chooses how the stream is divided into calls
+/// and whether its frames get valid checksums. The messages received must not depend on the
+/// division, and must be the same after they have been encoded and received once more.
 ///
 ///     struct Traits {
 ///       static constexpr std::size_t kShortestFrame;
-///       static SomeCodec fcu();        // the two ends of a link, fresh
+///       static SomeCodec fcu();         // both ends of a link, newly constructed
 ///       static OtherCodec companion();
-///       static Bytes good_frames(const std::uint8_t* data, std::size_t size);  // `data` as pieces
-///       of
-///     };                               // message number, length, payload: a stream of them,
-///     framed
+///       // `data` holds triples of message number, length and payload; returns them as frames.
+///       static Bytes good_frames(const std::uint8_t* data, std::size_t size);
+///     };
 namespace rosflight::link::fuzz {
 
 using Bytes = std::vector<std::uint8_t>;

@@ -7,7 +7,7 @@
 
 /// The checksum of a lean frame: CRC-16/KERMIT, that is x^16 + x^12 + x^5 + 1, reflected, starting
 /// from 0 (catalogue of parametrised CRC algorithms, G. Cook; check value 0x2189). Starting from 0
-/// is safe here: a frame begins with its id, which is not 0, and the id says how long it is.
+/// is safe here: a frame begins with its id, which is not 0, and the id determines its length.
 ///
 /// By tables, eight bytes at a step: table k holds what a byte leaves behind after k more bytes, so
 /// the bytes of a step are looked up side by side and their results added. Only the first two of
@@ -21,6 +21,7 @@ inline constexpr std::size_t kSlices = 8;
 
 using ChecksumTable = std::array<std::uint16_t, 256>;
 
+/// Table k holds the remainder of each byte followed by k zero bytes.
 constexpr std::array<ChecksumTable, kSlices> make_checksum_tables() {
   constexpr unsigned kReflectedPolynomial = 0x8408;
   std::array<ChecksumTable, kSlices> tables{};

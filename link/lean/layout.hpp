@@ -11,8 +11,8 @@
 #include "link/messages.hpp"
 #include "link/text.hpp"
 
-/// The fields of each message in the order in which they travel: the one list that packing,
-/// unpacking, lengths, the schema and the table in docs/link.md are made from.
+/// The fields of each message in the order of transmission. Packing, unpacking, lengths, the schema
+/// and the table in docs/link.md are derived from this list.
 namespace rosflight::link::lean {
 
 template <typename M, typename T>
@@ -21,6 +21,7 @@ struct Field {
   T M::*member;
 };
 
+/// One field of a layout: its name in the schema and the member of the struct.
 template <typename M, typename T>
 constexpr Field<M, T> field(const char* name, T M::*member) {
   return {name, member};
@@ -29,7 +30,7 @@ constexpr Field<M, T> field(const char* name, T M::*member) {
 template <typename M>
 struct Layout;
 
-/// A heartbeat says which messages its sender knows. It is the same in every schema, for ever.
+/// The heartbeat on the wire; it carries the schema of its sender. It is the same in every schema.
 struct Greeting {
   VehicleType type{};
   std::uint32_t schema{};
@@ -89,7 +90,7 @@ struct Layout<AuxCommand> {
 template <>
 struct Layout<ExternalAttitude> {
   static constexpr const char* kName = "ExternalAttitude";
-  static constexpr auto kFields = std::make_tuple(field("q_NB", &ExternalAttitude::q_NB));
+  static constexpr auto kFields = std::make_tuple(field("q_NB", &ExternalAttitude::q_WB));
 };
 
 template <>
@@ -119,7 +120,7 @@ struct Layout<Attitude> {
   static constexpr const char* kName = "Attitude";
   static constexpr auto kFields =
       std::make_tuple(field("time_boot_ms", &Attitude::time_boot_ms),
-                      field("q_NB", &Attitude::q_NB), field("rates_rad_s", &Attitude::rates_rad_s));
+                      field("q_NB", &Attitude::q_WB), field("rates_rad_s", &Attitude::rates_rad_s));
 };
 
 template <>
@@ -274,10 +275,11 @@ struct Shape {
   constexpr std::size_t bytes() const { return item_bytes * count; }
 };
 
-/// Numbers and enumerations: their bytes, lowest first.
+/// How a value is transmitted. Numbers and enumerations: their bytes, lowest first.
 template <typename T>
 struct Wire {
   static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>);
+  /// Letter, size and number of the items.
   static constexpr Shape shape() {
     if constexpr (std::is_floating_point_v<T>) {
       return {'f', sizeof(T)};
@@ -285,7 +287,9 @@ struct Wire {
       return {std::is_signed_v<T> ? 'i' : 'u', sizeof(T)};  // is_signed: not an enumeration
     }
   }
+  /// Writes shape().bytes() bytes.
   static void put(const T& value, std::uint8_t* to) { std::memcpy(to, &value, sizeof value); }
+  /// Reads shape().bytes() bytes.
   static void get(const std::uint8_t* from, T& value) { std::memcpy(&value, from, sizeof value); }
 };
 
@@ -338,6 +342,7 @@ struct Wire<std::array<char, kSize>> {
   }
 };
 
+/// The Wire of a field's type.
 template <typename M, typename T>
 constexpr Wire<T> wire_of(Field<M, T>) {
   return {};
@@ -351,6 +356,7 @@ constexpr void each_field(F&& f) {
   std::apply([&f](auto... one) { (f(one), ...); }, Layout<M>::kFields);
 }
 
+/// Length of the payload of M.
 template <typename M>
 constexpr std::size_t payload_bytes() {
   std::size_t bytes = 0;
@@ -358,6 +364,7 @@ constexpr std::size_t payload_bytes() {
   return bytes;
 }
 
+/// Writes payload_bytes<M>() bytes.
 template <typename M>
 void pack(const M& message, std::uint8_t* to) {
   each_field<M>([&message, &to](auto one) {
@@ -367,6 +374,7 @@ void pack(const M& message, std::uint8_t* to) {
   });
 }
 
+/// Reads payload_bytes<M>() bytes.
 template <typename M>
 void unpack(const std::uint8_t* from, M& message) {
   each_field<M>([&message, &from](auto one) {

@@ -11,7 +11,7 @@ namespace {
 
 using namespace lean;  // NOLINT(google-build-using-namespace): its only user
 
-/// Code and id: what tells how long a frame is.
+/// Code and id, which determine the length of a frame.
 constexpr std::uint8_t kPrefixBytes = 2;
 
 }  // namespace

@@ -17,7 +17,7 @@ struct Sender {
   std::uint8_t sequence{};
 };
 
-inline constexpr std::size_t kLongestFrame = 98;  ///< Counters; checked in the source.
+inline constexpr std::size_t kMaxLeanFrameBytes = 98;  ///< Counters; checked in the source.
 
 }  // namespace lean
 
@@ -25,26 +25,25 @@ inline constexpr std::size_t kLongestFrame = 98;  ///< Counters; checked in the 
 ///
 ///     FF | code | id | sequence | payload n | checksum, low byte first
 ///
-/// FF begins a frame and is nowhere else: the bytes from id to checksum travel in Consistent
+/// FF begins a frame and occurs nowhere else: the bytes from id to checksum are encoded by Consistent
 /// Overhead Byte Stuffing (Cheshire & Baker, IEEE/ACM Trans. Networking 7(2), 1999) with FF as the
 /// byte that must not occur. Each FF among them is replaced by 255 less the distance to the next
-/// one, or to the end of the frame; `code` is the same for the first. So a frame has 6 bytes more
-/// than its payload, whatever is in it. (FF and not 0, because most of our bytes are 0.)
+/// one, or to the end of the frame; `code` is the same for the first. So a frame always has
+/// 6 bytes more than its payload. (FF and not 0, because most bytes of the messages are 0.)
 ///
-/// The id is the place in link::Message, the payload the fields of lean/layout.hpp, little-endian
-/// without gaps, so the id tells n. The checksum, CRC-16/KERMIT over id, sequence and payload, is
+/// The id is the index in link::Message, the payload the fields of lean/layout.hpp, little-endian
+/// without gaps, so the id determines n. The checksum, CRC-16/KERMIT over id, sequence and payload, is
 /// xored with both halves of the schema's hash, for a heartbeat with nothing: its payload is type
-/// and schema. A peer of another schema is understood just well enough to be refused: mismatch().
+/// and schema. The heartbeat of a peer with another schema is decoded, so that it can be rejected: mismatch().
 ///
 /// Receiver. A frame counts if id, length and checksum are right; an FF at any time begins a new
-/// one, so nothing but its own bytes can spoil a frame. Values are treated as by MavlinkCodec:
-/// numbers pass, texts end.
+/// one, so only its own bytes can invalidate a frame. Values are treated as by MavlinkCodec.
 ///
 /// Point to point: frames carry no system id. Owns about 0.3 kB; no heap. Cost: docs/link.md.
 class LeanCodec final : public Codec {
  public:
-  /// @param schema  the hash this end tells and wants to hear; 0 is that of lean/layout.hpp. Others
-  /// are for tests.
+  /// @param schema  the hash that this end sends and accepts; 0 is that of lean/layout.hpp. Others are
+  /// for tests.
   explicit LeanCodec(std::uint32_t schema = 0);
 
   bool encode(const Message& message, Frame& frame) override;
@@ -68,7 +67,7 @@ class LeanCodec final : public Codec {
   SchemaMismatch mismatch_;
   Message message_;
   Counters counters_{};
-  std::array<std::uint8_t, lean::kLongestFrame> held_{};  ///< The frame, from its code on.
+  std::array<std::uint8_t, lean::kMaxLeanFrameBytes> held_{};  ///< The frame, from its code on.
 };
 
 }  // namespace rosflight::link

@@ -7,7 +7,7 @@
 
 #include "link/lean/layout.hpp"
 
-/// What both ends have to agree on, as one number: FNV-1a, 32 bits (Fowler, Noll, Vo; offset
+/// The layouts on which both ends must agree, as one number: FNV-1a, 32 bits (Fowler, Noll, Vo; offset
 /// 2166136261, prime 16777619), of a text with one line per message but the heartbeat, in the order
 /// of link::Message:
 ///
@@ -19,7 +19,7 @@ namespace rosflight::link::lean {
 
 inline constexpr std::size_t kAlternatives = std::variant_size_v<Message>;
 
-/// What travels for a message: itself, but a greeting for a heartbeat.
+/// The struct that is transmitted for a message: the message itself, a Greeting for a heartbeat.
 template <std::size_t kId>
 struct OnWire {
   using Type = std::variant_alternative_t<kId, Message>;
@@ -70,6 +70,7 @@ constexpr void spell_message(Put&& put) {
   put('\n');
 }
 
+/// The hash of the lines of all messages but the heartbeat.
 template <std::size_t... kOthers>
 constexpr std::uint32_t hash_schema(std::index_sequence<kOthers...>) {
   constexpr std::uint32_t kOffset = 2166136261u;

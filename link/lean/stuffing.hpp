@@ -14,7 +14,7 @@
 namespace rosflight::link::lean {
 
 inline constexpr std::uint8_t kStart = 0xFF;
-inline constexpr std::size_t kLongestStuffed = 254;
+inline constexpr std::size_t kMaxStuffedBytes = 254;
 
 using Word = std::size_t;
 
@@ -24,18 +24,20 @@ constexpr Word starts_in(Word word) {
   return ((word & (kOnes * 0x7F)) + kOnes) & word & (kOnes * 0x80);
 }
 
+/// The byte that stands for a distance to the next FF.
 constexpr std::uint8_t code_of(std::size_t distance) {
   return static_cast<std::uint8_t>(kStart - distance);
 }
 
+/// A word from any address.
 inline Word load(const std::uint8_t* bytes) {
   Word word{};
   std::memcpy(&word, bytes, sizeof word);
   return word;
 }
 
-/// Any bit if there is an FF among bytes[0, kBytes). Words may overlap; all are looked at, because
-/// that costs less than to ask each.
+/// Not 0 if there is an FF among bytes[0, kBytes). Words may overlap; all are tested, because that
+/// costs less than a branch for each.
 template <std::size_t kBytes, std::size_t... kWords>
 Word any_start(const std::uint8_t* bytes, std::index_sequence<kWords...>) {
   constexpr std::size_t kLast = kBytes - sizeof(Word);

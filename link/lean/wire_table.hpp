@@ -19,7 +19,7 @@
 namespace rosflight::link::lean {
 
 inline constexpr std::size_t kGreetingId = 1;
-/// Places in a frame: FF, code, id, sequence, payload, checksum.
+/// Offsets in a frame: FF, code, id, sequence, payload, checksum.
 inline constexpr std::size_t kCodeAt = 1, kIdAt = 2, kSequenceAt = 3, kPayloadAt = 4;
 inline constexpr std::size_t kChecksumBytes = sizeof(std::uint16_t);
 inline constexpr std::size_t kOverheadBytes = kPayloadAt + kChecksumBytes;
@@ -35,20 +35,23 @@ struct Row {
   void (*unpack)(const std::uint8_t* payload, Message& message);
 };
 
+/// The struct that is transmitted for a message.
 inline const Greeting to_wire(const Heartbeat& message, Sender sender) {
   return {message.type, sender.schema};
 }
+/// The same.
 template <typename M>
 const M& to_wire(const M& message, Sender /*sender*/) {
   return message;
 }
 
+/// Encodes the alternative kId of the message as a frame.
 template <std::size_t kId>
 void encode_as(const Message& message, Sender sender, Frame& frame) {
   using M = typename OnWire<kId>::Type;
   constexpr std::size_t kChecksumAt = kPayloadAt + payload_bytes<M>();
   constexpr std::size_t kSize = kChecksumAt + kChecksumBytes;
-  static_assert(kSize <= kLongestFrame && kSize - kCodeAt <= kLongestStuffed);
+  static_assert(kSize <= kMaxLeanFrameBytes && kSize - kCodeAt <= kMaxStuffedBytes);
   static_assert(kSize <= kMaxFrameBytes);
   const auto* const ours = std::get_if<kId>(&message);
   if (ours == nullptr) return;  // not reached: the row was chosen by the alternative
@@ -65,16 +68,18 @@ void encode_as(const Message& message, Sender sender, Frame& frame) {
   frame.size = kSize;
 }
 
+/// Makes `message` the alternative kId with the values of the payload.
 template <std::size_t kId>
 void unpack_as(const std::uint8_t* payload, Message& message) {
   unpack(payload, message.emplace<kId>());
 }
 
+/// The row of alternative kId; an empty one for std::monostate.
 template <std::size_t kId>
 constexpr Row row() {
   if constexpr (kId == 0) {
     return {};
-  } else if constexpr (kId == kGreetingId) {  // the codec judges what comes
+  } else if constexpr (kId == kGreetingId) {  // decoded by the codec itself
     return {payload_bytes<Greeting>(), &encode_as<kId>, nullptr};
   } else {
     return {payload_bytes<std::variant_alternative_t<kId, Message>>(), &encode_as<kId>,
@@ -82,6 +87,7 @@ constexpr Row row() {
   }
 }
 
+/// The rows of all alternatives, by id.
 template <std::size_t... kIds>
 constexpr std::array<Row, sizeof...(kIds)> make_rows(std::index_sequence<kIds...>) {
   return {row<kIds>()...};
@@ -90,12 +96,13 @@ inline constexpr std::array<Row, kAlternatives> kRows =
     make_rows(std::make_index_sequence<kAlternatives>{});
 static_assert(kAlternatives <= kStart, "an id is never FF");
 
-constexpr std::size_t longest_frame() {
-  std::size_t longest = 0;
-  for (const Row& row : kRows) longest = row.length > longest ? row.length : longest;
-  return longest + kOverheadBytes;
+/// Size of the largest frame in bytes.
+constexpr std::size_t max_frame_bytes() {
+  std::size_t max = 0;
+  for (const Row& row : kRows) max = row.length > max ? row.length : max;
+  return max + kOverheadBytes;
 }
-static_assert(longest_frame() == kLongestFrame);
+static_assert(max_frame_bytes() == kMaxLeanFrameBytes);
 
 /// Whether messages have this id, and so a row.
 constexpr bool is_known(std::size_t id) {

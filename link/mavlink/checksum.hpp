@@ -12,14 +12,14 @@
 /// It works on whole words and needs no table. Squaring a polynomial over GF(2) doubles its
 /// exponents, so with P = x^16 + x^12 + x^5 + 1 and q = 1, 2, 4
 ///
-///     P^q = x^16q + x^12q + x^5q + 1,  hence  H x^W = H x^(12q) + H x^(5q) + H  (mod P),  W = 16 q
-///     (1)
+///     P^q   = x^16q + x^12q + x^5q + 1,  hence with W = 16 q
+///     H x^W = H x^(12q) + H x^(5q) + H   (mod P)                                          (1)
 ///
 /// and a word H of W bits moves one word further by three shifts. The part of (1) that leaves the
 /// word at the top is fed back in closed form: T = H + T/x^4q + T/x^11q (quotients) has the
 /// solution
 ///
-///     T = H + H/x^4q + H/x^8q + H/x^12q + H/x^11q (2)
+///     T = H + H/x^4q + H/x^8q + H/x^12q + H/x^11q                                         (2)
 ///
 /// The last word is halved by (1) down to 16 bits. Cost: 15 instructions per word.
 /// (Frobenius map: Lidl & Niederreiter, Finite Fields, 2nd ed., theorem 1.46.)
@@ -45,6 +45,7 @@ constexpr std::uint16_t checksum_step(std::uint16_t crc, std::uint8_t byte) {
   return static_cast<std::uint16_t>((crc >> 8) ^ (t << 8) ^ (t << 3) ^ (t >> 4));
 }
 
+/// A word from any address.
 template <typename Word>
 Word load(const std::uint8_t* bytes) {
   Word word{};

@@ -123,7 +123,7 @@ void MavlinkCodec::accept(const std::uint8_t* frame, const mavlink::Row& row) {
   if (payload >= row.length) {
     row.unpack(frame + kHeaderBytes, message_);
   } else {
-    std::array<std::uint8_t, mavlink::kLongestPayload> extended{};
+    std::array<std::uint8_t, mavlink::kMaxPayload> extended{};
     std::memcpy(extended.data(), frame + kHeaderBytes, payload);
     row.unpack(extended.data(), message_);
   }

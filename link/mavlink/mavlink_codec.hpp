@@ -23,18 +23,18 @@ struct Sender {
 
 }  // namespace mavlink
 
-/// The default codec: MAVLink 1.0 frames of the dialect in rosflight.xml, as ROSflight 2.x speaks
+/// The default codec: MAVLink 1.0 frames of the dialect in rosflight.xml, as ROSflight 2.x uses
 /// it (release 2.0.1; ids and layouts: docs/link.md).
 ///
 ///     FE | length n | sequence | system | component | id | payload n | checksum, low byte first
 ///
-/// Receiver. A frame counts if its id is known and its checksum right; its length need not be that
-/// of the message: missing bytes are read as zero, surplus ones ignored. Whatever fails is searched
-/// again from the byte behind its start byte, so noise never hides a good frame; the result does
-/// not depend on how the bytes were split over calls. Senders are not looked at; sequence numbers
-/// are counted, not judged. Values are not judged either (NaN passes, enumerators may be out of
-/// range), but texts are: nothing follows the first NUL, and a text of 50 characters loses the
-/// last, so that it always ends with one.
+/// Receiver. A frame is accepted if its id is known and its checksum is right; its length need not
+/// be that of the message: missing bytes are read as zero, surplus ones are ignored. Bytes that are
+/// no frame are searched again from the byte after their start byte, so noise never hides a good
+/// frame. The result does not depend on how the bytes were divided into calls. Senders are not
+/// checked; gaps of sequence numbers are counted. Values are not checked either (NaN passes,
+/// enumerators may be out of range), except texts: they are cleared behind the first NUL, and a text
+/// of 50 characters loses its last, so that it always ends with NUL.
 ///
 /// Owns about 0.4 kB; no heap. Cost: docs/link.md.
 class MavlinkCodec final : public Codec {
@@ -48,6 +48,7 @@ class MavlinkCodec final : public Codec {
     std::uint8_t component_id{kFcuComponent};
   };
 
+  /// @param identity  of this end; the sequence starts at 0.
   explicit MavlinkCodec(Identity identity)
       : next_{0, identity.system_id, identity.component_id, 0} {}
 

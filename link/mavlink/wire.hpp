@@ -24,9 +24,11 @@ inline void copy_bits(const float& from, ParamBits& to) {
   std::memcpy(&to.bits, &from, sizeof from);
 }
 
+/// Our struct as the generated one, field by field. Units are equal on both sides.
 inline void pack(const Heartbeat& m, mavlink_heartbeat_t& w) {
   w = {0, static_cast<std::uint8_t>(m.type), 0, 0, 0, kDialectVersion};
 }
+/// The generated struct as ours.
 inline void unpack(const mavlink_heartbeat_t& w, Heartbeat& m) {
   m.type = VehicleType{w.type};
 }
@@ -92,10 +94,10 @@ inline void unpack(const mavlink_rosflight_aux_cmd_t& w, AuxCommand& m) {
 }
 
 inline void pack(const ExternalAttitude& m, mavlink_external_attitude_t& w) {
-  w = {m.q_NB[0], m.q_NB[1], m.q_NB[2], m.q_NB[3]};
+  w = {m.q_WB[0], m.q_WB[1], m.q_WB[2], m.q_WB[3]};
 }
 inline void unpack(const mavlink_external_attitude_t& w, ExternalAttitude& m) {
-  m.q_NB = {w.qw, w.qx, w.qy, w.qz};
+  m.q_WB = {w.qw, w.qx, w.qy, w.qz};
 }
 
 inline void pack(const CommandRequest& m, mavlink_rosflight_cmd_t& w) {
@@ -128,12 +130,12 @@ inline void unpack(const mavlink_rosflight_cmd_ack_t& w, CommandAck& m) {
 }
 
 inline void pack(const Attitude& m, mavlink_attitude_quaternion_t& w) {
-  w = {m.time_boot_ms, m.q_NB[0],        m.q_NB[1],        m.q_NB[2],
-       m.q_NB[3],      m.rates_rad_s[0], m.rates_rad_s[1], m.rates_rad_s[2]};
+  w = {m.time_boot_ms, m.q_WB[0],        m.q_WB[1],        m.q_WB[2],
+       m.q_WB[3],      m.rates_rad_s[0], m.rates_rad_s[1], m.rates_rad_s[2]};
 }
 inline void unpack(const mavlink_attitude_quaternion_t& w, Attitude& m) {
   m.time_boot_ms = w.time_boot_ms;
-  m.q_NB = {w.q1, w.q2, w.q3, w.q4};
+  m.q_WB = {w.q1, w.q2, w.q3, w.q4};
   m.rates_rad_s = {w.rollspeed, w.pitchspeed, w.yawspeed};
 }
 

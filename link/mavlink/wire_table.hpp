@@ -28,7 +28,7 @@ struct Row {
   std::uint8_t id;
   std::uint8_t length;  ///< Payload bytes.
   std::uint8_t crc_extra;
-  std::uint8_t alternative;  ///< Place in link::Message.
+  std::uint8_t alternative;  ///< Index in link::Message.
   void (*encode)(const Message& message, Sender sender, Frame& frame);
   void (*unpack)(const std::uint8_t* payload, Message& message);
 };
@@ -36,6 +36,7 @@ struct Row {
 // The generated structs are in wire order without gaps, so their first kLength bytes are the
 // payload.
 
+/// Encodes the alternative Ours of the message as a frame.
 template <typename Ours, typename Wire, std::uint8_t kId, std::uint8_t kLength,
           std::uint8_t kCrcExtra>
 void encode_as(const Message& message, Sender sender, Frame& frame) {
@@ -57,6 +58,7 @@ void encode_as(const Message& message, Sender sender, Frame& frame) {
   frame.size = kOverheadBytes + kLength;
 }
 
+/// Makes `message` an Ours with the values of the payload.
 template <typename Ours, typename Wire, std::uint8_t kLength>
 void unpack_as(const std::uint8_t* payload, Message& message) {
   Wire wire;
@@ -64,6 +66,7 @@ void unpack_as(const std::uint8_t* payload, Message& message) {
   unpack(wire, message.emplace<Ours>());
 }
 
+/// The row of one message of the dialect.
 template <typename Ours, typename Wire, std::uint8_t kId, std::uint8_t kLength,
           std::uint8_t kCrcExtra>
 constexpr Row row() {
@@ -141,6 +144,7 @@ inline constexpr std::array<Row, std::variant_size_v<Message>> kRows = {{
         MAVLINK_MSG_ID_COUNTERS_CRC>(),
 }};
 
+/// Row i describes alternative i.
 constexpr bool rows_follow_message() {
   for (std::size_t i = 1; i < kRows.size(); ++i) {
     if (kRows[i].alternative != i) return false;
@@ -149,6 +153,7 @@ constexpr bool rows_follow_message() {
 }
 static_assert(rows_follow_message(), "row i belongs to alternative i of link::Message");
 
+/// Index of the row of each id; kNoRow where the dialect has no message.
 constexpr std::array<std::uint8_t, 256> index_rows() {
   std::array<std::uint8_t, 256> of_id{};
   for (std::size_t i = 1; i < kRows.size(); ++i) of_id[kRows[i].id] = static_cast<std::uint8_t>(i);
@@ -156,16 +161,18 @@ constexpr std::array<std::uint8_t, 256> index_rows() {
 }
 inline constexpr std::array<std::uint8_t, 256> kRowOfId = index_rows();
 
+/// The row of an id; nullptr if the dialect has no such message.
 inline const Row* find_row(std::uint8_t id) {
   const std::uint8_t index = kRowOfId[id];
   return index == kNoRow ? nullptr : &kRows[index];
 }
 
-constexpr std::size_t longest_payload() {
-  std::size_t longest = 0;
-  for (const Row& row : kRows) longest = row.length > longest ? row.length : longest;
-  return longest;
+/// Length of the largest payload in bytes.
+constexpr std::size_t max_payload_bytes() {
+  std::size_t max = 0;
+  for (const Row& row : kRows) max = row.length > max ? row.length : max;
+  return max;
 }
-inline constexpr std::size_t kLongestPayload = longest_payload();
+inline constexpr std::size_t kMaxPayload = max_payload_bytes();
 
 }  // namespace rosflight::link::mavlink

@@ -58,7 +58,7 @@ TEST(DetectingCodec, NoiseDecidesNothing) {
 /// Frames of `fcu` until the companion understands; how many bytes that took.
 std::size_t bytes_until_heard(DetectingCodec& companion, Codec& fcu) {
   std::size_t sent = 0;
-  while (sent < 10 * DetectingCodec::kDoubt) {
+  while (sent < 10 * DetectingCodec::kMaxBytesWithoutMessage) {
     const Bytes frame = encoded(fcu, CommandAck{1, true});
     sent += frame.size();
     if (!decoded(companion, frame).empty()) return sent;
@@ -71,9 +71,11 @@ TEST(DetectingCodec, FollowsAnFcuThatWasExchanged) {
   MavlinkCodec mavlink(kFcu);
   LeanCodec lean;
   for (int round = 0; round < 2; ++round) {
-    EXPECT_LE(bytes_until_heard(companion, lean), DetectingCodec::kDoubt + kMaxFrameBytes);
+    EXPECT_LE(bytes_until_heard(companion, lean),
+              DetectingCodec::kMaxBytesWithoutMessage + kMaxFrameBytes);
     EXPECT_EQ(companion.protocol(), Protocol::kLean);
-    EXPECT_LE(bytes_until_heard(companion, mavlink), DetectingCodec::kDoubt + kMaxFrameBytes);
+    EXPECT_LE(bytes_until_heard(companion, mavlink),
+              DetectingCodec::kMaxBytesWithoutMessage + kMaxFrameBytes);
     EXPECT_EQ(companion.protocol(), Protocol::kMavlink);
   }
 }
@@ -83,7 +85,7 @@ TEST(DetectingCodec, KeepsItsProtocolThroughNoiseShorterThanItsDoubt) {
   LeanCodec lean;
   decoded(companion, encoded(lean, Heartbeat{}));
   for (int i = 0; i < 10; ++i) {
-    decoded(companion, Bytes(DetectingCodec::kDoubt - 100, 0xFE));
+    decoded(companion, Bytes(DetectingCodec::kMaxBytesWithoutMessage - 100, 0xFE));
     EXPECT_EQ(decoded(companion, encoded(lean, Heartbeat{})).size(), 1u);
     EXPECT_EQ(companion.protocol(), Protocol::kLean);
   }

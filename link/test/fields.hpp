@@ -53,10 +53,10 @@ void each_field(Either<AuxCommand> auto& m, auto&& f) {
   f("aux_cmd_array", m.value);
 }
 void each_field(Either<ExternalAttitude> auto& m, auto&& f) {
-  f("qw", m.q_NB[0]);
-  f("qx", m.q_NB[1]);
-  f("qy", m.q_NB[2]);
-  f("qz", m.q_NB[3]);
+  f("qw", m.q_WB[0]);
+  f("qx", m.q_WB[1]);
+  f("qy", m.q_WB[2]);
+  f("qz", m.q_WB[3]);
 }
 void each_field(Either<CommandRequest> auto& m, auto&& f) {
   f("command", m.command);
@@ -74,10 +74,10 @@ void each_field(Either<CommandAck> auto& m, auto&& f) {
 }
 void each_field(Either<Attitude> auto& m, auto&& f) {
   f("time_boot_ms", m.time_boot_ms);
-  f("q1", m.q_NB[0]);
-  f("q2", m.q_NB[1]);
-  f("q3", m.q_NB[2]);
-  f("q4", m.q_NB[3]);
+  f("q1", m.q_WB[0]);
+  f("q2", m.q_WB[1]);
+  f("q3", m.q_WB[2]);
+  f("q4", m.q_WB[3]);
   f("rollspeed", m.rates_rad_s[0]);
   f("pitchspeed", m.rates_rad_s[1]);
   f("yawspeed", m.rates_rad_s[2]);

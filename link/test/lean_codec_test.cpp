@@ -91,7 +91,7 @@ TEST(LeanChecksum, IsThatOfTheDefinitionForEverySize) {
 
 TEST(LeanStuffing, IsThatOfThePaperAndComesBack) {
   std::mt19937_64 random(2);
-  for (std::size_t size = 1; size < lean::kLongestStuffed; ++size) {
+  for (std::size_t size = 1; size < lean::kMaxStuffedBytes; ++size) {
     for (const unsigned kinds : {2u, 256u}) {  // many FFs and few
       Bytes bytes(size);
       for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(255 - random() % kinds);

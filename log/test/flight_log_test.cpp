@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
+
+#include "log/flight_log_topics.hpp"
 
 namespace rosflight::log {
 namespace {
@@ -24,7 +27,7 @@ class FlightLogTest : public testing::Test {
                  std::int64_t steps = 100) const {
     FlightLog log(path_, options, {{"seed", "1"}});
     sim::Truth truth;
-    truth.body.p_N.x() = north_m;
+    truth.body.p_W.x() = north_m;
     for (std::int64_t k = 0; k < steps; ++k) {
       truth.time = hal::microseconds(2500 * k);
       log.write_truth(truth, {});
@@ -41,23 +44,46 @@ TEST_F(FlightLogTest, SameFlightSameFingerprintAndAnotherFlightAnother) {
   EXPECT_NE(first.sha256, fly({}, std::nextafter(1.0, 2.0)).sha256);
 }
 
-TEST_F(FlightLogTest, TruthIsDecimated) {
+TEST_F(FlightLogTest, APlotHasTruthAtOneHundredHertzAndAFullLogEveryStep) {
   FlightLog::Options options;
   const std::uint64_t per_step = fly(options, 0.0, 1).messages;
-  options.truth_every = 8;
-  EXPECT_EQ(fly(options, 0.0, 100).messages, 13 * per_step);  // Steps 0, 8, ..., 96.
-  options.truth_every = 0;
-  EXPECT_EQ(fly(options, 0.0, 100).messages, 0U);
+  EXPECT_EQ(per_step, 5U);
+  EXPECT_EQ(fly(options, 0.0, 101).messages, 26 * per_step);  // Steps 0, 4, ..., 100 of 2.5 ms.
+  options.detail = Detail::kFull;
+  EXPECT_EQ(fly(options, 0.0, 101).messages, 101 * per_step);
 }
 
-TEST_F(FlightLogTest, BytesWithoutAMessageAreOneRawFrame) {
+TEST_F(FlightLogTest, APlotThinsAttitudeAndOutputsButNoSensorAndNoBytes) {
+  // `message` crosses the link every 2 ms for one second.
+  const auto messages = [this](Detail detail, const link::Message& message, bool bytes) {
+    FlightLog::Options options;
+    options.detail = detail;
+    FlightLog log(path_, options, {});
+    constexpr std::array<std::uint8_t, 3> kFrame{1, 2, 3};
+    for (int k = 0; k < 500; ++k) {
+      log.write_link(Direction::kFcuToCompanion, hal::milliseconds(2 * k), message,
+                     bytes ? Bytes(kFrame) : Bytes{});
+    }
+    return log.close().messages;
+  };
+  EXPECT_EQ(messages(Detail::kPlot, link::Attitude{}, false), 200U);  // And its Euler angles.
+  EXPECT_EQ(messages(Detail::kFull, link::Attitude{}, false), 1000U);
+  EXPECT_EQ(messages(Detail::kPlot, link::OutputRaw{}, false), 100U);
+  EXPECT_EQ(messages(Detail::kFull, link::OutputRaw{}, false), 500U);
+  EXPECT_EQ(messages(Detail::kPlot, link::Attitude{}, true), 220U);  // The frames of 50 ms in one.
+  EXPECT_EQ(messages(Detail::kPlot, link::Imu{}, false), 600U);      // And its temperature.
+  EXPECT_EQ(messages(Detail::kFull, link::Imu{}, false), 1000U);
+  EXPECT_EQ(messages(Detail::kPlot, link::Baro{}, false), 500U);
+}
+
+TEST_F(FlightLogTest, BytesWithoutAMessageAreLogged) {
   FlightLog log(path_, {}, {});
   constexpr std::array<std::uint8_t, 3> kNoise{1, 2, 3};
   log.write_link(Direction::kFcuToCompanion, {}, {}, kNoise);
   EXPECT_EQ(log.close().messages, 1U);
 }
 
-TEST_F(FlightLogTest, AMessageWithoutBytesHasNoRawFrame) {
+TEST_F(FlightLogTest, AMessageWithoutBytesHasNoFrame) {
   FlightLog log(path_, {}, {});
   log.write_link(Direction::kFcuToCompanion, {}, link::Heartbeat{}, {});
   EXPECT_EQ(log.close().messages, 1U);
@@ -73,19 +99,12 @@ TEST_F(FlightLogTest, UnwritablePathIsOneLine) {
   }
 }
 
-TEST(EulerAngles, QuarterTurnsAndTheLimitOfPitch) {
-  const float h = std::sqrt(0.5F);
-  const auto expect = [](const std::array<double, 3>& angles, double roll, double pitch,
-                         double yaw) {
-    EXPECT_NEAR(angles[0], roll, 1e-6);  // Single precision in.
-    EXPECT_NEAR(angles[1], pitch, 1e-6);
-    EXPECT_NEAR(angles[2], yaw, 1e-6);
-  };
-  expect(euler_angles({h, h, 0, 0}), M_PI_2, 0, 0);
-  expect(euler_angles({h, 0, 0, h}), 0, 0, M_PI_2);
-  expect(euler_angles({std::cos(0.25F), 0, std::sin(0.25F), 0}), 0, 0.5, 0);
-  // Slightly more than a unit quaternion must not give a NaN at pitch 90 degrees.
-  EXPECT_NEAR(euler_angles({h * 1.001F, 0, h * 1.001F, 0})[1], M_PI_2, 1e-6);
+TEST(FlightLogTopics, EveryTopicHasItsOwnName) {
+  std::set<std::string_view> names;
+  for (const TopicType& topic : kTopics) {
+    EXPECT_TRUE(names.insert(topic.name).second) << topic.name;
+    EXPECT_EQ(topic.name.front(), '/');
+  }
 }
 
 }  // namespace

@@ -99,7 +99,7 @@ void write_companion_messages(FlightLog& log) {
   put(link::ParamRequestList{9});
   put(link::ParamSet{1, text<16>("ARM_THRESHOLD"), {std::bit_cast<std::uint32_t>(0.15F)}, 9});
   put(link::ParamSet{1, text<16>("BAD_TYPE"), {77}, 3});
-  put(link::OffboardControl{2, 0x3C1, ramp<float, link::kCommandEntries>(-1.0F, 0.25F)});
+  put(link::OffboardControl{2, 0x3C1, ramp<float, link::kCommandAxes>(-1.0F, 0.25F)});
   put(link::AuxCommand{ramp<std::uint8_t, link::kOutputs>(0, 1),
                        ramp<float, link::kOutputs>(1.0F, -0.125F)});
   put(link::ExternalAttitude{{0.75F, 0.125F, -0.25F, 0.5F}});
@@ -111,8 +111,8 @@ void write_companion_messages(FlightLog& log) {
 sim::Truth truth_at(Time time) {
   sim::Truth truth;
   truth.time = time;
-  truth.body.p_N = {1.5, -2.5, -10.25};
-  truth.body.q_NB =
+  truth.body.p_W = {1.5, -2.5, -10.25};
+  truth.body.q_WB =
       sim::Quaternion(0.5, 0.5, 0.5, 0.5);  // Down is along body y: gravity adds to y.
   truth.body.v_B = {3.5, 0.25, -0.125};
   truth.body.w_B = {0.1, 0.2, 0.3};
@@ -133,26 +133,32 @@ void write_others(FlightLog& log) {
   const auto at = [](std::int64_t ms) { return rosflight::hal::milliseconds(ms); };
   constexpr std::array<std::uint8_t, 5> kFrame{0xFE, 0x00, 0x7F, 0x80, 0xFF};
   log.write_link(kUp, at(2500), {}, kFrame);
+  log.write_link(kDown, at(2549), {}, Bytes(kFrame).first(2));
+  log.write_link(kUp, at(2550), {}, Bytes(kFrame).last(1));
   auto outputs = ramp<float, rosflight::hal::kOutputs>(-0.125F, 0.125F);
   log.write_truth(truth_at(at(3000)), outputs);
-  log.write_setpoint(
-      at(3001),
-      {{1.5F, 2.5F, -3.5F}, {0.5F, 0.25F, 0.125F}, {-0.5F, -0.25F, 9.5F}, 1.25F, -0.75F, 0.625F});
+  log.write_setpoint(at(3001), {{},
+                                {1.5F, 2.5F, -3.5F},
+                                {0.5F, 0.25F, 0.125F},
+                                {-0.5F, -0.25F, 9.5F},
+                                1.25F,
+                                -0.75F,
+                                0.625F});
   log.write_phase(at(3002), "climb");
-  rosflight::log::Estimate estimate;
-  estimate.p_N_m = {1.5F, -2.5F, -10.5F};
-  estimate.v_N_m_s = {0.5F, 0.25F, -0.125F};
-  estimate.q_NB = {0.5F, -0.5F, 0.25F, 0.75F};
-  estimate.gyro_bias_rad_s = {0.01F, 0.02F, 0.03F};
-  estimate.accel_bias_m_s2 = {0.1F, 0.2F, 0.3F};
-  estimate.wind_N_m_s = {4.5F, -3.5F};
-  estimate.airspeed_m_s = 15.5F;
-  estimate.course_rad = -1.25F;
-  estimate.p_sigma_m = {0.375F, 0.5F, 0.625F};
-  estimate.v_sigma_m_s = {0.0625F, 0.03125F, 0.015625F};
-  estimate.attitude_sigma_rad = {0.004F, 0.005F, 0.006F};
-  estimate.wind_sigma_m_s = {0.75F, 0.875F};
-  estimate.innovation = ramp<float, rosflight::log::Estimate::kAids>(0.25F, 0.5F);
+  rosflight::messages::rosflight_log_msgs::Estimate estimate;
+  estimate.position = {1.5F, -2.5F, -10.5F};
+  estimate.velocity = {0.5F, 0.25F, -0.125F};
+  estimate.attitude = {0.5F, -0.5F, 0.25F, 0.75F};
+  estimate.gyro_bias = {0.01F, 0.02F, 0.03F};
+  estimate.accel_bias = {0.1F, 0.2F, 0.3F};
+  estimate.wind = {4.5F, -3.5F};
+  estimate.airspeed = 15.5F;
+  estimate.course = -1.25F;
+  estimate.position_sigma = {0.375F, 0.5F, 0.625F};
+  estimate.velocity_sigma = {0.0625F, 0.03125F, 0.015625F};
+  estimate.attitude_sigma = {0.004F, 0.005F, 0.006F};
+  estimate.wind_sigma = {0.75F, 0.875F};
+  estimate.innovation = ramp<float, 9>(0.25F, 0.5F);
   estimate.refusing = {false, true, false, false, true, false, false, false, true};
   log.write_estimate(at(3002), estimate);
   log.write_event(at(3003), link::Severity::kError, "autonomy",
@@ -163,7 +169,9 @@ void write_others(FlightLog& log) {
 
 int run(const std::string& path, bool zstd, std::int64_t repeat) {
   FlightLog::Options options;
-  if (zstd) options.mcap.compression = rosflight::log::Compression::kZstd;
+  options.detail = rosflight::log::Detail::kFull;
+  using rosflight::log::Compression;
+  options.mcap.compression = zstd ? Compression::kZstd : Compression::kNone;
   FlightLog log(path, options, {{"vehicle", "quadrotor"}, {"seed", "42"}});
   log.attach("vehicle.yaml", "application/yaml", "mass_kg: 3.5  # \xC3\xA4\n");
   write_fcu_messages(log);

@@ -4,7 +4,9 @@
 #include "log/mcap_writer.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -103,12 +105,69 @@ TEST_F(McapWriterTest, SameCallsSameBytes) {
     const LogSummary second = write_example(compression, 1000);
     EXPECT_EQ(first.sha256, second.sha256);
     EXPECT_EQ(bytes, contents(path_));
-    Sha256 hash;
-    hash.update(as_bytes(bytes));
-    EXPECT_EQ(first.sha256, hash.hex());
     EXPECT_EQ(first.bytes, bytes.size());
     EXPECT_EQ(first.messages, 50U);
   }
+}
+
+TEST_F(McapWriterTest, TheIdentityKnowsNeitherCompressionNorChunks) {
+  const std::string identity = write_example(Compression::kNone, 1000).sha256;
+  const std::string bytes = contents(path_);
+  EXPECT_EQ(write_example(Compression::kZstd, 1000).sha256, identity);
+  EXPECT_NE(contents(path_), bytes);
+  EXPECT_EQ(write_example(Compression::kZstd, 1 << 20).sha256, identity);
+
+  // Its definition, on the file that is not compressed.
+  Sha256 hash;
+  const Bytes all = as_bytes(bytes);
+  for (const Record& record : records(bytes)) {
+    constexpr std::size_t kChunkHeader = 8 + 8 + 8 + 4 + 4 + 8;  // No compression name.
+    if (record.opcode == 0x0F) break;
+    if (record.opcode == 0x06) {
+      hash.update(all.subspan(record.offset + kChunkHeader, record.length - kChunkHeader));
+    } else if (record.opcode == 0x09 || record.opcode == 0x0C) {
+      hash.update(all.subspan(record.offset - 9, record.length + 9));
+    }
+  }
+  EXPECT_EQ(hash.hex(), identity);
+}
+
+TEST_F(McapWriterTest, TheIdentityChangesWithEveryBitOfTheContents) {
+  const auto identity = [this](std::uint64_t time_ns, std::string_view data,
+                               std::string_view file) {
+    McapWriter writer(path_, {});
+    writer.write(writer.add_channel("/a", 0, "cdr"), time_ns, time_ns, as_bytes(data));
+    writer.attach("file", "text/plain", 7, as_bytes(file));
+    return writer.close().sha256;
+  };
+  const std::string first = identity(1, "a", "x");
+  EXPECT_EQ(identity(1, "a", "x"), first);
+  EXPECT_NE(identity(2, "a", "x"), first);
+  EXPECT_NE(identity(1, "b", "x"), first);
+  EXPECT_NE(identity(1, "a", "y"), first);
+}
+
+TEST_F(McapWriterTest, AFullDiskReachesTheCallerAndLeavesNoCompleteFile) {
+  rlimit before{};
+  ::getrlimit(RLIMIT_FSIZE, &before);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit limit{100'000, before.rlim_max};
+  ::setrlimit(RLIMIT_FSIZE, &limit);
+  std::string error;
+  try {
+    McapWriter writer(path_, {"", "", 50'000, Compression::kNone});
+    const auto channel = writer.add_channel("/a", 0, "cdr");
+    const std::string data(10'000, 'x');
+    for (std::uint64_t k = 0; k < 1000; ++k) writer.write(channel, k, k, as_bytes(data));
+    writer.close();
+  } catch (const LogError& e) {
+    error = e.what();
+  }
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(error, path_.string() + ".part: cannot write: File too large");
+  EXPECT_FALSE(fs::exists(path_));
+  fs::remove(path_.string() + ".part");
 }
 
 TEST_F(McapWriterTest, ChunkIndexesPointAtChunksAndMessages) {

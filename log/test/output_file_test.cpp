@@ -60,7 +60,7 @@ TEST_F(OutputFileTest, AppearsOnlyWhenCommitted) {
 
 TEST_F(OutputFileTest, ABrokenRunLeavesTheOldFileAlone) {
   const fs::path path = folder_ / "log.mcap";
-  write_file(path, "old");
+  base::write_file(path, "old");
   {
     OutputFile file(path);
     file.write(as_bytes("new"));
@@ -68,7 +68,7 @@ TEST_F(OutputFileTest, ABrokenRunLeavesTheOldFileAlone) {
   EXPECT_EQ(contents(path), "old");
 }
 
-TEST_F(OutputFileTest, SmallAndLargePiecesArriveInOrderWithTheirFingerprint) {
+TEST_F(OutputFileTest, SmallAndLargePiecesArriveInOrder) {
   std::string expected;
   OutputFile file(folder_ / "x");
   for (std::size_t size : {1U, 700'000U, 3U, 262'144U, 262'143U, 5U, 0U, 100'000U, 200'000U}) {
@@ -79,9 +79,6 @@ TEST_F(OutputFileTest, SmallAndLargePiecesArriveInOrderWithTheirFingerprint) {
   EXPECT_EQ(file.size(), expected.size());
   file.commit();
   EXPECT_EQ(contents(folder_ / "x"), expected);
-  Sha256 hash;
-  hash.update(as_bytes(expected));
-  EXPECT_EQ(file.sha256(), hash.hex());
 }
 
 TEST_F(OutputFileTest, AFolderThatIsNotThereIsOneLineThatNamesTheFile) {
@@ -138,8 +135,11 @@ TEST_F(OutputFileTest, AFullDiskIsNoticedAtTheVeryEndToo) {
   std::string error;
   {
     const FullDisk full(4);
-    error =
-        error_of([&] { write_file(path, "more than four"); });  // All of it waits in the buffer.
+    error = error_of([&] {
+      OutputFile file(path);
+      file.write(as_bytes("more than four"));  // All of it waits in the buffer.
+      file.commit();
+    });
   }
   EXPECT_NE(error.find("cannot write"), std::string::npos) << error;
   EXPECT_FALSE(fs::exists(path));

@@ -5,12 +5,12 @@ every field of every channel with the literals in log_sample.cpp.
 ROSFLIGHT_BUILD names the build directory (default: build/release).
 """
 
-import hashlib
 import math
 import os
 import pathlib
 import struct
 import subprocess
+import sys
 
 import pytest
 from mcap.reader import NonSeekingReader, make_reader
@@ -138,7 +138,7 @@ EXPECTED = {
     ]),
     "/version": ("std_msgs/msg/String", [(1.016, {"data": "v2.0.1-3-gabc"})]),
     "/status/rosflight_errors": ("rosflight_msgs/msg/Error", [
-        (1.017, {"header": header(1.017), "error_message": "The flight controller crashed and restarted",
+        (1.017, {"header": header(1.017), "error_message": "The flight controller had a fault and restarted",
                  "error_code": 0x1234, "reset_count": 3, "rearm": True, "pc": 0x08001234}),
     ]),
     "/gnss": ("rosflight_msgs/msg/GNSS", [
@@ -195,8 +195,10 @@ EXPECTED = {
                  "passes": 400000, "frames_dropped": 5, "tx_dropped": 6, "texts_lost": 7,
                  "imu_jitter": ramp(10, 1, 8), "rejected": ramp(30, 2, 8)}),
     ]),
-    "/link/raw": ("rosflight_log_msgs/msg/RawFrame", [
-        (2.500, {"header": header(2.500), "direction": 1, "data": bytes([0xFE, 0x00, 0x7F, 0x80, 0xFF])}),
+    "/link/raw": ("rosflight_log_msgs/msg/RawFrames", [
+        (2.550, {"header": header(2.500), "delay_us": [0, 49_000], "direction": bytes([1, 0]), "length": [5, 2],
+                 "data": bytes([0xFE, 0x00, 0x7F, 0x80, 0xFF, 0xFE, 0x00])}),
+        (3.004, {"header": header(2.550), "delay_us": [0], "direction": bytes([1]), "length": [1], "data": bytes([0xFF])}),
     ]),
     "/sim/truth_state": ("rosflight_msgs/msg/SimState", [
         (3.000, {"header": header(3.000, "NED"),
@@ -268,6 +270,12 @@ def write(path, *arguments):
     return subprocess.run([SAMPLE, path, *arguments], check=True, capture_output=True, text=True).stdout.split()
 
 
+def identity(path):
+    done = subprocess.run([sys.executable, ROOT / "tools" / "log_identity.py", path], check=True, capture_output=True,
+                          text=True)
+    return done.stdout.split()[0]
+
+
 @pytest.fixture(scope="module")
 def sample(tmp_path_factory):
     path = tmp_path_factory.mktemp("log") / "sample.mcap"
@@ -331,8 +339,7 @@ def test_attachment_metadata_and_statistics(sample):
     assert statistics.message_end_time == EPOCH_S * 10**9 + 3_004_000_000
     by_topic = {channel.topic: statistics.channel_message_counts[id] for id, channel in summary.channels.items()}
     assert by_topic == {topic: len(messages) for topic, (_, messages) in EXPECTED.items()}
-    assert printed == [str(path), hashlib.sha256(path.read_bytes()).hexdigest(), str(count),
-                       str(path.stat().st_size)]
+    assert printed == [str(path), identity(path), str(count), str(path.stat().st_size)]
 
 
 @pytest.mark.parametrize("compression", ["none", "zstd"])
@@ -359,6 +366,13 @@ def test_the_same_flight_gives_the_same_bytes(tmp_path):
     second = write(tmp_path / "b.mcap", "none", "500")
     assert first[1:] == second[1:]
     assert (tmp_path / "a.mcap").read_bytes() == (tmp_path / "b.mcap").read_bytes()
+
+
+def test_the_identity_does_not_depend_on_the_compression(tmp_path):
+    plain = write(tmp_path / "a.mcap", "none", "8000")
+    packed = write(tmp_path / "b.mcap", "zstd", "8000")
+    assert plain[1] == packed[1] == identity(tmp_path / "a.mcap") == identity(tmp_path / "b.mcap")
+    assert int(packed[3]) < int(plain[3]) / 3
 
 
 def test_a_place_that_cannot_be_written_is_one_line(tmp_path):

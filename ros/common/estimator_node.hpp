@@ -17,15 +17,15 @@
 #include <utility>
 #include <vector>
 
-#include "apps/vehicle/vehicle_setup.hpp"
 #include "autonomy/estimation/estimator.hpp"
+#include "flight/vehicle/vehicle_setup.hpp"
 #include "ros/common/node_tools.hpp"
 #include "ros/common/time.hpp"
 #include "ros/common/vehicle_file.hpp"
 
 namespace rosflight::ros_common {
 
-/// A parameter of the reference's name over a setting of the estimator; read at the start.
+/// A parameter of ROSflight 2.x's name over a setting of the estimator; read at the start.
 struct EstimatorView {
   const char* name;
   double least;
@@ -38,7 +38,7 @@ struct EstimatorView {
 /// Of standard air at sea level: 1.225 kg/m^3 times 9.80665 m/s^2.
 inline constexpr double kPascalPerMetre = 12.013;
 
-/// The declination, which both stacks name alike; -1e6, as the reference has it: by the model.
+/// The declination, which both stacks name alike; -1e6, as ROSflight 2.x has it: by the model.
 inline EstimatorView declination_view() {
   using C = autonomy::estimation::EstimatorConfig;
   static constexpr double kNotGiven = -1e6;
@@ -66,7 +66,7 @@ inline EstimatorView declination_view() {
 ///
 /// A state goes out with an IMU sample, under its stamp, at most estimator_update_frequency times a
 /// second, and only when position, velocity and attitude are known. So it falls silent when the
-/// IMU does: whoever flies on it must stop by himself. Silence of a sensor and its end are told
+/// IMU does; a controller that uses it must stop by itself. Silence of a sensor and its end are told
 /// once in the log; `/diagnostics` has the health at 1 Hz.
 template <class Policy>
 class EstimatorNode : public rclcpp::Node {
@@ -85,9 +85,9 @@ class EstimatorNode : public rclcpp::Node {
           "file: the estimator starts in the air by itself");
     }
     for (Sensor& sensor : sensors_) {
-      sensor.patience_s =
+      sensor.timeout_s =
           1e-3 * declare_number(*this, "max_" + sensor.name + "_sensor_silence_duration_ms",
-                                sensor.patience_s * 1e3, 1.0, 60'000.0,
+                                sensor.timeout_s * 1e3, 1.0, 60'000.0,
                                 "longer silence is told in the log [ms]");
     }
     states_ = create_publisher<Message>("estimated_state", rclcpp::QoS(10));
@@ -104,13 +104,13 @@ class EstimatorNode : public rclcpp::Node {
   struct Sensor {
     std::string name;
     const char* topic;
-    double patience_s;
-    std::optional<rclcpp::Time> heard{};
+    double timeout_s;
+    std::optional<rclcpp::Time> received{};
     bool silent{false};
   };
 
   autonomy::estimation::EstimatorConfig read_config() {
-    auto config = apps::read_estimator(VehicleFile::declare(*this).read());
+    auto config = flight::read_estimator(VehicleFile::declare(*this).read());
     for (const EstimatorView& view : Policy::views()) {
       const double from_file = view.get(config);
       const double value =
@@ -121,7 +121,7 @@ class EstimatorNode : public rclcpp::Node {
   }
 
   template <class Kind, class Take>
-  void hear(const char* topic, Take take) {
+  void subscribe(const char* topic, Take take) {
     subscriptions_.push_back(create_subscription<Kind>(
         topic, rclcpp::QoS(kDepth),
         [take](typename Kind::ConstSharedPtr message) { take(*message); }));
@@ -129,40 +129,43 @@ class EstimatorNode : public rclcpp::Node {
 
   void listen() {
     namespace est = autonomy::estimation;
-    hear<rosflight_msgs::msg::Status>(
+    subscribe<rosflight_msgs::msg::Status>(
         "status", [this](const rosflight_msgs::msg::Status& m) { armed_ = m.armed; });
-    hear<rosflight_msgs::msg::Attitude>("attitude", [this](const rosflight_msgs::msg::Attitude& m) {
-      if (estimator_.initialised()) return;
-      const auto& q = m.attitude;
-      estimator_.set_attitude_hint(seconds(m.header), {q.w, q.x, q.y, q.z});
-    });
-    hear<rosflight_msgs::msg::GNSS>("gnss", [this](const rosflight_msgs::msg::GNSS& m) {
-      heard(kGnss);
+    subscribe<rosflight_msgs::msg::Attitude>(
+        "attitude", [this](const rosflight_msgs::msg::Attitude& m) {
+          if (estimator_.initialised()) return;
+          const auto& q = m.attitude;
+          estimator_.set_attitude_hint(seconds(m.header), {q.w, q.x, q.y, q.z});
+        });
+    subscribe<rosflight_msgs::msg::GNSS>("gnss", [this](const rosflight_msgs::msg::GNSS& m) {
+      received(kGnss);
       estimator_.add(gnss_sample(m));
     });
-    hear<rosflight_msgs::msg::Barometer>("baro", [this](const rosflight_msgs::msg::Barometer& m) {
-      heard(kBaro);
-      estimator_.add(est::BaroSample{seconds(m.header), static_cast<double>(m.pressure)});
-    });
-    hear<sensor_msgs::msg::MagneticField>(
+    subscribe<rosflight_msgs::msg::Barometer>(
+        "baro", [this](const rosflight_msgs::msg::Barometer& m) {
+          received(kBaro);
+          estimator_.add(est::BaroSample{seconds(m.header), static_cast<double>(m.pressure)});
+        });
+    subscribe<sensor_msgs::msg::MagneticField>(
         "magnetometer", [this](const sensor_msgs::msg::MagneticField& m) {
-          heard(kMag);
+          received(kMag);
           const auto& b = m.magnetic_field;
           estimator_.add(est::MagSample{seconds(m.header), {b.x, b.y, b.z}});
         });
-    hear<sensor_msgs::msg::Range>("range", [this](const sensor_msgs::msg::Range& m) {
+    subscribe<sensor_msgs::msg::Range>("range", [this](const sensor_msgs::msg::Range& m) {
       estimator_.add(est::RangeSample{seconds(m.header), static_cast<double>(m.range),
                                       static_cast<double>(m.min_range),
                                       static_cast<double>(m.max_range)});
     });
     if constexpr (Policy::kWind) {
-      hear<rosflight_msgs::msg::Airspeed>(
+      subscribe<rosflight_msgs::msg::Airspeed>(
           "airspeed", [this](const rosflight_msgs::msg::Airspeed& m) {
             estimator_.add(
                 est::PitotSample{seconds(m.header), static_cast<double>(m.differential_pressure)});
           });
     }
-    hear<sensor_msgs::msg::Imu>("imu/data", [this](const sensor_msgs::msg::Imu& m) { step(m); });
+    subscribe<sensor_msgs::msg::Imu>("imu/data",
+                                     [this](const sensor_msgs::msg::Imu& m) { step(m); });
   }
 
   autonomy::estimation::GnssSample gnss_sample(const rosflight_msgs::msg::GNSS& m) const {
@@ -172,14 +175,14 @@ class EstimatorNode : public rclcpp::Node {
         static_cast<double>(m.gnss_unix_seconds) + 1e-9 * static_cast<double>(m.gnss_unix_nanos);
     sample.fix_3d = m.fix_type >= least_fix_ &&
                     m.fix_type <= rosflight_msgs::msg::GNSS::GNSS_FIX_TYPE_GNSS_PLUS_DEAD_RECKONING;
-    sample.place = {m.lat, m.lon, static_cast<double>(m.alt)};
-    sample.v_N_m_s = {static_cast<double>(m.vel_n), static_cast<double>(m.vel_e),
+    sample.position = {m.lat, m.lon, static_cast<double>(m.alt)};
+    sample.v_W_m_s = {static_cast<double>(m.vel_n), static_cast<double>(m.vel_e),
                       static_cast<double>(m.vel_d)};
     return sample;
   }
 
   void step(const sensor_msgs::msg::Imu& m) {
-    heard(kImu);
+    received(kImu);
     const auto& w = m.angular_velocity;
     const auto& a = m.linear_acceleration;
     estimator_.set_at_rest(!armed_);
@@ -198,9 +201,9 @@ class EstimatorNode : public rclcpp::Node {
     states_->publish(out);
   }
 
-  void heard(Which which) {
+  void received(Which which) {
     Sensor& sensor = sensors_[which];
-    sensor.heard = now();
+    sensor.received = now();
     if (!sensor.silent) return;
     sensor.silent = false;
     RCLCPP_INFO(get_logger(), "%s is back", sensor.topic);
@@ -209,8 +212,8 @@ class EstimatorNode : public rclcpp::Node {
   void watch() {
     const rclcpp::Time time = now();
     for (Sensor& sensor : sensors_) {
-      if (!sensor.heard || sensor.silent) continue;
-      if ((time - *sensor.heard).seconds() < sensor.patience_s) continue;
+      if (!sensor.received || sensor.silent) continue;
+      if ((time - *sensor.received).seconds() < sensor.timeout_s) continue;
       sensor.silent = true;
       RCLCPP_WARN(get_logger(), "%s is silent%s", sensor.topic,
                   sensor.name == "imu" ? ": no state goes out" : "");
@@ -227,8 +230,8 @@ class EstimatorNode : public rclcpp::Node {
     status.name = std::string(get_fully_qualified_name()) + ": estimate";
     status.hardware_id = "estimator";
     const bool flowing = worth_telling(estimate) && !sensors_[kImu].silent;
-    const bool good = flowing && estimate.horizontal == autonomy::Trust::kGood &&
-                      estimate.vertical == autonomy::Trust::kGood;
+    const bool good = flowing && estimate.horizontal == autonomy::Quality::kGood &&
+                      estimate.vertical == autonomy::Quality::kGood;
     status.level =
         good ? DiagnosticStatus::OK : (flowing ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR);
     status.message = good ? "good" : (flowing ? "dead reckoning" : "no estimate");
@@ -239,9 +242,9 @@ class EstimatorNode : public rclcpp::Node {
       status.values.push_back(entry);
     };
     add("GNSS age [s]", health.gnss_age_s);
-    add("position sigma, north [m]", estimate.p_sigma_N_m.x());
-    add("position sigma, east [m]", estimate.p_sigma_N_m.y());
-    add("position sigma, down [m]", estimate.p_sigma_N_m.z());
+    add("position sigma, north [m]", estimate.p_sigma_W_m.x());
+    add("position sigma, east [m]", estimate.p_sigma_W_m.y());
+    add("position sigma, down [m]", estimate.p_sigma_W_m.z());
     add("late samples", static_cast<double>(health.late));
     add("unusable samples", static_cast<double>(health.unusable));
     add("holes in the IMU", static_cast<double>(health.imu_holes));
@@ -256,7 +259,7 @@ class EstimatorNode : public rclcpp::Node {
   /// A policy may tell states that are not whole.
   static bool worth_telling(const autonomy::StateEstimate& estimate) {
     if constexpr (requires { Policy::worth_telling(estimate); }) {
-      return estimate.attitude != autonomy::Trust::kNone && Policy::worth_telling(estimate);
+      return estimate.attitude != autonomy::Quality::kNone && Policy::worth_telling(estimate);
     } else {
       return estimate.usable();
     }

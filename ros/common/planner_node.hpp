@@ -40,7 +40,7 @@ inline bool is_geodetic(const autonomy::MissionFile& mission) {
 ///     optional<Geodetic> origin(const State&)
 ///     string text(const Waypoint&)          one line
 ///
-/// Derived classes hear of plans by changed().
+/// Derived classes learn of plans by changed().
 template <class Policy>
 class PlannerNode : public rclcpp::Node {
  public:

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <string>
+
+#include "base/constants.hpp"
 
 namespace rosflight::ros_common {
 
@@ -30,7 +31,8 @@ inline std::optional<Waveform> waveform_named(const std::string& name) {
 
 inline constexpr const char* kWaveformNames = "step, square, sawtooth, triangle or sine";
 
-/// @param periods  x of (2) to (5), >= 0; up is that of (1).
+/// @param periods  x of (2) to (5), >= 0.
+/// @param up  that of (1).
 inline double sample(Waveform form, double base, double magnitude, double periods, bool up) {
   const double amplitude = 0.5 * magnitude;
   const double centre = base + amplitude;
@@ -47,7 +49,7 @@ inline double sample(Waveform form, double base, double magnitude, double period
     case Waveform::kTriangle:
       return centre + (second ? -1.0 : 1.0) * 2.0 * amplitude * (half - 0.5);
     case Waveform::kSine:
-      return centre - amplitude * std::cos(2.0 * std::numbers::pi * periods);
+      return centre - amplitude * std::cos(2.0 * base::kPi * periods);
   }
   return base;
 }

@@ -13,11 +13,11 @@
 
 namespace rosflight::ros_common {
 
-/// Node signal_generator of both stacks: a waveform on top of a set-point, for tuning.
+/// Node signal_generator of both stacks: a waveform on top of a setpoint, for tuning.
 ///
 /// It stands at its lower end until it is started; a pause keeps where it is, a reset goes back. A
 /// step knows only toggle and reset. All parameters can be changed while it runs; the derived class
-/// publishes a set-point in publish(), publish_rate_hz times a second of node time.
+/// publishes a setpoint in publish(), publish_rate_hz times a second of node time.
 class SignalNode : public rclcpp::Node {
  protected:
   /// @param services  prefix of their names.
@@ -31,7 +31,7 @@ class SignalNode : public rclcpp::Node {
                                 "from the lower to the upper end", true);
     frequency_Hz_ = declare_number(*this, "frequency_hz", 0.2, 0.001, 100.0, "[Hz]", true);
     rate_Hz_ =
-        declare_number(*this, "publish_rate_hz", 100.0, 1.0, 1000.0, "set-points a second [Hz]");
+        declare_number(*this, "publish_rate_hz", 100.0, 1.0, 1000.0, "setpoints a second [Hz]");
     changes_ = on_change_or_refuse(
         *this, [this](const std::vector<rclcpp::Parameter>& given) { return change(given); });
     serve(services);

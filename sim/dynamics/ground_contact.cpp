@@ -66,37 +66,37 @@ double GroundContact::rest_height_m(double weight_N) const {
 double GroundContact::depth_m(const BodyState& body) const {
   double deepest = -std::numeric_limits<double>::infinity();
   for (const auto& p : parameters_.contacts_B) {
-    deepest = std::max(deepest, (body.p_N + body.q_NB * p).z());
+    deepest = std::max(deepest, (body.p_W + body.q_WB * p).z());
   }
   return deepest;
 }
 
-bool GroundContact::touch(std::size_t i, const BodyState& body, const Matrix3& R_NB,
+bool GroundContact::touch(std::size_t i, const BodyState& body, const Matrix3& R_WB,
                           Touch& t) const {
   const Vector3& p_B = parameters_.contacts_B[i];
-  const Vector3 p_N = body.p_N + R_NB * p_B;
-  if (p_N.z() <= 0.0) return false;
-  const Vector3 v_N = R_NB * (body.v_B + body.w_B.cross(p_B));
-  t.depth_m = p_N.z();
+  const Vector3 p_W = body.p_W + R_WB * p_B;
+  if (p_W.z() <= 0.0) return false;
+  const Vector3 v_W = R_WB * (body.v_B + body.w_B.cross(p_B));
+  t.depth_m = p_W.z();
   t.normal_N =
-      std::max(0.0, parameters_.stiffness_N_m * t.depth_m + parameters_.damping_N_s_m * v_N.z());
-  t.position_x = p_N.x();
-  t.position_y = p_N.y();
-  t.speed_x = v_N.x();
-  t.speed_y = v_N.y();
+      std::max(0.0, parameters_.stiffness_N_m * t.depth_m + parameters_.damping_N_s_m * v_W.z());
+  t.position_x = p_W.x();
+  t.position_y = p_W.y();
+  t.speed_x = v_W.x();
+  t.speed_y = v_W.y();
   const Anchor& anchor = anchors_[i];
-  const double away_x = anchor.set ? p_N.x() - anchor.x : 0.0;
-  const double away_y = anchor.set ? p_N.y() - anchor.y : 0.0;
+  const double away_x = anchor.set ? p_W.x() - anchor.x : 0.0;
+  const double away_y = anchor.set ? p_W.y() - anchor.y : 0.0;
   t.pull_x_N =
-      -parameters_.friction_stiffness_N_m * away_x - parameters_.friction_damping_N_s_m * v_N.x();
+      -parameters_.friction_stiffness_N_m * away_x - parameters_.friction_damping_N_s_m * v_W.x();
   t.pull_y_N =
-      -parameters_.friction_stiffness_N_m * away_y - parameters_.friction_damping_N_s_m * v_N.y();
+      -parameters_.friction_stiffness_N_m * away_y - parameters_.friction_damping_N_s_m * v_W.y();
   return true;
 }
 
-GroundContact::Grip GroundContact::grip(std::size_t i, const Matrix3& R_NB, const Touch& t) const {
+GroundContact::Grip GroundContact::grip(std::size_t i, const Matrix3& R_WB, const Touch& t) const {
   const double limit = parameters_.friction * t.normal_N;
-  const double heading = std::sqrt(R_NB(0, 0) * R_NB(0, 0) + R_NB(1, 0) * R_NB(1, 0));
+  const double heading = std::sqrt(R_WB(0, 0) * R_WB(0, 0) + R_WB(1, 0) * R_WB(1, 0));
   const bool wheel = i + parameters_.wheels >= anchors_.size();
   if (!wheel || heading < kLeastHeading) {
     const double pull = std::sqrt(t.pull_x_N * t.pull_x_N + t.pull_y_N * t.pull_y_N);
@@ -104,8 +104,8 @@ GroundContact::Grip GroundContact::grip(std::size_t i, const Matrix3& R_NB, cons
     const double share = limit / pull;
     return {share * t.pull_x_N, share * t.pull_y_N, true};
   }
-  const double north = R_NB(0, 0) / heading;
-  const double east = R_NB(1, 0) / heading;
+  const double north = R_WB(0, 0) / heading;
+  const double east = R_WB(1, 0) / heading;
   const double along = t.pull_x_N * north + t.pull_y_N * east;
   const double across = t.pull_y_N * north - t.pull_x_N * east;
   const double rolling = parameters_.rolling_friction * t.normal_N;
@@ -114,29 +114,29 @@ GroundContact::Grip GroundContact::grip(std::size_t i, const Matrix3& R_NB, cons
   return {a * north - b * east, a * east + b * north, a != along || b != across};
 }
 
-void GroundContact::add_wrench(const BodyState& body, const Matrix3& R_NB, Wrench& wrench) const {
+void GroundContact::add_wrench(const BodyState& body, const Matrix3& R_WB, Wrench& wrench) const {
   for (std::size_t i = 0; i < anchors_.size(); ++i) {
     Touch t;
-    if (!touch(i, body, R_NB, t)) continue;
-    const Grip held = grip(i, R_NB, t);
-    const Vector3 force_B = R_NB.transpose() * Vector3(held.x_N, held.y_N, -t.normal_N);
+    if (!touch(i, body, R_WB, t)) continue;
+    const Grip held = grip(i, R_WB, t);
+    const Vector3 force_B = R_WB.transpose() * Vector3(held.x_N, held.y_N, -t.normal_N);
     wrench.force_B += force_B;
     wrench.torque_B += parameters_.contacts_B[i].cross(force_B);
   }
 }
 
-bool GroundContact::end_step(const BodyState& body, const Matrix3& R_NB) {
+bool GroundContact::end_step(const BodyState& body, const Matrix3& R_WB) {
   bool any = false;
   for (std::size_t i = 0; i < anchors_.size(); ++i) {
     Anchor& anchor = anchors_[i];
     Touch t;
-    if (!touch(i, body, R_NB, t)) {
+    if (!touch(i, body, R_WB, t)) {
       anchor.set = false;
       continue;
     }
     any = true;
     if (!anchor.set) anchor = {true, t.position_x, t.position_y};
-    const Grip held = grip(i, R_NB, t);
+    const Grip held = grip(i, R_WB, t);
     if (!held.slides) continue;
     // Sliding: k_t (p - a) + c_t v_t = -F with the cut force.
     const double k = parameters_.friction_stiffness_N_m;

@@ -9,7 +9,7 @@ namespace rosflight::sim {
 
 enum class GroundModel {
   kContact,            ///< Landing gear on a plane with friction.
-  kFrictionlessPlane,  ///< ROSflight 2.x: acts on the centre of mass, stops nothing but the fall.
+  kFrictionlessPlane,  ///< ROSflight 2.x: acts on the centre of mass and only stops the fall.
   kNone
 };
 
@@ -29,29 +29,30 @@ struct GroundParameters {
 /// Reads section `ground`. Throws config::Error.
 GroundParameters read_ground(const config::Section& section);
 
-/// Flat ground at z = 0 of N under a few points of the body.
+/// Flat ground at z_W = 0 under several points of the body.
 ///
-/// A point at depth d > 0 with velocity v (downwards v_z, in the plane v_t) feels a spring and
-/// damper that cannot pull, and friction:
+/// On a point at depth d > 0 with velocity v (downwards v_z, in the plane v_t) act a spring and damper
+/// that cannot pull, and friction:
 ///
 ///     N = max(0, k d + c v_z)                                                         (1)
 ///     F = -(k_t (p - a) + c_t v_t), cut to |F| <= mu N                                (2)
 ///
-/// (2) holds the point at its anchor a, the place it stuck to, so a vehicle at rest does not creep
-/// under a steady load, as it would with friction that needs speed. A cut force means sliding:
-/// end_step() drags a along until (2) gives just mu N (return mapping of elasto-plasticity, J. Simo
-/// and T. Hughes, "Computational Inelasticity", 1998, ch. 1). Anchors stay put within a step, so
+/// (2) holds the point at its anchor a, the position where it stuck, so a vehicle at rest does not
+/// creep under a steady load, as it would with friction that depends on speed. A cut force means
+/// sliding: end_step() moves a until (2) gives exactly mu N (return mapping of elasto-plasticity, J. Simo
+/// and T. Hughes, "Computational Inelasticity", 1998, ch. 1). Anchors are fixed within a step, so
 /// the right-hand side is smooth for the integrator.
 ///
 /// A wheel rolls in the ground's plane along the body's x axis: there and across it (2) is cut each
 /// by itself, at mu_r N and at mu N. Wheels neither turn nor brake.
 ///
-/// A mass m on one contact rebounds from a hard fall with the share (3) of its speed; (2) stops a
+/// A mass m on one contact rebounds from a hard fall with the fraction (3) of its speed; (2) stops a
 /// slide after v^2/(2 mu g).
 ///
 ///     e = exp(-2 z/sqrt(1 - z^2) atan(sqrt(1 - z^2)/z)),   z = c/(2 sqrt(k m))        (3)
 class GroundContact {
  public:
+  /// @param parameters  as read_ground() checks them.
   explicit GroundContact(const GroundParameters& parameters);
 
   /// No point can touch while the centre of mass is higher than this [m].
@@ -62,10 +63,10 @@ class GroundContact {
   double depth_m(const BodyState& body) const;
 
   /// Adds force and torque of all contacts.
-  void add_wrench(const BodyState& body, const Matrix3& R_NB, Wrench& wrench) const;
+  void add_wrench(const BodyState& body, const Matrix3& R_WB, Wrench& wrench) const;
   /// Moves anchors after a step. @returns whether any point touches.
-  bool end_step(const BodyState& body, const Matrix3& R_NB);
-  /// Forgets all anchors.
+  bool end_step(const BodyState& body, const Matrix3& R_WB);
+  /// Clears all anchors.
   void lift() { anchors_.assign(anchors_.size(), Anchor{}); }
 
  private:
@@ -91,9 +92,9 @@ class GroundContact {
     double speed_y;
   };
   /// @returns false for a point in the air.
-  bool touch(std::size_t i, const BodyState& body, const Matrix3& R_NB, Touch& t) const;
+  bool touch(std::size_t i, const BodyState& body, const Matrix3& R_WB, Touch& t) const;
   /// (2), cut.
-  Grip grip(std::size_t i, const Matrix3& R_NB, const Touch& t) const;
+  Grip grip(std::size_t i, const Matrix3& R_WB, const Touch& t) const;
 
   GroundParameters parameters_;
   std::vector<Anchor> anchors_;

@@ -36,7 +36,7 @@ BodyParameters read_body(const config::Section& section) {
   p.integration = section.choice<Integration>(
       "integration", {{"rk4", Integration::kRk4}, {"frozen_forces", Integration::kFrozenForces}},
       Integration::kRk4);
-  p.longest_step_s = section.number("longest_step_s", Range::between(1e-4, 0.1), p.longest_step_s);
+  p.max_step_s = section.number("longest_step_s", Range::between(1e-4, 0.1), p.max_step_s);
   section.finish();
   return p;
 }

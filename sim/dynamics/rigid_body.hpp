@@ -19,7 +19,7 @@ struct BodyParameters {
   /// parameters Jxy, Jxz, Jyz are these matrix elements too.)
   Matrix3 inertia_kg_m2{Matrix3::Identity()};
   Integration integration{Integration::kRk4};
-  double longest_step_s{0.0025};  ///< Longer steps are split evenly.
+  double max_step_s{0.0025};  ///< Longer steps are split evenly.
 };
 
 /// Reads section `body`: mass, inertia that a body can have (positive, each principal moment at
@@ -34,8 +34,8 @@ BodyParameters read_body(const config::Section& section);
 /// (R. Beard, T. McLain, "Small Unmanned Aircraft", 2012, eq. 3.14-3.17 with quaternions, app. B).
 /// Forces, gravity and ground contact are evaluated at each of the four stages of the classical
 /// Runge-Kutta scheme; afterwards the quaternion is normalised. Held over a step: outputs, air (at
-/// its start) and wind. Steps longer than longest_step_s are split, so a pause never becomes one
-/// giant step. No heap while stepping.
+/// its start) and wind. Steps longer than max_step_s are split, so a pause never becomes one long
+/// step. No heap while stepping.
 ///
 /// Truth: specific force and angular acceleration are those of the last stage, whose state differs
 /// from the new one by O(h^3).
@@ -51,12 +51,11 @@ class RigidBody final : public Dynamics {
   const Truth& truth() const override { return truth_; }
   /// Also false if a point of the gear would be more than 5 cm under ground.
   bool set_state(const BodyState& state) override;
-  /// The same with the states of the module; also false if their number is not its own or one is
-  /// no number.
+  /// The same with the states of the module; also false if their number is wrong or one is NaN.
   bool set_state(const BodyState& state, std::span<const double> module_state);
 
-  /// Somebody holds it, as before a take-off in wind: all forces and torques but gravity are
-  /// balanced, so what is at rest stays where it is, and the wind turns no propeller.
+  /// The vehicle is held, as before a take-off in wind: all forces and torques but gravity are
+  /// balanced, so a vehicle at rest stays at rest, and the wind turns no propeller.
   void set_held(bool held) { held_ = held; }
 
   /// The state after construction.
@@ -69,10 +68,10 @@ class RigidBody final : public Dynamics {
   using State = Eigen::Array<double, Eigen::Dynamic, 1, 0, kMost, 1>;  // in place, no heap
 
   /// Wrenches at y (into wrench_ and total_) and the module's derivatives.
-  void evaluate(const State& y, const BodyState& body, const Matrix3& R_NB,
+  void evaluate(const State& y, const BodyState& body, const Matrix3& R_WB,
                 const hal::OutputValues& outputs, State& y_dot);
   void derivative(const State& y, const hal::OutputValues& outputs, State& y_dot);
-  void stop_fall(const BodyState& body, const Matrix3& R_NB);
+  void stop_fall(const BodyState& body, const Matrix3& R_WB);
   template <class Derivative>
   void runge_kutta(double h, const Derivative& derivative);
   void substep(double h, const hal::OutputValues& outputs);

@@ -3,6 +3,8 @@
 #include <array>
 #include <cstddef>
 
+#include "base/atmosphere.hpp"
+
 namespace rosflight::sim {
 
 enum class AtmosphereModel {
@@ -13,9 +15,10 @@ enum class AtmosphereModel {
 
 struct AtmosphereParameters {
   AtmosphereModel model{AtmosphereModel::kStandard1976};
-  double sea_level_pressure_Pa{101325.0};  ///< Of the day; the standard's by default.
-  double temperature_offset_K{0.0};  ///< Warmer (+) or colder than the standard, at all heights.
-  double constant_density_kg_m3{1.225};  ///< Only with kConstant.
+  /// Of the day; by default that of the standard.
+  double sea_level_pressure_Pa{base::kSeaLevelPressure_Pa};
+  double temperature_offset_K{0.0};  ///< Warmer (+) or colder than the standard, at all altitudes.
+  double constant_density_kg_m3{base::kSeaLevelDensity_kg_m3};  ///< Only with kConstant.
 };
 
 struct AirProperties {
@@ -24,7 +27,7 @@ struct AirProperties {
   double density_kg_m3;
 };
 
-/// Air at rest as a function of height.
+/// Air at rest as a function of altitude.
 ///
 /// Standard (U.S. Standard Atmosphere, 1976, NOAA-S/T 76-1562; equations by its numbers):
 /// geopotential height H = r0 h / (r0 + h) (18); in layer b, T = T_b + L_b (H - H_b) (23) and
@@ -33,10 +36,10 @@ struct AirProperties {
 ///     p = p_b exp(-g0 (H - H_b) / (R T_b))      L_b  = 0    (33b)
 ///     rho = p / (R T)                                       (42)
 ///
-/// with R = R*/M0 = 287.053 J/(kg K). A temperature offset moves every T_b, and the pressures at
-/// the layers' bottoms are worked out anew, so the air stays in hydrostatic balance. Seven layers,
-/// 0 to 84.8 km geopotential; the outer ones are continued down to -10 and up to 1000 km, where the
-/// air stays as it is.
+/// with R = R*/M0 = 287.053 J/(kg K). A temperature offset changes every T_b, and the pressures at
+/// the bottoms of the layers follow, so the air stays in hydrostatic balance. Seven layers, 0 to
+/// 84.8 km geopotential; the outer ones are continued down to -10 and up to 1000 km, and constant
+/// beyond.
 ///
 /// Reference: p = 101325 (1 - 2.25694e-5 h)^5.2553, rho = 1.225 (p/101325)^0.809736894596450,
 /// T = 300.15 K.
@@ -45,6 +48,7 @@ struct AirProperties {
 /// about 30 ns.
 class Atmosphere {
  public:
+  /// Computes the pressures at the bottoms of the layers.
   explicit Atmosphere(const AtmosphereParameters& parameters = {});
 
   /// @param height_m  geometric, above mean sea level.

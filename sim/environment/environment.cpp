@@ -5,60 +5,120 @@
 #include <chrono>
 #include <string>
 
+#include "config/table.hpp"
+#include "sim/environment/environment_parameters.hpp"
 #include "sim/environment/magnetic_model.hpp"
 
 namespace rosflight::sim {
 namespace {
 
 using config::Range;
+using config::Row;
 using config::Section;
+using config::Table;
 
-const Range kWindSpeed = Range::between(-60.0, 60.0);
-
-Vector3 vector3(const Section& section, std::string_view key, Range range,
-                const Vector3& if_absent) {
-  const auto v = section.numbers(key, 3, range, {if_absent.x(), if_absent.y(), if_absent.z()});
-  return {v[0], v[1], v[2]};
+Table<Geodetic> origin_table() {
+  using G = Geodetic;
+  using R = Row<G>;
+  return {
+      R{"latitude_deg", &G::latitude_deg, "deg", Range::between(-90.0, 90.0), "of the start"}
+          .needed(),
+      R{"longitude_deg", &G::longitude_deg, "deg", Range::between(-180.0, 180.0), "of the start"}
+          .needed(),
+      R{"altitude_m", &G::altitude_m, "m", Range::between(-500.0, 20000.0),
+        "of the start, above mean sea level"}
+          .needed()};
 }
 
-AtmosphereParameters read_atmosphere(const Section& section) {
-  AtmosphereParameters p;
-  p.model = section.choice<AtmosphereModel>("model", {{"standard", AtmosphereModel::kStandard1976},
-                                                      {"reference", AtmosphereModel::kReference},
-                                                      {"constant", AtmosphereModel::kConstant}});
-  if (p.model == AtmosphereModel::kConstant) {
-    p.constant_density_kg_m3 = section.number("density_kg_m3", Range::positive_up_to(10.0));
-  }
-  if (p.model != AtmosphereModel::kReference) {
-    p.sea_level_pressure_Pa = section.number("sea_level_pressure_Pa", Range::between(85e3, 110e3),
-                                             p.sea_level_pressure_Pa);
-    p.temperature_offset_K =
-        section.number("temperature_offset_K", Range::between(-80.0, 60.0), p.temperature_offset_K);
-  }
-  return p;
+Table<AtmosphereParameters> model_table() {
+  using A = AtmosphereParameters;
+  return {Row<A>{"model",
+                 &A::model,
+                 {{"standard", AtmosphereModel::kStandard1976},
+                  {"reference", AtmosphereModel::kReference},
+                  {"constant", AtmosphereModel::kConstant}},
+                 "standard: US Standard Atmosphere 1976; reference: that of ROSflight 2.x"}
+              .needed()};
+}
+Table<AtmosphereParameters> density_table() {
+  using A = AtmosphereParameters;
+  return {Row<A>{"density_kg_m3", &A::constant_density_kg_m3, "kg/m^3", Range::positive_up_to(10.0),
+                 "of the model constant only"}
+              .needed()};
+}
+Table<AtmosphereParameters> day_table() {
+  using A = AtmosphereParameters;
+  return {{"sea_level_pressure_Pa", &A::sea_level_pressure_Pa, "Pa", Range::between(85e3, 110e3),
+           "of the day; not of the model reference"},
+          {"temperature_offset_K", &A::temperature_offset_K, "K", Range::between(-80.0, 60.0),
+           "from the standard, at all altitudes; not of the model reference"}};
 }
 
-WindParameters read_wind(const Section& section) {
-  WindParameters p;
-  p.steady_N_m_s = vector3(section, "steady_N_m_s", kWindSpeed, p.steady_N_m_s);
-  p.random_std_N_m_s =
-      vector3(section, "random_std_N_m_s", Range::between(0.0, 20.0), p.random_std_N_m_s);
-  p.turbulence_w20_m_s = section.number("turbulence_w20_m_s", Range::between(0.0, 40.0), 0.0);
-  if (const auto gusts = section.optional_section("gusts")) {
-    GustParameters& g = p.gusts;
-    g.mean_interval_s = gusts->number("mean_interval_s", Range::between(0.1, 1e6));
-    g.magnitude_mean_m_s =
-        gusts->number("magnitude_mean_m_s", Range::between(0.0, 40.0), g.magnitude_mean_m_s);
-    g.magnitude_std_m_s =
-        gusts->number("magnitude_std_m_s", Range::between(0.0, 20.0), g.magnitude_std_m_s);
-    g.direction_std = gusts->number("direction_std", Range::between(0.0, 100.0), g.direction_std);
-    g.shortest_s = gusts->number("shortest_s", Range::positive_up_to(600.0), g.shortest_s);
-    g.longest_s = gusts->number("longest_s", Range::between(g.shortest_s, 600.0), g.longest_s);
-  }
-  return p;
+Table<GustParameters> gust_table() {
+  using G = GustParameters;
+  using R = Row<G>;
+  return Table<G>{
+      R{"mean_interval_s", &G::mean_interval_s, "s", Range::between(0.1, 1e6), "between gusts"}
+          .needed(),
+      {"magnitude_mean_m_s", &G::magnitude_mean_m_s, "m/s", Range::between(0.0, 40.0),
+       "of the normal law of the magnitude"},
+      {"magnitude_std_m_s", &G::magnitude_std_m_s, "m/s", Range::between(0.0, 20.0),
+       "of the normal law of the magnitude"},
+      {"direction_std", &G::direction_std, "", Range::between(0.0, 100.0),
+       "per axis, added to the direction of the steady wind"},
+      {"shortest_s", &G::shortest_s, "s", Range::positive_up_to(600.0), "duration"},
+      R{"longest_s", &G::longest_s, "s", Range::any(), "duration"}.within(
+          "from shortest_s to 600", [](const G& g) { return Range::between(g.shortest_s, 600.0); })}
+      .whole();
+}
+
+Table<WindParameters> wind_table() {
+  using W = WindParameters;
+  using R = Row<W>;
+  return {
+      R{"steady_W_m_s", &W::steady_W_m_s, "m/s", Range::between(-60.0, 60.0), "north, east, down"}
+          .formerly("steady_N_m_s"),
+      R{"random_std_W_m_s", &W::random_std_W_m_s, "m/s", Range::between(0.0, 20.0),
+        "north, east, down; drawn once a run, added to the steady wind"}
+          .formerly("random_std_N_m_s"),
+      {"turbulence_w20_m_s", &W::turbulence_w20_m_s, "m/s", Range::between(0.0, 40.0),
+       "wind 20 ft above ground: 7.7 light, 15.4 moderate, 23.2 severe"},
+      {"gusts", &W::gusts, gust_table(), "none without this section"}};
+}
+
+Table<EnvironmentParameters> place_table() {
+  using E = EnvironmentParameters;
+  using R = Row<E>;
+  return {R{"origin", &E::origin, origin_table()}.needed(),
+          R{"gravity_m_s2", &E::gravity_m_s2, "m/s^2", Range::between(0.0, 30.0), ""}.needed(),
+          {"wind", &E::wind, wind_table()}};
+}
+
+Table<EnvironmentParameters> field_table() {
+  using E = EnvironmentParameters;
+  return {Row<E>{"magnetic_field_W_T", &E::magnetic_field_W_T, "T", Range::between(-1e-4, 1e-4),
+                 "north, east, down"}
+              .if_absent("WMM2025 at origin and start_utc")
+              .formerly("magnetic_field_N_T")};
+}
+
+void read_atmosphere(const Section& section, AtmosphereParameters& p) {
+  model_table().read(section, p);
+  if (p.model == AtmosphereModel::kConstant) density_table().read(section, p);
+  if (p.model != AtmosphereModel::kReference) day_table().read(section, p);
 }
 
 }  // namespace
+
+Table<EnvironmentParameters> environment_parameters() {
+  using E = EnvironmentParameters;
+  const auto self = [](auto& s) -> auto& { return s; };
+  const Table<AtmosphereParameters> atmosphere{
+      {"", self, model_table()}, {"", self, density_table()}, {"", self, day_table()}};
+  return {{"", self, place_table()},
+          {"", self, field_table()},
+          {"atmosphere", &E::atmosphere, atmosphere}};
+}
 
 std::optional<std::int64_t> parse_utc(std::string_view text) {
   constexpr std::string_view kForm = "dddd-dd-ddTdd:dd:ddZ";
@@ -85,31 +145,23 @@ std::optional<std::int64_t> parse_utc(std::string_view text) {
 
 EnvironmentParameters read_environment(const config::Section& section) {
   EnvironmentParameters p;
-  const Section origin = section.section("origin");
-  p.origin.latitude_deg = origin.number("latitude_deg", Range::between(-90.0, 90.0));
-  p.origin.longitude_deg = origin.number("longitude_deg", Range::between(-180.0, 180.0));
-  p.origin.height_m = origin.number("altitude_m", Range::between(-500.0, 20000.0));
-
+  place_table().read(section, p);
   const auto start = parse_utc(section.text("start_utc"));
   if (!start)
     throw section.error("start_utc", section.raw("start_utc"),
                         "a time such as 2026-06-01T12:00:00Z");
   p.start_unix_s = *start;
-  p.gravity_m_s2 = section.number("gravity_m_s2", Range::between(0.0, 30.0));
-  p.atmosphere = read_atmosphere(section.section("atmosphere"));
-  if (const auto wind = section.optional_section("wind")) p.wind = read_wind(*wind);
-
-  if (section.has("magnetic_field_N_T")) {
-    p.magnetic_field_N_T =
-        vector3(section, "magnetic_field_N_T", Range::between(-1e-4, 1e-4), Vector3::Zero());
+  read_atmosphere(section.section("atmosphere"), p.atmosphere);
+  if (section.has("magnetic_field_W_T") || section.has("magnetic_field_N_T")) {
+    field_table().read(section, p);
   } else {
     const MagneticModel model = wmm2025();
     const double year = decimal_year(p.start_unix_s);
     if (year < model.epoch() || year > model.end()) {
       throw section.error("start_utc", section.raw("start_utc"),
-                          "the years 2025 to 2029 of WMM2025, or magnetic_field_N_T");
+                          "the years 2025 to 2029 of WMM2025, or magnetic_field_W_T");
     }
-    p.magnetic_field_N_T = model.field_N_T(p.origin, year);
+    p.magnetic_field_W_T = model.field_W_T(p.origin, year);
   }
   section.finish();
   return p;

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 
+#include "base/constants.hpp"
 #include "config/strict_yaml.hpp"
 #include "sim/environment/atmosphere.hpp"
 #include "sim/environment/geodesy.hpp"
@@ -9,15 +10,15 @@
 
 namespace rosflight::sim {
 
-/// The place and the day: section `environment` of a vehicle file.
+/// Position and date: section `environment` of a vehicle file.
 struct EnvironmentParameters {
-  GeodeticPosition origin;      ///< Of the local frame N; height above mean sea level.
+  Geodetic origin;              ///< Of the local frame W; height above mean sea level.
   std::int64_t start_unix_s{};  ///< Civil time at simulation time 0.
-  double gravity_m_s2{9.80665};
+  double gravity_m_s2{base::kStandardGravity_m_s2};
   AtmosphereParameters atmosphere;
   WindParameters wind;
   /// At the origin [T]; from WMM2025 for origin and day, or as given.
-  Vector3 magnetic_field_N_T{Vector3::Zero()};
+  Vector3 magnetic_field_W_T{Vector3::Zero()};
 };
 
 /// Reads and checks the section; throws config::Error. Keys and their limits:

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <string>
 
+#include "base/constants.hpp"
 #include "config/strict_yaml.hpp"
 #include "sim/portable_math.hpp"
 
@@ -13,7 +14,7 @@ namespace rosflight::sim {
 namespace {
 
 constexpr double kReferenceRadius_m = 6371200.0;
-constexpr double kRadPerDeg = 3.141592653589793 / 180.0;
+using base::kRadPerDeg;
 
 config::Error fault(std::string_view name, int line, const std::string& found,
                     const std::string& allowed) {
@@ -53,7 +54,7 @@ MagneticModel::MagneticModel(std::string_view text, std::string_view name) {
   }
 }
 
-Vector3 MagneticModel::field_N_T(const GeodeticPosition& position, double year) const {
+Vector3 MagneticModel::field_W_T(const Geodetic& position, double year) const {
   // Geocentric colatitude and radius from ECEF.
   const Vector3 ecef = to_ecef(position);
   const double across = std::sqrt(ecef.x() * ecef.x() + ecef.y() * ecef.y());

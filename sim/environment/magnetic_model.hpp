@@ -15,7 +15,7 @@ namespace rosflight::sim {
 /// with Schmidt semi-normalised P_nm, a = 6371200 m, r, phi', L geocentric, and g, h moving
 /// linearly with time; the result is turned to the geodetic vertical. After A. Chulliat et al.,
 /// "The US/UK World Magnetic Model for 2025-2030", NOAA/NCEI, 2025, section 1.2. Owns 6 kB, no
-/// heap; one call some microseconds: call it once per place, not per step.
+/// heap; one call some microseconds: call it once per position, not per step.
 class MagneticModel {
  public:
   /// Reads the text of a coefficient file. Throws config::Error naming `name` and the line.
@@ -28,7 +28,7 @@ class MagneticModel {
   /// Field in the local frame [T]. Right at a pole, east is where longitude says it is.
   /// @param decimal_year  outside epoch..end the linear change is continued; callers decide whether
   /// to accept it.
-  Vector3 field_N_T(const GeodeticPosition& position, double decimal_year) const;
+  Vector3 field_W_T(const Geodetic& position, double decimal_year) const;
 
  private:
   static constexpr int kDegree = 12;
@@ -48,7 +48,7 @@ class MagneticModel {
 /// Text of data/WMM2025.COF, built in.
 extern const std::string_view kWmm2025Text;
 
-/// The model WMM2025, parsed anew at each call (once per vehicle).
+/// The model WMM2025, parsed at each call (once per vehicle).
 MagneticModel wmm2025();
 
 /// Years and their fraction of a point in time, in the civil calendar (UTC).

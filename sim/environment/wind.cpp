@@ -25,23 +25,23 @@ Vector3 normal_vector(RandomStream& stream) {
 
 Wind::Wind(const WindParameters& parameters, const RandomSource& source)
     : gust_parameters_{parameters.gusts},
-      steady_N_{parameters.steady_N_m_s},
+      steady_W_{parameters.steady_W_m_s},
       gust_stream_{source.stream("wind/gusts")},
       calm_{parameters.turbulence_w20_m_s <= 0.0 && parameters.gusts.mean_interval_s <= 0.0} {
   RandomStream draw = source.stream("wind/steady");
-  steady_N_ += parameters.random_std_N_m_s.cwiseProduct(normal_vector(draw));
-  const double speed = steady_N_.norm();
-  if (speed > 1e-9) direction_N_ = steady_N_ / speed;
+  steady_W_ += parameters.random_std_W_m_s.cwiseProduct(normal_vector(draw));
+  const double speed = steady_W_.norm();
+  if (speed > 1e-9) direction_W_ = steady_W_ / speed;
   const double horizontal =
-      std::sqrt(steady_N_.x() * steady_N_.x() + steady_N_.y() * steady_N_.y());
-  if (horizontal > 1e-9) along_N_ = Vector3(steady_N_.x(), steady_N_.y(), 0.0) / horizontal;
+      std::sqrt(steady_W_.x() * steady_W_.x() + steady_W_.y() * steady_W_.y());
+  if (horizontal > 1e-9) along_W_ = Vector3(steady_W_.x(), steady_W_.y(), 0.0) / horizontal;
   if (parameters.turbulence_w20_m_s > 0.0)
     turbulence_.emplace(parameters.turbulence_w20_m_s, source);
   if (gust_parameters_.mean_interval_s > 0.0) {
     gusts_.reserve(kMaxGusts);
     next_gust_s_ = exponential(gust_stream_, gust_parameters_.mean_interval_s);
   }
-  velocity_N_ = steady_N_;
+  velocity_W_ = steady_W_;
 }
 
 Wind::Gust Wind::draw_gust(double age_s) {
@@ -50,10 +50,10 @@ Wind::Gust Wind::draw_gust(double age_s) {
     magnitude = gust_parameters_.magnitude_mean_m_s +
                 gust_parameters_.magnitude_std_m_s * gust_stream_.normal();
   }
-  Vector3 direction = direction_N_;
-  const double spread = direction_N_.isZero() ? 1.0 : gust_parameters_.direction_std;
+  Vector3 direction = direction_W_;
+  const double spread = direction_W_.isZero() ? 1.0 : gust_parameters_.direction_std;
   do {
-    direction = direction_N_ + spread * normal_vector(gust_stream_);
+    direction = direction_W_ + spread * normal_vector(gust_stream_);
   } while (direction.squaredNorm() < 1e-12);
   const double duration =
       gust_stream_.uniform(gust_parameters_.shortest_s, gust_parameters_.longest_s);
@@ -71,20 +71,20 @@ void Wind::step_gusts(double dt_s) {
   std::erase_if(gusts_, [](const Gust& gust) { return gust.age_s >= gust.duration_s; });
   for (const auto& gust : gusts_) {
     const double phase = kTwoPi * gust.age_s / gust.duration_s;
-    velocity_N_ += 0.5 * (1.0 - portable::sin_cos(phase).cos) * gust.peak_N;
+    velocity_W_ += 0.5 * (1.0 - portable::sin_cos(phase).cos) * gust.peak_W;
   }
 }
 
 const Vector3& Wind::step(double dt_s, double height_m, double airspeed_m_s) {
-  if (calm_) return velocity_N_;
-  velocity_N_ = steady_N_;
+  if (calm_) return velocity_W_;
+  velocity_W_ = steady_W_;
   if (turbulence_) {
     const Vector3 gust = turbulence_->step(dt_s, height_m, airspeed_m_s);
-    const Vector3 right_N(-along_N_.y(), along_N_.x(), 0.0);
-    velocity_N_ += gust.x() * along_N_ + gust.y() * right_N + Vector3(0.0, 0.0, gust.z());
+    const Vector3 right_W(-along_W_.y(), along_W_.x(), 0.0);
+    velocity_W_ += gust.x() * along_W_ + gust.y() * right_W + Vector3(0.0, 0.0, gust.z());
   }
   if (gust_parameters_.mean_interval_s > 0.0) step_gusts(dt_s);
-  return velocity_N_;
+  return velocity_W_;
 }
 
 }  // namespace rosflight::sim

@@ -19,8 +19,8 @@ struct GustParameters {
 };
 
 struct WindParameters {
-  Vector3 steady_N_m_s{Vector3::Zero()};
-  Vector3 random_std_N_m_s{Vector3::Zero()};  ///< Drawn once a run, added to the steady part.
+  Vector3 steady_W_m_s{Vector3::Zero()};
+  Vector3 random_std_W_m_s{Vector3::Zero()};  ///< Drawn once a run, added to the steady part.
   double turbulence_w20_m_s{0.0};             ///< 0: no turbulence.
   GustParameters gusts;
 };
@@ -29,24 +29,25 @@ struct WindParameters {
 ///
 ///     gust(t) = A/2 (1 - cos(2 pi t/T)) u,   0 <= t <= T         (F. W. Leahy, NASA, 2008)
 ///
-/// that start as a Poisson process, add up, have A >= 0 and T uniform in shortest..longest; u is
+/// that start as a Poisson process, add up, have A >= 0 and T uniform in its range; u is
 /// the direction of the steady wind with some spread, any direction without steady wind. Turbulence
 /// axes: along the steady wind (north without), to its right, down. The number of gusts at a time
 /// is bounded (kMaxGusts); no heap in step().
 class Wind {
  public:
+  /// @param source  of the random part, turbulence and gusts.
   Wind(const WindParameters& parameters, const RandomSource& source);
 
-  /// Moves on by dt_s. @param airspeed_m_s of the vehicle.
+  /// Advances by dt_s. @param height_m  above ground. @param airspeed_m_s  of the vehicle.
   const Vector3& step(double dt_s, double height_m, double airspeed_m_s);
-  const Vector3& velocity_N() const { return velocity_N_; }
+  const Vector3& velocity_W() const { return velocity_W_; }
   /// No turbulence and no gusts: step() changes nothing.
   bool calm() const { return calm_; }
 
  private:
   static constexpr std::size_t kMaxGusts = 16;
   struct Gust {
-    Vector3 peak_N;
+    Vector3 peak_W;
     double duration_s;
     double age_s;
   };
@@ -54,15 +55,15 @@ class Wind {
   Gust draw_gust(double age_s);
 
   GustParameters gust_parameters_;
-  Vector3 steady_N_;
-  Vector3 direction_N_{Vector3::Zero()};  ///< Of the steady wind; zero without.
-  Vector3 along_N_{Vector3::UnitX()};     ///< Horizontal.
+  Vector3 steady_W_;
+  Vector3 direction_W_{Vector3::Zero()};  ///< Of the steady wind; zero without.
+  Vector3 along_W_{Vector3::UnitX()};     ///< Horizontal.
   std::optional<DrydenTurbulence> turbulence_;
   RandomStream gust_stream_;
   double next_gust_s_{0.0};
   std::vector<Gust> gusts_;
   bool calm_;
-  Vector3 velocity_N_;
+  Vector3 velocity_W_;
 };
 
 }  // namespace rosflight::sim

@@ -2,8 +2,8 @@
 #include "sim/fixedwing/aerodynamics.hpp"
 
 #include <cmath>
-#include <numbers>
 
+#include "base/constants.hpp"
 #include "sim/portable_math.hpp"
 
 namespace rosflight::sim {
@@ -28,7 +28,7 @@ Polar polar(const AirframeParameters& p, double alpha, double sine, double cosin
   const double aspect = p.span_m * p.span_m / p.area_m2;
   const double plate = 2.0 * sine * std::abs(sine);  // normal to it
   return {attached * lift + separated * plate * cosine,
-          p.drag.parasitic + attached * lift * lift / (std::numbers::pi * p.oswald * aspect) +
+          p.drag.parasitic + attached * lift * lift / (base::kPi * p.oswald * aspect) +
               separated * plate * sine,
           attached * (p.pitch.zero + p.pitch.alpha * alpha) +
               separated * plate * p.pitch.alpha / p.lift.alpha};

@@ -5,7 +5,7 @@
 
 namespace rosflight::sim {
 
-/// What the control surfaces do together, each positive by its derivative's convention: aileron
+/// Combined deflection of the control surfaces, each positive by its derivative's convention: aileron
 /// rolls right, elevator pitches down (trailing edge down), rudder yaws left, where C_ell_delta_a >
 /// 0, C_m_delta_e < 0 and C_n_delta_r < 0.
 struct Deflection {
@@ -41,7 +41,7 @@ struct LateralDerivatives {
 
 enum class AeroModel {
   kStall,     ///< Stall, and the whole model down to rest.
-  kReference  ///< ROSflight 2.x: lift linear at any angle; nothing but thrust below 2 m/s.
+  kReference  ///< ROSflight 2.x: lift linear at any angle; only thrust below 2 m/s.
 };
 
 /// Section `aero` of a fixed wing.
@@ -86,6 +86,7 @@ AirframeParameters read_airframe(const config::Section& section);
 /// All terms with rates are multiplied out, so nothing is divided by V and the model holds at rest.
 class Airframe {
  public:
+  /// @param parameters  as read_airframe() checks them.
   explicit Airframe(const AirframeParameters& parameters) : p_{parameters} {}
 
   const AirframeParameters& parameters() const { return p_; }
@@ -94,7 +95,7 @@ class Airframe {
   void add_wrench(const Vector3& v_air_B, const Vector3& w_B, double density_kg_m3,
                   const Deflection& deflection, Wrench& wrench) const;
 
-  /// s of (4); 0 for the reference's model.
+  /// s of (4); 0 for ROSflight 2.x's model.
   double separation(double alpha_rad) const;
   /// (3) without rates and elevator.
   double lift_coefficient(double alpha_rad) const;

@@ -8,7 +8,7 @@
 
 namespace rosflight::sim {
 
-/// One servo with what it moves.
+/// One servo with its control surface.
 struct SurfaceParameters {
   std::size_t output{};  ///< Channel of the firmware that drives it: 0..1, 0.5 in the centre.
   double travel_rad{};   ///< Deflection at either end.
@@ -37,10 +37,9 @@ FixedWingParameters read_fixed_wing(const config::Section& vehicle);
 ///     (aileron, elevator, rudder) = sum over surfaces  effect delta                            (2)
 ///
 /// (2) serves any layout: on an inverted V-tail both surfaces act as elevator (-1, +1) and as
-/// rudder (+1, +1), elevons as elevator and aileron. A servo whose output is not a number stays.
+/// rudder (+1, +1), elevons as elevator and aileron. A servo whose output is NaN keeps its position.
 ///
-/// With the reference's aerodynamics below 2 m/s only thrust is left, and none below 1 % of
-/// throttle.
+/// With the aerodynamics of ROSflight 2.x only thrust acts below 2 m/s, and none below 1 % throttle.
 ///
 /// States: rotor speeds [rad/s], charge [A s], deflections [rad]. No heap in a step.
 class FixedWing final : public ForcesAndMoments {
@@ -62,7 +61,7 @@ class FixedWing final : public ForcesAndMoments {
   Deflection deflection(const hal::OutputValues& outputs, std::span<const double> x) const;
 
  private:
-  /// Where servo i is; its state, or, without a lag, its command.
+  /// Angle of servo i: its state or, without a lag, its command.
   double servo_rad(std::size_t i, const hal::OutputValues& outputs,
                    std::span<const double> x) const;
 

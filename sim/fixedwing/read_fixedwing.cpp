@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
-#include <numbers>
 #include <string>
 
+#include "base/constants.hpp"
 #include "sim/fixedwing/fixedwing.hpp"
 
 namespace rosflight::sim {
@@ -11,7 +11,7 @@ namespace {
 using config::Range;
 using config::Section;
 
-constexpr double kRadian = std::numbers::pi / 180.0;  // per degree
+using base::kRadPerDeg;
 constexpr Range kDerivative = Range::between(-1000.0, 1000.0);
 
 /// Every derivative must be there: a missing one is a slip, not a zero.
@@ -53,7 +53,7 @@ std::vector<SurfaceParameters> read_layout(const Section& surfaces,
       throw entry.error("output", entry.raw("output") + " again",
                         "each output once, rotors included");
     }
-    surface.travel_rad = kRadian * entry.number("travel_deg", Range::positive_up_to(90.0));
+    surface.travel_rad = kRadPerDeg * entry.number("travel_deg", Range::positive_up_to(90.0));
     surface.effect = {entry.number("aileron", share, 0.0), entry.number("elevator", share, 0.0),
                       entry.number("rudder", share, 0.0)};
     if (surface.effect.isZero(0.0)) {
@@ -77,7 +77,7 @@ AirframeParameters read_airframe(const Section& section) {
   p.chord_m = wing.number("chord_m", Range::positive_up_to(1e2));
   p.oswald = wing.number("oswald", Range::positive_up_to(1.5));
   const Section stall = section.section("stall");
-  p.stall_angle_rad = kRadian * stall.number("angle_deg", Range::positive_up_to(90.0));
+  p.stall_angle_rad = kRadPerDeg * stall.number("angle_deg", Range::positive_up_to(90.0));
   p.stall_sharpness = stall.number("sharpness_1_rad", Range::positive_up_to(1000.0));
   p.lift = read_symmetric(section.section("lift"));
   if (!(p.lift.alpha > 0.0))
@@ -102,7 +102,7 @@ FixedWingParameters read_fixed_wing(const Section& vehicle) {
     throw surfaces.error("time_constant_s", surfaces.raw("time_constant_s"),
                          "0 or a number from 0.002 to 1");
   p.servo_rate_limit_rad_s =
-      kRadian * surfaces.number("rate_limit_deg_s", Range::positive_up_to(1e5));
+      kRadPerDeg * surfaces.number("rate_limit_deg_s", Range::positive_up_to(1e5));
   p.surfaces = read_layout(surfaces, p.propulsion);
   surfaces.finish();
   const std::size_t states = p.propulsion.rotors.size() + 1 + p.surfaces.size();

@@ -5,9 +5,9 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
+#include "base/constants.hpp"
 #include "sim/fixedwing/motion.hpp"
 
 namespace rosflight::sim {
@@ -36,7 +36,7 @@ class Search {
     trim_.condition = condition;
     const Atmosphere atmosphere(vehicle.environment.atmosphere);
     const AirProperties air =
-        atmosphere.at(vehicle.environment.origin.height_m + condition.height_m);
+        atmosphere.at(vehicle.environment.origin.altitude_m + condition.height_m);
     trim_.air = {air.density_kg_m3, air.pressure_Pa, air.temperature_K, Vector3::Zero()};
     trim_.module_state.resize(vehicle.forces.state_size());
     x_dot_.resize(vehicle.forces.state_size());
@@ -72,7 +72,7 @@ class Search {
     const double root = std::sqrt(std::max(0.0, ct[1] * ct[1] - 4.0 * ct[0] * ct[2]));
     const double free = ct[2] < 0.0 ? -(ct[1] + root) / (2.0 * ct[2]) : 1.0;
     const double speed_rad_s =
-        2.0 * std::numbers::pi * c.airspeed_m_s / (load * free * propeller.diameter_m);
+        2.0 * base::kPi * c.airspeed_m_s / (load * free * propeller.diameter_m);
     const Battery battery(parameters_.propulsion.battery);
     const double supply_V = battery.open_circuit_V(battery.initial_charge_As());
     constexpr double kLoss_V = 1.0;  // of the current, so that there is one
@@ -103,10 +103,10 @@ class Search {
     trim_.throttle = z[kThrottle];
     trim_.deflection = {z[kAileron], z[kElevator], z[kRudder]};
     set_actuators(z);
-    trim_.body.p_N = {0.0, 0.0, -c.height_m};
-    trim_.body.q_NB = detail::attitude(z[kRoll], z[kPitch]);
+    trim_.body.p_W = {0.0, 0.0, -c.height_m};
+    trim_.body.q_WB = detail::attitude(z[kRoll], z[kPitch]);
     trim_.body.v_B = speed * Vector3(std::cos(z[kAlpha]), 0.0, std::sin(z[kAlpha]));
-    trim_.body.w_B = trim_.body.q_NB.conjugate() * Vector3(0.0, 0.0, turn_rad_s);
+    trim_.body.w_B = trim_.body.q_WB.conjugate() * Vector3(0.0, 0.0, turn_rad_s);
     const detail::Acceleration a = detail::accelerate(
         vehicle_, trim_.air, {trim_.body.v_B, trim_.body.w_B, z[kRoll], z[kPitch]}, trim_.outputs,
         trim_.module_state, x_dot_);
@@ -116,7 +116,7 @@ class Search {
     Vector left(kOf + speeds_);
     left.segment<3>(0) = a.v_dot_B;
     left.segment<3>(3) = a.w_dot_B;
-    left[6] = (trim_.body.q_NB * trim_.body.v_B).z() / speed + std::sin(c.climb_rad);
+    left[6] = (trim_.body.q_WB * trim_.body.v_B).z() / speed + std::sin(c.climb_rad);
     for (Eigen::Index i = 0; i < speeds_; ++i)
       left[kOf + i] = x_dot_[static_cast<std::size_t>(i)] / kSpeedScale_rad_s;
     return left;
@@ -222,12 +222,12 @@ Acceleration accelerate(const TrimVehicle& vehicle, const Air& air, const Motion
   constexpr double kHigh_m = 1e6;  // no ground
   const BodyState body{Vector3::Zero(), attitude(motion.roll_rad, motion.pitch_rad), motion.v_B,
                        motion.w_B};
-  const Matrix3 R_NB = body.q_NB.toRotationMatrix();
+  const Matrix3 R_WB = body.q_WB.toRotationMatrix();
   Acceleration a;
-  vehicle.forces.evaluate({body, R_NB, body.v_B, air, outputs, kHigh_m}, x, a.wrench, x_dot);
+  vehicle.forces.evaluate({body, R_WB, body.v_B, air, outputs, kHigh_m}, x, a.wrench, x_dot);
   const Matrix3& J = vehicle.body.inertia_kg_m2;
   a.v_dot_B = a.wrench.force_B / vehicle.body.mass_kg +
-              vehicle.environment.gravity_m_s2 * R_NB.row(2).transpose() -
+              vehicle.environment.gravity_m_s2 * R_WB.row(2).transpose() -
               motion.w_B.cross(motion.v_B);
   a.w_dot_B = J.inverse() * (a.wrench.torque_B - motion.w_B.cross(J * motion.w_B));
   return a;

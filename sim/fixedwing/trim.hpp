@@ -9,7 +9,7 @@
 
 namespace rosflight::sim {
 
-/// A flight that can go on for ever: straight or a turn, level or climbing, without sideslip.
+/// A steady flight: straight or a turn, level or climbing, without sideslip.
 struct FlightCondition {
   double airspeed_m_s{};
   double climb_rad{0.0};      ///< Angle of the path above the horizon.
@@ -32,7 +32,7 @@ struct Trim {
   Wrench wrench;          ///< Of the module.
   double thrust_N{};      ///< Force along body x of the rotors alone.
   double lift_to_drag{};  ///< Of the airframe.
-  /// What is left of dv/dt and dw/dt in the equations of motion; the outputs are floats.
+  /// Residual dv/dt and dw/dt of the equations of motion; not 0 because the outputs are floats.
   Vector3 acceleration_B{Vector3::Zero()};
   Vector3 angular_acceleration_B{Vector3::Zero()};
 };
@@ -57,7 +57,7 @@ struct TrimVehicle {
 /// equilibrium.
 Trim find_trim(const TrimVehicle& vehicle, const FlightCondition& condition);
 
-/// One way in which a small deviation from a trim goes on.
+/// One mode of motion of a small deviation from a trim.
 struct Mode {
   std::string name;  ///< "phugoid", "short period", "Dutch roll", "roll", "spiral", "motor".
   double real_1_s{};

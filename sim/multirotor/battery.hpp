@@ -10,7 +10,7 @@ struct BatteryParameters {
   double constant_voltage_V{};              ///< Only with `constant`.
   double cells{};                           ///< In series.
   double capacity_As{};                     ///< Charge from full to empty.
-  double initial_charge{1.0};               ///< Share of the capacity at the start, 0..1.
+  double initial_charge{1.0};               ///< Fraction of the capacity at the start, 0..1.
   double resistance_ohm{};                  ///< Of the pack with its leads.
   double avionics_current_A{};              ///< Drawn besides the motors.
   std::vector<double> open_circuit_cell_V;  ///< At equal steps of charge from 0 to 1, at least two.
@@ -18,10 +18,11 @@ struct BatteryParameters {
 
 /// Battery with a voltage that follows its charge:  V = U0(charge) - R I,  d charge/dt = -I.
 ///
-/// U0 is piecewise linear in the charge. An empty battery gives nothing. The charge is the state of
-/// its owner [A s].
+/// U0 is piecewise linear in the charge. An empty battery has no voltage. The charge [A s] is a state
+/// of the owner.
 class Battery {
  public:
+  /// @param parameters  as read_propulsion() checks them.
   explicit Battery(const BatteryParameters& parameters);
 
   bool constant() const { return constant_; }

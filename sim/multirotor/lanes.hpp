@@ -15,6 +15,7 @@ struct Lanes {
   Pair high;
 
   Lanes() = default;  ///< Any numbers: clearing what is filled next would cost.
+  /// The four numbers of two pairs.
   Lanes(Pair first, Pair second) : low{first}, high{second} {}
   /// The same in all lanes: a number is Lanes.
   // NOLINTNEXTLINE(google-explicit-constructor)
@@ -22,6 +23,7 @@ struct Lanes {
   Lanes(double a, double b, double c, double d) : low{a, b}, high{c, d} {}
 
   double operator[](std::size_t i) const { return i < 2 ? low[i] : high[i - 2]; }
+  /// Sets lane i, 0..3.
   void set(std::size_t i, double x) {
     Pair& pair = i < 2 ? low : high;
     pair[i % 2] = x;
@@ -44,9 +46,11 @@ inline Lanes operator-(Lanes a) {
   return {-a.low, -a.high};
 }
 
+/// The larger number of each lane.
 inline Lanes max(Lanes a, Lanes b) {
   return {a.low > b.low ? a.low : b.low, a.high > b.high ? a.high : b.high};
 }
+/// The smaller number of each lane.
 inline Lanes min(Lanes a, Lanes b) {
   return {a.low < b.low ? a.low : b.low, a.high < b.high ? a.high : b.high};
 }
@@ -55,9 +59,11 @@ inline Lanes where_positive(Lanes x, Lanes yes, Lanes no) {
   const Lanes::Pair zero{};
   return {x.low > zero ? yes.low : no.low, x.high > zero ? yes.high : no.high};
 }
+/// The square root of each lane.
 inline Lanes sqrt(Lanes a) {
   return {std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
 }
+/// The sum of all lanes, always in the same order.
 inline double sum(Lanes a) {
   const Lanes::Pair s = a.low + a.high;
   return s[0] + s[1];

@@ -167,7 +167,7 @@ Lanes Multirotor::steady_speed(Lanes drive_V, Lanes speed, Lanes u, double densi
 
 Lanes Multirotor::ground_factor(const Input& in, const Group& group) const {
   const Vector3Lanes& p = group.p_B;
-  const Matrix3& R = in.R_NB;
+  const Matrix3& R = in.R_WB;
   const double radius = 0.5 * propeller_.diameter_m;
   const Lanes height = in.height_above_ground_m - (R(2, 0) * p.x + R(2, 1) * p.y + R(2, 2) * p.z);
   const Lanes ratio = 0.25 * radius / max(height, 0.5 * radius);

@@ -9,10 +9,10 @@
 #include "sim/modules.hpp"
 #include "sim/sample_clock.hpp"
 
-/// A pilot with a radio, moved by a script and by calls.
+/// A pilot with a radio, controlled by a script and by calls.
 namespace rosflight::sim::rc {
 
-/// What the pilot has in his hands. Sticks: 0..1, middle 0.5; roll right, stick back (nose up),
+/// The controls of the transmitter. Sticks: 0..1, middle 0.5; roll right, stick back (nose up),
 /// throttle up and yaw right are 1. Switches: 0 off, 1 on.
 enum class Control : std::uint8_t {
   kRoll,
@@ -58,11 +58,12 @@ struct Script {
   std::vector<Event> events;  ///< In order of time.
 };
 
-/// Sends a frame every period. Events of the script and calls show in the next frame; whoever moved
-/// a channel last has it. In a frame with one of the flags the channels repeat the last good frame,
-/// as receivers do.
+/// Sends a frame every period. Events of the script and calls take effect in the next frame; the last
+/// one that moved a channel counts. In a frame with one of the flags the channels repeat the last good
+/// frame, as receivers do.
 class Pilot : public RcModule {
  public:
+  /// @param script  its events must be in order of time.
   explicit Pilot(Script script = {});
   bool step(Time t, hal::RcFrame& frame) override;
 
@@ -70,16 +71,20 @@ class Pilot : public RcModule {
   /// frame.
   /// @returns false if it has no channel.
   bool set(Control control, float to, Time over = Time{0});
+  /// Moves a switch at once. @returns false if it has no channel.
   bool set_switch(Control control, bool on) { return set(control, on ? 1.0F : 0.0F); }
   /// The same by channel number. @returns false if the receiver has no such channel.
   bool set_channel(int channel, float to, Time over = Time{0});
-  /// All four sticks as they are at start.
+  /// Moves all four sticks to their positions at start.
   void center_sticks();
+  /// No frames are sent while on.
   void set_silent(bool on) { silent_ = on; }
+  /// Frames carry the flag "frame lost" while on.
   void set_frame_lost(bool on) { frame_lost_ = on; }
+  /// Frames carry the flag "failsafe" while on.
   void set_failsafe(bool on) { failsafe_ = on; }
 
-  /// Where a control is in the newest frame; nothing if it has no channel.
+  /// Position of a control in the newest frame; nothing if it has no channel.
   std::optional<float> position(Control control) const;
   const ChannelMap& channels() const { return script_.channels; }
 

@@ -15,8 +15,8 @@ namespace rosflight::sim::rc {
 ///       - {at_s: 1.0, set: throttle, to: 0.3}
 ///       - {at_s: 1.0, ramp: throttle, to: 0.5, over_s: 2.0}
 ///       - {at_s: 1.0, switch: arm, on: true}
-///       - {at_s: 1.0, gesture: arm, for_s: 1.5}      # or disarm: throttle down, yaw right (left),
-///       then middle
+///       - {at_s: 1.0, gesture: arm, for_s: 1.5}      # throttle down, yaw right, then centred
+///       - {at_s: 8.0, gesture: disarm, for_s: 1.5}   # the same with yaw left
 ///       - {at_s: 9.0, fault: silence, for_s: 2.0}    # or frame_lost, failsafe
 ///
 /// Everything may be left out. A control is one of kControlNames or channelN, N from 0. Positions

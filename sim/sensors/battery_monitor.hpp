@@ -13,16 +13,17 @@ class BatteryMonitor {
     Timing timing;
     ErrorParameters voltage_V;
     ErrorParameters current_A;
-    double
-        fixed_voltage_V{};  ///< Above 0: instead of the truth, a habit of the reference simulator.
+    double fixed_voltage_V{};  ///< Above 0: used instead of the truth, as in ROSflight 2.x.
     double fixed_current_A{};  ///< The same; used if fixed_voltage_V is.
   };
 
+  /// @param source  of the random errors.
   BatteryMonitor(const Config& config, const RandomSource& source)
       : config_{config},
         voltage_{config.voltage_V, config.timing.period, source, "sensors/battery/voltage"},
         current_{config.current_A, config.timing.period, source, "sensors/battery/current"} {}
 
+  /// Voltage and current with their errors.
   bool measure(const Truth& truth, Sample& sample) {
     const bool fixed = config_.fixed_voltage_V > 0.0;
     const double voltage_V = fixed ? config_.fixed_voltage_V : truth.battery_voltage_V;

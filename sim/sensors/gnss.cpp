@@ -6,7 +6,7 @@ namespace {
 constexpr std::int64_t kMicrosecondsPerSecond = 1'000'000;
 }
 
-Gnss::Gnss(const Config& config, const GeodeticPosition& origin, std::int64_t start_unix_s,
+Gnss::Gnss(const Config& config, const Geodetic& origin, std::int64_t start_unix_s,
            const RandomSource& source)
     : config_{config},
       frame_{origin},
@@ -38,10 +38,10 @@ bool Gnss::has_fix(Time now) {
 
 bool Gnss::measure(const Truth& truth, Sample& sample) {
   const Vector3& r = config_.position_m;
-  const Vector3 p_N = truth.body.p_N + truth.body.q_NB * r;
-  const Vector3 v_N = truth.body.q_NB * (truth.body.v_B + truth.body.w_B.cross(r));
-  const Vector3 measured_p_N{north_.apply(p_N.x()), east_.apply(p_N.y()), down_.apply(p_N.z())};
-  const Vector3 measured_v_N = velocity_.apply(v_N);
+  const Vector3 p_W = truth.body.p_W + truth.body.q_WB * r;
+  const Vector3 v_W = truth.body.q_WB * (truth.body.v_B + truth.body.w_B.cross(r));
+  const Vector3 measured_p_W{north_.apply(p_W.x()), east_.apply(p_W.y()), down_.apply(p_W.z())};
+  const Vector3 measured_v_W = velocity_.apply(v_W);
   const std::int64_t time_us = truth.time.count();
 
   sample = {};
@@ -49,10 +49,10 @@ bool Gnss::measure(const Truth& truth, Sample& sample) {
   sample.unix_s = start_unix_s_ + time_us / kMicrosecondsPerSecond;
   sample.unix_ns = static_cast<std::int32_t>(time_us % kMicrosecondsPerSecond * 1000);
   if (has_fix(truth.time)) {
-    last_ = frame_.to_geodetic(measured_p_N);
+    last_ = frame_.to_geodetic(measured_p_W);
     sample.fix = hal::GnssFix::k3d;
     sample.satellites = static_cast<std::uint8_t>(config_.satellites);
-    sample.velocity_ned_m_s = to_floats(measured_v_N);
+    sample.velocity_ned_m_s = to_floats(measured_v_W);
     sample.horizontal_accuracy_m = static_cast<float>(config_.horizontal_accuracy_m);
     sample.vertical_accuracy_m = static_cast<float>(config_.vertical_accuracy_m);
     sample.speed_accuracy_m_s = static_cast<float>(config_.speed_accuracy_m_s);
@@ -63,7 +63,7 @@ bool Gnss::measure(const Truth& truth, Sample& sample) {
   }
   sample.latitude_deg = last_.latitude_deg;
   sample.longitude_deg = last_.longitude_deg;
-  sample.height_msl_m = static_cast<float>(last_.height_m);
+  sample.height_msl_m = static_cast<float>(last_.altitude_m);
   return true;
 }
 

@@ -8,8 +8,8 @@ namespace rosflight::sim::sensors {
 
 /// Satellite receiver with its antenna at r from the centre of mass:
 ///
-///     p = p_N + R_NB r + e_p      e_p: error models of sim/noise.hpp, horizontal and vertical
-///     v = R_NB (v_B + w x r) + e_v
+///     p = p_W + R_WB r + e_p      e_p: error models of sim/noise.hpp, horizontal and vertical
+///     v = R_WB (v_B + w x r) + e_v
 ///
 /// The position error is mostly a slow Gauss-Markov process, as satellite clocks, orbits and the
 /// ionosphere make it (R. Beard, T. McLain, Small Unmanned Aircraft, 2012, sec. 7.5). Heights are
@@ -38,9 +38,10 @@ class Gnss {
     double dropout_duration_s{};          ///< Mean; > 0 where there are drop-outs.
   };
 
-  /// @param start_unix_s  what the clocks of the satellites say at time 0.
-  Gnss(const Config& config, const GeodeticPosition& origin, std::int64_t start_unix_s,
+  /// @param start_unix_s  time of the satellites at time 0.
+  Gnss(const Config& config, const Geodetic& origin, std::int64_t start_unix_s,
        const RandomSource& source);
+  /// Position and velocity with their errors; without a fix the last position.
   bool measure(const Truth& truth, Sample& sample);
   /// The part of the last position's error that is not white noise.
   Vector3 bias() const { return {north_.bias(), east_.bias(), down_.bias()}; }
@@ -58,8 +59,8 @@ class Gnss {
   VectorErrorModel velocity_;
   RandomStream dropouts_;
   bool fix_{false};
-  Time change_{};  ///< When fix_ turns.
-  GeodeticPosition last_;
+  Time change_{};  ///< Time of the next change of fix_.
+  Geodetic last_;
 };
 
 }  // namespace rosflight::sim::sensors

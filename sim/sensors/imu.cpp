@@ -3,9 +3,11 @@
 
 #include <cmath>
 
+#include "base/constants.hpp"
+
 namespace rosflight::sim::sensors {
 namespace {
-constexpr double kRadiansPerDegree = 0.017453292519943295;
+using base::kRadPerDeg;
 constexpr double kReferenceTemperature_K = 298.15;
 
 double rms_rotor_speed(const Truth& truth) {
@@ -25,7 +27,7 @@ double kept(double period_s, double time_constant_s) {
 
 Eigen::Matrix3d mounting_rotation(const Vector3& rotation_deg) {
   const auto turn = [](double angle_deg, int axis) {
-    const auto [sine, cosine] = portable::sin_cos(angle_deg * kRadiansPerDegree);
+    const auto [sine, cosine] = portable::sin_cos(angle_deg * kRadPerDeg);
     const int next = (axis + 1) % 3;
     const int last = (axis + 2) % 3;
     Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
@@ -60,7 +62,7 @@ Imu::Imu(const Config& config, double gravity_m_s2, const RandomSource& source)
 
 Vector3 Imu::specific_force(const Truth& truth) const {
   if (truth.body.v_B.norm() < config_.standstill_speed_m_s) {
-    return truth.body.q_NB.conjugate() * Vector3(0.0, 0.0, -gravity_m_s2_);
+    return truth.body.q_WB.conjugate() * Vector3(0.0, 0.0, -gravity_m_s2_);
   }
   if (!levered_) return truth.specific_force_B;
   const Vector3& w = truth.body.w_B;
@@ -94,7 +96,7 @@ bool Imu::measure(const Truth& truth, Sample& sample) {
     gyro = gyro_.apply_quietly(gyro);
     accel = accel_.apply_quietly(accel);
   } else {
-    gyro = gyro_.apply(gyro, config_.gyro_vibration_s_rad * speed_rad_s);
+    gyro = gyro_.apply(gyro, config_.gyro_vibration * speed_rad_s);
     accel = accel_.apply(accel, config_.accel_vibration_m_s_rad * speed_rad_s);
   }
   sample = {.stamp = truth.time,

@@ -8,7 +8,7 @@ namespace rosflight::sim::sensors {
 /// Gyroscope and accelerometer on one chip at r from the centre of mass:
 ///
 ///     gyro  = E_g( w )
-///     accel = E_a( f + dw/dt x r + w x (w x r) ) (1)
+///     accel = E_a( f + dw/dt x r + w x (w x r) )                                         (1)
 ///
 /// with the specific force f and the error model E of sim/noise.hpp. The extra terms of (1) are the
 /// acceleration of a point of a rotating rigid body (any mechanics text, e.g. Titterton & Weston,
@@ -16,8 +16,8 @@ namespace rosflight::sim::sensors {
 /// noise of sigma = vibration * rms rotor speed adds in power. Earth's rotation (7e-5 rad/s) is
 /// left out, below the bias of any part used here.
 /// A sample that would equal the one before bit by bit (no noise, at rest) has the last bit of the
-/// accelerometer's z changed: no real sensor repeats itself, and a flight controller takes one that
-/// does for stuck.
+/// accelerometer's z changed: no real sensor repeats a sample exactly, and the firmware rejects one
+/// that does as stuck.
 /// Errors and saturation act in the axes of the chip, which is turned by rotation_deg.
 class Imu {
  public:
@@ -30,22 +30,23 @@ class Imu {
     Vector3 position_m{Vector3::Zero()};  ///< r, in body axes.
     Vector3 rotation_deg{
         Vector3::Zero()};              ///< Mounting: the IMU_ROLL, IMU_PITCH, IMU_YAW that undo it.
-    double gyro_vibration_s_rad{};     ///< Noise per rotor speed [rad/s per rad/s].
+    double gyro_vibration{};           ///< Noise per rotor speed [rad/s per rad/s].
     double accel_vibration_m_s_rad{};  ///< [m/s^2 per rad/s].
     Vector3 gyro_temperature_rad_s_K{Vector3::Zero()};  ///< Bias per kelvin from 298.15 K.
     Vector3 accel_temperature_m_s2_K{Vector3::Zero()};
     Temperature temperature;
     double warm_up_s{};  ///< Time constant of temperature.rise_K; 0: warm from the start.
 
-    // Habits of the reference simulator; off in anything realistic.
+    // Properties of the simulator of ROSflight 2.x; off in realistic presets.
     bool quiet_without_rotors{false};  ///< No white noise until a rotor turns ("armed").
     double standstill_speed_m_s{};     ///< Below it the accelerometer shows gravity alone.
-    Vector3 gyro_transient_rad_s{Vector3::Zero()};  ///< Bias at start that dies out ...
+    Vector3 gyro_transient_rad_s{Vector3::Zero()};  ///< Bias at start that decays ...
     double gyro_transient_time_s{};                 ///< ... with b <- (1 - T/(T + tau)) b; 0: none.
   };
 
-  /// @param gravity_m_s2  used for the standstill of the reference only.
+  /// @param gravity_m_s2  used for standstill_speed_m_s only.
   Imu(const Config& config, double gravity_m_s2, const RandomSource& source);
+  /// (1) with its errors.
   bool measure(const Truth& truth, Sample& sample);
 
   /// Errors of the last sample that are not noise, in chip axes.

@@ -7,7 +7,7 @@ namespace rosflight::sim::sensors {
 
 /// Magnetic field through the iron of the vehicle:
 ///
-///     y = E( S R_SB R_NB^T B_N ) ,  hard iron = fixed_bias and turn_on_bias of E (1)
+///     y = E( S R_SB R_WB^T B_W ) ,  hard iron = fixed_bias and turn_on_bias of E      (1)
 ///
 /// with soft iron S and the error model E of sim/noise.hpp. A firmware that knows S and the bias b
 /// recovers the field as S^-1 (y - b).
@@ -24,13 +24,15 @@ class Magnetometer {
     Temperature temperature;
   };
 
-  Magnetometer(const Config& config, const Vector3& field_N_T, const RandomSource& source);
+  /// @param source  of the random errors.
+  Magnetometer(const Config& config, const Vector3& field_W_T, const RandomSource& source);
+  /// (1) with its errors.
   bool measure(const Truth& truth, Sample& sample);
 
  private:
   Eigen::Matrix3d distortion_;  ///< S R_SB.
   Temperature temperature_;
-  Vector3 field_N_T_;
+  Vector3 field_W_T_;
   VectorErrorModel errors_;
 };
 

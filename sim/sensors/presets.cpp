@@ -3,11 +3,13 @@
 
 #include <cmath>
 
+#include "base/constants.hpp"
+
 namespace rosflight::sim::sensors {
 namespace {
-constexpr double kDegree = 0.017453292519943295;  // [rad]
-constexpr double kMilliG = 9.80665e-3;            // [m/s^2]
-constexpr double kMilliGauss = 1e-7;              // [T]
+using base::kRadPerDeg;
+constexpr double kMilliG_m_s2 = base::kStandardGravity_m_s2 * 1e-3;
+constexpr double kMilliGauss = 1e-7;  // [T]
 
 Timing every(std::int64_t period_us, std::int64_t phase_us = 0, std::int64_t delay_us = 0) {
   return {
@@ -45,21 +47,21 @@ void current_imu(SensorsConfig& c) {
   // +-20 mg, 16 bits over +-24 g, 0.2 mg/K. The correlation times and the accelerometer's drift are
   // those usual in Allan plots of such parts; the data sheet has none.
   auto& gyro = c.imu.gyro_rad_s.axis;
-  gyro.noise_density = 0.014 * kDegree;
-  gyro.turn_on_bias = 1.0 * kDegree;
-  gyro.drift_sigma = 2.0 / 3600.0 * kDegree;
+  gyro.noise_density = 0.014 * kRadPerDeg;
+  gyro.turn_on_bias = 1.0 * kRadPerDeg;
+  gyro.drift_sigma = 2.0 / 3600.0 * kRadPerDeg;
   gyro.drift_time_s = 300.0;
-  gyro.resolution = 2000.0 / 32768.0 * kDegree;
-  gyro.limit = 2000.0 * kDegree;
+  gyro.resolution = 2000.0 / 32768.0 * kRadPerDeg;
+  gyro.limit = 2000.0 * kRadPerDeg;
   auto& accel = c.imu.accel_m_s2.axis;
-  accel.noise_density = 0.175 * kMilliG;
-  accel.turn_on_bias = 20.0 * kMilliG;
-  accel.drift_sigma = 0.05 * kMilliG;
+  accel.noise_density = 0.175 * kMilliG_m_s2;
+  accel.turn_on_bias = 20.0 * kMilliG_m_s2;
+  accel.drift_sigma = 0.05 * kMilliG_m_s2;
   accel.drift_time_s = 300.0;
-  accel.resolution = 24'000.0 / 32768.0 * kMilliG;
-  accel.limit = 24'000.0 * kMilliG;
-  c.imu.gyro_temperature_rad_s_K = Vector3::Constant(0.015 * kDegree);
-  c.imu.accel_temperature_m_s2_K = Vector3::Constant(0.2 * kMilliG);
+  accel.resolution = 24'000.0 / 32768.0 * kMilliG_m_s2;
+  accel.limit = 24'000.0 * kMilliG_m_s2;
+  c.imu.gyro_temperature_rad_s_K = Vector3::Constant(0.015 * kRadPerDeg);
+  c.imu.accel_temperature_m_s2_K = Vector3::Constant(0.2 * kMilliG_m_s2);
   c.imu.temperature.rise_K = 10.0;
   // 0.2 m/s^2 at the hover speed of the default vehicle (388 rad/s), the noise the ROSflight 2.x
   // simulator has when armed.
@@ -128,14 +130,14 @@ void current_range_gnss_battery(SensorsConfig& c) {
   c.battery.current_A = {.noise_sigma = 0.1, .resolution = 150.0 / 4096.0, .limit = 150.0};
 }
 
-/// Gauss-Markov error that the reference writes as  x <- exp(-k T) x + T sigma N.
+/// Gauss-Markov error that ROSflight 2.x writes as  x <- exp(-k T) x + T sigma N.
 void reference_markov(ErrorParameters& p, double sigma, double decay_1_s, Time period) {
   const double period_s = to_seconds(period);
   p.drift_time_s = 1.0 / decay_1_s;
   p.drift_sigma = period_s * sigma / std::sqrt(1.0 - portable::exp(-2.0 * decay_1_s * period_s));
 }
 
-/// Random walk that the reference writes as a step per sample.
+/// Random walk that ROSflight 2.x writes as a step per sample.
 void reference_walk(ErrorParameters& p, double step, Time period) {
   p.bias_walk = step / std::sqrt(to_seconds(period));
 }

@@ -2,8 +2,8 @@
 #pragma once
 #include "sim/sensors/standard_sensors.hpp"
 
-/// Complete sets of sensor parameters. A vehicle file names one and overrides what it knows better;
-/// README.md compares them.
+/// Complete sets of sensor parameters. A vehicle file names one and overrides single values; README.md
+/// compares them.
 namespace rosflight::sim::sensors {
 
 /// Parts that ROSflight boards carry today, after their data sheets.

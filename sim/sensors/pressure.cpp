@@ -6,7 +6,7 @@
 namespace rosflight::sim::sensors {
 namespace {
 Vector3 velocity_in_air(const Truth& truth) {
-  return truth.body.v_B - truth.body.q_NB.conjugate() * truth.air.wind_N;
+  return truth.body.v_B - truth.body.q_WB.conjugate() * truth.air.wind_W;
 }
 }  // namespace
 

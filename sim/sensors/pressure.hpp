@@ -4,11 +4,13 @@
 
 namespace rosflight::sim::sensors {
 
-/// Absolute static pressure:  y = E( p + c 1/2 rho |v_a|^2 ) (1)
+/// Absolute static pressure:
 ///
-/// v_a is the velocity relative to the air. The pressure inside a vehicle is not quite that of the
-/// still air around it; the coefficient c (typically -0.3 to 0.3, 0 for a well-placed port) says
-/// how much of the dynamic pressure shows.
+///     y = E( p + c 1/2 rho |v_a|^2 )                                                      (1)
+///
+/// v_a is the velocity relative to the air. The pressure inside a vehicle differs from that of the
+/// air around it; the coefficient c (typically -0.3 to 0.3, 0 for a well-placed port) is the fraction
+/// of the dynamic pressure that is measured.
 class Barometer {
  public:
   using Sample = hal::BaroSample;
@@ -20,7 +22,9 @@ class Barometer {
     Temperature temperature;
   };
 
+  /// @param source  of the random errors.
   Barometer(const Config& config, const RandomSource& source);
+  /// (1) with its errors.
   bool measure(const Truth& truth, Sample& sample);
 
  private:
@@ -38,11 +42,13 @@ class PitotTube {
   struct Config {
     Timing timing;
     ErrorParameters pressure_Pa;
-    bool always_positive{false};  ///< Habit of the reference simulator: 1/2 rho u^2.
+    bool always_positive{false};  ///< As in ROSflight 2.x: 1/2 rho u^2.
     Temperature temperature;
   };
 
+  /// @param source  of the random errors.
   PitotTube(const Config& config, const RandomSource& source);
+  /// The differential pressure with its errors.
   bool measure(const Truth& truth, Sample& sample);
 
  private:

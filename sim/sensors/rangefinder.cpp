@@ -4,23 +4,25 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/constants.hpp"
+
 namespace rosflight::sim::sensors {
 namespace {
-constexpr double kRadiansPerDegree = 0.017453292519943295;
+using base::kRadPerDeg;
 constexpr double kNoEcho = std::numeric_limits<double>::infinity();
 }  // namespace
 
 Rangefinder::Rangefinder(const Config& config, const RandomSource& source)
     : config_{config},
-      min_cos_tilt_{portable::sin_cos(config.max_tilt_deg * kRadiansPerDegree).cos},
+      min_cos_tilt_{portable::sin_cos(config.max_tilt_deg * kRadPerDeg).cos},
       errors_{config.range_m, config.timing.period, source, "sensors/range"} {}
 
 bool Rangefinder::measure(const Truth& truth, Sample& sample) {
-  const Vector3 down_B = truth.body.q_NB.conjugate() * Vector3::UnitZ();
-  const double height_m = -truth.body.p_N.z() - down_B.dot(config_.position_m);
+  const Vector3 down_B = truth.body.q_WB.conjugate() * Vector3::UnitZ();
+  const double height_m = -truth.body.p_W.z() - down_B.dot(config_.position_m);
   double range_m = 0.0;
   if (config_.pinned) {
-    // The reference adds noise only between the limits.
+    // ROSflight 2.x adds noise only between the limits.
     const double noisy_m = errors_.apply(height_m);
     const bool inside = height_m >= config_.min_m && height_m <= config_.max_m;
     range_m = inside ? noisy_m : std::clamp(height_m, config_.min_m, config_.max_m);

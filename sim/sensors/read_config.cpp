@@ -94,8 +94,7 @@ void read_imu(const Section& in, Imu::Config& imu) {
   read_errors(in, "accel_m_s2", imu.accel_m_s2);
   read_position(in, imu.position_m);
   read_rotation(in, imu.rotation_deg);
-  imu.gyro_vibration_s_rad =
-      in.number("gyro_vibration", Range::between(0.0, 1.0), imu.gyro_vibration_s_rad);
+  imu.gyro_vibration = in.number("gyro_vibration", Range::between(0.0, 1.0), imu.gyro_vibration);
   imu.accel_vibration_m_s_rad =
       in.number("accel_vibration", Range::between(0.0, 1.0), imu.accel_vibration_m_s_rad);
   read_vector(in, "gyro_bias_per_K", Range::between(-1.0, 1.0), imu.gyro_temperature_rad_s_K);

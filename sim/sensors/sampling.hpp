@@ -6,16 +6,17 @@
 #include "sim/sample_clock.hpp"
 #include "sim/types.hpp"
 
-/// When an instrument measures and when its result is there.
+/// Times of measurement and of delivery of an instrument.
 namespace rosflight::sim::sensors {
 
-/// Gives an instrument its clock and its delay. An instrument has a type `Sample` and a function
-/// `bool measure(const Truth&, Sample&)`, false if it has nothing to say (no echo, no receiver).
+/// Adds clock and delay to an instrument. An instrument has a type `Sample` and a function
+/// `bool measure(const Truth&, Sample&)`, which returns false without a result (no echo, no fix).
 template <class Instrument>
 class Scheduled {
  public:
   using Sample = typename Instrument::Sample;
 
+  /// @param instrument  measures at the times of `timing`.
   Scheduled(const Timing& timing, Instrument instrument)
       : clock_{timing},
         delayed_{timing.delay > Time{0}},
@@ -46,6 +47,7 @@ struct Temperature {
   double rise_K{};
   double fixed_K{};
 
+  /// Temperature at the time of the truth [K].
   double at(const Truth& truth) const {
     return fixed_K > 0.0 ? fixed_K : truth.air.temperature_K + rise_K;
   }

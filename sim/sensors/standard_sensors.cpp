@@ -6,7 +6,7 @@ namespace rosflight::sim::sensors {
 StandardSensors::StandardSensors(const SensorsConfig& c, const EnvironmentParameters& environment,
                                  const RandomSource& source)
     : imu_{c.imu.timing, Imu{c.imu, environment.gravity_m_s2, source}},
-      mag_{c.mag.timing, Magnetometer{c.mag, environment.magnetic_field_N_T, source}},
+      mag_{c.mag.timing, Magnetometer{c.mag, environment.magnetic_field_W_T, source}},
       baro_{c.baro.timing, Barometer{c.baro, source}},
       diff_pressure_{c.diff_pressure.timing, PitotTube{c.diff_pressure, source}},
       range_{c.range.timing, Rangefinder{c.range, source}},

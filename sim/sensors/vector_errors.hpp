@@ -16,15 +16,18 @@ struct VectorErrorParameters {
 
 class VectorErrorModel {
  public:
+  /// @param name  prefix of the streams; "/x", "/y" and "/z" are appended.
   VectorErrorModel(const VectorErrorParameters& p, Time period, const RandomSource& source,
                    const std::string& name)
       : axes_{axis(p, 0, period, source, name + "/x"), axis(p, 1, period, source, name + "/y"),
               axis(p, 2, period, source, name + "/z")} {}
 
+  /// ErrorModel::apply for each axis.
   Vector3 apply(const Vector3& truth, double extra_sigma = 0.0) {
     return {axes_[0].apply(truth.x(), extra_sigma), axes_[1].apply(truth.y(), extra_sigma),
             axes_[2].apply(truth.z(), extra_sigma)};
   }
+  /// ErrorModel::apply_quietly for each axis.
   Vector3 apply_quietly(const Vector3& truth) {
     return {axes_[0].apply_quietly(truth.x()), axes_[1].apply_quietly(truth.y()),
             axes_[2].apply_quietly(truth.z())};
@@ -42,6 +45,7 @@ class VectorErrorModel {
   std::array<ErrorModel, 3> axes_;
 };
 
+/// The same numbers in single precision.
 inline hal::Vec3 to_floats(const Vector3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }

@@ -107,9 +107,9 @@ TEST(Geodesy, GoesThereAndBack) {
   for (const double lat : {-90.0, -89.9, -45.0, 0.0, 1e-7, 40.2463724, 89.99999, 90.0}) {
     for (const double lon : {-179.999, -111.6474138, 0.0, 90.0, 180.0}) {
       for (const double h : {-100.0, 0.0, 1387.0, 12000.0}) {
-        const GeodeticPosition back = to_geodetic(to_ecef({lat, lon, h}));
+        const Geodetic back = to_geodetic(to_ecef({lat, lon, h}));
         EXPECT_NEAR(back.latitude_deg, lat, 1e-12) << lat << ' ' << lon << ' ' << h;
-        EXPECT_NEAR(back.height_m, h, 1e-8) << lat << ' ' << lon << ' ' << h;
+        EXPECT_NEAR(back.altitude_m, h, 1e-8) << lat << ' ' << lon << ' ' << h;
         if (std::abs(lat) < 90.0) {
           EXPECT_NEAR(back.longitude_deg, lon, 1e-9) << lat;
         }
@@ -117,8 +117,8 @@ TEST(Geodesy, GoesThereAndBack) {
     }
   }
   const LocalFrame frame({40.2463724, -111.6474138, 1387.0});
-  const Vector3 p_N(1234.5, -678.9, -120.0);
-  EXPECT_LT((frame.to_local(frame.to_geodetic(p_N)) - p_N).norm(), 2e-8);
+  const Vector3 p_W(1234.5, -678.9, -120.0);
+  EXPECT_LT((frame.to_local(frame.to_geodetic(p_W)) - p_W).norm(), 2e-8);
   // A hundred metres north raise the latitude by 100 m over the meridian radius M + h.
   const double e2 = 0.00669437999014;
   const double s = std::sin(40.2463724 * M_PI / 180.0);
@@ -130,7 +130,7 @@ TEST(Geodesy, GoesThereAndBack) {
 TEST(MagneticModel, MatchesPublishedAndIndependentValues) {
   // Rows 1-4: test table of the WMM2025 report; row 5: PyPI pygeomag 1.1.0. Printed to 0.1 nT.
   struct Row {
-    GeodeticPosition place;
+    Geodetic place;
     double year, x_nT, y_nT, z_nT;
   };
   const MagneticModel model = wmm2025();
@@ -140,7 +140,7 @@ TEST(MagneticModel, MatchesPublishedAndIndependentValues) {
                          Row{{-80, 240, 0}, 2025.0, 6117.5, 15751.9, -52022.5},
                          Row{{80, 0, 100e3}, 2025.0, 6216.0, 92.4, 52598.8},
                          Row{{40.2518, -111.6493, 1387}, 2026.9, 20818.5, 3861.3, 45736.7}}) {
-    const Vector3 field = 1e9 * model.field_N_T(row.place, row.year);
+    const Vector3 field = 1e9 * model.field_W_T(row.place, row.year);
     EXPECT_NEAR(field.x(), row.x_nT, 0.051);
     EXPECT_NEAR(field.y(), row.y_nT, 0.051);
     EXPECT_NEAR(field.z(), row.z_nT, 0.051);
@@ -151,7 +151,7 @@ TEST(MagneticModel, AgreesWithAnotherProgramAllOverTheEarth) {
   // PyPI pygeomag 1.1.0 with its WMM_2025.COF at random places, heights and days; printed to 0.01
   // nT.
   struct Row {
-    GeodeticPosition place;
+    Geodetic place;
     double year, x_nT, y_nT, z_nT;
   };
   const MagneticModel model = wmm2025();
@@ -163,7 +163,7 @@ TEST(MagneticModel, AgreesWithAnotherProgramAllOverTheEarth) {
                          Row{{-84.471, 14.908, 46897}, 2026.87, 13584.54, -11502.22, -45933.08},
                          Row{{-50.445, -28.038, 481}, 2026.09, 13031.29, -2765.15, -21754.88},
                          Row{{-11.056, -1.508, 10887}, 2026.13, 18303.26, -3043.78, -23599.06}}) {
-    const Vector3 field = 1e9 * model.field_N_T(row.place, row.year);
+    const Vector3 field = 1e9 * model.field_W_T(row.place, row.year);
     EXPECT_NEAR(field.x(), row.x_nT, 0.0051);
     EXPECT_NEAR(field.y(), row.y_nT, 0.0051);
     EXPECT_NEAR(field.z(), row.z_nT, 0.0051);
@@ -173,8 +173,8 @@ TEST(MagneticModel, AgreesWithAnotherProgramAllOverTheEarth) {
 TEST(MagneticModel, IsContinuousAtThePoles) {
   const MagneticModel model = wmm2025();
   for (const double pole : {90.0, -90.0}) {
-    const Vector3 at = model.field_N_T({pole, 30.0, 0.0}, 2026.0);
-    const Vector3 near = model.field_N_T({std::copysign(89.999, pole), 30.0, 0.0}, 2026.0);
+    const Vector3 at = model.field_W_T({pole, 30.0, 0.0}, 2026.0);
+    const Vector3 near = model.field_W_T({std::copysign(89.999, pole), 30.0, 0.0}, 2026.0);
     EXPECT_LT((at - near).norm(), 5e-9);  // 111 m away; the field changes by some nT per km
   }
 }
@@ -225,20 +225,26 @@ std::string message_of(const std::string& text) {
 
 TEST(Environment, ReadsItsSection) {
   const EnvironmentParameters p = read(kEnvironment +
-                                       "wind: {steady_N_m_s: [1, 2, 3], turbulence_w20_m_s: 7.7, "
+                                       "wind: {steady_W_m_s: [1, 2, 3], turbulence_w20_m_s: 7.7, "
                                        "gusts: {mean_interval_s: 5}}\n");
   EXPECT_EQ(p.origin.longitude_deg, -111.6493);
-  EXPECT_EQ(p.wind.steady_N_m_s, Vector3(1, 2, 3));
+  EXPECT_EQ(p.wind.steady_W_m_s, Vector3(1, 2, 3));
   EXPECT_EQ(p.wind.gusts.mean_interval_s, 5.0);
   // WMM2025 at 2026.4 lies between its values for 2025 and 2030, near 20.8 uT north.
-  EXPECT_NEAR(p.magnetic_field_N_T.x(), 20.82e-6, 0.05e-6);
-  EXPECT_EQ(read(kEnvironment + "magnetic_field_N_T: [1e-5, 0, 2e-5]").magnetic_field_N_T,
+  EXPECT_NEAR(p.magnetic_field_W_T.x(), 20.82e-6, 0.05e-6);
+  EXPECT_EQ(read(kEnvironment + "magnetic_field_W_T: [1e-5, 0, 2e-5]").magnetic_field_W_T,
             Vector3(1e-5, 0, 2e-5));
+  const EnvironmentParameters former =
+      read(kEnvironment + "magnetic_field_N_T: [1e-5, 0, 2e-5]\n" +
+           "wind: {steady_N_m_s: [1, 2, 3], random_std_N_m_s: [4, 5, 6]}\n");
+  EXPECT_EQ(former.magnetic_field_W_T, Vector3(1e-5, 0, 2e-5));
+  EXPECT_EQ(former.wind.steady_W_m_s, Vector3(1, 2, 3));
+  EXPECT_EQ(former.wind.random_std_W_m_s, Vector3(4, 5, 6));
 }
 
 TEST(Environment, RejectsWhatCannotBe) {
   EXPECT_EQ(message_of(kEnvironment + "wind: {steady: [1, 2, 3]}"),
-            "e.yaml:5: wind.steady: found an unknown key, allowed steady_N_m_s, random_std_N_m_s, "
+            "e.yaml:5: wind.steady: found an unknown key, allowed steady_W_m_s, random_std_W_m_s, "
             "turbulence_w20_m_s, gusts");
   EXPECT_EQ(message_of(kEnvironment +
                        "wind: {gusts: {mean_interval_s: 5, shortest_s: 6, longest_s: 5.5}}"),
@@ -250,7 +256,7 @@ TEST(Environment, RejectsWhatCannotBe) {
   EXPECT_EQ(message_of(other),
             "e.yaml:2: start_utc: found 2031-06-01T12:00:00Z, allowed the years 2025 to 2029 of "
             "WMM2025, or "
-            "magnetic_field_N_T");
+            "magnetic_field_W_T");
   other.replace(other.find("2031-06"), 7, "2026-13");
   EXPECT_EQ(message_of(other),
             "e.yaml:2: start_utc: found 2026-13-01T12:00:00Z, allowed a time such as "

@@ -27,7 +27,7 @@ TEST(Ground, VehicleStartsAtRestAndFeelsGravity) {
   const Truth& truth = world.dynamics.truth();
   EXPECT_TRUE(truth.on_ground);
   EXPECT_LT((truth.specific_force_B - Vector3(0.0, 0.0, -9.80665)).norm(), 1e-9);
-  EXPECT_NEAR(truth.body.p_N.z(), -0.2 + 3.5 * 9.80665 / (4.0 * 1700.0), 1e-12);
+  EXPECT_NEAR(truth.body.p_W.z(), -0.2 + 3.5 * 9.80665 / (4.0 * 1700.0), 1e-12);
   world.run(1.0, {});
   EXPECT_LT(truth.body.v_B.norm(), 1e-9);
 }
@@ -39,21 +39,21 @@ TEST(Ground, RestingVehicleStaysWithinAMillimetreForAMinute) {
   double farthest = 0.0;
   for (int i = 0; i < 600; ++i) {
     world.run(0.1, all_motors(0.1));
-    farthest = std::max(farthest, (world.dynamics.truth().body.p_N - before.p_N).norm());
+    farthest = std::max(farthest, (world.dynamics.truth().body.p_W - before.p_W).norm());
   }
   EXPECT_LT(farthest, 1e-3);
-  EXPECT_LT(world.dynamics.truth().body.q_NB.angularDistance(before.q_NB), 2e-3);
+  EXPECT_LT(world.dynamics.truth().body.q_WB.angularDistance(before.q_WB), 2e-3);
   EXPECT_TRUE(world.dynamics.truth().on_ground);
 }
 
 TEST(Ground, RestingVehicleDoesNotCreepInTheWind) {
-  World world({"environment.wind={steady_N_m_s: [6, 3, 0], turbulence_w20_m_s: 7.7}"});
+  World world({"environment.wind={steady_W_m_s: [6, 3, 0], turbulence_w20_m_s: 7.7}"});
   world.run(2.0, all_motors(0.1));
   const auto mean_position = [&world] {
     Vector3 sum = Vector3::Zero();
     for (int i = 0; i < 1000; ++i) {
       world.run(0.01, all_motors(0.1));
-      sum += world.dynamics.truth().body.p_N;
+      sum += world.dynamics.truth().body.p_W;
     }
     return Vector3(sum / 1000.0);
   };
@@ -74,9 +74,9 @@ TEST(Ground, SlideStopsAfterItsBrakingDistance) {
     EXPECT_LT(dynamics.truth().body.v_B.norm(), 1e-6);
     // v^2/(2 mu g), and the stretch of the tangential springs, mu m g/(4 k) = 2.5 mm; the braking
     // torque tips the body a little while it slides.
-    EXPECT_NEAR(dynamics.truth().body.p_N.x(), speed * speed / (2.0 * 0.5 * 9.80665),
+    EXPECT_NEAR(dynamics.truth().body.p_W.x(), speed * speed / (2.0 * 0.5 * 9.80665),
                 0.004 * speed + 0.003);
-    EXPECT_NEAR(dynamics.truth().body.p_N.y(), 0.0, 1e-6);
+    EXPECT_NEAR(dynamics.truth().body.p_W.y(), 0.0, 1e-6);
   }
 }
 
@@ -89,7 +89,7 @@ TEST(Ground, PushBelowFrictionHoldsAndAboveMoves) {
     RigidBody dynamics(body(), gear(), environment(), push, kRandom);
     run(dynamics, 3.0);
     const double expected = share < 1.0 ? 0.0 : 0.5 * 0.1 * 0.5 * 9.80665 * 9.0;
-    EXPECT_NEAR(dynamics.truth().body.p_N.x(), expected, share < 1.0 ? 0.004 : 0.1) << share;
+    EXPECT_NEAR(dynamics.truth().body.p_W.x(), expected, share < 1.0 ? 0.004 : 0.1) << share;
     EXPECT_EQ(dynamics.truth().body.v_B.x() < 1e-6, share < 1.0);
   }
 }
@@ -100,7 +100,7 @@ TEST(Ground, ReboundFollowsTheDamping) {
     // Without gravity the closed form (3) is exact; four contacts act as one.
     RigidBody dynamics(body(), gear(damping), environment(0.0), nothing, kRandom);
     BodyState start;
-    start.p_N.z() = -0.201;
+    start.p_W.z() = -0.201;
     start.v_B.z() = 1.0;
     ASSERT_TRUE(dynamics.set_state(start));
     run(dynamics, 0.5, 100);
@@ -117,14 +117,14 @@ TEST(Ground, ReboundFollowsTheDamping) {
 /// of mass.
 double drop(World& world, double tilt_rad, double fall_m_s) {
   BodyState start = world.dynamics.rest_state();
-  start.p_N.z() = -0.6;
-  start.q_NB = Quaternion(Eigen::AngleAxisd(tilt_rad, Vector3(1.0, 0.5, 0.0).normalized()));
-  start.v_B = start.q_NB.conjugate() * Vector3(0.5, 0.0, fall_m_s);
+  start.p_W.z() = -0.6;
+  start.q_WB = Quaternion(Eigen::AngleAxisd(tilt_rad, Vector3(1.0, 0.5, 0.0).normalized()));
+  start.v_B = start.q_WB.conjugate() * Vector3(0.5, 0.0, fall_m_s);
   EXPECT_TRUE(world.dynamics.set_state(start));
   double highest = 0.0;
   for (int i = 0; i < 1000; ++i) {
     world.run(0.01, {});
-    highest = std::max(highest, -world.dynamics.truth().body.p_N.z());
+    highest = std::max(highest, -world.dynamics.truth().body.p_W.z());
   }
   EXPECT_LT(world.dynamics.truth().body.v_B.norm(), 1e-6);
   EXPECT_LT(world.dynamics.truth().body.w_B.norm(), 1e-6);
@@ -135,15 +135,15 @@ double drop(World& world, double tilt_rad, double fall_m_s) {
 TEST(Ground, TiltedLandingSettlesUpright) {
   World world;
   EXPECT_LT(drop(world, 0.2, 0.5), 0.6);  // no energy comes from nowhere
-  EXPECT_NEAR(world.dynamics.truth().body.p_N.z(), world.dynamics.rest_state().p_N.z(), 1e-5);
-  EXPECT_GT(world.dynamics.truth().body.q_NB.toRotationMatrix()(2, 2), 1.0 - 1e-6);
+  EXPECT_NEAR(world.dynamics.truth().body.p_W.z(), world.dynamics.rest_state().p_W.z(), 1e-5);
+  EXPECT_GT(world.dynamics.truth().body.q_WB.toRotationMatrix()(2, 2), 1.0 - 1e-6);
 }
 
 TEST(Ground, TippedVehicleLiesOnItsRotors) {
   World world;
   drop(world, 2.8, 1.0);
-  EXPECT_LT(world.dynamics.truth().body.q_NB.toRotationMatrix()(2, 2), -0.99);
-  EXPECT_NEAR(-world.dynamics.truth().body.p_N.z(), 0.0762 - 3.5 * 9.80665 / (4.0 * 1700.0), 1e-5);
+  EXPECT_LT(world.dynamics.truth().body.q_WB.toRotationMatrix()(2, 2), -0.99);
+  EXPECT_NEAR(-world.dynamics.truth().body.p_W.z(), 0.0762 - 3.5 * 9.80665 / (4.0 * 1700.0), 1e-5);
 }
 
 TEST(Ground, UnevenGearRestsOnItsLowestPoints) {
@@ -156,10 +156,10 @@ TEST(Ground, UnevenGearRestsOnItsLowestPoints) {
 
 TEST(Ground, ReferencePlaneStopsTheFallOnly) {
   World world(reference_options());
-  EXPECT_EQ(world.dynamics.truth().body.p_N.z(), 0.0);
+  EXPECT_EQ(world.dynamics.truth().body.p_W.z(), 0.0);
   EXPECT_TRUE(world.dynamics.truth().on_ground);
   world.run(1.0, all_motors(0.0));
-  EXPECT_EQ(world.dynamics.truth().body.p_N.z(), 0.0);
+  EXPECT_EQ(world.dynamics.truth().body.p_W.z(), 0.0);
   EXPECT_NEAR(world.dynamics.truth().specific_force_B.z(), -9.81, 1e-12);
   BodyState slide = world.dynamics.rest_state();
   slide.v_B.x() = 1.0;
@@ -171,11 +171,11 @@ TEST(Ground, ReferencePlaneStopsTheFallOnly) {
 TEST(Ground, ReferenceHoverPointHolds) {
   World world(reference_options());
   BodyState start;
-  start.p_N.z() = -10.0;
+  start.p_W.z() = -10.0;
   ASSERT_TRUE(world.dynamics.set_state(start));
   world.run(1.0, all_motors(0.479918));
   // Thrust is right to 2e-5 N, the integration exact: 0.5 (8e-5/3.5) m.
-  EXPECT_NEAR(world.dynamics.truth().body.p_N.z(), -10.0, 2e-5);
+  EXPECT_NEAR(world.dynamics.truth().body.p_W.z(), -10.0, 2e-5);
 }
 
 }  // namespace

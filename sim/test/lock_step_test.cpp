@@ -44,9 +44,9 @@ class FakeSensors : public SensorsModule {
   Journal& journal_;
 };
 
-class FakeBoard : public BoardModule {
+class FakeAutopilot : public AutopilotModule {
  public:
-  explicit FakeBoard(Journal& journal) : journal_{journal} {}
+  explicit FakeAutopilot(Journal& journal) : journal_{journal} {}
   const hal::OutputValues& step(Time t, const SensorSamples& samples,
                                 const hal::RcFrame* rc) override {
     journal_.push_back(at("board", t) + (rc != nullptr ? " with rc" : ""));
@@ -58,7 +58,6 @@ class FakeBoard : public BoardModule {
     outputs_[0] = static_cast<float>(t.count());
     return outputs_;
   }
-  bool armed() const override { return false; }
 
  private:
   Journal& journal_;
@@ -98,7 +97,7 @@ class FakeListener : public LockStepListener {
  public:
   explicit FakeListener(Journal& journal) : journal_{journal} {}
   void before_step(Time t) override { journal_.push_back(at("before", t)); }
-  void after_board(Time t, const hal::OutputValues& outputs) override {
+  void after_autopilot(Time t, const hal::OutputValues& outputs) override {
     journal_.push_back(at("companion", t));
     EXPECT_EQ(outputs[0], static_cast<float>(t.count()));
   }
@@ -114,7 +113,7 @@ struct World {
   LockStepTime time{Time{2500}};
   FakeRc rc{journal};
   FakeSensors sensors{journal};
-  FakeBoard board{journal};
+  FakeAutopilot board{journal};
   FakeDynamics dynamics;
   LockStep loop{time, rc, sensors, board, dynamics};
 };

@@ -104,7 +104,7 @@ TEST(MultirotorReference, DragIsBodyAndRotorDrag) {
 TEST(MultirotorReference, WindIsSubtracted) {
   const World world(reference_options());
   Air air;
-  air.wind_N = {4.0, -3.0, 0.0};
+  air.wind_W = {4.0, -3.0, 0.0};
   BodyState carried;
   carried.v_B = {4.0, -3.0, 0.0};
   const Evaluation e = evaluate(world.forces, all_motors(0.479918), initial_states(world.forces),
@@ -179,7 +179,7 @@ TEST(Multirotor, DisarmedRotorsRunDownFreely) {
 }
 
 TEST(Multirotor, AngularMomentumOfBodyAndRotorsIsConserved) {
-  // No air: motors spin rotors up against the body alone. H = J w - sum spin J_r O e in N stays
+  // No air: motors spin rotors up against the body alone. H = J w - sum spin J_r O e in W stays
   // zero, whatever the gyroscopic and acceleration torques do; one rotor is tilted so that all axes
   // take part.
   World world({"ground.model=none", "environment.gravity_m_s2=0",
@@ -197,7 +197,7 @@ TEST(Multirotor, AngularMomentumOfBodyAndRotorsIsConserved) {
         {0.6, 0.0, -0.8}, {0.0, 0.0, -1.0}, {0.0, 0.0, -1.0}, {0.0, 0.0, -1.0}};
     const double spin[4] = {-1.0, 1.0, -1.0, 1.0};
     for (std::size_t i = 0; i < 4; ++i) h -= spin[i] * 3.8e-4 * t.rotor_speed_rad_s[i] * axis[i];
-    return Vector3(t.body.q_NB * h);
+    return Vector3(t.body.q_WB * h);
   };
   EXPECT_GT(truth.rotor_speed_rad_s[0], 200.0);
   EXPECT_GT(truth.body.w_B.norm(), 0.5);

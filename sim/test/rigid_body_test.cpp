@@ -16,14 +16,14 @@ TEST(RigidBody, FallsFreelyAndFeelsNothing) {
   const Push nothing;
   RigidBody dynamics(body(), {}, environment(), nothing, kRandom);
   BodyState start;
-  start.q_NB = Quaternion(Eigen::AngleAxisd(0.7, Vector3(1, 2, 3).normalized()));
-  start.p_N = {1.0, 2.0, -100.0};
-  start.v_B = start.q_NB.conjugate() * Vector3(3.0, 0.0, 0.0);
+  start.q_WB = Quaternion(Eigen::AngleAxisd(0.7, Vector3(1, 2, 3).normalized()));
+  start.p_W = {1.0, 2.0, -100.0};
+  start.v_B = start.q_WB.conjugate() * Vector3(3.0, 0.0, 0.0);
   ASSERT_TRUE(dynamics.set_state(start));
   run(dynamics, 2.0);
   const Truth& truth = dynamics.truth();
   // A parabola is integrated exactly; what is left is rounding.
-  EXPECT_LT((truth.body.p_N - Vector3(7.0, 2.0, -100.0 + 0.5 * 9.80665 * 4.0)).norm(), 1e-11);
+  EXPECT_LT((truth.body.p_W - Vector3(7.0, 2.0, -100.0 + 0.5 * 9.80665 * 4.0)).norm(), 1e-11);
   EXPECT_EQ(truth.specific_force_B, Vector3::Zero());
   EXPECT_FALSE(truth.on_ground);
 }
@@ -36,7 +36,7 @@ TEST(RigidBody, TorqueFreeSpinKeepsEnergyAndAngularMomentum) {
   ASSERT_TRUE(dynamics.set_state(start));
   const Vector3 j(0.08, 0.10, 0.15);
   const auto energy = [&](const BodyState& s) { return 0.5 * s.w_B.dot(j.cwiseProduct(s.w_B)); };
-  const auto momentum = [&](const BodyState& s) { return Vector3(s.q_NB * j.cwiseProduct(s.w_B)); };
+  const auto momentum = [&](const BodyState& s) { return Vector3(s.q_WB * j.cwiseProduct(s.w_B)); };
   const double energy_start = energy(start);
   const Vector3 momentum_start = momentum(start);
   double lowest = 6.0;
@@ -73,8 +73,8 @@ TEST(RigidBody, SteadySpinTurnsByItsAngle) {
   ASSERT_TRUE(dynamics.set_state(start));
   run(dynamics, 1.0);
   const Quaternion expected(Eigen::AngleAxisd(3.0, Vector3::UnitZ()));
-  EXPECT_LT(dynamics.truth().body.q_NB.angularDistance(expected), 1e-9);
-  EXPECT_NEAR(dynamics.truth().body.q_NB.norm(), 1.0, 1e-15);
+  EXPECT_LT(dynamics.truth().body.q_WB.angularDistance(expected), 1e-9);
+  EXPECT_NEAR(dynamics.truth().body.q_WB.norm(), 1.0, 1e-15);
 }
 
 TEST(RigidBody, InertiaElementsAreThoseOfTheMatrix) {
@@ -92,7 +92,7 @@ TEST(RigidBody, InertiaElementsAreThoseOfTheMatrix) {
 double order_of_convergence(Integration integration) {
   // Everything coupled: force and torque depend on attitude, rate and speed.
   const Push push([](const ForcesAndMoments::Input& in) {
-    const Vector3 down_B = in.R_NB.row(2).transpose();
+    const Vector3 down_B = in.R_WB.row(2).transpose();
     Wrench w;
     w.force_B = Vector3(0.0, 0.0, -18.0) - 0.3 * in.v_air_B.norm() * in.v_air_B + 2.0 * in.body.w_B;
     w.torque_B =
@@ -102,7 +102,7 @@ double order_of_convergence(Integration integration) {
   const auto end_of = [&](double step_s) {
     BodyParameters b = body();
     b.integration = integration;
-    b.longest_step_s = step_s;
+    b.max_step_s = step_s;
     RigidBody dynamics(b, {}, environment(), push, kRandom);
     BodyState start;
     start.v_B = {5.0, 1.0, -2.0};
@@ -114,8 +114,8 @@ double order_of_convergence(Integration integration) {
   const BodyState truth = end_of(0.0005);
   const auto error = [&](double step_s) {
     const BodyState end = end_of(step_s);
-    return (end.p_N - truth.p_N).norm() + (end.v_B - truth.v_B).norm() +
-           (end.w_B - truth.w_B).norm() + end.q_NB.angularDistance(truth.q_NB);
+    return (end.p_W - truth.p_W).norm() + (end.v_B - truth.v_B).norm() +
+           (end.w_B - truth.w_B).norm() + end.q_WB.angularDistance(truth.q_WB);
   };
   return std::log2(error(0.04) / error(0.02));
 }
@@ -148,7 +148,7 @@ TEST(RigidBody, QuadrotorInFlightConvergesWithFourthOrder) {
   const Truth truth = end_of("0.0001");
   const auto error = [&](const std::string& step_s) {
     const Truth end = end_of(step_s);
-    return (end.body.p_N - truth.body.p_N).norm() + (end.body.v_B - truth.body.v_B).norm() +
+    return (end.body.p_W - truth.body.p_W).norm() + (end.body.v_B - truth.body.v_B).norm() +
            std::abs(end.rotor_speed_rad_s[0] - truth.rotor_speed_rad_s[0]);
   };
   EXPECT_NEAR(std::log2(error("0.005") / error("0.0025")), 4.0, 0.3);
@@ -170,8 +170,8 @@ TEST(RigidBody, LongStepsAreSplit) {
   one.run(1.0, all_motors(0.55), hal::microseconds(1'000'000));
   many.run(1.0, all_motors(0.55));
   // Only the air is looked up less often: a relative 1e-4 of density per metre climbed.
-  EXPECT_LT((one.dynamics.truth().body.p_N - many.dynamics.truth().body.p_N).norm(), 1e-3);
-  EXPECT_GT(one.dynamics.truth().body.p_N.norm(), 0.5);
+  EXPECT_LT((one.dynamics.truth().body.p_W - many.dynamics.truth().body.p_W).norm(), 1e-3);
+  EXPECT_GT(one.dynamics.truth().body.p_W.norm(), 0.5);
 }
 
 TEST(RigidBody, TimeThatStandsOrRunsBackwardsMovesNothing) {
@@ -180,14 +180,14 @@ TEST(RigidBody, TimeThatStandsOrRunsBackwardsMovesNothing) {
   const BodyState before = world.dynamics.truth().body;
   world.dynamics.step(world.dynamics.truth().time, all_motors(0.6));
   world.dynamics.step(hal::microseconds(0), all_motors(0.6));
-  EXPECT_EQ(world.dynamics.truth().body.p_N, before.p_N);
+  EXPECT_EQ(world.dynamics.truth().body.p_W, before.p_W);
   EXPECT_EQ(world.dynamics.truth().time, hal::microseconds(100'000));
 }
 
 TEST(RigidBody, AirIsThatOfTheHeight) {
   World world({"ground.model=none"});
   BodyState high;
-  high.p_N.z() = -613.0;  // 2000 m above the sea
+  high.p_W.z() = -613.0;  // 2000 m above the sea
   ASSERT_TRUE(world.dynamics.set_state(high));
   EXPECT_NEAR(world.dynamics.truth().air.pressure_Pa, 7.9501e4,
               0.6);  // US Standard Atmosphere 1976, table I
@@ -202,35 +202,35 @@ TEST(RigidBody, ImpossibleStatesAreRefused) {
   s.v_B.x() = nan;
   EXPECT_FALSE(world.dynamics.set_state(s));
   s = world.dynamics.rest_state();
-  s.q_NB = Quaternion(0.0, 0.0, 0.0, 0.0);
+  s.q_WB = Quaternion(0.0, 0.0, 0.0, 0.0);
   EXPECT_FALSE(world.dynamics.set_state(s));
   s = world.dynamics.rest_state();
-  s.p_N.z() = 1.0;
+  s.p_W.z() = 1.0;
   EXPECT_FALSE(world.dynamics.set_state(s));
-  s.p_N.z() = -0.1;  // the gear would be 10 cm under ground
+  s.p_W.z() = -0.1;  // the gear would be 10 cm under ground
   EXPECT_FALSE(world.dynamics.set_state(s));
-  EXPECT_EQ(world.dynamics.truth().body.p_N, before.p_N);
-  s.p_N.z() = -5.0;
-  s.q_NB = Quaternion(2.0, 0.0, 0.0, 2.0);
+  EXPECT_EQ(world.dynamics.truth().body.p_W, before.p_W);
+  s.p_W.z() = -5.0;
+  s.q_WB = Quaternion(2.0, 0.0, 0.0, 2.0);
   EXPECT_TRUE(world.dynamics.set_state(s));
-  EXPECT_NEAR(world.dynamics.truth().body.q_NB.norm(), 1.0, 1e-15);
-  EXPECT_EQ(world.dynamics.truth().body.p_N.z(), -5.0);
+  EXPECT_NEAR(world.dynamics.truth().body.q_WB.norm(), 1.0, 1e-15);
+  EXPECT_EQ(world.dynamics.truth().body.p_W.z(), -5.0);
 }
 
 TEST(RigidBody, SameSeedSameFlightOtherSeedOtherFlight) {
   const auto fly = [](std::uint64_t seed) {
-    World world({"environment.wind={steady_N_m_s: [3, 0, 0], turbulence_w20_m_s: 8}"}, seed);
+    World world({"environment.wind={steady_W_m_s: [3, 0, 0], turbulence_w20_m_s: 8}"}, seed);
     world.run(3.0, all_motors(0.6));
     return world.dynamics.truth().body;
   };
-  EXPECT_EQ(fly(5).p_N, fly(5).p_N);
-  EXPECT_EQ(fly(5).q_NB.coeffs(), fly(5).q_NB.coeffs());
-  EXPECT_NE(fly(5).p_N, fly(6).p_N);
+  EXPECT_EQ(fly(5).p_W, fly(5).p_W);
+  EXPECT_EQ(fly(5).q_WB.coeffs(), fly(5).q_WB.coeffs());
+  EXPECT_NE(fly(5).p_W, fly(6).p_W);
 }
 
 TEST(RigidBody, SteppingTakesNoHeap) {
   World world(
-      {"environment.wind={steady_N_m_s: [3, 0, 0], turbulence_w20_m_s: 8, gusts: {mean_interval_s: "
+      {"environment.wind={steady_W_m_s: [3, 0, 0], turbulence_w20_m_s: 8, gusts: {mean_interval_s: "
        "0.1}}"});
   const std::size_t before = test_support::allocations();
   world.run(5.0, all_motors(0.6));

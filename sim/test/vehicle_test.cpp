@@ -44,7 +44,7 @@ TEST(Vehicle, DefaultQuadrotorHasItsPublishedNumbers) {
   EXPECT_EQ(vehicle.type(), "multirotor");
   EXPECT_EQ(vehicle.body().mass_kg, 3.5);
   EXPECT_EQ(vehicle.body().inertia_kg_m2.diagonal(), Vector3(0.08, 0.08, 0.12));
-  EXPECT_EQ(vehicle.environment().origin.height_m, 1387.0);
+  EXPECT_EQ(vehicle.environment().origin.altitude_m, 1387.0);
   const MultirotorParameters rotors = read_multirotor(vehicle.root());
   ASSERT_EQ(rotors.rotors.size(), 4U);
   EXPECT_NEAR(rotors.rotors[0].p_B.head<2>().norm(), 0.25, 5e-5);

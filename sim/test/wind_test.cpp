@@ -94,8 +94,8 @@ TEST(Dryden, FineStepsFollowTheSameStatisticAsOneCoarseStep) {
 
 TEST(Wind, SameSeedSameWindOtherSeedOtherWind) {
   WindParameters p;
-  p.steady_N_m_s = {3.0, 1.0, 0.0};
-  p.random_std_N_m_s = {1.0, 1.0, 0.0};
+  p.steady_W_m_s = {3.0, 1.0, 0.0};
+  p.random_std_W_m_s = {1.0, 1.0, 0.0};
   p.turbulence_w20_m_s = 8.0;
   p.gusts.mean_interval_s = 2.0;
   Wind a(p, RandomSource{1});
@@ -112,14 +112,14 @@ TEST(Wind, CalmAndSteadyWindNeverChange) {
   Wind calm({}, RandomSource{1});
   EXPECT_EQ(calm.step(0.01, 10.0, 0.0), Vector3::Zero());
   WindParameters p;
-  p.steady_N_m_s = {3.0, -1.0, 0.5};
+  p.steady_W_m_s = {3.0, -1.0, 0.5};
   Wind steady(p, RandomSource{1});
   EXPECT_EQ(steady.step(0.01, 10.0, 0.0), Vector3(3.0, -1.0, 0.5));
 }
 
 TEST(Wind, GustIsOneMinusCosineInDirectionOfTheWind) {
   WindParameters p;
-  p.steady_N_m_s = {5.0, 0.0, 0.0};
+  p.steady_W_m_s = {5.0, 0.0, 0.0};
   p.gusts = {.mean_interval_s = 400.0,
              .magnitude_mean_m_s = 4.0,
              .magnitude_std_m_s = 0.0,
@@ -131,7 +131,7 @@ TEST(Wind, GustIsOneMinusCosineInDirectionOfTheWind) {
   double impulse = 0.0;
   double peak = 0.0;
   int rising = 0;
-  while (impulse == 0.0 || wind.velocity_N().x() > 5.0) {
+  while (impulse == 0.0 || wind.velocity_W().x() > 5.0) {
     const double gust = wind.step(kStep_s, 10.0, 0.0).x() - 5.0;
     ASSERT_GE(gust, 0.0);
     impulse += gust * kStep_s;
@@ -145,7 +145,7 @@ TEST(Wind, GustIsOneMinusCosineInDirectionOfTheWind) {
 
 TEST(Wind, GustsArriveAtTheirRateWhateverTheStep) {
   WindParameters p;
-  p.steady_N_m_s = {5.0, 0.0, 0.0};
+  p.steady_W_m_s = {5.0, 0.0, 0.0};
   p.gusts = {.mean_interval_s = 3.0,
              .magnitude_mean_m_s = 0.15,
              .magnitude_std_m_s = 0.3,

@@ -74,9 +74,9 @@ inline Evaluation evaluate(const ForcesAndMoments& forces, const hal::OutputValu
                            double height_m = 1000.0, const Air& air = {}) {
   Evaluation e;
   e.rate.resize(forces.state_size());
-  const Matrix3 R_NB = body.q_NB.toRotationMatrix();
-  const Vector3 v_air_B = body.v_B - R_NB.transpose() * air.wind_N;
-  const ForcesAndMoments::Input in{body, R_NB, v_air_B, air, outputs, height_m};
+  const Matrix3 R_WB = body.q_WB.toRotationMatrix();
+  const Vector3 v_air_B = body.v_B - R_WB.transpose() * air.wind_W;
+  const ForcesAndMoments::Input in{body, R_WB, v_air_B, air, outputs, height_m};
   forces.evaluate(in, states, e.wrench, e.rate);
   forces.report(in, states, e.truth);
   return e;

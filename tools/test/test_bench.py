@@ -4,8 +4,10 @@
 import json
 import shutil
 import subprocess
+import sys
 
 import bench
+import bench_build
 import bench_figures
 import callgrind
 import pytest
@@ -111,3 +113,27 @@ def test_instructions_per_call_are_those_of_the_loop_alone(tmp_path):
     subprocess.run(["gcc", "-O2", "-o", tmp_path / "loop", source], check=True)
     count = callgrind.instructions_per_call([str(tmp_path / "loop"), "--passes"], 10000, 30000)
     assert count in (4, 5)  # the compiler may add a test before the jump
+
+
+def test_processor_time_of_a_build_is_that_of_the_compilers_without_cache(tmp_path, monkeypatch):
+    (tmp_path / "build/release").mkdir(parents=True)
+    (tmp_path / "build/release/CMakeCache.txt").write_text("ROSFLIGHT_PRECOMPILE:BOOL=ON\nOTHER:BOOL=ON\n")
+    calls = []
+    real_run = subprocess.run
+
+    def run(command, **options):
+        calls.append(command)
+        burns = "import time\nwhile time.process_time() < 0.4: pass" if command[0] == "ninja" else ""
+        return real_run([sys.executable, "-c", burns], **options)
+    monkeypatch.setattr(bench_build.subprocess, "run", run)
+    assert 0.4 <= bench_build.flight_cpu_s(tmp_path) < 2
+    configure, build = calls[1:]
+    assert {"-DCMAKE_CXX_COMPILER_LAUNCHER=", "-DROSFLIGHT_PRECOMPILE:BOOL=ON"} <= set(configure)
+    assert not any("OTHER" in word for word in configure) and build[-1] == "rosflight"
+
+
+def test_build_that_fails_is_not_measured(tmp_path, monkeypatch):
+    monkeypatch.setattr(bench_build.subprocess, "run", lambda command, **_: subprocess.CompletedProcess(
+        command, 1, "", "one\nno compiler\n"))
+    with pytest.raises(RuntimeError, match="no compiler"):
+        bench_build.flight_cpu_s(tmp_path)

@@ -33,6 +33,7 @@ class House:
             shutil.copy(ROOT / "tools" / name, self.root / "tools")
         (self.root / "tools/system_packages.txt").write_text(PACKAGES)
         (self.root / "tools/requirements.txt").write_text("# nothing\n")
+        (self.root / "tools/requirements-build.txt").write_text("# nothing\n")
         (self.root / "CMakePresets.json").write_text("{}\n")
         self.python = place / "quick-python"
         self.python.write_text(QUICK_PYTHON)
@@ -173,14 +174,14 @@ def test_changed_presets_configure_again(house):
     (house.root / "build/release/CMakeCache.txt").write_text("old values")
     (house.root / "CMakePresets.json").write_text("{ }\n")
     house.start("fly")
-    assert house.called("cmake") == ["cmake --preset release"]
+    assert house.called("cmake") == ["cmake --preset release -DROSFLIGHT_PRECOMPILE=ON"]
     assert not (house.root / "build/release/CMakeCache.txt").exists()
 
 
 @pytest.mark.parametrize("harm", ["python", "stamp", "package", "half"])
 def test_broken_environment_is_remade(house, harm):
     house.start("fly")
-    venv = house.root / ".venv"
+    venv = house.root / ".venv-build"
     (venv / "left over").touch()
     if harm == "python":
         (venv / "bin/python3").unlink()
@@ -203,7 +204,7 @@ def test_broken_environment_is_remade(house, harm):
 def test_environment_is_made_by_a_real_interpreter_and_has_pip(house):
     house.python = Path(sys.executable)
     assert house.start("fly").returncode == 0
-    python = house.root / ".venv/bin/python3"
+    python = house.root / ".venv-build/bin/python3"
     assert subprocess.run([python, "-m", "pip", "--version"], capture_output=True).returncode == 0
 
 
@@ -219,19 +220,19 @@ def test_moved_folder_makes_environment_and_build_anew(house):
 
 def test_changed_requirements_update_the_environment_in_place(house):
     house.start("fly")
-    (house.root / ".venv/kept").touch()
-    (house.root / "tools/requirements.txt").write_text("# still nothing\n")
+    (house.root / ".venv-build/kept").touch()
+    (house.root / "tools/requirements-build.txt").write_text("# still nothing\n")
     assert "up to date" in house.start("fly").stderr
-    assert (house.root / ".venv/kept").exists()
+    assert (house.root / ".venv-build/kept").exists()
 
 
 def test_requirement_that_pip_cannot_install_is_told_and_tried_again(house):
     house.python = Path(sys.executable)
-    (house.root / "tools/requirements.txt").write_text("/nonexistent/wheel.whl\n")
+    (house.root / "tools/requirements-build.txt").write_text("/nonexistent/wheel.whl\n")
     for _ in range(2):
         done = house.start("fly")
         assert done.returncode == 2
-        assert "pip could not install tools/requirements.txt" in done.stderr
+        assert "pip could not install tools/requirements-build.txt" in done.stderr
 
 
 def test_failing_build_shows_the_error_and_not_the_command_lines(house):
@@ -276,4 +277,22 @@ def test_two_starts_at_once_prepare_one_after_the_other(house):
                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             for _ in range(2)]
     assert [process.wait(timeout=120) for process in both] == [0, 0]
-    assert house.called("cmake") == ["cmake --preset release"]
+    assert house.called("cmake") == ["cmake --preset release -DROSFLIGHT_PRECOMPILE=ON"]
+
+
+def test_a_long_build_of_one_preset_does_not_keep_another_waiting(house):
+    house.start("fly")
+    house.replace("ninja", 'while [[ $2 == *sanitizers && ! -e end ]]; do sleep 0.02; done')
+    ready = ["bash", str(house.root / "tools/ready.sh"), "build"]
+    long = subprocess.Popen([*ready, "sanitizers"], env=house.environment(), cwd=house.root, stderr=subprocess.DEVNULL)
+    try:
+        assert subprocess.run([*ready, "release"], env=house.environment(), cwd=house.root, timeout=60).returncode == 0
+        assert long.poll() is None
+    finally:
+        (house.root / "end").touch()
+    assert long.wait(timeout=60) == 0
+
+
+def test_a_flight_needs_no_python_packages_but_those_of_the_build(house):
+    assert house.start("fly").returncode == 0
+    assert (house.root / ".venv-build").exists() and not (house.root / ".venv").exists()

@@ -1,12 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How ./rosflight test counts, chooses and goes on after a failure."""
 
+import os
+import signal
+import subprocess
+import sys
+import time
+
 import cpp_tests
+import lanes
 import pytest
+import pytest_files
+import ros_test
 import run_tests
 import stages
 import tidy
 from cpp_tests import Binary, Outcome
+from lanes import ALONE, COMPUTES, WAITS, Stage
 
 REPORT = """<testsuites><testsuite name="A">
 <testcase name="Good" status="run" classname="A"/>
@@ -69,14 +79,117 @@ def broken():
 
 def test_last_line_is_the_sum_and_a_broken_stage_hides_no_other(monkeypatch, capsys):
     monkeypatch.setattr(run_tests, "STAGES", {
-        "one": lambda: Outcome(passed=3), "two": broken,
-        "three": lambda: Outcome(passed=4, failed=2, complaints=["why"])})
+        "one": Stage(lambda: Outcome(passed=3)), "two": Stage(broken),
+        "three": Stage(lambda: Outcome(passed=4, failed=2, complaints=["why"]))})
     assert run_tests.main([]) == 1
     lines = capsys.readouterr().out.splitlines()
     assert lines[-1] == "7 passed, 3 failed"
     assert "   RuntimeError: no compiler" in lines and "   why" in lines
     assert run_tests.main(["one"]) == 0
     assert capsys.readouterr().out.splitlines()[-1] == "3 passed, 0 failed"
+
+
+@pytest.mark.parametrize("breaks, said", [
+    (lambda: os.kill(os.getpid(), signal.SIGKILL), "broke off with -9, nothing counted"),
+    (lambda: sys.exit(0), "broke off with 1, nothing counted"),
+    (lambda: None, "broke off with 1, nothing counted"),
+])
+@pytest.mark.parametrize("lane", [ALONE, COMPUTES])
+def test_stage_that_leaves_no_count_is_a_failure(breaks, said, lane, capsys):
+    rows, _ = lanes.run([("dies", Stage(breaks, lane)), ("good", Stage(lambda: Outcome(passed=2), WAITS))])
+    found = {row.name: row.outcome for row in rows}
+    assert (found["dies"].passed, found["dies"].failed, found["dies"].complaints) == (0, 1, [said])
+    assert found["good"].passed == 2
+    assert f"   {said}" in capsys.readouterr().out.splitlines()
+
+
+def say(word):
+    """Speaks to both streams and through a program, slowly enough for another stage to fall in between."""
+    def run():
+        for _ in range(3):
+            print(f"{word} out", flush=True)
+            subprocess.run(["sh", "-c", f"echo {word} program; echo {word} error >&2; sleep 0.05"])
+        return Outcome(passed=1)
+    return run
+
+
+def test_stages_run_beside_each_other_and_their_words_are_not_mixed(capsys):
+    rows, minutes = lanes.run([("a", Stage(say("A"), WAITS)), ("b", Stage(say("B"), COMPUTES)),
+                               ("c", Stage(say("C"), WAITS))])
+    printed = capsys.readouterr().out
+    for name in "abc":
+        block = printed.split(f"== {name}\n")[1].splitlines()[:9]
+        assert block == [f"{name.upper()} {kind}" for _ in range(3) for kind in ("out", "program", "error")]
+    assert sorted(row.name for row in rows) == ["a", "b", "c"]
+    assert [row.name for row in rows if row.name != "b"] == ["a", "c"]  # one lane, one after the other
+
+
+def test_lanes_run_at_the_same_time_and_computing_gives_way(tmp_path):
+    def meet(mine, other):
+        def run():
+            (tmp_path / mine).write_text(str(os.nice(0)))
+            end = time.monotonic() + 20
+            while not (tmp_path / other).exists() and time.monotonic() < end:
+                time.sleep(0.01)
+            return Outcome(passed=int((tmp_path / other).exists()))
+        return run
+    rows, _ = lanes.run([("a", Stage(meet("a", "b"), WAITS)), ("b", Stage(meet("b", "a"), COMPUTES))])
+    assert [row.outcome.passed for row in rows] == [1, 1]
+    assert int((tmp_path / "b").read_text()) == 19 and int((tmp_path / "a").read_text()) < 19
+
+
+def test_stages_alone_come_before_the_lanes_and_processor_time_is_told():
+    def compute():
+        end = time.process_time() + 0.3
+        while time.process_time() < end:
+            pass
+        return Outcome(passed=1)
+    rows, _ = lanes.run([("lane", Stage(lambda: Outcome(passed=1), WAITS)), ("alone", Stage(compute))])
+    assert [row.name for row in rows] == ["alone", "lane"]
+    assert rows[0].processor_minutes >= 0.3 / 60 > rows[1].processor_minutes
+
+
+def test_quick_is_a_few_stages_and_stays_so_beside_other_names():
+    assert [name for name, _ in run_tests.chosen_stages(["quick"])] == list(run_tests.QUICK)
+    assert [name for name, _ in run_tests.chosen_stages(["tidy", "quick", "unit"])] == ["tidy", *run_tests.QUICK]
+
+
+def test_without_a_name_every_stage_runs_but_those_on_request():
+    every = [name for name, _ in run_tests.chosen_stages([])]
+    assert set(every) == set(run_tests.STAGES) - run_tests.ON_REQUEST and len(every) == len(set(every))
+
+
+def pytest_file(folder, name, text):
+    (folder / name).write_text(text)
+    return folder / name
+
+
+def test_pytest_files_are_counted_each_and_one_that_dies_is_a_failure(tmp_path):
+    files = [
+        pytest_file(tmp_path, "test_a.py", "def test_good(): pass\ndef test_bad(): assert 1 == 2, 'never'\n"),
+        pytest_file(tmp_path, "test_b.py", "import os\ndef test_dies(): os._exit(0)\n"),
+        pytest_file(tmp_path, "test_c.py", "import pytest\ndef test_good(): pass\ndef test_left(): pytest.skip()\n"),
+        pytest_file(tmp_path, "test_d.py", "import nothing_of_this_name\n"),
+    ]
+    outcome = pytest_files.run(files, sys.executable, tmp_path / "reports")
+    assert (outcome.passed, outcome.failed) == (2, 3)
+    assert "never" in "\n".join(outcome.complaints) and "nothing_of_this_name" in "\n".join(outcome.complaints)
+
+
+def test_pytest_files_run_in_lanes_of_their_own_environment(tmp_path):
+    text = ("import os, pathlib, time\ndef test_meets():\n"
+            "    here = pathlib.Path(__file__).parent\n    (here / os.environ['LANE']).touch()\n"
+            "    while not ((here / '0').exists() and (here / '1').exists()): time.sleep(0.01)\n")
+    files = [pytest_file(tmp_path, f"test_{name}.py", text) for name in "ab"]
+    outcome = pytest_files.run(files, sys.executable, tmp_path / "reports", lanes=2,
+                               environment=lambda lane: {**os.environ, "LANE": str(lane)})
+    assert (outcome.passed, outcome.failed) == (2, 0)
+
+
+def test_two_lanes_of_ros_tests_do_not_hear_each_other(monkeypatch):
+    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+    assert ros_test.domain(0) != ros_test.domain(1)
+    assert all(1 <= int(ros_test.domain(lane)) <= 101 for lane in (0, 1))
 
 
 def test_names_choose_stages_programs_and_pytest_files(monkeypatch):
@@ -108,3 +221,28 @@ def test_tidy_looks_again_when_source_header_command_or_configuration_change(tmp
     keys.append(tidy.key_of(entry, [header], b"configuration"))
     assert len(set(keys)) == 5
     assert keys[-1] == tidy.key_of(entry, [header], b"configuration")
+
+
+def test_tidy_remembers_for_every_clone_alike(tmp_path, monkeypatch):
+    keys = []
+    for clone in ("one", "another"):
+        monkeypatch.setattr(tidy.project, "ROOT", tmp_path / clone)
+        (tmp_path / clone).mkdir()
+        source, header = tmp_path / clone / "a.cpp", tmp_path / clone / "a.hpp"
+        source.write_text("1")
+        header.write_text("2")
+        keys.append(tidy.key_of({"file": str(source), "command": f"g++ -I{source.parent} {source}"}, [header], b""))
+    assert keys[0] == keys[1]
+
+
+def test_tidy_remembers_in_the_build_when_the_home_folder_takes_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr(tidy.project, "ROOT", tmp_path)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    assert tidy.memory() == tmp_path / "cache/rosflight/clang_tidy"
+    monkeypatch.setenv("XDG_CACHE_HOME", "/proc")
+    assert tidy.memory() == tmp_path / "build/clang_tidy/clean"
+
+
+def test_tidy_sees_no_precompiled_headers():
+    entry = {"file": "a.cpp", "command": "g++ -Winvalid-pch -include /b/lib.dir/cmake_pch.hxx -fpch-preprocess -O2 -include own.hpp -c a.cpp"}
+    assert tidy.without_precompiled(entry)["command"] == "g++ -O2 -include own.hpp -c a.cpp"

@@ -27,13 +27,22 @@ def tree(tmp_path):
     ("firmware/boards/linux/main.cpp", "firmware/core/firmware.hpp"),
     ("firmware/boards/linux/test/board_test.cpp", "firmware/core/firmware.hpp"),
     ("log/writer.hpp", "sim/types.hpp"),
-    ("apps/fly.cpp", "autonomy/path.hpp"),
+    ("flight/flight.cpp", "autonomy/path.hpp"),
+    ("apps/fly_command.cpp", "flight/fly.hpp"),
+    ("bench/loop.cpp", "flight/flight.hpp"),
+    ("firmware/core/mixer.cpp", "base/constants.hpp"),
+    ("firmware/core/test/mixer_test.cpp", "base/atomic_file.hpp"),
+    ("firmware/boards/linux/board.cpp", "base/atomic_file.hpp"),
 ])
 def test_include_that_the_table_allows(tree, path, included):
     assert structure.check_includes(tree({path: f'#include "{included}"\n'})) == []
 
 
 @pytest.mark.parametrize("path, included", [
+    ("flight/fly.cpp", "apps/command_line.hpp"),
+    ("bench/loop.cpp", "apps/command_line.hpp"),
+    ("examples/own/main.cpp", "apps/command_line.hpp"),
+    ("ros/roscopter/src/node.cpp", "apps/command_line.hpp"),
     ("link/codec.hpp", "firmware/hal/time.hpp"),
     ("firmware/hal/roles.hpp", "link/messages.hpp"),
     ("firmware/core/mixer.cpp", "firmware/boards/linux/board.hpp"),
@@ -43,11 +52,41 @@ def test_include_that_the_table_allows(tree, path, included):
     ("log/writer.hpp", "sim/modules.hpp"),
     ("companion/client.cpp", "sim/types.hpp"),
     ("autonomy/path.cpp", "companion/client.hpp"),
+    ("ros/roscopter/src/node.cpp", "apps/command_line.hpp"),
+    ("ros/rosflight_io/src/node.cpp", "sim/types.hpp"),
+    ("ros/rosplane/src/node.cpp", "flight/flight.hpp"),
+    ("firmware/core/mixer.cpp", "base/atomic_file.hpp"),
+    ("base/angles.hpp", "autonomy/path.hpp"),
 ])
 def test_include_against_the_direction_names_file_line_and_what_is_allowed(tree, path, included):
     (complaint,) = structure.check_includes(tree({path: f'\n  # include "{included}"\n'}))
     assert complaint.startswith(f"{path}:2: ")
     assert f"must not include {included}; it may use: " in complaint
+
+
+@pytest.mark.parametrize("line, count", [
+    ("constexpr double kDegree = kPi / 180.0;", 1), ("x = 180.0 / std::numbers::pi;", 1), ("g = 9.80665F;", 1),
+    ("x = angle * 0.017453292519943295;", 1), ("p / 101325.0f", 1), ("a = 6378137.0;", 1), ("rho{1.225}", 1), ("57.2957795", 1),
+    ("// 1.225 kg/m^3", 0), ('say("9.80665");', 0), ("x = 19.80665;", 0), ("y = 1.2251;", 0), ("x = base::kPi;", 0),
+])
+def test_constant_that_stands_outside_base_is_told(tree, line, count):
+    found = structure.check_constants(tree({"sim/a.cpp": line, "base/a.hpp": line, "sim/test/a_test.cpp": line}))
+    assert len(found) == count
+
+
+@pytest.mark.parametrize("path, namespace, count", [
+    ("sim/world.cpp", "rosflight::sim", 0), ("sim/dynamics/body.cpp", "rosflight::sim", 0),
+    ("sim/dynamics/body.cpp", "rosflight::sim::dynamics", 0), ("config/table.hpp", "rosflight::config::detail", 0),
+    ("firmware/core/mixer.cpp", "rosflight::core", 0), ("ros/rosflight_io/src/node.cpp", "rosflight_io", 0),
+    ("autonomy/multirotor/leg.cpp", "rosflight::autonomy::multirotor", 0),
+    ("sim/test/world_test.cpp", "rosflight::other", 0), ("sim/portable_math.hpp", "rosflight::sim::portable", 0),
+    ("autonomy/multirotor/leg.cpp", "rosflight::autonomy", 1), ("sim/world.cpp", "rosflight::simulation", 1),
+    ("sim/world.cpp", "rosflight::sim::dynamics", 1), ("firmware/core/mixer.cpp", "rosflight::firmware", 1),
+    ("log/a.hpp", "rosflight::messages", 1), ("ros/rosflight_io/src/node.cpp", "rosflight::io", 1),
+    ("base/a.hpp", "rosflight", 1),
+])
+def test_namespace_is_the_folder(tree, path, namespace, count):
+    assert len(structure.check_namespaces(tree({path: f"namespace {namespace} {{\n"}))) == count
 
 
 def test_cpp_in_an_unknown_folder_is_told(tree):

@@ -28,7 +28,7 @@ struct Statistics {
   std::array<double, kEpochs> nees{};
   std::array<double, kAids> nis{};
   std::array<std::uint64_t, kAids> innovations{};
-  std::uint64_t refused{};
+  std::uint64_t rejected{};
 };
 
 template <bool kWind>
@@ -52,9 +52,9 @@ void fly(std::uint64_t seed, Statistics<kWind>& statistics) {
   if constexpr (kWind) {
     // The wind of the filter wanders; that of a flight in closed form cannot.
     config.noise.wind_m_s_rts = 0.0;
-    world_config.wind_N = {4.0 * std::cos(phase), -5.0 * std::sin(phase), 0.0};
-    const Vector3 wind_N = world_config.wind_N;
-    path = [phase, wind_N](double t) { return fixedwing_at(t, phase, wind_N); };
+    world_config.wind_W = {4.0 * std::cos(phase), -5.0 * std::sin(phase), 0.0};
+    const Vector3 wind_W = world_config.wind_W;
+    path = [phase, wind_W](double t) { return fixedwing_at(t, phase, wind_W); };
   }
   World world(world_config, path);
 
@@ -81,16 +81,16 @@ void fly(std::uint64_t seed, Statistics<kWind>& statistics) {
   NominalState guess = Filter::added(world.initial_truth(), -draw);
   estimator.start_at(
       0.0, guess, P, World::origin(),
-      World::pressure_at(World::origin().altitude_m - guess.p_N.z() + guess.baro_bias_m));
+      World::pressure_at(World::origin().altitude_m - guess.p_W.z() + guess.baro_bias_m));
   std::array<std::uint64_t, kAids> seen{};
   int epoch = 0;
   while (world.time_s() < kFlight_s) {
     world.step(estimator);
     for (std::size_t a = 0; a < kAids; ++a) {
       const AidHealth& aid = estimator.health().aids[a];
-      if (aid.accepted + aid.refused == seen[a]) continue;
+      if (aid.accepted + aid.rejected == seen[a]) continue;
       // Only the last of several in a step is seen; they come one at a time.
-      seen[a] = aid.accepted + aid.refused;
+      seen[a] = aid.accepted + aid.rejected;
       statistics.nis[a] += aid.nis;
       ++statistics.innovations[a];
     }
@@ -101,7 +101,7 @@ void fly(std::uint64_t seed, Statistics<kWind>& statistics) {
     statistics.nees[static_cast<std::size_t>(epoch++)] +=
         e.dot(estimator.filter().covariance().ldlt().solve(e));
   }
-  for (const AidHealth& aid : estimator.health().aids) statistics.refused += aid.refused;
+  for (const AidHealth& aid : estimator.health().aids) statistics.rejected += aid.rejected;
   EXPECT_EQ(estimator.health().late, 0U);
 }
 
@@ -110,7 +110,7 @@ void check() {
   Statistics<kWind> statistics;
   for (int run = 1; run <= kRuns; ++run) fly<kWind>(static_cast<std::uint64_t>(run), statistics);
   constexpr int kSize = ErrorStateEkf<kWind>::kSize;
-  EXPECT_EQ(statistics.refused, 0U);
+  EXPECT_EQ(statistics.rejected, 0U);
   const double low = chi_square(kRuns * kSize, -k999);
   const double high = chi_square(kRuns * kSize, k999);
   double sum = 0.0;

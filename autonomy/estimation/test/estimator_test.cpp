@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What surrounds the filter: times, starts, losses and doubts.
+// The estimator around the filter: times, starts, lost sensors and rejected samples.
 #include "autonomy/estimation/estimator.hpp"
 
 #include <gtest/gtest.h>
@@ -22,10 +22,10 @@ Motion from_the_ground(double t) {
   const double rate = s * s * (3.0 - 2.0 * s);
   const double change = 6.0 * s * (1.0 - s) / kRamp_s;
   Motion m = multirotor_at(clock, 0.0);
-  m.p_N.z() += 5.0;  // from the ground up
-  m.a_N = rate * rate * m.a_N + change * m.v_N;
-  m.v_N *= rate;
-  m.q_NB = thrust_attitude(m.a_N, multirotor_heading(clock, 0.0));
+  m.p_W.z() += 5.0;  // from the ground up
+  m.a_W = rate * rate * m.a_W + change * m.v_W;
+  m.v_W *= rate;
+  m.q_WB = thrust_attitude(m.a_W, multirotor_heading(clock, 0.0));
   return m;
 }
 
@@ -50,15 +50,15 @@ struct Fixture {
   /// Of the newest estimate against the truth at its own time.
   double position_error_m() const {
     const StateEstimate e = estimator->estimate();
-    return (e.p_N - world->motion(e.t_s).p_N).head<2>().norm();
+    return (e.p_W - world->motion(e.t_s).p_W).head<2>().norm();
   }
   double velocity_error_m_s() const {
     const StateEstimate e = estimator->estimate();
-    return (e.v_N - world->motion(e.t_s).v_N).norm();
+    return (e.v_W - world->motion(e.t_s).v_W).norm();
   }
   double attitude_error_rad() const {
     const StateEstimate e = estimator->estimate();
-    return e.q_NB.angularDistance(world->motion(e.t_s).q_NB);
+    return e.q_WB.angularDistance(world->motion(e.t_s).q_WB);
   }
   const AidHealth& aid(Aid which) const { return estimator->health().of(which); }
 
@@ -102,7 +102,7 @@ TEST(Estimator, LateMeasurementsAreFusedAtTheirOwnTime) {
   Fixture late(0.5, 0.45);
   late.run_until(40.0);
   EXPECT_LE(late.estimator->health().late, 5U) << "those from before the start";
-  EXPECT_EQ(late.aid(Aid::kGnssHorizontal).refused, 0U);
+  EXPECT_EQ(late.aid(Aid::kGnssHorizontal).rejected, 0U);
   double largest_m = 0.0;
   for (int k = 0; k < 100; ++k) {
     late.run_until(40.0 + 0.1 * k);
@@ -123,18 +123,18 @@ TEST(Estimator, DeadReckonsThroughALossOfGnssAndSaysSo) {
   f.run_until(40.0);
   f.world->gnss_on = false;
   f.run_until(40.5);
-  EXPECT_EQ(f.estimator->estimate().horizontal, Trust::kGood);
+  EXPECT_EQ(f.estimator->estimate().horizontal, Quality::kGood);
   f.run_until(42.0);
-  EXPECT_EQ(f.estimator->estimate().horizontal, Trust::kDeadReckoned);
+  EXPECT_EQ(f.estimator->estimate().horizontal, Quality::kDeadReckoned);
   f.run_until(60.0);
   const StateEstimate e = f.estimator->estimate();
   EXPECT_LT(f.position_error_m(), 30.0);
-  EXPECT_LT(f.position_error_m(), 4.0 * e.p_sigma_N_m.head<2>().norm()) << "knows how bad it is";
+  EXPECT_LT(f.position_error_m(), 4.0 * e.p_sigma_W_m.head<2>().norm()) << "knows how bad it is";
   f.run_until(75.0);
-  EXPECT_EQ(f.estimator->estimate().horizontal, Trust::kNone);
+  EXPECT_EQ(f.estimator->estimate().horizontal, Quality::kNone);
   f.world->gnss_on = true;
   f.run_until(95.0);
-  EXPECT_EQ(f.estimator->estimate().horizontal, Trust::kGood);
+  EXPECT_EQ(f.estimator->estimate().horizontal, Quality::kGood);
   EXPECT_LT(f.position_error_m(), 0.5);
 }
 
@@ -161,12 +161,12 @@ TEST(Estimator, ABarometerStepIsRefusedThenLearned) {
   const double bias_m = f.estimator->estimate().baro_bias_m;
   f.world->extra_baro_m = 5.0;
   f.run_until(30.5);
-  EXPECT_TRUE(f.aid(Aid::kBaro).refusing);
+  EXPECT_TRUE(f.aid(Aid::kBaro).rejecting);
   f.run_until(33.0);
   EXPECT_EQ(f.estimator->health().baro_relearned, 1U);
   const StateEstimate e = f.estimator->estimate();
   EXPECT_NEAR(e.baro_bias_m - bias_m, 5.0, 0.3);
-  EXPECT_NEAR(e.p_N.z(), f.world->motion(e.t_s).p_N.z(), 0.5);
+  EXPECT_NEAR(e.p_W.z(), f.world->motion(e.t_s).p_W.z(), 0.5);
 }
 
 TEST(Estimator, ATurnedMagnetometerDoesNotTurnTheVehicle) {
@@ -174,13 +174,13 @@ TEST(Estimator, ATurnedMagnetometerDoesNotTurnTheVehicle) {
   f.run_until(30.0);
   f.world->extra_heading_rad = 30.0 * kRadPerDeg;
   f.run_until(50.0);
-  EXPECT_TRUE(f.aid(Aid::kHeading).refusing);
-  EXPECT_EQ(f.estimator->estimate().heading, Trust::kDeadReckoned);
+  EXPECT_TRUE(f.aid(Aid::kHeading).rejecting);
+  EXPECT_EQ(f.estimator->estimate().heading, Quality::kDeadReckoned);
   EXPECT_LT(f.attitude_error_rad(), 0.06);
   f.world->extra_heading_rad = 0.0;
   f.run_until(52.0);
-  EXPECT_FALSE(f.aid(Aid::kHeading).refusing);
-  EXPECT_EQ(f.estimator->estimate().heading, Trust::kGood);
+  EXPECT_FALSE(f.aid(Aid::kHeading).rejecting);
+  EXPECT_EQ(f.estimator->estimate().heading, Quality::kGood);
 }
 
 TEST(Estimator, StepsOfTheImuAreFoundOut) {
@@ -205,7 +205,7 @@ TEST(Estimator, RubbishIsCountedAndChangesNothing) {
   f.run_until(20.0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double t = f.world->time_s();
-  const Vector3 p_N = f.estimator->estimate().p_N;
+  const Vector3 p_W = f.estimator->estimate().p_W;
   const std::uint64_t before = f.estimator->health().unusable;
   f.estimator->add(ImuSample{t, Vector3::Constant(nan), Vector3::Zero()});
   f.estimator->add(ImuSample{nan, Vector3::Zero(), Vector3::Zero()});
@@ -216,13 +216,13 @@ TEST(Estimator, RubbishIsCountedAndChangesNothing) {
   GnssSample fix;
   fix.t_s = t;
   fix.fix_3d = true;
-  fix.place = {nan, 0.0, 0.0};
+  fix.position = {nan, 0.0, 0.0};
   f.estimator->add(fix);
-  fix.place = World::origin();
-  fix.v_N_m_s = Vector3::Constant(nan);
+  fix.position = World::origin();
+  fix.v_W_m_s = Vector3::Constant(nan);
   f.estimator->add(fix);
   EXPECT_EQ(f.estimator->health().unusable - before, 8U);
-  EXPECT_EQ(f.estimator->estimate().p_N, p_N);
+  EXPECT_EQ(f.estimator->estimate().p_W, p_W);
   f.run_until(25.0);
   EXPECT_LT(f.position_error_m(), 0.4);
 }
@@ -252,25 +252,25 @@ TEST(Estimator, FindsTheWindWithPitotAndSideslip) {
   config.wing = true;
   config.range = false;
   config.accel_bias_sigma = 0.03;
-  config.wind_N = {5.0, -3.0, 0.0};
-  const Vector3 wind_N = config.wind_N;
-  World world(config, [wind_N](double t) { return fixedwing_at(t, 0.5, wind_N); });
+  config.wind_W = {5.0, -3.0, 0.0};
+  const Vector3 wind_W = config.wind_W;
+  World world(config, [wind_W](double t) { return fixedwing_at(t, 0.5, wind_W); });
   FixedwingEstimator estimator(config.filter);
-  estimator.set_attitude_hint(0.3, world.motion(0.3).q_NB);
+  estimator.set_attitude_hint(0.3, world.motion(0.3).q_WB);
   while (world.time_s() < 40.0) {
     if (!estimator.initialised()) {
-      estimator.set_attitude_hint(world.time_s(), world.motion(world.time_s()).q_NB);
+      estimator.set_attitude_hint(world.time_s(), world.motion(world.time_s()).q_WB);
     }
     world.step(estimator);
   }
   const StateEstimate e = estimator.estimate();
   EXPECT_TRUE(e.wind_valid);
   EXPECT_TRUE(e.air_valid);
-  EXPECT_LT((e.wind_N - wind_N).norm(), 0.6);
+  EXPECT_LT((e.wind_W - wind_W).norm(), 0.6);
   const Motion truth = world.motion(e.t_s);
-  EXPECT_NEAR(e.airspeed_m_s, (truth.v_N - wind_N).norm(), 0.5);
+  EXPECT_NEAR(e.airspeed_m_s, (truth.v_W - wind_W).norm(), 0.5);
   EXPECT_NEAR(e.beta_rad, 0.0, 0.05);
-  EXPECT_NEAR(e.course_rad, std::atan2(truth.v_N.y(), truth.v_N.x()), 0.05);
+  EXPECT_NEAR(e.course_rad, std::atan2(truth.v_W.y(), truth.v_W.x()), 0.05);
 }
 
 }  // namespace

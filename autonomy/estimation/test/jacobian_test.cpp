@@ -27,14 +27,14 @@ class RandomStates {
   /// Any attitude, inverted and nose-up included.
   NominalState state() {
     NominalState x;
-    x.q_NB =
+    x.q_WB =
         Quaternion(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).normalized();
-    x.v_N = vector(20.0);
-    x.p_N = vector(300.0);
+    x.v_W = vector(20.0);
+    x.p_W = vector(300.0);
     x.gyro_bias_B = vector(0.2);
     x.accel_bias_B = vector(0.6);
     x.baro_bias_m = uniform(-50.0, 50.0);
-    x.wind_N = vector(8.0).head<2>();
+    x.wind_W = vector(8.0).head<2>();
     return x;
   }
   ImuIncrement increment() {
@@ -129,12 +129,12 @@ TYPED_TEST(Jacobian, OfBaroHeight) {
 TYPED_TEST(Jacobian, OfMagneticHeading) {
   using Filter = TypeParam;
   // Where the measurement is what the state says; elsewhere H leaves the noise out on purpose.
-  const Vector3 field_N(2.1e-5, 0.4e-5, 4.6e-5);
-  const double declination = std::atan2(field_N.y(), field_N.x());
+  const Vector3 field_W(2.1e-5, 0.4e-5, 4.6e-5);
+  const double declination = std::atan2(field_W.y(), field_W.x());
   RandomStates random(5);
   for (int n = 0; n < kStates; ++n) {
     const NominalState x = random.state();
-    const Vector3 field_B = x.q_NB.conjugate() * field_N;
+    const Vector3 field_B = x.q_WB.conjugate() * field_W;
     const auto of = [&](double step, int k) {
       const NominalState moved = Filter::added(x, step * Filter::Error::Unit(k));
       return Filter::magnetic_heading(moved, field_B, declination).nu(0);
@@ -150,7 +150,7 @@ TYPED_TEST(Jacobian, OfRange) {
   using Filter = TypeParam;
   check<Filter>(
       [](const NominalState& x) { return Filter::range(x, 2.0, -1.0, kLever); }, 6,
-      [](const NominalState& x) { return std::abs((x.q_NB * Vector3::UnitZ()).z()) > 0.3; });
+      [](const NominalState& x) { return std::abs((x.q_WB * Vector3::UnitZ()).z()) > 0.3; });
 }
 
 TYPED_TEST(Jacobian, OfPitotAndSideslip) {

@@ -16,19 +16,19 @@ namespace rosflight::autonomy::estimation::test {
 inline constexpr double kGravity = 9.80665;
 inline constexpr double kStep_s = 0.0025;
 /// Provo, by WMM2025 (NOAA's calculator agrees to 10 nT): about the field the vehicles fly in.
-inline const Vector3 kField_N_T(2.0722e-5, 3.7735e-6, 4.5549e-5);
+inline const Vector3 kField_W_T(2.0722e-5, 3.7735e-6, 4.5549e-5);
 
 struct Motion {
-  Vector3 p_N, v_N, a_N;
-  Quaternion q_NB;
+  Vector3 p_W, v_W, a_W;
+  Quaternion q_WB;
 };
 
 /// Where something is at any time.
 using Path = std::function<Motion(double)>;
 
 /// Body z along the thrust, as a multirotor flies.
-inline Quaternion thrust_attitude(const Vector3& a_N, double psi_rad) {
-  const Vector3 z = -(a_N - Vector3(0.0, 0.0, kGravity)).normalized();
+inline Quaternion thrust_attitude(const Vector3& a_W, double psi_rad) {
+  const Vector3 z = -(a_W - Vector3(0.0, 0.0, kGravity)).normalized();
   const Vector3 y = z.cross(Vector3(std::cos(psi_rad), std::sin(psi_rad), 0.0)).normalized();
   Matrix3 R;
   R.col(0) = y.cross(z);
@@ -48,16 +48,16 @@ inline Motion multirotor_at(double t, double phase) {
   const double c = std::cos(w * t), s = std::sin(w * t);
   const double c2 = std::cos(2.0 * w * t), s2 = std::sin(2.0 * w * t);
   // Starts at rest: a (1 - cos) has no speed at t = 0.
-  m.p_N = {a * (1.0 - c), 3.0 * (1.0 - c2), -5.0 - 1.5 * (1.0 - c)};
-  m.v_N = {a * w * s, 6.0 * w * s2, -1.5 * w * s};
-  m.a_N = {a * w * w * c, 12.0 * w * w * c2, -1.5 * w * w * c};
-  m.q_NB = thrust_attitude(m.a_N, multirotor_heading(t, phase));
+  m.p_W = {a * (1.0 - c), 3.0 * (1.0 - c2), -5.0 - 1.5 * (1.0 - c)};
+  m.v_W = {a * w * s, 6.0 * w * s2, -1.5 * w * s};
+  m.a_W = {a * w * w * c, 12.0 * w * w * c2, -1.5 * w * w * c};
+  m.q_WB = thrust_attitude(m.a_W, multirotor_heading(t, phase));
   return m;
 }
 
 /// Attitude with body x along the velocity through the air and no lateral force: a coordinated
 /// flight without sideslip.
-inline Motion fixedwing_at(double t, double phase, const Vector3& wind_N) {
+inline Motion fixedwing_at(double t, double phase, const Vector3& wind_W) {
   Motion m;
   const double radius = 90.0, speed = 15.0;
   const double w = speed / radius;
@@ -65,17 +65,17 @@ inline Motion fixedwing_at(double t, double phase, const Vector3& wind_N) {
   const double c = std::cos(w * t + phase), s = std::sin(w * t + phase);
   const double c2 = std::cos(2.0 * w * t), s2 = std::sin(2.0 * w * t);
   const double drift = 12.0;
-  m.p_N = {radius * s + drift * t, 60.0 * c, -60.0 - 8.0 * (1.0 - c2)};
-  m.v_N = {speed * c + drift, -60.0 * w * s, -16.0 * w * s2};
-  m.a_N = {-speed * w * s, -60.0 * w * w * c, -32.0 * w * w * c2};
-  const Vector3 f = m.a_N - Vector3(0.0, 0.0, kGravity);
-  const Vector3 x = (m.v_N - wind_N).normalized();
+  m.p_W = {radius * s + drift * t, 60.0 * c, -60.0 - 8.0 * (1.0 - c2)};
+  m.v_W = {speed * c + drift, -60.0 * w * s, -16.0 * w * s2};
+  m.a_W = {-speed * w * s, -60.0 * w * w * c, -32.0 * w * w * c2};
+  const Vector3 f = m.a_W - Vector3(0.0, 0.0, kGravity);
+  const Vector3 x = (m.v_W - wind_W).normalized();
   const Vector3 z = -(f - f.dot(x) * x).normalized();
   Matrix3 R;
   R.col(0) = x;
   R.col(1) = z.cross(x);
   R.col(2) = z;
-  m.q_NB = Quaternion(R);
+  m.q_WB = Quaternion(R);
   return m;
 }
 
@@ -91,7 +91,7 @@ struct WorldConfig {
   double accel_bias_sigma{0.1};
   bool range{true};
   bool wing{false};
-  Vector3 wind_N{Vector3::Zero()};
+  Vector3 wind_W{Vector3::Zero()};
 };
 
 /// Runs sensors along a path. Samples reach the estimator in the order in which they arrive.
@@ -101,7 +101,7 @@ class World {
       : config_{config}, path_{std::move(path)}, generator_{config.seed} {
     gyro_bias_ = config.gyro_bias_sigma * normal3();
     accel_bias_ = config.accel_bias_sigma * normal3();
-    wind_N_ = config.wind_N.head<2>();
+    wind_W_ = config.wind_W.head<2>();
   }
 
   double time_s() const { return static_cast<double>(tick_) * kStep_s; }
@@ -115,7 +115,7 @@ class World {
   /// Everything of the filter's state at time 0.
   NominalState initial_truth() const {
     const Motion m = path_(0.0);
-    return {m.q_NB, m.v_N, m.p_N, gyro_bias_, accel_bias_, baro_bias_m_, wind_N_};
+    return {m.q_WB, m.v_W, m.p_W, gyro_bias_, accel_bias_, baro_bias_m_, wind_W_};
   }
   /// Everything of the filter's state as it was at a time not long ago.
   NominalState truth_at(double t_s) const {
@@ -123,13 +123,13 @@ class World {
     const auto ago = static_cast<std::size_t>(std::lround((time_s() - t_s) / kStep_s));
     const Slow& slow = history_[history_.size() - 1 - std::min(ago, history_.size() - 1)];
     NominalState x;
-    x.q_NB = m.q_NB;
-    x.v_N = m.v_N;
-    x.p_N = m.p_N;
+    x.q_WB = m.q_WB;
+    x.v_W = m.v_W;
+    x.p_W = m.p_W;
     x.gyro_bias_B = slow.gyro_bias;
     x.accel_bias_B = slow.accel_bias;
     x.baro_bias_m = slow.baro_bias_m;
-    x.wind_N = slow.wind_N;
+    x.wind_W = slow.wind_W;
     return x;
   }
 
@@ -175,7 +175,7 @@ class World {
   struct Slow {
     Vector3 gyro_bias, accel_bias;
     double baro_bias_m;
-    Vector2 wind_N;
+    Vector2 wind_W;
   };
   using Sample =
       std::variant<GnssSample, BaroSample, MagSample, RangeSample, PitotSample, SideslipSample>;
@@ -197,16 +197,16 @@ class World {
       accel_bias_ += q.accel_bias_m_s2_rts * root * normal3();
       baro_bias_m_ += q.baro_bias_m_rts * root * normal();
     }
-    history_.push_back({gyro_bias_, accel_bias_, baro_bias_m_, wind_N_});
+    history_.push_back({gyro_bias_, accel_bias_, baro_bias_m_, wind_W_});
     if (history_.size() > 400) history_.pop_front();
   }
 
   ImuSample imu(double t, const Motion& m) {
     constexpr double kTiny_s = 1e-4;
-    const Quaternion ahead = path_(t + kTiny_s).q_NB;
-    const Quaternion behind = path_(t - kTiny_s).q_NB;
+    const Quaternion ahead = path_(t + kTiny_s).q_WB;
+    const Quaternion behind = path_(t - kTiny_s).q_WB;
     const Vector3 w_B = log_rotation(behind.conjugate() * ahead) / (2.0 * kTiny_s);
-    const Vector3 f_B = m.q_NB.conjugate() * (m.a_N - Vector3(0.0, 0.0, kGravity));
+    const Vector3 f_B = m.q_WB.conjugate() * (m.a_W - Vector3(0.0, 0.0, kGravity));
     const double rate = 1.0 / std::sqrt(kStep_s);
     const ProcessNoise& q = config_.filter.noise;
     return {t, w_B + gyro_bias_ + extra_gyro + q.gyro_rad_s_rtHz * rate * normal3(),
@@ -216,21 +216,21 @@ class World {
   GnssSample gnss(double t, const Motion& m) {
     const EstimatorConfig& f = config_.filter;
     Vector3 p =
-        m.p_N + Vector3(f.gnss_horizontal_sigma_m * normal(), f.gnss_horizontal_sigma_m * normal(),
+        m.p_W + Vector3(f.gnss_horizontal_sigma_m * normal(), f.gnss_horizontal_sigma_m * normal(),
                         f.gnss_altitude_sigma_m * normal());
     GnssSample s;
     s.t_s = t;
     s.fix_3d = true;
-    s.v_N_m_s = m.v_N + f.gnss_velocity_sigma_m_s * normal3();
-    s.place = place_of(p);
+    s.v_W_m_s = m.v_W + f.gnss_velocity_sigma_m_s * normal3();
+    s.position = place_of(p);
     return s;
   }
 
   /// Newton on ned_of: a place whose local coordinates are p.
-  static Geodetic place_of(const Vector3& p_N) {
+  static Geodetic place_of(const Vector3& p_W) {
     Geodetic g = origin();
     for (int k = 0; k < 4; ++k) {
-      const Vector3 e = p_N - ned_of(g, origin());
+      const Vector3 e = p_W - ned_of(g, origin());
       g.latitude_deg += e.x() / 111.0e3;
       g.longitude_deg += e.y() / (111.3e3 * std::cos(g.latitude_deg * kRadPerDeg));
       g.altitude_m -= e.z();
@@ -240,26 +240,26 @@ class World {
 
   BaroSample baro(double t, const Motion& m) {
     const double height =
-        -m.p_N.z() + baro_bias_m_ + extra_baro_m + config_.filter.baro_sigma_m * normal();
+        -m.p_W.z() + baro_bias_m_ + extra_baro_m + config_.filter.baro_sigma_m * normal();
     return {t, pressure_at(origin().altitude_m + height)};
   }
   MagSample mag(double t, const Motion& m) {
     // The filter's noise of the heading is two parts; the second is a turn about the vertical.
     const double turn = config_.filter.heading_sigma_rad * normal() + extra_heading_rad;
-    const Vector3 field_N = exp_rotation({0.0, 0.0, turn}) * kField_N_T;
-    return {t, m.q_NB.conjugate() * field_N + config_.filter.mag_sigma_T * normal3()};
+    const Vector3 field_W = exp_rotation({0.0, 0.0, turn}) * kField_W_T;
+    return {t, m.q_WB.conjugate() * field_W + config_.filter.mag_sigma_T * normal3()};
   }
   RangeSample range(double t, const Motion& m) {
-    const double cosine = (m.q_NB * Vector3::UnitZ()).z();
-    const double r = -m.p_N.z() / cosine + config_.filter.range_sigma_m * normal();
+    const double cosine = (m.q_WB * Vector3::UnitZ()).z();
+    const double r = -m.p_W.z() / cosine + config_.filter.range_sigma_m * normal();
     return {t, r, 0.2, 200.0};
   }
   Vector3 air_B(const Motion& m) const {
-    return m.q_NB.conjugate() * (m.v_N - Vector3(wind_N_.x(), wind_N_.y(), 0.0));
+    return m.q_WB.conjugate() * (m.v_W - Vector3(wind_W_.x(), wind_W_.y(), 0.0));
   }
   PitotSample pitot(double t, const Motion& m) {
     const double u = air_B(m).x();
-    const double p = pressure_at(origin().altitude_m - m.p_N.z());
+    const double p = pressure_at(origin().altitude_m - m.p_W.z());
     const double density = 1.225 * std::pow(p / 101325.0, 0.809737);
     return {t, 0.5 * density * u * u + config_.filter.pitot_sigma_Pa * normal()};
   }
@@ -274,13 +274,13 @@ class World {
   std::int64_t tick_{0};
   Vector3 gyro_bias_, accel_bias_;
   double baro_bias_m_{};
-  Vector2 wind_N_;
+  Vector2 wind_W_;
   std::deque<Slow> history_;
   std::deque<Delivery> on_the_way_;
 };
 
 inline double field_declination() {
-  return std::atan2(kField_N_T.y(), kField_N_T.x());
+  return std::atan2(kField_W_T.y(), kField_W_T.x());
 }
 
 }  // namespace rosflight::autonomy::estimation::test

@@ -25,8 +25,8 @@ struct Bench {
       after();
     }
   }
-  double roll() const { return RollPitch::of(plant.state().q_NB).roll_rad; }
-  double height() const { return -plant.state().p_N.z(); }
+  double roll() const { return RollPitch::of(plant.state().q_WB).roll_rad; }
+  double height() const { return -plant.state().p_W.z(); }
   double speed() const { return plant.state().airspeed_m_s; }
 
   ControllerConfig config;
@@ -165,7 +165,7 @@ TEST(FixedWingController, SpeedGuardGivesHeightForSpeed) {
 TEST(FixedWingController, StallGuardFollowsThePathOfTheAir) {
   Bench bench;
   StateEstimate s = bench.plant.state();
-  s.v_N.z() = 5.0;
+  s.v_W.z() = 5.0;
   s.airspeed_m_s = 20.0;
   bench.command.height_m = 120.0;
   const auto& out = bench.controller->step({s, bench.command, 0.0, 0.01, {}, {}});

@@ -13,18 +13,18 @@ TEST(FixedWingFlight, TakesOffFliesItsMissionAndLands) {
   world.run(500.0);
   EXPECT_TRUE(world.manager.output().landed);
   EXPECT_TRUE(world.manager.output().mission_done);
-  EXPECT_EQ(world.count(FlightEventType::kWaypointPassed), 4);
+  EXPECT_EQ(world.count(FlightEventType::kWaypointReached), 4);
   EXPECT_LT(world.plant.touchdown_m_s(), 1.5);
-  EXPECT_LT(world.plant.touchdown_N().head<2>().norm(), 15.0);
+  EXPECT_LT(world.plant.touchdown_W().head<2>().norm(), 15.0);
 }
 
 TEST(FixedWingFlight, LandsWithoutARangeSensorAndAgainstTheWind) {
-  SmallWorld world(hourglass(), {.wind_N = {4.0, 0.0, 0.0}});  // from the south, nose north
+  SmallWorld world(hourglass(), {.wind_W = {4.0, 0.0, 0.0}});  // from the south, nose north
   world.with_range = false;
   world.run(500.0);
   EXPECT_TRUE(world.manager.output().landed);
   EXPECT_LT(world.plant.touchdown_m_s(), 1.5);
-  EXPECT_LT(world.plant.touchdown_N().head<2>().norm(), 40.0);
+  EXPECT_LT(world.plant.touchdown_W().head<2>().norm(), 40.0);
   EXPECT_LT(std::cos(world.plant.state().course_rad), -0.9);  // southwards
 }
 
@@ -33,7 +33,7 @@ TEST(FixedWingFlight, TracksFilletsAndDubinsInWind) {
     Mission mission = hourglass(passing);
     mission.radius_m = 70.0;
     for (Waypoint& wp : mission.waypoints) wp.airspeed_m_s = 15.0;
-    SmallWorld world(mission, {.wind_N = {0.0, 6.0, 0.0}});
+    SmallWorld world(mission, {.wind_W = {0.0, 6.0, 0.0}});
     double straight = 0.0;
     double arc = 0.0;
     double height = 0.0;
@@ -79,8 +79,8 @@ TEST(FixedWingFlight, AJumpOfTheHeightDoesNotMakeATakeoff) {
   SmallWorld world(hourglass());
   ASSERT_TRUE(world.run_until(Phase::kMission, 60.0));
   double wrong_m = 0.0;
-  world.look = [&](StateEstimate& s) { s.p_N.z() += wrong_m; };
-  wrong_m = 66.0;  // believes to be at 4 m
+  world.look = [&](StateEstimate& s) { s.p_W.z() += wrong_m; };
+  wrong_m = 66.0;  // the estimate says 4 m
   world.run(1.0);
   EXPECT_EQ(world.manager.output().phase, Phase::kMission);
   wrong_m = 0.0;
@@ -124,16 +124,16 @@ TEST(FixedWingFlight, FliesOnWithoutAirspeed) {
 TEST(FixedWingFlight, DeadReckonsThenCirclesUntilThePlaceIsKnown) {
   SmallWorld world(hourglass());
   ASSERT_TRUE(world.run_until(Phase::kMission, 60.0));
-  world.look = [](StateEstimate& s) { s.horizontal = Trust::kDeadReckoned; };
+  world.look = [](StateEstimate& s) { s.horizontal = Quality::kDeadReckoned; };
   world.run(29.0);
   EXPECT_EQ(world.manager.output().phase, Phase::kMission);
   world.run(3.0);
   EXPECT_EQ(world.manager.output().phase, Phase::kLoiter);
-  EXPECT_EQ(world.count(FlightEventType::kPlaceLost), 1);
+  EXPECT_EQ(world.count(FlightEventType::kPositionLost), 1);
   const double height = world.height_m();
   world.run(30.0);
   EXPECT_NEAR(world.height_m(), height, 3.0);
-  EXPECT_NEAR(RollPitch::of(world.plant.state().q_NB).roll_rad, 20.0 * kRadPerDeg, 0.05);
+  EXPECT_NEAR(RollPitch::of(world.plant.state().q_WB).roll_rad, 20.0 * kRadPerDeg, 0.05);
   world.look = nullptr;
   world.run(1.0);
   EXPECT_EQ(world.manager.output().phase, Phase::kMission);
@@ -142,7 +142,7 @@ TEST(FixedWingFlight, DeadReckonsThenCirclesUntilThePlaceIsKnown) {
 TEST(FixedWingFlight, StateThatIsNoNumberGoesToThePilot) {
   SmallWorld world(hourglass());
   ASSERT_TRUE(world.run_until(Phase::kMission, 60.0));
-  world.look = [](StateEstimate& s) { s.v_N.x() = std::nan(""); };
+  world.look = [](StateEstimate& s) { s.v_W.x() = std::nan(""); };
   world.run(0.05);
   EXPECT_EQ(world.manager.output().command.ignore, 0);
   world.run(0.2);
@@ -161,12 +161,12 @@ TEST(FixedWingFlight, ReturnsAndLandsOnRequest) {
   world.manager.request_return();
   world.run(90.0);
   EXPECT_EQ(world.manager.output().phase, Phase::kReturn);
-  EXPECT_NEAR(world.plant.state().p_N.head<2>().norm(), 50.0, 5.0);
+  EXPECT_NEAR(world.plant.state().p_W.head<2>().norm(), 50.0, 5.0);
   EXPECT_NEAR(world.height_m(), 60.0, 2.0);
   world.manager.request_land();
   world.run(250.0);
   EXPECT_TRUE(world.manager.output().landed);
-  EXPECT_LT(world.plant.touchdown_N().head<2>().norm(), 15.0);
+  EXPECT_LT(world.plant.touchdown_W().head<2>().norm(), 15.0);
 }
 
 /// Points 13, 17: a new mission begins from here, whatever the old one was at.
@@ -176,14 +176,14 @@ TEST(FixedWingFlight, NewMissionInFlightBeginsFromHere) {
   Mission next;
   next.at_end = AtEnd::kHold;
   Waypoint circle;
-  circle.p_N = {-300.0, 200.0, -90.0};
+  circle.p_W = {-300.0, 200.0, -90.0};
   circle.passing = Passing::kCircle;
   circle.hold_indefinitely = true;
   next.waypoints.push_back(circle);
   world.manager.set_mission(next);
   world.run(120.0);
   EXPECT_EQ(world.manager.output().phase, Phase::kMission);
-  EXPECT_NEAR((world.plant.state().p_N.head<2>() - Vector2(-300.0, 200.0)).norm(), 50.0, 3.0);
+  EXPECT_NEAR((world.plant.state().p_W.head<2>() - Vector2(-300.0, 200.0)).norm(), 50.0, 3.0);
   EXPECT_NEAR(world.height_m(), 90.0, 1.0);
 }
 
@@ -193,7 +193,7 @@ TEST(FixedWingFlight, CyclesForEver) {
   SmallWorld world(mission);
   world.run(400.0);
   EXPECT_EQ(world.manager.output().phase, Phase::kMission);
-  EXPECT_GE(world.count(FlightEventType::kWaypointPassed), 9);
+  EXPECT_GE(world.count(FlightEventType::kWaypointReached), 9);
   EXPECT_EQ(world.count(FlightEventType::kMissionDone), 0);
 }
 
@@ -203,7 +203,7 @@ TEST(FixedWingFlight, RepeatedAndBackwardTimesChangeNothing) {
   const FlightOutput before = world.manager.output();
   const double t = world.plant.time_s() - 0.5;
   const FlightOutput& after = world.manager.step({t, world.plant.state(), world.status, {}});
-  EXPECT_EQ(after.event_count, 0U);
+  EXPECT_EQ(after.events.count, 0U);
   EXPECT_EQ(after.command.u, before.command.u);
 }
 
@@ -212,17 +212,18 @@ TEST(FixedWingFlight, AMissionWithoutWaypointsIsRefused) {
 }
 
 TEST(FixedWingPhases, NotArmedAlwaysMeansDisarmed) {
-  for (std::size_t k = 0; k < kPhases; ++k) {
-    EXPECT_EQ(Phases::next(static_cast<Phase>(k), 0xFFFF & ~Phases::kArmed), Phase::kDisarmed);
+  for (std::size_t k = 0; k < kPhaseTable.phases(); ++k) {
+    EXPECT_EQ(kPhaseTable.next(static_cast<Phase>(k), 0xFFFF & ~Conditions::kArmed),
+              Phase::kDisarmed);
   }
 }
 
 TEST(FixedWingPhases, EveryPhaseButTheLastCanBeLeft) {
-  for (std::size_t k = 0; k < kPhases; ++k) {
+  for (std::size_t k = 0; k < kPhaseTable.phases(); ++k) {
     const auto phase = static_cast<Phase>(k);
     if (phase == Phase::kLanded) continue;
     bool leaves = false;
-    for (const auto& row : Phases::transitions()) leaves = leaves || row.from == phase;
+    for (const auto& row : kPhaseTable.transitions()) leaves = leaves || row.from == phase;
     EXPECT_TRUE(leaves) << name(phase);
     EXPECT_STRNE(name(phase), "unknown");
   }
@@ -238,7 +239,7 @@ TEST(FixedWingLanding, FlareJoinsTheGlidePath) {
   EXPECT_NEAR(flare_climb(config, 0.0), -0.45, 1e-12);
   // Flown out by small steps it touches in the aim point.
   double h = path.flare_height_m;
-  double x = -path.flare_way_m;
+  double x = -path.flare_distance_m;
   while (h > 0.0) {
     h += flare_climb(config, h) * 1e-4;
     x += 13.5e-4;
@@ -246,8 +247,8 @@ TEST(FixedWingLanding, FlareJoinsTheGlidePath) {
   EXPECT_NEAR(x, 0.0, 0.05);
   // The glide path meets the ground short of it and carries the flare height where the flare
   // begins.
-  const double ends = path.waypoints[2].p_N.x();
-  EXPECT_NEAR((-path.flare_way_m - ends) * -0.09, path.flare_height_m, 1e-9);
+  const double ends = path.waypoints[2].p_W.x();
+  EXPECT_NEAR((-path.flare_distance_m - ends) * -0.09, path.flare_height_m, 1e-9);
 }
 
 }  // namespace

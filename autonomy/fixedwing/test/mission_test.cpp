@@ -22,11 +22,11 @@ std::string fault(std::string_view text) {
   return "read";
 }
 
-/// Points 24, 25, 26: the reference's own file, whole.
+/// Points 24, 25, 26: ROSflight 2.x's own file, whole.
 TEST(FixedWingMission, ReadsTheReferencesExample) {
   const Mission m = load_mission("missions/reference_fixedwing.yaml", MissionLimits{});
   ASSERT_EQ(m.waypoints.size(), 4U);
-  EXPECT_EQ(m.waypoints[3].p_N, Vector3(400.0, -50.0, -70.0));
+  EXPECT_EQ(m.waypoints[3].p_W, Vector3(400.0, -50.0, -70.0));
   EXPECT_EQ(m.waypoints[1].passing, Passing::kFillet);
   EXPECT_EQ(m.waypoints[1].airspeed_m_s, 17.0);
   EXPECT_EQ(m.waypoints[1].course_rad, 1.1518);
@@ -54,7 +54,7 @@ mission:
   EXPECT_EQ(m.takeoff_height_m, 35.0);
   EXPECT_EQ(m.at_end, AtEnd::kReturn);
   EXPECT_EQ(m.radius_m, 80.0);
-  EXPECT_EQ(m.landing.aim_N, Vector3(10.0, 20.0, -2.0));
+  EXPECT_EQ(m.landing.aim_W, Vector3(10.0, 20.0, -2.0));
   EXPECT_NEAR(*m.landing.course_rad, 0.5 * kPi, 1e-12);
   EXPECT_EQ(m.waypoints[0].passing, Passing::kDubins);
   EXPECT_EQ(m.waypoints[1].passing, Passing::kLine);
@@ -67,7 +67,7 @@ mission:
 TEST(FixedWingMission, GeodeticWaypointsAreConvertedOnceAndExactly) {
   const Mission m = read("mission:\n  - {type: goto, use_lla: true, w: [40.001, -111, 1470]}\n");
   const Vector3 expected = ned_of({40.001, -111.0, 1470.0}, {40.0, -111.0, 1400.0});
-  EXPECT_LT((m.waypoints[0].p_N - expected).norm(), 1e-9);
+  EXPECT_LT((m.waypoints[0].p_W - expected).norm(), 1e-9);
 }
 
 /// Everything that cannot be flown is found before the flight and named by its line.
@@ -119,13 +119,16 @@ TEST(FixedWingMission, OneFormatForBothVehicles) {
   const char* text =
       "mission:\n  - {type: goto, w: [0, 0, -50], psi: 0, speed: 5}\n"
       "  - {type: hold, w: [100, 0, -50], heading_deg: 90, hold_seconds: 3, speed: 5}\n";
-  EXPECT_EQ(autonomy::read_mission(text, "m.yaml", autonomy::MissionLimits{}).waypoints.size(), 2U);
+  EXPECT_EQ(
+      autonomy::multirotor::read_mission(text, "m.yaml", autonomy::multirotor::MissionLimits{})
+          .waypoints.size(),
+      2U);
   MissionLimits slow;
   slow.min_airspeed_m_s = 4.0;
   EXPECT_EQ(read_mission(text, "m.yaml", slow).waypoints.size(), 2U);
   // What only one of them can do is named by the other.
   try {
-    static_cast<void>(autonomy::read_mission(
+    static_cast<void>(autonomy::multirotor::read_mission(
         "mission:\n  - {type: goto, w: [0, 0, -50], psi: 0, path: dubins}\n", "m.yaml", {}));
     FAIL();
   } catch (const config::Error& error) {

@@ -13,9 +13,9 @@ constexpr double kG = 9.80665;
 
 StateEstimate flying(double n, double e, double h, double course_rad, double speed = 15.0) {
   StateEstimate s;
-  s.p_N = {n, e, -h};
-  s.v_N << speed * along(course_rad), 0.0;
-  s.q_NB = Quaternion(std::cos(0.5 * course_rad), 0.0, 0.0, std::sin(0.5 * course_rad));
+  s.p_W = {n, e, -h};
+  s.v_W << speed * along(course_rad), 0.0;
+  s.q_WB = Quaternion(std::cos(0.5 * course_rad), 0.0, 0.0, std::sin(0.5 * course_rad));
   s.course_rad = course_rad;
   s.airspeed_m_s = speed;
   return s;
@@ -25,9 +25,9 @@ CurrentPath line(double course_rad, double slope = 0.0) {
   CurrentPath p;
   p.valid = true;
   p.airspeed_m_s = 15.0;
-  p.r_N = {0.0, 0.0, -50.0};
-  p.q_N << along(course_rad), -slope;
-  p.q_N.normalize();
+  p.r_W = {0.0, 0.0, -50.0};
+  p.q_W << along(course_rad), -slope;
+  p.q_W.normalize();
   return p;
 }
 
@@ -36,7 +36,7 @@ CurrentPath circle(int turn) {
   p.valid = true;
   p.circle = true;
   p.airspeed_m_s = 15.0;
-  p.c_N = {0.0, 0.0, -50.0};
+  p.c_W = {0.0, 0.0, -50.0};
   p.radius_m = 50.0;
   p.turn = turn;
   return p;
@@ -90,13 +90,13 @@ TEST(PathFollower, BankOfACircleInWind) {
   const double crab = std::asin(5.0 / 15.0);
   s = flying(50, 0, 50, 0.5 * kPi, 15.0 * std::cos(crab));
   const double psi = 0.5 * kPi - crab;
-  s.q_NB = Quaternion(std::cos(0.5 * psi), 0.0, 0.0, std::sin(0.5 * psi));
+  s.q_WB = Quaternion(std::cos(0.5 * psi), 0.0, 0.0, std::sin(0.5 * psi));
   const double vg = 15.0 * std::cos(crab);
   EXPECT_NEAR(follower.step(s, circle(1), 0.0).roll_ff_rad,
               std::atan(vg * vg / (kG * 50.0 * std::cos(crab))), 1e-9);
-  // Blown sideways, cos(chi - psi) = 0: bounded, and no change of sign.
+  // Wind from the side, cos(chi - psi) = 0: bounded, and no change of sign.
   s = flying(50, 0, 50, 0.5 * kPi, 6.0);
-  s.q_NB = Quaternion::Identity();
+  s.q_WB = Quaternion::Identity();
   EXPECT_GT(follower.step(s, circle(1), 0.0).roll_ff_rad, 0.0);
   EXPECT_LT(follower.step(s, circle(1), 0.0).roll_ff_rad, kPi / 4.0 + 1e-9);
 }
@@ -116,7 +116,7 @@ TEST(PathFollower, BankIsTheTotalDerivativeOfTheField) {
     for (const double east : {-180.0, -55.0, 20.0, 90.0}) {
       for (const CurrentPath& path : {circle(1), circle(-1), line(0.4)}) {
         const auto now = flying(30.0, east, 50, chi);
-        const Vector2 then = now.p_N.head<2>() + 15.0 * kDt * along(chi);
+        const Vector2 then = now.p_W.head<2>() + 15.0 * kDt * along(chi);
         const auto a = follower.step(now, path, 0.0);
         const auto b = follower.step(flying(then.x(), then.y(), 50, chi), path, 0.0);
         const double rate = wrap_angle(b.course_rad - a.course_rad) / kDt;
@@ -136,7 +136,7 @@ TEST(PathFollower, HeightIsThatOfTheFootOnTheLine) {
   EXPECT_NEAR(follower.step(flying(0, 0, 50, 0), path, 0.0).climb_ff_m_s, 1.5, 1e-9);
 }
 
-/// Points 11, 27, and the time-out: nothing to follow is not followed.
+/// Points 11, 27, and the timeout: without a path the command is not valid.
 TEST(PathFollower, StopsWithoutAPath) {
   const PathFollower follower(FollowerConfig{.timeout_s = 1.0});
   const auto s = flying(0, 0, 50, 0);
@@ -145,7 +145,7 @@ TEST(PathFollower, StopsWithoutAPath) {
   EXPECT_FALSE(follower.step(s, line(0.0), 1.1).valid);
   EXPECT_FALSE(follower.step(s, line(0.0), -0.1).valid);
   CurrentPath up = line(0.0);
-  up.q_N = {0.0, 0.0, -1.0};
+  up.q_W = {0.0, 0.0, -1.0};
   EXPECT_FALSE(follower.step(s, up, 0.0).valid);
   CurrentPath none = circle(1);
   none.radius_m = 0.0;
@@ -154,7 +154,7 @@ TEST(PathFollower, StopsWithoutAPath) {
   slow.airspeed_m_s = 0.0;
   EXPECT_FALSE(follower.step(s, slow, 0.0).valid);
   auto sick = s;
-  sick.v_N.x() = std::nan("");
+  sick.v_W.x() = std::nan("");
   EXPECT_FALSE(follower.step(sick, line(0.0), 0.0).valid);
 }
 
@@ -172,7 +172,7 @@ TEST(PathFollower, ConvergesInWind) {
       for (int k = 0; k < 10000; ++k) {
         const Vector2 v = 15.0 * along(psi) + Vector2(wind, 0.0);
         auto s = flying(p.x(), p.y(), 50, course_of(v), v.norm());
-        s.q_NB = Quaternion(std::cos(0.5 * psi), 0.0, 0.0, std::sin(0.5 * psi));
+        s.q_WB = Quaternion(std::cos(0.5 * psi), 0.0, 0.0, std::sin(0.5 * psi));
         const auto c = follower.step(s, path, 0.0);
         ASSERT_TRUE(c.valid);
         const double roll =

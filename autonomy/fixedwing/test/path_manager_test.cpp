@@ -9,16 +9,16 @@ namespace rosflight::autonomy::fixedwing::test {
 namespace {
 
 /// Leads a point along its own path by what it is told, like a perfect vehicle.
-std::vector<std::size_t> walk(PathManager& manager, Vector3 p_N, double metres) {
+std::vector<std::size_t> walk(PathManager& manager, Vector3 p_W, double metres) {
   std::vector<std::size_t> passed;
   for (double s = 0.0; s < metres; s += 0.5) {
-    const auto& out = manager.step(p_N);
+    const auto& out = manager.step(p_W);
     if (out.passed) passed.push_back(*out.passed);
     if (out.done) break;
     const Segment& segment = out.segment;
     const double next = out.progress_m + 0.5;
-    p_N.head<2>() = segment.point_at(next);
-    p_N.z() = -segment.height_at(next);
+    p_W.head<2>() = segment.point_at(next);
+    p_W.z() = -segment.height_at(next);
     EXPECT_LT(std::abs(out.cross_track_m), 1.0);
   }
   return passed;
@@ -67,7 +67,7 @@ TEST(FixedWingPathManager, CirclesTheLastWaypointForEver) {
   EXPECT_EQ(out.path.turn, -1);
   EXPECT_EQ(out.path.radius_m, 50.0);
   EXPECT_EQ(out.path.airspeed_m_s, 17.0);
-  EXPECT_LT((out.path.c_N.head<2>() - Vector2(400, -50)).norm(), 1e-9);
+  EXPECT_LT((out.path.c_W.head<2>() - Vector2(400, -50)).norm(), 1e-9);
 }
 
 /// Point 16: a circle of open sense is joined in the sense with the shorter way to it.
@@ -76,7 +76,7 @@ TEST(FixedWingPathManager, CircleOfOpenSenseIsJoinedTheShorterWay) {
   for (double course = -3.0; course < 3.0; course += 0.4) {
     const PathStart start{{{0, 0}, course}, 60.0};
     Waypoint wp;
-    wp.p_N = {200.0, 60.0, -60.0};
+    wp.p_W = {200.0, 60.0, -60.0};
     wp.passing = Passing::kCircle;
     wp.hold_indefinitely = true;
     double way_m[3] = {};
@@ -125,23 +125,23 @@ TEST(FixedWingPathManager, BesideTheArcItStillGoesOn) {
 /// Point 20: on the arcs of a climbing Dubins leg the height reference has no step.
 TEST(FixedWingPathManager, HeightReferenceHasNoStep) {
   auto list = hourglass(Passing::kDubins).waypoints;
-  list[1].p_N.z() = -110.0;
-  list[2].p_N.z() = -90.0;
+  list[1].p_W.z() = -110.0;
+  list[2].p_W.z() = -90.0;
   PathManager manager(PlannerConfig{});
   manager.set_waypoints(list, false);
   ASSERT_FALSE(manager.start({{{0, 0}, 2.0}, 40.0}));
-  Vector3 p_N(0, 0, -40);
+  Vector3 p_W(0, 0, -40);
   double height = 40.0;
   double steepest = 0.0;
   for (double s = 0.0; s < 5000.0; s += 0.5) {
-    const auto& out = manager.step(p_N);
+    const auto& out = manager.step(p_W);
     if (out.done) break;
     EXPECT_LT(std::abs(out.height_m - height), 0.12);
     steepest = std::max(steepest, std::abs(out.segment.slope()));
     height = out.height_m;
-    p_N << out.segment.point_at(out.progress_m + 0.5), -height;
+    p_W << out.segment.point_at(out.progress_m + 0.5), -height;
     if (out.path.circle) {
-      EXPECT_NEAR(out.path.c_N.z(), -out.height_m, 1e-9);
+      EXPECT_NEAR(out.path.c_W.z(), -out.height_m, 1e-9);
     }
   }
   EXPECT_TRUE(manager.output().done);
@@ -153,12 +153,12 @@ TEST(FixedWingPathManager, LeadsTheFollowerButNotTheReference) {
   manager.set_waypoints(hourglass().waypoints, false);
   ASSERT_FALSE(manager.start({{{0, 0}, 0.0}, 70.0}));
   bool led = false;
-  Vector3 p_N(0, 0, -70);
+  Vector3 p_W(0, 0, -70);
   for (int k = 0; k < 4000; ++k) {
-    const auto& out = manager.step(p_N, 8.0);
+    const auto& out = manager.step(p_W, 8.0);
     led = led || (out.segment.straight() && out.path.circle);
-    p_N.head<2>() = out.segment.point_at(out.progress_m + 0.5);
-    p_N.z() = -out.height_m;
+    p_W.head<2>() = out.segment.point_at(out.progress_m + 0.5);
+    p_W.z() = -out.height_m;
     EXPECT_LT(std::abs(out.cross_track_m), 1.0);
   }
   EXPECT_TRUE(led);

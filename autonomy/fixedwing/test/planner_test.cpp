@@ -13,7 +13,7 @@ namespace {
 Waypoint at(double n, double e, double h, Passing passing = Passing::kFillet,
             double course_deg = 0.0) {
   Waypoint wp;
-  wp.p_N = {n, e, -h};
+  wp.p_W = {n, e, -h};
   wp.passing = passing;
   wp.course_rad = course_deg * kRadPerDeg;
   return wp;
@@ -62,7 +62,7 @@ TEST(Planner, FilletsOfTheShippedMission) {
   const double senses[] = {-1, 1, 1, -1};
   for (const Segment* arc : arcs) {
     const std::size_t corner = arc->passes_waypoint ? arc->waypoint : (arc->waypoint + 3) % 4;
-    const Vector2 w = mission[corner].p_N.head<2>();
+    const Vector2 w = mission[corner].p_W.head<2>();
     EXPECT_NEAR((arc->circle().centre_m - w).norm(), 81.25, 0.005);
     EXPECT_NEAR(arc->length_m, 0.5 * 50.0 * 104.04 * kRadPerDeg, 0.01);
     EXPECT_EQ(arc->radius_m > 0.0 ? 1.0 : -1.0, senses[corner]);
@@ -93,7 +93,7 @@ TEST(Planner, LinesHaveCornersInTheWaypoints) {
 TEST(Planner, DubinsPassesEachPoseWithItsHeight) {
   const Planner planner({.radius_m = 50.0});
   auto list = hourglass(Passing::kDubins);
-  list[1].p_N.z() = -90.0;
+  list[1].p_W.z() = -90.0;
   Plan plan;
   ASSERT_FALSE(planner.plan(PathStart{{{0, 0}, 0.0}, 30.0}, list, true, 0, plan));
   expect_smooth(plan);
@@ -102,9 +102,9 @@ TEST(Planner, DubinsPassesEachPoseWithItsHeight) {
     if (!s.passes_waypoint) continue;
     ++passed;
     const Waypoint& wp = list[s.waypoint];
-    EXPECT_LT((s.point_at(s.length_m) - wp.p_N.head<2>()).norm(), 1e-6);
+    EXPECT_LT((s.point_at(s.length_m) - wp.p_W.head<2>()).norm(), 1e-6);
     EXPECT_NEAR(wrap_angle(s.course_at(s.length_m) - wp.course_rad), 0.0, 1e-9);
-    EXPECT_NEAR(s.height1_m, -wp.p_N.z(), 1e-9);
+    EXPECT_NEAR(s.height1_m, -wp.p_W.z(), 1e-9);
   }
   EXPECT_EQ(passed, 6);  // four, and two of the second round
 }

@@ -17,7 +17,7 @@ struct PlantConfig {
   double density_kg_m3{1.07};
   double servo_lag_s{0.03};
   double throw_rad{40.0 * kRadPerDeg};  ///< Of a surface at 1.
-  Vector3 wind_N{Vector3::Zero()};
+  Vector3 wind_W{Vector3::Zero()};
   double motor{1.0};  ///< Share of the thrust that is left.
 };
 
@@ -26,10 +26,10 @@ class Plant {
   explicit Plant(const PlantConfig& config = {}) : config_(config) {}
 
   /// In the air, level, at an airspeed along a heading.
-  void fly_from(const Vector3& p_N, double heading_rad, double airspeed_m_s) {
+  void fly_from(const Vector3& p_W, double heading_rad, double airspeed_m_s) {
     q_ = Quaternion(std::cos(0.5 * heading_rad), 0.0, 0.0, std::sin(0.5 * heading_rad));
-    p_ = p_N;
-    v_ = q_ * Vector3(airspeed_m_s, 0.0, 0.0) + config_.wind_N;
+    p_ = p_W;
+    v_ = q_ * Vector3(airspeed_m_s, 0.0, 0.0) + config_.wind_W;
     w_.setZero();
     fill();
   }
@@ -40,7 +40,7 @@ class Plant {
     elevator_ += (command.elevator - elevator_) * lag;
     rudder_ += (command.rudder - rudder_) * lag;
     throttle_ += (command.throttle - throttle_) * lag;
-    const Vector3 air = q_.conjugate() * (v_ - config_.wind_N);
+    const Vector3 air = q_.conjugate() * (v_ - config_.wind_W);
     const double va = std::max(air.norm(), 0.1);
     const double alpha = std::atan2(air.z(), air.x());
     const double beta = std::asin(std::clamp(air.y() / va, -1.0, 1.0));
@@ -87,7 +87,7 @@ class Plant {
   bool on_ground() const { return on_ground_; }
   /// Sink of the last touch-down, and its place.
   double touchdown_m_s() const { return touchdown_m_s_; }
-  const Vector3& touchdown_N() const { return touchdown_N_; }
+  const Vector3& touchdown_W() const { return touchdown_W_; }
 
   const StateEstimate& state() const { return state_; }
   StateEstimate& state() { return state_; }
@@ -110,7 +110,7 @@ class Plant {
   void roll(double dt_s) {
     if (v_.z() > 0.05) {
       touchdown_m_s_ = v_.z();
-      touchdown_N_ = p_;
+      touchdown_W_ = p_;
     }
     p_.z() = 0.0;
     v_.z() = std::min(v_.z(), 0.0);
@@ -132,18 +132,18 @@ class Plant {
   void fill() {
     StateEstimate& s = state_;
     s.t_s = t_s_;
-    s.p_N = p_;
-    s.v_N = v_;
-    s.q_NB = q_;
+    s.p_W = p_;
+    s.v_W = v_;
+    s.q_WB = q_;
     s.w_B = w_;
     s.a_B = specific_;
-    s.wind_N = config_.wind_N;
-    const Vector3 air = q_.conjugate() * (v_ - config_.wind_N);
+    s.wind_W = config_.wind_W;
+    const Vector3 air = q_.conjugate() * (v_ - config_.wind_W);
     s.airspeed_m_s = air.norm();
     s.alpha_rad = std::atan2(air.z(), air.x());
     s.beta_rad = std::asin(std::clamp(air.y() / std::max(s.airspeed_m_s, 0.1), -1.0, 1.0));
     s.course_rad = std::atan2(v_.y(), v_.x());
-    s.attitude = s.heading = s.horizontal = s.vertical = Trust::kGood;
+    s.attitude = s.heading = s.horizontal = s.vertical = Quality::kGood;
     s.wind_valid = s.air_valid = true;
   }
 
@@ -158,7 +158,7 @@ class Plant {
   double rudder_{};
   double throttle_{0.5};
   double touchdown_m_s_{};
-  Vector3 touchdown_N_{Vector3::Zero()};
+  Vector3 touchdown_W_{Vector3::Zero()};
   bool on_ground_{false};
   double t_s_{};
   StateEstimate state_{};

@@ -23,7 +23,7 @@ inline Mission hourglass(Passing passing = Passing::kFillet) {
   const double places[4][2] = {{400, -250}, {-400, -50}, {-400, -250}, {400, -50}};
   for (const auto& place : places) {
     Waypoint wp;
-    wp.p_N = {place[0], place[1], -70.0};
+    wp.p_W = {place[0], place[1], -70.0};
     wp.passing = passing;
     wp.course_rad = 1.1518;
     wp.airspeed_m_s = 17.0;
@@ -51,7 +51,7 @@ class SmallWorld {
         StateEstimate seen = plant.state();
         if (look) look(seen);
         const auto& out = manager.step({plant.time_s(), seen, status, range()});
-        for (std::size_t i = 0; i < out.event_count; ++i) events.push_back(out.events[i]);
+        events.insert(events.end(), out.events.begin(), out.events.end());
         if (out.command.ignore == 0) {
           const auto& u = out.command.u;
           surfaces = {static_cast<double>(u[3]), static_cast<double>(u[4]),
@@ -75,7 +75,7 @@ class SmallWorld {
     for (const FlightEvent& e : events) n += e.type == type ? 1 : 0;
     return n;
   }
-  double height_m() const { return -plant.state().p_N.z(); }
+  double height_m() const { return -plant.state().p_W.z(); }
 
   FlightManager manager;
   Plant plant;
@@ -88,7 +88,7 @@ class SmallWorld {
  private:
   static constexpr double kStep_s = 0.0025;
   std::optional<double> range() const {
-    const double up_m = -plant.state().p_N.z();
+    const double up_m = -plant.state().p_W.z();
     return with_range && up_m < 8.0 ? std::optional(std::max(up_m, 0.0)) : std::nullopt;
   }
   long tick_{};

@@ -24,8 +24,8 @@ struct Bench {
       if (zones.zone() == AltitudeZone::kTakeOff && armed) bank = std::max(bank, std::abs(roll()));
     }
   }
-  double roll() const { return RollPitch::of(plant.state().q_NB).roll_rad; }
-  double height() const { return -plant.state().p_N.z(); }
+  double roll() const { return RollPitch::of(plant.state().q_WB).roll_rad; }
+  double height() const { return -plant.state().p_W.z(); }
 
   FlightConfig config = default_config();
   Controller controller{config.controller};
@@ -40,7 +40,7 @@ struct Bench {
 TEST(AltitudeZones, TakeOffClimbHoldAndFollowTheCommand) {
   Bench bench;
   bench.run(1.0);
-  EXPECT_LT(bench.plant.state().v_N.norm(), 0.5);  // disarmed: stands
+  EXPECT_LT(bench.plant.state().v_W.norm(), 0.5);  // disarmed: stands
   bench.armed = true;
   bench.run(60.0);
   EXPECT_EQ(bench.zones.zone(), AltitudeZone::kHold);
@@ -55,7 +55,7 @@ TEST(AltitudeZones, LowFlightIsNoTakeOffAndThereIsOneTakeOffPerArming) {
   AltitudeZones zones;
   StateEstimate state;
   const auto zone_at = [&](double t_s, double height_m, bool armed = true) {
-    state.p_N.z() = -height_m;
+    state.p_W.z() = -height_m;
     static_cast<void>(zones.step({t_s, state, armed, false, 50.0}, config));
     return zones.zone();
   };
@@ -73,7 +73,7 @@ TEST(AltitudeZones, LowFlightIsNoTakeOffAndThereIsOneTakeOffPerArming) {
 TEST(AltitudeZones, ArmedInTheAirFliesOn) {
   AltitudeZones zones;
   StateEstimate state;
-  state.p_N.z() = -30.0;
+  state.p_W.z() = -30.0;
   const auto direct = zones.step({0.0, state, true, false, 50.0}, default_config());
   ASSERT_TRUE(direct);
   EXPECT_EQ(zones.zone(), AltitudeZone::kHold);

@@ -4,7 +4,7 @@
 #include "autonomy/multirotor/test/flight.hpp"
 #include "test_support/allocations.hpp"
 
-namespace rosflight::autonomy::test {
+namespace rosflight::autonomy::multirotor::test {
 namespace {
 
 TEST(Allocation, AWholeFlightAllocatesNothing) {
@@ -15,7 +15,8 @@ TEST(Allocation, AWholeFlightAllocatesNothing) {
   const std::size_t before = test_support::allocations();
   bool landed = false;
   for (int k = 0; k < 80000 && !landed; ++k) {
-    if (k % 5 == 0) landed = manager.step(k * 1e-3, plant.state(), {.armed = true}).request_disarm;
+    if (k % 5 == 0)
+      landed = manager.step({k * 1e-3, plant.state(), {.armed = true}}).request_disarm;
     plant.step(manager.output().command, true, 1e-3);
   }
   EXPECT_TRUE(landed);
@@ -23,4 +24,4 @@ TEST(Allocation, AWholeFlightAllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace rosflight::autonomy::test
+}  // namespace rosflight::autonomy::multirotor::test

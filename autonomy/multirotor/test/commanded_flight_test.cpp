@@ -5,7 +5,7 @@
 
 #include "autonomy/multirotor/test/flight.hpp"
 
-namespace rosflight::autonomy::test {
+namespace rosflight::autonomy::multirotor::test {
 namespace {
 
 using Turn = CommandedFlight::Turn;
@@ -45,8 +45,8 @@ struct Bench {
   bool armed{false};
 };
 
-ControllerCommand go_to(const Vector3& p_N) {
-  return {ControlMode::kNposEposDposYaw, {p_N.x(), p_N.y(), p_N.z(), 0.0}, true};
+ControllerCommand go_to(const Vector3& p_W) {
+  return {ControlMode::kNposEposDposYaw, {p_W.x(), p_W.y(), p_W.z(), 0.0}, true};
 }
 
 TEST(CommandedFlight, TakesOffFliesWhatItIsToldAndLandsOnRequest) {
@@ -58,7 +58,7 @@ TEST(CommandedFlight, TakesOffFliesWhatItIsToldAndLandsOnRequest) {
   EXPECT_EQ(bench.phase(), Phase::kDisarmed) << "nobody to fly for";
   bench.run(20.0, go_to({5, 2, -4}));
   EXPECT_EQ(bench.phase(), Phase::kOffboard);
-  EXPECT_LT((bench.plant.state().p_N - Vector3(5, 2, -4)).norm(), 0.3);
+  EXPECT_LT((bench.plant.state().p_W - Vector3(5, 2, -4)).norm(), 0.3);
   bench.flight.request_land();
   bench.run(20.0, go_to({5, 2, -4}));
   EXPECT_EQ(bench.phase(), Phase::kLanded);
@@ -70,7 +70,7 @@ TEST(CommandedFlight, TakesOffFliesWhatItIsToldAndLandsOnRequest) {
   bench.armed = true;
   bench.run(20.0, go_to({0, 0, -3}));
   EXPECT_EQ(bench.phase(), Phase::kOffboard) << "a landing that was asked for is forgotten";
-  EXPECT_LT((bench.plant.state().p_N - Vector3(0, 0, -3)).norm(), 0.3);
+  EXPECT_LT((bench.plant.state().p_W - Vector3(0, 0, -3)).norm(), 0.3);
 }
 
 // Weak points 34, 35: a command that is not good was flown for ever.
@@ -81,7 +81,7 @@ TEST(CommandedFlight, HoldsWhereItIsWithoutGoodCommandsAndLandsInTheEnd) {
   ASSERT_EQ(bench.phase(), Phase::kOffboard);
   bench.run(10.0, go_to({50, 50, -40}), false);
   EXPECT_EQ(bench.phase(), Phase::kPositionHold);
-  EXPECT_LT((bench.plant.state().p_N - Vector3(5, 2, -4)).norm(), 0.5);
+  EXPECT_LT((bench.plant.state().p_W - Vector3(5, 2, -4)).norm(), 0.5);
   bench.run(bench.config.states.lost_command_land_s + 15.0, go_to({50, 50, -40}), false);
   EXPECT_EQ(bench.phase(), Phase::kLanded);
 }
@@ -101,4 +101,4 @@ TEST(CommandedFlight, WithoutAStateTheVehicleIsThePilots) {
 }
 
 }  // namespace
-}  // namespace rosflight::autonomy::test
+}  // namespace rosflight::autonomy::multirotor::test

@@ -5,7 +5,7 @@
 
 #include "autonomy/multirotor/test/plant.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
 VehicleFacts facts() {
@@ -134,4 +134,4 @@ TEST(AutonomyConfig, RefusesAVehicleThatCannotFly) {
 }
 
 }  // namespace
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

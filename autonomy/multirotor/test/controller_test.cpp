@@ -7,7 +7,7 @@
 
 #include "autonomy/multirotor/test/plant.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
 constexpr double kWeight = 3.5 * 9.81;
@@ -34,7 +34,7 @@ ControllerConfig plain() {
 struct Bench {
   explicit Bench(const ControllerConfig& c = plain()) : controller(c, thrust_model()) {}
   Controller::Output step(ControlMode mode, const std::array<double, 4>& cmd, double dt_s = 0.01) {
-    const AttitudeView view(state.q_NB);
+    const AttitudeView view(state.q_WB);
     const ControllerCommand command{mode, cmd, true};
     return controller.step({state, view, command, dt_s, pilot, on_ground, 0.0});
   }
@@ -78,8 +78,8 @@ TEST(Controller, HoverThrottleIsThatOfTheVehicle) {
 
 TEST(Controller, PositionChainByHand) {
   Bench bench;
-  bench.state.v_N = {0.2, 0.0, 0.1};
-  bench.state.q_NB = attitude(0, 0, kPi / 2.0);
+  bench.state.v_W = {0.2, 0.0, 0.1};
+  bench.state.q_WB = attitude(0, 0, kPi / 2.0);
   const auto out = bench.step(ControlMode::kNposEposDposYaw, {0.5, 1.0, 0.4, kPi / 2.0 + 0.1});
   // velocities 0.5, 1.0, 0.48; accelerations 2.2*0.3, 2.2*1.0, 3*(0.38); nose east: forward is
   // east, right south
@@ -119,11 +119,11 @@ TEST(Controller, AccelerationModeIsInvertedExactly) {
 // Weak point 41: thrust was divided by cos(roll) cos(pitch) without a guard.
 TEST(Controller, TiltCompensationIsBounded) {
   Bench bench;
-  bench.state.q_NB = attitude(0.3, 0.2, 0.0);
+  bench.state.q_WB = attitude(0.3, 0.2, 0.0);
   EXPECT_NEAR(bench.step(ControlMode::kFaccRaccDaccYawrate, {0, 0, 0, 0}).thrust_N,
               kWeight / (std::cos(0.3) * std::cos(0.2)), 1e-9);
   for (const double roll : {1.5, kPi / 2.0, 2.5, kPi}) {
-    bench.state.q_NB = attitude(roll, 0.0, 0.0);
+    bench.state.q_WB = attitude(roll, 0.0, 0.0);
     const auto out = bench.step(ControlMode::kFaccRaccDaccYawrate, {0, 0, 0, 0});
     EXPECT_NEAR(out.thrust_N, kWeight / std::cos(30.0 * kRadPerDeg), 1e-9) << roll;
   }
@@ -186,7 +186,7 @@ TEST(Controller, YawErrorsAreWrapped) {
   ControllerConfig c = plain();
   c.attitude_loops = AttitudeLoops::kAutonomy;
   Bench bench(c);
-  bench.state.q_NB = attitude(0, 0, 3.1);
+  bench.state.q_WB = attitude(0, 0, 3.1);
   const double error = 2.0 * kPi - 6.2;
   EXPECT_NEAR(u(bench.step(ControlMode::kRollPitchYawThrottle, {0, 0, -3.1, 0.5}), 5), 2.0 * error,
               kFloat);
@@ -200,7 +200,7 @@ TEST(Controller, TorqueLoopsByHand) {
   ControllerConfig c = plain();
   c.attitude_loops = AttitudeLoops::kAutonomy;
   Bench bench(c);
-  bench.state.q_NB = attitude(0.1, -0.05, 0.0);
+  bench.state.q_WB = attitude(0.1, -0.05, 0.0);
   bench.state.w_B = {0.2, -0.1, 0.3};
   const auto angles = bench.step(ControlMode::kRollPitchYawThrust, {0.2, 0.1, 0.05, 30.0});
   EXPECT_NEAR(u(angles, 2), -30.0, kFloat);
@@ -230,7 +230,7 @@ TEST(Controller, FirmwareLoopsTakeThrustAsThrottle) {
 // zero torque.
 TEST(Controller, HeightAloneCutsNothing) {
   Bench bench;
-  bench.state.p_N.z() = 0.0;
+  bench.state.p_W.z() = 0.0;
   EXPECT_NEAR(u(bench.step(ControlMode::kRollPitchYawrateThrottle, {0.2, 0.1, 0.3, 0.5}), 3), 0.2,
               kFloat);
 }
@@ -256,16 +256,16 @@ TEST(Controller, PilotClearsAndStopsTheIntegralsOfHisAxes) {
   Bench bench(c);
   const std::array<double, 4> away{0.3, 0.3, 0.3, 0.3};
   for (int k = 0; k < 100; ++k) bench.step(ControlMode::kNposEposDposYaw, away);
-  ASSERT_GT(bench.controller.trim_N().x(), 0.01);
-  ASSERT_GT(bench.controller.trim_N().z(), 0.01);
+  ASSERT_GT(bench.controller.trim_W().x(), 0.01);
+  ASSERT_GT(bench.controller.trim_W().z(), 0.01);
   bench.pilot = PilotOverride::from_word(0x22);  // throttle
   for (int k = 0; k < 10; ++k) bench.step(ControlMode::kNposEposDposYaw, away);
-  EXPECT_EQ(bench.controller.trim_N().z(), 0.0);
-  EXPECT_GT(bench.controller.trim_N().x(), 0.01);
+  EXPECT_EQ(bench.controller.trim_W().z(), 0.0);
+  EXPECT_GT(bench.controller.trim_W().x(), 0.01);
   bench.pilot = PilotOverride::from_word(0x1DD);  // everything of the attitude
   const auto under = bench.step(ControlMode::kNposEposDposYaw, away);
-  EXPECT_EQ(bench.controller.trim_N().x(), 0.0);
-  EXPECT_EQ(bench.controller.trim_N().y(), 0.0);
+  EXPECT_EQ(bench.controller.trim_W().x(), 0.0);
+  EXPECT_EQ(bench.controller.trim_W().y(), 0.0);
   EXPECT_NEAR(u(under, 5), 2.0 * 0.3, kFloat);  // the heading integral is gone as well
 }
 
@@ -276,12 +276,12 @@ TEST(Controller, ModeChangeRestartsNewLoopsAndKeepsTheCommonOnes) {
   c.heading_to_rate.ki = 0.5;
   Bench bench(c);
   for (int k = 0; k < 100; ++k) bench.step(ControlMode::kNposEposDposYaw, {0.1, 0, 0.1, 0.2});
-  const Vector3 trim = bench.controller.trim_N();
+  const Vector3 trim = bench.controller.trim_W();
   ASSERT_GT(trim.z(), 0.0);
   bench.step(ControlMode::kNposEposDvelYaw, {0.1, 0, 0.0, 0.2});
-  EXPECT_NEAR(bench.controller.trim_N().z(), trim.z(), 0.02);  // velocity loops are common
+  EXPECT_NEAR(bench.controller.trim_W().z(), trim.z(), 0.02);  // velocity loops are common
   bench.step(ControlMode::kRollPitchYawrateThrottle, {0, 0, 0, 0.5});
-  bench.state.p_N = {50, 0, 0};  // far away meanwhile: the old x_prev would kick
+  bench.state.p_W = {50, 0, 0};  // far away meanwhile: the old x_prev would kick
   const auto back = bench.step(ControlMode::kNposEposDposYaw, {50, 0, 0, 0.0});
   EXPECT_NEAR(u(back, 5), 0.0, kFloat);                        // heading integral forgotten
   EXPECT_NEAR(u(back, 4), std::atan2(-trim.x(), 9.81), 0.02);  // wind trim kept, no derivative kick
@@ -293,24 +293,24 @@ TEST(Controller, HandOverSetsTheTrimOfNewLoops) {
   bench.controller.enter(ControlMode::kNposEposDposYaw, {0.4, -0.2, 0.1});
   const auto out = bench.step(ControlMode::kNposEposDposYaw, {0, 0, 0, 0});
   EXPECT_NEAR(out.thrust_N, 3.5 * (9.81 - 0.1), 1e-9);
-  EXPECT_TRUE(bench.controller.trim_N().isApprox(Vector3(0.4, -0.2, 0.1)));
+  EXPECT_TRUE(bench.controller.trim_W().isApprox(Vector3(0.4, -0.2, 0.1)));
 }
 
 TEST(Controller, LimitedLoopsDoNotWindUp) {
   Bench bench{ControllerConfig{}};
   for (int k = 0; k < 2000; ++k) bench.step(ControlMode::kNvelEvelDvelYawrate, {50, 50, 0, 0});
   // one step passes before the limit is known: 0.8 * 50 m/s * 0.01 s on both axes
-  EXPECT_LT(bench.controller.trim_N().norm(), 0.4 * std::sqrt(2.0) + 1e-9);
+  EXPECT_LT(bench.controller.trim_W().norm(), 0.4 * std::sqrt(2.0) + 1e-9);
 }
 
 TEST(Controller, GainChangeKeepsTheTrim) {
   ControllerConfig c;
   Bench bench(c);
   for (int k = 0; k < 100; ++k) bench.step(ControlMode::kNposEposDposYaw, {0, 0, 0.1, 0});
-  const double trim = bench.controller.trim_N().z();
+  const double trim = bench.controller.trim_W().z();
   c.velocity_vertical = {4.0, 2.0, 0.0};
   bench.controller.configure(c, thrust_model());
-  EXPECT_EQ(bench.controller.trim_N().z(), trim);
+  EXPECT_EQ(bench.controller.trim_W().z(), trim);
 }
 
 TEST(Controller, SpeedsAreLimited) {
@@ -359,4 +359,4 @@ TEST(Controller, EastHasGainsOfItsOwnWhereTheyAreGiven) {
 }
 
 }  // namespace
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

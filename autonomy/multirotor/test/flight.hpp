@@ -7,7 +7,7 @@
 #include "autonomy/multirotor/config.hpp"
 #include "autonomy/multirotor/test/plant.hpp"
 
-namespace rosflight::autonomy::test {
+namespace rosflight::autonomy::multirotor::test {
 
 /// The shipped configuration of the default quadrotor.
 inline FlightConfig default_config(double rc_max_thr = 0.7, double firmware_max_thrust_N = 0.0) {
@@ -30,7 +30,7 @@ class Flight {
       if (tick_++ % (1000 / rate_hz) == 0) control(after_step);
       plant.step(manager.output().command, armed(), kWorldStep_s);
       t_s += kWorldStep_s;
-      if (plant.state().p_N.z() < plant.config().ground_down_m - 0.5) plant.take_impact_m_s();
+      if (plant.state().p_W.z() < plant.config().ground_down_m - 0.5) plant.take_impact_m_s();
       impact_m_s = std::max(impact_m_s * (plant.on_ground() ? 1.0 : 0.0), plant.take_impact_m_s());
     }
   }
@@ -67,11 +67,10 @@ class Flight {
 
   void control(const std::function<void()>& after_step) {
     last_step_s = t_s;
-    const FlightOutput& out = manager.step(t_s, plant.state(), status());
-    events.insert(events.end(), out.events.list.begin(),
-                  out.events.list.begin() + static_cast<long>(out.events.count));
+    const FlightOutput& out = manager.step({t_s, plant.state(), status()});
+    events.insert(events.end(), out.events.begin(), out.events.end());
     if (out.tracking) {
-      square_sum_ += (out.setpoint.p_N - plant.state().p_N).squaredNorm();
+      square_sum_ += (out.setpoint.p_W - plant.state().p_W).squaredNorm();
       ++samples_;
     }
     if (out.request_disarm) disarmed = true;
@@ -83,4 +82,4 @@ class Flight {
   double square_sum_{};
 };
 
-}  // namespace rosflight::autonomy::test
+}  // namespace rosflight::autonomy::multirotor::test

@@ -9,7 +9,7 @@
 
 #include "autonomy/multirotor/test/flight.hpp"
 
-namespace rosflight::autonomy::test {
+namespace rosflight::autonomy::multirotor::test {
 namespace {
 
 TEST(FlightManager, FliesTheDefaultMissionAndLands) {
@@ -25,7 +25,7 @@ TEST(FlightManager, FliesTheDefaultMissionAndLands) {
   }
   EXPECT_LT(flight.tracking_rms_m(), 0.15);
   EXPECT_LT(flight.impact_m_s, 0.6);  // touchdown speed 0.35 and what the loops add
-  EXPECT_LT(flight.plant.state().p_N.head<2>().norm(), 0.2);  // the last waypoint is over the start
+  EXPECT_LT(flight.plant.state().p_W.head<2>().norm(), 0.2);  // the last waypoint is over the start
   EXPECT_GT(flight.t_s, 35.0);
   EXPECT_LT(flight.t_s, 65.0);
 }
@@ -47,7 +47,7 @@ TEST(FlightManager, FliesInWindWithWeakMotorsAndSlowAttitude) {
   for (const Case& c :
        {Case{6.0, 1.0, 10.0}, Case{0.0, 0.8, 10.0}, Case{0.0, 1.2, 10.0}, Case{4.0, 0.9, 6.0}}) {
     Flight flight;
-    flight.plant.config().wind_N = {0.8 * c.wind_m_s, -0.6 * c.wind_m_s, 0.0};
+    flight.plant.config().wind_W = {0.8 * c.wind_m_s, -0.6 * c.wind_m_s, 0.0};
     flight.plant.config().thrust_scale = c.thrust_scale;
     flight.plant.config().attitude_frequency_rad_s = c.attitude_rad_s;
     flight.run(100.0);
@@ -86,12 +86,12 @@ TEST(FlightManager, SetpointDoesNotJumpWhenTheMissionBegins) {
   flight.run(30.0, [&] {
     const FlightOutput& out = flight.output();
     if (out.tracking) {
-      const double far_m = seen ? (out.setpoint.p_N - last).norm()
-                                : (out.setpoint.p_N - flight.plant.state().p_N).norm();
+      const double far_m = seen ? (out.setpoint.p_W - last).norm()
+                                : (out.setpoint.p_W - flight.plant.state().p_W).norm();
       EXPECT_LT(far_m, seen ? 5.0 * 1.01 / flight.rate_hz : 0.3);
       seen = true;
     }
-    last = out.setpoint.p_N;
+    last = out.setpoint.p_W;
   });
   EXPECT_TRUE(seen);
 }
@@ -103,7 +103,7 @@ TEST(FlightManager, TakesOffFromAHillAndLandsOnLowerGround) {
   flight.plant.config().ground_down_m = 0.5;
   flight.run(80.0);
   EXPECT_TRUE(flight.disarmed);
-  EXPECT_NEAR(flight.plant.state().p_N.z(), 0.5, 1e-9);
+  EXPECT_NEAR(flight.plant.state().p_W.z(), 0.5, 1e-9);
   EXPECT_LT(flight.impact_m_s, 0.6);
 }
 
@@ -121,12 +121,12 @@ TEST(FlightManager, LandsWhereItIsWhenAsked) {
   Flight flight;
   flight.run(12.0);
   ASSERT_EQ(flight.output().phase, Phase::kOffboard);
-  const Vector3 asked_at = flight.plant.state().p_N;
+  const Vector3 asked_at = flight.plant.state().p_W;
   flight.manager.request_land();
   flight.run(40.0);
   EXPECT_TRUE(flight.disarmed);
   EXPECT_FALSE(flight.output().mission_done);
-  EXPECT_LT((flight.plant.state().p_N - asked_at).head<2>().norm(), 1.0);
+  EXPECT_LT((flight.plant.state().p_W - asked_at).head<2>().norm(), 1.0);
 }
 
 // Weak point 31: a repeated state stamp sent one tick of position hold at the take-off point.
@@ -136,7 +136,7 @@ TEST(FlightManager, RepeatedAndBackwardTimesChangeNothing) {
   ASSERT_EQ(flight.output().phase, Phase::kOffboard);
   const FlightOutput before = flight.output();
   for (const double t : {flight.last_step_s, flight.last_step_s - 5.0, std::nan("")}) {
-    const FlightOutput& after = flight.manager.step(t, flight.plant.state(), flight.status());
+    const FlightOutput& after = flight.manager.step({t, flight.plant.state(), flight.status()});
     EXPECT_EQ(after.command.u, before.command.u);
     EXPECT_EQ(after.phase, Phase::kOffboard);
     EXPECT_EQ(after.events.count, 0U);
@@ -157,14 +157,14 @@ TEST(FlightManager, PilotTakesOverFliesAwayAndGivesBack) {
   EXPECT_FALSE(flight.output().tracking);
   // he flies it by hand: somewhere else, moving
   for (int k = 0; k < 500; ++k) {
-    flight.plant.state().p_N = {-6.0 + 0.002 * k, 5.0, -6.0};
-    flight.plant.state().v_N = {2.0, 0.0, 0.0};
+    flight.plant.state().p_W = {-6.0 + 0.002 * k, 5.0, -6.0};
+    flight.plant.state().v_W = {2.0, 0.0, 0.0};
     flight.run(0.002);
   }
   flight.override_word = 0;
   flight.run(0.5);
   EXPECT_EQ(flight.output().phase, Phase::kPositionHold);
-  EXPECT_LT((flight.plant.state().p_N - Vector3(-5.0, 5.0, -6.0)).norm(),
+  EXPECT_LT((flight.plant.state().p_W - Vector3(-5.0, 5.0, -6.0)).norm(),
             2.0);  // braking from 2 m/s
   flight.run(60.0);
   EXPECT_TRUE(flight.disarmed);
@@ -179,18 +179,18 @@ TEST(FlightManager, LostStateIsHandedToThePilotAndTakenBack) {
   Flight flight;
   flight.run(10.0);
   State bad = flight.plant.state();
-  bad.v_N.y() = std::nan("");
+  bad.v_W.y() = std::nan("");
   const FirmwareCommand last = flight.output().command;
   double t = flight.last_step_s;
-  const FlightOutput* out = &flight.manager.step(t += 0.05, bad, flight.status());
+  const FlightOutput* out = &flight.manager.step({t += 0.05, bad, flight.status()});
   EXPECT_EQ(out->command.u, last.u);
   EXPECT_EQ(out->command.ignore, 0);
-  out = &flight.manager.step(t += 0.06, bad, flight.status());
+  out = &flight.manager.step({t += 0.06, bad, flight.status()});
   EXPECT_EQ(out->command.ignore, kIgnoreAll);
   ASSERT_EQ(out->events.count, 1U);
   EXPECT_EQ(out->events.list[0].type, FlightEventType::kStateLost);
-  EXPECT_EQ(flight.manager.step(t += 1.0, bad, flight.status()).events.count, 0U);
-  out = &flight.manager.step(t + 0.01, flight.plant.state(), flight.status());
+  EXPECT_EQ(flight.manager.step({t += 1.0, bad, flight.status()}).events.count, 0U);
+  out = &flight.manager.step({t + 0.01, flight.plant.state(), flight.status()});
   EXPECT_EQ(out->command.ignore, 0);
   EXPECT_EQ(out->phase, Phase::kPositionHold);
   EXPECT_EQ(out->events.list[0].type, FlightEventType::kStateRegained);
@@ -217,12 +217,12 @@ TEST(FlightManager, NewMissionInFlightIsFlownFromWhereItIs) {
   flight.run(9.0);
   ASSERT_EQ(flight.output().phase, Phase::kOffboard);
   flight.manager.set_mission(load_mission("missions/square.yaml", {}));
-  Vector3 last = flight.output().setpoint.p_N;
+  Vector3 last = flight.output().setpoint.p_W;
   flight.run(70.0, [&] {
     if (flight.output().tracking) {
-      EXPECT_LT((flight.output().setpoint.p_N - last).norm(), 6.0 / flight.rate_hz);
+      EXPECT_LT((flight.output().setpoint.p_W - last).norm(), 6.0 / flight.rate_hz);
     }
-    last = flight.output().setpoint.p_N;
+    last = flight.output().setpoint.p_W;
   });
   EXPECT_TRUE(flight.disarmed);
 }
@@ -231,14 +231,14 @@ TEST(FlightManager, DoesNotTakeOffAgainAfterItHasLanded) {
   Flight flight;
   flight.run(80.0);
   ASSERT_TRUE(flight.disarmed);
-  flight.manager.step(flight.t_s, flight.plant.state(), flight.status());
+  flight.manager.step({flight.t_s, flight.plant.state(), flight.status()});
   flight.disarmed = false;  // armed again
   flight.run(5.0);
-  EXPECT_LT(-flight.plant.state().p_N.z(), 0.01);
+  EXPECT_LT(-flight.plant.state().p_W.z(), 0.01);
   EXPECT_EQ(flight.output().phase, Phase::kDisarmed);
   flight.manager.set_mission(flight.mission);
   flight.run(5.0);
-  EXPECT_GT(-flight.plant.state().p_N.z(), 1.0);
+  EXPECT_GT(-flight.plant.state().p_W.z(), 1.0);
 }
 
 TEST(FlightManager, TakeoffHeightOfTheMissionCounts) {
@@ -247,14 +247,14 @@ TEST(FlightManager, TakeoffHeightOfTheMissionCounts) {
   flight.manager.set_mission(flight.mission);
   double hold_m = 0.0;
   flight.run(12.0, [&] {
-    if (flight.output().phase == Phase::kPositionHold) hold_m = -flight.output().setpoint.p_N.z();
+    if (flight.output().phase == Phase::kPositionHold) hold_m = -flight.output().setpoint.p_W.z();
   });
   EXPECT_NEAR(hold_m, 6.0, 1e-9);
 }
 
 TEST(FlightManager, FirstStepSaysNothingDangerous) {
   Flight flight;
-  const FlightOutput& out = flight.manager.step(123.0, flight.plant.state(), {.armed = true});
+  const FlightOutput& out = flight.manager.step({123.0, flight.plant.state(), {.armed = true}});
   EXPECT_EQ(out.command.mode, FirmwareMode::kPassThrough);
   for (const float u : out.command.u) EXPECT_EQ(u, 0.0F);
 }
@@ -265,7 +265,7 @@ TEST(FlightManager, SameInputsSameOutputs) {
   a.run(20.0);
   b.run(20.0);
   EXPECT_EQ(a.output().command.u, b.output().command.u);
-  EXPECT_EQ(a.plant.state().p_N, b.plant.state().p_N);
+  EXPECT_EQ(a.plant.state().p_W, b.plant.state().p_W);
 }
 
 TEST(FlightManager, RefusesWhatCannotBeFlown) {
@@ -277,4 +277,4 @@ TEST(FlightManager, RefusesWhatCannotBeFlown) {
 }
 
 }  // namespace
-}  // namespace rosflight::autonomy::test
+}  // namespace rosflight::autonomy::multirotor::test

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
 constexpr double kDt = 0.01;
@@ -91,4 +91,4 @@ TEST(Landing, StartForgetsTheLastOne) {
 }
 
 }  // namespace
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

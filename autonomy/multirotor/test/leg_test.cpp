@@ -7,7 +7,7 @@
 
 #include "autonomy/multirotor/angles.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
 // Limits of roscopter's shipped file: 3 m/s, 5 m/s^2. The heading is given so much that it never
@@ -16,7 +16,7 @@ constexpr LegLimits kShipped{3.0, 5.0, 10.0, 100.0};
 
 Trajectory at(double n, double e, double d, double psi = 0.0) {
   Trajectory t;
-  t.p_N = {n, e, d};
+  t.p_W = {n, e, d};
   t.psi_rad = psi;
   return t;
 }
@@ -48,19 +48,19 @@ TEST(QuinticLeg, SigmaAndItsDerivatives) {
   const QuinticLeg leg(at(0, 0, 0), {1, 0, 0}, 0.0, limits);
   ASSERT_NEAR(leg.duration_s(), 1.0, 1e-12);
   const Trajectory start = leg.sample(0.0);
-  EXPECT_EQ(start.p_N.x(), 0.0);
-  EXPECT_EQ(start.v_N.x(), 0.0);
-  EXPECT_EQ(start.a_N.x(), 0.0);
+  EXPECT_EQ(start.p_W.x(), 0.0);
+  EXPECT_EQ(start.v_W.x(), 0.0);
+  EXPECT_EQ(start.a_W.x(), 0.0);
   const Trajectory middle = leg.sample(0.5);
-  EXPECT_NEAR(middle.p_N.x(), 0.5, 1e-12);
-  EXPECT_NEAR(middle.v_N.x(), 1.875, 1e-12);
-  EXPECT_NEAR(middle.a_N.x(), 0.0, 1e-11);
+  EXPECT_NEAR(middle.p_W.x(), 0.5, 1e-12);
+  EXPECT_NEAR(middle.v_W.x(), 1.875, 1e-12);
+  EXPECT_NEAR(middle.a_W.x(), 0.0, 1e-11);
   const Trajectory peak = leg.sample((3.0 - std::sqrt(3.0)) / 6.0);
-  EXPECT_NEAR(peak.a_N.x(), 10.0 / std::sqrt(3.0), 1e-11);
+  EXPECT_NEAR(peak.a_W.x(), 10.0 / std::sqrt(3.0), 1e-11);
   const Trajectory quarter = leg.sample(0.25);
-  EXPECT_NEAR(quarter.p_N.x(), 53.0 / 512.0, 1e-12);
-  EXPECT_NEAR(quarter.v_N.x(), 135.0 / 128.0, 1e-12);
-  EXPECT_NEAR(quarter.a_N.x(), 5.625, 1e-11);
+  EXPECT_NEAR(quarter.p_W.x(), 53.0 / 512.0, 1e-12);
+  EXPECT_NEAR(quarter.v_W.x(), 135.0 / 128.0, 1e-12);
+  EXPECT_NEAR(quarter.a_W.x(), 5.625, 1e-11);
 }
 
 // Weak point 20: after the end the last sample, not the waypoint, was repeated.
@@ -68,9 +68,9 @@ TEST(QuinticLeg, EndsExactlyAndAtRest) {
   const QuinticLeg leg(at(0.1, 0.2, -0.3, 1.0), {7.7, -1.3, -9.1}, 2.5, kShipped);
   for (const double t : {leg.duration_s(), leg.duration_s() + 1e-9, leg.duration_s() + 100.0}) {
     const Trajectory end = leg.sample(t);
-    EXPECT_EQ(end.p_N, Vector3(7.7, -1.3, -9.1));
-    EXPECT_TRUE(end.v_N.isZero(0.0));
-    EXPECT_TRUE(end.a_N.isZero(0.0));
+    EXPECT_EQ(end.p_W, Vector3(7.7, -1.3, -9.1));
+    EXPECT_TRUE(end.v_W.isZero(0.0));
+    EXPECT_TRUE(end.a_W.isZero(0.0));
     EXPECT_NEAR(end.psi_rad, 2.5, 1e-15);
     EXPECT_EQ(end.psi_dot_rad_s, 0.0);
   }
@@ -80,7 +80,7 @@ TEST(QuinticLeg, EndsExactlyAndAtRest) {
 TEST(QuinticLeg, NoWayAndNoTurnIsALegOfNoTime) {
   const QuinticLeg leg(at(1, 2, -3, 0.5), {1, 2, -3}, 0.5, kShipped);
   EXPECT_EQ(leg.duration_s(), 0.0);
-  EXPECT_EQ(leg.sample(0.0).p_N, Vector3(1, 2, -3));
+  EXPECT_EQ(leg.sample(0.0).p_W, Vector3(1, 2, -3));
   EXPECT_NEAR(leg.sample(5.0).psi_rad, 0.5, 1e-15);
 }
 
@@ -91,7 +91,7 @@ TEST(QuinticLeg, TurnsOnTheSpot) {
   EXPECT_NEAR(leg.duration_s(), 1.875, 1e-12);
   EXPECT_NEAR(leg.sample(0.5 * leg.duration_s()).psi_dot_rad_s, 1.0, 1e-12);
   EXPECT_NEAR(leg.sample(0.5 * leg.duration_s()).psi_rad, 0.5, 1e-12);
-  EXPECT_EQ(leg.sample(0.7).p_N, Vector3(1, 2, -3));
+  EXPECT_EQ(leg.sample(0.7).p_W, Vector3(1, 2, -3));
 }
 
 // Weak point 22: the heading was interpolated without wrapping.
@@ -109,18 +109,18 @@ TEST(QuinticLeg, HeadingTurnsTheShortWay) {
 
 TEST(QuinticLeg, TakesOverTheMotionOfItsStart) {
   Trajectory start = at(1, 2, -3, 0.4);
-  start.v_N = {2.0, -1.0, 0.5};
-  start.a_N = {0.3, 0.2, -0.1};
+  start.v_W = {2.0, -1.0, 0.5};
+  start.a_W = {0.3, 0.2, -0.1};
   start.psi_dot_rad_s = 0.5;
   start.psi_ddot_rad_s2 = -0.2;
   const QuinticLeg leg(start, {12, 4, -6}, 1.4, kShipped);
   const Trajectory s = leg.sample(0.0);
-  EXPECT_TRUE(s.p_N.isApprox(start.p_N, 1e-12));
-  EXPECT_TRUE(s.v_N.isApprox(start.v_N, 1e-12));
-  EXPECT_TRUE(s.a_N.isApprox(start.a_N, 1e-12));
+  EXPECT_TRUE(s.p_W.isApprox(start.p_W, 1e-12));
+  EXPECT_TRUE(s.v_W.isApprox(start.v_W, 1e-12));
+  EXPECT_TRUE(s.a_W.isApprox(start.a_W, 1e-12));
   EXPECT_NEAR(s.psi_dot_rad_s, 0.5, 1e-12);
   EXPECT_NEAR(s.psi_ddot_rad_s2, -0.2, 1e-12);
-  EXPECT_EQ(leg.sample(leg.duration_s()).p_N, Vector3(12, 4, -6));
+  EXPECT_EQ(leg.sample(leg.duration_s()).p_W, Vector3(12, 4, -6));
 }
 
 TEST(QuinticLeg, KeepsTheLimitsFromAnyStart) {
@@ -132,15 +132,15 @@ TEST(QuinticLeg, KeepsTheLimitsFromAnyStart) {
   const LegLimits limits{4.0, 3.0, 1.0, 2.0};
   for (int k = 0; k < 200; ++k) {
     Trajectory start = at(random() * 5, random() * 5, random() * 5, random() * 3);
-    start.v_N = Vector3(random(), random(), random()) * 2.0;
+    start.v_W = Vector3(random(), random(), random()) * 2.0;
     start.psi_dot_rad_s = random();
     const Vector3 to(random() * 20, random() * 20, random() * 20);
     const QuinticLeg leg(start, to, random() * 3, limits);
     for (int i = 0; i < 200; ++i) {
       const Trajectory s = leg.sample(leg.duration_s() * i / 200.0);
       // 3 %: the limits are checked at 24 points of the leg, extrema may lie between
-      EXPECT_LE(s.v_N.norm(), 1.03 * std::max(limits.speed_m_s, 1.1 * start.v_N.norm()));
-      EXPECT_LE(s.a_N.norm(), 1.03 * limits.acceleration_m_s2);
+      EXPECT_LE(s.v_W.norm(), 1.03 * std::max(limits.speed_m_s, 1.1 * start.v_W.norm()));
+      EXPECT_LE(s.a_W.norm(), 1.03 * limits.acceleration_m_s2);
       EXPECT_LE(std::abs(s.psi_dot_rad_s),
                 1.03 * std::max(limits.yaw_rate_rad_s, 1.1 * std::abs(start.psi_dot_rad_s)));
     }
@@ -149,18 +149,18 @@ TEST(QuinticLeg, KeepsTheLimitsFromAnyStart) {
 
 TEST(QuinticLeg, VelocityIsTheDerivativeOfPosition) {
   Trajectory start = at(0, 0, -2, 3.0);
-  start.v_N = {1, 0.5, 0};
+  start.v_W = {1, 0.5, 0};
   const QuinticLeg leg(start, {9, -4, -6}, -3.0, kShipped);
   const double h = 1e-5;
   for (int k = 1; k < 20; ++k) {
     const double t = leg.duration_s() * k / 20.0;
-    const Vector3 v = (leg.sample(t + h).p_N - leg.sample(t - h).p_N) / (2.0 * h);
-    const Vector3 a = (leg.sample(t + h).v_N - leg.sample(t - h).v_N) / (2.0 * h);
+    const Vector3 v = (leg.sample(t + h).p_W - leg.sample(t - h).p_W) / (2.0 * h);
+    const Vector3 a = (leg.sample(t + h).v_W - leg.sample(t - h).v_W) / (2.0 * h);
     // central differences: h^2 of the third derivative, and rounding over h
-    EXPECT_LT((v - leg.sample(t).v_N).norm(), 1e-8);
-    const Vector3 j = (leg.sample(t + h).a_N - leg.sample(t - h).a_N) / (2.0 * h);
-    EXPECT_LT((a - leg.sample(t).a_N).norm(), 1e-8);
-    EXPECT_LT((j - leg.sample(t).j_N).norm(), 1e-8);
+    EXPECT_LT((v - leg.sample(t).v_W).norm(), 1e-8);
+    const Vector3 j = (leg.sample(t + h).a_W - leg.sample(t - h).a_W) / (2.0 * h);
+    EXPECT_LT((a - leg.sample(t).a_W).norm(), 1e-8);
+    EXPECT_LT((j - leg.sample(t).j_W).norm(), 1e-8);
   }
 }
 
@@ -169,11 +169,11 @@ TEST(LinearLeg, ConstantAccelerationBetweenTwoSpeeds) {
   const LinearLeg leg(at(0, 0, 0), {0, 12, 0}, 0.0, 2.0, 4.0, kShipped);
   EXPECT_NEAR(leg.duration_s(), 4.0, 1e-12);
   const Trajectory s = leg.sample(2.0);
-  EXPECT_NEAR(s.p_N.y(), 2.0 * 2.0 + 0.25 * 4.0, 1e-12);
-  EXPECT_NEAR(s.v_N.y(), 3.0, 1e-12);
-  EXPECT_NEAR(s.a_N.y(), 0.5, 1e-12);
-  EXPECT_EQ(leg.sample(4.0).p_N.y(), 12.0);
-  EXPECT_NEAR(leg.sample(4.0).v_N.y(), 4.0, 1e-12);
+  EXPECT_NEAR(s.p_W.y(), 2.0 * 2.0 + 0.25 * 4.0, 1e-12);
+  EXPECT_NEAR(s.v_W.y(), 3.0, 1e-12);
+  EXPECT_NEAR(s.a_W.y(), 0.5, 1e-12);
+  EXPECT_EQ(leg.sample(4.0).p_W.y(), 12.0);
+  EXPECT_NEAR(leg.sample(4.0).v_W.y(), 4.0, 1e-12);
 }
 
 // Weak point 24: two zero speeds never moved.
@@ -181,15 +181,15 @@ TEST(LinearLeg, TwoZeroSpeedsFlyATrapezoid) {
   // 30 m at 3 m/s, 5 m/s^2: ramps of 0.6 s, T = 30/3 + 0.6
   const LinearLeg leg(at(0, 0, 0), {30, 0, 0}, 0.0, 0.0, 0.0, kShipped);
   EXPECT_NEAR(leg.duration_s(), 10.6, 1e-12);
-  EXPECT_NEAR(leg.sample(0.3).v_N.x(), 1.5, 1e-12);
-  EXPECT_NEAR(leg.sample(5.3).p_N.x(), 15.0, 1e-12);
-  EXPECT_NEAR(leg.sample(5.3).v_N.x(), 3.0, 1e-12);
-  EXPECT_NEAR(leg.sample(10.3).v_N.x(), 1.5, 1e-12);
-  EXPECT_NEAR(leg.sample(10.6 - 1e-9).p_N.x(), 30.0, 1e-12);
+  EXPECT_NEAR(leg.sample(0.3).v_W.x(), 1.5, 1e-12);
+  EXPECT_NEAR(leg.sample(5.3).p_W.x(), 15.0, 1e-12);
+  EXPECT_NEAR(leg.sample(5.3).v_W.x(), 3.0, 1e-12);
+  EXPECT_NEAR(leg.sample(10.3).v_W.x(), 1.5, 1e-12);
+  EXPECT_NEAR(leg.sample(10.6 - 1e-9).p_W.x(), 30.0, 1e-12);
   // 1.25 m: no cruise, peak sqrt(1.25 * 5) = 2.5 m/s after 0.5 s
   const LinearLeg brief(at(0, 0, 0), {1.25, 0, 0}, 0.0, 0.0, 0.0, kShipped);
   EXPECT_NEAR(brief.duration_s(), 1.0, 1e-12);
-  EXPECT_NEAR(brief.sample(0.5).v_N.x(), 2.5, 1e-12);
+  EXPECT_NEAR(brief.sample(0.5).v_W.x(), 2.5, 1e-12);
 }
 
 TEST(LinearLeg, HeadingFollowsTheWayTheShortWay) {
@@ -209,4 +209,4 @@ TEST(WrapAngle, StaysInTheHalfOpenTurn) {
 }
 
 }  // namespace
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

@@ -7,7 +7,7 @@
 
 #include "config/strict_yaml.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
 const MissionLimits kLimits{};
@@ -53,7 +53,7 @@ TEST(Mission, ReadsAllKeys) {
   EXPECT_EQ(m.at_end, AtEnd::kHold);
   ASSERT_EQ(m.waypoints.size(), 3U);
   EXPECT_EQ(m.waypoints[0].type, WaypointType::kGoto);
-  EXPECT_EQ(m.waypoints[0].p_N, Vector3(10, -2, -4.5));
+  EXPECT_EQ(m.waypoints[0].p_W, Vector3(10, -2, -4.5));
   EXPECT_EQ(m.waypoints[0].speed_m_s, 4.0);
   EXPECT_EQ(m.waypoints[0].psi_rad, 1.57);
   EXPECT_EQ(m.waypoints[1].type, WaypointType::kHold);
@@ -71,7 +71,7 @@ TEST(Mission, ReadsTheReferencesExample) {
   const bool holds[] = {false, false, true, false, true};
   ASSERT_EQ(m.waypoints.size(), 5U);
   for (std::size_t k = 0; k < 5; ++k) {
-    EXPECT_EQ(m.waypoints[k].p_N, expected[k]);
+    EXPECT_EQ(m.waypoints[k].p_W, expected[k]);
     EXPECT_EQ(m.waypoints[k].type == WaypointType::kHold, holds[k]);
     EXPECT_EQ(m.waypoints[k].speed_m_s, 4.0);
     EXPECT_EQ(m.waypoints[k].psi_rad, k == 2 ? 1.5 : 2.16);
@@ -113,9 +113,9 @@ TEST(Mission, WaypointsAreGotoAndLocal) {
   const Mission m =
       parse(one("{type: goto, w: [40.2682, -111.6347, 1397.0], use_lla: true, psi: 0}"), kProvo);
   // PROJ 9.5.1, topocentric: 111.064644 85.077434 -9.998464
-  EXPECT_NEAR(m.waypoints[0].p_N.x(), 111.064644, 1e-6);
-  EXPECT_NEAR(m.waypoints[0].p_N.y(), 85.077434, 1e-6);
-  EXPECT_NEAR(m.waypoints[0].p_N.z(), -9.998464, 1e-6);
+  EXPECT_NEAR(m.waypoints[0].p_W.x(), 111.064644, 1e-6);
+  EXPECT_NEAR(m.waypoints[0].p_W.y(), 85.077434, 1e-6);
+  EXPECT_NEAR(m.waypoints[0].p_W.z(), -9.998464, 1e-6);
 }
 
 // Weak point 25: geodetic missions loaded before the origin was known were wrong.
@@ -206,7 +206,7 @@ TEST(Mission, ShippedMissionsLoadAndAreWorthFlying) {
   EXPECT_EQ(fly.at_end, AtEnd::kLand);
   bool holds = false;
   for (const Waypoint& w : fly.waypoints) {
-    EXPECT_LE(w.p_N.norm(), 15.0);
+    EXPECT_LE(w.p_W.norm(), 15.0);
     holds = holds || w.type == WaypointType::kHold;
   }
   EXPECT_TRUE(holds);
@@ -214,4 +214,4 @@ TEST(Mission, ShippedMissionsLoadAndAreWorthFlying) {
 }
 
 }  // namespace
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

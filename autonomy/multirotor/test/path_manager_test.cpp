@@ -7,23 +7,23 @@
 
 #include "autonomy/multirotor/angles.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
 using Event = PathManager::Event;
 constexpr double kStep_s = 0.01;
 
 Waypoint go_to(const Vector3& p, double psi = 0.0, double speed = kInfinity) {
-  return {.type = WaypointType::kGoto, .p_N = p, .psi_rad = psi, .speed_m_s = speed};
+  return {.type = WaypointType::kGoto, .p_W = p, .psi_rad = psi, .speed_m_s = speed};
 }
 
 Waypoint hold(const Vector3& p, double seconds) {
-  return {.type = WaypointType::kHold, .p_N = p, .hold_s = seconds};
+  return {.type = WaypointType::kHold, .p_W = p, .hold_s = seconds};
 }
 
 Trajectory standing(const Vector3& p, double psi = 0.0) {
   Trajectory t;
-  t.p_N = p;
+  t.p_W = p;
   t.psi_rad = psi;
   return t;
 }
@@ -38,8 +38,8 @@ struct PerfectFlight {
 
   const PathManager::Output& step() {
     t_s += kStep_s;
-    out = path.step(t_s, p_N, psi_rad);
-    p_N = out.setpoint.p_N;
+    out = path.step(t_s, p_W, psi_rad);
+    p_W = out.setpoint.p_W;
     psi_rad = out.setpoint.psi_rad;
     return out;
   }
@@ -53,7 +53,7 @@ struct PerfectFlight {
 
   PathManager& path;
   double t_s;
-  Vector3 p_N{Vector3::Zero()};
+  Vector3 p_W{Vector3::Zero()};
   double psi_rad{};
   PathManager::Output out{};
 };
@@ -64,10 +64,10 @@ TEST(PathManager, FirstLegStartsWhereTheVehicleIs) {
   path.set_waypoints({go_to({30, 40, -12}, 1.0)});
   path.start(5.0, standing({20, 40, -10}, 0.7));
   const PathManager::Output first = path.step(5.0, {20, 40, -10}, 0.7);
-  EXPECT_EQ(first.setpoint.p_N, Vector3(20, 40, -10));
+  EXPECT_EQ(first.setpoint.p_W, Vector3(20, 40, -10));
   EXPECT_NEAR(first.setpoint.psi_rad, 0.7, 1e-12);
   const PathManager::Output next = path.step(5.0 + kStep_s, {20, 40, -10}, 0.7);
-  EXPECT_LT((next.setpoint.p_N - first.setpoint.p_N).norm(), 1e-4);
+  EXPECT_LT((next.setpoint.p_W - first.setpoint.p_W).norm(), 1e-4);
 }
 
 // Weak point 17: after a clear the next mission began where the old one had last started.
@@ -78,11 +78,11 @@ TEST(PathManager, NewListInFlightLeadsOnFromTheSetpoint) {
   PerfectFlight flight(path, 0.0);
   for (int k = 0; k < 1000; ++k) flight.step();
   const Trajectory before = flight.out.setpoint;
-  ASSERT_GT(before.v_N.norm(), 1.0);
+  ASSERT_GT(before.v_W.norm(), 1.0);
   path.set_waypoints({go_to({20, 30, -10})});
   const Trajectory after = flight.step().setpoint;
-  EXPECT_LT((after.p_N - before.p_N - before.v_N * kStep_s).norm(), 0.01);
-  EXPECT_LT((after.v_N - before.v_N).norm(), 5.0 * 2.0 * kStep_s);  // one or two steps of a_max
+  EXPECT_LT((after.p_W - before.p_W - before.v_W * kStep_s).norm(), 0.01);
+  EXPECT_LT((after.v_W - before.v_W).norm(), 5.0 * 2.0 * kStep_s);  // one or two steps of a_max
 }
 
 // Weak point 18: the clock ran from the moment the waypoints arrived.
@@ -91,8 +91,8 @@ TEST(PathManager, ListGivenBeforeTheFlightWaitsForTheStart) {
   path.set_waypoints({go_to({20, 0, -2})});
   EXPECT_FALSE(path.started());
   path.start(100.0, standing({0, 0, -2}));
-  EXPECT_TRUE(path.step(100.0, {0, 0, -2}, 0.0).setpoint.p_N.isApprox(Vector3(0, 0, -2)));
-  EXPECT_NEAR(path.step(106.25, {10, 0, -2}, 0.0).setpoint.p_N.x(), 10.0, 1e-9);  // half of 12.5 s
+  EXPECT_TRUE(path.step(100.0, {0, 0, -2}, 0.0).setpoint.p_W.isApprox(Vector3(0, 0, -2)));
+  EXPECT_NEAR(path.step(106.25, {10, 0, -2}, 0.0).setpoint.p_W.x(), 10.0, 1e-9);  // half of 12.5 s
 }
 
 // Weak point 19: zero-length legs gave NaN, heading-only legs were impossible.
@@ -104,14 +104,14 @@ TEST(PathManager, FliesLegsOfNoLengthAndPureTurns) {
     path.set_waypoints({go_to({0, 0, -2}), go_to({0, 0, -2}, 1.0), go_to({0, 0, -2}, 1.0)});
     path.start(0.0, standing({0, 0, -2}));
     PerfectFlight flight(path, 0.0);
-    flight.p_N = {0, 0, -2};
+    flight.p_W = {0, 0, -2};
     EXPECT_NEAR(flight.until_event(), 0.01, 1e-9);
     EXPECT_EQ(flight.out.event, Event::kReached);
     EXPECT_NEAR(flight.until_event(), 1.875, 0.011);  // 1 rad at 1 rad/s
     EXPECT_NEAR(flight.out.setpoint.psi_rad, 1.0, 1e-12);
     EXPECT_NEAR(flight.until_event(), 0.01, 1e-9);
     EXPECT_TRUE(flight.out.done);
-    EXPECT_TRUE(std::isfinite(flight.out.setpoint.p_N.sum()));
+    EXPECT_TRUE(std::isfinite(flight.out.setpoint.p_W.sum()));
   }
 }
 
@@ -121,8 +121,8 @@ TEST(PathManager, WaitsExactlyInTheWaypoint) {
   path.set_waypoints({go_to({7.7, -1.3, -9.1}, 2.5)});
   path.start(0.0, standing({0, 0, -9}));
   const Trajectory s = path.step(50.0, {0, 0, 0}, 0.0).setpoint;
-  EXPECT_EQ(s.p_N, Vector3(7.7, -1.3, -9.1));
-  EXPECT_TRUE(s.v_N.isZero(0.0) && s.a_N.isZero(0.0));
+  EXPECT_EQ(s.p_W, Vector3(7.7, -1.3, -9.1));
+  EXPECT_TRUE(s.v_W.isZero(0.0) && s.a_W.isZero(0.0));
   EXPECT_EQ(s.psi_dot_rad_s, 0.0);
 }
 
@@ -138,8 +138,8 @@ TEST(PathManager, VehicleAheadOfTimeDoesNotEndTheLeg) {
     const PathManager::Output out = path.step(t, {20, 0, -2}, 0.0);  // it sits in the target
     EXPECT_EQ(out.event, Event::kNone);
     EXPECT_EQ(out.waypoint, 0U);
-    EXPECT_LE((out.setpoint.p_N - last).norm(), 3.0 * kStep_s + 1e-9);
-    last = out.setpoint.p_N;
+    EXPECT_LE((out.setpoint.p_W - last).norm(), 3.0 * kStep_s + 1e-9);
+    last = out.setpoint.p_W;
   }
   EXPECT_EQ(path.step(12.5 + kStep_s, {20, 0, -2}, 0.0).event, Event::kReached);
 }
@@ -175,7 +175,7 @@ TEST(PathManager, HoldTimeCountsFromTheArrival) {
   path.set_waypoints({hold({20, 0, -2}, 2.0), go_to({20, 20, -2})});
   path.start(0.0, standing({0, 0, -2}));
   PerfectFlight flight(path, 0.0);
-  flight.p_N = {20, 0, -2};
+  flight.p_W = {20, 0, -2};
   EXPECT_NEAR(flight.until_event(), 12.5, 0.011);
   const double arrived_s = flight.t_s;
   while (flight.step().waypoint == 0) {
@@ -200,7 +200,7 @@ TEST(PathManager, NewListForgetsARunningHold) {
 TEST(PathManager, HoldsIndefinitely) {
   PathManager path(config());
   path.set_waypoints(
-      {Waypoint{.type = WaypointType::kHold, .p_N = {0, 0, -2}, .hold_indefinitely = true},
+      {Waypoint{.type = WaypointType::kHold, .p_W = {0, 0, -2}, .hold_indefinitely = true},
        go_to({9, 0, -2})});
   path.start(0.0, standing({0, 0, -2}));
   EXPECT_EQ(path.step(0.01, {0, 0, -2}, 0.0).event, Event::kReached);
@@ -215,7 +215,7 @@ TEST(PathManager, SpeedOfTheWaypointLimitsItsLeg) {
   PerfectFlight flight(path, 0.0);
   double fastest = 0.0;
   while (flight.step().event == Event::kNone)
-    fastest = std::max(fastest, flight.out.setpoint.v_N.norm());
+    fastest = std::max(fastest, flight.out.setpoint.v_W.norm());
   EXPECT_NEAR(flight.t_s, 1.875 * 15.0 / 1.5, 0.011);
   EXPECT_NEAR(fastest, 1.5, 1e-4);
   EXPECT_NEAR(flight.until_event(), 1.875 * 15.0 / 3.0, 0.011);  // the path's own limit holds
@@ -231,9 +231,9 @@ TEST(PathManager, PositionVelocityAndAccelerationAreContinuousOverAMission) {
   Trajectory last = flight.out.setpoint;
   while (!flight.out.done) {
     const Trajectory now = flight.step().setpoint;
-    EXPECT_LE((now.p_N - last.p_N).norm(), 3.0 * kStep_s * 1.01);
-    EXPECT_LE((now.v_N - last.v_N).norm(), 5.0 * kStep_s * 1.01);
-    EXPECT_LE((now.a_N - last.a_N).norm(), 0.5);  // a jump would be of the size of a_max, 5
+    EXPECT_LE((now.p_W - last.p_W).norm(), 3.0 * kStep_s * 1.01);
+    EXPECT_LE((now.v_W - last.v_W).norm(), 5.0 * kStep_s * 1.01);
+    EXPECT_LE((now.a_W - last.a_W).norm(), 0.5);  // a jump would be of the size of a_max, 5
     last = now;
     ASSERT_LT(flight.t_s, 100.0);
   }
@@ -271,7 +271,7 @@ TEST(PathManager, WithoutWaypointsStaysWhereItIs) {
   PathManager path(config());
   path.start(0.0, standing({3, 4, -5}, 1.0));
   const PathManager::Output out = path.step(10.0, {0, 0, 0}, 0.0);
-  EXPECT_EQ(out.setpoint.p_N, Vector3(3, 4, -5));
+  EXPECT_EQ(out.setpoint.p_W, Vector3(3, 4, -5));
   EXPECT_NEAR(out.setpoint.psi_rad, 1.0, 1e-12);
 }
 
@@ -284,7 +284,7 @@ TEST(PathManager, KeepsAllOfALongList) {
   path.set_waypoints(list);
   path.start(0.0, standing({0, 0, -2}));
   PerfectFlight flight(path, 0.0);
-  flight.p_N = {0, 0, -2};
+  flight.p_W = {0, 0, -2};
   for (std::size_t k = 0; k < 40; ++k) {
     ASSERT_GT(flight.until_event(), 0.0);
     EXPECT_EQ(flight.out.event_waypoint, k);
@@ -300,11 +300,11 @@ TEST(PathManager, ResumedLegStartsFromTheVehicleInMotion) {
   path.step(3.0, {1, 0, -2}, 0.0);
   path.stop();
   Trajectory from = standing({5, 5, -3}, 1.0);
-  from.v_N = {1.0, -1.0, 0.0};
+  from.v_W = {1.0, -1.0, 0.0};
   path.start(60.0, from);
-  const Trajectory s = path.step(60.0, from.p_N, 1.0).setpoint;
-  EXPECT_TRUE(s.p_N.isApprox(from.p_N));
-  EXPECT_TRUE(s.v_N.isApprox(from.v_N));
+  const Trajectory s = path.step(60.0, from.p_W, 1.0).setpoint;
+  EXPECT_TRUE(s.p_W.isApprox(from.p_W));
+  EXPECT_TRUE(s.v_W.isApprox(from.v_W));
 }
 
 TEST(PathManagerLinear, PassesWaypointsAtTheirSpeedAndStopsAtTheLast) {
@@ -316,10 +316,10 @@ TEST(PathManagerLinear, PassesWaypointsAtTheirSpeedAndStopsAtTheLast) {
   path.start(0.0, standing({0, 0, -2}));
   PerfectFlight flight(path, 0.0);
   EXPECT_NEAR(flight.until_event(), 12.0, 0.011);  // 0 to 2 m/s: 2 * 12/2
-  EXPECT_NEAR(flight.out.setpoint.v_N.x(), 2.0, 1e-9);
+  EXPECT_NEAR(flight.out.setpoint.v_W.x(), 2.0, 1e-9);
   EXPECT_NEAR(flight.until_event(), 6.0, 0.011);
   EXPECT_NEAR(flight.until_event(), 12.0, 0.011);  // 2 to 0
-  EXPECT_NEAR(flight.out.setpoint.v_N.x(), 0.0, 1e-9);
+  EXPECT_NEAR(flight.out.setpoint.v_W.x(), 0.0, 1e-9);
   EXPECT_TRUE(flight.out.done);
 }
 
@@ -333,9 +333,9 @@ TEST(PathManagerLinear, LowersSpeedsThatTheNextLegCannotBrake) {
   PerfectFlight flight(path, 0.0);
   flight.until_event();
   // 2 m at 1 m/s^2 stop from 2 m/s
-  EXPECT_NEAR(flight.out.setpoint.v_N.x(), 2.0, 0.02);
+  EXPECT_NEAR(flight.out.setpoint.v_W.x(), 2.0, 0.02);
   while (!flight.out.done) {
-    EXPECT_GE(flight.step().setpoint.a_N.x(), -1.0 - 1e-9);
+    EXPECT_GE(flight.step().setpoint.a_W.x(), -1.0 - 1e-9);
     ASSERT_LT(flight.t_s, 60.0);
   }
 }
@@ -349,7 +349,7 @@ TEST(PathManagerLinear, PassingTooFarAwayIsAMiss) {
   const PathManager::Output out = path.step(12.01, {10, 0, -2}, 0.0);
   EXPECT_EQ(out.event, Event::kMissed);
   EXPECT_EQ(out.waypoint, 1U);
-  EXPECT_NEAR(out.setpoint.p_N.x(), 12.0 + 2.0 * 0.01, 1e-3);  // the clock of the path did not wait
+  EXPECT_NEAR(out.setpoint.p_W.x(), 12.0 + 2.0 * 0.01, 1e-3);  // the clock of the path did not wait
 }
 
 TEST(PathManager, OneMoreWaypointChangesNothingBeforeIt) {
@@ -361,8 +361,8 @@ TEST(PathManager, OneMoreWaypointChangesNothingBeforeIt) {
   same.start(0.0, standing({0, 0, -5}));
   path.append(go_to({3, 4, -5}));
   for (double t = 0.0; t < 1.0; t += kStep_s) {
-    EXPECT_EQ(path.step(t, {0, 0, -5}, 0.0).setpoint.p_N,
-              same.step(t, {0, 0, -5}, 0.0).setpoint.p_N);
+    EXPECT_EQ(path.step(t, {0, 0, -5}, 0.0).setpoint.p_W,
+              same.step(t, {0, 0, -5}, 0.0).setpoint.p_W);
   }
 }
 
@@ -371,7 +371,7 @@ TEST(PathManager, APathThatWasDoneGoesOnToOneMoreWaypoint) {
   path.set_waypoints({go_to({3, 0, -5})});
   path.start(0.0, standing({0, 0, -5}));
   PerfectFlight flight(path, 0.0);
-  flight.p_N = {0, 0, -5};
+  flight.p_W = {0, 0, -5};
   ASSERT_GT(flight.until_event(), 0.0);
   EXPECT_TRUE(flight.step().done);
   path.append(go_to({3, 4, -5}));
@@ -386,7 +386,7 @@ TEST(PathManager, ALowerSpeedLimitHoldsFromTheNextLegOn) {
   path.set_waypoints({go_to({8, 0, -5}), go_to({0, 0, -5})});
   path.start(0.0, standing({0, 0, -5}));
   PerfectFlight flight(path, 0.0);
-  flight.p_N = {0, 0, -5};
+  flight.p_W = {0, 0, -5};
   flight.step();
   PathConfig slow = config();
   slow.limits.speed_m_s = 1.0;
@@ -397,15 +397,15 @@ TEST(PathManager, ALowerSpeedLimitHoldsFromTheNextLegOn) {
 
 TEST(PathManager, StartsInTheSetpointOnlyWhenTheVehicleIsThere) {
   State state;
-  state.p_N = {10, 0, -5};
-  state.v_N = {0.3, 0, 0};
-  EXPECT_EQ(path_start(state, 0.4, standing({10.5, 0, -5}, 7.0)).p_N, Vector3(10.5, 0, -5));
+  state.p_W = {10, 0, -5};
+  state.v_W = {0.3, 0, 0};
+  EXPECT_EQ(path_start(state, 0.4, standing({10.5, 0, -5}, 7.0)).p_W, Vector3(10.5, 0, -5));
   EXPECT_NEAR(path_start(state, 0.4, standing({10.5, 0, -5}, 7.0)).psi_rad, 7.0 - 2.0 * kPi, 1e-12);
-  EXPECT_EQ(path_start(state, 0.4, standing({12, 0, -5})).p_N, state.p_N);
-  EXPECT_EQ(path_start(state, 0.4, standing({12, 0, -5})).v_N, state.v_N);
-  state.v_N = {2, 0, 0};
-  EXPECT_EQ(path_start(state, 0.4, standing({10.5, 0, -5})).v_N, state.v_N);
+  EXPECT_EQ(path_start(state, 0.4, standing({12, 0, -5})).p_W, state.p_W);
+  EXPECT_EQ(path_start(state, 0.4, standing({12, 0, -5})).v_W, state.v_W);
+  state.v_W = {2, 0, 0};
+  EXPECT_EQ(path_start(state, 0.4, standing({10.5, 0, -5})).v_W, state.v_W);
 }
 
 }  // namespace
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

@@ -10,7 +10,7 @@
 /// A small world for closed-loop tests: rigid body, motors as a first-order lag, rotor drag, wind,
 /// flat ground, and the attitude loops of a flight controller. Independent of the project's
 /// simulation.
-namespace rosflight::autonomy::test {
+namespace rosflight::autonomy::multirotor::test {
 
 /// The default quadrotor of ROSflight 2.x (sim parameters, section multirotor).
 inline RotorData default_rotors() {
@@ -31,7 +31,7 @@ struct PlantConfig {
   Vector3 inertia_kg_m2{0.08, 0.08, 0.12};
   double motor_lag_s{0.05};
   double drag_1_s{0.49};
-  Vector3 wind_N{Vector3::Zero()};
+  Vector3 wind_W{Vector3::Zero()};
   double ground_down_m{0.0};
   double thrust_scale{1.0};  ///< What the motors really give, over what the model says.
   double attitude_frequency_rad_s{10.0};
@@ -42,24 +42,24 @@ struct PlantConfig {
 class Plant {
  public:
   Plant(const PlantConfig& config, const ThrustModel& thrust) : config_(config), thrust_(thrust) {
-    state_.p_N.z() = config.ground_down_m;
+    state_.p_W.z() = config.ground_down_m;
   }
 
   void step(const FirmwareCommand& command, bool armed, double dt_s) {
     const double wanted_N = armed ? config_.thrust_scale * wanted_thrust(command) : 0.0;
     thrust_N_ += (wanted_N - thrust_N_) * std::min(dt_s / config_.motor_lag_s, 1.0);
     rotate(armed ? wanted_torque(command) : Vector3::Zero(), dt_s);
-    const Vector3 up_N = state_.q_NB * Vector3(0.0, 0.0, -1.0);
+    const Vector3 up_W = state_.q_WB * Vector3(0.0, 0.0, -1.0);
     Vector3 a =
-        up_N * (thrust_N_ / config_.mass_kg) - config_.drag_1_s * (state_.v_N - config_.wind_N);
+        up_W * (thrust_N_ / config_.mass_kg) - config_.drag_1_s * (state_.v_W - config_.wind_W);
     a.z() += config_.gravity_m_s2;
-    state_.v_N += a * dt_s;
-    state_.p_N += state_.v_N * dt_s;
-    on_ground_ = state_.p_N.z() >= config_.ground_down_m;
+    state_.v_W += a * dt_s;
+    state_.p_W += state_.v_W * dt_s;
+    on_ground_ = state_.p_W.z() >= config_.ground_down_m;
     if (on_ground_) {
-      impact_m_s_ = std::max(impact_m_s_, state_.v_N.z());
-      state_.p_N.z() = config_.ground_down_m;
-      state_.v_N = Vector3(0.0, 0.0, std::min(state_.v_N.z(), 0.0));
+      impact_m_s_ = std::max(impact_m_s_, state_.v_W.z());
+      state_.p_W.z() = config_.ground_down_m;
+      state_.v_W = Vector3(0.0, 0.0, std::min(state_.v_W.z(), 0.0));
       level_out();
     }
   }
@@ -85,7 +85,7 @@ class Plant {
     if (command.mode == FirmwareMode::kPassThrough) return cmd;
     const double w = config_.attitude_frequency_rad_s;
     const Vector3& j = config_.inertia_kg_m2;
-    const RollPitch at = RollPitch::of(state_.q_NB);
+    const RollPitch at = RollPitch::of(state_.q_WB);
     const double kd = 2.0 * config_.attitude_damping * w;
     return {j.x() * (w * w * (cmd.x() - at.roll_rad) - kd * state_.w_B.x()),
             j.y() * (w * w * (cmd.y() - at.pitch_rad) - kd * state_.w_B.y()),
@@ -97,13 +97,13 @@ class Plant {
     state_.w_B +=
         (torque_B - state_.w_B.cross(momentum)).cwiseQuotient(config_.inertia_kg_m2) * dt_s;
     const Vector3 turn = state_.w_B * dt_s;
-    state_.q_NB = (state_.q_NB * Quaternion(1.0, 0.5 * turn.x(), 0.5 * turn.y(), 0.5 * turn.z()))
+    state_.q_WB = (state_.q_WB * Quaternion(1.0, 0.5 * turn.x(), 0.5 * turn.y(), 0.5 * turn.z()))
                       .normalized();
   }
 
   void level_out() {
-    const AttitudeView at(state_.q_NB);
-    state_.q_NB = Quaternion(std::cos(0.5 * at.psi_rad), 0.0, 0.0, std::sin(0.5 * at.psi_rad));
+    const AttitudeView at(state_.q_WB);
+    state_.q_WB = Quaternion(std::cos(0.5 * at.psi_rad), 0.0, 0.0, std::sin(0.5 * at.psi_rad));
     state_.w_B.setZero();
   }
 
@@ -115,4 +115,4 @@ class Plant {
   bool on_ground_{true};
 };
 
-}  // namespace rosflight::autonomy::test
+}  // namespace rosflight::autonomy::multirotor::test

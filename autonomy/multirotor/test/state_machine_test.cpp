@@ -6,10 +6,10 @@
 #include <cmath>
 #include <cstring>
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
-using S = StateMachine;
+using S = Conditions;
 constexpr double kWeight = 34.335;
 
 struct Bench {
@@ -36,7 +36,7 @@ struct Bench {
   void take_off(double height_m = 2.0) {
     armed = true;
     step();
-    state.p_N.z() -= height_m;
+    state.p_W.z() -= height_m;
     step();
   }
   void to_offboard() {
@@ -86,10 +86,10 @@ Phase expected(Phase from, unsigned c) {
 }
 
 TEST(StateMachine, EveryPhaseUnderEveryCombinationOfConditions) {
-  for (std::size_t phase = 0; phase < kPhases; ++phase) {
+  for (std::size_t phase = 0; phase < kPhaseTable.phases(); ++phase) {
     for (unsigned c = 0; c < 0x800; ++c) {
       const auto from = static_cast<Phase>(phase);
-      ASSERT_EQ(S::next(from, static_cast<std::uint16_t>(c)), expected(from, c))
+      ASSERT_EQ(kPhaseTable.next(from, static_cast<std::uint16_t>(c)), expected(from, c))
           << name(from) << " " << c;
     }
   }
@@ -112,13 +112,13 @@ TEST(StateMachine, WaitsForArmingWithIdleMotors) {
 // Weak point 38: on ground above the take-off height the climb never ended.
 TEST(StateMachine, TakesOffRelativeToWhereItStands) {
   Bench bench;
-  bench.state.p_N = {5, 6, -30};  // a hill of 30 m
+  bench.state.p_W = {5, 6, -30};  // a hill of 30 m
   bench.psi = 0.7;
   bench.armed = true;
   bench.step();
   EXPECT_EQ(bench.out.command.mode, ControlMode::kNposEposDvelYaw);
   EXPECT_EQ(bench.out.command.cmd, (std::array<double, 4>{5, 6, -1, 0.7}));
-  bench.state.p_N.z() = -31.9;
+  bench.state.p_W.z() = -31.9;
   bench.step();
   EXPECT_EQ(bench.out.phase, Phase::kPositionHold);
   EXPECT_EQ(bench.out.command.mode, ControlMode::kNposEposDposYaw);
@@ -130,23 +130,23 @@ TEST(StateMachine, HeightsCountInFractionsOfAMetre) {
   Bench bench;
   bench.armed = true;
   bench.step();
-  bench.state.p_N.z() = -0.14;
+  bench.state.p_W.z() = -0.14;
   EXPECT_TRUE(bench.step().level);
-  bench.state.p_N.z() = -0.16;
+  bench.state.p_W.z() = -0.16;
   EXPECT_FALSE(bench.step().level);
-  bench.state.p_N.z() = -1.79;
+  bench.state.p_W.z() = -1.79;
   EXPECT_EQ(bench.step().phase, Phase::kTakeoff);
-  bench.state.p_N.z() = -1.81;
+  bench.state.p_W.z() = -1.81;
   EXPECT_EQ(bench.step().phase, Phase::kPositionHold);
 }
 
 // Weak point 36: the cut near the height of the origin acted in flight as well.
 TEST(StateMachine, LevelOnlyWhileStillOnItsGround) {
   Bench bench;
-  bench.state.p_N.z() = -10.0;
+  bench.state.p_W.z() = -10.0;
   bench.to_offboard();
   for (const double down : {0.1, 0.0, -0.1, 5.0}) {  // back at the height of the origin, and below
-    bench.state.p_N.z() = down;
+    bench.state.p_W.z() = down;
     EXPECT_FALSE(bench.step().level);
   }
 }
@@ -164,7 +164,7 @@ TEST(StateMachine, TakeoffThatStallsInTheAirLands) {
   Bench bench;
   bench.armed = true;
   bench.step();
-  bench.state.p_N.z() = -1.0;
+  bench.state.p_W.z() = -1.0;
   bench.run(15.2);
   EXPECT_EQ(bench.machine.phase(), Phase::kLanding);
 }
@@ -183,10 +183,10 @@ TEST(StateMachine, HoldsThenFollows) {
 TEST(StateMachine, FollowsOnlyOnceSettled) {
   Bench bench;
   bench.take_off();
-  bench.state.v_N.x() = 1.0;
+  bench.state.v_W.x() = 1.0;
   bench.run(6.9);
   EXPECT_EQ(bench.machine.phase(), Phase::kPositionHold);
-  bench.run(0.2);  // hold 1 s and patience 6 s are over
+  bench.run(0.2);  // the hold of 1 s and the timeout of 6 s are over
   EXPECT_EQ(bench.machine.phase(), Phase::kOffboard);
 }
 
@@ -196,7 +196,7 @@ TEST(StateMachine, InvalidCommandHoldsWhereItWasWithoutChatter) {
   Bench bench;
   bench.to_offboard();
   ASSERT_EQ(bench.machine.phase(), Phase::kOffboard);
-  bench.state.p_N = {40, 30, -8};
+  bench.state.p_W = {40, 30, -8};
   bench.psi = 1.0;
   bench.good = false;
   bench.step();
@@ -211,7 +211,7 @@ TEST(StateMachine, InvalidCommandHoldsWhereItWasWithoutChatter) {
     changes += bench.step().changed ? 1 : 0;
     EXPECT_FALSE(bench.out.follow && !bench.good);
     EXPECT_TRUE(k >= 98 || bench.out.phase == Phase::kPositionHold)
-        << k;  // the hold time starts anew
+        << k;  // the hold time starts again
   }
   EXPECT_LE(changes, 6);  // back and forth at most once per hold time, not per tick
 }
@@ -259,7 +259,7 @@ TEST(StateMachine, PilotMovesTheHoldPointAndGivesBackToAHold) {
   bench.pilot = true;
   bench.step();
   EXPECT_EQ(bench.out.phase, Phase::kPositionHold);
-  bench.state.p_N = {9, 8, -7};
+  bench.state.p_W = {9, 8, -7};
   bench.psi = -0.5;
   bench.run(5.0);
   EXPECT_EQ(bench.out.phase, Phase::kPositionHold);
@@ -277,7 +277,7 @@ TEST(StateMachine, PilotOnTheGroundDelaysTheTakeoff) {
   bench.armed = true;
   bench.step();
   bench.pilot = true;
-  bench.state.p_N = {1, 1, 0};
+  bench.state.p_W = {1, 1, 0};
   bench.run(60.0);  // longer than the take-off may last
   EXPECT_EQ(bench.machine.phase(), Phase::kTakeoff);
   bench.pilot = false;
@@ -289,7 +289,7 @@ TEST(StateMachine, LandsWhereItIsPlannedAndAsksToBeDisarmed) {
   Bench bench;
   bench.to_offboard();
   Trajectory plan;
-  plan.p_N = {0.1, 0.2, -2.0};
+  plan.p_W = {0.1, 0.2, -2.0};
   plan.psi_rad = 0.3;
   bench.planned = &plan;
   bench.land = true;
@@ -300,7 +300,7 @@ TEST(StateMachine, LandsWhereItIsPlannedAndAsksToBeDisarmed) {
   EXPECT_EQ(bench.out.command.cmd[1], 0.2);
   EXPECT_EQ(bench.out.command.cmd[3], 0.3);
   EXPECT_GT(bench.out.command.cmd[2], 0.0);
-  bench.state.p_N.z() = 0.0;
+  bench.state.p_W.z() = 0.0;
   bench.thrust_N = 0.8 * kWeight;
   bench.run(5.0);
   EXPECT_EQ(bench.machine.phase(), Phase::kLanded);
@@ -314,7 +314,7 @@ TEST(StateMachine, LandsWhereItIsPlannedAndAsksToBeDisarmed) {
 TEST(StateMachine, LandingOffPlanStaysWhereItIs) {
   Bench bench;
   bench.to_offboard();
-  bench.state.p_N = {7, 7, -4};
+  bench.state.p_W = {7, 7, -4};
   bench.land = true;
   bench.step();
   EXPECT_EQ(bench.out.command.cmd[0], 7.0);
@@ -340,4 +340,4 @@ TEST(StateMachine, NamesEveryPhase) {
 }
 
 }  // namespace
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

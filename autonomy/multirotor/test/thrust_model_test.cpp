@@ -7,7 +7,7 @@
 
 #include "autonomy/multirotor/test/plant.hpp"
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
 ThrustModel model(double rc_max_thr = 1.0) {
@@ -84,4 +84,4 @@ TEST(ThrustModel, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

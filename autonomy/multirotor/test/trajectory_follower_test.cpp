@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace rosflight::autonomy {
+namespace rosflight::autonomy::multirotor {
 namespace {
 
 constexpr double kMass = 3.5;
@@ -28,7 +28,7 @@ FollowerConfig config() {
 struct Bench {
   explicit Bench(const FollowerConfig& c = config()) : follower(c) {}
   ControllerCommand step(double dt_s = 0.01, double age_s = 0.0) {
-    const AttitudeView view(state.q_NB);
+    const AttitudeView view(state.q_WB);
     return follower.step({state, view, setpoint, age_s, dt_s, pilot});
   }
   /// Acceleration that attitude and thrust of a command produce.
@@ -60,9 +60,9 @@ TEST(TrajectoryFollower, AttitudeAndThrustReproduceTheAccelerationExactly) {
     for (const Vector3& a :
          {Vector3(3, 0, 0), Vector3(0, -4, 1), Vector3(-5, 5, -6), Vector3(7, 2, 4)}) {
       Bench bench;
-      bench.state.q_NB = attitude(0.1, -0.2, psi);
+      bench.state.q_WB = attitude(0.1, -0.2, psi);
       bench.setpoint.psi_rad = psi;
-      bench.setpoint.a_N = a;
+      bench.setpoint.a_W = a;
       EXPECT_LT((Bench::acceleration(bench.step(), psi) - a).norm(), 1e-12);
     }
   }
@@ -70,14 +70,14 @@ TEST(TrajectoryFollower, AttitudeAndThrustReproduceTheAccelerationExactly) {
 
 TEST(TrajectoryFollower, LeansTowardsTheTarget) {
   Bench bench;
-  bench.setpoint.p_N = {1, 0, 0};
+  bench.setpoint.p_W = {1, 0, 0};
   EXPECT_LT(bench.step().cmd[1], -0.1);  // north: nose down
-  bench.setpoint.p_N = {0, 1, 0};
+  bench.setpoint.p_W = {0, 1, 0};
   EXPECT_GT(bench.step().cmd[0], 0.1);  // east: right side down
-  bench.setpoint.p_N = {0, 0, -1};
+  bench.setpoint.p_W = {0, 0, -1};
   EXPECT_GT(bench.step().cmd[3], kMass * kGravity);
-  bench.state.q_NB = attitude(0, 0, kPi / 2.0);  // nose east
-  bench.setpoint.p_N = {0, 1, 0};
+  bench.state.q_WB = attitude(0, 0, kPi / 2.0);  // nose east
+  bench.setpoint.p_W = {0, 1, 0};
   bench.setpoint.psi_rad = kPi / 2.0;
   EXPECT_LT(bench.step().cmd[1], -0.1);
 }
@@ -91,24 +91,24 @@ TEST(TrajectoryFollower, FollowsConstantSpeedWithoutLag) {
   Vector3 p = Vector3::Zero();
   Vector3 v = Vector3::Zero();
   for (int k = 0; k < 6000; ++k) {
-    bench.setpoint.p_N = Vector3(3.0 * k * dt_s, 0, 0);
-    bench.setpoint.v_N = {3, 0, 0};
-    bench.state.p_N = p;
-    bench.state.v_N = v;
+    bench.setpoint.p_W = Vector3(3.0 * k * dt_s, 0, 0);
+    bench.setpoint.v_W = {3, 0, 0};
+    bench.state.p_W = p;
+    bench.state.v_W = v;
     const Vector3 a = Bench::acceleration(bench.step(dt_s), 0.0);
     p += v * dt_s;
     v += a * dt_s;
   }
-  // explicit Euler against the sampled setpoint is one step of way apart; the reference would
+  // explicit Euler against the sampled setpoint is one step of way apart; ROSflight 2.x would
   // trail 2.7 m
-  EXPECT_LT((bench.setpoint.p_N - p).norm(), 1.01 * 3.0 * dt_s);
+  EXPECT_LT((bench.setpoint.p_W - p).norm(), 1.01 * 3.0 * dt_s);
 }
 
 TEST(TrajectoryFollower, FeedsTheDragForward) {
   FollowerConfig c = config();
   c.drag_1_s = 0.5;
   Bench bench(c);
-  bench.setpoint.v_N = bench.state.v_N = {4, -2, 1};
+  bench.setpoint.v_W = bench.state.v_W = {4, -2, 1};
   const Vector3 a = Bench::acceleration(bench.step(), 0.0);
   EXPECT_LT((a - Vector3(2, -1, 0)).norm(), 1e-12);
 }
@@ -119,9 +119,9 @@ TEST(TrajectoryFollower, LeadsByTheLagOfTheLoopsBelow) {
   c.thrust_lag_s = 0.1;
   c.drag_1_s = 0.5;
   Bench bench(c);
-  bench.setpoint.a_N = {1, -2, 0.5};
-  bench.setpoint.j_N = {3, 1, -2};
-  // sideways a + 0.2 (j + 0.5 a), down a + 0.1 j
+  bench.setpoint.a_W = {1, -2, 0.5};
+  bench.setpoint.j_W = {3, 1, -2};
+  // lateral a + 0.2 (j + 0.5 a), down a + 0.1 j
   const Vector3 a = Bench::acceleration(bench.step(), 0.0);
   EXPECT_LT((a - Vector3(1.0 + 0.6 + 0.1, -2.0 + 0.2 - 0.2, 0.5 - 0.2)).norm(), 1e-12);
 }
@@ -140,13 +140,13 @@ TEST(TrajectoryFollower, LeadHalvesTheErrorBehindASlowAttitude) {
     double worst = 0.0;
     for (int k = 0; k < 1000; ++k) {
       const double s = k * dt_s / 5.0;
-      bench.setpoint.p_N.x() = 20.0 * s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
-      bench.setpoint.v_N.x() = 20.0 / 5.0 * s * s * (30.0 + s * (-60.0 + 30.0 * s));
-      bench.setpoint.a_N.x() = 20.0 / 25.0 * s * (60.0 + s * (-180.0 + 120.0 * s));
-      bench.setpoint.j_N.x() = 20.0 / 125.0 * (60.0 + s * (-360.0 + 360.0 * s));
-      bench.state.p_N = p;
-      bench.state.v_N = v;
-      worst = std::max(worst, (bench.setpoint.p_N - p).norm());
+      bench.setpoint.p_W.x() = 20.0 * s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
+      bench.setpoint.v_W.x() = 20.0 / 5.0 * s * s * (30.0 + s * (-60.0 + 30.0 * s));
+      bench.setpoint.a_W.x() = 20.0 / 25.0 * s * (60.0 + s * (-180.0 + 120.0 * s));
+      bench.setpoint.j_W.x() = 20.0 / 125.0 * (60.0 + s * (-360.0 + 360.0 * s));
+      bench.state.p_W = p;
+      bench.state.v_W = v;
+      worst = std::max(worst, (bench.setpoint.p_W - p).norm());
       a += (Bench::acceleration(bench.step(dt_s), 0.0) - a) * (dt_s / 0.2);
       p += v * dt_s;
       v += a * dt_s;
@@ -157,7 +157,7 @@ TEST(TrajectoryFollower, LeadHalvesTheErrorBehindASlowAttitude) {
 }
 
 TEST(TrajectoryFollower, YawRateKeepsTheHeadingRateInATurn) {
-  // While the heading turns at psi_dot under a force fixed in N, the body rates of the flat
+  // While the heading turns at psi_dot under a force fixed in W, the body rates of the flat
   // trajectory are those of the rotation from one commanded attitude to the next.
   const double psi = 0.4;
   const double psi_dot = 0.8;
@@ -166,10 +166,10 @@ TEST(TrajectoryFollower, YawRateKeepsTheHeadingRateInATurn) {
   c.heading.kp = 0.0;
   const auto command = [&](double at_psi) {
     Bench bench(c);
-    bench.state.q_NB = attitude(0, 0, at_psi);
+    bench.state.q_WB = attitude(0, 0, at_psi);
     bench.setpoint.psi_rad = at_psi;
     bench.setpoint.psi_dot_rad_s = psi_dot;
-    bench.setpoint.a_N = {4, -3, 1};
+    bench.setpoint.a_W = {4, -3, 1};
     return bench.step();
   };
   const ControllerCommand now = command(psi);
@@ -183,7 +183,7 @@ TEST(TrajectoryFollower, YawRateKeepsTheHeadingRateInATurn) {
 
 TEST(TrajectoryFollower, TurnsTheShortWay) {
   Bench bench;
-  bench.state.q_NB = attitude(0, 0, 3.0);
+  bench.state.q_WB = attitude(0, 0, 3.0);
   bench.setpoint.psi_rad = -3.0;
   EXPECT_NEAR(bench.step().cmd[2], 2.0 * (2.0 * kPi - 6.0), 1e-9);
 }
@@ -207,7 +207,7 @@ TEST(TrajectoryFollower, ClearsAllIntegralsByCallAndByPilotAxis) {
   c.heading.ki = 0.5;
   const auto wound_up = [&] {
     Bench bench(c);
-    bench.setpoint.p_N = {0.2, -0.2, 0.2};
+    bench.setpoint.p_W = {0.2, -0.2, 0.2};
     bench.setpoint.psi_rad = 0.2;
     for (int k = 0; k < 100; ++k) bench.step();
     return bench;
@@ -215,34 +215,34 @@ TEST(TrajectoryFollower, ClearsAllIntegralsByCallAndByPilotAxis) {
   Bench called = wound_up();
   ASSERT_GT(std::abs(called.follower.heading_integral()), 0.01);
   called.follower.clear_integrators();
-  EXPECT_TRUE(called.follower.trim_N().isZero(0.0));
+  EXPECT_TRUE(called.follower.trim_W().isZero(0.0));
   EXPECT_EQ(called.follower.heading_integral(), 0.0);
 
   Bench sideways = wound_up();
   sideways.pilot = PilotOverride::from_word(0x01);  // attitude switch: roll, pitch and yaw
   sideways.step();
-  EXPECT_EQ(sideways.follower.trim_N().x(), 0.0);
-  EXPECT_EQ(sideways.follower.trim_N().y(), 0.0);
-  EXPECT_GT(std::abs(sideways.follower.trim_N().z()), 0.01);
+  EXPECT_EQ(sideways.follower.trim_W().x(), 0.0);
+  EXPECT_EQ(sideways.follower.trim_W().y(), 0.0);
+  EXPECT_GT(std::abs(sideways.follower.trim_W().z()), 0.01);
   EXPECT_EQ(sideways.follower.heading_integral(), 0.0);
 
   Bench stick = wound_up();
   stick.pilot = PilotOverride::from_word(0x10);  // yaw stick only
   stick.step();
-  EXPECT_GT(std::abs(stick.follower.trim_N().x()), 0.01);
+  EXPECT_GT(std::abs(stick.follower.trim_W().x()), 0.01);
   EXPECT_EQ(stick.follower.heading_integral(), 0.0);
 
   Bench throttle = wound_up();
   throttle.pilot = PilotOverride::from_word(0x20);
   throttle.step();
-  EXPECT_EQ(throttle.follower.trim_N().z(), 0.0);
-  EXPECT_GT(std::abs(throttle.follower.trim_N().x()), 0.01);
+  EXPECT_EQ(throttle.follower.trim_W().z(), 0.0);
+  EXPECT_GT(std::abs(throttle.follower.trim_W().x()), 0.01);
 }
 
 // Weak point 31: a repeated state stamp made the command invalid.
 TEST(TrajectoryFollower, RepeatedTimeRepeatsTheCommand) {
   Bench bench;
-  bench.setpoint.p_N = {1, 0, 0};
+  bench.setpoint.p_W = {1, 0, 0};
   const ControllerCommand c = bench.step();
   const ControllerCommand again = bench.step(0.0);
   EXPECT_TRUE(again.valid);
@@ -255,7 +255,7 @@ TEST(TrajectoryFollower, LimitsTheTilt) {
   c.max_tilt_rad = 20.0 * kRadPerDeg;
   c.max_position_error_m = 100.0;
   Bench bench(c);
-  bench.setpoint.p_N = {60, -80, 0};
+  bench.setpoint.p_W = {60, -80, 0};
   const ControllerCommand command = bench.step();
   EXPECT_NEAR(std::cos(command.cmd[0]) * std::cos(command.cmd[1]), std::cos(20.0 * kRadPerDeg),
               1e-9);
@@ -268,11 +268,11 @@ TEST(TrajectoryFollower, LimitsThrustLiftFirst) {
   FollowerConfig c = config();
   c.max_thrust_N = 50.0;
   Bench bench(c);
-  bench.setpoint.a_N = {30, 0, -3};
+  bench.setpoint.a_W = {30, 0, -3};
   const ControllerCommand command = bench.step();
   EXPECT_NEAR(command.cmd[3], 50.0, 1e-9);
   EXPECT_NEAR(Bench::acceleration(command, 0.0).z(), -3.0, 1e-9);
-  bench.setpoint.a_N = {0, 0, -500};
+  bench.setpoint.a_W = {0, 0, -500};
   EXPECT_NEAR(bench.step().cmd[3], 50.0, 1e-9);
 }
 
@@ -280,7 +280,7 @@ TEST(TrajectoryFollower, KeepsSomeLiftWhenSentDown) {
   FollowerConfig c = config();
   c.min_lift_ratio = 0.4;
   Bench bench(c);
-  bench.setpoint.p_N = {0, 0, 1000};
+  bench.setpoint.p_W = {0, 0, 1000};
   const ControllerCommand command = bench.step();
   EXPECT_NEAR(command.cmd[3], 0.4 * kMass * kGravity, 1e-9);
 }
@@ -290,19 +290,19 @@ TEST(TrajectoryFollower, FarTargetsCountAsTheWindow) {
   c.horizontal.ki = 0.0;
   Bench near(c);
   Bench far(c);
-  near.setpoint.p_N = {3, 0, 0};
-  far.setpoint.p_N = {3000, 0, 0};
+  near.setpoint.p_W = {3, 0, 0};
+  far.setpoint.p_W = {3000, 0, 0};
   EXPECT_NEAR(near.step().cmd[1], far.step().cmd[1], 1e-12);
 }
 
 TEST(TrajectoryFollower, LimitedAxesDoNotWindUp) {
   Bench bench;
-  bench.setpoint.p_N = {500, 0, 0};
+  bench.setpoint.p_W = {500, 0, 0};
   for (int k = 0; k < 2000; ++k) bench.step();
-  EXPECT_NEAR(bench.follower.trim_N().x(), 0.0, 0.05);
+  EXPECT_NEAR(bench.follower.trim_W().x(), 0.0, 0.05);
 }
 
-// Weak point 32: there was no time-out on trajectory commands.
+// Weak point 32: there was no timeout on trajectory commands.
 TEST(TrajectoryFollower, OldSetpointIsNotFollowed) {
   Bench bench;
   EXPECT_TRUE(bench.step(0.01, 0.49).valid);
@@ -312,12 +312,12 @@ TEST(TrajectoryFollower, OldSetpointIsNotFollowed) {
 TEST(TrajectoryFollower, BadNumbersAreNotFollowed) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Bench bench;
-  bench.setpoint.p_N.x() = nan;
+  bench.setpoint.p_W.x() = nan;
   EXPECT_FALSE(bench.step().valid);
-  bench.setpoint.p_N.x() = 0.0;
-  bench.state.v_N.z() = kInfinity;
+  bench.setpoint.p_W.x() = 0.0;
+  bench.state.v_W.z() = kInfinity;
   EXPECT_FALSE(bench.step().valid);
-  bench.state.v_N.z() = 0.0;
+  bench.state.v_W.z() = 0.0;
   const ControllerCommand c = bench.step();
   EXPECT_TRUE(c.valid);
   EXPECT_NEAR(c.cmd[3], kMass * kGravity, 1e-9);
@@ -345,9 +345,9 @@ TEST(AttitudeView, MatchesTheRotationMatrix) {
 
 TEST(TrajectoryFollower, NewGainsActAtOnceAndKeepTheIntegrals) {
   Bench bench;
-  bench.setpoint.p_N = {0.5, 0.5, 0.0};
+  bench.setpoint.p_W = {0.5, 0.5, 0.0};
   for (int k = 0; k < 100; ++k) bench.step();
-  const Vector3 trim = bench.follower.trim_N();
+  const Vector3 trim = bench.follower.trim_W();
   ASSERT_GT(trim.x(), 0.1);
   FollowerConfig harder = config();
   harder.east = harder.horizontal;
@@ -361,4 +361,4 @@ TEST(TrajectoryFollower, NewGainsActAtOnceAndKeepTheIntegrals) {
 }
 
 }  // namespace
-}  // namespace rosflight::autonomy
+}  // namespace rosflight::autonomy::multirotor

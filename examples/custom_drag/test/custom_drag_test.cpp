@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <string>
 
 #include "sim/registry.hpp"
@@ -12,10 +11,8 @@ namespace {
 
 const std::string kVehicle = "examples/custom_drag/linear_drag.yaml";
 
-/// The library that CTest names.
 std::string plugin() {
-  const char* path = std::getenv("CUSTOM_DRAG_PLUGIN");
-  return path == nullptr ? CUSTOM_DRAG_BUILT : path;
+  return CUSTOM_DRAG_BUILT;
 }
 
 TEST(CustomDrag, IsFoundByNameOnlyOnceItsLibraryIsLoaded) {

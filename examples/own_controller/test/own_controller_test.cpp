@@ -4,24 +4,25 @@
 #include <cmath>
 #include <limits>
 
-#include "apps/fly/flight.hpp"
-#include "examples/own_controller/own_guide.hpp"
+#include "examples/own_controller/own_guidance.hpp"
+#include "flight/flight.hpp"
 
 namespace own_controller {
 namespace {
 
-using rosflight::apps::Flight;
-using rosflight::apps::FlightChoice;
-using rosflight::apps::FlightSetup;
-using rosflight::autonomy::AttitudeView;
-using rosflight::autonomy::ControlMode;
 using rosflight::autonomy::Quaternion;
-using rosflight::autonomy::State;
-using rosflight::autonomy::Trajectory;
+using rosflight::autonomy::multirotor::AttitudeView;
+using rosflight::autonomy::multirotor::ControlMode;
+using rosflight::autonomy::multirotor::State;
+using rosflight::autonomy::multirotor::Trajectory;
+using rosflight::flight::Flight;
+using rosflight::flight::FlightChoice;
+using rosflight::flight::FlightParts;
+using rosflight::flight::FlightSetup;
 
 ControllerCommand command_at(const State& state, const Trajectory& setpoint) {
   GeometricController controller{GeometricConfig{}};
-  const AttitudeView attitude(state.q_NB);
+  const AttitudeView attitude(state.q_WB);
   return controller.step({state, attitude, setpoint, 0.0, 0.01, {}});
 }
 
@@ -37,7 +38,7 @@ TEST(GeometricController, LevelOnItsSetpointItHovers) {
 TEST(GeometricController, AttitudeErrorIsTheSineOfTheAngle) {
   for (int axis = 0; axis < 3; ++axis) {
     State state;
-    state.q_NB = Quaternion(Eigen::AngleAxisd(0.4, rosflight::autonomy::Vector3::Unit(axis)));
+    state.q_WB = Quaternion(Eigen::AngleAxisd(0.4, rosflight::autonomy::Vector3::Unit(axis)));
     const ControllerCommand command = command_at(state, {});
     for (int k = 0; k < 3; ++k) {
       // kr 8 and the first 10 ms of the integral with 12
@@ -51,10 +52,10 @@ TEST(GeometricController, AttitudeErrorIsTheSineOfTheAngle) {
 
 TEST(GeometricController, AccelerationFedForwardTiltsByItsArcTangent) {
   Trajectory setpoint;
-  setpoint.a_N = {2.0, 0.0, 0.0};
+  setpoint.a_W = {2.0, 0.0, 0.0};
   const double pitch = -std::atan(2.0 / 9.81);  // nose down: forward
   State state;
-  state.q_NB = Quaternion(Eigen::AngleAxisd(pitch, rosflight::autonomy::Vector3::UnitY()));
+  state.q_WB = Quaternion(Eigen::AngleAxisd(pitch, rosflight::autonomy::Vector3::UnitY()));
   const ControllerCommand command = command_at(state, setpoint);
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(command.cmd[k], 0.0, 1e-9);
   EXPECT_NEAR(command.cmd[3], 3.5 * std::hypot(2.0, 9.81), 1e-9);
@@ -62,7 +63,7 @@ TEST(GeometricController, AccelerationFedForwardTiltsByItsArcTangent) {
 
 TEST(GeometricController, NumbersThatAreNoneAreNotFlown) {
   State state;
-  state.p_N.x() = std::numeric_limits<double>::quiet_NaN();
+  state.p_W.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(command_at(state, {}).valid);
 }
 
@@ -74,15 +75,15 @@ TEST_P(Flights, EndLandedWithEveryWaypointReached) {
   choice.mission = GetParam().first;
   if (*GetParam().second != '\0') choice.wind = GetParam().second;
   const FlightSetup setup(choice);
-  const auto flight = std::make_unique<Flight>(setup, own_guide(setup));
+  const auto flight = std::make_unique<Flight>(setup, FlightParts{.guidance = own_guidance(setup)});
   flight->run();
-  EXPECT_EQ(flight->director().stage(), rosflight::apps::Stage::kDone)
-      << flight->director().failure();
+  EXPECT_EQ(flight->runner().stage(), rosflight::flight::Stage::kDone)
+      << flight->runner().failure();
   EXPECT_TRUE(flight->autonomy().landed);
-  const auto& arrivals = flight->director().arrivals();
+  const auto& arrivals = flight->runner().arrivals();
   ASSERT_EQ(arrivals.size(), setup.waypoints.size());
   for (const auto& arrival : arrivals) EXPECT_TRUE(arrival.reached);
-  EXPECT_LE(flight->own_tracking().rms_m(), 1.0);  // what the project asks of its own controller
+  EXPECT_LE(flight->own_tracking().rms(), 1.0);  // what the project asks of its own controller
 }
 
 INSTANTIATE_TEST_SUITE_P(OwnController, Flights,
@@ -90,11 +91,11 @@ INSTANTIATE_TEST_SUITE_P(OwnController, Flights,
                                            std::pair{"default", "6,270,6"},
                                            std::pair{"figure_eight", ""}));
 
-TEST(OwnGuide, AFixedWingIsRefusedInOneLine) {
+TEST(OwnGuidance, AFixedWingIsRefusedInOneLine) {
   FlightChoice choice;
   choice.vehicle = "anaconda";
   const FlightSetup setup(choice);
-  EXPECT_THROW(own_guide(setup), rosflight::config::Error);
+  EXPECT_THROW(own_guidance(setup), rosflight::config::Error);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/atomic_file.hpp"
 #include "firmware/boards/linux/board_error.hpp"
 
 namespace rosflight::boards {
@@ -37,22 +38,14 @@ bool write_all(int fd, const std::uint8_t* data, std::size_t count, std::size_t 
   return true;
 }
 
-/// A new name survives a power cut only when its folder is on the disk as well.
-void sync_folder(const std::filesystem::path& file) {
-  const std::filesystem::path parent = file.parent_path();
-  const FileDescriptor folder{
-      ::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)};
-  if (folder.valid()) static_cast<void>(::fsync(folder.get()));
-}
-
 }  // namespace
 
 FileStorage::FileStorage(const std::filesystem::path& file, std::size_t size) : size_{size} {
   constexpr int kFlags = O_RDWR | O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
-  file_ = FileDescriptor{::open(file.c_str(), kFlags)};
+  file_ = base::FileDescriptor{::open(file.c_str(), kFlags)};
   if (!file_.valid() && errno == ENOENT) {
     constexpr mode_t kEveryoneReads = 0644;
-    file_ = FileDescriptor{::open(file.c_str(), kFlags | O_CREAT | O_EXCL, kEveryoneReads)};
+    file_ = base::FileDescriptor{::open(file.c_str(), kFlags | O_CREAT | O_EXCL, kEveryoneReads)};
     created_ = file_.valid();
   }
   if (!file_.valid()) throw system_failure(file);
@@ -75,7 +68,7 @@ FileStorage::FileStorage(const std::filesystem::path& file, std::size_t size) : 
       throw error;
     }
   }
-  if (created_) sync_folder(file);
+  if (created_) base::sync_folder_of(file);
 }
 
 bool FileStorage::read(std::size_t offset, std::uint8_t* data, std::size_t count) {

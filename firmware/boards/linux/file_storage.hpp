@@ -2,7 +2,7 @@
 #pragma once
 #include <filesystem>
 
-#include "firmware/boards/linux/file_descriptor.hpp"
+#include "base/file_descriptor.hpp"
 #include "firmware/hal/roles.hpp"
 
 namespace rosflight::boards {
@@ -35,7 +35,7 @@ class FileStorage final : public hal::Storage {
     return offset <= size_ && count <= size_ - offset;
   }
 
-  FileDescriptor file_;
+  base::FileDescriptor file_;
   std::size_t size_;
   bool created_{false};
 };

@@ -3,20 +3,23 @@
 
 #include <algorithm>
 
+#include "firmware/boards/linux/board_error.hpp"
+
 namespace rosflight::boards {
 
 static_assert(TransmitQueue::kLargestFrame <= 1400, "a frame fits a datagram");
 
 std::unique_ptr<Wire> open_wire(const LinkAddress& address) {
   switch (address.kind) {
+    case LinkAddress::Kind::kPty:
+      return open_pty(address);
     case LinkAddress::Kind::kUdp:
       return open_udp(address);
-    case LinkAddress::Kind::kTcp:
+    case LinkAddress::Kind::kTcpServer:
       return open_tcp(address);
-    case LinkAddress::Kind::kPty:
-      break;
+    default:
+      throw BoardError("link \"" + address.text() + "\": no kind of link of a board");
   }
-  return open_pty(address);
 }
 
 LinuxSerial::LinuxSerial(const LinkAddress& address)

@@ -30,7 +30,7 @@ class LinuxSerial final : public hal::Serial {
     std::uint64_t frames_dropped{};  ///< The transmit queue was full.
   };
 
-  /// @throws BoardError  see open_wire().
+  /// @throws base::LinkError  see open_wire().
   explicit LinuxSerial(const LinkAddress& address);
 
   /// Any rate of the one device: the operating system's files have none.

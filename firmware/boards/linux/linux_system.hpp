@@ -9,7 +9,7 @@
 namespace rosflight::boards {
 
 /// The process as a processor. A reset is a request: the program sees it when the pass is over,
-/// builds the firmware anew and calls restarted(); storage and backup memory stay.
+/// builds the firmware again and calls restarted(); storage and backup memory stay.
 ///
 /// The watchdog bites nobody here. It counts the times it would have: passes that came more than
 /// kWatchdog after the one before.
@@ -27,7 +27,7 @@ class LinuxSystem final : public hal::System {
     reset_requested_ = true;
     to_bootloader_ = to_bootloader;
   }
-  void alive() override {
+  void feed_watchdog() override {
     const hal::Time now = clock_.now();
     if (passes_in_boot_++ > 0 && now - last_pass_ > kWatchdog) ++watchdog_count_;
     last_pass_ = now;

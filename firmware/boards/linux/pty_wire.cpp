@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <fcntl.h>
-#include <stdlib.h>
 #include <termios.h>
 
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <limits>
 
+#include "base/transport/pseudo_terminal.hpp"
 #include "firmware/boards/linux/board_error.hpp"
-#include "firmware/boards/linux/file_descriptor.hpp"
 #include "firmware/boards/linux/wire.hpp"
 
 namespace rosflight::boards {
@@ -25,14 +22,10 @@ BoardError failure(const std::string& what) {
 class PtyWire final : public Wire {
  public:
   explicit PtyWire(const std::string& link) {
-    master_ = FileDescriptor{::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
-    constexpr std::size_t kLongestName = 128;
-    std::array<char, kLongestName> name{};
-    if (!master_.valid() || ::grantpt(master_.get()) != 0 || ::unlockpt(master_.get()) != 0 ||
-        ::ptsname_r(master_.get(), name.data(), name.size()) != 0) {
-      throw failure("link pty: no pseudo terminal");
-    }
-    name_ = name.data();
+    base::PseudoTerminal terminal = base::PseudoTerminal::open();
+    if (!terminal.master.valid()) throw failure("link pty: no pseudo terminal");
+    master_ = std::move(terminal.master);
+    name_ = std::move(terminal.name);
     if (!clean()) throw failure("link pty: " + name_);
     if (!link.empty()) make_link(link);
   }
@@ -67,7 +60,7 @@ class PtyWire final : public Wire {
     return errno == EAGAIN || errno == EINTR ? 0 : size;
   }
   void add_to(std::vector<pollfd>& set, bool sending) const override {
-    // Hung up is a state that poll() reports without end: whoever comes is found by refresh().
+    // Hung up is a state that poll() reports without end: a new peer is found by refresh().
     if (!connected_) return;
     set.push_back({master_.get(), static_cast<short>(sending ? POLLIN | POLLOUT : POLLIN), 0});
   }
@@ -78,12 +71,8 @@ class PtyWire final : public Wire {
  private:
   /// Plain bytes both ways, without echo, and nothing left over from who was here before.
   bool clean() {
-    const FileDescriptor slave{::open(name_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC)};
-    termios settings{};
-    if (!slave.valid() || ::tcgetattr(slave.get(), &settings) != 0) return false;
-    ::cfmakeraw(&settings);
-    return ::tcsetattr(slave.get(), TCSANOW, &settings) == 0 &&
-           ::tcflush(slave.get(), TCIFLUSH) == 0;
+    const base::FileDescriptor slave{::open(name_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC)};
+    return slave.valid() && base::make_raw(slave) && ::tcflush(slave.get(), TCIFLUSH) == 0;
   }
   void make_link(const std::string& link) {
     std::error_code code;
@@ -95,7 +84,7 @@ class PtyWire final : public Wire {
     link_ = link;
   }
 
-  FileDescriptor master_;
+  base::FileDescriptor master_;
   std::string name_;
   std::string link_;
   std::uint32_t peer_{0};

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <netinet/in.h>
-#include <netinet/tcp.h>
-
 #include <cerrno>
+#include <cstring>
 
 #include "firmware/boards/linux/socket.hpp"
 #include "firmware/boards/linux/wire.hpp"
@@ -15,20 +13,15 @@ namespace {
 class TcpWire final : public Wire {
  public:
   explicit TcpWire(const LinkAddress& address) {
-    const Addresses list = look_up(address.host, address.port, SOCK_STREAM);
-    listener_ = bound_socket(preferred(*list), "link tcp");
-    where_ = "link=tcp:" + own_address(listener_);
+    listener_ = bound_socket(look_up(address, SOCK_STREAM), SOCK_STREAM, "link tcp");
+    where_ = "link=tcp:" + base::own_address(listener_).text();
   }
 
   bool refresh() override {
     if (client_.valid() && gone()) hang_up();
     if (client_.valid()) return true;
-    client_ =
-        FileDescriptor{::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC)};
-    if (!client_.valid()) return false;
-    const int on = 1;
-    static_cast<void>(::setsockopt(client_.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on));
-    return true;
+    client_ = base::accept_client(listener_);
+    return client_.valid();
   }
   std::uint32_t peer() const override { return peer_; }
 
@@ -36,14 +29,14 @@ class TcpWire final : public Wire {
     if (!client_.valid()) return 0;
     const ssize_t n = ::recv(client_.get(), data, capacity, 0);
     if (n > 0) return static_cast<std::size_t>(n);
-    if (n == 0 || (errno != EAGAIN && errno != EINTR)) hang_up();
+    if (n == 0 || !base::would_block(errno)) hang_up();
     return 0;
   }
   std::size_t send(const std::uint8_t* data, std::size_t size) override {
     if (!client_.valid()) return size;
     const ssize_t n = ::send(client_.get(), data, size, MSG_NOSIGNAL);
     if (n >= 0) return static_cast<std::size_t>(n);
-    if (errno == EAGAIN || errno == EINTR) return 0;
+    if (base::would_block(errno)) return 0;
     hang_up();
     return size;
   }
@@ -61,15 +54,15 @@ class TcpWire final : public Wire {
   bool gone() const {
     std::uint8_t byte = 0;
     const ssize_t n = ::recv(client_.get(), &byte, 1, MSG_PEEK);
-    return n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR);
+    return n == 0 || (n < 0 && !base::would_block(errno));
   }
   void hang_up() {
     client_.close();
     ++peer_;
   }
 
-  FileDescriptor listener_;
-  FileDescriptor client_;
+  base::FileDescriptor listener_;
+  base::FileDescriptor client_;
   std::string where_;
   std::uint32_t peer_{0};
 };

@@ -8,9 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "firmware/boards/linux/link_address.hpp"
+#include "base/transport/link_address.hpp"
 
 namespace rosflight::boards {
+
+using base::LinkAddress;
 
 /// What carries the bytes of a serial port: a file of the operating system that never blocks.
 class Wire {

@@ -87,8 +87,8 @@ struct FirmwareGlance {
   std::uint8_t failsafe{};
   std::uint8_t reserved{};
   std::uint16_t errors{};
-  std::uint16_t primary_entries{};
-  std::array<float, 4> q_NB{1.0f, 0.0f, 0.0f, 0.0f};
+  std::uint16_t primary_axes{};
+  std::array<float, 4> q_WB{1.0f, 0.0f, 0.0f, 0.0f};
   float roll_rad{};
   float pitch_rad{};
   std::array<float, 3> rates_rad_s{};

@@ -19,7 +19,7 @@ class QemuSystem final : public hal::System {
     reset_requested_ = true;
     to_bootloader_ = to_bootloader;
   }
-  void alive() override { Watchdog::feed(watchdog_ms_); }
+  void feed_watchdog() override { Watchdog::feed(watchdog_ms_); }
   /// The emulator's clock says nothing about the time a pass would take: bench/m7 counts
   /// instructions.
   hal::Time busy_time() const override { return {}; }
@@ -62,7 +62,7 @@ class TroubledImu final : public Mailbox<hal::ImuSample> {
 
 /// Everything on the board but clock and serial port, which differ by coupling.
 struct QemuBoard {
-  /// Real time needs a long time-out: the emulator's clock runs on while the host does other
+  /// Real time needs a long timeout: the emulator's clock runs on while the host does other
   /// things.
   static constexpr std::uint32_t kWatchdogLockStep_ms = 25;  // 25 million instructions
   static constexpr std::uint32_t kWatchdogRealTime_ms = 2000;

@@ -55,9 +55,9 @@ void glance(const core::Firmware& firmware, FirmwareGlance& out) {
   out.armed = state.armed() ? 1 : 0;
   out.failsafe = state.failsafe() ? 1 : 0;
   out.errors = state.errors();
-  out.primary_entries = firmware.command().primary_entries();
+  out.primary_axes = firmware.command().primary_axes();
   const core::AttitudeEstimate& estimate = firmware.estimator().estimate();
-  out.q_NB = {estimate.q_NB.w, estimate.q_NB.x, estimate.q_NB.y, estimate.q_NB.z};
+  out.q_WB = {estimate.q_WB.w, estimate.q_WB.x, estimate.q_WB.y, estimate.q_WB.z};
   out.roll_rad = estimate.roll_rad;
   out.pitch_rad = estimate.pitch_rad;
   for (std::size_t k = 0; k < 3; ++k) {

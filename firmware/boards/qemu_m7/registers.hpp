@@ -76,7 +76,7 @@ inline std::uint32_t cycles() {
   return reg(kCycleCounter);
 }
 
-// ---- CMSDK watchdog: the first time-out is a non-maskable interrupt, the second resets
+// ---- CMSDK watchdog: the first timeout is a non-maskable interrupt, the second resets
 class Watchdog {
  public:
   /// Starts it, or starts it again from the full time.

@@ -4,7 +4,7 @@
 
 namespace rosflight::boards::m7 {
 
-/// Makes 64 bits of a 32-bit counter that counts up and wraps. Whoever looks must come by at least
+/// Makes 64 bits of a 32-bit counter that counts up and wraps. It must be read at least
 /// once per turn of the counter (171 s at 25 MHz).
 class WideCounter {
  public:

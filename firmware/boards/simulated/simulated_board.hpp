@@ -49,7 +49,7 @@ class SimulatedSystem final : public hal::System {
   std::uint16_t sensor_errors() const override { return sensor_errors_; }
   const char* sensor_message(std::size_t index, bool& ok) const override;
   void reset(bool to_bootloader) override;
-  void alive() override { ++passes_; }
+  void feed_watchdog() override { ++passes_; }
   /// Simulated time stands still during a pass: none is used, unless a test says so.
   hal::Time busy_time() const override { return busy_ += work_; }
   bool shares_processor() const override { return false; }

@@ -144,7 +144,7 @@ def header(rows):
         yield f'    {make}("{row["name"]}", {default}, {low}, {high}, {sentinel}, {rule}),'
     yield "}};"
     yield "/// Indices in the order of the names."
-    yield f"inline constexpr std::array<std::uint16_t, kParamCount> kParamOrder{{{{"
+    yield "inline constexpr std::array<std::uint16_t, kParamCount> kParamOrder{{"
     order = sorted(range(len(rows)), key=lambda index: rows[index]["name"])
     for start in range(0, len(order), 16):
         yield "    " + "".join(f"{index}, " for index in order[start:start + 16]).rstrip()

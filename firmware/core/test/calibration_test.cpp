@@ -68,7 +68,7 @@ TEST(PressureCalibration, Takes256StepsMoreThan20MsApart) {
   c.start();
   Result result{};
   Time end{};
-  // At 1 kHz one sample in 21 makes a step: 255 * 21 ms = 5.355 s; the reference says 5.4 s.
+  // At 1 kHz one sample in 21 makes a step: 255 * 21 ms = 5.355 s; ROSflight 2.x says 5.4 s.
   EXPECT_EQ(run(c, 1, [](int) { return 90'000.0f; }, result, end), 255 * 21 + 1);
   EXPECT_EQ(result, Result::kGood);
   EXPECT_EQ(end - hal::milliseconds(1000), hal::milliseconds(5355));

@@ -111,7 +111,7 @@ TEST_F(CommandTest, AShorterTimeOutActsOnTheCommandInForce) {
 TEST_F(CommandTest, FreeEntriesAreZeroAfterTheTimeOutAndGoThroughThePrimaryMixer) {
   companion_flies();
   pass();
-  EXPECT_EQ(command_.primary_entries() & 0x3C0, 0);
+  EXPECT_EQ(command_.primary_axes() & 0x3C0, 0);
   EXPECT_EQ(combined(6), 1.0f);
   idle(80);
   EXPECT_EQ(combined(6), 1.0f) << "still in time";
@@ -121,7 +121,7 @@ TEST_F(CommandTest, FreeEntriesAreZeroAfterTheTimeOutAndGoThroughThePrimaryMixer
     EXPECT_EQ(combined(k), 0.0f);
     EXPECT_FALSE(command_.combined().is_active(k));
   }
-  EXPECT_EQ(command_.primary_entries(), 0x3FF);
+  EXPECT_EQ(command_.primary_axes(), 0x3FF);
 }
 
 TEST_F(CommandTest, AMaskedEntryIsZeroUnlessThePilotHasIt) {
@@ -135,7 +135,7 @@ TEST_F(CommandTest, AMaskedEntryIsZeroUnlessThePilotHasIt) {
   EXPECT_FLOAT_EQ(combined(1), 0.4f);
   EXPECT_FLOAT_EQ(combined(6), 0.9f);
   EXPECT_EQ(combined(7), 0.0f);
-  EXPECT_EQ(command_.primary_entries(), 1u << 7);
+  EXPECT_EQ(command_.primary_axes(), 1u << 7);
 }
 
 TEST_F(CommandTest, ForgottenOffboardCommandsAreAsIfTheyHadNeverCome) {
@@ -147,7 +147,7 @@ TEST_F(CommandTest, ForgottenOffboardCommandsAreAsIfTheyHadNeverCome) {
   EXPECT_FALSE(command_.offboard_active());
   EXPECT_EQ(word(), kNobodyOffboard);
   EXPECT_EQ(command_.combined().value, (std::array<float, 10>{0, 0, 0.9f}));
-  EXPECT_EQ(command_.primary_entries(), 0x3FF);
+  EXPECT_EQ(command_.primary_axes(), 0x3FF);
   companion_flies();
   pass();
   EXPECT_EQ(word(), 0) << "the next one counts";
@@ -187,8 +187,8 @@ TEST_F(CommandTest, AnglesAndRatesAreLimitedToThoseOfTheSticksAndThrottleToZeroA
         EXPECT_EQ(combined(k), used) << "mode " << int{c.mode} << " entry " << k << " " << asked;
         EXPECT_EQ(command_.limited().count - before, asked != used ? 1u : 0u);
         if (asked == used) continue;
-        EXPECT_EQ(command_.limited().entry, k);
-        EXPECT_EQ(command_.limited().asked, asked);
+        EXPECT_EQ(command_.limited().axis, k);
+        EXPECT_EQ(command_.limited().requested, asked);
         EXPECT_EQ(command_.limited().used, used);
       }
     }
@@ -198,7 +198,7 @@ TEST_F(CommandTest, AnglesAndRatesAreLimitedToThoseOfTheSticksAndThrottleToZeroA
 TEST_F(CommandTest, PassThroughEntriesAreLimitedByTheMixerInEveryMode) {
   std::array<float, 10> limits;
   for (std::size_t k = 0; k < 10; ++k) limits[k] = 0.5f + static_cast<float>(k);
-  command_.set_entry_limits(limits);
+  command_.set_axis_limits(limits);
   configure();  // other settings leave them alone
   pilot_.throttle = 1.5f;
   for (const std::uint8_t mode : {kPassThrough, kRates, kAngles}) {
@@ -319,7 +319,7 @@ TEST_F(CommandTest, AnglesRatesSticksAndFixedWingsAreNotScaled) {
   EXPECT_FLOAT_EQ(combined(3), 0.2f * 0.786f) << "the pilot's own";
   EXPECT_EQ(combined(4), 0.0f);
   config_.fixed_wing = true;
-  config_.throttle_entry = 0;
+  config_.throttle_axis = 0;
   configure();
   pilot_ = {};
   ASSERT_TRUE(offboard(kPassThrough, {0.5f, 0, 0, 0.4f, -0.2f, 0.3f}, 0, 0.5f));
@@ -333,7 +333,7 @@ TEST_F(CommandTest, AnglesRatesSticksAndFixedWingsAreNotScaled) {
 
 TEST_F(CommandTest, AFixedWingComparesStickAndEntry) {
   config_.fixed_wing = true;
-  config_.throttle_entry = 0;
+  config_.throttle_axis = 0;
   configure();
   pilot_.throttle = 0.4f;
   ASSERT_TRUE(offboard(kPassThrough, {0.5f, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
@@ -356,7 +356,7 @@ TEST_F(CommandTest, WithTwoMixersOneStickTakesAllSixEntries) {
   EXPECT_FLOAT_EQ(combined(2), 0.9f);
   EXPECT_FLOAT_EQ(combined(3), 0.393f);
   EXPECT_EQ(combined(4), 0.0f);
-  EXPECT_EQ(command_.primary_entries(), 0x3F);
+  EXPECT_EQ(command_.primary_axes(), 0x3F);
   EXPECT_EQ(combined(6), 1.0f) << "free entries stay the companion's";
 }
 

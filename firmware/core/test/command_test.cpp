@@ -53,7 +53,7 @@ TEST_F(CommandTest, AMappedTypeSwitchDecidesWhateverRcAttModeSays) {
 
 TEST_F(CommandTest, ThrottleStickDrivesTheConfiguredEntry) {
   for (std::uint8_t axis = 0; axis < 3; ++axis) {
-    config_.throttle_entry = axis;
+    config_.throttle_axis = axis;
     configure();
     pilot_.throttle = 0.7f;
     pass();
@@ -63,7 +63,7 @@ TEST_F(CommandTest, ThrottleStickDrivesTheConfiguredEntry) {
 
 TEST_F(CommandTest, AFixedWingPilotGoesStraightThrough) {
   config_.fixed_wing = true;
-  config_.throttle_entry = 0;
+  config_.throttle_axis = 0;
   configure();
   pilot_ = {0.5f, -0.6f, 0.7f, 0.8f, {}};
   pass();
@@ -76,7 +76,7 @@ TEST_F(CommandTest, AFixedWingPilotGoesStraightThrough) {
 
 // ---- override word
 
-// Weak points 14 and 15: the reference showed 0x3DC or garbage during the first second.
+// Weak points 14 and 15: ROSflight 2.x showed 0x3DC or garbage during the first second.
 TEST(CommandAtBoot, NothingIsDeflectedBeforeTheFirstFrame) {
   CommandManager command;
   command.configure({});
@@ -91,7 +91,7 @@ TEST_F(CommandTest, NothingOverridesAWillingPilotsCompanion) {
   pass();
   EXPECT_EQ(word(), 0);
   EXPECT_TRUE(command_.offboard_active());
-  EXPECT_EQ(command_.primary_entries(), 0) << "everything goes through the secondary mixer";
+  EXPECT_EQ(command_.primary_axes(), 0) << "everything goes through the secondary mixer";
 }
 
 TEST_F(CommandTest, EveryCombinationOfReasonsGivesItsWordAndTheSheetsMixture) {
@@ -141,7 +141,7 @@ TEST_F(CommandTest, EveryCombinationOfReasonsGivesItsWordAndTheSheetsMixture) {
       for (std::size_t k = 6; k < 10; ++k) {
         ASSERT_EQ(command.combined().value[k], kCompanion[k]);
       }
-      ASSERT_EQ(command.primary_entries(), primary);
+      ASSERT_EQ(command.primary_axes(), primary);
     }
   }
 }
@@ -242,16 +242,16 @@ TEST_F(CommandTest, AMultirotorFailsafeIsLevelWithItsThrottle) {
   for (std::size_t k = 6; k < 10; ++k) EXPECT_EQ(type(k), CommandType::kPassThrough);
 }
 
-// Weak point 4: the reference froze the word and used the companion's mixer.
+// Weak point 4: ROSflight 2.x froze the word and used the companion's mixer.
 TEST_F(CommandTest, FailsafeUsesThePrimaryMixerWhoeverHadControl) {
   config_.failsafe_throttle = 0.4f;
   configure();
   companion_flies();
   pass();
-  ASSERT_EQ(command_.primary_entries(), 0);
+  ASSERT_EQ(command_.primary_axes(), 0);
   failsafe_ = true;
   idle(1);
-  EXPECT_EQ(command_.primary_entries(), 0x3FF);
+  EXPECT_EQ(command_.primary_axes(), 0x3FF);
   EXPECT_FLOAT_EQ(combined(2), 0.4f);
   ASSERT_TRUE(offboard(kAngles, {0, 0, 1, 1, 1, 1, 1, 1, 1, 1}));
   idle(1);
@@ -300,7 +300,7 @@ TEST_F(CommandTest, FailsafeIsBuiltAnewForEveryChange) {
   EXPECT_EQ(type(2), CommandType::kThrottle);
   EXPECT_EQ(type(3), CommandType::kAngle);
   EXPECT_FLOAT_EQ(combined(2), 0.4f);
-  config_.throttle_entry = 0;
+  config_.throttle_axis = 0;
   configure();
   idle(1);
   EXPECT_FLOAT_EQ(combined(0), 0.4f);

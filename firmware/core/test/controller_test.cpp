@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kDt = 0.0025f;
 
-CommandVector command(std::array<float, kEntries> value, CommandType attitude = CommandType::kAngle,
+CommandVector command(std::array<float, kAxes> value, CommandType attitude = CommandType::kAngle,
                       CommandType yaw = CommandType::kRate,
                       CommandType force = CommandType::kThrottle) {
   CommandVector c;
@@ -23,7 +23,7 @@ CommandVector command(std::array<float, kEntries> value, CommandType attitude = 
 
 AttitudeEstimate state(float roll = 0, float pitch = 0, const Vector3& rates = Vector3::Zero()) {
   AttitudeEstimate s;
-  s.q_NB = quaternion_from_euler(roll, pitch, 0.0f);
+  s.q_WB = quaternion_from_euler(roll, pitch, 0.0f);
   s.roll_rad = roll;
   s.pitch_rad = pitch;
   s.rates_rad_s = rates;
@@ -55,8 +55,7 @@ TEST(Controller, ScalesThrottleByTheMaximumThrustInNewtons) {
 TEST(Controller, PassesThroughWhatIsNotThrottleAngleOrRate) {
   Controller c = make({});
   constexpr auto kPass = CommandType::kPassThrough;
-  const std::array<float, kEntries> u{-1.0f, 2.0f, -3.0f, 0.4f, -0.5f,
-                                      0.6f,  7.0f, 8.0f,  9.0f, 10.0f};
+  const std::array<float, kAxes> u{-1.0f, 2.0f, -3.0f, 0.4f, -0.5f, 0.6f, 7.0f, 8.0f, 9.0f, 10.0f};
   EXPECT_EQ(c.step(command(u, kPass, kPass, kPass), state(1, 1, Vector3::Ones()), kDt, true, false),
             u);
 }
@@ -80,16 +79,16 @@ TEST(Controller, AngleLoopsUseTheAngleAndTheBodyRate) {
 // ---- angle errors, of any attitude
 
 /// Roll and pitch torque with gains of 1: the errors that the loops get.
-std::array<float, 2> angle_errors(const Quaternion& q_NB, float roll, float pitch,
+std::array<float, 2> angle_errors(const Quaternion& q_WB, float roll, float pitch,
                                   CommandType pitch_type = CommandType::kAngle) {
   Controller::Config config;
   config.roll_angle = config.pitch_angle = {1.0f, 0, 0};
   config.pitch_rate = {0, 0, 0};
   Controller c = make(config);
   AttitudeEstimate s;
-  s.q_NB = q_NB;
-  s.roll_rad = roll_of(q_NB);
-  s.pitch_rad = pitch_of(q_NB);
+  s.q_WB = q_WB;
+  s.roll_rad = roll_of(q_WB);
+  s.pitch_rad = pitch_of(q_WB);
   CommandVector cmd = command({0, 0, 0.5f, roll, pitch});
   cmd.type[4] = pitch_type;
   const auto& u = c.step(cmd, s, kDt, true, false);
@@ -293,7 +292,7 @@ TEST(ControllerIntegral, GrowsOnlyArmedWithThrottleAndShortSteps) {
 TEST(ControllerIntegral, AnyForceEntryCounts) {
   for (std::size_t entry = 0; entry < 3; ++entry) {
     Controller c = make(integrating());
-    std::array<float, kEntries> u{};
+    std::array<float, kAxes> u{};
     u[entry] = 0.5f;
     u[3] = 0.2f;
     EXPECT_GT(c.step(command(u), state(), 0.005f, true, false)[3], 0.0f) << entry;
@@ -301,7 +300,7 @@ TEST(ControllerIntegral, AnyForceEntryCounts) {
 }
 
 TEST(ControllerIntegral, IsHeldWhenTheThrottleIsLowered) {
-  // Weak point 40: the reference drops the whole I share at once.
+  // Weak point 40: ROSflight 2.x drops the whole I share at once.
   Controller c = make(integrating());
   for (int k = 0; k < 200; ++k) roll_torque(c, 0.5f);
   const float with_throttle = roll_torque(c, 0.5f);
@@ -358,7 +357,7 @@ TEST(ControllerIntegral, IsForgottenOnResetAndOnAChangeOfMode) {
 }
 
 TEST(ControllerModes, ALoopThatStartsHasNoKick) {
-  // Weak point 41: the differentiator of the reference compares with the value of the last time the
+  // Weak point 41: the differentiator of ROSflight 2.x compares with the value of the last time the
   // loop ran.
   Controller::Config config;
   config.roll_rate = {0.0f, 0.0f, 1.0f};

@@ -35,7 +35,7 @@ TEST(EstimatorAccelerometer, DoesNotTouchYawOrItsBias) {
 }
 
 TEST(EstimatorAccelerometer, OneStepTurnsByTheSineOfTheError) {
-  // At heading 0 as the reference: k_p sin(error) dt, here for a level estimate.
+  // At heading 0 as ROSflight 2.x: k_p sin(error) dt, here for a level estimate.
   for (const double roll : {0.01, 0.1, -0.5, 1.5}) {
     Estimator::Config config = unboosted();
     config.ki = 0.0f;
@@ -141,7 +141,7 @@ TEST(EstimatorAccelerometer, NoAccelerationAtAllIsNotUsed) {
 // ---- external attitude
 
 TEST(EstimatorExternalAttitude, OneMeasurementAfterSilenceDoesNotOvershoot) {
-  // Weak point 21: in the reference 0.2 rad of yaw after 1 s of silence became 0.55 rad.
+  // Weak point 21: in ROSflight 2.x 0.2 rad of yaw after 1 s of silence became 0.55 rad.
   for (const double silence_s : {0.1, 1.0, 10.0}) {
     Estimator::Config config;
     config.init_time = Time{0};
@@ -325,7 +325,7 @@ TEST(EstimatorGap, IsIntegratedWithTheMeanOfBothEnds) {
   rig.rest(5.0);
   const AttitudeEstimate& e = rig.after(500'000, kLevel, {2.0f, 0.0f, 0.0f});
   EXPECT_NEAR(e.roll_rad, 0.5f, 1e-5f);
-  EXPECT_NEAR(e.rates_rad_s.x(), 2.0f, 1e-5f);  // the low-pass starts anew
+  EXPECT_NEAR(e.rates_rad_s.x(), 2.0f, 1e-5f);  // the low-pass restarts
 }
 
 TEST(EstimatorGap, KeepsTheAttitudeOfASteadyTurn) {
@@ -382,7 +382,7 @@ TEST(EstimatorGap, AboveOneSecondStartsAgainFromTheAccelerometerAndKeepsYaw) {
   const AttitudeEstimate& e = rig.after(1'001'000, fallen.accel_at_rest(), {});
   EXPECT_NEAR(e.roll_rad, -0.6f, 1e-4f);
   EXPECT_NEAR(e.pitch_rad, 0.3f, 1e-4f);
-  EXPECT_NEAR(yaw_of(e.q_NB), yaw, 1e-4f);
+  EXPECT_NEAR(yaw_of(e.q_WB), yaw, 1e-4f);
   // The start may have been accelerated: the boost follows.
   rig.rest(0.5);
   EXPECT_LT(tilt_error_deg(rig.q(), Attitude{}), 5.0);

@@ -34,7 +34,7 @@ class Rig {
     const auto n = static_cast<int>(std::lround(seconds * 1e6 / static_cast<double>(step_us_)));
     for (int k = 0; k < n; ++k) sample(accel, gyro);
   }
-  const Quaternion& q() const { return estimator.estimate().q_NB; }
+  const Quaternion& q() const { return estimator.estimate().q_WB; }
 
   Estimator estimator;
   std::int64_t now_us{0};

@@ -6,7 +6,7 @@
 namespace rosflight::core {
 namespace {
 
-// ---- numbers of the reference
+// ---- numbers of ROSflight 2.x
 
 struct Row {
   int k;
@@ -16,7 +16,7 @@ struct Row {
   float bias_tolerance;
 };
 
-/// Runs of the reference core (ROSflight 2.0.1): 400 Hz, constant raw gyro and accelerometer,
+/// Runs of the core of ROSflight 2.x (ROSflight 2.0.1): 400 Hz, constant raw gyro and accelerometer,
 /// defaults. The very first sample only sets the main loop's clock, so step() sees samples from k =
 /// 2 on.
 void run_reference_rows(bool exact_step, const std::vector<Row>& rows) {
@@ -40,10 +40,10 @@ void run_reference_rows(bool exact_step, const std::vector<Row>& rows) {
   }
 }
 
-// The accelerometer correction of the reference turns by half the heading and fades with it; here
+// The accelerometer correction of ROSflight 2.x turns by half the heading and fades with it; here
 // it does neither. With a tilt error e that the gyro offset keeps up (0.22/5 rad here) the two
 // differ by e psi / 2: 4e-6 in the tilt rate of each sample at psi = 7e-3 rad, 0.0024 rad in half a
-// quaternion component at 0.3 rad, 0.01 at 0.9 rad. The last row of the reference, at a heading of
+// quaternion component at 0.3 rad, 0.01 at 0.9 rad. The last row of ROSflight 2.x, at a heading of
 // 3 rad, where it does not correct at all, says nothing about this estimator.
 TEST(EstimatorAgainstReference, EulerSteps) {
   run_reference_rows(
@@ -68,7 +68,7 @@ TEST(EstimatorAgainstReference, EulerSteps) {
 }
 
 TEST(EstimatorAgainstReference, ExactStepsAreNearItsInPlaceOnes) {
-  // The reference updates w, x, y, z one after the other, which costs it up to 0.07 deg in 10 s of
+  // ROSflight 2.x updates w, x, y, z one after the other, which costs it up to 0.07 deg in 10 s of
   // 1 rad/s (weak point 20). After 1 s of 0.37 rad/s the two may differ by some 1e-5.
   run_reference_rows(
       true,
@@ -88,7 +88,7 @@ TEST(EstimatorAgainstReference, ExactStepsAreNearItsInPlaceOnes) {
 // ---- propagation
 
 TEST(EstimatorPropagation, ExactStepMeetsTheClosedFormOfAConstantRate) {
-  // Weak point 20: the reference errs by 0.07, 0.10 and 2.0 degrees here.
+  // Weak point 20: ROSflight 2.x errs by 0.07, 0.10 and 2.0 degrees here.
   for (const Rates& rate : {Rates{1, 0, 0}, Rates{1, 0.5, 0.3}, Rates{5, 3, 1}, Rates{0, -20, 7}}) {
     Rig rig(2500, gyro_only());
     const hal::Vec3 gyro{static_cast<float>(rate[0]), static_cast<float>(rate[1]),
@@ -137,7 +137,7 @@ TEST(EstimatorPropagation, NoTimeNoTurn) {
   EXPECT_NEAR(rig.q().z, before.z, 1e-7f);
 }
 
-// ---- tolerances of the reference's own tests: 1 kHz, a motion about all three axes
+// ---- tolerances of ROSflight 2.x's own tests: 1 kHz, a motion about all three axes
 
 /// Largest error against the truth over 30 s of motion (single precision adds 3e-6 rad a second).
 /// `feed` gives the accelerometer and may give an external attitude.
@@ -176,7 +176,7 @@ TEST(EstimatorInMotion, StaysWithinTheReferencesTolerances) {
   config.quadratic_rates = true;
   EXPECT_LT(error_in_motion(config, no_accel), 1.4e-4) << "Euler, quadratic";
   config.exact_step = true;
-  // The reference allows itself 3e-3 and 2e-3 with the exponential; exact, it is no worse than
+  // ROSflight 2.x allows itself 3e-3 and 2e-3 with the exponential; exact, it is no worse than
   // Euler.
   EXPECT_LT(error_in_motion(config, no_accel), 1.4e-4) << "exact, quadratic";
   config.quadratic_rates = false;
@@ -267,8 +267,8 @@ TEST(EstimatorStart, InFlightTakesRollAndPitchFromTheFirstSample) {
   const AttitudeEstimate& e = rig.sample(Attitude::from_euler(0.4, -0.2, 0).accel_at_rest(), {});
   EXPECT_NEAR(e.roll_rad, 0.4f, 1e-5f);
   EXPECT_NEAR(e.pitch_rad, -0.2f, 1e-5f);
-  EXPECT_NEAR(roll_of(e.q_NB), 0.4f, 1e-5f);
-  EXPECT_NEAR(yaw_of(e.q_NB), 0.0f, 1e-5f);
+  EXPECT_NEAR(roll_of(e.q_WB), 0.4f, 1e-5f);
+  EXPECT_NEAR(yaw_of(e.q_WB), 0.0f, 1e-5f);
 }
 
 TEST(EstimatorStart, AVehicleThatIsNotLevelStartsFromTheFirstSample) {
@@ -338,7 +338,7 @@ TEST(EstimatorReset, SettlingTakesTheTiltOfTheAccelerometerWhereAnOffsetHadTurne
 // ---- health
 
 TEST(EstimatorHealth, FailsAfterHalfASecondAndRecoversAfterATenth) {
-  // Weak point 39: the limit of the reference, with hysteresis.
+  // Weak point 39: the limit of ROSflight 2.x, with hysteresis.
   Rig rig(2500);
   rig.rest(1.0);
   EXPECT_TRUE(rig.estimator.healthy());

@@ -167,7 +167,7 @@ TEST_F(FirmwareFailsafe, ASilentCompanionHandsOverToThePilotAfterItsTimeOut) {
   expect_motors(0.35f);
   EXPECT_TRUE(rig_.got<link::Status>().back().offboard);
   rig_.offboard.reset();
-  // No frame at the moment of the time-out: it counts all the same (weak point 1).
+  // No frame at the moment of the timeout: it counts all the same (weak point 1).
   const std::int64_t took =
       rig_.ms_until([this] { return rig_.firmware().command().override_word() == 0x3C0; }, 500);
   EXPECT_GE(took, 100);
@@ -177,7 +177,7 @@ TEST_F(FirmwareFailsafe, ASilentCompanionHandsOverToThePilotAfterItsTimeOut) {
   EXPECT_FALSE(rig_.got<link::Status>().back().offboard);
 }
 
-// Weak point 1: with receiver frames every 20 ms the reference took a command in up to 20 ms later.
+// Weak point 1: with receiver frames every 20 ms ROSflight 2.x took a command in up to 20 ms later.
 TEST_F(FirmwareFailsafe, EveryOffboardCommandIsInForceOnTheNextImuSample) {
   fly_quadrotor();
   for (int k = 0; k < 40; ++k) {

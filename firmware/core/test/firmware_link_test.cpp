@@ -331,7 +331,7 @@ TEST_F(FirmwareLink, ExternalAttitudeTurnsTheEstimate) {
     rig_.send(link::ExternalAttitude{{0.9950042f, 0.0f, 0.0f, 0.0998334f}});  // yaw 0.2 rad
     rig_.pass();
   }
-  const auto q = rig_.got<link::Attitude>().back().q_NB;
+  const auto q = rig_.got<link::Attitude>().back().q_WB;
   EXPECT_NEAR(2.0f * std::atan2(q[3], q[0]), 0.2f, 0.01f);
 }
 

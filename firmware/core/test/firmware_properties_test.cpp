@@ -58,7 +58,7 @@ TEST(FirmwareProperties, RandomFlightsTakeEveryWayFromStateToState) {
   for (const Transition& row : kTransitions) {
     if (row.state == row.next) continue;
     if (row.state == State::kInit) continue;  // start() is no pass
-    // A pilot who is heard ends the failsafe first; it is there for other ways to disarm.
+    // A frame of the receiver ends the failsafe first; the row is for other disarm requests.
     if (row.state == State::kFailsafe && row.event == Event::kDisarm) continue;
     EXPECT_GT(flown().coverage.transitions[static_cast<std::size_t>(row.state)]
                                           [static_cast<std::size_t>(row.next)],

@@ -12,7 +12,7 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 TEST(FirmwareSafeguards, ArmingForgetsACalibrationThatIsUnderWay) {
-  // It would end in the air, take the motion for a bias and start the estimator anew.
+  // It would end in the air, take the motion for a bias and start the estimator again.
   FirmwareRig rig;
   rig.store_quadrotor();
   rig.start();

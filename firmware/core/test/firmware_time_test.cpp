@@ -7,7 +7,7 @@
 namespace rosflight::core {
 namespace {
 
-// Weak points 14 and 68: the reference's clock wrapped after 71.6 minutes.
+// Weak points 14 and 68: ROSflight 2.x's clock wrapped after 71.6 minutes.
 class FirmwareAfter : public testing::TestWithParam<std::int64_t> {};
 
 TEST_P(FirmwareAfter, NothingHappensWhenASmallerCounterWouldWrap) {
@@ -36,7 +36,7 @@ TEST_P(FirmwareAfter, NothingHappensWhenASmallerCounterWouldWrap) {
     last_us = imu[0].time_boot_us;
     rig.inbox.clear();
   }
-  // Holds and time-outs still end.
+  // Holds and timeouts still end.
   rig.offboard.reset();
   rig.run_for(200);
   EXPECT_EQ(rig.firmware().command().override_word(), 0x3C0);
@@ -84,7 +84,7 @@ TEST(TwoFirmwares, InOneProcessNeverMeet) {
   const auto b = alone.got<link::Attitude>();
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t k = 0; k < a.size(); ++k) {
-    ASSERT_EQ(a[k].q_NB, b[k].q_NB) << k;
+    ASSERT_EQ(a[k].q_WB, b[k].q_WB) << k;
     ASSERT_EQ(a[k].rates_rad_s, b[k].rates_rad_s) << k;
   }
 }

@@ -125,11 +125,11 @@ void FlightInvariants::take_note(const PassInputs& in, const WatchedFirmware& wa
   rc_bad_now_ = rc_failsafe_now_ = false;
   if (in.rc) note_frame(*in.rc, f);
   const PassWork& w = watched.work();
-  if (w.heard_companion) companion_ = now_;
-  if (w.heard_offboard) offboard_ = now_;
-  if (armed_before_ && (w.heard_offboard || w.heard_auxiliary)) commanded_ = true;
-  if (w.heard_parameters) parameters_changed_ = now_;
-  if (w.heard_motor_test) motor_test_ = now_;
+  if (w.received_companion) companion_ = now_;
+  if (w.received_offboard) offboard_ = now_;
+  if (armed_before_ && (w.received_offboard || w.received_auxiliary)) commanded_ = true;
+  if (w.received_parameters) parameters_changed_ = now_;
+  if (w.received_motor_test) motor_test_ = now_;
   count(in, watched);
 }
 
@@ -239,7 +239,7 @@ void FlightInvariants::count(const PassInputs& in, const WatchedFirmware& watche
   if (s.armed() && !failsafe_before_ && s.failsafe()) ++c.receiver_lost_armed;
   if (before_ == State::kCalibrating && s.state() != State::kCalibrating) ++c.calibrations_left;
   if (w.storage_writes > 0) ++c.saves;
-  if (w.heard_parameters) ++c.parameter_changes;
+  if (w.received_parameters) ++c.parameter_changes;
   for (const Packet& packet : in.packets) c.foreign_messages += packet.foreign ? 1u : 0u;
   for (const std::size_t k : RandomFlight::kAuxMotors) {
     if (s.armed() && watched.outputs()[k] > 0.2f) {
@@ -307,7 +307,7 @@ void FlightInvariants::check_motor_test(const WatchedFirmware& watched) {
   if (f.state().state() != State::kMotorTest) return;
   if (before_ != State::kMotorTest) {
     ++coverage_.motor_tests;
-    if (!watched.work().heard_motor_test) fail("motor_test_asked", "nobody asked for it");
+    if (!watched.work().received_motor_test) fail("motor_test_asked", "nobody asked for it");
   }
   if (now_ - motor_test_ > kMotorTestTime) {
     fail("motor_test_ends", words(hal::to_ms(now_ - motor_test_), " ms after the last message"));
@@ -368,7 +368,7 @@ void FlightInvariants::check_companion(const WatchedFirmware& watched) {
   const auto timeout = hal::milliseconds(f.parameters().get_int(Param::kOffboardTimeout));
   if (now_ - offboard_ > timeout && parameters_changed_ != now_) {
     if (c.offboard_active()) fail("offboard_timeout", "offboard is still active");
-    for (std::size_t k = 6; k < kEntries && !c.in_failsafe(); ++k) {
+    for (std::size_t k = 6; k < kAxes && !c.in_failsafe(); ++k) {
       if (c.combined().value[k] != 0.0f) {
         fail("offboard_timeout", words("free axis ", k, " still at ", c.combined().value[k]));
       }
@@ -399,7 +399,7 @@ void FlightInvariants::check_command(const WatchedFirmware& watched) {
   const Parameters& p = f.parameters();
   constexpr float kSlack = 1e-4f;
   for (std::size_t k = 0; k < 6; ++k) {
-    if ((static_cast<unsigned>(c.primary_entries()) >> k & 1u) != 0) continue;
+    if ((static_cast<unsigned>(c.primary_axes()) >> k & 1u) != 0) continue;
     const float value = c.combined().value[k];
     float limit = 1.0f;
     switch (c.combined().type[k]) {
@@ -506,7 +506,7 @@ void FlightInvariants::check_state(const WatchedFirmware& watched) {
 
 void FlightInvariants::check_parameters(const WatchedFirmware& watched) {
   const bool armed = watched.firmware().state().armed();
-  const bool due = --until_scan_ <= 0 || watched.work().heard_parameters || !values_known_ ||
+  const bool due = --until_scan_ <= 0 || watched.work().received_parameters || !values_known_ ||
                    armed != armed_before_;
   if (!due) return;
   until_scan_ = kPassesPerScan;
@@ -550,7 +550,7 @@ void FlightInvariants::check_twin(const WatchedFirmware& watched, const WatchedF
   if (watched.work().bytes_encoded != twin.work().bytes_encoded) {
     fail(words(watched.work().bytes_encoded, " B sent, the twin ", twin.work().bytes_encoded));
   }
-  if (until_scan_ > 1 && !watched.work().heard_parameters) return;
+  if (until_scan_ > 1 && !watched.work().received_parameters) return;
   for (std::size_t k = 0; k < kParamCount; ++k) {
     const auto id = static_cast<Param>(k);
     if (a.parameters().bits(id) != b.parameters().bits(id)) {

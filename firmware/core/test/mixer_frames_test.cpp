@@ -193,11 +193,11 @@ TEST(MixerFrames, FollowTheGeometryOfTheirArms) {
   }
 }
 
-using Square = Eigen::Matrix<float, kEntries, kChannels>;
+using Square = Eigen::Matrix<float, kAxes, kChannels>;
 
 /// The four equations that define the Moore-Penrose inverse, R. Penrose 1955.
 void expect_pseudo_inverse(const Square& M, const MixerGains& padded, float tolerance) {
-  const Eigen::Matrix<float, kChannels, kEntries> P = padded.topRows<kChannels>();
+  const Eigen::Matrix<float, kChannels, kAxes> P = padded.topRows<kChannels>();
   const float scale = M.norm() * P.norm() + 1.0f;
   EXPECT_LT((M * P * M - M).norm(), tolerance * scale * M.norm());
   EXPECT_LT((P * M * P - P).norm(), tolerance * scale * P.norm());

@@ -48,7 +48,7 @@ TEST(MixerLimits, ServosMoveDisarmedToo) {
 }
 
 TEST(MixerLimits, GpioPinsAreLowOrHigh) {
-  // Weak point 48: in the reference the type has no effect.
+  // Weak point 48: in ROSflight 2.x the type has no effect.
   Mixer m = custom_mixer({OutputType::kGpio});
   m.primary()(0, 6) = 1.0f;
   Inputs u{};
@@ -269,7 +269,7 @@ TEST(MixerAux, AMotorOnAChannelThatTheMixerGivesUpIsForgottenToo) {
 }
 
 TEST(MixerAux, ReleasedChannelsReturnToADefinedIdle) {
-  // Weak point 48: in the reference they keep their last value for ever.
+  // Weak point 48: in ROSflight 2.x they keep their last value for ever.
   Mixer m = make_mixer(MixerId::kQuadX);
   static_cast<void>(m.step({}, armed()));
   ASSERT_TRUE(m.set_auxiliary(aux(11, link::AuxType::kServo, 1.0f)));
@@ -325,7 +325,7 @@ TEST(MixerSafety, WithoutAMixerNothingMoves) {
 
 TEST(MixerSafety, NotANumberAnywhereStopsAllMotorsAndHoldsTheRest) {
   for (const bool motor_model : {false, true}) {
-    for (std::size_t entry = 0; entry < kEntries; ++entry) {
+    for (std::size_t entry = 0; entry < kAxes; ++entry) {
       for (const float bad : {kNan, kInf, -kInf}) {
         Mixer::Config config;
         config.use_motor_model = motor_model;
@@ -379,7 +379,7 @@ TEST(MixerSafety, AServoWithoutACommandIsAtItsCentre) {
   m.clear_outputs();
   EXPECT_EQ(m.outputs(), hal::OutputValues{}) << "motors now";
   m.set_header(frame_header(MixerId::kFixedWing));
-  expect_rest("chosen anew");
+  expect_rest("chosen again");
   static_cast<void>(m.step({1, 0, 0, 1, 1, 1}, armed()));
   EXPECT_EQ(m.outputs(), (hal::OutputValues{0.5f, 0.5f, 0.5f})) << "no mixer";
   MixerHeader none;

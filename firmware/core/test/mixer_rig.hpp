@@ -11,7 +11,7 @@
 /// Mixers, commands and conditions for the mixer's tests.
 namespace rosflight::core::mixer_rig {
 
-using Inputs = std::array<float, kEntries>;
+using Inputs = std::array<float, kAxes>;
 inline constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 inline constexpr float kInf = std::numeric_limits<float>::infinity();
 
@@ -35,11 +35,11 @@ inline Mixer custom_mixer(const std::array<OutputType, kChannels>& types,
   return m;
 }
 
-inline Mixer::Conditions armed(std::uint16_t primary_entries = 0x3FF) {
+inline Mixer::Conditions armed(std::uint16_t primary_axes = 0x3FF) {
   Mixer::Conditions c;
   c.armed = true;
   c.battery_V = 24.0f;
-  c.primary_entries = primary_entries;
+  c.primary_axes = primary_axes;
   c.companion_present = true;
   return c;
 }

@@ -124,7 +124,7 @@ TEST(MixerSetup, CarryingItsOwnChangesMakesNoMore) {
 }
 
 TEST(MixerSetup, ThePredefinedSecondaryIsNotInvertedTwice) {
-  // Weak point 44: the reference turns the V-tail's 0.5 into 1.
+  // Weak point 44: ROSflight 2.x turns the V-tail's 0.5 into 1.
   Bench s;
   s.set("PRIMARY_MIXER", 9);
   s.set("SECONDARY_MIXER", 10);
@@ -162,7 +162,7 @@ TEST(MixerSetup, TakesACustomMixerFromItsParameters) {
 }
 
 TEST(MixerSetup, TreatsARateOfZeroAs50Hz) {
-  // Weak point 46: the reference divides by it.
+  // Weak point 46: ROSflight 2.x divides by it.
   MixerHeader header;
   header.rate_hz = {0.0f, 490.0f, 0.0f, -0.0f, 50.0f, 300000.0f, 0.0f, 0.0f, 0.0f, 1.0f};
   const hal::OutputRates rates = output_rates(header);

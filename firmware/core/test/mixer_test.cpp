@@ -37,7 +37,7 @@ TEST(Mixer, DropsYawBelowTheIdleThrottleWhateverItsSign) {
 
 TEST(Mixer, LooksAtTheThrottleEntryForIdle) {
   Mixer::Config config;
-  config.throttle_entry = 0;
+  config.throttle_axis = 0;
   Mixer m = make_mixer(MixerId::kQuadX, config);
   Inputs u = wrench(-0.5f, 0, 0, 0.2f);
   expect_near(m.step(u, armed()), {0.5f, 0.5f, 0.5f, 0.5f});  // F_x is 0: yaw dropped
@@ -46,7 +46,7 @@ TEST(Mixer, LooksAtTheThrottleEntryForIdle) {
 }
 
 TEST(Mixer, ComparesIdleInNewtonsWithMotorParameters) {
-  // Weak point 52: the reference compares newtons with a fraction.
+  // Weak point 52: ROSflight 2.x compares newtons with a fraction.
   Mixer::Config config;
   config.use_motor_model = true;
   config.max_thrust_N = 100.0f;
@@ -94,7 +94,7 @@ TEST(Mixer, NeitherScalesNorCountsServos) {
 TEST(MixerFixedWing, SurfacesAndThrottleAreOnTheirChannels) {
   Mixer::Config config;
   config.fixed_wing = true;
-  config.throttle_entry = 0;
+  config.throttle_axis = 0;
   Mixer m = make_mixer(MixerId::kFixedWing, config);
   const auto& out = m.step({0.6f, 0, 0, 0.2f, -0.4f, 0.8f}, armed());
   expect_near(out, {0.6f, 0.3f, 0.9f, 0.0f, 0.6f, 0.0f});
@@ -126,7 +126,7 @@ TEST(MixerFixedWing, InvertedVTailMixesElevatorAndRudder) {
 TEST(MixerFixedWing, HasNoIdleYawRuleNoScalingNoMotorModel) {
   Mixer::Config config;
   config.fixed_wing = true;
-  config.throttle_entry = 0;
+  config.throttle_axis = 0;
   config.use_motor_model = true;
   Mixer m = make_mixer(MixerId::kFixedWing, config);
   const auto& out = m.step({1.6f, 0, 0, 0, 0, 0.5f}, armed());
@@ -285,7 +285,7 @@ TEST(MixerSelection, EachInputHasItsOwnChoice) {
   config.idle_throttle = 0.0f;  // keeps the yaw entry
   m.configure(config);
   Inputs u{};
-  for (std::size_t i = 0; i < kEntries; ++i) u[i] = static_cast<float>(1 << i);
+  for (std::size_t i = 0; i < kAxes; ++i) u[i] = static_cast<float>(1 << i);
   for (const int primary : {0x000, 0x3FF, 0x007, 0x038, 0x2AA, 0x155, 0x200, 0x001}) {
     static_cast<void>(m.step(u, armed(static_cast<std::uint16_t>(primary))));
     EXPECT_NEAR(m.mixed()[0], 0.001f * static_cast<float>(primary), 1e-6f) << primary;
@@ -303,7 +303,7 @@ TEST(MixerSelection, KnowsWhetherBothAgree) {
 // ---- ESC calibration, thrust fraction
 
 TEST(MixerEscCalibration, TakesTheWholeRangeOfAMultirotorCommand) {
-  // Weak point 49: in the reference the motors stay at idle, up being negative.
+  // Weak point 49: in ROSflight 2.x the motors stay at idle, up being negative.
   Mixer::Config config;
   config.unsigned_throttle = true;
   config.spin_when_armed = false;
@@ -316,9 +316,9 @@ TEST(MixerEscCalibration, TakesTheWholeRangeOfAMultirotorCommand) {
   }
 }
 
-TEST(MixerEntryLimits, AreWhereTheFirstActuatorReachesItsEnd) {
+TEST(MixerAxisLimits, AreWhereTheFirstActuatorReachesItsEnd) {
   Mixer m = make_mixer(MixerId::kQuadX);
-  const Inputs limits = m.entry_limits(1.225f);
+  const Inputs limits = m.axis_limits(1.225f);
   for (const std::size_t i : {2u, 3u, 4u, 5u}) {
     SCOPED_TRACE(i);
     Inputs u{};
@@ -335,39 +335,39 @@ TEST(MixerEntryLimits, AreWhereTheFirstActuatorReachesItsEnd) {
   for (const std::size_t i : {0u, 1u, 6u, 9u}) {
     EXPECT_EQ(limits[i], std::numeric_limits<float>::max()) << i;
   }
-  const Inputs fixed_wing = make_mixer(MixerId::kInvertedVTail).entry_limits(1.225f);
+  const Inputs fixed_wing = make_mixer(MixerId::kInvertedVTail).axis_limits(1.225f);
   EXPECT_NEAR(fixed_wing[0], 1.0f, 2e-4f);
   EXPECT_NEAR(fixed_wing[4], 2.0f, 3e-4f);
 }
 
-TEST(MixerEntryLimits, AreThoseOfTheSecondaryAndOfItsUsedChannels) {
+TEST(MixerAxisLimits, AreThoseOfTheSecondaryAndOfItsUsedChannels) {
   Mixer m = custom_mixer({OutputType::kMotor, OutputType::kServo});
   m.primary()(0, 2) = 100.0f;
   m.secondary()(0, 2) = -0.5f;
   m.secondary()(1, 4) = 4.0f;
   m.secondary()(1, 5) = kNan;
   m.secondary()(7, 6) = 50.0f;  // a free channel
-  const Inputs limits = m.entry_limits(1.225f);
+  const Inputs limits = m.axis_limits(1.225f);
   EXPECT_NEAR(limits[2], 2.0f, 3e-4f);
   EXPECT_NEAR(limits[4], 0.25f, 3e-5f);
   for (const std::size_t i : {5u, 6u}) EXPECT_EQ(limits[i], std::numeric_limits<float>::max());
 }
 
-TEST(MixerEntryLimits, WithMotorParametersTheFullBatteryIsTheEnd) {
+TEST(MixerAxisLimits, WithMotorParametersTheFullBatteryIsTheEnd) {
   Mixer m = motor_mixer();  // input 2: gains 1 and -1; a servo on input 4
   m.secondary() = m.primary();
   const float full = m.config().motor.speed_sq_rad2_s2(25.0f, 1.225f);
-  EXPECT_NEAR(m.entry_limits(1.225f)[2] / full, 1.0f, 2e-4f);
-  EXPECT_NEAR(m.entry_limits(1.225f)[4], 1.0f, 2e-4f);
-  EXPECT_GT(m.entry_limits(0.8f)[2], 1.01f * full) << "thin air brakes less";
+  EXPECT_NEAR(m.axis_limits(1.225f)[2] / full, 1.0f, 2e-4f);
+  EXPECT_NEAR(m.axis_limits(1.225f)[4], 1.0f, 2e-4f);
+  EXPECT_GT(m.axis_limits(0.8f)[2], 1.01f * full) << "thin air brakes less";
   Mixer::Config config = m.config();
   config.fixed_wing = true;  // has no such law
   m.configure(config);
-  EXPECT_NEAR(m.entry_limits(1.225f)[2], 1.0f, 2e-4f);
+  EXPECT_NEAR(m.axis_limits(1.225f)[2], 1.0f, 2e-4f);
   config = motor_mixer().config();
   config.motor.kv_V_s_rad = 0.0f;
   m.configure(config);
-  EXPECT_EQ(m.entry_limits(1.225f)[2], 0.0f) << "motors that cannot be driven";
+  EXPECT_EQ(m.axis_limits(1.225f)[2], 0.0f) << "motors that cannot be driven";
 }
 
 TEST(MixerThrustFraction, IsTheMeanThrottleOfTheSecondary) {

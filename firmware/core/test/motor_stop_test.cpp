@@ -25,7 +25,7 @@ class MotorStopTest : public testing::Test {
   void watch(bool tip_over, bool impact, bool fixed_wing = false) {
     stop_.configure({fixed_wing, tip_over, impact});
   }
-  void roll_to(float rad) { in_.q_NB = quaternion_from_euler(rad, 0.0f, 0.0f); }
+  void roll_to(float rad) { in_.q_WB = quaternion_from_euler(rad, 0.0f, 0.0f); }
   static MotorStop::Input at_rest() {
     MotorStop::Input in;
     in.accel_m_s2 = {0.0f, 0.0f, -kGravity_m_s2};

@@ -34,7 +34,7 @@ TEST(Pid, TermsWithoutGainDoNothing) {
 }
 
 TEST(Pid, HoldsItsIntegralWhileIntegrationWaits) {
-  // Weak point 40: in the reference the I term vanishes for as long as integration is paused.
+  // Weak point 40: in ROSflight 2.x the I term vanishes for as long as integration is paused.
   Pid pid = make(0.0f, 1.0f, 0.0f);
   for (int k = 0; k < 100; ++k) {
     static_cast<void>(pid.step(1.0f, 0.0f, 0.01f, true, false, kNoLimit));

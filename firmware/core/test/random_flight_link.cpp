@@ -166,7 +166,7 @@ link::Message RandomFlight::hostile_message(Random& r) {
     }
     case 2: {
       link::ExternalAttitude a;
-      for (float& q : a.q_NB) q = r.chance(0.5f) ? r.uniform(-1.0f, 1.0f) : hostile_value(r);
+      for (float& q : a.q_WB) q = r.chance(0.5f) ? r.uniform(-1.0f, 1.0f) : hostile_value(r);
       return a;
     }
     case 3:

@@ -291,7 +291,7 @@ TEST_F(RcTest, SticksArmAfterMoreThanOneSecondInTheCorner) {
     EXPECT_FALSE(frame().arm) << t << " ms";
   }
   EXPECT_TRUE(frame().arm);
-  EXPECT_TRUE(frame().arm) << "asks until it is heard";
+  EXPECT_TRUE(frame().arm) << "repeated until it is obeyed";
 }
 
 TEST_F(RcTest, SticksDisarmAfterMoreThanOneSecondInTheOtherCorner) {
@@ -338,7 +338,7 @@ TEST_F(RcTest, TheWrongCornerDoesNothing) {
   }
 }
 
-// Weak point 16: the reference armed on the first frame.
+// Weak point 16: ROSflight 2.x armed on the first frame.
 TEST_F(RcTest, TheFirstFrameAfterBootOrAnOutageSaysNothingAboutTheTimeBefore) {
   arm_by_sticks();
   EXPECT_FALSE(frame().arm) << "at t = 5 s";
@@ -401,7 +401,7 @@ TEST_F(RcWithArmSwitch, ArmsOnTheFirstOnAndDisarmsWhenEveryFrameOfATenthOfASecon
     }
     for (int k = 1; k < rate.frames; ++k) ASSERT_FALSE(next(false).disarm) << k;
     EXPECT_TRUE(next(false).disarm);
-    EXPECT_TRUE(next(false).disarm) << "asks until it is heard";
+    EXPECT_TRUE(next(false).disarm) << "repeated until it is obeyed";
     EXPECT_TRUE(next(true).arm);
   }
 }
@@ -549,7 +549,7 @@ TEST_F(RcWithArmSwitch, OnAChannelThatTheReceiverLacksItIsUnmappedAndDisarmsNobo
   frame_.channel_count = 5;
   for (int k = 0; k < 100; ++k) EXPECT_FALSE(frame().disarm) << "without the channel, no switch";
   frame_.channel_count = 8;
-  for (int k = 0; k < 5; ++k) EXPECT_FALSE(frame().disarm) << "and the count starts anew";
+  for (int k = 0; k < 5; ++k) EXPECT_FALSE(frame().disarm) << "and the count restarts";
   EXPECT_TRUE(frame().disarm);
   frame_.channel_count = 5;
   frame_.channels[kYaw] = 0.0f;

@@ -29,7 +29,7 @@ TEST_F(SensorsCalibrationTest, GyroCalibrationFindsTheBiasAndReportsIt) {
 }
 
 TEST_F(SensorsCalibrationTest, AFailedGyroCalibrationKeepsTheOldBias) {
-  // Weak point 34: in the reference the biases stay zero.
+  // Weak point 34: in ROSflight 2.x the biases stay zero.
   set(Param::kGyroXBias, 0.1f);
   config_.gyro_bias = {0.1f, 0, 0};
   sensors_.configure(config_);

@@ -113,7 +113,7 @@ TEST_F(SensorsTest, APassWithAnImuSampleTakesOneOtherSensorAtMost) {
 TEST_F(SensorsTest, BarometerGivesAltitudeAndDensityOfTheStandardAtmosphere) {
   board_.baro.put({now_, 90'000.0f, 280.0f});
   step();
-  EXPECT_NEAR(now().altitude_m, 988.545f, 5e-3f);  // as the reference, one float pow
+  EXPECT_NEAR(now().altitude_m, 988.545f, 5e-3f);  // as ROSflight 2.x, one float pow
   // ISA: T = 288.15 - 0.0065 * 988.545 = 281.724 K, p/(R T) = 90000/(287.053 * 281.724).
   EXPECT_NEAR(now().density_kg_m3, 1.11290f, 1e-5f);
   sensors_ = Sensors{};
@@ -226,7 +226,7 @@ TEST_F(SensorsTest, AirspeedHasTheSignOfThePressure) {
 // ---- battery
 
 TEST_F(SensorsTest, BatteryFilterStartsFromTheFirstSample) {
-  // Weak points 28 and 29: the reference starts at BATT_VOLT_MAX with a time constant of 20 s and
+  // Weak points 28 and 29: ROSflight 2.x starts at BATT_VOLT_MAX with a time constant of 20 s and
   // ignores stored factors.
   config_.battery_voltage_lpf = 0.5f;
   config_.battery_current_lpf = 0.75f;
@@ -331,7 +331,7 @@ TEST_F(SensorsTest, TwentyEqualImuSamplesAreAStuckSensor) {
 }
 
 TEST_F(SensorsTest, SixZerosAreNoImuSample) {
-  // Weak point 26: what the ADIS driver of the reference hands over after a bad packet.
+  // Weak point 26: what the ADIS driver of ROSflight 2.x hands over after a bad packet.
   imu(kLevel, {0.1f, 0, 0});
   for (const float zero : {0.0f, -0.0f}) {
     board_.imu.put({now_, {zero, zero, zero}, {zero, zero, zero}, 298.15f});
@@ -387,7 +387,7 @@ TEST_F(SensorsTest, GyroFiltersActAtTheMeasuredRate) {
     if (k < 200) largest_before = std::max(largest_before, x);
     if (k > 300) largest_after = std::max(largest_after, x);
     EXPECT_NEAR(now().imu.gyro_rad_s[1], 0.25f, 1e-4f);
-    if (k == 600) sensors_.configure(config_);  // another parameter was set: no start anew
+    if (k == 600) sensors_.configure(config_);  // another parameter was set: no restart
   }
   EXPECT_NEAR(largest_before, 1.0f, 1e-3f);
   EXPECT_LT(largest_after, 1e-2f);

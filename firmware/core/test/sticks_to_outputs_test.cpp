@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The whole way from the pilot's sticks and the companion's commands to the outputs, with the
-// numbers of the reference: settings, command manager, controller and mixer in the order of the
+// numbers of ROSflight 2.x: settings, command manager, controller and mixer in the order of the
 // main loop.
 #include <gtest/gtest.h>
 
@@ -35,16 +35,16 @@ class Chain {
     command.configure(command_settings(parameters, rc, !mixer.mixers_agree()));
     controller.configure(controller_settings(parameters, max_thrust_N));
     mixer.configure(mixer_settings(parameters, max_thrust_N));
-    command.set_entry_limits(mixer.entry_limits(1.225f));
+    command.set_axis_limits(mixer.axis_limits(1.225f));
   }
   /// One pass, level and at rest, 1 kHz, armed.
   const hal::OutputValues& sticks(const PilotInput& pilot, bool failsafe = false) {
     now_ += hal::milliseconds(1);
     command.update(now_, pilot, true, failsafe);
     forces = controller.step(command.combined(), AttitudeEstimate{}, 0.001f, true, false);
-    return mixer.step(forces, {1.225f, 24.0f, true, command.primary_entries()});
+    return mixer.step(forces, {1.225f, 24.0f, true, command.primary_axes()});
   }
-  void offboard(link::OffboardMode mode, const std::array<float, kEntries>& u,
+  void offboard(link::OffboardMode mode, const std::array<float, kAxes>& u,
                 std::uint16_t ignore = 0) {
     link::OffboardControl message{static_cast<std::uint8_t>(mode), ignore, u};
     EXPECT_TRUE(command.admit(message));
@@ -112,7 +112,7 @@ TEST(SticksToOutputs, FailsafeThrottleIsScaledByTheMaximum) {
 }
 
 TEST(SticksToOutputs, FailsafeGoesThroughThePrimaryMixer) {
-  // Weak point 4: identity secondary, companion in control, radio lost. The reference leaves the
+  // Weak point 4: identity secondary, companion in control, radio lost. ROSflight 2.x leaves the
   // motors at idle.
   Chain chain({{Param::kPrimaryMixer, 2.0f},
                {Param::kSecondaryMixer, 11.0f},
@@ -139,7 +139,7 @@ TEST(SticksToOutputs, TheCompanionsThrottleIsScaledAsThePilots) {
 }
 
 TEST(SticksToOutputs, LoweringTheStickCutsPassThroughThrust) {
-  // Weak point 12: with F_z = -0.6 in pass-through the reference's motors stay at 0.6.
+  // Weak point 12: with F_z = -0.6 in pass-through ROSflight 2.x's motors stay at 0.6.
   Chain chain;
   chain.offboard(link::OffboardMode::kPassThrough, {0, 0, -0.6f});
   EXPECT_NEAR(chain.sticks(pilot(1.0f))[0], 0.6f, 3e-6f);
@@ -173,7 +173,7 @@ TEST(SticksToOutputs, EscCalibrationReachesBothEndsOfTheStick) {
 }
 
 TEST(SticksToOutputs, APredefinedMixerWithMotorParametersComputesWithLoadedConstants) {
-  // Weak point 47: the reference computes with numbers that were never loaded.
+  // Weak point 47: ROSflight 2.x computes with numbers that were never loaded.
   Chain chain({{Param::kPrimaryMixer, 2.0f}, {Param::kUseMotorParam, 1.0f}});
   static_cast<void>(chain.sticks(pilot(1.0f)));
   EXPECT_NEAR(chain.forces[2], -0.7f * 292.279f, 1e-3f);
@@ -204,8 +204,8 @@ TEST(SticksToOutputs, PassThroughWithinTheMeansOfTheMixerIsUntouched) {
   const PilotInput pilot;
   for (int k = 0; k < 400; ++k) {
     const float wave = std::sin(0.1f * static_cast<float>(k));
-    const std::array<float, kEntries> u{0.0f,        0.0f,         -0.35f + 0.34f * wave,
-                                        2.8f * wave, -2.8f * wave, 3.9f * wave};
+    const std::array<float, kAxes> u{0.0f,        0.0f,         -0.35f + 0.34f * wave,
+                                     2.8f * wave, -2.8f * wave, 3.9f * wave};
     chain.offboard(link::OffboardMode::kPassThrough, u);
     static_cast<void>(chain.sticks(pilot));
     ASSERT_EQ(chain.forces, u);
@@ -235,7 +235,7 @@ TEST(SticksToOutputs, ACustomMixerInNewtonsTakesNewtonsAndNewtonMetres) {
   chain.mixer.set_header(header);
   chain.configure();
   const PilotInput pilot;
-  const std::array<float, kEntries> u{0, 0, -200.0f, 70.0f, 1e30f};  // nothing uses entry 4
+  const std::array<float, kAxes> u{0, 0, -200.0f, 70.0f, 1e30f};  // nothing uses entry 4
   chain.offboard(link::OffboardMode::kPassThrough, u);
   static_cast<void>(chain.sticks(pilot));
   EXPECT_EQ(chain.forces, u);
@@ -252,7 +252,7 @@ TEST(SticksToOutputs, ACustomMixerInNewtonsTakesNewtonsAndNewtonMetres) {
 TEST(SticksToOutputs, WithoutThrustAPassThroughCompanionHasNoTorqueEither) {
   Chain chain;
   PilotInput pilot;
-  const std::array<float, kEntries> u{0, 0, -0.6f, 0.3f, -0.2f, 0.4f};
+  const std::array<float, kAxes> u{0, 0, -0.6f, 0.3f, -0.2f, 0.4f};
   const auto motors = [&](float throttle) {
     pilot.throttle = throttle;
     chain.offboard(link::OffboardMode::kPassThrough, u);

@@ -136,7 +136,7 @@ TEST_F(TelemetryTest, ACrashReportWaitsForThePeerAndIsSentOnce) {
   record.registers[6] = 0x0800BEEF;
   telemetry_.report_crash(record, true);
   EXPECT_EQ(count<link::HardError>(), 0u);
-  telemetry_.heard_peer(milliseconds(100));
+  telemetry_.note_peer_frame(milliseconds(100));
   const auto messages = sent();
   ASSERT_EQ(messages.size(), 1u);
   const auto& report = std::get<link::HardError>(messages[0]);
@@ -144,14 +144,14 @@ TEST_F(TelemetryTest, ACrashReportWaitsForThePeerAndIsSentOnce) {
   EXPECT_EQ(report.pc, 0x0800BEEFu);
   EXPECT_EQ(report.reset_count, 3u);
   EXPECT_EQ(report.rearm, 1u);
-  telemetry_.heard_peer(milliseconds(200));
+  telemetry_.note_peer_frame(milliseconds(200));
   EXPECT_EQ(count<link::HardError>(), 0u);
 }
 
 TEST_F(TelemetryTest, TheBacklogLeavesRoomForTheStreams) {
   parameters_.mark_all_reported();
   log_.info("hello");
-  telemetry_.heard_peer(milliseconds(0));
+  telemetry_.note_peer_frame(milliseconds(0));
   telemetry_.start_list();
   serial_.room = 256;
   telemetry_.stream({}, {});
@@ -181,7 +181,7 @@ TEST_F(TelemetryTest, ChangedParametersGoBeforeTheRestOfAList) {
 
 TEST_F(TelemetryTest, APassWithAnImuSampleSendsOneMessageBesidesIt) {
   parameters_.mark_all_reported();
-  telemetry_.heard_peer(milliseconds(0));
+  telemetry_.note_peer_frame(milliseconds(0));
   Measurements m;
   m.new_imu = true;
   const auto pass = [&](bool aid) {

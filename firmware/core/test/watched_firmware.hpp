@@ -28,11 +28,11 @@ struct PassWork {
   int outputs_written{0};
   int watchdog_fed{0};
   bool output_out_of_range{false};
-  bool heard_companion{false};
-  bool heard_offboard{false};
-  bool heard_auxiliary{false};
-  bool heard_motor_test{false};  ///< For this system.
-  bool heard_parameters{false};  ///< A message that can change the table.
+  bool received_companion{false};
+  bool received_offboard{false};
+  bool received_auxiliary{false};
+  bool received_motor_test{false};  ///< For this system.
+  bool received_parameters{false};  ///< A message that can change the table.
 };
 
 class WatchedStorage final : public hal::Storage {
@@ -122,7 +122,7 @@ class WatchedSystem final : public hal::System {
   std::uint16_t sensor_errors() const override { return 0; }
   const char* sensor_message(std::size_t /*index*/, bool& /*ok*/) const override { return nullptr; }
   void reset(bool /*to_bootloader*/) override { reset_requested = true; }
-  void alive() override { ++work_.watchdog_fed; }
+  void feed_watchdog() override { ++work_.watchdog_fed; }
   Time busy_time() const override { return Time{0}; }
   bool shares_processor() const override { return false; }
 
@@ -187,15 +187,15 @@ class WatchedCodec final : public link::Codec {
  private:
   void note(const link::Message& message) {
     ++work_.messages_decoded;
-    work_.heard_companion = true;
-    if (std::holds_alternative<link::OffboardControl>(message)) work_.heard_offboard = true;
-    if (std::holds_alternative<link::AuxCommand>(message)) work_.heard_auxiliary = true;
+    work_.received_companion = true;
+    if (std::holds_alternative<link::OffboardControl>(message)) work_.received_offboard = true;
+    if (std::holds_alternative<link::AuxCommand>(message)) work_.received_auxiliary = true;
     if (const auto* test = std::get_if<link::MotorTest>(&message)) {
-      work_.heard_motor_test = work_.heard_motor_test || test->target_system <= 1;
+      work_.received_motor_test = work_.received_motor_test || test->target_system <= 1;
     }
     if (std::holds_alternative<link::ParamSet>(message) ||
         std::holds_alternative<link::CommandRequest>(message)) {
-      work_.heard_parameters = true;
+      work_.received_parameters = true;
     }
   }
 
@@ -204,7 +204,7 @@ class WatchedCodec final : public link::Codec {
 };
 
 /// A firmware on a board that counts, and the companion at its other end. It survives restarts as a
-/// board does: storage and backup memory stay, all else begins anew.
+/// board does: storage and backup memory stay, all else begins again.
 class WatchedFirmware {
  public:
   /// @param companion  identity of the sender of all messages.

@@ -179,7 +179,7 @@ class Processor final : public System {
     reset_asked = true;
     bootloader_asked = to_bootloader;
   }
-  void alive() override { used_ += microseconds(100); }
+  void feed_watchdog() override { used_ += microseconds(100); }
   Time busy_time() const override { return used_; }
   bool shares_processor() const override { return false; }
 

@@ -48,7 +48,7 @@ class Follower(Node):
         self.mass = self.declare_parameter("mass", 3.5).value  # [kg]
         self.max_tilt = math.radians(self.declare_parameter("max_tilt_deg", 25.0).value)
         self.timeout = self.declare_parameter("trajectory_timeout_s", 0.5).value
-        self.target = self.heard = self.last = None
+        self.target = self.received = self.last = None
         self.sum = [0.0, 0.0, 0.0]  # of the errors over time
         self.phase = ""
         self.commands = self.create_publisher(ControllerCommand, "high_level_command", 1)
@@ -58,7 +58,7 @@ class Follower(Node):
         self.get_logger().info("ready")
 
     def on_trajectory(self, message):
-        self.target, self.heard = message, self.get_clock().now()
+        self.target, self.received = message, self.get_clock().now()
 
     def on_phase(self, message):
         self.phase = message.data
@@ -69,10 +69,10 @@ class Follower(Node):
         now = state.header.stamp.sec + 1e-9 * state.header.stamp.nanosec
         dt = 0.0 if self.last is None else max(0.0, min(0.1, now - self.last))
         self.last = now
-        age = (self.get_clock().now() - self.heard).nanoseconds * 1e-9
+        age = (self.get_clock().now() - self.received).nanoseconds * 1e-9
         command = ControllerCommand(mode=ControllerCommand.MODE_ROLL_PITCH_YAWRATE_THRUST_TO_MIXER)
         command.header.stamp = state.header.stamp
-        command.cmd_valid = age < self.timeout  # old set-points: the controller holds, then lands
+        command.cmd_valid = age < self.timeout  # old setpoints: the controller holds, then lands
         command.cmd1, command.cmd2, command.cmd3, command.cmd4 = self.follow(state, dt)
         self.commands.publish(command)
 

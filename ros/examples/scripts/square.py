@@ -17,7 +17,7 @@ from std_srvs.srv import Trigger
 
 GRAVITY_M_S2 = 9.81
 PERIOD_S = 0.01
-PATIENCE_S = 60.0  # of node time, for each step of the flight
+TIMEOUT_S = 60.0  # of node time, for each step of the flight
 PILOT_HOLDS = Status.OVERRIDE_ATT_SWITCH | Status.OVERRIDE_THR_SWITCH
 
 
@@ -70,7 +70,7 @@ class Square(Node):
         return (self.get_clock().now() - time).nanoseconds * 1e-9
 
     def step(self):
-        if self.seconds_since(self.since) > PATIENCE_S:
+        if self.seconds_since(self.since) > TIMEOUT_S:
             self.end(1, "gave up: nothing moves on")
         if self.state is None or self.status is None:
             return
@@ -93,7 +93,7 @@ class Square(Node):
             self.begin(self.releasing, "releasing the override")
 
     def releasing(self):
-        self.publish(0.0, 0.0, 0.0, 0.0)  # the computer's set-points must flow before they are let through
+        self.publish(0.0, 0.0, 0.0, 0.0)  # the computer's setpoints must flow before they are let through
         if self.toggled(self.override, self.pilot_holds(), False):
             self.begin(self.fly, "taking off")
 

@@ -95,7 +95,7 @@ class Square : public rclcpp::Node {
         if (toggled(*arm_, status_->armed, true)) begin(Phase::kRelease, "releasing the override");
         break;
       case Phase::kRelease:
-        publish(rest());  // the computer's set-points must flow before they are let through
+        publish(rest());  // the computer's setpoints must flow before they are let through
         if (toggled(*override_, pilot_holds(), false)) begin(Phase::kFly, "taking off");
         break;
       case Phase::kFly:

@@ -26,6 +26,6 @@ def test_a_mission_is_flown_on_a_follower_in_python(tmp_path):
 
 
 def nearest(states, setpoints):
-    """Pairs of state and set-point of one stamp, while offboard."""
+    """Pairs of state and setpoint of one stamp, while offboard."""
     by_stamp = {(m.header.stamp.sec, m.header.stamp.nanosec): m for m in states}
     return [(by_stamp[key], m) for m in setpoints if (key := (m.header.stamp.sec, m.header.stamp.nanosec)) in by_stamp]

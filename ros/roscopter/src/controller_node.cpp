@@ -8,8 +8,8 @@
 #include <std_msgs/msg/string.hpp>
 #include <std_srvs/srv/trigger.hpp>
 
-#include "apps/vehicle/vehicle_setup.hpp"
 #include "autonomy/multirotor/commanded_flight.hpp"
+#include "flight/vehicle/vehicle_setup.hpp"
 #include "ros/common/time.hpp"
 #include "ros/common/vehicle_file.hpp"
 #include "ros/roscopter/src/controller_parameters.hpp"
@@ -18,8 +18,8 @@
 namespace rosflight::roscopter {
 namespace {
 
-using autonomy::CommandedFlight;
-using autonomy::Phase;
+using autonomy::multirotor::CommandedFlight;
+using autonomy::multirotor::Phase;
 using roscopter_msgs::msg::ControllerCommand;
 using roscopter_msgs::msg::State;
 using rosflight_msgs::msg::BatteryStatus;
@@ -29,15 +29,15 @@ using std_srvs::srv::Trigger;
 
 /// autonomy's CommandedFlight, state machine and controller, once per State.
 ///
-/// Without State or Status for their time-outs the vehicle is handed to the pilot: one Command with
+/// Without State or Status for their timeouts the vehicle is handed to the pilot: one Command with
 /// all entries ignored, then silence. Without commands it holds where it is and lands after
 /// lost_command_land_s. It tells its phase on `flight_phase` and lands by `controller/land`.
 class ControllerNode : public rclcpp::Node {
  public:
   ControllerNode()
       : Node("controller"),
-        config_{
-            apps::read_multirotor_autonomy(ros_common::VehicleFile::declare(*this).read()).flight},
+        config_{flight::read_multirotor_autonomy(ros_common::VehicleFile::declare(*this).read())
+                    .flight},
         tuning_{tuning_of(config_)},
         parameters_{*this, controller_parameters(), tuning_} {
     state_patience_s_ =
@@ -58,7 +58,7 @@ class ControllerNode : public rclcpp::Node {
   }
 
  private:
-  using FlightConfig = autonomy::FlightConfig;
+  using FlightConfig = autonomy::multirotor::FlightConfig;
 
   static Tuning tuning_of(const FlightConfig& config) {
     Tuning tuning{config.controller, config.states};
@@ -86,7 +86,8 @@ class ControllerNode : public rclcpp::Node {
     return "";
   }
 
-  autonomy::StateMachineConfig with_mission(autonomy::StateMachineConfig states) const {
+  autonomy::multirotor::StateMachineConfig with_mission(
+      autonomy::multirotor::StateMachineConfig states) const {
     if (std::isfinite(mission_height_m_)) states.takeoff_height_m = mission_height_m_;
     return states;
   }
@@ -124,10 +125,11 @@ class ControllerNode : public rclcpp::Node {
         "controller/land", [this](const std::shared_ptr<Trigger::Request>,
                                   std::shared_ptr<Trigger::Response> response) {
           response->success = !control_.on_ground();
-          response->message = response->success ? "landing"
-                                                : std::string("found phase ") +
-                                                      autonomy::name(control_.output().phase) +
-                                                      ", allowed in flight";
+          response->message = response->success
+                                  ? "landing"
+                                  : std::string("found phase ") +
+                                        autonomy::multirotor::name(control_.output().phase) +
+                                        ", allowed in flight";
           if (response->success) control_.request_land();
         });
     watch_ = rclcpp::create_timer(this, get_clock(), rclcpp::Duration::from_seconds(kWatch_s),
@@ -139,7 +141,7 @@ class ControllerNode : public rclcpp::Node {
     const rclcpp::Time arrived = now();
     const double t_s = ros_common::seconds(message.header);
     if (t_s < last_s_ - kBack_s) {
-      RCLCPP_WARN(get_logger(), "time went back by %.1f s: beginning anew", last_s_ - t_s);
+      RCLCPP_WARN(get_logger(), "time went back by %.1f s: beginning again", last_s_ - t_s);
       control_ = CommandedFlight(tuning_.controller, config_.thrust);
       control_.renew(with_mission(tuning_.states));
     }
@@ -149,7 +151,7 @@ class ControllerNode : public rclcpp::Node {
     silent_ = false;
     const double age_s = given_at_ ? (arrived - *given_at_).seconds() : autonomy::kInfinity;
     const bool good = control_.command_good(given_, std::max(age_s, 0.0));
-    const autonomy::State state = state_of(message);
+    const autonomy::multirotor::State state = state_of(message);
     using Turn = CommandedFlight::Turn;
     const Turn turn = control_.begin({.t_s = t_s,
                                       .state = state,
@@ -170,9 +172,8 @@ class ControllerNode : public rclcpp::Node {
 
   void note() {
     using Type = autonomy::FlightEventType;
-    const autonomy::FlightEvents& events = control_.output().events;
-    for (std::size_t k = 0; k < events.count; ++k) {
-      switch (events.list[k].type) {
+    for (const autonomy::FlightEvent& event : control_.output().events) {
+      switch (event.type) {
         case Type::kPhase:
           enter(control_.output().phase);
           break;
@@ -191,9 +192,7 @@ class ControllerNode : public rclcpp::Node {
         case Type::kStateRegained:
           RCLCPP_INFO(get_logger(), "state regained");
           break;
-        case Type::kWaypointReached:
-        case Type::kWaypointMissed:
-        case Type::kMissionDone:
+        default:
           break;
       }
     }
@@ -201,17 +200,17 @@ class ControllerNode : public rclcpp::Node {
 
   void enter(Phase phase) {
     tell_phase();
-    RCLCPP_INFO(get_logger(), "phase %s%s", autonomy::name(phase),
+    RCLCPP_INFO(get_logger(), "phase %s%s", autonomy::multirotor::name(phase),
                 phase == Phase::kLanded ? ": disarm" : "");
     if (phase == Phase::kLanded) flown_ = true;
     if (phase != Phase::kDisarmed) return;
-    flown_ = false;  // whoever arms it again wants to fly again
+    flown_ = false;  // arming again means flying again
     control_.renew(with_mission(tuning_.states));
   }
 
   void tell_phase() {
     std_msgs::msg::String message;
-    message.data = autonomy::name(control_.output().phase);
+    message.data = autonomy::multirotor::name(control_.output().phase);
     phase_->publish(message);
   }
 
@@ -237,7 +236,7 @@ class ControllerNode : public rclcpp::Node {
   ros_common::LiveParameters<Tuning> parameters_;
   CommandedFlight control_;
   autonomy::Status status_{};
-  autonomy::ControllerCommand given_{};
+  autonomy::multirotor::ControllerCommand given_{};
   std::optional<rclcpp::Time> given_at_;
   std::optional<rclcpp::Time> status_at_;
   std::optional<rclcpp::Time> state_at_;

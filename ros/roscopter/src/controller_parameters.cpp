@@ -3,14 +3,16 @@
 
 #include <string>
 
+#include "base/constants.hpp"
+
 namespace rosflight::roscopter {
 namespace {
 
 using Parameter = ros_common::LiveParameter<Tuning>;
 using List = std::vector<Parameter>;
 
-constexpr double kDegrees = 1.0 / autonomy::kRadPerDeg;  // what a radian is as a parameter
-constexpr double kGravity_m_s2 = 9.80665;
+constexpr double kDegPerRad = 1.0 / autonomy::kRadPerDeg;
+constexpr double kGravity_m_s2 = base::kStandardGravity_m_s2;
 
 /// A number, `unit` times the one inside.
 template <class Of>
@@ -60,11 +62,11 @@ void add_limits(List& list) {
       [](auto& t) -> auto& { return t.controller.gravity_m_s2; });
   add(list, "tau", 0.001, 10.0, "of derivatives [s]", 1.0,
       [](auto& t) -> auto& { return t.controller.derivative_tau_s; });
-  add(list, "max_roll_deg", 1.0, 60.0, "tilt in any direction [deg]", kDegrees,
+  add(list, "max_roll_deg", 1.0, 60.0, "tilt in any direction [deg]", kDegPerRad,
       [](auto& t) -> auto& { return t.controller.max_tilt_rad; });
-  add(list, "max_roll_rate_deg", 1.0, 2000.0, "roll and pitch rate [deg/s]", kDegrees,
+  add(list, "max_roll_rate_deg", 1.0, 2000.0, "roll and pitch rate [deg/s]", kDegPerRad,
       [](auto& t) -> auto& { return t.controller.max_roll_pitch_rate_rad_s; });
-  add(list, "max_yaw_rate_deg", 1.0, 1000.0, "[deg/s]", kDegrees,
+  add(list, "max_yaw_rate_deg", 1.0, 1000.0, "[deg/s]", kDegPerRad,
       [](auto& t) -> auto& { return t.controller.max_yaw_rate_rad_s; });
   add(list, "max_roll_torque", 0.001, 1000.0, "roll and pitch [N m]", 1.0,
       [](auto& t) -> auto& { return t.controller.max_roll_pitch_torque_Nm; });

@@ -10,8 +10,8 @@ namespace rosflight::roscopter {
 
 /// What the controller node lets be changed while it runs.
 struct Tuning {
-  autonomy::ControllerConfig controller{};
-  autonomy::StateMachineConfig states{};
+  autonomy::multirotor::ControllerConfig controller{};
+  autonomy::multirotor::StateMachineConfig states{};
 };
 
 /// Parameters of roscopter's controller over Tuning, in its units: degrees, and units of gravity

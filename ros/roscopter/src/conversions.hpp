@@ -28,12 +28,12 @@ inline std::array<float, 3> array(const autonomy::Vector3& v) {
 }
 
 /// A quaternion without length becomes one that is not finite, so that nobody flies on it.
-inline autonomy::State state_of(const roscopter_msgs::msg::State& m) {
-  autonomy::State state;
-  state.p_N = vector({m.p_n, m.p_e, m.p_d});
+inline autonomy::multirotor::State state_of(const roscopter_msgs::msg::State& m) {
+  autonomy::multirotor::State state;
+  state.p_W = vector({m.p_n, m.p_e, m.p_d});
   const autonomy::Quaternion q{m.quat.w, m.quat.x, m.quat.y, m.quat.z};
-  state.q_NB.coeffs() = q.coeffs() / q.norm();
-  state.v_N = state.q_NB * vector({m.v_x, m.v_y, m.v_z});
+  state.q_WB.coeffs() = q.coeffs() / q.norm();
+  state.v_W = state.q_WB * vector({m.v_x, m.v_y, m.v_z});
   state.w_B = vector({m.p, m.q, m.r});
   return state;
 }
@@ -47,15 +47,15 @@ inline std::optional<autonomy::Geodetic> origin_of(const roscopter_msgs::msg::St
 /// All but the header.
 inline void fill(const autonomy::StateEstimate& in, const std::optional<autonomy::Geodetic>& origin,
                  roscopter_msgs::msg::State& m) {
-  const auto p = array(in.p_N);
-  const auto v = array(in.q_NB.conjugate() * in.v_N);
+  const auto p = array(in.p_W);
+  const auto v = array(in.q_WB.conjugate() * in.v_W);
   const auto w = array(in.w_B);
   const auto b = array(in.gyro_bias_B);
   m.p_n = p[0], m.p_e = p[1], m.p_d = p[2];
   m.v_x = v[0], m.v_y = v[1], m.v_z = v[2];
   m.p = w[0], m.q = w[1], m.r = w[2];
   m.b_x = b[0], m.b_y = b[1], m.b_z = b[2];
-  const autonomy::Quaternion& q = in.q_NB;
+  const autonomy::Quaternion& q = in.q_WB;
   const autonomy::RollPitch tilt = autonomy::RollPitch::of(q);
   m.phi = static_cast<float>(tilt.roll_rad);
   m.theta = static_cast<float>(tilt.pitch_rad);
@@ -68,36 +68,41 @@ inline void fill(const autonomy::StateEstimate& in, const std::optional<autonomy
   m.initial_alt = origin->altitude_m;
 }
 
-inline autonomy::Trajectory trajectory_of(const roscopter_msgs::msg::TrajectoryCommand& m) {
-  autonomy::Trajectory out;
-  out.p_N = vector(m.position);
-  out.v_N = vector(m.velocity);
-  out.a_N = vector(m.acceleration);
+inline autonomy::multirotor::Trajectory trajectory_of(
+    const roscopter_msgs::msg::TrajectoryCommand& m) {
+  autonomy::multirotor::Trajectory out;
+  out.p_W = vector(m.position);
+  out.v_W = vector(m.velocity);
+  out.a_W = vector(m.acceleration);
   out.psi_rad = static_cast<double>(m.psi);
   out.psi_dot_rad_s = static_cast<double>(m.psi_dot);
   out.psi_ddot_rad_s2 = static_cast<double>(m.psi_dot_dot);
   return out;
 }
 
-inline void fill(const autonomy::Trajectory& in, roscopter_msgs::msg::TrajectoryCommand& m) {
-  m.position = array(in.p_N);
-  m.velocity = array(in.v_N);
-  m.acceleration = array(in.a_N);
+inline void fill(const autonomy::multirotor::Trajectory& in,
+                 roscopter_msgs::msg::TrajectoryCommand& m) {
+  m.position = array(in.p_W);
+  m.velocity = array(in.v_W);
+  m.acceleration = array(in.a_W);
   m.psi = static_cast<float>(in.psi_rad);
   m.psi_dot = static_cast<float>(in.psi_dot_rad_s);
   m.psi_dot_dot = static_cast<float>(in.psi_ddot_rad_s2);
 }
 
-inline autonomy::ControllerCommand command_of(const roscopter_msgs::msg::ControllerCommand& m) {
-  autonomy::ControllerCommand out;
-  out.mode = static_cast<autonomy::ControlMode>(m.mode);  // StateMachine::command_good looks at it
+inline autonomy::multirotor::ControllerCommand command_of(
+    const roscopter_msgs::msg::ControllerCommand& m) {
+  autonomy::multirotor::ControllerCommand out;
+  out.mode = static_cast<autonomy::multirotor::ControlMode>(
+      m.mode);  // StateMachine::command_good looks at it
   out.cmd = {static_cast<double>(m.cmd1), static_cast<double>(m.cmd2), static_cast<double>(m.cmd3),
              static_cast<double>(m.cmd4)};
   out.valid = m.cmd_valid;
   return out;
 }
 
-inline void fill(const autonomy::ControllerCommand& in, roscopter_msgs::msg::ControllerCommand& m) {
+inline void fill(const autonomy::multirotor::ControllerCommand& in,
+                 roscopter_msgs::msg::ControllerCommand& m) {
   m.mode = static_cast<std::uint8_t>(in.mode);
   m.cmd1 = static_cast<float>(in.cmd[0]);
   m.cmd2 = static_cast<float>(in.cmd[1]);
@@ -113,11 +118,11 @@ inline void fill(const autonomy::FirmwareCommand& in, rosflight_msgs::msg::Comma
 }
 
 /// A local waypoint.
-inline autonomy::Waypoint waypoint_of(const roscopter_msgs::msg::Waypoint& m) {
-  autonomy::Waypoint out;
+inline autonomy::multirotor::Waypoint waypoint_of(const roscopter_msgs::msg::Waypoint& m) {
+  autonomy::multirotor::Waypoint out;
   out.type = m.type == roscopter_msgs::msg::Waypoint::TYPE_GOTO ? autonomy::WaypointType::kGoto
                                                                 : autonomy::WaypointType::kHold;
-  out.p_N = vector(m.w);
+  out.p_W = vector(m.w);
   out.psi_rad = static_cast<double>(m.psi);
   if (m.speed > 0.0F) out.speed_m_s = static_cast<double>(m.speed);
   out.hold_s = static_cast<double>(m.hold_seconds);
@@ -125,10 +130,10 @@ inline autonomy::Waypoint waypoint_of(const roscopter_msgs::msg::Waypoint& m) {
   return out;
 }
 
-inline roscopter_msgs::msg::Waypoint message_of(const autonomy::Waypoint& in) {
+inline roscopter_msgs::msg::Waypoint message_of(const autonomy::multirotor::Waypoint& in) {
   roscopter_msgs::msg::Waypoint m;
   m.type = static_cast<std::uint8_t>(in.type);
-  m.w = array(in.p_N);
+  m.w = array(in.p_W);
   m.psi = static_cast<float>(in.psi_rad);
   m.speed = std::isfinite(in.speed_m_s) ? static_cast<float>(in.speed_m_s) : 0.0F;
   m.hold_seconds = static_cast<float>(in.hold_s);

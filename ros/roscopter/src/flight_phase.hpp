@@ -10,7 +10,7 @@
 
 namespace rosflight::roscopter {
 
-/// The phases that other nodes look for; autonomy::name() of Phase.
+/// The phases that other nodes look for; autonomy::multirotor::name() of Phase.
 inline constexpr const char* kTakeoff = "takeoff";
 inline constexpr const char* kOffboard = "offboard";
 

@@ -3,9 +3,9 @@
 #include <std_msgs/msg/string.hpp>
 #include <std_srvs/srv/trigger.hpp>
 
-#include "apps/vehicle/vehicle_setup.hpp"
 #include "autonomy/multirotor/angles.hpp"
 #include "autonomy/multirotor/path_manager.hpp"
+#include "flight/vehicle/vehicle_setup.hpp"
 #include "ros/common/live_parameters.hpp"
 #include "ros/common/time.hpp"
 #include "ros/common/vehicle_file.hpp"
@@ -15,8 +15,8 @@
 namespace rosflight::roscopter {
 namespace {
 
-using autonomy::PathConfig;
-using autonomy::PathManager;
+using autonomy::multirotor::PathConfig;
+using autonomy::multirotor::PathManager;
 using roscopter_msgs::msg::State;
 using roscopter_msgs::msg::TrajectoryCommand;
 using roscopter_msgs::msg::Waypoint;
@@ -37,10 +37,12 @@ std::vector<ros_common::LiveParameter<PathConfig>> path_parameters() {
        [](const C& c) { return c.arrival_timeout_s; },
        [](C& c, double x) { c.arrival_timeout_s = x; }},
       {"do_linear_interpolation", 0.0, 1.0, "legs at constant acceleration instead of quintics",
-       [](const C& c) { return c.interpolation == autonomy::Interpolation::kLinear ? 1.0 : 0.0; },
+       [](const C& c) {
+         return c.interpolation == autonomy::multirotor::Interpolation::kLinear ? 1.0 : 0.0;
+       },
        [](C& c, double x) {
-         c.interpolation =
-             x != 0.0 ? autonomy::Interpolation::kLinear : autonomy::Interpolation::kQuintic;
+         c.interpolation = x != 0.0 ? autonomy::multirotor::Interpolation::kLinear
+                                    : autonomy::multirotor::Interpolation::kQuintic;
        },
        true},
       {"hold_last", 0.0, 1.0,
@@ -50,25 +52,25 @@ std::vector<ros_common::LiveParameter<PathConfig>> path_parameters() {
   };
 }
 
-/// Turns waypoints into a trajectory: autonomy's PathManager, one set-point per State.
+/// Turns waypoints into a trajectory: autonomy's PathManager, one setpoint per State.
 ///
 /// The clock of the path runs while the controller says "offboard" on `flight_phase`; until then
-/// the set-point is where the vehicle is. If nobody publishes a phase the path begins with the
+/// the setpoint is where the vehicle is. If nobody publishes a phase the path begins with the
 /// first waypoint. After the last waypoint of a mission that ends in a landing it calls
 /// controller/land.
 ///
 /// Without State nothing goes out, and nothing without a waypoint on the ground; a list that is
-/// cleared in flight leaves the set-point where it is.
+/// cleared in flight leaves the setpoint where it is.
 class PathManagerNode : public rclcpp::Node {
  public:
   PathManagerNode()
       : Node("path_manager"),
-        config_{apps::read_multirotor_autonomy(ros_common::VehicleFile::declare(*this).read())
+        config_{flight::read_multirotor_autonomy(ros_common::VehicleFile::declare(*this).read())
                     .flight.path},
         parameters_{*this, path_parameters(), config_},
         phase_{*this, [this](const std::string& phase) { enter(phase); }} {
     const double rate_Hz = ros_common::declare_number(*this, "path_update_frequency", 100.0, 1.0,
-                                                      1000.0, "most set-points a second [Hz]");
+                                                      1000.0, "most setpoints a second [Hz]");
     interval_s_ = kAlmost / rate_Hz;
     parameters_.on_change([this](const PathConfig& config) {
       path_.configure(in_force(config));
@@ -98,9 +100,9 @@ class PathManagerNode : public rclcpp::Node {
     print_ = create_service<Trigger>(
         "path_manager/print_waypoints", [this](const std::shared_ptr<Trigger::Request>,
                                                std::shared_ptr<Trigger::Response> response) {
-          for (const autonomy::Waypoint& wp : path_.waypoints()) {
-            RCLCPP_INFO(get_logger(), "north %.2f, east %.2f, down %.2f m", wp.p_N.x(), wp.p_N.y(),
-                        wp.p_N.z());
+          for (const autonomy::multirotor::Waypoint& wp : path_.waypoints()) {
+            RCLCPP_INFO(get_logger(), "north %.2f, east %.2f, down %.2f m", wp.p_W.x(), wp.p_W.y(),
+                        wp.p_W.z());
           }
           response->success = true;
           response->message = std::to_string(count()) + " waypoints";
@@ -108,7 +110,7 @@ class PathManagerNode : public rclcpp::Node {
   }
 
  private:
-  static constexpr double kAlmost = 0.9;  // of a period: jitter of stamps must not drop set-points
+  static constexpr double kAlmost = 0.9;  // of a period: jitter of stamps must not drop setpoints
   static constexpr double kBack_s = 1.0;
 
   std::size_t count() const { return path_.waypoints().size() + geodetic_.size(); }
@@ -137,12 +139,12 @@ class PathManagerNode : public rclcpp::Node {
   }
 
   void append(const Waypoint& message) {
-    autonomy::Waypoint waypoint = waypoint_of(message);
+    autonomy::multirotor::Waypoint waypoint = waypoint_of(message);
     if (message.use_lla && origin_) {
-      waypoint.p_N =
-          autonomy::ned_of({waypoint.p_N.x(), waypoint.p_N.y(), waypoint.p_N.z()}, *origin_);
+      waypoint.p_W =
+          autonomy::ned_of({waypoint.p_W.x(), waypoint.p_W.y(), waypoint.p_W.z()}, *origin_);
     }
-    if (!waypoint.p_N.allFinite() || !std::isfinite(waypoint.psi_rad)) {
+    if (!waypoint.p_W.allFinite() || !std::isfinite(waypoint.psi_rad)) {
       RCLCPP_ERROR(get_logger(), "waypoints: found numbers that are not finite, not used");
       return;
     }
@@ -152,7 +154,8 @@ class PathManagerNode : public rclcpp::Node {
 
   void enter(const std::string& phase) {
     if (phase != kTakeoff) return;
-    path_.set_waypoints(std::vector<autonomy::Waypoint>(path_.waypoints()));  // from the first on
+    path_.set_waypoints(
+        std::vector<autonomy::multirotor::Waypoint>(path_.waypoints()));  // from the first on
     done_ = false;
   }
 
@@ -162,24 +165,24 @@ class PathManagerNode : public rclcpp::Node {
       for (const Waypoint& waypoint : geodetic_) append(waypoint);
       geodetic_.clear();
     }
-    const autonomy::State state = state_of(message);
+    const autonomy::multirotor::State state = state_of(message);
     const double t_s = ros_common::seconds(message.header);
     if (t_s < last_s_ - kBack_s) last_s_ = t_s - 1.0;  // the clock was set back
     const bool good =
-        state.p_N.allFinite() && state.v_N.allFinite() && state.q_NB.coeffs().allFinite();
+        state.p_W.allFinite() && state.v_W.allFinite() && state.q_WB.coeffs().allFinite();
     if (!good || t_s - last_s_ < interval_s_) return;
     last_s_ = t_s;
-    const double psi_rad = autonomy::AttitudeView(state.q_NB).psi_rad;
+    const double psi_rad = autonomy::multirotor::AttitudeView(state.q_WB).psi_rad;
     const bool fly = phase_.following();
     if (!fly) path_.stop();
     if (!path_.started()) {
       setpoint_ = {};
-      setpoint_.p_N = state.p_N;
+      setpoint_.p_W = state.p_W;
       setpoint_.psi_rad = psi_rad;
       if (path_.waypoints().empty()) return;
-      if (fly) path_.start(t_s, autonomy::path_start(state, psi_rad, setpoint_));
+      if (fly) path_.start(t_s, autonomy::multirotor::path_start(state, psi_rad, setpoint_));
     }
-    if (path_.started()) follow(path_.step(t_s, state.p_N, psi_rad));
+    if (path_.started()) follow(path_.step(t_s, state.p_W, psi_rad));
     TrajectoryCommand out;
     fill(setpoint_, out);
     out.header.stamp = message.header.stamp;
@@ -210,7 +213,7 @@ class PathManagerNode : public rclcpp::Node {
   ros_common::LiveParameters<PathConfig> parameters_;
   FlightPhase phase_;
   PathManager path_;
-  autonomy::Trajectory setpoint_{};
+  autonomy::multirotor::Trajectory setpoint_{};
   std::vector<Waypoint> geodetic_;
   std::optional<autonomy::Geodetic> origin_;
   std::string end_;  ///< What the mission says, if anything.

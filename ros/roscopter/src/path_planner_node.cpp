@@ -5,8 +5,8 @@
 #include <std_msgs/msg/float64.hpp>
 #include <std_msgs/msg/string.hpp>
 
-#include "apps/vehicle/vehicle_setup.hpp"
 #include "autonomy/multirotor/mission.hpp"
+#include "flight/vehicle/vehicle_setup.hpp"
 #include "ros/common/planner_node.hpp"
 #include "ros/roscopter/src/conversions.hpp"
 
@@ -39,14 +39,15 @@ class Policy {
   };
 
   explicit Policy(const sim::Vehicle& vehicle)
-      : limits_{apps::read_multirotor_autonomy(vehicle).mission} {}
+      : limits_{flight::read_multirotor_autonomy(vehicle).mission} {}
 
   Plan load(const std::string& file, const std::optional<autonomy::Geodetic>& origin) const {
-    const autonomy::Mission mission = autonomy::load_mission(file, limits_, origin);
+    const autonomy::multirotor::Mission mission =
+        autonomy::multirotor::load_mission(file, limits_, origin);
     Plan plan;
     plan.at_end = mission.at_end;
     plan.takeoff_height_m = mission.takeoff_height_m;
-    for (const autonomy::Waypoint& waypoint : mission.waypoints) {
+    for (const autonomy::multirotor::Waypoint& waypoint : mission.waypoints) {
       if (waypoint.figure_turns > 0) {
         throw config::Error(file +
                             ": figure_eight: found one, allowed none over ROS, because a Waypoint "
@@ -95,21 +96,21 @@ class Policy {
   static constexpr double kLongestHold_s = 86400.0;
 
   void check_place(Waypoint& wp, const std::optional<autonomy::Geodetic>& origin) const {
-    autonomy::Vector3 p_N = vector(wp.w);
+    autonomy::Vector3 p_W = vector(wp.w);
     if (wp.use_lla) {
       if (!origin) refuse("use_lla", "true", "false, as long as no state tells the origin");
-      if (!between(p_N.x(), -90.0, 90.0) || !between(p_N.y(), -180.0, 180.0))
-        refuse("w", number_text(p_N.x()) + ", " + number_text(p_N.y()), "latitude, longitude");
-      p_N = autonomy::ned_of({p_N.x(), p_N.y(), p_N.z()}, *origin);
-      wp.w = array(p_N);
+      if (!between(p_W.x(), -90.0, 90.0) || !between(p_W.y(), -180.0, 180.0))
+        refuse("w", number_text(p_W.x()) + ", " + number_text(p_W.y()), "latitude, longitude");
+      p_W = autonomy::ned_of({p_W.x(), p_W.y(), p_W.z()}, *origin);
+      wp.w = array(p_W);
       wp.use_lla = false;
     }
-    const double distance_m = std::hypot(p_N.x(), p_N.y());
+    const double distance_m = std::hypot(p_W.x(), p_W.y());
     if (!(distance_m <= limits_.max_distance_m)) {
       refuse("w", "a place " + number_text(distance_m) + " m from the origin",
              "at most " + number_text(limits_.max_distance_m) + " m");
     }
-    const double height_m = -p_N.z();
+    const double height_m = -p_W.z();
     if (!between(height_m, limits_.min_height_m, limits_.max_height_m)) {
       refuse("w", "a height of " + number_text(height_m) + " m",
              number_text(limits_.min_height_m) + " to " + number_text(limits_.max_height_m) +
@@ -117,7 +118,7 @@ class Policy {
     }
   }
 
-  autonomy::MissionLimits limits_;
+  autonomy::multirotor::MissionLimits limits_;
 };
 
 const char* word(autonomy::AtEnd at_end) {

@@ -28,9 +28,9 @@ class SimStateTranscriber : public rclcpp::Node {
     const auto& v = truth.twist.linear;
     const auto& w = truth.twist.angular;
     autonomy::StateEstimate state;
-    state.p_N = {p.x, p.y, p.z};
-    state.q_NB = autonomy::Quaternion{q.w, q.x, q.y, q.z};
-    state.v_N = state.q_NB * autonomy::Vector3{v.x, v.y, v.z};
+    state.p_W = {p.x, p.y, p.z};
+    state.q_WB = autonomy::Quaternion{q.w, q.x, q.y, q.z};
+    state.v_W = state.q_WB * autonomy::Vector3{v.x, v.y, v.z};
     state.w_B = {w.x, w.y, w.z};
     State out;
     fill(state, {}, out);

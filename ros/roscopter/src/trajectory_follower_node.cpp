@@ -2,8 +2,8 @@
 #include <cmath>
 #include <std_srvs/srv/trigger.hpp>
 
-#include "apps/vehicle/vehicle_setup.hpp"
 #include "autonomy/multirotor/trajectory_follower.hpp"
+#include "flight/vehicle/vehicle_setup.hpp"
 #include "ros/common/live_parameters.hpp"
 #include "ros/common/time.hpp"
 #include "ros/common/vehicle_file.hpp"
@@ -13,7 +13,7 @@
 namespace rosflight::roscopter {
 namespace {
 
-using autonomy::FollowerConfig;
+using autonomy::multirotor::FollowerConfig;
 using roscopter_msgs::msg::ControllerCommand;
 using roscopter_msgs::msg::State;
 using roscopter_msgs::msg::TrajectoryCommand;
@@ -33,7 +33,7 @@ std::vector<ros_common::LiveParameter<FollowerConfig>> follower_parameters() {
       {"max_commanded_down_accel_in_gs", -0.95, -0.05,
        "least upward share of thrust, negative, in weights",
        [](const C& c) { return -c.min_lift_ratio; }, [](C& c, double x) { c.min_lift_ratio = -x; }},
-      {"trajectory_timeout_s", 0.01, 60.0, "an older set-point is not followed [s]",
+      {"trajectory_timeout_s", 0.01, 60.0, "an older setpoint is not followed [s]",
        [](const C& c) { return c.timeout_s; }, [](C& c, double x) { c.timeout_s = x; }},
   };
   using ros_common::add_gains;
@@ -51,24 +51,24 @@ FollowerConfig with_east(FollowerConfig config) {
   return config;
 }
 
-/// Where a set-point has got to, dt_s after its stamp.
-autonomy::Trajectory carried_on(autonomy::Trajectory s, double dt_s) {
-  s.p_N += dt_s * s.v_N + 0.5 * dt_s * dt_s * s.a_N;
-  s.v_N += dt_s * s.a_N;
+/// Where a setpoint has got to, dt_s after its stamp.
+autonomy::multirotor::Trajectory carried_on(autonomy::multirotor::Trajectory s, double dt_s) {
+  s.p_W += dt_s * s.v_W + 0.5 * dt_s * dt_s * s.a_W;
+  s.v_W += dt_s * s.a_W;
   s.psi_rad = autonomy::wrap_angle(s.psi_rad + dt_s * s.psi_dot_rad_s);
   return s;
 }
 
-/// autonomy's TrajectoryFollower, once per State from the first set-point on. Set-points older than
+/// autonomy's TrajectoryFollower, once per State from the first setpoint on. Setpoints older than
 /// trajectory_timeout_s make commands that are not valid; without State there are none. While
 /// something else is flown than its commands its integrals are zero.
 class TrajectoryFollowerNode : public rclcpp::Node {
  public:
   TrajectoryFollowerNode()
       : Node("trajectory_follower"),
-        config_{
-            with_east(apps::read_multirotor_autonomy(ros_common::VehicleFile::declare(*this).read())
-                          .flight.follower)},
+        config_{with_east(
+            flight::read_multirotor_autonomy(ros_common::VehicleFile::declare(*this).read())
+                .flight.follower)},
         parameters_{*this, follower_parameters(), config_},
         phase_{*this, [](const std::string&) {}},
         follower_{config_} {
@@ -79,7 +79,7 @@ class TrajectoryFollowerNode : public rclcpp::Node {
     commands_ = create_publisher<ControllerCommand>("high_level_command", rclcpp::QoS(1));
     setpoints_ = create_subscription<TrajectoryCommand>(
         "trajectory_command", rclcpp::QoS(1),
-        [this](TrajectoryCommand::ConstSharedPtr message) { heard_ = Heard{*message, now()}; });
+        [this](TrajectoryCommand::ConstSharedPtr message) { received_ = Heard{*message, now()}; });
     status_ = create_subscription<Status>(
         "status", rclcpp::QoS(1), [this](Status::ConstSharedPtr message) {
           pilot_ = autonomy::PilotOverride::from_word(message->rc_override);
@@ -100,20 +100,21 @@ class TrajectoryFollowerNode : public rclcpp::Node {
     TrajectoryCommand message;
     rclcpp::Time at;
   };
-  static constexpr double kFarthest_s = 0.1;  // a set-point is carried on
+  static constexpr double kFarthest_s = 0.1;  // a setpoint is carried on
 
   void step(const State& message) {
-    if (!heard_) return;
+    if (!received_) return;
     const double t_s = ros_common::seconds(message.header);
     const double dt_s = t_s - last_s_;
     last_s_ = t_s;
     if (!phase_.following()) follower_.restart(autonomy::Vector3::Zero());
-    const autonomy::State state = state_of(message);
-    const autonomy::AttitudeView attitude(state.q_NB);
+    const autonomy::multirotor::State state = state_of(message);
+    const autonomy::multirotor::AttitudeView attitude(state.q_WB);
     const double ahead_s =
-        std::clamp(t_s - ros_common::seconds(heard_->message.header), 0.0, kFarthest_s);
-    const autonomy::Trajectory setpoint = carried_on(trajectory_of(heard_->message), ahead_s);
-    const double age_s = (now() - heard_->at).seconds();
+        std::clamp(t_s - ros_common::seconds(received_->message.header), 0.0, kFarthest_s);
+    const autonomy::multirotor::Trajectory setpoint =
+        carried_on(trajectory_of(received_->message), ahead_s);
+    const double age_s = (now() - received_->at).seconds();
     ControllerCommand out;
     fill(follower_.step({state, attitude, setpoint, age_s, dt_s, pilot_}), out);
     out.header.stamp = message.header.stamp;
@@ -123,8 +124,8 @@ class TrajectoryFollowerNode : public rclcpp::Node {
   FollowerConfig config_;
   ros_common::LiveParameters<FollowerConfig> parameters_;
   FlightPhase phase_;
-  autonomy::TrajectoryFollower follower_;
-  std::optional<Heard> heard_;
+  autonomy::multirotor::TrajectoryFollower follower_;
+  std::optional<Heard> received_;
   autonomy::PilotOverride pilot_{};
   double last_s_{};
   rclcpp::Publisher<ControllerCommand>::SharedPtr commands_;

@@ -63,7 +63,7 @@ def test_a_shipped_mission_is_flown_on_the_estimate(flight):
 
 
 def test_a_second_flight_with_waypoints_added_and_gains_changed_in_flight(flight):
-    """The list is made by services; armed anew it takes off again; a lower limit of speed and another gain act in flight."""
+    """The list is made by services; armed again it takes off again; a lower limit of speed and another gain act in flight."""
     peer = flight.peer
     assert peer.call(Trigger, "path_planner/clear_waypoints").success
     here = flight.states[-1]

@@ -89,45 +89,45 @@ def test_every_parameter_says_what_it_is(peer, name):
 
 
 def test_the_tuning_launch_starts_what_it_names(peer):
-    heard = peer.listen(ControllerCommand, "high_level_command")
+    received = peer.listen(ControllerCommand, "high_level_command")
     with launch("roscopter", "roscopter_tuning.launch.py", controller_mode=11, controller_output=4, signal_type="triangle",
                 signal_magnitude="4.0", default_cmd4="30.0") as world:
         world.until("ready: 5 nodes in ")
-        peer.wait(lambda: heard, "a command")
-        assert (heard[-1].mode, heard[-1].cmd4) == (11, 30.0)
+        peer.wait(lambda: received, "a command")
+        assert (received[-1].mode, received[-1].cmd4) == (11, 30.0)
         assert peer.call(Trigger, "signal_generator/start_continuous_signal").success
-        peer.wait(lambda: heard[-1].cmd4 > 30.5, "the signal")
+        peer.wait(lambda: received[-1].cmd4 > 30.5, "the signal")
 
 
 # ---- path manager --------------------------------------------------------------------------------
 
 
 class Path:
-    """A vehicle that is always where the set-point is."""
+    """A vehicle that is always where the setpoint is."""
 
     def __init__(self, peer, place):
         self.peer, self.ns, self.place = peer, START_NS, place
-        self.heard = peer.listen(TrajectoryCommand, "trajectory_command")
+        self.received = peer.listen(TrajectoryCommand, "trajectory_command")
         self.states = peer.publisher(State, "estimated_state")
         self.waypoints = peer.publisher(Waypoint, "waypoints", LATCHED)
         peer.poll(lambda: self.waypoints.get_subscription_count() and self.states.get_subscription_count(), "subscribers")
 
     def step(self, seconds=0.05):
-        """The set-point that answers a State."""
+        """The setpoint that answers a State."""
         self.ns += round(seconds * 1e9)
         self.states.publish(state(self.ns, self.place))
-        self.peer.wait(lambda: self.heard and stamp_ns(self.heard[-1]) == self.ns, "a set-point")
-        self.place = tuple(float(x) for x in self.heard[-1].position)
-        return self.heard[-1]
+        self.peer.wait(lambda: self.received and stamp_ns(self.received[-1]) == self.ns, "a setpoint")
+        self.place = tuple(float(x) for x in self.received[-1].position)
+        return self.received[-1]
 
     def silent(self):
         """No answer to some States."""
-        count = len(self.heard)
+        count = len(self.received)
         for _ in range(5):
             self.ns += 50_000_000
             self.states.publish(state(self.ns, self.place))
             time.sleep(0.05)
-        return len(self.heard) == count
+        return len(self.received) == count
 
 
 def test_the_path_manager_flies_legs_of_the_closed_form(peer):
@@ -145,7 +145,7 @@ def test_the_path_manager_flies_legs_of_the_closed_form(peer):
             tau = (stamp_ns(path.step()) - stamp_ns(first)) * 1e-9 / duration
             wanted = 6 * tau**5 - 15 * tau**4 + 10 * tau**3 if tau < 1 else 1.0
             assert path.place[0] == pytest.approx(1 + 8 * wanted, abs=1e-4)
-            speeds.append(path.heard[-1].velocity[0])
+            speeds.append(path.received[-1].velocity[0])
         assert max(speeds) == pytest.approx(1.875 * 8 / duration, rel=2e-3)
         assert (path.ns - stamp_ns(first)) * 1e-9 == pytest.approx(duration, abs=0.06)
         path.step()
@@ -156,10 +156,10 @@ def test_the_path_manager_flies_legs_of_the_closed_form(peer):
         assert not refused.successful and refused.reason
         path.waypoints.publish(Waypoint(type=Waypoint.TYPE_GOTO, w=[9.0, 6.0, -3.0]))
         peer.poll(lambda: "2 waypoints" in peer.call(Trigger, "path_manager/print_waypoints").message, "the waypoint")
-        path.heard.clear()
+        path.received.clear()
         while path.place[1] < 5.99:
             path.step(0.1)
-        assert max(m.velocity[1] for m in path.heard) == pytest.approx(1.0, rel=0.01), "the new limit"
+        assert max(m.velocity[1] for m in path.received) == pytest.approx(1.0, rel=0.01), "the new limit"
         assert peer.call(Trigger, "path_manager/clear_waypoints").success
         here = path.place
         for _ in range(20):
@@ -189,7 +189,7 @@ def test_the_clock_of_the_path_runs_only_while_the_controller_follows(peer):
 def test_the_follower_obeys_its_gains_and_stops_when_set_points_do(peer):
     gains = {"u_n_kp": 6.0, "u_n_ki": 0.0, "u_e_ki": 0.0, "u_d_ki": 0.0}
     with copter("trajectory_follower", **gains):
-        heard = peer.listen(ControllerCommand, "high_level_command")
+        received = peer.listen(ControllerCommand, "high_level_command")
         states, setpoints = peer.publisher(State, "estimated_state"), peer.publisher(TrajectoryCommand, "trajectory_command")
         peer.poll(lambda: states.get_subscription_count() and setpoints.get_subscription_count(), "subscribers")
         ns = START_NS
@@ -198,24 +198,24 @@ def test_the_follower_obeys_its_gains_and_stops_when_set_points_do(peer):
             nonlocal ns
             ns += 10_000_000
             states.publish(state(ns))
-            peer.wait(lambda: heard and stamp_ns(heard[-1]) == ns, "a command")
-            return heard[-1]
+            peer.wait(lambda: received and stamp_ns(received[-1]) == ns, "a command")
+            return received[-1]
 
         def followed(north):
-            """The command once the set-point has arrived: no velocity, no acceleration, no integral."""
+            """The command once the setpoint has arrived: no velocity, no acceleration, no integral."""
             setpoints.publish(stamp(TrajectoryCommand(position=[north, 0.0, 0.0]), ns))
 
         states.publish(state(ns))
         time.sleep(0.2)
-        assert not heard, "nothing before the first set-point"
+        assert not received, "nothing before the first setpoint"
         followed(0.5)
-        peer.poll(lambda: (states.publish(state(ns)), heard)[1], "the first command")
+        peer.poll(lambda: (states.publish(state(ns)), received)[1], "the first command")
 
         def until_pitch(acceleration):
             pitch, thrust = -math.atan(acceleration / GRAVITY), MASS * math.hypot(acceleration, GRAVITY)
             peer.poll(lambda: (followed(0.5), abs(answer().cmd2 - pitch) < 1e-5)[1], f"a pitch of {pitch}")
-            assert heard[-1].mode == ControllerCommand.MODE_ROLL_PITCH_YAWRATE_THRUST_TO_MIXER and heard[-1].cmd_valid
-            assert heard[-1].cmd1 == pytest.approx(0.0, abs=1e-5) and heard[-1].cmd4 == pytest.approx(thrust, rel=1e-5)
+            assert received[-1].mode == ControllerCommand.MODE_ROLL_PITCH_YAWRATE_THRUST_TO_MIXER and received[-1].cmd_valid
+            assert received[-1].cmd1 == pytest.approx(0.0, abs=1e-5) and received[-1].cmd4 == pytest.approx(thrust, rel=1e-5)
         until_pitch(6.0 * 0.5)
         assert set_values(peer, "trajectory_follower", u_n_kp=2.0)[0].successful
         until_pitch(2.0 * 0.5)
@@ -223,7 +223,7 @@ def test_the_follower_obeys_its_gains_and_stops_when_set_points_do(peer):
         assert not refused.successful and "u_n_kp" in refused.reason
         until_pitch(2.0 * 0.5)
         assert peer.call(Trigger, "trajectory_follower/clear_integrators").success
-        peer.poll(lambda: not answer().cmd_valid, "an end of valid commands, trajectory_timeout_s after the last set-point")
+        peer.poll(lambda: not answer().cmd_valid, "an end of valid commands, trajectory_timeout_s after the last setpoint")
         peer.poll(lambda: (followed(0.5), answer().cmd_valid)[1], "valid commands again")
 
 
@@ -233,7 +233,7 @@ def test_the_follower_obeys_its_gains_and_stops_when_set_points_do(peer):
 def test_the_estimator_finds_its_attitude_and_falls_silent_with_the_imu(peer):
     """At rest with the nose to the east: the field of 20 uT north, 45 uT down is 20 uT to the left."""
     with copter("estimator", declination=0.0) as process:
-        heard = peer.listen(State, "estimated_state")
+        received = peer.listen(State, "estimated_state")
         imu, mag = peer.publisher(Imu, "imu/data", ALL), peer.publisher(MagneticField, "magnetometer", ALL)
         baro, gnss = peer.publisher(Barometer, "baro", ALL), peer.publisher(GNSS, "gnss", ALL)
         peer.poll(lambda: all(p.get_subscription_count() for p in (imu, mag, baro, gnss)), "subscribers")
@@ -252,20 +252,20 @@ def test_the_estimator_finds_its_attitude_and_falls_silent_with_the_imu(peer):
                 imu.publish(stamp(Imu(linear_acceleration=Vector3(z=-GRAVITY)), ns))
                 tick += 1
             time.sleep(0.002)
-            return len(heard) > 100
+            return len(received) > 100
         peer.poll(some, "a hundred states")
-        last = heard[-1]
+        last = received[-1]
         assert last.psi == pytest.approx(math.pi / 2, abs=0.02) and abs(last.phi) < 0.01 and abs(last.theta) < 0.01
         assert last.quat.z == pytest.approx(math.sin(math.pi / 4), abs=0.01)
         assert math.hypot(last.p_n, last.p_e, last.p_d) < 1.0
         assert (last.initial_lat, last.initial_lon) == pytest.approx((40.0, -111.0), abs=1e-5)
         assert last.initial_alt == pytest.approx(1400.0, abs=1.0)
-        stamps = [stamp_ns(m) for m in heard]
+        stamps = [stamp_ns(m) for m in received]
         assert all(later > earlier for earlier, later in zip(stamps, stamps[1:]))
         process.until("imu/data is silent: no state goes out")
-        count = len(heard)
+        count = len(received)
         time.sleep(0.2)
-        assert len(heard) == count
+        assert len(received) == count
 
 
 def test_the_transcribers_copy(peer):
@@ -295,38 +295,38 @@ def test_waypoints_are_shown_in_rviz_until_they_are_cleared(peer):
     for north in (1.0, 5.0):
         waypoints.publish(going(north))
     with copter("rviz_waypoint_publisher"):
-        heard = peer.listen(Marker, "rviz/waypoint", LATCHED_ALL)
-        peer.wait(lambda: [m.text for m in heard if m.type == Marker.TEXT_VIEW_FACING] == ["1", "2"], "two numbers")
-        line = [m for m in heard if m.type == Marker.LINE_STRIP][-1]
+        received = peer.listen(Marker, "rviz/waypoint", LATCHED_ALL)
+        peer.wait(lambda: [m.text for m in received if m.type == Marker.TEXT_VIEW_FACING] == ["1", "2"], "two numbers")
+        line = [m for m in received if m.type == Marker.LINE_STRIP][-1]
         assert [(p.x, p.y, p.z) for p in line.points] == [(1.0, 0.0, -5.0), (5.0, 0.0, -5.0)] and line.header.frame_id == "NED"
         waypoints.publish(Waypoint(clear_wp_list=True))
-        peer.wait(lambda: heard[-1].action == Marker.DELETEALL, "nothing left")
+        peer.wait(lambda: received[-1].action == Marker.DELETEALL, "nothing left")
 
 
 def test_the_signal_generator_makes_its_waves(peer):
     with copter("signal_generator", controller_mode=11, controller_output=2, signal_type="sine", signal_magnitude=2.0,
                 frequency_hz=4.0, default_cmd2=1.0, default_cmd4=30.0):
-        heard = peer.listen(ControllerCommand, "high_level_command")
-        peer.wait(lambda: len(heard) > 10, "commands")
-        assert {(m.mode, m.cmd1, m.cmd2, m.cmd4, m.cmd_valid) for m in heard} == {(11, 0.0, 1.0, 30.0, True)}
+        received = peer.listen(ControllerCommand, "high_level_command")
+        peer.wait(lambda: len(received) > 10, "commands")
+        assert {(m.mode, m.cmd1, m.cmd2, m.cmd4, m.cmd_valid) for m in received} == {(11, 0.0, 1.0, 30.0, True)}
         answer = peer.call(Trigger, "signal_generator/toggle_step_signal")
         assert not answer.success and "allowed step" in answer.message
         assert peer.call(Trigger, "signal_generator/start_continuous_signal").success
-        heard.clear()
-        peer.wait(lambda: len(heard) > 100, "a second of commands")
-        values = [m.cmd2 for m in heard]
+        received.clear()
+        peer.wait(lambda: len(received) > 100, "a second of commands")
+        values = [m.cmd2 for m in received]
         assert 1.0 <= min(values) < 1.1 and 2.9 < max(values) <= 3.0
         assert peer.call(Trigger, "signal_generator/pause_signal").success
         assert peer.call(Trigger, "signal_generator/reset_signal").success
-        peer.poll(lambda: heard[-1].cmd2 == 1.0, "the lower end")
-        heard.clear()
+        peer.poll(lambda: received[-1].cmd2 == 1.0, "the lower end")
+        received.clear()
         assert peer.call(Trigger, "signal_generator/start_single_period_signal").success
-        peer.wait(lambda: heard and max(m.cmd2 for m in heard) > 2.9, "the top")
-        peer.wait(lambda: heard[-1].cmd2 == 1.0, "the end of the period")
+        peer.wait(lambda: received and max(m.cmd2 for m in received) > 2.9, "the top")
+        peer.wait(lambda: received[-1].cmd2 == 1.0, "the end of the period")
 
         text = ParameterValue(type=ParameterType.PARAMETER_STRING, string_value="step")
         change = [Parameter(name="signal_type", value=text)]
         assert peer.call(SetParameters, "signal_generator/set_parameters", parameters=change).results[0].successful
         assert peer.call(Trigger, "signal_generator/toggle_step_signal").success
-        peer.wait(lambda: heard[-1].cmd2 == 3.0, "the upper end of the step")
+        peer.wait(lambda: received[-1].cmd2 == 3.0, "the upper end of the step")
         assert not peer.call(Trigger, "signal_generator/start_continuous_signal").success

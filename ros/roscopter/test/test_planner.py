@@ -65,20 +65,20 @@ def test_the_planner_names_what_is_wrong_with_a_waypoint(planner, waypoint, said
 
 @pytest.fixture(scope="module")
 def planner():
-    """One for many tests, in a namespace of its own so that nobody else hears its waypoints."""
+    """One for many tests, in a namespace of its own so that nobody else receives its waypoints."""
     with SimPeer("planner_peer", "apart") as it, copter("path_planner", namespace="/apart") as process:
         yield it, process
 
 
 def test_missions_load_whole_or_not_at_all_and_geodetic_ones_with_an_origin(planner, tmp_path):
     peer, process = planner
-    heard = peer.listen(Waypoint, "waypoints", LATCHED_ALL)
+    received = peer.listen(Waypoint, "waypoints", LATCHED_ALL)
 
     def load(file):
         return peer.call(ParamFile, "path_planner/load_mission_from_file", filename=str(file)).success
     assert load(ROOT / "missions/reference_example.yaml"), "the form of ROSflight 2.x"
-    peer.wait(lambda: heard and heard[-1].w[2] == -40.0, "its last waypoint")
-    assert heard[-1].type == Waypoint.TYPE_HOLD and heard[-1].hold_seconds == 10.0 and heard[-2].w[1] == -20.0
+    peer.wait(lambda: received and received[-1].w[2] == -40.0, "its last waypoint")
+    assert received[-1].type == Waypoint.TYPE_HOLD and received[-1].hold_seconds == 10.0 and received[-2].w[1] == -20.0
     bad = tmp_path / "bad.yaml"
     bad.write_text("mission:\n  - {type: goto, w: [1, 0, -5], psi: 0}\n  - {type: goto, w: [1, 0, -5], psi: 0, sped: 3}\n")
     assert not load(bad)
@@ -100,5 +100,5 @@ def test_missions_load_whole_or_not_at_all_and_geodetic_ones_with_an_origin(plan
         return load(geodetic)
     peer.poll(loaded, "the origin")
     # A meridian's radius at 40 deg on WGS-84, a(1-e^2)/(1-e^2 sin^2)^1.5 = 6361815.8 m, and the height of the origin.
-    peer.wait(lambda: abs(heard[-1].w[0] - math.radians(0.001) * (6361815.8 + 1400.0)) < 0.01, "the place")
-    assert abs(heard[-1].w[1]) < 1e-3 and abs(heard[-1].w[2] + 10.0) < 0.01 and not heard[-1].use_lla
+    peer.wait(lambda: abs(received[-1].w[0] - math.radians(0.001) * (6361815.8 + 1400.0)) < 0.01, "the place")
+    assert abs(received[-1].w[1]) < 1e-3 and abs(received[-1].w[2] + 10.0) < 0.01 and not received[-1].use_lla

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Offboard commands at 100 Hz while every stream of rosflight_io is heard at a depth of 100, and a
+// Offboard commands at 100 Hz while every stream of rosflight_io is received at a depth of 100, and a
 // count of what is missing by its stamps.
 //
 //     load_watch SECONDS START_US
 //
 // START_US is the start_us of ./rosflight sil: the IMU has a sample then, on the steady clock, and
-// one every period after it. Prints one JSON object: for each topic the messages heard; for those
+// one every period after it. Prints one JSON object: for each topic the messages received; for those
 // stamped with the autopilot's clock also the period in ms and how many samples are missing; and
 // the error of the IMU's stamps against the sample times, known up to whole periods.
 #include <algorithm>
@@ -73,7 +73,7 @@ class Watch final : public rclcpp::Node {
     std::printf("{\"commands\": %zu, \"topics\": {", sent_);
     const char* comma = "";
     for (const auto& [topic, stamps] : stamps_) {
-      std::printf("%s\"%s\": {\"heard\": %zu", comma, topic.c_str(), stamps.size());
+      std::printf("%s\"%s\": {\"received\": %zu", comma, topic.c_str(), stamps.size());
       if (of_samples_.count(topic) != 0) {
         const double period_s = median_step_s(stamps);
         std::printf(", \"period_ms\": %.3f, \"missing\": %zu", 1e3 * period_s,
@@ -134,7 +134,7 @@ class Watch final : public rclcpp::Node {
     return steps[steps.size() / 2];
   }
 
-  /// How many samples between first and last were never heard.
+  /// How many samples between first and last were never received.
   static std::size_t missing(const std::vector<double>& stamps, double period_s) {
     double count = 0.0;
     for (std::size_t k = 1; k < stamps.size(); ++k)
@@ -167,10 +167,10 @@ static int run(int argc, char** argv) {
   const auto spin_until = [&](auto done) {
     while (rclcpp::ok() && !done()) executor.spin_once(std::chrono::milliseconds(20));
   };
-  const auto patience = Clock::now() + std::chrono::seconds(30);
-  spin_until([&] { return watch->complete() || Clock::now() > patience; });
+  const auto timeout = Clock::now() + std::chrono::seconds(30);
+  spin_until([&] { return watch->complete() || Clock::now() > timeout; });
   if (!watch->complete()) {
-    std::fprintf(stderr, "load_watch: not every stream of rosflight_io was heard within 30 s\n");
+    std::fprintf(stderr, "load_watch: not every stream of rosflight_io was received within 30 s\n");
     return 1;
   }
   watch->forget();

@@ -5,9 +5,9 @@
 //     passthrough SECONDS CSV [--ros-args -p mass_kg:=3.5 ...]
 //
 // Waits until the vehicle is armed and the pilot lets go, climbs, follows a triangle wave of roll
-// for SECONDS and then sinks to the ground. The CSV has time, set-point and measured roll [rad].
+// for SECONDS and then sinks to the ground. The CSV has time, setpoint and measured roll [rad].
 //
-//     torque = J w^2 (e + integral of e / T) + 2 z w J (rate set-point - rate)             (1)
+//     torque = J w^2 (e + integral of e / T) + 2 z w J (rate setpoint - rate)             (1)
 //     thrust = m (g + k_p (h_set - h) - k_d climb) / (cos roll cos pitch)                   (2)
 #include <algorithm>
 #include <array>
@@ -16,7 +16,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
-#include <numbers>
 #include <rclcpp/rclcpp.hpp>
 #include <rosflight_msgs/msg/attitude.hpp>
 #include <rosflight_msgs/msg/barometer.hpp>
@@ -26,11 +25,12 @@
 #include <string>
 #include <vector>
 
+#include "base/constants.hpp"
 #include "program.hpp"
 
 namespace {
 
-constexpr double kGravity_m_s2 = 9.80665;
+constexpr double kGravity_m_s2 = rosflight::base::kStandardGravity_m_s2;
 constexpr double kClimb_s = 6.0;
 
 /// Height and climb from pressure altitude and vertical acceleration: an observer with double pole.
@@ -144,7 +144,7 @@ class Passthrough final : public rclcpp::Node {
       return inertia *
              (w_ * w_ * (error + integral_[k] / kIntegral_s) + 2.0 * kDamping * w_ * rate_error);
     };
-    const double yaw_error = std::remainder(yaw_ - a.yaw, 2.0 * std::numbers::pi);
+    const double yaw_error = std::remainder(yaw_ - a.yaw, 2.0 * rosflight::base::kPi);
     const std::array<double, 3> torques{
         torque(0, inertia_xx_, set_roll - a.roll, set_rate - m.angular_velocity.x),
         torque(1, inertia_yy_, -a.pitch, -m.angular_velocity.y),
@@ -204,11 +204,11 @@ static int run(int argc, char** argv) {
   const auto node = std::make_shared<Passthrough>(seconds);
   rclcpp::executors::SingleThreadedExecutor executor;
   executor.add_node(node);
-  const auto patience =
+  const auto timeout =
       std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds + 90.0);
   while (rclcpp::ok() && !node->done()) {
     executor.spin_once(std::chrono::milliseconds(100));
-    if (std::chrono::steady_clock::now() > patience) {
+    if (std::chrono::steady_clock::now() > timeout) {
       std::fprintf(stderr, "passthrough: not armed, or never down again\n");
       return 1;
     }

@@ -129,10 +129,10 @@ static int run(int argc, char** argv) {
   const auto peer = std::make_shared<Peer>(rate_hz, static_cast<std::size_t>(count));
   rclcpp::executors::SingleThreadedExecutor executor;
   executor.add_node(peer);
-  const auto patience = Clock::now() + std::chrono::seconds(30);
+  const auto timeout = Clock::now() + std::chrono::seconds(30);
   while (rclcpp::ok() && !peer->done()) {
     executor.spin_once(std::chrono::milliseconds(100));
-    if (!peer->started() && Clock::now() > patience) {
+    if (!peer->started() && Clock::now() > timeout) {
       std::fprintf(stderr, "rtt_peer: no rosflight_io with a firmware behind it within 30 s\n");
       return 1;
     }

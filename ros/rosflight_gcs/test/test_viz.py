@@ -5,7 +5,6 @@ import math
 import subprocess
 
 import pytest
-import rclpy
 from geometry_msgs.msg import PoseStamped
 from ros_rig import Peer, program, stop, wait_for
 from rosflight_msgs.msg import Attitude
@@ -22,20 +21,20 @@ def viz():
     assert stop(process) == 0
 
 
-def publish_until(peer, kind, topic, message, heard):
+def publish_until(peer, kind, topic, message, received):
     publisher = peer.node.create_publisher(kind, topic, 1)
     timer = peer.node.create_timer(0.05, lambda: publisher.publish(message))
-    wait_for(lambda: heard, f"an answer to {topic}")
+    wait_for(lambda: received, f"an answer to {topic}")
     peer.node.destroy_timer(timer)
 
 
 def test_attitude_is_shown_as_it_is(viz):
-    heard = viz.listen(PoseStamped, "viz/attitude")
+    received = viz.listen(PoseStamped, "viz/attitude")
     attitude = Attitude()
     attitude.header.stamp.sec = 7
     attitude.attitude.w, attitude.attitude.y = 0.8, 0.6
-    publish_until(viz, Attitude, "attitude", attitude, heard)
-    pose = heard[0][1]
+    publish_until(viz, Attitude, "attitude", attitude, received)
+    pose = received[0][1]
     assert pose.header.frame_id == "fixed_frame" and pose.header.stamp.sec == 7
     assert (pose.pose.orientation.w, pose.pose.orientation.y) == (0.8, 0.6)
 

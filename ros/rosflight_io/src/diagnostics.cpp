@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdio>
 
-#include "conversions.hpp"
+#include "status_text.hpp"
 
 namespace rosflight_io {
 namespace {

@@ -2,11 +2,16 @@
 #include "io_node.hpp"
 
 #include <filesystem>
+#include <rosflight_msgs/msg/attitude.hpp>
+#include <rosflight_msgs/msg/aux_command.hpp>
+#include <rosflight_msgs/msg/command.hpp>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "diagnostics.hpp"
+#include "messages/link.hpp"
+#include "ros/common/messages.hpp"
 
 namespace rosflight_io {
 
@@ -104,27 +109,25 @@ companion::LinkSpec IoNode::read_link() {
 }
 
 void IoNode::subscribe() {
-  using rosflight_msgs::msg::Attitude;
-  using rosflight_msgs::msg::AuxCommand;
-  using rosflight_msgs::msg::Command;
-  subscriptions_.push_back(create_subscription<Command>(
-      "command", 1, [this](Command::ConstSharedPtr m) { send("command", to_link(*m)); }));
-  subscriptions_.push_back(create_subscription<AuxCommand>(
-      "aux_command", 1,
-      [this](AuxCommand::ConstSharedPtr m) { send("aux_command", to_link(*m)); }));
-  subscriptions_.push_back(create_subscription<Attitude>(
-      "external_attitude", 1,
-      [this](Attitude::ConstSharedPtr m) { send("external_attitude", to_link(*m)); }));
+  namespace ours = rosflight::messages::rosflight_msgs;
+  forward<ours::Command, rosflight_msgs::msg::Command>("command");
+  forward<ours::AuxCommand, rosflight_msgs::msg::AuxCommand>("aux_command");
+  forward<ours::Attitude, rosflight_msgs::msg::Attitude>("external_attitude");
 }
 
-template <class Message>
-void IoNode::send(const char* what, const Message& message) {
-  runner_.post([this, what, message](companion::Session& session) {
-    const companion::SendStatus status = session.offboard().send(message);
-    if (status == companion::SendStatus::kSent) return;
-    RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kWarningPeriod_ms, "%s not sent: %s", what,
-                         companion::send_status_text(status));
-  });
+template <class Message, class Ros>
+void IoNode::forward(const char* topic) {
+  subscriptions_.push_back(
+      create_subscription<Ros>(topic, 1, [this, topic](typename Ros::ConstSharedPtr received) {
+        const auto message =
+            rosflight::messages::to_link(rosflight::ros_common::from_ros<Message>(*received));
+        runner_.post([this, topic, message](companion::Session& session) {
+          const companion::SendStatus status = session.offboard().send(message);
+          if (status == companion::SendStatus::kSent) return;
+          RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kWarningPeriod_ms, "%s not sent: %s",
+                               topic, companion::send_status_text(status));
+        });
+      }));
 }
 
 void IoNode::run_link() {

@@ -8,7 +8,6 @@
 
 #include "clock.hpp"
 #include "companion/asio/runner.hpp"
-#include "conversions.hpp"
 #include "link/detect/detecting_codec.hpp"
 #include "log_lines.hpp"
 #include "parameter_mirror.hpp"
@@ -17,7 +16,7 @@
 
 namespace rosflight_io {
 
-/// The companion's end of the serial link as a ROS 2 node: streams become topics, set-points become
+/// The companion's end of the serial link as a ROS 2 node: streams become topics, setpoints become
 /// frames, parameters and commands become ROS parameters and services.
 ///
 /// Two threads: the link's, which runs the companion library and publishes, and the node's, which
@@ -35,8 +34,9 @@ class IoNode final : public rclcpp::Node {
  private:
   rosflight::companion::LinkSpec read_link();
   void subscribe();
-  template <class Message>
-  void send(const char* what, const Message& message);
+  /// Sends what arrives on `topic`. @tparam Message  the type of messages/ beside Ros.
+  template <class Message, class Ros>
+  void forward(const char* topic);
   void run_link();
   void look_after();
   void diagnose();

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "conversions.hpp"
+#include "status_text.hpp"
 
 namespace rosflight_io {
 

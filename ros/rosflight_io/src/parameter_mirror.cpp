@@ -112,8 +112,8 @@ std::string ParameterMirror::send(const rclcpp::Parameter& parameter) {
     companion::Job<Result> job = session.parameters().set(name, number);
     job.when_finished([job, answer] { answer->set_value(job.result()); });
   });
-  constexpr std::chrono::seconds kPatience{5};  // longer than the job's own
-  if (future.wait_for(kPatience) != std::future_status::ready) return name + ": no answer";
+  constexpr std::chrono::seconds kMaxDelay{5};  // longer than the job's own
+  if (future.wait_for(kMaxDelay) != std::future_status::ready) return name + ": no answer";
   const Result result = future.get();
   return result.ok() ? std::string() : result.text;
 }

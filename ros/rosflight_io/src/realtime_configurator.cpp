@@ -72,13 +72,13 @@ RealtimeConfigurator::Watch RealtimeConfigurator::watch(rclcpp::Node& node) cons
   Watch watch;
   watch.publisher = node.create_publisher<std_msgs::msg::Int32>(
       std::string(node.get_name()) + "/context_switches", 10);
+  const auto before = std::make_shared<std::int64_t>(involuntary_switches());
   watch.timer = node.create_wall_timer(
-      std::chrono::seconds(1),
-      [publisher = watch.publisher, before = involuntary_switches()]() mutable {
+      std::chrono::seconds(1), [publisher = watch.publisher, before] {  // const: rclcpp calls it so
         const std::int64_t now = involuntary_switches();
         std_msgs::msg::Int32 message;
-        message.data = static_cast<std::int32_t>(now - before);
-        before = now;
+        message.data = static_cast<std::int32_t>(now - *before);
+        *before = now;
         publisher->publish(message);
       });
   return watch;

@@ -3,9 +3,15 @@
 
 #include <utility>
 
+#include "messages/link.hpp"
+#include "ros/common/messages.hpp"
+
 namespace rosflight_io {
 
 namespace companion = rosflight::companion;
+namespace messages = rosflight::messages;
+using messages::to_message;
+using rosflight::ros_common::to_ros;
 
 StreamPublisher::StreamPublisher(rclcpp::Node& node, Clock& clock, std::string frame_id)
     : node_{node}, clock_{clock}, frame_id_{std::move(frame_id)} {
@@ -17,63 +23,61 @@ StreamPublisher::StreamPublisher(rclcpp::Node& node, Clock& clock, std::string f
   unsaved_->publish(std_msgs::msg::Bool());
 }
 
-template <class In, class Message>
-void StreamPublisher::publish(Topic<Message>& topic, const In& in, companion::Time t,
+template <class Ros, class Message>
+void StreamPublisher::publish(Topic<Ros>& topic, const Message& message, companion::Time t,
                               const std::string& frame_id) {
-  if (!topic.publisher) {
-    topic.publisher = node_.create_publisher<Message>(topic.name, 1);
-    topic.message.header.frame_id = frame_id;
-  }
-  fill(in, topic.message);
-  topic.message.header.stamp = clock_.to_ros(t);
-  topic.publisher->publish(topic.message);
+  if (!topic.publisher) topic.publisher = node_.create_publisher<Ros>(topic.name, 1);
+  auto out = to_ros<Ros>(message);
+  out.header.stamp = clock_.to_ros(t);
+  out.header.frame_id = frame_id;
+  topic.publisher->publish(out);
 }
 
 void StreamPublisher::on_imu(const link::Imu& m, const Stamp& stamp) {
-  imu_.message.orientation = attitude_.message.attitude;
-  publish(imu_, m, stamp.sample, frame_id_);
-  publish(temperature_, m, stamp.sample, frame_id_);
+  publish(imu_, attitude_ ? to_message(m, *attitude_) : to_message(m), stamp.sample, frame_id_);
+  publish(temperature_, messages::imu_temperature(m), stamp.sample, frame_id_);
 }
 
 void StreamPublisher::on_attitude(const link::Attitude& m, const Stamp& stamp) {
-  publish(attitude_, m, stamp.sample);
-  publish(euler_, m, stamp.sample);
+  attitude_ = m;
+  publish(attitude_topic_, to_message(m), stamp.sample);
+  publish(euler_, messages::euler_message(m), stamp.sample);
 }
 
 void StreamPublisher::on_mag(const link::Mag& m, const Stamp& stamp) {
-  publish(mag_, m, stamp.sample, frame_id_);
+  publish(mag_, to_message(m), stamp.sample, frame_id_);
 }
 
 void StreamPublisher::on_baro(const link::Baro& m, const Stamp& stamp) {
-  publish(baro_, m, stamp.sample);
+  publish(baro_, to_message(m), stamp.sample);
 }
 
 void StreamPublisher::on_diff_pressure(const link::DiffPressure& m, const Stamp& stamp) {
-  publish(airspeed_, m, stamp.sample);
+  publish(airspeed_, to_message(m), stamp.sample);
 }
 
 void StreamPublisher::on_range(const link::Range& m, const Stamp& stamp) {
-  publish(range_, m, stamp.sample);
+  publish(range_, to_message(m), stamp.sample);
 }
 
 void StreamPublisher::on_rc(const link::RcChannels& m, const Stamp& stamp) {
-  publish(rc_, m, stamp.sample);
+  publish(rc_, to_message(m), stamp.sample);
 }
 
 void StreamPublisher::on_output(const link::OutputRaw& m, const Stamp& stamp) {
-  publish(output_, m, stamp.sample);
+  publish(output_, to_message(m), stamp.sample);
 }
 
 void StreamPublisher::on_gnss(const link::Gnss& m, const Stamp& stamp) {
-  publish(gnss_, m, stamp.sample, "NED");
+  publish(gnss_, to_message(m), stamp.sample, "NED");
 }
 
 void StreamPublisher::on_battery(const link::BatteryStatus& m, const Stamp& stamp) {
-  publish(battery_, m, stamp.sample);
+  publish(battery_, to_message(m), stamp.sample);
 }
 
 void StreamPublisher::on_status(const link::Status& m, const Stamp& stamp) {
-  publish(status_, m, stamp.arrival);
+  publish(status_, to_message(m), stamp.arrival);
 }
 
 void StreamPublisher::on_event(const companion::Event& event) {
@@ -89,8 +93,7 @@ void StreamPublisher::on_event(const companion::Event& event) {
     message.data = true;
     params_changed_->publish(message);
   } else if (const auto* fault = std::get_if<link::HardError>(&event)) {
-    rosflight_msgs::msg::Error message;
-    fill(*fault, message);
+    auto message = to_ros<rosflight_msgs::msg::Error>(to_message(*fault));
     message.header.stamp = node_.now();
     errors_->publish(message);
   } else if (const auto* version = std::get_if<companion::VersionEvent>(&event)) {
@@ -98,9 +101,7 @@ void StreamPublisher::on_event(const companion::Event& event) {
       version_ = node_.create_publisher<std_msgs::msg::String>("version",
                                                                rclcpp::QoS(1).transient_local());
     }
-    std_msgs::msg::String message;
-    message.data = std::string(companion::text_of(version->version.text));
-    version_->publish(message);
+    version_->publish(to_ros<std_msgs::msg::String>(to_message(version->version)));
   }
 }
 

@@ -1,15 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <geometry_msgs/msg/vector3_stamped.hpp>
+#include <optional>
 #include <rclcpp/rclcpp.hpp>
+#include <rosflight_msgs/msg/airspeed.hpp>
+#include <rosflight_msgs/msg/attitude.hpp>
+#include <rosflight_msgs/msg/barometer.hpp>
+#include <rosflight_msgs/msg/battery_status.hpp>
+#include <rosflight_msgs/msg/error.hpp>
+#include <rosflight_msgs/msg/gnss.hpp>
+#include <rosflight_msgs/msg/output_raw.hpp>
+#include <rosflight_msgs/msg/rc_raw.hpp>
+#include <rosflight_msgs/msg/status.hpp>
+#include <sensor_msgs/msg/imu.hpp>
+#include <sensor_msgs/msg/magnetic_field.hpp>
+#include <sensor_msgs/msg/range.hpp>
+#include <sensor_msgs/msg/temperature.hpp>
 #include <std_msgs/msg/bool.hpp>
 #include <std_msgs/msg/string.hpp>
 #include <string>
 
 #include "clock.hpp"
 #include "companion/listener.hpp"
-#include "conversions.hpp"
 
 namespace rosflight_io {
+
+namespace link = rosflight::link;
 
 /// Every stream of the link as a topic. Reliable, volatile, depth 1; a topic appears with its first
 /// message, so a missing topic is a missing sensor. Called by the link's thread.
@@ -34,16 +50,14 @@ class StreamPublisher final : public rosflight::companion::Listener {
   void on_event(const rosflight::companion::Event& event) override;
 
  private:
-  template <class Message>
+  template <class Ros>
   struct Topic {
     const char* name;
-    typename rclcpp::Publisher<Message>::SharedPtr publisher{};
-    Message message{};
+    typename rclcpp::Publisher<Ros>::SharedPtr publisher{};
   };
 
-  /// Fills the topic's message from `in`, stamps and publishes it.
-  template <class In, class Message>
-  void publish(Topic<Message>& topic, const In& in, rosflight::companion::Time t,
+  template <class Ros, class Message>
+  void publish(Topic<Ros>& topic, const Message& message, rosflight::companion::Time t,
                const std::string& frame_id = {});
 
   rclcpp::Node& node_;
@@ -52,7 +66,7 @@ class StreamPublisher final : public rosflight::companion::Listener {
 
   Topic<sensor_msgs::msg::Imu> imu_{"imu/data"};
   Topic<sensor_msgs::msg::Temperature> temperature_{"imu/temperature"};
-  Topic<rosflight_msgs::msg::Attitude> attitude_{"attitude"};
+  Topic<rosflight_msgs::msg::Attitude> attitude_topic_{"attitude"};
   Topic<geometry_msgs::msg::Vector3Stamped> euler_{"attitude/euler"};
   Topic<sensor_msgs::msg::MagneticField> mag_{"magnetometer"};
   Topic<rosflight_msgs::msg::Barometer> baro_{"baro"};
@@ -67,6 +81,7 @@ class StreamPublisher final : public rosflight::companion::Listener {
   rclcpp::Publisher<std_msgs::msg::Bool>::SharedPtr unsaved_;
   rclcpp::Publisher<std_msgs::msg::Bool>::SharedPtr params_changed_;
   rclcpp::Publisher<rosflight_msgs::msg::Error>::SharedPtr errors_;
+  std::optional<link::Attitude> attitude_;  ///< The latest.
   bool list_complete_{false};
 };
 

@@ -6,7 +6,7 @@ import math
 import pytest
 from geometry_msgs.msg import Vector3Stamped
 from ros_rig import free_udp_port
-from rosflight_msgs.msg import (Airspeed, Attitude, AuxCommand, Barometer, BatteryStatus, GNSS, OutputRaw, RCRaw,
+from rosflight_msgs.msg import (Attitude, AuxCommand, Barometer, BatteryStatus, GNSS, OutputRaw, RCRaw,
                                 SimState, Status)
 from rosflight_msgs.srv import ParamFile, ParamGet, ParamSet
 from sensor_msgs.msg import Imu, MagneticField, Range, Temperature
@@ -29,24 +29,24 @@ def world(tmp_path_factory):
                                           real_time_multiplier="10.0",
                                           memory_folder=tmp_path_factory.mktemp("memory"), **ports) as process:
         process.until("ready: ")
-        peer.heard = {name: peer.listen(kind, name) for name, kind in STREAMS.items()}
-        peer.heard |= {name: peer.listen(kind, name, LATCHED) for name, kind in LATCHED_STREAMS.items()}
-        peer.heard["sim/truth_state"] = peer.listen(SimState, "sim/truth_state")
+        peer.received = {name: peer.listen(kind, name) for name, kind in STREAMS.items()}
+        peer.received |= {name: peer.listen(kind, name, LATCHED) for name, kind in LATCHED_STREAMS.items()}
+        peer.received["sim/truth_state"] = peer.listen(SimState, "sim/truth_state")
         with launch("rosflight_sim", "multirotor_init_firmware.launch.py") as init:
             assert init.end() == 0, init.text()
         yield peer
 
 
 def in_flight(peer):
-    states = peer.heard["sim/truth_state"]
+    states = peer.received["sim/truth_state"]
     return states and states[-1].pose.position.z < -1.0
 
 
 def test_flight(world, tmp_path):
-    status = world.heard["status"]
+    status = world.received["status"]
     with launch("rosflight_examples", "square.launch.xml", exec="square", use_sim_time="true") as flight:
         world.wait(lambda: in_flight(world), "being in the air", 120.0)
-        before = {name: len(world.heard[name]) for name in STREAMS}
+        before = {name: len(world.received[name]) for name in STREAMS}
 
         refused = {name: world.call(Trigger, name) for name in REFUSED_IN_FLIGHT}
         assert not any(answer.success for answer in refused.values()), refused
@@ -58,15 +58,15 @@ def test_flight(world, tmp_path):
         assert world.call(Trigger, "print_mixing_matrix").success
         world.publisher(AuxCommand, "aux_command").publish(AuxCommand())
 
-        world.wait(lambda: all(len(world.heard[name]) > count + 3 for name, count in before.items()), "all streams",
+        world.wait(lambda: all(len(world.received[name]) > count + 3 for name, count in before.items()), "all streams",
                    120.0)
         assert status[-1].armed and status[-1].offboard and not status[-1].failsafe
         assert flight.end() == 0, flight.text()
-    truth, q = world.heard["sim/truth_state"], [message.attitude for message in world.heard["attitude"]]
+    truth, q = world.received["sim/truth_state"], [message.attitude for message in world.received["attitude"]]
     assert min(state.pose.position.z for state in truth) < -1.5
     assert max(abs(2 * math.asin(max(-1.0, min(1.0, math.hypot(a.x, a.y))))) for a in q) > 0.03, "it leaned"
-    assert any(max(m.values[:4]) > 0.3 for m in world.heard["output_raw"])
-    assert all(len(world.heard[name]) > 0 for name in LATCHED_STREAMS)
+    assert any(max(m.values[:4]) > 0.3 for m in world.received["output_raw"])
+    assert all(len(world.received[name]) > 0 for name in LATCHED_STREAMS)
 
 
 def test_on_the_ground_again_services_do_their_work(world, tmp_path):

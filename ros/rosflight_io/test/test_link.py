@@ -7,7 +7,7 @@ import subprocess
 import time
 
 import pytest
-from ros_rig import NODE, PATIENCE_S, wait_for
+from ros_rig import NODE, TIMEOUT_S, wait_for
 from rclpy.qos import QoSProfile
 from rosflight_msgs.msg import AuxCommand, Command, Status
 from std_srvs.srv import Trigger
@@ -39,7 +39,7 @@ def test_commands_reach_the_firmware_and_time_out(status, command):
     good = Command(mode=Command.MODE_ROLL_PITCH_YAWRATE_THROTTLE)
     good.u[2] = 0.3
     assert offboard_after(status, lambda: command.publish(good))
-    wait_for(lambda: not status[-1][1].offboard, "the time-out")
+    wait_for(lambda: not status[-1][1].offboard, "the timeout")
 
 
 @pytest.mark.parametrize("make", [
@@ -102,7 +102,7 @@ def test_node_ends_cleanly_on_ctrl_c(rig):
     (["-p", "udp:=true", "-p", "remote_host:=no.such.host.invalid"], "no.such.host.invalid"),
 ])
 def test_a_link_that_cannot_be_ends_with_one_line_and_code_2(arguments, part):
-    done = subprocess.run([NODE, "--ros-args", *arguments], capture_output=True, text=True, timeout=PATIENCE_S)
+    done = subprocess.run([NODE, "--ros-args", *arguments], capture_output=True, text=True, timeout=TIMEOUT_S)
     assert done.returncode == 2, done.stdout + done.stderr
     lines = [line for line in done.stderr.strip().splitlines() if line.startswith("rosflight_io:")]
     assert len(lines) == 1 and part in lines[0], done.stderr

@@ -21,14 +21,14 @@ def test_twenty_late_subscribers_all_hear(rig):
     from std_msgs.msg import String
     late = Peer()
     try:
-        heard = []
+        received = []
         for _ in range(20):
             messages = []
             late.node.create_subscription(Attitude, "attitude", messages.append, 10)
-            heard.append(messages)
+            received.append(messages)
         versions = late.listen(String, "version", depth=1, latched=True)
-        wait_for(lambda: all(len(messages) >= 20 for messages in heard) and versions, "20 messages each",
-                 lambda: [len(messages) for messages in heard])
+        wait_for(lambda: all(len(messages) >= 20 for messages in received) and versions, "20 messages each",
+                 lambda: [len(messages) for messages in received])
     finally:
         late.close()
     assert ros_demo_load.memory_kB(rig.io.process.pid) < 500_000

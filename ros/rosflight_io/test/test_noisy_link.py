@@ -11,7 +11,7 @@ from rosflight_msgs.srv import ParamGet, ParamSet
 
 NOISE = ["--corrupt", "0.01"]
 ECHO = SIL_TOOLS / "sil_echo"
-ASKED, ANSWERED = 9, 13  # apps/sil/bench/echo_codec.hpp
+ASKED, ANSWERED = 9, 13  # apps/measure/echo_codec.hpp
 PERIOD_S = 0.08  # OFFBOARD_TIMEOUT is 0.1
 
 
@@ -29,10 +29,10 @@ def test_parameters_arrive_all_the_same(noisy):
 
 
 def test_bad_frames_are_counted_and_none_is_taken_for_good(noisy):
-    heard = noisy.peer.listen(Attitude, "attitude")
+    received = noisy.peer.listen(Attitude, "attitude")
     diagnostics = noisy.peer.listen(DiagnosticArray, "/diagnostics")
-    wait_for(lambda: len(heard) > 500 and len(diagnostics) > 2, "a lot of frames")
-    for _, message in heard:
+    wait_for(lambda: len(received) > 500 and len(diagnostics) > 2, "a lot of frames")
+    for _, message in received:
         q = message.attitude
         assert abs(math.sqrt(q.w ** 2 + q.x ** 2 + q.y ** 2 + q.z ** 2) - 1.0) < 1e-3, message
     values = {entry.key: entry.value for status in diagnostics[-1][1].status for entry in status.values}
@@ -41,7 +41,7 @@ def test_bad_frames_are_counted_and_none_is_taken_for_good(noisy):
 
 def test_gaps_hand_over_and_frames_take_over_again(tmp_path):
     """Only the way to the board is noisy, so its answers tell which commands it took. Nearly half are damaged, and one
-    that is missing leaves a gap longer than the time-out. apps_noisy_link_test holds every pass to it in lock-step."""
+    that is missing leaves a gap longer than the timeout. flight_noisy_link_test holds every pass to it in lock-step."""
     rig = Rig(tmp_path, kind="cable", cable_options=[*NOISE, "--one-way"], program=ECHO)
     try:
         answers, states = rig.peer.listen(OutputRaw, "output_raw"), rig.peer.listen(Status, "status")

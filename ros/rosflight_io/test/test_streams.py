@@ -40,7 +40,7 @@ STREAMS = {
 
 
 @pytest.fixture(scope="module")
-def heard(rig):
+def received(rig):
     lists = {topic: rig.peer.listen(kind, topic) for topic, (kind, _, _) in STREAMS.items()}
     wait_for(lambda: all(len(messages) >= 20 for messages in lists.values()), "20 messages of each stream",
              lambda: {topic: len(messages) for topic, messages in lists.items()})
@@ -48,24 +48,24 @@ def heard(rig):
 
 
 @pytest.mark.parametrize("topic", STREAMS)
-def test_stream_has_its_type_frame_and_unit(heard, topic):
+def test_stream_has_its_type_frame_and_unit(received, topic):
     _, frame, holds = STREAMS[topic]
-    for _, message in heard[topic]:
+    for _, message in received[topic]:
         assert message.header.frame_id == frame
         assert holds(message), message
 
 
 @pytest.mark.parametrize("topic", STREAMS)
-def test_stamps_are_ros_time_just_before_arrival_and_rise(heard, topic):
-    ages = [arrival - seconds(m.header.stamp) for arrival, m in heard[topic]]
+def test_stamps_are_ros_time_just_before_arrival_and_rise(received, topic):
+    ages = [arrival - seconds(m.header.stamp) for arrival, m in received[topic]]
     # Before the arrival, but for the error of the clock estimate; how late a loaded machine is says nothing.
     assert min(ages) > -0.02 and min(ages) < 0.3, ages
-    stamps = [seconds(m.header.stamp) for _, m in heard[topic]]
+    stamps = [seconds(m.header.stamp) for _, m in received[topic]]
     assert all(b >= a - 0.02 for a, b in zip(stamps, stamps[1:]))
 
 
-def test_imu_stamps_keep_the_rate_of_the_sensor(heard):
-    stamps = [seconds(m.header.stamp) for _, m in heard["imu/data"]]
+def test_imu_stamps_keep_the_rate_of_the_sensor(received):
+    stamps = [seconds(m.header.stamp) for _, m in received["imu/data"]]
     steps = sorted(b - a for a, b in zip(stamps, stamps[1:]))
     assert abs(steps[len(steps) // 2] - 0.0025) < 2e-4
 
@@ -78,10 +78,10 @@ def test_late_listeners_get_what_is_latched(rig):
 
 
 def test_diagnostics_tell_link_clock_parameters_and_vehicle(rig):
-    heard = rig.peer.listen(DiagnosticArray, "/diagnostics")
+    received = rig.peer.listen(DiagnosticArray, "/diagnostics")
 
     def last():
-        return {status.name.split(": ")[1]: status for status in heard[-1][1].status} if heard else {}
+        return {status.name.split(": ")[1]: status for status in received[-1][1].status} if received else {}
     wait_for(lambda: last().get("link") and last()["link"].message == "connected"
              and last()["clock"].message == "synchronised", "a healthy link", last)
     values = {entry.key: entry.value for entry in last()["clock"].values}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Two vehicles in two namespaces on one machine do not hear each other."""
+"""Two vehicles in two namespaces on one machine do not receive each other's messages."""
 
 import pytest
 from ros_rig import Rig, wait_for
@@ -28,18 +28,18 @@ def test_parameters_and_commands_reach_one_only(pair):
         assert rig.peer.call(ParamGet, "param_get", name="PID_ROLL_RATE_P").value == value
 
     _, beta = pair
-    heard = [rig.peer.listen(Status, "status") for rig in pair]
+    received = [rig.peer.listen(Status, "status") for rig in pair]
     publisher = beta.peer.node.create_publisher(Command, "command", 1)
     beta.peer.node.create_timer(0.02, lambda: publisher.publish(Command(mode=Command.MODE_PASS_THROUGH)))
-    wait_for(lambda: heard[1] and heard[1][-1][1].offboard, "beta under command")
-    count = len(heard[0])
-    wait_for(lambda: len(heard[0]) > count + 20, "states of alpha")
-    assert not any(message.offboard for _, message in heard[0])
+    wait_for(lambda: received[1] and received[1][-1][1].offboard, "beta under command")
+    count = len(received[0])
+    wait_for(lambda: len(received[0]) > count + 20, "states of alpha")
+    assert not any(message.offboard for _, message in received[0])
 
 
 def test_one_that_ends_does_not_take_the_other_along(pair):
     alpha, beta = pair
     alpha.close()
-    heard = beta.peer.listen(Status, "status")
-    count = len(heard)
-    wait_for(lambda: len(heard) > count + 20, "states of beta")
+    received = beta.peer.listen(Status, "status")
+    count = len(received)
+    wait_for(lambda: len(received) > count + 20, "states of beta")

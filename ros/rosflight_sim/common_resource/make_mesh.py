@@ -7,7 +7,7 @@ at x, the top at z: what the frame `stl_frame` turns to forward, left, up. Below
 
 import sys
 from itertools import product
-from math import cos, pi, sin
+from math import cos, radians, sin
 
 # centre, size (x right, y forward, z up), turn about z [deg]
 SHAPES = {
@@ -27,7 +27,7 @@ FACES = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (
 
 
 def box(centre, size, turn):
-    c, s = cos(turn * pi / 180), sin(turn * pi / 180)
+    c, s = cos(radians(turn)), sin(radians(turn))
     corners = []
     for z, y, x in product((-0.5, 0.5), repeat=3):
         px, py = x * size[0], y * size[1]

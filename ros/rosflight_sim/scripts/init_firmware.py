@@ -17,19 +17,19 @@ from rclpy.utilities import remove_ros_args
 from rosflight_msgs.srv import ParamFile
 from std_srvs.srv import Trigger
 
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 TRY_AGAIN_S = 0.5
 
 
 def call(node, kind, name, **fields):
     """The answer of a service, waited for."""
     client = node.create_client(kind, name)
-    if not client.wait_for_service(timeout_sec=PATIENCE_S):
+    if not client.wait_for_service(timeout_sec=TIMEOUT_S):
         raise RuntimeError(f"{name}: found no such service, allowed with rosflight_io running")
     future = client.call_async(kind.Request(**fields))
-    rclpy.spin_until_future_complete(node, future, timeout_sec=PATIENCE_S)
+    rclpy.spin_until_future_complete(node, future, timeout_sec=TIMEOUT_S)
     if not future.done():
-        raise RuntimeError(f"{name}: no answer in {PATIENCE_S:.0f} s")
+        raise RuntimeError(f"{name}: no answer in {TIMEOUT_S:.0f} s")
     node.destroy_client(client)
     return future.result()
 
@@ -43,7 +43,7 @@ def demand(node, kind, name, **fields):
 
 
 def initialise(node, file):
-    end = time.monotonic() + PATIENCE_S
+    end = time.monotonic() + TIMEOUT_S
     while not call(node, Trigger, "all_params_received").success:
         if time.monotonic() > end:
             raise RuntimeError("the firmware's parameters have not arrived")

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <geometry_msgs/msg/vector3_stamped.hpp>
 #include <geometry_msgs/msg/wrench_stamped.hpp>
+#include <rosflight_msgs/msg/sim_state.hpp>
 #include <rosflight_msgs/srv/set_sim_state.hpp>
 #include <std_srvs/srv/trigger.hpp>
 
+#include "messages/simulation.hpp"
+#include "ros/common/messages.hpp"
 #include "ros/common/node_tools.hpp"
-#include "ros/rosflight_sim/src/conversions.hpp"
+#include "ros/common/time.hpp"
 #include "ros/rosflight_sim/src/vehicle_tuning.hpp"
 #include "sim/dynamics/rigid_body.hpp"
 
@@ -13,6 +16,7 @@ namespace rosflight::ros_sim {
 namespace {
 
 using namespace ros_common;
+using messages::from_message;
 
 using rosflight_msgs::srv::SetSimState;
 using std_srvs::srv::Trigger;
@@ -31,7 +35,7 @@ class HeldWrench final : public sim::ForcesAndMoments {
 
 /// Moves the body under the wrenches it is sent: from the stamp of the last one to that of this
 /// one, then publishes truth and wind. Stamps that stand publish only; those that go back begin
-/// anew; a gap of more than longest_gap_s moves the body by that much.
+/// again; a gap of more than longest_gap_s moves the body by that much.
 class DynamicsNode : public rclcpp::Node {
  public:
   DynamicsNode()
@@ -77,7 +81,7 @@ class DynamicsNode : public rclcpp::Node {
   }
 
   void step(const geometry_msgs::msg::WrenchStamped& message) {
-    if (!get(message.wrench, forces_.held)) {
+    if (!from_message(from_ros<messages::geometry_msgs::WrenchStamped>(message), forces_.held)) {
       constexpr int kInterval_ms = 2000;
       RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kInterval_ms,
                            "sim/forces_and_moments: found numbers that are not finite, not used");
@@ -104,23 +108,23 @@ class DynamicsNode : public rclcpp::Node {
   }
 
   void publish(const builtin_interfaces::msg::Time& stamp) {
-    geometry_msgs::msg::Vector3Stamped wind;
+    auto wind = to_ros<geometry_msgs::msg::Vector3Stamped>(
+        messages::wind_message(body_->truth().air.wind_W));
     wind.header.stamp = stamp;
     wind.header.frame_id = "NED";
-    put(body_->truth().air.wind_N, wind.vector);
     wind_->publish(wind);
-    rosflight_msgs::msg::SimState state;
+    auto state = to_ros<rosflight_msgs::msg::SimState>(
+        messages::to_message(body_->truth(), parameters_.vehicle.environment().gravity_m_s2));
     state.header.stamp = stamp;
     state.header.frame_id = "NED";
-    put(body_->truth(), parameters_.vehicle.environment().gravity_m_s2, state);
     truth_->publish(state);
   }
 
   /// An all-zero pose means the start: at rest on the gear, whose height the caller cannot know.
   void set_state(const rosflight_msgs::msg::SimState& state, SetSimState::Response& response) {
-    sim::BodyState body = body_state(state);
-    if (body.p_N.isZero() && body.v_B.isZero() && body.w_B.isZero())
-      body.p_N = body_->rest_state().p_N;
+    sim::BodyState body = messages::body_state(from_ros<messages::rosflight_msgs::SimState>(state));
+    if (body.p_W.isZero() && body.v_B.isZero() && body.w_B.isZero())
+      body.p_W = body_->rest_state().p_W;
     response.success = body_->set_state(body);
     response.message = response.success ? "set"
                                         : "found a NaN, no rotation or a place under ground, "

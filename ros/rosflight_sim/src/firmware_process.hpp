@@ -45,7 +45,7 @@ class NodeClock final : public hal::Clock {
 class FirmwareProcess {
  public:
   /// @throws boards::BoardError  one line: port taken, unknown host, memory file in use.
-  FirmwareProcess(const boards::LinkAddress& link, const std::filesystem::path& memory,
+  FirmwareProcess(const base::LinkAddress& link, const std::filesystem::path& memory,
                   NodeClock::Now node_time)
       : clock_{std::move(node_time)}, system_{clock_}, serial_{link}, storage_{memory} {
     boot();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Parameters of ROSflight 2.x's fixed-wing forces node. Those that its equations never used
 // (wing_epsilon apart, which is the Oswald factor here) are not there.
-#include <numbers>
 
+#include "base/constants.hpp"
 #include "ros/rosflight_sim/src/view_tools.hpp"
 #include "sim/fixedwing/fixedwing.hpp"
 
@@ -12,7 +12,7 @@ using namespace views;
 
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
+using base::kDegPerRad;
 
 /// One number of the vehicle file, with the parameter's unit times `scale` as the file's.
 struct Entry {
@@ -40,7 +40,7 @@ const Entry kEntries[] = {
     {"wing_M", "aero.stall.sharpness_1_rad", 1e-3, 1e3, "sharpness of the stall [1/rad]",
      [](const Airframe& a) { return a.stall_sharpness; }},
     {"wing_alpha0", "aero.stall.angle_deg", 1e-3, 1.57, "angle of attack of the stall [rad]",
-     [](const Airframe& a) { return a.stall_angle_rad; }, kDegrees},
+     [](const Airframe& a) { return a.stall_angle_rad; }, kDegPerRad},
     {"C_L_O", "aero.lift.zero", -kAny, kAny, "lift", [](const Airframe& a) { return a.lift.zero; }},
     {"C_L_alpha", "aero.lift.alpha", 1e-6, kAny, "lift by angle of attack",
      [](const Airframe& a) { return a.lift.alpha; }},

@@ -3,9 +3,14 @@
 #include <geometry_msgs/msg/vector3_stamped.hpp>
 #include <geometry_msgs/msg/wrench_stamped.hpp>
 #include <optional>
+#include <rosflight_msgs/msg/battery_status.hpp>
+#include <rosflight_msgs/msg/pwm_output.hpp>
+#include <rosflight_msgs/msg/sim_state.hpp>
 
+#include "messages/simulation.hpp"
+#include "ros/common/messages.hpp"
 #include "ros/common/node_tools.hpp"
-#include "ros/rosflight_sim/src/conversions.hpp"
+#include "ros/common/time.hpp"
 #include "ros/rosflight_sim/src/module_states.hpp"
 #include "ros/rosflight_sim/src/vehicle_tuning.hpp"
 #include "sim/registry.hpp"
@@ -14,6 +19,7 @@ namespace rosflight::ros_sim {
 namespace {
 
 using namespace ros_common;
+using messages::from_message;
 
 /// Forces and moments of the vehicle's module, one wrench for every message of pulses.
 ///
@@ -40,17 +46,14 @@ class ForcesNode : public rclcpp::Node {
     truth_ = create_subscription<rosflight_msgs::msg::SimState>(
         "sim/truth_state", newest(), [this](rosflight_msgs::msg::SimState::ConstSharedPtr message) {
           const double gravity = parameters_.vehicle.environment().gravity_m_s2;
-          if (!get(*message, gravity, now_)) refuse("sim/truth_state");
+          const auto state = from_ros<messages::rosflight_msgs::SimState>(*message);
+          if (!from_message(state, gravity, now_)) refuse("sim/truth_state");
         });
     wind_ = create_subscription<geometry_msgs::msg::Vector3Stamped>(
         "sim/truth_wind", newest(),
         [this](geometry_msgs::msg::Vector3Stamped::ConstSharedPtr message) {
-          const sim::Vector3 wind = vector(message->vector);
-          if (wind.allFinite()) {
-            now_.air.wind_N = wind;
-          } else {
-            refuse("sim/truth_wind");
-          }
+          const auto wind = from_ros<messages::geometry_msgs::Vector3Stamped>(*message);
+          if (!from_message(wind, now_.air.wind_W)) refuse("sim/truth_wind");
         });
     pulses_ = create_subscription<rosflight_msgs::msg::PwmOutput>(
         "sim/pwm_output", newest(),
@@ -78,17 +81,17 @@ class ForcesNode : public rclcpp::Node {
 
   void answer(const rosflight_msgs::msg::PwmOutput& pulses) {
     hal::OutputValues outputs{};
-    get(pulses, outputs);
-    const double height_m = parameters_.vehicle.environment().origin.height_m - now_.body.p_N.z();
+    from_message(from_ros<messages::rosflight_msgs::PwmOutput>(pulses), outputs);
+    const double height_m = parameters_.vehicle.environment().origin.altitude_m - now_.body.p_W.z();
     const auto air = atmosphere_.at(height_m);
     now_.air.density_kg_m3 = air.density_kg_m3;
     now_.air.pressure_Pa = air.pressure_Pa;
     now_.air.temperature_K = air.temperature_K;
-    const sim::Matrix3 R_NB = now_.body.q_NB.toRotationMatrix();
-    const sim::Vector3 v_air_B = now_.body.v_B - R_NB.transpose() * now_.air.wind_N;
+    const sim::Matrix3 R_WB = now_.body.q_WB.toRotationMatrix();
+    const sim::Vector3 v_air_B = now_.body.v_B - R_WB.transpose() * now_.air.wind_W;
     constexpr double kNoGround_m = 1e6;
     const sim::ForcesAndMoments::Input in{
-        now_.body, R_NB, v_air_B, now_.air, outputs, no_ground_ ? kNoGround_m : -now_.body.p_N.z()};
+        now_.body, R_WB, v_air_B, now_.air, outputs, no_ground_ ? kNoGround_m : -now_.body.p_W.z()};
     const std::int64_t stamp = nanoseconds(pulses.header.stamp);
     sim::Wrench wrench;
     states_->step(in, static_cast<double>(stamp - last_stamp_) * 1e-9, wrench, now_);
@@ -97,10 +100,9 @@ class ForcesNode : public rclcpp::Node {
   }
 
   void publish(const builtin_interfaces::msg::Time& stamp, const sim::Wrench& wrench) {
-    geometry_msgs::msg::WrenchStamped message;
+    auto message = to_ros<geometry_msgs::msg::WrenchStamped>(messages::to_message(wrench));
     message.header.stamp = stamp;
     message.header.frame_id = "aircraft_body";
-    put(wrench, message.wrench);
     wrench_->publish(message);
     constexpr int kBatteryEvery = 2;  // 200 Hz, as the battery's sensor
     if (++wrenches_ % kBatteryEvery != 0) return;

@@ -78,7 +78,7 @@ const JoystickMap* find_joystick_map(std::string_view device_name) {
 }
 
 std::optional<Joystick> Joystick::open(const std::string& device) {
-  boards::FileDescriptor file{::open(device.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
+  base::FileDescriptor file{::open(device.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
   if (!file.valid()) return std::nullopt;
   std::array<char, 128> name{};
   if (::ioctl(file.get(), JSIOCGNAME(name.size() - 1), name.data()) < 0) return std::nullopt;

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/boards/linux/file_descriptor.hpp"
+#include "base/file_descriptor.hpp"
 
 namespace rosflight::ros_sim {
 
@@ -51,7 +51,7 @@ class Joystick {
   /// @returns nothing if there is no such device, or it is no joystick.
   static std::optional<Joystick> open(const std::string& device);
   /// For tests: any file that delivers joystick events.
-  Joystick(boards::FileDescriptor events, std::string name)
+  Joystick(base::FileDescriptor events, std::string name)
       : events_{std::move(events)}, name_{std::move(name)} {}
 
   const std::string& name() const { return name_; }
@@ -60,7 +60,7 @@ class Joystick {
   const StickState& state() const { return state_; }
 
  private:
-  boards::FileDescriptor events_;
+  base::FileDescriptor events_;
   std::string name_;
   StickState state_;
 };

@@ -63,7 +63,7 @@ Pulses KeyboardSticks::pulses(Time now) const {
 }
 
 std::optional<Terminal> Terminal::open() {
-  boards::FileDescriptor file{::open("/dev/tty", O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)};
+  base::FileDescriptor file{::open("/dev/tty", O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)};
   termios before{};
   if (!file.valid() || ::tcgetpgrp(file.get()) != ::getpgrp()) return std::nullopt;
   if (::tcgetattr(file.get(), &before) != 0) return std::nullopt;

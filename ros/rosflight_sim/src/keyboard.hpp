@@ -4,7 +4,7 @@
 #include <chrono>
 #include <optional>
 
-#include "firmware/boards/linux/file_descriptor.hpp"
+#include "base/file_descriptor.hpp"
 #include "ros/rosflight_sim/src/joystick.hpp"
 
 namespace rosflight::ros_sim {
@@ -68,10 +68,10 @@ class Terminal {
   std::optional<char> key();
 
  private:
-  Terminal(boards::FileDescriptor file, const termios& before)
+  Terminal(base::FileDescriptor file, const termios& before)
       : file_{std::move(file)}, before_{before} {}
 
-  boards::FileDescriptor file_;
+  base::FileDescriptor file_;
   termios before_;
 };
 

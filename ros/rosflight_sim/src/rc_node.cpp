@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <rosflight_msgs/msg/rc_raw.hpp>
 #include <std_srvs/srv/trigger.hpp>
 
 #include "ros/common/node_tools.hpp"
-#include "ros/rosflight_sim/src/conversions.hpp"
 #include "ros/rosflight_sim/src/joystick.hpp"
 #include "ros/rosflight_sim/src/keyboard.hpp"
 

@@ -2,8 +2,9 @@
 #include "ros/rosflight_sim/src/sensor_parameters.hpp"
 
 #include <cmath>
-#include <numbers>
 #include <utility>
+
+#include "base/constants.hpp"
 
 namespace rosflight::ros_sim {
 namespace {
@@ -193,11 +194,11 @@ struct Field {
   double total_T, inclination_rad, declination_rad;
 
   static Field of(const SensorSettings& s) {
-    const sim::Vector3& b = s.environment.magnetic_field_N_T;
+    const sim::Vector3& b = s.environment.magnetic_field_W_T;
     return {b.norm(), std::atan2(b.z(), std::hypot(b.x(), b.y())), std::atan2(b.y(), b.x())};
   }
   void put(SensorSettings& s) const {
-    s.environment.magnetic_field_N_T =
+    s.environment.magnetic_field_W_T =
         total_T * sim::Vector3(std::cos(inclination_rad) * std::cos(declination_rad),
                                std::cos(inclination_rad) * std::sin(declination_rad),
                                std::sin(inclination_rad));
@@ -218,10 +219,9 @@ void add_mag(List& list) {
   const Markov law{at(field), at(mag_timing), 7.0};
   add_drive(list, "mag_stdev", 1.0, law);
   add_decay(list, "k_mag", {law});
-  add_field(list, "inclination", std::numbers::pi / 2, "of the field, down [rad]",
+  add_field(list, "inclination", base::kPi / 2, "of the field, down [rad]",
             &Field::inclination_rad);
-  add_field(list, "declination", std::numbers::pi, "of the field, east [rad]",
-            &Field::declination_rad);
+  add_field(list, "declination", base::kPi, "of the field, east [rad]", &Field::declination_rad);
   add_field(list, "total_intensity", 1e-3, "of the field [T]", &Field::total_T);
 }
 
@@ -261,7 +261,7 @@ void add_gnss_and_battery(List& list) {
 
 void add_place(List& list) {
   add_number(list, "origin_altitude", -500.0, 10'000.0, "of the start, above mean sea level [m]",
-             [](SensorSettings& s) -> double& { return s.environment.origin.height_m; });
+             [](SensorSettings& s) -> double& { return s.environment.origin.altitude_m; });
   add_number(list, "origin_latitude", -90.0, 90.0, "of the start [deg]",
              [](SensorSettings& s) -> double& { return s.environment.origin.latitude_deg; });
   add_number(list, "origin_longitude", -180.0, 180.0, "of the start [deg]",

@@ -1,8 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <geometry_msgs/msg/vector3_stamped.hpp>
+#include <rosflight_msgs/msg/airspeed.hpp>
+#include <rosflight_msgs/msg/barometer.hpp>
+#include <rosflight_msgs/msg/battery_status.hpp>
+#include <rosflight_msgs/msg/gnss.hpp>
+#include <rosflight_msgs/msg/sim_state.hpp>
+#include <sensor_msgs/msg/imu.hpp>
+#include <sensor_msgs/msg/magnetic_field.hpp>
+#include <sensor_msgs/msg/range.hpp>
+#include <sensor_msgs/msg/temperature.hpp>
 
+#include "messages/simulation.hpp"
+#include "ros/common/messages.hpp"
 #include "ros/common/node_tools.hpp"
-#include "ros/rosflight_sim/src/conversions.hpp"
+#include "ros/common/time.hpp"
 #include "ros/rosflight_sim/src/sensor_parameters.hpp"
 #include "ros/rosflight_sim/src/tick_tracker.hpp"
 #include "ros/rosflight_sim/src/vehicle_parameters.hpp"
@@ -14,6 +25,7 @@ namespace rosflight::ros_sim {
 namespace {
 
 using namespace ros_common;
+using messages::from_message;
 
 /// Instruments in simulated time, fed with the truth of another node: one step of the sensors
 /// module at every message of truth. Samples carry the stamp of the truth they measured.
@@ -63,7 +75,7 @@ class SensorsNode : public rclcpp::Node {
 
   /// Until the nodes that know better have spoken.
   void set_up_truth() {
-    constexpr double kSomeVoltage_V = 23.0;  // the reference simulator's
+    constexpr double kSomeVoltage_V = 23.0;  // that of the simulator of ROSflight 2.x
     truth_.battery_voltage_V = kSomeVoltage_V;
     truth_.battery_current_A = 1.0;
     atmosphere_ = sim::Atmosphere{environment_.atmosphere};
@@ -84,8 +96,8 @@ class SensorsNode : public rclcpp::Node {
     winds_ = create_subscription<geometry_msgs::msg::Vector3Stamped>(
         "sim/truth_wind", newest(),
         [this](geometry_msgs::msg::Vector3Stamped::ConstSharedPtr message) {
-          const sim::Vector3 wind = vector(message->vector);
-          if (wind.allFinite()) truth_.air.wind_N = wind;
+          from_message(from_ros<messages::geometry_msgs::Vector3Stamped>(*message),
+                       truth_.air.wind_W);
         });
     batteries_ = create_subscription<rosflight_msgs::msg::BatteryStatus>(
         "sim/truth_battery", newest(),
@@ -99,7 +111,8 @@ class SensorsNode : public rclcpp::Node {
   }
 
   void step(const rosflight_msgs::msg::SimState& message) {
-    if (!get(message, environment_.gravity_m_s2, truth_)) {
+    if (!from_message(from_ros<messages::rosflight_msgs::SimState>(message),
+                      environment_.gravity_m_s2, truth_)) {
       constexpr int kInterval_ms = 2000;
       RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kInterval_ms,
                            "sim/truth_state: found numbers that are not finite or no rotation, "
@@ -109,7 +122,7 @@ class SensorsNode : public rclcpp::Node {
     stamp_ns_ = nanoseconds(message.header.stamp);
     if (!ticks_->step(stamp_ns_)) return;
     truth_.time = ticks_->time();
-    const double height_m = environment_.origin.height_m - truth_.body.p_N.z();
+    const double height_m = environment_.origin.altitude_m - truth_.body.p_W.z();
     const auto air = atmosphere_.at(height_m);
     truth_.air.density_kg_m3 = air.density_kg_m3;
     truth_.air.pressure_Pa = air.pressure_Pa;
@@ -137,26 +150,23 @@ class SensorsNode : public rclcpp::Node {
   template <class Sample, class Message>
   void send(bool there, const Sample& sample, rclcpp::Publisher<Message>& publisher) {
     if (!there) return;
-    Message message;
-    put(sample, message);
+    auto message = to_ros<Message>(messages::to_message(sample));
     message.header = header(sample);
     publisher.publish(message);
   }
 
   void publish_imu() {
     if (!samples_.has_imu) return;
-    sensor_msgs::msg::Imu imu;
-    sensor_msgs::msg::Temperature temperature;
-    put(samples_.imu, imu, temperature);
+    const hal::ImuSample& s = samples_.imu;
+    auto imu = to_ros<sensor_msgs::msg::Imu>(messages::to_message(s));
+    auto temperature = to_ros<sensor_msgs::msg::Temperature>(messages::imu_temperature(s));
     imu.header = temperature.header = header(samples_.imu);
     temperature_->publish(temperature);
     imu_->publish(imu);
     if (standard_ == nullptr) return;
-    sensor_msgs::msg::Imu bias;
+    auto bias = to_ros<sensor_msgs::msg::Imu>(
+        messages::imu_message(standard_->accel_bias(), standard_->gyro_bias()));
     bias.header = imu.header;
-    put(standard_->gyro_bias(), bias.angular_velocity);
-    put(standard_->accel_bias(), bias.linear_acceleration);
-    bias.orientation_covariance[0] = -1.0;
     bias_->publish(bias);
   }
 

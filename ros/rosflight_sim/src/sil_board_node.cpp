@@ -7,17 +7,30 @@
 #include <chrono>
 #include <cstdlib>
 #include <mutex>
+#include <rosflight_msgs/msg/airspeed.hpp>
+#include <rosflight_msgs/msg/barometer.hpp>
+#include <rosflight_msgs/msg/battery_status.hpp>
+#include <rosflight_msgs/msg/gnss.hpp>
+#include <rosflight_msgs/msg/pwm_output.hpp>
+#include <rosflight_msgs/msg/rc_raw.hpp>
+#include <sensor_msgs/msg/imu.hpp>
+#include <sensor_msgs/msg/magnetic_field.hpp>
+#include <sensor_msgs/msg/range.hpp>
+#include <sensor_msgs/msg/temperature.hpp>
 #include <std_srvs/srv/trigger.hpp>
 #include <thread>
 
+#include "messages/simulation.hpp"
+#include "ros/common/messages.hpp"
 #include "ros/common/node_tools.hpp"
-#include "ros/rosflight_sim/src/conversions.hpp"
+#include "ros/common/time.hpp"
 #include "ros/rosflight_sim/src/firmware_process.hpp"
 
 namespace rosflight::ros_sim {
 namespace {
 
 using namespace ros_common;
+using messages::from_message;
 
 namespace fs = std::filesystem;
 using std_srvs::srv::Trigger;
@@ -43,12 +56,12 @@ fs::path memory_file(const std::string& folder, const std::string& name_space) {
   return base / "mem.bin";
 }
 
-boards::LinkAddress udp(const std::string& host, std::int64_t port, std::int64_t own_port) {
-  boards::LinkAddress address;
-  address.kind = boards::LinkAddress::Kind::kUdp;
+base::LinkAddress udp(const std::string& host, std::int64_t port, std::int64_t own_port) {
+  base::LinkAddress address;
+  address.kind = base::LinkAddress::Kind::kUdp;
   address.host = host;
   address.port = static_cast<std::uint16_t>(port);
-  address.listen = static_cast<std::uint16_t>(own_port);
+  address.local_port = static_cast<std::uint16_t>(own_port);
   return address;
 }
 
@@ -108,12 +121,13 @@ class SilBoardNode : public rclcpp::Node {
     return age < hal::Time{0} || age > kOldest ? hal::Time{0} : age;
   }
 
-  template <class Message, class Sample>
-  void hear(const std::string& topic) {
-    subscriptions_.push_back(create_subscription<Message>(
-        topic, newest(), [this](typename Message::ConstSharedPtr message) {
+  /// @tparam Message  the type of messages/ beside Ros.
+  template <class Message, class Ros, class Sample>
+  void subscribe(const std::string& topic) {
+    subscriptions_.push_back(
+        create_subscription<Ros>(topic, newest(), [this](typename Ros::ConstSharedPtr message) {
           Sample sample;
-          get(*message, sample);
+          from_message(from_ros<Message>(*message), sample);
           const std::lock_guard lock{mutex_};
           firmware_->put(sample, age(message->header.stamp));
         }));
@@ -123,7 +137,7 @@ class SilBoardNode : public rclcpp::Node {
     subscriptions_.push_back(create_subscription<sensor_msgs::msg::Imu>(
         "sim/sensors/imu/data", newest(), [this](sensor_msgs::msg::Imu::ConstSharedPtr message) {
           hal::ImuSample sample;
-          get(*message, sample);
+          from_message(from_ros<messages::sensor_msgs::Imu>(*message), sample);
           const std::lock_guard lock{mutex_};
           sample.temperature_K = imu_temperature_K_;
           firmware_->put(sample, age(message->header.stamp));
@@ -132,26 +146,33 @@ class SilBoardNode : public rclcpp::Node {
         "sim/sensors/imu/temperature", newest(),
         [this](sensor_msgs::msg::Temperature::ConstSharedPtr message) {
           const std::lock_guard lock{mutex_};
-          imu_temperature_K_ = static_cast<float>(message->temperature + kZeroCelsius_K);
+          imu_temperature_K_ =
+              messages::temperature_K(from_ros<messages::sensor_msgs::Temperature>(*message));
         }));
-    hear<sensor_msgs::msg::MagneticField, hal::MagSample>("sim/sensors/mag");
-    hear<rosflight_msgs::msg::Barometer, hal::BaroSample>("sim/sensors/baro");
-    hear<rosflight_msgs::msg::GNSS, hal::GnssSample>("sim/sensors/gnss");
-    hear<rosflight_msgs::msg::Airspeed, hal::DiffPressureSample>("sim/sensors/diff_pressure");
-    hear<sensor_msgs::msg::Range, hal::RangeSample>("sim/sensors/range");
-    hear<rosflight_msgs::msg::BatteryStatus, hal::BatterySample>("sim/sensors/battery");
-    hear<rosflight_msgs::msg::RCRaw, hal::RcFrame>("sim/RC");
+    subscribe<messages::sensor_msgs::MagneticField, sensor_msgs::msg::MagneticField,
+              hal::MagSample>("sim/sensors/mag");
+    subscribe<messages::rosflight_msgs::Barometer, rosflight_msgs::msg::Barometer, hal::BaroSample>(
+        "sim/sensors/baro");
+    subscribe<messages::rosflight_msgs::GNSS, rosflight_msgs::msg::GNSS, hal::GnssSample>(
+        "sim/sensors/gnss");
+    subscribe<messages::rosflight_msgs::Airspeed, rosflight_msgs::msg::Airspeed,
+              hal::DiffPressureSample>("sim/sensors/diff_pressure");
+    subscribe<messages::sensor_msgs::Range, sensor_msgs::msg::Range, hal::RangeSample>(
+        "sim/sensors/range");
+    subscribe<messages::rosflight_msgs::BatteryStatus, rosflight_msgs::msg::BatteryStatus,
+              hal::BatterySample>("sim/sensors/battery");
+    subscribe<messages::rosflight_msgs::RCRaw, rosflight_msgs::msg::RCRaw, hal::RcFrame>("sim/RC");
   }
 
   void step() {
     wait_for_new_time();
     rosflight_msgs::msg::PwmOutput message;
-    message.header.stamp = stamp_of(last_step_ns_);
     {
       const std::lock_guard lock{mutex_};
       pass();
-      put(firmware_->outputs(), message);
+      message = to_ros<rosflight_msgs::msg::PwmOutput>(messages::to_message(firmware_->outputs()));
     }
+    message.header.stamp = stamp_of(last_step_ns_);
     pwm_->publish(message);
   }
 

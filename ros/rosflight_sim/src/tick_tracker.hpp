@@ -21,7 +21,7 @@ class TickTracker {
   explicit TickTracker(std::int64_t period_ns) : period_ns_{static_cast<double>(period_ns)} {}
 
   /// @returns whether a new tick has come; time() is then its time. A stamp that lies more than a
-  /// second before the last one starts anew: somebody set the clock back.
+  /// second before the last one restarts: somebody set the clock back.
   bool step(std::int64_t stamp_ns) {
     constexpr std::int64_t kSetBack_ns = 1'000'000'000;
     if (!started_ || stamp_ns < last_stamp_ns_ - kSetBack_ns) {

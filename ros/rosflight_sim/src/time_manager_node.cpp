@@ -5,7 +5,7 @@
 #include <std_srvs/srv/trigger.hpp>
 
 #include "ros/common/node_tools.hpp"
-#include "ros/rosflight_sim/src/conversions.hpp"
+#include "ros/common/time.hpp"
 
 namespace rosflight::ros_sim {
 namespace {
@@ -18,7 +18,7 @@ using std::chrono::steady_clock;
 ///
 /// Every message moves time on by default_pub_rate_us; the wall time between two is that divided by
 /// the factor. The timer asks the steady clock how many are due, so a late tick is made up and time
-/// keeps its pace; what is more than kPatience behind is lost, and said.
+/// keeps its pace; what is more than kMaxDelay behind is lost, and said.
 class TimeManager : public rclcpp::Node {
  public:
   TimeManager() : Node("time_manager") {
@@ -64,7 +64,7 @@ class TimeManager : public rclcpp::Node {
 
  private:
   static constexpr double kDefaultStep_us = 2500.0;
-  static constexpr auto kPatience = std::chrono::milliseconds(50);
+  static constexpr auto kMaxDelay = std::chrono::milliseconds(50);
   static constexpr auto kJudged = std::chrono::seconds(2);
   /// A pace that nobody holds must not keep services and parameters waiting.
   static constexpr auto kLongestTick = std::chrono::milliseconds(2);
@@ -139,7 +139,7 @@ class TimeManager : public rclcpp::Node {
 
   void tick() {
     const auto now = steady_clock::now();
-    if (now - next_ > kPatience) next_ = now;
+    if (now - next_ > kMaxDelay) next_ = now;
     while (next_ <= now && !must_wait(now) && steady_clock::now() - now < kLongestTick) {
       advance(step_us_);
       advanced_ = said_ = now;

@@ -4,9 +4,9 @@
 #include <exception>
 #include <string>
 
-#include "apps/vehicle/vehicle_setup.hpp"
 #include "companion/parameter_file.hpp"
 #include "firmware/core/parameters.hpp"
+#include "flight/vehicle/vehicle_setup.hpp"
 
 namespace {
 
@@ -23,7 +23,7 @@ bool is_mixer_entry(const std::string& name) {
 /// nothing of another vehicle stays behind.
 ParameterSet whole_set(const std::string& vehicle_file) {
   const auto vehicle = rosflight::sim::Vehicle::from_file(vehicle_file);
-  ParameterSet set = rosflight::apps::read_firmware_parameters(vehicle.firmware());
+  ParameterSet set = rosflight::flight::read_firmware_parameters(vehicle.firmware());
   const std::size_t given = set.size();
   for (std::size_t index = 0; index < core::kParamCount; ++index) {
     const core::ParamRow& row = core::Parameters::row(static_cast<core::Param>(index));

@@ -18,7 +18,7 @@ struct VehicleParameters {
   std::string file;
   std::vector<std::string> overrides;
 
-  /// The vehicle anew, with these on top of what was given. @throws config::Error, nothing changed.
+  /// The vehicle again, with these on top of what was given. @throws config::Error, nothing changed.
   void make(const std::vector<std::string>& assignments) {
     std::vector<std::string> all = overrides;
     all.insert(all.end(), assignments.begin(), assignments.end());

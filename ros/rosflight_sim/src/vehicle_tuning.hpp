@@ -13,7 +13,7 @@
 namespace rosflight::ros_sim {
 
 /// Parameters of ROSflight 2.x on top of the vehicle file: the file gives their defaults; a value
-/// from the command line, a parameter file or a running node makes the vehicle anew.
+/// from the command line, a parameter file or a running node makes the vehicle again.
 class VehicleTuning {
  public:
   /// Declares the parameters. `parameters.vehicle` has afterwards what was given.

@@ -2,9 +2,9 @@
 #include "ros/rosflight_sim/src/vehicle_views.hpp"
 
 #include <cmath>
-#include <numbers>
 #include <utility>
 
+#include "base/constants.hpp"
 #include "ros/rosflight_sim/src/view_tools.hpp"
 #include "sim/environment/atmosphere.hpp"
 #include "sim/fixedwing/fixedwing.hpp"
@@ -45,7 +45,7 @@ void add_density(List& list) {
   add(list, "rho", 0.01, 10.0, "density of the air; changed: the same everywhere [kg/m^3]",
       [](const Vehicle& v) {
         const auto& place = v.environment();
-        return sim::Atmosphere{place.atmosphere}.at(place.origin.height_m).density_kg_m3;
+        return sim::Atmosphere{place.atmosphere}.at(place.origin.altitude_m).density_kg_m3;
       });
 }
 
@@ -77,7 +77,7 @@ using namespace views;
 
 namespace {
 
-constexpr double kDegrees = 180.0 / std::numbers::pi;
+using base::kDegPerRad;
 
 Numbers numbers(const sim::Vector3& v) {
   return {v.x(), v.y(), v.z()};
@@ -91,7 +91,7 @@ const sim::WindParameters& wind(const Vehicle& v) {
 }
 
 bool blows(const Vehicle& v) {
-  return !wind(v).steady_N_m_s.isZero() || !wind(v).random_std_N_m_s.isZero();
+  return !wind(v).steady_W_m_s.isZero() || !wind(v).random_std_W_m_s.isZero();
 }
 
 void add_inertia(List& list) {
@@ -111,14 +111,14 @@ void add_wind(List& list) {
            [](const Vehicle& v) { return Numbers{blows(v) ? 1.0 : 0.0}; });
   add_list(list, "use_random_wind", Kind::kSwitch, "drawn at the start, not steady_state_wind",
            true, [](const Vehicle& v) {
-             return Numbers{blows(v) && wind(v).random_std_N_m_s.isZero() ? 0.0 : 1.0};
+             return Numbers{blows(v) && wind(v).random_std_W_m_s.isZero() ? 0.0 : 1.0};
            });
-  const auto steady = [](const Vehicle& v) { return numbers(wind(v).steady_N_m_s); };
+  const auto steady = [](const Vehicle& v) { return numbers(wind(v).steady_W_m_s); };
   add_list(list, "steady_state_wind", Kind::kNumbers, "north, east, down [m/s]", true, steady);
   add_list(list, "random_wind_mean", Kind::kNumbers, "north, east, down [m/s]", true, steady);
   add_list(list, "random_wind_std_dev", Kind::kNumbers, "north, east, down [m/s]", true,
            [](const Vehicle& v) {
-             const auto& std = wind(v).random_std_N_m_s;
+             const auto& std = wind(v).random_std_W_m_s;
              return std.isZero() ? Numbers{0.5, 0.5, 0.0} : numbers(std);
            });
 }
@@ -151,10 +151,10 @@ void assign_wind(std::vector<std::string>& out, const ViewValues& all) {
   const bool has_wind = all.at("sim_has_wind")[0] != 0.0;
   const bool random = all.at("use_random_wind")[0] != 0.0;
   const Numbers calm{0.0, 0.0, 0.0};
-  out.push_back("environment.wind.steady_N_m_s=" + text(!has_wind ? calm
+  out.push_back("environment.wind.steady_W_m_s=" + text(!has_wind ? calm
                                                         : random  ? all.at("random_wind_mean")
                                                                   : all.at("steady_state_wind")));
-  out.push_back("environment.wind.random_std_N_m_s=" +
+  out.push_back("environment.wind.random_std_W_m_s=" +
                 text(has_wind && random ? all.at("random_wind_std_dev") : calm));
   if (all.at("wind_has_gusts")[0] == 0.0) return;
   const Numbers& limits = all.at("gust_duration_limits");
@@ -189,7 +189,7 @@ void add_rotors(List& list) {
   add_list(list, "rotor_radial_angles", Kind::kNumbers, "from the nose to the right [deg]", false,
            [](const Vehicle& v) {
              return for_each_rotor(v, [](const sim::RotorParameters& r) {
-               const double angle = std::atan2(r.p_B.y(), r.p_B.x()) * kDegrees;
+               const double angle = std::atan2(r.p_B.y(), r.p_B.x()) * kDegPerRad;
                return angle < 0.0 ? angle + 360.0 : angle;
              });
            });
@@ -228,7 +228,7 @@ std::string layout(const ViewValues& all) {
   }
   std::string out = "rotors.layout=[";
   for (std::size_t i = 0; i < count; ++i) {
-    const double angle = angles[i] / kDegrees;
+    const double angle = angles[i] / kDegPerRad;
     const Numbers place{dists[i] * std::cos(angle), dists[i] * std::sin(angle), 0.0};
     out += std::string(i == 0 ? "" : ", ") + "{output: " + std::to_string(i) +
            ", position_m: " + text(place) +

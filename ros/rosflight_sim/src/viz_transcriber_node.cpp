@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <deque>
+#include <rosflight_msgs/msg/sim_state.hpp>
 #include <tf2_msgs/msg/tf_message.hpp>
 #include <visualization_msgs/msg/marker.hpp>
 
 #include "ros/common/node_tools.hpp"
-#include "ros/rosflight_sim/src/conversions.hpp"
 #include "ros/rosflight_sim/src/frames.hpp"
 
 namespace rosflight::ros_sim {
@@ -65,7 +65,10 @@ class VizTranscriber : public rclcpp::Node {
     TFMessage message;
     for (const FrameEdge& edge : fixed_frames()) {
       auto t = transform(now(), edge.parent, edge.child);
-      put(edge.rotation, t.transform.rotation);
+      t.transform.rotation.w = edge.rotation.w();
+      t.transform.rotation.x = edge.rotation.x();
+      t.transform.rotation.y = edge.rotation.y();
+      t.transform.rotation.z = edge.rotation.z();
       message.transforms.push_back(t);
     }
     fixed_->publish(message);

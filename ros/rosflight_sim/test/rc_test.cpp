@@ -50,7 +50,7 @@ TEST(JoystickMaps, WhatADeviceDoesNotHaveIsInTheMiddle) {
 TEST(Joystick, TakesEventsAndNoticesTheEnd) {
   int ends[2];
   ASSERT_EQ(::pipe2(ends, O_NONBLOCK), 0);
-  Joystick joystick{boards::FileDescriptor{ends[0]}, "Taranis"};
+  Joystick joystick{base::FileDescriptor{ends[0]}, "Taranis"};
   EXPECT_TRUE(joystick.poll());
   const js_event events[] = {{0, 32767, JS_EVENT_AXIS | JS_EVENT_INIT, 2},
                              {1, -32768, JS_EVENT_AXIS, 0},

@@ -10,7 +10,7 @@ from sim_rig import node
 
 
 def call(*words):
-    return subprocess.run([sys.executable, ROOT / "tools/ros_call.py", *words], capture_output=True, text=True)
+    return subprocess.run([sys.executable, ROOT / "ros_standin/ros_call.py", *words], capture_output=True, text=True)
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from geometry_msgs.msg import Vector3Stamped, WrenchStamped
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters
 from ros_rig import free_udp_port
-from rosflight_msgs.msg import BatteryStatus, PwmOutput, RCRaw, SimState
+from rosflight_msgs.msg import PwmOutput, RCRaw, SimState
 from rosflight_msgs.srv import SetSimState
 from rosgraph_msgs.msg import Clock
 from sim_rig import ALL, ALL_BEST_EFFORT, BEST_EFFORT, LATCHED, VEHICLE, Process, SimPeer, node, stamp, stamp_ns
@@ -60,20 +60,20 @@ class Wrenches:
 
     def __init__(self, peer):
         self.peer, self.ns = peer, START_NS
-        self.heard = peer.listen(WrenchStamped, "sim/forces_and_moments")
+        self.received = peer.listen(WrenchStamped, "sim/forces_and_moments")
         self.pulses = peer.publisher(PwmOutput, "sim/pwm_output")
         self.truth = peer.publisher(SimState, "sim/truth_state")
-        peer.introduce(lambda: self._send([1000] * 4), self.heard, "sim/pwm_output")
+        peer.introduce(lambda: self._send([1000] * 4), self.received, "sim/pwm_output")
 
     def _send(self, pulses):
         self.ns += TICK_NS
         self.pulses.publish(stamp(PwmOutput(values=[*pulses, *[1000] * 10]), self.ns))
 
     def step(self, *pulses):
-        count = len(self.heard)
+        count = len(self.received)
         self._send(pulses)
-        self.peer.wait(lambda: len(self.heard) > count, "a wrench")
-        return self.heard[-1]
+        self.peer.wait(lambda: len(self.received) > count, "a wrench")
+        return self.received[-1]
 
     def settle(self, *pulses):
         """After 1.25 s: rotors have their speed."""
@@ -89,8 +89,8 @@ def test_forces(peer, make):
         world = Wrenches(peer)
         for _ in range(100):
             assert stamp_ns(world.step(1000, 1000, 1000, 1000)) == world.ns  # the stamp of the step
-        check_headers(world.heard, MODULES["forces"].outputs["sim/forces_and_moments"])
-        assert len(world.heard) == 100  # one wrench for one message of pulses
+        check_headers(world.received, MODULES["forces"].outputs["sim/forces_and_moments"])
+        assert len(world.received) == 100  # one wrench for one message of pulses
         rest = world.settle(1000, 1000, 1000, 1000)
         assert abs(rest.force.z) < 0.05
         up = world.settle(1500, 1500, 1500, 1500)
@@ -271,11 +271,11 @@ class Instruments:
     def __init__(self, peer, **more):
         self.peer, self.ns = peer, START_NS
         self.truth = peer.publisher(SimState, "sim/truth_state")
-        self.heard = {topic: peer.listen(out.kind, topic) for topic, out in MODULES["sensors"].outputs.items()}
-        self.imu = self.heard["sim/sensors/imu/data"]
+        self.received = {topic: peer.listen(out.kind, topic) for topic, out in MODULES["sensors"].outputs.items()}
+        self.imu = self.received["sim/sensors/imu/data"]
         peer.introduce(self._send, self.imu, "sim/truth_state")
-        for heard in self.heard.values():
-            heard.clear()
+        for received in self.received.values():
+            received.clear()
 
     def _send(self, z=0.0):
         self.ns += TICK_NS
@@ -288,7 +288,7 @@ class Instruments:
         self.peer.wait(lambda: len(self.imu) > count, "a sample")
 
     def mean(self, topic, value):
-        return sum(value(message) for message in self.heard[topic]) / len(self.heard[topic])
+        return sum(value(message) for message in self.received[topic]) / len(self.received[topic])
 
 
 def test_sensors(peer):
@@ -302,8 +302,8 @@ def test_sensors(peer):
         for topic, out in MODULES["sensors"].outputs.items():
             rate_Hz = parameter(peer, "standalone_sensors", out.rate_Hz)
             assert rate_Hz > 0
-            peer.poll(lambda h=world.heard[topic], r=rate_Hz: abs(len(h) - r * seconds) <= 1, f"{rate_Hz} Hz of {topic}")
-            stamps = check_headers(world.heard[topic], out)
+            peer.poll(lambda h=world.received[topic], r=rate_Hz: abs(len(h) - r * seconds) <= 1, f"{rate_Hz} Hz of {topic}")
+            stamps = check_headers(world.received[topic], out)
             assert world.ns - stamps[-1] <= 1e9 / rate_Hz  # the time of the truth that was measured
         # Without errors: gravity, the field of Provo, and the standard atmosphere at 1387 m.
         assert world.mean("sim/sensors/imu/data", lambda m: m.linear_acceleration.z) == pytest.approx(-GRAVITY, abs=1e-3)
@@ -328,12 +328,12 @@ def test_sensor_readings_follow_their_parameters_live(peer):
         assert set_double(peer, "standalone_sensors", "gyro_stdev", 0.01).successful
         assert set_double(peer, "standalone_sensors", "baro_update_frequency", 20.0).successful
         assert not set_double(peer, "standalone_sensors", "baro_update_frequency", -1.0).successful
-        for heard in world.heard.values():
-            heard.clear()
+        for received in world.received.values():
+            received.clear()
         for _ in range(400):
             world.step()
         assert spread() == pytest.approx(0.01, rel=0.3)
-        assert len(world.heard["sim/sensors/baro"]) == pytest.approx(20, abs=2)
+        assert len(world.received["sim/sensors/baro"]) == pytest.approx(20, abs=2)
 
 
 # ---- board, pilot, steps -------------------------------------------------------------------------
@@ -347,13 +347,13 @@ def board(tmp_path, **more):
 def test_board(peer, tmp_path):
     with board(tmp_path):
         check_module(peer, "board")
-        heard = peer.listen(PwmOutput, "sim/pwm_output")
-        peer.introduce(lambda: peer.call(Trigger, "sil_board/run"), heard, "sil_board/run")
+        received = peer.listen(PwmOutput, "sim/pwm_output")
+        peer.introduce(lambda: peer.call(Trigger, "sil_board/run"), received, "sil_board/run")
         for count in range(1, 11):
             assert peer.call(Trigger, "sil_board/run").success
-            peer.wait(lambda c=count: len(heard) == c, "pulses of this step")
-        check_headers(heard, MODULES["board"].outputs["sim/pwm_output"])
-        assert all(list(message.values) == [1000] * 14 for message in heard)  # disarmed
+            peer.wait(lambda c=count: len(received) == c, "pulses of this step")
+        check_headers(received, MODULES["board"].outputs["sim/pwm_output"])
+        assert all(list(message.values) == [1000] * 14 for message in received)  # disarmed
     assert (tmp_path / "mem.bin").stat().st_size > 1000
 
 
@@ -365,16 +365,16 @@ def test_a_board_in_a_namespace_has_a_memory_of_its_own(tmp_path):
 def test_rc(peer):
     with node("rc"):
         check_module(peer, "rc")
-        heard = peer.listen(RCRaw, "sim/RC")
-        peer.wait(lambda: len(heard) >= 20, "frames")
-        check_headers(heard, MODULES["rc"].outputs["sim/RC"])
+        received = peer.listen(RCRaw, "sim/RC")
+        peer.wait(lambda: len(received) >= 20, "frames")
+        check_headers(received, MODULES["rc"].outputs["sim/RC"])
         initial = [1500, 1500, 1000, 1500, 1000, 2000, 1500, 1500]  # disarmed, the pilot holds
-        assert list(heard[-1].values) == initial
+        assert list(received[-1].values) == initial
         for service, channel in (("toggle_arm", 4), ("toggle_override", 5)):
             assert peer.call(Trigger, service).success
-            peer.wait(lambda c=channel: heard[-1].values[c] == 3000 - initial[c], f"channel {channel}")
+            peer.wait(lambda c=channel: received[-1].values[c] == 3000 - initial[c], f"channel {channel}")
             assert peer.call(Trigger, service).success
-            peer.wait(lambda: list(heard[-1].values) == initial, "the first state")
+            peer.wait(lambda: list(received[-1].values) == initial, "the first state")
 
 
 class Run:
@@ -434,11 +434,11 @@ def test_time(peer):
     with node("standalone_time_manager", at_launch="standalone_time_manager", start_paused="true",
               single_step_us=2500.0, default_pub_rate_us=1250.0) as process:
         check_module(peer, "time")
-        heard = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
+        received = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
 
         def now_ns():
-            return heard[-1].clock.sec * 1_000_000_000 + heard[-1].clock.nanosec if heard else -1
-        peer.wait(lambda: heard, "time, which is told again and again while it stands")
+            return received[-1].clock.sec * 1_000_000_000 + received[-1].clock.nanosec if received else -1
+        peer.wait(lambda: received, "time, which is told again and again while it stands")
         first = int(peer.call(Trigger, "time_manager/take_step").message.split()[2])
         for count in range(1, 11):
             answer = peer.call(Trigger, "time_manager/take_step")
@@ -449,9 +449,9 @@ def test_time(peer):
         refused = peer.call(Trigger, "time_manager/take_step")
         assert not refused.success and "paused" in refused.message
         assert peer.call(Trigger, "time_manager/toggle_pause").message == "paused"
-        times = [m.clock.sec * 1_000_000_000 + m.clock.nanosec for m in heard]
+        times = [m.clock.sec * 1_000_000_000 + m.clock.nanosec for m in received]
         assert all(later >= earlier for earlier, later in zip(times, times[1:]))
-        assert all(m.clock.nanosec < 1_000_000_000 for m in heard)
+        assert all(m.clock.nanosec < 1_000_000_000 for m in received)
         # A factor that the world does not hold is reported with what is reached.
         truth = peer.publisher(SimState, "sim/truth_state", ALL)
         assert set_double(peer, "standalone_time_manager", "real_time_multiplier", 100.0).successful
@@ -468,12 +468,12 @@ def test_scaled_time_has_the_factor(peer):
     """Judged by the node's own clock against the wall between two of its messages; a busy machine only makes it slower."""
     import time
     with node("standalone_time_manager", at_launch="standalone_time_manager", real_time_multiplier=0.25):
-        heard = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
-        peer.wait(lambda: heard, "time")
-        start, first = time.monotonic(), heard[-1]
-        peer.wait(lambda: heard[-1].clock.sec - first.clock.sec >= 1, "a second")
+        received = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
+        peer.wait(lambda: received, "time")
+        start, first = time.monotonic(), received[-1]
+        peer.wait(lambda: received[-1].clock.sec - first.clock.sec >= 1, "a second")
         elapsed = time.monotonic() - start
-        passed = heard[-1].clock.sec - first.clock.sec + 1e-9 * (heard[-1].clock.nanosec - first.clock.nanosec)
+        passed = received[-1].clock.sec - first.clock.sec + 1e-9 * (received[-1].clock.nanosec - first.clock.nanosec)
         assert passed <= 0.26 * elapsed + 0.02
 
 

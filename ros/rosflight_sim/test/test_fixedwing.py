@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The fixed-wing forces node by itself: contract, the reference's numbers under its parameter names, live changes. And a
+"""The fixed-wing forces node by itself: contract, ROSflight 2.x's numbers under its parameter names, live changes. And a
 fixed wing flown in the launched simulator, by a few lines of rclpy."""
 
 import dataclasses
@@ -21,7 +21,7 @@ MODULE = dataclasses.replace(MODULES["forces"], node=NODE)
 TICK_NS = 2_500_000
 MIDDLE = 1500
 IDLE = 1000
-# The reference's Anaconda under the reference's names, and its aerodynamics.
+# ROSflight 2.x's Anaconda under ROSflight 2.x's names, and its aerodynamics.
 REFERENCE = {"vehicle_overrides": '["aero.model=reference", "rotors.motor.current_limit_A=1000"]', "rho": 1.2682, "V_max": 24.0,
              "wing_s": 0.52, "wing_b": 2.08, "wing_c": 0.235, "C_L_O": 0.506, "C_L_alpha": 5.61, "C_D_p": 0.043, "C_m_O": 0.135,
              "C_m_alpha": -2.74, "C_m_delta_e": -0.99, "D_prop": 0.381, "KQ": 0.01705, "R_motor": 0.042, "I_0": 1.5,
@@ -38,10 +38,10 @@ class Tunnel:
 
     def __init__(self, peer):
         self.peer, self.ns = peer, 100_000_000_000
-        self.heard = peer.listen(WrenchStamped, "sim/forces_and_moments")
+        self.received = peer.listen(WrenchStamped, "sim/forces_and_moments")
         self.pulses = peer.publisher(PwmOutput, "sim/pwm_output")
         self.truth = peer.publisher(SimState, "sim/truth_state")
-        peer.introduce(lambda: self._send(0, 0, 0, 0), self.heard, "sim/pwm_output")
+        peer.introduce(lambda: self._send(0, 0, 0, 0), self.received, "sim/pwm_output")
 
     def _send(self, aileron, left, right, throttle):
         """Surfaces from -1 to 1, throttle from 0 to 1. The left and right half of the tail are outputs 1 and 2."""
@@ -50,10 +50,10 @@ class Tunnel:
         self.pulses.publish(stamp(PwmOutput(values=[*values, *[MIDDLE] * 9]), self.ns))
 
     def step(self, aileron=0.0, left=0.0, right=0.0, throttle=0.0):
-        count = len(self.heard)
+        count = len(self.received)
         self._send(aileron, left, right, throttle)
-        self.peer.wait(lambda: len(self.heard) > count, "a wrench")
-        return self.heard[-1]
+        self.peer.wait(lambda: len(self.received) > count, "a wrench")
+        return self.received[-1]
 
     def settle(self, **outputs):
         """After 1.25 s: servos and propeller have got there."""
@@ -82,8 +82,8 @@ def test_contract(peer):
         tunnel = Tunnel(peer)
         for _ in range(100):
             assert stamp_ns(tunnel.step()) == tunnel.ns  # the stamp of the step
-        check_headers(tunnel.heard, MODULE.outputs["sim/forces_and_moments"])
-        assert len(tunnel.heard) == 100  # one wrench for one message of pulses
+        check_headers(tunnel.received, MODULE.outputs["sim/forces_and_moments"])
+        assert len(tunnel.received) == 100  # one wrench for one message of pulses
         tunnel.fly(15.0, 0.02)
         # A positive pulse on the aileron rolls right; both halves of the tail together yaw, apart they pitch.
         assert tunnel.settle(aileron=0.2).torque.x > 1.0 > -1.0 > tunnel.settle(aileron=-0.2).torque.x

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "ros/common/time.hpp"
 #include "ros/rosflight_sim/src/frames.hpp"
 #include "ros/rosflight_sim/src/module_states.hpp"
 #include "ros/rosflight_sim/src/tick_tracker.hpp"
@@ -11,7 +12,19 @@
 namespace rosflight::ros_sim {
 namespace {
 
+using ros_common::nanoseconds;
+using ros_common::stamp_of;
+
 constexpr std::int64_t kTick_ns = 2'500'000;
+
+TEST(Stamps, KeepNanosecondsAndNeverShowAWholeSecondOfThem) {
+  EXPECT_EQ(nanoseconds(stamp_of(1'999'999'999)), 1'999'999'999);
+  EXPECT_EQ(stamp_of(1'999'999'999).nanosec, 999'999'999U);
+  EXPECT_EQ(stamp_of(2'000'000'000).sec, 2);
+  EXPECT_EQ(stamp_of(2'000'000'000).nanosec, 0U);
+  EXPECT_EQ(nanoseconds(stamp_of(-5)), 0);
+  EXPECT_EQ(nanoseconds(stamp_of(4'300'000'000'000)), 4'300'000'000'000);  // beyond 2^32 us
+}
 
 TEST(TickTracker, JitterNeitherLosesNorDoublesATick) {
   std::mt19937 random{1};
@@ -101,11 +114,11 @@ TEST_F(ModuleStatesTest, APauseAndAStepBackChangeNothing) {
 
 /// Direction of a vector of `child` in `map`, along the tree.
 sim::Vector3 in_map(const sim::Vector3& v, const std::string& child,
-                    const sim::Quaternion& q_NB = sim::Quaternion::Identity()) {
+                    const sim::Quaternion& q_WB = sim::Quaternion::Identity()) {
   if (child == "map") return v;
-  if (child == "aircraft_body") return in_map(q_NB * v, "NED");
+  if (child == "aircraft_body") return in_map(q_WB * v, "NED");
   for (const FrameEdge& edge : fixed_frames())
-    if (child == edge.child) return in_map(edge.rotation * v, edge.parent, q_NB);
+    if (child == edge.child) return in_map(edge.rotation * v, edge.parent, q_WB);
   ADD_FAILURE() << child << " is not in the tree";
   return v;
 }

@@ -44,7 +44,7 @@ class ControllerNode : public rclcpp::Node {
     wanted_ = create_subscription<ControllerCommands>(
         "controller_command", rclcpp::QoS(10), [this](ControllerCommands::ConstSharedPtr message) {
           command_ = *message;
-          command_heard_ = now();
+          last_command_ = now();
         });
     phases_ = create_subscription<FlightPhase>(
         "flight_phase", rclcpp::QoS(10),
@@ -77,18 +77,20 @@ class ControllerNode : public rclcpp::Node {
         message.phase == FlightPhase::TAKEOFF && (!phase_ || phase_->phase != FlightPhase::TAKEOFF);
     if (begins) controller_.reset();
     phase_ = message;
-    phase_heard_ = now();
+    last_phase_ = now();
   }
 
-  bool fresh(const std::optional<rclcpp::Time>& heard) const {
-    return heard && age_s(*heard) <= config_.flight.controller.command_timeout_s;
+  bool fresh(const std::optional<rclcpp::Time>& received) const {
+    return received && age_s(*received) <= config_.flight.controller.command_timeout_s;
   }
-  double age_s(const rclcpp::Time& heard) const { return std::max(0.0, (now() - heard).seconds()); }
+  double age_s(const rclcpp::Time& received) const {
+    return std::max(0.0, (now() - received).seconds());
+  }
 
   void step(const State& message) {
     const autonomy::StateEstimate& state = reader_.read(message);
     if (!flyable(state)) return;
-    state_heard_ = now();
+    last_state_ = now();
     if (lost_) RCLCPP_INFO(get_logger(), "estimated_state is back");
     lost_ = false;
     if (!thinning_.pass(state.t_s, config_.rate_Hz)) return;
@@ -108,19 +110,19 @@ class ControllerNode : public rclcpp::Node {
   /// What is flown beside the command; nothing: the vehicle stays on the ground.
   std::optional<wing::Controller::Direct> what_is_told(const autonomy::StateEstimate& state) {
     if (!phase_) {
-      if (!command_heard_) return {};
+      if (!last_command_) return {};
       return zones_.step(
           {state.t_s, state, armed_, pilot_.any(), static_cast<double>(command_.h_c)},
           config_.flight);
     }
     if (phase_->idle || !armed_) return {};
-    if (fresh(phase_heard_)) return direct_of(*phase_);
+    if (fresh(last_phase_)) return direct_of(*phase_);
     return wing::Controller::Direct{};
   }
 
   void fly(const autonomy::StateEstimate& state, wing::Controller::Direct direct, double dt_s,
            Command& out) {
-    const bool commanded = fresh(command_heard_);
+    const bool commanded = fresh(last_command_);
     const bool taking_off = zone() == ControllerInternals::TAKE_OFF;
     if (taking_off) {
       direct.max_throttle = std::min(direct.max_throttle, config_.max_takeoff_throttle);
@@ -129,7 +131,7 @@ class ControllerNode : public rclcpp::Node {
       if (config_.pitch_override) direct.pitch_rad = given(command_.theta_c);
     }
     const wing::ControllerCommand command = command_of(command_);
-    const double age_s = command_heard_ ? this->age_s(*command_heard_) : 1e9;
+    const double age_s = last_command_ ? this->age_s(*last_command_) : 1e9;
     const wing::Controller::Output& control =
         controller_.step({state, command, age_s, dt_s, pilot_, direct});
     if (control.lost != circling_ && !direct.roll_rad) {
@@ -171,7 +173,7 @@ class ControllerNode : public rclcpp::Node {
 
   /// No state: the pilot gets what he is asked for.
   void watch() {
-    if (!state_heard_ || age_s(*state_heard_) <= wing::Guidance::kStateGrace_s) return;
+    if (!last_state_ || age_s(*last_state_) <= wing::Guidance::kStateGrace_s) return;
     if (!lost_) RCLCPP_ERROR(get_logger(), "estimated_state is silent: the pilot has control");
     lost_ = true;
     Command out;
@@ -187,7 +189,7 @@ class ControllerNode : public rclcpp::Node {
   wing::AltitudeZones zones_;
   ControllerCommands command_;
   std::optional<FlightPhase> phase_;
-  std::optional<rclcpp::Time> command_heard_, phase_heard_, state_heard_;
+  std::optional<rclcpp::Time> last_command_, last_phase_, last_state_;
   autonomy::PilotOverride pilot_{};
   Thinning thinning_;
   double last_s_{};

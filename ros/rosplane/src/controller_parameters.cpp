@@ -6,7 +6,7 @@ namespace {
 
 using List = std::vector<WingParameter>;
 constexpr double kMost = 100.0;
-constexpr double kDegree = autonomy::kRadPerDeg;
+using autonomy::kRadPerDeg;
 
 /// kp, ki, kd under `prefix`; without a derivative only the first two.
 template <class Of>
@@ -46,10 +46,10 @@ void add_gains(List& list) {
 void add_limits(List& list) {
   list.push_back(over(
       "max_roll", 5.0, 60.0, "[deg]",
-      [](auto& c) -> auto& { return c.flight.controller.max_roll_rad; }, kDegree));
+      [](auto& c) -> auto& { return c.flight.controller.max_roll_rad; }, kRadPerDeg));
   list.push_back(over(
       "max_pitch", 5.0, 45.0, "[deg]",
-      [](auto& c) -> auto& { return c.flight.controller.max_pitch_rad; }, kDegree));
+      [](auto& c) -> auto& { return c.flight.controller.max_pitch_rad; }, kRadPerDeg));
   list.push_back(over("max_t", 0.1, 1.0, "most throttle",
                       [](auto& c) -> auto& { return c.flight.controller.max_throttle; }));
   list.push_back(over("trim_t", 0.0, 1.0, "throttle of level flight at cruise",
@@ -83,7 +83,7 @@ void add_takeoff(List& list) {
                       [](auto& c) -> auto& { return c.max_takeoff_throttle; }));
   list.push_back(over(
       "cmd_takeoff_pitch", 0.0, 30.0, "once fast enough, without a path manager [deg]",
-      [](auto& c) -> auto& { return c.flight.takeoff.pitch_rad; }, kDegree));
+      [](auto& c) -> auto& { return c.flight.takeoff.pitch_rad; }, kRadPerDeg));
   list.push_back(flag("roll_command_override", "phi_c of the command instead of the course loop",
                       [](auto& c) -> auto& { return c.roll_override; }));
   list.push_back(flag("pitch_command_override", "theta_c of the command instead of the height loop",

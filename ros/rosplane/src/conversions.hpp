@@ -39,35 +39,35 @@ inline double heading_of(const autonomy::Quaternion& q) {
 /// A state whose attitude is known. The stamp is the caller's.
 inline void put(const autonomy::StateEstimate& in, const std::optional<autonomy::Geodetic>& origin,
                 rosplane_msgs::msg::State& out) {
-  const bool placed = in.horizontal != autonomy::Trust::kNone;
-  out.p_n = placed ? single(in.p_N.x()) : kUnknown;
-  out.p_e = placed ? single(in.p_N.y()) : kUnknown;
-  out.p_d = in.vertical != autonomy::Trust::kNone ? single(in.p_N.z()) : kUnknown;
-  const autonomy::Vector3 v_B = in.q_NB.conjugate() * in.v_N;
+  const bool placed = in.horizontal != autonomy::Quality::kNone;
+  out.p_n = placed ? single(in.p_W.x()) : kUnknown;
+  out.p_e = placed ? single(in.p_W.y()) : kUnknown;
+  out.p_d = in.vertical != autonomy::Quality::kNone ? single(in.p_W.z()) : kUnknown;
+  const autonomy::Vector3 v_B = in.q_WB.conjugate() * in.v_W;
   out.v_x = single(v_B.x());
   out.v_y = single(v_B.y());
   out.v_z = single(v_B.z());
   out.p = single(in.w_B.x());
   out.q = single(in.w_B.y());
   out.r = single(in.w_B.z());
-  const autonomy::RollPitch attitude = autonomy::RollPitch::of(in.q_NB);
+  const autonomy::RollPitch attitude = autonomy::RollPitch::of(in.q_WB);
   out.phi = single(attitude.roll_rad);
   out.theta = single(attitude.pitch_rad);
-  out.psi = single(heading_of(in.q_NB));
+  out.psi = single(heading_of(in.q_WB));
   out.b_x = single(in.gyro_bias_B.x());
   out.b_y = single(in.gyro_bias_B.y());
   out.b_z = single(in.gyro_bias_B.z());
-  out.quat.w = in.q_NB.w();
-  out.quat.x = in.q_NB.x();
-  out.quat.y = in.q_NB.y();
-  out.quat.z = in.q_NB.z();
+  out.quat.w = in.q_WB.w();
+  out.quat.x = in.q_WB.x();
+  out.quat.y = in.q_WB.y();
+  out.quat.z = in.q_WB.z();
   if (origin) {
     out.initial_lat = origin->latitude_deg;
     out.initial_lon = origin->longitude_deg;
     out.initial_alt = origin->altitude_m;
   }
-  out.w_n = in.wind_valid ? single(in.wind_N.x()) : kUnknown;
-  out.w_e = in.wind_valid ? single(in.wind_N.y()) : kUnknown;
+  out.w_n = in.wind_valid ? single(in.wind_W.x()) : kUnknown;
+  out.w_e = in.wind_valid ? single(in.wind_W.y()) : kUnknown;
   out.va = single(in.airspeed_m_s);
   out.alpha = single(in.alpha_rad);
   out.beta = single(in.beta_rad);
@@ -90,25 +90,25 @@ class StateReader {
       : min_airspeed_m_s_{min_airspeed_m_s}, gravity_m_s2_{gravity_m_s2} {}
 
   const autonomy::StateEstimate& read(const rosplane_msgs::msg::State& in) {
-    using autonomy::Trust;
+    using autonomy::Quality;
     const double t_s = ros_common::seconds(in.header);
     const double dt_s = t_s - state_.t_s;
     state_.t_s = t_s;
     const bool placed = std::isfinite(in.p_n) && std::isfinite(in.p_e);
-    if (placed) state_.p_N.head<2>() << wide(in.p_n), wide(in.p_e);
-    state_.horizontal = placed ? Trust::kGood : Trust::kNone;
-    state_.vertical = std::isfinite(in.p_d) ? Trust::kGood : Trust::kNone;
-    if (state_.vertical == Trust::kGood) state_.p_N.z() = wide(in.p_d);
+    if (placed) state_.p_W.head<2>() << wide(in.p_n), wide(in.p_e);
+    state_.horizontal = placed ? Quality::kGood : Quality::kNone;
+    state_.vertical = std::isfinite(in.p_d) ? Quality::kGood : Quality::kNone;
+    if (state_.vertical == Quality::kGood) state_.p_W.z() = wide(in.p_d);
     const autonomy::Quaternion q{in.quat.w, in.quat.x, in.quat.y, in.quat.z};
     constexpr double kOff = 0.05;
     const bool turned = std::abs(q.norm() - 1.0) < kOff;  // false for NaN
-    state_.attitude = state_.heading = turned ? Trust::kGood : Trust::kNone;
-    if (turned) state_.q_NB = q.normalized();
-    state_.v_N = state_.q_NB * autonomy::Vector3(wide(in.v_x), wide(in.v_y), wide(in.v_z));
+    state_.attitude = state_.heading = turned ? Quality::kGood : Quality::kNone;
+    if (turned) state_.q_WB = q.normalized();
+    state_.v_W = state_.q_WB * autonomy::Vector3(wide(in.v_x), wide(in.v_y), wide(in.v_z));
     state_.w_B << wide(in.p), wide(in.q), wide(in.r);
     state_.wind_valid = std::isfinite(in.w_n) && std::isfinite(in.w_e);
-    state_.wind_N.setZero();
-    if (state_.wind_valid) state_.wind_N.head<2>() << wide(in.w_n), wide(in.w_e);
+    state_.wind_W.setZero();
+    if (state_.wind_valid) state_.wind_W.head<2>() << wide(in.w_n), wide(in.w_e);
     const double airspeed_m_s = wide(in.va);
     constexpr double kLongest_s = 0.5;
     const bool steady = dt_s > 0.0 && dt_s < kLongest_s;
@@ -116,7 +116,7 @@ class StateReader {
     state_.air_valid = airspeed_m_s > min_airspeed_m_s_;
     state_.airspeed_m_s = std::isfinite(airspeed_m_s) ? airspeed_m_s : 0.0;
     state_.a_B.setZero();
-    const double pitch_rad = autonomy::RollPitch::of(state_.q_NB).pitch_rad;
+    const double pitch_rad = autonomy::RollPitch::of(state_.q_WB).pitch_rad;
     state_.a_B.x() = (std::isfinite(rate) ? rate : 0.0) + gravity_m_s2_ * std::sin(pitch_rad);
     state_.alpha_rad = wide(in.alpha);
     state_.beta_rad = wide(in.beta);
@@ -133,8 +133,8 @@ class StateReader {
 
 /// Good enough to fly on.
 inline bool flyable(const autonomy::StateEstimate& s) {
-  return s.attitude != autonomy::Trust::kNone && s.vertical != autonomy::Trust::kNone &&
-         std::isfinite(s.p_N.sum() + s.v_N.sum() + s.w_B.sum() + s.course_rad);
+  return s.attitude != autonomy::Quality::kNone && s.vertical != autonomy::Quality::kNone &&
+         std::isfinite(s.p_W.sum() + s.v_W.sum() + s.w_B.sum() + s.course_rad);
 }
 
 // ---- path ---------------------------------------------------------------------------------------
@@ -147,23 +147,23 @@ inline autonomy::Vector3 vector(const std::array<float, 3>& in) {
 }
 
 /// A valid path. On an orbit r and q, which nobody else reads there, tell how it climbs.
-inline void put(const wing::CurrentPath& in, const autonomy::Vector3& p_N,
+inline void put(const wing::CurrentPath& in, const autonomy::Vector3& p_W,
                 rosplane_msgs::msg::CurrentPath& out) {
   using Message = rosplane_msgs::msg::CurrentPath;
   out.path_type = in.circle ? Message::ORBIT_PATH : Message::LINE_PATH;
   out.va_d = single(in.airspeed_m_s);
   out.lamda = in.turn > 0 ? Message::CLOCKWISE : Message::COUNT_CLOCKWISE;
   out.rho = single(in.radius_m);
-  put(in.c_N, out.c);
+  put(in.c_W, out.c);
   if (!in.circle) {
-    put(in.r_N, out.r);
-    put(in.q_N, out.q);
+    put(in.r_W, out.r);
+    put(in.q_W, out.q);
     return;
   }
-  const wing::Vector2 d = (p_N - in.c_N).head<2>();
+  const wing::Vector2 d = (p_W - in.c_W).head<2>();
   const double polar = wing::course_of(d);
   const double turn = in.turn > 0 ? 1.0 : -1.0;
-  autonomy::Vector3 beside = in.c_N;
+  autonomy::Vector3 beside = in.c_W;
   beside.head<2>() += in.radius_m * wing::along(polar);
   put(beside, out.r);
   autonomy::Vector3 way;
@@ -176,18 +176,18 @@ inline wing::CurrentPath path_of(const rosplane_msgs::msg::CurrentPath& in) {
   wing::CurrentPath out;
   out.circle = in.path_type == rosplane_msgs::msg::CurrentPath::ORBIT_PATH;
   out.airspeed_m_s = wide(in.va_d);
-  out.r_N = vector(in.r);
-  out.q_N = vector(in.q);
-  out.c_N = vector(in.c);
+  out.r_W = vector(in.r);
+  out.q_W = vector(in.q);
+  out.c_W = vector(in.c);
   out.radius_m = wide(in.rho);
   out.turn = in.lamda > 0 ? 1 : -1;
-  const double level = out.q_N.head<2>().norm();
+  const double level = out.q_W.head<2>().norm();
   constexpr double kUnit = 1e-3;
-  if (out.circle && std::abs(out.q_N.norm() - 1.0) < kUnit && level > kUnit) {
-    out.slope = -out.q_N.z() / level;
+  if (out.circle && std::abs(out.q_W.norm() - 1.0) < kUnit && level > kUnit) {
+    out.slope = -out.q_W.z() / level;
   }
   const bool known = out.circle || in.path_type == rosplane_msgs::msg::CurrentPath::LINE_PATH;
-  const bool finite = out.circle ? out.c_N.allFinite() : out.r_N.allFinite() && out.q_N.allFinite();
+  const bool finite = out.circle ? out.c_W.allFinite() : out.r_W.allFinite() && out.q_W.allFinite();
   out.valid = known && finite && std::isfinite(out.airspeed_m_s);
   return out;
 }
@@ -260,7 +260,7 @@ inline wing::Controller::Direct direct_of(const rosplane_msgs::msg::FlightPhase&
 
 /// How ROSflight's waypoints say it: lines with corners and circles have no words there.
 inline void put(const wing::Waypoint& in, rosplane_msgs::msg::Waypoint& out) {
-  put(in.p_N, out.w);
+  put(in.p_W, out.w);
   out.lla = false;
   out.use_chi = in.passing == wing::Passing::kDubins;
   out.chi_d = single(in.course_rad);
@@ -270,9 +270,9 @@ inline void put(const wing::Waypoint& in, rosplane_msgs::msg::Waypoint& out) {
 inline wing::Waypoint waypoint_of(const rosplane_msgs::msg::Waypoint& in,
                                   const std::optional<autonomy::Geodetic>& origin) {
   wing::Waypoint out;
-  out.p_N = vector(in.w);
+  out.p_W = vector(in.w);
   if (in.lla && origin)
-    out.p_N = autonomy::ned_of({wide(in.w[0]), wide(in.w[1]), wide(in.w[2])}, *origin);
+    out.p_W = autonomy::ned_of({wide(in.w[0]), wide(in.w[1]), wide(in.w[2])}, *origin);
   out.passing = in.use_chi ? wing::Passing::kDubins : wing::Passing::kFillet;
   out.course_rad = in.use_chi ? wide(in.chi_d) : 0.0;
   out.airspeed_m_s = wide(in.va_d);
@@ -283,7 +283,7 @@ inline void put(const wing::Mission& in, rosplane_msgs::msg::MissionSettings& ou
   out.at_end = static_cast<std::uint8_t>(in.at_end);
   out.takeoff_height = single(in.takeoff_height_m);
   out.turn_radius = single(in.radius_m);
-  put(in.landing.aim_N, out.landing_aim);
+  put(in.landing.aim_W, out.landing_aim);
   out.landing_course = single(in.landing.course_rad);
 }
 
@@ -293,7 +293,7 @@ inline void take(const rosplane_msgs::msg::MissionSettings& in, wing::Mission& o
   out.at_end = static_cast<autonomy::AtEnd>(std::min(in.at_end, kLast));
   out.takeoff_height_m = given(in.takeoff_height);
   out.radius_m = given(in.turn_radius);
-  out.landing.aim_N = vector(in.landing_aim);
+  out.landing.aim_W = vector(in.landing_aim);
   out.landing.course_rad = given(in.landing_course);
 }
 

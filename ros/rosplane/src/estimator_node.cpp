@@ -27,8 +27,9 @@ struct Policy {
 
   /// A wing that does not know where it is can still fly: its place goes out as NaN.
   static bool worth_telling(const autonomy::StateEstimate& in) {
-    using autonomy::Trust;
-    return in.attitude != Trust::kNone && in.heading != Trust::kNone && in.vertical != Trust::kNone;
+    using autonomy::Quality;
+    return in.attitude != Quality::kNone && in.heading != Quality::kNone &&
+           in.vertical != Quality::kNone;
   }
 
   static std::vector<ros_common::EstimatorView> views() {

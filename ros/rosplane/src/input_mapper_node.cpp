@@ -127,7 +127,7 @@ class InputMapper : public rclcpp::Node {
             const float s = (static_cast<float>(message->values[k]) - kMiddle_us) / kTravel_us;
             sticks_[k] = std::clamp(s, -1.0F, 1.0F);
           }
-          rc_heard_ = now();
+          last_rc_ = now();
         });
     states_ = create_subscription<State>("estimated_state", rclcpp::QoS(10),
                                          [this](State::ConstSharedPtr message) { step(*message); });
@@ -174,8 +174,8 @@ class InputMapper : public rclcpp::Node {
            is(kThrottle, "rc_airspeed");
   }
   float stick(std::size_t channel) const {
-    const bool heard = rc_heard_ && (now() - *rc_heard_).seconds() < kSilence_s;
-    return heard ? sticks_[channel] : 0.0F;
+    const bool received = last_rc_ && (now() - *last_rc_).seconds() < kSilence_s;
+    return received ? sticks_[channel] : 0.0F;
   }
 
   void step(const State& state) {
@@ -234,7 +234,7 @@ class InputMapper : public rclcpp::Node {
 
   std::array<std::string, kAxes> modes_;
   std::array<float, 3> sticks_{};
-  std::optional<rclcpp::Time> rc_heard_;
+  std::optional<rclcpp::Time> last_rc_;
   ControllerCommands base_, held_;
   bool moving_{false};
   std::optional<std::array<bool, 2>> asked_;

@@ -30,7 +30,7 @@ class PathFollowerNode : public rclcpp::Node {
     paths_ = create_subscription<CurrentPath>("current_path", rclcpp::QoS(100),
                                               [this](CurrentPath::ConstSharedPtr message) {
                                                 path_ = path_of(*message);
-                                                heard_ = now();
+                                                received_ = now();
                                               });
     states_ = create_subscription<State>("estimated_state", rclcpp::QoS(10),
                                          [this](State::ConstSharedPtr message) { step(*message); });
@@ -57,10 +57,10 @@ class PathFollowerNode : public rclcpp::Node {
 
   void step(const State& message) {
     const autonomy::StateEstimate& state = reader_.read(message);
-    if (!heard_ || !thinning_.pass(state.t_s, config_.rate_Hz)) return;
-    if (!flyable(state) || state.horizontal == autonomy::Trust::kNone) return;
+    if (!received_ || !thinning_.pass(state.t_s, config_.rate_Hz)) return;
+    if (!flyable(state) || state.horizontal == autonomy::Quality::kNone) return;
     const wing::ControllerCommand command =
-        follower_.step(state, path_, (now() - *heard_).seconds());
+        follower_.step(state, path_, (now() - *received_).seconds());
     if (command.valid != told_) {
       told_ = command.valid;
       if (told_) {
@@ -81,7 +81,7 @@ class PathFollowerNode : public rclcpp::Node {
   StateReader reader_;
   wing::PathFollower follower_;
   wing::CurrentPath path_{};
-  std::optional<rclcpp::Time> heard_;
+  std::optional<rclcpp::Time> received_;
   Thinning thinning_;
   bool told_{false};
   rclcpp::Publisher<ControllerCommands>::SharedPtr commands_;

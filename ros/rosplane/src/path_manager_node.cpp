@@ -89,7 +89,7 @@ class PathManagerNode : public rclcpp::Node {
     ranges_ = create_subscription<sensor_msgs::msg::Range>(
         "range", rclcpp::QoS(10), [this](sensor_msgs::msg::Range::ConstSharedPtr message) {
           range_ = *message;
-          range_heard_ = now();
+          last_range_ = now();
         });
     commands_ = create_subscription<rosflight_msgs::msg::Command>(
         "command", rclcpp::QoS(10), [this](rosflight_msgs::msg::Command::ConstSharedPtr message) {
@@ -101,7 +101,7 @@ class PathManagerNode : public rclcpp::Node {
         "controller_command", rclcpp::QoS(10),
         [this](rosplane_msgs::msg::ControllerCommands::ConstSharedPtr message) {
           last_.wanted_height_m = wide(message->h_c);
-          wanted_heard_ = now();
+          last_wanted_ = now();
         });
   }
 
@@ -117,8 +117,8 @@ class PathManagerNode : public rclcpp::Node {
         }));
   }
 
-  bool old(const std::optional<rclcpp::Time>& heard) const {
-    return !heard || (now() - *heard).seconds() > kOld_s;
+  bool old(const std::optional<rclcpp::Time>& received) const {
+    return !received || (now() - *received).seconds() > kOld_s;
   }
 
   // ---- mission ----------------------------------------------------------------------------------
@@ -126,7 +126,7 @@ class PathManagerNode : public rclcpp::Node {
   wing::Mission without_waypoints() const {
     wing::Mission out;
     wing::Waypoint circle;
-    circle.p_N = {0.0, 0.0, -config_.default_height_m};
+    circle.p_W = {0.0, 0.0, -config_.default_height_m};
     circle.passing = wing::Passing::kCircle;
     circle.turn = 1;
     circle.hold_indefinitely = true;
@@ -135,7 +135,7 @@ class PathManagerNode : public rclcpp::Node {
     return out;
   }
 
-  /// As the reference: round and round. Kept when a list is cleared: who tells settings tells new
+  /// As ROSflight 2.x: round and round. Kept when a list is cleared: who tells settings tells new
   /// ones then, and they may come first.
   static wing::Mission until_told() {
     wing::Mission out;
@@ -190,7 +190,7 @@ class PathManagerNode : public rclcpp::Node {
 
   std::optional<double> range() const {
     const bool inside = range_.range >= range_.min_range && range_.range < range_.max_range;
-    if (!inside || old(range_heard_)) return {};
+    if (!inside || old(last_range_)) return {};
     return wide(range_.range);
   }
 
@@ -207,7 +207,7 @@ class PathManagerNode : public rclcpp::Node {
     const bool nothing_to_fly = list_.empty() && state.t_s - *started_s_ < kGrace_s;
     if (guidance_.output().phase == wing::Phase::kDisarmed && nothing_to_fly) status.armed = false;
     wing::Guidance::Last last = last_;
-    if (old(wanted_heard_)) last.wanted_height_m.reset();
+    if (old(last_wanted_)) last.wanted_height_m.reset();
     const wing::GuidanceOutput& out = guidance_.step({state.t_s, state, status, range(), last});
     tell(out);
     if (out.act == wing::GuidanceAct::kRepeat || out.act == wing::GuidanceAct::kGiveUp) return;
@@ -217,23 +217,22 @@ class PathManagerNode : public rclcpp::Node {
     phases_->publish(phase);
     if (!out.follow.valid) return;
     CurrentPath path;
-    put(out.follow, state.p_N, path);
+    put(out.follow, state.p_W, path);
     path.header = message.header;
     paths_->publish(path);
   }
 
   void tell(const wing::GuidanceOutput& out) {
-    using Type = wing::FlightEventType;
-    for (std::size_t k = 0; k < out.event_count; ++k) {
-      const wing::FlightEvent& event = out.events[k];
+    using Type = autonomy::FlightEventType;
+    for (const autonomy::FlightEvent& event : out.events) {
       if (event.type == Type::kPhase) {
         RCLCPP_INFO(get_logger(), "phase %s", wing::name(static_cast<wing::Phase>(event.index)));
-      } else if (event.type == Type::kWaypointPassed) {
-        RCLCPP_INFO(get_logger(), "waypoint %zu passed at %.1f m", event.index + 1, event.value);
+      } else if (event.type == Type::kWaypointReached) {
+        RCLCPP_INFO(get_logger(), "waypoint %zu reached at %.1f m", event.index + 1, event.value);
       } else if (event.type == Type::kMissionDone || event.type == Type::kPilotGaveBack) {
-        RCLCPP_INFO(get_logger(), "%s", wing::name(event.type));
+        RCLCPP_INFO(get_logger(), "%s", autonomy::name(event.type));
       } else {
-        RCLCPP_WARN(get_logger(), "%s", wing::name(event.type));
+        RCLCPP_WARN(get_logger(), "%s", autonomy::name(event.type));
       }
     }
   }
@@ -250,7 +249,7 @@ class PathManagerNode : public rclcpp::Node {
   autonomy::Status status_{};
   wing::Guidance::Last last_{};
   sensor_msgs::msg::Range range_;
-  std::optional<rclcpp::Time> range_heard_, wanted_heard_;
+  std::optional<rclcpp::Time> last_range_, last_wanted_;
   Thinning thinning_;
   rclcpp::Publisher<CurrentPath>::SharedPtr paths_;
   rclcpp::Publisher<FlightPhase>::SharedPtr phases_;

@@ -2,8 +2,8 @@
 #include <cstdio>
 #include <rosplane_msgs/srv/add_waypoint.hpp>
 
-#include "apps/vehicle/vehicle_setup.hpp"
 #include "autonomy/fixedwing/mission.hpp"
+#include "flight/vehicle/vehicle_setup.hpp"
 #include "ros/common/planner_node.hpp"
 #include "ros/rosplane/src/conversions.hpp"
 
@@ -31,7 +31,7 @@ class Policy {
   };
 
   explicit Policy(const sim::Vehicle& vehicle)
-      : limits_{apps::read_wing_autonomy(vehicle).mission} {}
+      : limits_{flight::read_fixedwing_autonomy(vehicle).mission} {}
 
   Plan load(const std::string& file, const std::optional<autonomy::Geodetic>& origin) const {
     Plan plan;
@@ -106,23 +106,23 @@ class Policy {
 
  private:
   void check_place(Waypoint& wp, const std::optional<autonomy::Geodetic>& origin) const {
-    autonomy::Vector3 p_N = vector(wp.w);
+    autonomy::Vector3 p_W = vector(wp.w);
     if (wp.lla) {
       if (!origin) refuse("lla", "true", "false, as long as no state tells the origin");
-      const bool on_earth = std::abs(p_N.x()) <= 90.0 && std::abs(p_N.y()) <= 180.0;
+      const bool on_earth = std::abs(p_W.x()) <= 90.0 && std::abs(p_W.y()) <= 180.0;
       if (!on_earth)
-        refuse("w", number_text(p_N.x()) + ", " + number_text(p_N.y()), "latitude, longitude");
-      p_N = autonomy::ned_of({p_N.x(), p_N.y(), p_N.z()}, *origin);
-      put(p_N, wp.w);
+        refuse("w", number_text(p_W.x()) + ", " + number_text(p_W.y()), "latitude, longitude");
+      p_W = autonomy::ned_of({p_W.x(), p_W.y(), p_W.z()}, *origin);
+      put(p_W, wp.w);
       wp.lla = false;
     }
     const autonomy::MissionArea& area = limits_.area;
-    const double distance_m = std::hypot(p_N.x(), p_N.y());
+    const double distance_m = std::hypot(p_W.x(), p_W.y());
     if (!(distance_m <= area.max_distance_m)) {
       refuse("w", "a place " + number_text(distance_m) + " m from the origin",
              "at most " + number_text(area.max_distance_m) + " m");
     }
-    const double height_m = -p_N.z();
+    const double height_m = -p_W.z();
     const bool inside = height_m >= area.min_height_m && height_m <= area.max_height_m;
     if (!inside) {
       refuse("w", "a height of " + number_text(height_m) + " m",

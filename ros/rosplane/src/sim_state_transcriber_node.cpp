@@ -20,12 +20,11 @@ using sensor_msgs::msg::Imu;
 class SimStateTranscriber : public rclcpp::Node {
  public:
   SimStateTranscriber() : Node("rosplane_truth") {
-    const auto place = ros_common::VehicleFile::declare(*this).read().environment().origin;
-    origin_ = {place.latitude_deg, place.longitude_deg, place.height_m};
+    origin_ = ros_common::VehicleFile::declare(*this).read().environment().origin;
     states_ = create_publisher<State>("sim/rosplane/state", rclcpp::QoS(1));
     winds_ = create_subscription<Vector3Stamped>(
         "sim/truth_wind", rclcpp::QoS(1), [this](Vector3Stamped::ConstSharedPtr m) {
-          state_.wind_N = {m->vector.x, m->vector.y, m->vector.z};
+          state_.wind_W = {m->vector.x, m->vector.y, m->vector.z};
         });
     biases_ = create_subscription<Imu>("sim/truth_imu_bias", rclcpp::QoS(1),
                                        [this](Imu::ConstSharedPtr m) {
@@ -43,23 +42,23 @@ class SimStateTranscriber : public rclcpp::Node {
     const auto& q = truth.pose.orientation;
     const auto& v = truth.twist.linear;
     const auto& w = truth.twist.angular;
-    state_.p_N = {p.x, p.y, p.z};
-    state_.q_NB = autonomy::Quaternion{q.w, q.x, q.y, q.z};
+    state_.p_W = {p.x, p.y, p.z};
+    state_.q_WB = autonomy::Quaternion{q.w, q.x, q.y, q.z};
     const autonomy::Vector3 v_B{v.x, v.y, v.z};
-    state_.v_N = state_.q_NB * v_B;
+    state_.v_W = state_.q_WB * v_B;
     state_.w_B = {w.x, w.y, w.z};
-    const autonomy::Vector3 air_B = v_B - state_.q_NB.conjugate() * state_.wind_N;
+    const autonomy::Vector3 air_B = v_B - state_.q_WB.conjugate() * state_.wind_W;
     state_.airspeed_m_s = air_B.norm();
     constexpr double kMoves_m_s = 0.5;
     const bool moves = state_.airspeed_m_s > kMoves_m_s;
     state_.alpha_rad = moves ? std::atan2(air_B.z(), air_B.x()) : 0.0;
     state_.beta_rad = moves ? std::asin(air_B.y() / state_.airspeed_m_s) : 0.0;
-    state_.course_rad = state_.v_N.head<2>().norm() > kMoves_m_s
-                            ? std::atan2(state_.v_N.y(), state_.v_N.x())
-                            : heading_of(state_.q_NB);
+    state_.course_rad = state_.v_W.head<2>().norm() > kMoves_m_s
+                            ? std::atan2(state_.v_W.y(), state_.v_W.x())
+                            : heading_of(state_.q_WB);
     state_.wind_valid = true;
-    using autonomy::Trust;
-    state_.attitude = state_.heading = state_.horizontal = state_.vertical = Trust::kGood;
+    using autonomy::Quality;
+    state_.attitude = state_.heading = state_.horizontal = state_.vertical = Quality::kGood;
     State out;
     put(state_, origin_, out);
     out.header = truth.header;

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "apps/vehicle/vehicle_setup.hpp"
 #include "autonomy/fixedwing/mission.hpp"
 #include "autonomy/fixedwing/zones.hpp"
+#include "flight/vehicle/vehicle_setup.hpp"
 #include "ros/common/live_parameters.hpp"
 #include "ros/common/vehicle_file.hpp"
 
@@ -28,15 +28,15 @@ struct WingConfig {
   /// @throws config::Error  one line: no vehicle file, a wrong key, another kind of vehicle.
   static WingConfig declare(rclcpp::Node& node) {
     const sim::Vehicle vehicle = ros_common::VehicleFile::declare(node).read();
-    if (!apps::is_fixed_wing(vehicle)) {
+    if (!flight::is_fixed_wing(vehicle)) {
       throw config::Error("parameter vehicle_file: found a vehicle of type " + vehicle.type() +
                           ", allowed fixedwing");
     }
-    const auto autonomy = apps::read_wing_autonomy(vehicle);
+    const auto autonomy = flight::read_fixedwing_autonomy(vehicle);
     WingConfig out;
     out.flight = autonomy.flight;
     out.limits = autonomy.mission;
-    out.min_airspeed_known_m_s = apps::read_estimator(vehicle).min_airspeed_m_s;
+    out.min_airspeed_known_m_s = flight::read_estimator(vehicle).min_airspeed_m_s;
     return out;
   }
 };

@@ -12,7 +12,7 @@ from sim_rig import SimPeer, launch, stamp_ns
 from std_srvs.srv import Trigger
 
 FASTEST = "10.0"  # more than this machine holds: as fast as it can, and time waits for the world
-LONG_S = 300.0  # patience for what takes tens of simulated seconds
+LONG_S = 300.0  # timeout for what takes tens of simulated seconds
 OVERRIDE = Status.OVERRIDE_ATT_SWITCH | Status.OVERRIDE_THR_SWITCH
 WAYPOINTS = [(300.0, -150.0, -40.0), (-150.0, -150.0, -40.0)]  # missions/circuit.yaml
 RADIUS = 50.0  # limits.turn_radius_m of vehicles/anaconda.yaml

@@ -19,10 +19,10 @@ MISSIONS = ROOT / "missions"
 HOURGLASS = [(400, -250, -70), (-400, -50, -70), (-400, -250, -70), (400, -50, -70)]
 
 
-def places(heard):
+def places(received):
     """Waypoints since the last order to forget them."""
     out = []
-    for message in heard:
+    for message in received:
         out = [] if message.clear_wp_list else [*out, tuple(message.w)]
     return out
 
@@ -37,24 +37,24 @@ def add(peer, *w, **more):
 
 def test_planner_loads_adds_clears_and_tells_latecomers(peer):
     with start("path_planner") as planner:
-        heard = peer.listen(Waypoint, "waypoint_path", LATCHED)
+        received = peer.listen(Waypoint, "waypoint_path", LATCHED)
         settings = peer.listen(MissionSettings, "mission_settings", LATCHED)
-        assert load(peer, MISSIONS / "reference_fixedwing.yaml")  # the reference's own form
-        peer.wait(lambda: places(heard) == HOURGLASS, "all four waypoints")
-        assert all(m.va_d == 17.0 and not m.use_chi for m in heard if not m.clear_wp_list)
+        assert load(peer, MISSIONS / "reference_fixedwing.yaml")  # ROSflight 2.x's own form
+        peer.wait(lambda: places(received) == HOURGLASS, "all four waypoints")
+        assert all(m.va_d == 17.0 and not m.use_chi for m in received if not m.clear_wp_list)
         # A mission of ours: what a Waypoint cannot say comes beside it.
         assert load(peer, MISSIONS / "hourglass_dubins.yaml")
-        peer.wait(lambda: len(places(heard)) == 6, "six waypoints")
-        assert heard[-1].use_chi and heard[-1].chi_d == pytest.approx(1.1518)
+        peer.wait(lambda: len(places(received)) == 6, "six waypoints")
+        assert received[-1].use_chi and received[-1].chi_d == pytest.approx(1.1518)
         peer.wait(lambda: settings and settings[-1].at_end == MissionSettings.LAND, "the end")
         with SimPeer("late") as late:  # joins when all has been said
             all_of_it = late.listen(Waypoint, "waypoint_path", LATCHED)
-            late.wait(lambda: places(all_of_it) == places(heard), "all that is in force")
+            late.wait(lambda: places(all_of_it) == places(received), "all that is in force")
 
         # One by one, with results.
         answer = peer.call(Trigger, "clear_waypoints")
         assert answer.success and "6 waypoints" in answer.message
-        peer.wait(lambda: heard[-1].clear_wp_list, "the order to forget")
+        peer.wait(lambda: received[-1].clear_wp_list, "the order to forget")
         assert add(peer, 300, 0, -60).success
         assert "to the waypoint before" in (refused := add(peer, 310, 0, -60)).message and not refused.success
         for why, answer in {"va_d": add(peer, 300, 300, -60, va_d=40.0), "height": add(peer, 300, 300, 10),
@@ -65,30 +65,30 @@ def test_planner_loads_adds_clears_and_tells_latecomers(peer):
         assert add(peer, 300, 300, -60).success
         assert "2 waypoints, 2 published" in peer.call(Trigger, "print_waypoints").message
         assert "waypoint 2: north 300.0, east 300.0" in planner.until("waypoint 2")
-        assert places(heard) == [(300, 0, -60), (300, 300, -60)]
+        assert places(received) == [(300, 0, -60), (300, 300, -60)]
 
         # As many as asked for, then one by one.
         assert all(r.successful for r in set_parameters(peer, "path_planner", num_waypoints_to_publish_at_start=3))
         assert load(peer, MISSIONS / "fixedwing.yaml")
-        peer.wait(lambda: places(heard) == HOURGLASS[:3], "three of four")
+        peer.wait(lambda: places(received) == HOURGLASS[:3], "three of four")
         peer.wait(lambda: settings[-1].at_end == MissionSettings.HOLD, "waiting there")
         assert peer.call(Trigger, "publish_next_waypoint").success
-        peer.wait(lambda: places(heard) == HOURGLASS and settings[-1].at_end == MissionSettings.LAND, "the last")
+        peer.wait(lambda: places(received) == HOURGLASS and settings[-1].at_end == MissionSettings.LAND, "the last")
         nothing = peer.call(Trigger, "publish_next_waypoint")
         assert not nothing.success and "nothing is left" in nothing.message
 
 
 def test_planner_takes_places_on_earth_once_it_knows_the_origin(peer):
     with start("path_planner"):
-        heard = peer.listen(Waypoint, "waypoint_path", LATCHED)
+        received = peer.listen(Waypoint, "waypoint_path", LATCHED)
         assert "origin" in add(peer, 40.2, -111.6, 1450, lla=True).message
         states = peer.publisher(State, "estimated_state")
         message = state(now_ns())
         message.initial_lat, message.initial_lon, message.initial_alt = 40.25, -111.65, 1390.0
         peer.poll(lambda: states.publish(message) or add(peer, 40.252, -111.65, 1450, lla=True).success, "the origin")
         # 0.002 degrees of latitude are 222.1 m at 40 degrees (111.035 km a degree, WGS-84).
-        assert heard[-1].w[0] == pytest.approx(222.1, abs=0.6) and heard[-1].w[2] == pytest.approx(-60.0, abs=0.1)
-        assert not heard[-1].lla
+        assert received[-1].w[0] == pytest.approx(222.1, abs=0.6) and received[-1].w[2] == pytest.approx(-60.0, abs=0.1)
+        assert not received[-1].lla
 
 
 @pytest.mark.parametrize("text, said", [

@@ -49,7 +49,7 @@ class Feed:
     """States at the wall's time, until an answer on a topic fulfils a condition."""
 
     def __init__(self, peer, kind, topic):
-        self.peer, self.heard = peer, peer.listen(kind, topic)
+        self.peer, self.received = peer, peer.listen(kind, topic)
         self.states = peer.publisher(State, "estimated_state")
         self.others = []
 
@@ -64,13 +64,13 @@ class Feed:
 
     def until(self, condition, what, **fields):
         """The first answer from now on that fulfils the condition."""
-        first = len(self.heard)
+        first = len(self.received)
 
         def found():
             self.give(**fields)
-            return next((m for m in self.heard[first:] if condition(m)), None)
+            return next((m for m in self.received[first:] if condition(m)), None)
         self.peer.poll(found, what)
-        return next(m for m in self.heard[first:] if condition(m))
+        return next(m for m in self.received[first:] if condition(m))
 
 
 # ---- path_follower -------------------------------------------------------------------------------
@@ -95,7 +95,7 @@ def test_path_follower_follows_stops_and_takes_gains(peer):
         course = -1.2 * 2 / math.pi * math.atan(0.03 * 10.0)
         answer = feed.until(lambda m: abs(m.chi_c - course) < 1e-4, "a course to the line", east=10.0)
         assert (answer.va_c, answer.h_c, answer.aux_valid, answer.aux[0]) == (15.0, 60.0, True, 0.0)
-        assert stamp_ns(answer) in range(stamp_ns(feed.heard[0]), now_ns())  # that of the state
+        assert stamp_ns(answer) in range(stamp_ns(feed.received[0]), now_ns())  # that of the state
 
         assert set_parameters(peer, "path_follower", k_path=0.1)[0].successful
         course = -1.2 * 2 / math.pi * math.atan(0.1 * 10.0)
@@ -116,7 +116,7 @@ def test_path_follower_follows_stops_and_takes_gains(peer):
         # No path any more: commands end, and it says so once.
         feed.others = []
         peer.poll(lambda: feed.give() or "current_path is silent" in process.text(), "a word about the silence")
-        assert falls_silent(feed.heard, feed.give) and process.text().count("is silent") == 1
+        assert falls_silent(feed.received, feed.give) and process.text().count("is silent") == 1
 
 
 @pytest.mark.parametrize("broken", [{"q": [0.0, 0.0, 0.0]}, {"q": [0.0, 0.0, 1.0]}, {"q": [NAN, 0.0, 0.0]},
@@ -134,7 +134,7 @@ def test_path_follower_follows_nothing_that_is_no_path(peer, broken):
             return message
         feed.others = []
         feed.also(CurrentPath, "current_path", bad)
-        assert falls_silent(feed.heard, feed.give)
+        assert falls_silent(feed.received, feed.give)
 
 
 # ---- controller ----------------------------------------------------------------------------------
@@ -194,7 +194,7 @@ def test_controller_flies_stops_and_takes_gains(peer, law):
         refused = set_parameters(peer, "controller", r_kp=-0.5)[0]
         assert not refused.successful and refused.reason
 
-        # The command's own roll and pitch, with the reference's override parameters.
+        # The command's own roll and pitch, with ROSflight 2.x's override parameters.
         assert all(r.successful for r in set_parameters(peer, "controller", roll_command_override=True,
                                                         pitch_command_override=True, max_roll=45.0))
         feed.others.pop()
@@ -208,13 +208,13 @@ def test_controller_flies_stops_and_takes_gains(peer, law):
         bank_of(feed, lambda m: abs(m.phi_c - math.radians(20.0)) < 1e-3, "the circle of a lost wing")
         process.until("controller_command is silent: circles")
         # The state ends: every entry goes to the pilot, until it is back.
-        count = len(feed.heard)
-        peer.wait(lambda: any(m.ignore == 0x3FF for m in feed.heard[count:]), "the pilot's turn")
+        count = len(feed.received)
+        peer.wait(lambda: any(m.ignore == 0x3FF for m in feed.received[count:]), "the pilot's turn")
         process.until("estimated_state is silent: the pilot has control")
         feed.until(lambda m: m.ignore == 0, "flight again")
         # A state that is none counts as silence.
-        broken = feed.heard[:]
-        peer.poll(lambda: feed.give(height=NAN) or any(m.ignore == 0x3FF for m in feed.heard[len(broken):]), "no trust in NaN")
+        broken = feed.received[:]
+        peer.poll(lambda: feed.give(height=NAN) or any(m.ignore == 0x3FF for m in feed.received[len(broken):]), "no trust in NaN")
 
 
 def test_controller_takes_off_by_itself_without_a_path_manager(peer):
@@ -300,15 +300,15 @@ def test_estimator_starts_tells_and_says_what_it_does_not_know(peer):
 
 def test_truth_becomes_a_state(peer):
     with start("sim_state_transcriber"):
-        heard = peer.listen(State, "sim/rosplane/state")
+        received = peer.listen(State, "sim/rosplane/state")
         truth = peer.publisher(SimState, "sim/truth_state")
         message = SimState()
         message.pose.position.x, message.pose.position.z = 3.0, -40.0
         half = math.radians(15.0)  # 30 degrees of heading
         message.pose.orientation.w, message.pose.orientation.z = math.cos(half), math.sin(half)
         message.twist.linear.x, message.twist.linear.y, message.twist.linear.z = 15.0, 0.0, 1.5
-        peer.poll(lambda: truth.publish(stamp(message, now_ns())) or heard, "a state")
-        out = heard[-1]
+        peer.poll(lambda: truth.publish(stamp(message, now_ns())) or received, "a state")
+        out = received[-1]
         assert (out.p_n, out.p_e, out.p_d, out.v_x) == (3.0, 0.0, -40.0, 15.0)
         assert out.psi == pytest.approx(math.radians(30.0), abs=1e-6) and out.chi == pytest.approx(out.psi, abs=1e-6)
         assert out.va == pytest.approx(math.hypot(15.0, 1.5)) and out.alpha == pytest.approx(math.atan2(1.5, 15.0))
@@ -317,14 +317,14 @@ def test_truth_becomes_a_state(peer):
 
 def test_signal_generator_puts_its_signal_on_one_command(peer):
     with start("signal_generator", controller_output="altitude", signal_type="step", signal_magnitude=10.0, default_h_c=60.0):
-        heard = peer.listen(ControllerCommands, "controller_command")
-        peer.wait(lambda: heard, "a command")
-        assert (heard[-1].h_c, heard[-1].va_c, heard[-1].phi_c) == (60.0, 15.0, 0.0)
+        received = peer.listen(ControllerCommands, "controller_command")
+        peer.wait(lambda: received, "a command")
+        assert (received[-1].h_c, received[-1].va_c, received[-1].phi_c) == (60.0, 15.0, 0.0)
         assert peer.call(Trigger, "toggle_step_signal").success
-        peer.wait(lambda: heard[-1].h_c == 70.0, "the step")
+        peer.wait(lambda: received[-1].h_c == 70.0, "the step")
         assert not peer.call(Trigger, "start_continuous_signal").success  # a step has no periods
         assert all(r.successful for r in set_parameters(peer, "signal_generator", controller_output="course", default_h_c=50.0))
-        peer.wait(lambda: heard[-1].h_c == 50.0 and heard[-1].chi_c == 10.0, "another output")
+        peer.wait(lambda: received[-1].h_c == 50.0 and received[-1].chi_c == 10.0, "another output")
         refused = set_parameters(peer, "signal_generator", controller_output="yaw")[0]
         assert not refused.successful and "allowed roll" in refused.reason
 

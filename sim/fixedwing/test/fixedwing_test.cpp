@@ -195,7 +195,7 @@ TEST(FixedWing, WindmillsWithoutThrottleAndLosesItsThrustWithItsMotor) {
                                       airframe);
   const double drag_N = airframe.force_B.x() - truth.wrench.force_B.x();
   EXPECT_GT(drag_N, 0.0);
-  EXPECT_LT(drag_N, 1.5);  // the reference's braked propeller: 13 N
+  EXPECT_LT(drag_N, 1.5);  // ROSflight 2.x's braked propeller: 13 N
 }
 
 TEST(FixedWing, RefusesWhatCannotFly) {
@@ -229,8 +229,8 @@ TEST(FixedWing, StandsOnItsWheels) {
   const Truth& truth = hangar.dynamics.truth();
   EXPECT_TRUE(truth.on_ground);
   EXPECT_LT(truth.body.v_B.norm(), 1e-3);
-  EXPECT_NEAR(truth.body.p_N.z(), -0.19, 0.01);
-  const double pitch = std::asin(-truth.body.q_NB.toRotationMatrix()(2, 0));
+  EXPECT_NEAR(truth.body.p_W.z(), -0.19, 0.01);
+  const double pitch = std::asin(-truth.body.q_WB.toRotationMatrix()(2, 0));
   EXPECT_LT(std::abs(pitch), 2.0 * kDegree);
 }
 
@@ -246,15 +246,15 @@ TEST(GroundContact, WheelsRollAlongAndHoldAcross) {
   ground.friction = 0.6;
   ground.rolling_friction = 0.05;
   const Push nothing;
-  const auto slide = [&](const Vector3& v_N, double heading) {
+  const auto slide = [&](const Vector3& v_W, double heading) {
     RigidBody dynamics(body({0.3, 0.3, 0.5}), ground, environment(), nothing, kRandom);
     BodyState start = dynamics.rest_state();
-    start.q_NB = Eigen::AngleAxisd(heading, Vector3::UnitZ());
-    start.v_B = start.q_NB.conjugate() * v_N;
+    start.q_WB = Eigen::AngleAxisd(heading, Vector3::UnitZ());
+    start.v_B = start.q_WB.conjugate() * v_W;
     EXPECT_TRUE(dynamics.set_state(start));
     run(dynamics, 12.0);
     EXPECT_LT(dynamics.truth().body.v_B.norm(), 1e-3);
-    return (dynamics.truth().body.p_N - start.p_N).norm();
+    return (dynamics.truth().body.p_W - start.p_W).norm();
   };
   const double g = 9.80665;
   const double kStick = 0.03;  // an anchored wheel gives a little

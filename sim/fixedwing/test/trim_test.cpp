@@ -105,8 +105,8 @@ TEST(Trim, StaysWhereItIsInTheSimulator) {
       hangar.dynamics.step(hal::microseconds(2500 * i), trim.outputs);  // 2 s
     const BodyState& now = hangar.dynamics.truth().body;
     EXPECT_NEAR(now.v_B.norm(), 18.0, 2e-3);
-    EXPECT_NEAR((now.q_NB * now.v_B).z(), -18.0 * std::sin(0.05), 2e-3);
-    EXPECT_NEAR(now.q_NB.angularDistance(trim.body.q_NB), 0.0, 1e-3);
+    EXPECT_NEAR((now.q_WB * now.v_B).z(), -18.0 * std::sin(0.05), 2e-3);
+    EXPECT_NEAR(now.q_WB.angularDistance(trim.body.q_WB), 0.0, 1e-3);
   }
 }
 
@@ -121,7 +121,7 @@ TEST(Trim, ATurnHasTheBankOfTheCoordinatedTurn) {
   EXPECT_NEAR(right.roll_rad, bank, 0.05 * bank);
   EXPECT_NEAR(left.roll_rad, -bank, 0.05 * bank);
   EXPECT_GT(right.alpha_rad, hangar.trim(speed).alpha_rad);
-  const Vector3 turn = right.body.q_NB * right.body.w_B;
+  const Vector3 turn = right.body.q_WB * right.body.w_B;
   EXPECT_NEAR(turn.z(), speed / radius, 1e-9);
 }
 

@@ -58,11 +58,11 @@ TEST(Gnss, APlaceNextDoorIsWhereTheEllipsoidHasIt) {
   const double meridian_m = 6378137.0 * (1.0 - 6.69437999014e-3) / (w * w * w) + 1387.0;
   const double parallel_m = (6378137.0 / w + 1387.0) * std::cos(40.2463724 * kDegree);
   Truth truth = at_rest();
-  truth.body.p_N = {100.0, 0.0, -50.0};
+  truth.body.p_W = {100.0, 0.0, -50.0};
   auto sample = measured(gnss, truth);
   EXPECT_NEAR(sample.latitude_deg - 40.2463724, 100.0 / (meridian_m + 50.0) / kDegree, 2e-9);
   EXPECT_NEAR(static_cast<double>(sample.height_msl_m), 1437.0, 2e-3);
-  truth.body.p_N = {0.0, 100.0, 0.0};
+  truth.body.p_W = {0.0, 100.0, 0.0};
   sample = measured(gnss, truth);
   EXPECT_NEAR(sample.longitude_deg + 111.6474138, 100.0 / parallel_m / kDegree, 2e-9);
 }
@@ -74,7 +74,7 @@ TEST(Gnss, VelocityIsOfTheAntennaOverGround) {
   config.position_m = {-0.5, 0.0, 0.0};
   Gnss gnss = receiver(config);
   Truth truth = at_rest();
-  truth.body.q_NB = turned(std::numbers::pi / 2.0, Vector3::UnitZ());
+  truth.body.q_WB = turned(std::numbers::pi / 2.0, Vector3::UnitZ());
   truth.body.v_B = {10.0, 0.0, -1.0};
   truth.body.w_B = {0.0, 0.0, 2.0};
   const auto sample = measured(gnss, truth);
@@ -106,10 +106,10 @@ TEST(Gnss, ErrorsHaveTheirSpreadInMetres) {
   for (int run = 0; run < kRuns; ++run) {
     Gnss gnss(config, place.origin, 0, RandomSource{static_cast<std::uint64_t>(run)});
     const auto sample = measured(gnss, at_rest());
-    const Vector3 p_N = frame.to_local({.latitude_deg = sample.latitude_deg,
+    const Vector3 p_W = frame.to_local({.latitude_deg = sample.latitude_deg,
                                         .longitude_deg = sample.longitude_deg,
-                                        .height_m = static_cast<double>(sample.height_msl_m)});
-    squares += p_N.cwiseAbs2();
+                                        .altitude_m = static_cast<double>(sample.height_msl_m)});
+    squares += p_W.cwiseAbs2();
   }
   const double bound = 4.0 * std::sqrt(2.0 / kRuns);
   EXPECT_NEAR(squares.x() / kRuns / (1.7 * 1.7), 1.0, bound);
@@ -162,7 +162,7 @@ TEST(Gnss, ADropoutHoldsTheLastPosition) {
   bool seen = false;
   for (int i = 0; i < 200; ++i) {
     truth.time = Time{100'000LL * i};
-    truth.body.p_N.x() += 1.0;
+    truth.body.p_W.x() += 1.0;
     const auto sample = measured(gnss, truth);
     if (sample.fix == hal::GnssFix::kNone) {
       EXPECT_EQ(sample.latitude_deg, last_latitude);

@@ -178,7 +178,7 @@ TEST(Imu, ReferenceHabitsStandstillQuietAndTransient) {
   Truth truth = at_rest();
   truth.body.v_B = {0.0, 0.04, 0.0};
   truth.specific_force_B = {3.0, 0.0, 0.0};
-  truth.body.q_NB = turned(kPi / 2.0, Vector3::UnitX());
+  truth.body.q_WB = turned(kPi / 2.0, Vector3::UnitX());
   auto sample = measured(imu, truth);
   expect_near(sample.accel_m_s2, {0.0, -kTestGravity, 0.0},
               1e-6);  // right side down: gravity to the left is up

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 const RandomSource kSource{7};
-const Vector3 kField_N_T{2.0e-5, 0.5e-5, 4.5e-5};
+const Vector3 kField_W_T{2.0e-5, 0.5e-5, 4.5e-5};
 
 template <class Config>
 Config perfect() {
@@ -27,10 +27,10 @@ Config perfect() {
 
 // ---- magnetometer
 
-hal::MagSample field(const Magnetometer::Config& config, const Quaternion& q_NB) {
-  Magnetometer mag(config, kField_N_T, kSource);
+hal::MagSample field(const Magnetometer::Config& config, const Quaternion& q_WB) {
+  Magnetometer mag(config, kField_W_T, kSource);
   Truth truth = at_rest(Time{77});
-  truth.body.q_NB = q_NB;
+  truth.body.q_WB = q_WB;
   hal::MagSample sample;
   EXPECT_TRUE(mag.measure(truth, sample));
   EXPECT_EQ(sample.stamp, Time{77});
@@ -46,7 +46,7 @@ void expect_field(const hal::MagSample& sample, const Vector3& expected) {
 }
 
 TEST(Magnetometer, SeesTheFieldInBodyAxes) {
-  expect_field(field(perfect<Magnetometer::Config>(), Quaternion::Identity()), kField_N_T);
+  expect_field(field(perfect<Magnetometer::Config>(), Quaternion::Identity()), kField_W_T);
   // Nose east: the body's x is east and its right hand points south.
   const Quaternion east = turned(kPi / 2.0, Vector3::UnitZ());
   expect_field(field(perfect<Magnetometer::Config>(), east), {0.5e-5, -2.0e-5, 4.5e-5});
@@ -61,8 +61,8 @@ TEST(Magnetometer, IronIsWhatTheCalibrationUndoes) {
   const Vector3 y{static_cast<double>(sample.field_T[0]), static_cast<double>(sample.field_T[1]),
                   static_cast<double>(sample.field_T[2])};
   const Vector3 corrected = config.soft_iron.inverse() * (y - config.field_T.fixed_bias);
-  EXPECT_TRUE(corrected.isApprox(kField_N_T, 1e-6));  // floats
-  EXPECT_FALSE(y.isApprox(kField_N_T, 0.1));
+  EXPECT_TRUE(corrected.isApprox(kField_W_T, 1e-6));  // floats
+  EXPECT_FALSE(y.isApprox(kField_W_T, 0.1));
 }
 
 TEST(Magnetometer, IsTurnedLikeTheImu) {
@@ -95,7 +95,7 @@ TEST(Barometer, ABadPortAddsAShareOfTheDynamicPressure) {
   config.dynamic_pressure_share = 0.2;
   Truth truth = at_rest();
   truth.body.v_B = {8.0, 0.0, 0.0};
-  truth.air.wind_N = {5.0, 4.0, 0.0};
+  truth.air.wind_W = {5.0, 4.0, 0.0};
   EXPECT_NEAR(pressure<Barometer>(config, truth) - 101'325.0, 3.0625, 0.004);  // float: 1/128 Pa
 }
 
@@ -123,8 +123,8 @@ TEST(PitotTube, HasTheSignOfTheAirAlongTheNose) {
 TEST(PitotTube, FeelsTheWindInBodyAxes) {
   // Standing with the nose east in an east wind (air moves west, -10 m/s east): 1/2 * 1.225 * 100.
   Truth truth = at_rest();
-  truth.body.q_NB = turned(kPi / 2.0, Vector3::UnitZ());
-  truth.air.wind_N = {0.0, -10.0, 0.0};
+  truth.body.q_WB = turned(kPi / 2.0, Vector3::UnitZ());
+  truth.air.wind_W = {0.0, -10.0, 0.0};
   EXPECT_NEAR(pressure<PitotTube>(perfect<PitotTube::Config>(), truth), 61.25, 1e-4);
 }
 
@@ -154,8 +154,8 @@ struct Echo {
 Echo echo(const Rangefinder::Config& config, double height_m, double tilt_deg = 0.0) {
   Rangefinder rangefinder(config, kSource);
   Truth truth = at_rest();
-  truth.body.p_N = {3.0, 4.0, -height_m};
-  truth.body.q_NB = turned(tilt_deg * kPi / 180.0, Vector3(0.6, 0.8, 0.0));
+  truth.body.p_W = {3.0, 4.0, -height_m};
+  truth.body.q_WB = turned(tilt_deg * kPi / 180.0, Vector3(0.6, 0.8, 0.0));
   Echo result{};
   result.there = rangefinder.measure(truth, result.sample);
   return result;

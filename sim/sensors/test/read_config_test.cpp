@@ -111,7 +111,7 @@ sensors:
   EXPECT_EQ(c.imu.accel_m_s2.axis.noise_sigma, 9.0);
   EXPECT_EQ(c.imu.position_m, Vector3(1.0, 2.0, 3.0));
   EXPECT_EQ(c.imu.rotation_deg, Vector3(4.0, 5.0, 6.0));
-  EXPECT_EQ(c.imu.gyro_vibration_s_rad, 0.1);
+  EXPECT_EQ(c.imu.gyro_vibration, 0.1);
   EXPECT_EQ(c.imu.accel_vibration_m_s_rad, 0.2);
   EXPECT_EQ(c.imu.gyro_temperature_rad_s_K, Vector3(0.1, 0.2, 0.3));
   EXPECT_EQ(c.imu.accel_temperature_m_s2_K, Vector3(0.4, 0.5, 0.6));

@@ -69,7 +69,7 @@ TEST(RegisterSensors, AnUnknownModuleIsAMistake) {
     EXPECT_EQ(std::string(error.what()),
               "--set sensors={module: mine}: sensors.module: found mine, allowed standard");
   }
-  // Whoever builds the standard module directly does not do what the file asks for.
+  // The standard module, constructed directly, does not follow the file.
   EXPECT_THROW(static_cast<void>(read_sensors(vehicle.sensors())), config::Error);
 }
 

@@ -25,10 +25,10 @@ inline Quaternion turned(double angle_rad, const Vector3& axis) {
 /// Provo, Utah, where the ROSflight 2.x simulator starts, with its magnetic field.
 inline EnvironmentParameters test_place() {
   EnvironmentParameters place;
-  place.origin = {.latitude_deg = 40.2463724, .longitude_deg = -111.6474138, .height_m = 1387.0};
+  place.origin = {.latitude_deg = 40.2463724, .longitude_deg = -111.6474138, .altitude_m = 1387.0};
   place.start_unix_s = 1'780'315'200;  // 2026-06-01T12:00:00Z
   place.gravity_m_s2 = kTestGravity;
-  place.magnetic_field_N_T = {2.08399e-5, 3.91717e-6, 4.60706e-5};
+  place.magnetic_field_W_T = {2.08399e-5, 3.91717e-6, 4.60706e-5};
   return place;
 }
 

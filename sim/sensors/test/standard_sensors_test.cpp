@@ -21,7 +21,7 @@ constexpr std::int64_t kTick_us = 2500;
 Truth moving(Time t) {
   Truth truth = at_rest(t);
   const double s = to_seconds(t);
-  truth.body.p_N = {s, -2.0 * s, -1.0 - 0.5 * std::sin(s)};
+  truth.body.p_W = {s, -2.0 * s, -1.0 - 0.5 * std::sin(s)};
   truth.body.v_B = {1.0, -2.0, 0.1};
   truth.body.w_B = {0.1 * std::sin(3.0 * s), 0.0, 0.2};
   truth.battery_voltage_V = 24.0 - 0.01 * s;
@@ -173,7 +173,7 @@ TEST(StandardSensors, PresetsDoNotLetSlowSensorsShareAStep) {
   SensorSamples s;
   for (std::int64_t i = 0; i < 800; ++i) {
     Truth truth = at_rest(Time{i * kTick_us});
-    truth.body.p_N.z() = -1.0;
+    truth.body.p_W.z() = -1.0;
     sensors.step(truth, s);
     EXPECT_LE(s.has_baro + s.has_range + s.has_gnss + s.has_battery, 1) << i;
   }

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware/boards/linux/file_descriptor.hpp"
+#include "base/file_descriptor.hpp"
 #include "firmware/boards/linux/linux_serial.hpp"
 
 /// The other end of a serial port over a pty, UDP or TCP, on this machine, with bounded waits.
@@ -66,12 +66,12 @@ inline sockaddr_in loopback(std::uint16_t port) {
   return address;
 }
 
-inline FileDescriptor open_slave(const std::string& name) {
-  return FileDescriptor{::open(name.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK)};
+inline base::FileDescriptor open_slave(const std::string& name) {
+  return base::FileDescriptor{::open(name.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC | O_NONBLOCK)};
 }
 
-inline FileDescriptor connect_tcp(std::uint16_t port) {
-  FileDescriptor fd{::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
+inline base::FileDescriptor connect_tcp(std::uint16_t port) {
+  base::FileDescriptor fd{::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
   sockaddr_in address = loopback(port);
   if (::connect(fd.get(), reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) fd.close();
   if (fd.valid()) ::fcntl(fd.get(), F_SETFL, O_NONBLOCK);
@@ -79,8 +79,8 @@ inline FileDescriptor connect_tcp(std::uint16_t port) {
 }
 
 /// Bound to a port of its own, not yet connected.
-inline FileDescriptor bound_udp(std::uint16_t& port) {
-  FileDescriptor fd{::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)};
+inline base::FileDescriptor bound_udp(std::uint16_t& port) {
+  base::FileDescriptor fd{::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)};
   sockaddr_in address = loopback(0);
   auto* generic = reinterpret_cast<sockaddr*>(&address);
   socklen_t size = sizeof address;
@@ -98,15 +98,15 @@ struct Pair {
       std::uint16_t port = 0;
       pair.far = bound_udp(port);
       pair.near = std::make_unique<LinuxSerial>(
-          LinkAddress::parse("udp:127.0.0.1:" + std::to_string(port)));
+          base::parse_board_link("udp:127.0.0.1:" + std::to_string(port)));
       sockaddr_in address = loopback(port_in(word(pair.near->where(), "listen")));
       EXPECT_EQ(::connect(pair.far.get(), reinterpret_cast<sockaddr*>(&address), sizeof address),
                 0);
-    } else if (kind == LinkAddress::Kind::kTcp) {
-      pair.near = std::make_unique<LinuxSerial>(LinkAddress::parse("tcp:0"));
+    } else if (kind == LinkAddress::Kind::kTcpServer) {
+      pair.near = std::make_unique<LinuxSerial>(base::parse_board_link("tcp:0"));
       pair.far = connect_tcp(port_in(word(pair.near->where(), "link")));
     } else {
-      pair.near = std::make_unique<LinuxSerial>(LinkAddress::parse("pty"));
+      pair.near = std::make_unique<LinuxSerial>(base::parse_board_link("pty"));
       pair.far = open_slave(word(pair.near->where(), "link").substr(std::string{"pty:"}.size()));
     }
     EXPECT_TRUE(pair.far.valid());
@@ -132,9 +132,9 @@ struct Pair {
     Bytes all;
     while (true) {
       near->transmit();
-      const int patience = all.size() < expected ? kPatience_ms : kSilence_ms;
+      const int timeout = all.size() < expected ? kPatience_ms : kSilence_ms;
       pollfd set{far.get(), POLLIN, 0};
-      if (::poll(&set, 1, patience) <= 0) return all;
+      if (::poll(&set, 1, timeout) <= 0) return all;
       Bytes buffer(65536);
       const ssize_t n = ::read(far.get(), buffer.data(), buffer.size());
       if (n <= 0) return all;
@@ -149,7 +149,7 @@ struct Pair {
   }
 
   std::unique_ptr<LinuxSerial> near;
-  FileDescriptor far;
+  base::FileDescriptor far;
 };
 
 }  // namespace rosflight::boards

@@ -19,13 +19,13 @@
 namespace rosflight::hal::contract {
 namespace {
 
-using boards::LinkAddress;
+using base::LinkAddress;
 using boards::LinuxBoard;
 
 /// One whole board each, seen through the roles that the firmware gets.
 struct OnBoard {
   boards::TemporaryFolder folder;
-  LinuxBoard board{LinkAddress::parse("tcp:0"), folder / "memory"};
+  LinuxBoard board{base::parse_board_link("tcp:0"), folder / "memory"};
   hal::Board roles{board.roles()};
 };
 
@@ -110,7 +110,7 @@ using Sources =
                      LinuxSource<GnssSample, &LinuxBoard::gnss>, LinuxReceiver, LinuxBattery>;
 using Serials =
     ::testing::Types<LinuxSerial<LinkAddress::Kind::kPty>, LinuxSerial<LinkAddress::Kind::kUdp>,
-                     LinuxSerial<LinkAddress::Kind::kTcp>>;
+                     LinuxSerial<LinkAddress::Kind::kTcpServer>>;
 
 INSTANTIATE_TYPED_TEST_SUITE_P(LinuxBoard, ClockContract, LinuxClock);
 INSTANTIATE_TYPED_TEST_SUITE_P(LinuxBoard, SourceContract, Sources);

@@ -63,9 +63,9 @@ class EveryWire : public ::testing::TestWithParam<Kind> {
 TEST_P(EveryWire, CarriesEveryByteValueBothWaysUnchanged) {
   const Bytes bytes = counting(512);
   pair_.deliver(bytes);
-  const Bytes heard = read_all(serial_);
-  EXPECT_EQ(heard, bytes);
-  ASSERT_TRUE(write(serial_, heard));
+  const Bytes received = read_all(serial_);
+  EXPECT_EQ(received, bytes);
+  ASSERT_TRUE(write(serial_, received));
   EXPECT_EQ(pair_.sent(bytes.size()), bytes);
 }
 
@@ -136,7 +136,8 @@ TEST_P(EveryWire, AResetForgetsWhatWaits) {
   EXPECT_EQ(serial_.writable(), LinuxSerial::kTransmitCapacity);
 }
 
-INSTANTIATE_TEST_SUITE_P(Wires, EveryWire, ::testing::Values(Kind::kPty, Kind::kUdp, Kind::kTcp));
+INSTANTIATE_TEST_SUITE_P(Wires, EveryWire,
+                         ::testing::Values(Kind::kPty, Kind::kUdp, Kind::kTcpServer));
 
 class WireWithClients : public EveryWire {};
 
@@ -153,10 +154,10 @@ TEST_P(WireWithClients, BytesSentJustBeforeLeavingAreRead) {
   EXPECT_EQ(all, (Bytes{'a', 'b', 'c'}));
 }
 
-INSTANTIATE_TEST_SUITE_P(Wires, WireWithClients, ::testing::Values(Kind::kPty, Kind::kTcp));
+INSTANTIATE_TEST_SUITE_P(Wires, WireWithClients, ::testing::Values(Kind::kPty, Kind::kTcpServer));
 
 TEST(LinuxSerial, TakesAnyRateOfItsOneDevice) {
-  const Pair pair = Pair::of(Kind::kTcp);
+  const Pair pair = Pair::of(Kind::kTcpServer);
   EXPECT_TRUE(pair.near->open(921600, 0));
   EXPECT_TRUE(pair.near->open(9600, 0));
   EXPECT_FALSE(pair.near->open(921600, 1));
@@ -200,11 +201,11 @@ TEST(PtyWire, MakesALinkAndTakesItAway) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "fcu";
   {
-    const LinuxSerial serial(LinkAddress::parse("pty:" + path.string()));
+    const LinuxSerial serial(base::parse_board_link("pty:" + path.string()));
     EXPECT_EQ(word(serial.where(), "symlink"), path.string());
     EXPECT_EQ("pty:" + std::filesystem::read_symlink(path).string(), word(serial.where(), "link"));
     // The name is taken now.
-    EXPECT_EQ(error_of(LinkAddress::parse("pty:" + path.string())),
+    EXPECT_EQ(error_of(base::parse_board_link("pty:" + path.string())),
               "link pty:" + path.string() + ": File exists");
   }
   EXPECT_FALSE(std::filesystem::is_symlink(path));
@@ -214,12 +215,12 @@ TEST(PtyWire, ReplacesALinkThatLeadsNowhere) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "fcu";
   std::filesystem::create_symlink(folder / "gone", path);
-  const LinuxSerial serial(LinkAddress::parse("pty:" + path.string()));
+  const LinuxSerial serial(base::parse_board_link("pty:" + path.string()));
   EXPECT_TRUE(std::filesystem::exists(path));
 }
 
 TEST(TcpWire, TakesTheNextClientWhenOneLeaves) {
-  Pair pair = Pair::of(Kind::kTcp);
+  Pair pair = Pair::of(Kind::kTcpServer);
   const std::uint16_t port = port_in(word(pair.near->where(), "link"));
   ASSERT_TRUE(write(*pair.near, {1, 2, 3}));  // for the first, who leaves
   pair.far.close();
@@ -235,7 +236,7 @@ TEST(TcpWire, TakesTheNextClientWhenOneLeaves) {
 }
 
 TEST(TcpWire, AnswersTheFirstBytesOfAClientThatCameInTheSameMomentAsTheOldOneLeft) {
-  Pair pair = Pair::of(Kind::kTcp);
+  Pair pair = Pair::of(Kind::kTcpServer);
   ASSERT_TRUE(write(*pair.near, {1}));  // for the one who leaves
   pair.far.close();
   pair.far = connect_tcp(port_in(word(pair.near->where(), "link")));
@@ -250,8 +251,8 @@ TEST(TcpWire, AnswersTheFirstBytesOfAClientThatCameInTheSameMomentAsTheOldOneLef
 }
 
 TEST(TcpWire, ASecondClientWaitsUntilTheFirstHasLeft) {
-  Pair pair = Pair::of(Kind::kTcp);
-  FileDescriptor second = connect_tcp(port_in(word(pair.near->where(), "link")));
+  Pair pair = Pair::of(Kind::kTcpServer);
+  base::FileDescriptor second = connect_tcp(port_in(word(pair.near->where(), "link")));
   ASSERT_TRUE(second.valid());
   EXPECT_FALSE(pair.wait_near(kSilence_ms));
   pair.near->receive();
@@ -269,23 +270,23 @@ TEST(TcpWire, ASecondClientWaitsUntilTheFirstHasLeft) {
 }
 
 TEST(TcpWire, ATakenPortIsOneLine) {
-  const Pair pair = Pair::of(Kind::kTcp);
+  const Pair pair = Pair::of(Kind::kTcpServer);
   const std::string port = std::to_string(port_in(word(pair.near->where(), "link")));
-  EXPECT_EQ(error_of(LinkAddress::parse("tcp:" + port)),
+  EXPECT_EQ(error_of(base::parse_board_link("tcp:" + port)),
             "link tcp 127.0.0.1:" + port + ": found 'Address already in use', allowed a free port");
 }
 
 TEST(UdpWire, ATakenPortIsOneLine) {
   std::uint16_t port = 0;
-  const FileDescriptor taken = bound_udp(port);
-  LinkAddress address = LinkAddress::parse("udp:127.0.0.1:9");
-  address.listen = port;
+  const base::FileDescriptor taken = bound_udp(port);
+  LinkAddress address = base::parse_board_link("udp:127.0.0.1:9");
+  address.local_port = port;
   EXPECT_EQ(error_of(address), "link udp 127.0.0.1:" + std::to_string(port) +
                                    ": found 'Address already in use', allowed a free port");
 }
 
 TEST(UdpWire, AnUnknownHostIsOneLine) {
-  EXPECT_EQ(error_of(LinkAddress::parse("udp:no host has this name:14520"))
+  EXPECT_EQ(error_of(base::parse_board_link("udp:no host has this name:14520"))
                 .rfind("link: found host 'no host has this name' (", 0),
             0u);
 }
@@ -293,7 +294,7 @@ TEST(UdpWire, AnUnknownHostIsOneLine) {
 TEST(UdpWire, HearsEveryoneAndTellsWhereItListens) {
   const Pair pair = Pair::of(Kind::kUdp);
   std::uint16_t port = 0;
-  const FileDescriptor stranger = bound_udp(port);
+  const base::FileDescriptor stranger = bound_udp(port);
   sockaddr_in address = loopback(port_in(word(pair.near->where(), "listen")));
   ASSERT_EQ(
       ::sendto(stranger.get(), "xyz", 3, 0, reinterpret_cast<sockaddr*>(&address), sizeof address),

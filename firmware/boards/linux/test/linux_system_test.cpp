@@ -16,7 +16,7 @@ TEST(LinuxSystem, CountsPassesThatAWatchdogWouldNotHaveWaitedFor) {
   LinuxSystem system(clock);
   for (const int ms : {5000, 5100, 5200, 5301, 5302, 9000}) {
     clock.time = hal::milliseconds(ms);
-    system.alive();
+    system.feed_watchdog();
   }
   EXPECT_EQ(system.passes(), 6u);
   EXPECT_EQ(system.watchdog_count(), 2u);  // 101 ms and 3698 ms; the first has none before it
@@ -26,7 +26,7 @@ TEST(LinuxSystem, ARestartBeginsWithoutARequestAndWithAFreshWatchdog) {
   HandClock clock;
   LinuxSystem system(clock);
   clock.time = hal::milliseconds(5000);
-  system.alive();
+  system.feed_watchdog();
   system.start_sensors();
   system.reset(true);
   EXPECT_TRUE(system.reset_requested());
@@ -34,7 +34,7 @@ TEST(LinuxSystem, ARestartBeginsWithoutARequestAndWithAFreshWatchdog) {
   EXPECT_FALSE(system.reset_requested());
   EXPECT_FALSE(system.sensors_started());
   clock.time = hal::Time{0};
-  system.alive();
+  system.feed_watchdog();
   EXPECT_EQ(system.watchdog_count(), 0u);
 }
 

@@ -45,11 +45,11 @@ struct Pipe {
   Pipe() {
     std::array<int, 2> ends{};
     if (::pipe2(ends.data(), O_CLOEXEC) != 0) fail("cannot make a pipe");
-    read = FileDescriptor{ends[0]};
-    write = FileDescriptor{ends[1]};
+    read = base::FileDescriptor{ends[0]};
+    write = base::FileDescriptor{ends[1]};
   }
-  FileDescriptor read;
-  FileDescriptor write;
+  base::FileDescriptor read;
+  base::FileDescriptor write;
 };
 
 }  // namespace
@@ -62,7 +62,7 @@ Emulator::Emulator(const Options& options)
                         "of the package gcc-arm-none-eabi");
   }
   std::signal(SIGPIPE, SIG_IGN);  // a dead emulator shows as an error of write()
-  ram_ = FileDescriptor{::memfd_create("rosflight_m7", MFD_CLOEXEC)};
+  ram_ = base::FileDescriptor{::memfd_create("rosflight_m7", MFD_CLOEXEC)};
   if (!ram_.valid() || ::ftruncate(ram_.get(), kExternalRamSize) != 0) {
     fail("cannot get memory for the emulated board");
   }
@@ -88,8 +88,8 @@ void Emulator::power_on() {
   Pipe said_pipe;
   std::array<int, 2> uart{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, uart.data()) != 0) fail("socketpair");
-  uart_ = FileDescriptor{uart[0]};
-  const FileDescriptor board_uart{uart[1]};
+  uart_ = base::FileDescriptor{uart[0]};
+  const base::FileDescriptor board_uart{uart[1]};
   const pid_t parent = ::getpid();
   child_ = ::fork();
   if (child_ < 0) fail("cannot start " + program_path_);
@@ -203,7 +203,7 @@ void Emulator::ring() {
 }
 
 Bell Emulator::wait_for_answer() {
-  const auto end = std::chrono::steady_clock::now() + options_.patience;
+  const auto end = std::chrono::steady_clock::now() + options_.timeout;
   for (;;) {
     std::array<pollfd, 2> ready{{{bell_in_.get(), POLLIN, 0}, {said_.get(), POLLIN, 0}}};
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
@@ -211,7 +211,7 @@ Bell Emulator::wait_for_answer() {
     const int count = ::poll(ready.data(), ready.size(),
                              static_cast<int>(std::max<std::int64_t>(left.count(), 0)));
     if (count == 0) {
-      give_up("no answer for " + std::to_string(options_.patience.count()) + " ms");
+      give_up("no answer for " + std::to_string(options_.timeout.count()) + " ms");
     }
     if ((ready[0].revents & POLLIN) != 0) {
       Bell said{};

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "firmware/boards/linux/file_descriptor.hpp"
+#include "base/file_descriptor.hpp"
 #include "firmware/boards/qemu_m7/exchange_block.hpp"
 
 /// The host's end of the emulated board.
@@ -30,7 +30,7 @@ class Emulator {
     Coupling coupling{Coupling::kLockStep};
     std::string program{"qemu-system-arm"};  ///< Looked for in PATH.
     /// Longest silence of the board before it counts as hanging.
-    std::chrono::milliseconds patience{4000};
+    std::chrono::milliseconds timeout{4000};
   };
 
   /// Starts nothing yet; the storage is blank (0xFF). The process ignores SIGPIPE from now on.
@@ -54,7 +54,7 @@ class Emulator {
   /// Lock-step: tells the board that to_board() is ready. @throws EmulatorError if it is gone.
   void ring();
   /// Lock-step: kDone or kBooted. @throws EmulatorError if the board died or kept silent longer
-  /// than `patience`; the process is ended then.
+  /// than `timeout`; the process is ended then.
   Bell wait_for_answer();
   /// Real time: @throws EmulatorError if the process has ended.
   void check();
@@ -70,13 +70,13 @@ class Emulator {
 
   Options options_;
   std::string program_path_;
-  FileDescriptor ram_;
+  base::FileDescriptor ram_;
   std::uint8_t* memory_{nullptr};
   pid_t child_{-1};
-  FileDescriptor bell_out_;
-  FileDescriptor bell_in_;
-  FileDescriptor said_;  ///< Standard output and error of the process.
-  FileDescriptor uart_;
+  base::FileDescriptor bell_out_;
+  base::FileDescriptor bell_in_;
+  base::FileDescriptor said_;  ///< Standard output and error of the process.
+  base::FileDescriptor uart_;
   std::string last_words_;
 };
 

@@ -10,7 +10,7 @@
 /// What a BackupMemory promises. Instantiate with
 ///
 ///     struct Traits {
-///       hal::BackupMemory& role();   // the power has just come on; after reset() the memory anew
+///       hal::BackupMemory& role();   // the power has just come on; after reset() the memory again
 ///       void reset();                // the processor starts again, the power stays on
 ///     };
 ///     INSTANTIATE_TYPED_TEST_SUITE_P(Board, BackupMemoryContract, Traits);

@@ -8,20 +8,18 @@
 
 #include "firmware/hal/roles.hpp"
 
-/// What a Serial promises. Instantiate with
+/// The contract of hal::Serial. Instantiate it with
 ///
 ///     struct Traits {
-///       hal::Serial& role();                                     // far end present, nothing under
-///       way void deliver(const std::vector<std::uint8_t>& bytes);    // the far end sends; returns
-///       when
-///                                                                // the board could read all of it
-///       std::vector<std::uint8_t> sent();                        // lets everything queued go out
-///       and
-///                                                                // returns what the far end got
+///       hal::Serial& role();                      // connected, no bytes in transit
+///       void deliver(const std::vector<std::uint8_t>& bytes);  // the far end sends; returns when
+///                                                 // the board can read all of it
+///       std::vector<std::uint8_t> sent();         // transmits everything that is queued and
+///                                                 // returns what the far end received
 ///     };
 ///     INSTANTIATE_TYPED_TEST_SUITE_P(Board, SerialContract, Traits);
 ///
-/// Until sent() is called nothing may leave the board's queue, so that it can be filled.
+/// Before sent() is called no byte may leave the transmit queue, so that a test can fill it.
 namespace rosflight::hal::contract {
 
 template <class Traits>

@@ -10,7 +10,7 @@
 /// What a Storage promises. Instantiate with
 ///
 ///     struct Traits {
-///       hal::Storage& role();   // at least 1024 bytes; after power_cycle() the same medium anew
+///       hal::Storage& role();   // at least 1024 bytes; after power_cycle() the same medium again
 ///       void power_cycle();     // power off and on, nothing being written
 ///     };
 ///     INSTANTIATE_TYPED_TEST_SUITE_P(Board, StorageContract, Traits);

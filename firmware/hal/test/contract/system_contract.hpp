@@ -54,7 +54,7 @@ TYPED_TEST_P(SystemContract, BadNewsInTheReportAreCountedAsErrors) {
 }
 
 TYPED_TEST_P(SystemContract, ResetsOnlyWhenAsked) {
-  for (int k = 0; k < 10; ++k) this->traits_.role().alive();
+  for (int k = 0; k < 10; ++k) this->traits_.role().feed_watchdog();
   EXPECT_FALSE(this->traits_.reset_asked());
   this->traits_.role().reset(false);
   EXPECT_TRUE(this->traits_.reset_asked());
@@ -71,7 +71,7 @@ TYPED_TEST_P(SystemContract, ProcessorTimeNeverDecreases) {
   Time last = this->traits_.role().busy_time();
   const bool shared = this->traits_.role().shares_processor();
   for (int k = 0; k < 100; ++k) {
-    this->traits_.role().alive();
+    this->traits_.role().feed_watchdog();
     const Time now = this->traits_.role().busy_time();
     EXPECT_GE(now, last);
     last = now;

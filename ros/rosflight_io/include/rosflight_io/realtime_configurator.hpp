@@ -14,8 +14,7 @@ namespace rosflight_io {
 ///     --policy:=RR | FIFO         which; RR if not given
 ///     --priority:=N               1 to 99; 87 if not given
 ///     --publish-context-switches  std_msgs/Int32 on <node name>/context_switches once a second:
-///     how
-///                                 often the thread was made to wait since the last
+///                                 involuntary context switches of the thread since the last one
 ///
 ///     const RealtimeConfigurator realtime{argc, argv};   // first of all, so that ROS's threads
 ///     realtime.apply();                                  // inherit it

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The only file that sees CLI11, which takes seconds to compile.
+#include "apps/command_line.hpp"
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "apps/fly_command.hpp"
+#include "apps/mixer_command.hpp"
+#include "apps/trim_command.hpp"
+#include "flight/link_protocol.hpp"
+#include "flight/project_root.hpp"
+#include "flight/replay/replay.hpp"
+#include "flight/sil/sil.hpp"
+#include "sim/faults.hpp"
+
+namespace rosflight::apps {
+namespace {
+
+using namespace rosflight::flight;  // NOLINT(google-build-using-namespace): what the commands call
+
+constexpr int kBadInput = 2;
+
+/// For CLI11: empty if `text` is a whole number without a sign, else what is wrong.
+std::string whole_number(const std::string& text) {
+  const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+  return digits ? std::string() : "found '" + text + "', allowed a whole number from 0";
+}
+
+CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json) {
+  CLI::App* fly = app.add_subcommand("fly", "Fly a mission in simulation; leaves a flight folder");
+  FlightChoice& choice = options.choice;
+  fly->add_option("--vehicle", choice.vehicle, "Vehicle: a name of vehicles/ or a YAML file")
+      ->capture_default_str();
+  fly->add_option("--board", choice.board,
+                  "Where the firmware runs: in_process, or qemu_m7, an emulated Cortex-M7")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"in_process", "qemu_m7"}));
+  fly->add_option("--link", choice.link,
+                  "cable: the simulated one; uart: the emulated board's, in real time")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"cable", "uart"}));
+  fly->add_option("--mission", choice.mission, "Mission: a name of missions/ or a YAML file")
+      ->capture_default_str();
+  fly->add_option("--seed", choice.seed, "Seed of all noise and wind; same seed, same bits")
+      ->check(whole_number)
+      ->capture_default_str();
+  fly->add_option("--state", choice.state,
+                  "Where guidance gets its state from: estimate (filter on the link's sensor "
+                  "streams) or truth")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"estimate", "truth"}));
+  fly->add_option("--link-protocol", choice.link_protocol,
+                  "What the board speaks: mavlink or lean; the companion finds out")
+      ->capture_default_str()
+      ->check(CLI::IsMember(link_protocols()));
+  fly->add_option("--wind", choice.wind,
+                  "SPEED,FROM_DEG[,W20]: steady wind and Dryden turbulence [m/s]");
+  fly->add_option("--set", choice.overrides, "vehicle.key=value, e.g. vehicle.body.mass_kg=3.2")
+      ->take_all();
+  fly->add_option(
+         "--fault", choice.faults,
+         "WHAT@TIME[:DURATION], seconds since power-up. WHAT is one of\n" + sim::fault_help())
+      ->take_all();
+  fly->add_option("--plugin", choice.plugins,
+                  "Shared library with modules of your own (examples/custom_drag)")
+      ->take_all();
+  fly->add_option("--visualiser", choice.visualisers,
+                  "Visualiser of a plugin, by name; sees the flight beside the log")
+      ->take_all();
+  fly->add_flag("--realtime", options.realtime, "At the pace of the wall clock");
+  fly->add_option("--out", options.folder,
+                  "Flight folder, new or empty; default: next in flights/");
+  CLI::Option* log =
+      fly->add_option("--log", options.log,
+                      "plot: sensors and link complete, truth, attitude and outputs at 100 Hz; "
+                      "full: every step; none")
+          ->capture_default_str()
+          ->check(CLI::IsMember({"plot", "full", "none"}));
+  fly->add_flag_callback(
+         "--no-log", [&options] { options.log = "none"; }, "The same as --log none")
+      ->excludes(log);
+  fly->add_flag("--json", json, "Print the summary as one JSON object");
+  return fly;
+}
+
+CLI::App* add_replay(CLI::App& app, ReplayOptions& options) {
+  CLI::App* replay = app.add_subcommand("replay", "Feed recorded inputs to the firmware");
+  replay->add_option("INPUT", options.input, "CSV file (docs/replay.md)")->required();
+  replay->add_option("--params", options.params, "Parameters set before the first row, CSV");
+  replay->add_option("-o,--output", options.output, "Write what came out to this CSV file");
+  replay->add_flag("--force", options.force, "Replace an existing output file");
+  replay->add_flag("--compare", options.compare, "Compare with the output columns of INPUT");
+  replay->add_option("--except", options.waivers, "Differences that are meant, CSV");
+  return replay;
+}
+
+CLI::App* add_mixer(CLI::App& app, MixerOptions& options) {
+  CLI::App* mixer =
+      app.add_subcommand("mixer", "Make custom-mixer parameters from a frame's geometry");
+  mixer->add_option("-f,--param-file", options.input, "Frame file (docs/mixer.md)")->required();
+  mixer->add_option("-o,--output-file", options.output, "Parameter file to write")
+      ->capture_default_str();
+  const std::map<std::string, MixerTarget> kTargets{{"PRI", MixerTarget::kPrimary},
+                                                    {"SEC", MixerTarget::kSecondary}};
+  mixer->add_option("-t,--output-mixer-type", options.target, "PRI or SEC")
+      ->transform(CLI::CheckedTransformer(kTargets, CLI::ignore_case));
+  mixer->add_flag("-a,--append-output", options.append, "Add to an existing parameter file");
+  mixer->add_flag("--force", options.force, "Replace an existing file");
+  return mixer;
+}
+
+CLI::App* add_trim(CLI::App& app, TrimOptions& options) {
+  CLI::App* trim = app.add_subcommand("trim", "Trim a fixed wing; print state, outputs and modes");
+  trim->add_option("--vehicle", options.vehicle, "Fixed wing: a name of vehicles/ or a YAML file")
+      ->capture_default_str();
+  trim->add_option("--speed", options.speed_m_s, "Airspeed [m/s]")->required();
+  trim->add_option("--radius", options.radius_m, "Turn radius [m], to the right positive");
+  trim->add_option("--climb", options.climb_deg, "Angle of the path above the horizon [deg]");
+  trim->add_option("--height", options.height_m, "Above the vehicle's origin [m]");
+  trim->add_option("--set", options.overrides, "vehicle.key=value, e.g. vehicle.body.mass_kg=5")
+      ->take_all();
+  return trim;
+}
+
+CLI::App* add_sil(CLI::App& app, SilOptions& options) {
+  CLI::App* sil = app.add_subcommand(
+      "sil", "run the firmware as a process in real time, its serial port on a pty, UDP or TCP");
+  sil->add_option("--vehicle", options.vehicle, "name of a vehicle or a vehicle file")
+      ->capture_default_str();
+  sil->add_option("--set", options.overrides, "vehicle.section.key=value, may be repeated")
+      ->type_name("ASSIGNMENT")
+      ->allow_extra_args(false);
+  sil->add_option("--plugin", options.plugins, "shared library with modules of your own")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  sil->add_option("--link", options.link,
+                  "serial port: pty[:PATH], udp:HOST:PORT, tcp:PORT or tcp:HOST:PORT; tcp:PORT "
+                  "listens on 127.0.0.1 only")
+      ->type_name("ADDRESS")
+      ->capture_default_str();
+  sil->add_option("--listen", options.listen,
+                  "own port of a UDP link [14525 if the far end is 14520, otherwise any free one]")
+      ->type_name("PORT");
+  sil->add_option("--link-protocol", options.link_protocol,
+                  "what the board speaks: mavlink or lean; ground tools of ROSflight want mavlink")
+      ->type_name("NAME")
+      ->capture_default_str()
+      ->check(CLI::IsMember(link_protocols()));
+  sil->add_option("--nvm", options.storage, "file that keeps the parameters; created if missing")
+      ->type_name("FILE")
+      ->capture_default_str();
+  sil->add_option("--rate", options.rate_Hz, "IMU samples and simulation steps a second")
+      ->check(CLI::Range(SilOptions::kLowestRate_Hz, SilOptions::kHighestRate_Hz))
+      ->capture_default_str();
+  sil->add_option("--rc", options.rc, "script of the pilot (YAML); without one the sticks rest")
+      ->type_name("FILE");
+  sil->add_option("--duration", options.duration_s, "end after so many seconds")
+      ->type_name("S")
+      ->check(CLI::PositiveNumber);
+  sil->add_option("--fault", options.faults, "something breaks, may be repeated; see below")
+      ->type_name("WHAT@TIME[:DURATION]")
+      ->allow_extra_args(false);
+  sil->add_option("--seed", options.seed, "of everything random")
+      ->check(whole_number)
+      ->capture_default_str();
+  sil->footer("Faults, times in seconds:\n" + sim::fault_help());
+  return sil;
+}
+
+int parse_and_run(int argc, char** argv, flight::LinuxAutopilot::MakeCodec sil_codec) {
+  CLI::App app{
+      "rosflight: fly, replay, sil, mixer and trim. ./rosflight --help lists all commands."};
+  app.name("./rosflight");
+  app.require_subcommand(1);
+  FlyOptions fly_options;
+  bool json = false;
+  ReplayOptions replay_options;
+  MixerOptions mixer_options;
+  SilOptions sil_options;
+  TrimOptions trim_options;
+  const CLI::App* fly = add_fly(app, fly_options, json);
+  const CLI::App* replay_app = add_replay(app, replay_options);
+  const CLI::App* mixer = add_mixer(app, mixer_options);
+  const CLI::App* sil = add_sil(app, sil_options);
+  const CLI::App* trim = add_trim(app, trim_options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);
+    std::cerr << "rosflight: " << e.what() << " (--help lists what is allowed)\n";
+    return kBadInput;
+  }
+  if (*fly) return fly_command(fly_options, json, std::cout, std::cerr);
+  if (*replay_app) return replay(replay_options, std::cout);
+  if (*mixer) return mixer_command(mixer_options, std::cout);
+  if (*trim) return trim_command(trim_options, std::cout);
+  if (*sil) {
+    sil_options.vehicles_folder = project_root() / "vehicles";
+    return sil_command(sil_options, std::cout, std::move(sil_codec));
+  }
+  return kBadInput;
+}
+
+}  // namespace
+
+int command_line(int argc, char** argv, flight::LinuxAutopilot::MakeCodec sil_codec) {
+  try {
+    return parse_and_run(argc, argv, std::move(sil_codec));
+  } catch (const std::exception& e) {
+    std::cerr << "rosflight: " << e.what() << "\n";
+    return kBadInput;
+  }
+}
+
+}  // namespace rosflight::apps

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "autonomy/common/flight_events.hpp"
+
+#include "autonomy/common/phase_table.hpp"
+
+namespace rosflight::autonomy {
+namespace {
+
+constexpr std::array<const char*, 12> kNames{
+    "phase",           "waypoint reached", "waypoint missed",
+    "mission done",    "take-off failed",  "no path leads on from here",
+    "motor out",       "position lost",    "pilot took over",
+    "pilot gave back", "state lost",       "state regained"};
+
+}  // namespace
+
+const char* name(FlightEventType type) {
+  return name_in(kNames, static_cast<std::size_t>(type));
+}
+
+}  // namespace rosflight::autonomy

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "autonomy/fixedwing/phase_path.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "autonomy/common/angles.hpp"
+
+namespace rosflight::autonomy::fixedwing {
+namespace {
+
+constexpr double kNearReference_m = 8.0;  // closer than this a path goes on from ROSflight 2.x
+constexpr double kCalm_m_s = 1.0;         // less wind than this does not turn the landing round
+constexpr double kTooFast_s_m = 0.2;      // throttle taken away per speed above cruise
+constexpr double kFlareRamp_1_s = 0.5;    // throttle taken away per second
+
+double heading_of(const Quaternion& q) {
+  return std::atan2(2.0 * (q.x() * q.y() + q.w() * q.z()),
+                    1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z()));
+}
+
+double head_wind(const StateEstimate& state, double course_rad) {
+  if (!state.wind_valid) return 0.0;
+  return -state.wind_W.head<2>().dot(along(course_rad));
+}
+
+double radius_of(const PhasePath::Input& in) {
+  return in.mission.radius_m.value_or(in.config.plan.radius_m);
+}
+
+}  // namespace
+
+Controller::Direct takeoff_direct(const FlightConfig& config, double airspeed_m_s, double since_s,
+                                  double course_rad) {
+  Controller::Direct out;
+  const bool fast = airspeed_m_s > config.takeoff.rotate_m_s;
+  out.roll_rad = 0.0;
+  out.pitch_rad = fast ? config.takeoff.pitch_rad : 0.0;
+  // All there is, but no faster than cruise.
+  out.throttle = std::min({since_s / config.takeoff.ramp_s, 1.0,
+                           1.0 - kTooFast_s_m * (airspeed_m_s - config.controller.cruise_m_s)});
+  if (!fast) out.ground_course_rad = course_rad;
+  return out;
+}
+
+Vector3 PhasePath::landing_position_W(const Mission& mission) const {
+  return {mission.landing.aim_W.x(), mission.landing.aim_W.y(),
+          start_W_.z() + mission.landing.aim_W.z()};
+}
+
+double PhasePath::flare_height_m(const LandingConfig& config, double sink_m_s) const {
+  return std::max(flare_height_m_, config.flare_time_s * (sink_m_s - config.touchdown_m_s));
+}
+
+double PhasePath::choose_landing_course(const Input& in) const {
+  if (in.mission.landing.course_rad) return *in.mission.landing.course_rad;
+  const bool tail_wind = head_wind(in.state, start_course_rad_) < -kCalm_m_s;
+  return tail_wind ? wrap_angle(start_course_rad_ + kPi) : start_course_rad_;
+}
+
+void PhasePath::plan(const Input& in, std::vector<Waypoint> waypoints, bool cycle,
+                     std::size_t first, double radius_m, FlightEvents& events) {
+  PlannerConfig plan = in.config.plan;
+  plan.radius_m = radius_m;
+  double height_m = -in.state.p_W.z();
+  const auto& wanted_m = in.last.wanted_height_m;
+  if (wanted_m && std::abs(*wanted_m - height_m) < kNearReference_m) height_m = *wanted_m;
+  const PathStart from{{in.state.p_W.head<2>(), in.state.course_rad}, height_m};
+  path_ = PathManager(plan);
+  path_.set_waypoints(waypoints, cycle);
+  auto fault = path_.start(from, first);
+  if (fault && waypoints[first].passing == Passing::kFillet && waypoints.size() > 1) {
+    // From here its corner is too sharp to be rounded off: over it, already on the next leg.
+    const Vector3& next_W = waypoints[(first + 1) % waypoints.size()].p_W;
+    waypoints[first].passing = Passing::kDubins;
+    waypoints[first].course_rad = course_of((next_W - waypoints[first].p_W).head<2>());
+    path_.set_waypoints(std::move(waypoints), cycle);
+    fault = path_.start(from, first);
+  }
+  if (fault) events.add(FlightEventType::kPathFault, fault->waypoint);
+}
+
+void PhasePath::begin_approach(const Input& in, FlightEvents& events) {
+  const double course_rad = choose_landing_course(in);
+  const LandingPath landing =
+      LandingPath::plan(in.config.landing, landing_position_W(in.mission), course_rad,
+                        in.config.plan.airspeed_m_s, head_wind(in.state, course_rad));
+  flare_height_m_ = landing.flare_height_m;
+  plan(in, {landing.waypoints.begin(), landing.waypoints.end()}, false, 0, in.config.plan.radius_m,
+       events);
+}
+
+void PhasePath::circle_here(const Input& in) {
+  const double radius_m = radius_of(in);
+  circle_ = {};
+  circle_.valid = true;
+  circle_.circle = true;
+  circle_.airspeed_m_s = in.config.plan.airspeed_m_s;
+  circle_.radius_m = radius_m;
+  circle_.c_W << in.state.p_W.head<2>() + radius_m * right_of(in.state.course_rad),
+      std::min(in.state.p_W.z(), start_W_.z() - in.config.takeoff.airborne_m);
+}
+
+void PhasePath::begin(Phase phase, std::size_t waypoint, const Input& in, FlightEvents& events) {
+  since_s_ = in.t_s;
+  switch (phase) {
+    case Phase::kTakeoff:
+      start_W_ = climb_from_W_ = in.state.p_W;
+      start_course_rad_ = heading_of(in.state.q_WB);
+      break;
+    case Phase::kMission:
+      plan(in, in.mission.waypoints, in.mission.at_end == AtEnd::kCycle, waypoint, radius_of(in),
+           events);
+      break;
+    case Phase::kReturn: {
+      Waypoint home;
+      home.p_W = start_W_ - Vector3(0.0, 0.0, in.config.safety.return_height_m);
+      home.passing = Passing::kCircle;
+      home.hold_indefinitely = true;
+      plan(in, {home}, false, 0, radius_of(in), events);
+      break;
+    }
+    case Phase::kApproach:
+      begin_approach(in, events);
+      break;
+    case Phase::kLoiter:
+      circle_here(in);
+      break;
+    case Phase::kGlide:
+      circle_ = {};
+      circle_.valid = circle_.circle = true;
+      circle_.airspeed_m_s = in.config.safety.glide_m_s;
+      circle_.radius_m = in.config.plan.radius_m;
+      circle_.c_W = landing_position_W(in.mission);
+      break;
+    case Phase::kFlare:
+      flare_throttle_ = in.motor_lost ? 0.0 : in.last.throttle;
+      break;
+    case Phase::kRollout:
+      roll_course_rad_ = heading_of(in.state.q_WB);
+      break;
+    case Phase::kClimb:
+      climb_from_W_ = in.state.p_W;
+      break;
+    case Phase::kLanded:
+    case Phase::kDisarmed:
+      break;
+  }
+}
+
+void PhasePath::restart(Phase phase, const Input& in) {
+  if (phase == Phase::kLoiter) circle_here(in);
+  if (phase != Phase::kTakeoff) return;
+  start_W_ = in.state.p_W;
+  start_course_rad_ = heading_of(in.state.q_WB);
+  since_s_ = in.t_s;
+}
+
+/// The line of the take-off; from where it is airborne it climbs.
+CurrentPath PhasePath::straight_on(Phase phase, const FlightConfig& config) const {
+  CurrentPath out;
+  out.valid = true;
+  out.airspeed_m_s = config.plan.airspeed_m_s;
+  out.r_W = start_W_;
+  out.r_W.z() = climb_from_W_.z();
+  out.q_W << along(start_course_rad_), 0.0;
+  if (phase == Phase::kClimb) {
+    const Vector2 flown = (climb_from_W_ - start_W_).head<2>();
+    out.r_W.head<2>() += flown.dot(along(start_course_rad_)) * along(start_course_rad_);
+    out.q_W.z() = -config.plan.climb_slope;
+    out.q_W.normalize();
+  }
+  return out;
+}
+
+Controller::Direct PhasePath::direct(Phase phase, const Input& in) const {
+  Controller::Direct out;
+  const FlightConfig& config = in.config;
+  const double v = in.state.air_valid ? in.state.airspeed_m_s : in.state.v_W.head<2>().norm();
+  switch (phase) {
+    case Phase::kTakeoff:
+      return takeoff_direct(config, v, since_s(in.t_s), start_course_rad_);
+    case Phase::kLoiter:
+      if (in.position_lost) out.roll_rad = config.controller.lost_roll_rad;
+      break;
+    case Phase::kGlide:
+      out.airspeed_by_pitch_m_s = config.safety.glide_m_s;
+      if (in.height_above_ground_m < config.safety.straight_below_m || in.position_lost) {
+        out.roll_rad = 0.0;
+      }
+      break;
+    case Phase::kFlare:
+      out.climb_m_s = flare_climb(config.landing, in.height_above_ground_m);
+      out.throttle = std::max(flare_throttle_ - kFlareRamp_1_s * since_s(in.t_s),
+                              in.motor_lost ? 0.0 : config.landing.flare_throttle);
+      out.max_roll_rad = config.landing.max_roll_rad;
+      out.max_pitch_rad = config.landing.max_pitch_rad;
+      out.min_pitch_rad = 0.0;
+      if (in.motor_lost) out.roll_rad = 0.0;
+      break;
+    case Phase::kRollout:
+      out.roll_rad = 0.0;
+      out.pitch_rad = 0.0;
+      out.throttle = 0.0;
+      out.ground_course_rad = roll_course_rad_;
+      break;
+    default:
+      break;
+  }
+  return out;
+}
+
+PhasePath::Output PhasePath::step(Phase phase, const Input& in) {
+  Output out;
+  switch (phase) {
+    case Phase::kMission:
+    case Phase::kReturn:
+    case Phase::kApproach:
+    case Phase::kFlare:
+      out.planned = true;
+      out.follow = path_.step(in.state.p_W, in.config.lead_s * in.state.v_W.head<2>().norm()).path;
+      break;
+    case Phase::kTakeoff:
+    case Phase::kClimb:
+    case Phase::kRollout:
+      out.follow = straight_on(phase, in.config);
+      break;
+    default:
+      out.follow = circle_;
+      break;
+  }
+  out.direct = direct(phase, in);
+  return out;
+}
+
+}  // namespace rosflight::autonomy::fixedwing

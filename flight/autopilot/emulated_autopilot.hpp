@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "firmware/boards/qemu_m7/host/emulator.hpp"
+#include "flight/autopilot/autopilot.hpp"
+#include "flight/autopilot/cable_link.hpp"
+
+namespace rosflight::flight {
+
+/// The image of the emulated Cortex-M7 in the build tree.
+std::filesystem::path emulated_image(const std::string& link_protocol = "mavlink");
+
+/// The firmware's image on an emulated Cortex-M7, in lock-step.
+///
+/// One exchange of the block per step. The image makes the same passes as InProcessAutopilot, with
+/// the same samples, bytes and clock. The frames it sends are pushed into the cable when it
+/// answers, in their order, at the time of the step. So both fly the same flight as far as they
+/// compute the same. Every function may throw boards::m7::EmulatorError.
+class EmulatedAutopilot final : public Autopilot {
+ public:
+  using Emulator = boards::m7::Emulator;
+
+  /// @param link  must outlive this. @throws boards::m7::EmulatorError  no image or no emulator.
+  EmulatedAutopilot(CableLink& link, const Emulator::Options& options);
+
+  void start(sim::Time t) override;
+  const hal::OutputValues& step(sim::Time t, const sim::SensorSamples& samples,
+                                const hal::RcFrame* rc) override;
+  void break_down(sim::Time t, Breakdown kind) override;
+  sim::Time boot_time() const override { return boot_; }
+  FirmwareView view() const override;
+  companion::Transport& link() override { return link_.companion_end(); }
+  void set_link_tap(LinkTap* tap) override { link_.set_tap(tap); }
+  std::optional<ProcessorFigures> figures() const override { return figures_; }
+
+  Emulator& emulator() { return emulator_; }
+
+ private:
+  void boot(sim::Time t);
+  void fill_link(sim::Time t);
+  void take_answer();
+
+  CableLink& link_;
+  Emulator emulator_;
+  boards::m7::Trouble trouble_{boards::m7::Trouble::kNone};  ///< Of the next step.
+  hal::OutputValues outputs_{};
+  ProcessorFigures figures_;
+  sim::Time boot_{};
+};
+
+/// Copies samples into a block, their stamps less `origin`.
+void fill_samples(boards::m7::ToBoard& block, const sim::SensorSamples& samples,
+                  const hal::RcFrame* rc, sim::Time origin);
+FirmwareView view_of(const boards::m7::FirmwareGlance& glance);
+/// kCrash or kHang as the image's driver simulates it.
+boards::m7::Trouble trouble_of(Autopilot::Breakdown kind);
+
+}  // namespace rosflight::flight

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "flight/fixedwing_record.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "autonomy/common/angles.hpp"
+
+namespace rosflight::flight {
+
+namespace wing = autonomy::fixedwing;
+
+bool FixedWingRecord::captured(const wing::FlightOutput& output) {
+  const wing::Segment& now = output.path.segment;
+  const bool new_segment =
+      now.start.p_m != segment_.start.p_m || now.start.course_rad != segment_.start.course_rad;
+  if (new_segment) {
+    after_corner_ = segment_.corner_rad != 0.0;
+    segment_ = now;
+  }
+  return !after_corner_ || output.path.progress_m > kCapture * radius_m_;
+}
+
+void FixedWingRecord::step(const sim::Truth& truth, const sim::Vector3& seen_W,
+                           const wing::FlightOutput& output) {
+  const sim::Vector3 v_W = truth.body.q_WB * truth.body.v_B;
+  const double through_air = (v_W - truth.air.wind_W).norm();
+  const auto attitude = autonomy::RollPitch::of(truth.body.q_WB);
+  const wing::Segment& segment = output.path.segment;
+  const bool counts = output.tracking && captured(output);
+  if (output.tracking && !counts) corner.add(segment.cross_track_m(seen_W.head<2>()));
+  if (counts) {
+    ErrorStatistics& seen = segment.straight() ? straight : arc;
+    ErrorStatistics& total = segment.straight() ? straight_total : arc_total;
+    seen.add(segment.cross_track_m(seen_W.head<2>()));
+    total.add(segment.cross_track_m(truth.body.p_W.head<2>()));
+    height.add(output.path.height_m + seen_W.z());
+    height_total.add(output.path.height_m + truth.body.p_W.z());
+    airspeed.add(output.wanted.airspeed_m_s - through_air);
+  }
+  const bool flying = output.phase != wing::Phase::kDisarmed &&
+                      output.phase != wing::Phase::kTakeoff &&
+                      output.phase != wing::Phase::kRollout && output.phase != wing::Phase::kLanded;
+  if (flying && !truth.on_ground) {
+    roll.add(attitude.roll_rad);
+    if (output.phase != wing::Phase::kFlare) {
+      lowest_airspeed_m_s = std::min(lowest_airspeed_m_s, through_air);
+    }
+  }
+  if (was_in_air_ && truth.on_ground && !touchdown_) {
+    const sim::Vector3 away = truth.body.p_W - aim_W_;
+    const double course = std::atan2(v_W.y(), v_W.x());
+    touchdown_ = Touchdown{static_cast<double>(truth.time.count()) * 1e-6,
+                           away.head<2>().norm(),
+                           away.head<2>().dot(wing::along(course)),
+                           sink_m_s_,
+                           attitude.roll_rad,
+                           attitude.pitch_rad};
+  }
+  const bool coming_down =
+      output.phase == wing::Phase::kApproach || output.phase == wing::Phase::kGlide ||
+      output.phase == wing::Phase::kFlare || output.phase == wing::Phase::kRollout;
+  was_in_air_ = coming_down && !truth.on_ground;
+  sink_m_s_ = v_W.z();
+}
+
+report::Wing fixedwing_sample(const wing::FlightOutput& output, const sim::Truth& truth,
+                              const sim::Vector3& seen_W) {
+  const auto single = [](double x) { return static_cast<float>(x); };
+  const sim::Vector3 v_W = truth.body.q_WB * truth.body.v_B;
+  const sim::Vector3& wind_W = truth.air.wind_W;
+  report::Wing out;
+  out.wind_W_m_s = {single(wind_W.x()), single(wind_W.y())};
+  out.airspeed_m_s = single((v_W - wind_W).norm());
+  constexpr double kMoving_m_s = 2.0;  // Slower, a course is noise.
+  if (v_W.head<2>().norm() > kMoving_m_s) out.course_rad = single(std::atan2(v_W.y(), v_W.x()));
+  if (output.phase == wing::Phase::kDisarmed) return out;
+  const wing::Surfaces& surfaces = output.control.surfaces;
+  out.surfaces = {single(surfaces.aileron), single(surfaces.elevator), single(surfaces.rudder)};
+  if (output.wanted.valid) {
+    out.airspeed_command_m_s = single(output.wanted.airspeed_m_s);
+    out.course_command_rad = single(output.wanted.course_rad);
+  }
+  if (output.tracking) {
+    const wing::Segment& segment = output.path.segment;
+    out.cross_track_m = single(segment.cross_track_m(seen_W.head<2>()));
+    out.cross_track_total_m = single(segment.cross_track_m(truth.body.p_W.head<2>()));
+    out.height_error_m = single(-truth.body.p_W.z() - output.path.height_m);
+  }
+  return out;
+}
+
+}  // namespace rosflight::flight

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "flight/flight.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "flight/autopilot/in_process_autopilot.hpp"
+#include "flight/autopilot/uart_autopilot.hpp"
+#include "flight/link_state_estimator.hpp"
+#include "link/detect/detecting_codec.hpp"
+#include "sim/faulty_modules.hpp"
+#include "sim/lock_step.hpp"
+#include "sim/sensors/register.hpp"
+#include "sim/sensors/standard_sensors.hpp"
+#include "sim/time_sources.hpp"
+
+namespace rosflight::flight {
+namespace {
+
+sim::rc::Script pilot_script(const FlightSetup& setup) {
+  sim::rc::Script script;
+  script.channels = setup.channels;
+  return script;
+}
+
+MissionRunnerConfig runner_config(const FlightSetup& setup) {
+  MissionRunnerConfig config;
+  config.firmware = setup.firmware;
+  config.on_truth = setup.choice.state == "truth";
+  config.share_attitude = setup.estimator.share_attitude;
+  config.hover_stick = setup.hover_throttle;
+  config.calibrate_airspeed = setup.fixed_wing();
+  return config;
+}
+
+std::unique_ptr<Guidance> make_guidance(const FlightSetup& setup) {
+  if (const auto* fixedwing = std::get_if<FixedWingPlan>(&setup.plan)) {
+    return std::make_unique<FixedWingGuidance>(fixedwing->autonomy.flight, fixedwing->mission);
+  }
+  const auto& rotors = std::get<MultirotorPlan>(setup.plan);
+  return std::make_unique<MultirotorGuidance>(rotors.autonomy.flight, rotors.mission);
+}
+
+std::unique_ptr<StateEstimateSource> make_estimate_source(const FlightSetup& setup,
+                                                          companion::Session& session) {
+  if (setup.fixed_wing()) {
+    return std::make_unique<LinkStateEstimator<true>>(session, setup.estimator);
+  }
+  return std::make_unique<LinkStateEstimator<false>>(session, setup.estimator);
+}
+
+std::unique_ptr<Autopilot> make_autopilot(const FlightSetup& setup, CableLink& link) {
+  if (setup.choice.board != "qemu_m7") {
+    return std::make_unique<InProcessAutopilot>(link, setup.choice.link_protocol);
+  }
+  EmulatedAutopilot::Emulator::Options options;
+  options.image = emulated_image(setup.choice.link_protocol);
+  if (setup.choice.link == "uart") {
+    options.coupling = boards::m7::Coupling::kRealTime;
+    return std::make_unique<UartAutopilot>(link.time(), options);
+  }
+  return std::make_unique<EmulatedAutopilot>(link, options);
+}
+
+}  // namespace
+
+/// Owns the modules in the order of their construction and takes part in each step.
+class Flight::Loop final : private sim::LockStepListener {
+ public:
+  Loop(Flight& owner, const FlightSetup& flight_setup, FlightParts parts)
+      : flight{owner},
+        setup{flight_setup},
+        random{setup.choice.seed},
+        forces{setup.registry.make_forces(setup.vehicle, random)},
+        dynamics{setup.vehicle.body(), setup.vehicle.ground(), setup.vehicle.environment(), *forces,
+                 random},
+        healthy_sensors{sim::sensors::make_sensors(setup.registry, setup.vehicle, random)},
+        sensors{*healthy_sensors, setup.faults},
+        pilot{pilot_script(setup)},
+        rc{pilot, setup.faults},
+        cable{random},
+        autopilot{parts.autopilot ? parts.autopilot(cable) : make_autopilot(setup, cable)},
+        session{codec, autopilot->link(), companion::Session::Options{}},
+        guidance{parts.guidance ? std::move(parts.guidance) : make_guidance(setup)},
+        estimate_source{parts.estimate_source ? parts.estimate_source(session)
+                                              : make_estimate_source(setup, session)},
+        runner{runner_config(setup), session, pilot, *guidance, *estimate_source},
+        lock_step{parts.time != nullptr ? *parts.time : fast, rc, sensors, *autopilot, dynamics} {
+    lock_step.set_listener(this);
+    const auto& faults = setup.faults.faults();
+    motor_faults = std::any_of(faults.begin(), faults.end(), [](const sim::Fault& fault) {
+      return fault.kind == sim::FaultKind::kMotor;
+    });
+    for (const std::string& name : setup.choice.visualisers) {
+      visualisers.push_back(setup.registry.visualisers.at(name)(setup.vehicle, random));
+      lock_step.add(*visualisers.back());
+    }
+    if (const auto* plan = std::get_if<FixedWingPlan>(&setup.plan)) {
+      face_the_wind();
+      fixedwing_guidance = dynamic_cast<const FixedWingGuidance*>(guidance.get());
+      fixedwing_record.emplace(plan->mission.landing.aim_W,
+                               plan->autonomy.mission.plan_for(plan->mission).radius_m);
+    }
+    instruments = dynamic_cast<const sim::sensors::StandardSensors*>(healthy_sensors.get());
+    autopilot->start(lock_step.now());
+  }
+
+  sim::Vector3 seen_position_W() const;
+  const std::optional<hal::ImuSample>& newest_imu();
+
+  Flight& flight;
+  const FlightSetup& setup;
+  sim::RandomSource random;
+  std::unique_ptr<sim::ForcesAndMoments> forces;
+  sim::RigidBody dynamics;
+  std::unique_ptr<sim::SensorsModule> healthy_sensors;
+  sim::FaultySensors sensors;
+  sim::rc::Pilot pilot;
+  sim::FaultyRc rc;
+  CableLink cable;
+  std::unique_ptr<Autopilot> autopilot;
+  link::DetectingCodec codec;
+  companion::Session session;
+  std::unique_ptr<Guidance> guidance;
+  std::unique_ptr<StateEstimateSource> estimate_source;
+  MissionRunner runner;
+  sim::LockStepTime fast{kStep};
+  sim::LockStep lock_step;
+  std::vector<std::unique_ptr<sim::Visualiser>> visualisers;  ///< Those the setup names.
+  std::function<void(Flight&, sim::Time)> script;
+  ErrorStatistics tracking;
+  ErrorStatistics own_tracking;
+  std::optional<hal::ImuSample> imu;
+  /// nullptr unless the project's guidance flies a fixed wing.
+  const FixedWingGuidance* fixedwing_guidance{};
+  std::optional<FixedWingRecord> fixedwing_record;
+  const sim::sensors::StandardSensors* instruments{};  ///< nullptr: a module of a user's own.
+  bool motor_faults{false};
+  std::array<bool, 2> broken_down{};  ///< Crash and hang: the fault has happened.
+
+ private:
+  void before_step(sim::Time t) override;
+  void apply_faults(sim::Time t);
+  void face_the_wind();
+};
+
+/// A fixed wing takes off against the wind, if the wind exceeds kCalm_m_s. It is held until then,
+/// with a cover on its pitot tube while it is set up.
+void Flight::Loop::face_the_wind() {
+  constexpr double kCalm_m_s = 2.0;
+  dynamics.set_held(true);
+  const sim::Vector3& wind_W = setup.vehicle.environment().wind.steady_W_m_s;
+  if (wind_W.head<2>().norm() < kCalm_m_s) return;
+  const double heading = std::atan2(-wind_W.y(), -wind_W.x());
+  sim::BodyState state = dynamics.rest_state();
+  state.q_WB = sim::Quaternion(std::cos(0.5 * heading), 0.0, 0.0, std::sin(0.5 * heading));
+  if (!dynamics.set_state(state)) throw std::logic_error("the start against the wind");
+}
+
+void Flight::Loop::before_step(sim::Time t) {
+  if (lock_step.samples().has_imu) imu = lock_step.samples().imu;
+  cable.set_time(t);
+  apply_faults(t);
+  runner.step(t, dynamics.truth());
+  const GuidanceOutput& output = guidance->output();
+  if (output.tracking && runner.stage() == Stage::kFly) {
+    tracking.add((dynamics.truth().body.p_W - output.setpoint.p_W).norm());
+    own_tracking.add((seen_position_W() - output.setpoint.p_W).head<2>().norm());
+  }
+  if (fixedwing_record) sensors.set_pitot_covered(runner.stage() < Stage::kArm);
+  if (fixedwing_record && runner.stage() == Stage::kFly) {
+    dynamics.set_held(guidance->output().idle && !guidance->output().landed);
+    if (fixedwing_guidance != nullptr) {
+      fixedwing_record->step(dynamics.truth(), seen_position_W(), fixedwing_guidance->details());
+    }
+  }
+  if (script) script(flight, t);
+}
+
+sim::Vector3 Flight::Loop::seen_position_W() const {
+  const sim::Vector3& p_W = dynamics.truth().body.p_W;
+  const auto& origin = estimate_source->origin();
+  if (setup.choice.state == "truth" || !origin || instruments == nullptr) return p_W;
+  const sim::Vector3 origin_W = autonomy::ned_of(*origin, setup.vehicle.environment().origin);
+  return p_W + instruments->gnss_bias() - origin_W;
+}
+
+void Flight::Loop::apply_faults(sim::Time t) {
+  const bool cut = setup.faults.active(sim::FaultKind::kLinkCut, t);
+  if (sim::SerialCable& line = cable.cable(); cut != line.to_board.cut()) {
+    line.advance(t);
+    line.set_cut(cut);
+  }
+  using Breakdown = Autopilot::Breakdown;
+  for (const auto& [kind, breakdown] : {std::pair{sim::FaultKind::kCrash, Breakdown::kCrash},
+                                        std::pair{sim::FaultKind::kHang, Breakdown::kHang}}) {
+    bool& done = broken_down[static_cast<std::size_t>(breakdown)];
+    const bool active = setup.faults.active(kind, t);
+    if (active && !done) autopilot->break_down(t, breakdown);
+    done = active;
+  }
+  if (!motor_faults) return;
+  for (std::size_t k = 0; k < setup.rotors.rotors.size(); ++k) {
+    forces->set_thrust_factor(k, setup.faults.thrust_factor(k, t));
+  }
+}
+
+/// In the step under way the autopilot may have received it, or not yet: a tap that asks is called
+/// by the autopilot.
+const std::optional<hal::ImuSample>& Flight::Loop::newest_imu() {
+  if (lock_step.samples().has_imu) imu = lock_step.samples().imu;
+  return imu;
+}
+
+Flight::Flight(const FlightSetup& setup, FlightParts parts)
+    : loop_{std::make_unique<Loop>(*this, setup, std::move(parts))} {}
+Flight::~Flight() = default;
+
+void Flight::set_tap(LinkTap* tap) {
+  loop_->autopilot->set_link_tap(tap);
+}
+void Flight::add(sim::Visualiser& visualiser) {
+  loop_->lock_step.add(visualiser);
+}
+void Flight::set_script(std::function<void(Flight&, sim::Time)> script) {
+  loop_->script = std::move(script);
+}
+void Flight::step() {
+  loop_->lock_step.step();
+}
+void Flight::run() {
+  while (!loop_->runner.finished()) loop_->lock_step.step();
+}
+
+sim::Time Flight::now() const {
+  return loop_->lock_step.now();
+}
+const FlightSetup& Flight::setup() const {
+  return loop_->setup;
+}
+const sim::Truth& Flight::truth() const {
+  return loop_->dynamics.truth();
+}
+const sim::RigidBody& Flight::dynamics() const {
+  return loop_->dynamics;
+}
+MissionRunner& Flight::runner() {
+  return loop_->runner;
+}
+const MissionRunner& Flight::runner() const {
+  return loop_->runner;
+}
+Autopilot& Flight::autopilot() {
+  return *loop_->autopilot;
+}
+const Autopilot& Flight::autopilot() const {
+  return *loop_->autopilot;
+}
+InProcessAutopilot& Flight::in_process() {
+  return dynamic_cast<InProcessAutopilot&>(*loop_->autopilot);
+}
+const std::optional<hal::ImuSample>& Flight::imu() const {
+  return loop_->newest_imu();
+}
+companion::Session& Flight::session() {
+  return loop_->session;
+}
+sim::rc::Pilot& Flight::pilot() {
+  return loop_->pilot;
+}
+Guidance& Flight::guidance() {
+  return *loop_->guidance;
+}
+const Guidance& Flight::guidance() const {
+  return *loop_->guidance;
+}
+const StateEstimateSource& Flight::estimate_source() const {
+  return *loop_->estimate_source;
+}
+const ErrorStatistics& Flight::tracking() const {
+  return loop_->tracking;
+}
+const ErrorStatistics& Flight::own_tracking() const {
+  return loop_->own_tracking;
+}
+const FixedWingRecord* Flight::fixedwing_record() const {
+  return loop_->fixedwing_record ? &*loop_->fixedwing_record : nullptr;
+}
+sim::Vector3 Flight::seen_position_W() const {
+  return loop_->seen_position_W();
+}
+
+}  // namespace rosflight::flight

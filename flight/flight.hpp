@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "flight/autopilot/autopilot.hpp"
+#include "flight/error_statistics.hpp"
+#include "flight/fixedwing_record.hpp"
+#include "flight/flight_setup.hpp"
+#include "flight/guidance.hpp"
+#include "flight/mission_runner.hpp"
+#include "flight/state_estimate_source.hpp"
+#include "sim/dynamics/rigid_body.hpp"
+#include "sim/modules.hpp"
+
+namespace rosflight::flight {
+
+class CableLink;
+class InProcessAutopilot;
+
+/// Modules of your own in place of the project's (docs/autonomy/replace-a-module.md); an empty
+/// member means the project's.
+struct FlightParts {
+  std::unique_ptr<Guidance> guidance{};
+  std::function<std::unique_ptr<StateEstimateSource>(companion::Session&)> estimate_source{};
+  std::function<std::unique_ptr<Autopilot>(CableLink&)> autopilot{};
+  /// Paces the loop, such as sim::PacedTime; must outlive the flight. nullptr: as fast as possible.
+  sim::TimeSource* time{nullptr};
+};
+
+/// One flight as a closed loop in this thread: world, autopilot with the real firmware, serial
+/// cable, companion, autonomy and pilot. A function of setup and parts alone: the same setup gives
+/// the same bits, unless the link is a UART in real time.
+///
+/// Positions are in the local north-east-down frame W; its origin is that of the vehicle file.
+class Flight final {
+ public:
+  static constexpr sim::Time kStep{2500};  ///< 400 Hz, the rate of the IMU.
+
+  /// @param setup  must outlive this.
+  /// @throws config::Error  a module does not accept its configuration.
+  /// @throws boards::m7::EmulatorError  no image, no emulator, or it does not start.
+  explicit Flight(const FlightSetup& setup, FlightParts parts = {});
+  ~Flight();
+  Flight(const Flight&) = delete;
+  Flight& operator=(const Flight&) = delete;
+
+  /// Shows every frame on the link to `tap`; nullptr: none.
+  void set_tap(LinkTap* tap);
+  /// Adds a visualiser, called at the end of each step; it must outlive the flight.
+  void add(sim::Visualiser& visualiser);
+  /// Called in each step before the firmware runs, after the mission runner; for tests.
+  void set_script(std::function<void(Flight&, sim::Time)> script);
+
+  /// Advances by kStep.
+  void step();
+  /// Steps until the mission runner is finished.
+  void run();
+
+  sim::Time now() const;  ///< Start of the next step.
+  const FlightSetup& setup() const;
+  const sim::Truth& truth() const;
+  const sim::RigidBody& dynamics() const;
+  MissionRunner& runner();
+  const MissionRunner& runner() const;
+  Autopilot& autopilot();
+  const Autopilot& autopilot() const;
+  /// The autopilot if it is the project's in this process. @throws std::bad_cast otherwise.
+  InProcessAutopilot& in_process();
+  /// The newest IMU sample that the autopilot has received; its stamp is simulated time.
+  const std::optional<hal::ImuSample>& imu() const;
+  companion::Session& session();
+  sim::rc::Pilot& pilot();
+  Guidance& guidance();
+  const Guidance& guidance() const;
+  /// Output of guidance in its last step.
+  const GuidanceOutput& autonomy() const { return guidance().output(); }
+  const StateEstimateSource& estimate_source() const;
+
+  /// Distance of the true position from the setpoint [m], while the mission is followed.
+  const ErrorStatistics& tracking() const;
+  /// The same for seen_position_W(), horizontally [m].
+  const ErrorStatistics& own_tracking() const;
+  /// nullptr unless a fixed wing flies.
+  const FixedWingRecord* fixedwing_record() const;
+  /// The true position [m] in the frame of the estimate: truth + error of GNSS - error of the
+  /// origin. What differs from it is the error of the estimator. On the truth: the truth.
+  sim::Vector3 seen_position_W() const;
+
+ private:
+  class Loop;
+  std::unique_ptr<Loop> loop_;
+};
+
+}  // namespace rosflight::flight

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "flight/flight_setup.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+#include "base/constants.hpp"
+#include "flight/project_root.hpp"
+#include "sim/sensors/register.hpp"
+
+namespace rosflight::flight {
+namespace {
+
+using config::Error;
+
+sim::Registry& fill(sim::Registry& registry, const FlightChoice& choice) {
+  sim::register_physics(registry);
+  sim::sensors::register_sensors(registry);
+  for (const std::string& plugin : choice.plugins) registry.load_plugin(plugin);
+  registry.add_vehicles(project_root() / "vehicles");
+  return registry;
+}
+
+sim::Vehicle open_vehicle(sim::Registry& registry, const FlightChoice& choice) {
+  std::vector<std::string> overrides = choice.overrides;
+  for (std::string& text : overrides) {
+    constexpr std::string_view kPrefix = "vehicle.";
+    if (text.rfind(kPrefix, 0) == 0) text.erase(0, kPrefix.size());
+  }
+  if (choice.wind) {
+    for (std::string& text : wind_overrides(*choice.wind)) overrides.push_back(std::move(text));
+  }
+  return sim::Vehicle::from_file(fill(registry, choice).vehicle_file(choice.vehicle), overrides);
+}
+
+std::string find_mission(const std::string& wanted, bool fixed_wing) {
+  std::string name = wanted == "default" && fixed_wing ? "fixedwing" : wanted;
+  const bool path = name.find('/') != std::string::npos || name.find(".yaml") != std::string::npos;
+  if (path) return name;
+  const std::filesystem::path folder = project_root() / "missions";
+  const std::filesystem::path file = folder / (name + ".yaml");
+  if (std::filesystem::exists(file)) return file.string();
+  std::vector<std::string> known;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == ".yaml") known.push_back(entry.path().stem().string());
+  }
+  std::sort(known.begin(), known.end());
+  throw Error(
+      fmt::format("mission: found '{}', allowed a file or {}", name, fmt::join(known, ", ")));
+}
+
+std::string read_text(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::variant<MultirotorPlan, FixedWingPlan> read_plan(const sim::Vehicle& vehicle,
+                                                      const sim::MultirotorParameters& rotors,
+                                                      const companion::ParameterSet& firmware,
+                                                      const std::string& mission_file) {
+  const base::Geodetic& origin = vehicle.environment().origin;
+  if (is_fixed_wing(vehicle)) {
+    FixedWingPlan plan;
+    plan.autonomy = read_fixedwing_autonomy(vehicle);
+    plan.mission = autonomy::fixedwing::load_mission(mission_file, plan.autonomy.mission, origin);
+    return plan;
+  }
+  MultirotorPlan plan;
+  plan.autonomy = read_multirotor_autonomy(vehicle, rotors, firmware);
+  plan.mission = autonomy::multirotor::load_mission(mission_file, plan.autonomy.mission, origin);
+  return plan;
+}
+
+constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<ShownWaypoint> shown(const std::variant<MultirotorPlan, FixedWingPlan>& plan) {
+  std::vector<ShownWaypoint> out;
+  if (const auto* wing = std::get_if<FixedWingPlan>(&plan)) {
+    for (const auto& wp : wing->mission.waypoints) {
+      const bool on_course = wp.passing == autonomy::fixedwing::Passing::kDubins;
+      out.push_back({wp.p_W, on_course ? wp.course_rad : kNotGiven, wp.hold_s});
+    }
+    return out;
+  }
+  for (const auto& wp : std::get<MultirotorPlan>(plan).mission.waypoints) {
+    out.push_back({wp.p_W, wp.psi_rad, wp.hold_s});
+  }
+  return out;
+}
+
+/// Some waypoint is given by latitude and longitude.
+bool names_places_on_earth(const std::string& mission_file) {
+  const auto file = autonomy::MissionFile::load(mission_file);
+  return std::any_of(file.waypoints.begin(), file.waypoints.end(), [](const config::Section& wp) {
+    return wp.boolean("use_lla", false) || wp.boolean("lla", false);
+  });
+}
+
+double throttle_that_carries(const std::variant<MultirotorPlan, FixedWingPlan>& plan,
+                             const sim::Vehicle& vehicle) {
+  if (const auto* wing = std::get_if<FixedWingPlan>(&plan)) {
+    return wing->autonomy.flight.controller.throttle_cruise;
+  }
+  return std::get<MultirotorPlan>(plan).autonomy.flight.thrust.throttle(
+      vehicle.body().mass_kg * vehicle.environment().gravity_m_s2);
+}
+
+}  // namespace
+
+sim::rc::ChannelMap channels_of(const companion::ParameterSet& firmware) {
+  using sim::rc::Control;
+  sim::rc::ChannelMap map;
+  const auto set = [&](Control control, const char* parameter) {
+    map[control] = static_cast<int>(firmware_value(firmware, parameter));
+  };
+  set(Control::kRoll, "RC_X_CHN");
+  set(Control::kPitch, "RC_Y_CHN");
+  set(Control::kThrottle, "RC_F_CHN");
+  set(Control::kYaw, "RC_Z_CHN");
+  set(Control::kArm, "RC_ARM_CHN");
+  set(Control::kAttitudeOverride, "RC_ATT_OVRD_CHN");
+  set(Control::kThrottleOverride, "RC_THR_OVRD_CHN");
+  set(Control::kAttitudeMode, "RC_ATT_CTRL_CHN");
+  return map;
+}
+
+std::vector<std::string> wind_overrides(const std::string& text) {
+  std::vector<double> numbers;
+  std::size_t at = 0;
+  while (at <= text.size()) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    const auto number = config::parse_number(text.substr(at, end - at));
+    if (!number) {
+      numbers.clear();
+      break;
+    }
+    numbers.push_back(*number);
+    at = end + 1;
+  }
+  const bool shaped = numbers.size() == 2 || numbers.size() == 3;
+  if (!shaped || numbers[0] < 0.0 || numbers[0] > 40.0 || std::abs(numbers[1]) > 360.0 ||
+      (numbers.size() == 3 && (numbers[2] < 0.0 || numbers[2] > 40.0))) {
+    throw Error(fmt::format(
+        "--wind: found '{}', allowed SPEED,FROM_DEG[,W20] with speeds from 0 to 40 m/s", text));
+  }
+  const double from_rad = numbers[1] * base::kPi / 180.0;
+  std::vector<std::string> overrides{
+      fmt::format("environment.wind.steady_W_m_s=[{:.9g}, {:.9g}, 0]",
+                  -numbers[0] * std::cos(from_rad), -numbers[0] * std::sin(from_rad))};
+  if (numbers.size() == 3) {
+    overrides.push_back(fmt::format("environment.wind.turbulence_w20_m_s={:.9g}", numbers[2]));
+  }
+  return overrides;
+}
+
+FlightSetup::FlightSetup(const FlightChoice& choice_in)
+    : choice{choice_in},
+      vehicle{open_vehicle(registry, choice)},
+      rotors{read_rotors(vehicle)},
+      firmware{read_firmware_parameters(vehicle.firmware())},
+      estimator{read_estimator(vehicle)},
+      mission_file{find_mission(choice.mission, is_fixed_wing(vehicle))},
+      plan{read_plan(vehicle, rotors, firmware, mission_file)},
+      waypoints{shown(plan)},
+      hover_throttle{throttle_that_carries(plan, vehicle)},
+      channels{channels_of(firmware)},
+      faults{sim::parse_faults(choice.faults)} {
+  mission_text = read_text(mission_file);
+  if (names_places_on_earth(mission_file)) {
+    // Such a mission was converted from here: the estimate counts from the same place on the map,
+    // not from where the first fixes of a flight say that it stands.
+    estimator.origin = vehicle.environment().origin;
+  }
+  if (choice.link == "uart" && choice.board != "qemu_m7") {
+    throw Error(fmt::format("--link: found uart with --board {}, allowed with --board qemu_m7",
+                            choice.board));
+  }
+  for (const sim::Fault& fault : faults.faults()) {
+    if (fault.kind != sim::FaultKind::kMotor || fault.motor < rotors.rotors.size()) continue;
+    throw Error(fmt::format("--fault: found motor {}, allowed 0 to {}", fault.motor,
+                            rotors.rotors.size() - 1));
+  }
+}
+
+}  // namespace rosflight::flight

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "flight/vehicle/vehicle_setup.hpp"
+#include "sim/faults.hpp"
+#include "sim/multirotor/multirotor_parameters.hpp"
+#include "sim/rc/pilot.hpp"
+#include "sim/registry.hpp"
+
+namespace rosflight::flight {
+
+/// What a person chose for a flight; names and texts as typed.
+struct FlightChoice {
+  std::string board{"in_process"};  ///< Or "qemu_m7".
+  std::string link{"cable"};        ///< Or "uart", of qemu_m7, in real time.
+  std::string vehicle{"multirotor"};
+  std::string mission{"default"};  ///< Of the vehicle's kind.
+  std::uint64_t seed{1};
+  std::string link_protocol{"mavlink"};  ///< What the board speaks: mavlink or lean.
+  std::string state{"estimate"};         ///< What guidance flies on: estimate or truth.
+  std::vector<std::string> overrides;    ///< "body.mass_kg=3.2"
+  std::vector<std::string> faults;       ///< "baro@20:5"
+  std::vector<std::string> plugins;      ///< Shared libraries.
+  std::vector<std::string> visualisers;  ///< Names that a plugin registered.
+  std::optional<std::string> wind;       ///< "SPEED,FROM_DEG[,W20]"
+};
+
+struct MultirotorPlan {
+  autonomy::multirotor::AutonomyConfig autonomy;
+  autonomy::multirotor::Mission mission;
+};
+struct FixedWingPlan {
+  autonomy::fixedwing::AutonomyConfig autonomy;
+  autonomy::fixedwing::Mission mission;
+};
+
+/// A waypoint as the report shows it.
+struct ShownWaypoint {
+  sim::Vector3 p_W{sim::Vector3::Zero()};
+  double heading_rad{};  ///< NaN: none was asked for.
+  double hold_s{};
+};
+
+/// Everything a flight needs, read and checked. @throws config::Error, one line.
+///
+/// Vehicles are found by name in vehicles/, missions in missions/, both also as paths.
+struct FlightSetup {
+  explicit FlightSetup(const FlightChoice& choice);
+
+  FlightChoice choice;
+  sim::Registry registry;
+  sim::Vehicle vehicle;
+  sim::MultirotorParameters rotors;  ///< Of a fixed wing: its propulsion.
+  companion::ParameterSet firmware;
+  autonomy::estimation::EstimatorConfig estimator;
+  std::string mission_file;
+  std::string mission_text;
+  std::variant<MultirotorPlan, FixedWingPlan> plan;
+  std::vector<ShownWaypoint> waypoints;
+  double hover_throttle{};  ///< Stick that carries the vehicle: hovering, or in cruise.
+  sim::rc::ChannelMap channels;
+  sim::FaultSchedule faults;
+
+  bool fixed_wing() const { return std::holds_alternative<FixedWingPlan>(plan); }
+};
+
+/// Receiver channels as the firmware will look for them.
+sim::rc::ChannelMap channels_of(const companion::ParameterSet& firmware);
+
+/// "8,270,5": 8 m/s from the west, turbulence as with 5 m/s at 20 ft; as overrides of a vehicle
+/// file.
+std::vector<std::string> wind_overrides(const std::string& text);
+
+}  // namespace rosflight::flight

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "flight/flight.hpp"
+#include "link/messages.hpp"
+#include "log/flight_log.hpp"
+
+namespace rosflight::flight {
+
+/// How a recorded flight went.
+struct FlightSummary {
+  FlightChoice choice;
+  std::filesystem::path folder;
+  bool success{};       ///< All waypoints reached, landed and disarmed.
+  std::string verdict;  ///< One sentence.
+  double sim_time_s{};
+  double flight_time_s{};  ///< Since arming.
+  double wall_time_s{};    ///< Log and report included.
+  std::size_t waypoints_total{};
+  std::size_t waypoints_reached{};
+  std::vector<MissionRunner::Arrival> arrivals;  ///< Waypoints reached or missed, by index.
+  ErrorStatistics tracking;                      ///< See Flight.
+  ErrorStatistics own_tracking;
+  std::optional<FixedWingRecord> fixedwing;  ///< Empty for a multirotor.
+  bool landed{};
+  bool disarmed{};
+  int warnings{};  ///< Notes of this severity in flight.
+  int errors{};
+  std::uint64_t frames_dropped{};             ///< Frames that found no room on the link.
+  std::optional<ProcessorFigures> processor;  ///< Of an emulated processor.
+  double gyro_latency_s{std::numeric_limits<double>::quiet_NaN()};  ///< Of the gyro filters.
+  std::optional<link::Counters> counters;         ///< The firmware's newest report.
+  std::optional<rosflight::log::LogSummary> log;  ///< Empty without a log.
+
+  double realtime_factor() const { return wall_time_s > 0.0 ? sim_time_s / wall_time_s : 0.0; }
+};
+
+/// The summary of a flight that has ended. Empty: folder, wall_time_s, log and what the recorder
+/// counts.
+FlightSummary summarise(const Flight& flight);
+
+/// One JSON object in one line, as `./rosflight fly --json` prints it.
+std::string summary_json(const FlightSummary& summary);
+
+}  // namespace rosflight::flight

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "flight/fly.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <memory>
+#include <utility>
+
+#include "base/atomic_file.hpp"
+#include "companion/parameter_file.hpp"
+#include "firmware/boards/qemu_m7/host/emulator.hpp"
+#include "flight/flight_recorder.hpp"
+#include "flight/report/path_chart.hpp"
+#include "flight/report/report.hpp"
+#include "flight/report_facts.hpp"
+#include "sim/time_sources.hpp"
+
+namespace rosflight::flight {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Makes the folder of this flight. @throws config::Error if it is not empty.
+fs::path make_folder(const std::optional<fs::path>& wanted) {
+  fs::path folder;
+  if (wanted) {
+    folder = *wanted;
+    if (fs::exists(folder) && (!fs::is_directory(folder) || !fs::is_empty(folder))) {
+      throw config::Error(fmt::format(
+          "--out: found {} with something in it, allowed a new or empty folder", folder.string()));
+    }
+  } else {
+    int number = 1;
+    while (fs::exists(folder = fs::path("flights") / fmt::format("{:04d}", number))) ++number;
+  }
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    throw config::Error(fmt::format("--out: cannot make {}: {}", folder.string(), error.message()));
+  }
+  return folder;
+}
+
+LogLevel log_level(const std::string& name) {
+  if (name == "none") return LogLevel::kNone;
+  return name == "full" ? LogLevel::kFull : LogLevel::kPlot;
+}
+
+void run(Flight& flight, const FlyOptions& options) {
+  try {
+    while (!flight.runner().finished()) {
+      flight.step();
+      if (options.on_step) options.on_step(flight);
+    }
+  } catch (const boards::m7::EmulatorError& error) {
+    throw FlightAborted(fmt::format(
+        "{:.2f} s: {}", static_cast<double>(flight.now().count()) * 1e-6, error.what()));
+  }
+}
+
+}  // namespace
+
+FlightSummary fly(const FlyOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto setup = std::make_unique<FlightSetup>(options.choice);
+  FlightParts parts = options.parts ? options.parts(*setup) : FlightParts{};
+  sim::SteadyWallClock wall;
+  sim::PacedTime pace(Flight::kStep, 1.0, wall);
+  const bool paced = options.realtime || options.choice.link == "uart";
+  if (paced && parts.time == nullptr) parts.time = &pace;
+  const auto flight = std::make_unique<Flight>(*setup, std::move(parts));
+  const fs::path folder = make_folder(options.folder);
+  FlightRecorder recorder(*flight, folder / "flight.mcap", log_level(options.log));
+  flight->runner().set_notify([&recorder, &options](const FlightNote& note) {
+    recorder.note(note);
+    if (options.on_note) options.on_note(note);
+  });
+  run(*flight, options);
+
+  std::optional<log::LogSummary> log = recorder.close();
+  FlightSummary summary = summarise(*flight);
+  summary.folder = folder;
+  summary.log = std::move(log);
+  summary.warnings = recorder.warnings();
+  summary.errors = recorder.errors();
+  summary.frames_dropped = recorder.dropped_frames();
+  summary.gyro_latency_s = recorder.record().gyro.latency_s;
+  summary.counters = recorder.record().counters;
+  add_summary(recorder.record(), *setup, summary, options);
+  report::write_report(recorder.record(), folder / "report.html");
+  base::write_file(folder / "path.svg", report::path_svg(recorder.record()));
+  base::write_file(folder / "vehicle.yaml", setup->vehicle.text());
+  base::write_file(folder / "mission.yaml", setup->mission_text);
+  companion::write_parameter_file(folder / "parameters.yaml",
+                                  flight->session().parameters().table().values(),
+                                  flight->session().firmware_version());
+  summary.wall_time_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  base::write_file(folder / "summary.json", summary_json(summary));
+  return summary;
+}
+
+}  // namespace rosflight::flight

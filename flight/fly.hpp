@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "flight/flight.hpp"
+#include "flight/flight_summary.hpp"
+
+namespace rosflight::flight {
+
+struct FlyOptions {
+  FlightChoice choice;
+  /// New or empty; default: the next number in flights/ of the current folder.
+  std::optional<std::filesystem::path> folder;
+  bool realtime{false};     ///< At the pace of the wall clock.
+  std::string log{"plot"};  ///< How much the log holds: plot, full or none (log/README.md).
+  /// Modules of your own; empty: the project's.
+  std::function<FlightParts(const FlightSetup&)> parts;
+  std::function<void(const FlightNote&)> on_note;  ///< Each note of the flight.
+  std::function<void(const Flight&)> on_step;      ///< After each step.
+};
+
+/// The emulated autopilot failed during the flight.
+class FlightAborted : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Flies a mission and leaves a flight folder: log, report, summary, vehicle, mission and
+/// parameters.
+/// @throws config::Error    bad input, or the folder is not empty; nothing is written then.
+/// @throws FlightAborted    the emulated autopilot failed; the log is not complete then.
+/// @throws log::LogError    the log cannot be written.
+FlightSummary fly(const FlyOptions& options);
+
+}  // namespace rosflight::flight

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "flight/guidance.hpp"
+
+#include <fmt/format.h>
+
+namespace rosflight::flight {
+namespace {
+
+using link::Severity;
+namespace wing = autonomy::fixedwing;
+
+Guidance::Note say(Severity severity, std::string text) {
+  Guidance::Note note;
+  note.severity = severity;
+  note.text = std::move(text);
+  return note;
+}
+
+Guidance::Note arrival(std::size_t waypoint, bool reached, const char* how, double distance_m) {
+  Guidance::Note note =
+      say(reached ? Severity::kInfo : Severity::kWarning,
+          fmt::format("waypoint {} {} at {:.2f} m", waypoint + 1, how, distance_m));
+  note.waypoint = waypoint;
+  note.reached = reached;
+  note.distance_m = distance_m;
+  return note;
+}
+
+Guidance::Note note_of(const autonomy::FlightEvent& e, const char* phase) {
+  using Type = autonomy::FlightEventType;
+  switch (e.type) {
+    case Type::kPhase:
+      return say(Severity::kInfo, fmt::format("phase {}", phase));
+    case Type::kWaypointReached:
+      return arrival(e.index, true, "reached", e.value);
+    case Type::kWaypointMissed:
+      return arrival(e.index, false, "missed", e.value);
+    case Type::kMissionDone:
+    case Type::kPilotGaveBack:
+    case Type::kStateRegained:
+      return say(Severity::kInfo, name(e.type));
+    case Type::kPilotTookOver:
+      return say(Severity::kWarning, name(e.type));
+    case Type::kTakeoffFailed:
+    case Type::kPathFault:
+    case Type::kMotorOut:
+    case Type::kPositionLost:
+    case Type::kStateLost:
+      break;
+  }
+  return say(Severity::kError, name(e.type));
+}
+
+/// The point of the path beside the vehicle, and how the path goes on there.
+autonomy::multirotor::Trajectory beside(const wing::FlightOutput& output) {
+  const wing::Segment& segment = output.path.segment;
+  const double s_m = output.path.progress_m;
+  const double course = segment.course_at(s_m);
+  autonomy::multirotor::Trajectory out;
+  out.p_W << segment.point_at(s_m), -output.path.height_m;
+  out.v_W << output.wanted.airspeed_m_s * wing::along(course), -output.wanted.climb_ff_m_s;
+  out.psi_rad = autonomy::wrap_angle(course);
+  return out;
+}
+
+template <typename Output>
+void report(const Output& output, GuidanceOutput& out, const Guidance::Notify& notify) {
+  for (const auto& event : output.events) notify(note_of(event, name(output.phase)));
+  out.command = output.command;
+  out.phase = name(output.phase);
+  out.tracking = output.tracking;
+  out.waypoint = output.waypoint;
+  out.mission_done = output.mission_done;
+  out.landed = output.landed;
+  out.request_disarm = output.request_disarm;
+}
+
+}  // namespace
+
+const GuidanceOutput& MultirotorGuidance::step(const Input& in, const Notify& notify) {
+  autonomy::multirotor::State state;
+  state.p_W = in.state.p_W;
+  state.v_W = in.state.v_W;
+  state.q_WB = in.state.q_WB;
+  state.w_B = in.state.w_B;
+  const autonomy::multirotor::FlightOutput& output = manager_.step({in.t_s, state, in.status});
+  report(output, out_, notify);
+  using autonomy::multirotor::Phase;
+  out_.idle = output.phase == Phase::kDisarmed || output.phase == Phase::kLanded;
+  out_.in_air = output.phase == Phase::kPositionHold || output.phase == Phase::kOffboard;
+  out_.coming_down = output.phase == Phase::kLanding;
+  out_.setpoint = output.setpoint;
+  out_.distance_m = output.distance_m;
+  return out_;
+}
+
+const GuidanceOutput& FixedWingGuidance::step(const Input& in, const Notify& notify) {
+  const wing::FlightOutput& output =
+      manager_.step({.t_s = in.t_s, .state = in.state, .status = in.status, .range_m = in.range_m});
+  report(output, out_, notify);
+  using wing::Phase;
+  const Phase phase = output.phase;
+  out_.idle = phase == Phase::kDisarmed || phase == Phase::kLanded;
+  out_.in_air = phase == Phase::kClimb || phase == Phase::kMission || phase == Phase::kLoiter ||
+                phase == Phase::kReturn;
+  out_.coming_down = phase == Phase::kApproach || phase == Phase::kGlide ||
+                     phase == Phase::kFlare || phase == Phase::kRollout;
+  if (output.path.path.valid) out_.setpoint = beside(output);
+  out_.distance_m = output.path.passed_at_m;
+  return out_;
+}
+
+}  // namespace rosflight::flight

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "companion/session.hpp"
+#include "flight/guidance.hpp"
+#include "flight/state_estimate_source.hpp"
+#include "sim/modules.hpp"
+#include "sim/rc/pilot.hpp"
+
+namespace rosflight::flight {
+
+/// Stages of a flight from power-up to disarmed, in this order.
+enum class Stage : std::uint8_t {
+  kConnect,    ///< Waiting for the link and the list of parameters.
+  kConfigure,  ///< Loading the vehicle's firmware parameters.
+  kCalibrate,  ///< IMU at rest.
+  kStore,      ///< Writing the parameters to the firmware's memory.
+  kArm,        ///< The pilot's switch.
+  kFly,        ///< Mission, landing included.
+  kDisarm,
+  kDone,
+  kFailed,
+};
+const char* stage_name(Stage stage);
+
+struct MissionRunnerConfig {
+  companion::ParameterSet firmware;  ///< Parameters of this vehicle.
+  int autonomy_every{4};             ///< Guidance runs in every n-th step.
+  double max_flight_s{600.0};        ///< Timeout of the stage kFly.
+  double hover_stick{0.5};           ///< Throttle stick that holds the vehicle in the air.
+  bool calibrate_airspeed{false};    ///< For a pitot tube, which is covered then.
+  bool use_range{true};              ///< Guidance is given the range sensor.
+  bool share_attitude{true};         ///< The estimated attitude goes to the firmware's filter.
+  bool on_truth{false};              ///< Guidance is given the true state.
+};
+
+/// One line of the flight's event log.
+struct FlightNote {
+  sim::Time t{};
+  std::string source;  ///< "mission" (the mission runner), "autonomy", "estimator", "companion",
+                       ///< "fcu" or "pilot".
+  link::Severity severity{link::Severity::kInfo};
+  std::string text;
+};
+
+/// Runs one mission as companion computer and pilot: connects, loads the parameters, calibrates,
+/// arms by radio, flies with offboard commands, lands and disarms. Each stage has a timeout.
+///
+/// Uses what a real companion has, unless `on_truth` is set. Only the pilot's throttle stick and
+/// the checks for a failed flight use the true state. Companion time is simulated time.
+class MissionRunner final : private companion::Listener {
+ public:
+  using Notify = std::function<void(const FlightNote&)>;
+
+  MissionRunner(const MissionRunnerConfig& config, companion::Session& session,
+                sim::rc::Pilot& pilot, Guidance& guidance, StateEstimateSource& estimate_source);
+  ~MissionRunner() override;
+
+  /// Receives every note of the flight; an empty function: none.
+  void set_notify(Notify notify) { notify_ = std::move(notify); }
+
+  /// Call it at the beginning of each step. @param truth  state of the vehicle at t.
+  void step(sim::Time t, const sim::Truth& truth);
+
+  Stage stage() const { return stage_; }
+  bool finished() const { return stage_ == Stage::kDone || stage_ == Stage::kFailed; }
+  /// Empty unless stage() is kFailed.
+  const std::string& failure() const { return failure_; }
+  sim::Time armed_at() const { return armed_at_; }
+  bool disarmed() const { return disarmed_; }
+  /// true: sends no offboard commands, as a companion that hangs; for tests.
+  void set_offboard_paused(bool paused) { offboard_paused_ = paused; }
+
+  struct Arrival {
+    bool reached{false};
+    double distance_m{0.0};  ///< Shortest distance from the waypoint.
+    double t_s{0.0};         ///< Since power-up.
+  };
+  /// Waypoints reached or missed so far, by index.
+  const std::vector<Arrival>& arrivals() const { return arrivals_; }
+  const GuidanceOutput& output() const { return guidance_.output(); }
+  /// The estimate that guidance received last.
+  const autonomy::StateEstimate& estimate() const { return estimate_; }
+
+ private:
+  void on_event(const companion::Event& event) override;
+  void connect();
+  void configure();
+  void calibrate();
+  void store();
+  void arm();
+  void fly(const sim::Truth& truth);
+  void update_estimate(const sim::Truth& truth);
+  void report_estimate();
+  void send_attitude();
+  void disarm();
+  void request_counters();
+  void hold_hover_stick(const sim::Truth& truth);
+  void check_for_failure(const sim::Truth& truth);
+  void enter(Stage stage);
+  void fail(const std::string& why);
+  void note(link::Severity severity, const char* source, const std::string& text);
+  std::optional<double> range() const;
+  void record(const Guidance::Note& event);
+
+  MissionRunnerConfig config_;
+  companion::Session& session_;
+  sim::rc::Pilot& pilot_;
+  Guidance& guidance_;
+  StateEstimateSource& estimate_source_;
+  autonomy::StateEstimate estimate_;
+  std::uint64_t resets_{0};
+  autonomy::Quality horizontal_{autonomy::Quality::kGood};
+  bool heading_good_{true};
+  Notify notify_;
+  sim::Time now_{};
+  sim::Time entered_{};
+  sim::Time armed_at_{};
+  Stage stage_{Stage::kConnect};
+  sim::Time grounded_since_{};
+  sim::Time last_received_{};
+  sim::Time counters_requested_{};  ///< For the firmware's counters.
+  int countdown_{0};
+  float throttle_stick_{0.0F};
+  bool offboard_paused_{false};
+  bool disarmed_{false};
+  bool airspeed_calibrated_{false};
+  std::string failure_;
+  std::vector<Arrival> arrivals_;
+  companion::Job<companion::LoadReport> load_;
+  companion::Job<companion::CommandResult> command_;
+};
+
+}  // namespace rosflight::flight

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Faults on the fixed wing, held to docs/faults.md.
+#include <gtest/gtest.h>
+
+#include "flight/test/fixedwing_rig.hpp"
+
+namespace rosflight::flight::testing {
+namespace {
+
+TEST(Wing, LandsWithoutRangeSensor) {
+  Rig rig(wing("default", {"range@0"}));
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed());
+  expect_touchdown(rig, 40.0, 1.5);
+}
+
+TEST(Wing, BlockedPitot) {
+  Rig rig(wing("default", {"pitot_blocked@80"}));
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed());
+  expect_in_control(rig);
+}
+
+TEST(Wing, TwentySecondsWithoutGnss) {
+  Rig rig(wing("default", {"gnss@80:20"}));
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed());
+  expect_in_control(rig);
+  EXPECT_LE(record(rig).straight_total.rms(), 15.0);
+}
+
+TEST(Wing, MotorOff) {
+  Rig rig(wing("default", {"motor0_dead@80"}));
+  rig.flight->run();
+  EXPECT_FALSE(rig.completed());
+  EXPECT_EQ(rig.flight->runner().stage(), Stage::kDone);
+  expect_in_control(rig);
+  expect_touchdown(rig, 500.0, 2.0);
+}
+
+TEST(Wing, ThreeSecondsWithoutLink) {
+  Rig rig(wing("default", {"link_cut@80:3"}));
+  rig.run_until(80.0);
+  const double before_m = rig.height_m();
+  double most_m = 0.0;
+  while (rig.flight->now() < at_s(80.115)) rig.flight->step();
+  EXPECT_EQ(rig.firmware().command().primary_axes() & 0x3FU, 0x3FU);
+  while (rig.flight->now() < at_s(83.0)) {
+    rig.flight->step();
+    most_m = std::max(most_m, std::abs(rig.height_m() - before_m));
+  }
+  EXPECT_LT(most_m, 15.0);
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed()) << rig.flight->runner().failure();
+  expect_in_control(rig);
+}
+
+TEST(Wing, NoMoreLink) {
+  Rig rig(wing("default", {"link_cut@80"}));
+  rig.flight->run();
+  EXPECT_EQ(rig.flight->runner().stage(), Stage::kFailed);
+  EXPECT_LE(seconds(rig.flight->now()), 95.0);
+  EXPECT_LE(record(rig).roll.max, 60.0 * autonomy::kRadPerDeg);
+}
+
+/// Faults of sensors that a flight survives; the second: whether the place is held to a limit.
+class SensorFaults : public ::testing::TestWithParam<std::pair<const char*, bool>> {};
+
+TEST_P(SensorFaults, AreFlownThrough) {
+  Rig rig(wing("default", {GetParam().first}));
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed()) << rig.flight->runner().failure();
+  expect_in_control(rig);
+  if (GetParam().second) {
+    EXPECT_LE(record(rig).straight_total.rms(), 15.0);
+  }
+  ASSERT_TRUE(record(rig).touchdown());
+  EXPECT_LE(record(rig).touchdown()->sink_m_s, 2.0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Wing, SensorFaults,
+                         ::testing::Values(std::pair{"mag@80", false}, std::pair{"baro@80", false},
+                                           std::pair{"diff_pressure@80", false},
+                                           std::pair{"baro_step=5@80", false},
+                                           std::pair{"mag_turned=30@80", false},
+                                           std::pair{"accel_step_x=0.3@80", true},
+                                           std::pair{"accel_step_y=0.3@80", true},
+                                           std::pair{"accel_step_z=0.3@80", true},
+                                           std::pair{"gyro_step_x=0.02@80", true},
+                                           std::pair{"gyro_step_y=0.02@80", true},
+                                           std::pair{"gyro_step_z=0.02@80", true}));
+
+}  // namespace
+}  // namespace rosflight::flight::testing

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "flight/vehicle/parameter_pages.hpp"
+
+#include "autonomy/estimation/read_estimator.hpp"
+#include "autonomy/fixedwing/config.hpp"
+#include "autonomy/multirotor/config.hpp"
+#include "config/table.hpp"
+#include "sim/environment/environment_parameters.hpp"
+
+namespace rosflight::flight {
+namespace {
+
+const std::string kMade =
+    "Made from the tables of parameters in the code by the program `parameter_pages`; a test "
+    "compares.\n";
+
+template <class S>
+std::string keys(const std::string& heading, const std::string& text, const config::Table<S>& table,
+                 const S& defaults = {}) {
+  return "\n## " + heading + "\n\n" + text + "\n" + table.page(defaults);
+}
+
+std::string autonomy_page() {
+  return "# Keys of the section `autonomy` of a vehicle file\n\n" + kMade +
+         "Every key may be left out: its default then holds. `--set "
+         "vehicle.autonomy.follower.drag_1_s=0` changes one\n"
+         "for a flight. `vehicles/defaults` has files with all defaults, to copy from.\n" +
+         keys("Multirotor",
+              "`autonomy/multirotor/config.cpp`. Mass, gravity, rotors, RC_MAX_THR and "
+              "USE_MOTOR_PARAM come from the other\nsections.",
+              autonomy::multirotor::parameters()) +
+         keys("Fixed wing",
+              "`autonomy/fixedwing/config.cpp`. Mass, wing, density and derivatives come from the "
+              "other sections.",
+              autonomy::fixedwing::parameters()) +
+         keys("Estimator of both: section `autonomy.estimator`",
+              "`autonomy/estimation/read_estimator.cpp`; the algorithm: "
+              "`docs/autonomy/estimation.md`.",
+              autonomy::estimation::parameters());
+}
+
+std::string vehicle_page() {
+  return "# Keys of a vehicle file\n\n" + kMade +
+         "The other sections: `vehicles/README.md`, `sim/sensors/README.md`, "
+         "`docs/autonomy-keys.md`.\n" +
+         keys("Section `environment`",
+              "`sim/environment/environment.cpp`. `start_utc`, such as 2026-06-01T12:00:00Z, is "
+              "needed too.",
+              sim::environment_parameters());
+}
+
+template <class S>
+std::string autonomy_file(const std::string& kind, const config::Table<S>& table) {
+  const autonomy::estimation::EstimatorConfig estimator;
+  return "# All keys of the section autonomy of a " + kind +
+         " with their defaults: docs/autonomy-keys.md.\n# A key that is left out has its default. "
+         "Commented keys have none of their own.\nautonomy:\n" +
+         table.commented({}, 1) + "\n  # State estimate.\n  estimator:\n" +
+         autonomy::estimation::parameters().commented(estimator, 2);
+}
+
+}  // namespace
+
+std::vector<ParameterPage> parameter_pages() {
+  return {{"docs/autonomy-keys.md", autonomy_page()},
+          {"docs/vehicle-keys.md", vehicle_page()},
+          {"vehicles/defaults/multirotor.yaml",
+           autonomy_file("multirotor", autonomy::multirotor::parameters())},
+          {"vehicles/defaults/fixedwing.yaml",
+           autonomy_file("fixed wing", autonomy::fixedwing::parameters())}};
+}
+
+}  // namespace rosflight::flight

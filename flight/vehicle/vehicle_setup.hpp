@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <string>
+
+#include "autonomy/estimation/estimator_config.hpp"
+#include "autonomy/fixedwing/config.hpp"
+#include "autonomy/multirotor/config.hpp"
+#include "companion/parameter.hpp"
+#include "sim/multirotor/multirotor_parameters.hpp"
+#include "sim/vehicle.hpp"
+
+/// What guidance, control and estimation take from a vehicle file: the sections `autonomy` and
+/// `firmware` with the facts of the other sections they depend on. Shared by `rosflight fly` and
+/// the ROS nodes. All of it throws config::Error, one line.
+namespace rosflight::flight {
+
+bool is_fixed_wing(const sim::Vehicle& vehicle);
+
+/// Rotors of a multirotor, propulsion of a fixed wing.
+sim::MultirotorParameters read_rotors(const sim::Vehicle& vehicle);
+
+/// Parameters of a vehicle's section `firmware`, typed and in range.
+companion::ParameterSet read_firmware_parameters(const config::Section& section);
+
+/// Value a parameter will have with `set` in force.
+double firmware_value(const companion::ParameterSet& set, const std::string& name);
+
+autonomy::multirotor::AutonomyConfig read_multirotor_autonomy(
+    const sim::Vehicle& vehicle, const sim::MultirotorParameters& rotors,
+    const companion::ParameterSet& firmware);
+autonomy::multirotor::AutonomyConfig read_multirotor_autonomy(const sim::Vehicle& vehicle);
+
+autonomy::fixedwing::AutonomyConfig read_fixedwing_autonomy(const sim::Vehicle& vehicle);
+
+/// Of either vehicle; declination by wmm2025_declination.
+autonomy::estimation::EstimatorConfig read_estimator(const sim::Vehicle& vehicle);
+
+/// What the magnetic model of the world's national surveys says at a fix: WMM2025, within its
+/// years.
+double wmm2025_declination(const autonomy::estimation::GnssSample& fix);
+
+}  // namespace rosflight::flight

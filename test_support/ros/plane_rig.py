@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the tests of rosplane share: states as an estimator would send them, parameters, contracts of the nodes."""
+
+import math
+import time
+
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import GetParameters, SetParameters
+from ros_rig import ROOT
+from rosflight_msgs.msg import Airspeed, Barometer, Command, GNSS, RCRaw, SimState, Status
+from rosplane_msgs.msg import (ControllerCommands, ControllerInternals, CurrentPath, FlightPhase, MissionSettings, State,
+                               Waypoint)
+from sensor_msgs.msg import Imu, MagneticField, Range
+from sim_contract import TRIGGER, Module, Out
+from sim_rig import node, stamp
+
+VEHICLE = ROOT / "vehicles/anaconda.yaml"
+ADD = "rosplane_msgs/srv/AddWaypoint"
+SIGNALS = ("toggle_step_signal", "reset_signal", "pause_signal", "start_continuous_signal", "start_single_period_signal")
+MODES = ("set_path_follower_mode", "set_altitude_course_airspeed_control_mode", "set_angle_control_mode",
+         "set_rc_passthrough_mode")
+# Topics, types and services of rosplane 2.0.0; flight_phase, mission_settings and inputs beside ROSflight 2.x's are ours.
+NODES = {
+    "estimator": Module("estimator", {"estimated_state": Out(State)},
+                        {"imu/data": Imu, "gnss": GNSS, "baro": Barometer, "airspeed": Airspeed,
+                         "magnetometer": MagneticField, "status": Status}),
+    "path_planner": Module("path_planner", {"waypoint_path": Out(Waypoint, latched=True),
+                                            "mission_settings": Out(MissionSettings, latched=True)},
+                           {"estimated_state": State},
+                           {"add_waypoint": ADD, "clear_waypoints": TRIGGER, "print_waypoints": TRIGGER,
+                            "publish_next_waypoint": TRIGGER, "load_mission_from_file": "rosflight_msgs/srv/ParamFile"}),
+    "path_manager": Module("path_manager", {"current_path": Out(CurrentPath), "flight_phase": Out(FlightPhase)},
+                           {"estimated_state": State, "waypoint_path": Waypoint, "mission_settings": MissionSettings,
+                            "status": Status, "range": Range, "command": Command,
+                            "controller_command": ControllerCommands},
+                           {"land": TRIGGER, "return_to_base": TRIGGER}),
+    "path_follower": Module("path_follower", {"controller_command": Out(ControllerCommands)},
+                            {"estimated_state": State, "current_path": CurrentPath}),
+    "controller": Module("controller", {"command": Out(Command), "controller_internals": Out(ControllerInternals)},
+                         {"estimated_state": State, "controller_command": ControllerCommands,
+                          "flight_phase": FlightPhase, "status": Status}),
+    "sim_state_transcriber": Module("rosplane_truth", {"sim/rosplane/state": Out(State)}, {"sim/truth_state": SimState}),
+    "signal_generator": Module("signal_generator", {"controller_command": Out(ControllerCommands)}, {},
+                               dict.fromkeys(SIGNALS, TRIGGER)),
+    "input_mapper": Module("input_mapper", {"mapped_controller_command": Out(ControllerCommands), "mapped_command": Out(Command)},
+                           {"input_controller_command": ControllerCommands, "input_command": Command, "rc_raw": RCRaw,
+                            "estimated_state": State},
+                           {f"input_mapper/{mode}": TRIGGER for mode in MODES}),
+}
+WITHOUT_VEHICLE = {"signal_generator", "input_mapper"}
+
+
+def start(name, **parameters):
+    """A node of rosplane by itself, with the vehicle file where it takes one."""
+    if name not in WITHOUT_VEHICLE:
+        parameters.setdefault("vehicle_file", VEHICLE)
+    return node(name, package="rosplane", **parameters)
+
+
+def state(ns, north=0.0, east=0.0, height=60.0, course=0.0, airspeed=15.0, roll=0.0):
+    """Level flight in still air, nose on the course."""
+    message = stamp(State(), ns)
+    message.p_n, message.p_e, message.p_d = north, east, -height
+    message.v_x = airspeed
+    message.phi, message.psi, message.chi, message.va = roll, course, course, airspeed
+    cr, sr, cy, sy = math.cos(roll / 2), math.sin(roll / 2), math.cos(course / 2), math.sin(course / 2)
+    q = message.quat
+    q.w, q.x, q.y, q.z = cr * cy, sr * cy, sr * sy, cr * sy
+    return message
+
+
+def now_ns():
+    return time.time_ns()
+
+
+def falls_silent(received, feed):
+    """Feeds a node until it has not answered 40 times in a row; what was on its way still comes. False: it never ends."""
+    for _ in range(20):
+        count = len(received)
+        for _ in range(40):
+            feed()
+            time.sleep(0.005)
+        if len(received) == count:
+            return True
+    return False
+
+
+def set_parameters(peer, name, **values):
+    """Results of setting parameters of a node; numbers as doubles."""
+    def value(given):
+        if isinstance(given, bool):
+            return ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=given)
+        if isinstance(given, str):
+            return ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=given)
+        if isinstance(given, int):
+            return ParameterValue(type=ParameterType.PARAMETER_INTEGER, integer_value=given)
+        return ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=given)
+    new = [Parameter(name=key, value=value(given)) for key, given in values.items()]
+    return peer.call(SetParameters, f"{name}/set_parameters", parameters=new).results
+
+
+def parameter(peer, name, key):
+    return peer.call(GetParameters, f"{name}/get_parameters", names=[key]).values[0]
