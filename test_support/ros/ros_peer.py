@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 
 import rclpy
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from ros_client import ask
@@ -104,6 +105,7 @@ class Tester:
         self.node = rclpy.create_node(name, context=self.context, **options)
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
+        self.publishers_matched: dict[str, int] = {}
         self.thread = threading.Thread(target=self._spin)
         self.thread.start()
 
@@ -125,7 +127,12 @@ class Tester:
     def subscribe(self, kind, topic: str, qos=10) -> list:
         """Messages of the topic, in a list that grows."""
         received: list = []
-        self.node.create_subscription(kind, topic, received.append, qos)
+
+        def matched(event):
+            self.publishers_matched[topic] = event.current_count
+        self.publishers_matched[topic] = 0
+        self.node.create_subscription(kind, topic, received.append, qos,
+                                      event_callbacks=SubscriptionEventCallbacks(matched=matched))
         return received
 
     def publisher(self, kind, topic: str, qos=10, subscribers: int = 1):
@@ -135,8 +142,11 @@ class Tester:
         return publisher
 
     def matched(self, topic: str, publishers: int = 1):
-        """Waits until the topic is published."""
-        until(lambda: self.node.count_publishers(topic) >= publishers, f"{topic} is published")
+        """Waits until so many publishers have matched the newest subscription to the topic.
+
+        The publisher may know of the subscription a moment later: what must not be missed is asked for again, or kept.
+        """
+        until(lambda: self.publishers_matched[topic] >= publishers, f"{topic} is published")
 
     def call(self, kind, service: str, limit_s: float = LIMIT_S, **request):
         """The response of a service, called with these fields."""

@@ -13,7 +13,6 @@ from rosflight_msgs.msg import PwmOutput, SimState
 from sim_rig import SimPeer, executable, launch, stamp_ns
 
 
-
 def own(tmp_path):
     return {"memory_folder": tmp_path, "simulation_port": free_udp_port(), "ROS_port": free_udp_port()}
 
@@ -28,10 +27,12 @@ def test_wall_time_runs_and_a_dead_node_takes_the_launch_down(tmp_path):
     with SimPeer("watcher") as watcher, launch("rosflight_sim", "multirotor_standalone.launch.xml", **own(tmp_path)) as world:
         world.until("ready: 8 nodes in ")
         truth, pulses = watcher.listen(SimState, "sim/truth_state"), watcher.listen(PwmOutput, "sim/pwm_output")
-        watcher.wait(lambda: len(truth) > 200, "half a second of truth")
+        watcher.wait(lambda: len(truth) > 200 and len(pulses) > 200, "half a second of truth and pulses")
         assert abs(stamp_ns(truth[-1]) - time.time_ns()) < 60e9  # the wall's time
-        pairs = {stamp_ns(message) for message in truth} & {stamp_ns(message) for message in pulses}
-        assert len(pairs) > 20  # truth carries the stamp of the pulses that led to it
+
+        def pairs():  # truth carries the stamp of the pulses that led to it
+            return {stamp_ns(message) for message in truth} & {stamp_ns(message) for message in pulses}
+        watcher.wait(lambda: len(pairs()) > 20, "pulses with their truth")
         os.kill(pid_of(world, "standalone_dynamics"), signal.SIGSEGV)
         assert world.end() == 1
         assert "launch: standalone_dynamics (rosflight_sim/standalone_dynamics) ended with signal 11 (SIGSEGV); its last lines:" in world.text()

@@ -6,30 +6,32 @@ import time
 
 import pytest
 from rcl_interfaces.msg import Log
-from ros_peer import Process, lite_program, until
+from ros_peer import Process, latched, lite_program, until
 from std_srvs.srv import Trigger
 
 
 def log_of_peer(tester, name: str, *words: str):
-    received = tester.subscribe(Log, "/rosout", 100)
+    """What a node of this name logs when asked twice, as messages on /rosout and as text on its standard error."""
+    # /rosout is kept for subscribers that come late, so nothing depends on who knows whom first.
+    received = tester.subscribe(Log, "/rosout", latched(100))
+
+    def errors():
+        return sum(entry.name == name and entry.msg == "error 4" for entry in received)
     with Process(lite_program("peer_node", "--ros-args", "-r", f"__node:={name}", "-r",
                               f"log:={name}/log", *words)) as process:
-        tester.matched("/rosout", 2)
-        tester.call(Trigger, f"{name}/log")
-        until(lambda: any(entry.name == name and entry.msg == "error 4" for entry in received),
-              "the log on /rosout")
-        # Once and throttle let one of three through, also when asked again.
-        tester.call(Trigger, f"{name}/log")
-        until(lambda: sum(entry.name == name and entry.msg == "error 4" for entry in received) == 2,
-              "the second log")
+        for asked in (1, 2):
+            tester.call(Trigger, f"{name}/log")
+            until(lambda wanted=asked: errors() >= wanted, f"log {asked} on /rosout")
     return [entry for entry in received if entry.name == name], process.said()
 
 
 def test_log_comes_on_rosout_with_level_and_place(tester):
     entries, said = log_of_peer(tester, "talker")
     texts = [entry.msg for entry in entries]
-    assert texts == ["info 2", "warn 3", "error 4", "once", "throttled",
-                     "info 2", "warn 3", "error 4"]
+    # Once and throttle let one of three through, also when asked again. A request may be sent twice.
+    first, again = ["info 2", "warn 3", "error 4", "once", "throttled"], ["info 2", "warn 3", "error 4"]
+    assert texts[:8] == first + again
+    assert set(texts[8:]) <= set(again)
     levels = {entry.msg: entry.level for entry in entries}
     assert (levels["info 2"], levels["warn 3"], levels["error 4"]) == (20, 30, 40)
     assert entries[0].file.endswith("peer_node.cpp") and entries[0].line > 0
@@ -40,7 +42,7 @@ def test_log_level_of_the_command_line_counts(tester):
     entries, said = log_of_peer(tester, "chatty", "--log-level", "chatty:=debug")
     assert entries[0].msg == "debug 1" and entries[0].level == 10
     entries, said = log_of_peer(tester, "quiet", "--log-level", "quiet:=error")
-    assert [entry.msg for entry in entries] == ["error 4", "error 4"]
+    assert {entry.msg for entry in entries} == {"error 4"}
     assert "warn" not in said
 
 
