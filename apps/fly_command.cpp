@@ -11,10 +11,6 @@
 namespace rosflight::apps {
 namespace {
 
-double seconds(sim::Time t) {
-  return static_cast<double>(t.count()) * 1e-6;
-}
-
 /// Notes of the flight as lines; on a terminal also one line that shows the position.
 class Progress {
  public:
@@ -24,14 +20,14 @@ class Progress {
     const bool chatter = note.source == "fcu" && note.severity == link::Severity::kInfo;
     if (chatter) return;
     clear();
-    fmt::print(err_, "{:8.2f} s  {:<9} {}\n", seconds(note.t), note.source, note.text);
+    fmt::print(err_, "{:8.2f} s  {:<9} {}\n", sim::to_seconds(note.t), note.source, note.text);
   }
   void tick(const flight::Flight& flight) {
     if (!terminal_ || flight.now() < next_) return;
     next_ = flight.now() + std::chrono::seconds(1);
     const sim::Vector3& p = flight.truth().body.p_W;
     fmt::print(err_, "\r{:8.2f} s  {}  north {:.1f} east {:.1f} up {:.1f} m   ",
-               seconds(flight.now()), flight::stage_name(flight.runner().stage()), p.x(), p.y(),
+               sim::to_seconds(flight.now()), flight::stage_name(flight.runner().stage()), p.x(), p.y(),
                -p.z());
     err_.flush();
     shown_ = true;

@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
     const sim::Time begin = flight->now();
     flight->set_tap(&meter);
     while (in_stage(flight::Stage::kFly)) flight->step();
-    const double took_s = static_cast<double>((flight->now() - begin).count()) * 1e-6;
+    const double took_s = sim::to_seconds(flight->now() - begin);
     flight->run();
     if (!in_stage(flight::Stage::kDone)) {
       std::fprintf(stderr, "link_rate: the flight failed: %s\n",

@@ -15,7 +15,8 @@ set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 option(ROSFLIGHT_BARE_METAL "Build only what runs on a microcontroller" OFF)
 option(ROSFLIGHT_SANITIZE "Address and undefined-behaviour sanitizers" OFF)
-option(ROSFLIGHT_PRECOMPILE "Precompile the headers of Eigen, fmt, GoogleTest and the standard library" OFF)
+option(ROSFLIGHT_QUICK_BUILD "Libraries several files at a time, the headers of other libraries precompiled" OFF)
+set(ROSFLIGHT_FILES_AT_A_TIME 6 CACHE STRING "How many, in a quick build")
 option(ROSFLIGHT_FUZZ "Build the libraries and the fuzzers for libFuzzer, with clang; no tests" OFF)
 
 set(ROSFLIGHT_ROOT ${CMAKE_SOURCE_DIR})
@@ -25,6 +26,10 @@ set(ROSFLIGHT_WARNINGS
 # Bit-identical results need the same arithmetic everywhere: no fused multiply-add, no fast-math.
 # Nobody reads errno after a square root, and testing for it costs.
 add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off> $<$<COMPILE_LANGUAGE:CXX>:-fno-math-errno>)
+if(NOT ROSFLIGHT_BARE_METAL)
+  # Shared libraries (plugins, ROS components) are linked from ours, and all targets share one set of precompiled headers.
+  add_compile_options(-fPIC -fno-semantic-interposition)
+endif()
 
 if(ROSFLIGHT_SANITIZE)
   # The firmware is built without RTTI, which the vptr check needs.
@@ -53,7 +58,7 @@ add_library(rosflight::eigen ALIAS rosflight_eigen)
 target_include_directories(rosflight_eigen SYSTEM INTERFACE $<BUILD_INTERFACE:${ROSFLIGHT_EIGEN_DIR}>)
 target_link_libraries(rosflight_eigen INTERFACE $<INSTALL_INTERFACE:Eigen3::Eigen>)
 target_compile_definitions(rosflight_eigen INTERFACE EIGEN_MPL2_ONLY)
-if(ROSFLIGHT_PRECOMPILE)
+if(ROSFLIGHT_QUICK_BUILD)
   # GCC 12 warns falsely about std::string once its header is precompiled (GCC bugs 105329 and 105651).
   add_compile_options(-Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread)
   # What is precompiled holds for all, whether they use it or not.
@@ -75,9 +80,10 @@ function(_rosflight_common target visibility)
   target_include_directories(${target} ${visibility} ${ROSFLIGHT_ROOT})
 endfunction()
 
-# Three quarters of the time of an ordinary file go into reading Eigen, fmt and the standard library. They are read once for
-# each set of options, by rosflight_headers_KIND; nothing of ours is precompiled. clang-tidy and the presets fuzz and
-# cortex-m7 compile without, so a missing #include shows.
+# Three quarters of the time of an ordinary file go into reading Eigen, fmt and the standard library, most of the rest into
+# our own headers and their templates. With ROSFLIGHT_QUICK_BUILD the former are read once for each kind of target, by
+# rosflight_headers_KIND, and libraries are compiled several files at a time: names in the unnamed namespaces of one library
+# differ. clang-tidy and the presets fuzz and cortex-m7 compile file by file without, so a missing #include shows.
 set(ROSFLIGHT_PRECOMPILED_FIRMWARE <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <cstdint> <cstring> <limits>)
 set(ROSFLIGHT_PRECOMPILED_HOST
     <Eigen/Dense> <fmt/format.h> <algorithm> <array> <charconv> <chrono> <cmath> <cstdint> <cstring> <deque> <filesystem> <fstream>
@@ -85,18 +91,14 @@ set(ROSFLIGHT_PRECOMPILED_HOST
     <string> <string_view> <tuple> <utility> <variant> <vector>)
 
 function(_rosflight_precompile target kind)
-  if(ROSFLIGHT_PRECOMPILE)
+  if(ROSFLIGHT_QUICK_BUILD)
     # At the end of the folder, when the target has all its properties.
     cmake_language(EVAL CODE "cmake_language(DEFER CALL _rosflight_use_precompiled ${target} ${kind})")
   endif()
 endfunction()
 
 function(_rosflight_use_precompiled target kind)
-  get_target_property(pic ${target} POSITION_INDEPENDENT_CODE)
   set(headers rosflight_headers_${kind})
-  if(pic)
-    string(APPEND headers _pic)
-  endif()
   if(NOT TARGET ${headers})
     set(empty ${CMAKE_BINARY_DIR}/precompiled/${headers}.cpp)
     file(CONFIGURE OUTPUT ${empty} CONTENT "")
@@ -111,9 +113,6 @@ function(_rosflight_use_precompiled target kind)
     elseif(kind STREQUAL test)
       list(APPEND files <gtest/gtest.h>)
       target_link_libraries(${headers} PRIVATE GTest::gtest)
-    endif()
-    if(pic)
-      set_target_properties(${headers} PROPERTIES POSITION_INDEPENDENT_CODE ON)
     endif()
     target_precompile_headers(${headers} PRIVATE ${files})
     target_compile_options(${headers} PRIVATE -fpch-preprocess)  # for ccache
@@ -134,6 +133,7 @@ function(rosflight_library name)
   set(target rosflight_${name})
   if(arg_SOURCES)
     add_library(${target} STATIC ${arg_SOURCES})
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ${ROSFLIGHT_QUICK_BUILD} UNITY_BUILD_BATCH_SIZE ${ROSFLIGHT_FILES_AT_A_TIME})
     set(visibility PUBLIC)
     target_compile_options(${target} PRIVATE ${ROSFLIGHT_WARNINGS})
     if(arg_FIRMWARE)

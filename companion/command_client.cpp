@@ -82,7 +82,6 @@ constexpr std::array<CommandRule, 11> kRules{{
     {Command::kSendVersion, "version request", Ends::kWithAck, true, false, {}, {}, {}},
 }};
 
-constexpr Time kQueueFull = std::chrono::milliseconds{10};
 // Accelerometer and gyro end on the same sample: a failure of the second follows at once.
 constexpr Time kSettleAfterText = std::chrono::milliseconds{200};
 // Biases travel before the log line; give that time to contradict.

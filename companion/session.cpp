@@ -14,7 +14,6 @@ using namespace std::chrono_literals;
 constexpr Time kRatePeriod = 1s;
 constexpr Time kFirstVersionRetry = 1s;
 constexpr Time kSlowestVersionRetry = 10s;
-constexpr Time kQueueFull = 10ms;
 
 // Next time of a periodic action: in rhythm, but without making up for what was missed.
 Time next_time(Time due, Time period, Time now) {

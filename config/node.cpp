@@ -41,14 +41,14 @@ class Builder {
       throw fault(line, path, "the tag " + printable(tag), "no tags");
     }
     if (yaml.IsScalar()) {
-      node->kind = Kind::kScalar;
+      node->kind = NodeKind::kScalar;
       node->scalar = yaml.Scalar();
       node->quoted = tag == "!";
     } else if (yaml.IsSequence()) {
-      node->kind = Kind::kList;
+      node->kind = NodeKind::kList;
       build_list(yaml, *node, line, depth);
     } else if (yaml.IsMap()) {
-      node->kind = Kind::kMap;
+      node->kind = NodeKind::kMap;
       build_map(yaml, *node, line, depth);
     }
     return node;
@@ -187,13 +187,13 @@ bool plain(const std::string& text) {
 }
 
 std::string scalar_text(const Node& node) {
-  if (node.kind == Kind::kNull) return "null";
+  if (node.kind == NodeKind::kNull) return "null";
   return node.quoted || !plain(node.scalar) ? quoted(node.scalar) : node.scalar;
 }
 
 bool all_leaves(const Node& node) {
   return std::all_of(node.children.begin(), node.children.end(), [](const auto& child) {
-    return child->kind == Kind::kScalar || child->kind == Kind::kNull;
+    return child->kind == NodeKind::kScalar || child->kind == NodeKind::kNull;
   });
 }
 
@@ -205,14 +205,14 @@ void emit_value(const Node& node, const std::string& indent, std::string& out);
 
 void emit_children(const Node& node, const std::string& indent, std::string& out) {
   for (const auto& child : node.children) {
-    out += indent + (node.kind == Kind::kMap ? key_text(child->key) + ":" : "-");
+    out += indent + (node.kind == NodeKind::kMap ? key_text(child->key) + ":" : "-");
     emit_value(*child, indent + "  ", out);
   }
 }
 
 void emit_value(const Node& node, const std::string& indent, std::string& out) {
-  const bool is_map = node.kind == Kind::kMap;
-  if (node.kind == Kind::kScalar || node.kind == Kind::kNull) {
+  const bool is_map = node.kind == NodeKind::kMap;
+  if (node.kind == NodeKind::kScalar || node.kind == NodeKind::kNull) {
     out += ' ';
     out += scalar_text(node);
     out += '\n';
@@ -254,13 +254,13 @@ std::unique_ptr<Node> Node::copy() const {
 
 std::string Node::shown() const {
   switch (kind) {
-    case Kind::kScalar:
+    case NodeKind::kScalar:
       return quoted ? std::string(1, '"') + printable(scalar) + '"' : printable(scalar);
-    case Kind::kList:
+    case NodeKind::kList:
       return "a list of " + std::to_string(children.size());
-    case Kind::kMap:
+    case NodeKind::kMap:
       return "a map";
-    case Kind::kNull:
+    case NodeKind::kNull:
       break;
   }
   return "nothing";
@@ -284,7 +284,7 @@ std::unique_ptr<Node> parse(std::string_view text, const Origin& origin, const s
 }
 
 void merge(Node& base, const Node& over) {
-  if (base.kind != Kind::kMap || over.kind != Kind::kMap) {
+  if (base.kind != NodeKind::kMap || over.kind != NodeKind::kMap) {
     base = std::move(*over.copy());
     return;
   }
@@ -298,7 +298,7 @@ void merge(Node& base, const Node& over) {
 }
 
 std::string emit(const Node& root) {
-  if (root.children.empty()) return root.kind == Kind::kList ? "[]\n" : "{}\n";
+  if (root.children.empty()) return root.kind == NodeKind::kList ? "[]\n" : "{}\n";
   std::string out;
   emit_children(root, "", out);
   return out;

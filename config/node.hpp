@@ -8,10 +8,10 @@
 /// The tree behind config::Document. Private to this folder.
 namespace rosflight::config::detail {
 
-enum class Kind { kNull, kScalar, kList, kMap };
+enum class NodeKind { kNull, kScalar, kList, kMap };
 
 struct Node {
-  Kind kind{Kind::kNull};
+  NodeKind kind{NodeKind::kNull};
   std::string key;        ///< In its parent map.
   std::string path;       ///< "body.mass_kg", "rotors.0.spin"; empty at the root.
   std::string where;      ///< "file:12" or "--set a.b=c".

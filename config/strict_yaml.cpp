@@ -13,7 +13,7 @@
 namespace rosflight::config {
 namespace {
 
-using detail::Kind;
+using detail::NodeKind;
 using detail::Node;
 
 Error fault(const Node& node, const std::string& path, const std::string& found,
@@ -31,7 +31,7 @@ std::string join(const std::string& path, std::string_view key) {
 }
 
 double checked_number(const Node& node, const Range& allowed) {
-  if (node.kind != Kind::kScalar || node.quoted) throw fault(node, allowed.text());
+  if (node.kind != NodeKind::kScalar || node.quoted) throw fault(node, allowed.text());
   const auto value = parse_number(node.scalar);
   if (!value || !allowed.contains(*value)) throw fault(node, allowed.text());
   return *value;
@@ -45,7 +45,7 @@ std::string list_text(std::size_t count, const Range& allowed) {
 
 std::vector<double> checked_list(const Node& node, std::size_t count, const Range& allowed) {
   const bool wrong_count = count != Section::kAnyCount && node.children.size() != count;
-  if (node.kind != Kind::kList || wrong_count) throw fault(node, list_text(count, allowed));
+  if (node.kind != NodeKind::kList || wrong_count) throw fault(node, list_text(count, allowed));
   std::vector<double> values;
   values.reserve(node.children.size());
   for (const auto& child : node.children) values.push_back(checked_number(*child, allowed));
@@ -60,7 +60,7 @@ std::string listed(const std::vector<std::string>& words) {
 
 void finish_node(const Node& node) {
   for (const auto& child : node.children) {
-    if (node.kind == Kind::kMap && !child->asked) {
+    if (node.kind == NodeKind::kMap && !child->asked) {
       throw fault(*child, child->path, "an unknown key", listed(node.wanted));
     }
     if (!child->foreign) finish_node(*child);
@@ -68,13 +68,13 @@ void finish_node(const Node& node) {
 }
 
 Node* step_into(Node& parent, const std::string& key, const std::string& where) {
-  if (parent.kind == Kind::kNull) parent.kind = Kind::kMap;
-  if (parent.kind == Kind::kScalar) {
+  if (parent.kind == NodeKind::kNull) parent.kind = NodeKind::kMap;
+  if (parent.kind == NodeKind::kScalar) {
     throw Error(where + ": " + join(parent.path, key) + ": found the value " + parent.shown() +
                 " at " + parent.path + ", allowed a map or a list");
   }
   if (Node* child = parent.child(key)) return child;
-  if (parent.kind == Kind::kList) {
+  if (parent.kind == NodeKind::kList) {
     throw Error(where + ": " + join(parent.path, key) + ": found no such entry, allowed one of " +
                 std::to_string(parent.children.size()) + " counted from 0");
   }
@@ -158,7 +158,7 @@ std::int64_t Section::integer(std::string_view key, std::int64_t low, std::int64
   const Node& node = require(key, allowed);
   std::int64_t value = 0;
   const char* end = node.scalar.data() + node.scalar.size();
-  const bool scalar = node.kind == Kind::kScalar && !node.quoted;
+  const bool scalar = node.kind == NodeKind::kScalar && !node.quoted;
   const auto result = std::from_chars(node.scalar.data(), end, value);
   if (!scalar || result.ec != std::errc{} || result.ptr != end || value < low || value > high) {
     throw fault(node, allowed);
@@ -174,7 +174,7 @@ std::int64_t Section::integer(std::string_view key, std::int64_t low, std::int64
 bool Section::boolean(std::string_view key) const {
   const Node& node = require(key, "true or false");
   const bool is_true = node.scalar == "true";
-  if (node.kind != Kind::kScalar || node.quoted || (!is_true && node.scalar != "false")) {
+  if (node.kind != NodeKind::kScalar || node.quoted || (!is_true && node.scalar != "false")) {
     throw fault(node, "true or false");
   }
   return is_true;
@@ -186,7 +186,7 @@ bool Section::boolean(std::string_view key, bool if_absent) const {
 
 std::string Section::text(std::string_view key) const {
   const Node& node = require(key, "text");
-  if (node.kind != Kind::kScalar) throw fault(node, "text");
+  if (node.kind != NodeKind::kScalar) throw fault(node, "text");
   return node.scalar;
 }
 
@@ -202,7 +202,7 @@ std::vector<std::vector<double>> Section::rows(std::string_view key, std::size_t
                                                Range allowed) const {
   const std::string what = "a list of lists, each " + list_text(columns, allowed);
   const Node& node = require(key, what);
-  if (node.kind != Kind::kList) throw fault(node, what);
+  if (node.kind != NodeKind::kList) throw fault(node, what);
   std::vector<std::vector<double>> all;
   all.reserve(node.children.size());
   for (const auto& child : node.children) all.push_back(checked_list(*child, columns, allowed));
@@ -220,13 +220,13 @@ std::size_t Section::choice_index(std::string_view key,
   for (const auto& choice : choices) allowed += (allowed.empty() ? "" : ", ") + std::string(choice);
   const Node& node = require(key, allowed);
   const auto found = std::find(choices.begin(), choices.end(), node.scalar);
-  if (node.kind != Kind::kScalar || found == choices.end()) throw fault(node, allowed);
+  if (node.kind != NodeKind::kScalar || found == choices.end()) throw fault(node, allowed);
   return static_cast<std::size_t>(found - choices.begin());
 }
 
 Section Section::section(std::string_view key) const {
   const Node& node = require(key, "a map");
-  if (node.kind != Kind::kMap && node.kind != Kind::kNull) throw fault(node, "a map");
+  if (node.kind != NodeKind::kMap && node.kind != NodeKind::kNull) throw fault(node, "a map");
   return {root_, find(key)};
 }
 
@@ -243,10 +243,10 @@ Section Section::foreign_section(std::string_view key) const {
 
 std::vector<Section> Section::sections(std::string_view key) const {
   const Node& node = require(key, "a list of maps");
-  if (node.kind != Kind::kList) throw fault(node, "a list of maps");
+  if (node.kind != NodeKind::kList) throw fault(node, "a list of maps");
   std::vector<Section> all;
   for (const auto& child : node.children) {
-    if (child->kind != Kind::kMap) throw fault(*child, "a map");
+    if (child->kind != NodeKind::kMap) throw fault(*child, "a map");
     all.push_back(Section(root_, child.get()));
   }
   return all;
@@ -308,8 +308,8 @@ Document Document::from_text(std::string_view text, std::string name,
   const detail::Origin origin{
       .name = std::move(name), .with_lines = true, .directory = directory.string()};
   std::shared_ptr<Node> root = detail::parse(text, origin, "", 0);
-  if (root->kind != Kind::kMap && root->kind != Kind::kList) {
-    throw fault(*root, "", root->kind == Kind::kNull ? "an empty file" : root->shown(),
+  if (root->kind != NodeKind::kMap && root->kind != NodeKind::kList) {
+    throw fault(*root, "", root->kind == NodeKind::kNull ? "an empty file" : root->shown(),
                 "a map or a list");
   }
   return Document(std::move(root));
@@ -326,7 +326,7 @@ void Document::set(std::string_view assignment, std::string_view option) {
   const detail::Origin origin{.name = where, .with_lines = false, .directory = root_->directory};
   const auto depth = static_cast<int>(std::count(path.begin(), path.end(), '.')) + 1;
   auto value = detail::parse(assignment.substr(equals + 1), origin, prefix, depth);
-  if (value->kind == Kind::kNull)
+  if (value->kind == NodeKind::kNull)
     throw Error(where + ": " + prefix + ": found nothing, allowed a value");
   Node* node = root_.get();
   for (std::size_t start = 0; start <= path.size();) {
@@ -352,19 +352,19 @@ void Document::remove(std::string_view key) {
 }
 
 Section Document::root() const {
-  if (root_->kind != Kind::kMap) throw fault(*root_, "a map");
+  if (root_->kind != NodeKind::kMap) throw fault(*root_, "a map");
   return {root_, root_.get()};
 }
 
 bool Document::is_list() const {
-  return root_->kind == Kind::kList;
+  return root_->kind == NodeKind::kList;
 }
 
 std::vector<Section> Document::root_sections() const {
-  if (root_->kind != Kind::kList) throw fault(*root_, "a list of maps");
+  if (root_->kind != NodeKind::kList) throw fault(*root_, "a list of maps");
   std::vector<Section> all;
   for (const auto& child : root_->children) {
-    if (child->kind != Kind::kMap) throw fault(*child, "a map");
+    if (child->kind != NodeKind::kMap) throw fault(*child, "a map");
     all.push_back(Section(root_, child.get()));
   }
   return all;

@@ -50,7 +50,7 @@ void FixedWingRecord::step(const sim::Truth& truth, const sim::Vector3& seen_W,
   if (was_in_air_ && truth.on_ground && !touchdown_) {
     const sim::Vector3 away = truth.body.p_W - aim_W_;
     const double course = std::atan2(v_W.y(), v_W.x());
-    touchdown_ = Touchdown{static_cast<double>(truth.time.count()) * 1e-6,
+    touchdown_ = Touchdown{sim::to_seconds(truth.time),
                            away.head<2>().norm(),
                            away.head<2>().dot(wing::along(course)),
                            sink_m_s_,

@@ -17,10 +17,6 @@ namespace {
 
 using report::Tone;
 
-double seconds(sim::Time t) {
-  return static_cast<double>(t.count()) * 1e-6;
-}
-
 report::Vec3 to_vec3(const sim::Vector3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
@@ -159,7 +155,7 @@ void FlightRecorder::note(const FlightNote& note) {
   const bool in_flight = flight_.runner().stage() >= Stage::kFly;
   if (in_flight && note.severity == link::Severity::kWarning) ++warnings_;
   if (in_flight && note.severity < link::Severity::kWarning) ++errors_;
-  record_.add_event(seconds(note.t), tone_of(note.severity), note.source, note.text);
+  record_.add_event(sim::to_seconds(note.t), tone_of(note.severity), note.source, note.text);
   if (log_ && note.source != "fcu") {
     log_->write_event(note.t, note.severity, note.source, note.text);
   }
@@ -176,8 +172,8 @@ void FlightRecorder::log_autonomy(sim::Time t) {
     }
   }
   constexpr double kInterval_s = 0.0099;  // autonomy runs at 100 Hz
-  if (!log_ || seconds(t) - last_setpoint_s_ < kInterval_s) return;
-  last_setpoint_s_ = seconds(t);
+  if (!log_ || sim::to_seconds(t) - last_setpoint_s_ < kInterval_s) return;
+  last_setpoint_s_ = sim::to_seconds(t);
   const autonomy::multirotor::Trajectory& s = output.setpoint;
   log_->write_setpoint(t, {{},
                            to_vec3(s.p_W),
@@ -191,8 +187,8 @@ void FlightRecorder::log_autonomy(sim::Time t) {
 void FlightRecorder::step(const sim::Truth& truth, const hal::OutputValues& outputs) {
   if (log_) log_->write_truth(truth, outputs);
   log_autonomy(truth.time);
-  if (record_.wants(seconds(truth.time))) add_sample(truth, outputs);
-  follow_states(seconds(truth.time));
+  if (record_.wants(sim::to_seconds(truth.time))) add_sample(truth, outputs);
+  follow_states(sim::to_seconds(truth.time));
 }
 
 /// The path as it is planned from here on.
@@ -224,7 +220,7 @@ void FlightRecorder::add_estimate(const sim::Truth& truth, report::Sample& sampl
 
 void FlightRecorder::add_sample(const sim::Truth& truth, const hal::OutputValues& outputs) {
   report::Sample sample;
-  sample.t_s = seconds(truth.time);
+  sample.t_s = sim::to_seconds(truth.time);
   sample.p_W_m = to_vec3(truth.body.p_W);
   sample.v_W_m_s = to_vec3(truth.body.q_WB * truth.body.v_B);
   sample.attitude_rad = euler(truth.body.q_WB);

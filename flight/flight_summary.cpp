@@ -6,20 +6,12 @@
 #include <algorithm>
 
 namespace rosflight::flight {
-namespace {
-
-double seconds(sim::Time t) {
-  return static_cast<double>(t.count()) * 1e-6;
-}
-
-}  // namespace
-
 FlightSummary summarise(const Flight& flight) {
   FlightSummary s;
   const MissionRunner& runner = flight.runner();
   s.choice = flight.setup().choice;
-  s.sim_time_s = seconds(flight.now());
-  if (runner.armed_at() > sim::Time{0}) s.flight_time_s = seconds(flight.now() - runner.armed_at());
+  s.sim_time_s = sim::to_seconds(flight.now());
+  if (runner.armed_at() > sim::Time{0}) s.flight_time_s = sim::to_seconds(flight.now() - runner.armed_at());
   s.arrivals = runner.arrivals();
   s.waypoints_total = flight.setup().waypoints.size();
   s.waypoints_reached = static_cast<std::size_t>(

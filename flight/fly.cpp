@@ -55,7 +55,7 @@ void run(Flight& flight, const FlyOptions& options) {
     }
   } catch (const boards::m7::EmulatorError& error) {
     throw FlightAborted(fmt::format(
-        "{:.2f} s: {}", static_cast<double>(flight.now().count()) * 1e-6, error.what()));
+        "{:.2f} s: {}", sim::to_seconds(flight.now()), error.what()));
   }
 }
 

@@ -26,10 +26,6 @@ double timeout_s(Stage stage, double max_flight_s) {
   }
 }
 
-double seconds(sim::Time t) {
-  return static_cast<double>(t.count()) * 1e-6;
-}
-
 }  // namespace
 
 const char* stage_name(Stage stage) {
@@ -111,7 +107,7 @@ void MissionRunner::step(sim::Time t, const sim::Truth& truth) {
   now_ = t;
   session_.step(t);
   if (finished()) return;
-  if (seconds(now_ - entered_) > timeout_s(stage_, config_.max_flight_s)) {
+  if (sim::to_seconds(now_ - entered_) > timeout_s(stage_, config_.max_flight_s)) {
     fail(fmt::format("stage {} took longer than {:.0f} s", stage_name(stage_),
                      timeout_s(stage_, config_.max_flight_s)));
     return;
@@ -218,8 +214,8 @@ void MissionRunner::check_for_failure(const sim::Truth& truth) {
   constexpr double kOverturned = 0.3;
   if (!truth.on_ground || (!in_air && tilt_cosine > kOverturned)) grounded_since_ = now_;
   if (session_.connected()) last_received_ = now_;
-  if (seconds(now_ - grounded_since_) > kMaxOnGround_s) return fail("came down in flight");
-  if (seconds(now_ - last_received_) > kMaxSilence_s) return fail("link lost in flight");
+  if (sim::to_seconds(now_ - grounded_since_) > kMaxOnGround_s) return fail("came down in flight");
+  if (sim::to_seconds(now_ - last_received_) > kMaxSilence_s) return fail("link lost in flight");
   if (disarmed_) return fail("disarmed in flight");
 }
 
@@ -230,7 +226,7 @@ void MissionRunner::update_estimate(const sim::Truth& truth) {
   }
   estimate_ = estimate_source_.estimate();
   constexpr double kMaxAge_s = 0.5;
-  const bool stale = seconds(now_) - estimate_.t_s > kMaxAge_s;
+  const bool stale = sim::to_seconds(now_) - estimate_.t_s > kMaxAge_s;
   if (estimate_source_.health().initialised && !stale) return;
   estimate_.p_W.setConstant(
       std::numeric_limits<double>::quiet_NaN());  // guidance lands without position
@@ -242,7 +238,7 @@ std::optional<double> MissionRunner::range() const {
   const auto& range = session_.streams().range;
   const double reading_m = static_cast<double>(range.value.range_m);
   const bool fresh =
-      range.count > 0 && seconds(now_) - companion::to_seconds(range.stamp.arrival) < kMaxAge_s;
+      range.count > 0 && sim::to_seconds(now_) - companion::to_seconds(range.stamp.arrival) < kMaxAge_s;
   const bool inside = reading_m >= static_cast<double>(range.value.min_m) &&
                       reading_m < static_cast<double>(range.value.max_m);
   return fresh && inside && config_.use_range ? std::optional(reading_m) : std::nullopt;
@@ -316,7 +312,7 @@ void MissionRunner::fly(const sim::Truth& truth) {
   status.rc_override = fcu.rc_override;
   status.battery_voltage_V = static_cast<double>(session_.streams().battery.value.voltage_V);
   const Guidance::Input in{
-      .t_s = seconds(now_), .state = estimate_, .status = status, .range_m = range()};
+      .t_s = sim::to_seconds(now_), .state = estimate_, .status = status, .range_m = range()};
   const GuidanceOutput& output =
       guidance_.step(in, [this](const Guidance::Note& event) { record(event); });
   if (!offboard_paused_) {
@@ -339,7 +335,7 @@ void MissionRunner::record(const Guidance::Note& event) {
   note(event.severity, "autonomy", event.text);
   if (!event.waypoint) return;
   if (arrivals_.size() <= *event.waypoint) arrivals_.resize(*event.waypoint + 1);
-  arrivals_[*event.waypoint] = {event.reached, event.distance_m, seconds(now_)};
+  arrivals_[*event.waypoint] = {event.reached, event.distance_m, sim::to_seconds(now_)};
 }
 
 void MissionRunner::disarm() {

@@ -13,10 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-double seconds(sim::Time t) {
-  return static_cast<double>(t.count()) * 1e-6;
-}
-
 void add_fixedwing_facts(report::FlightRecord& record, const FixedWingRecord& w) {
   const auto fact = [&record](const char* label, double value, const char* unit) {
     record.facts.push_back(
@@ -86,8 +82,8 @@ void add_summary(report::FlightRecord& record, const FlightSetup& setup,
   for (const std::string& text : setup.choice.faults) {
     const sim::Fault fault = sim::parse_fault(text);
     const double to_s = fault.end == sim::Time::max() ? std::numeric_limits<double>::infinity()
-                                                      : seconds(fault.end);
-    record.faults.push_back({text.substr(0, text.find('@')), seconds(fault.start), to_s});
+                                                      : sim::to_seconds(fault.end);
+    record.faults.push_back({text.substr(0, text.find('@')), sim::to_seconds(fault.start), to_s});
   }
   for (const companion::NamedValue& entry : setup.firmware) {
     const double standard = firmware_value({}, entry.name);

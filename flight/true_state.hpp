@@ -11,7 +11,7 @@ namespace rosflight::flight {
 /// The truth in the form of an estimate: what a perfect estimator would say.
 inline autonomy::StateEstimate true_state(const sim::Truth& truth) {
   autonomy::StateEstimate out;
-  out.t_s = static_cast<double>(truth.time.count()) * 1e-6;
+  out.t_s = sim::to_seconds(truth.time);
   out.p_W = truth.body.p_W;
   out.v_W = truth.body.q_WB * truth.body.v_B;
   out.q_WB = truth.body.q_WB;

@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware/hal/time.hpp"
 #include "sim/portable_math.hpp"
 #include "sim/random.hpp"
+#include "sim/types.hpp"
 
 /// Errors of instruments, one law each, in the units of what they disturb. T is the sample period,
 /// N an independent standard normal draw. Every law is written for the passage of time, not per
@@ -18,13 +18,6 @@
 /// and (4) are exact for samples T apart, not approximations for small T. Each uses a stream of its
 /// own and draws nothing while it is off (sigma 0), so no error changes the numbers of another.
 namespace rosflight::sim {
-
-using hal::Time;
-
-/// In seconds.
-inline double to_seconds(Time t) {
-  return static_cast<double>(t.count()) * 1e-6;
-}
 
 /// White noise:
 ///

@@ -18,6 +18,11 @@ using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 using Quaternion = Eigen::Quaterniond;
 
+/// A time or a span of it [s].
+inline double to_seconds(Time t) {
+  return static_cast<double>(t.count()) * 1e-6;
+}
+
 /// Motion of a rigid body.
 struct BodyState {
   Vector3 p_W{Vector3::Zero()};  ///< Position [m].

@@ -24,7 +24,7 @@ def flight_cpu_s(source: Path = project.ROOT) -> float:
     if made.returncode:
         raise RuntimeError(last_line(made.stderr))
     options = [line for line in (source / "build/release/CMakeCache.txt").read_text().splitlines()
-               if line.startswith("ROSFLIGHT_PRECOMPILE:")]
+               if line.startswith(("ROSFLIGHT_PRECOMPILE:", "ROSFLIGHT_QUICK_BUILD:"))]
     with tempfile.TemporaryDirectory() as scratch:
         configured = subprocess.run(
             ["cmake", "--preset", "release", "-B", scratch, "-DCMAKE_C_COMPILER_LAUNCHER=",

@@ -134,7 +134,7 @@ def test(names: list[str] = ()) -> Outcome:
     """Each chosen mutation counts once. Without one the tests must pass, or failing says nothing."""
     mutations = chosen(list(names))
     copy_tree()
-    configured = run(["cmake", "--preset", "release", "-DROSFLIGHT_PRECOMPILE=ON", f"-DROSFLIGHT_PARTS={';'.join(PARTS)}"])
+    configured = run(["cmake", "--preset", "release", "-DROSFLIGHT_QUICK_BUILD=ON", "-DROSFLIGHT_FILES_AT_A_TIME=1", f"-DROSFLIGHT_PARTS={';'.join(PARTS)}"])
     if configured.returncode != 0:
         return Outcome(failed=1, complaints=configured.stderr.splitlines()[-5:])
     outcome = Outcome()

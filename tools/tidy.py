@@ -19,6 +19,7 @@ from pathlib import Path
 import project
 
 PRECOMPILED = re.compile(r" -Winvalid-pch| -fpch-preprocess| -include \S*/cmake_pch\.hxx")
+INCLUDED = re.compile(r'^#include "(.*)"$', re.MULTILINE)
 
 
 def memory() -> Path:
@@ -41,6 +42,15 @@ def without_precompiled(entry: dict) -> dict:
     return {**entry, "command": PRECOMPILED.sub("", entry["command"])}
 
 
+def file_by_file(entry: dict) -> list[dict]:
+    """The compile commands of the files that a quick build compiles together; of another file, its own."""
+    together = Path(entry["file"])
+    if together.parent.name != "Unity":
+        return [entry]
+    return [{**entry, "file": file, "command": entry["command"].replace(str(together), file)}
+            for file in INCLUDED.findall(together.read_text())]
+
+
 def tidy_program() -> str:
     return str(project.ROOT / ".venv/bin/clang-tidy")
 
@@ -55,7 +65,7 @@ def headers_by_object(build: Path) -> dict[str, list[Path]]:
             current = found.setdefault(match[1], [])
         elif line.startswith("    "):
             path = (build / line.strip()).resolve()
-            if path.is_relative_to(project.ROOT):
+            if path.is_relative_to(project.ROOT) and path.suffix != ".cpp":
                 current.append(path)
     return found
 
@@ -111,7 +121,8 @@ def run(folder: str = "build/release", names: list[str] | None = None,
     build = project.ROOT / folder
     ours = {project.ROOT / path for path in project.own_files()
             if path.suffix == ".cpp" and wanted(path)}
-    every = [without_precompiled(entry) for entry in json.loads((build / "compile_commands.json").read_text())]
+    every = [without_precompiled(single) for entry in json.loads((build / "compile_commands.json").read_text())
+             for single in file_by_file(entry)]
     commands = project.ROOT / "build" / "clang_tidy" / build.relative_to(project.ROOT)
     commands.mkdir(parents=True, exist_ok=True)
     (commands / "compile_commands.json").write_text(json.dumps(every))

@@ -26,4 +26,11 @@ struct RollPitch {
   }
 };
 
+/// Yaw of the 3-2-1 Euler angles of an attitude: where the nose points [rad], 0 north, pi/2 east.
+inline double heading_of(const Quaternion& q_WB) {
+  const Quaternion& q = q_WB;
+  return std::atan2(2.0 * (q.x() * q.y() + q.w() * q.z()),
+                    1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z()));
+}
+
 }  // namespace rosflight::autonomy

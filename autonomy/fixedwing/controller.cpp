@@ -191,9 +191,7 @@ void Controller::surfaces(const Input& in, const Motion& m) {
   yaw_rate_rad_s_ = w.z();
   out.rudder = whole(-m.gain * config_.yaw_damper_s * washout_);
   if (in.direct.ground_course_rad) {
-    const Quaternion& q = in.state.q_WB;
-    const double heading = std::atan2(2.0 * (q.x() * q.y() + q.w() * q.z()),
-                                      1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z()));
+    const double heading = heading_of(in.state.q_WB);
     out.rudder =
         whole(config_.ground_course.kp * wrap_angle(*in.direct.ground_course_rad - heading) -
               config_.ground_course.kd * w.z());

@@ -16,11 +16,6 @@ double ground_speed(const StateEstimate& state) {
   return std::hypot(state.v_W.x(), state.v_W.y());
 }
 
-double heading_of(const Quaternion& q) {
-  return std::atan2(2.0 * (q.x() * q.y() + q.w() * q.z()),
-                    1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z()));
-}
-
 }  // namespace
 
 double PathFollower::roll_ff(const StateEstimate& state, double course_rate_rad_s) const {

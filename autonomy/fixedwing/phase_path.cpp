@@ -15,11 +15,6 @@ constexpr double kCalm_m_s = 1.0;         // less wind than this does not turn t
 constexpr double kTooFast_s_m = 0.2;      // throttle taken away per speed above cruise
 constexpr double kFlareRamp_1_s = 0.5;    // throttle taken away per second
 
-double heading_of(const Quaternion& q) {
-  return std::atan2(2.0 * (q.x() * q.y() + q.w() * q.z()),
-                    1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z()));
-}
-
 double head_wind(const StateEstimate& state, double course_rad) {
   if (!state.wind_valid) return 0.0;
   return -state.wind_W.head<2>().dot(along(course_rad));

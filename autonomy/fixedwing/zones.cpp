@@ -3,14 +3,14 @@
 
 #include <cmath>
 
+#include "autonomy/common/angles.hpp"
+
 namespace rosflight::autonomy::fixedwing {
 
 void AltitudeZones::begin(const Input& in) {
-  const Quaternion& q = in.state.q_WB;
   since_s_ = in.t_s;
   start_height_m_ = -in.state.p_W.z();
-  start_course_rad_ = std::atan2(2.0 * (q.x() * q.y() + q.w() * q.z()),
-                                 1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z()));
+  start_course_rad_ = heading_of(in.state.q_WB);
 }
 
 std::optional<Controller::Direct> AltitudeZones::step(const Input& in, const FlightConfig& flight) {

@@ -154,7 +154,7 @@ RecordedFlight record_attitude_hold(const std::string& vehicle_file,
     const sim::Matrix3 R = body.q_WB.toRotationMatrix();
     const double roll = std::atan2(R(2, 1), R(2, 2));
     const double pitch = std::asin(-R(2, 0));
-    const double t_s = static_cast<double>(dynamics.truth().time.count()) * 1e-6;
+    const double t_s = sim::to_seconds(dynamics.truth().time);
     const Wish wish = wish_at(t_s);
     constexpr double kRollGain = 0.4;
     constexpr double kPitchGain = 0.8;

@@ -21,7 +21,7 @@ using namespace rosflight::flight;  // NOLINT(google-build-using-namespace)
 std::string line_of(const sim::Truth& truth) {
   const sim::BodyState& s = truth.body;
   return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
-                     static_cast<double>(truth.time.count()) * 1e-6, s.p_W.x(), s.p_W.y(),
+                     sim::to_seconds(truth.time), s.p_W.x(), s.p_W.y(),
                      s.p_W.z(), s.q_WB.w(), s.q_WB.x(), s.q_WB.y(), s.q_WB.z(), s.v_B.x(),
                      s.v_B.y(), s.v_B.z(), s.w_B.x(), s.w_B.y(), s.w_B.z());
 }

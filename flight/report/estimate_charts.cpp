@@ -12,7 +12,6 @@
 namespace rosflight::report {
 namespace {
 
-constexpr auto kDegPerRad = static_cast<float>(base::kDegPerRad);
 constexpr float kSigmas = 3.0F;
 
 /// One component of an error over its 3 sigma.
@@ -37,20 +36,12 @@ constexpr std::array<ErrorChart, 9> kErrors{
      {"Position error, down", "m", 0.5, 2, 1.0F, &Estimate::p_error_m, &Estimate::p_sigma_m, 2},
      {"Velocity error, down", "m/s", 0.2, 3, 1.0F, &Estimate::v_error_m_s, &Estimate::v_sigma_m_s,
       2},
-     {"Attitude error, about the nose (roll)", "°", 1.0, 2, kDegPerRad, &Estimate::turn_error_rad,
+     {"Attitude error, about the nose (roll)", "°", 1.0, 2, kDegPerRadF, &Estimate::turn_error_rad,
       &Estimate::turn_sigma_rad, 0},
-     {"Attitude error, about the right (pitch)", "°", 1.0, 2, kDegPerRad, &Estimate::turn_error_rad,
+     {"Attitude error, about the right (pitch)", "°", 1.0, 2, kDegPerRadF, &Estimate::turn_error_rad,
       &Estimate::turn_sigma_rad, 1},
-     {"Attitude error, about down (heading)", "°", 1.0, 2, kDegPerRad, &Estimate::turn_error_rad,
+     {"Attitude error, about down (heading)", "°", 1.0, 2, kDegPerRadF, &Estimate::turn_error_rad,
       &Estimate::turn_sigma_rad, 2}}};
-
-template <class Get>
-std::vector<double> column(const FlightRecord& record, const Get& get) {
-  std::vector<double> out;
-  out.reserve(record.samples().size());
-  for (const Sample& sample : record.samples()) out.push_back(static_cast<double>(get(sample)));
-  return out;
-}
 
 void append_error(std::string& html, const FlightRecord& record, const ErrorChart& what) {
   TimeChart chart({what.title, what.unit, what.smallest_span, what.decimals, {}, {}}, record);
@@ -66,9 +57,9 @@ void append_error(std::string& html, const FlightRecord& record, const ErrorChar
 }
 
 void append_innovations(std::string& html, const FlightRecord& record) {
-  constexpr double kLargest = 6.0;
+  constexpr double kLargestRatio = 6.0;
   TimeChart chart(
-      {"Innovations squared over their covariance (1 is right)", "", 1.0, 1, 0.0, kLargest},
+      {"Innovations squared over their covariance (1 is right)", "", 1.0, 1, 0.0, kLargestRatio},
       record);
   for (std::size_t k = 0; k < Estimate::kAids; ++k) {
     chart.add(Estimate::kAidNames[k], CurveStyle::kNumbered,
@@ -102,7 +93,7 @@ void append_course(std::string& html, const FlightRecord& record) {
   auto estimate =
       unwrapped(column(record, [](const Sample& s) { return s.estimate.course_rad; }), &actual);
   for (auto* values : {&actual, &command, &estimate}) {
-    for (double& value : *values) value *= static_cast<double>(kDegPerRad);
+    for (double& value : *values) value *= base::kDegPerRad;
   }
   TimeChart chart({"Course over ground", "°", 10.0, 1, {}, {}}, record);
   chart.add("command", CurveStyle::kCommand, std::move(command));

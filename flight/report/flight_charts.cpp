@@ -17,14 +17,6 @@ using base::kDegPerRad;
 constexpr std::array kAngles{"Roll", "Pitch", "Yaw"};
 constexpr std::array kRates{"Roll rate", "Pitch rate", "Yaw rate"};
 
-template <class Get>
-std::vector<double> column(const FlightRecord& record, const Get& get) {
-  std::vector<double> out;
-  out.reserve(record.samples().size());
-  for (const Sample& sample : record.samples()) out.push_back(static_cast<double>(get(sample)));
-  return out;
-}
-
 void append_position(std::string& html, const FlightRecord& record) {
   constexpr std::array kNames{"North", "East", "Height"};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -78,7 +70,6 @@ void append_angle(std::string& html, const FlightRecord& record, std::size_t k) 
 }
 
 void append_rate(std::string& html, const FlightRecord& record, std::size_t k) {
-  constexpr float kDegPerRadF = static_cast<float>(kDegPerRad);
   TimeChart chart({kRates[k], "°/s", 10.0, 1, {}, {}}, record);
   chart.add("command", CurveStyle::kCommand,
             [k](const Sample& s) { return s.rate_command_rad_s[k] * kDegPerRadF; });

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/constants.hpp"
 #include "link/messages.hpp"
 
 /// What a report is made from: one flight, kept in memory while it happens. SI, north-east-down and
@@ -194,5 +195,17 @@ class FlightRecord {
   std::vector<Lane> lanes_;
   std::vector<Event> events_;
 };
+
+/// For samples, which are kept as float.
+inline constexpr float kDegPerRadF = static_cast<float>(base::kDegPerRad);
+
+/// A value of every sample, in their order.
+template <class Get>
+std::vector<double> column(const FlightRecord& record, const Get& get) {
+  std::vector<double> out;
+  out.reserve(record.samples().size());
+  for (const Sample& sample : record.samples()) out.push_back(static_cast<double>(get(sample)));
+  return out;
+}
 
 }  // namespace rosflight::report

@@ -127,7 +127,7 @@ int sil_command(const SilOptions& options, std::ostream& out,
                      start.count(), options.storage.string())
       << std::endl;
   Pace pace{start, step};
-  const auto seconds = [&loop] { return static_cast<double>(loop.now().count()) * 1e-6; };
+  const auto seconds = [&loop] { return sim::to_seconds(loop.now()); };
   do {
     firmware.set_tick(pace.tick());
     loop.step();

@@ -31,10 +31,10 @@ Rig flown(const std::string& fault) {
 /// `limit_s`.
 template <class Condition>
 double time_until(Rig& rig, double limit_s, Condition condition) {
-  const double start_s = seconds(rig.flight->now());
-  while (seconds(rig.flight->now()) < start_s + limit_s) {
+  const double start_s = sim::to_seconds(rig.flight->now());
+  while (sim::to_seconds(rig.flight->now()) < start_s + limit_s) {
     rig.flight->step();
-    if (condition()) return seconds(rig.flight->now()) - start_s;
+    if (condition()) return sim::to_seconds(rig.flight->now()) - start_s;
   }
   return std::numeric_limits<double>::infinity();
 }
@@ -85,7 +85,7 @@ TEST_P(ImuLost, FallsWithMotorsOffAndStaysArmed) {
   double down_s = 0.0;
   rig.flight->set_script([&](Flight& flight, sim::Time t) {
     sane = sane && outputs_sane(rig);
-    if (down_s == 0.0 && seconds(t) > kFault_s && flight.truth().on_ground) down_s = seconds(t);
+    if (down_s == 0.0 && sim::to_seconds(t) > kFault_s && flight.truth().on_ground) down_s = sim::to_seconds(t);
   });
   rig.flight->run();
   EXPECT_TRUE(sane);
@@ -160,7 +160,7 @@ TEST_P(OneSensorOfMany, IsDoneWithout) {
   Rig rig(Rig::with_faults({std::string(GetParam()) + "@20"}));
   std::uint16_t errors = 0;
   rig.flight->set_script([&](Flight& flight, sim::Time t) {
-    if (seconds(t) > kFault_s) errors |= flight.in_process().firmware().state().errors();
+    if (sim::to_seconds(t) > kFault_s) errors |= flight.in_process().firmware().state().errors();
   });
   rig.flight->run();
   EXPECT_TRUE(rig.completed());
@@ -213,10 +213,10 @@ TEST_P(Radio, LossForTwoSecondsIsFailsafeThenTheMissionGoesOn) {
   EXPECT_TRUE(state.has(core::Error::kRcLost));
   double worst_sink = 0.0;
   double worst_tilt = 0.0;
-  while (seconds(rig.flight->now()) < kFault_s + 2.0) {
+  while (sim::to_seconds(rig.flight->now()) < kFault_s + 2.0) {
     rig.flight->step();
     worst_sink = std::max(worst_sink, rig.sink_m_s());
-    if (seconds(rig.flight->now()) > kFault_s + 1.5)
+    if (sim::to_seconds(rig.flight->now()) > kFault_s + 1.5)
       worst_tilt = std::max(worst_tilt, rig.tilt_deg());
   }
   EXPECT_LT(worst_sink, 2.5);
@@ -271,7 +271,7 @@ TEST(Faults, CutLinkForGoodEndsTheFlight) {
   // end.
   const std::string why = rig.flight->runner().failure();
   EXPECT_TRUE(why == "link lost in flight" || why == "came down in flight") << why;
-  EXPECT_LT(seconds(rig.flight->now()), kFault_s + 15.0);
+  EXPECT_LT(sim::to_seconds(rig.flight->now()), kFault_s + 15.0);
 }
 
 class Breakdown : public ::testing::TestWithParam<const char*> {};
@@ -322,7 +322,7 @@ TEST(Faults, DeadMotorLosesTheVehicle) {
   double down_s = 0.0;
   rig.flight->set_script([&](Flight& flight, sim::Time t) {
     sane = sane && outputs_sane(rig);
-    if (down_s == 0.0 && seconds(t) > kFault_s && flight.truth().on_ground) down_s = seconds(t);
+    if (down_s == 0.0 && sim::to_seconds(t) > kFault_s && flight.truth().on_ground) down_s = sim::to_seconds(t);
   });
   rig.flight->run();
   EXPECT_TRUE(sane);

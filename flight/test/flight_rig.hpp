@@ -11,9 +11,6 @@
 /// A flight for tests: choices in, what happened out.
 namespace rosflight::flight::testing {
 
-inline double seconds(sim::Time t) {
-  return static_cast<double>(t.count()) * 1e-6;
-}
 inline sim::Time at_s(double t_s) {
   return sim::Time{static_cast<std::int64_t>(t_s * 1e6)};
 }

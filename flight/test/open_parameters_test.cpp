@@ -123,14 +123,14 @@ class InFlight {
     constexpr double kLongest_s = 400.0;
     if (rig_ && trouble_.empty() && rig_->flight->runner().stage() == Stage::kFly &&
         rig_->flight->autonomy().tracking && steady() &&
-        seconds(rig_->flight->now()) < kLongest_s) {
+        sim::to_seconds(rig_->flight->now()) < kLongest_s) {
       return true;
     }
     trouble_.clear();
     rig_ = std::make_unique<Rig>(choice_);
     if (!rig_->reach_mission()) return false;
-    const double limit_s = seconds(rig_->flight->now()) + 30.0;
-    while (!steady() && seconds(rig_->flight->now()) < limit_s) rig_->flight->step();
+    const double limit_s = sim::to_seconds(rig_->flight->now()) + 30.0;
+    while (!steady() && sim::to_seconds(rig_->flight->now()) < limit_s) rig_->flight->step();
     // Where the pilot's throttle counts, it is a little more than what carries the vehicle.
     constexpr double kALittleMore = 1.05;
     rig_->flight->pilot().set(Control::kThrottle,
@@ -211,8 +211,8 @@ class InFlight {
   }
 
   void fly_on(double duration_s) {
-    const double end_s = seconds(rig_->flight->now()) + duration_s;
-    while (trouble_.empty() && seconds(rig_->flight->now()) < end_s) step();
+    const double end_s = sim::to_seconds(rig_->flight->now()) + duration_s;
+    while (trouble_.empty() && sim::to_seconds(rig_->flight->now()) < end_s) step();
   }
 
   void step() {
@@ -224,7 +224,7 @@ class InFlight {
     if (rig_->flight->runner().stage() == Stage::kFailed)
       trouble_ = rig_->flight->runner().failure();
     if (!trouble_.empty()) {
-      trouble_ += " at " + std::to_string(seconds(rig_->flight->now())) + " s: tilt " +
+      trouble_ += " at " + std::to_string(sim::to_seconds(rig_->flight->now())) + " s: tilt " +
                   std::to_string(rig_->tilt_deg()) + " deg, height " +
                   std::to_string(rig_->height_m()) + " m";
     }

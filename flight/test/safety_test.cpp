@@ -70,10 +70,10 @@ TEST(Safety, CompanionDrivesTheFourMotorsDirectly) {
   rig.flight->runner().set_offboard_paused(true);
   const MotorPilot motors(*rig.flight);
   constexpr double kHeight_m = 4.0;
-  const double start_s = seconds(rig.flight->now());
+  const double start_s = sim::to_seconds(rig.flight->now());
   link::OffboardControl last{};
   rig.flight->set_script([&](Flight& flight, sim::Time t) {
-    const double height_m = std::min(kHeight_m, seconds(t) - start_s);  // climbs at 1 m/s
+    const double height_m = std::min(kHeight_m, sim::to_seconds(t) - start_s);  // climbs at 1 m/s
     last = motors.command(flight.truth(), height_m);
     static_cast<void>(flight.session().offboard().send(last));
   });
@@ -145,11 +145,11 @@ TEST(Safety, SilentCompanionHandsOverAfterTheTimeout) {
   ASSERT_TRUE(rig.reach_mission());
   rig.run_for(2.0);
   rig.flight->runner().set_offboard_paused(true);
-  const double start_s = seconds(rig.flight->now());
+  const double start_s = sim::to_seconds(rig.flight->now());
   const auto& command = rig.firmware().command();
-  while (command.offboard_active() && seconds(rig.flight->now()) < start_s + 1.0)
+  while (command.offboard_active() && sim::to_seconds(rig.flight->now()) < start_s + 1.0)
     rig.flight->step();
-  const double waited_s = seconds(rig.flight->now()) - start_s;
+  const double waited_s = sim::to_seconds(rig.flight->now()) - start_s;
   EXPECT_GE(waited_s, 0.1 - 0.01) << "the last command was up to 10 ms old";
   EXPECT_LE(waited_s, 0.1 + 3 * kStep_s);
   EXPECT_EQ(command.override_word() & 0x3C0U, 0x3C0U);

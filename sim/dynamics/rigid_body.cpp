@@ -255,7 +255,7 @@ void RigidBody::fill_truth(const hal::OutputValues& outputs) {
 }
 
 void RigidBody::step(Time t, const hal::OutputValues& outputs) {
-  const double dt = static_cast<double>((t - truth_.time).count()) * 1e-6;
+  const double dt = to_seconds(t - truth_.time);
   if (!(dt > 0.0)) return;
   // A step a rounding error longer than allowed is not split.
   const auto count =

@@ -117,7 +117,7 @@ def test_instructions_per_call_are_those_of_the_loop_alone(tmp_path):
 
 def test_processor_time_of_a_build_is_that_of_the_compilers_without_cache(tmp_path, monkeypatch):
     (tmp_path / "build/release").mkdir(parents=True)
-    (tmp_path / "build/release/CMakeCache.txt").write_text("ROSFLIGHT_PRECOMPILE:BOOL=ON\nOTHER:BOOL=ON\n")
+    (tmp_path / "build/release/CMakeCache.txt").write_text("ROSFLIGHT_QUICK_BUILD:BOOL=ON\nOTHER:BOOL=ON\n")
     calls = []
     real_run = subprocess.run
 
@@ -128,7 +128,7 @@ def test_processor_time_of_a_build_is_that_of_the_compilers_without_cache(tmp_pa
     monkeypatch.setattr(bench_build.subprocess, "run", run)
     assert 0.4 <= bench_build.flight_cpu_s(tmp_path) < 2
     configure, build = calls[1:]
-    assert {"-DCMAKE_CXX_COMPILER_LAUNCHER=", "-DROSFLIGHT_PRECOMPILE:BOOL=ON"} <= set(configure)
+    assert {"-DCMAKE_CXX_COMPILER_LAUNCHER=", "-DROSFLIGHT_QUICK_BUILD:BOOL=ON"} <= set(configure)
     assert not any("OTHER" in word for word in configure) and build[-1] == "rosflight"
 
 

@@ -174,7 +174,7 @@ def test_changed_presets_configure_again(house):
     (house.root / "build/release/CMakeCache.txt").write_text("old values")
     (house.root / "CMakePresets.json").write_text("{ }\n")
     house.start("fly")
-    assert house.called("cmake") == ["cmake --preset release -DROSFLIGHT_PRECOMPILE=ON"]
+    assert house.called("cmake") == ["cmake --preset release -DROSFLIGHT_QUICK_BUILD=ON"]
     assert not (house.root / "build/release/CMakeCache.txt").exists()
 
 
@@ -277,7 +277,7 @@ def test_two_starts_at_once_prepare_one_after_the_other(house):
                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
             for _ in range(2)]
     assert [process.wait(timeout=120) for process in both] == [0, 0]
-    assert house.called("cmake") == ["cmake --preset release -DROSFLIGHT_PRECOMPILE=ON"]
+    assert house.called("cmake") == ["cmake --preset release -DROSFLIGHT_QUICK_BUILD=ON"]
 
 
 def test_a_long_build_of_one_preset_does_not_keep_another_waiting(house):

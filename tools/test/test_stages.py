@@ -246,3 +246,14 @@ def test_tidy_remembers_in_the_build_when_the_home_folder_takes_nothing(tmp_path
 def test_tidy_sees_no_precompiled_headers():
     entry = {"file": "a.cpp", "command": "g++ -Winvalid-pch -include /b/lib.dir/cmake_pch.hxx -fpch-preprocess -O2 -include own.hpp -c a.cpp"}
     assert tidy.without_precompiled(entry)["command"] == "g++ -O2 -include own.hpp -c a.cpp"
+
+
+def test_tidy_looks_at_each_file_of_those_compiled_together(tmp_path):
+    together = tmp_path / "Unity/unity_0_cxx.cxx"
+    together.parent.mkdir()
+    together.write_text('/* generated */\n#include "/p/a.cpp"\n\n#include "/p/b.cpp"\n')
+    entry = {"file": str(together), "command": f"g++ -O2 -c {together}", "output": "unity.o"}
+    assert [(one["file"], one["command"]) for one in tidy.file_by_file(entry)] == [
+        ("/p/a.cpp", "g++ -O2 -c /p/a.cpp"), ("/p/b.cpp", "g++ -O2 -c /p/b.cpp")]
+    alone = {"file": "/p/a.cpp", "command": "g++ -c /p/a.cpp"}
+    assert tidy.file_by_file(alone) == [alone]

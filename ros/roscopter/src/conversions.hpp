@@ -59,8 +59,7 @@ inline void fill(const autonomy::StateEstimate& in, const std::optional<autonomy
   const autonomy::RollPitch tilt = autonomy::RollPitch::of(q);
   m.phi = static_cast<float>(tilt.roll_rad);
   m.theta = static_cast<float>(tilt.pitch_rad);
-  m.psi = static_cast<float>(std::atan2(2.0 * (q.x() * q.y() + q.w() * q.z()),
-                                        1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z())));
+  m.psi = static_cast<float>(autonomy::heading_of(q));
   m.quat.w = q.w(), m.quat.x = q.x(), m.quat.y = q.y(), m.quat.z = q.z();
   if (!origin) return;
   m.initial_lat = origin->latitude_deg;

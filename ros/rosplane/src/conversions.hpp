@@ -31,11 +31,6 @@ inline double wide(float value) {
   return static_cast<double>(value);
 }
 
-inline double heading_of(const autonomy::Quaternion& q) {
-  return std::atan2(2.0 * (q.x() * q.y() + q.w() * q.z()),
-                    1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z()));
-}
-
 /// A state whose attitude is known. The stamp is the caller's.
 inline void put(const autonomy::StateEstimate& in, const std::optional<autonomy::Geodetic>& origin,
                 rosplane_msgs::msg::State& out) {
@@ -53,7 +48,7 @@ inline void put(const autonomy::StateEstimate& in, const std::optional<autonomy:
   const autonomy::RollPitch attitude = autonomy::RollPitch::of(in.q_WB);
   out.phi = single(attitude.roll_rad);
   out.theta = single(attitude.pitch_rad);
-  out.psi = single(heading_of(in.q_WB));
+  out.psi = single(autonomy::heading_of(in.q_WB));
   out.b_x = single(in.gyro_bias_B.x());
   out.b_y = single(in.gyro_bias_B.y());
   out.b_z = single(in.gyro_bias_B.z());

@@ -55,7 +55,7 @@ class SimStateTranscriber : public rclcpp::Node {
     state_.beta_rad = moves ? std::asin(air_B.y() / state_.airspeed_m_s) : 0.0;
     state_.course_rad = state_.v_W.head<2>().norm() > kMoves_m_s
                             ? std::atan2(state_.v_W.y(), state_.v_W.x())
-                            : heading_of(state_.q_WB);
+                            : autonomy::heading_of(state_.q_WB);
     state_.wind_valid = true;
     using autonomy::Quality;
     state_.attitude = state_.heading = state_.horizontal = state_.vertical = Quality::kGood;
