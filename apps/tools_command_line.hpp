@@ -4,9 +4,10 @@
 
 namespace rosflight::apps {
 
-/// Reads the command line of ./rosflight (fly, replay, sil, mixer, trim), runs the command and prints errors as one line.
+/// Reads the command line of ./rosflight replay, sil, mixer and trim, runs the command and prints errors as one line.
 /// @param sil_codec  what the firmware of `sil` speaks, in place of --link-protocol; nullptr: as the option says.
 /// @returns the exit code: 0, or 2 for bad input, or that of the command.
-int command_line(int argc, char** argv, flight::LinuxAutopilot::MakeCodec sil_codec = nullptr);
+int tools_command_line(int argc, char** argv,
+                       flight::LinuxAutopilot::MakeCodec sil_codec = nullptr);
 
 }  // namespace rosflight::apps

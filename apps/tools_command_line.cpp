@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The only file that sees CLI11, which takes seconds to compile.
-#include "apps/command_line.hpp"
+#include "apps/tools_command_line.hpp"
 
-#include <CLI/CLI.hpp>
-#include <iostream>
 #include <map>
 #include <string>
 #include <utility>
 
-#include "apps/fly_command.hpp"
 #include "apps/mixer_command.hpp"
+#include "apps/options.hpp"
 #include "apps/trim_command.hpp"
 #include "flight/link_protocol.hpp"
 #include "flight/project_root.hpp"
@@ -21,71 +18,6 @@ namespace rosflight::apps {
 namespace {
 
 using namespace rosflight::flight;  // NOLINT(google-build-using-namespace): what the commands call
-
-constexpr int kBadInput = 2;
-
-/// For CLI11: empty if `text` is a whole number without a sign, else what is wrong.
-std::string whole_number(const std::string& text) {
-  const bool digits = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-  return digits ? std::string() : "found '" + text + "', allowed a whole number from 0";
-}
-
-CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json) {
-  CLI::App* fly = app.add_subcommand("fly", "Fly a mission in simulation; leaves a flight folder");
-  FlightChoice& choice = options.choice;
-  fly->add_option("--vehicle", choice.vehicle, "Vehicle: a name of vehicles/ or a YAML file")
-      ->capture_default_str();
-  fly->add_option("--board", choice.board,
-                  "Where the firmware runs: in_process, or qemu_m7, an emulated Cortex-M7")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"in_process", "qemu_m7"}));
-  fly->add_option("--link", choice.link,
-                  "cable: the simulated one; uart: the emulated board's, in real time")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"cable", "uart"}));
-  fly->add_option("--mission", choice.mission, "Mission: a name of missions/ or a YAML file")
-      ->capture_default_str();
-  fly->add_option("--seed", choice.seed, "Seed of all noise and wind; same seed, same bits")
-      ->check(whole_number)
-      ->capture_default_str();
-  fly->add_option("--state", choice.state,
-                  "Where guidance gets its state from: estimate (filter on the link's sensor "
-                  "streams) or truth")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"estimate", "truth"}));
-  fly->add_option("--link-protocol", choice.link_protocol,
-                  "What the board speaks: mavlink or lean; the companion finds out")
-      ->capture_default_str()
-      ->check(CLI::IsMember(link_protocols()));
-  fly->add_option("--wind", choice.wind,
-                  "SPEED,FROM_DEG[,W20]: steady wind and Dryden turbulence [m/s]");
-  fly->add_option("--set", choice.overrides, "vehicle.key=value, e.g. vehicle.body.mass_kg=3.2")
-      ->take_all();
-  fly->add_option(
-         "--fault", choice.faults,
-         "WHAT@TIME[:DURATION], seconds since power-up. WHAT is one of\n" + sim::fault_help())
-      ->take_all();
-  fly->add_option("--plugin", choice.plugins,
-                  "Shared library with modules of your own (examples/custom_drag)")
-      ->take_all();
-  fly->add_option("--visualiser", choice.visualisers,
-                  "Visualiser of a plugin, by name; sees the flight beside the log")
-      ->take_all();
-  fly->add_flag("--realtime", options.realtime, "At the pace of the wall clock");
-  fly->add_option("--out", options.folder,
-                  "Flight folder, new or empty; default: next in flights/");
-  CLI::Option* log =
-      fly->add_option("--log", options.log,
-                      "plot: sensors and link complete, truth, attitude and outputs at 100 Hz; "
-                      "full: every step; none")
-          ->capture_default_str()
-          ->check(CLI::IsMember({"plot", "full", "none"}));
-  fly->add_flag_callback(
-         "--no-log", [&options] { options.log = "none"; }, "The same as --log none")
-      ->excludes(log);
-  fly->add_flag("--json", json, "Print the summary as one JSON object");
-  return fly;
-}
 
 CLI::App* add_replay(CLI::App& app, ReplayOptions& options) {
   CLI::App* replay = app.add_subcommand("replay", "Feed recorded inputs to the firmware");
@@ -171,49 +103,25 @@ CLI::App* add_sil(CLI::App& app, SilOptions& options) {
   return sil;
 }
 
-int parse_and_run(int argc, char** argv, flight::LinuxAutopilot::MakeCodec sil_codec) {
-  CLI::App app{
-      "rosflight: fly, replay, sil, mixer and trim. ./rosflight --help lists all commands."};
-  app.name("./rosflight");
-  app.require_subcommand(1);
-  FlyOptions fly_options;
-  bool json = false;
+}  // namespace
+
+int tools_command_line(int argc, char** argv, flight::LinuxAutopilot::MakeCodec sil_codec) {
+  CLI::App app{"rosflight: replay, sil, mixer and trim. ./rosflight --help lists all commands."};
   ReplayOptions replay_options;
   MixerOptions mixer_options;
   SilOptions sil_options;
   TrimOptions trim_options;
-  const CLI::App* fly = add_fly(app, fly_options, json);
   const CLI::App* replay_app = add_replay(app, replay_options);
   const CLI::App* mixer = add_mixer(app, mixer_options);
-  const CLI::App* sil = add_sil(app, sil_options);
   const CLI::App* trim = add_trim(app, trim_options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);
-    std::cerr << "rosflight: " << e.what() << " (--help lists what is allowed)\n";
-    return kBadInput;
-  }
-  if (*fly) return fly_command(fly_options, json, std::cout, std::cerr);
-  if (*replay_app) return replay(replay_options, std::cout);
-  if (*mixer) return mixer_command(mixer_options, std::cout);
-  if (*trim) return trim_command(trim_options, std::cout);
-  if (*sil) {
+  add_sil(app, sil_options);
+  return parse_and_run(app, argc, argv, [&] {
+    if (*replay_app) return replay(replay_options, std::cout);
+    if (*mixer) return mixer_command(mixer_options, std::cout);
+    if (*trim) return trim_command(trim_options, std::cout);
     sil_options.vehicles_folder = project_root() / "vehicles";
     return sil_command(sil_options, std::cout, std::move(sil_codec));
-  }
-  return kBadInput;
-}
-
-}  // namespace
-
-int command_line(int argc, char** argv, flight::LinuxAutopilot::MakeCodec sil_codec) {
-  try {
-    return parse_and_run(argc, argv, std::move(sil_codec));
-  } catch (const std::exception& e) {
-    std::cerr << "rosflight: " << e.what() << "\n";
-    return kBadInput;
-  }
+  });
 }
 
 }  // namespace rosflight::apps

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "apps/fly_command_line.hpp"
+
+#include <string>
+
+#include "apps/fly_command.hpp"
+#include "apps/options.hpp"
+#include "flight/link_protocol.hpp"
+#include "sim/faults.hpp"
+
+namespace rosflight::apps {
+namespace {
+
+using namespace rosflight::flight;  // NOLINT(google-build-using-namespace): what the command calls
+
+void add_fly(CLI::App& app, FlyOptions& options, bool& json) {
+  CLI::App* fly = app.add_subcommand("fly", "Fly a mission in simulation; leaves a flight folder");
+  FlightChoice& choice = options.choice;
+  fly->add_option("--vehicle", choice.vehicle, "Vehicle: a name of vehicles/ or a YAML file")
+      ->capture_default_str();
+  fly->add_option("--board", choice.board,
+                  "Where the firmware runs: in_process, or qemu_m7, an emulated Cortex-M7")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"in_process", "qemu_m7"}));
+  fly->add_option("--link", choice.link,
+                  "cable: the simulated one; uart: the emulated board's, in real time")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"cable", "uart"}));
+  fly->add_option("--mission", choice.mission, "Mission: a name of missions/ or a YAML file")
+      ->capture_default_str();
+  fly->add_option("--seed", choice.seed, "Seed of all noise and wind; same seed, same bits")
+      ->check(whole_number)
+      ->capture_default_str();
+  fly->add_option("--state", choice.state,
+                  "Where guidance gets its state from: estimate (filter on the link's sensor "
+                  "streams) or truth")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"estimate", "truth"}));
+  fly->add_option("--link-protocol", choice.link_protocol,
+                  "What the board speaks: mavlink or lean; the companion finds out")
+      ->capture_default_str()
+      ->check(CLI::IsMember(link_protocols()));
+  fly->add_option("--wind", choice.wind,
+                  "SPEED,FROM_DEG[,W20]: steady wind and Dryden turbulence [m/s]");
+  fly->add_option("--set", choice.overrides, "vehicle.key=value, e.g. vehicle.body.mass_kg=3.2")
+      ->take_all();
+  fly->add_option(
+         "--fault", choice.faults,
+         "WHAT@TIME[:DURATION], seconds since power-up. WHAT is one of\n" + sim::fault_help())
+      ->take_all();
+  fly->add_option("--plugin", choice.plugins,
+                  "Shared library with modules of your own (examples/custom_drag)")
+      ->take_all();
+  fly->add_option("--visualiser", choice.visualisers,
+                  "Visualiser of a plugin, by name; sees the flight beside the log")
+      ->take_all();
+  fly->add_flag("--realtime", options.realtime, "At the pace of the wall clock");
+  fly->add_option("--out", options.folder,
+                  "Flight folder, new or empty; default: next in flights/");
+  CLI::Option* log =
+      fly->add_option("--log", options.log,
+                      "plot: sensors and link complete, truth, attitude and outputs at 100 Hz; "
+                      "full: every step; none")
+          ->capture_default_str()
+          ->check(CLI::IsMember({"plot", "full", "none"}));
+  fly->add_flag_callback(
+         "--no-log", [&options] { options.log = "none"; }, "The same as --log none")
+      ->excludes(log);
+  fly->add_flag("--json", json, "Print the summary as one JSON object");
+}
+
+}  // namespace
+
+int fly_command_line(int argc, char** argv) {
+  CLI::App app{"rosflight: fly, replay, sil, mixer and trim. ./rosflight --help lists all commands."};
+  FlyOptions options;
+  bool json = false;
+  add_fly(app, options, json);
+  return parse_and_run(app, argc, argv,
+                       [&] { return fly_command(options, json, std::cout, std::cerr); });
+}
+
+}  // namespace rosflight::apps

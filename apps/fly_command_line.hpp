@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace rosflight::apps {
+
+/// Reads the command line of ./rosflight fly, flies and prints errors as one line.
+/// @returns the exit code: 0, or 2 for bad input, or that of the command.
+int fly_command_line(int argc, char** argv);
+
+}  // namespace rosflight::apps

@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The program behind ./rosflight replay, sil, mixer and trim.
+#include "apps/tools_command_line.hpp"
+
+int main(int argc, char** argv) {
+  return rosflight::apps::tools_command_line(argc, argv);
+}
