@@ -27,8 +27,8 @@ class Progress {
     next_ = flight.now() + std::chrono::seconds(1);
     const sim::Vector3& p = flight.truth().body.p_W;
     fmt::print(err_, "\r{:8.2f} s  {}  north {:.1f} east {:.1f} up {:.1f} m   ",
-               sim::to_seconds(flight.now()), flight::stage_name(flight.runner().stage()), p.x(), p.y(),
-               -p.z());
+               sim::to_seconds(flight.now()), flight::stage_name(flight.runner().stage()), p.x(),
+               p.y(), -p.z());
     err_.flush();
     shown_ = true;
   }

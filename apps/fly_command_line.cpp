@@ -72,7 +72,8 @@ void add_fly(CLI::App& app, FlyOptions& options, bool& json) {
 }  // namespace
 
 int fly_command_line(int argc, char** argv) {
-  CLI::App app{"rosflight: fly, replay, sil, mixer and trim. ./rosflight --help lists all commands."};
+  CLI::App app{
+      "rosflight: fly, replay, sil, mixer and trim. ./rosflight --help lists all commands."};
   FlyOptions options;
   bool json = false;
   add_fly(app, options, json);

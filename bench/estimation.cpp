@@ -112,7 +112,7 @@ Errors fly(int flights, FlightChoice choice) {
       if (f.runner().stage() != Stage::kFly) return;
       Vector3 seen_W = f.seen_position_W();
       seen_W.z() = f.truth().body.p_W.z();  // the height hangs on the barometer, not on GNSS
-      past.push_back({sim::to_seconds(t), f.truth().body, seen_W});
+      past.push_back({rosflight::sim::to_seconds(t), f.truth().body, seen_W});
       if (past.size() > 80) past.pop_front();
       constexpr int kEvery = 40;  // ten times a second
       if (!f.autonomy().tracking || ++step % kEvery != 0) return;

@@ -33,7 +33,7 @@ double factor(const FlightSetup& setup, const std::filesystem::path* log) {
   flight->run();
   if (recorder) recorder->close();
   const double took_s = processor_time_s() - start_s;
-  return sim::to_seconds(flight->now()) / took_s;
+  return rosflight::sim::to_seconds(flight->now()) / took_s;
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ struct Score {
   void look(Flight& flight) {
     const GuidanceOutput& guide = flight.autonomy();
     if (flight.runner().stage() != Stage::kFly) return;
-    if (sim::to_seconds(flight.now()) < from_s) return;
+    if (rosflight::sim::to_seconds(flight.now()) < from_s) return;
     const auto& truth = flight.truth().body;
     const double cosine = (truth.q_WB * Vector3::UnitZ()).z();
     max_tilt_deg = std::max(max_tilt_deg, kDegPerRad * std::acos(std::clamp(cosine, -1.0, 1.0)));

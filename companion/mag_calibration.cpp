@@ -17,7 +17,7 @@ constexpr double kFaceTolerance_m_s2 = 1.0;  // 26 deg of tilt
 constexpr double kStill_rad_s = 0.3;
 constexpr double kAccelWeight = 0.05;  // 50 ms at 400 Hz
 constexpr Time kTiltedAway = std::chrono::seconds{1};
-constexpr std::size_t kSectors = 10;
+constexpr std::size_t kCircleSectors = 10;
 constexpr std::size_t kCheckEvery = 10;
 constexpr std::size_t kMaxSamples = 50000;
 
@@ -71,7 +71,7 @@ std::string summary(const MagFit& fit) {
 }  // namespace
 
 double circle_coverage(std::span<const MagFit::Vector> samples, std::size_t per_sector) {
-  if (samples.size() < kSectors * per_sector) {
+  if (samples.size() < kCircleSectors * per_sector) {
     return 0.0;
   }
   using Eigen::Vector3d;
@@ -90,13 +90,13 @@ double circle_coverage(std::span<const MagFit::Vector> samples, std::size_t per_
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter);
   const Vector3d x = axes.eigenvectors().col(2);
   const Vector3d y = axes.eigenvectors().col(1);
-  std::array<std::size_t, kSectors> filled{};
+  std::array<std::size_t, kCircleSectors> filled{};
   for (const MagFit::Vector& s : samples) {
     const Vector3d d = point(s) - centre;
     const double turn = std::atan2(y.dot(d), x.dot(d)) / (2.0 * base::kPi) + 0.5;
     const auto sector =
-        static_cast<std::size_t>(std::max(turn, 0.0) * static_cast<double>(kSectors));
-    ++filled[std::min(sector, kSectors - 1)];
+        static_cast<std::size_t>(std::max(turn, 0.0) * static_cast<double>(kCircleSectors));
+    ++filled[std::min(sector, kCircleSectors - 1)];
   }
   const std::size_t emptiest = *std::min_element(filled.begin(), filled.end());
   return std::min(1.0, static_cast<double>(emptiest) / static_cast<double>(per_sector));

@@ -13,8 +13,8 @@
 namespace rosflight::config {
 namespace {
 
-using detail::NodeKind;
 using detail::Node;
+using detail::NodeKind;
 
 Error fault(const Node& node, const std::string& path, const std::string& found,
             const std::string& allowed) {

@@ -11,7 +11,8 @@ FlightSummary summarise(const Flight& flight) {
   const MissionRunner& runner = flight.runner();
   s.choice = flight.setup().choice;
   s.sim_time_s = sim::to_seconds(flight.now());
-  if (runner.armed_at() > sim::Time{0}) s.flight_time_s = sim::to_seconds(flight.now() - runner.armed_at());
+  if (runner.armed_at() > sim::Time{0})
+    s.flight_time_s = sim::to_seconds(flight.now() - runner.armed_at());
   s.arrivals = runner.arrivals();
   s.waypoints_total = flight.setup().waypoints.size();
   s.waypoints_reached = static_cast<std::size_t>(

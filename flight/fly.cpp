@@ -54,8 +54,7 @@ void run(Flight& flight, const FlyOptions& options) {
       if (options.on_step) options.on_step(flight);
     }
   } catch (const boards::m7::EmulatorError& error) {
-    throw FlightAborted(fmt::format(
-        "{:.2f} s: {}", sim::to_seconds(flight.now()), error.what()));
+    throw FlightAborted(fmt::format("{:.2f} s: {}", sim::to_seconds(flight.now()), error.what()));
   }
 }
 

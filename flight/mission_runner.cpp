@@ -237,8 +237,8 @@ std::optional<double> MissionRunner::range() const {
   constexpr double kMaxAge_s = 0.2;
   const auto& range = session_.streams().range;
   const double reading_m = static_cast<double>(range.value.range_m);
-  const bool fresh =
-      range.count > 0 && sim::to_seconds(now_) - companion::to_seconds(range.stamp.arrival) < kMaxAge_s;
+  const bool fresh = range.count > 0 &&
+                     sim::to_seconds(now_) - companion::to_seconds(range.stamp.arrival) < kMaxAge_s;
   const bool inside = reading_m >= static_cast<double>(range.value.min_m) &&
                       reading_m < static_cast<double>(range.value.max_m);
   return fresh && inside && config_.use_range ? std::optional(reading_m) : std::nullopt;

@@ -20,10 +20,9 @@ using namespace rosflight::flight;  // NOLINT(google-build-using-namespace)
 
 std::string line_of(const sim::Truth& truth) {
   const sim::BodyState& s = truth.body;
-  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
-                     sim::to_seconds(truth.time), s.p_W.x(), s.p_W.y(),
-                     s.p_W.z(), s.q_WB.w(), s.q_WB.x(), s.q_WB.y(), s.q_WB.z(), s.v_B.x(),
-                     s.v_B.y(), s.v_B.z(), s.w_B.x(), s.w_B.y(), s.w_B.z());
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", sim::to_seconds(truth.time),
+                     s.p_W.x(), s.p_W.y(), s.p_W.z(), s.q_WB.w(), s.q_WB.x(), s.q_WB.y(),
+                     s.q_WB.z(), s.v_B.x(), s.v_B.y(), s.v_B.z(), s.w_B.x(), s.w_B.y(), s.w_B.z());
 }
 
 int run(const std::vector<std::string>& words) {

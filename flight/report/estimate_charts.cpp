@@ -38,8 +38,8 @@ constexpr std::array<ErrorChart, 9> kErrors{
       2},
      {"Attitude error, about the nose (roll)", "°", 1.0, 2, kDegPerRadF, &Estimate::turn_error_rad,
       &Estimate::turn_sigma_rad, 0},
-     {"Attitude error, about the right (pitch)", "°", 1.0, 2, kDegPerRadF, &Estimate::turn_error_rad,
-      &Estimate::turn_sigma_rad, 1},
+     {"Attitude error, about the right (pitch)", "°", 1.0, 2, kDegPerRadF,
+      &Estimate::turn_error_rad, &Estimate::turn_sigma_rad, 1},
      {"Attitude error, about down (heading)", "°", 1.0, 2, kDegPerRadF, &Estimate::turn_error_rad,
       &Estimate::turn_sigma_rad, 2}}};
 

@@ -88,7 +88,8 @@ TEST_P(EmulatedM7Speaking, FliesTheDefaultMissionToTheBitAsInProcess) {
     const sim::BodyState& a = here.flight->truth().body;
     const sim::BodyState& b = there.flight->truth().body;
     ASSERT_EQ(a.p_W, b.p_W) << "at " << sim::to_seconds(here.flight->now()) << " s";
-    ASSERT_EQ(a.q_WB.coeffs(), b.q_WB.coeffs()) << "at " << sim::to_seconds(here.flight->now()) << " s";
+    ASSERT_EQ(a.q_WB.coeffs(), b.q_WB.coeffs())
+        << "at " << sim::to_seconds(here.flight->now()) << " s";
   }
   EXPECT_TRUE(here.completed());
   EXPECT_TRUE(there.completed());

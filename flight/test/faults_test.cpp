@@ -85,7 +85,8 @@ TEST_P(ImuLost, FallsWithMotorsOffAndStaysArmed) {
   double down_s = 0.0;
   rig.flight->set_script([&](Flight& flight, sim::Time t) {
     sane = sane && outputs_sane(rig);
-    if (down_s == 0.0 && sim::to_seconds(t) > kFault_s && flight.truth().on_ground) down_s = sim::to_seconds(t);
+    if (down_s == 0.0 && sim::to_seconds(t) > kFault_s && flight.truth().on_ground)
+      down_s = sim::to_seconds(t);
   });
   rig.flight->run();
   EXPECT_TRUE(sane);
@@ -322,7 +323,8 @@ TEST(Faults, DeadMotorLosesTheVehicle) {
   double down_s = 0.0;
   rig.flight->set_script([&](Flight& flight, sim::Time t) {
     sane = sane && outputs_sane(rig);
-    if (down_s == 0.0 && sim::to_seconds(t) > kFault_s && flight.truth().on_ground) down_s = sim::to_seconds(t);
+    if (down_s == 0.0 && sim::to_seconds(t) > kFault_s && flight.truth().on_ground)
+      down_s = sim::to_seconds(t);
   });
   rig.flight->run();
   EXPECT_TRUE(sane);
