@@ -37,6 +37,11 @@ class ByteBuffer {
     return end;
   }
 
+  /// From here on up to `capacity` bytes take no more memory.
+  void reserve(std::size_t capacity) {
+    if (capacity > capacity_) grow(capacity);
+  }
+
   template <class T>
   void put(T value) {
     static_assert(std::is_arithmetic_v<T>);

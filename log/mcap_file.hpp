@@ -35,8 +35,9 @@ class McapFile {
   struct Options {
     std::string profile{"ros2"};
     std::string library{"rosflight"};
-    std::size_t chunk_bytes{std::size_t{1} << 20U};
+    std::size_t chunk_bytes{std::size_t{1} << 18U};  ///< Stays in the caches of one core.
     Compression compression{Compression::kZstd};
+    int zstd_level{3};  ///< Negative: faster and larger.
   };
 
   McapFile(std::filesystem::path path, const Options& options);

@@ -8,6 +8,9 @@
 namespace rosflight::log {
 namespace {
 
+/// A larger message at the end of a chunk makes its memory grow.
+constexpr std::size_t kLargeMessage = 4096;
+
 void put_map(ByteBuffer& out, const TextMap& map) {
   put_sized(out, [&] {
     for (const auto& [key, value] : map) {
@@ -95,7 +98,9 @@ void McapWriter::write(ChannelId channel_id, std::uint64_t log_time_ns,
 }
 
 void McapWriter::end_chunk() {
-  if (chunk_.bytes.size() != 0) thread_.put(chunk_);
+  if (chunk_.bytes.size() == 0) return;
+  thread_.put(chunk_);
+  chunk_.bytes.reserve(chunk_bytes_ + kLargeMessage);
 }
 
 void McapWriter::put_record(ByteBuffer& record, ByteBuffer& index) {
