@@ -76,6 +76,18 @@ def test_it_flies_from_any_folder_to_the_same_log(prefix, flown, tmp_path):
     assert digest(without_tree(prefix / "bin/rosflight", *SHORT, "--out", tmp_path / "f", cwd=tmp_path)) == flown
 
 
+def test_the_tools_come_along(prefix):
+    assert "phugoid" in without_tree(prefix / "bin" / "rosflight", "trim", "--speed", "18")
+
+
+def test_without_the_tools_one_line_says_what_is_missing(tmp_path):
+    alone = shutil.copy(BUILD / "apps" / "rosflight", tmp_path)
+    done = subprocess.run([alone, "mixer", "--help"], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == (f"rosflight: mixer needs {tmp_path}/rosflight_tools: No such file or directory "
+                           "(./rosflight mixer builds it)\n")
+
+
 def test_no_file_names_the_source_tree(prefix):
     texts = [path for path in prefix.rglob("*") if path.suffix in (".cmake", ".hpp", ".yaml")]
     assert len(texts) > 100

@@ -252,6 +252,14 @@ def test_failing_configure_is_told_and_tried_again(house):
         assert "CMake Error: no compiler" in done.stderr and house.called("cmake")
 
 
+def test_the_other_commands_build_and_run_their_own_program(house):
+    house.replace("ninja", 'mkdir -p "$2/apps" && printf "#!/bin/sh\\necho tool \\"\\$@\\"\\n" '
+                           '>"$2/apps/rosflight_tools" && chmod +x "$2/apps/rosflight_tools"')
+    for command in ("replay", "sil", "mixer", "trim"):
+        assert house.start(command, "word").stdout == f"tool {command} word\n"
+    assert all(call.endswith(" rosflight_tools") for call in house.called("ninja"))
+
+
 def test_progress_of_a_build_is_a_line_each_tenth_without_a_terminal(house):
     house.replace("ninja", 'for i in $(seq 200); do echo "[$i/200] Building"; done')
     (house.root / "build/release/apps").mkdir(parents=True)

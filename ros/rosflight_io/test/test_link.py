@@ -25,7 +25,7 @@ def command(rig):
     return publisher
 
 
-def offboard_after(status, publish, seconds=1.0):
+def offboard_after(status, publish, seconds):
     """Whether the firmware follows, after publishing at 50 Hz for a while."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
@@ -38,7 +38,7 @@ def offboard_after(status, publish, seconds=1.0):
 def test_commands_reach_the_firmware_and_time_out(status, command):
     good = Command(mode=Command.MODE_ROLL_PITCH_YAWRATE_THROTTLE)
     good.u[2] = 0.3
-    assert offboard_after(status, lambda: command.publish(good))
+    wait_for(lambda: (command.publish(good), status and status[-1][1].offboard)[1], "offboard control")
     wait_for(lambda: not status[-1][1].offboard, "the timeout")
 
 
