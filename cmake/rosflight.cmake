@@ -59,8 +59,13 @@ target_include_directories(rosflight_eigen SYSTEM INTERFACE $<BUILD_INTERFACE:${
 target_link_libraries(rosflight_eigen INTERFACE $<INSTALL_INTERFACE:Eigen3::Eigen>)
 target_compile_definitions(rosflight_eigen INTERFACE EIGEN_MPL2_ONLY)
 if(ROSFLIGHT_QUICK_BUILD)
-  # GCC 12 warns falsely about std::string once its header is precompiled (GCC bugs 105329 and 105651).
-  add_compile_options(-Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # GCC 12 warns falsely about std::string once its header is precompiled (GCC bugs 105329 and 105651).
+    add_compile_options(-Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread)
+    set(ROSFLIGHT_PRECOMPILED_OPTIONS -fpch-preprocess)  # both for ccache
+  else()
+    set(ROSFLIGHT_PRECOMPILED_OPTIONS -Xclang -fno-pch-timestamp)
+  endif()
   # What is precompiled holds for all, whether they use it or not.
   find_package(fmt REQUIRED)
   get_target_property(fmt_definitions fmt::fmt INTERFACE_COMPILE_DEFINITIONS)
@@ -83,7 +88,7 @@ endfunction()
 # Three quarters of the time of an ordinary file go into reading Eigen, fmt and the standard library, most of the rest into
 # our own headers and their templates. With ROSFLIGHT_QUICK_BUILD the former are read once for each kind of target, by
 # rosflight_headers_KIND, and libraries are compiled several files at a time: names in the unnamed namespaces of one library
-# differ. clang-tidy and the presets fuzz and cortex-m7 compile file by file without, so a missing #include shows.
+# differ. clang-tidy and the preset cortex-m7 compile file by file without, so a missing #include shows.
 set(ROSFLIGHT_PRECOMPILED_FIRMWARE <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <cmath> <cstdint> <cstring> <limits>)
 set(ROSFLIGHT_PRECOMPILED_HOST
     <Eigen/Dense> <fmt/format.h> <algorithm> <array> <charconv> <chrono> <cmath> <cstdint> <cstring> <deque> <filesystem> <fstream>
@@ -115,10 +120,10 @@ function(_rosflight_use_precompiled target kind)
       target_link_libraries(${headers} PRIVATE GTest::gtest)
     endif()
     target_precompile_headers(${headers} PRIVATE ${files})
-    target_compile_options(${headers} PRIVATE -fpch-preprocess)  # for ccache
+    target_compile_options(${headers} PRIVATE ${ROSFLIGHT_PRECOMPILED_OPTIONS})
   endif()
   target_precompile_headers(${target} REUSE_FROM ${headers})
-  target_compile_options(${target} PRIVATE -fpch-preprocess)
+  target_compile_options(${target} PRIVATE ${ROSFLIGHT_PRECOMPILED_OPTIONS})
 endfunction()
 
 function(_rosflight_firmware_options target)

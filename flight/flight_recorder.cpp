@@ -197,8 +197,8 @@ void FlightRecorder::step(const sim::Truth& truth, const hal::OutputValues& outp
 void FlightRecorder::add_route(const autonomy::fixedwing::FlightManager& manager) {
   if (!manager.path().started()) return;
   constexpr double kEvery_m = 5.0;
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  if (!record_.route.empty()) record_.route.push_back({kNone, kNone, kNone});
+  constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
+  if (!record_.route.empty()) record_.route.push_back({kGap, kGap, kGap});
   for (const autonomy::fixedwing::Segment& segment : manager.path().plan().segments) {
     const double turn_m = 2.0 * base::kPi * std::abs(segment.radius_m);
     const double length_m = std::isfinite(segment.length_m) ? segment.length_m : turn_m;

@@ -240,9 +240,9 @@ configure() {  # PRESET
   fi
   rm -rf "$build/CMakeCache.txt" "$build/CMakeFiles" "$build/.configured"
   mkdir -p "$build"
-  # Quick host builds; fuzz and cortex-m7 compile file by file, which shows a missing #include.
+  # Quick host builds; cortex-m7 compiles file by file, which shows a missing #include.
   local -a options=()
-  [[ $1 == fuzz || $1 == cortex-m7 ]] || options=(-DROSFLIGHT_QUICK_BUILD=ON)
+  [[ $1 == cortex-m7 ]] || options=(-DROSFLIGHT_QUICK_BUILD=ON)
   if ! (cd "$root" && cmake --preset "$1" "${options[@]}") >"$build/configure.log" 2>&1; then
     show_failure "$build/configure.log"
     fail "configuring $1 failed; all of it is in $build/configure.log"
