@@ -31,7 +31,13 @@ void McapFile::FreeZstd::operator()(ZSTD_CCtx_s* context) const {
 
 McapFile::McapFile(std::filesystem::path path, const Options& options)
     : compression_(options.compression), file_(std::move(path)), zstd_(ZSTD_createCCtx()) {
-  ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_compressionLevel, options.zstd_level);
+  const bool fast = compression_ == Compression::kZstdFast;
+  ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_compressionLevel, fast ? 1 : 3);
+  if (fast) {
+    // What repeats in a log are whole fields of messages; shorter matches cost more than they save.
+    ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_minMatch, 6);
+    ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_hashLog, 15);
+  }
   ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_checksumFlag, 1);
   emit(kMagic);
   {
@@ -86,7 +92,7 @@ std::pair<std::uint64_t, std::uint64_t> McapFile::index_messages(Bytes records) 
 void McapFile::write_chunk(Bytes plain) {
   sha256_.update(plain);
   const auto [start_ns, end_ns] = index_messages(plain);
-  const std::string_view compression = compression_ == Compression::kZstd ? "zstd" : "";
+  const std::string_view compression = compression_ == Compression::kNone ? "" : "zstd";
   const Bytes records = compressed(plain);
 
   const std::uint64_t chunk_offset = file_.size();

@@ -16,7 +16,11 @@ struct ZSTD_CCtx_s;
 
 namespace rosflight::log {
 
-enum class Compression : std::uint8_t { kNone, kZstd };
+enum class Compression : std::uint8_t {
+  kNone,
+  kZstd,     ///< Level 3.
+  kZstdFast  ///< Two thirds of its processor time for 2 % more bytes.
+};
 
 /// The file of McapWriter: chunks with message indexes, attachments, metadata, and a summary with
 /// statistics, chunk, attachment and metadata indexes; every checksum the format has.
@@ -35,9 +39,8 @@ class McapFile {
   struct Options {
     std::string profile{"ros2"};
     std::string library{"rosflight"};
-    std::size_t chunk_bytes{std::size_t{1} << 18U};  ///< Stays in the caches of one core.
+    std::size_t chunk_bytes{std::size_t{1} << 20U};
     Compression compression{Compression::kZstd};
-    int zstd_level{3};  ///< Negative: faster and larger.
   };
 
   McapFile(std::filesystem::path path, const Options& options);

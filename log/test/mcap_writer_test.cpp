@@ -99,7 +99,8 @@ TEST_F(McapWriterTest, EveryByteOfATinyFile) {
 }
 
 TEST_F(McapWriterTest, SameCallsSameBytes) {
-  for (const Compression compression : {Compression::kNone, Compression::kZstd}) {
+  for (const Compression compression :
+       {Compression::kNone, Compression::kZstd, Compression::kZstdFast}) {
     const LogSummary first = write_example(compression, 1000);
     const std::string bytes = contents(path_);
     const LogSummary second = write_example(compression, 1000);
