@@ -24,7 +24,7 @@ SANITIZE = "-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-fra
 
 LIBRARIES = ROOT / "build" / "release"  # where find_package(rosflight) finds the project
 # What tests and demonstrations start beside the nodes, in build/release/apps.
-PROGRAMS = ("rosflight", "sil_echo", "sil_link_rtt", "sil_cable")
+PROGRAMS = ("rosflight", "rosflight_tools", "sil_echo", "sil_link_rtt", "sil_cable")
 
 
 class BadRequest(ValueError):
