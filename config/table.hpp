@@ -158,6 +158,17 @@ class Row {
         [](bool& v, const detail::Values& x) { v = x[0] != 0.0; });
   }
 
+  /// true or false, with a law of its own between key and struct.
+  template <std::invocable<const S&> Get, std::invocable<S&, bool> Set>
+    requires std::same_as<std::invoke_result_t<Get, const S&>, bool>
+  Row(std::string_view key, Get get, Set set, std::string_view text)
+      : Row{key, text, detail::Row::Kind::kBoolean} {
+    row_.get = [get](const void* s) {
+      return detail::Values{get(*static_cast<const S*>(s)) ? 1.0 : 0.0};
+    };
+    row_.set = [set](void* s, const detail::Values& x) { set(*static_cast<S*>(s), x[0] != 0.0); };
+  }
+
   /// An integer. Of a duration: its count.
   template <class M>
   Row(std::string_view key, M member, Unit unit, Whole allowed, std::string_view text)

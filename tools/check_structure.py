@@ -34,15 +34,15 @@ MAY_INCLUDE = {
     "apps": ["flight", "companion", "sim", "link", "firmware/hal", "firmware/core", "firmware/boards", "config"],
     "bench": ["flight", "sim", "link", "firmware/hal", "firmware/core", "firmware/boards", "test_support"],
     "examples": ["flight", "autonomy", "sim", "config"],
-    "ros/common": ["autonomy", "config", "sim", "flight/vehicle/vehicle_setup.hpp"],
+    "ros/rosflight_common": ["autonomy", "config", "sim", "flight/vehicle/vehicle_setup.hpp"],
     "ros/examples": [],
-    "ros/roscopter": ["ros/common", "autonomy", "config", "flight/vehicle/vehicle_setup.hpp"],
+    "ros/roscopter": ["ros/rosflight_common", "autonomy", "config", "flight/vehicle/vehicle_setup.hpp"],
     "ros/rosflight_demos": [],
-    "ros/rosflight_gcs": [],
-    "ros/rosflight_io": ["companion", "link", "messages", "ros/common/messages.hpp"],
-    "ros/rosflight_sim": ["ros/common", "sim", "config", "companion", "link", "messages", "firmware/hal", "firmware/core",
+    "ros/rosflight_gcs": ["ros/rosflight_common"],
+    "ros/rosflight_io": ["ros/rosflight_common", "companion", "link", "messages"],
+    "ros/rosflight_sim": ["ros/rosflight_common", "sim", "config", "companion", "link", "messages", "firmware/hal", "firmware/core",
                           "firmware/boards", "flight/vehicle/vehicle_setup.hpp"],
-    "ros/rosplane": ["ros/common", "autonomy", "config", "flight/vehicle/vehicle_setup.hpp"],
+    "ros/rosplane": ["ros/rosflight_common", "autonomy", "config", "flight/vehicle/vehicle_setup.hpp"],
     "ros_standin": [],
 }
 # Each ROS package and each example is a project of its own.
@@ -105,6 +105,11 @@ def folder_of(path: str, table=MAY_INCLUDE) -> str | None:
     return max((f for f in table if path.startswith(f + "/")), key=len, default=None)
 
 
+def folder_of_include(name: str) -> str | None:
+    """Headers of a ROS package are included by the package's name, all others by their path from the root."""
+    return folder_of(name) or folder_of("ros/" + name)
+
+
 # ---- includes -----------------------------------------------------------------------------------
 
 
@@ -129,7 +134,7 @@ def check_includes(tree: Tree) -> list[str]:
             continue
         allowed = allowed_for(path, folder)
         for number, name in tree.includes(path):
-            target = folder_of(name)
+            target = folder_of_include(name)
             if target in (None, folder) or ("*" in allowed and target != "apps") or target in allowed or name in allowed:
                 continue
             complaints.append(f"{path}:{number}: {folder} must not include {name}; it may use: "
@@ -167,10 +172,7 @@ NAMESPACE_EXCEPTIONS = {
     "firmware/boards/qemu_m7": "rosflight::boards::m7",  # drivers of the Cortex-M7, not of its emulator
     "flight/report": "rosflight::report",  # leaves the tree with the browser view
     "apps/measure": "rosflight::flight",  # wraps the codec of flight/sil
-    "ros/rosflight_sim": "rosflight::ros_sim",  # packages whose namespace follows with their own include folders
-    "ros/rosflight_sim/src/view_tools.hpp": "rosflight::ros_sim::views",  # functions of *_views.cpp alone
-    "ros/rosplane": "rosflight::ros_plane",
-    "ros/roscopter": "rosflight::roscopter",
+    "ros/rosflight_sim/include/rosflight_sim/view_tools.hpp": "rosflight_sim::views",  # functions of *_views.cpp alone
 }
 
 
@@ -180,7 +182,7 @@ def namespace_of(path: Path) -> str:
     if top == "examples":
         return rest[0]
     if top == "ros":
-        return "rosflight::ros_common" if rest[0] == "common" else rest[0]
+        return rest[0]
     if top == "firmware":
         return f"rosflight::{rest[0]}"
     own = folder_of(str(path), OWN_NAMESPACE)

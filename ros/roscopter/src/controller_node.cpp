@@ -10,12 +10,17 @@
 
 #include "autonomy/multirotor/commanded_flight.hpp"
 #include "flight/vehicle/vehicle_setup.hpp"
-#include "ros/common/time.hpp"
-#include "ros/common/vehicle_file.hpp"
-#include "ros/roscopter/src/controller_parameters.hpp"
-#include "ros/roscopter/src/conversions.hpp"
+#include "roscopter/controller_parameters.hpp"
+#include "roscopter/conversions.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/time.hpp"
+#include "rosflight_common/vehicle_file.hpp"
 
-namespace rosflight::roscopter {
+namespace roscopter {
+
+namespace autonomy = rosflight::autonomy;
+namespace config = rosflight::config;
+namespace flight = rosflight::flight;
 namespace {
 
 using autonomy::multirotor::CommandedFlight;
@@ -34,17 +39,18 @@ using std_srvs::srv::Trigger;
 /// lost_command_land_s. It tells its phase on `flight_phase` and lands by `controller/land`.
 class ControllerNode : public rclcpp::Node {
  public:
-  ControllerNode()
-      : Node("controller"),
-        config_{flight::read_multirotor_autonomy(ros_common::VehicleFile::declare(*this).read())
-                    .flight},
+  explicit ControllerNode(const rclcpp::NodeOptions& options)
+      : Node("controller", options),
+        config_{
+            flight::read_multirotor_autonomy(rosflight_common::VehicleFile::declare(*this).read())
+                .flight},
         tuning_{tuning_of(config_)},
         parameters_{*this, controller_parameters(), tuning_} {
-    state_patience_s_ =
-        ros_common::declare_number(*this, "state_timeout_s", 0.25, 0.01, 10.0,
-                                   "without a state for this long the vehicle is the pilot's [s]");
-    status_patience_s_ = ros_common::declare_number(*this, "status_timeout_s", 2.0, 0.1, 60.0,
-                                                    "the same without a status [s]");
+    state_patience_s_ = rosflight_common::declare_number(
+        *this, "state_timeout_s", 0.25, 0.01, 10.0,
+        "without a state for this long the vehicle is the pilot's [s]");
+    status_patience_s_ = rosflight_common::declare_number(*this, "status_timeout_s", 2.0, 0.1, 60.0,
+                                                          "the same without a status [s]");
     const std::string why = fault(tuning_);
     if (!why.empty()) throw config::Error("parameter " + why);
     parameters_.on_change([this](const Tuning& tuning) {
@@ -139,7 +145,7 @@ class ControllerNode : public rclcpp::Node {
   void step(const State& message) {
     if (!status_at_) return;
     const rclcpp::Time arrived = now();
-    const double t_s = ros_common::seconds(message.header);
+    const double t_s = rosflight_common::seconds(message.header);
     if (t_s < last_s_ - kBack_s) {
       RCLCPP_WARN(get_logger(), "time went back by %.1f s: beginning again", last_s_ - t_s);
       control_ = CommandedFlight(tuning_.controller, config_.thrust);
@@ -233,7 +239,7 @@ class ControllerNode : public rclcpp::Node {
 
   FlightConfig config_;
   Tuning tuning_;
-  ros_common::LiveParameters<Tuning> parameters_;
+  rosflight_common::LiveParameters<Tuning> parameters_;
   CommandedFlight control_;
   autonomy::Status status_{};
   autonomy::multirotor::ControllerCommand given_{};
@@ -258,9 +264,6 @@ class ControllerNode : public rclcpp::Node {
 };
 
 }  // namespace
-}  // namespace rosflight::roscopter
+}  // namespace roscopter
 
-int main(int argc, char** argv) {
-  using rosflight::roscopter::ControllerNode;
-  return rosflight::ros_common::run_node<ControllerNode>(argc, argv);
-}
+ROSFLIGHT_NODE(roscopter::ControllerNode, SingleThreadedExecutor)

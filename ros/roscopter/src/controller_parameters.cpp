@@ -1,118 +1,102 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/roscopter/src/controller_parameters.hpp"
-
-#include <string>
+#include "roscopter/controller_parameters.hpp"
 
 #include "base/constants.hpp"
 
-namespace rosflight::roscopter {
+namespace roscopter {
+
+namespace base = rosflight::base;
+namespace config = rosflight::config;
 namespace {
 
-using Parameter = ros_common::LiveParameter<Tuning>;
-using List = std::vector<Parameter>;
+using autonomy::PidGains;
+using autonomy::multirotor::ControllerConfig;
+using autonomy::multirotor::StateMachineConfig;
+using config::at;
+using config::kDeg;
+using config::kDegPerS;
+using config::Range;
+using config::Table;
+using rosflight_common::gains_row;
 
-constexpr double kDegPerRad = 1.0 / autonomy::kRadPerDeg;
-constexpr double kGravity_m_s2 = base::kStandardGravity_m_s2;
+constexpr config::Unit kGravities{"gravity", base::kStandardGravity_m_s2};
 
-/// A number, `unit` times the one inside.
-template <class Of>
-void add(List& list, const char* name, double least, double most, const char* text, double unit,
-         Of of) {
-  list.push_back({name, least, most, text, [of, unit](const Tuning& t) { return unit * of(t); },
-                  [of, unit](Tuning& t, double value) { of(t) = value / unit; }});
-}
-
-void add_loops(List& list) {
-  using ros_common::add_gains;
-  const auto loop = [&list](const char* prefix, const char* text, double unit, auto of) {
-    add_gains(list, prefix, text, unit, of);
+Table<ControllerConfig> loops() {
+  using C = ControllerConfig;
+  const auto loop = [](const char* prefix, auto member, const char* text, config::Unit unit = "") {
+    return gains_row<C>(prefix, member, unit, Range::between(-1000.0, 1000.0), text);
+  };
+  const auto east = [](std::optional<PidGains> C::*gains) {
+    return [gains](C& c) -> PidGains& { return *(c.*gains); };  // the node has given it a value
   };
   const char* torque = "from an angle [rad] to a torque [N m]";
-  loop("roll_to_torque", torque, 1.0, [](auto& t) -> auto& { return t.controller.roll_to_torque; });
-  loop("pitch_to_torque", torque, 1.0,
-       [](auto& t) -> auto& { return t.controller.pitch_to_torque; });
-  loop("yaw_to_torque", torque, 1.0, [](auto& t) -> auto& { return t.controller.yaw_to_torque; });
   const char* rate = "from a rate [rad/s] to a torque [N m]";
-  loop("roll_rate_to_torque", rate, 1.0,
-       [](auto& t) -> auto& { return t.controller.roll_rate_to_torque; });
-  loop("pitch_rate_to_torque", rate, 1.0,
-       [](auto& t) -> auto& { return t.controller.pitch_rate_to_torque; });
-  loop("yaw_rate_to_torque", rate, 1.0,
-       [](auto& t) -> auto& { return t.controller.yaw_rate_to_torque; });
-  loop("yaw_to_rate", "from the heading [rad] to a yaw rate [rad/s]", 1.0,
-       [](auto& t) -> auto& { return t.controller.heading_to_rate; });
-  const char* speed = "from a velocity [m/s] to an acceleration in units of gravity";
-  loop("vel_n_to_accel", speed, 1.0 / kGravity_m_s2,
-       [](auto& t) -> auto& { return t.controller.velocity_horizontal; });
-  loop("vel_e_to_accel", speed, 1.0 / kGravity_m_s2,
-       [](auto& t) -> auto& { return *t.controller.velocity_east; });
-  loop("vel_d_to_accel", speed, 1.0 / kGravity_m_s2,
-       [](auto& t) -> auto& { return t.controller.velocity_vertical; });
+  const char* speed = "from a velocity [m/s] to an acceleration";
   const char* place = "from a position [m] to a velocity [m/s]";
-  loop("pos_n_to_vel", place, 1.0,
-       [](auto& t) -> auto& { return t.controller.position_horizontal; });
-  loop("pos_e_to_vel", place, 1.0, [](auto& t) -> auto& { return *t.controller.position_east; });
-  loop("pos_d_to_vel", place, 1.0, [](auto& t) -> auto& { return t.controller.position_vertical; });
+  return {loop("roll_to_torque", &C::roll_to_torque, torque),
+          loop("pitch_to_torque", &C::pitch_to_torque, torque),
+          loop("yaw_to_torque", &C::yaw_to_torque, torque),
+          loop("roll_rate_to_torque", &C::roll_rate_to_torque, rate),
+          loop("pitch_rate_to_torque", &C::pitch_rate_to_torque, rate),
+          loop("yaw_rate_to_torque", &C::yaw_rate_to_torque, rate),
+          loop("yaw_to_rate", &C::heading_to_rate, "from the heading [rad] to a yaw rate [rad/s]"),
+          loop("vel_n_to_accel", &C::velocity_horizontal, speed, kGravities),
+          loop("vel_e_to_accel", east(&C::velocity_east), speed, kGravities),
+          loop("vel_d_to_accel", &C::velocity_vertical, speed, kGravities),
+          loop("pos_n_to_vel", &C::position_horizontal, place),
+          loop("pos_e_to_vel", east(&C::position_east), place),
+          loop("pos_d_to_vel", &C::position_vertical, place)};
 }
 
-void add_limits(List& list) {
-  add(list, "mass", 0.01, 1000.0, "[kg]", 1.0,
-      [](auto& t) -> auto& { return t.controller.mass_kg; });
-  add(list, "gravity", 9.0, 10.0, "[m/s^2]", 1.0,
-      [](auto& t) -> auto& { return t.controller.gravity_m_s2; });
-  add(list, "tau", 0.001, 10.0, "of derivatives [s]", 1.0,
-      [](auto& t) -> auto& { return t.controller.derivative_tau_s; });
-  add(list, "max_roll_deg", 1.0, 60.0, "tilt in any direction [deg]", kDegPerRad,
-      [](auto& t) -> auto& { return t.controller.max_tilt_rad; });
-  add(list, "max_roll_rate_deg", 1.0, 2000.0, "roll and pitch rate [deg/s]", kDegPerRad,
-      [](auto& t) -> auto& { return t.controller.max_roll_pitch_rate_rad_s; });
-  add(list, "max_yaw_rate_deg", 1.0, 1000.0, "[deg/s]", kDegPerRad,
-      [](auto& t) -> auto& { return t.controller.max_yaw_rate_rad_s; });
-  add(list, "max_roll_torque", 0.001, 1000.0, "roll and pitch [N m]", 1.0,
-      [](auto& t) -> auto& { return t.controller.max_roll_pitch_torque_Nm; });
-  add(list, "max_yaw_torque", 0.001, 1000.0, "[N m]", 1.0,
-      [](auto& t) -> auto& { return t.controller.max_yaw_torque_Nm; });
-  add(list, "max_throttle", 0.1, 1.0, "of modes 5 to 7", 1.0,
-      [](auto& t) -> auto& { return t.controller.max_throttle; });
-  add(list, "min_throttle", 0.0, 0.9, "of modes 5 to 7", 1.0,
-      [](auto& t) -> auto& { return t.controller.min_throttle; });
-  add(list, "max_n_vel", 0.1, 50.0, "horizontal velocity that the position loops ask for [m/s]",
-      1.0, [](auto& t) -> auto& { return t.controller.max_horizontal_velocity_m_s; });
-  add(list, "max_descend_rate", 0.1, 20.0, "[m/s]", 1.0,
-      [](auto& t) -> auto& { return t.controller.max_descend_m_s; });
-  add(list, "max_climb_rate", 0.1, 20.0, "[m/s]", 1.0,
-      [](auto& t) -> auto& { return t.controller.max_climb_m_s; });
-  add(list, "max_descend_accel", 0.01, 0.95, "in units of gravity", 1.0 / kGravity_m_s2,
-      [](auto& t) -> auto& { return t.controller.max_descend_acceleration_m_s2; });
+Table<ControllerConfig> limits() {
+  using C = ControllerConfig;
+  return {
+      {"mass", &C::mass_kg, "kg", Range::between(0.01, 1000.0), ""},
+      {"gravity", &C::gravity_m_s2, "m/s^2", Range::between(9.0, 10.0), ""},
+      {"tau", &C::derivative_tau_s, "s", Range::between(0.001, 10.0), "of derivatives"},
+      {"max_roll_deg", &C::max_tilt_rad, kDeg, Range::between(1.0, 60.0), "tilt in any direction"},
+      {"max_roll_rate_deg", &C::max_roll_pitch_rate_rad_s, kDegPerS, Range::between(1.0, 2000.0),
+       "roll and pitch rate"},
+      {"max_yaw_rate_deg", &C::max_yaw_rate_rad_s, kDegPerS, Range::between(1.0, 1000.0), ""},
+      {"max_roll_torque", &C::max_roll_pitch_torque_Nm, "N m", Range::between(0.001, 1000.0),
+       "roll and pitch"},
+      {"max_yaw_torque", &C::max_yaw_torque_Nm, "N m", Range::between(0.001, 1000.0), ""},
+      {"max_throttle", &C::max_throttle, "", Range::between(0.1, 1.0), "of modes 5 to 7"},
+      {"min_throttle", &C::min_throttle, "", Range::between(0.0, 0.9), "of modes 5 to 7"},
+      {"max_n_vel", &C::max_horizontal_velocity_m_s, "m/s", Range::between(0.1, 50.0),
+       "horizontal velocity that the position loops ask for"},
+      {"max_descend_rate", &C::max_descend_m_s, "m/s", Range::between(0.1, 20.0), ""},
+      {"max_climb_rate", &C::max_climb_m_s, "m/s", Range::between(0.1, 20.0), ""},
+      {"max_descend_accel", &C::max_descend_acceleration_m_s2, kGravities,
+       Range::between(0.01, 0.95), ""}};
 }
 
-void add_states(List& list) {
-  add(list, "min_altitude_for_attitude_ctrl", 0.0, 2.0,
-      "a take-off keeps level below this height over its own ground [m]", 1.0,
-      [](auto& t) -> auto& { return t.states.lift_off_height_m; });
-  add(list, "takeoff_d_pos", -100.0, -0.3, "of the take-off, from where it stands [m]", -1.0,
-      [](auto& t) -> auto& { return t.states.takeoff_height_m; });
-  add(list, "takeoff_d_vel", -20.0, -0.1, "of the take-off [m/s]", -1.0,
-      [](auto& t) -> auto& { return t.states.takeoff_speed_m_s; });
-  add(list, "takeoff_height_threshold", 0.01, 10.0, "take-off ends this far below its height [m]",
-      1.0, [](auto& t) -> auto& { return t.states.takeoff_tolerance_m; });
-  add(list, "takeoff_landing_pos_hold_time", 0.0, 600.0,
-      "holds at least this long before commands are followed [s]", 1.0,
-      [](auto& t) -> auto& { return t.states.hold_s; });
-  add(list, "command_timeout_s", 0.01, 60.0, "an older command is not flown [s]", 1.0,
-      [](auto& t) -> auto& { return t.states.command_timeout_s; });
-  add(list, "lost_command_land_s", 0.1, 3600.0, "holds this long without commands, then lands [s]",
-      1.0, [](auto& t) -> auto& { return t.states.lost_command_land_s; });
+Table<StateMachineConfig> states() {
+  using S = StateMachineConfig;
+  constexpr config::Unit kUp{"m", -1.0};  // the parameter counts downwards
+  constexpr config::Unit kClimb{"m/s", -1.0};
+  return {{"min_altitude_for_attitude_ctrl", &S::lift_off_height_m, "m", Range::between(0.0, 2.0),
+           "a take-off keeps level below this height over its own ground"},
+          {"takeoff_d_pos", &S::takeoff_height_m, kUp, Range::between(-100.0, -0.3),
+           "of the take-off, from where it stands"},
+          {"takeoff_d_vel", &S::takeoff_speed_m_s, kClimb, Range::between(-20.0, -0.1),
+           "of the take-off"},
+          {"takeoff_height_threshold", &S::takeoff_tolerance_m, "m", Range::between(0.01, 10.0),
+           "take-off ends this far below its height"},
+          {"takeoff_landing_pos_hold_time", &S::hold_s, "s", Range::between(0.0, 600.0),
+           "holds at least this long before commands are followed"},
+          {"command_timeout_s", &S::command_timeout_s, "s", Range::between(0.01, 60.0),
+           "an older command is not flown"},
+          {"lost_command_land_s", &S::lost_command_land_s, "s", Range::between(0.1, 3600.0),
+           "holds this long without commands, then lands"}};
 }
 
 }  // namespace
 
-List controller_parameters() {
-  List list;
-  add_loops(list);
-  add_limits(list);
-  add_states(list);
-  return list;
+Table<Tuning> controller_parameters() {
+  return {{"", &Tuning::controller, loops()},
+          {"", &Tuning::controller, limits()},
+          {"", &Tuning::states, states()}};
 }
 
-}  // namespace rosflight::roscopter
+}  // namespace roscopter

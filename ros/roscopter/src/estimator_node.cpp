@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/common/estimator_node.hpp"
+#include "rosflight_common/estimator_node.hpp"
+#include "rosflight_common/component.hpp"
 
 #include <algorithm>
 
-#include "ros/roscopter/src/conversions.hpp"
+#include "roscopter/conversions.hpp"
 
-namespace rosflight::roscopter {
+namespace roscopter {
+
+namespace autonomy = rosflight::autonomy;
 namespace {
 
 using autonomy::estimation::EstimatorConfig;
-using ros_common::kPascalPerMetre;
+using rosflight_common::kPascalPerMetre;
 
 /// North and east have one sigma here, the velocities too: docs/autonomy/roscopter.md
 struct Policy {
@@ -21,7 +24,7 @@ struct Policy {
     roscopter::fill(in, origin, out);
   }
 
-  static std::vector<ros_common::EstimatorView> views() {
+  static std::vector<rosflight_common::EstimatorView> views() {
     using C = EstimatorConfig;
     return {
         {"gravity", 9.0, 10.0, "[m/s^2]", [](const C& c) { return c.gravity_m_s2; },
@@ -38,15 +41,12 @@ struct Policy {
         {"sigma_static_press", 0.01, 1000.0, "of the barometer [Pa]",
          [](const C& c) { return kPascalPerMetre * c.baro_sigma_m; },
          [](C& c, double x) { c.baro_sigma_m = x / kPascalPerMetre; }},
-        ros_common::declination_view(),
+        rosflight_common::declination_view(),
     };
   }
 };
 
 }  // namespace
-}  // namespace rosflight::roscopter
+}  // namespace roscopter
 
-int main(int argc, char** argv) {
-  using rosflight::roscopter::Policy;
-  return rosflight::ros_common::run_node<rosflight::ros_common::EstimatorNode<Policy>>(argc, argv);
-}
+ROSFLIGHT_NODE(rosflight_common::EstimatorNode<roscopter::Policy>, SingleThreadedExecutor)

@@ -2,9 +2,10 @@
 #include <roscopter_msgs/msg/state.hpp>
 #include <rosflight_msgs/msg/attitude.hpp>
 
-#include "ros/common/node_tools.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/node_tools.hpp"
 
-namespace rosflight::roscopter {
+namespace roscopter {
 namespace {
 
 using roscopter_msgs::msg::State;
@@ -14,7 +15,8 @@ using rosflight_msgs::msg::Attitude;
 /// for tilt.
 class ExtAttTranscriber : public rclcpp::Node {
  public:
-  ExtAttTranscriber() : Node("ext_att_transcriber") {
+  explicit ExtAttTranscriber(const rclcpp::NodeOptions& options)
+      : Node("ext_att_transcriber", options) {
     attitudes_ = create_publisher<Attitude>("external_attitude", rclcpp::QoS(1));
     states_ = create_subscription<State>("estimated_state", rclcpp::QoS(1),
                                          [this](State::ConstSharedPtr state) {
@@ -34,9 +36,6 @@ class ExtAttTranscriber : public rclcpp::Node {
 };
 
 }  // namespace
-}  // namespace rosflight::roscopter
+}  // namespace roscopter
 
-int main(int argc, char** argv) {
-  using rosflight::roscopter::ExtAttTranscriber;
-  return rosflight::ros_common::run_node<ExtAttTranscriber>(argc, argv);
-}
+ROSFLIGHT_NODE(roscopter::ExtAttTranscriber, SingleThreadedExecutor)

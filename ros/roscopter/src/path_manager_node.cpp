@@ -6,13 +6,18 @@
 #include "autonomy/multirotor/angles.hpp"
 #include "autonomy/multirotor/path_manager.hpp"
 #include "flight/vehicle/vehicle_setup.hpp"
-#include "ros/common/live_parameters.hpp"
-#include "ros/common/time.hpp"
-#include "ros/common/vehicle_file.hpp"
-#include "ros/roscopter/src/conversions.hpp"
-#include "ros/roscopter/src/flight_phase.hpp"
+#include "roscopter/conversions.hpp"
+#include "roscopter/flight_phase.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/live_parameters.hpp"
+#include "rosflight_common/time.hpp"
+#include "rosflight_common/vehicle_file.hpp"
 
-namespace rosflight::roscopter {
+namespace roscopter {
+
+namespace autonomy = rosflight::autonomy;
+namespace config = rosflight::config;
+namespace flight = rosflight::flight;
 namespace {
 
 using autonomy::multirotor::PathConfig;
@@ -22,34 +27,29 @@ using roscopter_msgs::msg::TrajectoryCommand;
 using roscopter_msgs::msg::Waypoint;
 using std_srvs::srv::Trigger;
 
-std::vector<ros_common::LiveParameter<PathConfig>> path_parameters() {
+config::Table<PathConfig> path_parameters() {
+  using autonomy::multirotor::Interpolation;
+  using autonomy::multirotor::LegLimits;
+  using config::at;
+  using config::Range;
   using C = PathConfig;
   return {
-      {"max_velocity", 0.1, 50.0, "of legs [m/s]", [](const C& c) { return c.limits.speed_m_s; },
-       [](C& c, double x) { c.limits.speed_m_s = x; }},
-      {"max_acceleration", 0.1, 50.0, "of legs [m/s^2]",
-       [](const C& c) { return c.limits.acceleration_m_s2; },
-       [](C& c, double x) { c.limits.acceleration_m_s2 = x; }},
-      {"waypoint_tolerance", 0.01, 100.0, "closer counts as reached [m]",
-       [](const C& c) { return c.waypoint_tolerance_m; },
-       [](C& c, double x) { c.waypoint_tolerance_m = x; }},
-      {"arrival_timeout_s", 0.1, 3600.0, "longest wait for the vehicle at the end of a leg [s]",
-       [](const C& c) { return c.arrival_timeout_s; },
-       [](C& c, double x) { c.arrival_timeout_s = x; }},
-      {"do_linear_interpolation", 0.0, 1.0, "legs at constant acceleration instead of quintics",
-       [](const C& c) {
-         return c.interpolation == autonomy::multirotor::Interpolation::kLinear ? 1.0 : 0.0;
+      {"max_velocity", at(&C::limits, &LegLimits::speed_m_s), "m/s", Range::between(0.1, 50.0),
+       "of legs"},
+      {"max_acceleration", at(&C::limits, &LegLimits::acceleration_m_s2), "m/s^2",
+       Range::between(0.1, 50.0), "of legs"},
+      {"waypoint_tolerance", &C::waypoint_tolerance_m, "m", Range::between(0.01, 100.0),
+       "closer counts as reached"},
+      {"arrival_timeout_s", &C::arrival_timeout_s, "s", Range::between(0.1, 3600.0),
+       "longest wait for the vehicle at the end of a leg"},
+      {"do_linear_interpolation",
+       [](const C& c) { return c.interpolation == Interpolation::kLinear; },
+       [](C& c, bool on) {
+         c.interpolation = on ? Interpolation::kLinear : Interpolation::kQuintic;
        },
-       [](C& c, double x) {
-         c.interpolation = x != 0.0 ? autonomy::multirotor::Interpolation::kLinear
-                                    : autonomy::multirotor::Interpolation::kQuintic;
-       },
-       true},
-      {"hold_last", 0.0, 1.0,
-       "stay at the last waypoint, else fly to the first again; a mission's at_end counts more",
-       [](const C& c) { return c.cycle ? 0.0 : 1.0; }, [](C& c, double x) { c.cycle = x == 0.0; },
-       true},
-  };
+       "legs at constant acceleration instead of quintics"},
+      {"hold_last", [](const C& c) { return !c.cycle; }, [](C& c, bool on) { c.cycle = !on; },
+       "stay at the last waypoint, else fly to the first again; a mission's at_end counts more"}};
 }
 
 /// Turns waypoints into a trajectory: autonomy's PathManager, one setpoint per State.
@@ -63,14 +63,15 @@ std::vector<ros_common::LiveParameter<PathConfig>> path_parameters() {
 /// cleared in flight leaves the setpoint where it is.
 class PathManagerNode : public rclcpp::Node {
  public:
-  PathManagerNode()
-      : Node("path_manager"),
-        config_{flight::read_multirotor_autonomy(ros_common::VehicleFile::declare(*this).read())
-                    .flight.path},
+  explicit PathManagerNode(const rclcpp::NodeOptions& options)
+      : Node("path_manager", options),
+        config_{
+            flight::read_multirotor_autonomy(rosflight_common::VehicleFile::declare(*this).read())
+                .flight.path},
         parameters_{*this, path_parameters(), config_},
         phase_{*this, [this](const std::string& phase) { enter(phase); }} {
-    const double rate_Hz = ros_common::declare_number(*this, "path_update_frequency", 100.0, 1.0,
-                                                      1000.0, "most setpoints a second [Hz]");
+    const double rate_Hz = rosflight_common::declare_number(
+        *this, "path_update_frequency", 100.0, 1.0, 1000.0, "most setpoints a second [Hz]");
     interval_s_ = kAlmost / rate_Hz;
     parameters_.on_change([this](const PathConfig& config) {
       path_.configure(in_force(config));
@@ -166,7 +167,7 @@ class PathManagerNode : public rclcpp::Node {
       geodetic_.clear();
     }
     const autonomy::multirotor::State state = state_of(message);
-    const double t_s = ros_common::seconds(message.header);
+    const double t_s = rosflight_common::seconds(message.header);
     if (t_s < last_s_ - kBack_s) last_s_ = t_s - 1.0;  // the clock was set back
     const bool good =
         state.p_W.allFinite() && state.v_W.allFinite() && state.q_WB.coeffs().allFinite();
@@ -210,7 +211,7 @@ class PathManagerNode : public rclcpp::Node {
   }
 
   PathConfig config_;
-  ros_common::LiveParameters<PathConfig> parameters_;
+  rosflight_common::LiveParameters<PathConfig> parameters_;
   FlightPhase phase_;
   PathManager path_;
   autonomy::multirotor::Trajectory setpoint_{};
@@ -230,9 +231,6 @@ class PathManagerNode : public rclcpp::Node {
 };
 
 }  // namespace
-}  // namespace rosflight::roscopter
+}  // namespace roscopter
 
-int main(int argc, char** argv) {
-  using rosflight::roscopter::PathManagerNode;
-  return rosflight::ros_common::run_node<PathManagerNode>(argc, argv);
-}
+ROSFLIGHT_NODE(roscopter::PathManagerNode, SingleThreadedExecutor)

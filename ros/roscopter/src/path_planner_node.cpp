@@ -7,10 +7,16 @@
 
 #include "autonomy/multirotor/mission.hpp"
 #include "flight/vehicle/vehicle_setup.hpp"
-#include "ros/common/planner_node.hpp"
-#include "ros/roscopter/src/conversions.hpp"
+#include "roscopter/conversions.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/planner_node.hpp"
 
-namespace rosflight::roscopter {
+namespace roscopter {
+
+namespace autonomy = rosflight::autonomy;
+namespace config = rosflight::config;
+namespace sim = rosflight::sim;
+namespace flight = rosflight::flight;
 namespace {
 
 using config::number_text;
@@ -135,9 +141,9 @@ const char* word(autonomy::AtEnd at_end) {
 }
 
 /// Tells besides what a Waypoint cannot: what happens at the end, and the height of the take-off.
-class PathPlanner final : public ros_common::PlannerNode<Policy> {
+class PathPlanner final : public rosflight_common::PlannerNode<Policy> {
  public:
-  PathPlanner() {
+  explicit PathPlanner(const rclcpp::NodeOptions& options) : PlannerNode(options) {
     const auto latched = rclcpp::QoS(1).transient_local();
     at_end_ = create_publisher<std_msgs::msg::String>("mission/at_end", latched);
     takeoff_ = create_publisher<std_msgs::msg::Float64>("mission/takeoff_height", latched);
@@ -165,9 +171,6 @@ class PathPlanner final : public ros_common::PlannerNode<Policy> {
 };
 
 }  // namespace
-}  // namespace rosflight::roscopter
+}  // namespace roscopter
 
-int main(int argc, char** argv) {
-  using rosflight::roscopter::PathPlanner;
-  return rosflight::ros_common::run_node<PathPlanner>(argc, argv);
-}
+ROSFLIGHT_NODE(roscopter::PathPlanner, SingleThreadedExecutor)

@@ -5,9 +5,12 @@
 #include <visualization_msgs/msg/marker.hpp>
 
 #include "autonomy/common/mission_file.hpp"
-#include "ros/common/node_tools.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/node_tools.hpp"
 
-namespace rosflight::roscopter {
+namespace roscopter {
+
+namespace autonomy = rosflight::autonomy;
 namespace {
 
 using roscopter_msgs::msg::Waypoint;
@@ -16,12 +19,13 @@ using visualization_msgs::msg::Marker;
 /// The waypoints in force for RViz: spheres, the way between them, and their numbers, in frame NED.
 class RvizWaypointPublisher : public rclcpp::Node {
  public:
-  RvizWaypointPublisher() : Node("rviz_waypoint_publisher") {
-    scale_ = ros_common::declare_number(*this, "waypoint_scale", 1.5, 0.01, 100.0,
-                                        "of the spheres [m]", true);
-    text_ = ros_common::declare_number(*this, "text_scale", 5.0, 0.01, 100.0, "of the numbers [m]",
-                                       true);
-    changes_ = ros_common::on_change(*this, [this](const rclcpp::Parameter& p) {
+  explicit RvizWaypointPublisher(const rclcpp::NodeOptions& options)
+      : Node("rviz_waypoint_publisher", options) {
+    scale_ = rosflight_common::declare_number(*this, "waypoint_scale", 1.5, 0.01, 100.0,
+                                              "of the spheres [m]", true);
+    text_ = rosflight_common::declare_number(*this, "text_scale", 5.0, 0.01, 100.0,
+                                             "of the numbers [m]", true);
+    changes_ = rosflight_common::on_change(*this, [this](const rclcpp::Parameter& p) {
       if (p.get_name() == "waypoint_scale") scale_ = p.as_double();
       if (p.get_name() == "text_scale") text_ = p.as_double();
       show(0);
@@ -93,9 +97,6 @@ class RvizWaypointPublisher : public rclcpp::Node {
 };
 
 }  // namespace
-}  // namespace rosflight::roscopter
+}  // namespace roscopter
 
-int main(int argc, char** argv) {
-  using rosflight::roscopter::RvizWaypointPublisher;
-  return rosflight::ros_common::run_node<RvizWaypointPublisher>(argc, argv);
-}
+ROSFLIGHT_NODE(roscopter::RvizWaypointPublisher, SingleThreadedExecutor)

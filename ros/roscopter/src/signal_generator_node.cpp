@@ -2,28 +2,30 @@
 #include <array>
 #include <roscopter_msgs/msg/controller_command.hpp>
 
-#include "ros/common/signal_node.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/signal_node.hpp"
 
-namespace rosflight::roscopter {
+namespace roscopter {
 namespace {
 
 using roscopter_msgs::msg::ControllerCommand;
 
 /// A waveform on one of the four numbers of a command of any mode. Its commands are always valid,
 /// so an armed vehicle takes off on them.
-class SignalGenerator final : public ros_common::SignalNode {
+class SignalGenerator final : public rosflight_common::SignalNode {
  public:
-  SignalGenerator() : SignalNode("signal_generator/") {
-    mode_ = ros_common::declare_whole(*this, "controller_mode", 0, 0, 11,
-                                      "of roscopter_msgs/ControllerCommand", true);
-    output_ =
-        ros_common::declare_whole(*this, "controller_output", 1, 1, 4, "the cmd that varies", true);
+  explicit SignalGenerator(const rclcpp::NodeOptions& options)
+      : SignalNode("signal_generator/", options) {
+    mode_ = rosflight_common::declare_whole(*this, "controller_mode", 0, 0, 11,
+                                            "of roscopter_msgs/ControllerCommand", true);
+    output_ = rosflight_common::declare_whole(*this, "controller_output", 1, 1, 4,
+                                              "the cmd that varies", true);
     for (std::size_t k = 0; k < base_.size(); ++k) {
-      base_[k] = ros_common::declare_number(*this, "default_cmd" + std::to_string(k + 1), 0.0,
-                                            -10'000.0, 10'000.0, "value, or lower end", true);
+      base_[k] = rosflight_common::declare_number(*this, "default_cmd" + std::to_string(k + 1), 0.0,
+                                                  -10'000.0, 10'000.0, "value, or lower end", true);
     }
     commands_ = create_publisher<ControllerCommand>("high_level_command", rclcpp::QoS(1));
-    changes_ = ros_common::on_change(*this, [this](const rclcpp::Parameter& p) { take(p); });
+    changes_ = rosflight_common::on_change(*this, [this](const rclcpp::Parameter& p) { take(p); });
   }
 
  private:
@@ -58,9 +60,6 @@ class SignalGenerator final : public ros_common::SignalNode {
 };
 
 }  // namespace
-}  // namespace rosflight::roscopter
+}  // namespace roscopter
 
-int main(int argc, char** argv) {
-  using rosflight::roscopter::SignalGenerator;
-  return rosflight::ros_common::run_node<SignalGenerator>(argc, argv);
-}
+ROSFLIGHT_NODE(roscopter::SignalGenerator, SingleThreadedExecutor)

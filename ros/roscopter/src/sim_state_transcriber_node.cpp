@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <rosflight_msgs/msg/sim_state.hpp>
 
-#include "ros/common/node_tools.hpp"
-#include "ros/roscopter/src/conversions.hpp"
+#include "roscopter/conversions.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/node_tools.hpp"
 
-namespace rosflight::roscopter {
+namespace roscopter {
+
+namespace autonomy = rosflight::autonomy;
 namespace {
 
 using roscopter_msgs::msg::State;
@@ -14,7 +17,8 @@ using rosflight_msgs::msg::SimState;
 /// without an estimator.
 class SimStateTranscriber : public rclcpp::Node {
  public:
-  SimStateTranscriber() : Node("roscopter_truth") {
+  explicit SimStateTranscriber(const rclcpp::NodeOptions& options)
+      : Node("roscopter_truth", options) {
     states_ = create_publisher<State>("sim/roscopter/state", rclcpp::QoS(1));
     truth_ =
         create_subscription<SimState>("sim/truth_state", rclcpp::QoS(1),
@@ -43,9 +47,6 @@ class SimStateTranscriber : public rclcpp::Node {
 };
 
 }  // namespace
-}  // namespace rosflight::roscopter
+}  // namespace roscopter
 
-int main(int argc, char** argv) {
-  using rosflight::roscopter::SimStateTranscriber;
-  return rosflight::ros_common::run_node<SimStateTranscriber>(argc, argv);
-}
+ROSFLIGHT_NODE(roscopter::SimStateTranscriber, SingleThreadedExecutor)

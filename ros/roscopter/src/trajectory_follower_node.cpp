@@ -4,13 +4,18 @@
 
 #include "autonomy/multirotor/trajectory_follower.hpp"
 #include "flight/vehicle/vehicle_setup.hpp"
-#include "ros/common/live_parameters.hpp"
-#include "ros/common/time.hpp"
-#include "ros/common/vehicle_file.hpp"
-#include "ros/roscopter/src/conversions.hpp"
-#include "ros/roscopter/src/flight_phase.hpp"
+#include "roscopter/conversions.hpp"
+#include "roscopter/flight_phase.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/live_parameters.hpp"
+#include "rosflight_common/time.hpp"
+#include "rosflight_common/vehicle_file.hpp"
 
-namespace rosflight::roscopter {
+namespace roscopter {
+
+namespace autonomy = rosflight::autonomy;
+namespace config = rosflight::config;
+namespace flight = rosflight::flight;
 namespace {
 
 using autonomy::multirotor::FollowerConfig;
@@ -20,30 +25,29 @@ using roscopter_msgs::msg::TrajectoryCommand;
 using rosflight_msgs::msg::Status;
 using std_srvs::srv::Trigger;
 
-std::vector<ros_common::LiveParameter<FollowerConfig>> follower_parameters() {
+config::Table<FollowerConfig> follower_parameters() {
+  using config::Range;
   using C = FollowerConfig;
-  std::vector<ros_common::LiveParameter<C>> list{
-      {"gravity", 9.0, 10.0, "[m/s^2]", [](const C& c) { return c.gravity_m_s2; },
-       [](C& c, double x) { c.gravity_m_s2 = x; }},
-      {"mass", 0.01, 1000.0, "[kg]", [](const C& c) { return c.mass_kg; },
-       [](C& c, double x) { c.mass_kg = x; }},
-      {"down_command_window", 0.1, 100.0, "farther away an error counts as this much [m]",
-       [](const C& c) { return c.max_position_error_m; },
-       [](C& c, double x) { c.max_position_error_m = x; }},
-      {"max_commanded_down_accel_in_gs", -0.95, -0.05,
-       "least upward share of thrust, negative, in weights",
-       [](const C& c) { return -c.min_lift_ratio; }, [](C& c, double x) { c.min_lift_ratio = -x; }},
-      {"trajectory_timeout_s", 0.01, 60.0, "an older setpoint is not followed [s]",
-       [](const C& c) { return c.timeout_s; }, [](C& c, double x) { c.timeout_s = x; }},
+  constexpr config::Unit kDown{"weights", -1.0};  // the parameter counts downwards
+  const auto gains = [](const char* prefix, auto member, const char* text) {
+    return rosflight_common::gains_row<C>(prefix, member, "", Range::between(-1000.0, 1000.0),
+                                          text);
   };
-  using ros_common::add_gains;
-  const std::string position = "of the acceleration from the position error";
-  add_gains(list, "u_n", position, 1.0, [](auto& c) -> auto& { return c.horizontal; });
-  add_gains(list, "u_e", position, 1.0, [](auto& c) -> auto& { return *c.east; });
-  add_gains(list, "u_d", position, 1.0, [](auto& c) -> auto& { return c.vertical; });
-  add_gains(list, "yaw_to_rate", "of the yaw rate from the heading", 1.0,
-            [](auto& c) -> auto& { return c.heading; });
-  return list;
+  const char* position = "of the acceleration from the position error";
+  return {{"gravity", &C::gravity_m_s2, "m/s^2", Range::between(9.0, 10.0), ""},
+          {"mass", &C::mass_kg, "kg", Range::between(0.01, 1000.0), ""},
+          {"down_command_window", &C::max_position_error_m, "m", Range::between(0.1, 100.0),
+           "farther away an error counts as this much"},
+          {"max_commanded_down_accel_in_gs", &C::min_lift_ratio, kDown,
+           Range::between(-0.95, -0.05), "least upward share of thrust, negative"},
+          {"trajectory_timeout_s", &C::timeout_s, "s", Range::between(0.01, 60.0),
+           "an older setpoint is not followed"},
+          gains("u_n", &C::horizontal, position),
+          gains(
+              "u_e", [](C& c) -> auto& { return *c.east; },
+              position),  // with_east has given it a value
+          gains("u_d", &C::vertical, position),
+          gains("yaw_to_rate", &C::heading, "of the yaw rate from the heading")};
 }
 
 FollowerConfig with_east(FollowerConfig config) {
@@ -64,10 +68,10 @@ autonomy::multirotor::Trajectory carried_on(autonomy::multirotor::Trajectory s, 
 /// something else is flown than its commands its integrals are zero.
 class TrajectoryFollowerNode : public rclcpp::Node {
  public:
-  TrajectoryFollowerNode()
-      : Node("trajectory_follower"),
+  explicit TrajectoryFollowerNode(const rclcpp::NodeOptions& options)
+      : Node("trajectory_follower", options),
         config_{with_east(
-            flight::read_multirotor_autonomy(ros_common::VehicleFile::declare(*this).read())
+            flight::read_multirotor_autonomy(rosflight_common::VehicleFile::declare(*this).read())
                 .flight.follower)},
         parameters_{*this, follower_parameters(), config_},
         phase_{*this, [](const std::string&) {}},
@@ -104,14 +108,14 @@ class TrajectoryFollowerNode : public rclcpp::Node {
 
   void step(const State& message) {
     if (!received_) return;
-    const double t_s = ros_common::seconds(message.header);
+    const double t_s = rosflight_common::seconds(message.header);
     const double dt_s = t_s - last_s_;
     last_s_ = t_s;
     if (!phase_.following()) follower_.restart(autonomy::Vector3::Zero());
     const autonomy::multirotor::State state = state_of(message);
     const autonomy::multirotor::AttitudeView attitude(state.q_WB);
     const double ahead_s =
-        std::clamp(t_s - ros_common::seconds(received_->message.header), 0.0, kFarthest_s);
+        std::clamp(t_s - rosflight_common::seconds(received_->message.header), 0.0, kFarthest_s);
     const autonomy::multirotor::Trajectory setpoint =
         carried_on(trajectory_of(received_->message), ahead_s);
     const double age_s = (now() - received_->at).seconds();
@@ -122,7 +126,7 @@ class TrajectoryFollowerNode : public rclcpp::Node {
   }
 
   FollowerConfig config_;
-  ros_common::LiveParameters<FollowerConfig> parameters_;
+  rosflight_common::LiveParameters<FollowerConfig> parameters_;
   FlightPhase phase_;
   autonomy::multirotor::TrajectoryFollower follower_;
   std::optional<Heard> received_;
@@ -136,9 +140,6 @@ class TrajectoryFollowerNode : public rclcpp::Node {
 };
 
 }  // namespace
-}  // namespace rosflight::roscopter
+}  // namespace roscopter
 
-int main(int argc, char** argv) {
-  using rosflight::roscopter::TrajectoryFollowerNode;
-  return rosflight::ros_common::run_node<TrajectoryFollowerNode>(argc, argv);
-}
+ROSFLIGHT_NODE(roscopter::TrajectoryFollowerNode, SingleThreadedExecutor)

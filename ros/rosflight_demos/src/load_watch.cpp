@@ -33,7 +33,7 @@
 #include <string>
 #include <vector>
 
-#include "program.hpp"
+#include "rosflight_demos/program.hpp"
 
 namespace {
 

@@ -26,7 +26,7 @@
 #include <vector>
 
 #include "base/constants.hpp"
-#include "program.hpp"
+#include "rosflight_demos/program.hpp"
 
 namespace {
 

@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "program.hpp"
+#include "rosflight_demos/program.hpp"
 
 namespace {
 

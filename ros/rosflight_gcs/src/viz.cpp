@@ -14,6 +14,8 @@
 #include <sensor_msgs/msg/magnetic_field.hpp>
 #include <visualization_msgs/msg/marker.hpp>
 
+#include "rosflight_common/component.hpp"
+
 namespace rosflight_gcs {
 
 using geometry_msgs::msg::PoseStamped;
@@ -38,7 +40,7 @@ geometry_msgs::msg::Quaternion along(double x, double y, double z) {
 
 class VizNode final : public rclcpp::Node {
  public:
-  VizNode() : Node("viz_node") {
+  explicit VizNode(const rclcpp::NodeOptions& options) : Node("viz_node", options) {
     attitude_ = create_publisher<PoseStamped>("viz/attitude", 1);
     field_ = create_publisher<PoseStamped>("viz/magnetometer", 1);
     points_ = create_publisher<Marker>("viz/cloud", 1);
@@ -104,18 +106,4 @@ class VizNode final : public rclcpp::Node {
 
 }  // namespace rosflight_gcs
 
-int main(int argc, char** argv) {
-  bool started = false;
-  try {
-    rclcpp::init(argc, argv);
-    started = true;
-    rclcpp::spin(std::make_shared<rosflight_gcs::VizNode>());
-  } catch (const std::exception& error) {
-    // SIGINT while the node is being made leaves nothing to make it in: an end like any other.
-    if (started && !rclcpp::ok()) return 0;
-    std::fprintf(stderr, "viz: %s\n", error.what());
-    return 2;
-  }
-  rclcpp::shutdown();
-  return 0;
-}
+ROSFLIGHT_NODE(rosflight_gcs::VizNode, SingleThreadedExecutor)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "clock.hpp"
+#include "rosflight_io/clock.hpp"
 
 #include <algorithm>
 #include <chrono>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "diagnostics.hpp"
+#include "rosflight_io/diagnostics.hpp"
 
 #include <array>
 #include <cstdio>
 
-#include "status_text.hpp"
+#include "rosflight_io/status_text.hpp"
 
 namespace rosflight_io {
 namespace {

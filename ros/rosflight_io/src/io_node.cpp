@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io_node.hpp"
+#include "rosflight_io/io_node.hpp"
 
 #include <filesystem>
 #include <rosflight_msgs/msg/attitude.hpp>
@@ -9,9 +9,10 @@
 #include <string>
 #include <utility>
 
-#include "diagnostics.hpp"
 #include "messages/link.hpp"
-#include "ros/common/messages.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/messages.hpp"
+#include "rosflight_io/diagnostics.hpp"
 
 namespace rosflight_io {
 
@@ -120,7 +121,7 @@ void IoNode::forward(const char* topic) {
   subscriptions_.push_back(
       create_subscription<Ros>(topic, 1, [this, topic](typename Ros::ConstSharedPtr received) {
         const auto message =
-            rosflight::messages::to_link(rosflight::ros_common::from_ros<Message>(*received));
+            rosflight::messages::to_link(rosflight_common::from_ros<Message>(*received));
         runner_.post([this, topic, message](companion::Session& session) {
           const companion::SendStatus status = session.offboard().send(message);
           if (status == companion::SendStatus::kSent) return;
@@ -160,3 +161,5 @@ void IoNode::diagnose() {
 }
 
 }  // namespace rosflight_io
+
+ROSFLIGHT_COMPONENT(rosflight_io::IoNode)

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "log_lines.hpp"
+#include "rosflight_io/log_lines.hpp"
 
 #include <string>
 
-#include "status_text.hpp"
+#include "rosflight_io/status_text.hpp"
 
 namespace rosflight_io {
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <rclcpp/rclcpp.hpp>
 
-#include "io_node.hpp"
+#include "rosflight_io/io_node.hpp"
 #include "rosflight_io/realtime_configurator.hpp"
 
 /// Exit code 2 and one line for a link that cannot be or a parameter that makes no sense; 1 for one

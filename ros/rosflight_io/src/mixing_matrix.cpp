@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mixing_matrix.hpp"
+#include "rosflight_io/mixing_matrix.hpp"
 
 #include <array>
 #include <cstdio>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "parameter_mirror.hpp"
+#include "rosflight_io/parameter_mirror.hpp"
 
 #include <chrono>
 #include <cstdlib>

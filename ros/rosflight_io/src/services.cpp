@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "services.hpp"
+#include "rosflight_io/services.hpp"
 
 #include <utility>
 
-#include "mixing_matrix.hpp"
+#include "rosflight_io/mixing_matrix.hpp"
 
 namespace rosflight_io {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "status_text.hpp"
+#include "rosflight_io/status_text.hpp"
 
 #include <array>
 #include <cstddef>

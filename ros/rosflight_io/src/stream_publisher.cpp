@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stream_publisher.hpp"
+#include "rosflight_io/stream_publisher.hpp"
 
 #include <utility>
 
 #include "messages/link.hpp"
-#include "ros/common/messages.hpp"
+#include "rosflight_common/messages.hpp"
 
 namespace rosflight_io {
 
 namespace companion = rosflight::companion;
 namespace messages = rosflight::messages;
 using messages::to_message;
-using rosflight::ros_common::to_ros;
+using rosflight_common::to_ros;
 
 StreamPublisher::StreamPublisher(rclcpp::Node& node, Clock& clock, std::string frame_id)
     : node_{node}, clock_{clock}, frame_id_{std::move(frame_id)} {

@@ -6,16 +6,21 @@
 #include <std_srvs/srv/trigger.hpp>
 
 #include "messages/simulation.hpp"
-#include "ros/common/messages.hpp"
-#include "ros/common/node_tools.hpp"
-#include "ros/common/time.hpp"
-#include "ros/rosflight_sim/src/vehicle_tuning.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/messages.hpp"
+#include "rosflight_common/node_tools.hpp"
+#include "rosflight_common/time.hpp"
+#include "rosflight_sim/vehicle_tuning.hpp"
 #include "sim/dynamics/rigid_body.hpp"
 
-namespace rosflight::ros_sim {
+namespace rosflight_sim {
+
+namespace sim = rosflight::sim;
+namespace hal = rosflight::hal;
+namespace messages = rosflight::messages;
 namespace {
 
-using namespace ros_common;
+using namespace rosflight_common;
 using messages::from_message;
 
 using rosflight_msgs::srv::SetSimState;
@@ -38,8 +43,8 @@ class HeldWrench final : public sim::ForcesAndMoments {
 /// again; a gap of more than longest_gap_s moves the body by that much.
 class DynamicsNode : public rclcpp::Node {
  public:
-  DynamicsNode()
-      : Node("dynamics"),
+  explicit DynamicsNode(const rclcpp::NodeOptions& options)
+      : Node("dynamics", options),
         parameters_{VehicleParameters::declare(*this)},
         tuning_{*this, dynamics_views(), parameters_, [this] { retune(); }} {
     longest_gap_s_ = declare_number(*this, "longest_gap_s", 0.1, 0.001, 10.0,
@@ -148,8 +153,6 @@ class DynamicsNode : public rclcpp::Node {
 };
 
 }  // namespace
-}  // namespace rosflight::ros_sim
+}  // namespace rosflight_sim
 
-int main(int argc, char** argv) {
-  return rosflight::ros_common::run_node<rosflight::ros_sim::DynamicsNode>(argc, argv);
-}
+ROSFLIGHT_NODE(rosflight_sim::DynamicsNode, SingleThreadedExecutor)

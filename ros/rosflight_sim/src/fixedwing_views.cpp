@@ -3,10 +3,13 @@
 // (wing_epsilon apart, which is the Oswald factor here) are not there.
 
 #include "base/constants.hpp"
-#include "ros/rosflight_sim/src/view_tools.hpp"
+#include "rosflight_sim/view_tools.hpp"
 #include "sim/fixedwing/fixedwing.hpp"
 
-namespace rosflight::ros_sim {
+namespace rosflight_sim {
+
+namespace base = rosflight::base;
+namespace sim = rosflight::sim;
 
 using namespace views;
 
@@ -136,4 +139,4 @@ VehicleViews fixedwing_views() {
   return views;
 }
 
-}  // namespace rosflight::ros_sim
+}  // namespace rosflight_sim

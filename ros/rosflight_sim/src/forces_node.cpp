@@ -8,17 +8,22 @@
 #include <rosflight_msgs/msg/sim_state.hpp>
 
 #include "messages/simulation.hpp"
-#include "ros/common/messages.hpp"
-#include "ros/common/node_tools.hpp"
-#include "ros/common/time.hpp"
-#include "ros/rosflight_sim/src/module_states.hpp"
-#include "ros/rosflight_sim/src/vehicle_tuning.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/messages.hpp"
+#include "rosflight_common/node_tools.hpp"
+#include "rosflight_common/time.hpp"
+#include "rosflight_sim/module_states.hpp"
+#include "rosflight_sim/vehicle_tuning.hpp"
 #include "sim/registry.hpp"
 
-namespace rosflight::ros_sim {
+namespace rosflight_sim {
+
+namespace sim = rosflight::sim;
+namespace hal = rosflight::hal;
+namespace messages = rosflight::messages;
 namespace {
 
-using namespace ros_common;
+using namespace rosflight_common;
 using messages::from_message;
 
 /// Forces and moments of the vehicle's module, one wrench for every message of pulses.
@@ -28,7 +33,8 @@ using messages::from_message;
 /// the pulses, so the dynamics' steps are the board's.
 class ForcesNode : public rclcpp::Node {
  public:
-  ForcesNode() : Node("mav_forces_and_moments"), parameters_{VehicleParameters::declare(*this)} {
+  explicit ForcesNode(const rclcpp::NodeOptions& options)
+      : Node("mav_forces_and_moments", options), parameters_{VehicleParameters::declare(*this)} {
     sim::register_physics(registry_);
     const auto plugins = declare_parameter<std::vector<std::string>>(
         "plugins", {}, described("shared libraries with forces-and-moments modules"));
@@ -131,8 +137,6 @@ class ForcesNode : public rclcpp::Node {
 };
 
 }  // namespace
-}  // namespace rosflight::ros_sim
+}  // namespace rosflight_sim
 
-int main(int argc, char** argv) {
-  return rosflight::ros_common::run_node<rosflight::ros_sim::ForcesNode>(argc, argv);
-}
+ROSFLIGHT_NODE(rosflight_sim::ForcesNode, SingleThreadedExecutor)

@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/rosflight_sim/src/joystick.hpp"
-
-#include <fcntl.h>
-#include <linux/joystick.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
+#include "rosflight_sim/joystick.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 
-namespace rosflight::ros_sim {
+namespace rosflight_sim {
+
 namespace {
 
 constexpr ChannelSource axis(std::size_t index, double scale = 1.0) {
@@ -53,11 +48,6 @@ double value(const ChannelSource& source, const StickState& state) {
   return 0.0;
 }
 
-void set(std::vector<double>& values, std::size_t index, double value) {
-  if (index >= values.size()) values.resize(index + 1, 0.0);
-  values[index] = value;
-}
-
 }  // namespace
 
 Pulses JoystickMap::pulses(const StickState& state) const {
@@ -77,26 +67,43 @@ const JoystickMap* find_joystick_map(std::string_view device_name) {
   return nullptr;
 }
 
-std::optional<Joystick> Joystick::open(const std::string& device) {
-  base::FileDescriptor file{::open(device.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)};
-  if (!file.valid()) return std::nullopt;
-  std::array<char, 128> name{};
-  if (::ioctl(file.get(), JSIOCGNAME(name.size() - 1), name.data()) < 0) return std::nullopt;
-  return Joystick{std::move(file), name.data()};
+void Joystick::Close::operator()(SDL_Joystick* device) const {
+  SDL_JoystickClose(device);
+  SDL_QuitSubSystem(SDL_INIT_JOYSTICK);
+}
+
+std::optional<Joystick> Joystick::open(int index) {
+  // There is no window that could have the focus, and signals are for ROS.
+  SDL_SetHint(SDL_HINT_JOYSTICK_ALLOW_BACKGROUND_EVENTS, "1");
+  SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
+  if (SDL_InitSubSystem(SDL_INIT_JOYSTICK) != 0) return std::nullopt;
+  SDL_Joystick* const device = SDL_JoystickOpen(index);
+  if (device == nullptr) {
+    SDL_QuitSubSystem(SDL_INIT_JOYSTICK);
+    return std::nullopt;
+  }
+  return Joystick{device};
+}
+
+std::string Joystick::name() const {
+  const char* const name = SDL_JoystickName(device_.get());
+  return name == nullptr ? "" : name;
 }
 
 bool Joystick::poll() {
-  js_event event{};
-  ssize_t count = 0;
-  while ((count = ::read(events_.get(), &event, sizeof event)) == sizeof event) {
+  SDL_JoystickUpdate();
+  if (SDL_JoystickGetAttached(device_.get()) == SDL_FALSE) return false;
+  const auto count = [](int number) { return static_cast<std::size_t>(std::max(number, 0)); };
+  state_.axes.resize(count(SDL_JoystickNumAxes(device_.get())));
+  state_.buttons.resize(count(SDL_JoystickNumButtons(device_.get())));
+  int number = 0;
+  for (double& axis : state_.axes) {
     constexpr double kFull = 32767.0;
-    if ((event.type & JS_EVENT_AXIS) != 0) {
-      set(state_.axes, event.number, std::max(event.value / kFull, -1.0));
-    } else if ((event.type & JS_EVENT_BUTTON) != 0) {
-      set(state_.buttons, event.number, event.value != 0 ? 1.0 : 0.0);
-    }
+    axis = std::max(SDL_JoystickGetAxis(device_.get(), number++) / kFull, -1.0);
   }
-  return count < 0 && (errno == EAGAIN || errno == EINTR);
+  number = 0;
+  for (double& button : state_.buttons) button = SDL_JoystickGetButton(device_.get(), number++);
+  return true;
 }
 
-}  // namespace rosflight::ros_sim
+}  // namespace rosflight_sim

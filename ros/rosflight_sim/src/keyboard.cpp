@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/rosflight_sim/src/keyboard.hpp"
+#include "rosflight_sim/keyboard.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cmath>
 
-namespace rosflight::ros_sim {
+namespace rosflight_sim {
+
+namespace base = rosflight::base;
 
 void KeyboardSticks::push(Stick& stick, double direction, Time now) const {
   const bool repeated = now < stick.until && stick.value * direction > 0.0;
@@ -83,4 +85,4 @@ std::optional<char> Terminal::key() {
   return key;
 }
 
-}  // namespace rosflight::ros_sim
+}  // namespace rosflight_sim

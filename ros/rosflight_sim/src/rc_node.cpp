@@ -2,14 +2,15 @@
 #include <rosflight_msgs/msg/rc_raw.hpp>
 #include <std_srvs/srv/trigger.hpp>
 
-#include "ros/common/node_tools.hpp"
-#include "ros/rosflight_sim/src/joystick.hpp"
-#include "ros/rosflight_sim/src/keyboard.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/node_tools.hpp"
+#include "rosflight_sim/joystick.hpp"
+#include "rosflight_sim/keyboard.hpp"
 
-namespace rosflight::ros_sim {
+namespace rosflight_sim {
 namespace {
 
-using namespace ros_common;
+using namespace rosflight_common;
 
 using std_srvs::srv::Trigger;
 
@@ -19,14 +20,14 @@ using std_srvs::srv::Trigger;
 /// A joystick that is pulled out falls silent, as a transmitter out of range does.
 class RcNode : public rclcpp::Node {
  public:
-  RcNode() : Node("rc") {
+  explicit RcNode(const rclcpp::NodeOptions& options) : Node("rc", options) {
     const bool use_keyboard = declare_switch(*this, "use_vimfly", false, "fly with the keyboard");
-    const std::string device =
-        declare_text(*this, "joystick_device", "/dev/input/js0", "Linux joystick");
+    const auto device =
+        declare_whole(*this, "joystick", 0, 0, 15, "which one, in the order of SDL");
     const double deflection = declare_number(*this, "key_deflection", 0.4, 0.05, 1.0,
                                              "of the attitude sticks, of their whole way");
     sticks_.emplace(deflection);
-    choose(device, use_keyboard);
+    choose(static_cast<int>(device), use_keyboard);
     publisher_ = create_publisher<rosflight_msgs::msg::RCRaw>(
         "sim/RC", rclcpp::QoS(rclcpp::KeepLast(10)).reliable());
     if (!joystick_) offer_services();
@@ -40,7 +41,7 @@ class RcNode : public rclcpp::Node {
   }
 
  private:
-  void choose(const std::string& device, bool use_keyboard) {
+  void choose(int device, bool use_keyboard) {
     auto joystick = Joystick::open(device);
     if (joystick) {
       map_ = find_joystick_map(joystick->name());
@@ -124,8 +125,6 @@ class RcNode : public rclcpp::Node {
 };
 
 }  // namespace
-}  // namespace rosflight::ros_sim
+}  // namespace rosflight_sim
 
-int main(int argc, char** argv) {
-  return rosflight::ros_common::run_node<rosflight::ros_sim::RcNode>(argc, argv);
-}
+ROSFLIGHT_NODE(rosflight_sim::RcNode, SingleThreadedExecutor)

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/rosflight_sim/src/sensor_parameters.hpp"
+#include "rosflight_sim/sensor_parameters.hpp"
 
 #include <cmath>
 #include <utility>
 
 #include "base/constants.hpp"
 
-namespace rosflight::ros_sim {
+namespace rosflight_sim {
+
+namespace base = rosflight::base;
+namespace sim = rosflight::sim;
 namespace {
 
 using sim::Timing;
@@ -289,4 +292,4 @@ std::vector<SensorParameter> sensor_parameters() {
   return list;
 }
 
-}  // namespace rosflight::ros_sim
+}  // namespace rosflight_sim

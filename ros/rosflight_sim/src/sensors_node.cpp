@@ -11,27 +11,33 @@
 #include <sensor_msgs/msg/temperature.hpp>
 
 #include "messages/simulation.hpp"
-#include "ros/common/messages.hpp"
-#include "ros/common/node_tools.hpp"
-#include "ros/common/time.hpp"
-#include "ros/rosflight_sim/src/sensor_parameters.hpp"
-#include "ros/rosflight_sim/src/tick_tracker.hpp"
-#include "ros/rosflight_sim/src/vehicle_parameters.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/messages.hpp"
+#include "rosflight_common/node_tools.hpp"
+#include "rosflight_common/time.hpp"
+#include "rosflight_sim/sensor_parameters.hpp"
+#include "rosflight_sim/tick_tracker.hpp"
+#include "rosflight_sim/vehicle_parameters.hpp"
 #include "sim/sensors/read_config.hpp"
 #include "sim/sensors/register.hpp"
 #include "sim/sensors/standard_sensors.hpp"
 
-namespace rosflight::ros_sim {
+namespace rosflight_sim {
+
+namespace sim = rosflight::sim;
+namespace hal = rosflight::hal;
+namespace messages = rosflight::messages;
 namespace {
 
-using namespace ros_common;
+using namespace rosflight_common;
 using messages::from_message;
 
 /// Instruments in simulated time, fed with the truth of another node: one step of the sensors
 /// module at every message of truth. Samples carry the stamp of the truth they measured.
 class SensorsNode : public rclcpp::Node {
  public:
-  SensorsNode() : Node("sensors"), parameters_{VehicleParameters::declare(*this)} {
+  explicit SensorsNode(const rclcpp::NodeOptions& options)
+      : Node("sensors", options), parameters_{VehicleParameters::declare(*this)} {
     const double rate_Hz = declare_number(*this, "truth_rate", 400.0, 50.0, 2000.0,
                                           "rate of sim/truth_state the instruments expect [Hz]");
     ticks_.emplace(static_cast<std::int64_t>(1e9 / rate_Hz));
@@ -198,8 +204,6 @@ class SensorsNode : public rclcpp::Node {
 };
 
 }  // namespace
-}  // namespace rosflight::ros_sim
+}  // namespace rosflight_sim
 
-int main(int argc, char** argv) {
-  return rosflight::ros_common::run_node<rosflight::ros_sim::SensorsNode>(argc, argv);
-}
+ROSFLIGHT_NODE(rosflight_sim::SensorsNode, SingleThreadedExecutor)

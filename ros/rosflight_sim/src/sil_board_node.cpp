@@ -21,15 +21,21 @@
 #include <thread>
 
 #include "messages/simulation.hpp"
-#include "ros/common/messages.hpp"
-#include "ros/common/node_tools.hpp"
-#include "ros/common/time.hpp"
-#include "ros/rosflight_sim/src/firmware_process.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/messages.hpp"
+#include "rosflight_common/node_tools.hpp"
+#include "rosflight_common/time.hpp"
+#include "rosflight_sim/firmware_process.hpp"
 
-namespace rosflight::ros_sim {
+namespace rosflight_sim {
+
+namespace base = rosflight::base;
+namespace hal = rosflight::hal;
+namespace messages = rosflight::messages;
+namespace boards = rosflight::boards;
 namespace {
 
-using namespace ros_common;
+using namespace rosflight_common;
 using messages::from_message;
 
 namespace fs = std::filesystem;
@@ -70,7 +76,7 @@ base::LinkAddress udp(const std::string& host, std::int64_t port, std::int64_t o
 /// which a thread of its own waits for; a lock lets one in at a time.
 class SilBoardNode : public rclcpp::Node {
  public:
-  SilBoardNode() : Node("sil_board") {
+  explicit SilBoardNode(const rclcpp::NodeOptions& options) : Node("sil_board", options) {
     const std::string own_host = declare_text(*this, "simulation_host", "localhost",
                                               "own side of the link: localhost or 0.0.0.0");
     const auto own_port = declare_whole(*this, "simulation_port", 14525, 1, 65535, "own UDP port");
@@ -230,8 +236,6 @@ class SilBoardNode : public rclcpp::Node {
 };
 
 }  // namespace
-}  // namespace rosflight::ros_sim
+}  // namespace rosflight_sim
 
-int main(int argc, char** argv) {
-  return rosflight::ros_common::run_node<rosflight::ros_sim::SilBoardNode>(argc, argv);
-}
+ROSFLIGHT_NODE(rosflight_sim::SilBoardNode, SingleThreadedExecutor)

@@ -2,12 +2,13 @@
 #include <chrono>
 #include <std_srvs/srv/trigger.hpp>
 
-#include "ros/common/node_tools.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/node_tools.hpp"
 
-namespace rosflight::ros_sim {
+namespace rosflight_sim {
 namespace {
 
-using namespace ros_common;
+using namespace rosflight_common;
 
 using Trigger = std_srvs::srv::Trigger;
 using std::chrono::milliseconds;
@@ -20,7 +21,7 @@ using std::chrono::steady_clock;
 /// service_result_timeout_ms is waited for no longer.
 class SilManager : public rclcpp::Node {
  public:
-  SilManager() : Node("rosflight_sil_manager") {
+  explicit SilManager(const rclcpp::NodeOptions& options) : Node("rosflight_sil_manager", options) {
     frequency_Hz_ = declare_number(*this, "simulation_loop_frequency", 400.0, 10.0, 2000.0,
                                    "steps of the board per second of node time [Hz]", true);
     const bool use_timer =
@@ -131,9 +132,6 @@ class SilManager : public rclcpp::Node {
 };
 
 }  // namespace
-}  // namespace rosflight::ros_sim
+}  // namespace rosflight_sim
 
-int main(int argc, char** argv) {
-  return rosflight::ros_common::run_node<rosflight::ros_sim::SilManager,
-                                         rclcpp::executors::MultiThreadedExecutor>(argc, argv);
-}
+ROSFLIGHT_NODE(rosflight_sim::SilManager, MultiThreadedExecutor)

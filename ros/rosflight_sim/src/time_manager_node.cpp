@@ -4,13 +4,14 @@
 #include <rosgraph_msgs/msg/clock.hpp>
 #include <std_srvs/srv/trigger.hpp>
 
-#include "ros/common/node_tools.hpp"
-#include "ros/common/time.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/node_tools.hpp"
+#include "rosflight_common/time.hpp"
 
-namespace rosflight::ros_sim {
+namespace rosflight_sim {
 namespace {
 
-using namespace ros_common;
+using namespace rosflight_common;
 
 using std::chrono::steady_clock;
 
@@ -21,7 +22,7 @@ using std::chrono::steady_clock;
 /// keeps its pace; what is more than kMaxDelay behind is lost, and said.
 class TimeManager : public rclcpp::Node {
  public:
-  TimeManager() : Node("time_manager") {
+  explicit TimeManager(const rclcpp::NodeOptions& options) : Node("time_manager", options) {
     step_us_ = declare_number(
         *this, "default_pub_rate_us", kDefaultStep_us, 50.0, 10'000.0,
         "simulated time between two clock messages; a loop period: lock-step [us]", true);
@@ -184,8 +185,6 @@ class TimeManager : public rclcpp::Node {
 };
 
 }  // namespace
-}  // namespace rosflight::ros_sim
+}  // namespace rosflight_sim
 
-int main(int argc, char** argv) {
-  return rosflight::ros_common::run_node<rosflight::ros_sim::TimeManager>(argc, argv);
-}
+ROSFLIGHT_NODE(rosflight_sim::TimeManager, SingleThreadedExecutor)

@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/rosflight_sim/src/vehicle_views.hpp"
+#include "rosflight_sim/vehicle_views.hpp"
 
 #include <cmath>
 #include <utility>
 
 #include "base/constants.hpp"
-#include "ros/rosflight_sim/src/view_tools.hpp"
+#include "rosflight_sim/view_tools.hpp"
 #include "sim/environment/atmosphere.hpp"
 #include "sim/fixedwing/fixedwing.hpp"
 
-namespace rosflight::ros_sim {
+namespace rosflight_sim {
+
+namespace base = rosflight::base;
+namespace config = rosflight::config;
+namespace sim = rosflight::sim;
 namespace views {
 
 sim::MultirotorParameters rotors_of(const Vehicle& v) {
@@ -298,4 +302,4 @@ VehicleViews multirotor_views() {
   return views;
 }
 
-}  // namespace rosflight::ros_sim
+}  // namespace rosflight_sim

@@ -4,13 +4,14 @@
 #include <tf2_msgs/msg/tf_message.hpp>
 #include <visualization_msgs/msg/marker.hpp>
 
-#include "ros/common/node_tools.hpp"
-#include "ros/rosflight_sim/src/frames.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/node_tools.hpp"
+#include "rosflight_sim/frames.hpp"
 
-namespace rosflight::ros_sim {
+namespace rosflight_sim {
 namespace {
 
-using namespace ros_common;
+using namespace rosflight_common;
 
 using tf2_msgs::msg::TFMessage;
 using visualization_msgs::msg::Marker;
@@ -18,7 +19,8 @@ using visualization_msgs::msg::Marker;
 /// Truth as RViz reads it: a mesh, the path flown, and the tree of frames (frames.hpp).
 class VizTranscriber : public rclcpp::Node {
  public:
-  VizTranscriber() : Node("standalone_viz_transcriber") {
+  explicit VizTranscriber(const rclcpp::NodeOptions& options)
+      : Node("standalone_viz_transcriber", options) {
     mesh_file_ = declare_text(*this, "sim_aircraft_file", "common_resource/multirotor.stl",
                               "mesh, below the share folder of rosflight_sim");
     scale_ = declare_number(*this, "aircraft_scale", 2.0, 0.01, 1000.0, "of the mesh", true);
@@ -137,8 +139,6 @@ class VizTranscriber : public rclcpp::Node {
 };
 
 }  // namespace
-}  // namespace rosflight::ros_sim
+}  // namespace rosflight_sim
 
-int main(int argc, char** argv) {
-  return rosflight::ros_common::run_node<rosflight::ros_sim::VizTranscriber>(argc, argv);
-}
+ROSFLIGHT_NODE(rosflight_sim::VizTranscriber, SingleThreadedExecutor)

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <linux/joystick.h>
-#include <unistd.h>
 
-#include "ros/rosflight_sim/src/joystick.hpp"
-#include "ros/rosflight_sim/src/keyboard.hpp"
+#include <optional>
 
-namespace rosflight::ros_sim {
+#include "rosflight_sim/joystick.hpp"
+#include "rosflight_sim/keyboard.hpp"
+
+namespace rosflight_sim {
 namespace {
 
 using Time = KeyboardSticks::Time;
@@ -47,22 +46,32 @@ TEST(JoystickMaps, WhatADeviceDoesNotHaveIsInTheMiddle) {
   EXPECT_EQ(pulses_of("Taranis", {}), (Pulses{1500, 1500, 1500, 1500, 1500, 1500, 1500, 1500}));
 }
 
-TEST(Joystick, TakesEventsAndNoticesTheEnd) {
-  int ends[2];
-  ASSERT_EQ(::pipe2(ends, O_NONBLOCK), 0);
-  Joystick joystick{base::FileDescriptor{ends[0]}, "Taranis"};
-  EXPECT_TRUE(joystick.poll());
-  const js_event events[] = {{0, 32767, JS_EVENT_AXIS | JS_EVENT_INIT, 2},
-                             {1, -32768, JS_EVENT_AXIS, 0},
-                             {2, 1, JS_EVENT_BUTTON, 3}};
-  ASSERT_EQ(::write(ends[1], events, sizeof events), static_cast<ssize_t>(sizeof events));
-  EXPECT_TRUE(joystick.poll());
-  EXPECT_EQ(joystick.state().axis(2), 1.0);
-  EXPECT_EQ(joystick.state().axis(0), -1.0);
-  EXPECT_EQ(joystick.state().button(3), 1.0);
-  EXPECT_EQ(joystick.state().axis(9), 0.0);
-  ::close(ends[1]);
-  EXPECT_FALSE(joystick.poll());
+TEST(Joystick, TakesAxesAndButtonsAndNoticesTheEnd) {
+  ASSERT_EQ(SDL_InitSubSystem(SDL_INIT_JOYSTICK), 0) << SDL_GetError();
+  const int index = SDL_JoystickAttachVirtual(SDL_JOYSTICK_TYPE_GAMECONTROLLER, 3, 4, 0);
+  ASSERT_GE(index, 0) << SDL_GetError();
+  std::optional<Joystick> joystick = Joystick::open(index);
+  ASSERT_TRUE(joystick);
+  EXPECT_FALSE(joystick->name().empty());
+  EXPECT_TRUE(joystick->poll());
+  SDL_Joystick* const device = SDL_JoystickFromInstanceID(SDL_JoystickGetDeviceInstanceID(index));
+  SDL_JoystickSetVirtualAxis(device, 2, 32767);
+  SDL_JoystickSetVirtualAxis(device, 0, -32768);
+  SDL_JoystickSetVirtualButton(device, 3, 1);
+  EXPECT_TRUE(joystick->poll());
+  EXPECT_EQ(joystick->state().axis(2), 1.0);
+  EXPECT_EQ(joystick->state().axis(0), -1.0);
+  EXPECT_EQ(joystick->state().axis(1), 0.0);
+  EXPECT_EQ(joystick->state().button(3), 1.0);
+  EXPECT_EQ(joystick->state().axis(9), 0.0);
+  SDL_JoystickDetachVirtual(index);
+  EXPECT_FALSE(joystick->poll());
+  joystick.reset();
+  SDL_QuitSubSystem(SDL_INIT_JOYSTICK);
+}
+
+TEST(Joystick, ThereAreNotSoMany) {
+  EXPECT_FALSE(Joystick::open(99));
 }
 
 TEST(Keyboard, KeysGoWhereTheirLabelsSay) {
@@ -117,4 +126,4 @@ TEST(Keyboard, SwitchesFlip) {
 }
 
 }  // namespace
-}  // namespace rosflight::ros_sim
+}  // namespace rosflight_sim

@@ -58,7 +58,7 @@ def plan(name, **given):
 @pytest.mark.parametrize("name", [path.name.removesuffix(".launch.xml") for path in LAUNCH])
 def test_a_launch_file_can_be_read_and_has_its_python_name(name):
     assert plan(name).nodes
-    script = (PACKAGE / f"launch/{name}.launch.py").read_text()
+    script = (Packages.of_environment().share("rosflight_sim") / f"launch/{name}.launch.py").read_text()
     compile(script, name, "exec")
     assert "XMLLaunchDescriptionSource" in script
 
@@ -138,6 +138,6 @@ def test_the_layout_of_rviz_shows_what_the_simulator_sends():
     layout = yaml.safe_load((PACKAGE / "rviz/standalone.rviz").read_text())["Visualization Manager"]
     topics = {display["Topic"]["Value"] for display in layout["Displays"] if "Topic" in display}
     assert topics == {"/rviz/mesh", "/rviz/mesh_path", "/rviz/waypoint"}  # as ROSflight 2.x's
-    frames = (PACKAGE / "src/frames.hpp").read_text()
+    frames = (PACKAGE / "include/rosflight_sim/frames.hpp").read_text()
     assert f'"{layout["Global Options"]["Fixed Frame"]}"' in frames
     assert f'"{layout["Views"]["Current"]["Target Frame"]}"' in frames

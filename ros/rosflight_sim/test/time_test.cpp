@@ -4,16 +4,19 @@
 #include <cmath>
 #include <random>
 
-#include "ros/common/time.hpp"
-#include "ros/rosflight_sim/src/frames.hpp"
-#include "ros/rosflight_sim/src/module_states.hpp"
-#include "ros/rosflight_sim/src/tick_tracker.hpp"
+#include "rosflight_common/time.hpp"
+#include "rosflight_sim/frames.hpp"
+#include "rosflight_sim/module_states.hpp"
+#include "rosflight_sim/tick_tracker.hpp"
 
-namespace rosflight::ros_sim {
+namespace rosflight_sim {
+
+namespace sim = rosflight::sim;
+namespace hal = rosflight::hal;
 namespace {
 
-using ros_common::nanoseconds;
-using ros_common::stamp_of;
+using rosflight_common::nanoseconds;
+using rosflight_common::stamp_of;
 
 constexpr std::int64_t kTick_ns = 2'500'000;
 
@@ -146,4 +149,4 @@ TEST(Frames, NamesOfASecondVehicleAreItsOwn) {
 }
 
 }  // namespace
-}  // namespace rosflight::ros_sim
+}  // namespace rosflight_sim

@@ -6,11 +6,14 @@
 #include <string>
 
 #include "autonomy/fixedwing/flight_manager.hpp"
-#include "ros/common/node_tools.hpp"
-#include "ros/rosplane/src/controller_parameters.hpp"
-#include "ros/rosplane/src/conversions.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/node_tools.hpp"
+#include "rosplane/controller_parameters.hpp"
+#include "rosplane/conversions.hpp"
 
-namespace rosflight::ros_plane {
+namespace rosplane {
+
+namespace autonomy = rosflight::autonomy;
 namespace {
 
 using rosflight_msgs::msg::Command;
@@ -31,8 +34,8 @@ using rosplane_msgs::msg::State;
 /// - flight_phase stops: on the ground it stays there, in the air it flies its commands on.
 class ControllerNode : public rclcpp::Node {
  protected:
-  explicit ControllerNode(std::optional<wing::LongitudinalKind> kind)
-      : Node("controller"),
+  ControllerNode(const rclcpp::NodeOptions& options, std::optional<wing::LongitudinalKind> kind)
+      : Node("controller", options),
         config_{with(WingConfig::declare(*this), kind)},
         parameters_{*this, controller_parameters(), config_},
         reader_{config_.min_airspeed_known_m_s, config_.flight.controller.airframe.gravity_m_s2},
@@ -206,13 +209,15 @@ class ControllerNode : public rclcpp::Node {
 };
 
 struct AsVehicle final : ControllerNode {
-  AsVehicle() : ControllerNode({}) {}
+  explicit AsVehicle(const rclcpp::NodeOptions& options) : ControllerNode(options, {}) {}
 };
 struct TotalEnergyNode final : ControllerNode {
-  TotalEnergyNode() : ControllerNode(wing::LongitudinalKind::kTotalEnergy) {}
+  explicit TotalEnergyNode(const rclcpp::NodeOptions& options)
+      : ControllerNode(options, wing::LongitudinalKind::kTotalEnergy) {}
 };
 struct SuccessiveLoopNode final : ControllerNode {
-  SuccessiveLoopNode() : ControllerNode(wing::LongitudinalKind::kSuccessiveLoops) {}
+  explicit SuccessiveLoopNode(const rclcpp::NodeOptions& options)
+      : ControllerNode(options, wing::LongitudinalKind::kSuccessiveLoops) {}
 };
 
 /// The word before --ros-args, if there is one.
@@ -222,22 +227,23 @@ std::string control_type(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace rosflight::ros_plane
+}  // namespace rosplane
 
 /// Usage: controller [vehicle|total_energy|successive_loop]. Without a word, or with `vehicle` or
 /// `default`, the vehicle file says which.
-int main(int argc, char** argv) {
-  namespace own = rosflight::ros_plane;
+extern "C" int rosflight_node_main(int argc, char** argv) {
+  namespace own = rosplane;
   const std::string word = own::control_type(argc, argv);
   if (word.empty() || word == "vehicle" || word == "default")
-    return rosflight::ros_common::run_node<own::AsVehicle>(argc, argv);
-  if (word == "total_energy")
-    return rosflight::ros_common::run_node<own::TotalEnergyNode>(argc, argv);
+    return rosflight_common::run_node<own::AsVehicle>(argc, argv);
+  if (word == "total_energy") return rosflight_common::run_node<own::TotalEnergyNode>(argc, argv);
   if (word == "successive_loop")
-    return rosflight::ros_common::run_node<own::SuccessiveLoopNode>(argc, argv);
+    return rosflight_common::run_node<own::SuccessiveLoopNode>(argc, argv);
   std::fprintf(stderr,
                "controller: control type: found '%s', allowed total_energy, successive_loop or "
                "vehicle\n",
                word.c_str());
   return 2;
 }
+
+ROSFLIGHT_COMPONENT(rosplane::AsVehicle)

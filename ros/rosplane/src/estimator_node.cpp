@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ros/common/estimator_node.hpp"
+#include "rosflight_common/estimator_node.hpp"
+#include "rosflight_common/component.hpp"
 
-#include "ros/rosplane/src/conversions.hpp"
+#include "rosplane/conversions.hpp"
 
-namespace rosflight::ros_plane {
+namespace rosplane {
+
+namespace autonomy = rosflight::autonomy;
 namespace {
 
 using autonomy::estimation::EstimatorConfig;
-using ros_common::kPascalPerMetre;
+using rosflight_common::kPascalPerMetre;
 
 /// One parameter over one number of the configuration, `unit` parameters to one of ours.
-ros_common::EstimatorView view(const char* name, double least, double most, const char* text,
-                               double (*get)(const EstimatorConfig&),
-                               void (*set)(EstimatorConfig&, double)) {
+rosflight_common::EstimatorView view(const char* name, double least, double most, const char* text,
+                                     double (*get)(const EstimatorConfig&),
+                                     void (*set)(EstimatorConfig&, double)) {
   return {name, least, most, text, get, set};
 }
 
@@ -32,7 +35,7 @@ struct Policy {
            in.vertical != Quality::kNone;
   }
 
-  static std::vector<ros_common::EstimatorView> views() {
+  static std::vector<rosflight_common::EstimatorView> views() {
     using C = EstimatorConfig;
     return {
         view(
@@ -66,15 +69,12 @@ struct Policy {
             "min_airspeed_estimation", 0.1, 100.0, "below, pitot and sideslip say nothing [m/s]",
             [](const C& c) { return c.min_airspeed_m_s; },
             [](C& c, double x) { c.min_airspeed_m_s = x; }),
-        ros_common::declination_view(),
+        rosflight_common::declination_view(),
     };
   }
 };
 
 }  // namespace
-}  // namespace rosflight::ros_plane
+}  // namespace rosplane
 
-int main(int argc, char** argv) {
-  using rosflight::ros_plane::Policy;
-  return rosflight::ros_common::run_node<rosflight::ros_common::EstimatorNode<Policy>>(argc, argv);
-}
+ROSFLIGHT_NODE(rosflight_common::EstimatorNode<rosplane::Policy>, SingleThreadedExecutor)

@@ -7,10 +7,13 @@
 #include <std_srvs/srv/trigger.hpp>
 #include <string>
 
-#include "ros/common/node_tools.hpp"
-#include "ros/rosplane/src/conversions.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/node_tools.hpp"
+#include "rosplane/conversions.hpp"
 
-namespace rosflight::ros_plane {
+namespace rosplane {
+
+namespace autonomy = rosflight::autonomy;
 namespace {
 
 using rosflight_msgs::msg::Command;
@@ -54,19 +57,20 @@ std::string list_of(const std::vector<std::string>& options) {
 /// estimated_state.
 class InputMapper : public rclcpp::Node {
  public:
-  InputMapper() : Node("input_mapper") {
+  explicit InputMapper(const rclcpp::NodeOptions& options) : Node("input_mapper", options) {
     for (std::size_t k = 0; k < kAxes; ++k) {
       const AxisTable& axis = kTable[k];
-      modes_[k] = declare_parameter<std::string>(
-          axis.parameter, axis.options[0], ros_common::described(list_of(axis.options), false));
+      modes_[k] =
+          declare_parameter<std::string>(axis.parameter, axis.options[0],
+                                         rosflight_common::described(list_of(axis.options), false));
       if (!allowed(axis, modes_[k]))
         throw std::invalid_argument("parameter " + refusal(axis, modes_[k]));
     }
     declare_limits();
-    const std::string controller = ros_common::declare_text(*this, "controller_node", "controller",
-                                                            "whose parameters are set");
+    const std::string controller = rosflight_common::declare_text(
+        *this, "controller_node", "controller", "whose parameters are set");
     overrides_ = create_client<rcl_interfaces::srv::SetParameters>(controller + "/set_parameters");
-    changes_ = ros_common::on_change_or_refuse(
+    changes_ = rosflight_common::on_change_or_refuse(
         *this, [this](const std::vector<rclcpp::Parameter>& given) { return change(given); });
     mapped_wanted_ =
         create_publisher<ControllerCommands>("mapped_controller_command", rclcpp::QoS(1));
@@ -95,7 +99,7 @@ class InputMapper : public rclcpp::Node {
   }
 
   void declare_limits() {
-    using ros_common::declare_number;
+    using rosflight_common::declare_number;
     declare_number(*this, "rc_roll_angle_min_max", 0.5, 0.0, 1.5, "at full stick [rad]", true);
     declare_number(*this, "rc_pitch_angle_min_max", 0.5, 0.0, 1.5, "at full stick [rad]", true);
     declare_number(*this, "rc_course_rate", 0.5, 0.0, 10.0, "at full stick [rad/s]", true);
@@ -179,7 +183,7 @@ class InputMapper : public rclcpp::Node {
   }
 
   void step(const State& state) {
-    const double t_s = ros_common::seconds(state.header);
+    const double t_s = rosflight_common::seconds(state.header);
     const double dt_s = t_s - last_s_;
     last_s_ = t_s;
     if (!sticks_command()) return;
@@ -252,8 +256,6 @@ class InputMapper : public rclcpp::Node {
 };
 
 }  // namespace
-}  // namespace rosflight::ros_plane
+}  // namespace rosplane
 
-int main(int argc, char** argv) {
-  return rosflight::ros_common::run_node<rosflight::ros_plane::InputMapper>(argc, argv);
-}
+ROSFLIGHT_NODE(rosplane::InputMapper, SingleThreadedExecutor)

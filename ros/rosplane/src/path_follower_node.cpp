@@ -2,11 +2,14 @@
 #include <rclcpp/rclcpp.hpp>
 
 #include "autonomy/fixedwing/path_follower.hpp"
-#include "ros/common/node_tools.hpp"
-#include "ros/rosplane/src/conversions.hpp"
-#include "ros/rosplane/src/wing_parameters.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/node_tools.hpp"
+#include "rosplane/conversions.hpp"
+#include "rosplane/wing_parameters.hpp"
 
-namespace rosflight::ros_plane {
+namespace rosplane {
+
+namespace autonomy = rosflight::autonomy;
 namespace {
 
 using rosplane_msgs::msg::ControllerCommands;
@@ -19,8 +22,8 @@ using rosplane_msgs::msg::State;
 /// can be followed it says nothing, and the controller does what it does without commands.
 class PathFollowerNode : public rclcpp::Node {
  public:
-  PathFollowerNode()
-      : Node("path_follower"),
+  explicit PathFollowerNode(const rclcpp::NodeOptions& options)
+      : Node("path_follower", options),
         config_{WingConfig::declare(*this)},
         parameters_{*this, parameters(), config_},
         reader_{config_.min_airspeed_known_m_s, config_.flight.follower.gravity_m_s2} {
@@ -37,17 +40,22 @@ class PathFollowerNode : public rclcpp::Node {
   }
 
  private:
-  static std::vector<WingParameter> parameters() {
-    return {over("controller_commands_pub_frequency", 1.0, 1000.0, "most commands a second [Hz]",
-                 [](auto& c) -> auto& { return c.rate_Hz; }),
-            over("chi_infty", 0.05, 1.57, "course towards a line from far away [rad]",
-                 [](auto& c) -> auto& { return c.flight.follower.approach_rad; }),
-            over("k_path", 1e-4, 1.0, "how sharply a line is joined [1/m]",
-                 [](auto& c) -> auto& { return c.flight.follower.line_gain_1_m; }),
-            over("k_orbit", 0.1, 20.0, "how sharply an orbit is joined",
-                 [](auto& c) -> auto& { return c.flight.follower.circle_gain; }),
-            over("gravity", 9.0, 10.0, "[m/s^2]",
-                 [](auto& c) -> auto& { return c.flight.follower.gravity_m_s2; })};
+  static WingTable parameters() {
+    using config::Range;
+    using C = WingConfig;
+    const auto follower = [](auto member) {
+      return config::at(&C::flight, &wing::FlightConfig::follower, member);
+    };
+    using F = std::remove_cvref_t<decltype(wing::FlightConfig::follower)>;
+    return {{"controller_commands_pub_frequency", &C::rate_Hz, "Hz", Range::between(1.0, 1000.0),
+             "most commands a second"},
+            {"chi_infty", follower(&F::approach_rad), "rad", Range::between(0.05, 1.57),
+             "course towards a line from far away"},
+            {"k_path", follower(&F::line_gain_1_m), "1/m", Range::between(1e-4, 1.0),
+             "how sharply a line is joined"},
+            {"k_orbit", follower(&F::circle_gain), "", Range::between(0.1, 20.0),
+             "how sharply an orbit is joined"},
+            {"gravity", follower(&F::gravity_m_s2), "m/s^2", Range::between(9.0, 10.0), ""}};
   }
 
   std::string apply(const WingConfig& wanted) {
@@ -90,8 +98,6 @@ class PathFollowerNode : public rclcpp::Node {
 };
 
 }  // namespace
-}  // namespace rosflight::ros_plane
+}  // namespace rosplane
 
-int main(int argc, char** argv) {
-  return rosflight::ros_common::run_node<rosflight::ros_plane::PathFollowerNode>(argc, argv);
-}
+ROSFLIGHT_NODE(rosplane::PathFollowerNode, SingleThreadedExecutor)

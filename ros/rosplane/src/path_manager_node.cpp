@@ -6,11 +6,14 @@
 #include <std_srvs/srv/trigger.hpp>
 
 #include "autonomy/fixedwing/guidance.hpp"
-#include "ros/common/node_tools.hpp"
-#include "ros/rosplane/src/conversions.hpp"
-#include "ros/rosplane/src/wing_parameters.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/node_tools.hpp"
+#include "rosplane/conversions.hpp"
+#include "rosplane/wing_parameters.hpp"
 
-namespace rosflight::ros_plane {
+namespace rosplane {
+
+namespace autonomy = rosflight::autonomy;
 namespace {
 
 using rosplane_msgs::msg::CurrentPath;
@@ -30,8 +33,8 @@ using std_srvs::srv::Trigger;
 /// bank (Guidance).
 class PathManagerNode : public rclcpp::Node {
  public:
-  PathManagerNode()
-      : Node("path_manager"),
+  explicit PathManagerNode(const rclcpp::NodeOptions& options)
+      : Node("path_manager", options),
         config_{WingConfig::declare(*this)},
         parameters_{*this, parameters(), config_},
         reader_{config_.min_airspeed_known_m_s, config_.flight.controller.airframe.gravity_m_s2},
@@ -48,24 +51,20 @@ class PathManagerNode : public rclcpp::Node {
   static constexpr double kGrace_s = 10.0;
   static constexpr double kOld_s = 0.2;  // of range, throttle and height wanted
 
-  static std::vector<WingParameter> parameters() {
-    WingParameter radius = over("R_min", 5.0, 1000.0, "radius of turns [m]",
-                                [](auto& c) -> auto& { return c.flight.plan.radius_m; });
-    radius.set = [](WingConfig& c, double x) {
-      c.flight.plan.radius_m = c.limits.plan.radius_m = x;
-    };
-    WingParameter speed = over("default_airspeed", 3.0, 100.0, "where a waypoint says none [m/s]",
-                               [](auto& c) -> auto& { return c.flight.plan.airspeed_m_s; });
-    speed.set = [](WingConfig& c, double x) {
-      c.flight.plan.airspeed_m_s = c.limits.plan.airspeed_m_s = x;
-    };
-    return {over("current_path_pub_frequency", 10.0, 1000.0, "most paths a second [Hz]",
-                 [](auto& c) -> auto& { return c.rate_Hz; }),
-            radius, speed,
-            over("default_altitude", 5.0, 10000.0, "without waypoints [m]",
-                 [](auto& c) -> auto& { return c.default_height_m; }),
-            flag("orbit_last", "circle the last waypoint for ever",
-                 [](auto& c) -> auto& { return c.orbit_last; })};
+  static WingTable parameters() {
+    using config::Range;
+    using C = WingConfig;
+    return {{"current_path_pub_frequency", &C::rate_Hz, "Hz", Range::between(10.0, 1000.0),
+             "most paths a second"},
+            {"R_min", [](const C& c) { return c.flight.plan.radius_m; },
+             [](C& c, double x) { c.flight.plan.radius_m = c.limits.plan.radius_m = x; }, "m",
+             Range::between(5.0, 1000.0), "radius of turns"},
+            {"default_airspeed", [](const C& c) { return c.flight.plan.airspeed_m_s; },
+             [](C& c, double x) { c.flight.plan.airspeed_m_s = c.limits.plan.airspeed_m_s = x; },
+             "m/s", Range::between(3.0, 100.0), "where a waypoint says none"},
+            {"default_altitude", &C::default_height_m, "m", Range::between(5.0, 10000.0),
+             "without waypoints"},
+            {"orbit_last", &C::orbit_last, "circle the last waypoint for ever"}};
   }
 
   void listen() {
@@ -77,7 +76,7 @@ class PathManagerNode : public rclcpp::Node {
     settings_ = create_subscription<rosplane_msgs::msg::MissionSettings>(
         "mission_settings", rclcpp::QoS(1).transient_local(),
         [this](rosplane_msgs::msg::MissionSettings::ConstSharedPtr message) {
-          ros_plane::take(*message, head_);
+          rosplane::take(*message, head_);
           new_mission();
         });
     statuses_ = create_subscription<rosflight_msgs::msg::Status>(
@@ -264,8 +263,6 @@ class PathManagerNode : public rclcpp::Node {
 };
 
 }  // namespace
-}  // namespace rosflight::ros_plane
+}  // namespace rosplane
 
-int main(int argc, char** argv) {
-  return rosflight::ros_common::run_node<rosflight::ros_plane::PathManagerNode>(argc, argv);
-}
+ROSFLIGHT_NODE(rosplane::PathManagerNode, SingleThreadedExecutor)

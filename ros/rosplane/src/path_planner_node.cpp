@@ -4,10 +4,16 @@
 
 #include "autonomy/fixedwing/mission.hpp"
 #include "flight/vehicle/vehicle_setup.hpp"
-#include "ros/common/planner_node.hpp"
-#include "ros/rosplane/src/conversions.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/planner_node.hpp"
+#include "rosplane/conversions.hpp"
 
-namespace rosflight::ros_plane {
+namespace rosplane {
+
+namespace autonomy = rosflight::autonomy;
+namespace config = rosflight::config;
+namespace sim = rosflight::sim;
+namespace flight = rosflight::flight;
 namespace {
 
 using config::number_text;
@@ -85,10 +91,10 @@ class Policy {
     wing::Mission mission;
     mission.at_end = autonomy::AtEnd::kLand;
     for (const Waypoint& message : list) {
-      mission.waypoints.push_back(ros_plane::waypoint_of(message, origin));
+      mission.waypoints.push_back(rosplane::waypoint_of(message, origin));
     }
     mission.waypoints.insert(mission.waypoints.begin() + static_cast<std::ptrdiff_t>(place),
-                             ros_plane::waypoint_of(wp, origin));
+                             rosplane::waypoint_of(wp, origin));
     if (const auto fault = wing::check_mission(mission, limits_)) {
       refuse("waypoint " + std::to_string(fault->waypoint + 1), fault->found, fault->allowed);
     }
@@ -135,9 +141,9 @@ class Policy {
 };
 
 /// Tells besides what a Waypoint cannot: the end of the mission, its turns, take-off and landing.
-class PathPlanner final : public ros_common::PlannerNode<Policy> {
+class PathPlanner final : public rosflight_common::PlannerNode<Policy> {
  public:
-  PathPlanner() {
+  explicit PathPlanner(const rclcpp::NodeOptions& options) : PlannerNode(options) {
     settings_ = create_publisher<rosplane_msgs::msg::MissionSettings>(
         "mission_settings", rclcpp::QoS(1).transient_local());
     changed();
@@ -161,8 +167,6 @@ class PathPlanner final : public ros_common::PlannerNode<Policy> {
 };
 
 }  // namespace
-}  // namespace rosflight::ros_plane
+}  // namespace rosplane
 
-int main(int argc, char** argv) {
-  return rosflight::ros_common::run_node<rosflight::ros_plane::PathPlanner>(argc, argv);
-}
+ROSFLIGHT_NODE(rosplane::PathPlanner, SingleThreadedExecutor)

@@ -2,21 +2,22 @@
 #include <rosplane_msgs/msg/controller_commands.hpp>
 #include <stdexcept>
 
-#include "ros/common/signal_node.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/signal_node.hpp"
 
-namespace rosflight::ros_plane {
+namespace rosplane {
 namespace {
 
 using rosplane_msgs::msg::ControllerCommands;
 
 /// A signal on one of the controller's inputs. Roll and pitch need the controller's parameters
 /// roll_command_override and pitch_command_override.
-class SignalGenerator final : public ros_common::SignalNode {
+class SignalGenerator final : public rosflight_common::SignalNode {
  public:
-  SignalGenerator() : SignalNode("") {
-    using ros_common::declare_number;
+  explicit SignalGenerator(const rclcpp::NodeOptions& options) : SignalNode("", options) {
+    using rosflight_common::declare_number;
     const std::string output = declare_parameter<std::string>(
-        "controller_output", "roll", ros_common::described(kOutputs, false));
+        "controller_output", "roll", rosflight_common::described(kOutputs, false));
     if (!choose(output)) throw std::invalid_argument("parameter " + refusal(output));
     const auto number = [this](const char* name, double value, double most, const char* text) {
       return declare_number(*this, name, value, -most, most, text, true);
@@ -27,7 +28,7 @@ class SignalGenerator final : public ros_common::SignalNode {
     base_.theta_c = static_cast<float>(number("default_theta_c", 0.0, 1.0, "pitch [rad]"));
     base_.phi_c = static_cast<float>(number("default_phi_c", 0.0, 1.5, "roll [rad]"));
     commands_ = create_publisher<ControllerCommands>("controller_command", rclcpp::QoS(1));
-    own_changes_ = ros_common::on_change_or_refuse(
+    own_changes_ = rosflight_common::on_change_or_refuse(
         *this, [this](const std::vector<rclcpp::Parameter>& given) { return change(given); });
   }
 
@@ -85,8 +86,6 @@ class SignalGenerator final : public ros_common::SignalNode {
 };
 
 }  // namespace
-}  // namespace rosflight::ros_plane
+}  // namespace rosplane
 
-int main(int argc, char** argv) {
-  return rosflight::ros_common::run_node<rosflight::ros_plane::SignalGenerator>(argc, argv);
-}
+ROSFLIGHT_NODE(rosplane::SignalGenerator, SingleThreadedExecutor)

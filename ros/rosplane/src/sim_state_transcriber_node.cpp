@@ -3,11 +3,14 @@
 #include <rosflight_msgs/msg/sim_state.hpp>
 #include <sensor_msgs/msg/imu.hpp>
 
-#include "ros/common/node_tools.hpp"
-#include "ros/common/vehicle_file.hpp"
-#include "ros/rosplane/src/conversions.hpp"
+#include "rosflight_common/component.hpp"
+#include "rosflight_common/node_tools.hpp"
+#include "rosflight_common/vehicle_file.hpp"
+#include "rosplane/conversions.hpp"
 
-namespace rosflight::ros_plane {
+namespace rosplane {
+
+namespace autonomy = rosflight::autonomy;
 namespace {
 
 using geometry_msgs::msg::Vector3Stamped;
@@ -19,8 +22,9 @@ using sensor_msgs::msg::Imu;
 /// tuning without an estimator.
 class SimStateTranscriber : public rclcpp::Node {
  public:
-  SimStateTranscriber() : Node("rosplane_truth") {
-    origin_ = ros_common::VehicleFile::declare(*this).read().environment().origin;
+  explicit SimStateTranscriber(const rclcpp::NodeOptions& options)
+      : Node("rosplane_truth", options) {
+    origin_ = rosflight_common::VehicleFile::declare(*this).read().environment().origin;
     states_ = create_publisher<State>("sim/rosplane/state", rclcpp::QoS(1));
     winds_ = create_subscription<Vector3Stamped>(
         "sim/truth_wind", rclcpp::QoS(1), [this](Vector3Stamped::ConstSharedPtr m) {
@@ -74,8 +78,6 @@ class SimStateTranscriber : public rclcpp::Node {
 };
 
 }  // namespace
-}  // namespace rosflight::ros_plane
+}  // namespace rosplane
 
-int main(int argc, char** argv) {
-  return rosflight::ros_common::run_node<rosflight::ros_plane::SimStateTranscriber>(argc, argv);
-}
+ROSFLIGHT_NODE(rosplane::SimStateTranscriber, SingleThreadedExecutor)

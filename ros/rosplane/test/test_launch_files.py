@@ -33,7 +33,7 @@ def test_every_file_starts_nodes_that_are_there(name):
     """Programs and files are looked for when the file is read."""
     nodes = plan(name).nodes
     assert {node.name for node in nodes} == NODES[name]
-    script = (FOLDER / f"{name}.launch.py").read_text()
+    script = (Packages.of_environment().share("rosplane") / f"launch/{name}.launch.py").read_text()
     compile(script, name, "exec")
     assert "XMLLaunchDescriptionSource" in script
 

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <functional>
+#include <rclcpp/rclcpp.hpp>
+#include <std_msgs/msg/string.hpp>
+#include <string>
+#include <utility>
+
+#include "autonomy/multirotor/state_machine.hpp"
+
+namespace roscopter {
+
+/// The phases that other nodes look for; autonomy::multirotor::name() of Phase.
+inline constexpr const char* kTakeoff = "takeoff";
+inline constexpr const char* kOffboard = "offboard";
+
+/// What the controller tells of its state machine on `flight_phase` (latched). roscopter has no
+/// such topic: where nobody publishes it, the commands of the chain are taken to be flown at all
+/// times.
+class FlightPhase {
+ public:
+  using Entered = std::function<void(const std::string&)>;
+
+  FlightPhase(rclcpp::Node& node, Entered entered) : node_{node}, entered_{std::move(entered)} {
+    phases_ = node.create_subscription<std_msgs::msg::String>(
+        "flight_phase", rclcpp::QoS(1).transient_local(),
+        [this](std_msgs::msg::String::ConstSharedPtr message) {
+          if (message->data == phase_) return;
+          phase_ = message->data;
+          entered_(phase_);
+        });
+  }
+
+  /// The commands of the chain are what is flown.
+  bool following() {
+    if (phase_.empty()) return node_.count_publishers(phases_->get_topic_name()) == 0;
+    return phase_ == kOffboard;
+  }
+
+ private:
+  rclcpp::Node& node_;
+  Entered entered_;
+  std::string phase_;
+  rclcpp::Subscription<std_msgs::msg::String>::SharedPtr phases_;
+};
+
+}  // namespace roscopter

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# What the CMakeLists.txt of every package with nodes would otherwise repeat.
+
+# C++20 with the project's warnings, the package's own include folder and the messages of the packages that
+# rosflight_find_packages() found.
+function(_rosflight_target name uses)
+  set_target_properties(${name} PROPERTIES CXX_STANDARD 20 CXX_STANDARD_REQUIRED ON CXX_EXTENSIONS OFF)
+  target_compile_options(${name} PRIVATE
+    -Wall -Wextra -Wpedantic -Werror -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast
+    -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-align -Wimplicit-fallthrough -Wdouble-promotion)
+  target_include_directories(${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/include)
+  target_link_libraries(${name} PRIVATE rosflight_common::rosflight_common ${ROSFLIGHT_MESSAGES} ${uses})
+endfunction()
+
+# rosflight_add_program(NAME SOURCES file... [USES library...])
+function(rosflight_add_program name)
+  cmake_parse_arguments(arg "" "" "SOURCES;USES" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
+  _rosflight_target(${name} "${arg_USES}")
+endfunction()
+
+# rosflight_add_node(NAME CLASS package::Class SOURCES file... [MAIN file] [USES library...])
+#
+# A library with the node as a component (rosflight_common/component.hpp) and a program for `ros2 run` that has this node
+# alone. MAIN has the program's main(); without it, the macro ROSFLIGHT_NODE does.
+set(ROSFLIGHT_NODE_MAIN ${CMAKE_CURRENT_LIST_DIR}/node_main.cpp)
+find_package(rclcpp_components QUIET)
+function(rosflight_add_node name)
+  cmake_parse_arguments(arg "" "CLASS;MAIN" "SOURCES;USES" ${ARGN})
+  set(component ${PROJECT_NAME}_${name})
+  add_library(${component} SHARED ${arg_SOURCES})
+  _rosflight_target(${component} "${arg_USES}")
+  if(rclcpp_components_FOUND)
+    target_link_libraries(${component} PRIVATE rclcpp_components::component)
+    rclcpp_components_register_nodes(${component} ${arg_CLASS})
+  endif()
+  if(NOT arg_MAIN)
+    set(arg_MAIN ${ROSFLIGHT_NODE_MAIN})
+  endif()
+  add_executable(${name} ${arg_MAIN})
+  _rosflight_target(${name} "${component};${arg_USES}")
+  set_target_properties(${name} PROPERTIES INSTALL_RPATH "$ORIGIN/..")
+  install(TARGETS ${component} DESTINATION lib)
+  install(TARGETS ${name} DESTINATION lib/${PROJECT_NAME})
+endfunction()
+
+# rosflight_find_packages(package...): all of them must be there; their messages go to every node of this CMakeLists.txt.
+macro(rosflight_find_packages)
+  foreach(package ${ARGN})
+    find_package(${package} REQUIRED)
+    list(APPEND ROSFLIGHT_MESSAGES ${${package}_TARGETS})
+  endforeach()
+endmacro()
+
+# rosflight_install_launch_files(): all of launch/. Each file is XML; beside it a Python file of the same name includes it,
+# because ROSflight 2.x calls its launch files NAME.launch.py.
+set(ROSFLIGHT_LAUNCH_TEMPLATE ${CMAKE_CURRENT_LIST_DIR}/launch.py.in)
+function(rosflight_install_launch_files)
+  install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})
+  file(GLOB files RELATIVE ${CMAKE_CURRENT_SOURCE_DIR}/launch CONFIGURE_DEPENDS launch/*.launch.xml)
+  foreach(file IN LISTS files)
+    string(REGEX REPLACE "xml$" "py" script ${file})
+    configure_file(${ROSFLIGHT_LAUNCH_TEMPLATE} ${CMAKE_CURRENT_BINARY_DIR}/launch/${script} @ONLY)
+    install(FILES ${CMAKE_CURRENT_BINARY_DIR}/launch/${script} DESTINATION share/${PROJECT_NAME}/launch)
+  endforeach()
+endfunction()

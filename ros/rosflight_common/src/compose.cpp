@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Several nodes in one process, for machines without ROS's component_container:
+//
+//     compose PACKAGE/NODE[:NAME]... [--ros-args ...]
+//
+// NODE is the name of the node's program, NAME what it is called here. Arguments of ROS go to all nodes; with
+// `-p NAME:parameter:=value` to one. Ends as a node does: on SIGINT with 0, with one line and 2 if a node cannot be made.
+#include <dlfcn.h>
+
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <rclcpp/rclcpp.hpp>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "rosflight_common/node_tools.hpp"
+
+namespace rosflight_common {
+namespace {
+
+using MakeNode = void (*)(const rclcpp::NodeOptions&, std::shared_ptr<rclcpp::Node>&);
+
+struct Component {
+  std::string package;
+  std::string node;
+  std::string name;  ///< Empty: the node's own.
+};
+
+Component parse(const std::string& word) {
+  const std::size_t slash = word.find('/');
+  const std::size_t colon = word.find(':');
+  if (slash == std::string::npos || slash == 0 || colon < slash) {
+    throw std::runtime_error("component: found '" + word +
+                             "', allowed PACKAGE/NODE or PACKAGE/NODE:NAME");
+  }
+  Component component;
+  component.package = word.substr(0, slash);
+  component.node = word.substr(slash + 1, colon - slash - 1);
+  if (colon != std::string::npos) component.name = word.substr(colon + 1);
+  return component;
+}
+
+std::string library_of(const Component& component) {
+  const std::string file = "lib/lib" + component.package + "_" + component.node + ".so";
+  const char* const known = std::getenv("AMENT_PREFIX_PATH");
+  std::istringstream prefixes(known == nullptr ? "" : known);
+  for (std::string prefix; std::getline(prefixes, prefix, ':');) {
+    const std::filesystem::path path = std::filesystem::path(prefix) / file;
+    if (std::filesystem::exists(path)) return path.string();
+  }
+  throw std::runtime_error("component: found " + component.package + "/" + component.node +
+                           ", allowed a node of an installed package");
+}
+
+std::shared_ptr<rclcpp::Node> make(const Component& component) {
+  // Never unloaded: what the node leaves in ROS calls into the library until the process ends.
+  void* const library = ::dlopen(library_of(component).c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) throw std::runtime_error(::dlerror());
+  const auto make_node = reinterpret_cast<MakeNode>(::dlsym(library, "rosflight_make_node"));
+  if (make_node == nullptr) throw std::runtime_error(component.node + " is no component");
+  rclcpp::NodeOptions options;
+  if (!component.name.empty()) options.arguments({"--ros-args", "-r", "__node:=" + component.name});
+  std::shared_ptr<rclcpp::Node> node;
+  make_node(options, node);
+  return node;
+}
+
+/// Waits for the end.
+void run(int argc, char** argv) {
+  std::vector<std::string> words(argv + 1, argv + argc);
+  std::vector<std::shared_ptr<rclcpp::Node>> nodes;
+  rclcpp::executors::MultiThreadedExecutor executor;
+  for (const std::string& word : words) {
+    if (word == "--ros-args") break;
+    nodes.push_back(make(parse(word)));
+    executor.add_node(nodes.back());
+  }
+  if (nodes.empty())
+    throw std::runtime_error("component: found none, allowed PACKAGE/NODE[:NAME]...");
+  RCLCPP_INFO(nodes.front()->get_logger(), "ready: %zu nodes in one process", nodes.size());
+  executor.spin();
+}
+
+}  // namespace
+}  // namespace rosflight_common
+
+int main(int argc, char** argv) {
+  try {
+    rclcpp::init(argc, argv);
+    rosflight_common::run(argc, argv);
+  } catch (const std::exception& why) {
+    if (!rclcpp::ok()) return 0;  // SIGINT while the nodes are being made
+    std::fprintf(stderr, "compose: %s\n", rosflight_common::one_line(why.what()).c_str());
+    rclcpp::shutdown();
+    return 2;
+  }
+  rclcpp::shutdown();
+  return 0;
+}

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Nodes of several packages in one process."""
+
+import os
+
+import pytest
+from ros_rig import free_udp_port
+from rosflight_msgs.msg import SimState, Status
+from sim_rig import VEHICLE, Process, SimPeer, executable
+from std_srvs.srv import Trigger
+
+SIMULATOR = ["rosflight_sim/sil_board", "rosflight_sim/rosflight_sil_manager", "rosflight_sim/standalone_sensors",
+             "rosflight_sim/rc", "rosflight_sim/multirotor_forces_and_moments", "rosflight_sim/standalone_dynamics"]
+
+
+def compose(*components, **parameters):
+    words = [word for key, value in parameters.items() for word in ("-p", f"{key}:={value}")]
+    return Process(executable("rosflight_common", "compose"), *components, "--ros-args", *words)
+
+
+def test_simulator_and_io_node_run_in_one_process(tmp_path):
+    """The world moves, and the board answers a request of the I/O node."""
+    here, there = free_udp_port(), free_udp_port()
+    with SimPeer("watcher") as watcher, compose(
+            *SIMULATOR, "rosflight_io/rosflight_io", vehicle_file=VEHICLE, memory_folder=tmp_path, simulation_port=there,
+            ROS_port=here, udp="true", bind_port=here, remote_port=there) as process:
+        process.until("ready: 7 nodes in one process")
+        truth, status = watcher.listen(SimState, "sim/truth_state"), watcher.listen(Status, "status")
+        watcher.wait(lambda: len(truth) > 200 and len(status) > 5, "truth and status")
+        watcher.poll(lambda: watcher.call(Trigger, "all_params_received").success, "all parameters")
+        names = {name for name, _ in watcher.node.get_node_names_and_namespaces()}
+        assert {"sil_board", "rosflight_io", "dynamics", "sensors", "rc"} <= names
+        assert len(os.listdir(f"/proc/{process.process.pid}/task")) > 7  # the threads of all nodes are in this process
+
+
+def test_a_component_can_have_another_name():
+    with SimPeer("watcher") as watcher, compose("rosflight_gcs/viz:left", "rosflight_gcs/viz:right") as process:
+        process.until("ready: 2 nodes in one process")
+        watcher.poll(lambda: {"left", "right"} <= {name for name, _ in watcher.node.get_node_names_and_namespaces()},
+                     "both names")
+
+
+@pytest.mark.parametrize("words, says", [
+    ([], "component: found none, allowed PACKAGE/NODE[:NAME]..."),
+    (["viz"], "component: found 'viz', allowed PACKAGE/NODE or PACKAGE/NODE:NAME"),
+    (["rosflight_gcs/vis"], "component: found rosflight_gcs/vis, allowed a node of an installed package"),
+    (["rosflight_sim/standalone_dynamics"], "parameter vehicle_file: found nothing, allowed a vehicle file")])
+def test_what_cannot_be_composed_is_one_line(words, says):
+    process = compose(*words)
+    assert process.end() == 2
+    assert process.lines[-1] == f"compose: {says}"

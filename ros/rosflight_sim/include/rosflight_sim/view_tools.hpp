@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <initializer_list>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "rosflight_sim/vehicle_views.hpp"
+#include "sim/multirotor/multirotor_parameters.hpp"
+
+/// What the views of all vehicles are made of.
+namespace rosflight_sim::views {
+
+namespace sim = rosflight::sim;
+
+using Kind = VehicleView::Kind;
+using sim::Vehicle;
+using Numbers = std::vector<double>;
+using Names = std::set<std::string>;
+using List = std::vector<VehicleView>;
+
+inline std::string text(double value) {
+  std::ostringstream out;
+  out.precision(17);
+  out << value;
+  return out.str();
+}
+
+inline std::string text(const Numbers& values) {
+  std::string out = "[";
+  for (const double value : values) out += (out.size() > 1 ? ", " : "") + text(value);
+  return out + "]";
+}
+
+inline void add(List& list, std::string name, double least, double most, std::string what,
+                std::function<double(const Vehicle&)> get) {
+  list.push_back({std::move(name), Kind::kNumber, least, most, std::move(what), true,
+                  [get = std::move(get)](const Vehicle& v) { return Numbers{get(v)}; }});
+}
+
+inline void add_list(List& list, std::string name, Kind kind, std::string what, bool live,
+                     std::function<Numbers(const Vehicle&)> get) {
+  list.push_back({std::move(name), kind, -1e9, 1e9, std::move(what), live, std::move(get)});
+}
+
+inline bool any(const Names& changed, const std::initializer_list<const char*>& names) {
+  for (const char* name : names)
+    if (changed.count(name) != 0) return true;
+  return false;
+}
+
+/// Rotors of a multirotor, propulsion of a fixed wing.
+sim::MultirotorParameters rotors_of(const Vehicle& v);
+
+/// Propeller, motor and supply voltage, and how they go back.
+void add_propulsion(List& list);
+void assign_propulsion(std::vector<std::string>& out, const ViewValues& all, const Names& changed);
+
+/// Density of the air; `rho` goes back with assign_propulsion().
+void add_density(List& list);
+
+}  // namespace rosflight_sim::views
