@@ -12,7 +12,6 @@ namespace {
 using autonomy::PidGains;
 using autonomy::multirotor::ControllerConfig;
 using autonomy::multirotor::StateMachineConfig;
-using config::at;
 using config::kDeg;
 using config::kDegPerS;
 using config::Range;

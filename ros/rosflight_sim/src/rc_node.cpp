@@ -20,13 +20,13 @@ using std_srvs::srv::Trigger;
 /// A joystick that is pulled out falls silent, as a transmitter out of range does.
 class RcNode : public rclcpp::Node {
  public:
-  explicit RcNode(const rclcpp::NodeOptions& options) : Node("rc", options) {
+  explicit RcNode(const rclcpp::NodeOptions& options)
+      : Node("rc", options),
+        sticks_{declare_number(*this, "key_deflection", 0.4, 0.05, 1.0,
+                               "of the attitude sticks, of their whole way")} {
     const bool use_keyboard = declare_switch(*this, "use_vimfly", false, "fly with the keyboard");
     const auto device =
         declare_whole(*this, "joystick", 0, 0, 15, "which one, in the order of SDL");
-    const double deflection = declare_number(*this, "key_deflection", 0.4, 0.05, 1.0,
-                                             "of the attitude sticks, of their whole way");
-    sticks_.emplace(deflection);
     choose(static_cast<int>(device), use_keyboard);
     publisher_ = create_publisher<rosflight_msgs::msg::RCRaw>(
         "sim/RC", rclcpp::QoS(rclcpp::KeepLast(10)).reliable());
@@ -67,13 +67,13 @@ class RcNode : public rclcpp::Node {
     arm_ =
         create_service<Trigger>("toggle_arm", [this](const std::shared_ptr<Trigger::Request>,
                                                      std::shared_ptr<Trigger::Response> response) {
-          sticks_->flip_arm();
+          sticks_.flip_arm();
           answer(*response, "arm", kArmChannel);
         });
     override_ = create_service<Trigger>("toggle_override",
                                         [this](const std::shared_ptr<Trigger::Request>,
                                                std::shared_ptr<Trigger::Response> response) {
-                                          sticks_->flip_override();
+                                          sticks_.flip_override();
                                           answer(*response, "override", kOverrideChannel);
                                         });
   }
@@ -82,7 +82,7 @@ class RcNode : public rclcpp::Node {
     constexpr std::uint16_t kMiddle_us = 1500;
     response.success = true;
     response.message =
-        std::string(what) + (sticks_->pulses(wall())[channel] > kMiddle_us ? " on" : " off");
+        std::string(what) + (sticks_.pulses(wall())[channel] > kMiddle_us ? " on" : " off");
   }
 
   static KeyboardSticks::Time wall() {
@@ -101,8 +101,8 @@ class RcNode : public rclcpp::Node {
       message.values = map_->pulses(joystick_->state());
     } else {
       if (terminal_)
-        while (const auto key = terminal_->key()) sticks_->stroke(*key, wall());
-      message.values = sticks_->pulses(wall());
+        while (const auto key = terminal_->key()) sticks_.stroke(*key, wall());
+      message.values = sticks_.pulses(wall());
       if (!terminal_)
         message.values[kModeChannel] = 1500;  // as in ROSflight 2.x: a switch in the middle
     }
@@ -117,7 +117,7 @@ class RcNode : public rclcpp::Node {
   std::optional<Joystick> joystick_;
   const JoystickMap* map_{nullptr};
   std::optional<Terminal> terminal_;
-  std::optional<KeyboardSticks> sticks_;
+  KeyboardSticks sticks_;
   rclcpp::Publisher<rosflight_msgs::msg::RCRaw>::SharedPtr publisher_;
   rclcpp::Service<Trigger>::SharedPtr arm_;
   rclcpp::Service<Trigger>::SharedPtr override_;
