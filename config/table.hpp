@@ -148,6 +148,18 @@ class Row {
     row_.set = [set](void* s, const detail::Values& x) { set(*static_cast<S*>(s), x[0]); };
   }
 
+  /// A fixed list of numbers with a law of its own between key and struct.
+  template <std::invocable<const S&> Get, std::invocable<S&, const std::vector<double>&> Set>
+  Row(std::string_view key, std::size_t count, Get get, Set set, Unit unit, Range allowed,
+      std::string_view text)
+      : Row{key, text, detail::Row::Kind::kNumbers} {
+    row_.unit = unit.text;
+    row_.allowed = allowed;
+    row_.count = count;
+    row_.get = [get](const void* s) { return get(*static_cast<const S*>(s)); };
+    row_.set = [set](void* s, const detail::Values& x) { set(*static_cast<S*>(s), x); };
+  }
+
   /// true or false.
   template <class M>
     requires std::same_as<MemberOf<M>, bool>
@@ -316,6 +328,9 @@ template <class S>
 class Table {
  public:
   Table(std::initializer_list<Row<S>> rows) {
+    for (const Row<S>& row : rows) rows_.push_back(row.untyped());
+  }
+  explicit Table(const std::vector<Row<S>>& rows) {
     for (const Row<S>& row : rows) rows_.push_back(row.untyped());
   }
   /// A section that is there begins from S{}, not from what the struct held: for gains, of which

@@ -6,6 +6,8 @@
 #include "autonomy/multirotor/config.hpp"
 #include "config/table.hpp"
 #include "sim/environment/environment_parameters.hpp"
+#include "sim/sensors/presets.hpp"
+#include "sim/sensors/read_config.hpp"
 
 namespace rosflight::flight {
 namespace {
@@ -41,12 +43,16 @@ std::string autonomy_page() {
 
 std::string vehicle_page() {
   return "# Keys of a vehicle file\n\n" + kMade +
-         "The other sections: `vehicles/README.md`, `sim/sensors/README.md`, "
-         "`docs/autonomy-keys.md`.\n" +
+         "The other sections: `vehicles/README.md`, `docs/autonomy-keys.md`.\n" +
          keys("Section `environment`",
               "`sim/environment/environment.cpp`. `start_utc`, such as 2026-06-01T12:00:00Z, is "
               "needed too.",
-              sim::environment_parameters());
+              sim::environment_parameters()) +
+         keys("Section `sensors`",
+              "`sim/sensors/read_config.cpp`. `preset` (current, reference, ideal) chooses the "
+              "defaults; these are those of\n`current`, whose sources are in "
+              "`sim/sensors/presets.cpp`. u is the unit in the name of the section around the key.",
+              sim::sensors::sensor_tables(), sim::sensors::current_hardware());
 }
 
 template <class S>

@@ -2,181 +2,212 @@
 #include "sim/sensors/read_config.hpp"
 
 #include <cmath>
-#include <string>
+#include <string_view>
 
 #include "sim/sensors/presets.hpp"
 
 namespace rosflight::sim::sensors {
 namespace {
+
 using config::Range;
 using config::Section;
+using config::Table;
+using config::Whole;
 
-constexpr std::int64_t kLongest_us = 10'000'000;  // of a phase or delay
+constexpr Whole kMicroseconds{0, 10'000'000};  // of a phase or delay
 constexpr double kMaxRate_Hz = 10'000.0;
 constexpr double kLargest = 1e9;  // of an error, in any unit
 constexpr double kFinestResolution = 1e-12;
 constexpr double kShortestDropout_s = 0.01;
 constexpr Range kBias = Range::between(-kLargest, kLargest);
+constexpr Range kSize = Range::between(0.0, kLargest);
 
-void read_vector(const Section& in, std::string_view key, Range allowed, Vector3& v) {
-  const auto values = in.numbers(key, 3, allowed, {v.x(), v.y(), v.z()});
-  v = {values[0], values[1], values[2]};
-}
-
-void read_position(const Section& in, Vector3& position_m) {
-  read_vector(in, "position_m", Range::between(-100.0, 100.0), position_m);
-}
-
-void read_rotation(const Section& in, Vector3& rotation_deg) {
-  read_vector(in, "rotation_deg", Range::between(-360.0, 360.0), rotation_deg);
+template <class S>
+S& self(S& s) {
+  return s;
 }
 
 /// Given as a rate, kept as a period of whole microseconds.
-void read_timing(const Section& in, Timing& timing) {
-  timing.enabled = in.boolean("enabled", timing.enabled);
-  const double old_rate_Hz = 1e6 / static_cast<double>(timing.period.count());
-  const double rate_Hz = in.number("rate_Hz", Range::positive_up_to(kMaxRate_Hz), old_rate_Hz);
-  if (in.has("rate_Hz")) {
+Table<Timing> timing_table() {
+  using T = Timing;
+  using R = config::Row<T>;
+  const auto has_whole_period = [](double rate_Hz) {
     const double period_us = 1e6 / rate_Hz;
-    if (!(period_us <= static_cast<double>(kLongest_us)) ||
-        std::abs(period_us - std::round(period_us)) > 1e-9 * period_us) {
-      throw in.error(
-          "rate_Hz", in.raw("rate_Hz"),
-          "a rate of at least 0.1 whose period is a whole number of microseconds, such as "
-          "50 or 400");
-    }
-    timing.period = Time{std::llround(period_us)};
-  }
-  timing.phase = Time{in.integer("phase_us", 0, kLongest_us, timing.phase.count())};
-  timing.delay = Time{in.integer("delay_us", 0, kLongest_us, timing.delay.count())};
-}
-
-void read_error_laws(const Section& in, ErrorParameters& p) {
-  const Range size = Range::between(0.0, kLargest);
-  p.turn_on_bias = in.number("turn_on_bias", size, p.turn_on_bias);
-  p.noise_density = in.number("noise_density", size, p.noise_density);
-  p.noise_sigma = in.number("noise_sigma", size, p.noise_sigma);
-  p.bias_walk = in.number("bias_walk", size, p.bias_walk);
-  p.drift_sigma = in.number("drift_sigma", size, p.drift_sigma);
-  p.drift_time_s = in.number("drift_time_s", size, p.drift_time_s);
-  if (p.drift_sigma > 0.0 && p.drift_time_s <= 0.0) {
-    throw in.error("drift_time_s", in.raw("drift_time_s"), "a number > 0 beside a drift_sigma");
-  }
-  p.resolution = in.number("resolution", size, p.resolution);
-  if (p.resolution > 0.0 && p.resolution < kFinestResolution) {
-    throw in.error("resolution", in.raw("resolution"), "0 or a number from 1e-12 to 1e+09");
-  }
-  p.limit = in.number("limit", size, p.limit);
-}
-
-void read_errors(const Section& in, std::string_view key, ErrorParameters& p) {
-  const auto section = in.optional_section(key);
-  if (!section) return;
-  p.fixed_bias = section->number("fixed_bias", kBias, p.fixed_bias);
-  read_error_laws(*section, p);
-}
-
-void read_errors(const Section& in, std::string_view key, VectorErrorParameters& p) {
-  const auto section = in.optional_section(key);
-  if (!section) return;
-  read_vector(*section, "fixed_bias", kBias, p.fixed_bias);
-  read_error_laws(*section, p.axis);
-}
-
-void read_temperature(const Section& in, Temperature& temperature) {
-  temperature.rise_K =
-      in.number("temperature_rise_K", Range::between(0.0, 100.0), temperature.rise_K);
-}
-
-void read_imu(const Section& in, Imu::Config& imu) {
-  read_timing(in, imu.timing);
-  read_errors(in, "gyro_rad_s", imu.gyro_rad_s);
-  read_errors(in, "accel_m_s2", imu.accel_m_s2);
-  read_position(in, imu.position_m);
-  read_rotation(in, imu.rotation_deg);
-  imu.gyro_vibration = in.number("gyro_vibration", Range::between(0.0, 1.0), imu.gyro_vibration);
-  imu.accel_vibration_m_s_rad =
-      in.number("accel_vibration", Range::between(0.0, 1.0), imu.accel_vibration_m_s_rad);
-  read_vector(in, "gyro_bias_per_K", Range::between(-1.0, 1.0), imu.gyro_temperature_rad_s_K);
-  read_vector(in, "accel_bias_per_K", Range::between(-1.0, 1.0), imu.accel_temperature_m_s2_K);
-  read_temperature(in, imu.temperature);
-  imu.warm_up_s = in.number("warm_up_s", Range::between(0.0, 1e5), imu.warm_up_s);
-}
-
-void read_mag(const Section& in, Magnetometer::Config& mag) {
-  read_timing(in, mag.timing);
-  read_errors(in, "field_T", mag.field_T);
-  read_rotation(in, mag.rotation_deg);
-  read_temperature(in, mag.temperature);
-  if (!in.has("soft_iron")) return;
-  const auto a = in.numbers("soft_iron", 9, Range::between(-10.0, 10.0));
-  mag.soft_iron << a[0], a[1], a[2], a[3], a[4], a[5], a[6], a[7], a[8];
-  if (!(std::abs(mag.soft_iron.determinant()) > 1e-6)) {
-    throw in.error("soft_iron", "a singular matrix",
-                   "nine numbers, row by row, that can be inverted");
-  }
-}
-
-void read_baro(const Section& in, Barometer::Config& baro) {
-  read_timing(in, baro.timing);
-  read_errors(in, "pressure_Pa", baro.pressure_Pa);
-  read_temperature(in, baro.temperature);
-  baro.dynamic_pressure_share =
-      in.number("dynamic_pressure_share", Range::between(-2.0, 2.0), baro.dynamic_pressure_share);
-}
-
-void read_diff_pressure(const Section& in, PitotTube::Config& pitot) {
-  read_timing(in, pitot.timing);
-  read_errors(in, "pressure_Pa", pitot.pressure_Pa);
-  read_temperature(in, pitot.temperature);
-}
-
-void read_range(const Section& in, Rangefinder::Config& range) {
-  read_timing(in, range.timing);
-  read_errors(in, "range_m", range.range_m);
-  read_position(in, range.position_m);
-  range.min_m = in.number("min_m", Range::between(0.0, kLargest), range.min_m);
-  range.max_m = in.number("max_m", Range::positive_up_to(kLargest), range.max_m);
-  if (!(range.min_m < range.max_m)) {
-    throw in.error("max_m", in.raw("max_m"),
-                   "a number > min_m (" + config::number_text(range.min_m) + ")");
-  }
-  range.max_tilt_deg = in.number("max_tilt_deg", Range::between(0.0, 89.0), range.max_tilt_deg);
-  const Section::Choices<hal::RangeKind> kinds{{"sonar", hal::RangeKind::kSonar},
-                                               {"lidar", hal::RangeKind::kLidar}};
-  range.kind = in.choice("kind", kinds, range.kind);
-}
-
-void read_gnss(const Section& in, Gnss::Config& gnss) {
-  const Range at_least_0 = Range::between(0.0, kLargest);
-  read_timing(in, gnss.timing);
-  read_errors(in, "horizontal_m", gnss.horizontal_m);
-  read_errors(in, "vertical_m", gnss.vertical_m);
-  read_errors(in, "velocity_m_s", gnss.velocity_m_s);
-  read_position(in, gnss.position_m);
-  gnss.horizontal_accuracy_m =
-      in.number("horizontal_accuracy_m", at_least_0, gnss.horizontal_accuracy_m);
-  gnss.vertical_accuracy_m = in.number("vertical_accuracy_m", at_least_0, gnss.vertical_accuracy_m);
-  gnss.speed_accuracy_m_s = in.number("speed_accuracy_m_s", at_least_0, gnss.speed_accuracy_m_s);
-  gnss.satellites = static_cast<int>(in.integer("satellites", 0, 255, gnss.satellites));
-  gnss.first_fix_s = in.number("first_fix_s", Range::between(0.0, 1e5), gnss.first_fix_s);
-  gnss.dropout_interval_s =
-      in.number("dropout_interval_s", Range::between(0.0, 1e6), gnss.dropout_interval_s);
-  gnss.dropout_duration_s =
-      in.number("dropout_duration_s", Range::between(0.0, 1e6), gnss.dropout_duration_s);
-  const auto check_dropout = [&in, &gnss](std::string_view key, double seconds) {
-    if (gnss.dropout_interval_s > 0.0 && seconds < kShortestDropout_s) {
-      throw in.error(key, in.raw(key), "a number >= 0.01 where there are drop-outs");
-    }
+    return period_us <= static_cast<double>(kMicroseconds.high) &&
+           std::abs(period_us - std::round(period_us)) <= 1e-9 * period_us;
   };
-  check_dropout("dropout_interval_s", gnss.dropout_interval_s);
-  check_dropout("dropout_duration_s", gnss.dropout_duration_s);
+  return {
+      {"enabled", &T::enabled, "false: the board finds no such sensor"},
+      R{"rate_Hz", [](const T& t) { return 1e6 / static_cast<double>(t.period.count()); },
+        [](T& t, double rate_Hz) { t.period = Time{std::llround(1e6 / rate_Hz)}; }, "Hz",
+        Range::positive_up_to(kMaxRate_Hz), "samples per second"}
+          .only("a rate of at least 0.1 whose period is a whole number of microseconds, such as "
+                "50 or 400",
+                has_whole_period),
+      {"phase_us", &T::phase, "us", kMicroseconds, "of the first sample"},
+      {"delay_us", &T::delay, "us", kMicroseconds, "from measurement to delivery"}};
 }
 
-void read_battery(const Section& in, BatteryMonitor::Config& battery) {
-  read_timing(in, battery.timing);
-  read_errors(in, "voltage_V", battery.voltage_V);
-  read_errors(in, "current_A", battery.current_A);
+/// Errors in the unit u of their section's name.
+Table<ErrorParameters> law_table() {
+  using E = ErrorParameters;
+  using R = config::Row<E>;
+  return {{"turn_on_bias", &E::turn_on_bias, "u", kSize, "largest bias drawn at the start"},
+          {"noise_density", &E::noise_density, "u/sqrt(Hz)", kSize, "white noise"},
+          {"noise_sigma", &E::noise_sigma, "u", kSize, "white noise of each sample, at any rate"},
+          {"bias_walk", &E::bias_walk, "u/sqrt(s)", kSize, "random walk of the bias"},
+          {"drift_sigma", &E::drift_sigma, "u", kSize, "bias that wanders about zero"},
+          R{"drift_time_s", &E::drift_time_s, "s", kSize, "its time constant"}.must(
+              "a number > 0 beside a drift_sigma",
+              [](const E& e) { return e.drift_sigma <= 0.0 || e.drift_time_s > 0.0; }),
+          R{"resolution", &E::resolution, "u", kSize, "step of the reading; 0: none"}.only(
+              "0 or a number from 1e-12 to 1e+09",
+              [](double x) { return x == 0.0 || x >= kFinestResolution; }),
+          {"limit", &E::limit, "u", kSize, "largest reading; 0: none"}};
+}
+
+Table<ErrorParameters> error_table() {
+  using E = ErrorParameters;
+  return {{"fixed_bias", &E::fixed_bias, "u", kBias, "the same in every run"},
+          {"", self<E>, law_table()}};
+}
+
+Table<VectorErrorParameters> vector_error_table() {
+  using E = VectorErrorParameters;
+  return {{"fixed_bias", &E::fixed_bias, "u", kBias, "the same in every run"},
+          {"", &E::axis, law_table()}};
+}
+
+template <class C>
+config::Row<C> timing() {
+  return {"", &C::timing, timing_table()};
+}
+
+template <class C>
+config::Row<C> errors(std::string_view key, ErrorParameters C::*member) {
+  return {key, member, error_table()};
+}
+
+template <class C>
+config::Row<C> errors(std::string_view key, VectorErrorParameters C::*member) {
+  return {key, member, vector_error_table()};
+}
+
+template <class C>
+config::Row<C> position() {
+  return {"position_m", &C::position_m, "m", Range::between(-100.0, 100.0),
+          "from the centre of mass, body axes"};
+}
+
+template <class C>
+config::Row<C> rotation() {
+  return {"rotation_deg", &C::rotation_deg, "deg", Range::between(-360.0, 360.0),
+          "of the mounting: the firmware parameters of roll, pitch and yaw that undo it"};
+}
+
+template <class C>
+config::Row<C> temperature() {
+  return {"temperature_rise_K", config::at(&C::temperature, &Temperature::rise_K), "K",
+          Range::between(0.0, 100.0), "above the air"};
+}
+
+Table<Imu::Config> imu_table() {
+  using C = Imu::Config;
+  constexpr Range kShare = Range::between(0.0, 1.0);
+  constexpr Range kPerK = Range::between(-1.0, 1.0);
+  return {timing<C>(),
+          errors("gyro_rad_s", &C::gyro_rad_s),
+          errors("accel_m_s2", &C::accel_m_s2),
+          position<C>(),
+          rotation<C>(),
+          {"gyro_vibration", &C::gyro_vibration, "", kShare, "noise per rotor speed"},
+          {"accel_vibration", &C::accel_vibration_m_s_rad, "m/s^2 per rad/s", kShare,
+           "noise per rotor speed"},
+          {"gyro_bias_per_K", &C::gyro_temperature_rad_s_K, "rad/s/K", kPerK, "from 298.15 K"},
+          {"accel_bias_per_K", &C::accel_temperature_m_s2_K, "m/s^2/K", kPerK, "from 298.15 K"},
+          temperature<C>(),
+          {"warm_up_s", &C::warm_up_s, "s", Range::between(0.0, 1e5),
+           "time constant of temperature_rise_K; 0: warm from the start"}};
+}
+
+Table<Magnetometer::Config> mag_table() {
+  using C = Magnetometer::Config;
+  using R = config::Row<C>;
+  return {timing<C>(), errors("field_T", &C::field_T), rotation<C>(), temperature<C>(),
+          R{"soft_iron", 9,
+            [](const C& c) {
+              const Eigen::Matrix3d by_columns = c.soft_iron.transpose();
+              return std::vector<double>(by_columns.data(), by_columns.data() + 9);
+            },
+            [](C& c, const std::vector<double>& rows) {
+              c.soft_iron = Eigen::Map<const Eigen::Matrix3d>(rows.data()).transpose();
+            },
+            "", Range::between(-10.0, 10.0), "matrix, row by row"}
+              .must("nine numbers, row by row, of a matrix that can be inverted",
+                    [](const C& c) { return std::abs(c.soft_iron.determinant()) > 1e-6; })};
+}
+
+Table<Barometer::Config> baro_table() {
+  using C = Barometer::Config;
+  return {timing<C>(),
+          errors("pressure_Pa", &C::pressure_Pa),
+          temperature<C>(),
+          {"dynamic_pressure_share", &C::dynamic_pressure_share, "", Range::between(-2.0, 2.0),
+           "of the dynamic pressure, added to the static one"}};
+}
+
+Table<PitotTube::Config> diff_pressure_table() {
+  using C = PitotTube::Config;
+  return {timing<C>(), errors("pressure_Pa", &C::pressure_Pa), temperature<C>()};
+}
+
+Table<Rangefinder::Config> range_table() {
+  using C = Rangefinder::Config;
+  using R = config::Row<C>;
+  return {timing<C>(),
+          errors("range_m", &C::range_m),
+          position<C>(),
+          {"min_m", &C::min_m, "m", kSize, "nearest distance that is measured"},
+          R{"max_m", &C::max_m, "m", Range::positive_up_to(kLargest),
+            "farthest distance that is measured"}
+              .must("a number > min_m", [](const C& c) { return c.min_m < c.max_m; }),
+          {"max_tilt_deg", &C::max_tilt_deg, "deg", Range::between(0.0, 89.0), "no echo beyond it"},
+          {"kind",
+           &C::kind,
+           {{"sonar", hal::RangeKind::kSonar}, {"lidar", hal::RangeKind::kLidar}},
+           "as the message says"}};
+}
+
+Table<Gnss::Config> gnss_table() {
+  using C = Gnss::Config;
+  using R = config::Row<C>;
+  const auto long_enough = [](double C::*duration_s) {
+    return [duration_s](const C& c) {
+      return c.dropout_interval_s <= 0.0 || c.*duration_s >= kShortestDropout_s;
+    };
+  };
+  constexpr std::string_view kLongEnough = "a number >= 0.01 where there are drop-outs";
+  return {
+      timing<C>(),
+      errors("horizontal_m", &C::horizontal_m),
+      errors("vertical_m", &C::vertical_m),
+      errors("velocity_m_s", &C::velocity_m_s),
+      position<C>(),
+      {"horizontal_accuracy_m", &C::horizontal_accuracy_m, "m", kSize, "as reported"},
+      {"vertical_accuracy_m", &C::vertical_accuracy_m, "m", kSize, "as reported"},
+      {"speed_accuracy_m_s", &C::speed_accuracy_m_s, "m/s", kSize, "as reported"},
+      {"satellites", &C::satellites, "", Whole{0, 255}, "as reported"},
+      {"first_fix_s", &C::first_fix_s, "s", Range::between(0.0, 1e5), "from the start"},
+      R{"dropout_interval_s", &C::dropout_interval_s, "s", Range::between(0.0, 1e6),
+        "mean time between drop-outs; 0: none"}
+          .must(kLongEnough, long_enough(&C::dropout_interval_s)),
+      R{"dropout_duration_s", &C::dropout_duration_s, "s", Range::between(0.0, 1e6), "mean"}.must(
+          kLongEnough, long_enough(&C::dropout_duration_s))};
+}
+
+Table<BatteryMonitor::Config> battery_table() {
+  using C = BatteryMonitor::Config;
+  return {timing<C>(), errors("voltage_V", &C::voltage_V), errors("current_A", &C::current_A)};
 }
 
 SensorsConfig read_preset(const Section& section) {
@@ -185,20 +216,24 @@ SensorsConfig read_preset(const Section& section) {
       {"current", current_hardware}, {"reference", reference}, {"ideal", ideal}};
   return section.choice<Preset>("preset", presets, current_hardware)();
 }
+
 }  // namespace
+
+Table<SensorsConfig> sensor_tables() {
+  using C = SensorsConfig;
+  return {{"imu", &C::imu, imu_table()},
+          {"mag", &C::mag, mag_table()},
+          {"baro", &C::baro, baro_table()},
+          {"diff_pressure", &C::diff_pressure, diff_pressure_table()},
+          {"range", &C::range, range_table()},
+          {"gnss", &C::gnss, gnss_table()},
+          {"battery", &C::battery, battery_table()}};
+}
 
 SensorsConfig read_sensors(const Section& section) {
   static_cast<void>(section.choice<bool>("module", {{"standard", true}}, true));
   SensorsConfig c = read_preset(section);
-  if (const auto in = section.optional_section("imu")) read_imu(*in, c.imu);
-  if (const auto in = section.optional_section("mag")) read_mag(*in, c.mag);
-  if (const auto in = section.optional_section("baro")) read_baro(*in, c.baro);
-  if (const auto in = section.optional_section("diff_pressure")) {
-    read_diff_pressure(*in, c.diff_pressure);
-  }
-  if (const auto in = section.optional_section("range")) read_range(*in, c.range);
-  if (const auto in = section.optional_section("gnss")) read_gnss(*in, c.gnss);
-  if (const auto in = section.optional_section("battery")) read_battery(*in, c.battery);
+  sensor_tables().read(section, c);
   section.finish();
   return c;
 }

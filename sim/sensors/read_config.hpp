@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include "config/strict_yaml.hpp"
+#include "config/table.hpp"
 #include "sim/sensors/standard_sensors.hpp"
 
 namespace rosflight::sim::sensors {
 
 /// Reads the section `sensors` of a vehicle file for the module `standard`: `preset` (current,
 /// reference, ideal; default current) and, below the name of each sensor, what differs from it.
-/// Keys, units and defaults: README.md. Finishes the section. @throws config::Error  unknown key,
+/// Keys, units, limits and the defaults of `current`: docs/vehicle-keys.md. Finishes the section. @throws config::Error  unknown key,
 /// wrong type or unit, value out of range.
 SensorsConfig read_sensors(const config::Section& section);
+
+/// What it reads after the preset, one row per key.
+config::Table<SensorsConfig> sensor_tables();
 
 }  // namespace rosflight::sim::sensors

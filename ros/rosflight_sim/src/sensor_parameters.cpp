@@ -2,19 +2,21 @@
 #include "rosflight_sim/sensor_parameters.hpp"
 
 #include <cmath>
-#include <utility>
 
 #include "base/constants.hpp"
 
 namespace rosflight_sim {
 
 namespace base = rosflight::base;
+namespace config = rosflight::config;
 namespace sim = rosflight::sim;
 namespace {
 
 using sim::Timing;
 using sim::sensors::SensorsConfig;
-using List = std::vector<SensorParameter>;
+using Row = config::Row<SensorSettings>;
+using List = std::vector<Row>;
+using config::Range;
 using Errors = sim::ErrorParameters;
 
 template <class T>
@@ -27,52 +29,56 @@ T look(const Part<T>& part, const SensorSettings& settings) {
   return part(copy);
 }
 
-void add_number(List& list, std::string name, double least, double most, std::string text,
-                Part<double> part) {
-  list.push_back({std::move(name), least, most, std::move(text),
-                  [part](const SensorSettings& s) { return look(part, s); },
-                  [part](SensorSettings& s, double value) { part(s) = value; }});
+void add_number(List& list, const char* name, double least, double most, config::Unit unit,
+                const char* text, const Part<double>& part) {
+  list.emplace_back(name, part, unit, Range::between(least, most), text);
 }
 
-void add_rate(List& list, std::string name, Part<Timing> part) {
+void add_rate(List& list, const char* name, const Part<Timing>& part) {
   constexpr double kMicroseconds = 1e6;
-  list.push_back({std::move(name), 0.1, 10'000.0, "samples per second [Hz]",
-                  [part](const SensorSettings& s) {
-                    return kMicroseconds / static_cast<double>(look(part, s).period.count());
-                  },
-                  [part](SensorSettings& s, double rate_Hz) {
-                    part(s).period = sim::Time{std::llround(kMicroseconds / rate_Hz)};
-                  }});
+  list.emplace_back(
+      name,
+      [part](const SensorSettings& s) {
+        return kMicroseconds / static_cast<double>(look(part, s).period.count());
+      },
+      [part](SensorSettings& s, double rate_Hz) {
+        part(s).period = sim::Time{std::llround(kMicroseconds / rate_Hz)};
+      },
+      "Hz", Range::between(0.1, 10'000.0), "samples per second");
 }
 
 /// White noise per sample: what a density amounts to at this rate, and the rest.
-void add_noise(List& list, std::string name, double most, std::string text, Part<Errors> part,
-               Part<Timing> timing) {
-  list.push_back({std::move(name), 0.0, most, std::move(text),
-                  [part, timing](const SensorSettings& s) {
-                    const Errors e = look(part, s);
-                    const double period_s = sim::to_seconds(look(timing, s).period);
-                    return std::hypot(e.noise_sigma, e.noise_density / std::sqrt(period_s));
-                  },
-                  [part](SensorSettings& s, double sigma) {
-                    part(s).noise_sigma = sigma;
-                    part(s).noise_density = 0.0;
-                  }});
+void add_noise(List& list, const char* name, double most, config::Unit unit, const char* text,
+               const Part<Errors>& part, const Part<Timing>& timing) {
+  list.emplace_back(
+      name,
+      [part, timing](const SensorSettings& s) {
+        const Errors e = look(part, s);
+        const double period_s = sim::to_seconds(look(timing, s).period);
+        return std::hypot(e.noise_sigma, e.noise_density / std::sqrt(period_s));
+      },
+      [part](SensorSettings& s, double sigma) {
+        part(s).noise_sigma = sigma;
+        part(s).noise_density = 0.0;
+      },
+      unit, Range::between(0.0, most), text);
 }
 
 /// b <- b + step N per sample.
-void add_walk(List& list, std::string name, double most, std::string text, Part<Errors> part,
-              Part<Timing> timing) {
+void add_walk(List& list, const char* name, double most, config::Unit unit, const char* text,
+              const Part<Errors>& part, const Part<Timing>& timing) {
   const auto root_period = [timing](const SensorSettings& s) {
     return std::sqrt(sim::to_seconds(look(timing, s).period));
   };
-  list.push_back({std::move(name), 0.0, most, std::move(text),
-                  [part, root_period](const SensorSettings& s) {
-                    return look(part, s).bias_walk * root_period(s);
-                  },
-                  [part, root_period](SensorSettings& s, double step) {
-                    part(s).bias_walk = step / root_period(s);
-                  }});
+  list.emplace_back(
+      name,
+      [part, root_period](const SensorSettings& s) {
+        return look(part, s).bias_walk * root_period(s);
+      },
+      [part, root_period](SensorSettings& s, double step) {
+        part(s).bias_walk = step / root_period(s);
+      },
+      unit, Range::between(0.0, most), text);
 }
 
 /// x <- exp(-k T) x + T drive N: its stationary spread and time constant are ours.
@@ -98,18 +104,20 @@ struct Markov {
   }
 };
 
-void add_drive(List& list, std::string name, double most, const Markov& law) {
-  list.push_back({std::move(name), 0.0, most, "drive of the wandering error [unit/s]",
-                  [law](const SensorSettings& s) { return law.drive(s); },
-                  [law](SensorSettings& s, double drive) { law.put(s, drive, law.decay(s)); }});
+void add_drive(List& list, const char* name, double most, const Markov& law) {
+  list.emplace_back(
+      name, [law](const SensorSettings& s) { return law.drive(s); },
+      [law](SensorSettings& s, double drive) { law.put(s, drive, law.decay(s)); }, "unit/s",
+      Range::between(0.0, most), "drive of the wandering error");
 }
 
-void add_decay(List& list, std::string name, const std::vector<Markov>& laws) {
-  list.push_back({std::move(name), 1e-6, 1000.0, "decay of the wandering error [1/s]",
-                  [laws](const SensorSettings& s) { return laws.front().decay(s); },
-                  [laws](SensorSettings& s, double decay_1_s) {
-                    for (const Markov& law : laws) law.put(s, law.drive(s), decay_1_s);
-                  }});
+void add_decay(List& list, const char* name, const std::vector<Markov>& laws) {
+  list.emplace_back(
+      name, [laws](const SensorSettings& s) { return laws.front().decay(s); },
+      [laws](SensorSettings& s, double decay_1_s) {
+        for (const Markov& law : laws) law.put(s, law.drive(s), decay_1_s);
+      },
+      "1/s", Range::between(1e-6, 1000.0), "decay of the wandering error");
 }
 
 // ---- where things are ---------------------------------------------------------------------------
@@ -173,21 +181,21 @@ Timing& battery_timing(SensorsConfig& c) {
 
 void add_imu(List& list) {
   const Markov law{at(gyro), at(imu_timing), 20.0};
-  add_noise(list, "gyro_stdev", 10.0, "white noise per sample [rad/s]", at(gyro), at(imu_timing));
-  add_number(list, "gyro_bias_range", 0.0, 10.0, "bias at start, +- [rad/s]",
+  add_noise(list, "gyro_stdev", 10.0, "rad/s", "white noise per sample", at(gyro), at(imu_timing));
+  add_number(list, "gyro_bias_range", 0.0, 10.0, "rad/s", "bias at start, +-",
              [](SensorSettings& s) -> double& { return gyro(s.sensors).turn_on_bias; });
   add_drive(list, "gyro_bias_walk_stdev", 10.0, law);
   add_decay(list, "k_gyro", {law});
-  add_number(list, "gyro_bias_model_tau", 0.0, 1e6, "decay time of the bias at start [s]",
+  add_number(list, "gyro_bias_model_tau", 0.0, 1e6, "s", "decay time of the bias at start",
              [](SensorSettings& s) -> double& { return s.sensors.imu.gyro_transient_time_s; });
   const char* names[] = {"gyro_bias_model_x0", "gyro_bias_model_y0", "gyro_bias_model_z0"};
   for (int i = 0; i < 3; ++i)
-    add_number(list, names[i], -1.0, 1.0, "a bias at start that dies out [rad/s]",
+    add_number(list, names[i], -1.0, 1.0, "rad/s", "a bias at start that dies out",
                [i](SensorSettings& s) -> double& { return s.sensors.imu.gyro_transient_rad_s[i]; });
-  add_noise(list, "acc_stdev", 100.0, "white noise per sample [m/s^2]", at(accel), at(imu_timing));
-  add_number(list, "acc_bias_range", 0.0, 100.0, "bias at start, +- [m/s^2]",
+  add_noise(list, "acc_stdev", 100.0, "m/s^2", "white noise per sample", at(accel), at(imu_timing));
+  add_number(list, "acc_bias_range", 0.0, 100.0, "m/s^2", "bias at start, +-",
              [](SensorSettings& s) -> double& { return accel(s.sensors).turn_on_bias; });
-  add_walk(list, "acc_bias_walk_stdev", 1.0, "step of the bias per sample [m/s^2]", at(accel),
+  add_walk(list, "acc_bias_walk_stdev", 1.0, "m/s^2", "step of the bias per sample", at(accel),
            at(imu_timing));
 }
 
@@ -208,42 +216,44 @@ struct Field {
   }
 };
 
-void add_field(List& list, std::string name, double most, std::string text, double Field::*part) {
-  list.push_back({std::move(name), -most, most, std::move(text),
-                  [part](const SensorSettings& s) { return Field::of(s).*part; },
-                  [part](SensorSettings& s, double value) {
-                    Field f = Field::of(s);
-                    f.*part = value;
-                    f.put(s);
-                  }});
+void add_field(List& list, const char* name, double most, config::Unit unit, const char* text,
+               double Field::*part) {
+  list.emplace_back(
+      name, [part](const SensorSettings& s) { return Field::of(s).*part; },
+      [part](SensorSettings& s, double value) {
+        Field f = Field::of(s);
+        f.*part = value;
+        f.put(s);
+      },
+      unit, Range::between(-most, most), text);
 }
 
 void add_mag(List& list) {
   const Markov law{at(field), at(mag_timing), 7.0};
   add_drive(list, "mag_stdev", 1.0, law);
   add_decay(list, "k_mag", {law});
-  add_field(list, "inclination", base::kPi / 2, "of the field, down [rad]",
+  add_field(list, "inclination", base::kPi / 2, "rad", "of the field, down",
             &Field::inclination_rad);
-  add_field(list, "declination", base::kPi, "of the field, east [rad]", &Field::declination_rad);
-  add_field(list, "total_intensity", 1e-3, "of the field [T]", &Field::total_T);
+  add_field(list, "declination", base::kPi, "rad", "of the field, east", &Field::declination_rad);
+  add_field(list, "total_intensity", 1e-3, "T", "of the field", &Field::total_T);
 }
 
 void add_pressures_and_range(List& list) {
-  add_noise(list, "baro_stdev", 1e4, "white noise per sample [Pa]", at(baro), at(baro_timing));
-  add_number(list, "baro_bias_range", 0.0, 1e4, "bias at start, +- [Pa]",
+  add_noise(list, "baro_stdev", 1e4, "Pa", "white noise per sample", at(baro), at(baro_timing));
+  add_number(list, "baro_bias_range", 0.0, 1e4, "Pa", "bias at start, +-",
              [](SensorSettings& s) -> double& { return baro(s.sensors).turn_on_bias; });
-  add_walk(list, "baro_bias_walk_stdev", 1e3, "step of the bias per sample [Pa]", at(baro),
+  add_walk(list, "baro_bias_walk_stdev", 1e3, "Pa", "step of the bias per sample", at(baro),
            at(baro_timing));
-  add_noise(list, "airspeed_stdev", 1e4, "white noise per sample [Pa]", at(pitot),
+  add_noise(list, "airspeed_stdev", 1e4, "Pa", "white noise per sample", at(pitot),
             at(pitot_timing));
-  add_number(list, "airspeed_bias_range", 0.0, 1e4, "bias at start, +- [Pa]",
+  add_number(list, "airspeed_bias_range", 0.0, 1e4, "Pa", "bias at start, +-",
              [](SensorSettings& s) -> double& { return pitot(s.sensors).turn_on_bias; });
-  add_walk(list, "airspeed_bias_walk_stdev", 1e3, "step of the bias per sample [Pa]", at(pitot),
+  add_walk(list, "airspeed_bias_walk_stdev", 1e3, "Pa", "step of the bias per sample", at(pitot),
            at(pitot_timing));
-  add_noise(list, "range_stdev", 100.0, "white noise per sample [m]", at(range), at(range_timing));
-  add_number(list, "range_min_range", 0.0, 100.0, "nearest distance that is measured [m]",
+  add_noise(list, "range_stdev", 100.0, "m", "white noise per sample", at(range), at(range_timing));
+  add_number(list, "range_min_range", 0.0, 100.0, "m", "nearest distance that is measured",
              [](SensorSettings& s) -> double& { return s.sensors.range.min_m; });
-  add_number(list, "range_max_range", 0.0, 1000.0, "farthest distance that is measured [m]",
+  add_number(list, "range_max_range", 0.0, 1000.0, "m", "farthest distance that is measured",
              [](SensorSettings& s) -> double& { return s.sensors.range.max_m; });
 }
 
@@ -254,28 +264,28 @@ void add_gnss_and_battery(List& list) {
   add_drive(list, "horizontal_gnss_stdev", 1e3, north_east);
   add_drive(list, "vertical_gnss_stdev", 1e3, down);
   add_decay(list, "k_gnss", {north_east, down});
-  add_noise(list, "gnss_velocity_stdev", 100.0, "white noise per sample [m/s]", at(velocity),
+  add_noise(list, "gnss_velocity_stdev", 100.0, "m/s", "white noise per sample", at(velocity),
             at(gnss_timing));
-  add_noise(list, "battery_stdev", 100.0, "white noise per sample [V]", at(voltage),
+  add_noise(list, "battery_stdev", 100.0, "V", "white noise per sample", at(voltage),
             at(battery_timing));
-  add_number(list, "battery_voltage", 0.0, 100.0, "constant; 0: from the forces and moments [V]",
+  add_number(list, "battery_voltage", 0.0, 100.0, "V", "constant; 0: from the forces and moments",
              [](SensorSettings& s) -> double& { return s.sensors.battery.fixed_voltage_V; });
 }
 
 void add_place(List& list) {
-  add_number(list, "origin_altitude", -500.0, 10'000.0, "of the start, above mean sea level [m]",
+  add_number(list, "origin_altitude", -500.0, 10'000.0, "m", "of the start, above mean sea level",
              [](SensorSettings& s) -> double& { return s.environment.origin.altitude_m; });
-  add_number(list, "origin_latitude", -90.0, 90.0, "of the start [deg]",
+  add_number(list, "origin_latitude", -90.0, 90.0, "deg", "of the start",
              [](SensorSettings& s) -> double& { return s.environment.origin.latitude_deg; });
-  add_number(list, "origin_longitude", -180.0, 180.0, "of the start [deg]",
+  add_number(list, "origin_longitude", -180.0, 180.0, "deg", "of the start",
              [](SensorSettings& s) -> double& { return s.environment.origin.longitude_deg; });
-  add_number(list, "gravity", 0.1, 100.0, "[m/s^2]",
+  add_number(list, "gravity", 0.1, 100.0, "m/s^2", "",
              [](SensorSettings& s) -> double& { return s.environment.gravity_m_s2; });
 }
 
 }  // namespace
 
-std::vector<SensorParameter> sensor_parameters() {
+config::Table<SensorSettings> sensor_parameters() {
   List list;
   add_rate(list, "imu_update_frequency", at(imu_timing));
   add_rate(list, "mag_update_frequency", at(mag_timing));
@@ -289,7 +299,7 @@ std::vector<SensorParameter> sensor_parameters() {
   add_pressures_and_range(list);
   add_gnss_and_battery(list);
   add_place(list);
-  return list;
+  return config::Table<SensorSettings>(list);
 }
 
 }  // namespace rosflight_sim

@@ -12,6 +12,7 @@
 
 #include "messages/simulation.hpp"
 #include "rosflight_common/component.hpp"
+#include "rosflight_common/live_parameters.hpp"
 #include "rosflight_common/messages.hpp"
 #include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
@@ -56,24 +57,17 @@ class SensorsNode : public rclcpp::Node {
   /// The parameters of ROSflight 2.x, with what the vehicle file says as their defaults.
   void declare_instruments() {
     settings_ = {sim::sensors::read_sensors(parameters_.vehicle.sensors()), environment_};
-    for (const SensorParameter& p : tunable_) {
-      const double from_file = p.get(settings_);
-      const double value = declare_number(*this, p.name, from_file, p.least, p.most, p.text, true);
-      if (value != from_file) p.set(settings_, value);
-    }
-    make_instruments();
-    changes_ = on_change(*this, [this](const rclcpp::Parameter& changed) {
-      for (const SensorParameter& p : tunable_) {
-        if (p.name != changed.get_name()) continue;
-        p.set(settings_, changed.as_double());
-        make_instruments();
-      }
+    tuning_.emplace(*this, sensor_parameters(), settings_);
+    make_instruments(settings_);
+    tuning_->on_change([this](const SensorSettings& wanted) {
+      make_instruments(wanted);
+      return "";
     });
   }
 
-  void make_instruments() {
-    environment_ = settings_.environment;
-    auto made = std::make_unique<sim::sensors::StandardSensors>(settings_.sensors, environment_,
+  void make_instruments(const SensorSettings& settings) {
+    environment_ = settings.environment;
+    auto made = std::make_unique<sim::sensors::StandardSensors>(settings.sensors, environment_,
                                                                 parameters_.random);
     standard_ = made.get();
     module_ = std::move(made);
@@ -181,8 +175,8 @@ class SensorsNode : public rclcpp::Node {
   std::unique_ptr<sim::SensorsModule> module_;
   const sim::sensors::StandardSensors* standard_{nullptr};
   sim::EnvironmentParameters environment_;
-  std::vector<SensorParameter> tunable_{sensor_parameters()};
   SensorSettings settings_;  ///< Of the module `standard`.
+  std::optional<rosflight_common::LiveParameters<SensorSettings>> tuning_;
   sim::Atmosphere atmosphere_;
   std::optional<TickTracker> ticks_;
   std::string frame_;
@@ -200,7 +194,6 @@ class SensorsNode : public rclcpp::Node {
   rclcpp::Subscription<geometry_msgs::msg::Vector3Stamped>::SharedPtr winds_;
   rclcpp::Subscription<rosflight_msgs::msg::BatteryStatus>::SharedPtr batteries_;
   rclcpp::Subscription<rosflight_msgs::msg::SimState>::SharedPtr truths_;
-  rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr changes_;
 };
 
 }  // namespace

@@ -192,15 +192,14 @@ TEST(ReadSensors, MistakesHaveTheirLineAndWhatIsAllowed) {
             "from 1e-12 to "
             "1e+09");
   EXPECT_EQ(message_of("sensors: {range: {min_m: 8}}\n"),
-            "v.yaml:1: sensors.range.max_m: found nothing, allowed a number > min_m (8)");
+            "v.yaml:1: sensors.range.max_m: found nothing, allowed a number > min_m");
   EXPECT_EQ(message_of("sensors: {gnss: {dropout_interval_s: 8}}\n"),
             "v.yaml:1: sensors.gnss.dropout_duration_s: found nothing, allowed a number >= 0.01 "
             "where there are "
             "drop-outs");
   EXPECT_EQ(message_of("sensors: {mag: {soft_iron: [1, 1, 1, 1, 1, 1, 1, 1, 1]}}\n"),
-            "v.yaml:1: sensors.mag.soft_iron: found a singular matrix, allowed nine numbers, row "
-            "by row, that "
-            "can be inverted");
+            "v.yaml:1: sensors.mag.soft_iron: found a list of 9, allowed nine numbers, row "
+            "by row, of a matrix that can be inverted");
   EXPECT_EQ(message_of("sensors: {mag: {soft_iron: [1, 0, 0]}}\n"),
             "v.yaml:1: sensors.mag.soft_iron: found a list of 3, allowed a list of 9 numbers, each "
             "a number "

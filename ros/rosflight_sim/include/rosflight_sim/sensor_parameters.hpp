@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <functional>
-#include <string>
-#include <vector>
-
+#include "config/table.hpp"
 #include "sim/environment/environment.hpp"
 #include "sim/sensors/standard_sensors.hpp"
 
@@ -17,18 +14,8 @@ struct SensorSettings {
   sim::EnvironmentParameters environment;
 };
 
-/// A parameter of ROSflight 2.x's sensors node as a view of our settings: value in its unit and
-/// law, whatever ours are (sim/noise.hpp). get(set(x)) is x.
-struct SensorParameter {
-  std::string name;
-  double least;
-  double most;
-  std::string text;
-  std::function<double(const SensorSettings&)> get;
-  std::function<void(SensorSettings&, double)> set;
-};
-
-/// Rates come first: laws per sample depend on them.
-std::vector<SensorParameter> sensor_parameters();
+/// Parameters of ROSflight 2.x's sensors node as views of our settings: values in its units and laws, whatever ours are
+/// (sim/noise.hpp). get(set(x)) is x. Rates come first: laws per sample depend on them.
+rosflight::config::Table<SensorSettings> sensor_parameters();
 
 }  // namespace rosflight_sim
