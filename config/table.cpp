@@ -31,6 +31,12 @@ Values read_values(const Section& in, const std::string& key, const Row& row, Ra
   switch (row.kind) {
     case Kind::kNumbers:
       return in.numbers(key, row.count, allowed);
+    case Kind::kPoints: {
+      Values all;
+      for (const Values& point : in.rows(key, row.count, allowed))
+        all.insert(all.end(), point.begin(), point.end());
+      return all;
+    }
     case Kind::kInteger:
       return {static_cast<double>(in.integer(key, static_cast<std::int64_t>(allowed.low),
                                              static_cast<std::int64_t>(allowed.high)))};
@@ -64,6 +70,21 @@ void read_section(const Section& in, const Row& row, void* s) {
   }
 }
 
+void read_list(const Section& in, const Row& row, void* s) {
+  if (!in.has(row.key) && !row.needed) return;
+  const std::vector<Section> list = in.sections(row.key);
+  const auto count = static_cast<std::int64_t>(list.size());
+  if (count < row.items.low || count > row.items.high) {
+    throw in.error(row.key, std::to_string(count) + " entries",
+                   std::to_string(row.items.low) + " to " + std::to_string(row.items.high));
+  }
+  for (const Section& entry : list) read(entry, row.rows, row.add(s));
+}
+
+bool is_needed(const Row& row, const void* s) {
+  return row.needed || (row.needed_if && row.needed_if(s));
+}
+
 /// Six digits: enough to recognise a number.
 std::string rounded(double x) {
   std::array<char, 32> buffer{};
@@ -84,10 +105,14 @@ std::string value_text(const Row& row, const Values& values, bool whole_precisio
   if (row.kind == Kind::kBoolean) return values[0] != 0.0 ? "true" : "false";
   if (row.kind == Kind::kChoice) return std::string(row.words[static_cast<std::size_t>(values[0])]);
   const auto number = [&](double x) { return whole_precision ? exact(row, x) : rounded(x); };
-  if (row.kind != Kind::kNumbers) return number(values[0]);
+  if (row.kind != Kind::kNumbers && row.kind != Kind::kPoints) return number(values[0]);
   std::string out;
-  for (const double value : values) out += (out.empty() ? "" : ", ") + number(value);
-  return "[" + out + "]";
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const bool next = row.kind == Kind::kPoints && i % row.count == 0;
+    out += i == 0 ? "" : next ? "], [" : ", ";
+    out += number(values[i]);
+  }
+  return row.kind == Kind::kPoints ? "[[" + out + "]]" : "[" + out + "]";
 }
 
 std::string allowed_text(const Row& row) {
@@ -104,7 +129,12 @@ std::string allowed_text(const Row& row) {
   if (!range.empty()) range.erase(0, 1);
   if (range.empty()) range = "any number";
   if (row.kind == Kind::kInteger) range += ", whole";
-  if (row.kind == Kind::kNumbers) range = std::to_string(row.count) + " numbers, each " + range;
+  if (row.kind == Kind::kNumbers && row.count == Section::kAnyCount)
+    range = "numbers, each " + range;
+  else if (row.kind == Kind::kNumbers)
+    range = std::to_string(row.count) + " numbers, each " + range;
+  if (row.kind == Kind::kPoints)
+    range = "lists of " + std::to_string(row.count) + " numbers, each " + range;
   return range;
 }
 
@@ -132,11 +162,25 @@ void write_section(const Row& row, void* s, bool commented, int depth, bool agai
   write_rows(row.rows, inside, commented, row.key.empty() ? depth : depth + 1, out);
 }
 
+void write_list(const Row& row, void* s, bool commented, int depth, std::string& out) {
+  const std::string indent(static_cast<std::size_t>(2 * depth), ' ');
+  const std::vector<void*> entries = row.all(s);
+  out += indent + row.key + (entries.empty() ? ": []\n" : ":\n");
+  for (void* entry : entries) {
+    out += indent + "  -\n";
+    write_rows(row.rows, entry, commented, depth + 2, out);
+  }
+}
+
 void write_rows(const std::vector<Row>& rows, void* s, bool commented, int depth,
                 std::string& out) {
   const std::string indent(static_cast<std::size_t>(2 * depth), ' ');
   std::string last;
   for (const Row& row : rows) {
+    if (row.kind == Kind::kList) {
+      write_list(row, s, commented, depth, out);
+      continue;
+    }
     if (row.kind == Kind::kSection) {
       write_section(row, s, commented, depth, row.key == last, out);
       last = row.key;
@@ -162,6 +206,12 @@ void page_rows(const std::vector<Row>& rows, void* s, bool whole, const std::str
       void* inside = s == nullptr ? nullptr : row.at(s);
       if (!row.text.empty()) out += "| `" + key + "` |  |  |  | " + std::string(row.text) + " |\n";
       page_rows(row.rows, inside, row.renew != nullptr, row.key.empty() ? prefix : key + ".", out);
+      continue;
+    }
+    if (row.kind == Kind::kList) {
+      out.append("| `" + key + "` | needed |  | " + std::to_string(row.items.low) + " to ");
+      out.append(std::to_string(row.items.high) + " entries | " + std::string(row.text) + " |\n");
+      page_rows(row.rows, nullptr, false, key + "[].", out);
       continue;
     }
     std::string value = row.default_text;
@@ -192,6 +242,7 @@ void flatten_into(const std::vector<Row>& rows, const std::string& prefix,
       flatten_into(row.rows, row.key.empty() ? prefix : flat.key + ".", inside, out);
       continue;
     }
+    if (row.kind == Kind::kList) continue;  // entries are no single parameters
     flat.get = [at, get = row.get](const void* s) {
       const void* inside = at(const_cast<void*>(s), false);
       return inside == nullptr ? Values{} : get(inside);
@@ -209,13 +260,20 @@ void read(const Section& in, const std::vector<Row>& rows, void* s) {
       read_section(in, row, s);
       continue;
     }
+    if (row.kind == Kind::kList) {
+      read_list(in, row, s);
+      continue;
+    }
     if (row.derive) row.derive(s);
     const std::string& key = spelling(in, row);
-    if (!in.has(key) && !row.needed) continue;
+    if (!in.has(key) && !is_needed(row, s)) continue;
     row.set(s, read_values(in, key, row, row.limits ? row.limits(s) : row.allowed));
   }
   for (const Row& row : rows) {
-    if (row.holds && !row.holds(s)) throw in.error(row.key, in.raw(row.key), row.holds_text);
+    if (!row.holds || row.holds(s)) continue;
+    const bool is_list = row.kind == Kind::kNumbers || row.kind == Kind::kPoints;
+    const std::string found = is_list ? value_text(row, row.get(s), false) : in.raw(row.key);
+    throw in.error(row.key, found.empty() ? "an empty list" : found, row.holds_text);
   }
 }
 

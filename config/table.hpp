@@ -42,6 +42,9 @@ struct Whole {
   std::int64_t low, high;
 };
 
+/// Says that a row is a list of points.
+struct Points {};
+
 namespace detail {
 
 using Values = std::vector<double>;
@@ -49,7 +52,7 @@ using Values = std::vector<double>;
 /// A row of any struct: values are numbers in the unit of the key, whatever the member is. A
 /// boolean is 0 or 1, a choice the index of its word, an absent optional value no number.
 struct Row {
-  enum class Kind { kNumber, kNumbers, kInteger, kBoolean, kChoice, kSection };
+  enum class Kind { kNumber, kNumbers, kPoints, kInteger, kBoolean, kChoice, kSection, kList };
 
   std::string key;     ///< Of a section "" too: its rows stand among those around it.
   std::string former;  ///< Spelling of earlier versions, still accepted.
@@ -59,20 +62,24 @@ struct Row {
   Range allowed;
   std::string_view text;
   bool needed{false};
-  std::size_t count{1};                 ///< Of kNumbers.
+  std::size_t count{1};                 ///< Of kNumbers, kAnyCount for any; of one of the kPoints.
+  Whole items{};                        ///< Of kList.
   std::vector<std::string_view> words;  ///< Of kChoice.
   std::string default_text;             ///< Says where a derived default comes from.
   std::string allowed_text;             ///< Where `allowed` alone does not tell.
   std::function<Values(const void*)> get;
   std::function<void(void*, const Values&)> set;
-  std::function<void(void*)> derive;         ///< Sets the default from rows above.
-  std::function<Range(const void*)> limits;  ///< Instead of `allowed`, from rows above.
-  std::function<bool(double)> accepts;       ///< Besides the range.
-  std::function<bool(const void*)> holds;    ///< After all rows of the section.
+  std::function<void(void*)> derive;           ///< Sets the default from rows above.
+  std::function<bool(const void*)> needed_if;  ///< Needed where this holds, from rows above.
+  std::function<Range(const void*)> limits;    ///< Instead of `allowed`, from rows above.
+  std::function<bool(double)> accepts;         ///< Besides the range.
+  std::function<bool(const void*)> holds;      ///< After all rows of the section.
   std::string holds_text;
 
   std::function<void*(void*)> at;     ///< Of kSection: the struct inside; null: absent.
   std::function<void*(void*)> renew;  ///< If set: a section that is there begins from zero.
+  std::function<void*(void*)> add;    ///< Of kList: a new struct at its end.
+  std::function<std::vector<void*>(void*)> all;  ///< Of kList: its structs.
   std::vector<Row> rows;
 };
 
@@ -112,7 +119,8 @@ class Row {
   template <class M>
   using MemberOf = std::remove_cvref_t<std::invoke_result_t<const M&, S&>>;
 
-  /// A number, an optional number, or a fixed list of numbers (std::array, Eigen vector).
+  /// A number, an optional number, or a list of numbers: fixed (std::array, Eigen vector) or of any
+  /// length (std::vector).
   template <class M>
   Row(std::string_view key, M member, Unit unit, Range allowed, std::string_view text)
       : Row{key, text, detail::Row::Kind::kNumber} {
@@ -129,6 +137,10 @@ class Row {
           member,
           [f = unit.factor](const T& v) { return v ? detail::Values{*v / f} : detail::Values{}; },
           [f = unit.factor](T& v, const detail::Values& x) { v = x[0] * f; });
+    } else if constexpr (std::same_as<T, detail::Values>) {
+      row_.kind = detail::Row::Kind::kNumbers;
+      row_.count = Section::kAnyCount;
+      bind(member, [](const T& v) { return v; }, [](T& v, const detail::Values& x) { v = x; });
     } else {
       row_.kind = detail::Row::Kind::kNumbers;
       row_.count = static_cast<std::size_t>(T{}.size());
@@ -158,6 +170,14 @@ class Row {
     row_.count = count;
     row_.get = [get](const void* s) { return get(*static_cast<const S*>(s)); };
     row_.set = [set](void* s, const detail::Values& x) { set(*static_cast<S*>(s), x); };
+  }
+
+  /// A list of points, each of three numbers: all of them one after the other.
+  template <std::invocable<const S&> Get, std::invocable<S&, const std::vector<double>&> Set>
+  Row(std::string_view key, Points /*kind*/, Get get, Set set, Unit unit, Range allowed,
+      std::string_view text)
+      : Row{key, 3, get, set, unit, allowed, text} {
+    row_.kind = detail::Row::Kind::kPoints;
   }
 
   /// true or false.
@@ -252,9 +272,33 @@ class Row {
     }
   }
 
+  /// A list of sections, each with the rows of a struct.
+  template <class M, class T>
+    requires std::same_as<MemberOf<M>, std::vector<T>>
+  Row(std::string_view key, M member, const Table<T>& table, Whole items, std::string_view text)
+      : Row{key, text, detail::Row::Kind::kList} {
+    row_.rows = table.rows();
+    row_.items = items;
+    row_.needed = items.low > 0;
+    row_.add = [member](void* s) -> void* {
+      return &std::invoke(member, *static_cast<S*>(s)).emplace_back();
+    };
+    row_.all = [member](void* s) {
+      std::vector<void*> all;
+      for (T& item : std::invoke(member, *static_cast<S*>(s))) all.push_back(&item);
+      return all;
+    };
+  }
+
   /// The key must be there.
   Row needed() && {
     row_.needed = true;
+    return std::move(*this);
+  }
+  /// The key must be there where rows above say so; `when` is "with the model cells".
+  Row needed_if(const std::string& when, std::function<bool(const S&)> holds) && {
+    row_.default_text = "needed " + when;
+    row_.needed_if = [holds](const void* s) { return holds(*static_cast<const S*>(s)); };
     return std::move(*this);
   }
   /// A spelling of earlier versions, still accepted.

@@ -30,6 +30,9 @@ struct Settings {
   Gains gains{3.0, 1.0};
   std::optional<Curve> curve;
   double period_s{0.02};
+  std::vector<double> levels;
+  std::vector<double> corners;  ///< x, y, z of each
+  std::vector<Curve> curves;
 };
 
 Table<Settings> table() {
@@ -64,7 +67,14 @@ Table<Settings> table() {
       {"curve", &S::curve, curve, "measured"},
       R{"rate_Hz", [](const S& s) { return 1.0 / s.period_s; },
         [](S& s, double rate) { s.period_s = 1.0 / rate; }, "Hz", Range::positive(), "how often"}
-          .only("any number but 13", [](double v) { return v != 13.0; })};
+          .only("any number but 13", [](double v) { return v != 13.0; }),
+      R{"levels", &S::levels, "m", Range::positive(), "rising"}
+          .needed_if("with the shape square", [](const S& s) { return s.shape == Shape::kSquare; })
+          .must("two or more", [](const S& s) { return s.levels.size() != 1; }),
+      {"corners", Points{}, [](const S& s) { return s.corners; },
+       [](S& s, const std::vector<double>& values) { s.corners = values; }, "m",
+       Range::between(-5.0, 5.0), "of the area"},
+      {"curves", &S::curves, curve, Whole{0, 2}, "of each phase"}};
 }
 
 Settings read(const std::string& text) {
@@ -97,7 +107,8 @@ TEST(Table, ReadsEveryKind) {
   const Settings s = read(
       "motion: {tilt_deg: 45, slow_m_s: 3}\n"
       "position_W_m: [4, 5, 6]\ncount: 7\nenabled: false\nshape: square\ndeclination_deg: 90\n"
-      "gains: {kp: 2}\ncurve: {a: 1, b: 2}\nrate_Hz: 4\n");
+      "gains: {kp: 2}\ncurve: {a: 1, b: 2}\nrate_Hz: 4\nlevels: [1, 2]\n"
+      "corners: [[1, 2, 3], [4, 5, -5]]\ncurves: [{a: 1, b: 2}, {a: 3, b: 4}]\n");
   EXPECT_DOUBLE_EQ(s.tilt_rad, 0.78539816339744831);
   EXPECT_EQ(s.fast_m_s, 7.5) << "derived from what was read";
   EXPECT_EQ(s.position_m[2], 6.0);
@@ -109,6 +120,10 @@ TEST(Table, ReadsEveryKind) {
   EXPECT_EQ(s.gains.ki, 0.0) << "gains that are there begin from 0";
   EXPECT_EQ(s.curve->b, 2.0);
   EXPECT_EQ(s.period_s, 0.25);
+  EXPECT_EQ(s.levels, (std::vector<double>{1.0, 2.0}));
+  EXPECT_EQ(s.corners, (std::vector<double>{1.0, 2.0, 3.0, 4.0, 5.0, -5.0}));
+  ASSERT_EQ(s.curves.size(), 2U);
+  EXPECT_EQ(s.curves[1].b, 4.0);
 }
 
 TEST(Table, RefusalsNameFileLineKeyFoundAndAllowed) {
@@ -126,6 +141,15 @@ TEST(Table, RefusalsNameFileLineKeyFoundAndAllowed) {
   EXPECT_EQ(refusal("motion: {slow_m_s: 8, fast_m_s: 8}"),
             "file.yaml:1: motion.slow_m_s: found 8, allowed less than fast_m_s");
   EXPECT_EQ(refusal("rate_Hz: 13"), "file.yaml:1: rate_Hz: found 13, allowed any number but 13");
+  EXPECT_EQ(refusal("shape: square"),
+            "file.yaml:1: levels: found nothing, allowed a list of numbers, each a number > 0");
+  EXPECT_EQ(refusal("levels: [3]"), "file.yaml:1: levels: found [3], allowed two or more");
+  EXPECT_EQ(refusal("corners: [[1, 2, 6]]"),
+            "file.yaml:1: corners.0.2: found 6, allowed a number from -5 to 5");
+  EXPECT_EQ(refusal("curves: [{a: 1, b: 2}, {a: 1}]"),
+            "file.yaml:1: curves.1.b: found nothing, allowed a number > 0");
+  EXPECT_EQ(refusal("curves: [{}, {}, {}]"),
+            "file.yaml:1: curves: found 3 entries, allowed 0 to 2");
   EXPECT_NE(refusal("motion: {tilt: 1}").find("motion.tilt: found an unknown key"),
             std::string::npos);
 }
@@ -142,7 +166,9 @@ TEST(Table, FormerSpellingIsAcceptedAndTheLaterOneCounts) {
 }
 
 TEST(Table, WrittenFileReadsBackToTheBit) {
-  Settings s = read("motion: {tilt_deg: 33.3, slow_m_s: 0.7}\nshape: square\ngains: {kp: 0.1}\n");
+  Settings s = read(
+      "motion: {tilt_deg: 33.3, slow_m_s: 0.7}\nshape: square\nlevels: [0.1, 3]\n"
+      "gains: {kp: 0.1}\ncorners: [[1, 0.1, 2], [3, 4, 5]]\ncurves: [{a: 0.3, b: 2}]\n");
   s.declination_rad = 0.1;
   s.curve = Curve{1.0 / 3.0, 2.0};
   const Settings again = read(table().write(s));
@@ -151,6 +177,10 @@ TEST(Table, WrittenFileReadsBackToTheBit) {
   EXPECT_EQ(again.fast_m_s, s.fast_m_s);
   EXPECT_EQ(again.curve->a, s.curve->a);
   EXPECT_EQ(again.shape, s.shape);
+  EXPECT_EQ(again.levels, s.levels);
+  EXPECT_EQ(again.corners, s.corners);
+  ASSERT_EQ(again.curves.size(), 1U);
+  EXPECT_EQ(again.curves[0].a, 0.3);
 }
 
 TEST(Table, CommentedFileLoadsToTheDefaultsAndLeavesDerivedOnesDerived) {
@@ -170,6 +200,10 @@ TEST(Table, PageListsEveryKey) {
   }
   EXPECT_NE(page.find("| `tilt_deg` | 28.6479 | deg | from 1 to 60 | largest tilt |"),
             std::string::npos);
+  EXPECT_NE(page.find("| `curves[].a` | needed | V | > 0 |"), std::string::npos);
+  EXPECT_NE(page.find("| `levels` | needed with the shape square | m | numbers, each > 0 | rising; "
+                      "two or more |"),
+            std::string::npos);
   EXPECT_NE(page.find("former spelling `position_N_m`"), std::string::npos);
 }
 
@@ -187,7 +221,7 @@ TEST(Table, SingleParametersAreFoundByTheirPath) {
   }
   EXPECT_DOUBLE_EQ(s.tilt_rad, 0.52359877559829882);
   EXPECT_EQ(keys.front(), "motion.tilt_deg");
-  EXPECT_EQ(keys.size(), 13U);
+  EXPECT_EQ(keys.size(), 15U) << "entries of a list are no single parameters";
 }
 
 }  // namespace

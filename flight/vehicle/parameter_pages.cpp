@@ -5,7 +5,7 @@
 #include "autonomy/fixedwing/config.hpp"
 #include "autonomy/multirotor/config.hpp"
 #include "config/table.hpp"
-#include "sim/environment/environment_parameters.hpp"
+#include "sim/parameter_tables.hpp"
 #include "sim/sensors/presets.hpp"
 #include "sim/sensors/read_config.hpp"
 
@@ -44,6 +44,19 @@ std::string autonomy_page() {
 std::string vehicle_page() {
   return "# Keys of a vehicle file\n\n" + kMade +
          "The other sections: `vehicles/README.md`, `docs/autonomy-keys.md`.\n" +
+         keys("Section `body`", "`sim/dynamics/read_body.cpp`.", sim::body_parameters()) +
+         keys("Section `rotors`", "`sim/multirotor/read_multirotor.cpp`.",
+              sim::rotor_parameters()) +
+         keys("Section `battery`", "`sim/multirotor/read_multirotor.cpp`.",
+              sim::battery_parameters()) +
+         keys("Section `aero` of a multirotor", "`sim/multirotor/read_multirotor.cpp`.",
+              sim::aero_parameters()) +
+         keys("Section `aero` of a fixed wing",
+              "`sim/fixedwing/read_fixedwing.cpp`; the equations: `docs/design/physics.md`.",
+              sim::airframe_parameters()) +
+         keys("Section `surfaces` of a fixed wing", "`sim/fixedwing/read_fixedwing.cpp`.",
+              sim::surface_parameters()) +
+         keys("Section `ground`", "`sim/dynamics/read_ground.cpp`.", sim::ground_parameters()) +
          keys("Section `environment`",
               "`sim/environment/environment.cpp`. `start_utc`, such as 2026-06-01T12:00:00Z, is "
               "needed too.",

@@ -11,37 +11,6 @@ namespace {
 constexpr double kLeastHeading = 0.1;
 }  // namespace
 
-GroundParameters read_ground(const config::Section& section) {
-  using config::Range;
-  GroundParameters p;
-  p.model =
-      section.choice<GroundModel>("model", {{"contact", GroundModel::kContact},
-                                            {"frictionless_plane", GroundModel::kFrictionlessPlane},
-                                            {"none", GroundModel::kNone}});
-  // The rest is checked whatever the model, so that another model can be chosen from the command
-  // line alone.
-  if (p.model == GroundModel::kContact || section.has("contacts_m")) {
-    for (const auto& row : section.rows("contacts_m", 3, Range::between(-20.0, 20.0))) {
-      p.contacts_B.emplace_back(row[0], row[1], row[2]);
-    }
-    if (p.contacts_B.empty()) throw section.error("contacts_m", "no points", "one or more");
-    p.stiffness_N_m = section.number("stiffness_N_m", Range::positive_up_to(1e7));
-    p.damping_N_s_m = section.number("damping_N_s_m", Range::between(0.0, 1e6));
-    p.friction_stiffness_N_m = section.number("friction_stiffness_N_m", Range::positive_up_to(1e7));
-    p.friction_damping_N_s_m = section.number("friction_damping_N_s_m", Range::between(0.0, 1e6));
-    p.friction = section.number("friction", Range::between(0.0, 10.0));
-    if (section.has("wheels_m")) {
-      for (const auto& row : section.rows("wheels_m", 3, Range::between(-20.0, 20.0))) {
-        p.contacts_B.emplace_back(row[0], row[1], row[2]);
-        ++p.wheels;
-      }
-      p.rolling_friction = section.number("rolling_friction", Range::between(0.0, 10.0));
-    }
-  }
-  section.finish();
-  return p;
-}
-
 GroundContact::GroundContact(const GroundParameters& parameters)
     : parameters_{parameters}, anchors_(parameters.contacts_B.size()) {
   for (const auto& p : parameters_.contacts_B) reach_m_ = std::max(reach_m_, p.norm());

@@ -1,28 +1,56 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Eigenvalues>
 
-#include "sim/dynamics/rigid_body.hpp"
+#include "config/table.hpp"
+#include "sim/parameter_tables.hpp"
 
 namespace rosflight::sim {
 namespace {
+
+using config::Range;
+using config::Row;
+using config::Table;
+
 /// Error of a measured moment of inertia. The Anaconda of ROSflight 2.x is 1.6 % beyond the
 /// possible.
 constexpr double kMeasured = 0.02;
+
+using B = BodyParameters;
+
+Row<B> moment(std::string_view key, int i) {
+  return Row<B>{key, [i](B& b) -> double& { return b.inertia_kg_m2(i, i); }, "kg m^2",
+                Range::positive_up_to(1e6), ""}
+      .needed();
+}
+
+Row<B> product(std::string_view key, int i, int k) {
+  return {key,
+          [i, k](const B& b) { return b.inertia_kg_m2(i, k); },
+          [i, k](B& b, double v) { b.inertia_kg_m2(i, k) = b.inertia_kg_m2(k, i) = v; },
+          "kg m^2",
+          Range::between(-1e6, 1e6),
+          "element of the matrix: minus the integral over mass"};
+}
+
 }  // namespace
 
+Table<BodyParameters> body_parameters() {
+  using R = Row<B>;
+  const Table<B> inertia{moment("xx", 0),     moment("yy", 1),     moment("zz", 2),
+                         product("xy", 0, 1), product("xz", 0, 2), product("yz", 1, 2)};
+  return {R{"mass_kg", &B::mass_kg, "kg", Range::positive_up_to(1e5), ""}.needed(),
+          R{"inertia_kg_m2", [](B& b) -> B& { return b; }, inertia}.needed(),
+          {"integration",
+           &B::integration,
+           {{"rk4", Integration::kRk4}, {"frozen_forces", Integration::kFrozenForces}},
+           "frozen_forces: as ROSflight 2.x"},
+          {"longest_step_s", &B::max_step_s, "s", Range::between(1e-4, 0.1),
+           "longer steps are split evenly"}};
+}
+
 BodyParameters read_body(const config::Section& section) {
-  using config::Range;
   BodyParameters p;
-  p.mass_kg = section.number("mass_kg", Range::positive_up_to(1e5));
-  const config::Section j = section.section("inertia_kg_m2");
-  const Range product = Range::between(-1e6, 1e6);
-  const double xx = j.number("xx", Range::positive_up_to(1e6));
-  const double yy = j.number("yy", Range::positive_up_to(1e6));
-  const double zz = j.number("zz", Range::positive_up_to(1e6));
-  const double xy = j.number("xy", product, 0.0);
-  const double xz = j.number("xz", product, 0.0);
-  const double yz = j.number("yz", product, 0.0);
-  p.inertia_kg_m2 << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+  body_parameters().read(section, p);
   const Vector3 principal = Eigen::SelfAdjointEigenSolver<Matrix3>(p.inertia_kg_m2).eigenvalues();
   // Ascending; a flat plate reaches equality, and measured ones of an airplane, nearly a plate, may
   // pass it.
@@ -33,10 +61,6 @@ BodyParameters read_body(const config::Section& section) {
                             config::number_text(principal.z()),
                         "positive ones, none more than 2 % above the sum of the others");
   }
-  p.integration = section.choice<Integration>(
-      "integration", {{"rk4", Integration::kRk4}, {"frozen_forces", Integration::kFrozenForces}},
-      Integration::kRk4);
-  p.max_step_s = section.number("longest_step_s", Range::between(1e-4, 0.1), p.max_step_s);
   section.finish();
   return p;
 }

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "config/table.hpp"
-#include "sim/environment/environment_parameters.hpp"
+#include "sim/parameter_tables.hpp"
 #include "sim/environment/magnetic_model.hpp"
 
 namespace rosflight::sim {

@@ -1,92 +1,148 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <string>
 
-#include "base/constants.hpp"
-#include "sim/fixedwing/fixedwing.hpp"
+#include "config/table.hpp"
+#include "sim/parameter_tables.hpp"
 
 namespace rosflight::sim {
 namespace {
 
+using config::kDeg;
+using config::kDegPerS;
 using config::Range;
+using config::Row;
 using config::Section;
-
-using base::kRadPerDeg;
-constexpr Range kDerivative = Range::between(-1000.0, 1000.0);
+using config::Table;
+using config::Whole;
 
 /// Every derivative must be there: a missing one is a slip, not a zero.
-double derivative(const Section& section, std::string_view key) {
-  return section.number(key, kDerivative);
+template <class S>
+Row<S> derivative(std::string_view key, double S::*member, std::string_view text = {}) {
+  return Row<S>{key, member, "", Range::between(-1000.0, 1000.0), text}.needed();
 }
 
-SymmetricDerivatives read_symmetric(const Section& s) {
-  return {derivative(s, "zero"), derivative(s, "alpha"), derivative(s, "q"),
-          derivative(s, "elevator")};
+Table<SymmetricDerivatives> symmetric_table() {
+  using D = SymmetricDerivatives;
+  return {derivative("zero", &D::zero), derivative("alpha", &D::alpha, "per radian"),
+          derivative("q", &D::q, "by q c/2V"),
+          derivative("elevator", &D::elevator, "per radian, trailing edge down")};
 }
 
-LateralDerivatives read_lateral(const Section& s) {
-  return {derivative(s, "zero"), derivative(s, "beta"),    derivative(s, "p"),
-          derivative(s, "r"),    derivative(s, "aileron"), derivative(s, "rudder")};
+Table<SymmetricDerivatives> lift_table() {
+  using D = SymmetricDerivatives;
+  return {derivative("zero", &D::zero),
+          derivative("alpha", &D::alpha, "per radian")
+              .must("a number > 0", [](const D& d) { return d.alpha > 0.0; }),
+          derivative("q", &D::q, "by q c/2V"),
+          derivative("elevator", &D::elevator, "per radian, trailing edge down")};
 }
 
-DragDerivatives read_drag(const Section& s) {
-  return {s.number("parasitic", Range::between(0.0, 10.0)), derivative(s, "q"),
-          derivative(s, "elevator")};
+Table<DragDerivatives> drag_table() {
+  using D = DragDerivatives;
+  return {
+      Row<D>{"parasitic", &D::parasitic, "", Range::between(0.0, 10.0), "without lift"}.needed(),
+      derivative("q", &D::q, "by q c/2V"), derivative("elevator", &D::elevator, "per radian")};
 }
 
-std::vector<SurfaceParameters> read_layout(const Section& surfaces,
-                                           const MultirotorParameters& propulsion) {
-  const auto list = surfaces.sections("layout");
-  if (list.empty() || list.size() > hal::kOutputs) {
-    throw surfaces.error("layout", std::to_string(list.size()) + " surfaces",
-                         "1 to " + std::to_string(hal::kOutputs));
-  }
-  std::vector<SurfaceParameters> all;
+Table<LateralDerivatives> lateral_table() {
+  using D = LateralDerivatives;
+  return {derivative("zero", &D::zero),
+          derivative("beta", &D::beta, "per radian"),
+          derivative("p", &D::p, "by p b/2V"),
+          derivative("r", &D::r, "by r b/2V"),
+          derivative("aileron", &D::aileron, "per radian"),
+          derivative("rudder", &D::rudder, "per radian")};
+}
+
+Table<AirframeParameters> wing_table() {
+  using A = AirframeParameters;
+  using R = Row<A>;
+  return {R{"area_m2", &A::area_m2, "m^2", Range::positive_up_to(1e4), ""}.needed(),
+          R{"span_m", &A::span_m, "m", Range::positive_up_to(1e3), ""}.needed(),
+          R{"chord_m", &A::chord_m, "m", Range::positive_up_to(1e2), "mean"}.needed(),
+          R{"oswald", &A::oswald, "", Range::positive_up_to(1.5), "efficiency"}.needed()};
+}
+
+Table<AirframeParameters> stall_table() {
+  using A = AirframeParameters;
+  using R = Row<A>;
+  return {R{"angle_deg", &A::stall_angle_rad, kDeg, Range::positive_up_to(90.0), ""}.needed(),
+          R{"sharpness_1_rad", &A::stall_sharpness, "1/rad", Range::positive_up_to(1000.0),
+            "of the change from attached to separated flow"}
+              .needed()};
+}
+
+Table<SurfaceParameters> surface_table() {
+  using P = SurfaceParameters;
+  using R = Row<P>;
+  const auto effect = [](int i) { return [i](P& p) -> double& { return p.effect(i); }; };
   const Range share = Range::between(-10.0, 10.0);
-  for (const Section& entry : list) {
-    SurfaceParameters surface;
-    surface.output = static_cast<std::size_t>(entry.integer("output", 0, hal::kOutputs - 1));
+  return {
+      R{"output", &P::output, "", Whole{0, hal::kOutputs - 1},
+        "of the firmware, drives it; each output once, rotors included"}
+          .needed(),
+      R{"travel_deg", &P::travel_rad, kDeg, Range::positive_up_to(90.0), "at either end"}.needed(),
+      R{"aileron", effect(0), "", share, "that a deflection of 1 amounts to"}.if_absent("0"),
+      R{"elevator", effect(1), "", share, "likewise"}.if_absent("0"),
+      R{"rudder", effect(2), "", share, "likewise; one of the three is not 0"}.if_absent("0")};
+}
+
+void check_layout(const Section& surfaces, const FixedWingParameters& p) {
+  const auto layout = surfaces.sections("layout");
+  for (std::size_t i = 0; i < layout.size(); ++i) {
+    const std::size_t output = p.surfaces[i].output;
     bool taken = false;
-    for (const auto& other : all) taken = taken || other.output == surface.output;
-    for (const auto& rotor : propulsion.rotors) taken = taken || rotor.output == surface.output;
+    for (std::size_t k = 0; k < i; ++k) taken = taken || p.surfaces[k].output == output;
+    for (const auto& rotor : p.propulsion.rotors) taken = taken || rotor.output == output;
     if (taken) {
-      throw entry.error("output", entry.raw("output") + " again",
-                        "each output once, rotors included");
+      throw layout[i].error("output", layout[i].raw("output") + " again",
+                            "each output once, rotors included");
     }
-    surface.travel_rad = kRadPerDeg * entry.number("travel_deg", Range::positive_up_to(90.0));
-    surface.effect = {entry.number("aileron", share, 0.0), entry.number("elevator", share, 0.0),
-                      entry.number("rudder", share, 0.0)};
-    if (surface.effect.isZero(0.0)) {
-      throw entry.error("no effect", "aileron, elevator or rudder other than 0");
-    }
-    all.push_back(surface);
+    if (p.surfaces[i].effect.isZero(0.0))
+      throw layout[i].error("no effect", "aileron, elevator or rudder other than 0");
   }
-  return all;
 }
 
 }  // namespace
 
+Table<AirframeParameters> airframe_parameters() {
+  using A = AirframeParameters;
+  using R = Row<A>;
+  const auto self = [](A& a) -> A& { return a; };
+  return {{"model",
+           &A::model,
+           {{"stall", AeroModel::kStall}, {"reference", AeroModel::kReference}},
+           "reference: as ROSflight 2.x"},
+          R{"wing", self, wing_table()}.needed(),
+          R{"stall", self, stall_table()}.needed(),
+          R{"lift", &A::lift, lift_table()}.needed(),
+          R{"drag", &A::drag, drag_table()}.needed(),
+          R{"pitch", &A::pitch, symmetric_table()}.needed(),
+          R{"side", &A::side, lateral_table()}.needed(),
+          R{"roll", &A::roll, lateral_table()}.needed(),
+          R{"yaw", &A::yaw, lateral_table()}.needed()};
+}
+
+Table<FixedWingParameters> surface_parameters() {
+  using P = FixedWingParameters;
+  using R = Row<P>;
+  // Shorter time constants need smaller steps than 2.5 ms.
+  return {R{"time_constant_s", &P::servo_time_constant_s, "s", Range::between(0.0, 1.0),
+            "of every servo; 0: deflections follow at once"}
+              .needed()
+              .only("0 or a number from 0.002 to 1",
+                    [](double tau) { return tau == 0.0 || tau >= 0.002; }),
+          R{"rate_limit_deg_s", &P::servo_rate_limit_rad_s, kDegPerS, Range::positive_up_to(1e5),
+            "of every servo"}
+              .needed(),
+          {"layout", &P::surfaces, surface_table(), Whole{1, hal::kOutputs},
+           "one entry per surface. An inverted V-tail: -1 and 1 as elevator, 1 and 1 as rudder; "
+           "elevons: elevator and aileron"}};
+}
+
 AirframeParameters read_airframe(const Section& section) {
   AirframeParameters p;
-  p.model = section.choice<AeroModel>(
-      "model", {{"stall", AeroModel::kStall}, {"reference", AeroModel::kReference}},
-      AeroModel::kStall);
-  const Section wing = section.section("wing");
-  p.area_m2 = wing.number("area_m2", Range::positive_up_to(1e4));
-  p.span_m = wing.number("span_m", Range::positive_up_to(1e3));
-  p.chord_m = wing.number("chord_m", Range::positive_up_to(1e2));
-  p.oswald = wing.number("oswald", Range::positive_up_to(1.5));
-  const Section stall = section.section("stall");
-  p.stall_angle_rad = kRadPerDeg * stall.number("angle_deg", Range::positive_up_to(90.0));
-  p.stall_sharpness = stall.number("sharpness_1_rad", Range::positive_up_to(1000.0));
-  p.lift = read_symmetric(section.section("lift"));
-  if (!(p.lift.alpha > 0.0))
-    throw section.section("lift").error("alpha", config::number_text(p.lift.alpha), "a number > 0");
-  p.drag = read_drag(section.section("drag"));
-  p.pitch = read_symmetric(section.section("pitch"));
-  p.side = read_lateral(section.section("side"));
-  p.roll = read_lateral(section.section("roll"));
-  p.yaw = read_lateral(section.section("yaw"));
+  airframe_parameters().read(section, p);
   section.finish();
   return p;
 }
@@ -96,14 +152,8 @@ FixedWingParameters read_fixed_wing(const Section& vehicle) {
   p.propulsion = read_propulsion(vehicle);
   p.airframe = read_airframe(vehicle.section("aero"));
   const Section surfaces = vehicle.section("surfaces");
-  p.servo_time_constant_s = surfaces.number("time_constant_s", Range::between(0.0, 1.0));
-  // Shorter ones need smaller steps than 2.5 ms.
-  if (p.servo_time_constant_s > 0.0 && p.servo_time_constant_s < 0.002)
-    throw surfaces.error("time_constant_s", surfaces.raw("time_constant_s"),
-                         "0 or a number from 0.002 to 1");
-  p.servo_rate_limit_rad_s =
-      kRadPerDeg * surfaces.number("rate_limit_deg_s", Range::positive_up_to(1e5));
-  p.surfaces = read_layout(surfaces, p.propulsion);
+  surface_parameters().read(surfaces, p);
+  check_layout(surfaces, p);
   surfaces.finish();
   const std::size_t states = p.propulsion.rotors.size() + 1 + p.surfaces.size();
   if (states > ForcesAndMoments::kMaxStates) {

@@ -1,154 +1,181 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "config/table.hpp"
 #include "sim/modules.hpp"
-#include "sim/multirotor/multirotor_parameters.hpp"
+#include "sim/parameter_tables.hpp"
 
 namespace rosflight::sim {
 namespace {
 
 using config::Range;
+using config::Row;
 using config::Section;
+using config::Table;
+using config::Whole;
 
 const Range kCoefficient = Range::between(-1.0, 1.0);
 
-template <std::size_t N>
-std::array<double, N> fixed(const std::vector<double>& values) {
-  std::array<double, N> out{};
-  std::copy_n(values.begin(), N, out.begin());
-  return out;
+bool first_is_positive(const std::array<double, 3>& coefficients) {
+  return coefficients[0] > 0.0;
 }
 
-Vector3 vector3(const Section& section, std::string_view key, Range range) {
-  const auto v = section.numbers(key, 3, range);
-  return {v[0], v[1], v[2]};
+Table<RotorParameters> rotor_table() {
+  using P = RotorParameters;
+  using R = Row<P>;
+  return {
+      R{"output", &P::output, "", Whole{0, hal::kOutputs - 1},
+        "of the firmware, drives it; each output once"}
+          .needed(),
+      R{"position_m", &P::p_B, "m", Range::between(-20.0, 20.0), "hub, from the centre of mass"}
+          .needed(),
+      // Written with few decimals; anything farther from a unit vector is a slip.
+      R{"thrust_direction", &P::e_B, "", Range::between(-1.0, 1.0), "(0, 0, -1): upright"}
+          .needed()
+          .must("a unit vector", [](const P& p) { return std::abs(p.e_B.norm() - 1.0) <= 1e-3; }),
+      R{"spin", &P::spin, "", Range::between(-1.0, 1.0),
+        "its drag turns the body along spin times thrust direction: -1 on an upright rotor "
+        "turns the nose right"}
+          .needed()
+          .only("-1 or 1", [](double spin) { return std::abs(spin) == 1.0; })};
 }
 
-std::vector<RotorParameters> read_layout(const Section& rotors) {
-  const auto list = rotors.sections("layout");
-  if (list.empty() || list.size() > kMaxRotors) {
-    throw rotors.error("layout", std::to_string(list.size()) + " rotors",
-                       "1 to " + std::to_string(kMaxRotors));
-  }
-  std::vector<RotorParameters> all;
-  for (const Section& entry : list) {
-    RotorParameters r;
-    r.output = static_cast<std::size_t>(entry.integer("output", 0, hal::kOutputs - 1));
-    for (const auto& other : all) {
-      if (other.output == r.output)
-        throw entry.error("output", entry.raw("output") + " again", "each output once");
-    }
-    r.p_B = vector3(entry, "position_m", Range::between(-20.0, 20.0));
-    const Vector3 direction = vector3(entry, "thrust_direction", Range::between(-1.0, 1.0));
-    // Written with few decimals; anything farther from a unit vector is a slip.
-    if (std::abs(direction.norm() - 1.0) > 1e-3) {
-      throw entry.error("thrust_direction",
-                        "a vector of length " + config::number_text(direction.norm()),
-                        "a unit vector");
-    }
-    r.e_B = direction.normalized();
-    r.spin = static_cast<double>(entry.integer("spin", -1, 1));
-    if (r.spin == 0.0) throw entry.error("spin", "0", "-1 or 1");
-    all.push_back(r);
-  }
-  return all;
+Table<PropellerParameters> propeller_table() {
+  using P = PropellerParameters;
+  using R = Row<P>;
+  return {R{"diameter_m", &P::diameter_m, "m", Range::positive_up_to(5.0), ""}.needed(),
+          R{"thrust_coefficients", &P::thrust, "", kCoefficient,
+            "polynomial in the advance ratio, constant first"}
+              .needed()
+              .must("a first one > 0", [](const P& p) { return first_is_positive(p.thrust); }),
+          R{"torque_coefficients", &P::torque, "", kCoefficient,
+            "polynomial in the advance ratio, constant first"}
+              .needed()
+              .must("a first one > 0", [](const P& p) { return first_is_positive(p.torque); }),
+          R{"inertia_kg_m2", &P::inertia_kg_m2, "kg m^2", Range::positive_up_to(10.0),
+            "with the motor's bell"}
+              .if_absent("needed with motor.model electrical"),
+          {"descent_limit", &P::descent_limit, "", Range::between(0.0, 1.0),
+           "advance ratio below which thrust grows no more in descent (vortex ring)"}};
 }
 
-PropellerParameters read_propeller(const Section& section, bool needs_inertia) {
-  PropellerParameters p;
-  p.diameter_m = section.number("diameter_m", Range::positive_up_to(5.0));
-  p.thrust = fixed<3>(section.numbers("thrust_coefficients", 3, kCoefficient));
-  p.torque = fixed<3>(section.numbers("torque_coefficients", 3, kCoefficient));
-  if (p.thrust[0] <= 0.0)
-    throw section.error("thrust_coefficients", config::number_text(p.thrust[0]), "a first one > 0");
-  if (p.torque[0] <= 0.0)
-    throw section.error("torque_coefficients", config::number_text(p.torque[0]), "a first one > 0");
-  const Range inertia = Range::positive_up_to(10.0);
-  p.inertia_kg_m2 = needs_inertia ? section.number("inertia_kg_m2", inertia)
-                                  : section.number("inertia_kg_m2", inertia, 0.0);
-  p.descent_limit = section.number("descent_limit", Range::between(0.0, 1.0), p.descent_limit);
-  return p;
-}
-
-MotorParameters read_motor(const Section& section) {
-  MotorParameters m;
-  m.model = section.choice<MotorModel>("model", {{"electrical", MotorModel::kElectrical},
-                                                 {"first_order", MotorModel::kFirstOrder},
-                                                 {"instant", MotorModel::kInstant}});
-  m.torque_constant_Nm_A = section.number("torque_constant_Nm_A", Range::positive_up_to(10.0));
-  m.resistance_ohm = section.number("resistance_ohm", Range::positive_up_to(100.0));
-  m.no_load_current_A = section.number("no_load_current_A", Range::between(0.0, 100.0));
-  const Range time = Range::between(0.002, 10.0);  // shorter ones need smaller steps than 2.5 ms
-  if (m.model == MotorModel::kFirstOrder) {
-    m.time_constant_s = section.number("time_constant_s", time);
-  } else {
-    section.number("time_constant_s", time, 0.05);
-  }
-  m.current_limit_A =
-      section.number("current_limit_A", Range::positive_up_to(1e4), m.current_limit_A);
-  m.active_braking = section.boolean("active_braking", m.active_braking);
-  return m;
-}
-
-BatteryParameters read_battery(const Section& section) {
-  enum class Model { kCell, kConstant };
-  BatteryParameters b;
-  b.constant = section.choice<Model>("model", {{"cells", Model::kCell},
-                                               {"constant", Model::kConstant}}) == Model::kConstant;
-  b.avionics_current_A = section.number("avionics_current_A", Range::between(0.0, 100.0), 0.0);
-  b.constant_voltage_V = section.number("constant_voltage_V", Range::positive_up_to(1000.0), 0.0);
-  if (b.constant && b.constant_voltage_V == 0.0)
-    throw section.error("constant_voltage_V", "nothing", "a number > 0");
-  if (!b.constant || section.has("cells")) {
-    b.cells = static_cast<double>(section.integer("cells", 1, 100));
-    b.capacity_As = 3600.0 * section.number("capacity_Ah", Range::positive_up_to(1e4));
-    b.initial_charge = section.number("initial_charge", Range::between(0.0, 1.0), b.initial_charge);
-    b.resistance_ohm = section.number("resistance_ohm", Range::between(0.0, 10.0));
-    b.open_circuit_cell_V =
-        section.numbers("open_circuit_cell_V", Section::kAnyCount, Range::positive_up_to(10.0));
-    if (b.open_circuit_cell_V.size() < 2) {
-      throw section.error("open_circuit_cell_V",
-                          std::to_string(b.open_circuit_cell_V.size()) + " values", "two or more");
-    }
-  }
-  return b;
-}
-
-AeroParameters read_aero(const Section& section) {
-  AeroParameters a;
-  a.drag_area_m2 = vector3(section, "drag_area_m2", Range::between(0.0, 100.0));
-  a.rotor_drag_s_m = section.number("rotor_drag_s_m", Range::between(0.0, 1.0), 0.0);
-  a.ground_effect = section.choice<GroundEffect>(
-      "ground_effect", {{"none", GroundEffect::kNone},
-                        {"cheeseman_bennett", GroundEffect::kCheesemanBennett},
-                        {"polynomial", GroundEffect::kPolynomial}});
-  if (a.ground_effect == GroundEffect::kPolynomial) {
-    a.ground_effect_polynomial =
-        fixed<5>(section.numbers("ground_effect_polynomial", 5, Range::any()));
-  }
-  return a;
+Table<MotorParameters> motor_table() {
+  using M = MotorParameters;
+  using R = Row<M>;
+  return {
+      R{"model",
+        &M::model,
+        {{"electrical", MotorModel::kElectrical},
+         {"first_order", MotorModel::kFirstOrder},
+         {"instant", MotorModel::kInstant}},
+        "instant: as ROSflight 2.x, with a constant battery"}
+          .needed(),
+      R{"torque_constant_Nm_A", &M::torque_constant_Nm_A, "N m/A", Range::positive_up_to(10.0),
+        "60/(2 pi KV)"}
+          .needed(),
+      R{"resistance_ohm", &M::resistance_ohm, "ohm", Range::positive_up_to(100.0),
+        "winding, speed controller and leads"}
+          .needed(),
+      R{"no_load_current_A", &M::no_load_current_A, "A", Range::between(0.0, 100.0), ""}.needed(),
+      // Shorter ones need smaller steps than 2.5 ms.
+      R{"time_constant_s", &M::time_constant_s, "s", Range::between(0.002, 10.0),
+        "of the model first_order only"}
+          .needed_if("with the model first_order",
+                     [](const M& m) { return m.model == MotorModel::kFirstOrder; }),
+      R{"current_limit_A", &M::current_limit_A, "A", Range::positive_up_to(1e4), ""}.if_absent(
+          "none"),
+      {"active_braking", &M::active_braking,
+       "the speed controller may push the rotor below its speed without load"}};
 }
 
 }  // namespace
+
+Table<MultirotorParameters> rotor_parameters() {
+  using M = MultirotorParameters;
+  using R = Row<M>;
+  return {{"layout", &M::rotors, rotor_table(), Whole{1, kMaxRotors}, "one entry per rotor"},
+          {"flow",
+           &M::flow,
+           {{"hub", RotorFlow::kHub},
+            {"reference", RotorFlow::kReference},
+            {"airspeed", RotorFlow::kAirspeed}},
+           "air that a rotor meets. hub: at each rotor; reference: at the centre of mass, as "
+           "multirotors of ROSflight 2.x; airspeed: whatever its direction, as its fixed wings"},
+          R{"motor", &M::motor, motor_table()}.needed(),
+          R{"propeller", &M::propeller, propeller_table()}.needed()};
+}
+
+Table<BatteryParameters> battery_parameters() {
+  using B = BatteryParameters;
+  using R = Row<B>;
+  const std::string when = "with the model cells";
+  const auto cells = [](const B& b) { return !b.constant || b.cells > 0.0; };
+  return {
+      R{"model",
+        &B::constant,
+        {{"cells", false}, {"constant", true}},
+        "constant: a source without resistance and end"}
+          .needed(),
+      {"avionics_current_A", &B::avionics_current_A, "A", Range::between(0.0, 100.0),
+       "drawn besides the motors"},
+      R{"constant_voltage_V", &B::constant_voltage_V, "V", Range::positive_up_to(1000.0), ""}
+          .needed_if("with the model constant", [](const B& b) { return b.constant; }),
+      R{"cells", &B::cells, "", Whole{1, 100}, "in series"}.needed_if(
+          when, [](const B& b) { return !b.constant; }),
+      R{"capacity_Ah", &B::capacity_As, config::Unit{"Ah", 3600.0}, Range::positive_up_to(1e4), ""}
+          .needed_if(when, cells),
+      {"initial_charge", &B::initial_charge, "", Range::between(0.0, 1.0),
+       "fraction of the capacity"},
+      R{"resistance_ohm", &B::resistance_ohm, "ohm", Range::between(0.0, 10.0),
+        "of the pack with its leads"}
+          .needed_if(when, cells),
+      R{"open_circuit_cell_V", &B::open_circuit_cell_V, "V", Range::positive_up_to(10.0),
+        "of a cell at rest, at equal steps of charge from empty to full"}
+          .needed_if(when, cells)
+          .must("two or more", [](const B& b) { return b.open_circuit_cell_V.size() != 1; })};
+}
+
+Table<AeroParameters> aero_parameters() {
+  using A = AeroParameters;
+  using R = Row<A>;
+  return {R{"drag_area_m2", &A::drag_area_m2, "m^2", Range::between(0.0, 100.0),
+            "C_D A along body x, y, z"}
+              .needed(),
+          {"rotor_drag_s_m", &A::rotor_drag_s_m, "s/m", Range::between(0.0, 1.0),
+           "force in the rotor plane per thrust and speed of the air in that plane"},
+          R{"ground_effect",
+            &A::ground_effect,
+            {{"none", GroundEffect::kNone},
+             {"cheeseman_bennett", GroundEffect::kCheesemanBennett},
+             {"polynomial", GroundEffect::kPolynomial}},
+            "polynomial: as ROSflight 2.x"}
+              .needed(),
+          R{"ground_effect_polynomial", &A::ground_effect_polynomial, "N/m^4 ... N", Range::any(),
+            "lift over the height, highest power first"}
+              .needed_if("with the ground effect polynomial",
+                         [](const A& a) { return a.ground_effect == GroundEffect::kPolynomial; })};
+}
 
 MultirotorParameters read_propulsion(const Section& vehicle) {
   MultirotorParameters p;
   p.aero.ground_effect = GroundEffect::kNone;
   const Section rotors = vehicle.section("rotors");
-  p.rotors = read_layout(rotors);
-  p.flow = rotors.choice<RotorFlow>("flow",
-                                    {{"hub", RotorFlow::kHub},
-                                     {"reference", RotorFlow::kReference},
-                                     {"airspeed", RotorFlow::kAirspeed}},
-                                    RotorFlow::kHub);
+  rotor_parameters().read(rotors, p);
+  const auto layout = rotors.sections("layout");
+  for (std::size_t i = 0; i < layout.size(); ++i) {
+    p.rotors[i].e_B.normalize();
+    for (std::size_t k = 0; k < i; ++k) {
+      if (p.rotors[k].output == p.rotors[i].output)
+        throw layout[i].error("output", layout[i].raw("output") + " again", "each output once");
+    }
+  }
   const Section motor = rotors.section("motor");
-  p.motor = read_motor(motor);
-  p.propeller =
-      read_propeller(rotors.section("propeller"), p.motor.model == MotorModel::kElectrical);
+  const Section propeller = rotors.section("propeller");
+  if (p.motor.model == MotorModel::kElectrical && !propeller.has("inertia_kg_m2"))
+    throw propeller.error("inertia_kg_m2", "nothing", "a number > 0 with motor.model electrical");
   const Section battery = vehicle.section("battery");
-  p.battery = read_battery(battery);
+  battery_parameters().read(battery, p.battery);
   if (p.motor.model == MotorModel::kInstant && !p.battery.constant) {
     throw motor.error("model", "instant with a battery of cells",
                       "electrical, first_order, or battery.model constant");
@@ -160,8 +187,9 @@ MultirotorParameters read_propulsion(const Section& vehicle) {
 
 MultirotorParameters read_multirotor(const Section& vehicle) {
   MultirotorParameters p = read_propulsion(vehicle);
-  p.aero = read_aero(vehicle.section("aero"));
-  vehicle.section("aero").finish();
+  const Section aero = vehicle.section("aero");
+  aero_parameters().read(aero, p.aero);
+  aero.finish();
   return p;
 }
 

@@ -106,7 +106,7 @@ TEST(Vehicle, BadValuesAreNamedInOneLine) {
             "body.inertia_kg_m2: found principal moments -0.");
   EXPECT_EQ(message_with("body.integration=euler"),
             "body.integration: found euler, allowed rk4, frozen_forces");
-  EXPECT_EQ(message_with("rotors.layout=[]"), "rotors.layout: found 0 rotors, allowed 1 to 10");
+  EXPECT_EQ(message_with("rotors.layout=[]"), "rotors.layout: found 0 entries, allowed 1 to 10");
   EXPECT_EQ(message_with("rotors.layout.1.output=0"),
             "rotors.layout.1.output: found 0 again, allowed each output once");
   EXPECT_EQ(message_with("rotors.layout.1.output=14"),
@@ -114,7 +114,7 @@ TEST(Vehicle, BadValuesAreNamedInOneLine) {
   EXPECT_EQ(message_with("rotors.layout.2.spin=0"),
             "rotors.layout.2.spin: found 0, allowed -1 or 1");
   EXPECT_EQ(message_with("rotors.layout.2.thrust_direction=[0, 0, 0]"),
-            "rotors.layout.2.thrust_direction: found a vector of length 0, allowed a unit vector");
+            "rotors.layout.2.thrust_direction: found [0, 0, 0], allowed a unit vector");
   EXPECT_EQ(message_with("rotors.motor.model=instant"),
             "rotors.motor.model: found instant with a battery of cells, allowed electrical, "
             "first_order, or "
@@ -128,18 +128,18 @@ TEST(Vehicle, BadValuesAreNamedInOneLine) {
             "each a number from "
             "-1 to 1");
   EXPECT_EQ(message_with("rotors.propeller.torque_coefficients=[-0.1, 0, 0]"),
-            "rotors.propeller.torque_coefficients: found -0.1, allowed a first one > 0");
+            "rotors.propeller.torque_coefficients: found [-0.1, 0, 0], allowed a first one > 0");
   EXPECT_EQ(message_with("battery.initial_charge=1.1"),
             "battery.initial_charge: found 1.1, allowed a number from 0 to 1");
   EXPECT_EQ(message_with("battery.open_circuit_cell_V=[3.7]"),
-            "battery.open_circuit_cell_V: found 1 values, allowed two or more");
+            "battery.open_circuit_cell_V: found [3.7], allowed two or more");
   EXPECT_EQ(message_with("battery.model=constant"),
             "battery.constant_voltage_V: found nothing, allowed a "
-            "number > 0");
+            "number > 0 and <= 1000");
   EXPECT_EQ(message_with("aero.ground_effect=strong"),
             "aero.ground_effect: found strong, allowed none, cheeseman_bennett, polynomial");
   EXPECT_EQ(message_with("ground.contacts_m=[]"),
-            "ground.contacts_m: found no points, allowed one or more");
+            "ground.contacts_m: found an empty list, allowed one or more");
   EXPECT_EQ(message_with("ground.contacts_m=[[1, 2]]"),
             "ground.contacts_m.0: found a list of 2, allowed a list of 3 numbers, each a number "
             "from -20 to 20");

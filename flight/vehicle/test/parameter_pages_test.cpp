@@ -13,7 +13,7 @@
 #include "autonomy/fixedwing/config.hpp"
 #include "autonomy/multirotor/config.hpp"
 #include "config/table.hpp"
-#include "sim/environment/environment_parameters.hpp"
+#include "sim/parameter_tables.hpp"
 
 namespace rosflight::flight {
 namespace {
