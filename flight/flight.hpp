@@ -21,6 +21,7 @@ class InProcessAutopilot;
 
 /// Modules of your own in place of the project's (docs/autonomy/replace-a-module.md); an empty
 /// member means the project's.
+// NOLINTBEGIN(readability-redundant-member-init): so that GCC lets callers name single members
 struct FlightParts {
   std::unique_ptr<Guidance> guidance{};
   std::function<std::unique_ptr<StateEstimateSource>(companion::Session&)> estimate_source{};
@@ -28,6 +29,7 @@ struct FlightParts {
   /// Paces the loop, such as sim::PacedTime; must outlive the flight. nullptr: as fast as possible.
   sim::TimeSource* time{nullptr};
 };
+// NOLINTEND(readability-redundant-member-init)
 
 /// One flight as a closed loop in this thread: world, autopilot with the real firmware, serial
 /// cable, companion, autonomy and pilot. A function of setup and parts alone: the same setup gives

@@ -14,6 +14,10 @@ using messages::to_message;
 
 namespace {
 
+constexpr std::uint64_t kPlotInterval_ns = 10'000'000;
+/// Of topics that repeat what others or the link's bytes hold.
+constexpr std::uint64_t kRepeatInterval_ns = 50'000'000;
+
 messages::std_msgs::Header header(std::uint64_t stamp_ns, std::string_view frame = {}) {
   return {messages::stamp_of(stamp_ns), std::string(frame)};
 }
@@ -53,10 +57,13 @@ McapWriter::ChannelId FlightLog::channel(Topic topic) {
 }
 
 bool FlightLog::due(Topic topic, std::uint64_t now) {
-  constexpr std::uint64_t kInterval_ns = 10'000'000;
+  return options_.detail == Detail::kFull || first_of(kPlotInterval_ns, topic, now);
+}
+
+bool FlightLog::first_of(std::uint64_t interval_ns, Topic topic, std::uint64_t now) {
   std::uint64_t& next_ns = next_due_ns_[static_cast<std::size_t>(topic)];
-  if (options_.detail == Detail::kPlot && now < next_ns) return false;
-  next_ns = (now / kInterval_ns + 1) * kInterval_ns;
+  if (now < next_ns) return false;
+  next_ns = (now / interval_ns + 1) * interval_ns;
   return true;
 }
 
@@ -82,9 +89,10 @@ void FlightLog::write_truth(const sim::Truth& truth, const hal::OutputValues& ou
   const auto inertial = header(now, kInertialFrame);
   const auto body = header(now, kBodyFrame);
   write<Topic::kTruthState>(now, inertial, to_message(truth, options_.gravity_m_s2));
-  write<Topic::kTruthWind>(now, inertial, messages::wind_message(truth.air.wind_W));
+  const bool repeats = first_of(kRepeatInterval_ns, Topic::kTruthWind, now);
+  if (repeats) write<Topic::kTruthWind>(now, inertial, messages::wind_message(truth.air.wind_W));
   write<Topic::kForcesAndMoments>(now, body, to_message(truth.wrench));
-  write<Topic::kPwmOutput>(now, body, to_message(outputs));
+  if (repeats) write<Topic::kPwmOutput>(now, body, to_message(outputs));
   messages::fill_vehicle(truth, outputs, vehicle_);
   write<Topic::kTruthVehicle>(now, body, vehicle_);
 }
@@ -119,7 +127,8 @@ struct FlightLog::LinkVisitor {
   void operator()(const link::OffboardControl& m) const { put<Topic::kCommand>(m); }
   void operator()(const link::AuxCommand& m) const { put<Topic::kAuxCommand>(m); }
   void operator()(const link::ExternalAttitude& m) const {
-    put<Topic::kExternalAttitude>(m, kInertialFrame);
+    if (log.first_of(kRepeatInterval_ns, Topic::kExternalAttitude, now))
+      put<Topic::kExternalAttitude>(m, kInertialFrame);
   }
   void operator()(const link::CommandRequest& m) const { put<Topic::kCommandRequest>(m); }
   void operator()(const link::ParamValue& m) const { put<Topic::kParamValue>(m); }
@@ -152,6 +161,7 @@ struct FlightLog::LinkVisitor {
     if (!log.due(Topic::kAttitude, now)) return;
     const auto sampled = header(log.fcu_stamp_ms(m.time_boot_ms), kInertialFrame);
     put<Topic::kAttitude>(m, sampled);
+    if (!log.first_of(kPlotInterval_ns, Topic::kAttitudeEuler, now)) return;
     log.write<Topic::kAttitudeEuler>(now, sampled, messages::euler_message(m));
   }
 
@@ -159,7 +169,7 @@ struct FlightLog::LinkVisitor {
     const auto sampled = header(log.fcu_stamp_us(m.time_boot_us), kBodyFrame);
     log.write<Topic::kImu>(now, sampled,
                            log.attitude_ ? to_message(m, *log.attitude_) : to_message(m));
-    if (!log.due(Topic::kImuTemperature, now)) return;
+    if (!log.first_of(kRepeatInterval_ns, Topic::kImuTemperature, now)) return;
     log.write<Topic::kImuTemperature>(now, sampled, messages::imu_temperature(m));
   }
 

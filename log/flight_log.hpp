@@ -19,9 +19,10 @@ enum class Topic : std::uint8_t;  // flight_log_topics.hpp
 enum class Direction : std::uint8_t { kFcuToCompanion = 0, kCompanionToFcu = 1 };
 /// How much of a flight its log contains.
 enum class Detail : std::uint8_t {
-  /// Truth, attitude, outputs and temperature of the IMU at 100 Hz; all other sensor data and link bytes.
+  /// Truth, attitude and outputs at 100 Hz; all other sensor data and link bytes.
   kPlot,
-  kFull  ///< Everything.
+  /// Every step; only topics that repeat what others hold are thinned (README.md).
+  kFull
 };
 
 /// The log of one flight: an MCAP file of ROS 2 messages under the topic names a ROSflight user
@@ -102,9 +103,10 @@ class FlightLog {
   void write_raw_frames(std::uint64_t now);
   void write_text(std::uint64_t now, link::Severity severity, std::string_view source,
                   std::string_view text);
-  /// Whether a message at `now` of a topic that Detail::kPlot thins out goes into the log: the first
-  /// of every 10 ms.
+  /// Whether a message at `now` of a topic that Detail::kPlot thins out goes into the log.
   bool due(Topic topic, std::uint64_t now);
+  /// Whether a message of `topic` at `now` is the first of an interval.
+  bool first_of(std::uint64_t interval_ns, Topic topic, std::uint64_t now);
 
   template <Topic kTopic, class Message>
   void write(std::uint64_t log_time_ns, const Message& message);

@@ -32,11 +32,12 @@ void McapFile::FreeZstd::operator()(ZSTD_CCtx_s* context) const {
 McapFile::McapFile(std::filesystem::path path, const Options& options)
     : compression_(options.compression), file_(std::move(path)), zstd_(ZSTD_createCCtx()) {
   const bool fast = compression_ == Compression::kZstdFast;
-  ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_compressionLevel, fast ? 1 : 3);
+  ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_compressionLevel, fast ? 1 : 6);
   if (fast) {
     // What repeats in a log are whole fields of messages; shorter matches cost more than they save.
     ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_minMatch, 6);
-    ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_hashLog, 15);
+    ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_hashLog, 13);
+    ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_targetLength, 1);
   }
   ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_checksumFlag, 1);
   emit(kMagic);

@@ -101,7 +101,7 @@ void fill_vehicle(const sim::Truth& truth, const hal::OutputValues& outputs,
   out.battery_voltage = truth.battery_voltage_V;
   out.battery_current = truth.battery_current_A;
   out.on_ground = truth.on_ground;
-  fill(truth.specific_force_B, out.specific_force);
+  fill(truth.air.wind_W, out.wind);
   out.air_density = truth.air.density_kg_m3;
   out.air_pressure = truth.air.pressure_Pa;
   out.air_temperature = truth.air.temperature_K;

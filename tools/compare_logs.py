@@ -44,6 +44,13 @@ CORRECTED = {
     ("rcl_interfaces/msg/Log", "name"): lambda before, after: before == after or (before, after) == ("director", "mission"),
 }
 
+# Topics that repeat what others hold, and the interval of which all logs since November 2026 have the first message.
+REPEATS = {"/attitude/euler": 10_000_000, "/sim/truth_wind": 50_000_000, "/sim/pwm_output": 50_000_000,
+           "/imu/temperature": 50_000_000, "/external_attitude": 50_000_000}  # ns
+# Fields that only logs before (True) or since November 2026 have: what they held stands elsewhere in both.
+ONE_SIDED = {("rosflight_log_msgs/msg/TruthVehicle", "specific_force"): True,  # /sim/truth_state, without gravity
+             ("rosflight_log_msgs/msg/TruthVehicle", "wind"): False}  # /sim/truth_wind
+
 # Frames of the link: one message each in logs until November 2026, those of 50 ms in one message since.
 RAW_FRAME, RAW_FRAMES = "rosflight_log_msgs/msg/RawFrame", "rosflight_log_msgs/msg/RawFrames"
 STATUSTEXT, FIRMWARE_VERSION, CHECK_RESULT = 253, 192, 238  # MAVLink 1 ids of the messages that carry words
@@ -142,6 +149,24 @@ def renamed(type_name: str, fields: dict[str, object]) -> dict[str, object]:
     return {today(path): value for path, value in fields.items()}
 
 
+def common(type_name: str, fields: dict[str, object], old: bool) -> dict[str, object]:
+    """Without the fields that logs of the other time do not have."""
+    return {path: value for path, value in fields.items() if ONE_SIDED.get((type_name, path.split(".")[0])) is not old}
+
+
+def first_of_repeats(messages: Iterator[Message]) -> Iterator[Message]:
+    """Of topics that repeat others the first message of every interval; no frames of the link."""
+    due_ns = dict.fromkeys(REPEATS, 0)
+    for message in messages:
+        if message.type in (RAW_FRAME, RAW_FRAMES):
+            continue
+        if message.topic in REPEATS:
+            if message.log_time_ns < due_ns[message.topic]:
+                continue
+            due_ns[message.topic] = (message.log_time_ns // REPEATS[message.topic] + 1) * REPEATS[message.topic]
+        yield message
+
+
 def without_words(frame: bytes) -> bytes:
     """A MAVLink 1 frame with blanks for the words for people in it and for the checksum over them."""
     if len(frame) < MAVLINK_1_HEADER + MAVLINK_CHECKSUM or frame[0] != MAVLINK_1_START:
@@ -160,6 +185,8 @@ def difference(old: Message, new: Message, readers: tuple[LogReader, LogReader])
     if old.data == new.data and old.layout == new.layout:
         return None
     before, after = renamed(old.type, readers[0].fields(old)), readers[1].fields(new)
+    if old.layout != new.layout:
+        before, after = common(old.type, before, old=True), common(new.type, after, old=False)
     if before.keys() != after.keys():
         odd = sorted(before.keys() ^ after.keys())[0]
         return f"{old.where}: field {odd} is in {'the old' if odd in before else 'the new'} log only"
@@ -221,8 +248,7 @@ def compare(old: Path, new: Path) -> tuple[int, str | None]:
     if old.suffix == ".txt":
         return compare_recordings(old, new)
     readers = LogReader(old), LogReader(new)
-    messages = (filter(lambda m: m.type not in (RAW_FRAME, RAW_FRAMES), reader) for reader in readers)
-    count, found = compare_streams(*messages, lambda one, other: difference(one, other, readers), "messages")
+    count, found = compare_streams(*map(first_of_repeats, readers), lambda one, other: difference(one, other, readers), "messages")
     if found:
         return count, found
     frames, found = compare_streams(*map(frames_of, readers), differing_frames, "frames")

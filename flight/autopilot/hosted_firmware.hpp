@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <memory>
-#include <optional>
 #include <utility>
 
 #include "firmware/core/firmware.hpp"
@@ -17,7 +16,7 @@ class HostedFirmware {
   /// The caller has reset the board's clock.
   void boot(const hal::Board& board, std::shared_ptr<link::Codec> codec) {
     image_.reset();
-    image_.emplace(board, std::move(codec));
+    image_ = std::make_unique<Image>(board, std::move(codec));
     image_->firmware.start();
   }
   core::Firmware& operator*() { return image_->firmware; }
@@ -30,7 +29,7 @@ class HostedFirmware {
     std::shared_ptr<link::Codec> codec;
     core::Firmware firmware;
   };
-  std::optional<Image> image_;  ///< Empty before the first boot.
+  std::unique_ptr<Image> image_;  ///< Empty before the first boot.
 };
 
 /// Puts new samples into the mailboxes of a board.

@@ -94,8 +94,13 @@ def test_a_full_log_has_every_step(flight, tmp_path):
     with (tmp_path / "f" / "flight.mcap").open("rb") as file:
         found = make_reader(file).get_summary()
     counts = {found.channels[key].topic: count for key, count in found.statistics.channel_message_counts.items()}
-    assert abs(counts["/sim/truth_state"] - summary["sim_time_s"] * 400) <= 2
-    assert summary["log_bytes"] <= 15_500_000
+    steps = summary["sim_time_s"] * 400
+    for topic in ("/sim/truth_state", "/sim/truth_vehicle", "/sim/forces_and_moments", "/imu/data", "/attitude"):
+        assert abs(counts[topic] - steps) <= 2, topic
+    assert abs(counts["/attitude/euler"] - steps / 4) <= 2
+    for topic in ("/sim/truth_wind", "/sim/pwm_output", "/imu/temperature"):
+        assert abs(counts[topic] - steps / 20) <= 2, topic
+    assert summary["log_bytes"] <= 13_000_000
     assert summary["tracking_rms_m"] == plot["tracking_rms_m"] and summary["log_sha256"] != plot["log_sha256"]
 
 

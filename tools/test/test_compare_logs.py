@@ -114,6 +114,22 @@ def test_a_renamed_field_is_the_same_field_only_when_listed(tmp_path, monkeypatc
     assert compared(tmp_path, [imu()], [after], imu=renamed) == (1, None)
 
 
+def test_of_topics_that_repeat_others_the_first_of_each_interval_counts(tmp_path, monkeypatch):
+    monkeypatch.setattr(compare_logs, "REPEATS", {"/imu": 10_000_000})
+    before = [imu(10_000_000), imu(12_500_000, rate=2.0), imu(20_000_000)]
+    assert compared(tmp_path, before, [before[0], before[2]]) == (2, None)
+    assert "log_time_ns was 10000000, is 12500000" in compared(tmp_path, before, before[1:])[1]
+
+
+def test_a_field_of_one_time_is_left_out_only_when_listed(tmp_path, monkeypatch):
+    after = ("imu", 5, {"rate": 1.5, "field": [0.0, math.nan]})
+    shorter = IMU.replace("string frame", "")
+    assert "field frame is in the old log only" in compared(tmp_path, [imu()], [after], imu=shorter)[1]
+    monkeypatch.setattr(compare_logs, "ONE_SIDED", {("a/msg/Imu", "frame"): True})
+    assert compared(tmp_path, [imu()], [after], imu=shorter) == (1, None)
+    assert "rate was" in compared(tmp_path, [imu(rate=2.0)], [after], imu=shorter)[1]
+
+
 @pytest.mark.parametrize("today, said", [
     ("/imu 0 .x 0x1.0p+0\n/imu 1 .x 0x1.0p+1\n", "2 fields equal"),
     ("/imu 0 .x 0x1.0p+0\n/imu 1 .x 0x1.8p+1\n", "line 2 was '/imu 1 .x 0x1.0p+1', is '/imu 1 .x 0x1.8p+1'"),
