@@ -288,7 +288,8 @@ const ErrorStatistics& Flight::own_tracking() const {
   return loop_->own_tracking;
 }
 const FixedWingRecord* Flight::fixedwing_record() const {
-  return loop_->fixedwing_record ? &*loop_->fixedwing_record : nullptr;
+  const auto& record = loop_->fixedwing_record;
+  return record ? &*record : nullptr;
 }
 sim::Vector3 Flight::seen_position_W() const {
   return loop_->seen_position_W();

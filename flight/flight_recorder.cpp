@@ -144,8 +144,9 @@ void FlightRecorder::on_frame(Direction direction, hal::Time t, const std::uint8
 void FlightRecorder::follow_gyro(const link::Message& message) {
   const bool in_air = flight_.runner().stage() == Stage::kFly && flight_.autonomy().in_air;
   const auto* attitude = std::get_if<link::Attitude>(&message);
-  if (!in_air || attitude == nullptr || !flight_.imu()) return;
-  hal::ImuSample sample = *flight_.imu();
+  const std::optional<hal::ImuSample>& imu = flight_.imu();
+  if (!in_air || attitude == nullptr || !imu) return;
+  hal::ImuSample sample = *imu;
   sample.stamp -= flight_.autopilot().boot_time();
   gyro_.sent(sample);
   gyro_.received(*attitude);

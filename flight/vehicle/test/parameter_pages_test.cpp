@@ -150,7 +150,7 @@ void expect_refusals(const config::Table<S>& table) {
                              row.allowed.high + 1e-3}) {
       if (std::isinf(bad)) continue;
       std::string value = config::number_text(bad);
-      if (row.kind == Kind::kNumbers) value = "[" + value + ", 0, 0]";
+      if (row.kind == Kind::kNumbers) value.insert(0, "[").append(", 0, 0]");
       auto document = config::Document::from_text("{}", "file.yaml");
       document.set(row.key + "=" + value);
       // Gains and curves: the keys that must be there stand before it.
