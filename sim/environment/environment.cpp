@@ -6,8 +6,8 @@
 #include <string>
 
 #include "config/table.hpp"
-#include "sim/parameter_tables.hpp"
 #include "sim/environment/magnetic_model.hpp"
+#include "sim/parameter_tables.hpp"
 
 namespace rosflight::sim {
 namespace {

@@ -198,7 +198,8 @@ TEST(ReadSensors, MistakesHaveTheirLineAndWhatIsAllowed) {
             "where there are "
             "drop-outs");
   EXPECT_EQ(message_of("sensors: {mag: {soft_iron: [1, 1, 1, 1, 1, 1, 1, 1, 1]}}\n"),
-            "v.yaml:1: sensors.mag.soft_iron: found [1, 1, 1, 1, 1, 1, 1, 1, 1], allowed nine numbers, row "
+            "v.yaml:1: sensors.mag.soft_iron: found [1, 1, 1, 1, 1, 1, 1, 1, 1], allowed nine "
+            "numbers, row "
             "by row, of a matrix that can be inverted");
   EXPECT_EQ(message_of("sensors: {mag: {soft_iron: [1, 0, 0]}}\n"),
             "v.yaml:1: sensors.mag.soft_iron: found a list of 3, allowed a list of 9 numbers, each "
