@@ -5,8 +5,13 @@
 #include <fmt/ostream.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <cmath>
+#include <csignal>
 #include <iostream>
 #include <utility>
+
+#include "base/constants.hpp"
 
 namespace rosflight::apps {
 namespace {
@@ -44,31 +49,56 @@ class Progress {
   sim::Time next_{};
 };
 
+/// A dash for a value that does not exist.
+std::string or_dash(double value, const char* unit, int digits = 2) {
+  return std::isfinite(value) ? fmt::format("{:.{}f} {}", value, digits, unit) : "–";
+}
+
 void print_fixedwing(std::ostream& out, const flight::FixedWingRecord& w) {
-  fmt::print(out, "cross-track      {:.2f} m rms on straights, {:.2f} m on arcs\n",
-             w.straight.rms(), w.arc.rms());
-  fmt::print(out, "height, airspeed {:.2f} m, {:.2f} m/s rms\n", w.height.rms(), w.airspeed.rms());
-  if (const auto& t = w.touchdown()) {
-    fmt::print(out, "touch-down       {:.1f} m from the aim point, sink {:.2f} m/s\n",
-               t->distance_m, t->sink_m_s);
+  fmt::print(out, "cross-track      {} rms on straights, {} on arcs\n",
+             or_dash(w.straight.rms(), "m"), or_dash(w.arc.rms(), "m"));
+  fmt::print(out, "height, airspeed {}, {} rms\n", or_dash(w.height.rms(), "m"),
+             or_dash(w.airspeed.rms(), "m/s"));
+}
+
+const char* measured_to(flight::PassMeasure measure) {
+  switch (measure) {
+    case flight::PassMeasure::kPoint:
+      return "";
+    case flight::PassMeasure::kFlyBy:
+      return "  from the path, fly-by";
+    case flight::PassMeasure::kFigure:
+      return "  from the path, largest";
+  }
+  return "";
+}
+
+void print_waypoints(std::ostream& out, const flight::FlightScore& score) {
+  fmt::print(out, "waypoint     passed     in truth  by the estimate   ({:g} m allowed in truth)\n",
+             score.score_radius_m);
+  for (std::size_t k = 0; k < score.waypoints.size(); ++k) {
+    const flight::WaypointPass& pass = score.waypoints[k];
+    const bool flown = std::isfinite(pass.truth_distance_m);
+    const std::string when = !flown                              ? "not flown"
+                             : pass.within(score.score_radius_m) ? or_dash(pass.t_s, "s", 1)
+                                                                 : "missed";
+    fmt::print(out, "{:>8}  {:>9}  {:>11}  {:>15}{}\n", k + 1, when,
+               or_dash(pass.truth_distance_m, "m"), or_dash(pass.estimate_distance_m, "m"),
+               measured_to(pass.measure));
   }
 }
 
 void print_summary(std::ostream& out, const flight::FlightSummary& s) {
-  fmt::print(out, "{}\n\n", s.verdict);
-  fmt::print(out, "waypoint  reached  missed by\n");
-  for (std::size_t k = 0; k < s.waypoints_total; ++k) {
-    if (k >= s.arrivals.size()) {
-      fmt::print(out, "{:>8}  not flown\n", k + 1);
-    } else if (s.arrivals[k].reached) {
-      fmt::print(out, "{:>8}  {:>5.1f} s  {:.2f} m\n", k + 1, s.arrivals[k].t_s,
-                 s.arrivals[k].distance_m);
-    } else {
-      fmt::print(out, "{:>8}  missed   {:.2f} m\n", k + 1, s.arrivals[k].distance_m);
-    }
-  }
-  fmt::print(out, "\ntracking error   {:.2f} m rms, {:.2f} m largest\n", s.tracking.rms(),
-             s.tracking.max);
+  fmt::print(out, "{}\n\n", s.score.verdict);
+  print_waypoints(out, s.score);
+  const auto& t = s.score.landing.touchdown();
+  fmt::print(
+      out, "\ntouchdown        {}\n",
+      t ? fmt::format("{:.2f} m/s, {:.1f} m from the aim, tilted by {:.0f} degrees", t->speed_m_s,
+                      s.score.landing.distance_m(s.score.limits), t->tilt_rad / base::kRadPerDeg)
+        : "–");
+  fmt::print(out, "tracking error   {} rms, {} largest, in truth\n", or_dash(s.tracking.rms(), "m"),
+             or_dash(s.tracking.largest(), "m"));
   if (s.fixedwing) print_fixedwing(out, *s.fixedwing);
   fmt::print(out, "flight time      {:.1f} s of {:.1f} s simulated\n", s.flight_time_s,
              s.sim_time_s);
@@ -85,12 +115,40 @@ void print_summary(std::ostream& out, const flight::FlightSummary& s) {
   fmt::print(out, "flight folder    {}  (open report.html)\n", s.folder.string());
 }
 
+std::atomic<int> stop_signal{0};
+
+/// While it lives Ctrl-C and SIGTERM end the flight, not the program.
+class SignalWatch {
+ public:
+  SignalWatch() {
+    stop_signal = 0;
+    struct sigaction action {};
+    action.sa_handler = [](int number) { stop_signal = number; };
+    // A second signal ends the program at once.
+    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    sigaction(SIGINT, &action, &int_before_);
+    sigaction(SIGTERM, &action, &term_before_);
+  }
+  ~SignalWatch() {
+    sigaction(SIGINT, &int_before_, nullptr);
+    sigaction(SIGTERM, &term_before_, nullptr);
+  }
+  SignalWatch(const SignalWatch&) = delete;
+  SignalWatch& operator=(const SignalWatch&) = delete;
+
+ private:
+  struct sigaction int_before_ {};
+  struct sigaction term_before_ {};
+};
+
 }  // namespace
 
 int fly_command(flight::FlyOptions options, bool json, std::ostream& out, std::ostream& err) {
   Progress progress(err, isatty(STDERR_FILENO) == 1);
   options.on_note = [&progress](const flight::FlightNote& note) { progress.note(note); };
   options.on_step = [&progress](const flight::Flight& flight) { progress.tick(flight); };
+  options.interrupted = [] { return stop_signal != 0; };
+  const SignalWatch watch;
   try {
     const flight::FlightSummary summary = flight::fly(options);
     progress.clear();
@@ -99,7 +157,8 @@ int fly_command(flight::FlyOptions options, bool json, std::ostream& out, std::o
     } else {
       print_summary(out, summary);
     }
-    return summary.success ? 0 : 1;
+    if (stop_signal != 0) return 128 + stop_signal;
+    return summary.score.success() ? 0 : 1;
   } catch (const flight::FlightAborted& error) {
     progress.clear();
     fmt::print(err, "rosflight: {}\n", error.what());

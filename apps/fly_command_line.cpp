@@ -36,6 +36,12 @@ void add_fly(CLI::App& app, FlyOptions& options, bool& json) {
                   "streams) or truth")
       ->capture_default_str()
       ->check(CLI::IsMember({"estimate", "truth"}));
+  fly->add_option(
+         "--pilot", choice.pilot,
+         "Throttle stick of the safety pilot, who does not see the vehicle, from 1 s after "
+         "arming to disarming: hover (carries the vehicle) or idle")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"hover", "idle"}));
   fly->add_option("--link-protocol", choice.link_protocol,
                   "What the board speaks: mavlink or lean; the companion finds out")
       ->capture_default_str()
@@ -76,6 +82,7 @@ int fly_command_line(int argc, char** argv) {
       "rosflight: fly, replay, sil, mixer and trim. ./rosflight --help lists all commands."};
   FlyOptions options;
   bool json = false;
+  options.arguments.assign(argv + 1, argv + argc);
   add_fly(app, options, json);
   return parse_and_run(app, argc, argv,
                        [&] { return fly_command(options, json, std::cout, std::cerr); });

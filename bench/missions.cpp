@@ -63,8 +63,8 @@ struct Score {
   ErrorStatistics total;  ///< Horizontal, as it was.
   double max_tilt_deg{};
   double max_height_error_m{};
-  bool landed{};     ///< Came down on its own and was disarmed.
-  bool completed{};  ///< With all waypoints reached.
+  bool landed{};     ///< Softly, by the truth, and disarmed.
+  bool completed{};  ///< Outcome mission_done.
 
   double from_s{};
 
@@ -95,11 +95,9 @@ Score fly(const Row& row, std::uint64_t seed) {
   score.from_s = from_s(row);
   flight->set_script([&score](Flight& f, Time /*t*/) { score.look(f); });
   flight->run();
-  const MissionRunner& runner = flight->runner();
-  score.landed = runner.stage() == Stage::kDone && flight->autonomy().landed;
-  bool all = runner.arrivals().size() == setup.waypoints.size();
-  for (const auto& arrival : runner.arrivals()) all = all && arrival.reached;
-  score.completed = score.landed && all;
+  const FlightScore judged = flight->score();
+  score.landed = judged.landing.soft(judged.limits) && flight->runner().disarmed();
+  score.completed = judged.success();
   return score;
 }
 

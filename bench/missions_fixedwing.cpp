@@ -57,14 +57,11 @@ Figures fly(const Row& row, std::uint64_t seed) {
   const FlightSetup setup(choice);
   const auto flight = std::make_unique<Flight>(setup);
   flight->run();
-  const MissionRunner& runner = flight->runner();
+  const FlightScore judged = flight->score();
   const FixedWingRecord& wing = *flight->fixedwing_record();
   Figures out;
-  const bool landed = runner.stage() == Stage::kDone && flight->autonomy().landed;
-  bool all = runner.arrivals().size() == setup.waypoints.size();
-  for (const auto& arrival : runner.arrivals()) all = all && arrival.reached;
-  out["landed"] = landed ? 1.0 : 0.0;
-  out["completed"] = landed && all ? 1.0 : 0.0;
+  out["landed"] = judged.landing.soft(judged.limits) && flight->runner().disarmed() ? 1.0 : 0.0;
+  out["completed"] = judged.success() ? 1.0 : 0.0;
   out["straight_rms_m"] = wing.straight.rms();
   out["arc_rms_m"] = wing.arc.rms();
   out["corner_rms_m"] = wing.corner.rms();
@@ -80,6 +77,7 @@ Figures fly(const Row& row, std::uint64_t seed) {
     out["touchdown_sink_m_s"] = touch->sink_m_s;
     out["touchdown_bank_deg"] = kDegPerRad * std::abs(touch->roll_rad);
   }
+  std::erase_if(out, [](const auto& figure) { return !std::isfinite(figure.second); });
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace rosflight::flight {
 
@@ -16,8 +17,11 @@ struct ErrorStatistics {
     sum_sq += error * error;
     max = std::max(max, std::abs(error));
   }
-  /// 0 if nothing was added.
-  double rms() const { return count == 0 ? 0.0 : std::sqrt(sum_sq / static_cast<double>(count)); }
+  /// NaN if nothing was added.
+  double rms() const { return count == 0 ? kNone : std::sqrt(sum_sq / static_cast<double>(count)); }
+  double largest() const { return count == 0 ? kNone : max; }
+
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 };
 
 }  // namespace rosflight::flight

@@ -32,7 +32,7 @@ MissionRunnerConfig runner_config(const FlightSetup& setup) {
   config.firmware = setup.firmware;
   config.on_truth = setup.choice.state == "truth";
   config.share_attitude = setup.estimator.share_attitude;
-  config.hover_stick = setup.hover_throttle;
+  config.pilot_stick = setup.choice.pilot == "idle" ? 0.0 : setup.hover_throttle;
   config.calibrate_airspeed = setup.fixed_wing();
   return config;
 }
@@ -89,6 +89,7 @@ class Flight::Loop final : private sim::LockStepListener {
         estimate_source{parts.estimate_source ? parts.estimate_source(session)
                                               : make_estimate_source(setup, session)},
         runner{runner_config(setup), session, pilot, *guidance, *estimate_source},
+        scorer{setup},
         lock_step{parts.time != nullptr ? *parts.time : fast, rc, sensors, *autopilot, dynamics} {
     lock_step.set_listener(this);
     const auto& faults = setup.faults.faults();
@@ -128,6 +129,8 @@ class Flight::Loop final : private sim::LockStepListener {
   std::unique_ptr<Guidance> guidance;
   std::unique_ptr<StateEstimateSource> estimate_source;
   MissionRunner runner;
+  FlightScorer scorer;
+  sim::Time failed_at{};  ///< 0: not yet.
   sim::LockStepTime fast{kStep};
   sim::LockStep lock_step;
   std::vector<std::unique_ptr<sim::Visualiser>> visualisers;  ///< Those the setup names.
@@ -166,6 +169,9 @@ void Flight::Loop::before_step(sim::Time t) {
   cable.set_time(t);
   apply_faults(t);
   runner.step(t, dynamics.truth());
+  if (runner.stage() >= Stage::kFly)
+    scorer.step(dynamics.truth(), runner.estimate().p_W, guidance->output());
+  if (failed_at == sim::Time{0} && runner.stage() == Stage::kFailed) failed_at = t;
   const GuidanceOutput& output = guidance->output();
   if (output.tracking && runner.stage() == Stage::kFly) {
     tracking.add((dynamics.truth().body.p_W - output.setpoint.p_W).norm());
@@ -233,7 +239,17 @@ void Flight::step() {
   loop_->lock_step.step();
 }
 void Flight::run() {
-  while (!loop_->runner.finished()) loop_->lock_step.step();
+  while (!finished()) loop_->lock_step.step();
+}
+bool Flight::finished() const {
+  if (loop_->runner.stage() != Stage::kFailed) return loop_->runner.finished();
+  constexpr double kDown_s = 1.0;
+  const LandingScore& landing = loop_->scorer.landing();
+  return !landing.airborne() || landing.down_for_s() >= kDown_s ||
+         now() - loop_->failed_at >= kAfterFailure;
+}
+FlightScore Flight::score(bool interrupted) const {
+  return loop_->scorer.score(loop_->runner, autonomy().landed, interrupted);
 }
 
 sim::Time Flight::now() const {

@@ -7,6 +7,7 @@
 #include "flight/autopilot/autopilot.hpp"
 #include "flight/error_statistics.hpp"
 #include "flight/fixedwing_record.hpp"
+#include "flight/flight_score.hpp"
 #include "flight/flight_setup.hpp"
 #include "flight/guidance.hpp"
 #include "flight/mission_runner.hpp"
@@ -57,8 +58,14 @@ class Flight final {
 
   /// Advances by kStep.
   void step();
-  /// Steps until the mission runner is finished.
+  /// Steps until finished().
   void run();
+  /// The mission runner is finished and, where it has failed, the vehicle is down for a second or
+  /// kAfterFailure has passed.
+  bool finished() const;
+  static constexpr sim::Time kAfterFailure = std::chrono::seconds(30);
+  /// How it went so far. @param interrupted  a person stops it here.
+  FlightScore score(bool interrupted = false) const;
 
   sim::Time now() const;  ///< Start of the next step.
   const FlightSetup& setup() const;

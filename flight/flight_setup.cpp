@@ -82,14 +82,21 @@ constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
 std::vector<ShownWaypoint> shown(const std::variant<MultirotorPlan, FixedWingPlan>& plan) {
   std::vector<ShownWaypoint> out;
   if (const auto* wing = std::get_if<FixedWingPlan>(&plan)) {
-    for (const auto& wp : wing->mission.waypoints) {
-      const bool on_course = wp.passing == autonomy::fixedwing::Passing::kDubins;
-      out.push_back({wp.p_W, on_course ? wp.course_rad : kNotGiven, wp.hold_s});
+    using autonomy::fixedwing::Passing;
+    const auto& waypoints = wing->mission.waypoints;
+    const bool cycle = wing->mission.at_end == autonomy::AtEnd::kCycle;
+    for (std::size_t k = 0; k < waypoints.size(); ++k) {
+      const auto& wp = waypoints[k];
+      const bool corner = wp.passing == Passing::kFillet && (cycle || k + 1 < waypoints.size());
+      const bool fly_by = corner || wp.passing == Passing::kCircle;
+      out.push_back({wp.p_W, wp.passing == Passing::kDubins ? wp.course_rad : kNotGiven, wp.hold_s,
+                     fly_by ? PassMeasure::kFlyBy : PassMeasure::kPoint});
     }
     return out;
   }
   for (const auto& wp : std::get<MultirotorPlan>(plan).mission.waypoints) {
-    out.push_back({wp.p_W, wp.psi_rad, wp.hold_s});
+    out.push_back({wp.p_W, wp.psi_rad, wp.hold_s,
+                   wp.figure_turns > 0 ? PassMeasure::kFigure : PassMeasure::kPoint});
   }
   return out;
 }
@@ -168,6 +175,7 @@ FlightSetup::FlightSetup(const FlightChoice& choice_in)
       mission_file{find_mission(choice.mission, is_fixed_wing(vehicle))},
       plan{read_plan(vehicle, rotors, firmware, mission_file)},
       waypoints{shown(plan)},
+      score_radius_m{std::visit([](const auto& of) { return of.mission.score_radius_m; }, plan)},
       hover_throttle{throttle_that_carries(plan, vehicle)},
       channels{channels_of(firmware)},
       faults{sim::parse_faults(choice.faults)} {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "flight/vehicle/vehicle_setup.hpp"
+#include "flight/waypoint_score.hpp"
 #include "sim/faults.hpp"
 #include "sim/multirotor/multirotor_parameters.hpp"
 #include "sim/rc/pilot.hpp"
@@ -23,6 +24,7 @@ struct FlightChoice {
   std::uint64_t seed{1};
   std::string link_protocol{"mavlink"};  ///< What the board speaks: mavlink or lean.
   std::string state{"estimate"};         ///< What guidance flies on: estimate or truth.
+  std::string pilot{"hover"};            ///< The safety pilot's throttle stick: hover or idle.
   std::vector<std::string> overrides;    ///< "body.mass_kg=3.2"
   std::vector<std::string> faults;       ///< "baro@20:5"
   std::vector<std::string> plugins;      ///< Shared libraries.
@@ -39,11 +41,12 @@ struct FixedWingPlan {
   autonomy::fixedwing::Mission mission;
 };
 
-/// A waypoint as the report shows it.
+/// A waypoint as score and report see it.
 struct ShownWaypoint {
   sim::Vector3 p_W{sim::Vector3::Zero()};
   double heading_rad{};  ///< NaN: none was asked for.
   double hold_s{};
+  PassMeasure measure{PassMeasure::kPoint};
 };
 
 /// Everything a flight needs, read and checked. @throws config::Error, one line.
@@ -62,6 +65,7 @@ struct FlightSetup {
   std::string mission_text;
   std::variant<MultirotorPlan, FixedWingPlan> plan;
   std::vector<ShownWaypoint> waypoints;
+  double score_radius_m{};  ///< How near the truth must pass each of them.
   double hover_throttle{};  ///< Stick that carries the vehicle: hovering, or in cruise.
   sim::rc::ChannelMap channels;
   sim::FaultSchedule faults;

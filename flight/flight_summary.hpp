@@ -16,16 +16,13 @@ namespace rosflight::flight {
 /// How a recorded flight went.
 struct FlightSummary {
   FlightChoice choice;
+  std::vector<std::string> arguments;  ///< As typed.
   std::filesystem::path folder;
-  bool success{};       ///< All waypoints reached, landed and disarmed.
-  std::string verdict;  ///< One sentence.
+  FlightScore score;
   double sim_time_s{};
-  double flight_time_s{};  ///< Since arming.
-  double wall_time_s{};    ///< Log and report included.
-  std::size_t waypoints_total{};
-  std::size_t waypoints_reached{};
-  std::vector<MissionRunner::Arrival> arrivals;  ///< Waypoints reached or missed, by index.
-  ErrorStatistics tracking;                      ///< See Flight.
+  double flight_time_s{};    ///< Since arming.
+  double wall_time_s{};      ///< Log and report included.
+  ErrorStatistics tracking;  ///< See Flight.
   ErrorStatistics own_tracking;
   std::optional<FixedWingRecord> fixedwing;  ///< Empty for a multirotor.
   bool landed{};
@@ -42,8 +39,8 @@ struct FlightSummary {
 };
 
 /// The summary of a flight that has ended. Empty: folder, wall_time_s, log and what the recorder
-/// counts.
-FlightSummary summarise(const Flight& flight);
+/// counts. @param interrupted  a person stopped it.
+FlightSummary summarise(const Flight& flight, bool interrupted = false);
 
 /// One JSON object in one line, as `./rosflight fly --json` prints it.
 std::string summary_json(const FlightSummary& summary);

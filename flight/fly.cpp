@@ -47,15 +47,18 @@ LogLevel log_level(const std::string& name) {
   return name == "full" ? LogLevel::kFull : LogLevel::kPlot;
 }
 
-void run(Flight& flight, const FlyOptions& options) {
+/// @returns whether it was interrupted.
+bool run(Flight& flight, const FlyOptions& options) {
   try {
-    while (!flight.runner().finished()) {
+    while (!flight.finished()) {
+      if (options.interrupted && options.interrupted()) return true;
       flight.step();
       if (options.on_step) options.on_step(flight);
     }
   } catch (const boards::m7::EmulatorError& error) {
     throw FlightAborted(fmt::format("{:.2f} s: {}", sim::to_seconds(flight.now()), error.what()));
   }
+  return false;
 }
 
 }  // namespace
@@ -75,11 +78,12 @@ FlightSummary fly(const FlyOptions& options) {
     recorder.note(note);
     if (options.on_note) options.on_note(note);
   });
-  run(*flight, options);
+  const bool interrupted = run(*flight, options);
 
   std::optional<log::LogSummary> log = recorder.close();
-  FlightSummary summary = summarise(*flight);
+  FlightSummary summary = summarise(*flight, interrupted);
   summary.folder = folder;
+  summary.arguments = options.arguments;
   summary.log = std::move(log);
   summary.warnings = recorder.warnings();
   summary.errors = recorder.errors();

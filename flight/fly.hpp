@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "flight/flight.hpp"
 #include "flight/flight_summary.hpp"
@@ -13,6 +14,7 @@ namespace rosflight::flight {
 
 struct FlyOptions {
   FlightChoice choice;
+  std::vector<std::string> arguments;  ///< As typed, for the summary.
   /// New or empty; default: the next number in flights/ of the current folder.
   std::optional<std::filesystem::path> folder;
   bool realtime{false};     ///< At the pace of the wall clock.
@@ -21,6 +23,8 @@ struct FlyOptions {
   std::function<FlightParts(const FlightSetup&)> parts;
   std::function<void(const FlightNote&)> on_note;  ///< Each note of the flight.
   std::function<void(const Flight&)> on_step;      ///< After each step.
+  /// Asked before each step; true ends the flight, and its folder is written as of any other.
+  std::function<bool()> interrupted;
 };
 
 /// The emulated autopilot failed during the flight.

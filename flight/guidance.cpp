@@ -10,20 +10,13 @@ using link::Severity;
 namespace wing = autonomy::fixedwing;
 
 Guidance::Note say(Severity severity, std::string text) {
-  Guidance::Note note;
-  note.severity = severity;
-  note.text = std::move(text);
-  return note;
+  return {severity, std::move(text)};
 }
 
 Guidance::Note arrival(std::size_t waypoint, bool reached, const char* how, double distance_m) {
-  Guidance::Note note =
-      say(reached ? Severity::kInfo : Severity::kWarning,
-          fmt::format("waypoint {} {} at {:.2f} m", waypoint + 1, how, distance_m));
-  note.waypoint = waypoint;
-  note.reached = reached;
-  note.distance_m = distance_m;
-  return note;
+  return say(
+      reached ? Severity::kInfo : Severity::kWarning,
+      fmt::format("waypoint {} {} at {:.2f} m by the estimate", waypoint + 1, how, distance_m));
 }
 
 Guidance::Note note_of(const autonomy::FlightEvent& e, const char* phase) {

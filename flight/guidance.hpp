@@ -41,9 +41,6 @@ class Guidance {
   struct Note {
     link::Severity severity{};
     std::string text;
-    std::optional<std::size_t> waypoint;  ///< Index of the one that was reached or missed.
-    bool reached{};
-    double distance_m{};  ///< Shortest distance from it.
   };
   using Notify = std::function<void(const Note&)>;
 

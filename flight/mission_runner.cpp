@@ -191,18 +191,11 @@ void MissionRunner::arm() {
   if (status.error_code == 0 && ready) pilot_.set_switch(Control::kArm, true);
 }
 
-/// The safety pilot holds the throttle stick at hover while the companion flies, so that the
-/// vehicle keeps its altitude if the offboard commands stop.
-void MissionRunner::hold_hover_stick(const sim::Truth& truth) {
-  constexpr double kHighEnough_m = 1.0;
-  constexpr double kSinking = 0.9;
-  const GuidanceOutput& output = guidance_.output();
-  const bool up = -truth.body.p_W.z() > kHighEnough_m && !(output.idle && output.landed);
-  double wanted = up ? config_.hover_stick : 0.0;
-  if (output.coming_down) wanted *= kSinking;
-  if (static_cast<float>(wanted) == throttle_stick_) return;
-  throttle_stick_ = static_cast<float>(wanted);
-  pilot_.set(Control::kThrottle, throttle_stick_);
+/// The safety pilot holds his throttle stick where it carries the vehicle while the companion flies,
+/// so that it keeps its altitude if the offboard commands stop.
+void MissionRunner::move_throttle_stick() {
+  const bool up = stage_ == Stage::kFly && now_ - armed_at_ >= kTakeOff;
+  pilot_.set(Control::kThrottle, up ? static_cast<float>(config_.pilot_stick) : 0.0F);
 }
 
 /// Ends a flight that cannot go on. Uses the true state, as an observer beside the field would.
@@ -299,7 +292,7 @@ void MissionRunner::fly(const sim::Truth& truth) {
   if (--countdown_ > 0) return;
   request_counters();
   countdown_ = config_.autonomy_every;
-  hold_hover_stick(truth);
+  move_throttle_stick();
   const link::Status& fcu = session_.streams().status.value;
   update_estimate(truth);
   if (!config_.on_truth) {
@@ -313,8 +306,8 @@ void MissionRunner::fly(const sim::Truth& truth) {
   status.battery_voltage_V = static_cast<double>(session_.streams().battery.value.voltage_V);
   const Guidance::Input in{
       .t_s = sim::to_seconds(now_), .state = estimate_, .status = status, .range_m = range()};
-  const GuidanceOutput& output =
-      guidance_.step(in, [this](const Guidance::Note& event) { record(event); });
+  const GuidanceOutput& output = guidance_.step(
+      in, [this](const Guidance::Note& event) { note(event.severity, "autonomy", event.text); });
   if (!offboard_paused_) {
     link::OffboardControl command;
     command.mode = static_cast<std::uint8_t>(output.command.mode);
@@ -331,17 +324,11 @@ void MissionRunner::fly(const sim::Truth& truth) {
   check_for_failure(truth);
 }
 
-void MissionRunner::record(const Guidance::Note& event) {
-  note(event.severity, "autonomy", event.text);
-  if (!event.waypoint) return;
-  if (arrivals_.size() <= *event.waypoint) arrivals_.resize(*event.waypoint + 1);
-  arrivals_[*event.waypoint] = {event.reached, event.distance_m, sim::to_seconds(now_)};
-}
-
 void MissionRunner::disarm() {
   if (session_.streams().status.value.armed) return;
   disarmed_ = true;
   enter(Stage::kDone);
+  move_throttle_stick();
 }
 
 }  // namespace rosflight::flight

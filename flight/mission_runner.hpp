@@ -3,7 +3,6 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "companion/session.hpp"
 #include "flight/guidance.hpp"
@@ -31,7 +30,7 @@ struct MissionRunnerConfig {
   companion::ParameterSet firmware;  ///< Parameters of this vehicle.
   int autonomy_every{4};             ///< Guidance runs in every n-th step.
   double max_flight_s{600.0};        ///< Timeout of the stage kFly.
-  double hover_stick{0.5};           ///< Throttle stick that holds the vehicle in the air.
+  double pilot_stick{0.5};           ///< The safety pilot's throttle from take-off to disarm.
   bool calibrate_airspeed{false};    ///< For a pitot tube, which is covered then.
   bool use_range{true};              ///< Guidance is given the range sensor.
   bool share_attitude{true};         ///< The estimated attitude goes to the firmware's filter.
@@ -50,11 +49,14 @@ struct FlightNote {
 /// Runs one mission as companion computer and pilot: connects, loads the parameters, calibrates,
 /// arms by radio, flies with offboard commands, lands and disarms. Each stage has a timeout.
 ///
-/// Uses what a real companion has, unless `on_truth` is set. Only the pilot's throttle stick and
-/// the checks for a failed flight use the true state. Companion time is simulated time.
+/// Uses what a real companion has, unless `on_truth` is set. Only the checks that end a failed flight
+/// use the true state. The pilot does not see the vehicle: he raises his throttle stick kTakeOff
+/// after arming and lowers it after disarming. Companion time is simulated time.
 class MissionRunner final : private companion::Listener {
  public:
   using Notify = std::function<void(const FlightNote&)>;
+  /// From arming to the pilot's throttle stick.
+  static constexpr sim::Time kTakeOff = std::chrono::seconds(1);
 
   MissionRunner(const MissionRunnerConfig& config, companion::Session& session,
                 sim::rc::Pilot& pilot, Guidance& guidance, StateEstimateSource& estimate_source);
@@ -75,13 +77,6 @@ class MissionRunner final : private companion::Listener {
   /// true: sends no offboard commands, as a companion that hangs; for tests.
   void set_offboard_paused(bool paused) { offboard_paused_ = paused; }
 
-  struct Arrival {
-    bool reached{false};
-    double distance_m{0.0};  ///< Shortest distance from the waypoint.
-    double t_s{0.0};         ///< Since power-up.
-  };
-  /// Waypoints reached or missed so far, by index.
-  const std::vector<Arrival>& arrivals() const { return arrivals_; }
   const GuidanceOutput& output() const { return guidance_.output(); }
   /// The estimate that guidance received last.
   const autonomy::StateEstimate& estimate() const { return estimate_; }
@@ -99,13 +94,12 @@ class MissionRunner final : private companion::Listener {
   void send_attitude();
   void disarm();
   void request_counters();
-  void hold_hover_stick(const sim::Truth& truth);
+  void move_throttle_stick();
   void check_for_failure(const sim::Truth& truth);
   void enter(Stage stage);
   void fail(const std::string& why);
   void note(link::Severity severity, const char* source, const std::string& text);
   std::optional<double> range() const;
-  void record(const Guidance::Note& event);
 
   MissionRunnerConfig config_;
   companion::Session& session_;
@@ -130,7 +124,6 @@ class MissionRunner final : private companion::Listener {
   bool disarmed_{false};
   bool airspeed_calibrated_{false};
   std::string failure_;
-  std::vector<Arrival> arrivals_;
   companion::Job<companion::LoadReport> load_;
   companion::Job<companion::CommandResult> command_;
 };

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <string>
@@ -12,21 +14,22 @@ namespace rosflight::flight {
 namespace {
 
 namespace fs = std::filesystem;
+constexpr double kNone = ErrorStatistics::kNone;
+
+/// A dash for a value that does not exist.
+std::string or_dash(double value) {
+  return std::isfinite(value) ? fmt::format("{:.2f}", value) : "–";
+}
 
 void add_fixedwing_facts(report::FlightRecord& record, const FixedWingRecord& w) {
   const auto fact = [&record](const char* label, double value, const char* unit) {
-    record.facts.push_back(
-        {label, fmt::format("{:.2f}", value), unit, true, report::Tone::kNeutral});
+    record.facts.push_back({label, or_dash(value), unit, true, report::Tone::kNeutral});
   };
   fact("Cross-track, straights, rms", w.straight.rms(), "m");
   fact("Cross-track, arcs, rms", w.arc.rms(), "m");
   if (w.corner.count > 0) fact("After sharp corners, rms", w.corner.rms(), "m");
   fact("Height, rms", w.height.rms(), "m");
   fact("Airspeed, rms", w.airspeed.rms(), "m/s");
-  if (const auto& t = w.touchdown()) {
-    fact("Touch-down from aim", t->distance_m, "m");
-    fact("Sink at touch-down", t->sink_m_s, "m/s");
-  }
 }
 
 }  // namespace
@@ -37,14 +40,16 @@ void add_summary(report::FlightRecord& record, const FlightSetup& setup,
   record.mission = fs::path(setup.mission_file).stem().string();
   record.seed = std::to_string(setup.choice.seed);
   record.title = fmt::format("{} flies {}", record.vehicle, record.mission);
-  record.success = summary.success;
-  record.verdict = summary.verdict;
+  const FlightScore& score = summary.score;
+  record.success = score.success();
+  record.verdict = score.verdict;
   std::string line = fmt::format("./rosflight fly --vehicle {} --mission {} --seed {}",
                                  setup.choice.vehicle, setup.choice.mission, setup.choice.seed);
   if (setup.choice.board != "in_process") line += " --board " + setup.choice.board;
   if (setup.choice.link != "cable") line += " --link " + setup.choice.link;
   if (setup.choice.state != FlightChoice{}.state) line += " --state " + setup.choice.state;
   for (const std::string& text : setup.choice.plugins) line += " --plugin " + text;
+  if (setup.choice.pilot != FlightChoice{}.pilot) line += " --pilot " + setup.choice.pilot;
   if (setup.choice.wind) line += " --wind " + *setup.choice.wind;
   for (const std::string& text : setup.choice.overrides) line += " --set " + text;
   for (const std::string& text : setup.choice.faults) line += " --fault " + text;
@@ -59,14 +64,16 @@ void add_summary(report::FlightRecord& record, const FlightSetup& setup,
     record.facts.push_back(
         {std::move(label), std::move(value), std::move(unit), headline, report::Tone::kNeutral});
   };
-  fact("Waypoints reached",
-       fmt::format("{} of {}", summary.waypoints_reached, summary.waypoints_total), "", true);
+  fact(fmt::format("Waypoints within {:g} m", score.score_radius_m),
+       fmt::format("{} of {}", score.waypoints_reached(), score.waypoints.size()), "", true);
+  const auto& touchdown = score.landing.touchdown();
+  fact("Touchdown speed", or_dash(touchdown ? touchdown->speed_m_s : kNone), "m/s", true);
+  fact("Touchdown from aim", or_dash(score.landing.distance_m(score.limits)), "m", true);
   const bool fixedwing = summary.fixedwing.has_value();  // has its own figures
-  fact("Tracking error, rms", fmt::format("{:.2f}", summary.tracking.rms()), "m", !fixedwing);
-  fact("Tracking error, largest", fmt::format("{:.2f}", summary.tracking.max), "m", !fixedwing);
+  fact("Tracking error, rms", or_dash(summary.tracking.rms()), "m", !fixedwing);
+  fact("Tracking error, largest", or_dash(summary.tracking.largest()), "m", !fixedwing);
   if (!fixedwing && setup.choice.state != "truth") {
-    fact("Across ground, less GNSS drift, rms", fmt::format("{:.2f}", summary.own_tracking.rms()),
-         "m", true);
+    fact("Across ground, less GNSS drift, rms", or_dash(summary.own_tracking.rms()), "m", true);
   }
   if (fixedwing) add_fixedwing_facts(record, *summary.fixedwing);
   fact("Flight time", fmt::format("{:.1f}", summary.flight_time_s), "s", true);
@@ -74,10 +81,15 @@ void add_summary(report::FlightRecord& record, const FlightSetup& setup,
   fact("Warnings", std::to_string(summary.warnings), "", false);
   fact("Errors", std::to_string(summary.errors), "", false);
   fact("Frames lost by the cable", std::to_string(summary.frames_dropped), "", false);
-  const auto& arrivals = summary.arrivals;
-  for (std::size_t k = 0; k < arrivals.size() && k < record.waypoints.size(); ++k) {
-    record.waypoints[k].miss_m = arrivals[k].distance_m;
-    if (arrivals[k].reached) record.waypoints[k].reached_s = arrivals[k].t_s;
+  for (std::size_t k = 0; k < std::min(score.waypoints.size(), record.waypoints.size()); ++k) {
+    const WaypointPass& pass = score.waypoints[k];
+    record.waypoints[k].truth_m = pass.truth_distance_m;
+    record.waypoints[k].estimate_m = pass.estimate_distance_m;
+    if (pass.measure != PassMeasure::kPoint) {
+      record.waypoints[k].measure =
+          pass.measure == PassMeasure::kFlyBy ? "path (fly-by)" : "path (figure)";
+    }
+    if (pass.within(score.score_radius_m)) record.waypoints[k].reached_s = pass.t_s;
   }
   for (const std::string& text : setup.choice.faults) {
     const sim::Fault fault = sim::parse_fault(text);

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/constants.hpp"
+#include "flight/build_info.hpp"
 #include "flight/flight_summary.hpp"
 
 namespace rosflight::flight {
@@ -20,13 +21,21 @@ Json number(double value, int digits) {
 
 Json waypoints_json(const FlightSummary& s) {
   Json all = Json::array();
-  for (std::size_t k = 0; k < s.waypoints_total; ++k) {
-    const bool flown = k < s.arrivals.size();
-    all.push_back({{"reached", flown && s.arrivals[k].reached},
-                   {"distance_m", flown ? number(s.arrivals[k].distance_m, 4) : Json()},
-                   {"time_s", flown ? number(s.arrivals[k].t_s, 4) : Json()}});
+  for (const WaypointPass& pass : s.score.waypoints) {
+    all.push_back({{"reached", pass.within(s.score.score_radius_m)},
+                   {"measure", measure_name(pass.measure)},
+                   {"truth_distance_m", number(pass.truth_distance_m, 4)},
+                   {"estimate_distance_m", number(pass.estimate_distance_m, 4)},
+                   {"time_s", number(pass.t_s, 4)}});
   }
   return all;
+}
+
+void add_touchdown(Json& json, const FlightScore& score) {
+  const auto& t = score.landing.touchdown();
+  json["touchdown_speed_m_s"] = t ? number(t->speed_m_s, 4) : Json();
+  json["touchdown_tilt_deg"] = t ? number(t->tilt_rad / base::kRadPerDeg, 4) : Json();
+  json["touchdown_distance_m"] = number(score.landing.distance_m(score.limits), 4);
 }
 
 void add_fixedwing(Json& json, const FixedWingRecord& w) {
@@ -38,7 +47,7 @@ void add_fixedwing(Json& json, const FixedWingRecord& w) {
   json["height_rms_m"] = number(w.height.rms(), 6);
   json["height_total_rms_m"] = number(w.height_total.rms(), 6);
   json["airspeed_rms_m_s"] = number(w.airspeed.rms(), 6);
-  json["largest_roll_deg"] = number(w.roll.max / base::kRadPerDeg, 4);
+  json["largest_roll_deg"] = number(w.roll.largest() / base::kRadPerDeg, 4);
   json["lowest_airspeed_m_s"] = number(w.lowest_airspeed_m_s, 4);
   if (const auto& t = w.touchdown()) {
     json["touchdown"] = {{"distance_m", number(t->distance_m, 4)},
@@ -77,25 +86,39 @@ Json counters_json(const link::Counters& c) {
 }  // namespace
 
 std::string summary_json(const FlightSummary& s) {
-  Json json{{"success", s.success},
-            {"verdict", s.verdict},
+  const FlightScore& score = s.score;
+  Json json{{"success", score.success()},
+            {"outcome", outcome_name(score.outcome)},
+            {"verdict", score.verdict},
             {"board", s.choice.board},
             {"link", s.choice.link},
             {"link_protocol", s.choice.link_protocol},
             {"vehicle", s.choice.vehicle},
             {"mission", s.choice.mission},
             {"seed", s.choice.seed},
+            {"pilot", s.choice.pilot},
+            {"state", s.choice.state},
+            {"wind", s.choice.wind ? Json(*s.choice.wind) : Json()},
+            {"faults", s.choice.faults},
+            {"overrides", s.choice.overrides},
+            {"plugins", s.choice.plugins},
+            {"version", build_info().version},
+            {"commit", build_info().commit.empty() ? Json() : Json(build_info().commit)},
+            {"changed_since_commit", build_info().changed},
+            {"arguments", s.arguments},
             {"sim_time_s", number(s.sim_time_s, 4)},
             {"flight_time_s", number(s.flight_time_s, 4)},
             {"wall_time_s", number(s.wall_time_s, 4)},
             {"realtime_factor", number(s.realtime_factor(), 1)},
-            {"waypoints_total", s.waypoints_total},
-            {"waypoints_reached", s.waypoints_reached},
+            {"score_radius_m", score.score_radius_m},
+            {"waypoints_total", score.waypoints.size()},
+            {"waypoints_reached", score.waypoints_reached()},
             {"waypoints", waypoints_json(s)},
             {"tracking_rms_m", number(s.tracking.rms(), 6)},
-            {"tracking_max_m", number(s.tracking.max, 6)},
+            {"tracking_max_m", number(s.tracking.largest(), 6)},
             {"own_tracking_rms_m", number(s.own_tracking.rms(), 6)},
-            {"own_tracking_max_m", number(s.own_tracking.max, 6)}};
+            {"own_tracking_max_m", number(s.own_tracking.largest(), 6)}};
+  add_touchdown(json, score);
   if (s.fixedwing) add_fixedwing(json, *s.fixedwing);
   json["landed"] = s.landed;
   json["disarmed"] = s.disarmed;

@@ -250,6 +250,13 @@ configure() {  # PRESET
   printf '%s\n' "$key" >"$build/.configured"
 }
 
+# The commit that summaries name: a header that changes only when it does.
+refresh_build_info() {  # PRESET
+  local header="$root/build/$1/flight/generated/build_info_values.hpp"
+  [[ -f $header ]] || return 0
+  cmake -DROOT="$root" -DHEADER="$header" -P "$root/cmake/build_info.cmake"
+}
+
 ready_build() {  # PRESET TARGET...
   ready_build_venv
   take_lock "$1"
@@ -258,6 +265,7 @@ ready_build() {  # PRESET TARGET...
   local build="$root/build/$preset"
   use_ccache
   configure "$preset"
+  refresh_build_info "$preset"
   local -a command=(ninja -C "$build" -j "$(build_jobs)")
   [[ -n ${ROSFLIGHT_KEEP_GOING:-} ]] && command+=(-k 0)
   if ! NINJA_STATUS='[%f/%t] ' "${command[@]}" "$@" 2>&1 </dev/null | tee "$build/build.log" | show_progress "$preset"; then

@@ -94,6 +94,11 @@ MissionFile MissionFile::load(const std::filesystem::path& file) {
   return open(Document::from_file(file), file.string());
 }
 
+std::optional<double> MissionFile::score_radius_m() const {
+  if (!root || !root->has("score_radius_m")) return {};
+  return root->number("score_radius_m", Range::positive_up_to(1000.0));
+}
+
 std::optional<double> MissionFile::takeoff_height_m(const MissionArea& area) const {
   if (!root || !root->has("takeoff_height_m")) return {};
   return root->number("takeoff_height_m", Range::between(kMinTakeoff_m, area.max_height_m));

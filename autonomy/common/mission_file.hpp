@@ -44,6 +44,9 @@ struct MissionFile {
 
   /// Above the start [m]; absent if the file has none. Throws config::Error outside the area.
   std::optional<double> takeoff_height_m(const MissionArea& area) const;
+  /// Key `score_radius_m`: how near a waypoint must be passed, by the truth; absent if the file has
+  /// none. Guidance does not use it.
+  std::optional<double> score_radius_m() const;
   /// Key `at_end`; the first of `choices` if the file has none.
   AtEnd at_end(const config::Section::Choices<AtEnd>& choices) const;
   /// Unknown keys of the head are errors.

@@ -121,6 +121,7 @@ Mission read(const MissionFile& file, const MissionLimits& limits,
              const std::optional<Geodetic>& origin) {
   Mission mission;
   mission.takeoff_height_m = file.takeoff_height_m(limits.area);
+  mission.score_radius_m = file.score_radius_m().value_or(mission.score_radius_m);
   mission.at_end = file.at_end({{"land", AtEnd::kLand},
                                 {"hold", AtEnd::kHold},
                                 {"cycle", AtEnd::kCycle},

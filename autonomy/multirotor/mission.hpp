@@ -15,6 +15,7 @@ struct Mission {
   std::vector<Waypoint> waypoints;
   AtEnd at_end{AtEnd::kLand};
   std::optional<double> takeoff_height_m;  ///< Else the vehicle's.
+  double score_radius_m{2.0};              ///< How near the truth must pass a waypoint.
 };
 
 /// What a mission may ask of a vehicle.

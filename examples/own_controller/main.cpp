@@ -23,9 +23,9 @@ int main(int argc, char** argv) {
       return parts;
     };
     const flight::FlightSummary summary = flight::fly(options);
-    std::cout << summary.verdict << " Tracking error " << summary.tracking.rms()
+    std::cout << summary.score.verdict << " Tracking error " << summary.tracking.rms()
               << " m rms, report " << (summary.folder / "report.html").string() << '\n';
-    return summary.success ? 0 : 1;
+    return summary.score.success() ? 0 : 1;
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
     return 2;

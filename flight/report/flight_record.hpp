@@ -110,7 +110,9 @@ struct Waypoint {
   double heading_rad{std::numeric_limits<double>::quiet_NaN()};
   double hold_s{};
   double reached_s{std::numeric_limits<double>::quiet_NaN()};  ///< NaN: missed.
-  double miss_m{std::numeric_limits<double>::quiet_NaN()};     ///< Closest distance.
+  double truth_m{std::numeric_limits<double>::quiet_NaN()};     ///< Distance it was passed at.
+  double estimate_m{std::numeric_limits<double>::quiet_NaN()};  ///< The same by the estimate.
+  std::string measure;  ///< Such as "fly-by"; empty: distance from the point.
 };
 
 struct Fault {

@@ -84,7 +84,8 @@ void append_waypoint_table(std::string& html, const FlightRecord& record) {
       "<div><h2>Waypoints</h2><div class=\"scroll\"><table><thead><tr><th class=\"n\">#</th>"
       "<th class=\"n\">north, m</th><th class=\"n\">east, m</th><th class=\"n\">up, m</th>"
       "<th class=\"n\">heading, °</th><th class=\"n\">hold, s</th><th class=\"n\">reached, s</th>"
-      "<th class=\"n\">distance, m</th></tr></thead><tbody>";
+      "<th class=\"n\">distance in truth, m</th><th class=\"n\">by the estimate, m</th>"
+      "<th>measured to</th></tr></thead><tbody>";
   for (std::size_t k = 0; k < record.waypoints.size(); ++k) {
     const Waypoint& waypoint = record.waypoints[k];
     html += "<tr>";
@@ -99,7 +100,9 @@ void append_waypoint_table(std::string& html, const FlightRecord& record) {
     } else {
       html += "<td class=\"n\"><span class=\"badge bad\">missed</span></td>";
     }
-    append_cell(html, "n", number(waypoint.miss_m, 2));
+    append_cell(html, "n", number(waypoint.truth_m, 2));
+    append_cell(html, "n", number(waypoint.estimate_m, 2));
+    append_cell(html, "", waypoint.measure.empty() ? "point" : waypoint.measure);
     html += "</tr>";
   }
   html += "</tbody></table></div></div>\n";

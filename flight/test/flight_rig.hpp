@@ -46,15 +46,8 @@ struct Rig {
   }
 
   const core::Firmware& firmware() const { return flight->in_process().firmware(); }
-  bool completed() const {
-    const auto& arrivals = flight->runner().arrivals();
-    if (flight->runner().stage() != Stage::kDone || !flight->autonomy().landed) return false;
-    if (arrivals.size() != setup->waypoints.size()) return false;
-    for (const auto& arrival : arrivals) {
-      if (!arrival.reached) return false;
-    }
-    return true;
-  }
+  /// By the truth.
+  bool completed() const { return flight->score().success(); }
   double tilt_deg() const {
     const double c = (flight->truth().body.q_WB * sim::Vector3::UnitZ()).z();
     return std::acos(std::min(1.0, std::max(-1.0, c))) * 180.0 / 3.14159265358979323846;

@@ -84,7 +84,7 @@ TEST_F(FlightFolder, HoldsEverythingAndSaysHowItWent) {
   FlyOptions options;
   options.folder = folder_;
   const FlightSummary summary = fly(options);
-  EXPECT_TRUE(summary.success) << summary.verdict;
+  EXPECT_TRUE(summary.score.success()) << summary.score.verdict;
   const std::string json = summary_json(summary);
   for (const char* name : {"flight.mcap", "report.html", "path.svg", "summary.json", "vehicle.yaml",
                            "mission.yaml", "parameters.yaml"}) {
@@ -116,8 +116,9 @@ TEST_F(FlightFolder, SaysThatTheMissionFailed) {
   options.folder = folder_;
   options.choice.faults = {"motor0_dead@20"};
   const FlightSummary summary = fly(options);
-  EXPECT_FALSE(summary.success);
-  EXPECT_NE(summary.verdict.find("came down in flight"), std::string::npos) << summary.verdict;
+  EXPECT_FALSE(summary.score.success());
+  EXPECT_NE(summary.score.verdict.find("came down in flight"), std::string::npos)
+      << summary.score.verdict;
   EXPECT_TRUE(fs::exists(folder_ / "report.html"));
 }
 

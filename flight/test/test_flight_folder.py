@@ -3,6 +3,7 @@
 and HTML parser, the summary with json."""
 import json
 import os
+import signal
 import subprocess
 import sys
 from html.parser import HTMLParser
@@ -33,6 +34,69 @@ def test_summary_tells_of_a_success(flight):
                              capture_output=True, text=True).stdout
     assert printed.split()[0] == summary["log_sha256"]
     assert summary["log_bytes"] == (folder / "flight.mcap").stat().st_size <= 8_000_000
+
+
+def test_summary_has_truth_and_estimate_side_by_side(flight):
+    _, summary = flight
+    assert (summary["outcome"], summary["pilot"], summary["score_radius_m"]) == ("mission_done", "hover", 2.0)
+    for waypoint in summary["waypoints"]:
+        assert waypoint.keys() == {"reached", "measure", "truth_distance_m", "estimate_distance_m", "time_s"}
+        assert waypoint["reached"] and waypoint["measure"] == "point"
+        assert waypoint["estimate_distance_m"] < waypoint["truth_distance_m"] < 2.0
+    assert summary["touchdown_speed_m_s"] <= 1.5 and summary["touchdown_distance_m"] <= 3.0
+    assert 0 <= summary["touchdown_tilt_deg"] < 15
+
+
+def fly(tmp_path, *arguments):
+    run = subprocess.run([PROGRAM, "fly", "--json", "--no-log", "--out", tmp_path / "f", *arguments], capture_output=True,
+                         text=True, timeout=300)
+    return run.returncode, json.loads(run.stdout)
+
+
+def test_what_does_not_exist_is_null(tmp_path):
+    code, summary = fly(tmp_path, "--fault", "motor0_dead@20")
+    assert (code, summary["success"], summary["outcome"]) == (1, False, "crash")
+    assert summary["touchdown_speed_m_s"] > 4.0
+    assert summary["waypoints"][6] == {"reached": False, "measure": "point", "truth_distance_m": None,
+                                       "estimate_distance_m": None, "time_s": None}
+    (tmp_path / "g").mkdir()
+    code, summary = fly(tmp_path / "g", "--pilot", "idle", "--set", "vehicle.firmware.TAKE_MIN_THR=1")
+    assert (code, summary["outcome"], summary["tracking_rms_m"]) == (1, "timeout", None)
+    assert (summary["touchdown_speed_m_s"], summary["touchdown_distance_m"]) == (None, None)
+
+
+def test_the_score_radius_is_that_of_the_mission(tmp_path):
+    mission = tmp_path / "m.yaml"
+    text = (TOOLS.parent / "missions/default.yaml").read_text()
+    mission.write_text("score_radius_m: 0.4\n" + text)
+    code, summary = fly(tmp_path, "--mission", str(mission))
+    assert (code, summary["outcome"], summary["score_radius_m"]) == (1, "landed_elsewhere", 0.4)
+    assert [w["reached"] for w in summary["waypoints"]] == [w["truth_distance_m"] <= 0.4 for w in summary["waypoints"]]
+    assert 0 < summary["waypoints_reached"] < 7
+    mission.write_text("score_radius_m: -1\n" + text)
+    run = subprocess.run([PROGRAM, "fly", "--mission", mission, "--out", tmp_path / "g"], capture_output=True, text=True)
+    assert (run.returncode, (tmp_path / "g").exists()) == (2, False)
+    assert run.stderr == f"rosflight: {mission}:1: score_radius_m: found -1, allowed a number > 0 and <= 1000\n"
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_flight_that_is_stopped_leaves_a_whole_folder(tmp_path, number):
+    folder = tmp_path / "f"
+    run = subprocess.Popen([PROGRAM, "fly", "--realtime", "--out", folder], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                           text=True)
+    for line in run.stderr:  # until it flies, or at least runs
+        if "stage" in line:
+            break
+    run.send_signal(number)
+    out, _ = run.communicate(timeout=60)
+    assert run.returncode == 128 + number
+    assert out.startswith("Interrupted in stage ")
+    summary = json.loads((folder / "summary.json").read_text())
+    assert (summary["outcome"], summary["success"]) == ("interrupted", False)
+    assert (folder / "report.html").stat().st_size > 1000
+    with (folder / "flight.mcap").open("rb") as file:
+        assert make_reader(file).get_summary().statistics.message_count == summary["log_messages"] > 0
+    assert not list(folder.glob("*.part"))
 
 
 def test_log_holds_the_whole_flight(flight):
@@ -73,7 +137,7 @@ def test_report_of_a_fixed_wing_shows_what_it_followed(tmp_path):
                    timeout=300)
     page = (tmp_path / "f" / "report.html").read_text()
     HTMLParser().feed(page)
-    for part in ("Cross-track error", "Wind, to the east", "Touch-down from aim", "pitot", "sideslip"):
+    for part in ("Cross-track error", "Wind, to the east", "Touchdown from aim", "pitot", "sideslip"):
         assert part in page, part
     assert page.count('class="shade"') == 9 + 2, "the wind as well"
     assert "no data" not in page

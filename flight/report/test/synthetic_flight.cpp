@@ -201,7 +201,9 @@ void add_facts(FlightRecord& record) {
     waypoint.hold_s = k == 4 ? 2.0 : 0.0;
     const bool missed = k == 5;
     if (!missed) waypoint.reached_s = kTakeOff_s + kLeg_s * static_cast<double>(k) - 0.4;
-    waypoint.miss_m = missed ? 1.32 : 0.05 + 0.02 * static_cast<double>(k);
+    waypoint.truth_m = missed ? 2.32 : 0.35 + 0.02 * static_cast<double>(k);
+    waypoint.estimate_m = 0.05 + 0.02 * static_cast<double>(k);
+    if (k == 2) waypoint.measure = "fly-by";
     record.waypoints.push_back(waypoint);
   }
   record.faults = {{"RC silent", 41.0, 42.6}};

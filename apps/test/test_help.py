@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What ./rosflight says about itself without building anything, against the programs that do the work."""
+import json
+import os
+import re
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PROGRAM = Path(os.environ.get("ROSFLIGHT_BUILD", ROOT / "build" / "release")) / "apps" / "rosflight"
+COMMANDS = ["fly", "replay", "sil", "mixer", "trim"]
+
+
+@pytest.fixture(scope="module")
+def clone(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("fresh") / "clone"
+    subprocess.run(["git", "clone", "--quiet", "--no-hardlinks", ROOT, folder], check=True)
+    for name in ["rosflight", "tools/ready.sh", *(f"apps/help/{command}.txt" for command in COMMANDS)]:
+        (folder / name).parent.mkdir(exist_ok=True)
+        (folder / name).write_bytes((ROOT / name).read_bytes())  # as they are here, committed or not
+    return folder
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_the_text_is_what_the_program_says(command):
+    said = subprocess.run([PROGRAM, command, "--help"], check=True, capture_output=True, text=True).stdout
+    assert (ROOT / f"apps/help/{command}.txt").read_text() == said, f"write it again: {PROGRAM} {command} --help"
+
+
+@pytest.mark.parametrize("command", [*COMMANDS, "test", "bench", "ros"])
+def test_help_needs_no_build_and_makes_no_file(clone, command):
+    def files():
+        return {str(path.relative_to(clone)) for path in clone.rglob("*") if ".git" not in path.relative_to(clone).parts}
+
+    before, start = files(), time.monotonic()
+    run = subprocess.run([clone / "rosflight", command, "--help"], capture_output=True, text=True, cwd=clone)
+    assert (run.returncode, run.stderr) == (0, "") and len(run.stdout) > 100
+    assert time.monotonic() - start < 5  # under a second; the machine may be busy
+    assert files() == before
+
+
+def test_version_names_the_commit(clone):
+    commit = subprocess.run(["git", "-C", clone, "rev-parse", "HEAD"], check=True, capture_output=True, text=True).stdout.strip()
+    said = subprocess.run([clone / "rosflight", "--version"], check=True, capture_output=True, text=True).stdout
+    assert re.fullmatch(rf"rosflight \d+\.\d+\.\d+, commit {commit[:12]}\n", said)
+    assert not (clone / "build").exists()
+    built = subprocess.run([PROGRAM, "--version"], check=True, capture_output=True, text=True).stdout
+    assert built.split(",")[0] == said.split(",")[0].strip()
+
+
+def test_a_summary_tells_where_a_flight_comes_from(tmp_path):
+    words = ["fly", "--json", "--no-log", "--mission", "hop", "--seed", "3", "--wind", "2,90", "--fault", "mag@20",
+             "--set", "vehicle.body.mass_kg=3.4", "--out", str(tmp_path / "f")]
+    run = subprocess.run([PROGRAM, *words], capture_output=True, text=True)
+    summary = json.loads(run.stdout)
+    assert summary["arguments"] == words
+    assert (summary["seed"], summary["wind"], summary["faults"], summary["pilot"]) == (3, "2,90", ["mag@20"], "hover")
+    assert summary["overrides"] == ["vehicle.body.mass_kg=3.4"] and summary["score_radius_m"] == 2.0
+    assert re.fullmatch(r"\d+\.\d+\.\d+", summary["version"])
+    assert summary["commit"] is None or re.fullmatch(r"[0-9a-f]{40}", summary["commit"])
+    assert isinstance(summary["changed_since_commit"], bool)
+    assert summary == json.loads((tmp_path / "f" / "summary.json").read_text())

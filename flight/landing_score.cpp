@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "flight/landing_score.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "autonomy/common/angles.hpp"
+
+namespace rosflight::flight {
+
+void LandingScore::step(const sim::Truth& truth) {
+  const double t_s = sim::to_seconds(truth.time);
+  const double height_m = -truth.body.p_W.z();
+  const sim::Vector3 v_W = truth.body.q_WB * truth.body.v_B;
+  tilt_rad_ = std::acos(std::clamp((truth.body.q_WB * sim::Vector3::UnitZ()).z(), -1.0, 1.0));
+  const bool contact = truth.on_ground;
+  if (!airborne_) {
+    if (contact) {
+      ground_height_m_ = height_m;
+    } else if (height_m > ground_height_m_ + kRebound_m) {
+      airborne_ = true;
+    }
+  } else if (contact && !touchdown_) {
+    touchdown_ = Touchdown{t_s,
+                           sink_m_s_,
+                           tilt_rad_,
+                           autonomy::RollPitch::of(truth.body.q_WB).roll_rad,
+                           truth.body.p_W,
+                           std::atan2(v_W.y(), v_W.x())};
+    ground_height_m_ = height_m;
+  } else if (contact) {
+    ground_height_m_ = height_m;
+  } else if (touchdown_ && height_m > ground_height_m_ + kRebound_m) {
+    ++early_contacts_;
+    touchdown_.reset();
+  }
+  down_for_s_ = contact && touchdown_ ? down_for_s_ + (t_s - last_s_) : 0.0;
+  sink_m_s_ = v_W.z();
+  last_s_ = t_s;
+}
+
+double LandingScore::distance_m(const LandingLimits& limits) const {
+  if (!touchdown_) return std::numeric_limits<double>::quiet_NaN();
+  return (touchdown_->p_W - limits.aim_W).head<2>().norm();
+}
+
+bool LandingScore::inside(const LandingLimits& limits) const {
+  if (!touchdown_) return false;
+  if (!limits.course_rad) return distance_m(limits) <= limits.half_length_m;
+  const sim::Vector3 away = touchdown_->p_W - limits.aim_W;
+  const double north = std::cos(*limits.course_rad);
+  const double east = std::sin(*limits.course_rad);
+  return std::abs(away.x() * north + away.y() * east) <= limits.half_length_m &&
+         std::abs(away.y() * north - away.x() * east) <= limits.half_width_m;
+}
+
+bool LandingScore::soft(const LandingLimits& limits) const {
+  return touchdown_ && touchdown_->speed_m_s <= limits.max_speed_m_s &&
+         (limits.max_bank_rad == 0.0 || std::abs(touchdown_->bank_rad) <= limits.max_bank_rad) &&
+         !crashed();
+}
+
+bool LandingScore::crashed() const {
+  if (early_contacts_ > 0) return true;
+  return touchdown_ && (touchdown_->speed_m_s > kCrashSpeed_m_s ||
+                        std::max(touchdown_->tilt_rad, tilt_rad_) > kCrashTilt_rad);
+}
+
+}  // namespace rosflight::flight

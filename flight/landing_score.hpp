@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <optional>
+
+#include "sim/types.hpp"
+
+namespace rosflight::flight {
+
+/// What a landing may be and where. docs/faults.md tells the limits of each kind of aircraft.
+struct LandingLimits {
+  sim::Vector3 aim_W{sim::Vector3::Zero()};
+  double max_speed_m_s{1.5};  ///< Downwards, before the first contact.
+  double max_bank_rad{};      ///< 0: no limit besides LandingScore::kCrashTilt_rad.
+  double half_length_m{
+      3.0};  ///< Of the landing area along its course; without a course its radius.
+  double half_width_m{3.0};
+  std::optional<double> course_rad;  ///< Of the landing area.
+};
+
+/// How a flight came down, by the truth alone.
+///
+/// The touchdown is the first contact after which the vehicle stays down: a rebound of no more than
+/// kRebound_m belongs to it. A contact after which it flies on is counted apart.
+class LandingScore {
+ public:
+  static constexpr double kRebound_m = 0.5;
+  static constexpr double kCrashSpeed_m_s = 4.0;
+  static constexpr double kCrashTilt_rad = 0.785398163397448309616;  // 45 deg
+
+  struct Touchdown {
+    double t_s{};
+    double speed_m_s{};  ///< Downwards, in the step before the contact.
+    double tilt_rad{};   ///< Between the body's z axis and down.
+    double bank_rad{};
+    sim::Vector3 p_W{sim::Vector3::Zero()};
+    double course_rad{};  ///< Of the velocity over ground.
+  };
+
+  /// Once per step from arming on.
+  void step(const sim::Truth& truth);
+
+  bool airborne() const { return airborne_; }  ///< It has taken off.
+  /// Empty: still in the air, or never there.
+  const std::optional<Touchdown>& touchdown() const { return touchdown_; }
+  /// Contacts between take-off and touchdown.
+  int early_contacts() const { return early_contacts_; }
+  /// On the ground since, without a break [s].
+  double down_for_s() const { return down_for_s_; }
+  /// Tilt now [rad].
+  double tilt_rad() const { return tilt_rad_; }
+
+  /// From the aim, horizontally [m]. NaN without a touchdown.
+  double distance_m(const LandingLimits& limits) const;
+  bool inside(const LandingLimits& limits) const;
+  /// Speed and bank within the limits, and it still stands upright.
+  bool soft(const LandingLimits& limits) const;
+  /// Beyond what a landing gear may bear, overturned, or a contact before the landing.
+  bool crashed() const;
+
+ private:
+  bool airborne_{false};
+  std::optional<Touchdown> touchdown_;
+  int early_contacts_{0};
+  double ground_height_m_{0.0};  ///< Of the centre of mass at the last contact.
+  double down_for_s_{0.0};
+  double tilt_rad_{0.0};
+  double sink_m_s_{0.0};
+  double last_s_{0.0};
+};
+
+}  // namespace rosflight::flight
