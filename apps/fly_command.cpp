@@ -152,6 +152,11 @@ int fly_command(flight::FlyOptions options, bool json, std::ostream& out, std::o
   try {
     const flight::FlightSummary summary = flight::fly(options);
     progress.clear();
+    for (const std::string& fault : summary.faults_too_late) {
+      fmt::print(err,
+                 "rosflight: warning: --fault {} did not happen: the flight ended at {:.1f} s\n",
+                 fault, summary.sim_time_s);
+    }
     if (json) {
       out << flight::summary_json(summary);
     } else {

@@ -36,7 +36,8 @@ sim::Vehicle open_vehicle(sim::Registry& registry, const FlightChoice& choice) {
   if (choice.wind) {
     for (std::string& text : wind_overrides(*choice.wind)) overrides.push_back(std::move(text));
   }
-  return sim::Vehicle::from_file(fill(registry, choice).vehicle_file(choice.vehicle), overrides);
+  return sim::Vehicle::from_file(fill(registry, choice).vehicle_file(choice.vehicle), overrides,
+                                 project_root() / "vehicles");
 }
 
 std::string find_mission(const std::string& wanted, bool fixed_wing) {
@@ -60,10 +61,25 @@ std::string read_text(const std::string& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-std::variant<MultirotorPlan, FixedWingPlan> read_plan(const sim::Vehicle& vehicle,
-                                                      const sim::MultirotorParameters& rotors,
-                                                      const companion::ParameterSet& firmware,
-                                                      const std::string& mission_file) {
+/// Whether the other kind of aircraft could fly it, with its default limits.
+bool is_for_the_other_kind(const std::string& mission_file, bool fixed_wing,
+                           const base::Geodetic& origin) {
+  try {
+    if (fixed_wing) {
+      autonomy::multirotor::load_mission(mission_file, {}, origin);
+    } else {
+      autonomy::fixedwing::load_mission(mission_file, {}, origin);
+    }
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+std::variant<MultirotorPlan, FixedWingPlan> read_own_plan(const sim::Vehicle& vehicle,
+                                                          const sim::MultirotorParameters& rotors,
+                                                          const companion::ParameterSet& firmware,
+                                                          const std::string& mission_file) {
   const base::Geodetic& origin = vehicle.environment().origin;
   if (is_fixed_wing(vehicle)) {
     FixedWingPlan plan;
@@ -75,6 +91,21 @@ std::variant<MultirotorPlan, FixedWingPlan> read_plan(const sim::Vehicle& vehicl
   plan.autonomy = read_multirotor_autonomy(vehicle, rotors, firmware);
   plan.mission = autonomy::multirotor::load_mission(mission_file, plan.autonomy.mission, origin);
   return plan;
+}
+
+std::variant<MultirotorPlan, FixedWingPlan> read_plan(const sim::Vehicle& vehicle,
+                                                      const sim::MultirotorParameters& rotors,
+                                                      const companion::ParameterSet& firmware,
+                                                      const std::string& mission_file) {
+  try {
+    return read_own_plan(vehicle, rotors, firmware, mission_file);
+  } catch (const Error& error) {
+    const bool fixed_wing = is_fixed_wing(vehicle);
+    if (!is_for_the_other_kind(mission_file, fixed_wing, vehicle.environment().origin)) throw;
+    throw Error(fmt::format("{}; this mission is for a {}, the vehicle is a {}", error.what(),
+                            fixed_wing ? "multirotor" : "fixed wing",
+                            fixed_wing ? "fixed wing" : "multirotor"));
+  }
 }
 
 constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();

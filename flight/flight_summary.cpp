@@ -7,6 +7,10 @@ FlightSummary summarise(const Flight& flight, bool interrupted) {
   FlightSummary s;
   const MissionRunner& runner = flight.runner();
   s.choice = flight.setup().choice;
+  const auto& faults = flight.setup().faults.faults();
+  for (std::size_t k = 0; k < faults.size(); ++k) {
+    if (faults[k].start >= flight.now()) s.faults_too_late.push_back(s.choice.faults[k]);
+  }
   s.score = flight.score(interrupted);
   s.sim_time_s = sim::to_seconds(flight.now());
   if (runner.armed_at() > sim::Time{0})

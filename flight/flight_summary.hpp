@@ -16,7 +16,8 @@ namespace rosflight::flight {
 /// How a recorded flight went.
 struct FlightSummary {
   FlightChoice choice;
-  std::vector<std::string> arguments;  ///< As typed.
+  std::vector<std::string> arguments;        ///< As typed.
+  std::vector<std::string> faults_too_late;  ///< Of choice.faults: after the end of the flight.
   std::filesystem::path folder;
   FlightScore score;
   double sim_time_s{};

@@ -100,6 +100,7 @@ std::string summary_json(const FlightSummary& s) {
             {"state", s.choice.state},
             {"wind", s.choice.wind ? Json(*s.choice.wind) : Json()},
             {"faults", s.choice.faults},
+            {"faults_too_late", s.faults_too_late},
             {"overrides", s.choice.overrides},
             {"plugins", s.choice.plugins},
             {"version", build_info().version},

@@ -8,8 +8,19 @@ namespace {
 
 constexpr int kLongestChain = 8;
 
+namespace fs = std::filesystem;
+
+/// Beside the file that extends it, or else among the vehicles of the project.
+fs::path find_base(const config::Section& root, const fs::path& library) {
+  fs::path name = root.text("extends");
+  if (name.extension().empty()) name += ".yaml";
+  const fs::path beside = root.directory() / name;
+  return fs::exists(beside) || library.empty() || !fs::exists(library / name) ? beside
+                                                                              : library / name;
+}
+
 /// The file on top of all that it extends.
-config::Document read_chain(const std::filesystem::path& file, int depth) {
+config::Document read_chain(const fs::path& file, const fs::path& library, int depth) {
   config::Document document = config::Document::from_file(file);
   const config::Section root = document.root();
   if (!root.has("extends")) return document;
@@ -17,7 +28,7 @@ config::Document read_chain(const std::filesystem::path& file, int depth) {
     throw root.error("extends", "a chain of more than " + std::to_string(kLongestChain) + " files",
                      "a shorter one");
   }
-  config::Document base = read_chain(root.directory() / root.text("extends"), depth + 1);
+  config::Document base = read_chain(find_base(root, library), library, depth + 1);
   base.merge(document);
   return base;
 }
@@ -25,8 +36,9 @@ config::Document read_chain(const std::filesystem::path& file, int depth) {
 }  // namespace
 
 Vehicle Vehicle::from_file(const std::filesystem::path& file,
-                           const std::vector<std::string>& overrides) {
-  config::Document document = read_chain(file, 0);
+                           const std::vector<std::string>& overrides,
+                           const std::filesystem::path& library) {
+  config::Document document = read_chain(file, library, 0);
   document.remove("extends");  // done
   for (const auto& assignment : overrides) document.set(assignment);
   return Vehicle(std::move(document));

@@ -21,8 +21,8 @@ namespace rosflight::sim {
 /// | autonomy              | autonomy                                            |
 /// | all others            | the forces-and-moments module, from root()          |
 ///
-/// A file may begin with `extends: FILE`, relative to its own folder: it then holds only what
-/// differs. Maps are merged key by key, everything else is replaced.
+/// A file may begin with `extends: FILE`: it then holds only what differs. FILE is looked for in its own
+/// folder, then in a library of vehicles; without an extension it is FILE.yaml. Maps are merged key by key, everything else is replaced.
 ///
 /// Each owner finishes its own section. When the forces-and-moments module has read its sections,
 /// finish() rejects unknown top-level keys. Numbers used twice are YAML anchors (&mass,
@@ -30,9 +30,11 @@ namespace rosflight::sim {
 class Vehicle {
  public:
   /// Reads the file and applies overrides "section.key=value" in order.
+  /// @param library  folder of vehicles that others may extend; empty: none.
   /// Throws config::Error: one line FILE:LINE: KEY: found X, allowed Y.
   static Vehicle from_file(const std::filesystem::path& file,
-                           const std::vector<std::string>& overrides = {});
+                           const std::vector<std::string>& overrides = {},
+                           const std::filesystem::path& library = {});
   /// @throws config::Error  a section of this class has an error.
   explicit Vehicle(config::Document document);
 

@@ -20,11 +20,11 @@ sim::Vehicle read_vehicle(const SilOptions& options, sim::Registry& registry, si
     if (text.rfind(kPrefix, 0) == 0) text.erase(0, kPrefix.size());
   }
   const auto file = registry.vehicle_file(options.vehicle);
-  auto vehicle = sim::Vehicle::from_file(file, overrides);
+  auto vehicle = sim::Vehicle::from_file(file, overrides, options.vehicles_folder);
   if (vehicle.sensors().text("module", "standard") != "standard") return vehicle;
   overrides.push_back(
       fmt::format("sensors.imu.rate_Hz={:.17g}", 1e6 / static_cast<double>(step.count())));
-  return sim::Vehicle::from_file(file, overrides);
+  return sim::Vehicle::from_file(file, overrides, options.vehicles_folder);
 }
 
 sim::rc::Script read_rc(const SilOptions& options) {

@@ -66,6 +66,9 @@ TEST(Vehicle, FileMayExtendAnother) {
       << "extends: " << std::filesystem::absolute(kVehicleFile).string()
       << "\nbody: {mass_kg: 5}\n";
   std::ofstream(folder / "heavier.yaml") << "extends: heavy.yaml\nbody:\n  mass_kg: -6\n";
+  std::ofstream(folder / "own.yaml") << "extends: multirotor\nbody:\n  mass_kg: 4\n";
+  EXPECT_EQ(Vehicle::from_file(folder / "own.yaml", {}, "vehicles").body().mass_kg, 4.0);
+  EXPECT_THROW(Vehicle::from_file(folder / "own.yaml"), config::Error);
   std::ofstream(folder / "round.yaml") << "extends: round.yaml\n";
   const Vehicle heavy = Vehicle::from_file(folder / "heavy.yaml");
   EXPECT_EQ(heavy.body().mass_kg, 5.0);

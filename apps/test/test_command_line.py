@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What ./rosflight says about itself without building anything, against the programs that do the work."""
+"""What ./rosflight says about itself, and about what it was asked for."""
 import json
 import os
 import re
@@ -49,6 +49,27 @@ def test_version_names_the_commit(clone):
     assert not (clone / "build").exists()
     built = subprocess.run([PROGRAM, "--version"], check=True, capture_output=True, text=True).stdout
     assert built.split(",")[0] == said.split(",")[0].strip()
+
+
+def test_a_fault_after_the_end_is_a_warning(tmp_path):
+    run = subprocess.run([PROGRAM, "fly", "--json", "--no-log", "--mission", "hop", "--fault", "mag@20", "--fault", "baro@500:2",
+                          "--out", tmp_path / "f"], capture_output=True, text=True)
+    assert run.returncode == 0
+    assert json.loads(run.stdout)["faults_too_late"] == ["baro@500:2"]
+    warnings = [line for line in run.stderr.splitlines() if "warning" in line]
+    assert len(warnings) == 1
+    assert re.fullmatch(r"rosflight: warning: --fault baro@500:2 did not happen: the flight ended at \d+\.\d s", warnings[0])
+
+
+@pytest.mark.parametrize("vehicle, mission, kinds", [
+    ("multirotor", "fixedwing", ("fixed wing", "multirotor")), ("multirotor", "racetrack", ("fixed wing", "multirotor")),
+    ("anaconda", "square", ("multirotor", "fixed wing"))])
+def test_a_mission_for_the_other_kind_of_aircraft_says_so(tmp_path, vehicle, mission, kinds):
+    run = subprocess.run([PROGRAM, "fly", "--vehicle", vehicle, "--mission", mission, "--out", tmp_path / "f"],
+                         capture_output=True, text=True)
+    assert (run.returncode, run.stdout, len(run.stderr.splitlines())) == (2, "", 1)
+    assert run.stderr.endswith("; this mission is for a {}, the vehicle is a {}\n".format(*kinds))
+    assert not (tmp_path / "f").exists()
 
 
 def test_a_summary_tells_where_a_flight_comes_from(tmp_path):
