@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "flight/build_info.hpp"
 
-#include "build_info_values.hpp"
+#include "flight/build_info_values.hpp"
 
 namespace rosflight::flight {
 

@@ -252,7 +252,7 @@ configure() {  # PRESET
 
 # The commit that summaries name: a header that changes only when it does.
 refresh_build_info() {  # PRESET
-  local header="$root/build/$1/flight/generated/build_info_values.hpp"
+  local header="$root/build/$1/flight/generated/flight/build_info_values.hpp"
   [[ -f $header ]] || return 0
   cmake -DROOT="$root" -DHEADER="$header" -P "$root/cmake/build_info.cmake"
 }

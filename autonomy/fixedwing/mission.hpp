@@ -23,7 +23,7 @@ struct Mission {
   std::vector<Waypoint> waypoints;
   AtEnd at_end{AtEnd::kLand};
   std::optional<double> takeoff_height_m;  ///< Else the vehicle's.
-  double score_radius_m{15.0};              ///< How near the truth must pass a waypoint.
+  double score_radius_m{15.0};             ///< How near the truth must pass a waypoint.
   std::optional<double> radius_m;          ///< Of its turns; else the vehicle's.
   LandingSite landing{};                   ///< Absent: the position of the start.
 };

@@ -109,7 +109,7 @@ struct Waypoint {
   std::array<double, 3> p_W_m{};
   double heading_rad{std::numeric_limits<double>::quiet_NaN()};
   double hold_s{};
-  double reached_s{std::numeric_limits<double>::quiet_NaN()};  ///< NaN: missed.
+  double reached_s{std::numeric_limits<double>::quiet_NaN()};   ///< NaN: missed.
   double truth_m{std::numeric_limits<double>::quiet_NaN()};     ///< Distance it was passed at.
   double estimate_m{std::numeric_limits<double>::quiet_NaN()};  ///< The same by the estimate.
   std::string measure;  ///< Such as "fly-by"; empty: distance from the point.

@@ -280,8 +280,7 @@ TEST(Faults, CutLinkForGoodEndsTheFlight) {
   EXPECT_TRUE(why == "link lost in flight" || why == "came down in flight") << why;
   EXPECT_LT(sim::to_seconds(rig.flight->now()), kFault_s + 15.0);
   rig.flight->run();
-  EXPECT_EQ(rig.flight->score().outcome, Outcome::kLandedElsewhere)
-      << rig.flight->score().verdict;
+  EXPECT_EQ(rig.flight->score().outcome, Outcome::kLandedElsewhere) << rig.flight->score().verdict;
 }
 
 class Breakdown : public ::testing::TestWithParam<const char*> {};
