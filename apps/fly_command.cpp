@@ -5,12 +5,11 @@
 #include <fmt/ostream.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <iostream>
 #include <utility>
 
+#include "apps/stop_signal.hpp"
 #include "base/constants.hpp"
 
 namespace rosflight::apps {
@@ -115,39 +114,13 @@ void print_summary(std::ostream& out, const flight::FlightSummary& s) {
   fmt::print(out, "flight folder    {}  (open report.html)\n", s.folder.string());
 }
 
-std::atomic<int> stop_signal{0};
-
-/// While it lives Ctrl-C and SIGTERM end the flight, not the program.
-class SignalWatch {
- public:
-  SignalWatch() {
-    stop_signal = 0;
-    struct sigaction action {};
-    action.sa_handler = [](int number) { stop_signal = number; };
-    // A second signal ends the program at once.
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
-    sigaction(SIGINT, &action, &int_before_);
-    sigaction(SIGTERM, &action, &term_before_);
-  }
-  ~SignalWatch() {
-    sigaction(SIGINT, &int_before_, nullptr);
-    sigaction(SIGTERM, &term_before_, nullptr);
-  }
-  SignalWatch(const SignalWatch&) = delete;
-  SignalWatch& operator=(const SignalWatch&) = delete;
-
- private:
-  struct sigaction int_before_ {};
-  struct sigaction term_before_ {};
-};
-
 }  // namespace
 
 int fly_command(flight::FlyOptions options, bool json, std::ostream& out, std::ostream& err) {
   Progress progress(err, isatty(STDERR_FILENO) == 1);
   options.on_note = [&progress](const flight::FlightNote& note) { progress.note(note); };
   options.on_step = [&progress](const flight::Flight& flight) { progress.tick(flight); };
-  options.interrupted = [] { return stop_signal != 0; };
+  options.interrupted = [] { return stop_signal() != 0; };
   const SignalWatch watch;
   try {
     const flight::FlightSummary summary = flight::fly(options);
@@ -162,7 +135,7 @@ int fly_command(flight::FlyOptions options, bool json, std::ostream& out, std::o
     } else {
       print_summary(out, summary);
     }
-    if (stop_signal != 0) return 128 + stop_signal;
+    if (stop_signal() != 0) return 128 + stop_signal();
     return summary.score.success() ? 0 : 1;
   } catch (const flight::FlightAborted& error) {
     progress.clear();

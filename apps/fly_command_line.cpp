@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/fly_command_line.hpp"
 
+#include <optional>
 #include <string>
 
+#include "apps/campaign_command.hpp"
 #include "apps/fly_command.hpp"
 #include "apps/options.hpp"
 #include "flight/link_protocol.hpp"
@@ -13,7 +15,8 @@ namespace {
 
 using namespace rosflight::flight;  // NOLINT(google-build-using-namespace): what the command calls
 
-void add_fly(CLI::App& app, FlyOptions& options, bool& json) {
+CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
+                  std::optional<std::string>& seeds) {
   CLI::App* fly = app.add_subcommand("fly", "Fly a mission in simulation; leaves a flight folder");
   FlightChoice& choice = options.choice;
   fly->add_option("--vehicle", choice.vehicle, "Vehicle: a name of vehicles/ or a YAML file")
@@ -62,7 +65,11 @@ void add_fly(CLI::App& app, FlyOptions& options, bool& json) {
       ->take_all();
   fly->add_flag("--realtime", options.realtime, "At the pace of the wall clock");
   fly->add_option("--out", options.folder,
-                  "Flight folder, new or empty; default: next in flights/");
+                  "Flight folder, new or empty; default: next in flights/. With --seeds: CSV file");
+  fly->add_option(
+      "--seeds", seeds,
+      "FIRST:LAST: one flight per seed, on all processors, without logs; a row of --out "
+      "each");
   CLI::Option* log =
       fly->add_option("--log", options.log,
                       "plot: sensors and link complete, truth, attitude and outputs at 100 Hz; "
@@ -73,6 +80,18 @@ void add_fly(CLI::App& app, FlyOptions& options, bool& json) {
          "--no-log", [&options] { options.log = "none"; }, "The same as --log none")
       ->excludes(log);
   fly->add_flag("--json", json, "Print the summary as one JSON object");
+  return fly;
+}
+
+/// Options that say nothing about many flights.
+void check_campaign(const CLI::App& fly, const FlyOptions& options) {
+  for (const char* name : {"--seed", "--realtime", "--json", "--visualiser"}) {
+    if (fly.count(name) > 0)
+      throw config::Error(std::string(name) + ": found with --seeds, allowed with one flight");
+  }
+  if (fly.count("--log") > 0 && options.log != "none")
+    throw config::Error("--log: found " + options.log + " with --seeds, allowed none");
+  if (!options.folder) throw config::Error("--out: found nothing, allowed a CSV file with --seeds");
 }
 
 }  // namespace
@@ -82,10 +101,14 @@ int fly_command_line(int argc, char** argv) {
       "rosflight: fly, replay, sil, mixer and trim. ./rosflight --help lists all commands."};
   FlyOptions options;
   bool json = false;
+  std::optional<std::string> seeds;
   options.arguments.assign(argv + 1, argv + argc);
-  add_fly(app, options, json);
-  return parse_and_run(app, argc, argv,
-                       [&] { return fly_command(options, json, std::cout, std::cerr); });
+  const CLI::App* fly = add_fly(app, options, json, seeds);
+  return parse_and_run(app, argc, argv, [&] {
+    if (!seeds) return fly_command(options, json, std::cout, std::cerr);
+    check_campaign(*fly, options);
+    return campaign_command(options.choice, *seeds, *options.folder, std::cout, std::cerr);
+  });
 }
 
 }  // namespace rosflight::apps

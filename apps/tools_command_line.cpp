@@ -82,9 +82,9 @@ CLI::App* add_sil(CLI::App& app, SilOptions& options) {
       ->type_name("NAME")
       ->capture_default_str()
       ->check(CLI::IsMember(link_protocols()));
-  sil->add_option("--nvm", options.storage, "file that keeps the parameters; created if missing")
-      ->type_name("FILE")
-      ->capture_default_str();
+  sil->add_option("--nvm", options.storage,
+                  "file that keeps the parameters; created if missing [rosflight_VEHICLE.nvm]")
+      ->type_name("FILE");
   sil->add_option("--rate", options.rate_Hz, "IMU samples and simulation steps a second")
       ->check(CLI::Range(SilOptions::kLowestRate_Hz, SilOptions::kHighestRate_Hz))
       ->capture_default_str();

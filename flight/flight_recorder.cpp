@@ -186,8 +186,18 @@ void FlightRecorder::log_autonomy(sim::Time t) {
                            static_cast<float>(s.psi_ddot_rad_s2)});
 }
 
+/// All parameters of the firmware, once, as the vehicle is about to arm. Later changes are in the log as
+/// messages of the link.
+void FlightRecorder::log_parameters(sim::Time t) {
+  if (!log_ || parameters_logged_ || flight_.runner().stage() < Stage::kArm) return;
+  parameters_logged_ = true;
+  for (const companion::NamedValue& entry : flight_.session().parameters().table().values())
+    log_->write_parameter(t, entry.name, entry.value.type, entry.value.bits);
+}
+
 void FlightRecorder::step(const sim::Truth& truth, const hal::OutputValues& outputs) {
   if (log_) log_->write_truth(truth, outputs);
+  log_parameters(truth.time);
   log_autonomy(truth.time);
   if (record_.wants(sim::to_seconds(truth.time))) add_sample(truth, outputs);
   follow_states(sim::to_seconds(truth.time));

@@ -43,6 +43,7 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
   void open_log(const std::filesystem::path& file, LogLevel level);
   void follow_gyro(const link::Message& message);
   void log_autonomy(sim::Time t);
+  void log_parameters(sim::Time t);
   void add_sample(const sim::Truth& truth, const hal::OutputValues& outputs);
   void add_estimate(const sim::Truth& truth, report::Sample& sample);
   void add_route(const autonomy::fixedwing::FlightManager& manager);
@@ -59,6 +60,7 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
   sim::Time boot_{};
   double last_setpoint_s_{-1.0};
   std::string last_phase_{"disarmed"};
+  bool parameters_logged_{false};
   int warnings_{0};
   int errors_{0};
   std::uint64_t dropped_{0};

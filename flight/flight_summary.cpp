@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "flight/flight_summary.hpp"
 
+#include <fmt/format.h>
+
 namespace rosflight::flight {
 
 FlightSummary summarise(const Flight& flight, bool interrupted) {
@@ -22,6 +24,23 @@ FlightSummary summarise(const Flight& flight, bool interrupted) {
   s.disarmed = runner.disarmed();
   s.processor = flight.autopilot().figures();
   return s;
+}
+
+std::string command_line(const FlightChoice& choice) {
+  std::string line = fmt::format("./rosflight fly --vehicle {} --mission {} --seed {}",
+                                 choice.vehicle, choice.mission, choice.seed);
+  if (choice.board != "in_process") line += " --board " + choice.board;
+  if (choice.link != "cable") line += " --link " + choice.link;
+  if (choice.state != FlightChoice{}.state) line += " --state " + choice.state;
+  for (const std::string& text : choice.plugins) line += " --plugin " + text;
+  if (choice.pilot != FlightChoice{}.pilot) line += " --pilot " + choice.pilot;
+  if (choice.wind) line += " --wind " + *choice.wind;
+  for (const std::string& text : choice.overrides) line += " --set " + text;
+  for (const std::string& text : choice.faults) line += " --fault " + text;
+  if (choice.link_protocol != FlightChoice{}.link_protocol) {
+    line += " --link-protocol " + choice.link_protocol;
+  }
+  return line;
 }
 
 }  // namespace rosflight::flight

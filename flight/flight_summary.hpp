@@ -43,6 +43,9 @@ struct FlightSummary {
 /// counts. @param interrupted  a person stopped it.
 FlightSummary summarise(const Flight& flight, bool interrupted = false);
 
+/// The command that flies this again, without options of output.
+std::string command_line(const FlightChoice& choice);
+
 /// One JSON object in one line, as `./rosflight fly --json` prints it.
 std::string summary_json(const FlightSummary& summary);
 

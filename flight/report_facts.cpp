@@ -43,19 +43,7 @@ void add_summary(report::FlightRecord& record, const FlightSetup& setup,
   const FlightScore& score = summary.score;
   record.success = score.success();
   record.verdict = score.verdict;
-  std::string line = fmt::format("./rosflight fly --vehicle {} --mission {} --seed {}",
-                                 setup.choice.vehicle, setup.choice.mission, setup.choice.seed);
-  if (setup.choice.board != "in_process") line += " --board " + setup.choice.board;
-  if (setup.choice.link != "cable") line += " --link " + setup.choice.link;
-  if (setup.choice.state != FlightChoice{}.state) line += " --state " + setup.choice.state;
-  for (const std::string& text : setup.choice.plugins) line += " --plugin " + text;
-  if (setup.choice.pilot != FlightChoice{}.pilot) line += " --pilot " + setup.choice.pilot;
-  if (setup.choice.wind) line += " --wind " + *setup.choice.wind;
-  for (const std::string& text : setup.choice.overrides) line += " --set " + text;
-  for (const std::string& text : setup.choice.faults) line += " --fault " + text;
-  if (setup.choice.link_protocol != FlightChoice{}.link_protocol) {
-    line += " --link-protocol " + setup.choice.link_protocol;
-  }
+  std::string line = command_line(setup.choice);
   if (options.log != FlyOptions{}.log) line += " --log " + options.log;
   if (options.realtime) line += " --realtime";
   record.command_line = line;

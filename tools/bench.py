@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Usage: ./rosflight bench [NAME...] [--json FILE]
+"""Usage: ./rosflight bench [NAME...] [--all] [--json FILE]
 
-Measures the project's figures, prints each with its target, and writes them to FILE as one JSON
-object: name -> {"value", "unit", "target", "met"}. NAME chooses by a part of the name. The figures of
-random flights (property) take half an hour, that of the build (build) some minutes; both are measured when named.
+Measures the project's figures, prints each with its target as soon as it is there, and writes them to FILE as one JSON
+object after each: name -> {"value", "unit", "target", "met"}. NAME chooses by a part of the name.
+Without a name those are measured that take five minutes together. By name or with --all also: random flights
+(property, half an hour), the build (build, some minutes), round trips and load over ROS (rtt, load, a quarter of an hour)
+and the fuzzers with a million inputs each (fuzz, an hour).
 A figure that cannot be measured has value null and says why under "reason".
 Exit code 0 when every chosen figure was measured, met or not; 1 otherwise.
 """
@@ -17,6 +19,7 @@ from pathlib import Path
 from typing import Callable
 
 import bench_figures
+import project
 from bench_figures import Figure
 
 
@@ -72,9 +75,9 @@ def result_row(result: Result) -> str:
     return line + (f"  not measured: {result.reason}" if result.reason else "")
 
 
-def parse(arguments: list[str]) -> tuple[list[str], Path | None]:
-    """Names and the JSON file."""
-    names, file = [], None
+def parse(arguments: list[str]) -> tuple[list[str], bool, Path | None]:
+    """Names, whether all, and the JSON file."""
+    names, everything, file = [], False, None
     rest = iter(arguments)
     for argument in rest:
         if argument == "--json":
@@ -83,19 +86,29 @@ def parse(arguments: list[str]) -> tuple[list[str], Path | None]:
                 raise ValueError("--json needs a file name")
         elif argument.startswith("--json="):
             file = argument.removeprefix("--json=")
+        elif argument == "--all":
+            everything = True
         elif argument.startswith("-"):
-            raise ValueError(f"unknown option '{argument}'; allowed: --json FILE, --help")
+            raise ValueError(f"unknown option '{argument}'; allowed: --all, --json FILE, --help")
         else:
             names.append(argument)
-    return names, Path(file).absolute() if file else None
+    return names, everything, Path(file).absolute() if file else None
 
 
-def choose(names: list[str], figures: list[Figure]) -> list[Figure]:
+def choose(names: list[str], everything: bool, figures: list[Figure]) -> list[Figure]:
     for name in names:
         if not any(name in figure.name for figure in figures):
             known = ", ".join(figure.name for figure in figures)
             raise ValueError(f"no figure matches '{name}'; figures: {known}")
+    if everything:
+        return figures
     return [f for f in figures if (any(name in f.name for name in names) if names else not f.on_request)]
+
+
+def write(results: list[Result], file: Path):
+    written = file.with_name(file.name + ".new")
+    written.write_text(json.dumps({r.figure.name: r.as_json() for r in results}, indent=2) + "\n")
+    written.replace(file)
 
 
 def main(arguments: list[str], figures: Callable[[], list[Figure]] = bench_figures.all_figures) -> int:
@@ -103,8 +116,8 @@ def main(arguments: list[str], figures: Callable[[], list[Figure]] = bench_figur
         print(__doc__)
         return 0
     try:
-        names, file = parse(arguments)
-        chosen = choose(names, figures())
+        names, everything, file = parse(arguments)
+        chosen = choose(names, everything, figures())
         if file and not os.access(file.parent, os.W_OK):
             raise ValueError(f"cannot write {file}: no such folder, or not writable")
     except ValueError as error:
@@ -117,12 +130,11 @@ def main(arguments: list[str], figures: Callable[[], list[Figure]] = bench_figur
     for figure in chosen:
         results.append(measure(figure))
         print(result_row(results[-1]), flush=True)
-    if file:
-        written = file.with_name(file.name + ".new")
-        written.write_text(json.dumps({r.figure.name: r.as_json() for r in results}, indent=2) + "\n")
-        written.replace(file)
+        if file:
+            write(results, file)
     return 1 if any(result.value is None for result in results) else 0
 
 
 if __name__ == "__main__":
+    project.end_children_with_us()
     sys.exit(main(sys.argv[1:]))

@@ -11,7 +11,7 @@ import statistics
 import subprocess
 import tempfile
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Callable
 
 import bench_build
@@ -33,7 +33,7 @@ class Figure:
     target: str  # "<= 2500", or "report" when there is nothing to meet
     measure: Callable[[], float]
     preset: str = "release"  # the build it needs, or "none"
-    on_request: bool = False  # takes long: only measured when named
+    on_request: bool = False  # takes long: only measured when named, or with --all
 
 
 def all_figures() -> list[Figure]:
@@ -78,9 +78,9 @@ def all_figures() -> list[Figure]:
                on_request=True),
         Figure("build.flight_cpu_s", "s", "report", bench_build.flight_cpu_s, "none", on_request=True),
         *m7(),
-        *ros_figures(),
+        *(replace(figure, on_request=True) for figure in ros_figures()),
         *(Figure(f"fuzz.{name.removeprefix('fuzz_')}_runs", "inputs", f">= {FUZZ_RUNS}",
-                 functools.partial(fuzz_runs, name), preset="fuzz") for name in stages.fuzzers()),
+                 functools.partial(fuzz_runs, name), preset="fuzz", on_request=True) for name in stages.fuzzers()),
     ]
 
 

@@ -51,6 +51,9 @@ REPEATS = {"/attitude/euler": 10_000_000, "/sim/truth_wind": 50_000_000, "/sim/p
 ONE_SIDED = {("rosflight_log_msgs/msg/TruthVehicle", "specific_force"): True,  # /sim/truth_state, without gravity
              ("rosflight_log_msgs/msg/TruthVehicle", "wind"): False}  # /sim/truth_wind
 
+# Topics that only logs since November 2026 have.
+NEW_TOPICS = {"/parameters"}
+
 # Frames of the link: one message each in logs until November 2026, those of 50 ms in one message since.
 RAW_FRAME, RAW_FRAMES = "rosflight_log_msgs/msg/RawFrame", "rosflight_log_msgs/msg/RawFrames"
 STATUSTEXT, FIRMWARE_VERSION, CHECK_RESULT = 253, 192, 238  # MAVLink 1 ids of the messages that carry words
@@ -158,7 +161,7 @@ def first_of_repeats(messages: Iterator[Message]) -> Iterator[Message]:
     """Of topics that repeat others the first message of every interval; no frames of the link."""
     due_ns = dict.fromkeys(REPEATS, 0)
     for message in messages:
-        if message.type in (RAW_FRAME, RAW_FRAMES):
+        if message.type in (RAW_FRAME, RAW_FRAMES) or message.topic in NEW_TOPICS:
             continue
         if message.topic in REPEATS:
             if message.log_time_ns < due_ns[message.topic]:

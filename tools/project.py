@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What every tool needs to know of the project: where it is, which files are ours, how to build."""
 
+import contextlib
 import os
+import signal
 import subprocess
 from pathlib import Path
 
@@ -38,6 +40,36 @@ def build(preset: str, *targets: str, keep_going: bool = False) -> bool:
         environment["ROSFLIGHT_KEEP_GOING"] = "1"
     command = ["bash", str(ROOT / "tools/ready.sh"), "build", preset, *targets]
     return subprocess.run(command, env=environment, stdout=subprocess.DEVNULL).returncode == 0
+
+
+def descendants(of: int) -> list[int]:
+    """Processes that a process has started, and theirs."""
+    children: dict[int, list[int]] = {}
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            parent = int(stat.read_text().rpartition(")")[2].split()[1])
+        except OSError:
+            continue  # it has ended meanwhile
+        children.setdefault(parent, []).append(int(stat.parent.name))
+    found, ahead = [], [of]
+    while ahead:
+        mine = children.get(ahead.pop(), [])
+        found += mine
+        ahead += mine
+    return found
+
+
+def end_children_with_us():
+    """A signal that ends this process ends what it has started too."""
+    def end(number, _frame):
+        for child in descendants(os.getpid()):
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(child, signal.SIGTERM)
+        os._exit(128 + number)
+
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) != signal.SIG_IGN:  # nohup
+            signal.signal(number, end)
 
 
 def is_up_to_date(preset: str, target: str) -> bool:

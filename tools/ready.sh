@@ -42,6 +42,20 @@ release_lock() {
   lock_name=""
 }
 
+# Runs a command that a signal to this script ends too, with all that it has started.
+stoppable() {  # COMMAND...
+  local job status=0
+  set -m  # a process group of its own
+  "$@" &
+  job=$!
+  set +m
+  trap 'kill -TERM -- "-$job" 2>/dev/null; wait "$job" 2>/dev/null || true; exit 130' INT
+  trap 'kill -TERM -- "-$job" 2>/dev/null; wait "$job" 2>/dev/null || true; exit 143' TERM HUP
+  wait "$job" || status=$?
+  trap - INT TERM HUP
+  return "$status"
+}
+
 # ---- system packages ------------------------------------------------------------------------
 
 release_codename() {
@@ -170,7 +184,7 @@ ready_environment() {  # FOLDER REQUIREMENTS, both from the root
     rm -f "$venv/.stamp"
   fi
   # Compiling all dialects that pymavlink brings takes longer than the rest; what is imported is compiled then.
-  if ! "$venv/bin/python3" -m pip install --disable-pip-version-check --no-input --no-compile \
+  if ! stoppable "$venv/bin/python3" -m pip install --disable-pip-version-check --no-input --no-compile \
     -r "$requirements" >"$log" 2>&1; then
     tail -n 8 "$log" >&2
     fail "pip could not install $listed; all it said is in $log"
@@ -257,6 +271,12 @@ refresh_build_info() {  # PRESET
   cmake -DROOT="$root" -DHEADER="$header" -P "$root/cmake/build_info.cmake"
 }
 
+run_ninja() {  # PRESET NINJA...
+  local preset=$1
+  shift
+  NINJA_STATUS='[%f/%t] ' "$@" 2>&1 </dev/null | tee "$root/build/$preset/build.log" | show_progress "$preset"
+}
+
 ready_build() {  # PRESET TARGET...
   ready_build_venv
   take_lock "$1"
@@ -268,7 +288,7 @@ ready_build() {  # PRESET TARGET...
   refresh_build_info "$preset"
   local -a command=(ninja -C "$build" -j "$(build_jobs)")
   [[ -n ${ROSFLIGHT_KEEP_GOING:-} ]] && command+=(-k 0)
-  if ! NINJA_STATUS='[%f/%t] ' "${command[@]}" "$@" 2>&1 </dev/null | tee "$build/build.log" | show_progress "$preset"; then
+  if ! stoppable run_ninja "$preset" "${command[@]}" "$@"; then
     show_failure "$build/build.log"
     fail "the build failed; all of it is in $build/build.log"
   fi

@@ -103,4 +103,6 @@ def main(arguments: list[str]) -> int:
 if __name__ == "__main__":
     if sys.argv[1:2] != ["run"]:
         os.chdir(project.ROOT)
+    if sys.argv[1:2] in (["build"], ["test"]):
+        project.end_children_with_us()
     sys.exit(main(sys.argv[1:]))

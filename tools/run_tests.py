@@ -102,5 +102,6 @@ def print_table(rows: list[lanes.Row], minutes: float):
 
 
 if __name__ == "__main__":
+    project.end_children_with_us()
     os.chdir(project.ROOT)
     sys.exit(main(sys.argv[1:]))

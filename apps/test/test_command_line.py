@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What ./rosflight says about itself, and about what it was asked for."""
+import csv
 import json
 import os
 import re
+import signal
 import subprocess
 import time
 from pathlib import Path
@@ -84,3 +86,58 @@ def test_a_summary_tells_where_a_flight_comes_from(tmp_path):
     assert summary["commit"] is None or re.fullmatch(r"[0-9a-f]{40}", summary["commit"])
     assert isinstance(summary["changed_since_commit"], bool)
     assert summary == json.loads((tmp_path / "f" / "summary.json").read_text())
+
+
+def test_many_seeds_are_a_row_each(tmp_path):
+    file = tmp_path / "rows.csv"
+    words = ["fly", "--seeds", "1:4", "--no-log", "--mission", "hop", "--out", file]
+    run = subprocess.run([PROGRAM, *words], capture_output=True, text=True, cwd=tmp_path)
+    assert (run.returncode, run.stderr) == (0, "")
+    assert re.match(r"4 of 4 flights in \d+\.\d s, \d+ times real time\n", run.stdout) and "mission_done" in run.stdout
+    rows = list(csv.DictReader(file.open()))
+    assert [row["seed"] for row in rows] == ["1", "2", "3", "4"]
+    alone = subprocess.run([PROGRAM, "fly", "--json", "--no-log", "--mission", "hop", "--seed", "3", "--out", tmp_path / "f"],
+                           capture_output=True, text=True)
+    summary = json.loads(alone.stdout)
+    for key in ("outcome", "tracking_rms_m", "touchdown_distance_m", "flight_time_s"):
+        assert rows[2][key] == summary[key] or abs(float(rows[2][key]) - summary[key]) < 1e-3, key
+    again = subprocess.run([PROGRAM, *words], capture_output=True, text=True)
+    assert (again.returncode, again.stderr) == (2, f"rosflight: --out: found {file}, allowed a new file\n")
+
+
+def test_seeds_that_fail_are_listed_with_the_command_that_repeats_them(tmp_path):
+    run = subprocess.run([PROGRAM, "fly", "--seeds", "5:6", "--no-log", "--fault", "motor0_dead@20", "--out", tmp_path / "r.csv"],
+                         capture_output=True, text=True)
+    assert run.returncode == 1
+    repeat = re.search(r"seed 5: Crash.*\n  \./rosflight (fly .*)", run.stdout)[1].split()
+    once = subprocess.run([PROGRAM, *repeat, "--json", "--no-log", "--out", tmp_path / "f"], capture_output=True, text=True)
+    row = next(csv.DictReader((tmp_path / "r.csv").open()))
+    assert abs(json.loads(once.stdout)["touchdown_speed_m_s"] - float(row["touchdown_speed_m_s"])) < 1e-3
+
+
+@pytest.mark.parametrize("words, said", [
+    (["--seeds", "4:1", "--out", "r.csv"], "--seeds: found '4:1', allowed FIRST:LAST"),
+    (["--seeds", "1:2"], "--out: found nothing, allowed a CSV file with --seeds"),
+    (["--seeds", "1:2", "--log", "full", "--out", "r.csv"], "--log: found full with --seeds, allowed none"),
+    (["--seeds", "1:2", "--json", "--out", "r.csv"], "--json: found with --seeds, allowed with one flight"),
+    (["--seeds", "1:2", "--vehicle", "none", "--out", "r.csv"], "vehicle: found none"),
+    (["--seeds", "1:2", "--out", "nowhere/r.csv"], "nowhere/r.csv"),
+])
+def test_bad_campaigns_are_one_line_and_leave_no_file(tmp_path, words, said):
+    run = subprocess.run([PROGRAM, "fly", *words], capture_output=True, text=True, cwd=tmp_path)
+    assert (run.returncode, run.stdout, len(run.stderr.splitlines())) == (2, "", 1)
+    assert said in run.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_campaign_that_is_stopped_keeps_its_rows(tmp_path):
+    file = tmp_path / "rows.csv"
+    run = subprocess.Popen([PROGRAM, "fly", "--seeds", "1:100000", "--mission", "hop", "--no-log", "--out", file],
+                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(2)
+    run.send_signal(signal.SIGINT)
+    out, _ = run.communicate(timeout=60)
+    assert run.returncode == 130
+    rows = list(csv.DictReader(file.open()))
+    assert len(rows) > 1 and f"{len(rows)} of 100000 flights" in out
+    assert [int(row["seed"]) for row in rows] == sorted(int(row["seed"]) for row in rows)

@@ -113,7 +113,9 @@ int sil_command(const SilOptions& options, std::ostream& out,
   const auto address = read_link(options);
   SilWorld world{options, step};
   Signals signals;
-  boards::LinuxBoard board{address, options.storage};
+  const std::filesystem::path storage = options.storage.value_or(
+      fmt::format("rosflight_{}.nvm", std::filesystem::path(options.vehicle).stem().string()));
+  boards::LinuxBoard board{address, storage};
   LinuxAutopilot firmware{board, std::move(make_codec)};
   sim::LockStepTime time{step};
   sim::LockStep loop{time, world.rc(), world.sensors(), firmware, world.dynamics()};
@@ -124,7 +126,7 @@ int sil_command(const SilOptions& options, std::ostream& out,
   const hal::Time start = LinuxClock::steady();
   out << fmt::format("sil ready {} rate_Hz={} vehicle={} seed={} start_us={} nvm={}",
                      board.serial.where(), options.rate_Hz, options.vehicle, options.seed,
-                     start.count(), options.storage.string())
+                     start.count(), storage.string())
       << std::endl;
   Pace pace{start, step};
   const auto seconds = [&loop] { return sim::to_seconds(loop.now()); };

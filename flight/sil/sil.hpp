@@ -9,7 +9,7 @@
 
 #include "flight/sil/linux_autopilot.hpp"
 
-/// The firmware as a process in real time, with a simulated vehicle around it, for any ground tool.
+/// The firmware as a process in real time, with a simulated vehicle around it, for ground tools.
 namespace rosflight::flight {
 
 struct SilOptions {
@@ -20,7 +20,9 @@ struct SilOptions {
   std::string link{"pty"};                     ///< See base::LinkAddress.
   std::string link_protocol{"mavlink"};        ///< "mavlink" or "lean".
   std::optional<std::uint16_t> listen;         ///< Own port of a UDP link.
-  std::filesystem::path storage{"rosflight.nvm"};
+  /// Keeps the parameters; default: rosflight_VEHICLE.nvm in the current folder, so that no vehicle flies
+  /// with the mixer of another.
+  std::optional<std::filesystem::path> storage;
   int rate_Hz{400};  ///< IMU samples and simulation steps a second.
   static constexpr int kLowestRate_Hz = 50;
   static constexpr int kHighestRate_Hz = 2000;

@@ -119,6 +119,9 @@ def test_log_holds_the_whole_flight(flight):
     assert by_name["autonomy/estimate"] > 100 * (summary["flight_time_s"] - 1)
     estimate = last["/autonomy/estimate"]
     assert all(0 < sigma < 1 for sigma in estimate.position_sigma) and not any(estimate.refusing)
+    # As the firmware had them when it armed: those of the vehicle file among the defaults.
+    parameters = [line for line in (folder / "parameters.yaml").read_text().splitlines() if line.startswith("- {")]
+    assert counts["/parameters"] == len(parameters) > 300
     status = last[next(t for t in counts if t.lstrip("/") == "status")]
     assert not status.armed
 

@@ -56,8 +56,24 @@ def test_name_chooses_by_a_part(capsys):
 
 def test_what_takes_long_is_measured_when_named(capsys):
     figures = [*FIGURES[:1], Figure("c.long", "s", "report", lambda: 1.0, on_request=True)]
-    assert bench.choose([], figures) == figures[:1]
-    assert bench.choose(["c.long"], figures) == figures[1:]
+    assert bench.choose([], False, figures) == figures[:1]
+    assert bench.choose(["c.long"], False, figures) == figures[1:]
+    assert bench.choose([], True, figures) == figures
+
+
+def test_the_file_is_written_after_each_figure(tmp_path):
+    file = tmp_path / "f.json"
+
+    def written_before() -> float:
+        return float(len(json.loads(file.read_text())))
+
+    assert bench.main(["--json", str(file)], lambda: [*FIGURES[:2], Figure("d.last", "1", "= 2", written_before)]) == 0
+    assert json.loads(file.read_text())["d.last"]["met"] is True
+
+
+def test_what_is_measured_without_names_needs_no_ros_and_no_fuzzer():
+    names = {figure.name.split(".")[0] for figure in bench.choose([], False, bench_figures.all_figures())}
+    assert {"firmware", "loop", "missions", "m7"} <= names and not names & {"fuzz", "rtt", "load", "property", "build"}
 
 
 @pytest.mark.parametrize("arguments", [["c.none"], ["--json"], ["--fast"], ["--json", "/nowhere/f.json"]])

@@ -3,8 +3,10 @@
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -304,3 +306,50 @@ def test_a_long_build_of_one_preset_does_not_keep_another_waiting(house):
 def test_a_flight_needs_no_python_packages_but_those_of_the_build(house):
     assert house.start("fly").returncode == 0
     assert (house.root / ".venv-build").exists() and not (house.root / ".venv").exists()
+
+
+def alive(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+def wait_for(condition) -> bool:
+    end = time.monotonic() + 30
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.02)
+    return condition()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_start_that_is_stopped_stops_its_build_and_frees_the_lock(house, tmp_path, number):
+    compiler = tmp_path / "compiler"
+    house.replace("ninja", f'sleep 300 & echo $! >"{compiler}.new"; mv "{compiler}.new" "{compiler}"; wait')
+    run = subprocess.Popen([house.root / "rosflight", "fly"], cwd="/", stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                           stderr=subprocess.PIPE, env=house.environment())
+    assert wait_for(compiler.exists)
+    pid = int(compiler.read_text())
+    assert alive(pid)
+    run.send_signal(number)
+    run.communicate(timeout=30)
+    assert run.returncode == 128 + number
+    assert wait_for(lambda: not alive(pid)), "the compiler runs on"
+    house.replace("ninja", 'mkdir -p "$2/apps" && printf "#!/bin/sh\\necho flown\\n" >"$2/apps/rosflight" '
+                           '&& chmod +x "$2/apps/rosflight"')
+    again = house.start("fly")
+    assert (again.returncode, again.stdout) == (0, "flown\n")
+    assert "waiting for it" not in again.stderr
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_tool_that_is_stopped_stops_what_it_has_started(tmp_path, number):
+    note = tmp_path / "child"
+    program = (f"import sys, subprocess; sys.path.insert(0, {str(ROOT / 'tools')!r}); import project\n"
+               "project.end_children_with_us()\n"
+               f"subprocess.run(['bash', '-c', 'sleep 300 & echo $! >{note}.new; mv {note}.new {note}; wait'])\n")
+    run = subprocess.Popen([sys.executable, "-c", program])
+    assert wait_for(note.exists)
+    run.send_signal(number)
+    assert run.wait(timeout=30) == 128 + number
+    assert wait_for(lambda: not alive(int(note.read_text())))

@@ -294,7 +294,14 @@ def test_a_memory_in_use_is_one_line_and_exit_2(tmp_path):
 ])
 def test_bad_options_are_one_line_and_exit_2(tmp_path, options, text):
     assert text in failed_start(tmp_path, *options)
-    assert not (tmp_path / "rosflight.nvm").exists()
+    assert not list(tmp_path.glob("*.nvm"))
+
+
+def test_each_vehicle_has_a_memory_of_its_own(tmp_path):
+    for vehicle in ("multirotor", "anaconda"):
+        subprocess.run([PROGRAM, "sil", "--link", "tcp:0", "--vehicle", vehicle, "--duration", "0.1"], check=True, cwd=tmp_path,
+                       capture_output=True, timeout=60)
+    assert {path.name for path in tmp_path.glob("*.nvm")} == {"rosflight_multirotor.nvm", "rosflight_anaconda.nvm"}
 
 
 @pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGTERM])
