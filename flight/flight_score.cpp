@@ -52,7 +52,7 @@ std::string missing(const FlightScore& s, const MissionRunner& runner, bool land
 }
 
 std::string touchdown_text(const LandingScore::Touchdown& t) {
-  return fmt::format("touchdown at {:.2f} m/s, tilted by {:.0f} degrees", t.speed_m_s,
+  return fmt::format("touchdown at {:.2f} m/s, tilted by {:.0f} degrees", t.hardest_m_s,
                      t.tilt_rad / base::kRadPerDeg);
 }
 
@@ -116,7 +116,8 @@ FlightScorer::FlightScorer(const FlightSetup& setup)
     : radius_m_{setup.score_radius_m},
       limits_{limits_of(setup)},
       runway_{setup.fixed_wing()},
-      waypoints_{targets_of(setup)} {}
+      waypoints_{targets_of(setup)},
+      landing_{setup.fixed_wing() ? 2.0 : 0.5} {}
 
 void FlightScorer::step(const sim::Truth& truth, const sim::Vector3& estimate_W,
                         const GuidanceOutput& output) {

@@ -18,11 +18,12 @@ void LandingScore::step(const sim::Truth& truth) {
   if (!airborne_) {
     if (contact) {
       ground_height_m_ = height_m;
-    } else if (height_m > ground_height_m_ + kRebound_m) {
+    } else if (height_m > ground_height_m_ + rebound_m_) {
       airborne_ = true;
     }
   } else if (contact && !touchdown_) {
     touchdown_ = Touchdown{t_s,
+                           sink_m_s_,
                            sink_m_s_,
                            tilt_rad_,
                            autonomy::RollPitch::of(truth.body.q_WB).roll_rad,
@@ -30,12 +31,14 @@ void LandingScore::step(const sim::Truth& truth) {
                            std::atan2(v_W.y(), v_W.x())};
     ground_height_m_ = height_m;
   } else if (contact) {
+    if (!contact_) touchdown_->hardest_m_s = std::max(touchdown_->hardest_m_s, sink_m_s_);
     ground_height_m_ = height_m;
-  } else if (touchdown_ && height_m > ground_height_m_ + kRebound_m) {
+  } else if (touchdown_ && height_m > ground_height_m_ + rebound_m_) {
     ++early_contacts_;
     touchdown_.reset();
   }
   down_for_s_ = contact && touchdown_ ? down_for_s_ + (t_s - last_s_) : 0.0;
+  contact_ = contact;
   sink_m_s_ = v_W.z();
   last_s_ = t_s;
 }
@@ -56,14 +59,14 @@ bool LandingScore::inside(const LandingLimits& limits) const {
 }
 
 bool LandingScore::soft(const LandingLimits& limits) const {
-  return touchdown_ && touchdown_->speed_m_s <= limits.max_speed_m_s &&
+  return touchdown_ && touchdown_->hardest_m_s <= limits.max_speed_m_s &&
          (limits.max_bank_rad == 0.0 || std::abs(touchdown_->bank_rad) <= limits.max_bank_rad) &&
          !crashed();
 }
 
 bool LandingScore::crashed() const {
   if (early_contacts_ > 0) return true;
-  return touchdown_ && (touchdown_->speed_m_s > kCrashSpeed_m_s ||
+  return touchdown_ && (touchdown_->hardest_m_s > kCrashSpeed_m_s ||
                         std::max(touchdown_->tilt_rad, tilt_rad_) > kCrashTilt_rad);
 }
 

@@ -19,18 +19,22 @@ struct LandingLimits {
 
 /// How a flight came down, by the truth alone.
 ///
-/// The touchdown is the first contact after which the vehicle stays down: a rebound of no more than
-/// kRebound_m belongs to it. A contact after which it flies on is counted apart.
+/// The touchdown is the first contact after which the vehicle stays down: rebounds up to a height belong
+/// to it, and the hardest of their contacts counts for the limits. A contact after which it flies on is
+/// counted apart.
 class LandingScore {
  public:
-  static constexpr double kRebound_m = 0.5;
   static constexpr double kCrashSpeed_m_s = 4.0;
   static constexpr double kCrashTilt_rad = 0.785398163397448309616;  // 45 deg
 
+  /// @param rebound_m  above the height of the contact.
+  explicit LandingScore(double rebound_m = 0.5) : rebound_m_{rebound_m} {}
+
   struct Touchdown {
     double t_s{};
-    double speed_m_s{};  ///< Downwards, in the step before the contact.
-    double tilt_rad{};   ///< Between the body's z axis and down.
+    double speed_m_s{};    ///< Downwards, in the step before the contact.
+    double hardest_m_s{};  ///< The same of the hardest contact, this or of a rebound.
+    double tilt_rad{};     ///< Between the body's z axis and down.
     double bank_rad{};
     sim::Vector3 p_W{sim::Vector3::Zero()};
     double course_rad{};  ///< Of the velocity over ground.
@@ -58,7 +62,9 @@ class LandingScore {
   bool crashed() const;
 
  private:
+  double rebound_m_;
   bool airborne_{false};
+  bool contact_{false};
   std::optional<Touchdown> touchdown_;
   int early_contacts_{0};
   double ground_height_m_{0.0};  ///< Of the centre of mass at the last contact.

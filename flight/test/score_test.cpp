@@ -86,6 +86,7 @@ TEST(WaypointScore, AFigureIsMeasuredWhereItIsFarthestFromThePath) {
 // ---- landing ------------------------------------------------------------------------------------
 
 constexpr double kStep_s = 0.0025;
+constexpr double kRebound_m = 0.5;
 
 /// A body whose height is a function of time, on the ground at 0.2 m.
 struct Descent {
@@ -155,10 +156,15 @@ TEST(LandingScore, ABounceBelongsToTheTouchdownAndAContactInFlightIsACrash) {
   Descent d;
   d.move(2.0, 5.0);
   d.move(-1.2, 10.0);
-  d.move(1.0, 0.45);  // less than kRebound_m
-  d.move(-1.0, 1.0);
+  d.move(1.0, 0.45);  // less than a rebound may be
+  d.move(-1.4, 1.0);
   EXPECT_FALSE(d.score.crashed());
+  EXPECT_TRUE(d.score.soft(within_3_m()));
   EXPECT_NEAR(d.score.touchdown()->speed_m_s, 1.2, 1e-9) << "of the first contact";
+  EXPECT_NEAR(d.score.touchdown()->hardest_m_s, 1.4, 1e-9);
+  d.move(1.0, 0.45);
+  d.move(-1.6, 1.0);
+  EXPECT_FALSE(d.score.soft(within_3_m())) << "the hardest contact counts";
   d.move(1.0, 3.0);
   EXPECT_FALSE(d.score.touchdown()) << "it flies on";
   EXPECT_EQ(d.score.early_contacts(), 1);
@@ -215,13 +221,13 @@ TEST(LandingScore, HoldsOverRandomFlights) {
       if (contact && !down) fastest_m_s = std::max({fastest_m_s, -up_m_s, -last_m_s});
       last_m_s = up_m_s;
       highest_m = contact ? 0.2 : std::max(highest_m, d.height_m);
-      if (down && !contact && highest_m > 0.2 + LandingScore::kRebound_m) ++departures;
-      if (contact || highest_m > 0.2 + LandingScore::kRebound_m) down = contact;
+      if (down && !contact && highest_m > 0.2 + kRebound_m) ++departures;
+      if (contact || highest_m > 0.2 + kRebound_m) down = contact;
       if (!d.score.airborne()) continue;
       if (contact) {
         EXPECT_TRUE(d.score.touchdown());
       }
-      if (highest_m > 0.2 + LandingScore::kRebound_m) {
+      if (highest_m > 0.2 + kRebound_m) {
         EXPECT_FALSE(d.score.touchdown());
       }
       EXPECT_GE(d.score.early_contacts(), departures - 1) << "the first is the take-off";
