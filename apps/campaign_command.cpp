@@ -82,9 +82,9 @@ int campaign_command(const flight::FlightChoice& choice, const std::string& seed
   if (std::filesystem::exists(file)) {
     throw config::Error(fmt::format("--out: found {}, allowed a new file", file.string()));
   }
-  static_cast<void>(flight::FlightSetup(choice));  // bad input is told before there is a file,
-  base::write_file(file,
-                   flight::campaign_csv({}));  // a file that cannot be before there is a flight
+  // Bad input is told before there is a file, a file that cannot be written before anything flies.
+  static_cast<void>(flight::FlightSetup(choice));
+  base::write_file(file, flight::campaign_csv({}));
   const std::uint64_t wanted = options.last_seed - options.first_seed + 1;
   const bool terminal = isatty(STDERR_FILENO) == 1;
   options.on_flight = [&err, wanted, terminal](std::size_t done) {

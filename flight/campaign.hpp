@@ -16,7 +16,8 @@ struct CampaignOptions {
   unsigned threads{0};         ///< Flights at once; 0: one for each processor.
   /// Called after each flight, by one thread at a time: flights done so far.
   std::function<void(std::size_t)> on_flight;
-  /// Asked before each step; true ends the campaign, and flights that have not ended do not count.
+  /// Asked before each step by every thread, at the same time; true ends the campaign, and flights that have
+  /// not ended do not count.
   std::function<bool()> interrupted;
 };
 

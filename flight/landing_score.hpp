@@ -6,7 +6,7 @@
 
 namespace rosflight::flight {
 
-/// What a landing may be and where. docs/faults.md tells the limits of each kind of aircraft.
+/// Limits of a soft landing and the landing area. Those of each kind of aircraft: docs/scoring.md.
 struct LandingLimits {
   sim::Vector3 aim_W{sim::Vector3::Zero()};
   double max_speed_m_s{1.5};  ///< Downwards, before the first contact.

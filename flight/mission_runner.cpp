@@ -195,7 +195,10 @@ void MissionRunner::arm() {
 /// so that it keeps its altitude if the offboard commands stop.
 void MissionRunner::move_throttle_stick() {
   const bool up = stage_ == Stage::kFly && now_ - armed_at_ >= kTakeOff;
-  pilot_.set(Control::kThrottle, up ? static_cast<float>(config_.pilot_stick) : 0.0F);
+  const float wanted = up ? static_cast<float>(config_.pilot_stick) : 0.0F;
+  if (wanted == throttle_stick_) return;  // a script may have moved the stick since
+  throttle_stick_ = wanted;
+  pilot_.set(Control::kThrottle, wanted);
 }
 
 /// Ends a flight that cannot go on. Uses the true state, as an observer beside the field would.

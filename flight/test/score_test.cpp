@@ -342,6 +342,14 @@ TEST_P(BlindPilot, MovesHisStickASecondAfterArmingAndAfterDisarmingOnly) {
   }
 }
 
+TEST(PilotStick, AScriptMovesItAndItStaysThere) {
+  Rig rig(FlightChoice{});
+  ASSERT_TRUE(rig.reach_mission());
+  rig.flight->pilot().set(sim::rc::Control::kThrottle, 0.7F);
+  rig.run_for(1.0);
+  EXPECT_EQ(rig.flight->pilot().position(sim::rc::Control::kThrottle), 0.7F);
+}
+
 FlightChoice choice_of(const std::string& vehicle, std::vector<std::string> faults) {
   FlightChoice choice;
   choice.vehicle = vehicle;
