@@ -32,8 +32,11 @@ CLI::App* add_replay(CLI::App& app, ReplayOptions& options) {
 
 CLI::App* add_mixer(CLI::App& app, MixerOptions& options) {
   CLI::App* mixer =
-      app.add_subcommand("mixer", "Make custom-mixer parameters from a frame's geometry");
-  mixer->add_option("-f,--param-file", options.input, "Frame file (docs/mixer.md)")->required();
+      app.add_subcommand("mixer", "Make a custom mixer from the geometry of a multirotor");
+  CLI::Option* vehicle = mixer->add_option("--vehicle", options.vehicle,
+                                           "Multirotor: a name of vehicles/ or a YAML file");
+  mixer->add_option("-f,--param-file", options.input, "Frame file of ROSflight 2.x (docs/mixer.md)")
+      ->excludes(vehicle);
   mixer->add_option("-o,--output-file", options.output, "Parameter file to write")
       ->capture_default_str();
   const std::map<std::string, MixerTarget> kTargets{{"PRI", MixerTarget::kPrimary},

@@ -28,12 +28,7 @@ sim::Vehicle open_vehicle(const TrimOptions& options) {
   sim::Registry registry;
   sim::register_physics(registry);
   registry.add_vehicles(flight::project_root() / "vehicles");
-  std::vector<std::string> overrides = options.overrides;
-  for (std::string& text : overrides) {
-    constexpr std::string_view kPrefix = "vehicle.";
-    if (text.rfind(kPrefix, 0) == 0) text.erase(0, kPrefix.size());
-  }
-  sim::Vehicle vehicle = sim::Vehicle::from_file(registry.vehicle_file(options.vehicle), overrides);
+  sim::Vehicle vehicle = registry.open_vehicle(options.vehicle, options.overrides);
   if (vehicle.type() != "fixedwing") {
     throw config::Error(fmt::format("--vehicle: found {} of type {}, allowed one of type fixedwing",
                                     options.vehicle, vehicle.type()));

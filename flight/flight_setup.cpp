@@ -29,15 +29,10 @@ sim::Registry& fill(sim::Registry& registry, const FlightChoice& choice) {
 
 sim::Vehicle open_vehicle(sim::Registry& registry, const FlightChoice& choice) {
   std::vector<std::string> overrides = choice.overrides;
-  for (std::string& text : overrides) {
-    constexpr std::string_view kPrefix = "vehicle.";
-    if (text.rfind(kPrefix, 0) == 0) text.erase(0, kPrefix.size());
-  }
   if (choice.wind) {
     for (std::string& text : wind_overrides(*choice.wind)) overrides.push_back(std::move(text));
   }
-  return sim::Vehicle::from_file(fill(registry, choice).vehicle_file(choice.vehicle), overrides,
-                                 project_root() / "vehicles");
+  return fill(registry, choice).open_vehicle(choice.vehicle, std::move(overrides));
 }
 
 std::string find_mission(const std::string& wanted, bool fixed_wing) {
@@ -201,7 +196,7 @@ FlightSetup::FlightSetup(const FlightChoice& choice_in)
     : choice{choice_in},
       vehicle{open_vehicle(registry, choice)},
       rotors{read_rotors(vehicle)},
-      firmware{read_firmware_parameters(vehicle.firmware())},
+      firmware{read_firmware_parameters(vehicle)},
       estimator{read_estimator(vehicle)},
       mission_file{find_mission(choice.mission, is_fixed_wing(vehicle))},
       plan{read_plan(vehicle, rotors, firmware, mission_file)},

@@ -9,22 +9,6 @@
 #include "sim/multirotor/multirotor.hpp"
 
 namespace rosflight::sim {
-namespace {
-
-/// YAML files without `type` or `extends` are something else; broken ones may be vehicles and tell
-/// so when chosen.
-bool may_be_vehicle(const std::filesystem::path& file) {
-  try {
-    const auto document = config::Document::from_file(file);
-    if (document.is_list()) return false;
-    return document.root().has("type") || document.root().has("extends");
-  } catch (const config::Error&) {
-    return true;
-  }
-}
-
-}  // namespace
-
 void Registry::load_plugin(const std::filesystem::path& library) {
   const std::string name = library.string();
   // A bare file name would be searched for in the system's folders.
@@ -47,13 +31,13 @@ void Registry::add_vehicles(const std::filesystem::path& folder) {
   std::error_code code;
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder, code)) {
-    if (entry.path().extension() == ".yaml" && may_be_vehicle(entry.path()))
-      files.push_back(entry.path());
+    if (entry.path().extension() == ".yaml") files.push_back(entry.path());
   }
   if (code)
     throw config::Error(folder.string() + ": found no such folder, allowed one with vehicle files");
   std::sort(files.begin(), files.end());
   for (const auto& file : files) vehicles.add(file.stem().string(), file);
+  vehicles_folder_ = folder;
 }
 
 std::filesystem::path Registry::vehicle_file(const std::string& name_or_path) const {
@@ -61,6 +45,15 @@ std::filesystem::path Registry::vehicle_file(const std::string& name_or_path) co
   std::filesystem::path path(name_or_path);
   if (path.extension() == ".yaml" || name_or_path.find('/') != std::string::npos) return path;
   return vehicles.at(name_or_path);
+}
+
+Vehicle Registry::open_vehicle(const std::string& name_or_path,
+                               std::vector<std::string> overrides) const {
+  for (std::string& text : overrides) {
+    constexpr std::string_view kPrefix = "vehicle.";
+    if (text.starts_with(kPrefix)) text.erase(0, kPrefix.size());
+  }
+  return Vehicle::from_file(vehicle_file(name_or_path), overrides, vehicles_folder_);
 }
 
 std::unique_ptr<ForcesAndMoments> Registry::make_forces(const Vehicle& vehicle,

@@ -72,6 +72,7 @@ using Factory =
 /// headers and the compiler of the program that loads it.
 class Registry {
   std::vector<std::shared_ptr<void>> libraries_;  ///< First: their factories must go before them.
+  std::filesystem::path vehicles_folder_;
 
  public:
   /// Forces and moments: `type` of a vehicle file.
@@ -89,11 +90,15 @@ class Registry {
   /// uses a taken name.
   void load_plugin(const std::filesystem::path& library);
 
-  /// Adds every *.yaml of a folder that has a `type` or `extends`, under its stem. Throws
+  /// Adds every *.yaml of a folder under its stem. Throws
   /// config::Error if there is no such folder.
   void add_vehicles(const std::filesystem::path& folder);
   /// File of a vehicle: a name known here, or a path (it has a '/' or ends with .yaml).
   std::filesystem::path vehicle_file(const std::string& name_or_path) const;
+  /// Reads that file. Its `extends` and the names looked for are those of the folder added last.
+  /// @param overrides  "section.key=value", or the same after "vehicle.".
+  /// Throws config::Error.
+  Vehicle open_vehicle(const std::string& name_or_path, std::vector<std::string> overrides) const;
 
   /// The module that `vehicle.type()` names; afterwards vehicle.finish() has found no unknown key.
   std::unique_ptr<ForcesAndMoments> make_forces(const Vehicle& vehicle,

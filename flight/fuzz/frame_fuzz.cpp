@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "flight/mixer/frame.hpp"
+#include "flight/vehicle/frame.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace rosflight;

@@ -14,17 +14,12 @@ sim::Vehicle read_vehicle(const SilOptions& options, sim::Registry& registry, si
   sim::sensors::register_sensors(registry);
   for (const auto& plugin : options.plugins) registry.load_plugin(plugin);
   registry.add_vehicles(options.vehicles_folder);
-  std::vector<std::string> overrides = options.overrides;
-  for (std::string& text : overrides) {
-    constexpr std::string_view kPrefix = "vehicle.";
-    if (text.rfind(kPrefix, 0) == 0) text.erase(0, kPrefix.size());
-  }
-  const auto file = registry.vehicle_file(options.vehicle);
-  auto vehicle = sim::Vehicle::from_file(file, overrides, options.vehicles_folder);
+  auto vehicle = registry.open_vehicle(options.vehicle, options.overrides);
   if (vehicle.sensors().text("module", "standard") != "standard") return vehicle;
+  std::vector<std::string> overrides = options.overrides;
   overrides.push_back(
       fmt::format("sensors.imu.rate_Hz={:.17g}", 1e6 / static_cast<double>(step.count())));
-  return sim::Vehicle::from_file(file, overrides, options.vehicles_folder);
+  return registry.open_vehicle(options.vehicle, std::move(overrides));
 }
 
 sim::rc::Script read_rc(const SilOptions& options) {

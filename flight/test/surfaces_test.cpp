@@ -25,7 +25,7 @@ sim::Vehicle load(const std::string& name, const std::vector<std::string>& optio
 class Chain {
  public:
   explicit Chain(const sim::Vehicle& vehicle) : wing_{sim::read_fixed_wing(vehicle.root())} {
-    const companion::ParameterSet set = read_firmware_parameters(vehicle.firmware());
+    const companion::ParameterSet set = read_firmware_parameters(vehicle);
     const auto on = [&set](const char* name) { return firmware_value(set, name) != 0.0; };
     core::Mixer::Config config;
     config.fixed_wing = on("FIXED_WING");

@@ -5,6 +5,7 @@
 #include "autonomy/fixedwing/config.hpp"
 #include "autonomy/multirotor/config.hpp"
 #include "config/table.hpp"
+#include "flight/vehicle/mixer_page.hpp"
 #include "sim/parameter_tables.hpp"
 #include "sim/sensors/presets.hpp"
 #include "sim/sensors/read_config.hpp"
@@ -68,6 +69,21 @@ std::string vehicle_page() {
               sim::sensors::sensor_tables(), sim::sensors::current_hardware());
 }
 
+std::string mixers_page() {
+  return "# Predefined mixers\n\n"
+         "Made from the firmware's tables by the program `parameter_pages`; a test compares.\n\n"
+         "![Mixers 0 to 10 from above, the nose up](img/mixers.svg)\n\n"
+         "Seen from above, the nose up. A number is an output channel. Propellers drawn in blue "
+         "turn to the left\n"
+         "(counter-clockwise), those in orange to the right; their drag turns the nose the other "
+         "way. Two motors on\n"
+         "one arm of Y6 and X8 share an axis, one above the other.\n\n"
+         "PRIMARY_MIXER or SECONDARY_MIXER selects one by its id. Output of a channel: the sum of "
+         "gain times input, inputs\n"
+         "forces and torques in body axes front-right-down, not in newtons: `docs/mixer.md`.\n\n" +
+         mixer_tables();
+}
+
 template <class S>
 std::string autonomy_file(const std::string& kind, const config::Table<S>& table) {
   const autonomy::estimation::EstimatorConfig estimator;
@@ -86,7 +102,9 @@ std::vector<ParameterPage> parameter_pages() {
           {"vehicles/defaults/multirotor.yaml",
            autonomy_file("multirotor", autonomy::multirotor::parameters())},
           {"vehicles/defaults/fixedwing.yaml",
-           autonomy_file("fixed wing", autonomy::fixedwing::parameters())}};
+           autonomy_file("fixed wing", autonomy::fixedwing::parameters())},
+          {"docs/img/mixers.svg", mixer_picture()},
+          {"docs/predefined-mixers.md", mixers_page()}};
 }
 
 }  // namespace rosflight::flight

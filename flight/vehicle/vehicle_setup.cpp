@@ -9,6 +9,7 @@
 #include "autonomy/estimation/read_estimator.hpp"
 #include "firmware/core/motor_model.hpp"
 #include "firmware/core/parameters.hpp"
+#include "flight/vehicle/frame.hpp"
 #include "sim/environment/magnetic_model.hpp"
 #include "sim/fixedwing/fixedwing.hpp"
 
@@ -44,6 +45,36 @@ double height_at_rest_m(const sim::Vehicle& vehicle) {
   return lowest_m;
 }
 
+/// A parameter as the section `firmware` gives it, typed and in range.
+companion::NamedValue written_parameter(const config::Section& section, const std::string& name) {
+  const std::size_t index = core::Parameters::find(core::padded_name(name.c_str()));
+  if (name.size() > link::kParamNameLength || index == core::kParamCount) {
+    throw section.error(name, section.raw(name), "the name of a firmware parameter");
+  }
+  const auto id = static_cast<core::Param>(index);
+  const core::ParamRow& row = core::Parameters::row(id);
+  const double number = section.number(name, config::Range::any());
+  const bool whole = row.type == link::ParamType::kInt32;
+  const bool fits = std::abs(number) < 2147483648.0;
+  const core::ParamValue value =
+      whole ? core::ParamValue{fits ? static_cast<std::int32_t>(number) : 0}
+            : core::ParamValue{static_cast<float>(number)};
+  if (!fits || (whole && number != std::trunc(number)) || !core::Parameters::in_range(id, value)) {
+    throw section.error(
+        name, section.raw(name),
+        fmt::format("{}{} to {}", whole ? "a whole number from " : "", row.min, row.max));
+  }
+  return {name, whole ? ParameterValue::of(value.i) : ParameterValue::of(value.f)};
+}
+
+/// Value of PRIMARY_MIXER in a vehicle file: the custom mixer of the vehicle's own rotors.
+constexpr const char* kGeometry = "geometry";
+
+/// Parameters that `PRIMARY_MIXER: geometry` alone decides.
+bool is_computed(const std::string& name) {
+  return name.starts_with("PRI_MIXER_") || name == "USE_MOTOR_PARAM";
+}
+
 }  // namespace
 
 double wmm2025_declination(const autonomy::estimation::GnssSample& fix) {
@@ -63,28 +94,26 @@ sim::MultirotorParameters read_rotors(const sim::Vehicle& vehicle) {
   return sim::read_multirotor(vehicle.root());
 }
 
-companion::ParameterSet read_firmware_parameters(const config::Section& section) {
+companion::ParameterSet read_firmware_parameters(const sim::Vehicle& vehicle) {
+  const config::Section& section = vehicle.firmware();
+  const bool from_geometry = section.raw("PRIMARY_MIXER") == kGeometry;
   companion::ParameterSet set;
   for (const std::string& name : section.keys()) {
-    const std::size_t index = core::Parameters::find(core::padded_name(name.c_str()));
-    if (name.size() > link::kParamNameLength || index == core::kParamCount) {
-      throw section.error(name, section.raw(name), "the name of a firmware parameter");
+    if (!from_geometry) {
+      set.push_back(written_parameter(section, name));
+    } else if (is_computed(name)) {
+      throw section.error(name, section.raw(name),
+                          "none: PRIMARY_MIXER: geometry computes it from the section rotors");
+    } else if (name != "PRIMARY_MIXER") {
+      set.push_back(written_parameter(section, name));
     }
-    const auto id = static_cast<core::Param>(index);
-    const core::ParamRow& row = core::Parameters::row(id);
-    const double number = section.number(name, config::Range::any());
-    const bool whole = row.type == link::ParamType::kInt32;
-    const bool fits = std::abs(number) < 2147483648.0;
-    const core::ParamValue value =
-        whole ? core::ParamValue{fits ? static_cast<std::int32_t>(number) : 0}
-              : core::ParamValue{static_cast<float>(number)};
-    if (!fits || (whole && number != std::trunc(number)) ||
-        !core::Parameters::in_range(id, value)) {
-      throw section.error(
-          name, section.raw(name),
-          fmt::format("{}{} to {}", whole ? "a whole number from " : "", row.min, row.max));
-    }
-    set.push_back({name, whole ? ParameterValue::of(value.i) : ParameterValue::of(value.f)});
+  }
+  if (!vehicle.root().has("rotors")) return set;  // forces of a plugin
+  const companion::ParameterSet known =
+      from_geometry ? mixer_parameters(vehicle_frame(vehicle), MixerTarget::kPrimary)
+                    : motor_parameters(propulsion_frame(vehicle));
+  for (const companion::NamedValue& entry : known) {
+    if (entry.name == "PRIMARY_MIXER" || !section.has(entry.name)) set.push_back(entry);
   }
   return set;
 }
@@ -128,7 +157,7 @@ autonomy::multirotor::AutonomyConfig read_multirotor_autonomy(
 
 autonomy::multirotor::AutonomyConfig read_multirotor_autonomy(const sim::Vehicle& vehicle) {
   return read_multirotor_autonomy(vehicle, sim::read_multirotor(vehicle.root()),
-                                  read_firmware_parameters(vehicle.firmware()));
+                                  read_firmware_parameters(vehicle));
 }
 
 autonomy::estimation::EstimatorConfig read_estimator(const sim::Vehicle& vehicle) {

@@ -19,8 +19,10 @@ bool is_fixed_wing(const sim::Vehicle& vehicle);
 /// Rotors of a multirotor, propulsion of a fixed wing.
 sim::MultirotorParameters read_rotors(const sim::Vehicle& vehicle);
 
-/// Parameters of a vehicle's section `firmware`, typed and in range.
-companion::ParameterSet read_firmware_parameters(const config::Section& section);
+/// Parameters of a vehicle's section `firmware`, typed and in range. What the section leaves out
+/// about motors and propellers comes from the section `rotors`; with `PRIMARY_MIXER: geometry` the
+/// mixer of a multirotor does too (mixer_parameters()): forces in N, torques in N m.
+companion::ParameterSet read_firmware_parameters(const sim::Vehicle& vehicle);
 
 /// Value a parameter will have with `set` in force.
 double firmware_value(const companion::ParameterSet& set, const std::string& name);

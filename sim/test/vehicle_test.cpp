@@ -52,11 +52,11 @@ TEST(Vehicle, DefaultQuadrotorHasItsPublishedNumbers) {
   EXPECT_NO_THROW(vehicle.finish());
 }
 
-TEST(Vehicle, FirmwareSharesNumbersByReference) {
+TEST(Vehicle, SectionsShareNumbersByReference) {
   const Vehicle vehicle = Vehicle::from_file(kVehicleFile);
-  const config::Section& firmware = vehicle.firmware();
-  EXPECT_EQ(firmware.number("PROP_DIAMETER", config::Range::any()), 0.381);
-  EXPECT_EQ(firmware.number("MOTOR_KV", config::Range::any()), 0.028937);
+  const auto estimator = vehicle.autonomy().section("estimator");
+  EXPECT_EQ(estimator.numbers("imu_position_m", 3, config::Range::any()),
+            (std::vector<double>{0.02, 0.0, -0.02}));
 }
 
 TEST(Vehicle, FileMayExtendAnother) {
@@ -166,7 +166,6 @@ TEST(Registry, FindsVehiclesByNameAndByPath) {
   EXPECT_EQ(registry.vehicle_file("multirotor"), "vehicles/multirotor.yaml");
   EXPECT_EQ(registry.vehicle_file("elsewhere/my.yaml"), "elsewhere/my.yaml");
   EXPECT_EQ(registry.vehicle_file("my.yaml"), "my.yaml");
-  EXPECT_FALSE(registry.vehicles.has("mixer_frame_x650"));  // a YAML file, but no vehicle
   EXPECT_EQ(message_of([&] { registry.vehicle_file("zeppelin"); }).substr(0, 34),
             "vehicle: found zeppelin, allowed a");
   EXPECT_EQ(message_of([&] { registry.add_vehicles("nowhere"); }),

@@ -23,7 +23,7 @@ bool is_mixer_entry(const std::string& name) {
 /// nothing of another vehicle stays behind.
 ParameterSet whole_set(const std::string& vehicle_file) {
   const auto vehicle = rosflight::sim::Vehicle::from_file(vehicle_file);
-  ParameterSet set = rosflight::flight::read_firmware_parameters(vehicle.firmware());
+  ParameterSet set = rosflight::flight::read_firmware_parameters(vehicle);
   const std::size_t given = set.size();
   for (std::size_t index = 0; index < core::kParamCount; ++index) {
     const core::ParamRow& row = core::Parameters::row(static_cast<core::Param>(index));

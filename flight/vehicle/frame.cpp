@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "flight/mixer/frame.hpp"
+#include "flight/vehicle/frame.hpp"
 
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 
 #include "base/constants.hpp"
+#include "firmware/core/mixer_frames.hpp"
+#include "flight/vehicle/vehicle_setup.hpp"
 
 namespace rosflight::flight {
 namespace {
@@ -15,7 +17,7 @@ namespace {
 using companion::ParameterValue;
 using config::Range;
 
-constexpr std::size_t kMostMotors = 10;
+constexpr std::size_t kMostMotors = core::kChannels;
 constexpr double kFourPiSq = 4.0 * base::kPi * base::kPi;
 constexpr float kMotorRate_hz = 490.0F;
 
@@ -32,6 +34,22 @@ std::vector<Eigen::Vector3d> triples(const config::Section& section, const std::
     result[k] = {flat[3 * k], flat[3 * k + 1], flat[3 * k + 2]};
   }
   return result;
+}
+
+/// Refuses a frame that cannot hover under control.
+void check_quality(const FrameConfig& frame, const config::Section& section, const char* key) {
+  const FrameQuality quality = frame_quality(frame, frame_matrix(frame));
+  if (quality.commands_lift_and_torque) return;
+  throw section.error(key, fmt::format("a frame of rank {}", quality.rank),
+                      "one that can command lift, roll, pitch and yaw independently");
+}
+
+void add(companion::ParameterSet& set, const std::string& name, double value) {
+  set.push_back({name, ParameterValue::of(static_cast<float>(value))});
+}
+
+void add(companion::ParameterSet& set, const std::string& name, int value) {
+  set.push_back({name, ParameterValue::of(static_cast<std::int32_t>(value))});
 }
 
 }  // namespace
@@ -66,7 +84,7 @@ FrameConfig read_frame(const config::Document& document) {
     if (std::abs(spins[k]) != 1.0) {
       throw file.error("motor_directions", fmt::format("{}", spins[k]), "-1 or 1");
     }
-    frame.rotors.push_back({positions[k], axes[k].normalized(), spins[k]});
+    frame.rotors.push_back({positions[k], axes[k].normalized(), spins[k], k});
   }
   frame.air_density_kg_m3 = file.number("air_density", Range::positive_up_to(2.0));
   frame.prop_diameter_m = file.number("prop_diameter", Range::positive_up_to(5.0));
@@ -78,11 +96,45 @@ FrameConfig read_frame(const config::Document& document) {
   frame.no_load_current_A = file.number("no_load_current", Range::between(0.0, 100.0));
   frame.max_voltage_V = file.number("max_voltage", Range::positive_up_to(1000.0));
   file.finish();
-  const FrameQuality quality = frame_quality(frame, frame_matrix(frame));
-  if (!quality.commands_lift_and_torque) {
-    throw file.error("motor_positions", fmt::format("a frame of rank {}", quality.rank),
-                     "one that can command lift, roll, pitch and yaw independently");
+  check_quality(frame, file, "motor_positions");
+  return frame;
+}
+
+FrameConfig vehicle_frame(const sim::Vehicle& vehicle) {
+  if (is_fixed_wing(vehicle)) {
+    throw vehicle.root().error("type", vehicle.type(),
+                               "a multirotor: mixers of fixed wings are predefined");
   }
+  FrameConfig frame = propulsion_frame(vehicle);
+  const config::Section section = vehicle.root().section("rotors");
+  for (const FrameRotor& rotor : frame.rotors) {
+    if (rotor.output >= kMostMotors) {
+      throw section.error("layout", fmt::format("output {}", rotor.output), "outputs 0 to 9");
+    }
+  }
+  check_quality(frame, section, "layout");
+  return frame;
+}
+
+FrameConfig propulsion_frame(const sim::Vehicle& vehicle) {
+  const sim::MultirotorParameters propulsion = read_rotors(vehicle);
+  const sim::EnvironmentParameters& environment = vehicle.environment();
+  FrameConfig frame;
+  for (const sim::RotorParameters& rotor : propulsion.rotors) {
+    frame.rotors.push_back({rotor.p_B, rotor.e_B, rotor.spin, rotor.output});
+  }
+  frame.air_density_kg_m3 =
+      sim::Atmosphere(environment.atmosphere).at(environment.origin.altitude_m).density_kg_m3;
+  frame.prop_diameter_m = propulsion.propeller.diameter_m;
+  frame.prop_ct = propulsion.propeller.thrust[0];
+  frame.prop_cq = propulsion.propeller.torque[0];
+  frame.mass_kg = vehicle.body().mass_kg;
+  frame.motor_resistance_ohm = propulsion.motor.resistance_ohm;
+  frame.motor_kv_V_s_rad = propulsion.motor.torque_constant_Nm_A;
+  frame.no_load_current_A = propulsion.motor.no_load_current_A;
+  const sim::Battery battery(propulsion.battery);
+  frame.max_voltage_V = vehicle.firmware().number(
+      "BATT_VOLT_MAX", Range::any(), battery.open_circuit_V(propulsion.battery.capacity_As));
   return frame;
 }
 
@@ -105,21 +157,28 @@ FrameQuality frame_quality(const FrameConfig& frame, const Eigen::MatrixXd& M) {
   if (!(arm > 0.0)) arm = 1.0;
   Eigen::MatrixXd scaled = M / frame.thrust_gain_N_s2();
   scaled.bottomRows(3) /= arm;
-  constexpr double kRankTolerance = 1e-6;
-  const auto rank_of = [](const Eigen::MatrixXd& A, Eigen::VectorXd& sigma) {
-    sigma = Eigen::JacobiSVD<Eigen::MatrixXd>(A).singularValues();
-    return static_cast<int>((sigma.array() > kRankTolerance * sigma(0)).count());
-  };
+  const Eigen::MatrixXd inverse = frame_inverse(scaled);
   FrameQuality quality;
-  Eigen::VectorXd sigma;
-  quality.rank = rank_of(scaled, sigma);
-  quality.condition = sigma(0) / sigma(quality.rank - 1);
-  quality.commands_lift_and_torque = rank_of(scaled.bottomRows(4), sigma) == 4;
+  quality.rank = static_cast<int>(std::lround((scaled * inverse).trace()));
+  quality.condition = scaled.norm() * inverse.norm();
+  Eigen::MatrixXd lift_and_torque = scaled;
+  lift_and_torque.topRows(2).setZero();
+  constexpr double kFullRank = 3.5;  // the trace is a whole number
+  quality.commands_lift_and_torque =
+      (lift_and_torque * frame_inverse(lift_and_torque)).trace() > kFullRank;
   return quality;
 }
 
 Eigen::MatrixXd frame_inverse(const Eigen::MatrixXd& M) {
-  return M.completeOrthogonalDecomposition().pseudoInverse();
+  Eigen::Matrix<float, core::kAxes, core::kChannels> whole;
+  whole.setZero();
+  whole.topLeftCorner(M.rows(), M.cols()) = M.cast<float>();
+  Eigen::MatrixXd inverse =
+      core::pseudo_inverse(whole).topLeftCorner(M.cols(), M.rows()).cast<double>();
+  // The rounding of an input that the frame cannot command is no gain.
+  constexpr double kNoise = 1e-6;
+  const double noise = kNoise * inverse.cwiseAbs().maxCoeff();
+  return inverse.unaryExpr([noise](double gain) { return std::abs(gain) < noise ? 0.0 : gain; });
 }
 
 HoverCheck hover_check(const FrameConfig& frame) {
@@ -146,46 +205,43 @@ HoverCheck hover_check(const FrameConfig& frame) {
   return check;
 }
 
-companion::ParameterSet mixer_parameters(const FrameConfig& frame, MixerTarget target) {
-  const bool primary = target == MixerTarget::kPrimary;
-  const Eigen::MatrixXd inverse = frame_inverse(frame_matrix(frame));
-  const auto motors = static_cast<std::size_t>(inverse.rows());
+companion::ParameterSet motor_parameters(const FrameConfig& frame) {
   companion::ParameterSet set;
-  const auto add_float = [&set](const std::string& name, double value) {
-    set.push_back({name, ParameterValue::of(static_cast<float>(value))});
-  };
-  const auto add_int = [&set](const std::string& name, int value) {
-    set.push_back({name, ParameterValue::of(static_cast<std::int32_t>(value))});
-  };
-  if (primary) {
-    add_int("PRIMARY_MIXER", 11);
-    add_int("USE_MOTOR_PARAM", 1);
-    add_int("NUM_MOTORS", static_cast<int>(motors));
-    add_float("MOTOR_RESISTANCE", frame.motor_resistance_ohm);
-    add_float("MOTOR_KV", frame.motor_kv_V_s_rad);
-    add_float("NO_LOAD_CURRENT", frame.no_load_current_A);
-    add_float("PROP_DIAMETER", frame.prop_diameter_m);
-    add_float("PROP_CT", frame.prop_ct);
-    add_float("PROP_CQ", frame.prop_cq);
-    add_float("BATT_VOLT_MAX", frame.max_voltage_V);
-    for (std::size_t k = 0; k < kMostMotors; ++k) {
-      add_int(fmt::format("PRI_MIXER_OUT_{}", k), k < motors ? 2 : 0);
-      add_float(fmt::format("PRI_MIXER_PWM_{}", k), static_cast<double>(kMotorRate_hz));
-    }
+  add(set, "NUM_MOTORS", static_cast<int>(frame.rotors.size()));
+  add(set, "PROP_DIAMETER", frame.prop_diameter_m);
+  add(set, "PROP_CT", frame.prop_ct);
+  add(set, "PROP_CQ", frame.prop_cq);
+  add(set, "MOTOR_KV", frame.motor_kv_V_s_rad);
+  add(set, "MOTOR_RESISTANCE", frame.motor_resistance_ohm);
+  add(set, "NO_LOAD_CURRENT", frame.no_load_current_A);
+  return set;
+}
+
+companion::ParameterSet mixer_parameters(const FrameConfig& frame, MixerTarget target) {
+  const Eigen::MatrixXd inverse = frame_inverse(frame_matrix(frame));
+  companion::ParameterSet set;
+  const char* prefix = "SEC";
+  if (target == MixerTarget::kPrimary) {
+    prefix = "PRI";
+    set = motor_parameters(frame);
+    add(set, "PRIMARY_MIXER", 11);
+    add(set, "USE_MOTOR_PARAM", 1);
+    add(set, "BATT_VOLT_MAX", frame.max_voltage_V);
   } else {
-    add_int("SECONDARY_MIXER", 11);
+    add(set, "SECONDARY_MIXER", 11);
   }
   for (std::size_t channel = 0; channel < kMostMotors; ++channel) {
-    for (std::size_t input = 0; input < kMostMotors; ++input) {
-      const bool used = channel < motors && input < 6;
+    const auto rotor = std::find_if(frame.rotors.begin(), frame.rotors.end(),
+                                    [channel](const FrameRotor& r) { return r.output == channel; });
+    const bool used = rotor != frame.rotors.end();
+    if (target == MixerTarget::kPrimary) {
+      add(set, fmt::format("PRI_MIXER_OUT_{}", channel), used ? 2 : 0);
+      add(set, fmt::format("PRI_MIXER_PWM_{}", channel), static_cast<double>(kMotorRate_hz));
+    }
+    for (Eigen::Index input = 0; input < Eigen::Index{core::kAxes}; ++input) {
       const double gain =
-          used ? inverse(static_cast<Eigen::Index>(channel), static_cast<Eigen::Index>(input))
-               : 0.0;
-      // Least-squares noise of an input the frame cannot command is no gain.
-      constexpr double kNoise = 1e-9;
-      const double largest = inverse.cwiseAbs().maxCoeff();
-      add_float(fmt::format("{}_MIXER_{}_{}", primary ? "PRI" : "SEC", input, channel),
-                std::abs(gain) < kNoise * largest ? 0.0 : gain);
+          used && input < inverse.cols() ? inverse(rotor - frame.rotors.begin(), input) : 0.0;
+      add(set, fmt::format("{}_MIXER_{}_{}", prefix, input, channel), gain);
     }
   }
   return set;

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <string>
+
+#include "firmware/core/mixer_frames.hpp"
+#include "flight/vehicle/frame.hpp"
+#include "flight/vehicle/vehicle_setup.hpp"
+
+namespace rosflight::flight {
+namespace {
+
+using Values = std::map<std::string, double>;
+
+sim::Vehicle vehicle(const std::string& name, const std::vector<std::string>& overrides = {}) {
+  return sim::Vehicle::from_file("vehicles/" + name + ".yaml", overrides);
+}
+
+Values firmware_of(const std::string& name, const std::vector<std::string>& overrides = {}) {
+  Values values;
+  for (const auto& entry : read_firmware_parameters(vehicle(name, overrides))) {
+    EXPECT_TRUE(values.emplace(entry.name, entry.value.number()).second) << entry.name << " twice";
+  }
+  return values;
+}
+
+std::string refusal(const std::string& name, const std::vector<std::string>& overrides) {
+  try {
+    firmware_of(name, overrides);
+  } catch (const config::Error& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+const std::string kGeometry = "firmware.PRIMARY_MIXER=geometry";
+
+TEST(VehicleFrame, MotorsAndPropellersOfBothKindsComeFromTheRotors) {
+  for (const std::string name : {"multirotor", "anaconda"}) {
+    const sim::MultirotorParameters rotors = read_rotors(vehicle(name));
+    const Values values = firmware_of(name);
+    EXPECT_EQ(values.at("NUM_MOTORS"), static_cast<double>(rotors.rotors.size()));
+    EXPECT_FLOAT_EQ(static_cast<float>(values.at("PROP_CT")),
+                    static_cast<float>(rotors.propeller.thrust[0]));
+    EXPECT_FLOAT_EQ(static_cast<float>(values.at("MOTOR_RESISTANCE")),
+                    static_cast<float>(rotors.motor.resistance_ohm));
+  }
+  EXPECT_DOUBLE_EQ(firmware_of("multirotor", {"firmware.NUM_MOTORS=3"}).at("NUM_MOTORS"), 3.0)
+      << "what the section gives is what the firmware gets";
+}
+
+// The layout of the default vehicle is a quadrotor X: up to one factor for each axis its gains are
+// those of the predefined mixer.
+TEST(VehicleFrame, GeometryOfAQuadrotorXHasTheGainsOfThePredefinedMixer) {
+  const Values values = firmware_of("multirotor", {kGeometry});
+  EXPECT_EQ(values.at("PRIMARY_MIXER"), 11.0);
+  EXPECT_EQ(values.at("USE_MOTOR_PARAM"), 1.0);
+  const core::MixerGains known = core::frame_gains(core::MixerId::kQuadX);
+  for (int axis = 2; axis < 6; ++axis) {
+    const auto gain = [&](int channel) {
+      return values.at("PRI_MIXER_" + std::to_string(axis) + "_" + std::to_string(channel));
+    };
+    const double factor = gain(0) / static_cast<double>(known(0, axis));
+    EXPECT_GT(factor, 0.0);
+    for (int channel = 0; channel < 10; ++channel) {
+      EXPECT_NEAR(gain(channel), factor * static_cast<double>(known(channel, axis)), 1e-4 * factor)
+          << axis << ' ' << channel;
+    }
+  }
+}
+
+// Columns of the matrix of forces and torques times the gains are the identity, by hand: one newton
+// metre of roll is shared by four arms of 0.1768 m, each rotor of thrust gain kT.
+TEST(VehicleFrame, GainsAreInNewtonMetres) {
+  const Values values = firmware_of("multirotor", {kGeometry});
+  const FrameConfig frame = vehicle_frame(vehicle("multirotor"));
+  const double kt = frame.thrust_gain_N_s2();
+  EXPECT_NEAR(values.at("PRI_MIXER_3_0"), -1.0 / (4.0 * 0.1768 * kt), 0.1);
+  EXPECT_NEAR(values.at("PRI_MIXER_4_0"), 1.0 / (4.0 * 0.1768 * kt), 0.1);
+  EXPECT_NEAR(values.at("PRI_MIXER_2_0"), -1.0 / (4.0 * kt), 0.1);
+  // US Standard Atmosphere 1976 at 1387 m: 1.225 (279.13/288.15)^4.2559 kg/m^3.
+  EXPECT_NEAR(frame.air_density_kg_m3, 1.0700, 1e-4);
+  EXPECT_DOUBLE_EQ(frame.max_voltage_V, 25.2) << "BATT_VOLT_MAX of the file";
+}
+
+// docs/mixer.md, units of the attitude gains: newton metres of roll for one unit of a predefined
+// mixer, from the slope of thrust over throttle at hover.
+TEST(VehicleFrame, UnitOfThePredefinedMixerIsThatOfTheDocument) {
+  const FrameConfig frame = vehicle_frame(vehicle("multirotor"));
+  const double W = hover_check(frame).speed_rad_s;
+  const double dV_dW = frame.motor_kv_V_s_rad + 2.0 * W * frame.motor_resistance_ohm *
+                                                    frame.torque_gain_Nm_s2() /
+                                                    frame.motor_kv_V_s_rad;
+  const double dF_dthrottle = 2.0 * frame.thrust_gain_N_s2() * W * frame.max_voltage_V / dV_dW;
+  const core::MixerGains gains = core::frame_gains(core::MixerId::kQuadX);
+  double unit_Nm = 0.0;
+  for (const FrameRotor& rotor : frame.rotors) {
+    unit_Nm -= rotor.p_B.y() * dF_dthrottle *
+               static_cast<double>(gains(static_cast<Eigen::Index>(rotor.output), 3));
+  }
+  EXPECT_NEAR(unit_Nm, 8.7, 0.05);
+}
+
+TEST(VehicleFrame, AGainFollowsTheOutputOfItsRotor) {
+  const Values as_is = firmware_of("multirotor", {kGeometry});
+  const std::string layout =
+      "rotors.layout=[{output: 7, position_m: [0.1768, 0.1768, -0.0762], thrust_direction: [0, 0, "
+      "-1], spin: -1}, "
+      "{output: 1, position_m: [-0.1768, 0.1768, -0.0762], thrust_direction: [0, 0, -1], spin: 1}, "
+      "{output: 2, position_m: [-0.1768, -0.1768, -0.0762], thrust_direction: [0, 0, -1], spin: "
+      "-1}, "
+      "{output: 3, position_m: [0.1768, -0.1768, -0.0762], thrust_direction: [0, 0, -1], spin: 1}]";
+  const Values moved = firmware_of("multirotor", {kGeometry, layout});
+  EXPECT_EQ(moved.at("PRI_MIXER_3_7"), as_is.at("PRI_MIXER_3_0"));
+  EXPECT_EQ(moved.at("PRI_MIXER_OUT_7"), 2.0);
+  EXPECT_EQ(moved.at("PRI_MIXER_3_0"), 0.0);
+  EXPECT_EQ(moved.at("PRI_MIXER_OUT_0"), 0.0);
+}
+
+TEST(VehicleFrame, WhatGeometryDecidesIsRefusedInTheSection) {
+  EXPECT_NE(refusal("multirotor", {kGeometry, "firmware.PRI_MIXER_2_0=1"}).find("PRI_MIXER_2_0"),
+            std::string::npos);
+  EXPECT_NE(refusal("multirotor", {kGeometry, "firmware.USE_MOTOR_PARAM=0"}).find("computes it"),
+            std::string::npos);
+  EXPECT_NE(refusal("anaconda", {kGeometry}).find("found fixedwing, allowed a multirotor"),
+            std::string::npos);
+  EXPECT_NE(refusal("multirotor", {"firmware.PRIMARY_MIXER=geometric"}).find("geometric"),
+            std::string::npos);
+  const std::string line =
+      "rotors.layout=[{output: 0, position_m: [0.2, 0, 0], thrust_direction: [0, 0, -1], spin: "
+      "-1}, "
+      "{output: 1, position_m: [0.1, 0, 0], thrust_direction: [0, 0, -1], spin: 1}, "
+      "{output: 2, position_m: [-0.1, 0, 0], thrust_direction: [0, 0, -1], spin: -1}, "
+      "{output: 3, position_m: [-0.2, 0, 0], thrust_direction: [0, 0, -1], spin: 1}]";
+  EXPECT_NE(refusal("multirotor", {kGeometry, line}).find("independently"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace rosflight::flight
