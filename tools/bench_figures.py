@@ -72,6 +72,8 @@ def all_figures() -> list[Figure]:
         *(Figure(f"missions.{name}.{quantity}", unit, target,
                  functools.partial(mission_figure, name, quantity))
           for name, quantity, unit, target in MISSIONS + FIXEDWING_MISSIONS),
+        *(Figure(f"wind.{vehicle}_m_s", "m/s", f">= {limit}", functools.partial(wind_limit, vehicle), on_request=True)
+          for vehicle, limit in WIND_LIMITS.items()),
         Figure("property.passes", "passes", ">= 100000000", lambda: properties()["passes"], "sanitizers",
                on_request=True),
         Figure("property.violations", "flights", "= 0", lambda: properties()["violations"], "sanitizers",
@@ -143,6 +145,9 @@ def fixedwing_rows() -> list[tuple[str, str, str, str]]:
 
 
 FIXEDWING_MISSIONS = fixedwing_rows()
+
+# Strongest wind in which a vehicle flew, as vehicles/README.md states it [m/s].
+WIND_LIMITS = {"multirotor": 9, "anaconda": 5, "openvsp_anaconda": 5, "xflr5_anaconda": 6, "aerosonde": 6}
 
 
 def m7() -> list[Figure]:
@@ -311,6 +316,10 @@ def fixedwing_missions() -> dict:
 def mission_figure(name: str, quantity: str) -> float:
     flown = fixedwing_missions() if name.startswith("fixedwing_") else missions()
     return number(flown[name], quantity)
+
+
+def wind_limit(vehicle: str) -> float:
+    return number(run_json([program("wind_limits"), vehicle])[vehicle], "wind_limit_m_s")
 
 
 @functools.cache

@@ -2,6 +2,7 @@
 """The frame of ./rosflight bench, with figures and programs made up here."""
 
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -153,3 +154,8 @@ def test_build_that_fails_is_not_measured(tmp_path, monkeypatch):
         command, 1, "", "one\nno compiler\n"))
     with pytest.raises(RuntimeError, match="no compiler"):
         bench_build.flight_cpu_s(tmp_path)
+
+
+def test_limits_of_wind_are_those_that_the_vehicles_state():
+    rows = re.findall(r"^\| `(\w+)` \| (\d+) \|", (bench.project.ROOT / "vehicles" / "README.md").read_text(), re.M)
+    assert {name: int(limit) for name, limit in rows} == bench_figures.WIND_LIMITS
