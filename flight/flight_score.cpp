@@ -52,11 +52,10 @@ std::string missing(const FlightScore& s, const MissionRunner& runner, bool land
 }
 
 std::string touchdown_text(const LandingScore::Touchdown& t) {
-  return fmt::format("touchdown at {:.2f} m/s{}, tilted by {:.0f} degrees", t.speed_m_s,
-                     t.hardest_m_s > t.speed_m_s
-                         ? fmt::format(", a rebound at {:.2f} m/s", t.hardest_m_s)
-                         : "",
-                     t.tilt_rad / base::kRadPerDeg);
+  return fmt::format(
+      "touchdown at {:.2f} m/s{}, tilted by {:.0f} degrees", t.speed_m_s,
+      t.hardest_m_s > t.speed_m_s ? fmt::format(", a rebound at {:.2f} m/s", t.hardest_m_s) : "",
+      t.tilt_rad / base::kRadPerDeg);
 }
 
 /// Sets outcome and verdict.

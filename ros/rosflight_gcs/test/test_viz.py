@@ -3,9 +3,12 @@
 
 import math
 import subprocess
+from pathlib import Path
 
 import pytest
 from geometry_msgs.msg import PoseStamped
+from ros_launch.packages import Packages
+from ros_launch.reader import Reader
 from ros_rig import Peer, program, stop, wait_for
 from rosflight_msgs.msg import Attitude
 from sensor_msgs.msg import MagneticField
@@ -54,3 +57,10 @@ def test_arrow_points_along_the_field_and_samples_become_points(viz):
     assert cloud.type == Marker.POINTS and cloud.header.frame_id == "fixed_frame"
     point = cloud.points[0]
     assert (point.x, point.y, point.z) == pytest.approx((2.0, -1.0, 4.0))
+
+
+@pytest.mark.parametrize("name", ["viz_att", "viz_mag"])
+def test_a_launch_file_starts_the_node(name):
+    """Programs and files are looked for when the file is read."""
+    file = Path(__file__).resolve().parents[1] / f"launch/{name}.launch.xml"
+    assert "viz" in {node.name for node in Reader(Packages.of_environment(), {"gui": "false"}, {}).read(file).nodes}
