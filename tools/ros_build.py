@@ -172,11 +172,19 @@ def _colcon(environment: Environment, packages, place: Path, sanitize: bool) -> 
 
 
 def _tell_progress(command: list[str], variables: dict[str, str], output) -> int:
-    """Runs colcon; what it finished goes to stderr, all it says to the log."""
+    """Runs colcon; what it finished goes to stderr with quarters of each package on the way, all it says to the log."""
+    package, shown = "", 0
     with subprocess.Popen(command, cwd=ROOT, env=variables, stdin=subprocess.DEVNULL, text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT) as colcon:
         for line in colcon.stdout:
             output.write(line)
+            if started := re.match(r"Starting >>> (\S+)", line):
+                package, shown = started[1], 0
+            elif step := re.match(r"\[(\d+)/(\d+)\]", line):
+                percent = 100 * int(step[1]) // int(step[2])
+                if percent < 100 and percent // 25 > shown // 25:
+                    print(f"rosflight: building {package} {percent} %", file=sys.stderr)
+                    shown = percent
             if line.startswith(("Finished", "Failed")):
                 print(f"rosflight: {line.strip()}", file=sys.stderr)
     return colcon.returncode

@@ -18,7 +18,7 @@ import pytest
 from project import ROOT, own_files
 from stages import fuzzers
 
-PROGRAMS = r"(?:\./rosflight|P/bin|cmake|ninja|ctest|build/\S+|tools/\S+|\.venv/bin/\S+|colcon|ros2|[A-Z_]+=\S+ )"
+PROGRAMS = r"(?:docker|\./rosflight|P/bin|cmake|ninja|ctest|build/\S+|tools/\S+|\.venv/bin/\S+|colcon|ros2|[A-Z_]+=\S+ )"
 OTHER_LANGUAGES = ("cpp", "python", "mermaid")
 HISTORY = "CHANGELOG.md"
 
@@ -27,6 +27,7 @@ ELSEWHERE = {
     r"\./rosflight test\b": "this is a part of it",
     r"\./rosflight bench\b": "tools/test/test_bench.py; measuring takes minutes",
     r"\./rosflight ros (build|run|demo)\b": "the stage ros of ./rosflight test",
+    r"docker ": "needs a Docker daemon; tools/test/test_dockerfile.py and test_the_debian_package_flies",
     r"colcon build": "needs a ROS installation, or what the stage ros installs",
     r"ros2 run .*port:=/dev/": "needs hardware",
     r"ros2 run rosflight_io": "ros/rosflight_io/test, by each kind of link",

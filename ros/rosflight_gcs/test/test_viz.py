@@ -63,4 +63,4 @@ def test_arrow_points_along_the_field_and_samples_become_points(viz):
 def test_a_launch_file_starts_the_node(name):
     """Programs and files are looked for when the file is read."""
     file = Path(__file__).resolve().parents[1] / f"launch/{name}.launch.xml"
-    assert "viz" in {node.name for node in Reader(Packages.of_environment(), {"gui": "false"}, {}).read(file).nodes}
+    assert "rosflight_gcs/viz" in {node.what for node in Reader(Packages.of_environment(), {"gui": "false"}, {}).read(file).nodes}
