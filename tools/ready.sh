@@ -22,7 +22,7 @@ fail() {
   exit 2
 }
 
-# One start at a time makes one thing ready: packages and environments, or the build of one preset. The kernel drops the
+# One start at a time makes one thing ready: the packages, one environment or the build of one preset. The kernel drops the
 # lock when its owner ends.
 take_lock() {  # NAME
   [[ ${lock_name:-} == "$1" ]] && return
@@ -163,7 +163,7 @@ ready_venv() { ready_environment .venv tools/requirements.txt; }
 ready_build_venv() { ready_environment .venv-build tools/requirements-build.txt; }
 
 ready_environment() {  # FOLDER REQUIREMENTS, both from the root
-  take_lock machine
+  take_lock "${1#.}"
   local name=$1 listed=$2
   local venv="$root/$name" requirements="$root/$listed" log="$root/build/.ready/${name#.}.log"
   local whole=no python

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The script ./rosflight in a project of its own, with dpkg, apt, sudo, cmake and ninja replaced."""
 
+import fcntl
 import os
 import shutil
 import signal
@@ -301,6 +302,21 @@ def test_a_long_build_of_one_preset_does_not_keep_another_waiting(house):
     finally:
         (house.root / "end").touch()
     assert long.wait(timeout=60) == 0
+
+
+def test_an_environment_that_takes_long_does_not_keep_a_build_waiting(house):
+    locks = house.root / "build/.ready"
+    locks.mkdir(parents=True)
+    with (locks / "lock-venv-ros").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        made = subprocess.Popen(
+            ["bash", house.root / "tools/ready.sh", "environment", ".venv-ros", "tools/requirements.txt"],
+            stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, env=house.environment())
+        assert b"waiting for it" in made.stderr.readline()
+        run = house.start("fly")
+        assert (run.returncode, "waiting for it" in run.stderr) == (0, False)
+    made.communicate(timeout=30)
+    assert made.returncode == 0
 
 
 def test_a_flight_needs_no_python_packages_but_those_of_the_build(house):
