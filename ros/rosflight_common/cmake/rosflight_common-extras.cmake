@@ -29,6 +29,8 @@ function(rosflight_add_node name)
   cmake_parse_arguments(arg "" "CLASS;MAIN" "SOURCES;USES" ${ARGN})
   set(component ${PROJECT_NAME}_${name})
   add_library(${component} SHARED ${arg_SOURCES})
+  # No macro with the library's name: ccache then compiles a file that two nodes share once.
+  set_target_properties(${component} PROPERTIES DEFINE_SYMBOL "")
   _rosflight_target(${component} "${arg_USES}")
   if(rclcpp_components_FOUND)
     target_link_libraries(${component} PRIVATE rclcpp_components::component)
