@@ -3,8 +3,9 @@
 #
 #   rosflight_library(NAME [FIRMWARE] SOURCES ... USES ...)   one library, target rosflight::NAME
 #   rosflight_program(NAME SOURCES ... USES ...)              one executable
-#   rosflight_test(NAME SOURCES ... USES ... [LABELS ...])   one GoogleTest binary, registered with CTest;
-#                                                             LABELS emulator: needs the image of preset cortex-m7
+#   rosflight_test(NAME [COMPUTES] SOURCES ... USES ... [LABELS ...])   one GoogleTest binary, registered with CTest;
+#                                                             LABELS emulator: needs the image of preset cortex-m7;
+#                                                             COMPUTES: for long, so optimized under sanitizers too
 #   rosflight_fuzzer(NAME SOURCES ... USES ...)               one libFuzzer binary (LLVMFuzzerTestOneInput), preset fuzz;
 #                                                             name it fuzz_..., seeds go to FOLDER/fuzz/corpus/NAME/
 #
@@ -112,12 +113,13 @@ function(_rosflight_use_precompiled target kind)
     target_link_libraries(${headers} PRIVATE rosflight_eigen)
     set_target_properties(${headers} PROPERTIES CXX_STANDARD 20)
     set(files ${ROSFLIGHT_PRECOMPILED_HOST})
-    if(kind STREQUAL firmware)
+    if(kind STREQUAL "firmware")
       set(files ${ROSFLIGHT_PRECOMPILED_FIRMWARE})
       _rosflight_firmware_options(${headers})
-    elseif(kind STREQUAL test)
+    elseif(kind MATCHES "test")
       list(APPEND files <gtest/gtest.h>)
       target_link_libraries(${headers} PRIVATE GTest::gtest)
+      _rosflight_test_options(${headers} ${kind})
     endif()
     target_precompile_headers(${headers} PRIVATE ${files})
     target_compile_options(${headers} PRIVATE ${ROSFLIGHT_PRECOMPILED_OPTIONS})
@@ -131,6 +133,17 @@ function(_rosflight_firmware_options target)
   target_compile_options(${target} PRIVATE
     $<$<COMPILE_LANGUAGE:CXX>:-fno-exceptions -fno-rtti -fno-threadsafe-statics>)
   target_compile_definitions(${target} PRIVATE EIGEN_NO_MALLOC EIGEN_NO_DEBUG)
+endfunction()
+
+# Under sanitizers a test is compiled once and run once: optimizing what it expands to takes longer than it saves, but for
+# those that compute for long (kind computing_test). The libraries they test are optimized as the preset says.
+function(_rosflight_test_options target kind)
+  if(ROSFLIGHT_SANITIZE AND kind STREQUAL "test")
+    target_compile_options(${target} PRIVATE -O0)
+  endif()
+  if(ROSFLIGHT_SANITIZE AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    target_compile_options(${target} PRIVATE -Wno-double-promotion)  # clang warns of double{x} too, which is explicit
+  endif()
 endfunction()
 
 function(rosflight_library name)
@@ -160,14 +173,15 @@ function(rosflight_library name)
 endfunction()
 
 function(rosflight_program name)
-  cmake_parse_arguments(arg "TEST" "" "SOURCES;USES" ${ARGN})
+  cmake_parse_arguments(arg "" "TEST" "SOURCES;USES" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   set_target_properties(${name} PROPERTIES CXX_STANDARD 20)
   target_compile_options(${name} PRIVATE ${ROSFLIGHT_WARNINGS})
   _rosflight_common(${name} PRIVATE)
   target_link_libraries(${name} PRIVATE ${arg_USES})
   if(arg_TEST)
-    _rosflight_precompile(${name} test)
+    _rosflight_precompile(${name} ${arg_TEST})
+    _rosflight_test_options(${name} ${arg_TEST})
   else()
     _rosflight_precompile(${name} host)
   endif()
@@ -180,8 +194,12 @@ function(rosflight_test name)
   if(ROSFLIGHT_BARE_METAL OR ROSFLIGHT_FUZZ)
     return()
   endif()
-  cmake_parse_arguments(arg "" "" "SOURCES;USES;LABELS" ${ARGN})
-  rosflight_program(${name} TEST SOURCES ${arg_SOURCES} USES ${arg_USES} GTest::gtest_main)
+  cmake_parse_arguments(arg "COMPUTES" "" "SOURCES;USES;LABELS" ${ARGN})
+  set(kind test)
+  if(arg_COMPUTES AND ROSFLIGHT_SANITIZE)
+    set(kind computing_test)
+  endif()
+  rosflight_program(${name} TEST ${kind} SOURCES ${arg_SOURCES} USES ${arg_USES} GTest::gtest_main)
   add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${ROSFLIGHT_ROOT})
   # The labels tell ./rosflight test that it can count the cases inside, and whose test it is.
   file(RELATIVE_PATH folder ${ROSFLIGHT_ROOT} ${CMAKE_CURRENT_SOURCE_DIR})
