@@ -211,7 +211,7 @@ void CommandClient::received(const link::CommandAck& ack) {
   } else {
     end(*p, JobState::kFailed, armed_ ? "refused: the vehicle is armed" : "refused");
   }
-  sweep();
+  settle();
 }
 
 void CommandClient::acknowledged(Pending& p) {
@@ -257,7 +257,7 @@ void CommandClient::received(const link::StatusText& line) {
       p.good_until_contradicted = port_.now() + kSettleAfterText;
     }
   }
-  sweep();
+  settle();
 }
 
 void CommandClient::received(const link::ParamValue& value) {
@@ -275,7 +275,7 @@ void CommandClient::received(const link::ParamValue& value) {
       p.good_until_contradicted = port_.now() + kSettleAfterEvidence;
     }
   }
-  sweep();
+  settle();
 }
 
 bool CommandClient::evidence_complete(const Pending& p) const {
@@ -302,7 +302,7 @@ void CommandClient::fcu_restarted() {
       end(p, JobState::kFailed, "the flight control unit restarted");
     }
   }
-  sweep();
+  settle();
 }
 
 void CommandClient::connection_lost() {
@@ -313,7 +313,7 @@ void CommandClient::connection_lost() {
       end(p, JobState::kFailed, "connection lost");
     }
   }
-  sweep();
+  settle();
 }
 
 void CommandClient::end(Pending& p, JobState state, const std::string& text) {
@@ -329,10 +329,15 @@ void CommandClient::sweep() {
   for (const Pending& p : pending_) {
     due_ = std::min(due_, p.good_until_contradicted.value_or(p.due));
   }
+  ends_.flush();
+}
+
+// After a message, which may have brought the due time forward. In run() a wake would only start it again.
+void CommandClient::settle() {
+  sweep();
   if (due_ != kNever) {
     port_.wake();
   }
-  ends_.flush();
 }
 
 }  // namespace rosflight::companion

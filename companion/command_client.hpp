@@ -96,6 +96,7 @@ class CommandClient {
   void acknowledged(Pending& p);
   void end(Pending& p, JobState state, const std::string& text);
   void sweep();
+  void settle();
   Pending* find(link::Command command);
 
   Options options_;

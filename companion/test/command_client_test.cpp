@@ -51,6 +51,19 @@ TEST(Command, EndsWithTheAcknowledge) {
   }
 }
 
+TEST(Command, NothingIsDueWhileItWaits) {
+  CommandRig rig;
+  const auto job = rig.session.commands().start(Command::kGyroCalibration);
+  rig.run_for(100ms);
+  ASSERT_TRUE(job.pending());
+  int due_at_once = 0;
+  for (int i = 0; i < 100; ++i) {
+    rig.step();
+    due_at_once += rig.session.next_due() <= rig.now ? 1 : 0;
+  }
+  EXPECT_EQ(due_at_once, 0);  // a runner would spin
+}
+
 TEST(Command, RefusalTellsThatTheVehicleIsArmed) {
   CommandRig rig;
   rig.fcu.on_command = [](Command) { return false; };
