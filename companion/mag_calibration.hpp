@@ -107,7 +107,8 @@ class MagCalibration final : public Listener {
   double turned_{};
 };
 
-/// Fill of the emptiest of ten sectors, 0..1, with samples seen from their centroid in their plane.
+/// Fill of the emptiest of ten sectors, 0..1, with samples seen from their centroid in their plane;
+/// 0 for samples that hardly differ, such as the noise of a vehicle at rest.
 double circle_coverage(std::span<const MagFit::Vector> samples, std::size_t per_sector);
 
 }  // namespace rosflight::companion

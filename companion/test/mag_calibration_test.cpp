@@ -181,6 +181,22 @@ TEST(MagCalibration, HalfACircleIsNotEnough) {
   EXPECT_LT(bench.calibration.progress().turned, 1.0);
 }
 
+TEST(MagCalibration, TheNoiseOfAVehicleAtRestIsNoCircle) {
+  Random random(3);
+  const auto noise = [&random] { return 0.01 * (random.uniform() - 0.5); };  // 1 %
+  std::vector<MagFit::Vector> samples;
+  for (int i = 0; i < 5000; ++i) {
+    samples.push_back({0.5 + noise(), noise(), 0.86 + noise()});
+  }
+  EXPECT_EQ(circle_coverage(samples, 20), 0.0);
+  for (int i = 0; i < 5000; ++i) {  // inclination 85 deg
+    const double turn = 2.0 * std::numbers::pi * i / 5000.0;
+    samples[static_cast<std::size_t>(i)] = {0.087 * std::cos(turn) + noise(),
+                                            0.087 * std::sin(turn) + noise(), 0.996 + noise()};
+  }
+  EXPECT_EQ(circle_coverage(samples, 20), 1.0);
+}
+
 TEST(MagCalibration, CancelPutsTheOldCorrectionBack) {
   Bench bench;
   const auto job = bench.calibration.start();
