@@ -7,6 +7,7 @@
 #include "apps/campaign_command.hpp"
 #include "apps/fly_command.hpp"
 #include "apps/options.hpp"
+#include "flight/build_info.hpp"
 #include "flight/link_protocol.hpp"
 #include "sim/faults.hpp"
 
@@ -97,13 +98,13 @@ void check_campaign(const CLI::App& fly, const FlyOptions& options) {
 }  // namespace
 
 int fly_command_line(int argc, char** argv) {
-  CLI::App app{
-      "rosflight: fly, replay, sil, mixer and trim. ./rosflight --help lists all commands."};
+  CLI::App app{"rosflight: fly. ./rosflight --help lists all commands."};
   FlyOptions options;
   bool json = false;
   std::optional<std::string> seeds;
   options.arguments.assign(argv + 1, argv + argc);
   const CLI::App* fly = add_fly(app, options, json, seeds);
+  app.set_version_flag("--version", build_info_text());
   return parse_and_run(app, argc, argv, [&] {
     if (!seeds) return fly_command(options, json, std::cout, std::cerr);
     check_campaign(*fly, options);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The program behind ./rosflight. It flies; the other commands are in rosflight_tools beside it, so that the first flight
-// of a new clone need not wait for their compilers.
+// The program behind ./rosflight. It flies; the other commands are in programs beside it, so that the first flight of a
+// new clone need not wait for their compilers.
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,13 +16,26 @@
 
 namespace {
 
-constexpr std::array<std::string_view, 4> kTools{"replay", "sil", "mixer", "trim"};
+struct Elsewhere {
+  std::string_view command;
+  const char* program;
+};
+constexpr const char* kTools = "rosflight_tools";
+constexpr const char* kGround = "rosflight_ground_tools";
+constexpr std::array<Elsewhere, 8> kElsewhere{{{"replay", kTools},
+                                               {"sil", kTools},
+                                               {"mixer", kTools},
+                                               {"trim", kTools},
+                                               {"params", kGround},
+                                               {"calibrate", kGround},
+                                               {"monitor", kGround},
+                                               {"preflight", kGround}}};
 
-/// Goes on as rosflight_tools with the same arguments. Comes back only when that is not possible.
-int run_tools(char** argv) {
+/// Goes on as that program with the same arguments. Comes back only when that is not possible.
+int run(const char* program, char** argv) {
   std::error_code ignored;  // then the working directory is looked in, and the message says so
   const std::filesystem::path tools =
-      std::filesystem::read_symlink("/proc/self/exe", ignored).replace_filename("rosflight_tools");
+      std::filesystem::read_symlink("/proc/self/exe", ignored).replace_filename(program);
   ::execv(tools.c_str(), argv);
   std::cerr << "rosflight: " << argv[1] << " needs " << tools.string() << ": "
             << std::strerror(errno) << " (./rosflight " << argv[1] << " builds it)\n";
@@ -32,6 +45,10 @@ int run_tools(char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const bool is_tool = argc > 1 && std::find(kTools.begin(), kTools.end(), argv[1]) != kTools.end();
-  return is_tool ? run_tools(argv) : rosflight::apps::fly_command_line(argc, argv);
+  const std::string_view command = argc > 1 ? argv[1] : "";
+  const auto* const there =
+      std::find_if(kElsewhere.begin(), kElsewhere.end(),
+                   [command](const Elsewhere& e) { return e.command == command; });
+  return there != kElsewhere.end() ? run(there->program, argv)
+                                   : rosflight::apps::fly_command_line(argc, argv);
 }

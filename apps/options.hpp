@@ -5,9 +5,7 @@
 #include <iostream>
 #include <string>
 
-#include "flight/build_info.hpp"
-
-/// What the two command lines share. Included by them alone: CLI11 takes seconds to compile.
+/// What the command lines share. Included by them alone: CLI11 takes seconds to compile.
 namespace rosflight::apps {
 
 inline constexpr int kBadInput = 2;
@@ -24,7 +22,6 @@ template <class Run>
 int parse_and_run(CLI::App& app, int argc, char** argv, const Run& run) {
   app.name("./rosflight");
   app.require_subcommand(1);
-  app.set_version_flag("--version", flight::build_info_text());
   try {
     app.parse(argc, argv);
     return run();

@@ -8,6 +8,7 @@
 #include "apps/mixer_command.hpp"
 #include "apps/options.hpp"
 #include "apps/trim_command.hpp"
+#include "flight/build_info.hpp"
 #include "flight/link_protocol.hpp"
 #include "flight/project_root.hpp"
 #include "flight/replay/replay.hpp"
@@ -118,6 +119,7 @@ int tools_command_line(int argc, char** argv, flight::LinuxAutopilot::MakeCodec 
   const CLI::App* mixer = add_mixer(app, mixer_options);
   const CLI::App* trim = add_trim(app, trim_options);
   add_sil(app, sil_options);
+  app.set_version_flag("--version", build_info_text());
   return parse_and_run(app, argc, argv, [&] {
     if (*replay_app) return replay(replay_options, std::cout);
     if (*mixer) return mixer_command(mixer_options, std::cout);

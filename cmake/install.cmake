@@ -84,14 +84,14 @@ endforeach()
 
 _rosflight_install_headers("" ${flown})
 _rosflight_install_headers("COMPONENT;extra;EXCLUDE_FROM_ALL" ${extra})
-# `./rosflight fly` builds the flying program alone; the other one is made here if it is missing or old.
+# `./rosflight fly` builds the flying program alone; the others are made here if they are missing or old.
 install(CODE "
-  execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${CMAKE_BINARY_DIR}\" --target rosflight rosflight_tools
+  execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${CMAKE_BINARY_DIR}\" --target rosflight rosflight_tools rosflight_ground_tools
     RESULT_VARIABLE failed OUTPUT_VARIABLE said ERROR_VARIABLE said)
   if(failed)
-    message(FATAL_ERROR \"rosflight_tools cannot be built:\\n\${said}\")
+    message(FATAL_ERROR \"rosflight_tools and rosflight_ground_tools cannot be built:\\n\${said}\")
   endif()")
-install(TARGETS rosflight rosflight_tools DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS rosflight rosflight_tools rosflight_ground_tools DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS rosflight_eigen ${flown} EXPORT rosflight DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS ${extra} EXPORT rosflight_extra DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT extra EXCLUDE_FROM_ALL)
 install(EXPORT rosflight FILE rosflightTargets.cmake NAMESPACE rosflight:: DESTINATION ${package})

@@ -36,7 +36,7 @@ NamedValue read_entry(const config::Section& entry) {
   return result;
 }
 
-ParameterSet read_document(const config::Document& document) {
+ParameterSet read_document(const config::Document& document, const EntryCheck& check) {
   ParameterSet set;
   std::set<std::string> names;
   for (const config::Section& entry : document.root_sections()) {
@@ -44,18 +44,22 @@ ParameterSet read_document(const config::Document& document) {
     if (!names.insert(set.back().name).second) {
       throw entry.error("name", set.back().name + " a second time", "each name once");
     }
+    const auto allowed = check ? check(set.back()) : std::nullopt;
+    if (allowed) {
+      throw entry.error("value", entry.raw("value"), *allowed);
+    }
   }
   return set;
 }
 
 }  // namespace
 
-ParameterSet read_parameter_file(const std::filesystem::path& path) {
-  return read_document(config::Document::from_file(path));
+ParameterSet read_parameter_file(const std::filesystem::path& path, const EntryCheck& check) {
+  return read_document(config::Document::from_file(path), check);
 }
 
 ParameterSet parse_parameters(std::string_view text, const std::string& name) {
-  return read_document(config::Document::from_text(text, name));
+  return read_document(config::Document::from_text(text, name), {});
 }
 
 std::string format_parameters(const ParameterSet& set, std::string_view firmware_version) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -14,9 +16,12 @@
 /// no other, the value fits the type, no name comes twice.
 namespace rosflight::companion {
 
+/// The values that are allowed for an entry that is not; nothing for one that is.
+using EntryCheck = std::function<std::optional<std::string>(const NamedValue&)>;
+
 /// Throws config::Error with one line that names file, line, key, what was found and what is
-/// allowed.
-ParameterSet read_parameter_file(const std::filesystem::path& path);
+/// allowed. @param check  of each value besides its type, with the same error; may be empty.
+ParameterSet read_parameter_file(const std::filesystem::path& path, const EntryCheck& check = {});
 /// The same for text; `name` stands for the file in messages.
 ParameterSet parse_parameters(std::string_view text, const std::string& name);
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdio>
 
-#include "rosflight_io/status_text.hpp"
+#include "companion/status_text.hpp"
 
 namespace rosflight_io {
 namespace {
@@ -85,11 +85,7 @@ void vehicle_status(companion::Session& session, DiagnosticStatus& status) {
     return;
   }
   const rosflight::link::Status& s = latest.value;
-  std::string errors;
-  for (int bit = 0; error_text(bit) != nullptr; ++bit) {
-    if ((s.error_code >> bit & 1) != 0)
-      errors += (errors.empty() ? "" : ", ") + std::string(error_text(bit));
-  }
+  const std::string errors = companion::error_texts(s.error_code);
   if (s.failsafe) {
     judge(status, DiagnosticStatus::ERROR, "failsafe");
   } else if (!errors.empty()) {
@@ -97,7 +93,7 @@ void vehicle_status(companion::Session& session, DiagnosticStatus& status) {
   } else {
     judge(status, DiagnosticStatus::OK, s.armed ? "armed" : "disarmed");
   }
-  add(status, "control mode", control_mode_text(s.control_mode));
+  add(status, "control mode", companion::control_mode_text(s.control_mode));
   add(status, "offboard", s.offboard ? "yes" : "no");
   add(status, "override word", s.rc_override);
   add(status, "loop time [us]", std::to_string(s.loop_time_us));

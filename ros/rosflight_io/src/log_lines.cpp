@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "rosflight_io/status_text.hpp"
+#include "companion/status_text.hpp"
 
 namespace rosflight_io {
 
@@ -23,16 +23,16 @@ void LogLines::on_status(const rosflight::link::Status& m, const companion::Stam
     RCLCPP_WARN(logger_, m.offboard ? "The computer has control" : "The computer has lost control");
   }
   if (m.control_mode != before.control_mode) {
-    RCLCPP_WARN(logger_, "Control mode: %s", control_mode_text(m.control_mode));
+    RCLCPP_WARN(logger_, "Control mode: %s", companion::control_mode_text(m.control_mode));
   }
-  for (int bit = 0; error_text(bit) != nullptr; ++bit) {
+  for (int bit = 0; companion::error_text(bit) != nullptr; ++bit) {
     const int mask = 1 << bit;
     const bool on = (m.error_code & mask) != 0;
     if (on == ((before.error_code & mask) != 0)) continue;
     if (on) {
-      RCLCPP_ERROR(logger_, "Autopilot error: %s", error_text(bit));
+      RCLCPP_ERROR(logger_, "Autopilot error: %s", companion::error_text(bit));
     } else {
-      RCLCPP_INFO(logger_, "Autopilot error over: %s", error_text(bit));
+      RCLCPP_INFO(logger_, "Autopilot error over: %s", companion::error_text(bit));
     }
   }
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rosflight_io/status_text.hpp"
+#include "companion/status_text.hpp"
 
 #include <array>
 #include <cstddef>
 
-namespace rosflight_io {
+namespace rosflight::companion {
 
 const char* error_text(int bit) {
   constexpr std::array<const char*, 8> kTexts{
@@ -12,6 +12,15 @@ const char* error_text(int bit) {
       "time going backwards", "IMU uncalibrated",   "buffer overrun", "invalid failsafe throttle"};
   return bit >= 0 && bit < static_cast<int>(kTexts.size()) ? kTexts[static_cast<std::size_t>(bit)]
                                                            : nullptr;
+}
+
+std::string error_texts(std::uint8_t error_code) {
+  std::string all;
+  for (int bit = 0; error_text(bit) != nullptr; ++bit) {
+    if ((error_code >> bit & 1) != 0)
+      all += (all.empty() ? "" : ", ") + std::string(error_text(bit));
+  }
+  return all;
 }
 
 const char* control_mode_text(int mode) {
@@ -27,4 +36,4 @@ const char* control_mode_text(int mode) {
   }
 }
 
-}  // namespace rosflight_io
+}  // namespace rosflight::companion

@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The program behind ./rosflight params, calibrate, monitor and preflight.
+#include "apps/ground_command_line.hpp"
+
+int main(int argc, char** argv) {
+  return rosflight::apps::ground_command_line(argc, argv);
+}
