@@ -64,6 +64,7 @@ CLI::App* add_params(CLI::App& app, LinkChoice& choice, ParamsOptions& o) {
   params->set_help_all_flag("-h,--help", "Print this help message and exit");
   add_link(*params, choice);
   params->require_subcommand(1);
+  params->fallthrough();  // --timeout may stand after the action too
   CLI::App* list =
       params->add_subcommand("list", "Name, value, default and unit of each; * differs");
   CLI::App* get = params->add_subcommand("get", "Values of some parameters");

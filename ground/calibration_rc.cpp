@@ -266,8 +266,8 @@ int calibrate_esc(GroundLink& link, const CalibrationOptions& options, std::ostr
         "found propellers possibly mounted, allowed without them: take them off and give "
         "--props-off");
   }
-  if (link.streams().status.value.armed) return refuse_esc("the vehicle is armed");
   link.receive_parameters();
+  if (link.streams().status.value.armed) return refuse_esc("the vehicle is armed");
   Session& session = link.session();
   ParameterSet before = session.parameters().table().values();
   std::erase_if(before, [](const NamedValue& entry) { return !is_mixer_parameter(entry); });

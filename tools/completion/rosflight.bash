@@ -6,7 +6,7 @@
 # The project whose command is being typed; else the one this file was printed by.
 _rosflight_root() {  # COMMAND
   local found
-  found="$(dirname "$(readlink -f "$(type -P "$1" || echo "$1")")")"
+  found="$(dirname "$(readlink -f "$(command -v "$1" || echo "$1")")")"
   if [[ -d $found/apps/help ]]; then echo "$found"; else echo '@ROOT@'; fi
 }
 
@@ -40,6 +40,17 @@ _rosflight_values() { # ROOT COMMAND OPTION
   esac
 }
 
+# Leaves the words that begin with what was typed in COMPREPLY; without words, files. No mapfile: zsh has none.
+_rosflight_offer() { # WORD [WORDS]
+  local IFS=$'\n'
+  # shellcheck disable=SC2207 # names with spaces stay whole: words end at line feeds alone
+  if (($# > 1)); then
+    COMPREPLY=($(compgen -W "${2// /$'\n'}" -- "$1"))
+  else
+    COMPREPLY=($(compgen -f -- "$1"))
+  fi
+}
+
 _rosflight() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} root command words='' k
   local -a plain=()
@@ -47,7 +58,7 @@ _rosflight() {
   COMPREPLY=()
   if ((COMP_CWORD == 1)); then
     words="$("$root/rosflight" --help | sed -n 's/^  \([a-z][a-z]*\) .*/\1/p') --help --version"
-    mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")
+    _rosflight_offer "$word" "$words"
     return
   fi
   command=${COMP_WORDS[1]}
@@ -55,16 +66,16 @@ _rosflight() {
     [[ ${COMP_WORDS[k]} == -* ]] || plain+=("${COMP_WORDS[k]}")
   done
   if words="$(_rosflight_values "$root" "$command" "$before")"; then
-    mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")
+    _rosflight_offer "$word" "$words"
     # A vehicle or mission may be a file too.
     if ((${#COMPREPLY[@]} == 0)) && [[ $before == --vehicle || $before == --mission ]]; then
-      mapfile -t COMPREPLY < <(compgen -f -- "$word")
+      _rosflight_offer "$word"
     fi
     return
   fi
   if [[ $word == -* ]]; then
     words="$(_rosflight_help "$root" "$command" | grep -o -- '--[a-z][a-z-]*' | sort -u)"
-    mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")
+    _rosflight_offer "$word" "$words"
     return
   fi
   case $command:${before} in
@@ -81,8 +92,8 @@ _rosflight() {
       ((${#plain[@]} > 0)) || words='serial: udp: tcp: pty:'
       ;;
   esac
-  mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")
-  ((${#COMPREPLY[@]} > 0)) || mapfile -t COMPREPLY < <(compgen -f -- "$word")
+  _rosflight_offer "$word" "$words"
+  ((${#COMPREPLY[@]} > 0)) || _rosflight_offer "$word"
 }
 
 complete -o filenames -F _rosflight rosflight ./rosflight
