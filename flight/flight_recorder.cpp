@@ -269,6 +269,12 @@ void FlightRecorder::add_sample(const sim::Truth& truth, const hal::OutputValues
 
 void FlightRecorder::follow_states(double t_s) {
   const FirmwareView firmware = flight_.autopilot().view();
+  const Stage stage = flight_.runner().stage();
+  const States states{firmware.state,          firmware.armed,        firmware.failsafe,
+                      firmware.errors,         firmware.primary_axes, stage,
+                      flight_.autonomy().phase};
+  if (states_ == states) return;
+  states_ = states;
   const bool armed = firmware.armed;
   if (firmware.failsafe) {
     record_.set_state("firmware", t_s, "failsafe", Tone::kBad);
@@ -283,7 +289,6 @@ void FlightRecorder::follow_states(double t_s) {
   const char* who = primary == 0 ? "companion" : (primary == 0x3F ? "pilot" : "shared");
   record_.set_state("control", t_s, armed ? (firmware.failsafe ? "failsafe" : who) : "",
                     primary == 0 ? Tone::kGood : Tone::kWarning);
-  const Stage stage = flight_.runner().stage();
   const bool flying = stage == Stage::kFly;
   record_.set_state("autonomy", t_s, flying ? flight_.autonomy().phase : stage_name(stage),
                     flying ? Tone::kGood : Tone::kNeutral);

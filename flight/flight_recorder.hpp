@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 
 #include "flight/estimate_record.hpp"
 #include "flight/flight.hpp"
@@ -40,6 +41,10 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
   std::optional<log::LogSummary> close();
 
  private:
+  /// What the report's states are made from.
+  using States =
+      std::tuple<core::State, bool, bool, std::uint16_t, std::uint16_t, Stage, const char*>;
+
   void open_log(const std::filesystem::path& file, LogLevel level);
   void follow_gyro(const link::Message& message);
   void log_autonomy(sim::Time t);
@@ -60,6 +65,7 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
   sim::Time boot_{};
   double last_setpoint_s_{-1.0};
   std::string last_phase_{"disarmed"};
+  std::optional<States> states_;  ///< Of the last step.
   bool parameters_logged_{false};
   int warnings_{0};
   int errors_{0};

@@ -25,7 +25,7 @@ class BlockThread {
     ByteBuffer index{0};  ///< What the function needs besides; may be empty.
   };
   using Work = std::function<void(Block&)>;
-  static constexpr std::size_t kDepth = 4;
+  static constexpr std::size_t kDepth = 2;
 
   explicit BlockThread(Work work);
   /// Blocks that still wait are dropped.

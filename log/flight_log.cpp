@@ -14,10 +14,6 @@ using messages::to_message;
 
 namespace {
 
-constexpr std::uint64_t kPlotInterval_ns = 10'000'000;
-/// Of topics that repeat what others or the link's bytes hold.
-constexpr std::uint64_t kRepeatInterval_ns = 50'000'000;
-
 messages::std_msgs::Header header(std::uint64_t stamp_ns, std::string_view frame = {}) {
   return {messages::stamp_of(stamp_ns), std::string(frame)};
 }
@@ -56,12 +52,15 @@ McapWriter::ChannelId FlightLog::channel(Topic topic) {
   return channels_[index];
 }
 
-bool FlightLog::due(Topic topic, std::uint64_t now) {
-  return options_.detail == Detail::kFull || first_of(kPlotInterval_ns, topic, now);
-}
-
-bool FlightLog::first_of(std::uint64_t interval_ns, Topic topic, std::uint64_t now) {
-  std::uint64_t& next_ns = next_due_ns_[static_cast<std::size_t>(topic)];
+template <Topic kTopic>
+bool FlightLog::due(std::uint64_t now) {
+  constexpr auto kIndex = static_cast<std::size_t>(kTopic);
+  constexpr Thinning kThinning = kTopics[kIndex].thinning;
+  const std::uint64_t interval_ns =
+      1'000'000U *
+      std::uint64_t{options_.detail == Detail::kFull ? kThinning.full_ms : kThinning.plot_ms};
+  if (interval_ns == 0) return true;
+  std::uint64_t& next_ns = next_due_ns_[kIndex];
   if (now < next_ns) return false;
   next_ns = (now / interval_ns + 1) * interval_ns;
   return true;
@@ -85,14 +84,14 @@ void FlightLog::write(std::uint64_t log_time_ns, const messages::std_msgs::Heade
 
 void FlightLog::write_truth(const sim::Truth& truth, const hal::OutputValues& outputs) {
   const std::uint64_t now = stamp(truth.time);
-  if (!due(Topic::kTruthState, now)) return;
+  if (!due<Topic::kTruthState>(now)) return;  // The others are as rare or rarer.
   const auto inertial = header(now, kInertialFrame);
   const auto body = header(now, kBodyFrame);
   write<Topic::kTruthState>(now, inertial, to_message(truth, options_.gravity_m_s2));
-  const bool repeats = first_of(kRepeatInterval_ns, Topic::kTruthWind, now);
-  if (repeats) write<Topic::kTruthWind>(now, inertial, messages::wind_message(truth.air.wind_W));
+  if (due<Topic::kTruthWind>(now))
+    write<Topic::kTruthWind>(now, inertial, messages::wind_message(truth.air.wind_W));
   write<Topic::kForcesAndMoments>(now, body, to_message(truth.wrench));
-  if (repeats) write<Topic::kPwmOutput>(now, body, to_message(outputs));
+  if (due<Topic::kPwmOutput>(now)) write<Topic::kPwmOutput>(now, body, to_message(outputs));
   messages::fill_vehicle(truth, outputs, vehicle_);
   write<Topic::kTruthVehicle>(now, body, vehicle_);
 }
@@ -105,7 +104,7 @@ struct FlightLog::LinkVisitor {
 
   template <Topic kTopic, class Message>
   void put(const Message& message, const messages::std_msgs::Header& header) const {
-    log.write<kTopic>(now, header, to_message(message));
+    if (log.due<kTopic>(now)) log.write<kTopic>(now, header, to_message(message));
   }
   template <Topic kTopic, class Message>
   void put(const Message& message, std::string_view frame = {}) const {
@@ -127,8 +126,7 @@ struct FlightLog::LinkVisitor {
   void operator()(const link::OffboardControl& m) const { put<Topic::kCommand>(m); }
   void operator()(const link::AuxCommand& m) const { put<Topic::kAuxCommand>(m); }
   void operator()(const link::ExternalAttitude& m) const {
-    if (log.first_of(kRepeatInterval_ns, Topic::kExternalAttitude, now))
-      put<Topic::kExternalAttitude>(m, kInertialFrame);
+    put<Topic::kExternalAttitude>(m, kInertialFrame);
   }
   void operator()(const link::CommandRequest& m) const { put<Topic::kCommandRequest>(m); }
   void operator()(const link::ParamValue& m) const { put<Topic::kParamValue>(m); }
@@ -145,7 +143,6 @@ struct FlightLog::LinkVisitor {
     put<Topic::kRcRaw>(m, header(log.fcu_stamp_ms(m.time_boot_ms)));
   }
   void operator()(const link::OutputRaw& m) const {
-    if (!log.due(Topic::kOutputRaw, now)) return;
     put<Topic::kOutputRaw>(m, header(log.fcu_stamp_ms(m.time_boot_ms)));
   }
   void operator()(const link::Status& m) const { put<Topic::kStatus>(m); }
@@ -158,18 +155,17 @@ struct FlightLog::LinkVisitor {
 
   void operator()(const link::Attitude& m) const {
     log.attitude_ = m;
-    if (!log.due(Topic::kAttitude, now)) return;
     const auto sampled = header(log.fcu_stamp_ms(m.time_boot_ms), kInertialFrame);
     put<Topic::kAttitude>(m, sampled);
-    if (!log.first_of(kPlotInterval_ns, Topic::kAttitudeEuler, now)) return;
-    log.write<Topic::kAttitudeEuler>(now, sampled, messages::euler_message(m));
+    if (log.due<Topic::kAttitudeEuler>(now))
+      log.write<Topic::kAttitudeEuler>(now, sampled, messages::euler_message(m));
   }
 
   void operator()(const link::Imu& m) const {
     const auto sampled = header(log.fcu_stamp_us(m.time_boot_us), kBodyFrame);
     log.write<Topic::kImu>(now, sampled,
                            log.attitude_ ? to_message(m, *log.attitude_) : to_message(m));
-    if (!log.first_of(kRepeatInterval_ns, Topic::kImuTemperature, now)) return;
+    if (!log.due<Topic::kImuTemperature>(now)) return;
     log.write<Topic::kImuTemperature>(now, sampled, messages::imu_temperature(m));
   }
 
@@ -210,11 +206,13 @@ LogSummary FlightLog::close() {
 void FlightLog::write_setpoint(hal::Time time,
                                messages::roscopter_msgs::TrajectoryCommand setpoint) {
   const std::uint64_t now = stamp(time);
+  if (!due<Topic::kSetpoint>(now)) return;
   write<Topic::kSetpoint>(now, header(now, kInertialFrame), setpoint);
 }
 
 void FlightLog::write_estimate(hal::Time time, messages::rosflight_log_msgs::Estimate estimate) {
   const std::uint64_t now = stamp(time);
+  if (!due<Topic::kEstimate>(now)) return;
   write<Topic::kEstimate>(now, header(now, kInertialFrame), estimate);
 }
 

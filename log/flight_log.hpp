@@ -19,10 +19,8 @@ enum class Topic : std::uint8_t;  // flight_log_topics.hpp
 enum class Direction : std::uint8_t { kFcuToCompanion = 0, kCompanionToFcu = 1 };
 /// How much of a flight its log contains.
 enum class Detail : std::uint8_t {
-  /// Truth, attitude and outputs at 100 Hz; all other sensor data and link bytes.
-  kPlot,
-  /// Every step; only topics that repeat what others hold are thinned (README.md).
-  kFull
+  kPlot,  ///< All sensor data and link bytes; the rest at rates that a plot needs (README.md).
+  kFull   ///< Every step; only topics that repeat what others hold are thinned.
 };
 
 /// The log of one flight: an MCAP file of ROS 2 messages under the topic names a ROSflight user
@@ -103,10 +101,9 @@ class FlightLog {
   void write_raw_frames(std::uint64_t now);
   void write_text(std::uint64_t now, link::Severity severity, std::string_view source,
                   std::string_view text);
-  /// Whether a message at `now` of a topic that Detail::kPlot thins out goes into the log.
-  bool due(Topic topic, std::uint64_t now);
-  /// Whether a message of `topic` at `now` is the first of an interval.
-  bool first_of(std::uint64_t interval_ns, Topic topic, std::uint64_t now);
+  /// Whether a message of the topic at `now` goes into the log. Call it once for each.
+  template <Topic kTopic>
+  bool due(std::uint64_t now);
 
   template <Topic kTopic, class Message>
   void write(std::uint64_t log_time_ns, const Message& message);

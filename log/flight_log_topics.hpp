@@ -59,24 +59,37 @@ enum class Topic : std::uint8_t {
   kTexts
 };
 
+/// The shortest time between two messages of a topic [ms], in logs for plots and in full ones: the
+/// first message of every interval is written. 0: all.
+struct Thinning {
+  std::uint32_t plot_ms{};
+  std::uint32_t full_ms{};
+};
+inline constexpr Thinning kAll{};
+inline constexpr Thinning kPlot100Hz{10, 0};
+inline constexpr Thinning kPlot50Hz{20, 0};
+inline constexpr Thinning kRepeat{50,
+                                  50};  ///< Repeats what another topic or the link's bytes hold.
+
 struct TopicType {
   std::string_view name;
   std::string_view type;
   std::string_view (*schema)();
+  Thinning thinning;
 };
 
 template <class Message>
-constexpr TopicType of(std::string_view name) {
-  return {name, Message::kName, &Message::schema};
+constexpr TopicType of(std::string_view name, Thinning thinning = kAll) {
+  return {name, Message::kName, &Message::schema, thinning};
 }
 
 /// Names down to /external_attitude, /sim/ (but for truth_vehicle) and /trajectory_command:
 /// ROSflight 2.x.
 inline constexpr std::array kTopics{
     of<messages::sensor_msgs::Imu>("/imu/data"),
-    of<messages::sensor_msgs::Temperature>("/imu/temperature"),
-    of<messages::rosflight_msgs::Attitude>("/attitude"),
-    of<messages::geometry_msgs::Vector3Stamped>("/attitude/euler"),
+    of<messages::sensor_msgs::Temperature>("/imu/temperature", kRepeat),
+    of<messages::rosflight_msgs::Attitude>("/attitude", kPlot100Hz),
+    of<messages::geometry_msgs::Vector3Stamped>("/attitude/euler", Thinning{20, 10}),
     of<messages::rosflight_msgs::Barometer>("/baro"),
     of<messages::sensor_msgs::MagneticField>("/magnetometer"),
     of<messages::rosflight_msgs::Airspeed>("/airspeed"),
@@ -84,13 +97,13 @@ inline constexpr std::array kTopics{
     of<messages::rosflight_msgs::GNSS>("/gnss"),
     of<messages::rosflight_msgs::BatteryStatus>("/battery"),
     of<messages::rosflight_msgs::RCRaw>("/rc_raw"),
-    of<messages::rosflight_msgs::OutputRaw>("/output_raw"),
+    of<messages::rosflight_msgs::OutputRaw>("/output_raw", kPlot100Hz),
     of<messages::rosflight_msgs::Status>("/status"),
     of<messages::std_msgs::String>("/version"),
     of<messages::rosflight_msgs::Error>("/status/rosflight_errors"),
-    of<messages::rosflight_msgs::Command>("/command"),
+    of<messages::rosflight_msgs::Command>("/command", kPlot50Hz),
     of<messages::rosflight_msgs::AuxCommand>("/aux_command"),
-    of<messages::rosflight_msgs::Attitude>("/external_attitude"),
+    of<messages::rosflight_msgs::Attitude>("/external_attitude", kRepeat),
     of<messages::rosflight_log_msgs::Heartbeat>("/link/heartbeat"),
     of<messages::rosflight_log_msgs::TimeSync>("/link/time_sync"),
     of<messages::rosflight_log_msgs::ParamRequestRead>("/link/param_request_read"),
@@ -104,13 +117,13 @@ inline constexpr std::array kTopics{
     of<messages::rosflight_log_msgs::CheckResult>("/link/check_result"),
     of<messages::rosflight_log_msgs::Counters>("/link/counters"),
     of<messages::rosflight_log_msgs::RawFrames>("/link/raw"),
-    of<messages::rosflight_msgs::SimState>("/sim/truth_state"),
-    of<messages::geometry_msgs::Vector3Stamped>("/sim/truth_wind"),
-    of<messages::geometry_msgs::WrenchStamped>("/sim/forces_and_moments"),
-    of<messages::rosflight_msgs::PwmOutput>("/sim/pwm_output"),
-    of<messages::rosflight_log_msgs::TruthVehicle>("/sim/truth_vehicle"),
-    of<messages::roscopter_msgs::TrajectoryCommand>("/trajectory_command"),
-    of<messages::rosflight_log_msgs::Estimate>("/autonomy/estimate"),
+    of<messages::rosflight_msgs::SimState>("/sim/truth_state", kPlot100Hz),
+    of<messages::geometry_msgs::Vector3Stamped>("/sim/truth_wind", kRepeat),
+    of<messages::geometry_msgs::WrenchStamped>("/sim/forces_and_moments", kPlot100Hz),
+    of<messages::rosflight_msgs::PwmOutput>("/sim/pwm_output", kRepeat),
+    of<messages::rosflight_log_msgs::TruthVehicle>("/sim/truth_vehicle", kPlot100Hz),
+    of<messages::roscopter_msgs::TrajectoryCommand>("/trajectory_command", kPlot50Hz),
+    of<messages::rosflight_log_msgs::Estimate>("/autonomy/estimate", kPlot50Hz),
     of<messages::rosflight_log_msgs::Phase>("/autonomy/phase"),
     of<messages::rosflight_log_msgs::Parameter>("/parameters"),
     of<messages::rcl_interfaces::Log>("/rosout"),

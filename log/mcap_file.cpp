@@ -35,7 +35,7 @@ McapFile::McapFile(std::filesystem::path path, const Options& options)
   ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_compressionLevel, fast ? 1 : 6);
   if (fast) {
     // What repeats in a log are whole fields of messages; shorter matches cost more than they save.
-    ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_minMatch, 6);
+    ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_minMatch, 7);
     ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_hashLog, 13);
     ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_targetLength, 1);
   }
@@ -50,7 +50,7 @@ McapFile::McapFile(std::filesystem::path path, const Options& options)
 }
 
 void McapFile::emit(Bytes bytes) {
-  crc_ = crc32(bytes, crc_);
+  if (in_summary_) crc_ = crc32(bytes, crc_);
   file_.write(bytes);
 }
 
@@ -129,7 +129,7 @@ void McapFile::write_message_indexes(ByteBuffer& offsets) {
   for (std::size_t channel = 0; channel < indexes_.size(); ++channel) {
     auto& index = indexes_[channel];
     if (index.empty()) continue;
-    std::sort(index.begin(), index.end());
+    if (!std::is_sorted(index.begin(), index.end())) std::sort(index.begin(), index.end());
     const auto id = static_cast<std::uint16_t>(channel);
     offsets.put(id);
     offsets.put(file_.size());
@@ -161,7 +161,7 @@ void McapFile::write_group(std::uint8_t opcode, Bytes records, std::vector<Summa
 }
 
 void McapFile::write_summary(Bytes schemas, Bytes channels, Bytes statistics) {
-  crc_ = 0;
+  in_summary_ = true;
   const std::uint64_t summary_start = file_.size();
   std::vector<SummaryGroup> groups;
   write_group(kSchema, schemas, groups);
@@ -193,7 +193,7 @@ void McapFile::write_summary(Bytes schemas, Bytes channels, Bytes statistics) {
 void McapFile::close(Bytes schemas, Bytes channels, ByteBuffer& statistics) {
   scratch_.put(static_cast<std::uint8_t>(kDataEnd));
   scratch_.put(std::uint64_t{4});
-  scratch_.put(crc_);
+  scratch_.put(std::uint32_t{0});  // No checksum: chunks and attachments have their own.
   emit_and_clear(scratch_);
   statistics.patch(kChunkCount_at, chunks_);
   write_summary(schemas, channels, statistics.bytes());

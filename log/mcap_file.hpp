@@ -23,7 +23,8 @@ enum class Compression : std::uint8_t {
 };
 
 /// The file of McapWriter: chunks with message indexes, attachments, metadata, and a summary with
-/// statistics, chunk, attachment and metadata indexes; every checksum the format has.
+/// statistics, chunk, attachment and metadata indexes; checksums of chunks (zstd's own),
+/// attachments and the summary.
 ///
 ///     magic Header { Chunk MessageIndex* | Attachment | Metadata }* DataEnd
 ///     Schema* Channel* Statistics ChunkIndex* AttachmentIndex* MetadataIndex* SummaryOffset*
@@ -39,7 +40,7 @@ class McapFile {
   struct Options {
     std::string profile{"ros2"};
     std::string library{"rosflight"};
-    std::size_t chunk_bytes{std::size_t{1} << 18U};
+    std::size_t chunk_bytes{std::size_t{1} << 19U};
     Compression compression{Compression::kZstd};
   };
 
@@ -82,7 +83,8 @@ class McapFile {
 
   Compression compression_;
   OutputFile file_;
-  std::uint32_t crc_{0};  ///< Of the section being written: data, then summary.
+  bool in_summary_{false};
+  std::uint32_t crc_{0};  ///< Of the summary so far.
   Sha256 sha256_;
   std::unique_ptr<ZSTD_CCtx_s, FreeZstd> zstd_;
   ByteBuffer scratch_;  ///< One record.

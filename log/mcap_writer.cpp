@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "log/mcap_writer.hpp"
 
+#include <algorithm>
+#include <cstring>
 #include <limits>
 
 #include "log/mcap_records.hpp"
@@ -83,13 +85,20 @@ void McapWriter::write(ChannelId channel_id, std::uint64_t log_time_ns,
     throw LogError(path().string() + ": message on unknown channel " + std::to_string(channel_id));
   }
   ByteBuffer& chunk = chunk_.bytes;
-  chunk.put(static_cast<std::uint8_t>(kMessage));
-  chunk.put(static_cast<std::uint64_t>(2 + 4 + 8 + 8 + data.size()));
-  chunk.put(channel_id);
-  chunk.put(sequences_[channel_id - 1U]++);
-  chunk.put(log_time_ns);
-  chunk.put(publish_time_ns);
-  chunk.append(data);
+  // Many messages a second: room for the whole record at once.
+  constexpr std::size_t kFields = 2 + 4 + 8 + 8;
+  std::uint8_t* to = chunk.extend(kRecordHeader + kFields + data.size());
+  const auto store = [&to](const auto value) {
+    std::memcpy(to, &value, sizeof value);
+    to += sizeof value;
+  };
+  store(static_cast<std::uint8_t>(kMessage));
+  store(static_cast<std::uint64_t>(kFields + data.size()));
+  store(channel_id);
+  store(sequences_[channel_id - 1U]++);
+  store(log_time_ns);
+  store(publish_time_ns);
+  std::copy(data.begin(), data.end(), to);
 
   first_ns_ = messages_ == 0 ? log_time_ns : std::min(first_ns_, log_time_ns);
   last_ns_ = messages_ == 0 ? log_time_ns : std::max(last_ns_, log_time_ns);

@@ -8,6 +8,8 @@ namespace {
 
 /// Steps of simulated time are sums; a sample a hair early is still due.
 constexpr double kEarly = 0.999;
+/// Samples at 100 Hz, so that most flights never copy them to make room. Memory that is not written costs nothing.
+constexpr std::size_t kTwoMinutes = 12'000;
 
 }  // namespace
 
@@ -16,7 +18,9 @@ bool FlightRecord::wants(double t_s) const {
 }
 
 void FlightRecord::add(const Sample& sample) {
-  if (wants(sample.t_s)) samples_.push_back(sample);
+  if (!wants(sample.t_s)) return;
+  if (samples_.empty()) samples_.reserve(kTwoMinutes);
+  samples_.push_back(sample);
 }
 
 void FlightRecord::set_state(std::string_view lane, double t_s, std::string_view label, Tone tone) {

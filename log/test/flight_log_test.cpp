@@ -66,12 +66,14 @@ TEST_F(FlightLogTest, APlotThinsAttitudeAndOutputsButNoSensorAndNoBytes) {
     }
     return log.close().messages;
   };
-  EXPECT_EQ(messages(Detail::kPlot, link::Attitude{}, false), 200U);  // And its Euler angles.
+  EXPECT_EQ(messages(Detail::kPlot, link::Attitude{}, false), 150U);  // And its Euler angles.
   EXPECT_EQ(messages(Detail::kFull, link::Attitude{}, false), 600U);
   EXPECT_EQ(messages(Detail::kPlot, link::OutputRaw{}, false), 100U);
   EXPECT_EQ(messages(Detail::kFull, link::OutputRaw{}, false), 500U);
-  EXPECT_EQ(messages(Detail::kPlot, link::Attitude{}, true), 220U);  // The frames of 50 ms in one.
-  EXPECT_EQ(messages(Detail::kPlot, link::Imu{}, false), 520U);      // And its temperature.
+  EXPECT_EQ(messages(Detail::kPlot, link::Attitude{}, true), 170U);  // The frames of 50 ms in one.
+  EXPECT_EQ(messages(Detail::kPlot, link::OffboardControl{}, false), 50U);
+  EXPECT_EQ(messages(Detail::kFull, link::OffboardControl{}, false), 500U);
+  EXPECT_EQ(messages(Detail::kPlot, link::Imu{}, false), 520U);  // And its temperature.
   EXPECT_EQ(messages(Detail::kFull, link::Imu{}, false), 520U);
   EXPECT_EQ(messages(Detail::kPlot, link::Baro{}, false), 500U);
 }
