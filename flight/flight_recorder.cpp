@@ -10,6 +10,7 @@
 #include "base/constants.hpp"
 #include "firmware/core/pass_counters.hpp"
 #include "flight/link_protocol.hpp"
+#include "flight/vehicle_urdf.hpp"
 #include "messages/link.hpp"
 
 namespace rosflight::flight {
@@ -98,6 +99,7 @@ FlightRecorder::FlightRecorder(Flight& flight, const std::filesystem::path& log_
   }
   name_counters(record_);
   if (record_.route.size() == 1) record_.route.clear();  // a single point is no route
+  if (log_ && !record_.route.empty()) log_->write_path({}, record_.route);
   flight.set_tap(this);
   flight.add(*this);
 }
@@ -117,6 +119,7 @@ void FlightRecorder::open_log(const std::filesystem::path& file, LogLevel level)
   log_ = std::make_unique<log::FlightLog>(file, options, facts);
   log_->attach("vehicle.yaml", "application/yaml", setup.vehicle.text());
   log_->attach("mission.yaml", "application/yaml", setup.mission_text);
+  log_->write_description({}, vehicle_urdf(setup));
 }
 
 void FlightRecorder::on_frame(Direction direction, hal::Time t, const std::uint8_t* data,
@@ -170,7 +173,7 @@ void FlightRecorder::log_autonomy(sim::Time t) {
     last_phase_ = output.phase;
     if (log_) log_->write_phase(t, output.phase);
     if (const auto* wing = dynamic_cast<const FixedWingGuidance*>(&flight_.guidance())) {
-      add_route(wing->manager());
+      add_route(t, wing->manager());
     }
   }
   constexpr double kInterval_s = 0.0099;  // autonomy runs at 100 Hz
@@ -204,11 +207,12 @@ void FlightRecorder::step(const sim::Truth& truth, const hal::OutputValues& outp
 }
 
 /// The path as it is planned from here on.
-void FlightRecorder::add_route(const autonomy::fixedwing::FlightManager& manager) {
+void FlightRecorder::add_route(sim::Time t, const autonomy::fixedwing::FlightManager& manager) {
   if (!manager.path().started()) return;
   constexpr double kEvery_m = 5.0;
   constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
   if (!record_.route.empty()) record_.route.push_back({kGap, kGap, kGap});
+  const std::size_t start = record_.route.size();
   for (const autonomy::fixedwing::Segment& segment : manager.path().plan().segments) {
     const double turn_m = 2.0 * base::kPi * std::abs(segment.radius_m);
     const double length_m = std::isfinite(segment.length_m) ? segment.length_m : turn_m;
@@ -219,6 +223,7 @@ void FlightRecorder::add_route(const autonomy::fixedwing::FlightManager& manager
       record_.route.push_back({p.x(), p.y(), -segment.height_at(s_m)});
     }
   }
+  if (log_) log_->write_path(t, std::span(record_.route).subspan(start));
 }
 
 void FlightRecorder::add_estimate(const sim::Truth& truth, report::Sample& sample) {

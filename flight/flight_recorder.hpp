@@ -51,7 +51,7 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
   void log_parameters(sim::Time t);
   void add_sample(const sim::Truth& truth, const hal::OutputValues& outputs);
   void add_estimate(const sim::Truth& truth, report::Sample& sample);
-  void add_route(const autonomy::fixedwing::FlightManager& manager);
+  void add_route(sim::Time t, const autonomy::fixedwing::FlightManager& manager);
   void follow_states(double t_s);
 
   Flight& flight_;

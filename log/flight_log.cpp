@@ -14,13 +14,13 @@ using messages::to_message;
 
 namespace {
 
-messages::std_msgs::Header header(std::uint64_t stamp_ns, std::string_view frame = {}) {
+messages::std_msgs::Header header(std::uint64_t stamp_ns, std::string_view frame = kBodyFrame) {
   return {messages::stamp_of(stamp_ns), std::string(frame)};
 }
 
 }  // namespace
 
-static_assert(kTopics.size() <= 48, "raise FlightLog::kMaxTopics");
+static_assert(kTopics.size() <= 56, "raise FlightLog::kMaxTopics");
 
 FlightLog::FlightLog(std::filesystem::path path, const Options& options, const TextMap& flight)
     : options_(options), writer_(std::move(path), options.mcap), fcu_boot_ns_(options.epoch_ns) {
@@ -94,6 +94,29 @@ void FlightLog::write_truth(const sim::Truth& truth, const hal::OutputValues& ou
   if (due<Topic::kPwmOutput>(now)) write<Topic::kPwmOutput>(now, body, to_message(outputs));
   messages::fill_vehicle(truth, outputs, vehicle_);
   write<Topic::kTruthVehicle>(now, body, vehicle_);
+  write_motion(now, truth.body);
+}
+
+void FlightLog::write_motion(std::uint64_t now, const sim::BodyState& body) {
+  const auto at = messages::stamp_of(now);
+  if (due<Topic::kTf>(now)) {
+    messages::fill_transform(at, body, transform_);
+    write<Topic::kTf>(now, transform_);
+  }
+  if (due<Topic::kPose>(now)) write<Topic::kPose>(now, messages::pose_message(at, body));
+  if (due<Topic::kOdometry>(now))
+    write<Topic::kOdometry>(now, messages::odometry_message(at, body));
+}
+
+void FlightLog::write_description(hal::Time time, std::string_view urdf) {
+  const std::uint64_t now = stamp(time);
+  write<Topic::kTfStatic>(now, messages::fixed_transforms(messages::stamp_of(now)));
+  write<Topic::kRobotDescription>(now, messages::std_msgs::String{std::string(urdf)});
+}
+
+void FlightLog::write_path(hal::Time time, std::span<const std::array<double, 3>> points_W) {
+  const std::uint64_t now = stamp(time);
+  write<Topic::kPath>(now, messages::path_message(messages::stamp_of(now), points_W));
 }
 
 /// One overload per message: which topic, which stamp, which frame.
@@ -107,7 +130,7 @@ struct FlightLog::LinkVisitor {
     if (log.due<kTopic>(now)) log.write<kTopic>(now, header, to_message(message));
   }
   template <Topic kTopic, class Message>
-  void put(const Message& message, std::string_view frame = {}) const {
+  void put(const Message& message, std::string_view frame = kBodyFrame) const {
     put<kTopic>(message, header(now, frame));
   }
   template <Topic kTopic, class Message>
@@ -149,7 +172,9 @@ struct FlightLog::LinkVisitor {
   void operator()(const link::Version& m) const { log.write<Topic::kVersion>(now, to_message(m)); }
   void operator()(const link::HardError& m) const { put<Topic::kHardError>(m); }
   void operator()(const link::Gnss& m) const {
-    put<Topic::kGnss>(m, header(log.fcu_stamp_us(m.time_boot_us), kInertialFrame));
+    const auto sampled = header(log.fcu_stamp_us(m.time_boot_us), kInertialFrame);
+    put<Topic::kGnss>(m, sampled);
+    log.write<Topic::kFix>(now, messages::fix_message(sampled.stamp, m));
   }
   void operator()(const link::BatteryStatus& m) const { put<Topic::kBattery>(m); }
 
@@ -212,8 +237,12 @@ void FlightLog::write_setpoint(hal::Time time,
 
 void FlightLog::write_estimate(hal::Time time, messages::rosflight_log_msgs::Estimate estimate) {
   const std::uint64_t now = stamp(time);
-  if (!due<Topic::kEstimate>(now)) return;
-  write<Topic::kEstimate>(now, header(now, kInertialFrame), estimate);
+  if (due<Topic::kEstimateOdometry>(now)) {
+    write<Topic::kEstimateOdometry>(now,
+                                    messages::odometry_message(messages::stamp_of(now), estimate));
+  }
+  if (due<Topic::kEstimate>(now))
+    write<Topic::kEstimate>(now, header(now, kInertialFrame), estimate);
 }
 
 void FlightLog::write_phase(hal::Time time, std::string_view name) {

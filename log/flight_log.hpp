@@ -3,6 +3,7 @@
 #include <array>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "base/constants.hpp"
@@ -10,6 +11,7 @@
 #include "log/mcap_writer.hpp"
 #include "messages/roscopter_msgs.hpp"
 #include "messages/rosflight_log_msgs.hpp"
+#include "messages/tf2_msgs.hpp"
 #include "sim/types.hpp"
 
 namespace rosflight::log {
@@ -29,8 +31,9 @@ enum class Detail : std::uint8_t {
 /// Times given are simulated (or, in real time, since the start); stamps in the file are epoch_ns
 /// later, so that tools show a date. A message that carries a sample time of the FCU has that time
 /// in its header; all others the time given. Channels appear with their first message: a missing
-/// topic is a missing sensor. Same calls, same LogSummary::sha256. All functions throw LogError when
-/// the disk is full or broken (McapWriter says when).
+/// topic is a missing sensor. Every header names a frame; what has no direction is of the body.
+/// Same calls, same LogSummary::sha256. All functions throw LogError when the disk is full or broken
+/// (McapWriter says when).
 class FlightLog {
  public:
   struct Options {
@@ -81,6 +84,13 @@ class FlightLog {
   void write_parameter(hal::Time time, std::string_view name, link::ParamType type,
                        link::ParamBits value);
 
+  /// The vehicle as ROS tools draw it, and the frames that never move. @param urdf  its links are
+  /// fixed to base_link.
+  void write_description(hal::Time time, std::string_view urdf);
+
+  /// The path as it is planned from here on: points in NED.
+  void write_path(hal::Time time, std::span<const std::array<double, 3>> points_W);
+
   /// The FCU's clock started from zero at `time` (default: at 0). Converts its sample times.
   void set_fcu_boot(hal::Time time) { fcu_boot_ns_ = stamp(time); }
 
@@ -91,7 +101,7 @@ class FlightLog {
  private:
   struct LinkVisitor;
 
-  static constexpr std::size_t kMaxTopics = 48;
+  static constexpr std::size_t kMaxTopics = 56;
 
   std::uint64_t stamp(hal::Time time) const;
   std::uint64_t fcu_stamp_us(std::uint64_t boot_us) const { return fcu_boot_ns_ + boot_us * 1000; }
@@ -99,6 +109,8 @@ class FlightLog {
   McapWriter::ChannelId channel(Topic topic);
   /// At `now`, so that the file is in the order of time.
   void write_raw_frames(std::uint64_t now);
+  /// What ROS tools draw of the true motion.
+  void write_motion(std::uint64_t now, const sim::BodyState& body);
   void write_text(std::uint64_t now, link::Severity severity, std::string_view source,
                   std::string_view text);
   /// Whether a message of the topic at `now` goes into the log. Call it once for each.
@@ -122,8 +134,9 @@ class FlightLog {
   messages::rosflight_log_msgs::RawFrames raw_frames_;  ///< Not written yet.
   std::uint64_t raw_start_ns_{};                        ///< Of the first of them.
   std::uint64_t latest_ns_{};                           ///< Of all messages.
-  // Kept for its memory.
+  // Kept for their memory.
   messages::rosflight_log_msgs::TruthVehicle vehicle_;
+  messages::tf2_msgs::TFMessage transform_;
   std::array<std::uint64_t, kMaxTopics> next_due_ns_{};
 };
 

@@ -6,6 +6,7 @@
 
 #include "messages/geometry_msgs.hpp"
 #include "messages/rcl_interfaces.hpp"
+#include "messages/ros_frames.hpp"
 #include "messages/roscopter_msgs.hpp"
 #include "messages/rosflight_log_msgs.hpp"
 #include "messages/rosflight_msgs.hpp"
@@ -56,7 +57,15 @@ enum class Topic : std::uint8_t {
   kEstimate,
   kPhase,
   kParameter,
-  kTexts
+  kTexts,
+  kTf,
+  kTfStatic,
+  kPose,
+  kOdometry,
+  kEstimateOdometry,
+  kPath,
+  kFix,
+  kRobotDescription
 };
 
 /// The shortest time between two messages of a topic [ms], in logs for plots and in full ones: the
@@ -68,8 +77,9 @@ struct Thinning {
 inline constexpr Thinning kAll{};
 inline constexpr Thinning kPlot100Hz{10, 0};
 inline constexpr Thinning kPlot50Hz{20, 0};
-inline constexpr Thinning kRepeat{50,
-                                  50};  ///< Repeats what another topic or the link's bytes hold.
+/// Repeats what another topic or the link's bytes hold.
+inline constexpr Thinning kRepeat{50, 50};
+inline constexpr Thinning kStandard{100, 100};  ///< Large messages of ROS that repeat others.
 
 struct TopicType {
   std::string_view name;
@@ -127,10 +137,19 @@ inline constexpr std::array kTopics{
     of<messages::rosflight_log_msgs::Phase>("/autonomy/phase"),
     of<messages::rosflight_log_msgs::Parameter>("/parameters"),
     of<messages::rcl_interfaces::Log>("/rosout"),
+    // For tools that do not know ROSflight, in the frames of REP-103 and REP-105.
+    of<messages::tf2_msgs::TFMessage>("/tf", kRepeat),
+    of<messages::tf2_msgs::TFMessage>("/tf_static"),
+    of<messages::geometry_msgs::PoseStamped>("/sim/pose", kStandard),
+    of<messages::nav_msgs::Odometry>("/sim/odometry", kStandard),
+    of<messages::nav_msgs::Odometry>("/autonomy/odometry", kStandard),
+    of<messages::nav_msgs::Path>("/autonomy/path"),
+    of<messages::sensor_msgs::NavSatFix>("/gnss/fix"),
+    of<messages::std_msgs::String>("/robot_description"),
 };
-static_assert(kTopics.size() == static_cast<std::size_t>(Topic::kTexts) + 1);
+static_assert(kTopics.size() == static_cast<std::size_t>(Topic::kRobotDescription) + 1);
 
-inline constexpr std::string_view kInertialFrame = "NED";
-inline constexpr std::string_view kBodyFrame = "body";
+inline constexpr std::string_view kInertialFrame = messages::kNedFrame;
+inline constexpr std::string_view kBodyFrame = messages::kBodyFrame;
 
 }  // namespace rosflight::log

@@ -36,7 +36,7 @@ McapFile::McapFile(std::filesystem::path path, const Options& options)
   if (fast) {
     // What repeats in a log are whole fields of messages; shorter matches cost more than they save.
     ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_minMatch, 7);
-    ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_hashLog, 13);
+    ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_hashLog, 12);
     ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_targetLength, 1);
   }
   ZSTD_CCtx_setParameter(zstd_.get(), ZSTD_c_checksumFlag, 1);

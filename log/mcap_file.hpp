@@ -40,7 +40,7 @@ class McapFile {
   struct Options {
     std::string profile{"ros2"};
     std::string library{"rosflight"};
-    std::size_t chunk_bytes{std::size_t{1} << 19U};
+    std::size_t chunk_bytes{std::size_t{512} << 10U};
     Compression compression{Compression::kZstd};
   };
 

@@ -44,11 +44,16 @@ class CdrWriter {
     to[sizeof length + text.size()] = 0;
   }
 
+  /// How many elements of a sequence follow.
+  void put_count(std::size_t size) {
+    const auto count = static_cast<std::uint32_t>(size);
+    std::memcpy(run(sizeof count, sizeof count), &count, sizeof count);
+  }
+
   template <class T>
     requires std::is_arithmetic_v<T>
   void put(const std::vector<T>& values) {
-    const auto count = static_cast<std::uint32_t>(values.size());
-    std::memcpy(run(sizeof count, sizeof count), &count, sizeof count);
+    put_count(values.size());
     if (values.empty()) return;
     std::memcpy(run(sizeof(T), values.size() * sizeof(T)), values.data(),
                 values.size() * sizeof(T));

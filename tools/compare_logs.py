@@ -43,6 +43,8 @@ CORRECTED = {
     # Who says a text.
     ("rcl_interfaces/msg/Log", "name"): lambda before, after: before == after or (before, after) == ("director", "mission"),
 }
+# Fields of all types, in the same form. Every header names a frame since November 2026.
+CORRECTED_EVERYWHERE = {"header.frame_id": lambda before, after: (before, after) == ("", "body")}
 
 # Topics that repeat what others hold, and the interval of which all logs since November 2026 have the first message.
 REPEATS = {"/attitude/euler": 10_000_000, "/sim/truth_wind": 50_000_000, "/sim/pwm_output": 50_000_000,
@@ -52,7 +54,8 @@ ONE_SIDED = {("rosflight_log_msgs/msg/TruthVehicle", "specific_force"): True,  #
              ("rosflight_log_msgs/msg/TruthVehicle", "wind"): False}  # /sim/truth_wind
 
 # Topics that only logs since November 2026 have.
-NEW_TOPICS = {"/parameters"}
+NEW_TOPICS = {"/parameters", "/tf", "/tf_static", "/sim/pose", "/sim/odometry", "/autonomy/odometry", "/autonomy/path", "/gnss/fix",
+              "/robot_description"}
 
 # Frames of the link: one message each in logs until November 2026, those of 50 ms in one message since.
 RAW_FRAME, RAW_FRAMES = "rosflight_log_msgs/msg/RawFrame", "rosflight_log_msgs/msg/RawFrames"
@@ -194,7 +197,7 @@ def difference(old: Message, new: Message, readers: tuple[LogReader, LogReader])
         odd = sorted(before.keys() ^ after.keys())[0]
         return f"{old.where}: field {odd} is in {'the old' if odd in before else 'the new'} log only"
     for path, value in before.items():
-        corrected = CORRECTED.get((old.type, path.split("[")[0]))
+        corrected = CORRECTED.get((old.type, path.split("[")[0])) or CORRECTED_EVERYWHERE.get(path)
         if corrected and corrected(value, after[path]):
             continue
         if path not in TEXTS.get(old.type, ()) and bits(value) != bits(after[path]):

@@ -46,11 +46,13 @@ TEST_F(FlightLogTest, SameFlightSameFingerprintAndAnotherFlightAnother) {
 
 TEST_F(FlightLogTest, APlotHasTruthAtOneHundredHertzAndAFullLogEveryStep) {
   FlightLog::Options options;
-  EXPECT_EQ(fly(options, 0.0, 1).messages, 5U);
-  // Steps 0, 4, ..., 100 of 2.5 ms; wind and pulses, which the topic of the vehicle holds, every 50 ms.
-  EXPECT_EQ(fly(options, 0.0, 101).messages, 26U * 3U + 6U * 2U);
+  // Three topics of every step, and wind, pulses, transform, pose and odometry.
+  EXPECT_EQ(fly(options, 0.0, 1).messages, 8U);
+  // Steps 0, 4, ..., 100 of 2.5 ms; wind, pulses and transform every 50 ms, pose and odometry every 100 ms.
+  constexpr std::uint64_t kRare = 6U * 3U + 3U * 2U;
+  EXPECT_EQ(fly(options, 0.0, 101).messages, 26U * 3U + kRare);
   options.detail = Detail::kFull;
-  EXPECT_EQ(fly(options, 0.0, 101).messages, 101U * 3U + 6U * 2U);
+  EXPECT_EQ(fly(options, 0.0, 101).messages, 101U * 3U + kRare);
 }
 
 TEST_F(FlightLogTest, APlotThinsAttitudeAndOutputsButNoSensorAndNoBytes) {

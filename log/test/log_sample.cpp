@@ -148,7 +148,7 @@ void write_others(FlightLog& log) {
   rosflight::messages::rosflight_log_msgs::Estimate estimate;
   estimate.position = {1.5F, -2.5F, -10.5F};
   estimate.velocity = {0.5F, 0.25F, -0.125F};
-  estimate.attitude = {0.5F, -0.5F, 0.25F, 0.75F};
+  estimate.attitude = {0.5F, -0.5F, 0.5F, 0.5F};
   estimate.gyro_bias = {0.01F, 0.02F, 0.03F};
   estimate.accel_bias = {0.1F, 0.2F, 0.3F};
   estimate.wind = {4.5F, -3.5F};
@@ -165,6 +165,9 @@ void write_others(FlightLog& log) {
                   "Waypoint 3 \"north\" not reached <&>");
   log.write_parameter(at(3004), "BATT_VOLT_MAX", link::ParamType::kFloat,
                       {std::bit_cast<std::uint32_t>(23.5F)});
+  constexpr std::array<std::array<double, 3>, 2> kPath{{{1.5, 2.5, -3.5}, {4.5, 5.5, -6.5}}};
+  log.write_description(at(3004), "<robot/>");
+  log.write_path(at(3004), kPath);
 }
 
 int run(const std::string& path, bool zstd, std::int64_t repeat) {

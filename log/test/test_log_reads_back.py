@@ -32,7 +32,7 @@ def ramp(first, step, count):
     return [first + k * step for k in range(count)]
 
 
-def header(seconds, frame=""):
+def header(seconds, frame="body"):
     return {"stamp": stamp(seconds), "frame_id": frame}
 
 
@@ -69,6 +69,49 @@ def sensor_range(seconds, kind, view, low, high, value):
         "header": header(seconds, "body"), "radiation_type": kind, "field_of_view": f32(view), "min_range": low,
         "max_range": high, "range": value, "variance": 0.0,
     }
+
+
+# Takes north, east, down to east, north, up; forward, right, down to forward, left, up.
+ENU = [[0, 1, 0], [1, 0, 0], [0, 0, -1]]
+FLU = [[1, 0, 0], [0, -1, 0], [0, 0, -1]]
+HALF_SQRT2 = math.sqrt(0.5)
+
+
+def transform(parent, child, position, q, seconds=3.004):
+    return {"header": header(seconds, parent), "child_frame_id": child,
+            "transform": {"translation": xyz(*position), "rotation": xyzw(*q)}}
+
+
+def rotation(w, x, y, z):
+    return [[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]]
+
+
+def turned(R, sigma):
+    """R diag(sigma^2) R^T."""
+    return [[sum(R[i][k] * sigma[k] ** 2 * R[j][k] for k in range(3)) for j in range(3)] for i in range(3)]
+
+
+def multiplied(A, B):
+    return [[sum(A[i][k] * B[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
+
+
+def transposed(A):
+    return [list(row) for row in zip(*A)]
+
+
+def covariance(first=None, second=None):
+    """36 numbers of two blocks on the diagonal."""
+    out = [[0.0] * 6 for _ in range(6)]
+    for start, block in ((0, first), (3, second)):
+        for i in range(3):
+            for j in range(3):
+                out[start + i][start + j] = block[i][j] if block else 0.0
+    return [number for row in out for number in row]
+
+
+R_ESTIMATE = rotation(0.5, -0.5, 0.5, 0.5)
 
 
 def text(seconds, level, source, message):
@@ -231,7 +274,7 @@ EXPECTED = {
     ]),
     "/autonomy/estimate": ("rosflight_log_msgs/msg/Estimate", [
         (3.002, {"header": header(3.002, "NED"), "position": [1.5, -2.5, -10.5], "velocity": [0.5, 0.25, -0.125],
-                 "attitude": [0.5, -0.5, 0.25, 0.75], "gyro_bias": [f32(0.01), f32(0.02), f32(0.03)],
+                 "attitude": [0.5, -0.5, 0.5, 0.5], "gyro_bias": [f32(0.01), f32(0.02), f32(0.03)],
                  "accel_bias": [f32(0.1), f32(0.2), f32(0.3)], "wind": [4.5, -3.5], "airspeed": 15.5,
                  "course": -1.25, "position_sigma": [0.375, 0.5, 0.625],
                  "velocity_sigma": [0.0625, 0.03125, 0.015625],
@@ -239,6 +282,48 @@ EXPECTED = {
                  "innovation": ramp(0.25, 0.5, 9),
                  "refusing": [False, True, False, False, True, False, False, False, True]}),
     ]),
+    "/tf": ("tf2_msgs/msg/TFMessage", [
+        (3.000, {"transforms": [transform("NED", "body", (1.5, -2.5, -10.25), (0.5, 0.5, 0.5, 0.5), 3.000)]}),
+    ]),
+    "/tf_static": ("tf2_msgs/msg/TFMessage", [
+        (3.004, {"transforms": [transform("map", "odom", (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0)),
+                                transform("odom", "NED", (0.0, 0.0, 0.0), (HALF_SQRT2, HALF_SQRT2, 0.0, 0.0)),
+                                transform("body", "base_link", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))]}),
+    ]),
+    # Forward is east, left is up: a quarter turn to the right about forward, which is x of both.
+    "/sim/pose": ("geometry_msgs/msg/PoseStamped", [
+        (3.000, {"header": header(3.000, "map"), "pose": {"position": xyz(-2.5, 1.5, 10.25),
+                                                          "orientation": xyzw(HALF_SQRT2, 0.0, 0.0, HALF_SQRT2)}}),
+    ]),
+    "/sim/odometry": ("nav_msgs/msg/Odometry", [
+        (3.000, {"header": header(3.000, "odom"), "child_frame_id": "base_link",
+                 "pose": {"pose": {"position": xyz(-2.5, 1.5, 10.25),
+                                   "orientation": xyzw(HALF_SQRT2, 0.0, 0.0, HALF_SQRT2)}, "covariance": covariance()},
+                 "twist": {"twist": {"linear": xyz(3.5, -0.25, 0.125), "angular": xyz(0.1, -0.2, -0.3)},
+                           "covariance": covariance()}}),
+    ]),
+    # Forward is up, left is north: nose up by a right angle from east; the velocity is 0.5 north, 0.25 east, 0.125 up.
+    "/autonomy/odometry": ("nav_msgs/msg/Odometry", [
+        (3.002, {"header": header(3.002, "odom"), "child_frame_id": "base_link",
+                 "pose": {"pose": {"position": xyz(-2.5, 1.5, 10.5), "orientation": xyzw(0.0, -HALF_SQRT2, 0.0, HALF_SQRT2)},
+                          "covariance": covariance(turned(ENU, (0.375, 0.5, 0.625)), turned(
+                              multiplied(ENU, R_ESTIMATE), (f32(0.004), f32(0.005), f32(0.006))))},
+                 "twist": {"twist": {"linear": xyz(0.125, 0.5, -0.25), "angular": xyz(0.0, 0.0, 0.0)},
+                           "covariance": covariance(turned(multiplied(FLU, transposed(R_ESTIMATE)),
+                                                           (0.0625, 0.03125, 0.015625)))}}),
+    ]),
+    "/autonomy/path": ("nav_msgs/msg/Path", [
+        (3.004, {"header": header(3.004, "map"), "poses": [
+            {"header": header(3.004, "map"), "pose": {"position": xyz(*p), "orientation": xyzw(0.0, 0.0, 0.0, 1.0)}}
+            for p in ((2.5, 1.5, 3.5), (5.5, 4.5, 6.5))]}),
+    ]),
+    "/gnss/fix": ("sensor_msgs/msg/NavSatFix", [
+        (1.018, {"header": header(1.0185, "base_link"), "status": {"status": 0, "service": 1}, "latitude": 40.267123456789,
+                 "longitude": -111.635987654321, "altitude": 1387.5,
+                 "position_covariance": [0.25, 0.0, 0.0, 0.0, 0.25, 0.0, 0.0, 0.0, 0.765625],
+                 "position_covariance_type": 1}),
+    ]),
+    "/robot_description": ("std_msgs/msg/String", [(3.004, {"data": "<robot/>"})]),
     "/parameters": ("rosflight_log_msgs/msg/Parameter", [
         (3.004, {"header": header(3.004), "name": "BATT_VOLT_MAX", "type": 9, "value": 23.5}),
     ]),

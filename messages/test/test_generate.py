@@ -30,6 +30,8 @@ def generate(folder, text, name="Thing"):
     ("string a hello\n", 1, "found a default for 'string'"),
     ("uint8[<=3] a\n", 1, "found the type 'uint8[<=3]', allowed NAME"),
     ("string[] a\n", 1, "found 'string[]', allowed TYPE[COUNT] and TYPE[] of numbers"),
+    ("Other[2] a\n", 1, "found 'Other[2]', allowed TYPE[COUNT] and TYPE[] of numbers, bool[COUNT] and MESSAGE[]"),
+    ("Other[] a\n", 1, "no definition of my_msgs/Other in the folders given"),
     ("uint8[0] a\n", 1, "found 'uint8[0]', allowed TYPE[COUNT]"),
     ("Other a\n", 1, "no definition of my_msgs/Other in the folders given"),
     ("std_msgs/Header a\n", 1, "no definition of std_msgs/Header in the folders given"),

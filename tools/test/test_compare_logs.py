@@ -170,3 +170,21 @@ def test_what_is_no_log_ends_with_2(tmp_path, capsys):
     (tmp_path / "a.mcap").write_bytes(b"nonsense")
     assert compare_logs.main([str(tmp_path / "a.mcap")] * 2) == 2
     assert capsys.readouterr().err.startswith("compare_logs: ")
+
+
+def test_new_topics_and_filled_frames_are_passed_over(tmp_path):
+    def pose(path, frame, *topics):
+        with path.open("wb") as file:
+            writer = Writer(file)
+            schema = writer.register_msgdef("a/msg/Pose", "std_msgs/Header header\n" + HEADER.replace(
+                "builtin_interfaces/Time stamp", "builtin_interfaces/Time stamp\nstring frame_id"))
+            for topic in topics:
+                header = {"stamp": {"sec": 0, "nanosec": 1}, "frame_id": frame}
+                writer.write_message(topic, schema, {"header": header}, log_time=1, publish_time=1)
+            writer.finish()
+        return path
+
+    old = pose(tmp_path / "old.mcap", "", "/baro")
+    assert compare_logs.compare(old, pose(tmp_path / "new.mcap", "body", "/baro", "/sim/pose", "/gnss/fix")) == (1, None)
+    _, found = compare_logs.compare(old, pose(tmp_path / "other.mcap", "NED", "/baro"))
+    assert "header.frame_id was '', is 'NED'" in found

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "messages/frames.hpp"
 #include "sim/types.hpp"
 
 namespace rosflight_sim {
@@ -23,8 +24,8 @@ struct FrameEdge {
 ///
 /// NED -> aircraft_body is the truth and not among these.
 inline std::vector<FrameEdge> fixed_frames() {
-  constexpr double kHalf = 0.7071067811865476;  // of sqrt(2)
-  const sim::Quaternion roll_pi{0.0, 1.0, 0.0, 0.0};
+  constexpr double kHalf = rosflight::messages::kHalfSqrt2;
+  const sim::Quaternion roll_pi = rosflight::messages::kFluFromFrd;
   const sim::Quaternion yaw_left{kHalf, 0.0, 0.0, kHalf};  // x of ENU to north
   // roll pi, then yaw -pi/2 about the fixed axes
   const sim::Quaternion stl = sim::Quaternion{kHalf, 0.0, 0.0, -kHalf} * roll_pi;
