@@ -20,7 +20,7 @@ COMMANDS = ["fly", "replay", "sil", "mixer", "trim", "params", "calibrate", "mon
 def clone(tmp_path_factory):
     folder = tmp_path_factory.mktemp("fresh") / "clone"
     subprocess.run(["git", "clone", "--quiet", "--no-hardlinks", ROOT, folder], check=True)
-    for name in ["rosflight", "tools/ready.sh", *(f"apps/help/{command}.txt" for command in COMMANDS)]:
+    for name in ["rosflight", "tools/ready.sh", "tools/log_table.py", *(f"apps/help/{command}.txt" for command in COMMANDS)]:
         (folder / name).parent.mkdir(exist_ok=True)
         (folder / name).write_bytes((ROOT / name).read_bytes())  # as they are here, committed or not
     return folder
@@ -32,7 +32,7 @@ def test_the_text_is_what_the_program_says(command):
     assert (ROOT / f"apps/help/{command}.txt").read_text() == said, f"write it again: {PROGRAM} {command} --help"
 
 
-@pytest.mark.parametrize("command", [*COMMANDS, "test", "bench", "ros"])
+@pytest.mark.parametrize("command", [*COMMANDS, "log", "test", "bench", "ros"])
 def test_help_needs_no_build_and_makes_no_file(clone, command):
     def files():
         return {str(path.relative_to(clone)) for path in clone.rglob("*") if ".git" not in path.relative_to(clone).parts}
