@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/tools_command_line.hpp"
 
+#include <filesystem>
 #include <map>
 #include <string>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "flight/build_info.hpp"
 #include "flight/link_protocol.hpp"
 #include "flight/project_root.hpp"
+#include "flight/replay/flight_replay.hpp"
 #include "flight/replay/replay.hpp"
 #include "flight/sil/sil.hpp"
 #include "sim/faults.hpp"
@@ -21,14 +23,31 @@ namespace {
 using namespace rosflight::flight;  // NOLINT(google-build-using-namespace): what the commands call
 
 CLI::App* add_replay(CLI::App& app, ReplayOptions& options) {
-  CLI::App* replay = app.add_subcommand("replay", "Feed recorded inputs to the firmware");
-  replay->add_option("INPUT", options.input, "CSV file (docs/replay.md)")->required();
+  CLI::App* replay = app.add_subcommand("replay", "Feed recorded inputs to the firmware again");
+  replay
+      ->add_option("INPUT", options.input,
+                   "Flight folder or log (.mcap) of fly --log full, compared to the bit; or CSV "
+                   "file (docs/replay.md), whose options follow")
+      ->required();
   replay->add_option("--params", options.params, "Parameters set before the first row, CSV");
   replay->add_option("-o,--output", options.output, "Write what came out to this CSV file");
   replay->add_flag("--force", options.force, "Replace an existing output file");
   replay->add_flag("--compare", options.compare, "Compare with the output columns of INPUT");
   replay->add_option("--except", options.waivers, "Differences that are meant, CSV");
   return replay;
+}
+
+bool is_flight(const std::filesystem::path& input) {
+  return std::filesystem::is_directory(input) || input.extension() == ".mcap";
+}
+
+int replay_command(const ReplayOptions& options) {
+  if (!is_flight(options.input)) return replay(options, std::cout);
+  if (options.params || options.output || options.force || options.compare || options.waivers) {
+    throw InputError(options.input +
+                     ": is a flight, found an option; allowed with a CSV file only");
+  }
+  return replay_flight(options.input, std::cout);
 }
 
 CLI::App* add_mixer(CLI::App& app, MixerOptions& options) {
@@ -121,7 +140,7 @@ int tools_command_line(int argc, char** argv, flight::LinuxAutopilot::MakeCodec 
   add_sil(app, sil_options);
   app.set_version_flag("--version", build_info_text());
   return parse_and_run(app, argc, argv, [&] {
-    if (*replay_app) return replay(replay_options, std::cout);
+    if (*replay_app) return replay_command(replay_options);
     if (*mixer) return mixer_command(mixer_options, std::cout);
     if (*trim) return trim_command(trim_options, std::cout);
     sil_options.vehicles_folder = project_root() / "vehicles";

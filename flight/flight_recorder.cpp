@@ -18,6 +18,9 @@ namespace {
 
 using report::Tone;
 
+/// Larger chunks compress better.
+constexpr std::size_t kFullChunk_bytes = std::size_t{2} << 20U;
+
 report::Vec3 to_vec3(const sim::Vector3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
@@ -108,14 +111,21 @@ void FlightRecorder::open_log(const std::filesystem::path& file, LogLevel level)
   const FlightSetup& setup = flight_.setup();
   log::FlightLog::Options options;
   options.detail = level == LogLevel::kFull ? log::Detail::kFull : log::Detail::kPlot;
-  if (level == LogLevel::kPlot) options.mcap.compression = log::Compression::kZstdFast;
+  if (level == LogLevel::kPlot) {
+    options.mcap.compression = log::Compression::kZstdFast;
+  } else {
+    options.mcap.chunk_bytes = kFullChunk_bytes;
+  }
   options.gravity_m_s2 = setup.vehicle.environment().gravity_m_s2;
   options.epoch_ns =
       static_cast<std::uint64_t>(setup.vehicle.environment().start_unix_s) * 1'000'000'000U;
   const log::TextMap facts{{"vehicle", std::filesystem::path(setup.choice.vehicle).stem().string()},
                            {"mission", std::filesystem::path(setup.mission_file).stem().string()},
                            {"seed", std::to_string(setup.choice.seed)},
-                           {"state", setup.choice.state}};
+                           {"state", setup.choice.state},
+                           {"board", setup.choice.board},
+                           {"link_protocol", setup.choice.link_protocol},
+                           {"faults", fmt::format("{}", fmt::join(setup.choice.faults, " "))}};
   log_ = std::make_unique<log::FlightLog>(file, options, facts);
   log_->attach("vehicle.yaml", "application/yaml", setup.vehicle.text());
   log_->attach("mission.yaml", "application/yaml", setup.mission_text);

@@ -27,6 +27,13 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
   void step(const sim::Truth& truth, const hal::OutputValues& outputs) override;
   void on_frame(Direction direction, hal::Time t, const std::uint8_t* data, std::size_t size,
                 bool taken) override;
+  void on_read(hal::Time t, const std::uint8_t* data, std::size_t size) override {
+    if (log_) log_->write_inputs(t, {data, size});
+  }
+  void on_inputs(hal::Time t, const sim::SensorSamples& samples,
+                 const hal::RcFrame* receiver) override {
+    if (log_) log_->write_inputs(t, samples, receiver);
+  }
   /// Records a note of the mission runner.
   void note(const FlightNote& note);
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "log/flight_log.hpp"
 
+#include <utility>
 #include <variant>
 
 #include "log/flight_log_topics.hpp"
+#include "messages/board_inputs.hpp"
 #include "messages/link.hpp"
 #include "messages/simulation.hpp"
 #include "messages/utf8.hpp"
@@ -223,7 +225,36 @@ void FlightLog::write_raw_frames(std::uint64_t now) {
   raw_frames_.data.clear();
 }
 
+std::uint32_t FlightLog::inputs_delay_us(std::uint64_t now) {
+  constexpr std::uint64_t kInterval_ns = 500'000'000;
+  if (now - inputs_start_ns_ >= kInterval_ns) write_inputs(now);
+  if (inputs_.kind.empty()) inputs_start_ns_ = inputs_last_ns_ = now;
+  const std::uint64_t before_ns = std::exchange(inputs_last_ns_, now);
+  return static_cast<std::uint32_t>((now - before_ns) / 1000);
+}
+
+void FlightLog::write_inputs(hal::Time time, const sim::SensorSamples& samples,
+                             const hal::RcFrame* receiver) {
+  const auto& s = samples;
+  const bool any = s.has_imu || s.has_mag || s.has_baro || s.has_diff_pressure || s.has_range ||
+                   s.has_gnss || s.has_battery || receiver != nullptr;
+  if (options_.detail != Detail::kFull || !any) return;
+  messages::append(samples, receiver, time, inputs_delay_us(stamp(time)), inputs_);
+}
+
+void FlightLog::write_inputs(hal::Time time, Bytes read) {
+  if (options_.detail != Detail::kFull) return;
+  messages::append(read, inputs_delay_us(stamp(time)), inputs_);
+}
+
+void FlightLog::write_inputs(std::uint64_t now) {
+  if (inputs_.kind.empty()) return;
+  write<Topic::kBoardInputs>(now, header(inputs_start_ns_), inputs_);
+  inputs_ = {};
+}
+
 LogSummary FlightLog::close() {
+  write_inputs(latest_ns_);
   write_raw_frames(latest_ns_);
   return writer_.close();
 }

@@ -68,6 +68,12 @@ class FlightLog {
   void write_link(Direction direction, hal::Time time, const link::Message& message,
                   Bytes raw_frame);
 
+  /// What the board received, for a replay: sensors and receiver (nullptr: nothing), and the bytes
+  /// that its firmware read. Only in full logs; those of 500 ms are one message.
+  void write_inputs(hal::Time time, const sim::SensorSamples& samples,
+                    const hal::RcFrame* receiver);
+  void write_inputs(hal::Time time, Bytes read);
+
   /// Where guidance wants the vehicle. The header is made here, like that of the next one.
   void write_setpoint(hal::Time time, messages::roscopter_msgs::TrajectoryCommand setpoint);
 
@@ -109,6 +115,9 @@ class FlightLog {
   McapWriter::ChannelId channel(Topic topic);
   /// At `now`, so that the file is in the order of time.
   void write_raw_frames(std::uint64_t now);
+  /// Delay after the last input of inputs_ [us]; starts a new message when it is due.
+  std::uint32_t inputs_delay_us(std::uint64_t now);
+  void write_inputs(std::uint64_t now);
   /// What ROS tools draw of the true motion.
   void write_motion(std::uint64_t now, const sim::BodyState& body);
   void write_text(std::uint64_t now, link::Severity severity, std::string_view source,
@@ -133,7 +142,10 @@ class FlightLog {
   std::optional<link::Attitude> attitude_;              ///< The latest.
   messages::rosflight_log_msgs::RawFrames raw_frames_;  ///< Not written yet.
   std::uint64_t raw_start_ns_{};                        ///< Of the first of them.
-  std::uint64_t latest_ns_{};                           ///< Of all messages.
+  messages::rosflight_log_msgs::BoardInputs inputs_;    ///< Likewise.
+  std::uint64_t inputs_start_ns_{};
+  std::uint64_t inputs_last_ns_{};  ///< Of the last input.
+  std::uint64_t latest_ns_{};       ///< Of all messages.
   // Kept for their memory.
   messages::rosflight_log_msgs::TruthVehicle vehicle_;
   messages::tf2_msgs::TFMessage transform_;

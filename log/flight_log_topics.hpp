@@ -65,7 +65,8 @@ enum class Topic : std::uint8_t {
   kEstimateOdometry,
   kPath,
   kFix,
-  kRobotDescription
+  kRobotDescription,
+  kBoardInputs
 };
 
 /// The shortest time between two messages of a topic [ms], in logs for plots and in full ones: the
@@ -79,7 +80,7 @@ inline constexpr Thinning kPlot100Hz{10, 0};
 inline constexpr Thinning kPlot50Hz{20, 0};
 /// Repeats what another topic or the link's bytes hold.
 inline constexpr Thinning kRepeat{50, 50};
-inline constexpr Thinning kStandard{100, 100};  ///< Large messages of ROS that repeat others.
+inline constexpr Thinning kStandard{100, 200};  ///< Large messages of ROS that repeat others.
 
 struct TopicType {
   std::string_view name;
@@ -99,7 +100,7 @@ inline constexpr std::array kTopics{
     of<messages::sensor_msgs::Imu>("/imu/data"),
     of<messages::sensor_msgs::Temperature>("/imu/temperature", kRepeat),
     of<messages::rosflight_msgs::Attitude>("/attitude", kPlot100Hz),
-    of<messages::geometry_msgs::Vector3Stamped>("/attitude/euler", Thinning{20, 10}),
+    of<messages::geometry_msgs::Vector3Stamped>("/attitude/euler", Thinning{20, 50}),
     of<messages::rosflight_msgs::Barometer>("/baro"),
     of<messages::sensor_msgs::MagneticField>("/magnetometer"),
     of<messages::rosflight_msgs::Airspeed>("/airspeed"),
@@ -146,8 +147,9 @@ inline constexpr std::array kTopics{
     of<messages::nav_msgs::Path>("/autonomy/path"),
     of<messages::sensor_msgs::NavSatFix>("/gnss/fix"),
     of<messages::std_msgs::String>("/robot_description"),
+    of<messages::rosflight_log_msgs::BoardInputs>("/board/inputs"),
 };
-static_assert(kTopics.size() == static_cast<std::size_t>(Topic::kRobotDescription) + 1);
+static_assert(kTopics.size() == static_cast<std::size_t>(Topic::kBoardInputs) + 1);
 
 inline constexpr std::string_view kInertialFrame = messages::kNedFrame;
 inline constexpr std::string_view kBodyFrame = messages::kBodyFrame;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -80,6 +81,11 @@ class SerialLine {
   void advance(Time now);
   /// Advances, then copies what has arrived, `capacity` bytes at most. @returns their number.
   std::size_t pop(Time now, std::uint8_t* data, std::size_t capacity);
+
+  /// Puts bytes at the far end at once, past the wire, as far as there is room: for a replay.
+  void receive(const std::uint8_t* data, std::size_t size) {
+    received_.put(data, std::min(size, received_.room()));
+  }
 
   /// Number of bytes that pop() would return now.
   std::size_t waiting(Time now) {

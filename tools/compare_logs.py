@@ -47,7 +47,7 @@ CORRECTED = {
 CORRECTED_EVERYWHERE = {"header.frame_id": lambda before, after: (before, after) == ("", "body")}
 
 # Topics that repeat what others hold, and the interval of which all logs since November 2026 have the first message.
-REPEATS = {"/attitude/euler": 10_000_000, "/sim/truth_wind": 50_000_000, "/sim/pwm_output": 50_000_000,
+REPEATS = {"/attitude/euler": 50_000_000, "/sim/truth_wind": 50_000_000, "/sim/pwm_output": 50_000_000,
            "/imu/temperature": 50_000_000, "/external_attitude": 50_000_000}  # ns
 # Fields that only logs before (True) or since November 2026 have: what they held stands elsewhere in both.
 ONE_SIDED = {("rosflight_log_msgs/msg/TruthVehicle", "specific_force"): True,  # /sim/truth_state, without gravity
@@ -55,7 +55,7 @@ ONE_SIDED = {("rosflight_log_msgs/msg/TruthVehicle", "specific_force"): True,  #
 
 # Topics that only logs since November 2026 have.
 NEW_TOPICS = {"/parameters", "/tf", "/tf_static", "/sim/pose", "/sim/odometry", "/autonomy/odometry", "/autonomy/path", "/gnss/fix",
-              "/robot_description"}
+              "/robot_description", "/board/inputs"}
 
 # Frames of the link: one message each in logs until November 2026, those of 50 ms in one message since.
 RAW_FRAME, RAW_FRAMES = "rosflight_log_msgs/msg/RawFrame", "rosflight_log_msgs/msg/RawFrames"

@@ -17,6 +17,7 @@ class CableLink {
 
   void set_time(sim::Time now) { now_ = now; }
   void set_tap(LinkTap* tap) { tap_ = tap; }
+  LinkTap* tap() { return tap_; }
   const sim::Time& time() const { return now_; }
   sim::SerialCable& cable() { return cable_; }
   hal::Serial& port() { return port_; }
@@ -41,7 +42,9 @@ class CableLink {
     }
     std::size_t writable() const override { return link_.cable_.to_companion.writable(); }
     std::size_t read(std::uint8_t* data, std::size_t capacity) override {
-      return link_.cable_.to_board.pop(link_.now_, data, capacity);
+      const std::size_t count = link_.cable_.to_board.pop(link_.now_, data, capacity);
+      if (link_.tap_ != nullptr && count > 0) link_.tap_->on_read(link_.now_, data, count);
+      return count;
     }
 
    private:

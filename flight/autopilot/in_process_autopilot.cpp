@@ -31,6 +31,7 @@ const hal::OutputValues& InProcessAutopilot::step(sim::Time t, const sim::Sensor
                                                   const hal::RcFrame* rc) {
   core::Firmware& firmware = *firmware_;
   board_.clock.set(t - boot_);
+  if (link_.tap() != nullptr) link_.tap()->on_inputs(t, samples, rc);
   if (rc != nullptr) board_.receiver.put(*rc);
   if (rc != nullptr || link_.waiting()) firmware.run();
   deliver(samples, board_, [this](hal::Time stamp) { return stamp - boot_; });

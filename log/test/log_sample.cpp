@@ -128,6 +128,42 @@ sim::Truth truth_at(Time time) {
   return truth;
 }
 
+/// Every kind of input, at 3.005 s and 3.0075 s.
+void write_inputs(FlightLog& log) {
+  using rosflight::hal::microseconds;
+  const Time now = microseconds(3'005'000);
+  sim::SensorSamples s;
+  s.has_imu = s.has_mag = s.has_baro = s.has_diff_pressure = s.has_range = s.has_gnss =
+      s.has_battery = true;
+  s.imu = {now, {1.5F, 2.5F, 3.5F}, {4.5F, 5.5F, 6.5F}, 7.5F};
+  s.mag = {now - microseconds(100), {8.5F, 9.5F, 10.5F}, 11.5F};
+  s.baro = {now, 12.5F, 13.5F};
+  s.diff_pressure = {now, 14.5F, 15.5F};
+  s.range = {now - microseconds(20'000), 16.5F, 17.5F, 18.5F, rosflight::hal::RangeKind::kLidar};
+  s.gnss = {now - microseconds(150'000),
+            1'767'225'612,
+            345'678'901,
+            rosflight::hal::GnssFix::k3d,
+            14,
+            40.267123456789,
+            -111.635987654321,
+            19.5F,
+            {20.5F, 21.5F, 22.5F},
+            23.5F,
+            24.5F,
+            25.5F};
+  s.battery = {now, 26.5F, 27.5F};
+  rosflight::hal::RcFrame frame;
+  frame.stamp = now - microseconds(7);
+  frame.channel_count = 3;
+  frame.channels = {0.25F, 0.5F, 0.75F};
+  frame.failsafe = true;
+  log.write_inputs(now, s, &frame);
+  log.write_inputs(now, sim::SensorSamples{}, nullptr);
+  constexpr std::array<std::uint8_t, 3> kRead{0xFE, 0x00, 0xFF};
+  log.write_inputs(now + microseconds(2500), kRead);
+}
+
 void write_others(FlightLog& log) {
   using rosflight::hal::seconds;
   const auto at = [](std::int64_t ms) { return rosflight::hal::milliseconds(ms); };
@@ -167,6 +203,7 @@ void write_others(FlightLog& log) {
                       {std::bit_cast<std::uint32_t>(23.5F)});
   constexpr std::array<std::array<double, 3>, 2> kPath{{{1.5, 2.5, -3.5}, {4.5, 5.5, -6.5}}};
   log.write_description(at(3004), "<robot/>");
+  write_inputs(log);
   log.write_path(at(3004), kPath);
 }
 

@@ -323,6 +323,13 @@ EXPECTED = {
                  "position_covariance": [0.25, 0.0, 0.0, 0.0, 0.25, 0.0, 0.0, 0.0, 0.765625],
                  "position_covariance_type": 1}),
     ]),
+    "/board/inputs": ("rosflight_log_msgs/msg/BoardInputs", [
+        (3.004, {"header": header(3.005), "kind": bytes([0, 1, 2, 3, 4, 5, 6, 7, 8]), "delay_us": [0] * 8 + [2500],
+                 "age_us": [0, 100, 0, 0, 20_000, 150_000, 0, 7, 0],
+                 "values": [*ramp(1.5, 1.0, 18), 1.0, 3.0, 14.0, *ramp(19.5, 1.0, 9), 3.0, 0.0, 1.0, 0.25, 0.5, 0.75, 3.0],
+                 "doubles": [40.267123456789, -111.635987654321, 1767225612.0, 345678901.0],
+                 "bytes": bytes([0xFE, 0x00, 0xFF])}),
+    ]),
     "/robot_description": ("std_msgs/msg/String", [(3.004, {"data": "<robot/>"})]),
     "/parameters": ("rosflight_log_msgs/msg/Parameter", [
         (3.004, {"header": header(3.004), "name": "BATT_VOLT_MAX", "type": 9, "value": 23.5}),
