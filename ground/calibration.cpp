@@ -291,8 +291,10 @@ ParameterSet read_values(GroundLink& link, const std::vector<std::string>& names
   ParameterSet set;
   for (const std::string& name : names) {
     const auto job = link.session().parameters().read(name);
-    if (link.wait(job).failed()) throw NoAnswer(job.text() + " from " + link.name());
-    set.push_back({name, *job.result().value});
+    link.wait(job);
+    const auto& value = job.result().value;
+    if (job.failed() || !value) throw NoAnswer(job.text() + " from " + link.name());
+    set.push_back({name, *value});
   }
   return set;
 }

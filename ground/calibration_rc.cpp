@@ -212,7 +212,8 @@ int calibrate_rc(GroundLink& link, const CalibrationOptions& options, std::ostre
   };
   const auto armed = [&link] { return link.streams().status.value.armed; };
   if (!armed()) {  // otherwise the vehicle says why it refuses
-    say(out, "move both sticks of the transmitter to all their ends");
+    say(out,
+        "propellers off (sticks can arm): move both sticks of the transmitter to all their ends");
     const bool moved = link.run_until([&] { return all_moved() || armed(); }, options.wait);
     const Sticks found = range.sticks;
     for (const Stick& stick : found) say(out, range_text(stick));

@@ -25,9 +25,13 @@ companion::Session::Options session_options(const GroundLink::Options& options) 
 
 /// The board sends to this address and nobody receives there yet.
 bool is_free_here(const base::LinkAddress& address) {
-  const base::SocketAddress at = base::look_up(address.host, address.port, SOCK_DGRAM);
-  const base::FileDescriptor socket = base::new_socket(at.family(), SOCK_DGRAM);
-  return socket.valid() && base::bind_socket(socket, at, SOCK_DGRAM);
+  try {
+    const base::SocketAddress at = base::look_up(address.host, address.port, SOCK_DGRAM);
+    const base::FileDescriptor socket = base::new_socket(at.family(), SOCK_DGRAM);
+    return socket.valid() && base::bind_socket(socket, at, SOCK_DGRAM);
+  } catch (const base::LinkError&) {
+    return false;  // an unknown host is told when the link is opened
+  }
 }
 
 }  // namespace
@@ -35,8 +39,7 @@ bool is_free_here(const base::LinkAddress& address) {
 base::LinkAddress parse_ground_link(std::string_view text) {
   constexpr std::string_view kPty = "pty:";
   if (text.starts_with(kPty)) {
-    base::LinkAddress address = base::parse_link("serial:" + std::string(text.substr(kPty.size())));
-    return address;
+    return base::parse_link("serial:" + std::string(text.substr(kPty.size())));
   }
   const std::size_t slash = text.find('/');
   if (slash != std::string_view::npos && text.find(':') > slash) {
@@ -44,12 +47,7 @@ base::LinkAddress parse_ground_link(std::string_view text) {
   }
   base::LinkAddress address = base::parse_link(text);
   if (address.kind != base::LinkAddress::Kind::kUdp) return address;
-  try {
-    if (is_free_here(address)) {
-      address.kind = base::LinkAddress::Kind::kUdpServer;
-    }
-  } catch (const base::LinkError&) {  // an unknown host is told when the link is opened
-  }
+  if (is_free_here(address)) address.kind = base::LinkAddress::Kind::kUdpServer;
   return address;
 }
 

@@ -78,7 +78,8 @@ NamedValue read(GroundLink& link, const std::string& name) {
   const auto job = link.session().parameters().read(name);
   const auto unknown = [&] { return texts.last_with("No parameter " + name) != ""; };
   link.run_until([&] { return !job.pending() || unknown(); }, companion::kNever);
-  if (job.done()) return {name, *job.result().value};
+  const auto& value = job.result().value;
+  if (job.done() && value) return {name, *value};
   if (unknown()) throw config::Error(name + ": the vehicle has no such parameter");
   throw NoAnswer(job.text() + " from " + link.name());
 }
@@ -121,19 +122,20 @@ std::vector<Assignment> parse_assignments(const std::vector<std::string>& words)
   for (std::size_t i = 0; i < words.size(); i += 2) {
     const std::string& name = words[i];
     const auto value = config::parse_number(words[i + 1]);
-    const auto fail = [&](const std::string& allowed) {
-      throw config::Error(name + ": found " + words[i + 1] + ", allowed " + allowed);
+    const auto error = [&](const std::string& allowed) {
+      return config::Error(fmt::format("{}: found {}, allowed {}", name, words[i + 1], allowed));
     };
     if (!companion::make_name(name)) {
       throw config::Error("name: found '" + name + "', allowed 1 to 16 letters, digits and _");
     }
-    if (!value) fail("a number");
+    if (!value) throw error("a number");
     const ParameterInfo* const info = find_parameter_info(name);
     std::string problem;
     if (info != nullptr && !companion::to_value(*value, info->type, problem)) {
-      fail(info->type == link::ParamType::kInt32 ? "a whole number" : "a number that fits a float");
+      throw error(info->type == link::ParamType::kInt32 ? "a whole number"
+                                                        : "a number that fits a float");
     }
-    if (const auto allowed = allowed_if_not(name, *value)) fail(*allowed);
+    if (const auto allowed = allowed_if_not(name, *value)) throw error(*allowed);
     assignments.push_back({name, *value});
   }
   return assignments;
@@ -171,6 +173,7 @@ int set_parameters(GroundLink& link, const std::vector<Assignment>& assignments,
   for (const Assignment& a : assignments) read(link, a.name);
   const TextLog texts(link.session());
   std::vector<ParameterResult> results;
+  results.reserve(assignments.size());
   for (const Assignment& a : assignments) {
     results.push_back(link.wait(link.session().parameters().set(a.name, a.value)).result());
   }
@@ -186,7 +189,7 @@ int load_parameters(GroundLink& link, const ParameterSet& set, bool write, std::
   for (const ParameterResult& entry : job.result().entries) {
     if (!entry.ok()) bad.push_back(entry);
   }
-  const std::string summary = job.text();
+  const std::string& summary = job.text();
   out << summary.substr(0, summary.find("; first: ")) << "\n";
   return report(link, bad, texts, write, out);
 }

@@ -14,7 +14,6 @@
 namespace rosflight::ground {
 namespace {
 
-using companion::ParameterValue;
 using Json = nlohmann::ordered_json;
 using Rows = std::vector<PreflightRow>;
 using enum PreflightVerdict;
@@ -53,6 +52,7 @@ class CheckList final : public companion::Listener {
   bool complete() const { return !lines_.empty() && lines_.size() == lines_.begin()->second.count; }
   std::vector<link::CheckResult> lines() const {
     std::vector<link::CheckResult> all;
+    all.reserve(lines_.size());
     for (const auto& [index, line] : lines_) all.push_back(line);
     return all;
   }
@@ -238,7 +238,8 @@ PreflightFacts observe_preflight(GroundLink& link) {
   PreflightFacts facts;
   for (const auto& job : reads) {
     link.wait(job);
-    if (job.done()) facts.parameters.push_back({job.result().name, *job.result().value});
+    const auto& value = job.result().value;
+    if (job.done() && value) facts.parameters.push_back({job.result().name, *value});
   }
   facts.checks = list.lines();
   facts.status = session.streams().status.value;
