@@ -78,9 +78,9 @@ void FlightLog::write(std::uint64_t log_time_ns, const Message& message) {
 }
 
 template <Topic kTopic, class Message>
-void FlightLog::write(std::uint64_t log_time_ns, const messages::std_msgs::Header& header,
+void FlightLog::write(std::uint64_t log_time_ns, messages::std_msgs::Header header,
                       Message&& message) {
-  message.header = header;
+  message.header = std::move(header);
   write<kTopic>(log_time_ns, message);
 }
 
@@ -128,8 +128,8 @@ struct FlightLog::LinkVisitor {
   std::uint64_t now;
 
   template <Topic kTopic, class Message>
-  void put(const Message& message, const messages::std_msgs::Header& header) const {
-    if (log.due<kTopic>(now)) log.write<kTopic>(now, header, to_message(message));
+  void put(const Message& message, messages::std_msgs::Header header) const {
+    if (log.due<kTopic>(now)) log.write<kTopic>(now, std::move(header), to_message(message));
   }
   template <Topic kTopic, class Message>
   void put(const Message& message, std::string_view frame = kBodyFrame) const {

@@ -130,8 +130,7 @@ class FlightLog {
   void write(std::uint64_t log_time_ns, const Message& message);
   /// With this header.
   template <Topic kTopic, class Message>
-  void write(std::uint64_t log_time_ns, const messages::std_msgs::Header& header,
-             Message&& message);
+  void write(std::uint64_t log_time_ns, messages::std_msgs::Header header, Message&& message);
 
   Options options_;
   McapWriter writer_;

@@ -80,7 +80,8 @@ inline constexpr Thinning kPlot100Hz{10, 0};
 inline constexpr Thinning kPlot50Hz{20, 0};
 /// Repeats what another topic or the link's bytes hold.
 inline constexpr Thinning kRepeat{50, 50};
-inline constexpr Thinning kStandard{100, 200};  ///< Large messages of ROS that repeat others.
+inline constexpr Thinning kPose{100, 100};
+inline constexpr Thinning kOdometry{200, 200};  ///< Large messages of ROS that repeat others.
 
 struct TopicType {
   std::string_view name;
@@ -100,7 +101,7 @@ inline constexpr std::array kTopics{
     of<messages::sensor_msgs::Imu>("/imu/data"),
     of<messages::sensor_msgs::Temperature>("/imu/temperature", kRepeat),
     of<messages::rosflight_msgs::Attitude>("/attitude", kPlot100Hz),
-    of<messages::geometry_msgs::Vector3Stamped>("/attitude/euler", Thinning{20, 50}),
+    of<messages::geometry_msgs::Vector3Stamped>("/attitude/euler", kRepeat),
     of<messages::rosflight_msgs::Barometer>("/baro"),
     of<messages::sensor_msgs::MagneticField>("/magnetometer"),
     of<messages::rosflight_msgs::Airspeed>("/airspeed"),
@@ -141,9 +142,9 @@ inline constexpr std::array kTopics{
     // For tools that do not know ROSflight, in the frames of REP-103 and REP-105.
     of<messages::tf2_msgs::TFMessage>("/tf", kRepeat),
     of<messages::tf2_msgs::TFMessage>("/tf_static"),
-    of<messages::geometry_msgs::PoseStamped>("/sim/pose", kStandard),
-    of<messages::nav_msgs::Odometry>("/sim/odometry", kStandard),
-    of<messages::nav_msgs::Odometry>("/autonomy/odometry", kStandard),
+    of<messages::geometry_msgs::PoseStamped>("/sim/pose", kPose),
+    of<messages::nav_msgs::Odometry>("/sim/odometry", kOdometry),
+    of<messages::nav_msgs::Odometry>("/autonomy/odometry", kOdometry),
     of<messages::nav_msgs::Path>("/autonomy/path"),
     of<messages::sensor_msgs::NavSatFix>("/gnss/fix"),
     of<messages::std_msgs::String>("/robot_description"),
