@@ -30,8 +30,10 @@ class CdrWriter {
   std::uint8_t* run(std::size_t alignment, std::size_t size) {
     const std::size_t padding = (kEncapsulation - size_) & (alignment - 1);
     const std::size_t end = size_ + padding + size;
-    if (end > bytes_.size()) bytes_.resize(2 * end);
-    std::memset(bytes_.data() + size_, 0, padding);
+    if (end + sizeof kNoughts > bytes_.size()) [[unlikely]]
+      bytes_.resize(2 * end + sizeof kNoughts);
+    std::memcpy(bytes_.data() + size_, &kNoughts,
+                sizeof kNoughts);  // the padding; the rest is overwritten
     size_ = end;
     return bytes_.data() + end - size;
   }
@@ -64,6 +66,7 @@ class CdrWriter {
 
  private:
   static constexpr std::size_t kEncapsulation = 4;
+  static constexpr std::uint64_t kNoughts = 0;
 
   std::vector<std::uint8_t> bytes_{0, 1, 0, 0};
   std::size_t size_{kEncapsulation};
