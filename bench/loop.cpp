@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Simulated time over processor time of the default flight: on the truth without and with the log,
-// and on the estimate; and of the default fixed wing on the estimate. One measurement a run.
+// Simulated time over processor time of the default flight: on the truth alone, as `fly --no-log` and
+// as `fly` record it, and on the estimate; and of the default fixed wing on the estimate. One
+// measurement a run.
 //
 // Processor time is that of all threads, so that of the log's compression too.
 //
@@ -25,10 +26,14 @@ double processor_time_s() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-double factor(const FlightSetup& setup, const std::filesystem::path* log) {
+/// @param log  file of a recorded flight, empty with LogLevel::kNone; nullptr: nothing is recorded.
+double factor(const FlightSetup& setup, const std::filesystem::path* log = nullptr) {
   const auto flight = std::make_unique<Flight>(setup);
   std::unique_ptr<FlightRecorder> recorder;
-  if (log != nullptr) recorder = std::make_unique<FlightRecorder>(*flight, *log);
+  if (log != nullptr) {
+    recorder = std::make_unique<FlightRecorder>(*flight, *log,
+                                                log->empty() ? LogLevel::kNone : LogLevel::kPlot);
+  }
   const double start_s = processor_time_s();
   flight->run();
   if (recorder) recorder->close();
@@ -44,7 +49,8 @@ int main(int argc, char** argv) {
     FlightChoice on_truth;
     on_truth.state = "truth";
     const auto setup = std::make_unique<FlightSetup>(on_truth);
-    const double plain = factor(*setup, nullptr);
+    const double plain = factor(*setup);
+    double recorded = 0.0;
     double logged = 0.0;
     double estimated = 0.0;
     double winged = 0.0;
@@ -53,15 +59,18 @@ int main(int argc, char** argv) {
           std::filesystem::temp_directory_path() / "rosflight_bench_loop";
       std::filesystem::create_directories(folder);
       const std::filesystem::path file = folder / "flight.mcap";
+      const std::filesystem::path no_log;
+      recorded = factor(*setup, &no_log);
       logged = factor(*setup, &file);
       std::filesystem::remove_all(folder);
       const auto on_estimate = std::make_unique<FlightSetup>(FlightChoice{});
-      estimated = factor(*on_estimate, nullptr);
+      estimated = factor(*on_estimate);
       FlightChoice wing;
       wing.vehicle = "anaconda";
-      winged = factor(*std::make_unique<FlightSetup>(wing), nullptr);
+      winged = factor(*std::make_unique<FlightSetup>(wing));
     }
     std::cout << nlohmann::ordered_json{{"realtime_factor", plain},
+                                        {"realtime_factor_no_log", recorded},
                                         {"realtime_factor_log", logged},
                                         {"realtime_factor_ekf", estimated},
                                         {"realtime_factor_fixedwing", winged}}

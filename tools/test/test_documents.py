@@ -25,6 +25,7 @@ HISTORY = "CHANGELOG.md"
 # What is not run here: the beginning of a command (a regular expression) -> what shows it, or why nothing can.
 ELSEWHERE = {
     r"\./rosflight test\b": "this is a part of it",
+    r"\./rosflight (params|calibrate|monitor|preflight) \S+:": "ground/test/test_sil_ground_tools.py, line by line",
     r"\./rosflight bench\b": "tools/test/test_bench.py; measuring takes minutes",
     r"\./rosflight ros (build|run|demo)\b": "the stage ros of ./rosflight test",
     r"docker ": "needs a Docker daemon; tools/test/test_dockerfile.py and test_the_debian_package_flies",
@@ -169,7 +170,7 @@ def test_steps_outside_the_tree(file, tmp_path, root):
 
 @pytest.mark.parametrize("command", once(SILS), ids=str)
 def test_sil_starts(command, root):
-    text = command.text.replace("/tmp/", f"{root}/scratch/")
+    text = command.text.replace("/tmp/", f"{root}/scratch/").removesuffix("&")
     process = subprocess.Popen(shlex.split(text), cwd=root, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                start_new_session=True)
     try:
@@ -184,7 +185,7 @@ def test_sil_starts(command, root):
 def test_a_usage_names_options_that_exist(command):
     words = command.text.split()
     name = words[1]
-    if name.startswith("-") or name in ("ros", "test", "bench"):
+    if name.startswith("-") or name in ("ros", "test", "bench", "log"):
         text = run(f"./rosflight {name} --help", ROOT).stdout + "--help"
     else:
         text = (ROOT / "apps" / "help" / f"{name}.txt").read_text()
