@@ -324,6 +324,14 @@ def test_a_flight_needs_no_python_packages_but_those_of_the_build(house):
     assert (house.root / ".venv-build").exists() and not (house.root / ".venv").exists()
 
 
+@pytest.fixture
+def interruptible():
+    """Started in the background of a shell, this process ignores SIGINT, and so would all that it starts."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def alive(pid: int) -> bool:
     try:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
@@ -339,7 +347,7 @@ def wait_for(condition) -> bool:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_start_that_is_stopped_stops_its_build_and_frees_the_lock(house, tmp_path, number):
+def test_a_start_that_is_stopped_stops_its_build_and_frees_the_lock(house, tmp_path, number, interruptible):
     compiler = tmp_path / "compiler"
     house.replace("ninja", f'sleep 300 & echo $! >"{compiler}.new"; mv "{compiler}.new" "{compiler}"; wait')
     run = subprocess.Popen([house.root / "rosflight", "fly"], cwd="/", stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
@@ -359,7 +367,7 @@ def test_a_start_that_is_stopped_stops_its_build_and_frees_the_lock(house, tmp_p
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_tool_that_is_stopped_stops_what_it_has_started(tmp_path, number):
+def test_a_tool_that_is_stopped_stops_what_it_has_started(tmp_path, number, interruptible):
     note = tmp_path / "child"
     program = (f"import sys, subprocess; sys.path.insert(0, {str(ROOT / 'tools')!r}); import project\n"
                "project.end_children_with_us()\n"
