@@ -111,6 +111,7 @@ void FlightRecorder::open_log(const std::filesystem::path& file, LogLevel level)
   const FlightSetup& setup = flight_.setup();
   log::FlightLog::Options options;
   options.detail = level == LogLevel::kFull ? log::Detail::kFull : log::Detail::kPlot;
+  logs_inputs_ = setup.choice.board == "in_process";  // an emulated one shows the bytes alone
   if (level == LogLevel::kPlot) {
     options.mcap.compression = log::Compression::kZstdFast;
   } else {
@@ -123,7 +124,6 @@ void FlightRecorder::open_log(const std::filesystem::path& file, LogLevel level)
                            {"mission", std::filesystem::path(setup.mission_file).stem().string()},
                            {"seed", std::to_string(setup.choice.seed)},
                            {"state", setup.choice.state},
-                           {"board", setup.choice.board},
                            {"link_protocol", setup.choice.link_protocol},
                            {"faults", fmt::format("{}", fmt::join(setup.choice.faults, " "))}};
   log_ = std::make_unique<log::FlightLog>(file, options, facts);

@@ -28,7 +28,7 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
   void on_frame(Direction direction, hal::Time t, const std::uint8_t* data, std::size_t size,
                 bool taken) override;
   void on_read(hal::Time t, const std::uint8_t* data, std::size_t size) override {
-    if (log_) log_->write_inputs(t, {data, size});
+    if (log_ && logs_inputs_) log_->write_inputs(t, {data, size});
   }
   void on_inputs(hal::Time t, const sim::SensorSamples& samples,
                  const hal::RcFrame* receiver) override {
@@ -74,6 +74,7 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
   std::string last_phase_{"disarmed"};
   std::optional<States> states_;  ///< Of the last step.
   bool parameters_logged_{false};
+  bool logs_inputs_{false};  ///< All that the board receives.
   int warnings_{0};
   int errors_{0};
   std::uint64_t dropped_{0};

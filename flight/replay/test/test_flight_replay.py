@@ -87,7 +87,7 @@ def test_one_bit_shows(flight, tmp_path, topic, at, words):
 
 
 @pytest.mark.parametrize("arguments, words", [
-    (["--mission", "hop"], "found no samples of the sensors (/board/inputs); fly with --log full to replay"),
+    (["--mission", "hop"], "found no samples of the sensors (/board/inputs); fly with --log full, firmware in process"),
     (["--mission", "hop", "--log", "full", "--fault", "crash@12"], "found the fault crash, which restarts the firmware")])
 def test_what_a_log_lacks_is_one_line(tmp_path, arguments, words):
     run = replay(fly(tmp_path / "f", *arguments))
