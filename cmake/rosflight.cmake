@@ -5,7 +5,7 @@
 #   rosflight_program(NAME SOURCES ... USES ...)              one executable
 #   rosflight_test(NAME [COMPUTES] SOURCES ... USES ... [LABELS ...])   one GoogleTest binary, registered with CTest;
 #                                                             LABELS emulator: needs the image of preset cortex-m7;
-#                                                             COMPUTES: for long, so optimized under sanitizers too
+#                                                             COMPUTES: for long, so optimized
 #   rosflight_fuzzer(NAME SOURCES ... USES ...)               one libFuzzer binary (LLVMFuzzerTestOneInput), preset fuzz;
 #                                                             name it fuzz_..., seeds go to FOLDER/fuzz/corpus/NAME/
 #
@@ -135,10 +135,10 @@ function(_rosflight_firmware_options target)
   target_compile_definitions(${target} PRIVATE EIGEN_NO_MALLOC EIGEN_NO_DEBUG)
 endfunction()
 
-# Under sanitizers a test is compiled once and run once: optimizing what it expands to takes longer than it saves, but for
-# those that compute for long (kind computing_test). The libraries they test are optimized as the preset says.
+# A test is compiled once and run once: optimizing what it expands to takes longer than it saves, but for those that compute
+# for long (kind computing_test). The libraries they test are optimized as the preset says.
 function(_rosflight_test_options target kind)
-  if(ROSFLIGHT_SANITIZE AND kind STREQUAL "test")
+  if((ROSFLIGHT_SANITIZE OR ROSFLIGHT_QUICK_BUILD) AND kind STREQUAL "test")
     target_compile_options(${target} PRIVATE -O0)
   endif()
   if(ROSFLIGHT_SANITIZE AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
@@ -196,7 +196,7 @@ function(rosflight_test name)
   endif()
   cmake_parse_arguments(arg "COMPUTES" "" "SOURCES;USES;LABELS" ${ARGN})
   set(kind test)
-  if(arg_COMPUTES AND ROSFLIGHT_SANITIZE)
+  if(arg_COMPUTES)
     set(kind computing_test)
   endif()
   rosflight_program(${name} TEST ${kind} SOURCES ${arg_SOURCES} USES ${arg_USES} GTest::gtest_main)
