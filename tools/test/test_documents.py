@@ -136,6 +136,7 @@ def root(tmp_path_factory) -> Path:
             (folder / entry.name).symlink_to(entry)
     (folder / "build").mkdir()
     (folder / "scratch").mkdir()
+    (folder / "flights").mkdir()
     (folder / "build" / "release").symlink_to(ROOT / "build" / "release")
     tutorial = (ROOT / "docs" / "own-airframe.md").read_text()
     (folder / "my_hexa.yaml").write_text(vehicle_of(tutorial))
