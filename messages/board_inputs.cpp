@@ -49,7 +49,13 @@ struct Reader {
   void small(T& x) {
     float read{};
     value(read);
-    x = static_cast<T>(read);
+    // A byte, a flag, an enumerator; or a count, as far as a float holds whole numbers.
+    constexpr float kLargest = sizeof(T) == 1 ? 255.0F : 16777216.0F;
+    if (read >= 0.0F && read <= kLargest) {
+      x = static_cast<T>(read);
+    } else {
+      complete = false;
+    }
   }
   template <class T>
   void whole(T& x) {

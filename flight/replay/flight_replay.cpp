@@ -135,6 +135,11 @@ void check(const Recording& recording, const std::filesystem::path& file) {
                     "firmware in process",
                     file.string()));
   }
+  if (fact("link_protocol").empty()) {
+    throw InputError(fmt::format(
+        "{}: found no metadata of the flight with link_protocol, allowed a log of `fly`",
+        file.string()));
+  }
   for (const char* fault : {"crash", "hang"}) {
     if (fact("faults").find(fault) != std::string::npos) {
       throw InputError(
@@ -181,6 +186,9 @@ bool same_bits(const hal::OutputValues& a, const hal::OutputValues& b) {
   return std::memcmp(a.data(), b.data(), sizeof a) == 0;
 }
 
+/// Between two inputs; sensors deliver every few milliseconds. A damaged stamp must not run for years.
+constexpr sim::Time kLongestGap = std::chrono::seconds(60);
+
 /// Feeds all inputs. @returns the number of steps whose outputs were compared, and the time of the
 /// first that differ.
 std::pair<std::size_t, std::optional<sim::Time>> run(const Recording& recording,
@@ -191,10 +199,12 @@ std::pair<std::size_t, std::optional<sim::Time>> run(const Recording& recording,
   auto expected = recording.outputs.begin();
   auto inputs = recording.inputs.begin();
   for (sim::Time t{0}; inputs != recording.inputs.end(); t += Flight::kStep) {
-    if (inputs->time < t) {
-      throw InputError(
-          fmt::format("{}: found inputs at {} us, allowed multiples of {} us in rising order",
-                      file.string(), inputs->time.count(), Flight::kStep.count()));
+    if (inputs->time < t || inputs->time - t > kLongestGap) {
+      throw InputError(fmt::format(
+          "{}: found inputs at {} us after {} us, allowed multiples of {} us in rising order, "
+          "{} s apart at most",
+          file.string(), inputs->time.count(), t.count(), Flight::kStep.count(),
+          sim::to_seconds(kLongestGap)));
     }
     const hal::OutputValues& outputs = board.step(t, inputs->time == t ? *inputs++ : StepInputs{});
     const sim::Time end = t + Flight::kStep;

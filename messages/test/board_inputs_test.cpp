@@ -5,6 +5,7 @@
 
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "messages/cdr_reader.hpp"
 
@@ -81,6 +82,9 @@ TEST(BoardInputs, PartsThatDoNotFitAreRefused) {
   EXPECT_TRUE(refused([](BoardInputs& in) { in.doubles.clear(); }));
   EXPECT_TRUE(refused([](BoardInputs& in) { in.bytes.pop_back(); }));
   EXPECT_TRUE(refused([](BoardInputs& in) { in.kind.back() = BoardInputs::LINK + 1; }));
+  for (const float nonsense : {-1.0F, 1e9F, std::numeric_limits<float>::quiet_NaN()}) {
+    EXPECT_TRUE(refused([&](BoardInputs& in) { in.values.assign(in.values.size(), nonsense); }));
+  }
 }
 
 TEST(CdrReader, TakesWhatTheWriterPut) {
