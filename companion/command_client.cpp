@@ -2,6 +2,7 @@
 #include "companion/command_client.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "companion/calibration_texts.hpp"
@@ -288,7 +289,8 @@ bool CommandClient::evidence_complete(const Pending& p) const {
     if (latest.number() == 0.0) {
       return false;
     }
-    any_new = any_new || !p.before[i] || !same_value(*p.before[i], latest);
+    const std::optional<ParameterValue>& before = p.before[i];
+    any_new = any_new || !before || !same_value(*before, latest);
   }
   return any_new;
 }

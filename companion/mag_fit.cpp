@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bitset>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "base/constants.hpp"
@@ -148,12 +149,12 @@ bool refine(const Points& points, Ellipsoid& e, Linearised& at_end) {
       here = there;
       damping = std::max(damping / 10.0, 1e-9);
       if (settled) {
-        at_end = here;
+        at_end = std::move(here);
         return true;
       }
     } else {
       if (step.squaredNorm() < kConverged) {
-        at_end = here;
+        at_end = std::move(here);
         return true;
       }
       damping *= 10.0;

@@ -71,7 +71,7 @@ std::string format_parameters(const ParameterSet& set, std::string_view firmware
         printable.begin(), printable.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
     text += " of firmware " + printable;
   }
-  text += "\n";
+  text += '\n';
   std::vector<const NamedValue*> sorted;
   sorted.reserve(set.size());
   for (const NamedValue& entry : set) {

@@ -119,7 +119,7 @@ bool ParameterRequests::resolve(Request& request) {
   if (request.is_set) {
     const ParameterValue& present = table_[*index].value;
     request.result.value = present;
-    if (request.required_type.value_or(present.type) != present.type) {
+    if (request.required_type && *request.required_type != present.type) {
       end(request, ParameterOutcome::kWrongType,
           std::string("given as ") + type_name(*request.required_type) + ", is " +
               type_name(present.type));

@@ -12,11 +12,12 @@ std::optional<MajorMinor> parse_version(std::string_view text) {
   // from_chars would take a sign.
   const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
   MajorMinor result;
-  const char* const end = text.data() + text.size();
+  const char* const begin = text.data();
+  const char* const end = begin + text.size();
   if (text.empty() || !is_digit(text.front())) {
     return std::nullopt;
   }
-  const auto major = std::from_chars(text.data(), end, result.major);
+  const auto major = std::from_chars(begin, end, result.major);
   if (major.ec != std::errc{} || end - major.ptr < 2 || *major.ptr != '.' ||
       !is_digit(major.ptr[1])) {
     return std::nullopt;

@@ -226,7 +226,7 @@ void emit_value(const Node& node, const std::string& indent, std::string& out) {
     }
     out += "]\n";
   } else {
-    out += "\n";
+    out += '\n';
     emit_children(node, indent, out);
   }
 }

@@ -155,7 +155,7 @@ void write_section(const Row& row, void* s, bool commented, int depth, bool agai
   if (inside == nullptr) return;
   const std::string indent(static_cast<std::size_t>(2 * depth), ' ');
   if (!row.key.empty() && !again) {
-    if (commented && depth < 2) out += "\n";
+    if (commented && depth < 2) out += '\n';
     if (commented && !row.text.empty()) out += indent + "# " + std::string(row.text) + "\n";
     out += indent + row.key + ":\n";
   }

@@ -228,7 +228,8 @@ class Row {
   /// One of a few words.
   template <class M>
     requires(std::is_enum_v<MemberOf<M>> || std::same_as<MemberOf<M>, bool>)
-  Row(std::string_view key, M member, Section::Choices<MemberOf<M>> choices, std::string_view text)
+  Row(std::string_view key, M member, const Section::Choices<MemberOf<M>>& choices,
+      std::string_view text)
       : Row{key, text, detail::Row::Kind::kChoice} {
     using T = MemberOf<M>;
     for (const auto& choice : choices) row_.words.push_back(choice.first);
@@ -309,7 +310,7 @@ class Row {
   /// The default depends on rows above.
   Row derived(std::string_view law, std::function<void(S&)> derive) && {
     row_.default_text = law;
-    row_.derive = [derive](void* s) { derive(*static_cast<S*>(s)); };
+    row_.derive = [derive = std::move(derive)](void* s) { derive(*static_cast<S*>(s)); };
     return std::move(*this);
   }
   /// What an absent optional value means.
@@ -320,7 +321,9 @@ class Row {
   /// The range depends on rows above.
   Row within(std::string_view text, std::function<Range(const S&)> limits) && {
     row_.allowed_text = text;
-    row_.limits = [limits](const void* s) { return limits(*static_cast<const S*>(s)); };
+    row_.limits = [limits = std::move(limits)](const void* s) {
+      return limits(*static_cast<const S*>(s));
+    };
     return std::move(*this);
   }
   /// Values of the range that are allowed; `text` says which in the error.
@@ -332,7 +335,9 @@ class Row {
   /// A condition on the whole struct, checked after the rows of its section.
   Row must(std::string_view text, std::function<bool(const S&)> holds) && {
     row_.holds_text = text;
-    row_.holds = [holds](const void* s) { return holds(*static_cast<const S*>(s)); };
+    row_.holds = [holds = std::move(holds)](const void* s) {
+      return holds(*static_cast<const S*>(s));
+    };
     return std::move(*this);
   }
 
@@ -347,10 +352,10 @@ class Row {
 
   template <class M, class Get, class Set>
   void bind(M member, Get get, Set set) {
-    row_.get = [member, get](const void* s) {
+    row_.get = [member, get = std::move(get)](const void* s) {
       return get(std::invoke(member, *const_cast<S*>(static_cast<const S*>(s))));
     };
-    row_.set = [member, set](void* s, const detail::Values& x) {
+    row_.set = [member, set = std::move(set)](void* s, const detail::Values& x) {
       set(std::invoke(member, *static_cast<S*>(s)), x);
     };
   }

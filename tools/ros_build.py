@@ -22,6 +22,7 @@ WHEEL_LINKING = "-Wl,--as-needed -Wl,--allow-shlib-undefined"
 SANITIZE = "-fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer"
 
 
+QUICK = ROOT / "cmake" / "quick_ros.cmake"
 LIBRARIES = ROOT / "build" / "release"  # where find_package(rosflight) finds the project
 # What tests and demonstrations start beside the nodes, in build/release/apps.
 PROGRAMS = ("rosflight", "rosflight_tools", "sil_echo", "sil_link_rtt", "sil_cable")
@@ -130,6 +131,7 @@ def _colcon(environment: Environment, packages, place: Path, sanitize: bool) -> 
         "CMAKE_CXX_COMPILER_LAUNCHER": "ccache",
         "CMAKE_EXPORT_COMPILE_COMMANDS": "ON",
         "BUILD_TESTING": "ON",
+        "CMAKE_PROJECT_INCLUDE": str(QUICK),
     }
     linking = WHEEL_LINKING if environment.installed is None else ""
     if sanitize:

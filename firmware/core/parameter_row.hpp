@@ -8,7 +8,7 @@
 
 namespace rosflight::core {
 
-using ParamType = link::ParamType;
+using link::ParamType;
 
 /// The 32 bits of a parameter: an int32 or a float, as the type in its row.
 union ParamValue {

@@ -86,7 +86,7 @@ int main(int argc, char** argv) {
   Codec& receiver = is_lean ? static_cast<Codec&>(lean_companion) : mavlink_companion;
   const std::string what = argv[2];
   const Message& message = messages().at(argv[3]);
-  const long count = std::atol(argv[4]);
+  const long count = std::strtol(argv[4], nullptr, 10);
   std::cout << (what == "encode"
                     ? encode(sender, message, count)
                     : decode(sender, receiver, message, count, what == "decode" ? 0 : 17))

@@ -116,6 +116,7 @@ void Emulator::become_emulator(int to_board, int from_board, int said, int uart)
   const int wire = ::fcntl(uart, F_DUPFD, kAside);
   const int ram = ::fcntl(ram_.get(), F_DUPFD, kAside);
   const int nothing = ::open("/dev/null", O_RDONLY);
+  if (nothing < 0) ::_exit(1);
   ::dup2(nothing, STDIN_FILENO);
   ::dup2(words, STDOUT_FILENO);
   ::dup2(words, STDERR_FILENO);
