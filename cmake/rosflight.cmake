@@ -3,9 +3,10 @@
 #
 #   rosflight_library(NAME [FIRMWARE] SOURCES ... USES ...)   one library, target rosflight::NAME
 #   rosflight_program(NAME SOURCES ... USES ...)              one executable
-#   rosflight_test(NAME [COMPUTES] SOURCES ... USES ... [LABELS ...])   one GoogleTest binary, registered with CTest;
-#                                                             LABELS emulator: needs the image of preset cortex-m7;
-#                                                             COMPUTES: for long, so optimized
+#   rosflight_test(NAME [COMPUTES] SOURCES ... USES ... [LABELS ...] [ALIKE ...])   one GoogleTest binary, registered with
+#                                                             CTest; LABELS emulator: needs the image of preset cortex-m7;
+#                                                             COMPUTES: for long, so optimized; ALIKE: cases that differ
+#                                                             from others in numbers only, left out under sanitizers
 #   rosflight_fuzzer(NAME SOURCES ... USES ...)               one libFuzzer binary (LLVMFuzzerTestOneInput), preset fuzz;
 #                                                             name it fuzz_..., seeds go to FOLDER/fuzz/corpus/NAME/
 #
@@ -194,13 +195,18 @@ function(rosflight_test name)
   if(ROSFLIGHT_BARE_METAL OR ROSFLIGHT_FUZZ)
     return()
   endif()
-  cmake_parse_arguments(arg "COMPUTES" "" "SOURCES;USES;LABELS" ${ARGN})
+  cmake_parse_arguments(arg "COMPUTES" "" "SOURCES;USES;LABELS;ALIKE" ${ARGN})
   set(kind test)
   if(arg_COMPUTES)
     set(kind computing_test)
   endif()
   rosflight_program(${name} TEST ${kind} SOURCES ${arg_SOURCES} USES ${arg_USES} GTest::gtest_main)
-  add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${ROSFLIGHT_ROOT})
+  set(filter)
+  if(ROSFLIGHT_SANITIZE AND arg_ALIKE)
+    list(JOIN arg_ALIKE ":" filter)
+    set(filter "--gtest_filter=-${filter}")
+  endif()
+  add_test(NAME ${name} COMMAND ${name} ${filter} WORKING_DIRECTORY ${ROSFLIGHT_ROOT})
   # The labels tell ./rosflight test that it can count the cases inside, and whose test it is.
   file(RELATIVE_PATH folder ${ROSFLIGHT_ROOT} ${CMAKE_CURRENT_SOURCE_DIR})
   string(REGEX REPLACE "/.*" "" folder ${folder})

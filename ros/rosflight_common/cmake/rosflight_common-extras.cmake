@@ -19,6 +19,14 @@ function(rosflight_add_program name)
   _rosflight_target(${name} "${arg_USES}")
 endfunction()
 
+# rosflight_add_library(NAME SOURCES file... [USES library...]): what several nodes of one package share.
+function(rosflight_add_library name)
+  cmake_parse_arguments(arg "" "" "SOURCES;USES" ${ARGN})
+  add_library(${name} STATIC ${arg_SOURCES})
+  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  _rosflight_target(${name} "${arg_USES}")
+endfunction()
+
 # rosflight_add_node(NAME CLASS package::Class SOURCES file... [MAIN file] [USES library...])
 #
 # A library with the node as a component (rosflight_common/component.hpp) and a program for `ros2 run` that has this node
