@@ -13,11 +13,13 @@ import subprocess
 import sys
 from pathlib import Path
 
-_READY = re.compile(r"(^|\]: )ready\b")
+_READY = re.compile(r"(^|\]: )ready\b(: (?P<nodes>\d+) nodes)?")
 
 
-def says_ready(line: str) -> bool:
-    return _READY.search(line) is not None
+def says_ready(line: str) -> int:
+    """How many nodes the line says are up; 0: it says nothing of the kind."""
+    found = _READY.search(line)
+    return int(found["nodes"] or 1) if found else 0
 
 
 class GraphWatch:

@@ -47,6 +47,7 @@ class Running:
     rest: bytes = b""
     up: bool = False
     said_ready: bool = False
+    nodes: int = 1  # in this process
     ended: bool = False
 
 
@@ -158,8 +159,9 @@ class Runner:
 
     def _line(self, running: Running, text: str) -> None:
         running.last.append(text)
-        if not running.said_ready and says_ready(text):
+        if not running.said_ready and (nodes := says_ready(text)):
             running.up = running.said_ready = True
+            running.nodes = nodes
         self._say(f"[{running.node.name}] {text}")
 
     def _look_for_dead(self) -> Running | None:
@@ -192,7 +194,7 @@ class Runner:
         if not any(not running.up for running in self._running):
             self._told = True
             self._graph.stop()
-            count = len(self._running)
+            count = sum(running.nodes for running in self._running)
             self._say(f"ready: {count} node{'' if count == 1 else 's'} in {seconds:.1f} s")
         elif seconds > self._times.ready_s:
             self._told = True

@@ -15,6 +15,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_services_default
 from ros_client import ask
 from ros_rig import TIMEOUT_S, PREFIXES, ROOT, stop
+from std_msgs.msg import Header
 
 NEWEST = QoSProfile(depth=1)
 ALL = QoSProfile(depth=5000)
@@ -115,14 +116,17 @@ class SimPeer:
         while self.running:
             self.executor.spin_once(timeout_sec=0.05)
 
-    def listen(self, kind, topic, qos=ALL):
-        """A list that grows with the messages."""
+    def listen(self, kind, topic, qos=ALL, progress=None):
+        """A list that grows with the messages. On `progress` it tells how far: simulated time can wait for that (wait_for)."""
         received = []
+        told = progress and self.publisher(Header, progress)
 
         def receive(message):
             with self.changed:
                 received.append(message)
                 self.changed.notify_all()
+            if told:
+                told.publish(message.header)
         self.node.create_subscription(kind, topic, receive, qos)
         return received
 

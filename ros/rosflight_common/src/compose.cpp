@@ -74,14 +74,15 @@ std::shared_ptr<rclcpp::Node> make(const Component& component) {
 void run(int argc, char** argv) {
   std::vector<std::string> words(argv + 1, argv + argc);
   std::vector<std::shared_ptr<rclcpp::Node>> nodes;
-  rclcpp::executors::MultiThreadedExecutor executor;
   for (const std::string& word : words) {
     if (word == "--ros-args") break;
     nodes.push_back(make(parse(word)));
-    executor.add_node(nodes.back());
   }
   if (nodes.empty())
     throw std::runtime_error("component: found none, allowed PACKAGE/NODE[:NAME]...");
+  // Callbacks that wait for a service must not take the last thread, however few processors there are.
+  rclcpp::executors::MultiThreadedExecutor executor(rclcpp::ExecutorOptions(), nodes.size() + 1);
+  for (const auto& node : nodes) executor.add_node(node);
   RCLCPP_INFO(nodes.front()->get_logger(), "ready: %zu nodes in one process", nodes.size());
   executor.spin();
 }

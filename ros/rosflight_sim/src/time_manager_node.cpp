@@ -7,6 +7,7 @@
 #include "rosflight_common/component.hpp"
 #include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
+#include "rosflight_sim/waited_topics.hpp"
 
 namespace rosflight_sim {
 namespace {
@@ -33,6 +34,15 @@ class TimeManager : public rclcpp::Node {
     lead_us_ = declare_number(
         *this, "longest_lead_us", 2500.0, 0.0, 1'000'000.0,
         "time runs at most this far ahead of sim/truth_state, 0: never waits [us]", true);
+    lag_us_ =
+        declare_number(*this, "longest_lag_us", 5000.0, 0.0, 1'000'000.0,
+                       "time runs on for this long when a message of wait_for is due [us]", true);
+    waited_.emplace(*this,
+                    declare_text(*this, "wait_for", "",
+                                 "stamped topics that time waits for, separated by spaces"),
+                    [this] {
+                      if (!paused_ && waiting_) tick();
+                    });
     const bool paused = declare_switch(*this, "start_paused", false, "wait for toggle_pause");
     publisher_ = create_publisher<rosgraph_msgs::msg::Clock>(
         "clock", rclcpp::QoS(rclcpp::KeepLast(1)).best_effort());
@@ -55,6 +65,7 @@ class TimeManager : public rclcpp::Node {
         [this](rosflight_msgs::msg::SimState::ConstSharedPtr) { world_follows(); });
     changes_ = on_change(*this, [this](const rclcpp::Parameter& p) {
       if (p.get_name() == "longest_lead_us") lead_us_ = p.as_double();
+      if (p.get_name() == "longest_lag_us") lag_us_ = p.as_double();
       if (p.get_name() == "default_pub_rate_us") step_us_ = p.as_double();
       if (p.get_name() == "real_time_multiplier") factor_ = p.as_double();
       start();
@@ -123,14 +134,19 @@ class TimeManager : public rclcpp::Node {
   }
 
   bool must_wait(steady_clock::time_point now) {
-    waiting_ = follows_ && lead_us_ > 0.0 &&
-               static_cast<double>(time_ns_ - followed_ns_) + step_us_ * 0.5e3 > lead_us_ * 1e3;
+    const bool for_world =
+        follows_ && lead_us_ > 0.0 &&
+        static_cast<double>(time_ns_ - followed_ns_) + step_us_ * 0.5e3 > lead_us_ * 1e3;
+    const bool for_topics =
+        waited_->behind(time_ns_, static_cast<std::int64_t>(lag_us_ * 1e3), now);
+    waiting_ = for_world || for_topics;
     if (waiting_ && now - said_ > kSayAgain) {  // best effort: it may have been lost
       advance(0.0);
       said_ = now;
     }
-    if (waiting_ && now - advanced_ > kGiveUp) {
-      follows_ = waiting_ = false;
+    if (for_world && now - advanced_ > kGiveUp) {
+      follows_ = false;
+      waiting_ = for_topics;
       next_ = now;
       RCLCPP_WARN(get_logger(), "no sim/truth_state for %ld s: time goes on without it",
                   static_cast<long>(kGiveUp.count()));
@@ -167,8 +183,10 @@ class TimeManager : public rclcpp::Node {
   double single_us_{};
   bool paused_{false};
   double lead_us_{};
+  double lag_us_{};
+  std::optional<WaitedTopics> waited_;
   bool follows_{false};  ///< There is a world that answers.
-  bool waiting_{false};  ///< For it.
+  bool waiting_{false};  ///< For it, or for a topic.
   std::int64_t followed_ns_{0};
   std::int64_t time_ns_{0};
   steady_clock::time_point next_;

@@ -4,6 +4,7 @@ is physics. The forces and moments are checked twice: ours, and a node in Python
 
 import math
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ from ros_rig import free_udp_port
 from rosflight_msgs.msg import PwmOutput, RCRaw, SimState
 from rosflight_msgs.srv import SetSimState
 from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Imu
 from sim_rig import ALL, ALL_BEST_EFFORT, BEST_EFFORT, LATCHED, VEHICLE, Process, SimPeer, node, stamp, stamp_ns
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
@@ -464,9 +466,37 @@ def test_time(peer):
         assert not set_double(peer, "standalone_time_manager", "real_time_multiplier", 0.0).successful
 
 
+def test_time_waits_for_a_topic_that_is_due(peer):
+    """It stops a lag after the next stamp is due, goes on with the message, and after a second without one."""
+    lag_ns, step_ns, apart_ns = 5_000_000, 2_500_000, 20_000_000
+    with node("standalone_time_manager", at_launch="standalone_time_manager", wait_for="follower") as process:
+        received = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
+        follower = peer.publisher(Imu, "follower", ALL)
+        peer.wait(lambda: received, "time")
+        peer.poll(lambda: follower.get_subscription_count() > 0, "the time manager at the topic")
+
+        def now_ns():
+            return received[-1].clock.sec * 1_000_000_000 + received[-1].clock.nanosec
+
+        def say(at_ns):
+            follower.publish(stamp(Imu(), at_ns))
+        at_ns = now_ns()
+        say(at_ns)
+        for message in range(1, 30):
+            due_ns = at_ns + (apart_ns if message > 1 else 0)
+            peer.wait(lambda due=due_ns: now_ns() > due, "time to run up to the next message")
+            time.sleep(0.03)  # in which it would run on by 30 ms
+            assert now_ns() <= due_ns + lag_ns + step_ns
+            at_ns += apart_ns
+            say(at_ns)
+        peer.wait(lambda: now_ns() > at_ns + apart_ns, "time to run on")
+        before = now_ns()
+        process.until("no /follower for 1 s: time goes on without it")
+        peer.wait(lambda: now_ns() > before + 500_000_000, "time without the follower")
+
+
 def test_scaled_time_has_the_factor(peer):
     """Judged by the node's own clock against the wall between two of its messages; a busy machine only makes it slower."""
-    import time
     with node("standalone_time_manager", at_launch="standalone_time_manager", real_time_multiplier=0.25):
         received = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
         peer.wait(lambda: received, "time")

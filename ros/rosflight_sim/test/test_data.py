@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+from plans import nodes_of
 from ros_launch.packages import Packages
 from ros_launch.reader import Reader
 
@@ -73,22 +74,33 @@ def test_arguments_of_the_reference_are_there(name):
 
 @pytest.mark.parametrize("name", REFERENCE_NODES)
 def test_nodes_of_the_reference_are_there(name):
-    assert {node.name for node in plan(name).nodes} == REFERENCE_NODES[name]
+    assert nodes_of(plan(name)).keys() == REFERENCE_NODES[name]
 
 
+@pytest.mark.parametrize("time", ["true", "false"])
+@pytest.mark.parametrize("name", [name for name in REFERENCE_NODES if "composed" in plan(name).arguments])
+def test_nodes_are_the_same_in_one_process_and_in_many(name, time):
+    given = {"use_sim_time": time, "seed": 7, "dynamics_param_file": "/x.yaml"}
+    shared, apart = nodes_of(plan(name, **given)), nodes_of(plan(name, composed="false", **given))
+    assert shared.keys() == apart.keys()
+    for node, alone in apart.items():
+        assert alone.parameters.items() <= shared[node].parameters.items(), node
+        assert alone.remappings == shared[node].remappings, node
+
+
+@pytest.mark.parametrize("composed", ["true", "false"])
 @pytest.mark.parametrize("argument, node", [
     ("forces", "multirotor_forces_and_moments"), ("dynamics", "standalone_dynamics"), ("rc", "rc"),
     ("sensors", "standalone_sensors"), ("io", "rosflight_io"), ("viz", "standalone_viz_transcriber")])
-def test_a_module_can_be_left_out(argument, node):
-    everything = {n.name for n in plan("multirotor_standalone").nodes}
-    without = {n.name for n in plan("multirotor_standalone", **{argument: "false"}).nodes}
+def test_a_module_can_be_left_out(argument, node, composed):
+    everything = nodes_of(plan("multirotor_standalone", composed=composed)).keys()
+    without = nodes_of(plan("multirotor_standalone", composed=composed, **{argument: "false"})).keys()
     assert everything - without == {node}
 
 
 def test_simulated_time_starts_a_time_manager_and_reaches_all():
-    nodes = plan("multirotor_standalone", use_sim_time="true", real_time_multiplier=2).nodes
-    values = {node.name: {k: v for source in node.parameters for k, v in source.items()}
-              for node in nodes}
+    nodes = nodes_of(plan("multirotor_standalone", use_sim_time="true", real_time_multiplier=2))
+    values = {name: node.parameters for name, node in nodes.items()}
     manager = values.pop("standalone_time_manager")
     assert manager["real_time_multiplier"] == 2
     assert all(value["use_sim_time"] is True for value in values.values())

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <array>
 #include <rclcpp/rclcpp.hpp>
 #include <rosflight_msgs/msg/command.hpp>
 #include <rosflight_msgs/msg/status.hpp>
 #include <rosplane_msgs/msg/controller_internals.hpp>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "autonomy/fixedwing/flight_manager.hpp"
 #include "rosflight_common/component.hpp"
@@ -33,10 +36,11 @@ using rosplane_msgs::msg::State;
 /// - no valid command for the vehicle file's controller.command_timeout_s: circles (Controller);
 /// - flight_phase stops: on the ground it stays there, in the air it flies its commands on.
 class ControllerNode : public rclcpp::Node {
- protected:
-  ControllerNode(const rclcpp::NodeOptions& options, std::optional<wing::LongitudinalKind> kind)
+ public:
+  explicit ControllerNode(const rclcpp::NodeOptions& options)
       : Node("controller", options),
-        config_{with(WingConfig::declare(*this), kind)},
+        law_{declare_control_type()},
+        config_{with(WingConfig::declare(*this), law_)},
         parameters_{*this, controller_parameters(), config_},
         reader_{config_.min_airspeed_known_m_s, config_.flight.controller.airframe.gravity_m_s2},
         controller_{config_.flight.controller},
@@ -64,8 +68,20 @@ class ControllerNode : public rclcpp::Node {
   }
 
  private:
-  static WingConfig with(WingConfig config, std::optional<wing::LongitudinalKind> kind) {
-    if (kind) config.flight.controller.longitudinal = *kind;
+  /// Nothing: as the vehicle file says.
+  std::optional<wing::LongitudinalKind> declare_control_type() {
+    const auto type = declare_parameter<std::string>(
+        "control_type", "vehicle",
+        rosflight_common::described(
+            "longitudinal law: total_energy, successive_loop, or vehicle: as its file says", true));
+    if (type == "total_energy") return wing::LongitudinalKind::kTotalEnergy;
+    if (type == "successive_loop") return wing::LongitudinalKind::kSuccessiveLoops;
+    if (type == "vehicle" || type == "default") return {};
+    throw std::invalid_argument("control type: found '" + type +
+                                "', allowed total_energy, successive_loop or vehicle");
+  }
+  static WingConfig with(WingConfig config, std::optional<wing::LongitudinalKind> law) {
+    if (law) config.flight.controller.longitudinal = *law;
     return config;
   }
 
@@ -185,6 +201,7 @@ class ControllerNode : public rclcpp::Node {
     commands_->publish(out);
   }
 
+  std::optional<wing::LongitudinalKind> law_;
   WingConfig config_;
   WingParameters parameters_;
   StateReader reader_;
@@ -208,42 +225,20 @@ class ControllerNode : public rclcpp::Node {
   rclcpp::TimerBase::SharedPtr watch_;
 };
 
-struct AsVehicle final : ControllerNode {
-  explicit AsVehicle(const rclcpp::NodeOptions& options) : ControllerNode(options, {}) {}
-};
-struct TotalEnergyNode final : ControllerNode {
-  explicit TotalEnergyNode(const rclcpp::NodeOptions& options)
-      : ControllerNode(options, wing::LongitudinalKind::kTotalEnergy) {}
-};
-struct SuccessiveLoopNode final : ControllerNode {
-  explicit SuccessiveLoopNode(const rclcpp::NodeOptions& options)
-      : ControllerNode(options, wing::LongitudinalKind::kSuccessiveLoops) {}
-};
-
-/// The word before --ros-args, if there is one.
-std::string control_type(int argc, char** argv) {
-  const std::string word = argc > 1 ? argv[1] : "";
-  return word == "--ros-args" ? "" : word;
-}
-
 }  // namespace
 }  // namespace rosplane
 
-/// Usage: controller [vehicle|total_energy|successive_loop]. Without a word, or with `vehicle` or
-/// `default`, the vehicle file says which.
+/// Usage: controller [vehicle|total_energy|successive_loop]: parameter control_type as a word.
 extern "C" int rosflight_node_main(int argc, char** argv) {
-  namespace own = rosplane;
-  const std::string word = own::control_type(argc, argv);
-  if (word.empty() || word == "vehicle" || word == "default")
-    return rosflight_common::run_node<own::AsVehicle>(argc, argv);
-  if (word == "total_energy") return rosflight_common::run_node<own::TotalEnergyNode>(argc, argv);
-  if (word == "successive_loop")
-    return rosflight_common::run_node<own::SuccessiveLoopNode>(argc, argv);
-  std::fprintf(stderr,
-               "controller: control type: found '%s', allowed total_energy, successive_loop or "
-               "vehicle\n",
-               word.c_str());
-  return 2;
+  std::vector<char*> words(argv, argv + argc);
+  std::string type = argc > 1 ? argv[1] : "--";
+  std::array<std::string, 3> options{"--ros-args", "-p", "control_type:=" + type};
+  if (type.rfind("--", 0) != 0) {
+    words.erase(words.begin() + 1);
+    for (std::string& option : options) words.push_back(option.data());
+  }
+  return rosflight_common::run_node<rosplane::ControllerNode>(static_cast<int>(words.size()),
+                                                              words.data());
 }
 
-ROSFLIGHT_COMPONENT(rosplane::AsVehicle)
+ROSFLIGHT_COMPONENT(rosplane::ControllerNode)

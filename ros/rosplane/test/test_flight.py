@@ -24,10 +24,10 @@ class Flight:
     def __init__(self, folder, mission):
         ports = {"simulation_port": free_udp_port(), "ROS_port": free_udp_port()}
         self.peer = SimPeer("judge")
-        self.world = launch("rosplane", "fly.launch.xml", use_sim_time="true", real_time_multiplier=FASTEST, viz="false",
+        self.world = launch("rosplane", "fly.launch.xml", use_sim_time="true", real_time_multiplier=FASTEST, viz="false", wait_for="sim/RC estimated_state judge",
                             memory_folder=folder, mission_file=mission, **ports)
         listen = self.peer.listen
-        self.truth, self.status = listen(SimState, "sim/truth_state"), listen(Status, "status")
+        self.truth, self.status = listen(SimState, "sim/truth_state", progress="judge"), listen(Status, "status")
         self.states, self.phases = listen(State, "estimated_state"), listen(FlightPhase, "flight_phase")
         self.commands, self.inner = listen(Command, "command"), listen(ControllerInternals, "controller_internals")
 

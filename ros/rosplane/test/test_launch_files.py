@@ -4,6 +4,7 @@
 from pathlib import Path
 
 import pytest
+from plans import nodes_of
 from ros_launch.packages import Packages
 from ros_launch.reader import Reader
 
@@ -16,6 +17,7 @@ SIMULATOR = {"sil_board", "rosflight_sil_manager", "standalone_sensors", "rc", "
 NODES = {"rosplane": STACK, "sim": STACK | {"rosplane_truth"}, "rosplane_tuning": {"estimator", "controller", "signal_generator"},
          "sim_tuning": {"estimator", "controller", "signal_generator", "rosplane_truth"},
          "rosplane_input_mapper": STACK | {"input_mapper"}, "fly": STACK | SIMULATOR | {"init_firmware", "rosplane_truth"}}
+COMPOSED = ["true", "false"]
 ARGUMENTS = {"use_sim_time": "false", "state_topic_remap": "estimated_state", "command_publisher_remap": "command",
              "controller_command_publisher_remap": "controller_command", "aircraft": "anaconda", "seed_estimator": "false"}
 
@@ -31,8 +33,7 @@ def test_all_files_are_known():
 @pytest.mark.parametrize("name", NODES)
 def test_every_file_starts_nodes_that_are_there(name):
     """Programs and files are looked for when the file is read."""
-    nodes = plan(name).nodes
-    assert {node.name for node in nodes} == NODES[name]
+    assert nodes_of(plan(name)).keys() == nodes_of(plan(name, composed="false")).keys() == NODES[name]
     script = (Packages.of_environment().share("rosplane") / f"launch/{name}.launch.py").read_text()
     compile(script, name, "exec")
     assert "XMLLaunchDescriptionSource" in script
@@ -43,20 +44,21 @@ def test_arguments_of_the_reference_are_there():
     assert {name: arguments[name].default for name in ARGUMENTS} == ARGUMENTS
 
 
+@pytest.mark.parametrize("composed", COMPOSED)
 @pytest.mark.parametrize("module", STACK)
-def test_a_module_can_be_left_out(module):
-    assert {node.name for node in plan("rosplane", **{module: "false"}).nodes} == STACK - {module}
+def test_a_module_can_be_left_out(module, composed):
+    assert nodes_of(plan("rosplane", composed=composed, **{module: "false"})).keys() == STACK - {module}
 
 
-def test_remappings_reach_the_nodes():
-    nodes = {node.name: node for node in plan("rosplane_input_mapper", state_topic_remap="sim/rosplane/state",
-                                              control_type="successive_loop", aircraft="aerosonde").nodes}
+@pytest.mark.parametrize("composed", COMPOSED)
+def test_remappings_reach_the_nodes(composed):
+    nodes = nodes_of(plan("rosplane_input_mapper", state_topic_remap="sim/rosplane/state", composed=composed,
+                          control_type="successive_loop", aircraft="aerosonde"))
     state = ("estimated_state", "sim/rosplane/state")
     assert all(state in nodes[name].remappings for name in STACK - {"estimator"} | {"input_mapper"})
     assert state not in nodes["estimator"].remappings
     assert ("controller_command", "follower_command") in nodes["path_follower"].remappings
     assert ("command", "controller_output") in nodes["controller"].remappings
     assert ("mapped_command", "command") in nodes["input_mapper"].remappings
-    assert nodes["controller"].command[-1] == "successive_loop"
-    files = [value["vehicle_file"] for value in nodes["controller"].parameters if "vehicle_file" in value]
-    assert Path(files[0]).name == "aerosonde.yaml"
+    assert nodes["controller"].parameters["control_type"] == "successive_loop"
+    assert Path(nodes["controller"].parameters["vehicle_file"]).name == "aerosonde.yaml"

@@ -115,6 +115,11 @@ def test_a_signal_ends_all(launch, number):
     assert launch.left() == []
 
 
+def test_nodes_that_share_a_process_count_each(launch):
+    launch.package(a=SERVER, shared=SERVER.replace('"ready"', '"[INFO] [1.5] [x]: ready: 3 nodes in one process"'))
+    launch.start("a", "shared").until("ready: 4 nodes in ")
+
+
 def test_a_node_that_will_not_end_is_killed(launch):
     launch.package(stubborn=STUBBORN)
     launch.start("stubborn").until("ready: 1 node in")

@@ -12,6 +12,7 @@
 
 #include "rclcpp/client.hpp"
 #include "rclcpp/clock.hpp"
+#include "rclcpp/generic_subscription.hpp"
 #include "rclcpp/logger.hpp"
 #include "rclcpp/node_interfaces/node_base_interface.hpp"
 #include "rclcpp/node_options.hpp"
@@ -79,6 +80,12 @@ class Node : public std::enable_shared_from_this<Node> {
   template <typename MessageT, typename CallbackT, typename AllocatorT = std::allocator<void>>
   std::shared_ptr<Subscription<MessageT>> create_subscription(
       const std::string& topic, const QoS& qos, CallbackT&& callback,
+      const SubscriptionOptionsWithAllocator<AllocatorT>& options = {});
+
+  /// @param type  "package/msg/Name". Throws std::runtime_error if this machine has no such type.
+  template <typename CallbackT, typename AllocatorT = std::allocator<void>>
+  std::shared_ptr<GenericSubscription> create_generic_subscription(
+      const std::string& topic, const std::string& type, const QoS& qos, CallbackT&& callback,
       const SubscriptionOptionsWithAllocator<AllocatorT>& options = {});
 
   // Humble takes an rmw_qos_profile_t in place of the QoS of the next two, so common code leaves it

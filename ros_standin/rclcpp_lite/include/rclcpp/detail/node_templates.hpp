@@ -25,6 +25,17 @@ std::shared_ptr<Subscription<MessageT>> Node::create_subscription(
   return subscription;
 }
 
+template <typename CallbackT, typename AllocatorT>
+std::shared_ptr<GenericSubscription> Node::create_generic_subscription(
+    const std::string& topic, const std::string& type, const QoS& qos, CallbackT&& callback,
+    const SubscriptionOptionsWithAllocator<AllocatorT>& options) {
+  auto subscription = std::make_shared<GenericSubscription>(
+      base_->get_shared_rcl_node_handle(), topic, type, qos, std::forward<CallbackT>(callback),
+      options.ignore_local_publications);
+  group_or_default(options.callback_group).add(subscription);
+  return subscription;
+}
+
 template <typename ServiceT, typename CallbackT>
 typename Service<ServiceT>::SharedPtr Node::create_service(const std::string& name,
                                                            CallbackT&& callback, const QoS& qos,

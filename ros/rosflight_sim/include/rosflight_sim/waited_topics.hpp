@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <memory>
+#include <optional>
+#include <rclcpp/rclcpp.hpp>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "rosflight_common/node_tools.hpp"
+
+namespace rosflight_sim {
+
+/// Topics that simulated time must not leave behind: who publishes them has dealt with the world up to their stamps.
+///
+/// Any type whose first field is a std_msgs/Header. A topic counts from its first message. One without a message for
+/// kGiveUp while time waits for it counts no more, until the next.
+class WaitedTopics {
+ public:
+  using Wall = std::chrono::steady_clock;
+
+  /// @param names    separated by spaces, as a node's topics are named. @param on_message  called after each
+  /// message.
+  WaitedTopics(rclcpp::Node& node, const std::string& names, std::function<void()> on_message)
+      : node_{node}, on_message_{std::move(on_message)} {
+    std::istringstream each(names);
+    for (std::string name; each >> name;) {
+      const std::string space = node.get_namespace();
+      if (name.front() != '/') name = (space == "/" ? "" : space) + "/" + name;
+      topics_.push_back({name, nullptr, {}, 0, {}, false});
+    }
+    if (topics_.empty()) return;
+    finder_ = node.create_wall_timer(std::chrono::milliseconds(100), [this] { find(); });
+  }
+
+  /// Whether the next message of a topic that counts is overdue by more than `lag_ns` at `time_ns`: it is expected as long
+  /// after the last as messages of late were apart. Tells once of each that counts no more.
+  bool behind(std::int64_t time_ns, std::int64_t lag_ns, Wall::time_point now) {
+    bool any = false;
+    for (Topic& topic : topics_) {
+      if (!topic.counts || time_ns - *topic.stamp_ns - topic.period_ns <= lag_ns) continue;
+      if (now - topic.received < kGiveUp) {
+        any = true;
+        continue;
+      }
+      topic.counts = false;
+      RCLCPP_WARN(node_.get_logger(), "no %s for %ld s: time goes on without it",
+                  topic.name.c_str(), static_cast<long>(kGiveUp.count()));
+    }
+    return any;
+  }
+
+ private:
+  static constexpr auto kGiveUp = std::chrono::seconds(1);
+  static constexpr std::int64_t kLongestPeriod_ns = 250'000'000;
+  static constexpr std::int64_t kForgetting = 64;
+
+  struct Topic {
+    std::string name;
+    std::shared_ptr<rclcpp::SubscriptionBase> subscription;
+    std::optional<std::int64_t> stamp_ns;
+    std::int64_t period_ns;
+    Wall::time_point received;
+    bool counts;
+  };
+
+  /// The type of a topic is known when somebody publishes it.
+  void find() {
+    bool complete = true;
+    for (Topic& topic : topics_) {
+      if (topic.subscription) continue;
+      const auto known = node_.get_topic_names_and_types();
+      const auto found = known.find(topic.name);
+      if (found == known.end() || found->second.empty()) {
+        complete = false;
+        continue;
+      }
+      topic.subscription = node_.create_generic_subscription(
+          topic.name, found->second.front(), rclcpp::QoS(rclcpp::KeepLast(1)).best_effort(),
+          [this, &topic](std::shared_ptr<const rclcpp::SerializedMessage> bytes) {
+            take(topic, bytes->get_rcl_serialized_message());
+          });
+    }
+    if (complete) finder_->cancel();
+  }
+
+  void take(Topic& topic, const rcl_serialized_message_t& bytes) {
+    const std::optional<std::int64_t> stamp_ns = stamp_of(bytes);
+    if (!stamp_ns) return;
+    // The longest of late: messages come early after a late one.
+    const std::int64_t apart_ns = *stamp_ns - topic.stamp_ns.value_or(*stamp_ns);
+    topic.period_ns = std::max(std::clamp<std::int64_t>(apart_ns, 0, kLongestPeriod_ns),
+                               topic.period_ns - topic.period_ns / kForgetting);
+    topic.stamp_ns = stamp_ns;
+    topic.received = Wall::now();
+    topic.counts = true;
+    on_message_();
+  }
+
+  /// Of the header that a message begins with, after four bytes that tell the order of the others (CDR, OMG formal/2022-12-01,
+  /// section 10).
+  static std::optional<std::int64_t> stamp_of(const rcl_serialized_message_t& bytes) {
+    constexpr std::size_t kStampAt = 4;
+    if (bytes.buffer_length < kStampAt + 8) return {};
+    const bool little = (bytes.buffer[1] & 1U) != 0;
+    const auto word = [&](std::size_t at) {
+      std::uint32_t value = 0;
+      for (std::size_t i = 0; i < 4; ++i)
+        value |= static_cast<std::uint32_t>(bytes.buffer[at + i]) << (8 * (little ? i : 3 - i));
+      return std::int64_t{value};
+    };
+    constexpr std::int64_t kSecond_ns = 1'000'000'000;
+    if (word(kStampAt + 4) >= kSecond_ns) return {};
+    return word(kStampAt) * kSecond_ns + word(kStampAt + 4);
+  }
+
+  rclcpp::Node& node_;
+  std::function<void()> on_message_;
+  std::list<Topic> topics_;  ///< Subscriptions hold addresses.
+  rclcpp::TimerBase::SharedPtr finder_;
+};
+
+}  // namespace rosflight_sim
