@@ -33,6 +33,7 @@ Guidance::Note note_of(const autonomy::FlightEvent& e, const char* phase) {
     case Type::kStateRegained:
       return say(Severity::kInfo, name(e.type));
     case Type::kPilotTookOver:
+    case Type::kThrustFault:
       return say(Severity::kWarning, name(e.type));
     case Type::kTakeoffFailed:
     case Type::kPathFault:

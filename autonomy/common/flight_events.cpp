@@ -6,11 +6,20 @@
 namespace rosflight::autonomy {
 namespace {
 
-constexpr std::array<const char*, 12> kNames{
-    "phase",           "waypoint reached", "waypoint missed",
-    "mission done",    "take-off failed",  "no path leads on from here",
-    "motor out",       "position lost",    "pilot took over",
-    "pilot gave back", "state lost",       "state regained"};
+constexpr std::array<const char*, 13> kNames{
+    "phase",
+    "waypoint reached",
+    "waypoint missed",
+    "mission done",
+    "take-off failed",
+    "no path leads on from here",
+    "motor out",
+    "position lost",
+    "pilot took over",
+    "pilot gave back",
+    "state lost",
+    "state regained",
+    "the vehicle does not follow its thrust: landing; compare the vehicle file with its motors"};
 
 }  // namespace
 

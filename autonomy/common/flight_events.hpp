@@ -18,7 +18,8 @@ enum class FlightEventType : std::uint8_t {
   kPilotTookOver,
   kPilotGaveBack,
   kStateLost,  ///< The state is not finite, or missing: the vehicle is handed to the pilot.
-  kStateRegained
+  kStateRegained,
+  kThrustFault  ///< The vehicle does not follow its thrust (ThrustWatch); value: its climb rate [m/s]. It lands.
 };
 /// Text for logs, such as "waypoint reached"; "unknown" outside the enumeration.
 const char* name(FlightEventType type);

@@ -17,12 +17,23 @@ bool CommandedFlight::on_ground() const {
 }
 
 void CommandedFlight::renew(const StateMachineConfig& states) {
-  const ControllerConfig& config = controller_.config();
   if (!started_ || on_ground()) {
-    machine_ = StateMachine(states, config.mass_kg * config.gravity_m_s2);
+    machine_ = StateMachine(states, config_.mass_kg * config_.gravity_m_s2);
+    thrust_watch_.reset();
+    apply_config();
   }
   land_ = false;
   out_.landed = false;
+}
+
+/// The limits that a settled vehicle needs keep one with a wrong motor model from coming down.
+void CommandedFlight::apply_config() {
+  ControllerConfig config = config_;
+  if (thrust_watch_.told()) {
+    config.min_thrust_N = 0.0;
+    config.max_descend_acceleration_m_s2 = config.gravity_m_s2;
+  }
+  controller_.configure(config, controller_.thrust_model());
 }
 
 void CommandedFlight::lose_state() {
@@ -107,6 +118,11 @@ void CommandedFlight::finish(const State& state, const ControllerCommand& comman
   out_.pitch_rad = control.pitch_rad;
   out_.yaw_rate_rad_s = control.yaw_rate_rad_s;
   out_.thrust_N = control.thrust_N;
+  const double down_m_s = state.v_W.z();
+  if (pilot_.throttle || !thrust_watch_.step(control.thrust_N, down_m_s, dt_s_, config_)) return;
+  out_.events.add(FlightEventType::kThrustFault, 0, -down_m_s);
+  land_ = true;
+  apply_config();
 }
 
 }  // namespace rosflight::autonomy::multirotor

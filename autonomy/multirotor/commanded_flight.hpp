@@ -3,6 +3,7 @@
 #include "autonomy/common/flight_events.hpp"
 #include "autonomy/multirotor/controller.hpp"
 #include "autonomy/multirotor/state_machine.hpp"
+#include "autonomy/multirotor/thrust_watch.hpp"
 
 namespace rosflight::autonomy::multirotor {
 
@@ -15,7 +16,8 @@ namespace rosflight::autonomy::multirotor {
 ///
 /// The flight starts when the vehicle is armed, the pilot holds no axis and the caller is ready. A
 /// state that is not finite: the last command is repeated for kStateGrace_s, then all channels
-/// are ignored, which hands the vehicle to the pilot. It allocates nothing.
+/// are ignored, which hands the vehicle to the pilot. A vehicle that does not follow its thrust (ThrustWatch) lands, with the
+/// limits of thrust and acceleration downwards lifted. It allocates nothing.
 class CommandedFlight {
  public:
   static constexpr double kStateGrace_s = 0.1;
@@ -52,7 +54,7 @@ class CommandedFlight {
   CommandedFlight() = default;
   /// On the ground until renew() has given the machine its settings.
   CommandedFlight(const ControllerConfig& config, const ThrustModel& thrust)
-      : controller_(config, thrust) {}
+      : config_(config), controller_(config, thrust) {}
 
   /// Checks the state, steps the state machine and selects the source of the command. Once a step;
   /// a time not after the last gives kNone.
@@ -79,8 +81,13 @@ class CommandedFlight {
   void take_over(const Vector3& trim_W) { controller_.enter(step_.command.mode, trim_W); }
   /// Gains and limits change, integrals and filters stay.
   void configure(const ControllerConfig& config, const StateMachineConfig& states) {
-    controller_.configure(config, controller_.thrust_model());
+    config_ = config;
+    apply_config();
     machine_.configure(states);
+  }
+  /// Another motor model: what the flight controller does with a throttle has changed.
+  void set_thrust_model(const ThrustModel& thrust) {
+    controller_.configure(controller_.config(), thrust);
   }
   const AttitudeView& attitude() const { return attitude_; }  ///< Of the state of this turn.
   const PilotOverride& pilot() const { return pilot_; }
@@ -90,7 +97,10 @@ class CommandedFlight {
  private:
   bool check_state(const Input& in);
   void note(bool changed);
+  void apply_config();
 
+  ControllerConfig config_{};
+  ThrustWatch thrust_watch_;
   Controller controller_;
   StateMachine machine_;
   StateMachine::Output step_{};
