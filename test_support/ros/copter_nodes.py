@@ -16,6 +16,8 @@ WITHOUT_VEHICLE = ("ext_att_transcriber", "rviz_waypoint_publisher", "sim_state_
 def copter(name, **parameters):
     if name not in WITHOUT_VEHICLE:
         parameters.setdefault("vehicle_file", VEHICLE)
+    if name == "controller":  # there is no flight controller
+        parameters.setdefault("use_firmware_parameters", "false")
     return node(name, package="roscopter", **parameters)
 
 

@@ -48,10 +48,10 @@ class Process:
         with self.changed:
             self.changed.notify_all()
 
-    def until(self, part):
-        """The first line with `part` in it."""
+    def until(self, part, times=1):
+        """The first line with `part` in it, or the one that makes it so many `times`."""
         def found():
-            return next((line for line in self.lines if part in line), None)
+            return next(iter([line for line in self.lines if part in line][times - 1:]), None)
         with self.changed:
             self.changed.wait_for(lambda: found() or not self.reader.is_alive(), TIMEOUT_S)
         assert found(), f"no line with {part!r} in:\n" + "\n".join(self.lines[-40:])

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "flight/vehicle/vehicle_setup.hpp"
 #include "roscopter/controller_parameters.hpp"
 #include "roscopter/conversions.hpp"
+#include "roscopter/motor_parameters.hpp"
 #include "rosflight_common/component.hpp"
 #include "rosflight_common/time.hpp"
 #include "rosflight_common/vehicle_file.hpp"
@@ -36,14 +38,15 @@ using std_srvs::srv::Trigger;
 ///
 /// Without State or Status for their timeouts the vehicle is handed to the pilot: one Command with
 /// all entries ignored, then silence. Without commands it holds where it is and lands after
-/// lost_command_land_s. It tells its phase on `flight_phase` and lands by `controller/land`.
+/// lost_command_land_s. It tells its phase on `flight_phase` and lands by `controller/land`. What a throttle does is read from
+/// the flight controller (MotorParameters): without its parameters, or with ones that cannot carry the vehicle, it does not take
+/// off.
 class ControllerNode : public rclcpp::Node {
  public:
   explicit ControllerNode(const rclcpp::NodeOptions& options)
       : Node("controller", options),
-        config_{
-            flight::read_multirotor_autonomy(rosflight_common::VehicleFile::declare(*this).read())
-                .flight},
+        vehicle_{rosflight_common::VehicleFile::declare(*this).read()},
+        config_{flight::read_multirotor_autonomy(vehicle_).flight},
         tuning_{tuning_of(config_)},
         parameters_{*this, controller_parameters(), tuning_} {
     state_patience_s_ = rosflight_common::declare_number(
@@ -60,6 +63,11 @@ class ControllerNode : public rclcpp::Node {
     });
     control_ = CommandedFlight(tuning_.controller, config_.thrust);
     control_.renew(tuning_.states);
+    if (rosflight_common::declare_switch(*this, "use_firmware_parameters", true,
+                                         "what a throttle does is read from the flight controller; "
+                                         "false: from the vehicle file")) {
+      motors_.emplace(*this, [this](const MotorParameters::Values& values) { learn(values); });
+    }
     open();
   }
 
@@ -90,6 +98,59 @@ class ControllerNode : public rclcpp::Node {
              ", allowed less than the height of the take-off, " +
              config::number_text(s.takeoff_height_m);
     return "";
+  }
+
+  /// The motor model of the flight controller, or why it cannot fly this vehicle.
+  void learn(const MotorParameters::Values& values) {
+    motor_fault_ = motor_fault(values);
+    if (motor_fault_.empty()) {
+      RCLCPP_INFO(get_logger(),
+                  "thrust as the flight controller makes it: USE_MOTOR_PARAM %g, RC_MAX_THR %g, "
+                  "%.1f N at full throttle",
+                  values.at("USE_MOTOR_PARAM"), values.at("RC_MAX_THR"),
+                  config_.thrust.max_thrust_N());
+      control_.set_thrust_model(config_.thrust);
+    } else {
+      RCLCPP_ERROR(get_logger(), "no take-off: %s", motor_fault_.c_str());
+    }
+  }
+
+  std::string motor_fault(const MotorParameters::Values& values) {
+    const double mixer = values.at("PRIMARY_MIXER");
+    if (std::find(kWingMixers.begin(), kWingMixers.end(), mixer) != kWingMixers.end())
+      return "PRIMARY_MIXER: found " + config::number_text(mixer) +
+             ", a fixed wing's, allowed a multirotor's";
+    const auto rotors = flight::read_rotors(vehicle_);
+    const double count = values.at("NUM_MOTORS");
+    if (values.at("USE_MOTOR_PARAM") != 0.0 && count != static_cast<double>(rotors.rotors.size()))
+      return "NUM_MOTORS: found " + config::number_text(count) + ", allowed " +
+             std::to_string(rotors.rotors.size()) + ", as many rotors as the vehicle file has";
+    rosflight::companion::ParameterSet set;
+    for (const auto& [name, value] : values)
+      set.push_back({name, rosflight::companion::ParameterValue::of(static_cast<float>(value))});
+    try {
+      config_.thrust = flight::read_multirotor_autonomy(vehicle_, rotors, set).flight.thrust;
+    } catch (const std::exception& why) {
+      std::string reason = why.what();
+      if (const auto at = reason.find("autonomy: "); at != std::string::npos)
+        reason.erase(0, at + std::string("autonomy: ").size());
+      return "USE_MOTOR_PARAM " + config::number_text(values.at("USE_MOTOR_PARAM")) +
+             ", RC_MAX_THR " + config::number_text(values.at("RC_MAX_THR")) +
+             " and motor parameters of the flight controller: " + reason;
+    }
+    return "";
+  }
+
+  bool motors_known() {
+    if (!motors_ || (motors_->complete() && motor_fault_.empty())) return true;
+    if (status_.armed) {
+      constexpr int kAgain_ms = 5000;
+      const std::string why =
+          motors_->complete() ? motor_fault_
+                              : motors_->missing() + " of the flight controller is not known yet";
+      RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kAgain_ms, "no take-off: %s", why.c_str());
+    }
+    return false;
   }
 
   autonomy::multirotor::StateMachineConfig with_mission(
@@ -162,7 +223,7 @@ class ControllerNode : public rclcpp::Node {
     const Turn turn = control_.begin({.t_s = t_s,
                                       .state = state,
                                       .status = status_,
-                                      .ready = good && !flown_,
+                                      .ready = good && !flown_ && motors_known(),
                                       .command_good = good});
     if (turn == Turn::kOwn || turn == Turn::kFollow) control_.finish(state, given_);
     note();
@@ -240,10 +301,16 @@ class ControllerNode : public rclcpp::Node {
   static constexpr double kWatch_s = 0.05;
   static constexpr double kBack_s = 1.0;
 
+  /// FIXEDWING and INVERTED_VTAIL of the firmware's table (docs/predefined-mixers.md).
+  static constexpr std::array kWingMixers{9.0, 10.0};
+
+  rosflight::sim::Vehicle vehicle_;
   FlightConfig config_;
   Tuning tuning_;
   rosflight_common::LiveParameters<Tuning> parameters_;
   CommandedFlight control_;
+  std::optional<MotorParameters> motors_;
+  std::string motor_fault_;
   autonomy::Status status_{};
   autonomy::multirotor::ControllerCommand given_{};
   std::optional<rclcpp::Time> given_at_;
