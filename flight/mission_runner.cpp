@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "flight/true_state.hpp"
+#include "flight/vehicle/vehicle_setup.hpp"
 
 namespace rosflight::flight {
 namespace {
@@ -188,7 +189,26 @@ void MissionRunner::arm() {
   constexpr double kMaxFixAge_s = 1.0;
   const bool ready = config_.on_truth || (estimate_source_.estimate().usable() &&
                                           estimate_source_.health().gnss_age_s < kMaxFixAge_s);
-  if (status.error_code == 0 && ready) pilot_.set_switch(Control::kArm, true);
+  if (status.error_code != 0 || !ready) return;
+  if (const std::string differing = differing_thrust(); !differing.empty()) {
+    return fail(fmt::format(
+        "no take-off: the firmware has other motor parameters than the vehicle file: {}",
+        differing));
+  }
+  pilot_.set_switch(Control::kArm, true);
+}
+
+/// The throttle of guidance is right for the parameters of the vehicle file alone.
+std::string MissionRunner::differing_thrust() const {
+  std::string out;
+  for (const char* name : kThrustParameters) {
+    const auto found = session_.parameters().get(name);
+    const auto wanted = static_cast<float>(firmware_value(config_.firmware, name));
+    if (found && static_cast<float>(found->number()) == wanted) continue;
+    out += fmt::format("{}{} {} instead of {}", out.empty() ? "" : ", ", name,
+                       found ? found->text() : "unknown", wanted);
+  }
+  return out;
 }
 
 /// The safety pilot holds his throttle stick where it carries the vehicle while the companion flies,

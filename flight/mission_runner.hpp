@@ -88,6 +88,7 @@ class MissionRunner final : private companion::Listener {
   void calibrate();
   void store();
   void arm();
+  std::string differing_thrust() const;
   void fly(const sim::Truth& truth);
   void update_estimate(const sim::Truth& truth);
   void report_estimate();

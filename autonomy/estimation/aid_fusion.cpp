@@ -66,7 +66,7 @@ void AidFusion<kWind>::predict(const ImuBuffer::Segment& segment) {
 
 template <bool kWind>
 template <int kRows>
-bool AidFusion<kWind>::weigh(Aid aid, const Filter::template Residual<kRows>& residual,
+bool AidFusion<kWind>::weigh(Aid aid, const typename Filter::template Residual<kRows>& residual,
                              double gate_sigma) {
   const typename Filter::Verdict verdict = filter_.correct(residual, gate_sigma);
   AidHealth& health = health_.of(aid);

@@ -33,7 +33,7 @@ template <bool kWind>
 class AidFusion {
  public:
   using Filter = ErrorStateEkf<kWind>;
-  using Covariance = Filter::Covariance;
+  using Covariance = typename Filter::Covariance;
 
   /// Takes a copy of the configuration.
   explicit AidFusion(const EstimatorConfig& config) : config_{config} {}
@@ -77,7 +77,7 @@ class AidFusion {
   void fuse(const PitotSample& sample);
   void fuse(const SideslipSample& sample);
   template <int kRows>
-  bool weigh(Aid aid, const Filter::template Residual<kRows>& residual, double gate_sigma);
+  bool weigh(Aid aid, const typename Filter::template Residual<kRows>& residual, double gate_sigma);
   void widen_imu_errors();
   void reset_to_gnss(const Vector3& p_W, const Vector3& v_W);
   Vector3 gnss_lever() const { return config_.gnss_position_B - config_.imu_position_B; }

@@ -26,8 +26,8 @@ void ErrorStateEkf<kWind>::propagate(NominalState& x, const ImuIncrement& u, dou
 }
 
 template <bool kWind>
-ErrorStateEkf<kWind>::Covariance ErrorStateEkf<kWind>::transition(const NominalState& x,
-                                                                  const ImuIncrement& u) {
+typename ErrorStateEkf<kWind>::Covariance ErrorStateEkf<kWind>::transition(const NominalState& x,
+                                                                           const ImuIncrement& u) {
   const double dt = u.dt_s;
   const Vector3 turn = u.dtheta_B - x.gyro_bias_B * dt;
   const Matrix3 R = x.q_WB.toRotationMatrix();
@@ -102,7 +102,7 @@ void ErrorStateEkf<kWind>::predict(const ImuIncrement& u, const ProcessNoise& no
 }
 
 template <bool kWind>
-ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::gnss_position(
+typename ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::gnss_position(
     const NominalState& x, const Vector3& p_W, const Vector3& lever_B) {
   const Matrix3 R = x.q_WB.toRotationMatrix();
   Residual<3> r;
@@ -113,7 +113,7 @@ ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::gnss_position(
 }
 
 template <bool kWind>
-ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::gnss_velocity(
+typename ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::gnss_velocity(
     const NominalState& x, const Vector3& v_W, const Vector3& lever_B, const Vector3& w_raw_B) {
   const Matrix3 R = x.q_WB.toRotationMatrix();
   const Vector3 around_B = (w_raw_B - x.gyro_bias_B).cross(lever_B);
@@ -126,8 +126,8 @@ ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::gnss_velocity(
 }
 
 template <bool kWind>
-ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::baro_height(const NominalState& x,
-                                                                             double height_m) {
+typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::baro_height(
+    const NominalState& x, double height_m) {
   Residual<1> r;
   r.nu(0) = height_m - (x.baro_bias_m - x.p_W.z());
   r.H(0, kPosition + 2) = -1.0;
@@ -141,7 +141,7 @@ ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::baro_height(con
 /// noise would be in both the innovation and H, whose product then has a mean that walks the tilt
 /// away.
 template <bool kWind>
-ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::magnetic_heading(
+typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::magnetic_heading(
     const NominalState& x, const Vector3& field_B, double declination_rad) {
   const Matrix3 R = x.q_WB.toRotationMatrix();
   const Vector3 m = R * field_B;
@@ -155,10 +155,8 @@ ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::magnetic_headin
 }
 
 template <bool kWind>
-ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::range(const NominalState& x,
-                                                                       double range_m,
-                                                                       double ground_up_m,
-                                                                       const Vector3& lever_B) {
+typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::range(
+    const NominalState& x, double range_m, double ground_up_m, const Vector3& lever_B) {
   const Matrix3 R = x.q_WB.toRotationMatrix();
   const Eigen::RowVector3d down = R.row(2);
   const double cosine = down.z();
@@ -173,9 +171,8 @@ ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::range(const Nom
 }
 
 template <bool kWind>
-ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::pitot(const NominalState& x,
-                                                                       double pressure_Pa,
-                                                                       double density_kg_m3) {
+typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::pitot(
+    const NominalState& x, double pressure_Pa, double density_kg_m3) {
   const Vector3 air_B = air_velocity_B(x);
   const double u = air_B.x();
   const double slope = density_kg_m3 * std::abs(u);
@@ -189,8 +186,8 @@ ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::pitot(const Nom
 }
 
 template <bool kWind>
-ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::sideslip(const NominalState& x,
-                                                                          double v_air_y_m_s) {
+typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::sideslip(
+    const NominalState& x, double v_air_y_m_s) {
   const Vector3 air_B = air_velocity_B(x);
   const Eigen::RowVector3d right_W = x.q_WB.toRotationMatrix().col(1).transpose();
   Residual<1> r;
@@ -202,8 +199,8 @@ ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::sideslip(const 
 }
 
 template <bool kWind>
-ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::velocity(const NominalState& x,
-                                                                          const Vector3& v_W) {
+typename ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::velocity(
+    const NominalState& x, const Vector3& v_W) {
   Residual<3> r;
   r.nu = v_W - x.v_W;
   r.H.template block<3, 3>(0, kVelocity).setIdentity();
@@ -224,8 +221,8 @@ NominalState ErrorStateEkf<kWind>::added(const NominalState& x, const Error& dx)
 }
 
 template <bool kWind>
-ErrorStateEkf<kWind>::Error ErrorStateEkf<kWind>::difference(const NominalState& to,
-                                                             const NominalState& from) {
+typename ErrorStateEkf<kWind>::Error ErrorStateEkf<kWind>::difference(const NominalState& to,
+                                                                      const NominalState& from) {
   Error dx;
   dx.template segment<3>(kTheta) = log_rotation(from.q_WB.conjugate() * to.q_WB);
   dx.template segment<3>(kVelocity) = to.v_W - from.v_W;

@@ -54,8 +54,9 @@ class Estimator {
   /// Discards everything but the origin and initialises again.
   void restart();
   /// Starts from a given state at t_s [s], which is the time of the next IMU sample.
-  void start_at(double t_s, const NominalState& state, const Filter::Covariance& covariance,
-                const Geodetic& origin, double pressure_Pa);
+  void start_at(double t_s, const NominalState& state,
+                const typename Filter::Covariance& covariance, const Geodetic& origin,
+                double pressure_Pa);
 
   bool initialised() const { return health().initialised; }
   /// At the newest IMU sample. Before the start: zero, of quality kNone.
@@ -81,7 +82,7 @@ class Estimator {
   void try_start();
   void start(bool on_ground);
   NominalState initial_state(bool on_ground, bool hinted);
-  Filter::Covariance initial_covariance(bool on_ground, bool hinted) const;
+  typename Filter::Covariance initial_covariance(bool on_ground, bool hinted) const;
   double declination(const GnssSample& fix) const;
   Quality aided(double age_s, double good_s) const;
 

@@ -76,8 +76,8 @@ NominalState Estimator<kWind>::initial_state(bool on_ground, bool hinted) {
 }
 
 template <bool kWind>
-Estimator<kWind>::Filter::Covariance Estimator<kWind>::initial_covariance(bool on_ground,
-                                                                          bool hinted) const {
+typename Estimator<kWind>::Filter::Covariance Estimator<kWind>::initial_covariance(
+    bool on_ground, bool hinted) const {
   constexpr double kGroundTilt_rad = 0.03;
   constexpr double kHintTilt_rad = 0.1;
   constexpr double kAirTilt_rad = 0.3;
@@ -125,8 +125,8 @@ void Estimator<kWind>::start(bool on_ground) {
 
 template <bool kWind>
 void Estimator<kWind>::start_at(double t_s, const NominalState& state,
-                                const Filter::Covariance& covariance, const Geodetic& origin,
-                                double pressure_Pa) {
+                                const typename Filter::Covariance& covariance,
+                                const Geodetic& origin, double pressure_Pa) {
   restart();
   fusion_.reference().origin = origin;
   if (config().declination_rad) fusion_.reference().declination_rad = config().declination_rad;

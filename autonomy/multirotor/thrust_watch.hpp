@@ -23,10 +23,11 @@ class ThrustWatch {
   /// Once a step. @param thrust_N  commanded. @param down_m_s  of the state. @returns true once, until reset().
   bool step(double thrust_N, double down_m_s, double dt_s, const ControllerConfig& config) {
     const double weight_N = config.mass_kg * config.gravity_m_s2;
-    const double much_N = std::min(kMuch * weight_N, config.max_thrust_N * (1.0 - kRounding));
+    const double high_thrust_N =
+        std::min(kMuch * weight_N, config.max_thrust_N * (1.0 - kRounding));
     climbing_s_ =
         thrust_N <= kLittle * weight_N && down_m_s < -kSpeed_m_s ? climbing_s_ + dt_s : 0.0;
-    sinking_s_ = thrust_N >= much_N && down_m_s > kSpeed_m_s ? sinking_s_ + dt_s : 0.0;
+    sinking_s_ = thrust_N >= high_thrust_N && down_m_s > kSpeed_m_s ? sinking_s_ + dt_s : 0.0;
     const bool found = !told_ && (climbing_s_ > kClimbing_s || sinking_s_ > kSinking_s);
     told_ = told_ || found;
     return found;

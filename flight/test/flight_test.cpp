@@ -46,6 +46,22 @@ TEST_F(FlightFolder, SameSeedGivesTheSameBytesAnotherSeedOthers) {
   EXPECT_NE(logged(other, "c.mcap").sha256, first.sha256);
 }
 
+/// Somebody changes the throttle's meaning after the vehicle's parameters were loaded.
+TEST(MotorParameters, OthersThanTheVehicleFilesKeepItOnTheGround) {
+  Rig rig{FlightChoice{}};
+  std::optional<companion::Job<companion::ParameterResult>> sent;
+  rig.flight->set_script([&](Flight& flight, sim::Time) {
+    if (flight.runner().stage() != Stage::kStore || sent) return;
+    sent = flight.session().parameters().set("RC_MAX_THR", 0.2);
+  });
+  rig.flight->run();
+  EXPECT_EQ(rig.flight->runner().stage(), Stage::kFailed);
+  EXPECT_EQ(rig.flight->runner().failure(),
+            "no take-off: the firmware has other motor parameters than the vehicle file: "
+            "RC_MAX_THR 0.2 instead of 0.7");
+  EXPECT_TRUE(rig.flight->truth().on_ground);
+}
+
 /// A waypoint on the map is flown to on the map: the estimate counts from the mission's origin, not
 /// from where the first fixes say that the vehicle stands.
 TEST_F(FlightFolder, AMissionWithLatitudesCountsFromTheOriginOfTheMap) {

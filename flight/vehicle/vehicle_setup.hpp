@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <array>
 #include <string>
 
 #include "autonomy/estimation/estimator_config.hpp"
@@ -23,6 +24,12 @@ sim::MultirotorParameters read_rotors(const sim::Vehicle& vehicle);
 /// about motors and propellers comes from the section `rotors`; with `PRIMARY_MIXER: geometry` the
 /// mixer of a multirotor does too (mixer_parameters()): forces in N, torques in N m.
 companion::ParameterSet read_firmware_parameters(const sim::Vehicle& vehicle);
+
+/// The parameters that decide what thrust the firmware makes of a throttle.
+inline constexpr std::array kThrustParameters{"PRIMARY_MIXER",   "USE_MOTOR_PARAM",  "RC_MAX_THR",
+                                              "NUM_MOTORS",      "MOTOR_RESISTANCE", "MOTOR_KV",
+                                              "NO_LOAD_CURRENT", "PROP_DIAMETER",    "PROP_CT",
+                                              "PROP_CQ",         "BATT_VOLT_MAX"};
 
 /// Value a parameter will have with `set` in force.
 double firmware_value(const companion::ParameterSet& set, const std::string& name);

@@ -64,7 +64,7 @@ def test_an_auxiliary_motor_stops_one_second_after_the_companion_fell_silent(tmp
         flight.run_for(0.1)
         flight.auxiliary({AUX_CHANNEL: (AUX_MOTOR, 0.8)})
         flight.run_for(2.5, every_s=0.5, send=flight.heartbeat)  # one command, then any frame of the companion
-        assert auxiliary_output(flight, flight.now_s - 0.3)[-1] == pytest.approx(0.8)
+        assert auxiliary_output(flight, flight.now_s - 0.3)[-1] == pytest.approx(0.8), flight.texts()
         flight.heartbeat()
         silent_s = flight.now_s
         flight.run_for(2.0)

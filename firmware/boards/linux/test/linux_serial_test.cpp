@@ -108,8 +108,13 @@ TEST_P(EveryWire, NeverBlocksAndDropsWholeFramesWhenTheFarEndDoesNotRead) {
     serial_.add_to(set);
     EXPECT_NE(set.back().events & POLLOUT, 0);
   }
-  const Bytes got = pair_.sent(frame.size());
+  Bytes got = pair_.sent(frame.size());
   ASSERT_FALSE(got.empty());
+  // A stream may be read in the middle of a frame; the rest must follow.
+  if (const std::size_t begun = got.size() % frame.size(); begun != 0) {
+    const Bytes rest = pair_.sent(frame.size() - begun);
+    got.insert(got.end(), rest.begin(), rest.end());
+  }
   EXPECT_EQ(got.size() % frame.size(), 0u);
   EXPECT_TRUE(std::all_of(got.begin(), got.end(), [](std::uint8_t b) { return b == 0x5A; }));
 }

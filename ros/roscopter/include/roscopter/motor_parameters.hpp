@@ -11,6 +11,8 @@
 #include <string>
 #include <utility>
 
+#include "flight/vehicle/vehicle_setup.hpp"
+
 namespace roscopter {
 
 /// What the flight controller makes of a throttle: the parameters that decide it, asked for one after the other, for as long as
@@ -19,10 +21,7 @@ class MotorParameters {
  public:
   using Values = std::map<std::string, double>;
 
-  static constexpr std::array kNames{"PRIMARY_MIXER",   "USE_MOTOR_PARAM",  "RC_MAX_THR",
-                                     "NUM_MOTORS",      "MOTOR_RESISTANCE", "MOTOR_KV",
-                                     "NO_LOAD_CURRENT", "PROP_DIAMETER",    "PROP_CT",
-                                     "PROP_CQ",         "BATT_VOLT_MAX"};
+  static constexpr const auto& kNames = rosflight::flight::kThrustParameters;
 
   /// @param changed  called with all of them once all are known, and whenever one is another.
   MotorParameters(rclcpp::Node& node, std::function<void(const Values&)> changed)
