@@ -10,8 +10,11 @@ from ros_rig import ROOT
 def test_a_mission_is_flown_on_a_follower_in_python(tmp_path):
     with Flight("rosflight_examples", "own_follower.launch.xml", tmp_path, mission_file=ROOT / "missions/hop.yaml") as flight:
         flight.set_up()
-        ends = flight.peer.node.get_publishers_info_by_topic("/high_level_command")
-        assert [end.node_name for end in ends] == ["trajectory_follower"]
+
+        def followers():
+            return [end.node_name for end in flight.peer.node.get_publishers_info_by_topic("/high_level_command")]
+        flight.until(followers, "somebody who follows")  # Python starts later than the rest
+        assert followers() == ["trajectory_follower"]
         assert "roscopter/lib" not in flight.process.text() and "roscopter/trajectory_follower" not in flight.process.text()
         flight.take_off()
         flight.until_phase("landed")

@@ -16,7 +16,7 @@ using namespace rosflight_common;
 
 using std::chrono::steady_clock;
 
-/// Simulated time on `clock`, scaled, paused, stepped.
+/// Simulated time on `/clock`, scaled, paused, stepped: one for all vehicles, in whatever namespace it runs.
 ///
 /// Every message moves time on by default_pub_rate_us; the wall time between two is that divided by
 /// the factor. The timer asks the steady clock how many are due, so a late tick is made up and time
@@ -45,7 +45,7 @@ class TimeManager : public rclcpp::Node {
                     });
     const bool paused = declare_switch(*this, "start_paused", false, "wait for toggle_pause");
     publisher_ = create_publisher<rosgraph_msgs::msg::Clock>(
-        "clock", rclcpp::QoS(rclcpp::KeepLast(1)).best_effort());
+        kClock, rclcpp::QoS(rclcpp::KeepLast(1)).best_effort());
     pause_ = create_service<std_srvs::srv::Trigger>(
         "time_manager/toggle_pause",
         [this](const std::shared_ptr<std_srvs::srv::Trigger::Request>,
@@ -75,6 +75,7 @@ class TimeManager : public rclcpp::Node {
   }
 
  private:
+  static constexpr const char* kClock = "/clock";  // where all nodes with use_sim_time look
   static constexpr double kDefaultStep_us = 2500.0;
   static constexpr auto kMaxDelay = std::chrono::milliseconds(50);
   static constexpr auto kJudged = std::chrono::seconds(2);
@@ -167,6 +168,11 @@ class TimeManager : public rclcpp::Node {
 
   void judge(steady_clock::time_point now) {
     if (now - judge_from_ < kJudged) return;
+    if (count_publishers(kClock) > 1)
+      RCLCPP_ERROR(get_logger(),
+                   "found %zu publishers of /clock, allowed one: start other vehicles with "
+                   "time_manager:=false",
+                   count_publishers(kClock));
     const std::chrono::duration<double> wall = now - judge_from_;
     const double reached = static_cast<double>(time_ns_ - judge_time_ns_) * 1e-9 / wall.count();
     if (reached < kHeld * factor_) {

@@ -10,7 +10,7 @@ import time
 import pytest
 from ros_rig import ROOT, free_udp_port
 from rosflight_msgs.msg import PwmOutput, SimState
-from sim_rig import SimPeer, executable, launch, stamp_ns
+from sim_rig import SimPeer, executable, launch, node, stamp_ns
 
 
 def own(tmp_path):
@@ -58,6 +58,27 @@ def test_two_vehicles_have_topics_memories_and_links_of_their_own(tmp_path):
             truth = watcher.listen(SimState, f"/{name}/sim/truth_state")
             watcher.wait(lambda: truth, f"truth of {name}")
             assert (tmp_path / name / "mem.bin").exists()
+
+
+def test_two_vehicles_share_simulated_time(tmp_path):
+    """One time manager, in the namespace of one, for both: neither is left behind, and it says so when there is a second."""
+    file = tmp_path / "two.launch.xml"
+    ports = [free_udp_port() for _ in range(4)]
+    vehicle = """<group><push-ros-namespace namespace="{0}"/>
+      <let name="simulation_port" value="{1}"/><let name="ROS_port" value="{2}"/><let name="time_manager" value="{3}"/>
+      <include file="$(find-pkg-share rosflight_sim)/launch/multirotor_standalone.launch.xml">
+        <arg name="use_sim_time" value="true"/><arg name="viz" value="false"/></include></group>"""
+    file.write_text(f'<launch><let name="memory_folder" value="{tmp_path}"/><let name="real_time_multiplier" value="10.0"/>'
+                    '<let name="wait_for" value="sim/RC /two/sim/truth_state /two/sim/RC"/>'
+                    + vehicle.format("one", *ports[:2], "true") + vehicle.format("two", *ports[2:], "false") + "</launch>")
+    with SimPeer("watcher") as watcher, launch(file) as world:
+        world.until("ready: 15 nodes in ")
+        one, two = (watcher.listen(SimState, f"/{name}/sim/truth_state") for name in ("one", "two"))
+        watcher.wait(lambda: len(one) > 2000 and len(two) > 2000, "five seconds of both")
+        assert abs(stamp_ns(one[-1]) - stamp_ns(two[-1])) < 200e6  # of which the observer's queues are most
+        assert "publishers of /clock" not in world.text()
+        with node("standalone_time_manager", at_launch="another") as another:
+            another.until("publishers of /clock, allowed one")
 
 
 @pytest.mark.parametrize("vehicle", ["anaconda", "aerosonde"])

@@ -142,7 +142,7 @@ class ControllerNode : public rclcpp::Node {
   void fly(const autonomy::StateEstimate& state, wing::Controller::Direct direct, double dt_s,
            Command& out) {
     const bool commanded = fresh(last_command_);
-    const bool taking_off = zone() == ControllerInternals::TAKE_OFF;
+    const bool taking_off = zone() == ControllerInternals::ZONE_TAKE_OFF;
     if (taking_off) {
       direct.max_throttle = std::min(direct.max_throttle, config_.max_takeoff_throttle);
     } else if (commanded) {
@@ -178,15 +178,15 @@ class ControllerNode : public rclcpp::Node {
     switch (phase_->phase) {
       case FlightPhase::DISARMED:
       case FlightPhase::TAKEOFF:
-        return ControllerInternals::TAKE_OFF;
+        return ControllerInternals::ZONE_TAKE_OFF;
       case FlightPhase::CLIMB:
-        return ControllerInternals::CLIMB;
+        return ControllerInternals::ZONE_CLIMB;
       case FlightPhase::MISSION:
       case FlightPhase::LOITER:
       case FlightPhase::RETURN:
-        return ControllerInternals::ALTITUDE_HOLD;
+        return ControllerInternals::ZONE_ALTITUDE_HOLD;
       default:
-        return ControllerInternals::DESCEND;
+        return ControllerInternals::ZONE_DESEND;
     }
   }
 

@@ -98,4 +98,4 @@ def test_a_mission_from_take_off_to_landing(tmp_path):
         assert down.twist.linear.z < 1.5
         assert not any(m.failsafe for m in flight.status)
         assert any(m.offboard and not m.rc_override & OVERRIDE for m in flight.status)
-        assert any(m.alt_zone == ControllerInternals.DESCEND for m in flight.inner)
+        assert any(m.alt_zone == ControllerInternals.ZONE_DESEND for m in flight.inner)

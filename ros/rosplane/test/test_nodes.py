@@ -185,7 +185,7 @@ def test_controller_flies_stops_and_takes_gains(peer, law):
         turning = feed.until(lambda m: m.u[3] > 0.3, "aileron for a turn to the right")
         assert 0.0 < turning.u[0] <= 1.0 and not any(turning.u[6:])
         assert abs(bank_of(feed, lambda m: abs(m.phi_c - math.radians(30.0)) < 1e-3, "the limit of the bank").theta_c) < 0.5
-        assert bank_of(feed, lambda m: True, "a zone").alt_zone == ControllerInternals.ALTITUDE_HOLD
+        assert bank_of(feed, lambda m: True, "a zone").alt_zone == ControllerInternals.ZONE_ALTITUDE_HOLD
 
         assert all(r.successful for r in set_parameters(peer, "controller", max_roll=15.0))
         bank_of(feed, lambda m: abs(m.phi_c - math.radians(15.0)) < 1e-3, "the new limit")
@@ -225,10 +225,10 @@ def test_controller_takes_off_by_itself_without_a_path_manager(peer):
         assert not any(feed.until(lambda m: True, "a command", height=0.0).u)  # nobody wants anything
         feed.also(ControllerCommands, "controller_command", wanted(1.0))
         assert feed.until(lambda m: m.u[0] > 0.5, "take-off", height=0.0, airspeed=5.0).u[0] <= 0.8 + 1e-6
-        assert bank_of(feed, lambda m: True, "a zone", height=0.0).alt_zone == ControllerInternals.TAKE_OFF
-        climb = bank_of(feed, lambda m: m.alt_zone == ControllerInternals.CLIMB, "the climb", height=20.0)
+        assert bank_of(feed, lambda m: True, "a zone", height=0.0).alt_zone == ControllerInternals.ZONE_TAKE_OFF
+        climb = bank_of(feed, lambda m: m.alt_zone == ControllerInternals.ZONE_CLIMB, "the climb", height=20.0)
         assert climb.phi_c == pytest.approx(0.0, abs=0.05)
-        bank_of(feed, lambda m: m.alt_zone == ControllerInternals.ALTITUDE_HOLD and m.phi_c > 0.1, "the course", height=55.0)
+        bank_of(feed, lambda m: m.alt_zone == ControllerInternals.ZONE_ALTITUDE_HOLD and m.phi_c > 0.1, "the course", height=55.0)
 
 
 # ---- estimator -----------------------------------------------------------------------------------

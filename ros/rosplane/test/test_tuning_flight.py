@@ -38,8 +38,8 @@ def test_a_signal_on_the_roll_is_flown(tmp_path):
         assert peer.call(Trigger, "toggle_arm").success
         until(lambda: status[-1].armed, "being armed")
         assert peer.call(Trigger, "toggle_override").success
-        until(lambda: inner and inner[-1].alt_zone == ControllerInternals.CLIMB, "the climb")
-        until(lambda: inner[-1].alt_zone == ControllerInternals.ALTITUDE_HOLD, "the height")
+        until(lambda: inner and inner[-1].alt_zone == ControllerInternals.ZONE_CLIMB, "the climb")
+        until(lambda: inner[-1].alt_zone == ControllerInternals.ZONE_ALTITUDE_HOLD, "the height")
         assert set_parameters(peer, "controller", roll_command_override=True)[0].successful
         assert peer.call(Trigger, "start_continuous_signal").success
         for wanted in (UP, DOWN, UP):
