@@ -326,6 +326,7 @@ void MissionRunner::fly(const sim::Truth& truth) {
   status.armed = fcu.armed;
   status.offboard = fcu.offboard;
   status.rc_override = fcu.rc_override;
+  status.failsafe = fcu.failsafe;
   status.battery_voltage_V = static_cast<double>(session_.streams().battery.value.voltage_V);
   const Guidance::Input in{
       .t_s = sim::to_seconds(now_), .state = estimate_, .status = status, .range_m = range()};

@@ -61,6 +61,7 @@ struct Status {
   bool offboard{};  ///< At least one channel of the offboard command is in force.
   std::uint16_t rc_override{};
   double battery_voltage_V{};  ///< <= 0: unknown, the nominal voltage is assumed.
+  bool failsafe{};  ///< The receiver is lost: the flight controller flies its own command.
 };
 
 }  // namespace rosflight::autonomy

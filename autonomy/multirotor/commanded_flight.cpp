@@ -88,6 +88,7 @@ CommandedFlight::Turn CommandedFlight::begin(const Input& in) {
   attitude_ = AttitudeView(in.state.q_WB);
   pilot_ = PilotOverride::from_word(in.status.rc_override);
   voltage_V_ = in.status.battery_voltage_V;
+  failsafe_ = in.status.failsafe;
   step_ = machine_.step({.t_s = in.t_s,
                          .dt_s = dt_s_,
                          .state = in.state,
@@ -119,7 +120,8 @@ void CommandedFlight::finish(const State& state, const ControllerCommand& comman
   out_.yaw_rate_rad_s = control.yaw_rate_rad_s;
   out_.thrust_N = control.thrust_N;
   const double down_m_s = state.v_W.z();
-  if (pilot_.throttle || !thrust_watch_.step(control.thrust_N, down_m_s, dt_s_, config_)) return;
+  if (pilot_.throttle || failsafe_) return thrust_watch_.interrupt();
+  if (!thrust_watch_.step(control.thrust_N, down_m_s, dt_s_, config_)) return;
   out_.events.add(FlightEventType::kThrustFault, 0, -down_m_s);
   land_ = true;
   apply_config();

@@ -109,6 +109,7 @@ class CommandedFlight {
   PilotOverride pilot_{};
   double dt_s_{};
   double voltage_V_{};
+  bool failsafe_{false};
   double last_t_s_{};
   double last_good_s_{};
   bool started_{false};

@@ -32,6 +32,8 @@ class ThrustWatch {
     told_ = told_ || found;
     return found;
   }
+  /// Somebody else flies: what was seen so far does not count.
+  void interrupt() { climbing_s_ = sinking_s_ = 0.0; }
   bool told() const { return told_; }
   void reset() { *this = ThrustWatch{}; }
 

@@ -175,6 +175,7 @@ class ControllerNode : public rclcpp::Node {
           status_.armed = message->armed;
           status_.offboard = message->offboard;
           status_.rc_override = message->rc_override;
+          status_.failsafe = message->failsafe;
           status_at_ = now();
         });
     battery_sub_ = create_subscription<BatteryStatus>(
