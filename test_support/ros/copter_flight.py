@@ -22,7 +22,7 @@ class Flight:
         self.peer = SimPeer("judge")
         ports = {"simulation_port": free_udp_port(), "ROS_port": free_udp_port()}
         self.process = launch(package, file, use_sim_time="true", real_time_multiplier=FASTEST, viz="false",
-                              memory_folder=folder, wait_for="sim/RC estimated_state judge", **ports, **arguments)
+                              memory_folder=folder, wait_for="sim/RC command judge", **ports, **arguments)
         self.truth = self.peer.listen(SimState, "sim/truth_state", progress="judge")
         self.status = self.peer.listen(Status, "status")
         self.states = self.peer.listen(State, "estimated_state")

@@ -4,8 +4,6 @@
 import math
 import time
 
-from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-from rcl_interfaces.srv import GetParameters, SetParameters
 from ros_rig import ROOT
 from rosflight_msgs.msg import Airspeed, Barometer, Command, GNSS, RCRaw, SimState, Status
 from rosplane_msgs.msg import (ControllerCommands, ControllerInternals, CurrentPath, FlightPhase, MissionSettings, State,
@@ -83,21 +81,3 @@ def falls_silent(received, feed):
         if len(received) == count:
             return True
     return False
-
-
-def set_parameters(peer, name, **values):
-    """Results of setting parameters of a node; numbers as doubles."""
-    def value(given):
-        if isinstance(given, bool):
-            return ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=given)
-        if isinstance(given, str):
-            return ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=given)
-        if isinstance(given, int):
-            return ParameterValue(type=ParameterType.PARAMETER_INTEGER, integer_value=given)
-        return ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=given)
-    new = [Parameter(name=key, value=value(given)) for key, given in values.items()]
-    return peer.call(SetParameters, f"{name}/set_parameters", parameters=new).results
-
-
-def parameter(peer, name, key):
-    return peer.call(GetParameters, f"{name}/get_parameters", names=[key]).values[0]

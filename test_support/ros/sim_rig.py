@@ -11,10 +11,13 @@ import threading
 import time
 
 import rclpy
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_services_default
 from ros_client import ask
 from ros_rig import TIMEOUT_S, PREFIXES, ROOT, stop
+from rosflight_msgs.msg import SimState
 from std_msgs.msg import Header
 
 NEWEST = QoSProfile(depth=1)
@@ -183,3 +186,30 @@ def stamp(message, nanoseconds):
 
 def stamp_ns(message):
     return message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
+
+
+def sim_state(ns, z=0.0):
+    """Level, at rest, `z` [m] below the origin."""
+    message = stamp(SimState(), ns)
+    message.header.frame_id = "NED"
+    message.pose.orientation.w = 1.0
+    message.pose.position.z = z
+    return message
+
+
+def set_parameters(peer, name, **values):
+    """Results of setting parameters of a node; numbers as doubles."""
+    def value(given):
+        if isinstance(given, bool):
+            return ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=given)
+        if isinstance(given, str):
+            return ParameterValue(type=ParameterType.PARAMETER_STRING, string_value=given)
+        if isinstance(given, int):
+            return ParameterValue(type=ParameterType.PARAMETER_INTEGER, integer_value=given)
+        return ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=given)
+    new = [Parameter(name=key, value=value(given)) for key, given in values.items()]
+    return peer.call(SetParameters, f"{name}/set_parameters", parameters=new).results
+
+
+def parameter(peer, name, key):
+    return peer.call(GetParameters, f"{name}/get_parameters", names=[key]).values[0]

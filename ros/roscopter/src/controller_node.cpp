@@ -38,7 +38,7 @@ using std_srvs::srv::Trigger;
 ///
 /// Without State or Status for their timeouts the vehicle is handed to the pilot: one Command with
 /// all entries ignored, then silence. Without commands it holds where it is and lands after
-/// lost_command_land_s. It tells its phase on `flight_phase` and lands by `controller/land`. What a throttle does is read from
+/// lost_command_land_s. It publishes its phase on `flight_phase` and lands by `controller/land`. What a throttle does is read from
 /// the flight controller (MotorParameters): without its parameters, or with ones that cannot carry the vehicle, it does not take
 /// off.
 class ControllerNode : public rclcpp::Node {

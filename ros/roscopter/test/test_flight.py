@@ -6,12 +6,11 @@ import math
 
 import pytest
 from copter_flight import Flight
-from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-from rcl_interfaces.srv import GetParameters, SetParameters
 from roscopter_msgs.msg import ControllerCommand, Waypoint
 from roscopter_msgs.srv import AddWaypoint
 from ros_rig import ROOT
 from rosflight_msgs.srv import ParamFile
+from sim_rig import parameter, set_parameters
 from std_srvs.srv import Trigger
 
 HOP = ROOT / "missions/hop.yaml"
@@ -23,11 +22,6 @@ def flight(tmp_path_factory):
     with Flight("roscopter", "fly.launch.py", tmp_path_factory.mktemp("memory"), mission_file=HOP) as world:
         world.set_up()
         yield world
-
-
-def set_double(flight, node, name, value):
-    new = Parameter(name=name, value=ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=value))
-    return flight.peer.call(SetParameters, f"{node}/set_parameters", parameters=[new]).results[0]
 
 
 def errors(flight):
@@ -77,9 +71,9 @@ def test_a_second_flight_with_waypoints_added_and_gains_changed_in_flight(flight
     flight.take_off()
     flight.until_phase("offboard")
     flight.until(lambda: flight.states[-1].p_n > start[0] + 2.0, "the way to the second waypoint")
-    assert set_double(flight, "path_manager", "max_velocity", 1.0).successful
-    assert set_double(flight, "trajectory_follower", "u_d_kp", 6.0).successful
-    assert peer.call(GetParameters, "trajectory_follower/get_parameters", names=["u_d_kp"]).values[0].double_value == 6.0
+    assert set_parameters(flight.peer, "path_manager", max_velocity=1.0)[0].successful
+    assert set_parameters(flight.peer, "trajectory_follower", u_d_kp=6.0)[0].successful
+    assert parameter(peer, "trajectory_follower", "u_d_kp").double_value == 6.0
     flight.until(lambda: flight.states[-1].p_n > start[0] + 11.0 and not any(flight.setpoints[-1].velocity), "the second waypoint")
     flight.setpoints.clear()
     back = peer.call(AddWaypoint, "path_planner/add_waypoint", wp=waypoint(6.0, 4.0), publish_now=True)

@@ -82,7 +82,6 @@ class TimeManager : public rclcpp::Node {
   /// A pace that nobody holds must not keep services and parameters waiting.
   static constexpr auto kLongestTick = std::chrono::milliseconds(2);
   static constexpr auto kSayAgain = std::chrono::milliseconds(20);
-  static constexpr auto kGiveUp = std::chrono::seconds(1);
   static constexpr double kHeld = 0.98;  ///< Of the factor, to count as held.
 
   std::chrono::nanoseconds wall_period() const {
@@ -92,7 +91,6 @@ class TimeManager : public rclcpp::Node {
   /// Goes on from now at the present pace.
   void start() {
     next_ = steady_clock::now() + wall_period();
-    advanced_ = steady_clock::now();
     judge_from_ = steady_clock::now();
     judge_time_ns_ = time_ns_;
     timer_.reset();
@@ -145,12 +143,13 @@ class TimeManager : public rclcpp::Node {
       advance(0.0);
       said_ = now;
     }
-    if (for_world && now - advanced_ > kGiveUp) {
+    if (!for_world) overdue_.none();
+    if (for_world && overdue_.give_up(now)) {
       follows_ = false;
       waiting_ = for_topics;
       next_ = now;
       RCLCPP_WARN(get_logger(), "no sim/truth_state for %ld s: time goes on without it",
-                  static_cast<long>(kGiveUp.count()));
+                  static_cast<long>(Overdue::kGiveUp.count()));
     }
     return waiting_;
   }
@@ -160,7 +159,7 @@ class TimeManager : public rclcpp::Node {
     if (now - next_ > kMaxDelay) next_ = now;
     while (next_ <= now && !must_wait(now) && steady_clock::now() - now < kLongestTick) {
       advance(step_us_);
-      advanced_ = said_ = now;
+      said_ = now;
       next_ += wall_period();
     }
     judge(now);
@@ -196,7 +195,7 @@ class TimeManager : public rclcpp::Node {
   std::int64_t followed_ns_{0};
   std::int64_t time_ns_{0};
   steady_clock::time_point next_;
-  steady_clock::time_point advanced_;
+  Overdue overdue_;  ///< The world.
   steady_clock::time_point said_;
   steady_clock::time_point judge_from_;
   std::int64_t judge_time_ns_{0};

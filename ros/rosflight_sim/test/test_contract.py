@@ -11,13 +11,12 @@ import pytest
 from sim_contract import MODULES, check_headers, check_module
 from geometry_msgs.msg import Vector3Stamped, WrenchStamped
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-from rcl_interfaces.srv import GetParameters, SetParameters
+from rcl_interfaces.srv import SetParameters
 from ros_rig import free_udp_port
 from rosflight_msgs.msg import PwmOutput, RCRaw, SimState
 from rosflight_msgs.srv import SetSimState
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import Imu
-from sim_rig import ALL, ALL_BEST_EFFORT, BEST_EFFORT, LATCHED, VEHICLE, Process, SimPeer, node, stamp, stamp_ns
+from sim_rig import ALL, BEST_EFFORT, LATCHED, VEHICLE, Process, SimPeer, node, parameter, set_parameters, sim_state, stamp, stamp_ns
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker
@@ -25,23 +24,6 @@ from visualization_msgs.msg import Marker
 TICK_NS = 2_500_000
 START_NS = 100_000_000_000
 GRAVITY = 9.80665  # of vehicles/multirotor.yaml
-
-
-def state(ns, z=0.0, **rates):
-    message = stamp(SimState(), ns)
-    message.header.frame_id = "NED"
-    message.pose.orientation.w = 1.0
-    message.pose.position.z = z
-    return message
-
-
-def parameter(peer, node_name, name):
-    return peer.call(GetParameters, f"{node_name}/get_parameters", names=[name]).values[0].double_value
-
-
-def set_double(peer, node_name, name, value):
-    new = Parameter(name=name, value=ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=value))
-    return peer.call(SetParameters, f"{node_name}/set_parameters", parameters=[new]).results[0]
 
 
 # ---- forces and moments --------------------------------------------------------------------------
@@ -101,7 +83,7 @@ def test_forces(peer, make):
         assert world.settle(1400, 1400, 1600, 1600).torque.x > 0.5  # left side up: right wing down
         assert world.settle(1600, 1400, 1400, 1600).torque.y > 0.5  # front up: nose up
         assert world.settle(1600, 1400, 1600, 1400).torque.z > 0.05  # nose right
-        falling = state(world.ns)
+        falling = sim_state(world.ns)
         falling.twist.linear.x = 10.0
         world.truth.publish(falling)
         peer.poll(lambda: world.step(1000, 1000, 1000, 1000).wrench.force.x < -0.5, "drag at 10 m/s")
@@ -117,16 +99,16 @@ def test_forces_have_the_thrust_of_the_reference(peer, throttle, thrust_N):
         pulse = round(1000 + 1000 * throttle)
         assert world.settle(pulse, pulse, pulse, pulse).force.z == pytest.approx(-4 * thrust_N, rel=1e-3)
         if throttle == 0.5:
-            assert set_double(peer, "multirotor_forces_and_moments", "rho", 2.45).successful  # live
+            assert set_parameters(peer, "multirotor_forces_and_moments", rho=2.45)[0].successful  # live
             assert world.settle(pulse, pulse, pulse, pulse).force.z < -1.3 * 4 * thrust_N
-            assert not set_double(peer, "multirotor_forces_and_moments", "CT_0", -0.5).successful
-            assert not set_double(peer, "multirotor_forces_and_moments", "rho", -1.0).successful
+            assert not set_parameters(peer, "multirotor_forces_and_moments", CT_0=-0.5)[0].successful
+            assert not set_parameters(peer, "multirotor_forces_and_moments", rho=-1.0)[0].successful
 
 
 def test_forces_refuse_a_truth_that_is_none(peer):
     with ours() as forces:
         world = Wrenches(peer)
-        bad = state(world.ns)
+        bad = sim_state(world.ns)
         bad.twist.linear.x = math.nan
         peer.poll(lambda: world.truth.publish(bad) or "not finite" in forces.text(), "a warning")
         assert math.isfinite(world.step(1500, 1500, 1500, 1500).wrench.force.x)
@@ -184,7 +166,7 @@ def test_dynamics(peer, body):
 
 
 def test_a_body_falls_and_turns_as_newton_says(body):
-    assert body.put(state(0, z=-100.0)).success
+    assert body.put(sim_state(0, z=-100.0)).success
     first = body.step().pose.position.z
     for _ in range(400):
         last = body.step(roll_Nm=0.08)  # inertia 0.08 kg m^2: 1 rad/s^2
@@ -196,7 +178,7 @@ def test_a_body_falls_and_turns_as_newton_says(body):
 
 
 def test_a_hovering_body_stays(body):
-    assert body.put(state(0, z=-10.0)).success
+    assert body.put(sim_state(0, z=-10.0)).success
     for _ in range(100):
         last = body.step(up_N=3.5 * GRAVITY)
     assert last.pose.position.z == pytest.approx(-10.0, abs=1e-9)
@@ -204,8 +186,8 @@ def test_a_hovering_body_stays(body):
 
 def test_mass_and_wind_change_live_and_nonsense_is_refused(peer, body):
     def put(name, value):
-        return set_double(peer, "standalone_dynamics", name, value)
-    assert body.put(state(0, z=-100.0)).success
+        return set_parameters(peer, "standalone_dynamics", **{name: value})[0]
+    assert body.put(sim_state(0, z=-100.0)).success
     assert put("mass", 7.0).successful
     body.step()
     start = body.step().twist.linear.z
@@ -215,7 +197,7 @@ def test_mass_and_wind_change_live_and_nonsense_is_refused(peer, body):
     refused = put("Jxx", 5.0)  # more than the other two moments together
     assert not refused.successful and "inertia" in refused.reason
     assert not put("mass", -1.0).successful
-    assert parameter(peer, "standalone_dynamics", "mass") == 7.0
+    assert parameter(peer, "standalone_dynamics", "mass").double_value == 7.0
 
     def wind(**values):
         kinds = {bool: "bool_value", list: "double_array_value"}
@@ -236,26 +218,26 @@ def test_mass_and_wind_change_live_and_nonsense_is_refused(peer, body):
 
 
 def test_states_that_cannot_be_are_refused_and_zeros_mean_the_start(body):
-    bad = state(0, z=-10.0)
+    bad = sim_state(0, z=-10.0)
     bad.twist.linear.x = math.nan
     answer = body.put(bad)
     assert not answer.success and "NaN" in answer.message
-    no_rotation = state(0, z=-10.0)
+    no_rotation = sim_state(0, z=-10.0)
     no_rotation.pose.orientation.w = 0.0
     assert not body.put(no_rotation).success
-    assert not body.put(state(0, z=3.0)).success  # under ground
+    assert not body.put(sim_state(0, z=3.0)).success  # under ground
     start = body.step().pose.position.z
-    assert body.put(state(0, z=-10.0)).success
+    assert body.put(sim_state(0, z=-10.0)).success
     assert body.step().pose.position.z == pytest.approx(-10.0, abs=0.01)
-    assert body.put(state(0)).success
+    assert body.put(sim_state(0)).success
     assert body.step().pose.position.z == pytest.approx(start, abs=0.01)
-    assert body.put(state(0, z=-10.0)).success
+    assert body.put(sim_state(0, z=-10.0)).success
     assert body.peer.call(Trigger, "dynamics/reset").success
     assert body.step().pose.position.z == pytest.approx(start, abs=0.01)
 
 
 def test_wrenches_that_are_none_are_refused_and_a_gap_is_bounded(peer, body):
-    assert body.put(state(0, z=-100.0)).success
+    assert body.put(sim_state(0, z=-100.0)).success
     before = body.step()
     bad = stamp(WrenchStamped(), body.ns + 1)
     bad.wrench.force.x = math.inf
@@ -281,7 +263,7 @@ class Instruments:
 
     def _send(self, z=0.0):
         self.ns += TICK_NS
-        message = state(self.ns, z)
+        message = sim_state(self.ns, z)
         self.truth.publish(message)
 
     def step(self, z=0.0):
@@ -302,7 +284,7 @@ def test_sensors(peer):
         for _ in range(400 * seconds):
             world.step()
         for topic, out in MODULES["sensors"].outputs.items():
-            rate_Hz = parameter(peer, "standalone_sensors", out.rate_Hz)
+            rate_Hz = parameter(peer, "standalone_sensors", out.rate_Hz).double_value
             assert rate_Hz > 0
             peer.poll(lambda h=world.received[topic], r=rate_Hz: abs(len(h) - r * seconds) <= 1, f"{rate_Hz} Hz of {topic}")
             stamps = check_headers(world.received[topic], out)
@@ -327,9 +309,9 @@ def test_sensor_readings_follow_their_parameters_live(peer):
             mean = sum(rates) / len(rates)
             return math.sqrt(sum((rate - mean)**2 for rate in rates) / len(rates))
         assert spread() == pytest.approx(0.5, rel=0.2)
-        assert set_double(peer, "standalone_sensors", "gyro_stdev", 0.01).successful
-        assert set_double(peer, "standalone_sensors", "baro_update_frequency", 20.0).successful
-        assert not set_double(peer, "standalone_sensors", "baro_update_frequency", -1.0).successful
+        assert set_parameters(peer, "standalone_sensors", gyro_stdev=0.01)[0].successful
+        assert set_parameters(peer, "standalone_sensors", baro_update_frequency=20.0)[0].successful
+        assert not set_parameters(peer, "standalone_sensors", baro_update_frequency=-1.0)[0].successful
         for received in world.received.values():
             received.clear()
         for _ in range(400):
@@ -432,81 +414,6 @@ def test_manager_steps_at_its_rate_in_simulated_time(peer):
         assert run.count == 100
 
 
-def test_time(peer):
-    with node("standalone_time_manager", at_launch="standalone_time_manager", start_paused="true",
-              single_step_us=2500.0, default_pub_rate_us=1250.0) as process:
-        check_module(peer, "time")
-        received = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
-
-        def now_ns():
-            return received[-1].clock.sec * 1_000_000_000 + received[-1].clock.nanosec if received else -1
-        peer.wait(lambda: received, "time, which is told again and again while it stands")
-        first = int(peer.call(Trigger, "time_manager/take_step").message.split()[2])
-        for count in range(1, 11):
-            answer = peer.call(Trigger, "time_manager/take_step")
-            assert answer.success and int(answer.message.split()[2]) == first + count * TICK_NS
-        peer.wait(lambda: now_ns() == first + 10 * TICK_NS, "the last step")
-        assert peer.call(Trigger, "time_manager/toggle_pause").message == "running"
-        peer.wait(lambda: now_ns() > first + 1_000_000_000, "time to run")
-        refused = peer.call(Trigger, "time_manager/take_step")
-        assert not refused.success and "paused" in refused.message
-        assert peer.call(Trigger, "time_manager/toggle_pause").message == "paused"
-        times = [m.clock.sec * 1_000_000_000 + m.clock.nanosec for m in received]
-        assert all(later >= earlier for earlier, later in zip(times, times[1:]))
-        assert all(m.clock.nanosec < 1_000_000_000 for m in received)
-        # A factor that the world does not hold is reported with what is reached.
-        truth = peer.publisher(SimState, "sim/truth_state", ALL)
-        assert set_double(peer, "standalone_time_manager", "real_time_multiplier", 100.0).successful
-        peer.call(Trigger, "time_manager/toggle_pause")
-
-        def behind():
-            truth.publish(state(now_ns()))
-            return "cannot hold real_time_multiplier 100.00: time runs at " in process.text()
-        peer.poll(behind, "the warning of a slow world")
-        assert not set_double(peer, "standalone_time_manager", "real_time_multiplier", 0.0).successful
-
-
-def test_time_waits_for_a_topic_that_is_due(peer):
-    """It stops a lag after the next stamp is due, goes on with the message, and after a second without one."""
-    lag_ns, step_ns, apart_ns = 5_000_000, 2_500_000, 20_000_000
-    with node("standalone_time_manager", at_launch="standalone_time_manager", wait_for="follower") as process:
-        received = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
-        follower = peer.publisher(Imu, "follower", ALL)
-        peer.wait(lambda: received, "time")
-        peer.poll(lambda: follower.get_subscription_count() > 0, "the time manager at the topic")
-
-        def now_ns():
-            return received[-1].clock.sec * 1_000_000_000 + received[-1].clock.nanosec
-
-        def say(at_ns):
-            follower.publish(stamp(Imu(), at_ns))
-        at_ns = now_ns()
-        say(at_ns)
-        for message in range(1, 30):
-            due_ns = at_ns + (apart_ns if message > 1 else 0)
-            peer.wait(lambda due=due_ns: now_ns() > due, "time to run up to the next message")
-            time.sleep(0.03)  # in which it would run on by 30 ms
-            assert now_ns() <= due_ns + lag_ns + step_ns
-            at_ns += apart_ns
-            say(at_ns)
-        peer.wait(lambda: now_ns() > at_ns + apart_ns, "time to run on")
-        before = now_ns()
-        process.until("no /follower for 1 s: time goes on without it")
-        peer.wait(lambda: now_ns() > before + 500_000_000, "time without the follower")
-
-
-def test_scaled_time_has_the_factor(peer):
-    """Judged by the node's own clock against the wall between two of its messages; a busy machine only makes it slower."""
-    with node("standalone_time_manager", at_launch="standalone_time_manager", real_time_multiplier=0.25):
-        received = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
-        peer.wait(lambda: received, "time")
-        start, first = time.monotonic(), received[-1]
-        peer.wait(lambda: received[-1].clock.sec - first.clock.sec >= 1, "a second")
-        elapsed = time.monotonic() - start
-        passed = received[-1].clock.sec - first.clock.sec + 1e-9 * (received[-1].clock.nanosec - first.clock.nanosec)
-        assert passed <= 0.26 * elapsed + 0.02
-
-
 # ---- display -------------------------------------------------------------------------------------
 
 
@@ -523,7 +430,7 @@ def test_display(namespace, prefix):
         def send():
             nonlocal ns
             ns += TICK_NS
-            truth.publish(state(ns, z=-5.0))
+            truth.publish(sim_state(ns, z=-5.0))
         peer.introduce(send, moving, "sim/truth_state")
         peer.wait(lambda: fixed, "fixed frames")
         peer.poll(lambda: [send() for _ in range(4)] and (len(moving) >= 5 and len(mesh) >= 2 and len(path) >= 2), "display")

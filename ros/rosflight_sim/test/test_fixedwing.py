@@ -7,12 +7,10 @@ import math
 
 import pytest
 from geometry_msgs.msg import WrenchStamped
-from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-from rcl_interfaces.srv import SetParameters
 from ros_rig import ROOT, free_udp_port
 from rosflight_msgs.msg import Command, PwmOutput, SimState, Status
 from sim_contract import MODULES, check_headers, check_module
-from sim_rig import SimPeer, launch, node, stamp, stamp_ns
+from sim_rig import SimPeer, launch, node, set_parameters, stamp, stamp_ns
 from std_srvs.srv import Trigger
 
 VEHICLE = ROOT / "vehicles/anaconda.yaml"
@@ -71,11 +69,6 @@ class Tunnel:
         self.peer.poll(lambda: self.step().wrench.force.z < -1.0, "lift")
 
 
-def set_double(peer, name, value):
-    new = Parameter(name=name, value=ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=value))
-    return peer.call(SetParameters, f"{NODE}/set_parameters", parameters=[new]).results[0]
-
-
 def test_contract(peer):
     with forces():
         check_module(peer, MODULE)
@@ -112,13 +105,13 @@ def test_parameters_change_live_and_nonsense_is_refused(peer):
         tunnel = Tunnel(peer)
         tunnel.fly(15.0, 0.0)
         before = tunnel.settle().force.z
-        assert set_double(peer, "C_L_O", 1.012).successful  # twice the lift without an angle of attack
+        assert set_parameters(peer, NODE, C_L_O=1.012)[0].successful  # twice the lift without an angle of attack
         assert tunnel.settle().force.z == pytest.approx(2 * before, rel=0.02)
-        assert set_double(peer, "C_ell_O", 0.01).successful
+        assert set_parameters(peer, NODE, C_ell_O=0.01)[0].successful
         assert tunnel.settle().torque.x > 0.5
-        refused = set_double(peer, "wing_s", -1.0)
+        refused = set_parameters(peer, NODE, wing_s=-1.0)[0]
         assert not refused.successful and refused.reason
-        refused = set_double(peer, "servo_tau", 0.001)  # in range, but steps are too long for it
+        refused = set_parameters(peer, NODE, servo_tau=0.001)[0]  # in range, but steps are too long for it
         assert not refused.successful and "time_constant_s" in refused.reason
         assert tunnel.settle().force.z == pytest.approx(2 * before, rel=0.02)
 

@@ -4,11 +4,10 @@ was is judged from outside, by the truth; on the way a gain is changed and takes
 
 import math
 
-from plane_rig import set_parameters
 from ros_rig import ROOT, free_udp_port
 from rosflight_msgs.msg import Command, SimState, Status
 from rosplane_msgs.msg import ControllerInternals, FlightPhase, State
-from sim_rig import SimPeer, launch, stamp_ns
+from sim_rig import SimPeer, launch, set_parameters, stamp_ns
 from std_srvs.srv import Trigger
 
 FASTEST = "10.0"  # more than this machine holds: as fast as it can, and time waits for the world
@@ -24,7 +23,7 @@ class Flight:
     def __init__(self, folder, mission):
         ports = {"simulation_port": free_udp_port(), "ROS_port": free_udp_port()}
         self.peer = SimPeer("judge")
-        self.world = launch("rosplane", "fly.launch.xml", use_sim_time="true", real_time_multiplier=FASTEST, viz="false", wait_for="sim/RC estimated_state judge",
+        self.world = launch("rosplane", "fly.launch.xml", use_sim_time="true", real_time_multiplier=FASTEST, viz="false", wait_for="sim/RC flight_phase command judge",
                             memory_folder=folder, mission_file=mission, **ports)
         listen = self.peer.listen
         self.truth, self.status = listen(SimState, "sim/truth_state", progress="judge"), listen(Status, "status")
@@ -90,7 +89,7 @@ def test_a_mission_from_take_off_to_landing(tmp_path):
         seen = {m.phase for m in flight.phases}
         assert {FlightPhase.TAKEOFF, FlightPhase.CLIMB, FlightPhase.MISSION, FlightPhase.APPROACH, FlightPhase.FLARE,
                 FlightPhase.ROLLOUT, FlightPhase.LANDED} <= seen
-        assert not seen & {FlightPhase.LOITER, FlightPhase.GLIDE}
+        assert not seen & {FlightPhase.LOITER, FlightPhase.GLIDE}, flight.world.text()[-4000:]
         # It came down where it was meant to, softly.
         flare = next(stamp_ns(m) for m in flight.phases if m.phase == FlightPhase.FLARE)
         down = next(m for m in flight.truth if stamp_ns(m) > flare and m.pose.position.z > -0.25)

@@ -4,14 +4,14 @@
 import math
 
 import pytest
-from plane_rig import falls_silent, now_ns, set_parameters, start, state
+from plane_rig import falls_silent, now_ns, start, state
 from ros_rig import ROOT
 from rosflight_msgs.msg import Command, Status
 from rosflight_msgs.srv import ParamFile
 from rosgraph_msgs.msg import Clock
 from rosplane_msgs.msg import CurrentPath, FlightPhase, MissionSettings, State, Waypoint
 from rosplane_msgs.srv import AddWaypoint
-from sim_rig import ALL_BEST_EFFORT, LATCHED, NEWEST, SimPeer, stamp
+from sim_rig import ALL_BEST_EFFORT, LATCHED, NEWEST, SimPeer, set_parameters, stamp
 from std_srvs.srv import Trigger
 
 MISSIONS = ROOT / "missions"

@@ -5,13 +5,13 @@ import math
 import subprocess
 
 import pytest
-from plane_rig import NODES, VEHICLE, WITHOUT_VEHICLE, falls_silent, now_ns, parameter, set_parameters, start, state
+from plane_rig import NODES, VEHICLE, WITHOUT_VEHICLE, falls_silent, now_ns, start, state
 from ros_rig import ROOT
 from rosflight_msgs.msg import Airspeed, Barometer, Command, GNSS, RCRaw, SimState, Status
 from rosplane_msgs.msg import ControllerCommands, ControllerInternals, CurrentPath, FlightPhase, State
 from sensor_msgs.msg import Imu, MagneticField
 from sim_contract import check_module
-from sim_rig import ALL, NEWEST, executable, stamp, stamp_ns
+from sim_rig import ALL, NEWEST, executable, parameter, set_parameters, stamp, stamp_ns
 from std_srvs.srv import Trigger
 
 NAN = math.nan

@@ -4,11 +4,11 @@ roll is followed. Nothing of guidance runs."""
 
 import math
 
-from plane_rig import VEHICLE, set_parameters
+from plane_rig import VEHICLE
 from ros_rig import free_udp_port
 from rosflight_msgs.msg import Status
 from rosplane_msgs.msg import ControllerInternals, State
-from sim_rig import Process, SimPeer, executable, launch
+from sim_rig import Process, SimPeer, executable, launch, set_parameters
 from std_srvs.srv import Trigger
 
 LONG_S = 300.0

@@ -16,13 +16,34 @@
 
 namespace rosflight_sim {
 
-/// Topics that simulated time must not leave behind: who publishes them has dealt with the world up to their stamps.
-///
-/// Any type whose first field is a std_msgs/Header. A topic counts from its first message. One without a message for
-/// kGiveUp while time waits for it counts no more, until the next.
-class WaitedTopics {
+/// How long something is overdue, in wall time that this program had: two looks count as kLongestGap apart at most, so a
+/// machine that stood still gives nobody up.
+class Overdue {
  public:
   using Wall = std::chrono::steady_clock;
+  static constexpr std::chrono::seconds kGiveUp{2};
+
+  void none() { sum_ = {}, last_.reset(); }
+  /// Whether it has been overdue at looks for kGiveUp together since none().
+  bool give_up(Wall::time_point now) {
+    if (last_) sum_ += std::min<Wall::duration>(now - *last_, kLongestGap);
+    last_ = now;
+    return sum_ >= kGiveUp;
+  }
+
+ private:
+  static constexpr auto kLongestGap = std::chrono::milliseconds(50);
+  Wall::duration sum_{};
+  std::optional<Wall::time_point> last_;
+};
+
+/// Topics that simulated time must not leave behind: who publishes them has dealt with the world up to their stamps.
+///
+/// Any type whose first field is a std_msgs/Header. A topic counts from its first message. One that is Overdue for too long
+/// counts no more, until the next message.
+class WaitedTopics {
+ public:
+  using Wall = Overdue::Wall;
 
   /// @param names    separated by spaces, as a node's topics are named. @param on_message  called after each
   /// message.
@@ -44,19 +65,16 @@ class WaitedTopics {
     bool any = false;
     for (Topic& topic : topics_) {
       if (!topic.counts || time_ns - *topic.stamp_ns - topic.period_ns <= lag_ns) continue;
-      if (now - topic.received < kGiveUp) {
-        any = true;
-        continue;
-      }
-      topic.counts = false;
-      RCLCPP_WARN(node_.get_logger(), "no %s for %ld s: time goes on without it",
-                  topic.name.c_str(), static_cast<long>(kGiveUp.count()));
+      topic.counts = !topic.overdue.give_up(now);
+      any = any || topic.counts;
+      if (!topic.counts)
+        RCLCPP_WARN(node_.get_logger(), "no %s for %ld s: time goes on without it",
+                    topic.name.c_str(), static_cast<long>(Overdue::kGiveUp.count()));
     }
     return any;
   }
 
  private:
-  static constexpr auto kGiveUp = std::chrono::seconds(1);
   static constexpr std::int64_t kLongestPeriod_ns = 250'000'000;
   static constexpr std::int64_t kForgetting = 64;
 
@@ -65,7 +83,7 @@ class WaitedTopics {
     std::shared_ptr<rclcpp::SubscriptionBase> subscription;
     std::optional<std::int64_t> stamp_ns;
     std::int64_t period_ns;
-    Wall::time_point received;
+    Overdue overdue;
     bool counts;
   };
 
@@ -97,12 +115,12 @@ class WaitedTopics {
     topic.period_ns = std::max(std::clamp<std::int64_t>(apart_ns, 0, kLongestPeriod_ns),
                                topic.period_ns - topic.period_ns / kForgetting);
     topic.stamp_ns = stamp_ns;
-    topic.received = Wall::now();
+    topic.overdue.none();
     topic.counts = true;
     on_message_();
   }
 
-  /// Of the header that a message begins with, after four bytes that tell the order of the others (CDR, OMG formal/2022-12-01,
+  /// Of the header that a message begins with, after four bytes that encode the order of the others (CDR, OMG formal/2022-12-01,
   /// section 10).
   static std::optional<std::int64_t> stamp_of(const rcl_serialized_message_t& bytes) {
     constexpr std::size_t kStampAt = 4;
