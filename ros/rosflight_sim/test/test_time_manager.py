@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The time manager by itself: its rate and factor, pause and steps, and whom time waits for."""
+
+import os
+import signal
+import time
+
+from rosflight_msgs.msg import SimState
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Imu
+from sim_contract import check_module
+from sim_rig import ALL, ALL_BEST_EFFORT, SimPeer, node, set_parameters, sim_state, stamp
+from std_srvs.srv import Trigger
+
+TICK_NS = 2_500_000
+
+
+def test_time(peer):
+    with node("standalone_time_manager", at_launch="standalone_time_manager", start_paused="true",
+              single_step_us=2500.0, default_pub_rate_us=1250.0) as process:
+        check_module(peer, "time")
+        received = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
+
+        def now_ns():
+            return received[-1].clock.sec * 1_000_000_000 + received[-1].clock.nanosec if received else -1
+        peer.wait(lambda: received, "time, which is told again and again while it stands")
+        first = int(peer.call(Trigger, "time_manager/take_step").message.split()[2])
+        for count in range(1, 11):
+            answer = peer.call(Trigger, "time_manager/take_step")
+            assert answer.success and int(answer.message.split()[2]) == first + count * TICK_NS
+        peer.wait(lambda: now_ns() == first + 10 * TICK_NS, "the last step")
+        assert peer.call(Trigger, "time_manager/toggle_pause").message == "running"
+        peer.wait(lambda: now_ns() > first + 1_000_000_000, "time to run")
+        refused = peer.call(Trigger, "time_manager/take_step")
+        assert not refused.success and "paused" in refused.message
+        assert peer.call(Trigger, "time_manager/toggle_pause").message == "paused"
+        times = [m.clock.sec * 1_000_000_000 + m.clock.nanosec for m in received]
+        assert all(later >= earlier for earlier, later in zip(times, times[1:]))
+        assert all(m.clock.nanosec < 1_000_000_000 for m in received)
+        # A factor that the world does not hold is reported with what is reached.
+        truth = peer.publisher(SimState, "sim/truth_state", ALL)
+        assert set_parameters(peer, "standalone_time_manager", real_time_multiplier=100.0)[0].successful
+        peer.call(Trigger, "time_manager/toggle_pause")
+
+        def behind():
+            truth.publish(sim_state(now_ns()))
+            return "cannot hold real_time_multiplier 100.00: time runs at " in process.text()
+        peer.poll(behind, "the warning of a slow world")
+        assert not set_parameters(peer, "standalone_time_manager", real_time_multiplier=0.0)[0].successful
+
+
+def test_time_waits_for_a_topic_that_is_due(peer):
+    """It stops a lag after the next stamp is due, goes on with the message, and after two seconds without one; seconds in which the
+    machine stood still do not count."""
+    lag_ns, step_ns, apart_ns = 5_000_000, 2_500_000, 20_000_000
+    with node("standalone_time_manager", at_launch="standalone_time_manager", wait_for="follower") as process:
+        received = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
+        follower = peer.publisher(Imu, "follower", ALL)
+        peer.wait(lambda: received, "time")
+        peer.poll(lambda: follower.get_subscription_count() > 0, "the time manager at the topic")
+
+        def now_ns():
+            return received[-1].clock.sec * 1_000_000_000 + received[-1].clock.nanosec
+
+        def say(at_ns):
+            follower.publish(stamp(Imu(), at_ns))
+        at_ns = now_ns()
+        say(at_ns)
+        for message in range(1, 30):
+            due_ns = at_ns + (apart_ns if message > 1 else 0)
+            peer.wait(lambda due=due_ns: now_ns() > due, "time to run up to the next message")
+            time.sleep(0.03)  # in which it would run on by 30 ms
+            assert now_ns() <= due_ns + lag_ns + step_ns
+            at_ns += apart_ns
+            say(at_ns)
+        peer.wait(lambda: now_ns() > at_ns + apart_ns, "time to run on")
+        before = now_ns()
+        os.kill(process.process.pid, signal.SIGSTOP)
+        time.sleep(3.0)
+        os.kill(process.process.pid, signal.SIGCONT)
+        time.sleep(0.5)
+        given_up = "no /follower for 2 s: time goes on without it"
+        assert given_up not in process.text() and now_ns() <= at_ns + apart_ns + lag_ns + step_ns
+        process.until(given_up)
+        peer.wait(lambda: now_ns() > before + 500_000_000, "time without the follower")
+
+
+def test_scaled_time_has_the_factor(peer):
+    """Judged by the node's own clock against the wall between two of its messages; a busy machine only makes it slower."""
+    with node("standalone_time_manager", at_launch="standalone_time_manager", real_time_multiplier=0.25):
+        received = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
+        peer.wait(lambda: received, "time")
+        start, first = time.monotonic(), received[-1]
+        peer.wait(lambda: received[-1].clock.sec - first.clock.sec >= 1, "a second")
+        elapsed = time.monotonic() - start
+        passed = received[-1].clock.sec - first.clock.sec + 1e-9 * (received[-1].clock.nanosec - first.clock.nanosec)
+        assert passed <= 0.26 * elapsed + 0.02
