@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Builds the packages under ros/ with colcon into build/ros, or tells that nothing changed."""
+"""Builds the packages under ros/ with colcon into build/ros, or tells that nothing changed. With --rclcpp first that, from source."""
 
 import hashlib
 import re
@@ -11,7 +11,7 @@ from pathlib import Path
 
 import project
 from project import ROOT
-from ros_environment import PLACE, Environment
+from ros_environment import Environment
 
 SOURCES, STAND_INS = "ros", "ros_standin"
 # The stand-ins hold a file COLCON_IGNORE, so that a plain colcon build on a ROS installation never
@@ -48,9 +48,10 @@ def name_in(manifest: Path) -> str:
     return re.search(r"<name>\s*([\w-]+)\s*</name>", manifest.read_text())[1]
 
 
-def build(environment: Environment, packages: list[str] = (), place: Path = PLACE,
+def build(environment: Environment, packages: list[str] = (), place: Path | None = None,
           sanitize: bool = False) -> bool:
     """Builds all packages, or those named and what they need. False: failed, and why was said."""
+    place = place or environment.place
     packages = sorted({_known(name) for name in packages})
     every, stamp = place / "stamp_", place / ("stamp_" + "_".join(packages))
     state = _state(environment, sanitize)
@@ -62,7 +63,16 @@ def build(environment: Environment, packages: list[str] = (), place: Path = PLAC
     if _need_libraries(packages) and not project.build("release", "rosflight_libraries"):
         return False
     _remove_moved(place / "build")
-    if not _colcon(environment, packages, place, sanitize):
+    if environment.rclcpp and not _build_underlay(environment):
+        return False
+    folders = [SOURCES]
+    if environment.rclcpp:
+        folders += [f"{STAND_INS}/tf2_msgs"]
+    elif environment.installed is None:
+        folders += [STAND_INS]
+    print(f"rosflight: building ros/ against {environment.rclcpp or environment.installed or 'the wheels in .venv-ros'}",
+          file=sys.stderr)
+    if not _colcon(environment, [str(ROOT / folder) for folder in folders], packages, place, _flags(sanitize)):
         return False
     stamp.write_text(state)  # of before: a change while it was built counts as new
     return True
@@ -123,7 +133,26 @@ def _library_folders() -> list[str]:
                                         "autonomy", "messages", "log", "flight/vehicle")]
 
 
-def _colcon(environment: Environment, packages, place: Path, sanitize: bool) -> bool:
+def _build_underlay(environment: Environment) -> bool:
+    """The packages in the folder of --rclcpp, without their tests; again when a file of them changes."""
+    place = environment.underlay
+    stamp = place / "stamp"
+    state = "".join(sorted(f"{path} {path.stat().st_mtime_ns}\n"
+                           for path in environment.rclcpp.rglob("*") if path.is_file()))
+    if stamp.exists() and stamp.read_text() == state:
+        return True
+    place.mkdir(parents=True, exist_ok=True)
+    flags = {"CMAKE_BUILD_TYPE": "Release", "BUILD_TESTING": "OFF",
+             "CMAKE_C_COMPILER_LAUNCHER": "ccache", "CMAKE_CXX_COMPILER_LAUNCHER": "ccache"}
+    print(f"rosflight: building {environment.rclcpp}", file=sys.stderr)
+    if not _colcon(environment, [str(environment.rclcpp)], [], place, flags):
+        return False
+    stamp.write_text(state)
+    return True
+
+
+def _flags(sanitize: bool) -> dict[str, str]:
+    """What CMake is given for our packages."""
     flags = {
         "rosflight_DIR": str(LIBRARIES),
         "CMAKE_BUILD_TYPE": "Debug" if sanitize else "Release",
@@ -133,15 +162,17 @@ def _colcon(environment: Environment, packages, place: Path, sanitize: bool) -> 
         "BUILD_TESTING": "ON",
         "CMAKE_PROJECT_INCLUDE": str(QUICK),
     }
-    linking = WHEEL_LINKING if environment.installed is None else ""
     if sanitize:
         flags |= {"CMAKE_C_FLAGS": SANITIZE, "CMAKE_CXX_FLAGS": SANITIZE,
                   "CMAKE_C_FLAGS_DEBUG": "-O1 -g1", "CMAKE_CXX_FLAGS_DEBUG": "-O1 -g1"}
-    if linking:
-        flags |= {f"CMAKE_{kind}_LINKER_FLAGS": linking for kind in ("EXE", "SHARED", "MODULE")}
+    return flags
+
+
+def _colcon(environment: Environment, folders: list[str], packages: list[str], place: Path, flags: dict[str, str]) -> bool:
+    """Builds what is in `folders` into `place`: all, or `packages` and what they need."""
     if environment.installed is None:
+        flags = flags | {f"CMAKE_{kind}_LINKER_FLAGS": WHEEL_LINKING for kind in ("EXE", "SHARED", "MODULE")}
         flags["Python3_EXECUTABLE"] = str(environment.python)
-    folders = [str(ROOT / SOURCES)] + ([] if environment.installed else [str(ROOT / STAND_INS)])
     command = [
         *environment.colcon, "--log-base", str(place / "log"), "build",
         "--base-paths", *folders, "--build-base", str(place / "build"),
@@ -158,17 +189,15 @@ def _colcon(environment: Environment, packages, place: Path, sanitize: bool) -> 
     variables["MAKEFLAGS"] = f"-j{project.jobs()}"
     if environment.installed is None:
         variables |= SEE_STAND_INS
-    print(f"rosflight: building ros/ against "
-          f"{environment.installed or 'the wheels in .venv-ros'}", file=sys.stderr)
     start = time.monotonic()
     log = place / "build.log"
     with log.open("w") as output:
         code = _tell_progress(command, variables, output)
     if code == 0:
-        print(f"rosflight: ros/ built in {time.monotonic() - start:.0f} s", file=sys.stderr)
+        print(f"rosflight: built in {time.monotonic() - start:.0f} s", file=sys.stderr)
         return True
     _show_failure(log)
-    print(f"rosflight: the build of ros/ failed; all of it is in {log.relative_to(ROOT)} and "
+    print(f"rosflight: the build failed; all of it is in {log.relative_to(ROOT)} and "
           f"{(place / 'log').relative_to(ROOT)}/latest_build", file=sys.stderr)
     return False
 

@@ -2,7 +2,8 @@
 """The ROS 2 environment the packages under ros/ are built and run in.
 
 A sourced Humble or Jazzy installation is used as it is. Without one the wheels of
-ros_standin/requirements.txt in .venv-ros take its place, after the fix-ups of ros_standin/wheels.py.
+ros_standin/requirements.txt in .venv-ros take its place, after the fix-ups of ros_standin/wheels.py; what
+they lack comes from ros_standin, or from a folder of sources (--rclcpp).
 """
 
 import os
@@ -29,10 +30,21 @@ class Environment:
     installed: str | None  # name of the sourced distribution; None: the wheels in .venv-ros
     python: Path
     colcon: list[str]
+    rclcpp: Path | None = None  # sources of rclcpp and what it needs beside the wheels; None: ros_standin/rclcpp_lite
 
-    def variables(self, place: Path = PLACE) -> dict[str, str]:
+    @property
+    def place(self) -> Path:
+        """Where the packages are built."""
+        return ROOT / "build" / "ros_rclcpp" if self.rclcpp else PLACE
+
+    @property
+    def underlay(self) -> Path:
+        """Where the sources of --rclcpp are built."""
+        return self.place / "underlay"
+
+    def variables(self, place: Path | None = None) -> dict[str, str]:
         """The variables to set, with the packages built into `place` in front."""
-        install = place / "install"
+        install = (place or self.place) / "install"
         python_paths = sorted(str(path) for kind in ("site-packages", "dist-packages")
                               for path in install.glob(f"**/lib/python3*/{kind}"))
         found = {
@@ -42,6 +54,10 @@ class Environment:
             "PYTHONPATH": python_paths,
             "PATH": [str(install / "bin")],
         }
+        if self.rclcpp:
+            for name in ("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH"):
+                found[name].append(str(self.underlay / "install"))
+            found["LD_LIBRARY_PATH"].append(str(self.underlay / "install/lib"))
         if self.installed is None:
             for name in ("AMENT_PREFIX_PATH", "CMAKE_PREFIX_PATH"):
                 found[name].append(str(VENV))
@@ -60,7 +76,7 @@ class Environment:
             return {"ROS_LOCALHOST_ONLY": "1"}
         return {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
 
-    def for_process(self, place: Path = PLACE, **more: str) -> dict[str, str]:
+    def for_process(self, place: Path | None = None, **more: str) -> dict[str, str]:
         return {**os.environ, **self.variables(place), **more}
 
 
@@ -79,16 +95,16 @@ def sourced() -> str | None:
     return name if name in DISTRIBUTIONS and has_rclcpp else None
 
 
-def find() -> Environment:
+def find(rclcpp: Path | None = None) -> Environment:
     """The environment of this process, made ready if it is the one of wheels."""
     name = sourced()
-    if name:
+    if name and rclcpp is None:
         return Environment(name, Path("/usr/bin/python3"), ["colcon"])
     _ready("packages", "run", "test", "ros")
     _ready("environment", VENV.name, REQUIREMENTS)
     wheels.fix()
     python = VENV / "bin" / "python3"
-    return Environment(None, python, [str(python), "-m", "colcon"])
+    return Environment(None, python, [str(python), "-m", "colcon"], rclcpp)
 
 
 def _ready(*step: str):

@@ -50,21 +50,21 @@ def packages_of(paths: list[Path]) -> list[str]:
     return sorted(owners) if owners <= ALONE else []
 
 
-def run(names: list[str] = ()) -> Outcome:
+def run(names: list[str] = (), rclcpp: Path | None = None) -> Outcome:
     """Builds, then runs the files with one of `names` in their path; no names means all."""
-    environment = ros_environment.find()
+    environment = ros_environment.find(rclcpp)
     chosen = [path for path in files() if not names or any(name in str(path) for name in names)]
     if not chosen:
         raise ros_build.BadRequest(f"no test file under ros/ matches {', '.join(names)}; files: "
                                    f"{', '.join(map(str, files()))}")
-    if environment.installed:  # which has the real thing, and no stand-in is built
+    if environment.installed or rclcpp:  # which is the real thing, and no stand-in is built
         chosen = [path for path in chosen if path.parts[0] != STAND_INS]
     packages = packages_of(chosen) if names else []
     if not packages and not project.build("release", *ros_build.PROGRAMS):
         return Outcome(failed=1, complaints=["the programs do not build, all output is in build/release/build.log"])
     if not ros_build.build(environment, packages):
-        return Outcome(failed=1, complaints=["ros/ does not build, all output is in build/ros"])
-    return _pytest(environment, chosen, ros_environment.PLACE)
+        return Outcome(failed=1, complaints=[f"ros/ does not build, all output is in build/{environment.place.name}"])
+    return _pytest(environment, chosen, environment.place)
 
 
 def sanitizers() -> Outcome:
