@@ -19,7 +19,11 @@ from project import ROOT
 def wheels(monkeypatch):
     """As if .venv-ros were there and whole."""
     environment = ros_environment.Environment(None, Path("/venv/bin/python3"), ["colcon"])
-    monkeypatch.setattr(ros_environment, "find", lambda: environment)
+
+    def find(rclcpp=None):
+        environment.rclcpp = rclcpp
+        return environment
+    monkeypatch.setattr(ros_environment, "find", find)
     return environment
 
 
@@ -37,7 +41,7 @@ def house(tmp_path, monkeypatch, wheels):
         path.relative_to(tmp_path) for path in tmp_path.glob("ros*/**/*") if path.is_file()))
     asked = []
 
-    def colcon(environment, packages, place, sanitize):
+    def colcon(environment, folders, packages, place, flags):
         asked.append(list(packages))
         return True
     monkeypatch.setattr(ros_build, "_colcon", colcon)
@@ -91,6 +95,43 @@ def test_help_of_the_script_needs_no_machine_made_ready():
     done = subprocess.run([ROOT / "rosflight", "ros", "--help"], capture_output=True, text=True,
                           env={"PATH": "/usr/bin:/bin"})
     assert done.returncode == 0 and "Usage: ./rosflight ros SUBCOMMAND" in done.stdout
+
+
+@pytest.mark.parametrize("words", [["--rclcpp"], ["build", "--rclcpp"]])
+def test_rclcpp_wants_a_folder(capsys, words):
+    assert refused(capsys, *words) == "rosflight: --rclcpp needs a folder"
+
+
+def test_a_folder_without_rclcpp_is_refused(capsys, tmp_path):
+    assert refused(capsys, "build", "--rclcpp", str(tmp_path)) == (
+        f"rosflight: --rclcpp: found {tmp_path}, allowed a folder with the package rclcpp below it")
+
+
+def test_what_is_run_keeps_its_own_option_of_that_name(wheels, monkeypatch):
+    given = []
+    monkeypatch.setattr(ros, "run", lambda words, rclcpp: given.append((words, rclcpp)) or 0)
+    monkeypatch.setitem(ros.SUBCOMMANDS, "run", ros.run)
+    assert ros.main(["run", "mine", "--rclcpp", "none"]) == 0
+    assert given == [(["mine", "--rclcpp", "none"], None)]
+
+
+def test_sources_of_rclcpp_are_built_first_and_ours_on_them(tmp_path, wheels, monkeypatch):
+    sources = tmp_path / "peers"
+    (sources / "rclcpp").mkdir(parents=True)
+    (sources / "rclcpp/package.xml").write_text("<package><name>rclcpp</name></package>")
+    built = []
+    monkeypatch.setattr(ros_environment, "ROOT", tmp_path)
+    monkeypatch.setattr(project, "build", lambda preset, *targets: True)
+    monkeypatch.setattr(ros_build, "_colcon",
+                        lambda environment, folders, packages, place, flags: built.append((folders, packages, place)) or True)
+    place = tmp_path / "build/ros_rclcpp"
+    for _ in range(2):
+        assert ros.main(["build", "--rclcpp", str(sources), "rosflight_io"]) == 0
+        # The standing-in rclcpp is not among what is built.
+        assert built == [([str(sources)], [], place / "underlay"),
+                         ([str(ROOT / "ros"), str(ROOT / "ros_standin/tf2_msgs")], ["rosflight_io"], place)]
+    prefixes = wheels.variables()["AMENT_PREFIX_PATH"].split(":")
+    assert prefixes[:2] == [str(place / "install"), str(place / "underlay/install")]
 
 
 def test_failed_build_ends_with_1(capsys, wheels, monkeypatch):

@@ -2,11 +2,11 @@
 """The C++ tests of this package, one case a test."""
 
 import subprocess
-from pathlib import Path
 
 import pytest
+from ros_rig import PREFIXES
 
-PROGRAM = Path(__file__).resolve().parents[3] / "build/ros/build/rosflight_sim/units"
+PROGRAM = PREFIXES[0].parent / "build/rosflight_sim/units"
 
 
 def names():
