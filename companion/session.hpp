@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -62,11 +63,13 @@ class Session final : private Port {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Processes all received bytes, then runs due timers. `now` never decreases. Step once before
-  /// starting jobs: their timeouts count from the last step.
+  /// Processes all received bytes, then runs due timers. `now` never decreases. Step or begin_at()
+  /// before starting jobs: their timeouts count from the last step.
   void step(Time now);
   /// The time at which step() has something to do even if no byte arrives.
   Time next_due() const { return next_due_; }
+  /// What jobs started before the first step count from; sends nothing.
+  void begin_at(Time now) { now_ = std::max(now_, now); }
   Time now() const override { return now_; }
 
   /// Listeners are called in the order they were added and must live until removed.

@@ -15,11 +15,23 @@ Runner::Runner(link::Codec& codec, const LinkSpec& link, const Session::Options&
     : clock_(std::move(clock)),
       transport_(io_, make_endpoint(link)),
       session_(codec, transport_, options) {
-  session_.step(clock_());  // jobs started before run() need the time
+  session_.begin_at(clock_());
 }
 
 void Runner::on_link_state(std::function<void(bool, const std::string&)> handler) {
   link_state_ = std::move(handler);
+}
+
+void Runner::open() {
+  if (opened_) {
+    return;
+  }
+  opened_ = true;
+  transport_.set_handlers({[this] {
+                             if (started_) step();
+                           },
+                           link_state_});
+  transport_.start();
 }
 
 void Runner::start() {
@@ -27,8 +39,7 @@ void Runner::start() {
     return;
   }
   started_ = true;
-  transport_.set_handlers({[this] { step(); }, link_state_});
-  transport_.start();
+  open();
   step();
 }
 

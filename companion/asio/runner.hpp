@@ -34,7 +34,9 @@ class Runner {
   /// One line for each change of the link ("/dev/ttyACM0: open"). Set before start().
   void on_link_state(std::function<void(bool open, const std::string& line)> handler);
 
-  /// Opens the link; throws LinkError if waiting cannot help. Called by run() if not before.
+  /// Opens the link and sends nothing yet; throws LinkError if waiting cannot help. Called by start() if not before.
+  void open();
+  /// The first step, on the opened link. Called by run() if not before.
   void start();
   /// Runs until stop().
   void run();
@@ -54,6 +56,7 @@ class Runner {
   Session session_;
   boost::asio::steady_timer timer_{io_};
   Time armed_for_{kNever};
+  bool opened_{false};
   bool started_{false};
   std::function<void(bool, const std::string&)> link_state_;
 };

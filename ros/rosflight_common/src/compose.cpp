@@ -83,6 +83,7 @@ void run(int argc, char** argv) {
   // Callbacks that wait for a service must not take the last thread, however few processors there are.
   rclcpp::executors::MultiThreadedExecutor executor(rclcpp::ExecutorOptions(), nodes.size() + 1);
   for (const auto& node : nodes) executor.add_node(node);
+  const auto watch = warn_without_clock(*nodes.front());
   RCLCPP_INFO(nodes.front()->get_logger(), "ready: %zu nodes in one process", nodes.size());
   executor.spin();
 }

@@ -67,8 +67,8 @@ IoNode::IoNode(const rclcpp::NodeOptions& options)
   subscribe();
   look_after_timer_ = create_wall_timer(kLookAfterPeriod, [this] { look_after(); });
   diagnose_timer_ = create_wall_timer(kDiagnosePeriod, [this] { diagnose(); });
-  runner_.start();
-  link_ = std::thread([this] { run_link(); });
+  runner_.open();
+  start_link();
 }
 
 IoNode::~IoNode() {
@@ -120,6 +120,7 @@ template <class Message, class Ros>
 void IoNode::forward(const char* topic) {
   subscriptions_.push_back(
       create_subscription<Ros>(topic, 1, [this, topic](typename Ros::ConstSharedPtr received) {
+        if (!link_.joinable()) return;
         const auto message =
             rosflight::messages::to_link(rosflight_common::from_ros<Message>(*received));
         runner_.post([this, topic, message](companion::Session& session) {
@@ -129,6 +130,10 @@ void IoNode::forward(const char* topic) {
                                topic, companion::send_status_text(status));
         });
       }));
+}
+
+void IoNode::start_link() {
+  if (!link_.joinable() && clock_.runs()) link_ = std::thread([this] { run_link(); });
 }
 
 void IoNode::run_link() {
@@ -143,6 +148,8 @@ void IoNode::run_link() {
 
 /// What only the node's thread may do for the link's.
 void IoNode::look_after() {
+  start_link();
+  if (!link_.joinable()) return;
   parameters_.update();
   if (has_baro_) services_.offer_baro();
   if (has_airspeed_) services_.offer_airspeed();
@@ -151,6 +158,7 @@ void IoNode::look_after() {
 }
 
 void IoNode::diagnose() {
+  if (!link_.joinable()) return;
   runner_.post([this](companion::Session& session) {
     has_baro_ = session.streams().baro.count > 0;
     has_airspeed_ = session.streams().diff_pressure.count > 0;

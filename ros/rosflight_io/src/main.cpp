@@ -3,6 +3,7 @@
 #include <memory>
 #include <rclcpp/rclcpp.hpp>
 
+#include "rosflight_common/node_tools.hpp"
 #include "rosflight_io/io_node.hpp"
 #include "rosflight_io/realtime_configurator.hpp"
 
@@ -18,7 +19,8 @@ int main(int argc, char** argv) {
     rclcpp::init(argc, argv);
     started = true;
     const auto node = std::make_shared<rosflight_io::IoNode>();
-    const auto watch = realtime.watch(*node);
+    const auto threads = realtime.watch(*node);
+    const auto clock = rosflight_common::warn_without_clock(*node);
     RCLCPP_INFO(node->get_logger(), "ready");
     rclcpp::spin(node);
     if (node->link_failed()) return kBroken;

@@ -69,9 +69,10 @@ class ForcesNode : public rclcpp::Node {
  private:
   /// The module from the vehicle; its states go on if they are as many as before.
   void make_module() {
+    auto made = registry_.make_forces(parameters_.vehicle, parameters_.random);  // or throws
     std::vector<double> before;
     if (states_) before.assign(states_->states().begin(), states_->states().end());
-    module_ = registry_.make_forces(parameters_.vehicle, parameters_.random);
+    module_ = std::move(made);
     states_.emplace(*module_);
     if (states_->states().size() == before.size())
       std::copy(before.begin(), before.end(), states_->states().begin());

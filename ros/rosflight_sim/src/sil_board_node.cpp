@@ -25,6 +25,7 @@
 #include "rosflight_common/messages.hpp"
 #include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
+#include "rosflight_sim/board_clock.hpp"
 #include "rosflight_sim/firmware_process.hpp"
 
 namespace rosflight_sim {
@@ -93,6 +94,8 @@ class SilBoardNode : public rclcpp::Node {
                 firmware_->blank_memory() ? " (blank: default parameters)" : "");
     pwm_ = create_publisher<rosflight_msgs::msg::PwmOutput>("sim/pwm_output", newest());
     listen();
+    if (!simulated_time_)
+      report_ = create_wall_timer(std::chrono::seconds(1), [this] { report_stalls(); });
     run_ = create_service<Trigger>(
         "sil_board/run",
         [this](const std::shared_ptr<Trigger::Request>, std::shared_ptr<Trigger::Response> answer) {
@@ -112,8 +115,8 @@ class SilBoardNode : public rclcpp::Node {
   }
 
  private:
-  hal::Time board_time() const {
-    if (!simulated_time_) return boards::LinuxClock::steady();
+  hal::Time board_time() {
+    if (!simulated_time_) return wall_time_.at(BoardClock::Wall::now());
     constexpr std::int64_t kMicrosecond_ns = 1000;
     return hal::Time{now().nanoseconds() / kMicrosecond_ns};
   }
@@ -135,6 +138,8 @@ class SilBoardNode : public rclcpp::Node {
           Sample sample;
           from_message(from_ros<Message>(*message), sample);
           const std::lock_guard lock{mutex_};
+          if constexpr (std::is_same_v<Sample, hal::RcFrame>)
+            wall_time_.came(BoardClock::Source::kReceiver, BoardClock::Wall::now());
           firmware_->put(sample, age(message->header.stamp));
         }));
   }
@@ -146,6 +151,7 @@ class SilBoardNode : public rclcpp::Node {
           from_message(from_ros<messages::sensor_msgs::Imu>(*message), sample);
           const std::lock_guard lock{mutex_};
           sample.temperature_K = imu_temperature_K_;
+          wall_time_.came(BoardClock::Source::kImu, BoardClock::Wall::now());
           firmware_->put(sample, age(message->header.stamp));
         }));
     subscriptions_.push_back(create_subscription<sensor_msgs::msg::Temperature>(
@@ -198,6 +204,19 @@ class SilBoardNode : public rclcpp::Node {
     last_step_ns_ = time_ns;
   }
 
+  void report_stalls() {
+    constexpr hal::Time kWorthSaying = hal::milliseconds(20);
+    BoardClock::Stalls stalls{};
+    {
+      const std::lock_guard lock{mutex_};
+      stalls = wall_time_.take_stalls();
+    }
+    if (stalls.sum > kWorthSaying)
+      RCLCPP_WARN(get_logger(),
+                  "board time stood still %d times, for %ld ms together: sensors came late",
+                  stalls.count, static_cast<long>(hal::to_ms(stalls.sum)));
+  }
+
   void pass() {
     const auto before = firmware_->restarts();
     firmware_->pass();
@@ -224,12 +243,14 @@ class SilBoardNode : public rclcpp::Node {
 
   bool simulated_time_{};
   std::int64_t last_step_ns_{-1};
-  std::mutex mutex_;  ///< Of the firmware and all that it is fed with.
+  std::mutex mutex_;      ///< Of the firmware and all that it is fed with.
+  BoardClock wall_time_;  ///< Of the firmware without simulated time.
   std::unique_ptr<FirmwareProcess> firmware_;
   float imu_temperature_K_{298.15F};
   rclcpp::Publisher<rosflight_msgs::msg::PwmOutput>::SharedPtr pwm_;
   rclcpp::Service<Trigger>::SharedPtr run_;
   std::vector<rclcpp::SubscriptionBase::SharedPtr> subscriptions_;
+  rclcpp::TimerBase::SharedPtr report_;
   std::atomic<bool> stop_{false};
   int wake_{-1};
   std::thread link_;

@@ -103,6 +103,11 @@ def test_forces_have_the_thrust_of_the_reference(peer, throttle, thrust_N):
             assert world.settle(pulse, pulse, pulse, pulse).force.z < -1.3 * 4 * thrust_N
             assert not set_parameters(peer, "multirotor_forces_and_moments", CT_0=-0.5)[0].successful
             assert not set_parameters(peer, "multirotor_forces_and_moments", rho=-1.0)[0].successful
+            nan = set_parameters(peer, "multirotor_forces_and_moments", rho=math.nan)[0]
+            assert not nan.successful and nan.reason == "parameter rho: found nan or infinity, allowed a finite number"
+            # What was refused is forgotten.
+            assert set_parameters(peer, "multirotor_forces_and_moments", rho=1.225)[0].successful
+            assert world.settle(pulse, pulse, pulse, pulse).force.z == pytest.approx(-4 * thrust_N, rel=1e-3)
 
 
 def test_forces_refuse_a_truth_that_is_none(peer):

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "rosflight_common/time.hpp"
+#include "rosflight_sim/board_clock.hpp"
 #include "rosflight_sim/frames.hpp"
 #include "rosflight_sim/module_states.hpp"
 #include "rosflight_sim/tick_tracker.hpp"
@@ -27,6 +28,72 @@ TEST(Stamps, KeepNanosecondsAndNeverShowAWholeSecondOfThem) {
   EXPECT_EQ(stamp_of(2'000'000'000).nanosec, 0U);
   EXPECT_EQ(nanoseconds(stamp_of(-5)), 0);
   EXPECT_EQ(nanoseconds(stamp_of(4'300'000'000'000)), 4'300'000'000'000);  // beyond 2^32 us
+}
+
+// ---- the board's time without simulated time ------------------------------------------------------
+
+/// A board that is looked at every millisecond, with an IMU every other one.
+struct Stage {
+  BoardClock clock;
+  BoardClock::Wall::time_point wall{std::chrono::seconds(100)};
+  hal::Time latest = clock.at(wall);
+
+  void run(int ms, bool imu, int apart_ms = 1) {
+    for (int k = 0; k < ms; k += apart_ms) {
+      wall += std::chrono::milliseconds(apart_ms);
+      if (imu && k % 2 == 0) clock.came(BoardClock::Source::kImu, wall);
+      const hal::Time now = clock.at(wall);
+      ASSERT_GE(now, latest);
+      latest = now;
+    }
+  }
+  /// What board time gains in this.
+  std::int64_t gain_ms(int ms, bool imu, int apart_ms = 1) {
+    const hal::Time before = latest;
+    run(ms, imu, apart_ms);
+    return hal::to_ms(latest - before);
+  }
+};
+
+TEST(BoardClock, RunsAsTheWallWhileSamplesCome) {
+  Stage stage;
+  EXPECT_EQ(stage.gain_ms(3000, false), 3000);  // before the first sample, too
+  EXPECT_EQ(stage.gain_ms(3000, true), 3000);
+  EXPECT_EQ(stage.clock.take_stalls().count, 0);
+}
+
+TEST(BoardClock, StandsWhileSamplesAreLateAndSaysForHowLong) {
+  Stage stage;
+  stage.run(100, true);
+  for (int k = 0; k < 5; ++k) {
+    EXPECT_EQ(stage.gain_ms(300, false), 19);  // 20 ms after the last one, a millisecond ago
+    EXPECT_EQ(stage.gain_ms(100, true), 99);   // which the first sample ends
+  }
+  const BoardClock::Stalls stalls = stage.clock.take_stalls();
+  EXPECT_EQ(stalls.count, 5);
+  EXPECT_EQ(stalls.sum, hal::milliseconds(5 * 282));
+  EXPECT_EQ(stage.clock.take_stalls().count, 0);
+}
+
+TEST(BoardClock, GoesOnWithoutASourceThatIsDead) {
+  Stage stage;
+  stage.run(100, true);
+  EXPECT_EQ(stage.gain_ms(3000, false), 3000 - 500);
+  EXPECT_EQ(stage.gain_ms(100, true), 100);  // and it comes back
+  EXPECT_EQ(stage.gain_ms(400, false), 19);
+}
+
+TEST(BoardClock, AProcessThatStoodStillItselfGivesNobodyUp) {
+  Stage stage;
+  stage.run(100, true);
+  EXPECT_EQ(stage.gain_ms(3000, false, 3000), 19);
+  EXPECT_EQ(stage.gain_ms(300, false), 0);
+}
+
+TEST(BoardClock, WaitsForTheReceiver) {
+  Stage stage;
+  stage.clock.came(BoardClock::Source::kReceiver, stage.wall);
+  EXPECT_EQ(stage.gain_ms(400, true), 60);
 }
 
 TEST(TickTracker, JitterNeitherLosesNorDoublesATick) {

@@ -32,6 +32,7 @@ std::string out_of_range(const Parameter& parameter,
   if (!descriptor.floating_point_range.empty() && parameter.get_type() == PARAMETER_DOUBLE) {
     const auto& range = descriptor.floating_point_range.front();
     const double value = parameter.as_double();
+    if (std::isnan(value) && range.step == 0.0) return {};  // as rclcpp: no comparison rejects it
     // Rounding of the numbers a person writes down, relative to their size.
     constexpr double kRounding = 1e-10;
     const auto near = [](double a, double b) {

@@ -69,10 +69,11 @@ void ParameterServices::set(const Set::Request& request, Set::Response& response
     NodeParameters::Result result;
     try {
       result = parameters_.set({Parameter::from_parameter_msg(message)});
-    } catch (const std::runtime_error& error) {
-      result.successful = false;
+    } catch (const exceptions::ParameterNotDeclaredException& error) {
       result.reason = error.what();
-    }
+    } catch (const exceptions::InvalidParametersException& error) {
+      result.reason = error.what();
+    }  // What a node's own callback throws leaves spin(), as in rclcpp.
     response.results.push_back(result);
   }
 }
@@ -85,7 +86,7 @@ void ParameterServices::set_atomically(const SetAtomically::Request& request,
   }
   try {
     response.result = parameters_.set(parameters);
-  } catch (const std::runtime_error& error) {
+  } catch (const exceptions::ParameterNotDeclaredException& error) {
     response.result.successful = false;
     response.result.reason = error.what();
   }

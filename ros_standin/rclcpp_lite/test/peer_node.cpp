@@ -179,6 +179,8 @@ class Peer : public rclcpp::Node {
       rcl_interfaces::msg::SetParametersResult result;
       result.successful = true;
       for (const auto& parameter : parameters) {
+        if (parameter.get_name() == "even" && parameter.as_int() < 0)
+          throw std::runtime_error("the callback threw");
         if (parameter.get_name() == "even" && parameter.as_int() % 2 != 0) {
           result.successful = false;
           result.reason = "odd";

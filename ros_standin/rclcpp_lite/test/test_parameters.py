@@ -113,6 +113,15 @@ def test_good_values_are_set_and_told_as_an_event(tester, peer, parameter):
     assert values(tester, parameter.name) == [value]
 
 
+def test_what_a_callback_throws_ends_the_node(tester):
+    node = lite_program("peer_node", "--ros-args", "-r", "__ns:=/thrown")
+    with pytest.raises(AssertionError, match="the callback threw"), Process(node) as running:
+        client = tester.node.create_client(SetParameters, "/thrown/peer/set_parameters")
+        assert client.wait_for_service(LIMIT_S)
+        client.call_async(SetParameters.Request(parameters=[integer("even", -2)]))
+        assert running.process.wait(LIMIT_S) == 2
+
+
 def test_atomic_set_takes_all_or_none(tester, peer):
     def both(even):
         return tester.call(SetParametersAtomically, "/peer/set_parameters_atomically",

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <functional>
 #include <memory>
 #include <rclcpp/rclcpp.hpp>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,7 +30,12 @@ inline rcl_interfaces::msg::ParameterDescriptor described(const std::string& tex
   return descriptor;
 }
 
+inline std::string not_finite(const std::string& parameter) {
+  return "parameter " + parameter + ": found nan or infinity, allowed a finite number";
+}
+
 /// Declares a number in a range. Live ones can be changed while the node runs.
+/// @throws std::invalid_argument  for NaN and infinity, which rclcpp finds in every range; else what it throws.
 inline double declare_number(rclcpp::Node& node, const std::string& name, double value,
                              double least, double most, const std::string& text,
                              bool live = false) {
@@ -36,7 +44,9 @@ inline double declare_number(rclcpp::Node& node, const std::string& name, double
   range.from_value = least;
   range.to_value = most;
   descriptor.floating_point_range.push_back(range);
-  return node.declare_parameter<double>(name, value, descriptor);
+  const double given = node.declare_parameter<double>(name, value, descriptor);
+  if (!std::isfinite(given)) throw std::invalid_argument(not_finite(name));
+  return given;
 }
 
 inline std::int64_t declare_whole(rclcpp::Node& node, const std::string& name, std::int64_t value,
@@ -61,28 +71,45 @@ inline bool declare_switch(rclcpp::Node& node, const std::string& name, bool val
   return node.declare_parameter<bool>(name, value, described(text));
 }
 
+/// One request for parameters as all nodes of the project answer it: rclcpp lets NaN and infinity through every
+/// range and ends the process on an exception, so both become a refusal here.
+inline rcl_interfaces::msg::SetParametersResult answer_change(
+    const std::vector<rclcpp::Parameter>& parameters,
+    const std::function<std::string(const std::vector<rclcpp::Parameter>&)>& changed) {
+  rcl_interfaces::msg::SetParametersResult result;
+  for (const auto& parameter : parameters) {
+    if (parameter.get_type() == rclcpp::ParameterType::PARAMETER_DOUBLE &&
+        !std::isfinite(parameter.as_double()))
+      result.reason = not_finite(parameter.get_name());
+  }
+  try {
+    if (result.reason.empty()) result.reason = changed(parameters);
+  } catch (const std::exception& why) {
+    result.reason = why.what();
+  }
+  result.successful = result.reason.empty();
+  return result;
+}
+
 /// Calls `changed` after every accepted change of parameters declared live. Keep what is returned.
 inline rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr on_change(
     rclcpp::Node& node, std::function<void(const rclcpp::Parameter&)> changed) {
   return node.add_on_set_parameters_callback(
       [changed = std::move(changed)](const std::vector<rclcpp::Parameter>& parameters) {
-        for (const auto& parameter : parameters) changed(parameter);
-        rcl_interfaces::msg::SetParametersResult result;
-        result.successful = true;
-        return result;
+        return answer_change(parameters, [&changed](const std::vector<rclcpp::Parameter>& given) {
+          for (const auto& parameter : given) changed(parameter);
+          return std::string{};
+        });
       });
 }
 
-/// As on_change, for all parameters of one request together; a text that comes back is the reason
-/// why the change is refused, and then nothing may have changed.
+/// As on_change, for all parameters of one request together; a text that comes back, or an exception, is
+/// the reason why the change is refused, and then nothing may have changed.
 inline rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr on_change_or_refuse(
     rclcpp::Node& node, std::function<std::string(const std::vector<rclcpp::Parameter>&)> changed) {
   return node.add_on_set_parameters_callback(
       [changed = std::move(changed)](const std::vector<rclcpp::Parameter>& parameters) {
-        rcl_interfaces::msg::SetParametersResult result;
-        result.reason = changed(parameters);
-        result.successful = result.reason.empty();
-        return result;
+        return answer_change(parameters, changed);
       });
 }
 
@@ -106,6 +133,17 @@ inline std::string one_line(const std::string& text) {
   return line.empty() ? "failed without saying why" : line;
 }
 
+/// Warns every 5 s while the node is to follow simulated time and there is none. Keep what is returned.
+inline rclcpp::TimerBase::SharedPtr warn_without_clock(rclcpp::Node& node) {
+  if (!node.get_clock()->ros_time_is_active()) return nullptr;
+  static constexpr std::chrono::seconds kPeriod{5};
+  return node.create_wall_timer(kPeriod, [&node] {
+    if (node.now().nanoseconds() == 0)
+      RCLCPP_WARN(node.get_logger(), "use_sim_time is true and no /clock came for %ld s",
+                  static_cast<long>(kPeriod.count()));
+  });
+}
+
 /// The whole of a node's main(): says `ready` when the node stands, one line and exit code 2 if it
 /// cannot be made.
 template <class NodeType, class Executor = rclcpp::executors::SingleThreadedExecutor>
@@ -116,6 +154,7 @@ int run_node(int argc, char** argv) {
     rclcpp::init(argc, argv);
     started = true;
     const auto node = std::make_shared<NodeType>(rclcpp::NodeOptions());
+    const auto watch = warn_without_clock(*node);
     Executor executor;
     executor.add_node(node);
     RCLCPP_INFO(node->get_logger(), "ready");

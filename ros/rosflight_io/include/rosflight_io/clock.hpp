@@ -21,6 +21,8 @@ class Clock {
   rosflight::companion::Time now();
   rclcpp::Time to_ros(rosflight::companion::Time t);
   bool simulated() const { return simulated_; }
+  /// There is a time to synchronise with: simulated time has none before its first /clock.
+  bool runs() const { return !simulated_ || ros_->now().nanoseconds() > 0; }
 
  private:
   rclcpp::Clock::SharedPtr ros_;

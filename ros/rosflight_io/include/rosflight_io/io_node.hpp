@@ -37,6 +37,8 @@ class IoNode final : public rclcpp::Node {
   /// Sends what arrives on `topic`. @tparam Message  the type of messages/ beside Ros.
   template <class Message, class Ros>
   void forward(const char* topic);
+  /// Starts the link's thread, at the first tick of the clock.
+  void start_link();
   void run_link();
   void look_after();
   void diagnose();

@@ -19,7 +19,8 @@ namespace config = rosflight::config;
 class VehicleTuning {
  public:
   /// Declares the parameters. `parameters.vehicle` has afterwards what was given.
-  /// @param changed  called after every change while the node runs. Keep this as long as the node.
+  /// @param changed  called after every change while the node runs; a config::Error it throws refuses the change, and
+  ///                 then it has changed nothing. Keep this as long as the node.
   /// @throws config::Error  as a vehicle file with such a value would.
   VehicleTuning(rclcpp::Node& node, VehicleViews views, VehicleParameters& parameters,
                 std::function<void()> changed)
@@ -65,14 +66,16 @@ class VehicleTuning {
       differing.insert(parameter.get_name());
     }
     if (values == values_) return "";
+    const sim::Vehicle before = parameters_.vehicle;
     try {
       parameters_.make(views_.assignments(values, differing));
+      changed_();
     } catch (const config::Error& why) {
+      parameters_.vehicle = before;
       return why.what();
     }
     values_ = std::move(values);
     differing_ = std::move(differing);
-    changed_();
     return "";
   }
 

@@ -24,11 +24,11 @@ class Overdue {
   static constexpr std::chrono::seconds kGiveUp{2};
 
   void none() { sum_ = {}, last_.reset(); }
-  /// Whether it has been overdue at looks for kGiveUp together since none().
-  bool give_up(Wall::time_point now) {
+  /// Whether it has been overdue at looks for `limit` together since none().
+  bool give_up(Wall::time_point now, Wall::duration limit = kGiveUp) {
     if (last_) sum_ += std::min<Wall::duration>(now - *last_, kLongestGap);
     last_ = now;
-    return sum_ >= kGiveUp;
+    return sum_ >= limit;
   }
 
  private:
