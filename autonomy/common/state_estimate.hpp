@@ -49,6 +49,16 @@ struct StateEstimate {
   bool wind_valid{};
   bool air_valid{};  ///< airspeed, alpha, beta.
 
+  /// Time since horizontal position or velocity was aided, by GNSS or by standing still [s].
+  double dead_reckoning_s{};
+  /// The horizontal position may be off by more than kUnreliable_m: do not land or fly low by it.
+  /// Attitude, altitude and airspeed have qualities of their own. False before the start.
+  bool position_unreliable{};
+  /// IMU samples were missing (link cut, firmware restarted): the state was carried on by what was
+  /// known, with a grown covariance, and nothing has aided position or velocity since.
+  bool bridging{};
+  static constexpr double kUnreliable_m = 15.0;  ///< Against three standard deviations.
+
   /// Every part is at least dead reckoned.
   bool usable() const {
     return attitude != Quality::kNone && heading != Quality::kNone &&

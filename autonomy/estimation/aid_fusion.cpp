@@ -53,6 +53,7 @@ void AidFusion<kWind>::predict(const ImuBuffer::Segment& segment) {
   constexpr double kRate_rad_s = 0.5;
   constexpr double kAcceleration_m_s2 = 5.0;
   ++health_.imu_holes;
+  health_.bridging = true;
   const double dt = segment.u.dt_s;
   for (int k = 0; k < 3; ++k) {
     const auto square = [](double x) { return x * x; };
@@ -75,6 +76,7 @@ bool AidFusion<kWind>::weigh(Aid aid, const typename Filter::template Residual<k
     ++health.accepted;
     health.last_accepted_s = t_s_;
     health.rejecting = false;
+    if (aid == Aid::kGnssHorizontal || aid == Aid::kRest) health_.bridging = false;
   } else {
     ++health.rejected;
     if (!health.rejecting) health.rejected_since_s = t_s_;

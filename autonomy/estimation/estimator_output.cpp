@@ -80,7 +80,13 @@ StateEstimate Estimator<kWind>::estimate() const {
   out.heading = attitude.z() < kHeadingGood_rad && age(Aid::kHeading) < 2.0
                     ? Quality::kGood
                     : Quality::kDeadReckoned;
-  out.horizontal = aided(std::min(health().gnss_age_s, age(Aid::kRest)), 1.0);
+  out.dead_reckoning_s = std::max(0.0, std::min(health().gnss_age_s, age(Aid::kRest)));
+  out.horizontal = aided(out.dead_reckoning_s, 1.0);
+  constexpr double kSigmas = 3.0;
+  const double horizontal_m =
+      std::sqrt(P.template block<2, 2>(Filter::kPosition, Filter::kPosition).trace());
+  out.position_unreliable = kSigmas * horizontal_m > StateEstimate::kUnreliable_m;
+  out.bridging = health().bridging;
   out.vertical = aided(std::min({age(Aid::kBaro), age(Aid::kRange), age(Aid::kGnssVelocity)}), 1.0);
   return out;
 }

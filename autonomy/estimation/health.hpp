@@ -46,6 +46,7 @@ struct EstimatorHealth {
   std::uint64_t baro_relearned{};
   std::uint64_t ground_relearned{};
   double gnss_age_s{1e9};  ///< Since the last accepted horizontal aiding.
+  bool bridging{};         ///< IMU samples were missing; nothing aided position or velocity since.
 
   /// Record of one aid.
   const AidHealth& of(Aid aid) const { return aids[static_cast<std::size_t>(aid)]; }

@@ -47,6 +47,11 @@ struct Fixture {
       world->step(*estimator);
     }
   }
+  /// Takes the samples while the link is cut.
+  struct Nobody {
+    template <class Sample>
+    void add(const Sample&) {}
+  };
   /// Of the newest estimate against the truth at its own time.
   double position_error_m() const {
     const StateEstimate e = estimator->estimate();
@@ -126,16 +131,34 @@ TEST(Estimator, DeadReckonsThroughALossOfGnssAndSaysSo) {
   EXPECT_EQ(f.estimator->estimate().horizontal, Quality::kGood);
   f.run_until(42.0);
   EXPECT_EQ(f.estimator->estimate().horizontal, Quality::kDeadReckoned);
+  EXPECT_NEAR(f.estimator->estimate().dead_reckoning_s, 2.0, 0.2);
+  EXPECT_FALSE(f.estimator->estimate().position_unreliable);
   f.run_until(60.0);
   const StateEstimate e = f.estimator->estimate();
   EXPECT_LT(f.position_error_m(), 30.0);
   EXPECT_LT(f.position_error_m(), 4.0 * e.p_sigma_W_m.head<2>().norm()) << "knows how bad it is";
   f.run_until(75.0);
   EXPECT_EQ(f.estimator->estimate().horizontal, Quality::kNone);
+  EXPECT_TRUE(f.estimator->estimate().position_unreliable) << "3 sigma above 15 m";
   f.world->gnss_on = true;
   f.run_until(95.0);
+  EXPECT_FALSE(f.estimator->estimate().position_unreliable);
+  EXPECT_LT(f.estimator->estimate().dead_reckoning_s, 0.2);
   EXPECT_EQ(f.estimator->estimate().horizontal, Quality::kGood);
   EXPECT_LT(f.position_error_m(), 0.5);
+}
+
+TEST(Estimator, SaysThatItBridgesUntilGnssAidsAgain) {
+  Fixture f;
+  f.run_until(30.0);
+  EXPECT_FALSE(f.estimator->estimate().bridging);
+  Fixture::Nobody nobody;
+  while (f.world->time_s() < 30.5) f.world->step(nobody);
+  f.run_until(30.52);
+  EXPECT_TRUE(f.estimator->estimate().bridging);
+  f.run_until(31.0);
+  EXPECT_FALSE(f.estimator->estimate().bridging);
+  EXPECT_LT(f.position_error_m(), 2.0);
 }
 
 TEST(Estimator, ShowsTheReturnOfGnssAsASlopeNotAStep) {
