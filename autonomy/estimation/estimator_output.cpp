@@ -19,7 +19,9 @@ StateEstimate Estimator<kWind>::estimate() const {
   out.t_s = imu_.last().t_s;
   if (!health().initialised) return out;
   NominalState x = filter().state();
+  out.bridging = health().bridging;
   for (std::size_t k = 0; k < imu_.size(); ++k) {
+    out.bridging = out.bridging || imu_.at(k).hole;  // the filter is not there yet
     Filter::propagate(x, imu_.at(k).u, config().gravity_m_s2);
   }
   const ImuIncrement open = imu_.open();
@@ -86,7 +88,6 @@ StateEstimate Estimator<kWind>::estimate() const {
   const double horizontal_m =
       std::sqrt(P.template block<2, 2>(Filter::kPosition, Filter::kPosition).trace());
   out.position_unreliable = kSigmas * horizontal_m > StateEstimate::kUnreliable_m;
-  out.bridging = health().bridging;
   out.vertical = aided(std::min({age(Aid::kBaro), age(Aid::kRange), age(Aid::kGnssVelocity)}), 1.0);
   return out;
 }
