@@ -123,7 +123,7 @@ const AttitudeEstimate& Estimator::step(const hal::ImuSample& imu, float dt_s) {
     started_ = true;
     constexpr Time kLatest{std::int64_t{1} << 60};  // leaves room for sums with any first stamp
     now_ = std::clamp(imu.stamp, Time{0}, kLatest);
-    last_acc_use_ = external_time_ = now_;
+    last_use_ = external_time_ = now_;
     boost_start_ = now_;
     const Vector3 first = to_vector(imu.accel_m_s2);
     const float horizontal_sq = first.x() * first.x() + first.y() * first.y();
@@ -153,7 +153,7 @@ void Estimator::cross_gap(const hal::ImuSample& imu, float dt_s) {
   constexpr float kMaxTime_s = 1e9f;  // keeps the sum of times finite
   const Time gap{static_cast<std::int64_t>(std::min(dt_s, kMaxTime_s) * kMicroseconds)};
   now_ += gap;
-  last_acc_use_ += gap;  // health counts what was measured
+  last_use_ += gap;  // health counts what was measured
   usable_since_ += gap;
   const Vector3 before = rate_;
   rate_ = rate_1_ = rate_2_ = to_vector(imu.gyro_rad_s);
@@ -206,7 +206,8 @@ Estimator::Correction Estimator::external_correction(float dt_s) {
   const float longest = c.kp > 0.0f ? 0.5f / c.kp : 0.0f;
   c.error *= std::min(hal::seconds(now_ - external_time_), longest) / dt_s;
   c.yaw_bias_error = c.error.z();
-  external_time_ = now_;
+  external_time_ = last_use_ = now_;
+  healthy_ = true;
   external_base_ = turned(estimate_.q_WB, c.kp * c.error, dt_s, true);
   return c;
 }
@@ -252,11 +253,11 @@ void Estimator::level_from_accelerometer() {
 
 inline void Estimator::watch_health(bool used) {
   if (used && !was_usable_) usable_since_ = now_;
-  if (used) last_acc_use_ = now_;
+  if (used) last_use_ = now_;
   was_usable_ = used;
   const bool judged = config_.use_acc && !config_.fixed_wing;
   const bool well = used && now_ - usable_since_ >= kHealthyAfter;
-  if (judged && now_ - last_acc_use_ > kUnhealthyAfter) {
+  if (judged && now_ - last_use_ > kUnhealthyAfter) {
     healthy_ = false;
   } else if (!judged || well) {
     healthy_ = true;

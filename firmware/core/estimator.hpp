@@ -57,6 +57,8 @@ class Estimator {
   /// After a longer gap roll and pitch start again from the accelerometer [s].
   static constexpr float kMaxGap_s = 1.0f;
   static constexpr Time kUnhealthyAfter = hal::milliseconds(500);
+  /// The gyro alone carries roll and pitch for so long: with the 0.1 degrees/s that a calibrated one is off, to 3 degrees.
+  static constexpr Time kCarriedByGyro = hal::milliseconds(30'000);
   static constexpr Time kHealthyAfter = hal::milliseconds(100);
 
   struct Config {
@@ -97,9 +99,13 @@ class Estimator {
   const Vector3& bias_rad_s() const { return bias_; }
   /// Rejected external attitudes since power-up.
   std::uint32_t external_rejected() const { return external_rejected_; }
-  /// False after 0.5 s without a usable accelerometer (multirotors), true again after 0.1 s with
-  /// one.
+  /// False after 0.5 s in which nothing corrected the attitude: no usable accelerometer and no external attitude
+  /// (multirotors). True again after 0.1 s with the one, or with the other. For a vehicle on the ground, where gravity is all
+  /// that an accelerometer can measure.
   bool healthy() const { return healthy_; }
+  /// For a vehicle in flight, whose accelerations make the accelerometer useless for seconds: a climb, a brake, any steady
+  /// tilt above 25 degrees. False only when in addition the gyro has been left alone for kCarriedByGyro.
+  bool healthy_in_flight() const { return healthy_ || now_ - last_use_ <= kCarriedByGyro; }
 
  private:
   static constexpr int kExternalRun = 10;
@@ -138,7 +144,7 @@ class Estimator {
   Time now_{};           ///< Stamp of the first sample plus all dt since.
   Time external_time_{};
   Time boost_start_{};
-  Time last_acc_use_{};
+  Time last_use_{};  ///< Of the accelerometer or an external attitude.
   Time usable_since_{};
   bool external_pending_{false};
   bool started_{false};

@@ -136,6 +136,14 @@ bool Firmware::time_step(float& dt_s) {
   return !step.restarted || dt_s > 0.0f;  // the first sample only sets the clock
 }
 
+/// Acceleration is no error: in flight the accelerometer may be useless for as long as the gyro can do without it.
+void Firmware::judge_estimator() {
+  const bool has = state_.has(Error::kUnhealthyEstimator);
+  const bool in_flight = state_.armed() && !has;
+  const bool healthy = in_flight ? estimator_.healthy_in_flight() : estimator_.healthy();
+  if (healthy == has) set_error(Error::kUnhealthyEstimator, !healthy);
+}
+
 /// Conditions of the mixer, besides its inputs.
 inline Mixer::Conditions Firmware::mixer_conditions(Time now) {
   const Measurements& m = sensors_.measurements();
@@ -169,9 +177,7 @@ bool Firmware::is_command(const link::Message& message) {
 void Firmware::control(Time now, float dt_s) {
   const Measurements& m = sensors_.measurements();
   const AttitudeEstimate& attitude = estimator_.step(m.imu, dt_s);
-  if (estimator_.healthy() == state_.has(Error::kUnhealthyEstimator)) {
-    set_error(Error::kUnhealthyEstimator, !estimator_.healthy());
-  }
+  if (estimator_.healthy() == state_.has(Error::kUnhealthyEstimator)) judge_estimator();
   const auto& forces =
       controller_.step(command_.combined(), attitude, dt_s, state_.armed(), mixer_.saturated());
   Mixer::Conditions conditions = mixer_conditions(now);

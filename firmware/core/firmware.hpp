@@ -77,6 +77,7 @@ class Firmware {
   void finish_calibration(const Sensors::CalibrationEvents& events, Time now);
   bool time_step(float& dt_s);
   void control(Time now, float dt_s);
+  void judge_estimator();
   Mixer::Conditions mixer_conditions(Time now);
   void receive(Time now);
   bool refill();

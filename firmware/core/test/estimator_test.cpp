@@ -361,6 +361,42 @@ TEST(EstimatorHealth, FailsAfterHalfASecondAndRecoversAfterATenth) {
   EXPECT_TRUE(rig.estimator.healthy());
 }
 
+TEST(EstimatorHealth, ExternalAttitudesCorrectAsWell) {
+  Rig rig(2500);
+  rig.rest(1.0);
+  const hal::Vec3 shaken{0.0f, 0.0f, -20.0f};
+  for (int k = 0; k < 20; ++k) {
+    ASSERT_TRUE(rig.estimator.set_external_attitude({1, 0, 0, 0}));
+    rig.rest(0.4, shaken);
+    EXPECT_TRUE(rig.estimator.healthy()) << k;
+  }
+  rig.rest(0.2, shaken);
+  EXPECT_FALSE(rig.estimator.healthy()) << "0.6 s after the last";
+  ASSERT_TRUE(rig.estimator.set_external_attitude({1, 0, 0, 0}));
+  rig.rest(0.01, shaken);
+  EXPECT_TRUE(rig.estimator.healthy());
+}
+
+TEST(EstimatorHealth, InFlightTheGyroMayCarryTheAttitudeForHalfAMinute) {
+  const hal::Vec3 climb{0.0f, 0.0f, -14.0f};
+  Rig rig(2500);
+  rig.rest(1.0);
+  rig.rest(29.9, climb);
+  EXPECT_FALSE(rig.estimator.healthy());
+  EXPECT_TRUE(rig.estimator.healthy_in_flight());
+  rig.rest(0.2, climb);
+  EXPECT_FALSE(rig.estimator.healthy_in_flight());
+  rig.rest(0.12);
+  EXPECT_TRUE(rig.estimator.healthy_in_flight());
+}
+
+TEST(EstimatorHealth, AGyroWithinItsSpecificationIsOffByThreeDegreesAtTheEnd) {
+  Rig rig(2500);
+  rig.rest(20.0);
+  rig.rest(30.0, {0.0f, 0.0f, -14.0f}, {static_cast<float>(0.1 * kDegree), 0.0f, 0.0f});
+  EXPECT_NEAR(rig.estimator.estimate().roll_rad, 3.0 * kDegree, 0.05 * kDegree);
+}
+
 TEST(EstimatorHealth, IsNotJudgedForFixedWingsAndWithoutAccelerometer) {
   for (const bool fixed_wing : {true, false}) {
     Estimator::Config config;
