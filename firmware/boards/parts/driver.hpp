@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "firmware/boards/parts/bus.hpp"
+#include "firmware/boards/parts/text.hpp"
 
 namespace rosflight::boards::parts {
 
@@ -17,38 +18,75 @@ enum class Start : std::uint8_t {
 
 enum class PartState : std::uint8_t { kOff, kStarting, kRunning, kFailed };
 
-/// What all part drivers share. A part that fails to start, or falls silent later, is reported once
-/// and tried again once per second from the beginning; the rest of the board does not wait for it.
+/// What all drivers of parts on a bus share: the life of a part.
+///
+///     kOff -> kStarting -> kRunning
+///                 ^  |        |
+///                 |  v        v
+///                kFailed <----+
+///
+/// A part runs when its start-up has ended; it is well when it then delivers. A part that was well and
+/// fails is started again at the
+/// next tick, warm: a transient fault costs a few samples, and a part that lost its set-up gets it back.
+/// A warm start that fails is followed by a cold one, and that is repeated once per second. The rest of
+/// the board waits for none of this.
 class Driver {
  public:
-  /// Begins to bring the part up. Bus context, or before the interrupts are on.
-  virtual void start(Start how, Time now) = 0;
-  /// Bus context, once per tick (1 kHz or faster).
-  virtual void step(Time now) = 0;
+  static constexpr Time kRetry = hal::milliseconds(1000);
+  static constexpr std::uint8_t kFailuresInARow =
+      10;  ///< Of transfers, until a running part failed.
 
-  /// Main loop or bus context.
+  /// Begins to bring the part up. Bus context, or before interrupts are on.
+  void start(Start how, Time now);
+  /// Bus context, once per tick (1 kHz or faster).
+  void step(Time now);
+
+  /// Main loop or bus context, as all below.
   PartState state() const { return state_.load(std::memory_order_acquire); }
-  /// One line for people, such as "DPS310: identity 0x00, expected 0x10"; "DPS310: ok" once it runs.
-  /// The last failure stays until the part runs. Main loop.
+  /// One line for people: "DPS310: identity 0x00, expected 0x10", or "DPS310: ok". Empty before.
   const char* message() const { return message_.data(); }
-  /// Failed starts, failed transfers and damaged samples since construction.
+  /// Rises when message() has something new to say: the first failure after a success, and the first
+  /// success after a failure. Repeated failures of a dead part do not count.
+  std::uint16_t announcements() const { return announcements_.load(std::memory_order_acquire); }
+  /// Failed starts, failed transfers and damaged samples since construction; stops at 65535.
   std::uint16_t errors() const { return errors_.load(std::memory_order_relaxed); }
 
  protected:
+  explicit Driver(const char* name) : name_{name} {}
   ~Driver() = default;
-  void set_state(PartState state) { state_.store(state, std::memory_order_release); }
-  /// Counts one error, up to 65535.
-  void count_error() {
-    const std::uint16_t errors = errors_.load(std::memory_order_relaxed);
-    if (errors != 0xFFFFu)
-      errors_.store(static_cast<std::uint16_t>(errors + 1), std::memory_order_relaxed);
-  }
-  static constexpr std::size_t kMessageBytes = 64;
-  std::array<char, kMessageBytes> message_{};
+
+  /// Begins the start-up. @returns false if a transfer of the last one is still under way.
+  virtual bool begin(Start how, Time now) = 0;
+  /// One tick of the start-up; calls started() or fail() at its end.
+  virtual void step_start(Time now) = 0;
+  /// One tick while running.
+  virtual void step_running(Time now) = 0;
+
+  /// The start-up has ended.
+  void started();
+  /// The part has delivered something good; called for each of it.
+  void well();
+  /// The part failed; the caller adds what happened to the text that is returned.
+  Text fail(Time now);
+  /// A transfer of the running part ended. @returns whether it went well; kFailuresInARow that did not
+  /// fail the part.
+  bool good(TransferResult result, Time now);
+  void count_error();
 
  private:
+  void announce() { announcements_.store(static_cast<std::uint16_t>(announcements() + 1)); }
+
+  const char* name_;
+  Time retry_at_{};
+  Start retry_{Start::kCold};
+  Start how_{Start::kCold};
+  std::uint8_t failures_in_a_row_{0};
+  bool well_{false};               ///< Since the last start.
+  bool failure_announced_{false};  ///< Since it was last well.
+  std::array<char, 64> message_{};
   std::atomic<PartState> state_{PartState::kOff};
   std::atomic<std::uint16_t> errors_{0};
+  std::atomic<std::uint16_t> announcements_{0};
 };
 
 }  // namespace rosflight::boards::parts

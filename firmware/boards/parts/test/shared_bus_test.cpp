@@ -177,7 +177,7 @@ TEST_F(SharedBusTest, EveryTransferEndsOnceWhateverHappens) {
     switch (random() % 4) {
       case 0:
       case 1:
-        started[who] += ports[who]->start(owners[who]->transfer) ? 1 : 0;
+        started[who] += ports[who]->start(owners[who]->transfer) ? 1u : 0u;
         break;
       case 2:
         if (hardware_.running) end(static_cast<TransferResult>(random() % 3));
