@@ -22,14 +22,15 @@ struct Elsewhere {
 };
 constexpr const char* kTools = "rosflight_tools";
 constexpr const char* kGround = "rosflight_ground_tools";
-constexpr std::array<Elsewhere, 8> kElsewhere{{{"replay", kTools},
+constexpr std::array<Elsewhere, 9> kElsewhere{{{"replay", kTools},
                                                {"sil", kTools},
                                                {"mixer", kTools},
                                                {"trim", kTools},
                                                {"params", kGround},
                                                {"calibrate", kGround},
                                                {"monitor", kGround},
-                                               {"preflight", kGround}}};
+                                               {"preflight", kGround},
+                                               {"view", "rosflight_view"}}};
 
 /// Goes on as that program with the same arguments. Comes back only when that is not possible.
 int run(const char* program, char** argv) {

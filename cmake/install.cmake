@@ -86,12 +86,12 @@ _rosflight_install_headers("" ${flown})
 _rosflight_install_headers("COMPONENT;extra;EXCLUDE_FROM_ALL" ${extra})
 # `./rosflight fly` builds the flying program alone; the others are made here if they are missing or old.
 install(CODE "
-  execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${CMAKE_BINARY_DIR}\" --target rosflight rosflight_tools rosflight_ground_tools
+  execute_process(COMMAND \"${CMAKE_COMMAND}\" --build \"${CMAKE_BINARY_DIR}\" --target rosflight rosflight_tools rosflight_ground_tools rosflight_view
     RESULT_VARIABLE failed OUTPUT_VARIABLE said ERROR_VARIABLE said)
   if(failed)
-    message(FATAL_ERROR \"rosflight_tools and rosflight_ground_tools cannot be built:\\n\${said}\")
+    message(FATAL_ERROR \"rosflight_tools, rosflight_ground_tools and rosflight_view cannot be built:\\n\${said}\")
   endif()")
-install(TARGETS rosflight rosflight_tools rosflight_ground_tools DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS rosflight rosflight_tools rosflight_ground_tools rosflight_view DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS rosflight_eigen ${flown} EXPORT rosflight DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS ${extra} EXPORT rosflight_extra DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT extra EXCLUDE_FROM_ALL)
 install(EXPORT rosflight FILE rosflightTargets.cmake NAMESPACE rosflight:: DESTINATION ${package})
@@ -113,6 +113,7 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/rosflightConfigVersion.cmak
 install(FILES ${CMAKE_BINARY_DIR}/rosflightConfig.cmake ${CMAKE_BINARY_DIR}/rosflightConfigVersion.cmake
   DESTINATION ${package})
 install(DIRECTORY vehicles missions DESTINATION ${share})
+install(DIRECTORY build/web/ DESTINATION ${share}/page OPTIONAL FILES_MATCHING PATTERN "*.html" PATTERN "*.js" PATTERN "*.css")  # where it was built
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
 
 set(CPACK_GENERATOR DEB)

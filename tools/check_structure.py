@@ -32,7 +32,8 @@ MAY_INCLUDE = {
     "autonomy": ["config"],
     "flight": ["link", "firmware/hal", "firmware/core", "firmware/boards", "sim", "messages", "log", "companion", "autonomy",
                "config"],
-    "apps": ["flight", "ground", "companion", "sim", "link", "firmware/hal", "firmware/core", "firmware/boards", "config"],
+    "web/server": [],
+    "apps": ["flight", "web/server", "ground", "companion", "sim", "link", "firmware/hal", "firmware/core", "firmware/boards", "config"],
     "bench": ["flight", "sim", "link", "firmware/hal", "firmware/core", "firmware/boards", "test_support"],
     "examples": ["flight", "autonomy", "sim", "config"],
     "ros/rosflight_common": ["autonomy", "config", "sim", "flight/vehicle/vehicle_setup.hpp"],
@@ -60,7 +61,7 @@ ROS_HEADER = re.compile(
     r"(rcl\w*|rmw\w*|ament\w*|tf2\w*|rosbag2\w*|rosidl\w*|builtin_interfaces|\w+_msgs|\w+_srvs|"
     r"pluginlib|class_loader|message_filters|controller_\w+|hardware_interface|gazebo\w*)/"
 )
-SOURCE_SUFFIXES = {".cpp", ".hpp", ".c", ".h", ".py", ".sh", ".cmake"}
+SOURCE_SUFFIXES = {".cpp", ".hpp", ".c", ".h", ".py", ".sh", ".cmake", ".ts", ".tsx", ".mjs", ".css"}
 LICENCE = "SPDX-License-Identifier: BSD-3-Clause"
 MOST_LINES, MANY_LINES = 600, 400
 

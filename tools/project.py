@@ -25,7 +25,7 @@ def own_files(root: Path = ROOT) -> list[Path]:
 
 def _is_ours(path: Path) -> bool:
     folders = path.parts[:-1]
-    return not (NOT_OURS & set(folders[:1]) or "__pycache__" in folders
+    return not (NOT_OURS & set(folders[:1]) or {"__pycache__", "node_modules"} & set(folders)
                 or any(part.startswith(".") and part != ".ci" for part in folders))
 
 

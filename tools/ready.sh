@@ -6,6 +6,7 @@
 #   tools/ready.sh packages run test           what tools/system_packages.txt lists
 #   tools/ready.sh venv                        .venv from tools/requirements.txt, for tests and tools
 #   tools/ready.sh environment FOLDER FILE     another one, from another list
+#   tools/ready.sh web run|test                the browser's page in build/web; test: also what its tests need. Makes .venv-web
 #   tools/ready.sh build PRESET [TARGET...]    configure and build; no target means all. Makes .venv-build
 #
 # ROSFLIGHT_JOBS limits compilers at work at once, ROSFLIGHT_KEEP_GOING=1 builds on after an error,
@@ -194,6 +195,40 @@ ready_environment() {  # FOLDER REQUIREMENTS, both from the root
   mv "$venv/.stamp.new" "$venv/.stamp"
 }
 
+# ---- the browser's page -----------------------------------------------------------------------
+
+# All that the page is made from.
+web_key() {
+  (cd "$root/web" && find src build.mjs package-lock.json -type f -print0 | LC_ALL=C sort -z | xargs -0 sha256sum | sha256sum)
+}
+
+ready_web() {  # run|test
+  ready_environment .venv-web tools/requirements-web.txt
+  take_lock web
+  local log="$root/build/.ready/web.log" installed="$root/web/node_modules/.stamp" stamp="$root/build/web/.stamp" lock made=
+  lock="$(sha256sum <"$root/web/package-lock.json")"
+  [[ -f $installed ]] && made="$(<"$installed")"
+  local -a leave_out=(--omit=dev)
+  [[ $1 == test ]] && leave_out=()
+  if [[ $made != "$lock test" && $made != "$lock $1" ]]; then
+    say "installing the packages of the browser's page"
+    in_web npm ci "${leave_out[@]}" >"$log" 2>&1 || web_failed "$log" "npm could not install the packages of web/package-lock.json"
+    echo "$lock $1" >"$installed"
+  fi
+  [[ -f $stamp && $(<"$stamp") == "$(web_key)" ]] && return
+  say "building the browser's page"
+  rm -f "$stamp"
+  in_web node build.mjs "$root/build/web" >"$log" 2>&1 || web_failed "$log" "the page could not be built"
+  web_key >"$stamp"
+}
+
+in_web() { (cd "$root/web" && PATH="$root/.venv-web/bin:$PATH" stoppable "$@"); }  # COMMAND...
+
+web_failed() {  # LOG WHAT
+  tail -n 8 "$1" >&2
+  fail "$2; all it said is in $1"
+}
+
 # ---- build ------------------------------------------------------------------------------------
 
 # ccache keeps its files with the user, or in build/ when the home folder takes none.
@@ -296,7 +331,7 @@ ready_build() {  # PRESET TARGET...
 
 if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
   case ${1:-} in
-    packages | venv | environment | build) "ready_$1" "${@:2}" ;;
-    *) fail "usage: tools/ready.sh packages SET... | venv | build PRESET [TARGET...]" ;;
+    packages | venv | environment | web | build) "ready_$1" "${@:2}" ;;
+    *) fail "usage: tools/ready.sh packages SET... | venv | environment FOLDER FILE | web run|test | build PRESET [TARGET...]" ;;
   esac
 fi

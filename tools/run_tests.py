@@ -5,7 +5,7 @@ Builds and runs every test and ends with the line "N passed, M failed". Exit cod
 
 NAME chooses: a stage by its name, and test programs and pytest files by a part of theirs. quick stands for format,
 structure, build, unit and python: less than five minutes after a build.
-Stages: format, structure, build, unit, mutation, python, ros, cortex-m7, sanitizers, ros-sanitizers, fuzz, tidy. Sanitizers
+Stages: format, structure, build, unit, mutation, python, web, ros, cortex-m7, sanitizers, ros-sanitizers, fuzz, tidy. Sanitizers
 and clang-tidy look at what flies and at whole flights; sanitizers-rest, tidy-rest and tidy-ros (simulation, programs,
 tests, ROS nodes) run when named: they take as long as all others together.
 
@@ -32,6 +32,7 @@ STAGES = {
     "structure": Stage(stages.check_structure),
     "build": Stage(stages.build_release),
     "python": Stage(stages.python_tests, WAITS),
+    "web": Stage(stages.web_tests, WAITS),
     "ros": Stage(stages.ros_tests, WAITS),
     "ros-sanitizers": Stage(stages.ros_sanitizers, WAITS),
     "unit": Stage(stages.unit_tests, COMPUTES),

@@ -15,6 +15,7 @@ import project
 import pytest_files
 import ros_test
 import tidy as clang_tidy
+import web_test
 from cpp_tests import Binary, Outcome
 from project import ROOT
 
@@ -210,6 +211,11 @@ def ros_tests(names: list[str] = ()) -> Outcome:
 def ros_sanitizers() -> Outcome:
     """What stands in for rclcpp under sanitizers; nothing with a ROS installation."""
     return ros_test.sanitizers()
+
+
+def web_tests() -> Outcome:
+    """The browser's page: types, reader of logs, views in a headless browser."""
+    return web_test.run()
 
 
 # ---- fuzzing ------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PROGRAM = Path(os.environ.get("ROSFLIGHT_BUILD", ROOT / "build" / "release")) / "apps" / "rosflight"
-COMMANDS = ["fly", "replay", "sil", "mixer", "trim", "params", "calibrate", "monitor", "preflight"]
+COMMANDS = ["fly", "view", "replay", "sil", "mixer", "trim", "params", "calibrate", "monitor", "preflight"]
 
 
 @pytest.fixture(scope="module")

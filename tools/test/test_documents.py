@@ -26,6 +26,7 @@ HISTORY = "CHANGELOG.md"
 ELSEWHERE = {
     r"\./rosflight test\b": "this is a part of it",
     r"\./rosflight (params|calibrate|monitor|preflight) \S+:": "ground/test/test_sil_ground_tools.py, line by line",
+    r"\./rosflight view\b": "web/test/page.browser.test.ts",
     r"\./rosflight bench\b": "tools/test/test_bench.py; measuring takes minutes",
     r"\./rosflight ros (build|run|demo)\b": "the stage ros of ./rosflight test",
     r"docker ": "needs a Docker daemon; tools/test/test_dockerfile.py and test_the_debian_package_flies",
@@ -33,6 +34,7 @@ ELSEWHERE = {
     r"ros2 run .*port:=/dev/": "needs hardware",
     r"ros2 run rosflight_io": "ros/rosflight_io/test, by each kind of link",
     r"tools/ready.sh (packages|venv)": "each start of ./rosflight",
+    r"tools/ready.sh web": "the stage web of ./rosflight test",
     r"\.venv/bin/python3 flight/jsbsim/jsbsim_compare.py": "flight/jsbsim/test",
     r"\./rosflight fly --board qemu_m7": "flight/test/emulated_test.cpp",
     r"build/fuzz/": "the stage fuzz of ./rosflight test",

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Curves over time made from the columns of a flight: fields as they are, and what follows from several of them.
+import {eulerAngles, turned, type Quaternion, type Triple} from './attitude.ts';
+import type {Flight, PoseTopic} from './flight.ts';
+import {lastAtOrBefore, type Table} from './table.ts';
+
+/** NaN is a gap. */
+export interface Curve { t: Float64Array; y: Float64Array }
+
+const DEG = 180 / Math.PI;
+
+/** A field times a factor. @returns undefined if the flight does not have it. */
+export function field(flight: Flight, topic: string, name: string, factor = 1): Curve | undefined {
+  const table = flight.tables.get(topic);
+  const values = table?.column(name);
+  if (!table || !values) return undefined;
+  return {t: table.times.subarray(0, table.length), y: factor === 1 ? values : values.map((value) => factor * value)};
+}
+
+/** A value made from several columns of one topic. @returns undefined if one of them is missing. */
+export function derived(flight: Flight, topic: string, names: readonly string[], value: (cells: number[]) => number)
+  : Curve | undefined {
+  const table = flight.tables.get(topic);
+  const columns = names.map((name) => table?.column(name));
+  if (!table || columns.some((column) => column === undefined)) return undefined;
+  const cells: number[] = [];
+  const y = new Float64Array(table.length);
+  for (let row = 0; row < y.length; ++row) {
+    columns.forEach((column, k) => { cells[k] = column![row]!; });
+    y[row] = value(cells);
+  }
+  return {t: table.times.subarray(0, table.length), y};
+}
+
+/** Roll, pitch or yaw [deg], yaw without jumps of a turn. */
+export function angle(flight: Flight, topic: string, attitude: readonly string[], axis: 0 | 1 | 2): Curve | undefined {
+  const curve = derived(flight, topic, attitude, (q) => eulerAngles(q as unknown as Quaternion)[axis] * DEG);
+  return curve && axis === 2 ? unwrapped(curve) : curve;
+}
+
+function unwrapped({t, y}: Curve): Curve {
+  let before = NaN;
+  const out = y.map((value) => {
+    if (!Number.isFinite(value)) return value;
+    const near = Number.isFinite(before) ? value + 360 * Math.round((before - value) / 360) : value;
+    return before = near;
+  });
+  return {t, y: out};
+}
+
+/** Shifted by whole turns so that it begins within half a turn of another one. */
+export function alignedTo(curve: Curve | undefined, other: Curve | undefined): Curve | undefined {
+  if (!curve || !other) return curve;
+  const first = curve.y.findIndex(Number.isFinite);
+  if (first < 0) return curve;
+  const there = sampleAt(other, curve.t[first]!);
+  if (!Number.isFinite(there)) return curve;
+  const shift = 360 * Math.round((there - curve.y[first]!) / 360);
+  return shift === 0 ? curve : {t: curve.t, y: curve.y.map((value) => value + shift)};
+}
+
+/** Velocity of the body over ground in north-east-down [m/s]: one of its components, or its length across ground. */
+export function groundVelocity(flight: Flight, value: (v_W: Triple) => number): Curve | undefined {
+  const names = ['w', 'x', 'y', 'z'].map((a) => `pose.orientation.${a}`).concat(['x', 'y', 'z'].map((a) => `twist.linear.${a}`));
+  return derived(flight, '/sim/truth_state', names, ([w, x, y, z, u, v, s]) =>
+    value(turned([w!, x!, y!, z!], [u!, v!, s!])));
+}
+
+/** `of` less `reference`, at the times of the first. */
+export function difference(of: Curve | undefined, reference: Curve | undefined): Curve | undefined {
+  if (!of || !reference) return undefined;
+  return {t: of.t, y: of.y.map((value, row) => value - sampleAt(reference, of.t[row]!))};
+}
+
+/** Distance of two curves across ground, at the times of the first. */
+export function horizontal(north: Curve | undefined, east: Curve | undefined): Curve | undefined {
+  if (!north || !east) return undefined;
+  return {t: north.t, y: north.y.map((value, row) => Math.hypot(value, east.y[row]!))};
+}
+
+/** Linear between samples, NaN outside of them. */
+export function sampleAt({t, y}: Curve, time: number): number {
+  const last = t.length - 1;
+  if (last < 0 || time < t[0]! || time > t[last]!) return NaN;
+  const low = lastAtOrBefore(t, t.length, time);
+  const high = Math.min(low + 1, last);
+  const span = t[high]! - t[low]!;
+  return span > 0 ? y[low]! + (time - t[low]!) / span * (y[high]! - y[low]!) : y[low]!;
+}
+
+/** Positions of a topic in north-east-down [m], no more than `most`, evenly chosen; `rows` is which. */
+export function path(table: Table, names: PoseTopic['position'], most: number): {points: Triple[]; rows: number[]} {
+  const columns = names.map((name) => table.column(name));
+  const points: Triple[] = [];
+  const rows: number[] = [];
+  const step = Math.max(1, Math.ceil(table.length / most));
+  for (let row = 0; row < table.length; row += step) {
+    const point = columns.map((column) => column?.[row] ?? NaN) as unknown as Triple;
+    if (!point.every(Number.isFinite)) continue;
+    points.push(point);
+    rows.push(row);
+  }
+  return {points, rows};
+}

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where the page gets its flight from: inside itself (report.html), the server that gave the page, or a file of the user.
+import {blobSource, bytesSource, urlSource, type ByteSource} from './data/bytes.ts';
+import {readLog} from './data/read_log.ts';
+import * as state from './state.ts';
+
+/** What the server has: addresses relative to the page. */
+interface Offer { name?: string; log?: string; summary?: string }
+
+const PAUSE_EACH_MS = 40;
+
+export async function openFirst() {
+  const inside = document.getElementById('flight-log')?.textContent?.trim();
+  if (inside) {
+    state.summary.value = parsed(document.getElementById('flight-summary')?.textContent);
+    await open(async () => bytesSource('report.html', fromBase64(inside)));
+  } else if (location.protocol.startsWith('http')) {
+    const answer = await fetch('offer.json').catch(() => undefined);
+    if (!answer?.ok) return;
+    const offer = await answer.json() as Offer;
+    if (offer.summary) state.summary.value = parsed(await (await fetch(offer.summary)).text());
+    if (offer.log) await open(() => urlSource(offer.log!, offer.name));
+  }
+}
+
+export async function openFile(file: File) {
+  state.summary.value = undefined; // is of another flight
+  await open(async () => blobSource(file.name, file));
+}
+
+async function open(source: () => Promise<ByteSource>) {
+  state.play(false);
+  state.failure.value = '';
+  state.flight.value = undefined;
+  state.time.value = 0;
+  state.loading.value = {share: 0};
+  let shown = performance.now();
+  try {
+    state.flight.value = await readLog(await source(), async (share) => {
+      if (performance.now() - shown < PAUSE_EACH_MS) return;
+      state.loading.value = {share};
+      await new Promise((resolve) => setTimeout(resolve)); // lets the page draw
+      shown = performance.now();
+    });
+  } catch (error) {
+    state.failure.value = (error as Error).message;
+  } finally {
+    state.loading.value = undefined;
+  }
+}
+
+function parsed(text: string | null | undefined): Record<string, unknown> | undefined {
+  try {
+    return text ? JSON.parse(text) as Record<string, unknown> : undefined;
+  } catch {
+    return undefined; // a flight is shown without it
+  }
+}
+
+function fromBase64(text: string): Uint8Array {
+  const characters = atob(text);
+  return Uint8Array.from(characters, (character) => character.charCodeAt(0));
+}

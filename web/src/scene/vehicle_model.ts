@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The vehicle as a model: its front is -z, its right x, up y (frames.ts).
+import {BoxGeometry, CylinderGeometry, DoubleSide, Euler, Group, Mesh, MeshStandardMaterial, Quaternion, SphereGeometry, Vector3,
+  type Object3D} from 'three';
+import {fromFlu} from './frames.ts';
+import {shapesOf, type Shape} from './urdf.ts';
+
+const COLOURS: Record<string, number> = {body: 0x3c4854, rotor: 0x4c8fd0, wing: 0xd8d6cc, gear: 0x22262a};
+const FRONT = 0xd9482b;
+const UP = new Vector3(0, 1, 0);
+
+export interface VehicleModel {
+  group: Group;
+  /** One for each rotor, in the order of the firmware's outputs: turns about its y. */
+  rotors: Object3D[];
+  /** Of a sphere around it [m]. */
+  radius: number;
+}
+
+export function vehicleModel(urdf: string): VehicleModel {
+  const shapes = shapesOf(urdf);
+  const group = new Group();
+  const rotors: Object3D[] = [];
+  let radius = 0.3;
+  for (const shape of shapes.length > 0 ? shapes : [PLAIN]) {
+    const part = shape.link.startsWith('rotor_') ? rotor(shape) : solid(shape);
+    part.position.copy(fromFlu(shape.position));
+    part.quaternion.copy(turn(shape));
+    radius = Math.max(radius, part.position.length() + reach(shape));
+    group.add(part);
+    if (shape.link.startsWith('rotor_')) {
+      rotors.push(part.children[0]!);
+      const arm = beam(part.position);
+      if (arm) group.add(arm);
+    }
+  }
+  group.add(nose(shapes.find((shape) => shape.link === 'base_link') ?? PLAIN));
+  const wing = shapes.find((shape) => shape.link === 'wing');
+  if (wing) group.add(tail(wing));
+  return {group, rotors, radius};
+}
+
+/** A vehicle without a description. */
+const PLAIN: Shape = {link: 'base_link', kind: 'box', size: [0.4, 0.25, 0.1], position: [0, 0, 0], rpy: [0, 0, 0], material: 'body'};
+
+/** Turned about the fixed axes x, y, z in this order, in front-left-up, then into the frame of the model. */
+function turn({rpy}: Shape): Quaternion {
+  const q = new Quaternion().setFromEuler(new Euler(rpy[0], rpy[1], rpy[2], 'ZYX'));
+  return new Quaternion(-q.y, q.z, -q.x, q.w);
+}
+
+function solid(shape: Shape): Mesh {
+  const [a = 0, b = 0, c = 0] = shape.size;
+  const geometry = shape.kind === 'box' ? new BoxGeometry(b, c, a)
+    : shape.kind === 'sphere' ? new SphereGeometry(a, 16, 12) : new CylinderGeometry(a, a, b, 32);
+  return new Mesh(geometry, matter(COLOURS[shape.material] ?? COLOURS['body']!));
+}
+
+/** A pale disc, and in it what turns: two blades and a hub. */
+function rotor(shape: Shape): Group {
+  const [radius = 0.1, thickness = 0.01] = shape.size;
+  const turning = new Group();
+  const blades = new Mesh(new BoxGeometry(2 * radius, 0.6 * thickness, 0.14 * radius), matter(0x1d2328));
+  const hub = new Mesh(new CylinderGeometry(0.12 * radius, 0.15 * radius, 4 * thickness, 16), matter(0x1d2328));
+  turning.add(blades, hub);
+  const disc = new Mesh(new CylinderGeometry(radius, radius, 0.2 * thickness, 48),
+    new MeshStandardMaterial({color: COLOURS['rotor']!, transparent: true, opacity: 0.28, side: DoubleSide, depthWrite: false}));
+  const group = new Group();
+  group.add(turning, disc);
+  return group;
+}
+
+function beam(end: Vector3): Mesh | undefined {
+  const length = end.length();
+  if (length < 0.05) return undefined;
+  const mesh = new Mesh(new CylinderGeometry(0.04 * length, 0.04 * length, length, 10), matter(COLOURS['body']!));
+  mesh.position.copy(end).multiplyScalar(0.5);
+  mesh.quaternion.setFromUnitVectors(UP, end.clone().normalize());
+  return mesh;
+}
+
+/** Where the front is, also from far away. */
+function nose({size: [length = 0.4, width = 0.2, height = 0.1]}: Shape): Mesh {
+  const mesh = new Mesh(new BoxGeometry(0.7 * width, 0.7 * height, 0.25 * length), matter(FRONT));
+  mesh.position.z = -0.55 * length;
+  return mesh;
+}
+
+/** A boom and a tail in proportion to the wing: the description has none. */
+function tail({size: [chord = 0.2, span = 1]}: Shape): Group {
+  const group = new Group();
+  const arm = 2.8 * chord;
+  const boom = new Mesh(new CylinderGeometry(0.1 * chord, 0.16 * chord, arm + chord, 12), matter(COLOURS['body']!));
+  boom.rotation.x = Math.PI / 2;
+  boom.position.z = 0.4 * arm;
+  const level = new Mesh(new BoxGeometry(0.28 * span, 0.05 * chord, 0.6 * chord), matter(COLOURS['wing']!));
+  level.position.z = arm;
+  const fin = new Mesh(new BoxGeometry(0.05 * chord, 0.7 * chord, 0.6 * chord), matter(COLOURS['wing']!));
+  fin.position.set(0, 0.35 * chord, arm);
+  group.add(boom, level, fin);
+  return group;
+}
+
+function reach({kind, size: [a = 0, b = 0]}: Shape): number {
+  return kind === 'box' ? Math.hypot(a, b) / 2 : a;
+}
+
+function matter(color: number): MeshStandardMaterial { return new MeshStandardMaterial({color, roughness: 0.75, metalness: 0.05}); }

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the views share: the flight, the moment shown, how it goes on.
+import {signal} from '@preact/signals';
+import type {Flight} from './data/flight.ts';
+
+export const flight = signal<Flight | undefined>(undefined);
+/** Moment shown [s]. */
+export const time = signal(0);
+export const playing = signal(false);
+/** Times real time. */
+export const speed = signal(1);
+/** What the page is doing before there is a flight, or why there is none. */
+export const loading = signal<{share: number} | undefined>(undefined);
+export const failure = signal('');
+/** Facts about the flight beside its log, as summary.json of its folder has them. */
+export const summary = signal<Record<string, unknown> | undefined>(undefined);
+
+export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20] as const;
+
+export function seek(t: number) {
+  const end = flight.value?.end_s ?? 0;
+  time.value = Math.min(Math.max(t, 0), end);
+}
+
+export function play(on: boolean) {
+  if (on === playing.value || !flight.value) return;
+  if (on && time.value >= flight.value.end_s) time.value = 0;
+  playing.value = on;
+  if (on) requestAnimationFrame((now) => step(now, now));
+}
+
+function step(before_ms: number, now_ms: number) {
+  if (!playing.value) return;
+  seek(time.value + (now_ms - before_ms) / 1000 * speed.value);
+  if (time.value >= (flight.value?.end_s ?? 0)) playing.value = false;
+  else requestAnimationFrame((next_ms) => step(now_ms, next_ms));
+}
+
+/** To the next message of the topic that the 3-D view follows; `way` is 1 or -1. */
+export function stepMessage(way: 1 | -1) {
+  playing.value = false;
+  const table = flight.value?.tables.get(flight.value.poseTopic?.topic ?? '');
+  if (!table) return;
+  const slack_s = 1e-6;
+  const row = table.rowAt(time.value + (way > 0 ? slack_s : -slack_s)) + (way > 0 ? 1 : 0);
+  seek(table.times[Math.min(Math.max(row, 0), table.length - 1)] ?? 0);
+}

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+import {useEffect, useState} from 'preact/hooks';
+import type {Flight} from '../data/flight.ts';
+import {openFile} from '../open.ts';
+import * as state from '../state.ts';
+import {Events} from './events.tsx';
+import {Facts, Parameters} from './facts.tsx';
+import {Bars, Instruments} from './instruments.tsx';
+import {Plots} from './plots.tsx';
+import {Space} from './space.tsx';
+import {Timeline} from './timeline.tsx';
+
+export function App() {
+  useKeyboard();
+  useFileDrop();
+  const flight = state.flight.value;
+  return <>
+    <header>
+      <h1>{flight ? title(flight) : 'ROSflight flight viewer'}</h1>
+      <Verdict/>
+      <label class="button open">Open a log<input type="file" accept=".mcap" class="sr" onChange={(event) => {
+        const file = event.currentTarget.files?.[0];
+        if (file) void openFile(file);
+      }}/></label>
+      <button onClick={switchTheme}>Light or dark</button>
+    </header>
+    {state.failure.value && <p class="failure" role="alert">{state.failure.value}</p>}
+    {flight?.notes.map((note) => <p class="failure" role="status" key={note}>{note}</p>)}
+    {flight ? <FlightView flight={flight}/> : <Start/>}
+  </>;
+}
+
+function title(flight: Flight): string {
+  const {facts} = flight;
+  return facts.has('vehicle') ? `${facts.get('vehicle')} flies ${facts.get('mission')}` : flight.name;
+}
+
+function Verdict() {
+  const summary = state.summary.value;
+  if (!summary) return null;
+  return <span class={`badge ${summary['success'] ? 'good' : 'bad'}`} title={String(summary['verdict'])}>
+    {summary['success'] ? '✓ success' : '✗ failed'}</span>;
+}
+
+function Start() {
+  const loading = state.loading.value;
+  return <main class="start">
+    {loading ? <p role="status">Reading the log <progress value={loading.share}>{Math.round(100 * loading.share)} %</progress></p>
+      : <p>Open the log of a flight, <code>flight.mcap</code>, or drop it here. Nothing is sent anywhere.</p>}
+  </main>;
+}
+
+const TABS = {plots: 'Plots', events: 'Events', bars: 'Receiver and outputs', facts: 'Facts', parameters: 'Parameters'};
+type Tab = keyof typeof TABS;
+
+function FlightView({flight}: {flight: Flight}) {
+  const [tab, setTab] = useState<Tab>('plots');
+  return <main class="flight">
+    <div class="space"><Space flight={flight}/><Instruments flight={flight}/></div>
+    <Timeline flight={flight}/>
+    <div class="panel">
+      <div class="tabs" role="tablist" aria-label="Views">{Object.entries(TABS).map(([name, label]) =>
+        <button key={name} role="tab" id={`tab-${name}`} aria-controls="panel" aria-selected={tab === name}
+          tabIndex={tab === name ? 0 : -1} onClick={() => setTab(name as Tab)} onKeyDown={(event) => moveTab(event, name as Tab, setTab)}>{label}</button>)}</div>
+      <div id="panel" role="tabpanel" aria-labelledby={`tab-${tab}`} tabIndex={0}>
+        {tab === 'plots' && <Plots flight={flight}/>}
+        {tab === 'events' && <Events flight={flight}/>}
+        {tab === 'bars' && <Bars flight={flight}/>}
+        {tab === 'facts' && <Facts flight={flight}/>}
+        {tab === 'parameters' && <Parameters flight={flight}/>}
+      </div>
+    </div>
+  </main>;
+}
+
+function moveTab(event: KeyboardEvent, from: Tab, setTab: (tab: Tab) => void) {
+  const way = event.key === 'ArrowRight' ? 1 : event.key === 'ArrowLeft' ? -1 : 0;
+  if (way === 0) return;
+  const names = Object.keys(TABS) as Tab[];
+  const to = names[(names.indexOf(from) + way + names.length) % names.length]!;
+  event.preventDefault();
+  setTab(to);
+  document.getElementById(`tab-${to}`)?.focus();
+}
+
+/** Space plays and pauses, comma and point step, Home and End jump, unless the user is typing or on a control that uses the key. */
+function useKeyboard() {
+  useEffect(() => {
+    const press = (event: KeyboardEvent) => {
+      const target = event.target as HTMLElement;
+      if (target.matches('input:not([type=range]), select, textarea') || event.ctrlKey || event.metaKey || event.altKey) return;
+      if (event.key === ' ' && target.matches('button, summary, label')) return;
+      const act: Record<string, () => void> = {
+        ' ': () => state.play(!state.playing.value), ',': () => state.stepMessage(-1), '.': () => state.stepMessage(1),
+      };
+      const wanted = act[event.key];
+      if (!wanted) return;
+      event.preventDefault();
+      wanted();
+    };
+    document.addEventListener('keydown', press);
+    return () => document.removeEventListener('keydown', press);
+  }, []);
+}
+
+function useFileDrop() {
+  useEffect(() => {
+    const over = (event: DragEvent) => event.preventDefault();
+    const drop = (event: DragEvent) => {
+      event.preventDefault();
+      const file = event.dataTransfer?.files[0];
+      if (file) void openFile(file);
+    };
+    document.addEventListener('dragover', over);
+    document.addEventListener('drop', drop);
+    return () => {
+      document.removeEventListener('dragover', over);
+      document.removeEventListener('drop', drop);
+    };
+  }, []);
+}
+
+function switchTheme() {
+  const root = document.documentElement;
+  const dark = root.dataset['theme'] ? root.dataset['theme'] === 'dark' : matchMedia('(prefers-color-scheme: dark)').matches;
+  root.dataset['theme'] = dark ? 'light' : 'dark';
+  document.dispatchEvent(new Event('themechange'));
+}

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One chart drawn by uPlot. All charts of the page share cursor, zoom and the moment shown.
+import uPlot from 'uplot';
+import {lastAtOrBefore} from '../data/table.ts';
+import {numbered, palette} from '../scene/palette.ts';
+import type {Chart, Line} from './charts.ts';
+
+const HEIGHT = 150;
+
+export interface PlotOptions {
+  /** A click asks to go there [s]. */
+  onSeek: (t: number) => void;
+  /** The user zoomed to this span [s]. */
+  onZoom: (from: number, to: number) => void;
+}
+
+export class Plot {
+  private readonly chart: uPlot;
+  private readonly marker = document.createElement('div');
+  private readonly full: readonly [number, number];
+  private t = 0;
+
+  constructor(place: HTMLElement, chart: Chart, end_s: number, {onSeek, onZoom}: PlotOptions) {
+    this.full = [0, Math.max(end_s, 0.1)];
+    const colours = palette();
+    const axis = {stroke: colours.faint, grid: {stroke: colours.grid, width: 1}, ticks: {show: false}, font: '11px system-ui, sans-serif'};
+    this.marker.className = 'now';
+    this.chart = new uPlot({
+      width: place.clientWidth, height: HEIGHT, legend: {show: true, live: true},
+      cursor: {sync: {key: 'flight', setSeries: false}, dataIdx: (u, k, row) => k === 0 ? row : lastKnown(u.data[k]!, row), drag: {x: true, y: false}, points: {size: 6}},
+      scales: {x: {time: false, min: this.full[0], max: this.full[1]}},
+      axes: [{...axis, size: 24, values: (_, ticks) => ticks.map((t) => `${t}`)}, {...axis, size: 52, values: tidy}],
+      series: [{label: 's', value: (_, t) => t == null ? '' : t.toFixed(2)}, ...bandSeries(chart), ...chart.lines.map(series)],
+      bands: chart.band ? [{series: [2, 1], fill: `${colours.estimate}30`}] : [],
+      hooks: {
+        setSelect: [({select, posToVal}) => {
+          if (select.width > 2) onZoom(posToVal(select.left, 'x'), posToVal(select.left + select.width, 'x'));
+        }],
+        setCursor: [({cursor}) => { if (this.chart && (cursor.left ?? -1) < 0) this.readAt(this.t); }],
+        setScale: [() => this.place()],
+        setSize: [() => this.place()],
+      },
+    }, table(chart), place);
+    this.chart.over.append(this.marker);
+    let down = 0;
+    this.chart.over.addEventListener('pointerdown', (event) => { down = event.clientX; });
+    this.chart.over.addEventListener('click', (event) => {
+      if (Math.abs(event.clientX - down) < 3) onSeek(this.chart.posToVal(event.offsetX, 'x'));
+    });
+    this.chart.over.addEventListener('dblclick', () => onZoom(...this.full));
+  }
+
+  /** Marks the moment; the legend has its values unless the mouse asks for those of another one. */
+  setTime(t: number) {
+    this.t = t;
+    this.place();
+    if ((this.chart.cursor.left ?? -1) < 0) this.readAt(t);
+  }
+
+  setSpan(from: number, to: number) { this.chart.setScale('x', {min: from, max: to}); }
+
+  setWidth(width: number) { if (width > 0 && width !== this.chart.width) this.chart.setSize({width, height: HEIGHT}); }
+
+  destroy() { this.chart.destroy(); }
+
+  private readAt(t: number) {
+    const [times] = this.chart.data;
+    const row = Math.max(lastAtOrBefore(times, times.length, t), 0);
+    this.chart.setLegend({idxs: this.chart.data.map((values, k) => k === 0 ? row : lastKnown(values, row))}, false);
+  }
+
+  private place() {
+    if (!this.chart) return; // uPlot calls hooks while it is made
+    const x = this.chart.valToPos(this.t, 'x');
+    const inside = x >= 0 && x <= this.chart.over.clientWidth;
+    this.marker.style.display = inside ? '' : 'none';
+    this.marker.style.transform = `translateX(${x}px)`;
+  }
+}
+
+/** The row of the latest value: other curves of the chart may have rows between its own. Gaps end the search. */
+function lastKnown(values: uPlot.AlignedData[number], row: number): number {
+  while (row > 0 && values[row] === undefined) --row;
+  return row;
+}
+
+/** uPlot wants one column of times for all: undefined is no sample there, null a gap. */
+function table({lines, band}: Chart): uPlot.AlignedData {
+  const curves = [...(band ? [band.low, band.high] : []), ...lines.map(({curve}) => curve)];
+  const tables = curves.map(({t, y}): uPlot.AlignedData => [t, Array.from(y, (value) => Number.isFinite(value) ? value : null)]);
+  return tables.length === 1 ? tables[0]! : uPlot.join(tables, tables.map(([, ...columns]) => columns.map(() => 2 as const)));
+}
+
+function bandSeries({band}: Chart): uPlot.Series[] {
+  if (!band) return [];
+  const edge = {stroke: `${palette().estimate}70`, width: 1, points: {show: false}, value: rounded};
+  return [{...edge, label: `−${band.label.slice(1)}`}, {...edge, label: `+${band.label.slice(1)}`}];
+}
+
+function series({label, style}: Line, k: number): uPlot.Series {
+  const colours = palette();
+  const stroke = style === 'numbered' ? numbered(k) : colours[style];
+  return {label, stroke, width: style === 'command' ? 3.5 : 1.4, points: {show: false}, value: rounded};
+}
+
+const rounded = (_: uPlot, value: number | null) => value == null ? '' : tidyNumber(value);
+
+function tidy(_: uPlot, ticks: number[]): string[] { return ticks.map((value) => String(+value.toPrecision(6))); }
+
+function tidyNumber(value: number): string {
+  const size = Math.abs(value);
+  return size >= 1000 ? value.toFixed(0) : size >= 100 ? value.toFixed(1) : size >= 1 ? value.toFixed(2) : value.toFixed(3);
+}

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A headless browser with WebGL: the Chromium that the package @sparticuz/chromium has inside, or the one that the variable
+// ROSFLIGHT_CHROMIUM names.
+import chromium from '@sparticuz/chromium';
+import {createReadStream} from 'node:fs';
+import {stat} from 'node:fs/promises';
+import {createServer, type Server} from 'node:http';
+import type {AddressInfo} from 'node:net';
+import {extname, join} from 'node:path';
+import {chromium as playwright, type Browser, type Page} from 'playwright-core';
+
+const FLAGS = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
+
+export async function startBrowser(flags: string[] = []): Promise<Browser> {
+  const executablePath = process.env['ROSFLIGHT_CHROMIUM'] ?? await chromium.executablePath();
+  return playwright.launch({executablePath, args: [...FLAGS, ...flags]});
+}
+
+export const DESKTOP = {width: 1280, height: 800};
+export const PHONE = {width: 390, height: 844};
+
+/** A page that fails the test on errors of its scripts and on requests to anybody but this computer. */
+export async function newPage(browser: Browser, viewport = DESKTOP, more: {colorScheme?: 'dark' | 'light'} = {}) {
+  const context = await browser.newContext({viewport, locale: 'en-US', colorScheme: 'light', ...more});
+  const page = await context.newPage();
+  const complaints: string[] = [];
+  page.on('pageerror', (error) => complaints.push(`error in the page: ${error.stack}`));
+  page.on('console', (message) => { if (message.type() === 'error') complaints.push(`console: ${message.text()}`); });
+  page.on('request', (request) => {
+    const {protocol, hostname} = new URL(request.url());
+    const here = ['file:', 'data:', 'blob:'].includes(protocol) || hostname === '127.0.0.1';
+    if (!here) complaints.push(`request to another computer: ${request.url()}`);
+  });
+  return {page, complaints};
+}
+
+/** Waits until the page has read its flight and drawn it. */
+export async function flightShown(page: Page) {
+  await page.waitForSelector('main.flight', {timeout: 60_000});
+  await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset['frames'] ?? 0) > 0);
+}
+
+/** Until the picture has been drawn again `frames` times, or rests: frames count, not time. */
+export async function drawn(page: Page) {
+  await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+}
+
+export interface Files { [address: string]: string }
+
+/** Serves files by address, with ranges, for pages without the project's own server. */
+export async function serve(files: Files): Promise<{url: string; server: Server}> {
+  const types: Record<string, string> = {'.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.json': 'application/json'};
+  const server = createServer(async (request, response) => {
+    const address = (request.url ?? '/').slice(1).split('?')[0] || 'index.html';
+    const file = files[address];
+    if (!file) return response.writeHead(404).end();
+    const {size} = await stat(file);
+    const range = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range ?? '');
+    const [start, end] = range ? [Number(range[1]), Math.min(Number(range[2]), size - 1)] : [0, size - 1];
+    response.writeHead(range ? 206 : 200, {'Content-Type': types[extname(address || '')] ?? 'application/octet-stream',
+      'Content-Length': end - start + 1, ...(range ? {'Content-Range': `bytes ${start}-${end}/${size}`} : {})});
+    return createReadStream(file, {start, end}).pipe(response);
+  });
+  await new Promise<void>((resolve) => server.listen(0, '127.0.0.1', resolve));
+  return {url: `http://127.0.0.1:${(server.address() as AddressInfo).port}/`, server};
+}
+
+export function pageFiles(folder: string): Files {
+  return Object.fromEntries(['index.html', 'page.js', 'page.css'].map((name) => [name, join(folder, name)]));
+}

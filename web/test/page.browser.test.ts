@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The page in a browser, as a user has it: served by ./rosflight view, opened with a file, without WebGL.
+import assert from 'node:assert/strict';
+import {spawn, type ChildProcess} from 'node:child_process';
+import {readFile} from 'node:fs/promises';
+import {createRequire} from 'node:module';
+import {join} from 'node:path';
+import {after, before, describe, test} from 'node:test';
+import {gzipSync} from 'node:zlib';
+import type {Browser, Page} from 'playwright-core';
+import {DESKTOP, drawn, flightShown, newPage, PHONE, startBrowser} from './browser.ts';
+import {FIXED_WING, logOf, MULTIROTOR, PAGE, VIEW} from './flights.ts';
+import {pixelAt} from './picture.ts';
+
+const AXE = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const started: ChildProcess[] = [];
+let browser: Browser;
+let multirotor = '';
+let fixedWing = '';
+
+/** @returns the address that ./rosflight view prints. */
+async function view(input: string): Promise<string> {
+  const program = spawn(VIEW, ['view', input], {stdio: ['ignore', 'pipe', 'inherit']});
+  started.push(program);
+  for await (const line of program.stdout) return String(line).split(' ')[0]!;
+  throw new Error('./rosflight view printed nothing');
+}
+
+before(async () => {
+  browser = await startBrowser();
+  [multirotor, fixedWing] = await Promise.all([view(MULTIROTOR), view(FIXED_WING)]);
+});
+after(async () => {
+  for (const program of started) program.kill('SIGTERM');
+  await browser?.close();
+});
+
+/** Opens the page, does something with it and then wants no complaint. */
+async function withPage(url: string, use: (page: Page) => Promise<void>, ...options: [typeof DESKTOP?, {colorScheme?: 'dark'}?]) {
+  const {page, complaints} = await newPage(browser, ...options);
+  try {
+    await page.goto(url);
+    await flightShown(page);
+    await use(page);
+    assert.deepEqual(complaints, []);
+  } finally {
+    await page.context().close();
+  }
+}
+
+async function goTo(page: Page, t: number) {
+  await page.getByLabel('Time in the flight').fill(String(t));
+  await drawn(page);
+}
+
+const clock = async (page: Page) => parseFloat(await page.locator('.clock').innerText());
+
+/** Whether the picture shows the vehicle where the camera says it is: its rotors are blue, what is around them is not. */
+async function vehicleIsSeen(page: Page) {
+  const share = await page.evaluate(() => window.rosflightScene!.vehicleInPicture());
+  assert.ok(share, 'the vehicle is not in the picture');
+  const box = (await page.locator('canvas').first().boundingBox())!;
+  const picture = await page.screenshot({clip: box});
+  const there = pixelAt(picture, share.x, share.y, 0.02);
+  const elsewhere = pixelAt(picture, 0.5, 0.97, 0.005);
+  const distance = Math.hypot(...there.map((value, k) => value - elsewhere[k]!));
+  assert.ok(distance > 40, `at the vehicle ${there}, on the ground ${elsewhere}`);
+}
+
+describe('replay of a flight', () => {
+  test('shows the vehicle where it is, also after a seek and in each view', () => withPage(multirotor, async (page) => {
+    for (const t of [7, 20, 44]) {
+      await goTo(page, t);
+      await vehicleIsSeen(page);
+    }
+    for (const name of ['Whole flight', 'From above', 'From south', 'From east']) {
+      await page.getByRole('button', {name}).click();
+      await drawn(page);
+      assert.ok(await page.evaluate(() => window.rosflightScene!.vehicleInPicture()), name);
+    }
+  }));
+
+  test('numbers are those of the moment', () => withPage(multirotor, async (page) => {
+    await goTo(page, 20);
+    const shown = await page.locator('.instruments').innerText();
+    assert.match(shown, /height\s*5\.\d m/); // the mission's second leg is at 5 m
+    assert.match(shown, /armed/);
+    await goTo(page, 1);
+    assert.match(await page.locator('.instruments').innerText(), /disarmed/);
+  }));
+
+  test('goes by keyboard alone', () => withPage(multirotor, async (page) => {
+    await page.keyboard.press('.');
+    const one = await clock(page);
+    await page.keyboard.press('.');
+    assert.ok(await clock(page) > one);
+    await page.keyboard.press(',');
+    assert.equal(await clock(page), one);
+    await page.keyboard.press(' ');
+    await page.waitForFunction((from) => parseFloat(document.querySelector('.clock')!.textContent!) > from + 0.2, one);
+    await page.keyboard.press(' ');
+    const paused = await clock(page);
+    await drawn(page);
+    assert.equal(await clock(page), paused);
+    await page.getByRole('tab', {name: 'Plots'}).focus();
+    await page.keyboard.press('ArrowRight');
+    assert.equal(await page.getByRole('tab', {name: 'Events'}).getAttribute('aria-selected'), 'true');
+  }));
+
+  test('plays at the speed chosen and stops at the end', () => withPage(multirotor, async (page) => {
+    await page.getByLabel('Speed').selectOption('20');
+    await page.getByRole('button', {name: 'Play'}).click();
+    await page.waitForFunction(() => document.querySelector('.play')!.getAttribute('aria-label') === 'Play', undefined, {timeout: 60_000});
+    assert.ok(await clock(page) > 50);
+  }));
+
+  test('an event leads to its moment', () => withPage(multirotor, async (page) => {
+    await page.getByRole('tab', {name: 'Events'}).click();
+    const row = page.locator('.events tr', {hasText: /land/i}).first();
+    const t = parseFloat(await row.locator('td').first().innerText());
+    await row.getByRole('button').click();
+    assert.equal(await clock(page), t);
+    assert.equal(await row.getAttribute('aria-current'), 'time');
+  }));
+
+  test('plots have curves, and any field can be added', () => withPage(multirotor, async (page) => {
+    await page.waitForSelector('.plot canvas');
+    assert.match(await page.locator('figure', {hasText: 'North'}).first().innerText(), /setpoint/);
+    await page.getByLabel('Add a plot of any field').fill('/baro pressure');
+    await page.waitForSelector('figure:has-text("/baro pressure") canvas');
+    await page.getByRole('button', {name: 'remove the plot /baro pressure'}).click();
+    assert.equal(await page.locator('figure:has-text("/baro pressure")').count(), 0);
+  }));
+
+  test('facts have the verdict and every waypoint', () => withPage(multirotor, async (page) => {
+    await page.getByRole('tab', {name: 'Facts'}).click();
+    assert.match(await page.locator('.verdict').innerText(), /Success/);
+    assert.equal(await page.locator('.facts table').nth(1).locator('tbody tr').count(), 7);
+  }));
+
+  test('parameters can be searched', () => withPage(multirotor, async (page) => {
+    await page.getByRole('tab', {name: 'Parameters'}).click();
+    await page.getByLabel('Search').fill('batt_volt_max');
+    assert.equal(await page.locator('.parameters tbody').innerText(), 'BATT_VOLT_MAX\t25.2');
+  }));
+
+  test('a fixed wing flies too', () => withPage(fixedWing, async (page) => {
+    await goTo(page, 40);
+    await vehicleIsSeen(page);
+    assert.ok(parseFloat(/speed\s*([\d.]+) m\/s/.exec(await page.locator('.instruments').innerText())![1]!) > 8);
+  }));
+});
+
+describe('what may go wrong', () => {
+  async function openFile(page: Page, name: string, buffer: Buffer) {
+    await page.locator('input[type=file]').setInputFiles({name, mimeType: 'application/octet-stream', buffer});
+  }
+
+  test('a file of the user replaces the flight; one that is no log is refused with a line', () => withPage(multirotor, async (page) => {
+    const log = await readFile(logOf(FIXED_WING));
+    await openFile(page, 'mine.mcap', log.subarray(0, log.length / 2));
+    await page.waitForSelector('text=/The log has no end: it was read as far as it goes/');
+    assert.match(await page.locator('h1').innerText(), /flies/);
+    await openFile(page, 'notes.txt', Buffer.from('no log'));
+    assert.equal(await page.getByRole('alert').innerText(), 'notes.txt: is no MCAP file');
+  }));
+
+  test('without WebGL all but the 3-D view works', async () => {
+    const plain = await startBrowser(['--disable-3d-apis']);
+    try {
+      const {page} = await newPage(plain);
+      await page.goto(multirotor);
+      await page.waitForSelector('text=This browser has no WebGL');
+      await goTo(page, 20);
+      assert.match(await page.locator('.instruments').innerText(), /height\s*5\.\d m/);
+      await page.waitForSelector('.plot canvas');
+    } finally {
+      await plain.close();
+    }
+  });
+});
+
+describe('for everybody', () => {
+  for (const [name, viewport, scheme] of [['desktop', DESKTOP, 'light'], ['dark', DESKTOP, 'dark'], ['phone', PHONE, 'light']] as const) {
+    test(`axe finds nothing, ${name}`, () => withPage(multirotor, async (page) => {
+      await page.evaluate(AXE);
+      for (const tab of await page.getByRole('tab').all()) {
+        await tab.click();
+        await drawn(page);
+        const found = await page.evaluate(async () => (await (window as unknown as {axe: Axe}).axe.run()).violations
+          .map(({id, nodes}) => `${id}: ${nodes.map(({html}) => html).slice(0, 3).join(' | ')}`));
+        assert.deepEqual(found, [], await tab.innerText());
+      }
+      const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
+      assert.ok(wide <= 0, `${wide} pixels wider than the window`);
+    }, viewport, {...(scheme === 'dark' ? {colorScheme: scheme} : {})}));
+  }
+});
+
+interface Axe { run(): Promise<{violations: {id: string; nodes: {html: string}[]}[]}> }
+
+describe('the page as it is built', () => {
+  test('is small', async () => {
+    const files = await Promise.all(['index.html', 'page.js', 'page.css'].map((name) => readFile(join(PAGE, name))));
+    const size_kB = files.reduce((sum, file) => sum + gzipSync(file, {level: 9}).length, 0) / 1000;
+    console.log(`web.bundle_kB ${size_kB.toFixed(1)}`);
+    assert.ok(size_kB <= 300, `${size_kB} kB`);
+  });
+
+  test('has no address of another computer in it', async () => {
+    const page = await readFile(join(PAGE, 'report_page.html'), 'utf8');
+    assert.deepEqual(page.match(/(?:src|href)\s*=\s*["']?(?:https?:)?\/\/[^\s"'>]+/g), null);
+    const lock = await readFile(new URL('../package-lock.json', import.meta.url), 'utf8');
+    assert.ok(!lock.includes('"resolved"'));
+  });
+});

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The reader of logs against the official one, npm @mcap/core, and against what the flight said of itself.
+import {McapIndexedReader} from '@mcap/core';
+import assert from 'node:assert/strict';
+import {readFile} from 'node:fs/promises';
+import {test} from 'node:test';
+import {decompress} from 'fzstd';
+import {bytesSource} from '../src/data/bytes.ts';
+import {lanesOf} from '../src/data/lanes.ts';
+import {McapLog} from '../src/data/mcap.ts';
+import {readLog} from '../src/data/read_log.ts';
+import {FIXED_WING, logOf, MULTIROTOR, summaryOf} from './flights.ts';
+import {random} from './random.ts';
+
+const bytes = new Uint8Array(await readFile(logOf(MULTIROTOR)));
+
+/** Messages and a sum over their bytes for each topic. */
+type Contents = Record<string, [count: number, size: number, sum: number]>;
+
+function count(contents: Contents, topic: string, data: Uint8Array) {
+  const entry = contents[topic] ??= [0, 0, 0];
+  entry[0] += 1;
+  entry[1] += data.length;
+  for (const byte of data) entry[2] = (entry[2] * 31 + byte) % 1000003;
+}
+
+test('the messages of a log are those that the official reader finds', async () => {
+  const theirs: Contents = {};
+  const reader = await McapIndexedReader.Initialize({
+    readable: {size: async () => BigInt(bytes.length), read: async (at, size) => bytes.subarray(Number(at), Number(at + size))},
+    decompressHandlers: {zstd: (packed, size) => decompress(packed, new Uint8Array(Number(size)))},
+  });
+  for await (const {channelId, data} of reader.readMessages()) count(theirs, reader.channelsById.get(channelId)!.topic, data);
+  const ours: Contents = {};
+  const log = await McapLog.open(bytesSource('log', bytes));
+  await log.readMessages(({topic}, _, data) => count(ours, topic, data));
+  assert.deepEqual(ours, theirs);
+  assert.equal(Object.values(ours).reduce((sum, [messages]) => sum + messages, 0), (await summaryOf(MULTIROTOR))['log_messages']);
+  assert.deepEqual(log.attachments.map(({name}) => name), ['vehicle.yaml', 'mission.yaml']);
+});
+
+test('a flight ends where its waypoint list and its clock say', async () => {
+  const flight = await readLog(bytesSource('log', bytes));
+  const summary = await summaryOf(MULTIROTOR);
+  assert.ok(Math.abs(flight.end_s - (summary['sim_time_s'] as number)) < 0.1, `${flight.end_s} s`);
+  // At each waypoint's moment the vehicle is as far from it in truth as the summary says.
+  const waypoints = summary['waypoints'] as {truth_distance_m: number; estimate_distance_m: number; time_s: number}[];
+  for (const [k, {truth_distance_m, time_s}] of waypoints.entries()) {
+    const {p} = flight.poseAt(time_s)!;
+    const distance = Math.hypot(...p.map((value, axis) => value - flight.plans[0]!.points[k]![axis]!));
+    assert.ok(Math.abs(distance - truth_distance_m) < 0.05, `waypoint ${k + 1}: ${distance} instead of ${truth_distance_m} m`);
+  }
+  assert.equal(flight.facts.get('vehicle'), 'multirotor');
+  assert.ok(!flight.fixedWing);
+  assert.ok(flight.urdf.includes('rotor_0'));
+  assert.ok(flight.events.length > 10);
+  assert.deepEqual(flight.notes, []);
+});
+
+test('states are strips without holes and in order', async () => {
+  const flight = await readLog(bytesSource('log', bytes));
+  const lanes = lanesOf(flight);
+  assert.deepEqual(lanes.map(({name}) => name), ['firmware', 'errors', 'control', 'autonomy']);
+  assert.deepEqual(lanes[0]!.spans.map(({label}) => label), ['disarmed', 'armed', 'disarmed']);
+  for (const {spans} of lanes) for (const {from, to} of spans) assert.ok(from < to);
+});
+
+test('a fixed wing has its plan, its wind and its airspeed', async () => {
+  const flight = await readLog(bytesSource('log', new Uint8Array(await readFile(logOf(FIXED_WING)))));
+  assert.ok(flight.fixedWing);
+  assert.ok(flight.plans.reduce((sum, {points}) => sum + points.length, 0) > 20);
+  assert.ok(flight.tables.get('/airspeed')!.length > 100);
+  assert.ok(flight.urdf.includes('"wing"'));
+});
+
+test('a log without its end is read as far as it goes, and says so', async () => {
+  const half = bytes.subarray(0, Math.floor(bytes.length / 2));
+  const flight = await readLog(bytesSource('half', half));
+  assert.ok(flight.end_s > 10 && flight.end_s < 45, `${flight.end_s} s`);
+  assert.match(flight.notes[0]!, /^The log has no end: it was read as far as it goes, \d+\.\d s\.$/);
+});
+
+test('a damaged chunk ends reading with a note', async () => {
+  const damaged = bytes.slice();
+  damaged.fill(0xaa, 2_000_000, 2_200_000);
+  const flight = await readLog(bytesSource('damaged', damaged));
+  assert.match(flight.notes[0]!, /^The log is damaged after \d+\.\d s: /);
+});
+
+test('what is no log is refused with one line', async () => {
+  for (const other of [new Uint8Array(), new TextEncoder().encode('{"this": "is JSON"}'), new Uint8Array(5000)]) {
+    await assert.rejects(readLog(bytesSource('other', other)), /^Error: other: is no MCAP file$/);
+  }
+  await assert.rejects(readLog(bytesSource('head', bytes.subarray(0, 100))), /has no ROS 2 message/);
+});
+
+test('whatever is wrong with the bytes, reading ends with a flight or an error', async () => {
+  const next = random(7);
+  const small = bytes.slice(0, 300_000);
+  for (let run = 0; run < 60; ++run) {
+    const broken = small.slice(0, next() % 2 ? undefined : next() % small.length);
+    for (let k = 0; k < 20; ++k) broken[8 + next() % 2000] = next() % 256;
+    for (let k = 0; k < 20; ++k) broken[next() % broken.length] = next() % 256;
+    await readLog(bytesSource('broken', broken)).catch((error: unknown) => assert.ok(error instanceof Error));
+  }
+});
