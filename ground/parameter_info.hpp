@@ -19,6 +19,7 @@ struct ParameterInfo {
   double max{};
   double sentinel{};  ///< One value outside the range that is allowed too; else the default.
   std::string_view unit;
+  std::string_view description;
 
   companion::ParameterValue default_value() const;
   bool allows(double value) const { return (value >= min && value <= max) || value == sentinel; }

@@ -13,6 +13,10 @@ def number(text):
     return ("-" if value < 0 else "") + "kInfinity" if math.isinf(value) else repr(value)
 
 
+def quoted(text):
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
 def main():
     source, target = sys.argv[1:]
     with open(source, newline="") as file:
@@ -22,7 +26,7 @@ def main():
             sentinel = number(row["sentinel"] or row["default"])
             kind = "kInt32" if row["type"] == "int32" else "kFloat"
             file.write(f'{{"{row["name"]}", link::ParamType::{kind}, {number(row["default"])}, {number(row["min"])}, '
-                       f'{number(row["max"])}, {sentinel}, "{row["units"]}"}},\n')
+                       f'{number(row["max"])}, {sentinel}, "{row["units"]}", {quoted(row["description"])}}},\n')
 
 
 main()

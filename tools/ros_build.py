@@ -129,7 +129,7 @@ def _state(environment: Environment, sanitize: bool) -> str:
 
 def _library_folders() -> list[str]:
     """Folders of the project's libraries: whatever the root builds that ros/ may use."""
-    return [f"{folder}/" for folder in ("link", "firmware", "sim", "companion", "config",
+    return [f"{folder}/" for folder in ("link", "firmware", "sim", "companion", "config", "ground",
                                         "autonomy", "messages", "log", "flight/vehicle")]
 
 

@@ -32,10 +32,14 @@ NODE = program("rosflight_io", "rosflight_io")
 TIMEOUT_S = 40.0
 
 
-def table_size():
-    """Parameters of the firmware: the 333 of ROSflight 2.x and ours behind them."""
+def table():
+    """Parameters of the firmware, a dictionary each: the 333 of ROSflight 2.x and ours behind them."""
     with (ROOT / "firmware" / "core" / "parameters.csv").open(newline="") as file:
-        return sum(1 for _ in csv.DictReader(file))
+        return list(csv.DictReader(file))
+
+
+def table_size():
+    return len(table())
 
 
 def free_udp_port():

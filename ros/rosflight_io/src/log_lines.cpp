@@ -9,6 +9,14 @@ namespace rosflight_io {
 
 namespace companion = rosflight::companion;
 
+namespace {
+
+/// The firmware's text about a value that it refuses, once for each time the value is sent (firmware/core/firmware_link.cpp).
+/// Only this node sends values, and it logs each refusal itself, once, with the value.
+constexpr const char* kRefusal = "Out of range, kept: ";
+
+}  // namespace
+
 void LogLines::on_status(const rosflight::link::Status& m, const companion::Stamp& /*stamp*/) {
   const rosflight::link::Status before = last_.value_or(rosflight::link::Status{});
   last_ = m;
@@ -74,6 +82,7 @@ void LogLines::tell(const companion::ConnectionEvent& event) {
 
 void LogLines::tell(const companion::LogEvent& event) {
   const std::string text{companion::text_of(event.line.text)};
+  if (text.rfind(kRefusal, 0) == 0) return;
   switch (event.line.severity) {
     case rosflight::link::Severity::kCritical:
     case rosflight::link::Severity::kError:

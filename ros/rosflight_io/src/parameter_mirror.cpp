@@ -3,9 +3,13 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <exception>
 #include <future>
 #include <memory>
 #include <utility>
+
+#include "rosflight_common/node_tools.hpp"
+#include "rosflight_io/parameter_descriptor.hpp"
 
 namespace rosflight_io {
 
@@ -66,19 +70,30 @@ void ParameterMirror::update() {
 
 void ParameterMirror::mirror(const NamedValue& entry) {
   if (known_.insert(entry.name).second && !node_.has_parameter(entry.name)) {
-    rcl_interfaces::msg::ParameterDescriptor description;
-    description.description = "parameter of the firmware; a set waits for its answer";
-    // A value from a file or the command line is a wish: it goes to the firmware, not over it.
-    const rclcpp::ParameterValue wanted =
-        node_.declare_parameter(entry.name, to_ros(entry.value), description);
-    const rclcpp::Parameter wish(entry.name, wanted);
-    if (same(wish, entry.value)) return;
-    const std::string refusal = send(wish);
+    const std::string refusal = declare(entry);
     if (refusal.empty()) return;
     RCLCPP_ERROR(node_.get_logger(), "%s", refusal.c_str());
   }
   if (same(node_.get_parameter(entry.name), entry.value)) return;
-  node_.set_parameter(rclcpp::Parameter(entry.name, to_ros(entry.value)));
+  const auto result = node_.set_parameter(rclcpp::Parameter(entry.name, to_ros(entry.value)));
+  if (!result.successful) {
+    RCLCPP_WARN(node_.get_logger(), "%s: the firmware has %s, the ROS parameter does not: %s",
+                entry.name.c_str(), entry.value.text().c_str(), result.reason.c_str());
+  }
+}
+
+std::string ParameterMirror::declare(const NamedValue& entry) {
+  const rclcpp::ParameterValue present = to_ros(entry.value);
+  const auto descriptor = describe_parameter(entry.name, entry.value);
+  try {
+    // A value from a file or the command line is a wish: it goes to the firmware, not over it.
+    const rclcpp::Parameter wish(entry.name,
+                                 node_.declare_parameter(entry.name, present, descriptor));
+    return same(wish, entry.value) ? "" : send(wish);
+  } catch (const std::exception& why) {  // a wish out of range or of another type
+    node_.declare_parameter(entry.name, present, descriptor, true);
+    return entry.name + ": " + rosflight_common::one_line(why.what());
+  }
 }
 
 rcl_interfaces::msg::SetParametersResult ParameterMirror::on_set(
@@ -90,7 +105,10 @@ rcl_interfaces::msg::SetParametersResult ParameterMirror::on_set(
     if (known_.count(parameter.get_name()) == 0) continue;
     result.reason = send(parameter);
     result.successful = result.reason.empty();
-    if (!result.successful) break;
+    if (!result.successful) {
+      RCLCPP_ERROR(node_.get_logger(), "%s", result.reason.c_str());
+      break;
+    }
   }
   return result;
 }

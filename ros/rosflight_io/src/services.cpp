@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "rosflight_common/paths.hpp"
 #include "rosflight_io/mixing_matrix.hpp"
 
 namespace rosflight_io {
@@ -128,7 +129,8 @@ void Services::offer_files() {
   offer<ParamFile>("param_load_from_file", [logger = node_.get_logger()](
                                                Session& session, const ParamFile::Request& request,
                                                const Reply<ParamFile>& reply) {
-    companion::Job<companion::LoadReport> job = session.parameters().load_file(request.filename);
+    companion::Job<companion::LoadReport> job =
+        session.parameters().load_file(rosflight_common::user_path(request.filename));
     job.when_finished([job, reply, logger] {
       for (const companion::ParameterResult& entry : job.result().entries) {
         if (entry.ok()) {
@@ -150,7 +152,7 @@ void Services::offer_files() {
   offer<ParamFile>("param_save_to_file", [logger = node_.get_logger()](
                                              Session& session, const ParamFile::Request& request,
                                              const Reply<ParamFile>& reply) {
-    auto job = session.parameters().save_file(request.filename);
+    auto job = session.parameters().save_file(rosflight_common::user_path(request.filename));
     job.when_finished([job, reply, logger] {
       if (job.done()) {
         RCLCPP_INFO(logger, "%s", job.text().c_str());

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Services and parameters: each answer is the outcome on the firmware."""
 
+import os
+from pathlib import Path
+
 import pytest
 import yaml
-from ros_rig import table_size, wait_for
+from ros_rig import table, table_size, wait_for
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
 from rosflight_msgs.srv import ParamFile, ParamGet, ParamSet
@@ -49,6 +52,17 @@ def test_file_of_all_parameters_and_back(rig):
     entries = yaml.safe_load(file.read_text())
     assert len(entries) == table_size() and set(entries[0]) == {"name", "type", "value"}
     assert rig.peer.call(ParamFile, "param_load_from_file", filename=str(file)).success
+
+
+def test_a_path_may_begin_with_the_home_folder(rig):
+    """No shell replaces the ~ in a request."""
+    name = f".rosflight_test_{os.getpid()}.yaml"
+    assert not rig.peer.call(ParamFile, "param_load_from_file", filename=f"~/{name}").success
+    try:
+        assert rig.peer.call(ParamFile, "param_save_to_file", filename=f"~/{name}").success
+        assert (Path.home() / name).stat().st_size > 0
+    finally:
+        (Path.home() / name).unlink(missing_ok=True)
 
 
 def test_file_reports_each_entry_and_takes_the_good_ones(rig):
@@ -113,8 +127,27 @@ def test_every_firmware_parameter_is_a_ros_parameter(rig):
     names = rig.peer.call(ListParameters, "rosflight_io/list_parameters").result.names
     assert {"PID_ROLL_RATE_P", "RC_MAX_THR", "PRI_MIXER_0_0", "SYS_ID", "udp", "port"} <= set(names)
     assert len([name for name in names if name.isupper()]) >= table_size()
-    description = rig.peer.call(DescribeParameters, "rosflight_io/describe_parameters", names=["SYS_ID"]).descriptors[0]
-    assert description.description and description.type == ParameterType.PARAMETER_INTEGER
+
+
+def test_every_firmware_parameter_has_its_text_unit_and_range_in_ros(rig):
+    """As the firmware's table has them; a value apart from the range widens the interval, which is all that ROS has."""
+    rows = {row["name"]: row for row in table()}
+    described = rig.peer.call(DescribeParameters, "rosflight_io/describe_parameters", names=list(rows)).descriptors
+    assert len(described) == table_size() >= 333
+    largest = 3.4028234663852886e38  # of a float: no limit
+    for one in described:
+        row = rows[one.name]
+        assert one.description == row["description"] + (f" [{row['units']}]" if row["units"] else "")
+        whole = row["type"] == "int32"
+        assert one.type == (ParameterType.PARAMETER_INTEGER if whole else ParameterType.PARAMETER_DOUBLE)
+        assert len(one.integer_range if whole else one.floating_point_range) == 1, one
+        found = (one.integer_range if whole else one.floating_point_range)[0]
+        apart = [float(row["sentinel"])] if row["sentinel"] else [float(row["default"])]
+        assert found.from_value == max(min([float(row["min"]), *apart]), -largest), one
+        assert found.to_value == min(max([float(row["max"]), *apart]), largest), one
+        assert one.additional_constraints.startswith("allowed: ")
+    constraints = {one.name: one.additional_constraints for one in described}
+    assert constraints["RC_ARM_CHN"] == "allowed: -1, 4 .. 7"
 
 
 def test_setting_a_ros_parameter_sets_the_firmware(rig):
@@ -128,6 +161,26 @@ def test_what_the_firmware_refuses_the_ros_parameter_refuses_with_the_reason(rig
     result = ros_set(rig, "PRIMARY_MIXER", integer_value=99)
     assert not result.successful and "PRIMARY_MIXER" in result.reason
     assert ros_get(rig, "PRIMARY_MIXER").integer_value == before
+
+
+def lines_about(rig, name):
+    return [line for line in rig.io.lines if name in line]
+
+
+def test_a_refusal_is_logged_once(rig):
+    """Inside the interval that ROS has, outside what the firmware allows: the value goes to the firmware several times, which
+    says no each time; the log has it once, whichever way the value came."""
+    file = rig.folder / "refused.yaml"
+    file.write_text("- {name: RC_ARM_CHN, type: 6, value: 2}\n")
+    before = len(lines_about(rig, "RC_ARM_CHN"))
+    for count, refused in enumerate((lambda: not ros_set(rig, "RC_ARM_CHN", integer_value=2).successful,
+                                     lambda: not rig.peer.call(ParamSet, "param_set", name="RC_ARM_CHN", value=2.0).exists), 1):
+        assert refused()
+        wait_for(lambda n=count: len(lines_about(rig, "RC_ARM_CHN")) == before + n, "a line", lambda: lines_about(rig, "RC_ARM_CHN"))
+    assert not rig.peer.call(ParamFile, "param_load_from_file", filename=str(file)).success
+    rig.io.wait_line("; first: RC_ARM_CHN")  # the summary of a file comes last
+    lines = lines_about(rig, "RC_ARM_CHN")[before:]
+    assert len(lines) == 4 and all("2 refused, stays at -1" in line for line in lines), lines
 
 
 def test_change_on_the_firmware_is_seen_in_ros(rig):

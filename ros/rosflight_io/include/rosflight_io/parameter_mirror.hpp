@@ -30,6 +30,8 @@ class ParameterMirror final : public rosflight::companion::Listener {
   /// Empty if the firmware has taken it, else why not.
   std::string send(const rclcpp::Parameter& parameter);
   void mirror(const rosflight::companion::NamedValue& entry);
+  /// Declares the ROS parameter; if another value is given on the command line or in a file, sends that. As send().
+  std::string declare(const rosflight::companion::NamedValue& entry);
 
   rclcpp::Node& node_;
   rosflight::companion::Runner& runner_;
