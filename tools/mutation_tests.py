@@ -17,7 +17,7 @@ from cpp_tests import Outcome
 
 FOLDER = project.ROOT / "tools" / "mutations"
 COPY = project.ROOT / "build" / "mutations"
-PARTS = ("base", "link", "firmware/hal", "firmware/core", "test_support", "firmware/boards/simulated")
+PARTS = ("base", "link", "firmware/hal", "firmware/core", "firmware/boards/parts", "test_support", "firmware/boards/simulated")
 PROPERTIES = "firmware_properties_test"
 CHEAPEST = "disarm_leaves_motors"  # one small file of the core; the one that CI builds
 KEYS = {"breaks", "file", "below", "line", "becomes", "test", "says"}
@@ -103,7 +103,7 @@ def build_and_run(test: str) -> tuple[bool, str]:
     if built.returncode != 0:
         raise RuntimeError("does not build: " + " ".join(
             line for line in built.stdout.splitlines() if "error" in line)[:400])
-    program = COPY / "build/release/firmware/core/test" / test
+    program = next(path for path in (COPY / "build/release/firmware").rglob(test) if path.is_file())
     done = run([str(program)])
     return done.returncode == 0, done.stdout + done.stderr
 

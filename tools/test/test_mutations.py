@@ -14,8 +14,9 @@ def test_mutation_fits_the_tree(mutation):
     after = mutation.apply(before)
     assert after != before
     assert after.count("\n") == before.count("\n")
-    assert mutation.file.startswith("firmware/core/") and "/test/" not in mutation.file
-    test = project.ROOT / "firmware/core/test" / f"{mutation.test}.cpp"
+    folder = next(f for f in ("firmware/core", "firmware/boards/parts") if mutation.file.startswith(f + "/"))
+    assert "/test/" not in mutation.file
+    test = project.ROOT / folder / "test" / f"{mutation.test.removeprefix('parts_')}.cpp"
     assert test.is_file()
 
 

@@ -172,7 +172,8 @@ void Ublox::send_configuration(Time now) {
   } else if (message_ == 2) {
     put_le32(&payload[8], 1);      // Hz
     put_le32(&payload[12], 1);     // Hz when locked
-    put_le32(&payload[20], 1000);  // us when locked; none before (offset 16 is 0)
+    put_le32(&payload[16], 1000);  // us ...
+    put_le32(&payload[20], 1000);  // ... and when locked
     put_le32(&payload[28], 0x7F);
     static_cast<void>(send(kTp5, payload.data(), 32));
   } else {

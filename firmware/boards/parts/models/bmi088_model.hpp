@@ -4,15 +4,9 @@
 
 #include "firmware/boards/parts/models/filter.hpp"
 #include "firmware/boards/parts/models/registers.hpp"
+#include "firmware/boards/parts/models/truth.hpp"
 
 namespace rosflight::boards::parts::models {
-
-/// What an IMU is exposed to, in the axes of the part.
-struct ImuTruth {
-  std::array<double, 3> accel_m_s2{};
-  std::array<double, 3> gyro_rad_s{};
-  double temperature_K{298.15};
-};
 
 /// Bosch BMI088: two dies with a chip select each. Registers of identity, soft reset, power, range,
 /// rate and filter, data-ready pin, data, sensor time and temperature; the rest are memory.

@@ -10,6 +10,13 @@
 
 namespace rosflight::boards::parts::models {
 
+/// What an IMU is exposed to, in the axes of the part.
+struct ImuTruth {
+  std::array<double, 3> accel_m_s2{};
+  std::array<double, 3> gyro_rad_s{};
+  double temperature_K{298.15};
+};
+
 /// What a magnetometer is exposed to, in the axes of the part.
 struct MagTruth {
   std::array<double, 3> field_T{};

@@ -83,7 +83,7 @@ TEST_F(UbloxTest, ConfiguresAirborneModelAndPulse) {
   time_to_run(milliseconds(3000));
   EXPECT_EQ(model_.dynamic_model(), 8);
   EXPECT_EQ(model_.pulse_length_us(), 1000u);
-  EXPECT_EQ(model_.pulse_length_unlocked_us(), 0u);
+  EXPECT_EQ(model_.pulse_length_unlocked_us(), 1000u);
   EXPECT_FALSE(model_.speaks_nmea());
   EXPECT_EQ(model_.complaints(), std::vector<std::string>{});
 }
