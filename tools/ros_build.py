@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Builds the packages under ros/ with colcon into build/ros, or tells that nothing changed. With --rclcpp first that, from source."""
 
+import contextlib
+import fcntl
 import hashlib
 import re
 import shutil
@@ -34,9 +36,15 @@ class BadRequest(ValueError):
 
 def _packages() -> dict[str, str]:
     """Names of all packages, stand-ins included, and the names of their folders."""
-    manifests = [path for path in project.own_files() if path.name == "package.xml"
-                 and path.parts[0] in (SOURCES, STAND_INS)]
-    return {name_in(ROOT / path): path.parent.name for path in sorted(manifests)}
+    return {name_in(ROOT / path): path.parent.name for path in _manifests()}
+
+
+def _manifests() -> list[Path]:
+    """Of the packages that colcon finds: it looks for none below another."""
+    found = [path for path in project.own_files() if path.name == "package.xml"
+             and path.parts[0] in (SOURCES, STAND_INS)]
+    folders = {path.parent for path in found}
+    return sorted(path for path in found if not folders & set(path.parent.parents))
 
 
 def package_names() -> list[str]:
@@ -50,14 +58,31 @@ def name_in(manifest: Path) -> str:
 
 def build(environment: Environment, packages: list[str] = (), place: Path | None = None,
           sanitize: bool = False) -> bool:
-    """Builds all packages, or those named and what they need. False: failed, and why was said."""
+    """Builds all packages, or those named and what they need; one build in a place at a time. False: failed, and why was said."""
     place = place or environment.place
     packages = sorted({_known(name) for name in packages})
+    with _alone_in(place):
+        return _build(environment, packages, place, sanitize)
+
+
+@contextlib.contextmanager
+def _alone_in(place: Path):
+    """Waits for the build of another process in the same place. Its lock ends with it, however it ends."""
+    place.mkdir(parents=True, exist_ok=True)
+    with (place / ".lock").open("w") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            print(f"rosflight: waiting for another build in {place.name}", file=sys.stderr)
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def _build(environment: Environment, packages: list[str], place: Path, sanitize: bool) -> bool:
     every, stamp = place / "stamp_", place / ("stamp_" + "_".join(packages))
     state = _state(environment, sanitize)
     if any(made.exists() and made.read_text() == state for made in (every, stamp)):
         return True
-    place.mkdir(parents=True, exist_ok=True)
     (place / "COLCON_IGNORE").touch()
     stamp.unlink(missing_ok=True)
     if _need_libraries(packages) and not project.build("release", "rosflight_libraries"):
@@ -99,8 +124,7 @@ def _known(name: str) -> str:
 
 def _need_libraries(packages: list[str]) -> bool:
     """True if one of the packages (none: all) is built with find_package(rosflight), itself or by what it needs."""
-    texts = {name_in(path): path.read_text() for path in
-             (ROOT / found for found in project.own_files()) if path.name == "package.xml"}
+    texts = {name_in(ROOT / path): (ROOT / path).read_text() for path in _manifests()}
     left, seen = list(packages or texts), set()
     while left:
         name = left.pop()

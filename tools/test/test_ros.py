@@ -4,6 +4,8 @@
 import os
 import re
 import subprocess
+import threading
+import time
 from pathlib import Path
 
 import project
@@ -37,6 +39,7 @@ def house(tmp_path, monkeypatch, wheels):
         (tmp_path / folder / "test" / f"test_{Path(folder).name}.py").touch()
     for module in (ros_build, ros_test, ros_environment, project):
         monkeypatch.setattr(module, "ROOT", tmp_path)
+    monkeypatch.setattr(ros_environment, "PLACE", tmp_path / "build/ros")
     monkeypatch.setattr(project, "own_files", lambda: sorted(
         path.relative_to(tmp_path) for path in tmp_path.glob("ros*/**/*") if path.is_file()))
     asked = []
@@ -155,6 +158,38 @@ def test_nothing_is_built_again_until_something_changes(house, wheels, tmp_path)
     assert house == [[], ["house_node"]]
     assert ros_build.build(wheels, place=place)
     assert house == [[], ["house_node"], []]
+
+
+def test_two_builds_at_once_are_one_after_the_other_and_the_second_finds_the_work_done(house, wheels, tmp_path, monkeypatch, capfd):
+    place = tmp_path / "build/ros"
+    begun, go_on, running = threading.Event(), threading.Event(), []
+
+    def colcon(*_):
+        running.append(threading.current_thread())
+        begun.set()
+        assert go_on.wait(20)
+        return True
+    monkeypatch.setattr(ros_build, "_colcon", colcon)
+    threads = [threading.Thread(target=ros_build.build, args=(wheels, [], place)) for _ in range(2)]
+    threads[0].start()
+    assert begun.wait(20)
+    threads[1].start()
+    said = ""
+    end = time.monotonic() + 20
+    while "waiting for another build in ros" not in said and time.monotonic() < end:
+        said += capfd.readouterr().err
+    assert "rosflight: waiting for another build in ros\n" in said and running == [threads[0]]
+    go_on.set()
+    for thread in threads:
+        thread.join(20)
+    assert running == [threads[0]], "the second had nothing to build"
+
+
+def test_a_package_below_another_is_no_package_of_ours(house, wheels, tmp_path):
+    """colcon looks for none there: it is an example to copy."""
+    (tmp_path / "ros/node/copy").mkdir()
+    (tmp_path / "ros/node/copy/package.xml").write_text("<package><name>to_copy</name></package>")
+    assert ros_build.package_names() == ["house_node", "rclcpp", "rosflight_msgs"]
 
 
 def test_a_package_that_has_moved_is_configured_again(house, wheels, tmp_path):
