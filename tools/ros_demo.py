@@ -15,6 +15,8 @@ passthrough: attitude loops in a ROS node close over the link at 400 Hz, in pass
 load: offboard commands at 100 Hz while every stream is received: what is lost on the link and in ROS, and whether the
 node's memory grows.
 
+A row whose rate was not held is marked and the exit code is 1: its figures are those of another rate.
+
 The paper (on its hardware): 0.416 ms mean, 2.334 ms largest at 400 Hz, 1360 Hz. --json prints the table as JSON.
 """
 

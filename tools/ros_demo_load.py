@@ -10,9 +10,11 @@ from pathlib import Path
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
+from ros_demo_rate import exit_code
 from ros_rig import Rig, program, wait_for
 
 WATCH = program("rosflight_demos", "load_watch")
+RATE_HZ = 100.0  # of the commands
 LINK_COUNTERS = ("frames dropped", "sequence gaps", "send failures")
 
 
@@ -82,4 +84,4 @@ def run(options) -> int:
     else:
         print_table(told)
         print(f"JSON is in {options.out}")
-    return 0
+    return exit_code([("load", told["commands"] / told["seconds"], RATE_HZ)])

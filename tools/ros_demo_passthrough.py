@@ -15,6 +15,7 @@ import yaml
 
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
+from ros_demo_rate import exit_code  # noqa: E402
 from ros_rig import PROGRAM, ROOT, Rig, program, wait_for, write_parameters  # noqa: E402
 from rosflight_msgs.msg import Status  # noqa: E402
 from rosflight_msgs.srv import ParamFile  # noqa: E402
@@ -22,6 +23,7 @@ from std_srvs.srv import Trigger  # noqa: E402
 
 NODE = program("rosflight_demos", "passthrough")
 VEHICLE = ROOT / "vehicles" / "multirotor.yaml"
+RATE_HZ = 400.0  # of the attitude that closes the loops
 ARM_S, RELEASE_S = 20.0, 21.5  # the pilot's part, after everything has been set up
 
 
@@ -142,4 +144,4 @@ def run(options) -> int:
         print(f"roll follows {1000 * told['lag_s']:.0f} ms late; error {told['rms_deg']:.2f} deg rms, "
               f"{told['rms_without_lag_deg']:.2f} deg without the lag; {told['samples']} samples at {told['rate_hz']:.0f} Hz")
         print(f"plot, CSV and JSON are in {options.out}")
-    return 0
+    return exit_code([("passthrough", told["rate_hz"], RATE_HZ)])

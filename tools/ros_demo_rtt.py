@@ -15,6 +15,7 @@ import rclpy
 
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
+from ros_demo_rate import exit_code, held  # noqa: E402
 from ros_rig import SIL_TOOLS, Link, Rig, program  # noqa: E402
 from rosflight_msgs.srv import ParamSet  # noqa: E402
 
@@ -81,8 +82,8 @@ def measure(options) -> list[dict]:
                 file = options.out / (name.replace(" ", "_") + ".csv")
                 count = options.count if rate > 0 else max(options.count // 2, 1000)
                 told = measure_one(kind, load != "idle", rate, count, file)
-                rows.append({"path": path, "link": kind, "load": load, "rate_hz": told["achieved_Hz"],
-                             "wanted_hz": rate or None, "sent": told["sent"], "lost": told["lost"],
+                rows.append({"path": path, "link": kind, "load": load, "rate_hz": told["achieved_Hz"], "wanted_hz": rate or None,
+                             "held": held(told["achieved_Hz"], rate), "sent": told["sent"], "lost": told["lost"],
                              **figures(file), "csv": file.name})
     return rows
 
@@ -94,7 +95,7 @@ def print_table(title: str, rows: list[dict]):
         cells = [row.get(column, "-") for column in COLUMNS]
         print("".join(f"{cell:>11.3f}" if isinstance(cell, float) and column not in ("rate_hz",) else
                       f"{cell:>11.0f}" if isinstance(cell, float) else f"{cell:>11}"
-                      for column, cell in zip(COLUMNS, cells)))
+                      for column, cell in zip(COLUMNS, cells)) + ("" if row["held"] else "  rate not held"))
     print()
 
 
@@ -136,4 +137,4 @@ def run(options) -> int:
         print_table(f"At {options.rate:g} Hz", steady)
         print_table("As fast as they come back, one at a time", [row for row in rows if not row["wanted_hz"]])
         print(f"histogram, CSV and JSON are in {options.out}")
-    return 0
+    return exit_code([(f"{row['path']} {row['link']} {row['load']}", row["rate_hz"], row["wanted_hz"]) for row in steady])
