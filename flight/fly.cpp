@@ -9,7 +9,7 @@
 
 #include "base/atomic_file.hpp"
 #include "companion/parameter_file.hpp"
-#include "firmware/boards/qemu_m7/host/emulator.hpp"
+#include "firmware/boards/common/host/child_process.hpp"
 #include "flight/flight_recorder.hpp"
 #include "flight/report/path_chart.hpp"
 #include "flight/report/report.hpp"
@@ -55,7 +55,7 @@ bool run(Flight& flight, const FlyOptions& options) {
       flight.step();
       if (options.on_step) options.on_step(flight);
     }
-  } catch (const boards::m7::EmulatorError& error) {
+  } catch (const boards::EmulatorError& error) {
     throw FlightAborted(fmt::format("{:.2f} s: {}", sim::to_seconds(flight.now()), error.what()));
   }
   return false;

@@ -27,27 +27,7 @@ std::filesystem::path emulated_image(const std::string& link_protocol) {
   return project_root() / "build/cortex-m7/firmware/boards/qemu_m7" / (name + ".elf");
 }
 
-void fill_samples(ToBoard& block, const sim::SensorSamples& samples, const hal::RcFrame* rc,
-                  sim::Time origin) {
-  const auto put = [origin](auto& to, std::uint8_t& has, bool is_new, const auto& sample) {
-    has = is_new ? 1 : 0;
-    if (!is_new) return;
-    to = sample;
-    to.stamp -= origin;
-  };
-  block.has_rc = rc != nullptr ? 1 : 0;
-  if (rc != nullptr) block.rc = *rc;
-  put(block.imu, block.has_imu, samples.has_imu, samples.imu);
-  put(block.mag, block.has_mag, samples.has_mag, samples.mag);
-  put(block.baro, block.has_baro, samples.has_baro, samples.baro);
-  put(block.diff_pressure, block.has_diff_pressure, samples.has_diff_pressure,
-      samples.diff_pressure);
-  put(block.range, block.has_range, samples.has_range, samples.range);
-  put(block.gnss, block.has_gnss, samples.has_gnss, samples.gnss);
-  put(block.battery, block.has_battery, samples.has_battery, samples.battery);
-}
-
-FirmwareView view_of(const boards::m7::FirmwareGlance& glance) {
+FirmwareView view_of(const boards::FirmwareGlance& glance) {
   FirmwareView view;
   view.state = static_cast<core::State>(glance.state);
   view.armed = glance.armed != 0;

@@ -50,10 +50,29 @@ class EmulatedAutopilot final : public Autopilot {
   sim::Time boot_{};
 };
 
-/// Copies samples into a block, their stamps less `origin`.
-void fill_samples(boards::m7::ToBoard& block, const sim::SensorSamples& samples,
-                  const hal::RcFrame* rc, sim::Time origin);
-FirmwareView view_of(const boards::m7::FirmwareGlance& glance);
+/// Copies samples into the block of an emulated board, their stamps less `origin`.
+template <class Block>
+void fill_samples(Block& block, const sim::SensorSamples& samples, const hal::RcFrame* rc,
+                  sim::Time origin) {
+  const auto put = [origin](auto& to, std::uint8_t& has, bool is_new, const auto& sample) {
+    has = is_new ? 1 : 0;
+    if (!is_new) return;
+    to = sample;
+    to.stamp -= origin;
+  };
+  block.has_rc = rc != nullptr ? 1 : 0;
+  if (rc != nullptr) block.rc = *rc;
+  put(block.imu, block.has_imu, samples.has_imu, samples.imu);
+  put(block.mag, block.has_mag, samples.has_mag, samples.mag);
+  put(block.baro, block.has_baro, samples.has_baro, samples.baro);
+  put(block.diff_pressure, block.has_diff_pressure, samples.has_diff_pressure,
+      samples.diff_pressure);
+  put(block.range, block.has_range, samples.has_range, samples.range);
+  put(block.gnss, block.has_gnss, samples.has_gnss, samples.gnss);
+  put(block.battery, block.has_battery, samples.has_battery, samples.battery);
+}
+
+FirmwareView view_of(const boards::FirmwareGlance& glance);
 /// kCrash or kHang as the image's driver simulates it.
 boards::m7::Trouble trouble_of(Autopilot::Breakdown kind);
 

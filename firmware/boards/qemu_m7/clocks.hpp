@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include "firmware/boards/common/wide_counter.hpp"
 #include "firmware/boards/qemu_m7/registers.hpp"
-#include "firmware/boards/qemu_m7/wide_counter.hpp"
 #include "firmware/hal/roles.hpp"
 
 namespace rosflight::boards::m7 {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "firmware/boards/common/firmware_glance.hpp"
 #include "firmware/hal/samples.hpp"
 
 /// What the emulated board and the world outside exchange: one block in memory that both see, laid
@@ -78,22 +79,6 @@ struct ToBoard {
   std::array<std::uint8_t, kLinkCapacity> link{};
 };
 
-/// What a display may know of the firmware inside; filled by the image's main().
-struct FirmwareGlance {
-  std::array<float, 10> command{};  ///< Combined command.
-  std::array<std::uint8_t, 10> command_type{};
-  std::uint8_t state{};
-  std::uint8_t armed{};
-  std::uint8_t failsafe{};
-  std::uint8_t reserved{};
-  std::uint16_t errors{};
-  std::uint16_t primary_axes{};
-  std::array<float, 4> q_WB{1.0f, 0.0f, 0.0f, 0.0f};
-  float roll_rad{};
-  float pitch_rad{};
-  std::array<float, 3> rates_rad_s{};
-};
-
 struct FromBoard {
   static constexpr std::size_t kLinkCapacity = 16384;
   /// Each frame in `link` stands behind these bytes: size (two, little-endian), urgency, and
@@ -129,7 +114,6 @@ static_assert(sizeof(hal::RcFrame) == 112 && sizeof(hal::ImuSample) == 40);
 static_assert(sizeof(hal::MagSample) == 24 && sizeof(hal::BaroSample) == 16);
 static_assert(sizeof(hal::DiffPressureSample) == 16 && sizeof(hal::RangeSample) == 24);
 static_assert(sizeof(hal::GnssSample) == 72 && sizeof(hal::BatterySample) == 16);
-static_assert(sizeof(FirmwareGlance) == 96);
 static_assert(offsetof(ToBoard, rc) == 48 && sizeof(ToBoard) == 48 + 320 + ToBoard::kLinkCapacity);
 static_assert(offsetof(FromBoard, link) == 208);
 static_assert(std::is_trivially_copyable_v<ExchangeBlock>);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include "firmware/boards/common/memories.hpp"
 #include "firmware/boards/common/simulated_peripherals.hpp"
 #include "firmware/boards/qemu_m7/clocks.hpp"
 #include "firmware/boards/qemu_m7/exchange_block.hpp"
-#include "firmware/boards/qemu_m7/memories.hpp"
 #include "firmware/boards/qemu_m7/registers.hpp"
 
 namespace rosflight::boards::m7 {

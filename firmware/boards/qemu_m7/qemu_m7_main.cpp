@@ -2,6 +2,7 @@
 // The image: board, link and firmware put together, in lock-step with the world or in real time.
 #include <new>
 
+#include "firmware/boards/common/glance_main.hpp"
 #include "firmware/boards/qemu_m7/block_serial.hpp"
 #include "firmware/boards/qemu_m7/qemu_board.hpp"
 #include "firmware/boards/qemu_m7/semihosting.hpp"
@@ -17,7 +18,7 @@ using namespace rosflight::boards::m7;  // NOLINT(google-build-using-namespace)
 
 struct Autopilot {
   explicit Autopilot(const hal::Board& board) : firmware{board, link.codec} {}
-  BoardLink link;
+  boards::BoardLink link;
   core::Firmware firmware;
 };
 
@@ -43,27 +44,6 @@ Place<HardwareClock> hardware_clock_place;
 Place<Uart> uart_place;
 Place<QemuBoard> board_place;
 Place<ToBoard> inputs_place;
-
-void glance(const core::Firmware& firmware, FirmwareGlance& out) {
-  const core::CommandVector& combined = firmware.command().combined();
-  for (std::size_t k = 0; k < out.command.size(); ++k) {
-    out.command[k] = combined.value[k];
-    out.command_type[k] = static_cast<std::uint8_t>(combined.type[k]);
-  }
-  const core::StateMachine& state = firmware.state();
-  out.state = static_cast<std::uint8_t>(state.state());
-  out.armed = state.armed() ? 1 : 0;
-  out.failsafe = state.failsafe() ? 1 : 0;
-  out.errors = state.errors();
-  out.primary_axes = firmware.command().primary_axes();
-  const core::AttitudeEstimate& estimate = firmware.estimator().estimate();
-  out.q_WB = {estimate.q_WB.w, estimate.q_WB.x, estimate.q_WB.y, estimate.q_WB.z};
-  out.roll_rad = estimate.roll_rad;
-  out.pitch_rad = estimate.pitch_rad;
-  for (std::size_t k = 0; k < 3; ++k) {
-    out.rates_rad_s[k] = estimate.rates_rad_s[static_cast<Eigen::Index>(k)];
-  }
-}
 
 /// The two ends of the lock-step's pipes.
 class Doorbell {
@@ -126,7 +106,7 @@ class Doorbell {
     out.ticks = cycles() - begin;
     Watchdog::stop();
     board.report(out);
-    glance(firmware, out.firmware);
+    boards::glance(firmware, out.firmware);
     ++out.sequence;
     memory_barrier();
     bell.ring(Bell::kDone);
@@ -167,7 +147,7 @@ void report_uart(const Uart& uart, FromBoard& out) {
   out.uart_received = uart.counters().received;
   out.uart_sent = uart.counters().sent;
   out.uart_overruns = uart.counters().overruns;
-  out.uart_frames_dropped = uart.counters().frames_dropped;
+  out.uart_frames_dropped = uart.frames_dropped();
 }
 
 [[noreturn]] void run_in_real_time(ExchangeBlock& block) {
@@ -201,7 +181,7 @@ void report_uart(const Uart& uart, FromBoard& out) {
     ++out.passes;
     board.report(out);
     report_uart(uart, out);
-    glance(firmware, out.firmware);
+    boards::glance(firmware, out.firmware);
     memory_barrier();
     ++out.sequence;
     if (board.system.reset_requested()) reset_processor();

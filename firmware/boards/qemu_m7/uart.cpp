@@ -28,31 +28,17 @@ bool Uart::open(std::uint32_t baud, std::uint8_t device) {
 }
 
 bool Uart::write(const std::uint8_t* data, std::size_t size, std::uint8_t qos) {
-  Queue& q = queue(qos);
-  if (size == 0 || size + kFrameHeader > q.room()) {
-    ++counters_.frames_dropped;
-    return false;
-  }
-  const std::uint8_t header[kFrameHeader] = {static_cast<std::uint8_t>(size & 0xFFu),
-                                             static_cast<std::uint8_t>(size >> 8u)};
   {
-    const InterruptGuard guard;  // header and frame together
-    q.put(header, kFrameHeader);
-    q.put(data, size);
+    const InterruptGuard guard;
+    if (!queues_.put(data, size, qos)) return false;
   }
   pend_interrupt(place_.transmit_irq);
   return true;
 }
 
-std::size_t Uart::writable() const {
-  const std::size_t room = queues_.back().room();
-  return room > kFrameHeader ? room - kFrameHeader : 0;
-}
-
 bool Uart::idle() const {
   const InterruptGuard guard;
-  return remaining_ == 0 &&
-         std::all_of(queues_.begin(), queues_.end(), [](const Queue& q) { return q.empty(); });
+  return queues_.empty();
 }
 
 std::size_t Uart::read(std::uint8_t* data, std::size_t capacity) {
@@ -81,25 +67,10 @@ void Uart::on_receive() {
 void Uart::on_transmit() {
   interrupts() = kTransmitInterrupt;
   std::uint8_t byte = 0;
-  while ((state() & kTransmitFull) == 0 && next_byte(byte)) {
+  while ((state() & kTransmitFull) == 0 && queues_.take(&byte, 1) == 1) {
     data_register() = byte;
     ++counters_.sent;
   }
-}
-
-bool Uart::next_byte(std::uint8_t& byte) {
-  if (remaining_ == 0) {
-    const auto* const next =
-        std::find_if(queues_.begin(), queues_.end(), [](const Queue& q) { return !q.empty(); });
-    if (next == queues_.end()) return false;
-    sending_ = static_cast<std::size_t>(next - queues_.begin());
-    remaining_ = static_cast<std::size_t>(next->peek(0)) | static_cast<std::size_t>(next->peek(1))
-                                                               << 8u;
-    queues_[sending_].drop(kFrameHeader);
-  }
-  byte = queues_[sending_].take();
-  --remaining_;
-  return true;
 }
 
 }  // namespace rosflight::boards::m7

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include "firmware/boards/qemu_m7/byte_ring.hpp"
+#include "firmware/boards/common/frame_queues.hpp"
+#include "firmware/boards/qemu_m7/registers.hpp"
 #include "firmware/hal/roles.hpp"
 
 namespace rosflight::boards::m7 {
@@ -25,7 +26,7 @@ class Uart final : public hal::Serial {
   /// The one device there is, at any rate that the clock can be divided to (up to 1.5 Mbit/s).
   bool open(std::uint32_t baud, std::uint8_t device) override;
   bool write(const std::uint8_t* data, std::size_t size, std::uint8_t qos) override;
-  std::size_t writable() const override;
+  std::size_t writable() const override { return queues_.writable(); }
   std::size_t read(std::uint8_t* data, std::size_t capacity) override;
   bool waiting() const { return !received_.empty(); }
   /// Everything written is out.
@@ -37,28 +38,21 @@ class Uart final : public hal::Serial {
   struct Counters {
     std::uint32_t received{};
     std::uint32_t sent{};
-    std::uint32_t overruns{};        ///< Received bytes without room.
-    std::uint32_t frames_dropped{};  ///< By write().
+    std::uint32_t overruns{};  ///< Received bytes without room.
   };
   const Counters& counters() const { return counters_; }
+  std::uint32_t frames_dropped() const { return queues_.dropped(); }
 
  private:
-  static constexpr std::size_t kFrameHeader = 2;  ///< Its size, before each frame in a queue.
-  using Queue = ByteRing<4096>;
-
   volatile std::uint32_t& data_register() const { return reg(place_.base); }
   volatile std::uint32_t& state() const { return reg(place_.base + 0x04u); }
   volatile std::uint32_t& control() const { return reg(place_.base + 0x08u); }
   volatile std::uint32_t& interrupts() const { return reg(place_.base + 0x0Cu); }
   volatile std::uint32_t& divider() const { return reg(place_.base + 0x10u); }
-  Queue& queue(std::uint8_t qos) { return queues_[class_of(qos)]; }
-  bool next_byte(std::uint8_t& byte);
 
   Place place_;
   ByteRing<8192> received_;
-  std::array<Queue, 3> queues_;
-  std::size_t sending_{0};    ///< Queue of the frame on its way.
-  std::size_t remaining_{0};  ///< Of its bytes.
+  FrameQueues<4096> queues_;
   Counters counters_{};
 };
 

@@ -1,22 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <sys/types.h>
 #include <chrono>
 #include <filesystem>
-#include <stdexcept>
 #include <string>
+#include <vector>
 
-#include "base/file_descriptor.hpp"
+#include "firmware/boards/common/host/child_process.hpp"
 #include "firmware/boards/qemu_m7/exchange_block.hpp"
 
 /// The host's end of the emulated board.
 namespace rosflight::boards::m7 {
 
-/// One line for a person, then what the emulator said last.
-class EmulatorError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+using boards::EmulatorError;
 
 /// Runs an image in qemu-system-arm, machine mps2-an500, as a child process, and rings its bell.
 ///
@@ -44,8 +39,8 @@ class Emulator {
   void power_on();
   /// Ends the process at once.
   void power_off();
-  bool running() const { return child_ > 0; }
-  pid_t process() const { return child_; }
+  bool running() const { return child_.running(); }
+  pid_t process() const { return child_.process(); }
 
   ToBoard& to_board() { return block().to_board; }
   const FromBoard& from_board() const { return block().from_board; }
@@ -57,27 +52,23 @@ class Emulator {
   /// than `timeout`; the process is ended then.
   Bell wait_for_answer();
   /// Real time: @throws EmulatorError if the process has ended.
-  void check();
+  void check() { child_.check(); }
   /// Real time: the far end of the board's UART, non-blocking.
   int uart() const { return uart_.get(); }
 
  private:
   ExchangeBlock& block() { return *reinterpret_cast<ExchangeBlock*>(memory_); }
   const ExchangeBlock& block() const { return *reinterpret_cast<const ExchangeBlock*>(memory_); }
-  void listen();
-  [[noreturn]] void give_up(const std::string& why);
-  [[noreturn]] void become_emulator(int to_board, int from_board, int said, int uart) const;
+  std::vector<std::string> arguments() const;
 
   Options options_;
   std::string program_path_;
   base::FileDescriptor ram_;
   std::uint8_t* memory_{nullptr};
-  pid_t child_{-1};
+  ChildProcess child_;
   base::FileDescriptor bell_out_;
   base::FileDescriptor bell_in_;
-  base::FileDescriptor said_;  ///< Standard output and error of the process.
   base::FileDescriptor uart_;
-  std::string last_words_;
 };
 
 }  // namespace rosflight::boards::m7

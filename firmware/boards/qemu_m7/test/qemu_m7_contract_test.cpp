@@ -168,21 +168,21 @@ struct Pins : OnBoard {
 struct Medium {
   Storage& role() { return *storage; }
   void power_cycle() { storage = make(); }
-  static std::unique_ptr<boards::m7::MappedStorage> make() {
-    return std::make_unique<boards::m7::MappedStorage>(boards::m7::storage_memory(),
+  static std::unique_ptr<boards::MappedStorage> make() {
+    return std::make_unique<boards::MappedStorage>(boards::m7::storage_memory(),
                                                        boards::m7::kStorageSize);
   }
-  std::unique_ptr<boards::m7::MappedStorage> storage{make()};
+  std::unique_ptr<boards::MappedStorage> storage{make()};
 };
 
 struct Backup {
   Backup() { memory->clear(); }
   BackupMemory& role() { return *memory; }
   void reset() { memory = make(); }
-  static std::unique_ptr<boards::m7::BackupRam> make() {
-    return std::make_unique<boards::m7::BackupRam>(boards::m7::backup_memory());
+  static std::unique_ptr<boards::BackupRam> make() {
+    return std::make_unique<boards::BackupRam>(boards::m7::backup_memory());
   }
-  std::unique_ptr<boards::m7::BackupRam> memory{make()};
+  std::unique_ptr<boards::BackupRam> memory{make()};
 };
 
 struct Lamps : OnBoard {

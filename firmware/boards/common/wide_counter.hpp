@@ -2,7 +2,7 @@
 #pragma once
 #include <cstdint>
 
-namespace rosflight::boards::m7 {
+namespace rosflight::boards {
 
 /// Makes 64 bits of a 32-bit counter that counts up and wraps. It must be read at least
 /// once per turn of the counter (171 s at 25 MHz).
@@ -25,4 +25,4 @@ class WideCounter {
   std::uint64_t count_{0};
 };
 
-}  // namespace rosflight::boards::m7
+}  // namespace rosflight::boards

@@ -4,7 +4,7 @@
 
 #include "firmware/hal/roles.hpp"
 
-namespace rosflight::boards::m7 {
+namespace rosflight::boards {
 
 /// Non-volatile memory that is there like RAM (an MRAM on the external bus): survives a reset and,
 /// with the host's memory behind it, the emulator.
@@ -53,4 +53,4 @@ class BackupRam final : public hal::BackupMemory {
   std::uint8_t* memory_;
 };
 
-}  // namespace rosflight::boards::m7
+}  // namespace rosflight::boards

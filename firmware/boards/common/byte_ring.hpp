@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 
-#include "firmware/boards/qemu_m7/registers.hpp"
-
-namespace rosflight::boards::m7 {
+namespace rosflight::boards {
 
 /// Bytes between an interrupt and the main loop: one of them puts, the other takes, nobody locks.
 /// The counters run freely; their difference is what waits. N is a power of two.
@@ -23,14 +22,14 @@ class ByteRing {
   void put(const std::uint8_t* data, std::size_t count) {
     const std::uint32_t first = put_;
     for (std::size_t k = 0; k < count; ++k) bytes_[(first + k) % N] = data[k];
-    memory_barrier();
+    std::atomic_thread_fence(std::memory_order_seq_cst);
     put_ = first + static_cast<std::uint32_t>(count);
   }
   /// `skip` < size().
   std::uint8_t peek(std::size_t skip = 0) const { return bytes_[(taken_ + skip) % N]; }
   /// `count` <= size().
   void drop(std::size_t count) {
-    memory_barrier();
+    std::atomic_thread_fence(std::memory_order_seq_cst);
     taken_ = taken_ + static_cast<std::uint32_t>(count);
   }
   std::uint8_t take() {
@@ -45,4 +44,4 @@ class ByteRing {
   volatile std::uint32_t taken_{0};
 };
 
-}  // namespace rosflight::boards::m7
+}  // namespace rosflight::boards

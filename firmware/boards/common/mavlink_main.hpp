@@ -2,11 +2,11 @@
 #pragma once
 #include "link/mavlink/mavlink_codec.hpp"
 
-namespace rosflight::boards::m7 {
+namespace rosflight::boards {
 
 /// What the image speaks: this one, or that of lean_main.hpp, as the build says.
 struct BoardLink {
   link::MavlinkCodec codec{{1, link::MavlinkCodec::kFcuComponent}};
 };
 
-}  // namespace rosflight::boards::m7
+}  // namespace rosflight::boards

@@ -2,11 +2,11 @@
 #pragma once
 #include "link/lean/lean_codec.hpp"
 
-namespace rosflight::boards::m7 {
+namespace rosflight::boards {
 
 /// What the image speaks: this one, or that of mavlink_main.hpp, as the build says.
 struct BoardLink {
   link::LeanCodec codec;
 };
 
-}  // namespace rosflight::boards::m7
+}  // namespace rosflight::boards

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware/boards/common/host/child_process.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+
+namespace rosflight::boards {
+namespace {
+
+constexpr std::size_t kMaxLastWords = 2000;
+
+[[noreturn]] void fail(const std::string& what) {
+  throw EmulatorError(what + ": " + std::strerror(errno));
+}
+
+}  // namespace
+
+Pipe::Pipe() {
+  std::array<int, 2> ends{};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) fail("cannot make a pipe");
+  read = base::FileDescriptor{ends[0]};
+  write = base::FileDescriptor{ends[1]};
+}
+
+void ChildProcess::start(const std::vector<std::string>& arguments,
+                         const std::vector<File>& files) {
+  stop();
+  std::signal(SIGPIPE, SIG_IGN);  // a dead child shows as an error of write()
+  last_words_.clear();
+  Pipe said;
+  const pid_t parent = ::getpid();
+  child_ = ::fork();
+  if (child_ < 0) fail("cannot start " + arguments.front());
+  if (child_ == 0) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (::getppid() != parent) ::_exit(1);
+    become(arguments, files, said.write.get());
+  }
+  said_ = std::move(said.read);
+  ::fcntl(said_.get(), F_SETFL, O_NONBLOCK);
+}
+
+void ChildProcess::become(const std::vector<std::string>& arguments, const std::vector<File>& files,
+                          int said) {
+  // Out of the way first, so that no number is taken while it is still needed.
+  constexpr int kAside = 100;
+  std::vector<File> aside;
+  for (const File& file : files) aside.push_back({::fcntl(file.from, F_DUPFD, kAside), file.to});
+  const int words = ::fcntl(said, F_DUPFD, kAside);
+  const int nothing = ::open("/dev/null", O_RDONLY);
+  if (nothing < 0) ::_exit(1);
+  ::dup2(nothing, STDIN_FILENO);
+  ::dup2(words, STDOUT_FILENO);
+  ::dup2(words, STDERR_FILENO);
+  ::close(words);
+  for (const File& file : aside) {
+    ::dup2(file.from, file.to);
+    ::close(file.from);
+  }
+  std::vector<char*> pointers;
+  for (const std::string& argument : arguments)
+    pointers.push_back(const_cast<char*>(argument.c_str()));
+  pointers.push_back(nullptr);
+  ::execv(pointers.front(), pointers.data());
+  ::_exit(127);
+}
+
+void ChildProcess::stop() {
+  if (child_ > 0) {
+    ::kill(child_, SIGKILL);
+    ::waitpid(child_, nullptr, 0);
+    child_ = -1;
+  }
+  said_.close();
+}
+
+void ChildProcess::listen() {
+  std::array<char, 512> text{};
+  for (;;) {
+    const ssize_t count = ::read(said_.get(), text.data(), text.size());
+    if (count <= 0) return;
+    last_words_.append(text.data(), static_cast<std::size_t>(count));
+    if (last_words_.size() > kMaxLastWords) {
+      last_words_.erase(0, last_words_.size() - kMaxLastWords);
+    }
+  }
+}
+
+void ChildProcess::give_up(const std::string& why) {
+  listen();
+  std::string text = "emulated board: " + why;
+  while (!last_words_.empty() && last_words_.back() == '\n') last_words_.pop_back();
+  text += last_words_.empty() ? "; it said nothing" : "; it said last:\n" + last_words_;
+  stop();
+  throw EmulatorError(text);
+}
+
+void ChildProcess::report_end(int status) {
+  child_ = -1;
+  give_up(WIFSIGNALED(status)
+              ? "the emulator was ended by signal " + std::to_string(WTERMSIG(status))
+              : "the emulator ended with status " + std::to_string(WEXITSTATUS(status)));
+}
+
+void ChildProcess::check() {
+  int status = 0;
+  if (child_ > 0 && ::waitpid(child_, &status, WNOHANG) == 0) return listen();
+  report_end(status);
+}
+
+void ChildProcess::send(int fd, char byte) {
+  if (::write(fd, &byte, 1) != 1) check();
+}
+
+char ChildProcess::receive(int fd, std::chrono::milliseconds timeout) {
+  const auto end = std::chrono::steady_clock::now() + timeout;
+  for (;;) {
+    std::array<pollfd, 2> ready{{{fd, POLLIN, 0}, {said_.get(), POLLIN, 0}}};
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(
+        end - std::chrono::steady_clock::now());
+    const int count = ::poll(ready.data(), ready.size(),
+                             static_cast<int>(std::max<std::int64_t>(left.count(), 0)));
+    if (count == 0) give_up("no answer for " + std::to_string(timeout.count()) + " ms");
+    if ((ready[0].revents & POLLIN) != 0) {
+      char byte = 0;
+      if (::read(fd, &byte, 1) == 1) return byte;
+    }
+    if ((ready[1].revents & POLLIN) != 0) listen();
+    if (((ready[0].revents | ready[1].revents) & POLLHUP) != 0) {
+      int status = 0;
+      ::waitpid(child_, &status, 0);
+      report_end(status);
+    }
+  }
+}
+
+}  // namespace rosflight::boards

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <sys/types.h>
+
+#include <chrono>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "base/file_descriptor.hpp"
+
+namespace rosflight::boards {
+
+/// One line for a person, then what the emulator said last.
+class EmulatorError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Both ends of a pipe. @throws EmulatorError
+struct Pipe {
+  Pipe();
+  base::FileDescriptor read;
+  base::FileDescriptor write;
+};
+
+/// A program that emulates a board, as a child of this process: its open files, its last words, its
+/// end. The child dies with this object and with this process, however that ends.
+class ChildProcess {
+ public:
+  /// A file of this process and the number the child finds it under.
+  struct File {
+    int from;
+    int to;
+  };
+
+  ChildProcess() = default;
+  ~ChildProcess() { stop(); }
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  /// @param arguments  the first is the program's path. @throws EmulatorError
+  void start(const std::vector<std::string>& arguments, const std::vector<File>& files);
+  /// Ends it at once.
+  void stop();
+  bool running() const { return child_ > 0; }
+  pid_t process() const { return child_; }
+
+  /// Writes one byte. @throws EmulatorError if the child is gone.
+  void send(int fd, char byte);
+  /// Waits for one byte. @throws EmulatorError if the child ends or is silent longer than `timeout`; it
+  /// is ended then.
+  char receive(int fd, std::chrono::milliseconds timeout);
+  /// @throws EmulatorError if it has ended.
+  void check();
+  /// Ends it. @throws EmulatorError  `why` and its last words.
+  [[noreturn]] void give_up(const std::string& why);
+
+ private:
+  void listen();
+  [[noreturn]] void report_end(int status);
+  [[noreturn]] static void become(const std::vector<std::string>& arguments,
+                                  const std::vector<File>& files, int said);
+
+  pid_t child_{-1};
+  base::FileDescriptor said_;  ///< Standard output and error of the child.
+  std::string last_words_;
+};
+
+}  // namespace rosflight::boards
