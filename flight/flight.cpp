@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "flight/autopilot/chip_autopilot.hpp"
 #include "flight/autopilot/in_process_autopilot.hpp"
 #include "flight/autopilot/uart_autopilot.hpp"
 #include "flight/link_state_estimator.hpp"
@@ -54,9 +55,11 @@ std::unique_ptr<StateEstimateSource> make_estimate_source(const FlightSetup& set
 }
 
 std::unique_ptr<Autopilot> make_autopilot(const FlightSetup& setup, CableLink& link) {
-  if (setup.choice.board != "qemu_m7") {
+  const std::string& board = setup.choice.board;
+  if (board == "in_process") {
     return std::make_unique<InProcessAutopilot>(link, setup.choice.link_protocol);
   }
+  if (board != "qemu_m7") return std::make_unique<ChipAutopilot>(link, emulated_chip(board));
   EmulatedAutopilot::Emulator::Options options;
   options.image = emulated_image(setup.choice.link_protocol);
   if (setup.choice.link == "uart") {

@@ -170,7 +170,7 @@ struct Medium {
   void power_cycle() { storage = make(); }
   static std::unique_ptr<boards::MappedStorage> make() {
     return std::make_unique<boards::MappedStorage>(boards::m7::storage_memory(),
-                                                       boards::m7::kStorageSize);
+                                                   boards::m7::kStorageSize);
   }
   std::unique_ptr<boards::MappedStorage> storage{make()};
 };

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "firmware/boards/stm32h7/clocks.hpp"
+#include "firmware/boards/stm32h7/pulses.hpp"
+#include "firmware/boards/stm32h7/spi_bus.hpp"
+#include "firmware/boards/stm32h7/uart.hpp"
+
+/// Pins, streams and devices of the mRo Pixracer Pro (M10064, STM32H743IIK6). Sources: the board's
+/// definitions in ROSflight 2.x, ArduPilot (mRoPixracerPro) and PX4 (mro/pixracerpro), which agree on
+/// all of these.
+namespace rosflight::boards::pixracer_pro {
+
+using stm32h7::Pin;
+
+inline constexpr stm32h7::Oscillator kOscillator{24, false};  ///< A crystal.
+
+// Supplies of the sensors: 3.3 V, and the level shifters of 1.8 V. High is on.
+inline constexpr Pin kSensorSupply{'E', 3}, kLevelShifter{'I', 3};
+
+// LEDs on open drains: low is lit.
+inline constexpr Pin kRedLed{'B', 11}, kGreenLed{'B', 1}, kBlueLed{'B', 3};
+
+// The BMI088 on SPI5. Its gyro announces each sample with a rising edge on INT3.
+inline constexpr Pin kGyroReady{'F', 3};
+inline constexpr stm32h7::SpiBus::Place kImuBus{
+    stm32h7::SPI5, {'F', 7}, {'F', 8}, {'F', 9}, 5, 5, 6, stm32h7::request::SPI5_RX};
+enum ImuDevice : std::uint8_t { kAccel = 0, kGyro = 1 };
+/// The part allows 10 MHz; of 16 MHz that leaves 8.
+inline constexpr stm32h7::SpiBus::Device kImuDevices[] = {{{'F', 6}, 10'000'000},
+                                                          {{'F', 10}, 10'000'000}};
+
+// Chip selects of parts that are not used yet: kept high.
+inline constexpr Pin kUnusedSelects[] = {{'D', 7}, {'D', 10}, {'C', 2}, {'E', 15}};
+
+/// Link to the companion: TELEM 1. Streams 8 and 10 are DMA2's 0 and 2.
+inline constexpr stm32h7::Uart::Place kLink{stm32h7::USART2,
+                                            stm32h7::irq::USART2,
+                                            {'D', 6},
+                                            {'D', 5},
+                                            7,
+                                            10,
+                                            8,
+                                            stm32h7::request::USART2_RX};
+/// Receiver input; its transmit pin is not connected.
+inline constexpr stm32h7::Uart::Place kReceiver{
+    stm32h7::USART6,          stm32h7::irq::USART6,       {'C', 7}, {'C', 6}, 7, 9,
+    stm32h7::Uart::kNoStream, stm32h7::request::USART6_RX};
+
+/// Outputs 1 to 8; groups {1-4}, {5, 6}, {7, 8}.
+inline constexpr stm32h7::Pulses::Channel kOutputs[] = {
+    {stm32h7::TIM1, 3, true, {'E', 14}, 1},  {stm32h7::TIM1, 2, true, {'E', 13}, 1},
+    {stm32h7::TIM1, 1, true, {'E', 11}, 1},  {stm32h7::TIM1, 0, true, {'E', 9}, 1},
+    {stm32h7::TIM4, 1, false, {'D', 13}, 2}, {stm32h7::TIM4, 2, false, {'D', 14}, 2},
+    {stm32h7::TIM8, 0, true, {'I', 5}, 3},   {stm32h7::TIM8, 1, true, {'I', 6}, 3}};
+
+}  // namespace rosflight::boards::pixracer_pro

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+
+#include "firmware/boards/stm32h7/register.hpp"
+
+/// The Cortex-M7 of the chip: barriers, interrupt controller, caches, memory protection. Addresses:
+/// Armv7-M Architecture Reference Manual (DDI 0403E) part B3.
+namespace rosflight::boards::stm32h7 {
+
+/// Priorities in use, lower is more urgent (four bits).
+enum class Priority : std::uint8_t {
+  kWarning = 0,  ///< The watchdog's warning.
+  kEdge = 1,     ///< Notes the time of an edge and nothing else.
+  kBus = 5       ///< The bus context of firmware/boards/parts: all drivers.
+};
+
+inline void memory_barrier() {
+  asm volatile("dmb" ::: "memory");
+}
+
+/// Sleeps until an interrupt is pending. Call it with interrupts masked, so that none slips in between
+/// the last look and the sleep: one that is masked wakes too.
+inline void wait_for_interrupt() {
+  asm volatile("dsb\n wfi" ::: "memory");
+}
+
+/// All interrupts off while this lives.
+class InterruptGuard {
+ public:
+  InterruptGuard() { asm volatile("mrs %0, primask\n cpsid i" : "=r"(was_masked_)::"memory"); }
+  ~InterruptGuard() {
+    if (was_masked_ == 0) asm volatile("cpsie i" ::: "memory");
+  }
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+ private:
+  std::uint32_t was_masked_{};
+};
+
+/// The bus context off; edges still get their time. @returns what unmask_bus() restores.
+inline std::uint32_t mask_bus() {
+  std::uint32_t before = 0;
+  constexpr std::uint32_t kBasePriority = static_cast<std::uint32_t>(Priority::kBus) << 4u;
+  asm volatile("mrs %0, basepri\n msr basepri_max, %1\n isb"
+               : "=&r"(before)
+               : "r"(kBasePriority)
+               : "memory");
+  return before;
+}
+inline void unmask_bus(std::uint32_t before) {
+  asm volatile("msr basepri, %0" ::"r"(before) : "memory");
+}
+
+// ---- interrupt controller, reset
+inline void enable_interrupt(unsigned irq, Priority priority) {
+  constexpr std::uintptr_t kPriorities = 0xE000'E400u, kSetEnable = 0xE000'E100u;
+  memory_at<volatile std::uint8_t>(kPriorities + irq) =
+      static_cast<std::uint8_t>(static_cast<unsigned>(priority) << 4u);
+  memory_at<volatile std::uint32_t>(kSetEnable + 4u * (irq / 32u)) = 1u << (irq % 32u);
+}
+inline void pend_interrupt(unsigned irq) {
+  memory_at<volatile std::uint32_t>(0xE000'E200u + 4u * (irq / 32u)) = 1u << (irq % 32u);
+}
+[[noreturn]] inline void reset_processor() {
+  constexpr std::uint32_t kKey = 0x05FA'0000u, kSystemReset = 1u << 2u;
+  asm volatile("dsb" ::: "memory");
+  memory_at<volatile std::uint32_t>(0xE000'ED0Cu) = kKey | kSystemReset;
+  for (;;) asm volatile("dsb" ::: "memory");
+}
+
+// ---- memory protection unit and caches
+
+/// Makes a region of memory normal, shareable and so not cached by this core; for what DMA touches and
+/// for what must survive a reset. `size` is a power of two of 32 or more, `base` a multiple of it.
+void make_uncached(unsigned region, std::uint32_t base, std::uint32_t size);
+/// Switches the MPU on, the default map for the rest, and then both caches.
+void start_memory_system();
+
+}  // namespace rosflight::boards::stm32h7

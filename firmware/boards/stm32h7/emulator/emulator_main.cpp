@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The program of the emulated chip: EMULATOR BOARD IMAGE.elf, started by stm32h7::ChipProcess.
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <memory>
+#include <string>
+
+#include "firmware/boards/stm32h7/emulator/elf_file.hpp"
+#include "firmware/boards/stm32h7/emulator/pixracer_pro_model.hpp"
+
+namespace {
+
+using namespace rosflight::boards;                     // NOLINT(google-build-using-namespace)
+using namespace rosflight::boards::stm32h7;            // NOLINT(google-build-using-namespace)
+using namespace rosflight::boards::stm32h7::emulator;  // NOLINT(google-build-using-namespace)
+
+constexpr std::uint32_t kImageBase = 0x0800'0000U;
+
+/// Runs orders from the block until the other end of the pipe closes.
+class Session {
+ public:
+  Session(EmulatedBoard& board, const ElfFile& image, Exchange& block)
+      : board_{board}, chip_{board.chip()}, image_{image}, block_{block} {
+    chip_.processor.on_complaint = [this](const std::string& what) { note(what); };
+    chip_.processor.on_fault = [this](const std::string& what) {
+      std::fprintf(stderr, "[%lld us] %s\n", static_cast<long long>(now_us()), what.c_str());
+    };
+    const auto& segments = image.segments;
+    if (std::none_of(segments.begin(), segments.end(),
+                     [](const auto& segment) { return segment.address == kImageBase; })) {
+      throw ProcessorError(
+          "the image has no vector table at 0x08000000; is it one of another board?");
+    }
+    for (const ElfFile::Segment& segment : segments) {
+      std::uint8_t* const place = chip_.processor.memory(segment.address, segment.bytes.size());
+      if (place == nullptr) throw ProcessorError("the image does not fit the chip's memory");
+      std::copy(segment.bytes.begin(), segment.bytes.end(), place);
+    }
+  }
+
+  void run() {
+    char byte = 0;
+    while (::read(kToChipFd, &byte, 1) == 1) {
+      serve(block_.to_chip);
+      report();
+      if (::write(kFromChipFd, &byte, 1) != 1) return;
+    }
+  }
+
+ private:
+  std::int64_t now_us() const {
+    return static_cast<std::int64_t>(chip_.processor.now() / kTicksPerMicrosecond);
+  }
+
+  void serve(const ToChip& order) {
+    Processor& processor = chip_.processor;
+    if (order.order == ChipOrder::kPowerOn) {
+      chip_.power_on(kImageBase);
+      board_.power_on();
+    }
+    board_.expose(order);
+    board_.inject(order.fault);
+    processor.run_until(static_cast<Ticks>(order.until_us) * kTicksPerMicrosecond);
+  }
+
+  void report() {
+    FromChip& out = block_.from_chip;
+    const Processor::Counters& counters = chip_.processor.counters();
+    board_.report(out);
+    for (const std::string& each : board_.complaints()) note(each);
+    out.time_us = now_us();
+    out.instructions = counters.instructions;
+    out.busy_us = (chip_.processor.now() - counters.slept) / kTicksPerMicrosecond;
+    out.resets = static_cast<std::uint32_t>(counters.resets);
+    out.complaints = complaints_;
+    if (out.clock_zero_us >= 0) out.stack_bytes = stack_high_water();  // painted by then
+    out.cpu_us = static_cast<std::uint64_t>(std::clock()) * 1'000'000 / CLOCKS_PER_SEC;
+    if (const std::uint8_t* glance = variable("board_glance", sizeof(FirmwareGlance))) {
+      std::memcpy(&out.firmware, glance, sizeof(FirmwareGlance));
+    }
+  }
+
+  /// A variable of the firmware, found by its name as a debugger would.
+  const std::uint8_t* variable(const std::string& name, std::size_t size) {
+    const auto found = image_.symbols.find(name);
+    return found == image_.symbols.end() ? nullptr : chip_.processor.memory(found->second, size);
+  }
+
+  std::uint32_t stack_high_water() {
+    constexpr std::uint32_t kPaint = 0xC0DE'FACEU;
+    const auto bottom = image_.symbols.find("board_stack_bottom");
+    const auto top = image_.symbols.find("board_stack_top");
+    if (bottom == image_.symbols.end() || top == image_.symbols.end()) return 0;
+    std::uint32_t address = bottom->second;
+    for (; address < top->second; address += 4) {
+      std::uint32_t word = 0;
+      const std::uint8_t* const at = chip_.processor.memory(address, 4);
+      if (at == nullptr) return 0;
+      std::memcpy(&word, at, 4);
+      if (word != kPaint) break;
+    }
+    return top->second - address;
+  }
+
+  void note(const std::string& what) {
+    constexpr std::uint32_t kShown = 20;
+    ++complaints_;
+    if (complaints_ <= kShown) std::fprintf(stderr, "%s\n", what.c_str());
+    if (complaints_ > 1) return;
+    auto& text = block_.from_chip.text;
+    const std::size_t count = std::min(what.size(), text.size() - 1);
+    std::copy_n(what.begin(), count, text.begin());
+    text[count] = 0;
+  }
+
+  EmulatedBoard& board_;
+  Chip& chip_;
+  const ElfFile& image_;
+  Exchange& block_;
+  std::uint32_t complaints_{0};
+};
+
+Exchange& map_block() {
+  void* const memory =
+      ::mmap(nullptr, sizeof(Exchange), PROT_READ | PROT_WRITE, MAP_SHARED, kBlockFd, 0);
+  if (memory == MAP_FAILED)
+    throw ProcessorError("no block of memory at file 22: rosflight starts this program");
+  return *static_cast<Exchange*>(memory);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    if (argc != 3) throw ProcessorError("usage: h7_emulator BOARD IMAGE.elf, started by rosflight");
+    if (std::string(argv[1]) != "pixracer_pro") {
+      throw ProcessorError(std::string("board: found ") + argv[1] + ", allowed pixracer_pro");
+    }
+    const ElfFile image = ElfFile::read(argv[2]);
+    const auto board = std::make_unique<PixracerProModel>();
+    Session(*board, image, map_block()).run();
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "h7_emulator: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware/boards/stm32h7/emulator/timer_model.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace rosflight::boards::stm32h7::emulator {
+namespace {
+
+constexpr std::uint32_t kPwm1 = 6;  // active while the counter is below the compare value
+
+}  // namespace
+
+TimerModel::TimerModel(Core& core, std::string name, const Instance& instance,
+                       const ClockTree& clocks, unsigned irq, Kind kind)
+    : Peripheral{core, std::move(name), "TIM", instance}, clocks_{clocks}, irq_{irq}, kind_{kind} {}
+
+void TimerModel::reset() {
+  Peripheral::reset();
+  word(tim::ARR) = kind_ == Kind::kWide ? 0xFFFF'FFFFU : 0xFFFFU;
+  active_reload_ = word(tim::ARR);
+  active_prescaler_ = stopped_at_ = 0;
+  active_compare_.fill(0);
+}
+
+std::uint32_t TimerModel::count() const {
+  if (!counts()) return stopped_at_;
+  return static_cast<std::uint32_t>((core().now() - zero_) / tick() %
+                                    (std::uint64_t{active_reload_} + 1));
+}
+
+std::uint32_t TimerModel::mode(std::size_t channel) const {
+  const std::uint32_t modes = word(channel < 2 ? tim::CCMR1 : tim::CCMR2);
+  return (channel % 2 == 0 ? tim::CCMR1_OC1M : tim::CCMR1_OC2M).of(modes);
+}
+
+bool TimerModel::preloads(std::size_t channel) const {
+  const std::uint32_t modes = word(channel < 2 ? tim::CCMR1 : tim::CCMR2);
+  return (channel % 2 == 0 ? tim::CCMR1_OC1PE : tim::CCMR1_OC2PE).of(modes) != 0;
+}
+
+Ticks TimerModel::pulse(std::size_t channel) const {
+  const bool enabled = (word(tim::CCER) >> (4 * channel) & 1U) != 0;
+  const bool main_output = kind_ != Kind::kAdvanced || tim::BDTR_MOE.of(word(tim::BDTR)) != 0;
+  if (!counts() || !enabled || !main_output || mode(channel) != kPwm1) return 0;
+  return std::min(tick() * active_compare_[channel], period());
+}
+
+std::uint32_t TimerModel::read(std::uint32_t offset, unsigned /*size*/) {
+  return offset == tim::CNT ? count() : word(offset);
+}
+
+void TimerModel::write_control(std::uint32_t value) {
+  const Field allowed[] = {tim::CR1_CEN, tim::CR1_UDIS, tim::CR1_URS, tim::CR1_OPM, tim::CR1_ARPE};
+  std::uint32_t known = 0;
+  for (const Field& field : allowed) known |= field.mask();
+  if ((value & ~known) != 0) complain("CR1: counting mode is not modelled");
+  const bool ran = counts();
+  const std::uint32_t at = count();
+  word(tim::CR1) = value;
+  if (counts() && !ran) zero_ = core().now() - Ticks{at} * tick();
+  if (!counts() && ran) stopped_at_ = at;
+}
+
+void TimerModel::write(std::uint32_t offset, std::uint32_t value, unsigned /*size*/) {
+  switch (offset) {
+    case tim::CR1:
+      write_control(value);
+      break;
+    case tim::SR:
+      word(offset) &= value;  // written 0 clears
+      break;
+    case tim::EGR:
+      if (tim::EGR_UG.of(value) != 0) update(true);
+      break;
+    case tim::CNT:
+      stopped_at_ = value;
+      zero_ = core().now() - Ticks{value} * tick();
+      break;
+    case tim::SMCR:
+    case tim::CR2:
+      if (value != 0) complain("slave and master modes are not modelled");
+      break;
+    case tim::DIER:
+      if ((value & ~(tim::DIER_UIE.mask() | tim::DIER_CC1IE.mask())) != 0)
+        complain("DIER: not modelled");
+      word(offset) = value;
+      break;
+    default:
+      word(offset) = value;
+  }
+  if (offset == tim::ARR && tim::CR1_ARPE.of(word(tim::CR1)) == 0) {
+    const std::uint32_t at = count();
+    active_reload_ = value;
+    zero_ = core().now() - Ticks{at} * tick();
+  }
+  if (offset >= tim::CCR1 && offset <= tim::CCR4) {
+    const std::size_t channel = (offset - tim::CCR1) / 4;
+    written_[channel] = core().now();
+    if (!preloads(channel) || !counts()) active_compare_[channel] = value;
+  }
+  schedule();
+  drive_line();
+}
+
+/// An update event: the values that wait take effect.
+void TimerModel::update(bool by_software) {
+  active_prescaler_ = word(tim::PSC);
+  active_reload_ = word(tim::ARR);
+  for (std::size_t k = 0; k < kChannels; ++k) {
+    active_compare_[k] = word(tim::CCR1 + 4 * static_cast<std::uint32_t>(k));
+  }
+  if (by_software) {
+    stopped_at_ = 0;
+    zero_ = core().now();
+  }
+  if (!by_software || tim::CR1_URS.of(word(tim::CR1)) == 0) word(tim::SR) |= tim::SR_UIF.mask();
+}
+
+/// An event at the next wrap, if it changes anything.
+void TimerModel::schedule() {
+  bool waits = tim::DIER_UIE.of(word(tim::DIER)) != 0 || active_prescaler_ != word(tim::PSC) ||
+               active_reload_ != word(tim::ARR);
+  for (std::size_t k = 0; k < kChannels && !waits; ++k) {
+    waits = active_compare_[k] != word(tim::CCR1 + 4 * static_cast<std::uint32_t>(k));
+  }
+  if (!counts() || !waits) return core().set_due(*this, kNever);
+  const Ticks since = core().now() - zero_;
+  core().set_due(*this, zero_ + (since / period() + 1) * period());
+}
+
+void TimerModel::event(Ticks now) {
+  const Ticks whole = (now - zero_) / period() * period();
+  zero_ += whole;
+  update(false);
+  if (tim::CR1_OPM.of(word(tim::CR1)) != 0) {
+    word(tim::CR1) &= ~tim::CR1_CEN.mask();
+    stopped_at_ = 0;
+  }
+  schedule();
+  drive_line();
+}
+
+void TimerModel::drive_line() {
+  core().set_line(irq_,
+                  tim::DIER_UIE.of(word(tim::DIER)) != 0 && tim::SR_UIF.of(word(tim::SR)) != 0);
+}
+
+}  // namespace rosflight::boards::stm32h7::emulator

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include "firmware/boards/common/firmware_glance.hpp"
+#include "firmware/hal/samples.hpp"
+
+/// What the world and the program of the emulated chip exchange: one block of shared memory, and a
+/// byte over a pipe when it is ready. Both are programs of one machine and one build.
+namespace rosflight::boards::stm32h7 {
+
+/// Files of the emulator's process.
+inline constexpr int kToChipFd = 20;
+inline constexpr int kFromChipFd = 21;
+inline constexpr int kBlockFd = 22;
+
+enum class ChipOrder : std::uint8_t {
+  kPowerOn,  ///< Power comes on at `time_us`; RAM and backup memory are lost.
+  kStep,     ///< Takes what the block carries and runs until `until_us`.
+};
+
+/// Faults of the hardware that tests inject.
+enum class HardwareFault : std::uint8_t {
+  kNone,
+  kBusError,        ///< The next write to the bus of the IMU is answered with an error.
+  kStuckInterrupt,  ///< The data-ready line's interrupt stays pending: no other code runs.
+};
+
+struct ToChip {
+  static constexpr std::size_t kLinkCapacity = 16384;
+
+  std::int64_t time_us{};   ///< Of the world: the samples and bytes arrive now.
+  std::int64_t until_us{};  ///< The chip runs up to here.
+  ChipOrder order{ChipOrder::kStep};
+  HardwareFault fault{HardwareFault::kNone};
+  std::uint8_t has_rc{}, has_imu{}, has_mag{}, has_baro{};
+  std::uint8_t has_diff_pressure{}, has_range{}, has_gnss{}, has_battery{};
+  std::uint32_t link_count{};
+  std::uint32_t link_baud{};
+  hal::RcFrame rc;
+  hal::ImuSample imu;
+  hal::MagSample mag;
+  hal::BaroSample baro;
+  hal::DiffPressureSample diff_pressure;
+  hal::RangeSample range;
+  hal::GnssSample gnss;
+  hal::BatterySample battery;
+  std::array<std::uint8_t, kLinkCapacity> link{};
+};
+
+struct FromChip {
+  static constexpr std::size_t kLinkCapacity = 65536;
+  static constexpr std::size_t kTextCapacity = 512;
+
+  std::int64_t time_us{};  ///< Where the chip stands.
+  std::int64_t
+      clock_zero_us{};  ///< When the firmware's microsecond counter was 0; -1: not started.
+  std::uint64_t instructions{};  ///< Since the program began.
+  std::uint64_t busy_us{};       ///< Time not slept.
+  std::uint64_t cpu_us{};        ///< Of the host, spent by the program.
+  std::uint64_t link_received{}, link_sent{}, link_lost{};
+  std::uint32_t resets{};       ///< Since the program began.
+  std::uint32_t complaints{};   ///< Of models, since the program began.
+  std::uint32_t stack_bytes{};  ///< High-water mark since the power came on.
+  std::uint32_t link_count{};
+  std::uint32_t
+      edge_to_output_us{};  ///< From a data-ready edge to the output that followed; the longest of this step.
+  hal::OutputValues outputs{};  ///< Pulses on the pins, as 0..1.
+  std::array<std::uint8_t, 4> leds{};
+  FirmwareGlance firmware;
+  std::array<char, kTextCapacity> text{};  ///< The first complaint.
+  std::array<std::uint8_t, kLinkCapacity> link{};
+};
+
+struct Exchange {
+  ToChip to_chip;
+  FromChip from_chip;
+};
+static_assert(std::is_trivially_copyable_v<Exchange>);
+
+}  // namespace rosflight::boards::stm32h7

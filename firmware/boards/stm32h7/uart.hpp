@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+
+#include "firmware/boards/common/frame_queues.hpp"
+#include "firmware/boards/parts/bus.hpp"
+#include "firmware/boards/stm32h7/dma_stream.hpp"
+#include "firmware/boards/stm32h7/pins.hpp"
+#include "firmware/hal/roles.hpp"
+
+namespace rosflight::boards::stm32h7 {
+
+/// A UART that receives by DMA into a ring and sends by DMA from a buffer. RM0433 ch. 48.
+///
+/// Its interrupt comes when the line has been idle for one character, and on line errors; that of the
+/// transmit stream when a buffer has been taken. Bytes lost because the ring was not read in time are
+/// not noticed: it holds 6 ms at 3 Mbaud.
+class Uart {
+ public:
+  struct Place {
+    Instance uart;
+    unsigned irq;
+    Pin receive, transmit;
+    unsigned function;                         ///< Alternate function of both pins.
+    unsigned receive_stream, transmit_stream;  ///< One past the last stream: not used.
+    std::uint32_t receive_request;             ///< The transmit request is the next number.
+  };
+  static constexpr unsigned kNoStream = 16;
+  /// Memory for the DMA, of section .dma.
+  struct Memory {
+    std::uint8_t* ring;
+    std::size_t ring_size;
+    std::uint8_t* out;
+    std::size_t out_size;
+  };
+
+  Uart(const Place& place, const Memory& memory)
+      : place_{place},
+        memory_{memory},
+        receive_{place.receive_stream},
+        transmit_{place.transmit_stream} {}
+
+  /// Opens or reopens it; what was queued or received is lost.
+  /// @returns false, and changes nothing, if the rate cannot be had within 2 %.
+  bool open(const parts::UartFormat& format);
+  /// Bytes in the ring that read() would return.
+  std::size_t waiting() const;
+  std::size_t read(std::uint8_t* data, std::size_t capacity);
+
+  /// The buffer to fill before send(); valid if it is not sending.
+  std::uint8_t* out() { return memory_.out; }
+  std::size_t out_size() const { return memory_.out_size; }
+  bool sending() const { return sending_; }
+  void send(std::size_t count);
+
+  /// What the UART's own interrupt was for; clears it.
+  struct Event {
+    bool idle{};
+    bool error{};
+  };
+  Event on_interrupt();
+  /// Of the transmit stream.
+  void on_sent();
+
+ private:
+  bool sends() const { return place_.transmit_stream != kNoStream; }
+  std::size_t written() const { return (memory_.ring_size - receive_.left()) % memory_.ring_size; }
+
+  Place place_;
+  Memory memory_;
+  DmaStream receive_;
+  DmaStream transmit_;
+  std::size_t taken_{0};
+  volatile bool sending_{false};
+};
+
+/// The serial role: whole frames by urgency. The image forwards both interrupts.
+class LinkUart final : public hal::Serial {
+ public:
+  LinkUart(const Uart::Place& place, const Uart::Memory& memory) : uart_{place, memory} {}
+
+  bool open(std::uint32_t baud, std::uint8_t device) override;
+  bool write(const std::uint8_t* data, std::size_t size, std::uint8_t qos) override;
+  std::size_t writable() const override { return queues_.writable(); }
+  std::size_t read(std::uint8_t* data, std::size_t capacity) override {
+    return uart_.read(data, capacity);
+  }
+  bool waiting() const { return uart_.waiting() > 0; }
+
+  void on_interrupt() { static_cast<void>(uart_.on_interrupt()); }
+  void on_sent();
+
+ private:
+  void send_next();
+
+  Uart uart_;
+  FrameQueues<4096> queues_;
+};
+
+/// Gives what a UART receives to a decoder, in the bus context.
+class UartListener {
+ public:
+  /// All must outlive this.
+  UartListener(const Uart::Place& place, const Uart::Memory& memory, const hal::Clock& clock,
+               parts::ByteReceiver& receiver)
+      : uart_{place, memory}, clock_{clock}, receiver_{receiver} {}
+  bool open(const parts::UartFormat& format);
+  void on_interrupt();
+
+ private:
+  Uart uart_;
+  const hal::Clock& clock_;
+  parts::ByteReceiver& receiver_;
+  hal::Time character_{};
+};
+
+}  // namespace rosflight::boards::stm32h7

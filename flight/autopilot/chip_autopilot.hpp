@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <string>
+#include <vector>
+
+#include "firmware/boards/stm32h7/host/chip_process.hpp"
+#include "flight/autopilot/autopilot.hpp"
+#include "flight/autopilot/cable_link.hpp"
+#include "link/detect/detecting_codec.hpp"
+
+namespace rosflight::flight {
+
+/// The program of the emulated STM32H7, and the image of a board in the build tree.
+boards::stm32h7::ChipProcess::Options emulated_chip(const std::string& board);
+
+/// The companion's end of the UART of the emulated chip. Bytes take their time there, so none is added
+/// here; what a step sent is received at its end.
+class ChipTransport final : public companion::Transport {
+ public:
+  /// Most bytes that wait for the chip; more are dropped, whole frames at a time.
+  static constexpr std::size_t kCapacity = 4096;
+
+  /// @param link  gives the time, the tap, and whether the cable is cut.
+  explicit ChipTransport(CableLink& link) : link_{link} {}
+
+  bool connected() override { return true; }
+  std::size_t read(std::uint8_t* data, std::size_t capacity) override;
+  bool write(const std::uint8_t* data, std::size_t size, std::uint8_t qos) override;
+
+  /// Bytes for the chip, at most `capacity` of them. @returns the number.
+  std::size_t take(std::uint8_t* data, std::size_t capacity);
+  /// Bytes from the chip.
+  void put(const std::uint8_t* data, std::size_t size);
+
+ private:
+  void show(const std::uint8_t* data, std::size_t size);
+  bool cut() { return link_.cable().to_board.cut(); }
+
+  CableLink& link_;
+  std::vector<std::uint8_t> to_chip_, from_chip_;
+  link::DetectingCodec cutter_;  ///< Cuts what arrives into frames, for the tap.
+  std::vector<std::uint8_t> frame_;
+};
+
+/// The unchanged image of a board on the emulated STM32H7, in lock-step.
+///
+/// One exchange per step: the world's samples are what the models of the sensors are exposed to from
+/// then on, and the chip runs until the next step begins. The outputs are the pulses on the pins at the
+/// end of that time; they act on the vehicle from its beginning, so the delay of the loop is shorter
+/// than on silicon by up to a step. Repeatable to the bit. Every function may throw
+/// boards::EmulatorError, also because a model complained of the firmware.
+class ChipAutopilot final : public Autopilot {
+ public:
+  using Process = boards::stm32h7::ChipProcess;
+
+  /// @param link  must outlive this.
+  ChipAutopilot(CableLink& link, const Process::Options& options);
+
+  void start(sim::Time t) override;
+  const hal::OutputValues& step(sim::Time t, const sim::SensorSamples& samples,
+                                const hal::RcFrame* rc) override;
+  void break_down(sim::Time t, Breakdown kind) override;
+  sim::Time boot_time() const override { return boot_; }
+  FirmwareView view() const override;
+  companion::Transport& link() override { return transport_; }
+  void set_link_tap(LinkTap* tap) override { link_.set_tap(tap); }
+  std::optional<ProcessorFigures> figures() const override { return figures_; }
+
+  Process& process() { return process_; }
+
+ private:
+  void exchange(sim::Time t);
+
+  CableLink& link_;
+  Process process_;
+  ChipTransport transport_;
+  boards::stm32h7::HardwareFault fault_{
+      boards::stm32h7::HardwareFault::kNone};  ///< Of the next step.
+  hal::OutputValues outputs_{};
+  ProcessorFigures figures_;
+  sim::Time boot_{};
+};
+
+}  // namespace rosflight::flight

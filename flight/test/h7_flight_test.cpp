@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The image of the Pixracer Pro on the emulated STM32H7, in lock-step with the world. A complaint of a
+// model ends the flight with an exception, so each of these also says that there was none.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "flight/autopilot/chip_autopilot.hpp"
+#include "flight/flight_recorder.hpp"
+#include "flight/project_root.hpp"
+#include "flight/test/flight_rig.hpp"
+
+namespace rosflight::flight::testing {
+namespace {
+
+using boards::EmulatorError;
+using boards::stm32h7::ChipProcess;
+using Breakdown = Autopilot::Breakdown;
+
+constexpr double kFault_s = 20.0;  // as in faults_test.cpp
+
+FlightChoice on_board(std::vector<std::string> faults = {}) {
+  FlightChoice choice;
+  choice.board = "pixracer_pro";
+  choice.state = "truth";  // no drivers of other sensors than the IMU yet
+  choice.faults = std::move(faults);
+  return choice;
+}
+
+ChipAutopilot& chip_of(Rig& rig) {
+  return dynamic_cast<ChipAutopilot&>(rig.flight->autopilot());
+}
+FirmwareView view_of(const Rig& rig) {
+  return rig.flight->autopilot().view();
+}
+
+struct Logged {
+  std::string hash;
+  double tracking_rms_m{};
+  ProcessorFigures figures;
+  std::uint32_t edge_to_output_us{};
+};
+
+Logged fly(std::uint64_t seed) {
+  FlightChoice choice = on_board();
+  choice.seed = seed;
+  const std::filesystem::path file =
+      std::filesystem::path(::testing::TempDir()) / ("h7_log_" + std::to_string(::getpid()));
+  Rig rig{choice};
+  FlightRecorder recorder(*rig.flight, file);
+  std::uint32_t slowest_us = 0;
+  rig.flight->set_script([&](Flight& flight, sim::Time) {
+    const boards::stm32h7::FromChip& chip = chip_of(rig).process().from_chip();
+    if (flight.autopilot().view().armed) slowest_us = std::max(slowest_us, chip.edge_to_output_us);
+  });
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed()) << rig.flight->runner().failure();
+  EXPECT_EQ(rig.flight->session().statistics().frames.frames_dropped, 0U);
+  Logged logged{recorder.close()->sha256, rig.flight->tracking().rms(), *chip_of(rig).figures(),
+                slowest_us};
+  std::filesystem::remove(file);
+  return logged;
+}
+
+TEST(PixracerPro, FliesTheDefaultMissionTwiceWithTheSameLog) {
+  const Logged first = fly(1);
+  EXPECT_EQ(fly(1).hash, first.hash);
+  Rig in_process{[] {
+    FlightChoice choice = on_board();
+    choice.board = "in_process";
+    return choice;
+  }()};
+  in_process.flight->run();
+  const double there_m = in_process.flight->tracking().rms();
+  EXPECT_NEAR(first.tracking_rms_m, there_m, 0.15 * there_m)
+      << "the loop has the delay of sensor filter, buses and pulses, which the flight in process "
+         "has not";
+  EXPECT_EQ(first.figures.resets, 0U);
+  EXPECT_EQ(first.figures.uart_lost, 0U);
+  EXPECT_LE(first.figures.stack_bytes, 8192U);
+  EXPECT_GE(first.figures.stack_bytes, 256U) << "painted and looked at";
+  EXPECT_GT(first.edge_to_output_us, 15U) << "15 bytes take 15 us at 8 MHz";
+  EXPECT_LE(first.edge_to_output_us, 400U)
+      << "armed; it waits for a pass with messages of the link";
+}
+
+TEST(PixracerPro, AnotherSeedIsAnotherFlight) {
+  Rig one{on_board()};
+  FlightChoice choice = on_board();
+  choice.seed = 2;
+  Rig two{choice};
+  one.run_for(4.0);
+  two.run_for(4.0);
+  EXPECT_NE(one.flight->truth().body.p_W, two.flight->truth().body.p_W);
+}
+
+TEST(PixracerPro, RadioLossIsFailsafeThenTheMissionGoesOn) {
+  Rig rig{on_board({"rc_silence@20:2"})};
+  rig.run_until(kFault_s + 0.225);
+  EXPECT_TRUE(view_of(rig).failsafe);
+  rig.run_until(kFault_s + 2.0 + 0.05);
+  EXPECT_FALSE(view_of(rig).failsafe);
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed());
+}
+
+TEST(PixracerPro, ImuWithoutEdgesFallsWithMotorsOffAndStaysArmed) {
+  Rig rig{on_board({"imu@20"})};
+  rig.run_until(kFault_s + 0.13);
+  EXPECT_NE(view_of(rig).errors & static_cast<unsigned>(core::Error::kImuNotResponding), 0U);
+  rig.run_for(0.05);
+  EXPECT_TRUE(view_of(rig).armed);
+  EXPECT_EQ(chip_of(rig).process().from_chip().outputs[0], 0.0F);
+}
+
+TEST(PixracerPro, CutLinkIsSurvived) {
+  Rig rig{on_board({"link_cut@20:0.3"})};
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed()) << rig.flight->runner().failure();
+}
+
+/// A bus error in the driver of the IMU, or an interrupt that never ends: record, reset, armed again.
+class HardwareTrouble : public ::testing::TestWithParam<Breakdown> {};
+TEST_P(HardwareTrouble, LeavesARecordResetsAndRearms) {
+  Rig rig{on_board()};
+  std::string notes;
+  rig.flight->runner().set_notify(
+      [&notes](const FlightNote& note) { notes += note.source + ": " + note.text + "\n"; });
+  rig.run_until(kFault_s);
+  ASSERT_TRUE(view_of(rig).armed);
+  const double height_m = rig.height_m();
+  rig.flight->autopilot().break_down(rig.flight->now(), GetParam());
+  rig.run_for(0.5);
+  EXPECT_EQ(chip_of(rig).figures()->resets, 1U);
+  EXPECT_GT(rig.flight->autopilot().boot_time(), at_s(kFault_s));
+  EXPECT_TRUE(view_of(rig).armed);
+  rig.run_for(1.0);
+  EXPECT_LT(rig.tilt_deg(), 30.0);
+  EXPECT_NEAR(rig.height_m(), height_m, 1.5);
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed()) << rig.flight->runner().failure();
+  EXPECT_NE(notes.find("Rearmed after a fault in flight"), std::string::npos) << notes;
+  EXPECT_NE(notes.find("Fault 1 at pc "), std::string::npos) << notes;
+  EXPECT_EQ(chip_of(rig).figures()->resets, 1U);
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, HardwareTrouble,
+                         ::testing::Values(Breakdown::kCrash, Breakdown::kHang),
+                         [](const auto& kind) {
+                           return kind.param == Breakdown::kHang ? "Hang" : "Crash";
+                         });
+
+TEST(PixracerPro, PowerLossInFlightDoesNotRearm) {
+  Rig rig{on_board()};
+  rig.run_until(kFault_s);
+  rig.flight->autopilot().break_down(rig.flight->now(), Breakdown::kPowerLoss);
+  rig.run_for(0.5);
+  EXPECT_FALSE(view_of(rig).armed) << "backup memory does not survive the power";
+}
+
+/// What ends a flight with a broken emulator.
+std::string last_words(Rig& rig) {
+  try {
+    rig.run_for(1.0);
+  } catch (const EmulatorError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(PixracerPro, ADeadEmulatorEndsTheFlight) {
+  Rig rig{on_board()};
+  rig.run_for(0.1);
+  ASSERT_EQ(::kill(chip_of(rig).process().process(), SIGKILL), 0);
+  EXPECT_NE(last_words(rig).find("ended by signal 9"), std::string::npos);
+}
+
+TEST(PixracerPro, WhatTheImageCannotDoIsRefusedBeforeTheFlight) {
+  const auto said = [](const FlightChoice& choice) {
+    try {
+      const FlightSetup setup(choice);
+    } catch (const config::Error& error) {
+      return std::string(error.what());
+    }
+    return std::string{};
+  };
+  FlightChoice choice = on_board();
+  choice.state = "estimate";
+  EXPECT_NE(said(choice).find("--state: found estimate with --board pixracer_pro, allowed truth"),
+            std::string::npos);
+  choice = on_board();
+  choice.link_protocol = "lean";
+  EXPECT_NE(said(choice).find("--link-protocol: found lean"), std::string::npos);
+}
+
+/// Starts another file as the image. @returns what was said.
+std::string refusal(const ChipProcess::Options& options) {
+  CableLink cable{sim::RandomSource{1}};
+  try {
+    ChipAutopilot autopilot(cable, options);
+    autopilot.start(sim::Time{0});
+  } catch (const EmulatorError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(PixracerPro, WhatIsMissingIsNamedWithWhatMakesIt) {
+  ChipProcess::Options options = emulated_chip("pixracer_pro");
+  options.image = "/nonexistent/firmware.elf";
+  EXPECT_NE(refusal(options).find("firmware build pixracer_pro"), std::string::npos);
+  options = emulated_chip("pixracer_pro");
+  options.program = "/nonexistent/h7_emulator";
+  EXPECT_NE(refusal(options).find("h7_emulator"), std::string::npos);
+}
+
+TEST(PixracerPro, AWrongImageIsRefusedInOneLine) {
+  ChipProcess::Options options = emulated_chip("pixracer_pro");
+  // Another board's image: its vector table does not lie where this chip looks for it.
+  options.image = project_root() / "build/cortex-m7/firmware/boards/qemu_m7/firmware_qemu_m7.elf";
+  EXPECT_NE(refusal(options).find("no vector table at 0x08000000"), std::string::npos)
+      << refusal(options);
+  options.image =
+      std::filesystem::path(::testing::TempDir()) / ("h7_no_" + std::to_string(::getpid()));
+  std::ofstream(options.image)
+      << "this is no program, but it is longer than the header of one would be";
+  EXPECT_NE(refusal(options).find("is no ELF file for Arm"), std::string::npos) << refusal(options);
+  std::filesystem::remove(options.image);
+  options = emulated_chip("pixracer_pro");
+  options.board = "varmint_99";
+  EXPECT_NE(refusal(options).find("board: found varmint_99, allowed pixracer_pro"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace rosflight::flight::testing
