@@ -64,7 +64,8 @@ bool Driver::good(TransferResult result, Time now) {
     return true;
   }
   count_error();
-  if (state() != PartState::kRunning || ++failures_in_a_row_ < kFailuresInARow) return false;
+  const bool alive = state() == PartState::kStarting || state() == PartState::kRunning;
+  if (!alive || ++failures_in_a_row_ < kFailuresInARow) return false;
   fail(now).add(result == TransferResult::kNoAnswer   ? "no answer"
                 : result == TransferResult::kBusFault ? "bus fault"
                                                       : "bus stuck");

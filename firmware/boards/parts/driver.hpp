@@ -33,8 +33,7 @@ enum class PartState : std::uint8_t { kOff, kStarting, kRunning, kFailed };
 class Driver {
  public:
   static constexpr Time kRetry = hal::milliseconds(1000);
-  static constexpr std::uint8_t kFailuresInARow =
-      10;  ///< Of transfers, until a running part failed.
+  static constexpr std::uint8_t kFailuresInARow = 10;  ///< Of transfers, until a part failed.
 
   /// Begins to bring the part up. Bus context, or before interrupts are on.
   void start(Start how, Time now);
@@ -68,8 +67,8 @@ class Driver {
   void well();
   /// The part failed; the caller adds what happened to the text that is returned.
   Text fail(Time now);
-  /// A transfer of the running part ended. @returns whether it went well; kFailuresInARow that did not
-  /// fail the part.
+  /// A transfer of the part ended. @returns whether it went well; kFailuresInARow that did not fail
+  /// the part.
   bool good(TransferResult result, Time now);
   void count_error();
 

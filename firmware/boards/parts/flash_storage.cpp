@@ -38,13 +38,10 @@ FlashStorage::Word FlashStorage::make(std::uint16_t block, std::uint16_t generat
   return word;
 }
 
-bool FlashStorage::good(std::size_t sector, std::size_t at, std::uint16_t& block,
-                        std::uint16_t& generation, Block& content) {
-  Word word{};
-  if (!medium_.read(sector, at, word) || le32(&word[0]) != crc_of(word)) return false;
+bool FlashStorage::parse(const Word& word, std::uint16_t& block, std::uint16_t& generation) {
+  if (le32(&word[0]) != crc_of(word)) return false;
   block = static_cast<std::uint16_t>(le16(&word[kBlockAt]));
   generation = static_cast<std::uint16_t>(le16(&word[kGenerationAt]));
-  std::copy_n(word.begin() + kContentAt, content.size(), content.begin());
   return true;
 }
 
@@ -66,9 +63,10 @@ bool FlashStorage::program(std::size_t sector, std::size_t at, const Word& conte
 
 bool FlashStorage::generation_of(std::size_t sector, std::uint16_t& generation) {
   std::uint16_t block = 0;
-  Block content{};
+  Word word{};
   for (std::size_t at = 0; at < kFirst; ++at) {
-    if (good(sector, at, block, generation, content) && block == kMark) return true;
+    const bool intact = medium_.read(sector, at, word) && parse(word, block, generation);
+    if (intact && block == kMark) return true;
   }
   return false;
 }
@@ -116,8 +114,7 @@ void FlashStorage::scan(std::size_t sector) {
     next_ = std::max(kFirst, at + 1);
     std::uint16_t block = 0;
     std::uint16_t generation = 0;
-    Block content{};
-    const bool intact = good(sector, at, block, generation, content) && generation == generation_;
+    const bool intact = readable && parse(word, block, generation) && generation == generation_;
     if (intact && block < kBlocks && at >= kFirst) {
       place_[block] = static_cast<std::uint16_t>(at);
     } else if (!intact || block != kMark) {
@@ -135,7 +132,10 @@ bool FlashStorage::read_block(std::size_t block, Block& content) {
   }
   std::uint16_t found = 0;
   std::uint16_t generation = 0;
-  return good(active_, place_[block], found, generation, content) && found == block;
+  Word word{};
+  if (!medium_.read(active_, place_[block], word) || !parse(word, found, generation)) return false;
+  std::copy_n(word.begin() + kContentAt, content.size(), content.begin());
+  return found == block;
 }
 
 bool FlashStorage::read(std::size_t offset, std::uint8_t* data, std::size_t count) {
@@ -182,7 +182,7 @@ bool FlashStorage::append(std::size_t block, const Block& content) {
     const auto index = static_cast<std::uint16_t>(block);
     if (!program(active_, at, make(index, generation_, content))) continue;
     place_[block] = static_cast<std::uint16_t>(at);
-    to_copy_.set(block);
+    to_copy_[block] = true;
     return true;
   }
   return false;
@@ -234,8 +234,8 @@ void FlashStorage::copy_one() {
   erased_[target] = false;
   Block content{};
   for (std::size_t block = 0; block < kBlocks; ++block) {
-    if (!to_copy_.test(block)) continue;
-    to_copy_.reset(block);
+    if (!to_copy_[block]) continue;
+    to_copy_[block] = false;
     if (place_[block] == 0 || !read_block(block, content)) continue;
     if (copy_at_ == medium_.words_per_sector()) {
       copying_ = false;  // more damaged words than the sector can bear; it is erased again
@@ -243,7 +243,7 @@ void FlashStorage::copy_one() {
     }
     const auto generation = static_cast<std::uint16_t>(generation_ + 1);
     const Word word = make(static_cast<std::uint16_t>(block), generation, content);
-    if (!program(target, copy_at_++, word)) to_copy_.set(block);
+    if (!program(target, copy_at_++, word)) to_copy_[block] = true;
     return;
   }
   copying_ = false;

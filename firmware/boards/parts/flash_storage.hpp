@@ -54,8 +54,7 @@ class FlashStorage final : public hal::Storage {
   static constexpr std::size_t kNone = 2;   ///< No sector.
 
   static Word make(std::uint16_t block, std::uint16_t generation, const Block& content);
-  bool good(std::size_t sector, std::size_t word, std::uint16_t& block, std::uint16_t& generation,
-            Block& content);
+  static bool parse(const Word& word, std::uint16_t& block, std::uint16_t& generation);
   bool generation_of(std::size_t sector, std::uint16_t& generation);
   void scan(std::size_t sector);
   bool erased(std::size_t sector);

@@ -25,7 +25,8 @@ struct FlightMoment {
 /// 128 bytes, each with a number and a CRC-32. A reset in the middle of a write costs the slot that was
 /// being written. 2100 slots (269 kB) hold 20 s and 100 texts.
 ///
-/// All of it belongs to the main loop; add() costs about 4000 instructions for its CRC.
+/// All of it belongs to the main loop; add() costs some 2000 instructions for its CRC, attach() as many
+/// for each slot in use.
 class FlightRecord {
  public:
   static constexpr std::size_t kSlotBytes = 128;

@@ -38,6 +38,12 @@ class ReceiverInput : public ByteReceiver, public hal::Source<hal::RcFrame> {
   /// Share of the transmitter's packets that the receiver got, 0..100 %; kQualityUnknown if the
   /// protocol does not say.
   virtual std::uint8_t link_quality_percent(Time now) const = 0;
+  /// The same as the signal strength of MAVLink's RC_CHANNELS: 0..254, 255 if unknown.
+  std::uint8_t rssi(Time now) const {
+    const std::uint8_t quality = link_quality_percent(now);
+    return quality == kQualityUnknown ? kQualityUnknown
+                                      : static_cast<std::uint8_t>(quality * 254 / 100);
+  }
 
  protected:
   ~ReceiverInput() = default;

@@ -8,8 +8,6 @@ namespace rosflight::boards::parts {
 /// Composes one line in a buffer of the caller; what does not fit is cut off. Always terminated.
 class Text {
  public:
-  template <std::size_t N>
-  explicit Text(char (&buffer)[N]) : Text{buffer, N} {}
   /// @param size  1 or more.
   Text(char* buffer, std::size_t size) : at_{buffer}, last_{buffer + size - 1} { *at_ = '\0'; }
 

@@ -82,7 +82,7 @@ Outcome feed(const std::uint8_t* data, std::size_t size, std::size_t chunk) {
     const Bytes piece(data + at + 2, data + at + 2 + length);
     at += 2 + length;
     if (silence == 255) feed.line_error();
-    feed.bytes(good ? Traits::good_frame(piece) : piece, Time{100 * (silence % 128)});
+    feed.bytes(good ? Traits::good_frame(piece) : piece, Time{std::int64_t{silence} % 128 * 100});
   }
   // Whatever came before: silence, and a good frame is taken.
   const std::size_t before = feed.outcome().frames.size();

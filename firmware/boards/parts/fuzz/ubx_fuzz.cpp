@@ -30,7 +30,7 @@ struct Port final : UartPort {
   std::uint8_t acknowledged{0};
 };
 
-Bytes frame(std::uint8_t message_class, std::uint8_t id, Bytes payload) {
+Bytes frame(std::uint8_t message_class, std::uint8_t id, const Bytes& payload) {
   Bytes bytes(payload.size() + UbxFormat::kAround);
   UbxFormat::wrap(message_class, id, payload.data(), payload.size(), bytes.data());
   return bytes;

@@ -68,6 +68,13 @@ void Bmi088Model::Accelerometer::set_power(bool on) {
   if (on) reset(now_);
 }
 
+/// The reset takes place behind the transfer that commands it.
+void Bmi088Model::Accelerometer::deselected() {
+  spi_ = true;
+  if (reset_commanded_) reset(now_);
+  reset_commanded_ = false;
+}
+
 std::uint8_t Bmi088Model::Accelerometer::read_register(std::uint8_t reg) {
   if (now_ < ready_ && reg != 0x00) complain("accelerometer read before it was ready");
   if (!spi_ || now_ < ready_) return 0x00;
@@ -76,7 +83,7 @@ std::uint8_t Bmi088Model::Accelerometer::read_register(std::uint8_t reg) {
 
 void Bmi088Model::Accelerometer::write_register(std::uint8_t reg, std::uint8_t value) {
   if (reg == 0x7E && value == kSoftReset) {
-    reset(now_);
+    reset_commanded_ = true;
     return;
   }
   if (now_ < ready_) complain("accelerometer written before it was ready");

@@ -28,7 +28,7 @@ class Bmi088Model {
    private:
     std::uint8_t read_register(std::uint8_t reg) override;
     void write_register(std::uint8_t reg, std::uint8_t value) override;
-    void deselected() override { spi_ = true; }
+    void deselected() override;
     bool on() const { return powered_ && registers[0x7D] == 0x04 && registers[0x7C] == 0x00; }
     void reset(Time now);
     void sample();
@@ -42,6 +42,7 @@ class Bmi088Model {
     Time next_{};
     Time ready_{};     ///< End of the start-up time after reset or change of power.
     bool spi_{false};  ///< The chip select rose once since the reset.
+    bool reset_commanded_{false};
   };
 
   class Gyro final : public SpiRegisters {

@@ -63,7 +63,7 @@ void FlashModel::power_cycle() {
 }
 
 void FlashModel::fill_with_noise(std::uint32_t seed) {
-  std::mt19937 random{seed};
+  std::mt19937 random(seed);
   for (auto& sector : sectors_) {
     for (Cell& cell : sector) {
       cell.programmed = true;

@@ -125,7 +125,7 @@ void UbloxModel::configure(std::uint8_t id, const Bytes& payload) {
   } else if (id == 0x01 && payload.size() == 3) {
     if (payload[0] == 0x01 && payload[1] == 0x07) pvt_ = payload[2] != 0;
   } else if (id == 0x08 && payload.size() == 6) {
-    period_ = Time{1000 * (payload[0] + payload[1] * 256)};
+    period_ = hal::milliseconds(std::int64_t{payload[0]} + std::int64_t{payload[1]} * 256);
     next_solution_ = up_to(now_, period_);
   } else if (id == 0x24 && payload.size() == 36) {
     const unsigned mask = payload[0] + payload[1] * 256u;

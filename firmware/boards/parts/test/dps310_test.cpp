@@ -9,7 +9,6 @@
 namespace rosflight::boards::parts {
 namespace {
 
-using hal::microseconds;
 using hal::milliseconds;
 
 class Dps310Test : public testing::TestWithParam<bool> {

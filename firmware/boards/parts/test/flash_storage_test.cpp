@@ -110,7 +110,7 @@ TEST_F(FlashStorageTest, ReadsAndWritesDoNotWaitForAnErasure) {
 
 TEST_F(FlashStorageTest, GoesOnForTenThousandWritesAndNeverProgramsAWordTwice) {
   std::vector<std::uint8_t> expected(storage.size(), 0xFF);
-  std::mt19937 random{5};
+  std::mt19937 random(5);
   for (int k = 0; k < 10'000; ++k) {
     const std::size_t offset = random() % (expected.size() - 64);
     std::vector<std::uint8_t> bytes(1 + random() % 63);

@@ -14,9 +14,14 @@ namespace {
 using hal::milliseconds;
 using Kind = FlightRecord::Kind;
 
+/// 100 of them in a second.
+hal::Time at(std::int64_t k) {
+  return milliseconds(10 * k);
+}
+
 FlightMoment moment(int k) {
   FlightMoment m;
-  m.time = milliseconds(10 * k);
+  m.time = at(k);
   const auto f = static_cast<float>(k);
   m.accel_m_s2 = {f, 0.5f, -9.80665f};
   m.gyro_rad_s = {-0.25f * f, 1.0f, 2.0f};
@@ -32,7 +37,7 @@ class FlightRecordTest : public testing::Test {
  protected:
   static constexpr std::size_t kSlots = 50;
   FlightRecordTest() {
-    std::mt19937 random{1};
+    std::mt19937 random(1);
     for (auto& byte : memory_) byte = static_cast<std::uint8_t>(random());  // as after power-up
     record_.attach(true, milliseconds(0));
   }
@@ -75,7 +80,7 @@ TEST_F(FlightRecordTest, ForgetsTheOldestAndNothingElse) {
   EXPECT_EQ(record_.capacity(), kSlots);
   for (std::size_t k = 0; k < kSlots; ++k) {
     ASSERT_TRUE(record_.read(k, entry_));
-    EXPECT_EQ(entry_.moment.time, milliseconds(10 * static_cast<int>(500 - kSlots + 1 + k)));
+    EXPECT_EQ(entry_.moment.time, at(static_cast<std::int64_t>(500 - kSlots + 1 + k)));
   }
 }
 
@@ -85,10 +90,10 @@ TEST_F(FlightRecordTest, TwentySecondsFitTheSizeOfTheComment) {
   record.attach(true, milliseconds(0));
   for (int k = 0; k < 3000; ++k) {
     record.add(moment(k));
-    if (k % 20 == 0) record.add(milliseconds(10 * k), "text");
+    if (k % 20 == 0) record.add(at(k), "text");
   }
   ASSERT_TRUE(record.read(0, entry_));
-  EXPECT_LE(entry_.moment.time, milliseconds(10 * 2999 - 19'990));
+  EXPECT_LE(entry_.moment.time, at(2999 - 1999));
 }
 
 TEST_F(FlightRecordTest, SurvivesAWarmStart) {
@@ -127,7 +132,7 @@ TEST_F(FlightRecordTest, DamageInTheMiddleCostsWhatIsDamaged) {
 }
 
 TEST_F(FlightRecordTest, RandomMemoryIsAnEmptyRecord) {
-  std::mt19937 random{9};
+  std::mt19937 random(9);
   for (auto& byte : memory_) byte = static_cast<std::uint8_t>(random());
   FlightRecord after = again();
   EXPECT_EQ(after.attach(false, {}), 0u);

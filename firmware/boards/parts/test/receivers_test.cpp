@@ -116,7 +116,7 @@ TEST_F(SbusTest, ShorterAndLongerFramesAreNotParsedByPosition) {
 }
 
 TEST_F(SbusTest, SynchronizesWithTheFirstFrameAfterGarbage) {
-  std::mt19937 random{7};
+  std::mt19937 random(7);
   for (int k = 0; k < 200; ++k) {
     Bytes garbage(1 + random() % 60);
     for (auto& byte : garbage) byte = static_cast<std::uint8_t>(random());
@@ -156,6 +156,7 @@ TEST_F(SbusTest, TheDivisionIntoCallsDoesNotMatter) {
 
 TEST_F(SbusTest, HasNoLinkQuality) {
   EXPECT_EQ(input_.link_quality_percent(now_), ReceiverInput::kQualityUnknown);
+  EXPECT_EQ(input_.rssi(now_), 255);
 }
 
 // ---- CRSF
@@ -215,10 +216,12 @@ TEST_F(CrsfTest, LinkQualityComesFromTheStatisticsWhileTheyAreCurrent) {
   EXPECT_EQ(input_.link_quality_percent(now_), ReceiverInput::kQualityUnknown);
   send(models::crsf_statistics(87));
   EXPECT_EQ(input_.link_quality_percent(now_), 87);
+  EXPECT_EQ(input_.rssi(now_), 220);  // 87 % of 254
   EXPECT_EQ(frames(), 0);
   EXPECT_EQ(input_.link_quality_percent(now_ + milliseconds(1001)), ReceiverInput::kQualityUnknown);
   send(models::crsf_statistics(255));
   EXPECT_EQ(input_.link_quality_percent(now_), 100);
+  EXPECT_EQ(input_.rssi(now_), 254);
 }
 
 TEST_F(CrsfTest, AQualityOfZeroIsFailsafe) {
@@ -246,7 +249,7 @@ TEST_F(CrsfTest, AnyChangedByteIsNoticed) {
 }
 
 TEST_F(CrsfTest, FindsFramesDirectlyBehindGarbage) {
-  std::mt19937 random{3};
+  std::mt19937 random(3);
   int lost = 0;
   for (int k = 0; k < 300; ++k) {
     Bytes stream(random() % 80);

@@ -167,7 +167,7 @@ TEST_F(SharedBusTest, RefusesMoreThanItHolds) {
 }
 
 TEST_F(SharedBusTest, EveryTransferEndsOnceWhateverHappens) {
-  std::mt19937 random{1};
+  std::mt19937 random(1);
   std::array<FakeOwner*, 3> owners{&a_, &b_, &c_};
   std::array<Port*, 3> ports{&baro_, &memory_, &imu_};
   std::array<std::size_t, 3> started{};

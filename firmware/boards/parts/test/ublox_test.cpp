@@ -7,7 +7,6 @@
 namespace rosflight::boards::parts {
 namespace {
 
-using hal::microseconds;
 using hal::milliseconds;
 
 /// A UART whose bytes take no time to send; those received come with the next tick.
