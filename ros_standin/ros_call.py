@@ -6,7 +6,8 @@ Calls a service of a running node once and prints the answer; the type is that o
   ./rosflight ros call toggle_arm
   ./rosflight ros call param_set name:=PID_ROLL_RATE_P value:=0.08
 
-Exit code 1: the answer says `success: false`, or none came within 30 s; 2: a wrong argument.
+Exit code 1: the service refused (`success` or `exists` is false in its answer), or did not answer within
+30 s; 2: a wrong argument. Arguments of ROS follow after --ros-args.
 """
 
 import importlib
@@ -15,7 +16,6 @@ import time
 
 import rclpy
 import yaml
-from rclpy.utilities import remove_ros_args
 
 TIMEOUT_S = 30.0
 APPEARS_S = 10.0
@@ -78,15 +78,22 @@ def call(node, service: str, words: list[str]) -> int:
     answer = future.result()
     for field in answer.get_fields_and_field_types():
         print(f"{field}: {getattr(answer, field)}")
-    return 0 if getattr(answer, "success", True) else 1
+    return 1 if refused(answer) else 0
+
+
+def refused(answer) -> bool:
+    """False in one of these fields: a service of the project says no."""
+    return any(getattr(answer, field, True) is False for field in ("success", "exists"))
 
 
 def main(arguments: list[str]) -> int:
-    words = remove_ros_args(arguments)[1:]
+    # Not rclpy's remove_ros_args: name:=value is a remapping for it, in front of --ros-args too.
+    at = arguments.index("--ros-args") if "--ros-args" in arguments else len(arguments)
+    words, ros_arguments = arguments[1:at], arguments[at:]
     if not words or words[0] in ("-h", "--help"):
         print(__doc__)
         return 0 if words else 2
-    rclpy.init(args=arguments)
+    rclpy.init(args=ros_arguments)
     try:
         return call(rclpy.create_node("rosflight_call"), *words[:1], words[1:])
     except Wrong as why:

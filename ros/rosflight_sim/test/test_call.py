@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""./rosflight ros call, against a node of the simulator."""
+"""./rosflight ros call, against a node of the simulator and a service of rclpy."""
 
 import subprocess
 import sys
 
 import pytest
 from ros_rig import ROOT
-from sim_rig import node
+from rosflight_msgs.srv import ParamSet
+from sim_rig import SimPeer, node
 
 
 def call(*words):
@@ -26,6 +27,25 @@ def test_the_answer_is_printed_and_decides_the_exit_code(clock):
     assert refused.returncode == 1 and "success: False" in refused.stdout
     names = call("time_manager/get_parameters", "names:=[single_step_us]")
     assert "double_value=2500.0" in names.stdout and names.returncode == 0
+
+
+def test_fields_arrive_whatever_ros_makes_of_such_words_and_a_refusal_is_exit_code_1():
+    """`name:=X` is a remapping in the older syntax of ROS arguments."""
+    given = []
+
+    def answer(request, response):
+        given.append((request.name, request.value))
+        response.exists = request.value <= 1.0
+        return response
+    with SimPeer() as peer:
+        peer.node.create_service(ParamSet, "param_set", answer)
+        taken = call("param_set", "name:=PID_ROLL_RATE_P", "value:=0.08")
+        assert (taken.returncode, taken.stdout) == (0, "exists: True\n")
+        refused = call("param_set", "name:=PID_ROLL_RATE_P", "value:=2")
+        assert (refused.returncode, refused.stdout) == (1, "exists: False\n")
+        peer.node.create_service(ParamSet, "copter/param_set", answer)
+        assert call("param_set", "name:=A", "value:=1", "--ros-args", "-r", "__ns:=/copter").returncode == 0
+    assert given == [("PID_ROLL_RATE_P", 0.08), ("PID_ROLL_RATE_P", 2.0), ("A", 1.0)]
 
 
 @pytest.mark.parametrize("words, part", [
