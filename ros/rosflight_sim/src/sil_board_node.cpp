@@ -27,6 +27,7 @@
 #include "rosflight_common/time.hpp"
 #include "rosflight_sim/board_clock.hpp"
 #include "rosflight_sim/firmware_process.hpp"
+#include "rosflight_sim/only_one.hpp"
 
 namespace rosflight_sim {
 
@@ -77,7 +78,8 @@ base::LinkAddress udp(const std::string& host, std::int64_t port, std::int64_t o
 /// which a thread of its own waits for; a lock lets one in at a time.
 class SilBoardNode : public rclcpp::Node {
  public:
-  explicit SilBoardNode(const rclcpp::NodeOptions& options) : Node("sil_board", options) {
+  explicit SilBoardNode(const rclcpp::NodeOptions& options)
+      : Node("sil_board", options), only_one_{get_namespace()} {
     const std::string own_host = declare_text(*this, "simulation_host", "localhost",
                                               "own side of the link: localhost or 0.0.0.0");
     const auto own_port = declare_whole(*this, "simulation_port", 14525, 1, 65535, "own UDP port");
@@ -241,6 +243,7 @@ class SilBoardNode : public rclcpp::Node {
     }
   }
 
+  OnlyOne only_one_;
   bool simulated_time_{};
   std::int64_t last_step_ns_{-1};
   std::mutex mutex_;      ///< Of the firmware and all that it is fed with.

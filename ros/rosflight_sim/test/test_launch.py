@@ -43,6 +43,21 @@ def test_wall_time_runs_and_a_dead_process_takes_the_launch_down(tmp_path, compo
         assert len(world.text().split("its last lines:")[1].splitlines()) > 2
 
 
+def test_a_second_simulator_in_the_same_domain_says_so_and_stops(tmp_path):
+    """Whatever ports and memory it has; the first runs on. When the first has been killed there is room again."""
+    with launch("rosflight_sim", "multirotor_standalone.launch.xml", viz="false", **own(tmp_path / "a")) as world:
+        world.until("ready: ")
+        with launch("rosflight_sim", "multirotor_standalone.launch.xml", viz="false", **own(tmp_path / "b")) as second:
+            assert second.end() == 2, second.text()
+            assert "found another simulator in ROS domain " in second.lines[-1] and ", namespace / (process " in second.lines[-1]
+            assert f"(process {pid_of(world, 'compose')})" in second.lines[-1] and "allowed one: end it" in second.lines[-1]
+        assert world.process.poll() is None
+        os.kill(pid_of(world, "compose"), signal.SIGKILL)
+        assert world.end() == 1
+    with node("sil_board", memory_folder=tmp_path / "c", simulation_port=free_udp_port(), ROS_port=free_udp_port()):
+        pass
+
+
 def test_two_vehicles_have_topics_memories_and_links_of_their_own(tmp_path):
     file = tmp_path / "two.launch.xml"
     vehicle = """<group><push-ros-namespace namespace="{0}"/>
