@@ -2,8 +2,9 @@
 """When a node is up.
 
 A node is up when it has printed a line whose message begins with `ready`, as all of ours do once their
-topics and services are there; or when its name can be seen in the ROS graph, for nodes of others. What
-stands on the command line as `executable` is up when it runs.
+topics and services are there; or when its name can be seen in the ROS graph, for nodes of others. One
+whose message begins with `not ready` does something first that the launch is to wait for: it is up when it
+has said `ready`, or has finished. What stands on the command line as `executable` is up when it runs.
 """
 
 import json
@@ -14,12 +15,17 @@ import sys
 from pathlib import Path
 
 _READY = re.compile(r"(^|\]: )ready\b(: (?P<nodes>\d+) nodes)?")
+_NOT_READY = re.compile(r"(^|\]: )not ready\b")
 
 
 def says_ready(line: str) -> int:
     """How many nodes the line says are up; 0: it says nothing of the kind."""
     found = _READY.search(line)
     return int(found["nodes"] or 1) if found else 0
+
+
+def says_not_ready(line: str) -> bool:
+    return _NOT_READY.search(line) is not None
 
 
 class GraphWatch:

@@ -20,7 +20,7 @@ from pathlib import Path
 import yaml
 
 from .plan import Node, Plan
-from .ready import GraphWatch, says_ready
+from .ready import GraphWatch, says_not_ready, says_ready
 
 _LAST_LINES = 12
 _TICK_S = 0.05
@@ -47,6 +47,7 @@ class Running:
     rest: bytes = b""
     up: bool = False
     said_ready: bool = False
+    has_work: bool = False  # said `not ready`: the graph does not count
     nodes: int = 1  # in this process
     ended: bool = False
 
@@ -61,7 +62,8 @@ class Runner:
         self._running: list[Running] = []
         self._graph = GraphWatch()
         self._asked: int | None = None  # signal that asked for the end
-        self._told = False  # whether "ready" or "not ready" has been said
+        self._said_ready = False
+        self._said_late = False  # who is not up
 
     def run(self) -> int:
         """0: asked to stop, or all finished well; 1: something died; 2: a node refused what it was given."""
@@ -162,6 +164,8 @@ class Runner:
         if not running.said_ready and (nodes := says_ready(text)):
             running.up = running.said_ready = True
             running.nodes = nodes
+        elif not running.said_ready and says_not_ready(text):
+            running.up, running.has_work = False, True
         self._say(f"[{running.node.name}] {text}")
 
     def _look_for_dead(self) -> Running | None:
@@ -182,25 +186,24 @@ class Runner:
             self._pump(0.01)
 
     def _look_for_ready(self, seconds: float) -> None:
-        if self._told:
+        if self._said_ready:
             return
         for running in self._running:
             running.up = running.up or not running.node.is_ros
-        silent = [running for running in self._running if not running.up]
+        silent = [running for running in self._running if not running.up and not running.has_work]
         if silent and seconds > _GRAPH_AFTER_S:
             seen = self._graph.seen()
             for running in silent:
                 running.up = running.node.full_name in seen
-        if not any(not running.up for running in self._running):
-            self._told = True
+        missing = [running.node.name for running in self._running if not running.up]
+        if not missing:
+            self._said_ready = True
             self._graph.stop()
             count = sum(running.nodes for running in self._running)
             self._say(f"ready: {count} node{'' if count == 1 else 's'} in {seconds:.1f} s")
-        elif seconds > self._times.ready_s:
-            self._told = True
-            self._graph.stop()
-            names = ", ".join(running.node.name for running in silent)
-            self._say(f"launch: not up after {seconds:.0f} s: {names}")
+        elif seconds > self._times.ready_s and not self._said_late:
+            self._said_late = True
+            self._say(f"launch: not up after {seconds:.0f} s: {', '.join(missing)}")
 
     def _all_ended(self) -> bool:
         return all(running.ended for running in self._running)

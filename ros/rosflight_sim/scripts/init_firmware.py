@@ -1,9 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Usage: init_firmware FILE | init_firmware --vehicle VEHICLE_FILE
+"""Usage: init_firmware FILE [--wait | --fly]
+       init_firmware --vehicle VEHICLE_FILE [--wait | --fly]
 
-Loads firmware parameters through rosflight_io, calibrates the IMU and stores: each step when the one
-before has answered. The second form takes the section `firmware` of a vehicle file, defaults for the rest. The names are relative, so it works in a namespace. Ends with 0 when all is done.
+Loads firmware parameters through rosflight_io, calibrates the IMU and stores: each step when the one before has answered. The
+second form takes the section `firmware` of a vehicle file, defaults for the rest. The names are relative, so it works in a
+namespace. Ends with 0 when all is done.
+
+  --wait   and then waits until the flight controller has no error: the vehicle can be armed
+  --fly    and then arms and lets go of the override, by the services of the simulated pilot
 """
 
 import subprocess
@@ -14,11 +19,13 @@ from pathlib import Path
 
 import rclpy
 from rclpy.utilities import remove_ros_args
+from rosflight_msgs.msg import Status
 from rosflight_msgs.srv import ParamFile
 from std_srvs.srv import Trigger
 
 TIMEOUT_S = 60.0
 TRY_AGAIN_S = 0.5
+SAY_AGAIN_S = 10.0
 
 
 def call(node, kind, name, **fields):
@@ -53,6 +60,52 @@ def initialise(node, file):
     demand(node, Trigger, "param_write")
 
 
+class Vehicle:
+    """What the flight controller says of itself, and the pilot's switches."""
+
+    PILOT_HOLDS = Status.OVERRIDE_ATT_SWITCH | Status.OVERRIDE_THR_SWITCH
+    FOLLOWS_S = 5.0
+    TRIES = 5  # odd: each turns the switch over
+
+    def __init__(self, node):
+        self.node, self.status = node, None
+        node.create_subscription(Status, "status", self.on_status, 1)
+
+    def on_status(self, message):
+        self.status = message
+
+    def becomes(self, condition, seconds):
+        """Whether a status that comes now fulfils the condition within the time."""
+        end = time.monotonic() + seconds
+        self.status = None
+        while time.monotonic() < end:
+            rclpy.spin_once(self.node, timeout_sec=0.1)
+            if self.status is not None and condition(self.status):
+                return True
+        return False
+
+    def wait(self):
+        """As long as it takes; says now and then what it waits for."""
+        while not self.becomes(lambda status: status.error_code == 0, SAY_AGAIN_S):
+            found = "no status" if self.status is None else f"error_code 0x{self.status.error_code:02x} in its status"
+            self.node.get_logger().warning(f"waits for a flight controller without errors, found {found}")
+        self.node.get_logger().info("the vehicle can be armed")
+
+    def fly(self):
+        self.wait()
+        self.switch("toggle_arm", lambda status: status.armed, "armed")
+        self.switch("toggle_override", lambda status: not status.rc_override & self.PILOT_HOLDS, "the autopilot has control")
+
+    def switch(self, service, condition, text):
+        """Flips a switch of the pilot until the flight controller follows: it does not arm with the throttle up, or errors."""
+        for _ in range(self.TRIES):
+            call(self.node, Trigger, service)
+            if self.becomes(condition, self.FOLLOWS_S):
+                self.node.get_logger().info(text)
+                return
+        raise RuntimeError(f"{service}: the flight controller does not follow")
+
+
 def parameters_of(vehicle_file, folder):
     """The parameter file of a vehicle file, made in the folder; says why not on stderr and ends."""
     made = Path(folder, "firmware.yaml")
@@ -64,20 +117,25 @@ def parameters_of(vehicle_file, folder):
 
 def main():
     words = remove_ros_args(sys.argv)[1:]
-    if len(words) == 2 and words[0] == "--vehicle":
-        with tempfile.TemporaryDirectory() as folder:
-            return run(parameters_of(words[1], folder))
-    if len(words) != 1:
-        print(f"init_firmware: found {len(words)} files, allowed one", file=sys.stderr)
+    then = [word for word in words if word in ("--wait", "--fly")]
+    words = [word for word in words if word not in then]
+    if len(then) > 1 or len(words) != (2 if words[:1] == ["--vehicle"] else 1):
+        print(f"init_firmware: found {len(words)} files, allowed one, or --vehicle and one; then --wait or --fly", file=sys.stderr)
         return 2
-    return run(words[0])
+    if len(words) == 1:
+        return run(words[0], then)
+    with tempfile.TemporaryDirectory() as folder:
+        return run(parameters_of(words[1], folder), then)
 
 
-def run(file):
+def run(file, then):
+    print("not ready: loads the firmware's parameters, calibrates its IMU, stores", flush=True)  # before it is seen in the graph
     rclpy.init()
     node = rclpy.create_node("init_firmware")
     try:
         initialise(node, file)
+        if then:
+            getattr(Vehicle(node), then[0].removeprefix("--"))()
     except RuntimeError as why:
         node.get_logger().error(str(why))
         return 1

@@ -120,6 +120,17 @@ def test_nodes_that_share_a_process_count_each(launch):
     launch.start("a", "shared").until("ready: 4 nodes in ")
 
 
+def test_a_job_that_says_not_ready_is_waited_for(launch):
+    launch.package(a=SERVER, job="import time\nprint('not ready: loads something', flush=True)\ntime.sleep(1.5)\n")
+    lines = launch.start("a", "job").until("ready: 2 nodes in ")
+    assert lines.index("launch: job has finished") < len(lines) - 1
+
+
+def test_a_node_that_was_not_ready_and_then_is_has_become_a_server(launch):
+    launch.package(a="import time\nprint('not ready: loads', flush=True)\ntime.sleep(0.5)\n" + SERVER)
+    assert "[a] not ready: loads" in launch.start("a").until("ready: 1 node in ")
+
+
 def test_a_node_that_will_not_end_is_killed(launch):
     launch.package(stubborn=STUBBORN)
     launch.start("stubborn").until("ready: 1 node in")
