@@ -11,6 +11,8 @@ import math
 import sys
 
 import rclpy
+from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rosflight_msgs.msg import Command, SimState, Status
 from std_srvs.srv import Trigger
@@ -39,8 +41,8 @@ class Done(Exception):
 class Square(Node):
     def __init__(self):
         super().__init__("square")
-        side = self.declare_parameter("side_m", 3.0).value
-        height = self.declare_parameter("height_m", 2.0).value
+        side = self.number("side_m", 3.0)
+        height = self.number("height_m", 2.0)
         self.corners = [(0, 0, -height), (side, 0, -height), (side, side, -height), (0, side, -height),
                         (0, 0, -height)]
         self.corner = 0
@@ -53,6 +55,7 @@ class Square(Node):
         self.arm = self.create_client(Trigger, "toggle_arm")
         self.override = self.create_client(Trigger, "toggle_override")
         self.asked = self.get_clock().now()
+        self.since = None
         self.begin(self.wait, "waiting for the simulator and for an autopilot without errors")
         self.create_timer(PERIOD_S, self.step)
 
@@ -62,14 +65,23 @@ class Square(Node):
     def on_status(self, message):
         self.status = message
 
+    def number(self, name, value):
+        """A parameter; `side_m:=5` is an integer for ROS, and good for a number all the same."""
+        given = self.declare_parameter(name, value, ParameterDescriptor(dynamic_typing=True)).value
+        if type(given) not in (int, float):
+            raise ValueError(f"parameter {name}: found {given!r}, allowed a number")
+        return float(given)
+
     def begin(self, phase, text):
-        self.phase, self.since = phase, self.get_clock().now()
+        self.phase, self.since = phase, None  # its time begins with its first step: simulated time may come later
         self.get_logger().info(text)
 
     def seconds_since(self, time):
         return (self.get_clock().now() - time).nanoseconds * 1e-9
 
     def step(self):
+        if self.since is None:
+            self.since = self.get_clock().now()
         if self.seconds_since(self.since) > TIMEOUT_S:
             self.end(1, "gave up: nothing moves on")
         if self.state is None or self.status is None:
@@ -162,15 +174,16 @@ class Square(Node):
 
 def main():
     rclpy.init()
-    node = Square()
     try:
-        rclpy.spin(node)
+        rclpy.spin(Square())
     except Done as done:
         return done.args[0]
-    except KeyboardInterrupt:
+    except ValueError as why:
+        print(f"square.py: {why}", file=sys.stderr)
+        return 2
+    except (KeyboardInterrupt, ExternalShutdownException):
         return 1
     finally:
-        node.destroy_node()
         rclpy.try_shutdown()
     return 1
 

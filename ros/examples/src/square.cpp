@@ -3,12 +3,16 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
+#include <cstdio>
 #include <memory>
+#include <optional>
 #include <rclcpp/rclcpp.hpp>
 #include <rosflight_msgs/msg/command.hpp>
 #include <rosflight_msgs/msg/sim_state.hpp>
 #include <rosflight_msgs/msg/status.hpp>
 #include <std_srvs/srv/trigger.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -49,11 +53,25 @@ constexpr double kGravity_m_s2 = 9.81;
 constexpr double kPeriod_s = 0.01;
 constexpr double kPatience_s = 60.0;  // of node time, for each step of the flight
 
+// A parameter; `side_m:=5` is an integer for ROS, and good for a number all the same.
+double number(rclcpp::Node& node, const std::string& name, double value) {
+  rcl_interfaces::msg::ParameterDescriptor any_type;
+  any_type.dynamic_typing = true;
+  const rclcpp::ParameterValue given =
+      node.declare_parameter(name, rclcpp::ParameterValue(value), any_type);
+  if (given.get_type() == rclcpp::ParameterType::PARAMETER_INTEGER)
+    return static_cast<double>(given.get<std::int64_t>());
+  if (given.get_type() != rclcpp::ParameterType::PARAMETER_DOUBLE)
+    throw std::invalid_argument("parameter " + name + ": found '" + rclcpp::to_string(given) +
+                                "', allowed a number");
+  return given.get<double>();
+}
+
 class Square : public rclcpp::Node {
  public:
   Square() : Node("square") {
-    const double side_m = declare_parameter("side_m", 3.0);
-    const double height_m = declare_parameter("height_m", 2.0);
+    const double side_m = number(*this, "side_m", 3.0);
+    const double height_m = number(*this, "height_m", 2.0);
     corners_ = {{0, 0, -height_m},
                 {side_m, 0, -height_m},
                 {side_m, side_m, -height_m},
@@ -78,12 +96,13 @@ class Square : public rclcpp::Node {
 
   void begin(Phase phase, const std::string& text) {
     phase_ = phase;
-    since_ = now();
+    since_.reset();  // its time begins with its first step: simulated time may come later
     RCLCPP_INFO(get_logger(), "%s", text.c_str());
   }
 
   void step() {
-    if ((now() - since_).seconds() > kPatience_s) return end(1, "gave up: nothing moves on");
+    if (!since_) since_ = now();
+    if ((now() - *since_).seconds() > kPatience_s) return end(1, "gave up: nothing moves on");
     if (!state_ || !status_) return;
     const bool airborne = phase_ == Phase::kFly || phase_ == Phase::kLand;
     if (airborne && !status_->armed) return end(1, "disarmed in flight");
@@ -196,8 +215,8 @@ class Square : public rclcpp::Node {
   Vec target_;
   double hover_{0.5};  // throttle that carries the vehicle, learnt on the way
   Phase phase_{Phase::kWait};
-  rclcpp::Time since_{now()};
-  rclcpp::Time asked_{since_};
+  std::optional<rclcpp::Time> since_;
+  rclcpp::Time asked_{now()};
   int exit_code_{1};
   SimState::ConstSharedPtr state_;
   Status::ConstSharedPtr status_;
@@ -212,8 +231,14 @@ class Square : public rclcpp::Node {
 
 int main(int argc, char** argv) {
   rclcpp::init(argc, argv);
-  const auto node = std::make_shared<Square>();
-  rclcpp::spin(node);
-  rclcpp::shutdown();
-  return node->exit_code();
+  try {
+    const auto node = std::make_shared<Square>();
+    rclcpp::spin(node);
+    rclcpp::shutdown();
+    return node->exit_code();
+  } catch (const std::invalid_argument& why) {
+    std::fprintf(stderr, "square: %s\n", why.what());
+    rclcpp::shutdown();
+    return 2;
+  }
 }

@@ -8,7 +8,8 @@ import sys
 import pytest
 from ros_rig import ROOT, free_udp_port
 from rosflight_msgs.msg import SimState, Status
-from sim_rig import Process, SimPeer, launch
+from rosgraph_msgs.msg import Clock
+from sim_rig import BEST_EFFORT, Process, SimPeer, executable, launch
 
 PYTHON_FORCES = ROOT / "ros/rosflight_sim/test/python_forces.py"
 CORNERS = [(0, 0), (3, 0), (3, 3), (0, 3), (0, 0)]
@@ -50,3 +51,37 @@ def test_a_square_is_flown(tmp_path, program, modules, forces):
     assert flown[-1][2] < 0.4 and math.hypot(*flown[-1][:2]) < 0.5
     assert any(m.armed and m.offboard and not m.rc_override & 3 for m in status)
     assert not status[-1].armed and not any(m.failsafe for m in status)
+
+
+@pytest.fixture(params=["square", "square.py"])
+def square(request):
+    """Starts one of the two programs with parameters."""
+    program = executable("rosflight_examples", request.param)
+    return lambda *given: Process(program, "--ros-args", *(word for text in given for word in ("-p", text)))
+
+
+def test_its_time_to_wait_begins_when_simulated_time_does(square):
+    """Also where the simulator has run for long. It gives up a minute of its time later, because nobody is there."""
+    with SimPeer() as peer, square("use_sim_time:=true", "side_m:=5") as program:
+        clock = peer.publisher(Clock, "/clock", BEST_EFFORT)
+        program.until("waiting for the simulator")
+        peer.poll(clock.get_subscription_count, "the program's clock")
+        now = [1000.0]
+
+        def tick():
+            now[0] += 0.5
+            message = Clock()
+            message.clock.sec, message.clock.nanosec = int(now[0]), int(now[0] % 1 * 1e9)
+            clock.publish(message)
+            return program.process.poll() is not None
+        peer.poll(tick, "the end")
+        assert program.end() == 1 and program.lines[-1].endswith("gave up: nothing moves on")
+        assert now[0] > 1060.0
+
+
+def test_a_number_may_be_whole_and_a_word_is_refused(square):
+    with square("side_m:=5", "height_m:=2") as program:
+        program.until("waiting for the simulator")
+    with square("side_m:=wide") as program:
+        assert program.end() == 2
+        assert program.lines[-1].endswith("allowed a number") and "parameter side_m: found 'wide'" in program.lines[-1]
