@@ -18,7 +18,8 @@ from .xml_tree import Element, read
 
 _WHEN = {"if", "unless"}
 _ACTIONS = {"arg", "let", "node", "executable", "group", "include", "push-ros-namespace",
-            "push_ros_namespace", "set_env", "log"}
+            "push_ros_namespace", "set_env", "set_remap", "log"}
+_AT_EXIT = "shutdown"  # the one value of on_exit that ROS knows
 _DEEPEST_INCLUDE = 20
 
 
@@ -32,6 +33,7 @@ class Reader:
         self._given = given
         self._namespace = ""
         self._environment: dict[str, str] = {}
+        self._remappings: list[tuple[str, str]] = []  # of all nodes of the group
         self._depth = 0
         self._lenient = lenient  # for --show-args: required arguments may be missing
 
@@ -111,6 +113,9 @@ class Reader:
         name, value = self._text(element, "name"), self._text(element, "value")
         self._environment[name] = self._scope.environment[name] = value
 
+    def _set_remap(self, element: Element) -> None:
+        self._remappings.append(self._remapping(element))
+
     def _log(self, element: Element) -> None:
         element.check({"message"}, {"level"} | _WHEN, set())
         self.plan.messages.append(self._text(element, "message"))
@@ -120,12 +125,12 @@ class Reader:
     def _group(self, element: Element) -> None:
         element.check(set(), {"scoped"} | _WHEN, _ACTIONS)
         saved = (dict(self._scope.variables), self._namespace, dict(self._environment),
-                 dict(self._scope.environment))
+                 dict(self._scope.environment), list(self._remappings))
         scoped = truth(self._text(element, "scoped", "true"))
         self._walk(element)
         if scoped:
             (self._scope.variables, self._namespace, self._environment,
-             self._scope.environment) = saved
+             self._scope.environment, self._remappings) = saved
 
     def _push_ros_namespace(self, element: Element) -> None:
         element.check({"namespace"}, _WHEN, set())
@@ -163,8 +168,11 @@ class Reader:
     # ---- processes ------------------------------------------------------------------------------
 
     def _node(self, element: Element) -> None:
-        element.check({"pkg", "exec"}, {"name", "namespace", "args", "ros_args", "output"} | _WHEN,
+        element.check({"pkg", "exec"}, {"name", "namespace", "args", "ros_args", "output", "on_exit"} | _WHEN,
                       {"param", "remap", "env"})
+        at_exit = self._text(element, "on_exit", _AT_EXIT)
+        if at_exit != _AT_EXIT:
+            raise element.error(f"on_exit of <node>: found {at_exit!r}, allowed {_AT_EXIT}")
         package, executable = self._text(element, "pkg"), self._text(element, "exec")
         try:
             program = self._scope.packages.executable(package, executable)
@@ -181,7 +189,7 @@ class Reader:
                     where=element.where, what=f"{package}/{executable}", node_name=name or None,
                     full_name=_join("/", _join(namespace, name)) if name else None,
                     namespace=namespace, ros_arguments=_words(self._text(element, "ros_args")),
-                    environment=dict(self._environment))
+                    remappings=list(self._remappings), environment=dict(self._environment))
         for child in element.children:
             if self._applies(child):
                 getattr(self, "_node_" + child.tag)(child, node)
@@ -206,11 +214,14 @@ class Reader:
         node.parameters.append({self._text(element, "name"): _typed(text)})
 
     def _node_remap(self, element: Element, node: Node) -> None:
+        node.remappings.append(self._remapping(element))
+
+    def _remapping(self, element: Element) -> tuple[str, str]:
         element.check({"from", "to"}, _WHEN, set())
         names = (self._text(element, "from"), self._text(element, "to"))
         if not all(names):
-            raise element.error("<remap>: found an empty name, allowed a name of a topic or service")
-        node.remappings.append(names)
+            raise element.error(f"<{element.tag}>: found an empty name, allowed a name of a topic or service")
+        return names
 
     def _node_env(self, element: Element, node: Node) -> None:
         element.check({"name", "value"}, _WHEN, set())

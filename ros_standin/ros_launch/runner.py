@@ -66,7 +66,8 @@ class Runner:
         self._said_late = False  # who is not up
 
     def run(self) -> int:
-        """0: asked to stop, or all finished well; 1: something died; 2: a node refused what it was given."""
+        """0: asked to stop, or all finished well; 1: something died; 2: a node refused what it was given. The last line says
+        which."""
         _LIBC.prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
         before = {number: signal.signal(number, self._on_signal)
                   for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
@@ -91,6 +92,7 @@ class Runner:
         if died is None:
             return 0
         if not _refused(died):
+            self._say(f"launch: {_end_of(died)}")
             return 1
         last = next((line for line in reversed(died.last) if line.strip()), "(said nothing)")
         self._say(f"launch: {died.node.name} ({died.node.what}) refused to start: {last}")
@@ -209,9 +211,7 @@ class Runner:
         return all(running.ended for running in self._running)
 
     def _report(self, died: Running) -> None:
-        code = died.process.returncode
-        how = f"exit code {code}" if code >= 0 else f"signal {-code} ({_signal_name(-code)})"
-        self._say(f"launch: {died.node.name} ({died.node.what}) ended with {how}; its last lines:")
+        self._say(f"launch: {_end_of(died)}; its last lines:")
         for line in died.last or ["(none)"]:
             self._say(f"    {line}")
 
@@ -255,6 +255,12 @@ class Runner:
                 os.kill(pid, number)
             except ProcessLookupError:
                 pass
+
+
+def _end_of(died: Running) -> str:
+    code = died.process.returncode
+    how = f"exit code {code}" if code >= 0 else f"signal {-code} ({_signal_name(-code)})"
+    return f"{died.node.name} ({died.node.what}) ended with {how}"
 
 
 def _refused(died: Running) -> bool:

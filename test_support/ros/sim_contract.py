@@ -37,7 +37,8 @@ class Module:
 TRIGGER = "std_srvs/srv/Trigger"
 
 MODULES = {
-    "time": Module("standalone_time_manager", {"/clock": Out(Clock, None, best_effort=True)},
+    "time": Module("standalone_time_manager", {"/clock": Out(Clock, None, best_effort=True),
+                                              "/clock_steps": Out(Clock, None, best_effort=True)},
                    services={"time_manager/toggle_pause": TRIGGER, "time_manager/take_step": TRIGGER}),
     "manager": Module("rosflight_sil_manager", {}, services={"rosflight_sil/take_sim_step": TRIGGER}),
     "board": Module(

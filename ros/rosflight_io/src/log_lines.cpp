@@ -20,6 +20,7 @@ constexpr const char* kRefusal = "Out of range, kept: ";
 void LogLines::on_status(const rosflight::link::Status& m, const companion::Stamp& /*stamp*/) {
   const rosflight::link::Status before = last_.value_or(rosflight::link::Status{});
   last_ = m;
+  if (m.armed != before.armed) zeros_.set_armed(m.armed);
   if (m.armed != before.armed) RCLCPP_WARN(logger_, m.armed ? "Armed" : "Disarmed");
   if (m.failsafe && !before.failsafe) RCLCPP_ERROR(logger_, "Failsafe");
   if (!m.failsafe && before.failsafe) RCLCPP_WARN(logger_, "Failsafe over");
@@ -43,6 +44,15 @@ void LogLines::on_status(const rosflight::link::Status& m, const companion::Stam
       RCLCPP_INFO(logger_, "Autopilot error over: %s", companion::error_text(bit));
     }
   }
+}
+
+void LogLines::on_sent(const rosflight::link::Message& message, companion::Time now) {
+  const auto* command = std::get_if<rosflight::link::OffboardControl>(&message);
+  const int zeros = command != nullptr ? zeros_.take(*command, now) : 0;
+  if (zeros > 0)
+    RCLCPP_WARN(logger_,
+                "pass-through commands in flight that are all zeros, which stops the motors: %d",
+                zeros);
 }
 
 void LogLines::on_event(const companion::Event& event) {

@@ -43,9 +43,10 @@ using messages::from_message;
 namespace fs = std::filesystem;
 using std_srvs::srv::Trigger;
 
-/// Folder of the memory file: as given, or below the folder of ROS in the user's home. One
-/// sub-folder per namespace, so two vehicles never share a memory.
-fs::path memory_file(const std::string& folder, const std::string& name_space) {
+/// Folder of the memory file: as given, or below the folder of ROS in the user's home. One sub-folder per namespace and
+/// vehicle: two vehicles never share a memory, and none starts with the motor parameters of another.
+fs::path memory_file(const std::string& folder, const std::string& name_space,
+                     const std::string& vehicle_file) {
   fs::path base = folder;
   if (folder.empty()) {
     const char* ros_home = std::getenv("ROS_HOME");
@@ -54,7 +55,7 @@ fs::path memory_file(const std::string& folder, const std::string& name_space) {
         ros_home != nullptr ? fs::path(ros_home) : fs::path(home != nullptr ? home : ".") / ".ros";
     base /= "rosflight_memory";
   }
-  base /= fs::path(name_space).relative_path();
+  base /= fs::path(name_space).relative_path() / fs::path(vehicle_file).stem();
   std::error_code failed;
   fs::create_directories(base, failed);
   if (failed) {
@@ -89,7 +90,9 @@ class SilBoardNode : public rclcpp::Node {
     const std::string folder = declare_text(
         *this, "memory_folder", "", "of the non-volatile memory; empty: ~/.ros/rosflight_memory");
     simulated_time_ = get_parameter("use_sim_time").as_bool();
-    const fs::path memory = memory_file(folder, get_namespace());
+    const std::string vehicle =
+        declare_text(*this, "vehicle_file", "", "its name is that of the memory's folder");
+    const fs::path memory = memory_file(folder, get_namespace(), vehicle);
     firmware_ = std::make_unique<FirmwareProcess>(udp(far_host, far_port, own_port), memory,
                                                   [this] { return board_time(); });
     RCLCPP_INFO(get_logger(), "%s memory=%s%s", firmware_->serial().where().c_str(), memory.c_str(),

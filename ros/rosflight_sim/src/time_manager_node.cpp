@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <chrono>
+#include <mutex>
 #include <rosflight_msgs/msg/sim_state.hpp>
 #include <rosgraph_msgs/msg/clock.hpp>
 #include <std_srvs/srv/trigger.hpp>
@@ -7,6 +8,7 @@
 #include "rosflight_common/component.hpp"
 #include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
+#include "rosflight_sim/fine_ticks.hpp"
 #include "rosflight_sim/waited_topics.hpp"
 
 namespace rosflight_sim {
@@ -18,15 +20,23 @@ using std::chrono::steady_clock;
 
 /// Simulated time on `/clock`, scaled, paused, stepped: one for all vehicles, in whatever namespace it runs.
 ///
+/// The world moves in steps of default_pub_rate_us. `/clock` has them and, for nodes that would otherwise ask for the time
+/// twice within one, the ticks between them; `/clock_steps` has the steps alone, for nodes that need no more: the launch files
+/// of the simulator let theirs follow it, because a message to each of twenty nodes every 0.1 ms takes more than a processor.
+///
 /// Every message moves time on by default_pub_rate_us; the wall time between two is that divided by
 /// the factor. The timer asks the steady clock how many are due, so a late tick is made up and time
 /// keeps its pace; what is more than kMaxDelay behind is lost, and said.
 class TimeManager : public rclcpp::Node {
  public:
-  explicit TimeManager(const rclcpp::NodeOptions& options) : Node("time_manager", options) {
+  explicit TimeManager(const rclcpp::NodeOptions& options)
+      : Node("time_manager", with_clock_of_its_own(options)) {
     step_us_ = declare_number(
         *this, "default_pub_rate_us", kDefaultStep_us, 50.0, 10'000.0,
         "simulated time between two clock messages; a loop period: lock-step [us]", true);
+    tick_us_ = declare_number(
+        *this, "clock_tick_us", 100.0, 50.0, 10'000.0,
+        "simulated time between two messages of /clock; a step or more: steps only [us]", true);
     factor_ = declare_number(*this, "real_time_multiplier", 1.0, 0.01, 100.0,
                              "simulated seconds per second", true);
     single_us_ = declare_number(*this, "single_step_us", 2500.0, 50.0, 1'000'000.0,
@@ -44,8 +54,10 @@ class TimeManager : public rclcpp::Node {
                       if (!paused_ && waiting_) tick();
                     });
     const bool paused = declare_switch(*this, "start_paused", false, "wait for toggle_pause");
-    publisher_ = create_publisher<rosgraph_msgs::msg::Clock>(
-        kClock, rclcpp::QoS(rclcpp::KeepLast(1)).best_effort());
+    const auto newest_only = rclcpp::QoS(rclcpp::KeepLast(1)).best_effort();
+    steps_ = create_publisher<rosgraph_msgs::msg::Clock>(kSteps, newest_only);
+    clock_ = create_publisher<rosgraph_msgs::msg::Clock>(kClock, newest_only);
+    fine_.emplace([this](std::int64_t time_ns) { tell(time_ns); });
     pause_ = create_service<std_srvs::srv::Trigger>(
         "time_manager/toggle_pause",
         [this](const std::shared_ptr<std_srvs::srv::Trigger::Request>,
@@ -67,6 +79,7 @@ class TimeManager : public rclcpp::Node {
       if (p.get_name() == "longest_lead_us") lead_us_ = p.as_double();
       if (p.get_name() == "longest_lag_us") lag_us_ = p.as_double();
       if (p.get_name() == "default_pub_rate_us") step_us_ = p.as_double();
+      if (p.get_name() == "clock_tick_us") tick_us_ = p.as_double();
       if (p.get_name() == "real_time_multiplier") factor_ = p.as_double();
       start();
     });
@@ -76,6 +89,7 @@ class TimeManager : public rclcpp::Node {
 
  private:
   static constexpr const char* kClock = "/clock";  // where all nodes with use_sim_time look
+  static constexpr const char* kSteps = "/clock_steps";
   static constexpr double kDefaultStep_us = 2500.0;
   static constexpr auto kMaxDelay = std::chrono::milliseconds(50);
   static constexpr auto kJudged = std::chrono::seconds(2);
@@ -84,12 +98,20 @@ class TimeManager : public rclcpp::Node {
   static constexpr auto kSayAgain = std::chrono::milliseconds(20);
   static constexpr double kHeld = 0.98;  ///< Of the factor, to count as held.
 
+  /// In a process whose nodes follow another clock (-r /clock:=...), this one still publishes /clock.
+  static rclcpp::NodeOptions with_clock_of_its_own(rclcpp::NodeOptions options) {
+    std::vector<std::string> words = options.arguments();
+    for (const char* word : {"--ros-args", "-r", "/clock:=/clock"}) words.emplace_back(word);
+    return options.arguments(words);
+  }
+
   std::chrono::nanoseconds wall_period() const {
     return std::chrono::nanoseconds(static_cast<std::int64_t>(step_us_ * 1e3 / factor_));
   }
 
   /// Goes on from now at the present pace.
   void start() {
+    fine_->stop();
     next_ = steady_clock::now() + wall_period();
     judge_from_ = steady_clock::now();
     judge_time_ns_ = time_ns_;
@@ -122,7 +144,26 @@ class TimeManager : public rclcpp::Node {
     time_ns_ += static_cast<std::int64_t>(by_us * 1e3);
     rosgraph_msgs::msg::Clock message;
     message.clock = stamp_of(time_ns_);
-    publisher_->publish(message);
+    steps_->publish(message);
+    tell(time_ns_);
+  }
+
+  /// On /clock, in this thread and in that of the ticks. Never a time before one that has been told.
+  void tell(std::int64_t time_ns) {
+    const std::lock_guard lock{telling_};
+    told_ns_ = std::max(told_ns_, time_ns);
+    rosgraph_msgs::msg::Clock message;
+    message.clock = stamp_of(told_ns_);
+    clock_->publish(message);
+  }
+
+  /// The ticks between the step that has just been taken and the next one.
+  void tell_ticks(steady_clock::time_point now) {
+    if (tick_us_ >= step_us_ || clock_->get_subscription_count() == 0 || a_topic_is_behind(now))
+      return fine_->stop();
+    fine_->follow({time_ns_, static_cast<std::int64_t>(step_us_ * 1e3),
+                   static_cast<std::int64_t>(tick_us_ * 1e3), next_ - wall_period(),
+                   wall_period()});
   }
 
   /// Everything up to here has happened in the world.
@@ -132,12 +173,15 @@ class TimeManager : public rclcpp::Node {
     if (!paused_ && waiting_) tick();
   }
 
+  bool a_topic_is_behind(steady_clock::time_point now) {
+    return waited_->behind(time_ns_, static_cast<std::int64_t>(lag_us_ * 1e3), now);
+  }
+
   bool must_wait(steady_clock::time_point now) {
     const bool for_world =
         follows_ && lead_us_ > 0.0 &&
         static_cast<double>(time_ns_ - followed_ns_) + step_us_ * 0.5e3 > lead_us_ * 1e3;
-    const bool for_topics =
-        waited_->behind(time_ns_, static_cast<std::int64_t>(lag_us_ * 1e3), now);
+    const bool for_topics = a_topic_is_behind(now);
     waiting_ = for_world || for_topics;
     if (waiting_ && now - said_ > kSayAgain) {  // best effort: it may have been lost
       advance(0.0);
@@ -157,11 +201,14 @@ class TimeManager : public rclcpp::Node {
   void tick() {
     const auto now = steady_clock::now();
     if (now - next_ > kMaxDelay) next_ = now;
+    bool moved = false;
     while (next_ <= now && !must_wait(now) && steady_clock::now() - now < kLongestTick) {
       advance(step_us_);
       said_ = now;
       next_ += wall_period();
+      moved = true;
     }
+    if (moved) tell_ticks(now);
     judge(now);
   }
 
@@ -184,6 +231,7 @@ class TimeManager : public rclcpp::Node {
   }
 
   double step_us_{};
+  double tick_us_{};
   double factor_{};
   double single_us_{};
   bool paused_{false};
@@ -199,12 +247,15 @@ class TimeManager : public rclcpp::Node {
   steady_clock::time_point said_;
   steady_clock::time_point judge_from_;
   std::int64_t judge_time_ns_{0};
-  rclcpp::Publisher<rosgraph_msgs::msg::Clock>::SharedPtr publisher_;
+  std::mutex telling_;
+  std::int64_t told_ns_{0};
+  rclcpp::Publisher<rosgraph_msgs::msg::Clock>::SharedPtr clock_, steps_;
   rclcpp::Service<std_srvs::srv::Trigger>::SharedPtr pause_;
   rclcpp::Service<std_srvs::srv::Trigger>::SharedPtr take_step_;
   rclcpp::Subscription<rosflight_msgs::msg::SimState>::SharedPtr truth_;
   rclcpp::TimerBase::SharedPtr timer_;
   rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr changes_;
+  std::optional<FineTicks> fine_;  ///< The last member: its thread uses the others.
 };
 
 }  // namespace

@@ -65,6 +65,12 @@ class VizTranscriber : public rclcpp::Node {
 
   void publish_fixed_frames() {
     TFMessage message;
+    if (!prefix_.empty()) {  // the trees of all vehicles have one root
+      auto t = transform(now(), "", "map");
+      t.header.frame_id = "map";
+      t.transform.rotation.w = 1.0;
+      message.transforms.push_back(t);
+    }
     for (const FrameEdge& edge : fixed_frames()) {
       auto t = transform(now(), edge.parent, edge.child);
       t.transform.rotation.w = edge.rotation.w();

@@ -346,9 +346,12 @@ def test_board(peer, tmp_path):
     assert (tmp_path / "mem.bin").stat().st_size > 1000
 
 
-def test_a_board_in_a_namespace_has_a_memory_of_its_own(tmp_path):
+def test_a_board_has_a_memory_for_each_namespace_and_vehicle(tmp_path):
     with board(tmp_path, namespace="/air/two"):
         assert (tmp_path / "air/two/mem.bin").exists()
+    with board(tmp_path, vehicle_file="/any/anaconda.yaml") as process:
+        assert (tmp_path / "anaconda/mem.bin").exists()
+        assert "(blank: default parameters)" in process.text()
 
 
 def test_rc(peer):
@@ -445,7 +448,7 @@ def test_display(namespace, prefix):
         edges = {(t.header.frame_id, t.child_frame_id) for t in fixed[0].transforms}
         assert edges == {(prefix + a, prefix + b) for a, b in (
             ("map", "odom"), ("odom", "world"), ("world", "NED"), ("aircraft_body", "base_link"),
-            ("aircraft_body", "stl_frame"))}
+            ("aircraft_body", "stl_frame"))} | ({("map", prefix + "map")} if prefix else set())
         assert mesh[-1].header.frame_id == prefix + "stl_frame" and mesh[-1].mesh_resource.startswith("package://")
         assert path[-1].header.frame_id == prefix + "NED" and path[-1].points[-1].z == -5.0
         assert stamp_ns(transform) in range(START_NS, ns + 1)

@@ -8,7 +8,7 @@ import subprocess
 import time
 
 import pytest
-from ros_rig import ROOT, free_udp_port
+from ros_rig import ROOT, TIMEOUT_S, free_udp_port, wait_for
 from rosflight_msgs.msg import PwmOutput, SimState
 from sim_rig import SimPeer, executable, launch, node, stamp_ns
 
@@ -18,9 +18,14 @@ def own(tmp_path):
 
 
 def pid_of(world, program):
-    """Process of a node of this launch, among its children."""
-    listed = subprocess.run(["ps", "--ppid", str(world.process.pid), "-o", "pid=,args="], capture_output=True, text=True, check=True)
-    return next(int(line.split()[0]) for line in listed.stdout.splitlines() if line.split()[1].endswith("/" + program))
+    """Process of a node of this launch, among its children. `ready` may be the graph's word for a node of this name that an
+    earlier launch has left there."""
+    def found():
+        listed = subprocess.run(["ps", "--ppid", str(world.process.pid), "-o", "pid=,args="], capture_output=True, text=True, check=False)
+        words = (line.split() for line in listed.stdout.splitlines())
+        return next((int(pid) for pid, file, *_ in words if file.endswith("/" + program)), None)
+    wait_for(found, f"a process {program}", world.text)
+    return found()
 
 
 @pytest.mark.parametrize("composed, dies, program", [
@@ -41,6 +46,7 @@ def test_wall_time_runs_and_a_dead_process_takes_the_launch_down(tmp_path, compo
         assert world.end() == 1
         assert f"launch: {dies} ({program}) ended with signal 11 (SIGSEGV); its last lines:" in world.text()
         assert len(world.text().split("its last lines:")[1].splitlines()) > 2
+        assert world.lines[-1] == f"launch: {dies} ({program}) ended with signal 11 (SIGSEGV)"
 
 
 def test_a_second_simulator_in_the_same_domain_says_so_and_stops(tmp_path):
@@ -72,7 +78,7 @@ def test_two_vehicles_have_topics_memories_and_links_of_their_own(tmp_path):
         for name in ("one", "two"):
             truth = watcher.listen(SimState, f"/{name}/sim/truth_state")
             watcher.wait(lambda: truth, f"truth of {name}")
-            assert (tmp_path / name / "mem.bin").exists()
+            assert (tmp_path / name / "multirotor/mem.bin").exists()
 
 
 def test_two_vehicles_share_simulated_time(tmp_path):
@@ -153,7 +159,7 @@ def test_a_wrong_parameter_file_is_told_by_the_node(tmp_path, text, said):
     if text is not None:
         file.write_text(text)
     done = subprocess.run([executable("rosflight_sim", "sil_board"), "--ros-args", "--params-file", file], capture_output=True, text=True,
-                          timeout=60)
+                          timeout=TIMEOUT_S)
     assert done.returncode == 2
     last = done.stderr.strip().splitlines()[-1]
     assert last.startswith("sil_board: ") and said in last, done.stderr
@@ -171,5 +177,5 @@ def test_a_wrong_parameter_file_in_a_launch_file(tmp_path):
 
 def test_init_firmware_without_an_autopilot_tells_what_it_waits_for(tmp_path):
     """Ends with the node's own words when nothing is there: checked with a file that is not."""
-    done = subprocess.run([executable("rosflight_sim", "init_firmware")], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([executable("rosflight_sim", "init_firmware")], capture_output=True, text=True, timeout=TIMEOUT_S)
     assert done.returncode == 2 and "found 0 files, allowed one" in done.stderr

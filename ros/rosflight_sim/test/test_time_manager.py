@@ -49,11 +49,29 @@ def test_time(peer):
         assert not set_parameters(peer, "standalone_time_manager", real_time_multiplier=0.0)[0].successful
 
 
+def test_the_clock_ticks_between_the_steps(peer):
+    """/clock has every step and times between them, on whole ticks, never one before another; /clock_steps the steps alone."""
+    with node("standalone_time_manager", at_launch="standalone_time_manager", real_time_multiplier=0.1):
+        clock, steps = (peer.listen(Clock, topic, ALL_BEST_EFFORT) for topic in ("/clock", "/clock_steps"))
+
+        def times(received):
+            return [m.clock.sec * 1_000_000_000 + m.clock.nanosec for m in list(received)]
+        peer.wait(lambda: len(set(times(steps))) > 20 and len(set(times(clock))) > 200, "twenty steps and ten times as many ticks")
+        assert all(time_ns % TICK_NS == 0 for time_ns in times(steps))
+        told = times(clock)
+        assert all(later >= earlier for earlier, later in zip(told, told[1:]))
+        assert all(time_ns % 100_000 == 0 for time_ns in told)
+        assert set_parameters(peer, "standalone_time_manager", clock_tick_us=2500.0)[0].successful
+        last = times(clock)[-1]
+        peer.wait(lambda: times(clock)[-1] > last + 20 * TICK_NS, "twenty more steps")
+        assert all(time_ns % TICK_NS == 0 for time_ns in times(clock) if time_ns > last + TICK_NS)
+
+
 def test_time_waits_for_a_topic_that_is_due(peer):
     """It stops a lag after the next stamp is due, goes on with the message, and after two seconds without one; seconds in which the
     machine stood still do not count."""
     lag_ns, step_ns, apart_ns = 5_000_000, 2_500_000, 20_000_000
-    with node("standalone_time_manager", at_launch="standalone_time_manager", wait_for="follower") as process:
+    with node("standalone_time_manager", at_launch="standalone_time_manager", wait_for="follower", start_paused="true") as process:
         received = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
         follower = peer.publisher(Imu, "follower", ALL)
         peer.wait(lambda: received, "time")
@@ -64,8 +82,11 @@ def test_time_waits_for_a_topic_that_is_due(peer):
 
         def say(at_ns):
             follower.publish(stamp(Imu(), at_ns))
-        at_ns = now_ns()
-        say(at_ns)
+        at_ns = step_ns
+        for _ in range(3):  # an answer to a request shows that the message before it has been read
+            say(at_ns)
+            assert set_parameters(peer, "standalone_time_manager", longest_lag_us=lag_ns / 1000)[0].successful
+        assert peer.call(Trigger, "time_manager/toggle_pause").message == "running"
         for message in range(1, 30):
             due_ns = at_ns + (apart_ns if message > 1 else 0)
             peer.wait(lambda due=due_ns: now_ns() > due, "time to run up to the next message")

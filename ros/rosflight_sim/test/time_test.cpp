@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <random>
+#include <thread>
+#include <vector>
 
 #include "rosflight_common/time.hpp"
 #include "rosflight_sim/board_clock.hpp"
+#include "rosflight_sim/fine_ticks.hpp"
 #include "rosflight_sim/frames.hpp"
 #include "rosflight_sim/module_states.hpp"
 #include "rosflight_sim/tick_tracker.hpp"
@@ -28,6 +32,66 @@ TEST(Stamps, KeepNanosecondsAndNeverShowAWholeSecondOfThem) {
   EXPECT_EQ(stamp_of(2'000'000'000).nanosec, 0U);
   EXPECT_EQ(nanoseconds(stamp_of(-5)), 0);
   EXPECT_EQ(nanoseconds(stamp_of(4'300'000'000'000)), 4'300'000'000'000);  // beyond 2^32 us
+}
+
+// ---- ticks of /clock between two steps ------------------------------------------------------------
+
+FineTicks::Step step_at(double factor, FineTicks::Wall::time_point wall =
+                                           FineTicks::Wall::time_point(std::chrono::seconds(1))) {
+  return {
+      7 * kTick_ns, kTick_ns, 100'000, wall,
+      std::chrono::nanoseconds(static_cast<std::int64_t>(static_cast<double>(kTick_ns) / factor))};
+}
+
+TEST(FineTicks, AreTwentyFourBetweenTwoStepsAtTheWallTimesThatBelongToThem) {
+  const FineTicks::Step step = step_at(1.0);
+  std::int64_t tick = 0;
+  int count = 0;
+  while ((tick = FineTicks::next(step, tick, step.wall)) > 0) {
+    EXPECT_EQ(tick, ++count);
+    EXPECT_EQ(FineTicks::due(step, tick) - step.wall, std::chrono::microseconds(100 * count));
+  }
+  EXPECT_EQ(count, 24);
+}
+
+TEST(FineTicks, ThatAreLateOrTooCloseAreLeftOut) {
+  const FineTicks::Step step = step_at(1.0);
+  EXPECT_EQ(FineTicks::next(step, 3, step.wall + std::chrono::microseconds(1730)), 17);
+  EXPECT_EQ(FineTicks::next(step, 3, step.wall + std::chrono::milliseconds(9)), 0)
+      << "the next step is due";
+  for (const double factor : {0.01, 1.0, 1.9, 2.1, 8.0, 100.0}) {
+    const FineTicks::Step fast = step_at(factor);
+    std::int64_t before = 0;
+    for (std::int64_t tick = 0; (tick = FineTicks::next(fast, tick, fast.wall)) > 0; before = tick)
+      EXPECT_GE(FineTicks::due(fast, tick) - FineTicks::due(fast, before), FineTicks::kShortestGap)
+          << factor;
+  }
+  EXPECT_EQ(FineTicks::next({0, kTick_ns, kTick_ns, {}, {}}, 0, {}), 0)
+      << "no tick shorter than a step";
+}
+
+TEST(FineTicks, AreToldInOrderAndEndWithTheStepOrAStop) {
+  std::mutex mutex;
+  std::vector<std::int64_t> told;
+  FineTicks ticks([&](std::int64_t time_ns) {
+    const std::lock_guard lock{mutex};
+    told.push_back(time_ns);
+  });
+  const auto count = [&] {
+    const std::lock_guard lock{mutex};
+    return told.size();
+  };
+  ticks.follow(step_at(0.01, FineTicks::Wall::now()));  // a tick every 10 ms
+  while (count() < 5) std::this_thread::yield();
+  ticks.stop();
+  const std::size_t stopped = count();
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_LE(count(), stopped + 1) << "one may have been under way";
+  for (std::size_t k = 0; k < told.size(); ++k) {
+    EXPECT_EQ(told[k] % 100'000, 0);
+    EXPECT_GT(told[k], k == 0 ? 7 * kTick_ns : told[k - 1]);
+    EXPECT_LT(told[k], 8 * kTick_ns);
+  }
 }
 
 // ---- the board's time without simulated time ------------------------------------------------------

@@ -47,6 +47,15 @@ def test_a_node_has_all_that_the_file_says(installed):
     assert node.where.endswith(":2")
 
 
+def test_a_remapping_of_a_group_holds_for_its_nodes_only(installed):
+    within, after = read(installed, """<launch>
+      <group><set_remap from="/clock" to="/steps"/>
+        <node pkg="world" exec="talker" name="within" on_exit="shutdown"><remap from="a" to="b"/></node></group>
+      <node pkg="world" exec="talker" name="after"/></launch>""").nodes
+    assert within.remappings == [("/clock", "/steps"), ("a", "b")]
+    assert not after.remappings
+
+
 @pytest.mark.parametrize("text, value", [
     ("1", 1), ("1.0", 1.0), ("true", True), ("word", "word"), ("'14520'", "14520"), ("[1, 2]", [1, 2]),
     ("[1, a]", "[1, a]"), ("", ""), ("{a: 1}", "{a: 1}")])
@@ -142,6 +151,8 @@ def test_two_nodes_of_one_name_have_two_labels(installed):
     ('<launch><node pkg="world" exec="talker"><param from="no.yaml"/></node></launch>', 1,
      ["'no.yaml'"]),
     ('<launch><node pkg="world" exec="talker"><remap from="" to="b"/></node></launch>', 1, ["empty"]),
+    ('<launch><set_remap from="a" to=""/></launch>', 1, ["<set_remap>", "empty"]),
+    ('<launch><node pkg="world" exec="talker" on_exit="respawn"/></launch>', 1, ["on_exit", "'respawn'", "shutdown"]),
 ])
 def test_a_mistake_is_one_line_with_its_place(installed, text, line, words):
     said = refusal(installed, text)

@@ -149,6 +149,7 @@ def test_a_death_takes_the_launch_down_and_says_who_and_why(launch):
     assert code == 1
     assert "launch: mortal (world/mortal) ended with exit code 7; its last lines:" in rest
     assert "    out of fuel" in rest
+    assert rest.splitlines()[-1] == "launch: mortal (world/mortal) ended with exit code 7"
     assert launch.left() == []
 
 

@@ -4,17 +4,19 @@
 #include <rclcpp/rclcpp.hpp>
 
 #include "companion/listener.hpp"
+#include "rosflight_io/zero_commands.hpp"
 
 namespace rosflight_io {
 
 /// What happens on the link, told in the node's log: the autopilot's own lines, changes of its
-/// status, the connection, the version. Called by the link's thread.
+/// status, the connection, the version, commands that stop the motors. Called by the link's thread.
 class LogLines final : public rosflight::companion::Listener {
  public:
   explicit LogLines(rclcpp::Logger logger) : logger_{std::move(logger)} {}
 
   void on_status(const rosflight::link::Status& m, const rosflight::companion::Stamp&) override;
   void on_event(const rosflight::companion::Event& event) override;
+  void on_sent(const rosflight::link::Message& message, rosflight::companion::Time now) override;
 
  private:
   void tell(const rosflight::companion::ConnectionEvent& event);
@@ -23,6 +25,7 @@ class LogLines final : public rosflight::companion::Listener {
 
   rclcpp::Logger logger_;
   std::optional<rosflight::link::Status> last_;
+  ZeroCommands zeros_;
 };
 
 }  // namespace rosflight_io

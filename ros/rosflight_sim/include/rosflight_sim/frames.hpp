@@ -22,7 +22,8 @@ struct FrameEdge {
 ///
 ///     map (ENU) -> odom -> world (NWU) -> NED -> aircraft_body (FRD) -> base_link (FLU), stl_frame
 ///
-/// NED -> aircraft_body is the truth and not among these.
+/// NED -> aircraft_body is the truth and not among these. With a prefix, `map` is the parent of every PREFIX/map, in the same place:
+/// the vehicles of one simulation share the origin of their local frames.
 inline std::vector<FrameEdge> fixed_frames() {
   constexpr double kHalf = rosflight::messages::kHalfSqrt2;
   const sim::Quaternion roll_pi = rosflight::messages::kFluFromFrd;

@@ -77,6 +77,8 @@ class WaitedTopics {
  private:
   static constexpr std::int64_t kLongestPeriod_ns = 250'000'000;
   static constexpr std::int64_t kForgetting = 64;
+  static constexpr std::size_t kDepth =
+      50;  // a message that is not read makes its topic seem half as frequent
 
   struct Topic {
     std::string name;
@@ -99,7 +101,7 @@ class WaitedTopics {
         continue;
       }
       topic.subscription = node_.create_generic_subscription(
-          topic.name, found->second.front(), rclcpp::QoS(rclcpp::KeepLast(1)).best_effort(),
+          topic.name, found->second.front(), rclcpp::QoS(rclcpp::KeepLast(kDepth)).best_effort(),
           [this, &topic](std::shared_ptr<const rclcpp::SerializedMessage> bytes) {
             take(topic, bytes->get_rcl_serialized_message());
           });
