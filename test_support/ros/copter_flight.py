@@ -6,12 +6,11 @@ import math
 from ros_rig import free_udp_port
 from rosflight_msgs.msg import SimState, Status
 from roscopter_msgs.msg import ControllerCommand, State, TrajectoryCommand
-from sim_rig import LATCHED, SimPeer, launch
+from sim_rig import LATCHED, SimPeer, last_s, launch
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 FASTEST = "10.0"  # more than any machine holds: as fast as it can, and time waits for the world
-LONG_S = 180.0  # timeout for what takes tens of simulated seconds
 OVERRIDE = Status.OVERRIDE_ATT_SWITCH | Status.OVERRIDE_THR_SWITCH
 
 
@@ -42,7 +41,7 @@ class Flight:
 
     def until(self, condition, what):
         try:
-            self.peer.wait(condition, what, LONG_S)
+            self.peer.wait_simulated(condition, what, lambda: last_s(self.truth))
         except AssertionError as why:
             raise AssertionError(f"{why}; phases {[p.data for p in self.phases]}\n{self.process.text()[-4000:]}") from None
 

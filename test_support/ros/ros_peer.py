@@ -18,7 +18,7 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from ros_client import ask
 
-LIMIT_S = 30.0
+LIMIT_S = 120.0  # see TIMEOUT_S of ros_rig
 
 
 def executable(package: str, name: str) -> str:
@@ -89,7 +89,7 @@ class Process:
 
 def run(command: list[str], **variables: str) -> subprocess.CompletedProcess:
     """Runs a program to its end; stdout and stderr are in .stdout."""
-    return subprocess.run(command, env={**os.environ, **variables}, text=True, timeout=60,
+    return subprocess.run(command, env={**os.environ, **variables}, text=True, timeout=LIMIT_S,
                           stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT)
 

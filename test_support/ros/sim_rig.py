@@ -26,6 +26,7 @@ BEST_EFFORT = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 ALL_BEST_EFFORT = QoSProfile(depth=5000, reliability=ReliabilityPolicy.BEST_EFFORT)
 LATCHED = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 VEHICLE = ROOT / "vehicles/multirotor.yaml"
+LONG_S = 200.0  # simulated; for what takes tens of them
 
 
 def executable(package, name):
@@ -140,6 +141,19 @@ class SimPeer:
         with self.changed:
             assert self.changed.wait_for(condition, timeout_s), f"waited {timeout_s} s for {what}"
 
+    def wait_simulated(self, condition, what, now_s, limit_s=LONG_S):
+        """As wait, but the limit counts simulated seconds, by now_s(): a slow machine has all the wall time that it needs. Fails
+        too when that time stands still for TIMEOUT_S."""
+        start = seen = now_s()
+        moved = time.monotonic()
+        with self.changed:
+            while not condition():
+                if now_s() != seen:
+                    seen, moved = now_s(), time.monotonic()
+                assert seen - start < limit_s, f"waited {limit_s:g} simulated s for {what}"
+                assert time.monotonic() - moved < TIMEOUT_S, f"the world stood still for {TIMEOUT_S:g} s, waiting for {what}"
+                self.changed.wait(0.2)
+
     def poll(self, condition, what):
         """As wait, for conditions that no message tells of."""
         end = time.monotonic() + TIMEOUT_S
@@ -186,6 +200,11 @@ def stamp(message, nanoseconds):
 
 def stamp_ns(message):
     return message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
+
+
+def last_s(messages):
+    """Time of the last of them [s]; 0 while there is none."""
+    return stamp_ns(messages[-1]) * 1e-9 if messages else 0.0
 
 
 def sim_state(ns, z=0.0):

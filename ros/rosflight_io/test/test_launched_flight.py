@@ -2,6 +2,7 @@
 """Every topic and service of rosflight_io while the example flies its square in the launched simulator."""
 
 import math
+from functools import partial
 
 import pytest
 from geometry_msgs.msg import Vector3Stamped
@@ -10,7 +11,7 @@ from rosflight_msgs.msg import (Attitude, AuxCommand, Barometer, BatteryStatus, 
                                 SimState, Status)
 from rosflight_msgs.srv import ParamFile, ParamGet, ParamSet
 from sensor_msgs.msg import Imu, MagneticField, Range, Temperature
-from sim_rig import LATCHED, SimPeer, launch
+from sim_rig import LATCHED, SimPeer, last_s, launch, set_parameters
 from std_msgs.msg import Bool, String
 from std_srvs.srv import Trigger
 
@@ -26,12 +27,12 @@ REFUSED_IN_FLIGHT = ("calibrate_imu", "calibrate_baro", "calibrate_rc_trim", "pa
 def world(tmp_path_factory):
     ports = {"simulation_port": free_udp_port(), "ROS_port": free_udp_port()}
     with SimPeer("judge") as peer, launch("rosflight_sim", "multirotor_standalone.launch.xml", use_sim_time="true",
-                                          real_time_multiplier="2.0",
+                                          real_time_multiplier="2.0", wait_for="sim/RC judge",
                                           memory_folder=tmp_path_factory.mktemp("memory"), **ports) as process:
         process.until("ready: ")
         peer.received = {name: peer.listen(kind, name) for name, kind in STREAMS.items()}
         peer.received |= {name: peer.listen(kind, name, LATCHED) for name, kind in LATCHED_STREAMS.items()}
-        peer.received["sim/truth_state"] = peer.listen(SimState, "sim/truth_state")
+        peer.received["sim/truth_state"] = peer.listen(SimState, "sim/truth_state", progress="judge")
         with launch("rosflight_sim", "multirotor_init_firmware.launch.py") as init:
             assert init.end() == 0, init.text()
         yield peer
@@ -42,10 +43,16 @@ def in_flight(peer):
     return states and states[-1].pose.position.z < -1.0
 
 
+def speed(peer, factor):
+    assert set_parameters(peer, "standalone_time_manager", real_time_multiplier=factor)[0].successful
+
+
 def test_flight(world, tmp_path):
     status = world.received["status"]
     with launch("rosflight_examples", "square.launch.xml", exec="square", use_sim_time="true") as flight:
-        world.wait(lambda: in_flight(world), "being in the air", 120.0)
+        simulated = partial(last_s, world.received["sim/truth_state"])
+        world.wait_simulated(lambda: in_flight(world), "being in the air", simulated)
+        speed(world, 0.1)  # the square takes half a minute of the world, and what follows may take as long on a slow machine
         before = {name: len(world.received[name]) for name in STREAMS}
 
         refused = {name: world.call(Trigger, name) for name in REFUSED_IN_FLIGHT}
@@ -57,9 +64,11 @@ def test_flight(world, tmp_path):
         assert world.call(Trigger, "all_params_received").success
         assert world.call(Trigger, "print_mixing_matrix").success
         world.publisher(AuxCommand, "aux_command").publish(AuxCommand())
+        assert in_flight(world)
 
-        world.wait(lambda: all(len(world.received[name]) > count + 3 for name, count in before.items()), "all streams",
-                   120.0)
+        speed(world, 2.0)
+        world.wait_simulated(lambda: all(len(world.received[name]) > count + 3 for name, count in before.items()), "all streams",
+                             simulated)
         assert status[-1].armed and status[-1].offboard and not status[-1].failsafe
         assert flight.end() == 0, flight.text()
     truth, q = world.received["sim/truth_state"], [message.attitude for message in world.received["attitude"]]

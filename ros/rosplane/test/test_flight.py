@@ -7,11 +7,10 @@ import math
 from ros_rig import ROOT, free_udp_port
 from rosflight_msgs.msg import Command, SimState, Status
 from rosplane_msgs.msg import ControllerInternals, FlightPhase, State
-from sim_rig import SimPeer, launch, set_parameters, stamp_ns
+from sim_rig import SimPeer, last_s, launch, set_parameters, stamp_ns
 from std_srvs.srv import Trigger
 
 FASTEST = "10.0"  # more than this machine holds: as fast as it can, and time waits for the world
-LONG_S = 300.0  # timeout for what takes tens of simulated seconds
 OVERRIDE = Status.OVERRIDE_ATT_SWITCH | Status.OVERRIDE_THR_SWITCH
 WAYPOINTS = [(300.0, -150.0, -40.0), (-150.0, -150.0, -40.0)]  # missions/circuit.yaml
 RADIUS = 50.0  # limits.turn_radius_m of vehicles/anaconda.yaml
@@ -39,7 +38,7 @@ class Flight:
 
     def until(self, condition, what):
         try:
-            self.peer.wait(condition, what, LONG_S)
+            self.peer.wait_simulated(condition, what, lambda: last_s(self.truth))
         except AssertionError as why:
             raise AssertionError(f"{why}; phase {self.phases[-1:]}\n{self.world.text()[-4000:]}") from None
 

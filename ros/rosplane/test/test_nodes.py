@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 from plane_rig import NODES, VEHICLE, WITHOUT_VEHICLE, falls_silent, now_ns, start, state
-from ros_rig import ROOT
+from ros_rig import ROOT, TIMEOUT_S
 from rosflight_msgs.msg import Airspeed, Barometer, Command, GNSS, RCRaw, SimState, Status
 from rosplane_msgs.msg import ControllerCommands, ControllerInternals, CurrentPath, FlightPhase, State
 from sensor_msgs.msg import Imu, MagneticField
@@ -27,7 +27,7 @@ def test_contract(peer, name):
 @pytest.mark.parametrize("name", [name for name in NODES if name not in WITHOUT_VEHICLE])
 def test_a_vehicle_that_is_none_is_one_line(name):
     words = [executable("rosplane", name), "--ros-args", "-p", "vehicle_file:=/no/such.yaml"]
-    done = subprocess.run(words, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(words, capture_output=True, text=True, timeout=TIMEOUT_S)
     assert done.returncode == 2
     assert "/no/such.yaml: found no such file, allowed a YAML file" in done.stderr.strip().splitlines()[-1]
 
@@ -41,7 +41,7 @@ def test_a_vehicle_that_is_none_is_one_line(name):
     ("input_mapper", ["--ros-args", "-p", "rudder_input:=rc"], "rudder_input: found 'rc', allowed yaw_damper or rc_rudder"),
 ])
 def test_bad_words_are_one_line(name, words, said):
-    done = subprocess.run([executable("rosplane", name), *words], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([executable("rosplane", name), *words], capture_output=True, text=True, timeout=TIMEOUT_S)
     assert done.returncode == 2 and said in done.stderr.strip().splitlines()[-1], done.stderr
 
 

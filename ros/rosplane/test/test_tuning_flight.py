@@ -8,10 +8,9 @@ from plane_rig import VEHICLE
 from ros_rig import free_udp_port
 from rosflight_msgs.msg import Status
 from rosplane_msgs.msg import ControllerInternals, State
-from sim_rig import Process, SimPeer, executable, launch, set_parameters
+from sim_rig import Process, SimPeer, executable, last_s, launch, set_parameters
 from std_srvs.srv import Trigger
 
-LONG_S = 300.0
 UP, DOWN = 0.25, -0.25  # default_phi_c and signal_magnitude of the launch file [rad]
 
 
@@ -32,7 +31,7 @@ def test_a_signal_on_the_roll_is_flown(tmp_path):
 
         def until(condition, what):
             try:
-                peer.wait(condition, what, LONG_S)
+                peer.wait_simulated(condition, what, lambda: last_s(states))
             except AssertionError as why:
                 raise AssertionError(f"{why}: {states[-1]}\n{stack.text()[-2000:]}") from None
         assert peer.call(Trigger, "toggle_arm").success
