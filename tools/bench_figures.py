@@ -184,15 +184,18 @@ def m7() -> list[Figure]:
 
 
 def ros_figures() -> list[Figure]:
-    """Round trips at 400 Hz over UDP with all streams running, and ten minutes of everything."""
+    """Round trips at 400 Hz over UDP with all streams running, the speed of simulated time, and ten minutes of everything."""
     return [
         Figure("rtt.ros_mean_ms", "ms", "<= 0.4", lambda: round_trip("ROS", "mean")),
         Figure("rtt.ros_max_ms", "ms", "report", lambda: round_trip("ROS", "max")),
         Figure("rtt.ros_max_rate_hz", "Hz", ">= 2000", lambda: round_trip("ROS", "rate_hz", fastest=True)),
+        Figure("rtt.ros_over_dds", "-", "<= 1.6", lambda: round_trip("ROS", "median") / round_trip("bare DDS", "median")),
         Figure("rtt.link_mean_ms", "ms", "<= 0.1", lambda: round_trip("bare link", "mean")),
         Figure("rtt.link_p999_ms", "ms", "<= 1.0", lambda: round_trip("bare link", "99.9 %")),
         Figure("rtt.link_max_rate_hz", "Hz", ">= 10000",
                lambda: round_trip("bare link", "rate_hz", fastest=True)),
+        Figure("ros.realtime_factor", "s/s", ">= 8", lambda: ros_factor(composed=True)),
+        Figure("ros.realtime_factor_processes", "s/s", ">= 1.5", lambda: ros_factor(composed=False)),
         Figure("load.missing", "messages", "= 0", lambda: load("missing")),
         Figure("load.sequence_gaps", "frames", "= 0", lambda: load("sequence_gaps")),
         Figure("load.memory_growth_kB", "kB", "< 1024", lambda: load("memory_growth_kB")),
@@ -372,6 +375,12 @@ def round_trip(path: str, quantity: str, fastest: bool = False) -> float:
     if fastest and row["lost"]:
         raise RuntimeError(f"{row['lost']} of {row['sent']} commands were lost at full speed")
     return number(row, quantity)
+
+
+def ros_factor(composed: bool) -> float:
+    """Of the launched simulator and roscopter."""
+    row, = (row for row in demo("factor") if row["composed"] == composed)
+    return number(row, "factor")
 
 
 def load(quantity: str):

@@ -3,17 +3,22 @@
                                [--link udp|pty|cable ...]
        ./rosflight ros demo passthrough [--seconds S] [--out DIR] [--json]
        ./rosflight ros demo load [--seconds S] [--out DIR] [--json]
+       ./rosflight ros demo factor [--seconds S] [--out DIR] [--json]
 
 rtt: round trip of an offboard command to the firmware and back, through ROS and on the bare companion link; over a pty
 and over UDP (neither has a baud rate) and over a modelled cable of 921600 baud; with all streams running, and with
-parameters being read or set as well; and how many a second there can be. Leaves a table, a histogram and the round trips
-as CSV. The default count takes about an hour.
+parameters being read or set as well; and how many a second there can be; beside them the same messages from node to node
+on bare DDS, to compare machines by the ratio. Leaves a table, a histogram and the round trips as CSV. The default count
+takes about an hour.
 
 passthrough: attitude loops in a ROS node close over the link at 400 Hz, in pass-through mode through a custom mixer of
 ./rosflight mixer, and follow a triangle wave of roll. Leaves a plot with lag and error.
 
 load: offboard commands at 100 Hz while every stream is received: what is lost on the link and in ROS, and whether the
 node's memory grows.
+
+factor: how many times as fast as the wall simulator and roscopter run in simulated time, composed and with a process for each
+node.
 
 A row whose rate was not held is marked and the exit code is 1: its figures are those of another rate.
 
@@ -24,6 +29,7 @@ import argparse
 import sys
 from pathlib import Path
 
+import ros_demo_factor
 import ros_demo_load
 import ros_demo_passthrough
 import ros_demo_rtt
@@ -54,7 +60,9 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     passthrough.add_argument("--seconds", type=positive, default=20.0)
     load = demos.add_parser("load")
     load.add_argument("--seconds", type=positive, default=600.0)
-    for demo in (rtt, passthrough, load):
+    factor = demos.add_parser("factor")
+    factor.add_argument("--seconds", type=positive, default=20.0)
+    for demo in (rtt, passthrough, load, factor):
         demo.add_argument("--out", type=Path, default=Path("demo"))
         demo.add_argument("--json", action="store_true")
     return parser.parse_args(arguments)
@@ -70,7 +78,8 @@ def main(arguments: list[str]) -> int:
     except OSError as error:
         print(f"rosflight: --out: {error}", file=sys.stderr)
         return 2
-    return {"rtt": ros_demo_rtt, "passthrough": ros_demo_passthrough, "load": ros_demo_load}[options.demo].run(options)
+    demos = {"rtt": ros_demo_rtt, "passthrough": ros_demo_passthrough, "load": ros_demo_load, "factor": ros_demo_factor}
+    return demos[options.demo].run(options)
 
 
 if __name__ == "__main__":

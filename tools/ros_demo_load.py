@@ -57,6 +57,8 @@ def print_table(told: dict):
     for name, topic in told["topics"].items():
         period = f"{topic['period_ms']:.3f}" if "period_ms" in topic else "-"
         print(f"{name:<18}{topic['received']:>9}{period:>13}{topic.get('missing', '-'):>9}")
+    if told["pauses"]:
+        print(f"\nthe simulated vehicle paused {told['pauses']} times for over 0.1 s: this machine had no time for it")
     error = told["stamp_error_ms"]
     print(f"\nstamps of the IMU against the true times of its samples: {error['mean']:+.3f} ms mean, "
           f"{error['std']:.3f} ms standard deviation, {error['max']:.3f} ms at most")

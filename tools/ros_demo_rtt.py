@@ -16,10 +16,11 @@ import rclpy
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
 from ros_demo_rate import exit_code, held  # noqa: E402
-from ros_rig import SIL_TOOLS, Link, Rig, program  # noqa: E402
+from ros_rig import SIL_TOOLS, Link, Rig, program, stop  # noqa: E402
 from rosflight_msgs.srv import ParamSet  # noqa: E402
 
 PEER = program("rosflight_demos", "rtt_peer")
+ECHO = program("rosflight_demos", "rtt_echo")
 SHARES = {"median": 0.5, "99 %": 0.99, "99.9 %": 0.999}
 COLUMNS = ["path", "link", "load", "rate_hz", "sent", "lost", "min", "mean", "std", *SHARES, "max"]
 
@@ -72,11 +73,24 @@ def through_ros(kind: str, loaded: bool, rate: float, count: int, file: Path) ->
             rig.close()
 
 
+def over_dds(_kind: str, _loaded: bool, rate: float, count: int, file: Path) -> dict:
+    """From node to node and back: no rosflight_io, link and firmware."""
+    with subprocess.Popen([str(ECHO)], stderr=subprocess.DEVNULL) as echo:
+        try:
+            return run_program([PEER, rate, count, file])
+        finally:
+            stop(echo)
+
+
 def measure(options) -> list[dict]:
     rows = []
-    for path, measure_one in (("bare link", bare), ("ROS", through_ros)):
-        for kind in options.link or Link.KINDS:
-            for load, rate in (("idle", options.rate), ("parameters", options.rate), ("idle", 0.0)):
+    links = options.link or Link.KINDS
+    for path, measure_one, kinds in (("bare link", bare, links), ("bare DDS", over_dds, ["none"]), ("ROS", through_ros, links)):
+        for kind in kinds:
+            loads = [("idle", options.rate), ("idle", 0.0)]
+            if measure_one is not over_dds:
+                loads.insert(1, ("parameters", options.rate))
+            for load, rate in loads:
                 name = f"{path} {kind} {load} {'fastest' if rate == 0 else f'{rate:g} Hz'}"
                 print(f"rosflight: measuring {name}", file=sys.stderr)
                 file = options.out / (name.replace(" ", "_") + ".csv")

@@ -73,7 +73,7 @@ def test_the_file_is_written_after_each_figure(tmp_path):
 
 def test_what_is_measured_without_names_needs_no_ros_and_no_fuzzer():
     names = {figure.name.split(".")[0] for figure in bench.choose([], False, bench_figures.all_figures())}
-    assert {"firmware", "loop", "missions", "m7"} <= names and not names & {"fuzz", "rtt", "load", "property", "build"}
+    assert {"firmware", "loop", "missions", "m7"} <= names and not names & {"fuzz", "rtt", "ros", "load", "property", "build"}
 
 
 @pytest.mark.parametrize("arguments", [["c.none"], ["--json"], ["--fast"], ["--json", "/nowhere/f.json"]])

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Offboard commands at 100 Hz while every stream of rosflight_io is received at a depth of 100, and a
+// Offboard commands at 100 Hz while every stream of rosflight_io is received at a depth of 2000, and a
 // count of what is missing by its stamps.
 //
 //     load_watch SECONDS START_US
 //
 // START_US is the start_us of ./rosflight sil: the IMU has a sample then, on the steady clock, and
 // one every period after it. Prints one JSON object: for each topic the messages received; for those
-// stamped with the autopilot's clock also the period in ms and how many samples are missing; and
-// the error of the IMU's stamps against the sample times, known up to whole periods.
+// stamped with the autopilot's clock also the period in ms and how many samples are missing; pauses of the
+// simulated vehicle, for which the machine had no time; and the error of the IMU's stamps against the sample times, known up to whole periods.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -37,9 +37,12 @@
 
 namespace {
 
-constexpr std::size_t kDepth = 100;
+constexpr std::size_t kDepth =
+    2000;  // 5 s of the IMU: what a busy machine leaves unread is not lost on the way
 constexpr double kCommandRate_Hz = 100.0;
 constexpr double kImuPeriod_s = 0.0025;
+/// `sil` moves its ticks after a delay of so much (flight/sil/pace.hpp): no sample was taken in it.
+constexpr double kPause_s = 0.1;
 
 class Watch final : public rclcpp::Node {
  public:
@@ -84,7 +87,7 @@ class Watch final : public rclcpp::Node {
     }
     std::printf("}, ");
     report_stamps(start_s);
-    std::printf("}\n");
+    std::printf(", \"pauses\": %zu}\n", pauses(stamps_.at("imu/data")));
   }
 
  private:
@@ -134,12 +137,21 @@ class Watch final : public rclcpp::Node {
     return steps[steps.size() / 2];
   }
 
-  /// How many samples between first and last were never received.
+  /// How many samples between first and last were never received, without those of pauses.
   static std::size_t missing(const std::vector<double>& stamps, double period_s) {
     double count = 0.0;
-    for (std::size_t k = 1; k < stamps.size(); ++k)
-      count += std::round((stamps[k] - stamps[k - 1]) / period_s) - 1.0;
+    for (std::size_t k = 1; k < stamps.size(); ++k) {
+      const double apart_s = stamps[k] - stamps[k - 1];
+      if (apart_s < kPause_s) count += std::round(apart_s / period_s) - 1.0;
+    }
     return static_cast<std::size_t>(std::max(0.0, count));
+  }
+
+  static std::size_t pauses(const std::vector<double>& stamps) {
+    std::size_t count = 0;
+    for (std::size_t k = 1; k < stamps.size(); ++k)
+      count += stamps[k] - stamps[k - 1] < kPause_s ? 0 : 1;
+    return count;
   }
 
   /// Topics whose messages carry the time of a sample; the others carry that of their arrival.
