@@ -13,6 +13,9 @@ namespace messages = rosflight::messages;
 using messages::to_message;
 using rosflight_common::to_ros;
 
+/// What a machine without time has not passed on is kept, 0.25 s of the IMU; with a depth of 1 the next message replaces it.
+constexpr std::size_t kDepth = 100;
+
 StreamPublisher::StreamPublisher(rclcpp::Node& node, Clock& clock, std::string frame_id)
     : node_{node}, clock_{clock}, frame_id_{std::move(frame_id)} {
   const auto latched = [](std::size_t depth) { return rclcpp::QoS(depth).transient_local(); };
@@ -26,7 +29,7 @@ StreamPublisher::StreamPublisher(rclcpp::Node& node, Clock& clock, std::string f
 template <class Ros, class Message>
 void StreamPublisher::publish(Topic<Ros>& topic, const Message& message, companion::Time t,
                               const std::string& frame_id) {
-  if (!topic.publisher) topic.publisher = node_.create_publisher<Ros>(topic.name, 1);
+  if (!topic.publisher) topic.publisher = node_.create_publisher<Ros>(topic.name, kDepth);
   auto out = to_ros<Ros>(message);
   out.header.stamp = clock_.to_ros(t);
   out.header.frame_id = frame_id;
