@@ -11,6 +11,7 @@ from rosplane_msgs.msg import (ControllerCommands, ControllerInternals, CurrentP
 from sensor_msgs.msg import Imu, MagneticField, Range
 from sim_contract import TRIGGER, Module, Out
 from sim_rig import node, stamp
+from visualization_msgs.msg import Marker
 
 VEHICLE = ROOT / "vehicles/anaconda.yaml"
 ADD = "rosplane_msgs/srv/AddWaypoint"
@@ -37,6 +38,8 @@ NODES = {
     "controller": Module("controller", {"command": Out(Command), "controller_internals": Out(ControllerInternals)},
                          {"estimated_state": State, "controller_command": ControllerCommands,
                           "flight_phase": FlightPhase, "status": Status}),
+    "rviz_waypoint_publisher": Module("rviz_waypoint_publisher", {"rviz/waypoint": Out(Marker, latched=True)},
+                                      {"waypoint_path": Waypoint}),
     "sim_state_transcriber": Module("rosplane_truth", {"sim/rosplane/state": Out(State)}, {"sim/truth_state": SimState}),
     "signal_generator": Module("signal_generator", {"controller_command": Out(ControllerCommands)}, {},
                                dict.fromkeys(SIGNALS, TRIGGER)),
@@ -45,7 +48,7 @@ NODES = {
                             "estimated_state": State},
                            {f"input_mapper/{mode}": TRIGGER for mode in MODES}),
 }
-WITHOUT_VEHICLE = {"signal_generator", "input_mapper"}
+WITHOUT_VEHICLE = {"signal_generator", "input_mapper", "rviz_waypoint_publisher"}
 
 
 def start(name, **parameters):

@@ -32,6 +32,7 @@ ELSEWHERE = {
     r"docker ": "needs a Docker daemon; tools/test/test_dockerfile.py and test_the_debian_package_flies",
     r"colcon build": "needs a ROS installation, or what the stage ros installs",
     r"ros2 run .*port:=/dev/": "needs hardware",
+    r"ros2 (launch|run) ros(copter|flight|plane)_": "ros/forwarders/test/test_documented_commands.py",
     r"ros2 run rosflight_io": "ros/rosflight_io/test, by each kind of link",
     r"tools/ready.sh (packages|venv)": "each start of ./rosflight",
     r"tools/ready.sh web": "the stage web of ./rosflight test",

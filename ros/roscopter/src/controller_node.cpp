@@ -45,7 +45,7 @@ class ControllerNode : public rclcpp::Node {
  public:
   explicit ControllerNode(const rclcpp::NodeOptions& options)
       : Node("controller", options),
-        vehicle_{rosflight_common::VehicleFile::declare(*this).read()},
+        vehicle_{rosflight_common::VehicleFile::declare(*this, kUsualVehicle).read()},
         config_{flight::read_multirotor_autonomy(vehicle_).flight},
         tuning_{tuning_of(config_)},
         parameters_{*this, controller_parameters(), tuning_} {

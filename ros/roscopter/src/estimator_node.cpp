@@ -17,6 +17,7 @@ using rosflight_common::kPascalPerMetre;
 /// North and east have one sigma here, the velocities too: docs/autonomy/roscopter.md
 struct Policy {
   static constexpr bool kWind = false;
+  static constexpr const char* kVehicle = kUsualVehicle;
   using Message = roscopter_msgs::msg::State;
 
   static void fill(const autonomy::StateEstimate& in,

@@ -65,9 +65,9 @@ class PathManagerNode : public rclcpp::Node {
  public:
   explicit PathManagerNode(const rclcpp::NodeOptions& options)
       : Node("path_manager", options),
-        config_{
-            flight::read_multirotor_autonomy(rosflight_common::VehicleFile::declare(*this).read())
-                .flight.path},
+        config_{flight::read_multirotor_autonomy(
+                    rosflight_common::VehicleFile::declare(*this, kUsualVehicle).read())
+                    .flight.path},
         parameters_{*this, path_parameters(), config_},
         phase_{*this, [this](const std::string& phase) { enter(phase); }} {
     const double rate_Hz = rosflight_common::declare_number(

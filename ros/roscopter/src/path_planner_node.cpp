@@ -36,6 +36,7 @@ class Policy {
   using Waypoint = roscopter_msgs::msg::Waypoint;
   using State = roscopter_msgs::msg::State;
   using AddWaypoint = roscopter_msgs::srv::AddWaypoint;
+  static constexpr const char* kVehicle = kUsualVehicle;
   static constexpr const char* kTopic = "waypoints";
   static constexpr const char* kServices = "path_planner/";
   struct Plan {

@@ -1,102 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <roscopter_msgs/msg/waypoint.hpp>
-#include <string>
-#include <vector>
-#include <visualization_msgs/msg/marker.hpp>
+#include "rosflight_common/waypoint_markers.hpp"
 
-#include "autonomy/common/mission_file.hpp"
+#include <roscopter_msgs/msg/waypoint.hpp>
+
 #include "rosflight_common/component.hpp"
-#include "rosflight_common/node_tools.hpp"
 
 namespace roscopter {
-
-namespace autonomy = rosflight::autonomy;
 namespace {
 
-using roscopter_msgs::msg::Waypoint;
-using visualization_msgs::msg::Marker;
-
-/// The waypoints in force for RViz: spheres, the way between them, and their numbers, in frame NED.
-class RvizWaypointPublisher : public rclcpp::Node {
- public:
-  explicit RvizWaypointPublisher(const rclcpp::NodeOptions& options)
-      : Node("rviz_waypoint_publisher", options) {
-    scale_ = rosflight_common::declare_number(*this, "waypoint_scale", 1.5, 0.01, 100.0,
-                                              "of the spheres [m]", true);
-    text_ = rosflight_common::declare_number(*this, "text_scale", 5.0, 0.01, 100.0,
-                                             "of the numbers [m]", true);
-    changes_ = rosflight_common::on_change(*this, [this](const rclcpp::Parameter& p) {
-      if (p.get_name() == "waypoint_scale") scale_ = p.as_double();
-      if (p.get_name() == "text_scale") text_ = p.as_double();
-      show(0);
-    });
-    markers_ = create_publisher<Marker>("rviz/waypoint", rclcpp::QoS(kKept).transient_local());
-    waypoints_ = create_subscription<Waypoint>(
-        "waypoints", rclcpp::QoS(autonomy::kMaxWaypoints + 1).transient_local(),
-        [this](Waypoint::ConstSharedPtr message) { take(*message); });
-  }
-
- private:
-  static constexpr std::size_t kKept = 3 * autonomy::kMaxWaypoints;  ///< Three markers each.
-
-  void take(const Waypoint& message) {
-    if (message.clear_wp_list) {
-      places_.clear();
-      Marker marker;
-      marker.action = Marker::DELETEALL;
-      markers_->publish(marker);
-      return;
-    }
-    if (message.use_lla) return;  // ours are always local
-    geometry_msgs::msg::Point place;
-    place.x = static_cast<double>(message.w[0]);
-    place.y = static_cast<double>(message.w[1]);
-    place.z = static_cast<double>(message.w[2]);
-    places_.push_back(place);
-    show(places_.size() - 1);
-  }
-
-  Marker marker_of(int type, const char* name, double scale) const {
-    Marker marker;
-    marker.header.stamp = now();
-    marker.header.frame_id = "NED";
-    marker.ns = name;
-    marker.type = type;
-    marker.pose.orientation.w = 1.0;
-    marker.scale.x = marker.scale.y = marker.scale.z = scale;
-    marker.color.g = marker.color.a = 1.0F;
-    return marker;
-  }
-
-  /// @param from  the first waypoint whose number is not shown as it should be.
-  void show(std::size_t from) {
-    constexpr double kLine_m = 0.1;
-    if (places_.empty()) return;
-    Marker spheres = marker_of(Marker::SPHERE_LIST, "waypoints", scale_);
-    spheres.points = places_;
-    markers_->publish(spheres);
-    Marker line = marker_of(Marker::LINE_STRIP, "way", kLine_m);
-    line.points = places_;
-    markers_->publish(line);
-    for (std::size_t k = from; k < places_.size(); ++k) {
-      Marker number = marker_of(Marker::TEXT_VIEW_FACING, "numbers", text_);
-      number.id = static_cast<int>(k);
-      number.text = std::to_string(k + 1);
-      number.pose.position = places_[k];
-      number.pose.position.z -= scale_;
-      markers_->publish(number);
-    }
-  }
-
-  double scale_{};
-  double text_{};
-  std::vector<geometry_msgs::msg::Point> places_;
-  rclcpp::Publisher<Marker>::SharedPtr markers_;
-  rclcpp::Subscription<Waypoint>::SharedPtr waypoints_;
-  rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr changes_;
+struct MarkerPolicy {
+  using Waypoint = roscopter_msgs::msg::Waypoint;
+  static constexpr const char* kTopic = "waypoints";
+  static constexpr double kSphere_m = 1.5;  // sizes of roscopter 2.0
+  static constexpr double kText_m = 5.0;
+  static bool geodetic(const Waypoint& waypoint) { return waypoint.use_lla; }
 };
 
 }  // namespace
 }  // namespace roscopter
 
-ROSFLIGHT_NODE(roscopter::RvizWaypointPublisher, SingleThreadedExecutor)
+ROSFLIGHT_NODE(rosflight_common::WaypointMarkers<roscopter::MarkerPolicy>, SingleThreadedExecutor)

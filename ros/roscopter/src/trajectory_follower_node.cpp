@@ -70,9 +70,9 @@ class TrajectoryFollowerNode : public rclcpp::Node {
  public:
   explicit TrajectoryFollowerNode(const rclcpp::NodeOptions& options)
       : Node("trajectory_follower", options),
-        config_{with_east(
-            flight::read_multirotor_autonomy(rosflight_common::VehicleFile::declare(*this).read())
-                .flight.follower)},
+        config_{with_east(flight::read_multirotor_autonomy(
+                              rosflight_common::VehicleFile::declare(*this, kUsualVehicle).read())
+                              .flight.follower)},
         parameters_{*this, follower_parameters(), config_},
         phase_{*this, [](const std::string&) {}},
         follower_{config_} {

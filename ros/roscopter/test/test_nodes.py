@@ -61,7 +61,6 @@ def test_the_graph_shows_every_topic_and_service(peer, name, module):
 
 
 @pytest.mark.parametrize("name, parameters, said", [
-    ("controller", {"vehicle_file": "''"}, "vehicle_file: found nothing, allowed a vehicle file"),
     ("controller", {"vehicle_file": "/no/such.yaml"}, "/no/such.yaml: found no such file"),
     ("controller", {"vehicle_file": VEHICLE, "min_throttle": "0.8", "max_throttle": "0.4"}, "min_throttle: found 0.8, allowed less than"),
     ("trajectory_follower", {"vehicle_file": VEHICLE, "u_n_kp": "5000.0"}, "u_n_kp"),

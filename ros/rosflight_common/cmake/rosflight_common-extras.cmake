@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # What the CMakeLists.txt of every package with nodes would otherwise repeat.
+include(${CMAKE_CURRENT_LIST_DIR}/names.cmake)
 
 # C++20 with the project's warnings, the package's own include folder and the messages of the packages that
 # rosflight_find_packages() found.
@@ -61,23 +62,3 @@ macro(rosflight_find_packages)
     list(APPEND ROSFLIGHT_MESSAGES ${${package}_TARGETS})
   endforeach()
 endmacro()
-
-# rosflight_install_launch_files(): all of launch/. Each file is XML; beside it a Python file of the same name includes it,
-# because ROSflight 2.x calls its launch files NAME.launch.py.
-set(ROSFLIGHT_LAUNCH_TEMPLATE ${CMAKE_CURRENT_LIST_DIR}/launch.py.in)
-function(rosflight_install_launch_files)
-  install(DIRECTORY launch DESTINATION share/${PROJECT_NAME} PATTERN *.launch.xml EXCLUDE)
-  file(GLOB files RELATIVE ${CMAKE_CURRENT_SOURCE_DIR}/launch CONFIGURE_DEPENDS launch/*.launch.xml)
-  foreach(file IN LISTS files)
-    set(data ${CMAKE_CURRENT_SOURCE_DIR}/launch/${file})
-    if("$ENV{ROS_DISTRO}" STREQUAL humble)  # whose launch refuses the attribute; the Python file does the same
-      file(READ ${data} text)
-      set(data ${CMAKE_CURRENT_BINARY_DIR}/launch/${file})
-      string(REPLACE " on_exit=\"shutdown\"" "" text "${text}")
-      file(WRITE ${data} "${text}")
-    endif()
-    string(REGEX REPLACE "xml$" "py" script ${file})
-    configure_file(${ROSFLIGHT_LAUNCH_TEMPLATE} ${CMAKE_CURRENT_BINARY_DIR}/launch/${script} @ONLY)
-    install(FILES ${data} ${CMAKE_CURRENT_BINARY_DIR}/launch/${script} DESTINATION share/${PROJECT_NAME}/launch)
-  endforeach()
-endfunction()

@@ -7,9 +7,8 @@
 // `-p NAME:parameter:=value` to one. Ends as a node does: on SIGINT with 0, with one line and 2 if a node cannot be made.
 #include <dlfcn.h>
 
-#include <cstdlib>
+#include <cstdio>
 #include <exception>
-#include <filesystem>
 #include <memory>
 #include <rclcpp/rclcpp.hpp>
 #include <sstream>
@@ -19,6 +18,7 @@
 #include <vector>
 
 #include "rosflight_common/node_tools.hpp"
+#include "rosflight_common/paths.hpp"
 
 namespace rosflight_common {
 namespace {
@@ -46,13 +46,8 @@ Component parse(const std::string& word) {
 }
 
 std::string library_of(const Component& component) {
-  const std::string file = "lib/lib" + component.package + "_" + component.node + ".so";
-  const char* const known = std::getenv("AMENT_PREFIX_PATH");
-  std::istringstream prefixes(known == nullptr ? "" : known);
-  for (std::string prefix; std::getline(prefixes, prefix, ':');) {
-    const std::filesystem::path path = std::filesystem::path(prefix) / file;
-    if (std::filesystem::exists(path)) return path.string();
-  }
+  const auto file = installed("lib/lib" + component.package + "_" + component.node + ".so");
+  if (file) return *file;
   throw std::runtime_error("component: found " + component.package + "/" + component.node +
                            ", allowed a node of an installed package");
 }
@@ -72,11 +67,11 @@ std::shared_ptr<rclcpp::Node> make(const Component& component) {
 
 /// Waits for the end.
 void run(int argc, char** argv) {
-  std::vector<std::string> words(argv + 1, argv + argc);
   std::vector<std::shared_ptr<rclcpp::Node>> nodes;
-  for (const std::string& word : words) {
-    if (word == "--ros-args") break;
-    nodes.push_back(make(parse(word)));
+  for (int i = 1; i < argc && std::string_view(argv[i]) != "--ros-args"; ++i) {
+    // One argument may name several: `ros2 launch` passes on the value of a variable as one, spaces and all.
+    std::istringstream words(argv[i]);
+    for (std::string word; words >> word;) nodes.push_back(make(parse(word)));
   }
   if (nodes.empty())
     throw std::runtime_error("component: found none, allowed PACKAGE/NODE[:NAME]...");

@@ -33,8 +33,11 @@ def test_simulator_and_io_node_run_in_one_process(tmp_path):
         assert len(os.listdir(f"/proc/{process.process.pid}/task")) > 7  # the threads of all nodes are in this process
 
 
-def test_a_component_can_have_another_name():
-    with SimPeer("watcher") as watcher, compose("rosflight_gcs/viz:left", "rosflight_gcs/viz:right") as process:
+@pytest.mark.parametrize("words", [["rosflight_gcs/viz:left", "rosflight_gcs/viz:right"],
+                                   [" rosflight_gcs/viz:left rosflight_gcs/viz:right"]])
+def test_a_component_can_have_another_name(words):
+    """In words of their own or in one, as `ros2 launch` passes on the value of a variable."""
+    with SimPeer("watcher") as watcher, compose(*words) as process:
         process.until("ready: 2 nodes in one process")
         watcher.poll(lambda: {"left", "right"} <= {name for name, _ in watcher.node.get_node_names_and_namespaces()},
                      "both names")
@@ -44,7 +47,8 @@ def test_a_component_can_have_another_name():
     ([], "component: found none, allowed PACKAGE/NODE[:NAME]..."),
     (["viz"], "component: found 'viz', allowed PACKAGE/NODE or PACKAGE/NODE:NAME"),
     (["rosflight_gcs/vis"], "component: found rosflight_gcs/vis, allowed a node of an installed package"),
-    (["rosflight_sim/standalone_dynamics"], "parameter vehicle_file: found nothing, allowed a vehicle file")])
+    (["rosflight_sim/multirotor_forces_and_moments"], "parameter vehicle_file: found nothing, allowed a vehicle file: "
+     "-p vehicle_file:=FILE, or -r __node:=multirotor_forces_and_moments")])
 def test_what_cannot_be_composed_is_one_line(words, says):
     process = compose(*words)
     assert process.end() == 2

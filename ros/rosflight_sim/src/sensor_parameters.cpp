@@ -285,6 +285,24 @@ void add_place(List& list) {
 
 }  // namespace
 
+std::vector<std::string> rosflight_rates(const config::Section& sensors) {
+  struct Rate {
+    const char* sensor;
+    const char* rate_Hz;
+  };
+  constexpr Rate kRates[] = {{"imu", "400"},    {"mag", "50"},   {"baro", "100"},
+                             {"gnss", "10"},    {"range", "20"}, {"diff_pressure", "100"},
+                             {"battery", "200"}};
+  std::vector<std::string> out;
+  if (sensors.text("module", "standard") != "standard") return out;
+  for (const Rate& rate : kRates) {
+    const auto own = sensors.optional_section(rate.sensor);
+    if (!own || !own->has("rate_Hz"))
+      out.push_back(std::string("sensors.") + rate.sensor + ".rate_Hz=" + rate.rate_Hz);
+  }
+  return out;
+}
+
 config::Table<SensorSettings> sensor_parameters() {
   List list;
   add_rate(list, "imu_update_frequency", at(imu_timing));

@@ -43,6 +43,7 @@ class SensorsNode : public rclcpp::Node {
                                           "rate of sim/truth_state the instruments expect [Hz]");
     ticks_.emplace(static_cast<std::int64_t>(1e9 / rate_Hz));
     frame_ = declare_text(*this, "frame_id", "aircraft_body", "frame of the samples");
+    choose_rates();
     sim::register_physics(registry_);
     sim::sensors::register_sensors(registry_);
     environment_ = parameters_.vehicle.environment();
@@ -54,10 +55,22 @@ class SensorsNode : public rclcpp::Node {
   }
 
  private:
+  void choose_rates() {
+    const std::string rates = declare_text(*this, "sensor_rates", "rosflight_2",
+                                           "rosflight_2: those of ROSflight 2.x where the vehicle "
+                                           "file gives none; vehicle: as the vehicle file says");
+    if (rates != "rosflight_2" && rates != "vehicle") {
+      throw rosflight::config::Error("parameter sensor_rates: found '" + rates +
+                                     "', allowed rosflight_2 or vehicle");
+    }
+    if (rates == "rosflight_2") parameters_.make(rosflight_rates(parameters_.vehicle.sensors()));
+  }
+
   /// The parameters of ROSflight 2.x, with what the vehicle file says as their defaults.
   void declare_instruments() {
     settings_ = {sim::sensors::read_sensors(parameters_.vehicle.sensors()), environment_};
-    tuning_.emplace(*this, sensor_parameters(), settings_);
+    tuning_.emplace(*this, sensor_parameters(), settings_, parameters_.values_for(get_name()));
+    parameters_.tell_unused(*this);
     make_instruments(settings_);
     tuning_->on_change([this](const SensorSettings& wanted) {
       make_instruments(wanted);

@@ -285,6 +285,10 @@ def test_sensors(peer):
               vehicle_overrides='["sensors={preset: ideal}"]'):
         check_module(peer, "sensors")
         world = Instruments(peer)
+        for _ in range(40):  # the instruments begin one after the other, the last after 50 ms
+            world.step()
+        for received in world.received.values():
+            received.clear()
         seconds = 2
         for _ in range(400 * seconds):
             world.step()
@@ -301,6 +305,22 @@ def test_sensors(peer):
         assert world.mean("sim/sensors/baro", lambda m: m.pressure) == pytest.approx(85729, abs=30)
         assert world.mean("sim/sensors/gnss", lambda m: m.lat) == pytest.approx(40.2463724, abs=1e-5)
         assert world.mean("sim/sensors/gnss", lambda m: m.lon) == pytest.approx(-111.6474138, abs=1e-5)
+
+
+# ROSflight 2.x's rates [Hz], and those that the vehicle file leaves to sim/sensors.
+ROSFLIGHT_2_HZ = {"imu": 400, "mag": 50, "baro": 100, "gnss": 10, "range": 20, "diff_pressure": 100, "battery": 200}
+VEHICLE_HZ = ROSFLIGHT_2_HZ | {"mag": 100, "baro": 50, "battery": 10}
+
+
+@pytest.mark.parametrize("given, rates", [
+    ({}, ROSFLIGHT_2_HZ),
+    ({"sensor_rates": "vehicle"}, VEHICLE_HZ),
+    ({"vehicle_overrides": '["sensors.baro.rate_Hz=25"]'}, ROSFLIGHT_2_HZ | {"baro": 25}),
+    ({"mag_update_frequency": 40.0}, ROSFLIGHT_2_HZ | {"mag": 40})])
+def test_sensor_rates_are_those_of_rosflight_2_unless_the_vehicle_file_or_a_parameter_says_otherwise(peer, given, rates):
+    with node("standalone_sensors", at_launch="standalone_sensors", vehicle_file=VEHICLE, **given):
+        found = {name: parameter(peer, "standalone_sensors", f"{name}_update_frequency").double_value for name in rates}
+    assert found == rates
 
 
 def test_sensor_readings_follow_their_parameters_live(peer):

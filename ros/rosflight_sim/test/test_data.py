@@ -112,7 +112,12 @@ def ranges():
 
 
 # Numbers of entries of ROSflight 2.x's sets.
-@pytest.mark.parametrize("name, entries", [("multirotor_firmware", 70), ("fixedwing_firmware", 16)])
+SPLIT = {"multirotor_firmware": 18, "multirotor_mixing_matrix_params": 44, "multirotor_motor_params": 8}
+
+
+@pytest.mark.parametrize("name, entries", [
+    ("multirotor_firmware/multirotor_combined", 70), ("fixedwing_firmware", 16),
+    *((f"multirotor_firmware/{name}", count) for name, count in SPLIT.items())])
 def test_a_firmware_set_is_whole_and_in_range(name, entries):
     known = ranges()
     listed = yaml.safe_load((PACKAGE / f"params/{name}.yaml").read_text())
@@ -124,6 +129,20 @@ def test_a_firmware_set_is_whole_and_in_range(name, entries):
         value = float(entry["value"])
         assert math.isfinite(value)
         assert float(row["min"]) <= value <= float(row["max"]) or value in sentinels, entry
+
+
+def test_the_set_in_three_files_is_the_combined_one_but_for_its_gains():
+    """ROSflight 2.x has two sets of gains for the same vehicle: 0.5, 0.9, 0.2 and 1.5, 4, 7.5, 1.5."""
+    def load(name):
+        listed = yaml.safe_load((PACKAGE / f"params/multirotor_firmware/{name}.yaml").read_text())
+        return {entry["name"]: entry["value"] for entry in listed}
+    combined = load("multirotor_combined")
+    split = {name: value for part in SPLIT for name, value in load(part).items()}
+    assert split.keys() == combined.keys()
+    other = {name: (split[name], combined[name]) for name in split if split[name] != combined[name]}
+    assert other == {"PID_ROLL_RATE_P": (0.5, 1.5), "PID_PITCH_RATE_P": (0.5, 1.5), "PID_YAW_RATE_P": (0.5, 4.0),
+                     "PID_ROLL_ANG_P": (0.9, 7.5), "PID_PITCH_ANG_P": (0.9, 7.5), "PID_ROLL_ANG_D": (0.2, 1.5),
+                     "PID_PITCH_ANG_D": (0.2, 1.5)}
 
 
 @pytest.mark.parametrize("shape", ["multirotor", "fixedwing"])

@@ -21,6 +21,7 @@ rosflight_common::EstimatorView view(const char* name, double least, double most
 
 struct Policy {
   static constexpr bool kWind = true;
+  static constexpr const char* kVehicle = kUsualVehicle;
   using Message = rosplane_msgs::msg::State;
 
   static void fill(const autonomy::StateEstimate& in,

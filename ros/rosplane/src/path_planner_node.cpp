@@ -29,6 +29,7 @@ class Policy {
   using Waypoint = rosplane_msgs::msg::Waypoint;
   using State = rosplane_msgs::msg::State;
   using AddWaypoint = rosplane_msgs::srv::AddWaypoint;
+  static constexpr const char* kVehicle = kUsualVehicle;
   static constexpr const char* kTopic = "waypoint_path";
   static constexpr const char* kServices = "";
   struct Plan {

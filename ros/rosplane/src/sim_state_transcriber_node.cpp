@@ -24,7 +24,8 @@ class SimStateTranscriber : public rclcpp::Node {
  public:
   explicit SimStateTranscriber(const rclcpp::NodeOptions& options)
       : Node("rosplane_truth", options) {
-    origin_ = rosflight_common::VehicleFile::declare(*this).read().environment().origin;
+    origin_ =
+        rosflight_common::VehicleFile::declare(*this, kUsualVehicle).read().environment().origin;
     states_ = create_publisher<State>("sim/rosplane/state", rclcpp::QoS(1));
     winds_ = create_subscription<Vector3Stamped>(
         "sim/truth_wind", rclcpp::QoS(1), [this](Vector3Stamped::ConstSharedPtr m) {

@@ -8,11 +8,12 @@ import pytest
 from plane_rig import NODES, VEHICLE, WITHOUT_VEHICLE, falls_silent, now_ns, start, state
 from ros_rig import ROOT, TIMEOUT_S
 from rosflight_msgs.msg import Airspeed, Barometer, Command, GNSS, RCRaw, SimState, Status
-from rosplane_msgs.msg import ControllerCommands, ControllerInternals, CurrentPath, FlightPhase, State
+from rosplane_msgs.msg import ControllerCommands, ControllerInternals, CurrentPath, FlightPhase, State, Waypoint
 from sensor_msgs.msg import Imu, MagneticField
 from sim_contract import check_module
-from sim_rig import ALL, NEWEST, executable, parameter, set_parameters, stamp, stamp_ns
+from sim_rig import ALL, LATCHED, NEWEST, executable, parameter, set_parameters, stamp, stamp_ns
 from std_srvs.srv import Trigger
+from visualization_msgs.msg import Marker
 
 NAN = math.nan
 
@@ -360,3 +361,15 @@ def test_input_mapper_mixes_axis_by_axis(peer):
         peer.poll(lambda: feed.give() or mapped[-1].ignore == 0x2, "the autopilot again")
         refused = set_parameters(peer, "input_mapper", aileron_input="rc_altitude")[0]
         assert not refused.successful and "allowed path_follower" in refused.reason
+
+
+def test_waypoints_are_shown_in_rviz(peer):
+    waypoints = peer.publisher(Waypoint, "waypoint_path", LATCHED)
+    for north in (100.0, 300.0):
+        waypoints.publish(Waypoint(w=[north, -50.0, -60.0]))
+    with start("rviz_waypoint_publisher"):
+        received = peer.listen(Marker, "rviz/waypoint", LATCHED)
+        peer.wait(lambda: [m.text for m in received if m.type == Marker.TEXT_VIEW_FACING] == ["1", "2"], "two numbers")
+    line = [m for m in received if m.type == Marker.LINE_STRIP][-1]
+    assert [(p.x, p.y, p.z) for p in line.points] == [(100.0, -50.0, -60.0), (300.0, -50.0, -60.0)]
+    assert line.header.frame_id == "NED"

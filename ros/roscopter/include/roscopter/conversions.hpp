@@ -19,6 +19,9 @@
 /// are the same on either side but for the velocity: body axes in a State, north-east-down inside.
 namespace roscopter {
 
+/// Vehicle of rosflight_sim that a node takes if it is given none, as the launch files do.
+inline constexpr const char* kUsualVehicle = "multirotor";
+
 namespace autonomy = rosflight::autonomy;
 
 inline autonomy::Vector3 vector(const std::array<float, 3>& v) {

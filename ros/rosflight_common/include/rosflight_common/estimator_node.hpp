@@ -115,7 +115,7 @@ class EstimatorNode : public rclcpp::Node {
   };
 
   autonomy::estimation::EstimatorConfig read_config() {
-    auto config = flight::read_estimator(VehicleFile::declare(*this).read());
+    auto config = flight::read_estimator(VehicleFile::declare(*this, Policy::kVehicle).read());
     for (const EstimatorView& view : Policy::views()) {
       const double from_file = view.get(config);
       const double value =

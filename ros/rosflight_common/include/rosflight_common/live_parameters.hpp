@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <functional>
+#include <optional>
 #include <rclcpp/rclcpp.hpp>
 #include <string>
 #include <string_view>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "config/table.hpp"
+#include "rosflight_common/given_values.hpp"
 #include "rosflight_common/node_tools.hpp"
 
 namespace rosflight_common {
@@ -26,12 +28,14 @@ class LiveParameters {
 
   /// Declares the rows of `table` (numbers and switches); `config` has afterwards what was given. Keep this as long as the
   /// node. @throws what rclcpp throws for a value of the wrong type or out of range.
-  LiveParameters(rclcpp::Node& node, const config::Table<Config>& table, Config& config)
+  /// @param defaults  in place of those of the configuration.
+  LiveParameters(rclcpp::Node& node, const config::Table<Config>& table, Config& config,
+                 const GivenValues& defaults = {})
       : parameters_{table.parameters()}, config_{config} {
     for (const Parameter& parameter : parameters_) {
-      const double usual = parameter.get(config)[0];
-      const double value = declare(node, parameter, usual);
-      if (value != usual) parameter.set(config, {value});
+      const double present = parameter.get(config)[0];
+      const double value = declare(node, parameter, usual(parameter, defaults).value_or(present));
+      if (value != present) parameter.set(config, {value});
     }
     handle_ = on_change_or_refuse(
         node, [this](const std::vector<rclcpp::Parameter>& given) { return change(given); });
@@ -45,6 +49,13 @@ class LiveParameters {
 
   static bool is_switch(const Parameter& parameter) {
     return parameter.row.kind == config::detail::Row::Kind::kBoolean;
+  }
+
+  static std::optional<double> usual(const Parameter& parameter, const GivenValues& defaults) {
+    if (!defaults) return {};
+    const auto value = defaults(std::string(parameter.row.key),
+                                is_switch(parameter) ? GivenKind::kSwitch : GivenKind::kNumber);
+    return value ? std::optional<double>((*value)[0]) : std::nullopt;
   }
 
   static double declare(rclcpp::Node& node, const Parameter& parameter, double usual) {

@@ -13,6 +13,7 @@
 #include "autonomy/common/geodesy.hpp"
 #include "autonomy/common/mission_file.hpp"
 #include "rosflight_common/node_tools.hpp"
+#include "rosflight_common/paths.hpp"
 #include "rosflight_common/vehicle_file.hpp"
 
 namespace rosflight_common {
@@ -53,7 +54,8 @@ class PlannerNode : public rclcpp::Node {
   using Plan = typename Policy::Plan;
 
   explicit PlannerNode(const rclcpp::NodeOptions& options)
-      : Node("path_planner", options), policy_{VehicleFile::declare(*this).read()} {
+      : Node("path_planner", options),
+        policy_{VehicleFile::declare(*this, Policy::kVehicle).read()} {
     most_published_ = declare_whole(*this, "num_waypoints_to_publish_at_start", kMost, 0, kMost,
                                     "so many of the list are published without being asked", true);
     const std::string file = declare_text(*this, "mission_file", "", "loaded at the start");
@@ -105,7 +107,7 @@ class PlannerNode : public rclcpp::Node {
     load_ = create_service<ParamFile>(service("load_mission_from_file"),
                                       [this](const std::shared_ptr<ParamFile::Request> request,
                                              std::shared_ptr<ParamFile::Response> response) {
-                                        response->success = load(request->filename);
+                                        response->success = load(user_path(request->filename));
                                       });
     serve_trigger("clear_waypoints", [this](Trigger::Response& response) {
       response.success = true;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "rosflight_common/node_tools.hpp"
+#include "rosflight_common/paths.hpp"
 #include "sim/vehicle.hpp"
 
 namespace rosflight_common {
@@ -17,15 +18,29 @@ struct VehicleFile {
   std::string file;
   std::vector<std::string> overrides;
 
+  /// A vehicle of rosflight_sim by its name. Empty: it is not installed.
+  static std::string of_simulator(const std::string& vehicle) {
+    return installed("share/rosflight_sim/vehicles/" + vehicle + ".yaml").value_or("");
+  }
+
   sim::Vehicle read() const { return sim::Vehicle::from_file(file, overrides); }
 
-  /// @throws config::Error  one line, if no file is named.
-  static VehicleFile declare(rclcpp::Node& node) {
+  /// @param usual  vehicle of rosflight_sim to take if no file is named, as the launch files do; empty: none.
+  /// @param or_type  what else the user may type, for the message.
+  /// @throws config::Error  one line, if there is none to take.
+  static VehicleFile declare(rclcpp::Node& node, const std::string& usual,
+                             const std::string& or_type = "") {
     VehicleFile out;
     out.file =
         declare_text(node, "vehicle_file", "", "vehicle file (YAML), see vehicles/README.md");
+    if (out.file.empty() && !usual.empty()) {
+      out.file = of_simulator(usual);
+      RCLCPP_WARN(node.get_logger(), "no vehicle_file given: %s", out.file.c_str());
+    }
     if (out.file.empty()) {
-      throw config::Error("parameter vehicle_file: found nothing, allowed a vehicle file");
+      throw config::Error(
+          "parameter vehicle_file: found nothing, allowed a vehicle file: -p vehicle_file:=FILE" +
+          or_type);
     }
     const auto given = node.declare_parameter<std::vector<std::string>>(
         "vehicle_overrides", {}, described("section.key=value, instead of what the file says"));

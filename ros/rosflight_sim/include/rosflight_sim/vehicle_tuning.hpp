@@ -25,11 +25,16 @@ class VehicleTuning {
   VehicleTuning(rclcpp::Node& node, VehicleViews views, VehicleParameters& parameters,
                 std::function<void()> changed)
       : views_{std::move(views)}, parameters_{parameters}, changed_{std::move(changed)} {
+    const auto defaults = parameters_.values_for(node.get_name());
     for (const VehicleView& view : views_.list) {
       const auto from_file = view.get(parameters_.vehicle);
-      values_[view.name] = declare(node, view, from_file);
+      const bool ask = defaults && !idle_in_rosflight_2(view.name);
+      const auto usual =
+          ask ? defaults(view.name, given_kind(view, from_file.size())) : std::nullopt;
+      values_[view.name] = declare(node, view, usual.value_or(from_file));
       if (values_[view.name] != from_file) differing_.insert(view.name);
     }
+    parameters_.tell_unused(node);
     if (!differing_.empty()) parameters_.make(views_.assignments(values_, differing_));
     handle_ = rosflight_common::on_change_or_refuse(
         node, [this](const std::vector<rclcpp::Parameter>& given) { return change(given); });
@@ -38,6 +43,13 @@ class VehicleTuning {
  private:
   using Kind = VehicleView::Kind;
   using Values = std::vector<double>;
+
+  static rosflight_common::GivenKind given_kind(const VehicleView& view, std::size_t count) {
+    using rosflight_common::GivenKind;
+    if (view.kind == Kind::kSwitch) return GivenKind::kSwitch;
+    const bool one = view.kind == Kind::kNumber || (view.kind == Kind::kWholes && count == 1);
+    return one ? GivenKind::kNumber : GivenKind::kNumbers;
+  }
 
   static Values declare(rclcpp::Node& node, const VehicleView& view, const Values& value) {
     if (view.kind == Kind::kNumber)

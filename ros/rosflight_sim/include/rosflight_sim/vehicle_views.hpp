@@ -27,6 +27,12 @@ struct VehicleView {
 
 using ViewValues = std::map<std::string, std::vector<double>>;
 
+/// Loaded by ROSflight 2.x and without effect there, so its parameter files have values that no aircraft flies with, such as a
+/// stall at 3 degrees. They act here, but not from such a file.
+inline bool idle_in_rosflight_2(const std::string& name) {
+  return name == "wing_M" || name == "wing_alpha0" || name == "wing_epsilon";
+}
+
 /// Views of one node, and how values that differ from the file go back: as assignments
 /// "section.key=value", which the vehicle checks like the file itself.
 struct VehicleViews {

@@ -20,6 +20,9 @@
 /// body axes front-right-down, local axes north-east-down; a number that is not known is NaN.
 namespace rosplane {
 
+/// Vehicle of rosflight_sim that a node takes if it is given none, as the launch files do.
+inline constexpr const char* kUsualVehicle = "anaconda";
+
 namespace autonomy = rosflight::autonomy;
 
 namespace wing = autonomy::fixedwing;

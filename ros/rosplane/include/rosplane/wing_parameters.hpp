@@ -7,6 +7,7 @@
 #include "flight/vehicle/vehicle_setup.hpp"
 #include "rosflight_common/live_parameters.hpp"
 #include "rosflight_common/vehicle_file.hpp"
+#include "rosplane/conversions.hpp"
 
 namespace rosplane {
 
@@ -31,7 +32,7 @@ struct WingConfig {
 
   /// @throws config::Error  one line: no vehicle file, a wrong key, another kind of vehicle.
   static WingConfig declare(rclcpp::Node& node) {
-    const sim::Vehicle vehicle = rosflight_common::VehicleFile::declare(node).read();
+    const sim::Vehicle vehicle = rosflight_common::VehicleFile::declare(node, kUsualVehicle).read();
     if (!flight::is_fixed_wing(vehicle)) {
       throw config::Error("parameter vehicle_file: found a vehicle of type " + vehicle.type() +
                           ", allowed fixedwing");
