@@ -254,6 +254,41 @@ def circles(graph: dict[str, list[str]]) -> list[list[str]]:
     return found
 
 
+# Libraries that know nothing of the world they are tested in: not even through what they use.
+MUST_NOT_LINK = {"autonomy": ("sim", "flight"), "estimation": ("sim", "flight"), "companion": ("sim", "flight")}
+
+
+def libraries(tree: Tree) -> dict[str, list[str]]:
+    """What each library of the project uses, as the CMake files say: name -> names."""
+    found: dict[str, list[str]] = {}
+    for path in tree.files:
+        if path.name != "CMakeLists.txt":
+            continue
+        text = re.sub(r"#.*", "", tree.text(path))
+        for name, body in re.findall(r"rosflight_library\(\s*(\w+)([^)]*)\)", text):
+            uses = body.split("USES", 1)[1] if "USES" in body else ""
+            found[name] = re.findall(r"rosflight::(\w+)", uses)
+    return found
+
+
+def check_links(tree: Tree) -> list[str]:
+    """Libraries link nothing of what MUST_NOT_LINK names, directly or through others."""
+    graph = libraries(tree)
+    complaints = []
+    for library, forbidden in MUST_NOT_LINK.items():
+        ways = {library: [library]}
+        waiting = [library] if library in graph else []
+        while waiting:
+            name = waiting.pop()
+            for used in graph.get(name, []):
+                if used not in ways:
+                    ways[used] = ways[name] + [used]
+                    waiting.append(used)
+        complaints += [f"library {library} must not link {name}: {' -> '.join(ways[name])}"
+                       for name in forbidden if name in ways]
+    return complaints
+
+
 # ---- licences, sizes, documents -----------------------------------------------------------------
 
 
@@ -302,7 +337,7 @@ def _exists(base: Path, name: str) -> bool:
     return any(base.glob(name.rstrip("/"))) if "*" in name else (base / name).exists()
 
 
-CHECKS = [check_includes, check_constants, check_namespaces, check_rooted, check_ros_free, check_cycles, check_licences, check_sizes,
+CHECKS = [check_includes, check_constants, check_namespaces, check_rooted, check_ros_free, check_cycles, check_links, check_licences, check_sizes,
           check_readmes, check_paths]
 
 

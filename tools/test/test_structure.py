@@ -146,3 +146,16 @@ def test_paths_in_documents_exist(tree):
 
 def test_the_table_itself_has_no_circle(tree):
     assert structure.check_cycles(tree({})) == []
+
+
+@pytest.mark.parametrize("uses, ways", [
+    ("rosflight::autonomy", []),
+    ("rosflight::autonomy rosflight::sim", ["estimation -> sim"]),
+    ("rosflight::helper", ["estimation -> helper -> sim"]),
+])
+def test_library_that_links_the_world_it_is_judged_in_is_told(tree, uses, ways):
+    found = structure.check_links(tree({
+        "autonomy/estimation/CMakeLists.txt": f"rosflight_library(estimation\n  SOURCES a.cpp  # USES rosflight::sim\n  USES {uses})\n",
+        "helper/CMakeLists.txt": "rosflight_library(helper SOURCES h.cpp USES rosflight::sim)\n",
+    }))
+    assert [line.split(": ")[1] for line in found] == ways
