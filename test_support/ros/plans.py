@@ -24,5 +24,5 @@ def nodes_of(plan) -> dict[str, Planned]:
             name = component.partition(":")[2]
             assert name and name not in found, component
             found[name] = Planned(parameters, {(topic.removeprefix(f"{name}:"), to) for topic, to in process.remappings
-                                               if topic.startswith(f"{name}:")})
+                                               if topic.startswith(f"{name}:") or ":" not in topic})
     return found
