@@ -215,12 +215,6 @@ FlightSetup::FlightSetup(const FlightChoice& choice_in)
     throw Error(fmt::format("--link: found uart with --board {}, allowed with --board qemu_m7",
                             choice.board));
   }
-  if (choice.board == "pixracer_pro" && choice.state != "truth") {
-    throw Error(
-        fmt::format("--state: found {} with --board pixracer_pro, allowed truth: of its sensors "
-                    "only the IMU has a driver yet",
-                    choice.state));
-  }
   if (choice.board == "pixracer_pro" && choice.link_protocol != "mavlink") {
     throw Error(fmt::format("--link-protocol: found {} with --board pixracer_pro, allowed mavlink",
                             choice.link_protocol));

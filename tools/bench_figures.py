@@ -16,6 +16,7 @@ from typing import Callable
 
 import bench_build
 import callgrind
+import h7_figures
 import m7_figures
 import project
 import stages
@@ -80,6 +81,7 @@ def all_figures() -> list[Figure]:
                on_request=True),
         Figure("build.flight_cpu_s", "s", "report", bench_build.flight_cpu_s, "none", on_request=True),
         *m7(),
+        *h7(),
         *(replace(figure, on_request=True) for figure in ros_figures()),
         *(Figure(f"fuzz.{name.removeprefix('fuzz_')}_runs", "inputs", f">= {FUZZ_RUNS}",
                  functools.partial(fuzz_runs, name), preset="fuzz", on_request=True) for name in stages.fuzzers()),
@@ -183,6 +185,20 @@ def m7() -> list[Figure]:
     ]
 
 
+def h7() -> list[Figure]:
+    """The image of the Pixracer Pro, flown on the emulated STM32H7."""
+    def flown(name: str, unit: str, target: str) -> Figure:
+        return Figure(f"h7.{name}", unit, target, lambda: float(h7_figures.flight()[name]), "cortex-m7")
+
+    return [
+        Figure("h7.text_bytes", "B", "report", h7_figures.text_bytes, "cortex-m7"),
+        Figure("h7.ram_bytes", "B", "<= 96000", h7_figures.ram_bytes, "cortex-m7"),
+        Figure("h7.realtime_factor", "s/s", ">= 3", h7_figures.realtime_factor, "cortex-m7"),
+        flown("stack_bytes", "B", "<= 8192"),
+        flown("tracking_rms_m", "m", "report"),
+    ]
+
+
 def ros_figures() -> list[Figure]:
     """Round trips at 400 Hz over UDP with all streams running, the speed of simulated time, and ten minutes of everything."""
     return [
@@ -213,7 +229,7 @@ def prepare(preset: str):
     elif preset == "sanitizers":
         project.build(preset, "bench/properties", keep_going=True)
     elif preset == "cortex-m7":
-        project.build("release", "rosflight", keep_going=True)
+        project.build("release", "rosflight", "h7_emulator", keep_going=True)
         project.build(preset, keep_going=True)
     else:
         project.build(preset, *stages.fuzzers(), keep_going=True)

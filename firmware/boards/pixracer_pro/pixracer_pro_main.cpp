@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The image: board, link and firmware put together, and the interrupts of the board.
-#include <new>
-
 #include "firmware/boards/common/glance_main.hpp"
 #include "firmware/boards/common/mavlink_main.hpp"
+#include "firmware/boards/common/place.hpp"
 #include "firmware/boards/pixracer_pro/pixracer_pro_board.hpp"
 #include "firmware/boards/stm32h7/startup.hpp"
 
@@ -20,26 +19,9 @@ struct Autopilot {
   core::Firmware firmware;
 };
 
-/// Memory for one object that is built when its time has come and never destroyed.
-template <class T>
-class Place {
- public:
-  template <class... Arguments>
-  T& make(Arguments&&... arguments) {
-    object_ = new (memory_) T(static_cast<Arguments&&>(arguments)...);
-    return *object_;
-  }
-  T* get() { return object_; }
-
- private:
-  alignas(T) unsigned char memory_[sizeof(T)];
-  T* object_;
-};
-
 // One of each in an image; the interrupt handlers must find them. All zero at start.
-Place<PixracerPro> board_place;
-Place<Autopilot> autopilot_place;
-__attribute__((section(".kept"))) std::uint8_t parameters[PixracerPro::kStorageSize];
+boards::Place<PixracerPro> board_place;
+boards::Place<Autopilot> autopilot_place;
 __attribute__((section(".dma"))) DmaMemory dma_memory;
 
 PixracerPro& board() {
@@ -52,6 +34,12 @@ constexpr Interrupt kInterrupts[] = {
     {irq::EXTI3, [] { board().on_gyro_ready(); }},
     {irq::SPI5, [] { board().on_gyro_sample(); }},
     {irq::DMA1_STREAM5, [] { board().on_imu_bus(); }},
+    {irq::DMA1_STREAM3, [] { board().on_baro_bus(); }},
+    {irq::I2C1_EV, [] { board().on_external_bus(); }},
+    {irq::I2C1_ER, [] { board().on_external_bus(); }},
+    {irq::UART4, [] { board().on_gnss(); }},
+    {irq::DMA1_STREAM0, [] { board().on_gnss_sent(); }},
+    {irq::EXTI15_10, [] { board().on_pulse_per_second(); }},
     {irq::USART2, [] { board().on_link(); }},
     {irq::DMA2_STREAM0, [] { board().on_link_sent(); }},
     {irq::USART6, [] { board().on_receiver(); }},
@@ -86,7 +74,7 @@ void board_fault(const FaultRegisters& registers) {
   open_ports();
   const bool cold = take_reset_cause() == ResetCause::kPowerOn;
   PixracerPro& here = board_place.make(
-      dma_memory, parameters, cold ? boards::parts::Start::kCold : boards::parts::Start::kWarm);
+      dma_memory, cold ? boards::parts::Start::kCold : boards::parts::Start::kWarm);
   here.open();
   core::Firmware& firmware = autopilot_place.make(here.roles()).firmware;
   firmware.start();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include "firmware/boards/stm32h7/clocks.hpp"
+#include "firmware/boards/stm32h7/i2c_bus.hpp"
 #include "firmware/boards/stm32h7/pulses.hpp"
 #include "firmware/boards/stm32h7/spi_bus.hpp"
 #include "firmware/boards/stm32h7/uart.hpp"
@@ -29,8 +30,24 @@ enum ImuDevice : std::uint8_t { kAccel = 0, kGyro = 1 };
 inline constexpr stm32h7::SpiBus::Device kImuDevices[] = {{{'F', 6}, 10'000'000},
                                                           {{'F', 10}, 10'000'000}};
 
+/// The DPS310 shares SPI2 with the FRAM; it has no data-ready line.
+inline constexpr stm32h7::SpiBus::Place kBaroBus{
+    stm32h7::SPI2, {'B', 10}, {'B', 14}, {'B', 15}, 5, 3, 4, stm32h7::request::SPI2_RX};
+enum BaroBusDevice : std::uint8_t { kBaro = 0, kFram = 1 };
+inline constexpr stm32h7::SpiBus::Device kBaroBusDevices[] = {{{'D', 7}, 10'000'000},
+                                                              {{'D', 10}, 40'000'000}};
+
+/// The only I2C, on the GPS connector: magnetometer (and pitot sensor).
+inline constexpr stm32h7::I2cBus::Place kExternalBus{
+    stm32h7::I2C1, stm32h7::irq::I2C1_EV, stm32h7::irq::I2C1_ER, {'B', 8}, {'B', 9}, 4};
+
+/// GNSS receiver, and its pulse per second.
+inline constexpr stm32h7::Uart::Place kGnss{
+    stm32h7::UART4, stm32h7::irq::UART4, {'A', 1}, {'A', 0}, 8, 7, 0, stm32h7::request::UART4_RX};
+inline constexpr Pin kPulsePerSecond{'D', 12};
+
 // Chip selects of parts that are not used yet: kept high.
-inline constexpr Pin kUnusedSelects[] = {{'D', 7}, {'D', 10}, {'C', 2}, {'E', 15}};
+inline constexpr Pin kUnusedSelects[] = {{'C', 2}, {'E', 15}};
 
 /// Link to the companion: TELEM 1. Streams 8 and 10 are DMA2's 0 and 2.
 inline constexpr stm32h7::Uart::Place kLink{stm32h7::USART2,

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The image: board, link and firmware put together, in lock-step with the world or in real time.
-#include <new>
-
 #include "firmware/boards/common/glance_main.hpp"
+#include "firmware/boards/common/place.hpp"
 #include "firmware/boards/qemu_m7/block_serial.hpp"
 #include "firmware/boards/qemu_m7/qemu_board.hpp"
 #include "firmware/boards/qemu_m7/semihosting.hpp"
@@ -22,28 +21,12 @@ struct Autopilot {
   core::Firmware firmware;
 };
 
-/// Memory for one object that is built when its time has come and never destroyed.
-template <class T>
-class Place {
- public:
-  template <class... Arguments>
-  T& make(Arguments&&... arguments) {
-    object_ = new (memory_) T(static_cast<Arguments&&>(arguments)...);
-    return *object_;
-  }
-  T* get() { return object_; }
-
- private:
-  alignas(T) unsigned char memory_[sizeof(T)];
-  T* object_;
-};
-
 // One of each in an image; the interrupt handlers at the end must find them. All zero at start.
-Place<Autopilot> autopilot_place;
-Place<HardwareClock> hardware_clock_place;
-Place<Uart> uart_place;
-Place<QemuBoard> board_place;
-Place<ToBoard> inputs_place;
+boards::Place<Autopilot> autopilot_place;
+boards::Place<HardwareClock> hardware_clock_place;
+boards::Place<Uart> uart_place;
+boards::Place<QemuBoard> board_place;
+boards::Place<ToBoard> inputs_place;
 
 /// The two ends of the lock-step's pipes.
 class Doorbell {

@@ -22,6 +22,7 @@ unsigned DmaStream::irq() const {
 
 void DmaStream::connect(const Setup& setup) {
   open_gate(controller());
+  if (runs()) stop();
   reg(DMAMUX1, 4u * number_) = setup.request;
   control_ = dma_stream::CR_DIR(static_cast<std::uint32_t>(setup.direction)) |
              dma_stream::CR_MINC(1) | dma_stream::CR_CIRC(setup.circular) |

@@ -25,7 +25,7 @@ class DmaStream {
   explicit constexpr DmaStream(unsigned number) : number_{number} {}
 
   unsigned irq() const;
-  /// Opens the gate and connects the request. The stream must not run.
+  /// Opens the gate, stops the stream and connects the request.
   void connect(const Setup& setup);
   /// Starts a transfer. The stream must not run; its old flags are cleared.
   void start(std::uint32_t register_address, const volatile void* memory, std::size_t count);

@@ -25,6 +25,11 @@ std::uint32_t divider_for(std::uint32_t baud) {
 
 }  // namespace
 
+hal::Time character_time(const parts::UartFormat& format) {
+  const unsigned bits = 9u + (format.even_parity ? 1u : 0u) + format.stop_bits;
+  return hal::Time{static_cast<std::int64_t>(bits * 1'000'000u / format.baud)};
+}
+
 bool Uart::open(const parts::UartFormat& format) {
   const std::uint32_t divider = divider_for(format.baud);
   if (divider == 0) return false;
@@ -33,11 +38,9 @@ bool Uart::open(const parts::UartFormat& format) {
   reg(uart, usart::CR1) = 0;  // rates and format only while disabled
   receive_.connect(
       {place_.receive_request, DmaStream::Direction::kToMemory, true, false, false, true});
-  receive_.stop();
   if (sends()) {
     transmit_.connect(
         {place_.receive_request + 1, DmaStream::Direction::kToRegister, false, true, false, true});
-    transmit_.stop();
     make_alternate(place_.transmit, place_.function);
     enable_interrupt(transmit_.irq(), Priority::kBus);
   }
@@ -128,8 +131,7 @@ void LinkUart::on_sent() {
 // ---- listener
 
 bool UartListener::open(const parts::UartFormat& format) {
-  const unsigned bits = 9u + (format.even_parity ? 1u : 0u) + format.stop_bits;
-  character_ = hal::Time{static_cast<std::int64_t>(bits * 1'000'000u / format.baud)};
+  character_ = character_time(format);
   const std::uint32_t masked = mask_bus();
   const bool possible = uart_.open(format);
   unmask_bus(masked);

@@ -10,6 +10,9 @@
 
 namespace rosflight::boards::stm32h7 {
 
+/// Time of one character on the wire.
+hal::Time character_time(const parts::UartFormat& format);
+
 /// A UART that receives by DMA into a ring and sends by DMA from a buffer. RM0433 ch. 48.
 ///
 /// Its interrupt comes when the line has been idle for one character, and on line errors; that of the
@@ -51,6 +54,8 @@ class Uart {
   std::uint8_t* out() { return memory_.out; }
   std::size_t out_size() const { return memory_.out_size; }
   bool sending() const { return sending_; }
+  /// The last stop bit has left.
+  bool line_is_quiet() const { return usart::ISR_TC.of(reg(place_.uart, usart::ISR)) != 0; }
   void send(std::size_t count);
 
   /// What the UART's own interrupt was for; clears it.

@@ -78,6 +78,7 @@ Chip::Chip(std::uint64_t crystal_Hz)
           &dma1,   &dma2,   &spi1,  &spi2,     &spi4,          &spi5,       &usart1,
           &usart2, &usart3, &uart4, &usart6,   &tim1,          &tim2,       &tim3,
           &tim4,   &tim5,   &tim6,  &tim7,     &tim8,          &tim12};
+  all_.push_back(&i2c1);
   for (PinPort& port : ports_) all_.push_back(&port);
   for (const auto& memory : kMemories) processor.add_memory(memory.base, memory.size, memory.kind);
   for (Peripheral* each : all_) processor.add(*each);

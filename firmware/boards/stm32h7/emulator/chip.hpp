@@ -6,6 +6,7 @@
 
 #include "firmware/boards/stm32h7/emulator/clock_tree.hpp"
 #include "firmware/boards/stm32h7/emulator/dma_model.hpp"
+#include "firmware/boards/stm32h7/emulator/i2c_model.hpp"
 #include "firmware/boards/stm32h7/emulator/pins.hpp"
 #include "firmware/boards/stm32h7/emulator/processor.hpp"
 #include "firmware/boards/stm32h7/emulator/spi_model.hpp"
@@ -41,6 +42,7 @@ class Chip {
   DmaRequests requests{{&dma1, &dma2}};
   SpiModel spi1, spi2, spi4, spi5;
   UartModel usart1, usart2, usart3, uart4, usart6;
+  I2cModel i2c1{processor, "I2C1", I2C1, clocks, irq::I2C1_EV, irq::I2C1_ER};
   TimerModel tim1, tim2, tim3, tim4, tim5, tim6, tim7, tim8, tim12;
 
  private:

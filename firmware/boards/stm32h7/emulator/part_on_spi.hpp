@@ -25,9 +25,12 @@ class PartOnSpi final : public Timed {
     selected_ = low;
   }
   bool selected() const { return selected_; }
+  /// Injects a fault: nobody drives the data line.
+  void set_mute(bool mute) { mute_ = mute; }
   std::uint8_t exchange(std::uint8_t out) {
     const std::uint8_t in = part_.exchange(out);
     schedule();
+    if (mute_) return 0xFF;
     return in;
   }
   void event(Ticks /*now*/) override { advance(); }
@@ -48,6 +51,7 @@ class PartOnSpi final : public Timed {
   parts::models::SpiPart& part_;
   bool has_line_;
   bool selected_{false};
+  bool mute_{false};
 };
 
 }  // namespace rosflight::boards::stm32h7::emulator

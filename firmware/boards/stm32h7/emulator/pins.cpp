@@ -82,6 +82,11 @@ void PinPort::expect_alternate(unsigned pin, unsigned function) const {
            std::to_string(function));
 }
 
+void PinPort::expect_open_drain(unsigned pin) const {
+  if ((word(gpio::OTYPER) >> pin & 1U) != 0) return;
+  complain("pin " + std::to_string(pin) + " drives a shared line high");
+}
+
 std::uint32_t PinPort::read(std::uint32_t offset, unsigned /*size*/) {
   if (offset != gpio::IDR) return word(offset);
   std::uint32_t value = 0;

@@ -53,6 +53,8 @@ class PinPort final : public Peripheral {
   bool is_output(unsigned pin) const { return mode(pin) == 1; }
   /// Complains unless the pin is given to this alternate function.
   void expect_alternate(unsigned pin, unsigned function) const;
+  /// Complains unless the pin can only be pulled low.
+  void expect_open_drain(unsigned pin) const;
   std::function<void(unsigned pin, bool high)> on_output;
 
  private:

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/constants.hpp"
 #include "firmware/boards/stm32h7/emulator/sbus_frame.hpp"
 
 namespace rosflight::boards::stm32h7::emulator {
@@ -16,9 +17,13 @@ constexpr PinName pin(char port, unsigned number) {
 constexpr PinName kAccelSelect = pin('F', 6), kGyroSelect = pin('F', 10), kGyroReady = pin('F', 3);
 constexpr PinName kImuClock = pin('F', 7), kImuIn = pin('F', 8), kImuOut = pin('F', 9);
 constexpr PinName kSensorSupply = pin('E', 3), kLevelShifter = pin('I', 3);
+constexpr PinName kBaroSelect = pin('D', 7), kFramSelect = pin('D', 10), kBaroClock = pin('B', 10),
+                  kBaroIn = pin('B', 14), kBaroOut = pin('B', 15);
+constexpr PinName kPulsePerSecond = pin('D', 12);
 constexpr PinName kRedLed = pin('B', 11), kGreenLed = pin('B', 1), kBlueLed = pin('B', 3);
-constexpr unsigned kSpi5Function = 5, kUsartFunction = 7;
-constexpr std::uint64_t kBmi088Max_Hz = 10'000'000;
+constexpr unsigned kSpi5Function = 5, kSpi2Function = 5, kUsartFunction = 7, kI2cFunction = 4,
+                   kUart4Function = 8;
+constexpr std::uint64_t kBmi088Max_Hz = 10'000'000, kDps310Max_Hz = 10'000'000;
 constexpr parts::UartFormat kSbus{100'000, true, 2, true};
 
 }  // namespace
@@ -34,7 +39,10 @@ PixracerProModel::PixracerProModel()
                 {&chip_.tim8, 1, pin('I', 6), 3}}} {
   chip_.processor.add(accel_);
   chip_.processor.add(gyro_);
+  chip_.processor.add(gnss_on_wire_);
   connect_imu();
+  connect_baro();
+  connect_external();
   connect_serial();
 }
 
@@ -64,6 +72,66 @@ void PixracerProModel::connect_imu() {
   };
 }
 
+void PixracerProModel::connect_baro() {
+  chip_.port(kBaroSelect).on_output = [this](unsigned number, bool high) {
+    if (number == kBaroSelect.number) baro_on_bus_.select(!high);
+    if (number == kFramSelect.number) fram_on_bus_.select(!high);
+  };
+  chip_.spi2.exchange = [this](std::uint8_t out) -> std::uint8_t {
+    if (baro_on_bus_.selected() && fram_on_bus_.selected()) {
+      chip_.processor.complain("SPI2: barometer and FRAM are both selected");
+    }
+    if (fram_on_bus_.selected()) return fram_on_bus_.exchange(out);
+    return baro_on_bus_.selected() ? baro_on_bus_.exchange(out) : 0xFF;
+  };
+  chip_.spi2.on_start = [this](std::uint64_t clock_Hz) {
+    for (const PinName& each : {kBaroClock, kBaroIn, kBaroOut}) {
+      chip_.port(each).expect_alternate(each.number, kSpi2Function);
+    }
+    if (baro_on_bus_.selected() && clock_Hz > kDps310Max_Hz)
+      chip_.processor.complain("SPI2: faster than a DPS310 allows");
+  };
+}
+
+/// What hangs on the GPS connector: magnetometer on I2C, receiver, pulse per second.
+void PixracerProModel::connect_external() {
+  chip_.i2c1.connect(mag_);
+  chip_.i2c1.on_enable = [this] {
+    for (const PinName& each : {pin('B', 8), pin('B', 9)}) {
+      chip_.port(each).expect_alternate(each.number, kI2cFunction);
+      chip_.port(each).expect_open_drain(each.number);
+    }
+  };
+  chip_.uart4.on_enable = [this] {
+    for (const PinName& each : {pin('A', 0), pin('A', 1)}) {
+      chip_.port(each).expect_alternate(each.number, kUart4Function);
+    }
+  };
+  gnss_.pulse = [this](bool high, hal::Time /*when*/) {
+    chip_.port(kPulsePerSecond).drive(kPulsePerSecond.number, high);
+  };
+}
+
+/// The world's newest solution, moved on to another time with its velocity.
+parts::models::GnssTruth PixracerProModel::gnss_truth(hal::Time when) const {
+  const hal::GnssSample& s = gnss_sample_;
+  const double dt_s = 1e-6 * static_cast<double>((when - s.stamp).count());
+  constexpr double kMetresPerDegree = 111'319.49;  // of latitude, and of longitude at the equator
+  const double north_m_s = static_cast<double>(s.velocity_ned_m_s[0]);
+  const double east_m_s = static_cast<double>(s.velocity_ned_m_s[1]);
+  parts::models::GnssTruth truth;
+  truth.latitude_deg = s.latitude_deg + north_m_s * dt_s / kMetresPerDegree;
+  truth.longitude_deg = s.longitude_deg + east_m_s * dt_s / kMetresPerDegree /
+                                              std::cos(s.latitude_deg * base::kRadPerDeg);
+  truth.height_msl_m =
+      static_cast<double>(s.height_msl_m) - static_cast<double>(s.velocity_ned_m_s[2]) * dt_s;
+  for (std::size_t k = 0; k < 3; ++k)
+    truth.velocity_ned_m_s[k] = static_cast<double>(s.velocity_ned_m_s[k]);
+  truth.fix = static_cast<int>(s.fix);
+  truth.satellites = s.satellites;
+  return truth;
+}
+
 void PixracerProModel::connect_serial() {
   chip_.usart2.on_byte = [this](std::uint8_t byte, std::uint32_t /*baud*/) {
     sent_.push_back(byte);
@@ -90,15 +158,19 @@ void PixracerProModel::note_output_latency() {
   if (edge_ != 0 && written > edge_) latency_ = std::max(latency_, written - edge_);
 }
 
+std::vector<parts::models::Part*> PixracerProModel::all_parts() {
+  return {&imu_.accel, &imu_.gyro, &baro_, &fram_, &mag_, &gnss_};
+}
+
 void PixracerProModel::power_on() {
-  for (parts::models::SpiPart* part : {static_cast<parts::models::SpiPart*>(&imu_.accel),
-                                       static_cast<parts::models::SpiPart*>(&imu_.gyro)}) {
+  for (parts::models::Part* const part : all_parts()) {
     part->advance(part_time(chip_.processor.now()));
     part->set_power(false);
     part->set_power(true);
   }
   accel_.advance();
   gyro_.advance();
+  gnss_on_wire_.advance();
   sent_.clear();
   latency_ = edge_ = 0;
 }
@@ -112,6 +184,27 @@ void PixracerProModel::expose(const ToChip& world) {
     std::copy(world.imu.gyro_rad_s.begin(), world.imu.gyro_rad_s.end(),
               imu_truth_.gyro_rad_s.begin());
     imu_truth_.temperature_K = static_cast<double>(world.imu.temperature_K);
+  }
+  baro_on_bus_.advance();
+  chip_.i2c1.advance();
+  baro_on_bus_.set_mute(baro_presence_.lost(world.has_baro != 0, world.time_us));
+  chip_.i2c1.hold_data_low(mag_presence_.lost(world.has_mag != 0, world.time_us));
+  gnss_on_wire_.set_mute(gnss_presence_.lost(world.has_gnss != 0, world.time_us));
+  if (world.has_baro != 0) {
+    baro_truth_ = {static_cast<double>(world.baro.pressure_Pa),
+                   static_cast<double>(world.baro.temperature_K)};
+  }
+  if (world.has_mag != 0) {
+    // The part's axes: its z points up.
+    const hal::Vec3& field = world.mag.field_T;
+    mag_truth_.field_T = {static_cast<double>(field[0]), static_cast<double>(field[1]),
+                          -static_cast<double>(field[2])};
+  }
+  if (world.has_gnss != 0) {
+    gnss_sample_ = world.gnss;
+    constexpr std::int64_t kPerSecond = 1'000'000;
+    gnss_.epoch =
+        world.gnss.stamp - hal::Time{world.gnss.unix_s * kPerSecond + world.gnss.unix_ns / 1000};
   }
   if (world.has_rc != 0) {
     const SbusFrame frame = sbus_frame(world.rc);
@@ -160,8 +253,16 @@ void PixracerProModel::report(FromChip& out) {
 }
 
 std::vector<std::string> PixracerProModel::complaints() const {
-  std::vector<std::string> all = imu_.accel.complaints();
-  all.insert(all.end(), imu_.gyro.complaints().begin(), imu_.gyro.complaints().end());
+  std::vector<std::string> all;
+  for (const parts::models::Part* const part :
+       {static_cast<const parts::models::Part*>(&imu_.accel),
+        static_cast<const parts::models::Part*>(&imu_.gyro),
+        static_cast<const parts::models::Part*>(&baro_),
+        static_cast<const parts::models::Part*>(&fram_),
+        static_cast<const parts::models::Part*>(&mag_),
+        static_cast<const parts::models::Part*>(&gnss_)}) {
+    all.insert(all.end(), part->complaints().begin(), part->complaints().end());
+  }
   return all;
 }
 

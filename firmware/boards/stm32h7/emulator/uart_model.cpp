@@ -182,25 +182,32 @@ void UartModel::arrive() {
   wire_.pop_front();
   const Ticks now = core().now();
   arrives_at_ = wire_.empty() ? kNever : now + byte_time(wire_.front().format);
+  deliver(next.byte, next.format);
+  if (!wire_.empty()) idle_at_ = kNever;
+}
+
+void UartModel::deliver(std::uint8_t byte, const parts::UartFormat& format) {
   if (!enabled() || usart::CR1_RE.of(word(usart::CR1)) == 0) return;
-  std::uint8_t byte = next.byte;
-  if (!agrees(next.format)) {
+  if (!agrees(format)) {
     ++line_errors_;
     word(usart::ISR) |= usart::ISR_FE.mask();
     byte = static_cast<std::uint8_t>(~byte);
   }
   ++received_;
-  idle_at_ = wire_.empty() ? now + byte_time(next.format) : kNever;
+  // The start bit of a byte that follows would come within the first bit.
+  idle_at_ = core().now() + byte_time(format) + byte_time(format) / 8;
   std::uint32_t element = byte;
   const bool by_dma = usart::CR3_DMAR.of(word(usart::CR3)) != 0;
-  if (by_dma && dma_.served(wiring_.receive_request) && dma_.move(wiring_.receive_request, element))
-    return;
-  if (received_bytes_.size() >= depth()) {
+  const bool moved =
+      by_dma && dma_.served(wiring_.receive_request) && dma_.move(wiring_.receive_request, element);
+  if (!moved && received_bytes_.size() >= depth()) {
     ++overruns_;
     word(usart::ISR) |= usart::ISR_ORE.mask();
-    return;
+  } else if (!moved) {
+    received_bytes_.push_back(byte);
   }
-  received_bytes_.push_back(byte);
+  drive_line();
+  schedule();
 }
 
 void UartModel::event(Ticks now) {

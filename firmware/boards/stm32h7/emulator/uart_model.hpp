@@ -31,6 +31,8 @@ class UartModel final : public Peripheral {
 
   /// The far end sends: the bytes follow on the wire behind those that wait.
   void feed(const std::uint8_t* data, std::size_t count, const parts::UartFormat& format);
+  /// A byte whose stop bit ends now, of a far end that keeps its own time.
+  void deliver(std::uint8_t byte, const parts::UartFormat& format);
   /// A byte has left: its stop bit ended now.
   std::function<void(std::uint8_t byte, std::uint32_t baud)> on_byte;
   /// Called when the UART is enabled: pins can be checked.

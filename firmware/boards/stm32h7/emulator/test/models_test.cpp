@@ -4,6 +4,7 @@
 
 #include "firmware/boards/stm32h7/emulator/clock_tree.hpp"
 #include "firmware/boards/stm32h7/emulator/dma_model.hpp"
+#include "firmware/boards/stm32h7/emulator/i2c_model.hpp"
 #include "firmware/boards/stm32h7/emulator/pins.hpp"
 #include "firmware/boards/stm32h7/emulator/spi_model.hpp"
 #include "firmware/boards/stm32h7/emulator/test/fake_core.hpp"
@@ -370,8 +371,9 @@ TEST_F(UartRules, ByteTakesItsTimeAndIdleFollows) {
   core.run_for(kTicksPerMicrosecond);
   EXPECT_EQ(read(uart, usart::RDR), 0x55U);
   EXPECT_EQ(core.lines.count(irq::USART2), 0U);
-  core.run_for(11 * kTicksPerMicrosecond);
-  EXPECT_EQ(core.lines.count(irq::USART2), 1U) << "idle for one character";
+  core.run_for(13 * kTicksPerMicrosecond);
+  EXPECT_EQ(core.lines.count(irq::USART2), 1U)
+      << "idle for one character, and the start bit of none";
   EXPECT_TRUE(core.complaints.empty());
 }
 
@@ -415,6 +417,92 @@ TEST_F(UartRules, SendsAndSaysWhenTheLastBitIsOut) {
   core.run_for(11 * kTicksPerMicrosecond);
   EXPECT_EQ(sent, std::vector<std::uint8_t>{7});
   EXPECT_EQ(usart::ISR_TC.of(read(uart, usart::ISR)), 1U);
+}
+
+// ---- I2C
+
+/// Echoes what was written to it.
+class Echo final : public parts::models::I2cPart {
+ public:
+  std::uint8_t address() const override { return 0x0C; }
+  bool begin(bool /*read*/) override { return true; }
+  bool write(std::uint8_t byte) override { return written.push_back(byte), true; }
+  std::uint8_t read() override { return written.empty() ? 0xFF : written.front(); }
+  void stop() override { ++stops; }
+  void advance(hal::Time /*now*/) override {}
+  hal::Time next_event() const override { return parts::models::kNever; }
+  void set_power(bool /*on*/) override {}
+  std::vector<std::uint8_t> written;
+  int stops{0};
+};
+
+class I2cRules : public Models {
+ protected:
+  I2cRules() {
+    start_clocks();
+    i2c.reset();
+    i2c.connect(echo);
+    write(i2c, i2c::TIMINGR, 0x10C0'ECFF);  // 100 kHz
+    write(i2c, i2c::CR1, i2c::CR1_PE(1));
+  }
+  void address(std::uint32_t part, bool read, std::uint32_t count, bool stop) {
+    write(i2c, i2c::CR2,
+          i2c::CR2_SADD(part << 1U) | i2c::CR2_RD_WRN(read) | i2c::CR2_NBYTES(count) |
+              i2c::CR2_AUTOEND(stop) | i2c::CR2_START(1));
+  }
+  bool has(const Field& flag) { return flag.of(read(i2c, i2c::ISR)) != 0; }
+  static constexpr Ticks kByte = 90 * kTicksPerMicrosecond;
+  Echo echo;
+  I2cModel i2c{core, "I2C1", I2C1, clocks, irq::I2C1_EV, irq::I2C1_ER};
+};
+
+TEST_F(I2cRules, WritesThenReadsAfterARepeatedStart) {
+  address(0x0C, false, 1, false);
+  core.run_for(kByte);
+  EXPECT_FALSE(has(i2c::ISR_TXIS)) << "start and nine bits take 98.6 us";
+  core.run_for(kByte);
+  ASSERT_TRUE(has(i2c::ISR_TXIS));
+  write(i2c, i2c::TXDR, 0x31);
+  core.run_for(kByte);
+  ASSERT_TRUE(has(i2c::ISR_TC));
+  address(0x0C, true, 1, true);
+  core.run_for(3 * kByte);
+  ASSERT_TRUE(has(i2c::ISR_RXNE));
+  EXPECT_EQ(read(i2c, i2c::RXDR), 0x31U);
+  core.run_for(kByte);
+  EXPECT_TRUE(has(i2c::ISR_STOPF));
+  EXPECT_EQ(echo.stops, 1);
+  EXPECT_EQ(core.complaints, std::vector<std::string>{});
+}
+
+TEST_F(I2cRules, NobodyAtTheAddressIsANackAndAStop) {
+  address(0x55, false, 1, true);
+  core.run_for(2 * kByte);
+  EXPECT_TRUE(has(i2c::ISR_NACKF));
+  EXPECT_TRUE(has(i2c::ISR_STOPF));
+}
+
+TEST_F(I2cRules, AHeldDataLineStopsEverything) {
+  i2c.hold_data_low(true);
+  address(0x0C, false, 1, true);
+  core.run_for(100 * kByte);
+  EXPECT_FALSE(has(i2c::ISR_STOPF));
+  EXPECT_TRUE(has(i2c::ISR_BUSY));
+}
+
+TEST_F(I2cRules, WrongOrderIsComplainedOf) {
+  write(i2c, i2c::TIMINGR, 0);
+  expect_complaint("changed while enabled");
+  write(i2c, i2c::TXDR, 1);
+  expect_complaint("without room");
+  write(i2c, i2c::CR1, 0);
+  write(i2c, i2c::TIMINGR, 0x10C0'ECFF);
+  write(i2c, i2c::CR1, i2c::CR1_PE(1));
+  static_cast<void>(read(i2c, i2c::RXDR));
+  expect_complaint("read while empty");
+  address(0x0C, false, 1, true);
+  address(0x0C, false, 1, true);
+  expect_complaint("started while a transfer runs");
 }
 
 // ---- timers

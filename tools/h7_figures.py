@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is measured on the image of the Pixracer Pro: its sizes, and its default flight on the emulated STM32H7."""
+
+import functools
+import json
+import resource
+import subprocess
+import tempfile
+from pathlib import Path
+
+import project
+
+BOARD = "pixracer_pro"
+IMAGE = project.ROOT / f"build/cortex-m7/firmware/boards/{BOARD}/firmware_{BOARD}.elf"
+# Sections by what they occupy: flash and RAM. Initial values of variables lie in both.
+FLASH = (".text", ".ARM.exidx", ".ARM.extab", ".data")
+RAM = (".stack", ".data", ".bss", ".dma")
+
+
+@functools.cache
+def sections(image: Path = IMAGE) -> dict[str, int]:
+    if not image.is_file():
+        raise RuntimeError(f"{image.name} does not build, see build/cortex-m7/build.log")
+    said = subprocess.run(["arm-none-eabi-size", "-A", str(image)], capture_output=True, text=True, check=True).stdout
+    return sizes_of(said)
+
+
+def sizes_of(said: str) -> dict[str, int]:
+    """Section sizes from what size -A prints."""
+    rows = (line.split() for line in said.splitlines())
+    return {row[0]: int(row[1]) for row in rows if len(row) == 3 and row[0].startswith(".")}
+
+
+def text_bytes() -> float:
+    return float(sum(sections().get(name, 0) for name in FLASH))
+
+
+def ram_bytes() -> float:
+    return float(sum(sections().get(name, 0) for name in RAM))
+
+
+@functools.cache
+def flight() -> dict:
+    """Summary of the default flight, with the processor time of simulation and emulator."""
+    program = project.ROOT / "build/release/apps/rosflight"
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    with tempfile.TemporaryDirectory() as scratch:
+        done = subprocess.run([str(program), "fly", "--board", BOARD, "--json", "--out", f"{scratch}/flight", "--log", "none"],
+                              cwd=project.ROOT, capture_output=True, text=True, timeout=600, stdin=subprocess.DEVNULL)
+    if done.returncode != 0:
+        raise RuntimeError((done.stderr.strip().splitlines() or ["the default flight did not succeed"])[-1])
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    cpu_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return {**json.loads(done.stdout), "cpu_s": cpu_s}
+
+
+def realtime_factor() -> float:
+    """Simulated time over the processor time of simulation and emulator."""
+    return flight()["sim_time_s"] / flight()["cpu_s"]

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import h7_figures
+import pytest
+
+SIZE = """firmware.elf  :
+section           size        addr
+.text           100000   134217728
+.ARM.exidx           8   134317728
+.stack           17408   536870912
+.data               96   536888320
+.bss             40000   536888416
+.dma              5120   805568512
+.debug_info      99999           0
+Total           262631
+"""
+
+
+@pytest.fixture
+def sections(monkeypatch):
+    monkeypatch.setattr(h7_figures, "sections", lambda: h7_figures.sizes_of(SIZE))
+
+
+def test_initial_values_count_in_flash_and_ram(sections):
+    assert h7_figures.text_bytes() == 100000 + 8 + 96
+    assert h7_figures.ram_bytes() == 17408 + 96 + 40000 + 5120
+
+
+def test_factor_is_simulated_time_over_processor_time(monkeypatch):
+    monkeypatch.setattr(h7_figures, "flight", lambda: {"sim_time_s": 50.0, "cpu_s": 10.0})
+    assert h7_figures.realtime_factor() == 5.0
