@@ -3,7 +3,7 @@
 # Makes a machine ready: system packages, virtual environment, build. Each step does only what is
 # missing or changed and tells on stderr what it does. ./rosflight sources this file; by hand:
 #
-#   tools/ready.sh packages run test           what tools/system_packages.txt lists
+#   tools/ready.sh packages run test           what tools/system_packages.txt lists; test arm64 to cross-build for arm64
 #   tools/ready.sh venv                        .venv from tools/requirements.txt, for tests and tools
 #   tools/ready.sh environment FOLDER FILE     another one, from another list
 #   tools/ready.sh build PRESET [TARGET...]    configure and build; no target means all. Makes .venv-build
@@ -73,7 +73,7 @@ wanted_packages() {  # SET...
 missing_packages() {  # NAME...
   local installed
   # shellcheck disable=SC2016
-  installed="$(dpkg-query -W -f '${db:Status-Status} ${Package}\n' "$@" 2>/dev/null || true)"
+  installed="$(dpkg-query -W -f '${db:Status-Status} ${Package}\n${db:Status-Status} ${Package}:${Architecture}\n' "$@" 2>/dev/null || true)"
   local name
   for name in "$@"; do
     grep -qxF "installed $name" <<<"$installed" || echo "$name"
@@ -82,18 +82,23 @@ missing_packages() {  # NAME...
 
 install_packages() {  # NAME...
   local -a as_root=()
+  local foreign=
+  [[ " $* " == *:arm64\ * ]] && foreign="dpkg --add-architecture arm64"
   if [[ $(id -u) != 0 ]]; then
     if sudo -n true 2>/dev/null; then
       as_root=(sudo -n)
     else
       say "system packages are missing; run this line and start again:"
-      printf 'sudo apt-get update && sudo apt-get install -y --no-install-recommends %s\n' "$*" >&2
+      printf '%ssudo apt-get update && sudo apt-get install -y --no-install-recommends %s\n' \
+        "${foreign:+sudo $foreign && }" "$*" >&2
       exit 2
     fi
   fi
   local log="$root/build/.ready/apt.log"
   local -a apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600)
   say "installing system packages: $*"
+  # shellcheck disable=SC2086
+  [[ -z $foreign ]] || "${as_root[@]}" $foreign
   "${apt[@]}" update >"$log" 2>&1 || say "apt-get update had trouble, trying on with the old lists"
   if ! "${apt[@]}" install -y --no-install-recommends "$@" >>"$log" 2>&1; then
     tail -n 8 "$log" >&2

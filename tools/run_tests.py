@@ -5,9 +5,9 @@ Builds and runs every test and ends with the line "N passed, M failed". Exit cod
 
 NAME chooses: a stage by its name, and test programs and pytest files by a part of theirs. quick stands for format,
 structure, build, unit and python: less than five minutes after a build.
-Stages: format, structure, build, unit, mutation, python, ros, cortex-m7, sanitizers, ros-sanitizers, fuzz, tidy. Sanitizers
-and clang-tidy look at what flies and at whole flights; sanitizers-rest, tidy-rest and tidy-ros (simulation, programs,
-tests, ROS nodes) run when named: they take as long as all others together.
+Stages: format, structure, build, unit, mutation, python, ros, cortex-m7, arm64, sanitizers, ros-sanitizers, fuzz, tidy.
+Sanitizers and clang-tidy look at what flies and at whole flights, arm64 also at the world; sanitizers-rest, tidy-rest, tidy-ros
+and arm64-rest (simulation, programs, tests, ROS nodes) run when named: they take as long as all others together.
 
 Stages that run in real time (python, ros, ros-sanitizers) run beside those that compute, which have the lowest priority.
 The output of a stage is printed when it ends. The table gives wall time and processor time of each stage.
@@ -19,6 +19,7 @@ sees it; NAME is a part of the names there. The stage mutation does one of them.
 import os
 import sys
 
+import arm64
 import lanes
 import mutation_tests
 import project
@@ -37,14 +38,16 @@ STAGES = {
     "unit": Stage(stages.unit_tests, COMPUTES),
     "mutation": Stage(mutation_tests.test_one, COMPUTES),
     "cortex-m7": Stage(stages.cortex_m7, COMPUTES),
+    "arm64": Stage(arm64.run, COMPUTES),
     "fuzz": Stage(stages.fuzz, COMPUTES),
     "sanitizers": Stage(stages.sanitizers, COMPUTES),
     "tidy": Stage(stages.tidy_product, COMPUTES),
     "sanitizers-rest": Stage(stages.sanitizers_rest, COMPUTES),
     "tidy-rest": Stage(stages.tidy_rest, COMPUTES),
     "tidy-ros": Stage(stages.tidy_ros, COMPUTES),
+    "arm64-rest": Stage(lambda: arm64.run(rest=True), COMPUTES),
 }
-ON_REQUEST = {"sanitizers-rest", "tidy-rest", "tidy-ros"}
+ON_REQUEST = {"sanitizers-rest", "tidy-rest", "tidy-ros", "arm64-rest"}
 QUICK = ("format", "structure", "build", "unit", "python")
 
 
