@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
+#include "autonomy/common/angles.hpp"
 #include "autonomy/estimation/error_state_ekf.hpp"
 #include "autonomy/estimation/estimator_config.hpp"
 #include "autonomy/estimation/health.hpp"
@@ -11,11 +14,40 @@
 
 namespace rosflight::autonomy::estimation {
 
+/// Mean square of normalised innovations of one aid, exponential over 1/share samples.
+class InnovationMonitor {
+ public:
+  /// @param share  weight of a sample, 0..1. @param limit  of the mean; 1 is expected.
+  /// @param cap  a single innovation counts for no more than this.
+  InnovationMonitor(double share, double limit, double cap)
+      : share_{share}, limit_{limit}, cap_{cap} {}
+  /// @returns whether the mean exceeds its limit; it then starts again.
+  bool exceeded(double nis) {
+    mean_ += share_ * (std::min(nis, cap_) - mean_);
+    if (mean_ <= limit_) return false;
+    mean_ = 1.0;
+    return true;
+  }
+  void reset() { mean_ = 1.0; }
+
+ private:
+  double share_, limit_, cap_;
+  double mean_{1.0};
+};
+
 /// What positions and headings refer to; unknown until the first fix.
 struct Reference {
   std::optional<Geodetic> origin;         ///< Of W.
   std::optional<double> declination_rad;  ///< Magnetic north, east of true north.
 };
+
+/// The place a little way off another one [m].
+inline Geodetic moved(const Geodetic& from, const Vector3& by_W) {
+  constexpr double kMetresPerDegree = 111.2e3;
+  const double east_per_degree = kMetresPerDegree * std::cos(from.latitude_deg * kRadPerDeg);
+  return {from.latitude_deg + by_W.x() / kMetresPerDegree,
+          from.longitude_deg + by_W.y() / east_per_degree, from.altitude_m - by_W.z()};
+}
 
 /// Fuses each aid with the filter: noise, lever, innovation gate, and recovery after a timeout of
 /// rejections.
@@ -24,16 +56,22 @@ struct Reference {
 /// |---|---|---|
 /// | GNSS velocity | gnss_doubt_s | the variances of tilt, velocity and IMU biases are widened |
 /// | GNSS position, velocity | gnss_reset_s | horizontal position and velocity are reset to GNSS |
+/// | GNSS position alone | gnss_jump_s | its slow error is set so that the residual is zero |
 /// | barometer | baro_relearn_s | its bias is set so that the residual is zero |
 /// | range | range_relearn_s | the altitude of the ground is set so that the residual is zero |
 ///
+/// Before a gate closes, the innovations tell: where their mean square over some samples
+/// (InnovationMonitor) exceeds what the covariance allows, a bias of the IMU must have jumped, and
+/// its variance is widened. Velocity of GNSS, specific force of the air (without GNSS) and heading
+/// are watched. A heading that jumps from one sample to the next is the magnetometer's fault.
+///
 /// Everything is fused at time_s(), which predict() moves on; the Estimator around it
 /// (estimator.hpp) brings the samples into order of time. Fixed size, no heap, no clock.
-template <bool kWind>
+template <bool kWing>
 class AidFusion {
  public:
-  using Filter = ErrorStateEkf<kWind>;
-  using Covariance = typename Filter::Covariance;
+  using Filter = ErrorStateEkf;
+  using Covariance = Filter::Covariance;
 
   /// Takes a copy of the configuration.
   explicit AidFusion(const EstimatorConfig& config) : config_{config} {}
@@ -48,13 +86,24 @@ class AidFusion {
   void set_time(double t_s) { t_s_ = t_s; }
 
   /// Predicts to the end of an IMU segment, which begins at time_s(). A hole in it widens the
-  /// covariance by what a vehicle may have done meanwhile (0.5 rad/s, 5 m/s^2).
+  /// covariance by what a vehicle may have done meanwhile (0.5 rad and 5 m/s after a second, growing
+  /// with the root of time); through one of which nothing is known it flies straight on. Fuses the
+  /// specific force of the air if the vehicle is off the ground.
   void predict(const ImuBuffer::Segment& segment);
   /// Corrects by a measurement taken at time_s().
   /// @param newest_s  time of the newest IMU sample, at which the output is shown [s].
   void fuse(const AidSample& sample, double newest_s);
   /// Corrects by a velocity of zero: the vehicle stands.
   void fuse_rest();
+
+  /// Turns the attitude by an error in body axes: after a long hole, from another source.
+  void correct_attitude(const Vector3& error_B, double tilt_sigma_rad, double heading_sigma_rad);
+  /// Heading from the magnetic field at a start; its variance must still be large.
+  void start_heading(const Vector3& field_B);
+  /// Restores the last good state if this one is not finite. Call it now and then.
+  void guard();
+  /// Adds to all times: the clock of the samples has jumped.
+  void shift(double by_s);
 
   /// The part of a late correction of the position that the output does not show yet at t_s [m].
   Vector2 unshown_jump_W(double t_s) const;
@@ -77,9 +126,16 @@ class AidFusion {
   void fuse(const PitotSample& sample);
   void fuse(const SideslipSample& sample);
   template <int kRows>
-  bool weigh(Aid aid, const typename Filter::template Residual<kRows>& residual, double gate_sigma);
+  bool weigh(Aid aid, const Filter::Residual<kRows>& residual, double gate_sigma);
+  void fuse_air_force(const ImuBuffer::Segment& segment);
+  void learn_gusts(double nis);
+  bool off_the_ground() const;
+  bool dead_reckoning() const;
+  bool heading_drifts(double residual_rad, double nis);
   void widen_imu_errors();
+  void widen_heading();
   void reset_to_gnss(const Vector3& p_W, const Vector3& v_W);
+  void restart_gnss_bias(int first, int size, const Vector3& p_W);
   Vector3 gnss_lever() const { return config_.gnss_position_B - config_.imu_position_B; }
 
   EstimatorConfig config_;
@@ -97,6 +153,28 @@ class AidFusion {
     double t_s{};
     double until_s{-1e9};  ///< Corrections up to here belong to it.
   } jump_;
+  /// Sum of the specific force that is not fused yet.
+  struct {
+    Vector3 dv_B{Vector3::Zero()};
+    double dt_s{};
+  } force_;
+  /// The last heading: a step between two samples is no turn of the vehicle.
+  struct {
+    double residual_rad{};
+    double t_s{-1e9};
+    bool jumped{};
+  } heading_;
+  InnovationMonitor velocity_monitor_{0.3, 3.0, 6.0};
+  InnovationMonitor heading_monitor_{0.25, 4.5, 9.0};
+  InnovationMonitor air_monitor_{0.15, 4.0, 9.0};
+  double wind_noise_m_s_rts_{config_.noise.wind_m_s_rts};
+  double widened_s_{-1e9};
+  double settled_since_s_{1e9};  ///< GNSS position accepted without a gap.
+  struct {
+    double t_s{-1e9};
+    NominalState state;
+    Covariance covariance;
+  } good_;
   EstimatorHealth health_;
 };
 
