@@ -307,7 +307,6 @@ TEST_F(CommandTest, FailsafeIsBuiltAnewForEveryChange) {
   EXPECT_EQ(combined(2), 0.0f);
 }
 
-// Weak point 14: times are 64 bits of microseconds.
 // ---- the receiver is lost and the companion may go on
 
 class CompanionInFailsafe : public CommandTest {
@@ -389,6 +388,7 @@ TEST_F(CommandTest, ByDefaultALostReceiverEndsTheCompanionsFlightAtOnce) {
   EXPECT_FLOAT_EQ(combined(2), 0.4f);
 }
 
+// Weak point 14: times are 64 bits of microseconds.
 TEST_F(CommandTest, NothingHappensWhenA32BitClockWouldWrap) {
   config_.offboard_timeout = milliseconds(100);
   configure();
