@@ -54,8 +54,9 @@ hal::Vec3 scaled(const std::array<std::uint8_t, 6>& raw, float scale) {
 Time Bmi088::group_delay(GyroRate rate) {
   constexpr std::array<float, 4> kBandwidth_hz{532.0f, 230.0f, 116.0f, 47.0f};
   constexpr float kSqrt2OverTwoPi = 0.22507908f;
-  return Time{static_cast<std::int64_t>(
-      1e6f * kSqrt2OverTwoPi / kBandwidth_hz[static_cast<std::size_t>(rate)] + 0.5f)};
+  const float delay_us = 1e6f * kSqrt2OverTwoPi / kBandwidth_hz[static_cast<std::size_t>(rate)];
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): never negative
+  return Time{static_cast<std::int64_t>(delay_us + 0.5f)};
 }
 
 /// Behind each reset the accelerometer listens to I2C again until its chip select rises once; the

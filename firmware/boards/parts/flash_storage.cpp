@@ -223,8 +223,8 @@ void FlashStorage::maintain() {
     copying_ = true;
     copy_at_ = kFirst;
     to_copy_.set();
-  } else if (!erased_[other] && !(active_ == kNone && erased_[1 - other])) {
-    if (medium_.erase(other)) erasing_ = other;
+  } else if (!erased_[other] && (active_ != kNone || !erased_[1 - other]) && medium_.erase(other)) {
+    erasing_ = other;
   }
 }
 

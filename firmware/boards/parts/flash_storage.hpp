@@ -71,7 +71,7 @@ class FlashStorage final : public hal::Storage {
   const hal::Clock& clock_;
   std::array<std::uint16_t, kBlocks>
       place_{};  ///< Word of each block's newest version; 0: never written.
-  std::bitset<kBlocks> to_copy_{};
+  std::bitset<kBlocks> to_copy_;
   std::array<bool, 2> erased_{};
   std::size_t active_{kNone};
   std::size_t erasing_{kNone};

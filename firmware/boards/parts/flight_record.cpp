@@ -38,6 +38,7 @@ hal::Time get_time(const std::uint8_t* p) {
 /// NaN becomes 0.
 std::uint16_t steps(float output) {
   const float limited = output > 0.0f ? std::min(output, 1.0f) : 0.0f;
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): never negative
   return static_cast<std::uint16_t>(limited * kOutputSteps + 0.5f);
 }
 

@@ -28,7 +28,8 @@ class Iis2mdc final : public Driver, public hal::Source<hal::MagSample>, private
   enum class Stage : std::uint8_t { kIdle, kCommand, kWaiting, kResult };
   static constexpr std::size_t kSteps = 7;
   static constexpr std::size_t kReadBytes = 16;  ///< Registers 0x60..0x6F.
-  static const std::array<SetupStep, kSteps> kSetup;
+  static const std::array<SetupStep, kSteps>
+      kSetup;  // NOLINT(bugprone-dynamic-static-initializers): constexpr in the .cpp
 
   bool begin(Start how, Time now) override;
   void step_start(Time now) override;

@@ -27,7 +27,8 @@ class Ist8308 final : public Driver, public hal::Source<hal::MagSample>, private
  private:
   enum class Stage : std::uint8_t { kIdle, kCommand, kWaiting, kResult, kCheck };
   static constexpr std::size_t kSteps = 5;
-  static const std::array<SetupStep, kSteps> kSetup;
+  static const std::array<SetupStep, kSteps>
+      kSetup;  // NOLINT(bugprone-dynamic-static-initializers): constexpr in the .cpp
 
   bool begin(Start how, Time now) override;
   void step_start(Time now) override;

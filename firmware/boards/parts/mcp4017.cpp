@@ -11,6 +11,7 @@ Mcp4017::Mcp4017(Port& port, float supply_V)
 std::uint8_t Mcp4017::wiper(float supply_V) {
   const float v = std::min(std::max(supply_V, 4.8f), 8.2f);
   const float n = ((-0.82601912f * v + 21.03465037f) * v - 193.55466392f) * v + 628.13007632f;
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): never negative
   return static_cast<std::uint8_t>(std::min(std::max(n, 0.0f), 93.0f) + 0.5f);
 }
 

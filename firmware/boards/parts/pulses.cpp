@@ -21,6 +21,7 @@ float limited(float value) {
 }
 
 std::uint32_t rounded(float value) {
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): never negative
   return static_cast<std::uint32_t>(value + 0.5f);
 }
 

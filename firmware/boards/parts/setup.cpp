@@ -63,7 +63,7 @@ void Setup::transfer_done(Transfer& /*transfer*/, TransferResult result, Time en
   const SetupStep& row = steps_[at_];
   // A part that resets itself may not acknowledge the command; a void read may fail.
   const bool may_fail = row.kind == SetupKind::kVoid || row.kind == SetupKind::kWrite;
-  if (result != TransferResult::kDone && !(may_fail && result == TransferResult::kNoAnswer)) {
+  if (result != TransferResult::kDone && (!may_fail || result != TransferResult::kNoAnswer)) {
     fail(result);
     return;
   }

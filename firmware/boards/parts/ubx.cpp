@@ -70,7 +70,7 @@ std::int64_t unix_seconds(int year, int month, int day, int hour, int minute, in
   const std::int64_t m = month <= 2 ? month + 9 : month - 3;  // March is 0
   const std::int64_t days = 365 * y + y / 4 - y / 100 + y / 400 + (153 * m + 2) / 5 + day - 1;
   constexpr std::int64_t kDaysTo1970 = 719'468;
-  return ((days - kDaysTo1970) * 24 + hour) * 3600 + minute * 60 + second;
+  return ((days - kDaysTo1970) * 24 + hour) * 3600 + std::int64_t{60} * minute + second;
 }
 
 NavPvt NavPvt::from(const std::uint8_t* p) {

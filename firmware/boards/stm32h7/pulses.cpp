@@ -50,6 +50,7 @@ void Pulses::start_timer(std::size_t first, float rate_hz) {
   std::uint32_t enables = 0;
   std::uint32_t prescaler = 0;
   if (rate_hz > 0.0f) {
+    // NOLINTNEXTLINE(bugprone-incorrect-roundings): never negative
     const auto period =
         static_cast<std::uint32_t>(static_cast<float>(kTimerClock_Hz) / rate_hz + 0.5f);
     prescaler = (period - 1) >> 16u;
@@ -65,6 +66,7 @@ void Pulses::start_timer(std::size_t first, float rate_hz) {
     enables |= 1u << (4u * c.channel);
     ticks_per_us_[k] =
         rate_hz > 0.0f ? kTicksPerMicrosecond / static_cast<float>(prescaler + 1) : 0.0f;
+    // NOLINTNEXTLINE(bugprone-incorrect-roundings): never negative
     set_compare(k, 0);
   }
   reg(timer, tim::CCMR1) = modes[0];

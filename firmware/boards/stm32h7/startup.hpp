@@ -27,8 +27,9 @@ struct VectorTable {
 }  // namespace rosflight::boards::stm32h7
 
 extern "C" {
-extern std::uint32_t board_stack_top[];
-void Reset_Handler();  // NOLINT(readability-identifier-naming): the linker's entry
+extern std::uint32_t
+    board_stack_top[];  // NOLINT(bugprone-dynamic-static-initializers): of the linker
+void Reset_Handler();   // NOLINT(readability-identifier-naming): the linker's entry
 /// Every fault, every interrupt without a handler, and the watchdog's warning.
 void board_take_fault();
 /// Runs when variables are set up.

@@ -54,6 +54,7 @@ void ChildProcess::become(const std::vector<std::string>& arguments, const std::
   // Out of the way first, so that no number is taken while it is still needed.
   constexpr int kAside = 100;
   std::vector<File> aside;
+  aside.reserve(files.size());
   for (const File& file : files) aside.push_back({::fcntl(file.from, F_DUPFD, kAside), file.to});
   const int words = ::fcntl(said, F_DUPFD, kAside);
   const int nothing = ::open("/dev/null", O_RDONLY);
@@ -67,6 +68,7 @@ void ChildProcess::become(const std::vector<std::string>& arguments, const std::
     ::close(file.from);
   }
   std::vector<char*> pointers;
+  pointers.reserve(arguments.size() + 1);
   for (const std::string& argument : arguments)
     pointers.push_back(const_cast<char*>(argument.c_str()));
   pointers.push_back(nullptr);

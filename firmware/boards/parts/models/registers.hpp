@@ -13,9 +13,9 @@ struct Faults {
   bool no_edges{false};  ///< Its data-ready line does not move.
   int lose_writes{0};    ///< So many of the next writes have no effect.
   /// What these registers read instead of their value, such as a wrong identity.
-  std::map<std::uint8_t, std::uint8_t> answers{};
+  std::map<std::uint8_t, std::uint8_t> answers;
   /// Bits of these registers that read inverted.
-  std::map<std::uint8_t, std::uint8_t> flips{};
+  std::map<std::uint8_t, std::uint8_t> flips;
 };
 
 /// 128 registers of 8 bits, and the faults that reads and writes pass through. A part says what its

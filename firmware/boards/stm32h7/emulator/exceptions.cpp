@@ -13,7 +13,8 @@ constexpr std::uint32_t kBasicFrame = 0x20, kFloatFrame = 0x68;
 constexpr std::uint32_t kFloatActive = 4;     // CONTROL.FPCA
 constexpr std::uint32_t kAligned = 1U << 9U;  // of the stacked PSR: four bytes were skipped
 constexpr std::uint32_t kThumb = 1U << 24U;
-constexpr Ticks kEntryTicks = 12 * 2, kReturnTicks = 10 * 2;  // cycles of the Cortex-M7 TRM
+constexpr Ticks kEntryTicks = Ticks{12} * 2,
+                kReturnTicks = Ticks{10} * 2;  // cycles of the Cortex-M7 TRM
 
 constexpr int kCore[8] = {UC_ARM_REG_R0,  UC_ARM_REG_R1, UC_ARM_REG_R2,   UC_ARM_REG_R3,
                           UC_ARM_REG_R12, UC_ARM_REG_LR, UC_ARM_REG_XPSR, UC_ARM_REG_SP};

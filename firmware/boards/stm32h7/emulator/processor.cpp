@@ -80,6 +80,7 @@ struct Processor::Hooks {
         rights |= UC_PROT_EXEC;
       }
     }
+    // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange): bits of the enumeration
     entry->perms = static_cast<uc_prot>(rights);
     return true;
   }
@@ -314,6 +315,7 @@ void Processor::power_on(std::uint32_t vector_table) {
   std::memcpy(&resume_at_, table + 4, 4);
   set(UC_ARM_REG_SP, stack);
   set(UC_ARM_REG_LR, 0xFFFF'FFFFU);
+  // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange): in a macro of Unicorn
   uc_ctl_remove_cache(uc_, vector_table,
                       vector_table + kFlashEnd - (vector_table & (kFlashEnd - 1)));
   if ((resume_at_ & 1U) == 0 || memory(resume_at_ & ~1U, 2) == nullptr ||

@@ -130,7 +130,7 @@ void SpiModel::start() {
   if (on_start) on_start(clock_Hz());
   if (spi::CFG1_TXDMAEN.of(word(spi::CFG1)) == 0) return;
   if (!dma_.served(wiring_.receive_request)) complain("no stream for received bytes");
-  core().set_due(*this, core().now() + 8 * left_ * period_of(clock_Hz()));
+  core().set_due(*this, core().now() + Ticks{8} * left_ * period_of(clock_Hz()));
 }
 
 /// The last byte of a transfer by DMA has been shifted.
