@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How many times as fast as the wall the launched simulator and stack run; ros_demo.py tells its use."""
+"""The ratio of simulated time to wall time of the launched simulator and stack; ros_demo.py documents its use."""
 
 import contextlib
 import json

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The load demonstration and test; ros_demo.py tells its use."""
+"""The load demonstration and test; ros_demo.py documents its use."""
 
 import json
 import subprocess

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whether a demonstration has held its rate; ros_demo.py tells its use."""
+"""Whether a demonstration has held its rate; ros_demo.py documents its use."""
 
 import sys
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The round-trip demonstration; ros_demo.py tells its use."""
+"""The round-trip demonstration; ros_demo.py documents its use."""
 
 import csv
 import json

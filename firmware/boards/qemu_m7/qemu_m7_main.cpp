@@ -109,7 +109,7 @@ bool read_block(const ExchangeBlock& block, ToBoard& copy) {
 }
 
 /// From the world's clock to the board's. A block waits until the board looks, so the shortest wait
-/// tells the offset; it may grow again slowly, and at once after a pause of the host.
+/// is the measure of the offset; it may grow again slowly, and at once after a pause of the host.
 class WorldLag {
  public:
   hal::Time update(hal::Time now) {

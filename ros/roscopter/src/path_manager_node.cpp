@@ -133,7 +133,7 @@ class PathManagerNode : public rclcpp::Node {
       return;
     }
     if (message.use_lla && !origin_) {
-      geodetic_.push_back(message);  // until a state tells the origin
+      geodetic_.push_back(message);  // until a state contains the origin
       return;
     }
     append(message);

@@ -46,7 +46,7 @@ class Emulator {
   const FromBoard& from_board() const { return block().from_board; }
   std::uint8_t* storage() { return memory_ + kStorageOffset; }
 
-  /// Lock-step: tells the board that to_board() is ready. @throws EmulatorError if it is gone.
+  /// Lock-step: signals to the board that to_board() is ready. @throws EmulatorError if it is gone.
   void ring();
   /// Lock-step: kDone or kBooted. @throws EmulatorError if the board died or kept silent longer
   /// than `timeout`; the process is ended then.
