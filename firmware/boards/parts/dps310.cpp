@@ -85,13 +85,10 @@ void Dps310::step_start(Time now) {
     if (!on_bus_) advance_start(now);
     return;
   }
-  setup_.step(now);
-  if (setup_.status() == Setup::Status::kFailed) {
-    Text text = fail(now);
-    setup_.describe(text);
-  } else if (setup_.status() == Setup::Status::kDone && setup_.rewritten() > 0) {
+  if (!step_setup(setup_, now)) return;
+  if (setup_.rewritten() > 0) {
     static_cast<void>(setup_.begin(Start::kCold, now));  // it lost its power, and its work-around
-  } else if (setup_.status() == Setup::Status::kDone) {
+  } else {
     stage_ = Stage::kSource;
     advance_start(now);
   }

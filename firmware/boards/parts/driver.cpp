@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware/boards/parts/driver.hpp"
 
+#include "firmware/boards/parts/setup.hpp"
+
 namespace rosflight::boards::parts {
 
 void Driver::start(Start how, Time now) {
@@ -42,6 +44,15 @@ void Driver::well() {
   Text{message_.data(), message_.size()}.add(name_).add(": ok");
   if (announcements() == 0 || failure_announced_) announce();
   failure_announced_ = false;
+}
+
+bool Driver::step_setup(Setup& setup, Time now) {
+  setup.step(now);
+  if (setup.status() == Setup::Status::kFailed) {
+    Text text = fail(now);
+    setup.describe(text);
+  }
+  return setup.status() == Setup::Status::kDone;
 }
 
 /// The announcement comes before the text is complete; the main loop cannot look in between.

@@ -18,6 +18,8 @@ enum class Start : std::uint8_t {
 
 enum class PartState : std::uint8_t { kOff, kStarting, kRunning, kFailed };
 
+class Setup;
+
 /// What all drivers of parts on a bus share: the life of a part.
 ///
 ///     kOff -> kStarting -> kRunning
@@ -61,6 +63,9 @@ class Driver {
   /// One tick while running.
   virtual void step_running(Time now) = 0;
 
+  /// One tick of a start-up by a table of registers. @returns true once it has ended well; if it
+  /// failed, so has the part.
+  bool step_setup(Setup& setup, Time now);
   /// The start-up has ended.
   void started();
   /// The part has delivered something good; called for each of it.

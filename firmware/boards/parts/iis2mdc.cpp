@@ -43,14 +43,9 @@ bool Iis2mdc::begin(Start how, Time now) {
 }
 
 void Iis2mdc::step_start(Time now) {
-  setup_.step(now);
-  if (setup_.status() == Setup::Status::kFailed) {
-    Text text = fail(now);
-    setup_.describe(text);
-  } else if (setup_.status() == Setup::Status::kDone) {
-    started();
-    command();
-  }
+  if (!step_setup(setup_, now)) return;
+  started();
+  command();
 }
 
 void Iis2mdc::step_running(Time now) {

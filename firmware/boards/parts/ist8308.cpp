@@ -43,14 +43,9 @@ bool Ist8308::begin(Start how, Time now) {
 }
 
 void Ist8308::step_start(Time now) {
-  setup_.step(now);
-  if (setup_.status() == Setup::Status::kFailed) {
-    Text text = fail(now);
-    setup_.describe(text);
-  } else if (setup_.status() == Setup::Status::kDone) {
-    period_.restart(now);
-    started();
-  }
+  if (!step_setup(setup_, now)) return;
+  period_.restart(now);
+  started();
 }
 
 void Ist8308::step_running(Time now) {
