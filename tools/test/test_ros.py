@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """./rosflight ros: its arguments, its environment, what it builds. No ROS is needed here."""
 
+import io
 import os
 import re
 import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
@@ -160,7 +162,7 @@ def test_nothing_is_built_again_until_something_changes(house, wheels, tmp_path)
     assert house == [[], ["house_node"], []]
 
 
-def test_two_builds_at_once_are_one_after_the_other_and_the_second_finds_the_work_done(house, wheels, tmp_path, monkeypatch, capfd):
+def test_two_builds_at_once_are_one_after_the_other_and_the_second_finds_the_work_done(house, wheels, tmp_path, monkeypatch):
     place = tmp_path / "build/ros"
     begun, go_on, running = threading.Event(), threading.Event(), []
 
@@ -170,15 +172,16 @@ def test_two_builds_at_once_are_one_after_the_other_and_the_second_finds_the_wor
         assert go_on.wait(20)
         return True
     monkeypatch.setattr(ros_build, "_colcon", colcon)
+    said = io.StringIO()  # pytest's own capture loses what another thread writes while it is read
+    monkeypatch.setattr(sys, "stderr", said)
     threads = [threading.Thread(target=ros_build.build, args=(wheels, [], place)) for _ in range(2)]
     threads[0].start()
     assert begun.wait(20)
     threads[1].start()
-    said = ""
     end = time.monotonic() + 20
-    while "waiting for another build in ros" not in said and time.monotonic() < end:
-        said += capfd.readouterr().err
-    assert "rosflight: waiting for another build in ros\n" in said and running == [threads[0]]
+    while "waiting for another build in ros" not in said.getvalue() and time.monotonic() < end:
+        time.sleep(0.01)
+    assert "rosflight: waiting for another build in ros\n" in said.getvalue() and running == [threads[0]]
     go_on.set()
     for thread in threads:
         thread.join(20)
