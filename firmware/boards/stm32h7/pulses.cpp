@@ -18,6 +18,11 @@ float clamped(float value) {
   return value > 0.0f ? std::min(value, 1.0f) : 0.0f;
 }
 
+std::uint32_t rounded(float value) {
+  // NOLINTNEXTLINE(bugprone-incorrect-roundings): never negative
+  return static_cast<std::uint32_t>(value + 0.5f);
+}
+
 }  // namespace
 
 bool Pulses::configure(const hal::OutputRates& rates_hz) {
@@ -50,9 +55,7 @@ void Pulses::start_timer(std::size_t first, float rate_hz) {
   std::uint32_t enables = 0;
   std::uint32_t prescaler = 0;
   if (rate_hz > 0.0f) {
-    // NOLINTNEXTLINE(bugprone-incorrect-roundings): never negative
-    const auto period =
-        static_cast<std::uint32_t>(static_cast<float>(kTimerClock_Hz) / rate_hz + 0.5f);
+    const std::uint32_t period = rounded(static_cast<float>(kTimerClock_Hz) / rate_hz);
     prescaler = (period - 1) >> 16u;
     reg(timer, tim::PSC) = prescaler;
     reg(timer, tim::ARR) = period / (prescaler + 1) - 1;
@@ -66,7 +69,6 @@ void Pulses::start_timer(std::size_t first, float rate_hz) {
     enables |= 1u << (4u * c.channel);
     ticks_per_us_[k] =
         rate_hz > 0.0f ? kTicksPerMicrosecond / static_cast<float>(prescaler + 1) : 0.0f;
-    // NOLINTNEXTLINE(bugprone-incorrect-roundings): never negative
     set_compare(k, 0);
   }
   reg(timer, tim::CCMR1) = modes[0];
@@ -89,7 +91,7 @@ void Pulses::write(const hal::OutputValues& values) {
   if (!enabled_) return;
   for (std::size_t k = 0; k < count_; ++k) {
     const float us = kShortest_us + kSpan_us * clamped(values[k]);
-    set_compare(k, static_cast<std::uint32_t>(us * ticks_per_us_[k] + 0.5f));
+    set_compare(k, rounded(us * ticks_per_us_[k]));
   }
 }
 
