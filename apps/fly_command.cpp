@@ -116,12 +116,14 @@ void print_summary(std::ostream& out, const flight::FlightSummary& s) {
 
 }  // namespace
 
-int fly_command(flight::FlyOptions options, bool json, std::ostream& out, std::ostream& err) {
+int fly_command(flight::FlyOptions options, bool json, std::ostream& out, std::ostream& err,
+                FlightWatch* watch) {
   Progress progress(err, isatty(STDERR_FILENO) == 1);
   options.on_note = [&progress](const flight::FlightNote& note) { progress.note(note); };
   options.on_step = [&progress](const flight::Flight& flight) { progress.tick(flight); };
   options.interrupted = [] { return stop_signal() != 0; };
-  const SignalWatch watch;
+  if (watch != nullptr) options.observer = &watch->observer();
+  const SignalWatch signals;
   try {
     const flight::FlightSummary summary = flight::fly(options);
     progress.clear();
@@ -136,6 +138,8 @@ int fly_command(flight::FlyOptions options, bool json, std::ostream& out, std::o
       print_summary(out, summary);
     }
     if (stop_signal() != 0) return 128 + stop_signal();
+    out.flush();
+    if (watch != nullptr) watch->stay(summary);
     return summary.score.success() ? 0 : 1;
   } catch (const flight::FlightAborted& error) {
     progress.clear();

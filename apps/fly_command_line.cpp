@@ -16,6 +16,29 @@ namespace {
 
 using namespace rosflight::flight;  // NOLINT(google-build-using-namespace): what the command calls
 
+/// What --view asks for.
+struct ViewChoice {
+  bool view{false};
+  std::uint16_t port{0};
+};
+
+void add_view(CLI::App& fly, FlyOptions& options, ViewChoice& choice) {
+  fly.add_flag("--view", choice.view,
+               "Show it in the browser while it flies, in real time, and until Ctrl-C");
+  fly.add_option("--port", choice.port, "With --view: of the address to open; 0: a free one")
+      ->capture_default_str();
+  constexpr double kLowest = 0.01;
+  constexpr double kHighest = 100.0;
+  fly.add_option_function<double>(
+         "--speed",
+         [&options](double speed) {
+           options.speed = speed;
+           options.realtime = true;
+         },
+         "At so many times the pace of the wall clock")
+      ->check(CLI::Range(kLowest, kHighest));
+}
+
 CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
                   std::optional<std::string>& seeds) {
   CLI::App* fly = app.add_subcommand("fly", "Fly a mission in simulation; leaves a flight folder");
@@ -87,7 +110,7 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
 
 /// Options that say nothing about many flights.
 void check_campaign(const CLI::App& fly, const FlyOptions& options) {
-  for (const char* name : {"--seed", "--realtime", "--json", "--visualiser"}) {
+  for (const char* name : {"--seed", "--realtime", "--speed", "--view", "--json", "--visualiser"}) {
     if (fly.count(name) > 0)
       throw config::Error(std::string(name) + ": found with --seeds, allowed with one flight");
   }
@@ -96,18 +119,36 @@ void check_campaign(const CLI::App& fly, const FlyOptions& options) {
   if (!options.folder) throw config::Error("--out: found nothing, allowed a CSV file with --seeds");
 }
 
+/// Nothing without --view. A flight that is watched is at the pace of the wall clock.
+std::unique_ptr<FlightWatch> watch_of(const ViewChoice& choice, const MakeWatch& make_watch,
+                                      FlyOptions& options) {
+  if (!choice.view) return nullptr;
+  if (options.log == "none")
+    throw config::Error(
+        "--log: found none with --view, allowed plot, full: it shows what is logged");
+  if (!make_watch)
+    throw config::Error("--view: found in a program without it; use ./rosflight fly");
+  options.realtime = true;
+  return make_watch(choice.port);
+}
+
 }  // namespace
 
-int fly_command_line(int argc, char** argv) {
+int fly_command_line(int argc, char** argv, const MakeWatch& make_watch) {
   CLI::App app{"rosflight: fly. ./rosflight --help lists all commands."};
   FlyOptions options;
   bool json = false;
   std::optional<std::string> seeds;
   options.arguments.assign(argv + 1, argv + argc);
-  const CLI::App* fly = add_fly(app, options, json, seeds);
+  CLI::App* fly = add_fly(app, options, json, seeds);
+  ViewChoice view;
+  add_view(*fly, options, view);
   app.set_version_flag("--version", build_info_text());
   return parse_and_run(app, argc, argv, [&] {
-    if (!seeds) return fly_command(options, json, std::cout, std::cerr);
+    if (!seeds) {
+      const auto watch = watch_of(view, make_watch, options);
+      return fly_command(options, json, std::cout, std::cerr, watch.get());
+    }
     check_campaign(*fly, options);
     return campaign_command(options.choice, *seeds, *options.folder, std::cout, std::cerr);
   });

@@ -22,6 +22,7 @@ struct Elsewhere {
 };
 constexpr const char* kTools = "rosflight_tools";
 constexpr const char* kGround = "rosflight_ground_tools";
+constexpr const char* kView = "rosflight_view";
 constexpr std::array<Elsewhere, 9> kElsewhere{{{"replay", kTools},
                                                {"sil", kTools},
                                                {"mixer", kTools},
@@ -30,7 +31,7 @@ constexpr std::array<Elsewhere, 9> kElsewhere{{{"replay", kTools},
                                                {"calibrate", kGround},
                                                {"monitor", kGround},
                                                {"preflight", kGround},
-                                               {"view", "rosflight_view"}}};
+                                               {"view", kView}}};
 
 /// Goes on as that program with the same arguments. Comes back only when that is not possible.
 int run(const char* program, char** argv) {
@@ -47,6 +48,8 @@ int run(const char* program, char** argv) {
 
 int main(int argc, char** argv) {
   const std::string_view command = argc > 1 ? argv[1] : "";
+  const auto is_view = [](std::string_view word) { return word == "--view"; };
+  if (command == "fly" && std::any_of(argv + 2, argv + argc, is_view)) return run(kView, argv);
   const auto* const there =
       std::find_if(kElsewhere.begin(), kElsewhere.end(),
                    [command](const Elsewhere& e) { return e.command == command; });

@@ -1,42 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/view_command.hpp"
 
-#include <array>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <string>
-#include <system_error>
-#include <thread>
+#include <utility>
 
+#include "apps/page_server.hpp"
 #include "apps/stop_signal.hpp"
 #include "config/strict_yaml.hpp"
-#include "flight/project_root.hpp"
-#include "web/server/web_server.hpp"
 
 namespace rosflight::apps {
 namespace {
 
 namespace fs = std::filesystem;
 using web::server::Contents;
-
-/// The folder with the page as it was built, or as an installation has it.
-fs::path page_folder() {
-  const fs::path root = flight::project_root();
-  for (const fs::path& folder : {root / "build/web", root / "page"}) {
-    if (fs::exists(folder / "index.html")) return folder;
-  }
-  throw config::Error("page: found none in " + (root / "build/web").string() +
-                      ", allowed after ./rosflight view has built it");
-}
-
-Contents page() {
-  const fs::path folder = page_folder();
-  Contents contents;
-  contents.files[""] = folder / "index.html";
-  for (const char* name : {"page.js", "page.css"}) contents.files[name] = folder / name;
-  return contents;
-}
 
 /// Adds the flight; the page learns from offer.json what there is.
 void add_flight(const fs::path& input, Contents& contents) {
@@ -64,18 +44,12 @@ void add_flight(const fs::path& input, Contents& contents) {
 }  // namespace
 
 int view_command(const ViewOptions& options, std::ostream& out) {
-  Contents contents = page();
+  Contents contents = page_contents();
   add_flight(options.input, contents);
-  try {
-    const web::server::WebServer server(std::move(contents), options.port);
-    const SignalWatch watch;
-    out << server.address() << "  (Ctrl-C ends it)" << std::endl;
-    constexpr auto kLook = std::chrono::milliseconds(50);
-    while (stop_signal() == 0) std::this_thread::sleep_for(kLook);
-  } catch (const std::system_error& error) {
-    throw config::Error("--port: found " + std::to_string(options.port) + ", " +
-                        error.code().message() + "; allowed a free port, or 0 for any");
-  }
+  const SignalWatch watch;
+  const auto server = serve(std::move(contents), options.port);
+  out << server->address() << "  (Ctrl-C ends it)" << std::endl;
+  wait_for_stop();
   return 0;
 }
 

@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The program behind ./rosflight view. Separate, because its server takes long to compile.
+// The program behind ./rosflight view and fly --view. Separate, because its server takes long to compile.
+#include <string_view>
+
+#include "apps/fly_command.hpp"
+#include "apps/fly_command_line.hpp"
 #include "apps/options.hpp"
 #include "apps/view_command.hpp"
 #include "flight/build_info.hpp"
 
-int main(int argc, char** argv) {
-  using namespace rosflight;  // NOLINT(google-build-using-namespace): the program itself
+namespace {
+
+namespace apps = rosflight::apps;
+
+int view_command_line(int argc, char** argv) {
   CLI::App app{"rosflight: view. ./rosflight --help lists all commands."};
   apps::ViewOptions options;
   CLI::App* view = app.add_subcommand(
@@ -13,7 +20,17 @@ int main(int argc, char** argv) {
   view->add_option("INPUT", options.input, "Flight folder, or log (.mcap)")->required();
   view->add_option("--port", options.port, "Of the address to open; 0: a free one")
       ->capture_default_str();
-  app.set_version_flag("--version", flight::build_info_text());
+  app.set_version_flag("--version", rosflight::flight::build_info_text());
   return apps::parse_and_run(app, argc, argv,
                              [&options] { return apps::view_command(options, std::cout); });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "fly") {
+    return apps::fly_command_line(
+        argc, argv, [](std::uint16_t port) { return apps::watch_flight(port, std::cerr); });
+  }
+  return view_command_line(argc, argv);
 }

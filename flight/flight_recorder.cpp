@@ -82,12 +82,12 @@ void name_counters(report::FlightRecord& record) {
 }  // namespace
 
 FlightRecorder::FlightRecorder(Flight& flight, const std::filesystem::path& log_file,
-                               LogLevel level)
+                               LogLevel level, log::LogObserver* observer)
     : flight_{flight},
       from_board_{make_board_codec(flight.setup().choice.link_protocol)},
       from_companion_{make_board_codec(flight.setup().choice.link_protocol)} {
   const FlightSetup& setup = flight.setup();
-  if (level != LogLevel::kNone) open_log(log_file, level);
+  if (level != LogLevel::kNone) open_log(log_file, level, observer);
   record_.motor_count = setup.rotors.rotors.size();
   record_.estimated = setup.choice.state != "truth";
   record_.fixed_wing = setup.fixed_wing();
@@ -107,7 +107,8 @@ FlightRecorder::FlightRecorder(Flight& flight, const std::filesystem::path& log_
   flight.add(*this);
 }
 
-void FlightRecorder::open_log(const std::filesystem::path& file, LogLevel level) {
+void FlightRecorder::open_log(const std::filesystem::path& file, LogLevel level,
+                              log::LogObserver* observer) {
   const FlightSetup& setup = flight_.setup();
   log::FlightLog::Options options;
   options.detail = level == LogLevel::kFull ? log::Detail::kFull : log::Detail::kPlot;
@@ -117,6 +118,7 @@ void FlightRecorder::open_log(const std::filesystem::path& file, LogLevel level)
   } else {
     options.mcap.chunk_bytes = kFullChunk_bytes;
   }
+  options.observer = observer;
   options.gravity_m_s2 = setup.vehicle.environment().gravity_m_s2;
   options.epoch_ns =
       static_cast<std::uint64_t>(setup.vehicle.environment().start_unix_s) * 1'000'000'000U;

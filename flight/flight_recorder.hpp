@@ -20,9 +20,10 @@ enum class LogLevel : std::uint8_t { kNone, kPlot, kFull };
 /// Records a flight: the log on disk and, in memory, what the report shows. Changes nothing.
 class FlightRecorder final : public sim::Visualiser, public LinkTap {
  public:
-  /// @param flight  must outlive this. @throws log::LogError if the log cannot be written.
+  /// @param flight, observer  must outlive this; without a log nothing is observed.
+  /// @throws log::LogError if the log cannot be written.
   FlightRecorder(Flight& flight, const std::filesystem::path& log_file,
-                 LogLevel level = LogLevel::kPlot);
+                 LogLevel level = LogLevel::kPlot, log::LogObserver* observer = nullptr);
 
   void step(const sim::Truth& truth, const hal::OutputValues& outputs) override;
   void on_frame(Direction direction, hal::Time t, const std::uint8_t* data, std::size_t size,
@@ -52,7 +53,7 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
   using States =
       std::tuple<core::State, bool, bool, std::uint16_t, std::uint16_t, Stage, const char*>;
 
-  void open_log(const std::filesystem::path& file, LogLevel level);
+  void open_log(const std::filesystem::path& file, LogLevel level, log::LogObserver* observer);
   void follow_gyro(const link::Message& message);
   void log_autonomy(sim::Time t);
   void log_parameters(sim::Time t);

@@ -68,12 +68,13 @@ FlightSummary fly(const FlyOptions& options) {
   const auto setup = std::make_unique<FlightSetup>(options.choice);
   FlightParts parts = options.parts ? options.parts(*setup) : FlightParts{};
   sim::SteadyWallClock wall;
-  sim::PacedTime pace(Flight::kStep, 1.0, wall);
+  sim::PacedTime pace(Flight::kStep, options.speed, wall);
   const bool paced = options.realtime || options.choice.link == "uart";
   if (paced && parts.time == nullptr) parts.time = &pace;
   const auto flight = std::make_unique<Flight>(*setup, std::move(parts));
   const fs::path folder = make_folder(options.folder);
-  FlightRecorder recorder(*flight, folder / "flight.mcap", log_level(options.log));
+  FlightRecorder recorder(*flight, folder / "flight.mcap", log_level(options.log),
+                          options.observer);
   flight->runner().set_notify([&recorder, &options](const FlightNote& note) {
     recorder.note(note);
     if (options.on_note) options.on_note(note);

@@ -9,6 +9,7 @@
 
 #include "flight/flight.hpp"
 #include "flight/flight_summary.hpp"
+#include "log/log_observer.hpp"
 
 namespace rosflight::flight {
 
@@ -18,11 +19,13 @@ struct FlyOptions {
   /// New or empty; default: the next number in flights/ of the current folder.
   std::optional<std::filesystem::path> folder;
   bool realtime{false};     ///< At the pace of the wall clock.
+  double speed{1.0};        ///< With `realtime`: times the wall clock, > 0.
   std::string log{"plot"};  ///< How much the log holds: plot, full or none (log/README.md).
   /// Modules of your own; empty: the project's.
   std::function<FlightParts(const FlightSetup&)> parts;
   std::function<void(const FlightNote&)> on_note;  ///< Each note of the flight.
   std::function<void(const Flight&)> on_step;      ///< After each step.
+  log::LogObserver* observer{nullptr};             ///< Sees what is logged; may be none.
   /// Asked before each step; true ends the flight, and its folder is written as of any other.
   std::function<bool()> interrupted;
 };

@@ -8,6 +8,7 @@
 
 #include "base/constants.hpp"
 #include "link/messages.hpp"
+#include "log/log_observer.hpp"
 #include "log/mcap_writer.hpp"
 #include "messages/roscopter_msgs.hpp"
 #include "messages/rosflight_log_msgs.hpp"
@@ -15,8 +16,6 @@
 #include "sim/types.hpp"
 
 namespace rosflight::log {
-
-enum class Topic : std::uint8_t;  // flight_log_topics.hpp
 
 enum class Direction : std::uint8_t { kFcuToCompanion = 0, kCompanionToFcu = 1 };
 /// How much of a flight its log contains.
@@ -43,6 +42,7 @@ class FlightLog {
     double gravity_m_s2{base::kStandardGravity_m_s2};  ///< The simulation's; added to the specific
                                                        ///< force of the truth.
     McapWriter::Options mcap;
+    LogObserver* observer{nullptr};  ///< May be none; outlives the log. Does not enter the file.
   };
   static constexpr std::uint64_t kDefaultEpoch_ns =
       1'767'225'600'000'000'000;  ///< 2026-01-01T00:00:00Z.

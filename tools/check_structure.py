@@ -33,7 +33,7 @@ MAY_INCLUDE = {
     "flight": ["link", "firmware/hal", "firmware/core", "firmware/boards", "sim", "messages", "log", "companion", "autonomy",
                "config"],
     "web/server": [],
-    "apps": ["flight", "web/server", "ground", "companion", "sim", "link", "firmware/hal", "firmware/core", "firmware/boards", "config"],
+    "apps": ["flight", "log", "web/server", "ground", "companion", "sim", "link", "firmware/hal", "firmware/core", "firmware/boards", "config"],
     "bench": ["flight", "sim", "link", "firmware/hal", "firmware/core", "firmware/boards", "test_support"],
     "examples": ["flight", "autonomy", "sim", "config"],
     "ros/rosflight_common": ["autonomy", "config", "sim", "flight/vehicle/vehicle_setup.hpp"],

@@ -37,7 +37,8 @@ def run() -> Outcome:
 
 def _node(*command: str, **variables: str) -> subprocess.CompletedProcess:
     environment = {**os.environ, **variables, "PATH": f"{ROOT}/.venv-web/bin:{os.environ['PATH']}",
-                   "ROSFLIGHT_WEB_PAGE": str(PAGE), "ROSFLIGHT_WEB_VIEW": str(PROGRAMS / "rosflight_view")}
+                   "ROSFLIGHT_WEB_PAGE": str(PAGE), "ROSFLIGHT_WEB_VIEW": str(PROGRAMS / "rosflight_view"),
+                   "ROSFLIGHT_WEB_FLY": str(PROGRAMS / "rosflight")}
     return subprocess.run(command, cwd=ROOT / "web", env=environment, capture_output=True, text=True)
 
 

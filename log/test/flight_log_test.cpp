@@ -44,6 +44,25 @@ TEST_F(FlightLogTest, SameFlightSameFingerprintAndAnotherFlightAnother) {
   EXPECT_NE(first.sha256, fly({}, std::nextafter(1.0, 2.0)).sha256);
 }
 
+TEST_F(FlightLogTest, AnObserverSeesEveryMessageAndChangesNone) {
+  struct Count final : LogObserver {
+    void on_logged(Topic topic, std::uint64_t time_ns, Bytes cdr) override {
+      ++messages;
+      topics.insert(topic);
+      EXPECT_GE(time_ns, FlightLog::kDefaultEpoch_ns);
+      EXPECT_GT(cdr.size(), 4U);  // more than the encapsulation
+    }
+    std::uint64_t messages{0};
+    std::set<Topic> topics;
+  } count;
+  FlightLog::Options options;
+  options.observer = &count;
+  const LogSummary observed = fly(options, 1.0);
+  EXPECT_EQ(observed.sha256, fly({}, 1.0).sha256);
+  EXPECT_EQ(count.messages, observed.messages);
+  EXPECT_EQ(count.topics.size(), 8U);
+}
+
 TEST_F(FlightLogTest, APlotHasTruthAtOneHundredHertzAndAFullLogEveryStep) {
   FlightLog::Options options;
   // Three topics of every step, and wind, pulses, transform, pose and odometry.

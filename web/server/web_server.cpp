@@ -4,17 +4,22 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/v6_only.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
 #include <chrono>
+#include <deque>
+#include <memory>
 #include <optional>
+#include <random>
 #include <thread>
 #include <utility>
 
 #include "web/server/byte_range.hpp"
+#include "web/server/foxglove.hpp"
 
 namespace rosflight::web::server {
 namespace {
@@ -22,13 +27,19 @@ namespace {
 namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace http = beast::http;
+namespace websocket = beast::websocket;
 using asio::ip::tcp;
 
-/// What all sessions share; lives as long as the server.
+class Viewer;
+using Request = http::request<http::empty_body>;
+
+/// What all sessions share; lives as long as the server. Only its thread uses it.
 struct Site {
   Contents contents;
   std::uint16_t port{};
-  std::atomic<int> clients{0};
+  std::string session;  ///< Of this start.
+  int clients{0};
+  std::vector<std::weak_ptr<Viewer>> viewers;
 
   /// "HOST:PORT" as a client on this computer names the server.
   bool is_here(std::string_view name) const {
@@ -57,13 +68,152 @@ void set_headers(http::response<Body>& response, std::string_view address) {
   response.set(http::field::content_type, std::string(media_type(address)));
   response.set(http::field::cache_control, "no-cache");
   response.set(http::field::accept_ranges, "bytes");
-  response.set("Content-Security-Policy",
-               "default-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
+  // WebAssembly, from an address inside the page: the decoder of compressed logs.
+  response.set(
+      "Content-Security-Policy",
+      "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self' data:; "
+      "base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
   response.set("Cross-Origin-Opener-Policy", "same-origin");
   response.set("Cross-Origin-Resource-Policy", "same-origin");
   response.set("X-Content-Type-Options", "nosniff");
   response.set("Referrer-Policy", "no-referrer");
 }
+
+/// One WebSocket. Writes one message after the other; what is new waits in LiveData until the one
+/// before has been sent.
+class Viewer : public std::enable_shared_from_this<Viewer> {
+ public:
+  Viewer(beast::tcp_stream stream, Site& site) : stream_{std::move(stream)}, site_{site} {
+    ++site_.clients;
+  }
+  ~Viewer() { --site_.clients; }
+  Viewer(const Viewer&) = delete;
+  Viewer& operator=(const Viewer&) = delete;
+
+  void accept(const Request& request, std::string_view protocol) {
+    websocket::stream_base::timeout timeout{};
+    timeout.handshake_timeout = std::chrono::seconds(10);
+    timeout.idle_timeout = std::chrono::seconds(WebServer::kSilence_s);
+    timeout.keep_alive_pings = true;
+    stream_.set_option(timeout);
+    stream_.set_option(websocket::stream_base::decorator(
+        [name = std::string(protocol)](websocket::response_type& response) {
+          response.set(http::field::sec_websocket_protocol, name);
+        }));
+    stream_.read_message_max(WebServer::kLargestMessage);
+    stream_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
+      if (error) return;
+      self->open_ = true;
+      self->texts_.push_back(foxglove::server_info("rosflight", self->site_.session));
+      self->read();
+      self->send_next();
+    });
+  }
+
+ private:
+  template <class Done>
+  auto sent(Done done) {
+    return [self = shared_from_this(), done](beast::error_code error, std::size_t) {
+      self->sending_ = false;
+      if (error) {
+        self->open_ = false;
+        return;
+      }
+      done(*self);
+      if (!self->texts_.empty() || !self->messages_.empty()) self->send_next();
+    };
+  }
+
+ public:
+  /// Sends what is new unless something is being sent.
+  void send_next() {
+    if (!open_ || sending_) return;
+    if (texts_.empty() && messages_.empty()) take_news();
+    while (!messages_.empty() && !subscriptions_.at(messages_.front()->channel))
+      messages_.pop_front();  // unsubscribed meanwhile
+    if (!texts_.empty()) {
+      sending_ = true;
+      stream_.text(true);
+      stream_.async_write(asio::buffer(texts_.front()),
+                          sent([](Viewer& v) { v.texts_.pop_front(); }));
+    } else if (!messages_.empty()) {
+      sending_ = true;
+      const LiveData::Message& message = *messages_.front();
+      head_ = foxglove::message_head(subscriptions_[message.channel].value_or(0), message.time_ns);
+      stream_.binary(true);
+      stream_.async_write(
+          std::array<asio::const_buffer, 2>{asio::buffer(head_), asio::buffer(message.cdr)},
+          sent([](Viewer& v) { v.messages_.pop_front(); }));
+    }
+  }
+
+ private:
+  void take_news() {
+    const std::size_t first = cursor_.channels;
+    LiveData::News news = site_.contents.live->news(cursor_);
+    if (!news.channels.empty()) texts_.push_back(foxglove::advertise(first, news.channels));
+    subscriptions_.resize(cursor_.channels);
+    messages_.assign(news.messages.begin(), news.messages.end());
+  }
+
+  void read() {
+    stream_.async_read(buffer_, [self = shared_from_this()](beast::error_code error, std::size_t) {
+      if (error) {
+        self->open_ = false;
+        return;
+      }
+      self->on_request();
+      self->buffer_.consume(self->buffer_.size());
+      self->read();
+    });
+  }
+
+  void on_request() {
+    if (!stream_.got_text()) return complain("binary messages are not used here");
+    const auto data = buffer_.cdata();
+    const foxglove::Request request =
+        foxglove::parse_request({static_cast<const char*>(data.data()), data.size()});
+    if (!request.complaint.empty()) return complain(request.complaint);
+    for (const auto& [id, channel] : request.subscribe) {
+      if (channel >= subscriptions_.size()) {
+        complain("subscribe: no channel " + std::to_string(channel + 1));
+        continue;
+      }
+      subscriptions_[channel] = id;
+      cursor_.places[channel] = {true, 0, 0};
+    }
+    for (const std::uint32_t id : request.unsubscribe) {
+      for (std::size_t k = 0; k < subscriptions_.size(); ++k) {
+        if (subscriptions_[k] != id) continue;
+        subscriptions_[k].reset();
+        cursor_.places[k].wanted = false;
+      }
+    }
+  }
+
+  /// A client that only complains about is soon too many: it is let go.
+  void complain(const std::string& what) {
+    constexpr std::size_t kMostComplaints = 32;
+    if (texts_.size() > kMostComplaints) {
+      open_ = false;
+      beast::get_lowest_layer(stream_).close();
+      return;
+    }
+    texts_.push_back(foxglove::status_error(what));
+    send_next();
+  }
+
+  websocket::stream<beast::tcp_stream, false> stream_;
+  Site& site_;
+  beast::flat_buffer buffer_;
+  bool open_{false};
+  bool sending_{false};
+  std::deque<std::string> texts_;
+  std::deque<LiveData::Shared> messages_;
+  std::vector<std::uint8_t> head_;  ///< Of the message that is being sent.
+  LiveData::Cursor cursor_;
+  std::vector<std::optional<std::uint32_t>> subscriptions_;  ///< The viewer's ids, by channel.
+};
 
 /// One connection: a request after the other until one side closes it.
 class Session : public std::enable_shared_from_this<Session> {
@@ -76,7 +226,7 @@ class Session : public std::enable_shared_from_this<Session> {
   Session& operator=(const Session&) = delete;
 
   void read() {
-    parser_.emplace();
+    parser_ = std::make_unique<http::request_parser<http::empty_body>>();
     parser_->header_limit(WebServer::kLargestHead);
     parser_->body_limit(0);
     stream_.expires_after(std::chrono::seconds(WebServer::kSilence_s));
@@ -87,7 +237,6 @@ class Session : public std::enable_shared_from_this<Session> {
   }
 
  private:
-  using Request = http::request<http::empty_body>;
   using Texts = http::response<http::string_body>;
 
   void on_read(beast::error_code error) {
@@ -106,6 +255,7 @@ class Session : public std::enable_shared_from_this<Session> {
     if (request.find(http::field::origin) != request.end() && !ours) {
       return refuse(http::status::forbidden, "asked for by a foreign page");
     }
+    if (websocket::is_upgrade(request)) return upgrade(request);
     if (request.method() != http::verb::get && request.method() != http::verb::head) {
       return refuse(http::status::method_not_allowed, "allowed are GET and HEAD");
     }
@@ -115,6 +265,24 @@ class Session : public std::enable_shared_from_this<Session> {
     if (!address.starts_with('/')) return refuse(http::status::bad_request, "no path");
     address.remove_prefix(1);
     answer(std::string(address), header(http::field::range));
+  }
+
+  void upgrade(const Request& request) {
+    const auto offered = request[http::field::sec_websocket_protocol];
+    const auto protocol = foxglove::chosen_protocol({offered.data(), offered.size()});
+    if (site_.contents.live == nullptr) return refuse(http::status::not_found, "nothing runs here");
+    if (!protocol) {
+      return refuse(http::status::bad_request,
+                    "known protocols: foxglove.websocket.v1, foxglove.sdk.v1");
+    }
+    std::erase_if(site_.viewers, [](const std::weak_ptr<Viewer>& v) { return v.expired(); });
+    if (site_.viewers.size() >= WebServer::kMostViewers) {
+      return refuse(http::status::service_unavailable, "too many viewers");
+    }
+    stream_.expires_never();  // the WebSocket has time limits of its own
+    const auto viewer = std::make_shared<Viewer>(std::move(stream_), site_);
+    site_.viewers.push_back(viewer);
+    viewer->accept(request, *protocol);
   }
 
   void answer(const std::string& address, std::string_view range) {
@@ -199,19 +367,36 @@ class Session : public std::enable_shared_from_this<Session> {
 
   void close() {
     beast::error_code ignored;
+    // NOLINTNEXTLINE(bugprone-unused-return-value): the connection ends either way
     stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
   }
 
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_{WebServer::kLargestHead};
-  std::optional<http::request_parser<http::empty_body>> parser_;
+  std::unique_ptr<http::request_parser<http::empty_body>> parser_;
   Site& site_;
 };
 
 }  // namespace
 
 struct WebServer::Impl {
-  explicit Impl(Contents contents) { site.contents = std::move(contents); }
+  explicit Impl(Contents contents) {
+    site.contents = std::move(contents);
+    std::random_device random;
+    site.session = std::to_string(random()) + std::to_string(random());
+  }
+
+  /// What is new goes to all viewers, again and again.
+  void tick() {
+    timer.expires_after(std::chrono::microseconds(1'000'000 / kRate_Hz));
+    timer.async_wait([this](beast::error_code error) {
+      if (error) return;
+      for (const std::weak_ptr<Viewer>& weak : site.viewers) {
+        if (const auto viewer = weak.lock()) viewer->send_next();
+      }
+      tick();
+    });
+  }
 
   /// @throws boost::system::system_error, which is a std::system_error.
   void listen(tcp::acceptor& acceptor, const asio::ip::address& address, std::uint16_t port) {
@@ -237,6 +422,7 @@ struct WebServer::Impl {
   asio::io_context io{1};
   tcp::acceptor v4{io};
   tcp::acceptor v6{io};
+  asio::steady_timer timer{io};
   std::thread thread;
 };
 
@@ -256,6 +442,7 @@ WebServer::WebServer(Contents contents, std::uint16_t port)
   } catch (const boost::system::system_error&) {
     impl.v6.close();  // a computer without IPv6
   }
+  if (impl.site.contents.live != nullptr) impl.tick();
   impl.thread = std::thread([&impl] { impl.io.run(); });
 }
 

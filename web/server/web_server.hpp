@@ -6,6 +6,8 @@
 #include <memory>
 #include <string>
 
+#include "web/server/live_data.hpp"
+
 namespace rosflight::web::server {
 
 /// What a browser may get: each address is listed, so no request reaches another file.
@@ -15,6 +17,8 @@ struct Contents {
   std::map<std::string, std::filesystem::path> files;
   /// Texts by their address, such as "offer.json". "" is the page itself.
   std::map<std::string, std::string> texts;
+  /// Something that runs, for the WebSocket; nullptr: there is none. Outlives the server.
+  const LiveData* live{nullptr};
 };
 
 /// Serves the page to browsers on this computer, over HTTP on 127.0.0.1 and [::1], in a thread of its
@@ -24,10 +28,18 @@ struct Contents {
 /// otherwise: a foreign name that leads here), and if it has an Origin, as that (403 otherwise: a
 /// foreign page). At most kMostClients connections; one that is silent for kSilence_s is closed;
 /// a request head has at most kLargestHead bytes.
+///
+/// A WebSocket at any address speaks the Foxglove protocol v1 (foxglove.hpp) and sends what is new in
+/// Contents::live kRate_Hz times a second, to at most kMostViewers. A viewer that does not read
+/// misses states and is closed after kSilence_s; nobody waits for it. Its messages have at most
+/// kLargestMessage bytes.
 class WebServer {
  public:
   static constexpr int kMostClients = 64;
+  static constexpr int kMostViewers = 16;
+  static constexpr int kRate_Hz = 60;
   static constexpr int kSilence_s = 30;
+  static constexpr unsigned kLargestMessage = 65536;
   static constexpr unsigned kLargestHead = 8192;
 
   /// @param port  0: a free one.

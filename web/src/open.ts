@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where the page gets its flight from: inside itself (report.html), the server that gave the page, or a file of the user.
+import {connect} from './connect.ts';
 import {blobSource, bytesSource, urlSource, type ByteSource} from './data/bytes.ts';
 import {readLog} from './data/read_log.ts';
 import * as state from './state.ts';
 
 /** What the server has: addresses relative to the page. */
-interface Offer { name?: string; log?: string; summary?: string }
+interface Offer { name?: string; log?: string; summary?: string; live?: boolean }
 
 const PAUSE_EACH_MS = 40;
 
@@ -19,7 +20,8 @@ export async function openFirst() {
     if (!answer?.ok) return;
     const offer = await answer.json() as Offer;
     if (offer.summary) state.summary.value = parsed(await (await fetch(offer.summary)).text());
-    if (offer.log) await open(() => urlSource(offer.log!, offer.name));
+    if (offer.live) connect(offer.name ?? 'flight');
+    else if (offer.log) await open(() => urlSource(offer.log!, offer.name));
   }
 }
 

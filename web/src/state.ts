@@ -15,9 +15,18 @@ export const failure = signal('');
 /** Facts about the flight beside its log, as summary.json of its folder has them. */
 export const summary = signal<Record<string, unknown> | undefined>(undefined);
 
+/** Whether the flight comes from a server as it happens. */
+export const live = signal<'off' | 'connecting' | 'on' | 'gone'>('off');
+/** The moment shown is the latest. */
+export const following = signal(false);
+/** Counts up while a flight grows, for what is drawn seldom. */
+export const revision = signal(0);
+
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20] as const;
 
+/** Away from the latest moment, if the flight is live. */
 export function seek(t: number) {
+  following.value = false;
   const end = flight.value?.end_s ?? 0;
   time.value = Math.min(Math.max(t, 0), end);
 }

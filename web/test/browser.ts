@@ -17,12 +17,15 @@ export async function startBrowser(flags: string[] = []): Promise<Browser> {
 }
 
 export const DESKTOP = {width: 1280, height: 800};
+/** For pictures that must keep up: WebGL in software takes 80 ms of a processor for each of this size. */
+export const SMALL = {width: 900, height: 420};
 export const PHONE = {width: 390, height: 844};
 
 /** A page that fails the test on errors of its scripts and on requests to anybody but this computer. */
 export async function newPage(browser: Browser, viewport = DESKTOP, more: {colorScheme?: 'dark' | 'light'} = {}) {
   const context = await browser.newContext({viewport, locale: 'en-US', colorScheme: 'light', ...more});
   const page = await context.newPage();
+  page.setDefaultTimeout(120_000); // the machine may be busy
   const complaints: string[] = [];
   page.on('pageerror', (error) => complaints.push(`error in the page: ${error.stack}`));
   page.on('console', (message) => { if (message.type() === 'error') complaints.push(`console: ${message.text()}`); });
@@ -34,10 +37,22 @@ export async function newPage(browser: Browser, viewport = DESKTOP, more: {color
   return {page, complaints};
 }
 
-/** Waits until the page has read its flight and drawn it. */
+/** Waits until the page has read its flight and drawn it; as long as reading goes on, however slow the machine. */
 export async function flightShown(page: Page) {
-  await page.waitForSelector('main.flight', {timeout: 60_000});
+  const share = () => page.evaluate(() => document.querySelector('progress')?.value ?? -1);
+  for (let before = NaN;;) {
+    if (await page.waitForSelector('main.flight', {timeout: 30_000}).catch(() => undefined)) break;
+    const now = await share();
+    if (now === before) throw new Error(`reading the flight stands still at a share of ${now}`);
+    before = now;
+  }
   await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset['frames'] ?? 0) > 0);
+}
+
+/** Keeps a picture for people to look at, in the folder that ROSFLIGHT_WEB_PICTURES names. */
+export async function keepPicture(page: Page, name: string) {
+  const folder = process.env['ROSFLIGHT_WEB_PICTURES'];
+  if (folder) await page.screenshot({path: join(folder, `${name}.png`)});
 }
 
 /** Until the picture has been drawn again `frames` times, or rests: frames count, not time. */

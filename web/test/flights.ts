@@ -17,6 +17,8 @@ export const FIXED_WING = named('ROSFLIGHT_WEB_FIXED_WING');
 export const PAGE = named('ROSFLIGHT_WEB_PAGE');
 /** Program behind ./rosflight view. */
 export const VIEW = named('ROSFLIGHT_WEB_VIEW');
+/** Program behind ./rosflight fly. */
+export const FLY = named('ROSFLIGHT_WEB_FLY');
 
 export const logOf = (folder: string) => join(folder, 'flight.mcap');
 

@@ -2,13 +2,14 @@
 // The page in a browser, as a user has it: served by ./rosflight view, opened with a file, without WebGL.
 import assert from 'node:assert/strict';
 import {spawn, type ChildProcess} from 'node:child_process';
-import {readFile} from 'node:fs/promises';
+import {mkdtemp, readFile, rm} from 'node:fs/promises';
 import {createRequire} from 'node:module';
+import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {after, before, describe, test} from 'node:test';
 import {gzipSync} from 'node:zlib';
 import type {Browser, Page} from 'playwright-core';
-import {DESKTOP, drawn, flightShown, newPage, PHONE, startBrowser} from './browser.ts';
+import {DESKTOP, drawn, flightShown, keepPicture, newPage, PHONE, SMALL, startBrowser} from './browser.ts';
 import {FIXED_WING, logOf, MULTIROTOR, PAGE, VIEW} from './flights.ts';
 import {pixelAt} from './picture.ts';
 
@@ -149,6 +150,62 @@ describe('replay of a flight', () => {
     await vehicleIsSeen(page);
     assert.ok(parseFloat(/speed\s*([\d.]+) m\/s/.exec(await page.locator('.instruments').innerText())![1]!) > 8);
   }));
+});
+
+describe('a running flight', () => {
+  /** @returns the address that ./rosflight fly --view prints on standard error. */
+  async function flyAndView(...options: string[]) {
+    const folder = await mkdtemp(join(tmpdir(), 'rosflight_page_'));
+    const program = spawn(VIEW, ['fly', '--view', '--mission', 'hop', '--out', join(folder, 'flight'), ...options],
+      {stdio: ['ignore', 'ignore', 'pipe']});
+    started.push(program);
+    let said = '';
+    const url = await new Promise<string>((resolve) => program.stderr.on('data', (data) => {
+      said += String(data);
+      const found = /http:\S+/.exec(said);
+      if (found) resolve(found[0]);
+    }));
+    return {url, program, folder, ended: () => /has ended/.test(said)};
+  }
+
+  test('is seen as it happens, can be looked back on, and stays after landing', async () => {
+    const {url, program, folder, ended} = await flyAndView('--speed', '0.5');
+    await withPage(url, async (page) => {
+      await page.waitForFunction(() => parseFloat(document.querySelector('.clock')!.textContent!) > 3);
+      await page.waitForFunction(() => document.querySelector('.instruments')!.textContent!.includes('armed')
+        && !document.querySelector('.instruments')!.textContent!.includes('disarmed'), );
+      const before = await clock(page);
+      await page.waitForFunction((from) => parseFloat(document.querySelector('.clock')!.textContent!) > from + 1, before);
+      await vehicleIsSeen(page);
+      await page.waitForSelector('.plot canvas');
+      await keepPicture(page, 'live');
+      await goTo(page, 2);
+      assert.equal(await clock(page), 2);
+      assert.match(await page.locator('.instruments').innerText(), /disarmed/);
+      await page.getByRole('button', {name: 'live'}).click();
+      await page.waitForFunction(() => parseFloat(document.querySelector('.clock')!.textContent!) > 6);
+      while (!ended()) await page.waitForTimeout(100);
+      await page.getByRole('tab', {name: 'Events'}).click();
+      await page.waitForSelector('.events tr:has-text("land")');
+      await page.waitForSelector('.instruments:has-text("disarmed")');
+    }, SMALL);
+    program.kill('SIGTERM');
+    await rm(folder, {recursive: true});
+  });
+
+  test('that is gone is said, and the page connects again by itself', async () => {
+    const first = await flyAndView();
+    const {page} = await newPage(browser, SMALL);
+    await page.goto(first.url);
+    await flightShown(page);
+    first.program.kill('SIGKILL');
+    await page.waitForSelector('text=The connection to the flight is lost; trying again.');
+    const second = await flyAndView('--port', new URL(first.url).port);
+    await page.waitForSelector('text=The connection to the flight is lost', {state: 'detached', timeout: 60_000});
+    second.program.kill('SIGKILL');
+    await page.context().close();
+    for (const {folder} of [first, second]) await rm(folder, {recursive: true});
+  });
 });
 
 describe('what may go wrong', () => {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Reads MCAP files: the index first, then one chunk after the other. A file without its end, as a power cut leaves it, is
 // read from its start as far as it goes. Format: the MCAP specification; log/mcap_file.hpp writes ours.
-import {decompress} from 'fzstd';
 import type {ByteSource} from './bytes.ts';
 import {Fields, recordsOf, type Stamp} from './mcap_records.ts';
+import {unpackZstd} from './zstd.ts';
 
 export interface Schema { id: number; name: string; encoding: string; text: string }
 export interface Channel { id: number; schemaId: number; topic: string; encoding: string }
@@ -58,7 +58,7 @@ export class McapLog {
         block = {start: chunk.offset, bytes: await this.source.read(chunk.offset, length) as Uint8Array<ArrayBuffer>};
       }
       const from = chunk.offset - block.start;
-      this.useRecords(this.unpacked(block.bytes.subarray(from + HEAD_BYTES, from + chunk.length)), use);
+      this.useRecords(await this.unpacked(block.bytes.subarray(from + HEAD_BYTES, from + chunk.length)), use);
       await progress((k + 1) / this.chunks.length);
     }
   }
@@ -134,7 +134,7 @@ export class McapLog {
     }
   }
 
-  private unpacked(chunk: Uint8Array): Uint8Array {
+  private async unpacked(chunk: Uint8Array): Promise<Uint8Array> {
     const fields = new Fields(chunk);
     fields.skip(16);
     const size = fields.size();
@@ -144,7 +144,7 @@ export class McapLog {
     if (size > LARGEST_CHUNK) throw new Error(`${this.source.name}: a chunk of ${size} bytes, at most ${LARGEST_CHUNK}`);
     if (compression === '') return packed;
     if (compression !== 'zstd') throw new Error(`${this.source.name}: compressed by '${compression}', known are none and zstd`);
-    const records = decompress(packed, new Uint8Array(size));
+    const records = (await unpackZstd())(packed, size);
     if (records.length !== size) throw new Error(`${this.source.name}: a chunk is damaged`);
     return records;
   }

@@ -2,7 +2,7 @@
 // The 3-D view of one flight: vehicle, paths, waypoints, wind, estimate with its uncertainty. It draws only when something
 // changed, so a page at rest costs nothing.
 import {AmbientLight, ArrowHelper, Box3, CircleGeometry, Color, DirectionalLight, Fog, Group, HemisphereLight, Mesh, MeshBasicMaterial,
-  PerspectiveCamera, Scene, SphereGeometry, Vector3, WebGLRenderer} from 'three';
+  PerspectiveCamera, Scene, SphereGeometry, type SpriteMaterial, Vector3, WebGLRenderer} from 'three';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 import {path} from '../data/curves.ts';
 import {ESTIMATE, type Flight, type PoseTopic} from '../data/flight.ts';
@@ -45,7 +45,7 @@ export class FlightScene {
 
   /** @throws Error  the browser has no WebGL. */
   constructor(canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({canvas, antialias: true, preserveDrawingBuffer: navigator.webdriver});
+    this.renderer = new WebGLRenderer({canvas, antialias: !navigator.webdriver, preserveDrawingBuffer: navigator.webdriver});
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.maxPolarAngle = Math.PI / 2 - 0.02; // not from below the ground
     this.controls.addEventListener('change', () => this.ask());
@@ -63,8 +63,8 @@ export class FlightScene {
     this.setTime(this.time);
   }
 
-  /** Colours changed. */
-  restyle() {
+  /** Colours changed, or the flight has grown: all is made anew, the camera stays. */
+  refresh() {
     if (!this.flight) return;
     this.colours = palette();
     this.build(this.flight);
@@ -124,6 +124,7 @@ export class FlightScene {
 
   private build(flight: Flight) {
     const {colours} = this;
+    release(this.scene);
     this.scene = new Scene();
     this.scene.background = new Color(colours.sky);
     this.scene.add(new AmbientLight(0xffffff, 0.9), new HemisphereLight(0xffffff, 0x8a8f80, 1.4));
@@ -139,7 +140,9 @@ export class FlightScene {
     if (this.box.isEmpty()) this.box.expandByPoint(new Vector3());
     this.addPlans(flight);
     this.model = vehicleModel(flight.urdf);
+    const {position} = this.vehicle;
     this.vehicle = new Group().add(this.model.group);
+    this.vehicle.position.copy(position);
     this.scene.add(this.vehicle);
     this.angles = rotorAngles(flight, this.model.rotors.length);
     this.addCloud();
@@ -240,6 +243,18 @@ export class FlightScene {
     this.renderer.render(this.scene, this.camera);
     this.renderer.domElement.dataset['frames'] = String(Number(this.renderer.domElement.dataset['frames'] ?? 0) + 1);
   }
+}
+
+/** Gives back what the graphics card holds of a scene. */
+function release(scene: Scene) {
+  scene.traverse((object) => {
+    const {geometry, material} = object as Partial<Mesh>;
+    geometry?.dispose();
+    for (const one of [material ?? []].flat()) {
+      (one as SpriteMaterial).map?.dispose();
+      one.dispose();
+    }
+  });
 }
 
 /** The corners of a multirotor's plan. That of a fixed wing is a curve around its waypoints. */

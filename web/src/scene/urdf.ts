@@ -15,6 +15,7 @@ export interface Shape {
 
 /** @returns none for a text that is no URDF. */
 export function shapesOf(urdf: string): Shape[] {
+  if (urdf.trim() === '') return []; // the parser's complaint about nothing has a style of its own, which the page forbids
   const robot = new DOMParser().parseFromString(urdf, 'application/xml').querySelector('robot');
   if (!robot) return [];
   const origins = new Map<string, {position: Triple; rpy: Triple}>();

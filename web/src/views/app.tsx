@@ -25,6 +25,7 @@ export function App() {
       <button onClick={switchTheme}>Light or dark</button>
     </header>
     {state.failure.value && <p class="failure" role="alert">{state.failure.value}</p>}
+    {state.live.value === 'gone' && <p class="failure" role="status">The connection to the flight is lost; trying again.</p>}
     {flight?.notes.map((note) => <p class="failure" role="status" key={note}>{note}</p>)}
     {flight ? <FlightView flight={flight}/> : <Start/>}
   </>;
@@ -45,7 +46,7 @@ function Verdict() {
 function Start() {
   const loading = state.loading.value;
   return <main class="start">
-    {loading ? <p role="status">Reading the log <progress value={loading.share}>{Math.round(100 * loading.share)} %</progress></p>
+    {state.live.value !== 'off' ? <p role="status">Waiting for the flight</p> : loading ? <p role="status">Reading the log <progress value={loading.share}>{Math.round(100 * loading.share)} %</progress></p>
       : <p>Open the log of a flight, <code>flight.mcap</code>, or drop it here. Nothing is sent anywhere.</p>}
   </main>;
 }
@@ -55,6 +56,7 @@ type Tab = keyof typeof TABS;
 
 function FlightView({flight}: {flight: Flight}) {
   const [tab, setTab] = useState<Tab>('plots');
+  void state.revision.value; // events, facts and bars of a growing flight are drawn again
   return <main class="flight">
     <div class="space"><Space flight={flight}/><Instruments flight={flight}/></div>
     <Timeline flight={flight}/>

@@ -12,23 +12,23 @@ export interface PlotOptions {
   onSeek: (t: number) => void;
   /** The user zoomed to this span [s]. */
   onZoom: (from: number, to: number) => void;
+  /** The user wants to see all of it. */
+  onAll: () => void;
 }
 
 export class Plot {
   private readonly chart: uPlot;
   private readonly marker = document.createElement('div');
-  private readonly full: readonly [number, number];
   private t = 0;
 
-  constructor(place: HTMLElement, chart: Chart, end_s: number, {onSeek, onZoom}: PlotOptions) {
-    this.full = [0, Math.max(end_s, 0.1)];
+  constructor(place: HTMLElement, chart: Chart, {onSeek, onZoom, onAll}: PlotOptions) {
     const colours = palette();
     const axis = {stroke: colours.faint, grid: {stroke: colours.grid, width: 1}, ticks: {show: false}, font: '11px system-ui, sans-serif'};
     this.marker.className = 'now';
     this.chart = new uPlot({
       width: place.clientWidth, height: HEIGHT, legend: {show: true, live: true},
       cursor: {sync: {key: 'flight', setSeries: false}, dataIdx: (u, k, row) => k === 0 ? row : lastKnown(u.data[k]!, row), drag: {x: true, y: false}, points: {size: 6}},
-      scales: {x: {time: false, min: this.full[0], max: this.full[1]}},
+      scales: {x: {time: false, min: 0, max: 1}},
       axes: [{...axis, size: 24, values: (_, ticks) => ticks.map((t) => `${t}`)}, {...axis, size: 52, values: tidy}],
       series: [{label: 's', value: (_, t) => t == null ? '' : t.toFixed(2)}, ...bandSeries(chart), ...chart.lines.map(series)],
       bands: chart.band ? [{series: [2, 1], fill: `${colours.estimate}30`}] : [],
@@ -47,7 +47,7 @@ export class Plot {
     this.chart.over.addEventListener('click', (event) => {
       if (Math.abs(event.clientX - down) < 3) onSeek(this.chart.posToVal(event.offsetX, 'x'));
     });
-    this.chart.over.addEventListener('dblclick', () => onZoom(...this.full));
+    this.chart.over.addEventListener('dblclick', onAll);
   }
 
   /** Marks the moment; the legend has its values unless the mouse asks for those of another one. */
@@ -57,7 +57,10 @@ export class Plot {
     if ((this.chart.cursor.left ?? -1) < 0) this.readAt(t);
   }
 
-  setSpan(from: number, to: number) { this.chart.setScale('x', {min: from, max: to}); }
+  /** Of the same curves as before, which may have grown. */
+  setChart(chart: Chart) { this.chart.setData(table(chart), false); }
+
+  setSpan({from, to}: {from: number; to: number}) { this.chart.setScale('x', {min: from, max: Math.max(to, from + 0.1)}); }
 
   setWidth(width: number) { if (width > 0 && width !== this.chart.width) this.chart.setSize({width, height: HEIGHT}); }
 

@@ -11,20 +11,21 @@ import {Plot} from './plot.ts';
 interface Zoom { from: number; to: number }
 
 export function Plots({flight}: {flight: Flight}) {
-  const [zoom, setZoom] = useState<Zoom>({from: 0, to: flight.end_s});
+  const [zoom, setZoom] = useState<Zoom | null>(null);
+  const revision = state.revision.value;
   const [own, setOwn] = useState<string[]>([]);
-  const groups = useMemo(() => chartGroups(flight), [flight]);
-  const chosen = useMemo(() => own.map((name) => ownChart(flight, name)), [flight, own]);
-  const zoomed = zoom.from > 0 || zoom.to < flight.end_s;
+  const groups = useMemo(() => chartGroups(flight), [flight, revision]);
+  const chosen = useMemo(() => own.map((name) => ownChart(flight, name)), [flight, own, revision]);
+  const end_s = flight.end_s;
   return <section class="plots" aria-label="Plots">
     <p class="hint">Click: go to that moment. Drag: zoom. Double click: all of it. Broad pale lines are commands.
-      {zoomed && <button class="link" onClick={() => setZoom({from: 0, to: flight.end_s})}>show all of it</button>}</p>
+      {zoom && <button class="link" onClick={() => setZoom(null)}>show all of it</button>}</p>
     <FieldChooser flight={flight} onChoose={(name) => setOwn((names) => [...new Set([name, ...names])])}/>
-    {chosen.map((chart) => <ChartFigure key={chart.title} {...{chart, flight, zoom, setZoom}}
+    {chosen.map((chart) => <ChartFigure key={chart.title} {...{chart, end_s, zoom, setZoom}}
       onRemove={() => setOwn((names) => names.filter((name) => name !== chart.title))}/>)}
     {groups.map(({name, charts}, k) => <details open={k < 3} key={name}>
       <summary><h2>{name}</h2></summary>
-      <div class="charts">{charts.map((chart) => <ChartFigure key={chart.title} {...{chart, flight, zoom, setZoom}}/>)}</div>
+      <div class="charts">{charts.map((chart) => <ChartFigure key={chart.title} {...{chart, end_s, zoom, setZoom}}/>)}</div>
     </details>)}
   </section>;
 }
@@ -51,22 +52,23 @@ function FieldChooser({flight, onChoose}: {flight: Flight; onChoose: (name: stri
   </div>;
 }
 
-interface FigureProps { chart: Chart; flight: Flight; zoom: Zoom; setZoom: (zoom: Zoom) => void; onRemove?: () => void }
+interface FigureProps { chart: Chart; end_s: number; zoom: Zoom | null; setZoom: (zoom: Zoom | null) => void; onRemove?: () => void }
 
-/** Drawn when it first comes into sight. */
-function ChartFigure({chart, flight, zoom, setZoom, onRemove}: FigureProps) {
+/** Drawn when it first comes into sight, and again when its chart or the span shown has changed. */
+function ChartFigure({chart, end_s, zoom, setZoom, onRemove}: FigureProps) {
   const place = useRef<HTMLDivElement>(null);
   const plot = useRef<Plot | undefined>(undefined);
-  const span = useRef(zoom);
-  span.current = zoom;
+  const latest = useRef({chart, end_s, zoom});
+  latest.current = {chart, end_s, zoom};
+  const kinds = chart.lines.map(({label}) => label).join();
   useEffect(() => {
     const element = place.current!;
     let stop = () => {};
     const seen = new IntersectionObserver(([entry]) => {
       if (!entry?.isIntersecting || plot.current) return;
-      const made = plot.current = new Plot(element, chart, flight.end_s,
-        {onSeek: state.seek, onZoom: (from, to) => setZoom({from, to})});
-      made.setSpan(span.current.from, span.current.to);
+      const {chart, zoom, end_s} = latest.current;
+      const made = plot.current = new Plot(element, chart, {onSeek: state.seek, onZoom: (from, to) => setZoom({from, to}), onAll: () => setZoom(null)});
+      made.setSpan(zoom ?? {from: 0, to: end_s});
       stop = effect(() => made.setTime(state.time.value));
     }, {rootMargin: '200px'});
     const sized = new ResizeObserver(() => plot.current?.setWidth(element.clientWidth));
@@ -79,8 +81,9 @@ function ChartFigure({chart, flight, zoom, setZoom, onRemove}: FigureProps) {
       plot.current?.destroy();
       plot.current = undefined;
     };
-  }, [chart, flight]);
-  useEffect(() => plot.current?.setSpan(zoom.from, zoom.to), [zoom]);
+  }, [kinds]);
+  useEffect(() => plot.current?.setChart(chart), [chart]);
+  useEffect(() => plot.current?.setSpan(zoom ?? {from: 0, to: end_s}), [zoom, end_s]);
   return <figure>
     <figcaption>{chart.title} {chart.unit && <span class="unit">{chart.unit}</span>}
       {onRemove && <button class="link" aria-label={`remove the plot ${chart.title}`} onClick={onRemove}>remove</button>}

@@ -27,7 +27,7 @@ export function Space({flight}: {flight: Flight}) {
     setView('follow');
     const stop = effect(() => shown.setTime(state.time.value));
     const dark = matchMedia('(prefers-color-scheme: dark)');
-    const restyle = () => shown.restyle();
+    const restyle = () => shown.refresh();
     dark.addEventListener('change', restyle);
     document.addEventListener('themechange', restyle);
     return () => {
@@ -36,6 +36,8 @@ export function Space({flight}: {flight: Flight}) {
       document.removeEventListener('themechange', restyle);
     };
   }, [flight]);
+  const revision = state.revision.value;
+  useEffect(() => { if (revision > 0) scene.current?.refresh(); }, [revision]);
   const look = (wanted: View) => {
     setView(wanted);
     scene.current?.setView(wanted);

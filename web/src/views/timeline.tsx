@@ -6,7 +6,7 @@ import {lanesOf} from '../data/lanes.ts';
 import * as state from '../state.ts';
 
 export function Timeline({flight}: {flight: Flight}) {
-  const lanes = useMemo(() => lanesOf(flight), [flight]);
+  const lanes = useMemo(() => lanesOf(flight), [flight, state.revision.value]);
   const end = Math.max(flight.end_s, 0.1);
   const at = (t: number) => `${100 * t / end}%`;
   const t = state.time.value;
@@ -21,6 +21,8 @@ export function Timeline({flight}: {flight: Flight}) {
           {state.SPEEDS.map((speed) => <option key={speed} value={String(speed)}>{speed}×</option>)}
         </select></label>
       <output class="clock">{t.toFixed(2)} s</output>
+      {state.live.value === 'on' && <button aria-pressed={state.following.value} class="live"
+        onClick={() => { state.following.value = true; state.play(false); }}>live</button>}
     </div>
     <div class="track">
       <input type="range" min={0} max={end} step={0.01} value={t} aria-label="Time in the flight"

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <ostream>
+#include <utility>
+
+#include "apps/fly_command.hpp"
+#include "apps/page_server.hpp"
+#include "apps/stop_signal.hpp"
+#include "apps/view_command.hpp"
+#include "log/flight_log_topics.hpp"
+
+namespace rosflight::apps {
+namespace {
+
+using log::Topic;
+using web::server::Contents;
+using web::server::LiveData;
+
+/// Seldom, and of use long after they came. All others are states.
+constexpr std::array kEvents{Topic::kStatus,
+                             Topic::kVersion,
+                             Topic::kHardError,
+                             Topic::kParamRequestRead,
+                             Topic::kParamSet,
+                             Topic::kParamValue,
+                             Topic::kParamRequestList,
+                             Topic::kCommandRequest,
+                             Topic::kCommandAck,
+                             Topic::kMotorTest,
+                             Topic::kReportRequest,
+                             Topic::kCheckResult,
+                             Topic::kPhase,
+                             Topic::kParameter,
+                             Topic::kTexts,
+                             Topic::kTfStatic,
+                             Topic::kPath,
+                             Topic::kRobotDescription};
+/// Bytes that no viewer shows.
+constexpr std::array kBulk{Topic::kRawFrames, Topic::kBoardInputs};
+
+bool is_one_of(Topic topic, const auto& topics) {
+  return std::find(topics.begin(), topics.end(), topic) != topics.end();
+}
+
+class LiveFlight final : public FlightWatch, public log::LogObserver {
+ public:
+  LiveFlight(std::uint16_t port, std::ostream& err) : err_{err} {
+    Contents contents = page_contents();
+    contents.texts["offer.json"] = R"({"live":true,"name":"flight"})";
+    contents.live = &data_;
+    server_ = serve(std::move(contents), port);
+    err_ << server_->address() << std::endl;
+  }
+
+  log::LogObserver& observer() override { return *this; }
+
+  void on_logged(Topic topic, std::uint64_t time_ns, log::Bytes cdr) override {
+    if (is_one_of(topic, kBulk)) return;
+    auto& channel = channels_.at(static_cast<std::size_t>(topic));
+    if (!channel) {
+      const log::TopicType& type = log::kTopics.at(static_cast<std::size_t>(topic));
+      const auto kind = is_one_of(topic, kEvents) ? LiveData::Kind::kEvent : LiveData::Kind::kState;
+      channel = data_.add_channel(
+          {std::string(type.name), std::string(type.type), std::string(type.schema()), kind});
+    }
+    data_.put(*channel, time_ns, cdr);
+  }
+
+  void stay(const flight::FlightSummary& /*summary*/) override {
+    err_ << "rosflight: the flight has ended; " << server_->address() << " stays until Ctrl-C"
+         << std::endl;
+    wait_for_stop();
+  }
+
+ private:
+  std::ostream& err_;
+  LiveData data_;
+  std::array<std::optional<std::size_t>, log::kTopics.size()> channels_;
+  std::unique_ptr<web::server::WebServer> server_;  ///< Ends first: it reads data_.
+};
+
+}  // namespace
+
+std::unique_ptr<FlightWatch> watch_flight(std::uint16_t port, std::ostream& err) {
+  return std::make_unique<LiveFlight>(port, err);
+}
+
+}  // namespace rosflight::apps

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "web/server/live_data.hpp"
+
+/// The Foxglove WebSocket protocol v1, server's side, as far as it is used: channels, subscriptions,
+/// messages. Text frames are JSON objects with a member `op`, binary frames little-endian.
+namespace rosflight::web::server::foxglove {
+
+/// The name of the protocol to answer with, out of those that a client offers (the header
+/// Sec-WebSocket-Protocol); nothing if it offers none that is known.
+std::optional<std::string_view> chosen_protocol(std::string_view offered);
+
+/// @param session  the same for all clients of one start of the server.
+std::string server_info(std::string_view name, std::string_view session);
+/// @param first  number of the first channel; others follow. Clients see numbers one larger.
+std::string advertise(std::size_t first, std::span<const LiveData::Channel> channels);
+/// A complaint about what the client sent.
+std::string status_error(std::string_view text);
+/// The 13 bytes before a message's contents.
+std::vector<std::uint8_t> message_head(std::uint32_t subscription, std::uint64_t time_ns);
+
+/// What a client wants; channels by their number.
+struct Request {
+  std::vector<std::pair<std::uint32_t, std::size_t>> subscribe;  ///< Its own id, channel.
+  std::vector<std::uint32_t> unsubscribe;                        ///< Its own ids.
+  std::string complaint;  ///< Not empty: what is wrong, for status_error().
+};
+/// Anything may come; what is not understood becomes a complaint.
+Request parse_request(std::string_view text);
+
+}  // namespace rosflight::web::server::foxglove

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "web/server/live_data.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace rosflight::web::server {
+
+std::size_t LiveData::add_channel(Channel channel) {
+  const std::scoped_lock lock(mutex_);
+  channels_.push_back(std::move(channel));
+  states_.emplace_back();
+  return channels_.size() - 1;
+}
+
+void LiveData::put(std::size_t channel, std::uint64_t time_ns, std::span<const std::uint8_t> cdr) {
+  auto message = std::make_shared<const Message>(
+      Message{channel, time_ns, std::vector<std::uint8_t>(cdr.begin(), cdr.end())});
+  const std::scoped_lock lock(mutex_);
+  if (channels_.at(channel).kind == Kind::kState) {
+    ++states_[channel].version;
+    states_[channel].latest = std::move(message);
+  } else if (event_bytes_ + cdr.size() > kMostEventBytes) {
+    ++lost_;
+  } else {
+    event_bytes_ += cdr.size();
+    events_.push_back(std::move(message));
+  }
+}
+
+LiveData::News LiveData::news(Cursor& cursor) const {
+  News news;
+  const std::scoped_lock lock(mutex_);
+  for (; cursor.channels < channels_.size(); ++cursor.channels)
+    news.channels.push_back(channels_[cursor.channels]);
+  cursor.places.resize(channels_.size());
+  add_events(cursor, news);
+  for (std::size_t k = 0; k < states_.size(); ++k) {
+    Cursor::Place& place = cursor.places[k];
+    if (!place.wanted || place.version == states_[k].version) continue;
+    place.version = states_[k].version;
+    news.messages.push_back(states_[k].latest);
+  }
+  return news;
+}
+
+void LiveData::add_events(Cursor& cursor, News& news) const {
+  std::size_t first = events_.size();
+  for (const Cursor::Place& place : cursor.places) {
+    if (place.wanted) first = std::min(first, place.next_event);
+  }
+  for (std::size_t k = first; k < events_.size(); ++k) {
+    const Cursor::Place& place = cursor.places[events_[k]->channel];
+    if (place.wanted && k >= place.next_event) news.messages.push_back(events_[k]);
+  }
+  for (Cursor::Place& place : cursor.places) {
+    if (place.wanted) place.next_event = events_.size();
+  }
+}
+
+std::uint64_t LiveData::events_lost() const {
+  const std::scoped_lock lock(mutex_);
+  return lost_;
+}
+
+}  // namespace rosflight::web::server

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace rosflight::web::server {
+
+/// What viewers of something running see: messages of channels, put in by one thread and taken out by
+/// the server's.
+///
+/// A channel is of one of two kinds. Of a *state*, such as a position, only the latest message is
+/// kept: a viewer that is slow, or came late, misses the others. Of an *event*, such as a text, all
+/// are kept in order, for viewers that come later too; together at most kMostEventBytes, then
+/// further ones are lost and counted. Putting in takes a lock for the time of a copy and never waits
+/// for a viewer.
+class LiveData {
+ public:
+  static constexpr std::size_t kMostEventBytes = std::size_t{64} << 20U;
+
+  enum class Kind : std::uint8_t { kState, kEvent };
+  struct Channel {
+    std::string topic;
+    std::string type;    ///< Such as sensor_msgs/msg/Imu.
+    std::string schema;  ///< Its definition, ros2msg.
+    Kind kind{Kind::kState};
+  };
+  struct Message {
+    std::size_t channel{};
+    std::uint64_t time_ns{};
+    std::vector<std::uint8_t> cdr;
+  };
+  using Shared = std::shared_ptr<const Message>;
+
+  /// @returns its number, from 0.
+  std::size_t add_channel(Channel channel);
+
+  /// @throws std::out_of_range  no such channel.
+  void put(std::size_t channel, std::uint64_t time_ns, std::span<const std::uint8_t> cdr);
+
+  /// Where a viewer stands. A channel is not wanted until the viewer says so.
+  struct Cursor {
+    struct Place {
+      bool wanted{false};
+      std::uint64_t version{0};   ///< Of the state, as last seen.
+      std::size_t next_event{0};  ///< Into all events.
+    };
+    std::size_t channels{0};  ///< Seen by it.
+    std::vector<Place> places;
+  };
+  struct News {
+    std::vector<Channel> channels;  ///< New ones; the first has the number Cursor::channels had.
+    std::vector<Shared> messages;   ///< Of wanted channels: new events in order, then new states.
+  };
+  /// What is new since the cursor was last here; moves it.
+  News news(Cursor& cursor) const;
+
+  std::uint64_t events_lost() const;
+
+ private:
+  /// Appends events that the cursor wants and has not seen.
+  void add_events(Cursor& cursor, News& news) const;
+
+  struct State {
+    std::uint64_t version{0};
+    Shared latest;
+  };
+
+  mutable std::mutex mutex_;
+  std::vector<Channel> channels_;
+  std::vector<State> states_;  ///< One for each channel; unused by events.
+  std::vector<Shared> events_;
+  std::size_t event_bytes_{0};
+  std::uint64_t lost_{0};
+};
+
+}  // namespace rosflight::web::server

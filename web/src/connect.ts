@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Keeps the page connected with the running flight of its server.
+import {batch} from '@preact/signals';
+import {LiveDecoder, PROTOCOLS} from './data/live.ts';
+import * as state from './state.ts';
+
+const AGAIN_MS = 1000;
+/** How often what is slow to draw (plots, trails, states) is drawn anew. */
+const REVISION_MS = 1000;
+/** The picture is this late, so that it lies between two messages. */
+const DELAY_S = 0.03;
+/** After so long without news there is nothing to lie between: the latest is shown. */
+const QUIET_MS = 200;
+
+export function connect(name: string) {
+  if (state.live.value === 'off') state.live.value = 'connecting';
+  const socket = new WebSocket(location.href.replace(/^http/, 'ws').replace(/[?#].*/, ''), PROTOCOLS);
+  socket.binaryType = 'arraybuffer';
+  const decoder = new LiveDecoder(name);
+  let revised = 0;
+  let newest = {end_s: -1, at_ms: 0};
+  const follow = () => {
+    if (state.live.value !== 'on' || state.flight.value !== decoder.flight) return;
+    const now = performance.now();
+    const {end_s} = decoder.flight;
+    if (end_s > newest.end_s) newest = {end_s, at_ms: now};
+    const delay_s = now - newest.at_ms > QUIET_MS ? 0 : DELAY_S;
+    batch(() => {
+      if (state.following.value) state.time.value = Math.max(end_s - delay_s, 0);
+      if (now - revised > REVISION_MS) {
+        revised = now;
+        ++state.revision.value;
+      }
+    });
+    requestAnimationFrame(follow);
+  };
+  socket.onmessage = ({data}) => {
+    if (typeof data === 'string') {
+      const answer = decoder.text(data);
+      if (answer) socket.send(answer);
+      return;
+    }
+    try {
+      decoder.binary(new Uint8Array(data as ArrayBuffer));
+    } catch (error) {
+      state.failure.value = `A message of the flight cannot be read: ${(error as Error).message}`;
+    }
+    if (state.flight.value === decoder.flight) return;
+    state.flight.value = decoder.flight;
+    state.following.value = true;
+    state.live.value = 'on';
+    requestAnimationFrame(follow);
+  };
+  socket.onclose = () => {
+    state.live.value = 'gone';
+    setTimeout(() => connect(name), AGAIN_MS);
+  };
+}

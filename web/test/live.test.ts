@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// ./rosflight fly --view against FoxgloveClient, the class that Foxglove's own programs connect with, and against viewers that
+// behave badly: the flight must not notice any of them.
+import {FoxgloveClient, type Channel} from '@foxglove/ws-protocol';
+import assert from 'node:assert/strict';
+import {spawn, type ChildProcess} from 'node:child_process';
+import {mkdtemp, rm} from 'node:fs/promises';
+import {connect as connectTcp} from 'node:net';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+import {after, test} from 'node:test';
+import {LiveDecoder, PROTOCOLS} from '../src/data/live.ts';
+import {FLY, VIEW} from './flights.ts';
+
+const scratch = await mkdtemp(join(tmpdir(), 'rosflight_live_'));
+const running: ChildProcess[] = [];
+after(async () => {
+  for (const program of running) program.kill('SIGKILL');
+  await rm(scratch, {recursive: true});
+});
+
+let count = 0;
+
+/** Starts a flight. `address` is that of its page, `summary` what it prints at landing. */
+async function fly(program: string, ...options: string[]) {
+  const child = spawn(program, ['fly', '--mission', 'hop', '--json', '--out', join(scratch, String(++count)), ...options],
+    {stdio: ['ignore', 'pipe', 'pipe']});
+  running.push(child);
+  let said = '';
+  const summary = new Promise<Record<string, unknown>>((resolve, reject) => {
+    let text = '';
+    child.stdout.on('data', (data) => {
+      text += String(data);
+      if (text.endsWith('}\n')) resolve(JSON.parse(text) as Record<string, unknown>);
+    });
+    child.on('close', () => reject(new Error(`the flight said no summary: ${said}`)));
+  });
+  summary.catch(() => {}); // a test may end the flight before
+  const address = new Promise<string>((resolve) => child.stderr.on('data', (data) => {
+    said += String(data);
+    const found = /http:\S+/.exec(said);
+    if (found) resolve(found[0]);
+  }));
+  return {child, summary, address};
+}
+
+/** Says that it is a WebSocket, subscribes to nothing it could name, and never reads. */
+function neverReads(port: number) {
+  const socket = connectTcp(port, '127.0.0.1');
+  socket.pause();
+  socket.on('error', () => {}); // it is closed in the end
+  const lines = ['GET / HTTP/1.1', `Host: 127.0.0.1:${port}`, 'Upgrade: websocket', 'Connection: Upgrade', 'Sec-WebSocket-Version: 13',
+    'Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==', `Sec-WebSocket-Protocol: ${PROTOCOLS[0]}`];
+  socket.write(`${lines.join('\r\n')}\r\n\r\n`);
+  const text = JSON.stringify({op: 'subscribe', subscriptions: Array.from({length: 40}, (_, k) => ({id: k, channelId: k + 1}))});
+  const head = Buffer.from([0x81, 0xfe, text.length >> 8, text.length & 255, 0, 0, 0, 0]); // masked by zeros
+  setInterval(() => socket.write(Buffer.concat([head, Buffer.from(text)])), 50).unref(); // channels appear as the flight goes on
+  return socket;
+}
+
+test('the log is the same to the bit with and without three viewers, one of which never reads', {timeout: 120_000}, async () => {
+  const plain = await (await fly(FLY)).summary;
+  const {child, summary, address} = await fly(VIEW, '--view', '--speed', '8');
+  const url = await address;
+  const socket = url.replace('http', 'ws');
+  const stuck = neverReads(Number(new URL(url).port));
+
+  const client = new FoxgloveClient({ws: new WebSocket(socket, [FoxgloveClient.SUPPORTED_SUBPROTOCOL]) as never});
+  const channels = new Map<number, Channel>();
+  const received = new Map<string, number>();
+  const complaints: string[] = [];
+  client.on('advertise', (advertised) => {
+    for (const channel of advertised) channels.set(client.subscribe(channel.id), channel);
+  });
+  client.on('message', ({subscriptionId}) => {
+    const topic = channels.get(subscriptionId)!.topic;
+    received.set(topic, (received.get(topic) ?? 0) + 1);
+  });
+  client.on('error', (error) => complaints.push(String(error)));
+  client.on('status', ({message}) => complaints.push(message));
+
+  const decoder = new LiveDecoder('live');
+  const ours = new WebSocket(socket, PROTOCOLS);
+  ours.binaryType = 'arraybuffer';
+  ours.onmessage = ({data}) => {
+    if (typeof data !== 'string') return decoder.binary(new Uint8Array(data as ArrayBuffer));
+    const answer = decoder.text(data);
+    if (answer) ours.send(answer);
+  };
+
+  const watched = await summary;
+  assert.equal(watched['log_sha256'], plain['log_sha256']);
+  assert.equal(watched['success'], true);
+  assert.deepEqual(complaints, []);
+  assert.ok(channels.size > 30, `${channels.size} channels`);
+  assert.ok(received.get('/sim/truth_state')! > 20, `${received.get('/sim/truth_state')} messages`);
+  // Our own decoder has every event and the motion.
+  const {flight} = decoder;
+  assert.ok(flight.urdf.includes('rotor_0') && flight.plans.length === 1);
+  assert.equal(flight.tables.get('/parameters')!.length, 340);
+  assert.ok(flight.events.some(({text}) => /land/i.test(text)));
+  assert.ok(flight.tables.get('/sim/truth_state')!.length > 20);
+  assert.equal(received.get('/rosout'), flight.events.length);
+  client.close();
+  ours.close();
+  stuck.destroy();
+  // The page stays until it is told to end.
+  assert.equal((await fetch(url)).status, 200);
+  assert.equal(child.exitCode, null);
+  child.kill('SIGINT');
+  assert.equal(await new Promise((resolve) => child.on('exit', resolve)), 0);
+});
+
+test('a viewer that comes after the landing gets every event and the latest states', {timeout: 120_000}, async () => {
+  const {child, summary, address} = await fly(VIEW, '--view', '--speed', '50');
+  const url = await address;
+  await summary;
+  const decoder = new LiveDecoder('late');
+  const socket = new WebSocket(url.replace('http', 'ws'), PROTOCOLS);
+  socket.binaryType = 'arraybuffer';
+  await new Promise<void>((resolve) => {
+    socket.onmessage = ({data}) => {
+      if (typeof data === 'string') {
+        const answer = decoder.text(data);
+        if (answer) socket.send(answer);
+      } else {
+        decoder.binary(new Uint8Array(data as ArrayBuffer));
+        if (decoder.flight.poseAt(decoder.flight.end_s)) resolve();
+      }
+    };
+  });
+  assert.equal(decoder.flight.tables.get('/parameters')!.length, 340);
+  assert.ok(Math.abs(decoder.flight.poseAt(decoder.flight.end_s)!.p[2]) < 0.3, 'landed');
+  socket.close();
+  child.kill('SIGTERM');
+});
+
+test('who does not speak the protocol, or is a foreign page, gets no WebSocket', {timeout: 120_000}, async () => {
+  const {child, address} = await fly(VIEW, '--view');
+  const url = await address;
+  const port = Number(new URL(url).port);
+  const answer = (...headers: string[]) => new Promise<string>((resolve) => {
+    const socket = connectTcp(port, '127.0.0.1');
+    let text = '';
+    socket.on('data', (data) => {
+      text += String(data);
+      socket.destroy();
+      resolve(text.split(' ')[1]!);
+    });
+    socket.write(`${['GET / HTTP/1.1', 'Upgrade: websocket', 'Connection: Upgrade', 'Sec-WebSocket-Version: 13',
+      'Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==', ...headers].join('\r\n')}\r\n\r\n`);
+  });
+  const here = `Host: 127.0.0.1:${port}`;
+  const protocol = 'Sec-WebSocket-Protocol: foxglove.websocket.v1';
+  assert.equal(await answer(here, protocol), '101');
+  assert.equal(await answer(here, protocol, `Origin: ${url.slice(0, -1)}`), '101');
+  assert.equal(await answer(here), '400');
+  assert.equal(await answer(here, 'Sec-WebSocket-Protocol: other'), '400');
+  assert.equal(await answer(here, protocol, 'Origin: http://example.org'), '403');
+  assert.equal(await answer(here, protocol, 'Origin: null'), '403');
+  assert.equal(await answer(`Host: example.org:${port}`, protocol), '421');
+  child.kill('SIGKILL');
+});
