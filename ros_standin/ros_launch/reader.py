@@ -5,7 +5,6 @@ As in ROS 2, a file and what it includes share their variables, an `arg` has its
 gave it a value before, and a group restores variables and namespace at its end.
 """
 
-import shlex
 from pathlib import Path
 
 import yaml
@@ -13,7 +12,7 @@ import yaml
 from .errors import LaunchError, one_of
 from .packages import Packages
 from .plan import Argument, Node, Plan
-from .substitutions import Scope, substitute, truth
+from .substitutions import Scope, command_words, substitute, truth
 from .xml_tree import Element, read
 
 _WHEN = {"if", "unless"}
@@ -68,6 +67,17 @@ class Reader:
             return default
         try:
             return substitute(text, self._scope)
+        except LaunchError as why:
+            raise element.error(f"{name} of <{element.tag}>: {why}") from why
+
+    def _words(self, element: Element, name: str) -> list[str]:
+        text = element.attributes.get(name)
+        if text is None:
+            return []
+        try:
+            return command_words(text, self._scope)
+        except ValueError as why:
+            raise element.error(f"{name} of <{element.tag}>: found {text!r}, allowed quotes that end before the next $( ({why})") from why
         except LaunchError as why:
             raise element.error(f"{name} of <{element.tag}>: {why}") from why
 
@@ -185,10 +195,10 @@ class Reader:
             raise element.error(f"name of <node>: found {name!r}, allowed letters, digits and _")
         namespace = _join(self._namespace, self._text(element, "namespace"))
         node = Node(name=self._label(namespace, name or executable),
-                    command=[str(program), *_words(self._text(element, "args"))],
+                    command=[str(program), *self._words(element, "args")],
                     where=element.where, what=f"{package}/{executable}", node_name=name or None,
                     full_name=_join("/", _join(namespace, name)) if name else None,
-                    namespace=namespace, ros_arguments=_words(self._text(element, "ros_args")),
+                    namespace=namespace, ros_arguments=self._words(element, "ros_args"),
                     remappings=list(self._remappings), environment=dict(self._environment))
         for child in element.children:
             if self._applies(child):
@@ -229,8 +239,8 @@ class Reader:
 
     def _executable(self, element: Element) -> None:
         element.check({"cmd"}, {"name", "output"} | _WHEN, {"env"})
-        command = _words(self._text(element, "cmd"))
-        if not command:
+        command = self._words(element, "cmd")
+        if not command[0]:
             raise element.error("cmd of <executable>: found nothing, allowed a program")
         node = Node(name=self._label("", self._text(element, "name") or Path(command[0]).name),
                     command=command, where=element.where, what=command[0], is_ros=False,
@@ -244,13 +254,6 @@ def _join(namespace: str, more: str) -> str:
     if not more or more.startswith("/"):
         return more or namespace
     return f"{namespace.rstrip('/')}/{more}" if namespace else more
-
-
-def _words(text: str) -> list[str]:
-    try:
-        return shlex.split(text)
-    except ValueError as why:
-        raise LaunchError(f"arguments: found {text!r}, allowed words ({why})") from why
 
 
 def _typed(text: str) -> object:

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """$(...) in the text of a launch file.
 
-Same words and quoting as in the XML front end of ROS 2: arguments are separated by spaces, ' and " keep
-spaces together, substitutions may stand inside each other, a backslash takes the next sign as it is.
+Same words and quoting as in the XML front end of ROS 2 (launch 3.4): one blank between arguments, ' or " around a whole
+argument that has blanks or parentheses, substitutions inside each other, a backslash takes the next sign as it is.
 `eval` knows arithmetic, comparisons, and, or, not, in, x if c else y, over numbers and texts: no calls.
 """
 
 import ast
 import operator
 import os
+import re
+import shlex
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -29,56 +31,94 @@ class Scope:
 
 def substitute(text: str, scope: Scope) -> str:
     """The text with every $(...) replaced."""
-    out, at = "", 0
-    while at < len(text):
-        if text.startswith("$(", at):
-            value, at = _command(text, at + 2, scope)
-            out += value
-        elif text[at] == "\\" and at + 1 < len(text):
-            out, at = out + text[at + 1], at + 2
-        else:
-            out, at = out + text[at], at + 1
-    return out
+    return "".join(piece for piece, _ in _template(text, 0, "", scope)[0])
 
 
-def _command(text: str, at: int, scope: Scope) -> tuple[str, int]:
-    """Reads what follows $( and returns its value and the place behind its )."""
+def command_words(text: str, scope: Scope) -> list[str]:
+    """The arguments of a program, as `ros2 launch` splits `args`, `ros_args` and `cmd`.
+
+    Only what is written in the file is split, each stretch between two $(...) by itself and as a shell does it: a quote ends in
+    the stretch where it begins. The value of a $(...) stays one piece, whatever blanks are in it, and also if it is empty.
+    """
     words: list[str] = []
     word: str | None = None
-    quote = ""
-    while at < len(text):
-        sign = text[at]
-        if text.startswith("$(", at):
-            value, at = _command(text, at + 2, scope)
-            word = (word or "") + value
+    for piece, literal in _template(text, 0, "", scope)[0] or [("", True)]:
+        if not literal:
+            word = (word or "") + piece
             continue
-        if sign == "\\" and at + 1 < len(text):
-            word, at = (word or "") + text[at + 1], at + 2
-            continue
-        if quote:
-            if sign == quote:
-                quote = ""
-            else:
-                word = (word or "") + sign
-        elif sign in "'\"":
-            quote, word = sign, word or ""
-        elif sign == ")" and not _opened(word):
-            if word is not None:
-                words.append(word)
-            return _value(words, scope), at + 1
-        elif sign.isspace():
-            if word is not None:
-                words.append(word)
-            word = None
+        parts = shlex.split(piece)
+        if not parts or (piece[0].isspace() and word is not None):
+            words, word = [*words, word or ""], None
+        for part in parts[:-1]:
+            words, word = [*words, (word or "") + part], None
+        if parts:
+            word = (word or "") + parts[-1]
+            if piece[-1].isspace():
+                words, word = [*words, word], None
+    return words if word is None else [*words, word]
+
+
+# ---- reading ------------------------------------------------------------------------------------
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
+_ESCAPED = re.compile(r"\\(.)")
+
+
+def _template(text: str, at: int, quote: str, scope: Scope) -> tuple[list[tuple[str, bool]], int]:
+    """Pieces up to the closing quote, or to the end if there is none: what they say, and whether they are written there."""
+    pieces: list[tuple[str, bool]] = []
+    begin = at
+    while True:
+        ends = at >= len(text) or text[at] == quote
+        if ends or (text.startswith("$(", at) and text[at - 1:at] != "\\"):
+            if at > begin:
+                pieces.append((_ESCAPED.sub(r"\1", text[begin:at]), True))
+            if ends:
+                break
+            value, at = _substitution(text, at + 2, quote, scope)
+            pieces.append((value, False))
+            begin = at
         else:
-            word = (word or "") + sign
-        at += 1
-    raise LaunchError(f"substitution: found {text!r}, allowed a ) for every $(")
+            at += 2 if quote and text.startswith("\\" + quote, at) else 1
+    if quote and at >= len(text):
+        raise LaunchError(f"substitution: found {text!r}, allowed two {quote} around an argument")
+    return pieces, at + 1
 
 
-def _opened(word: str | None) -> bool:
-    """Whether a ( in an unquoted word waits for its )."""
-    return word is not None and word.count("(") > word.count(")")
+def _substitution(text: str, at: int, quote: str, scope: Scope) -> tuple[str, int]:
+    """Reads what follows $( and returns its value and the place behind its )."""
+    name = _NAME.match(text, at)
+    if name is None:
+        raise LaunchError(f"substitution: found {text!r}, allowed {one_of(_COMMANDS)} after $(")
+    at, words = name.end(), [name.group()]
+    while text[at:at + 1] == " ":
+        word, at = _argument(text, at + 1, quote, scope)
+        words.append(word)
+    if text[at:at + 1] != ")":
+        raise LaunchError(f"substitution: found {text!r}, allowed a ) for every $(, one blank between arguments, and quotes around "
+                          "a whole argument, as around one with blanks or parentheses")
+    return _value(words, scope), at + 1
+
+
+def _argument(text: str, at: int, quote: str, scope: Scope) -> tuple[str, int]:
+    """One argument: in quotes, or up to the next blank or ). Inside quotes no other argument has quotes."""
+    if not quote and text[at:at + 1] in ("'", '"'):
+        pieces, at = _template(text, at + 1, text[at], scope)
+        return "".join(piece for piece, _ in pieces), at
+    word, begin = "", at
+    while at < len(text):
+        if text.startswith("$(", at):
+            value, at = _substitution(text, at + 2, quote, scope)
+            word += value
+        elif text[at] == "\\" and text[at + 1:at + 2] not in ("", " "):
+            word, at = word + text[at + 1], at + 2
+        elif text[at] in " ()" or text[at] in (quote or "'\""):
+            break
+        else:
+            word, at = word + text[at], at + 1
+    if at == begin:
+        raise LaunchError(f"substitution: found {text!r}, allowed one blank before each argument, '' for an empty one")
+    return word, at
 
 
 def _value(words: list[str], scope: Scope) -> str:
@@ -139,8 +179,7 @@ _OPERATORS: dict[type, Callable] = {
 _LONGEST_EXPRESSION = 1000
 
 
-def _eval(_: Scope, *words: str) -> str:
-    text = " ".join(words)
+def _eval(_: Scope, text: str) -> str:
     if len(text) > _LONGEST_EXPRESSION:
         raise LaunchError(f"$(eval): found {len(text)} signs, allowed {_LONGEST_EXPRESSION}")
     try:
@@ -184,7 +223,6 @@ def _reckon(node: ast.AST):
                       "operators")
 
 
-_MANY = 100
 # Function, fewest and most arguments.
 _COMMANDS: dict[str, tuple[Callable[..., str], int, int]] = {
     "var": (_var, 1, 2),
@@ -192,7 +230,7 @@ _COMMANDS: dict[str, tuple[Callable[..., str], int, int]] = {
     "find-pkg-share": (lambda scope, name: str(scope.packages.share(name)), 1, 1),
     "find-pkg-prefix": (lambda scope, name: str(scope.packages.prefix(name)), 1, 1),
     "dirname": (lambda scope: str(scope.folder), 0, 0),
-    "eval": (_eval, 1, _MANY),
+    "eval": (_eval, 1, 1),
     "not": (lambda scope, a: _word(not truth(a)), 1, 1),
     "and": (lambda scope, a, b: _word(truth(a) and truth(b)), 2, 2),
     "or": (lambda scope, a, b: _word(truth(a) or truth(b)), 2, 2),

@@ -85,6 +85,18 @@ def test_conditions(installed, condition, starts):
     assert bool(plan.nodes) == starts
 
 
+@pytest.mark.parametrize("text, words", [
+    ("$(var two)", ["one two"]), ("-d $(var two)", ["-d", "one two"]), ("$(var two) $(var two)", ["one two", "one two"]),
+    ("-p=$(var two)/x y", ["-p=one two/x", "y"]), ("a $(var none) b", ["a", "", "b"]), ("$(var none)", [""]), ("", [""]),
+    ("  $(var two) ", ["", "one two"]), ("a 'b c' d$(var two)", ["a", "b c", "done two"]), ("$(var quote)", ["it's"]),
+    ("$(env B 'two words')\\ x", ["two words", "x"]), ("\\$(var two)", ["$(var", "two)"])])
+def test_only_what_the_file_says_is_split_into_arguments(installed, text, words):
+    """The words are those that launch 3.4.3 makes of the same texts."""
+    node, = read(installed, f"""<launch><let name="two" value="one two"/><let name="none" value=""/><let name="quote" value="it's"/>
+      <node pkg="world" exec="talker" args="{text}"/></launch>""").nodes
+    assert node.command[1:] == words
+
+
 def test_a_group_gives_a_namespace_and_takes_it_back(installed):
     plan = read(installed, """<launch><let name="v" value="out"/>
       <group><push-ros-namespace namespace="one"/><let name="v" value="in"/>
@@ -141,8 +153,15 @@ def test_two_nodes_of_one_name_have_two_labels(installed):
     ("<launch><let name='a' value='$(var b)'/></launch>", 1, ["'b'", "nothing"]),
     ("<launch><let name='a' value='$(vra b)'/></launch>", 1, ["$(vra)", "var"]),
     ("<launch><let name='a' value='$(var'/></launch>", 1, ["'$(var'"]),
-    ("<launch><let name='a' value='$(eval 1 +)'/></launch>", 1, ["'1 +'"]),
-    ("<launch><let name='a' value='$(eval __import__(\"os\"))'/></launch>", 1, ["__import__"]),
+    ("<launch><let name='a' value='$(eval &quot;1 +&quot;)'/></launch>", 1, ["'1 +'"]),
+    ("<launch><let name='a' value='$(eval 1 + 2)'/></launch>", 1, ["$(eval) with 3 arguments", "allowed 1"]),
+    ("<launch><let name='a' value='$(eval &quot;int(2)&quot;)'/></launch>", 1, ["int(2)", "numbers"]),
+    ("<launch><let name='a' value='$(eval (1+2))'/></launch>", 1, ["one blank before each argument"]),
+    ("<launch><let name='a' value='$(env  A b)'/></launch>", 1, ["one blank before each argument"]),
+    ("<launch><let name='a' value='$( env A b)'/></launch>", 1, ["after $("]),
+    ("<launch><let name='a' value='$(env A b&quot;c&quot;)'/></launch>", 1, ["quotes around a whole argument"]),
+    ("<launch><let name='a' value='$(env A &quot;b)'/></launch>", 1, ['two " around']),
+    ("<launch>\n<node pkg='world' exec='talker' args='-d &quot;$(env A b)&quot;'/></launch>", 2, ["args of <node>", "before the next $("]),
     ("<launch><let name='a' value='$(eval &quot;&apos;a&apos; * 99999&quot;)'/></launch>", 1,
      ["product of texts"]),
     ("<launch><let name='a' value='x' if='maybe'/></launch>", 1, ["'maybe'", "true"]),
