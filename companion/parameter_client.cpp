@@ -95,7 +95,12 @@ Job<LoadReport> ParameterClient::load(ParameterSet set) {
 
 Job<LoadReport> ParameterClient::load_file(const std::filesystem::path& path) {
   try {
-    return load(read_parameter_file(path));
+    // The firmware makes its mixers when they are chosen, and checks them against the other parameters.
+    ParameterSet set = read_parameter_file(path);
+    std::stable_partition(set.begin(), set.end(), [](const NamedValue& entry) {
+      return entry.name != "PRIMARY_MIXER" && entry.name != "SECONDARY_MIXER";
+    });
+    return load(std::move(set));
   } catch (const std::exception& error) {
     auto record = std::make_shared<JobRecord<LoadReport>>();
     record->started = port_.now();

@@ -66,7 +66,8 @@ class ParameterClient {
   /// Sets all values of a set. Done if every value is in force, failed if any is not; the report lists
   /// them all.
   Job<LoadReport> load(ParameterSet set);
-  /// The same from a file. A file with an error sets nothing and fails with the line of the error.
+  /// The same from a file, mixers last: the firmware checks a mixer against other parameters when it is chosen. A file with an
+  /// error sets nothing and fails with the line of the error.
   Job<LoadReport> load_file(const std::filesystem::path& path);
   /// Writes all values, or only those that differ from `defaults` if given, as soon as the list is
   /// complete. The file appears whole or not at all.

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <filesystem>
 #include <fstream>
@@ -511,6 +512,26 @@ TEST_F(ParameterFiles, WhatWasSavedLoadsUnchanged) {
   EXPECT_TRUE(loaded.done()) << loaded.text();
   EXPECT_EQ(loaded.text(), "333 parameters: 333 unchanged");
   EXPECT_EQ(rig.fcu.count_received<link::ParamSet>(), 0U);
+}
+
+TEST_F(ParameterFiles, AMixerIsChosenAfterWhatItIsCheckedAgainst) {
+  auto table = numbered_table(2);
+  table[0].name = "PRIMARY_MIXER";
+  table[1].name = "RC_F_AXIS";
+  Rig rig(std::move(table));
+  write_parameter_file(folder / "wing.yaml",
+                       {{"PRIMARY_MIXER", ParameterValue::of(std::int32_t{10})},
+                        {"RC_F_AXIS", ParameterValue::of(7.0f)}},
+                       "");
+  const auto loaded = rig.session.parameters().load_file(folder / "wing.yaml");
+  ASSERT_TRUE(rig.run_job(loaded));
+  ASSERT_TRUE(loaded.done()) << loaded.text();
+  std::vector<std::string> order;
+  for (const link::Message& message : rig.fcu.received)
+    if (const auto* set = std::get_if<link::ParamSet>(&message))
+      order.emplace_back(text_of(set->name));
+  order.erase(std::unique(order.begin(), order.end()), order.end());  // a value may be sent twice
+  EXPECT_EQ(order, (std::vector<std::string>{"RC_F_AXIS", "PRIMARY_MIXER"}));
 }
 
 TEST_F(ParameterFiles, SavesOnlyWhatDiffersFromDefaults) {
