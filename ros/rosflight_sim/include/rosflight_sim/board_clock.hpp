@@ -16,36 +16,41 @@ namespace hal = rosflight::hal;
 /// Time of the simulated board where there is no simulated time: the steady clock, which stands still while the world does.
 ///
 /// On a busy machine IMU samples and frames of the receiver come late. A board whose time ran on would report a
-/// broken IMU or a lost receiver; here its time runs at most kLead past the last of each. What does not come at all is a fault
-/// again after kGiveUp. Not thread-safe.
+/// broken IMU or a lost receiver; here its time runs at most kLead past the last of each, and past the start before the first of
+/// each. What does not come at all is a fault again after kGiveUp, and after kStart at the start. Not thread-safe.
 class BoardClock {
  public:
   using Wall = Overdue::Wall;
   enum class Source : std::uint8_t { kImu, kReceiver };
   static constexpr std::size_t kSources = 2;
   static constexpr std::chrono::milliseconds kGiveUp{500};
+  static constexpr std::chrono::milliseconds kStart{3000};  ///< The other nodes are being made.
 
   struct Stalls {
     int count;
     hal::Time sum;
   };
 
-  /// Never goes back. @param wall  of the same clock at all calls.
+  /// Never goes back. Waiting at the start is no stall. @param wall  of the same clock at all calls.
   hal::Time at(Wall::time_point wall) {
     hal::Time time = steady(wall) - lost_;
     hal::Time limit = time;
+    bool starting = false;
+    if (!std::exchange(begun_, true))
+      for (Waited& source : sources_) source.last = time;
     for (std::size_t i = 0; i < kSources; ++i) {
       Waited& source = sources_[i];
-      const hal::Time own = source.last + kLead[i];
-      if (!source.counts || time <= own) continue;
-      source.counts = !source.overdue.give_up(wall, kGiveUp);
-      if (source.counts) limit = std::min(limit, own);
+      const bool late = time > source.last + kLead[i];
+      if (!source.counts || (source.came && !late)) continue;
+      source.counts = !source.overdue.give_up(wall, source.came ? kGiveUp : kStart);
+      starting = starting || (source.counts && !source.came);
+      if (source.counts && late) limit = std::min(limit, source.last + kLead[i]);
     }
     limit = std::max(limit, latest_);
     const bool standing = time > limit;
     if (standing) {
-      stalls_.count += standing_ ? 0 : 1;
-      stalls_.sum += time - limit;
+      stalls_.count += standing_ || starting ? 0 : 1;
+      stalls_.sum += starting ? hal::Time{0} : time - limit;
       lost_ += time - limit;
       time = limit;
     }
@@ -59,7 +64,7 @@ class BoardClock {
     Waited& source = sources_[static_cast<std::size_t>(from)];
     source.last = at(wall);
     source.overdue.none();
-    source.counts = true;
+    source.counts = source.came = true;
   }
 
   /// Since the last call.
@@ -73,7 +78,8 @@ class BoardClock {
   struct Waited {
     hal::Time last{};
     Overdue overdue;
-    bool counts{false};
+    bool counts{true};
+    bool came{false};
   };
 
   static hal::Time steady(Wall::time_point wall) {
@@ -83,6 +89,7 @@ class BoardClock {
   std::array<Waited, kSources> sources_;
   hal::Time lost_{};
   hal::Time latest_{};
+  bool begun_{false};
   bool standing_{false};
   Stalls stalls_{};
 };

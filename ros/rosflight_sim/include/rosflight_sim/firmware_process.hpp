@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <type_traits>
+#include <utility>
 
 #include "firmware/boards/common/simulated_peripherals.hpp"
 #include "firmware/boards/linux/file_storage.hpp"
@@ -58,10 +60,13 @@ class FirmwareProcess {
   }
 
   /// Sensor samples and receiver frames: the newest waits for the next pass. Their stamps are
-  /// replaced by the board's time `age` ago.
+  /// replaced by the board's time `age` ago. That of an IMU sample is never before the last one: the board's time may have stood
+  /// still while the sample was on its way.
   template <class Sample>
   void put(Sample sample, hal::Time age) {
     sample.stamp = std::max(clock_.now() - age, hal::Time{0});
+    if constexpr (std::is_same_v<Sample, hal::ImuSample>)
+      last_imu_ = sample.stamp = std::max(sample.stamp, last_imu_);
     mailbox(sample).put(sample);
   }
 
@@ -106,6 +111,7 @@ class FirmwareProcess {
     serial_.clear();
     system_.restarted();
     clock_.boot();
+    last_imu_ = hal::Time{0};
     autopilot_.reset();
     autopilot_ = std::make_unique<Autopilot>(
         hal::Board{clock_, system_, serial_, storage_, backup_, leds_, outputs_, receiver_,
@@ -114,6 +120,7 @@ class FirmwareProcess {
   }
 
   NodeClock clock_;
+  hal::Time last_imu_{};
   boards::LinuxSystem system_;
   boards::LinuxSerial serial_;
   boards::FileStorage storage_;
