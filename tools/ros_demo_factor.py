@@ -35,7 +35,7 @@ def launched(composed: bool, folder: Path):
             lines.append(line.rstrip())
     threading.Thread(target=read, daemon=True).start()
     try:
-        wait_for(lambda: any("param_write: done" in line for line in lines) or process.poll() is not None,
+        wait_for(lambda: any("all stored" in line for line in lines) or process.poll() is not None,
                  "the firmware's parameters", lambda: "\n".join(lines[-10:]), 3 * TIMEOUT_S)
         if process.poll() is not None:
             raise RuntimeError(lines[-1] if lines else "the launch ended")

@@ -166,6 +166,7 @@ class Runner:
         if not running.said_ready and (nodes := says_ready(text)):
             running.up = running.said_ready = True
             running.nodes = nodes
+            return  # the launch says `ready` once, for all
         elif not running.said_ready and says_not_ready(text):
             running.up, running.has_work = False, True
         self._say(f"[{running.node.name}] {text}")
@@ -179,7 +180,8 @@ class Runner:
             running.ended = running.up = True
             if running.process.returncode != 0 or running.said_ready:
                 return running
-            self._say(f"launch: {running.node.name} has finished")
+            if not running.has_work:  # else it was waited for, and `ready` says that it is done
+                self._say(f"launch: {running.node.name} has finished")
         return None
 
     def _drain(self, running: Running) -> None:

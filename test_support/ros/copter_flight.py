@@ -50,7 +50,7 @@ class Flight:
 
     def set_up(self):
         """Firmware parameters are in, the IMU is calibrated, the estimate flows."""
-        self.process.until("param_write: done")
+        self.process.until("all stored")
         self.until(lambda: self.states and self.status and self.status[-1].error_code == 0, "a state and no error")
 
     def pilot(self, service, condition, what):

@@ -8,6 +8,8 @@
 #include <std_msgs/msg/float64.hpp>
 #include <std_msgs/msg/string.hpp>
 #include <std_srvs/srv/trigger.hpp>
+#include <string>
+#include <utility>
 
 #include "autonomy/multirotor/commanded_flight.hpp"
 #include "flight/vehicle/vehicle_setup.hpp"
@@ -102,13 +104,14 @@ class ControllerNode : public rclcpp::Node {
 
   /// The motor model of the flight controller, or why it cannot fly this vehicle.
   void learn(const MotorParameters::Values& values) {
-    motor_fault_ = motor_fault(values);
+    const std::string before = std::exchange(motor_fault_, motor_fault(values));
     if (motor_fault_.empty()) {
-      RCLCPP_INFO(get_logger(),
-                  "thrust as the flight controller makes it: USE_MOTOR_PARAM %g, RC_MAX_THR %g, "
-                  "%.1f N at full throttle",
-                  values.at("USE_MOTOR_PARAM"), values.at("RC_MAX_THR"),
-                  config_.thrust.max_thrust_N());
+      if (!before.empty())
+        RCLCPP_INFO(get_logger(),
+                    "thrust as the flight controller makes it: USE_MOTOR_PARAM %g, RC_MAX_THR %g, "
+                    "%.1f N at full throttle",
+                    values.at("USE_MOTOR_PARAM"), values.at("RC_MAX_THR"),
+                    config_.thrust.max_thrust_N());
       control_.set_thrust_model(config_.thrust);
     } else {
       RCLCPP_ERROR(get_logger(), "no take-off: %s", motor_fault_.c_str());

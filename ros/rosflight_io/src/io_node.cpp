@@ -2,6 +2,7 @@
 #include "rosflight_io/io_node.hpp"
 
 #include <filesystem>
+#include <memory>
 #include <rosflight_msgs/msg/attitude.hpp>
 #include <rosflight_msgs/msg/aux_command.hpp>
 #include <rosflight_msgs/msg/command.hpp>
@@ -57,8 +58,11 @@ IoNode::IoNode(const rclcpp::NodeOptions& options)
   session.add(log_lines_);
   session.add(streams_);
   session.add(parameters_);
-  runner_.on_link_state([logger = get_logger()](bool open, const std::string& line) {
-    if (open) {
+  runner_.on_link_state([logger = get_logger(), first = std::make_shared<bool>(true)](
+                            bool open, const std::string& line) {
+    if (open && std::exchange(*first, false)) {
+      RCLCPP_DEBUG(logger, "%s", line.c_str());  // the version tells more
+    } else if (open) {
       RCLCPP_INFO(logger, "%s", line.c_str());
     } else {
       RCLCPP_WARN(logger, "%s", line.c_str());

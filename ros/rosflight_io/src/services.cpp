@@ -134,7 +134,7 @@ void Services::offer_files() {
     job.when_finished([job, reply, logger] {
       for (const companion::ParameterResult& entry : job.result().entries) {
         if (entry.ok()) {
-          RCLCPP_INFO(logger, "%s", entry.text.c_str());
+          RCLCPP_DEBUG(logger, "%s", entry.text.c_str());
         } else {
           RCLCPP_ERROR(logger, "%s", entry.text.c_str());
         }

@@ -44,7 +44,7 @@ def call(node, kind, name, **fields):
 def demand(node, kind, name, **fields):
     answer = call(node, kind, name, **fields)
     text = getattr(answer, "message", "")
-    node.get_logger().info(f"{name}: {'done' if answer.success else 'failed'} {text}")
+    node.get_logger().debug(f"{name}: {'done' if answer.success else 'failed'} {text}")
     if not answer.success:
         raise RuntimeError(f"{name} failed {text}")
 
@@ -58,6 +58,7 @@ def initialise(node, file):
     demand(node, ParamFile, "param_load_from_file", filename=file)
     demand(node, Trigger, "calibrate_imu")
     demand(node, Trigger, "param_write")
+    node.get_logger().info("parameters loaded, IMU calibrated, all stored")
 
 
 class Vehicle:
@@ -89,7 +90,6 @@ class Vehicle:
         while not self.becomes(lambda status: status.error_code == 0, SAY_AGAIN_S):
             found = "no status" if self.status is None else f"error_code 0x{self.status.error_code:02x} in its status"
             self.node.get_logger().warning(f"waits for a flight controller without errors, found {found}")
-        self.node.get_logger().info("the vehicle can be armed")
 
     def fly(self):
         self.wait()

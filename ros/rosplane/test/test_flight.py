@@ -55,7 +55,7 @@ class Flight:
 
 def test_a_mission_from_take_off_to_landing(tmp_path):
     with Flight(tmp_path, ROOT / "missions/circuit.yaml") as flight:
-        flight.world.until("param_write: done")
+        flight.world.until("all stored")
         flight.until(lambda: flight.states and flight.status and flight.status[-1].error_code == 0, "a state and no error")
         assert flight.peer.call(Trigger, "toggle_arm").success
         flight.until(lambda: flight.status[-1].armed, "being armed")

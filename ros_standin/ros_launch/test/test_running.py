@@ -98,7 +98,7 @@ def test_lines_carry_the_name_and_ready_comes_once(launch):
     launch.package(a=SERVER, b="print('words')\n" + SERVER)
     lines = launch.start("a", "b").until("ready: 2 nodes in ")
     assert "[b] words" in lines
-    assert "[a] ready" in lines
+    assert not any(line.startswith("[a]") for line in lines), "its `ready` is the launch's"
     launch.process.send_signal(signal.SIGINT)
     code, rest = launch.end()
     assert code == 0
@@ -117,13 +117,14 @@ def test_a_signal_ends_all(launch, number):
 
 def test_nodes_that_share_a_process_count_each(launch):
     launch.package(a=SERVER, shared=SERVER.replace('"ready"', '"[INFO] [1.5] [x]: ready: 3 nodes in one process"'))
-    launch.start("a", "shared").until("ready: 4 nodes in ")
+    lines = launch.start("a", "shared").until("ready: 4 nodes in ")
+    assert len([line for line in lines if "ready" in line]) == 1, "once, for all"
 
 
 def test_a_job_that_says_not_ready_is_waited_for(launch):
-    launch.package(a=SERVER, job="import time\nprint('not ready: loads something', flush=True)\ntime.sleep(1.5)\n")
+    launch.package(a=SERVER, job="import time\nprint('not ready: loads something', flush=True)\ntime.sleep(1.5)\nprint('loaded')\n")
     lines = launch.start("a", "job").until("ready: 2 nodes in ")
-    assert lines.index("launch: job has finished") < len(lines) - 1
+    assert lines.index("[job] loaded") < len(lines) - 1 and not any("has finished" in line for line in lines)
 
 
 def test_a_node_that_was_not_ready_and_then_is_has_become_a_server(launch):

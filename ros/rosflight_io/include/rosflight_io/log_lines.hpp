@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <rclcpp/rclcpp.hpp>
 
@@ -10,6 +11,9 @@ namespace rosflight_io {
 
 /// What happens on the link, told in the node's log: the autopilot's own lines, changes of its
 /// status, the connection, the version, commands that stop the motors. Called by the link's thread.
+///
+/// A healthy start is a few lines: disarmed, errors of the first status and those of parameters are one warning, their end one line;
+/// who has control is told while armed; what the firmware says of its parameters is DEBUG.
 class LogLines final : public rosflight::companion::Listener {
  public:
   explicit LogLines(rclcpp::Logger logger) : logger_{std::move(logger)} {}
@@ -19,12 +23,18 @@ class LogLines final : public rosflight::companion::Listener {
   void on_sent(const rosflight::link::Message& message, rosflight::companion::Time now) override;
 
  private:
+  /// What the first status is compared with; its errors are told here, in one line.
+  rosflight::link::Status first(const rosflight::link::Status& m);
+  void tell_control(const rosflight::link::Status& m, const rosflight::link::Status& before);
+  void tell_errors(std::uint8_t now, std::uint8_t before, bool armed);
   void tell(const rosflight::companion::ConnectionEvent& event);
   void tell(const rosflight::companion::LogEvent& event);
   void tell(const rosflight::companion::VersionEvent& event);
 
   rclcpp::Logger logger_;
   std::optional<rosflight::link::Status> last_;
+  std::uint8_t not_ready_{0};  ///< Errors that were told as `not ready` and are not over yet.
+  bool met_{false};            ///< There was an autopilot at the other end before.
   ZeroCommands zeros_;
 };
 
