@@ -17,10 +17,10 @@ ROS = {"ament_cmake", "builtin_interfaces", "class_loader", "diagnostic_msgs", "
 # Keys of rosdep (rosdistro: rosdep/base.yaml and python.yaml) and their packages in Debian and Ubuntu.
 ROSDEP = {"cli11": "libcli11-dev", "cmake": "cmake", "eigen": "libeigen3-dev", "git": "git", "gtest": "libgtest-dev",
           "libboost-dev": "libboost-dev", "libssl-dev": "libssl-dev", "libzstd-dev": "libzstd-dev", "ninja-build": "ninja-build",
-          "nlohmann-json-dev": "nlohmann-json3-dev", "python3-venv": "python3-venv", "python3-yaml": None, "sdl2": "libsdl2-dev",
-          "spdlog": "libspdlog-dev", "yaml-cpp": "libyaml-cpp-dev", "zlib": "zlib1g-dev"}
+          "nlohmann-json-dev": "nlohmann-json3-dev", "python3-numpy": None,
+          "python3-venv": "python3-venv", "python3-yaml": None, "sdl2": "libsdl2-dev", "spdlog": "libspdlog-dev", "yaml-cpp": "libyaml-cpp-dev", "zlib": "zlib1g-dev"}
 # What find_package calls otherwise, or brings along: rosflight_common exports what it is built on.
-FOUND = {"SDL2": "sdl2", "GTest": "gtest", "Python3": None}
+FOUND = {"Eigen3": "eigen", "SDL2": "sdl2", "GTest": "gtest", "Python3": None}
 # rosdep has no keys for these; tools/ready.sh installs them.
 WITHOUT_KEY = {"ca-certificates", "ccache", "g++"}
 
@@ -49,18 +49,20 @@ def used(path):
     calls = re.findall(r"find_packages?\(([^)]*)\)", cmake) + re.findall(r"set\(packages ([^)]*)\)", cmake)
     names = {word for call in calls for word in re.split(r"\s+(?:REQUIRED|QUIET|COMPONENTS)\b", call)[0].split()
              if not word.startswith("$")}
-    code = text_of(folder, "src/**/*.cpp", "include/**/*.hpp")
+    code = text_of(folder, "src/**/*.cpp", "include/**/*.hpp", "interfaces/**/*.hpp")
     names |= set(re.findall(r"#\s*include <(\w+)/(?:msg|srv)/", code)) | set(re.findall(r'#\s*include "(ros\w+)/', code))
     names |= {"rclcpp"} & set(re.findall(r"#\s*include <(rclcpp)/", code))
+    names |= {"rclcpp_components"} & set(re.findall(r"__has_include\(<(\w+)/", code))
+    names |= {"eigen"} if "#include <Eigen/" in code else set()
     python = text_of(folder, "scripts/*.py")
     names |= set(re.findall(r"^(?:from|import) (rclpy|\w+_(?:msgs|srvs))\b", python, re.M))
-    names |= {"python3-yaml"} if re.search(r"^import yaml", python, re.M) else set()
+    names |= {f"python3-{word}" for word in re.findall(r"^import (yaml|numpy)$", python, re.M)}
     launch = text_of(folder, "launch/*.xml")
     names |= set(re.findall(r'pkg="(\w+)"', launch)) | set(re.findall(r"find-pkg-share (\w+)\)", launch))
     names |= set(re.findall(r"rosflight_forward_program\(\S+ (\w+) ", cmake))
     if launch:
         names |= {"launch", "launch_xml"} | ({"launch_ros"} if "<node" in launch else set())
-    return {FOUND.get(name, name) for name in names} - {None, read(path).findtext("name"), "rclcpp_components"}
+    return {FOUND.get(name, name) for name in names} - {None, read(path).findtext("name")}
 
 
 @pytest.mark.parametrize("path", FILES, ids=str)

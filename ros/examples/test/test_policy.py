@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A network flies in pass-through at 400 Hz; the filter between it and the I/O node changes its commands, which is seen where they
+arrive, and the vehicle flies on, or falls. The network's weights against the controller that it was taught by."""
+
+import math
+import sys
+
+import numpy
+import pytest
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
+from ros_demo_rate import held
+from ros_rig import ROOT, free_udp_port
+from rosflight_msgs.msg import Command, PwmOutput, SimState, Status
+from sim_rig import Process, SimPeer, executable, launch, set_parameters, stamp, stamp_ns
+
+sys.path.insert(0, str(ROOT / "ros/examples/scripts"))
+import train_policy  # noqa: E402
+
+PLACES = [(0, 0, -2), (2, 0, -2), (2, 2, -2.5), (0, 0, -2)]
+QUAD_X = numpy.array([[-1, -1, -1, -1], [-0.353557, -0.353557, 0.353557, 0.353557], [0.353557, -0.353557, -0.353557, 0.353557],
+                      [0.25, -0.25, 0.25, -0.25]])  # docs/predefined-mixers.md, rows Fz, roll, pitch, yaw
+LONG_S = 180.0  # without a step of the world
+LONGEST_FLIGHT_NS = 300 * 10**9
+
+
+def test_the_network_has_learnt_what_its_teacher_does():
+    states = numpy.random.default_rng(99).uniform(-1, 1, (4000, 13)) * train_policy.REACH
+    made, wanted = train_policy.train(), train_policy.teacher(states)
+    error = numpy.sqrt(((train_policy.network(made, states) - wanted) ** 2).mean(axis=0)) / wanted.std(axis=0)
+    assert (error < 0.15).all(), f"of the teacher's spread, on states it was not shown: {error}"
+
+
+def bias(peer, values):
+    value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE_ARRAY, double_array_value=values)
+    return peer.call(SetParameters, "command_filter/set_parameters", parameters=[Parameter(name="bias", value=value)]).results[0]
+
+
+class Seen:
+    """A flight of the policy through the filter, and what an observer sees of it."""
+
+    def __init__(self, folder):
+        self.peer = SimPeer("judge")
+        self.process = launch("rosflight_examples", "policy.launch.xml", filter="true", viz="false", real_time_multiplier="10.0",
+                              wait_for="sim/RC command judge", memory_folder=folder, simulation_port=free_udp_port(), ROS_port=free_udp_port())
+        self.truth = self.peer.listen(SimState, "sim/truth_state", progress="judge")
+        self.status = self.peer.listen(Status, "status")
+        self.wanted = self.peer.listen(Command, "command_in")
+        self.sent = self.peer.listen(Command, "command")
+        self.pulses = self.peer.listen(PwmOutput, "sim/pwm_output")
+
+    def until(self, condition, what):
+        """As long as the world goes on: on a busy machine a second of flight takes many."""
+        def progress(before):
+            return lambda: condition() or len(self.truth) > before + 40
+        try:
+            while not condition():
+                self.peer.wait(progress(len(self.truth)), what, LONG_S)
+                assert not self.truth or stamp_ns(self.truth[-1]) < LONGEST_FLIGHT_NS, f"flown for long without {what}"
+        except AssertionError as why:
+            raise AssertionError(f"{why}\n{self.process.text()[-4000:]}") from None
+
+    def fly_on(self, seconds):
+        """That much simulated time."""
+        end = stamp_ns(self.truth[-1]) + int(seconds * 1e9)
+        self.until(lambda: stamp_ns(self.truth[-1]) >= end, f"{seconds} s of flight")
+
+    def place(self, message=None):
+        p = (message or self.truth[-1]).pose.position
+        return p.x, p.y, p.z
+
+    def pairs(self):
+        """What was wanted and what was sent, by stamp."""
+        wanted = {stamp_ns(m): numpy.array(m.u) for m in list(self.wanted)}
+        return [(wanted[key], numpy.array(m.u)) for m in list(self.sent) if (key := stamp_ns(m)) in wanted]
+
+
+@pytest.fixture(scope="module")
+def flight(tmp_path_factory):
+    seen = Seen(tmp_path_factory.mktemp("memory"))
+    try:
+        seen.until(lambda: "\nready: " in seen.process.text(), "arming by itself")
+        seen.until(lambda: seen.status and seen.status[-1].armed and not seen.status[-1].rc_override & 3, "arming by itself")
+        yield seen
+    finally:
+        seen.process.stop()
+        seen.peer.close()
+
+
+def test_the_policy_flies_its_places_in_pass_through_at_400_Hz(flight):
+    flight.fly_on(17.0)
+    for place in PLACES:
+        near = min(math.dist(place, flight.place(m)) for m in list(flight.truth))
+        assert near < 0.35, f"{near:.2f} m from {place}"
+    assert math.dist(flight.place(), PLACES[-1]) < 0.5, "it stays at the last"
+    flying = [m for m in list(flight.sent) if m.u[2] < -0.1]
+    assert all(m.mode == Command.MODE_PASS_THROUGH for m in flying)
+    times = [stamp_ns(m) for m in flying]
+    rate = (len(times) - 1) / ((times[-1] - times[0]) * 1e-9)
+    assert held(rate, 400.0) and rate < 401.0, rate
+    assert all((wanted == sent).all() for wanted, sent in flight.pairs()[-1000:]), "nothing set: nothing changed"
+    assert flight.status[-1].control_mode == 0 and not any(s.failsafe for s in flight.status)
+
+
+def test_a_bias_and_a_delay_are_flown_with(flight):
+    flight.until(lambda: "the mixer is known" in flight.process.text(), "the mixer")
+    assert bias(flight.peer, [0.0] * 3 + [0.05] + [0.0] * 6).successful
+    assert set_parameters(flight.peer, "command_filter", delay_s=0.02)[0].successful
+    flight.fly_on(4.0)
+    wanted = {stamp_ns(m): numpy.array(m.u) for m in list(flight.wanted)}
+    late = [(wanted.get(stamp_ns(m) - 20_000_000), numpy.array(m.u)) for m in list(flight.sent)[-400:]]
+    late = [(before, now) for before, now in late if before is not None]
+    assert len(late) > 300
+    for before, now in late:
+        assert now == pytest.approx(before + [0, 0, 0, 0.05, 0, 0, 0, 0, 0, 0], abs=1e-6)
+    east = flight.place()[1]
+    assert 0.02 < east < 1.0, "a torque to the right that the network does not know of: it stands to the right, and stands"
+    assert abs(flight.place()[2] + 2.0) < 0.5
+    assert bias(flight.peer, [0.0] * 10).successful and set_parameters(flight.peer, "command_filter", delay_s=0.0)[0].successful
+
+
+def test_recorded_commands_are_played_again(flight):
+    flight.fly_on(2.0)
+    assert set_parameters(flight.peer, "command_filter", replay_s=0.5)[0].successful
+    begin = len(flight.sent)
+    flight.fly_on(1.1)
+    sent = [tuple(m.u) for m in list(flight.sent)[begin:]][-400:]
+    assert sent[:200] == sent[200:400], "half a second again and again"
+    assert len(set(sent)) > 50
+    assert any((tuple(m.u) not in set(sent)) for m in list(flight.wanted)[-200:]), "while the policy goes on"
+    assert set_parameters(flight.peer, "command_filter", replay_s=0.0)[0].successful
+    flight.fly_on(5.0)
+    assert math.dist(flight.place(), PLACES[-1]) < 0.6, "it has caught itself"
+
+
+def test_a_dead_motor_stands_still_and_the_quadrotor_falls(flight):
+    assert set_parameters(flight.peer, "command_filter", dead_motor=0)[0].successful
+    begin = len(flight.pulses)
+    flight.until(lambda: flight.place()[2] > -0.5, "the fall")
+    idle = 1100  # MOTOR_IDLE_THR
+    pulses = [m.values for m in list(flight.pulses)[begin:]]
+    pulses = pulses[next(k for k, values in enumerate(pulses) if values[0] <= idle):]
+    assert len(pulses) > 100, "more than a quarter of a second of the fall"
+    assert all(values[0] <= idle for values in pulses) and any(min(values[1:4]) < max(values[1:4]) > 1200 for values in pulses)
+    wanted, sent = flight.pairs()[-1]
+    outputs = QUAD_X.T @ wanted[2:6]
+    outputs[0] = 0.0
+    assert QUAD_X.T @ sent[2:6] == pytest.approx(outputs, abs=1e-4), "the three others as the policy wants them"
+
+
+@pytest.fixture
+def filter_alone():
+    """Its peer. In a namespace: the filter of the flight may still run."""
+    words = ("--ros-args", "-r", "__ns:=/alone")
+    with Process(executable("rosflight_examples", "command_filter.py"), *words) as process, SimPeer(namespace="/alone") as peer:
+        process.until("ready")
+        yield peer
+
+
+@pytest.mark.parametrize("name, value, said", [
+    ("delay_s", 20.0, "parameter delay_s: found 20.0, allowed 0 to 10 s"),
+    ("replay_s", -1.0, "parameter replay_s: found -1.0, allowed 0 to 10 s"),
+    ("dead_motor", 4, "parameter dead_motor: found 4, allowed -1 to 3"),
+    ("dead_motor", 1, "parameter dead_motor: the mixer of the flight controller is not known yet")])
+def test_a_wrong_fault_is_refused_in_one_line(filter_alone, name, value, said):
+    result = set_parameters(filter_alone, "command_filter", **{name: value})[0]
+    assert not result.successful and result.reason == said
+
+
+def test_a_filter_passes_commands_of_all_modes_on_under_their_stamps(filter_alone):
+    peer = filter_alone
+    sent, inputs = peer.listen(Command, "command"), peer.publisher(Command, "command_in")
+    message = stamp(Command(mode=2, ignore=0x38, u=[0.0, 0.0, 0.5, 0.1] + [0.0] * 6), 123_000_000)
+    peer.introduce(lambda: inputs.publish(message), sent, "command")
+    inputs.publish(message)
+    peer.wait(lambda: sent, "the command")
+    assert sent[-1] == message
