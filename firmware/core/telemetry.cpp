@@ -77,44 +77,59 @@ void Telemetry::send(const link::Message& message) {
 
 void Telemetry::set_line(std::uint32_t bytes_per_s) {
   line_bytes_per_s_ = bytes_per_s;
-  every_ = (kAssumed - 1) / budget(bytes_per_s) + 1;
+  const std::uint32_t every = (kAssumed - 1) / budget(bytes_per_s) + 1;
+  every_.fill(every);
   // The kinds alternate, so that they are not all sent in one pass.
   for (std::size_t k = 0; k < waited_.size(); ++k) {
-    waited_[k] = static_cast<std::uint16_t>(k * every_ / waited_.size());
+    waited_[k] = static_cast<std::uint16_t>(k * every / waited_.size());
   }
 }
 
 bool Telemetry::turn_of_many(Stream kind) {
-  offered_ += bytes_[kind];
+  offered_[pace(kind)] += bytes_[kind];
   ++waited_[kind];
-  return waited_[kind] >= every_ && serial_.writable() >= kRoomForOthers + bytes_[kind];
+  return waited_[kind] >= every_[pace(kind)] && serial_.writable() >= kRoomForOthers + bytes_[kind];
 }
 
 void Telemetry::send_sample(Stream kind, const link::Message& message) {
   const std::size_t bytes = put(message);
   bytes_[kind] = static_cast<std::uint8_t>(bytes);
-  if (every_ == 1) {
-    offered_ += static_cast<std::uint32_t>(bytes);
+  if (every_[pace(kind)] == 1) {
+    offered_[pace(kind)] += static_cast<std::uint32_t>(bytes);
   } else {
     waited_[kind] = 0;
   }
 }
 
-/// (1), once a second.
+Telemetry::PerPace Telemetry::needed(const PerPace& offered, std::uint32_t carried) {
+  const auto of = [](std::uint32_t bytes, std::uint32_t room) {
+    return bytes == 0 ? 1 : (bytes - 1) / room + 1;
+  };
+  const std::uint32_t slow = offered[kSlow];
+  if (slow <= carried / 4) return {of(offered[kFast], carried - slow), 1};
+  const std::uint32_t all = of(offered[kFast] + slow, carried);
+  return {all, all};
+}
+
+/// Once a second.
 void Telemetry::measure(Time now) {
   const auto ms = static_cast<std::uint64_t>(hal::to_ms(now - measured_));
   constexpr std::uint64_t kMinMeasured_ms = 500;  // the first second may be cut short
   if (line_bytes_per_s_ > 0 && ms >= kMinMeasured_ms && measured_ > Time{0}) {
-    const std::uint64_t offered = std::uint64_t{offered_} * 1000 / ms;
-    const std::uint64_t carried = budget(line_bytes_per_s_);
-    const auto needed = [carried](std::uint64_t bytes) {
-      return static_cast<std::uint32_t>(bytes == 0 ? 1 : (bytes - 1) / carried + 1);
+    const auto per_second = [ms](std::uint64_t bytes) {
+      return static_cast<std::uint32_t>(bytes * 1000 / ms);
     };
-    every_ = needed(offered) > every_ ? needed(offered)
-                                      : std::min(every_, needed(offered + offered / 10));
+    const PerPace offered{per_second(offered_[kFast]), per_second(offered_[kSlow])};
+    const std::uint32_t carried = budget(line_bytes_per_s_);
+    const PerPace now_needed = needed(offered, carried);
+    const PerPace with_spare = needed(
+        {offered[kFast] + offered[kFast] / 10, offered[kSlow] + offered[kSlow] / 10}, carried);
+    for (std::size_t k = 0; k < kPaces; ++k) {
+      every_[k] = std::max(now_needed[k], std::min(every_[k], with_spare[k]));
+    }
   }
   measured_ = now;
-  offered_ = 0;
+  offered_ = {};
 }
 
 void Telemetry::send_parameter(Param id, const Parameters& parameters) {

@@ -22,8 +22,14 @@ namespace rosflight::core {
 ///     n = ceil(O / (C - R))                                                                 (1)
 ///
 /// measured once a second (48 kB/s are assumed for the first); n falls only when there is a tenth
-/// to spare. n = 1 whenever all fits: from 921 600 baud on with an IMU at 400 Hz. While n > 1 a
-/// sample also waits for its next turn unless the transmit queue keeps 128 bytes for the others.
+/// to spare. n = 1 whenever all fits: from 921 600 baud on with an IMU at 400 Hz. If all but IMU,
+/// attitude and outputs, S bytes per second, needs at most a quarter of C - R, then only these three
+/// are thinned out, and a fast gyro costs no GNSS solution:
+///
+///     n = ceil((O - S) / (C - R - S)), 1 for the others                                     (2)
+///
+/// While n > 1 a sample also waits for its next turn unless the transmit queue keeps 128 bytes for the
+/// others.
 /// Below 20 000 baud the status leaves twice a second and on change, else ten times.
 class Telemetry {
  public:
@@ -87,8 +93,8 @@ class Telemetry {
   bool connected() const { return connected_; }
   /// Frames that the serial port rejected.
   std::uint32_t dropped() const { return dropped_; }
-  /// The n of (1).
-  std::uint32_t decimation() const { return every_; }
+  /// The n of (1) or (2), of what follows the IMU.
+  std::uint32_t decimation() const { return every_[kFast]; }
   /// Sends the crash record as soon as a companion is connected.
   void report_crash(const CrashRecord& record, bool rearmed);
 
@@ -107,9 +113,16 @@ class Telemetry {
     kRc,
     kStreams
   };
+  /// What follows the IMU, and all others.
+  enum Pace : std::uint8_t { kFast, kSlow, kPaces };
+  using PerPace = std::array<std::uint32_t, kPaces>;
+  static constexpr Pace pace(Stream kind) { return kind <= kOutputs ? kFast : kSlow; }
+  /// (1) or (2). @param offered  in bytes per second. @param carried  C - R
+  static PerPace needed(const PerPace& offered, std::uint32_t carried);
+
   std::size_t put(const link::Message& message);
   /// Whether a sample of that kind is to be sent.
-  bool turn(Stream kind) { return every_ == 1 || turn_of_many(kind); }
+  bool turn(Stream kind) { return every_[pace(kind)] == 1 || turn_of_many(kind); }
   bool turn_of_many(Stream kind);
   void send_sample(Stream kind, const link::Message& message);
   void measure(Time now);
@@ -126,8 +139,8 @@ class Telemetry {
   Time next_tenth_{};
   Time measured_{};  ///< When offered_ began.
   std::uint32_t line_bytes_per_s_{0};
-  std::uint32_t offered_{0};  ///< Bytes of samples, since measured_.
-  std::uint32_t every_{1};
+  PerPace offered_{};  ///< Bytes of samples, since measured_.
+  PerPace every_{1, 1};
   std::uint32_t dropped_{0};
   std::array<std::uint16_t, kStreams> waited_{};  ///< Samples since the last one sent.
   std::array<std::uint8_t, kStreams> bytes_{};    ///< Of the last frame of each kind.
