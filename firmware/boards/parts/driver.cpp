@@ -40,6 +40,7 @@ void Driver::started() {
 void Driver::well() {
   if (well_) return;
   well_ = true;
+  was_well_.store(true, std::memory_order_relaxed);
   failures_in_a_row_ = 0;
   Text{message_.data(), message_.size()}.add(name_).add(": ok");
   if (announcements() == 0 || failure_announced_) announce();

@@ -51,6 +51,8 @@ class Driver {
   std::uint16_t announcements() const { return announcements_.load(std::memory_order_acquire); }
   /// Failed starts, failed transfers and damaged samples since construction; stops at 65535.
   std::uint16_t errors() const { return errors_.load(std::memory_order_relaxed); }
+  /// It has delivered something good since construction: the part is there.
+  bool was_well() const { return was_well_.load(std::memory_order_relaxed); }
 
  protected:
   explicit Driver(const char* name) : name_{name} {}
@@ -90,6 +92,7 @@ class Driver {
   std::array<char, 64> message_{};
   std::atomic<PartState> state_{PartState::kOff};
   std::atomic<std::uint16_t> errors_{0};
+  std::atomic<bool> was_well_{false};
   std::atomic<std::uint16_t> announcements_{0};
 };
 

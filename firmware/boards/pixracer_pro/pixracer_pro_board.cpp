@@ -44,7 +44,9 @@ void BoardSystem::step(hal::Time now) {
 
 std::uint16_t BoardSystem::sensor_errors() const {
   std::uint32_t sum = 0;
-  for (const parts::Driver* const sensor : sensors_) sum += sensor->errors();
+  for (std::size_t k = 0; k < kSensors; ++k) {
+    if (k < kWaitedFor || sensors_[k]->was_well()) sum += sensors_[k]->errors();
+  }
   return static_cast<std::uint16_t>(std::min<std::uint32_t>(sum, 0xFFFF));
 }
 
@@ -81,7 +83,7 @@ PixracerPro::PixracerPro(DmaMemory& memory, parts::Start how)
                  {memory.gnss_in.data(), memory.gnss_in.size(), memory.gnss_out.data(),
                   memory.gnss_out.size()},
                  clock_},
-      system_{clock_, {&imu_, &baro_, &mag_, &gnss_}, how},
+      system_{clock_, {&imu_, &baro_, &mag_, &gnss_, &pitot_}, how},
       link_{kLink,
             {memory.link_in.data(), memory.link_in.size(), memory.link_out.data(),
              memory.link_out.size()}},
@@ -118,8 +120,8 @@ void PixracerPro::open() {
 }
 
 hal::Board PixracerPro::roles() {
-  return {clock_,   system_, link_, storage_, backup_,        leds_,  outputs_, receiver_,
-          battery_, imu_,    mag_,  baro_,    diff_pressure_, range_, gnss_};
+  return {clock_,   system_, link_, storage_, backup_, leds_,  outputs_, receiver_,
+          battery_, imu_,    mag_,  baro_,    pitot_,  range_, gnss_};
 }
 
 void PixracerPro::on_gyro_ready() {

@@ -6,6 +6,7 @@
 #include "firmware/boards/parts/dps310.hpp"
 #include "firmware/boards/parts/fram.hpp"
 #include "firmware/boards/parts/ist8308.hpp"
+#include "firmware/boards/parts/ms4525do.hpp"
 #include "firmware/boards/parts/sbus.hpp"
 #include "firmware/boards/parts/ublox.hpp"
 #include "firmware/boards/pixracer_pro/pixracer_pro_pins.hpp"
@@ -49,9 +50,10 @@ class BoardSystem final : public hal::System {
   /// A longer pass of the main loop counts as hanging; the chip resets by itself after twice the time.
   static constexpr hal::Time kMaxPass = hal::milliseconds(50);
 
-  /// The sensors in the order of the start-up report. The first kWaitedFor are waited for; a GNSS
-  /// receiver takes seconds to find.
-  static constexpr std::size_t kSensors = 4, kWaitedFor = 3;
+  /// The sensors in the order of the start-up report. The first kWaitedFor are waited for. The others
+  /// need not be connected, so their errors count from their first sample on: the GNSS receiver, which
+  /// also takes seconds to find, and the pitot sensor.
+  static constexpr std::size_t kSensors = 5, kWaitedFor = 3;
   using Sensors = std::array<parts::Driver*, kSensors>;
 
   BoardSystem(const hal::Clock& clock, const Sensors& sensors, parts::Start how)
@@ -132,6 +134,8 @@ class PixracerPro {
   parts::SharedBus external_bus_;
   parts::SharedPort mag_port_{external_bus_, parts::Ist8308::kAddress};
   parts::Ist8308 mag_{mag_port_, parts::Mounting{}};
+  parts::SharedPort pitot_port_{external_bus_, parts::Ms4525do::kAddress};
+  parts::Ms4525do pitot_{pitot_port_};
   stm32h7::PartUart gnss_uart_;
   parts::Ublox gnss_{gnss_uart_, parts::Ublox::Config{}};
   BoardSystem system_;
@@ -142,7 +146,6 @@ class PixracerPro {
   BackupRam backup_;
   BoardLeds leds_;
   AbsentBattery battery_;
-  Absent<hal::DiffPressureSample> diff_pressure_;
   Absent<hal::RangeSample> range_;
   volatile std::uint32_t edge_us_{0};
   unsigned ticks_{0};

@@ -37,7 +37,7 @@ enum BaroBusDevice : std::uint8_t { kBaro = 0, kFram = 1 };
 inline constexpr stm32h7::SpiBus::Device kBaroBusDevices[] = {{{'D', 7}, 10'000'000},
                                                               {{'D', 10}, 40'000'000}};
 
-/// The only I2C, on the GPS connector: magnetometer (and pitot sensor).
+/// The only I2C, on the GPS connector: magnetometer and pitot sensor.
 inline constexpr stm32h7::I2cBus::Place kExternalBus{
     stm32h7::I2C1, stm32h7::irq::I2C1_EV, stm32h7::irq::I2C1_ER, {'B', 8}, {'B', 9}, 4};
 

@@ -93,9 +93,10 @@ void PixracerProModel::connect_baro() {
   };
 }
 
-/// What hangs on the GPS connector: magnetometer on I2C, receiver, pulse per second.
+/// What hangs on the GPS connector: magnetometer and pitot sensor on I2C, receiver, pulse per second.
 void PixracerProModel::connect_external() {
   chip_.i2c1.connect(mag_);
+  chip_.i2c1.connect(pitot_);
   chip_.i2c1.on_enable = [this] {
     for (const PinName& each : {pin('B', 8), pin('B', 9)}) {
       chip_.port(each).expect_alternate(each.number, kI2cFunction);
@@ -159,7 +160,7 @@ void PixracerProModel::note_output_latency() {
 }
 
 std::vector<parts::models::Part*> PixracerProModel::all_parts() {
-  return {&imu_.accel, &imu_.gyro, &baro_, &fram_, &mag_, &gnss_};
+  return {&imu_.accel, &imu_.gyro, &baro_, &fram_, &mag_, &pitot_, &gnss_};
 }
 
 void PixracerProModel::power_on() {
@@ -193,6 +194,12 @@ void PixracerProModel::expose(const ToChip& world) {
   if (world.has_baro != 0) {
     baro_truth_ = {static_cast<double>(world.baro.pressure_Pa),
                    static_cast<double>(world.baro.temperature_K)};
+  }
+  const bool pitot_lost = pitot_presence_.lost(world.has_diff_pressure != 0, world.time_us);
+  pitot_.mute = pitot_lost || !pitot_presence_.connected();
+  if (world.has_diff_pressure != 0) {
+    pitot_truth_ = {static_cast<double>(world.diff_pressure.pressure_Pa),
+                    static_cast<double>(world.diff_pressure.temperature_K)};
   }
   if (world.has_mag != 0) {
     // The part's axes: its z points up.
@@ -260,6 +267,7 @@ std::vector<std::string> PixracerProModel::complaints() const {
         static_cast<const parts::models::Part*>(&baro_),
         static_cast<const parts::models::Part*>(&fram_),
         static_cast<const parts::models::Part*>(&mag_),
+        static_cast<const parts::models::Part*>(&pitot_),
         static_cast<const parts::models::Part*>(&gnss_)}) {
     all.insert(all.end(), part->complaints().begin(), part->complaints().end());
   }

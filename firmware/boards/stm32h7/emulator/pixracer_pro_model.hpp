@@ -6,6 +6,7 @@
 #include "firmware/boards/parts/models/dps310_model.hpp"
 #include "firmware/boards/parts/models/fram_model.hpp"
 #include "firmware/boards/parts/models/ist8308_model.hpp"
+#include "firmware/boards/parts/models/pitot_models.hpp"
 #include "firmware/boards/parts/models/ublox_model.hpp"
 #include "firmware/boards/stm32h7/emulator/emulated_board.hpp"
 #include "firmware/boards/stm32h7/emulator/part_on_spi.hpp"
@@ -38,14 +39,15 @@ class PixracerProModel final : public EmulatedBoard {
   };
   std::vector<parts::models::Part*> all_parts();
   /// Whether a sensor that delivered before has been without samples of the world for too long: then
-  /// it is broken, and mute on its bus.
+  /// it is broken, and mute on its bus. One that never delivered is not connected.
   class Presence {
    public:
     static constexpr std::int64_t kTimeout_us = 300'000;
     bool lost(bool sample, std::int64_t now_us) {
       if (sample) newest_us_ = now_us;
-      return newest_us_ >= 0 && now_us - newest_us_ > kTimeout_us;
+      return connected() && now_us - newest_us_ > kTimeout_us;
     }
+    bool connected() const { return newest_us_ >= 0; }
 
    private:
     std::int64_t newest_us_{-1};
@@ -70,11 +72,13 @@ class PixracerProModel final : public EmulatedBoard {
   PartOnSpi fram_on_bus_{chip_.processor, fram_, false};
   parts::models::MagTruth mag_truth_;
   parts::models::Ist8308Model mag_{[this](hal::Time) { return mag_truth_; }};
+  parts::models::DiffPressureTruth pitot_truth_;
+  parts::models::Ms4525doModel pitot_{[this](hal::Time) { return pitot_truth_; }};
   hal::GnssSample gnss_sample_{};
   parts::models::UbloxModel gnss_{[this](hal::Time when) { return gnss_truth(when); }};
   PartOnUart gnss_on_wire_{chip_.processor, chip_.uart4, gnss_};
   std::array<Output, 8> outputs_;
-  Presence baro_presence_, mag_presence_, gnss_presence_;
+  Presence baro_presence_, mag_presence_, gnss_presence_, pitot_presence_;
   std::vector<std::uint8_t> sent_;
   Ticks edge_{0};              ///< Of the newest data-ready edge.
   Ticks latency_{0};           ///< Longest from an edge to the write that followed.
