@@ -95,10 +95,6 @@ class Flight::Loop final : private sim::LockStepListener {
         scorer{setup},
         lock_step{parts.time != nullptr ? *parts.time : fast, rc, sensors, *autopilot, dynamics} {
     lock_step.set_listener(this);
-    const auto& faults = setup.faults.faults();
-    motor_faults = std::any_of(faults.begin(), faults.end(), [](const sim::Fault& fault) {
-      return fault.kind == sim::FaultKind::kMotor;
-    });
     for (const std::string& name : setup.choice.visualisers) {
       visualisers.push_back(setup.registry.visualisers.at(name)(setup.vehicle, random));
       lock_step.add(*visualisers.back());
@@ -145,12 +141,13 @@ class Flight::Loop final : private sim::LockStepListener {
   const FixedWingGuidance* fixedwing_guidance{};
   std::optional<FixedWingRecord> fixedwing_record;
   const sim::sensors::StandardSensors* instruments{};  ///< nullptr: a module of a user's own.
-  bool motor_faults{false};
+  double link_noise{0.0};
   std::array<bool, 2> broken_down{};  ///< Crash and hang: the fault has happened.
 
  private:
   void before_step(sim::Time t) override;
   void apply_faults(sim::Time t);
+  void apply_link_faults(sim::Time t);
   void face_the_wind();
 };
 
@@ -171,7 +168,7 @@ void Flight::Loop::before_step(sim::Time t) {
   if (lock_step.samples().has_imu) imu = lock_step.samples().imu;
   cable.set_time(t);
   apply_faults(t);
-  runner.step(t, dynamics.truth());
+  if (!setup.faults.active(sim::FaultKind::kCompanionStall, t)) runner.step(t, dynamics.truth());
   if (runner.stage() >= Stage::kFly)
     scorer.step(dynamics.truth(), runner.estimate().p_W, guidance->output());
   if (failed_at == sim::Time{0} && runner.stage() == Stage::kFailed) failed_at = t;
@@ -198,12 +195,22 @@ sim::Vector3 Flight::Loop::seen_position_W() const {
   return p_W + instruments->gnss_bias() - origin_W;
 }
 
-void Flight::Loop::apply_faults(sim::Time t) {
+void Flight::Loop::apply_link_faults(sim::Time t) {
+  sim::SerialCable& line = cable.cable();
   const bool cut = setup.faults.active(sim::FaultKind::kLinkCut, t);
-  if (sim::SerialCable& line = cable.cable(); cut != line.to_board.cut()) {
+  if (cut != line.to_board.cut()) {
     line.advance(t);
     line.set_cut(cut);
   }
+  const double noise = std::min(setup.faults.value(sim::FaultKind::kLinkNoise, t), 1.0);
+  if (noise == link_noise) return;
+  link_noise = noise;
+  line.advance(t);
+  line.set_corruption(noise);
+}
+
+void Flight::Loop::apply_faults(sim::Time t) {
+  apply_link_faults(t);
   using Breakdown = Autopilot::Breakdown;
   for (const auto& [kind, breakdown] : {std::pair{sim::FaultKind::kCrash, Breakdown::kCrash},
                                         std::pair{sim::FaultKind::kHang, Breakdown::kHang}}) {
@@ -212,10 +219,7 @@ void Flight::Loop::apply_faults(sim::Time t) {
     if (active && !done) autopilot->break_down(t, breakdown);
     done = active;
   }
-  if (!motor_faults) return;
-  for (std::size_t k = 0; k < setup.rotors.rotors.size(); ++k) {
-    forces->set_thrust_factor(k, setup.faults.thrust_factor(k, t));
-  }
+  apply_actuator_faults(setup.faults, t, *forces);
 }
 
 /// In the step under way the autopilot may have received it, or not yet: a tap that asks is called

@@ -12,6 +12,7 @@
 
 #include "base/constants.hpp"
 #include "flight/project_root.hpp"
+#include "sim/fixedwing/fixedwing.hpp"
 #include "sim/sensors/register.hpp"
 
 namespace rosflight::flight {
@@ -219,10 +220,20 @@ FlightSetup::FlightSetup(const FlightChoice& choice_in)
     throw Error(fmt::format("--link-protocol: found {} with --board pixracer_pro, allowed mavlink",
                             choice.link_protocol));
   }
+  check_faults();
+}
+
+void FlightSetup::check_faults() const {
+  const std::size_t surfaces =
+      fixed_wing() ? sim::read_fixed_wing(vehicle.root()).surfaces.size() : 0;
   for (const sim::Fault& fault : faults.faults()) {
-    if (fault.kind != sim::FaultKind::kMotor || fault.motor < rotors.rotors.size()) continue;
-    throw Error(fmt::format("--fault: found motor {}, allowed 0 to {}", fault.motor,
-                            rotors.rotors.size() - 1));
+    const bool servo = fault.kind == sim::FaultKind::kServo;
+    if (!servo && fault.kind != sim::FaultKind::kMotor) continue;
+    const std::size_t count = servo ? surfaces : rotors.rotors.size();
+    if (fault.motor < count) continue;
+    throw Error(fmt::format(
+        "--fault: found {} {}, allowed {}", servo ? "servo" : "motor", fault.motor,
+        count == 0 ? "none: this vehicle has no surfaces" : fmt::format("0 to {}", count - 1)));
   }
 }
 

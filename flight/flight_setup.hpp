@@ -71,6 +71,9 @@ struct FlightSetup {
   sim::FaultSchedule faults;
 
   bool fixed_wing() const { return std::holds_alternative<FixedWingPlan>(plan); }
+
+ private:
+  void check_faults() const;
 };
 
 /// Receiver channels as the firmware will look for them.

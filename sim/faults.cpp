@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "base/constants.hpp"
 #include "config/strict_yaml.hpp"
@@ -19,7 +20,7 @@ struct Name {
   std::string_view effect;
 };
 
-constexpr std::array<Name, 15> kNames{{
+constexpr std::array<Name, 17> kNames{{
     {"imu", FaultKind::kImu, "the IMU stops delivering"},
     {"mag", FaultKind::kMag, "the magnetometer stops delivering"},
     {"baro", FaultKind::kBaro, "the barometer stops delivering"},
@@ -35,6 +36,8 @@ constexpr std::array<Name, 15> kNames{{
     {"crash", FaultKind::kCrash, "the board's processor breaks down, once, and starts again"},
     {"hang", FaultKind::kHang, "the firmware hangs, once, until the watchdog starts it again"},
     {"pitot_blocked", FaultKind::kPitotBlocked, "the pitot tube reads no pressure"},
+    {"companion_stall", FaultKind::kCompanionStall, "the companion's program stands still"},
+    {"battery_low", FaultKind::kBatteryLow, "15 % of the battery's charge are left"},
 }};
 
 /// A fault with a size: NAME=VALUE. `unit` turns what is typed into what Fault holds.
@@ -42,13 +45,13 @@ struct Step {
   std::string_view name;
   FaultKind kind;
   std::size_t axis;
-  double largest;  ///< As typed, either sign.
+  double largest;  ///< As typed; either sign, unless the kind has_sign() of its own.
   double unit;
   std::string_view effect;
 };
 
 using base::kRadPerDeg;
-constexpr std::array<Step, 8> kSteps{{
+constexpr std::array<Step, 11> kSteps{{
     {"baro_step", FaultKind::kBaroStep, 0, 1000.0, 1.0,
      "the barometer reads so many metres too high"},
     {"mag_turned", FaultKind::kMagTurned, 0, 180.0, kRadPerDeg,
@@ -59,7 +62,16 @@ constexpr std::array<Step, 8> kSteps{{
     {"gyro_step_x", FaultKind::kGyroStep, 0, 10.0, 1.0, "rad/s on an axis of the gyro"},
     {"gyro_step_y", FaultKind::kGyroStep, 1, 10.0, 1.0, "the same"},
     {"gyro_step_z", FaultKind::kGyroStep, 2, 10.0, 1.0, "the same"},
+    {"gnss_step", FaultKind::kGnssStep, 0, 10000.0, 1.0,
+     "the satellite position jumps by metres to the north"},
+    {"gnss_delay", FaultKind::kGnssDelay, 0, 10.0, 1.0, "fixes arrive seconds later"},
+    {"link_noise", FaultKind::kLinkNoise, 0, 1.0, 1.0, "this share of the link's bytes is damaged"},
 }};
+
+/// Sizes below 0 have a meaning.
+bool has_sign(FaultKind kind) {
+  return kind != FaultKind::kGnssDelay && kind != FaultKind::kLinkNoise;
+}
 
 config::Error fault_error(std::string_view text, const std::string& found,
                           const std::string& allowed) {
@@ -75,7 +87,7 @@ std::string all_names() {
   std::string out;
   for (const Name& entry : kNames) out += std::string(entry.name) + ", ";
   for (const Step& entry : kSteps) out += std::string(entry.name) + "=VALUE, ";
-  return out + "motorN_dead, motorN_partial=FACTOR (or motorN=FACTOR), N from 0 to " +
+  return out + "servoN_stuck, motorN_dead, motorN_partial=FACTOR (or motorN=FACTOR), N from 0 to " +
          std::to_string(kMaxRotors - 1);
 }
 
@@ -90,15 +102,29 @@ Time parse_seconds(std::string_view text, std::string_view part, const char* wha
   return Time{std::llround(*seconds * 1e6)};
 }
 
-/// "motor2_dead", "motor2_partial=0.6", "motor2=0.6".
-bool parse_motor(std::string_view text, std::string_view what, Fault& fault) {
-  constexpr std::string_view kMotor = "motor";
-  if (what.substr(0, kMotor.size()) != kMotor) return false;
-  std::string_view rest = what.substr(kMotor.size());
-  if (rest.empty() || rest.front() < '0' || rest.front() > '9') return false;
-  fault.motor = static_cast<std::size_t>(rest.front() - '0');
+/// What follows "motor2" or "servo2"; the number goes to `index`.
+std::optional<std::string_view> behind(std::string_view part, std::string_view what,
+                                       std::size_t& index) {
+  if (what.substr(0, part.size()) != part) return {};
+  std::string_view rest = what.substr(part.size());
+  if (rest.empty() || rest.front() < '0' || rest.front() > '9') return {};
+  index = static_cast<std::size_t>(rest.front() - '0');
   static_assert(kMaxRotors == 10, "one digit names every motor");
   rest.remove_prefix(1);
+  return rest;
+}
+
+/// "servo1_stuck".
+bool parse_servo(std::string_view what, Fault& fault) {
+  fault.kind = FaultKind::kServo;
+  return behind("servo", what, fault.motor) == "_stuck";
+}
+
+/// "motor2_dead", "motor2_partial=0.6", "motor2=0.6".
+bool parse_motor(std::string_view text, std::string_view what, Fault& fault) {
+  const auto found = behind("motor", what, fault.motor);
+  if (!found) return false;
+  const std::string_view rest = *found;
   fault.kind = FaultKind::kMotor;
   if (rest == "_dead") {
     fault.factor = 0.0;
@@ -125,10 +151,11 @@ bool parse_step(std::string_view text, std::string_view what, Fault& fault) {
   const std::string_view number =
       equals == std::string_view::npos ? std::string_view{} : what.substr(equals + 1);
   const auto value = config::parse_number(number);
-  if (!value || !(std::abs(*value) <= known->largest)) {
+  const bool sign = has_sign(known->kind);
+  if (!value || !(std::abs(*value) <= known->largest) || (!sign && *value < 0.0)) {
     throw fault_error(text, "the value " + quoted(number),
-                      std::string(name) + "=VALUE with at most " +
-                          config::number_text(known->largest) + " either way");
+                      std::string(name) + "=VALUE with " + (sign ? "at most " : "0 to ") +
+                          config::number_text(known->largest) + (sign ? " either way" : ""));
   }
   fault.kind = known->kind;
   fault.axis = known->axis;
@@ -145,7 +172,8 @@ Fault parse_fault(std::string_view text) {
                                          [what](const Name& entry) { return entry.name == what; });
   if (known != kNames.end()) {
     fault.kind = known->kind;
-  } else if (!parse_step(text, what, fault) && !parse_motor(text, what, fault)) {
+  } else if (!parse_step(text, what, fault) && !parse_servo(what, fault) &&
+             !parse_motor(text, what, fault)) {
     throw fault_error(text, quoted(what), all_names());
   }
   if (at == std::string_view::npos) throw fault_error(text, "no time", "WHAT@TIME[:DURATION]");
@@ -168,6 +196,7 @@ std::string fault_help() {
   std::string out;
   for (const Name& entry : kNames) out += line(entry.name, entry.effect);
   for (const Step& entry : kSteps) out += line(std::string(entry.name) + "=VALUE", entry.effect);
+  out += line("servoN_stuck", "control surface N (from 0) keeps its deflection");
   out += line("motorN_partial=FACTOR", "motor N (from 0) gives FACTOR (0 to 1) of its thrust");
   out += line("motorN_dead", "motor N gives none");
   return out;
@@ -198,6 +227,14 @@ double FaultSchedule::value_now(FaultKind kind, Time t, std::size_t axis) const 
     }
   }
   return sum;
+}
+
+bool FaultSchedule::servo_stuck(std::size_t surface, Time t) const {
+  return has(FaultKind::kServo) &&
+         std::any_of(faults_.begin(), faults_.end(), [surface, t](const Fault& fault) {
+           return fault.kind == FaultKind::kServo && fault.motor == surface && t >= fault.start &&
+                  t < fault.end;
+         });
 }
 
 double FaultSchedule::thrust_factor(std::size_t motor, Time t) const {

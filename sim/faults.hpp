@@ -20,29 +20,37 @@ enum class FaultKind : std::uint8_t {
   kDiffPressure,
   kRange,
   kBattery,
-  kImuNan,        ///< IMU samples keep coming and are not numbers.
-  kImuStuck,      ///< They repeat the last good values under new stamps.
-  kRcSilence,     ///< The receiver sends nothing.
-  kRcFrameLoss,   ///< Every receiver frame carries the frame-lost flag.
-  kLinkCut,       ///< No byte arrives, either way.
-  kCrash,         ///< The board's processor breaks down at this moment and starts again.
-  kHang,          ///< The firmware hangs at this moment; the board's watchdog starts it again.
-  kBaroStep,      ///< The barometer reads a height too high by `value` [m].
-  kMagTurned,     ///< The magnetometer is turned by `value` about body z [rad].
-  kAccelStep,     ///< `value` on top of an axis of the accelerometer [m/s^2].
-  kGyroStep,      ///< `value` on top of an axis of the gyro [rad/s].
-  kPitotBlocked,  ///< The pitot tube reads no pressure.
-  kMotor,         ///< One motor gives only a part of its thrust.
+  kImuNan,          ///< IMU samples keep coming and are not numbers.
+  kImuStuck,        ///< They repeat the last good values under new stamps.
+  kRcSilence,       ///< The receiver sends nothing.
+  kRcFrameLoss,     ///< Every receiver frame carries the frame-lost flag.
+  kLinkCut,         ///< No byte arrives, either way.
+  kCrash,           ///< The board's processor breaks down at this moment and starts again.
+  kHang,            ///< The firmware hangs at this moment; the board's watchdog starts it again.
+  kBaroStep,        ///< The barometer reads a height too high by `value` [m].
+  kMagTurned,       ///< The magnetometer is turned by `value` about body z [rad].
+  kAccelStep,       ///< `value` on top of an axis of the accelerometer [m/s^2].
+  kGyroStep,        ///< `value` on top of an axis of the gyro [rad/s].
+  kPitotBlocked,    ///< The pitot tube reads no pressure.
+  kMotor,           ///< One motor gives only a part of its thrust.
+  kGnssStep,        ///< The satellite receiver's position jumps `value` to the north [m].
+  kGnssDelay,       ///< Its fixes arrive `value` later, under the stamp of their arrival [s].
+  kLinkNoise,       ///< A share `value` of the bytes on the link have one bit turned over.
+  kCompanionStall,  ///< The companion's program stands; bytes for it wait, as far as there is room.
+  kServo,           ///< One control surface keeps the deflection that it has.
+  kBatteryLow,      ///< No more than kLowCharge of the battery's charge is left.
 };
-inline constexpr std::size_t kFaultKinds = 20;
+inline constexpr std::size_t kFaultKinds = 26;
+/// What kBatteryLow leaves of a full battery.
+inline constexpr double kLowCharge = 0.15;
 
 /// In force for start <= t < end.
 struct Fault {
   FaultKind kind{};
-  std::size_t motor{};  ///< For kMotor: index from 0.
+  std::size_t motor{};  ///< For kMotor: index from 0, likewise of the surface for kServo.
   double factor{1.0};   ///< For kMotor: share of the thrust that is left, 0..1.
   std::size_t axis{};   ///< For steps of the IMU: 0, 1, 2.
-  double value{};       ///< For steps and turns, in the unit of the kind.
+  double value{};       ///< For kinds with a size, in the unit of the kind.
   Time start{};
   Time end{Time::max()};
 };
@@ -72,6 +80,10 @@ class FaultSchedule {
   }
   /// Share of its thrust that a motor gives at t: the product over its faults, 1 without any.
   double thrust_factor(std::size_t motor, Time t) const;
+  /// A control surface is stuck at t.
+  bool servo_stuck(std::size_t surface, Time t) const;
+  /// Some fault of this kind is listed, at whatever time.
+  bool has(FaultKind kind) const { return (kinds_ & bit(kind)) != 0U; }
 
   const std::vector<Fault>& faults() const { return faults_; }
 

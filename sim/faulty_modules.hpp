@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <deque>
 #include <limits>
 
 #include "base/atmosphere.hpp"
@@ -40,6 +41,8 @@ class FaultySensors : public SensorsModule {
     off(FaultKind::kDiffPressure, s.has_diff_pressure);
     off(FaultKind::kRange, s.has_range);
     off(FaultKind::kBattery, s.has_battery);
+    if (faults_.has(FaultKind::kGnssDelay)) delay(t, s);
+    if (s.has_gnss) spoil(t, s.gnss);
     if (s.has_imu) spoil(t, s.imu);
     if (s.has_baro) spoil(t, s.baro);
     if (s.has_mag) spoil(t, s.mag);
@@ -49,6 +52,25 @@ class FaultySensors : public SensorsModule {
   }
 
  private:
+  /// Fixes wait their time and arrive in order. What waits at the end of the fault is lost.
+  void delay(Time t, SensorSamples& s) {
+    const double delay_s = faults_.value(FaultKind::kGnssDelay, t);
+    if (delay_s == 0.0) {
+      late_.clear();
+      return;
+    }
+    const Time late{static_cast<Time::rep>(delay_s * 1e6)};
+    if (s.has_gnss) late_.push_back(s.gnss);
+    s.has_gnss = !late_.empty() && late_.front().stamp + late <= t;
+    if (!s.has_gnss) return;
+    s.gnss = late_.front();
+    s.gnss.stamp += late;  // a receiver stamps what it sends; only its own clock shows the age
+    late_.pop_front();
+  }
+  void spoil(Time t, hal::GnssSample& gnss) const {
+    constexpr double kMetersPerDegree = 111194.9;  // of latitude, on a sphere of 6371 km
+    gnss.latitude_deg += faults_.value(FaultKind::kGnssStep, t) / kMetersPerDegree;
+  }
   void spoil(Time t, hal::BaroSample& baro) const {
     const double step_m = faults_.value(FaultKind::kBaroStep, t);
     if (step_m == 0.0) return;
@@ -89,9 +111,21 @@ class FaultySensors : public SensorsModule {
   SensorsModule& sensors_;
   const FaultSchedule& faults_;
   hal::ImuSample good_imu_;
+  std::deque<hal::GnssSample> late_;
   Truth still_;
   bool pitot_covered_{false};
 };
+
+/// Passes the faults of motors, surfaces and battery on. Once per step.
+inline void apply_actuator_faults(const FaultSchedule& faults, Time t, ForcesAndMoments& forces) {
+  for (std::size_t k = 0; k < kMaxRotors; ++k) {
+    if (faults.has(FaultKind::kMotor)) forces.set_thrust_factor(k, faults.thrust_factor(k, t));
+    if (faults.has(FaultKind::kServo)) forces.set_surface_stuck(k, faults.servo_stuck(k, t));
+  }
+  if (faults.has(FaultKind::kBatteryLow)) {
+    forces.set_charge_limit(faults.active(FaultKind::kBatteryLow, t) ? kLowCharge : 1.0);
+  }
+}
 
 class FaultyRc : public RcModule {
  public:

@@ -81,6 +81,12 @@ class ForcesAndMoments {
   virtual void set_thrust_factor(std::size_t rotor, double factor) {
     static_cast<void>(rotor), static_cast<void>(factor);
   }
+  /// The same: a control surface keeps its deflection. Default: nothing, for modules without.
+  virtual void set_surface_stuck(std::size_t surface, bool stuck) {
+    static_cast<void>(surface), static_cast<void>(stuck);
+  }
+  /// The same: no more than this share of the battery's charge is left; 1: all. Default: nothing.
+  virtual void set_charge_limit(double share) { static_cast<void>(share); }
 };
 
 /// 6. Dynamics: moves the body under wrench, gravity and ground; owns wind and air.

@@ -29,6 +29,11 @@ const SerialLine::Config& checked(const SerialLine::Config& c) {
   }
   return c;
 }
+
+/// ln(1 - p). A probability of 1 has no logarithm; -700 makes every gap 0.
+double log_intact(double corruption_per_byte) {
+  return corruption_per_byte < 1.0 ? portable::log(1.0 - corruption_per_byte) : -700.0;
+}
 }  // namespace
 
 void ByteRing::put(const std::uint8_t* data, std::size_t count) {
@@ -57,9 +62,7 @@ SerialLine::SerialLine(const Config& config, RandomStream stream)
       classes_{Class{config.transmit_capacity_bytes[0]}, Class{config.transmit_capacity_bytes[1]},
                Class{config.transmit_capacity_bytes[2]}},
       received_{config.receive_capacity_bytes},
-      // A probability of 1 has no logarithm; -700 makes every gap 0.
-      log_intact_{config.corruption_per_byte < 1.0 ? portable::log(1.0 - config.corruption_per_byte)
-                                                   : -700.0},
+      log_intact_{log_intact(config.corruption_per_byte)},
       stream_{stream} {
   draw_next_corruption();
 }
@@ -154,6 +157,11 @@ void SerialLine::draw_next_corruption() {
   if (log_intact_ == 0.0) return;
   const double gap = portable::log(1.0 - stream_.uniform()) / log_intact_;
   until_corruption_ = static_cast<std::uint64_t>(std::min(gap, kNever));
+}
+
+void SerialLine::set_corruption(double per_byte) {
+  log_intact_ = log_intact(per_byte);
+  draw_next_corruption();
 }
 
 std::size_t SerialLine::pop(Time now, std::uint8_t* data, std::size_t capacity) {

@@ -102,6 +102,8 @@ class SerialLine {
   /// While cut, bytes leave the sender as ever and nothing arrives. Call advance(now) first.
   void set_cut(bool cut) { cut_ = cut; }
   bool cut() const { return cut_; }
+  /// Changes the probability that one bit of a byte is turned over. Call advance(now) first.
+  void set_corruption(double per_byte);
   const Counters& counters() const { return counters_; }
 
   /// Index of the queue of a quality of service.
@@ -147,6 +149,10 @@ struct SerialCable {
   void advance(Time now) { to_companion.advance(now), to_board.advance(now); }
   /// Cuts or restores both directions.
   void set_cut(bool cut) { to_companion.set_cut(cut), to_board.set_cut(cut); }
+  /// Changes the noise of both directions.
+  void set_corruption(double per_byte) {
+    to_companion.set_corruption(per_byte), to_board.set_corruption(per_byte);
+  }
 
   SerialLine to_companion;
   SerialLine to_board;

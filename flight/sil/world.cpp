@@ -28,13 +28,17 @@ sim::rc::Script read_rc(const SilOptions& options) {
   return sim::rc::read_script(document.root());
 }
 
-/// This process is the processor: it cannot break down and start again.
+/// This process is the processor: it cannot break down and start again. Cable and companion are not
+/// in it.
 sim::FaultSchedule read_faults(const SilOptions& options) {
+  using Kind = sim::FaultKind;
   sim::FaultSchedule faults = sim::parse_faults(options.faults);
-  for (const sim::Fault& fault : faults.faults()) {
-    if (fault.kind == sim::FaultKind::kCrash || fault.kind == sim::FaultKind::kHang) {
-      throw config::Error("--fault: found crash or hang, allowed with ./rosflight fly only");
-    }
+  if (faults.has(Kind::kCrash) || faults.has(Kind::kHang)) {
+    throw config::Error("--fault: found crash or hang, allowed with ./rosflight fly only");
+  }
+  if (faults.has(Kind::kLinkNoise) || faults.has(Kind::kCompanionStall)) {
+    throw config::Error(
+        "--fault: found link_noise or companion_stall, allowed with ./rosflight fly only");
   }
   return faults;
 }
@@ -51,9 +55,7 @@ SilWorld::SilWorld(const SilOptions& options, sim::Time step)
       pilot_{read_rc(options)} {}
 
 void SilWorld::before_step(sim::Time t) {
-  for (std::size_t k = 0; k < sim::kMaxRotors; ++k) {
-    forces_->set_thrust_factor(k, faults_.thrust_factor(k, t));
-  }
+  sim::apply_actuator_faults(faults_, t, *forces_);
 }
 
 }  // namespace rosflight::flight

@@ -23,7 +23,8 @@ FixedWing::FixedWing(const FixedWingParameters& parameters)
     : parameters_{parameters},
       airframe_{parameters.airframe},
       propulsion_{parameters.propulsion},
-      propulsion_size_{propulsion_.state_size()} {}
+      propulsion_size_{propulsion_.state_size()},
+      stuck_(parameters_.surfaces.size(), false) {}
 
 void FixedWing::initial_state(std::span<double> x) const {
   std::ranges::fill(x, 0.0);
@@ -34,7 +35,7 @@ double FixedWing::servo_rad(std::size_t i, const hal::OutputValues& outputs,
                             std::span<const double> x) const {
   if (parameters_.servo_time_constant_s > 0.0) return x[propulsion_size_ + i];
   const double command = command_rad(parameters_.surfaces[i], outputs);
-  return std::isnan(command) ? 0.0 : command;
+  return std::isnan(command) || stuck_[i] ? 0.0 : command;
 }
 
 Deflection FixedWing::deflection(const hal::OutputValues& outputs,
@@ -54,7 +55,8 @@ void FixedWing::evaluate(const Input& in, std::span<const double> x, Wrench& wre
   for (std::size_t i = 0; i < parameters_.surfaces.size(); ++i) {
     const double command = command_rad(parameters_.surfaces[i], in.outputs);
     const double rate = tau > 0.0 ? (command - x[propulsion_size_ + i]) / tau : 0.0;
-    x_dot[propulsion_size_ + i] = std::isnan(rate) ? 0.0 : std::clamp(rate, -limit, limit);
+    x_dot[propulsion_size_ + i] =
+        std::isnan(rate) || stuck_[i] ? 0.0 : std::clamp(rate, -limit, limit);
   }
 
   if (parameters_.airframe.model == AeroModel::kReference &&
@@ -84,6 +86,10 @@ void FixedWing::report(const Input& in, std::span<const double> x, Truth& truth)
 
 void FixedWing::set_thrust_factor(std::size_t rotor, double factor) {
   propulsion_.set_thrust_factor(rotor, factor);
+}
+
+void FixedWing::set_surface_stuck(std::size_t surface, bool stuck) {
+  if (surface < stuck_.size()) stuck_[surface] = stuck;
 }
 
 }  // namespace rosflight::sim

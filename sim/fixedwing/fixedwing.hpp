@@ -54,6 +54,8 @@ class FixedWing final : public ForcesAndMoments {
   void limit_state(std::span<double> x) const override;
   void report(const Input& in, std::span<const double> x, Truth& truth) const override;
   void set_thrust_factor(std::size_t rotor, double factor) override;
+  void set_surface_stuck(std::size_t surface, bool stuck) override;
+  void set_charge_limit(double share) override { propulsion_.set_charge_limit(share); }
 
   const FixedWingParameters& parameters() const { return parameters_; }
   const Airframe& airframe() const { return airframe_; }
@@ -69,6 +71,7 @@ class FixedWing final : public ForcesAndMoments {
   Airframe airframe_;
   Multirotor propulsion_;
   std::size_t propulsion_size_;
+  std::vector<bool> stuck_;  ///< By surface; without a lag a stuck one is at its centre.
 };
 
 }  // namespace rosflight::sim

@@ -256,7 +256,7 @@ void Multirotor::evaluate(const Input& in, std::span<const double> x, Wrench& wr
 
 void Multirotor::limit_state(std::span<double> x) const {
   for (std::size_t i = 0; i < rotors_; ++i) x[i] = std::max(x[i], 0.0);
-  x[rotors_] = std::clamp(x[rotors_], 0.0, battery_.capacity_As());
+  x[rotors_] = std::clamp(x[rotors_], 0.0, charge_limit_ * battery_.capacity_As());
 }
 
 void Multirotor::report(const Input& in, std::span<const double> x, Truth& truth) const {

@@ -52,6 +52,7 @@ class Multirotor final : public ForcesAndMoments {
   void report(const Input& in, std::span<const double> x, Truth& truth) const override;
   /// Thrust and torque of the propeller shrink alike; at 0 the ESC is dead and the rotor runs down.
   void set_thrust_factor(std::size_t rotor, double factor) override;
+  void set_charge_limit(double share) override { charge_limit_ = share; }
 
  private:
   /// Rotors are worked on four at a time; missing ones have no thrust, torque or current.
@@ -92,6 +93,7 @@ class Multirotor final : public ForcesAndMoments {
   std::array<Group, kGroups> group_;
   std::size_t rotors_;
   std::size_t groups_;
+  double charge_limit_{1.0};
   double extent_m_{0.0};  ///< No hub is farther from the centre of mass.
   PropellerParameters propeller_;
   MotorParameters motor_;

@@ -42,6 +42,8 @@ TEST(Fault, EveryNameIsRead) {
                                                   {"pitot_blocked", FaultKind::kPitotBlocked},
                                                   {"crash", FaultKind::kCrash},
                                                   {"hang", FaultKind::kHang},
+                                                  {"companion_stall", FaultKind::kCompanionStall},
+                                                  {"battery_low", FaultKind::kBatteryLow},
                                                   {"motor0_dead", FaultKind::kMotor}};
   for (const auto& [name, kind] : names) {
     EXPECT_EQ(parse_fault(std::string(name) + "@1").kind, kind) << name;
@@ -88,6 +90,31 @@ TEST(Fault, StepsHaveAValueInTheUnitOfTheirName) {
   EXPECT_NE(message_of("mag_turned=nan@1").find("allowed mag_turned=VALUE"), std::string::npos);
 }
 
+TEST(Fault, SizesThatHaveNoSignRefuseOne) {
+  EXPECT_EQ(parse_fault("gnss_step=-30@10").value, -30.0);
+  EXPECT_EQ(parse_fault("gnss_delay=0.5@10").kind, FaultKind::kGnssDelay);
+  EXPECT_EQ(parse_fault("link_noise=0.01@10:3").value, 0.01);
+  EXPECT_EQ(message_of("link_noise=-0.1@1"),
+            "--fault link_noise=-0.1@1: found the value \"-0.1\", allowed link_noise=VALUE with 0 "
+            "to 1");
+  EXPECT_EQ(message_of("gnss_delay=11@1"),
+            "--fault gnss_delay=11@1: found the value \"11\", allowed gnss_delay=VALUE with 0 to "
+            "10");
+}
+
+TEST(Fault, SurfacesHaveANumber) {
+  const Fault stuck = parse_fault("servo2_stuck@10:5");
+  EXPECT_EQ(stuck.kind, FaultKind::kServo);
+  EXPECT_EQ(stuck.motor, 2U);
+  const FaultSchedule faults({stuck, parse_fault("motor1_dead@10")});
+  EXPECT_TRUE(faults.servo_stuck(2, ms(10'000)));
+  EXPECT_FALSE(faults.servo_stuck(2, ms(15'000)));
+  EXPECT_FALSE(faults.servo_stuck(1, ms(12'000))) << "that is the motor's";
+  EXPECT_EQ(faults.thrust_factor(2, ms(12'000)), 1.0) << "that is the surface's";
+  EXPECT_TRUE(faults.has(FaultKind::kServo));
+  EXPECT_FALSE(faults.has(FaultKind::kGnss));
+}
+
 TEST(Fault, BadTextIsOneLineWithWhatIsAllowed) {
   EXPECT_EQ(message_of("imu@"), "--fault imu@: found the time nothing, allowed seconds >= 0");
   EXPECT_EQ(message_of("imu@-1"), "--fault imu@-1: found the time \"-1\", allowed seconds >= 0");
@@ -107,12 +134,14 @@ TEST(Fault, BadTextIsOneLineWithWhatIsAllowed) {
       "--fault gyro@3: found \"gyro\", allowed imu, mag, baro, gnss, diff_pressure, range, "
       "battery, "
       "imu_nan, imu_stuck, rc_silence, rc_frame_loss, link_cut, crash, hang, pitot_blocked, "
-      "baro_step=VALUE, "
+      "companion_stall, battery_low, baro_step=VALUE, "
       "mag_turned=VALUE, accel_step_x=VALUE, accel_step_y=VALUE, accel_step_z=VALUE, "
-      "gyro_step_x=VALUE, gyro_step_y=VALUE, gyro_step_z=VALUE, motorN_dead, motorN_partial=FACTOR "
+      "gyro_step_x=VALUE, gyro_step_y=VALUE, gyro_step_z=VALUE, gnss_step=VALUE, gnss_delay=VALUE, "
+      "link_noise=VALUE, servoN_stuck, motorN_dead, motorN_partial=FACTOR "
       "(or motorN=FACTOR), N from 0 to 9");
   for (const char* text : {"", "@", "@1", "motor@1", "motor_dead@1", "motor12_dead@1", "motor1@1",
-                           "IMU@1", "motor1_half=0.5@1", "motorX_dead@1"}) {
+                           "IMU@1", "motor1_half=0.5@1", "motorX_dead@1", "servo@1", "servo1@1",
+                           "servo1_dead@1", "servoX_stuck@1", "servo12_stuck@1"}) {
     EXPECT_NE(message_of(text).find("allowed imu, mag"), std::string::npos) << text;
     EXPECT_EQ(message_of(text).find('\n'), std::string::npos);
   }
@@ -245,6 +274,40 @@ TEST(FaultySensors, ANanImuIsNanAndNothingElse) {
   for (const float value : during.imu.accel_m_s2) EXPECT_TRUE(std::isnan(value));
   EXPECT_EQ(during.imu.stamp, ms(1000));
   EXPECT_EQ(sensing.at(2000).imu.gyro_rad_s[0], 3.0F);
+}
+
+TEST(FaultySensors, ASatelliteStepMovesThePositionNorthAndNothingElse) {
+  Sensing sensing("gnss_step=111.1949@1:1");
+  sensing.samples.gnss.latitude_deg = 40.0;
+  sensing.samples.gnss.longitude_deg = -111.0;
+  sensing.samples.gnss.velocity_ned_m_s = {1.0F, 2.0F, 3.0F};
+  sensing.at(0);
+  EXPECT_EQ(sensing.samples.gnss.latitude_deg, 40.0);
+  sensing.at(1000);
+  // A minute of arc is a sea mile, 1852 m, within the half per cent of the sphere.
+  EXPECT_NEAR(sensing.samples.gnss.latitude_deg, 40.0 + 111.1949 / 1852.0 / 60.0, 5e-6);
+  EXPECT_EQ(sensing.samples.gnss.longitude_deg, -111.0);
+  EXPECT_EQ(sensing.samples.gnss.velocity_ned_m_s[0], 1.0F);
+}
+
+TEST(FaultySensors, LateFixesComeInOrderUnderTheStampOfTheirArrival) {
+  Sensing sensing("gnss_delay=0.5@1:2");
+  for (std::int64_t t = 0; t <= 4000; t += 100) {
+    sensing.samples.gnss = {};
+    sensing.samples.gnss.stamp = ms(t);
+    sensing.samples.gnss.unix_s = t;
+    const SensorSamples& now = sensing.at(t);
+    if (t < 1000 || t >= 3000) {
+      ASSERT_TRUE(now.has_gnss);
+      ASSERT_EQ(now.gnss.unix_s, t);
+    } else if (t < 1500) {
+      ASSERT_FALSE(now.has_gnss) << t;
+    } else {
+      ASSERT_TRUE(now.has_gnss) << t;
+      ASSERT_EQ(now.gnss.unix_s, t - 500);
+      ASSERT_EQ(now.gnss.stamp, ms(t));
+    }
+  }
 }
 
 class EagerRc : public RcModule {

@@ -276,6 +276,15 @@ TEST(Multirotor, EmptyBatteryStopsTheMotors) {
   EXPECT_EQ(truth.battery_current_A, 0.0);
 }
 
+TEST(Multirotor, ALimitedChargeIsNoMoreThanItsShare) {
+  World world({"ground.model=none"});
+  world.forces.set_charge_limit(0.15);
+  world.run(0.1, all_motors(0.0));
+  const double capacity_As = 8.0 * 3600.0;
+  EXPECT_NEAR(world.dynamics.module_state()[4], 0.15 * capacity_As, 1.0);
+  EXPECT_NEAR(world.dynamics.truth().battery_voltage_V, 6 * 3.71 - 0.016, 1e-3);
+}
+
 TEST(Multirotor, VoltageFollowsTheCurveOfTheCells) {
   World world({"ground.model=none"});
   const auto voltage = [&](double charge) {

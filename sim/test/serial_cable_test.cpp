@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
@@ -224,6 +225,22 @@ TEST(SerialLine, TheSameStreamCorruptsTheSameBytes) {
   const Bytes from_a = pop(a, 10'000);
   EXPECT_EQ(from_a, pop(b, 10'000));
   EXPECT_NE(from_a, pop(other, 10'000));
+}
+
+TEST(SerialLine, NoiseCanBeginAndEnd) {
+  SerialLine line({}, stream());
+  const Bytes frame(300, 0);
+  const auto wrong_at = [&](std::int64_t t) {
+    push(line, t, frame);
+    const Bytes got = pop(line, t + 10'000);
+    EXPECT_EQ(got.size(), frame.size());
+    return std::count_if(got.begin(), got.end(), [](std::uint8_t byte) { return byte != 0; });
+  };
+  EXPECT_EQ(wrong_at(0), 0);
+  line.set_corruption(0.5);
+  EXPECT_NEAR(static_cast<double>(wrong_at(20'000)), 150.0, 4.0 * 8.7);  // binomial, 4 sigma
+  line.set_corruption(0.0);
+  EXPECT_EQ(wrong_at(40'000), 0);
 }
 
 TEST(SerialLine, SurvivesTheLongestWait) {

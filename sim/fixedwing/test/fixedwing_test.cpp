@@ -181,6 +181,24 @@ TEST(FixedWing, AServoFollowsWithItsLagAndItsRate) {
   EXPECT_NEAR(limited.dynamics.truth().aileron_rad / kDegree, 10.0, 1e-9);
 }
 
+TEST(FixedWing, AStuckSurfaceKeepsItsDeflectionUntilItIsFree) {
+  Hangar hangar("anaconda", {"ground.model=none"});
+  hal::OutputValues outputs = outputs_with(0.0F);
+  outputs[0] = 0.75F;
+  outputs[1] = outputs[2] = 0.5F;
+  hangar.dynamics.step(hal::microseconds(200'000), outputs);
+  const double before = hangar.dynamics.truth().aileron_rad;
+  EXPECT_NEAR(before / kDegree, 20.0, 1e-3);
+  hangar.forces.set_surface_stuck(0, true);
+  hangar.forces.set_surface_stuck(99, true);  // there is none: nothing happens
+  outputs[0] = 0.0F;
+  hangar.dynamics.step(hal::microseconds(400'000), outputs);
+  EXPECT_EQ(hangar.dynamics.truth().aileron_rad, before);
+  hangar.forces.set_surface_stuck(0, false);
+  hangar.dynamics.step(hal::microseconds(800'000), outputs);
+  EXPECT_NEAR(hangar.dynamics.truth().aileron_rad / kDegree, -40.0, 1e-3);
+}
+
 TEST(FixedWing, WindmillsWithoutThrottleAndLosesItsThrustWithItsMotor) {
   Hangar hangar("anaconda", {"ground.model=none"});
   Trim trim = hangar.trim({15.0, 0.0, 0.0, 0.0});
