@@ -91,7 +91,7 @@ bool Telemetry::turn_of_many(Stream kind) {
   return waited_[kind] >= every_[pace(kind)] && serial_.writable() >= kRoomForOthers + bytes_[kind];
 }
 
-void Telemetry::send_sample(Stream kind, const link::Message& message) {
+[[gnu::noinline]] void Telemetry::send_sample(Stream kind, const link::Message& message) {
   const std::size_t bytes = put(message);
   bytes_[kind] = static_cast<std::uint8_t>(bytes);
   if (every_[pace(kind)] == 1) {
@@ -101,14 +101,17 @@ void Telemetry::send_sample(Stream kind, const link::Message& message) {
   }
 }
 
-Telemetry::PerPace Telemetry::needed(const PerPace& offered, std::uint32_t carried) {
-  const auto of = [](std::uint32_t bytes, std::uint32_t room) {
-    return bytes == 0 ? 1 : (bytes - 1) / room + 1;
-  };
-  const std::uint32_t slow = offered[kSlow];
-  if (slow <= carried / 4) return {of(offered[kFast], carried - slow), 1};
-  const std::uint32_t all = of(offered[kFast] + slow, carried);
-  return {all, all};
+[[gnu::noinline]] Telemetry::PerPace Telemetry::needed(std::uint32_t carried) const {
+  std::uint32_t fast = offered_[kFast];
+  const std::uint32_t slow = offered_[kSlow];
+  const bool alike = slow > carried / 4;
+  if (alike) {
+    fast += slow;
+  } else {
+    carried -= slow;
+  }
+  const std::uint32_t every = (std::max<std::uint32_t>(fast, 1) - 1) / carried + 1;
+  return {every, alike ? every : 1};
 }
 
 /// Once a second.
@@ -116,14 +119,12 @@ void Telemetry::measure(Time now) {
   const auto ms = static_cast<std::uint64_t>(hal::to_ms(now - measured_));
   constexpr std::uint64_t kMinMeasured_ms = 500;  // the first second may be cut short
   if (line_bytes_per_s_ > 0 && ms >= kMinMeasured_ms && measured_ > Time{0}) {
-    const auto per_second = [ms](std::uint64_t bytes) {
-      return static_cast<std::uint32_t>(bytes * 1000 / ms);
-    };
-    const PerPace offered{per_second(offered_[kFast]), per_second(offered_[kSlow])};
+    for (std::uint32_t& bytes : offered_) {
+      bytes = static_cast<std::uint32_t>(std::uint64_t{bytes} * 1000 / ms);
+    }
     const std::uint32_t carried = budget(line_bytes_per_s_);
-    const PerPace now_needed = needed(offered, carried);
-    const PerPace with_spare = needed(
-        {offered[kFast] + offered[kFast] / 10, offered[kSlow] + offered[kSlow] / 10}, carried);
+    const PerPace now_needed = needed(carried);
+    const PerPace with_spare = needed(carried - carried / 11);
     for (std::size_t k = 0; k < kPaces; ++k) {
       every_[k] = std::max(now_needed[k], std::min(every_[k], with_spare[k]));
     }

@@ -117,8 +117,8 @@ class Telemetry {
   enum Pace : std::uint8_t { kFast, kSlow, kPaces };
   using PerPace = std::array<std::uint32_t, kPaces>;
   static constexpr Pace pace(Stream kind) { return kind <= kOutputs ? kFast : kSlow; }
-  /// (1) or (2). @param offered  in bytes per second. @param carried  C - R
-  static PerPace needed(const PerPace& offered, std::uint32_t carried);
+  /// (1) or (2), of offered_ in bytes per second. @param carried  C - R
+  PerPace needed(std::uint32_t carried) const;
 
   std::size_t put(const link::Message& message);
   /// Whether a sample of that kind is to be sent.
