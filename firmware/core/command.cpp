@@ -195,11 +195,11 @@ void CommandManager::combine() {
 
 bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, bool failsafe) {
   const bool due =
-      new_input || offboard_new_ || !decided_ || now >= decide_at_ || failsafe != in_failsafe_;
+      new_input || offboard_new_ || !decided_ || now >= decide_at_ || failsafe != receiver_lost_;
   if (!due) return false;
   decided_ = true;
   offboard_new_ = false;
-  in_failsafe_ = failsafe;
+  receiver_lost_ = failsafe;
   if (now > offboard_time_ + config_.offboard_timeout) {
     offboard_.active = 0;
     offboard_.value.fill(0.0f);
@@ -207,6 +207,12 @@ bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, b
   interpret(pilot);
   const std::uint16_t before = override_;
   override_ = override_now(now, pilot);
+  const bool failsafe_before = in_failsafe_;
+  in_failsafe_ = failsafe;
+  if (failsafe && config_.companion_in_failsafe) {
+    override_ = static_cast<std::uint16_t>(override_ & ~override_bit::kMinThrottle);
+    in_failsafe_ = override_ != 0;
+  }
 
   decide_at_ = kNever;
   if (offboard_.active != 0) {
@@ -217,13 +223,13 @@ bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, b
     if (hold.ever && end > now) decide_at_ = std::min(decide_at_, end);
   }
 
-  if (failsafe) {
+  if (in_failsafe_) {
     combined_ = failsafe_;
     primary_axes_ = kAllAxes;
   } else {
     combine();
   }
-  return override_ != before;
+  return override_ != before || in_failsafe_ != failsafe_before;
 }
 
 }  // namespace rosflight::core

@@ -153,7 +153,7 @@ inline Mixer::Conditions Firmware::mixer_conditions(Time now) {
   c.armed = motors_enabled();
   c.hold_idle = motor_stop_.probing() || (holding_idle_ && still_holding_idle(now));
   if (mixer_.has_auxiliary_motors()) {
-    c.failsafe = state_.failsafe();
+    c.failsafe = command_.in_failsafe();
     c.companion_present = now - last_companion_frame_ <= kCompanionSilence;
   }
   if (state_.state() == State::kMotorTest) {
@@ -183,7 +183,7 @@ void Firmware::control(Time now, float dt_s) {
   Mixer::Conditions conditions = mixer_conditions(now);
   conditions.primary_axes = command_.primary_axes();
   board_.outputs.write(mixer_.step(forces, conditions));
-  if (!state_.armed() || motor_stop_.watching(state_.failsafe())) watch_motion(now);
+  if (!state_.armed() || motor_stop_.watching(resting_counts())) watch_motion(now);
   constexpr float kWorthAText = 2.0f;
   if (mixer_.saturation() > kWorthAText && saturation_texts_.allow(now)) {
     log_.warning(Text("Motor command above full: x ").add(mixer_.saturation(), 2));
@@ -297,6 +297,7 @@ void Firmware::watch_imu(Time now) {
     log_.critical("IMU not responding");
   }
   if (state_.armed()) motor_stop_.watch_imu(now, last_imu_);
+  if (state_.armed() && now - last_imu_ <= kImuHold) return;  // the last outputs hold
   constexpr Time kFallbackPeriod = hal::milliseconds(20);
   if (now - fallback_written_ < kFallbackPeriod) return;
   fallback_written_ = now;
@@ -332,7 +333,7 @@ link::Status Firmware::status() const {
   const CommandVector& c = command_.combined();
   link::Status s;
   s.armed = state_.armed();
-  s.failsafe = state_.failsafe();
+  s.failsafe = command_.in_failsafe();
   s.offboard = command_.offboard_active();
   s.rc_override = command_.override_word();
   s.error_code = static_cast<std::uint8_t>(state_.errors());

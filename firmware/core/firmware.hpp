@@ -19,6 +19,8 @@ class Firmware {
   /// Without a sample for this long the IMU is not responding: multirotors stop their motors and
   /// fixed wings follow the sticks directly, until samples arrive again.
   static constexpr Time kImuSilence = hal::milliseconds(100);
+  /// An armed vehicle without IMU samples keeps its last outputs so long, counted from the last.
+  static constexpr Time kImuHold = hal::milliseconds(300);
   /// After arming on the ground the motors turn at idle for this long, unless the throttle stick is
   /// raised or the companion sends a command.
   static constexpr Time kIdleFirst = hal::milliseconds(500);
@@ -133,6 +135,10 @@ class Firmware {
   Text check_text(Check check, Time now) const;
   bool in_flight(Time now) const;
   bool above_idle() const;
+  /// Rest on the ground stops the motors: nobody commands them, or the companion commands idle.
+  bool resting_counts() const {
+    return command_.in_failsafe() || (state_.failsafe() && !above_idle());
+  }
   bool turning() const;
   bool motors_enabled() const { return state_.armed() && !motor_stop_.stopped(); }
   bool still_holding_idle(Time now);

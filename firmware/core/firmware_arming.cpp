@@ -180,7 +180,7 @@ void Firmware::watch_motion(Time now) {
   }
   const Measurements& m = sensors_.measurements();
   motor_stop_.step(now, {attitude.q_WB, to_vector(m.imu.accel_m_s2), attitude.rates_rad_s,
-                         m.altitude_m, above_idle(), state_.failsafe()});
+                         m.altitude_m, above_idle(), resting_counts()});
 }
 
 void Firmware::report_motor_stop() {
