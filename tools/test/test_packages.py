@@ -17,8 +17,13 @@ ROS = {"ament_cmake", "builtin_interfaces", "class_loader", "diagnostic_msgs", "
 # Keys of rosdep (rosdistro: rosdep/base.yaml and python.yaml) and their packages in Debian and Ubuntu.
 ROSDEP = {"cli11": "libcli11-dev", "cmake": "cmake", "eigen": "libeigen3-dev", "git": "git", "gtest": "libgtest-dev",
           "libboost-dev": "libboost-dev", "libssl-dev": "libssl-dev", "libzstd-dev": "libzstd-dev", "ninja-build": "ninja-build",
+<<<<<<< HEAD
           "nlohmann-json-dev": "nlohmann-json3-dev", "python3-numpy": None,
           "python3-venv": "python3-venv", "python3-yaml": None, "sdl2": "libsdl2-dev", "spdlog": "libspdlog-dev", "yaml-cpp": "libyaml-cpp-dev", "zlib": "zlib1g-dev"}
+=======
+          "nlohmann-json-dev": "nlohmann-json3-dev", "python3-numpy": None, "python3-venv": "python3-venv", "python3-yaml": None, "sdl2": "libsdl2-dev",
+          "spdlog": "libspdlog-dev", "yaml-cpp": "libyaml-cpp-dev", "zlib": "zlib1g-dev"}
+>>>>>>> f096e7b (ROS: base classes for modules of others; a network and a command filter)
 # What find_package calls otherwise, or brings along: rosflight_common exports what it is built on.
 FOUND = {"Eigen3": "eigen", "SDL2": "sdl2", "GTest": "gtest", "Python3": None}
 # rosdep has no keys for these; tools/ready.sh installs them.
@@ -107,4 +112,4 @@ def test_packages_are_there_under_all_names_of_rosflight_2():
         "roscopter", "roscopter_msgs", "roscopter_sim", "roscopter_gcs", "roscopter_tuning",
         "rosplane", "rosplane_msgs", "rosplane_sim", "rosplane_gcs", "rosplane_tuning", "rosplane_extra"}
     assert dependencies(NAMES["rosflight_pkgs"]) >= NAMES.keys() - {
-        "rosflight", "rosflight_pkgs", "rosflight_examples", "rosflight_demos"}
+        "rosflight", "rosflight_pkgs", "rosflight_examples", "own_modules", "rosflight_demos"}
