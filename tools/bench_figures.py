@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from typing import Callable
 
 import bench_build
+import bench_web
 import callgrind
 import h7_figures
 import m7_figures
@@ -80,6 +81,9 @@ def all_figures() -> list[Figure]:
         Figure("property.violations", "flights", "= 0", lambda: properties()["violations"], "sanitizers",
                on_request=True),
         Figure("build.flight_cpu_s", "s", "report", bench_build.flight_cpu_s, "none", on_request=True),
+        Figure("web.bundle_kB", "kB", "<= 300", bench_web.bundle_kb, "none"),
+        *(Figure(f"web.{name}", unit, target, functools.partial(web_figure, name), "none", on_request=True)
+          for name, unit, target in WEB_FIGURES),
         *m7(),
         *h7(),
         *(replace(figure, on_request=True) for figure in ros_figures()),
@@ -94,6 +98,15 @@ ESTIMATION = [(f"{name}_{kind}", unit)
                                  ("tilt_deg", "deg"), ("heading_deg", "deg")) for kind in ("rms", "p95")]
 ESTIMATION += [("nees", "1")]
 AIR = [(f"{name}_{kind}", "m/s") for name in ("airspeed_m_s", "wind_m_s") for kind in ("rms", "p95")]
+
+
+# Times of the wall clock in a headless browser; web.load is the number of processes at work meanwhile.
+WEB_FIGURES = (("first_picture_s", "s", "<= 2"), ("open_100MB_s", "s", "<= 3"), ("seek_ms", "ms", "<= 50"),
+               ("load", "processes", "report"))
+
+
+def web_figure(name: str) -> float:
+    return bench_web.measured()[name]
 
 
 def mission_rows() -> list[tuple[str, str, str, str]]:
