@@ -44,11 +44,12 @@ class OldFirmware(threading.Thread):
 
 
 class HandTurned(OldFirmware):
-    """In the hands of a person who does what the calibration of the magnetometer asks for: six faces, a circle with each."""
+    """In the hands of a person who does what the calibration of the magnetometer asks for: six faces, two circles with each."""
 
     HARD_IRON_T = (15e-6, -10e-6, 5e-6)
-    HOLD_S, TURN_S = 2.4, 1.0
-    LONGEST_STEP_S = 0.02  # a busy machine makes the hand slow; it does not tear it from face to face
+    HOLD_S, TURN_S, CIRCLES = 2.6, 3.0, 2
+    STEP_S = 0.0025  # of the hand: a circle has as many samples on any machine
+    LONGEST_STEP_S = 0.2  # a busy machine makes the hand slow; it does not tear it from face to face
     FACES = [(0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0), (0, 0, -1)]  # body axis that points down
 
     def __init__(self):
@@ -62,22 +63,24 @@ class HandTurned(OldFirmware):
         client, _ = self.server.accept()
         client.setblocking(False)
         self.mav = DIALECT.MAVLink(client.makefile("wb", buffering=0), srcSystem=1, srcComponent=250)
-        turned_s, last, k = 0.0, time.monotonic(), 0
-        while not self.ended.wait(0.0025):
+        owed_s, last, step = 0.0, time.monotonic(), 0
+        while not self.ended.wait(self.STEP_S):
             now = time.monotonic()
-            turned_s += min(now - last, self.LONGEST_STEP_S)
+            owed_s += min(now - last, self.LONGEST_STEP_S)
             last = now
             try:
                 for message in self.mav.parse_buffer(_received(client)) or []:
                     self.answer(message)
-                if k % 400 == 0:
-                    self.mav.heartbeat_send(2, 0, 0, 0, 0)
-                if k % 40 == 0:
-                    self.mav.rosflight_status_send(0, 0, 0, 0, 0, 0, 0, 0)
-                self.sample(turned_s)
+                while owed_s >= self.STEP_S:
+                    owed_s -= self.STEP_S
+                    if step % 400 == 0:
+                        self.mav.heartbeat_send(2, 0, 0, 0, 0)
+                    if step % 40 == 0:
+                        self.mav.rosflight_status_send(0, 0, 0, 0, 0, 0, 0, 0)
+                    self.sample(step * self.STEP_S)
+                    step += 1
             except OSError:
                 break
-            k += 1
         client.close()
         self.server.close()
 
@@ -105,7 +108,7 @@ class HandTurned(OldFirmware):
         """Specific force and corrected field of that moment; field of 50 uT, inclined by 60 deg."""
         step, within = divmod(t_s, self.HOLD_S + self.TURN_S)
         down = self.FACES[int(step) % len(self.FACES)]
-        heading = 2 * math.pi * max(0.0, within - self.HOLD_S) / self.TURN_S
+        heading = 2 * math.pi * self.CIRCLES * max(0.0, within - self.HOLD_S) / self.TURN_S
         north = (down[1], down[2], down[0])  # at right angles to it
         east = tuple(down[(i + 1) % 3] * north[(i + 2) % 3] - down[(i + 2) % 3] * north[(i + 1) % 3] for i in range(3))
         force = [-9.80665 * d for d in down]
