@@ -12,7 +12,7 @@
 #include "flight/autopilot/chip_autopilot.hpp"
 #include "flight/flight_recorder.hpp"
 #include "flight/project_root.hpp"
-#include "flight/test/fixedwing_rig.hpp"
+#include "flight/test/h7_rig.hpp"
 
 namespace rosflight::flight::testing {
 namespace {
@@ -22,20 +22,6 @@ using boards::stm32h7::ChipProcess;
 using Breakdown = Autopilot::Breakdown;
 
 constexpr double kFault_s = 20.0;  // as in faults_test.cpp
-
-FlightChoice on_board(std::vector<std::string> faults = {}) {
-  FlightChoice choice;
-  choice.board = "pixracer_pro";
-  choice.faults = std::move(faults);
-  return choice;
-}
-
-ChipAutopilot& chip_of(Rig& rig) {
-  return dynamic_cast<ChipAutopilot&>(rig.flight->autopilot());
-}
-FirmwareView view_of(const Rig& rig) {
-  return rig.flight->autopilot().view();
-}
 
 struct Logged {
   std::string hash;
@@ -83,22 +69,6 @@ TEST(PixracerPro, FliesTheDefaultMissionTwiceWithTheSameLog) {
   EXPECT_GT(first.edge_to_output_us, 15U) << "15 bytes take 15 us at 8 MHz";
   EXPECT_LE(first.edge_to_output_us, 400U)
       << "armed; it waits for a pass with messages of the link";
-}
-
-TEST(PixracerPro, FliesTheFixedWingWithItsPitotSensor) {
-  FlightChoice choice = on_board();
-  choice.vehicle = "anaconda";
-  Rig rig{choice};
-  rig.flight->run();
-  ASSERT_TRUE(rig.completed()) << rig.flight->runner().failure();
-  expect_in_control(rig);
-  expect_tracked(rig);
-  const auto& streams = rig.flight->session().streams();
-  const double flown_s = sim::to_seconds(rig.flight->now());
-  EXPECT_GT(static_cast<double>(streams.diff_pressure.count), 95.0 * flown_s);
-  EXPECT_GT(static_cast<double>(streams.gnss.count), 9.0 * flown_s);
-  EXPECT_EQ(streams.status.value.sensor_errors, 0);
-  EXPECT_EQ(chip_of(rig).figures()->resets, 0U);
 }
 
 TEST(PixracerPro, AnotherSeedIsAnotherFlight) {

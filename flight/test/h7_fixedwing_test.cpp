@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The fixed wing on the image of the Pixracer Pro, emulated.
+#include <gtest/gtest.h>
+
+#include "flight/test/fixedwing_rig.hpp"
+#include "flight/test/h7_rig.hpp"
+
+namespace rosflight::flight::testing {
+namespace {
+
+TEST(PixracerPro, FliesTheFixedWingWithItsPitotSensor) {
+  FlightChoice choice = on_board();
+  choice.vehicle = "anaconda";
+  Rig rig{choice};
+  rig.flight->run();
+  ASSERT_TRUE(rig.completed()) << rig.flight->runner().failure();
+  expect_in_control(rig);
+  expect_tracked(rig);
+  const auto& streams = rig.flight->session().streams();
+  const double flown_s = sim::to_seconds(rig.flight->now());
+  EXPECT_GT(static_cast<double>(streams.diff_pressure.count), 95.0 * flown_s);
+  EXPECT_GT(static_cast<double>(streams.gnss.count), 9.0 * flown_s);
+  EXPECT_EQ(streams.status.value.sensor_errors, 0);
+  EXPECT_EQ(chip_of(rig).figures()->resets, 0U);
+}
+
+}  // namespace
+}  // namespace rosflight::flight::testing
