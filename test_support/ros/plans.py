@@ -13,14 +13,14 @@ class Planned:
 
 
 def nodes_of(plan) -> dict[str, Planned]:
-    """Nodes by name; those of a `compose` one by one."""
+    """Nodes by name; those of a `compose` one by one. Its names may come as one argument, which `compose` splits."""
     found: dict[str, Planned] = {}
     for process in plan.nodes:
         parameters = {name: value for source in process.parameters if isinstance(source, dict) for name, value in source.items()}
         if process.what != "rosflight_common/compose":
             found[process.name] = Planned(parameters, set(process.remappings))
             continue
-        for component in process.command[1:]:
+        for component in " ".join(process.command[1:]).split():
             name = component.partition(":")[2]
             assert name and name not in found, component
             found[name] = Planned(parameters, {(topic.removeprefix(f"{name}:"), to) for topic, to in process.remappings
