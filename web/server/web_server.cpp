@@ -191,10 +191,10 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
     }
   }
 
-  /// A client that only complains about is soon too many: it is let go.
+  /// A client that sends one wrong message after the other and does not read the answers is disconnected.
   void complain(const std::string& what) {
-    constexpr std::size_t kMostComplaints = 32;
-    if (texts_.size() > kMostComplaints) {
+    constexpr std::size_t kMaxUnreadTexts = 32;
+    if (texts_.size() > kMaxUnreadTexts) {
       open_ = false;
       beast::get_lowest_layer(stream_).close();
       return;
