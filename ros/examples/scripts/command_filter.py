@@ -10,7 +10,8 @@ commands pass as they are:
     replay_s      > 0: the commands of the last replay_s before it was set go out again and again, the present ones do not
     dead_motor    output of the mixer that is held at 0; -1: none. Pass-through commands only: the others name no motor
 
-The dead motor is worked out backwards from the mixer M of the firmware (PRI_MIXER_i_j, asked for at the start until it has one):
+The dead motor is worked out backwards from the mixer M of the firmware (PRI_MIXER_i_j, asked for when the vehicle is armed: before
+that its parameters may be loaded, and some entries would be old ones):
 
     y = M u,  y[dead] = 0,  u = pinv(M) y                              (1)
 
@@ -28,10 +29,11 @@ import rclpy
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
-from rosflight_msgs.msg import Command
+from rosflight_msgs.msg import Command, Status
 from rosflight_msgs.srv import ParamGet
 
 ROWS, MOTORS = range(2, 6), range(4)  # inputs down force and torques; outputs of a quadrotor
+ENTRIES = [f"PRI_MIXER_{row}_{motor}" for row in ROWS for motor in MOTORS]
 KEPT_S = 10.0
 ASK_EVERY_S = 0.005
 DEPTH = 5  # one for one, also when some come at once
@@ -46,9 +48,10 @@ class CommandFilter(Node):
     def __init__(self):
         super().__init__("command_filter")
         self.past = deque()  # (time, command as it came)
-        self.mixer = numpy.full((len(ROWS), len(MOTORS)), numpy.nan)
-        self.questions = self.all_questions()
+        self.mixer = None
+        self.answers = []  # entries of the mixer, row by row, while they are asked for
         self.asked = None
+        self.armed = False
         self.replayed = None  # commands of the replay, and when it began
         self.values = {}
         for name, default in DEFAULTS.items():
@@ -58,8 +61,10 @@ class CommandFilter(Node):
         self.add_on_set_parameters_callback(self.on_change)
         self.commands = self.create_publisher(Command, "command", DEPTH)
         self.create_subscription(Command, "command_in", self.on_command, DEPTH)
+        self.create_subscription(Status, "status", self.on_status, 1)
         self.param_get = self.create_client(ParamGet, "param_get")
         self.timer = self.create_timer(ASK_EVERY_S, self.ask)
+        self.timer.cancel()
         self.get_logger().info("ready")
 
     @staticmethod
@@ -77,7 +82,7 @@ class CommandFilter(Node):
     def on_change(self, parameters):
         wanted = self.values | {parameter.name: parameter.value for parameter in parameters if parameter.name in DEFAULTS}
         why = self.fault(wanted)
-        if not why and wanted["dead_motor"] >= 0 and not self.knows_mixer():
+        if not why and wanted["dead_motor"] >= 0 and self.mixer is None:
             why = "parameter dead_motor: the mixer of the flight controller is not known yet"
         if not why:
             if wanted["replay_s"] != self.values["replay_s"]:
@@ -86,29 +91,23 @@ class CommandFilter(Node):
             self.get_logger().info(", ".join(f"{name} {value}" for name, value in wanted.items() if value != DEFAULTS[name]) or "passes on")
         return SetParametersResult(successful=not why, reason=why)
 
-    @staticmethod
-    def all_questions():
-        return deque((f"PRI_MIXER_{row}_{motor}", row - ROWS[0], motor) for row in ROWS for motor in MOTORS)
-
-    def knows_mixer(self):
-        """Without parameters the firmware has a mixer of zeros."""
-        return numpy.isfinite(self.mixer).all() and numpy.linalg.matrix_rank(self.mixer) == len(MOTORS)
+    def on_status(self, message):
+        if message.armed and not self.armed:
+            self.mixer, self.answers, self.asked = None, [], None
+            self.timer.reset()
+        self.armed = message.armed
 
     def ask(self):
         """For the entries of the mixer, one after the other."""
         if self.asked is not None and self.asked.done():
-            name, row, motor = self.questions[0]
-            if self.asked.result().exists:
-                self.mixer[row, motor] = self.asked.result().value
-                self.questions.popleft()
+            self.answers += [self.asked.result().value] if self.asked.result().exists else []
             self.asked = None
-        if not self.questions and not self.knows_mixer():
-            self.questions = self.all_questions()
-        if not self.questions:
+        if len(self.answers) == len(ENTRIES):
+            self.mixer = numpy.array(self.answers).reshape(len(ROWS), len(MOTORS))
             self.timer.cancel()
             self.get_logger().info("the mixer is known")
         elif self.asked is None and self.param_get.service_is_ready():
-            self.asked = self.param_get.call_async(ParamGet.Request(name=self.questions[0][0]))
+            self.asked = self.param_get.call_async(ParamGet.Request(name=ENTRIES[len(self.answers)]))
 
     # ---- the commands ---------------------------------------------------------------------------
 
@@ -123,7 +122,7 @@ class CommandFilter(Node):
         out = Command(mode=source.mode, ignore=source.ignore)
         out.header.stamp = message.header.stamp  # when it is sent
         u = numpy.array(source.u, dtype=float) + self.values["bias"]
-        if self.values["dead_motor"] >= 0 and out.mode == Command.MODE_PASS_THROUGH:
+        if self.values["dead_motor"] >= 0 and self.mixer is not None and out.mode == Command.MODE_PASS_THROUGH:
             u[ROWS[0]:ROWS[-1] + 1] = self.without_motor(u[ROWS[0]:ROWS[-1] + 1])
         out.u = u.astype(numpy.float32)
         self.commands.publish(out)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Services and parameters: each answer is the outcome on the firmware."""
 
+import itertools
 import os
 from pathlib import Path
 
@@ -39,7 +40,8 @@ def test_changed_parameters_are_announced_and_writing_settles_them(rig):
     changed = rig.peer.listen(Bool, "status/params_changed")
     unsaved = rig.peer.listen(Bool, "status/unsaved_params", latched=True)
     wait_for(lambda: unsaved, "the latched topic")
-    wait_for(lambda: rig.peer.call(ParamSet, "param_set", name="PID_YAW_RATE_P", value=0.26) and changed, "an announcement")
+    values = itertools.count(26)  # a new one each time: the first announcement may come before the topic is known
+    wait_for(lambda: rig.peer.call(ParamSet, "param_set", name="PID_YAW_RATE_P", value=0.01 * next(values)) and changed, "an announcement")
     wait_for(lambda: unsaved[-1][1].data, "unsaved")
     answer = rig.peer.call(Trigger, "param_write")
     assert answer.success, answer.message

@@ -191,7 +191,7 @@ class Peer : public rclcpp::Node {
   }
 
   rclcpp::Publisher<Int64>::SharedPtr reply_{create_publisher<Int64>("reply", 10)};
-  rclcpp::Publisher<Int64>::SharedPtr wall_ticks_{create_publisher<Int64>("wall_ticks", 10)};
+  rclcpp::Publisher<Int64>::SharedPtr wall_ticks_{create_publisher<Int64>("wall_ticks", 1000)};
   rclcpp::Publisher<Int64>::SharedPtr ros_ticks_{create_publisher<Int64>("ros_ticks", 50)};
   rclcpp::Publisher<String>::SharedPtr python_said_{create_publisher<String>("python_said", 10)};
   rclcpp::Publisher<Int64>::SharedPtr jumped_{create_publisher<Int64>("jumps", 50)};

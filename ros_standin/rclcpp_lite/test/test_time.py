@@ -14,7 +14,7 @@ SECOND = 1_000_000_000
 
 
 def test_wall_timer_counts_without_gaps(tester, peer):
-    received = tester.subscribe(Int64, "wall_ticks")
+    received = tester.subscribe(Int64, "wall_ticks", 1000)  # also when this process waits for a processor
     until(lambda: len(received) >= 20, "20 ticks")
     counts = [message.data for message in received]
     assert counts == list(range(counts[0], counts[0] + len(counts)))
