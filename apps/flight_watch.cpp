@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
 #include <array>
 #include <optional>
 #include <ostream>
@@ -9,7 +8,7 @@
 #include "apps/page_server.hpp"
 #include "apps/stop_signal.hpp"
 #include "apps/view_command.hpp"
-#include "log/flight_log_topics.hpp"
+#include "log/topic_kinds.hpp"
 
 namespace rosflight::apps {
 namespace {
@@ -17,32 +16,6 @@ namespace {
 using log::Topic;
 using web::server::Contents;
 using web::server::LiveData;
-
-/// Seldom, and of use long after they came. All others are states.
-constexpr std::array kEvents{Topic::kStatus,
-                             Topic::kVersion,
-                             Topic::kHardError,
-                             Topic::kParamRequestRead,
-                             Topic::kParamSet,
-                             Topic::kParamValue,
-                             Topic::kParamRequestList,
-                             Topic::kCommandRequest,
-                             Topic::kCommandAck,
-                             Topic::kMotorTest,
-                             Topic::kReportRequest,
-                             Topic::kCheckResult,
-                             Topic::kPhase,
-                             Topic::kParameter,
-                             Topic::kTexts,
-                             Topic::kTfStatic,
-                             Topic::kPath,
-                             Topic::kRobotDescription};
-/// Bytes that no viewer shows.
-constexpr std::array kBulk{Topic::kRawFrames, Topic::kBoardInputs};
-
-bool is_one_of(Topic topic, const auto& topics) {
-  return std::find(topics.begin(), topics.end(), topic) != topics.end();
-}
 
 class LiveFlight final : public FlightWatch, public log::LogObserver {
  public:
@@ -57,11 +30,13 @@ class LiveFlight final : public FlightWatch, public log::LogObserver {
   log::LogObserver& observer() override { return *this; }
 
   void on_logged(Topic topic, std::uint64_t time_ns, log::Bytes cdr) override {
-    if (is_one_of(topic, kBulk)) return;
+    const log::TopicKind topic_kind = log::kind_of(topic);
+    if (topic_kind == log::TopicKind::kBulk) return;
     auto& channel = channels_.at(static_cast<std::size_t>(topic));
     if (!channel) {
       const log::TopicType& type = log::kTopics.at(static_cast<std::size_t>(topic));
-      const auto kind = is_one_of(topic, kEvents) ? LiveData::Kind::kEvent : LiveData::Kind::kState;
+      const auto kind =
+          topic_kind == log::TopicKind::kEvent ? LiveData::Kind::kEvent : LiveData::Kind::kState;
       channel = data_.add_channel(
           {std::string(type.name), std::string(type.type), std::string(type.schema()), kind});
     }

@@ -87,6 +87,15 @@ void print_waypoints(std::ostream& out, const flight::FlightScore& score) {
   }
 }
 
+/// Where the flight can be looked at.
+std::string how_to_see_it(const flight::FlightSummary& s) {
+  if (!s.page.empty()) return "(open report.html)";
+  if (!s.log) return "(without a log, which report.html is made from)";
+  return fmt::format(
+      "(./rosflight view {} shows it, and builds the page that later flights leave as report.html)",
+      s.folder.string());
+}
+
 void print_summary(std::ostream& out, const flight::FlightSummary& s) {
   fmt::print(out, "{}\n\n", s.score.verdict);
   print_waypoints(out, s.score);
@@ -101,7 +110,7 @@ void print_summary(std::ostream& out, const flight::FlightSummary& s) {
   if (s.fixedwing) print_fixedwing(out, *s.fixedwing);
   fmt::print(out, "flight time      {:.1f} s of {:.1f} s simulated\n", s.flight_time_s,
              s.sim_time_s);
-  fmt::print(out, "speed            {:.0f} times real time ({:.2f} s, log and report included)\n",
+  fmt::print(out, "speed            {:.0f} times real time ({:.2f} s, log included)\n",
              s.realtime_factor(), s.wall_time_s);
   if (s.processor) {
     fmt::print(out, "processor        {} bytes of stack, {} resets\n", s.processor->stack_bytes,
@@ -111,7 +120,7 @@ void print_summary(std::ostream& out, const flight::FlightSummary& s) {
              s.choice.faults.empty() ? "none asked for"
                                      : fmt::format("{}", fmt::join(s.choice.faults, ", ")));
   fmt::print(out, "warnings, errors {}, {}\n", s.warnings, s.errors);
-  fmt::print(out, "flight folder    {}  (open report.html)\n", s.folder.string());
+  fmt::print(out, "flight folder    {}  {}\n", s.folder.string(), how_to_see_it(s));
 }
 
 }  // namespace

@@ -34,9 +34,12 @@ void add_flight(const fs::path& input, Contents& contents) {
   nlohmann::json offer{{"log", "flight/flight.mcap"},
                        {"name", (folder ? fs::absolute(input).lexically_normal() : log).string()}};
   contents.files["flight/flight.mcap"] = log;
-  if (folder && fs::exists(input / "summary.json")) {
-    contents.files["flight/summary.json"] = input / "summary.json";
-    offer["summary"] = "flight/summary.json";
+  for (const std::string name : {"summary", "analysis"}) {
+    const fs::path file = input / (name + ".json");
+    if (!folder || !fs::exists(file)) continue;
+    const std::string address = "flight/" + name + ".json";
+    contents.files[address] = file;
+    offer[name] = address;
   }
   contents.texts["offer.json"] = text(offer);
 }

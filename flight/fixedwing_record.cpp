@@ -64,30 +64,4 @@ void FixedWingRecord::step(const sim::Truth& truth, const sim::Vector3& seen_W,
   sink_m_s_ = v_W.z();
 }
 
-report::Wing fixedwing_sample(const wing::FlightOutput& output, const sim::Truth& truth,
-                              const sim::Vector3& seen_W) {
-  const auto single = [](double x) { return static_cast<float>(x); };
-  const sim::Vector3 v_W = truth.body.q_WB * truth.body.v_B;
-  const sim::Vector3& wind_W = truth.air.wind_W;
-  report::Wing out;
-  out.wind_W_m_s = {single(wind_W.x()), single(wind_W.y())};
-  out.airspeed_m_s = single((v_W - wind_W).norm());
-  constexpr double kMoving_m_s = 2.0;  // Slower, a course is noise.
-  if (v_W.head<2>().norm() > kMoving_m_s) out.course_rad = single(std::atan2(v_W.y(), v_W.x()));
-  if (output.phase == wing::Phase::kDisarmed) return out;
-  const wing::Surfaces& surfaces = output.control.surfaces;
-  out.surfaces = {single(surfaces.aileron), single(surfaces.elevator), single(surfaces.rudder)};
-  if (output.wanted.valid) {
-    out.airspeed_command_m_s = single(output.wanted.airspeed_m_s);
-    out.course_command_rad = single(output.wanted.course_rad);
-  }
-  if (output.tracking) {
-    const wing::Segment& segment = output.path.segment;
-    out.cross_track_m = single(segment.cross_track_m(seen_W.head<2>()));
-    out.cross_track_total_m = single(segment.cross_track_m(truth.body.p_W.head<2>()));
-    out.height_error_m = single(-truth.body.p_W.z() - output.path.height_m);
-  }
-  return out;
-}
-
 }  // namespace rosflight::flight

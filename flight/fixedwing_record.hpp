@@ -4,7 +4,6 @@
 
 #include "autonomy/fixedwing/flight_manager.hpp"
 #include "flight/error_statistics.hpp"
-#include "flight/report/flight_record.hpp"
 #include "sim/types.hpp"
 
 namespace rosflight::flight {
@@ -60,10 +59,5 @@ class FixedWingRecord {
   double sink_m_s_{};
   std::optional<Touchdown> touchdown_;
 };
-
-/// What the report shows of a fixed wing at one moment.
-/// @param seen_W  the true position less what no filter on board can see.
-report::Wing fixedwing_sample(const autonomy::fixedwing::FlightOutput& output,
-                              const sim::Truth& truth, const sim::Vector3& seen_W);
 
 }  // namespace rosflight::flight

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
-#include <tuple>
+#include <vector>
 
-#include "flight/estimate_record.hpp"
 #include "flight/flight.hpp"
+#include "flight/flight_analysis.hpp"
 #include "flight/gyro_record.hpp"
-#include "flight/report/flight_record.hpp"
 #include "log/flight_log.hpp"
 
 namespace rosflight::flight {
@@ -17,13 +17,16 @@ namespace rosflight::flight {
 /// What of a flight goes into its log.
 enum class LogLevel : std::uint8_t { kNone, kPlot, kFull };
 
-/// Records a flight: the log on disk and, in memory, what the report shows. Changes nothing.
+/// What the log says of the flight as a whole.
+log::TextMap log_facts(const FlightSetup& setup);
+
+/// Records a flight: the log on disk and, in memory, what its page shows beside it. Changes nothing.
 class FlightRecorder final : public sim::Visualiser, public LinkTap {
  public:
-  /// @param flight, observer  must outlive this; without a log nothing is observed.
+  /// @param flight, observers  must outlive this; without a log nothing is observed.
   /// @throws log::LogError if the log cannot be written.
   FlightRecorder(Flight& flight, const std::filesystem::path& log_file,
-                 LogLevel level = LogLevel::kPlot, log::LogObserver* observer = nullptr);
+                 LogLevel level = LogLevel::kPlot, std::vector<log::LogObserver*> observers = {});
 
   void step(const sim::Truth& truth, const hal::OutputValues& outputs) override;
   void on_frame(Direction direction, hal::Time t, const std::uint8_t* data, std::size_t size,
@@ -38,7 +41,10 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
   /// Records a note of the mission runner.
   void note(const FlightNote& note);
 
-  report::FlightRecord& record() { return record_; }
+  /// Complete after close().
+  const FlightAnalysis& analysis() const { return analysis_; }
+  /// The newest that the firmware sent.
+  const std::optional<link::Counters>& counters() const { return counters_; }
   int warnings() const { return warnings_; }
   int errors() const { return errors_; }
   /// Frames that found the cable's queue full.
@@ -49,31 +55,26 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
   std::optional<log::LogSummary> close();
 
  private:
-  /// What the report's states are made from.
-  using States =
-      std::tuple<core::State, bool, bool, std::uint16_t, std::uint16_t, Stage, const char*>;
-
-  void open_log(const std::filesystem::path& file, LogLevel level, log::LogObserver* observer);
+  void open_log(const std::filesystem::path& file, LogLevel level,
+                std::vector<log::LogObserver*> observers);
   void follow_gyro(const link::Message& message);
   void log_autonomy(sim::Time t);
   void log_parameters(sim::Time t);
-  void add_sample(const sim::Truth& truth, const hal::OutputValues& outputs);
-  void add_estimate(const sim::Truth& truth, report::Sample& sample);
+  void log_route();
+  void log_estimate(const sim::Truth& truth);
   void add_route(sim::Time t, const autonomy::fixedwing::FlightManager& manager);
-  void follow_states(double t_s);
 
   Flight& flight_;
   std::unique_ptr<log::FlightLog> log_;  ///< None with LogLevel::kNone.
-  report::FlightRecord record_;
-  EstimateRecord estimates_;
+  FlightAnalysis analysis_;
   GyroRecord gyro_;
-  autonomy::StateEstimate estimate_;  ///< Of this sample.
+  std::optional<link::Counters> counters_;
   std::shared_ptr<link::Codec> from_board_;
   std::shared_ptr<link::Codec> from_companion_;
   sim::Time boot_{};
   double last_setpoint_s_{-1.0};
+  double last_estimate_s_{-1.0};
   std::string last_phase_{"disarmed"};
-  std::optional<States> states_;  ///< Of the last step.
   bool parameters_logged_{false};
   bool logs_inputs_{false};  ///< All that the board receives.
   int warnings_{0};

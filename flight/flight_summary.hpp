@@ -22,7 +22,7 @@ struct FlightSummary {
   FlightScore score;
   double sim_time_s{};
   double flight_time_s{};    ///< Since arming.
-  double wall_time_s{};      ///< Log and report included.
+  double wall_time_s{};      ///< Log included.
   ErrorStatistics tracking;  ///< See Flight.
   ErrorStatistics own_tracking;
   std::optional<FixedWingRecord> fixedwing;  ///< Empty for a multirotor.
@@ -35,6 +35,7 @@ struct FlightSummary {
   double gyro_latency_s{std::numeric_limits<double>::quiet_NaN()};  ///< Of the gyro filters.
   std::optional<link::Counters> counters;         ///< The firmware's newest report.
   std::optional<rosflight::log::LogSummary> log;  ///< Empty without a log.
+  std::filesystem::path page;                     ///< report.html; empty: none was written.
 
   double realtime_factor() const { return wall_time_s > 0.0 ? sim_time_s / wall_time_s : 0.0; }
 };

@@ -6,14 +6,13 @@
 #include <chrono>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "base/atomic_file.hpp"
 #include "companion/parameter_file.hpp"
 #include "firmware/boards/common/host/child_process.hpp"
+#include "flight/flight_page.hpp"
 #include "flight/flight_recorder.hpp"
-#include "flight/report/path_chart.hpp"
-#include "flight/report/report.hpp"
-#include "flight/report_facts.hpp"
 #include "sim/time_sources.hpp"
 
 namespace rosflight::flight {
@@ -47,6 +46,21 @@ LogLevel log_level(const std::string& name) {
   return name == "full" ? LogLevel::kFull : LogLevel::kPlot;
 }
 
+/// The page is made of the log, so a flight without one has none.
+std::unique_ptr<FlightPage> page_for(const FlyOptions& options, const FlightSetup& setup,
+                                     const fs::path& folder) {
+  const fs::path built = FlightPage::built();
+  if (built.empty() || options.log == "none") return nullptr;
+  return std::make_unique<FlightPage>(built, folder, log_facts(setup));
+}
+
+std::vector<log::LogObserver*> observers(const FlyOptions& options, FlightPage* page) {
+  std::vector<log::LogObserver*> all;
+  if (options.observer != nullptr) all.push_back(options.observer);
+  if (page != nullptr) all.push_back(&page->observer());
+  return all;
+}
+
 /// @returns whether it was interrupted.
 bool run(Flight& flight, const FlyOptions& options) {
   try {
@@ -73,8 +87,9 @@ FlightSummary fly(const FlyOptions& options) {
   if (paced && parts.time == nullptr) parts.time = &pace;
   const auto flight = std::make_unique<Flight>(*setup, std::move(parts));
   const fs::path folder = make_folder(options.folder);
+  const std::unique_ptr<FlightPage> page = page_for(options, *setup, folder);
   FlightRecorder recorder(*flight, folder / "flight.mcap", log_level(options.log),
-                          options.observer);
+                          observers(options, page.get()));
   flight->runner().set_notify([&recorder, &options](const FlightNote& note) {
     recorder.note(note);
     if (options.on_note) options.on_note(note);
@@ -89,11 +104,10 @@ FlightSummary fly(const FlyOptions& options) {
   summary.warnings = recorder.warnings();
   summary.errors = recorder.errors();
   summary.frames_dropped = recorder.dropped_frames();
-  summary.gyro_latency_s = recorder.record().gyro.latency_s;
-  summary.counters = recorder.record().counters;
-  add_summary(recorder.record(), *setup, summary, options);
-  report::write_report(recorder.record(), folder / "report.html");
-  base::write_file(folder / "path.svg", report::path_svg(recorder.record()));
+  summary.gyro_latency_s = recorder.analysis().gyro.latency_s;
+  summary.counters = recorder.counters();
+  const std::string analysis = analysis_json(*setup, recorder.analysis());
+  base::write_file(folder / "analysis.json", analysis);
   base::write_file(folder / "vehicle.yaml", setup->vehicle.text());
   base::write_file(folder / "mission.yaml", setup->mission_text);
   companion::write_parameter_file(folder / "parameters.yaml",
@@ -101,7 +115,12 @@ FlightSummary fly(const FlyOptions& options) {
                                   flight->session().firmware_version());
   summary.wall_time_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  base::write_file(folder / "summary.json", summary_json(summary));
+  const std::string text = summary_json(summary);
+  base::write_file(folder / "summary.json", text);
+  if (page) {
+    page->write(text, analysis);
+    summary.page = folder / "report.html";
+  }
   return summary;
 }
 

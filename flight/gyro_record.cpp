@@ -31,7 +31,7 @@ void GyroRecord::received(const link::Attitude& attitude) {
   }
 }
 
-report::GyroSpectrum GyroRecord::spectrum() const {
+GyroSpectrum GyroRecord::spectrum() const {
   if (joins_ == 0) return {};
   constexpr double kMicroseconds = 1e6;
   return spectrum_.result(kMicroseconds * static_cast<double>(joins_) /

@@ -4,12 +4,12 @@
 #include <cstddef>
 
 #include "firmware/hal/samples.hpp"
-#include "flight/report/spectrum.hpp"
+#include "flight/gyro_spectrum.hpp"
 #include "link/messages.hpp"
 
 namespace rosflight::flight {
 
-/// What the IMU gave and what the controller was given of it, for the report: pairs the samples
+/// What the IMU gave and what the controller was given of it: pairs the samples
 /// that went to the board with the rates that came back in attitude messages, by their stamps.
 class GyroRecord {
  public:
@@ -18,14 +18,14 @@ class GyroRecord {
   /// Rates of the sample with the same millisecond; none of the last few: left out.
   void received(const link::Attitude& attitude);
 
-  report::GyroSpectrum spectrum() const;
+  GyroSpectrum spectrum() const;
 
  private:
   static constexpr std::size_t kKept = 64;  ///< More than a real-time link is late.
 
   std::array<hal::ImuSample, kKept> sent_{};
   std::size_t count_{0};
-  report::Spectrum spectrum_;
+  Spectrum spectrum_;
   hal::Time last_{-1};
   hal::Time joined_{};  ///< Time between samples that follow each other, summed.
   hal::Time period_{};  ///< The shortest seen.

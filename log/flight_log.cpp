@@ -75,7 +75,8 @@ void FlightLog::write(std::uint64_t log_time_ns, const Message& message) {
   serialize(cdr_, message);
   latest_ns_ = std::max(latest_ns_, log_time_ns);
   writer_.write(channel(kTopic), log_time_ns, log_time_ns, cdr_.bytes());
-  if (options_.observer != nullptr) options_.observer->on_logged(kTopic, log_time_ns, cdr_.bytes());
+  for (LogObserver* observer : options_.observers)
+    observer->on_logged(kTopic, log_time_ns, cdr_.bytes());
 }
 
 template <Topic kTopic, class Message>

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "base/constants.hpp"
 #include "link/messages.hpp"
@@ -42,7 +43,7 @@ class FlightLog {
     double gravity_m_s2{base::kStandardGravity_m_s2};  ///< The simulation's; added to the specific
                                                        ///< force of the truth.
     McapWriter::Options mcap;
-    LogObserver* observer{nullptr};  ///< May be none; outlives the log. Does not enter the file.
+    std::vector<LogObserver*> observers;  ///< They outlive the log and do not enter the file.
   };
   static constexpr std::uint64_t kDefaultEpoch_ns =
       1'767'225'600'000'000'000;  ///< 2026-01-01T00:00:00Z.

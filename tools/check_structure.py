@@ -172,7 +172,6 @@ OWN_NAMESPACE = ("autonomy/estimation", "autonomy/fixedwing", "autonomy/multirot
 NAMESPACE_EXCEPTIONS = {
     "sim/portable_math.hpp": "rosflight::sim::portable",  # replaces the C library: calls say which function they mean
     "firmware/boards/qemu_m7": "rosflight::boards::m7",  # drivers of the Cortex-M7, not of its emulator
-    "flight/report": "rosflight::report",  # leaves the tree with the browser view
     "apps/measure": "rosflight::flight",  # wraps the codec of flight/sil
     "ros/rosflight_sim/include/rosflight_sim/view_tools.hpp": "rosflight_sim::views",  # functions of *_views.cpp alone
 }

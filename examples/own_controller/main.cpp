@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
     };
     const flight::FlightSummary summary = flight::fly(options);
     std::cout << summary.score.verdict << " Tracking error " << summary.tracking.rms()
-              << " m rms, report " << (summary.folder / "report.html").string() << '\n';
+              << " m rms, flight folder " << summary.folder.string() << '\n';
     return summary.score.success() ? 0 : 1;
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';

@@ -102,12 +102,13 @@ TEST_F(FlightFolder, HoldsEverythingAndSaysHowItWent) {
   const FlightSummary summary = fly(options);
   EXPECT_TRUE(summary.score.success()) << summary.score.verdict;
   const std::string json = summary_json(summary);
-  for (const char* name : {"flight.mcap", "report.html", "path.svg", "summary.json", "vehicle.yaml",
+  for (const char* name : {"flight.mcap", "summary.json", "analysis.json", "vehicle.yaml",
                            "mission.yaml", "parameters.yaml"}) {
     EXPECT_GT(fs::file_size(folder_ / name), 100U) << name;
   }
   for (const auto& entry : fs::directory_iterator(folder_)) {
     EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+    EXPECT_NE(entry.path().filename(), "report.mcap");
   }
   for (const char* key : {"\"success\":true", "\"sim_time_s\"", "\"wall_time_s\"",
                           "\"realtime_factor\"", "\"waypoints_total\":7", "\"waypoints_reached\":7",
@@ -135,7 +136,7 @@ TEST_F(FlightFolder, SaysThatTheMissionFailed) {
   EXPECT_FALSE(summary.score.success());
   EXPECT_NE(summary.score.verdict.find("came down in flight"), std::string::npos)
       << summary.score.verdict;
-  EXPECT_TRUE(fs::exists(folder_ / "report.html"));
+  EXPECT_TRUE(fs::exists(folder_ / "analysis.json"));
 }
 
 TEST(Flight, LosesNoByteOnTheCableAndAllocatesItsParametersOnce) {

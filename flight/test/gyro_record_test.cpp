@@ -43,7 +43,7 @@ TEST(GyroRecord, PairsByStampWhateverTheLinkIsLate) {
     const int old = k - kLate;
     if (old > 0) record.received(rates(old, sent[static_cast<std::size_t>(old - 1)]));
   }
-  const report::GyroSpectrum spectrum = record.spectrum();
+  const GyroSpectrum spectrum = record.spectrum();
   ASSERT_FALSE(spectrum.frequency_Hz.empty());
   EXPECT_NEAR(spectrum.frequency_Hz.back(), 200.0, 1e-9);
   EXPECT_NEAR(spectrum.latency_s, 0.0025, 1e-4);
@@ -63,7 +63,7 @@ TEST(GyroRecord, UnknownStampsAndRestartsOfTheClockBreakNothing) {
   EXPECT_TRUE(record.spectrum().frequency_Hz.empty()) << "no 256 samples join";
 }
 
-TEST(GyroRecord, TheReportOfAFlightHasTheSpectrumAndItsLatency) {
+TEST(GyroRecord, TheAnalysisOfAFlightHasTheSpectrumAndItsLatency) {
   const auto folder = std::filesystem::temp_directory_path() / "rosflight_gyro_record";
   std::filesystem::create_directories(folder);
   FlightChoice choice;
@@ -73,15 +73,15 @@ TEST(GyroRecord, TheReportOfAFlightHasTheSpectrumAndItsLatency) {
   rig.flight->run();
   recorder.close();
   std::filesystem::remove_all(folder);
-  const report::GyroSpectrum& gyro = recorder.record().gyro;
+  const GyroSpectrum& gyro = recorder.analysis().gyro;
   ASSERT_FALSE(gyro.frequency_Hz.empty());
   EXPECT_NEAR(gyro.frequency_Hz.back(), 200.0, 1e-6);
   // GYRO_XY_LPF and GYRO_Z_LPF are 0.3 by default: 0.3 / 0.7 samples of delay, and at half the
   // sampling rate 0.7 / 1.3 of the amplitude.
   EXPECT_NEAR(gyro.latency_s, 0.3 / 0.7 / 400.0, 0.1e-3);
   EXPECT_NEAR(gyro.after.back() / gyro.before.back(), 0.7 / 1.3, 0.05);
-  ASSERT_TRUE(recorder.record().counters);
-  EXPECT_GT(recorder.record().counters->passes, 1000U);
+  ASSERT_TRUE(recorder.counters());
+  EXPECT_GT(recorder.counters()->passes, 1000U);
 }
 
 }  // namespace

@@ -56,7 +56,7 @@ TEST_F(FlightLogTest, AnObserverSeesEveryMessageAndChangesNone) {
     std::set<Topic> topics;
   } count;
   FlightLog::Options options;
-  options.observer = &count;
+  options.observers = {&count};
   const LogSummary observed = fly(options, 1.0);
   EXPECT_EQ(observed.sha256, fly({}, 1.0).sha256);
   EXPECT_EQ(count.messages, observed.messages);

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where the page gets its flight from: inside itself (report.html), the server that gave the page, or a file of the user.
 import {connect} from './connect.ts';
+import type {Analysis} from './data/analysis.ts';
 import {blobSource, bytesSource, urlSource, type ByteSource} from './data/bytes.ts';
 import {readLog} from './data/read_log.ts';
 import * as state from './state.ts';
 
 /** What the server has: addresses relative to the page. */
-interface Offer { name?: string; log?: string; summary?: string; live?: boolean }
+interface Offer { name?: string; log?: string; summary?: string; analysis?: string; live?: boolean }
 
 const PAUSE_EACH_MS = 40;
 
@@ -14,23 +15,25 @@ export async function openFirst() {
   const inside = document.getElementById('flight-log')?.textContent?.trim();
   if (inside) {
     state.summary.value = parsed(document.getElementById('flight-summary')?.textContent);
-    await open(async () => bytesSource('report.html', fromBase64(inside)));
+    state.extract.value = true;
+    await open(async () => bytesSource('report.html', await unpacked(fromBase64(inside))), parsed(document.getElementById('flight-analysis')?.textContent));
   } else if (location.protocol.startsWith('http')) {
     const answer = await fetch('offer.json').catch(() => undefined);
     if (!answer?.ok) return;
     const offer = await answer.json() as Offer;
     if (offer.summary) state.summary.value = parsed(await (await fetch(offer.summary)).text());
     if (offer.live) connect(offer.name ?? 'flight');
-    else if (offer.log) await open(() => urlSource(offer.log!, offer.name));
+    else if (offer.log) await open(() => urlSource(offer.log!, offer.name), offer.analysis ? parsed(await (await fetch(offer.analysis)).text()) : undefined);
   }
 }
 
 export async function openFile(file: File) {
   state.summary.value = undefined; // is of another flight
+  state.extract.value = false;
   await open(async () => blobSource(file.name, file));
 }
 
-async function open(source: () => Promise<ByteSource>) {
+async function open(source: () => Promise<ByteSource>, analysis?: Record<string, unknown>) {
   state.play(false);
   state.failure.value = '';
   state.flight.value = undefined;
@@ -38,12 +41,14 @@ async function open(source: () => Promise<ByteSource>) {
   state.loading.value = {share: 0};
   let shown = performance.now();
   try {
-    state.flight.value = await readLog(await source(), async (share) => {
+    const flight = await readLog(await source(), async (share) => {
       if (performance.now() - shown < PAUSE_EACH_MS) return;
       state.loading.value = {share};
       await new Promise((resolve) => setTimeout(resolve)); // lets the page draw
       shown = performance.now();
     });
+    flight.analysis = analysis as Analysis | undefined;
+    state.flight.value = flight;
   } catch (error) {
     state.failure.value = (error as Error).message;
   } finally {
@@ -59,7 +64,11 @@ function parsed(text: string | null | undefined): Record<string, unknown> | unde
   }
 }
 
-function fromBase64(text: string): Uint8Array {
+async function unpacked(gzip: Uint8Array<ArrayBuffer>): Promise<Uint8Array> {
+  return new Uint8Array(await new Response(new Blob([gzip]).stream().pipeThrough(new DecompressionStream('gzip'))).arrayBuffer());
+}
+
+function fromBase64(text: string): Uint8Array<ArrayBuffer> {
   const characters = atob(text);
   return Uint8Array.from(characters, (character) => character.charCodeAt(0));
 }

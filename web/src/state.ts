@@ -15,6 +15,9 @@ export const failure = signal('');
 /** Facts about the flight beside its log, as summary.json of its folder has them. */
 export const summary = signal<Record<string, unknown> | undefined>(undefined);
 
+/** Whether the page has an extract of the log inside it, report.html: states at 50 Hz. */
+export const extract = signal(false);
+
 /** Whether the flight comes from a server as it happens. */
 export const live = signal<'off' | 'connecting' | 'on' | 'gone'>('off');
 /** The moment shown is the latest. */

@@ -2,12 +2,14 @@
 // A headless browser with WebGL: the Chromium that the package @sparticuz/chromium has inside, or the one that the variable
 // ROSFLIGHT_CHROMIUM names.
 import chromium from '@sparticuz/chromium';
+import assert from 'node:assert/strict';
 import {createReadStream} from 'node:fs';
 import {stat} from 'node:fs/promises';
 import {createServer, type Server} from 'node:http';
 import type {AddressInfo} from 'node:net';
 import {extname, join} from 'node:path';
 import {chromium as playwright, type Browser, type Page} from 'playwright-core';
+import {pixelAt} from './picture.ts';
 
 const FLAGS = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
 
@@ -58,6 +60,25 @@ export async function keepPicture(page: Page, name: string) {
 /** Until the picture has been drawn again `frames` times, or rests: frames count, not time. */
 export async function drawn(page: Page) {
   await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+}
+
+export async function goTo(page: Page, t: number) {
+  await page.getByLabel('Time in the flight').fill(String(t));
+  await drawn(page);
+}
+
+export const clock = async (page: Page) => parseFloat(await page.locator('.clock').innerText());
+
+/** Whether the picture shows the vehicle where the camera says it is: its rotors are blue, what is around them is not. */
+export async function vehicleIsSeen(page: Page) {
+  const share = await page.evaluate(() => window.rosflightScene!.vehicleInPicture());
+  assert.ok(share, 'the vehicle is not in the picture');
+  const box = (await page.locator('canvas').first().boundingBox())!;
+  const picture = await page.screenshot({clip: box});
+  const there = pixelAt(picture, share.x, share.y, 0.02);
+  const elsewhere = pixelAt(picture, 0.5, 0.97, 0.005);
+  const distance = Math.hypot(...there.map((value, k) => value - elsewhere[k]!));
+  assert.ok(distance > 40, `at the vehicle ${there}, on the ground ${elsewhere}`);
 }
 
 export interface Files { [address: string]: string }

@@ -9,9 +9,8 @@ import {join} from 'node:path';
 import {after, before, describe, test} from 'node:test';
 import {gzipSync} from 'node:zlib';
 import type {Browser, Page} from 'playwright-core';
-import {DESKTOP, drawn, flightShown, keepPicture, newPage, PHONE, SMALL, startBrowser} from './browser.ts';
+import {clock, DESKTOP, drawn, flightShown, goTo, keepPicture, newPage, PHONE, SMALL, startBrowser, vehicleIsSeen} from './browser.ts';
 import {FIXED_WING, logOf, MULTIROTOR, PAGE, VIEW} from './flights.ts';
-import {pixelAt} from './picture.ts';
 
 const AXE = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const started: ChildProcess[] = [];
@@ -47,25 +46,6 @@ async function withPage(url: string, use: (page: Page) => Promise<void>, ...opti
   } finally {
     await page.context().close();
   }
-}
-
-async function goTo(page: Page, t: number) {
-  await page.getByLabel('Time in the flight').fill(String(t));
-  await drawn(page);
-}
-
-const clock = async (page: Page) => parseFloat(await page.locator('.clock').innerText());
-
-/** Whether the picture shows the vehicle where the camera says it is: its rotors are blue, what is around them is not. */
-async function vehicleIsSeen(page: Page) {
-  const share = await page.evaluate(() => window.rosflightScene!.vehicleInPicture());
-  assert.ok(share, 'the vehicle is not in the picture');
-  const box = (await page.locator('canvas').first().boundingBox())!;
-  const picture = await page.screenshot({clip: box});
-  const there = pixelAt(picture, share.x, share.y, 0.02);
-  const elsewhere = pixelAt(picture, 0.5, 0.97, 0.005);
-  const distance = Math.hypot(...there.map((value, k) => value - elsewhere[k]!));
-  assert.ok(distance > 40, `at the vehicle ${there}, on the ground ${elsewhere}`);
 }
 
 describe('replay of a flight', () => {
@@ -265,8 +245,10 @@ describe('the page as it is built', () => {
   });
 
   test('has no address of another computer in it', async () => {
-    const page = await readFile(join(PAGE, 'report_page.html'), 'utf8');
-    assert.deepEqual(page.match(/(?:src|href)\s*=\s*["']?(?:https?:)?\/\/[^\s"'>]+/g), null);
+    for (const name of ['index.html', 'page.js', 'page.css', 'report_page.html']) {
+      const text = await readFile(join(PAGE, name), 'utf8');
+      assert.deepEqual(text.match(/(?:src|href)\s*=\s*["']?(?:https?:)?\/\/[^\s"'>]+/g), null, name);
+    }
     const lock = await readFile(new URL('../package-lock.json', import.meta.url), 'utf8');
     assert.ok(!lock.includes('"resolved"'));
   });

@@ -38,14 +38,16 @@ export function angle(flight: Flight, topic: string, attitude: readonly string[]
   return curve && axis === 2 ? unwrapped(curve) : curve;
 }
 
-function unwrapped({t, y}: Curve): Curve {
+/** Angles [deg] without jumps of a turn. */
+export function unwrapped<C extends Curve | undefined>(curve: C): C {
+  if (!curve) return curve;
   let before = NaN;
-  const out = y.map((value) => {
+  const y = curve.y.map((value) => {
     if (!Number.isFinite(value)) return value;
     const near = Number.isFinite(before) ? value + 360 * Math.round((before - value) / 360) : value;
     return before = near;
   });
-  return {t, y: out};
+  return {...curve, y};
 }
 
 /** Shifted by whole turns so that it begins within half a turn of another one. */

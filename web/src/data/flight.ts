@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What is known of one flight, message by message: from a log all at once, from a running one as it comes.
+import type {Analysis} from './analysis.ts';
 import {between, type Quaternion, type Triple} from './attitude.ts';
 import {readMessage, type Value} from './cdr.ts';
 import type {MessageType} from './ros_schema.ts';
@@ -20,6 +21,8 @@ export const POSE_TOPICS: readonly PoseTopic[] = [
     attitude: [0, 1, 2, 3].map((k) => `attitude[${k}]`)},
 ];
 export const ESTIMATE = POSE_TOPICS[1]!;
+/** What the estimate is corrected by, in the order of its fields `innovation` and `refusing`. */
+export const AIDS = ['GNSS horizontal', 'GNSS altitude', 'GNSS velocity', 'barometer', 'heading', 'range', 'pitot', 'sideslip', 'rest'];
 
 /** Bytes for other programs, which nobody plots. */
 const BULK = new Set(['rosflight_log_msgs/RawFrames', 'rosflight_log_msgs/BoardInputs', 'tf2_msgs/TFMessage']);
@@ -35,6 +38,8 @@ export class Flight {
   /** Vehicle as ROS tools draw it. */
   urdf = '';
   facts = new Map<string, string>();
+  /** What its folder says beside the log. */
+  analysis: Analysis | undefined;
   /** What the reader of the log has to say to the user, such as that it ends early. */
   readonly notes: string[] = [];
   end_s = 0;

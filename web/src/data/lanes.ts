@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // States over time, as strips: what the firmware, its errors, the pilot and the autonomy were doing when.
-import type {Flight, Tone} from './flight.ts';
+import {faultsOf} from './analysis.ts';
+import {AIDS, ESTIMATE, type Flight, type Tone} from './flight.ts';
 import type {Table} from './table.ts';
 
 export interface Span { from: number; to: number; label: string; tone: Tone }
@@ -28,6 +29,14 @@ export function lanesOf(flight: Flight): Lane[] {
       lane('control', status, flight.end_s, (row) => control(flag(row, 'armed'), flag(row, 'failsafe'), flag(row, 'rc_override'))));
   }
   if (phase) lanes.push(lane('autonomy', phase, flight.end_s, (row) => [phase.text('name')?.[row] ?? '', 'good']));
+  const faults = faultsOf(flight.facts, flight.end_s);
+  if (faults.length > 0) lanes.push({name: 'faults', spans: faults.map(({what, from, to}) => ({from, to, label: what, tone: 'bad'}))});
+  const estimate = flight.tables.get(ESTIMATE.topic);
+  if (estimate) {
+    const columns = AIDS.map((_, k) => estimate.column(`refusing[${k}]`));
+    const rejected = lane('rejected', estimate, flight.end_s, (row) => [AIDS.filter((_, k) => columns[k]?.[row]).join(', '), 'warning']);
+    if (rejected.spans.length > 0) lanes.push(rejected); // no lane for what never happened
+  }
   return lanes;
 }
 

@@ -16,7 +16,7 @@ export type UseMessage = (channel: Channel, time: Stamp, data: Uint8Array) => vo
 const MAGIC = [0x89, 0x4d, 0x43, 0x41, 0x50, 0x30, 0x0d, 0x0a];
 const OP = {
   footer: 2, schema: 3, channel: 4, message: 5, chunk: 6, chunkIndex: 8, attachment: 9, attachmentIndex: 10, metadata: 12,
-  metadataIndex: 13,
+  metadataIndex: 13, dataEnd: 15,
 };
 const HEAD_BYTES = 9; // opcode and length of a record
 const FOOTER_BYTES = HEAD_BYTES + 20;
@@ -29,7 +29,7 @@ export class McapLog {
   readonly channels = new Map<number, Channel>();
   readonly metadata = new Map<string, Map<string, string>>();
   readonly attachments: Attachment[] = [];
-  /** Whether the file has its end, and with it an index. */
+  /** Whether the file has its end. */
   complete = false;
   private chunks: Place[] = [];
 
@@ -40,8 +40,8 @@ export class McapLog {
     const log = new McapLog(source);
     const head = await source.read(0, Math.min(source.size, MAGIC.length));
     if (!isMagic(head)) throw new Error(`${source.name}: is no MCAP file`);
-    log.complete = await log.readIndex();
-    if (!log.complete) await log.findRecords();
+    if (await log.readIndex()) log.complete = true;
+    else await log.findRecords();
     return log;
   }
 
@@ -98,6 +98,7 @@ export class McapLog {
       const length = head.size();
       if (offset + HEAD_BYTES + length > source.size) break;
       if (op === OP.chunk) this.chunks.push({offset, length: HEAD_BYTES + length});
+      else if (op === OP.dataEnd) this.complete = true; // it has all its messages, only no index
       else if (op === OP.attachment || op === OP.metadata) this.take(op, await source.read(offset + HEAD_BYTES, length));
       offset += HEAD_BYTES + length;
     }

@@ -4,6 +4,7 @@
 import {AmbientLight, ArrowHelper, Box3, CircleGeometry, Color, DirectionalLight, Fog, Group, HemisphereLight, Mesh, MeshBasicMaterial,
   PerspectiveCamera, Scene, SphereGeometry, type SpriteMaterial, Vector3, WebGLRenderer} from 'three';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
+import type {Triple} from '../data/attitude.ts';
 import {path} from '../data/curves.ts';
 import {ESTIMATE, type Flight, type PoseTopic} from '../data/flight.ts';
 import {lastAtOrBefore} from '../data/table.ts';
@@ -257,5 +258,7 @@ function release(scene: Scene) {
   });
 }
 
-/** The corners of a multirotor's plan. That of a fixed wing is a curve around its waypoints. */
-function waypoints(flight: Flight) { return flight.fixedWing ? [] : flight.plans[0]?.points ?? []; }
+/** Those of the mission where the folder has them, else the corners of a multirotor's plan; that of a fixed wing is a curve around them. */
+function waypoints(flight: Flight): readonly Triple[] {
+  return flight.analysis?.waypoints.map(({position_m}) => position_m) ?? (flight.fixedWing ? [] : flight.plans[0]?.points ?? []);
+}

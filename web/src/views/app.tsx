@@ -5,6 +5,7 @@ import {openFile} from '../open.ts';
 import * as state from '../state.ts';
 import {Events} from './events.tsx';
 import {Facts, Parameters} from './facts.tsx';
+import {Firmware} from './firmware.tsx';
 import {Bars, Instruments} from './instruments.tsx';
 import {Plots} from './plots.tsx';
 import {Space} from './space.tsx';
@@ -26,6 +27,8 @@ export function App() {
     </header>
     {state.failure.value && <p class="failure" role="alert">{state.failure.value}</p>}
     {state.live.value === 'gone' && <p class="failure" role="status">The connection to the flight is lost; trying again.</p>}
+    {state.extract.value && <p class="notice" role="note">This page holds every event and 50 Hz of every field. Its folder has the log;{' '}
+      <code>./rosflight view FOLDER</code> shows all of it.</p>}
     {flight?.notes.map((note) => <p class="failure" role="status" key={note}>{note}</p>)}
     {flight ? <FlightView flight={flight}/> : <Start/>}
   </>;
@@ -51,7 +54,7 @@ function Start() {
   </main>;
 }
 
-const TABS = {plots: 'Plots', events: 'Events', bars: 'Receiver and outputs', facts: 'Facts', parameters: 'Parameters'};
+const TABS = {plots: 'Plots', events: 'Events', bars: 'Receiver and outputs', firmware: 'Firmware', facts: 'Facts', parameters: 'Parameters'};
 type Tab = keyof typeof TABS;
 
 function FlightView({flight}: {flight: Flight}) {
@@ -68,6 +71,7 @@ function FlightView({flight}: {flight: Flight}) {
         {tab === 'plots' && <Plots flight={flight}/>}
         {tab === 'events' && <Events flight={flight}/>}
         {tab === 'bars' && <Bars flight={flight}/>}
+        {tab === 'firmware' && <Firmware flight={flight}/>}
         {tab === 'facts' && <Facts flight={flight}/>}
         {tab === 'parameters' && <Parameters flight={flight}/>}
       </div>

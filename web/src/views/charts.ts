@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which curves are drawn together. A curve that a flight does not have is left out, a chart without curves too.
-import {alignedTo, angle, derived, difference, field, groundVelocity, horizontal, type Curve} from '../data/curves.ts';
-import type {Flight} from '../data/flight.ts';
+import {alignedTo, angle, derived, difference, field, groundVelocity, horizontal, unwrapped, type Curve} from '../data/curves.ts';
+import {analysisCurve} from '../data/analysis.ts';
+import {AIDS, type Flight} from '../data/flight.ts';
 
 export type Style = 'command' | 'actual' | 'estimate' | 'numbered';
 export interface Line { label: string; style: Style; curve: Curve }
@@ -31,6 +32,7 @@ export function chartGroups(flight: Flight): ChartGroup[] {
     {name: 'Position', charts: position(flight)},
     {name: 'Attitude and rates', charts: attitude(flight)},
     {name: 'Motors and battery', charts: motors(flight)},
+    {name: 'Fixed wing', charts: fixedWing(flight)},
     {name: 'Estimate less truth', charts: errors(flight)},
     {name: 'Air', charts: air(flight)},
     {name: 'Receiver and firmware', charts: firmware(flight)},
@@ -103,8 +105,11 @@ function errors(flight: Flight): Chart[] {
   const within = (sigma: Curve | undefined): [string, Curve | undefined, Curve | undefined] => [
     `±${SIGMAS} σ`, sigma && {t: sigma.t, y: sigma.y.map((value) => -SIGMAS * value)},
     sigma && {t: sigma.t, y: sigma.y.map((value) => SIGMAS * value)}];
-  const place = AXES.map((a, k) => chart(`Position error, ${['north', 'east', 'down'][k]}`, 'm', [['error', 'actual',
-    difference(field(flight, ESTIMATE, `position[${k}]`), field(flight, TRUTH, `pose.position.${a}`))]],
+  // Across ground less the slow error of the satellites, which nothing on board can see.
+  const drift = [analysisCurve(flight.analysis, 'drift_north_m'), analysisCurve(flight.analysis, 'drift_east_m')];
+  const less = (error: Curve | undefined, k: number) => drift[k] ? difference(error, drift[k]) : error;
+  const place = AXES.map((a, k) => chart(`Position error, ${['north', 'east', 'down'][k]}${drift[k] ? ', less GNSS drift' : ''}`, 'm', [['error', 'actual',
+    less(difference(field(flight, ESTIMATE, `position[${k}]`), field(flight, TRUTH, `pose.position.${a}`)), k)]],
     within(field(flight, ESTIMATE, `position_sigma[${k}]`))));
   const velocity = AXES.map((_, k) => chart(`Velocity error, ${['north', 'east', 'down'][k]}`, 'm/s', [['error', 'actual',
     difference(field(flight, ESTIMATE, `velocity[${k}]`), groundVelocity(flight, (v) => v[k]!))]],
@@ -116,9 +121,31 @@ function errors(flight: Flight): Chart[] {
       difference(alignedTo(angle(flight, ESTIMATE, estimateQ, k), truth), truth)]],
       within(field(flight, ESTIMATE, `attitude_sigma[${k}]`, DEG)));
   });
-  const aids = ['GNSS horizontal', 'GNSS altitude', 'GNSS velocity', 'barometer', 'heading', 'range', 'pitot', 'sideslip', 'rest'];
   return [...place, ...velocity, ...turn, chart('Innovations squared over their covariance (1 is right)', '',
-    aids.map((name, k): Wanted => [name, 'numbered', some(field(flight, ESTIMATE, `innovation[${k}]`))]))];
+    AIDS.map((name, k): Wanted => [name, 'numbered', some(field(flight, ESTIMATE, `innovation[${k}]`))]))];
+}
+
+/** What a fixed wing follows. */
+function fixedWing(flight: Flight): Chart[] {
+  const {analysis} = flight;
+  if (!analysisCurve(analysis, 'aileron')) return [];
+  const course = courseOf(flight);
+  return [
+    chart('Cross-track error, right of the path', 'm', [['total', 'estimate', analysisCurve(analysis, 'cross_track_total_m')],
+      ['less GNSS drift', 'actual', analysisCurve(analysis, 'cross_track_m')]]),
+    chart('Height above the ramped reference', 'm', [['error', 'actual', analysisCurve(analysis, 'height_error_m')]]),
+    chart('Airspeed and its command', 'm/s', [['command', 'command', analysisCurve(analysis, 'airspeed_command_m_s')],
+      ['estimate', 'estimate', some(field(flight, ESTIMATE, 'airspeed'))], ['measured', 'actual', field(flight, '/airspeed', 'velocity')]]),
+    chart('Course over ground', '°', [['command', 'command', alignedTo(course && unwrapped(analysisCurve(analysis, 'course_command_rad', DEG)), course)],
+      ['true', 'actual', course]]),
+    chart('Surfaces, by effect', 'of full', ['aileron', 'elevator', 'rudder'].map((name): Wanted => [name, 'numbered', analysisCurve(analysis, name)])),
+  ];
+}
+
+/** True course [deg], where the vehicle moves. */
+function courseOf(flight: Flight): Curve | undefined {
+  const slowest_m_s = 2;
+  return unwrapped(groundVelocity(flight, ([n, e]) => Math.hypot(n, e) > slowest_m_s ? Math.atan2(e, n) * DEG : NaN));
 }
 
 function some(curve: Curve | undefined): Curve | undefined {

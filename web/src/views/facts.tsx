@@ -16,10 +16,11 @@ export function Facts({flight}: {flight: Flight}) {
       {[...flight.facts].filter(([, value]) => value !== '').map(([name, value]) => <Row key={name} name={name} value={value}/>)}
       {summary && FIGURES.map(([key, name, unit]) => typeof summary[key] === 'number'
         && <Row key={key} name={name} value={`${+summary[key].toFixed(3)} ${unit}`}/>)}
+      {flight.analysis && <tr><th scope="row">to fly it again</th><td class="wrap"><code>{flight.analysis.command_line}</code></td></tr>}
       {typeof summary?.['log_sha256'] === 'string' && <Row name="identity of the log" value={summary['log_sha256']}/>}
     </tbody></table>
     {waypoints.length > 0 && <WaypointTable waypoints={waypoints} radius_m={Number(summary?.['score_radius_m'])}/>}
-    <h2>Contents of the log</h2>
+    <h2>{state.extract.value ? 'Contents of this page' : 'Contents of the log'}</h2>
     <table><thead><tr><th>topic</th><th>type</th><th class="n">messages</th></tr></thead>
       <tbody>{[...flight.tables].map(([topic, table]) =>
         <tr key={topic}><td class="mono">{topic}</td><td class="mono">{table.type.name}</td><td class="n">{table.length}</td></tr>)}</tbody></table>
@@ -62,14 +63,18 @@ export function Parameters({flight}: {flight: Flight}) {
   const rows = useMemo(() => {
     const names = table?.text('name') ?? [];
     const values = table?.column('value');
-    return names.map((name, k) => ({name, value: values?.[k] ?? NaN})).sort((a, b) => a.name.localeCompare(b.name));
+    const changed = new Map(flight.analysis?.changed_parameters.map((one) => [one.name, one.default]));
+    return names.map((name, k) => ({name, value: values?.[k] ?? NaN, standard: changed.get(name)})).sort((a, b) => a.name.localeCompare(b.name));
   }, [table]);
-  const shown = rows.filter(({name}) => name.includes(wanted.trim().toUpperCase()));
+  const [changedOnly, setChangedOnly] = useState(false);
+  const shown = rows.filter(({name, standard}) => name.includes(wanted.trim().toUpperCase()) && (!changedOnly || standard !== undefined));
   return <section class="parameters" aria-label="Parameters">
     <p class="hint">Values of the firmware as it armed.</p>
     <label>Search <input type="search" value={wanted} onInput={(event) => setWanted(event.currentTarget.value)}/></label>
+    {flight.analysis && <label class="only"><input type="checkbox" checked={changedOnly}
+      onChange={(event) => setChangedOnly(event.currentTarget.checked)}/> only those that the vehicle changes</label>}
     <output class="hint" aria-live="polite">{shown.length} of {rows.length}</output>
-    <table><thead><tr><th>name</th><th class="n">value</th></tr></thead>
-      <tbody>{shown.map(({name, value}) => <tr key={name}><td class="mono">{name}</td><td class="n">{+value.toPrecision(7)}</td></tr>)}</tbody></table>
+    <table><thead><tr><th>name</th><th class="n">value</th><th class="n">default</th></tr></thead>
+      <tbody>{shown.map(({name, value, standard}) => <tr key={name}><td class="mono">{name}</td><td class="n">{+value.toPrecision(7)}</td><td class="n">{standard}</td></tr>)}</tbody></table>
   </section>;
 }

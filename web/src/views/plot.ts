@@ -8,6 +8,8 @@ import type {Chart, Line} from './charts.ts';
 const HEIGHT = 150;
 
 export interface PlotOptions {
+  /** Spans of time to shade [s]: faults. */
+  shades: readonly {from: number; to: number}[];
   /** A click asks to go there [s]. */
   onSeek: (t: number) => void;
   /** The user zoomed to this span [s]. */
@@ -21,7 +23,7 @@ export class Plot {
   private readonly marker = document.createElement('div');
   private t = 0;
 
-  constructor(place: HTMLElement, chart: Chart, {onSeek, onZoom, onAll}: PlotOptions) {
+  constructor(place: HTMLElement, chart: Chart, {shades, onSeek, onZoom, onAll}: PlotOptions) {
     const colours = palette();
     const axis = {stroke: colours.faint, grid: {stroke: colours.grid, width: 1}, ticks: {show: false}, font: '11px system-ui, sans-serif'};
     this.marker.className = 'now';
@@ -33,6 +35,7 @@ export class Plot {
       series: [{label: 's', value: (_, t) => t == null ? '' : t.toFixed(2)}, ...bandSeries(chart), ...chart.lines.map(series)],
       bands: chart.band ? [{series: [2, 1], fill: `${colours.estimate}30`}] : [],
       hooks: {
+        drawClear: [(u) => shade(u, shades, `${colours.bad}28`)],
         setSelect: [({select, posToVal}) => {
           if (select.width > 2) onZoom(posToVal(select.left, 'x'), posToVal(select.left + select.width, 'x'));
         }],
@@ -78,6 +81,15 @@ export class Plot {
     const inside = x >= 0 && x <= this.chart.over.clientWidth;
     this.marker.style.display = inside ? '' : 'none';
     this.marker.style.transform = `translateX(${x}px)`;
+  }
+}
+
+function shade(u: uPlot, shades: PlotOptions['shades'], colour: string) {
+  const {left, top, width, height} = u.bbox;
+  u.ctx.fillStyle = colour;
+  for (const {from, to} of shades) {
+    const [low, high] = [from, to].map((t) => Math.min(Math.max(u.valToPos(t, 'x', true), left), left + width));
+    if (high! > low!) u.ctx.fillRect(low!, top, high! - low!, height);
   }
 }
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 import {effect} from '@preact/signals';
 import {useEffect, useMemo, useRef, useState} from 'preact/hooks';
+import {faultsOf} from '../data/analysis.ts';
 import {field} from '../data/curves.ts';
 import type {Flight} from '../data/flight.ts';
 import * as state from '../state.ts';
 import {chartGroups, type Chart} from './charts.ts';
-import {Plot} from './plot.ts';
+import {Plot, type PlotOptions} from './plot.ts';
 
 /** Span of time that all charts show. */
 interface Zoom { from: number; to: number }
@@ -17,15 +18,17 @@ export function Plots({flight}: {flight: Flight}) {
   const groups = useMemo(() => chartGroups(flight), [flight, revision]);
   const chosen = useMemo(() => own.map((name) => ownChart(flight, name)), [flight, own, revision]);
   const end_s = flight.end_s;
+  const shades = useMemo(() => faultsOf(flight.facts, flight.end_s), [flight, revision]);
   return <section class="plots" aria-label="Plots">
     <p class="hint">Click: go to that moment. Drag: zoom. Double click: all of it. Broad pale lines are commands.
+      {shades.length > 0 && ' A fault is in force where a plot is shaded.'}
       {zoom && <button class="link" onClick={() => setZoom(null)}>show all of it</button>}</p>
     <FieldChooser flight={flight} onChoose={(name) => setOwn((names) => [...new Set([name, ...names])])}/>
-    {chosen.map((chart) => <ChartFigure key={chart.title} {...{chart, end_s, zoom, setZoom}}
+    {chosen.map((chart) => <ChartFigure key={chart.title} {...{chart, shades, end_s, zoom, setZoom}}
       onRemove={() => setOwn((names) => names.filter((name) => name !== chart.title))}/>)}
     {groups.map(({name, charts}, k) => <details open={k < 3} key={name}>
       <summary><h2>{name}</h2></summary>
-      <div class="charts">{charts.map((chart) => <ChartFigure key={chart.title} {...{chart, end_s, zoom, setZoom}}/>)}</div>
+      <div class="charts">{charts.map((chart) => <ChartFigure key={chart.title} {...{chart, shades, end_s, zoom, setZoom}}/>)}</div>
     </details>)}
   </section>;
 }
@@ -52,10 +55,10 @@ function FieldChooser({flight, onChoose}: {flight: Flight; onChoose: (name: stri
   </div>;
 }
 
-interface FigureProps { chart: Chart; end_s: number; zoom: Zoom | null; setZoom: (zoom: Zoom | null) => void; onRemove?: () => void }
+interface FigureProps { chart: Chart; shades: PlotOptions['shades']; end_s: number; zoom: Zoom | null; setZoom: (zoom: Zoom | null) => void; onRemove?: () => void }
 
 /** Drawn when it first comes into sight, and again when its chart or the span shown has changed. */
-function ChartFigure({chart, end_s, zoom, setZoom, onRemove}: FigureProps) {
+function ChartFigure({chart, shades, end_s, zoom, setZoom, onRemove}: FigureProps) {
   const place = useRef<HTMLDivElement>(null);
   const plot = useRef<Plot | undefined>(undefined);
   const latest = useRef({chart, end_s, zoom});
@@ -67,7 +70,7 @@ function ChartFigure({chart, end_s, zoom, setZoom, onRemove}: FigureProps) {
     const seen = new IntersectionObserver(([entry]) => {
       if (!entry?.isIntersecting || plot.current) return;
       const {chart, zoom, end_s} = latest.current;
-      const made = plot.current = new Plot(element, chart, {onSeek: state.seek, onZoom: (from, to) => setZoom({from, to}), onAll: () => setZoom(null)});
+      const made = plot.current = new Plot(element, chart, {shades, onSeek: state.seek, onZoom: (from, to) => setZoom({from, to}), onAll: () => setZoom(null)});
       made.setSpan(zoom ?? {from: 0, to: end_s});
       stop = effect(() => made.setTime(state.time.value));
     }, {rootMargin: '200px'});
