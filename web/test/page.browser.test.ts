@@ -122,7 +122,7 @@ describe('replay of a flight', () => {
   test('parameters can be searched', () => withPage(multirotor, async (page) => {
     await page.getByRole('tab', {name: 'Parameters'}).click();
     await page.getByLabel('Search').fill('batt_volt_max');
-    assert.equal(await page.locator('.parameters tbody').innerText(), 'BATT_VOLT_MAX\t25.2');
+    assert.equal(await page.locator('.parameters tbody').innerText(), 'BATT_VOLT_MAX\t25.2\t25', 'name, value, default');
   }));
 
   test('a fixed wing flies too', () => withPage(fixedWing, async (page) => {
