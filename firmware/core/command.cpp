@@ -199,7 +199,6 @@ bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, b
   if (!due) return false;
   decided_ = true;
   offboard_new_ = false;
-  in_failsafe_ = failsafe;
   if (now > offboard_time_ + config_.offboard_timeout) {
     offboard_.active = 0;
     offboard_.value.fill(0.0f);
@@ -207,6 +206,11 @@ bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, b
   interpret(pilot);
   const std::uint16_t before = override_;
   override_ = override_now(now, pilot);
+  in_failsafe_ = failsafe;
+  if (failsafe && config_.companion_in_failsafe) {
+    override_ = static_cast<std::uint16_t>(override_ & ~override_bit::kMinThrottle);
+    in_failsafe_ = override_ != 0;
+  }
 
   decide_at_ = kNever;
   if (offboard_.active != 0) {
@@ -217,7 +221,7 @@ bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, b
     if (hold.ever && end > now) decide_at_ = std::min(decide_at_, end);
   }
 
-  if (failsafe) {
+  if (in_failsafe_) {
     combined_ = failsafe_;
     primary_axes_ = kAllAxes;
   } else {

@@ -63,6 +63,7 @@ class CommandManager {
     bool take_min_throttle{true};
     Time offboard_timeout{hal::milliseconds(100)};
     float failsafe_throttle{-1.0f};
+    bool companion_in_failsafe{false};  ///< FAILSAFE_OFFBRD: see update().
     /// The two mixers differ, so their axes may mean different things: an override then applies to
     /// all six axes or to none.
     bool override_whole{false};
@@ -104,7 +105,11 @@ class CommandManager {
   /// Discards every offboard command, as on arming on the ground.
   void forget_offboard();
 
-  /// Once per pass. @param new_input  `pilot` changed.
+  /// Once per pass. While the receiver is lost (`failsafe`) the failsafe command is in force. With
+  /// companion_in_failsafe the companion goes on instead, as long as its roll, pitch, yaw and
+  /// throttle are active and the pilot commanded none of them when the receiver fell silent; the
+  /// last position of his throttle stick does not count.
+  /// @param new_input  `pilot` changed.
   /// @returns true if the override word changed.
   bool update(Time now, const PilotInput& pilot, bool new_input, bool failsafe);
 
@@ -115,6 +120,7 @@ class CommandManager {
   bool offboard_active() const { return (offboard_.active & 0x3Fu) != 0; }
   /// Bit k: axis k comes from the pilot or the failsafe, and uses the primary mixer.
   std::uint16_t primary_axes() const { return primary_axes_; }
+  /// The failsafe command is in force.
   bool in_failsafe() const { return in_failsafe_; }
 
  private:

@@ -49,7 +49,7 @@ void Firmware::run() {
 }
 
 void Firmware::start() {
-  act(state_.handle(Event::kInitialized), board_.clock.now());
+  note(Event::kInitialized, board_.clock.now());
   board_.leds.set(hal::Led::kOverride, false);
   board_.leds.set(hal::Led::kStatus, false);
   const StoreResult loaded = load_parameters();
@@ -122,12 +122,14 @@ void Firmware::finish_calibration(const Sensors::CalibrationEvents& events, Time
   if (events.gyro_done) {
     estimator_.settle();
     moved_ = now - kStillTime;  // it did not move meanwhile
-    act(rc_.arm_switch_off() ? state_.handle(Event::kDisarm)
-                             : state_.handle(Event::kCalibrationComplete, arm_request(now)),
-        now);
+    if (rc_.arm_switch_off()) {
+      note(Event::kDisarm, now);
+    } else {
+      act(state_.handle(Event::kCalibrationComplete, arm_request(now)), now);
+    }
     continue_save(now);  // the new biases fit one block: armed before this pass's control
   }
-  if (events.gyro_failed) act(state_.handle(Event::kCalibrationFailed), now);
+  if (events.gyro_failed) note(Event::kCalibrationFailed, now);
 }
 
 bool Firmware::time_step(float& dt_s) {
@@ -153,7 +155,7 @@ inline Mixer::Conditions Firmware::mixer_conditions(Time now) {
   c.armed = motors_enabled();
   c.hold_idle = motor_stop_.probing() || (holding_idle_ && still_holding_idle(now));
   if (mixer_.has_auxiliary_motors()) {
-    c.failsafe = state_.failsafe();
+    c.failsafe = command_.in_failsafe();
     c.companion_present = now - last_companion_frame_ <= kCompanionSilence;
   }
   if (state_.state() == State::kMotorTest) {
@@ -248,18 +250,22 @@ void Firmware::supervise(Time now) {
 
 void Firmware::read_pilot(Time now) {
   if (!board_.receiver.poll(rc_frame_)) {
-    if (rc_.silent(now) && !state_.has(Error::kRcLost)) act(state_.handle(Event::kRcLost), now);
+    if (rc_.silent(now)) lose_receiver(now);
     return;
   }
   telemetry_.note_rc();
   const Rc::Update update = rc_.step(now, &rc_frame_, state_.arming());
-  if (update.lost && !state_.has(Error::kRcLost)) act(state_.handle(Event::kRcLost), now);
+  if (update.lost) lose_receiver(now);
   if (update.found && (state_.has(Error::kRcLost) || state_.failsafe())) {
-    act(state_.handle(Event::kRcFound), now);
+    note(Event::kRcFound, now);
   }
-  if (update.disarm) act(state_.handle(Event::kDisarm), now);
+  if (update.disarm) note(Event::kDisarm, now);
   if (update.arm) request_arming(now);
   pilot_new_ = update.frame;
+}
+
+void Firmware::lose_receiver(Time now) {
+  if (!state_.has(Error::kRcLost)) note(Event::kRcLost, now);
 }
 
 void Firmware::decide(Time now) {
@@ -287,6 +293,10 @@ void Firmware::act(Actions actions, Time now) {
   }
 }
 
+void Firmware::note(Event event, Time now) {
+  act(state_.handle(event), now);
+}
+
 void Firmware::set_error(Error error, bool on) {
   act(on ? state_.set_error(error) : state_.clear_error(error), board_.clock.now());
 }
@@ -296,7 +306,10 @@ void Firmware::watch_imu(Time now) {
     set_error(Error::kImuNotResponding, true);
     log_.critical("IMU not responding");
   }
-  if (state_.armed()) motor_stop_.watch_imu(now, last_imu_);
+  if (state_.armed()) {
+    if (now - last_imu_ <= kImuHold) return;  // the last outputs hold
+    motor_stop_.watch_imu(now, last_imu_);
+  }
   constexpr Time kFallbackPeriod = hal::milliseconds(20);
   if (now - fallback_written_ < kFallbackPeriod) return;
   fallback_written_ = now;
@@ -332,7 +345,7 @@ link::Status Firmware::status() const {
   const CommandVector& c = command_.combined();
   link::Status s;
   s.armed = state_.armed();
-  s.failsafe = state_.failsafe();
+  s.failsafe = command_.in_failsafe();
   s.offboard = command_.offboard_active();
   s.rc_override = command_.override_word();
   s.error_code = static_cast<std::uint8_t>(state_.errors());

@@ -19,6 +19,8 @@ class Firmware {
   /// Without a sample for this long the IMU is not responding: multirotors stop their motors and
   /// fixed wings follow the sticks directly, until samples arrive again.
   static constexpr Time kImuSilence = hal::milliseconds(100);
+  /// An armed vehicle without IMU samples keeps its last outputs so long, counted from the last.
+  static constexpr Time kImuHold = hal::milliseconds(300);
   /// After arming on the ground the motors turn at idle for this long, unless the throttle stick is
   /// raised or the companion sends a command.
   static constexpr Time kIdleFirst = hal::milliseconds(500);
@@ -84,6 +86,7 @@ class Firmware {
   void take_messages(Time now);
   void supervise(Time now);
   void read_pilot(Time now);
+  void lose_receiver(Time now);
   void decide(Time now);
 
   // messages
@@ -121,6 +124,8 @@ class Firmware {
 
   // state
   void act(Actions actions, Time now);
+  /// Passes the event to the state machine and does what it asks for.
+  void note(Event event, Time now);
   void set_error(Error error, bool on);
 
   // arming, and what ends it (firmware_arming.cpp)
@@ -154,6 +159,7 @@ class Firmware {
   link::Codec& codec_;
   Log log_;
   Parameters parameters_;
+  float max_thrust_N_{1.0f};  ///< Of all motors, by parameters and density.
   ParameterStore store_;
   StateMachine state_;
   Sensors sensors_;
@@ -200,7 +206,6 @@ class Firmware {
   Time last_companion_frame_{};       ///< Its newest valid frame.
   Time fallback_written_{};
   Time reboot_at_{Time::max()};
-  float max_thrust_N_{1.0f};
   std::uint16_t fault_count_{0};
   std::int16_t loop_time_us_{0};
   bool reboot_to_bootloader_{false};

@@ -115,8 +115,11 @@ bool Firmware::in_flight(Time now) const {
 }
 
 void Firmware::request_arming(Time now) {
-  const bool in_air = in_flight(now);
-  act(in_air ? state_.handle(Event::kArmInAir) : state_.handle(Event::kArm, arm_request(now)), now);
+  if (in_flight(now)) {
+    note(Event::kArmInAir, now);
+  } else {
+    act(state_.handle(Event::kArm, arm_request(now)), now);
+  }
 }
 
 void Firmware::armed_now(Actions actions, Time now) {
@@ -179,8 +182,11 @@ void Firmware::watch_motion(Time now) {
     return;
   }
   const Measurements& m = sensors_.measurements();
+  const bool throttle = above_idle();
+  // Without a receiver rest counts if the failsafe command flies, or the companion commands idle.
+  const bool rest_counts = command_.in_failsafe() || (state_.failsafe() && !throttle);
   motor_stop_.step(now, {attitude.q_WB, to_vector(m.imu.accel_m_s2), attitude.rates_rad_s,
-                         m.altitude_m, above_idle(), state_.failsafe()});
+                         m.altitude_m, throttle, rest_counts});
 }
 
 void Firmware::report_motor_stop() {
@@ -214,16 +220,17 @@ void Firmware::on(const link::MotorTest& message, Time now) {
   const auto wanted = static_cast<std::int8_t>(message.motor);
   if (state_.state() == State::kMotorTest) {
     if (!motor || !in_range || wanted != test_motor_) {
-      act(state_.handle(Event::kMotorTestEnd), now);
+      note(Event::kMotorTestEnd, now);
       return;
     }
   } else {
-    if (motor && in_range && !in_flight(now)) act(state_.handle(Event::kMotorTest), now);
+    if (motor && in_range && !in_flight(now)) note(Event::kMotorTest, now);
     if (state_.state() != State::kMotorTest) {
       if (motor_test_texts_.allow(now)) {
-        log_.error(!motor      ? "Motor test refused: no motor on that output"
-                   : !in_range ? "Motor test refused: value not in 0..0.3"
-                               : "Motor test refused: not in preflight state");
+        log_.error(Text("Motor test refused: ")
+                       .add(!motor      ? "no motor on that output"
+                            : !in_range ? "value not in 0..0.3"
+                                        : "not in preflight state"));
       }
       return;
     }
@@ -235,7 +242,7 @@ void Firmware::on(const link::MotorTest& message, Time now) {
 }
 
 void Firmware::watch_motor_test(Time now) {
-  if (now >= test_until_) act(state_.handle(Event::kMotorTestEnd), now);
+  if (now >= test_until_) note(Event::kMotorTestEnd, now);
 }
 
 // ---- faults
@@ -262,7 +269,7 @@ void Firmware::recover_from_crash() {
   rearm_ages_ms_ = record.rearm_age_ms;
   const Time now = board_.clock.now();
   act(state_.update(), now);
-  if (record.may_rearm()) act(state_.handle(Event::kArmInAir), now);
+  if (record.may_rearm()) note(Event::kArmInAir, now);
   if (state_.armed()) {
     rearm_ages_ms_ = {0, record.rearm_age_ms[0], record.rearm_age_ms[1]};
     estimator_.reset_in_flight();

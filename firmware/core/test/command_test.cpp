@@ -307,6 +307,87 @@ TEST_F(CommandTest, FailsafeIsBuiltAnewForEveryChange) {
   EXPECT_EQ(combined(2), 0.0f);
 }
 
+// ---- the receiver is lost and the companion may go on
+
+class CompanionInFailsafe : public CommandTest {
+ protected:
+  CompanionInFailsafe() {
+    config_.failsafe_throttle = 0.4f;
+    config_.companion_in_failsafe = true;
+    configure();
+  }
+};
+
+TEST_F(CompanionInFailsafe, FreshCommandsOfTheCompanionStayInForce) {
+  companion_flies();
+  pass();
+  failsafe_ = true;
+  for (int k = 0; k < 50; ++k) {
+    ASSERT_TRUE(offboard(kAngles, {0.0f, 0.0f, 0.5f, 0.1f, -0.2f, 0.3f}));
+    idle(20);
+    ASSERT_FALSE(command_.in_failsafe()) << k;
+    ASSERT_FLOAT_EQ(combined(2), 0.5f);
+    ASSERT_FLOAT_EQ(combined(3), 0.1f);
+  }
+  EXPECT_EQ(command_.primary_axes() & 0x3F, 0);
+}
+
+TEST_F(CompanionInFailsafe, WithTheCompanionSilentTooTheFailsafeCommandFollowsItsTimeout) {
+  companion_flies();
+  pass();
+  failsafe_ = true;
+  idle(10);
+  EXPECT_FALSE(command_.in_failsafe());
+  EXPECT_TRUE(idle(100)) << "the status tells it";
+  EXPECT_TRUE(command_.in_failsafe());
+  EXPECT_FLOAT_EQ(combined(2), 0.4f);
+  EXPECT_FLOAT_EQ(combined(3), 0.0f);
+  // And back with the first command.
+  ASSERT_TRUE(offboard(kAngles, {0.0f, 0.0f, 0.5f, 0.1f, -0.2f, 0.3f}));
+  EXPECT_TRUE(idle(1));
+  EXPECT_FALSE(command_.in_failsafe());
+  EXPECT_FLOAT_EQ(combined(2), 0.5f);
+}
+
+TEST_F(CompanionInFailsafe, AnAxisThatThePilotHeldIsNotTheCompanions) {
+  companion_flies();
+  set_switch(Switch::kAttitudeOverride, true);
+  pass();
+  failsafe_ = true;
+  idle(10);
+  EXPECT_TRUE(command_.in_failsafe());
+  EXPECT_FLOAT_EQ(combined(2), 0.4f);
+}
+
+TEST_F(CompanionInFailsafe, TheLastThrottleStickOfASilentTransmitterDoesNotCount) {
+  companion_flies();
+  pilot_.throttle = 0.0f;
+  pass();
+  ASSERT_EQ(word(), override_bit::kMinThrottle) << "with a receiver it does";
+  failsafe_ = true;
+  idle(10);
+  EXPECT_FALSE(command_.in_failsafe());
+  EXPECT_FLOAT_EQ(combined(2), 0.5f);
+}
+
+TEST_F(CompanionInFailsafe, AMaskedAxisIsNobodysSoTheFailsafeCommandFlies) {
+  ASSERT_TRUE(offboard(kAngles, {0.0f, 0.0f, 0.5f, 0.1f, -0.2f, 0.3f}, 0x08));
+  failsafe_ = true;
+  idle(10);
+  EXPECT_TRUE(command_.in_failsafe());
+}
+
+TEST_F(CommandTest, ByDefaultALostReceiverEndsTheCompanionsFlightAtOnce) {
+  config_.failsafe_throttle = 0.4f;
+  configure();
+  companion_flies();
+  pass();
+  failsafe_ = true;
+  idle(1);
+  EXPECT_TRUE(command_.in_failsafe());
+  EXPECT_FLOAT_EQ(combined(2), 0.4f);
+}
+
 // Weak point 14: times are 64 bits of microseconds.
 TEST_F(CommandTest, NothingHappensWhenA32BitClockWouldWrap) {
   config_.offboard_timeout = milliseconds(100);

@@ -157,6 +157,50 @@ TEST_F(FirmwareFailsafe, FixedWingOnAndOffAgainLeavesAMultirotorFailsafe) {
   expect_motors(0.28f);
 }
 
+// ---- the receiver is lost and the companion may go on (FAILSAFE_OFFBRD)
+
+TEST_F(FirmwareFailsafe, WithTheChoiceOfTheCompanionALostReceiverChangesNoOutput) {
+  rig_.store_quadrotor();
+  rig_.store([](Parameters& p) { static_cast<void>(p.set_int(Param::kFailsafeOffbrd, 1)); });
+  rig_.start();
+  rig_.arm();
+  rig_.rc.channels[FirmwareRig::kThrottle] = 0.8f;
+  rig_.offboard = link::OffboardControl{2, 0, {0, 0, 0.5f, 0, 0, 0, 0, 0, 0, 0}};
+  rig_.run_for(1500);
+  expect_motors(0.35f);
+  rig_.inbox.clear();
+  rig_.rc_on = false;
+  rig_.run_for(1000);
+  EXPECT_TRUE(failsafe()) << "the receiver is lost";
+  expect_motors(0.35f);
+  const auto status = rig_.got<link::Status>();
+  ASSERT_FALSE(status.empty());
+  EXPECT_FALSE(status.back().failsafe) << "the failsafe command is not in force";
+  EXPECT_TRUE(status.back().offboard);
+  EXPECT_EQ(status.back().error_code, 0x04);
+  // Without commands the failsafe command follows.
+  rig_.offboard.reset();
+  rig_.run_for(110);
+  expect_motors(0.28f);
+  rig_.run_for(10);
+  EXPECT_TRUE(rig_.got<link::Status>().back().failsafe);
+}
+
+TEST_F(FirmwareFailsafe, AtIdleOnTheGroundALostReceiverStopsTheMotorsWhoeverCommands) {
+  rig_.store_quadrotor();
+  rig_.store([](Parameters& p) { static_cast<void>(p.set_int(Param::kFailsafeOffbrd, 1)); });
+  rig_.start();
+  rig_.arm();
+  rig_.offboard = link::OffboardControl{2, 0, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0}};
+  rig_.run_for(1500);
+  rig_.rc_on = false;
+  rig_.run_for(29'000);
+  EXPECT_FALSE(rig_.firmware().motor_stop().stopped());
+  rig_.run_for(2'000);
+  EXPECT_TRUE(rig_.firmware().motor_stop().stopped());
+  expect_motors(0.0f, 0.0f);
+}
+
 // ---- companion
 
 TEST_F(FirmwareFailsafe, ASilentCompanionHandsOverToThePilotAfterItsTimeOut) {
@@ -228,8 +272,12 @@ TEST_F(FirmwareFailsafe, AMultirotorWithoutImuStopsItsMotorsAndFliesOnWhenItAnsw
   rig_.imu_on = false;
   rig_.run_for(95);
   expect_motors(0.56f);
+  EXPECT_EQ(rig_.errors(), 0);
   rig_.run_for(10);
   EXPECT_EQ(rig_.errors(), 0x02);
+  rig_.run_for(190);
+  expect_motors(0.56f);  // the last outputs hold for 0.3 s
+  rig_.run_for(10);
   expect_motors(0.0f, 0.0f);
   EXPECT_TRUE(rig_.armed());
   EXPECT_TRUE(rig_.said("IMU not responding"));
@@ -246,7 +294,7 @@ TEST_F(FirmwareFailsafe, AnAirplaneWithoutImuFliesOnTheSticks) {
   rig_.rc.channels[FirmwareRig::kThrottle] = 0.6f;
   rig_.run_for(100);
   rig_.imu_on = false;
-  rig_.run_for(150);
+  rig_.run_for(330);
   EXPECT_EQ(rig_.errors(), 0x02);
   const auto before = rig_.outputs();
   rig_.rc.channels[FirmwareRig::kRoll] = 0.9f;
@@ -323,6 +371,7 @@ TEST_F(FirmwareFailsafe, StampsThatRunBackwardsAreAnImuThatDoesNotRespond) {
   expect_motors(0.56f, 1e-3f);
   rig_.run_for(10);
   EXPECT_EQ(rig_.errors(), 0x12);
+  rig_.run_for(200);  // the last outputs hold for 0.3 s
   expect_motors(0.0f, 0.0f);
   EXPECT_TRUE(rig_.said("IMU not responding"));
 }
@@ -337,6 +386,7 @@ TEST_F(FirmwareFailsafe, AStampThatStandsIsAnImuThatDoesNotRespond) {  // weak p
   EXPECT_EQ(rig_.errors(), 0);
   rig_.run_for(10);
   EXPECT_EQ(rig_.errors(), 0x02);
+  rig_.run_for(200);
   expect_motors(0.0f, 0.0f);
 }
 
@@ -347,6 +397,7 @@ TEST_F(FirmwareFailsafe, ASensorThatRepeatsItselfIsAnImuThatDoesNotRespond) {
   EXPECT_EQ(rig_.errors(), 0);
   rig_.run_for(10);
   EXPECT_EQ(rig_.errors(), 0x02);
+  rig_.run_for(200);
   expect_motors(0.0f, 0.0f);
   rig_.dither = true;
   rig_.run_for(20);

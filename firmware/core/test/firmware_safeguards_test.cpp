@@ -87,7 +87,7 @@ TEST(FirmwareSafeguards, AnAuxiliaryMotorReleasedWithoutImuStops) {
   ASSERT_FLOAT_EQ(rig.outputs()[10], 0.8f);
   rig.imu_on = false;
   rig.send(link::AuxCommand{});  // all released before the silence of the IMU is known
-  rig.run_for(150);
+  rig.run_for(320);
   EXPECT_EQ(rig.outputs()[10], 0.0f);
   EXPECT_FLOAT_EQ(rig.outputs()[11], 0.75f) << "servos hold";
 }
@@ -189,7 +189,7 @@ TEST(FirmwareSafeguards, WithoutImuMotorsStopAndServosHold) {
   ASSERT_GT(rig.outputs()[0], 0.3f);
   ASSERT_FLOAT_EQ(rig.outputs()[8], 0.8f);
   rig.imu_on = false;
-  rig.run_for(200);
+  rig.run_for(320);
   for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(rig.outputs()[k], 0.0f);
   EXPECT_FLOAT_EQ(rig.outputs()[8], 0.8f);
   rig.imu_on = true;

@@ -11,6 +11,7 @@ void Coverage::add(const Coverage& o) {
   armed_passes += o.armed_passes;
   failsafe_passes += o.failsafe_passes;
   offboard_passes += o.offboard_passes;
+  companion_in_failsafe_passes += o.companion_in_failsafe_passes;
   armed_on_ground += o.armed_on_ground;
   armed_in_air += o.armed_in_air;
   armed_after_fault += o.armed_after_fault;
@@ -37,7 +38,8 @@ void Coverage::add(const Coverage& o) {
 std::string Coverage::report() const {
   std::ostringstream out;
   out << passes << " passes, armed " << armed_passes << ", failsafe " << failsafe_passes
-      << ", offboard " << offboard_passes << "\narmed on the ground " << armed_on_ground
+      << ", offboard " << offboard_passes << ", companion in failsafe "
+      << companion_in_failsafe_passes << "\narmed on the ground " << armed_on_ground
       << ", in the air " << armed_in_air << ", after a fault " << armed_after_fault << "; disarmed "
       << disarmed << ", calibrations left " << calibrations_left << ", motor tests " << motor_tests
       << ", passes that write " << saves << ", restarts " << restarts << "\nreceiver lost armed "

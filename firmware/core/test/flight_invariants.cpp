@@ -13,6 +13,7 @@ constexpr std::size_t kMostBytesEncoded = 1024;
 // Documented times and limits stand here as numbers: a check that takes them from the firmware
 // would follow a slip in it.
 constexpr Time kImuSilence = hal::milliseconds(100);
+constexpr Time kImuHold = hal::milliseconds(300);
 constexpr Time kReceiverSilence = hal::milliseconds(200);
 constexpr Time kBadFrames = hal::milliseconds(100);
 constexpr Time kMotorTestTime = hal::milliseconds(300);
@@ -234,6 +235,8 @@ void FlightInvariants::count(const PassInputs& in, const WatchedFirmware& watche
   }
   if (s.armed()) ++c.armed_passes;
   if (s.state() == State::kFailsafe) ++c.failsafe_passes;
+  const bool goes_on = s.failsafe() && !watched.firmware().command().in_failsafe();
+  if (goes_on) ++c.companion_in_failsafe_passes;
   if (s.armed() && watched.firmware().command().offboard_active()) ++c.offboard_passes;
   if (s.armed() && s.has(Error::kImuNotResponding)) ++c.imu_lost_armed;
   if (s.armed() && !failsafe_before_ && s.failsafe()) ++c.receiver_lost_armed;
@@ -337,7 +340,9 @@ void FlightInvariants::check_imu(const WatchedFirmware& watched) {
          words("no error bit, last sample ", hal::to_ms(now_ - imu_any_), " ms ago, ", unusable_,
                " unusable in a row"));
   }
-  if (!multirotor || !(silent || unusable || (imu_latched_ && f.state().armed()))) return;
+  const Time hold = f.state().armed() ? kImuHold : kImuSilence;
+  const bool stands = now_ - imu_any_ > hold || (unusable_ >= kStuck && now_ - stuck_at_ > hold);
+  if (!multirotor || !(stands || (imu_latched_ && f.state().armed()))) return;
   for (std::size_t k = 0; k < hal::kOutputs; ++k) {
     if (!is_motor(f, k) || watched.outputs()[k] == 0.0f) continue;
     fail(silent     ? "imu_silence"
@@ -350,6 +355,13 @@ void FlightInvariants::check_imu(const WatchedFirmware& watched) {
 
 void FlightInvariants::check_receiver(const WatchedFirmware& watched) {
   const StateMachine& s = watched.firmware().state();
+  const CommandManager& c = watched.firmware().command();
+  const bool companion =
+      watched.firmware().parameters().get_bool(Param::kFailsafeOffbrd) && c.override_word() == 0;
+  if (s.failsafe() && c.in_failsafe() == companion && parameters_changed_ != now_) {
+    fail("failsafe_command",
+         words("failsafe command ", c.in_failsafe(), ", override word ", c.override_word()));
+  }
   const bool silent = now_ - rc_any_ > kReceiverSilence;
   const bool bad = rc_bad_now_ && now_ - rc_not_bad_ >= kBadFrames;
   if (!silent && !bad && !rc_failsafe_now_) return;
@@ -376,7 +388,7 @@ void FlightInvariants::check_companion(const WatchedFirmware& watched) {
   }
   // Outputs follow when they are written next; without an IMU the motors stop for another reason.
   const bool silent = now_ - companion_ > kCompanionSilence;
-  const bool over = silent || f.state().failsafe();
+  const bool over = silent || c.in_failsafe();
   if (!over) auxiliary_over_writes_ = 0;
   if (over && watched.work().outputs_written > 0) ++auxiliary_over_writes_;
   constexpr int kNextWrite = 2;

@@ -54,6 +54,9 @@ RandomFlight::RandomFlight(std::uint64_t seed, Without without) : seed_{seed}, p
   imu_period_ = pilot_.chance(0.7f) ? pass_ : 2 * pass_;
   constexpr std::array<std::int64_t, 3> kFrames_us{20'000, 9'000, 2'000};
   rc_period_ = hal::microseconds(pilot_.pick(kFrames_us));
+  Random choice{~seed};  // its own, so that the flights are what they were before there was one
+  companion_in_failsafe_ = choice.chance(0.5f);
+  hands_off_ = companion_in_failsafe_ && choice.chance(0.7f);
   enter(Phase::kRest, 100, 600);
 }
 
@@ -76,6 +79,7 @@ void RandomFlight::configure(Parameters& p) const {
   set(p, "RC_NUM_CHN", std::int32_t{8});
   set(p, "TAKE_MIN_THR", std::int32_t{take_min_throttle_});
   set(p, "ARM_CAL_GYRO", std::int32_t{calibrate_gyro_});
+  set(p, "FAILSAFE_OFFBRD", std::int32_t{companion_in_failsafe_});
   if (arm_switch_) set(p, "RC_ARM_CHN", static_cast<std::int32_t>(kArmChannel));
   switch (vehicle_) {
     case Vehicle::kQuadrotor:
@@ -114,6 +118,7 @@ std::string RandomFlight::description() const {
   std::string text = kVehicleNames[static_cast<std::size_t>(vehicle_)];
   text += arm_switch_ ? ", arm switch" : ", sticks";
   if (calibrate_gyro_) text += ", ARM_CAL_GYRO";
+  if (companion_in_failsafe_) text += ", FAILSAFE_OFFBRD";
   text += ", pass " + std::to_string(pass_.count()) + " us, IMU " +
           std::to_string(imu_period_.count()) + " us, receiver " +
           std::to_string(rc_period_.count()) + " us; with";
@@ -207,7 +212,10 @@ void RandomFlight::advance_pilot() {
   auto& s = sticks_;
   const bool flies = phase_ == Phase::kFly || phase_ == Phase::kUpAgain;
   if (flies) {
-    for (const std::size_t k : {kRoll, kPitch, kYaw}) s[k] = wander(s[k], 0.3f, 0.7f);
+    for (const std::size_t k : {kRoll, kPitch, kYaw}) {
+      const float moved = wander(s[k], 0.3f, 0.7f);
+      s[k] = hands_off_ ? 0.5f : moved;
+    }
     s[kThrottle] = s[kThrottle] < 0.2f ? 0.5f : wander(s[kThrottle], 0.2f, 0.95f);
   } else {
     s = {0.5f, 0.5f, throttle_slip_ ? 0.6f : 0.0f, 0.5f};

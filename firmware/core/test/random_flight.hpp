@@ -126,6 +126,8 @@ class RandomFlight {
   bool arm_switch_{false};
   bool calibrate_gyro_{false};
   bool take_min_throttle_{true};
+  bool companion_in_failsafe_{false};
+  bool hands_off_{false};  ///< Sticks centred in flight: the axes are the companion's.
   Time pass_{};
   Time jitter_{};
   Time imu_period_{};
