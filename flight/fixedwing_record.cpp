@@ -59,7 +59,8 @@ void FixedWingRecord::step(const sim::Truth& truth, const sim::Vector3& seen_W,
   }
   const bool coming_down =
       output.phase == wing::Phase::kApproach || output.phase == wing::Phase::kGlide ||
-      output.phase == wing::Phase::kFlare || output.phase == wing::Phase::kRollout;
+      output.phase == wing::Phase::kFlare || output.phase == wing::Phase::kDescent ||
+      output.phase == wing::Phase::kRollout;
   was_in_air_ = coming_down && !truth.on_ground;
   sink_m_s_ = v_W.z();
 }

@@ -31,15 +31,22 @@ Guidance::Note note_of(const autonomy::FlightEvent& e, const char* phase) {
     case Type::kMissionDone:
     case Type::kPilotGaveBack:
     case Type::kStateRegained:
+    case Type::kFailsafeOver:
       return say(Severity::kInfo, name(e.type));
     case Type::kPilotTookOver:
     case Type::kThrustFault:
+    case Type::kBatteryLow:
+    case Type::kBatteryReturn:
+    case Type::kFenceCrossed:
+    case Type::kFailsafeFlies:
+    case Type::kReturning:
       return say(Severity::kWarning, name(e.type));
     case Type::kTakeoffFailed:
     case Type::kPathFault:
     case Type::kMotorOut:
     case Type::kPositionLost:
     case Type::kStateLost:
+    case Type::kBatteryLand:
       break;
   }
   return say(Severity::kError, name(e.type));
@@ -77,7 +84,12 @@ const GuidanceOutput& MultirotorGuidance::step(const Input& in, const Notify& no
   state.v_W = in.state.v_W;
   state.q_WB = in.state.q_WB;
   state.w_B = in.state.w_B;
-  const autonomy::multirotor::FlightOutput& output = manager_.step({in.t_s, state, in.status});
+  state.horizontal = in.state.horizontal != autonomy::Quality::kNone;
+  constexpr double kFollowed_s = 3.0;  // by dead reckoning alone
+  state.aided =
+      in.state.horizontal == autonomy::Quality::kGood || in.state.dead_reckoning_s < kFollowed_s;
+  const autonomy::multirotor::FlightOutput& output =
+      manager_.step({in.t_s, state, in.status, in.range_m});
   report(output, out_, notify);
   using autonomy::multirotor::Phase;
   out_.idle = output.phase == Phase::kDisarmed || output.phase == Phase::kLanded;
@@ -97,8 +109,8 @@ const GuidanceOutput& FixedWingGuidance::step(const Input& in, const Notify& not
   out_.idle = phase == Phase::kDisarmed || phase == Phase::kLanded;
   out_.in_air = phase == Phase::kClimb || phase == Phase::kMission || phase == Phase::kLoiter ||
                 phase == Phase::kReturn;
-  out_.coming_down = phase == Phase::kApproach || phase == Phase::kGlide ||
-                     phase == Phase::kFlare || phase == Phase::kRollout;
+  out_.coming_down = phase == Phase::kApproach || phase == Phase::kDescent ||
+                     phase == Phase::kGlide || phase == Phase::kFlare || phase == Phase::kRollout;
   if (output.path.path.valid) out_.setpoint = beside(output);
   out_.distance_m = output.path.passed_at_m;
   return out_;

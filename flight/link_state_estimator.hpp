@@ -4,6 +4,7 @@
 
 #include "autonomy/estimation/estimator.hpp"
 #include "companion/session.hpp"
+#include "flight/fix_age.hpp"
 #include "flight/state_estimate_source.hpp"
 
 namespace rosflight::flight {
@@ -58,8 +59,8 @@ class LinkStateEstimator final : public StateEstimateSource, private companion::
     constexpr int k3dFix = 3;
     if (!enabled_) return;
     autonomy::estimation::GnssSample sample;
-    sample.t_s = seconds(stamp);
     sample.unix_s = static_cast<double>(m.unix_s) + 1e-9 * static_cast<double>(m.unix_ns);
+    sample.t_s = fix_age_.time_of_fix(seconds(stamp), sample.unix_s);
     sample.fix_3d = m.fix >= k3dFix;
     sample.position = {m.latitude_deg, m.longitude_deg, static_cast<double>(m.height_msl_m)};
     sample.v_W_m_s = vector(m.velocity_ned_m_s);
@@ -87,6 +88,7 @@ class LinkStateEstimator final : public StateEstimateSource, private companion::
   }
 
   companion::Session& session_;
+  FixAge fix_age_;
   Estimator estimator_;
   bool enabled_{false};
 };

@@ -244,8 +244,7 @@ void MissionRunner::update_estimate(const sim::Truth& truth) {
   constexpr double kMaxAge_s = 0.5;
   const bool stale = sim::to_seconds(now_) - estimate_.t_s > kMaxAge_s;
   if (estimate_source_.health().initialised && !stale) return;
-  estimate_.p_W.setConstant(
-      std::numeric_limits<double>::quiet_NaN());  // guidance lands without position
+  estimate_.p_W.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 
 /// The newest reading of the range sensor [m], if it is fresh and in range.
@@ -260,7 +259,7 @@ std::optional<double> MissionRunner::range() const {
   return fresh && inside && config_.use_range ? std::optional(reading_m) : std::nullopt;
 }
 
-/// Notes what changes in the estimate. Lands at once when the position is lost.
+/// Notes what changes in the estimate. What follows from it is the guidance's to decide.
 void MissionRunner::report_estimate() {
   const autonomy::estimation::EstimatorHealth& health = estimate_source_.health();
   if (!health.initialised) return;
@@ -271,8 +270,7 @@ void MissionRunner::report_estimate() {
     } else {
       const bool lost = horizontal_ == autonomy::Quality::kNone;
       note(lost ? Severity::kError : Severity::kWarning, "estimator",
-           lost ? "position lost, landing" : "position by dead reckoning");
-      if (lost) guidance_.request_land();
+           lost ? "position lost" : "position by dead reckoning");
     }
   }
   const bool heading = estimate_.heading == autonomy::Quality::kGood;
@@ -327,7 +325,13 @@ void MissionRunner::fly(const sim::Truth& truth) {
   status.offboard = fcu.offboard;
   status.rc_override = fcu.rc_override;
   status.failsafe = fcu.failsafe;
-  status.battery_voltage_V = static_cast<double>(session_.streams().battery.value.voltage_V);
+  const auto& battery = session_.streams().battery;
+  constexpr double kMaxBatteryAge_s = 2.0;
+  status.battery_voltage_V = static_cast<double>(battery.value.voltage_V);
+  status.battery_current_A = static_cast<double>(battery.value.current_A);
+  status.battery_fresh =
+      battery.count > 0 &&
+      sim::to_seconds(now_) - companion::to_seconds(battery.stamp.arrival) < kMaxBatteryAge_s;
   const Guidance::Input in{
       .t_s = sim::to_seconds(now_), .state = estimate_, .status = status, .range_m = range()};
   const GuidanceOutput& output = guidance_.step(

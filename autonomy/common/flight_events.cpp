@@ -6,7 +6,7 @@
 namespace rosflight::autonomy {
 namespace {
 
-constexpr std::array<const char*, 13> kNames{
+constexpr std::array<const char*, 20> kNames{
     "phase",
     "waypoint reached",
     "waypoint missed",
@@ -19,7 +19,14 @@ constexpr std::array<const char*, 13> kNames{
     "pilot gave back",
     "state lost",
     "state regained",
-    "the vehicle does not follow its thrust: landing; compare the vehicle file with its motors"};
+    "the vehicle does not follow its thrust: landing; compare the vehicle file with its motors",
+    "battery low",
+    "battery low: returns",
+    "battery low: lands",
+    "outside of the fence: returns",
+    "receiver lost: the flight controller flies its failsafe command",
+    "the flight controller follows commands again",
+    "returns to the start"};
 
 }  // namespace
 

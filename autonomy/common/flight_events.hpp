@@ -19,7 +19,14 @@ enum class FlightEventType : std::uint8_t {
   kPilotGaveBack,
   kStateLost,  ///< The state is not finite, or missing: the vehicle is handed to the pilot.
   kStateRegained,
-  kThrustFault  ///< The vehicle does not follow its thrust (ThrustWatch); value: its climb rate [m/s]. It lands.
+  kThrustFault,  ///< The vehicle does not follow its thrust (ThrustWatch); value: its climb rate [m/s]. It lands.
+  kBatteryLow,     ///< BatteryWatch; the next two decide.
+  kBatteryReturn,  ///< It returns and lands.
+  kBatteryLand,    ///< It lands now.
+  kFenceCrossed,   ///< It returns and lands.
+  kFailsafeFlies,  ///< The receiver is lost and the flight controller flies its failsafe command.
+  kFailsafeOver,   ///< It follows commands again.
+  kReturning       ///< On its way back to the start, to land there.
 };
 /// Text for logs, such as "waypoint reached"; "unknown" outside the enumeration.
 const char* name(FlightEventType type);

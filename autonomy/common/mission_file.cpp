@@ -104,6 +104,17 @@ std::optional<double> MissionFile::takeoff_height_m(const MissionArea& area) con
   return root->number("takeoff_height_m", Range::between(kMinTakeoff_m, area.max_height_m));
 }
 
+std::optional<Fence> MissionFile::fence() const {
+  if (!root) return {};
+  const auto in = root->optional_section("fence");
+  if (!in) return {};
+  Fence out;
+  out.radius_m = in->number("radius_m", Range::between(1.0, 100000.0));
+  out.height_m = in->number("height_m", Range::between(1.0, 10000.0));
+  in->finish();
+  return out;
+}
+
 AtEnd MissionFile::at_end(const Section::Choices<AtEnd>& choices) const {
   const AtEnd usual = choices.front().second;
   return root ? root->choice<AtEnd>("at_end", choices, usual) : usual;
@@ -152,6 +163,15 @@ Vector3 waypoint_position(const Section& wp, const MissionArea& area,
                        " m above the start (down is positive in NED)");
   }
   return p_W;
+}
+
+void check_fence(const Section& wp, const std::optional<Fence>& fence, const Vector3& p_W) {
+  if (!fence || fence->holds(p_W)) return;
+  throw wp.error("w",
+                 "a place " + number_text(std::round(p_W.head<2>().norm())) +
+                     " m from the start, " + number_text(std::round(-p_W.z())) + " m high",
+                 "inside of the fence: " + number_text(fence->radius_m) + " m and " +
+                     number_text(fence->height_m) + " m");
 }
 
 std::optional<double> waypoint_heading_rad(const Section& wp, std::string_view radians) {

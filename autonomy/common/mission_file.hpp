@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "autonomy/common/flight_limits.hpp"
 #include "autonomy/common/geodesy.hpp"
 #include "autonomy/common/types.hpp"
 #include "config/strict_yaml.hpp"
@@ -49,6 +50,8 @@ struct MissionFile {
   std::optional<double> score_radius_m() const;
   /// Key `at_end`; the first of `choices` if the file has none.
   AtEnd at_end(const config::Section::Choices<AtEnd>& choices) const;
+  /// Key `fence`: radius_m and height_m, both from the start; absent if the file has none.
+  std::optional<Fence> fence() const;
   /// Unknown keys of the head are errors.
   void finish() const;
 };
@@ -59,6 +62,8 @@ WaypointType waypoint_type(const config::Section& wp);
 /// altitude [m]; inside `area`, in local coordinates.
 Vector3 waypoint_position(const config::Section& wp, const MissionArea& area,
                           const std::optional<Geodetic>& origin);
+/// Throws config::Error for a waypoint outside of the fence.
+void check_fence(const config::Section& wp, const std::optional<Fence>& fence, const Vector3& p_W);
 /// One of the keys heading_deg and `radians`; absent if neither is there.
 std::optional<double> waypoint_heading_rad(const config::Section& wp, std::string_view radians);
 

@@ -62,6 +62,8 @@ struct Status {
   std::uint16_t rc_override{};
   double battery_voltage_V{};  ///< <= 0: unknown, the nominal voltage is assumed.
   bool failsafe{};  ///< The receiver is lost: the flight controller flies its own command.
+  double battery_current_A{};
+  bool battery_fresh{};  ///< Voltage and current were measured lately.
 };
 
 }  // namespace rosflight::autonomy

@@ -243,6 +243,10 @@ Table<SafetyConfig> safety_table() {
   using S = SafetyConfig;
   return {{"dead_reckoning_s", &S::dead_reckoning_s, "s", Range::between(0.0, 600.0),
            "a position without aiding is followed this long"},
+          {"position_wait_s", &S::position_wait_s, "s", Range::between(0.0, 3600.0),
+           "from the last aided position; then it comes down where it is"},
+          {"descent_m_s", &S::descent_m_s, "m/s", Range::between(0.3, 5.0),
+           "sink rate of that descent"},
           {"return_height_m", &S::return_height_m, "m", Range::between(5.0, 1000.0),
            "of the return, above the start"},
           {"motor_out_s", &S::motor_out_s, "s", Range::between(0.5, 60.0),
@@ -251,6 +255,8 @@ Table<SafetyConfig> safety_table() {
            "energy lost per weight, as a sink rate"},
           {"glide_m_s", &S::glide_m_s, "m/s", Range::between(2.0, 100.0),
            "airspeed of a glide without motor"},
+          {"glide_ratio", &S::glide_ratio, "", Range::between(2.0, 60.0),
+           "distance per height of that glide, in still air"},
           {"straight_below_m", &S::straight_below_m, "m", Range::between(0.0, 200.0),
            "a glide does not turn below this height"},
           {"longest_range_m", &S::longest_range_m, "m", Range::between(0.0, 200.0),
@@ -330,13 +336,18 @@ Table<AutonomyConfig> parameters() {
           {"follower", &A::flight, follower_table(), "Follows paths."},
           {"takeoff", at(&A::flight, &F::takeoff), takeoff_table()},
           {"landing", &A::flight, landing_table()},
-          {"safety", at(&A::flight, &F::safety), safety_table()}};
+          {"safety", at(&A::flight, &F::safety), safety_table()},
+          {"battery", at(&A::flight, &F::battery), battery_table(),
+           "Cells, capacity and resistance come from the section `battery`."}};
 }
 
 AutonomyConfig read_autonomy(const Section& autonomy, const VehicleFacts& vehicle) {
   AutonomyConfig out;
   parameters().read(autonomy, out);
   Airframe& airframe = out.flight.controller.airframe;
+  out.flight.battery.cells = vehicle.battery.cells;
+  out.flight.battery.capacity_Ah = vehicle.battery.capacity_Ah;
+  out.flight.battery.resistance_ohm = vehicle.battery.resistance_ohm;
   airframe = airframe_of(vehicle, out.elevator_travel_rad, airframe.pitch_trim_rad);
   share(out);
   check(autonomy, out);

@@ -20,6 +20,7 @@ struct VehicleFacts {
   double pitch_zero{};
   double pitch_alpha_1_rad{};
   double pitch_elevator_1_rad{};  ///< < 0: a positive deflection pitches down.
+  BatteryConfig battery{};        ///< Its cells, capacity and resistance.
 };
 
 struct AutonomyConfig {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include "autonomy/common/battery_watch.hpp"
 #include "autonomy/fixedwing/controller.hpp"
+#include "autonomy/fixedwing/glide.hpp"
 #include "autonomy/fixedwing/landing.hpp"
 #include "autonomy/fixedwing/path_follower.hpp"
 #include "autonomy/fixedwing/path_manager.hpp"
@@ -19,10 +21,13 @@ struct TakeoffConfig {
 
 struct SafetyConfig {
   double dead_reckoning_s{30.0};  ///< A position without aiding is followed this long.
+  double position_wait_s{120.0};  ///< From the last aided position; then it comes down.
+  double descent_m_s{1.5};        ///< Sink of a descent without a position.
   double return_height_m{60.0};   ///< Above the start.
   double motor_out_s{3.0};        ///< Full throttle and losing energy for this long.
   double motor_out_m_s{0.5};      ///< Energy lost per weight, as a sink rate.
   double glide_m_s{14.0};         ///< Airspeed that sinks least, and some.
+  double glide_ratio{8.5};        ///< Distance per height at that airspeed, in still air.
   double straight_below_m{20.0};  ///< A glide does not turn any more.
   double longest_range_m{8.0};    ///< Readings of the range sensor beyond count as none.
 };
@@ -35,6 +40,7 @@ struct FlightConfig {
   TakeoffConfig takeoff{};
   LandingConfig landing{};
   SafetyConfig safety{};
+  BatteryConfig battery{};
   double lead_s{0.5};  ///< Of the path (PathManager).
 };
 

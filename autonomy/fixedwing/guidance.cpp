@@ -15,6 +15,7 @@ void Guidance::set_mission(const Mission& mission, std::size_t first) {
   mission_ = mission;
   out_.waypoint = std::min(first, mission.waypoints.size() - 1);
   out_.mission_done = path_done_ = land_ = return_ = false;
+  limits_.start(config_.battery, mission_.fence);
   if (out_.phase == Phase::kLanded || out_.phase == Phase::kDisarmed) flown_ = false;
   // In flight the new list is planned from where the vehicle is.
   if (out_.phase == Phase::kMission) phase_path_.stop();
@@ -22,7 +23,7 @@ void Guidance::set_mission(const Mission& mission, std::size_t first) {
 
 bool Guidance::descending() const {
   return out_.phase == Phase::kApproach || out_.phase == Phase::kFlare ||
-         out_.phase == Phase::kGlide;
+         out_.phase == Phase::kGlide || out_.phase == Phase::kDescent;
 }
 
 double Guidance::height_above_ground_m(const Input& in) const {
@@ -38,8 +39,9 @@ PhaseConditions Guidance::conditions(const Input& in, bool pilot) {
   const double flare_m = phase_path_.flare_height_m(config_.landing, in.state.v_W.z());
   const bool motor_runs = out_.phase == Phase::kClimb || out_.phase == Phase::kMission ||
                           out_.phase == Phase::kLoiter || out_.phase == Phase::kReturn ||
-                          out_.phase == Phase::kApproach;
-  const bool full_throttle = motor_runs && !pilot_ && in.last.throttle_full;
+                          out_.phase == Phase::kApproach || out_.phase == Phase::kDescent;
+  // While the flight controller flies its failsafe command the throttle is not ours.
+  const bool full_throttle = motor_runs && !pilot_ && !in.status.failsafe && in.last.throttle_full;
   const bool ends_down = mission_.at_end == AtEnd::kLand && out_.mission_done;
   const bool ends_home = mission_.at_end == AtEnd::kReturn && out_.mission_done;
   PhaseConditions out;
@@ -50,17 +52,26 @@ PhaseConditions Guidance::conditions(const Input& in, bool pilot) {
   out.set(Conditions::kHighEnough, height_m > wanted_m - takeoff.margin_m);
   out.set(Conditions::kTooLate, phase_path_.since_s(in.t_s) > takeoff.timeout_s);
   out.set(Conditions::kPathDone, path_done_);
-  out.set(Conditions::kLandNext, land_ || ends_down);
-  out.set(Conditions::kReturnNext, return_ || ends_home);
-  out.set(Conditions::kPositionKnown,
-          faults_.position_known(in.state, in.t_s, config_.safety, out_.events));
+  out.set(Conditions::kLandNext, land_ || ends_down || limits_.asks_land());
+  out.set(Conditions::kReturnNext, return_ || ends_home || limits_.asks_return());
+  const bool known = faults_.position_known(in.state, in.t_s, config_.safety, out_.events);
+  // Just above the ground a landing goes on: there is no room to circle.
+  const bool landing = out_.phase == Phase::kApproach &&
+                       out_.height_above_ground_m < config_.safety.straight_below_m;
+  out.set(Conditions::kPositionKnown, known || landing);
+  out.set(Conditions::kComeDown,
+          faults_.unaided_s(in.t_s) > config_.safety.position_wait_s || limits_.asks_land());
   out.set(Conditions::kMotorOut,
           faults_.motor_out(in.state, full_throttle, out_.dt_s, config_, out_.events));
   out.set(Conditions::kLow, out_.height_above_ground_m <= flare_m);
-  out.set(Conditions::kOnGround,
-          ground_.on_ground(in.state, out_.height_above_ground_m, descending(),
-                            out_.phase == Phase::kFlare, out_.dt_s));
-  out.set(Conditions::kStands, ground_.stands(in.state, out_.dt_s));
+  out.set(Conditions::kOnGround, ground_.on_ground(in.state, out_.height_above_ground_m,
+                                                   descending() || out_.phase == Phase::kLoiter,
+                                                   out_.phase == Phase::kFlare, out_.dt_s));
+  // Without a position the speed over ground is not known either.
+  constexpr double kLongRollout_s = 20.0;
+  const bool rolled_out = out_.phase == Phase::kRollout && faults_.position_lost() &&
+                          phase_path_.since_s(in.t_s) > kLongRollout_s;
+  out.set(Conditions::kStands, ground_.stands(in.state, out_.dt_s) || rolled_out);
   return out;
 }
 
@@ -83,6 +94,7 @@ void Guidance::enter(Phase to, const Input& in) {
   switch (to) {
     case Phase::kTakeoff:
       ground_.set_standing(in.range_m);
+      limits_.start(config_.battery, mission_.fence);
       out_.restart = true;
       break;
     case Phase::kMission:
@@ -102,13 +114,19 @@ void Guidance::enter(Phase to, const Input& in) {
 }
 
 void Guidance::update_phase(const Input& in) {
-  const bool pilot = PilotOverride::from_word(in.status.rc_override).any();
+  watch_limits(in);
+  const bool failsafe = in.status.failsafe;
+  const bool pilot = PilotOverride::from_word(in.status.rc_override).any() || failsafe;
   const Phase to = kPhaseTable.next(out_.phase, conditions(in, pilot).bits());
   const bool idle_now = to == Phase::kDisarmed || to == Phase::kLanded;
   if (!idle_now && pilot != pilot_) {
-    out_.events.add(pilot ? FlightEventType::kPilotTookOver : FlightEventType::kPilotGaveBack);
+    const bool by_failsafe = failsafe || failsafe_;
+    out_.events.add(
+        pilot ? (by_failsafe ? FlightEventType::kFailsafeFlies : FlightEventType::kPilotTookOver)
+              : (by_failsafe ? FlightEventType::kFailsafeOver : FlightEventType::kPilotGaveBack));
   }
   pilot_ = !idle_now && pilot;
+  failsafe_ = failsafe;
   const bool new_list = to == Phase::kMission && !phase_path_.path().started();
   if (to != out_.phase || new_list) {
     enter(to, in);
@@ -117,6 +135,20 @@ void Guidance::update_phase(const Input& in) {
   }
   out_.request_disarm = out_.phase == Phase::kLanded;
   out_.landed = out_.landed || out_.phase == Phase::kLanded;
+}
+
+/// Battery and fence. Back at the start after a return that they asked for, it lands.
+void Guidance::watch_limits(const Input& in) {
+  const bool flying = out_.phase != Phase::kDisarmed && out_.phase != Phase::kTakeoff &&
+                      out_.phase != Phase::kRollout && out_.phase != Phase::kLanded;
+  if (!flying) return;
+  const Vector3 from_start_W = in.state.p_W - phase_path_.start_W();
+  limits_.step(in.status, from_start_W, out_.dt_s, out_.events);
+  constexpr double kThere = 2.5;  // turn radii: the circle above the start, and some
+  if (out_.phase == Phase::kReturn && limits_.asks_return() && !return_ &&
+      from_start_W.head<2>().norm() < kThere * config_.plan.radius_m) {
+    land_ = true;
+  }
 }
 
 void Guidance::lead(const Input& in) {

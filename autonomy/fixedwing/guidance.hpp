@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include "autonomy/common/flight_limits.hpp"
 #include "autonomy/common/flight_progress.hpp"
 #include "autonomy/fixedwing/fault_monitor.hpp"
 #include "autonomy/fixedwing/ground_detector.hpp"
@@ -58,7 +59,8 @@ class Guidance {
 
   /// Lands after the present step; set_mission() cancels it.
   void request_land() { land_ = true; }
-  /// Returns to the position of the start and circles there; set_mission() cancels it.
+  /// Returns to the position of the start and circles there; set_mission() cancels it. Battery and
+  /// fence (FlightLimits) return too, and land when they are there.
   void request_return() { return_ = true; }
   /// Another mission, also in flight, from waypoint `first` on.
   void set_mission(const Mission& mission, std::size_t first = 0);
@@ -77,17 +79,20 @@ class Guidance {
   PhasePath::Input path_input(const Input& in) const;
   void enter(Phase to, const Input& in);
   void update_phase(const Input& in);
+  void watch_limits(const Input& in);
   void lead(const Input& in);
 
   FlightConfig config_{};
   Mission mission_{};
   FaultMonitor faults_;
+  FlightLimits limits_;
   GroundDetector ground_;
   PhasePath phase_path_;
   GuidanceOutput out_{};
   double last_t_s_{};
   bool started_{false};
   bool pilot_{false};
+  bool failsafe_{false};
   bool path_done_{false};
   bool land_{false};
   bool return_{false};

@@ -126,6 +126,7 @@ Mission read(const MissionFile& file, const MissionLimits& limits,
                                 {"hold", AtEnd::kHold},
                                 {"cycle", AtEnd::kCycle},
                                 {"return", AtEnd::kReturn}});
+  mission.fence = file.fence();
   Passing usual = Passing::kFillet;
   if (file.root) {
     usual = file.root->choice<Passing>("path", kPassings, usual);
@@ -143,6 +144,7 @@ Mission read(const MissionFile& file, const MissionLimits& limits,
                      "hold_indefinitely at the last waypoint only");
     }
     mission.waypoints.push_back(waypoint_of(wp, usual, limits, origin));
+    check_fence(wp, mission.fence, mission.waypoints.back().p_W);
     wp.finish();
   }
   file.finish();

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "autonomy/common/flight_limits.hpp"
 #include "autonomy/common/mission_file.hpp"
 #include "autonomy/fixedwing/planner.hpp"
 #include "autonomy/fixedwing/types.hpp"
@@ -26,6 +27,7 @@ struct Mission {
   double score_radius_m{15.0};             ///< How near the truth must pass a waypoint.
   std::optional<double> radius_m;          ///< Of its turns; else the vehicle's.
   LandingSite landing{};                   ///< Absent: the position of the start.
+  std::optional<Fence> fence;              ///< Absent: none.
 };
 
 /// What a mission may ask of a vehicle.

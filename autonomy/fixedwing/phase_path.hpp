@@ -18,7 +18,7 @@ Controller::Direct takeoff_direct(const FlightConfig& config, double airspeed_m_
 /// The path and the direct commands of each phase of a flight.
 ///
 /// Take-off, climb and rollout follow a straight line along the course of the start; mission,
-/// return, approach and flare a planned path; loiter and glide a circle. A landing without a course
+/// return, approach, glide and flare a planned path; loiter and descent a circle. A landing without a course
 /// goes along the take-off, or against it if that is down the wind. Guidance decides which phase
 /// it is. begin() may allocate, nothing else does.
 class PhasePath {
@@ -72,12 +72,19 @@ class PhasePath {
             double radius_m, FlightEvents& events);
   void begin_approach(const Input& in, FlightEvents& events);
   void circle_here(const Input& in);
+  void begin_glide(const Input& in);
+  void plan_glide(const Input& in);
+  void learn_glide(const Input& in);
+  CurrentPath glide(const Input& in);
   CurrentPath straight_on(Phase phase, const FlightConfig& config) const;
   Controller::Direct direct(Phase phase, const Input& in) const;
   double choose_landing_course(const Input& in) const;
 
   PathManager path_;
-  CurrentPath circle_{};  ///< Of kLoiter and kGlide.
+  CurrentPath circle_{};            ///< Of kLoiter, kDescent and kGlide before it has a path.
+  std::optional<GlidePath> glide_;  ///< The path down of kGlide.
+  double glide_planned_s_{};
+  double glide_ratio_{};  ///< Distance per height: of the settings, then as it is measured.
   Vector3 start_W_{Vector3::Zero()};
   Vector3 climb_from_W_{Vector3::Zero()};
   double start_course_rad_{};
@@ -85,6 +92,7 @@ class PhasePath {
   double flare_height_m_{};
   double flare_throttle_{};
   double since_s_{};
+  double stepped_s_{};  ///< Time of the last step.
 };
 
 }  // namespace rosflight::autonomy::fixedwing

@@ -28,7 +28,9 @@ constexpr std::array kTransitions = {
     T{Phase::kMission, P::kPathDone, 0, Phase::kLoiter},
 
     T{Phase::kLoiter, P::kPilot, 0, Phase::kLoiter},
+    T{Phase::kLoiter, P::kOnGround, 0, Phase::kRollout},
     T{Phase::kLoiter, P::kMotorOut, 0, Phase::kGlide},
+    T{Phase::kLoiter, P::kComeDown, P::kPositionKnown, Phase::kDescent},
     T{Phase::kLoiter, P::kPositionKnown | P::kLandNext, 0, Phase::kApproach},
     T{Phase::kLoiter, P::kPositionKnown | P::kReturnNext, 0, Phase::kReturn},
     T{Phase::kLoiter, P::kPositionKnown, P::kPathDone, Phase::kMission},
@@ -44,6 +46,12 @@ constexpr std::array kTransitions = {
     T{Phase::kApproach, P::kMotorOut, 0, Phase::kGlide},
     T{Phase::kApproach, 0, P::kPositionKnown, Phase::kLoiter},
 
+    T{Phase::kDescent, P::kPilot, 0, Phase::kLoiter},
+    T{Phase::kDescent, P::kLow, 0, Phase::kFlare},
+    T{Phase::kDescent, P::kOnGround, 0, Phase::kRollout},
+    T{Phase::kDescent, P::kMotorOut, 0, Phase::kGlide},
+    T{Phase::kDescent, P::kPositionKnown, 0, Phase::kLoiter},
+
     T{Phase::kGlide, P::kPilot, 0, Phase::kLoiter},
     T{Phase::kGlide, P::kLow, 0, Phase::kFlare},
     T{Phase::kGlide, P::kOnGround, 0, Phase::kRollout},
@@ -55,7 +63,7 @@ constexpr std::array kTransitions = {
 };
 
 constexpr std::array kNames{"disarmed", "takeoff", "climb", "mission", "loiter", "return",
-                            "approach", "glide",   "flare", "rollout", "landed"};
+                            "approach", "glide",   "flare", "rollout", "landed", "descent"};
 
 }  // namespace
 

@@ -13,10 +13,11 @@ enum class Phase : std::uint8_t {
   kLoiter,    ///< Circles where it is, until it can go on.
   kReturn,    ///< To the position of the start, and circles there.
   kApproach,  ///< Along the path that ends on the ground.
-  kGlide,     ///< Without a motor: the same, or straight on, at the speed that sinks least.
+  kGlide,     ///< Without a motor: down to a field in reach, at the speed that sinks least.
   kFlare,
   kRollout,  ///< On the ground.
-  kLanded    ///< Stands and requests to be disarmed.
+  kLanded,   ///< Stands and requests to be disarmed.
+  kDescent   ///< Without a position: circles down at a fixed bank, under power.
 };
 
 /// The conditions of the table, one bit each.
@@ -35,7 +36,9 @@ struct Conditions {
     kMotorOut = 1U << 10U,
     kLow = 1U << 11U,  ///< Height to flare.
     kOnGround = 1U << 12U,
-    kStands = 1U << 13U
+    kStands = 1U << 13U,
+    kComeDown =
+        1U << 14U  ///< Down without a position: it was missing too long, or the battery ends.
   };
 };
 

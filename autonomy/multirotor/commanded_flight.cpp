@@ -58,14 +58,17 @@ void CommandedFlight::note(bool changed) {
     if (step_.takeoff_late) out_.events.add(FlightEventType::kTakeoffFailed);
   }
   const bool flying = !step_.idle;
-  if (flying && pilot_.any() != pilot_had_it_) {
-    out_.events.add(pilot_.any() ? FlightEventType::kPilotTookOver
-                                 : FlightEventType::kPilotGaveBack);
+  const bool others = pilot_.any() || failsafe_;
+  if (flying && others != pilot_had_it_) {
+    if (others) by_failsafe_ = failsafe_;
+    using Type = FlightEventType;
+    out_.events.add(others ? (by_failsafe_ ? Type::kFailsafeFlies : Type::kPilotTookOver)
+                           : (by_failsafe_ ? Type::kFailsafeOver : Type::kPilotGaveBack));
   }
-  pilot_had_it_ = flying && pilot_.any();
+  pilot_had_it_ = flying && others;
   out_.before = out_.phase;
   out_.phase = step_.phase;
-  out_.tracking = step_.follow && !pilot_.any();
+  out_.tracking = step_.follow && !others;
   out_.request_disarm = step_.request_disarm;
   out_.landed = out_.landed || step_.phase == Phase::kLanded;
 }
@@ -94,12 +97,15 @@ CommandedFlight::Turn CommandedFlight::begin(const Input& in) {
                          .state = in.state,
                          .psi_rad = attitude_.psi_rad,
                          .armed = in.status.armed,
-                         .pilot = pilot_.any() || regained,
+                         .pilot = pilot_.any() || failsafe_ || regained,
                          .ready = in.ready,
                          .command_good = in.command_good,
                          .land = land_,
                          .thrust_N = out_.thrust_N,
-                         .planned = in.planned});
+                         .planned = in.planned,
+                         .failsafe = failsafe_,
+                         .regained = regained,
+                         .range_m = in.range_m});
   note(step_.changed);
   if (step_.changed && step_.phase == Phase::kTakeoff) controller_.clear_integrators();
   out_.setpoint = step_.setpoint;
@@ -113,7 +119,7 @@ CommandedFlight::Turn CommandedFlight::begin(const Input& in) {
 void CommandedFlight::finish(const State& state, const ControllerCommand& command) {
   const Controller::Output control =
       controller_.step({state, attitude_, step_.follow ? command : step_.command, dt_s_, pilot_,
-                        step_.level, voltage_V_});
+                        step_.level || !state.horizontal, voltage_V_});
   out_.command = control.command;
   out_.roll_rad = control.roll_rad;
   out_.pitch_rad = control.pitch_rad;

@@ -16,7 +16,9 @@ namespace rosflight::autonomy::multirotor {
 ///
 /// The flight starts when the vehicle is armed, the pilot holds no axis and the caller is ready. A
 /// state that is not finite: the last command is repeated for kStateGrace_s, then all channels
-/// are ignored, which hands the vehicle to the pilot. A vehicle that does not follow its thrust (ThrustWatch) lands, with the
+/// are ignored, which hands the vehicle to the pilot. Without a horizontal position (State) it keeps
+/// level; its caller gives no command then. While the flight controller flies its failsafe command the
+/// hold point follows the vehicle, as for a pilot. A vehicle that does not follow its thrust (ThrustWatch) lands, with the
 /// limits of thrust and acceleration downwards lifted. It allocates nothing.
 class CommandedFlight {
  public:
@@ -35,6 +37,8 @@ class CommandedFlight {
     bool ready{true};             ///< The caller wants to fly.
     bool command_good{true};      ///< The received command may be flown.
     const Trajectory* planned{};  ///< Where the vehicle is meant to be; may be null.
+    // NOLINTNEXTLINE(readability-redundant-member-init): so that GCC lets callers name members
+    std::optional<double> range_m{};  ///< Of a range sensor downwards, fresh and in range.
   };
   struct Output {
     FirmwareCommand command{};
@@ -110,6 +114,7 @@ class CommandedFlight {
   double dt_s_{};
   double voltage_V_{};
   bool failsafe_{false};
+  bool by_failsafe_{false};  ///< What keeps the vehicle from us is, or was, the failsafe command.
   double last_t_s_{};
   double last_good_s_{};
   bool started_{false};

@@ -243,29 +243,38 @@ ThrustModel thrust_model(const Section& in, const AutonomyConfig& config,
 Table<AutonomyConfig> parameters() {
   using A = AutonomyConfig;
   using F = FlightConfig;
-  return {{"attitude_loops",
-           at(&A::flight, &F::controller, &ControllerConfig::attitude_loops),
-           {{"firmware", AttitudeLoops::kFirmware}, {"autonomy", AttitudeLoops::kAutonomy}},
-           "firmware: angles and a throttle go out; autonomy: force and torques, needs "
-           "USE_MOTOR_PARAM = 1"},
-          {"thrust_curve", &A::thrust_curve, curve_table(),
-           "measured; else it follows from the rotors: autonomy/multirotor/thrust_model.hpp"},
-          {"limits", at(&A::flight, &F::controller), controller_limits()},
-          {"limits", [](A& a) -> A& { return a; }, thrust_limits()},
-          {"limits", at(&A::flight, &F::path, &PathConfig::limits), leg_limits()},
-          {"limits", &A::mission, mission_limits()},
-          {"path", at(&A::flight, &F::path), path_table()},
-          {"follower", at(&A::flight, &F::follower), follower_table(), "Flies trajectories."},
-          {"controller", at(&A::flight, &F::controller), controller_table(),
-           "Take-off, hold, landing, and commands from outside."},
-          {"takeoff", at(&A::flight, &F::states), takeoff_table()},
-          {"hold", at(&A::flight, &F::states), hold_table()},
-          {"landing", at(&A::flight, &F::states, &StateMachineConfig::landing), landing_table()}};
+  return {
+      {"attitude_loops",
+       at(&A::flight, &F::controller, &ControllerConfig::attitude_loops),
+       {{"firmware", AttitudeLoops::kFirmware}, {"autonomy", AttitudeLoops::kAutonomy}},
+       "firmware: angles and a throttle go out; autonomy: force and torques, needs "
+       "USE_MOTOR_PARAM = 1"},
+      {"thrust_curve", &A::thrust_curve, curve_table(),
+       "measured; else it follows from the rotors: autonomy/multirotor/thrust_model.hpp"},
+      {"limits", at(&A::flight, &F::controller), controller_limits()},
+      {"limits", [](A& a) -> A& { return a; }, thrust_limits()},
+      {"limits", at(&A::flight, &F::path, &PathConfig::limits), leg_limits()},
+      {"limits", &A::mission, mission_limits()},
+      {"path", at(&A::flight, &F::path), path_table()},
+      {"follower", at(&A::flight, &F::follower), follower_table(), "Flies trajectories."},
+      {"controller", at(&A::flight, &F::controller), controller_table(),
+       "Take-off, hold, landing, and commands from outside."},
+      {"takeoff", at(&A::flight, &F::states), takeoff_table()},
+      {"hold", at(&A::flight, &F::states), hold_table()},
+      {"landing", at(&A::flight, &F::states, &StateMachineConfig::landing), landing_table()},
+      {"safety", at(&A::flight),
+       config::Table<F>{{"return_height_m", &F::return_height_m, "m", Range::between(0.5, 1000.0),
+                         "of a return, above the start, at least"}}},
+      {"battery", at(&A::flight, &F::battery), battery_table(),
+       "Cells, capacity and resistance come from the section `battery`."}};
 }
 
 AutonomyConfig read_autonomy(const Section& autonomy, const VehicleFacts& vehicle) {
   AutonomyConfig out;
   parameters().read(autonomy, out);
+  out.flight.battery.cells = vehicle.battery.cells;
+  out.flight.battery.capacity_Ah = vehicle.battery.capacity_Ah;
+  out.flight.battery.resistance_ohm = vehicle.battery.resistance_ohm;
   out.flight.thrust = thrust_model(autonomy, out, vehicle);
   out.flight.controller.mass_kg = out.flight.follower.mass_kg = vehicle.mass_kg;
   out.flight.controller.gravity_m_s2 = out.flight.follower.gravity_m_s2 = vehicle.gravity_m_s2;

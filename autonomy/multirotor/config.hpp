@@ -13,6 +13,7 @@ struct VehicleFacts {
   double gravity_m_s2{9.81};
   RotorData rotors{};
   ThrottlePath throttle{};
+  BatteryConfig battery{};  ///< Its cells, capacity and resistance.
 };
 
 struct AutonomyConfig {

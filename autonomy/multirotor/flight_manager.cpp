@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "autonomy/multirotor/flight_manager.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -44,6 +46,10 @@ void FlightManager::set_mission(const Mission& mission) {
   control_.renew(with_height(config_.states, mission));
   path_.set_waypoints(mission.waypoints);
   at_end_ = mission.at_end;
+  fence_ = mission.fence;
+  limits_.start(config_.battery, fence_);
+  return_asked_ = returning_ = false;
+  unplaced_s_ = 0.0;
   flown_ = false;
   command_good_ = true;
   out_.mission_done = out_.landed = false;
@@ -55,6 +61,7 @@ void FlightManager::start_path(double t_s, const State& state) {
 
 void FlightManager::hand_over(double t_s, const State& state) {
   const CommandedFlight::Output& control = control_.output();
+  if (control.phase == Phase::kTakeoff) start_W_ = state.p_W;
   if (control.phase == Phase::kOffboard) {
     start_path(t_s, state);
     follower_->restart(control_.trim_W());
@@ -70,31 +77,79 @@ void FlightManager::hand_over(double t_s, const State& state) {
 ControllerCommand FlightManager::follow(double t_s, const State& state) {
   const AttitudeView& attitude = control_.attitude();
   const PathManager::Output path = path_.step(t_s, state.p_W, attitude.psi_rad);
-  if (path.event != PathManager::Event::kNone) {
+  if (path.event != PathManager::Event::kNone && !returning_) {
     const bool reached = path.event == PathManager::Event::kReached;
     out_.events.add(reached ? FlightEventType::kWaypointReached : FlightEventType::kWaypointMissed,
                     path.event_waypoint, path.event_distance_m);
   }
-  if (path.done && !out_.mission_done) {
+  if (path.done && returning_) {
+    control_.request_land();
+  } else if (path.done && !out_.mission_done) {
     out_.mission_done = true;
     out_.events.add(FlightEventType::kMissionDone);
     if (at_end_ == AtEnd::kLand) control_.request_land();
   }
   out_.setpoint = path.setpoint;
-  out_.waypoint = path.waypoint;
+  if (!returning_) out_.waypoint = path.waypoint;
   out_.distance_m = path.distance_m;
   return follower_->step({state, attitude, out_.setpoint, 0.0, control_.dt_s(), control_.pilot()});
 }
 
+/// Up to the height of the return where it is lower, then above the start.
+void FlightManager::begin_return(double t_s, const State& state) {
+  const double psi_rad = control_.attitude().psi_rad;
+  const double down_m = std::min(state.p_W.z(), start_W_.z() - config_.return_height_m);
+  Waypoint up;
+  up.p_W << state.p_W.head<2>(), down_m;
+  up.psi_rad = psi_rad;
+  Waypoint home = up;
+  home.p_W << start_W_.head<2>(), down_m;
+  path_.set_cycle(false);
+  path_.set_waypoints({up, home});
+  if (control_.output().phase == Phase::kOffboard) start_path(t_s, state);
+  returning_ = true;
+  out_.events.add(FlightEventType::kReturning);
+}
+
+/// What battery, fence, position and the caller ask for.
+void FlightManager::decide(const Input& in) {
+  const bool flying = !control_.on_ground() && control_.output().phase != Phase::kTakeoff;
+  if (!flying) return;
+  const double dt_s = control_.dt_s();
+  const Vector3 nowhere = Vector3::Constant(std::numeric_limits<double>::quiet_NaN());
+  limits_.step(in.status, in.state.horizontal ? Vector3(in.state.p_W - start_W_) : nowhere, dt_s,
+               out_.events);
+  const bool placed = in.state.horizontal;
+  const bool was_placed = unplaced_s_ < kPositionWait_s;
+  unplaced_s_ = placed ? 0.0 : unplaced_s_ + dt_s;
+  if (was_placed && unplaced_s_ >= kPositionWait_s) {
+    out_.events.add(FlightEventType::kPositionLost);
+    control_.request_land();
+  }
+  if (limits_.asks_land()) control_.request_land();
+  const bool wanted = return_asked_ || limits_.asks_return();
+  if (wanted && !returning_ && placed && control_.output().phase != Phase::kLanding) {
+    begin_return(in.t_s, in.state);
+  }
+}
+
+bool FlightManager::position_settled(const Input& in) {
+  const bool aided = in.state.horizontal && in.state.aided;
+  if (!aided && !control_.on_ground()) settled_s_ = in.t_s + kPositionSettles_s;
+  return aided && in.t_s >= settled_s_;
+}
+
 const FlightOutput& FlightManager::step(const Input& in) {
   using Turn = CommandedFlight::Turn;
+  const bool settled = position_settled(in);
   const Turn turn =
       control_.begin({.t_s = in.t_s,
                       .state = in.state,
                       .status = in.status,
                       .ready = !flown_,
-                      .command_good = command_good_,
-                      .planned = near_plan(in.state, out_.setpoint) ? &out_.setpoint : nullptr});
+                      .command_good = command_good_ && settled,
+                      .planned = near_plan(in.state, out_.setpoint) ? &out_.setpoint : nullptr,
+                      .range_m = in.range_m});
   const CommandedFlight::Output& control = control_.output();
   out_.events = control.events;
   if (turn == Turn::kNone) {
@@ -103,8 +158,9 @@ const FlightOutput& FlightManager::step(const Input& in) {
     return out_;
   }
   if (control.phase != control.before) hand_over(in.t_s, in.state);
+  decide(in);
   out_.phase = control.phase;
-  out_.tracking = control.tracking;
+  out_.tracking = control.tracking && !returning_;
   out_.request_disarm = control.request_disarm;
   out_.landed = control.landed;
   command_good_ = true;

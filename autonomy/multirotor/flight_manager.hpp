@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <memory>
+#include <optional>
 
+#include "autonomy/common/flight_limits.hpp"
 #include "autonomy/common/flight_progress.hpp"
 #include "autonomy/multirotor/commanded_flight.hpp"
 #include "autonomy/multirotor/mission.hpp"
@@ -15,6 +17,8 @@ struct FlightConfig {
   FollowerConfig follower{};
   ControllerConfig controller{};
   StateMachineConfig states{};
+  BatteryConfig battery{};
+  double return_height_m{5.0};  ///< Of a return, above the start, at least.
   ThrustModel thrust;
 };
 
@@ -39,16 +43,22 @@ struct FlightOutput : FlightProgress<Phase> {
 ///
 /// The flight starts when the vehicle is armed and no axis is the pilot's, and happens once: after
 /// the landing a new mission must be set. A leg that was interrupted (pilot, lost state) starts
-/// again from where the vehicle is. A state that is not finite: the last command is repeated for
+/// again from where the vehicle is. A position that has been dead-reckoned for long is held, not
+/// followed, until it has been aided for kPositionSettles_s: the estimate moves to the truth then. Without a horizontal position it keeps level, and lands when that
+/// lasts kPositionWait_s. Battery and fence (FlightLimits) let it return or land. A state that is not finite: the last command is repeated for
 /// kStateGrace_s, then all channels are ignored, which hands the vehicle to the pilot.
 class FlightManager {
  public:
   static constexpr double kStateGrace_s = CommandedFlight::kStateGrace_s;
+  static constexpr double kPositionWait_s = 1.5;
+  static constexpr double kPositionSettles_s = 5.0;  ///< In which an estimate shows its correction.
 
   struct Input {
     double t_s{};  ///< Must grow.
     const State& state;
     Status status{};
+    // NOLINTNEXTLINE(readability-redundant-member-init): so that GCC lets callers name members
+    std::optional<double> range_m{};  ///< Of a range sensor downwards, fresh and in range.
   };
 
   /// Throws std::invalid_argument if the mission cannot be flown with this configuration.
@@ -61,6 +71,8 @@ class FlightManager {
 
   /// Land where it is; cannot be taken back.
   void request_land() { control_.request_land(); }
+  /// Back to the position of the take-off, return_height_m above it at least, and land there.
+  void request_return() { return_asked_ = true; }
   /// Another mission, also in flight; a flight that has ended may start again. May allocate.
   void set_mission(const Mission& mission);
 
@@ -71,12 +83,22 @@ class FlightManager {
   void start_path(double t_s, const State& state);
   void hand_over(double t_s, const State& state);
   ControllerCommand follow(double t_s, const State& state);
+  void decide(const Input& in);
+  bool position_settled(const Input& in);
+  void begin_return(double t_s, const State& state);
 
   FlightConfig config_{};
   PathManager path_;
   std::unique_ptr<TrajectoryLaw> follower_;
   CommandedFlight control_;
   AtEnd at_end_{AtEnd::kLand};
+  FlightLimits limits_;
+  std::optional<Fence> fence_;
+  Vector3 start_W_{Vector3::Zero()};  ///< Of the take-off.
+  double unplaced_s_{};               ///< Without a horizontal position.
+  double settled_s_{};                ///< When the position will have settled.
+  bool return_asked_{false};
+  bool returning_{false};
   FlightOutput out_{};
   bool flown_{false};  ///< Landed once with this mission.
   bool command_good_{true};

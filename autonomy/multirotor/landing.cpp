@@ -43,14 +43,14 @@ Landing::Output Landing::step(const Input& in) {
     still_s_ = 0.0;
     thrust_N_ = in.thrust_N;
   }
-  if (in.down_speed_m_s > kFalling_m_s) {
+  if (in.down_speed_m_s > kFalling_m_s && !in.at_ground) {
     unloading_ = false;
     slow_s_ = 0.0;
     return out;
   }
   thrust_N_ = std::max(thrust_N_ - in.hover_thrust_N * dt_s / config_.unload_s, 0.0);
-  const bool still =
-      thrust_N_ <= kUnloaded * in.hover_thrust_N && std::abs(in.down_speed_m_s) < kStill_m_s;
+  const bool still = thrust_N_ <= kUnloaded * in.hover_thrust_N &&
+                     (std::abs(in.down_speed_m_s) < kStill_m_s || in.at_ground);
   still_s_ = still ? still_s_ + dt_s : 0.0;
   out.unloading = true;
   out.thrust_N = thrust_N_;

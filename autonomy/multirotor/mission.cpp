@@ -59,6 +59,7 @@ Mission read(const MissionFile& file, const MissionLimits& limits,
   Mission mission;
   mission.takeoff_height_m = file.takeoff_height_m(limits.area());
   mission.score_radius_m = file.score_radius_m().value_or(mission.score_radius_m);
+  mission.fence = file.fence();
   mission.at_end =
       file.at_end({{"land", AtEnd::kLand}, {"hold", AtEnd::kHold}, {"cycle", AtEnd::kCycle}});
   if (file.root) reject_fixedwing_keys(*file.root, {"landing"});
@@ -69,6 +70,7 @@ Mission read(const MissionFile& file, const MissionLimits& limits,
                      "hold_indefinitely at the last waypoint only");
     }
     mission.waypoints.push_back(waypoint_of(wp, limits, origin));
+    check_fence(wp, mission.fence, mission.waypoints.back().p_W);
     if (const auto figure = wp.optional_section("figure_eight")) {
       mission.waypoints.push_back(figure_of(*figure, mission.waypoints.back(), limits));
     }

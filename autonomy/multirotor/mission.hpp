@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "autonomy/common/flight_limits.hpp"
 #include "autonomy/common/mission_file.hpp"
 #include "autonomy/multirotor/types.hpp"
 
@@ -16,6 +17,7 @@ struct Mission {
   AtEnd at_end{AtEnd::kLand};
   std::optional<double> takeoff_height_m;  ///< Else the vehicle's.
   double score_radius_m{2.0};              ///< How near the truth must pass a waypoint.
+  std::optional<Fence> fence;              ///< Absent: none.
 };
 
 /// What a mission may ask of a vehicle.

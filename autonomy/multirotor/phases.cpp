@@ -18,6 +18,7 @@ constexpr std::array kTransitions = {
     T{Phase::kTakeoff, P::kTakeoffLate | P::kLiftedOff, 0, Phase::kLanding},
     T{Phase::kTakeoff, P::kTakeoffLate, 0, Phase::kLanded},
 
+    T{Phase::kPositionHold, P::kTouched, 0, Phase::kLanded},
     T{Phase::kPositionHold, P::kPilot, 0, Phase::kPositionHold},
     T{Phase::kPositionHold, P::kLandAsked, 0, Phase::kLanding},
     T{Phase::kPositionHold, P::kHoldOver | P::kCommandGood, 0, Phase::kOffboard},

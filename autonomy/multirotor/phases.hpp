@@ -27,7 +27,7 @@ struct Conditions {
     kTakeoffLate = 1U << 7U,
     kHoldOver = 1U << 8U,
     kCommandLost = 1U << 9U,  ///< No good command for lost_command_land_s.
-    kTouched = 1U << 10U
+    kTouched = 1U << 10U      ///< By a landing, or by a failsafe command of the flight controller.
   };
 };
 

@@ -38,6 +38,34 @@ bool StateMachine::settled(const Input& in) const {
          in.state.v_W.norm() <= config_.settle_speed_m_s;
 }
 
+/// The range sensor reads what it did before the take-off.
+bool StateMachine::at_ground(const Input& in) const {
+  constexpr double kSlack_m = 0.1;
+  return in.range_m && standing_range_m_ && *in.range_m < *standing_range_m_ + kSlack_m;
+}
+
+bool StateMachine::low(const Input& in) const {
+  constexpr double kLow_m = 0.6;
+  const bool flying = phase_ != Phase::kDisarmed && phase_ != Phase::kTakeoff;
+  return flying && (ground_down_m_ - in.state.p_W.z() < kLow_m || at_ground(in));
+}
+
+/// The range sensor's first reading may come a little later than the first state.
+void StateMachine::watch_gap(const Input& in) {
+  constexpr double kFirstReadings_s = 0.5;
+  if (phase_ == Phase::kDisarmed || phase_ == Phase::kTakeoff) brought_down_ = false;
+  if (in.regained) gap_judged_until_s_ = in.t_s + kFirstReadings_s;
+  if (in.t_s <= gap_judged_until_s_ && low(in)) brought_down_ = true;
+}
+
+void StateMachine::watch_failsafe(const Input& in) {
+  constexpr double kStill_m_s = 0.3;
+  const bool rests = low(in) && std::abs(in.state.v_W.z()) < kStill_m_s;
+  grounded_s_ = rests && in.failsafe ? grounded_s_ + in.dt_s : 0.0;
+  if (rests && failsafe_before_ && !in.failsafe) grounded_s_ = 2.0 * kGrounded_s;
+  failsafe_before_ = in.failsafe;
+}
+
 PhaseConditions StateMachine::conditions(const Input& in) const {
   const double height_m = ground_down_m_ - in.state.p_W.z();
   const double phase_s = in.t_s - since_s_;
@@ -46,7 +74,7 @@ PhaseConditions StateMachine::conditions(const Input& in) const {
   out.set(Conditions::kReady, in.ready);
   out.set(Conditions::kCommandGood, in.command_good);
   out.set(Conditions::kPilot, in.pilot);
-  out.set(Conditions::kLandAsked, in.land);
+  out.set(Conditions::kLandAsked, in.land || brought_down_);
   out.set(Conditions::kLiftedOff, height_m > config_.lift_off_height_m);
   out.set(Conditions::kHeightReached,
           height_m >= config_.takeoff_height_m - config_.takeoff_tolerance_m);
@@ -54,7 +82,7 @@ PhaseConditions StateMachine::conditions(const Input& in) const {
   const bool settle_timeout = !(phase_s < config_.hold_s + config_.settle_timeout_s);
   out.set(Conditions::kHoldOver, phase_s >= config_.hold_s && (settled(in) || settle_timeout));
   out.set(Conditions::kCommandLost, in.t_s - good_s_ > config_.lost_command_land_s);
-  out.set(Conditions::kTouched, landing_step_.touched);
+  out.set(Conditions::kTouched, landing_step_.touched || grounded_s_ > kGrounded_s);
   return out;
 }
 
@@ -66,6 +94,7 @@ void StateMachine::enter(Phase to, const Input& in) {
     case Phase::kTakeoff:
       hold_here(in);
       ground_down_m_ = in.state.p_W.z();
+      standing_range_m_ = in.range_m;
       hover_thrust_N_ = weight_N_;
       break;
     case Phase::kPositionHold:
@@ -118,8 +147,8 @@ void StateMachine::fly(const Input& in, Output& out) {
                                  config_.takeoff_speed_m_s);
     out.level = height_m < config_.lift_off_height_m;
   } else {
-    landing_step_ =
-        landing_.step({in.dt_s, in.state.v_W.z(), height_m, in.thrust_N, hover_thrust_N_});
+    landing_step_ = landing_.step(
+        {in.dt_s, in.state.v_W.z(), height_m, in.thrust_N, hover_thrust_N_, at_ground(in)});
     down_speed_m_s = landing_step_.down_speed_m_s;
     out.level = landing_step_.unloading;
     const bool free = !landing_step_.unloading && in.state.v_W.z() > 0.6 * down_speed_m_s;
@@ -140,6 +169,8 @@ StateMachine::Output StateMachine::step(const Input& in) {
   Output out;
   if (in.command_good) good_s_ = in.t_s;
   learn_hover_thrust(in, false);
+  watch_failsafe(in);
+  watch_gap(in);
   const PhaseConditions now = conditions(in);
   const Phase to = kPhaseTable.next(phase_, now.bits());
   const bool gives_up = to == Phase::kLanding || to == Phase::kLanded;
@@ -151,7 +182,10 @@ StateMachine::Output StateMachine::step(const Input& in) {
   } else if (waits) {
     hold_here(in);
     since_s_ = good_s_ = in.t_s;
-    if (to == Phase::kTakeoff) ground_down_m_ = in.state.p_W.z();
+    if (to == Phase::kTakeoff) {
+      ground_down_m_ = in.state.p_W.z();
+      standing_range_m_ = in.range_m;
+    }
   }
   out.phase = phase_;
   out.idle = phase_ == Phase::kDisarmed || phase_ == Phase::kLanded;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <optional>
+
 #include "autonomy/multirotor/landing.hpp"
 #include "autonomy/multirotor/phases.hpp"
 #include "autonomy/multirotor/types.hpp"
@@ -29,6 +31,8 @@ struct StateMachineConfig {
 ///   the command failed for at least hold_s, and lands if none arrives for lost_command_land_s.
 /// - While the pilot overrides any axis the vehicle is in kPositionHold and the hold point follows
 ///   it; on the ground the take-off is postponed.
+/// - A failsafe command of the flight controller that leads to the ground ends the flight: low, and
+///   without vertical speed for kGrounded_s, or when it ends.
 /// - kLanding ends in kLanded when Landing detects the ground; kLanded requests to be disarmed and
 ///   ends when the vehicle is.
 class StateMachine {
@@ -45,7 +49,11 @@ class StateMachine {
     bool land{};
     double thrust_N{};  ///< Commanded in the step before.
     const Trajectory*
-        planned{};  ///< Where the vehicle is meant to be, for a landing on plan; may be null.
+        planned{};    ///< Where the vehicle is meant to be, for a landing on plan; may be null.
+    bool failsafe{};  ///< The flight controller flies its failsafe command.
+    bool regained{};  ///< The first state after a gap in which others flew.
+    // NOLINTNEXTLINE(readability-redundant-member-init): so that GCC lets callers name members
+    std::optional<double> range_m{};  ///< Of a range sensor downwards, fresh and in range.
   };
   struct Output {
     Phase phase{Phase::kDisarmed};
@@ -58,6 +66,8 @@ class StateMachine {
     ControllerCommand command{};
     Trajectory setpoint{};  ///< What is held, for the log.
   };
+
+  static constexpr double kGrounded_s = 1.5;
 
   StateMachine() = default;
   /// @param weight_N  first guess of the thrust that hovers.
@@ -78,6 +88,10 @@ class StateMachine {
   void enter(Phase to, const Input& in);
   void hold_here(const Input& in);
   bool settled(const Input& in) const;
+  bool at_ground(const Input& in) const;
+  bool low(const Input& in) const;
+  void watch_failsafe(const Input& in);
+  void watch_gap(const Input& in);
   void fly(const Input& in, Output& out);
   void learn_hover_thrust(const Input& in, bool descending_freely);
 
@@ -88,8 +102,13 @@ class StateMachine {
   Vector3 hold_W_{Vector3::Zero()};
   double hold_psi_rad_{};
   double ground_down_m_{};  ///< Down coordinate of the take-off position.
-  double since_s_{};        ///< Entry of the phase.
-  double good_s_{};         ///< Last time with a good command, or of entry.
+  std::optional<double> standing_range_m_;
+  bool failsafe_before_{false};
+  bool brought_down_{false};  ///< A gap ended close to the ground: it lands.
+  double gap_judged_until_s_{-1.0};
+  double grounded_s_{};  ///< Low and without vertical speed under a failsafe command.
+  double since_s_{};     ///< Entry of the phase.
+  double good_s_{};      ///< Last time with a good command, or of entry.
   double weight_N_{};
   double hover_thrust_N_{};
 };

@@ -12,6 +12,8 @@ struct State {
   Vector3 v_W{Vector3::Zero()};
   Quaternion q_WB{Quaternion::Identity()};  ///< Normalised by the source.
   Vector3 w_B{Vector3::Zero()};
+  bool horizontal{true};  ///< false: position and velocity north and east mean nothing.
+  bool aided{true};       ///< false: they have been dead-reckoned for a while: hold, do not follow.
 };
 
 /// One target, always local: geodetic input is converted when a mission is loaded (geodesy.hpp).

@@ -89,6 +89,18 @@ bool is_fixed_wing(const sim::Vehicle& vehicle) {
   return vehicle.type() == "fixedwing";
 }
 
+namespace {
+autonomy::BatteryConfig battery_facts(const sim::BatteryParameters& battery) {
+  autonomy::BatteryConfig out;
+  if (battery.constant) return out;  // never ends
+  constexpr double kSecondsPerHour = 3600.0;
+  out.cells = battery.cells;
+  out.capacity_Ah = battery.capacity_As / kSecondsPerHour;
+  out.resistance_ohm = battery.resistance_ohm;
+  return out;
+}
+}  // namespace
+
 sim::MultirotorParameters read_rotors(const sim::Vehicle& vehicle) {
   if (is_fixed_wing(vehicle)) return sim::read_fixed_wing(vehicle.root()).propulsion;
   return sim::read_multirotor(vehicle.root());
@@ -135,6 +147,7 @@ autonomy::multirotor::AutonomyConfig read_multirotor_autonomy(
   facts.mass_kg = vehicle.body().mass_kg;
   facts.gravity_m_s2 = vehicle.environment().gravity_m_s2;
   facts.rotors = rotor_data(rotors, vehicle.environment());
+  facts.battery = battery_facts(rotors.battery);
   facts.throttle.rc_max_thr = firmware_value(firmware, "RC_MAX_THR");
   if (firmware_value(firmware, "USE_MOTOR_PARAM") != 0.0) {
     core::MotorModel motor;
@@ -170,7 +183,8 @@ autonomy::estimation::EstimatorConfig read_estimator(const sim::Vehicle& vehicle
 }
 
 autonomy::fixedwing::AutonomyConfig read_fixedwing_autonomy(const sim::Vehicle& vehicle) {
-  const sim::AirframeParameters airframe = sim::read_fixed_wing(vehicle.root()).airframe;
+  const sim::FixedWingParameters aircraft = sim::read_fixed_wing(vehicle.root());
+  const sim::AirframeParameters& airframe = aircraft.airframe;
   const sim::EnvironmentParameters& environment = vehicle.environment();
   autonomy::fixedwing::VehicleFacts facts;
   facts.mass_kg = vehicle.body().mass_kg;
@@ -178,6 +192,7 @@ autonomy::fixedwing::AutonomyConfig read_fixedwing_autonomy(const sim::Vehicle& 
   facts.wing_area_m2 = airframe.area_m2;
   facts.density_kg_m3 =
       sim::Atmosphere(environment.atmosphere).at(environment.origin.altitude_m).density_kg_m3;
+  facts.battery = battery_facts(aircraft.propulsion.battery);
   facts.lift_zero = airframe.lift.zero;
   facts.lift_alpha_1_rad = airframe.lift.alpha;
   facts.pitch_zero = airframe.pitch.zero;

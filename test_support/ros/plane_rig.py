@@ -58,11 +58,11 @@ def start(name, **parameters):
     return node(name, package="rosplane", **parameters)
 
 
-def state(ns, north=0.0, east=0.0, height=60.0, course=0.0, airspeed=15.0, roll=0.0):
-    """Level flight in still air, nose on the course."""
+def state(ns, north=0.0, east=0.0, height=60.0, course=0.0, airspeed=15.0, roll=0.0, climb=0.0):
+    """Flight with a level nose in still air, nose on the course."""
     message = stamp(State(), ns)
     message.p_n, message.p_e, message.p_d = north, east, -height
-    message.v_x = airspeed
+    message.v_x, message.v_z = airspeed, -climb
     message.phi, message.psi, message.chi, message.va = roll, course, course, airspeed
     cr, sr, cy, sy = math.cos(roll / 2), math.sin(roll / 2), math.cos(course / 2), math.sin(course / 2)
     q = message.quat

@@ -37,7 +37,12 @@ class Flight {
 
   const FlightOutput& output() const { return manager.output(); }
   Status status() const {
-    return {.armed = armed(), .offboard = true, .rc_override = override_word};
+    return {.armed = armed(),
+            .offboard = true,
+            .rc_override = override_word,
+            .battery_voltage_V = battery_V,
+            .failsafe = failsafe,
+            .battery_fresh = battery_V > 0.0};
   }
   bool armed() const { return t_s >= 0.5 && !disarmed; }
   std::vector<FlightEvent> events_of(FlightEventType type) const {
@@ -56,6 +61,9 @@ class Flight {
   Plant plant;
   int rate_hz{200};
   std::uint16_t override_word{};
+  bool failsafe{false};
+  double battery_V{0.0};             ///< 0: not measured.
+  std::function<void(State&)> look;  ///< Spoils what the manager sees.
   double t_s{};
   double last_step_s{};
   bool disarmed{false};
@@ -67,7 +75,9 @@ class Flight {
 
   void control(const std::function<void()>& after_step) {
     last_step_s = t_s;
-    const FlightOutput& out = manager.step({t_s, plant.state(), status()});
+    State seen = plant.state();
+    if (look) look(seen);
+    const FlightOutput& out = manager.step({t_s, seen, status()});
     events.insert(events.end(), out.events.begin(), out.events.end());
     if (out.tracking) {
       square_sum_ += (out.setpoint.p_W - plant.state().p_W).squaredNorm();

@@ -68,6 +68,7 @@ Phase expected(Phase from, unsigned c) {
       if (has(S::kTakeoffLate)) return has(S::kLiftedOff) ? Phase::kLanding : Phase::kLanded;
       return from;
     case Phase::kPositionHold:
+      if (has(S::kTouched)) return Phase::kLanded;
       if (has(S::kPilot)) return from;
       if (has(S::kLandAsked)) return Phase::kLanding;
       if (has(S::kHoldOver) && has(S::kCommandGood)) return Phase::kOffboard;
@@ -83,6 +84,78 @@ Phase expected(Phase from, unsigned c) {
       return from;
   }
   return from;
+}
+
+/// The flight controller's failsafe command brings the vehicle down; what comes after must not start
+/// from the ground.
+TEST(StateMachine, AFailsafeCommandThatLeadsToTheGroundEndsTheFlight) {
+  StateMachineConfig config;
+  for (const bool comes_down : {true, false}) {
+    StateMachine machine(config, 34.0);
+    State state;
+    double t_s = 0.0;
+    bool failsafe = false;
+    const auto run = [&](double seconds) {
+      for (long k = std::lround(seconds / 0.01); k > 0; --k, t_s += 0.01) {
+        static_cast<void>(machine.step({.t_s = t_s,
+                                        .dt_s = 0.01,
+                                        .state = state,
+                                        .armed = true,
+                                        .pilot = failsafe,
+                                        .ready = true,
+                                        .command_good = true,
+                                        .thrust_N = 34.0,
+                                        .failsafe = failsafe}));
+      }
+    };
+    run(0.1);
+    state.p_W.z() = -2.0;
+    run(10.0);
+    ASSERT_EQ(machine.phase(), Phase::kOffboard);
+    failsafe = true;
+    run(1.0);
+    EXPECT_EQ(machine.phase(), Phase::kPositionHold);
+    state.p_W.z() = comes_down ? -0.02 : -1.5;
+    run(0.5);
+    failsafe = false;
+    run(0.1);
+    EXPECT_EQ(machine.phase(), comes_down ? Phase::kLanded : Phase::kPositionHold);
+  }
+}
+
+/// The pilot's throttle stick brought it down while no state came; it does not start from there.
+TEST(StateMachine, AGapThatEndsCloseToTheGroundEndsInALanding) {
+  for (const double height_m : {0.4, 1.5}) {
+    StateMachine machine(StateMachineConfig{}, 34.0);
+    State state;
+    StateMachine::Input in{.t_s = 0.0,
+                           .dt_s = 0.01,
+                           .state = state,
+                           .armed = true,
+                           .ready = true,
+                           .command_good = true,
+                           .thrust_N = 34.0};
+    const auto run = [&](int steps) {
+      for (int k = 0; k < steps; ++k, in.t_s += 0.01) static_cast<void>(machine.step(in));
+    };
+    run(10);
+    state.p_W.z() = -2.0;
+    run(1000);
+    ASSERT_EQ(machine.phase(), Phase::kOffboard);
+    state.p_W.z() = -height_m;
+    state.v_W.z() = 0.4;
+    in.pilot = in.regained = true;
+    run(1);
+    EXPECT_EQ(machine.phase(), Phase::kPositionHold);
+    in.pilot = in.regained = false;
+    run(10);
+    EXPECT_EQ(machine.phase(), height_m < 1.0 ? Phase::kLanding : Phase::kPositionHold);
+    run(60);
+    state.p_W.z() = -0.4;
+    run(10);
+    EXPECT_EQ(machine.phase(), height_m < 1.0 ? Phase::kLanding : Phase::kPositionHold)
+        << "of its own will";
+  }
 }
 
 TEST(StateMachine, EveryPhaseUnderEveryCombinationOfConditions) {

@@ -263,6 +263,12 @@ class ControllerNode : public rclcpp::Node {
         case Type::kStateRegained:
           RCLCPP_INFO(get_logger(), "state regained");
           break;
+        case Type::kFailsafeFlies:
+          RCLCPP_WARN(get_logger(), "%s", autonomy::name(event.type));
+          break;
+        case Type::kFailsafeOver:
+          RCLCPP_INFO(get_logger(), "%s", autonomy::name(event.type));
+          break;
         case Type::kThrustFault:
           RCLCPP_WARN(get_logger(), "%s (climb %.1f m/s)", autonomy::name(event.type), event.value);
           break;

@@ -84,6 +84,7 @@ class PathManagerNode : public rclcpp::Node {
           status_.armed = message->armed;
           status_.offboard = message->offboard;
           status_.rc_override = message->rc_override;
+          status_.failsafe = message->failsafe;
         });
     ranges_ = create_subscription<sensor_msgs::msg::Range>(
         "range", rclcpp::QoS(10), [this](sensor_msgs::msg::Range::ConstSharedPtr message) {
@@ -228,7 +229,8 @@ class PathManagerNode : public rclcpp::Node {
         RCLCPP_INFO(get_logger(), "phase %s", wing::name(static_cast<wing::Phase>(event.index)));
       } else if (event.type == Type::kWaypointReached) {
         RCLCPP_INFO(get_logger(), "waypoint %zu reached at %.1f m", event.index + 1, event.value);
-      } else if (event.type == Type::kMissionDone || event.type == Type::kPilotGaveBack) {
+      } else if (event.type == Type::kMissionDone || event.type == Type::kPilotGaveBack ||
+                 event.type == Type::kFailsafeOver) {
         RCLCPP_INFO(get_logger(), "%s", autonomy::name(event.type));
       } else {
         RCLCPP_WARN(get_logger(), "%s", autonomy::name(event.type));

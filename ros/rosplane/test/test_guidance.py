@@ -115,7 +115,8 @@ class World:
         self.status = peer.publisher(Status, "status", NEWEST)
         self.command = peer.publisher(Command, "command", NEWEST)
         self.phases, self.paths = peer.listen(FlightPhase, "flight_phase"), peer.listen(CurrentPath, "current_path")
-        self.armed = False
+        self.armed = self.failsafe = False
+        self.throttle = None
 
     def tick(self, dt_s=0.02, **fields):
         self.t_s += dt_s
@@ -123,7 +124,9 @@ class World:
         clock = Clock()
         clock.clock.sec, clock.clock.nanosec = divmod(ns, 1_000_000_000)
         self.clock.publish(clock)
-        self.status.publish(stamp(Status(armed=self.armed), ns))
+        self.status.publish(stamp(Status(armed=self.armed, failsafe=self.failsafe), ns))
+        if self.throttle is not None:
+            self.command.publish(stamp(Command(u=[self.throttle] + 9 * [0.0]), ns))
         self.states.publish(state(ns, **fields))
 
     def until_phase(self, number, **fields):
@@ -209,3 +212,22 @@ def test_path_manager_lands_on_request_only_when_it_flies(peer):
         world.until_phase(FlightPhase.RETURN, height=50.0)
         assert peer.call(Trigger, "land").success
         world.until_phase(FlightPhase.APPROACH, height=50.0)
+
+
+def test_the_throttle_of_the_failsafe_command_is_no_dead_motor(peer):
+    with start("path_manager", use_sim_time="true") as manager:
+        world = World(peer)
+        world.until_phase(FlightPhase.DISARMED, height=0.0, airspeed=0.0)
+        peer.publisher(Waypoint, "waypoint_path", LATCHED).publish(waypoint(300, 0, -60))
+        world.armed = True
+        world.until_phase(FlightPhase.TAKEOFF, height=0.0, airspeed=0.0)
+        world.until_phase(FlightPhase.MISSION, height=50.0)
+        # Full throttle commanded, and it sinks at 2 m/s. At first another's throttle turns the motor.
+        sinking = {"height": 50.0, "climb": -2.0}
+        world.failsafe, world.throttle = True, 1.0
+        peer.poll(lambda: world.tick(**sinking) or "receiver lost" in manager.text(), "that the failsafe command flies")
+        first = len(world.phases)
+        peer.poll(lambda: world.tick(**sinking) or len(world.phases) > first + 250, "5 s of phases")
+        assert {m.phase for m in world.phases[first:]} == {FlightPhase.LOITER}  # from where the failsafe command has led
+        world.failsafe = False
+        world.until_phase(FlightPhase.GLIDE, **sinking)

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a flight decides when something is lost: position, motor, receiver, battery, fence.
+#include <gtest/gtest.h>
+
+#include "autonomy/fixedwing/flight_manager.hpp"
+#include "autonomy/fixedwing/test/small_world.hpp"
+
+namespace rosflight::autonomy::fixedwing::test {
+namespace {
+
+void lose_position(StateEstimate& s) {
+  s.horizontal = Quality::kNone;
+}
+
+TEST(FixedWingDecisions, WithoutAPositionForGoodItComesDownAndFlares) {
+  for (const bool with_range : {true, false}) {
+    SmallWorld world(hourglass());
+    world.with_range = with_range;
+    ASSERT_TRUE(world.run_until(Phase::kMission, 60.0));
+    world.look = lose_position;
+    double bank = 0.0;
+    double slowest = 99.0;
+    world.run(300.0, [&] {
+      if (world.plant.on_ground()) return;
+      bank = std::max(bank, std::abs(RollPitch::of(world.plant.state().q_WB).roll_rad));
+      slowest = std::min(slowest, world.plant.state().airspeed_m_s);
+    });
+    EXPECT_TRUE(world.manager.output().landed) << with_range;
+    EXPECT_FALSE(world.manager.output().mission_done);
+    EXPECT_LT(world.plant.touchdown_m_s(), 2.0) << with_range;
+    EXPECT_LT(bank, 46.0 * kRadPerDeg);
+    EXPECT_GT(slowest, 10.5);
+  }
+}
+
+TEST(FixedWingDecisions, APositionThatIsBackInTimeLetsTheMissionGoOn) {
+  SmallWorld world(hourglass());
+  ASSERT_TRUE(world.run_until(Phase::kMission, 60.0));
+  world.look = lose_position;
+  world.run(115.0);
+  EXPECT_EQ(world.manager.output().phase, Phase::kLoiter);
+  world.look = nullptr;
+  world.run(500.0);
+  EXPECT_TRUE(world.manager.output().mission_done);
+  EXPECT_TRUE(world.manager.output().landed);
+  EXPECT_LT(world.plant.touchdown_W().head<2>().norm(), 15.0);
+}
+
+TEST(FixedWingDecisions, APositionThatIsBackDuringTheDescentEndsIt) {
+  SmallWorld world(hourglass());
+  ASSERT_TRUE(world.run_until(Phase::kMission, 60.0));
+  world.look = lose_position;
+  ASSERT_TRUE(world.run_until(Phase::kDescent, 130.0));
+  world.run(15.0);
+  world.look = nullptr;
+  world.run(1.0);
+  EXPECT_EQ(world.manager.output().phase, Phase::kMission);
+}
+
+TEST(FixedWingDecisions, AGlideWithinReachEndsAtTheLandingPlace) {
+  for (const double at_s : {40.0, 60.0, 75.0, 95.0, 110.0, 130.0, 150.0}) {
+    SmallWorld world(hourglass());
+    world.run(at_s);
+    // Near enough: of 70 m height some 500 m are left after the turns.
+    if (world.plant.state().p_W.head<2>().norm() > 300.0) continue;
+    world.plant.config().motor = 0.0;
+    world.run(200.0);
+    EXPECT_EQ(world.count(FlightEventType::kMotorOut), 1) << at_s;
+    EXPECT_TRUE(world.manager.output().landed) << at_s;
+    EXPECT_LT(world.plant.touchdown_m_s(), 2.0) << at_s;
+    EXPECT_LT(world.plant.touchdown_W().head<2>().norm(), 30.0) << at_s;
+  }
+}
+
+TEST(FixedWingDecisions, TheFailsafeCommandIsNoDeadMotor) {
+  SmallWorld world(hourglass());
+  ASSERT_TRUE(world.run_until(Phase::kMission, 60.0));
+  world.run(30.0);
+  const std::size_t target = world.manager.output().waypoint;
+  world.status.failsafe = true;
+  world.plant.config().motor = 0.0;
+  world.run(6.0);
+  EXPECT_EQ(world.count(FlightEventType::kMotorOut), 0);
+  EXPECT_EQ(world.count(FlightEventType::kFailsafeFlies), 1);
+  EXPECT_FALSE(world.manager.output().tracking);
+  world.status.failsafe = false;
+  world.plant.config().motor = 1.0;
+  world.run(2.0);
+  EXPECT_EQ(world.count(FlightEventType::kFailsafeOver), 1);
+  EXPECT_EQ(world.manager.output().phase, Phase::kMission);
+  EXPECT_EQ(world.manager.output().waypoint, target);
+  EXPECT_EQ(world.count(FlightEventType::kPilotTookOver), 0);
+}
+
+FlightConfig with_battery() {
+  FlightConfig config = default_config();
+  config.battery.cells = 6.0;
+  config.battery.capacity_Ah = 8.0;
+  return config;
+}
+
+TEST(FixedWingDecisions, ALowBatteryReturnsAndLandsAnEmptyOneLandsAtOnce) {
+  for (const double cell_V : {3.70, 3.60}) {
+    SmallWorld world(hourglass(), {}, with_battery());
+    world.status.battery_fresh = true;
+    world.status.battery_voltage_V = 6.0 * 4.0;
+    world.run(50.0);
+    world.status.battery_voltage_V = 6.0 * cell_V;
+    world.run(3.5);
+    EXPECT_EQ(world.manager.output().phase, cell_V > 3.65 ? Phase::kReturn : Phase::kApproach);
+    world.run(250.0);
+    EXPECT_TRUE(world.manager.output().landed);
+    EXPECT_FALSE(world.manager.output().mission_done);
+    EXPECT_LT(world.plant.touchdown_W().head<2>().norm(), 15.0);
+  }
+}
+
+TEST(FixedWingDecisions, OutsideOfItsFenceItReturnsAndLands) {
+  Mission mission = hourglass();
+  mission.fence = Fence{300.0, 120.0};
+  SmallWorld world(mission);
+  double farthest_m = 0.0;
+  world.run(300.0, [&] {
+    if (world.manager.output().phase == Phase::kApproach) return;  // its pattern is the mission's
+    farthest_m = std::max(farthest_m, world.plant.state().p_W.head<2>().norm());
+  });
+  EXPECT_EQ(world.count(FlightEventType::kFenceCrossed), 1);
+  EXPECT_TRUE(world.manager.output().landed);
+  EXPECT_LT(farthest_m, 300.0 + 130.0);  // a turn of 50 m radius at 15 m/s, and half a second
+  EXPECT_LT(world.plant.touchdown_W().head<2>().norm(), 15.0);
+}
+
+}  // namespace
+}  // namespace rosflight::autonomy::fixedwing::test
