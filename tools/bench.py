@@ -3,8 +3,10 @@
 
 Measures the project's figures, prints each with its target as soon as it is there, and writes them to FILE as one JSON
 object after each: name -> {"value", "unit", "target", "met"}. NAME chooses by a part of the name.
-Without a name those are measured that take five minutes together. By name or with --all also: random flights
-(property, half an hour), the build (build, some minutes), round trips, speed and load over ROS (rtt, ros, load, a quarter of an hour)
+Without a name those are measured that take five minutes together. By name or with --all also: faults in every phase and
+in pairs (faults, half an hour; prints the matrix and writes docs/fault-matrix.md), random flights (property, half an
+hour), the build (build, some minutes), round trips, speed and load over ROS (rtt, ros, load,
+a quarter of an hour)
 and the fuzzers with a million inputs each (fuzz, an hour).
 A figure that cannot be measured has value null and says why under "reason".
 Exit code 0 when every chosen figure was measured, met or not; 1 otherwise.

@@ -80,6 +80,9 @@ def all_figures() -> list[Figure]:
         Figure("property.violations", "flights", "= 0", lambda: properties()["violations"], "sanitizers",
                on_request=True),
         Figure("build.flight_cpu_s", "s", "report", bench_build.flight_cpu_s, "none", on_request=True),
+        Figure("faults.flights", "flights", "report", lambda: faults()["flights"], on_request=True),
+        Figure("faults.single_unexplained", "flights", "= 0", lambda: faults()["single_unexplained"], on_request=True),
+        Figure("faults.pairs_unexplained", "flights", "= 0", lambda: faults()["pairs_unexplained"], on_request=True),
         *m7(),
         *h7(),
         *(replace(figure, on_request=True) for figure in ros_figures()),
@@ -339,6 +342,16 @@ def mission_figure(name: str, quantity: str) -> float:
 
 def wind_limit(vehicle: str) -> float:
     return number(run_json([program("wind_limits"), vehicle])[vehicle], "wind_limit_m_s")
+
+
+@functools.cache
+def faults() -> dict:
+    """Every flight of the fault campaign. The matrix goes to the terminal, to build/faults.csv and to its page."""
+    build = project.ROOT / "build"
+    printed = run_json([program("faults"), "--text", str(build / "faults.txt"), "--csv", str(build / "faults.csv"),
+                        "--page", str(project.ROOT / "docs" / "fault-matrix.md")])
+    print((build / "faults.txt").read_text(), flush=True)
+    return printed
 
 
 @functools.cache

@@ -5,9 +5,9 @@ Builds and runs every test and ends with the line "N passed, M failed". Exit cod
 
 NAME chooses: a stage by its name, and test programs and pytest files by a part of theirs. quick stands for format,
 structure, build, unit and python: less than five minutes after a build.
-Stages: format, structure, build, unit, mutation, python, web, ros, cortex-m7, sanitizers, ros-sanitizers, fuzz, tidy. Sanitizers
+Stages: format, structure, build, unit, mutation, faults, python, web, ros, cortex-m7, sanitizers, ros-sanitizers, fuzz, tidy. Sanitizers
 and clang-tidy look at what flies and at whole flights; sanitizers-rest, tidy-rest and tidy-ros (simulation, programs,
-tests, ROS nodes) run when named: they take as long as all others together.
+tests, ROS nodes) run when named: they take as long as all others together. So does faults: a quarter of the fault campaign.
 
 Stages that run in real time (python, ros, ros-sanitizers) run beside those that compute, which have the lowest priority.
 The output of a stage is printed when it ends. The table gives wall time and processor time of each stage.
@@ -37,6 +37,7 @@ STAGES = {
     "ros-sanitizers": Stage(stages.ros_sanitizers, WAITS),
     "unit": Stage(stages.unit_tests, COMPUTES),
     "mutation": Stage(mutation_tests.test_one, COMPUTES),
+    "faults": Stage(stages.faults, COMPUTES),
     "cortex-m7": Stage(stages.cortex_m7, COMPUTES),
     "fuzz": Stage(stages.fuzz, COMPUTES),
     "sanitizers": Stage(stages.sanitizers, COMPUTES),
@@ -45,7 +46,7 @@ STAGES = {
     "tidy-rest": Stage(stages.tidy_rest, COMPUTES),
     "tidy-ros": Stage(stages.tidy_ros, COMPUTES),
 }
-ON_REQUEST = {"sanitizers-rest", "tidy-rest", "tidy-ros"}
+ON_REQUEST = {"faults", "sanitizers-rest", "tidy-rest", "tidy-ros"}
 QUICK = ("format", "structure", "build", "unit", "python")
 
 

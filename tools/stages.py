@@ -2,6 +2,7 @@
 """The stages of ./rosflight test. Each runs by itself and returns what passed and what failed."""
 
 import concurrent.futures
+import json
 import re
 import subprocess
 import sys
@@ -221,6 +222,24 @@ def ros_sanitizers() -> Outcome:
 def web_tests() -> Outcome:
     """The browser's page: types, reader of logs, views in a headless browser."""
     return web_test.run()
+
+
+# ---- the fault campaign -------------------------------------------------------------------------
+
+
+def faults() -> Outcome:
+    """A fixed quarter of the fault campaign; each flight that ends otherwise than the rules or docs/fault-matrix.md say
+    is a failure."""
+    built = _build("release", "bench/faults")
+    if built.failed:
+        return built
+    done = _run([str(ROOT / "build/release/bench/faults"), "--quarter", "--compare", str(ROOT / "docs/fault-matrix.md")])
+    complaints = [line for line in done.stderr.splitlines() if not line.endswith(" flights")]
+    if done.returncode:
+        return Outcome(failed=1, complaints=complaints or [f"bench/faults ended with {done.returncode}"])
+    flights = json.loads(done.stdout)["flights"]
+    failed = min(len(complaints), flights)
+    return Outcome(flights - failed, failed, complaints)
 
 
 # ---- fuzzing ------------------------------------------------------------------------------------

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <string>
+#include <vector>
+
+/// What the fault campaign flies: every single fault in every phase of a mission, and pairs of faults.
+namespace rosflight::bench::faults {
+
+/// A kind of vehicle with its mission.
+struct Subject {
+  const char* vehicle;
+  bool fixed_wing;
+  std::vector<const char*> phases;       ///< Of the single faults; phases.hpp says when each is.
+  std::vector<const char*> pair_phases;  ///< Of the pairs.
+};
+const std::vector<Subject>& subjects();
+
+/// One fault as `--fault` spells it, without its time: "imu:0.3", "baro_step=5".
+struct FaultRow {
+  std::string text;
+  bool first_of_kind;  ///< Takes part in the pairs.
+};
+/// The faults that a vehicle of this kind can have, in the order of the matrix.
+std::vector<FaultRow> fault_rows(bool fixed_wing);
+
+/// "imu:0.3" at 12.5 s: "imu@12.5:0.3".
+std::string at_time(const std::string& fault, double t_s);
+
+/// One flight of the campaign.
+struct Case {
+  std::size_t subject{};
+  std::string pilot;   ///< "hover" or "idle".
+  std::string first;   ///< A row of fault_rows().
+  std::string second;  ///< Of a pair, a second later; else empty.
+  std::string phase;
+  /// The receiver's failsafe flies its own command though the companion's commands are fresh.
+  bool failsafe_command{};
+};
+/// Every flight: singles, then those with the failsafe command, then pairs.
+std::vector<Case> all_cases();
+
+}  // namespace rosflight::bench::faults

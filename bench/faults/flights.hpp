@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/faults/rules.hpp"
+
+namespace rosflight::bench::faults {
+
+/// One flight that has been flown.
+struct Flown {
+  Case flight;
+  std::vector<std::string> faults;  ///< As `./rosflight fly --fault` takes them.
+  Class ended{};
+  std::string verdict;     ///< One sentence.
+  double touchdown_m_s{};  ///< NaN: none.
+  double from_aim_m{};     ///< NaN: none.
+  double sim_time_s{};
+  bool as_asked() const { return explained(flight, ended); }
+};
+
+/// The command that flies this again.
+std::string command(const Flown& flown);
+
+/// Flies all cases, several at once, in this process and without logs. The result is that of flying
+/// one after the other, in the order of the cases.
+/// @param threads   0: one for each processor.
+/// @param progress  called now and then with the number of flights done, by one thread at a time.
+std::vector<Flown> fly(const std::vector<Case>& cases, unsigned threads,
+                       const std::function<void(std::size_t)>& progress);
+
+}  // namespace rosflight::bench::faults

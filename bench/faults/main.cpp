@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Flies the fault campaign and prints its figures as one JSON object; the matrix goes to files.
+//
+// usage: faults [--quarter] [--text FILE] [--csv FILE] [--page FILE] [--compare PAGE] [--threads N]
+//               [--only WORD]...
+//   --quarter  every fourth flight, for continuous integration
+//   --compare  the cells that were flown have to be those of this page
+//   --only     flights whose vehicle, phase or fault has this name; all that are given must fit
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "bench/faults/report.hpp"
+
+namespace {
+
+using namespace rosflight::bench::faults;  // NOLINT(google-build-using-namespace): one file
+
+struct Options {
+  bool quarter{false};
+  std::optional<std::string> text, csv, page, compare;
+  unsigned threads{0};
+  std::vector<std::string> only;
+};
+
+Options read(int argc, char** argv) {
+  Options out;
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    const auto value = [&]() -> std::string {
+      if (k + 1 == words.size()) throw std::invalid_argument(words[k] + ": found no value");
+      return words[++k];
+    };
+    if (words[k] == "--quarter") {
+      out.quarter = true;
+    } else if (words[k] == "--text") {
+      out.text = value();
+    } else if (words[k] == "--csv") {
+      out.csv = value();
+    } else if (words[k] == "--page") {
+      out.page = value();
+    } else if (words[k] == "--compare") {
+      out.compare = value();
+    } else if (words[k] == "--threads") {
+      out.threads = static_cast<unsigned>(std::stoul(value()));
+    } else if (words[k] == "--only") {
+      out.only.push_back(value());
+    } else {
+      throw std::invalid_argument("unknown option " + words[k]);
+    }
+  }
+  return out;
+}
+
+bool fits(const Case& c, const std::vector<std::string>& only) {
+  for (const std::string& word : only) {
+    const bool found = word == subjects()[c.subject].vehicle || word == c.phase ||
+                       word == c.first || word == c.second || word == c.pilot ||
+                       (word == "singles" && c.second.empty()) ||
+                       (word == "pairs" && !c.second.empty());
+    if (!found) return false;
+  }
+  return true;
+}
+
+std::vector<Case> chosen(const Options& options) {
+  constexpr std::size_t kQuarter = 4;
+  std::vector<Case> out;
+  std::size_t k = 0;
+  for (const Case& c : all_cases()) {
+    // A step of the phase from row to row, so that every phase has its turn.
+    const bool mine = !options.quarter || k % kQuarter == 0;
+    ++k;
+    if (mine && fits(c, options.only)) out.push_back(c);
+  }
+  return out;
+}
+
+void write(const std::optional<std::string>& file, const std::string& text) {
+  if (!file) return;
+  std::ofstream stream(*file, std::ios::binary);
+  stream << text;
+  if (!stream.flush()) throw std::runtime_error("cannot write " + *file);
+}
+
+int run(const Options& options) {
+  const std::vector<Case> cases = chosen(options);
+  const auto progress = [&](std::size_t done) {
+    constexpr std::size_t kEvery = 100;
+    if (done % kEvery == 0) std::fprintf(stderr, "%zu of %zu flights\n", done, cases.size());
+  };
+  const std::vector<Flown> flown = fly(cases, options.threads, progress);
+  write(options.text, as_text(flown));
+  write(options.csv, as_csv(flown));
+  write(options.page, as_page(flown));
+  std::vector<std::string> differing;
+  if (options.compare) {
+    std::ifstream stream(*options.compare, std::ios::binary);
+    differing = differences(flown, {std::istreambuf_iterator<char>(stream), {}});
+  }
+  for (const std::string& line : differing) std::fprintf(stderr, "%s\n", line.c_str());
+  double singles = 0.0, pairs = 0.0;
+  for (const Flown& f : flown) {
+    if (f.as_asked()) continue;
+    (f.flight.second.empty() ? singles : pairs) += 1.0;
+    std::fprintf(stderr, "no rule explains: %s: %s\n", command(f).c_str(), f.verdict.c_str());
+  }
+  nlohmann::ordered_json out;
+  out["flights"] = flown.size();
+  out["single_unexplained"] = singles;
+  out["pairs_unexplained"] = pairs;
+  out["differing"] = differing.size();
+  std::cout << out.dump(1) << "\n";
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(read(argc, argv));
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "faults: %s\n", e.what());
+    return 1;
+  }
+}

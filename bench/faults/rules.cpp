@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bench/faults/rules.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "sim/faults.hpp"
+
+namespace rosflight::bench::faults {
+namespace {
+
+using sim::Fault;
+using sim::FaultKind;
+
+double duration_s(const Fault& fault) {
+  return fault.end == sim::Time::max()
+             ? 1e9
+             : 1e-6 * static_cast<double>((fault.end - fault.start).count());
+}
+
+Rule rule_of(const Fault& fault, const Case& flown) {
+  const bool fixed_wing = subjects()[flown.subject].fixed_wing;
+  constexpr double kBridged_s = 0.3 + 1e-6;
+  switch (fault.kind) {
+    case FaultKind::kServo:
+      // Surface 0 of the anaconda is its aileron, the others are the halves of the V-tail.
+      return fault.motor > 0 ? Rule::kPitchSurface : Rule::kNone;
+    case FaultKind::kMotor:
+      return !fixed_wing && fault.factor == 0.0 ? Rule::kRotorDead : Rule::kNone;
+    case FaultKind::kImu:
+    case FaultKind::kImuNan:
+    case FaultKind::kImuStuck:
+      return duration_s(fault) > kBridged_s ? Rule::kImuGone : Rule::kNone;
+    case FaultKind::kGyroStep:
+      return std::abs(fault.value) > kGyroBiasLimit_rad_s ? Rule::kGyroBeyond : Rule::kNone;
+    case FaultKind::kLinkCut:
+    case FaultKind::kCompanionStall:  // for the firmware the same: no command comes
+      return !fixed_wing && flown.pilot == "idle" ? Rule::kPilotHasIt : Rule::kNone;
+    default:
+      return Rule::kNone;
+  }
+}
+
+Fault parsed(const std::string& text) {
+  return sim::parse_fault(at_time(text, 0.0));
+}
+
+}  // namespace
+
+const char* name(Class c) {
+  constexpr std::array<const char*, kClasses> kNames{"done",    "landed", "ground",
+                                                     "timeout", "hard",   "crash"};
+  return kNames.at(static_cast<std::size_t>(c));
+}
+
+const char* name(Rule rule) {
+  constexpr std::array<const char*, kRules> kNames{"", "R1", "R2", "R3", "R4", "R5"};
+  return kNames.at(static_cast<std::size_t>(rule));
+}
+
+const char* text(Rule rule) {
+  constexpr std::array<const char*, kRules> kTexts{
+      "",
+      "A half of the V-tail is stuck: pitch cannot be held.",
+      "One rotor of four is dead: three cannot hold the attitude.",
+      "The IMU is silent, damaged or stuck for longer than 0.3 s.",
+      "The gyro step is beyond the largest bias that the estimator learns, 0.15 rad/s.",
+      "No command comes from the companion, and the safety pilot of a multirotor holds his "
+      "throttle "
+      "stick at idle. The pilot has the vehicle then, as in ROSflight 2.x."};
+  return kTexts.at(static_cast<std::size_t>(rule));
+}
+
+Rule rule_of(const Case& flown) {
+  const Rule rule = rule_of(parsed(flown.first), flown);
+  if (rule != Rule::kNone || flown.second.empty()) return rule;
+  return rule_of(parsed(flown.second), flown);
+}
+
+bool needs_mission(const Case& flown) {
+  if (!flown.second.empty() || flown.failsafe_command) return false;
+  const bool fixed_wing = subjects()[flown.subject].fixed_wing;
+  const bool hover = flown.pilot == "hover";
+  if (flown.first == "link_cut:3" || flown.first == "companion_stall:1") return fixed_wing || hover;
+  if (flown.first == "rc_silence:2" || flown.first == "rc_silence:10") return hover;
+  constexpr std::array kAlways{"gnss:20",
+                               "crash",
+                               "hang",
+                               "mag",
+                               "baro",
+                               "range",
+                               "battery",
+                               "pitot_blocked",
+                               "rc_frame_loss:2",
+                               "motor0_partial=0.8",
+                               "link_noise=0.01"};
+  return std::ranges::any_of(kAlways, [&](const char* text) { return flown.first == text; });
+}
+
+bool explained(const Case& flown, Class ended) {
+  if (ended == Class::kMissionDone) return true;
+  if (needs_mission(flown)) return false;
+  if (ended == Class::kLandedElsewhere || ended == Class::kNotFlown) return true;
+  if (ended == Class::kTimeout) return false;
+  return rule_of(flown) != Rule::kNone;
+}
+
+}  // namespace rosflight::bench::faults

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <string>
+
+#include "bench/faults/cases.hpp"
+
+namespace rosflight::bench::faults {
+
+/// How a flight of the campaign ended, from the best to the worst.
+enum class Class : unsigned char {
+  kMissionDone,
+  kLandedElsewhere,
+  kNotFlown,  ///< It never left the ground, and its motors are off.
+  kTimeout,   ///< In the air at the end, or on the ground with its motors on.
+  kHardLanding,
+  kCrash,
+};
+inline constexpr std::size_t kClasses = 6;
+/// Short, for cells: "done", "landed", "ground", "timeout", "hard", "crash".
+const char* name(Class c);
+
+/// Why a hard landing or a crash is allowed.
+enum class Rule : unsigned char {
+  kNone,
+  kPitchSurface,  ///< R1
+  kRotorDead,     ///< R2
+  kImuGone,       ///< R3
+  kGyroBeyond,    ///< R4
+  kPilotHasIt,    ///< R5
+};
+inline constexpr std::size_t kRules = 6;
+/// "R1" to "R5"; "" for kNone.
+const char* name(Rule rule);
+/// One sentence for the page.
+const char* text(Rule rule);
+
+/// The rule that allows this flight to end hard; kNone: it has to end softly.
+Rule rule_of(const Case& flown);
+/// Whether the mission has to be completed. Of single faults only.
+bool needs_mission(const Case& flown);
+/// Whether the end of a flight is what the rules ask for.
+bool explained(const Case& flown, Class ended);
+
+/// Largest gyro step that the estimator is meant to learn, on any axis [rad/s].
+inline constexpr double kGyroBiasLimit_rad_s = 0.15;
+
+}  // namespace rosflight::bench::faults
