@@ -91,13 +91,18 @@ TEST(PixracerPro, RadioLossIsFailsafeThenTheMissionGoesOn) {
   EXPECT_TRUE(rig.completed());
 }
 
-TEST(PixracerPro, ImuWithoutEdgesFallsWithMotorsOffAndStaysArmed) {
+TEST(PixracerPro, ImuWithoutEdgesHoldsTheOutputsThenFallsWithMotorsOffAndStaysArmed) {
   Rig rig{on_board({"imu@20"})};
+  const auto motor = [&rig] { return chip_of(rig).process().from_chip().outputs[0]; };
   rig.run_until(kFault_s + 0.13);
   EXPECT_NE(view_of(rig).errors & static_cast<unsigned>(core::Error::kImuNotResponding), 0U);
-  rig.run_for(0.05);
+  const float held = motor();
+  EXPECT_GT(held, 0.0F);
+  rig.run_until(kFault_s + 0.29);
+  EXPECT_EQ(motor(), held);
+  rig.run_until(kFault_s + 0.34);
+  EXPECT_EQ(motor(), 0.0F);
   EXPECT_TRUE(view_of(rig).armed);
-  EXPECT_EQ(chip_of(rig).process().from_chip().outputs[0], 0.0F);
 }
 
 TEST(PixracerPro, CutLinkIsSurvived) {
