@@ -72,6 +72,13 @@ bool wait(const std::string& how) {
 
 int main(int argc, char** argv) {
   rclcpp::init(argc, argv);
-  if (wait(argv[1])) std::cout << "interrupted\n";
+  bool interrupted = false;
+  try {
+    interrupted = wait(argv[1]);
+  } catch (const std::runtime_error&) {
+    if (rclcpp::ok()) throw;
+    interrupted = true;  // the signal came first: no sleep begins in a context that has ended
+  }
+  if (interrupted) std::cout << "interrupted\n";
   rclcpp::shutdown();
 }
