@@ -97,15 +97,9 @@ ControllerCommand FlightManager::follow(double t_s, const State& state) {
 
 /// Up to the height of the return where it is lower, then above the start.
 void FlightManager::begin_return(double t_s, const State& state) {
-  const double psi_rad = control_.attitude().psi_rad;
-  const double down_m = std::min(state.p_W.z(), start_W_.z() - config_.return_height_m);
-  Waypoint up;
-  up.p_W << state.p_W.head<2>(), down_m;
-  up.psi_rad = psi_rad;
-  Waypoint home = up;
-  home.p_W << start_W_.head<2>(), down_m;
   path_.set_cycle(false);
-  path_.set_waypoints({up, home});
+  path_.set_waypoints(
+      path_back(state.p_W, start_W_, config_.return_height_m, control_.attitude().psi_rad));
   if (control_.output().phase == Phase::kOffboard) start_path(t_s, state);
   returning_ = true;
   out_.events.add(FlightEventType::kReturning);

@@ -190,4 +190,15 @@ Trajectory path_start(const State& state, double psi_rad, const Trajectory& setp
   return from;
 }
 
+std::vector<Waypoint> path_back(const Vector3& from_W, const Vector3& home_W, double height_m,
+                                double psi_rad) {
+  const double down_m = std::min(from_W.z(), home_W.z() - height_m);
+  Waypoint up;
+  up.p_W << from_W.head<2>(), down_m;
+  up.psi_rad = psi_rad;
+  Waypoint over_home = up;
+  over_home.p_W << home_W.head<2>(), down_m;
+  return {up, over_home};
+}
+
 }  // namespace rosflight::autonomy::multirotor

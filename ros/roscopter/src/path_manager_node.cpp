@@ -57,7 +57,8 @@ config::Table<PathConfig> path_parameters() {
 /// The clock of the path runs while the controller says "offboard" on `flight_phase`; until then
 /// the setpoint is where the vehicle is. If nobody publishes a phase the path begins with the
 /// first waypoint. After the last waypoint of a mission that ends in a landing it calls
-/// controller/land.
+/// controller/land; so it does after path_manager/return_to_base, above where it took off.
+/// Waypoints that come during a return are not used.
 ///
 /// Without State nothing goes out, and nothing without a waypoint on the ground; a list that is
 /// cleared in flight leaves the setpoint where it is.
@@ -67,8 +68,8 @@ class PathManagerNode : public rclcpp::Node {
       : Node("path_manager", options),
         config_{flight::read_multirotor_autonomy(
                     rosflight_common::VehicleFile::declare(*this, kUsualVehicle).read())
-                    .flight.path},
-        parameters_{*this, path_parameters(), config_},
+                    .flight},
+        parameters_{*this, path_parameters(), config_.path},
         phase_{*this, [this](const std::string& phase) { enter(phase); }} {
     const double rate_Hz = rosflight_common::declare_number(
         *this, "path_update_frequency", 100.0, 1.0, 1000.0, "most setpoints a second [Hz]");
@@ -77,7 +78,7 @@ class PathManagerNode : public rclcpp::Node {
       path_.configure(in_force(config));
       return "";
     });
-    path_.configure(in_force(config_));
+    path_.configure(in_force(config_.path));
     setpoints_ = create_publisher<TrajectoryCommand>("trajectory_command", rclcpp::QoS(1));
     waypoints_ = create_subscription<Waypoint>(
         "waypoints", rclcpp::QoS(autonomy::kMaxWaypoints + 1).transient_local(),
@@ -86,7 +87,7 @@ class PathManagerNode : public rclcpp::Node {
         "mission/at_end", rclcpp::QoS(1).transient_local(),
         [this](std_msgs::msg::String::ConstSharedPtr message) {
           end_ = message->data;
-          path_.configure(in_force(config_));
+          path_.configure(in_force(config_.path));
         });
     states_ = create_subscription<State>("estimated_state", rclcpp::QoS(1),
                                          [this](State::ConstSharedPtr message) { step(*message); });
@@ -108,6 +109,14 @@ class PathManagerNode : public rclcpp::Node {
           response->success = true;
           response->message = std::to_string(count()) + " waypoints";
         });
+    return_ = create_service<Trigger>("path_manager/return_to_base",
+                                      [this](const std::shared_ptr<Trigger::Request>,
+                                             std::shared_ptr<Trigger::Response> response) {
+                                        const char* why = why_no_return();
+                                        response->success = *why == '\0';
+                                        response->message = response->success ? "returning" : why;
+                                        if (response->success) begin_return();
+                                      });
   }
 
  private:
@@ -118,16 +127,37 @@ class PathManagerNode : public rclcpp::Node {
 
   PathConfig in_force(PathConfig config) const {
     if (!end_.empty()) config.cycle = end_ == "cycle";
+    config.cycle = config.cycle && !returning_;
     return config;
+  }
+
+  const char* why_no_return() {
+    if (!home_W_) return "found no take-off, allowed after one";
+    if (!path_.started() || !phase_.following()) return "found no path in flight, allowed on one";
+    return returning_ ? "found a return, allowed once in a flight" : "";
+  }
+
+  void begin_return() {
+    returning_ = true;
+    done_ = false;
+    mission_ = path_.waypoints();
+    path_.configure(in_force(config_.path));
+    path_.set_waypoints(autonomy::multirotor::path_back(
+        setpoint_.p_W, *home_W_, config_.return_height_m, setpoint_.psi_rad));
+    RCLCPP_WARN(get_logger(), "returning to where it took off");
   }
 
   void clear() {
     geodetic_.clear();
     path_.set_waypoints({});
-    done_ = false;
+    done_ = returning_ = false;
   }
 
   void take(const Waypoint& message) {
+    if (returning_) {
+      RCLCPP_WARN_ONCE(get_logger(), "waypoints: found one during a return, not used");
+      return;
+    }
     if (message.clear_wp_list) {
       clear();
       return;
@@ -155,8 +185,11 @@ class PathManagerNode : public rclcpp::Node {
 
   void enter(const std::string& phase) {
     if (phase != kTakeoff) return;
-    path_.set_waypoints(
-        std::vector<autonomy::multirotor::Waypoint>(path_.waypoints()));  // from the first on
+    home_W_ = place_W_;
+    if (!returning_) mission_ = path_.waypoints();
+    returning_ = false;
+    path_.configure(in_force(config_.path));
+    path_.set_waypoints(mission_);  // from the first on
     done_ = false;
   }
 
@@ -173,6 +206,7 @@ class PathManagerNode : public rclcpp::Node {
         state.p_W.allFinite() && state.v_W.allFinite() && state.q_WB.coeffs().allFinite();
     if (!good || t_s - last_s_ < interval_s_) return;
     last_s_ = t_s;
+    place_W_ = state.p_W;
     const double psi_rad = autonomy::multirotor::AttitudeView(state.q_WB).psi_rad;
     const bool fly = phase_.following();
     if (!fly) path_.stop();
@@ -199,18 +233,19 @@ class PathManagerNode : public rclcpp::Node {
                   reached ? "reached" : "missed", path.event_distance_m);
     }
     if (!path.done || done_) return;
-    if (end_ == "land" && !land_->service_is_ready()) {
+    const bool land = end_ == "land" || returning_;
+    if (land && !land_->service_is_ready()) {
       constexpr int kInterval_ms = 5000;
       RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kInterval_ms,
                            "controller/land: nobody serves it, holding at the last waypoint");
       return;
     }
     done_ = true;
-    RCLCPP_INFO(get_logger(), "mission done");
-    if (end_ == "land") land_->async_send_request(std::make_shared<Trigger::Request>());
+    RCLCPP_INFO(get_logger(), returning_ ? "returned" : "mission done");
+    if (land) land_->async_send_request(std::make_shared<Trigger::Request>());
   }
 
-  PathConfig config_;
+  autonomy::multirotor::FlightConfig config_;
   rosflight_common::LiveParameters<PathConfig> parameters_;
   FlightPhase phase_;
   PathManager path_;
@@ -221,6 +256,9 @@ class PathManagerNode : public rclcpp::Node {
   double interval_s_{};
   double last_s_{-autonomy::kInfinity};
   bool done_{false};
+  bool returning_{false};
+  std::vector<autonomy::multirotor::Waypoint> mission_;  ///< Without the return.
+  std::optional<Eigen::Vector3d> place_W_, home_W_;      ///< Of the last State; of the take-off.
   rclcpp::Publisher<TrajectoryCommand>::SharedPtr setpoints_;
   rclcpp::Subscription<Waypoint>::SharedPtr waypoints_;
   rclcpp::Subscription<std_msgs::msg::String>::SharedPtr at_end_;
@@ -228,6 +266,7 @@ class PathManagerNode : public rclcpp::Node {
   rclcpp::Client<Trigger>::SharedPtr land_;
   rclcpp::Service<Trigger>::SharedPtr clear_;
   rclcpp::Service<Trigger>::SharedPtr print_;
+  rclcpp::Service<Trigger>::SharedPtr return_;
 };
 
 }  // namespace

@@ -31,7 +31,8 @@ MODULES = [
                              "path_planner/print_waypoints": TRIGGER, "path_planner/publish_next_waypoint": TRIGGER})),
     ("path_manager", Module("path_manager", {"trajectory_command": Out(TrajectoryCommand)},
                             {"estimated_state": State, "waypoints": Waypoint},
-                            {"path_manager/clear_waypoints": TRIGGER, "path_manager/print_waypoints": TRIGGER})),
+                            {"path_manager/clear_waypoints": TRIGGER, "path_manager/print_waypoints": TRIGGER,
+                             "path_manager/return_to_base": TRIGGER})),
     ("trajectory_follower", Module("trajectory_follower", {"high_level_command": Out(ControllerCommand)},
                                    {"estimated_state": State, "trajectory_command": TrajectoryCommand, "status": Status},
                                    {"trajectory_follower/clear_integrators": TRIGGER})),
@@ -181,6 +182,48 @@ def test_the_clock_of_the_path_runs_only_while_the_controller_follows(peer):
         while path.place[0] < 0.5:
             step = path.step()
             assert step.velocity[0] < 2.0, "from rest, not where the clock would be"
+
+
+def test_a_return_leads_up_then_over_the_take_off_and_lands(peer):
+    landings = []
+    phases = peer.publisher(String, "flight_phase", LATCHED)
+    phases.publish(String(data="disarmed"))
+
+    def land(_, response):
+        landings.append(path.place)
+        response.success = True
+        return response
+    peer.node.create_service(Trigger, "controller/land", land)
+    with copter("path_manager"):  # return_height_m is 5
+        def back():
+            return peer.call(Trigger, "path_manager/return_to_base")
+        path = Path(peer, (1.0, 2.0, 0.0))  # where it takes off
+        path.waypoints.publish(Waypoint(type=Waypoint.TYPE_GOTO, w=[9.0, 2.0, -3.0]))
+        peer.poll(lambda: "1 waypoints" in peer.call(Trigger, "path_manager/print_waypoints").message, "the waypoint")
+        path.step()
+        answer = back()
+        assert not answer.success and answer.message == "found no take-off, allowed after one"
+        phases.publish(String(data="takeoff"))
+        peer.poll(lambda: back().message == "found no path in flight, allowed on one", "the take-off")
+        phases.publish(String(data="offboard"))
+        while path.place[0] < 6.0:
+            path.step()
+        left = path.place
+        assert left[2] > -3.0 and back().success
+        assert back().message == "found a return, allowed once in a flight"
+        path.waypoints.publish(Waypoint(type=Waypoint.TYPE_GOTO, w=[50.0, 2.0, -3.0]))
+        while not landings:
+            path.step()
+            assert path.place[0] < 9.0, "it brakes"
+            if path.place[0] < left[0] - 0.5:
+                assert path.place[2] == pytest.approx(-5.0, abs=0.01), "up before it goes back"
+        assert path.place == pytest.approx((1.0, 2.0, -5.0), abs=1e-3)
+        for _ in range(20):
+            path.step()
+        assert path.place == pytest.approx((1.0, 2.0, -5.0), abs=1e-3) and len(landings) == 1
+        phases.publish(String(data="takeoff"))
+        peer.poll(lambda: back().message == "found no path in flight, allowed on one", "the next take-off")
+        assert peer.call(Trigger, "path_manager/print_waypoints").message == "1 waypoints", "those of the mission"
 
 
 # ---- follower ------------------------------------------------------------------------------------
