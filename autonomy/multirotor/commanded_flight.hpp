@@ -15,11 +15,12 @@ namespace rosflight::autonomy::multirotor {
 /// passes the commands of its own follower, the ROS controller those it receives.
 ///
 /// The flight starts when the vehicle is armed, the pilot holds no axis and the caller is ready. A
-/// state that is not finite: the last command is repeated for kStateGrace_s, then all channels
-/// are ignored, which hands the vehicle to the pilot. Without a horizontal position (State) it keeps
-/// level; its caller gives no command then. While the flight controller flies its failsafe command the
-/// hold point follows the vehicle, as for a pilot. A vehicle that does not follow its thrust (ThrustWatch) lands, with the
-/// limits of thrust and acceleration downwards lifted. It allocates nothing.
+/// state that is not finite: the last command is repeated for kStateGrace_s, then all channels are
+/// ignored, which hands the vehicle to the pilot. Without a horizontal position (State) it keeps
+/// level; its caller gives no command then. While the flight controller flies its failsafe command
+/// the hold point follows the vehicle, as for a pilot. A vehicle that does not follow its thrust
+/// (ThrustWatch) lands, with the limits of thrust and acceleration downwards lifted. It allocates
+/// nothing.
 class CommandedFlight {
  public:
   static constexpr double kStateGrace_s = 0.1;

@@ -44,9 +44,10 @@ struct FlightOutput : FlightProgress<Phase> {
 /// The flight starts when the vehicle is armed and no axis is the pilot's, and happens once: after
 /// the landing a new mission must be set. A leg that was interrupted (pilot, lost state) starts
 /// again from where the vehicle is. A position that has been dead-reckoned for long is held, not
-/// followed, until it has been aided for kPositionSettles_s: the estimate moves to the truth then. Without a horizontal position it keeps level, and lands when that
-/// lasts kPositionWait_s. Battery and fence (FlightLimits) let it return or land. A state that is not finite: the last command is repeated for
-/// kStateGrace_s, then all channels are ignored, which hands the vehicle to the pilot.
+/// followed, until it has been aided for kPositionSettles_s: the estimate moves to the truth then.
+/// Without a horizontal position it keeps level, and lands when that lasts kPositionWait_s. Battery
+/// and fence (FlightLimits) let it return or land. A state that is not finite: the last command is
+/// repeated for kStateGrace_s, then all channels are ignored, which hands the vehicle to the pilot.
 class FlightManager {
  public:
   static constexpr double kStateGrace_s = CommandedFlight::kStateGrace_s;

@@ -18,8 +18,8 @@ struct LandingConfig {
 /// Descend: down velocity as above. If the vehicle sinks at less than 0.4 of the commanded speed
 /// for contact_s while the thrust is below that of hovering, it probably stands. Unload: level,
 /// thrust ramped down. If it then sinks faster than 0.4 m/s it was no ground, and the descent goes
-/// on, unless a range sensor shows the ground; if the thrust has fallen to a fifth of hovering and nothing moved for 0.3 s, it has touched
-/// down.
+/// on, unless a range sensor shows the ground; if the thrust has fallen to a fifth of hovering and
+/// nothing moved for 0.3 s, it has touched down.
 ///
 /// The thrust of hovering is what the vehicle was commanded in flight, averaged over 2 s, so
 /// neither its mass nor a tired battery matters.

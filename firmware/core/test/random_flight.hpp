@@ -66,8 +66,8 @@ struct PassInputs {
   bool imu_unusable{false};  ///< `imu` is none: not a number, repeated, or of no new time.
 };
 
-/// Invents a flight from a seed: a pilot who arms, flies and disarms, and ingredients that get in
-/// the way. Open loop, so the inputs are the same whatever the firmware does with them.
+/// Makes a flight from a seed: a pilot who arms, flies and disarms, and ingredients that disturb
+/// it. Open loop, so the inputs are the same whatever the firmware does with them.
 class RandomFlight {
  public:
   using Without = std::bitset<kIngredientCount>;
