@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A flight in the launched simulator, as fast as the machine can, and what an observer sees of any vehicle."""
+
+import math
+
+from ros_rig import free_udp_port
+from rosflight_msgs.msg import SimState, Status
+from sim_rig import SimPeer, last_s, launch
+from std_srvs.srv import Trigger
+
+FASTEST = "10.0"  # more than any machine holds: as fast as it can, and time waits for the world
+OVERRIDE = Status.OVERRIDE_ATT_SWITCH | Status.OVERRIDE_THR_SWITCH
+
+
+class FlightRig:
+    """The world with a stack, and an observer. Use it in a with statement."""
+
+    def __init__(self, state, package, file, folder, wait_for, **arguments):
+        """`state`: the message on `estimated_state`; `wait_for`: what simulated time waits for beside the observer."""
+        self.peer = SimPeer("judge")
+        ports = {"simulation_port": free_udp_port(), "ROS_port": free_udp_port()}
+        self.process = launch(package, file, use_sim_time="true", real_time_multiplier=FASTEST, viz="false",
+                              memory_folder=folder, wait_for=f"{wait_for} judge", **ports, **arguments)
+        self.truth = self.peer.listen(SimState, "sim/truth_state", progress="judge")
+        self.status = self.peer.listen(Status, "status")
+        self.states = self.peer.listen(state, "estimated_state")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.stop()
+        self.peer.close()
+
+    def seen(self):
+        """What a failure says beside the log."""
+        return ""
+
+    def until(self, condition, what):
+        try:
+            self.peer.wait_simulated(condition, what, lambda: last_s(self.truth))
+        except AssertionError as why:
+            raise AssertionError(f"{why}; {self.seen()}\n{self.process.text()[-4000:]}") from None
+
+    def set_up(self):
+        """Firmware parameters are in, the IMU is calibrated, the estimate flows."""
+        self.process.until("all stored")
+        self.until(lambda: self.states and self.status and self.status[-1].error_code == 0, "a state and no error")
+
+    def pilot(self, service, condition, what):
+        """Flips a switch of the pilot and waits until the autopilot has followed."""
+        assert self.peer.call(Trigger, service).success
+        self.until(condition, what)
+
+    def arm(self):
+        self.pilot("toggle_arm", lambda: self.status[-1].armed, "being armed")
+
+    def disarm(self):
+        self.pilot("toggle_arm", lambda: not self.status[-1].armed, "being disarmed")
+
+    def let_go(self):
+        self.pilot("toggle_override", lambda: not self.status[-1].rc_override & OVERRIDE, "the override to end")
+
+    def place(self):
+        p = self.truth[-1].pose.position
+        return p.x, p.y, p.z
+
+    def nearest_to(self, place):
+        """How close the vehicle, by the truth, has come to a place."""
+        return min(math.dist(place, (m.pose.position.x, m.pose.position.y, m.pose.position.z)) for m in list(self.truth))
