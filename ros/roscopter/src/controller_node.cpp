@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -10,13 +11,14 @@
 #include <std_srvs/srv/trigger.hpp>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "autonomy/multirotor/commanded_flight.hpp"
 #include "flight/vehicle/vehicle_setup.hpp"
 #include "roscopter/controller_parameters.hpp"
 #include "roscopter/conversions.hpp"
-#include "roscopter/motor_parameters.hpp"
 #include "rosflight_common/component.hpp"
+#include "rosflight_common/firmware_parameters.hpp"
 #include "rosflight_common/time.hpp"
 #include "rosflight_common/vehicle_file.hpp"
 
@@ -31,6 +33,7 @@ using autonomy::multirotor::CommandedFlight;
 using autonomy::multirotor::Phase;
 using roscopter_msgs::msg::ControllerCommand;
 using roscopter_msgs::msg::State;
+using rosflight_common::FirmwareParameters;
 using rosflight_msgs::msg::BatteryStatus;
 using rosflight_msgs::msg::Command;
 using rosflight_msgs::msg::Status;
@@ -41,7 +44,7 @@ using std_srvs::srv::Trigger;
 /// Without State or Status for their timeouts the vehicle is handed to the pilot: one Command with
 /// all entries ignored, then silence. Without commands it holds where it is and lands after
 /// lost_command_land_s. It publishes its phase on `flight_phase` and lands by `controller/land`. What a throttle does is read from
-/// the flight controller (MotorParameters): without its parameters, or with ones that cannot carry the vehicle, it does not take
+/// the flight controller (FirmwareParameters): without its parameters, or with ones that cannot carry the vehicle, it does not take
 /// off.
 class ControllerNode : public rclcpp::Node {
  public:
@@ -68,7 +71,10 @@ class ControllerNode : public rclcpp::Node {
     if (rosflight_common::declare_switch(*this, "use_firmware_parameters", true,
                                          "what a throttle does is read from the flight controller; "
                                          "false: from the vehicle file")) {
-      motors_.emplace(*this, [this](const MotorParameters::Values& values) { learn(values); });
+      const auto& names = flight::kThrustParameters;
+      motors_.emplace(*this, std::vector<std::string>(names.begin(), names.end()),
+                      std::chrono::milliseconds(20), FirmwareParameters::Repeat::kForever,
+                      [this](const FirmwareParameters::Values& values) { learn(values); });
     }
     open();
   }
@@ -103,7 +109,7 @@ class ControllerNode : public rclcpp::Node {
   }
 
   /// The motor model of the flight controller, or why it cannot fly this vehicle.
-  void learn(const MotorParameters::Values& values) {
+  void learn(const FirmwareParameters::Values& values) {
     const std::string before = std::exchange(motor_fault_, motor_fault(values));
     if (motor_fault_.empty()) {
       if (!before.empty())
@@ -118,7 +124,7 @@ class ControllerNode : public rclcpp::Node {
     }
   }
 
-  std::string motor_fault(const MotorParameters::Values& values) {
+  std::string motor_fault(const FirmwareParameters::Values& values) {
     const double mixer = values.at("PRIMARY_MIXER");
     if (std::find(kWingMixers.begin(), kWingMixers.end(), mixer) != kWingMixers.end())
       return "PRIMARY_MIXER: found " + config::number_text(mixer) +
@@ -319,7 +325,7 @@ class ControllerNode : public rclcpp::Node {
   Tuning tuning_;
   rosflight_common::LiveParameters<Tuning> parameters_;
   CommandedFlight control_;
-  std::optional<MotorParameters> motors_;
+  std::optional<FirmwareParameters> motors_;
   std::string motor_fault_;
   autonomy::Status status_{};
   autonomy::multirotor::ControllerCommand given_{};
