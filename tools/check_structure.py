@@ -37,7 +37,7 @@ MAY_INCLUDE = {
     "bench": ["flight", "sim", "link", "firmware/hal", "firmware/core", "firmware/boards", "test_support"],
     "examples": ["flight", "autonomy", "sim", "config"],
     "ros/rosflight_common": ["autonomy", "config", "sim", "flight/vehicle/vehicle_setup.hpp"],
-    "ros/examples": [],
+    "ros/examples": ["ros/rosflight_sim"],
     "ros/roscopter": ["ros/rosflight_common", "autonomy", "config", "flight/vehicle/vehicle_setup.hpp"],
     "ros/rosflight_demos": [],
     "ros/rosflight_gcs": ["ros/rosflight_common"],

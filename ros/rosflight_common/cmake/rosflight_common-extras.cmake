@@ -55,6 +55,31 @@ function(rosflight_add_node name)
   install(TARGETS ${name} DESTINATION lib/${PROJECT_NAME})
 endfunction()
 
+# rosflight_add_interfaces(INCLUDE folder SOURCES file... PACKAGES package... [USES target...] [EXPORTS package...] [PRIVATE target...])
+#
+# The shared library PACKAGE::interfaces with the base classes for modules of others. It is installed with its headers, all of
+# `folder`, below include/PACKAGE. PACKAGES have the messages that the headers include; USES are further libraries of the headers,
+# from the packages EXPORTS; PRIVATE are libraries of the sources alone.
+macro(rosflight_add_interfaces)
+  cmake_parse_arguments(arg "" "INCLUDE" "SOURCES;PACKAGES;USES;EXPORTS;PRIVATE" ${ARGN})
+  add_library(${PROJECT_NAME}_interfaces SHARED ${arg_SOURCES})
+  _rosflight_target(${PROJECT_NAME}_interfaces "${arg_PRIVATE}")
+  add_library(${PROJECT_NAME}::interfaces ALIAS ${PROJECT_NAME}_interfaces)
+  set_target_properties(${PROJECT_NAME}_interfaces PROPERTIES EXPORT_NAME interfaces)
+  target_include_directories(${PROJECT_NAME}_interfaces PUBLIC
+    $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/${arg_INCLUDE}> $<INSTALL_INTERFACE:include/${PROJECT_NAME}>)
+  target_compile_features(${PROJECT_NAME}_interfaces INTERFACE cxx_std_17)
+  set(messages)
+  foreach(package ${arg_PACKAGES})
+    list(APPEND messages ${${package}_TARGETS})
+  endforeach()
+  target_link_libraries(${PROJECT_NAME}_interfaces PUBLIC ${messages} ${arg_USES})
+  install(TARGETS ${PROJECT_NAME}_interfaces EXPORT ${PROJECT_NAME} LIBRARY DESTINATION lib)
+  install(DIRECTORY ${arg_INCLUDE}/ DESTINATION include/${PROJECT_NAME})
+  ament_export_targets(${PROJECT_NAME} HAS_LIBRARY_TARGET)
+  ament_export_dependencies(${arg_PACKAGES} ${arg_EXPORTS})
+endmacro()
+
 # rosflight_find_packages(package...): all of them must be there; their messages go to every node of this CMakeLists.txt.
 macro(rosflight_find_packages)
   foreach(package ${ARGN})
