@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How good the estimate of the default flights is: errors against the truth and the normalised
-// squared error (NEES) of position, velocity and attitude, over seeded flights. Multirotor: with
+// How good the estimate of the default flights is: errors against the truth, the normalised squared
+// errors (NEES) of position, velocity and attitude and of the innovations of each aid (NIS), and how
+// often a state is outside its own 3 sigma, over seeded flights. Multirotor: with
 // the shipped sensors and with sensors whose noise is the white one that the filter models (its
 // biases walk, those of the sensors do not: that leaves the filter a little too careful). Fixed
 // wing: shipped sensors, in steady wind and in gusts, with the errors of airspeed and wind (against
 // the air at the aircraft, gusts included); a third of the flights.
 //
-// usage: estimation [FLIGHTS]        (default 60)
+// usage: estimation [FLIGHTS [KEY=VALUE...]]        (default 60; keys of the vehicle file)
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -25,6 +27,7 @@
 namespace {
 
 using namespace rosflight::flight;  // NOLINT(google-build-using-namespace): a program of one file
+using rosflight::autonomy::estimation::kAids;
 using rosflight::autonomy::estimation::log_rotation;
 using rosflight::sim::BodyState;
 using rosflight::sim::Vector3;
@@ -47,11 +50,25 @@ struct Spread {
   }
 };
 
+/// Mean of what is 1 if the filter is as good as it says.
+struct Ratio {
+  double sum{};
+  std::uint64_t count{};
+  void add(double value) {
+    sum += value;
+    ++count;
+  }
+  double mean() const { return count > 0 ? sum / static_cast<double>(count) : 0.0; }
+};
+
 struct Errors {
   Spread horizontal_m, vertical_m, velocity_m_s, tilt_deg, heading_deg;
-  Spread airspeed_m_s, wind_m_s;  ///< Fixed wing only.
-  double nees_sum{};
-  std::uint64_t nees_count{};
+  Spread airspeed_m_s, wind_m_s;                            ///< Fixed wing only.
+  Ratio nees, attitude_nees, velocity_nees, position_nees;  ///< Over their degrees of freedom.
+  std::array<Ratio, kAids> nis;
+  std::array<Ratio, 9> outside;  ///< 3 sigma, of position, velocity, attitude: 1 or 0.
+  std::uint64_t unreliable{};    ///< Samples in which the position counted as unreliable.
+  std::uint64_t widened{};       ///< Variances widened without need.
 };
 
 struct Past {
@@ -70,6 +87,15 @@ void judge_output(const Flight& flight, Errors& errors) {
   errors.velocity_m_s.values.push_back((estimate.v_W - truth.q_WB * truth.v_B).norm());
   errors.tilt_deg.values.push_back(kDegPerRad * turn_W.head<2>().norm());
   errors.heading_deg.values.push_back(kDegPerRad * std::abs(turn_W.z()));
+  errors.unreliable += estimate.position_unreliable ? 1 : 0;
+  Eigen::Matrix<double, 9, 1> error, sigma;
+  error << p.head<2>(), estimate.p_W.z() - truth.p_W.z(), estimate.v_W - truth.q_WB * truth.v_B,
+      log_rotation(truth.q_WB.conjugate() * estimate.q_WB);
+  sigma << estimate.p_sigma_W_m, estimate.v_sigma_W_m_s, estimate.attitude_sigma_B_rad;
+  for (Eigen::Index k = 0; k < 9; ++k) {
+    errors.outside[static_cast<std::size_t>(k)].add(std::abs(error(k)) > 3.0 * sigma(k) ? 1.0
+                                                                                        : 0.0);
+  }
   if (!estimate.wind_valid || !estimate.air_valid) return;
   const Vector3& wind_W = flight.truth().air.wind_W;
   const double through_air = (truth.q_WB * truth.v_B - wind_W).norm();
@@ -95,31 +121,55 @@ void judge_filter(const Flight& flight, const std::deque<Past>& past, Errors& er
       at->seen_W + at->body.q_WB * lever_B - x.p_W;
   const Eigen::Matrix<double, 9, 9> P =
       estimator.filter().covariance().template topLeftCorner<9, 9>();
-  errors.nees_sum += e.dot(P.ldlt().solve(e)) / 9.0;
-  ++errors.nees_count;
+  errors.nees.add(e.dot(P.ldlt().solve(e)) / 9.0);
+  const auto block = [&e, &P](int first) {
+    const Vector3 part = e.segment<3>(first);
+    const Eigen::Matrix3d of_part = P.block<3, 3>(first, first);
+    return part.dot(of_part.ldlt().solve(part)) / 3.0;
+  };
+  errors.attitude_nees.add(block(0));
+  errors.velocity_nees.add(block(3));
+  errors.position_nees.add(block(6));
+}
+
+/// The innovations since the last step; those of one aid come one at a time.
+void judge_innovations(const Flight& flight, std::array<std::uint64_t, kAids>& seen,
+                       Errors& errors) {
+  const auto& health = flight.estimate_source().health();
+  for (std::size_t k = 0; k < kAids; ++k) {
+    const std::uint64_t count = health.aids[k].accepted + health.aids[k].rejected;
+    if (count != seen[k] && flight.autonomy().tracking) errors.nis[k].add(health.aids[k].nis);
+    seen[k] = count;
+  }
 }
 
 template <bool kWind>
-Errors fly(int flights, FlightChoice choice) {
+Errors fly(int flights, FlightChoice choice, const std::vector<std::string>& overrides) {
   Errors errors;
+  choice.overrides.insert(choice.overrides.end(), overrides.begin(), overrides.end());
   for (int seed = 1; seed <= flights; ++seed) {
     choice.seed = static_cast<std::uint64_t>(seed);
     const FlightSetup setup(choice);
     const auto flight = std::make_unique<Flight>(setup);
     std::deque<Past> past;
+    std::array<std::uint64_t, kAids> seen{};
     int step = 0;
     flight->set_script([&](Flight& f, rosflight::sim::Time t) {
       if (f.runner().stage() != Stage::kFly) return;
       Vector3 seen_W = f.seen_position_W();
-      seen_W.z() = f.truth().body.p_W.z();  // the height hangs on the barometer, not on GNSS
+      seen_W.z() = f.truth().body.p_W.z();  // the altitude is counted from the ground
       past.push_back({rosflight::sim::to_seconds(t), f.truth().body, seen_W});
       if (past.size() > 80) past.pop_front();
+      judge_innovations(f, seen, errors);
       constexpr int kEvery = 40;  // ten times a second
       if (!f.autonomy().tracking || ++step % kEvery != 0) return;
       judge_output(f, errors);
       judge_filter<kWind>(f, past, errors);
     });
     flight->run();
+    const auto& health = flight->estimate_source().health();
+    errors.widened += health.imu_widenings + health.heading_widenings + health.gnss_resets +
+                      health.gnss_jumps + health.baro_relearned;
     if (flight->runner().stage() != Stage::kDone) {
       throw std::runtime_error("a flight failed: " + flight->runner().failure());
     }
@@ -142,7 +192,23 @@ nlohmann::ordered_json json_of(Errors& errors) {
     one("airspeed_m_s", errors.airspeed_m_s);
     one("wind_m_s", errors.wind_m_s);
   }
-  json["nees"] = errors.nees_sum / static_cast<double>(errors.nees_count);
+  json["nees"] = errors.nees.mean();
+  json["nees_attitude"] = errors.attitude_nees.mean();
+  json["nees_velocity"] = errors.velocity_nees.mean();
+  json["nees_position"] = errors.position_nees.mean();
+  constexpr std::array<const char*, kAids> kNames{
+      "gnss_horizontal", "gnss_altitude", "gnss_velocity", "baro", "heading",
+      "range",           "pitot",         "air_force",     "rest"};
+  for (std::size_t k = 0; k < kAids; ++k) {
+    if (errors.nis[k].count > 0) json[std::string("nis_") + kNames[k]] = errors.nis[k].mean();
+  }
+  constexpr std::array<const char*, 9> kStates{"north",  "east", "down",  "v_north", "v_east",
+                                               "v_down", "roll", "pitch", "yaw"};
+  for (std::size_t k = 0; k < kStates.size(); ++k) {
+    json[std::string("outside_") + kStates[k]] = errors.outside[k].mean();
+  }
+  json["unreliable_samples"] = errors.unreliable;
+  json["recoveries"] = errors.widened;
   return json;
 }
 
@@ -158,17 +224,20 @@ FlightChoice wing_in(const char* wind) {
 std::vector<std::string> as_modelled() {
   return {
       "sensors.preset=ideal",
-      "sensors.imu.gyro_rad_s.noise_density=3e-4",
-      "sensors.imu.accel_vibration=7.73e-4",  // 0.3 m/s^2 at the 388 rad/s of hover
+      "sensors.imu.gyro_rad_s.noise_density=2.6e-4",
+      "sensors.imu.accel_vibration=5.15e-4",  // 0.2 m/s^2 at the 388 rad/s of hover
       "sensors.range.delay_us=20000",
-      "sensors.range.range_m.noise_sigma=0.05",
+      "sensors.range.range_m.noise_sigma=0.012",
       "sensors.gnss.delay_us=22000",
-      "sensors.gnss.horizontal_m.noise_sigma=0.5",
-      "sensors.gnss.vertical_m.noise_sigma=10",
-      "sensors.gnss.velocity_m_s.noise_sigma=0.08",
-      "sensors.baro.pressure_Pa.noise_sigma=1.03",
-      "sensors.mag.field_T.noise_sigma=4e-7",
-      "autonomy.estimator.sigma.heading_deg=0.5",
+      "sensors.gnss.horizontal_m.noise_sigma=0.022",
+      "sensors.gnss.horizontal_m.drift_sigma=1.7",
+      "sensors.gnss.horizontal_m.drift_time_s=1100",
+      "sensors.gnss.vertical_m.noise_sigma=0.045",
+      "sensors.gnss.vertical_m.drift_sigma=2.55",
+      "sensors.gnss.vertical_m.drift_time_s=1100",
+      "sensors.gnss.velocity_m_s.noise_sigma=0.051",
+      "sensors.baro.pressure_Pa.noise_sigma=0.515",
+      "sensors.mag.field_T.noise_sigma=3e-7",
   };
 }
 
@@ -179,15 +248,16 @@ int main(int argc, char** argv) {
     const int flights = argc > 1 ? std::atoi(argv[1]) : 60;
     if (flights < 1) throw std::invalid_argument("FLIGHTS is a number from 1");
     const int wings = (flights + 2) / 3;
+    const std::vector<std::string> keys(argv + std::min(argc, 2), argv + argc);
     FlightChoice modelled;
     modelled.overrides = as_modelled();
-    Errors errors = fly<false>(flights, {});
+    Errors errors = fly<false>(flights, {}, keys);
     nlohmann::ordered_json json{{"shipped", json_of(errors)}};
-    errors = fly<false>(flights, modelled);
+    errors = fly<false>(flights, modelled, keys);
     json["modelled"] = json_of(errors);
-    errors = fly<true>(wings, wing_in("6,270"));
+    errors = fly<true>(wings, wing_in("6,270"), keys);
     json["fixedwing"] = json_of(errors);
-    errors = fly<true>(wings, wing_in("6,270,6"));
+    errors = fly<true>(wings, wing_in("6,270,6"), keys);
     json["fixedwing_gusts"] = json_of(errors);
     std::cout << json.dump(1) << "\n";
     return 0;

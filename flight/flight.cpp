@@ -140,6 +140,7 @@ class Flight::Loop final : private sim::LockStepListener {
   /// nullptr unless the project's guidance flies a fixed wing.
   const FixedWingGuidance* fixedwing_guidance{};
   std::optional<FixedWingRecord> fixedwing_record;
+  std::optional<sim::Vector3> frame_shift_W;           ///< Of the estimate's frame against W [m].
   const sim::sensors::StandardSensors* instruments{};  ///< nullptr: a module of a user's own.
   double link_noise{0.0};
   std::array<bool, 2> broken_down{};  ///< Crash and hang: the fault has happened.
@@ -148,6 +149,7 @@ class Flight::Loop final : private sim::LockStepListener {
   void before_step(sim::Time t) override;
   void apply_faults(sim::Time t);
   void apply_link_faults(sim::Time t);
+  void note_frame_of_estimate();
   void face_the_wind();
 };
 
@@ -169,6 +171,7 @@ void Flight::Loop::before_step(sim::Time t) {
   cable.set_time(t);
   apply_faults(t);
   if (!setup.faults.active(sim::FaultKind::kCompanionStall, t)) runner.step(t, dynamics.truth());
+  note_frame_of_estimate();
   if (runner.stage() >= Stage::kFly)
     scorer.step(dynamics.truth(), runner.estimate().p_W, guidance->output());
   if (failed_at == sim::Time{0} && runner.stage() == Stage::kFailed) failed_at = t;
@@ -188,11 +191,16 @@ void Flight::Loop::before_step(sim::Time t) {
 }
 
 sim::Vector3 Flight::Loop::seen_position_W() const {
-  const sim::Vector3& p_W = dynamics.truth().body.p_W;
+  return dynamics.truth().body.p_W + frame_shift_W.value_or(sim::Vector3::Zero());
+}
+
+/// With the first fixes the estimate places its frame on the map: off by the error of the satellites
+/// at that moment, unless its origin comes from these fixes too.
+void Flight::Loop::note_frame_of_estimate() {
   const auto& origin = estimate_source->origin();
-  if (setup.choice.state == "truth" || !origin || instruments == nullptr) return p_W;
-  const sim::Vector3 origin_W = autonomy::ned_of(*origin, setup.vehicle.environment().origin);
-  return p_W + instruments->gnss_bias() - origin_W;
+  if (frame_shift_W || !origin || instruments == nullptr || setup.choice.state == "truth") return;
+  frame_shift_W =
+      instruments->gnss_bias() - autonomy::ned_of(*origin, setup.vehicle.environment().origin);
 }
 
 void Flight::Loop::apply_link_faults(sim::Time t) {

@@ -93,8 +93,9 @@ class Flight final {
   const ErrorStatistics& own_tracking() const;
   /// nullptr unless a fixed wing flies.
   const FixedWingRecord* fixedwing_record() const;
-  /// The true position [m] in the frame of the estimate: truth + error of GNSS - error of the
-  /// origin. What differs from it is the error of the estimator. On the truth: the truth.
+  /// The true position [m] in the frame of the estimate: truth + error of GNSS when the frame was
+  /// placed - error of the origin. What differs from it is the error of the estimator. On the truth:
+  /// the truth.
   sim::Vector3 seen_position_W() const;
 
  private:

@@ -50,7 +50,7 @@ class LinkStateEstimator final : public StateEstimateSource, private companion::
                                                    vector(m.accel_m_s2)});
   }
   void on_attitude(const link::Attitude& m, const companion::Stamp& stamp) override {
-    if (!enabled_ || estimator_.initialised()) return;
+    if (!enabled_ || !estimator_.wants_attitude_hint()) return;
     estimator_.set_attitude_hint(seconds(stamp),
                                  {static_cast<double>(m.q_WB[0]), static_cast<double>(m.q_WB[1]),
                                   static_cast<double>(m.q_WB[2]), static_cast<double>(m.q_WB[3])});

@@ -64,10 +64,10 @@ def all_figures() -> list[Figure]:
         Figure("firmware.texts_lost", "texts", "= 0", lambda: counted("texts_lost")),
         Figure("firmware.samples_rejected", "samples", "= 0", lambda: counted("rejected")),
         Figure("firmware.gyro_latency_ms", "ms", "report", lambda: number(fly_runs()[0][1], "gyro_latency_ms")),
-        *(Figure(f"estimation.{noise}.{quantity}", unit, "report",
+        *(Figure(f"estimation.{noise}.{quantity}", unit, CONSISTENT.get(quantity, "report"),
                  functools.partial(estimation_figure, noise, quantity))
           for noise in ("shipped", "modelled") for quantity, unit in ESTIMATION),
-        *(Figure(f"estimation.{air}.{quantity}", unit, "report",
+        *(Figure(f"estimation.{air}.{quantity}", unit, CONSISTENT.get(quantity, "report"),
                  functools.partial(estimation_figure, air, quantity))
           for air in ("fixedwing", "fixedwing_gusts") for quantity, unit in ESTIMATION + AIR),
         *(Figure(f"missions.{name}.{quantity}", unit, target,
@@ -95,7 +95,11 @@ def all_figures() -> list[Figure]:
 ESTIMATION = [(f"{name}_{kind}", unit)
               for name, unit in (("horizontal_m", "m"), ("vertical_m", "m"), ("velocity_m_s", "m/s"),
                                  ("tilt_deg", "deg"), ("heading_deg", "deg")) for kind in ("rms", "p95")]
-ESTIMATION += [("nees", "1")]
+# Squared errors and innovations over their covariance: 1 is right, above 1.3 the filter is too sure of itself.
+CONSISTENT = {f"nees_{block}": "<= 1.3" for block in ("attitude", "velocity", "position")}
+CONSISTENT |= {f"nis_{aid}": "<= 1.3" for aid in ("gnss_horizontal", "gnss_altitude", "gnss_velocity", "baro", "heading", "air_force")}
+CONSISTENT |= {"unreliable_samples": "= 0"}
+ESTIMATION += [("nees", "1")] + [(name, "1") for name in CONSISTENT]
 AIR = [(f"{name}_{kind}", "m/s") for name in ("airspeed_m_s", "wind_m_s") for kind in ("rms", "p95")]
 
 

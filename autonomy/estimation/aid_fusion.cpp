@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "autonomy/common/angles.hpp"
+#include "base/angles.hpp"
 
 namespace rosflight::autonomy::estimation {
 namespace {
@@ -21,18 +21,25 @@ double standard_density_kg_m3(double pressure_Pa) {
 
 }  // namespace
 
-template <bool kWind>
-void AidFusion<kWind>::reset() {
+template <bool kWing>
+void AidFusion<kWing>::reset() {
   filter_ = Filter{};
   ground_up_m_ = 0.0;
   jump_ = {};
-  const std::uint64_t restarts = health_.restarts;
+  force_ = {};
+  heading_ = {};
+  wind_noise_m_s_rts_ = config_.noise.wind_m_s_rts;
+  good_.t_s = widened_s_ = -1e9;
+  settled_since_s_ = 1e9;
+  velocity_monitor_.reset();
+  heading_monitor_.reset();
+  for (InnovationMean& mean : velocity_means_) mean.reset();
+  for (InnovationMean& mean : air_means_) mean.reset();
   health_ = {};
-  health_.restarts = restarts;
 }
 
-template <bool kWind>
-void AidFusion<kWind>::start(double t_s, const NominalState& state, const Covariance& covariance,
+template <bool kWing>
+void AidFusion<kWing>::start(double t_s, const NominalState& state, const Covariance& covariance,
                              double pressure_Pa) {
   t_s_ = t_s;
   filter_ = Filter{};
@@ -43,35 +50,54 @@ void AidFusion<kWind>::start(double t_s, const NominalState& state, const Covari
   health_.initialised = true;
 }
 
-template <bool kWind>
-void AidFusion<kWind>::predict(const ImuBuffer::Segment& segment) {
-  filter_.predict(segment.u, config_.noise, config_.gravity_m_s2);
+template <bool kWing>
+void AidFusion<kWing>::predict(const ImuBuffer::Segment& segment) {
+  const ImuIncrement u = segment.unknown
+                             ? Filter::steady(filter_.state(), segment.u.dt_s, config_.gravity_m_s2)
+                             : segment.u;
   t_s_ = segment.end_s();
-  if (segment.u.dt_s > 0.0) w_raw_B_ = segment.u.dtheta_B / segment.u.dt_s;
-  if (!segment.hole) return;
-  // What a vehicle may have done unseen.
-  constexpr double kRate_rad_s = 0.5;
-  constexpr double kAcceleration_m_s2 = 5.0;
+  if (!segment.hole) {
+    ProcessNoise noise = config_.noise;
+    noise.wind_m_s_rts = wind_noise_m_s_rts_;
+    filter_.predict(u, noise, config_.gravity_m_s2);
+    if (u.dt_s > 0.0) w_raw_B_ = u.dtheta_B / u.dt_s;
+    fuse_air_force(segment);
+    return;
+  }
+  // White noise of what a vehicle may have done unseen; its attitude is never lost altogether.
+  constexpr double kTurn_rad_rts = 0.5;
+  constexpr double kAcceleration_m_s_rts = 5.0;
+  constexpr double kMaxTilt_rad = 0.6;
+  ProcessNoise unseen = config_.noise;
+  unseen.gyro_rad_s_rtHz = kTurn_rad_rts;
+  unseen.accel_m_s2_rtHz = kAcceleration_m_s_rts;
+  // In parts: the noise of the velocity moves the position while it acts.
+  constexpr double kPart_s = 0.1;
+  const double parts = std::max(1.0, std::ceil(u.dt_s / kPart_s));
+  const ImuIncrement part{u.dt_s / parts, u.dtheta_B / parts, u.dv_B / parts};
+  for (int k = 0; k < static_cast<int>(parts); ++k) {
+    filter_.predict(part, unseen, config_.gravity_m_s2);
+  }
+  for (int k = 0; k < 3; ++k) {
+    const double sigma = std::sqrt(filter_.covariance()(Filter::kTheta + k, Filter::kTheta + k));
+    if (sigma > kMaxTilt_rad) filter_.reset_variance(Filter::kTheta + k, 1, kMaxTilt_rad);
+  }
+  w_raw_B_ = filter_.state().gyro_bias_B;
+  force_ = {};
   ++health_.imu_holes;
   health_.bridging = true;
-  const double dt = segment.u.dt_s;
-  for (int k = 0; k < 3; ++k) {
-    const auto square = [](double x) { return x * x; };
-    filter_.covariance()(Filter::kTheta + k, Filter::kTheta + k) += square(kRate_rad_s * dt);
-    filter_.covariance()(Filter::kVelocity + k, Filter::kVelocity + k) +=
-        square(kAcceleration_m_s2 * dt);
-    filter_.covariance()(Filter::kPosition + k, Filter::kPosition + k) +=
-        square(kAcceleration_m_s2 * dt * dt);
-  }
 }
 
-template <bool kWind>
+template <bool kWing>
 template <int kRows>
-bool AidFusion<kWind>::weigh(Aid aid, const typename Filter::template Residual<kRows>& residual,
-                             double gate_sigma) {
-  const typename Filter::Verdict verdict = filter_.correct(residual, gate_sigma);
+bool AidFusion<kWing>::weigh(Aid aid, const Filter::Residual<kRows>& residual, double gate_sigma) {
+  return note(aid, filter_.correct(residual, gate_sigma), kRows);
+}
+
+template <bool kWing>
+bool AidFusion<kWing>::note(Aid aid, const Filter::Verdict& verdict, int rows) {
   AidHealth& health = health_.of(aid);
-  health.nis = verdict.nis / kRows;
+  health.nis = verdict.nis / rows;
   if (verdict.accepted) {
     ++health.accepted;
     health.last_accepted_s = t_s_;
@@ -86,30 +112,26 @@ bool AidFusion<kWind>::weigh(Aid aid, const typename Filter::template Residual<k
   return verdict.accepted;
 }
 
-template <bool kWind>
-void AidFusion<kWind>::fuse(const AidSample& sample, double newest_s) {
+template <bool kWing>
+void AidFusion<kWing>::fuse(const AidSample& sample, double newest_s) {
   newest_s_ = newest_s;
   std::visit([this](const auto& s) { this->fuse(s); }, sample);
 }
 
-template <bool kWind>
-void AidFusion<kWind>::fuse(const GnssSample& sample) {
+template <bool kWing>
+void AidFusion<kWing>::fuse(const GnssSample& sample) {
   if (!reference_.origin) {  // started without a fix: the fix is at the position of the filter
     const Vector3 p_W = filter_.state().p_W + filter_.state().q_WB * gnss_lever();
-    const Geodetic here = sample.position;
-    constexpr double kMetresPerDegree = 111.2e3;
-    reference_.origin =
-        Geodetic{here.latitude_deg - p_W.x() / kMetresPerDegree,
-                 here.longitude_deg -
-                     p_W.y() / (kMetresPerDegree * std::cos(here.latitude_deg * kRadPerDeg)),
-                 here.altitude_m + p_W.z()};
+    reference_.origin = moved(sample.position, -p_W);
+    filter_.state().gnss_bias_W.setZero();  // counted from here
+    filter_.reset_variance(Filter::kGnssBias, 3, config_.gnss_altitude_sigma_m);
   }
   const Vector3 p_W = ned_of(sample.position, *reference_.origin);
   // Where the output will be, which is ahead of the filter.
   const double ahead_s = newest_s_ - t_s_;
   const auto shown_W = [this, ahead_s]() -> Vector2 {
     const NominalState& x = filter_.state();
-    return (x.p_W + ahead_s * x.v_W).template head<2>();
+    return (x.p_W + ahead_s * x.v_W).head<2>();
   };
   const Vector2 before_W = shown_W();
   constexpr double kGap_s = 1.0;
@@ -124,8 +146,8 @@ void AidFusion<kWind>::fuse(const GnssSample& sample) {
   jump_.t_s = t_s_;
 }
 
-template <bool kWind>
-Vector2 AidFusion<kWind>::unshown_jump_W(double t_s) const {
+template <bool kWing>
+Vector2 AidFusion<kWing>::unshown_jump_W(double t_s) const {
   const double size_m = jump_.moved_W.norm();
   constexpr double kMax_s = 5.0;
   const double speed_m_s = std::max(config_.jump_speed_m_s, size_m / kMax_s);
@@ -134,68 +156,130 @@ Vector2 AidFusion<kWind>::unshown_jump_W(double t_s) const {
   return jump_.moved_W * (1.0 - shown_m / size_m);
 }
 
-template <bool kWind>
-void AidFusion<kWind>::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
+/// Whether innovations of the velocity have kept their sign for some time.
+template <bool kWing>
+bool AidFusion<kWing>::velocity_is_off(const Filter::Residual<3>& residual) {
+  bool off = false;
+  for (int k = 0; k < 3; ++k) {
+    const int row = Filter::kVelocity + k;
+    const double sigma = std::sqrt(filter_.covariance()(row, row) + residual.R(k, k));
+    const bool axis_off =
+        velocity_means_[static_cast<std::size_t>(k)].exceeded(residual.nu(k) / sigma);
+    off = off || axis_off;
+  }
+  return off;
+}
+
+template <bool kWing>
+void AidFusion<kWing>::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
   const auto square = [](double x) { return x * x; };
+  constexpr double kGap_s = 1.0;
+  if (t_s_ - health_.of(Aid::kGnssVelocity).last_accepted_s > kGap_s) settled_since_s_ = 1e9;
   auto velocity = Filter::gnss_velocity(filter_.state(), sample.v_W_m_s, gnss_lever(), w_raw_B_);
   velocity.R = square(config_.gnss_velocity_sigma_m_s) * Matrix3::Identity();
+  const bool drifts = velocity_is_off(velocity);
   const bool velocity_ok = weigh<3>(Aid::kGnssVelocity, velocity, config_.gate_sigma);
 
   auto horizontal = Filter::gnss_position(filter_.state(), p_W, gnss_lever()).template rows<2>(0);
   horizontal.R = square(config_.gnss_horizontal_sigma_m) * Eigen::Matrix2d::Identity();
   const bool horizontal_ok = weigh<2>(Aid::kGnssHorizontal, horizontal, config_.gate_sigma);
+  if (horizontal_ok && settled_since_s_ > t_s_) settled_since_s_ = t_s_;
 
   auto altitude = Filter::gnss_position(filter_.state(), p_W, gnss_lever()).template rows<1>(2);
   altitude.R(0) = square(config_.gnss_altitude_sigma_m);
   static_cast<void>(weigh<1>(Aid::kGnssAltitude, altitude, config_.gate_sigma));
 
-  if (velocity_ok && horizontal_ok) return;
-  if (health_.of(Aid::kGnssVelocity).rejecting_for_s() > config_.gnss_doubt_s) widen_imu_errors();
-  const double rejected_s = std::max(health_.of(Aid::kGnssVelocity).rejecting_for_s(),
-                                     health_.of(Aid::kGnssHorizontal).rejecting_for_s());
+  const AidHealth& of_velocity = health_.of(Aid::kGnssVelocity);
+  if (velocity_monitor_.exceeded(of_velocity.nis) ||
+      of_velocity.rejecting_for_s() > config_.gnss_doubt_s) {
+    widen_imu_errors(kLargeFault);
+    if (!velocity_ok) {  // it was not used yet
+      static_cast<void>(filter_.correct(velocity, config_.gate_sigma));
+    }
+  }
+  if (drifts) widen_imu_errors(kSmallFault);
+  if (health_.of(Aid::kGnssAltitude).rejecting_for_s() > config_.gnss_jump_s) {
+    restart_gnss_bias(2, 1, p_W);
+    health_.of(Aid::kGnssAltitude).rejecting = false;
+  }
+  const AidHealth& of_position = health_.of(Aid::kGnssHorizontal);
+  // The position was right for a while, then it alone was not: the receiver's has jumped.
+  constexpr double kSettled_s = 2.0;
+  const bool settled = of_position.rejected_since_s - settled_since_s_ > kSettled_s;
+  if (velocity_ok && settled && of_position.rejecting_for_s() > config_.gnss_jump_s) {
+    restart_gnss_bias(0, 2, p_W);
+    health_.of(Aid::kGnssHorizontal).rejecting = false;
+    return;
+  }
+  const double rejected_s = std::max(of_velocity.rejecting_for_s(), of_position.rejecting_for_s());
   if (rejected_s > config_.gnss_reset_s) reset_to_gnss(p_W, sample.v_W_m_s);
 }
 
-/// The velocity drifts away from that of GNSS: a bias must have jumped. Widens the variances that
-/// such a jump affects, so that the next fixes pass their gates and correct it.
-template <bool kWind>
-void AidFusion<kWind>::widen_imu_errors() {
-  constexpr double kTilt_rad = 0.02;
-  constexpr double kVelocity_m_s = 0.2;
-  constexpr double kGyroBias_rad_s = 0.01;
-  constexpr double kAccelBias_m_s2 = 0.1;
-  const auto widen = [this](int first, double sigma) {
-    for (int k = first; k < first + 3; ++k) filter_.covariance()(k, k) += sigma * sigma;
-  };
-  widen(Filter::kTheta, kTilt_rad);
-  widen(Filter::kVelocity, kVelocity_m_s);
-  widen(Filter::kGyroBias, kGyroBias_rad_s);
-  widen(Filter::kAccelBias, kAccelBias_m_s2);
-  ++health_.imu_widenings;
+/// Raises and lowers the process noise of the wind so that innovations of the air are as large as
+/// they should be: R. K. Mehra, "On the identification of variances and adaptive Kalman filtering",
+/// IEEE Trans. Automatic Control 15, 1970, in its simplest form. Without GNSS a wrong tilt looks like
+/// a gust: then what was learned stays.
+template <bool kWing>
+void AidFusion<kWing>::learn_gusts(double nis) {
+  if (dead_reckoning()) return;
+  constexpr double kShare = 0.02;
+  constexpr double kMaxNis = 9.0;
+  const double factor = std::exp(kShare * (std::min(nis, kMaxNis) - 1.0));
+  wind_noise_m_s_rts_ =
+      std::clamp(wind_noise_m_s_rts_ * factor, config_.noise.wind_m_s_rts,
+                 std::max(config_.noise.wind_m_s_rts, config_.max_wind_noise_m_s_rts));
 }
 
-/// Horizontal position and velocity as GNSS has them; the height only where it has no other aid.
-template <bool kWind>
-void AidFusion<kWind>::reset_to_gnss(const Vector3& p_W, const Vector3& v_W) {
-  constexpr double kTilt_rad = 0.05;
-  NominalState& x = filter_.state();
-  const Vector3 lever_W = x.q_WB * gnss_lever();
-  x.p_W.head<2>() = (p_W - lever_W).head<2>();
-  x.v_W = v_W;
-  filter_.reset_variance(Filter::kPosition, 2, 2.0 * config_.gnss_horizontal_sigma_m);
-  filter_.reset_variance(Filter::kVelocity, 3, 5.0 * config_.gnss_velocity_sigma_m_s);
-  for (int k = 0; k < 3; ++k) {  // the same error has turned the attitude too
-    filter_.covariance()(Filter::kTheta + k, Filter::kTheta + k) += kTilt_rad * kTilt_rad;
-  }
-  for (const Aid aid : {Aid::kGnssHorizontal, Aid::kGnssVelocity}) {
-    health_.of(aid).rejecting = false;
-    health_.of(aid).last_accepted_s = t_s_;
-  }
-  ++health_.gnss_resets;
+template <bool kWing>
+bool AidFusion<kWing>::off_the_ground() const {
+  constexpr double kClear_m = 0.3;
+  constexpr double kClearOfRunway_m = 1.5;
+  const double above_m = -filter_.state().p_W.z() - ground_up_m_ - config_.height_at_rest_m;
+  return above_m > (kWing ? kClearOfRunway_m : kClear_m);
 }
 
-template <bool kWind>
-void AidFusion<kWind>::fuse(const BaroSample& sample) {
+template <bool kWing>
+bool AidFusion<kWing>::dead_reckoning() const {
+  constexpr double kGap_s = 0.5;
+  return t_s_ - health_.of(Aid::kGnssVelocity).last_accepted_s > kGap_s;
+}
+
+/// The mean specific force at the body's origin: that at the IMU less what turning adds to it there.
+template <bool kWing>
+Vector3 AidFusion<kWing>::force_at_origin() const {
+  const Vector3& r_B = config_.imu_position_B;
+  const Vector3 w_B = 0.5 * (force_.w_start_B + w_raw_B_) - filter_.state().gyro_bias_B;
+  const Vector3 angular_B = (w_raw_B_ - force_.w_start_B) / force_.dt_s;
+  return force_.dv_B / force_.dt_s - angular_B.cross(r_B) - w_B.cross(w_B.cross(r_B));
+}
+
+/// The specific force along body x and y (rotors) or y (wing), averaged over an interval.
+template <bool kWing>
+void AidFusion<kWing>::fuse_air_force(const ImuBuffer::Segment& segment) {
+  force_.dv_B += segment.u.dv_B;
+  force_.dt_s += segment.u.dt_s;
+  if (force_.dt_s < config_.air_force_interval_s) return;
+  const Vector3 force_B = force_at_origin();
+  force_ = {Vector3::Zero(), 0.0, w_raw_B_};
+  if (!off_the_ground()) return;
+  const NominalState& x = filter_.state();
+  const double thrust_m_s2 = std::max(0.0, x.accel_bias_B.z() - force_B.z());
+  for (int axis = kWing ? 1 : 0; axis < 2; ++axis) {
+    const AirForce model = config_.air.along(axis, thrust_m_s2, density_kg_m3_);
+    if (model.linear_1_s <= 0.0 && model.quadratic_1_m <= 0.0) continue;
+    auto residual = Filter::air_force(filter_.state(), axis, force_B(axis), model);
+    residual.R(0) = config_.air_force_sigma_m_s2 * config_.air_force_sigma_m_s2;
+    const bool accepted = weigh<1>(Aid::kSideslip, residual, config_.gate_sigma);
+    if (accepted) learn_gusts(health_.of(Aid::kSideslip).nis);
+    const double size = std::sqrt(health_.of(Aid::kSideslip).nis);
+    const bool off =
+        air_means_[static_cast<std::size_t>(axis)].exceeded(std::copysign(size, residual.nu(0)));
+    if (off && dead_reckoning()) widen_imu_errors(kDeadReckonedFault);
+  }
+}
+
+template <bool kWing>
+void AidFusion<kWing>::fuse(const BaroSample& sample) {
   density_kg_m3_ = standard_density_kg_m3(sample.pressure_Pa);
   const double height_m = standard_height_m(sample.pressure_Pa) - origin_pressure_height_m_;
   auto residual = Filter::baro_height(filter_.state(), height_m);
@@ -207,21 +291,101 @@ void AidFusion<kWind>::fuse(const BaroSample& sample) {
   ++health_.baro_relearned;
 }
 
-template <bool kWind>
-void AidFusion<kWind>::fuse(const MagSample& sample) {
+template <bool kWing>
+void AidFusion<kWing>::fuse(const MagSample& sample) {
   if (!reference_.declination_rad) return;
   auto residual =
       Filter::magnetic_heading(filter_.state(), sample.field_T, *reference_.declination_rad);
-  const double level_T = (filter_.state().q_WB * sample.field_T).template head<2>().norm();
+  const double level_T = (filter_.state().q_WB * sample.field_T).head<2>().norm();
   constexpr double kMinLevel = 0.05;  // of the field: nearer to vertical it has no heading
   if (level_T < kMinLevel * sample.field_T.norm()) return;
   const double by_noise = config_.mag_sigma_T / level_T;
   residual.R(0) = by_noise * by_noise + config_.heading_sigma_rad * config_.heading_sigma_rad;
-  static_cast<void>(weigh<1>(Aid::kHeading, residual, config_.heading_gate_sigma));
+  const bool fits = field_fits(sample.field_T);
+  const double gate_sigma = heading_gate(residual, fits);
+  if (note(Aid::kHeading, filter_.correct_heading(residual, gate_sigma), 1)) {
+    learn_vertical_field(sample.field_T);
+  }
+  if (heading_drifts(residual, fits)) widen_heading();
 }
 
-template <bool kWind>
-void AidFusion<kWind>::fuse(const RangeSample& sample) {
+template <bool kWing>
+double AidFusion<kWing>::vertical_field_T(const Vector3& field_B) const {
+  const NominalState& x = filter_.state();
+  return (x.q_WB * (field_B - x.mag_bias_B)).z();
+}
+
+template <bool kWing>
+void AidFusion<kWing>::learn_vertical_field(const Vector3& field_B) {
+  constexpr double kShare = 0.01;
+  const double down_T = vertical_field_T(field_B);
+  heading_.down_T = heading_.down_T.value_or(down_T);
+  *heading_.down_T += kShare * (down_T - *heading_.down_T);
+}
+
+/// Whether the vertical part of the field is as it was: it does not depend on the heading, so a gyro
+/// that is wrong about the vertical leaves it, while a magnetometer that is turned or beside new
+/// iron changes it as soon as the vehicle tilts.
+template <bool kWing>
+bool AidFusion<kWing>::field_fits(const Vector3& field_B) const {
+  if (!heading_.down_T) return true;
+  constexpr double kTilt_rad = 0.02;  // times the horizontal field
+  const double level_T = (filter_.state().q_WB * field_B).head<2>().norm();
+  const double sigma_T =
+      std::hypot(config_.mag_sigma_T, config_.initial_mag_bias_T, kTilt_rad * level_T);
+  return std::abs(vertical_field_T(field_B) - *heading_.down_T) <
+         config_.heading_gate_sigma * sigma_T;
+}
+
+/// The gate of a heading: none passes that does not fit; after a refusal of some time, only once
+/// several in a row have fitted, since that of a wrong magnetometer passes the right one in turns.
+template <bool kWing>
+double AidFusion<kWing>::heading_gate(const Filter::Residual<1>& residual, bool fits) {
+  constexpr double kRefused_s = 0.3;
+  constexpr int kEnough = 20;
+  const AidHealth& health = health_.of(Aid::kHeading);
+  if (health.rejecting_for_s() < kRefused_s) {
+    heading_.fitting = 0;
+    return fits ? config_.heading_gate_sigma : 0.0;
+  }
+  const double S = (residual.H * filter_.covariance() * residual.H.transpose())(0) + residual.R(0);
+  const double limit = Filter::gate(1, config_.heading_gate_sigma);
+  const bool inside = residual.nu(0) * residual.nu(0) <= limit * S;
+  heading_.fitting = fits && inside ? heading_.fitting + 1 : 0;
+  return heading_.fitting > kEnough ? config_.heading_gate_sigma : 0.0;
+}
+
+/// Whether the heading drifts away from that of the magnetometer as with a gyro that is wrong by up
+/// to kGyroStepLimit_rad_s, counted from the last heading that was used.
+template <bool kWing>
+bool AidFusion<kWing>::heading_drifts(const Filter::Residual<1>& residual, bool fits) {
+  constexpr double kSigmas = 4.0;
+  const AidHealth& health = health_.of(Aid::kHeading);
+  if (!health.rejecting) {
+    heading_.residual_rad = residual.nu(0);
+    heading_.t_s = t_s_;
+    heading_.jumped = false;
+  }
+  const double drift_rad = std::abs(base::wrap_angle(residual.nu(0) - heading_.residual_rad));
+  const double possible_rad =
+      kSigmas * std::sqrt(residual.R(0)) + kGyroStepLimit_rad_s * (t_s_ - heading_.t_s);
+  heading_.jumped = heading_.jumped || drift_rad > possible_rad || !fits;
+  if (heading_.jumped) {
+    heading_monitor_.reset();
+    return false;
+  }
+  if (!heading_monitor_.exceeded(health.nis)) return false;
+  // Widened again and again, it would have followed: another aid holds it against the magnetometer.
+  constexpr double kPause_s = 10.0;
+  constexpr int kEnough = 2;
+  heading_.widened = t_s_ - heading_.widened_s < kPause_s ? heading_.widened + 1 : 1;
+  heading_.widened_s = t_s_;
+  heading_.jumped = heading_.widened > kEnough;
+  return !heading_.jumped;
+}
+
+template <bool kWing>
+void AidFusion<kWing>::fuse(const RangeSample& sample) {
   const NominalState& x = filter_.state();
   const double cosine = (x.q_WB * Vector3::UnitZ()).z();
   if (cosine < std::cos(config_.range_max_tilt_rad)) return;
@@ -236,9 +400,9 @@ void AidFusion<kWind>::fuse(const RangeSample& sample) {
   ++health_.ground_relearned;
 }
 
-template <bool kWind>
-void AidFusion<kWind>::fuse(const PitotSample& sample) {
-  if constexpr (kWind) {
+template <bool kWing>
+void AidFusion<kWing>::fuse(const PitotSample& sample) {
+  if constexpr (kWing) {
     const NominalState& x = filter_.state();
     const Vector3 wind_W(x.wind_W.x(), x.wind_W.y(), 0.0);
     const double forward_m_s = (x.q_WB.conjugate() * (x.v_W - wind_W)).x();
@@ -249,20 +413,24 @@ void AidFusion<kWind>::fuse(const PitotSample& sample) {
     const double measured_m_s = std::sqrt(2.0 * std::max(sample.pressure_Pa, 0.0) / density_kg_m3_);
     residual.nu *= 2.0 * forward_m_s / (measured_m_s + forward_m_s);
     residual.R(0) = config_.pitot_sigma_Pa * config_.pitot_sigma_Pa;
-    static_cast<void>(weigh<1>(Aid::kPitot, residual, config_.gate_sigma));
-    if (config_.use_sideslip) fuse(SideslipSample{sample.t_s, 0.0});
+    if (weigh<1>(Aid::kPitot, residual, config_.gate_sigma)) {
+      learn_gusts(health_.of(Aid::kPitot).nis);
+    }
+    if (config_.use_sideslip && config_.air.side_area_m2_kg <= 0.0) {
+      fuse(SideslipSample{sample.t_s, 0.0});
+    }
   }
 }
 
-template <bool kWind>
-void AidFusion<kWind>::fuse(const SideslipSample& sample) {
+template <bool kWing>
+void AidFusion<kWing>::fuse(const SideslipSample& sample) {
   auto residual = Filter::sideslip(filter_.state(), sample.v_air_y_m_s);
   residual.R(0) = config_.sideslip_sigma_m_s * config_.sideslip_sigma_m_s;
   static_cast<void>(weigh<1>(Aid::kSideslip, residual, config_.gate_sigma));
 }
 
-template <bool kWind>
-void AidFusion<kWind>::fuse_rest() {
+template <bool kWing>
+void AidFusion<kWing>::fuse_rest() {
   auto residual = Filter::velocity(filter_.state(), Vector3::Zero());
   residual.R = config_.rest_sigma_m_s * config_.rest_sigma_m_s * Matrix3::Identity();
   static_cast<void>(weigh<3>(Aid::kRest, residual, config_.gate_sigma));

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <optional>
 
+#include "autonomy/common/angles.hpp"
 #include "autonomy/estimation/error_state_ekf.hpp"
 #include "autonomy/estimation/estimator_config.hpp"
 #include "autonomy/estimation/health.hpp"
@@ -11,34 +15,93 @@
 
 namespace rosflight::autonomy::estimation {
 
+/// Mean square of normalised innovations of one aid, exponential over 1/share samples.
+class InnovationMonitor {
+ public:
+  /// @param share  weight of a sample, 0..1. @param limit  of the mean; 1 is expected.
+  /// @param cap  a single innovation counts for no more than this.
+  InnovationMonitor(double share, double limit, double cap)
+      : share_{share}, limit_{limit}, cap_{cap} {}
+  /// @returns whether the mean exceeds its limit; it then starts again.
+  bool exceeded(double nis) {
+    mean_ += share_ * (std::min(nis, cap_) - mean_);
+    if (mean_ <= limit_) return false;
+    mean_ = 1.0;
+    return true;
+  }
+  void reset() { mean_ = 1.0; }
+
+ private:
+  double share_, limit_, cap_;
+  double mean_{1.0};
+};
+
+/// Mean of normalised innovations with their sign, exponential over 1/share samples: a bias shows in
+/// it long before it shows in their squares.
+class InnovationMean {
+ public:
+  /// @param share  weight of a sample, 0..1. @param sigmas  limit of the mean in its own standard
+  /// deviations, sqrt(share/(2 - share)) where the innovations are white.
+  InnovationMean(double share, double sigmas)
+      : share_{share}, limit_{sigmas * std::sqrt(share / (2.0 - share))} {}
+  /// @param innovation  by its standard deviation. @returns whether the mean exceeds its limit; it
+  /// then starts again.
+  bool exceeded(double innovation) {
+    constexpr double kCap = 3.0;
+    mean_ += share_ * (std::clamp(innovation, -kCap, kCap) - mean_);
+    if (std::abs(mean_) <= limit_) return false;
+    mean_ = 0.0;
+    return true;
+  }
+  void reset() { mean_ = 0.0; }
+
+ private:
+  double share_, limit_;
+  double mean_{};
+};
+
 /// What positions and headings refer to; unknown until the first fix.
 struct Reference {
   std::optional<Geodetic> origin;         ///< Of W.
   std::optional<double> declination_rad;  ///< Magnetic north, east of true north.
 };
 
+/// The place a little way off another one [m].
+inline Geodetic moved(const Geodetic& from, const Vector3& by_W) {
+  constexpr double kMetresPerDegree = 111.2e3;
+  const double east_per_degree = kMetresPerDegree * std::cos(from.latitude_deg * kRadPerDeg);
+  return {from.latitude_deg + by_W.x() / kMetresPerDegree,
+          from.longitude_deg + by_W.y() / east_per_degree, from.altitude_m - by_W.z()};
+}
+
 /// Fuses each aid with the filter: noise, lever, innovation gate, and recovery after a timeout of
 /// rejections.
 ///
 /// | aid | rejected for | recovery |
 /// |---|---|---|
-/// | GNSS velocity | gnss_doubt_s | the variances of tilt, velocity and IMU biases are widened |
+/// | GNSS velocity | gnss_doubt_s | biases of the IMU and what they have led to are widened |
 /// | GNSS position, velocity | gnss_reset_s | horizontal position and velocity are reset to GNSS |
+/// | GNSS position alone | gnss_jump_s | its slow error is set so that the residual is zero |
 /// | barometer | baro_relearn_s | its bias is set so that the residual is zero |
 /// | range | range_relearn_s | the altitude of the ground is set so that the residual is zero |
 ///
+/// Before a gate closes, the innovations tell: where their mean square over some samples
+/// or their mean in their sign exceeds what the covariance allows, a bias of the IMU has jumped and
+/// its variance is widened. Velocity of GNSS, specific force of the air (without GNSS) and heading
+/// are watched. A heading that moves as no gyro does is the magnetometer's fault.
+///
 /// Everything is fused at time_s(), which predict() moves on; the Estimator around it
 /// (estimator.hpp) brings the samples into order of time. Fixed size, no heap, no clock.
-template <bool kWind>
+template <bool kWing>
 class AidFusion {
  public:
-  using Filter = ErrorStateEkf<kWind>;
-  using Covariance = typename Filter::Covariance;
+  using Filter = ErrorStateEkf;
+  using Covariance = Filter::Covariance;
 
   /// Takes a copy of the configuration.
   explicit AidFusion(const EstimatorConfig& config) : config_{config} {}
 
-  /// Discards the state, and the record but for the count of restarts. ROSflight 2.x stays.
+  /// Discards the state, and the record but for the count of restarts. Origin, declination stay.
   void reset();
   /// Starts from a state at t_s [s].
   /// @param pressure_Pa  static pressure at that position; must be > 0.
@@ -48,13 +111,24 @@ class AidFusion {
   void set_time(double t_s) { t_s_ = t_s; }
 
   /// Predicts to the end of an IMU segment, which begins at time_s(). A hole in it widens the
-  /// covariance by what a vehicle may have done meanwhile (0.5 rad/s, 5 m/s^2).
+  /// covariance by what a vehicle may have done meanwhile (0.5 rad and 5 m/s after a second, growing
+  /// with the root of time); through one of which nothing is known it flies straight on. Fuses the
+  /// specific force of the air if the vehicle is off the ground.
   void predict(const ImuBuffer::Segment& segment);
   /// Corrects by a measurement taken at time_s().
   /// @param newest_s  time of the newest IMU sample, at which the output is shown [s].
   void fuse(const AidSample& sample, double newest_s);
   /// Corrects by a velocity of zero: the vehicle stands.
   void fuse_rest();
+
+  /// Turns the attitude by an error in body axes: after a long hole, from another source.
+  void correct_attitude(const Vector3& error_B, double tilt_sigma_rad, double heading_sigma_rad);
+  /// Heading from the magnetic field at a start; its variance must still be large.
+  void start_heading(const Vector3& field_B);
+  /// Restores the last good state if this one is not finite. Call it now and then.
+  void guard();
+  /// Adds to all times: the clock of the samples has jumped.
+  void shift(double by_s);
 
   /// The part of a late correction of the position that the output does not show yet at t_s [m].
   Vector2 unshown_jump_W(double t_s) const;
@@ -77,9 +151,32 @@ class AidFusion {
   void fuse(const PitotSample& sample);
   void fuse(const SideslipSample& sample);
   template <int kRows>
-  bool weigh(Aid aid, const typename Filter::template Residual<kRows>& residual, double gate_sigma);
-  void widen_imu_errors();
+  bool weigh(Aid aid, const Filter::Residual<kRows>& residual, double gate_sigma);
+  bool note(Aid aid, const Filter::Verdict& verdict, int rows);
+  void fuse_air_force(const ImuBuffer::Segment& segment);
+  void learn_gusts(double nis);
+  Vector3 force_at_origin() const;
+  bool off_the_ground() const;
+  bool dead_reckoning() const;
+  double vertical_field_T(const Vector3& field_B) const;
+  void learn_vertical_field(const Vector3& field_B);
+  bool field_fits(const Vector3& field_B) const;
+  double heading_gate(const Filter::Residual<1>& residual, bool fits);
+  bool heading_drifts(const Filter::Residual<1>& residual, bool fits);
+  /// A fault of gyro or accelerometer that began some time ago: what is assumed of it.
+  struct ImuFault {
+    double gyro_rad_s{}, accel_m_s2{};  ///< Standard deviation of its size, each axis.
+    double age_s{};
+  };
+  /// Found by the size of innovations, by their mean, and by the force of the air alone.
+  static constexpr ImuFault kLargeFault{0.15, 0.3, 0.3};
+  static constexpr ImuFault kSmallFault{0.05, 0.3, 1.0};
+  static constexpr ImuFault kDeadReckonedFault{0.05, 0.3, 1.5};
+  void widen_imu_errors(const ImuFault& fault);
+  bool velocity_is_off(const Filter::Residual<3>& residual);
+  void widen_heading();
   void reset_to_gnss(const Vector3& p_W, const Vector3& v_W);
+  void restart_gnss_bias(int first, int size, const Vector3& p_W);
   Vector3 gnss_lever() const { return config_.gnss_position_B - config_.imu_position_B; }
 
   EstimatorConfig config_;
@@ -97,6 +194,35 @@ class AidFusion {
     double t_s{};
     double until_s{-1e9};  ///< Corrections up to here belong to it.
   } jump_;
+  /// Sum of the specific force that is not fused yet, and the gyro at its start.
+  struct {
+    Vector3 dv_B{Vector3::Zero()};
+    double dt_s{};
+    Vector3 w_start_B{Vector3::Zero()};
+  } force_;
+  /// The magnetometer, and whether it or the gyro is wrong where they disagree.
+  struct {
+    double residual_rad{};  ///< Of the last heading that was used, and its time.
+    double t_s{-1e9};
+    bool jumped{};                 ///< The heading moved as no gyro does: it is the magnetometer.
+    int fitting{};                 ///< Samples in a row that fit, while none is used.
+    std::optional<double> down_T;  ///< Vertical part of the field, of the samples that were used.
+    int widened{};                 ///< Times in a row without a pause, and the last time.
+    double widened_s{-1e9};
+  } heading_;
+  InnovationMonitor velocity_monitor_{0.3, 3.0, 6.0};
+  InnovationMonitor heading_monitor_{0.25, 4.5, 9.0};
+  std::array<InnovationMean, 3> velocity_means_{InnovationMean{0.1, 5.0}, InnovationMean{0.1, 5.0},
+                                                InnovationMean{0.1, 5.0}};
+  std::array<InnovationMean, 2> air_means_{InnovationMean{0.1, 4.0}, InnovationMean{0.1, 4.0}};
+  double wind_noise_m_s_rts_{config_.noise.wind_m_s_rts};
+  double widened_s_{-1e9};
+  double settled_since_s_{1e9};  ///< GNSS position accepted without a gap.
+  struct {
+    double t_s{-1e9};
+    NominalState state;
+    Covariance covariance;
+  } good_;
   EstimatorHealth health_;
 };
 

@@ -16,8 +16,7 @@ Vector3 air_velocity_B(const NominalState& x) {
 
 }  // namespace
 
-template <bool kWind>
-void ErrorStateEkf<kWind>::propagate(NominalState& x, const ImuIncrement& u, double gravity_m_s2) {
+void ErrorStateEkf::propagate(NominalState& x, const ImuIncrement& u, double gravity_m_s2) {
   const Vector3 before = x.v_W;
   x.v_W += x.q_WB * (u.dv_B - x.accel_bias_B * u.dt_s);
   x.v_W.z() += gravity_m_s2 * u.dt_s;
@@ -25,29 +24,32 @@ void ErrorStateEkf<kWind>::propagate(NominalState& x, const ImuIncrement& u, dou
   x.q_WB = (x.q_WB * exp_rotation(u.dtheta_B - x.gyro_bias_B * u.dt_s)).normalized();
 }
 
-template <bool kWind>
-typename ErrorStateEkf<kWind>::Covariance ErrorStateEkf<kWind>::transition(const NominalState& x,
-                                                                           const ImuIncrement& u) {
+ImuIncrement ErrorStateEkf::steady(const NominalState& x, double dt_s, double gravity_m_s2) {
+  const Vector3 up_B = x.q_WB.conjugate() * Vector3(0.0, 0.0, -gravity_m_s2);
+  return {dt_s, x.gyro_bias_B * dt_s, (up_B + x.accel_bias_B) * dt_s};
+}
+
+ErrorStateEkf::Covariance ErrorStateEkf::transition(const NominalState& x, const ImuIncrement& u,
+                                                    const ProcessNoise& noise) {
   const double dt = u.dt_s;
   const Vector3 turn = u.dtheta_B - x.gyro_bias_B * dt;
   const Matrix3 R = x.q_WB.toRotationMatrix();
   Covariance F = Covariance::Identity();
-  F.template block<3, 3>(kTheta, kTheta) = exp_rotation(turn).toRotationMatrix().transpose();
-  F.template block<3, 3>(kTheta, kGyroBias) = -dt * right_jacobian(turn);
+  F.block<3, 3>(kTheta, kTheta) = exp_rotation(turn).toRotationMatrix().transpose();
+  F.block<3, 3>(kTheta, kGyroBias) = -dt * right_jacobian(turn);
   const Matrix3 v_theta = -R * skew(u.dv_B - x.accel_bias_B * dt);
-  F.template block<3, 3>(kVelocity, kTheta) = v_theta;
-  F.template block<3, 3>(kVelocity, kAccelBias) = -dt * R;
-  F.template block<3, 3>(kPosition, kTheta) = 0.5 * dt * v_theta;
-  F.template block<3, 3>(kPosition, kVelocity) = dt * Matrix3::Identity();
-  F.template block<3, 3>(kPosition, kAccelBias) = -0.5 * dt * dt * R;
+  F.block<3, 3>(kVelocity, kTheta) = v_theta;
+  F.block<3, 3>(kVelocity, kAccelBias) = -dt * R;
+  F.block<3, 3>(kPosition, kTheta) = 0.5 * dt * v_theta;
+  F.block<3, 3>(kPosition, kVelocity) = dt * Matrix3::Identity();
+  F.block<3, 3>(kPosition, kAccelBias) = -0.5 * dt * dt * R;
+  F.block<3, 3>(kGnssBias, kGnssBias) *= std::exp(-dt / noise.gnss_slow_time_s);
   return F;
 }
 
-/// P <- F P F' + Q, by the blocks of F that are neither zero nor one; transition() is the same F in
+/// P <- F P F' + Q, by the blocks of F that are neither zero nor one, P symmetric; transition() is the same F in
 /// one piece.
-template <bool kWind>
-void ErrorStateEkf<kWind>::predict(const ImuIncrement& u, const ProcessNoise& noise,
-                                   double gravity_m_s2) {
+void ErrorStateEkf::predict(const ImuIncrement& u, const ProcessNoise& noise, double gravity_m_s2) {
   const double dt = u.dt_s;
   const Vector3 turn = u.dtheta_B - x_.gyro_bias_B * dt;
   const Matrix3 R = x_.q_WB.toRotationMatrix();
@@ -56,28 +58,39 @@ void ErrorStateEkf<kWind>::predict(const ImuIncrement& u, const ProcessNoise& no
   const Matrix3 v_theta = -R * skew(u.dv_B - x_.accel_bias_B * dt);
   const Matrix3 v_bias = -dt * R;
 
+  const double kept = std::exp(-dt / noise.gnss_slow_time_s);
   {
-    using Rows = Eigen::Matrix<double, 3, kSize>;
-    const Rows theta = P_.template middleRows<3>(kTheta);
-    const Rows v = P_.template middleRows<3>(kVelocity);
-    const Rows v_new = v + v_theta * theta + v_bias * P_.template middleRows<3>(kAccelBias);
-    P_.template middleRows<3>(kPosition) += 0.5 * dt * (v + v_new);
-    P_.template middleRows<3>(kVelocity) = v_new;
-    P_.template middleRows<3>(kTheta) =
-        theta_theta * theta + theta_bias * P_.template middleRows<3>(kGyroBias);
-  }
-  {
+    // P F': the columns that change.
     using Columns = Eigen::Matrix<double, kSize, 3>;
-    const Columns theta = P_.template middleCols<3>(kTheta);
-    const Columns v = P_.template middleCols<3>(kVelocity);
-    const Columns v_new = v + theta * v_theta.transpose() +
-                          P_.template middleCols<3>(kAccelBias) * v_bias.transpose();
-    P_.template middleCols<3>(kPosition) += 0.5 * dt * (v + v_new);
-    P_.template middleCols<3>(kVelocity) = v_new;
-    P_.template middleCols<3>(kTheta) =
-        theta * theta_theta.transpose() +
-        P_.template middleCols<3>(kGyroBias) * theta_bias.transpose();
+    const Columns theta = P_.middleCols<3>(kTheta);
+    const Columns v = P_.middleCols<3>(kVelocity);
+    const Columns v_new =
+        v + theta * v_theta.transpose() + P_.middleCols<3>(kAccelBias) * v_bias.transpose();
+    P_.middleCols<3>(kPosition) += 0.5 * dt * (v + v_new);
+    P_.middleCols<3>(kVelocity) = v_new;
+    P_.middleCols<3>(kTheta) =
+        theta * theta_theta.transpose() + P_.middleCols<3>(kGyroBias) * theta_bias.transpose();
+    P_.middleCols<3>(kGnssBias) *= kept;
   }
+  // F (P F'): the rows that change, in these columns; in all others the product is symmetric.
+  const auto rows = [&]<int kColumns>(int first) {
+    using Rows = Eigen::Matrix<double, 3, kColumns>;
+    const Rows theta = P_.block<3, kColumns>(kTheta, first);
+    const Rows v = P_.block<3, kColumns>(kVelocity, first);
+    const Rows v_new = v + v_theta * theta + v_bias * P_.block<3, kColumns>(kAccelBias, first);
+    P_.block<3, kColumns>(kPosition, first) += 0.5 * dt * (v + v_new);
+    P_.block<3, kColumns>(kVelocity, first) = v_new;
+    P_.block<3, kColumns>(kTheta, first) =
+        theta_theta * theta + theta_bias * P_.block<3, kColumns>(kGyroBias, first);
+    P_.block<3, kColumns>(kGnssBias, first) *= kept;
+  };
+  rows.operator()<9>(kTheta);
+  rows.operator()<3>(kGnssBias);
+  P_.block<9, 9>(kTheta, kGyroBias) = P_.block<9, 9>(kGyroBias, kTheta).transpose();
+  P_.block<9, 3>(kTheta, kMagBias) = P_.block<3, 9>(kMagBias, kTheta).transpose();
+  P_.block<3, 9>(kGnssBias, kGyroBias) = P_.block<9, 3>(kGyroBias, kGnssBias).transpose();
+  P_.block<3, 3>(kGnssBias, kMagBias) = P_.block<3, 3>(kMagBias, kGnssBias).transpose();
+  x_.gnss_bias_W *= kept;
 
   const auto variance = [dt](double density) { return density * density * dt; };
   const double q_v = variance(noise.accel_m_s2_rtHz);
@@ -94,40 +107,42 @@ void ErrorStateEkf<kWind>::predict(const ImuIncrement& u, const ProcessNoise& no
     P_(kAccelBias + k, kAccelBias + k) += q_accel;
   }
   P_(kBaroBias, kBaroBias) += variance(noise.baro_bias_m_rts);
-  if constexpr (kWind) {
-    P_(kWindIndex, kWindIndex) += variance(noise.wind_m_s_rts);
-    P_(kWindIndex + 1, kWindIndex + 1) += variance(noise.wind_m_s_rts);
+  const double q_mag = variance(noise.mag_bias_T_rts / kMicrotesla);
+  const double lost = 1.0 - kept * kept;
+  for (int k = 0; k < 3; ++k) {
+    const double slow_m = k < 2 ? noise.gnss_slow_horizontal_m : noise.gnss_slow_altitude_m;
+    P_(kGnssBias + k, kGnssBias + k) += lost * slow_m * slow_m;
+    P_(kMagBias + k, kMagBias + k) += q_mag;
+    if (k < 2) P_(kWind + k, kWind + k) += variance(noise.wind_m_s_rts);
   }
   propagate(x_, u, gravity_m_s2);
 }
 
-template <bool kWind>
-typename ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::gnss_position(
-    const NominalState& x, const Vector3& p_W, const Vector3& lever_B) {
+ErrorStateEkf::Residual<3> ErrorStateEkf::gnss_position(const NominalState& x, const Vector3& p_W,
+                                                        const Vector3& lever_B) {
   const Matrix3 R = x.q_WB.toRotationMatrix();
   Residual<3> r;
-  r.nu = p_W - (x.p_W + R * lever_B);
-  r.H.template block<3, 3>(0, kPosition).setIdentity();
-  r.H.template block<3, 3>(0, kTheta) = -R * skew(lever_B);
+  r.nu = p_W - (x.p_W + x.gnss_bias_W + R * lever_B);
+  r.H.block<3, 3>(0, kPosition).setIdentity();
+  r.H.block<3, 3>(0, kGnssBias).setIdentity();
+  r.H.block<3, 3>(0, kTheta) = -R * skew(lever_B);
   return r;
 }
 
-template <bool kWind>
-typename ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::gnss_velocity(
-    const NominalState& x, const Vector3& v_W, const Vector3& lever_B, const Vector3& w_raw_B) {
+ErrorStateEkf::Residual<3> ErrorStateEkf::gnss_velocity(const NominalState& x, const Vector3& v_W,
+                                                        const Vector3& lever_B,
+                                                        const Vector3& w_raw_B) {
   const Matrix3 R = x.q_WB.toRotationMatrix();
   const Vector3 around_B = (w_raw_B - x.gyro_bias_B).cross(lever_B);
   Residual<3> r;
   r.nu = v_W - (x.v_W + R * around_B);
-  r.H.template block<3, 3>(0, kVelocity).setIdentity();
-  r.H.template block<3, 3>(0, kTheta) = -R * skew(around_B);
-  r.H.template block<3, 3>(0, kGyroBias) = R * skew(lever_B);
+  r.H.block<3, 3>(0, kVelocity).setIdentity();
+  r.H.block<3, 3>(0, kTheta) = -R * skew(around_B);
+  r.H.block<3, 3>(0, kGyroBias) = R * skew(lever_B);
   return r;
 }
 
-template <bool kWind>
-typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::baro_height(
-    const NominalState& x, double height_m) {
+ErrorStateEkf::Residual<1> ErrorStateEkf::baro_height(const NominalState& x, double height_m) {
   Residual<1> r;
   r.nu(0) = height_m - (x.baro_bias_m - x.p_W.z());
   r.H(0, kPosition + 2) = -1.0;
@@ -135,28 +150,30 @@ typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::baro_h
   return r;
 }
 
-/// With m = R m_B and the attitude error as a rotation phi = R dtheta in W, dm = phi x m and
+/// With m = R (m_B - b_m) and the attitude error as a rotation phi = R dtheta in W, dm = phi x m and
 /// d atan2(m_e, m_n) = phi_d - m_d (m_n phi_n + m_e phi_e)/(m_n^2 + m_e^2). The direction of (m_n,
 /// m_e) is taken where it should be, along the declination, not where it was measured: there its
 /// noise would be in both the innovation and H, whose product then has a mean that walks the tilt
 /// away.
-template <bool kWind>
-typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::magnetic_heading(
-    const NominalState& x, const Vector3& field_B, double declination_rad) {
+ErrorStateEkf::Residual<1> ErrorStateEkf::magnetic_heading(const NominalState& x,
+                                                           const Vector3& field_B,
+                                                           double declination_rad) {
   const Matrix3 R = x.q_WB.toRotationMatrix();
-  const Vector3 m = R * field_B;
-  const double slope = m.z() / m.head<2>().norm();
+  const Vector3 m = R * (field_B - x.mag_bias_B);
+  const double level_T = m.head<2>().norm();
+  const double slope = m.z() / level_T;
   Residual<1> r;
   r.nu(0) = base::wrap_angle(declination_rad - std::atan2(m.y(), m.x()));
   const Eigen::RowVector3d by_phi(-slope * std::cos(declination_rad),
                                   -slope * std::sin(declination_rad), 1.0);
-  r.H.template block<1, 3>(0, kTheta) = by_phi * R;
+  r.H.block<1, 3>(0, kTheta) = by_phi * R;
+  const Eigen::RowVector3d across(-std::sin(declination_rad), std::cos(declination_rad), 0.0);
+  r.H.block<1, 3>(0, kMagBias) = -kMicrotesla / level_T * (across * R);
   return r;
 }
 
-template <bool kWind>
-typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::range(
-    const NominalState& x, double range_m, double ground_up_m, const Vector3& lever_B) {
+ErrorStateEkf::Residual<1> ErrorStateEkf::range(const NominalState& x, double range_m,
+                                                double ground_up_m, const Vector3& lever_B) {
   const Matrix3 R = x.q_WB.toRotationMatrix();
   const Eigen::RowVector3d down = R.row(2);
   const double cosine = down.z();
@@ -166,98 +183,137 @@ typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::range(
   Residual<1> r;
   r.nu(0) = range_m - height / cosine;
   r.H(0, kPosition + 2) = -1.0 / cosine;
-  r.H.template block<1, 3>(0, kTheta) = d_height / cosine - height / (cosine * cosine) * d_cosine;
+  r.H.block<1, 3>(0, kTheta) = d_height / cosine - height / (cosine * cosine) * d_cosine;
   return r;
 }
 
-template <bool kWind>
-typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::pitot(
-    const NominalState& x, double pressure_Pa, double density_kg_m3) {
+ErrorStateEkf::Residual<1> ErrorStateEkf::pitot(const NominalState& x, double pressure_Pa,
+                                                double density_kg_m3) {
   const Vector3 air_B = air_velocity_B(x);
   const double u = air_B.x();
   const double slope = density_kg_m3 * std::abs(u);
   const Eigen::RowVector3d forward_W = x.q_WB.toRotationMatrix().col(0).transpose();
   Residual<1> r;
   r.nu(0) = pressure_Pa - 0.5 * density_kg_m3 * u * std::abs(u);
-  r.H.template block<1, 3>(0, kVelocity) = slope * forward_W;
-  r.H.template block<1, 3>(0, kTheta) = slope * skew(air_B).row(0);
-  if constexpr (kWind) r.H.template block<1, 2>(0, kWindIndex) = -slope * forward_W.head<2>();
+  r.H.block<1, 3>(0, kVelocity) = slope * forward_W;
+  r.H.block<1, 3>(0, kTheta) = slope * skew(air_B).row(0);
+  r.H.block<1, 2>(0, kWind) = -slope * forward_W.head<2>();
   return r;
 }
 
-template <bool kWind>
-typename ErrorStateEkf<kWind>::template Residual<1> ErrorStateEkf<kWind>::sideslip(
-    const NominalState& x, double v_air_y_m_s) {
+ErrorStateEkf::Residual<1> ErrorStateEkf::sideslip(const NominalState& x, double v_air_y_m_s) {
   const Vector3 air_B = air_velocity_B(x);
   const Eigen::RowVector3d right_W = x.q_WB.toRotationMatrix().col(1).transpose();
   Residual<1> r;
   r.nu(0) = v_air_y_m_s - air_B.y();
-  r.H.template block<1, 3>(0, kVelocity) = right_W;
-  r.H.template block<1, 3>(0, kTheta) = skew(air_B).row(1);
-  if constexpr (kWind) r.H.template block<1, 2>(0, kWindIndex) = -right_W.head<2>();
+  r.H.block<1, 3>(0, kVelocity) = right_W;
+  r.H.block<1, 3>(0, kTheta) = skew(air_B).row(1);
+  r.H.block<1, 2>(0, kWind) = -right_W.head<2>();
   return r;
 }
 
-template <bool kWind>
-typename ErrorStateEkf<kWind>::template Residual<3> ErrorStateEkf<kWind>::velocity(
-    const NominalState& x, const Vector3& v_W) {
+/// With s = linear + quadratic |v_a|: df = -(s e + quadratic v_a,axis v_a/|v_a|) dv_a, where the
+/// axis' unit vector e and v_a are in B, and dv_a = R'(dv - dw) + [v_a]x dtheta.
+ErrorStateEkf::Residual<1> ErrorStateEkf::air_force(const NominalState& x, int axis,
+                                                    double force_m_s2, const AirForce& model) {
+  const Vector3 air_B = air_velocity_B(x);
+  const double speed = air_B.norm();
+  const double slope = model.linear_1_s + model.quadratic_1_m * speed;
+  Eigen::RowVector3d by_air_B = Eigen::RowVector3d::Zero();
+  by_air_B(axis) = -slope;
+  if (speed > 0.0) by_air_B -= model.quadratic_1_m * air_B(axis) / speed * air_B.transpose();
+  const Eigen::RowVector3d by_v_W = by_air_B * x.q_WB.toRotationMatrix().transpose();
+  Residual<1> r;
+  r.nu(0) = force_m_s2 - (x.accel_bias_B(axis) - slope * air_B(axis));
+  r.H.block<1, 3>(0, kVelocity) = by_v_W;
+  r.H.block<1, 2>(0, kWind) = -by_v_W.head<2>();
+  r.H.block<1, 3>(0, kTheta) = by_air_B * skew(air_B);
+  r.H(0, kAccelBias + axis) = 1.0;
+  return r;
+}
+
+ErrorStateEkf::Residual<3> ErrorStateEkf::velocity(const NominalState& x, const Vector3& v_W) {
   Residual<3> r;
   r.nu = v_W - x.v_W;
-  r.H.template block<3, 3>(0, kVelocity).setIdentity();
+  r.H.block<3, 3>(0, kVelocity).setIdentity();
   return r;
 }
 
-template <bool kWind>
-NominalState ErrorStateEkf<kWind>::added(const NominalState& x, const Error& dx) {
+NominalState ErrorStateEkf::added(const NominalState& x, const Error& dx) {
   NominalState y = x;
-  y.q_WB = (x.q_WB * exp_rotation(dx.template segment<3>(kTheta))).normalized();
-  y.v_W += dx.template segment<3>(kVelocity);
-  y.p_W += dx.template segment<3>(kPosition);
-  y.gyro_bias_B += dx.template segment<3>(kGyroBias);
-  y.accel_bias_B += dx.template segment<3>(kAccelBias);
+  y.q_WB = (x.q_WB * exp_rotation(dx.segment<3>(kTheta))).normalized();
+  y.v_W += dx.segment<3>(kVelocity);
+  y.p_W += dx.segment<3>(kPosition);
+  y.gyro_bias_B += dx.segment<3>(kGyroBias);
+  y.accel_bias_B += dx.segment<3>(kAccelBias);
   y.baro_bias_m += dx(kBaroBias);
-  if constexpr (kWind) y.wind_W += dx.template segment<2>(kWindIndex);
+  y.wind_W += dx.segment<2>(kWind);
+  y.gnss_bias_W += dx.segment<3>(kGnssBias);
+  y.mag_bias_B += kMicrotesla * dx.segment<3>(kMagBias);
   return y;
 }
 
-template <bool kWind>
-typename ErrorStateEkf<kWind>::Error ErrorStateEkf<kWind>::difference(const NominalState& to,
-                                                                      const NominalState& from) {
+ErrorStateEkf::Error ErrorStateEkf::difference(const NominalState& to, const NominalState& from) {
   Error dx;
-  dx.template segment<3>(kTheta) = log_rotation(from.q_WB.conjugate() * to.q_WB);
-  dx.template segment<3>(kVelocity) = to.v_W - from.v_W;
-  dx.template segment<3>(kPosition) = to.p_W - from.p_W;
-  dx.template segment<3>(kGyroBias) = to.gyro_bias_B - from.gyro_bias_B;
-  dx.template segment<3>(kAccelBias) = to.accel_bias_B - from.accel_bias_B;
+  dx.segment<3>(kTheta) = log_rotation(from.q_WB.conjugate() * to.q_WB);
+  dx.segment<3>(kVelocity) = to.v_W - from.v_W;
+  dx.segment<3>(kPosition) = to.p_W - from.p_W;
+  dx.segment<3>(kGyroBias) = to.gyro_bias_B - from.gyro_bias_B;
+  dx.segment<3>(kAccelBias) = to.accel_bias_B - from.accel_bias_B;
   dx(kBaroBias) = to.baro_bias_m - from.baro_bias_m;
-  if constexpr (kWind) dx.template segment<2>(kWindIndex) = to.wind_W - from.wind_W;
+  dx.segment<2>(kWind) = to.wind_W - from.wind_W;
+  dx.segment<3>(kGnssBias) = to.gnss_bias_W - from.gnss_bias_W;
+  dx.segment<3>(kMagBias) = (to.mag_bias_B - from.mag_bias_B) / kMicrotesla;
   return dx;
 }
 
-template <bool kWind>
-void ErrorStateEkf<kWind>::inject(const Error& dx) {
-  x_ = added(x_, dx);
-  const Matrix3 G = Matrix3::Identity() - 0.5 * skew(dx.template segment<3>(kTheta));
-  P_.template middleRows<3>(kTheta) = (G * P_.template middleRows<3>(kTheta)).eval();
-  P_.template middleCols<3>(kTheta) = (P_.template middleCols<3>(kTheta) * G.transpose()).eval();
+ErrorStateEkf::Verdict ErrorStateEkf::correct_heading(const Residual<1>& r, double gate_sigma) {
+  const Error PHt = P_ * r.H.transpose();
+  const double S = (r.H * PHt)(0) + r.R(0);
+  Verdict verdict;
+  verdict.nis = r.nu(0) * r.nu(0) / S;
+  verdict.accepted = verdict.nis >= 0.0 && verdict.nis <= gate(1, gate_sigma);
+  if (!verdict.accepted) return verdict;
+  const Vector3 down_B = x_.q_WB.conjugate() * Vector3::UnitZ();
+  Error K = Error::Zero();
+  for (const int first : {kTheta, kGyroBias}) {
+    K.segment<3>(first) = down_B * (down_B.dot(PHt.segment<3>(first)) / S);
+  }
+  K.segment<3>(kMagBias) = PHt.segment<3>(kMagBias) / S;
+  // K S K' - K H P - (K H P)' is symmetric to the bit as the sum of a matrix and its transpose.
+  const Covariance half = K * (0.5 * S * K - PHt).transpose();
+  P_ += half + half.transpose();
+  inject(K * r.nu(0));
+  return verdict;
 }
 
-template <bool kWind>
-void ErrorStateEkf<kWind>::reset_variance(int first, int size, double sigma) {
+void ErrorStateEkf::inject(const Error& dx) {
+  x_ = added(x_, dx);
+  constexpr double kTiny_rad2 = 1e-8;  // G is one to 1e-4
+  if (dx.segment<3>(kTheta).squaredNorm() < kTiny_rad2) return;
+  const Matrix3 G = Matrix3::Identity() - 0.5 * skew(dx.segment<3>(kTheta));
+  P_.middleRows<3>(kTheta) = (G * P_.middleRows<3>(kTheta)).eval();
+  P_.middleCols<3>(kTheta) = (P_.middleCols<3>(kTheta) * G.transpose()).eval();
+}
+
+void ErrorStateEkf::reset_variance(int first, int size, double sigma) {
   P_.middleRows(first, size).setZero();
   P_.middleCols(first, size).setZero();
   for (int k = first; k < first + size; ++k) P_(k, k) = sigma * sigma;
 }
 
-template <bool kWind>
-void ErrorStateEkf<kWind>::relearn_baro_bias(double height_m, double sigma_m) {
+void ErrorStateEkf::couple(int first, int other, int size, double sigma) {
+  P_.middleRows(first, size) = -P_.middleRows(other, size).eval();
+  P_.middleCols(first, size) = P_.middleRows(first, size).transpose().eval();
+  P_.block(first, first, size, size) = P_.block(other, other, size, size).eval();
+  for (int k = first; k < first + size; ++k) P_(k, k) += sigma * sigma;
+}
+
+void ErrorStateEkf::relearn_baro_bias(double height_m, double sigma_m) {
   x_.baro_bias_m = height_m + x_.p_W.z();
   P_.row(kBaroBias) = P_.row(kPosition + 2);
   P_.col(kBaroBias) = P_.col(kPosition + 2);
   P_(kBaroBias, kBaroBias) = P_(kPosition + 2, kPosition + 2) + sigma_m * sigma_m;
 }
-
-template class ErrorStateEkf<false>;
-template class ErrorStateEkf<true>;
 
 }  // namespace rosflight::autonomy::estimation

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <array>
+#include <cmath>
 
 #include "autonomy/estimation/rotation.hpp"
 
@@ -16,7 +17,9 @@ struct NominalState {
   Vector3 gyro_bias_B{Vector3::Zero()};
   Vector3 accel_bias_B{Vector3::Zero()};
   double baro_bias_m{};
-  Vector2 wind_W{Vector2::Zero()};  ///< Only where the filter has wind.
+  Vector2 wind_W{Vector2::Zero()};
+  Vector3 gnss_bias_W{Vector3::Zero()};  ///< Slow error of the satellites' position [m].
+  Vector3 mag_bias_B{Vector3::Zero()};   ///< Iron of the vehicle [T].
 };
 
 /// Integral of the IMU over dt_s: rotation vector, velocity change in body axes of the start.
@@ -26,22 +29,39 @@ struct ImuIncrement {
   Vector3 dv_B{Vector3::Zero()};
 };
 
-/// White noise of the process, all as densities.
+/// White noise of the process, all as densities, and the slow error of the satellites: for each axis
+/// a first-order Gauss-Markov process of this standard deviation and correlation time.
 struct ProcessNoise {
-  double gyro_rad_s_rtHz{3e-4};
-  double accel_m_s2_rtHz{1.5e-2};
-  double gyro_bias_rad_s_rts{2e-5};  ///< Random walks.
-  double accel_bias_m_s2_rts{1e-3};
+  double gyro_rad_s_rtHz{2.6e-4};
+  double accel_m_s2_rtHz{1.1e-2};
+  double gyro_bias_rad_s_rts{1.5e-5};  ///< Random walks.
+  double accel_bias_m_s2_rts{2e-4};
   double baro_bias_m_rts{0.03};
-  double wind_m_s_rts{0.1};
+  double wind_m_s_rts{0.05};  ///< In still air; grows with the gusts that are measured.
+  double mag_bias_T_rts{1e-9};
+  double gnss_slow_horizontal_m{1.7};
+  double gnss_slow_altitude_m{2.55};
+  double gnss_slow_time_s{1100.0};  ///< > 0.
+};
+
+/// What the accelerometer measures of the air: the specific force along a body axis,
+///
+///     f = -(linear + quadratic |v_a|) v_a                                            (1)
+///
+/// v_a the velocity through the air. Rotors: linear = rotor_drag * thrust / mass; bodies and wings:
+/// quadratic = rho S C / (2 m), C the drag coefficient or the slope of the side force.
+struct AirForce {
+  double linear_1_s{};
+  double quadratic_1_m{};
 };
 
 /// Extended Kalman filter on the error of the state, without buffers, time or policy. The
 /// estimator around it (estimator.hpp) decides what is fused when.
 ///
 ///     truth:  q = q^ exp(dtheta),  every other x = x^ + dx                                 (1)
-///     error:  [dtheta_B, dv_W, dp_W, dbg_B, dba_B, dbaro (, dw_W)],  16 or 18 numbers      (2)
+///     error:  [dtheta_B, dv_W, dp_W, dbg_B, dba_B, dbaro, dw_W, dgnss_W, dmag_B]           (2)
 ///
+/// 24 numbers; that of the magnetometer in microtesla, so that none is many orders from one.
 /// The attitude error is three small angles in body axes, so no attitude is singular. Prediction
 /// over an increment, u = dtheta - bg dt and a = dv - ba dt:
 ///
@@ -53,12 +73,11 @@ struct ProcessNoise {
 ///
 /// J. Sola, "Quaternion kinematics for the error-state Kalman filter", 2017, sec. 5 to 6 (local
 /// angular error); equations as implemented: docs/autonomy/estimation.md. Fixed size, no heap.
-template <bool kWind>
 class ErrorStateEkf {
  public:
-  static constexpr int kSize = kWind ? 18 : 16;
   static constexpr int kTheta = 0, kVelocity = 3, kPosition = 6, kGyroBias = 9, kAccelBias = 12,
-                       kBaroBias = 15, kWindIndex = 16;
+                       kBaroBias = 15, kWind = 16, kGnssBias = 18, kMagBias = 21, kSize = 24;
+  static constexpr double kMicrotesla = 1e-6;  ///< Unit of the error of the magnetometer [T].
   using Error = Eigen::Matrix<double, kSize, 1>;
   using Covariance = Eigen::Matrix<double, kSize, kSize>;
 
@@ -91,16 +110,19 @@ class ErrorStateEkf {
 
   // ---- prediction
 
-  /// Equation (3) alone.
+  /// Equation (3) alone; the slow error of the satellites is left as it is.
   static void propagate(NominalState& x, const ImuIncrement& u, double gravity_m_s2);
+  /// The increment of a vehicle that neither turns nor accelerates during dt_s.
+  static ImuIncrement steady(const NominalState& x, double dt_s, double gravity_m_s2);
   /// The derivative of (3): error after by error before.
-  static Covariance transition(const NominalState& x, const ImuIncrement& u);
+  static Covariance transition(const NominalState& x, const ImuIncrement& u,
+                               const ProcessNoise& noise);
   /// Moves state and covariance on by one increment.
   void predict(const ImuIncrement& u, const ProcessNoise& noise, double gravity_m_s2);
 
   // ---- measurements; levers are from the IMU, in B
 
-  /// y: position of an antenna at the lever [m].
+  /// y: position of an antenna at the lever, slow error included [m].
   static Residual<3> gnss_position(const NominalState& x, const Vector3& p_W,
                                    const Vector3& lever_B);
   /// y: velocity of the antenna; w_raw_B is what the gyro reads [rad/s].
@@ -108,8 +130,8 @@ class ErrorStateEkf {
                                    const Vector3& lever_B, const Vector3& w_raw_B);
   /// y: pressure altitude above the origin, h = -p_down + bias [m].
   static Residual<1> baro_height(const NominalState& x, double height_m);
-  /// y: declination, h = atan2 of the levelled field: its angle east of true north, by our
-  /// attitude.
+  /// y: declination, h = atan2 of the levelled field without iron: its angle east of true north, by
+  /// our attitude.
   static Residual<1> magnetic_heading(const NominalState& x, const Vector3& field_B,
                                       double declination_rad);
   /// y: distance along body z to a level ground `ground_up_m` above the origin.
@@ -119,6 +141,9 @@ class ErrorStateEkf {
   static Residual<1> pitot(const NominalState& x, double pressure_Pa, double density_kg_m3);
   /// y: speed through the air to the right; zero is the assumption of no sideslip [m/s].
   static Residual<1> sideslip(const NominalState& x, double v_air_y_m_s);
+  /// y: specific force along body axis `axis`, as the accelerometer reads it [m/s^2].
+  static Residual<1> air_force(const NominalState& x, int axis, double force_m_s2,
+                               const AirForce& model);
   /// y: velocity of the IMU over ground; zero is the assumption of standing still.
   static Residual<3> velocity(const NominalState& x, const Vector3& v_W);
 
@@ -129,8 +154,17 @@ class ErrorStateEkf {
   Verdict correct(const Residual<kRows>& r, double gate_sigma) {
     const Eigen::Matrix<double, kSize, kRows> PHt = P_ * r.H.transpose();
     const Eigen::Matrix<double, kRows, kRows> S = r.H * PHt + r.R;
-    const Eigen::Matrix<double, kRows, kRows> S_inverse = S.inverse();
     Verdict verdict;
+    if constexpr (kRows == 1) {
+      verdict.nis = r.nu(0) * r.nu(0) / S(0);
+      verdict.accepted = verdict.nis >= 0.0 && verdict.nis <= gate(kRows, gate_sigma);
+      if (!verdict.accepted) return verdict;
+      const Error scaled = PHt / std::sqrt(S(0));  // its square is symmetric to the bit
+      P_.noalias() -= scaled * scaled.transpose();
+      inject(PHt * (r.nu(0) / S(0)));
+      return verdict;
+    }
+    const Eigen::Matrix<double, kRows, kRows> S_inverse = S.inverse();
     verdict.nis = r.nu.dot(S_inverse * r.nu);
     verdict.accepted = verdict.nis >= 0.0 && verdict.nis <= gate(kRows, gate_sigma);
     if (!verdict.accepted) return verdict;
@@ -142,6 +176,11 @@ class ErrorStateEkf {
     return verdict;
   }
 
+  /// Corrects heading, gyro bias about the vertical and iron by a scalar residual, and takes all
+  /// other errors into account without correcting them (S. F. Schmidt 1966: "consider" states):
+  /// with any gain K, P <- P - K H P - P H' K' + K S K'. So a heading that is wrong never tilts.
+  Verdict correct_heading(const Residual<1>& r, double gate_sigma);
+
   /// Puts an error into the state (1) and turns the covariance.
   void inject(const Error& dx);
   /// x [+] dx without covariance: the inverse of difference().
@@ -151,6 +190,9 @@ class ErrorStateEkf {
 
   /// Sets the variance of `size` errors from `first` on to sigma^2 and their covariances to zero.
   void reset_variance(int first, int size, double sigma);
+  /// Makes `size` errors from `first` on the negatives of those from `other` on but for noise of
+  /// this sigma: their sum was measured.
+  void couple(int first, int other, int size, double sigma);
   /// Sets the bias of the barometer so that this altitude has no residual.
   void relearn_baro_bias(double height_m, double sigma_m);
 
@@ -168,8 +210,5 @@ class ErrorStateEkf {
   NominalState x_;
   Covariance P_{Covariance::Identity()};
 };
-
-extern template class ErrorStateEkf<false>;
-extern template class ErrorStateEkf<true>;
 
 }  // namespace rosflight::autonomy::estimation

@@ -14,8 +14,8 @@ constexpr double kMaxPressure_Pa = 115e3;
 
 // ---- samples in
 
-template <bool kWind>
-void Estimator<kWind>::add(const ImuSample& sample) {
+template <bool kWing>
+void Estimator<kWing>::add(const ImuSample& sample) {
   constexpr double kMaxGyro_rad_s = 50.0;
   constexpr double kMaxAccel_m_s2 = 500.0;
   if (!std::isfinite(sample.t_s) || !(sample.gyro_rad_s.norm() < kMaxGyro_rad_s) ||
@@ -23,16 +23,14 @@ void Estimator<kWind>::add(const ImuSample& sample) {
     reject_unusable();
     return;
   }
+  constexpr double kLong_s = 0.5;
+  const bool long_hole = sample.t_s - imu_.last().t_s > kLong_s;
   const ImuBuffer::Taken taken = imu_.add(sample, filter().state().gyro_bias_B);
-  if (taken == ImuBuffer::Taken::kTooOld) {
-    reject_unusable();
+  if (taken == ImuBuffer::Taken::kTooOld || taken == ImuBuffer::Taken::kTooNew) {
+    take_other_clock(sample);
     return;
   }
-  if (taken == ImuBuffer::Taken::kJump) {
-    ++fusion_.health().restarts;
-    restart();
-    return;
-  }
+  misfits_.count = 0;
   if (!health().initialised) {
     window_.add(sample);
     if (taken == ImuBuffer::Taken::kFull) try_start();
@@ -40,13 +38,42 @@ void Estimator<kWind>::add(const ImuSample& sample) {
   }
   if (taken == ImuBuffer::Taken::kFirst) fusion_.set_time(sample.t_s);
   if (taken == ImuBuffer::Taken::kFull) {
-    advance(sample.t_s - config().lag_s);
+    if (long_hole) attitude_lost_s_ = sample.t_s;
+    advance(sample.t_s - lag_s_);
     if (imu_.full()) advance(imu_.front().end_s());
   }
 }
 
-template <bool kWind>
-void Estimator<kWind>::add(const GnssSample& sample) {
+/// Counts a sample that does not fit the clock; once several have come in order the clock is theirs.
+template <bool kWing>
+void Estimator<kWing>::take_other_clock(const ImuSample& sample) {
+  constexpr int kEnough = 5;
+  constexpr double kBreak_s = 0.1;
+  reject_unusable();
+  const double since_s = sample.t_s - misfits_.t_s;
+  const bool in_order = since_s > 0.0 && since_s < kBreak_s;
+  misfits_.count = misfits_.count > 0 && in_order ? misfits_.count + 1 : 1;
+  misfits_.t_s = sample.t_s;
+  if (misfits_.count < kEnough) return;
+  misfits_.count = 0;
+  if (!health().initialised) {
+    restart();
+    return;
+  }
+  const bool later = sample.t_s > imu_.last().t_s;
+  const double by_s = sample.t_s - imu_.last().t_s - (later ? ImuBuffer::kMaxHole_s : kBreak_s);
+  imu_.shift(by_s);
+  fusion_.shift(by_s);
+  queued_ = 0;
+  next_s_ = {-1e9, -1e9, -1e9};
+  next_rest_s_ = -1e9;
+  hint_.t_s = -1e9;
+  if (attitude_lost_s_) *attitude_lost_s_ += by_s;
+  add(sample);
+}
+
+template <bool kWing>
+void Estimator<kWing>::add(const GnssSample& sample) {
   const bool position_ok = std::abs(sample.position.latitude_deg) <= 90.0 &&
                            std::abs(sample.position.longitude_deg) <= 360.0 &&
                            std::abs(sample.position.altitude_m) < 1e5;
@@ -58,11 +85,24 @@ void Estimator<kWind>::add(const GnssSample& sample) {
   if (!fusion_.reference().declination_rad)
     fusion_.reference().declination_rad = declination(sample);
   if (!health().initialised) return window_.add(sample);
+  allow_for_delay(sample);
   queue(sample);
 }
 
-template <bool kWind>
-void Estimator<kWind>::add(const BaroSample& sample) {
+template <bool kWing>
+void Estimator<kWing>::allow_for_delay(const GnssSample& sample) {
+  constexpr int kEnough = 3;
+  constexpr double kMargin_s = 0.03;
+  const double age_s = imu_.last().t_s - sample.t_s;
+  const bool late = age_s > lag_s_ && age_s + kMargin_s < config().max_lag_s;
+  delayed_ = late ? delayed_ + 1 : 0;
+  if (delayed_ < kEnough) return;
+  delayed_ = 0;
+  lag_s_ = age_s + kMargin_s;
+}
+
+template <bool kWing>
+void Estimator<kWing>::add(const BaroSample& sample) {
   const bool on_earth =
       sample.pressure_Pa > kMinPressure_Pa && sample.pressure_Pa < kMaxPressure_Pa;
   if (!on_earth) {
@@ -75,8 +115,8 @@ void Estimator<kWind>::add(const BaroSample& sample) {
   queue(sample);
 }
 
-template <bool kWind>
-void Estimator<kWind>::add(const MagSample& sample) {
+template <bool kWing>
+void Estimator<kWing>::add(const MagSample& sample) {
   const double strength_T = sample.field_T.norm();
   const bool a_field = strength_T > 1e-6 && strength_T < 1e-2;  // the earth's is 22 to 67 uT
   if (!a_field) {
@@ -89,19 +129,23 @@ void Estimator<kWind>::add(const MagSample& sample) {
   queue(sample);
 }
 
-template <bool kWind>
-void Estimator<kWind>::add(const RangeSample& sample) {
+template <bool kWing>
+void Estimator<kWing>::add(const RangeSample& sample) {
   if (!config().use_range || !health().initialised) return;
-  const bool echoed = sample.range_m > sample.min_m && sample.range_m < sample.max_m;
+  // Many sensors report their limit where there is no echo, or one that is nearer.
+  constexpr double kSigmas = 3.0;
+  const double margin_m = kSigmas * config().range_sigma_m;
+  const bool echoed =
+      sample.range_m > sample.min_m + margin_m && sample.range_m < sample.max_m - margin_m;
   if (!echoed) return;
   RangeSample echo = sample;
   echo.t_s -= config().range_delay_s;
   queue(echo);
 }
 
-template <bool kWind>
-void Estimator<kWind>::add(const PitotSample& sample) {
-  if constexpr (kWind) {
+template <bool kWing>
+void Estimator<kWing>::add(const PitotSample& sample) {
+  if constexpr (kWing) {
     if (!std::isfinite(sample.pressure_Pa)) {
       reject_unusable();
       return;
@@ -112,23 +156,30 @@ void Estimator<kWind>::add(const PitotSample& sample) {
   }
 }
 
-template <bool kWind>
-void Estimator<kWind>::add(const SideslipSample& sample) {
+template <bool kWing>
+void Estimator<kWing>::add(const SideslipSample& sample) {
   if (health().initialised && std::isfinite(sample.v_air_y_m_s)) queue(sample);
 }
 
-template <bool kWind>
-void Estimator<kWind>::set_attitude_hint(double t_s, const Quaternion& q_WB) {
+template <bool kWing>
+void Estimator<kWing>::set_attitude_hint(double t_s, const Quaternion& q_WB) {
   const double norm = q_WB.norm();
   const bool a_rotation = norm > 0.5 && norm < 2.0;
   if (!a_rotation || !std::isfinite(t_s)) return;
   hint_.t_s = t_s;
   hint_.q_WB = q_WB.normalized();
+  if (!attitude_lost_s_ || filter_time_s() < *attitude_lost_s_) return;
+  attitude_lost_s_.reset();
+  // That of the flight controller: by gyro and accelerometer alone in between.
+  constexpr double kTilt_rad = 0.15;
+  constexpr double kHeading_rad = 0.3;
+  const Quaternion shown = estimate().q_WB;
+  fusion_.correct_attitude(log_rotation(shown.conjugate() * hint_.q_WB), kTilt_rad, kHeading_rad);
 }
 
 /// Into the queue, which is in order of time; what the filter has passed already is too late.
-template <bool kWind>
-void Estimator<kWind>::queue(const AidSample& sample) {
+template <bool kWing>
+void Estimator<kWing>::queue(const AidSample& sample) {
   constexpr double kSlack_s = 1e-4;
   const double t_s = std::visit([](const auto& s) { return s.t_s; }, sample);
   const bool from_the_future = t_s > imu_.last().t_s + 1.0;
@@ -142,8 +193,8 @@ void Estimator<kWind>::queue(const AidSample& sample) {
   queue_[at] = {t_s, sample};
 }
 
-template <bool kWind>
-void Estimator<kWind>::advance(double target_s) {
+template <bool kWing>
+void Estimator<kWing>::advance(double target_s) {
   std::size_t done = 0;
   while (imu_.size() > 0 && imu_.front().end_s() <= target_s + 1e-9) {
     const double end_s = imu_.front().end_s();
@@ -168,11 +219,16 @@ void Estimator<kWind>::advance(double target_s) {
   const double aided_s = std::max(health().of(Aid::kGnssVelocity).last_accepted_s,
                                   health().of(Aid::kGnssHorizontal).last_accepted_s);
   fusion_.health().gnss_age_s = filter_time_s() - aided_s;
+  fusion_.guard();
 }
 
-template <bool kWind>
-void Estimator<kWind>::restart() {
-  imu_.clear();
+template <bool kWing>
+void Estimator<kWing>::restart() {
+  imu_.forget();
+  attitude_lost_s_.reset();
+  misfits_ = {};
+  lag_s_ = config().lag_s;
+  delayed_ = 0;
   queued_ = 0;
   next_s_ = {-1e9, -1e9, -1e9};
   next_rest_s_ = -1e9;

@@ -10,6 +10,21 @@
 
 namespace rosflight::autonomy::estimation {
 
+/// A gyro that is suddenly wrong by up to this is found out.
+inline constexpr double kGyroStepLimit_rad_s = 0.5;
+
+/// What the accelerometer measures of the air, from the vehicle file; all zero: not used.
+struct AirModel {
+  double rotor_drag_s_m{};   ///< In-plane force per thrust and speed, along x and y.
+  double drag_area_m2_kg{};  ///< C_D A of the body by its mass, along x and y.
+  double side_area_m2_kg{};  ///< Wing area times -dC_Y/dbeta by mass, along y.
+  /// Along an axis in body axes, with this thrust by mass [m/s^2] in air of this density.
+  AirForce along(int axis, double thrust_m_s2, double density_kg_m3) const {
+    const double area_m2_kg = drag_area_m2_kg + (axis == 1 ? side_area_m2_kg : 0.0);
+    return {rotor_drag_s_m * thrust_m_s2, 0.5 * density_kg_m3 * area_m2_kg};
+  }
+};
+
 /// Settings of an Estimator; the keys of the section `autonomy.estimator` in a vehicle file.
 /// Sigmas are standard deviations of one sample.
 struct EstimatorConfig {
@@ -17,6 +32,7 @@ struct EstimatorConfig {
   /// The filter works this far behind the newest IMU sample, so that what is late by up to this is
   /// still fused at its own time; the output is carried on to the newest sample.
   double lag_s{0.06};
+  double max_lag_s{0.7};     ///< To which GNSS that comes later may raise it.
   double increment_s{0.01};  ///< IMU samples are summed up to this.
 
   // Where things are, in body axes from the body's origin [m].
@@ -26,22 +42,25 @@ struct EstimatorConfig {
   double height_at_rest_m{};  ///< Of the body's origin above the ground it stands on.
 
   ProcessNoise noise{};
+  AirModel air{};
 
-  double gnss_horizontal_sigma_m{0.5};
-  double gnss_altitude_sigma_m{10.0};
-  double gnss_velocity_sigma_m_s{0.08};
-  double baro_sigma_m{0.1};
-  double mag_sigma_T{4e-7};        ///< Of each axis.
-  double heading_sigma_rad{0.05};  ///< Besides: declination, iron of the vehicle.
-  double range_sigma_m{0.05};
-  double pitot_sigma_Pa{4.0};
+  double gnss_horizontal_sigma_m{0.022};  ///< Noise from fix to fix; the slow error is in `noise`.
+  double gnss_altitude_sigma_m{0.045};
+  double gnss_velocity_sigma_m_s{0.051};
+  double baro_sigma_m{0.05};
+  double mag_sigma_T{3e-7};         ///< Of each axis.
+  double heading_sigma_rad{0.005};  ///< Besides: declination.
+  double range_sigma_m{0.012};
+  double pitot_sigma_Pa{1.1};
   double sideslip_sigma_m_s{1.0};
+  double air_force_sigma_m_s2{0.055};
   double rest_sigma_m_s{0.02};  ///< Of "it stands still" while at rest.
 
   // Longest rates at which samples are fused; 0: all.
   double mag_interval_s{0.05};
   double baro_interval_s{0.0};
   double pitot_interval_s{0.05};
+  double air_force_interval_s{0.05};  ///< Specific force is averaged over this.
   double rest_interval_s{0.1};
 
   double gate_sigma{5.0};
@@ -54,8 +73,9 @@ struct EstimatorConfig {
 
   // What is known before the first sample.
   double initial_gyro_bias_rad_s{0.01};
-  double initial_accel_bias_m_s2{0.2};
+  double initial_accel_bias_m_s2{0.05};
   double initial_wind_m_s{4.0};
+  double initial_mag_bias_T{6e-7};        ///< Each axis.
   double initial_window_s{1.0};           ///< Averaged before the start.
   std::optional<double> declination_rad;  ///< Known beforehand.
   /// Else asked once, with the first fix: a magnetic model. Neither: magnetic north is taken for
@@ -68,8 +88,10 @@ struct EstimatorConfig {
   bool share_attitude{true};
 
   // Timeouts of rejected measurements.
-  double gnss_doubt_s{0.3};       ///< Velocity rejected for this long: IMU errors are widened.
-  double gnss_reset_s{3.0};       ///< Rejected for this long: the estimate is reset to GNSS.
+  double gnss_doubt_s{0.3};            ///< Velocity rejected for this long: IMU errors are widened.
+  double gnss_reset_s{3.0};            ///< Rejected for this long: the estimate is reset to GNSS.
+  double max_wind_noise_m_s_rts{1.0};  ///< To which gusts may raise noise.wind_m_s_rts.
+  double gnss_jump_s{1.0};        ///< Position alone rejected for this long: the receiver's jumped.
   double baro_relearn_s{1.0};     ///< Rejected for this long: its bias is estimated again.
   double range_relearn_s{1.0};    ///< Rejected for this long: the ground altitude is set again.
   double jump_speed_m_s{1.5};     ///< Of showing what GNSS moves the position by when it returns.

@@ -12,15 +12,15 @@ constexpr double kFreshHint_s = 0.5;
 
 }  // namespace
 
-template <bool kWind>
-double Estimator<kWind>::declination(const GnssSample& fix) const {
+template <bool kWing>
+double Estimator<kWing>::declination(const GnssSample& fix) const {
   const std::optional<double>& fixed = config().declination_rad;
   if (fixed) return *fixed;
   return config().declination_at != nullptr ? config().declination_at(fix) : 0.0;
 }
 
-template <bool kWind>
-void Estimator<kWind>::try_start() {
+template <bool kWing>
+void Estimator<kWing>::try_start() {
   if (config().declination_rad) fusion_.reference().declination_rad = config().declination_rad;
   const bool hinted = window_.end_s - hint_.t_s < kFreshHint_s;
   constexpr double kHintedWindow_s = 0.2;
@@ -39,8 +39,8 @@ void Estimator<kWind>::try_start() {
   window_.clear();
 }
 
-template <bool kWind>
-NominalState Estimator<kWind>::initial_state(bool on_ground, bool hinted) {
+template <bool kWing>
+NominalState Estimator<kWing>::initial_state(bool on_ground, bool hinted) {
   std::optional<Geodetic>& origin = fusion_.reference().origin;
   const double now_s = window_.end_s;
   const Vector3 gnss_lever = config().gnss_position_B - config().imu_position_B;
@@ -56,16 +56,16 @@ NominalState Estimator<kWind>::initial_state(bool on_ground, bool hinted) {
   const bool first_start = !origin;
   if (first_start && window_.fixes.count > 0) {
     const Vector3 mean = window_.fixes.mean();
-    const double below_antenna_m =
-        (x.q_WB * config().gnss_position_B).z() - (on_ground ? config().height_at_rest_m : 0.0);
-    origin = Geodetic{mean.x(), mean.y(), mean.z() + below_antenna_m};
+    Vector3 antenna_W = x.q_WB * config().gnss_position_B;
+    if (on_ground) antenna_W.z() -= config().height_at_rest_m;
+    origin = moved({mean.x(), mean.y(), mean.z()}, -antenna_W);
   }
   if (on_ground) {
     x.gyro_bias_B = window_.gyro.mean();
     x.p_W.z() = -config().height_at_rest_m;
     x.p_W += x.q_WB * config().imu_position_B;
     if (!first_start && window_.last_fix) {
-      x.p_W.template head<2>() = ned_of(window_.last_fix->position, *origin).template head<2>();
+      x.p_W.head<2>() = ned_of(window_.last_fix->position, *origin).head<2>();
     }
   } else if (window_.last_fix && origin) {
     const GnssSample& fix = *window_.last_fix;
@@ -75,13 +75,15 @@ NominalState Estimator<kWind>::initial_state(bool on_ground, bool hinted) {
   return x;
 }
 
-template <bool kWind>
-typename Estimator<kWind>::Filter::Covariance Estimator<kWind>::initial_covariance(
-    bool on_ground, bool hinted) const {
+template <bool kWing>
+ErrorStateEkf::Covariance Estimator<kWing>::initial_covariance(bool on_ground, bool hinted,
+                                                               bool new_origin) const {
+  constexpr double kAtOrigin_m = 0.01;
   constexpr double kGroundTilt_rad = 0.03;
   constexpr double kHintTilt_rad = 0.1;
   constexpr double kAirTilt_rad = 0.3;
   constexpr double kAirHeading_rad = 0.3;
+  constexpr double kAnyHeading_rad = 1.0;  // until start_heading()
   const double tilt_rad = on_ground ? kGroundTilt_rad : (hinted ? kHintTilt_rad : kAirTilt_rad);
   const double gyro_bias_rad_s =
       on_ground ? 2.0 * config().noise.gyro_rad_s_rtHz / std::sqrt(window_.length_s())
@@ -91,26 +93,38 @@ typename Estimator<kWind>::Filter::Covariance Estimator<kWind>::initial_covarian
   const auto set = [&filter](int first, int size, double sigma) {
     filter.reset_variance(first, size, sigma);
   };
-  const double h = on_ground ? 0.1 : 2.0 * config().gnss_horizontal_sigma_m;
+  const double h = new_origin && on_ground ? kAtOrigin_m : 2.0 * config().gnss_horizontal_sigma_m;
   set(Filter::kTheta, 2, tilt_rad);
-  set(Filter::kTheta + 2, 1, on_ground ? 2.0 * config().heading_sigma_rad : kAirHeading_rad);
+  // From the field in both cases; a coarse tilt is too far for the first order of start_heading().
+  set(Filter::kTheta + 2, 1, on_ground || hinted ? kAnyHeading_rad : kAirHeading_rad);
   set(Filter::kVelocity, 3, on_ground ? config().rest_sigma_m_s : 0.5);
   set(Filter::kPosition, 2, h);
   set(Filter::kPosition + 2, 1, on_ground ? 0.1 : 3.0);
   set(Filter::kGyroBias, 3, gyro_bias_rad_s);
   set(Filter::kAccelBias, 3, config().initial_accel_bias_m_s2);
   set(Filter::kBaroBias, 1, config().baro_sigma_m);
-  if constexpr (kWind) set(Filter::kWindIndex, 2, config().initial_wind_m_s);
+  set(Filter::kWind, 2, config().initial_wind_m_s);
+  set(Filter::kMagBias, 3, config().initial_mag_bias_T / Filter::kMicrotesla);
+  if (new_origin) {  // the slow error of the satellites counts from here
+    set(Filter::kGnssBias, 2, config().gnss_horizontal_sigma_m);
+    set(Filter::kGnssBias + 2, 1, config().gnss_altitude_sigma_m);
+    return filter.covariance();
+  }
+  set(Filter::kGnssBias, 2, config().noise.gnss_slow_horizontal_m);
+  set(Filter::kGnssBias + 2, 1, config().noise.gnss_slow_altitude_m);
+  filter.couple(Filter::kPosition, Filter::kGnssBias, on_ground ? 2 : 3, h);
   return filter.covariance();
 }
 
-template <bool kWind>
-void Estimator<kWind>::start(bool on_ground) {
+template <bool kWing>
+void Estimator<kWing>::start(bool on_ground) {
   const double now_s = window_.end_s;
   const bool hinted = now_s - hint_.t_s < kFreshHint_s;
+  const bool new_origin = !fusion_.reference().origin && !config().origin;
   const NominalState state = initial_state(on_ground, hinted);
-  fusion_.start(now_s, state, initial_covariance(on_ground, hinted),
+  fusion_.start(now_s, state, initial_covariance(on_ground, hinted, new_origin),
                 window_.pressure_Pa.mean().x());
+  if (on_ground || hinted) fusion_.start_heading(window_.field.mean());
   imu_.clear();
   queued_ = 0;
   next_rest_s_ = now_s;
@@ -123,10 +137,10 @@ void Estimator<kWind>::start(bool on_ground) {
   window_.clear();
 }
 
-template <bool kWind>
-void Estimator<kWind>::start_at(double t_s, const NominalState& state,
-                                const typename Filter::Covariance& covariance,
-                                const Geodetic& origin, double pressure_Pa) {
+template <bool kWing>
+void Estimator<kWing>::start_at(double t_s, const NominalState& state,
+                                const Filter::Covariance& covariance, const Geodetic& origin,
+                                double pressure_Pa) {
   restart();
   fusion_.reference().origin = origin;
   if (config().declination_rad) fusion_.reference().declination_rad = config().declination_rad;
@@ -139,19 +153,16 @@ void Estimator<kWind>::start_at(double t_s, const NominalState& state,
 template double Estimator<false>::declination(const GnssSample&) const;
 template void Estimator<false>::try_start();
 template NominalState Estimator<false>::initial_state(bool, bool);
-template Estimator<false>::Filter::Covariance Estimator<false>::initial_covariance(bool,
-                                                                                   bool) const;
+template ErrorStateEkf::Covariance Estimator<false>::initial_covariance(bool, bool, bool) const;
 template void Estimator<false>::start(bool);
 template void Estimator<false>::start_at(double, const NominalState&,
-                                         const Estimator<false>::Filter::Covariance&,
-                                         const Geodetic&, double);
+                                         const ErrorStateEkf::Covariance&, const Geodetic&, double);
 template double Estimator<true>::declination(const GnssSample&) const;
 template void Estimator<true>::try_start();
 template NominalState Estimator<true>::initial_state(bool, bool);
-template Estimator<true>::Filter::Covariance Estimator<true>::initial_covariance(bool, bool) const;
+template ErrorStateEkf::Covariance Estimator<true>::initial_covariance(bool, bool, bool) const;
 template void Estimator<true>::start(bool);
 template void Estimator<true>::start_at(double, const NominalState&,
-                                        const Estimator<true>::Filter::Covariance&, const Geodetic&,
-                                        double);
+                                        const ErrorStateEkf::Covariance&, const Geodetic&, double);
 
 }  // namespace rosflight::autonomy::estimation

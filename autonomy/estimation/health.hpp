@@ -15,7 +15,7 @@ enum class Aid : std::uint8_t {
   kHeading,
   kRange,
   kPitot,
-  kSideslip,
+  kSideslip,  ///< Vane or assumption; specific force of the air along body x and y.
   kRest
 };
 inline constexpr std::size_t kAids = 9;
@@ -37,12 +37,15 @@ struct EstimatorHealth {
   bool initialised{};
   bool in_air_start{};
   std::array<AidHealth, kAids> aids{};
-  std::uint64_t late{};      ///< Older than the lag: not fused.
-  std::uint64_t unusable{};  ///< Not finite, or impossible.
-  std::uint64_t imu_holes{};
-  std::uint64_t restarts{};       ///< The clock jumped: started again.
-  std::uint64_t imu_widenings{};  ///< The variances of biases and tilt were widened.
-  std::uint64_t gnss_resets{};    ///< Position or velocity moved to GNSS.
+  std::uint64_t late{};               ///< Older than the lag: not fused.
+  std::uint64_t unusable{};           ///< Not finite, or impossible.
+  std::uint64_t imu_holes{};          ///< Samples missing for 50 ms and more.
+  std::uint64_t realigned{};          ///< The clock of the samples jumped: times were shifted.
+  std::uint64_t restarts{};           ///< The state was no number: the last good one was restored.
+  std::uint64_t imu_widenings{};      ///< The variances of biases and tilt were widened.
+  std::uint64_t heading_widenings{};  ///< Likewise of heading and gyro bias about the vertical.
+  std::uint64_t gnss_resets{};        ///< Position or velocity moved to GNSS.
+  std::uint64_t gnss_jumps{};         ///< The slow error of the satellites was estimated again.
   std::uint64_t baro_relearned{};
   std::uint64_t ground_relearned{};
   double gnss_age_s{1e9};  ///< Since the last accepted horizontal aiding.

@@ -25,26 +25,37 @@ class ImuBuffer {
   static constexpr std::size_t kCapacity = 128;
   /// Samples further apart than this leave a hole, which widens the covariance.
   static constexpr double kMaxStep_s = 0.05;
+  /// Up to this the mean of the samples at both ends of a hole is taken for what was between.
+  static constexpr double kMaxGuess_s = 0.2;
+  /// Further apart is no hole but another clock.
+  static constexpr double kMaxHole_s = 30.0;
 
   struct Segment {
     double start_s{};
     ImuIncrement u;
-    bool hole{};  ///< Partly guessed: samples were missing.
+    bool hole{};     ///< Partly guessed: samples were missing.
+    bool unknown{};  ///< Nothing but its length is known.
     double end_s() const { return start_s + u.dt_s; }
   };
 
-  enum class Taken { kFirst, kSummed, kFull, kTooOld, kJump };
+  enum class Taken { kFirst, kSummed, kFull, kTooOld, kTooNew };
 
   /// @param increment_s  length to which samples are summed [s]; > 0.
   explicit ImuBuffer(double increment_s) : increment_s_{increment_s} {}
 
-  /// kFull: the sample ended an increment. kJump: more than a second apart; the buffer is cleared.
+  /// kFull: the sample ended an increment. kTooOld, kTooNew: not before the last one, or more than
+  /// kMaxHole_s after it; such a sample is dropped.
   Taken add(const ImuSample& sample, const Vector3& gyro_bias_B) {
-    constexpr double kJump_s = 1.0;
     if (!started_) return restart(sample, Taken::kFirst);
     const double dt = sample.t_s - last_.t_s;
-    if (dt > kJump_s || dt < -kJump_s) return restart(sample, Taken::kJump);
     if (dt <= 0.0) return Taken::kTooOld;
+    if (dt > kMaxHole_s) return Taken::kTooNew;
+    if (dt > kMaxGuess_s) {
+      if (sum_.dt_s > 0.0) close();
+      push({last_.t_s, {dt, Vector3::Zero(), Vector3::Zero()}, true, true});
+      last_ = sample;
+      return Taken::kFull;
+    }
     const Vector3 dv = 0.5 * dt * (last_.accel_m_s2 + sample.accel_m_s2);
     const Vector3 turn = dt * (0.5 * (last_.gyro_rad_s + sample.gyro_rad_s) - gyro_bias_B);
     sum_.dv_B += C_ * (dv + 0.5 * turn.cross(dv));
@@ -92,6 +103,16 @@ class ImuBuffer {
     bias_turn_B_.setZero();
     hole_ = false;
   }
+  /// Drops everything: the next sample is the first.
+  void forget() {
+    clear();
+    started_ = false;
+  }
+  /// Adds to all times.
+  void shift(double by_s) {
+    last_.t_s += by_s;
+    for (std::size_t k = 0; k < count_; ++k) ring_[(head_ + k) % kCapacity].start_s += by_s;
+  }
 
   /// What was summed since the last whole increment.
   ImuIncrement open() const {
@@ -109,11 +130,13 @@ class ImuBuffer {
     started_ = true;
     return why;
   }
-  void close() {
+  void push(const Segment& segment) {
     if (full()) pop();
-    Segment& segment = ring_[(head_ + count_) % kCapacity];
-    segment = {last_.t_s - sum_.dt_s, open(), hole_};
+    ring_[(head_ + count_) % kCapacity] = segment;
     ++count_;
+  }
+  void close() {
+    push({last_.t_s - sum_.dt_s, open(), hole_, false});
     sum_ = {};
     C_ = Quaternion::Identity();
     bias_turn_B_.setZero();

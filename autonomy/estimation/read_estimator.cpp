@@ -18,29 +18,39 @@ constexpr Range kGate = Range::between(1.0, 1000.0);
 
 Table<ProcessNoise> noise_table() {
   using N = ProcessNoise;
-  return {{"gyro_rad_s_rtHz", &N::gyro_rad_s_rtHz, "rad/s/sqrt(Hz)", kSigma, "white noise"},
-          {"accel_m_s2_rtHz", &N::accel_m_s2_rtHz, "m/s^2/sqrt(Hz)", kSigma, "white noise"},
-          {"gyro_bias_rad_s_rts", &N::gyro_bias_rad_s_rts, "rad/s/sqrt(s)", kNotNegative,
-           "random walk"},
-          {"accel_bias_m_s2_rts", &N::accel_bias_m_s2_rts, "m/s^2/sqrt(s)", kNotNegative,
-           "random walk"},
-          {"baro_bias_m_rts", &N::baro_bias_m_rts, "m/sqrt(s)", kNotNegative, "random walk"},
-          {"wind_m_s_rts", &N::wind_m_s_rts, "m/s/sqrt(s)", kNotNegative, "random walk"}};
+  return {
+      {"gyro_rad_s_rtHz", &N::gyro_rad_s_rtHz, "rad/s/sqrt(Hz)", kSigma, "white noise"},
+      {"accel_m_s2_rtHz", &N::accel_m_s2_rtHz, "m/s^2/sqrt(Hz)", kSigma, "white noise"},
+      {"gyro_bias_rad_s_rts", &N::gyro_bias_rad_s_rts, "rad/s/sqrt(s)", kNotNegative,
+       "random walk"},
+      {"accel_bias_m_s2_rts", &N::accel_bias_m_s2_rts, "m/s^2/sqrt(s)", kNotNegative,
+       "random walk"},
+      {"baro_bias_m_rts", &N::baro_bias_m_rts, "m/sqrt(s)", kNotNegative, "random walk"},
+      {"wind_m_s_rts", &N::wind_m_s_rts, "m/s/sqrt(s)", kNotNegative, "random walk in still air"},
+      {"mag_bias_T_rts", &N::mag_bias_T_rts, "T/sqrt(s)", kNotNegative, "random walk"},
+      {"gnss_slow_horizontal_m", &N::gnss_slow_horizontal_m, "m", kNotNegative,
+       "slow error of the satellites, each axis: standard deviation"},
+      {"gnss_slow_altitude_m", &N::gnss_slow_altitude_m, "m", kNotNegative,
+       "slow error of the satellites: standard deviation"},
+      {"gnss_slow_time_s", &N::gnss_slow_time_s, "s", Range::positive(),
+       "slow error of the satellites: correlation time"}};
 }
 
 Table<EstimatorConfig> sigma_table() {
   using E = EstimatorConfig;
   return {
-      {"gnss_horizontal_m", &E::gnss_horizontal_sigma_m, "m", kSigma, "position"},
-      {"gnss_altitude_m", &E::gnss_altitude_sigma_m, "m", kSigma, "altitude"},
+      {"gnss_horizontal_m", &E::gnss_horizontal_sigma_m, "m", kSigma, "position, from fix to fix"},
+      {"gnss_altitude_m", &E::gnss_altitude_sigma_m, "m", kSigma, "altitude, from fix to fix"},
       {"gnss_velocity_m_s", &E::gnss_velocity_sigma_m_s, "m/s", kSigma, "velocity"},
       {"baro_m", &E::baro_sigma_m, "m", kSigma, "barometric altitude"},
       {"mag_T", &E::mag_sigma_T, "T", kSigma, "each axis of the magnetometer"},
       {"heading_deg", &E::heading_sigma_rad, kDeg, Range::between(0.0, 90.0),
-       "besides mag_T: declination, iron of the vehicle"},
+       "besides mag_T: declination"},
       {"range_m", &E::range_sigma_m, "m", kSigma, "range sensor"},
       {"pitot_Pa", &E::pitot_sigma_Pa, "Pa", kSigma, "differential pressure"},
       {"sideslip_m_s", &E::sideslip_sigma_m_s, "m/s", kSigma, "lateral airspeed of a fixed wing"},
+      {"air_force_m_s2", &E::air_force_sigma_m_s2, "m/s^2", kSigma,
+       "specific force of the air, model included"},
       {"rest_m_s", &E::rest_sigma_m_s, "m/s", kSigma, "velocity while at rest"}};
 }
 
@@ -51,6 +61,8 @@ Table<EstimatorConfig> parameters() {
   return {
       {"lag_s", &E::lag_s, "s", Range::between(0.0, 0.5),
        "how late a sample may be and still be fused at its own time"},
+      {"max_lag_s", &E::max_lag_s, "s", Range::between(0.0, 1.0),
+       "to which GNSS that comes later may raise lag_s"},
       {"increment_s", &E::increment_s, "s", Range::between(0.005, 0.05),
        "IMU samples are summed over this"},
       {"imu_position_m", &E::imu_position_B, "m", kPosition_m,
@@ -67,6 +79,8 @@ Table<EstimatorConfig> parameters() {
        "samples sooner than this after the last are left out"},
       {"pitot_interval_s", &E::pitot_interval_s, "s", kNotNegative,
        "samples sooner than this after the last are left out"},
+      {"air_force_interval_s", &E::air_force_interval_s, "s", kNotNegative,
+       "specific force is averaged over this before it is used"},
       {"range_delay_s", &E::range_delay_s, "s", kNotNegative,
        "subtracted from the stamp of an echo"},
       {"gate_sigma", &E::gate_sigma, "sigma", kGate,
@@ -86,6 +100,8 @@ Table<EstimatorConfig> parameters() {
       {"initial_accel_bias_m_s2", &E::initial_accel_bias_m_s2, "m/s^2", kSigma,
        "standard deviation at the start"},
       {"initial_wind_m_s", &E::initial_wind_m_s, "m/s", kSigma, "standard deviation at the start"},
+      {"initial_mag_bias_T", &E::initial_mag_bias_T, "T", kSigma,
+       "iron of the vehicle, each axis: standard deviation at the start"},
       {"initial_window_s", &E::initial_window_s, "s", Range::between(0.1, 60.0),
        "averaged before the start"},
       Row<E>{"declination_deg", &E::declination_rad, kDeg, Range::between(-180.0, 180.0),
@@ -95,6 +111,10 @@ Table<EstimatorConfig> parameters() {
        "velocity rejected for this long: the IMU may have changed"},
       {"gnss_reset_s", &E::gnss_reset_s, "s", kSigma,
        "GNSS rejected for this long: the estimate is reset to GNSS"},
+      {"max_wind_noise_m_s_rts", &E::max_wind_noise_m_s_rts, "m/s/sqrt(s)", kSigma,
+       "to which gusts may raise process_noise.wind_m_s_rts"},
+      {"gnss_jump_s", &E::gnss_jump_s, "s", kSigma,
+       "position alone rejected for this long: the error of the satellites is estimated again"},
       {"baro_relearn_s", &E::baro_relearn_s, "s", kSigma,
        "barometer rejected for this long: its bias is estimated again"},
       {"range_relearn_s", &E::range_relearn_s, "s", kSigma,

@@ -45,6 +45,21 @@ double height_at_rest_m(const sim::Vehicle& vehicle) {
   return lowest_m;
 }
 
+/// What the air does to the accelerometer; nothing is known of a plugin's forces.
+autonomy::estimation::AirModel air_model(const sim::Vehicle& vehicle) {
+  autonomy::estimation::AirModel air;
+  const double mass_kg = vehicle.body().mass_kg;
+  if (is_fixed_wing(vehicle)) {
+    const sim::AirframeParameters wing = sim::read_fixed_wing(vehicle.root()).airframe;
+    air.side_area_m2_kg = std::max(0.0, -wing.side.beta) * wing.area_m2 / mass_kg;
+  } else if (vehicle.root().has("rotors")) {
+    const sim::AeroParameters aero = sim::read_multirotor(vehicle.root()).aero;
+    air.rotor_drag_s_m = aero.rotor_drag_s_m;
+    air.drag_area_m2_kg = 0.5 * aero.drag_area_m2.head<2>().sum() / mass_kg;
+  }
+  return air;
+}
+
 /// A parameter as the section `firmware` gives it, typed and in range.
 companion::NamedValue written_parameter(const config::Section& section, const std::string& name) {
   const std::size_t index = core::Parameters::find(core::padded_name(name.c_str()));
@@ -178,6 +193,7 @@ autonomy::estimation::EstimatorConfig read_estimator(const sim::Vehicle& vehicle
   defaults.gravity_m_s2 = vehicle.environment().gravity_m_s2;
   defaults.declination_at = wmm2025_declination;
   defaults.height_at_rest_m = height_at_rest_m(vehicle);
+  defaults.air = air_model(vehicle);
   return autonomy::estimation::read_estimator(vehicle.autonomy().foreign_section("estimator"),
                                               defaults);
 }

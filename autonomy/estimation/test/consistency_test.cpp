@@ -33,11 +33,12 @@ struct Statistics {
 
 template <bool kWind>
 void fly(std::uint64_t seed, Statistics<kWind>& statistics) {
-  using Filter = ErrorStateEkf<kWind>;
+  using Filter = ErrorStateEkf;
   WorldConfig world_config;
   EstimatorConfig& config = world_config.filter;
   config.declination_rad = field_declination();
-  config.gnss_altitude_sigma_m = 1.5;
+  config.noise.wind_m_s_rts = config.max_wind_noise_m_s_rts =
+      0.0;                      // the wind of the filter wanders; that of a closed form cannot
   config.use_sideslip = false;  // measured by a vane, with noise
   config.gate_sigma = config.heading_gate_sigma = 1e3;
   config.baro_relearn_s = config.gnss_reset_s = 1e9;
@@ -50,8 +51,6 @@ void fly(std::uint64_t seed, Statistics<kWind>& statistics) {
   const double phase = 0.1 * static_cast<double>(seed % 30);
   Path path = [phase](double t) { return multirotor_at(t, phase); };
   if constexpr (kWind) {
-    // The wind of the filter wanders; that of a flight in closed form cannot.
-    config.noise.wind_m_s_rts = 0.0;
     world_config.wind_W = {4.0 * std::cos(phase), -5.0 * std::sin(phase), 0.0};
     const Vector3 wind_W = world_config.wind_W;
     path = [phase, wind_W](double t) { return fixedwing_at(t, phase, wind_W); };
@@ -59,7 +58,7 @@ void fly(std::uint64_t seed, Statistics<kWind>& statistics) {
   World world(world_config, path);
 
   // The start is off by a draw from the covariance that the filter is given.
-  typename Filter::Covariance P = Filter::Covariance::Zero();
+  Filter::Covariance P = Filter::Covariance::Zero();
   const auto sigma = [&P](int first, int size, double s) {
     for (int k = first; k < first + size; ++k) P(k, k) = s * s;
   };
@@ -70,10 +69,12 @@ void fly(std::uint64_t seed, Statistics<kWind>& statistics) {
   sigma(Filter::kGyroBias, 3, world_config.gyro_bias_sigma);
   sigma(Filter::kAccelBias, 3, world_config.accel_bias_sigma);
   sigma(Filter::kBaroBias, 1, 0.5);
-  if constexpr (kWind) sigma(Filter::kWindIndex, 2, 1.0);
+  sigma(Filter::kWind, 2, kWind ? 1.0 : 1e-3);
+  sigma(Filter::kGnssBias, 3, 0.05);
+  sigma(Filter::kMagBias, 3, world_config.mag_bias_sigma_T / Filter::kMicrotesla);
   Estimator<kWind> estimator(config);
 
-  typename Filter::Error draw;
+  Filter::Error draw;
   std::mt19937_64 generator(seed + 1000);
   std::normal_distribution<double> normal;
   for (int k = 0; k < Filter::kSize; ++k) draw(k) = std::sqrt(P(k, k)) * normal(generator);
@@ -97,7 +98,7 @@ void fly(std::uint64_t seed, Statistics<kWind>& statistics) {
     const double t = estimator.filter_time_s();
     if (t < epoch + 0.999) continue;
     const NominalState truth = world.truth_at(t);
-    const typename Filter::Error e = Filter::difference(truth, estimator.filter().state());
+    const Filter::Error e = Filter::difference(truth, estimator.filter().state());
     statistics.nees[static_cast<std::size_t>(epoch++)] +=
         e.dot(estimator.filter().covariance().ldlt().solve(e));
   }
@@ -109,7 +110,7 @@ template <bool kWind>
 void check() {
   Statistics<kWind> statistics;
   for (int run = 1; run <= kRuns; ++run) fly<kWind>(static_cast<std::uint64_t>(run), statistics);
-  constexpr int kSize = ErrorStateEkf<kWind>::kSize;
+  constexpr int kSize = ErrorStateEkf::kSize;
   EXPECT_EQ(statistics.rejected, 0U);
   const double low = chi_square(kRuns * kSize, -k999);
   const double high = chi_square(kRuns * kSize, k999);

@@ -34,7 +34,6 @@ struct Fixture {
     WorldConfig config;
     config.filter.declination_rad = field_declination();
     config.filter.lag_s = lag_s;
-    config.filter.gnss_horizontal_sigma_m = 0.1;
     config.gnss_delay_s = gnss_delay_s;
     config.accel_bias_sigma = 0.05;
     config.range = false;
@@ -66,6 +65,11 @@ struct Fixture {
     return e.q_WB.angularDistance(world->motion(e.t_s).q_WB);
   }
   const AidHealth& aid(Aid which) const { return estimator->health().of(which); }
+  /// The link is cut until t_s.
+  void silence_until(double t_s) {
+    Nobody nobody;
+    while (world->time_s() < t_s) world->step(nobody);
+  }
 
   double rest_until_s{4.5};
   std::unique_ptr<World> world;
@@ -116,8 +120,21 @@ TEST(Estimator, LateMeasurementsAreFusedAtTheirOwnTime) {
   EXPECT_LT(largest_m, 0.35);
 }
 
+TEST(Estimator, GnssThatKeepsComingLateRaisesTheLag) {
+  Fixture f(0.06, 0.5);
+  f.run_until(40.0);
+  EXPECT_EQ(f.estimator->estimate().horizontal, Quality::kGood);
+  EXPECT_LE(f.estimator->health().late, 10U);
+  double largest_m = 0.0;
+  for (int k = 0; k < 100; ++k) {
+    f.run_until(40.0 + 0.1 * k);
+    largest_m = std::max(largest_m, f.position_error_m());
+  }
+  EXPECT_LT(largest_m, 0.5);
+}
+
 TEST(Estimator, WhatIsLaterThanTheLagIsCountedAndDropped) {
-  Fixture f(0.02, 0.2);
+  Fixture f(0.02, 1.1);
   f.run_until(10.0);
   EXPECT_GT(f.estimator->health().late, 40U);
   EXPECT_EQ(f.aid(Aid::kGnssHorizontal).accepted, 0U);
@@ -145,7 +162,9 @@ TEST(Estimator, DeadReckonsThroughALossOfGnssAndSaysSo) {
   EXPECT_FALSE(f.estimator->estimate().position_unreliable);
   EXPECT_LT(f.estimator->estimate().dead_reckoning_s, 0.2);
   EXPECT_EQ(f.estimator->estimate().horizontal, Quality::kGood);
-  EXPECT_LT(f.position_error_m(), 0.5);
+  // The error of the satellites has moved on unseen, by 0.4 m in each axis (1 sigma).
+  EXPECT_LT(f.position_error_m(), 3.0 * f.estimator->estimate().p_sigma_W_m.head<2>().norm());
+  EXPECT_LT(f.position_error_m(), 2.0);
 }
 
 TEST(Estimator, SaysThatItBridgesUntilGnssAidsAgain) {
@@ -248,21 +267,6 @@ TEST(Estimator, RubbishIsCountedAndChangesNothing) {
   EXPECT_EQ(f.estimator->estimate().p_W, p_W);
   f.run_until(25.0);
   EXPECT_LT(f.position_error_m(), 0.4);
-}
-
-TEST(Estimator, AClockThatJumpsStartsItAnewWithTheSameOrigin) {
-  Fixture f;
-  f.run_until(20.0);
-  const Geodetic origin = f.estimator->origin().value_or(Geodetic{});
-  ASSERT_NE(origin.latitude_deg, 0.0);
-  f.estimator->add(ImuSample{5000.0, Vector3::Zero(), Vector3(0.0, 0.0, -kGravity)});
-  EXPECT_FALSE(f.estimator->initialised());
-  EXPECT_EQ(f.estimator->health().restarts, 1U);
-  f.run_until(21.0);  // back again: another jump
-  f.run_until(30.0);
-  ASSERT_TRUE(f.estimator->initialised());
-  EXPECT_TRUE(f.estimator->health().in_air_start);
-  EXPECT_EQ(f.estimator->origin().value_or(Geodetic{}).latitude_deg, origin.latitude_deg);
 }
 
 TEST(Estimator, FindsTheWindWithPitotAndSideslip) {

@@ -89,6 +89,7 @@ struct WorldConfig {
   double mag_delay_s{0.003};
   double gyro_bias_sigma{0.01};
   double accel_bias_sigma{0.1};
+  double mag_bias_sigma_T{6e-7};
   bool range{true};
   bool wing{false};
   Vector3 wind_W{Vector3::Zero()};
@@ -102,6 +103,7 @@ class World {
     gyro_bias_ = config.gyro_bias_sigma * normal3();
     accel_bias_ = config.accel_bias_sigma * normal3();
     wind_W_ = config.wind_W.head<2>();
+    mag_bias_ = config.mag_bias_sigma_T * normal3();
   }
 
   double time_s() const { return static_cast<double>(tick_) * kStep_s; }
@@ -115,7 +117,8 @@ class World {
   /// Everything of the filter's state at time 0.
   NominalState initial_truth() const {
     const Motion m = path_(0.0);
-    return {m.q_WB, m.v_W, m.p_W, gyro_bias_, accel_bias_, baro_bias_m_, wind_W_};
+    return {m.q_WB,       m.v_W,   m.p_W,      gyro_bias_, accel_bias_,
+            baro_bias_m_, wind_W_, gnss_bias_, mag_bias_};
   }
   /// Everything of the filter's state as it was at a time not long ago.
   NominalState truth_at(double t_s) const {
@@ -130,6 +133,8 @@ class World {
     x.accel_bias_B = slow.accel_bias;
     x.baro_bias_m = slow.baro_bias_m;
     x.wind_W = slow.wind_W;
+    x.gnss_bias_W = slow.gnss_bias;
+    x.mag_bias_B = mag_bias_;
     return x;
   }
 
@@ -167,15 +172,18 @@ class World {
 
   bool gnss_on{true};
   Vector3 extra_gyro{Vector3::Zero()};
+  Vector3 extra_gnss{Vector3::Zero()};
   Vector3 extra_accel{Vector3::Zero()};
   double extra_baro_m{};
   double extra_heading_rad{};
+  double turned_mag_rad{};  ///< About body z.
 
  private:
   struct Slow {
     Vector3 gyro_bias, accel_bias;
     double baro_bias_m;
     Vector2 wind_W;
+    Vector3 gnss_bias;
   };
   using Sample =
       std::variant<GnssSample, BaroSample, MagSample, RangeSample, PitotSample, SideslipSample>;
@@ -196,8 +204,13 @@ class World {
       gyro_bias_ += q.gyro_bias_rad_s_rts * root * normal3();
       accel_bias_ += q.accel_bias_m_s2_rts * root * normal3();
       baro_bias_m_ += q.baro_bias_m_rts * root * normal();
+      const double kept = std::exp(-kStep_s / q.gnss_slow_time_s);
+      const double new_share = std::sqrt(1.0 - kept * kept);
+      const Vector3 slow_m(q.gnss_slow_horizontal_m, q.gnss_slow_horizontal_m,
+                           q.gnss_slow_altitude_m);
+      gnss_bias_ = kept * gnss_bias_ + new_share * slow_m.cwiseProduct(normal3());
     }
-    history_.push_back({gyro_bias_, accel_bias_, baro_bias_m_, wind_W_});
+    history_.push_back({gyro_bias_, accel_bias_, baro_bias_m_, wind_W_, gnss_bias_});
     if (history_.size() > 400) history_.pop_front();
   }
 
@@ -206,7 +219,13 @@ class World {
     const Quaternion ahead = path_(t + kTiny_s).q_WB;
     const Quaternion behind = path_(t - kTiny_s).q_WB;
     const Vector3 w_B = log_rotation(behind.conjugate() * ahead) / (2.0 * kTiny_s);
-    const Vector3 f_B = m.q_WB.conjugate() * (m.a_W - Vector3(0.0, 0.0, kGravity));
+    Vector3 f_B = m.q_WB.conjugate() * (m.a_W - Vector3(0.0, 0.0, kGravity));
+    const Vector3& r_B = config_.filter.imu_position_B;
+    if (!r_B.isZero()) {
+      const Vector3 later_B = log_rotation(m.q_WB.conjugate() * ahead) / kTiny_s;
+      const Vector3 earlier_B = log_rotation(behind.conjugate() * m.q_WB) / kTiny_s;
+      f_B += ((later_B - earlier_B) / kTiny_s).cross(r_B) + w_B.cross(w_B.cross(r_B));
+    }
     const double rate = 1.0 / std::sqrt(kStep_s);
     const ProcessNoise& q = config_.filter.noise;
     return {t, w_B + gyro_bias_ + extra_gyro + q.gyro_rad_s_rtHz * rate * normal3(),
@@ -215,9 +234,10 @@ class World {
 
   GnssSample gnss(double t, const Motion& m) {
     const EstimatorConfig& f = config_.filter;
-    Vector3 p =
-        m.p_W + Vector3(f.gnss_horizontal_sigma_m * normal(), f.gnss_horizontal_sigma_m * normal(),
-                        f.gnss_altitude_sigma_m * normal());
+    const Vector3 p =
+        m.p_W + gnss_bias_ + extra_gnss +
+        Vector3(f.gnss_horizontal_sigma_m * normal(), f.gnss_horizontal_sigma_m * normal(),
+                f.gnss_altitude_sigma_m * normal());
     GnssSample s;
     s.t_s = t;
     s.fix_3d = true;
@@ -247,12 +267,14 @@ class World {
     // The filter's noise of the heading is two parts; the second is a turn about the vertical.
     const double turn = config_.filter.heading_sigma_rad * normal() + extra_heading_rad;
     const Vector3 field_W = exp_rotation({0.0, 0.0, turn}) * kField_W_T;
-    return {t, m.q_WB.conjugate() * field_W + config_.filter.mag_sigma_T * normal3()};
+    const Quaternion turned = exp_rotation({0.0, 0.0, turned_mag_rad});
+    return {t, turned * (m.q_WB.conjugate() * field_W) + mag_bias_ +
+                   config_.filter.mag_sigma_T * normal3()};
   }
   RangeSample range(double t, const Motion& m) {
     const double cosine = (m.q_WB * Vector3::UnitZ()).z();
     const double r = -m.p_W.z() / cosine + config_.filter.range_sigma_m * normal();
-    return {t, r, 0.2, 200.0};
+    return {t, r, 0.2, 12.0};
   }
   Vector3 air_B(const Motion& m) const {
     return m.q_WB.conjugate() * (m.v_W - Vector3(wind_W_.x(), wind_W_.y(), 0.0));
@@ -272,7 +294,8 @@ class World {
   std::mt19937_64 generator_;
   std::normal_distribution<double> normal_{0.0, 1.0};
   std::int64_t tick_{0};
-  Vector3 gyro_bias_, accel_bias_;
+  Vector3 gyro_bias_, accel_bias_, mag_bias_;
+  Vector3 gnss_bias_{Vector3::Zero()};  ///< Counted from the start.
   double baro_bias_m_{};
   Vector2 wind_W_;
   std::deque<Slow> history_;

@@ -138,7 +138,7 @@ class EstimatorNode : public rclcpp::Node {
         "status", [this](const rosflight_msgs::msg::Status& m) { armed_ = m.armed; });
     subscribe<rosflight_msgs::msg::Attitude>(
         "attitude", [this](const rosflight_msgs::msg::Attitude& m) {
-          if (estimator_.initialised()) return;
+          if (!estimator_.wants_attitude_hint()) return;
           const auto& q = m.attitude;
           estimator_.set_attitude_hint(seconds(m.header), {q.w, q.x, q.y, q.z});
         });

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What an AidFusion does when aids and prediction disagree for long, and after a break of time.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "autonomy/estimation/aid_fusion.hpp"
+
+namespace rosflight::autonomy::estimation {
+namespace {
+
+/// Variances are widened no more often than this.
+constexpr double kWidenEvery_s = 0.3;
+
+}  // namespace
+
+/// The velocity drifts away from what aids it: a bias must have jumped. Adds to the covariance what a
+/// jump of unknown size, `age_s` ago, has led to by now (A. S. Willsky, H. L. Jones, IEEE Trans.
+/// Automatic Control 21, 1976: a jump by its signature). With a the specific force, for a jump b of
+/// the gyro and c of the accelerometer:
+///
+///     dbg = b, dtheta = -b T, dv = R [a]x b T^2/2;    dba = c, dv = -R c T
+///
+/// so that tilt and velocity follow their cause, and a tilt that no bias explains stays where it is.
+template <bool kWing>
+void AidFusion<kWing>::widen_imu_errors(const ImuFault& fault) {
+  if (t_s_ - widened_s_ < kWidenEvery_s) return;
+  widened_s_ = t_s_;
+  constexpr double kTilt_rad = 0.02;  // besides
+  constexpr double kVelocity_m_s = 0.1;
+  const Matrix3 R = filter_.state().q_WB.toRotationMatrix();
+  const Vector3 down_B = R.row(2).transpose();
+  // A magnetometer that is wrong would pass the gate of a heading widened with the tilt.
+  const Matrix3 level =
+      Matrix3::Identity() - (heading_.jumped ? 1.0 : 0.0) * down_B * down_B.transpose();
+  const Vector3 up_B = -config_.gravity_m_s2 * down_B;
+  Eigen::Matrix<double, Filter::kSize, 6> by = Eigen::Matrix<double, Filter::kSize, 6>::Zero();
+  const double T = fault.age_s;
+  by.block<3, 3>(Filter::kGyroBias, 0) = fault.gyro_rad_s * level;
+  by.block<3, 3>(Filter::kTheta, 0) = -T * fault.gyro_rad_s * level;
+  by.block<3, 3>(Filter::kVelocity, 0) = 0.5 * T * T * fault.gyro_rad_s * R * skew(up_B) * level;
+  by.block<3, 3>(Filter::kAccelBias, 3) = fault.accel_m_s2 * Matrix3::Identity();
+  by.block<3, 3>(Filter::kVelocity, 3) = -T * fault.accel_m_s2 * R;
+  auto& P = filter_.covariance();
+  P.noalias() += by * by.transpose();
+  P.block<3, 3>(Filter::kTheta, Filter::kTheta) += kTilt_rad * kTilt_rad * level;
+  P.block<3, 3>(Filter::kVelocity, Filter::kVelocity) +=
+      kVelocity_m_s * kVelocity_m_s * Matrix3::Identity();
+  // The wind has taken in part of the force; without GNSS it is all that the velocity rests on.
+  constexpr double kWind_m_s = 0.5;
+  if (!dead_reckoning()) {
+    P.block<2, 2>(Filter::kWind, Filter::kWind) +=
+        kWind_m_s * kWind_m_s * Eigen::Matrix2d::Identity();
+  }
+  ++health_.imu_widenings;
+}
+
+/// The heading drifts: widens it and the gyro bias about the vertical.
+template <bool kWing>
+void AidFusion<kWing>::widen_heading() {
+  constexpr double kHeading_rad = 0.1;
+  constexpr double kGyroBias_rad_s = 0.2;
+  const double kAcross_rad_s =
+      dead_reckoning() ? 0.1 : 0.05;  // the axis that is wrong need not be vertical
+  const Vector3 down_B = filter_.state().q_WB.conjugate() * Vector3::UnitZ();
+  const Matrix3 along = down_B * down_B.transpose();
+  auto& P = filter_.covariance();
+  P.block<3, 3>(Filter::kTheta, Filter::kTheta) += kHeading_rad * kHeading_rad * along;
+  P.block<3, 3>(Filter::kGyroBias, Filter::kGyroBias) +=
+      kGyroBias_rad_s * kGyroBias_rad_s * along +
+      kAcross_rad_s * kAcross_rad_s * Matrix3::Identity();
+  // The iron has taken in part of the drift.
+  constexpr double kIron_microtesla = 0.3;
+  P.block<3, 3>(Filter::kMagBias, Filter::kMagBias) +=
+      kIron_microtesla * kIron_microtesla * Matrix3::Identity();
+  heading_.fitting = 1000;  // the next one counts
+  ++health_.heading_widenings;
+}
+
+/// Horizontal position and velocity as GNSS has them, less its slow error; the height only where it
+/// has no other aid.
+template <bool kWing>
+void AidFusion<kWing>::reset_to_gnss(const Vector3& p_W, const Vector3& v_W) {
+  constexpr double kTilt_rad = 0.05;
+  NominalState& x = filter_.state();
+  const Vector3 lever_W = x.q_WB * gnss_lever();
+  x.p_W.head<2>() = (p_W - x.gnss_bias_W - lever_W).head<2>();
+  x.v_W = v_W;
+  filter_.couple(Filter::kPosition, Filter::kGnssBias, 2, 2.0 * config_.gnss_horizontal_sigma_m);
+  filter_.reset_variance(Filter::kVelocity, 3, 5.0 * config_.gnss_velocity_sigma_m_s);
+  for (int k = 0; k < 3; ++k) {  // the same error has turned the attitude too
+    filter_.covariance()(Filter::kTheta + k, Filter::kTheta + k) += kTilt_rad * kTilt_rad;
+  }
+  for (const Aid aid : {Aid::kGnssHorizontal, Aid::kGnssVelocity}) {
+    health_.of(aid).rejecting = false;
+    health_.of(aid).last_accepted_s = t_s_;
+  }
+  ++health_.gnss_resets;
+}
+
+/// Sets the slow error of axes of the satellites' position so that they have no residual.
+template <bool kWing>
+void AidFusion<kWing>::restart_gnss_bias(int first, int size, const Vector3& p_W) {
+  NominalState& x = filter_.state();
+  const Vector3 residual = Filter::gnss_position(x, p_W, gnss_lever()).nu;
+  x.gnss_bias_W.segment(first, size) += residual.segment(first, size);
+  filter_.couple(Filter::kGnssBias + first, Filter::kPosition + first, size,
+                 first == 2 ? config_.gnss_altitude_sigma_m : config_.gnss_horizontal_sigma_m);
+  ++health_.gnss_jumps;
+}
+
+template <bool kWing>
+void AidFusion<kWing>::correct_attitude(const Vector3& error_B, double tilt_sigma_rad,
+                                        double heading_sigma_rad) {
+  Filter::Error dx = Filter::Error::Zero();
+  dx.segment<3>(Filter::kTheta) = error_B;
+  filter_.inject(dx);
+  filter_.reset_variance(Filter::kTheta, 3, tilt_sigma_rad);
+  const Vector3 down_B = filter_.state().q_WB.conjugate() * Vector3::UnitZ();
+  const double more = heading_sigma_rad * heading_sigma_rad - tilt_sigma_rad * tilt_sigma_rad;
+  filter_.covariance().block<3, 3>(Filter::kTheta, Filter::kTheta) +=
+      more * down_B * down_B.transpose();
+}
+
+template <bool kWing>
+void AidFusion<kWing>::start_heading(const Vector3& field_B) {
+  if (!reference_.declination_rad) return;
+  auto residual = Filter::magnetic_heading(filter_.state(), field_B, *reference_.declination_rad);
+  const double level_T = (filter_.state().q_WB * field_B).head<2>().norm();
+  const double sigma_rad = std::hypot(config_.mag_sigma_T / level_T, config_.heading_sigma_rad);
+  residual.R(0) = sigma_rad * sigma_rad;
+  static_cast<void>(filter_.correct(residual, std::numeric_limits<double>::infinity()));
+}
+
+template <bool kWing>
+void AidFusion<kWing>::guard() {
+  constexpr double kEvery_s = 1.0;
+  const NominalState& x = filter_.state();
+  const double sum = x.p_W.sum() + x.v_W.sum() + x.q_WB.coeffs().sum() + x.gyro_bias_B.sum() +
+                     x.accel_bias_B.sum() + filter_.covariance().diagonal().sum();
+  const bool good = std::isfinite(sum) && filter_.covariance().diagonal().minCoeff() >= 0.0;
+  if (good) {
+    if (t_s_ - good_.t_s < kEvery_s) return;
+    good_ = {t_s_, x, filter_.covariance()};
+    return;
+  }
+  if (good_.t_s < 0.0) return;
+  const double gone_s = std::max(0.0, t_s_ - good_.t_s);
+  filter_.state() = good_.state;
+  filter_.covariance() = good_.covariance;
+  t_s_ -= gone_s;
+  predict({t_s_, {gone_s, Vector3::Zero(), Vector3::Zero()}, true, true});
+  ++health_.restarts;
+}
+
+template <bool kWing>
+void AidFusion<kWing>::shift(double by_s) {
+  for (double* t_s : {&t_s_, &newest_s_, &jump_.t_s, &jump_.until_s, &heading_.t_s,
+                      &heading_.widened_s, &widened_s_, &settled_since_s_, &good_.t_s}) {
+    *t_s += by_s;
+  }
+  for (AidHealth& aid : health_.aids) {
+    aid.last_accepted_s += by_s;
+    aid.last_rejected_s += by_s;
+    aid.rejected_since_s += by_s;
+  }
+  ++health_.realigned;
+}
+
+template void AidFusion<false>::widen_imu_errors(const ImuFault&);
+template void AidFusion<false>::widen_heading();
+template void AidFusion<false>::reset_to_gnss(const Vector3&, const Vector3&);
+template void AidFusion<false>::restart_gnss_bias(int, int, const Vector3&);
+template void AidFusion<false>::correct_attitude(const Vector3&, double, double);
+template void AidFusion<false>::start_heading(const Vector3&);
+template void AidFusion<false>::guard();
+template void AidFusion<false>::shift(double);
+template void AidFusion<true>::widen_imu_errors(const ImuFault&);
+template void AidFusion<true>::widen_heading();
+template void AidFusion<true>::reset_to_gnss(const Vector3&, const Vector3&);
+template void AidFusion<true>::restart_gnss_bias(int, int, const Vector3&);
+template void AidFusion<true>::correct_attitude(const Vector3&, double, double);
+template void AidFusion<true>::start_heading(const Vector3&);
+template void AidFusion<true>::guard();
+template void AidFusion<true>::shift(double);
+
+}  // namespace rosflight::autonomy::estimation
