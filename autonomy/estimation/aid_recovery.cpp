@@ -2,7 +2,6 @@
 // What an AidFusion does when aids and prediction disagree for long, and after a break of time.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "autonomy/estimation/aid_fusion.hpp"
 
@@ -55,28 +54,6 @@ void AidFusion<kWing>::widen_imu_errors(const ImuFault& fault) {
   ++health_.imu_widenings;
 }
 
-/// The heading drifts: widens it and the gyro bias about the vertical.
-template <bool kWing>
-void AidFusion<kWing>::widen_heading() {
-  constexpr double kHeading_rad = 0.1;
-  constexpr double kGyroBias_rad_s = 0.2;
-  const double kAcross_rad_s =
-      dead_reckoning() ? 0.1 : 0.05;  // the axis that is wrong need not be vertical
-  const Vector3 down_B = filter_.state().q_WB.conjugate() * Vector3::UnitZ();
-  const Matrix3 along = down_B * down_B.transpose();
-  auto& P = filter_.covariance();
-  P.block<3, 3>(Filter::kTheta, Filter::kTheta) += kHeading_rad * kHeading_rad * along;
-  P.block<3, 3>(Filter::kGyroBias, Filter::kGyroBias) +=
-      kGyroBias_rad_s * kGyroBias_rad_s * along +
-      kAcross_rad_s * kAcross_rad_s * Matrix3::Identity();
-  // The iron has taken in part of the drift.
-  constexpr double kIron_microtesla = 0.3;
-  P.block<3, 3>(Filter::kMagBias, Filter::kMagBias) +=
-      kIron_microtesla * kIron_microtesla * Matrix3::Identity();
-  heading_.fitting = 1000;  // the next one counts
-  ++health_.heading_widenings;
-}
-
 /// Horizontal position and velocity as GNSS has them, less its slow error; the height only where it
 /// has no other aid.
 template <bool kWing>
@@ -123,16 +100,6 @@ void AidFusion<kWing>::correct_attitude(const Vector3& error_B, double tilt_sigm
 }
 
 template <bool kWing>
-void AidFusion<kWing>::start_heading(const Vector3& field_B) {
-  if (!reference_.declination_rad) return;
-  auto residual = Filter::magnetic_heading(filter_.state(), field_B, *reference_.declination_rad);
-  const double level_T = (filter_.state().q_WB * field_B).head<2>().norm();
-  const double sigma_rad = std::hypot(config_.mag_sigma_T / level_T, config_.heading_sigma_rad);
-  residual.R(0) = sigma_rad * sigma_rad;
-  static_cast<void>(filter_.correct(residual, std::numeric_limits<double>::infinity()));
-}
-
-template <bool kWing>
 void AidFusion<kWing>::guard() {
   constexpr double kEvery_s = 1.0;
   const NominalState& x = filter_.state();
@@ -168,19 +135,15 @@ void AidFusion<kWing>::shift(double by_s) {
 }
 
 template void AidFusion<false>::widen_imu_errors(const ImuFault&);
-template void AidFusion<false>::widen_heading();
 template void AidFusion<false>::reset_to_gnss(const Vector3&, const Vector3&);
 template void AidFusion<false>::restart_gnss_bias(int, int, const Vector3&);
 template void AidFusion<false>::correct_attitude(const Vector3&, double, double);
-template void AidFusion<false>::start_heading(const Vector3&);
 template void AidFusion<false>::guard();
 template void AidFusion<false>::shift(double);
 template void AidFusion<true>::widen_imu_errors(const ImuFault&);
-template void AidFusion<true>::widen_heading();
 template void AidFusion<true>::reset_to_gnss(const Vector3&, const Vector3&);
 template void AidFusion<true>::restart_gnss_bias(int, int, const Vector3&);
 template void AidFusion<true>::correct_attitude(const Vector3&, double, double);
-template void AidFusion<true>::start_heading(const Vector3&);
 template void AidFusion<true>::guard();
 template void AidFusion<true>::shift(double);
 

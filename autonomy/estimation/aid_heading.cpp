@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How an AidFusion uses the magnetometer: for the heading alone, and what it does when heading and gyro disagree.
+#include <cmath>
+#include <limits>
+
+#include "autonomy/estimation/aid_fusion.hpp"
+#include "base/angles.hpp"
+
+namespace rosflight::autonomy::estimation {
+
+template <bool kWing>
+void AidFusion<kWing>::fuse(const MagSample& sample) {
+  if (!reference_.declination_rad) return;
+  auto residual =
+      Filter::magnetic_heading(filter_.state(), sample.field_T, *reference_.declination_rad);
+  const double level_T = (filter_.state().q_WB * sample.field_T).head<2>().norm();
+  constexpr double kMinLevel = 0.05;  // of the field: nearer to vertical it has no heading
+  if (level_T < kMinLevel * sample.field_T.norm()) return;
+  const double by_noise = config_.mag_sigma_T / level_T;
+  residual.R(0) = by_noise * by_noise + config_.heading_sigma_rad * config_.heading_sigma_rad;
+  const bool fits = field_fits(sample.field_T);
+  const double gate_sigma = heading_gate(residual, fits);
+  if (note(Aid::kHeading, filter_.correct_heading(residual, gate_sigma), 1)) {
+    learn_vertical_field(sample.field_T);
+  }
+  if (heading_drifts(residual, fits)) widen_heading();
+}
+
+template <bool kWing>
+double AidFusion<kWing>::vertical_field_T(const Vector3& field_B) const {
+  const NominalState& x = filter_.state();
+  return (x.q_WB * (field_B - x.mag_bias_B)).z();
+}
+
+template <bool kWing>
+void AidFusion<kWing>::learn_vertical_field(const Vector3& field_B) {
+  constexpr double kShare = 0.01;
+  const double down_T = vertical_field_T(field_B);
+  heading_.down_T = heading_.down_T.value_or(down_T);
+  *heading_.down_T += kShare * (down_T - *heading_.down_T);
+}
+
+/// Whether the vertical part of the field is as it was: it does not depend on the heading, so a gyro
+/// that is wrong about the vertical leaves it, while a magnetometer that is turned or beside new
+/// iron changes it as soon as the vehicle tilts.
+template <bool kWing>
+bool AidFusion<kWing>::field_fits(const Vector3& field_B) const {
+  if (!heading_.down_T) return true;
+  constexpr double kTilt_rad = 0.02;  // times the horizontal field
+  const double level_T = (filter_.state().q_WB * field_B).head<2>().norm();
+  const double sigma_T =
+      std::hypot(config_.mag_sigma_T, config_.initial_mag_bias_T, kTilt_rad * level_T);
+  return std::abs(vertical_field_T(field_B) - *heading_.down_T) <
+         config_.heading_gate_sigma * sigma_T;
+}
+
+/// The gate of a heading: none passes that does not fit; after a refusal of some time, only once
+/// several in a row have fitted, since that of a wrong magnetometer passes the right one in turns.
+template <bool kWing>
+double AidFusion<kWing>::heading_gate(const Filter::Residual<1>& residual, bool fits) {
+  constexpr double kRefused_s = 0.3;
+  constexpr int kEnough = 20;
+  const AidHealth& health = health_.of(Aid::kHeading);
+  if (health.rejecting_for_s() < kRefused_s) {
+    heading_.fitting = 0;
+    return fits ? config_.heading_gate_sigma : 0.0;
+  }
+  const double S = (residual.H * filter_.covariance() * residual.H.transpose())(0) + residual.R(0);
+  const double limit = Filter::gate(1, config_.heading_gate_sigma);
+  const bool inside = residual.nu(0) * residual.nu(0) <= limit * S;
+  heading_.fitting = fits && inside ? heading_.fitting + 1 : 0;
+  return heading_.fitting > kEnough ? config_.heading_gate_sigma : 0.0;
+}
+
+/// Whether the heading drifts away from that of the magnetometer as with a gyro that is wrong by up
+/// to kGyroStepLimit_rad_s, counted from the last heading that was used.
+template <bool kWing>
+bool AidFusion<kWing>::heading_drifts(const Filter::Residual<1>& residual, bool fits) {
+  constexpr double kSigmas = 4.0;
+  const AidHealth& health = health_.of(Aid::kHeading);
+  if (!health.rejecting) {
+    heading_.residual_rad = residual.nu(0);
+    heading_.t_s = t_s_;
+    heading_.jumped = false;
+  }
+  const double drift_rad = std::abs(base::wrap_angle(residual.nu(0) - heading_.residual_rad));
+  const double possible_rad =
+      kSigmas * std::sqrt(residual.R(0)) + kGyroStepLimit_rad_s * (t_s_ - heading_.t_s);
+  heading_.jumped = heading_.jumped || drift_rad > possible_rad || !fits;
+  if (heading_.jumped) {
+    heading_monitor_.reset();
+    return false;
+  }
+  if (!heading_monitor_.exceeded(health.nis)) return false;
+  // Widened again and again, it would have followed: another aid holds it against the magnetometer.
+  constexpr double kPause_s = 10.0;
+  constexpr int kEnough = 2;
+  heading_.widened = t_s_ - heading_.widened_s < kPause_s ? heading_.widened + 1 : 1;
+  heading_.widened_s = t_s_;
+  heading_.jumped = heading_.widened > kEnough;
+  return !heading_.jumped;
+}
+
+/// The heading drifts: widens it and the gyro bias about the vertical.
+template <bool kWing>
+void AidFusion<kWing>::widen_heading() {
+  constexpr double kHeading_rad = 0.1;
+  constexpr double kGyroBias_rad_s = 0.2;
+  const double kAcross_rad_s =
+      dead_reckoning() ? 0.1 : 0.05;  // the axis that is wrong need not be vertical
+  const Vector3 down_B = filter_.state().q_WB.conjugate() * Vector3::UnitZ();
+  const Matrix3 along = down_B * down_B.transpose();
+  auto& P = filter_.covariance();
+  P.block<3, 3>(Filter::kTheta, Filter::kTheta) += kHeading_rad * kHeading_rad * along;
+  P.block<3, 3>(Filter::kGyroBias, Filter::kGyroBias) +=
+      kGyroBias_rad_s * kGyroBias_rad_s * along +
+      kAcross_rad_s * kAcross_rad_s * Matrix3::Identity();
+  // The iron has taken in part of the drift.
+  constexpr double kIron_microtesla = 0.3;
+  P.block<3, 3>(Filter::kMagBias, Filter::kMagBias) +=
+      kIron_microtesla * kIron_microtesla * Matrix3::Identity();
+  heading_.fitting = 1000;  // the next one counts
+  ++health_.heading_widenings;
+}
+
+template <bool kWing>
+void AidFusion<kWing>::start_heading(const Vector3& field_B) {
+  if (!reference_.declination_rad) return;
+  auto residual = Filter::magnetic_heading(filter_.state(), field_B, *reference_.declination_rad);
+  const double level_T = (filter_.state().q_WB * field_B).head<2>().norm();
+  const double sigma_rad = std::hypot(config_.mag_sigma_T / level_T, config_.heading_sigma_rad);
+  residual.R(0) = sigma_rad * sigma_rad;
+  static_cast<void>(filter_.correct(residual, std::numeric_limits<double>::infinity()));
+}
+
+template void AidFusion<false>::fuse(const MagSample&);
+template double AidFusion<false>::vertical_field_T(const Vector3&) const;
+template void AidFusion<false>::learn_vertical_field(const Vector3&);
+template bool AidFusion<false>::field_fits(const Vector3&) const;
+template double AidFusion<false>::heading_gate(const Filter::Residual<1>&, bool);
+template bool AidFusion<false>::heading_drifts(const Filter::Residual<1>&, bool);
+template void AidFusion<false>::widen_heading();
+template void AidFusion<false>::start_heading(const Vector3&);
+template void AidFusion<true>::fuse(const MagSample&);
+template double AidFusion<true>::vertical_field_T(const Vector3&) const;
+template void AidFusion<true>::learn_vertical_field(const Vector3&);
+template bool AidFusion<true>::field_fits(const Vector3&) const;
+template double AidFusion<true>::heading_gate(const Filter::Residual<1>&, bool);
+template bool AidFusion<true>::heading_drifts(const Filter::Residual<1>&, bool);
+template void AidFusion<true>::widen_heading();
+template void AidFusion<true>::start_heading(const Vector3&);
+
+}  // namespace rosflight::autonomy::estimation
