@@ -245,7 +245,7 @@ std::vector<std::string> as_modelled() {
 
 int main(int argc, char** argv) {
   try {
-    const int flights = argc > 1 ? std::atoi(argv[1]) : 60;
+    const int flights = argc > 1 ? static_cast<int>(std::strtol(argv[1], nullptr, 10)) : 60;
     if (flights < 1) throw std::invalid_argument("FLIGHTS is a number from 1");
     const int wings = (flights + 2) / 3;
     const std::vector<std::string> keys(argv + std::min(argc, 2), argv + argc);

@@ -139,7 +139,7 @@ Count fly(const std::string& vehicle, const std::string& fault, std::uint64_t se
 
 int main(int argc, char** argv) {
   try {
-    const int seeds = argc > 1 ? std::atoi(argv[1]) : 2;
+    const int seeds = argc > 1 ? static_cast<int>(std::strtol(argv[1], nullptr, 10)) : 2;
     if (seeds < 1) throw std::invalid_argument("SEEDS is a number from 1");
     Count all;
     std::uint64_t far = 0, in_time = 0, nominal_said = 0;

@@ -126,14 +126,12 @@ companion::ParameterSet read_firmware_parameters(const sim::Vehicle& vehicle) {
   const bool from_geometry = section.raw("PRIMARY_MIXER") == kGeometry;
   companion::ParameterSet set;
   for (const std::string& name : section.keys()) {
-    if (!from_geometry) {
-      set.push_back(written_parameter(section, name));
-    } else if (is_computed(name)) {
+    if (from_geometry && is_computed(name)) {
       throw section.error(name, section.raw(name),
                           "none: PRIMARY_MIXER: geometry computes it from the section rotors");
-    } else if (name != "PRIMARY_MIXER") {
-      set.push_back(written_parameter(section, name));
     }
+    if (from_geometry && name == "PRIMARY_MIXER") continue;
+    set.push_back(written_parameter(section, name));
   }
   if (!vehicle.root().has("rotors")) return set;  // forces of a plugin
   const companion::ParameterSet known =
