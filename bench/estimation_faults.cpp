@@ -17,9 +17,9 @@
 #include <string>
 #include <vector>
 
-#include "autonomy/estimation/rotation.hpp"
 #include "base/constants.hpp"
 #include "flight/flight.hpp"
+#include "flight/link_state_estimator.hpp"
 
 namespace {
 
