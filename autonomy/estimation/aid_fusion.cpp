@@ -26,7 +26,7 @@ void AidFusion<kWing>::reset() {
   jump_ = {};
   force_ = {};
   heading_ = {};
-  wind_noise_m_s_rts_ = config_.noise.wind_m_s_rts;
+  wind_noise_m_s_rts_ = max_wind_noise_m_s_rts();
   good_.t_s = widened_s_ = -1e9;
   settled_since_s_ = 1e9;
   velocity_monitor_.reset();
@@ -223,9 +223,18 @@ void AidFusion<kWing>::learn_gusts(double nis) {
   constexpr double kShare = 0.02;
   constexpr double kMaxNis = 9.0;
   const double factor = std::exp(kShare * (std::min(nis, kMaxNis) - 1.0));
-  wind_noise_m_s_rts_ =
-      std::clamp(wind_noise_m_s_rts_ * factor, config_.noise.wind_m_s_rts,
-                 std::max(config_.noise.wind_m_s_rts, config_.max_wind_noise_m_s_rts));
+  wind_noise_m_s_rts_ = std::clamp(wind_noise_m_s_rts_ * factor, config_.noise.wind_m_s_rts,
+                                   max_wind_noise_m_s_rts());
+}
+
+/// A gust has taken the pitot out of its gate, and the wind with it: both are let in again.
+template <bool kWing>
+void AidFusion<kWing>::widen_wind(double gust_m_s) {
+  filter_.covariance().template block<2, 2>(Filter::kWind, Filter::kWind) +=
+      gust_m_s * gust_m_s * Eigen::Matrix2d::Identity();
+  wind_noise_m_s_rts_ = max_wind_noise_m_s_rts();
+  health_.of(Aid::kPitot).rejecting = false;
+  ++health_.wind_relearned;
 }
 
 template <bool kWing>
@@ -318,8 +327,12 @@ void AidFusion<kWing>::fuse(const PitotSample& sample) {
     const double measured_m_s = std::sqrt(2.0 * std::max(sample.pressure_Pa, 0.0) / density_kg_m3_);
     residual.nu *= 2.0 * forward_m_s / (measured_m_s + forward_m_s);
     residual.R(0) = config_.pitot_sigma_Pa * config_.pitot_sigma_Pa;
-    if (weigh<1>(Aid::kPitot, residual, config_.gate_sigma)) {
+    // No gust takes half of the airspeed away: a tube that reads so little is blocked.
+    const bool blocked = measured_m_s < 0.5 * forward_m_s;
+    if (weigh<1>(Aid::kPitot, residual, blocked ? 0.0 : config_.gate_sigma)) {
       learn_gusts(health_.of(Aid::kPitot).nis);
+    } else if (!blocked && health_.of(Aid::kPitot).rejecting_for_s() > config_.pitot_relearn_s) {
+      widen_wind(measured_m_s - forward_m_s);
     }
     if (config_.use_sideslip && config_.air.side_area_m2_kg <= 0.0) {
       fuse(SideslipSample{sample.t_s, 0.0});

@@ -83,6 +83,7 @@ inline Geodetic moved(const Geodetic& from, const Vector3& by_W) {
 /// | GNSS position, velocity | gnss_reset_s | horizontal position and velocity are reset to GNSS |
 /// | GNSS position alone | gnss_jump_s | its slow error is set so that the residual is zero |
 /// | barometer | baro_relearn_s | its bias is set so that the residual is zero |
+/// | pitot | pitot_relearn_s | the wind is widened by the residual, unless the tube is blocked |
 /// | range | range_relearn_s | the altitude of the ground is set so that the residual is zero |
 ///
 /// Before a gate closes, the innovations tell: where their mean square over some samples
@@ -155,6 +156,10 @@ class AidFusion {
   bool note(Aid aid, const Filter::Verdict& verdict, int rows);
   void fuse_air_force(const ImuBuffer::Segment& segment);
   void learn_gusts(double nis);
+  void widen_wind(double gust_m_s);
+  double max_wind_noise_m_s_rts() const {
+    return std::max(config_.noise.wind_m_s_rts, config_.max_wind_noise_m_s_rts);
+  }
   Vector3 force_at_origin() const;
   bool off_the_ground() const;
   bool dead_reckoning() const;
@@ -215,7 +220,7 @@ class AidFusion {
   std::array<InnovationMean, 3> velocity_means_{InnovationMean{0.1, 5.0}, InnovationMean{0.1, 5.0},
                                                 InnovationMean{0.1, 5.0}};
   std::array<InnovationMean, 2> air_means_{InnovationMean{0.1, 4.0}, InnovationMean{0.1, 4.0}};
-  double wind_noise_m_s_rts_{config_.noise.wind_m_s_rts};
+  double wind_noise_m_s_rts_{max_wind_noise_m_s_rts()};  ///< Gusts are assumed, calm is learned.
   double widened_s_{-1e9};
   double settled_since_s_{1e9};  ///< GNSS position accepted without a gap.
   struct {

@@ -90,7 +90,8 @@ struct EstimatorConfig {
   // Timeouts of rejected measurements.
   double gnss_doubt_s{0.3};            ///< Velocity rejected for this long: IMU errors are widened.
   double gnss_reset_s{3.0};            ///< Rejected for this long: the estimate is reset to GNSS.
-  double max_wind_noise_m_s_rts{1.0};  ///< To which gusts may raise noise.wind_m_s_rts.
+  double max_wind_noise_m_s_rts{1.0};  ///< To which gusts may raise noise.wind_m_s_rts; at first.
+  double pitot_relearn_s{1.0};         ///< Rejected for this long, not blocked: a gust.
   double gnss_jump_s{1.0};        ///< Position alone rejected for this long: the receiver's jumped.
   double baro_relearn_s{1.0};     ///< Rejected for this long: its bias is estimated again.
   double range_relearn_s{1.0};    ///< Rejected for this long: the ground altitude is set again.

@@ -47,6 +47,7 @@ struct EstimatorHealth {
   std::uint64_t gnss_resets{};        ///< Position or velocity moved to GNSS.
   std::uint64_t gnss_jumps{};         ///< The slow error of the satellites was estimated again.
   std::uint64_t baro_relearned{};
+  std::uint64_t wind_relearned{};  ///< A gust had taken the pitot out of its gate.
   std::uint64_t ground_relearned{};
   double gnss_age_s{1e9};  ///< Since the last accepted horizontal aiding.
   bool bridging{};         ///< IMU samples were missing; nothing aided position or velocity since.

@@ -178,6 +178,7 @@ Table<ControllerConfig> controller_table() {
       {"roll", &C::roll, gains(), "bank to aileron at cruise"},
       {"pitch", &C::pitch, gains(), "pitch to elevator at cruise"},
       {"ground_course", &C::ground_course, gains(), "course to rudder on the ground"},
+      {"roll_by_rudder", &C::roll_by_rudder, gains(), "bank to rudder, once the ailerons are lost"},
       {"climb_rate", &C::climb_rate, gains(), "climb rate to pitch in the flare"},
       {"glide", &C::glide, gains(), "airspeed to pitch of a glide without motor"},
       {"glide_deg", &C::glide_rad, kDeg, Range::between(-30.0, 0.0), "angle a glide starts from"},

@@ -16,6 +16,9 @@ constexpr double kSteepestBank_rad = 60.0 * kRadPerDeg;
 constexpr double kMinGain = 0.4;
 constexpr double kMaxGain = 2.5;
 constexpr double kStallAngle_rad = 14.0 * kRadPerDeg;
+constexpr double kRollSpeed = 0.6;  // of cruise, from which ailerons must have effect
+constexpr double kShareByRudder = 0.4;
+constexpr double kBankByRudder_rad = 15.0 * kRadPerDeg;
 
 bool finite(const StateEstimate& s) {
   return std::isfinite(s.p_W.sum() + s.v_W.sum() + s.q_WB.coeffs().sum() + s.w_B.sum() +
@@ -47,13 +50,17 @@ Controller::Controller(const ControllerConfig& config, std::unique_ptr<Longitudi
       law_(std::move(law)),
       course_(config.course),
       roll_(config.roll),
+      roll_by_rudder_(config.roll_by_rudder),
       pitch_(config.pitch),
       climb_rate_(config.climb_rate),
       glide_(config.glide) {}
 
 void Controller::reset() {
   law_->reset();
-  for (Pid* pid : {&course_, &roll_, &pitch_, &climb_rate_, &glide_}) pid->reset();
+  for (Pid* pid : {&course_, &roll_, &roll_by_rudder_, &pitch_, &climb_rate_, &glide_}) {
+    pid->reset();
+  }
+  ailerons_.reset();
   roll_c_rad_ = airspeed_rate_m_s2_ = washout_ = 0.0;
   fresh_ = true;
   had_command_ = false;
@@ -67,6 +74,7 @@ void Controller::configure(const ControllerConfig& config) {
   config_ = config;
   course_.set_gains(config.course);
   roll_.set_gains(config.roll);
+  roll_by_rudder_.set_gains(config.roll_by_rudder);
   pitch_.set_gains(config.pitch);
   climb_rate_.set_gains(config.climb_rate);
   glide_.set_gains(config.glide);
@@ -97,7 +105,11 @@ double Controller::bank(const Input& in, const Motion& m, const ControllerComman
     const double error = wrap_angle(command.course_rad - in.state.course_rad);
     wanted = ff + course_.step_with_rate(error, 0.0, 0.0, in.dt_s);
   }
-  const double most = std::min(config_.max_roll_rad, in.direct.max_roll_rad);
+  double most = std::min(config_.max_roll_rad, in.direct.max_roll_rad);
+  if (ailerons_.lost()) {
+    wanted *= kShareByRudder;
+    most = std::min(most, kBankByRudder_rad);
+  }
   wanted = std::clamp(wanted, -most, most);
   if (fresh_) roll_c_rad_ = m.attitude.roll_rad;
   const double step = config_.max_roll_rate_rad_s * in.dt_s;
@@ -189,7 +201,19 @@ void Controller::surfaces(const Input& in, const Motion& m) {
   const double d = 2.0 + in.dt_s * wo;
   washout_ = (2.0 - in.dt_s * wo) / d * washout_ + 2.0 / d * (w.z() - yaw_rate_rad_s_);
   yaw_rate_rad_s_ = w.z();
-  out.rudder = whole(-m.gain * config_.yaw_damper_s * washout_);
+  double rudder = -config_.yaw_damper_s * washout_;
+  const bool flies = !in.direct.ground_course_rad && !in.pilot.roll_pitch && m.airspeed_known &&
+                     m.airspeed_m_s > kRollSpeed * config_.cruise_m_s;
+  if (flies) {
+    ailerons_.step(out.aileron, out_.roll_c_rad - m.attitude.roll_rad, w.x(), in.dt_s);
+  }
+  out_.aileron_lost = ailerons_.lost();
+  if (ailerons_.lost()) {
+    roll_by_rudder_.set_limits({-1.0 / m.gain, 1.0 / m.gain});
+    rudder += roll_by_rudder_.step_with_rate(out_.roll_c_rad, m.attitude.roll_rad, w.x(), in.dt_s,
+                                             roll_integral);
+  }
+  out.rudder = whole(m.gain * rudder);
   if (in.direct.ground_course_rad) {
     const double heading = heading_of(in.state.q_WB);
     out.rudder =

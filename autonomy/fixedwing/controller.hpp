@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "autonomy/common/pid.hpp"
+#include "autonomy/fixedwing/aileron_watch.hpp"
 #include "autonomy/fixedwing/longitudinal.hpp"
 #include "autonomy/fixedwing/types.hpp"
 #include "base/constants.hpp"
@@ -37,6 +38,7 @@ struct ControllerConfig {
   double yaw_damper_s{0.25};              ///< rad/s -> rudder at cruise.
   double yaw_washout_rad_s{0.6};          ///< Corner below which a yaw rate is a turn, not a swing.
   PidGains ground_course{1.2, 0.0, 0.4};  ///< rad -> rudder while rolling on wheels.
+  PidGains roll_by_rudder{0.8, 0.25, 0.4};  ///< rad -> rudder at cruise, once the ailerons are lost.
   PidGains climb_rate{0.05, 0.04, 0.0};   ///< m/s -> rad, of the flare.
   PidGains glide{0.04, 0.01, 0.0};        ///< m/s -> rad, airspeed by pitch.
   double glide_rad{-6.0 * kRadPerDeg};    ///< Angle it starts from.
@@ -81,6 +83,12 @@ struct ControllerConfig {
 /// sinks, and a law that holds its height would keep the nose up and the wing stalled, however
 /// fast.
 ///
+/// Ailerons lost (AileronWatch): the rudder rolls by way of sideslip and dihedral,
+///
+///     rudder = (V0/V)^2 [kp (phi_c - phi) + I - kd p - k s/(s + w) r]                       (6)
+///
+/// with a share of the bank that (1) asks for and no more than 15 deg, as this takes seconds.
+///
 /// Stops: without a valid command younger than command_timeout_s it circles: bank lost_roll_rad,
 /// height of the last good command (its own if there was none), cruise; Output::lost says so. A
 /// state that is not finite: the last output is repeated. Axes the pilot holds lose their
@@ -118,6 +126,7 @@ class Controller {
     bool lost{};         ///< No command: circling.
     bool speed_guard{};  ///< Active.
     bool throttle_full{};
+    bool aileron_lost{};  ///< The rudder rolls.
   };
 
   Controller() : Controller(ControllerConfig{}) {}
@@ -144,7 +153,8 @@ class Controller {
 
   ControllerConfig config_{};
   std::unique_ptr<LongitudinalLaw> law_;
-  Pid course_, roll_, pitch_, climb_rate_, glide_;
+  Pid course_, roll_, roll_by_rudder_, pitch_, climb_rate_, glide_;
+  AileronWatch ailerons_;
   Output out_{};
   double roll_c_rad_{};
   double airspeed_rate_m_s2_{};
