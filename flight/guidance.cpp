@@ -40,6 +40,7 @@ Guidance::Note note_of(const autonomy::FlightEvent& e, const char* phase) {
     case Type::kFenceCrossed:
     case Type::kFailsafeFlies:
     case Type::kReturning:
+    case Type::kAileronsLost:
       return say(Severity::kWarning, name(e.type));
     case Type::kTakeoffFailed:
     case Type::kPathFault:

@@ -6,7 +6,7 @@
 namespace rosflight::autonomy {
 namespace {
 
-constexpr std::array<const char*, 20> kNames{
+constexpr std::array<const char*, 21> kNames{
     "phase",
     "waypoint reached",
     "waypoint missed",
@@ -26,7 +26,8 @@ constexpr std::array<const char*, 20> kNames{
     "outside of the fence: returns",
     "receiver lost: the flight controller flies its failsafe command",
     "the flight controller follows commands again",
-    "returns to the start"};
+    "returns to the start",
+    "the ailerons have no effect: the rudder rolls"};
 
 }  // namespace
 

@@ -26,7 +26,8 @@ enum class FlightEventType : std::uint8_t {
   kFenceCrossed,   ///< It returns and lands.
   kFailsafeFlies,  ///< The receiver is lost and the flight controller flies its failsafe command.
   kFailsafeOver,   ///< It follows commands again.
-  kReturning       ///< On its way back to the start, to land there.
+  kReturning,      ///< On its way back to the start, to land there.
+  kAileronsLost    ///< They have no effect: the rudder rolls.
 };
 /// Text for logs, such as "waypoint reached"; "unknown" outside the enumeration.
 const char* name(FlightEventType type);

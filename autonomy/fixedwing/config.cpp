@@ -182,6 +182,8 @@ Table<ControllerConfig> controller_table() {
       {"climb_rate", &C::climb_rate, gains(), "climb rate to pitch in the flare"},
       {"glide", &C::glide, gains(), "airspeed to pitch of a glide without motor"},
       {"glide_deg", &C::glide_rad, kDeg, Range::between(-30.0, 0.0), "angle a glide starts from"},
+      {"full_aileron_rad_s", &C::full_aileron_rad_s, "rad/s", Range::between(0.0, 30.0),
+       "roll rate of full ailerons at cruise; with less than a tenth they count as lost; 0: never"},
       {"yaw_damper_s", &C::yaw_damper_s, "s", Range::between(0.0, 10.0),
        "yaw rate to rudder at cruise"},
       {"yaw_washout_rad_s", &C::yaw_washout_rad_s, "rad/s", Range::between(0.0, 50.0),

@@ -18,6 +18,7 @@ constexpr double kMaxGain = 2.5;
 constexpr double kStallAngle_rad = 14.0 * kRadPerDeg;
 constexpr double kRollSpeed = 0.6;  // of cruise, from which ailerons must have effect
 constexpr double kShareByRudder = 0.4;
+constexpr double kSideForceTau_s = 1.0;
 constexpr double kBankByRudder_rad = 15.0 * kRadPerDeg;
 
 bool finite(const StateEstimate& s) {
@@ -61,7 +62,7 @@ void Controller::reset() {
     pid->reset();
   }
   ailerons_.reset();
-  roll_c_rad_ = airspeed_rate_m_s2_ = washout_ = 0.0;
+  roll_c_rad_ = airspeed_rate_m_s2_ = side_force_m_s2_ = washout_ = 0.0;
   fresh_ = true;
   had_command_ = false;
   out_ = {};
@@ -106,8 +107,10 @@ double Controller::bank(const Input& in, const Motion& m, const ControllerComman
     wanted = ff + course_.step_with_rate(error, 0.0, 0.0, in.dt_s);
   }
   double most = std::min(config_.max_roll_rad, in.direct.max_roll_rad);
+  side_force_m_s2_ += (in.state.a_B.y() - side_force_m_s2_) * in.dt_s / (kSideForceTau_s + in.dt_s);
   if (ailerons_.lost()) {
-    wanted *= kShareByRudder;
+    // It flies in a sideslip, whose force turns it too.
+    wanted = kShareByRudder * wanted - std::atan(side_force_m_s2_ / config_.airframe.gravity_m_s2);
     most = std::min(most, kBankByRudder_rad);
   }
   wanted = std::clamp(wanted, -most, most);
@@ -205,7 +208,8 @@ void Controller::surfaces(const Input& in, const Motion& m) {
   const bool flies = !in.direct.ground_course_rad && !in.pilot.roll_pitch && m.airspeed_known &&
                      m.airspeed_m_s > kRollSpeed * config_.cruise_m_s;
   if (flies) {
-    ailerons_.step(out.aileron, out_.roll_c_rad - m.attitude.roll_rad, w.x(), in.dt_s);
+    const double full_rad_s = config_.full_aileron_rad_s * m.airspeed_m_s / config_.cruise_m_s;
+    ailerons_.step(out.aileron, out_.roll_c_rad - m.attitude.roll_rad, w.x(), full_rad_s, in.dt_s);
   }
   out_.aileron_lost = ailerons_.lost();
   if (ailerons_.lost()) {

@@ -35,6 +35,7 @@ struct ControllerConfig {
   PidGains course{2.2, 0.01, 0.0};        ///< rad -> rad of bank.
   PidGains roll{1.1, 0.3, 0.06};          ///< rad -> aileron at cruise; kd acts on the roll rate.
   PidGains pitch{1.8, 1.5, 0.15};         ///< rad -> elevator at cruise; kd acts on the pitch rate.
+  double full_aileron_rad_s{3.6};         ///< Roll rate of an aileron of 1 at cruise; 0: unknown.
   double yaw_damper_s{0.25};              ///< rad/s -> rudder at cruise.
   double yaw_washout_rad_s{0.6};          ///< Corner below which a yaw rate is a turn, not a swing.
   PidGains ground_course{1.2, 0.0, 0.4};  ///< rad -> rudder while rolling on wheels.
@@ -87,7 +88,8 @@ struct ControllerConfig {
 ///
 ///     rudder = (V0/V)^2 [kp (phi_c - phi) + I - kd p - k s/(s + w) r]                       (6)
 ///
-/// with a share of the bank that (1) asks for and no more than 15 deg, as this takes seconds.
+/// with a share of the bank that (1) asks for and no more than 15 deg, as this takes seconds, less
+/// the bank that balances the force of the sideslip, atan(a_y/g).
 ///
 /// Stops: without a valid command younger than command_timeout_s it circles: bank lost_roll_rad,
 /// height of the last good command (its own if there was none), cruise; Output::lost says so. A
@@ -158,6 +160,7 @@ class Controller {
   Output out_{};
   double roll_c_rad_{};
   double airspeed_rate_m_s2_{};
+  double side_force_m_s2_{};
   double washout_{};
   double yaw_rate_rad_s_{};
   double lost_height_m_{};

@@ -50,7 +50,11 @@ const FlightOutput& FlightManager::step(const Input& in) {
     case GuidanceAct::kFly: {
       const PilotOverride pilot = PilotOverride::from_word(in.status.rc_override);
       out_.wanted = follower_.step(in.state, out_.follow, 0.0);
+      const bool had_ailerons = !out_.control.aileron_lost;
       out_.control = controller_.step({in.state, out_.wanted, 0.0, out_.dt_s, pilot, out_.direct});
+      if (had_ailerons && out_.control.aileron_lost) {
+        out_.events.add(FlightEventType::kAileronsLost);
+      }
       out_.command = command_of(out_.control.surfaces);
       out_.tracking = out_.phase == Phase::kMission && out_.follow.valid && !pilot.any();
       break;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Faults on the fixed wing, held to docs/faults.md.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "flight/test/fixedwing_rig.hpp"
@@ -36,6 +37,15 @@ TEST(Wing, MotorOff) {
   EXPECT_EQ(rig.flight->runner().stage(), Stage::kDone);
   expect_in_control(rig);
   expect_touchdown(rig, 500.0, 2.0);
+}
+
+TEST(Wing, AileronsStuck) {
+  for (const double at_s : {16.4, 80.0}) {  // just off the ground, and in a turn
+    Rig rig(wing("default", {fmt::format("servo0_stuck@{}", at_s)}));
+    rig.flight->run();
+    EXPECT_EQ(rig.flight->runner().stage(), Stage::kDone) << rig.flight->runner().failure();
+    expect_touchdown(rig, 40.0, 2.0);
+  }
 }
 
 TEST(Wing, ThreeSecondsWithoutLink) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <optional>
+
 #include "autonomy/fixedwing/test/small_world.hpp"
 
 namespace rosflight::autonomy::fixedwing::test {
@@ -21,7 +23,9 @@ struct Bench {
   void run(double seconds, const std::function<void()>& after = [] {}) {
     for (long k = 0; k < std::lround(seconds / 0.01); ++k) {
       out = controller->step({plant.state(), command, age_s, 0.01, pilot, direct});
-      for (int i = 0; i < 4; ++i) plant.step(out.surfaces, 0.0025);
+      Surfaces reached = out.surfaces;
+      reached.aileron = stuck_aileron.value_or(reached.aileron);
+      for (int i = 0; i < 4; ++i) plant.step(reached, 0.0025);
       after();
     }
   }
@@ -36,6 +40,7 @@ struct Bench {
   double age_s{};
   PilotOverride pilot{};
   Controller::Direct direct{};
+  std::optional<double> stuck_aileron;
   Controller::Output out{};
 };
 
@@ -209,6 +214,62 @@ TEST(FixedWingController, SurfacesAreByEffectAndLimited) {
     }
   });
   EXPECT_NEAR(bench.roll(), 40.0 * kRadPerDeg, 0.03);
+}
+
+/// Sideslip of the full rudder, C_n_dr/C_n_beta = 0.53, rolls by 0.13 * 0.53 = 0.069 against 0.17 of
+/// the ailerons: up to 0.4 of their travel, the rest is for control.
+TEST(FixedWingController, WithoutAileronsTheRudderHoldsTheCourse) {
+  struct Stuck {
+    double at, steepest_deg;
+  };
+  // The last one carries on into the turn, and only beyond the wanted bank it shows.
+  for (const auto& [stuck, steepest_deg] :
+       {Stuck{-0.1, 45.0}, Stuck{0.0, 45.0}, Stuck{0.05, 45.0}, Stuck{0.15, 80.0}}) {
+    Bench bench;
+    bench.run(5.0);
+    bench.stuck_aileron = stuck;
+    bench.command.course_rad = 2.0;
+    double steepest = 0.0;
+    bench.run(60.0, [&] { steepest = std::max(steepest, std::abs(bench.roll())); });
+    EXPECT_TRUE(bench.out.aileron_lost) << stuck;
+    EXPECT_LT(steepest, steepest_deg * kRadPerDeg) << stuck;
+    EXPECT_NEAR(wrap_angle(bench.plant.state().course_rad - 2.0), 0.0, 0.05) << stuck;
+    EXPECT_NEAR(bench.height(), 100.0, 2.0) << stuck;
+  }
+}
+
+TEST(FixedWingController, AileronsThatWorkAreNeverLost) {
+  Bench bench;
+  for (const double course_rad : {1.5, -1.5, 3.0, 0.0}) {
+    bench.command.course_rad = course_rad;
+    bench.run(20.0, [&] { ASSERT_FALSE(bench.out.aileron_lost); });
+  }
+}
+
+/// Each condition alone is not enough: command, error, no rate, time.
+TEST(AileronWatch, NeedsACommandWithoutEffectForSomeTime) {
+  constexpr double kFull_rad_s = 3.6;
+  const auto lost = [](double aileron, double error_rad, double rate_rad_s, double for_s) {
+    AileronWatch watch;
+    for (double t = 0.0; t < for_s; t += 0.01) {
+      watch.step(aileron, error_rad, rate_rad_s, kFull_rad_s, 0.01);
+    }
+    return watch.lost();
+  };
+  EXPECT_TRUE(lost(0.5, 0.3, 0.0, 1.0));
+  EXPECT_TRUE(lost(0.5, 0.3, 0.17, 1.0));   // a tenth would be 0.18
+  EXPECT_TRUE(lost(-0.5, -0.3, 0.5, 1.0));  // it rolls away
+  EXPECT_FALSE(lost(0.1, 0.3, 0.0, 1.0));
+  EXPECT_FALSE(lost(0.5, 0.05, 0.0, 1.0));
+  EXPECT_FALSE(lost(0.5, 0.3, 0.2, 1.0));
+  EXPECT_FALSE(lost(0.5, 0.3, 0.0, 0.35));
+  AileronWatch watch;
+  for (int k = 0; k < 300; ++k) {
+    watch.step(0.5, 0.3, k % 30 == 0 ? 0.4 : 0.0, kFull_rad_s, 0.01);
+    AileronWatch unknown;
+    EXPECT_FALSE(unknown.step(0.5, 0.3, 0.0, 0.0, 100.0));
+  }
+  EXPECT_FALSE(watch.lost());
 }
 
 /// A change of inner gains in flight leaves the trim of the outer ones alone.
