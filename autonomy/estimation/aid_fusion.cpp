@@ -27,7 +27,7 @@ void AidFusion<kWing>::reset() {
   force_ = {};
   heading_ = {};
   wind_noise_m_s_rts_ = max_wind_noise_m_s_rts();
-  good_.t_s = widened_s_ = -1e9;
+  good_.t_s = widened_s_ = long_hole_end_s_ = -1e9;
   settled_since_s_ = 1e9;
   velocity_monitor_.reset();
   heading_monitor_.reset();
@@ -82,6 +82,8 @@ void AidFusion<kWing>::predict(const ImuBuffer::Segment& segment) {
   }
   w_raw_B_ = filter_.state().gyro_bias_B;
   force_ = {};
+  constexpr double kLong_s = 0.5;
+  if (u.dt_s > kLong_s) long_hole_end_s_ = t_s_;
   ++health_.imu_holes;
   health_.bridging = true;
 }
@@ -251,6 +253,14 @@ bool AidFusion<kWing>::dead_reckoning() const {
   return t_s_ - health_.of(Aid::kGnssVelocity).last_accepted_s > kGap_s;
 }
 
+/// After a long hole the attitude and the velocity are too far off for what is linear in both: GNSS
+/// comes first, if it comes soon.
+template <bool kWing>
+bool AidFusion<kWing>::waits_for_gnss() const {
+  constexpr double kSoon_s = 1.0;
+  return health_.bridging && t_s_ - long_hole_end_s_ < kSoon_s;
+}
+
 /// The mean specific force at the body's origin: that at the IMU less what turning adds to it there.
 template <bool kWing>
 Vector3 AidFusion<kWing>::force_at_origin() const {
@@ -268,7 +278,7 @@ void AidFusion<kWing>::fuse_air_force(const ImuBuffer::Segment& segment) {
   if (force_.dt_s < config_.air_force_interval_s) return;
   const Vector3 force_B = force_at_origin();
   force_ = {Vector3::Zero(), 0.0, w_raw_B_};
-  if (!off_the_ground()) return;
+  if (!off_the_ground() || waits_for_gnss()) return;
   const NominalState& x = filter_.state();
   const double thrust_m_s2 = std::max(0.0, x.accel_bias_B.z() - force_B.z());
   for (int axis = kWing ? 1 : 0; axis < 2; ++axis) {
@@ -320,7 +330,7 @@ void AidFusion<kWing>::fuse(const PitotSample& sample) {
     const NominalState& x = filter_.state();
     const Vector3 wind_W(x.wind_W.x(), x.wind_W.y(), 0.0);
     const double forward_m_s = (x.q_WB.conjugate() * (x.v_W - wind_W)).x();
-    if (forward_m_s < config_.min_airspeed_m_s) return;
+    if (forward_m_s < config_.min_airspeed_m_s || waits_for_gnss()) return;
     auto residual = Filter::pitot(x, sample.pressure_Pa, density_kg_m3_);
     // rho/2 (m^2 - u^2) = rho (m + u)/2 (m - u): with the mean of measured and expected speed the
     // residual is linear, however far off the wind is at first.
@@ -342,6 +352,7 @@ void AidFusion<kWing>::fuse(const PitotSample& sample) {
 
 template <bool kWing>
 void AidFusion<kWing>::fuse(const SideslipSample& sample) {
+  if (waits_for_gnss()) return;
   auto residual = Filter::sideslip(filter_.state(), sample.v_air_y_m_s);
   residual.R(0) = config_.sideslip_sigma_m_s * config_.sideslip_sigma_m_s;
   static_cast<void>(weigh<1>(Aid::kSideslip, residual, config_.gate_sigma));

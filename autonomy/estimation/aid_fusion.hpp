@@ -163,6 +163,7 @@ class AidFusion {
   Vector3 force_at_origin() const;
   bool off_the_ground() const;
   bool dead_reckoning() const;
+  bool waits_for_gnss() const;
   double vertical_field_T(const Vector3& field_B) const;
   void learn_vertical_field(const Vector3& field_B);
   bool field_fits(const Vector3& field_B) const;
@@ -222,6 +223,7 @@ class AidFusion {
   std::array<InnovationMean, 2> air_means_{InnovationMean{0.1, 4.0}, InnovationMean{0.1, 4.0}};
   double wind_noise_m_s_rts_{max_wind_noise_m_s_rts()};  ///< Gusts are assumed, calm is learned.
   double widened_s_{-1e9};
+  double long_hole_end_s_{-1e9};
   double settled_since_s_{1e9};  ///< GNSS position accepted without a gap.
   struct {
     double t_s{-1e9};
