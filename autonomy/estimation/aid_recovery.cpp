@@ -122,8 +122,9 @@ void AidFusion<kWing>::guard() {
 
 template <bool kWing>
 void AidFusion<kWing>::shift(double by_s) {
-  for (double* t_s : {&t_s_, &newest_s_, &jump_.t_s, &jump_.until_s, &heading_.t_s,
-                      &heading_.widened_s, &widened_s_, &long_hole_end_s_, &settled_since_s_, &good_.t_s}) {
+  for (double* t_s :
+       {&t_s_, &newest_s_, &jump_.t_s, &jump_.until_s, &heading_.t_s, &heading_.widened_s,
+        &widened_s_, &long_hole_end_s_, &settled_since_s_, &good_.t_s}) {
     *t_s += by_s;
   }
   for (AidHealth& aid : health_.aids) {

@@ -39,10 +39,11 @@ struct ControllerConfig {
   double yaw_damper_s{0.25};              ///< rad/s -> rudder at cruise.
   double yaw_washout_rad_s{0.6};          ///< Corner below which a yaw rate is a turn, not a swing.
   PidGains ground_course{1.2, 0.0, 0.4};  ///< rad -> rudder while rolling on wheels.
-  PidGains roll_by_rudder{0.8, 0.25, 0.4};  ///< rad -> rudder at cruise, once the ailerons are lost.
-  PidGains climb_rate{0.05, 0.04, 0.0};   ///< m/s -> rad, of the flare.
-  PidGains glide{0.04, 0.01, 0.0};        ///< m/s -> rad, airspeed by pitch.
-  double glide_rad{-6.0 * kRadPerDeg};    ///< Angle it starts from.
+  PidGains roll_by_rudder{0.8, 0.25,
+                          0.4};          ///< rad -> rudder at cruise, once the ailerons are lost.
+  PidGains climb_rate{0.05, 0.04, 0.0};  ///< m/s -> rad, of the flare.
+  PidGains glide{0.04, 0.01, 0.0};       ///< m/s -> rad, airspeed by pitch.
+  double glide_rad{-6.0 * kRadPerDeg};   ///< Angle it starts from.
 
   double cruise_m_s{15.0};
   double min_airspeed_m_s{11.5};    ///< Speed guard: nothing may pitch up below it.
