@@ -35,6 +35,8 @@ ELSEWHERE = {
     r"ros2 run .*port:=/dev/": "needs hardware",
     r"ros2 (launch|run) ros(copter|flight|plane)_": "ros/forwarders/test/test_documented_commands.py",
     r"ros2 run rosflight_io": "ros/rosflight_io/test, by each kind of link",
+    r"ros2 (launch own_modules|service call toggle_(arm|override))": "ros/examples/test/test_own_modules.py",
+    r"cmake (-S \. -B build -DCMAKE_INSTALL_PREFIX=install|--build build --target install)": "ros/examples/test/test_own_modules.py",
     r"tools/ready.sh (packages|venv)": "each start of ./rosflight",
     r"tools/ready.sh web": "the stage web of ./rosflight test",
     r"\.venv/bin/python3 flight/jsbsim/jsbsim_compare.py": "flight/jsbsim/test",
@@ -113,7 +115,7 @@ LAUNCHES = [c for c in of("./rosflight ros ") if c not in USAGES]
 SILS = [c for c in of("./rosflight sil") if c not in USAGES]
 # What builds outside the tree: the commands of one document in their order.
 STEPS = [c for c in COMMANDS if re.match(r"cmake --install|cmake -S|cmake --build|P/bin/|ROSFLIGHT_DATA_DIR=|"
-                                         r"\./rosflight fly --plugin", c.text)]
+                                         r"\./rosflight fly --plugin", c.text) and not is_elsewhere(c)]
 RUNS = [c for c in of("./rosflight ") + of("build/release/examples") if c not in USAGES + LAUNCHES + SILS + STEPS]
 BUILDS = of("cmake --preset") + of("tools/ready.sh build") + of("ninja -C build/") + of("ctest --test-dir build/") + of("build/release/link/test")
 
