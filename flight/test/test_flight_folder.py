@@ -71,10 +71,10 @@ def test_what_does_not_exist_is_null(tmp_path):
 def test_the_score_radius_is_that_of_the_mission(tmp_path):
     mission = tmp_path / "m.yaml"
     text = (TOOLS.parent / "missions/default.yaml").read_text()
-    mission.write_text("score_radius_m: 0.4\n" + text)
+    mission.write_text("score_radius_m: 0.1\n" + text)
     code, summary = fly(tmp_path, "--mission", str(mission))
-    assert (code, summary["outcome"], summary["score_radius_m"]) == (1, "landed_elsewhere", 0.4)
-    assert [w["reached"] for w in summary["waypoints"]] == [w["truth_distance_m"] <= 0.4 for w in summary["waypoints"]]
+    assert (code, summary["outcome"], summary["score_radius_m"]) == (1, "landed_elsewhere", 0.1)
+    assert [w["reached"] for w in summary["waypoints"]] == [w["truth_distance_m"] <= 0.1 for w in summary["waypoints"]]
     assert 0 < summary["waypoints_reached"] < 7
     mission.write_text("score_radius_m: -1\n" + text)
     run = subprocess.run([PROGRAM, "fly", "--mission", mission, "--out", tmp_path / "g"], capture_output=True, text=True)
