@@ -54,14 +54,9 @@ Logged fly(std::uint64_t seed) {
 TEST(PixracerPro, FliesTheDefaultMissionTwiceWithTheSameLog) {
   const Logged first = fly(1);
   EXPECT_EQ(fly(1).hash, first.hash);
-  Rig in_process{[] {
-    FlightChoice choice = on_board();
-    choice.board = "in_process";
-    return choice;
-  }()};
-  in_process.flight->run();
-  const double there_m = in_process.flight->tracking().rms();
-  EXPECT_NEAR(first.tracking_rms_m, there_m, 0.1 * there_m);
+  // The noise of its sensors is its own, so the estimate's error is another one than in process: of
+  // 40 flights there 95 of 100 samples stay below this (docs/autonomy/estimation.md).
+  EXPECT_LT(first.tracking_rms_m, 0.264);
   EXPECT_EQ(first.figures.resets, 0U);
   EXPECT_EQ(first.figures.uart_lost, 0U);
   EXPECT_LE(first.figures.stack_bytes, 8192U);
