@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "autonomy/common/flight_events.hpp"
 #include "autonomy/fixedwing/flight_manager.hpp"
 #include "rosflight_common/component.hpp"
 #include "rosflight_common/node_tools.hpp"
@@ -161,6 +162,10 @@ class ControllerNode : public rclcpp::Node {
         RCLCPP_INFO(get_logger(), "flies by controller_command");
       }
     }
+    if (control.aileron_lost && !rolls_by_rudder_) {
+      RCLCPP_WARN(get_logger(), "%s", autonomy::name(autonomy::FlightEventType::kAileronsLost));
+    }
+    rolls_by_rudder_ = control.aileron_lost;
     const autonomy::FirmwareCommand command_out = wing::command_of(control.surfaces);
     out.mode = static_cast<std::uint8_t>(command_out.mode);
     out.ignore = command_out.ignore;
@@ -216,6 +221,7 @@ class ControllerNode : public rclcpp::Node {
   bool armed_{false};
   bool lost_{false};
   bool circling_{false};
+  bool rolls_by_rudder_{false};
   rclcpp::Publisher<Command>::SharedPtr commands_;
   rclcpp::Publisher<ControllerInternals>::SharedPtr internals_;
   rclcpp::Subscription<ControllerCommands>::SharedPtr wanted_;

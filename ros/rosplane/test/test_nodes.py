@@ -3,6 +3,7 @@
 
 import math
 import subprocess
+from pathlib import Path
 
 import pytest
 from plane_rig import NODES, VEHICLE, WITHOUT_VEHICLE, falls_silent, now_ns, start, state
@@ -168,9 +169,13 @@ def bank_of(feed, condition, what, **fields):
 
 
 @pytest.mark.parametrize("law", ["total_energy", "successive_loop"])
-def test_controller_flies_stops_and_takes_gains(peer, law):
+def test_controller_flies_stops_and_takes_gains(peer, law, tmp_path):
     from sim_rig import Process
-    with Process(executable("rosplane", "controller"), law, "--ros-args", "-p", f"vehicle_file:={VEHICLE}",
+    # The state stands still whatever the surfaces do: ailerons are not watched.
+    vehicle = tmp_path / "unwatched.yaml"
+    unwatched = "autonomy:\n  controller: {full_aileron_rad_s: 0}\n"
+    vehicle.write_text(Path(VEHICLE).read_text().replace("autonomy:\n", unwatched, 1))
+    with Process(executable("rosplane", "controller"), law, "--ros-args", "-p", f"vehicle_file:={vehicle}",
                  "-p", "max_roll:=30.0") as process:
         process.until("ready")
         feed = Feed(peer, Command, "command")
@@ -216,6 +221,20 @@ def test_controller_flies_stops_and_takes_gains(peer, law):
         # A state that is none counts as silence.
         broken = feed.received[:]
         peer.poll(lambda: feed.give(height=NAN) or any(m.ignore == 0x3FF for m in feed.received[len(broken):]), "no trust in NaN")
+
+
+def test_controller_says_that_the_ailerons_have_no_effect_and_banks_by_the_rudder(peer):
+    from sim_rig import Process
+    with Process(executable("rosplane", "controller"), "--ros-args", "-p", f"vehicle_file:={VEHICLE}") as process:
+        process.until("ready")
+        feed = Feed(peer, Command, "command")
+        feed.inner = peer.listen(ControllerInternals, "controller_internals")
+        feed.also(Status, "status", status())
+        feed.also(FlightPhase, "flight_phase", phase(FlightPhase.MISSION))
+        feed.also(ControllerCommands, "controller_command", wanted(math.pi / 2))
+        feed.until(lambda m: m.u[5] > 0.1, "a rudder for the turn to the right")
+        process.until("the ailerons have no effect: the rudder rolls")
+        assert bank_of(feed, lambda m: True, "a bank").phi_c <= math.radians(15.001)
 
 
 def test_controller_takes_off_by_itself_without_a_path_manager(peer):
