@@ -234,7 +234,7 @@ def test_controller_says_that_the_ailerons_have_no_effect_and_banks_by_the_rudde
         feed.also(ControllerCommands, "controller_command", wanted(math.pi / 2))
         feed.until(lambda m: m.u[5] > 0.1, "a rudder for the turn to the right")
         process.until("the ailerons have no effect: the rudder rolls")
-        assert bank_of(feed, lambda m: True, "a bank").phi_c <= math.radians(15.001)
+        bank_of(feed, lambda m: abs(m.phi_c - math.radians(15.0)) < 1e-3, "a bank of 15 degrees")
 
 
 def test_controller_takes_off_by_itself_without_a_path_manager(peer):
