@@ -90,6 +90,15 @@ std::vector<std::uint8_t> message_head(std::uint32_t subscription, std::uint64_t
   return head;
 }
 
+std::string parse_token(std::string_view text) {
+  try {
+    const Json json = Json::parse(text);
+    return json.at("op") == "token" ? json.at("token").get<std::string>() : "";
+  } catch (const Json::exception&) {
+    return "";
+  }
+}
+
 Request parse_request(std::string_view text) {
   Request request;
   try {

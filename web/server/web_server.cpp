@@ -15,6 +15,8 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <stdexcept>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -33,19 +35,47 @@ using asio::ip::tcp;
 class Viewer;
 using Request = http::request<http::empty_body>;
 
+/// "HOST:PORT" as a browser writes it.
+std::string host_text(const asio::ip::address& address, std::uint16_t port) {
+  const std::string text = address.to_string();
+  return (address.is_v6() ? "[" + text + "]" : text) + ":" + std::to_string(port);
+}
+
+/// 128 bits.
+std::string random_token() {
+  constexpr int kWords = 4;
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::random_device random;
+  std::string token;
+  for (int k = 0; k < kWords; ++k) {
+    const std::uint32_t word = random();
+    for (unsigned shift = 0; shift < 32; shift += 4) token += kDigits[(word >> shift) & 15U];
+  }
+  return token;
+}
+
 /// What all sessions share; lives as long as the server. Only its thread uses it.
 struct Site {
   Contents contents;
+  Access access;
   std::uint16_t port{};
-  std::string session;  ///< Of this start.
+  std::string session{random_token()};  ///< Of this start.
+  std::string token;                    ///< Empty: nobody has to show one.
   int clients{0};
   std::vector<std::weak_ptr<Viewer>> viewers;
 
-  /// "HOST:PORT" as a client on this computer names the server.
-  bool is_here(std::string_view name) const {
-    const std::string port_text = ":" + std::to_string(port);
-    return name == "127.0.0.1" + port_text || name == "localhost" + port_text ||
-           name == "[::1]" + port_text;
+  /// Whether a client names the server as what it is to who came in at this end.
+  bool is_here(std::string_view name, const tcp::endpoint& end) const {
+    if (name == host_text(end.address(), port)) return true;
+    return end.address().is_loopback() && token.empty() &&
+           name == "localhost:" + std::to_string(port);
+  }
+  /// Takes the same time wherever the first difference is.
+  bool is_token(std::string_view shown) const {
+    unsigned different = shown.size() == token.size() ? 0U : 1U;
+    for (std::size_t k = 0; k < std::min(shown.size(), token.size()); ++k)
+      different |= static_cast<unsigned char>(shown[k]) ^ static_cast<unsigned char>(token[k]);
+    return different == 0;
   }
 };
 
@@ -83,7 +113,11 @@ void set_headers(http::response<Body>& response, std::string_view address) {
 /// before has been sent.
 class Viewer : public std::enable_shared_from_this<Viewer> {
  public:
-  Viewer(beast::tcp_stream stream, Site& site) : stream_{std::move(stream)}, site_{site} {
+  Viewer(beast::tcp_stream stream, Site& site)
+      : stream_{std::move(stream)},
+        site_{site},
+        admitted_{site.token.empty()},
+        admission_{stream_.get_executor()} {
     ++site_.clients;
   }
   ~Viewer() { --site_.clients; }
@@ -92,8 +126,8 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
 
   void accept(const Request& request, std::string_view protocol) {
     websocket::stream_base::timeout timeout{};
-    timeout.handshake_timeout = std::chrono::seconds(10);
-    timeout.idle_timeout = std::chrono::seconds(WebServer::kSilence_s);
+    timeout.handshake_timeout = site_.access.handshake;
+    timeout.idle_timeout = site_.access.silence;
     timeout.keep_alive_pings = true;
     stream_.set_option(timeout);
     stream_.set_option(websocket::stream_base::decorator(
@@ -104,9 +138,12 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
     stream_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
       if (error) return;
       self->open_ = true;
-      self->texts_.push_back(foxglove::server_info("rosflight", self->site_.session));
       self->read();
-      self->send_next();
+      if (self->admitted_) return self->greet();
+      self->admission_.expires_after(self->site_.access.handshake);
+      self->admission_.async_wait([weak = self->weak_from_this()](beast::error_code) {
+        if (const auto viewer = weak.lock(); viewer && !viewer->admitted_) viewer->let_go();
+      });
     });
   }
 
@@ -127,7 +164,7 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
  public:
   /// Sends what is new unless something is being sent.
   void send_next() {
-    if (!open_ || sending_) return;
+    if (!open_ || sending_ || !admitted_) return;
     if (texts_.empty() && messages_.empty()) take_news();
     while (!messages_.empty() && !subscriptions_.at(messages_.front()->channel))
       messages_.pop_front();  // unsubscribed meanwhile
@@ -148,6 +185,16 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   }
 
  private:
+  void greet() {
+    texts_.push_back(foxglove::server_info("rosflight", site_.session));
+    send_next();
+  }
+
+  void let_go() {
+    open_ = false;
+    beast::get_lowest_layer(stream_).close();
+  }
+
   void take_news() {
     const std::size_t first = cursor_.channels;
     LiveData::News news = site_.contents.live->news(cursor_);
@@ -162,17 +209,31 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
         self->open_ = false;
         return;
       }
-      self->on_request();
+      if (self->admitted_) {
+        self->on_request();
+      } else {
+        self->on_token();
+      }
       self->buffer_.consume(self->buffer_.size());
       self->read();
     });
   }
 
+  std::string_view message() const {
+    const auto data = buffer_.cdata();
+    return {static_cast<const char*>(data.data()), data.size()};
+  }
+
+  void on_token() {
+    if (!site_.is_token(foxglove::parse_token(message()))) return let_go();
+    admitted_ = true;
+    admission_.cancel();
+    greet();
+  }
+
   void on_request() {
     if (!stream_.got_text()) return complain("binary messages are not used here");
-    const auto data = buffer_.cdata();
-    const foxglove::Request request =
-        foxglove::parse_request({static_cast<const char*>(data.data()), data.size()});
+    const foxglove::Request request = foxglove::parse_request(message());
     if (!request.complaint.empty()) return complain(request.complaint);
     for (const auto& [id, channel] : request.subscribe) {
       if (channel >= subscriptions_.size()) {
@@ -194,11 +255,7 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   /// A client that sends one wrong message after the other and does not read the answers is disconnected.
   void complain(const std::string& what) {
     constexpr std::size_t kMaxUnreadTexts = 32;
-    if (texts_.size() > kMaxUnreadTexts) {
-      open_ = false;
-      beast::get_lowest_layer(stream_).close();
-      return;
-    }
+    if (texts_.size() > kMaxUnreadTexts) return let_go();
     texts_.push_back(foxglove::status_error(what));
     send_next();
   }
@@ -206,6 +263,8 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   websocket::stream<beast::tcp_stream, false> stream_;
   Site& site_;
   beast::flat_buffer buffer_;
+  bool admitted_;  ///< Has shown the token, where there is one.
+  asio::steady_timer admission_;
   bool open_{false};
   bool sending_{false};
   std::deque<std::string> texts_;
@@ -229,7 +288,7 @@ class Session : public std::enable_shared_from_this<Session> {
     parser_ = std::make_unique<http::request_parser<http::empty_body>>();
     parser_->header_limit(WebServer::kLargestHead);
     parser_->body_limit(0);
-    stream_.expires_after(std::chrono::seconds(WebServer::kSilence_s));
+    stream_.expires_after(site_.access.silence);
     http::async_read(stream_, buffer_, *parser_,
                      [self = shared_from_this()](beast::error_code error, std::size_t) {
                        self->on_read(error);
@@ -240,6 +299,13 @@ class Session : public std::enable_shared_from_this<Session> {
   using Texts = http::response<http::string_body>;
 
   void on_read(beast::error_code error) {
+    last_ = static_cast<bool>(error);  // what follows is not understood
+    if (error == http::error::header_limit) {
+      return refuse(http::status::request_header_fields_too_large,
+                    "the head of the request is too long");
+    }
+    if (error == http::error::body_limit)
+      return refuse(http::status::payload_too_large, "no body is taken");
     if (error) return close();
     const Request& request = parser_->get();
     const auto header = [&request](http::field name) {
@@ -248,10 +314,14 @@ class Session : public std::enable_shared_from_this<Session> {
     };
     const std::string_view origin = header(http::field::origin);
     constexpr std::string_view kScheme = "http://";
-    if (!site_.is_here(header(http::field::host))) {
+    beast::error_code gone;
+    const tcp::endpoint end = stream_.socket().local_endpoint(gone);
+    if (gone) return close();
+    if (!site_.is_here(header(http::field::host), end)) {
       return refuse(http::status::misdirected_request, "this server has another name");
     }
-    const bool ours = origin.starts_with(kScheme) && site_.is_here(origin.substr(kScheme.size()));
+    const bool ours =
+        origin.starts_with(kScheme) && site_.is_here(origin.substr(kScheme.size()), end);
     if (request.find(http::field::origin) != request.end() && !ours) {
       return refuse(http::status::forbidden, "asked for by a foreign page");
     }
@@ -264,7 +334,19 @@ class Session : public std::enable_shared_from_this<Session> {
     address = address.substr(0, address.find('?'));
     if (!address.starts_with('/')) return refuse(http::status::bad_request, "no path");
     address.remove_prefix(1);
+    if (!is_public(address) && !site_.token.empty()) {
+      constexpr std::string_view kBearer = "Bearer ";
+      const std::string_view shown = header(http::field::authorization);
+      if (!shown.starts_with(kBearer) || !site_.is_token(shown.substr(kBearer.size())))
+        return refuse(http::status::unauthorized,
+                      "the token that was printed with the address is missing");
+    }
     answer(std::string(address), header(http::field::range));
+  }
+
+  /// The page itself has nothing of a flight.
+  static bool is_public(std::string_view address) {
+    return address.empty() || address == "page.js" || address == "page.css";
   }
 
   void upgrade(const Request& request) {
@@ -348,11 +430,11 @@ class Session : public std::enable_shared_from_this<Session> {
   template <class Body>
   void send(http::response<Body>&& made) {
     auto response = std::make_shared<http::response<Body>>(std::move(made));
-    response->keep_alive(parser_->get().keep_alive());
+    response->keep_alive(!last_ && parser_->get().keep_alive());
     response->prepare_payload();
     const bool head = parser_->get().method() == http::verb::head;
     auto serializer = std::make_shared<http::response_serializer<Body>>(*response);
-    stream_.expires_after(std::chrono::seconds(WebServer::kSilence_s));
+    stream_.expires_after(site_.access.silence);
     const auto sent = [self = shared_from_this(), response, serializer](beast::error_code error,
                                                                         std::size_t) {
       if (error || response->need_eof()) return self->close();
@@ -374,16 +456,17 @@ class Session : public std::enable_shared_from_this<Session> {
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_{WebServer::kLargestHead};
   std::unique_ptr<http::request_parser<http::empty_body>> parser_;
+  bool last_{false};  ///< The connection ends with this answer.
   Site& site_;
 };
 
 }  // namespace
 
 struct WebServer::Impl {
-  explicit Impl(Contents contents) {
+  Impl(Contents contents, Access access) {
     site.contents = std::move(contents);
-    std::random_device random;
-    site.session = std::to_string(random()) + std::to_string(random());
+    site.access = std::move(access);
+    if (!site.access.listen.empty()) site.token = random_token();
   }
 
   /// What is new goes to all viewers, again and again.
@@ -420,27 +503,35 @@ struct WebServer::Impl {
 
   Site site;
   asio::io_context io{1};
-  tcp::acceptor v4{io};
-  tcp::acceptor v6{io};
+  tcp::acceptor first{io};
+  tcp::acceptor v6{io};  ///< Of this computer.
   asio::steady_timer timer{io};
   std::thread thread;
 };
 
-WebServer::WebServer(Contents contents, std::uint16_t port)
-    : impl_{std::make_unique<Impl>(std::move(contents))} {
+WebServer::WebServer(Contents contents, Access access)
+    : impl_{std::make_unique<Impl>(std::move(contents), std::move(access))} {
   Impl& impl = *impl_;
+  const std::string& listen = impl.site.access.listen;
+  beast::error_code error;
+  const auto address = listen.empty() ? asio::ip::address(asio::ip::address_v4::loopback())
+                                      : asio::ip::make_address(listen, error);
+  if (error || address.is_unspecified())
+    throw std::invalid_argument(listen + " is no address of one network interface");
   try {
-    impl.listen(impl.v4, asio::ip::address_v4::loopback(), port);
-  } catch (const boost::system::system_error& error) {
-    throw std::system_error(error.code().value(), std::system_category());
+    impl.listen(impl.first, address, impl.site.access.port);
+  } catch (const boost::system::system_error& refused) {
+    throw std::system_error(refused.code().value(), std::system_category());
   }
-  impl.site.port = impl.v4.local_endpoint().port();
-  impl.accept(impl.v4);
-  try {
-    impl.listen(impl.v6, asio::ip::address_v6::loopback(), impl.site.port);
-    impl.accept(impl.v6);
-  } catch (const boost::system::system_error&) {
-    impl.v6.close();  // a computer without IPv6
+  impl.site.port = impl.first.local_endpoint().port();
+  impl.accept(impl.first);
+  if (listen.empty()) {
+    try {
+      impl.listen(impl.v6, asio::ip::address_v6::loopback(), impl.site.port);
+      impl.accept(impl.v6);
+    } catch (const boost::system::system_error&) {
+      impl.v6.close();  // a computer without IPv6
+    }
   }
   if (impl.site.contents.live != nullptr) impl.tick();
   impl.thread = std::thread([&impl] { impl.io.run(); });
@@ -456,7 +547,9 @@ std::uint16_t WebServer::port() const {
 }
 
 std::string WebServer::address() const {
-  return "http://127.0.0.1:" + std::to_string(port()) + "/";
+  const std::string& token = impl_->site.token;
+  return "http://" + host_text(impl_->first.local_endpoint().address(), port()) + "/" +
+         (token.empty() ? "" : "#" + token);
 }
 
 }  // namespace rosflight::web::server
