@@ -8,8 +8,8 @@ from std_msgs.msg import String
 
 
 class Flight(FlightRig):
-    def __init__(self, package, file, folder, **arguments):
-        super().__init__(State, package, file, folder, "sim/RC command", **arguments)
+    def __init__(self, package, file, folder, wait_for="sim/RC command", **arguments):
+        super().__init__(State, package, file, folder, wait_for, **arguments)
         self.commands = self.peer.listen(ControllerCommand, "high_level_command")
         self.setpoints = self.peer.listen(TrajectoryCommand, "trajectory_command")
         self.phases = self.peer.listen(String, "flight_phase", LATCHED)

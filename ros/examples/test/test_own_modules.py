@@ -62,7 +62,8 @@ def found(installed, monkeypatch):
 
 @pytest.mark.parametrize("guidance", ("roscopter", "own"))
 def test_a_copter_flies_a_mission_on_derived_classes(found, tmp_path, guidance):
-    with copter_flight.Flight("own_modules", "fly.launch.xml", tmp_path, own_guidance=str(guidance == "own").lower()) as flight:
+    with copter_flight.Flight("own_modules", "fly.launch.xml", tmp_path, wait_for="sim/RC high_level_command command",
+                              own_guidance=str(guidance == "own").lower()) as flight:
         flight.set_up()
         flight.process.until("read mixer 2 of the firmware")  # as vehicles/multirotor.yaml has it
         for topic in ("/sim/forces_and_moments", "/sim/truth_state", "/sim/sensors/imu/data", "/high_level_command", "/command"):
@@ -77,7 +78,7 @@ def test_a_copter_flies_a_mission_on_derived_classes(found, tmp_path, guidance):
 
 
 def test_a_plane_flies_a_mission_on_derived_classes(found, tmp_path):
-    with plane_flight.Flight("own_modules", "fly_plane.launch.xml", tmp_path, wait_for="sim/RC command") as flight:
+    with plane_flight.Flight("own_modules", "fly_plane.launch.xml", tmp_path, wait_for="sim/RC controller_command command") as flight:
         flight.set_up()
         flight.arm()
         flight.let_go()
