@@ -19,11 +19,11 @@ using web::server::LiveData;
 
 class LiveFlight final : public FlightWatch, public log::LogObserver {
  public:
-  LiveFlight(std::uint16_t port, std::ostream& err) : err_{err} {
+  LiveFlight(const web::server::Access& access, std::ostream& err) : err_{err} {
     Contents contents = page_contents();
     contents.texts["offer.json"] = R"({"live":true,"name":"flight"})";
     contents.live = &data_;
-    server_ = serve(std::move(contents), port);
+    server_ = serve(std::move(contents), access);
     err_ << server_->address() << std::endl;
   }
 
@@ -58,8 +58,8 @@ class LiveFlight final : public FlightWatch, public log::LogObserver {
 
 }  // namespace
 
-std::unique_ptr<FlightWatch> watch_flight(std::uint16_t port, std::ostream& err) {
-  return std::make_unique<LiveFlight>(port, err);
+std::unique_ptr<FlightWatch> watch_flight(const web::server::Access& access, std::ostream& err) {
+  return std::make_unique<LiveFlight>(access, err);
 }
 
 }  // namespace rosflight::apps

@@ -19,14 +19,16 @@ using namespace rosflight::flight;  // NOLINT(google-build-using-namespace): wha
 /// What --view asks for.
 struct ViewChoice {
   bool view{false};
-  std::uint16_t port{0};
+  web::server::Access access;
 };
 
 void add_view(CLI::App& fly, FlyOptions& options, ViewChoice& choice) {
   fly.add_flag("--view", choice.view,
                "Show it in the browser while it flies, in real time, and until Ctrl-C");
-  fly.add_option("--port", choice.port, "With --view: of the address to open; 0: a free one")
+  fly.add_option("--port", choice.access.port, "With --view: of the address to open; 0: a free one")
       ->capture_default_str();
+  fly.add_option("--listen", choice.access.listen,
+                 "With --view: address of a network interface, for other computers");
   constexpr double kLowest = 0.01;
   constexpr double kHighest = 100.0;
   fly.add_option_function<double>(
@@ -129,7 +131,7 @@ std::unique_ptr<FlightWatch> watch_of(const ViewChoice& choice, const MakeWatch&
   if (!make_watch)
     throw config::Error("--view: found in a program without it; use ./rosflight fly");
   options.realtime = true;
-  return make_watch(choice.port);
+  return make_watch(choice.access);
 }
 
 }  // namespace

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <cstdint>
 #include <functional>
 #include <memory>
+
+#include "web/server/access.hpp"
 
 namespace rosflight::apps {
 
 class FlightWatch;  // apps/fly_command.hpp
 
-/// Starts what --view asks for, on this port. @throws config::Error.
-using MakeWatch = std::function<std::unique_ptr<FlightWatch>(std::uint16_t port)>;
+/// Starts what --view asks for. @throws config::Error.
+using MakeWatch = std::function<std::unique_ptr<FlightWatch>(const web::server::Access& access)>;
 
 /// Reads the command line of ./rosflight fly, flies and prints errors as one line.
 /// @param make_watch  none: --view is refused.

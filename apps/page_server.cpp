@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <thread>
@@ -34,12 +35,20 @@ web::server::Contents page_contents() {
   return contents;
 }
 
-std::unique_ptr<web::server::WebServer> serve(web::server::Contents contents, std::uint16_t port) {
+std::unique_ptr<web::server::WebServer> serve(web::server::Contents contents,
+                                              const web::server::Access& access) {
   try {
-    return std::make_unique<web::server::WebServer>(std::move(contents), port);
+    return std::make_unique<web::server::WebServer>(std::move(contents), access);
+  } catch (const std::invalid_argument&) {
+    throw config::Error("--listen: found " + access.listen +
+                        ", allowed the address of one network interface, such as 192.168.0.7");
   } catch (const std::system_error& error) {
-    throw config::Error("--port: found " + std::to_string(port) + ", " + error.code().message() +
-                        "; allowed a free port, or 0 for any");
+    if (error.code() == std::errc::address_not_available) {
+      throw config::Error("--listen: found " + access.listen +
+                          ", allowed an address of this computer");
+    }
+    throw config::Error("--port: found " + std::to_string(access.port) + ", " +
+                        error.code().message() + "; allowed a free port, or 0 for any");
   }
 }
 

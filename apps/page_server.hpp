@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <cstdint>
 #include <memory>
 
 #include "web/server/web_server.hpp"
@@ -11,8 +10,9 @@ namespace rosflight::apps {
 /// @throws config::Error  there is none.
 web::server::Contents page_contents();
 
-/// @throws config::Error  the port is taken.
-std::unique_ptr<web::server::WebServer> serve(web::server::Contents contents, std::uint16_t port);
+/// @throws config::Error  the port is taken, or the address is none of this computer.
+std::unique_ptr<web::server::WebServer> serve(web::server::Contents contents,
+                                              const web::server::Access& access);
 
 /// Returns when Ctrl-C or SIGTERM has come; a SignalWatch must live.
 void wait_for_stop();

@@ -50,7 +50,7 @@ int view_command(const ViewOptions& options, std::ostream& out) {
   Contents contents = page_contents();
   add_flight(options.input, contents);
   const SignalWatch watch;
-  const auto server = serve(std::move(contents), options.port);
+  const auto server = serve(std::move(contents), options.access);
   out << server->address() << "  (Ctrl-C ends it)" << std::endl;
   wait_for_stop();
   return 0;

@@ -16,10 +16,14 @@ int view_command_line(int argc, char** argv) {
   CLI::App app{"rosflight: view. ./rosflight --help lists all commands."};
   apps::ViewOptions options;
   CLI::App* view = app.add_subcommand(
-      "view", "Shows a flight in the browser: 3-D, plots, events; serves this computer alone");
+      "view",
+      "Shows a flight in the browser: 3-D, plots, events; to this computer alone unless --listen");
   view->add_option("INPUT", options.input, "Flight folder, or log (.mcap)")->required();
-  view->add_option("--port", options.port, "Of the address to open; 0: a free one")
+  view->add_option("--port", options.access.port, "Of the address to open; 0: a free one")
       ->capture_default_str();
+  view->add_option(
+      "--listen", options.access.listen,
+      "Address of a network interface: serve other computers too, by a secret address");
   app.set_version_flag("--version", rosflight::flight::build_info_text());
   return apps::parse_and_run(app, argc, argv,
                              [&options] { return apps::view_command(options, std::cout); });
@@ -29,8 +33,9 @@ int view_command_line(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "fly") {
-    return apps::fly_command_line(
-        argc, argv, [](std::uint16_t port) { return apps::watch_flight(port, std::cerr); });
+    return apps::fly_command_line(argc, argv, [](const rosflight::web::server::Access& access) {
+      return apps::watch_flight(access, std::cerr);
+    });
   }
   return view_command_line(argc, argv);
 }

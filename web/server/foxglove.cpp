@@ -80,14 +80,22 @@ std::string status_error(std::string_view text) {
   return text_of({{"op", "status"}, {"level", kError}, {"message", text}});
 }
 
-std::vector<std::uint8_t> message_head(std::uint32_t subscription, std::uint64_t time_ns) {
-  constexpr std::uint8_t kMessageData = 1;
-  std::vector<std::uint8_t> head{kMessageData};
+std::string message_head(std::uint32_t subscription, std::uint64_t time_ns) {
+  std::string head{'\x01'};  // message data
   for (unsigned shift = 0; shift < 32; shift += 8)
-    head.push_back(static_cast<std::uint8_t>(subscription >> shift));
+    head += static_cast<char>((subscription >> shift) & 255U);
   for (unsigned shift = 0; shift < 64; shift += 8)
-    head.push_back(static_cast<std::uint8_t>(time_ns >> shift));
+    head += static_cast<char>((time_ns >> shift) & 255U);
   return head;
+}
+
+std::string parse_token(std::string_view text) {
+  try {
+    const Json json = Json::parse(text);
+    return json.at("op") == "token" ? json.at("token").get<std::string>() : "";
+  } catch (const Json::exception&) {
+    return "";
+  }
 }
 
 Request parse_request(std::string_view text) {

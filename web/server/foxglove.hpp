@@ -26,7 +26,10 @@ std::string advertise(std::size_t first, std::span<const LiveData::Channel> chan
 /// A complaint about what the client sent.
 std::string status_error(std::string_view text);
 /// The 13 bytes before a message's contents.
-std::vector<std::uint8_t> message_head(std::uint32_t subscription, std::uint64_t time_ns);
+std::string message_head(std::uint32_t subscription, std::uint64_t time_ns);
+
+/// The token in {"op":"token","token":"..."}, which is no part of Foxglove's protocol; else nothing.
+std::string parse_token(std::string_view text);
 
 /// What a client wants; channels by their number.
 struct Request {

@@ -11,15 +11,18 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 #include <chrono>
-#include <deque>
 #include <memory>
 #include <optional>
-#include <random>
+#include <stdexcept>
+#include <string>
 #include <thread>
 #include <utility>
 
+#include "web/server/admission.hpp"
 #include "web/server/byte_range.hpp"
+#include "web/server/conversation.hpp"
 #include "web/server/foxglove.hpp"
+#include "web/server/response_headers.hpp"
 
 namespace rosflight::web::server {
 namespace {
@@ -36,54 +39,30 @@ using Request = http::request<http::empty_body>;
 /// What all sessions share; lives as long as the server. Only its thread uses it.
 struct Site {
   Contents contents;
-  std::uint16_t port{};
-  std::string session;  ///< Of this start.
+  Access access;
+  Admission admission{{}, 0};
+  std::string session{random_token()};  ///< Of this start.
   int clients{0};
   std::vector<std::weak_ptr<Viewer>> viewers;
-
-  /// "HOST:PORT" as a client on this computer names the server.
-  bool is_here(std::string_view name) const {
-    const std::string port_text = ":" + std::to_string(port);
-    return name == "127.0.0.1" + port_text || name == "localhost" + port_text ||
-           name == "[::1]" + port_text;
-  }
 };
-
-std::string_view media_type(std::string_view address) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kTypes{
-      {{".html", "text/html; charset=utf-8"},
-       {".js", "text/javascript; charset=utf-8"},
-       {".css", "text/css; charset=utf-8"},
-       {".json", "application/json"},
-       {".mcap", "application/octet-stream"}}};
-  if (address.empty()) return kTypes.front().second;
-  for (const auto& [end, type] : kTypes) {
-    if (address.ends_with(end)) return type;
-  }
-  return "application/octet-stream";
-}
 
 template <class Body>
 void set_headers(http::response<Body>& response, std::string_view address) {
   response.set(http::field::content_type, std::string(media_type(address)));
   response.set(http::field::cache_control, "no-cache");
   response.set(http::field::accept_ranges, "bytes");
-  // WebAssembly, from an address inside the page: the decoder of compressed logs.
-  response.set(
-      "Content-Security-Policy",
-      "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self' data:; "
-      "base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
-  response.set("Cross-Origin-Opener-Policy", "same-origin");
-  response.set("Cross-Origin-Resource-Policy", "same-origin");
-  response.set("X-Content-Type-Options", "nosniff");
-  response.set("Referrer-Policy", "no-referrer");
+  for (const auto& [name, value] : kBrowserRules)
+    response.set(beast::string_view(name.data(), name.size()), std::string(value));
 }
 
-/// One WebSocket. Writes one message after the other; what is new waits in LiveData until the one
-/// before has been sent.
+/// One WebSocket. Writes one message after the other.
 class Viewer : public std::enable_shared_from_this<Viewer> {
  public:
-  Viewer(beast::tcp_stream stream, Site& site) : stream_{std::move(stream)}, site_{site} {
+  Viewer(beast::tcp_stream stream, Site& site)
+      : stream_{std::move(stream)},
+        site_{site},
+        conversation_{*site.contents.live, site.admission, site.session},
+        admission_{stream_.get_executor()} {
     ++site_.clients;
   }
   ~Viewer() { --site_.clients; }
@@ -92,8 +71,8 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
 
   void accept(const Request& request, std::string_view protocol) {
     websocket::stream_base::timeout timeout{};
-    timeout.handshake_timeout = std::chrono::seconds(10);
-    timeout.idle_timeout = std::chrono::seconds(WebServer::kSilence_s);
+    timeout.handshake_timeout = site_.access.handshake;
+    timeout.idle_timeout = site_.access.silence;
     timeout.keep_alive_pings = true;
     stream_.set_option(timeout);
     stream_.set_option(websocket::stream_base::decorator(
@@ -104,115 +83,65 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
     stream_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
       if (error) return;
       self->open_ = true;
-      self->texts_.push_back(foxglove::server_info("rosflight", self->site_.session));
       self->read();
       self->send_next();
+      self->admission_.expires_after(self->site_.access.handshake);
+      self->admission_.async_wait([weak = self->weak_from_this()](beast::error_code) {
+        const auto viewer = weak.lock();
+        if (viewer && !viewer->conversation_.is_admitted()) viewer->let_go();
+      });
     });
   }
 
- private:
-  template <class Done>
-  auto sent(Done done) {
-    return [self = shared_from_this(), done](beast::error_code error, std::size_t) {
-      self->sending_ = false;
-      if (error) {
-        self->open_ = false;
-        return;
-      }
-      done(*self);
-      if (!self->texts_.empty() || !self->messages_.empty()) self->send_next();
-    };
-  }
-
- public:
   /// Sends what is new unless something is being sent.
   void send_next() {
     if (!open_ || sending_) return;
-    if (texts_.empty() && messages_.empty()) take_news();
-    while (!messages_.empty() && !subscriptions_.at(messages_.front()->channel))
-      messages_.pop_front();  // unsubscribed meanwhile
-    if (!texts_.empty()) {
-      sending_ = true;
-      stream_.text(true);
-      stream_.async_write(asio::buffer(texts_.front()),
-                          sent([](Viewer& v) { v.texts_.pop_front(); }));
-    } else if (!messages_.empty()) {
-      sending_ = true;
-      const LiveData::Message& message = *messages_.front();
-      head_ = foxglove::message_head(subscriptions_[message.channel].value_or(0), message.time_ns);
-      stream_.binary(true);
-      stream_.async_write(
-          std::array<asio::const_buffer, 2>{asio::buffer(head_), asio::buffer(message.cdr)},
-          sent([](Viewer& v) { v.messages_.pop_front(); }));
-    }
+    frame_ = conversation_.next();
+    if (!frame_) return;
+    sending_ = true;
+    stream_.text(frame_->is_text);
+    const auto contents =
+        frame_->message ? asio::buffer(frame_->message->cdr) : asio::const_buffer();
+    stream_.async_write(std::array<asio::const_buffer, 2>{asio::buffer(frame_->head), contents},
+                        [self = shared_from_this()](beast::error_code error, std::size_t) {
+                          self->sending_ = false;
+                          if (error) {
+                            self->open_ = false;
+                          } else {
+                            self->send_next();
+                          }
+                        });
   }
 
  private:
-  void take_news() {
-    const std::size_t first = cursor_.channels;
-    LiveData::News news = site_.contents.live->news(cursor_);
-    if (!news.channels.empty()) texts_.push_back(foxglove::advertise(first, news.channels));
-    subscriptions_.resize(cursor_.channels);
-    messages_.assign(news.messages.begin(), news.messages.end());
-  }
-
   void read() {
     stream_.async_read(buffer_, [self = shared_from_this()](beast::error_code error, std::size_t) {
       if (error) {
         self->open_ = false;
         return;
       }
-      self->on_request();
+      const auto data = self->buffer_.cdata();
+      const std::string_view message(static_cast<const char*>(data.data()), data.size());
+      if (!self->conversation_.on_message(message, self->stream_.got_text())) return self->let_go();
       self->buffer_.consume(self->buffer_.size());
+      self->send_next();
       self->read();
     });
   }
 
-  void on_request() {
-    if (!stream_.got_text()) return complain("binary messages are not used here");
-    const auto data = buffer_.cdata();
-    const foxglove::Request request =
-        foxglove::parse_request({static_cast<const char*>(data.data()), data.size()});
-    if (!request.complaint.empty()) return complain(request.complaint);
-    for (const auto& [id, channel] : request.subscribe) {
-      if (channel >= subscriptions_.size()) {
-        complain("subscribe: no channel " + std::to_string(channel + 1));
-        continue;
-      }
-      subscriptions_[channel] = id;
-      cursor_.places[channel] = {true, 0, 0};
-    }
-    for (const std::uint32_t id : request.unsubscribe) {
-      for (std::size_t k = 0; k < subscriptions_.size(); ++k) {
-        if (subscriptions_[k] != id) continue;
-        subscriptions_[k].reset();
-        cursor_.places[k].wanted = false;
-      }
-    }
-  }
-
-  /// A client that sends one wrong message after the other and does not read the answers is disconnected.
-  void complain(const std::string& what) {
-    constexpr std::size_t kMaxUnreadTexts = 32;
-    if (texts_.size() > kMaxUnreadTexts) {
-      open_ = false;
-      beast::get_lowest_layer(stream_).close();
-      return;
-    }
-    texts_.push_back(foxglove::status_error(what));
-    send_next();
+  void let_go() {
+    open_ = false;
+    beast::get_lowest_layer(stream_).close();
   }
 
   websocket::stream<beast::tcp_stream, false> stream_;
   Site& site_;
+  Conversation conversation_;
+  asio::steady_timer admission_;  ///< Until then the token has come, where one is wanted.
   beast::flat_buffer buffer_;
   bool open_{false};
   bool sending_{false};
-  std::deque<std::string> texts_;
-  std::deque<LiveData::Shared> messages_;
-  std::vector<std::uint8_t> head_;  ///< Of the message that is being sent.
-  LiveData::Cursor cursor_;
-  std::vector<std::optional<std::uint32_t>> subscriptions_;  ///< The viewer's ids, by channel.
+  std::optional<Conversation::Frame> frame_;  ///< That is being sent.
 };
 
 /// One connection: a request after the other until one side closes it.
@@ -229,7 +158,7 @@ class Session : public std::enable_shared_from_this<Session> {
     parser_ = std::make_unique<http::request_parser<http::empty_body>>();
     parser_->header_limit(WebServer::kLargestHead);
     parser_->body_limit(0);
-    stream_.expires_after(std::chrono::seconds(WebServer::kSilence_s));
+    stream_.expires_after(site_.access.silence);
     http::async_read(stream_, buffer_, *parser_,
                      [self = shared_from_this()](beast::error_code error, std::size_t) {
                        self->on_read(error);
@@ -240,21 +169,24 @@ class Session : public std::enable_shared_from_this<Session> {
   using Texts = http::response<http::string_body>;
 
   void on_read(beast::error_code error) {
+    last_ = static_cast<bool>(error);  // what follows is not understood
+    if (error == http::error::header_limit) {
+      return refuse(http::status::request_header_fields_too_large,
+                    "the head of the request is too long");
+    }
+    if (error == http::error::body_limit)
+      return refuse(http::status::payload_too_large, "no body is taken");
     if (error) return close();
     const Request& request = parser_->get();
     const auto header = [&request](http::field name) {
       const auto value = request[name];
       return std::string_view(value.data(), value.size());
     };
-    const std::string_view origin = header(http::field::origin);
-    constexpr std::string_view kScheme = "http://";
-    if (!site_.is_here(header(http::field::host))) {
+    if (!site_.admission.is_name(header(http::field::host)))
       return refuse(http::status::misdirected_request, "this server has another name");
-    }
-    const bool ours = origin.starts_with(kScheme) && site_.is_here(origin.substr(kScheme.size()));
-    if (request.find(http::field::origin) != request.end() && !ours) {
+    if (request.find(http::field::origin) != request.end() &&
+        !site_.admission.is_origin(header(http::field::origin)))
       return refuse(http::status::forbidden, "asked for by a foreign page");
-    }
     if (websocket::is_upgrade(request)) return upgrade(request);
     if (request.method() != http::verb::get && request.method() != http::verb::head) {
       return refuse(http::status::method_not_allowed, "allowed are GET and HEAD");
@@ -264,7 +196,16 @@ class Session : public std::enable_shared_from_this<Session> {
     address = address.substr(0, address.find('?'));
     if (!address.starts_with('/')) return refuse(http::status::bad_request, "no path");
     address.remove_prefix(1);
+    if (site_.admission.wants_token() && !is_public(address) &&
+        !site_.admission.is_bearer(header(http::field::authorization)))
+      return refuse(http::status::unauthorized,
+                    "the token that was printed with the address is missing");
     answer(std::string(address), header(http::field::range));
+  }
+
+  /// The page itself has nothing of a flight.
+  static bool is_public(std::string_view address) {
+    return address.empty() || address == "page.js" || address == "page.css";
   }
 
   void upgrade(const Request& request) {
@@ -274,6 +215,10 @@ class Session : public std::enable_shared_from_this<Session> {
     if (!protocol) {
       return refuse(http::status::bad_request,
                     "known protocols: foxglove.websocket.v1, foxglove.sdk.v1");
+    }
+    if (buffer_.size() != 0) {
+      last_ = true;
+      return refuse(http::status::bad_request, "messages come after the answer to the handshake");
     }
     std::erase_if(site_.viewers, [](const std::weak_ptr<Viewer>& v) { return v.expired(); });
     if (site_.viewers.size() >= WebServer::kMostViewers) {
@@ -340,6 +285,7 @@ class Session : public std::enable_shared_from_this<Session> {
     Texts response{status, version()};
     response.body() = std::move(text);
     set_headers(response, address);
+    if (status == http::status::unauthorized) response.set(http::field::www_authenticate, "Bearer");
     send(std::move(response));
   }
 
@@ -348,11 +294,14 @@ class Session : public std::enable_shared_from_this<Session> {
   template <class Body>
   void send(http::response<Body>&& made) {
     auto response = std::make_shared<http::response<Body>>(std::move(made));
-    response->keep_alive(parser_->get().keep_alive());
+    response->keep_alive(!last_ && parser_->get().keep_alive());
     response->prepare_payload();
     const bool head = parser_->get().method() == http::verb::head;
     auto serializer = std::make_shared<http::response_serializer<Body>>(*response);
-    stream_.expires_after(std::chrono::seconds(WebServer::kSilence_s));
+    // A slow client has time for all of it, one that does not read is not waited for.
+    constexpr std::uint64_t kSlowest_bytes_s = 16384;
+    const std::chrono::seconds slow(response->payload_size().value_or(0) / kSlowest_bytes_s);
+    stream_.expires_after(site_.access.silence + slow);
     const auto sent = [self = shared_from_this(), response, serializer](beast::error_code error,
                                                                         std::size_t) {
       if (error || response->need_eof()) return self->close();
@@ -369,21 +318,35 @@ class Session : public std::enable_shared_from_this<Session> {
     beast::error_code ignored;
     // NOLINTNEXTLINE(bugprone-unused-return-value): the connection ends either way
     stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+    stream_.expires_after(kLinger);
+    drop_rest();
   }
+
+  /// While bytes of the client are unread, closing could take the answer from it (RFC 9112, section 9.6).
+  void drop_rest() {
+    stream_.async_read_some(asio::buffer(rest_),
+                            [self = shared_from_this()](beast::error_code error, std::size_t) {
+                              if (!error) self->drop_rest();
+                            });
+  }
+
+  static constexpr std::chrono::seconds kLinger{1};
+  static constexpr std::size_t kRest = 1024;
 
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_{WebServer::kLargestHead};
   std::unique_ptr<http::request_parser<http::empty_body>> parser_;
+  bool last_{false};  ///< The connection ends with this answer.
+  std::array<char, kRest> rest_{};
   Site& site_;
 };
 
 }  // namespace
 
 struct WebServer::Impl {
-  explicit Impl(Contents contents) {
+  Impl(Contents contents, Access access) {
     site.contents = std::move(contents);
-    std::random_device random;
-    site.session = std::to_string(random()) + std::to_string(random());
+    site.access = std::move(access);
   }
 
   /// What is new goes to all viewers, again and again.
@@ -420,27 +383,36 @@ struct WebServer::Impl {
 
   Site site;
   asio::io_context io{1};
-  tcp::acceptor v4{io};
-  tcp::acceptor v6{io};
+  tcp::acceptor first{io};
+  tcp::acceptor v6{io};  ///< Of this computer.
   asio::steady_timer timer{io};
   std::thread thread;
 };
 
-WebServer::WebServer(Contents contents, std::uint16_t port)
-    : impl_{std::make_unique<Impl>(std::move(contents))} {
+WebServer::WebServer(Contents contents, Access access)
+    : impl_{std::make_unique<Impl>(std::move(contents), std::move(access))} {
   Impl& impl = *impl_;
+  const std::string& listen = impl.site.access.listen;
+  beast::error_code error;
+  const auto address = listen.empty() ? asio::ip::address(asio::ip::address_v4::loopback())
+                                      : asio::ip::make_address(listen, error);
+  const bool mapped = address.is_v6() && address.to_v6().is_v4_mapped();
+  if (error || address.is_unspecified() || address.is_multicast() || mapped)
+    throw std::invalid_argument(listen + " is no address of one network interface");
   try {
-    impl.listen(impl.v4, asio::ip::address_v4::loopback(), port);
-  } catch (const boost::system::system_error& error) {
-    throw std::system_error(error.code().value(), std::system_category());
+    impl.listen(impl.first, address, impl.site.access.port);
+  } catch (const boost::system::system_error& refused) {
+    throw std::system_error(refused.code().value(), std::system_category());
   }
-  impl.site.port = impl.v4.local_endpoint().port();
-  impl.accept(impl.v4);
-  try {
-    impl.listen(impl.v6, asio::ip::address_v6::loopback(), impl.site.port);
-    impl.accept(impl.v6);
-  } catch (const boost::system::system_error&) {
-    impl.v6.close();  // a computer without IPv6
+  impl.site.admission = Admission(listen.empty() ? listen : address.to_string(), port());
+  impl.accept(impl.first);
+  if (listen.empty()) {
+    try {
+      impl.listen(impl.v6, asio::ip::address_v6::loopback(), port());
+      impl.accept(impl.v6);
+    } catch (const boost::system::system_error&) {
+      impl.v6.close();  // a computer without IPv6
+    }
   }
   if (impl.site.contents.live != nullptr) impl.tick();
   impl.thread = std::thread([&impl] { impl.io.run(); });
@@ -452,11 +424,11 @@ WebServer::~WebServer() {
 }
 
 std::uint16_t WebServer::port() const {
-  return impl_->site.port;
+  return impl_->first.local_endpoint().port();
 }
 
 std::string WebServer::address() const {
-  return "http://127.0.0.1:" + std::to_string(port()) + "/";
+  return impl_->site.admission.address();
 }
 
 }  // namespace rosflight::web::server

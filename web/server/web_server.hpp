@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "web/server/access.hpp"
 #include "web/server/live_data.hpp"
 
 namespace rosflight::web::server {
@@ -21,37 +22,40 @@ struct Contents {
   const LiveData* live{nullptr};
 };
 
-/// Serves the page to browsers on this computer, over HTTP on 127.0.0.1 and [::1], in a thread of its
-/// own.
+/// Serves the page to browsers, over HTTP, in a thread of its own: on 127.0.0.1 and [::1], or on
+/// Access::listen.
 ///
-/// Only GET and HEAD, only addresses of Contents. A request must name this server as Host (421
-/// otherwise: a foreign name that leads here), and if it has an Origin, as that (403 otherwise: a
-/// foreign page). At most kMostClients connections; one that is silent for kSilence_s is closed;
-/// a request head has at most kLargestHead bytes.
+/// Only GET and HEAD, only addresses of Contents. A request must name this server as Host, by the
+/// address where it listens (421 otherwise: a foreign name that leads here), and if it has an Origin, as
+/// that (403 otherwise: a foreign page). At most kMostClients connections; a request
+/// head has at most kLargestHead bytes (431) and no body (413).
+///
+/// The token, 128 random bits of this start, is in address() after '#', which browsers send to nobody.
+/// Files of the page itself are free; other addresses of Contents want it as `Authorization: Bearer`
+/// (401 otherwise), a WebSocket as its first message {"op":"token","token":"..."}.
 ///
 /// A WebSocket at any address speaks the Foxglove protocol v1 (foxglove.hpp) and sends what is new in
-/// Contents::live kRate_Hz times a second, to at most kMostViewers. A viewer that does not read
-/// misses states and is closed after kSilence_s; nobody waits for it. Its messages have at most
+/// Contents::live kRate_Hz times a second, to at most kMostViewers (503). A viewer that does not read
+/// misses states and is closed after Access::silence; nobody waits for it. Its messages have at most
 /// kLargestMessage bytes.
 class WebServer {
  public:
   static constexpr int kMostClients = 64;
   static constexpr int kMostViewers = 16;
   static constexpr int kRate_Hz = 60;
-  static constexpr int kSilence_s = 30;
   static constexpr unsigned kLargestMessage = 65536;
   static constexpr unsigned kLargestHead = 8192;
 
-  /// @param port  0: a free one.
-  /// @throws std::system_error  the port cannot be listened to, for example because it is taken.
-  explicit WebServer(Contents contents, std::uint16_t port = 0);
+  /// @throws std::system_error  it cannot listen there, for example because the port is taken.
+  /// @throws std::invalid_argument  `listen` is no address of one interface.
+  explicit WebServer(Contents contents, Access access = {});
   /// Closes all connections.
   ~WebServer();
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
 
   std::uint16_t port() const;
-  /// What to type into a browser.
+  /// What to type into a browser, with the token if there is one.
   std::string address() const;
 
  private:

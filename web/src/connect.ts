@@ -3,6 +3,7 @@
 import {batch} from '@preact/signals';
 import {LiveDecoder, PROTOCOLS} from './data/live.ts';
 import * as state from './state.ts';
+import {firstMessage} from './token.ts';
 
 const AGAIN_MS = 1000;
 /** How often what is slow to draw (plots, trails, states) is drawn anew. */
@@ -33,6 +34,10 @@ export function connect(name: string) {
       }
     });
     requestAnimationFrame(follow);
+  };
+  socket.onopen = () => {
+    const first = firstMessage();
+    if (first) socket.send(first);
   };
   socket.onmessage = ({data}) => {
     if (typeof data === 'string') {

@@ -5,6 +5,7 @@ import type {Analysis} from './data/analysis.ts';
 import {blobSource, bytesSource, urlSource, type ByteSource} from './data/bytes.ts';
 import {readLog} from './data/read_log.ts';
 import * as state from './state.ts';
+import {admission} from './token.ts';
 
 /** What the server has: addresses relative to the page. */
 interface Offer { name?: string; log?: string; summary?: string; analysis?: string; live?: boolean }
@@ -18,12 +19,19 @@ export async function openFirst() {
     state.extract.value = true;
     await open(async () => bytesSource('report.html', await unpacked(fromBase64(inside))), parsed(document.getElementById('flight-analysis')?.textContent));
   } else if (location.protocol.startsWith('http')) {
-    const answer = await fetch('offer.json').catch(() => undefined);
+    const get = (address: string) => fetch(address, {headers: admission()});
+    const answer = await get('offer.json').catch(() => undefined);
+    if (answer?.status === 401) {
+      state.failure.value = 'The server wants the whole address that it printed, with what stands after #.';
+      return;
+    }
     if (!answer?.ok) return;
     const offer = await answer.json() as Offer;
-    if (offer.summary) state.summary.value = parsed(await (await fetch(offer.summary)).text());
+    const json = async (address: string | undefined) => address ? parsed(await (await get(address)).text()) : undefined;
+    state.summary.value = await json(offer.summary);
+    const analysis = await json(offer.analysis);
     if (offer.live) connect(offer.name ?? 'flight');
-    else if (offer.log) await open(() => urlSource(offer.log!, offer.name), offer.analysis ? parsed(await (await fetch(offer.analysis)).text()) : undefined);
+    else if (offer.log) await open(() => urlSource(offer.log!, offer.name, admission()), analysis);
   }
 }
 

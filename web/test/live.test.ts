@@ -50,14 +50,16 @@ async function fly(program: string, ...options: string[]) {
 /** Says that it is a WebSocket, subscribes to nothing it could name, and never reads. */
 function neverReads(port: number) {
   const socket = connectTcp(port, '127.0.0.1');
-  socket.pause();
   socket.on('error', () => {}); // it is closed in the end
   const lines = ['GET / HTTP/1.1', `Host: 127.0.0.1:${port}`, 'Upgrade: websocket', 'Connection: Upgrade', 'Sec-WebSocket-Version: 13',
     'Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==', `Sec-WebSocket-Protocol: ${PROTOCOLS[0]}`];
   socket.write(`${lines.join('\r\n')}\r\n\r\n`);
   const text = JSON.stringify({op: 'subscribe', subscriptions: Array.from({length: 40}, (_, k) => ({id: k, channelId: k + 1}))});
   const head = Buffer.from([0x81, 0xfe, text.length >> 8, text.length & 255, 0, 0, 0, 0]); // masked by zeros
-  setInterval(() => socket.write(Buffer.concat([head, Buffer.from(text)])), 50).unref(); // channels appear as the flight goes on
+  socket.once('data', () => { // the handshake's answer
+    socket.pause();
+    setInterval(() => socket.write(Buffer.concat([head, Buffer.from(text)])), 50).unref(); // channels appear as the flight goes on
+  });
   return socket;
 }
 

@@ -19,8 +19,8 @@ let multirotor = '';
 let fixedWing = '';
 
 /** @returns the address that ./rosflight view prints. */
-async function view(input: string): Promise<string> {
-  const program = spawn(VIEW, ['view', input], {stdio: ['ignore', 'pipe', 'inherit']});
+async function view(input: string, ...options: string[]): Promise<string> {
+  const program = spawn(VIEW, ['view', input, ...options], {stdio: ['ignore', 'pipe', 'inherit']});
   started.push(program);
   for await (const line of program.stdout) return String(line).split(' ')[0]!;
   throw new Error('./rosflight view printed nothing');
@@ -124,6 +124,20 @@ describe('replay of a flight', () => {
     await page.getByLabel('Search').fill('batt_volt_max');
     assert.equal(await page.locator('.parameters tbody').innerText(), 'BATT_VOLT_MAX\t25.2\t25', 'name, value, default');
   }));
+
+  test('of another computer is seen with the whole address alone', async () => {
+    const url = await view(MULTIROTOR, '--listen', '127.0.0.2');
+    const [base, token] = url.split('#') as [string, string];
+    assert.match(token, /^[0-9a-f]{32}$/);
+    await withPage(url, async (page) => {
+      await goTo(page, 20);
+      await vehicleIsSeen(page);
+    });
+    const {page} = await newPage(browser);
+    await page.goto(`${base}#${token.replace(/./, (first) => first === '0' ? '1' : '0')}`);
+    await page.getByRole('alert').getByText('wants the whole address').waitFor();
+    await page.context().close();
+  });
 
   test('a fixed wing flies too', () => withPage(fixedWing, async (page) => {
     await goTo(page, 40);

@@ -17,9 +17,8 @@ TEST(Foxglove, TheFirstKnownProtocolIsChosen) {
 }
 
 TEST(Foxglove, AMessageHeadIsLittleEndian) {
-  EXPECT_EQ(
-      message_head(0x01020304, 0x1112131415161718),
-      (std::vector<std::uint8_t>{1, 4, 3, 2, 1, 0x18, 0x17, 0x16, 0x15, 0x14, 0x13, 0x12, 0x11}));
+  EXPECT_EQ(message_head(0x01020304, 0x1112131415161718),
+            "\x01\x04\x03\x02\x01\x18\x17\x16\x15\x14\x13\x12\x11");
 }
 
 TEST(Foxglove, ChannelsAreAdvertisedFromOne) {

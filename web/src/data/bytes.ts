@@ -19,9 +19,9 @@ export function blobSource(name: string, blob: Blob): ByteSource {
   };
 }
 
-/** A file of the server, in ranges. A server that knows no ranges sends it whole, once. */
-export async function urlSource(url: string, name = url): Promise<ByteSource> {
-  const answer = await fetch(url, {headers: {Range: 'bytes=0-0'}});
+/** A file of the server, in ranges; `more` headers go with each request. A server that knows no ranges sends it whole, once. */
+export async function urlSource(url: string, name = url, more: Record<string, string> = {}): Promise<ByteSource> {
+  const answer = await fetch(url, {headers: {...more, Range: 'bytes=0-0'}});
   if (!answer.ok) throw new Error(`${name}: the server answers ${answer.status} ${answer.statusText}`);
   const size = Number(/\/(\d+)$/.exec(answer.headers.get('Content-Range') ?? '')?.[1]);
   if (answer.status !== 206 || !Number.isFinite(size)) return bytesSource(name, new Uint8Array(await answer.arrayBuffer()));
@@ -29,7 +29,7 @@ export async function urlSource(url: string, name = url): Promise<ByteSource> {
     name, size,
     async read(start, length) {
       if (length === 0) return new Uint8Array();
-      const part = await fetch(url, {headers: {Range: `bytes=${start}-${start + length - 1}`}});
+      const part = await fetch(url, {headers: {...more, Range: `bytes=${start}-${start + length - 1}`}});
       if (part.status !== 206) throw new Error(`${name}: the server answers ${part.status} ${part.statusText}`);
       return whole(name, new Uint8Array(await part.arrayBuffer()), length);
     },

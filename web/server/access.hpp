@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace rosflight::web::server {
+
+/// Where a WebServer listens, and for how long it bears with a client.
+struct Access {
+  std::uint16_t port{0};  ///< 0: a free one.
+  /// Address of one network interface, such as 192.168.0.7, for other computers: then data are given
+  /// only to those who know the token. Empty: this computer alone, without a token.
+  std::string listen;
+  std::chrono::milliseconds silence{30'000};  ///< Then a connection is closed.
+  std::chrono::milliseconds handshake{
+      10'000};  ///< For the start of a WebSocket, and for the token.
+};
+
+}  // namespace rosflight::web::server

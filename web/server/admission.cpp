@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "web/server/admission.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <random>
+
+namespace rosflight::web::server {
+namespace {
+
+constexpr std::string_view kScheme = "http://";
+
+/// "HOST:PORT" as a browser writes it, which leaves out the port of the scheme.
+std::string name_of(const std::string& address, std::uint16_t port) {
+  constexpr std::uint16_t kHttp = 80;
+  const bool v6 = address.find(':') != std::string::npos;
+  return (v6 ? "[" + address + "]" : address) + (port == kHttp ? "" : ":" + std::to_string(port));
+}
+
+}  // namespace
+
+std::string random_token() {
+  constexpr int kWords = 4;
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::random_device random;
+  std::string token;
+  for (int k = 0; k < kWords; ++k) {
+    const std::uint32_t word = random();
+    for (unsigned shift = 0; shift < 32; shift += 4) token += kDigits[(word >> shift) & 15U];
+  }
+  return token;
+}
+
+Admission::Admission(const std::string& listen, std::uint16_t port) {
+  if (listen.empty()) {
+    for (const char* here : {"127.0.0.1", "localhost", "::1"})
+      names_.push_back(name_of(here, port));
+  } else {
+    names_.push_back(name_of(listen, port));
+    token_ = random_token();
+  }
+}
+
+bool Admission::is_name(std::string_view host) const {
+  return std::find(names_.begin(), names_.end(), host) != names_.end();
+}
+
+bool Admission::is_origin(std::string_view origin) const {
+  return origin.starts_with(kScheme) && is_name(origin.substr(kScheme.size()));
+}
+
+bool Admission::is_token(std::string_view shown) const {
+  int different = shown.size() == token_.size() ? 0 : 1;
+  for (std::size_t k = 0; k < std::min(shown.size(), token_.size()); ++k)
+    different |= static_cast<unsigned char>(shown[k]) ^ static_cast<unsigned char>(token_[k]);
+  return different == 0;
+}
+
+bool Admission::is_bearer(std::string_view authorization) const {
+  constexpr std::string_view kBearer = "Bearer ";
+  return authorization.starts_with(kBearer) && is_token(authorization.substr(kBearer.size()));
+}
+
+std::string Admission::address() const {
+  return std::string(kScheme) + names_.front() + "/" + (wants_token() ? "#" + token_ : "");
+}
+
+}  // namespace rosflight::web::server

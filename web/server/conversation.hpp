@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "web/server/admission.hpp"
+#include "web/server/live_data.hpp"
+
+namespace rosflight::web::server {
+
+/// What is said between the server and one viewer, in the Foxglove protocol v1 (foxglove.hpp), without
+/// the socket.
+///
+/// Where a token is wanted, the viewer's first message has to be it, and nothing is said before. What is
+/// new stays in LiveData until all before it has been sent, so a viewer that does not read costs no
+/// memory: it misses states.
+class Conversation {
+ public:
+  /// A viewer with more answers unread is disconnected.
+  static constexpr std::size_t kMostUnreadTexts = 32;
+
+  /// @param session  the same for all viewers of one start of the server.
+  Conversation(const LiveData& live, const Admission& admission, const std::string& session);
+
+  bool is_admitted() const { return admitted_; }
+
+  /// A message of the viewer; `is_text` if its frame says so.
+  /// @returns whether the viewer stays connected.
+  [[nodiscard]] bool on_message(std::string_view message, bool is_text);
+
+  struct Frame {
+    bool is_text{};
+    std::string head;          ///< All of a text; of a binary message what precedes its contents.
+    LiveData::Shared message;  ///< Its contents; nullptr for a text.
+  };
+  /// The next frame to send, once the one before has been sent; nothing: there is nothing new.
+  std::optional<Frame> next();
+
+ private:
+  void greet();
+  void take_news();
+  bool on_request(std::string_view message);
+  /// @returns whether the viewer stays connected.
+  bool complain(const std::string& what);
+
+  const LiveData& live_;
+  const Admission& admission_;
+  const std::string& session_;
+  bool admitted_;
+  std::deque<std::string> texts_;
+  std::deque<LiveData::Shared> messages_;
+  LiveData::Cursor cursor_;
+  std::vector<std::optional<std::uint32_t>> subscriptions_;  ///< The viewer's ids, by channel.
+};
+
+}  // namespace rosflight::web::server

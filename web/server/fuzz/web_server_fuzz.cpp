@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Any bytes of a client, over a connection: HTTP, and WebSocket behind its handshake. The server answers in its own words or closes,
+// and gets to the end of every connection. "$PORT" in the input stands for the server's port, so that the name can be right;
+// after a head that ends in "websocket" the answer is awaited.
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+#include "web/server/web_server.hpp"
+
+namespace {
+
+using namespace rosflight::web::server;
+
+struct Server {
+  Server() {
+    const std::size_t channel =
+        live.add_channel({"/text", "std_msgs/msg/String", "string data", LiveData::Kind::kEvent});
+    const std::array<std::uint8_t, 9> message{0, 1, 0, 0, 1, 0, 0, 0, 0};
+    live.put(channel, 1, message);
+  }
+  LiveData live;
+  WebServer web{{{{"self", "/proc/self/exe"}}, {{"", "<p>page"}, {"offer.json", "{}"}}, &live}};
+};
+
+int connected(std::uint16_t port) {
+  const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in there{};
+  there.sin_family = AF_INET;
+  there.sin_port = htons(port);
+  there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  sockaddr generic{};
+  std::memcpy(&generic, &there, sizeof there);
+  const timeval patience{20, 0};
+  ::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  if (::connect(socket, &generic, sizeof generic) != 0) std::abort();
+  return socket;
+}
+
+/// What the server says until it closes the connection, there is enough of it, or, if asked for, an
+/// answer's head has come. Time is up: abort.
+std::string heard(int socket, bool head_only) {
+  constexpr std::size_t kEnough = 65536;  // of a file
+  std::string said;
+  std::array<char, 4096> buffer{};
+  while (said.size() < kEnough && !(head_only && said.find("\r\n\r\n") != std::string::npos)) {
+    const ssize_t n = ::recv(socket, buffer.data(), buffer.size(), 0);
+    if (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) std::abort();
+    if (n <= 0) break;
+    said.append(buffer.data(), static_cast<std::size_t>(n));
+  }
+  return said;
+}
+
+void say(int socket, std::string_view text) {
+  static_cast<void>(::send(socket, text.data(), text.size(), MSG_NOSIGNAL));
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static Server server;
+  std::string text(reinterpret_cast<const char*>(data), size);
+  constexpr std::string_view kPort = "$PORT";
+  for (std::size_t at = 0; (at = text.find(kPort, at)) != std::string::npos;)
+    text.replace(at, kPort.size(), std::to_string(server.web.port()));
+  constexpr std::string_view kHandshake = "websocket\r\n\r\n";
+  const std::size_t handshake = text.find(kHandshake);
+  const int socket = connected(server.web.port());
+  std::string said;
+  if (handshake != std::string::npos) {
+    const std::size_t end = handshake + kHandshake.size();
+    say(socket, text.substr(0, end));
+    said = heard(socket, true);
+    text.erase(0, end);
+  }
+  say(socket, text);
+  ::shutdown(socket, SHUT_WR);
+  said += heard(socket, false);
+  ::close(socket);
+  if (!said.empty() && said.rfind("HTTP/1.", 0) != 0) std::abort();
+  return 0;
+}
