@@ -286,6 +286,8 @@ void AidFusion<kWing>::fuse_air_force(const ImuBuffer::Segment& segment) {
     if (model.linear_1_s <= 0.0 && model.quadratic_1_m <= 0.0) continue;
     auto residual = Filter::air_force(filter_.state(), axis, force_B(axis), model);
     residual.R(0) = config_.air_force_sigma_m_s2 * config_.air_force_sigma_m_s2;
+    // A wing hardly slips: the scale would be learned from noise, and no slip is no force at any scale.
+    if (kWing) residual.H.segment<2>(Filter::kAirScale).setZero();
     const bool accepted = weigh<1>(Aid::kSideslip, residual, config_.gate_sigma);
     if (accepted) learn_gusts(health_.of(Aid::kSideslip).nis);
     const double size = std::sqrt(health_.of(Aid::kSideslip).nis);

@@ -87,9 +87,9 @@ void ErrorStateEkf::predict(const ImuIncrement& u, const ProcessNoise& noise, do
   rows.operator()<9>(kTheta);
   rows.operator()<3>(kGnssBias);
   P_.block<9, 9>(kTheta, kGyroBias) = P_.block<9, 9>(kGyroBias, kTheta).transpose();
-  P_.block<9, 3>(kTheta, kMagBias) = P_.block<3, 9>(kMagBias, kTheta).transpose();
+  P_.block<9, 5>(kTheta, kMagBias) = P_.block<5, 9>(kMagBias, kTheta).transpose();
   P_.block<3, 9>(kGnssBias, kGyroBias) = P_.block<9, 3>(kGyroBias, kGnssBias).transpose();
-  P_.block<3, 3>(kGnssBias, kMagBias) = P_.block<3, 3>(kMagBias, kGnssBias).transpose();
+  P_.block<3, 5>(kGnssBias, kMagBias) = P_.block<5, 3>(kMagBias, kGnssBias).transpose();
   x_.gnss_bias_W *= kept;
 
   const auto variance = [dt](double density) { return density * density * dt; };
@@ -113,7 +113,10 @@ void ErrorStateEkf::predict(const ImuIncrement& u, const ProcessNoise& noise, do
     const double slow_m = k < 2 ? noise.gnss_slow_horizontal_m : noise.gnss_slow_altitude_m;
     P_(kGnssBias + k, kGnssBias + k) += lost * slow_m * slow_m;
     P_(kMagBias + k, kMagBias + k) += q_mag;
-    if (k < 2) P_(kWind + k, kWind + k) += variance(noise.wind_m_s_rts);
+  }
+  for (int k = 0; k < 2; ++k) {
+    P_(kWind + k, kWind + k) += variance(noise.wind_m_s_rts);
+    P_(kAirScale + k, kAirScale + k) += variance(noise.air_scale_rts);
   }
   propagate(x_, u, gravity_m_s2);
 }
@@ -212,23 +215,27 @@ ErrorStateEkf::Residual<1> ErrorStateEkf::sideslip(const NominalState& x, double
   return r;
 }
 
-/// With s = linear + quadratic |v_a|: df = -(s e + quadratic v_a,axis v_a/|v_a|) dv_a, where the
-/// axis' unit vector e and v_a are in B, and dv_a = R'(dv - dw) + [v_a]x dtheta.
+/// With s = linear + quadratic |v_a| and the axis' unit vector u, u and v_a in B:
+/// df = -(1 + e) (s u + quadratic v_a,axis v_a/|v_a|) dv_a - s v_a,axis de, where dv_a = R'(dv - dw) +
+/// [v_a]x dtheta.
 ErrorStateEkf::Residual<1> ErrorStateEkf::air_force(const NominalState& x, int axis,
                                                     double force_m_s2, const AirForce& model) {
   const Vector3 air_B = air_velocity_B(x);
   const double speed = air_B.norm();
   const double slope = model.linear_1_s + model.quadratic_1_m * speed;
   Eigen::RowVector3d by_air_B = Eigen::RowVector3d::Zero();
+  const double factor = 1.0 + x.air_scale_B(axis);
   by_air_B(axis) = -slope;
   if (speed > 0.0) by_air_B -= model.quadratic_1_m * air_B(axis) / speed * air_B.transpose();
+  by_air_B *= factor;
   const Eigen::RowVector3d by_v_W = by_air_B * x.q_WB.toRotationMatrix().transpose();
   Residual<1> r;
-  r.nu(0) = force_m_s2 - (x.accel_bias_B(axis) - slope * air_B(axis));
+  r.nu(0) = force_m_s2 - (x.accel_bias_B(axis) - factor * slope * air_B(axis));
   r.H.block<1, 3>(0, kVelocity) = by_v_W;
   r.H.block<1, 2>(0, kWind) = -by_v_W.head<2>();
   r.H.block<1, 3>(0, kTheta) = by_air_B * skew(air_B);
   r.H(0, kAccelBias + axis) = 1.0;
+  r.H(0, kAirScale + axis) = -slope * air_B(axis);
   return r;
 }
 
@@ -250,6 +257,7 @@ NominalState ErrorStateEkf::added(const NominalState& x, const Error& dx) {
   y.wind_W += dx.segment<2>(kWind);
   y.gnss_bias_W += dx.segment<3>(kGnssBias);
   y.mag_bias_B += kMicrotesla * dx.segment<3>(kMagBias);
+  y.air_scale_B += dx.segment<2>(kAirScale);
   return y;
 }
 
@@ -264,6 +272,7 @@ ErrorStateEkf::Error ErrorStateEkf::difference(const NominalState& to, const Nom
   dx.segment<2>(kWind) = to.wind_W - from.wind_W;
   dx.segment<3>(kGnssBias) = to.gnss_bias_W - from.gnss_bias_W;
   dx.segment<3>(kMagBias) = (to.mag_bias_B - from.mag_bias_B) / kMicrotesla;
+  dx.segment<2>(kAirScale) = to.air_scale_B - from.air_scale_B;
   return dx;
 }
 

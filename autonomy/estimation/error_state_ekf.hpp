@@ -20,6 +20,7 @@ struct NominalState {
   Vector2 wind_W{Vector2::Zero()};
   Vector3 gnss_bias_W{Vector3::Zero()};  ///< Slow error of the satellites' position [m].
   Vector3 mag_bias_B{Vector3::Zero()};   ///< Iron of the vehicle [T].
+  Vector2 air_scale_B{Vector2::Zero()};  ///< Relative error of AirForce along body x and y.
 };
 
 /// Integral of the IMU over dt_s: rotation vector, velocity change in body axes of the start.
@@ -39,6 +40,7 @@ struct ProcessNoise {
   double baro_bias_m_rts{0.03};
   double wind_m_s_rts{0.05};  ///< In still air; grows with the gusts that are measured.
   double mag_bias_T_rts{1e-9};
+  double air_scale_rts{2e-3};
   double gnss_slow_horizontal_m{1.7};
   double gnss_slow_altitude_m{2.55};
   double gnss_slow_time_s{1100.0};  ///< > 0.
@@ -46,9 +48,9 @@ struct ProcessNoise {
 
 /// What the accelerometer measures of the air: the specific force along a body axis,
 ///
-///     f = -(linear + quadratic |v_a|) v_a                                            (1)
+///     f = -(1 + e) (linear + quadratic |v_a|) v_a                                    (1)
 ///
-/// v_a the velocity through the air. Rotors: linear = rotor_drag * thrust / mass; bodies and wings:
+/// v_a the velocity through the air, e the relative error of the model along that axis. Rotors: linear = rotor_drag * thrust / mass; bodies and wings:
 /// quadratic = rho S C / (2 m), C the drag coefficient or the slope of the side force.
 struct AirForce {
   double linear_1_s{};
@@ -59,9 +61,9 @@ struct AirForce {
 /// estimator around it (estimator.hpp) decides what is fused when.
 ///
 ///     truth:  q = q^ exp(dtheta),  every other x = x^ + dx                                 (1)
-///     error:  [dtheta_B, dv_W, dp_W, dbg_B, dba_B, dbaro, dw_W, dgnss_W, dmag_B]           (2)
+///     error:  [dtheta_B, dv_W, dp_W, dbg_B, dba_B, dbaro, dw_W, dgnss_W, dmag_B, de_B]     (2)
 ///
-/// 24 numbers; that of the magnetometer in microtesla, so that none is many orders from one.
+/// 26 numbers; that of the magnetometer in microtesla, so that none is many orders from one.
 /// The attitude error is three small angles in body axes, so no attitude is singular. Prediction
 /// over an increment, u = dtheta - bg dt and a = dv - ba dt:
 ///
@@ -76,7 +78,8 @@ struct AirForce {
 class ErrorStateEkf {
  public:
   static constexpr int kTheta = 0, kVelocity = 3, kPosition = 6, kGyroBias = 9, kAccelBias = 12,
-                       kBaroBias = 15, kWind = 16, kGnssBias = 18, kMagBias = 21, kSize = 24;
+                       kBaroBias = 15, kWind = 16, kGnssBias = 18, kMagBias = 21, kAirScale = 24,
+                       kSize = 26;
   static constexpr double kMicrotesla = 1e-6;  ///< Unit of the error of the magnetometer [T].
   using Error = Eigen::Matrix<double, kSize, 1>;
   using Covariance = Eigen::Matrix<double, kSize, kSize>;
@@ -141,7 +144,7 @@ class ErrorStateEkf {
   static Residual<1> pitot(const NominalState& x, double pressure_Pa, double density_kg_m3);
   /// y: speed through the air to the right; zero is the assumption of no sideslip [m/s].
   static Residual<1> sideslip(const NominalState& x, double v_air_y_m_s);
-  /// y: specific force along body axis `axis`, as the accelerometer reads it [m/s^2].
+  /// y: specific force along body axis `axis`, 0 or 1, as the accelerometer reads it [m/s^2].
   static Residual<1> air_force(const NominalState& x, int axis, double force_m_s2,
                                const AirForce& model);
   /// y: velocity of the IMU over ground; zero is the assumption of standing still.

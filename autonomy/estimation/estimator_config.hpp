@@ -76,6 +76,7 @@ struct EstimatorConfig {
   double initial_accel_bias_m_s2{0.05};
   double initial_wind_m_s{4.0};
   double initial_mag_bias_T{6e-7};        ///< Each axis.
+  double initial_air_scale{0.4};          ///< Relative error of `air`.
   double initial_window_s{1.0};           ///< Averaged before the start.
   std::optional<double> declination_rad;  ///< Known beforehand.
   /// Else asked once, with the first fix: a magnetic model. Neither: magnetic north is taken for

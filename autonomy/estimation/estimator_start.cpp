@@ -105,6 +105,7 @@ ErrorStateEkf::Covariance Estimator<kWing>::initial_covariance(bool on_ground, b
   set(Filter::kBaroBias, 1, config().baro_sigma_m);
   set(Filter::kWind, 2, config().initial_wind_m_s);
   set(Filter::kMagBias, 3, config().initial_mag_bias_T / Filter::kMicrotesla);
+  set(Filter::kAirScale, 2, config().initial_air_scale);
   if (new_origin) {  // the slow error of the satellites counts from here
     set(Filter::kGnssBias, 2, config().gnss_horizontal_sigma_m);
     set(Filter::kGnssBias + 2, 1, config().gnss_altitude_sigma_m);

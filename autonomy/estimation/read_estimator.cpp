@@ -28,6 +28,7 @@ Table<ProcessNoise> noise_table() {
       {"baro_bias_m_rts", &N::baro_bias_m_rts, "m/sqrt(s)", kNotNegative, "random walk"},
       {"wind_m_s_rts", &N::wind_m_s_rts, "m/s/sqrt(s)", kNotNegative, "random walk in still air"},
       {"mag_bias_T_rts", &N::mag_bias_T_rts, "T/sqrt(s)", kNotNegative, "random walk"},
+      {"air_scale_rts", &N::air_scale_rts, "1/sqrt(s)", kNotNegative, "random walk"},
       {"gnss_slow_horizontal_m", &N::gnss_slow_horizontal_m, "m", kNotNegative,
        "slow error of the satellites, each axis: standard deviation"},
       {"gnss_slow_altitude_m", &N::gnss_slow_altitude_m, "m", kNotNegative,
@@ -50,7 +51,7 @@ Table<EstimatorConfig> sigma_table() {
       {"pitot_Pa", &E::pitot_sigma_Pa, "Pa", kSigma, "differential pressure"},
       {"sideslip_m_s", &E::sideslip_sigma_m_s, "m/s", kSigma, "lateral airspeed of a fixed wing"},
       {"air_force_m_s2", &E::air_force_sigma_m_s2, "m/s^2", kSigma,
-       "specific force of the air, model included"},
+       "specific force of the air, besides initial_air_scale"},
       {"rest_m_s", &E::rest_sigma_m_s, "m/s", kSigma, "velocity while at rest"}};
 }
 
@@ -102,6 +103,8 @@ Table<EstimatorConfig> parameters() {
       {"initial_wind_m_s", &E::initial_wind_m_s, "m/s", kSigma, "standard deviation at the start"},
       {"initial_mag_bias_T", &E::initial_mag_bias_T, "T", kSigma,
        "iron of the vehicle, each axis: standard deviation at the start"},
+      {"initial_air_scale", &E::initial_air_scale, "", kNotNegative,
+       "relative error of the drag and side force in this file: standard deviation at the start"},
       {"initial_window_s", &E::initial_window_s, "s", Range::between(0.1, 60.0),
        "averaged before the start"},
       Row<E>{"declination_deg", &E::declination_rad, kDeg, Range::between(-180.0, 180.0),

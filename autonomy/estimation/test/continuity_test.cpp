@@ -56,11 +56,12 @@ Motion dragging_at(double t) {
 }
 
 struct Flight {
-  explicit Flight(std::uint64_t seed = 1, bool drag = false,
+  /// `air_model`: what the estimator takes the drag of the rotors for, by their true one.
+  explicit Flight(std::uint64_t seed = 1, double air_model = 0.0,
                   const Vector3& imu_position_B = Vector3::Zero()) {
     WorldConfig config;
     config.seed = seed;
-    if (drag) config.filter.air.rotor_drag_s_m = kRotorDrag_s_m;
+    config.filter.air.rotor_drag_s_m = air_model * kRotorDrag_s_m;
     config.filter.declination_rad = field_declination();
     config.accel_bias_sigma = 0.03;
     config.gyro_bias_sigma = 0.005;
@@ -79,6 +80,7 @@ struct Flight {
     start.reset_variance(ErrorStateEkf::kWind, 2, 4.0);
     start.reset_variance(ErrorStateEkf::kGnssBias, 3, 0.05);
     start.reset_variance(ErrorStateEkf::kMagBias, 3, 0.6);
+    start.reset_variance(ErrorStateEkf::kAirScale, 2, 0.4);
     NominalState guess;
     guess.q_WB = world->motion(0.0).q_WB;
     guess.p_W = world->motion(0.0).p_W + guess.q_WB * imu_position_B;
@@ -241,7 +243,7 @@ TEST(Continuity, WithoutGnssTheForceOfTheAirHoldsTheAttitude) {
 
 TEST(Continuity, GustsWidenTheWindAndStillAirNarrowsIt) {
   for (const bool gusty : {false, true}) {
-    Flight f(1, true);
+    Flight f(1, 1.0);
     f.run_until(20.0);
     double nis = 0.0;
     int count = 0;
@@ -254,6 +256,18 @@ TEST(Continuity, GustsWidenTheWindAndStillAirNarrowsIt) {
     }
     EXPECT_LT(nis / count, 2.0) << gusty;
     EXPECT_LT(f.attitude_error_rad(), 0.06) << gusty;
+  }
+}
+
+TEST(Continuity, TheDragOfTheVehicleFileMayBeFarFromTheTrueOne) {
+  for (const double air_model : {0.5, 1.0, 2.0, 3.0}) {
+    Flight f(1, air_model);
+    EXPECT_LT(f.worst_attitude_until(40.0), 0.06) << air_model;
+    EXPECT_LT(f.velocity_error_m_s(), 0.3) << air_model;
+    const Vector2 scale = f.estimator->filter().state().air_scale_B;
+    for (int axis = 0; axis < 2; ++axis) {
+      EXPECT_NEAR((1.0 + scale(axis)) * air_model, 1.0, 0.15) << axis << " of " << air_model;
+    }
   }
 }
 
@@ -288,7 +302,7 @@ TEST(Continuity, AMagnetometerThatTurnsWhileTiltedIsNotTakenForAGyroEither) {
 
 TEST(Continuity, TurningDoesNotReachTheForceOfTheAir) {
   // Half a metre from the origin: what turning adds is up to 2 m/s^2, 30 times the noise.
-  Flight f(1, true, {0.0, 0.3, -0.5});
+  Flight f(1, 1.0, {0.0, 0.3, -0.5});
   f.run_until(20.0);
   const std::uint64_t rejected = f.estimator->health().of(Aid::kSideslip).rejected;
   double nis = 0.0;
