@@ -8,6 +8,7 @@
 #include "apps/page_server.hpp"
 #include "apps/stop_signal.hpp"
 #include "apps/view_command.hpp"
+#include "apps/viewer_commands.hpp"
 #include "log/topic_kinds.hpp"
 
 namespace rosflight::apps {
@@ -16,6 +17,7 @@ namespace {
 using log::Topic;
 using web::server::Contents;
 using web::server::LiveData;
+using web::server::Right;
 
 class LiveFlight final : public FlightWatch, public log::LogObserver {
  public:
@@ -23,11 +25,16 @@ class LiveFlight final : public FlightWatch, public log::LogObserver {
     Contents contents = page_contents();
     contents.texts["offer.json"] = R"({"live":true,"name":"flight"})";
     contents.live = &data_;
+    contents.desk = &desk_;
     server_ = serve(std::move(contents), access);
-    err_ << server_->address() << std::endl;
+    err_ << server_->address(Right::kCommand) << std::endl;
+    if (!access.listen.empty()) {
+      err_ << server_->address(Right::kLook) << "  (without the right to command)" << std::endl;
+    }
   }
 
   log::LogObserver& observer() override { return *this; }
+  flight::Commander& commander() override { return commands_; }
 
   void on_logged(Topic topic, std::uint64_t time_ns, log::Bytes cdr) override {
     const log::TopicKind topic_kind = log::kind_of(topic);
@@ -44,16 +51,17 @@ class LiveFlight final : public FlightWatch, public log::LogObserver {
   }
 
   void stay(const flight::FlightSummary& /*summary*/) override {
-    err_ << "rosflight: the flight has ended; " << server_->address() << " stays until Ctrl-C"
-         << std::endl;
+    err_ << "rosflight: the flight has ended; its page stays until Ctrl-C" << std::endl;
     wait_for_stop();
   }
 
  private:
   std::ostream& err_;
   LiveData data_;
+  web::server::CommandDesk desk_;
+  ViewerCommands commands_{desk_};
   std::array<std::optional<std::size_t>, log::kTopics.size()> channels_;
-  std::unique_ptr<web::server::WebServer> server_;  ///< Ends first: it reads data_.
+  std::unique_ptr<web::server::WebServer> server_;  ///< Ends first: it uses the others.
 };
 
 }  // namespace

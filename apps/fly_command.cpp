@@ -131,7 +131,10 @@ int fly_command(flight::FlyOptions options, bool json, std::ostream& out, std::o
   options.on_note = [&progress](const flight::FlightNote& note) { progress.note(note); };
   options.on_step = [&progress](const flight::Flight& flight) { progress.tick(flight); };
   options.interrupted = [] { return stop_signal() != 0; };
-  if (watch != nullptr) options.observer = &watch->observer();
+  if (watch != nullptr) {
+    options.observer = &watch->observer();
+    options.commander = &watch->commander();
+  }
   const SignalWatch signals;
   try {
     const flight::FlightSummary summary = flight::fly(options);

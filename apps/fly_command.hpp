@@ -12,6 +12,7 @@ class FlightWatch {
  public:
   virtual ~FlightWatch() = default;
   virtual log::LogObserver& observer() = 0;
+  virtual flight::Commander& commander() = 0;
   /// The flight has ended and its folder is written; returns when nobody wants to look any more.
   virtual void stay(const flight::FlightSummary& summary) = 0;
 };

@@ -93,13 +93,16 @@ Job<LoadReport> ParameterClient::load(ParameterSet set) {
   return Job<LoadReport>(load->job);
 }
 
+void put_mixers_last(ParameterSet& set) {
+  std::stable_partition(set.begin(), set.end(), [](const NamedValue& entry) {
+    return entry.name != "PRIMARY_MIXER" && entry.name != "SECONDARY_MIXER";
+  });
+}
+
 Job<LoadReport> ParameterClient::load_file(const std::filesystem::path& path) {
   try {
-    // The firmware makes its mixers when they are chosen, and checks them against the other parameters.
     ParameterSet set = read_parameter_file(path);
-    std::stable_partition(set.begin(), set.end(), [](const NamedValue& entry) {
-      return entry.name != "PRIMARY_MIXER" && entry.name != "SECONDARY_MIXER";
-    });
+    put_mixers_last(set);
     return load(std::move(set));
   } catch (const std::exception& error) {
     auto record = std::make_shared<JobRecord<LoadReport>>();

@@ -14,6 +14,10 @@
 
 namespace rosflight::companion {
 
+/// Moves the choice of mixers behind the others: the firmware makes its mixers when they are chosen, and
+/// checks them against the other parameters.
+void put_mixers_last(ParameterSet& set);
+
 /// The parameters of the FCU: a mirror of its table, and jobs that read, set, load and save.
 class ParameterClient {
  public:

@@ -53,7 +53,7 @@ class Flight final {
   void set_tap(LinkTap* tap);
   /// Adds a visualiser, called at the end of each step; it must outlive the flight.
   void add(sim::Visualiser& visualiser);
-  /// Called in each step before the firmware runs, after the mission runner; for tests.
+  /// Called in each step before the firmware runs, after the mission runner.
   void set_script(std::function<void(Flight&, sim::Time)> script);
 
   /// Advances by kStep.

@@ -90,11 +90,18 @@ FlightSummary fly(const FlyOptions& options) {
   const std::unique_ptr<FlightPage> page = page_for(options, *setup, folder);
   FlightRecorder recorder(*flight, folder / "flight.mcap", log_level(options.log),
                           observers(options, page.get()));
-  flight->runner().set_notify([&recorder, &options](const FlightNote& note) {
+  const MissionRunner::Notify notify = [&recorder, &options](const FlightNote& note) {
     recorder.note(note);
     if (options.on_note) options.on_note(note);
-  });
+  };
+  flight->runner().set_notify(notify);
+  if (options.commander != nullptr) {
+    flight->set_script([&options, &notify](Flight& flying, sim::Time t) {
+      options.commander->step(flying.session(), t, notify);
+    });
+  }
   const bool interrupted = run(*flight, options);
+  if (options.commander != nullptr) options.commander->end();
 
   std::optional<log::LogSummary> log = recorder.close();
   FlightSummary summary = summarise(*flight, interrupted);

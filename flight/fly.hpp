@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "flight/commander.hpp"
 #include "flight/flight.hpp"
 #include "flight/flight_summary.hpp"
 #include "log/log_observer.hpp"
@@ -26,6 +27,7 @@ struct FlyOptions {
   std::function<void(const FlightNote&)> on_note;  ///< Each note of the flight.
   std::function<void(const Flight&)> on_step;      ///< After each step.
   log::LogObserver* observer{nullptr};             ///< Sees what is logged; may be none.
+  Commander* commander{nullptr};                   ///< May be none.
   /// Asked before each step; true ends the flight, and its folder is written as of any other.
   std::function<bool()> interrupted;
 };

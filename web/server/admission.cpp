@@ -17,6 +17,14 @@ std::string name_of(const std::string& address, std::uint16_t port) {
   return (v6 ? "[" + address + "]" : address) + (port == kHttp ? "" : ":" + std::to_string(port));
 }
 
+/// Takes the same time wherever the first difference is.
+bool equal(std::string_view a, std::string_view b) {
+  int different = a.size() == b.size() ? 0 : 1;
+  for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k)
+    different |= static_cast<unsigned char>(a[k]) ^ static_cast<unsigned char>(b[k]);
+  return different == 0;
+}
+
 }  // namespace
 
 std::string random_token() {
@@ -37,7 +45,8 @@ Admission::Admission(const std::string& listen, std::uint16_t port) {
       names_.push_back(name_of(here, port));
   } else {
     names_.push_back(name_of(listen, port));
-    token_ = random_token();
+    look_ = random_token();
+    command_ = random_token();
   }
 }
 
@@ -49,20 +58,21 @@ bool Admission::is_origin(std::string_view origin) const {
   return origin.starts_with(kScheme) && is_name(origin.substr(kScheme.size()));
 }
 
-bool Admission::is_token(std::string_view shown) const {
-  int different = shown.size() == token_.size() ? 0 : 1;
-  for (std::size_t k = 0; k < std::min(shown.size(), token_.size()); ++k)
-    different |= static_cast<unsigned char>(shown[k]) ^ static_cast<unsigned char>(token_[k]);
-  return different == 0;
+Right Admission::right_of(std::string_view token) const {
+  const bool looks = equal(token, look_);
+  const bool commands = equal(token, command_);
+  return commands ? Right::kCommand : looks ? Right::kLook : Right::kNone;
 }
 
 bool Admission::is_bearer(std::string_view authorization) const {
   constexpr std::string_view kBearer = "Bearer ";
-  return authorization.starts_with(kBearer) && is_token(authorization.substr(kBearer.size()));
+  return authorization.starts_with(kBearer) &&
+         right_of(authorization.substr(kBearer.size())) != Right::kNone;
 }
 
-std::string Admission::address() const {
-  return std::string(kScheme) + names_.front() + "/" + (wants_token() ? "#" + token_ : "");
+std::string Admission::address(Right right) const {
+  const std::string& token = right == Right::kCommand ? command_ : look_;
+  return std::string(kScheme) + names_.front() + "/" + (wants_token() ? "#" + token : "");
 }
 
 }  // namespace rosflight::web::server

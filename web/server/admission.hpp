@@ -10,8 +10,11 @@ namespace rosflight::web::server {
 /// 128 random bits, as 32 hexadecimal digits.
 std::string random_token();
 
+/// What a viewer may do.
+enum class Right : std::uint8_t { kNone, kLook, kCommand };
+
 /// Which requests a server answers: those that call it by its own name, come from its own page, and
-/// have its token if it wants one.
+/// have one of its tokens if it wants one: one to look, one to command too.
 class Admission {
  public:
   /// This computer alone, without a token; or, if `listen` is not empty, all who reach this address of
@@ -23,18 +26,19 @@ class Admission {
   /// @param origin  the header Origin, as a browser sends it with what a page asks for.
   bool is_origin(std::string_view origin) const;
 
-  bool wants_token() const { return !token_.empty(); }
+  bool wants_token() const { return !look_.empty(); }
   /// Takes the same time wherever the first difference is.
-  bool is_token(std::string_view shown) const;
+  Right right_of(std::string_view token) const;
   /// @param authorization  the header: "Bearer TOKEN".
   bool is_bearer(std::string_view authorization) const;
 
   /// What to type into a browser. The token stands after '#', which browsers send to nobody.
-  std::string address() const;
+  std::string address(Right right) const;
 
  private:
   std::vector<std::string> names_;  ///< As in Host; the first one is printed.
-  std::string token_;               ///< Of this start.
+  std::string look_;                ///< Tokens of this start; empty: nobody has to show one.
+  std::string command_;
 };
 
 }  // namespace rosflight::web::server

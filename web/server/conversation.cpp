@@ -7,30 +7,40 @@
 
 namespace rosflight::web::server {
 
-Conversation::Conversation(const LiveData& live, const Admission& admission,
-                           const std::string& session)
-    : live_{live}, admission_{admission}, session_{session}, admitted_{!admission.wants_token()} {
-  if (admitted_) greet();
+Conversation::Conversation(const LiveData& live, CommandDesk* desk, const Admission& admission,
+                           const std::string& session, std::uint64_t viewer)
+    : live_{live},
+      desk_{desk},
+      admission_{admission},
+      session_{session},
+      viewer_{viewer},
+      right_{admission.wants_token() ? Right::kNone : Right::kCommand} {
+  if (is_admitted()) greet();
+}
+
+Conversation::~Conversation() {
+  if (desk_ != nullptr) desk_->forget(viewer_);
 }
 
 bool Conversation::on_message(std::string_view message, bool is_text) {
-  if (!admitted_) {
-    admitted_ = admission_.is_token(foxglove::parse_token(message));
-    if (admitted_) greet();
-    return admitted_;
+  if (!is_admitted()) {
+    right_ = admission_.right_of(foxglove::parse_token(message));
+    if (is_admitted()) greet();
+    return is_admitted();
   }
   return is_text ? on_request(message) : complain("binary messages are not used here");
 }
 
 std::optional<Conversation::Frame> Conversation::next() {
-  if (!admitted_) return std::nullopt;
-  if (texts_.empty() && messages_.empty()) take_news();
+  if (!is_admitted()) return std::nullopt;
+  if (texts_.empty() && messages_.empty() && answers_.empty()) take_news();
   while (!messages_.empty() && !subscriptions_.at(messages_.front()->channel))
     messages_.pop_front();  // unsubscribed meanwhile
   Frame frame;
-  if (!texts_.empty()) {
-    frame = {true, std::move(texts_.front()), nullptr};
-    texts_.pop_front();
+  std::deque<std::string>& texts = texts_.empty() && messages_.empty() ? answers_ : texts_;
+  if (!texts.empty()) {
+    frame = {true, std::move(texts.front()), nullptr};
+    texts.pop_front();
   } else if (!messages_.empty()) {
     LiveData::Shared message = std::move(messages_.front());
     messages_.pop_front();
@@ -43,10 +53,21 @@ std::optional<Conversation::Frame> Conversation::next() {
 }
 
 void Conversation::greet() {
-  texts_.push_back(foxglove::server_info("rosflight", session_));
+  const bool commands = desk_ != nullptr && right_ == Right::kCommand;
+  texts_.push_back(foxglove::server_info("rosflight", session_, desk_ != nullptr, commands));
+}
+
+void Conversation::take_answers() {
+  for (const CommandDesk::Answer& answer : desk_->answers(viewer_))
+    answers_.push_back(foxglove::command_results(answer));
+  const auto parameters = desk_->parameters();
+  if (parameters == nullptr || unsaved_ == parameters->unsaved) return;
+  unsaved_ = parameters->unsaved;
+  answers_.push_back(foxglove::parameters_unsaved(*unsaved_));
 }
 
 void Conversation::take_news() {
+  if (desk_ != nullptr) take_answers();
   const std::size_t first = cursor_.channels;
   LiveData::News news = live_.news(cursor_);
   if (!news.channels.empty()) texts_.push_back(foxglove::advertise(first, news.channels));
@@ -57,6 +78,8 @@ void Conversation::take_news() {
 bool Conversation::on_request(std::string_view message) {
   const foxglove::Request request = foxglove::parse_request(message);
   if (!request.complaint.empty()) return complain(request.complaint);
+  if (request.get_parameters) return on_parameters(*request.get_parameters, request.id);
+  if (request.command) return on_command(*request.command, request.id);
   std::string unknown;
   for (const auto& [id, channel] : request.subscribe) {
     if (channel >= subscriptions_.size()) {
@@ -74,6 +97,22 @@ bool Conversation::on_request(std::string_view message) {
     }
   }
   return unknown.empty() || complain(unknown);
+}
+
+bool Conversation::on_parameters(const std::vector<std::string>& names, const std::string& id) {
+  const auto parameters = desk_ != nullptr ? desk_->parameters() : nullptr;
+  if (parameters == nullptr) return complain("getParameters: none are known here");
+  texts_.push_back(foxglove::parameter_values(*parameters, names, id));
+  return texts_.size() <= kMostUnreadTexts;
+}
+
+bool Conversation::on_command(decltype(CommandDesk::Command::what) what, const std::string& id) {
+  if (desk_ == nullptr) return complain("nothing can be commanded here");
+  if (right_ != Right::kCommand) return complain("this address is one to look, not to command");
+  const std::string refusal = desk_->ask({viewer_, id, std::move(what)});
+  if (refusal.empty()) return true;
+  texts_.push_back(foxglove::command_results({viewer_, id, {{{}, {}, false, refusal}}}));
+  return texts_.size() <= kMostUnreadTexts;
 }
 
 bool Conversation::complain(const std::string& what) {

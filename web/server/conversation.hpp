@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "web/server/admission.hpp"
+#include "web/server/command_desk.hpp"
 #include "web/server/live_data.hpp"
 
 namespace rosflight::web::server {
@@ -24,10 +25,16 @@ class Conversation {
   /// A viewer with more answers unread is disconnected.
   static constexpr std::size_t kMostUnreadTexts = 32;
 
+  /// @param desk  nullptr: nothing can be commanded.
   /// @param session  the same for all viewers of one start of the server.
-  Conversation(const LiveData& live, const Admission& admission, const std::string& session);
+  /// @param viewer  its number, from 1.
+  Conversation(const LiveData& live, CommandDesk* desk, const Admission& admission,
+               const std::string& session, std::uint64_t viewer);
+  ~Conversation();
+  Conversation(const Conversation&) = delete;
+  Conversation& operator=(const Conversation&) = delete;
 
-  bool is_admitted() const { return admitted_; }
+  bool is_admitted() const { return right_ != Right::kNone; }
 
   /// A message of the viewer; `is_text` if its frame says so.
   /// @returns whether the viewer stays connected.
@@ -44,16 +51,23 @@ class Conversation {
  private:
   void greet();
   void take_news();
+  void take_answers();
   bool on_request(std::string_view message);
+  bool on_parameters(const std::vector<std::string>& names, const std::string& id);
+  bool on_command(decltype(CommandDesk::Command::what) what, const std::string& id);
   /// @returns whether the viewer stays connected.
   bool complain(const std::string& what);
 
   const LiveData& live_;
+  CommandDesk* desk_;
   const Admission& admission_;
   const std::string& session_;
-  bool admitted_;
+  std::uint64_t viewer_;
+  Right right_;
+  std::optional<bool> unsaved_;  ///< As the viewer was told.
   std::deque<std::string> texts_;
   std::deque<LiveData::Shared> messages_;
+  std::deque<std::string> answers_;  ///< After the messages that show what was done.
   LiveData::Cursor cursor_;
   std::vector<std::optional<std::uint32_t>> subscriptions_;  ///< The viewer's ids, by channel.
 };

@@ -23,8 +23,62 @@ std::uint32_t id(const Json& json) {
   return static_cast<std::uint32_t>(value);
 }
 
+/// As on the link. A name with anything else is none, and must not get into a log.
+std::string parameter_name(const Json& json) {
+  constexpr std::size_t kLongest = 16;
+  auto name = json.get<std::string>();
+  const bool good = std::all_of(name.begin(), name.end(), [](char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  });
+  if (!good || name.empty() || name.size() > kLongest)
+    throw Json::other_error::create(501, "a parameter has no such name", &json);
+  return name;
+}
+
+CommandDesk::SetParameters set_parameters(const Json& json) {
+  CommandDesk::SetParameters set;
+  for (const Json& one : json.at("parameters")) {
+    if (!one.at("value").is_number())
+      throw Json::other_error::create(501, "the value of a parameter is no number", &json);
+    set.values.emplace_back(parameter_name(one.at("name")), one.at("value").get<double>());
+  }
+  return set;
+}
+
+/// @returns whether it is one.
+bool read_parameter_request(const std::string& op, const Json& json, Request& request) {
+  if (op == "getParameters") {
+    auto& names = request.get_parameters.emplace();
+    for (const Json& name : json.at("parameterNames")) names.push_back(parameter_name(name));
+  } else if (op == "setParameters") {
+    request.command = set_parameters(json);
+  } else if (op == "writeParameters") {
+    request.command = CommandDesk::WriteParameters{};
+  } else if (op == "reportChecks") {
+    request.command = CommandDesk::ReportChecks{};
+  } else {
+    return false;
+  }
+  request.id = json.value("id", "");
+  return true;
+}
+
+/// A float is said to be one: JSON of 1.0 may be that of an integer.
+Json parameter(const std::string& name, double value, bool is_float) {
+  if (!is_float) return {{"name", name}, {"value", static_cast<std::int64_t>(value)}};
+  return {{"name", name}, {"value", value}, {"type", "float64"}};
+}
+
+std::string values_text(Json parameters, std::string_view id, Json results) {
+  Json json{{"op", "parameterValues"}, {"parameters", std::move(parameters)}};
+  if (!id.empty()) json["id"] = id;
+  if (!results.is_null()) json["results"] = std::move(results);
+  return text_of(json);
+}
+
 void read_request(const Json& json, Request& request) {
   const auto op = json.at("op").get<std::string>();
+  if (read_parameter_request(op, json, request)) return;
   if (op == "subscribe") {
     for (const Json& one : json.at("subscriptions")) {
       const std::uint32_t channel = id(one.at("channelId"));
@@ -34,7 +88,9 @@ void read_request(const Json& json, Request& request) {
   } else if (op == "unsubscribe") {
     for (const Json& one : json.at("subscriptionIds")) request.unsubscribe.push_back(id(one));
   } else {
-    request.complaint = "op: found " + op + ", known are subscribe, unsubscribe";
+    request.complaint = "op: found " + op +
+                        ", known are subscribe, unsubscribe, getParameters, setParameters, "
+                        "writeParameters, reportChecks";
   }
 }
 
@@ -53,13 +109,40 @@ std::optional<std::string_view> chosen_protocol(std::string_view offered) {
   return std::nullopt;
 }
 
-std::string server_info(std::string_view name, std::string_view session) {
+std::string server_info(std::string_view name, std::string_view session, bool parameters,
+                        bool commands) {
+  Json capabilities = Json::array();
+  if (parameters) capabilities.push_back("parameters");
   return text_of({{"op", "serverInfo"},
                   {"name", name},
-                  {"capabilities", Json::array()},
+                  {"capabilities", std::move(capabilities)},
                   {"supportedEncodings", Json::array()},
-                  {"metadata", Json::object()},
+                  {"metadata", {{"commands", commands ? "yes" : "no"}}},
                   {"sessionId", session}});
+}
+
+std::string parameter_values(const CommandDesk::Parameters& parameters,
+                             std::span<const std::string> names, std::string_view id) {
+  Json wanted = Json::array();
+  for (const CommandDesk::Parameter& one : parameters.all) {
+    if (names.empty() || std::find(names.begin(), names.end(), one.name) != names.end())
+      wanted.push_back(parameter(one.name, one.value, one.is_float));
+  }
+  return values_text(std::move(wanted), id, nullptr);
+}
+
+std::string command_results(const CommandDesk::Answer& answer) {
+  Json values = Json::array();
+  Json results = Json::array();
+  for (const CommandDesk::Result& one : answer.results) {
+    if (one.value) values.push_back(parameter(one.name, *one.value, true));
+    results.push_back({{"name", one.name}, {"good", one.good}, {"text", one.text}});
+  }
+  return values_text(std::move(values), answer.id, std::move(results));
+}
+
+std::string parameters_unsaved(bool unsaved) {
+  return text_of({{"op", "parameterValues"}, {"parameters", Json::array()}, {"unsaved", unsaved}});
 }
 
 std::string advertise(std::size_t first, std::span<const LiveData::Channel> channels) {

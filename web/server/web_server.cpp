@@ -43,6 +43,7 @@ struct Site {
   Admission admission{{}, 0};
   std::string session{random_token()};  ///< Of this start.
   int clients{0};
+  std::uint64_t viewers_so_far{0};
   std::vector<std::weak_ptr<Viewer>> viewers;
 };
 
@@ -61,7 +62,8 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   Viewer(beast::tcp_stream stream, Site& site)
       : stream_{std::move(stream)},
         site_{site},
-        conversation_{*site.contents.live, site.admission, site.session},
+        conversation_{*site.contents.live, site.contents.desk, site.admission, site.session,
+                      ++site.viewers_so_far},
         admission_{stream_.get_executor()} {
     ++site_.clients;
   }
@@ -427,8 +429,8 @@ std::uint16_t WebServer::port() const {
   return impl_->first.local_endpoint().port();
 }
 
-std::string WebServer::address() const {
-  return impl_->site.admission.address();
+std::string WebServer::address(Right right) const {
+  return impl_->site.admission.address(right);
 }
 
 }  // namespace rosflight::web::server

@@ -7,6 +7,8 @@
 #include <string>
 
 #include "web/server/access.hpp"
+#include "web/server/admission.hpp"
+#include "web/server/command_desk.hpp"
 #include "web/server/live_data.hpp"
 
 namespace rosflight::web::server {
@@ -20,6 +22,8 @@ struct Contents {
   std::map<std::string, std::string> texts;
   /// Something that runs, for the WebSocket; nullptr: there is none. Outlives the server.
   const LiveData* live{nullptr};
+  /// Where its viewers' commands go; nullptr: they have none. Outlives the server.
+  CommandDesk* desk{nullptr};
 };
 
 /// Serves the page to browsers, over HTTP, in a thread of its own: on 127.0.0.1 and [::1], or on
@@ -30,7 +34,8 @@ struct Contents {
 /// that (403 otherwise: a foreign page). At most kMostClients connections; a request
 /// head has at most kLargestHead bytes (431) and no body (413).
 ///
-/// The token, 128 random bits of this start, is in address() after '#', which browsers send to nobody.
+/// A token, 128 random bits of this start, is in address() after '#', which browsers send to nobody; there
+/// is one to look and one to command. On this computer everybody may command.
 /// Files of the page itself are free; other addresses of Contents want it as `Authorization: Bearer`
 /// (401 otherwise), a WebSocket as its first message {"op":"token","token":"..."}.
 ///
@@ -55,8 +60,8 @@ class WebServer {
   WebServer& operator=(const WebServer&) = delete;
 
   std::uint16_t port() const;
-  /// What to type into a browser, with the token if there is one.
-  std::string address() const;
+  /// What to type into a browser, with the token of that right if there is one.
+  std::string address(Right right = Right::kLook) const;
 
  private:
   struct Impl;

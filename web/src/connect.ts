@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Keeps the page connected with the running flight of its server.
 import {batch} from '@preact/signals';
+import {Commands, type Result} from './data/commands.ts';
 import {LiveDecoder, PROTOCOLS} from './data/live.ts';
 import * as state from './state.ts';
 import {firstMessage} from './token.ts';
@@ -13,11 +14,22 @@ const DELAY_S = 0.03;
 /** After so long without news there is nothing to lie between: the latest is shown. */
 const QUIET_MS = 200;
 
+interface ServerMessage { op?: string; metadata?: Record<string, string>; unsaved?: boolean; id?: string; results?: Result[] }
+
+/** What is no message of the flight. */
+function onServer(message: ServerMessage, commands: Commands) {
+  if (message.op === 'serverInfo' && message.metadata?.['commands'] === 'yes') state.commands.value = commands;
+  if (message.unsaved !== undefined) state.unsaved.value = message.unsaved;
+  commands.answered(message);
+  if (message.results) ++state.revision.value; // what is in force has come before them
+}
+
 export function connect(name: string) {
   if (state.live.value === 'off') state.live.value = 'connecting';
   const socket = new WebSocket(location.href.replace(/^http/, 'ws').replace(/[?#].*/, ''), PROTOCOLS);
   socket.binaryType = 'arraybuffer';
   const decoder = new LiveDecoder(name);
+  const commands = new Commands((text) => socket.send(text));
   let revised = 0;
   let newest = {end_s: -1, at_ms: 0};
   const follow = () => {
@@ -43,6 +55,7 @@ export function connect(name: string) {
     if (typeof data === 'string') {
       const answer = decoder.text(data);
       if (answer) socket.send(answer);
+      else onServer(JSON.parse(data) as ServerMessage, commands);
       return;
     }
     try {
@@ -57,6 +70,8 @@ export function connect(name: string) {
     requestAnimationFrame(follow);
   };
   socket.onclose = () => {
+    commands.lost();
+    state.commands.value = undefined;
     state.live.value = 'gone';
     setTimeout(() => connect(name), AGAIN_MS);
   };

@@ -1,2 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 declare module '*.css';
+declare module '*.csv' {
+  const text: string;
+  export default text;
+}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the views share: the flight, the moment shown, how it goes on.
 import {signal} from '@preact/signals';
+import type {Commands} from './data/commands.ts';
 import type {Flight} from './data/flight.ts';
 
 export const flight = signal<Flight | undefined>(undefined);
@@ -24,6 +25,11 @@ export const live = signal<'off' | 'connecting' | 'on' | 'gone'>('off');
 export const following = signal(false);
 /** Counts up while a flight grows, for what is drawn seldom. */
 export const revision = signal(0);
+
+/** Over the connection with the server; undefined where nothing can be commanded. */
+export const commands = signal<Commands | undefined>(undefined);
+/** Parameters have changed since they were last written to the vehicle's memory. */
+export const unsaved = signal(false);
 
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20] as const;
 

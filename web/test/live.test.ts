@@ -9,7 +9,9 @@ import {connect as connectTcp} from 'node:net';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {after, test} from 'node:test';
+import {bytesSource} from '../src/data/bytes.ts';
 import {LiveDecoder, PROTOCOLS} from '../src/data/live.ts';
+import {readLog} from '../src/data/read_log.ts';
 import {FLY, VIEW} from './flights.ts';
 
 const scratch = await mkdtemp(join(tmpdir(), 'rosflight_live_'));
@@ -137,6 +139,37 @@ test('a viewer that comes after the landing gets every event and the latest stat
   assert.equal(decoder.flight.tables.get('/parameters')!.length, parameters);
   assert.ok(Math.abs(decoder.flight.poseAt(decoder.flight.end_s)!.p[2]) < 0.3, 'landed');
   socket.close();
+  child.kill('SIGTERM');
+});
+
+test('FoxgloveClient reads and sets parameters, and the log says who did', {timeout: 120_000}, async () => {
+  const {child, summary, address} = await fly(VIEW, '--view');
+  const url = await address;
+  const client = new FoxgloveClient({ws: new WebSocket(url.replace('http', 'ws'), [FoxgloveClient.SUPPORTED_SUBPROTOCOL]) as never});
+  const complaints: string[] = [];
+  client.on('status', ({message}) => complaints.push(message));
+  const values = (names: string[]) => new Promise<{name: string; value: unknown}[]>((resolve) => {
+    client.on('parameterValues', ({parameters: found, id}) => { if (id === `get ${names}`) resolve(found as never); });
+    client.getParameters(names, `get ${names}`);
+  });
+  await new Promise<void>((resolve) => client.on('open', () => resolve()));
+  const soon = () => Promise.race([values([]), new Promise<[]>((resolve) => setTimeout(() => resolve([]), 200))]);
+  let all = await soon(); // empty until the list has come over the link
+  for (; all.length === 0; all = await soon());
+  assert.equal(all.length, parameters);
+  assert.match(complaints[0] ?? 'none are known', /none are known/);
+  const done = new Promise<{value: unknown}[]>((resolve) => client.on('parameterValues', ({parameters: found, id}) => { if (id === 'set') resolve(found as never); }));
+  client.setParameters([{name: 'ACC_X_TEMP_COMP', value: 0.001}], 'set');
+  assert.deepEqual((await done).map(({value}) => value), [Math.fround(0.001)]);
+  assert.deepEqual((await values(['ACC_X_TEMP_COMP'])).map(({value}) => value), [Math.fround(0.001)]);
+  client.close();
+  const {success} = await summary;
+  assert.equal(success, true);
+  const flight = await readLog(bytesSource('log', new Uint8Array(await readFile(join(scratch, String(count), 'flight.mcap')))));
+  const said = flight.events.find(({source, text}) => source === 'viewer' && /sets ACC_X_TEMP_COMP 0.001/.test(text))!;
+  const link = flight.tables.get('/link/param_set')!;
+  const sent = link.text('name')!.lastIndexOf('ACC_X_TEMP_COMP');
+  assert.ok(link.times[sent]! - said.t >= 0 && link.times[sent]! - said.t < 0.02, 'the moment of the command');
   child.kill('SIGTERM');
 });
 

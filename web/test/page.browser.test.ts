@@ -48,6 +48,15 @@ async function withPage(url: string, use: (page: Page) => Promise<void>, ...opti
   }
 }
 
+interface Axe { run(): Promise<{violations: {id: string; nodes: {html: string}[]}[]}> }
+
+/** What axe finds in the page as it is. */
+async function violations(page: Page): Promise<string[]> {
+  await page.evaluate(AXE);
+  return page.evaluate(async () => (await (window as unknown as {axe: Axe}).axe.run()).violations
+    .map(({id, nodes}) => `${id}: ${nodes.map(({html}) => html).slice(0, 3).join(' | ')}`));
+}
+
 describe('replay of a flight', () => {
   test('shows the vehicle where it is, also after a seek and in each view', () => withPage(multirotor, async (page) => {
     for (const t of [7, 20, 44]) {
@@ -121,8 +130,30 @@ describe('replay of a flight', () => {
 
   test('parameters can be searched', () => withPage(multirotor, async (page) => {
     await page.getByRole('tab', {name: 'Parameters'}).click();
+    await goTo(page, 40);
     await page.getByLabel('Search').fill('batt_volt_max');
-    assert.equal(await page.locator('.parameters tbody').innerText(), 'BATT_VOLT_MAX\t25.2\t25', 'name, value, default');
+    assert.equal(await page.locator('.parameters tbody tr').first().innerText(), 'BATT_VOLT_MAX\t25.2\t25', 'name, value, default');
+    assert.match(await page.locator('.parameters .about').innerText(), /^V · 0 .. 100 · Voltage of the full battery/);
+    await page.getByLabel('Search').fill('');
+    await page.getByLabel('Group').selectOption('PID');
+    for (const name of await page.locator('.parameters tbody th').allInnerTexts()) assert.match(name, /^PID_/);
+    assert.equal(await page.getByLabel('Value of PID_ROLL_RATE_P').count(), 0, 'a log cannot be commanded');
+  }));
+
+  test('parameters of a file are compared with those of a flight', () => withPage(multirotor, async (page) => {
+    await page.getByRole('tab', {name: 'Parameters'}).click();
+    const open = (text: string) => page.getByLabel('Compare with a file')
+      .setInputFiles({name: 'mine.yaml', mimeType: 'application/yaml', buffer: Buffer.from(text)});
+    await goTo(page, 40);
+    await open(await readFile(join(MULTIROTOR, 'parameters.yaml'), 'utf8'));
+    await page.getByText('mine.yaml has the same values').waitFor();
+    await open('- {name: BATT_VOLT_MAX, type: 9, value: 24.0}\n');
+    assert.equal(await page.locator('.differences tbody').innerText(), 'BATT_VOLT_MAX\t25.2\t24');
+    await open('{"no": "such file"}');
+    await page.getByText('mine.yaml, line 1: found').waitFor();
+    const saved = page.waitForEvent('download');
+    await page.getByRole('button', {name: 'Save to a file'}).click();
+    assert.equal(await readFile(await (await saved).path(), 'utf8'), (await readFile(join(MULTIROTOR, 'parameters.yaml'), 'utf8')).replace(/^#.*\n/, ''));
   }));
 
   test('of another computer is seen with the whole address alone', async () => {
@@ -187,6 +218,49 @@ describe('a running flight', () => {
     await rm(folder, {recursive: true});
   });
 
+  test('has its parameters changed from the page, and each change says how it ended', async () => {
+    const {url, program, folder} = await flyAndView('--speed', '0.2');
+    await withPage(url, async (page) => {
+      const said = page.locator('.said');
+      const until = (s: number) => page.waitForFunction((t) => parseFloat(document.querySelector('.clock')!.textContent!) > t, s);
+      await page.getByRole('tab', {name: 'Parameters'}).click();
+      await until(2); // the vehicle's file is loaded
+      await page.getByLabel('Search').fill('temp_comp');
+      const field = page.getByLabel('Value of ACC_X_TEMP_COMP');
+      await field.fill('3');
+      assert.equal(await said.innerText(), 'ACC_X_TEMP_COMP: allowed: -2 .. 2');
+      assert.ok(await page.getByRole('button', {name: 'Send 1 change'}).isDisabled());
+      assert.deepEqual(await violations(page), []);
+      // By keyboard alone.
+      await field.fill('0.001');
+      await page.getByRole('button', {name: 'Send 1 change'}).focus();
+      await page.keyboard.press('Enter');
+      await page.getByText('1 of 1 in force').waitFor();
+      assert.equal(await page.locator('.result').innerText(), '✓ set to 0.001');
+      assert.equal(await field.inputValue(), '0.001');
+      await page.getByText('changed since the last write').waitFor();
+      await page.getByLabel('Compare with a file').setInputFiles({name: 'mine.yaml', mimeType: 'application/yaml',
+        buffer: Buffer.from('- {name: ACC_X_TEMP_COMP, type: 9, value: 0.002}\n- {name: ACC_Y_TEMP_COMP, type: 9, value: 0.002}\n- {name: NO_SUCH, type: 6, value: 1}\n')});
+      await page.getByLabel('Send ACC_X_TEMP_COMP').uncheck();
+      await page.getByRole('button', {name: 'Send 1 from the file'}).click();
+      await page.locator('.differences').getByText('set to 0.002').waitFor();
+      assert.equal(await page.getByLabel('Value of ACC_X_TEMP_COMP').inputValue(), '0.001');
+      assert.equal(await page.getByLabel('Value of ACC_Y_TEMP_COMP').inputValue(), '0.002');
+      await keepPicture(page, 'parameters');
+      await page.getByRole('button', {name: 'Write to memory'}).click();
+      await page.getByText('writing parameters: done').waitFor();
+      await page.waitForFunction(() => /(?<!dis)armed/.test(document.querySelector('.instruments')!.textContent!));
+      await field.fill('0.004');
+      await page.getByRole('button', {name: 'Send 1 change'}).click();
+      await page.locator('.result.bad').waitFor();
+      assert.match(await page.locator('.result.bad').innerText(), /✗ 0.004 refused, stays at 0.001/);
+      await page.getByRole('tab', {name: 'Events'}).click();
+      await page.waitForSelector('.events tr:has-text("viewer 1 sets ACC_X_TEMP_COMP 0.001")');
+    }, SMALL);
+    program.kill('SIGKILL');
+    await rm(folder, {recursive: true});
+  });
+
   test('that is gone is said, and the page connects again by itself', async () => {
     const first = await flyAndView();
     const {page} = await newPage(browser, SMALL);
@@ -234,21 +308,16 @@ describe('what may go wrong', () => {
 describe('for everybody', () => {
   for (const [name, viewport, scheme] of [['desktop', DESKTOP, 'light'], ['dark', DESKTOP, 'dark'], ['phone', PHONE, 'light']] as const) {
     test(`axe finds nothing, ${name}`, () => withPage(multirotor, async (page) => {
-      await page.evaluate(AXE);
       for (const tab of await page.getByRole('tab').all()) {
         await tab.click();
         await drawn(page);
-        const found = await page.evaluate(async () => (await (window as unknown as {axe: Axe}).axe.run()).violations
-          .map(({id, nodes}) => `${id}: ${nodes.map(({html}) => html).slice(0, 3).join(' | ')}`));
-        assert.deepEqual(found, [], await tab.innerText());
+        assert.deepEqual(await violations(page), [], await tab.innerText());
       }
       const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
       assert.ok(wide <= 0, `${wide} pixels wider than the window`);
     }, viewport, {...(scheme === 'dark' ? {colorScheme: scheme} : {})}));
   }
 });
-
-interface Axe { run(): Promise<{violations: {id: string; nodes: {html: string}[]}[]}> }
 
 describe('the page as it is built', () => {
   test('is small', async () => {

@@ -11,7 +11,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   using namespace rosflight::web::server;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const foxglove::Request request = foxglove::parse_request(text);
-  const bool empty = request.subscribe.empty() && request.unsubscribe.empty();
+  const bool empty = request.subscribe.empty() && request.unsubscribe.empty() &&
+                     !request.get_parameters && !request.command;
   if (!request.complaint.empty() && !empty) std::abort();
   // A complaint goes back to the client, whatever bytes it quotes.
   if (foxglove::status_error(request.complaint).empty()) std::abort();

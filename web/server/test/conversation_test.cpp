@@ -5,6 +5,8 @@
 
 #include <array>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 namespace rosflight::web::server {
@@ -17,6 +19,9 @@ class ConversationTest : public testing::Test {
   ConversationTest() {
     live_.add_channel({"/state", "std_msgs/msg/Bool", "bool data", LiveData::Kind::kState});
     live_.add_channel({"/text", "std_msgs/msg/Bool", "bool data", LiveData::Kind::kEvent});
+  }
+  std::string token(Right right) const {
+    return closed_.address(right).substr(closed_.address(right).find('#') + 1);
   }
   /// All that is to be sent now.
   static std::vector<std::string> all(Conversation& talk) {
@@ -32,7 +37,7 @@ class ConversationTest : public testing::Test {
 };
 
 TEST_F(ConversationTest, GreetsThenNamesChannelsThenSendsWhatIsWanted) {
-  Conversation talk(live_, open_, session_);
+  Conversation talk(live_, nullptr, open_, session_, 1);
   const std::vector<std::string> first = all(talk);
   ASSERT_EQ(first.size(), 2U);
   EXPECT_NE(first[0].find("serverInfo"), std::string::npos);
@@ -49,18 +54,18 @@ TEST_F(ConversationTest, GreetsThenNamesChannelsThenSendsWhatIsWanted) {
 }
 
 TEST_F(ConversationTest, SaysNothingBeforeTheToken) {
-  Conversation talk(live_, closed_, session_);
+  Conversation talk(live_, nullptr, closed_, session_, 1);
   EXPECT_FALSE(talk.next());
-  const std::string token = closed_.address().substr(closed_.address().find('#') + 1);
-  EXPECT_TRUE(talk.on_message(R"({"op":"token","token":")" + token + "\"}", true));
+  const std::string shown = token(Right::kLook);
+  EXPECT_TRUE(talk.on_message(R"({"op":"token","token":")" + shown + "\"}", true));
   EXPECT_EQ(all(talk).size(), 2U);
-  Conversation stranger(live_, closed_, session_);
+  Conversation stranger(live_, nullptr, closed_, session_, 1);
   EXPECT_FALSE(stranger.on_message(R"({"op":"token","token":""})", true));
   EXPECT_FALSE(stranger.next());
 }
 
 TEST_F(ConversationTest, WhatIsUnsubscribedMeanwhileIsNotSent) {
-  Conversation talk(live_, open_, session_);
+  Conversation talk(live_, nullptr, open_, session_, 1);
   all(talk);
   ASSERT_TRUE(
       talk.on_message(R"({"op":"subscribe","subscriptions":[{"id":7,"channelId":2}]})", true));
@@ -71,11 +76,112 @@ TEST_F(ConversationTest, WhatIsUnsubscribedMeanwhileIsNotSent) {
 }
 
 TEST_F(ConversationTest, UnreadComplaintsEndIt) {
-  Conversation talk(live_, open_, session_);
+  Conversation talk(live_, nullptr, open_, session_, 1);
   all(talk);
   for (std::size_t k = 0; k < Conversation::kMostUnreadTexts; ++k)
     ASSERT_TRUE(talk.on_message("nonsense", true)) << k;
   EXPECT_FALSE(talk.on_message("nonsense", false));
+}
+
+constexpr const char* kSet =
+    R"({"op":"setParameters","id":"a","parameters":[{"name":"RC_F_CHN","value":5}]})";
+
+TEST_F(ConversationTest, ACommandGoesToTheVehicleAndItsResultComesBack) {
+  CommandDesk desk;
+  Conversation talk(live_, &desk, open_, session_, 3);
+  EXPECT_NE(all(talk)[0].find(R"("commands":"yes")"), std::string::npos);
+  ASSERT_TRUE(talk.on_message(kSet, true));
+  const auto commands = desk.commands();
+  ASSERT_EQ(commands.size(), 1U);
+  EXPECT_EQ(commands[0].viewer, 3U);
+  const auto& set = std::get<CommandDesk::SetParameters>(commands[0].what);
+  EXPECT_EQ(set.values, (decltype(set.values){{"RC_F_CHN", 5.0}}));
+  desk.answer({3, "a", {{"RC_F_CHN", 4.0, false, "refused"}}});
+  desk.answer({4, "a", {}});
+  const std::vector<std::string> said = all(talk);
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_EQ(said[0],
+            R"({"id":"a","op":"parameterValues","parameters":[{"name":"RC_F_CHN","type":"float64",)"
+            R"("value":4.0}],"results":[{"good":false,"name":"RC_F_CHN","text":"refused"}]})");
+}
+
+TEST_F(ConversationTest, AnAnswerComesAfterTheMessagesBeforeIt) {
+  CommandDesk desk;
+  Conversation talk(live_, &desk, open_, session_, 1);
+  all(talk);
+  ASSERT_TRUE(
+      talk.on_message(R"({"op":"subscribe","subscriptions":[{"id":7,"channelId":2}]})", true));
+  live_.put(1, 1, kCdr);
+  live_.put(1, 2, kCdr);
+  desk.answer({1, "a", {}});
+  const std::vector<std::string> said = all(talk);
+  ASSERT_EQ(said.size(), 3U);
+  EXPECT_NE(said[2].find("parameterValues"), std::string::npos);
+}
+
+TEST_F(ConversationTest, WhoMayLookMayNotCommand) {
+  CommandDesk desk;
+  for (const auto& [right, commands] : {std::pair{Right::kLook, 0U}, {Right::kCommand, 1U}}) {
+    Conversation talk(live_, &desk, closed_, session_, 1);
+    ASSERT_TRUE(talk.on_message(R"({"op":"token","token":")" + token(right) + "\"}", true));
+    all(talk);
+    ASSERT_TRUE(talk.on_message(kSet, true));
+    EXPECT_EQ(desk.commands().size(), commands);
+    const std::vector<std::string> said = all(talk);
+    EXPECT_EQ(said.size(), 1U - commands);
+    if (!said.empty()) {
+      EXPECT_NE(said[0].find("one to look"), std::string::npos);
+    }
+  }
+}
+
+TEST_F(ConversationTest, ParametersAreToldAsTheyAreKnown) {
+  CommandDesk desk;
+  Conversation talk(live_, &desk, open_, session_, 1);
+  all(talk);
+  ASSERT_TRUE(talk.on_message(R"({"op":"getParameters","parameterNames":[]})", true));
+  EXPECT_NE(all(talk)[0].find("none are known"), std::string::npos);
+  desk.set_parameters({{{"A", 1.0, true}, {"B", 2.0, false}}, true});
+  EXPECT_EQ(all(talk)[0], R"({"op":"parameterValues","parameters":[],"unsaved":true})");
+  ASSERT_TRUE(talk.on_message(R"({"op":"getParameters","parameterNames":["B"],"id":"x"})", true));
+  EXPECT_EQ(all(talk)[0],
+            R"({"id":"x","op":"parameterValues","parameters":[{"name":"B","value":2}]})");
+}
+
+TEST_F(ConversationTest, AfterTheEndCommandsAreRefused) {
+  CommandDesk desk;
+  Conversation talk(live_, &desk, open_, session_, 1);
+  all(talk);
+  ASSERT_TRUE(talk.on_message(kSet, true));
+  desk.close("the flight has ended");
+  ASSERT_TRUE(talk.on_message(R"({"op":"writeParameters","id":"b"})", true));
+  const std::vector<std::string> said = all(talk);
+  ASSERT_EQ(said.size(), 2U);
+  for (const std::string& text : said)
+    EXPECT_NE(text.find("the flight has ended"), std::string::npos);
+}
+
+TEST_F(ConversationTest, WhatIsNoParameterIsNoCommand) {
+  CommandDesk desk;
+  Conversation talk(live_, &desk, open_, session_, 1);
+  for (const char* parameter :
+       {R"({"name":"A\nB","value":1})", R"({"name":"","value":1})",
+        R"({"name":"SEVENTEEN_LETTERS","value":1})", R"({"name":"A","value":"1"})",
+        R"({"name":"A","value":true})", R"({"name":"A"})"}) {
+    const std::string text =
+        R"({"op":"setParameters","parameters":[)" + std::string(parameter) + "]}";
+    ASSERT_TRUE(talk.on_message(text, true));
+    EXPECT_TRUE(desk.commands().empty()) << parameter;
+  }
+}
+
+TEST_F(ConversationTest, NoMoreCommandsWaitThanTheirLimit) {
+  CommandDesk desk;
+  const CommandDesk::Command one{1, "", CommandDesk::WriteParameters{}};
+  for (std::size_t k = 0; k < CommandDesk::kMostWaiting; ++k) ASSERT_EQ(desk.ask(one), "");
+  EXPECT_NE(desk.ask(one), "");
+  EXPECT_EQ(desk.commands().size(), CommandDesk::kMostWaiting);
+  EXPECT_EQ(desk.ask(one), "");
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the flight was and how it went: facts of the log, and those of summary.json where the folder has one.
-import {useMemo, useState} from 'preact/hooks';
 import type {Flight} from '../data/flight.ts';
 import * as state from '../state.ts';
 
@@ -54,27 +53,4 @@ function WaypointTable({waypoints, radius_m}: {waypoints: Waypoint[]; radius_m: 
         <td class="n">{cell(truth_distance_m, 2)}</td><td class="n">{cell(estimate_distance_m, 2)}</td><td>{measure}</td>
       </tr>)}</tbody></table>
   </>;
-}
-
-/** Values with which the vehicle armed. */
-export function Parameters({flight}: {flight: Flight}) {
-  const [wanted, setWanted] = useState('');
-  const table = flight.tables.get('/parameters');
-  const rows = useMemo(() => {
-    const names = table?.text('name') ?? [];
-    const values = table?.column('value');
-    const changed = new Map(flight.analysis?.changed_parameters.map((one) => [one.name, one.default]));
-    return names.map((name, k) => ({name, value: values?.[k] ?? NaN, standard: changed.get(name)})).sort((a, b) => a.name.localeCompare(b.name));
-  }, [table]);
-  const [changedOnly, setChangedOnly] = useState(false);
-  const shown = rows.filter(({name, standard}) => name.includes(wanted.trim().toUpperCase()) && (!changedOnly || standard !== undefined));
-  return <section class="parameters" aria-label="Parameters">
-    <p class="hint">Values of the firmware as it armed.</p>
-    <label>Search <input type="search" value={wanted} onInput={(event) => setWanted(event.currentTarget.value)}/></label>
-    {flight.analysis && <label class="only"><input type="checkbox" checked={changedOnly}
-      onChange={(event) => setChangedOnly(event.currentTarget.checked)}/> only those that the vehicle changes</label>}
-    <output class="hint" aria-live="polite">{shown.length} of {rows.length}</output>
-    <table><thead><tr><th>name</th><th class="n">value</th><th class="n">default</th></tr></thead>
-      <tbody>{shown.map(({name, value, standard}) => <tr key={name}><td class="mono">{name}</td><td class="n">{+value.toPrecision(7)}</td><td class="n">{standard}</td></tr>)}</tbody></table>
-  </section>;
 }

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace rosflight::web::server {
+
+/// What viewers command, on its way to the thread that has the vehicle, and the answers on their way
+/// back.
+///
+/// The thread of the vehicle takes commands when it likes and waits for nobody. It also leaves its
+/// parameters here, for viewers that ask.
+class CommandDesk {
+ public:
+  /// Commands and values on their way, of all viewers together.
+  static constexpr std::size_t kMostWaiting = 1024;
+
+  struct SetParameters {
+    std::vector<std::pair<std::string, double>> values;
+  };
+  struct WriteParameters {};  ///< To the memory that survives power-off.
+  struct ReportChecks {};     ///< The checks before arming, each as a message of the log.
+  struct Command {
+    std::uint64_t viewer{};
+    std::string id;  ///< The viewer's own, for the answer.
+    std::variant<SetParameters, WriteParameters, ReportChecks> what;
+  };
+  struct Result {
+    std::string name;             ///< Of the parameter; empty if the command has none.
+    std::optional<double> value;  ///< In force at the end, if it is known.
+    bool good{};
+    std::string text;  ///< One line with the outcome and its reason.
+  };
+  struct Answer {
+    std::uint64_t viewer{};
+    std::string id;
+    std::vector<Result> results;
+  };
+  struct Parameter {
+    std::string name;
+    double value{};
+    bool is_float{};
+  };
+  struct Parameters {
+    std::vector<Parameter> all;
+    bool unsaved{};  ///< Some are not in the memory that survives power-off.
+  };
+
+  // For the server.
+  /// @returns why it is refused at once; empty: an answer will come.
+  std::string ask(Command command);
+  /// Those for this viewer since the last call.
+  std::vector<Answer> answers(std::uint64_t viewer);
+  /// It is gone.
+  void forget(std::uint64_t viewer);
+  /// nullptr: not known yet.
+  std::shared_ptr<const Parameters> parameters() const;
+
+  // For the thread of the vehicle.
+  /// Those since the last call.
+  std::vector<Command> commands();
+  void answer(Answer answer);
+  void set_parameters(Parameters parameters);
+  /// From now on commands are refused with this reason, also those that still wait.
+  void close(const std::string& why);
+
+ private:
+  static std::size_t size(const Command& command);
+
+  mutable std::mutex mutex_;
+  std::vector<Command> commands_;
+  std::vector<Answer> answers_;
+  std::shared_ptr<const Parameters> parameters_;
+  std::string closed_;
+};
+
+}  // namespace rosflight::web::server

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a viewer commands over its connection, and how each command ends (web/server/foxglove.hpp).
+
+export interface Result { name: string; good: boolean; text: string }
+
+/** One for each connection. */
+export class Commands {
+  private readonly send: (text: string) => void;
+  private readonly waiting = new Map<string, (results: Result[]) => void>();
+  private count = 0;
+
+  constructor(send: (text: string) => void) { this.send = send; }
+
+  set(values: {name: string; value: number}[]): Promise<Result[]> { return this.ask({op: 'setParameters', parameters: values}); }
+
+  write(): Promise<Result[]> { return this.ask({op: 'writeParameters'}); }
+
+  checks(): Promise<Result[]> { return this.ask({op: 'reportChecks'}); }
+
+  /** A message of the server that may end one. */
+  answered({op, id, results}: {op?: string; id?: string; results?: Result[]}) {
+    if (op !== 'parameterValues' || !id) return;
+    this.waiting.get(id)?.(results ?? []);
+    this.waiting.delete(id);
+  }
+
+  /** The connection is lost. */
+  lost() {
+    for (const end of this.waiting.values()) end([{name: '', good: false, text: 'the connection was lost; whether it was done is not known'}]);
+    this.waiting.clear();
+  }
+
+  private ask(request: object): Promise<Result[]> {
+    const id = String(++this.count);
+    return new Promise((resolve) => {
+      this.waiting.set(id, resolve);
+      this.send(JSON.stringify({...request, id}));
+    });
+  }
+}

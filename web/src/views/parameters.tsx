@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Parameters of the firmware at the moment shown. Where commands are allowed they can be changed, and each change says how it ended.
+import csv from '../../../firmware/core/parameters.csv';
+import {useComputed} from '@preact/signals';
+import {useMemo, useState} from 'preact/hooks';
+import type {Result} from '../data/commands.ts';
+import type {Flight} from '../data/flight.ts';
+import {differences, formatParameterFile, parseParameterFile, type Difference} from '../data/parameter_file.ts';
+import {allowedText, complaint, groupOf, groupsOf, parseParameterTable, sameValue, shortNumber, type ParameterInfo} from '../data/parameter_table.ts';
+import * as state from '../state.ts';
+
+const INFOS = parseParameterTable(csv);
+
+/** Messages of the link; where there are none, the list as the vehicle armed. */
+const tableOf = (flight: Flight) => flight.tables.get('/link/param_value') ?? flight.tables.get('/parameters');
+
+/** The latest value of each in the first messages; of what is not known by then, the one with which the vehicle armed, or its first. */
+function valuesAt(flight: Flight, rows: number): Map<string, number> {
+  const table = tableOf(flight);
+  const names = table?.text('name') ?? [];
+  const values = table?.column('value') ?? [];
+  const armed = flight.tables.get('/parameters');
+  const latest = new Map(names.length > rows ? armed?.text('name')?.map((name, k) => [name, armed.column('value')![k]!]) : []);
+  for (const [k, name] of names.entries()) if (k < rows || !latest.has(name)) latest.set(name, values[k]!);
+  return latest;
+}
+
+export function Parameters({flight}: {flight: Flight}) {
+  const rows = useComputed(() => {
+    void state.revision.value; // a growing flight
+    return (tableOf(state.flight.value ?? flight)?.rowAt(state.following.value ? Infinity : state.time.value) ?? -1) + 1;
+  }).value;
+  const values = useMemo(() => valuesAt(flight, rows), [flight, rows]);
+  const [wanted, setWanted] = useState('');
+  const [group, setGroup] = useState('');
+  const [changedOnly, setChangedOnly] = useState(false);
+  const [edits, setEdits] = useState<ReadonlyMap<string, string>>(new Map());
+  const [results, setResults] = useState<ReadonlyMap<string, Result>>(new Map());
+  const [said, setSaid] = useState('');
+  const [file, setFile] = useState<{name: string; found: Difference[]}>();
+  const commands = state.commands.value;
+
+  const names = [...values.keys()].sort();
+  const text = wanted.trim().toLowerCase();
+  const isChanged = (name: string) => INFOS.has(name) && !sameValue(values.get(name)!, INFOS.get(name)!.standard);
+  const shown = names.filter((name) => (group === '' || groupOf(name) === group) && (!changedOnly || isChanged(name) || edits.has(name))
+    && `${name} ${INFOS.get(name)?.description}`.toLowerCase().includes(text));
+  const wrong = [...edits].filter(([name, edit]) => complaint(edit, INFOS.get(name)));
+
+  const send = async (sent: {name: string; value: number}[]) => {
+    setSaid(`Sending ${sent.length}`);
+    const ended = await commands!.set(sent);
+    setResults((before) => new Map([...before, ...ended.map((one) => [one.name, one] as const)]));
+    const good = ended.filter((one) => one.good);
+    setEdits((before) => new Map([...before].filter(([name]) => !good.some((one) => one.name === name))));
+    const general = ended.filter((one) => !one.name).map((one) => one.text);
+    setSaid([`${good.length} of ${sent.length} in force`, ...general].join('; '));
+    return ended;
+  };
+  const write = async () => {
+    setSaid('Writing');
+    const [ended] = await commands!.write();
+    setSaid(ended ? ended.text : '');
+  };
+  const load = async (chosen: File) => {
+    try {
+      setFile({name: chosen.name, found: differences(values, parseParameterFile(await chosen.text()))});
+      setSaid('');
+    } catch (error) {
+      setFile(undefined);
+      setSaid(`${chosen.name}, ${(error as Error).message}`);
+    }
+  };
+
+  return <section class="parameters" aria-label="Parameters">
+    <p class="hint">Values of the firmware at the moment shown.{state.live.value !== 'off' && !commands && ' This address is one to look, not to command.'}</p>
+    <div class="tools">
+      <label>Search <input type="search" value={wanted} onInput={(event) => setWanted(event.currentTarget.value)}/></label>
+      <label>Group <select value={group} onChange={(event) => setGroup(event.currentTarget.value)}>
+        <option value="">all</option>{groupsOf(names).map((one) => <option key={one}>{one}</option>)}</select></label>
+      <label><input type="checkbox" checked={changedOnly} onChange={(event) => setChangedOnly(event.currentTarget.checked)}/> only those that differ from the default</label>
+      <span class="hint">{shown.length} of {names.length}</span>
+    </div>
+    <div class="tools">
+      <label class="button">Compare with a file<input type="file" accept=".yaml,.yml" class="sr" onChange={(event) => {
+        const chosen = event.currentTarget.files?.[0];
+        if (chosen) void load(chosen);
+        event.currentTarget.value = '';
+      }}/></label>
+      <button onClick={() => save(values)}>Save to a file</button>
+      {commands && <button onClick={() => void write()}>Write to memory</button>}
+      {commands && state.unsaved.value && <span class="badge warning">changed since the last write</span>}
+      {edits.size > 0 && <>
+        <button disabled={wrong.length > 0} onClick={() => void send([...edits].map(([name, edit]) => ({name, value: Number(edit)})))}>
+          Send {edits.size} {edits.size === 1 ? 'change' : 'changes'}</button>
+        <button onClick={() => setEdits(new Map())}>Discard</button></>}
+    </div>
+    <p class="said" role="status">{wrong.length > 0 ? `${wrong[0]![0]}: ${complaint(wrong[0]![1], INFOS.get(wrong[0]![0]))}` : said}</p>
+    {file && <Differences key={file.name} {...file} send={commands ? send : undefined} close={() => setFile(undefined)}/>}
+    <table><thead><tr><th>name</th><th class="n">value</th><th class="n">default</th></tr></thead>
+      <tbody>{shown.map((name) => <Row key={name} name={name} value={values.get(name)!} info={INFOS.get(name)} result={results.get(name)} edit={edits.get(name)}
+        change={commands && ((edit) => setEdits((before) => edited(before, name, edit, values.get(name)!)))}/>)}</tbody></table>
+  </section>;
+}
+
+/** Beside its name. */
+const outcome = ({name, text}: Result) => text.startsWith(`${name}: `) ? text.slice(name.length + 2) : text;
+
+/** A text that says what the vehicle has is no edit. */
+function edited(before: ReadonlyMap<string, string>, name: string, edit: string, value: number): Map<string, string> {
+  const after = new Map(before);
+  if (edit.trim() !== '' && sameValue(Number(edit), value)) after.delete(name);
+  else after.set(name, edit);
+  return after;
+}
+
+function Row({name, value, info, result, edit, change}: {name: string; value: number; info: ParameterInfo | undefined; result: Result | undefined;
+  edit: string | undefined; change: ((edit: string) => void) | undefined}) {
+  const isWrong = edit !== undefined && complaint(edit, info) !== '';
+  const about = [info?.unit, info && allowedText(info), info?.description].filter(Boolean).join(' · ');
+  return <>
+    <tr class={edit === undefined ? '' : 'edited'}>
+      <th scope="row" class="mono">{name}</th>
+      <td class="n">{change ? <input inputMode="decimal" aria-label={`Value of ${name}`} aria-invalid={isWrong} value={edit ?? shortNumber(value)}
+        onInput={(event) => change(event.currentTarget.value)}/> : shortNumber(value)}</td>
+      <td class="n">{info && shortNumber(info.standard)}</td></tr>
+    <tr class="about"><td colSpan={3} class="hint">{about}
+      {result && <p class={`result ${result.good ? 'good' : 'bad'}`}>{result.good ? '✓' : '✗'} {outcome(result)}</p>}</td></tr>
+  </>;
+}
+
+/** What a file has otherwise: a box for each, and what became of those that were sent. */
+function Differences({name, found, send, close}: {name: string; found: Difference[]; send: ((values: {name: string; value: number}[]) => Promise<Result[]>) | undefined;
+  close: () => void}) {
+  const [left, setLeft] = useState<ReadonlySet<string>>(new Set());
+  const [results, setResults] = useState<ReadonlyMap<string, Result>>(new Map());
+  const chosen = found.filter((one) => one.here !== undefined && !left.has(one.name));
+  const choose = (one: string, on: boolean) => setLeft((before) => new Set(on ? [...before].filter((other) => other !== one) : [...before, one]));
+  return <section class="differences" aria-label="Differences from the file">
+    <h2>{found.length === 0 ? `${name} has the same values` : `${found.length} differences from ${name}`}</h2>
+    {found.length > 0 && <table><thead><tr>{send && <th>send</th>}<th>name</th><th class="n">here</th><th class="n">in the file</th>{results.size > 0 && <th>result</th>}</tr></thead>
+      <tbody>{found.map((one) => <tr key={one.name}>
+        {send && <td><input type="checkbox" aria-label={`Send ${one.name}`} disabled={one.here === undefined} checked={one.here !== undefined && !left.has(one.name)}
+          onChange={(event) => choose(one.name, event.currentTarget.checked)}/></td>}
+        <td class="mono">{one.name}</td><td class="n">{one.here === undefined ? 'no such parameter' : shortNumber(one.here)}</td><td class="n">{shortNumber(one.there)}</td>
+        {results.size > 0 && <td>{results.has(one.name) && outcome(results.get(one.name)!)}</td>}</tr>)}</tbody></table>}
+    <div class="tools">
+      {send && found.length > 0 && <button disabled={chosen.length === 0} onClick={async () => {
+        const ended = await send(chosen.map((one) => ({name: one.name, value: one.there})));
+        setResults(new Map(ended.map((one) => [one.name, one])));
+      }}>Send {chosen.length} from the file</button>}
+      <button onClick={close}>Close</button></div>
+  </section>;
+}
+
+function save(values: ReadonlyMap<string, number>) {
+  const all = [...values].map(([name, value]) => ({name, value, isFloat: INFOS.get(name)?.isFloat ?? !Number.isInteger(value)}));
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(new Blob([formatParameterFile(all)], {type: 'application/yaml'}));
+  link.download = 'parameters.yaml';
+  link.click();
+  URL.revokeObjectURL(link.href);
+}
