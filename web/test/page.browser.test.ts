@@ -218,6 +218,30 @@ describe('a running flight', () => {
     await rm(folder, {recursive: true});
   });
 
+  test('says what keeps it from arming, and what to do about it', async () => {
+    const {url, program, folder} = await flyAndView('--speed', '0.2');
+    await withPage(url, async (page) => {
+      const result = (check: string) => page.locator('.preflight tr', {has: page.getByRole('rowheader', {name: check, exact: true})});
+      await page.getByRole('tab', {name: 'Preflight'}).click();
+      await result('calibration').getByText('✗ refuses').waitFor(); // by the flags of the status
+      assert.match(await result('calibration').innerText(), /calibrate the gyro/);
+      await page.getByRole('button', {name: 'Check now'}).focus();
+      await page.keyboard.press('Enter');
+      await page.getByText('All checks of the firmware').waitFor();
+      const table = await readFile(new URL('../../firmware/core/arming_checks.hpp', import.meta.url), 'utf8');
+      const names = [...table.matchAll(/\{Check::k\w+, +"([^"]+)"/g)].map(([, name]) => name!);
+      assert.deepEqual(await page.locator('.preflight tbody th').allInnerTexts(), names);
+      assert.match(await result('calibration').innerText(), /IMU not calibrated\. .*calibrate the gyro/);
+      assert.match(await page.locator('.preflight .verdict').innerText(), /Arming is refused for \d+ reason/);
+      assert.deepEqual(await violations(page), []);
+      await keepPicture(page, 'preflight');
+      await result('calibration').getByText('✓ pass').waitFor(); // by the flags, without asking again
+      await page.getByText('The vehicle is armed.').waitFor();
+    }, SMALL);
+    program.kill('SIGKILL');
+    await rm(folder, {recursive: true});
+  });
+
   test('has its parameters changed from the page, and each change says how it ended', async () => {
     const {url, program, folder} = await flyAndView('--speed', '0.2');
     await withPage(url, async (page) => {

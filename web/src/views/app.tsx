@@ -9,6 +9,7 @@ import {Firmware} from './firmware.tsx';
 import {Bars, Instruments} from './instruments.tsx';
 import {Parameters} from './parameters.tsx';
 import {Plots} from './plots.tsx';
+import {Preflight} from './preflight.tsx';
 import {Space} from './space.tsx';
 import {Timeline} from './timeline.tsx';
 
@@ -55,7 +56,7 @@ function Start() {
   </main>;
 }
 
-const TABS = {plots: 'Plots', events: 'Events', bars: 'Receiver and outputs', firmware: 'Firmware', facts: 'Facts', parameters: 'Parameters'};
+const TABS = {plots: 'Plots', events: 'Events', preflight: 'Preflight', bars: 'Receiver and outputs', firmware: 'Firmware', facts: 'Facts', parameters: 'Parameters'};
 type Tab = keyof typeof TABS;
 
 function FlightView({flight}: {flight: Flight}) {
@@ -71,6 +72,7 @@ function FlightView({flight}: {flight: Flight}) {
       <div id="panel" role="tabpanel" aria-labelledby={`tab-${tab}`} tabIndex={0}>
         {tab === 'plots' && <Plots flight={flight}/>}
         {tab === 'events' && <Events flight={flight}/>}
+        {tab === 'preflight' && <Preflight flight={flight}/>}
         {tab === 'bars' && <Bars flight={flight}/>}
         {tab === 'firmware' && <Firmware flight={flight}/>}
         {tab === 'facts' && <Facts flight={flight}/>}
