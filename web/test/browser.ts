@@ -51,10 +51,15 @@ export async function flightShown(page: Page) {
   await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset['frames'] ?? 0) > 0);
 }
 
-/** Keeps a picture for people to look at, in the folder that ROSFLIGHT_WEB_PICTURES names. */
-export async function keepPicture(page: Page, name: string) {
+/** Keeps a picture for people to look at, in the folder that ROSFLIGHT_WEB_PICTURES names; in another size than the test's if given. */
+export async function keepPicture(page: Page, name: string, size?: typeof DESKTOP) {
   const folder = process.env['ROSFLIGHT_WEB_PICTURES'];
-  if (folder) await page.screenshot({path: join(folder, `${name}.png`)});
+  if (!folder) return;
+  const before = page.viewportSize()!;
+  if (size) await page.setViewportSize(size);
+  await drawn(page);
+  await page.screenshot({path: join(folder, `${name}.png`)});
+  if (size) await page.setViewportSize(before);
 }
 
 /** Until the picture has been drawn again `frames` times, or rests: frames count, not time. */

@@ -234,7 +234,7 @@ describe('a running flight', () => {
       assert.match(await result('calibration').innerText(), /IMU not calibrated\. .*calibrate the gyro/);
       assert.match(await page.locator('.preflight .verdict').innerText(), /Arming is refused for \d+ reason/);
       assert.deepEqual(await violations(page), []);
-      await keepPicture(page, 'preflight');
+      await keepPicture(page, 'preflight', DESKTOP);
       await result('calibration').getByText('✓ pass').waitFor(); // by the flags, without asking again
       await page.getByText('The vehicle is armed.').waitFor();
     }, SMALL);
@@ -270,7 +270,7 @@ describe('a running flight', () => {
       await page.locator('.differences').getByText('set to 0.002').waitFor();
       assert.equal(await page.getByLabel('Value of ACC_X_TEMP_COMP').inputValue(), '0.001');
       assert.equal(await page.getByLabel('Value of ACC_Y_TEMP_COMP').inputValue(), '0.002');
-      await keepPicture(page, 'parameters');
+      await keepPicture(page, 'parameters', DESKTOP);
       await page.getByRole('button', {name: 'Write to memory'}).click();
       await page.getByText('writing parameters: done').waitFor();
       await page.waitForFunction(() => /(?<!dis)armed/.test(document.querySelector('.instruments')!.textContent!));
