@@ -53,7 +53,14 @@ class LinkStateEstimator final : public StateEstimateSource, private companion::
     if (!enabled_ || !estimator_.wants_attitude_hint()) return;
     estimator_.set_attitude_hint(seconds(stamp),
                                  {static_cast<double>(m.q_WB[0]), static_cast<double>(m.q_WB[1]),
-                                  static_cast<double>(m.q_WB[2]), static_cast<double>(m.q_WB[3])});
+                                  static_cast<double>(m.q_WB[2]), static_cast<double>(m.q_WB[3])},
+                                 !restarted_);
+  }
+  void on_event(const companion::Event& event) override {
+    const auto* link = std::get_if<companion::ConnectionEvent>(&event);
+    if (link != nullptr && link->change == companion::ConnectionChange::kRestarted) {
+      restarted_ = true;
+    }
   }
   void on_gnss(const link::Gnss& m, const companion::Stamp& stamp) override {
     constexpr int k3dFix = 3;
@@ -91,6 +98,7 @@ class LinkStateEstimator final : public StateEstimateSource, private companion::
   FixAge fix_age_;
   Estimator estimator_;
   bool enabled_{false};
+  bool restarted_{false};  ///< The firmware began again, with a heading of its own.
 };
 
 }  // namespace rosflight::flight

@@ -26,6 +26,7 @@ void AidFusion<kWing>::reset() {
   jump_ = {};
   force_ = {};
   heading_ = {};
+  height_ = {};
   wind_noise_m_s_rts_ = max_wind_noise_m_s_rts();
   good_.t_s = widened_s_ = long_hole_end_s_ = -1e9;
   settled_since_s_ = 1e9;
@@ -218,10 +219,10 @@ void AidFusion<kWing>::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
 /// Raises and lowers the process noise of the wind so that innovations of the air are as large as
 /// they should be: R. K. Mehra, "On the identification of variances and adaptive Kalman filtering",
 /// IEEE Trans. Automatic Control 15, 1970, in its simplest form. Without GNSS a wrong tilt looks like
-/// a gust: then what was learned stays.
+/// a gust, without a magnetometer a wrong heading: then what was learned stays.
 template <bool kWing>
 void AidFusion<kWing>::learn_gusts(double nis) {
-  if (dead_reckoning()) return;
+  if (dead_reckoning() || silent(Aid::kHeading)) return;
   constexpr double kShare = 0.02;
   constexpr double kMaxNis = 9.0;
   const double factor = std::exp(kShare * (std::min(nis, kMaxNis) - 1.0));
@@ -251,6 +252,13 @@ template <bool kWing>
 bool AidFusion<kWing>::dead_reckoning() const {
   constexpr double kGap_s = 0.5;
   return t_s_ - health_.of(Aid::kGnssVelocity).last_accepted_s > kGap_s;
+}
+
+/// Nothing of this aid was used for a while.
+template <bool kWing>
+bool AidFusion<kWing>::silent(Aid aid) const {
+  constexpr double kGap_s = 1.0;
+  return t_s_ - health_.of(aid).last_accepted_s > kGap_s;
 }
 
 /// After a long hole the attitude and the velocity are too far off for what is linear in both: GNSS
@@ -293,8 +301,29 @@ void AidFusion<kWing>::fuse_air_force(const ImuBuffer::Segment& segment) {
     const double size = std::sqrt(health_.of(Aid::kSideslip).nis);
     const bool off =
         air_means_[static_cast<std::size_t>(axis)].exceeded(std::copysign(size, residual.nu(0)));
-    if (off && dead_reckoning()) widen_imu_errors(kDeadReckonedFault);
+    if (off && dead_reckoning()) {
+      widen_imu_errors(kDeadReckonedFault);
+    } else if (off && silent(Aid::kHeading)) {
+      widen_heading();
+    }
   }
+  if (kWing && silent(Aid::kPitot)) fuse_lift(force_B.z());
+}
+
+/// The specific force of the lift, for the airspeed where no pitot tells it. Vertical gusts, which the
+/// filter has no state for, are its noise.
+template <bool kWing>
+void AidFusion<kWing>::fuse_lift(double force_m_s2) {
+  constexpr double kSigma_m_s2 = 2.0;
+  constexpr double kByGusts_rts_s = 3.0;
+  const LiftModel& lift = config_.air.lift;
+  const NominalState& x = filter_.state();
+  const double forward_m_s = Filter::air_velocity_B(x).x();
+  if (lift.area_m2_kg <= 0.0 || forward_m_s < config_.min_airspeed_m_s) return;
+  auto residual = Filter::lift(x, force_m_s2, density_kg_m3_, lift);
+  const double sigma_m_s2 = kSigma_m_s2 + kByGusts_rts_s * wind_noise_m_s_rts_;
+  residual.R(0) = sigma_m_s2 * sigma_m_s2;
+  static_cast<void>(filter_.correct(residual, config_.gate_sigma));
 }
 
 template <bool kWing>
@@ -303,7 +332,13 @@ void AidFusion<kWing>::fuse(const BaroSample& sample) {
   const double height_m = standard_height_m(sample.pressure_Pa) - origin_pressure_height_m_;
   auto residual = Filter::baro_height(filter_.state(), height_m);
   residual.R(0) = config_.baro_sigma_m * config_.baro_sigma_m;
-  if (weigh<1>(Aid::kBaro, residual, config_.gate_sigma)) return;
+  const bool accepted = weigh<1>(Aid::kBaro, residual, config_.gate_sigma);
+  const bool drifts = height_drifts(residual);
+  if (accepted) return;
+  if (dead_reckoning() && drifts) {
+    widen_vertical();
+    if (weigh<1>(Aid::kBaro, residual, config_.gate_sigma)) return;
+  }
   if (health_.of(Aid::kBaro).rejecting_for_s() < config_.baro_relearn_s) return;
   filter_.relearn_baro_bias(height_m, config_.baro_sigma_m);
   health_.of(Aid::kBaro).rejecting = false;

@@ -83,6 +83,7 @@ inline Geodetic moved(const Geodetic& from, const Vector3& by_W) {
 /// | GNSS position, velocity | gnss_reset_s | horizontal position and velocity are reset to GNSS |
 /// | GNSS position alone | gnss_jump_s | its slow error is set so that the residual is zero |
 /// | barometer | baro_relearn_s | its bias is set so that the residual is zero |
+/// | barometer without GNSS, no jump | at once | the accelerometer's bias and its effect are widened |
 /// | pitot | pitot_relearn_s | the wind is widened by the residual, unless the tube is blocked |
 /// | range | range_relearn_s | the altitude of the ground is set so that the residual is zero |
 ///
@@ -163,6 +164,8 @@ class AidFusion {
   Vector3 force_at_origin() const;
   bool off_the_ground() const;
   bool dead_reckoning() const;
+  bool silent(Aid aid) const;
+  void fuse_lift(double force_m_s2);
   bool waits_for_gnss() const;
   double vertical_field_T(const Vector3& field_B) const;
   void learn_vertical_field(const Vector3& field_B);
@@ -181,6 +184,8 @@ class AidFusion {
   void widen_imu_errors(const ImuFault& fault);
   bool velocity_is_off(const Filter::Residual<3>& residual);
   void widen_heading();
+  bool height_drifts(const Filter::Residual<1>& residual);
+  void widen_vertical();
   void reset_to_gnss(const Vector3& p_W, const Vector3& v_W);
   void restart_gnss_bias(int first, int size, const Vector3& p_W);
   Vector3 gnss_lever() const { return config_.gnss_position_B - config_.imu_position_B; }
@@ -216,6 +221,13 @@ class AidFusion {
     int widened{};                 ///< Times in a row without a pause, and the last time.
     double widened_s{-1e9};
   } heading_;
+  /// The barometer, and whether it or the accelerometer is wrong where they disagree.
+  struct {
+    double residual_m{};  ///< Of the last altitude that was used, and its time.
+    double t_s{-1e9};
+    bool jumped{};  ///< The altitude moved as no accelerometer does: it is the barometer.
+    double widened_s{-1e9};
+  } height_;
   InnovationMonitor velocity_monitor_{0.3, 3.0, 6.0};
   InnovationMonitor heading_monitor_{0.25, 4.5, 9.0};
   std::array<InnovationMean, 3> velocity_means_{InnovationMean{0.1, 5.0}, InnovationMean{0.1, 5.0},

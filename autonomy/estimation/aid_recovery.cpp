@@ -54,6 +54,48 @@ void AidFusion<kWing>::widen_imu_errors(const ImuFault& fault) {
   ++health_.imu_widenings;
 }
 
+/// Whether the altitude drifts away from that of the barometer as with an accelerometer that is wrong,
+/// counted from the last altitude that was used.
+template <bool kWing>
+bool AidFusion<kWing>::height_drifts(const Filter::Residual<1>& residual) {
+  constexpr double kSigmas = 5.0;
+  constexpr double kVelocity_m_s = 3.0;  // what it has led to by then
+  constexpr double kAcceleration_m_s2 = 10.0;
+  if (!health_.of(Aid::kBaro).rejecting) {
+    height_.residual_m = residual.nu(0);
+    height_.t_s = t_s_;
+    height_.jumped = false;
+    return false;
+  }
+  const double since_s = t_s_ - height_.t_s;
+  const double possible_m = kSigmas * std::sqrt(residual.R(0)) + kVelocity_m_s * since_s +
+                            0.5 * kAcceleration_m_s2 * since_s * since_s;
+  height_.jumped = height_.jumped || std::abs(residual.nu(0) - height_.residual_m) > possible_m;
+  return !height_.jumped;
+}
+
+/// The altitude drifts, and nothing but the barometer aids it: adds to the covariance what a jump of
+/// the specific force along the vertical, some time ago, has led to by now.
+template <bool kWing>
+void AidFusion<kWing>::widen_vertical() {
+  if (t_s_ - height_.widened_s < kWidenEvery_s) return;
+  height_.widened_s = t_s_;
+  constexpr double kAcceleration_m_s2 = 2.0;
+  constexpr double T = 0.7;  // [s]
+  Filter::Error by = Filter::Error::Zero();
+  by.segment<3>(Filter::kAccelBias) =
+      kAcceleration_m_s2 * filter_.state().q_WB.toRotationMatrix().row(2).transpose();
+  by(Filter::kVelocity + 2) = -T * kAcceleration_m_s2;
+  by(Filter::kPosition + 2) = -0.5 * T * T * kAcceleration_m_s2;
+  auto& P = filter_.covariance();
+  P.noalias() += by * by.transpose();
+  constexpr double kVelocity_m_s = 0.5;  // besides
+  constexpr double kPosition_m = 0.5;
+  P(Filter::kVelocity + 2, Filter::kVelocity + 2) += kVelocity_m_s * kVelocity_m_s;
+  P(Filter::kPosition + 2, Filter::kPosition + 2) += kPosition_m * kPosition_m;
+  ++health_.imu_widenings;
+}
+
 /// Horizontal position and velocity as GNSS has them, less its slow error; the height only where it
 /// has no other aid.
 template <bool kWing>
@@ -122,9 +164,9 @@ void AidFusion<kWing>::guard() {
 
 template <bool kWing>
 void AidFusion<kWing>::shift(double by_s) {
-  for (double* t_s :
-       {&t_s_, &newest_s_, &jump_.t_s, &jump_.until_s, &heading_.t_s, &heading_.widened_s,
-        &widened_s_, &long_hole_end_s_, &settled_since_s_, &good_.t_s}) {
+  for (double* t_s : {&t_s_, &newest_s_, &jump_.t_s, &jump_.until_s, &heading_.t_s,
+                      &heading_.widened_s, &height_.t_s, &height_.widened_s, &widened_s_,
+                      &long_hole_end_s_, &settled_since_s_, &good_.t_s}) {
     *t_s += by_s;
   }
   for (AidHealth& aid : health_.aids) {
@@ -136,12 +178,16 @@ void AidFusion<kWing>::shift(double by_s) {
 }
 
 template void AidFusion<false>::widen_imu_errors(const ImuFault&);
+template bool AidFusion<false>::height_drifts(const Filter::Residual<1>&);
+template void AidFusion<false>::widen_vertical();
 template void AidFusion<false>::reset_to_gnss(const Vector3&, const Vector3&);
 template void AidFusion<false>::restart_gnss_bias(int, int, const Vector3&);
 template void AidFusion<false>::correct_attitude(const Vector3&, double, double);
 template void AidFusion<false>::guard();
 template void AidFusion<false>::shift(double);
 template void AidFusion<true>::widen_imu_errors(const ImuFault&);
+template bool AidFusion<true>::height_drifts(const Filter::Residual<1>&);
+template void AidFusion<true>::widen_vertical();
 template void AidFusion<true>::reset_to_gnss(const Vector3&, const Vector3&);
 template void AidFusion<true>::restart_gnss_bias(int, int, const Vector3&);
 template void AidFusion<true>::correct_attitude(const Vector3&, double, double);

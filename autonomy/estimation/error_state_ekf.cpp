@@ -6,15 +6,6 @@
 #include "base/angles.hpp"
 
 namespace rosflight::autonomy::estimation {
-namespace {
-
-/// Velocity through the air, in body axes.
-Vector3 air_velocity_B(const NominalState& x) {
-  const Vector3 v_W = x.v_W - Vector3(x.wind_W.x(), x.wind_W.y(), 0.0);
-  return x.q_WB.conjugate() * v_W;
-}
-
-}  // namespace
 
 void ErrorStateEkf::propagate(NominalState& x, const ImuIncrement& u, double gravity_m_s2) {
   const Vector3 before = x.v_W;
@@ -215,6 +206,11 @@ ErrorStateEkf::Residual<1> ErrorStateEkf::sideslip(const NominalState& x, double
   return r;
 }
 
+Vector3 ErrorStateEkf::air_velocity_B(const NominalState& x) {
+  const Vector3 v_W = x.v_W - Vector3(x.wind_W.x(), x.wind_W.y(), 0.0);
+  return x.q_WB.conjugate() * v_W;
+}
+
 /// With s = linear + quadratic |v_a| and the axis' unit vector u, u and v_a in B:
 /// df = -(1 + e) (s u + quadratic v_a,axis v_a/|v_a|) dv_a - s v_a,axis de, where dv_a = R'(dv - dw) +
 /// [v_a]x dtheta.
@@ -236,6 +232,35 @@ ErrorStateEkf::Residual<1> ErrorStateEkf::air_force(const NominalState& x, int a
   r.H.block<1, 3>(0, kTheta) = by_air_B * skew(air_B);
   r.H(0, kAccelBias + axis) = 1.0;
   r.H(0, kAirScale + axis) = -slope * air_B(axis);
+  return r;
+}
+
+double ErrorStateEkf::airspeed_sigma_m_s() const {
+  Eigen::Matrix<double, 1, kSize> H = Eigen::Matrix<double, 1, kSize>::Zero();
+  const Eigen::RowVector3d forward_W = x_.q_WB.toRotationMatrix().col(0).transpose();
+  H.segment<3>(kVelocity) = forward_W;
+  H.segment<2>(kWind) = -forward_W.head<2>();
+  return std::sqrt((H * P_ * H.transpose())(0));
+}
+
+ErrorStateEkf::Residual<1> ErrorStateEkf::lift(const NominalState& x, double force_m_s2,
+                                               double density_kg_m3, const LiftModel& model) {
+  const Vector3 air_B = air_velocity_B(x);
+  const double pressure = 0.5 * density_kg_m3 * model.area_m2_kg;
+  const double square = air_B.x() * air_B.x() + air_B.z() * air_B.z();
+  const double coefficient = model.zero + model.slope_1_rad * std::atan2(air_B.z(), air_B.x());
+  // alpha = atan2(w, u): d alpha = (u dw - w du)/(u^2 + w^2)
+  const Eigen::RowVector3d by_air_B =
+      -pressure * Eigen::RowVector3d(2.0 * air_B.x() * coefficient - model.slope_1_rad * air_B.z(),
+                                     0.0,
+                                     2.0 * air_B.z() * coefficient + model.slope_1_rad * air_B.x());
+  const Eigen::RowVector3d by_v_W = by_air_B * x.q_WB.toRotationMatrix().transpose();
+  Residual<1> r;
+  r.nu(0) = force_m_s2 - (x.accel_bias_B.z() - pressure * square * coefficient);
+  r.H.block<1, 3>(0, kVelocity) = by_v_W;
+  r.H.block<1, 2>(0, kWind) = -by_v_W.head<2>();
+  r.H.block<1, 3>(0, kTheta) = by_air_B * skew(air_B);
+  r.H(0, kAccelBias + 2) = 1.0;
   return r;
 }
 

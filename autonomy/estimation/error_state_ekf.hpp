@@ -57,6 +57,15 @@ struct AirForce {
   double quadratic_1_m{};
 };
 
+/// What the accelerometer measures of the lift of a wing, along body z:
+///
+///     f = -rho/2 S/m V^2 (zero + slope alpha)                                        (1)
+struct LiftModel {
+  double area_m2_kg{};  ///< Wing area by mass; 0: not known.
+  double zero{};        ///< C_L at no angle of attack,
+  double slope_1_rad{};
+};
+
 /// Extended Kalman filter on the error of the state, without buffers, time or policy. The
 /// estimator around it (estimator.hpp) decides what is fused when.
 ///
@@ -147,6 +156,13 @@ class ErrorStateEkf {
   /// y: specific force along body axis `axis`, 0 or 1, as the accelerometer reads it [m/s^2].
   static Residual<1> air_force(const NominalState& x, int axis, double force_m_s2,
                                const AirForce& model);
+  /// y: specific force along body z, as the accelerometer reads it [m/s^2].
+  static Residual<1> lift(const NominalState& x, double force_m_s2, double density_kg_m3,
+                          const LiftModel& model);
+  /// Standard deviation of the forward speed through the air [m/s].
+  double airspeed_sigma_m_s() const;
+  /// Velocity through the air, in B [m/s].
+  static Vector3 air_velocity_B(const NominalState& x);
   /// y: velocity of the IMU over ground; zero is the assumption of standing still.
   static Residual<3> velocity(const NominalState& x, const Vector3& v_W);
 

@@ -162,7 +162,7 @@ void Estimator<kWing>::add(const SideslipSample& sample) {
 }
 
 template <bool kWing>
-void Estimator<kWing>::set_attitude_hint(double t_s, const Quaternion& q_WB) {
+void Estimator<kWing>::set_attitude_hint(double t_s, const Quaternion& q_WB, bool with_heading) {
   const double norm = q_WB.norm();
   const bool a_rotation = norm > 0.5 && norm < 2.0;
   if (!a_rotation || !std::isfinite(t_s)) return;
@@ -174,7 +174,9 @@ void Estimator<kWing>::set_attitude_hint(double t_s, const Quaternion& q_WB) {
   constexpr double kTilt_rad = 0.15;
   constexpr double kHeading_rad = 0.3;
   const Quaternion shown = estimate().q_WB;
-  fusion_.correct_attitude(log_rotation(shown.conjugate() * hint_.q_WB), kTilt_rad, kHeading_rad);
+  const double turned_rad = with_heading ? 0.0 : heading_of(shown) - heading_of(hint_.q_WB);
+  const Quaternion wanted = Eigen::AngleAxisd(turned_rad, Vector3::UnitZ()) * hint_.q_WB;
+  fusion_.correct_attitude(log_rotation(shown.conjugate() * wanted), kTilt_rad, kHeading_rad);
 }
 
 /// Into the queue, which is in order of time; what the filter has passed already is too late.

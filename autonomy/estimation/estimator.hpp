@@ -58,7 +58,8 @@ class Estimator {
   void set_at_rest(bool at_rest) { at_rest_ = at_rest; }
   /// Attitude from another source, for a start in the air and after a hole; used for half a second
   /// after t_s [s].
-  void set_attitude_hint(double t_s, const Quaternion& q_WB);
+  /// @param with_heading  false: only its roll and pitch count, as that source has started again.
+  void set_attitude_hint(double t_s, const Quaternion& q_WB, bool with_heading = true);
   /// A hint would be used now.
   bool wants_attitude_hint() const { return !initialised() || attitude_lost_s_.has_value(); }
   /// Discards everything but the origin and initialises again.

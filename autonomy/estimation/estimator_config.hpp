@@ -18,6 +18,7 @@ struct AirModel {
   double rotor_drag_s_m{};   ///< In-plane force per thrust and speed, along x and y.
   double drag_area_m2_kg{};  ///< C_D A of the body by its mass, along x and y.
   double side_area_m2_kg{};  ///< Wing area times -dC_Y/dbeta by mass, along y.
+  LiftModel lift{};
   /// Along an axis in body axes, with this thrust by mass [m/s^2] in air of this density.
   AirForce along(int axis, double thrust_m_s2, double density_kg_m3) const {
     const double area_m2_kg = drag_area_m2_kg + (axis == 1 ? side_area_m2_kg : 0.0);

@@ -71,7 +71,15 @@ StateEstimate Estimator<kWing>::estimate() const {
     const Vector3 air_B = x.q_WB.conjugate() * (out.v_W - out.wind_W);
     out.airspeed_m_s = air_B.norm();
     out.wind_valid = out.wind_sigma_W_m_s.norm() < 0.75 * config().initial_wind_m_s;
-    out.air_valid = out.airspeed_m_s > config().min_airspeed_m_s;
+    constexpr double kSilent_s = 1.0;
+    constexpr double kKnown_m_s = 2.0;
+    const auto heard = [this](Aid aid) {
+      return filter_time_s() - health().of(aid).last_accepted_s < kSilent_s;
+    };
+    // Ground speed and wind give it too; lift alone leaves airspeed and pitch undecided.
+    const bool known = heard(Aid::kPitot) ||
+                       (heard(Aid::kGnssVelocity) && filter().airspeed_sigma_m_s() < kKnown_m_s);
+    out.air_valid = out.airspeed_m_s > config().min_airspeed_m_s && known;
     if (out.air_valid) {
       out.alpha_rad = std::atan2(air_B.z(), air_B.x());
       out.beta_rad = std::asin(std::clamp(air_B.y() / out.airspeed_m_s, -1.0, 1.0));

@@ -65,7 +65,7 @@ const char* text(Rule rule) {
       "A half of the V-tail is stuck: pitch cannot be held.",
       "One rotor of four is dead: three cannot hold the attitude.",
       "The IMU is silent, damaged or stuck for longer than 0.3 s.",
-      "The gyro step is beyond the largest bias that the estimator learns, 0.15 rad/s.",
+      "The gyro step is beyond the largest bias that the estimator learns, 0.1 rad/s.",
       "No command comes from the companion, and the safety pilot of a multirotor holds his "
       "throttle "
       "stick at idle. The pilot has the vehicle then, as in ROSflight 2.x."};

@@ -52,6 +52,7 @@ autonomy::estimation::AirModel air_model(const sim::Vehicle& vehicle) {
   if (is_fixed_wing(vehicle)) {
     const sim::AirframeParameters wing = sim::read_fixed_wing(vehicle.root()).airframe;
     air.side_area_m2_kg = std::max(0.0, -wing.side.beta) * wing.area_m2 / mass_kg;
+    air.lift = {wing.area_m2 / mass_kg, wing.lift.zero, wing.lift.alpha};
   } else if (vehicle.root().has("rotors")) {
     const sim::AeroParameters aero = sim::read_multirotor(vehicle.root()).aero;
     air.rotor_drag_s_m = aero.rotor_drag_s_m;

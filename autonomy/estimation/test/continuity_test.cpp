@@ -173,6 +173,49 @@ TEST(Continuity, ARestartNeedsNoSensorButTheImu) {
   }
 }
 
+TEST(Continuity, TheHeadingOfAFarEndThatHasRestartedIsNotTaken) {
+  for (const double turned_rad : {0.0, 1.0, 3.0}) {
+    Flight f;
+    f.run_until(20.0);
+    f.silence_until(23.0);
+    f.run_until(23.09);
+    const Quaternion turned(Eigen::AngleAxisd(turned_rad, Vector3::UnitZ()));
+    f.estimator->set_attitude_hint(f.world->time_s(), turned * f.truth().q_WB, false);
+    f.run_until(25.0);
+    EXPECT_LT(f.attitude_error_rad(), 0.15) << turned_rad;
+    f.run_until(30.0);
+    EXPECT_LT(f.attitude_error_rad(), 0.06) << turned_rad;
+    EXPECT_LT(f.position_error_m(), 0.7) << turned_rad;
+  }
+}
+
+TEST(Continuity, WithoutGnssAStepOfTheAccelerometerIsNotTheBarometers) {
+  for (const double step_m_s2 : {0.5, 1.0, 3.0, -3.0, 5.0}) {
+    Flight f(1, true);
+    f.run_until(25.0);
+    f.world->gnss_on = false;
+    f.world->extra_accel.z() = step_m_s2;
+    f.run_until(45.0);
+    const StateEstimate e = f.estimator->estimate();
+    EXPECT_EQ(f.estimator->health().baro_relearned, 0U) << step_m_s2;
+    EXPECT_LT(std::abs(e.p_W.z() - f.truth().p_W.z()), 0.6) << step_m_s2;
+    EXPECT_LT(std::abs(e.v_W.z() - f.truth().v_W.z()), 0.3) << step_m_s2;
+    EXPECT_NEAR(e.accel_bias_B.z(), step_m_s2, 0.3);
+  }
+}
+
+TEST(Continuity, WithoutGnssABarometerThatJumpsIsStillLearned) {
+  for (const double step_m : {5.0, -10.0, 50.0}) {
+    Flight f(1, true);
+    f.run_until(25.0);
+    f.world->gnss_on = false;
+    f.world->extra_baro_m = step_m;
+    f.run_until(35.0);
+    EXPECT_GE(f.estimator->health().baro_relearned, 1U) << step_m;
+    EXPECT_LT(std::abs(f.estimator->estimate().p_W.z() - f.truth().p_W.z()), 1.5) << step_m;
+  }
+}
+
 TEST(Continuity, SingleSamplesOfAnotherClockChangeNothing) {
   Flight f;
   f.run_until(20.0);

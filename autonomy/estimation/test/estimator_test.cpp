@@ -330,6 +330,45 @@ TEST(Estimator, AGustThatShutsThePitotOutIsLetInAgain) {
   }
 }
 
+/// Passes on all samples but those of the magnetometer.
+struct WithoutMag {
+  FixedwingEstimator& estimator;
+  template <class Sample>
+  void add(const Sample& sample) {
+    if constexpr (!std::is_same_v<Sample, MagSample>) estimator.add(sample);
+  }
+};
+
+TEST(Estimator, WithoutAMagnetometerTheForceOfTheAirHoldsTheHeading) {
+  for (const double step_rad_s : {0.0, 0.1, -0.1}) {
+    WindyWing f;
+    f.config.filter.air.side_area_m2_kg = 0.113;
+    f.estimator = FixedwingEstimator(f.config.filter);
+    f.run_until(40.0);
+    f.world.extra_gyro.z() = step_rad_s;
+    WithoutMag without{f.estimator};
+    while (f.world.time_s() < 70.0) f.world.step(without);
+    const StateEstimate e = f.estimator.estimate();
+    const Motion truth = f.world.motion(e.t_s);
+    EXPECT_LT(e.q_WB.angularDistance(truth.q_WB), 0.25) << step_rad_s;
+    EXPECT_LT((e.wind_W - f.config.wind_W).norm(), 3.5) << step_rad_s;
+  }
+}
+
+TEST(Estimator, WithoutPitotAndGnssTheAirspeedIsNotKnown) {
+  WindyWing f;
+  f.run_until(40.0);
+  f.world.pitot_blocked = true;
+  f.run_until(45.0);
+  EXPECT_TRUE(f.estimator.estimate().air_valid) << "by ground speed and wind";
+  f.world.gnss_on = false;
+  f.run_until(47.0);
+  EXPECT_FALSE(f.estimator.estimate().air_valid);
+  f.world.gnss_on = true;
+  f.run_until(50.0);
+  EXPECT_TRUE(f.estimator.estimate().air_valid);
+}
+
 TEST(Estimator, ABlockedPitotIsNoGust) {
   WindyWing f;
   f.run_until(40.0);

@@ -161,6 +161,12 @@ TEST(Jacobian, OfAirForce) {
   }
 }
 
+TEST(Jacobian, OfLift) {
+  const LiftModel model{0.11, 0.5, 5.6};
+  const auto flies = [](const NominalState& x) { return Filter::air_velocity_B(x).norm() > 1.0; };
+  check([&](const NominalState& x) { return Filter::lift(x, -9.0, 1.1, model); }, 15, flies);
+}
+
 TEST(Jacobian, OfVelocity) {
   check([](const NominalState& x) { return Filter::velocity(x, Vector3::Zero()); }, 9);
 }
