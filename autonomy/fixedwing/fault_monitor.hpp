@@ -16,7 +16,7 @@ class FaultMonitor {
   /// Starts the timeouts. Called in the first step.
   void start(double t_s) { state_good_s_ = position_good_s_ = t_s; }
 
-  /// Whether the state has an attitude and an altitude and is finite.
+  /// Whether the state has an attitude and is finite.
   bool state_good(const StateEstimate& state, double t_s, FlightEvents& events);
   bool state_lost() const { return state_lost_; }  ///< Not good for more than kStateGrace_s.
 

@@ -16,6 +16,7 @@ struct TakeoffConfig {
   double ramp_s{1.0};                  ///< Throttle from none to all.
   double airborne_m{4.0};              ///< Above the start: the take-off is a climb.
   double timeout_s{25.0};              ///< Not airborne after this: the take-off has failed.
+  double interrupted_s{5.0};           ///< The same on the ground after so long without control.
   double margin_m{3.0};                ///< The climb ends this much below the height.
 };
 

@@ -48,7 +48,9 @@ const FlightOutput& FlightManager::step(const Input& in) {
       out_.tracking = false;
       break;
     case GuidanceAct::kFly: {
-      const PilotOverride pilot = PilotOverride::from_word(in.status.rc_override);
+      const PilotOverride pilot = in.status.failsafe
+                                      ? PilotOverride{true, true, true}
+                                      : PilotOverride::from_word(in.status.rc_override);
       out_.wanted = follower_.step(in.state, out_.follow, 0.0);
       const bool had_ailerons = !out_.control.aileron_lost;
       out_.control = controller_.step({in.state, out_.wanted, 0.0, out_.dt_s, pilot, out_.direct});

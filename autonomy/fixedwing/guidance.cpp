@@ -48,9 +48,13 @@ PhaseConditions Guidance::conditions(const Input& in, bool pilot) {
   out.set(Conditions::kArmed, in.status.armed);
   out.set(Conditions::kReady, !flown_);
   out.set(Conditions::kPilot, pilot);
-  out.set(Conditions::kAirborne, height_m > takeoff.airborne_m);
+  out.set(Conditions::kAirborne, height_m > takeoff.airborne_m && !in.state.bridging);
   out.set(Conditions::kHighEnough, height_m > wanted_m - takeoff.margin_m);
-  out.set(Conditions::kTooLate, phase_path_.since_s(in.t_s) > takeoff.timeout_s);
+  // How far it has rolled meanwhile, and whether it has touched down again, is not known.
+  constexpr double kGround_m = 0.5;
+  const bool interrupted = blind_s_ > takeoff.interrupted_s && !in.state.bridging &&
+                           out_.height_above_ground_m < kGround_m;
+  out.set(Conditions::kTooLate, phase_path_.since_s(in.t_s) > takeoff.timeout_s || interrupted);
   out.set(Conditions::kPathDone, path_done_);
   out.set(Conditions::kLandNext, land_ || ends_down || limits_.asks_land());
   out.set(Conditions::kReturnNext, return_ || ends_home || limits_.asks_return());
@@ -59,8 +63,8 @@ PhaseConditions Guidance::conditions(const Input& in, bool pilot) {
   const bool landing = out_.phase == Phase::kApproach &&
                        out_.height_above_ground_m < config_.safety.straight_below_m;
   out.set(Conditions::kPositionKnown, known || landing);
-  out.set(Conditions::kComeDown,
-          faults_.unaided_s(in.t_s) > config_.safety.position_wait_s || limits_.asks_land());
+  out.set(Conditions::kComeDown, faults_.unaided_s(in.t_s) > config_.safety.position_wait_s ||
+                                     limits_.asks_land() || in.state.vertical == Quality::kNone);
   out.set(Conditions::kMotorOut,
           faults_.motor_out(in.state, full_throttle, out_.dt_s, config_, out_.events));
   out.set(Conditions::kLow, out_.height_above_ground_m <= flare_m);
@@ -93,6 +97,7 @@ void Guidance::enter(Phase to, const Input& in) {
   phase_path_.begin(to, out_.waypoint, path_input(in), out_.events);
   switch (to) {
     case Phase::kTakeoff:
+      blind_s_ = 0.0;
       ground_.set_standing(in.range_m);
       limits_.start(config_.battery, mission_.fence);
       out_.restart = true;
@@ -127,6 +132,7 @@ void Guidance::update_phase(const Input& in) {
   }
   pilot_ = !idle_now && pilot;
   failsafe_ = failsafe;
+  if (failsafe) blind_s_ += out_.dt_s;
   const bool new_list = to == Phase::kMission && !phase_path_.path().started();
   if (to != out_.phase || new_list) {
     enter(to, in);
@@ -181,6 +187,7 @@ const GuidanceOutput& Guidance::step(const Input& in) {
   if (!(out_.dt_s > 0.0)) return out_;
   last_t_s_ = in.t_s;
   if (!faults_.state_good(in.state, in.t_s, out_.events)) {
+    blind_s_ += out_.dt_s;
     if (faults_.state_lost()) out_.act = GuidanceAct::kGiveUp;
     return out_;
   }

@@ -90,6 +90,7 @@ class Guidance {
   PhasePath phase_path_;
   GuidanceOutput out_{};
   double last_t_s_{};
+  double blind_s_{};  ///< Since the take-off began: without a state, or flown by the failsafe.
   bool started_{false};
   bool pilot_{false};
   bool failsafe_{false};

@@ -33,6 +33,55 @@ TEST(FixedWingDecisions, WithoutAPositionForGoodItComesDownAndFlares) {
   }
 }
 
+TEST(FixedWingDecisions, WithoutAnAidedHeightItComesDownAtOnceToTheRangeSensor) {
+  SmallWorld world(hourglass());
+  ASSERT_TRUE(world.run_until(Phase::kMission, 60.0));
+  world.look = [](StateEstimate& s) {
+    s.horizontal = s.vertical = Quality::kNone;
+    s.p_W.z() += 6.0;  // 6 m too low
+  };
+  world.run(1.0);
+  EXPECT_EQ(world.manager.output().phase, Phase::kDescent);
+  world.run(120.0);
+  EXPECT_EQ(world.count(FlightEventType::kStateLost), 0);
+  EXPECT_TRUE(world.manager.output().landed);
+  EXPECT_LT(world.plant.touchdown_m_s(), 2.0);
+}
+
+TEST(FixedWingDecisions, ATakeOffThatTheFailsafeBrokeOffOnTheGroundIsGivenUp) {
+  for (const double silent_s : {2.0, 8.0}) {
+    SmallWorld world(hourglass());
+    world.run(1.5);
+    ASSERT_EQ(world.manager.output().phase, Phase::kTakeoff);
+    world.status.failsafe = true;
+    world.plant.config().motor = 0.0;
+    world.run(silent_s);
+    world.status.failsafe = false;
+    world.plant.config().motor = 1.0;
+    world.run(15.0);
+    const bool given_up = silent_s > 5.0;
+    EXPECT_EQ(world.count(FlightEventType::kTakeoffFailed), given_up ? 1 : 0) << silent_s;
+    EXPECT_EQ(world.height_m() > 10.0, !given_up) << silent_s;
+  }
+}
+
+TEST(FixedWingDecisions, AFailsafeLeavesNothingInTheControllerBehind) {
+  SmallWorld world(hourglass());
+  ASSERT_TRUE(world.run_until(Phase::kMission, 60.0));
+  world.run(20.0);
+  world.status.failsafe = true;
+  // It flies level, whatever guidance commands, 30 m below the path.
+  world.look = [](StateEstimate& s) {
+    s.p_W.z() += 30.0;
+    s.q_WB = Quaternion(Eigen::AngleAxisd(heading_of(s.q_WB), Vector3::UnitZ()));
+    s.w_B.setZero();
+  };
+  world.run(10.0);
+  EXPECT_EQ(world.count(FlightEventType::kAileronsLost), 0);
+  EXPECT_LT(std::abs(world.manager.output().control.pitch_c_rad), 20.0 * kRadPerDeg);
+  world.look = nullptr;
+}
+
 TEST(FixedWingDecisions, APositionThatIsBackInTimeLetsTheMissionGoOn) {
   SmallWorld world(hourglass());
   ASSERT_TRUE(world.run_until(Phase::kMission, 60.0));
