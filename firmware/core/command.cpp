@@ -28,6 +28,7 @@ void CommandManager::configure(const Config& config) {
   failsafe_.active = kAllAxes;
   if (config_.fixed_wing) {
     failsafe_.type.fill(CommandType::kPassThrough);
+    if (config_.fixed_wing_holds) hold_angles(failsafe_);
   } else if (failsafe_valid()) {
     failsafe_.value[config_.throttle_axis] = config_.failsafe_throttle;
   }
@@ -193,6 +194,14 @@ void CommandManager::combine() {
   primary_axes_ = static_cast<std::uint16_t>(pilot | free_inactive);
 }
 
+/// Roll and pitch of a fixed wing that nobody flies are angles: with surfaces at neutral it would trade
+/// height for speed in long swings.
+void CommandManager::hold_angles(CommandVector& command) const {
+  command.type[3] = command.type[4] = CommandType::kAngle;
+  command.value[3] *= config_.max_roll_rad;
+  command.value[4] *= config_.max_pitch_rad;
+}
+
 bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, bool failsafe) {
   const bool due =
       new_input || offboard_new_ || !decided_ || now >= decide_at_ || failsafe != in_failsafe_;
@@ -226,6 +235,12 @@ bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, b
     primary_axes_ = kAllAxes;
   } else {
     combine();
+    // The pilot holds roll and pitch because the companion is silent, not by his switch.
+    const auto attitude = static_cast<std::uint16_t>(
+        override_bit::kAttitudeSwitch | override_bit::kRollInactive | override_bit::kPitchInactive);
+    const bool silent =
+        (override_ & attitude) == (override_bit::kRollInactive | override_bit::kPitchInactive);
+    if (config_.fixed_wing && config_.fixed_wing_holds && silent) hold_angles(combined_);
   }
   return override_ != before;
 }

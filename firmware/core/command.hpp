@@ -64,6 +64,7 @@ class CommandManager {
     Time offboard_timeout{hal::milliseconds(100)};
     float failsafe_throttle{-1.0f};
     bool companion_in_failsafe{false};  ///< FAILSAFE_OFFBRD: see update().
+    bool fixed_wing_holds{false};       ///< FW_ANGLE_HOLD: see hold_angles().
     /// The two mixers differ, so their axes may mean different things: an override then applies to
     /// all six axes or to none.
     bool override_whole{false};
@@ -135,6 +136,7 @@ class CommandManager {
   bool pilot_wants_less_thrust() const;
   float torque_share() const;
   void combine();
+  void hold_angles(CommandVector& command) const;
 
   static constexpr std::size_t kModes = 3;
   using Limits = std::array<float, kAxes>;

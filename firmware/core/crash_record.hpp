@@ -33,7 +33,9 @@ struct CrashRecord {
   std::uint16_t error_word{};
   bool armed{};
   std::array<std::uint32_t, 8> registers{};  ///< r0, r1, r2, r3, r12, lr, pc, psr.
-  bool above_idle{};                         ///< A motor turned faster than idle at the fault.
+  /// A motor turned faster than idle at the fault; of a fixed wing, which may glide, within the last
+  /// 30 s.
+  bool above_idle{};
   using Ages = std::array<std::uint32_t, kMaxRearms>;
   /// Ages of the last three rearmings at the fault, newest first; kNever where there was none.
   Ages rearm_age_ms{kNever, kNever, kNever};

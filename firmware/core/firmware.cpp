@@ -185,6 +185,7 @@ void Firmware::control(Time now, float dt_s) {
   Mixer::Conditions conditions = mixer_conditions(now);
   conditions.primary_axes = command_.primary_axes();
   board_.outputs.write(mixer_.step(forces, conditions));
+  if (mixer_.config().fixed_wing && state_.armed() && above_idle()) powered_ = now;
   if (!state_.armed() || motor_stop_.watching(state_.failsafe())) watch_motion(now);
   constexpr float kWorthAText = 2.0f;
   if (mixer_.saturation() > kWorthAText && saturation_texts_.allow(now)) {

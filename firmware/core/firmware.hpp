@@ -28,6 +28,8 @@ class Firmware {
   static constexpr Time kStillTime = hal::milliseconds(500);
   /// Arming within this time of a disarming with motors above idle counts as arming in the air.
   static constexpr Time kRearmInAir = hal::milliseconds(1000);
+  /// A fixed wing may be in the air for this long after its motor turned above idle.
+  static constexpr Time kGlide = hal::milliseconds(30'000);
   /// A motor test ends this long after its last message.
   static constexpr Time kMotorTestTime = hal::milliseconds(300);
   static constexpr float kMotorTestLimit = 0.3f;
@@ -138,6 +140,7 @@ class Firmware {
   Text check_text(Check check, Time now) const;
   bool in_flight(Time now) const;
   bool above_idle() const;
+  bool may_glide(Time now) const;
   bool turning() const;
   bool motors_enabled() const { return state_.armed() && !motor_stop_.stopped(); }
   bool still_holding_idle(Time now);
@@ -186,6 +189,7 @@ class Firmware {
   Time max_pass_{};                       ///< Longest time between passes since the last report.
   Time moved_{hal::milliseconds(-1000)};  ///< When the disarmed vehicle last turned.
   Time idle_until_{};                     ///< End of kIdleFirst, while holding_idle_.
+  Time powered_{Time::min() / 2};         ///< Of a fixed wing: last time with a motor above idle.
   Time disarmed_{};                       ///< When it was disarmed with motors above idle.
   Time test_until_{};                     ///< When the motor test ends.
   CrashRecord::Ages rearm_ages_ms_{CrashRecord{}.rearm_age_ms};  ///< At the start.

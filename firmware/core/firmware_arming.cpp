@@ -135,6 +135,7 @@ void Firmware::armed_now(Actions actions, Time now) {
   holding_idle_ = !in_air;
   idle_until_ = now + kIdleFirst;
   if (!in_air) {
+    powered_ = Time::min() / 2;
     command_.forget_offboard();
     if (queue_ == Queue::kWaiting) queue_ = Queue::kStale;
     warn_before_arming(now);
@@ -162,6 +163,11 @@ bool Firmware::above_idle() const {
     if (mixer_.header().type[k] == OutputType::kMotor && mixer_.outputs()[k] > idle) return true;
   }
   return false;
+}
+
+/// A fixed wing whose motor was above idle not long ago may be in the air.
+bool Firmware::may_glide(Time now) const {
+  return mixer_.config().fixed_wing && now - powered_ <= kGlide;
 }
 
 bool Firmware::still_holding_idle(Time now) {
@@ -253,7 +259,7 @@ void Firmware::record_fault(const std::array<std::uint32_t, 8>& registers) {
   record.error_word = state_.errors();
   record.armed = state_.armed();
   record.registers = registers;
-  record.above_idle = above_idle();
+  record.above_idle = above_idle() || may_glide(board_.clock.now());
   const std::int64_t uptime_ms = hal::to_ms(board_.clock.now());
   for (std::size_t k = 0; k < rearm_ages_ms_.size(); ++k) {
     record.rearm_age_ms[k] = static_cast<std::uint32_t>(
@@ -273,6 +279,7 @@ void Firmware::recover_from_crash() {
   if (state_.armed()) {
     rearm_ages_ms_ = {0, record.rearm_age_ms[0], record.rearm_age_ms[1]};
     estimator_.reset_in_flight();
+    powered_ = now;
     log_.critical("Rearmed after a fault in flight");
   } else if (record.armed) {
     log_.critical(record.above_idle ? "Fault in flight, but rearming failed"

@@ -309,6 +309,52 @@ TEST_F(CommandTest, FailsafeIsBuiltAnewForEveryChange) {
 
 // ---- the receiver is lost and the companion may go on
 
+class AngleHold : public CommandTest {
+ protected:
+  AngleHold() {
+    config_.fixed_wing = config_.fixed_wing_holds = true;
+    config_.throttle_axis = 0;
+    configure();
+  }
+  void expect_angles(bool held) const {
+    const CommandType wanted = held ? CommandType::kAngle : CommandType::kPassThrough;
+    EXPECT_EQ(type(3), wanted);
+    EXPECT_EQ(type(4), wanted);
+    EXPECT_EQ(type(5), CommandType::kPassThrough);
+    EXPECT_EQ(type(0), CommandType::kPassThrough);
+  }
+};
+
+TEST_F(AngleHold, TheFailsafeHoldsRollAndPitchLevel) {
+  failsafe_ = true;
+  pass();
+  expect_angles(true);
+  EXPECT_EQ(command_.combined().value, (std::array<float, 10>{}));
+}
+
+TEST_F(AngleHold, ASilentCompanionLeavesAnglesThatTheSticksCommand) {
+  ASSERT_TRUE(offboard(0, {0.5f, 0, 0, 0.1f, -0.2f, 0.3f}));
+  pass();
+  expect_angles(false);
+  EXPECT_EQ(combined(3), 0.1f) << "the companion's surfaces pass straight through";
+  pilot_ = {0.5f, -1.0f, 0.7f, 0.8f, {}};
+  idle(200);
+  pass();
+  expect_angles(true);
+  EXPECT_FLOAT_EQ(combined(0), 0.8f);
+  EXPECT_FLOAT_EQ(combined(3), 0.393f);
+  EXPECT_FLOAT_EQ(combined(4), -0.786f);
+  EXPECT_FLOAT_EQ(combined(5), 0.7f);
+}
+
+TEST_F(AngleHold, APilotWithTheSwitchHasTheSurfaces) {
+  pilot_ = {0.5f, -1.0f, 0.7f, 0.8f, {}};
+  set_switch(Switch::kAttitudeOverride, true);
+  pass();
+  expect_angles(false);
+  EXPECT_FLOAT_EQ(combined(3), 0.5f);
+}
+
 class CompanionInFailsafe : public CommandTest {
  protected:
   CompanionInFailsafe() {

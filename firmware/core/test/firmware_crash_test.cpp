@@ -93,6 +93,28 @@ TEST_F(FirmwareCrash, AtIdleOnTheGroundItIsNotRearmed) {
   EXPECT_EQ(after.got<link::HardError>().at(0).rearm, 0u);
 }
 
+TEST_F(FirmwareCrash, AFixedWingThatGlidesIsRearmedForHalfAMinute) {
+  for (const int gliding_ms : {3'000, 29'000, 31'000}) {
+    FirmwareRig before;
+    before.store_airplane();
+    before.start();
+    before.arm();
+    before.rc.channels[FirmwareRig::kThrottle] = 0.6f;
+    before.run_for(1000);
+    before.rc.channels[FirmwareRig::kThrottle] = 0.0f;
+    before.run_for(gliding_ms);
+    ASSERT_TRUE(before.armed());
+    before.firmware().record_fault({});
+    FirmwareRig after;
+    std::array<std::uint8_t, CrashRecord::kBytes> record{};
+    ASSERT_TRUE(before.board.backup.read(record.data(), record.size()));
+    ASSERT_TRUE(after.board.backup.write(record.data(), record.size()));
+    after.board.storage.set_bytes(before.board.storage.bytes());
+    after.start();
+    EXPECT_EQ(after.armed(), gliding_ms < 30'000) << gliding_ms;
+  }
+}
+
 TEST_F(FirmwareCrash, ARestartOnTheGroundInBetweenDoesNotForgetTheRearmings) {
   fly_quadrotor();
   std::vector<std::unique_ptr<FirmwareRig>> lives;

@@ -14,6 +14,7 @@ constexpr std::size_t kMostBytesEncoded = 1024;
 // would follow a slip in it.
 constexpr Time kImuSilence = hal::milliseconds(100);
 constexpr Time kImuHold = hal::milliseconds(300);
+constexpr Time kGlide = hal::milliseconds(30'000);
 constexpr Time kReceiverSilence = hal::milliseconds(200);
 constexpr Time kBadFrames = hal::milliseconds(100);
 constexpr Time kMotorTestTime = hal::milliseconds(300);
@@ -185,7 +186,9 @@ void FlightInvariants::note_restart(const PassInputs& in, const WatchedFirmware&
     ++coverage_.armed_after_fault;
     if (in.restart != Restart::kFault) fail("rearm_after_fault", "armed without a crash record");
     if (!armed_before_) fail("rearm_after_fault", "armed, but was not before the fault");
-    if (!above_idle_) fail("rearm_after_fault", "armed, but no motor was above idle");
+    const bool glides = watched.firmware().mixer().config().fixed_wing && now_ <= glides_until_;
+    if (!above_idle_ && !glides) fail("rearm_after_fault", "armed, but no motor was above idle");
+    glides_until_ = now_ + kGlide;
     if (now_ - rearmed_[0] < hal::milliseconds(60'000)) {
       fail("rearm_after_fault", "armed for the fourth time in 60 s");
     }
@@ -219,6 +222,7 @@ void FlightInvariants::note_state(const WatchedFirmware& watched) {
     asked_ = imu_latched_ = false;
   }
   above_idle_ = above;
+  if (armed && above) glides_until_ = now_ + kGlide;
   before_ = f.state().state();
   armed_before_ = armed;
   failsafe_before_ = f.state().failsafe();

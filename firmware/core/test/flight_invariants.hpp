@@ -60,6 +60,7 @@ class FlightInvariants {
   Time armed_at_{kNever}, disarmed_at_{kNever};
   bool on_ground_{true};  ///< The last arming was one on the ground.
   bool above_idle_{false}, above_idle_at_disarm_{false};
+  Time glides_until_{};
   bool asked_{false};                             ///< For arming, since disarmed.
   bool stick_raised_{false}, commanded_{false};   ///< Since the arming.
   float throttle_{0.0f}, throttle_before_{0.0f};  ///< Of the newest good frame, and the one before.
