@@ -59,7 +59,10 @@ void AidFusion<kWing>::predict(const ImuBuffer::Segment& segment) {
     ProcessNoise noise = config_.noise;
     noise.wind_m_s_rts = wind_noise_m_s_rts_;
     filter_.predict(u, noise, config_.gravity_m_s2);
-    if (u.dt_s > 0.0) w_raw_B_ = u.dtheta_B / u.dt_s;
+    if (u.dt_s > 0.0) {
+      w_raw_B_ = u.dtheta_B / u.dt_s;
+      f_raw_B_ = u.dv_B / u.dt_s;
+    }
     fuse_air_force(segment);
     return;
   }
@@ -82,6 +85,7 @@ void AidFusion<kWing>::predict(const ImuBuffer::Segment& segment) {
     if (sigma > kMaxTilt_rad) filter_.reset_variance(Filter::kTheta + k, 1, kMaxTilt_rad);
   }
   w_raw_B_ = filter_.state().gyro_bias_B;
+  f_raw_B_ = Filter::steady(filter_.state(), 1.0, config_.gravity_m_s2).dv_B;
   force_ = {};
   constexpr double kLong_s = 0.5;
   if (u.dt_s > kLong_s) long_hole_end_s_ = t_s_;
@@ -157,18 +161,39 @@ Vector2 AidFusion<kWing>::unshown_jump_W(double t_s) const {
   return jump_.moved_W * (1.0 - shown_m / size_m);
 }
 
-/// Whether innovations of the velocity have kept their sign for some time.
+/// Innovations of the velocity by their standard deviations, two sigmas of what is always off to one side
+/// counted in: a fault of the IMU is more than that.
 template <bool kWing>
-bool AidFusion<kWing>::velocity_is_off(const Filter::Residual<3>& residual) {
+Vector3 AidFusion<kWing>::doubtful_velocity(const Vector3& residual) const {
+  constexpr double kSigmas = 2.0;
+  const Vector3 variance = filter_.covariance().diagonal().segment<3>(Filter::kVelocity) +
+                           Vector3::Constant(gnss_velocity_variance(kSigmas));
+  return residual.cwiseQuotient(variance.cwiseSqrt());
+}
+
+/// Whether normalised innovations of the velocity have kept their sign for some time.
+template <bool kWing>
+bool AidFusion<kWing>::velocity_is_off(const Vector3& doubtful) {
   bool off = false;
   for (int k = 0; k < 3; ++k) {
-    const int row = Filter::kVelocity + k;
-    const double sigma = std::sqrt(filter_.covariance()(row, row) + residual.R(k, k));
-    const bool axis_off =
-        velocity_means_[static_cast<std::size_t>(k)].exceeded(residual.nu(k) / sigma);
+    const bool axis_off = velocity_means_[static_cast<std::size_t>(k)].exceeded(doubtful(k));
     off = off || axis_off;
   }
   return off;
+}
+
+/// Besides the noise: the antenna is not just where the configuration has it, nor the fix of just that
+/// instant, so turning and accelerating add to it, here as many sigmas of both.
+template <bool kWing>
+double AidFusion<kWing>::gnss_velocity_variance(double sigmas) const {
+  const NominalState& x = filter_.state();
+  const Vector3 gravity_W(0.0, 0.0, config_.gravity_m_s2);
+  const double by_turning =
+      sigmas * config_.gnss_position_sigma_m * (w_raw_B_ - x.gyro_bias_B).norm();
+  const double by_accelerating = sigmas * config_.gnss_time_sigma_s *
+                                 (x.q_WB * (f_raw_B_ - x.accel_bias_B) + gravity_W).norm();
+  const double noise = config_.gnss_velocity_sigma_m_s;
+  return noise * noise + by_turning * by_turning + by_accelerating * by_accelerating;
 }
 
 template <bool kWing>
@@ -177,8 +202,9 @@ void AidFusion<kWing>::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
   constexpr double kGap_s = 1.0;
   if (t_s_ - health_.of(Aid::kGnssVelocity).last_accepted_s > kGap_s) settled_since_s_ = 1e9;
   auto velocity = Filter::gnss_velocity(filter_.state(), sample.v_W_m_s, gnss_lever(), w_raw_B_);
-  velocity.R = square(config_.gnss_velocity_sigma_m_s) * Matrix3::Identity();
-  const bool drifts = velocity_is_off(velocity);
+  velocity.R = gnss_velocity_variance(1.0) * Matrix3::Identity();
+  const Vector3 doubtful = doubtful_velocity(velocity.nu);
+  const bool drifts = velocity_is_off(doubtful);
   const bool velocity_ok = weigh<3>(Aid::kGnssVelocity, velocity, config_.gate_sigma);
 
   auto horizontal = Filter::gnss_position(filter_.state(), p_W, gnss_lever()).template rows<2>(0);
@@ -191,7 +217,7 @@ void AidFusion<kWing>::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
   static_cast<void>(weigh<1>(Aid::kGnssAltitude, altitude, config_.gate_sigma));
 
   const AidHealth& of_velocity = health_.of(Aid::kGnssVelocity);
-  if (velocity_monitor_.exceeded(of_velocity.nis) ||
+  if (velocity_monitor_.exceeded(doubtful.squaredNorm() / 3.0) ||
       of_velocity.rejecting_for_s() > config_.gnss_doubt_s) {
     widen_imu_errors(kLargeFault);
     if (!velocity_ok) {  // it was not used yet

@@ -182,12 +182,14 @@ class AidFusion {
   static constexpr ImuFault kSmallFault{0.05, 0.3, 1.0};
   static constexpr ImuFault kDeadReckonedFault{0.05, 0.3, 1.5};
   void widen_imu_errors(const ImuFault& fault);
-  bool velocity_is_off(const Filter::Residual<3>& residual);
+  Vector3 doubtful_velocity(const Vector3& residual) const;
+  bool velocity_is_off(const Vector3& doubtful);
   void widen_heading();
   bool height_drifts(const Filter::Residual<1>& residual);
   void widen_vertical();
   void reset_to_gnss(const Vector3& p_W, const Vector3& v_W);
   void restart_gnss_bias(int first, int size, const Vector3& p_W);
+  double gnss_velocity_variance(double sigmas) const;
   Vector3 gnss_lever() const { return config_.gnss_position_B - config_.imu_position_B; }
 
   EstimatorConfig config_;
@@ -195,6 +197,7 @@ class AidFusion {
   double t_s_{};
   double newest_s_{};
   Vector3 w_raw_B_{Vector3::Zero()};  ///< Gyro over the last segment.
+  Vector3 f_raw_B_{Vector3::Zero()};  ///< Accelerometer over the last segment.
   Reference reference_;
   double density_kg_m3_{base::kSeaLevelDensity_kg_m3};
   double origin_pressure_height_m_{};

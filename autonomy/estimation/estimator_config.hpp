@@ -48,6 +48,8 @@ struct EstimatorConfig {
   double gnss_horizontal_sigma_m{0.022};  ///< Noise from fix to fix; the slow error is in `noise`.
   double gnss_altitude_sigma_m{0.045};
   double gnss_velocity_sigma_m_s{0.051};
+  double gnss_position_sigma_m{0.05};  ///< Of gnss_position_B.
+  double gnss_time_sigma_s{0.01};      ///< Of the stamp of a fix.
   double baro_sigma_m{0.05};
   double mag_sigma_T{3e-7};         ///< Of each axis.
   double heading_sigma_rad{0.005};  ///< Besides: declination.

@@ -47,7 +47,8 @@ void fly(std::uint64_t seed, Statistics<kWind>& statistics) {
   config.declination_rad = field_declination();
   // The wind and the air of the filter wander; those of a closed form cannot.
   config.noise.wind_m_s_rts = config.max_wind_noise_m_s_rts = config.noise.air_scale_rts = 0.0;
-  config.use_sideslip = false;  // measured by a vane, with noise
+  config.gnss_position_sigma_m = config.gnss_time_sigma_s = 0.0;  // its antenna is in its place
+  config.use_sideslip = false;                                    // measured by a vane, with noise
   config.gate_sigma = config.heading_gate_sigma = 1e3;
   config.baro_relearn_s = config.gnss_reset_s = 1e9;
   world_config.seed = seed;

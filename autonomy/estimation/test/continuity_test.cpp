@@ -55,10 +55,23 @@ Motion dragging_at(double t) {
   return m;
 }
 
+/// To and fro without drag, the tilt 0.5 rad to both sides and up to 1.5 rad/s.
+Motion brisk_at(double t) {
+  constexpr double kSize_m = 0.5, kRate_rad_s = 3.0;
+  const double c = std::cos(kRate_rad_s * t), s = std::sin(kRate_rad_s * t);
+  const Vector3 along_W(kSize_m, 0.3 * kSize_m, 0.0);
+  Motion m;
+  m.p_W = Vector3(0.0, 0.0, -5.0) + along_W * (1.0 - c);
+  m.v_W = along_W * (kRate_rad_s * s);
+  m.a_W = along_W * (kRate_rad_s * kRate_rad_s * c);
+  m.q_WB = thrust_attitude(m.a_W, 0.3);
+  return m;
+}
+
 struct Flight {
   /// `air_model`: what the estimator takes the drag of the rotors for, by their true one.
   explicit Flight(std::uint64_t seed = 1, double air_model = 0.0,
-                  const Vector3& imu_position_B = Vector3::Zero()) {
+                  const Vector3& imu_position_B = Vector3::Zero(), const Path& path = dragging_at) {
     WorldConfig config;
     config.seed = seed;
     config.filter.air.rotor_drag_s_m = air_model * kRotorDrag_s_m;
@@ -67,7 +80,7 @@ struct Flight {
     config.gyro_bias_sigma = 0.005;
     config.range = false;
     config.filter.imu_position_B = imu_position_B;
-    world = std::make_unique<World>(config, dragging_at);
+    world = std::make_unique<World>(config, path);
     estimator = std::make_unique<MultirotorEstimator>(config.filter);
     ErrorStateEkf start;
     start.covariance().setZero();
@@ -311,6 +324,15 @@ TEST(Continuity, TheDragOfTheVehicleFileMayBeFarFromTheTrueOne) {
     for (int axis = 0; axis < 2; ++axis) {
       EXPECT_NEAR((1.0 + scale(axis)) * air_model, 1.0, 0.15) << axis << " of " << air_model;
     }
+  }
+}
+
+TEST(Continuity, TheAntennaMayBeBesideItsPlace) {
+  for (const Vector3& beside_m : {Vector3(0.12, 0.0, 0.08), Vector3(-0.08, 0.1, 0.0)}) {
+    Flight f(1, 0.0, Vector3::Zero(), brisk_at);
+    f.world->gnss_beside_m = beside_m;
+    EXPECT_LT(f.worst_attitude_until(60.0), 0.06);
+    EXPECT_EQ(f.estimator->health().imu_widenings, 0U);
   }
 }
 

@@ -173,6 +173,7 @@ class World {
   bool gnss_on{true};
   Vector3 extra_gyro{Vector3::Zero()};
   Vector3 extra_gnss{Vector3::Zero()};
+  Vector3 gnss_beside_m{Vector3::Zero()};  ///< From where the estimator takes the antenna to be.
   Vector3 extra_accel{Vector3::Zero()};
   double extra_baro_m{};
   double extra_airspeed_m_s{};  ///< A gust along the nose.
@@ -237,13 +238,16 @@ class World {
   GnssSample gnss(double t, const Motion& m) {
     const EstimatorConfig& f = config_.filter;
     const Vector3 p =
-        m.p_W + gnss_bias_ + extra_gnss +
+        m.p_W + m.q_WB * gnss_beside_m + gnss_bias_ + extra_gnss +
         Vector3(f.gnss_horizontal_sigma_m * normal(), f.gnss_horizontal_sigma_m * normal(),
                 f.gnss_altitude_sigma_m * normal());
     GnssSample s;
     s.t_s = t;
     s.fix_3d = true;
-    s.v_W_m_s = m.v_W + f.gnss_velocity_sigma_m_s * normal3();
+    const double h = 1e-4;
+    const Vector3 by_turning_W =
+        (motion(t + h).q_WB * gnss_beside_m - motion(t - h).q_WB * gnss_beside_m) / (2.0 * h);
+    s.v_W_m_s = m.v_W + by_turning_W + f.gnss_velocity_sigma_m_s * normal3();
     s.position = place_of(p);
     return s;
   }
