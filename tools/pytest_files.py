@@ -49,7 +49,7 @@ def run(files: list[Path], python: str, reports: Path, options: list[str] = (), 
 
 def _is_flight(file: Path) -> bool:
     """True for whole flights and real-time runs. They come first, so that none of them is left over at the end."""
-    return any(word in file.name for word in ("flight", "fixedwing", "square", "follower", "policy", "documented_start", "sil"))
+    return any(word in file.name for word in ("flight", "fixedwing", "square", "follower", "policy", "documented_start", "own_modules", "sil"))
 
 
 def _run_file(file: Path, python: str, reports: Path, options, environment) -> Outcome:
