@@ -28,7 +28,6 @@ void CommandManager::configure(const Config& config) {
   failsafe_.active = kAllAxes;
   if (config_.fixed_wing) {
     failsafe_.type.fill(CommandType::kPassThrough);
-    if (config_.fixed_wing_holds) hold_angles(failsafe_);
   } else if (failsafe_valid()) {
     failsafe_.value[config_.throttle_axis] = config_.failsafe_throttle;
   }
@@ -195,11 +194,15 @@ void CommandManager::combine() {
 }
 
 /// Roll and pitch of a fixed wing that nobody flies are angles: with surfaces at neutral it would trade
-/// height for speed in long swings.
-void CommandManager::hold_angles(CommandVector& command) const {
-  command.type[3] = command.type[4] = CommandType::kAngle;
-  command.value[3] *= config_.max_roll_rad;
-  command.value[4] *= config_.max_pitch_rad;
+/// height for speed in long swings. The pilot holds them because the companion is silent, not by his switch.
+void CommandManager::hold_angles() {
+  constexpr auto kSilent =
+      static_cast<std::uint16_t>(override_bit::kRollInactive | override_bit::kPitchInactive);
+  const bool silent = (override_ & (override_bit::kAttitudeSwitch | kSilent)) == kSilent;
+  if (!in_failsafe_ && !silent) return;
+  combined_.type[3] = combined_.type[4] = CommandType::kAngle;
+  combined_.value[3] *= config_.max_roll_rad;
+  combined_.value[4] *= config_.max_pitch_rad;
 }
 
 bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, bool failsafe) {
@@ -235,13 +238,8 @@ bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, b
     primary_axes_ = kAllAxes;
   } else {
     combine();
-    // The pilot holds roll and pitch because the companion is silent, not by his switch.
-    const auto attitude = static_cast<std::uint16_t>(
-        override_bit::kAttitudeSwitch | override_bit::kRollInactive | override_bit::kPitchInactive);
-    const bool silent =
-        (override_ & attitude) == (override_bit::kRollInactive | override_bit::kPitchInactive);
-    if (config_.fixed_wing && config_.fixed_wing_holds && silent) hold_angles(combined_);
   }
+  if (config_.fixed_wing_holds) hold_angles();
   return override_ != before;
 }
 

@@ -136,7 +136,7 @@ class CommandManager {
   bool pilot_wants_less_thrust() const;
   float torque_share() const;
   void combine();
-  void hold_angles(CommandVector& command) const;
+  void hold_angles();
 
   static constexpr std::size_t kModes = 3;
   using Limits = std::array<float, kAxes>;

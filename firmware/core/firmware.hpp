@@ -42,10 +42,11 @@ class Firmware {
   static constexpr Time kCompanionSilence = hal::milliseconds(1000);
 
   /// @param board  the roles that it names must outlive this. @param codec  likewise.
-  Firmware(const hal::Board& board, link::Codec& codec);
+  // cold: runs once, so the compiler makes it small rather than fast.
+  [[gnu::cold]] Firmware(const hal::Board& board, link::Codec& codec);
 
   /// Starts up: parameters, mixer, receiver, link, sensors, crash recovery.
-  void start();
+  [[gnu::cold]] void start();
 
   /// One pass of the main loop. Call it without pause.
   void run();

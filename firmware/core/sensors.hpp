@@ -118,10 +118,10 @@ class Sensors {
   }
   void calibrate(Vector3& accel, Vector3& gyro, float temperature_K, Parameters& parameters,
                  Log& log, CalibrationEvents& events);
-  void calibrate_accel(const Vector3& accel, float temperature_K, Parameters& parameters, Log& log,
-                       CalibrationEvents& events);
-  void calibrate_gyro(const Vector3& gyro, const Vector3& accel, Parameters& parameters, Log& log,
-                      CalibrationEvents& events);
+  [[gnu::cold]] void calibrate_accel(const Vector3& accel, float temperature_K,
+                                     Parameters& parameters, Log& log, CalibrationEvents& events);
+  [[gnu::cold]] void calibrate_gyro(const Vector3& gyro, const Vector3& accel,
+                                    Parameters& parameters, Log& log, CalibrationEvents& events);
   void start_gyro() {
     gyro_calibration_.start();
     gravity_while_gyro_.start();
