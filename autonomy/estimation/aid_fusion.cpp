@@ -355,6 +355,7 @@ void AidFusion<kWing>::fuse_lift(double force_m_s2) {
 template <bool kWing>
 void AidFusion<kWing>::fuse(const BaroSample& sample) {
   density_kg_m3_ = standard_density_kg_m3(sample.pressure_Pa);
+  if (waits_for_gnss()) return;  // it may have jumped unseen, and the altitude would follow it
   const double height_m = standard_height_m(sample.pressure_Pa) - origin_pressure_height_m_;
   auto residual = Filter::baro_height(filter_.state(), height_m);
   residual.R(0) = config_.baro_sigma_m * config_.baro_sigma_m;

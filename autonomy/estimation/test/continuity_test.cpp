@@ -202,6 +202,19 @@ TEST(Continuity, TheHeadingOfAFarEndThatHasRestartedIsNotTaken) {
   }
 }
 
+TEST(Continuity, ABarometerThatHasJumpedInALongHoleDoesNotMoveTheAltitude) {
+  for (const double jump_m : {5.0, -10.0}) {
+    Flight f;
+    f.run_until(20.0);
+    f.world->extra_baro_m = jump_m;
+    f.silence_until(23.0);
+    f.run_until(24.0);
+    EXPECT_LT(std::abs((f.estimator->estimate().p_W - f.truth().p_W).z()), 1.0) << jump_m;
+    f.run_until(30.0);
+    EXPECT_LT(std::abs((f.estimator->estimate().p_W - f.truth().p_W).z()), 1.0) << jump_m;
+  }
+}
+
 TEST(Continuity, WithoutGnssAStepOfTheAccelerometerIsNotTheBarometers) {
   for (const double step_m_s2 : {0.5, 1.0, 3.0, -3.0, 5.0}) {
     Flight f(1, true);
