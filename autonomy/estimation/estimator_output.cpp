@@ -64,6 +64,7 @@ StateEstimate Estimator<kWing>::estimate() const {
   out.v_sigma_W_m_s = sigma(Filter::kVelocity);
   out.attitude_sigma_B_rad = sigma(Filter::kTheta);
 
+  const auto age = [this](Aid aid) { return filter_time_s() - health().of(aid).last_accepted_s; };
   if constexpr (kWing) {
     out.wind_W = {x.wind_W.x(), x.wind_W.y(), 0.0};
     out.wind_sigma_W_m_s = {std::sqrt(P(Filter::kWind, Filter::kWind)),
@@ -73,12 +74,9 @@ StateEstimate Estimator<kWing>::estimate() const {
     out.wind_valid = out.wind_sigma_W_m_s.norm() < 0.75 * config().initial_wind_m_s;
     constexpr double kSilent_s = 1.0;
     constexpr double kKnown_m_s = 2.0;
-    const auto heard = [this](Aid aid) {
-      return filter_time_s() - health().of(aid).last_accepted_s < kSilent_s;
-    };
     // Ground speed and wind give it too; lift alone leaves airspeed and pitch undecided.
-    const bool known = heard(Aid::kPitot) ||
-                       (heard(Aid::kGnssVelocity) && filter().airspeed_sigma_m_s() < kKnown_m_s);
+    const bool known = age(Aid::kPitot) < kSilent_s || (age(Aid::kGnssVelocity) < kSilent_s &&
+                                                        filter().airspeed_sigma_m_s() < kKnown_m_s);
     out.air_valid = out.airspeed_m_s > config().min_airspeed_m_s && known;
     if (out.air_valid) {
       out.alpha_rad = std::atan2(air_B.z(), air_B.x());
@@ -86,7 +84,6 @@ StateEstimate Estimator<kWing>::estimate() const {
     }
   }
 
-  const auto age = [this](Aid aid) { return filter_time_s() - health().of(aid).last_accepted_s; };
   constexpr double kAttitudeGood_rad = 0.1;
   constexpr double kHeadingGood_rad = 0.2;
   const Vector3& attitude = out.attitude_sigma_B_rad;

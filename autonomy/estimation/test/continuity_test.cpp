@@ -217,7 +217,7 @@ TEST(Continuity, ABarometerThatHasJumpedInALongHoleDoesNotMoveTheAltitude) {
 
 TEST(Continuity, WithoutGnssAStepOfTheAccelerometerIsNotTheBarometers) {
   for (const double step_m_s2 : {0.5, 1.0, 3.0, -3.0, 5.0}) {
-    Flight f(1, true);
+    Flight f(1, 1.0);
     f.run_until(25.0);
     f.world->gnss_on = false;
     f.world->extra_accel.z() = step_m_s2;
@@ -232,7 +232,7 @@ TEST(Continuity, WithoutGnssAStepOfTheAccelerometerIsNotTheBarometers) {
 
 TEST(Continuity, WithoutGnssABarometerThatJumpsIsStillLearned) {
   for (const double step_m : {5.0, -10.0, 50.0}) {
-    Flight f(1, true);
+    Flight f(1, 1.0);
     f.run_until(25.0);
     f.world->gnss_on = false;
     f.world->extra_baro_m = step_m;

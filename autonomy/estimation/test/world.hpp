@@ -244,9 +244,10 @@ class World {
     GnssSample s;
     s.t_s = t;
     s.fix_3d = true;
-    const double h = 1e-4;
+    constexpr double kHalf_s = 1e-4;  // of a central difference
+    const auto antenna_W = [this](double at_s) { return motion(at_s).q_WB * gnss_beside_m; };
     const Vector3 by_turning_W =
-        (motion(t + h).q_WB * gnss_beside_m - motion(t - h).q_WB * gnss_beside_m) / (2.0 * h);
+        (antenna_W(t + kHalf_s) - antenna_W(t - kHalf_s)) / (2.0 * kHalf_s);
     s.v_W_m_s = m.v_W + by_turning_W + f.gnss_velocity_sigma_m_s * normal3();
     s.position = place_of(p);
     return s;

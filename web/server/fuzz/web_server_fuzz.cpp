@@ -39,15 +39,15 @@ int connected(std::uint16_t port) {
   there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   sockaddr generic{};
   std::memcpy(&generic, &there, sizeof there);
-  const timeval patience{20, 0};
-  ::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  const timeval timeout{20, 0};
+  ::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout);
   if (::connect(socket, &generic, sizeof generic) != 0) std::abort();
   return socket;
 }
 
-/// What the server says until it closes the connection, there is enough of it, or, if asked for, an
+/// What the server sends until it closes the connection, there is enough of it, or, if asked for, an
 /// answer's head has come. Time is up: abort.
-std::string heard(int socket, bool head_only) {
+std::string answer(int socket, bool head_only) {
   constexpr std::size_t kEnough = 65536;  // of a file
   std::string said;
   std::array<char, 4096> buffer{};
@@ -79,12 +79,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (handshake != std::string::npos) {
     const std::size_t end = handshake + kHandshake.size();
     say(socket, text.substr(0, end));
-    said = heard(socket, true);
+    said = answer(socket, true);
     text.erase(0, end);
   }
   say(socket, text);
   ::shutdown(socket, SHUT_WR);
-  said += heard(socket, false);
+  said += answer(socket, false);
   ::close(socket);
   if (!said.empty() && said.rfind("HTTP/1.", 0) != 0) std::abort();
   return 0;
