@@ -34,20 +34,25 @@ from rosflight_msgs.srv import ParamGet
 
 ROWS, MOTORS = range(2, 6), range(4)  # inputs down force and torques; outputs of a quadrotor
 ENTRIES = [f"PRI_MIXER_{row}_{motor}" for row in ROWS for motor in MOTORS]
-KEPT_S = 10.0
+KEPT_S = 10
 ASK_EVERY_S = 0.005
 DEPTH = 5  # one for one, also when some come at once
 DEFAULTS = {"bias": [0.0] * 10, "delay_s": 0.0, "replay_s": 0.0, "dead_motor": -1}
 
 
-def seconds(message):
-    return message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
+def nanoseconds(seconds):
+    return round(seconds * 1e9)
+
+
+def time_of(message):
+    """Its stamp in nanoseconds: seconds as floating-point numbers would take one command in six for an older one."""
+    return message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
 
 
 class CommandFilter(Node):
     def __init__(self):
         super().__init__("command_filter")
-        self.past = deque()  # (time, command as it came)
+        self.past = deque()  # (time in ns, command as it came)
         self.mixer = None
         self.answers = []  # entries of the mixer, row by row, while they are asked for
         self.asked = None
@@ -112,11 +117,11 @@ class CommandFilter(Node):
     # ---- the commands ---------------------------------------------------------------------------
 
     def on_command(self, message):
-        now = seconds(message)
+        now = time_of(message)
         if self.past and now < self.past[-1][0]:
             self.past.clear()  # time was set back
         self.past.append((now, message))
-        while self.past[0][0] < now - KEPT_S - self.values["delay_s"]:
+        while self.past[0][0] < now - nanoseconds(KEPT_S + self.values["delay_s"]):
             self.past.popleft()
         source = self.replay(now) if self.values["replay_s"] > 0 else self.delayed(now)
         out = Command(mode=source.mode, ignore=source.ignore)
@@ -129,16 +134,17 @@ class CommandFilter(Node):
 
     def delayed(self, now):
         """The newest of those that are at least delay_s old; the oldest, if none is."""
-        latest = now - self.values["delay_s"]
+        latest = now - nanoseconds(self.values["delay_s"])
         return next((command for time, command in reversed(self.past) if time <= latest), self.past[0][1])
 
     def replay(self, now):
+        length = nanoseconds(self.values["replay_s"])
         if self.replayed is None:
-            recorded = [entry for entry in self.past if entry[0] >= now - self.values["replay_s"]]
+            recorded = [entry for entry in self.past if entry[0] >= now - length]
             self.replayed = now, *map(list, zip(*recorded))
         begun, times, commands = self.replayed
-        at = times[0] + (now - begun) % self.values["replay_s"]
-        return commands[bisect_right(times, at + 1e-6) - 1]
+        at = times[0] + (now - begun) % length
+        return commands[bisect_right(times, at) - 1]
 
     def without_motor(self, u):
         y = self.mixer.T @ u

@@ -197,3 +197,16 @@ def test_a_filter_passes_commands_of_all_modes_on_under_their_stamps(filter_alon
     inputs.publish(message)
     peer.wait(lambda: sent, "the command")
     assert sent[-1] == message
+
+
+def test_a_delay_is_a_whole_number_of_commands(filter_alone):
+    """40.0175 s - 0.02 s is less than 39.9975 s in floating-point numbers: one command in six was a tick older than the others."""
+    peer, period_ns = filter_alone, 2_500_000
+    sent, inputs = peer.listen(Command, "command"), peer.publisher(Command, "command_in")
+    peer.introduce(lambda: inputs.publish(stamp(Command(), 39_000_000_000)), sent, "command")
+    assert set_parameters(peer, "command_filter", delay_s=0.02)[0].successful
+    begin = len(sent)
+    for number in range(100):
+        inputs.publish(stamp(Command(u=[float(number)] + [0.0] * 9), 40_000_000_000 + number * period_ns))
+        peer.wait(lambda: len(sent) > begin + number, f"command {number}")
+    assert [m.u[0] for m in sent[begin + 8:]] == list(range(92))
