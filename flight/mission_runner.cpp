@@ -225,10 +225,15 @@ void MissionRunner::move_throttle_stick() {
 void MissionRunner::check_for_failure(const sim::Truth& truth) {
   constexpr double kMaxOnGround_s = 1.0;
   constexpr double kMaxSilence_s = 10.0;
+  constexpr sim::Time kStandstill = std::chrono::milliseconds(100);
   const bool in_air = guidance_.output().in_air;
   const double tilt_cosine = (truth.body.q_WB * sim::Vector3::UnitZ()).z();
   constexpr double kOverturned = 0.3;
-  if (!truth.on_ground || (!in_air && tilt_cosine > kOverturned)) grounded_since_ = now_;
+  const bool stood_still =
+      now_ - checked_ > kStandstill;  // of the companion: nobody landed meanwhile
+  checked_ = now_;
+  const bool as_meant = !truth.on_ground || (!in_air && tilt_cosine > kOverturned);
+  if (as_meant || stood_still) grounded_since_ = now_;
   if (session_.connected()) last_received_ = now_;
   if (sim::to_seconds(now_ - grounded_since_) > kMaxOnGround_s) return fail("came down in flight");
   if (sim::to_seconds(now_ - last_received_) > kMaxSilence_s) return fail("link lost in flight");
@@ -247,14 +252,16 @@ void MissionRunner::update_estimate(const sim::Truth& truth) {
   estimate_.p_W.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 
-/// The newest reading of the range sensor [m], if it is fresh and in range.
+/// The newest reading of the range sensor [m], if it is fresh and in range. A vehicle may stand at the near
+/// end of the range: noise takes every other reading below it then.
 std::optional<double> MissionRunner::range() const {
   constexpr double kMaxAge_s = 0.2;
   const auto& range = session_.streams().range;
   const double reading_m = static_cast<double>(range.value.range_m);
   const bool fresh = range.count > 0 &&
                      sim::to_seconds(now_) - companion::to_seconds(range.stamp.arrival) < kMaxAge_s;
-  const bool inside = reading_m >= static_cast<double>(range.value.min_m) &&
+  constexpr double kNearEnd = 0.8;  // of the shortest range
+  const bool inside = reading_m >= kNearEnd * static_cast<double>(range.value.min_m) &&
                       reading_m < static_cast<double>(range.value.max_m);
   return fresh && inside && config_.use_range ? std::optional(reading_m) : std::nullopt;
 }

@@ -117,6 +117,7 @@ class MissionRunner final : private companion::Listener {
   sim::Time armed_at_{};
   Stage stage_{Stage::kConnect};
   sim::Time grounded_since_{};
+  sim::Time checked_{};  ///< Last look for a failure.
   sim::Time last_received_{};
   sim::Time counters_requested_{};  ///< For the firmware's counters.
   int countdown_{0};

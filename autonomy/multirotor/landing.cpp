@@ -36,8 +36,9 @@ Landing::Output Landing::step(const Input& in) {
   out.down_speed_m_s = descent_speed(in.height_m);
   if (!unloading_) {
     const bool slow = in.down_speed_m_s < kTooSlow * out.down_speed_m_s &&
-                      in.thrust_N < kBelowHover * in.hover_thrust_N && since_start_s_ > kSettle_s;
-    slow_s_ = slow ? slow_s_ + dt_s : 0.0;
+                      in.thrust_N < kBelowHover * in.hover_thrust_N;
+    const bool stands = (slow || in.at_ground) && since_start_s_ > kSettle_s;
+    slow_s_ = stands ? slow_s_ + dt_s : 0.0;
     if (slow_s_ < config_.contact_s) return out;
     unloading_ = true;
     still_s_ = 0.0;

@@ -16,8 +16,8 @@ struct LandingConfig {
 /// Lands on ground of unknown altitude and detects touchdown.
 ///
 /// Descend: down velocity as above. If the vehicle sinks at less than 0.4 of the commanded speed
-/// for contact_s while the thrust is below that of hovering, it probably stands. Unload: level,
-/// thrust ramped down. If it then sinks faster than 0.4 m/s it was no ground, and the descent goes
+/// for contact_s while the thrust is below that of hovering, it probably stands; also if a range sensor
+/// shows the ground for contact_s, whatever the estimated speed. Unload: level, thrust ramped down. If it then sinks faster than 0.4 m/s it was no ground, and the descent goes
 /// on, unless a range sensor shows the ground; if the thrust has fallen to a fifth of hovering and
 /// nothing moved for 0.3 s, it has touched down.
 ///
@@ -54,7 +54,7 @@ class Landing {
 
   LandingConfig config_{};
   double since_start_s_{};
-  double slow_s_{};   ///< How long it has been sinking too slowly.
+  double slow_s_{};   ///< How long it has been sinking too slowly, or at the ground.
   double still_s_{};  ///< How long it has stood still without thrust.
   double thrust_N_{};
   bool unloading_{false};

@@ -349,6 +349,12 @@ INSTANTIATE_TEST_SUITE_P(Kinds, OverLean,
                          ::testing::Values("rc_silence@20:2", "imu@20:0.3", "link_cut@20:3",
                                            "crash@20"));
 
+TEST(Faults, TouchingDownUnseenEndsTheLandingByTheRangeSensor) {
+  Rig rig(Rig::with_faults({"gnss@47.6", "companion_stall@48.6:1"}));
+  rig.flight->run();
+  EXPECT_EQ(rig.flight->score().outcome, Outcome::kMissionDone) << rig.flight->score().verdict;
+}
+
 TEST(Faults, WeakMotorIsMadeUpFor) {
   const Rig rig = flown("motor1_partial=0.8@20");
   EXPECT_TRUE(rig.completed());

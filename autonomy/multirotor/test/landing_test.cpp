@@ -72,6 +72,19 @@ TEST(Landing, DescendingIsNotStanding) {
           .unloading);
 }
 
+TEST(Landing, TheRangeSensorShowsTheGroundWhateverTheSpeedIsEstimated) {
+  for (const double down_speed_m_s : {0.6, -0.6}) {
+    Landing landing = started();
+    const Landing::Input standing{.down_speed_m_s = down_speed_m_s,
+                                  .height_m = 1.0,
+                                  .thrust_N = 1.1 * kHover,
+                                  .at_ground = true};
+    EXPECT_FALSE(run(landing, 1.35, standing).unloading);
+    EXPECT_TRUE(run(landing, 0.1, standing).unloading);
+    EXPECT_TRUE(run(landing, 1.3, standing).touched) << down_speed_m_s;
+  }
+}
+
 TEST(Landing, FallingWhileProbedGoesOnDescending) {
   Landing landing = started();
   ASSERT_TRUE(run(landing, 1.6, {.height_m = 3.0, .thrust_N = 0.9 * kHover}).unloading);
