@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <iterator>
+
 #include "firmware/boards/stm32h7/clocks.hpp"
+#include "firmware/boards/stm32h7/flight_board.hpp"
 #include "firmware/boards/stm32h7/i2c_bus.hpp"
-#include "firmware/boards/stm32h7/pulses.hpp"
 #include "firmware/boards/stm32h7/spi_bus.hpp"
-#include "firmware/boards/stm32h7/uart.hpp"
 
 /// Pins, streams and devices of the mRo Pixracer Pro (M10064, STM32H743IIK6). Sources: the board's
 /// definitions in ROSflight 2.x, ArduPilot (mRoPixracerPro) and PX4 (mro/pixracerpro), which agree on
@@ -69,5 +70,17 @@ inline constexpr stm32h7::Pulses::Channel kOutputs[] = {
     {stm32h7::TIM1, 1, true, {'E', 11}, 1},  {stm32h7::TIM1, 0, true, {'E', 9}, 1},
     {stm32h7::TIM4, 1, false, {'D', 13}, 2}, {stm32h7::TIM4, 2, false, {'D', 14}, 2},
     {stm32h7::TIM8, 0, true, {'I', 5}, 3},   {stm32h7::TIM8, 1, true, {'I', 6}, 3}};
+
+inline constexpr stm32h7::FlightBoard::Plan kPlan{kLink,
+                                                  kReceiver,
+                                                  kGnss,
+                                                  kPulsePerSecond,
+                                                  stm32h7::irq::EXTI15_10,
+                                                  kGyroReady,
+                                                  stm32h7::irq::EXTI3,
+                                                  stm32h7::irq::SPI5,
+                                                  kOutputs,
+                                                  std::size(kOutputs),
+                                                  {kRedLed, kBlueLed, kGreenLed, true}};
 
 }  // namespace rosflight::boards::pixracer_pro

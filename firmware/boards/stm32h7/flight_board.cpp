@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware/boards/stm32h7/flight_board.hpp"
+
+namespace rosflight::boards::stm32h7 {
+namespace {
+
+constexpr std::uint32_t kTick_us = 1000;
+
+}  // namespace
+
+void BoardLeds::open() {
+  for (const Pin& pin : {place_.override_led, place_.status_led, place_.other}) {
+    make_output(pin, place_.low_is_lit, place_.low_is_lit ? Drive::kOpenDrain : Drive::kPushPull);
+  }
+}
+
+void BoardLeds::set(hal::Led led, bool on) {
+  const bool high = on != place_.low_is_lit;
+  set_level(led == hal::Led::kOverride ? place_.override_led : place_.status_led, high);
+}
+
+FlightBoard::FlightBoard(const Plan& plan, Memory& memory, parts::Start how)
+    : plan_{plan},
+      gnss_uart_{plan.gnss,
+                 {memory.gnss_in.data(), memory.gnss_in.size(), memory.gnss_out.data(),
+                  memory.gnss_out.size()},
+                 clock_},
+      system_{clock_, how},
+      link_{plan.link,
+            {memory.link_in.data(), memory.link_in.size(), memory.link_out.data(),
+             memory.link_out.size()}},
+      receiver_uart_{plan.receiver,
+                     {memory.receiver_in.data(), memory.receiver_in.size(), nullptr, 0},
+                     clock_,
+                     receiver_.input},
+      outputs_{plan.outputs, plan.output_count},
+      backup_{&memory_at<std::uint8_t>(kBackupMemory)},
+      leds_{plan.leds} {}
+
+void FlightBoard::open_common() {
+  leds_.open();
+  gnss_uart_.connect(gnss_);
+  static_cast<void>(gnss_uart_.set_format(parts::UartFormat{}));
+  make_input(plan_.pulse_per_second, Pull::kDown);
+  watch_rising_edge(plan_.pulse_per_second);
+  enable_interrupt(plan_.pulse_irq, Priority::kBus);
+  static_cast<void>(receiver_uart_.open(parts::SbusInput::kFormat));
+  make_input(plan_.imu_ready, Pull::kDown);
+  watch_rising_edge(plan_.imu_ready);
+  enable_interrupt(plan_.imu_irq, Priority::kEdge);
+  enable_interrupt(plan_.sample_irq, Priority::kBus);
+  start_tick(kTick_us);
+}
+
+hal::Board FlightBoard::roles(hal::Storage& storage, hal::Source<hal::ImuSample>& imu,
+                              hal::Source<hal::MagSample>& mag, hal::Source<hal::BaroSample>& baro,
+                              hal::Source<hal::DiffPressureSample>& pitot) {
+  return {clock_,   system_, link_, storage, backup_, leds_,  outputs_, receiver_,
+          battery_, imu,     mag,   baro,    pitot,   range_, gnss_};
+}
+
+void FlightBoard::on_imu_ready() {
+  edge_us_ = microseconds();
+  clear_edge(plan_.imu_ready);
+  pend_interrupt(plan_.sample_irq);
+}
+
+hal::Time FlightBoard::edge_time() const {
+  const hal::Time now = clock_.now();
+  const auto ago = static_cast<std::uint32_t>(now.count()) - edge_us_;
+  return now - hal::Time{ago};
+}
+
+void FlightBoard::on_pulse_per_second() {
+  const hal::Time now = clock_.now();
+  clear_edge(plan_.pulse_per_second);
+  gnss_.pulse(now);
+}
+
+void FlightBoard::step_common() {
+  gnss_uart_.step();
+  system_.step(clock_.now());
+  if (++ticks_ % kTicksPerWake == 0) wakes_ = true;
+}
+
+void FlightBoard::idle() {
+  const hal::Time begin = clock_.now();
+  for (;;) {
+    asm volatile("cpsid i" ::: "memory");
+    const bool awake = wakes_ || link_.waiting();
+    if (!awake) wait_for_interrupt();
+    asm volatile("cpsie i" ::: "memory");
+    if (awake) break;
+  }
+  wakes_ = false;
+  system_.add_slept(clock_.now() - begin);
+}
+
+}  // namespace rosflight::boards::stm32h7

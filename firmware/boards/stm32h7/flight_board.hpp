@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "firmware/boards/common/absent.hpp"
+#include "firmware/boards/common/memories.hpp"
+#include "firmware/boards/parts/sbus.hpp"
+#include "firmware/boards/parts/shared_bus.hpp"
+#include "firmware/boards/parts/ublox.hpp"
+#include "firmware/boards/stm32h7/backup_domain.hpp"
+#include "firmware/boards/stm32h7/board_system.hpp"
+#include "firmware/boards/stm32h7/part_uart.hpp"
+#include "firmware/boards/stm32h7/pulses.hpp"
+#include "firmware/boards/stm32h7/timers.hpp"
+
+namespace rosflight::boards::stm32h7 {
+
+class BoardLeds final : public hal::Leds {
+ public:
+  struct Place {
+    Pin override_led, status_led, other;
+    bool low_is_lit;  ///< On open drains.
+  };
+  explicit BoardLeds(const Place& place) : place_{place} {}
+
+  /// All of them off.
+  void open();
+  void set(hal::Led led, bool on) override;
+
+ private:
+  Place place_;
+};
+
+/// S.Bus alone so far.
+class BoardReceiver final : public hal::Receiver {
+ public:
+  bool start(hal::ReceiverType type) override { return type == hal::ReceiverType::kSbus; }
+  bool poll(hal::RcFrame& frame) override { return input.poll(frame); }
+  parts::SbusInput input;
+};
+
+/// What the boards of this chip have in common: clock, link, receiver, GNSS receiver with its pulse per
+/// second, outputs, LEDs, watchdog, sleep. A board adds its buses and what is connected to them. The
+/// image forwards interrupts to the public functions.
+///
+/// Interrupts: a data-ready edge (its time is noted, nothing else), then the bus context: buses, UARTs,
+/// tick. The main loop sleeps between them.
+class FlightBoard {
+ public:
+  struct Plan {
+    Uart::Place link, receiver, gnss;
+    Pin pulse_per_second;
+    unsigned pulse_irq;
+    Pin imu_ready;
+    unsigned imu_irq;     ///< Of that pin.
+    unsigned sample_irq;  ///< Any that is not used: the edge pends it, for the bus context.
+    const Pulses::Channel* outputs;
+    std::size_t output_count;
+    BoardLeds::Place leds;
+  };
+  /// What the DMA touches; an object of section .dma.
+  struct Memory {
+    alignas(32) std::array<std::uint8_t, 4096> link_in;
+    alignas(32) std::array<std::uint8_t, 512> link_out;
+    alignas(32) std::array<std::uint8_t, 64> receiver_in;
+    alignas(32) std::array<std::uint8_t, 512> gnss_in;
+    alignas(32) std::array<std::uint8_t, 128> gnss_out;
+  };
+
+  /// Regions of memory that the MPU must know of, from number `first` on, before the caches are on.
+  static void map_memory(unsigned /*first*/) {}
+  /// Main loop, once per pass.
+  void maintain(bool /*armed*/) {}
+  /// Sleeps until there is something for the main loop.
+  void idle();
+  void start_watchdog() { system_.start_watchdog(); }
+
+  void on_imu_ready();
+  void on_link() { link_.on_interrupt(), wakes_ = true; }
+  void on_link_sent() { link_.on_sent(); }
+  void on_gnss() { gnss_uart_.on_interrupt(), wakes_ = true; }
+  void on_gnss_sent() { gnss_uart_.on_sent(); }
+  void on_pulse_per_second();
+  void on_receiver() { receiver_uart_.on_interrupt(), wakes_ = true; }
+
+ protected:
+  /// Clocks and memory system run already.
+  FlightBoard(const Plan& plan, Memory& memory, parts::Start how);
+  ~FlightBoard() = default;
+
+  /// Opens inputs and starts the interrupts; the board has opened its buses.
+  void open_common();
+  /// Of the newest data-ready edge; in the interrupt that it pended.
+  hal::Time edge_time() const;
+  /// Of the tick, when the board has stepped its buses.
+  void step_common();
+  void wake() { wakes_ = true; }
+  void wake_when_idle(const parts::SharedBus& bus) {
+    if (bus.idle()) wakes_ = true;
+  }
+  hal::Board roles(hal::Storage& storage, hal::Source<hal::ImuSample>& imu,
+                   hal::Source<hal::MagSample>& mag, hal::Source<hal::BaroSample>& baro,
+                   hal::Source<hal::DiffPressureSample>& pitot);
+
+  const Plan& plan_;
+  MicrosecondClock clock_;
+  PartUart gnss_uart_;
+  parts::Ublox gnss_{gnss_uart_, parts::Ublox::Config{}};
+  BoardSystem system_;
+
+ private:
+  /// The tick wakes the main loop this often even if nothing else does.
+  static constexpr unsigned kTicksPerWake = 10;
+
+  LinkUart link_;
+  BoardReceiver receiver_;
+  UartListener receiver_uart_;
+  Pulses outputs_;
+  BackupRam backup_;
+  BoardLeds leds_;
+  AbsentBattery battery_;
+  Absent<hal::RangeSample> range_;
+  volatile std::uint32_t edge_us_{0};
+  unsigned ticks_{0};
+  volatile bool wakes_{false};
+};
+
+}  // namespace rosflight::boards::stm32h7
