@@ -48,10 +48,10 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
   fly->add_option("--vehicle", choice.vehicle, "Vehicle: a name of vehicles/ or a YAML file")
       ->capture_default_str();
   fly->add_option("--board", choice.board,
-                  "Where the firmware runs: in_process; qemu_m7, an emulated Cortex-M7; or "
-                  "pixracer_pro, the image of that board on an emulated STM32H7")
+                  "Where the firmware runs: in_process; qemu_m7, an emulated Cortex-M7; "
+                  "pixracer_pro, varmint: the image of that board on an emulated STM32H7")
       ->capture_default_str()
-      ->check(CLI::IsMember({"in_process", "qemu_m7", "pixracer_pro"}));
+      ->check(CLI::IsMember({"in_process", "qemu_m7", "pixracer_pro", "varmint"}));
   fly->add_option("--link", choice.link,
                   "cable: the simulated one; uart: the emulated board's, in real time")
       ->capture_default_str()

@@ -216,9 +216,10 @@ FlightSetup::FlightSetup(const FlightChoice& choice_in)
     throw Error(fmt::format("--link: found uart with --board {}, allowed with --board qemu_m7",
                             choice.board));
   }
-  if (choice.board == "pixracer_pro" && choice.link_protocol != "mavlink") {
-    throw Error(fmt::format("--link-protocol: found {} with --board pixracer_pro, allowed mavlink",
-                            choice.link_protocol));
+  const bool emulated_chip = choice.board == "pixracer_pro" || choice.board == "varmint";
+  if (emulated_chip && choice.link_protocol != "mavlink") {
+    throw Error(fmt::format("--link-protocol: found {} with --board {}, allowed mavlink",
+                            choice.link_protocol, choice.board));
   }
   check_faults();
 }

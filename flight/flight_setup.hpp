@@ -17,7 +17,7 @@ namespace rosflight::flight {
 
 /// What a person chose for a flight; names and texts as typed.
 struct FlightChoice {
-  std::string board{"in_process"};  ///< Or "qemu_m7", "pixracer_pro".
+  std::string board{"in_process"};  ///< Or "qemu_m7", "pixracer_pro", "varmint".
   std::string link{"cable"};        ///< Or "uart", of qemu_m7, in real time.
   std::string vehicle{"multirotor"};
   std::string mission{"default"};  ///< Of the vehicle's kind.

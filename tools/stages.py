@@ -67,7 +67,7 @@ def check_structure() -> Outcome:
 RELEASE, ROS, CORTEX_M7 = "build/release", "build/ros/build", "build/cortex-m7"
 FLIES = {"autonomy", "companion", "config", "firmware", "link"}
 # What no other compiler than the microcontroller's sees.
-BOARDS = tuple(f"firmware/boards/{name}" for name in ("qemu_m7", "stm32h7", "pixracer_pro"))
+BOARDS = tuple(f"firmware/boards/{name}" for name in ("qemu_m7", "stm32h7", "pixracer_pro", "varmint"))
 EMULATOR = "h7_emulator"  # built by name: its engine is in .venv
 
 

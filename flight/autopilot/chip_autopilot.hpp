@@ -67,6 +67,8 @@ class ChipAutopilot final : public Autopilot {
   std::optional<ProcessorFigures> figures() const override { return figures_; }
 
   Process& process() { return process_; }
+  /// In the next step.
+  void inject(boards::stm32h7::HardwareFault fault) { fault_ = fault; }
 
  private:
   void exchange(sim::Time t);

@@ -5,9 +5,10 @@
 
 namespace rosflight::flight::testing {
 
-inline FlightChoice on_board(std::vector<std::string> faults = {}) {
+inline FlightChoice on_board(std::vector<std::string> faults = {},
+                             const std::string& board = "pixracer_pro") {
   FlightChoice choice;
-  choice.board = "pixracer_pro";
+  choice.board = board;
   choice.faults = std::move(faults);
   return choice;
 }

@@ -23,6 +23,9 @@ Field field(const Pin& pin, std::uint32_t width) {
 
 void open_ports() {
   for (const Instance& port : kPorts) open_gate(port);
+  open_gate(SYSCFG);
+  volatile std::uint32_t& switches = reg(SYSCFG, syscfg::PMCR);
+  switches = switches & ~(syscfg::PMCR_PC2SO.mask() | syscfg::PMCR_PC3SO.mask());
 }
 
 void make_output(const Pin& pin, bool high, Drive drive) {

@@ -16,7 +16,7 @@ struct Pin {
 enum class Pull : std::uint8_t { kNone = 0, kUp = 1, kDown = 2 };
 enum class Drive : std::uint8_t { kPushPull = 0, kOpenDrain = 1 };
 
-/// Opens the clock gates of all ports.
+/// Opens the clock gates of all ports, and connects the pads PC2_C and PC3_C with PC2 and PC3.
 void open_ports();
 /// The level is set before the pin becomes an output.
 void make_output(const Pin& pin, bool high, Drive drive = Drive::kPushPull);
@@ -27,9 +27,22 @@ bool level(const Pin& pin);
 /// One atomic write.
 void set_level(const Pin& pin, bool high);
 
+/// An output pin that a part driver moves; make_output() is the board's.
+class DrivenPin final : public parts::OutputPin {
+ public:
+  explicit DrivenPin(const Pin& pin) : pin_{pin} {}
+  void set(bool high) override { set_level(pin_, high); }
+
+ private:
+  Pin pin_;
+};
+
 /// External interrupt on the rising edge of an input pin; the line number is the pin's number, so two
 /// pins with one number exclude each other.
 void watch_rising_edge(const Pin& pin);
+inline bool edge_pending(const Pin& pin) {
+  return (reg(EXTI, exti::CPUPR1) >> pin.number & 1u) != 0;
+}
 inline void clear_edge(const Pin& pin) {
   reg(EXTI, exti::CPUPR1) = 1u << pin.number;
 }

@@ -38,6 +38,16 @@ void clear_tick() {
   static_cast<void>(back);  // the write has arrived: the interrupt does not come again
 }
 
+void start_square_wave(const Instance& timer, std::uint32_t period_us, std::uint32_t high_us) {
+  constexpr std::uint32_t kPwm1 = 6;
+  open_gate(timer);
+  reg(timer, tim::CCMR1) = tim::CCMR1_OC1M(kPwm1);
+  reg(timer, tim::CCR1) = high_us;
+  reg(timer, tim::CCER) = tim::CCER_CC1E(1);
+  set_up(timer, kMicrosecond, period_us - 1);
+  reg(timer, tim::CR1) = tim::CR1_URS(1) | tim::CR1_CEN(1);
+}
+
 void Watchdog::start(std::uint32_t warning_us, std::uint32_t reset_ms) {
   constexpr std::uint32_t kUnlock = 0x5555, kStart = 0xCCCC;
   constexpr std::uint32_t kDivideBy32 = 3;  // 1 ms at 32 kHz

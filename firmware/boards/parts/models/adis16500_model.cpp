@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware/boards/parts/models/adis16500_model.hpp"
 
+#include <algorithm>
+
 #include "base/constants.hpp"
 
 namespace rosflight::boards::parts::models {
@@ -41,6 +43,7 @@ void Adis16500Model::advance(Time now) {
     sample();
   }
   now_ = now;
+  if (!runs()) next_ = std::max(next_, now_ + kSync);  // no clock, no samples to catch up with
 }
 
 void Adis16500Model::sample() {

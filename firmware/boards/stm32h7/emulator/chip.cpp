@@ -18,7 +18,7 @@ constexpr struct {
   Kind kind;
 } kMemories[] = {
     {0x0000'0000U, 0x1'0000, Kind::kCode},    // ITCM
-    {0x0800'0000U, 0x20'0000, Kind::kFlash},  // both banks
+    {0x0800'0000U, 0x1C'0000, Kind::kFlash},  // both banks, but for the sectors of parameters
     {0x2000'0000U, 0x2'0000, Kind::kRam},     // DTCM
     {0x2400'0000U, 0x8'0000, Kind::kRam},     // AXI SRAM
     {0x3000'0000U, 0x4'8000, Kind::kRam},     // SRAM1, 2 and 3
@@ -79,7 +79,9 @@ Chip::Chip(std::uint64_t crystal_Hz)
           &dma1,   &dma2,   &spi1,  &spi2,     &spi4,          &spi5,       &usart1,
           &usart2, &usart3, &uart4, &usart6,   &tim1,          &tim2,       &tim3,
           &tim4,   &tim5,   &tim6,  &tim7,     &tim8,          &tim12};
-  all_.push_back(&i2c1);
+  for (Peripheral* each :
+       {static_cast<Peripheral*>(&i2c1), static_cast<Peripheral*>(&flash_sectors)})
+    all_.push_back(each);
   for (PinPort& port : ports_) all_.push_back(&port);
   for (const auto& memory : kMemories) processor.add_memory(memory.base, memory.size, memory.kind);
   for (Peripheral* each : all_) processor.add(*each);

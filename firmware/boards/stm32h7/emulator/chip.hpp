@@ -32,6 +32,7 @@ class Chip {
 
   Processor processor;
   FlashControl flash{processor};
+  FlashSectorsWindow flash_sectors{processor, flash};
   PowerControl power{processor};
   ClockTree clocks;
   WatchdogModel watchdog{processor, clocks};

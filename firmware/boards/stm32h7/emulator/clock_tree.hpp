@@ -4,20 +4,9 @@
 #include <cstdint>
 #include <functional>
 
-#include "firmware/boards/stm32h7/emulator/peripheral.hpp"
+#include "firmware/boards/stm32h7/emulator/flash_control.hpp"
 
 namespace rosflight::boards::stm32h7::emulator {
-
-/// Wait states of the flash (FLASH_ACR; the rest of the flash controller is not modelled).
-class FlashControl final : public Peripheral {
- public:
-  explicit FlashControl(Core& core) : Peripheral{core, "FLASH", "FLASH", FLASH} {}
-  void reset() override {
-    Peripheral::reset();
-    word(flash::ACR) = 0x37U;
-  }
-  std::uint32_t wait_states() const { return flash::ACR_LATENCY.of(word(flash::ACR)); }
-};
 
 /// Supply and core voltage. RM0433 ch. 6: the supply is chosen once after power-on.
 class PowerControl final : public Peripheral {

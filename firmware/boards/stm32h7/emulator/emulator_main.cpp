@@ -12,6 +12,7 @@
 
 #include "firmware/boards/stm32h7/emulator/elf_file.hpp"
 #include "firmware/boards/stm32h7/emulator/pixracer_pro_model.hpp"
+#include "firmware/boards/stm32h7/emulator/varmint_model.hpp"
 
 namespace {
 
@@ -125,6 +126,12 @@ class Session {
   std::uint32_t complaints_{0};
 };
 
+std::unique_ptr<EmulatedBoard> make_board(const std::string& name) {
+  if (name == "pixracer_pro") return std::make_unique<PixracerProModel>();
+  if (name == "varmint") return std::make_unique<VarmintModel>();
+  throw ProcessorError("board: found " + name + ", allowed pixracer_pro, varmint");
+}
+
 Exchange& map_block() {
   void* const memory =
       ::mmap(nullptr, sizeof(Exchange), PROT_READ | PROT_WRITE, MAP_SHARED, kBlockFd, 0);
@@ -138,11 +145,8 @@ Exchange& map_block() {
 int main(int argc, char** argv) {
   try {
     if (argc != 3) throw ProcessorError("usage: h7_emulator BOARD IMAGE.elf, started by rosflight");
-    if (std::string(argv[1]) != "pixracer_pro") {
-      throw ProcessorError(std::string("board: found ") + argv[1] + ", allowed pixracer_pro");
-    }
+    const auto board = make_board(argv[1]);
     const ElfFile image = ElfFile::read(argv[2]);
-    const auto board = std::make_unique<PixracerProModel>();
     Session(*board, image, map_block()).run();
     return 0;
   } catch (const std::exception& error) {

@@ -151,7 +151,9 @@ void Processor::raise(int exception, const std::string& what, std::uint32_t stat
   stop();
 }
 
+/// Code of priority -1 that asked for it goes on as if nothing had happened: B1.5.8.
 void Processor::bus_error() {
+  if (masks().faultmask && control_.ignores_bus_faults()) return;
   constexpr std::uint32_t kImprecise = 1U << 10U;
   if (on_fault) on_fault("bus error, imprecise");
   control_.note_fault(kImprecise, control_.fault_enabled(kBusFault) ? 0 : 1U << 30U, 0);

@@ -143,6 +143,11 @@ void FlightBoardModel::take_samples(const ToChip& world) {
 
 void FlightBoardModel::inject(HardwareFault fault) {
   if (fault == HardwareFault::kBusError) (chip_.*wiring_.imu_bus).fail_next_write();
+  for (const std::size_t sector : {0U, 1U}) {
+    if (fault != HardwareFault::kDamagedFlash) break;
+    chip_.flash.sectors.damage(sector, 0);  // one of two marks
+    chip_.flash.sectors.damage(sector, 2);  // the first block
+  }
   if (fault == HardwareFault::kStuckInterrupt) chip_.interrupts.stick(wiring_.imu_ready.number);
 }
 

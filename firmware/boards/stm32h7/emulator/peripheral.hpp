@@ -19,15 +19,15 @@ class Peripheral : public Timed {
 
   /// An access of the processor; complains of registers and bits that do not exist, and if the
   /// peripheral stands still because its clock gate is closed.
-  std::uint32_t bus_read(std::uint32_t offset, unsigned size);
-  void bus_write(std::uint32_t offset, std::uint32_t value, unsigned size);
+  virtual std::uint32_t bus_read(std::uint32_t offset, unsigned size);
+  virtual void bus_write(std::uint32_t offset, std::uint32_t value, unsigned size);
 
   virtual void reset();
   void event(Ticks now) override { static_cast<void>(now); }
 
   const std::string& name() const { return name_; }
   const Instance& instance() const { return instance_; }
-  std::uint32_t size() const { return static_cast<std::uint32_t>(words_.size() * 4); }
+  virtual std::uint32_t size() const { return static_cast<std::uint32_t>(words_.size() * 4); }
   /// What a register holds, without the effects of an access.
   std::uint32_t word(std::uint32_t offset) const { return words_[offset / 4]; }
 

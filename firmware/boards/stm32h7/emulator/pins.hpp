@@ -17,6 +17,14 @@ struct PinName {
 class SystemConfiguration final : public Peripheral {
  public:
   explicit SystemConfiguration(Core& core) : Peripheral{core, "SYSCFG", "SYSCFG", SYSCFG} {}
+  void reset() override {
+    Peripheral::reset();
+    word(syscfg::PMCR) = syscfg::PMCR_PC2SO(1) | syscfg::PMCR_PC3SO(1);
+  }
+  /// The pads PC2_C and PC3_C are connected with PC2 and PC3.
+  bool pads_of_port_c_connected() const {
+    return (word(syscfg::PMCR) & (syscfg::PMCR_PC2SO.mask() | syscfg::PMCR_PC3SO.mask())) == 0;
+  }
   unsigned port_of_line(unsigned line) const {
     return word(syscfg::EXTICR1 + 4 * (line / 4)) >> (4 * (line % 4)) & 0xFU;
   }

@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "firmware/boards/stm32h7/emulator/flash_control.hpp"
+
 namespace rosflight::boards::stm32h7::emulator {
 namespace {
 
@@ -142,6 +144,7 @@ void Processor::add(Peripheral& peripheral) {
 void Processor::finish() {
   const auto by_base = [](const auto& a, const auto& b) { return a.base < b.base; };
   std::sort(windows_.begin(), windows_.end(), by_base);
+  Hooks::map<FlashSectorsWindow::kBase>(*this, 2 * FlashControl::kSectorBytes);
   Hooks::map<0x4000'0000U>(*this, 0x0810'0000U);
   Hooks::map<0x5000'0000U>(*this, 0x0010'0000U);
   Hooks::map<0x5100'0000U>(*this, 0x0200'0000U);

@@ -43,7 +43,7 @@ class Processor final : public Core {
   Processor& operator=(const Processor&) = delete;
 
   enum class Kind : std::uint8_t { kRam, kCode, kFlash };
-  /// Memory of the chip; RAM is zero, flash is erased. kFlash is written only by load().
+  /// Memory of the chip; RAM is zero, flash is erased. kFlash is written only by its loader.
   void add_memory(std::uint32_t base, std::size_t size, Kind kind);
   /// A peripheral at its instance's base.
   void add(Peripheral& peripheral);

@@ -29,6 +29,8 @@ class SystemControl {
   bool cacheable(std::uint32_t address) const;
   /// Whether a fault has a handler of its own; others become hard faults.
   bool fault_enabled(int exception) const;
+  /// CCR.BFHFNMIGN.
+  bool ignores_bus_faults() const { return (word(0xD14U) >> 8U & 1U) != 0; }
   /// Sets bits of the configurable fault status register, and of the hard fault status register.
   void note_fault(std::uint32_t cfsr, std::uint32_t hfsr, std::uint32_t address);
   /// SYSRESETREQ was written since the last call.

@@ -21,6 +21,7 @@ void TimerModel::reset() {
   active_reload_ = word(tim::ARR);
   active_prescaler_ = stopped_at_ = 0;
   active_compare_.fill(0);
+  if (on_change) on_change();
 }
 
 std::uint32_t TimerModel::count() const {
@@ -101,6 +102,7 @@ void TimerModel::write(std::uint32_t offset, std::uint32_t value, unsigned /*siz
   }
   schedule();
   drive_line();
+  if (on_change) on_change();
 }
 
 /// An update event: the values that wait take effect.

@@ -25,7 +25,8 @@ enum class ChipOrder : std::uint8_t {
 /// Faults of the hardware that tests inject.
 enum class HardwareFault : std::uint8_t {
   kNone,
-  kBusError,        ///< The next write to the bus of the IMU is answered with an error.
+  kBusError,      ///< The next write to the bus of the IMU is answered with an error.
+  kDamagedFlash,  ///< Two words of each sector of parameters cannot be read, as after a cut of power.
   kStuckInterrupt,  ///< The data-ready line's interrupt stays pending: no other code runs.
 };
 

@@ -35,7 +35,7 @@ class FakeCore final : public Core {
     }
     return nullptr;
   }
-  bool cacheable(std::uint32_t address) const override { return address < kMemory; }
+  bool cacheable(std::uint32_t address) const override { return address < uncached_from; }
   void request_reset() override { ++resets; }
   void bus_error() override { ++bus_errors; }
   void complain(const std::string& what) override { complaints.push_back(what); }
@@ -65,6 +65,7 @@ class FakeCore final : public Core {
   std::set<unsigned> lines;
   std::vector<std::string> complaints;
   int resets{0}, bus_errors{0};
+  std::uint32_t uncached_from{kMemory};
 
  private:
   Ticks now_{0};

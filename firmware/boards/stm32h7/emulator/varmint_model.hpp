@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "firmware/boards/parts/models/adis16500_model.hpp"
+#include "firmware/boards/parts/models/fram_model.hpp"
+#include "firmware/boards/parts/models/iis2mdc_model.hpp"
+#include "firmware/boards/parts/models/pitot_models.hpp"
+#include "firmware/boards/stm32h7/emulator/flight_board_model.hpp"
+
+namespace rosflight::boards::stm32h7::emulator {
+
+/// Varmint 11X: what of the board is modelled so far is listed in firmware/boards/varmint.
+class VarmintModel final : public FlightBoardModel {
+ public:
+  VarmintModel();
+
+ private:
+  std::vector<const parts::models::Part*> parts() const override {
+    return {&imu_, &baro_, &mag_, &pitot_, &servo_supply_};
+  }
+  void advance_parts() override;
+  void set_broken(const Broken& broken) override;
+  void connect_imu();
+  void connect_baro_bus();
+  void connect_i2c();
+  /// The part runs on the clock at its pin.
+  void look_at_sync_clock();
+  parts::models::ImuTruth imu_truth() const;
+  parts::models::MagTruth mag_truth() const;
+
+  parts::models::Adis16500Model imu_{[this](hal::Time) { return imu_truth(); }};
+  PartOnSpi imu_on_bus_{chip_.processor, imu_, true};
+  parts::models::Dps310Model baro_{[this](hal::Time) { return baro_truth_; }, true};
+  PartOnSpi baro_on_bus_{chip_.processor, baro_, false};
+  parts::models::Iis2mdcModel mag_{[this](hal::Time) { return mag_truth(); }};
+  PartOnSpi mag_on_bus_{chip_.processor, mag_, false};
+  parts::models::DlhrModel pitot_{[this](hal::Time) { return pitot_truth_; }};
+  parts::models::Mcp4017Model servo_supply_;
+};
+
+}  // namespace rosflight::boards::stm32h7::emulator
