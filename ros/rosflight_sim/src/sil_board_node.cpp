@@ -75,8 +75,10 @@ base::LinkAddress udp(const std::string& host, std::int64_t port, std::int64_t o
 }
 
 /// The flight control unit: the real firmware, stepped by `sil_board/run`, with a UDP link to
-/// `rosflight_io`. Passes of the main loop come from two sides: a step, and bytes on the link,
-/// which a thread of its own waits for; a lock lets one in at a time.
+/// `rosflight_io`. Passes of the main loop come from three sides: a step; an IMU sample that arrives
+/// when the step of its time is over, for no other may come: time may be waiting for what the
+/// companion makes of this sample; and bytes on the link, which a thread of its own waits for. A lock
+/// lets one in at a time.
 class SilBoardNode : public rclcpp::Node {
  public:
   explicit SilBoardNode(const rclcpp::NodeOptions& options)
@@ -158,6 +160,7 @@ class SilBoardNode : public rclcpp::Node {
           sample.temperature_K = imu_temperature_K_;
           wall_time_.came(BoardClock::Source::kImu, BoardClock::Wall::now());
           firmware_->put(sample, age(message->header.stamp));
+          if (simulated_time_ && now().nanoseconds() == last_step_ns_) pass();
         }));
     subscriptions_.push_back(create_subscription<sensor_msgs::msg::Temperature>(
         "sim/sensors/imu/temperature", newest(),

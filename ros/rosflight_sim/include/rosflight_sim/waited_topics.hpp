@@ -76,6 +76,7 @@ class WaitedTopics {
 
  private:
   static constexpr std::int64_t kLongestPeriod_ns = 250'000'000;
+  static constexpr std::int64_t kGrowing = 16;
   static constexpr std::int64_t kForgetting = 64;
   static constexpr std::size_t kDepth =
       50;  // a message that is not read makes its topic seem half as frequent
@@ -112,14 +113,21 @@ class WaitedTopics {
   void take(Topic& topic, const rcl_serialized_message_t& bytes) {
     const std::optional<std::int64_t> stamp_ns = stamp_of(bytes);
     if (!stamp_ns) return;
-    // The longest of late: messages come early after a late one.
-    const std::int64_t apart_ns = *stamp_ns - topic.stamp_ns.value_or(*stamp_ns);
-    topic.period_ns = std::max(std::clamp<std::int64_t>(apart_ns, 0, kLongestPeriod_ns),
-                               topic.period_ns - topic.period_ns / kForgetting);
+    const std::int64_t apart_ns = std::clamp<std::int64_t>(
+        *stamp_ns - topic.stamp_ns.value_or(*stamp_ns), 0, kLongestPeriod_ns);
+    const bool known = topic.counts && topic.period_ns > 0;
+    topic.period_ns = known ? learned(topic.period_ns, apart_ns) : apart_ns;
     topic.stamp_ns = stamp_ns;
     topic.overdue.none();
     topic.counts = true;
     on_message_();
+  }
+
+  /// Messages come early after a late one, so it forgets slowly. One that is lost on the way must not let time run further
+  /// ahead, or more are lost, and more again.
+  static std::int64_t learned(std::int64_t period_ns, std::int64_t apart_ns) {
+    const std::int64_t more_ns = apart_ns - period_ns;
+    return period_ns + more_ns / (more_ns > 0 ? kGrowing : kForgetting);
   }
 
   /// Of the header that a message begins with, after four bytes that encode the order of the others (CDR, OMG formal/2022-12-01,
