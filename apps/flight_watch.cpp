@@ -2,13 +2,14 @@
 #include <array>
 #include <optional>
 #include <ostream>
+#include <string>
 #include <utility>
 
+#include "apps/flight_commander.hpp"
 #include "apps/fly_command.hpp"
 #include "apps/page_server.hpp"
 #include "apps/stop_signal.hpp"
 #include "apps/view_command.hpp"
-#include "apps/viewer_commands.hpp"
 #include "log/topic_kinds.hpp"
 
 namespace rosflight::apps {
@@ -21,7 +22,8 @@ using web::server::Right;
 
 class LiveFlight final : public FlightWatch, public log::LogObserver {
  public:
-  LiveFlight(const web::server::Access& access, std::ostream& err) : err_{err} {
+  LiveFlight(const web::server::Access& access, bool hold, std::ostream& err)
+      : err_{err}, commands_{desk_, hold, [] { return stop_signal() != 0; }} {
     Contents contents = page_contents();
     contents.texts["offer.json"] = R"({"live":true,"name":"flight"})";
     contents.live = &data_;
@@ -50,24 +52,30 @@ class LiveFlight final : public FlightWatch, public log::LogObserver {
     data_.put(*channel, time_ns, cdr);
   }
 
-  void stay(const flight::FlightSummary& /*summary*/) override {
+  std::optional<std::string> stay(const flight::FlightSummary& /*summary*/) override {
     err_ << "rosflight: the flight has ended; its page stays until Ctrl-C" << std::endl;
-    wait_for_stop();
+    auto mission = commands_.next_mission();
+    if (mission) {
+      data_.restart();
+      channels_.fill(std::nullopt);
+    }
+    return mission;
   }
 
  private:
   std::ostream& err_;
   LiveData data_;
   web::server::CommandDesk desk_;
-  ViewerCommands commands_{desk_};
+  FlightCommander commands_;
   std::array<std::optional<std::size_t>, log::kTopics.size()> channels_;
   std::unique_ptr<web::server::WebServer> server_;  ///< Ends first: it uses the others.
 };
 
 }  // namespace
 
-std::unique_ptr<FlightWatch> watch_flight(const web::server::Access& access, std::ostream& err) {
-  return std::make_unique<LiveFlight>(access, err);
+std::unique_ptr<FlightWatch> watch_flight(const web::server::Access& access, bool hold,
+                                          std::ostream& err) {
+  return std::make_unique<LiveFlight>(access, hold, err);
 }
 
 }  // namespace rosflight::apps

@@ -123,10 +123,35 @@ void print_summary(std::ostream& out, const flight::FlightSummary& s) {
   fmt::print(out, "flight folder    {}  {}\n", s.folder.string(), how_to_see_it(s));
 }
 
+/// The next of a row of flights: FOLDER-2, FOLDER-3, ...
+std::filesystem::path folder_after(const std::filesystem::path& first) {
+  std::filesystem::path folder = first;
+  for (int number = 2; std::filesystem::exists(folder); ++number)
+    folder = fmt::format("{}-{}", first.string(), number);
+  return folder;
+}
+
+flight::FlightSummary fly_once(const flight::FlyOptions& options, bool json, std::ostream& out,
+                               std::ostream& err, Progress& progress) {
+  flight::FlightSummary summary = flight::fly(options);
+  progress.clear();
+  for (const std::string& fault : summary.faults_too_late) {
+    fmt::print(err, "rosflight: warning: --fault {} did not happen: the flight ended at {:.1f} s\n",
+               fault, summary.sim_time_s);
+  }
+  if (json) {
+    out << flight::summary_json(summary);
+  } else {
+    print_summary(out, summary);
+  }
+  out.flush();
+  return summary;
+}
+
 }  // namespace
 
 int fly_command(flight::FlyOptions options, bool json, std::ostream& out, std::ostream& err,
-                FlightWatch* watch) {
+                FlightWatch* watch, std::string* log_sha256) {
   Progress progress(err, isatty(STDERR_FILENO) == 1);
   options.on_note = [&progress](const flight::FlightNote& note) { progress.note(note); };
   options.on_step = [&progress](const flight::Flight& flight) { progress.tick(flight); };
@@ -136,23 +161,18 @@ int fly_command(flight::FlyOptions options, bool json, std::ostream& out, std::o
     options.commander = &watch->commander();
   }
   const SignalWatch signals;
+  const auto first = options.folder;
   try {
-    const flight::FlightSummary summary = flight::fly(options);
-    progress.clear();
-    for (const std::string& fault : summary.faults_too_late) {
-      fmt::print(err,
-                 "rosflight: warning: --fault {} did not happen: the flight ended at {:.1f} s\n",
-                 fault, summary.sim_time_s);
+    for (;;) {
+      const flight::FlightSummary summary = fly_once(options, json, out, err, progress);
+      if (log_sha256 != nullptr && summary.log) *log_sha256 = summary.log->sha256;
+      const int code = summary.score.success() ? 0 : 1;
+      if (stop_signal() != 0) return 128 + stop_signal();
+      const auto mission = watch != nullptr ? watch->stay(summary) : std::nullopt;
+      if (!mission) return code;
+      if (!mission->empty()) options.choice.mission = *mission;
+      if (first) options.folder = folder_after(*first);
     }
-    if (json) {
-      out << flight::summary_json(summary);
-    } else {
-      print_summary(out, summary);
-    }
-    if (stop_signal() != 0) return 128 + stop_signal();
-    out.flush();
-    if (watch != nullptr) watch->stay(summary);
-    return summary.score.success() ? 0 : 1;
   } catch (const flight::FlightAborted& error) {
     progress.clear();
     fmt::print(err, "rosflight: {}\n", error.what());

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "apps/campaign_command.hpp"
+#include "apps/flight_commander.hpp"
 #include "apps/fly_command.hpp"
 #include "apps/options.hpp"
 #include "flight/build_info.hpp"
@@ -19,6 +20,7 @@ using namespace rosflight::flight;  // NOLINT(google-build-using-namespace): wha
 /// What --view asks for.
 struct ViewChoice {
   bool view{false};
+  bool hold{false};
   web::server::Access access;
 };
 
@@ -29,6 +31,8 @@ void add_view(CLI::App& fly, FlyOptions& options, ViewChoice& choice) {
       ->capture_default_str();
   fly.add_option("--listen", choice.access.listen,
                  "With --view: address of a network interface, for other computers");
+  fly.add_flag("--hold", choice.hold,
+               "With --view: the pilot does not arm by himself, a viewer does");
   constexpr double kLowest = 0.01;
   constexpr double kHighest = 100.0;
   fly.add_option_function<double>(
@@ -112,7 +116,8 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
 
 /// Options that say nothing about many flights.
 void check_campaign(const CLI::App& fly, const FlyOptions& options) {
-  for (const char* name : {"--seed", "--realtime", "--speed", "--view", "--json", "--visualiser"}) {
+  for (const char* name :
+       {"--seed", "--realtime", "--speed", "--view", "--json", "--visualiser", "--repeat"}) {
     if (fly.count(name) > 0)
       throw config::Error(std::string(name) + ": found with --seeds, allowed with one flight");
   }
@@ -131,7 +136,33 @@ std::unique_ptr<FlightWatch> watch_of(const ViewChoice& choice, const MakeWatch&
   if (!make_watch)
     throw config::Error("--view: found in a program without it; use ./rosflight fly");
   options.realtime = true;
-  return make_watch(choice.access);
+  return make_watch(choice.access, choice.hold);
+}
+
+/// Flies what a log has again, with all that was changed by hand. @returns 0 if the log is equal.
+int repeat_command(const CLI::App& fly, const std::string& log, FlyOptions options, bool json) {
+  for (const char* name :
+       {"--vehicle", "--mission", "--seed", "--state", "--pilot", "--wind", "--set", "--fault",
+        "--plugin", "--link", "--link-protocol", "--log", "--no-log", "--view", "--visualiser"}) {
+    if (fly.count(name) > 0)
+      throw config::Error(std::string(name) + ": found with --repeat, which takes it from the log");
+  }
+  const RecordedFlight recorded = read_recorded_flight(log);
+  const std::string board = options.choice.board;
+  options.choice = recorded.choice;
+  options.choice.board = board;
+  options.log = recorded.log;
+  RepeatCommander commander(recorded);
+  options.commander = &commander;
+  std::string sha256;
+  const int code = fly_command(options, json, std::cout, std::cerr, nullptr, &sha256);
+  if (code > 1) return code;  // a signal
+  const bool equal = sha256 == recorded.sha256;
+  std::cerr << "rosflight: " << recorded.commands.size() << " commands repeated; the log "
+            << (equal ? "is equal to the bit"
+                      : "differs: " + sha256 + " instead of " + recorded.sha256)
+            << std::endl;
+  return equal ? 0 : 1;
 }
 
 }  // namespace
@@ -145,8 +176,13 @@ int fly_command_line(int argc, char** argv, const MakeWatch& make_watch) {
   CLI::App* fly = add_fly(app, options, json, seeds);
   ViewChoice view;
   add_view(*fly, options, view);
+  std::optional<std::string> repeat;
+  fly->add_option("--repeat", repeat,
+                  "Log or flight folder: flies it again with all that viewers changed; exit code 0 "
+                  "if the logs are equal to the bit");
   app.set_version_flag("--version", build_info_text());
   return parse_and_run(app, argc, argv, [&] {
+    if (repeat && !seeds) return repeat_command(*fly, *repeat, options, json);
     if (!seeds) {
       const auto watch = watch_of(view, make_watch, options);
       return fly_command(options, json, std::cout, std::cerr, watch.get());

@@ -10,7 +10,9 @@ namespace rosflight::apps {
 class FlightWatch;  // apps/fly_command.hpp
 
 /// Starts what --view asks for. @throws config::Error.
-using MakeWatch = std::function<std::unique_ptr<FlightWatch>(const web::server::Access& access)>;
+/// @param hold  the simulated pilot waits with arming for a viewer.
+using MakeWatch =
+    std::function<std::unique_ptr<FlightWatch>(const web::server::Access& access, bool hold)>;
 
 /// Reads the command line of ./rosflight fly, flies and prints errors as one line.
 /// @param make_watch  none: --view is refused.

@@ -21,7 +21,9 @@ struct ViewOptions {
 int view_command(const ViewOptions& options, std::ostream& out);
 
 /// Serves the page with a flight that is about to run, and after it until Ctrl-C. Prints its address
-/// to `err`. What the page shows are the messages of the log. @throws as view_command().
-std::unique_ptr<FlightWatch> watch_flight(const web::server::Access& access, std::ostream& err);
+/// to `err`. What the page shows are the messages of the log. @param hold  the simulated pilot waits with
+/// arming for a viewer. @throws as view_command().
+std::unique_ptr<FlightWatch> watch_flight(const web::server::Access& access, bool hold,
+                                          std::ostream& err);
 
 }  // namespace rosflight::apps

@@ -33,9 +33,10 @@ int view_command_line(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "fly") {
-    return apps::fly_command_line(argc, argv, [](const rosflight::web::server::Access& access) {
-      return apps::watch_flight(access, std::cerr);
-    });
+    return apps::fly_command_line(argc, argv,
+                                  [](const rosflight::web::server::Access& access, bool hold) {
+                                    return apps::watch_flight(access, hold, std::cerr);
+                                  });
   }
   return view_command_line(argc, argv);
 }

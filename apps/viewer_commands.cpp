@@ -3,8 +3,9 @@
 
 #include <fmt/format.h>
 
-#include <string>
-#include <vector>
+#include <sstream>
+
+#include "config/strict_yaml.hpp"
 
 namespace rosflight::apps {
 namespace {
@@ -12,19 +13,12 @@ namespace {
 using Desk = web::server::CommandDesk;
 using companion::ParameterResult;
 
-constexpr const char* kEnded = "the flight has ended";
-
-/// What a command is in the log.
-std::string text_of(const Desk::Command& command) {
-  if (const auto* set = std::get_if<Desk::SetParameters>(&command.what)) {
-    std::string text = "sets";
-    for (const auto& [name, value] : set->values) text += fmt::format(" {} {:.9g}", name, value);
-    return text;
-  }
-  return std::holds_alternative<Desk::WriteParameters>(command.what)
-             ? "writes the parameters"
-             : "asks for the checks before arming";
-}
+constexpr std::string_view kSets = "sets";
+constexpr std::string_view kWrites = "writes the parameters";
+constexpr std::string_view kAsks = "asks for the checks before arming";
+constexpr std::string_view kTakes = "takes control";
+constexpr std::string_view kSteers = "steers: ";
+constexpr std::string_view kLeaves = "is gone";
 
 Desk::Result result_of(const ParameterResult& entry) {
   const std::optional<double> value =
@@ -32,11 +26,55 @@ Desk::Result result_of(const ParameterResult& entry) {
   return {entry.name, value, entry.ok(), entry.text};
 }
 
+/// "NAME VALUE NAME VALUE ...".
+std::optional<Desk::SetParameters> parse_values(std::string_view text) {
+  Desk::SetParameters set;
+  std::istringstream words{std::string(text)};
+  for (std::string name, number; words >> name;) {
+    words >> number;
+    const auto value = config::parse_number(number);
+    if (!words || !value) return std::nullopt;
+    set.values.emplace_back(name, *value);
+  }
+  return set;
+}
+
 }  // namespace
 
-void ViewerCommands::step(companion::Session& session, sim::Time now,
-                          const flight::MissionRunner::Notify& note) {
-  for (const Desk::Command& command : desk_.commands()) start(command, session, now, note);
+std::string text_of(const ViewerCommands::What& what) {
+  if (const auto* set = std::get_if<Desk::SetParameters>(&what)) {
+    std::string text{kSets};
+    for (const auto& [name, value] : set->values) text += fmt::format(" {} {}", name, value);
+    return text;
+  }
+  if (const auto* steer = std::get_if<Desk::Steer>(&what)) return kSteers.data() + steer->text;
+  if (std::holds_alternative<Desk::WriteParameters>(what)) return std::string(kWrites);
+  if (std::holds_alternative<Desk::ReportChecks>(what)) return std::string(kAsks);
+  return std::string(std::holds_alternative<Desk::Gone>(what) ? kLeaves : kTakes);
+}
+
+std::optional<ViewerCommands::What> parse_command(std::string_view text) {
+  if (text.starts_with(kSets)) {
+    const auto set = parse_values(text.substr(kSets.size()));
+    return set ? std::optional<ViewerCommands::What>(*set) : std::nullopt;
+  }
+  if (text.starts_with(kSteers)) return Desk::Steer{std::string(text.substr(kSteers.size()))};
+  if (text == kWrites) return Desk::WriteParameters{};
+  if (text == kAsks) return Desk::ReportChecks{};
+  if (text == kLeaves) return Desk::Gone{};
+  if (text.starts_with(kTakes)) return Desk::TakeControl{};
+  return std::nullopt;
+}
+
+ViewerCommands::ViewerCommands(web::server::CommandDesk& desk, ParseChange parse_change)
+    : desk_{desk}, parse_change_{std::move(parse_change)} {}
+
+void ViewerCommands::take(companion::Session& session, const Log& log) {
+  for (const Desk::Command& command : desk_.commands()) start(command, session, log);
+}
+
+void ViewerCommands::step(companion::Session& session, const Log& log) {
+  take(session, log);
   std::erase_if(waiting_, [this](Waiting& one) {
     if (one.plain ? one.plain->pending() : one.load.pending()) return false;
     if (one.plain) {
@@ -51,10 +89,52 @@ void ViewerCommands::step(companion::Session& session, sim::Time now,
   publish_parameters(session.parameters());
 }
 
-void ViewerCommands::start(const Desk::Command& command, companion::Session& session, sim::Time now,
-                           const flight::MissionRunner::Notify& note) {
-  note({now, "viewer", link::Severity::kInfo,
-        fmt::format("viewer {} {}", command.viewer, text_of(command))});
+std::string ViewerCommands::refusal(const Desk::Command& command) const {
+  const bool steers = std::holds_alternative<Desk::Steer>(command.what);
+  if (steers && !parse_change_) return "a real vehicle cannot be steered from here";
+  const bool changes =
+      steers || (!parse_change_ && !std::holds_alternative<Desk::ReportChecks>(command.what));
+  if (!changes || command.viewer == in_control_) return {};
+  return in_control_ == 0 ? "take control first"
+                          : fmt::format("viewer {} has control", in_control_);
+}
+
+void ViewerCommands::answer(const Desk::Command& command, bool good, std::string text) {
+  desk_.answer({command.viewer, command.id, {{{}, {}, good, std::move(text)}}});
+}
+
+void ViewerCommands::start(const Desk::Command& command, companion::Session& session,
+                           const Log& log) {
+  if (std::holds_alternative<Desk::Gone>(command.what)) {
+    if (command.viewer != in_control_) return;
+    log(command.viewer, text_of(command.what));
+    in_control_ = 0;
+    return;
+  }
+  if (std::holds_alternative<Desk::TakeControl>(command.what)) {
+    const bool from = in_control_ != 0 && in_control_ != command.viewer;
+    log(command.viewer,
+        text_of(command.what) + (from ? fmt::format(" from viewer {}", in_control_) : ""));
+    in_control_ = command.viewer;
+    return answer(command, true, "in control");
+  }
+  if (std::string why = refusal(command); !why.empty())
+    return answer(command, false, std::move(why));
+  if (const auto* steer = std::get_if<Desk::Steer>(&command.what)) {
+    try {
+      const std::function<void()> change = parse_change_(steer->text);
+      log(command.viewer, text_of(command.what));
+      change();
+      return answer(command, true, steer->text);
+    } catch (const config::Error& error) {
+      return answer(command, false, error.what());
+    }
+  }
+  log(command.viewer, text_of(command.what));
+  start_on_vehicle(command, session);
+}
+
+void ViewerCommands::start_on_vehicle(const Desk::Command& command, companion::Session& session) {
   Waiting waiting{{command.viewer, command.id, {}}, {}, {}};
   if (const auto* set = std::get_if<Desk::SetParameters>(&command.what)) {
     start_load(*set, session, waiting);
@@ -99,13 +179,12 @@ void ViewerCommands::publish_parameters(const companion::ParameterClient& client
   desk_.set_parameters(std::move(parameters));
 }
 
-void ViewerCommands::end() {
+void ViewerCommands::end(const std::string& why) {
   for (Waiting& one : waiting_) {
-    one.answer.results.push_back({{}, {}, false, kEnded});
+    one.answer.results.push_back({{}, {}, false, why});
     desk_.answer(std::move(one.answer));
   }
   waiting_.clear();
-  desk_.close(kEnded);
 }
 
 }  // namespace rosflight::apps

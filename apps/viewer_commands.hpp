@@ -1,24 +1,50 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "flight/commander.hpp"
+#include "companion/session.hpp"
 #include "web/server/command_desk.hpp"
 
 namespace rosflight::apps {
 
-/// Does what viewers of the page command (CommandDesk) over the companion's session.
-class ViewerCommands final : public flight::Commander {
+/// Does what viewers of the page command (CommandDesk): to the vehicle over the companion's session, and to
+/// the simulation if there is one.
+///
+/// Control belongs to one viewer at a time, who takes it, also from another. Steering needs it; of a real
+/// vehicle all commands that change something do.
+class ViewerCommands {
  public:
-  /// @param desk  must outlive this.
-  explicit ViewerCommands(web::server::CommandDesk& desk) : desk_{desk} {}
+  using What = web::server::CommandDesk::What;
+  /// Takes a line for the log: a viewer and what it does.
+  using Log = std::function<void(std::uint64_t viewer, const std::string& text)>;
+  /// Understands a change of the simulation; the result does it. @throws config::Error
+  using ParseChange = std::function<std::function<void()>(const std::string& text)>;
 
-  void step(companion::Session& session, sim::Time now,
-            const flight::MissionRunner::Notify& note) override;
-  void end() override;
+  /// @param desk  must outlive this. @param parse_change  none: a real vehicle.
+  explicit ViewerCommands(web::server::CommandDesk& desk, ParseChange parse_change = {});
+
+  /// Starts what was commanded, and answers what has ended. Call it in each step, in the thread of the
+  /// session.
+  void step(companion::Session& session, const Log& log);
+  /// Its first half, for a simulation that stands still.
+  void take(companion::Session& session, const Log& log);
+  /// Nothing is done any more, for this reason.
+  void end(const std::string& why);
+
+  /// Starts one command, as if it came from the desk.
+  void start(const web::server::CommandDesk::Command& command, companion::Session& session,
+             const Log& log);
+
+  /// 0: nobody.
+  std::uint64_t in_control() const { return in_control_; }
+  /// Without a line for a log. @param viewer  0: nobody.
+  void give_control(std::uint64_t viewer) { in_control_ = viewer; }
 
  private:
   using Desk = web::server::CommandDesk;
@@ -31,14 +57,22 @@ class ViewerCommands final : public flight::Commander {
     std::optional<Plain> plain;
   };
 
-  void start(const Desk::Command& command, companion::Session& session, sim::Time now,
-             const flight::MissionRunner::Notify& note);
+  /// @returns why a viewer may not; empty: it may.
+  std::string refusal(const Desk::Command& command) const;
+  void start_on_vehicle(const Desk::Command& command, companion::Session& session);
   void start_load(const Desk::SetParameters& set, companion::Session& session, Waiting& waiting);
+  void answer(const Desk::Command& command, bool good, std::string text);
   void publish_parameters(const companion::ParameterClient& client);
 
   Desk& desk_;
+  ParseChange parse_change_;
+  std::uint64_t in_control_{0};
   std::vector<Waiting> waiting_;
   std::optional<std::pair<std::uint64_t, bool>> published_;  ///< Revision, unsaved.
 };
+
+/// What a command is in the log, and back. @returns nothing for a text that is none.
+std::string text_of(const ViewerCommands::What& what);
+std::optional<ViewerCommands::What> parse_command(std::string_view text);
 
 }  // namespace rosflight::apps

@@ -1,19 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include "companion/session.hpp"
-#include "flight/mission_runner.hpp"
+#include "flight/flight.hpp"
+#include "sim/time_sources.hpp"
 
 namespace rosflight::flight {
 
-/// Somebody who commands the vehicle while it flies, such as a viewer of the page. What is commanded is a
-/// part of the flight: it enters at the beginning of a step, and its log says so.
+/// Somebody who commands the vehicle, and changes the simulation, while it flies, such as a viewer of the
+/// page. What is commanded is a part of the flight: it enters at the beginning of a step, and its log says so.
 class Commander {
  public:
   virtual ~Commander() = default;
+  /// A flight is about to begin. @param pace  its pace; nullptr: as fast as possible.
+  virtual void begin(sim::PacedTime* pace) { static_cast<void>(pace); }
   /// Called in each step before the firmware runs, in the thread of the flight.
   /// @param note  takes a line for the log. @param now  the time of this step.
-  virtual void step(companion::Session& session, sim::Time now,
-                    const MissionRunner::Notify& note) = 0;
+  virtual void step(Flight& flight, sim::Time now, const MissionRunner::Notify& note) = 0;
+  /// Asked before each step: the flight ends before the step at `next`.
+  virtual bool ends(sim::Time next) const {
+    static_cast<void>(next);
+    return false;
+  }
   /// After the last step.
   virtual void end() = 0;
 };

@@ -82,9 +82,10 @@ class Flight::Loop final : private sim::LockStepListener {
         dynamics{setup.vehicle.body(), setup.vehicle.ground(), setup.vehicle.environment(), *forces,
                  random},
         healthy_sensors{sim::sensors::make_sensors(setup.registry, setup.vehicle, random)},
-        sensors{*healthy_sensors, setup.faults},
+        faults{setup.faults},
+        sensors{*healthy_sensors, faults},
         pilot{pilot_script(setup)},
-        rc{pilot, setup.faults},
+        rc{pilot, faults},
         cable{random},
         autopilot{parts.autopilot ? parts.autopilot(cable) : make_autopilot(setup, cable)},
         session{codec, autopilot->link(), companion::Session::Options{}},
@@ -118,6 +119,7 @@ class Flight::Loop final : private sim::LockStepListener {
   std::unique_ptr<sim::ForcesAndMoments> forces;
   sim::RigidBody dynamics;
   std::unique_ptr<sim::SensorsModule> healthy_sensors;
+  sim::FaultSchedule faults;
   sim::FaultySensors sensors;
   sim::rc::Pilot pilot;
   sim::FaultyRc rc;
@@ -170,7 +172,7 @@ void Flight::Loop::before_step(sim::Time t) {
   if (lock_step.samples().has_imu) imu = lock_step.samples().imu;
   cable.set_time(t);
   apply_faults(t);
-  if (!setup.faults.active(sim::FaultKind::kCompanionStall, t)) runner.step(t, dynamics.truth());
+  if (!faults.active(sim::FaultKind::kCompanionStall, t)) runner.step(t, dynamics.truth());
   note_frame_of_estimate();
   if (runner.stage() >= Stage::kFly)
     scorer.step(dynamics.truth(), runner.estimate().p_W, guidance->output());
@@ -205,12 +207,12 @@ void Flight::Loop::note_frame_of_estimate() {
 
 void Flight::Loop::apply_link_faults(sim::Time t) {
   sim::SerialCable& line = cable.cable();
-  const bool cut = setup.faults.active(sim::FaultKind::kLinkCut, t);
+  const bool cut = faults.active(sim::FaultKind::kLinkCut, t);
   if (cut != line.to_board.cut()) {
     line.advance(t);
     line.set_cut(cut);
   }
-  const double noise = std::min(setup.faults.value(sim::FaultKind::kLinkNoise, t), 1.0);
+  const double noise = std::min(faults.value(sim::FaultKind::kLinkNoise, t), 1.0);
   if (noise == link_noise) return;
   link_noise = noise;
   line.advance(t);
@@ -223,11 +225,11 @@ void Flight::Loop::apply_faults(sim::Time t) {
   for (const auto& [kind, breakdown] : {std::pair{sim::FaultKind::kCrash, Breakdown::kCrash},
                                         std::pair{sim::FaultKind::kHang, Breakdown::kHang}}) {
     bool& done = broken_down[static_cast<std::size_t>(breakdown)];
-    const bool active = setup.faults.active(kind, t);
+    const bool active = faults.active(kind, t);
     if (active && !done) autopilot->break_down(t, breakdown);
     done = active;
   }
-  apply_actuator_faults(setup.faults, t, *forces);
+  apply_actuator_faults(faults, t, *forces);
 }
 
 /// In the step under way the autopilot may have received it, or not yet: a tap that asks is called
@@ -308,6 +310,15 @@ Guidance& Flight::guidance() {
 }
 const Guidance& Flight::guidance() const {
   return *loop_->guidance;
+}
+sim::FaultSchedule& Flight::faults() {
+  return loop_->faults;
+}
+void Flight::set_wind(const sim::Vector3& steady_W_m_s, double w20_m_s) {
+  loop_->dynamics.set_wind(steady_W_m_s, w20_m_s, loop_->random);
+}
+void Flight::add_gust(const sim::Vector3& peak_W_m_s, double duration_s) {
+  loop_->dynamics.add_gust(peak_W_m_s, duration_s);
 }
 const StateEstimateSource& Flight::estimate_source() const {
   return *loop_->estimate_source;

@@ -82,6 +82,12 @@ class Flight final {
   companion::Session& session();
   sim::rc::Pilot& pilot();
   Guidance& guidance();
+  /// Those of the setup, and what is added in flight. In force from the step that begins.
+  sim::FaultSchedule& faults();
+  /// From the step that begins on: another wind, as Wind::set().
+  void set_wind(const sim::Vector3& steady_W_m_s, double w20_m_s);
+  /// One gust that begins now, as Wind::add_gust().
+  void add_gust(const sim::Vector3& peak_W_m_s, double duration_s);
   const Guidance& guidance() const;
   /// Output of guidance in its last step.
   const GuidanceOutput& autonomy() const { return guidance().output(); }

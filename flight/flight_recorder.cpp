@@ -32,7 +32,13 @@ log::TextMap log_facts(const FlightSetup& setup) {
           {"seed", std::to_string(setup.choice.seed)},
           {"state", setup.choice.state},
           {"link_protocol", setup.choice.link_protocol},
-          {"faults", fmt::format("{}", fmt::join(setup.choice.faults, " "))}};
+          {"faults", fmt::format("{}", fmt::join(setup.choice.faults, " "))},
+          {"vehicle_argument", setup.choice.vehicle},
+          {"mission_argument", setup.choice.mission},
+          {"pilot", setup.choice.pilot},
+          {"wind", setup.choice.wind.value_or("")},
+          {"overrides", fmt::format("{}", fmt::join(setup.choice.overrides, "\n"))},
+          {"plugins", fmt::format("{}", fmt::join(setup.choice.plugins, "\n"))}};
 }
 
 FlightRecorder::FlightRecorder(Flight& flight, const std::filesystem::path& log_file,
@@ -73,7 +79,9 @@ void FlightRecorder::open_log(const std::filesystem::path& file, LogLevel level,
   options.gravity_m_s2 = setup.vehicle.environment().gravity_m_s2;
   options.epoch_ns =
       static_cast<std::uint64_t>(setup.vehicle.environment().start_unix_s) * 1'000'000'000U;
-  log_ = std::make_unique<log::FlightLog>(file, options, log_facts(setup));
+  log::TextMap facts = log_facts(setup);
+  facts["log"] = level == LogLevel::kFull ? "full" : "plot";
+  log_ = std::make_unique<log::FlightLog>(file, options, facts);
   log_->attach("vehicle.yaml", "application/yaml", setup.vehicle.text());
   log_->attach("mission.yaml", "application/yaml", setup.mission_text);
   log_->write_description({}, vehicle_urdf(setup));

@@ -164,7 +164,7 @@ sim::rc::ChannelMap channels_of(const companion::ParameterSet& firmware) {
   return map;
 }
 
-std::vector<std::string> wind_overrides(const std::string& text) {
+WindChoice parse_wind(const std::string& text) {
   std::vector<double> numbers;
   std::size_t at = 0;
   while (at <= text.size()) {
@@ -184,11 +184,19 @@ std::vector<std::string> wind_overrides(const std::string& text) {
         "--wind: found '{}', allowed SPEED,FROM_DEG[,W20] with speeds from 0 to 40 m/s", text));
   }
   const double from_rad = numbers[1] * base::kPi / 180.0;
+  WindChoice wind;
+  wind.steady_W_m_s = {-numbers[0] * std::cos(from_rad), -numbers[0] * std::sin(from_rad), 0.0};
+  if (numbers.size() == 3) wind.w20_m_s = numbers[2];
+  return wind;
+}
+
+std::vector<std::string> wind_overrides(const std::string& text) {
+  const WindChoice wind = parse_wind(text);
   std::vector<std::string> overrides{
-      fmt::format("environment.wind.steady_W_m_s=[{:.9g}, {:.9g}, 0]",
-                  -numbers[0] * std::cos(from_rad), -numbers[0] * std::sin(from_rad))};
-  if (numbers.size() == 3) {
-    overrides.push_back(fmt::format("environment.wind.turbulence_w20_m_s={:.9g}", numbers[2]));
+      fmt::format("environment.wind.steady_W_m_s=[{:.9g}, {:.9g}, 0]", wind.steady_W_m_s.x(),
+                  wind.steady_W_m_s.y())};
+  if (wind.w20_m_s) {
+    overrides.push_back(fmt::format("environment.wind.turbulence_w20_m_s={:.9g}", *wind.w20_m_s));
   }
   return overrides;
 }
@@ -221,21 +229,19 @@ FlightSetup::FlightSetup(const FlightChoice& choice_in)
     throw Error(fmt::format("--link-protocol: found {} with --board {}, allowed mavlink",
                             choice.link_protocol, choice.board));
   }
-  check_faults();
+  for (const sim::Fault& fault : faults.faults()) check(fault);
 }
 
-void FlightSetup::check_faults() const {
+void FlightSetup::check(const sim::Fault& fault) const {
+  const bool servo = fault.kind == sim::FaultKind::kServo;
+  if (!servo && fault.kind != sim::FaultKind::kMotor) return;
   const std::size_t surfaces =
       fixed_wing() ? sim::read_fixed_wing(vehicle.root()).surfaces.size() : 0;
-  for (const sim::Fault& fault : faults.faults()) {
-    const bool servo = fault.kind == sim::FaultKind::kServo;
-    if (!servo && fault.kind != sim::FaultKind::kMotor) continue;
-    const std::size_t count = servo ? surfaces : rotors.rotors.size();
-    if (fault.motor < count) continue;
-    throw Error(fmt::format(
-        "--fault: found {} {}, allowed {}", servo ? "servo" : "motor", fault.motor,
-        count == 0 ? "none: this vehicle has no surfaces" : fmt::format("0 to {}", count - 1)));
-  }
+  const std::size_t count = servo ? surfaces : rotors.rotors.size();
+  if (fault.motor < count) return;
+  throw Error(fmt::format(
+      "--fault: found {} {}, allowed {}", servo ? "servo" : "motor", fault.motor,
+      count == 0 ? "none: this vehicle has no surfaces" : fmt::format("0 to {}", count - 1)));
 }
 
 }  // namespace rosflight::flight

@@ -12,6 +12,7 @@
 #include "sim/multirotor/multirotor_parameters.hpp"
 #include "sim/rc/pilot.hpp"
 #include "sim/registry.hpp"
+#include "sim/types.hpp"
 
 namespace rosflight::flight {
 
@@ -72,15 +73,20 @@ struct FlightSetup {
 
   bool fixed_wing() const { return std::holds_alternative<FixedWingPlan>(plan); }
 
- private:
-  void check_faults() const;
+  /// @throws config::Error  this vehicle has no such motor or surface.
+  void check(const sim::Fault& fault) const;
 };
 
 /// Receiver channels as the firmware will look for them.
 sim::rc::ChannelMap channels_of(const companion::ParameterSet& firmware);
 
-/// "8,270,5": 8 m/s from the west, turbulence as with 5 m/s at 20 ft; as overrides of a vehicle
-/// file.
+struct WindChoice {
+  sim::Vector3 steady_W_m_s{sim::Vector3::Zero()};
+  std::optional<double> w20_m_s;  ///< Of the turbulence.
+};
+/// "8,270,5": 8 m/s from the west, turbulence as with 5 m/s at 20 ft. @throws config::Error
+WindChoice parse_wind(const std::string& text);
+/// The same as overrides of a vehicle file.
 std::vector<std::string> wind_overrides(const std::string& text);
 
 }  // namespace rosflight::flight

@@ -13,6 +13,7 @@
 #include "firmware/boards/common/host/child_process.hpp"
 #include "flight/flight_page.hpp"
 #include "flight/flight_recorder.hpp"
+#include "flight/repeat.hpp"
 #include "sim/time_sources.hpp"
 
 namespace rosflight::flight {
@@ -66,6 +67,7 @@ bool run(Flight& flight, const FlyOptions& options) {
   try {
     while (!flight.finished()) {
       if (options.interrupted && options.interrupted()) return true;
+      if (options.commander != nullptr && options.commander->ends(flight.now())) return true;
       flight.step();
       if (options.on_step) options.on_step(flight);
     }
@@ -85,6 +87,7 @@ FlightSummary fly(const FlyOptions& options) {
   sim::PacedTime pace(Flight::kStep, options.speed, wall);
   const bool paced = options.realtime || options.choice.link == "uart";
   if (paced && parts.time == nullptr) parts.time = &pace;
+  const sim::TimeSource* const parts_time = parts.time;
   const auto flight = std::make_unique<Flight>(*setup, std::move(parts));
   const fs::path folder = make_folder(options.folder);
   const std::unique_ptr<FlightPage> page = page_for(options, *setup, folder);
@@ -96,11 +99,13 @@ FlightSummary fly(const FlyOptions& options) {
   };
   flight->runner().set_notify(notify);
   if (options.commander != nullptr) {
+    options.commander->begin(parts_time == &pace ? &pace : nullptr);
     flight->set_script([&options, &notify](Flight& flying, sim::Time t) {
-      options.commander->step(flying.session(), t, notify);
+      options.commander->step(flying, t, notify);
     });
   }
   const bool interrupted = run(*flight, options);
+  if (interrupted) notify({flight->now(), kOperator, link::Severity::kInfo, "ends the flight"});
   if (options.commander != nullptr) options.commander->end();
 
   std::optional<log::LogSummary> log = recorder.close();

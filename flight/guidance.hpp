@@ -53,6 +53,8 @@ class Guidance {
   virtual const GuidanceOutput& step(const Input& in, const Notify& notify) = 0;
   /// Ends the mission: the next steps land.
   virtual void request_land() = 0;
+  /// Ends the mission: the next steps fly back and land. Default: land.
+  virtual void request_return() { request_land(); }
   /// Output of the last step.
   const GuidanceOutput& output() const { return out_; }
 
@@ -70,6 +72,7 @@ class MultirotorGuidance final : public Guidance {
       : manager_{config, mission, std::move(law)} {}
   const GuidanceOutput& step(const Input& in, const Notify& notify) override;
   void request_land() override { manager_.request_land(); }
+  void request_return() override { manager_.request_return(); }
   autonomy::multirotor::FlightManager& manager() { return manager_; }
 
  private:
@@ -84,6 +87,7 @@ class FixedWingGuidance final : public Guidance {
       : manager_{config, mission} {}
   const GuidanceOutput& step(const Input& in, const Notify& notify) override;
   void request_land() override { manager_.request_land(); }
+  void request_return() override { manager_.request_return(); }
   autonomy::fixedwing::FlightManager& manager() { return manager_; }
   const autonomy::fixedwing::FlightManager& manager() const { return manager_; }
   const autonomy::fixedwing::FlightOutput& details() const { return manager_.output(); }

@@ -186,6 +186,10 @@ void MissionRunner::arm() {
     enter(Stage::kFly);
     return;
   }
+  if (hold_) {
+    entered_ = now_;  // its timeout waits too
+    return;
+  }
   constexpr double kMaxFixAge_s = 1.0;
   const bool ready = config_.on_truth || (estimate_source_.estimate().usable() &&
                                           estimate_source_.health().gnss_age_s < kMaxFixAge_s);

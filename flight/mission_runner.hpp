@@ -68,6 +68,9 @@ class MissionRunner final : private companion::Listener {
   /// Call it at the beginning of each step. @param truth  state of the vehicle at t.
   void step(sim::Time t, const sim::Truth& truth);
 
+  /// While on, the pilot does not arm by himself.
+  void set_hold(bool hold) { hold_ = hold; }
+
   Stage stage() const { return stage_; }
   bool finished() const { return stage_ == Stage::kDone || stage_ == Stage::kFailed; }
   /// Empty unless stage() is kFailed.
@@ -123,6 +126,7 @@ class MissionRunner final : private companion::Listener {
   int countdown_{0};
   float throttle_stick_{0.0F};
   bool offboard_paused_{false};
+  bool hold_{false};
   bool disarmed_{false};
   bool airspeed_calibrated_{false};
   std::string failure_;

@@ -92,12 +92,16 @@ void McapReader::read_records(Bytes records, const std::function<void(const Mess
                               bool in_chunk) {
   Fields all(records);
   while (!all.rest().empty()) {
+    const Bytes from_here = all.rest();
     const auto opcode = all.number<std::uint8_t>();
     Fields fields(all.take(all.number<std::uint64_t>()));
     if (!all.complete()) damaged();
     if (opcode == kDataEnd) return;
+    if (opcode == kAttachment || opcode == kMetadata)
+      sha256_.update(from_here.first(from_here.size() - all.rest().size()));
     if (opcode == kChunk && !in_chunk) {
       const std::vector<std::uint8_t> inner = unpacked(fields.rest());
+      sha256_.update(inner);
       read_records(inner, use, true);
     } else if (opcode == kChannel) {
       const auto id = fields.number<std::uint16_t>();

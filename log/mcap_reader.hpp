@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "log/byte_buffer.hpp"
+#include "log/checksums.hpp"
 #include "log/mcap_writer.hpp"
 
 namespace rosflight::log {
@@ -31,6 +32,8 @@ class McapReader {
 
   // After read():
   const TextMap& flight() const { return flight_; }  ///< Metadata record "flight".
+  /// Identity of the contents, as LogSummary::sha256.
+  std::string sha256() const { return sha256_.hex(); }
   /// Of the first attachment: the start of the flight.
   std::uint64_t start_ns() const { return start_ns_; }
 
@@ -43,6 +46,7 @@ class McapReader {
   std::string file_;
   std::vector<std::string> topics_;  ///< By channel id.
   TextMap flight_;
+  Sha256 sha256_;
   std::uint64_t start_ns_{0};
 };
 

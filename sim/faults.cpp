@@ -206,6 +206,15 @@ FaultSchedule::FaultSchedule(std::vector<Fault> faults) : faults_{std::move(faul
   for (const Fault& fault : faults_) kinds_ |= bit(fault.kind);
 }
 
+void FaultSchedule::add(const Fault& fault) {
+  faults_.push_back(fault);
+  kinds_ |= bit(fault.kind);
+}
+
+void FaultSchedule::end_all(Time t) {
+  for (Fault& fault : faults_) fault.end = std::min(fault.end, std::max(fault.start, t));
+}
+
 FaultSchedule parse_faults(const std::vector<std::string>& texts) {
   std::vector<Fault> faults;
   faults.reserve(texts.size());

@@ -87,6 +87,10 @@ class FaultSchedule {
 
   const std::vector<Fault>& faults() const { return faults_; }
 
+  void add(const Fault& fault);
+  /// Those in force at `t`, and those to come, end.
+  void end_all(Time t);
+
  private:
   static constexpr std::uint32_t bit(FaultKind kind) { return 1U << static_cast<unsigned>(kind); }
   bool active_now(FaultKind kind, Time t) const;

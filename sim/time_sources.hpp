@@ -54,6 +54,7 @@ class PacedTime : public TimeSource {
 
   /// From the next step on. @throws std::invalid_argument  not positive or finite.
   void set_factor(double factor);
+  double factor() const { return factor_; }
   /// Steps that came too late to be caught up.
   std::uint64_t slips() const { return slips_; }
 

@@ -25,7 +25,7 @@ def run() -> Outcome:
     checked = Outcome(int(types.returncode == 0), int(types.returncode != 0), types.stdout.splitlines() if types.returncode else [])
     with tempfile.TemporaryDirectory(prefix="rosflight_web_") as folder:
         flights = {f"ROSFLIGHT_WEB_{name}": str(_fly(Path(folder) / name, options)) for name, options in FLIGHTS.items()}
-        tests = _node("node", "--test", "--test-reporter=tap", "--test-concurrency=1", "test/*.test.ts", **flights)
+        tests = _node("node", "--test", "--test-reporter=tap", "--test-concurrency=2", "test/*.test.ts", **flights)
     print("".join(f"   {line[2:]}\n" for line in tests.stdout.splitlines() if line.startswith("# web.")), end="")
     counts = {name: int(number) for name, number in re.findall(r"^# (pass|fail|cancelled) (\d+)$", tests.stdout, re.M)}
     failed = counts.get("fail", 0) + counts.get("cancelled", 0)

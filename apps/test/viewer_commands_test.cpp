@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "companion/test/rig.hpp"
+#include "config/strict_yaml.hpp"
 
 namespace rosflight::apps {
 namespace {
@@ -22,13 +24,11 @@ class ViewerCommandsTest : public testing::Test {
     const auto end = rig_.now + time;
     while (rig_.now < end) {
       rig_.step();
-      commands_.step(rig_.session, sim_time(),
-                     [this](const flight::FlightNote& note) { notes_.push_back(note.text); });
+      commands_.step(rig_.session, log_);
     }
   }
-  sim::Time sim_time() const { return std::chrono::duration_cast<sim::Time>(rig_.now); }
   /// The results of one command of viewer 2.
-  std::vector<Desk::Result> ask(decltype(Desk::Command::what) what) {
+  std::vector<Desk::Result> ask(Desk::What what) {
     EXPECT_EQ(desk_.ask({2, "a", std::move(what)}), "");
     run(3s);
     const std::vector<Desk::Answer> answers = desk_.answers(2);
@@ -38,8 +38,15 @@ class ViewerCommandsTest : public testing::Test {
 
   companion::test::Rig rig_;
   Desk desk_;
-  ViewerCommands commands_{desk_};
+  std::vector<std::string> changes_;  ///< Of the simulation.
+  ViewerCommands commands_{desk_, [this](const std::string& text) -> std::function<void()> {
+                             if (text == "bad") throw config::Error("bad change");
+                             return [this, text] { changes_.push_back(text); };
+                           }};
   std::vector<std::string> notes_;
+  ViewerCommands::Log log_ = [this](std::uint64_t viewer, const std::string& text) {
+    notes_.push_back(std::to_string(viewer) + " " + text);
+  };
 };
 
 TEST_F(ViewerCommandsTest, EachParameterSetHasAResultAndTheLogSaysWho) {
@@ -52,7 +59,7 @@ TEST_F(ViewerCommandsTest, EachParameterSetHasAResultAndTheLogSaysWho) {
   EXPECT_TRUE(results[1].good) << results[1].text;
   EXPECT_EQ(results[1].value, 7.0);
   EXPECT_EQ(rig_.session.parameters().get(name)->number(), 7.0);
-  EXPECT_EQ(notes_, (std::vector<std::string>{"viewer 2 sets " + name + " 7 NO_SUCH 1"}));
+  EXPECT_EQ(notes_, (std::vector<std::string>{"2 sets " + name + " 7 NO_SUCH 1"}));
   ASSERT_TRUE(desk_.parameters());
   EXPECT_TRUE(desk_.parameters()->unsaved);
 }
@@ -79,10 +86,61 @@ TEST_F(ViewerCommandsTest, WritingSaves) {
 
 TEST_F(ViewerCommandsTest, WhatWaitsAtTheEndIsAnswered) {
   EXPECT_EQ(desk_.ask({2, "a", Desk::WriteParameters{}}), "");
-  commands_.step(rig_.session, sim_time(), [](const flight::FlightNote&) {});
-  commands_.end();
-  ASSERT_EQ(desk_.answers(2).size(), 1U);
-  EXPECT_EQ(desk_.ask({2, "b", Desk::WriteParameters{}}), "the flight has ended");
+  commands_.step(rig_.session, log_);
+  commands_.end("the flight has ended");
+  const auto answers = desk_.answers(2);
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_EQ(answers[0].results[0].text, "the flight has ended");
+}
+
+TEST_F(ViewerCommandsTest, OneViewerAtATimeSteersAndTakingOverIsLogged) {
+  EXPECT_EQ(ask(Desk::Steer{"wind 5,0"})[0].text, "take control first");
+  EXPECT_TRUE(ask(Desk::TakeControl{})[0].good);
+  EXPECT_TRUE(ask(Desk::Steer{"wind 5,0"})[0].good);
+  EXPECT_EQ(ask(Desk::Steer{"bad"})[0].text, "bad change");
+  EXPECT_EQ(desk_.ask({3, "t", Desk::TakeControl{}}), "");
+  run(1s);
+  EXPECT_EQ(ask(Desk::Steer{"wind 9,0"})[0].text, "viewer 3 has control");
+  desk_.forget(3);
+  run(1s);
+  EXPECT_EQ(commands_.in_control(), 0U);
+  EXPECT_EQ(changes_, (std::vector<std::string>{"wind 5,0"}));
+  EXPECT_EQ(notes_, (std::vector<std::string>{"2 takes control", "2 steers: wind 5,0",
+                                              "3 takes control from viewer 2", "3 is gone"}));
+}
+
+TEST_F(ViewerCommandsTest, OfARealVehicleNothingIsChangedWithoutControlAndNothingSteered) {
+  ViewerCommands real(desk_);
+  const auto refused = [&](std::uint64_t viewer, Desk::What what) {
+    EXPECT_EQ(desk_.ask({viewer, "a", std::move(what)}), "");
+    real.step(rig_.session, log_);
+    const auto answers = desk_.answers(viewer);
+    return answers.empty() ? std::string() : answers[0].results[0].text;
+  };
+  EXPECT_EQ(refused(1, Desk::WriteParameters{}), "take control first");
+  EXPECT_EQ(refused(1, Desk::SetParameters{{{"PID_ROLL_RATE_P", 1.0}}}), "take control first");
+  EXPECT_EQ(refused(1, Desk::TakeControl{}), "in control");
+  EXPECT_EQ(refused(1, Desk::Steer{"switch arm on"}), "a real vehicle cannot be steered from here");
+}
+
+TEST(ViewerCommandTexts, AreReadBack) {
+  const std::vector<ViewerCommands::What> all{
+      Desk::SetParameters{{{"A", 0.1}, {"B", 1e-300}, {"C", 1.0 / 3.0}}},
+      Desk::WriteParameters{},
+      Desk::ReportChecks{},
+      Desk::TakeControl{},
+      Desk::Steer{"fault motor2_dead:5"},
+      Desk::Gone{}};
+  for (const auto& what : all) {
+    const auto read = parse_command(text_of(what));
+    ASSERT_TRUE(read) << text_of(what);
+    EXPECT_EQ(text_of(*read), text_of(what));
+    EXPECT_EQ(read->index(), what.index());
+  }
+  const auto set = parse_command(text_of(all[0]));
+  EXPECT_EQ(std::get<Desk::SetParameters>(*set).values[2].second, 1.0 / 3.0);
+  EXPECT_FALSE(parse_command("sets A"));
+  EXPECT_FALSE(parse_command("dances"));
 }
 
 }  // namespace

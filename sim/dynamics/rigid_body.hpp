@@ -58,6 +58,16 @@ class RigidBody final : public Dynamics {
   /// balanced, so a vehicle at rest stays at rest, and the wind turns no propeller.
   void set_held(bool held) { held_ = held; }
 
+  /// From the next step on, as Wind::set().
+  void set_wind(const Vector3& steady_W_m_s, double w20_m_s, const RandomSource& random) {
+    wind_.set(steady_W_m_s, w20_m_s, random);
+    truth_.air.wind_W = wind_.velocity_W();
+  }
+  /// As Wind::add_gust().
+  void add_gust(const Vector3& peak_W_m_s, double duration_s) {
+    wind_.add_gust(peak_W_m_s, duration_s);
+  }
+
   /// The state after construction.
   const BodyState& rest_state() const { return rest_; }
   /// States of the forces-and-moments module.

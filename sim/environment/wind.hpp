@@ -42,7 +42,13 @@ class Wind {
   const Vector3& step(double dt_s, double height_m, double airspeed_m_s);
   const Vector3& velocity_W() const { return velocity_W_; }
   /// No turbulence and no gusts: step() changes nothing.
-  bool calm() const { return calm_; }
+  bool calm() const { return calm_ && gusts_.empty(); }
+
+  /// From now on another steady wind and turbulence (0: none); gusts of the parameters stay.
+  /// @param source  of the turbulence, which starts again.
+  void set(const Vector3& steady_W_m_s, double w20_m_s, const RandomSource& source);
+  /// One gust that starts now. @param duration_s  > 0.
+  void add_gust(const Vector3& peak_W_m_s, double duration_s);
 
  private:
   static constexpr std::size_t kMaxGusts = 16;
@@ -51,6 +57,7 @@ class Wind {
     double duration_s;
     double age_s;
   };
+  void set_steady(const Vector3& steady_W);
   void step_gusts(double dt_s);
   Gust draw_gust(double age_s);
 

@@ -31,6 +31,18 @@ std::vector<CommandDesk::Answer> CommandDesk::answers(std::uint64_t viewer) {
 
 void CommandDesk::forget(std::uint64_t viewer) {
   static_cast<void>(answers(viewer));
+  const std::scoped_lock lock(mutex_);
+  if (closed_.empty()) commands_.push_back({viewer, {}, Gone{}});
+}
+
+CommandDesk::Control CommandDesk::control() const {
+  const std::scoped_lock lock(mutex_);
+  return control_;
+}
+
+void CommandDesk::set_control(const Control& control) {
+  const std::scoped_lock lock(mutex_);
+  control_ = control;
 }
 
 std::shared_ptr<const CommandDesk::Parameters> CommandDesk::parameters() const {

@@ -27,10 +27,16 @@ class CommandDesk {
   };
   struct WriteParameters {};  ///< To the memory that survives power-off.
   struct ReportChecks {};     ///< The checks before arming, each as a message of the log.
+  struct TakeControl {};      ///< What belongs to one viewer at a time is this one's.
+  struct Steer {
+    std::string text;  ///< A change of the simulation (flight/steering.hpp).
+  };
+  struct Gone {};  ///< The viewer is no longer connected; nobody waits for the answer.
+  using What = std::variant<SetParameters, WriteParameters, ReportChecks, TakeControl, Steer, Gone>;
   struct Command {
     std::uint64_t viewer{};
     std::string id;  ///< The viewer's own, for the answer.
-    std::variant<SetParameters, WriteParameters, ReportChecks> what;
+    What what;
   };
   struct Result {
     std::string name;             ///< Of the parameter; empty if the command has none.
@@ -48,6 +54,14 @@ class CommandDesk {
     double value{};
     bool is_float{};
   };
+  /// Who steers, and how the simulation goes on.
+  struct Control {
+    std::uint64_t viewer{};  ///< 0: nobody.
+    bool simulated{};        ///< There is a simulation to steer.
+    bool paused{};
+    double speed{1.0};  ///< Times real time.
+    bool operator==(const Control&) const = default;
+  };
   struct Parameters {
     std::vector<Parameter> all;
     bool unsaved{};  ///< Some are not in the memory that survives power-off.
@@ -62,12 +76,14 @@ class CommandDesk {
   void forget(std::uint64_t viewer);
   /// nullptr: not known yet.
   std::shared_ptr<const Parameters> parameters() const;
+  Control control() const;
 
   // For the thread of the vehicle.
   /// Those since the last call.
   std::vector<Command> commands();
   void answer(Answer answer);
   void set_parameters(Parameters parameters);
+  void set_control(const Control& control);
   /// From now on commands are refused with this reason, also those that still wait.
   void close(const std::string& why);
 
@@ -78,6 +94,7 @@ class CommandDesk {
   std::vector<Command> commands_;
   std::vector<Answer> answers_;
   std::shared_ptr<const Parameters> parameters_;
+  Control control_;
   std::string closed_;
 };
 

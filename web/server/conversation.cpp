@@ -60,6 +60,10 @@ void Conversation::greet() {
 void Conversation::take_answers() {
   for (const CommandDesk::Answer& answer : desk_->answers(viewer_))
     answers_.push_back(foxglove::command_results(answer));
+  if (const CommandDesk::Control control = desk_->control(); control_ != control) {
+    control_ = control;
+    answers_.push_back(foxglove::control_text(control, viewer_));
+  }
   const auto parameters = desk_->parameters();
   if (parameters == nullptr || unsaved_ == parameters->unsaved) return;
   unsaved_ = parameters->unsaved;
@@ -70,6 +74,7 @@ void Conversation::take_news() {
   if (desk_ != nullptr) take_answers();
   const std::size_t first = cursor_.channels;
   LiveData::News news = live_.news(cursor_);
+  over_ = news.restarted;
   if (!news.channels.empty()) texts_.push_back(foxglove::advertise(first, news.channels));
   subscriptions_.resize(cursor_.channels);
   messages_.assign(news.messages.begin(), news.messages.end());
@@ -106,7 +111,7 @@ bool Conversation::on_parameters(const std::vector<std::string>& names, const st
   return texts_.size() <= kMostUnreadTexts;
 }
 
-bool Conversation::on_command(decltype(CommandDesk::Command::what) what, const std::string& id) {
+bool Conversation::on_command(CommandDesk::What what, const std::string& id) {
   if (desk_ == nullptr) return complain("nothing can be commanded here");
   if (right_ != Right::kCommand) return complain("this address is one to look, not to command");
   const std::string refusal = desk_->ask({viewer_, id, std::move(what)});

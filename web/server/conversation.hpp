@@ -35,6 +35,8 @@ class Conversation {
   Conversation& operator=(const Conversation&) = delete;
 
   bool is_admitted() const { return right_ != Right::kNone; }
+  /// Something else runs now: the viewer has to begin again.
+  bool is_over() const { return over_; }
 
   /// A message of the viewer; `is_text` if its frame says so.
   /// @returns whether the viewer stays connected.
@@ -54,7 +56,7 @@ class Conversation {
   void take_answers();
   bool on_request(std::string_view message);
   bool on_parameters(const std::vector<std::string>& names, const std::string& id);
-  bool on_command(decltype(CommandDesk::Command::what) what, const std::string& id);
+  bool on_command(CommandDesk::What what, const std::string& id);
   /// @returns whether the viewer stays connected.
   bool complain(const std::string& what);
 
@@ -64,7 +66,9 @@ class Conversation {
   const std::string& session_;
   std::uint64_t viewer_;
   Right right_;
-  std::optional<bool> unsaved_;  ///< As the viewer was told.
+  std::optional<bool> unsaved_;  ///< As the viewer was told; likewise the next one.
+  std::optional<CommandDesk::Control> control_;
+  bool over_{false};
   std::deque<std::string> texts_;
   std::deque<LiveData::Shared> messages_;
   std::deque<std::string> answers_;  ///< After the messages that show what was done.

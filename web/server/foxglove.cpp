@@ -35,6 +35,17 @@ std::string parameter_name(const Json& json) {
   return name;
 }
 
+/// Printable, and short enough for a line of the log.
+std::string change_text(const Json& json) {
+  constexpr std::size_t kLongest = 200;
+  auto text = json.get<std::string>();
+  const bool good =
+      std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
+  if (!good || text.empty() || text.size() > kLongest)
+    throw Json::other_error::create(501, "a change has 1 to 200 printable characters", &json);
+  return text;
+}
+
 CommandDesk::SetParameters set_parameters(const Json& json) {
   CommandDesk::SetParameters set;
   for (const Json& one : json.at("parameters")) {
@@ -56,6 +67,10 @@ bool read_parameter_request(const std::string& op, const Json& json, Request& re
     request.command = CommandDesk::WriteParameters{};
   } else if (op == "reportChecks") {
     request.command = CommandDesk::ReportChecks{};
+  } else if (op == "takeControl") {
+    request.command = CommandDesk::TakeControl{};
+  } else if (op == "steer") {
+    request.command = CommandDesk::Steer{change_text(json.at("text"))};
   } else {
     return false;
   }
@@ -90,7 +105,7 @@ void read_request(const Json& json, Request& request) {
   } else {
     request.complaint = "op: found " + op +
                         ", known are subscribe, unsubscribe, getParameters, setParameters, "
-                        "writeParameters, reportChecks";
+                        "writeParameters, reportChecks, takeControl, steer";
   }
 }
 
@@ -143,6 +158,17 @@ std::string command_results(const CommandDesk::Answer& answer) {
 
 std::string parameters_unsaved(bool unsaved) {
   return text_of({{"op", "parameterValues"}, {"parameters", Json::array()}, {"unsaved", unsaved}});
+}
+
+std::string control_text(const CommandDesk::Control& control, std::uint64_t viewer) {
+  return text_of({{"op", "parameterValues"},
+                  {"parameters", Json::array()},
+                  {"control",
+                   {{"you", viewer},
+                    {"viewer", control.viewer},
+                    {"simulated", control.simulated},
+                    {"paused", control.paused},
+                    {"speed", control.speed}}}});
 }
 
 std::string advertise(std::size_t first, std::span<const LiveData::Channel> channels) {

@@ -6,6 +6,15 @@
 
 namespace rosflight::web::server {
 
+void LiveData::restart() {
+  const std::scoped_lock lock(mutex_);
+  ++run_;
+  channels_.clear();
+  states_.clear();
+  events_.clear();
+  event_bytes_ = 0;
+}
+
 std::size_t LiveData::add_channel(Channel channel) {
   const std::scoped_lock lock(mutex_);
   channels_.push_back(std::move(channel));
@@ -31,6 +40,9 @@ void LiveData::put(std::size_t channel, std::uint64_t time_ns, std::span<const s
 LiveData::News LiveData::news(Cursor& cursor) const {
   News news;
   const std::scoped_lock lock(mutex_);
+  if (cursor.run == 0) cursor.run = run_;
+  news.restarted = cursor.run != run_;
+  if (news.restarted) return news;
   for (; cursor.channels < channels_.size(); ++cursor.channels)
     news.channels.push_back(channels_[cursor.channels]);
   cursor.places.resize(channels_.size());

@@ -36,6 +36,9 @@ class LiveData {
   };
   using Shared = std::shared_ptr<const Message>;
 
+  /// Something else runs from now on: forgets all channels and messages. Viewers begin again.
+  void restart();
+
   /// @returns its number, from 0.
   std::size_t add_channel(Channel channel);
 
@@ -49,10 +52,12 @@ class LiveData {
       std::uint64_t version{0};   ///< Of the state, as last seen.
       std::size_t next_event{0};  ///< Into all events.
     };
+    std::uint64_t run{0};     ///< Counts restarts.
     std::size_t channels{0};  ///< Seen by it.
     std::vector<Place> places;
   };
   struct News {
+    bool restarted{false};          ///< Since the cursor began; then there is nothing for it.
     std::vector<Channel> channels;  ///< New ones; the first has the number Cursor::channels had.
     std::vector<Shared> messages;   ///< Of wanted channels: new events in order, then new states.
   };
@@ -71,6 +76,7 @@ class LiveData {
   };
 
   mutable std::mutex mutex_;
+  std::uint64_t run_{1};
   std::vector<Channel> channels_;
   std::vector<State> states_;  ///< One for each channel; unused by events.
   std::vector<Shared> events_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Keeps the page connected with the running flight of its server.
 import {batch} from '@preact/signals';
-import {Commands, type Result} from './data/commands.ts';
+import {Commands, type Control, type Result} from './data/commands.ts';
 import {LiveDecoder, PROTOCOLS} from './data/live.ts';
 import * as state from './state.ts';
 import {firstMessage} from './token.ts';
@@ -14,12 +14,13 @@ const DELAY_S = 0.03;
 /** After so long without news there is nothing to lie between: the latest is shown. */
 const QUIET_MS = 200;
 
-interface ServerMessage { op?: string; metadata?: Record<string, string>; unsaved?: boolean; id?: string; results?: Result[] }
+interface ServerMessage { op?: string; metadata?: Record<string, string>; unsaved?: boolean; control?: Control; id?: string; results?: Result[] }
 
 /** What is no message of the flight. */
 function onServer(message: ServerMessage, commands: Commands) {
   if (message.op === 'serverInfo' && message.metadata?.['commands'] === 'yes') state.commands.value = commands;
   if (message.unsaved !== undefined) state.unsaved.value = message.unsaved;
+  if (message.control) state.control.value = message.control;
   commands.answered(message);
   if (message.results) ++state.revision.value; // what is in force has come before them
 }
@@ -72,6 +73,7 @@ export function connect(name: string) {
   socket.onclose = () => {
     commands.lost();
     state.commands.value = undefined;
+    state.control.value = undefined;
     state.live.value = 'gone';
     setTimeout(() => connect(name), AGAIN_MS);
   };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the views share: the flight, the moment shown, how it goes on.
 import {signal} from '@preact/signals';
-import type {Commands} from './data/commands.ts';
+import type {Commands, Control} from './data/commands.ts';
 import type {Flight} from './data/flight.ts';
 
 export const flight = signal<Flight | undefined>(undefined);
@@ -28,6 +28,8 @@ export const revision = signal(0);
 
 /** Over the connection with the server; undefined where nothing can be commanded. */
 export const commands = signal<Commands | undefined>(undefined);
+/** Of a running flight; undefined where nothing can be commanded. */
+export const control = signal<Control | undefined>(undefined);
 /** Parameters have changed since they were last written to the vehicle's memory. */
 export const unsaved = signal(false);
 

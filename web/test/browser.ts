@@ -4,13 +4,15 @@
 import chromium from '@sparticuz/chromium';
 import assert from 'node:assert/strict';
 import {createReadStream} from 'node:fs';
-import {stat} from 'node:fs/promises';
+import {readFile, stat} from 'node:fs/promises';
 import {createServer, type Server} from 'node:http';
 import type {AddressInfo} from 'node:net';
+import {createRequire} from 'node:module';
 import {extname, join} from 'node:path';
 import {chromium as playwright, type Browser, type Page} from 'playwright-core';
 import {pixelAt} from './picture.ts';
 
+const AXE = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const FLAGS = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
 
 export async function startBrowser(flags: string[] = []): Promise<Browser> {
@@ -108,4 +110,28 @@ export async function serve(files: Files): Promise<{url: string; server: Server}
 
 export function pageFiles(folder: string): Files {
   return Object.fromEntries(['index.html', 'page.js', 'page.css'].map((name) => [name, join(folder, name)]));
+}
+
+export type PageOptions = [typeof DESKTOP?, {colorScheme?: 'dark'}?];
+
+/** Opens the page, does something with it and then wants no complaint. */
+export async function onPage(browser: Browser, url: string, use: (page: Page) => Promise<void>, ...options: PageOptions) {
+  const {page, complaints} = await newPage(browser, ...options);
+  try {
+    await page.goto(url);
+    await flightShown(page);
+    await use(page);
+    assert.deepEqual(complaints, []);
+  } finally {
+    await page.context().close();
+  }
+}
+
+interface Axe { run(): Promise<{violations: {id: string; nodes: {html: string}[]}[]}> }
+
+/** What axe finds in the page as it is. */
+export async function violations(page: Page): Promise<string[]> {
+  await page.evaluate(AXE);
+  return page.evaluate(async () => (await (window as unknown as {axe: Axe}).axe.run()).violations
+    .map(({id, nodes}) => `${id}: ${nodes.map(({html}) => html).slice(0, 3).join(' | ')}`));
 }

@@ -2,17 +2,14 @@
 // The page in a browser, as a user has it: served by ./rosflight view, opened with a file, without WebGL.
 import assert from 'node:assert/strict';
 import {spawn, type ChildProcess} from 'node:child_process';
-import {mkdtemp, readFile, rm} from 'node:fs/promises';
-import {createRequire} from 'node:module';
-import {tmpdir} from 'node:os';
+import {readFile} from 'node:fs/promises';
 import {join} from 'node:path';
 import {after, before, describe, test} from 'node:test';
 import {gzipSync} from 'node:zlib';
 import type {Browser, Page} from 'playwright-core';
-import {clock, DESKTOP, drawn, flightShown, goTo, keepPicture, newPage, PHONE, SMALL, startBrowser, vehicleIsSeen} from './browser.ts';
+import {clock, DESKTOP, drawn, goTo, newPage, onPage, PHONE, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
 import {FIXED_WING, logOf, MULTIROTOR, PAGE, VIEW} from './flights.ts';
 
-const AXE = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const started: ChildProcess[] = [];
 let browser: Browser;
 let multirotor = '';
@@ -35,27 +32,7 @@ after(async () => {
   await browser?.close();
 });
 
-/** Opens the page, does something with it and then wants no complaint. */
-async function withPage(url: string, use: (page: Page) => Promise<void>, ...options: [typeof DESKTOP?, {colorScheme?: 'dark'}?]) {
-  const {page, complaints} = await newPage(browser, ...options);
-  try {
-    await page.goto(url);
-    await flightShown(page);
-    await use(page);
-    assert.deepEqual(complaints, []);
-  } finally {
-    await page.context().close();
-  }
-}
-
-interface Axe { run(): Promise<{violations: {id: string; nodes: {html: string}[]}[]}> }
-
-/** What axe finds in the page as it is. */
-async function violations(page: Page): Promise<string[]> {
-  await page.evaluate(AXE);
-  return page.evaluate(async () => (await (window as unknown as {axe: Axe}).axe.run()).violations
-    .map(({id, nodes}) => `${id}: ${nodes.map(({html}) => html).slice(0, 3).join(' | ')}`));
-}
+const withPage = (url: string, use: (page: Page) => Promise<void>, ...options: PageOptions) => onPage(browser, url, use, ...options);
 
 describe('replay of a flight', () => {
   test('shows the vehicle where it is, also after a seek and in each view', () => withPage(multirotor, async (page) => {
@@ -175,129 +152,6 @@ describe('replay of a flight', () => {
     await vehicleIsSeen(page);
     assert.ok(parseFloat(/speed\s*([\d.]+) m\/s/.exec(await page.locator('.instruments').innerText())![1]!) > 8);
   }));
-});
-
-describe('a running flight', () => {
-  /** @returns the address that ./rosflight fly --view prints on standard error. */
-  async function flyAndView(...options: string[]) {
-    const folder = await mkdtemp(join(tmpdir(), 'rosflight_page_'));
-    const program = spawn(VIEW, ['fly', '--view', '--mission', 'hop', '--out', join(folder, 'flight'), ...options],
-      {stdio: ['ignore', 'ignore', 'pipe']});
-    started.push(program);
-    let said = '';
-    const url = await new Promise<string>((resolve) => program.stderr.on('data', (data) => {
-      said += String(data);
-      const found = /http:\S+/.exec(said);
-      if (found) resolve(found[0]);
-    }));
-    return {url, program, folder, ended: () => /has ended/.test(said)};
-  }
-
-  test('is seen as it happens, can be looked back on, and stays after landing', async () => {
-    const {url, program, folder, ended} = await flyAndView('--speed', '0.5');
-    await withPage(url, async (page) => {
-      await page.waitForFunction(() => parseFloat(document.querySelector('.clock')!.textContent!) > 3);
-      await page.waitForFunction(() => document.querySelector('.instruments')!.textContent!.includes('armed')
-        && !document.querySelector('.instruments')!.textContent!.includes('disarmed'), );
-      const before = await clock(page);
-      await page.waitForFunction((from) => parseFloat(document.querySelector('.clock')!.textContent!) > from + 1, before);
-      await vehicleIsSeen(page);
-      await page.waitForSelector('.plot canvas');
-      await keepPicture(page, 'live');
-      await goTo(page, 2);
-      assert.equal(await clock(page), 2);
-      assert.match(await page.locator('.instruments').innerText(), /disarmed/);
-      await page.getByRole('button', {name: 'live'}).click();
-      await page.waitForFunction(() => parseFloat(document.querySelector('.clock')!.textContent!) > 6);
-      while (!ended()) await page.waitForTimeout(100);
-      await page.getByRole('tab', {name: 'Events'}).click();
-      await page.waitForSelector('.events tr:has-text("land")');
-      await page.waitForSelector('.instruments:has-text("disarmed")');
-    }, SMALL);
-    program.kill('SIGTERM');
-    await rm(folder, {recursive: true});
-  });
-
-  test('says what keeps it from arming, and what to do about it', async () => {
-    const {url, program, folder} = await flyAndView('--speed', '0.2');
-    await withPage(url, async (page) => {
-      const result = (check: string) => page.locator('.preflight tr', {has: page.getByRole('rowheader', {name: check, exact: true})});
-      await page.getByRole('tab', {name: 'Preflight'}).click();
-      await result('calibration').getByText('✗ refuses').waitFor(); // by the flags of the status
-      assert.match(await result('calibration').innerText(), /calibrate the gyro/);
-      await page.getByRole('button', {name: 'Check now'}).focus();
-      await page.keyboard.press('Enter');
-      await page.getByText('All checks of the firmware').waitFor();
-      const table = await readFile(new URL('../../firmware/core/arming_checks.hpp', import.meta.url), 'utf8');
-      const names = [...table.matchAll(/\{Check::k\w+, +"([^"]+)"/g)].map(([, name]) => name!);
-      assert.deepEqual(await page.locator('.preflight tbody th').allInnerTexts(), names);
-      assert.match(await result('calibration').innerText(), /IMU not calibrated\. .*calibrate the gyro/);
-      assert.match(await page.locator('.preflight .verdict').innerText(), /Arming is refused for \d+ reason/);
-      assert.deepEqual(await violations(page), []);
-      await keepPicture(page, 'preflight', DESKTOP);
-      await result('calibration').getByText('✓ pass').waitFor(); // by the flags, without asking again
-      await page.getByText('The vehicle is armed.').waitFor();
-    }, SMALL);
-    program.kill('SIGKILL');
-    await rm(folder, {recursive: true});
-  });
-
-  test('has its parameters changed from the page, and each change says how it ended', async () => {
-    const {url, program, folder} = await flyAndView('--speed', '0.2');
-    await withPage(url, async (page) => {
-      const said = page.locator('.said');
-      const until = (s: number) => page.waitForFunction((t) => parseFloat(document.querySelector('.clock')!.textContent!) > t, s);
-      await page.getByRole('tab', {name: 'Parameters'}).click();
-      await until(2); // the vehicle's file is loaded
-      await page.getByLabel('Search').fill('temp_comp');
-      const field = page.getByLabel('Value of ACC_X_TEMP_COMP');
-      await field.fill('3');
-      assert.equal(await said.innerText(), 'ACC_X_TEMP_COMP: allowed: -2 .. 2');
-      assert.ok(await page.getByRole('button', {name: 'Send 1 change'}).isDisabled());
-      assert.deepEqual(await violations(page), []);
-      // By keyboard alone.
-      await field.fill('0.001');
-      await page.getByRole('button', {name: 'Send 1 change'}).focus();
-      await page.keyboard.press('Enter');
-      await page.getByText('1 of 1 in force').waitFor();
-      assert.equal(await page.locator('.result').innerText(), '✓ set to 0.001');
-      assert.equal(await field.inputValue(), '0.001');
-      await page.getByText('changed since the last write').waitFor();
-      await page.getByLabel('Compare with a file').setInputFiles({name: 'mine.yaml', mimeType: 'application/yaml',
-        buffer: Buffer.from('- {name: ACC_X_TEMP_COMP, type: 9, value: 0.002}\n- {name: ACC_Y_TEMP_COMP, type: 9, value: 0.002}\n- {name: NO_SUCH, type: 6, value: 1}\n')});
-      await page.getByLabel('Send ACC_X_TEMP_COMP').uncheck();
-      await page.getByRole('button', {name: 'Send 1 from the file'}).click();
-      await page.locator('.differences').getByText('set to 0.002').waitFor();
-      assert.equal(await page.getByLabel('Value of ACC_X_TEMP_COMP').inputValue(), '0.001');
-      assert.equal(await page.getByLabel('Value of ACC_Y_TEMP_COMP').inputValue(), '0.002');
-      await keepPicture(page, 'parameters', DESKTOP);
-      await page.getByRole('button', {name: 'Write to memory'}).click();
-      await page.getByText('writing parameters: done').waitFor();
-      await page.waitForFunction(() => /(?<!dis)armed/.test(document.querySelector('.instruments')!.textContent!));
-      await field.fill('0.004');
-      await page.getByRole('button', {name: 'Send 1 change'}).click();
-      await page.locator('.result.bad').waitFor();
-      assert.match(await page.locator('.result.bad').innerText(), /✗ 0.004 refused, stays at 0.001/);
-      await page.getByRole('tab', {name: 'Events'}).click();
-      await page.waitForSelector('.events tr:has-text("viewer 1 sets ACC_X_TEMP_COMP 0.001")');
-    }, SMALL);
-    program.kill('SIGKILL');
-    await rm(folder, {recursive: true});
-  });
-
-  test('that is gone is said, and the page connects again by itself', async () => {
-    const first = await flyAndView();
-    const {page} = await newPage(browser, SMALL);
-    await page.goto(first.url);
-    await flightShown(page);
-    first.program.kill('SIGKILL');
-    await page.waitForSelector('text=The connection to the flight is lost; trying again.');
-    const second = await flyAndView('--port', new URL(first.url).port);
-    await page.waitForSelector('text=The connection to the flight is lost', {state: 'detached', timeout: 60_000});
-    second.program.kill('SIGKILL');
-    await page.context().close();
-    for (const {folder} of [first, second]) await rm(folder, {recursive: true});
-  });
 });
 
 describe('what may go wrong', () => {

@@ -120,8 +120,8 @@ TEST_F(ConversationTest, AnAnswerComesAfterTheMessagesBeforeIt) {
 }
 
 TEST_F(ConversationTest, WhoMayLookMayNotCommand) {
-  CommandDesk desk;
   for (const auto& [right, commands] : {std::pair{Right::kLook, 0U}, {Right::kCommand, 1U}}) {
+    CommandDesk desk;
     Conversation talk(live_, &desk, closed_, session_, 1);
     ASSERT_TRUE(talk.on_message(R"({"op":"token","token":")" + token(right) + "\"}", true));
     all(talk);
@@ -133,6 +133,41 @@ TEST_F(ConversationTest, WhoMayLookMayNotCommand) {
       EXPECT_NE(said[0].find("one to look"), std::string::npos);
     }
   }
+}
+
+TEST_F(ConversationTest, WhoHasControlIsToldAndThatAViewerIsGone) {
+  CommandDesk desk;
+  {
+    Conversation talk(live_, &desk, open_, session_, 3);
+    EXPECT_NE(all(talk)[2].find(R"("viewer":0,"you":3)"), std::string::npos);
+    desk.set_control({7, true, true, 2.0});
+    EXPECT_EQ(all(talk)[0],
+              R"({"control":{"paused":true,"simulated":true,"speed":2.0,"viewer":7,"you":3},)"
+              R"("op":"parameterValues","parameters":[]})");
+    ASSERT_TRUE(talk.on_message(R"({"op":"steer","text":"wind 5,0","id":"s"})", true));
+    const auto commands = desk.commands();
+    ASSERT_EQ(commands.size(), 1U);
+    EXPECT_EQ(std::get<CommandDesk::Steer>(commands[0].what).text, "wind 5,0");
+    for (const char* text : {R"("")", R"("a\nb")", "7"}) {
+      ASSERT_TRUE(talk.on_message(R"({"op":"steer","text":)" + std::string(text) + "}", true));
+    }
+    EXPECT_TRUE(desk.commands().empty());
+  }
+  const auto gone = desk.commands();
+  ASSERT_EQ(gone.size(), 1U);
+  EXPECT_TRUE(std::holds_alternative<CommandDesk::Gone>(gone[0].what));
+}
+
+TEST_F(ConversationTest, AfterARestartTheViewerBeginsAnew) {
+  Conversation talk(live_, nullptr, open_, session_, 1);
+  all(talk);
+  EXPECT_FALSE(talk.is_over());
+  live_.restart();
+  EXPECT_FALSE(talk.next());
+  EXPECT_TRUE(talk.is_over());
+  Conversation next(live_, nullptr, open_, session_, 2);
+  EXPECT_EQ(all(next).size(), 1U) << "a greeting, and no channels yet";
+  EXPECT_FALSE(next.is_over());
 }
 
 TEST_F(ConversationTest, ParametersAreToldAsTheyAreKnown) {

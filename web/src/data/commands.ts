@@ -3,6 +3,9 @@
 
 export interface Result { name: string; good: boolean; text: string }
 
+/** Who has control, and how the simulation goes on; `you` is the number of this viewer, `viewer` 0 for nobody. */
+export interface Control { you: number; viewer: number; simulated: boolean; paused: boolean; speed: number }
+
 /** One for each connection. */
 export class Commands {
   private readonly send: (text: string) => void;
@@ -16,6 +19,11 @@ export class Commands {
   write(): Promise<Result[]> { return this.ask({op: 'writeParameters'}); }
 
   checks(): Promise<Result[]> { return this.ask({op: 'reportChecks'}); }
+
+  takeControl(): Promise<Result[]> { return this.ask({op: 'takeControl'}); }
+
+  /** Changes the simulation (flight/steering.hpp, apps/simulation_changes.hpp have the language). */
+  steer(text: string): Promise<Result[]> { return this.ask({op: 'steer', text}); }
 
   /** A message of the server that may end one. */
   answered({op, id, results}: {op?: string; id?: string; results?: Result[]}) {

@@ -10,6 +10,7 @@ import {Bars, Instruments} from './instruments.tsx';
 import {Parameters} from './parameters.tsx';
 import {Plots} from './plots.tsx';
 import {Preflight} from './preflight.tsx';
+import {Simulation} from './simulation.tsx';
 import {Space} from './space.tsx';
 import {Timeline} from './timeline.tsx';
 
@@ -20,7 +21,7 @@ export function App() {
   return <>
     <header>
       <h1>{flight ? title(flight) : 'ROSflight flight viewer'}</h1>
-      <Verdict/>
+      <Verdict/><Paused/>
       <label class="button open">Open a log<input type="file" accept=".mcap" class="sr" onChange={(event) => {
         const file = event.currentTarget.files?.[0];
         if (file) void openFile(file);
@@ -48,6 +49,13 @@ function Verdict() {
     {summary['success'] ? '✓ success' : '✗ failed'}</span>;
 }
 
+/** What a viewer should know in every view. */
+function Paused() {
+  const control = state.control.value;
+  return <>{control?.paused && <span class="badge warning">simulation paused</span>}
+    {control && control.viewer !== 0 && control.viewer !== control.you && <span class="badge note">viewer {control.viewer} has control</span>}</>;
+}
+
 function Start() {
   const loading = state.loading.value;
   return <main class="start">
@@ -56,8 +64,10 @@ function Start() {
   </main>;
 }
 
-const TABS = {plots: 'Plots', events: 'Events', preflight: 'Preflight', bars: 'Receiver and outputs', firmware: 'Firmware', facts: 'Facts', parameters: 'Parameters'};
+const TABS = {plots: 'Plots', events: 'Events', preflight: 'Preflight', simulation: 'Simulation', bars: 'Receiver and outputs', firmware: 'Firmware', facts: 'Facts', parameters: 'Parameters'};
 type Tab = keyof typeof TABS;
+/** A flight that was cannot be steered. */
+const tabs = () => (Object.keys(TABS) as Tab[]).filter((name) => name !== 'simulation' || state.control.value?.simulated);
 
 function FlightView({flight}: {flight: Flight}) {
   const [tab, setTab] = useState<Tab>('plots');
@@ -66,13 +76,14 @@ function FlightView({flight}: {flight: Flight}) {
     <div class="space"><Space flight={flight}/><Instruments flight={flight}/></div>
     <Timeline flight={flight}/>
     <div class="panel">
-      <div class="tabs" role="tablist" aria-label="Views">{Object.entries(TABS).map(([name, label]) =>
+      <div class="tabs" role="tablist" aria-label="Views">{tabs().map((name) =>
         <button key={name} role="tab" id={`tab-${name}`} aria-controls="panel" aria-selected={tab === name}
-          tabIndex={tab === name ? 0 : -1} onClick={() => setTab(name as Tab)} onKeyDown={(event) => moveTab(event, name as Tab, setTab)}>{label}</button>)}</div>
+          tabIndex={tab === name ? 0 : -1} onClick={() => setTab(name)} onKeyDown={(event) => moveTab(event, name, setTab)}>{TABS[name]}</button>)}</div>
       <div id="panel" role="tabpanel" aria-labelledby={`tab-${tab}`} tabIndex={0}>
         {tab === 'plots' && <Plots flight={flight}/>}
         {tab === 'events' && <Events flight={flight}/>}
         {tab === 'preflight' && <Preflight flight={flight}/>}
+        {tab === 'simulation' && <Simulation/>}
         {tab === 'bars' && <Bars flight={flight}/>}
         {tab === 'firmware' && <Firmware flight={flight}/>}
         {tab === 'facts' && <Facts flight={flight}/>}
@@ -85,7 +96,7 @@ function FlightView({flight}: {flight: Flight}) {
 function moveTab(event: KeyboardEvent, from: Tab, setTab: (tab: Tab) => void) {
   const way = event.key === 'ArrowRight' ? 1 : event.key === 'ArrowLeft' ? -1 : 0;
   if (way === 0) return;
-  const names = Object.keys(TABS) as Tab[];
+  const names = tabs();
   const to = names[(names.indexOf(from) + way + names.length) % names.length]!;
   event.preventDefault();
   setTab(to);

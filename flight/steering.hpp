@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "flight/flight.hpp"
+
+namespace rosflight::flight {
+
+/// A change of a running flight, as a person writes it and as the log has it:
+///
+///     wind SPEED,FROM_DEG[,W20]         as --wind, from now on
+///     gust SPEED,FROM_DEG,SECONDS       one gust, one minus cosine
+///     fault WHAT[=VALUE][:DURATION]     as --fault, from now on
+///     heal                              all faults end
+///     switch NAME on|off                arm, attitude_override, throttle_override, attitude_mode
+///     stick NAME POSITION               roll, pitch, throttle, yaw; 0 to 1
+///     hold on|off                       the pilot does not arm by himself
+///     land | return                     the mission ends
+///
+/// The same changes in the same steps give the same flight to the bit.
+/// @returns what does it at the beginning of a step, before the firmware runs.
+/// @throws config::Error  one line: what was found and what is allowed.
+std::function<void(Flight&)> parse_change(const std::string& text, const FlightSetup& setup);
+
+}  // namespace rosflight::flight

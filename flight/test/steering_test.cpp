@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "flight/steering.hpp"
+
+#include <gtest/gtest.h>
+
+#include <regex>
+#include <sstream>
+
+#include "config/strict_yaml.hpp"
+
+namespace rosflight::flight {
+namespace {
+
+class SteeringTest : public testing::Test {
+ protected:
+  void run_to(double t_s) {
+    while (sim::to_seconds(flight_.now()) < t_s) flight_.step();
+  }
+  /// In the next step.
+  void change(const std::string& text) {
+    auto act = std::make_shared<std::function<void(Flight&)>>(parse_change(text, setup_));
+    flight_.set_script(
+        [act](Flight& flight, sim::Time) { std::exchange(*act, [](Flight&) {})(flight); });
+    flight_.step();
+  }
+
+  FlightSetup setup_{FlightChoice{}};
+  Flight flight_{setup_};
+};
+
+TEST_F(SteeringTest, EachFaultOfTheListBeginsNowAndEndsWhenHealed) {
+  std::istringstream lines(sim::fault_help());
+  int count = 0;
+  for (std::string line; std::getline(lines, line);) {
+    std::string name =
+        std::regex_replace(line.substr(2, line.find(' ', 2) - 2), std::regex("N_"), "1_");
+    name = std::regex_replace(name, std::regex("VALUE|FACTOR"), "0.5");
+    if (name.starts_with("servo")) {
+      EXPECT_THROW(parse_change("fault " + name, setup_), config::Error) << "no surfaces";
+      continue;
+    }
+    const sim::Time now = flight_.now();
+    change("fault " + name + ":2");
+    const sim::Fault& fault = flight_.faults().faults().back();
+    EXPECT_EQ(fault.start, now) << name;
+    EXPECT_EQ(fault.end, now + std::chrono::seconds(2)) << name;
+    ++count;
+  }
+  EXPECT_EQ(count, 30);
+  change("heal");
+  for (const sim::Fault& fault : flight_.faults().faults()) EXPECT_LT(fault.end, flight_.now());
+}
+
+TEST_F(SteeringTest, WindIsTheNewOneAndAGustRisesAndEnds) {
+  change("wind 8,270");
+  run_to(1.0);
+  EXPECT_NEAR(flight_.truth().air.wind_W.y(), 8.0, 1e-9) << "from the west";
+  change("wind 0,0");
+  change("gust 6,0,2");
+  run_to(sim::to_seconds(flight_.now()) + 1.0);
+  EXPECT_NEAR(flight_.truth().air.wind_W.x(), -6.0, 0.01)
+      << "from the north, its peak after half of it";
+  run_to(sim::to_seconds(flight_.now()) + 1.5);
+  EXPECT_EQ(flight_.truth().air.wind_W.norm(), 0.0);
+  change("wind 5,0,7");
+  run_to(sim::to_seconds(flight_.now()) + 1.0);
+  EXPECT_GT((flight_.truth().air.wind_W - sim::Vector3(-5.0, 0.0, 0.0)).norm(), 1e-3)
+      << "turbulence";
+}
+
+TEST_F(SteeringTest, ThePilotArmsWhenHeIsLet) {
+  change("hold on");
+  run_to(40.0);
+  EXPECT_EQ(flight_.runner().stage(), Stage::kArm);
+  change("switch arm on");
+  run_to(41.0);
+  EXPECT_EQ(flight_.runner().stage(), Stage::kFly);
+  change("stick yaw 0.75");
+  run_to(41.1);
+  EXPECT_EQ(flight_.pilot().position(sim::rc::Control::kYaw), 0.75F);
+  change("stick yaw 0.5");  // moved far, it would override the companion
+  run_to(60.0);
+  change("return");
+  run_to(120.0);
+  EXPECT_EQ(flight_.runner().stage(), Stage::kDone);
+}
+
+TEST_F(SteeringTest, OtherTextsAreRefusedWithWhatIsAllowed) {
+  for (const char* text :
+       {"", "dance", "heal now", "wind", "wind 41,0", "gust 5,0", "gust 5,0,1,2", "gust 5,0,0",
+        "gust 5,0,61", "fault", "fault baro@3", "fault baro:0", "switch arm", "switch roll on",
+        "stick arm 1", "stick roll 1.1", "stick roll nan", "hold", "land here"}) {
+    EXPECT_THROW(parse_change(text, setup_), config::Error) << text;
+  }
+}
+
+}  // namespace
+}  // namespace rosflight::flight

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <boost/asio/steady_timer.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "web/server/conversation.hpp"
+#include "web/server/detail/site.hpp"
+
+namespace rosflight::web::server {
+
+/// One WebSocket. Writes one message after the other.
+class Viewer : public std::enable_shared_from_this<Viewer> {
+ public:
+  Viewer(beast::tcp_stream stream, Site& site)
+      : stream_{std::move(stream)},
+        site_{site},
+        conversation_{*site.contents.live, site.contents.desk, site.admission, site.session,
+                      ++site.viewers_so_far},
+        admission_{stream_.get_executor()} {
+    ++site_.clients;
+  }
+  ~Viewer() { --site_.clients; }
+  Viewer(const Viewer&) = delete;
+  Viewer& operator=(const Viewer&) = delete;
+
+  void accept(const Request& request, std::string_view protocol) {
+    websocket::stream_base::timeout timeout{};
+    timeout.handshake_timeout = site_.access.handshake;
+    timeout.idle_timeout = site_.access.silence;
+    timeout.keep_alive_pings = true;
+    stream_.set_option(timeout);
+    stream_.set_option(websocket::stream_base::decorator(
+        [name = std::string(protocol)](websocket::response_type& response) {
+          response.set(http::field::sec_websocket_protocol, name);
+        }));
+    stream_.read_message_max(WebServer::kLargestMessage);
+    stream_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
+      if (error) return;
+      self->open_ = true;
+      self->read();
+      self->send_next();
+      self->admission_.expires_after(self->site_.access.handshake);
+      self->admission_.async_wait([weak = self->weak_from_this()](beast::error_code) {
+        const auto viewer = weak.lock();
+        if (viewer && !viewer->conversation_.is_admitted()) viewer->let_go();
+      });
+    });
+  }
+
+  /// Sends what is new unless something is being sent.
+  void send_next() {
+    if (!open_ || sending_) return;
+    frame_ = conversation_.next();
+    if (conversation_.is_over()) return let_go();
+    if (!frame_) return;
+    sending_ = true;
+    stream_.text(frame_->is_text);
+    const auto contents =
+        frame_->message ? asio::buffer(frame_->message->cdr) : asio::const_buffer();
+    stream_.async_write(std::array<asio::const_buffer, 2>{asio::buffer(frame_->head), contents},
+                        [self = shared_from_this()](beast::error_code error, std::size_t) {
+                          self->sending_ = false;
+                          if (error) {
+                            self->open_ = false;
+                          } else {
+                            self->send_next();
+                          }
+                        });
+  }
+
+ private:
+  void read() {
+    stream_.async_read(buffer_, [self = shared_from_this()](beast::error_code error, std::size_t) {
+      if (error) {
+        self->open_ = false;
+        return;
+      }
+      const auto data = self->buffer_.cdata();
+      const std::string_view message(static_cast<const char*>(data.data()), data.size());
+      if (!self->conversation_.on_message(message, self->stream_.got_text())) return self->let_go();
+      self->buffer_.consume(self->buffer_.size());
+      self->send_next();
+      self->read();
+    });
+  }
+
+  void let_go() {
+    open_ = false;
+    beast::get_lowest_layer(stream_).close();
+  }
+
+  websocket::stream<beast::tcp_stream, false> stream_;
+  Site& site_;
+  Conversation conversation_;
+  asio::steady_timer admission_;  ///< Until then the token has come, where one is wanted.
+  beast::flat_buffer buffer_;
+  bool open_{false};
+  bool sending_{false};
+  std::optional<Conversation::Frame> frame_;  ///< That is being sent.
+};
+
+}  // namespace rosflight::web::server

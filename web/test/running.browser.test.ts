@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The page of a flight that runs, ./rosflight fly --view: seen, checked, changed and steered.
+import assert from 'node:assert/strict';
+import {spawn, type ChildProcess} from 'node:child_process';
+import {mkdtemp, readFile, rm} from 'node:fs/promises';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+import {after, before, describe, test} from 'node:test';
+import type {Browser, Page} from 'playwright-core';
+import {clock, DESKTOP, flightShown, goTo, keepPicture, newPage, onPage, PHONE, SMALL, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
+import {VIEW} from './flights.ts';
+
+const started: ChildProcess[] = [];
+let browser: Browser;
+
+before(async () => { browser = await startBrowser(); });
+after(async () => {
+  for (const program of started) program.kill('SIGTERM');
+  await browser?.close();
+});
+
+const withPage = (url: string, use: (page: Page) => Promise<void>, ...options: PageOptions) => onPage(browser, url, use, ...options);
+
+describe('a running flight', () => {
+  /** @returns the address that ./rosflight fly --view prints on standard error. */
+  async function flyAndView(...options: string[]) {
+    const folder = await mkdtemp(join(tmpdir(), 'rosflight_page_'));
+    const program = spawn(VIEW, ['fly', '--view', '--mission', 'hop', '--out', join(folder, 'flight'), ...options],
+      {stdio: ['ignore', 'ignore', 'pipe']});
+    started.push(program);
+    let said = '';
+    const url = await new Promise<string>((resolve) => program.stderr.on('data', (data) => {
+      said += String(data);
+      const found = /http:\S+/.exec(said);
+      if (found) resolve(found[0]);
+    }));
+    return {url, program, folder, ended: () => /has ended/.test(said)};
+  }
+
+  test('is seen as it happens, can be looked back on, and stays after landing', async () => {
+    const {url, program, folder, ended} = await flyAndView('--speed', '0.5');
+    await withPage(url, async (page) => {
+      await page.waitForFunction(() => parseFloat(document.querySelector('.clock')!.textContent!) > 3);
+      await page.waitForFunction(() => document.querySelector('.instruments')!.textContent!.includes('armed')
+        && !document.querySelector('.instruments')!.textContent!.includes('disarmed'), );
+      const before = await clock(page);
+      await page.waitForFunction((from) => parseFloat(document.querySelector('.clock')!.textContent!) > from + 1, before);
+      await vehicleIsSeen(page);
+      await page.waitForSelector('.plot canvas');
+      await keepPicture(page, 'live');
+      await goTo(page, 2);
+      assert.equal(await clock(page), 2);
+      assert.match(await page.locator('.instruments').innerText(), /disarmed/);
+      await page.getByRole('button', {name: 'live'}).click();
+      await page.waitForFunction(() => parseFloat(document.querySelector('.clock')!.textContent!) > 6);
+      while (!ended()) await page.waitForTimeout(100);
+      await page.getByRole('tab', {name: 'Events'}).click();
+      await page.waitForSelector('.events tr:has-text("land")');
+      await page.waitForSelector('.instruments:has-text("disarmed")');
+    }, SMALL);
+    program.kill('SIGTERM');
+    await rm(folder, {recursive: true});
+  });
+
+  test('says what keeps it from arming, and what to do about it', async () => {
+    const {url, program, folder} = await flyAndView('--speed', '0.2');
+    await withPage(url, async (page) => {
+      const result = (check: string) => page.locator('.preflight tr', {has: page.getByRole('rowheader', {name: check, exact: true})});
+      await page.getByRole('tab', {name: 'Preflight'}).click();
+      await result('calibration').getByText('✗ refuses').waitFor(); // by the flags of the status
+      assert.match(await result('calibration').innerText(), /calibrate the gyro/);
+      await page.getByRole('button', {name: 'Check now'}).focus();
+      await page.keyboard.press('Enter');
+      await page.getByText('All checks of the firmware').waitFor();
+      const table = await readFile(new URL('../../firmware/core/arming_checks.hpp', import.meta.url), 'utf8');
+      const names = [...table.matchAll(/\{Check::k\w+, +"([^"]+)"/g)].map(([, name]) => name!);
+      assert.deepEqual(await page.locator('.preflight tbody th').allInnerTexts(), names);
+      assert.match(await result('calibration').innerText(), /IMU not calibrated\. .*calibrate the gyro/);
+      assert.match(await page.locator('.preflight .verdict').innerText(), /Arming is refused for \d+ reason/);
+      assert.deepEqual(await violations(page), []);
+      await keepPicture(page, 'preflight', DESKTOP);
+      await result('calibration').getByText('✓ pass').waitFor(); // by the flags, without asking again
+      await page.getByText('The vehicle is armed.').waitFor();
+    }, SMALL);
+    program.kill('SIGKILL');
+    await rm(folder, {recursive: true});
+  });
+
+  test('has its parameters changed from the page, and each change says how it ended', async () => {
+    const {url, program, folder} = await flyAndView('--speed', '0.2');
+    await withPage(url, async (page) => {
+      const said = page.locator('.said');
+      const until = (s: number) => page.waitForFunction((t) => parseFloat(document.querySelector('.clock')!.textContent!) > t, s);
+      await page.getByRole('tab', {name: 'Parameters'}).click();
+      await until(2); // the vehicle's file is loaded
+      await page.getByLabel('Search').fill('temp_comp');
+      const field = page.getByLabel('Value of ACC_X_TEMP_COMP');
+      await field.fill('3');
+      assert.equal(await said.innerText(), 'ACC_X_TEMP_COMP: allowed: -2 .. 2');
+      assert.ok(await page.getByRole('button', {name: 'Send 1 change'}).isDisabled());
+      assert.deepEqual(await violations(page), []);
+      // By keyboard alone.
+      await field.fill('0.001');
+      await page.getByRole('button', {name: 'Send 1 change'}).focus();
+      await page.keyboard.press('Enter');
+      await page.getByText('1 of 1 in force').waitFor();
+      assert.equal(await page.locator('.result').innerText(), '✓ set to 0.001');
+      assert.equal(await field.inputValue(), '0.001');
+      await page.getByText('changed since the last write').waitFor();
+      await page.getByLabel('Compare with a file').setInputFiles({name: 'mine.yaml', mimeType: 'application/yaml',
+        buffer: Buffer.from('- {name: ACC_X_TEMP_COMP, type: 9, value: 0.002}\n- {name: ACC_Y_TEMP_COMP, type: 9, value: 0.002}\n- {name: NO_SUCH, type: 6, value: 1}\n')});
+      await page.getByLabel('Send ACC_X_TEMP_COMP').uncheck();
+      await page.getByRole('button', {name: 'Send 1 from the file'}).click();
+      await page.locator('.differences').getByText('set to 0.002').waitFor();
+      assert.equal(await page.getByLabel('Value of ACC_X_TEMP_COMP').inputValue(), '0.001');
+      assert.equal(await page.getByLabel('Value of ACC_Y_TEMP_COMP').inputValue(), '0.002');
+      await keepPicture(page, 'parameters', DESKTOP);
+      await page.getByRole('button', {name: 'Write to memory'}).click();
+      await page.getByText('writing parameters: done').waitFor();
+      await page.waitForFunction(() => /(?<!dis)armed/.test(document.querySelector('.instruments')!.textContent!));
+      await field.fill('0.004');
+      await page.getByRole('button', {name: 'Send 1 change'}).click();
+      await page.locator('.result.bad').waitFor();
+      assert.match(await page.locator('.result.bad').innerText(), /✗ 0.004 refused, stays at 0.001/);
+      await page.getByRole('tab', {name: 'Events'}).click();
+      await page.waitForSelector('.events tr:has-text("viewer 1 sets ACC_X_TEMP_COMP 0.001")');
+    }, SMALL);
+    program.kill('SIGKILL');
+    await rm(folder, {recursive: true});
+  });
+
+  test('is steered from the page: control, time, wind, faults, transmitter; another viewer takes over', async () => {
+    const {url, program, folder} = await flyAndView('--speed', '1', '--hold');
+    await withPage(url, async (page) => {
+      const press = async (name: string) => {
+        await page.getByRole('button', {name, exact: true}).focus();
+        await page.keyboard.press('Enter');
+      };
+      await page.getByRole('tab', {name: 'Simulation'}).click();
+      assert.ok(await page.getByRole('button', {name: 'Pause', exact: true}).last().isDisabled(), 'control first');
+      await press('Take control');
+      await page.getByText('You have control (viewer 1)').waitFor();
+      await page.locator('.simulation').getByRole('button', {name: 'Pause', exact: true}).focus();
+      await page.keyboard.press('Enter');
+      await page.getByText('simulation paused').waitFor();
+      await page.waitForTimeout(500);
+      const stood = await clock(page);
+      await page.waitForTimeout(500);
+      assert.equal(await clock(page), stood);
+      await press('Step 1 s');
+      await page.waitForFunction((t) => parseFloat(document.querySelector('.clock')!.textContent!) >= t + 0.9, stood);
+      await page.waitForTimeout(300);
+      assert.ok(await clock(page) < stood + 1.1);
+      await page.getByLabel('From').fill('90');
+      await press('Set wind');
+      await page.getByText('Done: wind 5,90,0').waitFor();
+      await page.getByLabel('Wind speed').fill('99');
+      await press('One gust');
+      await page.locator('.said.wrong', {hasText: 'allowed SPEED,FROM_DEG'}).waitFor();
+      await page.getByLabel('Fault').first().selectOption('motorN_partial=FACTOR');
+      await page.getByLabel('Number N').fill('2');
+      await page.getByLabel('Size').fill('0.9');
+      await press('Begin fault');
+      await page.getByText('Done: fault motor2_partial=0.9').waitFor();
+      assert.deepEqual(await violations(page), []);
+      await keepPicture(page, 'simulation', DESKTOP);
+      await press('Resume');
+      await page.getByText('simulation paused').waitFor({state: 'detached'});
+      await press('Let the pilot arm');
+      await page.waitForFunction(() => /(?<!dis)armed/.test(document.querySelector('.instruments')!.textContent!));
+      const other = await newPage(browser, PHONE, {colorScheme: 'dark'});
+      await other.page.goto(url);
+      await flightShown(other.page);
+      await other.page.getByRole('tab', {name: 'Simulation'}).click();
+      await other.page.getByRole('button', {name: 'Take over control'}).click();
+      await page.getByText('Viewer 2 has control').first().waitFor();
+      assert.ok(await page.getByRole('button', {name: 'Set wind'}).isDisabled());
+      await other.page.getByRole('button', {name: 'Arm off'}).click();
+      await other.page.getByText('Done: switch arm off').waitFor();
+      assert.deepEqual(await violations(other.page), []);
+      await keepPicture(other.page, 'simulation-phone-dark');
+      await other.page.context().close();
+      await page.getByText('Nobody has control').waitFor();
+      await page.getByRole('tab', {name: 'Events'}).click();
+      await page.waitForSelector('.events tr:has-text("viewer 2 takes control from viewer 1")');
+    }, SMALL);
+    program.kill('SIGKILL');
+    await rm(folder, {recursive: true});
+  });
+
+  test('that is gone is said, and the page connects again by itself', async () => {
+    const first = await flyAndView();
+    const {page} = await newPage(browser, SMALL);
+    await page.goto(first.url);
+    await flightShown(page);
+    first.program.kill('SIGKILL');
+    await page.waitForSelector('text=The connection to the flight is lost; trying again.');
+    const second = await flyAndView('--port', new URL(first.url).port);
+    await page.waitForSelector('text=The connection to the flight is lost', {state: 'detached', timeout: 60_000});
+    second.program.kill('SIGKILL');
+    await page.context().close();
+    for (const {folder} of [first, second]) await rm(folder, {recursive: true});
+  });
+});
