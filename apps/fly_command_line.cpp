@@ -57,9 +57,10 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
       ->capture_default_str()
       ->check(CLI::IsMember({"in_process", "qemu_m7", "pixracer_pro", "varmint"}));
   fly->add_option("--link", choice.link,
-                  "cable: the simulated one; uart: the emulated board's, in real time")
+                  "cable: the simulated one; uart: that of qemu_m7, in real time; usb: that of an "
+                  "emulated STM32H7")
       ->capture_default_str()
-      ->check(CLI::IsMember({"cable", "uart"}));
+      ->check(CLI::IsMember({"cable", "uart", "usb"}));
   fly->add_option("--mission", choice.mission, "Mission: a name of missions/ or a YAML file")
       ->capture_default_str();
   fly->add_option("--seed", choice.seed, "Seed of all noise and wind; same seed, same bits")

@@ -59,7 +59,9 @@ std::unique_ptr<Autopilot> make_autopilot(const FlightSetup& setup, CableLink& l
   if (board == "in_process") {
     return std::make_unique<InProcessAutopilot>(link, setup.choice.link_protocol);
   }
-  if (board != "qemu_m7") return std::make_unique<ChipAutopilot>(link, emulated_chip(board));
+  if (board != "qemu_m7") {
+    return std::make_unique<ChipAutopilot>(link, emulated_chip(board), setup.choice.link == "usb");
+  }
   EmulatedAutopilot::Emulator::Options options;
   options.image = emulated_image(setup.choice.link_protocol);
   if (setup.choice.link == "uart") {

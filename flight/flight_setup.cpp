@@ -225,6 +225,11 @@ FlightSetup::FlightSetup(const FlightChoice& choice_in)
                             choice.board));
   }
   const bool emulated_chip = choice.board == "pixracer_pro" || choice.board == "varmint";
+  if (choice.link == "usb" && !emulated_chip) {
+    throw Error(
+        fmt::format("--link: found usb with --board {}, allowed with --board pixracer_pro, varmint",
+                    choice.board));
+  }
   if (emulated_chip && choice.link_protocol != "mavlink") {
     throw Error(fmt::format("--link-protocol: found {} with --board {}, allowed mavlink",
                             choice.link_protocol, choice.board));

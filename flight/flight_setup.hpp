@@ -19,7 +19,7 @@ namespace rosflight::flight {
 /// What a person chose for a flight; names and texts as typed.
 struct FlightChoice {
   std::string board{"in_process"};  ///< Or "qemu_m7", "pixracer_pro", "varmint".
-  std::string link{"cable"};        ///< Or "uart", of qemu_m7, in real time.
+  std::string link{"cable"};        ///< Or "uart", of qemu_m7, in real time; or "usb".
   std::string vehicle{"multirotor"};
   std::string mission{"default"};  ///< Of the vehicle's kind.
   std::uint64_t seed{1};

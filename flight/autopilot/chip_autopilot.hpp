@@ -13,7 +13,7 @@ namespace rosflight::flight {
 /// The program of the emulated STM32H7, and the image of a board in the build tree.
 boards::stm32h7::ChipProcess::Options emulated_chip(const std::string& board);
 
-/// The companion's end of the UART of the emulated chip. Bytes take their time there, so none is added
+/// The companion's end of the UART or USB of the emulated chip. Bytes take their time there, so none is added
 /// here; what a step sent is received at its end.
 class ChipTransport final : public companion::Transport {
  public:
@@ -53,8 +53,8 @@ class ChipAutopilot final : public Autopilot {
  public:
   using Process = boards::stm32h7::ChipProcess;
 
-  /// @param link  must outlive this.
-  ChipAutopilot(CableLink& link, const Process::Options& options);
+  /// @param link  must outlive this. A cut of the link pulls the cable.
+  ChipAutopilot(CableLink& link, const Process::Options& options, bool usb = false);
 
   void start(sim::Time t) override;
   const hal::OutputValues& step(sim::Time t, const sim::SensorSamples& samples,
@@ -74,6 +74,7 @@ class ChipAutopilot final : public Autopilot {
   void exchange(sim::Time t);
 
   CableLink& link_;
+  bool usb_;
   Process process_;
   ChipTransport transport_;
   boards::stm32h7::HardwareFault fault_{

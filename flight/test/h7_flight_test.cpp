@@ -72,6 +72,20 @@ TEST_P(EachBoard, FliesTheDefaultMissionTwiceWithTheSameLog) {
       << "armed; it waits for a pass with messages of the link";
 }
 
+TEST_P(EachBoard, FliesOverUsbAndSurvivesAPulledCable) {
+  FlightChoice choice = on_board({"link_cut@20:3"}, GetParam());
+  choice.link = "usb";
+  Rig rig{choice};
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed()) << rig.flight->runner().failure();
+  EXPECT_EQ(chip_of(rig).figures()->resets, 0U);
+  EXPECT_LT(rig.flight->tracking().rms(), 0.226);
+  const auto& streams = rig.flight->session().streams();
+  const double on_usb_s = sim::to_seconds(rig.flight->now()) - 0.5 - 3.0;
+  EXPECT_GT(static_cast<double>(streams.baro.count), 0.95 * 47.0 * on_usb_s)
+      << "all of it went over USB: a sample of the barometer comes every 21 ms";
+}
+
 TEST(PixracerPro, AnotherSeedIsAnotherFlight) {
   Rig one{on_board()};
   FlightChoice choice = on_board();

@@ -22,6 +22,7 @@ constexpr Interrupt kInterrupts[] = {
     {irq::UART4, [] { image.board().on_gnss(); }},
     {irq::DMA1_STREAM0, [] { image.board().on_gnss_sent(); }},
     {irq::EXTI15_10, [] { image.board().on_pulse_per_second(); }},
+    {irq::OTG_FS, [] { image.board().on_usb(); }},
     {irq::USART2, [] { image.board().on_link(); }},
     {irq::DMA2_STREAM0, [] { image.board().on_link_sent(); }},
     {irq::USART6, [] { image.board().on_receiver(); }},

@@ -50,7 +50,7 @@ inline constexpr Pin kPulsePerSecond{'D', 12};
 // Chip selects of parts that are not used yet: kept high.
 inline constexpr Pin kUnusedSelects[] = {{'C', 2}, {'E', 15}};
 
-/// Link to the companion: TELEM 1. Streams 8 and 10 are DMA2's 0 and 2.
+/// Link to the companion: USB, or TELEM 1. Streams 8 and 10 are DMA2's 0 and 2.
 inline constexpr stm32h7::Uart::Place kLink{stm32h7::USART2,
                                             stm32h7::irq::USART2,
                                             {'D', 6},
@@ -71,7 +71,7 @@ inline constexpr stm32h7::Pulses::Channel kOutputs[] = {
     {stm32h7::TIM4, 1, false, {'D', 13}, 2}, {stm32h7::TIM4, 2, false, {'D', 14}, 2},
     {stm32h7::TIM8, 0, true, {'I', 5}, 3},   {stm32h7::TIM8, 1, true, {'I', 6}, 3}};
 
-inline constexpr stm32h7::FlightBoard::Plan kPlan{kLink,
+inline constexpr stm32h7::FlightBoard::Plan kPlan{{kLink, {'A', 11}, {'A', 12}},
                                                   kReceiver,
                                                   kGnss,
                                                   kPulsePerSecond,

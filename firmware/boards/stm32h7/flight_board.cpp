@@ -78,6 +78,7 @@ void FlightBoard::on_pulse_per_second() {
 }
 
 void FlightBoard::step_common() {
+  link_.step();
   gnss_uart_.step();
   system_.step(clock_.now());
   if (++ticks_ % kTicksPerWake == 0) wakes_ = true;

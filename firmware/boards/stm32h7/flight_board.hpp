@@ -7,6 +7,7 @@
 #include "firmware/boards/parts/ublox.hpp"
 #include "firmware/boards/stm32h7/backup_domain.hpp"
 #include "firmware/boards/stm32h7/board_system.hpp"
+#include "firmware/boards/stm32h7/link_port.hpp"
 #include "firmware/boards/stm32h7/part_uart.hpp"
 #include "firmware/boards/stm32h7/pulses.hpp"
 #include "firmware/boards/stm32h7/timers.hpp"
@@ -46,7 +47,8 @@ class BoardReceiver final : public hal::Receiver {
 class FlightBoard {
  public:
   struct Plan {
-    Uart::Place link, receiver, gnss;
+    LinkPort::Place link;
+    Uart::Place receiver, gnss;
     Pin pulse_per_second;
     unsigned pulse_irq;
     Pin imu_ready;
@@ -74,8 +76,9 @@ class FlightBoard {
   void start_watchdog() { system_.start_watchdog(); }
 
   void on_imu_ready();
-  void on_link() { link_.on_interrupt(), wakes_ = true; }
-  void on_link_sent() { link_.on_sent(); }
+  void on_link() { link_.on_uart(), wakes_ = true; }
+  void on_link_sent() { link_.on_uart_sent(); }
+  void on_usb() { link_.on_usb(), wakes_ = true; }
   void on_gnss() { gnss_uart_.on_interrupt(), wakes_ = true; }
   void on_gnss_sent() { gnss_uart_.on_sent(); }
   void on_pulse_per_second();
@@ -110,7 +113,7 @@ class FlightBoard {
   /// The tick wakes the main loop this often even if nothing else does.
   static constexpr unsigned kTicksPerWake = 10;
 
-  LinkUart link_;
+  LinkPort link_;
   BoardReceiver receiver_;
   UartListener receiver_uart_;
   Pulses outputs_;

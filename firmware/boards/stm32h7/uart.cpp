@@ -94,40 +94,6 @@ void Uart::on_sent() {
   sending_ = false;
 }
 
-// ---- link
-
-bool LinkUart::open(std::uint32_t baud, std::uint8_t device) {
-  constexpr std::uint32_t kUsualBaud = 921'600;
-  const std::uint32_t masked = mask_bus();
-  parts::UartFormat format;
-  format.baud = baud;
-  const bool possible = device == 0 && uart_.open(format);
-  if (!possible) {
-    format.baud = kUsualBaud;
-    static_cast<void>(uart_.open(format));
-  }
-  unmask_bus(masked);
-  return possible;
-}
-
-bool LinkUart::write(const std::uint8_t* data, std::size_t size, std::uint8_t qos) {
-  const std::uint32_t masked = mask_bus();
-  const bool taken = queues_.put(data, size, qos);
-  if (taken && !uart_.sending()) send_next();
-  unmask_bus(masked);
-  return taken;
-}
-
-void LinkUart::send_next() {
-  const std::size_t count = queues_.take(uart_.out(), uart_.out_size());
-  if (count > 0) uart_.send(count);
-}
-
-void LinkUart::on_sent() {
-  uart_.on_sent();
-  send_next();
-}
-
 // ---- listener
 
 bool UartListener::open(const parts::UartFormat& format) {

@@ -2,7 +2,6 @@
 #pragma once
 #include <array>
 
-#include "firmware/boards/common/frame_queues.hpp"
 #include "firmware/boards/parts/bus.hpp"
 #include "firmware/boards/stm32h7/dma_stream.hpp"
 #include "firmware/boards/stm32h7/pins.hpp"
@@ -77,29 +76,6 @@ class Uart {
   DmaStream transmit_;
   std::size_t taken_{0};
   volatile bool sending_{false};
-};
-
-/// The serial role: whole frames by urgency. The image forwards both interrupts.
-class LinkUart final : public hal::Serial {
- public:
-  LinkUart(const Uart::Place& place, const Uart::Memory& memory) : uart_{place, memory} {}
-
-  bool open(std::uint32_t baud, std::uint8_t device) override;
-  bool write(const std::uint8_t* data, std::size_t size, std::uint8_t qos) override;
-  std::size_t writable() const override { return queues_.writable(); }
-  std::size_t read(std::uint8_t* data, std::size_t capacity) override {
-    return uart_.read(data, capacity);
-  }
-  bool waiting() const { return uart_.waiting() > 0; }
-
-  void on_interrupt() { static_cast<void>(uart_.on_interrupt()); }
-  void on_sent();
-
- private:
-  void send_next();
-
-  Uart uart_;
-  FrameQueues<4096> queues_;
 };
 
 /// Gives what a UART receives to a decoder, in the bus context.

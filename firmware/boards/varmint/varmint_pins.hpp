@@ -51,7 +51,7 @@ inline constexpr Pin kPulsePerSecond{'A', 3};
 /// Chip selects of the second IMU, which is not used: kept high.
 inline constexpr Pin kUnusedSelects[] = {{'A', 4}, {'D', 10}};
 
-/// Link to the companion. Streams 8 and 10 are DMA2's 0 and 2.
+/// Link to the companion: USB, or this. Streams 8 and 10 are DMA2's 0 and 2.
 inline constexpr stm32h7::Uart::Place kLink{stm32h7::USART2,
                                             stm32h7::irq::USART2,
                                             {'D', 6},
@@ -72,7 +72,7 @@ inline constexpr stm32h7::Pulses::Channel kOutputs[] = {
     {stm32h7::TIM4, 0, false, {'D', 12}, 2}, {stm32h7::TIM4, 3, false, {'D', 15}, 2},
     {stm32h7::TIM3, 0, false, {'C', 6}, 2},  {stm32h7::TIM3, 1, false, {'B', 5}, 2}};
 
-inline constexpr stm32h7::FlightBoard::Plan kPlan{kLink,
+inline constexpr stm32h7::FlightBoard::Plan kPlan{{kLink, {'A', 11}, {'A', 12}},
                                                   kReceiver,
                                                   kGnss,
                                                   kPulsePerSecond,

@@ -80,7 +80,8 @@ Chip::Chip(std::uint64_t crystal_Hz)
           &usart2, &usart3, &uart4, &usart6,   &tim1,          &tim2,       &tim3,
           &tim4,   &tim5,   &tim6,  &tim7,     &tim8,          &tim12};
   for (Peripheral* each :
-       {static_cast<Peripheral*>(&i2c1), static_cast<Peripheral*>(&flash_sectors)})
+       {static_cast<Peripheral*>(&i2c1), static_cast<Peripheral*>(&flash_sectors),
+        static_cast<Peripheral*>(&usb)})
     all_.push_back(each);
   for (PinPort& port : ports_) all_.push_back(&port);
   for (const auto& memory : kMemories) processor.add_memory(memory.base, memory.size, memory.kind);

@@ -12,6 +12,7 @@
 #include "firmware/boards/stm32h7/emulator/spi_model.hpp"
 #include "firmware/boards/stm32h7/emulator/timer_model.hpp"
 #include "firmware/boards/stm32h7/emulator/uart_model.hpp"
+#include "firmware/boards/stm32h7/emulator/usb_model.hpp"
 
 namespace rosflight::boards::stm32h7::emulator {
 
@@ -44,6 +45,7 @@ class Chip {
   SpiModel spi1, spi2, spi4, spi5;
   UartModel usart1, usart2, usart3, uart4, usart6;
   I2cModel i2c1{processor, "I2C1", I2C1, clocks, irq::I2C1_EV, irq::I2C1_ER};
+  UsbModel usb{processor, clocks, power};
   TimerModel tim1, tim2, tim3, tim4, tim5, tim6, tim7, tim8, tim12;
 
  private:

@@ -210,6 +210,11 @@ void ClockTree::look_at_dividers() {
   if (on_core_clock) on_core_clock(core_Hz_);
 }
 
+std::uint64_t ClockTree::usb_Hz() const {
+  constexpr std::uint32_t kFromPll3 = 2;
+  return rcc::D2CCIP2R_USBSEL.of(word(rcc::D2CCIP2R)) == kFromPll3 ? pll_Hz(3, 'Q') : 0;
+}
+
 std::uint64_t ClockTree::spi_Hz(const Instance& spi) const {
   const std::uint32_t sources = word(rcc::D2CCIP1R);
   constexpr std::uint32_t kFromPll2 = 1;

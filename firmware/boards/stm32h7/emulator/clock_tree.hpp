@@ -15,6 +15,7 @@ class PowerControl final : public Peripheral {
   void reset() override;
   /// Scale 1 (highest without overdrive) was asked for, with the supply chosen before.
   bool scale_1() const { return supplied_ && pwr::D3CR_VOS.of(word(pwr::D3CR)) == 3; }
+  bool usb_supplied() const { return pwr::CR3_USB33DEN.of(word(pwr::CR3)) != 0; }
   /// Backup memory may be written.
   bool backup_open() const { return pwr::CR1_DBP.of(word(pwr::CR1)) != 0; }
 
@@ -43,6 +44,8 @@ class ClockTree final : public Peripheral {
   Ticks timer_period() const { return timer_period_; }
   /// Output 'P', 'Q' or 'R' of PLL 1, 2 or 3; 0 if it does not run.
   std::uint64_t pll_Hz(unsigned pll, char output) const;
+  /// Kernel clock of the USB; 0 if it is not PLL3's.
+  std::uint64_t usb_Hz() const;
   /// Kernel clock of an SPI.
   std::uint64_t spi_Hz(const Instance& spi) const;
 

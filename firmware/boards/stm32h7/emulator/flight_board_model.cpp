@@ -12,6 +12,7 @@ namespace rosflight::boards::stm32h7::emulator {
 namespace {
 
 constexpr parts::UartFormat kSbus{100'000, true, 2, true};
+constexpr unsigned kUsbFunction = 10;
 
 }  // namespace
 
@@ -20,6 +21,7 @@ FlightBoardModel::FlightBoardModel(Wiring wiring)
       wiring_{std::move(wiring)},
       gnss_on_wire_{chip_.processor, chip_.*wiring_.gnss.uart, gnss_} {
   chip_.processor.add(gnss_on_wire_);
+  chip_.processor.add(usb_host_);
   connect_serial();
   gnss_.pulse = [this](bool high, hal::Time /*when*/) {
     chip_.port(wiring_.pulse_per_second).drive(wiring_.pulse_per_second.number, high);
@@ -34,6 +36,10 @@ void FlightBoardModel::connect_serial() {
   (chip_.*wiring_.link.uart).on_byte = [this](std::uint8_t byte, std::uint32_t /*baud*/) {
     sent_.push_back(byte);
   };
+  usb_host_.on_data = [this](const UsbModel::Packet& packet) {
+    sent_.insert(sent_.end(), packet.begin(), packet.end());
+  };
+  chip_.usb.on_attach = [this] { expect_pins({pin('A', 11), pin('A', 12)}, kUsbFunction); };
   for (const SerialPins& each : {wiring_.link, wiring_.gnss}) {
     (chip_.*each.uart).on_enable = [this, each] {
       expect_pins({each.receive, each.transmit}, each.function);
@@ -108,7 +114,10 @@ void FlightBoardModel::expose(const ToChip& world) {
     const SbusFrame frame = sbus_frame(world.rc);
     (chip_.*wiring_.receiver.uart).feed(frame.data(), frame.size(), kSbus);
   }
-  if (world.link_count > 0) {
+  usb_host_.plug(world.usb_plugged != 0);
+  if (world.usb_plugged != 0) {
+    usb_host_.send(world.link.data(), world.link_count);
+  } else if (world.link_count > 0) {
     parts::UartFormat format;
     format.baud = world.link_baud;
     (chip_.*wiring_.link.uart).feed(world.link.data(), world.link_count, format);

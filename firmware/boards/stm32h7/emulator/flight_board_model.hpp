@@ -8,6 +8,7 @@
 #include "firmware/boards/stm32h7/emulator/emulated_board.hpp"
 #include "firmware/boards/stm32h7/emulator/part_on_spi.hpp"
 #include "firmware/boards/stm32h7/emulator/part_on_uart.hpp"
+#include "firmware/boards/stm32h7/emulator/usb_host.hpp"
 
 namespace rosflight::boards::stm32h7::emulator {
 
@@ -97,6 +98,7 @@ class FlightBoardModel : public EmulatedBoard {
   hal::GnssSample gnss_sample_{};
   parts::models::UbloxModel gnss_{[this](hal::Time when) { return gnss_truth(when); }};
   PartOnUart gnss_on_wire_;
+  UsbHost usb_host_{chip_.processor, chip_.usb};
   Presence baro_presence_, mag_presence_, gnss_presence_;
   std::vector<std::uint8_t> sent_;
   Ticks edge_{0};              ///< Of the newest data-ready edge.

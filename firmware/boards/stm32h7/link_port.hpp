@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "firmware/boards/common/frame_queues.hpp"
+#include "firmware/boards/stm32h7/uart.hpp"
+#include "firmware/boards/stm32h7/usb_port.hpp"
+
+namespace rosflight::boards::stm32h7 {
+
+/// The serial role: whole frames by urgency, over USB while a program on the host has the port open, and
+/// over the UART otherwise. The image forwards the interrupts of both.
+class LinkPort final : public hal::Serial {
+ public:
+  struct Place {
+    Uart::Place uart;
+    Pin usb_minus, usb_plus;
+  };
+  LinkPort(const Place& place, const Uart::Memory& memory)
+      : place_{place}, uart_{place.uart, memory} {}
+
+  /// Opens both. @param baud  of the UART.
+  bool open(std::uint32_t baud, std::uint8_t device) override;
+  bool write(const std::uint8_t* data, std::size_t size, std::uint8_t qos) override;
+  std::size_t writable() const override { return queues_.writable(); }
+  std::size_t read(std::uint8_t* data, std::size_t capacity) override;
+  bool waiting() const { return usb_.connected() ? usb_.waiting() : uart_.waiting() > 0; }
+
+  void on_uart() { static_cast<void>(uart_.on_interrupt()); }
+  void on_uart_sent();
+  void on_usb();
+  /// Bus context, once per tick.
+  void step();
+
+ private:
+  void send_next();
+
+  Place place_;
+  Uart uart_;
+  UsbPort usb_;
+  FrameQueues<4096> queues_;
+  std::array<std::uint8_t, UsbPort::kMaxTransfer> transfer_{};
+};
+
+}  // namespace rosflight::boards::stm32h7
