@@ -19,6 +19,7 @@
 #include "roscopter/conversions.hpp"
 #include "rosflight_common/component.hpp"
 #include "rosflight_common/firmware_parameters.hpp"
+#include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
 #include "rosflight_common/vehicle_file.hpp"
 
@@ -177,7 +178,7 @@ class ControllerNode : public rclcpp::Node {
     given_sub_ = create_subscription<ControllerCommand>(
         "high_level_command", newest, [this](ControllerCommand::ConstSharedPtr message) {
           given_ = command_of(*message);
-          given_at_ = now();
+          given_at_ = rosflight_common::received_at(*this, message->header.stamp);
         });
     status_sub_ =
         create_subscription<Status>("status", newest, [this](Status::ConstSharedPtr message) {
@@ -185,7 +186,7 @@ class ControllerNode : public rclcpp::Node {
           status_.offboard = message->offboard;
           status_.rc_override = message->rc_override;
           status_.failsafe = message->failsafe;
-          status_at_ = now();
+          status_at_ = rosflight_common::received_at(*this, message->header.stamp);
         });
     battery_sub_ = create_subscription<BatteryStatus>(
         "battery", newest, [this](BatteryStatus::ConstSharedPtr message) {
@@ -215,7 +216,7 @@ class ControllerNode : public rclcpp::Node {
 
   void step(const State& message) {
     if (!status_at_) return;
-    const rclcpp::Time arrived = now();
+    const rclcpp::Time arrived = rosflight_common::received_at(*this, message.header.stamp);
     const double t_s = rosflight_common::seconds(message.header);
     if (t_s < last_s_ - kBack_s) {
       RCLCPP_WARN(get_logger(), "time went back by %.1f s: beginning again", last_s_ - t_s);

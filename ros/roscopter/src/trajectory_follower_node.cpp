@@ -8,6 +8,7 @@
 #include "roscopter/flight_phase.hpp"
 #include "rosflight_common/component.hpp"
 #include "rosflight_common/live_parameters.hpp"
+#include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
 #include "rosflight_common/vehicle_file.hpp"
 
@@ -82,8 +83,10 @@ class TrajectoryFollowerNode : public rclcpp::Node {
     });
     commands_ = create_publisher<ControllerCommand>("high_level_command", rclcpp::QoS(1));
     setpoints_ = create_subscription<TrajectoryCommand>(
-        "trajectory_command", rclcpp::QoS(1),
-        [this](TrajectoryCommand::ConstSharedPtr message) { received_ = Heard{*message, now()}; });
+        "trajectory_command", rclcpp::QoS(1), [this](TrajectoryCommand::ConstSharedPtr message) {
+          received_ =
+              Received{*message, rosflight_common::received_at(*this, message->header.stamp)};
+        });
     status_ = create_subscription<Status>(
         "status", rclcpp::QoS(1), [this](Status::ConstSharedPtr message) {
           pilot_ = autonomy::PilotOverride::from_word(message->rc_override);
@@ -100,7 +103,7 @@ class TrajectoryFollowerNode : public rclcpp::Node {
   }
 
  private:
-  struct Heard {
+  struct Received {
     TrajectoryCommand message;
     rclcpp::Time at;
   };
@@ -118,7 +121,7 @@ class TrajectoryFollowerNode : public rclcpp::Node {
         std::clamp(t_s - rosflight_common::seconds(received_->message.header), 0.0, kFarthest_s);
     const autonomy::multirotor::Trajectory setpoint =
         carried_on(trajectory_of(received_->message), ahead_s);
-    const double age_s = (now() - received_->at).seconds();
+    const double age_s = std::max(0.0, (now() - received_->at).seconds());
     ControllerCommand out;
     fill(follower_.step({state, attitude, setpoint, age_s, dt_s, pilot_}), out);
     out.header.stamp = message.header.stamp;
@@ -129,7 +132,7 @@ class TrajectoryFollowerNode : public rclcpp::Node {
   rosflight_common::LiveParameters<FollowerConfig> parameters_;
   FlightPhase phase_;
   autonomy::multirotor::TrajectoryFollower follower_;
-  std::optional<Heard> received_;
+  std::optional<Received> received_;
   autonomy::PilotOverride pilot_{};
   double last_s_{};
   rclcpp::Publisher<ControllerCommand>::SharedPtr commands_;

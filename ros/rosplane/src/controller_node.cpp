@@ -52,7 +52,7 @@ class ControllerNode : public rclcpp::Node {
     wanted_ = create_subscription<ControllerCommands>(
         "controller_command", rclcpp::QoS(10), [this](ControllerCommands::ConstSharedPtr message) {
           command_ = *message;
-          last_command_ = now();
+          last_command_ = rosflight_common::received_at(*this, message->header.stamp);
         });
     phases_ = create_subscription<FlightPhase>(
         "flight_phase", rclcpp::QoS(10),
@@ -97,7 +97,7 @@ class ControllerNode : public rclcpp::Node {
         message.phase == FlightPhase::TAKEOFF && (!phase_ || phase_->phase != FlightPhase::TAKEOFF);
     if (begins) controller_.reset();
     phase_ = message;
-    last_phase_ = now();
+    last_phase_ = rosflight_common::received_at(*this, message.header.stamp);
   }
 
   bool fresh(const std::optional<rclcpp::Time>& received) const {
@@ -110,7 +110,7 @@ class ControllerNode : public rclcpp::Node {
   void step(const State& message) {
     const autonomy::StateEstimate& state = reader_.read(message);
     if (!flyable(state)) return;
-    last_state_ = now();
+    last_state_ = rosflight_common::received_at(*this, message.header.stamp);
     if (lost_) RCLCPP_INFO(get_logger(), "estimated_state is back");
     lost_ = false;
     if (!thinning_.pass(state.t_s, config_.rate_Hz)) return;

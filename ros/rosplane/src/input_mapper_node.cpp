@@ -131,7 +131,7 @@ class InputMapper : public rclcpp::Node {
             const float s = (static_cast<float>(message->values[k]) - kMiddle_us) / kTravel_us;
             sticks_[k] = std::clamp(s, -1.0F, 1.0F);
           }
-          last_rc_ = now();
+          last_rc_ = rosflight_common::received_at(*this, message->header.stamp);
         });
     states_ = create_subscription<State>("estimated_state", rclcpp::QoS(10),
                                          [this](State::ConstSharedPtr message) { step(*message); });

@@ -30,11 +30,11 @@ class PathFollowerNode : public rclcpp::Node {
     apply(config_);
     parameters_.on_change([this](const WingConfig& wanted) { return apply(wanted); });
     commands_ = create_publisher<ControllerCommands>("controller_command", rclcpp::QoS(1));
-    paths_ = create_subscription<CurrentPath>("current_path", rclcpp::QoS(100),
-                                              [this](CurrentPath::ConstSharedPtr message) {
-                                                path_ = path_of(*message);
-                                                received_ = now();
-                                              });
+    paths_ = create_subscription<CurrentPath>(
+        "current_path", rclcpp::QoS(100), [this](CurrentPath::ConstSharedPtr message) {
+          path_ = path_of(*message);
+          received_ = rosflight_common::received_at(*this, message->header.stamp);
+        });
     states_ = create_subscription<State>("estimated_state", rclcpp::QoS(10),
                                          [this](State::ConstSharedPtr message) { step(*message); });
   }
@@ -68,7 +68,7 @@ class PathFollowerNode : public rclcpp::Node {
     if (!received_ || !thinning_.pass(state.t_s, config_.rate_Hz)) return;
     if (!flyable(state) || state.horizontal == autonomy::Quality::kNone) return;
     const wing::ControllerCommand command =
-        follower_.step(state, path_, (now() - *received_).seconds());
+        follower_.step(state, path_, std::max(0.0, (now() - *received_).seconds()));
     if (command.valid != told_) {
       told_ = command.valid;
       if (told_) {

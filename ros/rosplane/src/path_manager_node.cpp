@@ -89,7 +89,7 @@ class PathManagerNode : public rclcpp::Node {
     ranges_ = create_subscription<sensor_msgs::msg::Range>(
         "range", rclcpp::QoS(10), [this](sensor_msgs::msg::Range::ConstSharedPtr message) {
           range_ = *message;
-          last_range_ = now();
+          last_range_ = rosflight_common::received_at(*this, message->header.stamp);
         });
     commands_ = create_subscription<rosflight_msgs::msg::Command>(
         "command", rclcpp::QoS(10), [this](rosflight_msgs::msg::Command::ConstSharedPtr message) {
@@ -101,7 +101,7 @@ class PathManagerNode : public rclcpp::Node {
         "controller_command", rclcpp::QoS(10),
         [this](rosplane_msgs::msg::ControllerCommands::ConstSharedPtr message) {
           last_.wanted_height_m = wide(message->h_c);
-          last_wanted_ = now();
+          last_wanted_ = rosflight_common::received_at(*this, message->header.stamp);
         });
   }
 

@@ -143,17 +143,17 @@ class EstimatorNode : public rclcpp::Node {
           estimator_.set_attitude_hint(seconds(m.header), {q.w, q.x, q.y, q.z});
         });
     subscribe<rosflight_msgs::msg::GNSS>("gnss", [this](const rosflight_msgs::msg::GNSS& m) {
-      received(kGnss);
+      received(kGnss, m.header);
       estimator_.add(gnss_sample(m));
     });
     subscribe<rosflight_msgs::msg::Barometer>(
         "baro", [this](const rosflight_msgs::msg::Barometer& m) {
-          received(kBaro);
+          received(kBaro, m.header);
           estimator_.add(est::BaroSample{seconds(m.header), static_cast<double>(m.pressure)});
         });
     subscribe<sensor_msgs::msg::MagneticField>(
         "magnetometer", [this](const sensor_msgs::msg::MagneticField& m) {
-          received(kMag);
+          received(kMag, m.header);
           const auto& b = m.magnetic_field;
           estimator_.add(est::MagSample{seconds(m.header), {b.x, b.y, b.z}});
         });
@@ -187,7 +187,7 @@ class EstimatorNode : public rclcpp::Node {
   }
 
   void step(const sensor_msgs::msg::Imu& m) {
-    received(kImu);
+    received(kImu, m.header);
     const auto& w = m.angular_velocity;
     const auto& a = m.linear_acceleration;
     estimator_.set_at_rest(!armed_);
@@ -206,9 +206,9 @@ class EstimatorNode : public rclcpp::Node {
     states_->publish(out);
   }
 
-  void received(Which which) {
+  void received(Which which, const std_msgs::msg::Header& header) {
     Sensor& sensor = sensors_[which];
-    sensor.received = now();
+    sensor.received = received_at(*this, header.stamp);
     if (!sensor.silent) return;
     sensor.silent = false;
     RCLCPP_INFO(get_logger(), "%s is back", sensor.topic);
