@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <iosfwd>
 #include <memory>
+#include <optional>
 
 #include "web/server/access.hpp"
 
@@ -11,7 +12,9 @@ namespace rosflight::apps {
 class FlightWatch;  // apps/fly_command.hpp
 
 struct ViewOptions {
-  std::filesystem::path input;  ///< Flight folder or log.
+  std::filesystem::path input;  ///< Flight folder, log, or link to a vehicle.
+  std::optional<std::filesystem::path>
+      folder;  ///< For the log of a link; default: next in flights/.
   web::server::Access access;
 };
 

@@ -5,7 +5,7 @@
 #include "apps/fly_command.hpp"
 #include "apps/fly_command_line.hpp"
 #include "apps/options.hpp"
-#include "apps/view_command.hpp"
+#include "apps/vehicle_view.hpp"
 #include "flight/build_info.hpp"
 
 namespace {
@@ -17,16 +17,24 @@ int view_command_line(int argc, char** argv) {
   apps::ViewOptions options;
   CLI::App* view = app.add_subcommand(
       "view",
-      "Shows a flight in the browser: 3-D, plots, events; to this computer alone unless --listen");
-  view->add_option("INPUT", options.input, "Flight folder, or log (.mcap)")->required();
+      "Shows a flight, or a vehicle on a link, in the browser; to this computer alone unless "
+      "--listen");
+  view->add_option("INPUT", options.input,
+                   "Flight folder, log (.mcap), or link to a vehicle as in docs/ground-tools.md: "
+                   "serial:PATH[:BAUD], /dev/..., udp:PORT, udp:HOST:PORT, tcp:HOST:PORT")
+      ->required();
+  view->add_option("--out", options.folder,
+                   "Of a link: folder for its log, new or empty; default: next in flights/");
   view->add_option("--port", options.access.port, "Of the address to open; 0: a free one")
       ->capture_default_str();
   view->add_option(
       "--listen", options.access.listen,
       "Address of a network interface: serve other computers too, by a secret address");
   app.set_version_flag("--version", rosflight::flight::build_info_text());
-  return apps::parse_and_run(app, argc, argv,
-                             [&options] { return apps::view_command(options, std::cout); });
+  return apps::parse_and_run(app, argc, argv, [&options] {
+    return apps::is_link(options.input.string()) ? apps::view_vehicle(options, std::cout)
+                                                 : apps::view_command(options, std::cout);
+  });
 }
 
 }  // namespace

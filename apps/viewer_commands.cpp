@@ -18,6 +18,7 @@ constexpr std::string_view kWrites = "writes the parameters";
 constexpr std::string_view kAsks = "asks for the checks before arming";
 constexpr std::string_view kTakes = "takes control";
 constexpr std::string_view kSteers = "steers: ";
+constexpr std::string_view kTests = "tests motor ";
 constexpr std::string_view kLeaves = "is gone";
 
 Desk::Result result_of(const ParameterResult& entry) {
@@ -48,6 +49,8 @@ std::string text_of(const ViewerCommands::What& what) {
     return text;
   }
   if (const auto* steer = std::get_if<Desk::Steer>(&what)) return kSteers.data() + steer->text;
+  if (const auto* test = std::get_if<Desk::TestMotor>(&what))
+    return fmt::format("{}{} {}", kTests, test->motor, test->value);
   if (std::holds_alternative<Desk::WriteParameters>(what)) return std::string(kWrites);
   if (std::holds_alternative<Desk::ReportChecks>(what)) return std::string(kAsks);
   return std::string(std::holds_alternative<Desk::Gone>(what) ? kLeaves : kTakes);
@@ -59,6 +62,13 @@ std::optional<ViewerCommands::What> parse_command(std::string_view text) {
     return set ? std::optional<ViewerCommands::What>(*set) : std::nullopt;
   }
   if (text.starts_with(kSteers)) return Desk::Steer{std::string(text.substr(kSteers.size()))};
+  if (text.starts_with(kTests)) {
+    const auto set = parse_values(text.substr(kTests.size()));
+    if (!set || set->values.size() != 1) return std::nullopt;
+    const auto motor = config::parse_number(set->values[0].first);
+    if (!motor || *motor < 0.0 || *motor > 255.0) return std::nullopt;
+    return Desk::TestMotor{static_cast<std::uint8_t>(*motor), set->values[0].second};
+  }
   if (text == kWrites) return Desk::WriteParameters{};
   if (text == kAsks) return Desk::ReportChecks{};
   if (text == kLeaves) return Desk::Gone{};
@@ -92,8 +102,10 @@ void ViewerCommands::step(companion::Session& session, const Log& log) {
 std::string ViewerCommands::refusal(const Desk::Command& command) const {
   const bool steers = std::holds_alternative<Desk::Steer>(command.what);
   if (steers && !parse_change_) return "a real vehicle cannot be steered from here";
+  const bool tests = std::holds_alternative<Desk::TestMotor>(command.what);
   const bool changes =
-      steers || (!parse_change_ && !std::holds_alternative<Desk::ReportChecks>(command.what));
+      steers || tests ||
+      (!parse_change_ && !std::holds_alternative<Desk::ReportChecks>(command.what));
   if (!changes || command.viewer == in_control_) return {};
   return in_control_ == 0 ? "take control first"
                           : fmt::format("viewer {} has control", in_control_);
@@ -131,6 +143,10 @@ void ViewerCommands::start(const Desk::Command& command, companion::Session& ses
     }
   }
   log(command.viewer, text_of(command.what));
+  if (const auto* test = std::get_if<Desk::TestMotor>(&command.what)) {
+    const bool sent = session.test_motor(test->motor, static_cast<float>(test->value));
+    return answer(command, sent, sent ? "sent" : "the link is down");
+  }
   start_on_vehicle(command, session);
 }
 

@@ -21,27 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Makes the folder of this flight. @throws config::Error if it is not empty.
-fs::path make_folder(const std::optional<fs::path>& wanted) {
-  fs::path folder;
-  if (wanted) {
-    folder = *wanted;
-    if (fs::exists(folder) && (!fs::is_directory(folder) || !fs::is_empty(folder))) {
-      throw config::Error(fmt::format(
-          "--out: found {} with something in it, allowed a new or empty folder", folder.string()));
-    }
-  } else {
-    int number = 1;
-    while (fs::exists(folder = fs::path("flights") / fmt::format("{:04d}", number))) ++number;
-  }
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) {
-    throw config::Error(fmt::format("--out: cannot make {}: {}", folder.string(), error.message()));
-  }
-  return folder;
-}
-
 LogLevel log_level(const std::string& name) {
   if (name == "none") return LogLevel::kNone;
   return name == "full" ? LogLevel::kFull : LogLevel::kPlot;
@@ -79,6 +58,26 @@ bool run(Flight& flight, const FlyOptions& options) {
 
 }  // namespace
 
+fs::path make_flight_folder(const std::optional<fs::path>& wanted) {
+  fs::path folder;
+  if (wanted) {
+    folder = *wanted;
+    if (fs::exists(folder) && (!fs::is_directory(folder) || !fs::is_empty(folder))) {
+      throw config::Error(fmt::format(
+          "--out: found {} with something in it, allowed a new or empty folder", folder.string()));
+    }
+  } else {
+    int number = 1;
+    while (fs::exists(folder = fs::path("flights") / fmt::format("{:04d}", number))) ++number;
+  }
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    throw config::Error(fmt::format("--out: cannot make {}: {}", folder.string(), error.message()));
+  }
+  return folder;
+}
+
 FlightSummary fly(const FlyOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const auto setup = std::make_unique<FlightSetup>(options.choice);
@@ -89,7 +88,7 @@ FlightSummary fly(const FlyOptions& options) {
   if (paced && parts.time == nullptr) parts.time = &pace;
   const sim::TimeSource* const parts_time = parts.time;
   const auto flight = std::make_unique<Flight>(*setup, std::move(parts));
-  const fs::path folder = make_folder(options.folder);
+  const fs::path folder = make_flight_folder(options.folder);
   const std::unique_ptr<FlightPage> page = page_for(options, *setup, folder);
   FlightRecorder recorder(*flight, folder / "flight.mcap", log_level(options.log),
                           observers(options, page.get()));

@@ -38,6 +38,10 @@ class FlightAborted : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Makes a folder for a flight: `wanted`, or the next number in flights/ of the current folder.
+/// @throws config::Error  it cannot be made, or is not empty.
+std::filesystem::path make_flight_folder(const std::optional<std::filesystem::path>& wanted);
+
 /// Flies a mission and leaves a flight folder: log, report, summary, vehicle, mission and
 /// parameters.
 /// @throws config::Error    bad input, or the folder is not empty; nothing is written then.

@@ -19,7 +19,7 @@ FLIGHTS = {"MULTIROTOR": [], "FIXED_WING": ["--vehicle", "anaconda", "--mission"
 def run() -> Outcome:
     """Each test counts, and the check of the types as one."""
     made = subprocess.run(["bash", str(ROOT / "tools/ready.sh"), "web", "test"], stdout=subprocess.DEVNULL)
-    if made.returncode or not project.build("release", "rosflight", "rosflight_view"):
+    if made.returncode or not project.build("release", "rosflight", "rosflight_tools", "rosflight_view"):
         return Outcome(failed=1, complaints=["the page or the programs cannot be built"])
     types = _node("npx", "--no-install", "tsc", "-p", ".")
     checked = Outcome(int(types.returncode == 0), int(types.returncode != 0), types.stdout.splitlines() if types.returncode else [])
@@ -38,7 +38,7 @@ def run() -> Outcome:
 def _node(*command: str, **variables: str) -> subprocess.CompletedProcess:
     environment = {**os.environ, **variables, "PATH": f"{ROOT}/.venv-web/bin:{os.environ['PATH']}",
                    "ROSFLIGHT_WEB_PAGE": str(PAGE), "ROSFLIGHT_WEB_VIEW": str(PROGRAMS / "rosflight_view"),
-                   "ROSFLIGHT_WEB_FLY": str(PROGRAMS / "rosflight")}
+                   "ROSFLIGHT_WEB_FLY": str(PROGRAMS / "rosflight"), "ROSFLIGHT_WEB_SIL": str(PROGRAMS / "rosflight_tools")}
     return subprocess.run(command, cwd=ROOT / "web", env=environment, capture_output=True, text=True)
 
 

@@ -119,7 +119,9 @@ TEST_F(ViewerCommandsTest, OfARealVehicleNothingIsChangedWithoutControlAndNothin
   };
   EXPECT_EQ(refused(1, Desk::WriteParameters{}), "take control first");
   EXPECT_EQ(refused(1, Desk::SetParameters{{{"PID_ROLL_RATE_P", 1.0}}}), "take control first");
+  EXPECT_EQ(refused(1, Desk::TestMotor{0, 0.1}), "take control first");
   EXPECT_EQ(refused(1, Desk::TakeControl{}), "in control");
+  EXPECT_EQ(refused(1, Desk::TestMotor{0, 0.1}), "sent");
   EXPECT_EQ(refused(1, Desk::Steer{"switch arm on"}), "a real vehicle cannot be steered from here");
 }
 
@@ -130,6 +132,7 @@ TEST(ViewerCommandTexts, AreReadBack) {
       Desk::ReportChecks{},
       Desk::TakeControl{},
       Desk::Steer{"fault motor2_dead:5"},
+      Desk::TestMotor{3, 0.1},
       Desk::Gone{}};
   for (const auto& what : all) {
     const auto read = parse_command(text_of(what));

@@ -31,8 +31,14 @@ class CommandDesk {
   struct Steer {
     std::string text;  ///< A change of the simulation (flight/steering.hpp).
   };
+  /// One motor turns for 0.3 s, by the firmware's own rule; a viewer repeats it while a button is held.
+  struct TestMotor {
+    std::uint8_t motor{};  ///< Output, from 0.
+    double value{};        ///< 0 to 1; the firmware has a limit of its own.
+  };
   struct Gone {};  ///< The viewer is no longer connected; nobody waits for the answer.
-  using What = std::variant<SetParameters, WriteParameters, ReportChecks, TakeControl, Steer, Gone>;
+  using What = std::variant<SetParameters, WriteParameters, ReportChecks, TakeControl, Steer,
+                            TestMotor, Gone>;
   struct Command {
     std::uint64_t viewer{};
     std::string id;  ///< The viewer's own, for the answer.

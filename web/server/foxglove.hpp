@@ -14,9 +14,9 @@
 
 /// The Foxglove WebSocket protocol v1, server's side, as far as it is used: channels, subscriptions,
 /// messages, parameters. Text frames are JSON objects with a member `op`, binary frames little-endian.
-/// Of our own are the client's operations token, writeParameters, reportChecks, takeControl and steer,
-/// and the members `results`, `unsaved` and `control` of parameterValues: clients ignore members, but
-/// not operations.
+/// Of our own are the client's operations token, writeParameters, reportChecks, takeControl, steer and
+/// testMotor, and the members `results`, `unsaved` and `control` of parameterValues: clients ignore
+/// members, but not operations.
 namespace rosflight::web::server::foxglove {
 
 /// The name of the protocol to answer with, out of those that a client offers (the header

@@ -19,6 +19,8 @@ export const PAGE = named('ROSFLIGHT_WEB_PAGE');
 export const VIEW = named('ROSFLIGHT_WEB_VIEW');
 /** Program behind ./rosflight fly. */
 export const FLY = named('ROSFLIGHT_WEB_FLY');
+/** Program behind ./rosflight sil. */
+export const SIL = named('ROSFLIGHT_WEB_SIL');
 
 export const logOf = (folder: string) => join(folder, 'flight.mcap');
 

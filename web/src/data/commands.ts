@@ -25,6 +25,9 @@ export class Commands {
   /** Changes the simulation (flight/steering.hpp, apps/simulation_changes.hpp have the language). */
   steer(text: string): Promise<Result[]> { return this.ask({op: 'steer', text}); }
 
+  /** For 0.3 s, by the firmware's own rule. */
+  testMotor(motor: number, value: number): Promise<Result[]> { return this.ask({op: 'testMotor', motor, value}); }
+
   /** A message of the server that may end one. */
   answered({op, id, results}: {op?: string; id?: string; results?: Result[]}) {
     if (op !== 'parameterValues' || !id) return;

@@ -13,12 +13,13 @@ export interface Pose { p: Triple; q: Quaternion }
 /** Which fields of a topic are a position in north-east-down [m] and an attitude. */
 export interface PoseTopic { topic: string; position: readonly string[]; attitude: readonly string[] }
 
-/** In the order in which they are believed: the truth of a simulation, then what the vehicle estimates. */
+/** In the order in which they are believed: the truth of a simulation, the companion's estimate, the firmware's, which has no position. */
 export const POSE_TOPICS: readonly PoseTopic[] = [
   {topic: '/sim/truth_state', position: ['x', 'y', 'z'].map((a) => `pose.position.${a}`),
     attitude: ['w', 'x', 'y', 'z'].map((a) => `pose.orientation.${a}`)},
   {topic: '/autonomy/estimate', position: [0, 1, 2].map((k) => `position[${k}]`),
     attitude: [0, 1, 2, 3].map((k) => `attitude[${k}]`)},
+  {topic: '/attitude', position: [], attitude: ['w', 'x', 'y', 'z'].map((a) => `attitude.${a}`)},
 ];
 export const ESTIMATE = POSE_TOPICS[1]!;
 /** What the estimate is corrected by, in the order of its fields `innovation` and `refusing`. */
@@ -76,7 +77,7 @@ export class Flight {
     const span = table.times[next]! - table.times[row]!;
     const share = span > 0 ? Math.min((t - table.times[row]!) / span, 1) : 0;
     const cell = (name: string, at: number) => table.column(name)?.[at] ?? NaN;
-    const p = from.position.map((name) => cell(name, row) + share * (cell(name, next) - cell(name, row)));
+    const p = from.position.length === 0 ? [0, 0, 0] : from.position.map((name) => cell(name, row) + share * (cell(name, next) - cell(name, row)));
     const q = [row, next].map((at) => from.attitude.map((name) => cell(name, at)) as unknown as Quaternion);
     return {p: p as unknown as Triple, q: between(q[0]!, q[1]!, share)};
   }

@@ -135,7 +135,7 @@ export class FlightScene {
     this.trails = [];
     this.box.makeEmpty();
     const truth = flight.poseTopic;
-    if (truth) this.addTrail(flight, truth, colours.actual, 3.5, true);
+    if (truth?.position.length) this.addTrail(flight, truth, colours.actual, 3.5, true);
     if (truth && truth !== ESTIMATE) this.addTrail(flight, ESTIMATE, colours.estimate, 1.5, true);
     this.addTrail(flight, {topic: '/trajectory_command', position: ESTIMATE.position, attitude: []}, colours.command, 5, false);
     if (this.box.isEmpty()) this.box.expandByPoint(new Vector3());

@@ -16,7 +16,7 @@ export function Instruments({flight}: {flight: Flight}) {
   return <div class="instruments">
     <AttitudeIndicator roll={roll!} pitch={pitch!}/>
     <dl>
-      <Reading name="height" value={pose ? -pose.p[2] : NaN} unit="m" digits={1}/>
+      <Reading name="height" value={pose && flight.poseTopic?.position.length ? -pose.p[2] : NaN} unit="m" digits={1}/>
       <Reading name="speed" value={velocity} unit="m/s" digits={1}/>
       <Reading name="heading" value={(yaw! + 360) % 360} unit="°" digits={0}/>
       <Reading name="battery" value={flight.valueAt('/battery', 'voltage', t)} unit="V" digits={1}/>

@@ -8,6 +8,7 @@ import type {Flight} from '../data/flight.ts';
 import {differences, formatParameterFile, parseParameterFile, type Difference} from '../data/parameter_file.ts';
 import {allowedText, complaint, groupOf, groupsOf, parseParameterTable, sameValue, shortNumber, type ParameterInfo} from '../data/parameter_table.ts';
 import * as state from '../state.ts';
+import {ControlBar, hasControl} from './control.tsx';
 
 const INFOS = parseParameterTable(csv);
 
@@ -38,7 +39,8 @@ export function Parameters({flight}: {flight: Flight}) {
   const [results, setResults] = useState<ReadonlyMap<string, Result>>(new Map());
   const [said, setSaid] = useState('');
   const [file, setFile] = useState<{name: string; found: Difference[]}>();
-  const commands = state.commands.value;
+  const real = state.control.value?.simulated === false;
+  const commands = real && !hasControl() ? undefined : state.commands.value; // a real vehicle wants control
 
   const names = [...values.keys()].sort();
   const text = wanted.trim().toLowerCase();
@@ -73,7 +75,8 @@ export function Parameters({flight}: {flight: Flight}) {
   };
 
   return <section class="parameters" aria-label="Parameters">
-    <p class="hint">Values of the firmware at the moment shown.{state.live.value !== 'off' && !commands && ' This address is one to look, not to command.'}</p>
+    <p class="hint">Values of the firmware at the moment shown.{state.live.value !== 'off' && !state.commands.value && ' This address is one to look, not to command.'}</p>
+    {real && <ControlBar/>}
     <div class="tools">
       <label>Search <input type="search" value={wanted} onInput={(event) => setWanted(event.currentTarget.value)}/></label>
       <label>Group <select value={group} onChange={(event) => setGroup(event.currentTarget.value)}>

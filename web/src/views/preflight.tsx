@@ -4,6 +4,8 @@ import {useState} from 'preact/hooks';
 import {checksAt, linesAt, refusalAt, WAYS_OUT, type Verdict} from '../data/checks.ts';
 import type {Flight} from '../data/flight.ts';
 import * as state from '../state.ts';
+import {ControlBar} from './control.tsx';
+import {MotorTest} from './motor_test.tsx';
 
 const WORDS: Record<Verdict, [word: string, tone: string]> = {pass: ['✓ pass', 'good'], warning: ['! warning', 'warning'], refuses: ['✗ refuses', 'bad']};
 
@@ -34,5 +36,6 @@ export function Preflight({flight}: {flight: Flight}) {
       <tbody>{lines.map(({name, verdict, reason}) => <tr key={name}>
         <th scope="row">{name}</th><td><span class={`badge ${WORDS[verdict][1]}`}>{WORDS[verdict][0]}</span></td>
         <td>{verdict !== 'pass' && <>{reason && <strong>{reason}. </strong>}{WAYS_OUT[name]}</>}</td></tr>)}</tbody></table>}
+    {commands && state.control.value && <><ControlBar/><MotorTest flight={flight}/></>}
   </section>;
 }

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A vehicle on a link: ./rosflight view udp:PORT against the firmware as a process (./rosflight sil). All bytes go through this test,
+// which cuts the link and reads the firmware's own outputs.
+import assert from 'node:assert/strict';
+import {spawn, type ChildProcess} from 'node:child_process';
+import {createSocket, type Socket} from 'node:dgram';
+import {mkdtemp, readFile, rm} from 'node:fs/promises';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+import {after, before, describe, test} from 'node:test';
+import type {Browser, Page} from 'playwright-core';
+import {bytesSource} from '../src/data/bytes.ts';
+import {readLog} from '../src/data/read_log.ts';
+import {DESKTOP, keepPicture, onPage, PHONE, SMALL, startBrowser, violations, type PageOptions} from './browser.ts';
+import {MULTIROTOR, SIL, VIEW} from './flights.ts';
+
+const started: ChildProcess[] = [];
+const sockets: Socket[] = [];
+let browser: Browser;
+let scratch = '';
+let count = 0;
+/** Of the firmware: a line each, and the head. */
+const parameters = (await readFile(new URL('../../firmware/core/parameters.csv', import.meta.url), 'utf8')).trim().split('\n').length - 1;
+
+before(async () => {
+  browser = await startBrowser();
+  scratch = await mkdtemp(join(tmpdir(), 'rosflight_vehicle_'));
+});
+after(async () => {
+  for (const program of started) program.kill('SIGKILL');
+  for (const socket of sockets) socket.close();
+  await browser?.close();
+  await rm(scratch, {recursive: true});
+});
+
+const bound = async () => {
+  const socket = createSocket('udp4');
+  sockets.push(socket);
+  await new Promise<void>((resolve) => socket.bind(0, '127.0.0.1', resolve));
+  return socket;
+};
+
+const OUTPUT_RAW = 190; // link/mavlink: u64 stamp, 14 floats
+const HEAD = 6; // of a frame of MAVLink 1
+
+/** Largest output in the newest frame, and when it came. */
+class Outputs {
+  largest = NaN;
+  /** Moments [ms] of the last frame above 0 and of the last of all. */
+  turning = -Infinity;
+  newest = -Infinity;
+
+  read(data: Buffer) {
+    for (let at = 0; at + HEAD < data.length; at += data[at + 1]! + HEAD + 2) {
+      if (data[at] !== 0xfe) return;
+      if (data[at + 5] !== OUTPUT_RAW) continue;
+      this.largest = Math.max(...Array.from({length: 14}, (_, k) => data.readFloatLE(at + HEAD + 8 + 4 * k)));
+      this.newest = performance.now();
+      if (this.largest > 0) this.turning = this.newest;
+    }
+  }
+}
+
+/** Firmware, its link through this test, and the program that shows it. */
+async function vehicle(memory?: string) {
+  const folder = join(scratch, String(++count));
+  const [inner, outer] = [await bound(), await bound()];
+  const free = await bound();
+  const port = free.address().port;
+  await new Promise<void>((resolve) => free.close(resolve));
+  sockets.splice(sockets.indexOf(free), 1);
+  const sil = spawn(SIL, ['sil', '--link', `udp:127.0.0.1:${inner.address().port}`, '--listen', '0', '--nvm', memory ?? join(scratch, `${count}.nvm`)],
+    {stdio: ['ignore', 'pipe', 'inherit']});
+  const view = spawn(VIEW, ['view', `udp:${port}`, '--out', folder], {stdio: ['ignore', 'pipe', 'inherit']});
+  started.push(sil, view);
+  const outputs = new Outputs();
+  const link = {cut: false};
+  let board: {port: number; address: string} | undefined;
+  inner.on('message', (data, from) => {
+    board = from;
+    outputs.read(data);
+    if (!link.cut) outer.send(data, port, '127.0.0.1');
+  });
+  outer.on('message', (data) => { if (board && !link.cut) inner.send(data, board.port, board.address); });
+  const url = await new Promise<string>((resolve) => view.stdout.on('data', (data) => {
+    const found = /http:\S+/.exec(String(data));
+    if (found) resolve(found[0]);
+  }));
+  return {url, view, sil, folder, outputs, link};
+}
+
+const withPage = (url: string, use: (page: Page) => Promise<void>, ...options: PageOptions) => onPage(browser, url, use, ...options);
+const until = async (what: () => boolean, limit_ms = 20_000) => {
+  for (const start = performance.now(); !what();) {
+    assert.ok(performance.now() - start < limit_ms, String(what));
+    await new Promise((resolve) => setTimeout(resolve, 5));
+  }
+};
+
+/** Gives the firmware the parameters of a flight, calibrated, from the page. */
+async function setUp(page: Page) {
+  await page.getByRole('tab', {name: 'Parameters'}).click();
+  await page.getByText(new RegExp(`^${parameters} of ${parameters}$`)).waitFor(); // the whole list
+  await page.getByRole('button', {name: 'Take control'}).click();
+  await page.getByText('You have control').first().waitFor();
+  await page.getByLabel('Compare with a file').setInputFiles(join(MULTIROTOR, 'parameters.yaml'));
+  await page.getByRole('button', {name: /Send \d+ from the file/}).click();
+  await page.getByText(/^\d+ of \d+ in force/).waitFor();
+}
+
+async function hold(page: Page, outputs: Outputs) {
+  await page.getByRole('tab', {name: 'Preflight'}).click();
+  await page.getByLabel('No propeller is mounted').check();
+  const button = page.getByRole('button', {name: 'Hold to turn the motor'});
+  await button.hover();
+  await page.mouse.down();
+  await until(() => outputs.largest > 0.09);
+  return button;
+}
+
+/** From `start` [ms] until the firmware's outputs were 0 for good [s]. */
+async function stopsAfter(outputs: Outputs, start: number) {
+  await new Promise((resolve) => setTimeout(resolve, 1000));
+  assert.ok(outputs.newest > start + 800, 'the firmware sends on');
+  assert.equal(outputs.largest, 0);
+  return (outputs.turning - start) / 1000;
+}
+const LIMIT_S = 0.35;
+
+describe('a vehicle on a link', () => {
+  test('is looked at; who takes control sets parameters, and nothing arms it', {timeout: 200_000}, async () => {
+    const {url, view, folder} = await vehicle();
+    await withPage(url, async (page) => {
+      await page.waitForSelector('.instruments:has-text("disarmed")');
+      assert.match(await page.locator('.instruments').innerText(), /height\s*–/);
+      assert.equal(await page.getByRole('tab', {name: 'Simulation'}).count(), 0);
+      await page.getByRole('tab', {name: 'Preflight'}).click();
+      await page.locator('.preflight tr', {hasText: 'mixer'}).first().getByText('✗ refuses').waitFor();
+      assert.ok(await page.getByRole('button', {name: 'Hold to turn the motor'}).isDisabled());
+      await page.getByRole('tab', {name: 'Parameters'}).click();
+      assert.equal(await page.getByLabel('Value of PRIMARY_MIXER').count(), 0, 'read-only at start');
+      await setUp(page);
+      await keepPicture(page, 'vehicle', DESKTOP);
+      // What the page cannot do by hand is refused too.
+      const refused = await page.evaluate(async () => {
+        const socket = new WebSocket(location.href.replace(/^http/, 'ws'), ['foxglove.websocket.v1']);
+        await new Promise((resolve) => { socket.onopen = resolve; });
+        const answer = new Promise<string>((resolve) => {
+          socket.onmessage = ({data}) => { if (typeof data === 'string' && data.includes('"id":"arm"')) resolve(data); };
+        });
+        socket.send(JSON.stringify({op: 'takeControl'}));
+        socket.send(JSON.stringify({op: 'steer', text: 'switch arm on', id: 'arm'}));
+        const text = await answer;
+        socket.close();
+        return text;
+      });
+      assert.match(refused, /a real vehicle cannot be steered from here/);
+      await page.getByText('Nobody has control').waitFor();
+    }, SMALL);
+    view.kill('SIGINT');
+    assert.equal(await new Promise((resolve) => view.on('exit', resolve)), 0);
+    const flight = await readLog(bytesSource('log', new Uint8Array(await readFile(join(folder, 'flight.mcap')))));
+    const said = flight.events.filter(({source}) => source === 'viewer').map(({text}) => text);
+    assert.equal(said[0], 'viewer 1 takes control');
+    assert.match(said[1]!, /^viewer 1 sets .*PRIMARY_MIXER/);
+    assert.equal(said[2], 'viewer 2 takes control from viewer 1');
+    assert.equal(said[3], 'viewer 2 is gone');
+    assert.ok(flight.tables.get('/link/param_set')!.text('name')!.includes('PRIMARY_MIXER'));
+  });
+
+  test('a motor turns while the button is held; 0 within 0.35 s of its release, a cut link, a hidden page, a killed server', {timeout: 200_000}, async () => {
+    const {url, view, outputs, link} = await vehicle();
+    const took: Record<string, number> = {};
+    const {page, context} = await (async () => {
+      const context = await browser.newContext({viewport: SMALL, locale: 'en-US'});
+      return {context, page: await context.newPage()};
+    })();
+    await page.goto(url);
+    await page.waitForSelector('.instruments:has-text("disarmed")');
+    await setUp(page);
+    // The pilot's throttle is low and the vehicle rests: the state before arming.
+    await page.getByRole('tab', {name: 'Preflight'}).click();
+    await page.getByRole('button', {name: 'Check now'}).click();
+    await page.getByText('All checks of the firmware').waitFor();
+    const button = await hold(page, outputs);
+    assert.match(await button.getAttribute('class') ?? '', /held/);
+    await page.waitForTimeout(1500);
+    assert.ok(Math.abs(outputs.largest - 0.1) < 1e-6, `turns on: ${outputs.largest}`);
+    await page.getByText('output 0: 0.10').waitFor();
+    assert.deepEqual(await violations(page), []);
+    await keepPicture(page, 'motor-test', DESKTOP);
+    if (outputs.largest === 0) await hold(page, outputs); // another size of the window ends it
+    let start = performance.now();
+    await page.mouse.up();
+    took['release'] = await stopsAfter(outputs, start);
+
+    await hold(page, outputs);
+    start = performance.now();
+    link.cut = true;
+    took['cut'] = await stopsAfter(outputs, start);
+    link.cut = false;
+    await page.mouse.up();
+    await page.waitForTimeout(500);
+
+    await hold(page, outputs);
+    start = performance.now();
+    await page.evaluate(() => {
+      Object.defineProperty(document, 'hidden', {value: true, configurable: true});
+      document.dispatchEvent(new Event('visibilitychange'));
+    });
+    took['hidden'] = await stopsAfter(outputs, start);
+    await page.evaluate(() => Object.defineProperty(document, 'hidden', {value: false, configurable: true}));
+    await page.mouse.up();
+
+    await hold(page, outputs);
+    start = performance.now();
+    view.kill('SIGKILL');
+    took['killed'] = await stopsAfter(outputs, start);
+    console.log(`web.motor_stop_s ${Object.entries(took).map(([name, s]) => `${name} ${s.toFixed(3)}`).join(', ')}`);
+    for (const [name, s] of Object.entries(took)) assert.ok(s < LIMIT_S, `${name}: ${s} s`);
+    await context.close();
+  });
+
+  test('is seen by a phone in the dark', {timeout: 120_000}, async () => {
+    const {url} = await vehicle();
+    await withPage(url, async (page) => {
+      await page.waitForSelector('.instruments:has-text("disarmed")');
+      await page.getByRole('tab', {name: 'Preflight'}).click();
+      assert.deepEqual(await violations(page), []);
+      await keepPicture(page, 'vehicle-phone-dark');
+    }, PHONE, {colorScheme: 'dark'});
+  });
+});
