@@ -60,7 +60,9 @@ std::unique_ptr<Autopilot> make_autopilot(const FlightSetup& setup, CableLink& l
     return std::make_unique<InProcessAutopilot>(link, setup.choice.link_protocol);
   }
   if (board != "qemu_m7") {
-    return std::make_unique<ChipAutopilot>(link, emulated_chip(board), setup.choice.link == "usb");
+    const auto receiver = static_cast<hal::ReceiverType>(firmware_value(setup.firmware, "RC_TYPE"));
+    const ChipCables cables{setup.choice.link == "usb", receiver == hal::ReceiverType::kCrsf};
+    return std::make_unique<ChipAutopilot>(link, emulated_chip(board), cables);
   }
   EmulatedAutopilot::Emulator::Options options;
   options.image = emulated_image(setup.choice.link_protocol);

@@ -193,6 +193,7 @@ void Telemetry::send_rc(Time now, const hal::RcFrame& frame) {
   const auto n = std::min<std::size_t>(frame.channel_count, message.pulse_us.size());
   for (std::size_t k = 0; k < n; ++k) message.pulse_us[k] = pulse_us(frame.channels[k]);
   message.count = static_cast<std::uint8_t>(n);
+  message.rssi = frame.rssi;
   send_sample(kRc, message);
 }
 

@@ -31,7 +31,7 @@ class Source {
   ~Source() = default;
 };
 
-enum class ReceiverType : std::uint8_t { kPpm = 0, kSbus = 1 };
+enum class ReceiverType : std::uint8_t { kPpm = 0, kSbus = 1, kCrsf = 2 };
 
 class Receiver : public Source<RcFrame> {
  public:

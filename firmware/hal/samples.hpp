@@ -84,6 +84,7 @@ struct RcFrame {
   std::uint8_t channel_count{};  ///< How many of `channels` the receiver delivers.
   bool frame_lost{false};        ///< The receiver missed this radio frame.
   bool failsafe{false};          ///< The receiver lost the transmitter.
+  std::uint8_t rssi{255};        ///< Strength of the signal, 0..254; 255: not known.
 };
 
 inline constexpr std::size_t kOutputs = 14;

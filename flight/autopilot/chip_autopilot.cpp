@@ -73,8 +73,8 @@ void ChipTransport::show(const std::uint8_t* data, std::size_t size) {
 
 // ---- autopilot
 
-ChipAutopilot::ChipAutopilot(CableLink& link, const Process::Options& options, bool usb)
-    : link_{link}, usb_{usb}, process_{options}, transport_{link} {}
+ChipAutopilot::ChipAutopilot(CableLink& link, const Process::Options& options, ChipCables cables)
+    : link_{link}, cables_{cables}, process_{options}, transport_{link} {}
 
 void ChipAutopilot::start(sim::Time t) {
   process_.start();
@@ -104,7 +104,8 @@ const hal::OutputValues& ChipAutopilot::step(sim::Time t, const sim::SensorSampl
   fill_samples(order, samples, rc, sim::Time{0});
   if (link_.tap() != nullptr) link_.tap()->on_inputs(t, samples, rc);
   order.link_baud = kLinkBaud;
-  order.usb_plugged = static_cast<std::uint8_t>(usb_ && !link_.cable().to_board.cut());
+  order.receiver_is_crsf = static_cast<std::uint8_t>(cables_.crsf);
+  order.usb_plugged = static_cast<std::uint8_t>(cables_.usb && !link_.cable().to_board.cut());
   order.link_count =
       static_cast<std::uint32_t>(transport_.take(order.link.data(), order.link.size()));
   exchange(t);

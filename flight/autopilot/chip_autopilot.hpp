@@ -42,6 +42,12 @@ class ChipTransport final : public companion::Transport {
   std::vector<std::uint8_t> frame_;
 };
 
+/// What is connected to a board.
+struct ChipCables {
+  bool usb{false};   ///< The link; otherwise on the UART.
+  bool crsf{false};  ///< The receiver; otherwise S.Bus.
+};
+
 /// The unchanged image of a board on the emulated STM32H7, in lock-step.
 ///
 /// One exchange per step: the world's samples are what the models of the sensors are exposed to from
@@ -54,7 +60,7 @@ class ChipAutopilot final : public Autopilot {
   using Process = boards::stm32h7::ChipProcess;
 
   /// @param link  must outlive this. A cut of the link pulls the cable.
-  ChipAutopilot(CableLink& link, const Process::Options& options, bool usb = false);
+  ChipAutopilot(CableLink& link, const Process::Options& options, ChipCables cables = {});
 
   void start(sim::Time t) override;
   const hal::OutputValues& step(sim::Time t, const sim::SensorSamples& samples,
@@ -74,7 +80,7 @@ class ChipAutopilot final : public Autopilot {
   void exchange(sim::Time t);
 
   CableLink& link_;
-  bool usb_;
+  ChipCables cables_;
   Process process_;
   ChipTransport transport_;
   boards::stm32h7::HardwareFault fault_{

@@ -86,6 +86,31 @@ TEST_P(EachBoard, FliesOverUsbAndSurvivesAPulledCable) {
       << "all of it went over USB: a sample of the barometer comes every 21 ms";
 }
 
+TEST_P(EachBoard, MeasuresTheBatteryThroughItsDivider) {
+  Rig rig{on_board({}, GetParam())};
+  rig.run_for(4.0);
+  const auto& battery = rig.flight->session().streams().battery;
+  ASSERT_GT(battery.count, 5U);
+  const hal::BatterySample& world = chip_of(rig).process().to_chip().battery;
+  ASSERT_GT(world.voltage_V, 5.0F);
+  // 16 bits of 3.28 V behind the divider are 0.7 mV; the filter of the core is slower than the load.
+  EXPECT_NEAR(battery.value.voltage_V, world.voltage_V, 0.1);
+}
+
+/// A receiver on the same pin that speaks CRSF.
+TEST(PixracerPro, FliesWithCrsfAndItsLinkQualityIsTheSignalStrength) {
+  FlightChoice choice = on_board({"rc_silence@20:2"});
+  choice.overrides = {"firmware.RC_TYPE=2"};
+  Rig rig{choice};
+  rig.run_until(19.0);
+  EXPECT_TRUE(view_of(rig).armed);
+  EXPECT_EQ(rig.flight->session().streams().rc.value.rssi, 80 * 254 / 100);
+  rig.run_until(kFault_s + 0.225);
+  EXPECT_TRUE(view_of(rig).failsafe);
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed()) << rig.flight->runner().failure();
+}
+
 TEST(PixracerPro, AnotherSeedIsAnotherFlight) {
   Rig one{on_board()};
   FlightChoice choice = on_board();

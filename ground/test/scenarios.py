@@ -112,7 +112,7 @@ def bad_input(folder):
                             "unknown": ["set", "RC_TYPE", "1", "NO_SUCH", "1"], "unknown get": ["get", "NO_SUCH"],
                             "no file": ["load", "none.yaml"], "no action": []}.items():
             said[name] = v.run("params", *words)
-        for name, text in {"file range": "- {name: NUM_MOTORS, type: 6, value: 4}\n- {name: RC_TYPE, type: 6, value: 2}\n",
+        for name, text in {"file range": "- {name: NUM_MOTORS, type: 6, value: 4}\n- {name: RC_TYPE, type: 6, value: 3}\n",
                            "file key": "- {name: NUM_MOTORS, type: 6, valeu: 4}\n"}.items():
             (folder / "bad.yaml").write_text(text)
             said[name] = v.run("params", "load", "bad.yaml")

@@ -71,6 +71,8 @@ inline constexpr stm32h7::Pulses::Channel kOutputs[] = {
     {stm32h7::TIM4, 1, false, {'D', 13}, 2}, {stm32h7::TIM4, 2, false, {'D', 14}, 2},
     {stm32h7::TIM8, 0, true, {'I', 5}, 3},   {stm32h7::TIM8, 1, true, {'I', 6}, 3}};
 
+/// Battery: PA2 and PA3. The scales are those of ROSflight 2.x and belong to the power module; for
+/// another one there are BATT_VOLT_MULT and BATT_CURR_MULT.
 inline constexpr stm32h7::FlightBoard::Plan kPlan{{kLink, {'A', 11}, {'A', 12}},
                                                   kReceiver,
                                                   kGnss,
@@ -81,6 +83,9 @@ inline constexpr stm32h7::FlightBoard::Plan kPlan{{kLink, {'A', 11}, {'A', 12}},
                                                   stm32h7::irq::SPI5,
                                                   kOutputs,
                                                   std::size(kOutputs),
-                                                  {kRedLed, kBlueLed, kGreenLed, true}};
+                                                  {kRedLed, kBlueLed, kGreenLed, true},
+                                                  {14, 15},
+                                                  {12.62f, 0.0f},
+                                                  {60.5f, 0.0747f}};
 
 }  // namespace rosflight::boards::pixracer_pro

@@ -19,6 +19,22 @@ void BoardLeds::set(hal::Led led, bool on) {
   set_level(led == hal::Led::kOverride ? place_.override_led : place_.status_led, high);
 }
 
+bool BoardReceiver::start(hal::ReceiverType type) {
+  if (type == hal::ReceiverType::kPpm) return false;
+  const bool crsf = type == hal::ReceiverType::kCrsf;
+  parts::ReceiverInput* const wanted = crsf ? static_cast<parts::ReceiverInput*>(&crsf_) : &sbus_;
+  if (!uart_.open(crsf ? parts::CrsfInput::kFormat : parts::SbusInput::kFormat, *wanted))
+    return false;
+  input_ = wanted;
+  return true;
+}
+
+bool BoardReceiver::poll(hal::RcFrame& frame) {
+  if (!input_->poll(frame)) return false;
+  frame.rssi = input_->rssi(frame.stamp);
+  return true;
+}
+
 FlightBoard::FlightBoard(const Plan& plan, Memory& memory, parts::Start how)
     : plan_{plan},
       gnss_uart_{plan.gnss,
@@ -29,22 +45,24 @@ FlightBoard::FlightBoard(const Plan& plan, Memory& memory, parts::Start how)
       link_{plan.link,
             {memory.link_in.data(), memory.link_in.size(), memory.link_out.data(),
              memory.link_out.size()}},
-      receiver_uart_{plan.receiver,
-                     {memory.receiver_in.data(), memory.receiver_in.size(), nullptr, 0},
-                     clock_,
-                     receiver_.input},
+      receiver_{plan.receiver,
+                {memory.receiver_in.data(), memory.receiver_in.size(), nullptr, 0},
+                clock_},
       outputs_{plan.outputs, plan.output_count},
       backup_{&memory_at<std::uint8_t>(kBackupMemory)},
-      leds_{plan.leds} {}
+      leds_{plan.leds},
+      battery_{plan.battery_voltage, plan.battery_current},
+      battery_pins_{plan.battery, battery_} {}
 
 void FlightBoard::open_common() {
   leds_.open();
+  battery_pins_.open();
   gnss_uart_.connect(gnss_);
   static_cast<void>(gnss_uart_.set_format(parts::UartFormat{}));
   make_input(plan_.pulse_per_second, Pull::kDown);
   watch_rising_edge(plan_.pulse_per_second);
   enable_interrupt(plan_.pulse_irq, Priority::kBus);
-  static_cast<void>(receiver_uart_.open(parts::SbusInput::kFormat));
+  static_cast<void>(receiver_.start(hal::ReceiverType::kSbus));
   make_input(plan_.imu_ready, Pull::kDown);
   watch_rising_edge(plan_.imu_ready);
   enable_interrupt(plan_.imu_irq, Priority::kEdge);
@@ -80,7 +98,9 @@ void FlightBoard::on_pulse_per_second() {
 void FlightBoard::step_common() {
   link_.step();
   gnss_uart_.step();
-  system_.step(clock_.now());
+  const hal::Time now = clock_.now();
+  battery_pins_.step(now);
+  system_.step(now);
   if (++ticks_ % kTicksPerWake == 0) wakes_ = true;
 }
 

@@ -2,10 +2,13 @@
 #pragma once
 #include "firmware/boards/common/absent.hpp"
 #include "firmware/boards/common/memories.hpp"
+#include "firmware/boards/parts/battery_monitor.hpp"
+#include "firmware/boards/parts/crsf.hpp"
 #include "firmware/boards/parts/sbus.hpp"
 #include "firmware/boards/parts/shared_bus.hpp"
 #include "firmware/boards/parts/ublox.hpp"
 #include "firmware/boards/stm32h7/backup_domain.hpp"
+#include "firmware/boards/stm32h7/battery_pins.hpp"
 #include "firmware/boards/stm32h7/board_system.hpp"
 #include "firmware/boards/stm32h7/link_port.hpp"
 #include "firmware/boards/stm32h7/part_uart.hpp"
@@ -30,16 +33,24 @@ class BoardLeds final : public hal::Leds {
   Place place_;
 };
 
-/// S.Bus alone so far.
+/// S.Bus, or CRSF with its link quality as strength of the signal.
 class BoardReceiver final : public hal::Receiver {
  public:
-  bool start(hal::ReceiverType type) override { return type == hal::ReceiverType::kSbus; }
-  bool poll(hal::RcFrame& frame) override { return input.poll(frame); }
-  parts::SbusInput input;
+  BoardReceiver(const Uart::Place& place, const Uart::Memory& memory, const hal::Clock& clock)
+      : uart_{place, memory, clock} {}
+  bool start(hal::ReceiverType type) override;
+  bool poll(hal::RcFrame& frame) override;
+  void on_interrupt() { uart_.on_interrupt(); }
+
+ private:
+  UartListener uart_;
+  parts::SbusInput sbus_;
+  parts::CrsfInput crsf_;
+  parts::ReceiverInput* input_{&sbus_};
 };
 
-/// What the boards of this chip have in common: clock, link, receiver, GNSS receiver with its pulse per
-/// second, outputs, LEDs, watchdog, sleep. A board adds its buses and what is connected to them. The
+/// What the boards of this chip have in common: clock, link, receiver, battery, GNSS receiver with its
+/// pulse per second, outputs, LEDs, watchdog, sleep. A board adds its buses and what is connected to them. The
 /// image forwards interrupts to the public functions.
 ///
 /// Interrupts: a data-ready edge (its time is noted, nothing else), then the bus context: buses, UARTs,
@@ -57,12 +68,14 @@ class FlightBoard {
     const Pulses::Channel* outputs;
     std::size_t output_count;
     BoardLeds::Place leds;
+    BatteryPins::Place battery;
+    parts::AdcScale battery_voltage, battery_current;
   };
   /// What the DMA touches; an object of section .dma.
   struct Memory {
     alignas(32) std::array<std::uint8_t, 4096> link_in;
     alignas(32) std::array<std::uint8_t, 512> link_out;
-    alignas(32) std::array<std::uint8_t, 64> receiver_in;
+    alignas(32) std::array<std::uint8_t, 128> receiver_in;
     alignas(32) std::array<std::uint8_t, 512> gnss_in;
     alignas(32) std::array<std::uint8_t, 128> gnss_out;
   };
@@ -82,7 +95,7 @@ class FlightBoard {
   void on_gnss() { gnss_uart_.on_interrupt(), wakes_ = true; }
   void on_gnss_sent() { gnss_uart_.on_sent(); }
   void on_pulse_per_second();
-  void on_receiver() { receiver_uart_.on_interrupt(), wakes_ = true; }
+  void on_receiver() { receiver_.on_interrupt(), wakes_ = true; }
 
  protected:
   /// Clocks and memory system run already.
@@ -115,11 +128,11 @@ class FlightBoard {
 
   LinkPort link_;
   BoardReceiver receiver_;
-  UartListener receiver_uart_;
   Pulses outputs_;
   BackupRam backup_;
   BoardLeds leds_;
-  AbsentBattery battery_;
+  parts::BatteryMonitor battery_;
+  BatteryPins battery_pins_;
   Absent<hal::RangeSample> range_;
   volatile std::uint32_t edge_us_{0};
   unsigned ticks_{0};

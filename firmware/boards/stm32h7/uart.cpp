@@ -35,7 +35,8 @@ bool Uart::open(const parts::UartFormat& format) {
   if (divider == 0) return false;
   const Instance& uart = place_.uart;
   open_gate(uart);
-  reg(uart, usart::CR1) = 0;  // rates and format only while disabled
+  modify(reg(uart, usart::CR1), usart::CR1_UE, 0);  // rates and format only while disabled
+  reg(uart, usart::CR1) = 0;
   receive_.connect(
       {place_.receive_request, DmaStream::Direction::kToMemory, true, false, false, true});
   if (sends()) {
@@ -96,9 +97,10 @@ void Uart::on_sent() {
 
 // ---- listener
 
-bool UartListener::open(const parts::UartFormat& format) {
-  character_ = character_time(format);
+bool UartListener::open(const parts::UartFormat& format, parts::ByteReceiver& receiver) {
   const std::uint32_t masked = mask_bus();
+  character_ = character_time(format);
+  receiver_ = &receiver;
   const bool possible = uart_.open(format);
   unmask_bus(masked);
   return possible;
@@ -107,10 +109,10 @@ bool UartListener::open(const parts::UartFormat& format) {
 void UartListener::on_interrupt() {
   const Uart::Event event = uart_.on_interrupt();
   const hal::Time now = clock_.now();
-  if (event.error) receiver_.line_error(now);
+  if (event.error) receiver_->line_error(now);
   std::array<std::uint8_t, 32> bytes{};
   while (const std::size_t count = uart_.read(bytes.data(), bytes.size())) {
-    receiver_.receive(bytes.data(), count, event.idle ? now - character_ : now);
+    receiver_->receive(bytes.data(), count, event.idle ? now - character_ : now);
   }
 }
 

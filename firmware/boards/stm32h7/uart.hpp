@@ -82,16 +82,16 @@ class Uart {
 class UartListener {
  public:
   /// All must outlive this.
-  UartListener(const Uart::Place& place, const Uart::Memory& memory, const hal::Clock& clock,
-               parts::ByteReceiver& receiver)
-      : uart_{place, memory}, clock_{clock}, receiver_{receiver} {}
-  bool open(const parts::UartFormat& format);
+  UartListener(const Uart::Place& place, const Uart::Memory& memory, const hal::Clock& clock)
+      : uart_{place, memory}, clock_{clock} {}
+  /// May be called again, with another decoder.
+  bool open(const parts::UartFormat& format, parts::ByteReceiver& receiver);
   void on_interrupt();
 
  private:
   Uart uart_;
   const hal::Clock& clock_;
-  parts::ByteReceiver& receiver_;
+  parts::ByteReceiver* receiver_{nullptr};
   hal::Time character_{};
 };
 

@@ -72,6 +72,7 @@ inline constexpr stm32h7::Pulses::Channel kOutputs[] = {
     {stm32h7::TIM4, 0, false, {'D', 12}, 2}, {stm32h7::TIM4, 3, false, {'D', 15}, 2},
     {stm32h7::TIM3, 0, false, {'C', 6}, 2},  {stm32h7::TIM3, 1, false, {'B', 5}, 2}};
 
+/// Battery: PA0 and PC1.
 inline constexpr stm32h7::FlightBoard::Plan kPlan{{kLink, {'A', 11}, {'A', 12}},
                                                   kReceiver,
                                                   kGnss,
@@ -82,6 +83,9 @@ inline constexpr stm32h7::FlightBoard::Plan kPlan{{kLink, {'A', 11}, {'A', 12}},
                                                   stm32h7::irq::SPI4,
                                                   kOutputs,
                                                   std::size(kOutputs),
-                                                  {kRedLed, kBlueLed, kGreenLed, false}};
+                                                  {kRedLed, kBlueLed, kGreenLed, false},
+                                                  {16, 11},
+                                                  {11.215f, 0.0f},
+                                                  {10.0f, 0.0f}};
 
 }  // namespace rosflight::boards::varmint

@@ -186,10 +186,13 @@ TEST_F(FirmwareLink, RcChannelsCarriesAllChannelsAndTheirCount) {
   EXPECT_EQ(rc[0].pulse_us[15], 2000);
   EXPECT_EQ(rc[0].pulse_us[16], 0);
   EXPECT_EQ(rc[0].count, 16);
+  EXPECT_EQ(rc[0].rssi, 255) << "this receiver does not tell it";
+  rig_.rc.rssi = 203;
   rig_.rc.failsafe = true;
   rig_.inbox.clear();
   rig_.run_for(100);
-  EXPECT_EQ(rig_.got<link::RcChannels>().size(), 5u) << "lost frames too";
+  ASSERT_EQ(rig_.got<link::RcChannels>().size(), 5u) << "lost frames too";
+  EXPECT_EQ(rig_.got<link::RcChannels>().back().rssi, 203);
 }
 
 // ---- texts (weak points 56, 57, 58)

@@ -19,6 +19,7 @@ constexpr struct {
 } kMemories[] = {
     {0x0000'0000U, 0x1'0000, Kind::kCode},    // ITCM
     {0x0800'0000U, 0x1C'0000, Kind::kFlash},  // both banks, but for the sectors of parameters
+    {0x1FF1'E000U, 0x1000, Kind::kFlash},     // what the factory measured
     {0x2000'0000U, 0x2'0000, Kind::kRam},     // DTCM
     {0x2400'0000U, 0x8'0000, Kind::kRam},     // AXI SRAM
     {0x3000'0000U, 0x4'8000, Kind::kRam},     // SRAM1, 2 and 3
@@ -79,9 +80,9 @@ Chip::Chip(std::uint64_t crystal_Hz)
           &dma1,   &dma2,   &spi1,  &spi2,     &spi4,          &spi5,       &usart1,
           &usart2, &usart3, &uart4, &usart6,   &tim1,          &tim2,       &tim3,
           &tim4,   &tim5,   &tim6,  &tim7,     &tim8,          &tim12};
-  for (Peripheral* each :
-       {static_cast<Peripheral*>(&i2c1), static_cast<Peripheral*>(&flash_sectors),
-        static_cast<Peripheral*>(&usb)})
+  for (Peripheral* each : {static_cast<Peripheral*>(&i2c1),
+                           static_cast<Peripheral*>(&flash_sectors), static_cast<Peripheral*>(&usb),
+                           static_cast<Peripheral*>(&adc1), static_cast<Peripheral*>(&adc3)})
     all_.push_back(each);
   for (PinPort& port : ports_) all_.push_back(&port);
   for (const auto& memory : kMemories) processor.add_memory(memory.base, memory.size, memory.kind);
@@ -98,6 +99,19 @@ Chip::Chip(std::uint64_t crystal_Hz)
   };
   watchdog.on_bite = [this] { check_backup_memory(); };
   connect_dma();
+  write_factory_values();
+}
+
+/// The reference of the converters; what ADC3 finds of it is its share of the supply.
+void Chip::write_factory_values() {
+  constexpr double kReference_V = 1.212, kCalibratedAt_V = 3.3;
+  constexpr unsigned kReferenceChannel = 19;
+  const auto code = static_cast<std::uint16_t>(65535.0 * kReference_V / kCalibratedAt_V);
+  std::memcpy(processor.memory(0x1FF1'E860U, sizeof code), &code, sizeof code);
+  adc3.pin_V = [this](unsigned channel) {
+    const bool on = adc::CCR_VREFEN.of(std::as_const(adc3).word(adc::CCR)) != 0;
+    return channel == kReferenceChannel && on ? kReference_V : 0.0;
+  };
 }
 
 void Chip::connect_dma() {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "firmware/boards/stm32h7/emulator/adc_model.hpp"
 #include "firmware/boards/stm32h7/emulator/clock_tree.hpp"
 #include "firmware/boards/stm32h7/emulator/dma_model.hpp"
 #include "firmware/boards/stm32h7/emulator/i2c_model.hpp"
@@ -46,6 +47,7 @@ class Chip {
   UartModel usart1, usart2, usart3, uart4, usart6;
   I2cModel i2c1{processor, "I2C1", I2C1, clocks, irq::I2C1_EV, irq::I2C1_ER};
   UsbModel usb{processor, clocks, power};
+  AdcModel adc1{processor, "ADC1", ADC1, clocks}, adc3{processor, "ADC3", ADC3, clocks};
   TimerModel tim1, tim2, tim3, tim4, tim5, tim6, tim7, tim8, tim12;
 
  private:
@@ -60,6 +62,7 @@ class Chip {
     return {processor, name, instance, clocks, irq, kind};
   }
   void connect_dma();
+  void write_factory_values();
   void check_backup_memory();
   void reset_peripherals(std::uint32_t offset, std::uint32_t bits);
 

@@ -215,6 +215,11 @@ std::uint64_t ClockTree::usb_Hz() const {
   return rcc::D2CCIP2R_USBSEL.of(word(rcc::D2CCIP2R)) == kFromPll3 ? pll_Hz(3, 'Q') : 0;
 }
 
+std::uint64_t ClockTree::adc_Hz() const {
+  constexpr std::uint32_t kFromPll3 = 1;
+  return rcc::D3CCIPR_ADCSEL.of(word(rcc::D3CCIPR)) == kFromPll3 ? pll_Hz(3, 'R') : 0;
+}
+
 std::uint64_t ClockTree::spi_Hz(const Instance& spi) const {
   const std::uint32_t sources = word(rcc::D2CCIP1R);
   constexpr std::uint32_t kFromPll2 = 1;

@@ -46,6 +46,8 @@ class ClockTree final : public Peripheral {
   std::uint64_t pll_Hz(unsigned pll, char output) const;
   /// Kernel clock of the USB; 0 if it is not PLL3's.
   std::uint64_t usb_Hz() const;
+  /// Kernel clock of the converters; 0 if it is not PLL3's.
+  std::uint64_t adc_Hz() const;
   /// Kernel clock of an SPI.
   std::uint64_t spi_Hz(const Instance& spi) const;
 

@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "base/constants.hpp"
-#include "firmware/boards/stm32h7/emulator/sbus_frame.hpp"
+#include "firmware/boards/stm32h7/emulator/receiver_frames.hpp"
 
 namespace rosflight::boards::stm32h7::emulator {
 namespace {
 
-constexpr parts::UartFormat kSbus{100'000, true, 2, true};
+constexpr parts::UartFormat kSbus{100'000, true, 2, true}, kCrsf{420'000, false, 1, false};
 constexpr unsigned kUsbFunction = 10;
 
 }  // namespace
@@ -23,6 +23,7 @@ FlightBoardModel::FlightBoardModel(Wiring wiring)
   chip_.processor.add(gnss_on_wire_);
   chip_.processor.add(usb_host_);
   connect_serial();
+  chip_.adc1.pin_V = [this](unsigned channel) { return battery_pin_V(channel); };
   gnss_.pulse = [this](bool high, hal::Time /*when*/) {
     chip_.port(wiring_.pulse_per_second).drive(wiring_.pulse_per_second.number, high);
   };
@@ -110,10 +111,7 @@ void FlightBoardModel::expose(const ToChip& world) {
               pitot_presence_.lost(world.has_diff_pressure != 0, now_us)});
   gnss_on_wire_.set_mute(gnss_presence_.lost(world.has_gnss != 0, now_us));
   take_samples(world);
-  if (world.has_rc != 0) {
-    const SbusFrame frame = sbus_frame(world.rc);
-    (chip_.*wiring_.receiver.uart).feed(frame.data(), frame.size(), kSbus);
-  }
+  if (world.has_rc != 0) send_receiver_frame(world);
   usb_host_.plug(world.usb_plugged != 0);
   if (world.usb_plugged != 0) {
     usb_host_.send(world.link.data(), world.link_count);
@@ -124,6 +122,23 @@ void FlightBoardModel::expose(const ToChip& world) {
   }
 }
 
+void FlightBoardModel::send_receiver_frame(const ToChip& world) {
+  UartModel& uart = chip_.*wiring_.receiver.uart;
+  if (world.receiver_is_crsf != 0) {
+    const parts::models::Bytes frames = crsf_frames(world.rc);
+    return uart.feed(frames.data(), frames.size(), kCrsf);
+  }
+  const SbusFrame frame = sbus_frame(world.rc);
+  uart.feed(frame.data(), frame.size(), kSbus);
+}
+
+/// Behind the divider and the amplifier of the power module.
+double FlightBoardModel::battery_pin_V(unsigned channel) const {
+  const BatteryWiring& w = wiring_.battery;
+  if (channel == w.voltage_channel) return battery_V_ / w.volts_per_volt;
+  return channel == w.current_channel ? w.offset_V + battery_A_ / w.amperes_per_volt : 0.0;
+}
+
 void FlightBoardModel::take_samples(const ToChip& world) {
   const auto copy = [](const hal::Vec3& from, std::array<double, 3>& to) {
     std::copy(from.begin(), from.end(), to.begin());
@@ -132,6 +147,10 @@ void FlightBoardModel::take_samples(const ToChip& world) {
     copy(world.imu.accel_m_s2, imu_truth_.accel_m_s2);
     copy(world.imu.gyro_rad_s, imu_truth_.gyro_rad_s);
     imu_truth_.temperature_K = static_cast<double>(world.imu.temperature_K);
+  }
+  if (world.has_battery != 0) {
+    battery_V_ = static_cast<double>(world.battery.voltage_V);
+    battery_A_ = static_cast<double>(world.battery.current_A);
   }
   if (world.has_mag != 0) copy(world.mag.field_T, mag_truth_.field_T);
   if (world.has_baro != 0) {

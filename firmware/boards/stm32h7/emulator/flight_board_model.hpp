@@ -42,6 +42,10 @@ class FlightBoardModel : public EmulatedBoard {
     PinName receive, transmit;
     unsigned function;
   };
+  struct BatteryWiring {
+    unsigned voltage_channel, current_channel;
+    double volts_per_volt, amperes_per_volt, offset_V;
+  };
   struct Wiring {
     std::uint64_t crystal_Hz;
     SpiModel Chip::*imu_bus;
@@ -50,6 +54,7 @@ class FlightBoardModel : public EmulatedBoard {
     std::vector<Output> outputs;
     std::array<PinName, 3> leds;  ///< Override, status, the other.
     bool low_is_lit;
+    BatteryWiring battery;
   };
   /// Whether a sensor that delivered before has been without samples of the world for too long: then
   /// it is broken, and mute on its bus. One that never delivered is not connected.
@@ -93,8 +98,11 @@ class FlightBoardModel : public EmulatedBoard {
   void connect_serial();
   void note_output_latency();
   void take_samples(const ToChip& world);
+  void send_receiver_frame(const ToChip& world);
+  double battery_pin_V(unsigned channel) const;
 
   Wiring wiring_;
+  double battery_V_{0.0}, battery_A_{0.0};
   hal::GnssSample gnss_sample_{};
   parts::models::UbloxModel gnss_{[this](hal::Time when) { return gnss_truth(when); }};
   PartOnUart gnss_on_wire_;

@@ -29,7 +29,8 @@ PixracerProModel::PixracerProModel()
                          {&Chip::tim8, 0, pin('I', 5), 3},
                          {&Chip::tim8, 1, pin('I', 6), 3}},
                         {pin('B', 11), pin('B', 3), pin('B', 1)},
-                        true}} {
+                        true,
+                        {14, 15, 12.62, 60.5, 0.0747}}} {
   chip_.processor.add(accel_);
   chip_.processor.add(gyro_);
   connect_imu();

@@ -32,7 +32,8 @@ VarmintModel::VarmintModel()
                          {&Chip::tim3, 0, pin('C', 6), 2},
                          {&Chip::tim3, 1, pin('B', 5), 2}},
                         {pin('B', 2), pin('E', 8), pin('E', 15)},
-                        false}} {
+                        false,
+                        {16, 11, 11.215, 10.0, 0.0}}} {
   chip_.processor.add(imu_on_bus_);
   imu_.sync_clock = false;
   connect_imu();

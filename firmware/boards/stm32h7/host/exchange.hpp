@@ -37,7 +37,8 @@ struct ToChip {
   std::int64_t until_us{};  ///< The chip runs up to here.
   ChipOrder order{ChipOrder::kStep};
   HardwareFault fault{HardwareFault::kNone};
-  std::uint8_t usb_plugged{};  ///< The link goes over USB; otherwise over the UART.
+  std::uint8_t usb_plugged{};       ///< The link goes over USB; otherwise over the UART.
+  std::uint8_t receiver_is_crsf{};  ///< Otherwise S.Bus.
   std::uint8_t has_rc{}, has_imu{}, has_mag{}, has_baro{};
   std::uint8_t has_diff_pressure{}, has_range{}, has_gnss{}, has_battery{};
   std::uint32_t link_count{};

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "firmware/boards/parts/battery_monitor.hpp"
+#include "firmware/boards/stm32h7/registers.hpp"
+
+namespace rosflight::boards::stm32h7 {
+
+/// Reads two pins with ADC1 ten times per second, and the chip's own reference with ADC3 beside them: the
+/// converter compares with its supply, which the reference measures. 16 bits, 0.8 ms a conversion; each
+/// step is taken in a tick, none waits. RM0433 ch. 25.
+class BatteryPins {
+ public:
+  struct Place {
+    std::uint8_t voltage_channel,
+        current_channel;  ///< Of ADC1; their pins are analog after a reset.
+  };
+  BatteryPins(const Place& place, parts::BatteryMonitor& monitor)
+      : place_{place}, monitor_{monitor} {}
+
+  /// Opens the clock gates and starts the regulators. Once.
+  void open();
+  /// Bus context, once per tick of 1 ms.
+  void step(hal::Time now);
+
+ private:
+  enum class Stage : std::uint8_t { kRegulator, kCalibration, kEnable, kIdle, kVoltage, kCurrent };
+  static constexpr unsigned kTicksPerSample = 100;
+  void convert(std::uint8_t channel) const;
+
+  Place place_;
+  parts::BatteryMonitor& monitor_;
+  Stage stage_{Stage::kRegulator};
+  unsigned ticks_{0};
+  hal::Time begun_{};
+  std::uint32_t voltage_code_{0};
+};
+
+}  // namespace rosflight::boards::stm32h7
