@@ -295,6 +295,18 @@ std::string refusal(const ChipProcess::Options& options) {
   return "";
 }
 
+TEST_P(EachBoard, StartsBehindABootloader) {
+  const std::string board = GetParam();
+  ChipProcess::Options options = emulated_chip(board);
+  options.image.replace_filename("firmware_" + board + "_behind_bootloader.elf");
+  CableLink cable{sim::RandomSource{1}};
+  ChipAutopilot autopilot(cable, options);
+  autopilot.start(sim::Time{0});
+  for (sim::Time t{0}; sim::to_seconds(t) < 1.0; t += Flight::kStep) autopilot.step(t, {}, nullptr);
+  EXPECT_EQ(autopilot.figures()->resets, 0U);
+  EXPECT_GT(autopilot.figures()->uart_sent, 500U) << "it speaks";
+}
+
 TEST(PixracerPro, WhatIsMissingIsNamedWithWhatMakesIt) {
   ChipProcess::Options options = emulated_chip("pixracer_pro");
   options.image = "/nonexistent/firmware.elf";

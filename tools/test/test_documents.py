@@ -43,6 +43,8 @@ ELSEWHERE = {
     r"\./rosflight fly --board qemu_m7": "flight/test/emulated_test.cpp",
     r"\./rosflight fly --board pixracer_pro": "flight/test/h7_flight_test.cpp",
     r"\./rosflight fly --board varmint": "flight/test/h7_flight_test.cpp",
+    r"\./rosflight firmware flash": "needs hardware; tools/test/test_firmware_files.py",
+    r"\./rosflight (preflight|monitor) /dev/ttyACM0": "needs hardware",
     r"\./rosflight firmware build": "the stage cortex-m7 of ./rosflight test",
     r"build/fuzz/": "the stage fuzz of ./rosflight test",
     r".*\.venv/bin/(python -m )?pytest\b": "the stage python of ./rosflight test",

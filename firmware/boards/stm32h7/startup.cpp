@@ -10,6 +10,7 @@ using namespace rosflight::boards::stm32h7;  // NOLINT(google-build-using-namesp
 extern "C" {
 extern std::uint32_t board_stack_bottom[];
 extern std::uint32_t board_data_begin[], board_data_end[], board_data_load[];
+extern const VectorTable board_vectors;
 extern std::uint32_t board_bss_begin[], board_bss_end[];
 using Constructor = void (*)();
 extern Constructor board_preinit_begin[], board_init_end[];
@@ -43,6 +44,10 @@ __attribute__((naked)) void board_take_fault() {
   // Both coprocessors of the FPU, before any code that could touch a float register.
   memory_at<volatile std::uint32_t>(0xE000'ED88u) = 0xFu << 20u;
   asm volatile("dsb\n isb" ::: "memory");
+
+  // A bootloader that started this image has a table of its own.
+  memory_at<volatile std::uint32_t>(0xE000'ED08u) =
+      reinterpret_cast<std::uintptr_t>(&board_vectors);
 
   // Everything below this frame is free.
   const auto* const here = static_cast<const std::uint32_t*>(__builtin_frame_address(0));

@@ -20,7 +20,8 @@ using namespace rosflight::boards;                     // NOLINT(google-build-us
 using namespace rosflight::boards::stm32h7;            // NOLINT(google-build-using-namespace)
 using namespace rosflight::boards::stm32h7::emulator;  // NOLINT(google-build-using-namespace)
 
-constexpr std::uint32_t kImageBase = 0x0800'0000U;
+/// Where an image may begin: at the flash, or behind the first sector and somebody else's bootloader.
+constexpr std::uint32_t kImageBases[] = {0x0800'0000U, 0x0802'0000U};
 
 /// Runs orders from the block until the other end of the pipe closes.
 class Session {
@@ -32,8 +33,12 @@ class Session {
       std::fprintf(stderr, "[%lld us] %s\n", static_cast<long long>(now_us()), what.c_str());
     };
     const auto& segments = image.segments;
-    if (std::none_of(segments.begin(), segments.end(),
-                     [](const auto& segment) { return segment.address == kImageBase; })) {
+    for (const auto& segment : segments) {
+      const bool begins = std::find(std::begin(kImageBases), std::end(kImageBases),
+                                    segment.address) != std::end(kImageBases);
+      if (begins) base_ = segment.address;
+    }
+    if (base_ == 0) {
       throw ProcessorError(
           "the image has no vector table at 0x08000000; is it one of another board?");
     }
@@ -61,7 +66,7 @@ class Session {
   void serve(const ToChip& order) {
     Processor& processor = chip_.processor;
     if (order.order == ChipOrder::kPowerOn) {
-      chip_.power_on(kImageBase);
+      chip_.power_on(base_);
       board_.power_on();
     }
     board_.expose(order);
@@ -123,6 +128,7 @@ class Session {
   Chip& chip_;
   const ElfFile& image_;
   Exchange& block_;
+  std::uint32_t base_{0};
   std::uint32_t complaints_{0};
 };
 
