@@ -10,11 +10,12 @@ from copter_nodes import LATCHED_ALL, START_NS, WITHOUT_VEHICLE, copter, going, 
 from geometry_msgs.msg import Vector3
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, ListParameters, SetParameters
+from rosgraph_msgs.msg import Clock
 from roscopter_msgs.msg import ControllerCommand, State, TrajectoryCommand, Waypoint
 from rosflight_msgs.msg import Attitude, Barometer, Command, GNSS, SimState, Status
 from sensor_msgs.msg import Imu, MagneticField
 from sim_contract import TRIGGER, Module, Out, check_module
-from sim_rig import ALL, LATCHED, VEHICLE, Process, SimPeer, executable, launch, stamp, stamp_ns
+from sim_rig import ALL, ALL_BEST_EFFORT, LATCHED, VEHICLE, Process, SimPeer, executable, launch, stamp, stamp_ns
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import Marker
@@ -309,6 +310,40 @@ def test_the_estimator_finds_its_attitude_and_falls_silent_with_the_imu(peer):
         count = len(received)
         time.sleep(0.2)
         assert len(received) == count
+
+
+def test_a_clock_that_is_late_makes_no_topic_silent(peer):
+    """0.3 s of IMU samples arrive before the simulated time that they are stamped with."""
+    with copter("estimator", use_sim_time="true") as process:
+        clock, imu = peer.publisher(Clock, "/clock", ALL_BEST_EFFORT), peer.publisher(Imu, "imu/data", ALL)
+        peer.poll(lambda: clock.get_subscription_count() and imu.get_subscription_count(), "subscribers")
+
+        def tell_time(ns):
+            message = Clock()
+            message.clock.sec, message.clock.nanosec = divmod(ns, 1_000_000_000)
+            for _ in range(10):  # best effort
+                clock.publish(message)
+                time.sleep(0.02)
+
+        def sample(ns):
+            imu.publish(stamp(Imu(linear_acceleration=Vector3(z=-GRAVITY)), ns))
+
+        def read():
+            """An answer shows that what came before the request has been read."""
+            assert peer.call(ListParameters, "estimator/list_parameters").result.names
+
+        tell_time(START_NS)
+        read()
+        for ms in range(0, 300, 10):
+            sample(START_NS + ms * 1_000_000)
+            read()
+        tell_time(START_NS + 310_000_000)
+        read()
+        sample(START_NS + 320_000_000)
+        read()
+        tell_time(START_NS + 500_000_000)
+        process.until("imu/data is silent: no state goes out")
+        assert process.text().count("is silent") == 1 and "is back" not in process.text()
 
 
 def test_the_transcribers_copy(peer):
