@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -95,6 +96,26 @@ TEST_P(EachBoard, MeasuresTheBatteryThroughItsDivider) {
   ASSERT_GT(world.voltage_V, 5.0F);
   // 16 bits of 3.28 V behind the divider are 0.7 mV; the filter of the core is slower than the load.
   EXPECT_NEAR(battery.value.voltage_V, world.voltage_V, 0.1);
+}
+
+TEST_P(EachBoard, FliesOnDshot) {
+  FlightChoice choice = on_board({}, GetParam());
+  choice.mission = "hop";
+  for (const char* const channel : {"0", "1", "2", "3"}) {
+    choice.overrides.push_back(std::string("firmware.PRI_MIXER_PWM_") + channel + "=300000");
+  }
+  Rig rig{choice};
+  std::string notes;
+  rig.flight->runner().set_notify([&notes](const FlightNote& note) { notes += note.text + "\n"; });
+  rig.run_until(12.0);
+  // In steps of a throttle of 11 bits; pulses would be finer.
+  const float step = 2000.0F * chip_of(rig).process().from_chip().outputs[0];
+  EXPECT_GT(step, 100.0F);
+  EXPECT_NEAR(step, std::round(step), 1e-2);
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed()) << rig.flight->runner().failure();
+  EXPECT_NE(notes.find("PRI_MIXER_PWM: board cannot give all rates"), std::string::npos)
+      << "while some channels of the timer still had the former rate";
 }
 
 /// A receiver on the same pin that speaks CRSF.

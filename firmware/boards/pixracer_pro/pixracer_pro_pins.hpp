@@ -73,19 +73,23 @@ inline constexpr stm32h7::Pulses::Channel kOutputs[] = {
 
 /// Battery: PA2 and PA3. The scales are those of ROSflight 2.x and belong to the power module; for
 /// another one there are BATT_VOLT_MULT and BATT_CURR_MULT.
-inline constexpr stm32h7::FlightBoard::Plan kPlan{{kLink, {'A', 11}, {'A', 12}},
-                                                  kReceiver,
-                                                  kGnss,
-                                                  kPulsePerSecond,
-                                                  stm32h7::irq::EXTI15_10,
-                                                  kGyroReady,
-                                                  stm32h7::irq::EXTI3,
-                                                  stm32h7::irq::SPI5,
-                                                  kOutputs,
-                                                  std::size(kOutputs),
-                                                  {kRedLed, kBlueLed, kGreenLed, true},
-                                                  {14, 15},
-                                                  {12.62f, 0.0f},
-                                                  {60.5f, 0.0747f}};
+inline constexpr stm32h7::FlightBoard::Plan kPlan{
+    {kLink, {'A', 11}, {'A', 12}},
+    kReceiver,
+    kGnss,
+    kPulsePerSecond,
+    stm32h7::irq::EXTI15_10,
+    kGyroReady,
+    stm32h7::irq::EXTI3,
+    stm32h7::irq::SPI5,
+    {kOutputs,
+     std::size(kOutputs),
+     {{{stm32h7::TIM1, 11, stm32h7::request::TIM1_UP},
+       {stm32h7::TIM4, 12, stm32h7::request::TIM4_UP},
+       {stm32h7::TIM8, 13, stm32h7::request::TIM8_UP}}}},
+    {kRedLed, kBlueLed, kGreenLed, true},
+    {14, 15},
+    {12.62f, 0.0f},
+    {60.5f, 0.0747f}};
 
 }  // namespace rosflight::boards::pixracer_pro

@@ -27,7 +27,8 @@ void DmaStream::connect(const Setup& setup) {
   control_ = dma_stream::CR_DIR(static_cast<std::uint32_t>(setup.direction)) |
              dma_stream::CR_MINC(1) | dma_stream::CR_CIRC(setup.circular) |
              dma_stream::CR_TCIE(setup.interrupt) | dma_stream::CR_TEIE(setup.interrupt) |
-             dma_stream::CR_HTIE(setup.half_interrupt) | dma_stream::CR_TRBUFF(setup.for_uart);
+             dma_stream::CR_HTIE(setup.half_interrupt) | dma_stream::CR_TRBUFF(setup.for_uart) |
+             dma_stream::CR_PSIZE(setup.half_words) | dma_stream::CR_MSIZE(setup.half_words);
 }
 
 void DmaStream::start(std::uint32_t register_address, const volatile void* memory,

@@ -6,7 +6,8 @@
 
 namespace rosflight::boards::stm32h7 {
 
-/// One stream of DMA1 (0 to 7) or DMA2 (8 to 15), moving bytes between one register and a buffer. Any
+/// One stream of DMA1 (0 to 7) or DMA2 (8 to 15), moving bytes or half words between one register and a
+/// buffer. Any
 /// stream serves any request. RM0433 ch. 15 and 17.
 ///
 /// Buffers lie in memory that the controller reaches and the data cache does not hold: section .dma.
@@ -19,7 +20,8 @@ class DmaStream {
     bool circular{false};
     bool interrupt{false};  ///< At the end.
     bool half_interrupt{false};
-    bool for_uart{false};  ///< Sets TRBUFF: else transfers may lock up (erratum of revision V).
+    bool for_uart{false};    ///< Sets TRBUFF: else transfers may lock up (erratum of revision V).
+    bool half_words{false};  ///< 16 bits at a time.
   };
 
   explicit constexpr DmaStream(unsigned number) : number_{number} {}

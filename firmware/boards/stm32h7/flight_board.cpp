@@ -48,7 +48,7 @@ FlightBoard::FlightBoard(const Plan& plan, Memory& memory, parts::Start how)
       receiver_{plan.receiver,
                 {memory.receiver_in.data(), memory.receiver_in.size(), nullptr, 0},
                 clock_},
-      outputs_{plan.outputs, plan.output_count},
+      outputs_{plan.outputs, memory.outputs},
       backup_{&memory_at<std::uint8_t>(kBackupMemory)},
       leds_{plan.leds},
       battery_{plan.battery_voltage, plan.battery_current},

@@ -65,8 +65,7 @@ class FlightBoard {
     Pin imu_ready;
     unsigned imu_irq;     ///< Of that pin.
     unsigned sample_irq;  ///< Any that is not used: the edge pends it, for the bus context.
-    const Pulses::Channel* outputs;
-    std::size_t output_count;
+    Pulses::Place outputs;
     BoardLeds::Place leds;
     BatteryPins::Place battery;
     parts::AdcScale battery_voltage, battery_current;
@@ -78,6 +77,7 @@ class FlightBoard {
     alignas(32) std::array<std::uint8_t, 128> receiver_in;
     alignas(32) std::array<std::uint8_t, 512> gnss_in;
     alignas(32) std::array<std::uint8_t, 128> gnss_out;
+    Pulses::Memory outputs;
   };
 
   /// Regions of memory that the MPU must know of, from number `first` on, before the caches are on.

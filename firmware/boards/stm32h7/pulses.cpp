@@ -1,104 +1,116 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware/boards/stm32h7/pulses.hpp"
 
-#include <algorithm>
-
 #include "firmware/boards/stm32h7/clocks.hpp"
 
 namespace rosflight::boards::stm32h7 {
 namespace {
 
-constexpr float kMaxRate_hz = 490.0f;
-constexpr float kMinRate_hz = 1.0f;  // below, a period has no prescaler
-constexpr float kShortest_us = 1000.0f, kSpan_us = 1000.0f;
 constexpr std::uint32_t kPwm1 = 6;
-
-/// NaN becomes 0.
-float clamped(float value) {
-  return value > 0.0f ? std::min(value, 1.0f) : 0.0f;
-}
-
-std::uint32_t rounded(float value) {
-  // NOLINTNEXTLINE(bugprone-incorrect-roundings): never negative
-  return static_cast<std::uint32_t>(value + 0.5f);
-}
 
 }  // namespace
 
 bool Pulses::configure(const hal::OutputRates& rates_hz) {
   disable();
   bool ok = true;
-  for (std::size_t k = 0; k < count_; ++k) {
-    const auto same = [this, k](const Channel& c) { return c.timer == channels_[k].timer; };
-    if (std::any_of(channels_, channels_ + k, same)) continue;  // the timer has been set up
-    float rate = -1.0f;
-    for (std::size_t j = k; j < count_; ++j) {
-      if (!same(channels_[j])) continue;
-      float wanted = rates_hz[j];
-      const bool possible = wanted == 0.0f || (wanted >= kMinRate_hz && wanted <= kMaxRate_hz);
-      if (!possible) wanted = kMaxRate_hz;
-      ok = ok && possible && (rate < 0.0f || rate == wanted);
-      rate = rate < 0.0f ? wanted : std::min(rate, wanted);
+  for (std::size_t g = 0; g < kMaxGroups; ++g) {
+    std::array<float, kTimerChannels> rates{};
+    std::size_t members = 0;
+    for (std::size_t k = 0; k < place_.count; ++k) {
+      if (channel(k).timer == place_.groups[g].timer) rates[members++] = rates_hz[k];
     }
-    start_timer(k, rate);
+    plans_[g] = parts::plan_pulses(rates.data(), members, kTimerClock_Hz);
+    ok = ok && plans_[g].status == parts::PulsePlan::Status::kOk;
+    start_timer(g);
   }
   enabled_ = true;
   return ok;
 }
 
-/// All channels on the timer of channel `first`.
-void Pulses::start_timer(std::size_t first, float rate_hz) {
-  const Instance& timer = channels_[first].timer;
+void Pulses::start_timer(std::size_t group) {
+  const auto& [timer, stream, request] = place_.groups[group];
+  const parts::PulsePlan& plan = plans_[group];
+  const bool runs = plan.kind != parts::PulseKind::kOff;
   open_gate(timer);
   reg(timer, tim::CR1) = tim::CR1_URS(1);
+  reg(timer, tim::DIER) = 0;
+  DmaStream{stream}.connect(
+      {request, DmaStream::Direction::kToRegister, false, false, false, false, true});
+  if (runs) {
+    reg(timer, tim::PSC) = plan.prescaler;
+    reg(timer, tim::ARR) = plan.period - 1;
+  }
   std::uint32_t modes[2] = {0, 0};
   std::uint32_t enables = 0;
-  std::uint32_t prescaler = 0;
-  if (rate_hz > 0.0f) {
-    const std::uint32_t period = rounded(static_cast<float>(kTimerClock_Hz) / rate_hz);
-    prescaler = (period - 1) >> 16u;
-    reg(timer, tim::PSC) = prescaler;
-    reg(timer, tim::ARR) = period / (prescaler + 1) - 1;
-  }
-  constexpr float kTicksPerMicrosecond = static_cast<float>(kTimerClock_Hz) * 1e-6f;
-  for (std::size_t k = first; k < count_; ++k) {
-    const Channel& c = channels_[k];
+  bool advanced = false;
+  for (std::size_t k = 0; k < place_.count; ++k) {
+    const Channel& c = channel(k);
     if (!(c.timer == timer)) continue;
     const std::uint32_t mode = tim::CCMR1_OC1M(kPwm1) | tim::CCMR1_OC1PE(1);
     modes[c.channel / 2] |= mode << (c.channel % 2 == 0 ? 0u : 8u);
     enables |= 1u << (4u * c.channel);
-    ticks_per_us_[k] =
-        rate_hz > 0.0f ? kTicksPerMicrosecond / static_cast<float>(prescaler + 1) : 0.0f;
-    set_compare(k, 0);
+    advanced = c.advanced;
+    reg(timer, tim::CCR1 + 4u * c.channel) = 0;
   }
   reg(timer, tim::CCMR1) = modes[0];
   reg(timer, tim::CCMR2) = modes[1];
   reg(timer, tim::CCER) = enables;
   reg(timer, tim::EGR) = tim::EGR_UG(1);  // prescaler, period and compare values take effect
-  if (channels_[first].advanced) reg(timer, tim::BDTR) = tim::BDTR_MOE(1);
-  if (rate_hz > 0.0f) reg(timer, tim::CR1) = tim::CR1_URS(1) | tim::CR1_ARPE(1) | tim::CR1_CEN(1);
-  for (std::size_t k = first; k < count_; ++k) {
-    if (channels_[k].timer == timer) make_alternate(channels_[k].pin, channels_[k].function);
+  if (advanced) reg(timer, tim::BDTR) = tim::BDTR_MOE(1);
+  if (plan.kind == parts::PulseKind::kDshot) {
+    constexpr std::uint32_t kFromCcr1 = tim::CCR1 / 4u;
+    reg(timer, tim::DCR) = tim::DCR_DBA(kFromCcr1) | tim::DCR_DBL(kTimerChannels - 1);
+    reg(timer, tim::DIER) = tim::DIER_UDE(1);
   }
-}
-
-void Pulses::set_compare(std::size_t index, std::uint32_t ticks) {
-  const Channel& c = channels_[index];
-  reg(c.timer, tim::CCR1 + 4u * c.channel) = ticks;
+  if (runs) reg(timer, tim::CR1) = tim::CR1_URS(1) | tim::CR1_ARPE(1) | tim::CR1_CEN(1);
+  for (std::size_t k = 0; k < place_.count; ++k) {
+    if (channel(k).timer == timer) make_alternate(channel(k).pin, channel(k).function);
+  }
 }
 
 void Pulses::write(const hal::OutputValues& values) {
   if (!enabled_) return;
-  for (std::size_t k = 0; k < count_; ++k) {
-    const float us = kShortest_us + kSpan_us * clamped(values[k]);
-    set_compare(k, rounded(us * ticks_per_us_[k]));
+  for (std::size_t g = 0; g < kMaxGroups; ++g) {
+    if (plans_[g].kind == parts::PulseKind::kDshot) write_frames(g, values);
+    if (plans_[g].kind != parts::PulseKind::kPwm) continue;
+    for (std::size_t k = 0; k < place_.count; ++k) {
+      const Channel& c = channel(k);
+      if (!(c.timer == place_.groups[g].timer)) continue;
+      reg(c.timer, tim::CCR1 + 4u * c.channel) = parts::pwm_counts(plans_[g], values[k]);
+    }
   }
+}
+
+void Pulses::write_frames(std::size_t group, const hal::OutputValues& values) {
+  const Group& here = place_.groups[group];
+  DmaStream stream{here.stream};
+  if (stream.runs()) return;
+  Burst& burst = memory_.bursts[group];
+  burst.fill(0);
+  for (std::size_t k = 0; k < place_.count; ++k) {
+    const Channel& c = channel(k);
+    if (!(c.timer == here.timer)) continue;
+    const std::uint16_t frame = parts::dshot_frame(parts::dshot_throttle(values[k]), false);
+    const auto counts = parts::dshot_counts(frame, plans_[group].period);
+    for (std::size_t bit = 0; bit < counts.size(); ++bit) {
+      burst[kTimerChannels * bit + c.channel] = counts[bit];
+    }
+  }
+  stream.connect(
+      {here.request, DmaStream::Direction::kToRegister, false, false, false, false, true});
+  stream.start(here.timer.base + tim::DMAR, burst.data(), burst.size());
 }
 
 void Pulses::disable() {
   if (!enabled_) return;
   enabled_ = false;
-  for (std::size_t k = 0; k < count_; ++k) set_compare(k, 0);
+  for (const Group& each : place_.groups) {
+    DmaStream stream{each.stream};
+    if (stream.runs()) stream.stop();
+  }
+  for (std::size_t k = 0; k < place_.count; ++k) {
+    reg(channel(k).timer, tim::CCR1 + 4u * channel(k).channel) = 0;
+  }
 }
 
 }  // namespace rosflight::boards::stm32h7

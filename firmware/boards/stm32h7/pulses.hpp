@@ -3,19 +3,24 @@
 #include <array>
 #include <cstddef>
 
+#include "firmware/boards/parts/pulses.hpp"
+#include "firmware/boards/stm32h7/dma_stream.hpp"
 #include "firmware/boards/stm32h7/pins.hpp"
 #include "firmware/hal/roles.hpp"
 
 namespace rosflight::boards::stm32h7 {
 
-/// Servo pulses (PWM) from timers: 1000 us + 1000 us x value, active high. RM0433 ch. 38 to 40.
+/// Servo pulses (PWM: 1000 us + 1000 us x value, active high) and DShot from timers; the arithmetic is in
+/// parts/pulses.hpp. RM0433 ch. 38 to 40.
 ///
-/// Channels on one timer have one rate. The prescaler is the smallest that fits the period into 16
-/// bits, so a pulse resolves to 15 ns x (prescaler + 1): 35 ns at 490 Hz. Compare values are preloaded:
-/// a change takes effect with the next pulse, and no pulse is cut. Not there yet: DShot.
+/// Channels on one timer are a group with one rate. PWM counts as finely as the period fits 16 bits: 35 ns
+/// at 490 Hz. Compare values are preloaded: a change takes effect with the next pulse, and none is cut.
+/// DShot: one period is one bit; at each of its ends a DMA burst writes the four compare values of the next,
+/// 16 bits and an end of low level. A frame that is on its way when the next is written is not cut; the
+/// next is dropped then, which happens only above 1 kHz at the slowest rate.
 class Pulses final : public hal::Outputs {
  public:
-  static constexpr std::size_t kMaxChannels = 10;
+  static constexpr std::size_t kMaxChannels = 10, kMaxGroups = 3, kTimerChannels = 4;
   struct Channel {
     Instance timer;
     std::uint8_t channel;  ///< 0 to 3.
@@ -23,23 +28,39 @@ class Pulses final : public hal::Outputs {
     Pin pin;
     std::uint8_t function;
   };
+  struct Group {
+    Instance timer;
+    unsigned stream;
+    std::uint32_t request;  ///< Of its update.
+  };
+  /// Of one group, for the DMA; of section .dma.
+  using Burst = std::array<std::uint16_t, kTimerChannels * parts::kDshotCounts>;
+  struct Memory {
+    alignas(32) std::array<Burst, kMaxGroups> bursts;
+  };
+  struct Place {
+    const Channel* channels;  ///< In the order of the outputs.
+    std::size_t count;        ///< <= kMaxChannels.
+    std::array<Group, kMaxGroups> groups;
+  };
 
-  /// `channels`, `count` <= kMaxChannels of them in the order of the outputs, must outlive this.
-  Pulses(const Channel* channels, std::size_t count) : channels_{channels}, count_{count} {}
+  /// Both must outlive this.
+  Pulses(const Place& place, Memory& memory) : place_{place}, memory_{memory} {}
 
-  /// 0 (off) to 490 Hz. @returns false for DShot, a rate out of range, or two rates on one timer: the
-  /// timer then runs at the slower.
+  /// 0 (off), 4 to 490 Hz, or 150 000 to 1 200 000 Hz for DShot. @returns false for a rate out of range, or
+  /// two rates on one timer: the timer then runs at the slower.
   bool configure(const hal::OutputRates& rates_hz) override;
   void write(const hal::OutputValues& values) override;
   void disable() override;
 
  private:
-  void start_timer(std::size_t first, float rate_hz);
-  void set_compare(std::size_t index, std::uint32_t ticks);
+  const Channel& channel(std::size_t k) const { return place_.channels[k]; }
+  void start_timer(std::size_t group);
+  void write_frames(std::size_t group, const hal::OutputValues& values);
 
-  const Channel* channels_;
-  std::size_t count_;
-  std::array<float, kMaxChannels> ticks_per_us_{};  ///< 0: the channel is off.
+  const Place& place_;
+  Memory& memory_;
+  std::array<parts::PulsePlan, kMaxGroups> plans_{};
   bool enabled_{false};
 };
 

@@ -73,19 +73,23 @@ inline constexpr stm32h7::Pulses::Channel kOutputs[] = {
     {stm32h7::TIM3, 0, false, {'C', 6}, 2},  {stm32h7::TIM3, 1, false, {'B', 5}, 2}};
 
 /// Battery: PA0 and PC1.
-inline constexpr stm32h7::FlightBoard::Plan kPlan{{kLink, {'A', 11}, {'A', 12}},
-                                                  kReceiver,
-                                                  kGnss,
-                                                  kPulsePerSecond,
-                                                  stm32h7::irq::EXTI3,
-                                                  kImuReady,
-                                                  stm32h7::irq::EXTI9_5,
-                                                  stm32h7::irq::SPI4,
-                                                  kOutputs,
-                                                  std::size(kOutputs),
-                                                  {kRedLed, kBlueLed, kGreenLed, false},
-                                                  {16, 11},
-                                                  {11.215f, 0.0f},
-                                                  {10.0f, 0.0f}};
+inline constexpr stm32h7::FlightBoard::Plan kPlan{
+    {kLink, {'A', 11}, {'A', 12}},
+    kReceiver,
+    kGnss,
+    kPulsePerSecond,
+    stm32h7::irq::EXTI3,
+    kImuReady,
+    stm32h7::irq::EXTI9_5,
+    stm32h7::irq::SPI4,
+    {kOutputs,
+     std::size(kOutputs),
+     {{{stm32h7::TIM1, 11, stm32h7::request::TIM1_UP},
+       {stm32h7::TIM4, 12, stm32h7::request::TIM4_UP},
+       {stm32h7::TIM3, 13, stm32h7::request::TIM3_UP}}}},
+    {kRedLed, kBlueLed, kGreenLed, false},
+    {16, 11},
+    {11.215f, 0.0f},
+    {10.0f, 0.0f}};
 
 }  // namespace rosflight::boards::varmint

@@ -66,14 +66,14 @@ Chip::Chip(std::uint64_t crystal_Hz)
       usart3{uart("USART3", USART3, request::USART3_RX, irq::USART3)},
       uart4{uart("UART4", UART4, request::UART4_RX, irq::UART4)},
       usart6{uart("USART6", USART6, request::USART6_RX, irq::USART6)},
-      tim1{timer("TIM1", TIM1, irq::TIM1_UP, TimerModel::Kind::kAdvanced)},
+      tim1{timer("TIM1", TIM1, irq::TIM1_UP, TimerModel::Kind::kAdvanced, request::TIM1_UP)},
       tim2{timer("TIM2", TIM2, irq::TIM2, TimerModel::Kind::kWide)},
-      tim3{timer("TIM3", TIM3, irq::TIM3, TimerModel::Kind::kPlain)},
-      tim4{timer("TIM4", TIM4, irq::TIM4, TimerModel::Kind::kPlain)},
+      tim3{timer("TIM3", TIM3, irq::TIM3, TimerModel::Kind::kPlain, request::TIM3_UP)},
+      tim4{timer("TIM4", TIM4, irq::TIM4, TimerModel::Kind::kPlain, request::TIM4_UP)},
       tim5{timer("TIM5", TIM5, irq::TIM5, TimerModel::Kind::kWide)},
       tim6{timer("TIM6", TIM6, irq::TIM6_DAC, TimerModel::Kind::kPlain)},
       tim7{timer("TIM7", TIM7, irq::TIM7, TimerModel::Kind::kPlain)},
-      tim8{timer("TIM8", TIM8, irq::TIM8_UP_TIM13, TimerModel::Kind::kAdvanced)},
+      tim8{timer("TIM8", TIM8, irq::TIM8_UP_TIM13, TimerModel::Kind::kAdvanced, request::TIM8_UP)},
       tim12{timer("TIM12", TIM12, irq::TIM8_BRK_TIM12, TimerModel::Kind::kPlain)},
       ports_{make_ports(processor, interrupts, std::make_index_sequence<kPorts>{})} {
   all_ = {&clocks, &flash,  &power, &watchdog, &configuration, &interrupts, &multiplexer,
@@ -131,6 +131,7 @@ void Chip::connect_dma() {
     each->on_start = [this](std::uint32_t request) {
       for (UartModel* uart : {&usart1, &usart2, &usart3, &uart4, &usart6})
         uart->stream_started(request);
+      for (TimerModel* timer : {&tim1, &tim3, &tim4, &tim8}) timer->stream_started(request);
     };
   }
 }

@@ -57,9 +57,9 @@ class Chip {
   UartModel uart(const char* name, const Instance& instance, std::uint32_t receive, unsigned irq) {
     return {processor, name, instance, clocks, requests, {receive, receive + 1, irq}};
   }
-  TimerModel timer(const char* name, const Instance& instance, unsigned irq,
-                   TimerModel::Kind kind) {
-    return {processor, name, instance, clocks, irq, kind};
+  TimerModel timer(const char* name, const Instance& instance, unsigned irq, TimerModel::Kind kind,
+                   std::uint32_t update_request = 0) {
+    return {processor, name, instance, clocks, irq, kind, &requests, update_request};
   }
   void connect_dma();
   void write_factory_values();

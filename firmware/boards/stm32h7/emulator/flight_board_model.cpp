@@ -183,8 +183,16 @@ void FlightBoardModel::report(FromChip& out) {
   constexpr float kShortest_us = 1000.0F, kSpan_us = 1000.0F;
   for (std::size_t k = 0; k < wiring_.outputs.size(); ++k) {
     const Output& output = wiring_.outputs[k];
-    const Ticks pulse = (chip_.*output.timer).pulse(output.channel);
+    const TimerModel& timer = chip_.*output.timer;
+    const Ticks pulse = timer.pulse(output.channel);
     out.outputs[k] = 0.0F;
+    if (timer.makes_dshot()) {
+      constexpr float kStop = 47.0F, kFull = 2047.0F;
+      const auto throttle = static_cast<float>(timer.dshot_throttle(output.channel));
+      expect_pins({output.pin}, output.function);
+      out.outputs[k] = std::max(throttle - kStop, 0.0F) / (kFull - kStop);
+      continue;
+    }
     if (pulse == 0) continue;
     expect_pins({output.pin}, output.function);
     const float us = static_cast<float>(pulse) / static_cast<float>(kTicksPerMicrosecond);

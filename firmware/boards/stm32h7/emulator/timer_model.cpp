@@ -12,8 +12,14 @@ constexpr std::uint32_t kPwm1 = 6;  // active while the counter is below the com
 }  // namespace
 
 TimerModel::TimerModel(Core& core, std::string name, const Instance& instance,
-                       const ClockTree& clocks, unsigned irq, Kind kind)
-    : Peripheral{core, std::move(name), "TIM", instance}, clocks_{clocks}, irq_{irq}, kind_{kind} {}
+                       const ClockTree& clocks, unsigned irq, Kind kind, const DmaRequests* dma,
+                       std::uint32_t update_request)
+    : Peripheral{core, std::move(name), "TIM", instance},
+      clocks_{clocks},
+      irq_{irq},
+      kind_{kind},
+      dma_{dma},
+      update_request_{update_request} {}
 
 void TimerModel::reset() {
   Peripheral::reset();
@@ -21,6 +27,8 @@ void TimerModel::reset() {
   active_reload_ = word(tim::ARR);
   active_prescaler_ = stopped_at_ = 0;
   active_compare_.fill(0);
+  throttle_.fill(0);
+  for (auto& train : train_) train.clear();
   if (on_change) on_change();
 }
 
@@ -83,7 +91,7 @@ void TimerModel::write(std::uint32_t offset, std::uint32_t value, unsigned /*siz
       if (value != 0) complain("slave and master modes are not modelled");
       break;
     case tim::DIER:
-      if ((value & ~(tim::DIER_UIE.mask() | tim::DIER_CC1IE.mask())) != 0)
+      if ((value & ~(tim::DIER_UIE.mask() | tim::DIER_CC1IE.mask() | tim::DIER_UDE.mask())) != 0)
         complain("DIER: not modelled");
       word(offset) = value;
       break;
@@ -126,6 +134,11 @@ void TimerModel::schedule() {
   for (std::size_t k = 0; k < kChannels && !waits; ++k) {
     waits = active_compare_[k] != word(tim::CCR1 + 4 * static_cast<std::uint32_t>(k));
   }
+  if (makes_dshot()) {
+    waits = waits || (dma_ != nullptr && dma_->served(update_request_));
+    for (const auto& train : train_) waits = waits || !train.empty();
+    for (const std::uint32_t compare : active_compare_) waits = waits || compare != 0;
+  }
   if (!counts() || !waits) return core().set_due(*this, kNever);
   const Ticks since = core().now() - zero_;
   core().set_due(*this, zero_ + (since / period() + 1) * period());
@@ -134,13 +147,55 @@ void TimerModel::schedule() {
 void TimerModel::event(Ticks now) {
   const Ticks whole = (now - zero_) / period() * period();
   zero_ += whole;
+  if (makes_dshot()) note_bit();
   update(false);
+  if (makes_dshot()) burst();
   if (tim::CR1_OPM.of(word(tim::CR1)) != 0) {
     word(tim::CR1) &= ~tim::CR1_CEN.mask();
     stopped_at_ = 0;
   }
   schedule();
   drive_line();
+}
+
+/// The compare values of the period after the one that begins now.
+void TimerModel::burst() {
+  const std::uint32_t control = word(tim::DCR);
+  const std::uint32_t first = tim::DCR_DBA.of(control), count = tim::DCR_DBL.of(control) + 1;
+  if (dma_ == nullptr || !dma_->served(update_request_)) return;
+  for (std::uint32_t k = 0; k < count; ++k) {
+    std::uint32_t value = 0;
+    if (!dma_->move(update_request_, value)) return complain("its burst ends within a period");
+    write(4 * (first + k), value, 4);
+  }
+}
+
+/// The period that has ended is one bit on each channel, or low.
+void TimerModel::note_bit() {
+  for (std::size_t k = 0; k < kChannels; ++k) {
+    if (active_compare_[k] != 0) {
+      train_[k].push_back(active_compare_[k]);
+    } else if (!train_[k].empty()) {
+      take_frame(k);
+      train_[k].clear();
+    }
+  }
+}
+
+/// High for 3/4 of a period is a 1, for 3/8 a 0; four bits of checksum at the end.
+void TimerModel::take_frame(std::size_t channel) {
+  constexpr std::size_t kBits = 16;
+  if (train_[channel].size() != kBits) {
+    return complain("DShot: a train of " + std::to_string(train_[channel].size()) + " bits");
+  }
+  std::uint32_t frame = 0;
+  for (const std::uint32_t high : train_[channel]) {
+    const bool one = 16 * high > 9 * (active_reload_ + 1);
+    frame = frame << 1U | std::uint32_t{one};
+  }
+  const std::uint32_t x = frame >> 4U;
+  if (((x ^ x >> 4U ^ x >> 8U) & 0xFU) != (frame & 0xFU)) return complain("DShot: wrong checksum");
+  throttle_[channel] = x >> 1U;
 }
 
 void TimerModel::drive_line() {

@@ -5,26 +5,38 @@
 #include <functional>
 
 #include "firmware/boards/stm32h7/emulator/clock_tree.hpp"
+#include "firmware/boards/stm32h7/emulator/dma_model.hpp"
 
 namespace rosflight::boards::stm32h7::emulator {
 
-/// A timer that counts up: update interrupt and pulses on four channels. RM0433 ch. 38 to 41.
+/// A timer that counts up: update interrupt, pulses on four channels, bursts by DMA at each update, and
+/// the DShot frames that these make. RM0433 ch. 38 to 41.
 ///
 /// Prescaler, and with preload also period and compare values, take effect at an update. Not
-/// modelled, and complained of: other counting directions, capture, slave modes, DMA requests.
+/// modelled, and complained of: other counting directions, capture, slave modes, other DMA requests; a DShot
+/// train that is no frame, or whose checksum is wrong.
 class TimerModel final : public Peripheral {
  public:
   static constexpr std::size_t kChannels = 4;
   enum class Kind : std::uint8_t { kPlain, kWide, kAdvanced };  ///< Wide: 32 bits. Advanced: BDTR.
 
   TimerModel(Core& core, std::string name, const Instance& instance, const ClockTree& clocks,
-             unsigned irq, Kind kind);
+             unsigned irq, Kind kind, const DmaRequests* dma = nullptr,
+             std::uint32_t update_request = 0);
 
   void reset() override;
   void event(Ticks now) override;
 
   /// Width of the pulses on a channel's pin now [ticks of the guest]; 0: the pin is still.
   Ticks pulse(std::size_t channel) const;
+  /// It makes bits, not pulses: its bursts are on.
+  bool makes_dshot() const { return tim::DIER_UDE.of(word(tim::DIER)) != 0; }
+  /// Throttle of the last DShot frame on a channel's pin, 0 to 2047.
+  std::uint32_t dshot_throttle(std::size_t channel) const { return throttle_[channel]; }
+  /// The controller started a stream for this request.
+  void stream_started(std::uint32_t request) {
+    if (request == update_request_) schedule();
+  }
   /// Time of the last write to this channel's compare register.
   Ticks written(std::size_t channel) const { return written_[channel]; }
   Ticks period() const { return tick() * (std::uint64_t{active_reload_} + 1); }
@@ -41,6 +53,9 @@ class TimerModel final : public Peripheral {
   Ticks tick() const { return clocks_.timer_period() * (Ticks{active_prescaler_} + 1); }
   std::uint32_t count() const;
   void update(bool by_software);
+  void burst();
+  void note_bit();
+  void take_frame(std::size_t channel);
   void schedule();
   void drive_line();
   bool preloads(std::size_t channel) const;
@@ -49,6 +64,10 @@ class TimerModel final : public Peripheral {
   const ClockTree& clocks_;
   unsigned irq_;
   Kind kind_;
+  const DmaRequests* dma_;
+  std::uint32_t update_request_;
+  std::array<std::vector<std::uint32_t>, kChannels> train_;  ///< Pulses since the last low period.
+  std::array<std::uint32_t, kChannels> throttle_{};
   Ticks zero_{0};
   std::uint32_t active_prescaler_{0}, active_reload_{0}, stopped_at_{0};
   std::array<std::uint32_t, kChannels> active_compare_{};
