@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How good the estimate of the default flights is: errors against the truth, the normalised squared
 // errors (NEES) of position, velocity and attitude and of the innovations of each aid (NIS), and how
-// often a state is outside its own 3 sigma, over seeded flights. Multirotor: with
+// often a state is outside its own 3 sigma, over seeded flights. Errors are those of the step in which the estimate
+// is used; what is compared with a covariance is that of the estimate's own time. Multirotor: with
 // the shipped sensors and with sensors whose noise is the white one that the filter models (its
 // biases walk, those of the sensors do not: that leaves the filter a little too careful). Fixed
 // wing: shipped sensors, in steady wind and in gusts, with the errors of airspeed and wind (against
@@ -13,7 +14,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <deque>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -21,14 +21,16 @@
 #include <vector>
 
 #include "base/constants.hpp"
-#include "flight/flight.hpp"
-#include "flight/link_state_estimator.hpp"
+#include "bench/estimate_error.hpp"
 
 namespace {
 
 using namespace rosflight::flight;  // NOLINT(google-build-using-namespace): a program of one file
 using rosflight::autonomy::estimation::kAids;
 using rosflight::autonomy::estimation::log_rotation;
+using rosflight::bench::in_sigmas;
+using rosflight::bench::kStates;
+using rosflight::bench::TruePast;
 using rosflight::sim::BodyState;
 using rosflight::sim::Vector3;
 
@@ -71,13 +73,7 @@ struct Errors {
   std::uint64_t widened{};       ///< Variances widened without need.
 };
 
-struct Past {
-  double t_s;
-  BodyState body;
-  Vector3 seen_W;  ///< Position, in the frame of the filter as the satellites have it.
-};
-
-void judge_output(const Flight& flight, Errors& errors) {
+void judge_output(const Flight& flight, const TruePast& past, Errors& errors) {
   const auto estimate = flight.estimate_source().estimate();
   const BodyState& truth = flight.truth().body;
   const Vector3 p = estimate.p_W - flight.seen_position_W();
@@ -88,13 +84,11 @@ void judge_output(const Flight& flight, Errors& errors) {
   errors.tilt_deg.values.push_back(kDegPerRad * turn_W.head<2>().norm());
   errors.heading_deg.values.push_back(kDegPerRad * std::abs(turn_W.z()));
   errors.unreliable += estimate.position_unreliable ? 1 : 0;
-  Eigen::Matrix<double, 9, 1> error, sigma;
-  error << p.head<2>(), estimate.p_W.z() - truth.p_W.z(), estimate.v_W - truth.q_WB * truth.v_B,
-      log_rotation(truth.q_WB.conjugate() * estimate.q_WB);
-  sigma << estimate.p_sigma_W_m, estimate.v_sigma_W_m_s, estimate.attitude_sigma_B_rad;
-  for (Eigen::Index k = 0; k < 9; ++k) {
-    errors.outside[static_cast<std::size_t>(k)].add(std::abs(error(k)) > 3.0 * sigma(k) ? 1.0
-                                                                                        : 0.0);
+  if (const TruePast::Moment* then = past.at(estimate.t_s)) {
+    const auto off = in_sigmas(estimate, *then);
+    for (std::size_t k = 0; k < kStates.size(); ++k) {
+      errors.outside[k].add(std::abs(off(static_cast<Eigen::Index>(k))) > 3.0 ? 1.0 : 0.0);
+    }
   }
   if (!estimate.wind_valid || !estimate.air_valid) return;
   const Vector3& wind_W = flight.truth().air.wind_W;
@@ -104,14 +98,11 @@ void judge_output(const Flight& flight, Errors& errors) {
 }
 
 template <bool kWind>
-void judge_filter(const Flight& flight, const std::deque<Past>& past, Errors& errors) {
+void judge_filter(const Flight& flight, const TruePast& past, Errors& errors) {
   const auto* estimate_source =
       dynamic_cast<const LinkStateEstimator<kWind>*>(&flight.estimate_source());
   const auto& estimator = estimate_source->estimator();
-  const Past* at = nullptr;
-  for (const Past& p : past) {
-    if (std::abs(p.t_s - estimator.filter_time_s()) < 1.3e-3) at = &p;
-  }
+  const TruePast::Moment* at = past.at(estimator.filter_time_s());
   if (at == nullptr) return;
   const Vector3 lever_B = estimator.config().imu_position_B;
   const auto& x = estimator.filter().state();
@@ -151,19 +142,16 @@ Errors fly(int flights, FlightChoice choice, const std::vector<std::string>& ove
     choice.seed = static_cast<std::uint64_t>(seed);
     const FlightSetup setup(choice);
     const auto flight = std::make_unique<Flight>(setup);
-    std::deque<Past> past;
+    TruePast past;
     std::array<std::uint64_t, kAids> seen{};
     int step = 0;
     flight->set_script([&](Flight& f, rosflight::sim::Time t) {
       if (f.runner().stage() != Stage::kFly) return;
-      Vector3 seen_W = f.seen_position_W();
-      seen_W.z() = f.truth().body.p_W.z();  // the altitude is counted from the ground
-      past.push_back({rosflight::sim::to_seconds(t), f.truth().body, seen_W});
-      if (past.size() > 80) past.pop_front();
+      past.add(f, t);
       judge_innovations(f, seen, errors);
       constexpr int kEvery = 40;  // ten times a second
       if (!f.autonomy().tracking || ++step % kEvery != 0) return;
-      judge_output(f, errors);
+      judge_output(f, past, errors);
       judge_filter<kWind>(f, past, errors);
     });
     flight->run();
@@ -202,8 +190,6 @@ nlohmann::ordered_json json_of(Errors& errors) {
   for (std::size_t k = 0; k < kAids; ++k) {
     if (errors.nis[k].count > 0) json[std::string("nis_") + kNames[k]] = errors.nis[k].mean();
   }
-  constexpr std::array<const char*, 9> kStates{"north",  "east", "down",  "v_north", "v_east",
-                                               "v_down", "roll", "pitch", "yaw"};
   for (std::size_t k = 0; k < kStates.size(); ++k) {
     json[std::string("outside_") + kStates[k]] = errors.outside[k].mean();
   }

@@ -70,6 +70,8 @@ def all_figures() -> list[Figure]:
         *(Figure(f"estimation.{air}.{quantity}", unit, CONSISTENT.get(quantity, "report"),
                  functools.partial(estimation_figure, air, quantity))
           for air in ("fixedwing", "fixedwing_gusts") for quantity, unit in ESTIMATION + AIR),
+        *(Figure(f"estimation.faults.{name}", unit, target, functools.partial(estimation_faults_figure, name),
+                 on_request=True) for name, unit, target in ESTIMATION_FAULTS),
         *(Figure(f"missions.{name}.{quantity}", unit, target,
                  functools.partial(mission_figure, name, quantity))
           for name, quantity, unit, target in MISSIONS + FIXEDWING_MISSIONS),
@@ -101,6 +103,12 @@ CONSISTENT |= {f"nis_{aid}": "<= 1.3" for aid in ("gnss_horizontal", "gnss_altit
 CONSISTENT |= {"unreliable_samples": "= 0"}
 ESTIMATION += [("nees", "1")] + [(name, "1") for name in CONSISTENT]
 AIR = [(f"{name}_{kind}", "m/s") for name in ("airspeed_m_s", "wind_m_s") for kind in ("rms", "p95")]
+
+# While sensors fail: the share of time in which a state is outside its own 3 sigma, the largest of the nine; flights whose
+# position was off by more than 15 m, in how many the estimate said so within 10 s, and flights without a fault in which it did.
+ESTIMATION_FAULTS = [("outside_worst", "1", "<= 0.01"), ("far", "flights", "report"), ("said_in_time_share", "1", ">= 0.95"),
+                     ("nominal_said", "flights", "= 0")]
+ESTIMATION_FAULT_SEEDS = 3
 
 
 def mission_rows() -> list[tuple[str, str, str, str]]:
@@ -346,6 +354,15 @@ def mission_figure(name: str, quantity: str) -> float:
 
 def wind_limit(vehicle: str) -> float:
     return number(run_json([program("wind_limits"), vehicle])[vehicle], "wind_limit_m_s")
+
+
+@functools.cache
+def estimation_faults() -> dict:
+    return run_json([program("estimation_faults"), str(ESTIMATION_FAULT_SEEDS)])
+
+
+def estimation_faults_figure(name: str) -> float:
+    return number(estimation_faults(), name)
 
 
 @functools.cache

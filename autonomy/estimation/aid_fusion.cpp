@@ -304,6 +304,19 @@ Vector3 AidFusion<kWing>::force_at_origin() const {
   return force_.dv_B / force_.dt_s - angular_B.cross(r_B) - w_B.cross(w_B.cross(r_B));
 }
 
+/// A wing hardly slips: the scale of its side force would be learned from noise. It is a "consider" state, as
+/// those of correct_heading(): its variance counts, and it is not corrected. Besides, rudder, ailerons and
+/// turning add a lateral force, which the model leaves out.
+template <bool kWing>
+void AidFusion<kWing>::consider_air_scale(Filter::Residual<1>& residual) const {
+  const Eigen::RowVector2d by_scale = residual.H.segment<2>(Filter::kAirScale);
+  residual.H.segment<2>(Filter::kAirScale).setZero();
+  const auto P = filter_.covariance().template block<2, 2>(Filter::kAirScale, Filter::kAirScale);
+  const double by_turning =
+      config_.air_force_turning_m_s * (w_raw_B_ - filter_.state().gyro_bias_B).norm();
+  residual.R(0) += (by_scale * P * by_scale.transpose())(0) + by_turning * by_turning;
+}
+
 /// The specific force along body x and y (rotors) or y (wing), averaged over an interval.
 template <bool kWing>
 void AidFusion<kWing>::fuse_air_force(const ImuBuffer::Segment& segment) {
@@ -320,8 +333,7 @@ void AidFusion<kWing>::fuse_air_force(const ImuBuffer::Segment& segment) {
     if (model.linear_1_s <= 0.0 && model.quadratic_1_m <= 0.0) continue;
     auto residual = Filter::air_force(filter_.state(), axis, force_B(axis), model);
     residual.R(0) = config_.air_force_sigma_m_s2 * config_.air_force_sigma_m_s2;
-    // A wing hardly slips: the scale would be learned from noise, and no slip is no force at any scale.
-    if (kWing) residual.H.segment<2>(Filter::kAirScale).setZero();
+    if (kWing) consider_air_scale(residual);
     const bool accepted = weigh<1>(Aid::kSideslip, residual, config_.gate_sigma);
     if (accepted) learn_gusts(health_.of(Aid::kSideslip).nis);
     const double size = std::sqrt(health_.of(Aid::kSideslip).nis);

@@ -156,6 +156,7 @@ class AidFusion {
   bool weigh(Aid aid, const Filter::Residual<kRows>& residual, double gate_sigma);
   bool note(Aid aid, const Filter::Verdict& verdict, int rows);
   void fuse_air_force(const ImuBuffer::Segment& segment);
+  void consider_air_scale(Filter::Residual<1>& residual) const;
   void learn_gusts(double nis);
   void widen_wind(double gust_m_s);
   double max_wind_noise_m_s_rts() const {

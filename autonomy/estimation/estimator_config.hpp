@@ -57,7 +57,8 @@ struct EstimatorConfig {
   double pitot_sigma_Pa{1.1};
   double sideslip_sigma_m_s{1.0};
   double air_force_sigma_m_s2{0.055};
-  double rest_sigma_m_s{0.02};  ///< Of "it stands still" while at rest.
+  double air_force_turning_m_s{0.3};  ///< Fixed wing: besides, times the rate of turning.
+  double rest_sigma_m_s{0.02};        ///< Of "it stands still" while at rest.
 
   // Longest rates at which samples are fused; 0: all.
   double mag_interval_s{0.05};

@@ -56,6 +56,8 @@ Table<EstimatorConfig> sigma_table() {
       {"sideslip_m_s", &E::sideslip_sigma_m_s, "m/s", kSigma, "lateral airspeed of a fixed wing"},
       {"air_force_m_s2", &E::air_force_sigma_m_s2, "m/s^2", kSigma,
        "specific force of the air, besides initial_air_scale"},
+      {"air_force_turning_m_s", &E::air_force_turning_m_s, "m/s", kNotNegative,
+       "fixed wing: side force of rudder, ailerons and turning, times the rate of turning"},
       {"rest_m_s", &E::rest_sigma_m_s, "m/s", kSigma, "velocity while at rest"}};
 }
 

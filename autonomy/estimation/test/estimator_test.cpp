@@ -355,6 +355,29 @@ TEST(Estimator, WithoutAMagnetometerTheForceOfTheAirHoldsTheHeading) {
   }
 }
 
+TEST(Estimator, TheSideForceOfRudderAndTurningIsNoFaultOfTheGyro) {
+  constexpr double kPerTurning_m_s = 0.3;
+  constexpr double kSoon_s = 0.01;
+  WindyWing f;
+  f.config.filter.air.side_area_m2_kg = 0.113;
+  f.estimator = FixedwingEstimator(f.config.filter);
+  f.run_until(40.0);
+  f.world.gnss_on = false;
+  WithoutMag without{f.estimator};
+  double worst_rad = 0.0;
+  while (f.world.time_s() < 100.0) {
+    const double t_s = f.world.time_s();
+    const Quaternion turn =
+        f.world.motion(t_s).q_WB.conjugate() * f.world.motion(t_s + kSoon_s).q_WB;
+    f.world.extra_accel.y() = -kPerTurning_m_s * log_rotation(turn).z() / kSoon_s;
+    f.world.step(without);
+    const StateEstimate e = f.estimator.estimate();
+    worst_rad = std::max(worst_rad, e.q_WB.angularDistance(f.world.motion(e.t_s).q_WB));
+  }
+  EXPECT_EQ(f.estimator.health().imu_widenings, 0U);
+  EXPECT_LT(worst_rad, 0.1);
+}
+
 TEST(Estimator, WithoutPitotAndGnssTheAirspeedIsNotKnown) {
   WindyWing f;
   f.run_until(40.0);
