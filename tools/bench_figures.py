@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from typing import Callable
 
 import bench_build
+import bench_web
 import callgrind
 import h7_figures
 import m7_figures
@@ -82,6 +83,9 @@ def all_figures() -> list[Figure]:
         Figure("property.violations", "flights", "= 0", lambda: properties()["violations"], "sanitizers",
                on_request=True),
         Figure("build.flight_cpu_s", "s", "report", bench_build.flight_cpu_s, "none", on_request=True),
+        Figure("web.bundle_kB", "kB", "<= 300", bench_web.bundle_kb, "none", on_request=True),
+        *(Figure(f"web.{name}", unit, target, lambda name=name: bench_web.measured()[name], "none", on_request=True)
+          for name, unit, target in bench_web.FIGURES),
         Figure("faults.flights", "flights", "report", lambda: faults()["flights"], on_request=True),
         Figure("faults.single_unexplained", "flights", "= 0", lambda: faults()["single_unexplained"], on_request=True),
         Figure("faults.pairs_unexplained", "flights", "= 0", lambda: faults()["pairs_unexplained"], on_request=True),

@@ -9,8 +9,8 @@ import {firstMessage} from './token.ts';
 const AGAIN_MS = 1000;
 /** How often what is slow to draw (plots, trails, states) is drawn anew. */
 const REVISION_MS = 1000;
-/** The picture is this late, so that it lies between two messages. */
-const DELAY_S = 0.03;
+/** The picture is this late, one period of the server, so that it lies between two messages. */
+const DELAY_MS = 1000 / 60;
 /** After so long without news there is nothing to lie between: the latest is shown. */
 const QUIET_MS = 200;
 
@@ -33,14 +33,18 @@ export function connect(name: string) {
   const commands = new Commands((text) => socket.send(text));
   let revised = 0;
   let newest = {end_s: -1, at_ms: 0};
+  let shown_s = 0;
   const follow = () => {
     if (state.live.value !== 'on' || state.flight.value !== decoder.flight) return;
     const now = performance.now();
     const {end_s} = decoder.flight;
     if (end_s > newest.end_s) newest = {end_s, at_ms: now};
-    const delay_s = now - newest.at_ms > QUIET_MS ? 0 : DELAY_S;
+    const quiet = now - newest.at_ms > QUIET_MS;
+    // Between two messages time goes on as in the simulation, and never back.
+    const behind_s = (DELAY_MS - (now - newest.at_ms)) / 1000 * (state.control.value?.speed ?? 1);
+    shown_s = quiet ? end_s : Math.max(shown_s, end_s - Math.max(behind_s, 0));
     batch(() => {
-      if (state.following.value) state.time.value = Math.max(end_s - delay_s, 0);
+      if (state.following.value) state.time.value = Math.max(shown_s, 0);
       if (now - revised > REVISION_MS) {
         revised = now;
         ++state.revision.value;

@@ -28,6 +28,9 @@ export const AIDS = ['GNSS horizontal', 'GNSS altitude', 'GNSS velocity', 'barom
 /** Bytes for other programs, which nobody plots. */
 const BULK = new Set(['rosflight_log_msgs/RawFrames', 'rosflight_log_msgs/BoardInputs', 'tf2_msgs/TFMessage']);
 
+/** The picture of the start has the vehicle in it, whose first pose comes a step later. */
+const AT_START_S = 0.05;
+
 const FIXED_WING = 1; // Heartbeat.FIXED_WING
 
 export class Flight {
@@ -67,11 +70,11 @@ export class Flight {
     return this.tables.get('/link/heartbeat')?.column('vehicle_type')?.includes(FIXED_WING) ?? false;
   }
 
-  /** Between the two messages around `t`; undefined before the first one and without any. */
+  /** Between the two messages around `t`; undefined long before the first one and without any. */
   poseAt(t: number, from = this.poseTopic): Pose | undefined {
     const table = from && this.tables.get(from.topic);
     if (!table || table.length === 0) return undefined;
-    const row = lastAtOrBefore(table.times, table.length, t);
+    const row = Math.max(lastAtOrBefore(table.times, table.length, t), table.times[0]! - t < AT_START_S ? 0 : -1);
     if (row < 0) return undefined;
     const next = Math.min(row + 1, table.length - 1);
     const span = table.times[next]! - table.times[row]!;
