@@ -204,14 +204,26 @@ def m7() -> list[Figure]:
     ]
 
 
+# Of offboard commands at 400 Hz to an emulated board and back: the paper's measurement, on its boards.
+BOARD_ROUND_TRIPS = [("usb", "usb", "mean_ms", "ms", "<= 0.42"), ("usb", "usb", "max_ms", "ms", "<= 2.4"),
+                     ("usb", "usb", "fastest_hz", "Hz", "report"), ("uart", "921600", "mean_ms", "ms", "<= 1.4"),
+                     ("uart", "921600", "max_ms", "ms", "report"), ("3mbaud", "3000000", "mean_ms", "ms", "<= 0.6")]
+
+
 def h7() -> list[Figure]:
-    """The image of the Pixracer Pro, flown on the emulated STM32H7."""
+    """The images of the boards with an STM32H7, emulated: sizes, round trips, and the default flight of the Pixracer Pro."""
     def flown(name: str, unit: str, target: str) -> Figure:
         return Figure(f"h7.{name}", unit, target, lambda: float(h7_figures.flight()[name]), "cortex-m7")
 
     return [
         Figure("h7.text_bytes", "B", "<= 105000", h7_figures.text_bytes, "cortex-m7"),
         Figure("h7.ram_bytes", "B", "<= 96000", h7_figures.ram_bytes, "cortex-m7"),
+        Figure("h7.varmint_text_bytes", "B", "<= 105000", lambda: h7_figures.text_bytes("varmint"), "cortex-m7"),
+        Figure("h7.varmint_ram_bytes", "B", "<= 96000", lambda: h7_figures.ram_bytes("varmint"), "cortex-m7"),
+        *(Figure(f"rtt.{board}_{name}_{quantity}", unit, target,
+                 functools.partial(lambda *of, quantity: h7_figures.round_trips(*of)[quantity], board, link, quantity=quantity),
+                 "cortex-m7", on_request=True)
+          for board in h7_figures.BOARDS for name, link, quantity, unit, target in BOARD_ROUND_TRIPS),
         Figure("h7.realtime_factor", "s/s", ">= 5", h7_figures.realtime_factor, "cortex-m7"),
         flown("stack_bytes", "B", "<= 8192"),
         flown("tracking_rms_m", "m", "report"),

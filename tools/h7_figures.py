@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is measured on the image of the Pixracer Pro: its sizes, and its default flight on the emulated STM32H7."""
+"""What is measured on the images of the boards with an STM32H7: sizes, the default flight of the Pixracer Pro, and round trips."""
 
 import functools
 import json
@@ -11,14 +11,15 @@ from pathlib import Path
 import project
 
 BOARD = "pixracer_pro"
-IMAGE = project.ROOT / f"build/cortex-m7/firmware/boards/{BOARD}/firmware_{BOARD}.elf"
+BOARDS = (BOARD, "varmint")
 # Sections by what they occupy: flash and RAM. Initial values of variables lie in both.
 FLASH = (".text", ".ARM.exidx", ".ARM.extab", ".data")
 RAM = (".stack", ".data", ".bss", ".dma")
 
 
 @functools.cache
-def sections(image: Path = IMAGE) -> dict[str, int]:
+def sections(board: str = BOARD) -> dict[str, int]:
+    image = project.ROOT / f"build/cortex-m7/firmware/boards/{board}/firmware_{board}.elf"
     if not image.is_file():
         raise RuntimeError(f"{image.name} does not build, see build/cortex-m7/build.log")
     said = subprocess.run(["arm-none-eabi-size", "-A", str(image)], capture_output=True, text=True, check=True).stdout
@@ -31,12 +32,26 @@ def sizes_of(said: str) -> dict[str, int]:
     return {row[0]: int(row[1]) for row in rows if len(row) == 3 and row[0].startswith(".")}
 
 
-def text_bytes() -> float:
-    return float(sum(sections().get(name, 0) for name in FLASH))
+def text_bytes(board: str = BOARD) -> float:
+    return float(sum(sections(board).get(name, 0) for name in FLASH))
 
 
-def ram_bytes() -> float:
-    return float(sum(sections().get(name, 0) for name in RAM))
+def ram_bytes(board: str = BOARD) -> float:
+    return float(sum(sections(board).get(name, 0) for name in RAM))
+
+
+@functools.cache
+def round_trips(board: str, link: str) -> dict:
+    """45 s of offboard commands to the emulated board and back, in its own time. Some minutes of the host's."""
+    project.build("cortex-m7", f"firmware_{board}_echo.elf", keep_going=True)
+    done = subprocess.run([str(project.ROOT / "build/release/bench/board_rtt"), board, link], capture_output=True, text=True,
+                          timeout=1800, stdin=subprocess.DEVNULL)
+    if done.returncode != 0:
+        raise RuntimeError((done.stderr.strip().splitlines() or ["it said nothing"])[-1])
+    found = json.loads(done.stdout)
+    if found["lost"] != 0:
+        raise RuntimeError(f"{found['lost']} commands were lost")
+    return found
 
 
 @functools.cache

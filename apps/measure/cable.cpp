@@ -97,7 +97,7 @@ class Cable {
   }
   std::uint8_t urgency() const {
     const auto* output = std::get_if<link::OutputRaw>(&reader_.message());
-    const bool echo = output != nullptr && output->time_boot_ms == 0;  // echo_codec.hpp
+    const bool echo = output != nullptr && output->time_boot_ms == 0;  // echo_main.hpp
     const bool imu = std::holds_alternative<link::Imu>(reader_.message());
     return echo || imu ? hal::Serial::kUrgent : hal::Serial::kOrdinary;
   }

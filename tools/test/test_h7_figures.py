@@ -17,7 +17,7 @@ Total           262631
 
 @pytest.fixture
 def sections(monkeypatch):
-    monkeypatch.setattr(h7_figures, "sections", lambda: h7_figures.sizes_of(SIZE))
+    monkeypatch.setattr(h7_figures, "sections", lambda board: h7_figures.sizes_of(SIZE))
 
 
 def test_initial_values_count_in_flash_and_ram(sections):

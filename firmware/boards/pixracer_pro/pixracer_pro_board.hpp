@@ -19,6 +19,9 @@ class PixracerPro final : public stm32h7::FlightBoard {
   /// Clocks and memory system run already.
   PixracerPro(Memory& memory, parts::Start how);
 
+  /// All that the MPU must know of is known; the FRAM needs no care.
+  static void map_memory(unsigned /*first*/) {}
+  static void maintain(bool /*armed*/) {}
   /// Opens buses and inputs, starts the tick and the interrupts.
   void open();
   hal::Board roles() { return FlightBoard::roles(storage_, imu_, mag_, baro_, pitot_); }

@@ -80,10 +80,6 @@ class FlightBoard {
     Pulses::Memory outputs;
   };
 
-  /// Regions of memory that the MPU must know of, from number `first` on, before the caches are on.
-  static void map_memory(unsigned /*first*/) {}
-  /// Main loop, once per pass.
-  void maintain(bool /*armed*/) {}
   /// Sleeps until there is something for the main loop.
   void idle();
   void start_watchdog() { system_.start_watchdog(); }

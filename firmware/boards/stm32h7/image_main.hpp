@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <type_traits>
+
 #include "firmware/boards/common/glance_main.hpp"
-#include "firmware/boards/common/mavlink_main.hpp"
 #include "firmware/boards/common/place.hpp"
 #include "firmware/boards/stm32h7/backup_domain.hpp"
 #include "firmware/boards/stm32h7/clocks.hpp"
 #include "firmware/boards/stm32h7/cpu.hpp"
 #include "firmware/boards/stm32h7/flight_board.hpp"
 #include "firmware/boards/stm32h7/startup.hpp"
+// What it speaks.
+#include ROSFLIGHT_BOARD_LINK
 
 namespace rosflight::boards::stm32h7 {
 
@@ -52,7 +55,16 @@ class Image {
 
  private:
   struct Autopilot {
-    explicit Autopilot(const hal::Board& board) : firmware{board, link.codec} {}
+    explicit Autopilot(const hal::Board& board)
+        : link{make_link<BoardLink>(board.serial)}, firmware{board, link.codec} {}
+    template <class Link>
+    static Link make_link([[maybe_unused]] hal::Serial& port) {
+      if constexpr (std::is_constructible_v<Link, hal::Serial&>) {
+        return Link(port);
+      } else {
+        return Link{};
+      }
+    }
     BoardLink link;
     core::Firmware firmware;
   };

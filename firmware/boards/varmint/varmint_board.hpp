@@ -21,11 +21,12 @@ class Varmint final : public stm32h7::FlightBoard {
   /// Clocks and memory system run already.
   Varmint(Memory& memory, parts::Start how);
 
+  /// Of the MPU's regions, from number `first` on, before the caches are on.
   static void map_memory(unsigned first) { stm32h7::FlashSectors::map_memory(first); }
   /// Opens buses and inputs, starts the tick and the interrupts.
   void open();
   hal::Board roles() { return FlightBoard::roles(storage_, imu_, mag_, baro_, pitot_); }
-  /// The storage copies and erases; not while armed.
+  /// Main loop, once per pass: the storage copies and erases; not while armed.
   void maintain(bool armed) {
     if (!armed) storage_.maintain();
   }

@@ -11,7 +11,7 @@ from rosflight_msgs.srv import ParamGet, ParamSet
 
 NOISE = ["--corrupt", "0.01"]
 ECHO = SIL_TOOLS / "sil_echo"
-ASKED, ANSWERED = 9, 13  # apps/measure/echo_codec.hpp
+ASKED, ANSWERED = 9, 13  # firmware/boards/common/echo_main.hpp
 PERIOD_S = 0.08  # OFFBOARD_TIMEOUT is 0.1
 
 

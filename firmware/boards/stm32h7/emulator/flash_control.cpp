@@ -66,8 +66,7 @@ std::uint32_t FlashControl::read_sectors(std::uint32_t offset) {
     core().bus_error();
   }
   std::uint32_t value = 0;
-  std::memcpy(&value, content.data() + within % kWordBytes / kPieceBytes * kPieceBytes,
-              sizeof value);
+  std::memcpy(&value, content.data() + (within % kWordBytes & ~(kPieceBytes - 1)), sizeof value);
   return value;
 }
 
@@ -83,7 +82,7 @@ void FlashControl::write_sectors(std::uint32_t offset, std::uint32_t value) {
     pieces_ = 0;
     return complain("a word is not written whole and in order");
   }
-  std::memcpy(content_.data() + pieces_ * kPieceBytes, &value, sizeof value);
+  std::memcpy(content_.data() + std::size_t{pieces_} * kPieceBytes, &value, sizeof value);
   if (++pieces_ < kWordBytes / kPieceBytes) return;
   pieces_ = 0;
   const std::uint64_t twice = sectors.twice;

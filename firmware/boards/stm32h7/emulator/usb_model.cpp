@@ -54,7 +54,8 @@ std::uint32_t UsbModel::read(std::uint32_t offset, unsigned /*size*/) {
 
 void UsbModel::write(std::uint32_t offset, std::uint32_t value, unsigned /*size*/) {
   const bool endpoint = offset >= in_at(0, 0) && offset < out_at(kEndpoints, 0);
-  if (offset == otg::GINTSTS) {
+  const bool events = offset == otg::GINTSTS || (endpoint && (offset & 0x1FU) == otg_in::DIEPINT);
+  if (events) {
     word(offset) &= ~value;  // written 1 clears
   } else if (offset == otg::GRSTCTL) {
     if (otg::GRSTCTL_RXFFLSH.of(value) != 0) received_.clear();
@@ -67,8 +68,6 @@ void UsbModel::write(std::uint32_t offset, std::uint32_t value, unsigned /*size*
     write_device_control(value);
   } else if (endpoint && (offset & 0x1FU) == 0) {
     write_control(offset, value);
-  } else if (endpoint && (offset & 0x1FU) == otg_in::DIEPINT) {
-    word(offset) &= ~value;
   } else {
     word(offset) = value;
   }
@@ -87,12 +86,11 @@ void UsbModel::check_start() {
   constexpr std::uint32_t kFullSpeed = 3, kTurnaround = 6;
   if (clocks_.usb_Hz() != kUsb_Hz) complain("attached without a clock of 48 MHz");
   if (!power_.usb_supplied()) complain("attached without the supply of its transceiver");
-  if (otg::GUSBCFG_FDMOD.of(mode) == 0 || otg::GUSBCFG_PHYSEL.of(mode) == 0 ||
-      otg::GUSBCFG_TRDT.of(mode) < kTurnaround ||
-      otg::DCFG_DSPD.of(word(otg::DCFG)) != kFullSpeed ||
-      otg::GCCFG_PWRDWN.of(word(otg::GCCFG)) == 0) {
-    complain("attached, but not set up as a full-speed device");
-  }
+  const bool set_up = otg::GUSBCFG_FDMOD.of(mode) != 0 && otg::GUSBCFG_PHYSEL.of(mode) != 0 &&
+                      otg::GUSBCFG_TRDT.of(mode) >= kTurnaround &&
+                      otg::DCFG_DSPD.of(word(otg::DCFG)) == kFullSpeed &&
+                      otg::GCCFG_PWRDWN.of(word(otg::GCCFG)) != 0;
+  if (!set_up) complain("attached, but not set up as a full-speed device");
   std::uint32_t end = word(otg::GRXFSIZ);
   for (std::size_t k = 0; k < kEndpoints; ++k) {
     const std::uint32_t place =
