@@ -19,6 +19,7 @@ constexpr std::string_view kAsks = "asks for the checks before arming";
 constexpr std::string_view kTakes = "takes control";
 constexpr std::string_view kSteers = "steers: ";
 constexpr std::string_view kTests = "tests motor ";
+constexpr std::string_view kCalibrates = "calibrates ";
 constexpr std::string_view kLeaves = "is gone";
 
 Desk::Result result_of(const ParameterResult& entry) {
@@ -51,6 +52,8 @@ std::string text_of(const ViewerCommands::What& what) {
   if (const auto* steer = std::get_if<Desk::Steer>(&what)) return kSteers.data() + steer->text;
   if (const auto* test = std::get_if<Desk::TestMotor>(&what))
     return fmt::format("{}{} {}", kTests, test->motor, test->value);
+  if (const auto* calibrate = std::get_if<Desk::Calibrate>(&what))
+    return kCalibrates.data() + calibrate->sensor;
   if (std::holds_alternative<Desk::WriteParameters>(what)) return std::string(kWrites);
   if (std::holds_alternative<Desk::ReportChecks>(what)) return std::string(kAsks);
   return std::string(std::holds_alternative<Desk::Gone>(what) ? kLeaves : kTakes);
@@ -69,6 +72,8 @@ std::optional<ViewerCommands::What> parse_command(std::string_view text) {
     if (!motor || *motor < 0.0 || *motor > 255.0) return std::nullopt;
     return Desk::TestMotor{static_cast<std::uint8_t>(*motor), set->values[0].second};
   }
+  if (text.starts_with(kCalibrates))
+    return Desk::Calibrate{std::string(text.substr(kCalibrates.size()))};
   if (text == kWrites) return Desk::WriteParameters{};
   if (text == kAsks) return Desk::ReportChecks{};
   if (text == kLeaves) return Desk::Gone{};
@@ -83,11 +88,18 @@ void ViewerCommands::take(companion::Session& session, const Log& log) {
   for (const Desk::Command& command : desk_.commands()) start(command, session, log);
 }
 
+bool ViewerCommands::Waiting::pending() {
+  if (calibration) return !calibration->step();
+  return plain ? plain->pending() : load.pending();
+}
+
 void ViewerCommands::step(companion::Session& session, const Log& log) {
   take(session, log);
   std::erase_if(waiting_, [this](Waiting& one) {
-    if (one.plain ? one.plain->pending() : one.load.pending()) return false;
-    if (one.plain) {
+    if (one.pending()) return false;
+    if (one.calibration) {
+      one.answer.results.push_back({{}, {}, one.calibration->good(), one.calibration->text()});
+    } else if (one.plain) {
       one.answer.results.push_back({{}, {}, one.plain->done(), one.plain->text()});
     } else {
       for (const ParameterResult& entry : one.load.result().entries)
@@ -102,7 +114,8 @@ void ViewerCommands::step(companion::Session& session, const Log& log) {
 std::string ViewerCommands::refusal(const Desk::Command& command) const {
   const bool steers = std::holds_alternative<Desk::Steer>(command.what);
   if (steers && !parse_change_) return "a real vehicle cannot be steered from here";
-  const bool tests = std::holds_alternative<Desk::TestMotor>(command.what);
+  const bool tests = std::holds_alternative<Desk::TestMotor>(command.what) ||
+                     std::holds_alternative<Desk::Calibrate>(command.what);
   const bool changes =
       steers || tests ||
       (!parse_change_ && !std::holds_alternative<Desk::ReportChecks>(command.what));
@@ -151,9 +164,15 @@ void ViewerCommands::start(const Desk::Command& command, companion::Session& ses
 }
 
 void ViewerCommands::start_on_vehicle(const Desk::Command& command, companion::Session& session) {
-  Waiting waiting{{command.viewer, command.id, {}}, {}, {}};
+  Waiting waiting{{command.viewer, command.id, {}}, {}, {}, {}};
   if (const auto* set = std::get_if<Desk::SetParameters>(&command.what)) {
     start_load(*set, session, waiting);
+  } else if (const auto* calibrate = std::get_if<Desk::Calibrate>(&command.what)) {
+    if (const ground::Sensor* sensor = ground::find_sensor(calibrate->sensor)) {
+      waiting.calibration = std::make_unique<ground::SensorCalibration>(session, *sensor);
+    } else {
+      waiting.answer.results.push_back({{}, {}, false, "allowed: gyro, accel, baro, airspeed"});
+    }
   } else if (std::holds_alternative<Desk::WriteParameters>(command.what)) {
     waiting.plain = session.commands().start(link::Command::kWriteParams);
   } else {

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "companion/session.hpp"
+#include "ground/sensor_calibration.hpp"
 #include "web/server/command_desk.hpp"
 
 namespace rosflight::apps {
@@ -55,6 +57,9 @@ class ViewerCommands {
     Desk::Answer answer;  ///< With results that are known already.
     Load load;
     std::optional<Plain> plain;
+    std::unique_ptr<ground::SensorCalibration> calibration;
+
+    bool pending();
   };
 
   /// @returns why a viewer may not; empty: it may.

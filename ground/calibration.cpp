@@ -4,11 +4,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <functional>
 #include <ostream>
 
-#include "base/constants.hpp"
 #include "companion/mag_calibration.hpp"
 
 namespace rosflight::ground {
@@ -18,73 +15,6 @@ using companion::NamedValue;
 using companion::ParameterSet;
 using Figures = std::vector<Figure>;
 
-constexpr Time kMeasuring = std::chrono::milliseconds{1500};
-constexpr Time kSettling = std::chrono::milliseconds{200};
-
-// At rest. Gyros on boards have 0.01 rad/s of noise at most; the firmware accepts a spread of 0.3 rad/s
-// over 1001 samples, some six standard deviations.
-constexpr double kMaxGyroDeviation_rad_s = 0.05;
-constexpr double kMaxGyroOffset_rad_s = 0.01;
-// The firmware accepts a spread of 1 m/s^2 and a tilt of 5 deg.
-constexpr double kMaxAccelDeviation_m_s2 = 0.15;
-constexpr double kMaxTilt_deg = 5.0;
-constexpr double kMaxTiltAfter_deg = 0.5;
-constexpr double kMaxGravityError_m_s2 = 0.1;
-constexpr double kMaxPressureDeviation_Pa = 5.0;       // as the firmware: 0.4 m
-constexpr double kMaxDiffPressureDeviation_Pa = 10.0;  // likewise: 4 m/s
-constexpr double kMaxDiffPressureOffset_Pa = 2.0;
-
-/// Adds up what arrives while it lives.
-class SensorRecorder final : public companion::Listener {
- public:
-  explicit SensorRecorder(Session& session) : session_(session) { session_.add(*this); }
-  ~SensorRecorder() override { session_.remove(*this); }
-  SensorRecorder(const SensorRecorder&) = delete;
-  SensorRecorder& operator=(const SensorRecorder&) = delete;
-
-  void on_imu(const link::Imu& imu, const companion::Stamp& /*stamp*/) override {
-    for (std::size_t i = 0; i < 3; ++i) {
-      statistics.gyro_rad_s[i].add(static_cast<double>(imu.gyro_rad_s[i]));
-      statistics.accel_m_s2[i].add(static_cast<double>(imu.accel_m_s2[i]));
-    }
-  }
-  void on_baro(const link::Baro& baro, const companion::Stamp& /*stamp*/) override {
-    statistics.pressure_Pa.add(static_cast<double>(baro.pressure_Pa));
-  }
-  void on_diff_pressure(const link::DiffPressure& m, const companion::Stamp& /*stamp*/) override {
-    statistics.diff_pressure_Pa.add(static_cast<double>(m.pressure_Pa));
-  }
-
-  SensorStatistics statistics;
-
- private:
-  Session& session_;
-};
-
-double largest_deviation(const std::array<Statistics, 3>& axes) {
-  return std::max({axes[0].deviation(), axes[1].deviation(), axes[2].deviation()});
-}
-
-double norm(const std::array<double, 3>& v) {
-  return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
-std::array<double, 3> mean(const std::array<Statistics, 3>& axes) {
-  return {axes[0].mean(), axes[1].mean(), axes[2].mean()};
-}
-
-/// What differs between the sensors.
-struct Sensor {
-  const char* name;
-  link::Command command;
-  std::vector<std::string> parameters;
-  std::function<std::size_t(const SensorStatistics&)> samples;
-  /// @param values  of `parameters`.
-  std::function<Figures(const SensorStatistics&, const std::vector<double>& values, bool after)>
-      figures;
-  std::string advice;
-};
-
 SensorStatistics measure(GroundLink& link, const Sensor& sensor) {
   const SensorRecorder recorder(link.session());
   link.run_for(kMeasuring);
@@ -93,12 +23,6 @@ SensorStatistics measure(GroundLink& link, const Sensor& sensor) {
                                companion::to_seconds(kMeasuring)));
   }
   return recorder.statistics;
-}
-
-std::vector<double> numbers(const ParameterSet& set) {
-  std::vector<double> values;
-  for (const NamedValue& entry : set) values.push_back(entry.value.number());
-  return values;
 }
 
 void say_figures(const char* name, const char* when, const Figures& figures, std::ostream& out) {
@@ -141,78 +65,16 @@ int calibrate_sensor(GroundLink& link, const Sensor& sensor, bool write, std::os
 
 }  // namespace
 
-std::string Figure::text() const {
-  return fmt::format("{} {:.3g} {}, limit {:g} {}", name, value, unit, limit, unit);
-}
-
-std::vector<Figure> gyro_figures(const SensorStatistics& s, bool after) {
-  Figures figures{
-      {"standard deviation", largest_deviation(s.gyro_rad_s), kMaxGyroDeviation_rad_s, "rad/s"}};
-  if (after)
-    figures.push_back({"offset left", norm(mean(s.gyro_rad_s)), kMaxGyroOffset_rad_s, "rad/s"});
-  return figures;
-}
-
-std::vector<Figure> accel_figures(const SensorStatistics& s,
-                                  const std::array<double, 3>& offset_m_s2, bool after) {
-  std::array<double, 3> force = mean(s.accel_m_s2);
-  if (!after) {  // the tilt that the vehicle will measure: without its offset
-    for (std::size_t i = 0; i < 3; ++i) force[i] += offset_m_s2[i];
-  }
-  const double tilt_deg = base::kDegPerRad * std::atan2(std::hypot(force[0], force[1]), -force[2]);
-  Figures figures{
-      {"standard deviation", largest_deviation(s.accel_m_s2), kMaxAccelDeviation_m_s2, "m/s^2"},
-      {"tilt", tilt_deg, after ? kMaxTiltAfter_deg : kMaxTilt_deg, "deg"}};
-  if (after) {
-    figures.push_back({"residual against g", norm(force) - base::kStandardGravity_m_s2,
-                       kMaxGravityError_m_s2, "m/s^2"});
-  }
-  return figures;
-}
-
-std::vector<Figure> baro_figures(const SensorStatistics& s) {
-  return {{"noise", s.pressure_Pa.deviation(), kMaxPressureDeviation_Pa, "Pa"}};
-}
-
-std::vector<Figure> airspeed_figures(const SensorStatistics& s, bool after) {
-  Figures figures{{"noise", s.diff_pressure_Pa.deviation(), kMaxDiffPressureDeviation_Pa, "Pa"}};
-  if (after)
-    figures.push_back({"offset left", s.diff_pressure_Pa.mean(), kMaxDiffPressureOffset_Pa, "Pa"});
-  return figures;
-}
-
 int calibrate_gyro(GroundLink& link, const CalibrationOptions& options, std::ostream& out) {
-  const Sensor sensor{"gyro",
-                      link::Command::kGyroCalibration,
-                      {"GYRO_X_BIAS", "GYRO_Y_BIAS", "GYRO_Z_BIAS"},
-                      [](const SensorStatistics& s) { return s.gyro_rad_s[0].count(); },
-                      [](const SensorStatistics& s, const std::vector<double>&, bool after) {
-                        return gyro_figures(s, after);
-                      },
-                      "keep the vehicle still"};
-  return calibrate_sensor(link, sensor, options.write, out);
+  return calibrate_sensor(link, *find_sensor("gyro"), options.write, out);
 }
 
 int calibrate_accel(GroundLink& link, const CalibrationOptions& options, std::ostream& out) {
-  const Sensor sensor{"accel",
-                      link::Command::kAccelCalibration,
-                      {"ACC_X_BIAS", "ACC_Y_BIAS", "ACC_Z_BIAS"},
-                      [](const SensorStatistics& s) { return s.accel_m_s2[0].count(); },
-                      [](const SensorStatistics& s, const std::vector<double>& offset, bool after) {
-                        return accel_figures(s, {offset[0], offset[1], offset[2]}, after);
-                      },
-                      "put the vehicle level and keep it still"};
-  return calibrate_sensor(link, sensor, options.write, out);
+  return calibrate_sensor(link, *find_sensor("accel"), options.write, out);
 }
 
 int calibrate_baro(GroundLink& link, const CalibrationOptions& options, std::ostream& out) {
-  const Sensor sensor{
-      "baro",
-      link::Command::kBaroCalibration,
-      {"BARO_BIAS", "GROUND_LEVEL"},
-      [](const SensorStatistics& s) { return s.pressure_Pa.count(); },
-      [](const SensorStatistics& s, const std::vector<double>&, bool) { return baro_figures(s); },
-      "keep the vehicle still and out of the wind"};
+  const Sensor& sensor = *find_sensor("baro");
   const int code = calibrate_sensor(link, sensor, options.write, out);
   if (code == 0) {
     const ParameterSet ground = read_values(link, sensor.parameters);
@@ -223,15 +85,7 @@ int calibrate_baro(GroundLink& link, const CalibrationOptions& options, std::ost
 }
 
 int calibrate_airspeed(GroundLink& link, const CalibrationOptions& options, std::ostream& out) {
-  const Sensor sensor{"airspeed",
-                      link::Command::kAirspeedCalibration,
-                      {"DIFF_PRESS_BIAS"},
-                      [](const SensorStatistics& s) { return s.diff_pressure_Pa.count(); },
-                      [](const SensorStatistics& s, const std::vector<double>&, bool after) {
-                        return airspeed_figures(s, after);
-                      },
-                      "cover the pitot tube"};
-  return calibrate_sensor(link, sensor, options.write, out);
+  return calibrate_sensor(link, *find_sensor("airspeed"), options.write, out);
 }
 
 int calibrate_mag(GroundLink& link, const CalibrationOptions& options, std::ostream& out) {
@@ -279,12 +133,6 @@ int calibrate_mag(GroundLink& link, const CalibrationOptions& options, std::ostr
 
 void say(std::ostream& out, const std::string& line) {
   out << line << '\n' << std::flush;
-}
-
-const Figure* first_bad(const std::vector<Figure>& figures) {
-  const auto bad =
-      std::find_if(figures.begin(), figures.end(), [](const Figure& f) { return !f.good(); });
-  return bad == figures.end() ? nullptr : &*bad;
 }
 
 ParameterSet read_values(GroundLink& link, const std::vector<std::string>& names) {

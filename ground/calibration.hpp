@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <array>
 #include <iosfwd>
 #include <string>
 #include <vector>
 
 #include "ground/ground_link.hpp"
-#include "ground/statistics.hpp"
+#include "ground/sensor_calibration.hpp"
 
 /// Calibrations with a figure of quality. Nothing is changed when a figure is beyond its limit before the
 /// calibration; when one is beyond it afterwards, the former values are put back.
@@ -17,34 +16,6 @@ struct CalibrationOptions {
   bool write{false};                    ///< Store the parameters when it was good.
   bool props_off{false};  ///< A person confirms that no propeller is mounted; for `esc`.
 };
-
-/// A measured quality and the limit of its magnitude.
-struct Figure {
-  std::string name;
-  double value{};
-  double limit{};
-  std::string unit;
-
-  bool good() const { return std::abs(value) <= limit; }  ///< False for NaN.
-  /// "standard deviation 0.0021 rad/s, limit 0.05 rad/s".
-  std::string text() const;
-};
-
-/// Statistics of what the sensors sent for a while.
-struct SensorStatistics {
-  std::array<Statistics, 3> gyro_rad_s;
-  std::array<Statistics, 3> accel_m_s2;
-  Statistics pressure_Pa;
-  Statistics diff_pressure_Pa;
-};
-
-/// Figures before a calibration, when the old offsets are in force, and after it.
-/// @param offset  that the vehicle subtracts from the measured specific force.
-std::vector<Figure> gyro_figures(const SensorStatistics& s, bool after);
-std::vector<Figure> accel_figures(const SensorStatistics& s,
-                                  const std::array<double, 3>& offset_m_s2, bool after);
-std::vector<Figure> baro_figures(const SensorStatistics& s);
-std::vector<Figure> airspeed_figures(const SensorStatistics& s, bool after);
 
 // Each prints what it does and finds, and returns the exit code: 0, or 1 if it was refused or is not
 // good enough; the last line names the figure and its limit. They expect a connected link.
@@ -70,8 +41,6 @@ int calibrate_esc(GroundLink& link, const CalibrationOptions& options, std::ostr
 
 /// One line on `out`, at once.
 void say(std::ostream& out, const std::string& line);
-/// The first figure beyond its limit; nullptr if all are good.
-const Figure* first_bad(const std::vector<Figure>& figures);
 /// Present values. @throws NoAnswer  the vehicle does not have one.
 companion::ParameterSet read_values(GroundLink& link, const std::vector<std::string>& names);
 /// Stores the parameters if wanted; says else that they are not. @returns the exit code.

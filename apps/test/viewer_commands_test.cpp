@@ -133,6 +133,7 @@ TEST(ViewerCommandTexts, AreReadBack) {
       Desk::TakeControl{},
       Desk::Steer{"fault motor2_dead:5"},
       Desk::TestMotor{3, 0.1},
+      Desk::Calibrate{"gyro"},
       Desk::Gone{}};
   for (const auto& what : all) {
     const auto read = parse_command(text_of(what));

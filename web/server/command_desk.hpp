@@ -36,9 +36,12 @@ class CommandDesk {
     std::uint8_t motor{};  ///< Output, from 0.
     double value{};        ///< 0 to 1; the firmware has a limit of its own.
   };
+  struct Calibrate {
+    std::string sensor;  ///< gyro, accel, baro or airspeed.
+  };
   struct Gone {};  ///< The viewer is no longer connected; nobody waits for the answer.
   using What = std::variant<SetParameters, WriteParameters, ReportChecks, TakeControl, Steer,
-                            TestMotor, Gone>;
+                            TestMotor, Calibrate, Gone>;
   struct Command {
     std::uint64_t viewer{};
     std::string id;  ///< The viewer's own, for the answer.

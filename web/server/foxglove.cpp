@@ -69,6 +69,8 @@ bool read_parameter_request(const std::string& op, const Json& json, Request& re
     request.command = CommandDesk::ReportChecks{};
   } else if (op == "takeControl") {
     request.command = CommandDesk::TakeControl{};
+  } else if (op == "calibrate") {
+    request.command = CommandDesk::Calibrate{parameter_name(json.at("sensor"))};
   } else if (op == "testMotor") {
     request.command = CommandDesk::TestMotor{json.at("motor").get<std::uint8_t>(),
                                              json.at("value").get<double>()};
@@ -108,7 +110,7 @@ void read_request(const Json& json, Request& request) {
   } else {
     request.complaint = "op: found " + op +
                         ", known are subscribe, unsubscribe, getParameters, setParameters, "
-                        "writeParameters, reportChecks, takeControl, steer, testMotor";
+                        "writeParameters, reportChecks, takeControl, steer, testMotor, calibrate";
   }
 }
 

@@ -14,8 +14,8 @@
 
 /// The Foxglove WebSocket protocol v1, server's side, as far as it is used: channels, subscriptions,
 /// messages, parameters. Text frames are JSON objects with a member `op`, binary frames little-endian.
-/// Of our own are the client's operations token, writeParameters, reportChecks, takeControl, steer and
-/// testMotor, and the members `results`, `unsaved` and `control` of parameterValues: clients ignore
+/// Of our own are the client's operations token, writeParameters, reportChecks, takeControl, steer,
+/// testMotor and calibrate, and the members `results`, `unsaved` and `control` of parameterValues: clients ignore
 /// members, but not operations.
 namespace rosflight::web::server::foxglove {
 

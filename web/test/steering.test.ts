@@ -7,10 +7,9 @@ import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {after, test} from 'node:test';
 import {bytesSource} from '../src/data/bytes.ts';
-import {Commands, type Control} from '../src/data/commands.ts';
-import {PROTOCOLS} from '../src/data/live.ts';
 import {readLog} from '../src/data/read_log.ts';
-import {FLY, VIEW} from './flights.ts';
+import {FLY} from './flights.ts';
+import {flyWatched, until, viewer} from './simulated.ts';
 
 const scratch = await mkdtemp(join(tmpdir(), 'rosflight_steering_'));
 const running: ChildProcess[] = [];
@@ -19,40 +18,7 @@ after(async () => {
   await rm(scratch, {recursive: true});
 });
 
-/** A flight that is watched; `ended` has what it printed. */
-async function fly(folder: string, ...options: string[]) {
-  const child = spawn(VIEW, ['fly', '--view', '--json', '--out', join(scratch, folder), ...options], {stdio: ['ignore', 'pipe', 'pipe']});
-  running.push(child);
-  let said = '';
-  let printed = '';
-  child.stdout.on('data', (data) => { printed += String(data); });
-  const url = await new Promise<string>((resolve) => child.stderr.on('data', (data) => {
-    said += String(data);
-    const found = /http:\S+/.exec(said);
-    if (found) resolve(found[0]);
-  }));
-  return {child, url, printed: () => printed, said: () => said};
-}
-
-/** A viewer: its commands, and the newest state of the simulation. */
-async function viewer(url: string) {
-  const socket = new WebSocket(url.replace('http', 'ws'), PROTOCOLS);
-  const commands = new Commands((text) => socket.send(text));
-  const seen: {control?: Control} = {};
-  socket.onmessage = ({data}) => {
-    if (typeof data !== 'string') return;
-    const message = JSON.parse(data) as {op?: string; control?: Control};
-    commands.answered(message);
-    if (message.control) seen.control = message.control;
-  };
-  await new Promise((resolve) => { socket.onopen = resolve; });
-  const steer = async (text: string) => (await commands.steer(text))[0]!;
-  return {socket, commands, seen, steer, until: async (what: (control: Control) => boolean) => {
-    while (!seen.control || !what(seen.control)) await new Promise((resolve) => setTimeout(resolve, 10));
-  }};
-}
-
-const until = async (what: () => boolean) => { while (!what()) await new Promise((resolve) => setTimeout(resolve, 20)); };
+const fly = (folder: string, ...options: string[]) => flyWatched(running, join(scratch, folder), ...options);
 
 /** @returns exit code and what it said. */
 async function repeat(folder: string) {

@@ -141,6 +141,15 @@ describe('a vehicle on a link', () => {
       assert.equal(await page.getByLabel('Value of PRIMARY_MIXER').count(), 0, 'read-only at start');
       await setUp(page);
       await keepPicture(page, 'vehicle', DESKTOP);
+      await page.getByRole('tab', {name: 'Preflight'}).click();
+      for (const [name, figure] of [['gyro', /✓ standard deviation [\d.e-]+ rad\/s, limit 0.05 rad\/s; offset left [\d.e-]+ rad\/s, limit 0.01/],
+        ['barometer', /✓ noise [\d.]+ Pa, limit 5 Pa/], ['accelerometer', /✓ standard deviation .*; tilt [\d.e-]+ deg, limit 0.5 deg; residual against g/]] as const) {
+        const row = page.locator('.calibrations tr', {has: page.getByRole('button', {name: `Calibrate ${name}`})});
+        await row.getByRole('button').focus();
+        await page.keyboard.press('Enter');
+        await row.getByText(figure).waitFor();
+      }
+      await keepPicture(page, 'calibrations', DESKTOP);
       // What the page cannot do by hand is refused too.
       const refused = await page.evaluate(async () => {
         const socket = new WebSocket(location.href.replace(/^http/, 'ws'), ['foxglove.websocket.v1']);
@@ -163,8 +172,8 @@ describe('a vehicle on a link', () => {
     const said = flight.events.filter(({source}) => source === 'viewer').map(({text}) => text);
     assert.equal(said[0], 'viewer 1 takes control');
     assert.match(said[1]!, /^viewer 1 sets .*PRIMARY_MIXER/);
-    assert.equal(said[2], 'viewer 2 takes control from viewer 1');
-    assert.equal(said[3], 'viewer 2 is gone');
+    assert.deepEqual(said.slice(2), ['viewer 1 calibrates gyro', 'viewer 1 calibrates baro', 'viewer 1 calibrates accel',
+      'viewer 2 takes control from viewer 1', 'viewer 2 is gone']);
     assert.ok(flight.tables.get('/link/param_set')!.text('name')!.includes('PRIMARY_MIXER'));
   });
 

@@ -28,6 +28,9 @@ export class Commands {
   /** For 0.3 s, by the firmware's own rule. */
   testMotor(motor: number, value: number): Promise<Result[]> { return this.ask({op: 'testMotor', motor, value}); }
 
+  /** gyro, accel, baro or airspeed; the result has the figures of its quality. */
+  calibrate(sensor: string): Promise<Result[]> { return this.ask({op: 'calibrate', sensor}); }
+
   /** A message of the server that may end one. */
   answered({op, id, results}: {op?: string; id?: string; results?: Result[]}) {
     if (op !== 'parameterValues' || !id) return;

@@ -4,6 +4,7 @@ import {useState} from 'preact/hooks';
 import {checksAt, linesAt, refusalAt, WAYS_OUT, type Verdict} from '../data/checks.ts';
 import type {Flight} from '../data/flight.ts';
 import * as state from '../state.ts';
+import {Calibrations} from './calibrations.tsx';
 import {ControlBar} from './control.tsx';
 import {MotorTest} from './motor_test.tsx';
 
@@ -36,6 +37,6 @@ export function Preflight({flight}: {flight: Flight}) {
       <tbody>{lines.map(({name, verdict, reason}) => <tr key={name}>
         <th scope="row">{name}</th><td><span class={`badge ${WORDS[verdict][1]}`}>{WORDS[verdict][0]}</span></td>
         <td>{verdict !== 'pass' && <>{reason && <strong>{reason}. </strong>}{WAYS_OUT[name]}</>}</td></tr>)}</tbody></table>}
-    {commands && state.control.value && <><ControlBar/><MotorTest flight={flight}/></>}
+    {commands && state.control.value && <><ControlBar/><Calibrations/><MotorTest flight={flight}/></>}
   </section>;
 }
