@@ -2,21 +2,24 @@
 """Each module by itself, fed message by message by an rclpy peer: the contract of sim_contract.py, and that what comes out
 is physics. The forces and moments are checked twice: ours, and a node in Python."""
 
+import contextlib
 import math
+import socket
 import sys
 import time
 from pathlib import Path
 
 import pytest
 from sim_contract import MODULES, check_headers, check_module
-from geometry_msgs.msg import Vector3Stamped, WrenchStamped
+from geometry_msgs.msg import Vector3, Vector3Stamped, WrenchStamped
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from ros_rig import free_udp_port
 from rosflight_msgs.msg import PwmOutput, RCRaw, SimState
 from rosflight_msgs.srv import SetSimState
 from rosgraph_msgs.msg import Clock
-from sim_rig import ALL, BEST_EFFORT, LATCHED, VEHICLE, Process, SimPeer, node, parameter, set_parameters, sim_state, stamp, stamp_ns
+from sensor_msgs.msg import Imu
+from sim_rig import ALL, ALL_BEST_EFFORT, BEST_EFFORT, LATCHED, VEHICLE, Process, SimPeer, node, parameter, set_parameters, sim_state, stamp, stamp_ns
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker
@@ -364,6 +367,39 @@ def test_board(peer, tmp_path):
         check_headers(received, MODULES["board"].outputs["sim/pwm_output"])
         assert all(list(message.values) == [1000] * 14 for message in received)  # disarmed
     assert (tmp_path / "mem.bin").stat().st_size > 1000
+
+
+def test_a_sample_after_the_step_of_its_time_is_processed(peer, tmp_path):
+    """Time may stand until the companion has it: no other step will come."""
+    small_imu = 181
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as companion:
+        companion.bind(("127.0.0.1", 0))
+        companion.settimeout(0.05)
+
+        def sent():
+            """Numbers of the frames of ROSflight's MAVLink that have come, each packet a whole number of them."""
+            numbers = []
+            with contextlib.suppress(TimeoutError):
+                while packet := companion.recv(2048):
+                    while packet:
+                        numbers.append(packet[5])
+                        packet = packet[packet[1] + 8:]
+            return numbers
+
+        with node("sil_board", at_launch="sil_board", memory_folder=tmp_path, simulation_port=free_udp_port(), use_sim_time="true",
+                  ROS_port=companion.getsockname()[1]):
+            clock, imu = peer.publisher(Clock, "/clock", ALL_BEST_EFFORT), peer.publisher(Imu, "sim/sensors/imu/data", ALL)
+            peer.poll(lambda: clock.get_subscription_count() and imu.get_subscription_count(), "subscribers")
+            for tick in range(1, 6):
+                message = Clock()
+                message.clock.sec, message.clock.nanosec = divmod(START_NS + tick * TICK_NS, 1_000_000_000)
+                for _ in range(10):  # best effort
+                    clock.publish(message)
+                    time.sleep(0.005)
+                assert peer.call(Trigger, "sil_board/run").success
+                sent()
+                imu.publish(stamp(Imu(linear_acceleration=Vector3(z=-GRAVITY)), START_NS + tick * TICK_NS))
+                peer.poll(lambda: small_imu in sent(), f"sample {tick} on the link")
 
 
 def test_a_board_has_a_memory_for_each_namespace_and_vehicle(tmp_path):
