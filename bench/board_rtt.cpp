@@ -77,6 +77,8 @@ class Rig {
       run_until(std::min(end, now_us_ + kPeriod_us));
   }
   std::uint64_t received() const { return received_; }
+  /// Time not slept, by the count of instructions.
+  std::uint64_t busy_us() { return chip_.from_chip().busy_us; }
 
  private:
   void exchange(std::int64_t until_us) {
@@ -165,13 +167,14 @@ int measure(const std::string& board, const std::string& link, std::size_t count
   }
   Table steady;
   const std::int64_t begin = rig.now_us();
-  const std::uint64_t before = rig.received();
+  const std::uint64_t before = rig.received(), busy_before_us = rig.busy_us();
   for (std::uint32_t k = 1; k <= count; ++k) {
     steady.add(round_trip(rig, k));
     const std::int64_t next = begin + static_cast<std::int64_t>(k) * kPeriod_us;
     if (rig.now_us() < next) rig.run_until(next);
   }
   const double lasted_s = 1e-6 * static_cast<double>(rig.now_us() - begin);
+  const double busy_s = 1e-6 * static_cast<double>(rig.busy_us() - busy_before_us);
   const double sent_per_s = static_cast<double>(rig.received() - before) / lasted_s;
   if (!csv.empty()) {
     std::FILE* const file = std::fopen(csv.c_str(), "w");
@@ -194,6 +197,7 @@ int measure(const std::string& board, const std::string& link, std::size_t count
                                       {"p999_ms", steady.ms(0.999)},
                                       {"max_ms", steady.ms(1.0)},
                                       {"streams_bytes_per_s", sent_per_s},
+                                      {"idle_fraction", 1.0 - busy_s / lasted_s},
                                       {"fastest_hz", static_cast<double>(fast.us.size()) / fast_s}}
                    .dump()
             << "\n";
