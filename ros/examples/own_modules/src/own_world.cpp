@@ -21,6 +21,8 @@ using Eigen::Vector3d;
 constexpr double kGravity_m_s2 = 9.81;
 constexpr double kMass_kg = 3.5;
 constexpr double kFeet_m = 0.2;  // below the centre of mass
+constexpr double kGround_N_m = 2000.0;
+constexpr double kStanding_m = kMass_kg * kGravity_m_s2 / kGround_N_m - kFeet_m;  // down
 const Vector3d kInertia_kg_m2{0.08, 0.08, 0.12};
 
 Vector3d vector(const geometry_msgs::msg::Vector3& v) {
@@ -37,10 +39,10 @@ void put(const Vector3d& from, Message& to) {
 /// A rigid body over a soft ground. North-east-down, body axes front-right-down.
 struct Engine {
   double time_s{0.0};
-  Vector3d p{0.0, 0.0, -kFeet_m}, v{0.0, 0.0, 0.0};   // NED
-  Quaterniond q{1.0, 0.0, 0.0, 0.0};                  // body to NED
-  Vector3d w{0.0, 0.0, 0.0};                          // body axes
-  Vector3d specific_force{0.0, 0.0, -kGravity_m_s2};  // body axes
+  Vector3d p{0.0, 0.0, kStanding_m}, v{0.0, 0.0, 0.0};  // NED
+  Quaterniond q{1.0, 0.0, 0.0, 0.0};                    // body to NED
+  Vector3d w{0.0, 0.0, 0.0};                            // body axes
+  Vector3d specific_force{0.0, 0.0, -kGravity_m_s2};    // body axes
 
   void step(const Vector3d& force, const Vector3d& torque, double dt_s) {
     constexpr int kParts = 5;
@@ -53,7 +55,7 @@ struct Engine {
     Vector3d turning = torque;
     const double depth_m = p.z() + kFeet_m;
     if (depth_m > 0.0) {
-      outside.z() -= 2000.0 * depth_m + 120.0 * v.z();
+      outside.z() -= kGround_N_m * depth_m + 120.0 * v.z();
       outside.x() -= 50.0 * v.x();
       outside.y() -= 50.0 * v.y();
       const Vector3d up = q.conjugate() * Vector3d::UnitZ();
