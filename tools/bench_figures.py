@@ -89,6 +89,7 @@ def all_figures() -> list[Figure]:
         Figure("faults.flights", "flights", "report", lambda: faults()["flights"], on_request=True),
         Figure("faults.single_unexplained", "flights", "= 0", lambda: faults()["single_unexplained"], on_request=True),
         Figure("faults.pairs_unexplained", "flights", "= 0", lambda: faults()["pairs_unexplained"], on_request=True),
+        Figure("faults.seeds_failed", "flights", "= 0", seeds_failed, on_request=True),
         *m7(),
         *h7(),
         *(replace(figure, on_request=True) for figure in ros_figures()),
@@ -389,6 +390,16 @@ def faults() -> dict:
                         "--page", str(project.ROOT / "docs" / "fault-matrix.md")])
     print((build / "faults.txt").read_text(), flush=True)
     return printed
+
+
+SEEDS = 5000  # of each vehicle
+
+
+def seeds_failed() -> int:
+    """Default missions of both vehicles in 6 m/s of wind with gusts that did not end with the mission done."""
+    flown = stages.add(stages.gusty_seeds(vehicle, SEEDS) for vehicle in ("multirotor", "anaconda"))
+    print("\n".join(flown.complaints), flush=True)
+    return flown.failed
 
 
 @functools.cache
