@@ -75,6 +75,7 @@ void Conversation::take_news() {
   const std::size_t first = cursor_.channels;
   LiveData::News news = live_.news(cursor_);
   over_ = news.restarted;
+  if (over_) return;  // answers are still sent
   if (!news.channels.empty()) texts_.push_back(foxglove::advertise(first, news.channels));
   subscriptions_.resize(cursor_.channels);
   messages_.assign(news.messages.begin(), news.messages.end());

@@ -35,8 +35,8 @@ class Conversation {
   Conversation& operator=(const Conversation&) = delete;
 
   bool is_admitted() const { return right_ != Right::kNone; }
-  /// Something else runs now: the viewer has to begin again.
-  bool is_over() const { return over_; }
+  /// Something else runs now, and next() has nothing more to send: the viewer has to begin again.
+  bool is_over() const { return over_ && answers_.empty(); }
 
   /// A message of the viewer; `is_text` if its frame says so.
   /// @returns whether the viewer stays connected.

@@ -7,7 +7,7 @@ import {join} from 'node:path';
 import {after, before, describe, test} from 'node:test';
 import {gzipSync} from 'node:zlib';
 import type {Browser, Page} from 'playwright-core';
-import {clock, DESKTOP, drawn, goTo, newPage, onPage, PHONE, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
+import {clock, DESKTOP, drawn, goTo, keepPicture, newPage, onPage, PHONE, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
 import {FIXED_WING, logOf, MULTIROTOR, PAGE, VIEW} from './flights.ts';
 
 const started: ChildProcess[] = [];
@@ -99,6 +99,20 @@ describe('replay of a flight', () => {
     assert.equal(await page.locator('figure:has-text("/baro pressure")').count(), 0);
   }));
 
+  test('the mixer is drawn as it stands in the parameters, and each channel has its use', () => withPage(multirotor, async (page) => {
+    await page.getByRole('tab', {name: 'Receiver and outputs'}).click();
+    await goTo(page, 20);
+    const discs = await page.locator('.mixer .motor').evaluateAll((all) => all.map((one) => {
+      const [disc, turning] = [...one.querySelectorAll('circle')];
+      return [Number(one.getAttribute('data-output')), Math.sign(Number(disc!.getAttribute('cx'))), Math.sign(Number(disc!.getAttribute('cy'))), Number(turning!.getAttribute('r'))];
+    }));
+    assert.deepEqual(discs.map((one) => one.slice(0, 3)), [[0, 1, -1], [1, 1, 1], [2, -1, 1], [3, -1, -1]], 'front right, rear right, rear left, front left');
+    for (const [output, , , radius] of discs) assert.ok(radius! > 5, `motor ${output} turns`);
+    assert.match(await page.locator('.bar', {hasText: 'channel 0'}).innerText(), /roll/);
+    assert.match(await page.locator('.bar', {hasText: 'channel 5'}).innerText(), /attitude override, throttle override/);
+    await keepPicture(page, 'mixer');
+  }));
+
   test('facts have the verdict and every waypoint', () => withPage(multirotor, async (page) => {
     await page.getByRole('tab', {name: 'Facts'}).click();
     assert.match(await page.locator('.verdict').innerText(), /Success/);
@@ -126,6 +140,11 @@ describe('replay of a flight', () => {
     await page.getByText('mine.yaml has the same values').waitFor();
     await open('- {name: BATT_VOLT_MAX, type: 9, value: 24.0}\n');
     assert.equal(await page.locator('.differences tbody').innerText(), 'BATT_VOLT_MAX\t25.2\t24');
+    const made = (name: string, text: string) => ({name, mimeType: 'application/yaml', buffer: Buffer.from(text)});
+    await page.getByLabel('Compare with a file').setInputFiles([made('one.yaml', '- {name: A, type: 6, value: 1}\n- {name: B, type: 6, value: 2}\n- {name: C, type: 6, value: 3}\n'),
+      made('two.yaml', '- {name: A, type: 6, value: 1}\n- {name: B, type: 6, value: 5}\n- {name: D, type: 6, value: 4}\n')]);
+    await page.getByText('3 differences between one.yaml and two.yaml').waitFor();
+    assert.equal(await page.locator('.differences tbody').innerText(), 'B\t2\t5\nD\tno such parameter\t4\nC\t3\tno such parameter');
     await open('{"no": "such file"}');
     await page.getByText('mine.yaml, line 1: found').waitFor();
     const saved = page.waitForEvent('download');

@@ -74,7 +74,7 @@ describe('a running flight', () => {
       await page.getByText('All checks of the firmware').waitFor();
       const table = await readFile(new URL('../../firmware/core/arming_checks.hpp', import.meta.url), 'utf8');
       const names = [...table.matchAll(/\{Check::k\w+, +"([^"]+)"/g)].map(([, name]) => name!);
-      assert.deepEqual(await page.locator('.preflight tbody th').allInnerTexts(), names);
+      assert.deepEqual(await page.locator('.preflight .checks th[scope=row]').allInnerTexts(), names);
       assert.match(await result('calibration').innerText(), /IMU not calibrated\. .*calibrate the gyro/);
       assert.match(await page.locator('.preflight .verdict').innerText(), /Arming is refused for \d+ reason/);
       assert.deepEqual(await violations(page), []);

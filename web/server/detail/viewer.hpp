@@ -56,8 +56,10 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   void send_next() {
     if (!open_ || sending_) return;
     frame_ = conversation_.next();
-    if (conversation_.is_over()) return let_go();
-    if (!frame_) return;
+    if (!frame_) {
+      if (conversation_.is_over()) let_go();
+      return;
+    }
     sending_ = true;
     stream_.text(frame_->is_text);
     const auto contents =

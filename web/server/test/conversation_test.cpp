@@ -165,6 +165,13 @@ TEST_F(ConversationTest, AfterARestartTheViewerBeginsAnew) {
   live_.restart();
   EXPECT_FALSE(talk.next());
   EXPECT_TRUE(talk.is_over());
+  CommandDesk desk;
+  Conversation waits(live_, &desk, open_, session_, 3);
+  all(waits);
+  desk.answer({3, "reset", {{{}, {}, true, "reset"}}});
+  live_.restart();
+  EXPECT_NE(all(waits)[0].find("reset"), std::string::npos) << "the answer comes before the end";
+  EXPECT_TRUE(waits.is_over());
   Conversation next(live_, nullptr, open_, session_, 2);
   EXPECT_EQ(all(next).size(), 1U) << "a greeting, and no channels yet";
   EXPECT_FALSE(next.is_over());

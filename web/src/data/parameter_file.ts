@@ -55,3 +55,10 @@ export function differences(values: ReadonlyMap<string, number>, file: readonly 
   return file.map(({name, value}) => ({name, here: values.get(name), there: value}))
     .filter(({here, there}) => here === undefined || !sameValue(here, there));
 }
+
+/** Of one file against another, also what only one of them has; `there` is NaN where the other has no such parameter. */
+export function twoFiles(one: readonly ParameterValue[], other: readonly ParameterValue[]): Difference[] {
+  const here = new Map(one.map(({name, value}) => [name, value]));
+  const there = new Set(other.map(({name}) => name));
+  return [...differences(here, other), ...one.filter(({name}) => !there.has(name)).map(({name, value}) => ({name, here: value, there: NaN}))];
+}

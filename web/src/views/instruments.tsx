@@ -3,7 +3,10 @@
 import {eulerAngles} from '../data/attitude.ts';
 import type {Flight} from '../data/flight.ts';
 import {errorNames} from '../data/lanes.ts';
+import {usesOf} from '../data/mixer.ts';
+import {valuesOfMoment} from '../data/parameter_values.ts';
 import * as state from '../state.ts';
+import {Mixer} from './mixer.tsx';
 
 const DEG = 180 / Math.PI;
 const PITCH_PX = 1.6; // for a degree
@@ -71,16 +74,18 @@ function StateLine({flight, t}: {flight: Flight; t: number}) {
 /** Receiver channels (1000 to 2000 us) and outputs (0 to 1, servos -1 to 1). */
 export function Bars({flight}: {flight: Flight}) {
   const t = state.time.value;
+  const parameters = valuesOfMoment(flight, state.following.value ? Infinity : t);
   const channels = values(flight, '/rc_raw', 'values', 8, t);
   const outputs = values(flight, '/output_raw', 'values', 14, t);
   const used = outputs.findLastIndex((_, k) => flight.tables.get('/output_raw')?.column(`values[${k}]`)?.some((value) => value !== 0));
   return <section class="bars" aria-label="Receiver and outputs">
     <h2>Receiver</h2>
-    {channels.map((value, k) => <Bar key={k} name={`channel ${k + 1}`} share={(value - 1000) / 1000} text={`${value.toFixed(0)} µs`}/>)}
+    {channels.map((value, k) => <Bar key={k} name={`channel ${k}`} use={usesOf(parameters, k).join(', ')} share={(value - 1000) / 1000} text={`${value.toFixed(0)} µs`}/>)}
     {channels.length === 0 && <p class="hint">The log has no receiver channels.</p>}
     <h2>Outputs</h2>
-    {outputs.slice(0, used + 1).map((value, k) => <Bar key={k} name={`output ${k + 1}`} share={value} text={`${(100 * value).toFixed(0)} %`}/>)}
+    {outputs.slice(0, used + 1).map((value, k) => <Bar key={k} name={`output ${k}`} share={value} text={`${(100 * value).toFixed(0)} %`}/>)}
     {outputs.length === 0 && <p class="hint">The log has no outputs.</p>}
+    <Mixer flight={flight} values={parameters}/>
   </section>;
 }
 
@@ -88,12 +93,13 @@ function values(flight: Flight, topic: string, name: string, most: number, t: nu
   return Array.from({length: most}, (_, k) => flight.latest(topic, `${name}[${k}]`, t)).filter(Number.isFinite);
 }
 
-function Bar({name, share, text}: {name: string; share: number; text: string}) {
+function Bar({name, use = '', share, text}: {name: string; use?: string; share: number; text: string}) {
   const size = Math.min(Math.abs(share), 1);
   const half = share < 0;
   return <div class="bar" role="meter" aria-label={name} aria-valuenow={Math.round(100 * share)} aria-valuemin={-100} aria-valuemax={100} aria-valuetext={text}>
     <span class="name">{name}</span>
     <span class="gauge"><span class={half ? 'fill below' : 'fill'} style={{width: `${100 * size}%`}}/></span>
     <span class="value">{text}</span>
+    {use && <span class="use">{use}</span>}
   </div>;
 }

@@ -5,26 +5,13 @@ import {useComputed} from '@preact/signals';
 import {useMemo, useState} from 'preact/hooks';
 import type {Result} from '../data/commands.ts';
 import type {Flight} from '../data/flight.ts';
-import {differences, formatParameterFile, parseParameterFile, type Difference} from '../data/parameter_file.ts';
+import {tableOf, valuesAt} from '../data/parameter_values.ts';
+import {differences, formatParameterFile, parseParameterFile, twoFiles, type Difference, type ParameterValue} from '../data/parameter_file.ts';
 import {allowedText, complaint, groupOf, groupsOf, parseParameterTable, sameValue, shortNumber, type ParameterInfo} from '../data/parameter_table.ts';
 import * as state from '../state.ts';
 import {ControlBar, hasControl} from './control.tsx';
 
 const INFOS = parseParameterTable(csv);
-
-/** Messages of the link; where there are none, the list as the vehicle armed. */
-const tableOf = (flight: Flight) => flight.tables.get('/link/param_value') ?? flight.tables.get('/parameters');
-
-/** The latest value of each in the first messages; of what is not known by then, the one with which the vehicle armed, or its first. */
-function valuesAt(flight: Flight, rows: number): Map<string, number> {
-  const table = tableOf(flight);
-  const names = table?.text('name') ?? [];
-  const values = table?.column('value') ?? [];
-  const armed = flight.tables.get('/parameters');
-  const latest = new Map(names.length > rows ? armed?.text('name')?.map((name, k) => [name, armed.column('value')![k]!]) : []);
-  for (const [k, name] of names.entries()) if (k < rows || !latest.has(name)) latest.set(name, values[k]!);
-  return latest;
-}
 
 export function Parameters({flight}: {flight: Flight}) {
   const rows = useComputed(() => {
@@ -38,7 +25,7 @@ export function Parameters({flight}: {flight: Flight}) {
   const [edits, setEdits] = useState<ReadonlyMap<string, string>>(new Map());
   const [results, setResults] = useState<ReadonlyMap<string, Result>>(new Map());
   const [said, setSaid] = useState('');
-  const [file, setFile] = useState<{name: string; found: Difference[]}>();
+  const [file, setFile] = useState<{name: string; here?: string; found: Difference[]}>();
   const real = state.control.value?.simulated === false;
   const commands = real && !hasControl() ? undefined : state.commands.value; // a real vehicle wants control
 
@@ -64,14 +51,21 @@ export function Parameters({flight}: {flight: Flight}) {
     const [ended] = await commands!.write();
     setSaid(ended ? ended.text : '');
   };
-  const load = async (chosen: File) => {
-    try {
-      setFile({name: chosen.name, found: differences(values, parseParameterFile(await chosen.text()))});
-      setSaid('');
-    } catch (error) {
-      setFile(undefined);
-      setSaid(`${chosen.name}, ${(error as Error).message}`);
+  /** One file is compared with the vehicle, two with each other. */
+  const load = async (chosen: File[]) => {
+    setFile(undefined);
+    const read: {name: string; values: ParameterValue[]}[] = [];
+    for (const one of chosen) {
+      try {
+        read.push({name: one.name, values: parseParameterFile(await one.text())});
+      } catch (error) {
+        return setSaid(`${one.name}, ${(error as Error).message}`);
+      }
     }
+    const [first, second] = read;
+    setSaid(read.length > 2 ? 'Choose one file, or two.' : '');
+    if (read.length === 1) setFile({name: first!.name, found: differences(values, first!.values)});
+    if (read.length === 2) setFile({name: second!.name, here: first!.name, found: twoFiles(first!.values, second!.values)});
   };
 
   return <section class="parameters" aria-label="Parameters">
@@ -85,9 +79,9 @@ export function Parameters({flight}: {flight: Flight}) {
       <span class="hint">{shown.length} of {names.length}</span>
     </div>
     <div class="tools">
-      <label class="button">Compare with a file<input type="file" accept=".yaml,.yml" class="sr" onChange={(event) => {
-        const chosen = event.currentTarget.files?.[0];
-        if (chosen) void load(chosen);
+      <label class="button" title="Two files are compared with each other">Compare with a file<input type="file" accept=".yaml,.yml" multiple class="sr" onChange={(event) => {
+        const chosen = [...event.currentTarget.files ?? []];
+        if (chosen.length > 0) void load(chosen);
         event.currentTarget.value = '';
       }}/></label>
       <button onClick={() => save(values)}>Save to a file</button>
@@ -99,7 +93,7 @@ export function Parameters({flight}: {flight: Flight}) {
         <button onClick={() => setEdits(new Map())}>Discard</button></>}
     </div>
     <p class="said" role="status">{wrong.length > 0 ? `${wrong[0]![0]}: ${complaint(wrong[0]![1], INFOS.get(wrong[0]![0]))}` : said}</p>
-    {file && <Differences key={file.name} {...file} send={commands ? send : undefined} close={() => setFile(undefined)}/>}
+    {file && <Differences key={file.name} {...file} send={commands && !file.here ? send : undefined} close={() => setFile(undefined)}/>}
     <table><thead><tr><th>name</th><th class="n">value</th><th class="n">default</th></tr></thead>
       <tbody>{shown.map((name) => <Row key={name} name={name} value={values.get(name)!} info={INFOS.get(name)} result={results.get(name)} edit={edits.get(name)}
         change={commands && ((edit) => setEdits((before) => edited(before, name, edit, values.get(name)!)))}/>)}</tbody></table>
@@ -133,19 +127,19 @@ function Row({name, value, info, result, edit, change}: {name: string; value: nu
 }
 
 /** What a file has otherwise: a box for each, and what became of those that were sent. */
-function Differences({name, found, send, close}: {name: string; found: Difference[]; send: ((values: {name: string; value: number}[]) => Promise<Result[]>) | undefined;
+function Differences({name, here, found, send, close}: {name: string; here?: string; found: Difference[]; send: ((values: {name: string; value: number}[]) => Promise<Result[]>) | undefined;
   close: () => void}) {
   const [left, setLeft] = useState<ReadonlySet<string>>(new Set());
   const [results, setResults] = useState<ReadonlyMap<string, Result>>(new Map());
   const chosen = found.filter((one) => one.here !== undefined && !left.has(one.name));
   const choose = (one: string, on: boolean) => setLeft((before) => new Set(on ? [...before].filter((other) => other !== one) : [...before, one]));
   return <section class="differences" aria-label="Differences from the file">
-    <h2>{found.length === 0 ? `${name} has the same values` : `${found.length} differences from ${name}`}</h2>
-    {found.length > 0 && <table><thead><tr>{send && <th>send</th>}<th>name</th><th class="n">here</th><th class="n">in the file</th>{results.size > 0 && <th>result</th>}</tr></thead>
+    <h2>{found.length === 0 ? `${name} has the same values` : `${found.length} differences ${here ? `between ${here} and` : 'from'} ${name}`}</h2>
+    {found.length > 0 && <table><thead><tr>{send && <th>send</th>}<th>name</th><th class="n">{here ?? 'here'}</th><th class="n">{here ? name : 'in the file'}</th>{results.size > 0 && <th>result</th>}</tr></thead>
       <tbody>{found.map((one) => <tr key={one.name}>
         {send && <td><input type="checkbox" aria-label={`Send ${one.name}`} disabled={one.here === undefined} checked={one.here !== undefined && !left.has(one.name)}
           onChange={(event) => choose(one.name, event.currentTarget.checked)}/></td>}
-        <td class="mono">{one.name}</td><td class="n">{one.here === undefined ? 'no such parameter' : shortNumber(one.here)}</td><td class="n">{shortNumber(one.there)}</td>
+        <td class="mono">{one.name}</td><td class="n">{one.here === undefined ? 'no such parameter' : shortNumber(one.here)}</td><td class="n">{Number.isNaN(one.there) ? 'no such parameter' : shortNumber(one.there)}</td>
         {results.size > 0 && <td>{results.has(one.name) && outcome(results.get(one.name)!)}</td>}</tr>)}</tbody></table>}
     <div class="tools">
       {send && found.length > 0 && <button disabled={chosen.length === 0} onClick={async () => {

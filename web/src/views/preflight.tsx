@@ -33,7 +33,7 @@ export function Preflight({flight}: {flight: Flight}) {
       <span role="status">{said}</span></div>
     {refused && <div class="refusal"><h2>Attempt to arm at {refused.t.toFixed(1)} s, refused</h2>
       <ul>{refused.reasons.map((reason) => <li key={reason}>{reason}</li>)}</ul></div>}
-    {lines && <table><thead><tr><th>check</th><th>result</th><th>reason, and what to do</th></tr></thead>
+    {lines && <table class="checks"><thead><tr><th>check</th><th>result</th><th>reason, and what to do</th></tr></thead>
       <tbody>{lines.map(({name, verdict, reason}) => <tr key={name}>
         <th scope="row">{name}</th><td><span class={`badge ${WORDS[verdict][1]}`}>{WORDS[verdict][0]}</span></td>
         <td>{verdict !== 'pass' && <>{reason && <strong>{reason}. </strong>}{WAYS_OUT[name]}</>}</td></tr>)}</tbody></table>}
