@@ -9,6 +9,7 @@ import {after, before, describe, test} from 'node:test';
 import type {Browser, Page} from 'playwright-core';
 import {clock, DESKTOP, flightShown, goTo, keepPicture, newPage, onPage, PHONE, SMALL, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
 import {VIEW} from './flights.ts';
+import {viewer} from './simulated.ts';
 
 const started: ChildProcess[] = [];
 let browser: Browser;
@@ -37,6 +38,14 @@ describe('a running flight', () => {
     return {url, program, folder, ended: () => /has ended/.test(said)};
   }
 
+  /** Another viewer sets the speed. @returns its connection. */
+  async function faster(url: string, speed: number) {
+    const {socket, commands, steer} = await viewer(url);
+    await commands.takeControl();
+    assert.ok((await steer(`speed ${speed}`)).good);
+    return socket;
+  }
+
   test('is seen as it happens, can be looked back on, and stays after landing', async () => {
     const {url, program, folder, ended} = await flyAndView('--speed', '0.5');
     await withPage(url, async (page) => {
@@ -63,7 +72,7 @@ describe('a running flight', () => {
   });
 
   test('says what keeps it from arming, and what to do about it', async () => {
-    const {url, program, folder} = await flyAndView('--speed', '0.2');
+    const {url, program, folder} = await flyAndView('--speed', '0.1'); // not calibrated for 50 s
     await withPage(url, async (page) => {
       const result = (check: string) => page.locator('.preflight tr', {has: page.getByRole('rowheader', {name: check, exact: true})});
       await page.getByRole('tab', {name: 'Preflight'}).click();
@@ -79,15 +88,17 @@ describe('a running flight', () => {
       assert.match(await page.locator('.preflight .verdict').innerText(), /Arming is refused for \d+ reason/);
       assert.deepEqual(await violations(page), []);
       await keepPicture(page, 'preflight', DESKTOP);
+      const other = await faster(url, 1);
       await result('calibration').getByText('✓ pass').waitFor(); // by the flags, without asking again
       await page.getByText('The vehicle is armed.').waitFor();
+      other.close();
     }, SMALL);
     program.kill('SIGKILL');
     await rm(folder, {recursive: true});
   });
 
   test('has its parameters changed from the page, and each change says how it ended', async () => {
-    const {url, program, folder} = await flyAndView('--speed', '0.2');
+    const {url, program, folder} = await flyAndView('--speed', '0.1'); // not armed for a minute
     await withPage(url, async (page) => {
       const said = page.locator('.said');
       const until = (s: number) => page.waitForFunction((t) => parseFloat(document.querySelector('.clock')!.textContent!) > t, s);
@@ -117,6 +128,7 @@ describe('a running flight', () => {
       await keepPicture(page, 'parameters', DESKTOP);
       await page.getByRole('button', {name: 'Write to memory'}).click();
       await page.getByText('writing parameters: done').waitFor();
+      const other = await faster(url, 0.5);
       await page.waitForFunction(() => /(?<!dis)armed/.test(document.querySelector('.instruments')!.textContent!));
       await field.fill('0.004');
       await page.getByRole('button', {name: 'Send 1 change'}).click();
@@ -124,6 +136,7 @@ describe('a running flight', () => {
       assert.match(await page.locator('.result.bad').innerText(), /✗ 0.004 refused, stays at 0.001/);
       await page.getByRole('tab', {name: 'Events'}).click();
       await page.waitForSelector('.events tr:has-text("viewer 1 sets ACC_X_TEMP_COMP 0.001")');
+      other.close();
     }, SMALL);
     program.kill('SIGKILL');
     await rm(folder, {recursive: true});
