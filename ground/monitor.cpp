@@ -34,7 +34,8 @@ double scaled(double factor, float value) {
 
 /// Yaw, pitch and roll in this order (3-2-1), from north-east-down to the body.
 Euler euler(const std::array<float, 4>& q_WB) {
-  const double w = q_WB[0], x = q_WB[1], y = q_WB[2], z = q_WB[3];
+  const double w = scaled(1.0, q_WB[0]), x = scaled(1.0, q_WB[1]);
+  const double y = scaled(1.0, q_WB[2]), z = scaled(1.0, q_WB[3]);
   const double sine = std::clamp(2.0 * (w * y - z * x), -1.0, 1.0);
   return {kDegrees * std::atan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y)),
           kDegrees * std::asin(sine),

@@ -12,7 +12,7 @@ using Bytes = std::vector<std::uint8_t>;
 /// the decoders.
 inline Bytes pack_channels(const std::array<std::uint16_t, 16>& raw) {
   Bytes bytes(22, 0);
-  for (std::size_t bit = 0; bit < 16 * 11; ++bit) {
+  for (std::size_t bit = 0; bit < std::size_t{16} * 11; ++bit) {
     if ((raw[bit / 11] >> (bit % 11) & 1) == 0) continue;
     bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] | 1u << (bit % 8));
   }

@@ -115,7 +115,7 @@ void UsbModel::write_control(std::uint32_t offset, std::uint32_t value) {
   const std::size_t endpoint = (offset & 0xFFU) / 0x20U;
   const std::uint32_t enable = otg_in::DIEPCTL_EPENA.mask(), nak = otg_in::DIEPCTL_NAKSTS.mask();
   const bool enables = (value & enable) != 0;
-  if (enables && (control & enable) != 0 && !(is_out && endpoint == 0)) {
+  if (enables && (control & enable) != 0 && (!is_out || endpoint != 0)) {
     complain("endpoint " + std::to_string(endpoint) + " is enabled while a transfer runs");
   }
   const std::uint32_t kept = (control & (enable | nak)) | (enables ? enable : 0U);
@@ -244,11 +244,11 @@ UsbModel::Result UsbModel::send(std::size_t endpoint, const Packet& packet) {
 }
 
 UsbModel::Result UsbModel::receive(std::size_t endpoint, Packet& packet) {
-  constexpr std::size_t kPacket = 64;
+  constexpr std::size_t kLongest = 64;
   std::uint32_t& control = word(in_at(endpoint, otg_in::DIEPCTL));
   if (otg_in::DIEPCTL_STALL.of(control) != 0) return Result::kStall;
   std::uint32_t& sizes = word(in_at(endpoint, otg_in::DIEPTSIZ));
-  const std::size_t count = std::min<std::size_t>(otg_in::DIEPTSIZ_XFRSIZ.of(sizes), kPacket);
+  const std::size_t count = std::min<std::size_t>(otg_in::DIEPTSIZ_XFRSIZ.of(sizes), kLongest);
   const std::size_t stored = (count + kWordBytes - 1) / kWordBytes * kWordBytes;
   auto& fifo = to_host_[endpoint];
   const bool gives = otg_in::DIEPCTL_EPENA.of(control) != 0 &&
