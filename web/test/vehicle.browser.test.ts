@@ -120,8 +120,7 @@ async function hold(page: Page, outputs: Outputs) {
 
 /** From `start` [ms] until the firmware's outputs were 0 for good [s]. */
 async function stopsAfter(outputs: Outputs, start: number) {
-  await new Promise((resolve) => setTimeout(resolve, 1000));
-  assert.ok(outputs.newest > start + 800, 'the firmware sends on');
+  await until(() => outputs.newest > start + 800); // the firmware sends on
   assert.equal(outputs.largest, 0);
   return (outputs.turning - start) / 1000;
 }
