@@ -181,6 +181,8 @@ describe('a running flight', () => {
       await page.getByText('simulation paused').waitFor({state: 'detached'});
       await press('Let the pilot arm');
       await page.waitForFunction(() => /(?<!dis)armed/.test(document.querySelector('.instruments')!.textContent!));
+      await page.locator('.simulation').getByRole('button', {name: 'Pause', exact: true}).press('Enter'); // while the other viewer comes
+      await page.getByText('simulation paused').waitFor();
       const other = await newPage(browser, PHONE, {colorScheme: 'dark'});
       await other.page.goto(url);
       await flightShown(other.page);
@@ -190,6 +192,8 @@ describe('a running flight', () => {
       assert.ok(await page.getByRole('button', {name: 'Set wind'}).isDisabled());
       await other.page.getByRole('button', {name: 'Arm off'}).click();
       await other.page.getByText('Done: switch arm off').waitFor();
+      await other.page.getByRole('button', {name: 'Resume'}).click();
+      await other.page.getByText('Done: resume').waitFor();
       assert.deepEqual(await violations(other.page), []);
       await keepPicture(other.page, 'simulation-phone-dark');
       await other.page.context().close();
