@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
 #include <chrono>
 #include <string_view>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -40,11 +42,13 @@ std::optional<CommandDesk::Command> command_of(std::string_view line) {
   const std::size_t end = line.rfind(" (step ");
   if (!line.starts_with(kStart) || end == std::string_view::npos) return std::nullopt;
   line = line.substr(kStart.size(), end - kStart.size());
-  const std::size_t space = line.find(' ');
-  if (space == std::string_view::npos) return std::nullopt;
-  const auto what = parse_command(line.substr(space + 1));
+  std::uint64_t viewer{};
+  const char* const last = line.data() + line.size();
+  const auto [space, error] = std::from_chars(line.data(), last, viewer);
+  if (error != std::errc{} || space == last || *space != ' ') return std::nullopt;
+  const auto what = parse_command(line.substr(static_cast<std::size_t>(space - line.data()) + 1));
   if (!what) return std::nullopt;
-  return CommandDesk::Command{std::stoull(std::string(line.substr(0, space))), {}, *what};
+  return CommandDesk::Command{viewer, {}, *what};
 }
 
 }  // namespace

@@ -18,16 +18,17 @@
 #include <vector>
 
 #include "base/constants.hpp"
+#include "firmware/boards/common/echo_main.hpp"
 #include "flight/autopilot/chip_autopilot.hpp"
 #include "link/mavlink/mavlink_codec.hpp"
 
 namespace {
 
 using namespace rosflight;  // NOLINT(google-build-using-namespace): a program of one file
+using boards::EchoCodec;
 using boards::stm32h7::ChipOrder;
 using boards::stm32h7::ChipProcess;
 
-constexpr std::size_t kAsked = 9, kAnswered = 13;
 constexpr std::int64_t kResolution_us = 10, kPeriod_us = 2501, kLost_us = 100'000;
 constexpr std::uint32_t kUsualBaud = 921'600;
 
@@ -67,7 +68,7 @@ class Rig {
       if (!decoded.complete) continue;
       const auto* const output = std::get_if<link::OutputRaw>(&codec_.message());
       if (output != nullptr && output->time_boot_ms == 0)
-        answer = static_cast<std::uint32_t>(output->values[kAnswered]);
+        answer = static_cast<std::uint32_t>(output->values[EchoCodec::kAnswered]);
     }
     received_ += from.link_count;
     return answer;
@@ -124,7 +125,7 @@ void store_baud(Rig& rig, std::uint32_t baud) {
 /// One command and its answer. @returns the round trip, nothing if it was lost.
 std::optional<std::int64_t> round_trip(Rig& rig, std::uint32_t number) {
   link::OffboardControl command;
-  command.u[kAsked] = static_cast<float>(number);
+  command.u[EchoCodec::kAsked] = static_cast<float>(number);
   rig.send(command);
   const std::int64_t sent = rig.now_us();
   while (rig.now_us() - sent < kLost_us) {
