@@ -53,7 +53,7 @@ std::function<void()> parse_simulation_change(const std::string& text, flight::F
   }
   if (const auto mission = parse_reset(text, flight.setup().choice))
     return [&pace, mission] { pace.reset = mission; };
-  return [&flight, change = flight::parse_change(text, flight.setup())] { change(flight); };
+  return [&flight, change = flight::parse_change(text, flight)] { change(flight); };
 }
 
 }  // namespace rosflight::apps

@@ -6,12 +6,14 @@
 #include <cmath>
 #include <stdexcept>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "flight/autopilot/chip_autopilot.hpp"
 #include "flight/autopilot/in_process_autopilot.hpp"
 #include "flight/autopilot/uart_autopilot.hpp"
 #include "flight/link_state_estimator.hpp"
+#include "flight/tuning.hpp"
 #include "link/detect/detecting_codec.hpp"
 #include "sim/faulty_modules.hpp"
 #include "sim/lock_step.hpp"
@@ -140,6 +142,7 @@ class Flight::Loop final : private sim::LockStepListener {
   sim::LockStep lock_step;
   std::vector<std::unique_ptr<sim::Visualiser>> visualisers;  ///< Those the setup names.
   std::function<void(Flight&, sim::Time)> script;
+  std::string vehicle_text{setup.vehicle.text()};
   ErrorStatistics tracking;
   ErrorStatistics own_tracking;
   std::optional<hal::ImuSample> imu;
@@ -314,6 +317,16 @@ Guidance& Flight::guidance() {
 }
 const Guidance& Flight::guidance() const {
   return *loop_->guidance;
+}
+const std::string& Flight::vehicle_text() const {
+  return loop_->vehicle_text;
+}
+void Flight::tune(const TunedVehicle& vehicle) {
+  const bool done =
+      std::visit([this](const auto& autonomy) { return guidance().configure(autonomy.flight); },
+                 vehicle.autonomy);
+  if (!done) throw config::Error("tune: found a guidance of a plugin, allowed the project's");
+  loop_->vehicle_text = vehicle.text;
 }
 sim::FaultSchedule& Flight::faults() {
   return loop_->faults;

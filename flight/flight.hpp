@@ -18,6 +18,7 @@
 namespace rosflight::flight {
 
 class CableLink;
+struct TunedVehicle;
 class InProcessAutopilot;
 
 /// Modules of your own in place of the project's (docs/autonomy/replace-a-module.md); an empty
@@ -88,6 +89,10 @@ class Flight final {
   void set_wind(const sim::Vector3& steady_W_m_s, double w20_m_s);
   /// One gust that begins now, as Wind::add_gust().
   void add_gust(const sim::Vector3& peak_W_m_s, double duration_s);
+  /// The vehicle file as it is in force: that of the setup, and what was tuned in flight.
+  const std::string& vehicle_text() const;
+  /// Takes it into use. @throws config::Error  the guidance is one that cannot.
+  void tune(const TunedVehicle& vehicle);
   const Guidance& guidance() const;
   /// Output of guidance in its last step.
   const GuidanceOutput& autonomy() const { return guidance().output(); }

@@ -162,8 +162,15 @@ void FlightRecorder::log_parameters(sim::Time t) {
     log_->write_parameter(t, entry.name, entry.value.type, entry.value.bits);
 }
 
+void FlightRecorder::log_settings(sim::Time t) {
+  if (!log_ || flight_.vehicle_text() == logged_settings_) return;
+  logged_settings_ = flight_.vehicle_text();
+  log_->write_settings(t, logged_settings_);
+}
+
 void FlightRecorder::step(const sim::Truth& truth, const hal::OutputValues& outputs) {
   if (log_) log_->write_truth(truth, outputs);
+  log_settings(truth.time);
   log_parameters(truth.time);
   log_autonomy(truth.time);
   log_estimate(truth);

@@ -61,6 +61,7 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
   void log_autonomy(sim::Time t);
   void log_parameters(sim::Time t);
   void log_route();
+  void log_settings(sim::Time t);
   void log_estimate(const sim::Truth& truth);
   void add_route(sim::Time t, const autonomy::fixedwing::FlightManager& manager);
 
@@ -75,6 +76,7 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
   double last_setpoint_s_{-1.0};
   double last_estimate_s_{-1.0};
   std::string last_phase_{"disarmed"};
+  std::string logged_settings_;
   bool parameters_logged_{false};
   bool logs_inputs_{false};  ///< All that the board receives.
   int warnings_{0};

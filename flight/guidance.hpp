@@ -55,6 +55,9 @@ class Guidance {
   virtual void request_land() = 0;
   /// Ends the mission: the next steps fly back and land. Default: land.
   virtual void request_return() { request_land(); }
+  /// Takes other gains and limits into use, in flight. @returns false: it cannot.
+  virtual bool configure(const autonomy::multirotor::FlightConfig& /*config*/) { return false; }
+  virtual bool configure(const autonomy::fixedwing::FlightConfig& /*config*/) { return false; }
   /// Output of the last step.
   const GuidanceOutput& output() const { return out_; }
 
@@ -73,6 +76,11 @@ class MultirotorGuidance final : public Guidance {
   const GuidanceOutput& step(const Input& in, const Notify& notify) override;
   void request_land() override { manager_.request_land(); }
   void request_return() override { manager_.request_return(); }
+  using Guidance::configure;
+  bool configure(const autonomy::multirotor::FlightConfig& config) override {
+    manager_.configure(config);
+    return true;
+  }
   autonomy::multirotor::FlightManager& manager() { return manager_; }
 
  private:
@@ -88,6 +96,11 @@ class FixedWingGuidance final : public Guidance {
   const GuidanceOutput& step(const Input& in, const Notify& notify) override;
   void request_land() override { manager_.request_land(); }
   void request_return() override { manager_.request_return(); }
+  using Guidance::configure;
+  bool configure(const autonomy::fixedwing::FlightConfig& config) override {
+    manager_.configure(config);
+    return true;
+  }
   autonomy::fixedwing::FlightManager& manager() { return manager_; }
   const autonomy::fixedwing::FlightManager& manager() const { return manager_; }
   const autonomy::fixedwing::FlightOutput& details() const { return manager_.output(); }

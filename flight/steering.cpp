@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "config/strict_yaml.hpp"
+#include "flight/tuning.hpp"
 
 namespace rosflight::flight {
 namespace {
@@ -18,7 +19,8 @@ using config::Error;
 using sim::rc::Control;
 using Change = std::function<void(Flight&)>;
 
-constexpr std::string_view kAllowed = "wind, gust, fault, heal, switch, stick, hold, land, return";
+constexpr std::string_view kAllowed =
+    "wind, gust, fault, heal, switch, stick, hold, land, return, tune";
 
 /// Its part before the first `mark`, and what follows.
 std::pair<std::string, std::string> cut(const std::string& text, char mark) {
@@ -98,15 +100,23 @@ Change move(const std::string& text, bool is_switch) {
   return [which, to](Flight& flight) { flight.pilot().set(which, static_cast<float>(to)); };
 }
 
+Change tune(const std::string& text, const Flight& flight) {
+  const auto [key, value] = cut(text, ' ');
+  return [vehicle = tuned(flight.vehicle_text(), flight.setup(), key, value)](Flight& flying) {
+    flying.tune(vehicle);
+  };
+}
+
 }  // namespace
 
-std::function<void(Flight&)> parse_change(const std::string& text, const FlightSetup& setup) {
+std::function<void(Flight&)> parse_change(const std::string& text, const Flight& present) {
   const auto [verb, rest] = cut(text, ' ');
   if (verb == "wind") return wind(rest);
   if (verb == "gust") return gust(rest);
-  if (verb == "fault") return fault(rest, setup);
+  if (verb == "fault") return fault(rest, present.setup());
   if (verb == "switch") return move(rest, true);
   if (verb == "stick") return move(rest, false);
+  if (verb == "tune") return tune(rest, present);
   if (verb == "hold") {
     return [on = on_or_off("hold", rest)](Flight& flight) { flight.runner().set_hold(on); };
   }

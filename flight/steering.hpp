@@ -18,10 +18,11 @@ namespace rosflight::flight {
 ///     stick NAME POSITION               roll, pitch, throttle, yaw; 0 to 1
 ///     hold on|off                       the pilot does not arm by himself
 ///     land | return                     the mission ends
+///     tune KEY VALUE                    a key of the section autonomy, but for the estimator's
 ///
 /// The same changes in the same steps give the same flight to the bit.
-/// @returns what does it at the beginning of a step, before the firmware runs.
+/// @param present  the flight as it is. @returns what does it at the beginning of a step, before the firmware runs.
 /// @throws config::Error  one line: what was found and what is allowed.
-std::function<void(Flight&)> parse_change(const std::string& text, const FlightSetup& setup);
+std::function<void(Flight&)> parse_change(const std::string& text, const Flight& present);
 
 }  // namespace rosflight::flight

@@ -278,6 +278,10 @@ void FlightLog::write_estimate(hal::Time time, messages::rosflight_log_msgs::Est
     write<Topic::kEstimate>(now, header(now, kInertialFrame), estimate);
 }
 
+void FlightLog::write_settings(hal::Time time, std::string_view yaml) {
+  write<Topic::kSettings>(stamp(time), messages::std_msgs::String{messages::clean_utf8(yaml)});
+}
+
 void FlightLog::write_phase(hal::Time time, std::string_view name) {
   const std::uint64_t now = stamp(time);
   write<Topic::kPhase>(

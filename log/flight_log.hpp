@@ -94,6 +94,8 @@ class FlightLog {
   /// The vehicle as ROS tools draw it, and the frames that never move. @param urdf  its links are
   /// fixed to base_link.
   void write_description(hal::Time time, std::string_view urdf);
+  /// The vehicle file as it is in force from now on.
+  void write_settings(hal::Time time, std::string_view yaml);
 
   /// The path as it is planned from here on: points in NED.
   void write_path(hal::Time time, std::span<const std::array<double, 3>> points_W);

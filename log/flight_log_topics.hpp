@@ -66,7 +66,8 @@ enum class Topic : std::uint8_t {
   kPath,
   kFix,
   kRobotDescription,
-  kBoardInputs
+  kBoardInputs,
+  kSettings
 };
 
 /// The shortest time between two messages of a topic [ms], in logs for plots and in full ones: the
@@ -149,8 +150,9 @@ inline constexpr std::array kTopics{
     of<messages::sensor_msgs::NavSatFix>("/gnss/fix"),
     of<messages::std_msgs::String>("/robot_description"),
     of<messages::rosflight_log_msgs::BoardInputs>("/board/inputs"),
+    of<messages::std_msgs::String>("/settings"),
 };
-static_assert(kTopics.size() == static_cast<std::size_t>(Topic::kBoardInputs) + 1);
+static_assert(kTopics.size() == static_cast<std::size_t>(Topic::kSettings) + 1);
 
 inline constexpr std::string_view kInertialFrame = messages::kNedFrame;
 inline constexpr std::string_view kBodyFrame = messages::kBodyFrame;

@@ -32,7 +32,8 @@ constexpr TopicKind kind_of(Topic topic) {
                                Topic::kTexts,
                                Topic::kTfStatic,
                                Topic::kPath,
-                               Topic::kRobotDescription};
+                               Topic::kRobotDescription,
+                               Topic::kSettings};
   if (std::find(kEvents.begin(), kEvents.end(), topic) != kEvents.end()) return TopicKind::kEvent;
   return topic == Topic::kRawFrames || topic == Topic::kBoardInputs ? TopicKind::kBulk
                                                                     : TopicKind::kState;

@@ -55,7 +55,7 @@ ONE_SIDED = {("rosflight_log_msgs/msg/TruthVehicle", "specific_force"): True,  #
 
 # Topics that only logs since November 2026 have.
 NEW_TOPICS = {"/parameters", "/tf", "/tf_static", "/sim/pose", "/sim/odometry", "/autonomy/odometry", "/autonomy/path", "/gnss/fix",
-              "/robot_description", "/board/inputs"}
+              "/robot_description", "/board/inputs", "/settings"}
 
 # Frames of the link: one message each in logs until November 2026, those of 50 ms in one message since.
 RAW_FRAME, RAW_FRAMES = "rosflight_log_msgs/msg/RawFrame", "rosflight_log_msgs/msg/RawFrames"

@@ -199,7 +199,7 @@ ready_environment() {  # FOLDER REQUIREMENTS, both from the root
 
 # All that the page is made from.
 web_key() {
-  (cd "$root/web" && find src build.mjs package-lock.json ../firmware/core/parameters.csv ../apps/help/fly.txt -type f -print0 | LC_ALL=C sort -z | xargs -0 sha256sum | sha256sum)
+  (cd "$root/web" && find src build.mjs package-lock.json ../firmware/core/parameters.csv ../docs/autonomy-keys.md ../docs/vehicle-keys.md ../apps/help/fly.txt -type f -print0 | LC_ALL=C sort -z | xargs -0 sha256sum | sha256sum)
 }
 
 ready_web() {  # run|test

@@ -16,7 +16,7 @@ if (!out) {
 
 const {outputFiles} = await build({
   entryPoints: {page: join(here, 'src/main.tsx')}, bundle: true, minify: true, write: false, outdir: out,
-  loader: {'.csv': 'text', '.txt': 'text'}, format: 'iife', target: 'es2022', jsx: 'automatic', jsxImportSource: 'preact', charset: 'utf8', legalComments: 'eof',
+  loader: {'.csv': 'text', '.md': 'text', '.txt': 'text'}, format: 'iife', target: 'es2022', jsx: 'automatic', jsxImportSource: 'preact', charset: 'utf8', legalComments: 'eof',
   logLevel: 'warning',
 });
 // In a report the script is packed: it would be half of a short flight's file.

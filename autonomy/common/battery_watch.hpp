@@ -49,6 +49,8 @@ class BatteryWatch {
     double current_A{};
     bool fresh{};  ///< Measured lately.
   };
+  /// Also in flight; what was taken and the level stay.
+  void configure(const BatteryConfig& config) { config_ = config; }
   /// Once a step, while armed. Fast: some twenty operations.
   BatteryLevel step(const Sample& sample, double dt_s);
 

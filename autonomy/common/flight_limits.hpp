@@ -38,6 +38,9 @@ class FlightLimits {
     crossed_ = return_ = land_ = false;
   }
 
+  /// Also in flight; the battery's charge stays.
+  void configure(const BatteryConfig& battery) { battery_.configure(battery); }
+
   /// Once a step in flight.
   /// @param from_start_W  position less that of the start; not finite: the fence is not judged.
   void step(const Status& status, const Vector3& from_start_W, double dt_s, FlightEvents& events) {

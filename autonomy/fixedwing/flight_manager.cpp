@@ -20,13 +20,10 @@ void FlightManager::set_mission(const Mission& mission) {
   static_cast<GuidanceOutput&>(out_) = guidance_.output();
 }
 
-void FlightManager::configure(const ControllerConfig& controller, const FollowerConfig& follower) {
-  FlightConfig config = guidance_.config();
-  config.controller = controller;
-  config.follower = follower;
+void FlightManager::configure(const FlightConfig& config) {
   guidance_.configure(config);
-  controller_.configure(controller);
-  follower_ = PathFollower(follower);
+  controller_.configure(config.controller);
+  follower_ = PathFollower(config.follower);
 }
 
 const FlightOutput& FlightManager::step(const Input& in) {

@@ -57,8 +57,8 @@ class FlightManager {
   void request_return() { guidance_.request_return(); }
   /// Another mission, also in flight. May allocate.
   void set_mission(const Mission& mission);
-  /// Gains change in flight.
-  void configure(const ControllerConfig& controller, const FollowerConfig& follower);
+  /// Gains and limits change in flight, integrals stay; a path that has begun stays as it was planned.
+  void configure(const FlightConfig& config);
 
   const FlightOutput& output() const { return out_; }
   const FlightConfig& config() const { return guidance_.config(); }

@@ -65,7 +65,10 @@ class Guidance {
   /// Another mission, also in flight, from waypoint `first` on.
   void set_mission(const Mission& mission, std::size_t first = 0);
   /// Also in flight; a path that has begun stays as it was planned.
-  void configure(const FlightConfig& config) { config_ = config; }
+  void configure(const FlightConfig& config) {
+    config_ = config;
+    limits_.configure(config.battery);
+  }
 
   const GuidanceOutput& output() const { return out_; }
   const FlightConfig& config() const { return config_; }

@@ -10,13 +10,14 @@
 namespace rosflight::autonomy::multirotor {
 namespace {
 
-StateMachineConfig with_height(StateMachineConfig config, const Mission& mission) {
-  if (mission.takeoff_height_m) config.takeoff_height_m = *mission.takeoff_height_m;
+StateMachineConfig with_height(StateMachineConfig config,
+                               const std::optional<double>& takeoff_height_m) {
+  if (takeoff_height_m) config.takeoff_height_m = *takeoff_height_m;
   return config;
 }
 
-PathConfig with_cycle(PathConfig config, const Mission& mission) {
-  config.cycle = mission.at_end == AtEnd::kCycle;
+PathConfig with_cycle(PathConfig config, bool cycle) {
+  config.cycle = cycle;
   return config;
 }
 
@@ -38,12 +39,14 @@ FlightManager::FlightManager(const FlightConfig& config, const Mission& mission,
 
 void FlightManager::set_mission(const Mission& mission) {
   if (mission.waypoints.empty()) throw std::invalid_argument("the mission has no waypoint");
+  const bool cycle = mission.at_end == AtEnd::kCycle;
   if (!control_.started() || control_.on_ground()) {
-    path_ = PathManager(with_cycle(config_.path, mission));
+    path_ = PathManager(with_cycle(config_.path, cycle));
   } else {
-    path_.set_cycle(mission.at_end == AtEnd::kCycle);
+    path_.set_cycle(cycle);
   }
-  control_.renew(with_height(config_.states, mission));
+  takeoff_height_m_ = mission.takeoff_height_m;
+  control_.renew(with_height(config_.states, takeoff_height_m_));
   path_.set_waypoints(mission.waypoints);
   at_end_ = mission.at_end;
   fence_ = mission.fence;
@@ -53,6 +56,16 @@ void FlightManager::set_mission(const Mission& mission) {
   flown_ = false;
   command_good_ = true;
   out_.mission_done = out_.landed = false;
+}
+
+void FlightManager::configure(const FlightConfig& config) {
+  config_ = config;
+  path_.configure(with_cycle(config.path, path_.config().cycle));
+  if (auto* follower = dynamic_cast<TrajectoryFollower*>(follower_.get()))
+    follower->configure(config.follower);
+  control_.configure(config.controller, with_height(config.states, takeoff_height_m_));
+  control_.set_thrust_model(config.thrust);
+  limits_.configure(config.battery);
 }
 
 void FlightManager::start_path(double t_s, const State& state) {

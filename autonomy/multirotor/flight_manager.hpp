@@ -76,6 +76,9 @@ class FlightManager {
   void request_return() { return_asked_ = true; }
   /// Another mission, also in flight; a flight that has ended may start again. May allocate.
   void set_mission(const Mission& mission);
+  /// Gains and limits change in flight, integrals and filters stay; a leg that has begun stays as it
+  /// was planned. A law of the caller's own keeps its own.
+  void configure(const FlightConfig& config);
 
   const FlightOutput& output() const { return out_; }
   const FlightConfig& config() const { return config_; }
@@ -93,6 +96,7 @@ class FlightManager {
   std::unique_ptr<TrajectoryLaw> follower_;
   CommandedFlight control_;
   AtEnd at_end_{AtEnd::kLand};
+  std::optional<double> takeoff_height_m_;  ///< Of the mission.
   FlightLimits limits_;
   std::optional<Fence> fence_;
   Vector3 start_W_{Vector3::Zero()};  ///< Of the take-off.

@@ -18,7 +18,7 @@ class SteeringTest : public testing::Test {
   }
   /// In the next step.
   void change(const std::string& text) {
-    auto act = std::make_shared<std::function<void(Flight&)>>(parse_change(text, setup_));
+    auto act = std::make_shared<std::function<void(Flight&)>>(parse_change(text, flight_));
     flight_.set_script(
         [act](Flight& flight, sim::Time) { std::exchange(*act, [](Flight&) {})(flight); });
     flight_.step();
@@ -36,7 +36,7 @@ TEST_F(SteeringTest, EachFaultOfTheListBeginsNowAndEndsWhenHealed) {
         std::regex_replace(line.substr(2, line.find(' ', 2) - 2), std::regex("N_"), "1_");
     name = std::regex_replace(name, std::regex("VALUE|FACTOR"), "0.5");
     if (name.starts_with("servo")) {
-      EXPECT_THROW(parse_change("fault " + name, setup_), config::Error) << "no surfaces";
+      EXPECT_THROW(parse_change("fault " + name, flight_), config::Error) << "no surfaces";
       continue;
     }
     const sim::Time now = flight_.now();
@@ -85,12 +85,83 @@ TEST_F(SteeringTest, ThePilotArmsWhenHeIsLet) {
   EXPECT_EQ(flight_.runner().stage(), Stage::kDone);
 }
 
+TEST_F(SteeringTest, AKeyOfAutonomyIsInForceFromTheNextStepAndInTheVehicleFile) {
+  const auto config = [this]() -> const autonomy::multirotor::FlightConfig& {
+    return dynamic_cast<MultirotorGuidance&>(flight_.guidance()).manager().config();
+  };
+  const std::string before = flight_.vehicle_text();
+  change("tune limits.tilt_deg 12");
+  EXPECT_NEAR(config().controller.max_tilt_rad, 0.20944, 1e-5);
+  EXPECT_EQ(config().follower.max_tilt_rad, config().controller.max_tilt_rad) << "shared";
+  EXPECT_NE(flight_.vehicle_text(), before);
+  change("tune landing.speed_m_s 1.95");
+  change("tune landing.touchdown_speed_m_s 1.9");
+  EXPECT_EQ(config().states.landing.touchdown_speed_m_s, 1.9) << "beside what was tuned before";
+  EXPECT_NEAR(config().controller.max_tilt_rad, 0.20944, 1e-5);
+  change("tune limits.distance_m " + std::string("2000"));
+  EXPECT_NE(flight_.vehicle_text().find("tilt_deg: 12"), std::string::npos);
+}
+
+TEST_F(SteeringTest, AVehicleTunedInFlightFliesByIt) {
+  const auto largest_tilt_rad = [this](double until_s) {
+    double largest = 0.0;
+    while (sim::to_seconds(flight_.now()) < until_s) {
+      flight_.step();
+      const sim::Vector3 down_B = flight_.truth().body.q_WB.conjugate() * sim::Vector3::UnitZ();
+      largest = std::max(largest, std::acos(std::min(1.0, down_B.z())));
+    }
+    return largest;
+  };
+  while (!flight_.autonomy().tracking) flight_.step();
+  const double start_s = sim::to_seconds(flight_.now());
+  EXPECT_GT(largest_tilt_rad(start_s + 4.0), 0.2);
+  change("tune limits.tilt_deg 3");
+  largest_tilt_rad(start_s + 5.0);
+  EXPECT_LT(largest_tilt_rad(start_s + 12.0), 0.08);
+}
+
+TEST(TuneFixedWing, ItsGainsChangeToo) {
+  FlightChoice choice;
+  choice.vehicle = "anaconda";
+  const FlightSetup setup{choice};
+  Flight flight{setup};
+  const auto& manager = dynamic_cast<FixedWingGuidance&>(flight.guidance()).manager();
+  ASSERT_NE(manager.config().controller.max_roll_rad, 0.5235987755982988);
+  parse_change("tune limits.roll_deg 50", flight)(flight);
+  EXPECT_NEAR(manager.config().controller.max_roll_rad, 0.87266, 1e-5);
+  EXPECT_EQ(manager.config().follower.max_roll_ff_rad, manager.config().controller.max_roll_rad);
+}
+
 TEST_F(SteeringTest, OtherTextsAreRefusedWithWhatIsAllowed) {
-  for (const char* text :
-       {"", "dance", "heal now", "wind", "wind 41,0", "gust 5,0", "gust 5,0,1,2", "gust 5,0,0",
-        "gust 5,0,61", "fault", "fault baro@3", "fault baro:0", "switch arm", "switch roll on",
-        "stick arm 1", "stick roll 1.1", "stick roll nan", "hold", "land here"}) {
-    EXPECT_THROW(parse_change(text, setup_), config::Error) << text;
+  for (const char* text : {"",
+                           "dance",
+                           "heal now",
+                           "wind",
+                           "wind 41,0",
+                           "gust 5,0",
+                           "gust 5,0,1,2",
+                           "gust 5,0,0",
+                           "gust 5,0,61",
+                           "fault",
+                           "fault baro@3",
+                           "fault baro:0",
+                           "switch arm",
+                           "switch roll on",
+                           "stick arm 1",
+                           "stick roll 1.1",
+                           "stick roll nan",
+                           "hold",
+                           "land here",
+                           "tune",
+                           "tune limits.tilt_deg",
+                           "tune limits.tilt_deg 61",
+                           "tune limits.tilt_deg 1\n2",
+                           "tune limits.tilt 20",
+                           "tune limits.tilt_deg [20]",
+                           "tune estimator.initial_s 3",
+                           "tune landing.touchdown_speed_m_s 1.9",
+                           "tune limits.distance_m 100"}) {
+    EXPECT_THROW(parse_change(text, flight_), config::Error) << text;
   }
 }
 

@@ -315,6 +315,7 @@ EXPECTED = {
                  "bytes": bytes([0xFE, 0x00, 0xFF])}),
     ]),
     "/robot_description": ("std_msgs/msg/String", [(3.004, {"data": "<robot/>"})]),
+    "/settings": ("std_msgs/msg/String", [(3.004, {"data": "type: multirotor\n"})]),
     "/parameters": ("rosflight_log_msgs/msg/Parameter", [
         (3.004, {"header": header(3.004), "name": "BATT_VOLT_MAX", "type": 9, "value": 23.5}),
     ]),

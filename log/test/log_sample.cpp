@@ -203,6 +203,7 @@ void write_others(FlightLog& log) {
                       {std::bit_cast<std::uint32_t>(23.5F)});
   constexpr std::array<std::array<double, 3>, 2> kPath{{{1.5, 2.5, -3.5}, {4.5, 5.5, -6.5}}};
   log.write_description(at(3004), "<robot/>");
+  log.write_settings(at(3004), "type: multirotor\n");
   write_inputs(log);
   log.write_path(at(3004), kPath);
 }

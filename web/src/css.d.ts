@@ -4,6 +4,10 @@ declare module '*.csv' {
   const text: string;
   export default text;
 }
+declare module '*.md' {
+  const text: string;
+  export default text;
+}
 declare module '*.txt' {
   const text: string;
   export default text;

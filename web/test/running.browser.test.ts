@@ -142,6 +142,43 @@ describe('a running flight', () => {
     await rm(folder, {recursive: true});
   });
 
+  test('has its autonomy tuned from the page; what the vehicle is made of stays', async () => {
+    const {url, program, folder} = await flyAndView('--speed', '1', '--hold');
+    await withPage(url, async (page) => {
+      await page.getByRole('tab', {name: 'Parameters'}).click();
+      const owner = page.getByLabel('Parameters of');
+      await owner.selectOption('vehicle');
+      const row = (key: string) => page.locator('.parameters tr', {has: page.getByRole('rowheader', {name: key, exact: true})});
+      assert.match(await row('body.mass_kg').innerText(), /3\.5\s+needed/);
+      assert.equal(await page.getByLabel(/^Value of/).count(), 0, 'to look at');
+      await owner.selectOption('autonomy');
+      await page.getByRole('button', {name: 'Take control'}).click();
+      await page.getByLabel('Search').fill('tilt_deg');
+      const field = page.getByLabel('Value of autonomy.limits.tilt_deg');
+      assert.equal(await field.inputValue(), '35');
+      await page.getByText('deg · from 1 to 60 · of every commanded attitude').waitFor();
+      await field.fill('61');
+      const send = page.getByRole('button', {name: 'Send 1 change'});
+      await send.click();
+      await page.locator('.result.bad', {hasText: 'allowed'}).waitFor();
+      assert.match(await page.locator('.result.bad').innerText(), /found 61, allowed .*from 1 to 60/);
+      await field.fill('22');
+      await send.focus(); // by keyboard
+      await page.keyboard.press('Enter');
+      await page.getByText('1 of 1 in force').waitFor();
+      assert.equal(await page.locator('.result').innerText(), '✓ set to 22');
+      await page.waitForFunction(() => document.querySelector<HTMLInputElement>('.parameters td input')!.value === '22');
+      assert.deepEqual(await violations(page), []);
+      await keepPicture(page, 'parameters-autonomy', DESKTOP);
+      await page.getByLabel('Search').fill('sigma');
+      assert.equal(await page.getByLabel(/^Value of/).count(), 0, 'the estimator\'s are read once');
+      await page.getByRole('tab', {name: 'Events'}).click();
+      await page.waitForSelector('.events tr:has-text("viewer 1 steers: tune limits.tilt_deg 22")');
+    }, SMALL);
+    program.kill('SIGKILL');
+    await rm(folder, {recursive: true});
+  });
+
   test('is steered from the page: control, time, wind, faults, transmitter; another viewer takes over', async () => {
     const {url, program, folder} = await flyAndView('--speed', '1', '--hold');
     await withPage(url, async (page) => {

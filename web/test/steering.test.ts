@@ -46,7 +46,8 @@ test('a flight changed by hand is repeated from its log to the bit', {timeout: 2
   assert.ok((await one.steer('step 4')).good);
   for (const text of ['resume', 'speed 8']) assert.ok((await one.steer(text)).good, text);
   for (const [text, why] of [['wind 99,0', /allowed SPEED,FROM_DEG/], ['fault baro@3', /it begins now/], ['fault motor9_dead', /motor 9, allowed 0 to/],
-    ['stick roll 2', /allowed 0 to 1/], ['switch roll on', /allowed arm/], ['reset nowhere', /found 'nowhere'/], ['dance', /allowed wind/], ['step 0.5', /allowed/]] as const) {
+    ['stick roll 2', /allowed 0 to 1/], ['switch roll on', /allowed arm/], ['reset nowhere', /found 'nowhere'/], ['dance', /allowed wind/], ['step 0.5', /allowed/],
+    ['tune limits.tilt_deg 99', /found 99, allowed .*from 1 to 60/], ['tune limits.tilt 20', /tilt/], ['tune estimator.range_delay_s 0.1', /before a flight alone/]] as const) {
     const {good, text: said} = await one.steer(text);
     assert.ok(!good && why.test(said), `${text}: ${said}`);
   }
@@ -57,7 +58,7 @@ test('a flight changed by hand is repeated from its log to the bit', {timeout: 2
   assert.ok(!/stage fly/.test(flight.said()));
   for (const text of ['wind 4,200,3', 'gust 6,90,2.5', 'hold off']) assert.ok((await one.steer(text)).good, text); // not before it is calibrated
   await until(() => /take-?off|phase takeoff|stage fly/.test(flight.said()));
-  assert.ok((await one.steer('fault gnss:2')).good);
+  for (const text of ['tune limits.tilt_deg 20', 'tune follower.horizontal.kp_1_s2 4.5', 'fault gnss:2']) assert.ok((await one.steer(text)).good, text);
   for (const text of ['fault mag', 'pause']) assert.ok((await one.steer(text)).good, text); // it flies no further while the other one comes
   // Another viewer takes over, and the first one is told.
   const two = await viewer(flight.url);
@@ -73,7 +74,8 @@ test('a flight changed by hand is repeated from its log to the bit', {timeout: 2
   assert.equal(again.summary['log_sha256'], summary['log_sha256'], again.said);
   assert.equal(again.code, 0);
   assert.match(again.said, /commands repeated; the log is equal to the bit/);
-  const {events} = await read('changed');
+  const {events, settings} = await read('changed');
+  assert.deepEqual(settings.map(({text}) => [/tilt_deg: (\S+)/.exec(text)![1], /kp_1_s2: (\S+)/.exec(text)![1]]), [['35', '6.0'], ['20', '6.0'], ['20', '4.5']]);
   const said = events.filter(({source}) => source === 'viewer');
   assert.ok(said.some(({text}) => /^viewer 2 takes control from viewer 1 \(step \d+\)$/.test(text)));
   for (const {t, text} of said) assert.equal(Number(/\(step (\d+)\)$/.exec(text)![1]), Math.round(t / 0.0025), text);

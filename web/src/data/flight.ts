@@ -41,6 +41,8 @@ export class Flight {
   readonly plans: {t: number; points: Triple[]}[] = [];
   /** Vehicle as ROS tools draw it. */
   urdf = '';
+  /** The vehicle file in force, each from its moment on. */
+  readonly settings: {t: number; text: string}[] = [];
   facts = new Map<string, string>();
   /** What its folder says beside the log. */
   analysis: Analysis | undefined;
@@ -56,6 +58,7 @@ export class Flight {
     if (BULK.has(type.name)) return;
     if (topic === '/rosout') this.events.push(textEvent(t, readMessage(type, data)));
     else if (topic === '/robot_description') this.urdf = String(readMessage(type, data)['data'] ?? '');
+    else if (topic === '/settings') this.settings.push({t, text: String(readMessage(type, data)['data'] ?? '')});
     else if (topic === '/autonomy/path') this.plans.push({t, points: pathPoints(readMessage(type, data))});
     else this.table(topic, type).add(t, data);
   }

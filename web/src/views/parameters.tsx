@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Parameters of the firmware at the moment shown. Where commands are allowed they can be changed, and each change says how it ended.
+// Parameters at the moment shown: of the firmware here, of autonomy and vehicle in settings.tsx. Where commands are allowed they can be changed, and each change says how it ended.
 import csv from '../../../firmware/core/parameters.csv';
 import {useComputed} from '@preact/signals';
 import {useMemo, useState} from 'preact/hooks';
@@ -10,10 +10,22 @@ import {differences, formatParameterFile, parseParameterFile, twoFiles, type Dif
 import {allowedText, complaint, groupOf, groupsOf, parseParameterTable, sameValue, shortNumber, type ParameterInfo} from '../data/parameter_table.ts';
 import * as state from '../state.ts';
 import {ControlBar, hasControl} from './control.tsx';
+import {Settings} from './settings.tsx';
 
 const INFOS = parseParameterTable(csv);
 
+const OWNERS = {firmware: 'firmware', autonomy: 'autonomy', vehicle: 'simulated vehicle'};
+
 export function Parameters({flight}: {flight: Flight}) {
+  const [of, setOf] = useState<keyof typeof OWNERS>('firmware');
+  return <>
+    <div class="tools"><label>Parameters of <select value={of} onChange={(event) => setOf(event.currentTarget.value as typeof of)}>
+      {Object.entries(OWNERS).map(([one, name]) => <option key={one} value={one}>{name}</option>)}</select></label></div>
+    {of === 'firmware' ? <OfFirmware flight={flight}/> : <Settings key={of} flight={flight} of={of}/>}
+  </>;
+}
+
+function OfFirmware({flight}: {flight: Flight}) {
   const rows = useComputed(() => {
     void state.revision.value; // a growing flight
     return (tableOf(state.flight.value ?? flight)?.rowAt(state.following.value ? Infinity : state.time.value) ?? -1) + 1;
