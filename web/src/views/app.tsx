@@ -13,6 +13,7 @@ import {Preflight} from './preflight.tsx';
 import {Simulation} from './simulation.tsx';
 import {Space} from './space.tsx';
 import {Timeline} from './timeline.tsx';
+import {Tune} from './tune.tsx';
 
 export function App() {
   useKeyboard();
@@ -64,7 +65,7 @@ function Start() {
   </main>;
 }
 
-const TABS = {plots: 'Plots', events: 'Events', preflight: 'Preflight', simulation: 'Simulation', bars: 'Receiver and outputs', firmware: 'Firmware', facts: 'Facts', parameters: 'Parameters'};
+const TABS = {plots: 'Plots', events: 'Events', preflight: 'Preflight', simulation: 'Simulation', bars: 'Receiver and outputs', firmware: 'Firmware', facts: 'Facts', parameters: 'Parameters', tune: 'Tune'};
 type Tab = keyof typeof TABS;
 /** A flight that was cannot be steered. */
 const tabs = () => (Object.keys(TABS) as Tab[]).filter((name) => name !== 'simulation' || state.control.value?.simulated);
@@ -88,6 +89,7 @@ function FlightView({flight}: {flight: Flight}) {
         {tab === 'firmware' && <Firmware flight={flight}/>}
         {tab === 'facts' && <Facts flight={flight}/>}
         {tab === 'parameters' && <Parameters flight={flight}/>}
+        {tab === 'tune' && <Tune flight={flight}/>}
       </div>
     </div>
   </main>;

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The view Tune of a flight that runs: steps are made and measured, gains tried, undone and taken.
+import assert from 'node:assert/strict';
+import {type ChildProcess} from 'node:child_process';
+import {mkdtemp, rm} from 'node:fs/promises';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
+import {after, before, test} from 'node:test';
+import type {Browser} from 'playwright-core';
+import {DESKTOP, keepPicture, onPage, SMALL, startBrowser, violations} from './browser.ts';
+import {flyWatched} from './simulated.ts';
+
+const started: ChildProcess[] = [];
+let browser: Browser;
+
+before(async () => { browser = await startBrowser(); });
+after(async () => {
+  for (const program of started) program.kill('SIGKILL');
+  await browser?.close();
+});
+
+test('a step of the roll stick has its figures beside the gains, which are tried, undone and taken', {timeout: 240_000}, async () => {
+  const folder = await mkdtemp(join(tmpdir(), 'rosflight_tune_'));
+  const {url} = await flyWatched(started, join(folder, 'flight'));
+  await onPage(browser, url, async (page) => {
+    await page.getByRole('tab', {name: 'Tune'}).click();
+    await page.getByText('No step of roll in this flight yet.').waitFor();
+    await page.getByRole('button', {name: 'Take control'}).click();
+    await page.waitForFunction(() => parseFloat(/height([\d.]+)/.exec(document.querySelector('.instruments')!.textContent!)?.[1] ?? '0') > 1.5);
+    const step = page.getByRole('button', {name: 'Step for 2 s'});
+    const rows = page.locator('.steps tbody tr');
+    const flown = async () => {
+      const known = await rows.count();
+      await step.focus();
+      await page.keyboard.press('Enter');
+      await page.waitForFunction((count) => document.querySelectorAll('.steps tbody tr').length >= count + 2, known); // there and back
+      await page.getByText('The pilot gave the sticks back').waitFor();
+    };
+    const cells = async (row: number) => (await rows.nth(row).locator('td').allInnerTexts()).map((text) => parseFloat(text));
+    await flown();
+    const first = await cells(1); // the newest is the way back
+    assert.ok(Math.abs(first[0]! - 10) < 0.3, `a step of 10 degrees: ${first}`);
+    assert.ok(first[1]! > 0.03 && first[1]! < 0.6, `rise: ${first}`);
+    assert.ok(first[2]! >= 0 && first[2]! < 60, `overshoot: ${first}`);
+    assert.equal(first[5], 1, 'gain in force');
+    const gain = page.getByLabel('PID_ROLL_ANG_P');
+    await gain.fill('-1');
+    await page.getByText(/PID_ROLL_ANG_P: allowed/).waitFor();
+    assert.ok(await page.getByRole('button', {name: 'Try'}).isDisabled());
+    await gain.fill('0.5');
+    await page.getByRole('button', {name: 'Try'}).click();
+    await page.getByText('Before: PID_ROLL_ANG_P 1').waitFor();
+    await flown();
+    assert.deepEqual(await violations(page), []);
+    await keepPicture(page, 'tune', DESKTOP);
+    const softer = await cells(1);
+    assert.equal(softer[5], 0.5);
+    assert.ok(softer[1]! > 1.2 * first[1]!, `half the gain answers more slowly: ${softer}, ${first}`);
+    await page.getByRole('button', {name: 'Undo'}).click();
+    await page.getByText('set to 1').waitFor();
+    assert.equal(await gain.inputValue(), '1');
+    assert.ok(await page.getByRole('button', {name: 'Undo'}).isDisabled());
+    await gain.fill('0.9');
+    await page.getByRole('button', {name: 'Try'}).click();
+    await page.getByText('Before: PID_ROLL_ANG_P 1').waitFor();
+    await page.getByRole('button', {name: 'Take', exact: true}).click();
+    await page.getByText(/^Taken\./).waitFor();
+    assert.equal(await gain.inputValue(), '0.9');
+  }, SMALL);
+  await rm(folder, {recursive: true});
+});
