@@ -2,7 +2,7 @@
 // The view Tune of a flight that runs: steps are made and measured, gains tried, undone and taken.
 import assert from 'node:assert/strict';
 import {type ChildProcess} from 'node:child_process';
-import {mkdtemp, rm} from 'node:fs/promises';
+import {mkdtemp, rm, writeFile} from 'node:fs/promises';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {after, before, test} from 'node:test';
@@ -21,15 +21,18 @@ after(async () => {
 
 test('a step of the roll stick has its figures beside the gains, which are tried, undone and taken', {timeout: 240_000}, async () => {
   const folder = await mkdtemp(join(tmpdir(), 'rosflight_tune_'));
-  const {url} = await flyWatched(started, join(folder, 'flight'));
+  const mission = join(folder, 'high.yaml');
+  await writeFile(mission, 'mission:\n  - {type: hold, w: [0, 0, -8], speed: 4, heading_deg: 0, hold_seconds: 300}\n');
+  const {url} = await flyWatched(started, join(folder, 'flight'), '--mission', mission);
   await onPage(browser, url, async (page) => {
     await page.getByRole('tab', {name: 'Tune'}).click();
     await page.getByText('No step of roll in this flight yet.').waitFor();
     await page.getByRole('button', {name: 'Take control'}).click();
-    await page.waitForFunction(() => parseFloat(/height([\d.]+)/.exec(document.querySelector('.instruments')!.textContent!)?.[1] ?? '0') > 1.5);
+    const high = () => page.waitForFunction(() => parseFloat(/height([\d.]+)/.exec(document.querySelector('.instruments')!.textContent!)?.[1] ?? '0') > 7);
     const step = page.getByRole('button', {name: 'Step for 2 s'});
     const rows = page.locator('.steps tbody tr');
     const flown = async () => {
+      await high();
       const known = await rows.count();
       await step.focus();
       await page.keyboard.press('Enter');

@@ -7,13 +7,17 @@ export type Value = number | string | Value[] | {[field: string]: Value};
 
 /** Where reading is within one message. Reading past its end throws a RangeError. */
 export class CdrCursor {
-  private readonly view: DataView;
-  private readonly bytes: Uint8Array;
-  private readonly little: boolean;
+  private view!: DataView;
+  private bytes!: Uint8Array;
+  private little = true;
   private offset = 4;
 
   /** @throws Error  the encapsulation is not that of classic CDR. */
-  constructor(message: Uint8Array) {
+  constructor(message: Uint8Array) { this.open(message); }
+
+  /** Another message, from its start. @throws as the constructor. */
+  open(message: Uint8Array) {
+    this.offset = 4;
     this.bytes = message;
     this.view = new DataView(message.buffer, message.byteOffset, message.byteLength);
     const kind = this.view.getUint16(0);
@@ -38,11 +42,22 @@ export class CdrCursor {
     }
   }
 
-  text(): string {
+  /** @param expected  if this ASCII text is the next one, no other is made. */
+  text(expected?: string): string {
     const length = this.number('uint32'); // with the NUL at the end
     const start = this.offset;
     this.skip(length, 1);
+    if (expected !== undefined && this.holds(expected, start, length - 1)) return expected;
     return TEXT.decode(this.bytes.subarray(start, start + Math.max(length - 1, 0)));
+  }
+
+  private holds(text: string, start: number, length: number): boolean {
+    if (text.length !== length) return false;
+    for (let k = 0; k < length; ++k) {
+      const byte = this.bytes[start + k]!;
+      if (byte !== text.charCodeAt(k) || byte > ASCII) return false;
+    }
+    return true;
   }
 
   /** How many elements of a field follow. */
@@ -64,12 +79,14 @@ export class CdrCursor {
 }
 
 const TEXT = new TextDecoder();
+const ASCII = 0x7f;
 export const SIZE: Record<NumberKind, number> = {
   bool: 1, int8: 1, uint8: 1, int16: 2, uint16: 2, int32: 4, uint32: 4, int64: 8, uint64: 8, float32: 4, float64: 8,
 };
 
+/** Sizes are powers of 2. */
 function aligned(offset: number, size: number): number {
-  return 4 + Math.ceil((offset - 4) / size) * size;
+  return (offset - 4 + size - 1 & -size) + 4;
 }
 
 /** The whole message as nested objects, for what comes seldom. @throws Error, RangeError  it is damaged. */

@@ -2,7 +2,7 @@
 // Reads MCAP files: the index first, then one chunk after the other. A file without its end, as a power cut leaves it, is
 // read from its start as far as it goes. Format: the MCAP specification; log/mcap_file.hpp writes ours.
 import type {ByteSource} from './bytes.ts';
-import {Fields, recordsOf, type Stamp} from './mcap_records.ts';
+import {Fields, placesOf, recordsOf, type Stamp} from './mcap_records.ts';
 import {unpackZstd} from './zstd.ts';
 
 export interface Schema { id: number; name: string; encoding: string; text: string }
@@ -19,6 +19,8 @@ const OP = {
   metadataIndex: 13, dataEnd: 15,
 };
 const HEAD_BYTES = 9; // opcode and length of a record
+const MESSAGE_HEAD_BYTES = 22; // channel, number, time of the log, time of sending
+const LOG_TIME_AT = 6;
 const FOOTER_BYTES = HEAD_BYTES + 20;
 const LARGEST_CHUNK = 256 << 20;
 const READ_AT_ONCE = 4 << 20;
@@ -50,17 +52,38 @@ export class McapLog {
    * @throws Error  the file is damaged. A chunk is used whole or not at all.
    */
   async readMessages(use: UseMessage, progress: (share: number) => Promise<void> | void = () => {}) {
-    let block = {start: 0, bytes: new Uint8Array()};
-    for (const [k, chunk] of this.chunks.entries()) {
-      const end = block.start + block.bytes.length;
-      if (chunk.offset < block.start || chunk.offset + chunk.length > end) {
-        const length = Math.min(Math.max(READ_AT_ONCE, chunk.length), this.source.size - chunk.offset);
-        block = {start: chunk.offset, bytes: await this.source.read(chunk.offset, length) as Uint8Array<ArrayBuffer>};
+    const blocks = this.blocks();
+    const read = (k: number) => {
+      const block = blocks[k];
+      const bytes = block && this.source.read(block.offset, block.length);
+      bytes?.catch(() => {}); // said when it is its turn
+      return bytes;
+    };
+    let ahead = read(0);
+    let done = 0;
+    for (const [k, {offset, chunks}] of blocks.entries()) {
+      const bytes = await ahead!;
+      ahead = read(k + 1); // comes while this one is unpacked
+      for (const chunk of chunks) {
+        const from = chunk.offset - offset;
+        this.useRecords(await this.unpacked(bytes.subarray(from + HEAD_BYTES, from + chunk.length)), use);
+        await progress(++done / this.chunks.length);
       }
-      const from = chunk.offset - block.start;
-      this.useRecords(await this.unpacked(block.bytes.subarray(from + HEAD_BYTES, from + chunk.length)), use);
-      await progress((k + 1) / this.chunks.length);
     }
+  }
+
+  /** Chunks that are read at once. */
+  private blocks(): (Place & {chunks: Place[]})[] {
+    const blocks: (Place & {chunks: Place[]})[] = [];
+    for (const chunk of this.chunks) {
+      const last = blocks.at(-1);
+      const length = last ? chunk.offset + chunk.length - last.offset : Infinity;
+      if (last && chunk.offset >= last.offset && length <= READ_AT_ONCE) {
+        last.chunks.push(chunk);
+        last.length = Math.max(last.length, length);
+      } else blocks.push({...chunk, chunks: [chunk]});
+    }
+    return blocks;
   }
 
   /** @returns whether there is one. */
@@ -105,17 +128,16 @@ export class McapLog {
   }
 
   private useRecords(records: Uint8Array, use: UseMessage) {
-    for (const {op, body} of recordsOf(records)) {
+    const view = new DataView(records.buffer, records.byteOffset, records.byteLength);
+    for (const {op, start, end} of placesOf(records)) {
       if (op !== OP.message) {
-        this.take(op, body);
+        this.take(op, records.subarray(start, end));
         continue;
       }
-      const fields = new Fields(body);
-      const channel = this.channels.get(fields.short());
-      fields.skip(4);
-      const time = fields.stamp();
-      fields.skip(8);
-      if (channel) use(channel, time, fields.rest());
+      if (end - start < MESSAGE_HEAD_BYTES) throw new RangeError(`record of ${end - start} bytes ends too early`);
+      const channel = this.channels.get(view.getUint16(start, true));
+      const time = {low: view.getUint32(start + LOG_TIME_AT, true), high: view.getUint32(start + LOG_TIME_AT + 4, true)};
+      if (channel) use(channel, time, records.subarray(start + MESSAGE_HEAD_BYTES, end));
     }
   }
 

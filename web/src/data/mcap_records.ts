@@ -58,14 +58,22 @@ export class Fields {
 const TEXT = new TextDecoder();
 
 /** The records in a piece of a file. @throws RangeError  the last one is cut off. */
-export function* recordsOf(bytes: Uint8Array): Generator<{op: number; body: Uint8Array}> {
+export function recordsOf(bytes: Uint8Array): {op: number; body: Uint8Array}[] {
+  return placesOf(bytes).map(({op, start, end}) => ({op, body: bytes.subarray(start, end)}));
+}
+
+/** Where they are. @throws RangeError  the last one is cut off. */
+export function placesOf(bytes: Uint8Array): {op: number; start: number; end: number}[] {
+  const HEAD_BYTES = 9;
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  const places = [];
   for (let at = 0; at < bytes.length;) {
-    if (at + 9 > bytes.length) throw new RangeError('a record is cut off');
-    const length = view.getUint32(at + 1, true);
-    const end = at + 9 + length;
+    if (at + HEAD_BYTES > bytes.length) throw new RangeError('a record is cut off');
+    const start = at + HEAD_BYTES;
+    const end = start + view.getUint32(at + 1, true);
     if (view.getUint32(at + 5, true) !== 0 || end > bytes.length) throw new RangeError('a record is cut off');
-    yield {op: view.getUint8(at), body: bytes.subarray(at + 9, end)};
+    places.push({op: view.getUint8(at), start, end});
     at = end;
   }
+  return places;
 }

@@ -7,6 +7,8 @@ import type {Field, MessageType} from './ros_schema.ts';
 const MOST_ELEMENTS = 16;
 const FIRST_ROOM = 64;
 
+const NOTHING = new Uint8Array(4);
+
 type Reader = (cursor: CdrCursor, row: number) => void;
 interface Column { values: Float64Array<ArrayBuffer> }
 
@@ -19,6 +21,7 @@ export class Table {
   private readonly numbers = new Map<string, Column>();
   private readonly texts = new Map<string, string[]>();
   private readonly readers: Reader[];
+  private readonly cursor = new CdrCursor(NOTHING);
 
   constructor(type: MessageType) {
     this.type = type;
@@ -29,7 +32,8 @@ export class Table {
   add(time_s: number, message: Uint8Array) {
     const row = this.length;
     if (row === this.times.length) this.grow();
-    const cursor = new CdrCursor(message);
+    const {cursor} = this;
+    cursor.open(message);
     for (const read of this.readers) read(cursor, row);
     this.times[row] = time_s;
     this.length = row + 1;
@@ -85,7 +89,7 @@ export class Table {
       }
       const list: string[] = [];
       this.texts.set(path, list);
-      return [(cursor, row) => { list[row] = cursor.text(); }];
+      return [(cursor, row) => { list[row] = cursor.text(list[row - 1]); }];
     }
     if (field.count === undefined) {
       const column = this.newColumn(path);
@@ -117,9 +121,9 @@ function pass(type: MessageType, cursor: CdrCursor) {
 function empty(room: number): Float64Array<ArrayBuffer> { return new Float64Array(room).fill(NaN); }
 
 function widened(values: Float64Array, room: number): Float64Array<ArrayBuffer> {
-  const wider = empty(room);
+  const wider = new Float64Array(room);
   wider.set(values);
-  return wider;
+  return wider.fill(NaN, values.length);
 }
 
 /** Index of the last of the first `length` sorted values that is not above `value`, -1 if all are. */
