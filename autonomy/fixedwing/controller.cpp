@@ -142,6 +142,7 @@ void Controller::longitudinal(const Input& in, const Motion& m, const Controller
   }
   law.min_throttle = config_.min_throttle;
   law.max_throttle = std::min(config_.max_throttle, direct.max_throttle);
+  law.speed_share = direct.speed_share;
   law.airspeed_known = m.airspeed_known;
   law.throttle_ff = config_.throttle_cruise +
                     config_.throttle_per_climb * command.climb_ff_m_s / v +

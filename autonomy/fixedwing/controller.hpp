@@ -106,7 +106,8 @@ class Controller {
     std::optional<double> throttle;
     std::optional<double> ground_course_rad;      ///< Rolling: rudder steers, wings level.
     std::optional<double> airspeed_by_pitch_m_s;  ///< Climb angle for this airspeed: the glide.
-    double min_pitch_rad{-kPi};                   ///< Closer limits of theta_c and phi_c.
+    double speed_share{1.0};     ///< Of the airspeed in the climb angle (LongitudinalLaw).
+    double min_pitch_rad{-kPi};  ///< Closer limits of theta_c and phi_c.
     double max_pitch_rad{kPi};
     double max_roll_rad{kPi};
     double max_throttle{1.0};

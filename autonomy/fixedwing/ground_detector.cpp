@@ -10,6 +10,8 @@ constexpr double kStill_m_s = 1.0;
 constexpr double kStill_s = 1.0;
 constexpr double kTouch_m_s = 0.2;  // a smaller vertical speed is rolling, a larger one sinking
 constexpr double kTouch_s = 0.4;
+constexpr double kRolling_m = 0.4;  // by the range sensor: wheels, a nose that is up, a small hop
+constexpr double kLevelAbove_s = 3.0;
 constexpr double kTouchHeight_m = 3.0;  // the ground is at most this much higher than given
 constexpr double kMinCosTilt = 0.8;     // beyond this tilt a range says little of the height
 
@@ -20,10 +22,11 @@ double cos_tilt(const Quaternion& q) {
 }  // namespace
 
 double GroundDetector::height_m(const StateEstimate& state, std::optional<double> range_m,
-                                double max_range_m, double ground_up_m) const {
+                                double max_range_m, double ground_up_m) {
   const double tilt = cos_tilt(state.q_WB);
-  if (range_m && std::isfinite(*range_m) && *range_m >= 0.0 && tilt > kMinCosTilt &&
-      *range_m <= max_range_m) {
+  measured_ = range_m && std::isfinite(*range_m) && *range_m >= 0.0 && tilt > kMinCosTilt &&
+              *range_m <= max_range_m;
+  if (measured_) {
     return *range_m * tilt - standing_range_m_;
   }
   return -ground_up_m - state.p_W.z();
@@ -33,7 +36,8 @@ bool GroundDetector::on_ground(const StateEstimate& state, double height_m, bool
                                bool flaring, double dt_s) {
   const bool rolls = std::abs(state.v_W.z()) < kTouch_m_s && height_m < kTouchHeight_m;
   level_s_ = descending && rolls ? level_s_ + dt_s : 0.0;
-  const double needed_s = flaring ? kTouch_s : 3.0 * kTouch_s;
+  const bool above = measured_ && height_m > kRolling_m;
+  const double needed_s = above ? kLevelAbove_s : (flaring ? kTouch_s : 3.0 * kTouch_s);
   return level_s_ > needed_s;
 }
 

@@ -14,7 +14,9 @@ namespace rosflight::autonomy::fixedwing {
 ///     h = r cos(tilt) - r0                                                                  (1)
 ///
 /// Touch-down: the vertical speed is near zero and h is small, for a time. A vehicle that comes
-/// down is commanded to sink; on the ground the sink does not come. No sensor of its own, no clock.
+/// down is commanded to sink; on the ground the sink does not come. A gust that carries it above the
+/// ground looks the same but for its height: where (1) gives more than 0.4 m, the time is 3 s. No
+/// sensor of its own, no clock.
 class GroundDetector {
  public:
   /// The vehicle stands now.
@@ -26,7 +28,7 @@ class GroundDetector {
   ///                     tilt of more than 37 degrees.
   /// @param ground_up_m  altitude of the standing vehicle above the origin [m], used without echo.
   double height_m(const StateEstimate& state, std::optional<double> range_m, double max_range_m,
-                  double ground_up_m) const;
+                  double ground_up_m);
 
   /// Whether the vehicle rolls on the ground. Called once a step.
   /// @param descending  the phase leads to the ground: else it is never on it.
@@ -39,7 +41,8 @@ class GroundDetector {
 
  private:
   double standing_range_m_{};
-  double level_s_{};  ///< Without vertical speed, low.
+  bool measured_{false};  ///< The last height is that of (1).
+  double level_s_{};      ///< Without vertical speed, low.
   double still_s_{};
 };
 

@@ -77,7 +77,7 @@ class Guidance {
 
  private:
   bool descending() const;
-  double height_above_ground_m(const Input& in) const;
+  double height_above_ground_m(const Input& in);
   PhaseConditions conditions(const Input& in, bool pilot);
   PhasePath::Input path_input(const Input& in) const;
   void enter(Phase to, const Input& in);

@@ -69,9 +69,10 @@ LongitudinalLaw::Output TotalEnergy::step(const Input& in) {
                           (potential + kinetic) / reference,
                           (potential_rate + kinetic_rate) / reference, in.dt_s);
   }
-  out.climb_angle_rad = on_top(balance_, climb_angle(in.climb_ff_m_s, v), in.min_climb_rad,
-                               in.max_climb_rad, (potential - kinetic) / reference,
-                               (potential_rate - kinetic_rate) / reference, in.dt_s);
+  out.climb_angle_rad =
+      on_top(balance_, climb_angle(in.climb_ff_m_s, v), in.min_climb_rad, in.max_climb_rad,
+             (potential - in.speed_share * kinetic) / reference,
+             (potential_rate - in.speed_share * kinetic_rate) / reference, in.dt_s);
   return out;
 }
 

@@ -26,6 +26,7 @@ class LongitudinalLaw {
     double max_climb_rad{};  ///< the speed guard's included.
     double min_throttle{};
     double max_throttle{1.0};
+    double speed_share{1.0};    ///< Of the airspeed in the climb angle; 0: throttle alone holds it.
     bool airspeed_known{true};  ///< If not: throttle_ff is flown, and height by climb angle alone.
   };
   struct Output {

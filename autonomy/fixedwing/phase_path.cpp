@@ -14,6 +14,11 @@ constexpr double kNearReference_m = 8.0;  // closer than this a path goes on fro
 constexpr double kCalm_m_s = 1.0;         // less wind than this does not turn the landing round
 constexpr double kTooFast_s_m = 0.2;      // throttle taken away per speed above cruise
 constexpr double kFlareRamp_1_s = 0.5;    // throttle taken away per second
+constexpr double kFlareSlowest = 0.9;     // of the approach airspeed; slower, throttle comes up
+constexpr double kFlareThrottle = 4.4;    // per share of airspeed that is missing
+constexpr double kFlareSink_s_m = 0.4;    // throttle per sink that is too much,
+constexpr double kFlareSink_m_s = 0.3;    // beyond this
+constexpr double kPathFirst_m = 10.0;     // lower on an approach pitch holds the path alone
 constexpr double kGlideAgain_s = 0.5;     // between two plans of a glide
 constexpr double kGlideReserve_m = 1.0;   // short of the field there is no second try
 constexpr double kNearKey_m = 20.0;       // closer to its final part a glide is not planned again
@@ -274,6 +279,20 @@ CurrentPath PhasePath::straight_on(Phase phase, const FlightConfig& config) cons
   return out;
 }
 
+/// Ramped down to its end; beyond that by the airspeed, and more for a sink that the flare must not
+/// have: a gust that ends takes lift which only speed brings back.
+double PhasePath::flare_throttle(const Input& in, double airspeed_m_s) const {
+  if (in.motor_lost) return 0.0;
+  const LandingConfig& landing = in.config.landing;
+  const double speed = airspeed_m_s / landing.airspeed_m_s;
+  const double missing = std::max(kFlareSlowest - speed, 0.0) - std::max(speed - 1.0, 0.0);
+  const double sink_m_s = in.state.v_W.z() + flare_climb(landing, in.height_above_ground_m);
+  const double held = landing.flare_throttle + kFlareThrottle * missing +
+                      kFlareSink_s_m * std::max(sink_m_s - kFlareSink_m_s, 0.0);
+  const double ramp = flare_throttle_ - kFlareRamp_1_s * since_s(in.t_s);
+  return std::clamp(held, std::clamp(ramp, 0.0, 1.0), 1.0);
+}
+
 Controller::Direct PhasePath::direct(Phase phase, const Input& in) const {
   Controller::Direct out;
   const FlightConfig& config = in.config;
@@ -301,10 +320,12 @@ Controller::Direct PhasePath::direct(Phase phase, const Input& in) const {
         out.roll_rad = config.controller.lost_roll_rad;
       }
       break;
+    case Phase::kApproach:
+      if (in.height_above_ground_m < kPathFirst_m) out.speed_share = 0.0;
+      break;
     case Phase::kFlare:
       out.climb_m_s = flare_climb(config.landing, in.height_above_ground_m);
-      out.throttle = std::max(flare_throttle_ - kFlareRamp_1_s * since_s(in.t_s),
-                              in.motor_lost ? 0.0 : config.landing.flare_throttle);
+      out.throttle = flare_throttle(in, v);
       out.max_roll_rad = config.landing.max_roll_rad;
       out.max_pitch_rad = config.landing.max_pitch_rad;
       out.min_pitch_rad = 0.0;

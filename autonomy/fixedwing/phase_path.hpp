@@ -77,6 +77,7 @@ class PhasePath {
   void learn_glide(const Input& in);
   CurrentPath glide(const Input& in);
   CurrentPath straight_on(Phase phase, const FlightConfig& config) const;
+  double flare_throttle(const Input& in, double airspeed_m_s) const;
   Controller::Direct direct(Phase phase, const Input& in) const;
   double choose_landing_course(const Input& in) const;
 

@@ -123,6 +123,22 @@ TEST(TotalEnergy, SharesWithoutThrottleWhatIsOnlyInTheWrongPlace) {
   EXPECT_NEAR(out.climb_angle_rad, TotalEnergyConfig{}.balance.kp * 31.0 / 112.5, 1e-5);
 }
 
+/// Low on an approach a missing airspeed is the throttle's: the nose stays on the path.
+TEST(TotalEnergy, WithoutAShareOfTheSpeedPitchHoldsTheHeightAlone) {
+  LongitudinalLaw::Input in;
+  in.dt_s = 1e-6;
+  in.airspeed_m_s = 12.0;
+  in.airspeed_c_m_s = 15.0;
+  in.max_climb_rad = 0.5;
+  in.min_climb_rad = -0.5;
+  const auto shared = TotalEnergy(TotalEnergyConfig{}).step(in);
+  in.speed_share = 0.0;
+  const auto alone = TotalEnergy(TotalEnergyConfig{}).step(in);
+  EXPECT_LT(shared.climb_angle_rad, -0.1);
+  EXPECT_NEAR(alone.climb_angle_rad, 0.0, 1e-6);
+  EXPECT_EQ(alone.throttle, shared.throttle);
+}
+
 /// Point 40: a command that stops is not flown on for ever.
 TEST(FixedWingController, CirclesWhenItsCommandStops) {
   Bench bench;

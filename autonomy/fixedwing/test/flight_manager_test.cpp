@@ -56,6 +56,20 @@ TEST(FixedWingFlight, TracksFilletsAndDubinsInWind) {
   }
 }
 
+/// A gust that ends in the flare takes airspeed: throttle brings it back, and is idle in one that begins.
+TEST(FixedWingFlight, ThrottleHoldsTheAirspeedOfTheFlare) {
+  for (const double share : {0.75, 1.0, 1.1}) {
+    SmallWorld world(hourglass());
+    ASSERT_TRUE(world.run_until(Phase::kFlare, 500.0));
+    const double airspeed_m_s = share * world.manager.config().landing.airspeed_m_s;
+    world.look = [&](StateEstimate& seen) { seen.airspeed_m_s = airspeed_m_s; };
+    world.run(0.8);
+    ASSERT_EQ(world.manager.output().phase, Phase::kFlare);
+    EXPECT_GE(world.surfaces.throttle, share < 0.9 ? 0.8 : 0.0);
+    EXPECT_LE(world.surfaces.throttle, share > 1.0 ? 0.05 : 1.0);
+  }
+}
+
 /// Point 34: the pilot's axes stop the flight from going on, and it goes on where it was.
 TEST(FixedWingFlight, PilotTakesOverAndGivesBack) {
   SmallWorld world(hourglass());

@@ -57,6 +57,17 @@ TEST(GroundDetector, LevelRollingForATimeIsTouchDown) {
   EXPECT_EQ(time_to_touch_s(0.0, 0.0, false, true), 0.0) << "not on the way down";
 }
 
+TEST(GroundDetector, AGustThatHoldsItAboveTheGroundIsNoTouchDown) {
+  GroundDetector detector;
+  const StateEstimate state = at(0.8, 0.0);
+  double time_s = 0.0;
+  for (bool down = false; !down; time_s += kStep_s) {
+    const double height_m = detector.height_m(state, 0.8, 8.0, 0.0);
+    down = detector.on_ground(state, height_m, true, true, kStep_s);
+  }
+  EXPECT_NEAR(time_s, 3.0, 2.5 * kStep_s);
+}
+
 TEST(GroundDetector, StandsAfterASecondWithoutSpeed) {
   GroundDetector detector;
   StateEstimate state = at(0.0, 0.0);
