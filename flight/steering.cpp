@@ -110,6 +110,9 @@ Change tune(const std::string& text, const Flight& flight) {
 }  // namespace
 
 std::function<void(Flight&)> parse_change(const std::string& text, const Flight& present) {
+  const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+  if (std::any_of(text.begin(), text.end(), is_control))
+    throw Error("steer: found a control character, allowed a line of text");
   const auto [verb, rest] = cut(text, ' ');
   if (verb == "wind") return wind(rest);
   if (verb == "gust") return gust(rest);

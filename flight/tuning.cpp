@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "config/table.hpp"
@@ -38,8 +37,7 @@ bool waits_for_a_mission(const Config& before, Config after) {
 
 TunedVehicle tuned(const std::string& text, const FlightSetup& setup, const std::string& key,
                    const std::string& value) {
-  const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
-  if (value.empty() || std::any_of(value.begin(), value.end(), is_control))
+  if (value.empty())
     throw Error(fmt::format("tune {}: found no value, allowed KEY VALUE", key.substr(0, 60)));
   const auto open = [&] {
     return config::Document::from_text(text, "vehicle", setup.vehicle.root().directory());

@@ -156,6 +156,7 @@ TEST_F(SteeringTest, OtherTextsAreRefusedWithWhatIsAllowed) {
                            "tune limits.tilt_deg",
                            "tune limits.tilt_deg 61",
                            "tune limits.tilt_deg 1\n2",
+                           "wind 5\n,0",
                            "tune limits.tilt 20",
                            "tune limits.tilt_deg [20]",
                            "tune estimator.initial_s 3",
