@@ -19,9 +19,11 @@ constexpr double kFlareThrottle = 4.4;    // per share of airspeed that is missi
 constexpr double kFlareSink_s_m = 0.4;    // throttle per sink that is too much,
 constexpr double kFlareSink_m_s = 0.3;    // beyond this
 constexpr double kPathFirst_m = 10.0;     // lower on an approach pitch holds the path alone
-constexpr double kGlideAgain_s = 0.5;     // between two plans of a glide
-constexpr double kGlideReserve_m = 1.0;   // short of the field there is no second try
-constexpr double kNearKey_m = 20.0;       // closer to its final part a glide is not planned again
+constexpr double kGustMargin = 1.0;    // of the gusts' deviation, on top of the approach airspeed,
+constexpr double kMostMargin = 0.15;   // at most this share of it
+constexpr double kGlideAgain_s = 0.5;  // between two plans of a glide
+constexpr double kGlideReserve_m = 1.0;  // short of the field there is no second try
+constexpr double kNearKey_m = 20.0;      // closer to its final part a glide is not planned again
 constexpr double kFinalRoll_rad = 15.0 * kRadPerDeg;  // low on the final part of a glide
 
 double head_wind(const StateEstimate& state, double course_rad) {
@@ -87,8 +89,11 @@ void PhasePath::plan(const Input& in, std::vector<Waypoint> waypoints, bool cycl
 
 void PhasePath::begin_approach(const Input& in, FlightEvents& events) {
   const double course_rad = choose_landing_course(in);
+  LandingConfig config = in.config.landing;
+  config.airspeed_m_s +=
+      std::min(kGustMargin * gusts_.sigma_m_s(), kMostMargin * config.airspeed_m_s);
   const LandingPath landing =
-      LandingPath::plan(in.config.landing, landing_position_W(in.mission), course_rad,
+      LandingPath::plan(config, landing_position_W(in.mission), course_rad,
                         in.config.plan.airspeed_m_s, head_wind(in.state, course_rad));
   flare_height_m_ = landing.flare_height_m;
   plan(in, {landing.waypoints.begin(), landing.waypoints.end()}, false, 0, in.config.plan.radius_m,
@@ -345,6 +350,7 @@ Controller::Direct PhasePath::direct(Phase phase, const Input& in) const {
 
 PhasePath::Output PhasePath::step(Phase phase, const Input& in) {
   Output out;
+  gusts_.step(in.state, std::min(in.t_s - stepped_s_, 0.2));
   switch (phase) {
     case Phase::kDescent:
       circle_.c_W.z() += in.config.safety.descent_m_s * std::clamp(in.t_s - stepped_s_, 0.0, 0.2);

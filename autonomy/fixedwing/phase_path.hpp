@@ -4,6 +4,7 @@
 
 #include "autonomy/common/flight_events.hpp"
 #include "autonomy/fixedwing/flight_config.hpp"
+#include "autonomy/fixedwing/gust_meter.hpp"
 #include "autonomy/fixedwing/mission.hpp"
 #include "autonomy/fixedwing/phases.hpp"
 
@@ -82,6 +83,7 @@ class PhasePath {
   double choose_landing_course(const Input& in) const;
 
   PathManager path_;
+  GustMeter gusts_;
   CurrentPath circle_{};            ///< Of kLoiter, kDescent and kGlide before it has a path.
   std::optional<GlidePath> glide_;  ///< The path down of kGlide.
   double glide_planned_s_{};

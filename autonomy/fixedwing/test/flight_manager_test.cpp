@@ -70,6 +70,18 @@ TEST(FixedWingFlight, ThrottleHoldsTheAirspeedOfTheFlare) {
   }
 }
 
+TEST(GustMeter, MeasuresTheDeviationOfTheWindAndNotTheWind) {
+  GustMeter meter;
+  StateEstimate state;
+  state.wind_valid = true;
+  for (int k = 0; k < 20000; ++k) {  // 4 m/s of wind with a sine of 2 m/s and 2 s on each axis
+    const double gust_m_s = 2.0 * std::sin(kPi * 0.01 * k);
+    state.wind_W = {4.0 + gust_m_s, gust_m_s, 0.0};
+    meter.step(state, 0.01);
+  }
+  EXPECT_NEAR(meter.sigma_m_s(), std::sqrt(2.0), 0.05);
+}
+
 /// Point 34: the pilot's axes stop the flight from going on, and it goes on where it was.
 TEST(FixedWingFlight, PilotTakesOverAndGivesBack) {
   SmallWorld world(hourglass());
