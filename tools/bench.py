@@ -100,8 +100,8 @@ def parse(arguments: list[str]) -> tuple[list[str], bool, Path | None]:
 def choose(names: list[str], everything: bool, figures: list[Figure]) -> list[Figure]:
     for name in names:
         if not any(name in figure.name for figure in figures):
-            known = ", ".join(figure.name for figure in figures)
-            raise ValueError(f"no figure matches '{name}'; figures: {known}")
+            groups = ", ".join(dict.fromkeys(figure.name.split(".")[0] for figure in figures))
+            raise ValueError(f"NAME: found '{name}', allowed a part of a figure's name; they begin with {groups}")
     if everything:
         return figures
     return [f for f in figures if (any(name in f.name for name in names) if names else not f.on_request)]

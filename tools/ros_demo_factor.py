@@ -79,6 +79,6 @@ def run(options) -> int:
         print(json.dumps(rows, indent=2))
     else:
         for row in rows:
-            name = "two processes" if row["composed"] else "a process for each node"
+            name = "one process" if row["composed"] else "a process for each node"
             print(f"{name}: {row['factor']:.2f} simulated seconds a second")
     return 0

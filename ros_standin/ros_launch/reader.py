@@ -17,7 +17,7 @@ from .xml_tree import Element, read
 
 _WHEN = {"if", "unless"}
 _ACTIONS = {"arg", "let", "node", "executable", "group", "include", "push-ros-namespace",
-            "push_ros_namespace", "set_env", "set_remap", "log"}
+            "push_ros_namespace", "set_env", "set_parameter", "set_remap", "log"}
 _AT_EXIT = "shutdown"  # the one value of on_exit that ROS knows
 _DEEPEST_INCLUDE = 20
 
@@ -33,6 +33,7 @@ class Reader:
         self._namespace = ""
         self._environment: dict[str, str] = {}
         self._remappings: list[tuple[str, str]] = []  # of all nodes of the group
+        self._parameters: list[dict[str, object]] = []  # of all nodes of the group
         self._depth = 0
         self._lenient = lenient  # for --show-args: required arguments may be missing
 
@@ -126,6 +127,9 @@ class Reader:
     def _set_remap(self, element: Element) -> None:
         self._remappings.append(self._remapping(element))
 
+    def _set_parameter(self, element: Element) -> None:
+        self._parameters.append(self._parameter(element))
+
     def _log(self, element: Element) -> None:
         element.check({"message"}, {"level"} | _WHEN, set())
         self.plan.messages.append(self._text(element, "message"))
@@ -135,12 +139,12 @@ class Reader:
     def _group(self, element: Element) -> None:
         element.check(set(), {"scoped"} | _WHEN, _ACTIONS)
         saved = (dict(self._scope.variables), self._namespace, dict(self._environment),
-                 dict(self._scope.environment), list(self._remappings))
+                 dict(self._scope.environment), list(self._remappings), list(self._parameters))
         scoped = truth(self._text(element, "scoped", "true"))
         self._walk(element)
         if scoped:
             (self._scope.variables, self._namespace, self._environment,
-             self._scope.environment, self._remappings) = saved
+             self._scope.environment, self._remappings, self._parameters) = saved
 
     def _push_ros_namespace(self, element: Element) -> None:
         element.check({"namespace"}, _WHEN, set())
@@ -199,7 +203,7 @@ class Reader:
                     where=element.where, what=f"{package}/{executable}", node_name=name or None,
                     full_name=_join("/", _join(namespace, name)) if name else None,
                     namespace=namespace, ros_arguments=self._words(element, "ros_args"),
-                    remappings=list(self._remappings), environment=dict(self._environment))
+                    parameters=list(self._parameters), remappings=list(self._remappings), environment=dict(self._environment))
         for child in element.children:
             if self._applies(child):
                 getattr(self, "_node_" + child.tag)(child, node)
@@ -219,9 +223,11 @@ class Reader:
             _check_parameter_file(element, file)
             node.parameters.append(file)
             return
+        node.parameters.append(self._parameter(element))
+
+    def _parameter(self, element: Element) -> dict[str, object]:
         element.check({"name", "value"}, _WHEN, set())
-        text = self._text(element, "value")
-        node.parameters.append({self._text(element, "name"): _typed(text)})
+        return {self._text(element, "name"): _typed(self._text(element, "value"))}
 
     def _node_remap(self, element: Element, node: Node) -> None:
         node.remappings.append(self._remapping(element))

@@ -9,6 +9,8 @@
 
 #include <cstdio>
 #include <exception>
+#include <future>
+#include <list>
 #include <memory>
 #include <rclcpp/rclcpp.hpp>
 #include <sstream>
@@ -52,22 +54,69 @@ std::string library_of(const Component& component) {
                            ", allowed a node of an installed package");
 }
 
-std::shared_ptr<rclcpp::Node> make(const Component& component) {
+struct Loaded {
+  std::shared_ptr<rclcpp::Node> node;
+  bool waits;  ///< In callbacks of its default group.
+};
+
+Loaded make(const Component& component) {
   // Never unloaded: what the node leaves in ROS calls into the library until the process ends.
   void* const library = ::dlopen(library_of(component).c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) throw std::runtime_error(::dlerror());
   const auto make_node = reinterpret_cast<MakeNode>(::dlsym(library, "rosflight_make_node"));
   if (make_node == nullptr) throw std::runtime_error(component.node + " is no component");
+  const bool waits = ::dlsym(library, "rosflight_waits_in_callbacks") != nullptr;
   rclcpp::NodeOptions options;
+  options.use_clock_thread(waits);  // a thread for each node's clock costs more than the nodes
   if (!component.name.empty()) options.arguments({"--ros-args", "-r", "__node:=" + component.name});
   std::shared_ptr<rclcpp::Node> node;
   make_node(options, node);
-  return node;
+  return {node, waits};
 }
+
+/// One thread for all callbacks that return at once: a message between two of them takes no change of threads, and there are
+/// thousands in a second. A thread for each node that waits.
+class Threads {
+ public:
+  void add(const Loaded& loaded) {
+    if (!loaded.waits) return shared_.add_node(loaded.node);
+    const auto base = loaded.node->get_node_base_interface();
+    auto& own = own_.emplace_back();
+    loaded.node->for_each_callback_group([&](const rclcpp::CallbackGroup::SharedPtr& group) {
+      if (!group->automatically_add_to_executor_with_node()) return;
+      const bool may_wait = group == base->get_default_callback_group();
+      (may_wait ? own : shared_).add_callback_group(group, base);
+    });
+  }
+
+  /// Until the end of ROS, or the first exception of a callback.
+  void spin() {
+    std::vector<std::future<void>> ends;
+    for (auto& executor : own_) {
+      ends.push_back(std::async(std::launch::async, [this, &executor] { spin(executor); }));
+    }
+    spin(shared_);
+    for (std::future<void>& end : ends) end.get();
+  }
+
+ private:
+  void spin(rclcpp::Executor& executor) {
+    try {
+      executor.spin();
+    } catch (...) {
+      shared_.cancel();
+      for (auto& other : own_) other.cancel();
+      throw;
+    }
+  }
+
+  rclcpp::executors::SingleThreadedExecutor shared_;
+  std::list<rclcpp::executors::SingleThreadedExecutor> own_;
+};
 
 /// Waits for the end.
 void run(int argc, char** argv) {
-  std::vector<std::shared_ptr<rclcpp::Node>> nodes;
+  std::vector<Loaded> nodes;
   for (int i = 1; i < argc && std::string_view(argv[i]) != "--ros-args"; ++i) {
     // One argument may name several: `ros2 launch` passes on the value of a variable as one, spaces and all.
     std::istringstream words(argv[i]);
@@ -75,12 +124,12 @@ void run(int argc, char** argv) {
   }
   if (nodes.empty())
     throw std::runtime_error("component: found none, allowed PACKAGE/NODE[:NAME]...");
-  // Callbacks that wait for a service must not take the last thread, however few processors there are.
-  rclcpp::executors::MultiThreadedExecutor executor(rclcpp::ExecutorOptions(), nodes.size() + 1);
-  for (const auto& node : nodes) executor.add_node(node);
-  const auto watch = warn_without_clock(*nodes.front());
-  RCLCPP_INFO(nodes.front()->get_logger(), "ready: %zu nodes in one process", nodes.size());
-  executor.spin();
+  Threads threads;
+  for (const Loaded& loaded : nodes) threads.add(loaded);
+  rclcpp::Node& first = *nodes.front().node;
+  const auto watch = warn_without_clock(first);
+  RCLCPP_INFO(first.get_logger(), "ready: %zu nodes in one process", nodes.size());
+  threads.spin();
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 import os
 
 import pytest
+from ros_launch.packages import Packages
+from ros_launch.reader import Reader
 from ros_rig import free_udp_port
 from rosflight_msgs.msg import SimState, Status
 from sim_rig import VEHICLE, Process, SimPeer, executable
@@ -31,6 +33,21 @@ def test_simulator_and_io_node_run_in_one_process(tmp_path):
         names = {name for name, _ in watcher.node.get_node_names_and_namespaces()}
         assert {"sil_board", "rosflight_io", "dynamics", "sensors", "rc"} <= names
         assert len(os.listdir(f"/proc/{process.process.pid}/task")) > 7  # the threads of all nodes are in this process
+
+
+@pytest.mark.parametrize("package, state_topic, controller", [
+    ("roscopter", "state_topic", "roscopter/controller:controller"), ("rosplane", "state_topic_remap", "rosplane/controller:controller")])
+def test_a_flight_is_one_process(package, state_topic, controller):
+    """Simulator, firmware, I/O node and stack, with the mission and the remappings of the stack."""
+    packages = Packages.of_environment()
+    given = {state_topic: "sim/state", "mission_file": "/m.yaml"}
+    plan = Reader(packages, given, {"ROSFLIGHT_GUI": "false"}).read(packages.share(package) / "launch/fly.launch.xml")
+    process, = (node for node in plan.nodes if node.what == "rosflight_common/compose")
+    assert {node.what for node in plan.nodes} == {process.what, "rosflight_sim/init_firmware"}
+    assert {controller, "rosflight_sim/sil_board", "rosflight_io/rosflight_io:rosflight_io"} <= {
+        word.removesuffix(":sil_board") for word in " ".join(process.command).split()}
+    assert {"mission_file": "/m.yaml"} in process.parameters
+    assert ("controller:estimated_state", "sim/state") in process.remappings
 
 
 @pytest.mark.parametrize("words", [["rosflight_gcs/viz:left", "rosflight_gcs/viz:right"],

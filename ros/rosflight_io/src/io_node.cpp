@@ -114,6 +114,7 @@ companion::LinkSpec IoNode::read_link() {
 }
 
 void IoNode::subscribe() {
+  commands_ = create_callback_group(rclcpp::CallbackGroupType::MutuallyExclusive);
   namespace ours = rosflight::messages::rosflight_msgs;
   forward<ours::Command, rosflight_msgs::msg::Command>("command");
   forward<ours::AuxCommand, rosflight_msgs::msg::AuxCommand>("aux_command");
@@ -122,9 +123,12 @@ void IoNode::subscribe() {
 
 template <class Message, class Ros>
 void IoNode::forward(const char* topic) {
-  subscriptions_.push_back(
-      create_subscription<Ros>(topic, 1, [this, topic](typename Ros::ConstSharedPtr received) {
-        if (!link_.joinable()) return;
+  rclcpp::SubscriptionOptions options;
+  options.callback_group = commands_;
+  subscriptions_.push_back(create_subscription<Ros>(
+      topic, 1,
+      [this, topic](typename Ros::ConstSharedPtr received) {
+        if (!link_runs_) return;
         const auto message =
             rosflight::messages::to_link(rosflight_common::from_ros<Message>(*received));
         runner_.post([this, topic, message](companion::Session& session) {
@@ -133,11 +137,14 @@ void IoNode::forward(const char* topic) {
           RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kWarningPeriod_ms, "%s not sent: %s",
                                topic, companion::send_status_text(status));
         });
-      }));
+      },
+      options));
 }
 
 void IoNode::start_link() {
-  if (!link_.joinable() && clock_.runs()) link_ = std::thread([this] { run_link(); });
+  if (link_.joinable() || !clock_.runs()) return;
+  link_ = std::thread([this] { run_link(); });
+  link_runs_ = true;
 }
 
 void IoNode::run_link() {
@@ -174,4 +181,5 @@ void IoNode::diagnose() {
 
 }  // namespace rosflight_io
 
+ROSFLIGHT_WAITS_IN_CALLBACKS
 ROSFLIGHT_COMPONENT(rosflight_io::IoNode)

@@ -30,9 +30,9 @@ class SilManager : public rclcpp::Node {
                                "how long take_sim_step waits for sil_board/run to exist [ms]");
     result_ms_ = declare_whole(*this, "service_result_timeout_ms", 500, 1, 10'000,
                                "how long a step may take [ms]");
-    client_group_ = create_callback_group(rclcpp::CallbackGroupType::MutuallyExclusive);
-    client_ = create_client<Trigger>("sil_board/run");
-    by_hand_ = client_in_group<Trigger>(*this, "sil_board/run", client_group_);
+    steps_ = create_callback_group(rclcpp::CallbackGroupType::MutuallyExclusive);
+    client_ = client_in_group<Trigger>(*this, "sil_board/run", steps_);
+    by_hand_ = client_in_group<Trigger>(*this, "sil_board/run", steps_);
     service_ = create_service<Trigger>(
         "rosflight_sil/take_sim_step",
         [this](const std::shared_ptr<Trigger::Request>, std::shared_ptr<Trigger::Response> answer) {
@@ -51,7 +51,7 @@ class SilManager : public rclcpp::Node {
   void start() {
     const rclcpp::Duration period(
         std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / frequency_Hz_)));
-    timer_ = rclcpp::create_timer(this, get_clock(), period, [this] { tick(); });
+    timer_ = rclcpp::create_timer(this, get_clock(), period, [this] { tick(); }, steps_);
   }
 
   void tick() {
@@ -116,14 +116,14 @@ class SilManager : public rclcpp::Node {
   double frequency_Hz_{};
   std::int64_t exists_ms_{};
   std::int64_t result_ms_{};
-  bool busy_{false};  ///< With the members below: of the default group, one callback at a time.
+  bool busy_{false};  ///< With the members below: of the group of steps, one callback at a time.
   bool due_{false};   ///< A tick came while busy.
   steady_clock::time_point asked_;
   std::uint64_t number_{0};
   std::uint64_t ticks_{0};
   std::uint64_t skipped_{0};
   steady_clock::time_point report_from_;
-  rclcpp::CallbackGroup::SharedPtr client_group_;
+  rclcpp::CallbackGroup::SharedPtr steps_;
   rclcpp::Client<Trigger>::SharedPtr client_;
   rclcpp::Client<Trigger>::SharedPtr by_hand_;
   rclcpp::Service<Trigger>::SharedPtr service_;
@@ -134,4 +134,5 @@ class SilManager : public rclcpp::Node {
 }  // namespace
 }  // namespace rosflight_sim
 
+ROSFLIGHT_WAITS_IN_CALLBACKS
 ROSFLIGHT_NODE(rosflight_sim::SilManager, MultiThreadedExecutor)

@@ -207,6 +207,7 @@ class TimeManager : public rclcpp::Node {
       said_ = now;
       next_ += wall_period();
       moved = true;
+      if (!follows_) break;  // the world's first answer may be waiting for this thread
     }
     if (moved) tell_ticks(now);
     judge(now);

@@ -70,7 +70,8 @@ def test_the_clock_ticks_between_the_steps(peer):
 
 def test_time_waits_for_a_topic_that_is_due(peer):
     """It stops a lag after the next stamp is due, goes on with the message, and after two seconds without one; seconds in which the
-    machine stood still do not count. A message that was lost does not let it run further ahead."""
+    machine stood still do not count. A first interval that was short does not stop it, and a message that was lost does not let it run
+    further ahead."""
     lag_ns, step_ns, apart_ns = 5_000_000, 2_500_000, 20_000_000
     with node("standalone_time_manager", at_launch="standalone_time_manager", wait_for="follower", start_paused="true") as process:
         received = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
@@ -84,12 +85,13 @@ def test_time_waits_for_a_topic_that_is_due(peer):
         def say(at_ns):
             follower.publish(stamp(Imu(), at_ns))
         at_ns = step_ns
-        for _ in range(3):  # an answer to a request shows that the message before it has been read
-            say(at_ns)
+        for interval_ns in (0, 3_000_000, *3 * [apart_ns]):  # the first timer was late
+            at_ns += interval_ns
+            say(at_ns)  # an answer to a request shows that the message before it has been read
             assert set_parameters(peer, "standalone_time_manager", longest_lag_us=lag_ns / 1000)[0].successful
         assert peer.call(Trigger, "time_manager/toggle_pause").message == "running"
-        for message in range(1, 30):
-            due_ns = at_ns + (apart_ns if message > 1 else 0)
+        for _ in range(30):
+            due_ns = at_ns + apart_ns
             peer.wait(lambda due=due_ns: now_ns() > due, "time to run up to the next message")
             time.sleep(0.03)  # in which it would run on by 30 ms
             assert now_ns() <= due_ns + lag_ns + step_ns

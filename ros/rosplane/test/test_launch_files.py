@@ -16,7 +16,8 @@ SIMULATOR = {"sil_board", "rosflight_sil_manager", "standalone_sensors", "rc", "
 # Nodes and arguments of rosplane 2.0.0's launch files, and of ours that has no counterpart there: fly.
 NODES = {"rosplane": STACK, "sim": STACK | {"rosplane_truth"}, "rosplane_tuning": {"estimator", "controller", "signal_generator"},
          "sim_tuning": {"estimator", "controller", "signal_generator", "rosplane_truth"},
-         "rosplane_input_mapper": STACK | {"input_mapper"}, "rosplane_gcs": {"rviz_waypoint_publisher"}, "fly": STACK | SIMULATOR | {"init_firmware", "rosplane_truth"}}
+         "rosplane_input_mapper": STACK | {"input_mapper"}, "rosplane_gcs": {"rviz_waypoint_publisher"}, "components": set(),
+         "fly": STACK | SIMULATOR | {"init_firmware", "rosplane_truth"}}
 COMPOSED = ["true", "false"]
 ARGUMENTS = {"use_sim_time": "false", "state_topic_remap": "estimated_state", "command_publisher_remap": "command",
              "controller_command_publisher_remap": "controller_command", "aircraft": "anaconda", "seed_estimator": "false"}

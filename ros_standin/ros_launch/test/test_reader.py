@@ -47,13 +47,14 @@ def test_a_node_has_all_that_the_file_says(installed):
     assert node.where.endswith(":2")
 
 
-def test_a_remapping_of_a_group_holds_for_its_nodes_only(installed):
+def test_remappings_and_parameters_of_a_group_hold_for_its_nodes_only(installed):
     within, after = read(installed, """<launch>
-      <group><set_remap from="/clock" to="/steps"/>
+      <group><set_remap from="/clock" to="/steps"/><set_parameter name="rate" value="2.5"/>
         <node pkg="world" exec="talker" name="within" on_exit="shutdown"><remap from="a" to="b"/></node></group>
       <node pkg="world" exec="talker" name="after"/></launch>""").nodes
     assert within.remappings == [("/clock", "/steps"), ("a", "b")]
-    assert not after.remappings
+    assert within.parameters == [{"rate": 2.5}]
+    assert not after.remappings and not after.parameters
 
 
 @pytest.mark.parametrize("text, value", [

@@ -24,6 +24,10 @@
   }                                                                          \
   ROSFLIGHT_REGISTER_COMPONENT(Class)
 
+/// Beside it, in a node whose default callback group waits for another node or for the board: `compose` gives that group a thread
+/// of its own, so that what it waits for goes on. Callbacks of its other groups return at once.
+#define ROSFLIGHT_WAITS_IN_CALLBACKS extern "C" const bool rosflight_waits_in_callbacks = true;
+
 /// A component whose program does nothing else, in an executor of rclcpp::executors.
 #define ROSFLIGHT_NODE(Class, Executor)                                                \
   extern "C" int rosflight_node_main(int argc, char** argv) {                          \

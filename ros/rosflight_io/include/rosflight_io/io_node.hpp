@@ -57,7 +57,10 @@ class IoNode final : public rclcpp::Node {
   std::atomic<bool> has_baro_{false};
   std::atomic<bool> has_airspeed_{false};
   std::atomic<bool> link_failed_{false};
+  std::atomic<bool> link_runs_{false};
   std::thread link_;
+  rclcpp::CallbackGroup::SharedPtr
+      commands_;  ///< A command does not wait for the answer to a parameter.
 };
 
 }  // namespace rosflight_io

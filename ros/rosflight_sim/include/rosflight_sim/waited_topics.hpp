@@ -39,8 +39,8 @@ class Overdue {
 
 /// Topics that simulated time must not leave behind: who publishes them has dealt with the world up to their stamps.
 ///
-/// Any type whose first field is a std_msgs/Header. A topic counts from its first message. One that is Overdue for too long
-/// counts no more, until the next message.
+/// Any type whose first field is a std_msgs/Header. A topic counts when kFirst intervals between its messages are known. One
+/// that is Overdue for too long counts no more, until that is so again.
 class WaitedTopics {
  public:
   using Wall = Overdue::Wall;
@@ -53,7 +53,7 @@ class WaitedTopics {
     for (std::string name; each >> name;) {
       const std::string space = node.get_namespace();
       if (name.front() != '/') name = (space == "/" ? "" : space) + "/" + name;
-      topics_.push_back({name, nullptr, {}, 0, {}, false});
+      topics_.push_back({name, nullptr, {}, 0, 0, {}, false});
     }
     if (topics_.empty()) return;
     finder_ = node.create_wall_timer(std::chrono::milliseconds(100), [this] { find(); });
@@ -67,15 +67,18 @@ class WaitedTopics {
       if (!topic.counts || time_ns - *topic.stamp_ns - topic.period_ns <= lag_ns) continue;
       topic.counts = !topic.overdue.give_up(now);
       any = any || topic.counts;
-      if (!topic.counts)
-        RCLCPP_WARN(node_.get_logger(), "no %s for %ld s: time goes on without it",
-                    topic.name.c_str(), static_cast<long>(Overdue::kGiveUp.count()));
+      if (topic.counts) continue;
+      topic.intervals = 0;
+      topic.stamp_ns.reset();
+      RCLCPP_WARN(node_.get_logger(), "no %s for %ld s: time goes on without it",
+                  topic.name.c_str(), static_cast<long>(Overdue::kGiveUp.count()));
     }
     return any;
   }
 
  private:
   static constexpr std::int64_t kLongestPeriod_ns = 250'000'000;
+  static constexpr int kFirst = 4;  ///< The first may be short: a timer that was late catches up.
   static constexpr std::int64_t kGrowing = 16;
   static constexpr std::int64_t kForgetting = 64;
   static constexpr std::size_t kDepth =
@@ -86,6 +89,7 @@ class WaitedTopics {
     std::shared_ptr<rclcpp::SubscriptionBase> subscription;
     std::optional<std::int64_t> stamp_ns;
     std::int64_t period_ns;
+    int intervals;  ///< Known, up to kFirst.
     Overdue overdue;
     bool counts;
   };
@@ -113,13 +117,18 @@ class WaitedTopics {
   void take(Topic& topic, const rcl_serialized_message_t& bytes) {
     const std::optional<std::int64_t> stamp_ns = stamp_of(bytes);
     if (!stamp_ns) return;
-    const std::int64_t apart_ns = std::clamp<std::int64_t>(
-        *stamp_ns - topic.stamp_ns.value_or(*stamp_ns), 0, kLongestPeriod_ns);
-    const bool known = topic.counts && topic.period_ns > 0;
-    topic.period_ns = known ? learned(topic.period_ns, apart_ns) : apart_ns;
+    if (topic.stamp_ns) {
+      const std::int64_t apart_ns =
+          std::clamp<std::int64_t>(*stamp_ns - *topic.stamp_ns, 0, kLongestPeriod_ns);
+      if (topic.counts)
+        topic.period_ns = learned(topic.period_ns, apart_ns);
+      else
+        topic.period_ns = std::max(topic.intervals > 0 ? topic.period_ns : 0, apart_ns);
+      topic.intervals = std::min(topic.intervals + 1, kFirst);
+    }
     topic.stamp_ns = stamp_ns;
     topic.overdue.none();
-    topic.counts = true;
+    topic.counts = topic.intervals == kFirst;
     on_message_();
   }
 

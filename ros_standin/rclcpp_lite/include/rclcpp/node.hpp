@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <map>
 #include <memory>
 #include <rcl_interfaces/msg/list_parameters_result.hpp>
@@ -71,6 +72,11 @@ class Node : public std::enable_shared_from_this<Node> {
 
   CallbackGroup::SharedPtr create_callback_group(CallbackGroupType type,
                                                  bool automatically_add_to_executor = true);
+  void for_each_callback_group(const std::function<void(CallbackGroup::SharedPtr)>& each) {
+    for (const auto& weak : base_->callback_groups()) {
+      if (auto group = weak.lock()) each(std::move(group));
+    }
+  }
 
   template <typename MessageT, typename AllocatorT = std::allocator<void>>
   std::shared_ptr<Publisher<MessageT>> create_publisher(
