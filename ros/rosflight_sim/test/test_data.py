@@ -84,7 +84,10 @@ def test_nodes_are_the_same_in_one_process_and_in_many(name, time):
     shared, apart = nodes_of(plan(name, **given)), nodes_of(plan(name, composed="false", **given))
     assert shared.keys() == apart.keys()
     for node, alone in apart.items():
-        assert alone.parameters.items() <= shared[node].parameters.items(), node
+        expected = dict(alone.parameters)
+        if node == "standalone_time_manager":
+            expected["wait_for"] += " imu/data"  # of processes that would take half of the speed
+        assert expected.items() <= shared[node].parameters.items(), node
         assert alone.remappings == shared[node].remappings, node
 
 
