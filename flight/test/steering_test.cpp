@@ -98,7 +98,7 @@ TEST_F(SteeringTest, AKeyOfAutonomyIsInForceFromTheNextStepAndInTheVehicleFile) 
   change("tune landing.touchdown_speed_m_s 1.9");
   EXPECT_EQ(config().states.landing.touchdown_speed_m_s, 1.9) << "beside what was tuned before";
   EXPECT_NEAR(config().controller.max_tilt_rad, 0.20944, 1e-5);
-  change("tune limits.distance_m " + std::string("2000"));
+  change("tune limits.distance_m 2000");
   EXPECT_NE(flight_.vehicle_text().find("tilt_deg: 12"), std::string::npos);
 }
 
