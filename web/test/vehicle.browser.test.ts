@@ -191,13 +191,17 @@ describe('a vehicle on a link', () => {
     await page.getByRole('button', {name: 'Check now'}).click();
     await page.getByText('All checks of the firmware').waitFor();
     const button = await hold(page, outputs);
+    const began = performance.now();
     assert.match(await button.getAttribute('class') ?? '', /held/);
-    await page.waitForTimeout(1500);
-    assert.ok(Math.abs(outputs.largest - 0.1) < 1e-6, `turns on: ${outputs.largest}`);
+    // One request turns it for 0.3 s. A busy machine may leave a gap between two of the page's requests, and then it rests in between.
+    await until(() => outputs.turning > began + 1500 && Math.abs(outputs.largest - 0.1) < 1e-6);
     await page.getByText('output 0: 0.10').waitFor();
     assert.deepEqual(await violations(page), []);
     await keepPicture(page, 'motor-test', DESKTOP);
-    if (outputs.largest === 0) await hold(page, outputs); // another size of the window ends it
+    await page.mouse.up(); // the picture has another size, which ends it
+    await until(() => outputs.largest === 0);
+
+    await hold(page, outputs);
     let start = performance.now();
     await page.mouse.up();
     took['release'] = await stopsAfter(outputs, start);
