@@ -23,6 +23,7 @@ StreamPublisher::StreamPublisher(rclcpp::Node& node, Clock& clock, std::string f
   errors_ =
       node.create_publisher<rosflight_msgs::msg::Error>("status/rosflight_errors", latched(5));
   params_changed_ = node.create_publisher<std_msgs::msg::Bool>("status/params_changed", 1);
+  restarted_ = node.create_publisher<std_msgs::msg::Bool>("status/restarted", 1);
   unsaved_->publish(std_msgs::msg::Bool());
 }
 
@@ -84,7 +85,12 @@ void StreamPublisher::on_status(const link::Status& m, const Stamp& stamp) {
 }
 
 void StreamPublisher::on_event(const companion::Event& event) {
-  if (const auto* unsaved = std::get_if<companion::UnsavedEvent>(&event)) {
+  if (const auto* connection = std::get_if<companion::ConnectionEvent>(&event)) {
+    if (connection->change != companion::ConnectionChange::kRestarted) return;
+    std_msgs::msg::Bool message;
+    message.data = true;
+    restarted_->publish(message);
+  } else if (const auto* unsaved = std::get_if<companion::UnsavedEvent>(&event)) {
     std_msgs::msg::Bool message;
     message.data = unsaved->unsaved;
     unsaved_->publish(message);

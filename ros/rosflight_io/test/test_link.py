@@ -10,6 +10,7 @@ import pytest
 from ros_rig import NODE, TIMEOUT_S, wait_for
 from rclpy.qos import QoSProfile
 from rosflight_msgs.msg import AuxCommand, Command, Status
+from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
 
@@ -68,8 +69,10 @@ def test_bytes_that_are_no_message_do_not_stop_the_node(rig, status, command):
 
 
 def test_reboot_answers_when_the_firmware_is_back(rig):
+    restarted = rig.peer.listen(Bool, "status/restarted")
     answer = rig.peer.call(Trigger, "reboot")
     assert answer.success, answer.message
+    assert [message.data for _, message in restarted] == [True]
 
 
 def test_firmware_that_dies_is_reported_and_found_again(rig, status):

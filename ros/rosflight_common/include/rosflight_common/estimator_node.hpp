@@ -13,6 +13,7 @@
 #include <sensor_msgs/msg/imu.hpp>
 #include <sensor_msgs/msg/magnetic_field.hpp>
 #include <sensor_msgs/msg/range.hpp>
+#include <std_msgs/msg/bool.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -140,8 +141,11 @@ class EstimatorNode : public rclcpp::Node {
         "attitude", [this](const rosflight_msgs::msg::Attitude& m) {
           if (!estimator_.wants_attitude_hint()) return;
           const auto& q = m.attitude;
-          estimator_.set_attitude_hint(seconds(m.header), {q.w, q.x, q.y, q.z});
+          estimator_.set_attitude_hint(seconds(m.header), {q.w, q.x, q.y, q.z}, !restarted_);
         });
+    subscribe<std_msgs::msg::Bool>("status/restarted", [this](const std_msgs::msg::Bool& m) {
+      restarted_ = restarted_ || m.data;
+    });
     subscribe<rosflight_msgs::msg::GNSS>("gnss", [this](const rosflight_msgs::msg::GNSS& m) {
       received(kGnss, m.header);
       estimator_.add(gnss_sample(m));
@@ -279,6 +283,7 @@ class EstimatorNode : public rclcpp::Node {
   std::int64_t least_fix_{};
   std::uint64_t watches_{};
   bool armed_{false};
+  bool restarted_{false};  ///< The firmware began again, with a heading of its own.
   typename rclcpp::Publisher<Message>::SharedPtr states_;
   rclcpp::Publisher<diagnostic_msgs::msg::DiagnosticArray>::SharedPtr diagnostics_;
   std::vector<rclcpp::SubscriptionBase::SharedPtr> subscriptions_;

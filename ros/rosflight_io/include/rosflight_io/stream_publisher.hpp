@@ -80,6 +80,7 @@ class StreamPublisher final : public rosflight::companion::Listener {
   rclcpp::Publisher<std_msgs::msg::String>::SharedPtr version_;
   rclcpp::Publisher<std_msgs::msg::Bool>::SharedPtr unsaved_;
   rclcpp::Publisher<std_msgs::msg::Bool>::SharedPtr params_changed_;
+  rclcpp::Publisher<std_msgs::msg::Bool>::SharedPtr restarted_;
   rclcpp::Publisher<rosflight_msgs::msg::Error>::SharedPtr errors_;
   std::optional<link::Attitude> attitude_;  ///< The latest.
   bool list_complete_{false};
