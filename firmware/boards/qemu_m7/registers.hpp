@@ -2,10 +2,15 @@
 #pragma once
 #include <cstdint>
 
+#include "firmware/boards/common/cortex_m7.hpp"
+
 /// Registers of the Cortex-M7 (Armv7-M Architecture Reference Manual, DDI 0403E, part B3) and of
 /// the Arm MPS2 board that qemu calls mps2-an500 (Arm Cortex-M System Design Kit, DDI 0479D: UART
 /// ch. 4.3, watchdog 4.5; Arm MPS2 FPGA board manual: FPGAIO). The only file that knows addresses.
 namespace rosflight::boards::m7 {
+
+using boards::memory_barrier;
+using boards::wait_for_interrupt;
 
 inline constexpr std::uint32_t kClock_Hz = 25'000'000;
 
@@ -18,27 +23,6 @@ T& memory_at(std::uintptr_t address) {
 inline volatile std::uint32_t& reg(std::uintptr_t address) {
   return memory_at<volatile std::uint32_t>(address);
 }
-
-inline void memory_barrier() {
-  asm volatile("dmb" ::: "memory");
-}
-inline void wait_for_interrupt() {
-  asm volatile("dsb\n wfi" ::: "memory");
-}
-
-/// Interrupts off while this lives.
-class InterruptGuard {
- public:
-  InterruptGuard() { asm volatile("mrs %0, primask\n cpsid i" : "=r"(was_masked_)::"memory"); }
-  ~InterruptGuard() {
-    if (was_masked_ == 0) asm volatile("cpsie i" ::: "memory");
-  }
-  InterruptGuard(const InterruptGuard&) = delete;
-  InterruptGuard& operator=(const InterruptGuard&) = delete;
-
- private:
-  std::uint32_t was_masked_{};
-};
 
 // ---- interrupt controller, reset
 inline void enable_interrupt(unsigned irq) {

@@ -5,34 +5,21 @@
 #include "firmware/boards/qemu_m7/registers.hpp"
 #include "firmware/boards/qemu_m7/semihosting.hpp"
 
-using namespace rosflight::boards::m7;  // NOLINT(google-build-using-namespace): symbols of the
-                                        // linker
+// NOLINTBEGIN(google-build-using-namespace): symbols of the linker
+using namespace rosflight::boards;
+using namespace rosflight::boards::m7;
+// NOLINTEND(google-build-using-namespace)
 
 extern "C" {
-extern std::uint32_t board_stack_bottom[], board_stack_top[];
-extern std::uint32_t board_data_begin[], board_data_end[], board_data_load[];
-extern std::uint32_t board_bss_begin[], board_bss_end[];
-using Constructor = void (*)();
-extern Constructor board_preinit_begin[], board_init_end[];
-
 void Reset_Handler();
 }
 
 namespace {
 
-constexpr std::uint32_t kPaint = 0xC0DE'FACEu;
 constexpr std::uintptr_t kBootCount = 0x203F'FFF0u;  // in backup memory, which the reset leaves
 
-/// A level stack pointer for the handler, whatever state the interrupted one is in.
 __attribute__((naked)) void take_fault() {
-  asm volatile(
-      "tst lr, #4\n"
-      "ite eq\n"
-      "mrseq r0, msp\n"
-      "mrsne r0, psp\n"
-      "ldr r1, =board_fault_stack_top\n"
-      "mov sp, r1\n"
-      "b board_handle_fault\n");
+  ROSFLIGHT_TAKE_FAULT();
 }
 
 }  // namespace
@@ -46,7 +33,7 @@ std::uint32_t stack_size() {
 
 std::uint32_t stack_high_water() {
   const volatile std::uint32_t* word = board_stack_bottom;
-  while (word < board_stack_top && *word == kPaint) ++word;
+  while (word < board_stack_top && *word == kStackPaint) ++word;
   return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(board_stack_top) -
                                     reinterpret_cast<std::uintptr_t>(word));
 }
@@ -68,14 +55,7 @@ __attribute__((weak)) void board_uart1_transmit() {}
 
 [[noreturn]] __attribute__((used)) void board_handle_fault(const std::uint32_t* frame) {
   asm volatile("cpsid i" ::: "memory");
-  FaultRegisters registers{};
-  // After a stack overflow there is no frame to read.
-  const auto at = reinterpret_cast<std::uintptr_t>(frame);
-  if (at >= reinterpret_cast<std::uintptr_t>(board_stack_bottom) &&
-      at + sizeof registers <= reinterpret_cast<std::uintptr_t>(board_stack_top)) {
-    for (std::size_t k = 0; k < registers.size(); ++k) registers[k] = frame[k];
-  }
-  board_fault(registers);
+  board_fault(registers_at(frame));
   reset_processor();
 }
 
@@ -85,16 +65,10 @@ __attribute__((weak)) void board_uart1_transmit() {}
   asm volatile("dsb\n isb" ::: "memory");
 
   // Painted once: a reset keeps the mark. Everything below this frame is free.
-  if (board_stack_bottom[0] != kPaint) {
-    const auto* const here = static_cast<const std::uint32_t*>(__builtin_frame_address(0));
-    for (volatile std::uint32_t* word = board_stack_bottom; word < here - 16; ++word)
-      *word = kPaint;
-  }
-  const std::uint32_t* source = board_data_load;
-  for (volatile std::uint32_t* to = board_data_begin; to < board_data_end; ++to) *to = *source++;
-  for (volatile std::uint32_t* to = board_bss_begin; to < board_bss_end; ++to) *to = 0;
+  if (board_stack_bottom[0] != kStackPaint) paint_stack(__builtin_frame_address(0));
+  set_up_variables();
   ++reg(kBootCount);
-  for (Constructor* each = board_preinit_begin; each != board_init_end; ++each) (*each)();
+  run_constructors();
   semihosting::exit(board_main());
 }
 

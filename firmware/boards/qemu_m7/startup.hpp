@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <array>
 #include <cstdint>
+
+#include "firmware/boards/common/cortex_m7_startup.hpp"
 
 /// What startup.cpp does for every image and what it expects of one. An image defines board_main()
 /// and may define the handlers; by default they do nothing.
 namespace rosflight::boards::m7 {
 
-/// r0, r1, r2, r3, r12, lr, pc, psr as the processor put them on the stack.
-using FaultRegisters = std::array<std::uint32_t, 8>;
+using boards::FaultRegisters;
 
 /// Deepest the stack has been since the power came on [bytes]: it is painted once, then looked at.
 std::uint32_t stack_high_water();
@@ -24,7 +24,7 @@ extern "C" {
 int board_main();
 /// Called on a fault or when the watchdog bites, on a stack of its own, interrupts off; the board
 /// resets when it returns. Default: nothing.
-void board_fault(const rosflight::boards::m7::FaultRegisters& registers);
+void board_fault(const rosflight::boards::FaultRegisters& registers);
 void board_tick();
 void board_uart0_receive();
 void board_uart0_transmit();

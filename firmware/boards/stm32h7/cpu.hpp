@@ -2,9 +2,10 @@
 #pragma once
 #include <cstdint>
 
+#include "firmware/boards/common/cortex_m7.hpp"
 #include "firmware/boards/stm32h7/register.hpp"
 
-/// The Cortex-M7 of the chip: barriers, interrupt controller, caches, memory protection. Addresses:
+/// The Cortex-M7 of the chip: interrupt controller, caches, memory protection. Addresses:
 /// Armv7-M Architecture Reference Manual (DDI 0403E) part B3.
 namespace rosflight::boards::stm32h7 {
 
@@ -13,30 +14,6 @@ enum class Priority : std::uint8_t {
   kWarning = 0,  ///< The watchdog's warning.
   kEdge = 1,     ///< Notes the time of an edge and nothing else.
   kBus = 5       ///< The bus context of firmware/boards/parts: all drivers.
-};
-
-inline void memory_barrier() {
-  asm volatile("dmb" ::: "memory");
-}
-
-/// Sleeps until an interrupt is pending. Call it with interrupts masked, so that none slips in between
-/// the last look and the sleep: one that is masked wakes too.
-inline void wait_for_interrupt() {
-  asm volatile("dsb\n wfi" ::: "memory");
-}
-
-/// All interrupts off while this lives.
-class InterruptGuard {
- public:
-  InterruptGuard() { asm volatile("mrs %0, primask\n cpsid i" : "=r"(was_masked_)::"memory"); }
-  ~InterruptGuard() {
-    if (was_masked_ == 0) asm volatile("cpsie i" ::: "memory");
-  }
-  InterruptGuard(const InterruptGuard&) = delete;
-  InterruptGuard& operator=(const InterruptGuard&) = delete;
-
- private:
-  std::uint32_t was_masked_{};
 };
 
 /// The bus context off; edges still get their time. @returns what unmask_bus() restores.

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <array>
 #include <cstddef>
 #include <cstdint>
+
+#include "firmware/boards/common/cortex_m7_startup.hpp"
 
 /// What startup.cpp does for every image and what it expects of one: board_main(), board_fault() and
 /// `board_vectors`, the table of its interrupts.
 namespace rosflight::boards::stm32h7 {
 
-/// r0, r1, r2, r3, r12, lr, pc, psr as the processor put them on the stack.
-using FaultRegisters = std::array<std::uint32_t, 8>;
+using boards::FaultRegisters;
 
 using Handler = void (*)();
 struct Interrupt {
@@ -27,15 +27,13 @@ struct VectorTable {
 }  // namespace rosflight::boards::stm32h7
 
 extern "C" {
-extern std::uint32_t
-    board_stack_top[];  // NOLINT(bugprone-dynamic-static-initializers): of the linker
-void Reset_Handler();   // NOLINT(readability-identifier-naming): the linker's entry
+void Reset_Handler();  // NOLINT(readability-identifier-naming): the linker's entry
 /// Every fault, every interrupt without a handler, and the watchdog's warning.
 void board_take_fault();
 /// Runs when variables are set up.
 [[noreturn]] void board_main();
 /// Called on a fault, on a stack of its own, interrupts off; the chip resets when it returns.
-void board_fault(const rosflight::boards::stm32h7::FaultRegisters& registers);
+void board_fault(const rosflight::boards::FaultRegisters& registers);
 }
 
 namespace rosflight::boards::stm32h7 {

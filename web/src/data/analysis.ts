@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a flight folder says beside the log: analysis.json, which the program writes with each flight.
-import type {Curve} from './curves.ts';
 import type {Triple} from './attitude.ts';
 
 export interface Waypoint { position_m: Triple; heading_deg: number | null; hold_s: number }
@@ -14,13 +13,6 @@ export interface Analysis {
   /** Over `t_s`; null where a value is not known. */
   curves: Record<string, (number | null)[]>;
   gyro: GyroSpectrum;
-}
-
-/** @returns undefined if the flight has none that has this curve. */
-export function analysisCurve(analysis: Analysis | undefined, name: string, factor = 1): Curve | undefined {
-  const {t_s: t, [name]: y} = analysis?.curves ?? {};
-  if (!t || !y) return undefined;
-  return {t: Float64Array.from(t, (value) => value ?? NaN), y: Float64Array.from(y, (value) => value === null ? NaN : factor * value)};
 }
 
 export interface Fault { what: string; from: number; to: number }

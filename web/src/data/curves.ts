@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Curves over time made from the columns of a flight: fields as they are, and what follows from several of them.
+import type {Analysis} from './analysis.ts';
 import {eulerAngles, turned, type Quaternion, type Triple} from './attitude.ts';
 import type {Flight, PoseTopic} from './flight.ts';
 import {lastAtOrBefore, type Table} from './table.ts';
@@ -15,6 +16,13 @@ export function field(flight: Flight, topic: string, name: string, factor = 1): 
   const values = table?.column(name);
   if (!table || !values) return undefined;
   return {t: table.times.subarray(0, table.length), y: factor === 1 ? values : values.map((value) => factor * value)};
+}
+
+/** A curve of the flight's analysis times a factor. @returns undefined if it has none of this name. */
+export function analysisCurve(analysis: Analysis | undefined, name: string, factor = 1): Curve | undefined {
+  const {t_s: t, [name]: y} = analysis?.curves ?? {};
+  if (!t || !y) return undefined;
+  return {t: Float64Array.from(t, (value) => value ?? NaN), y: Float64Array.from(y, (value) => value === null ? NaN : factor * value)};
 }
 
 /** A value made from several columns of one topic. @returns undefined if one of them is missing. */

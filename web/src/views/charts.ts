@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which curves are drawn together. A curve that a flight does not have is left out, a chart without curves too.
-import {alignedTo, angle, derived, difference, field, groundVelocity, horizontal, unwrapped, type Curve} from '../data/curves.ts';
-import {analysisCurve} from '../data/analysis.ts';
+import {alignedTo, analysisCurve, angle, derived, difference, field, groundVelocity, horizontal, unwrapped, type Curve} from '../data/curves.ts';
 import {AIDS, type Flight} from '../data/flight.ts';
 
 export type Style = 'command' | 'actual' | 'estimate' | 'numbered';
