@@ -19,11 +19,8 @@ constexpr double kFlareThrottle = 4.4;    // per share of airspeed that is missi
 constexpr double kFlareSink_s_m = 0.4;    // throttle per sink that is too much,
 constexpr double kFlareSink_m_s = 0.3;    // beyond this
 constexpr double kPathFirst_m = 10.0;     // lower on an approach pitch holds the path alone
-constexpr double kGustMargin = 1.0;    // of the gusts' deviation, on top of the approach airspeed,
-constexpr double kMostMargin = 0.15;   // at most this share of it
-constexpr double kGlideAgain_s = 0.5;  // between two plans of a glide
-constexpr double kGlideReserve_m = 1.0;  // short of the field there is no second try
-constexpr double kNearKey_m = 20.0;      // closer to its final part a glide is not planned again
+constexpr double kGustMargin = 1.0;   // of the gusts' deviation, on top of the approach airspeed,
+constexpr double kMostMargin = 0.15;  // at most this share of it
 constexpr double kFinalRoll_rad = 15.0 * kRadPerDeg;  // low on the final part of a glide
 
 double head_wind(const StateEstimate& state, double course_rad) {
@@ -143,7 +140,8 @@ void PhasePath::begin(Phase phase, std::size_t waypoint, const Input& in, Flight
       path_.stop();
       break;
     case Phase::kGlide:
-      begin_glide(in);
+      circle_here(in);
+      glide_.begin(glide_input(in), path_);
       break;
     case Phase::kFlare:
       flare_throttle_ = in.motor_lost ? 0.0 : in.last.throttle;
@@ -168,106 +166,17 @@ void PhasePath::restart(Phase phase, const Input& in) {
   since_s_ = in.t_s;
 }
 
+GlideFlight::Input PhasePath::glide_input(const Input& in) const {
+  return {.t_s = in.t_s,
+          .dt_s = in.t_s - stepped_s_,
+          .state = in.state,
+          .config = in.config,
+          .landing = {landing_position_W(in.mission), choose_landing_course(in)},
+          .start = {start_W_, {}},
+          .position_lost = in.position_lost};
+}
+
 /// The line of the take-off; from where it is airborne it climbs.
-/// Until there is a path down: around the landing place, or towards it.
-void PhasePath::begin_glide(const Input& in) {
-  circle_ = {};
-  circle_.valid = circle_.circle = true;
-  circle_.airspeed_m_s = in.config.safety.glide_m_s;
-  circle_.radius_m = in.config.plan.radius_m;
-  circle_.c_W = landing_position_W(in.mission);
-  glide_.reset();
-  path_.stop();
-  glide_planned_s_ = in.t_s - kGlideAgain_s;
-  glide_ratio_ = in.config.safety.glide_ratio;
-}
-
-/// The ratio that the vehicle has: its speed over the loss of energy per weight, without the share of
-/// turns.
-void PhasePath::learn_glide(const Input& in) {
-  constexpr double kSettle_s = 3.0;
-  constexpr double kAverage_s = 6.0;
-  constexpr double kRange = 1.6;  // of the settings, either way
-  if (since_s(in.t_s) < kSettle_s || !in.state.air_valid) return;
-  const double gravity_m_s2 = in.config.controller.airframe.gravity_m_s2;
-  const RollPitch attitude = RollPitch::of(in.state.q_WB);
-  const double rate_m_s2 = in.state.a_B.x() - gravity_m_s2 * std::sin(attitude.pitch_rad);
-  const double v = in.state.airspeed_m_s;
-  const double sink_m_s = in.state.v_W.z() - v * rate_m_s2 / gravity_m_s2;
-  const double straight_m_s = sink_m_s * std::pow(std::max(std::cos(attitude.roll_rad), 0.5), 1.5);
-  const double known = in.config.safety.glide_ratio;
-  const double ratio = straight_m_s > 0.0 ? v / straight_m_s : kRange * known;
-  const double share = std::clamp((in.t_s - stepped_s_) / kAverage_s, 0.0, 1.0);
-  // Sink is what averages, not its inverse.
-  const double mean = 1.0 / ((1.0 - share) / glide_ratio_ + share / std::max(ratio, 1.0));
-  glide_ratio_ = std::clamp(mean, known / kRange, known * kRange);
-}
-
-/// Plans the glide again, until it is near its final part.
-void PhasePath::plan_glide(const Input& in) {
-  const Vector2 p_m = in.state.p_W.head<2>();
-  if (glide_) {
-    const Vector2 to_key = glide_->key.p_m - p_m;
-    const bool behind = to_key.dot(along(glide_->key.course_rad)) < kNearKey_m &&
-                        std::abs(to_key.dot(right_of(glide_->key.course_rad))) < kNearKey_m;
-    if (behind) return;
-  }
-  if (in.t_s - glide_planned_s_ < kGlideAgain_s || in.position_lost) return;
-  glide_planned_s_ = in.t_s;
-  const FlightConfig& config = in.config;
-  GlideConfig glide;
-  glide.airspeed_m_s = config.safety.glide_m_s;
-  glide.ratio = glide_ratio_;
-  glide.radius_m = config.plan.radius_m;
-  glide.gravity_m_s2 = config.controller.airframe.gravity_m_s2;
-  glide.flare_m = 0.0;  // the flare is the reserve
-  const GlidePlanner planner(glide);
-  const Vector2 wind_m_s =
-      in.state.wind_valid ? Vector2(in.state.wind_W.head<2>()) : Vector2(Vector2::Zero());
-  const Pose from{p_m, in.state.course_rad};
-  const Field field{landing_position_W(in.mission), choose_landing_course(in)};
-  const Field start{start_W_, {}};
-  const double up_m = -in.state.p_W.z() - kGlideReserve_m;
-  auto found = planner.plan(from, up_m + field.aim_W.z(), field, wind_m_s);
-  if (!found && planner.out_of_reach(from, up_m + field.aim_W.z(), field, wind_m_s)) {
-    found = planner.plan(from, up_m + start.aim_W.z(), start, wind_m_s);
-  }
-  if (!found) return;  // a path that it has stays
-  glide_ = found;
-  PlannerConfig plan = config.plan;
-  constexpr double kAnySlope = 1e3;  // pitch holds the airspeed, not the height of the path
-  plan.climb_slope = plan.descent_slope = kAnySlope;
-  Waypoint key;
-  key.p_W << found->key.p_m, in.state.p_W.z();
-  key.passing = Passing::kDubins;
-  key.course_rad = found->key.course_rad;
-  key.airspeed_m_s = glide.airspeed_m_s;
-  Waypoint aim = key;
-  aim.p_W = found->aim_W;
-  aim.passing = Passing::kLine;
-  path_ = PathManager(plan);
-  path_.set_waypoints({key, aim}, false);
-  if (path_.start({from, -in.state.p_W.z()}, 0)) glide_.reset();
-}
-
-CurrentPath PhasePath::glide(const Input& in) {
-  learn_glide(in);
-  plan_glide(in);
-  if (glide_ && path_.started()) {
-    return path_.step(in.state.p_W, in.config.lead_s * in.state.v_W.head<2>().norm()).path;
-  }
-  CurrentPath out = circle_;
-  const Vector2 to_field = (circle_.c_W - in.state.p_W).head<2>();
-  const double height_m = circle_.c_W.z() - in.state.p_W.z();
-  if (to_field.norm() < height_m * glide_ratio_) return out;
-  out = {};  // as near as it gets
-  out.valid = true;
-  out.airspeed_m_s = circle_.airspeed_m_s;
-  out.r_W = in.state.p_W;
-  out.q_W << along(course_of(to_field)), 0.0;
-  return out;
-}
-
 CurrentPath PhasePath::straight_on(Phase phase, const FlightConfig& config) const {
   CurrentPath out;
   out.valid = true;
@@ -316,7 +225,7 @@ Controller::Direct PhasePath::direct(Phase phase, const Input& in) const {
     case Phase::kGlide:
       out.airspeed_by_pitch_m_s = config.safety.glide_m_s;
       if (in.height_above_ground_m < config.safety.straight_below_m) {
-        if (glide_ && !in.position_lost) {
+        if (glide_.planned() && !in.position_lost) {
           out.max_roll_rad = kFinalRoll_rad;
         } else {
           out.roll_rad = 0.0;
@@ -357,7 +266,7 @@ PhasePath::Output PhasePath::step(Phase phase, const Input& in) {
       out.follow = circle_;
       break;
     case Phase::kGlide:
-      out.follow = glide(in);
+      out.follow = glide_.step(glide_input(in), path_);
       out.planned = path_.started();
       break;
     case Phase::kFlare:

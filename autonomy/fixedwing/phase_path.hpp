@@ -4,6 +4,7 @@
 
 #include "autonomy/common/flight_events.hpp"
 #include "autonomy/fixedwing/flight_config.hpp"
+#include "autonomy/fixedwing/glide_flight.hpp"
 #include "autonomy/fixedwing/gust_meter.hpp"
 #include "autonomy/fixedwing/mission.hpp"
 #include "autonomy/fixedwing/phases.hpp"
@@ -73,10 +74,7 @@ class PhasePath {
             double radius_m, FlightEvents& events);
   void begin_approach(const Input& in, FlightEvents& events);
   void circle_here(const Input& in);
-  void begin_glide(const Input& in);
-  void plan_glide(const Input& in);
-  void learn_glide(const Input& in);
-  CurrentPath glide(const Input& in);
+  GlideFlight::Input glide_input(const Input& in) const;
   CurrentPath straight_on(Phase phase, const FlightConfig& config) const;
   double flare_throttle(const Input& in, double airspeed_m_s) const;
   Controller::Direct direct(Phase phase, const Input& in) const;
@@ -84,10 +82,8 @@ class PhasePath {
 
   PathManager path_;
   GustMeter gusts_;
-  CurrentPath circle_{};            ///< Of kLoiter, kDescent and kGlide before it has a path.
-  std::optional<GlidePath> glide_;  ///< The path down of kGlide.
-  double glide_planned_s_{};
-  double glide_ratio_{};  ///< Distance per height: of the settings, then as it is measured.
+  GlideFlight glide_;
+  CurrentPath circle_{};  ///< Of kLoiter, kDescent and a flare without a path.
   Vector3 start_W_{Vector3::Zero()};
   Vector3 climb_from_W_{Vector3::Zero()};
   double start_course_rad_{};

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "autonomy/fixedwing/glide_flight.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "autonomy/common/angles.hpp"
+
+namespace rosflight::autonomy::fixedwing {
+namespace {
+
+constexpr double kAgain_s = 0.5;     // between two plans
+constexpr double kReserve_m = 1.0;   // short of the field there is no second try
+constexpr double kNearKey_m = 20.0;  // closer to its final part a glide is not planned again
+
+Vector2 wind_of(const StateEstimate& state) {
+  return state.wind_valid ? Vector2(state.wind_W.head<2>()) : Vector2(Vector2::Zero());
+}
+
+}  // namespace
+
+void GlideFlight::begin(const Input& in, PathManager& path) {
+  glide_.reset();
+  path.stop();
+  began_s_ = in.t_s;
+  planned_s_ = in.t_s - kAgain_s;
+  ratio_ = in.config.safety.glide_ratio;
+}
+
+/// The ratio that the vehicle has: its speed over the loss of energy per weight, without the share
+/// of turns.
+void GlideFlight::learn_ratio(const Input& in) {
+  constexpr double kSettle_s = 3.0;
+  constexpr double kAverage_s = 6.0;
+  constexpr double kRange = 1.6;  // of the settings, either way
+  if (in.t_s - began_s_ < kSettle_s || !in.state.air_valid) return;
+  const double gravity_m_s2 = in.config.controller.airframe.gravity_m_s2;
+  const RollPitch attitude = RollPitch::of(in.state.q_WB);
+  const double rate_m_s2 = in.state.a_B.x() - gravity_m_s2 * std::sin(attitude.pitch_rad);
+  const double v = in.state.airspeed_m_s;
+  const double sink_m_s = in.state.v_W.z() - v * rate_m_s2 / gravity_m_s2;
+  const double straight_m_s = sink_m_s * std::pow(std::max(std::cos(attitude.roll_rad), 0.5), 1.5);
+  const double known = in.config.safety.glide_ratio;
+  const double ratio = straight_m_s > 0.0 ? v / straight_m_s : kRange * known;
+  const double share = std::clamp(in.dt_s / kAverage_s, 0.0, 1.0);
+  // Sink is what averages, not its inverse.
+  const double mean = 1.0 / ((1.0 - share) / ratio_ + share / std::max(ratio, 1.0));
+  ratio_ = std::clamp(mean, known / kRange, known * kRange);
+}
+
+void GlideFlight::plan(const Input& in, PathManager& path) {
+  const Vector2 p_m = in.state.p_W.head<2>();
+  if (glide_) {
+    const Vector2 to_key = glide_->key.p_m - p_m;
+    const bool behind = to_key.dot(along(glide_->key.course_rad)) < kNearKey_m &&
+                        std::abs(to_key.dot(right_of(glide_->key.course_rad))) < kNearKey_m;
+    if (behind) return;
+  }
+  if (in.t_s - planned_s_ < kAgain_s || in.position_lost) return;
+  planned_s_ = in.t_s;
+  GlideConfig glide;
+  glide.airspeed_m_s = in.config.safety.glide_m_s;
+  glide.ratio = ratio_;
+  glide.radius_m = in.config.plan.radius_m;
+  glide.gravity_m_s2 = in.config.controller.airframe.gravity_m_s2;
+  glide.flare_m = 0.0;  // the flare is the reserve
+  const GlidePlanner planner(glide);
+  const Vector2 wind_m_s = wind_of(in.state);
+  const Pose from{p_m, in.state.course_rad};
+  const double up_m = -in.state.p_W.z() - kReserve_m;
+  auto found = planner.plan(from, up_m + in.landing.aim_W.z(), in.landing, wind_m_s);
+  if (!found && planner.out_of_reach(from, up_m + in.landing.aim_W.z(), in.landing, wind_m_s)) {
+    found = planner.plan(from, up_m + in.start.aim_W.z(), in.start, wind_m_s);
+  }
+  if (!found) return;
+  PlannerConfig plan = in.config.plan;
+  constexpr double kAnySlope = 1e3;  // pitch holds the airspeed, not the height of the path
+  plan.climb_slope = plan.descent_slope = kAnySlope;
+  Waypoint key;
+  key.p_W << found->key.p_m, in.state.p_W.z();
+  key.passing = Passing::kDubins;
+  key.course_rad = found->key.course_rad;
+  key.airspeed_m_s = glide.airspeed_m_s;
+  Waypoint aim = key;
+  aim.p_W = found->aim_W;
+  aim.passing = Passing::kLine;
+  PathManager next(plan);
+  next.set_waypoints({key, aim}, false);
+  if (next.start({from, -in.state.p_W.z()}, 0)) return;
+  path = std::move(next);
+  glide_ = found;
+}
+
+CurrentPath GlideFlight::step(const Input& in, PathManager& path) {
+  learn_ratio(in);
+  plan(in, path);
+  if (glide_ && path.started()) {
+    return path.step(in.state.p_W, in.config.lead_s * in.state.v_W.head<2>().norm()).path;
+  }
+  CurrentPath out;
+  out.valid = true;
+  out.airspeed_m_s = in.config.safety.glide_m_s;
+  const Vector2 to_field = (in.landing.aim_W - in.state.p_W).head<2>();
+  const double height_m = in.landing.aim_W.z() - in.state.p_W.z();
+  if (to_field.norm() < height_m * ratio_) {
+    out.circle = true;
+    out.radius_m = in.config.plan.radius_m;
+    out.c_W = in.landing.aim_W;
+  } else {  // as near as it gets
+    out.r_W = in.state.p_W;
+    out.q_W << along(course_of(to_field)), 0.0;
+  }
+  return out;
+}
+
+}  // namespace rosflight::autonomy::fixedwing
