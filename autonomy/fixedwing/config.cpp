@@ -90,7 +90,7 @@ Table<AutonomyConfig> path_limits() {
   using P = PlannerConfig;
   using R = Row<A>;
   return {R{"turn_radius_m", in_plan(&P::radius_m), "m", Range::between(5.0, 1000.0),
-            "of every turn of a path"},
+            "of every turn of a path, in wind the minimum"},
           R{"turn_bank_deg", in_mission(&MissionLimits::max_bank_rad), kDeg,
             Range::between(5.0, 60.0), "of turns of missions, in still air"},
           R{"path_climb_slope", in_plan(&P::climb_slope), "", Range::any(), "of paths"}

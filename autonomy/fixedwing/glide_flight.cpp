@@ -62,7 +62,7 @@ void GlideFlight::plan(const Input& in, PathManager& path) {
   GlideConfig glide;
   glide.airspeed_m_s = in.config.safety.glide_m_s;
   glide.ratio = ratio_;
-  glide.radius_m = in.config.plan.radius_m;
+  glide.radius_m = in.radius_m;
   glide.gravity_m_s2 = in.config.controller.airframe.gravity_m_s2;
   glide.flare_m = 0.0;  // the flare is the reserve
   const GlidePlanner planner(glide);
@@ -75,6 +75,7 @@ void GlideFlight::plan(const Input& in, PathManager& path) {
   }
   if (!found) return;
   PlannerConfig plan = in.config.plan;
+  plan.radius_m = in.radius_m;
   constexpr double kAnySlope = 1e3;  // pitch holds the airspeed, not the height of the path
   plan.climb_slope = plan.descent_slope = kAnySlope;
   Waypoint key;
@@ -105,7 +106,7 @@ CurrentPath GlideFlight::step(const Input& in, PathManager& path) {
   const double height_m = in.landing.aim_W.z() - in.state.p_W.z();
   if (to_field.norm() < height_m * ratio_) {
     out.circle = true;
-    out.radius_m = in.config.plan.radius_m;
+    out.radius_m = in.radius_m;
     out.c_W = in.landing.aim_W;
   } else {  // as near as it gets
     out.r_W = in.state.p_W;

@@ -17,8 +17,9 @@ class GlideFlight {
     double dt_s{};
     const StateEstimate& state;
     const FlightConfig& config;
-    Field landing{};  ///< First choice,
-    Field start{};    ///< and where to when that is out of reach.
+    Field landing{};    ///< First choice,
+    Field start{};      ///< and where to when that is out of reach.
+    double radius_m{};  ///< Of turns.
     bool position_lost{};
   };
 

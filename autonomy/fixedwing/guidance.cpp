@@ -152,7 +152,7 @@ void Guidance::watch_limits(const Input& in) {
   limits_.step(in.status, from_start_W, out_.dt_s, out_.events);
   constexpr double kThere = 2.5;  // turn radii: the circle above the start, and some
   if (out_.phase == Phase::kReturn && limits_.asks_return() && !return_ &&
-      from_start_W.head<2>().norm() < kThere * config_.plan.radius_m) {
+      from_start_W.head<2>().norm() < kThere * phase_path_.path().planner().config().radius_m) {
     land_ = true;
   }
 }

@@ -22,6 +22,8 @@ class GustMeter {
     mean_m_s_ += std::min(dt_s / kMean_s, 1.0) * gust_m_s;
     variance_ += std::min(dt_s / kVariance_s, 1.0) * (0.5 * gust_m_s.squaredNorm() - variance_);
   }
+  /// |m|
+  double mean_m_s() const { return mean_m_s_.norm(); }
   double sigma_m_s() const { return std::sqrt(variance_); }
 
  private:

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "autonomy/common/angles.hpp"
+#include "autonomy/fixedwing/turn_radius.hpp"
 
 namespace rosflight::autonomy::fixedwing {
 namespace {
@@ -18,9 +19,11 @@ constexpr double kFlareSlowest = 0.9;     // of the approach airspeed; slower, t
 constexpr double kFlareThrottle = 4.4;    // per share of airspeed that is missing
 constexpr double kFlareSink_s_m = 0.4;    // throttle per sink that is too much,
 constexpr double kFlareSink_m_s = 0.3;    // beyond this
-constexpr double kPathFirst_m = 10.0;     // lower on an approach pitch holds the path alone
-constexpr double kGustMargin = 1.0;   // of the gusts' deviation, on top of the approach airspeed,
-constexpr double kMostMargin = 0.15;  // at most this share of it
+constexpr double kSameRadius_m = 0.01;
+constexpr double kShareOfBank = 0.85;  // of the largest bank, for turns down the wind
+constexpr double kPathFirst_m = 10.0;  // lower on an approach pitch holds the path alone
+constexpr double kGustMargin = 1.0;    // of the gusts' deviation, on top of the approach airspeed,
+constexpr double kMostMargin = 0.15;   // at most this share of it
 constexpr double kFinalRoll_rad = 15.0 * kRadPerDeg;  // low on the final part of a glide
 
 double head_wind(const StateEstimate& state, double course_rad) {
@@ -62,26 +65,51 @@ double PhasePath::choose_landing_course(const Input& in) const {
   return tail_wind ? wrap_angle(start_course_rad_ + kPi) : start_course_rad_;
 }
 
-void PhasePath::plan(const Input& in, std::vector<Waypoint> waypoints, bool cycle,
+double PhasePath::closest_turn_m(const Input& in, double airspeed_m_s) const {
+  const double wind_m_s = in.state.wind_valid ? gusts_.mean_m_s() + gusts_.sigma_m_s() : 0.0;
+  const ControllerConfig& controller = in.config.controller;
+  return closest_turn_radius(airspeed_m_s + wind_m_s, kShareOfBank * controller.max_roll_rad,
+                             controller.airframe.gravity_m_s2);
+}
+
+std::optional<PlanFault> PhasePath::start(const PlannerConfig& config, const PathStart& from,
+                                          std::vector<Waypoint> waypoints, bool cycle,
+                                          std::size_t first) {
+  path_ = PathManager(config);
+  path_.set_waypoints(waypoints, cycle);
+  const auto fault = path_.start(from, first);
+  const bool corner = waypoints[first].passing == Passing::kFillet && waypoints.size() > 1;
+  if (!corner || (!fault && path_.plan().radius_at(first) > config.radius_m - kSameRadius_m))
+    return fault;
+  // From here its corner is too sharp to be rounded off: over it, already on the next leg.
+  const Vector3& next_W = waypoints[(first + 1) % waypoints.size()].p_W;
+  waypoints[first].passing = Passing::kDubins;
+  waypoints[first].course_rad = course_of((next_W - waypoints[first].p_W).head<2>());
+  PathManager over(config);
+  over.set_waypoints(std::move(waypoints), cycle);
+  if (const auto worse = over.start(from, first)) return fault ? worse : fault;
+  path_ = std::move(over);
+  return {};
+}
+
+void PhasePath::plan(const Input& in, const std::vector<Waypoint>& waypoints, bool cycle,
                      std::size_t first, double radius_m, FlightEvents& events) {
-  PlannerConfig plan = in.config.plan;
-  plan.radius_m = radius_m;
   double height_m = -in.state.p_W.z();
   const auto& wanted_m = in.last.wanted_height_m;
   if (wanted_m && std::abs(*wanted_m - height_m) < kNearReference_m) height_m = *wanted_m;
   const PathStart from{{in.state.p_W.head<2>(), in.state.course_rad}, height_m};
-  path_ = PathManager(plan);
-  path_.set_waypoints(waypoints, cycle);
-  auto fault = path_.start(from, first);
-  if (fault && waypoints[first].passing == Passing::kFillet && waypoints.size() > 1) {
-    // From here its corner is too sharp to be rounded off: over it, already on the next leg.
-    const Vector3& next_W = waypoints[(first + 1) % waypoints.size()].p_W;
-    waypoints[first].passing = Passing::kDubins;
-    waypoints[first].course_rad = course_of((next_W - waypoints[first].p_W).head<2>());
-    path_.set_waypoints(std::move(waypoints), cycle);
-    fault = path_.start(from, first);
+  double airspeed_m_s = in.config.plan.airspeed_m_s;
+  for (const Waypoint& wp : waypoints) airspeed_m_s = std::max(airspeed_m_s, wp.airspeed_m_s);
+  const double wider_m = std::max(closest_turn_m(in, airspeed_m_s) - radius_m, 0.0);
+  PlannerConfig config = in.config.plan;
+  std::optional<PlanFault> fault;
+  for (const double share : {1.0, 0.5, 0.0}) {  // as wide as there is room for
+    config.radius_m = radius_m + share * wider_m;
+    config.closest_m = radius_m;
+    fault = start(config, from, waypoints, cycle, first);
+    if (!fault) return;
   }
-  if (fault) events.add(FlightEventType::kPathFault, fault->waypoint);
+  events.add(FlightEventType::kPathFault, fault->waypoint);
 }
 
 void PhasePath::begin_approach(const Input& in, FlightEvents& events) {
@@ -98,7 +126,7 @@ void PhasePath::begin_approach(const Input& in, FlightEvents& events) {
 }
 
 void PhasePath::circle_here(const Input& in) {
-  const double radius_m = radius_of(in);
+  const double radius_m = std::max(radius_of(in), closest_turn_m(in, in.config.plan.airspeed_m_s));
   circle_ = {};
   circle_.valid = true;
   circle_.circle = true;
@@ -167,13 +195,15 @@ void PhasePath::restart(Phase phase, const Input& in) {
 }
 
 GlideFlight::Input PhasePath::glide_input(const Input& in) const {
-  return {.t_s = in.t_s,
-          .dt_s = in.t_s - stepped_s_,
-          .state = in.state,
-          .config = in.config,
-          .landing = {landing_position_W(in.mission), choose_landing_course(in)},
-          .start = {start_W_, {}},
-          .position_lost = in.position_lost};
+  return {
+      .t_s = in.t_s,
+      .dt_s = in.t_s - stepped_s_,
+      .state = in.state,
+      .config = in.config,
+      .landing = {landing_position_W(in.mission), choose_landing_course(in)},
+      .start = {start_W_, {}},
+      .radius_m = std::max(in.config.plan.radius_m, closest_turn_m(in, in.config.safety.glide_m_s)),
+      .position_lost = in.position_lost};
 }
 
 /// The line of the take-off; from where it is airborne it climbs.

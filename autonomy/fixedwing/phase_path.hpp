@@ -70,7 +70,11 @@ class PhasePath {
   double flare_height_m(const LandingConfig& config, double sink_m_s) const;
 
  private:
-  void plan(const Input& in, std::vector<Waypoint> waypoints, bool cycle, std::size_t first,
+  /// Radius that the bank can fly down the wind of now.
+  double closest_turn_m(const Input& in, double airspeed_m_s) const;
+  std::optional<PlanFault> start(const PlannerConfig& config, const PathStart& from,
+                                 std::vector<Waypoint> waypoints, bool cycle, std::size_t first);
+  void plan(const Input& in, const std::vector<Waypoint>& waypoints, bool cycle, std::size_t first,
             double radius_m, FlightEvents& events);
   void begin_approach(const Input& in, FlightEvents& events);
   void circle_here(const Input& in);

@@ -10,7 +10,8 @@
 namespace rosflight::autonomy::fixedwing {
 
 struct PlannerConfig {
-  double radius_m{50.0};       ///< Of every turn.
+  double radius_m{50.0};       ///< Of every turn,
+  double closest_m{};          ///< but of fillets down to this where legs are short; 0: none.
   double climb_slope{0.15};    ///< Maximum altitude gained per distance.
   double descent_slope{0.15};  ///< Maximum altitude lost per distance.
   double airspeed_m_s{15.0};   ///< Where a waypoint says none.
@@ -27,6 +28,9 @@ struct Plan {
   static constexpr std::size_t kNoLoop = static_cast<std::size_t>(-1);
   std::vector<Segment> segments;
   std::size_t loop_to{kNoLoop};  ///< After the last segment comes this one.
+
+  /// Radius of the arc on which a waypoint is passed first; infinite on a straight.
+  double radius_at(std::size_t waypoint) const;
 };
 
 enum class PlanFaultKind : std::uint8_t {
@@ -52,7 +56,8 @@ struct PlanFault {
 ///
 ///     t = R tan(|D|/2)  cut from both lines,  arc R |D|                                    (1)
 ///
-/// which fits if the cuts of both ends of a line leave something of it. (Beard & McLain, Small
+/// which fits if the cuts of both ends of a line leave something of it. With `closest_m` R is as wide as
+/// they leave room for, shared evenly, up to `radius_m`. (Beard & McLain, Small
 /// Unmanned Aircraft, 2012, sec. 11.1, algorithm 5; there t from the angle between the legs.)
 ///
 /// Height: exactly that of the waypoint where it is passed, which for a fillet is the middle of its
@@ -74,6 +79,10 @@ class Planner {
                                 Plan& out) const;
 
   const PlannerConfig& config() const { return config_; }
+  /// Radius that has to fit everywhere.
+  double closest_m() const {
+    return config_.closest_m > 0.0 ? config_.closest_m : config_.radius_m;
+  }
 
  private:
   PlannerConfig config_{};

@@ -78,6 +78,24 @@ TEST(Planner, FilletsOfTheShippedMission) {
   }
 }
 
+/// Two fillets of 104.04 degrees share 200 m: R = 100/tan(52.018 deg), by hand. The long legs have
+/// room for more.
+TEST(Planner, FilletsAreAsWideAsTheirLegsHaveRoomFor) {
+  for (const double wanted_m : {60.0, 78.0, 90.0}) {
+    const Planner planner({.radius_m = wanted_m, .closest_m = 50.0});
+    for (const std::size_t first : {0U, 1U}) {
+      Plan plan;
+      ASSERT_FALSE(planner.plan({}, hourglass(Passing::kFillet), true, first, plan));
+      expect_smooth(plan);
+      for (const Segment* arc : arcs_of(plan)) {
+        EXPECT_NEAR(std::abs(arc->radius_m), std::min(wanted_m, 78.078), 0.01);
+      }
+    }
+  }
+  Plan plan;
+  EXPECT_TRUE(Planner({.radius_m = 90.0}).plan({}, hourglass(Passing::kFillet), true, 0, plan));
+}
+
 TEST(Planner, LinesHaveCornersInTheWaypoints) {
   const Planner planner({.radius_m = 50.0});
   Plan plan;
