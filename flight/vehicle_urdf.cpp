@@ -58,6 +58,16 @@ std::string inertia(const sim::Matrix3& J) {
       J(0, 0), 0.0 - J(0, 1), 0.0 - J(0, 2), J(1, 1), J(1, 2) + 0.0, J(2, 2));
 }
 
+constexpr double kThickness_m = 0.01;
+
+Vector3 wing_size(const FlightSetup& setup) {
+  const config::Section wing = setup.vehicle.root().section("aero").section("wing");
+  const auto length = [&wing](const char* key) {
+    return wing.number(key, config::Range::at_least(0.0), 0.0);
+  };
+  return {length("chord_m"), length("span_m"), kThickness_m};
+}
+
 }  // namespace
 
 std::string vehicle_urdf(const FlightSetup& setup) {
@@ -67,8 +77,11 @@ std::string vehicle_urdf(const FlightSetup& setup) {
   Vector3 reach = Vector3::Constant(kSmallest_m);
   for (const auto& rotor : rotors) reach = reach.cwiseMax(rotor.p_B.cwiseAbs());
   for (const Vector3& contact : contacts) reach = reach.cwiseMax(contact.cwiseAbs());
-  constexpr double kHeight = 0.25;  // of the width
+  const Vector3 wing = setup.fixed_wing() ? wing_size(setup) : Vector3::Zero();
   const double width_m = std::min(reach.x(), reach.y());
+  // What a wing stands on reaches to its tips, which are no part of its body.
+  const Vector3 body = wing.x() > 0.0 ? Vector3{reach.x(), 0.7 * wing.x(), 0.6 * wing.x()}
+                                      : Vector3{reach.x(), width_m, 0.25 * width_m};
 
   std::string urdf =
       fmt::format("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n", setup.vehicle.type());
@@ -78,8 +91,7 @@ std::string vehicle_urdf(const FlightSetup& setup) {
       "  <link name=\"base_link\">\n    <inertial>\n      <mass value=\"{:.6g}\"/>\n      {}\n"
       "    </inertial>\n{}  </link>\n",
       setup.vehicle.body().mass_kg, inertia(setup.vehicle.body().inertia_kg_m2),
-      visual(box({reach.x(), width_m, kHeight * width_m}), "body"));
-  constexpr double kThickness_m = 0.01;
+      visual(box(body), "body"));
   for (std::size_t k = 0; k < rotors.size(); ++k) {
     urdf += part(fmt::format("rotor_{}", k), flu(rotors[k].p_B), pointing(flu(rotors[k].e_B)),
                  fmt::format("<cylinder radius=\"{:.6g}\" length=\"{}\"/>",
@@ -90,15 +102,8 @@ std::string vehicle_urdf(const FlightSetup& setup) {
     urdf += part(fmt::format("contact_{}", k), flu(contacts[k]), Vector3::Zero(),
                  fmt::format("<sphere radius=\"{}\"/>", 2.0 * kThickness_m), "gear");
   }
-  if (setup.fixed_wing()) {
-    const config::Section wing = setup.vehicle.root().section("aero").section("wing");
-    const auto length = [&wing](const char* key) {
-      return wing.number(key, config::Range::at_least(0.0), 0.0);
-    };
-    const Vector3 size{length("chord_m"), length("span_m"), kThickness_m};
-    if (size.minCoeff() > 0.0)
-      urdf += part("wing", Vector3::Zero(), Vector3::Zero(), box(size), "wing");
-  }
+  if (wing.minCoeff() > 0.0)
+    urdf += part("wing", Vector3::Zero(), Vector3::Zero(), box(wing), "wing");
   return urdf + "</robot>\n";
 }
 

@@ -170,6 +170,8 @@ def test_the_description_is_the_geometry_of_the_vehicle_file(log):
         chord, span, _ = (float(x) for x in links["wing"].find("visual/geometry/box").get("size").split())
         wing = log.vehicle["aero"]["wing"]
         assert (chord, span) == (wing["chord_m"], wing["span_m"])
+        length, width, height = (float(x) for x in links["base_link"].find("visual/geometry/box").get("size").split())
+        assert max(width, height) < chord < length  # a fuselage, not all between the tips
     else:
         assert "wing" not in links
 

@@ -207,6 +207,7 @@ describe('a running flight', () => {
       await page.getByLabel('Wind speed').fill('99');
       await press('One gust');
       await page.locator('.said.wrong', {hasText: 'allowed SPEED,FROM_DEG'}).waitFor();
+      await page.getByLabel('Wind speed').fill('5');
       await page.getByLabel('Fault').first().selectOption('motorN_partial=FACTOR');
       await page.getByLabel('Number N').fill('2');
       await page.getByLabel('Size').fill('0.9');
@@ -227,12 +228,12 @@ describe('a running flight', () => {
       await other.page.getByRole('button', {name: 'Take over control'}).click();
       await page.getByText('Viewer 2 has control').first().waitFor();
       assert.ok(await page.getByRole('button', {name: 'Set wind'}).isDisabled());
+      await keepPicture(other.page, 'simulation-phone-dark');
       await other.page.getByRole('button', {name: 'Arm off'}).click();
       await other.page.getByText('Done: switch arm off').waitFor();
       await other.page.getByRole('button', {name: 'Resume'}).click();
       await other.page.getByText('Done: resume').waitFor();
       assert.deepEqual(await violations(other.page), []);
-      await keepPicture(other.page, 'simulation-phone-dark');
       await other.page.context().close();
       await page.getByText('Nobody has control').waitFor();
       await page.getByRole('tab', {name: 'Events'}).click();
