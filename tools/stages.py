@@ -203,10 +203,16 @@ def _sanitized(wanted) -> Outcome:
     return add([built, *(_check(ran.complaints) for ran in _run_binaries("sanitizers", names).values())])
 
 
-def python_tests(files: list[Path] | None = None) -> Outcome:
-    files = python_files() if files is None else files
+PROGRAMS = ("rosflight", "rosflight_tools", "rosflight_ground_tools", "rosflight_view")
+
+
+def python_tests(named: list[Path] | None = None) -> Outcome:
+    """All files, after the stage build, or these, with the programs they run built first."""
+    files = python_files() if named is None else named
     if not files:
         return Outcome()
+    if named and not project.build("release", *PROGRAMS, keep_going=True):
+        return Outcome(failed=1, complaints=["the programs cannot be built"])
     return pytest_files.run(files, sys.executable, RESULTS / "python")
 
 

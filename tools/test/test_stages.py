@@ -257,3 +257,18 @@ def test_tidy_looks_at_each_file_of_those_compiled_together(tmp_path):
         ("/p/a.cpp", "g++ -O2 -c /p/a.cpp"), ("/p/b.cpp", "g++ -O2 -c /p/b.cpp")]
     alone = {"file": "/p/a.cpp", "command": "g++ -c /p/a.cpp"}
     assert tidy.file_by_file(alone) == [alone]
+
+
+@pytest.mark.parametrize("builds", [True, False])
+def test_named_python_tests_run_the_programs_of_today(monkeypatch, builds):
+    done = []
+
+    def build(preset, *targets, keep_going=False):
+        done.append((preset, targets))
+        return builds
+
+    monkeypatch.setattr(stages.project, "build", build)
+    monkeypatch.setattr(stages.pytest_files, "run", lambda *_: done.append("run") or Outcome(passed=1))
+    outcome = stages.python_tests([stages.ROOT / "tools/test/test_stages.py"])
+    assert done[0] == ("release", stages.PROGRAMS)
+    assert (outcome.passed, outcome.failed) == ((1, 0) if builds else (0, 1)) and (len(done) == 2) == builds
