@@ -4,7 +4,7 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-ParameterSource = Path | dict[str, object]  # a YAML file, or values by name
+ParameterSource = Path | dict[str, object] | str  # a YAML file, values by name, or NAME:=VALUE for -p
 
 
 @dataclass

@@ -33,7 +33,7 @@ class Reader:
         self._namespace = ""
         self._environment: dict[str, str] = {}
         self._remappings: list[tuple[str, str]] = []  # of all nodes of the group
-        self._parameters: list[dict[str, object]] = []  # of all nodes of the group
+        self._parameters: list[str] = []  # of all nodes of the group
         self._depth = 0
         self._lenient = lenient  # for --show-args: required arguments may be missing
 
@@ -128,7 +128,11 @@ class Reader:
         self._remappings.append(self._remapping(element))
 
     def _set_parameter(self, element: Element) -> None:
-        self._parameters.append(self._parameter(element))
+        """As ROS passes it on: -p NAME:=VALUE, which rcl refuses without a value and reads as YAML once more."""
+        (name, value), = self._parameter(element).items()
+        if value == "":
+            raise element.error("value of <set_parameter>: found nothing, allowed a value; quotes in quotes keep an empty text: \"''\"")
+        self._parameters.append(f"{name}:={value}")
 
     def _log(self, element: Element) -> None:
         element.check({"message"}, {"level"} | _WHEN, set())

@@ -131,6 +131,9 @@ class Runner:
         if node.namespace:
             ros += ["-r", f"__ns:={'/' + node.namespace.strip('/')}"]
         for number, source in enumerate(node.parameters):
+            if isinstance(source, str):
+                ros += ["-p", source]
+                continue
             if isinstance(source, dict):
                 file = self._scratch / f"{len(self._running)}_{number}.yaml"
                 file.write_text(yaml.safe_dump({"/**": {"ros__parameters": source}}))

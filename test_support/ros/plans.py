@@ -3,6 +3,8 @@
 
 from dataclasses import dataclass
 
+import yaml
+
 
 @dataclass
 class Planned:
@@ -12,11 +14,19 @@ class Planned:
     remappings: set[tuple[str, str]]
 
 
+def values_of(source) -> dict[str, object]:
+    """Of a file: none."""
+    if isinstance(source, str):
+        name, value = source.split(":=", 1)
+        return {name: yaml.safe_load(value)}
+    return source if isinstance(source, dict) else {}
+
+
 def nodes_of(plan) -> dict[str, Planned]:
     """Nodes by name; those of a `compose` one by one. Its names may come as one argument, which `compose` splits."""
     found: dict[str, Planned] = {}
     for process in plan.nodes:
-        parameters = {name: value for source in process.parameters if isinstance(source, dict) for name, value in source.items()}
+        parameters = {name: value for source in process.parameters for name, value in values_of(source).items()}
         if process.what != "rosflight_common/compose":
             found[process.name] = Planned(parameters, set(process.remappings))
             continue

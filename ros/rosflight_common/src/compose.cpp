@@ -136,11 +136,13 @@ void run(int argc, char** argv) {
 }  // namespace rosflight_common
 
 int main(int argc, char** argv) {
+  bool started = false;
   try {
     rclcpp::init(argc, argv);
+    started = true;
     rosflight_common::run(argc, argv);
   } catch (const std::exception& why) {
-    if (!rclcpp::ok()) return 0;  // SIGINT while the nodes are being made
+    if (started && !rclcpp::ok()) return 0;  // SIGINT while the nodes are being made
     std::fprintf(stderr, "compose: %s\n", rosflight_common::one_line(why.what()).c_str());
     rclcpp::shutdown();
     return 2;

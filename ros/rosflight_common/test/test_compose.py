@@ -46,7 +46,7 @@ def test_a_flight_is_one_process(package, state_topic, controller):
     assert {node.what for node in plan.nodes} == {process.what, "rosflight_sim/init_firmware"}
     assert {controller, "rosflight_sim/sil_board", "rosflight_io/rosflight_io:rosflight_io"} <= {
         word.removesuffix(":sil_board") for word in " ".join(process.command).split()}
-    assert {"mission_file": "/m.yaml"} in process.parameters
+    assert "mission_file:='/m.yaml'" in process.parameters
     assert ("controller:estimated_state", "sim/state") in process.remappings
 
 
@@ -70,3 +70,9 @@ def test_what_cannot_be_composed_is_one_line(words, says):
     process = compose(*words)
     assert process.end() == 2
     assert process.lines[-1] == f"compose: {says}"
+
+
+def test_arguments_that_ros_refuses_are_one_line():
+    process = compose("rosflight_gcs/viz", mission_file="")
+    assert process.end() == 2
+    assert process.lines[-1].startswith("compose: ") and "'-p mission_file:='" in process.lines[-1]

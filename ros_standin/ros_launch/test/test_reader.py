@@ -50,10 +50,11 @@ def test_a_node_has_all_that_the_file_says(installed):
 def test_remappings_and_parameters_of_a_group_hold_for_its_nodes_only(installed):
     within, after = read(installed, """<launch>
       <group><set_remap from="/clock" to="/steps"/><set_parameter name="rate" value="2.5"/>
+        <set_parameter name="text" value="&quot;''&quot;"/>
         <node pkg="world" exec="talker" name="within" on_exit="shutdown"><remap from="a" to="b"/></node></group>
       <node pkg="world" exec="talker" name="after"/></launch>""").nodes
     assert within.remappings == [("/clock", "/steps"), ("a", "b")]
-    assert within.parameters == [{"rate": 2.5}]
+    assert within.parameters == ["rate:=2.5", "text:=''"]
     assert not after.remappings and not after.parameters
 
 
@@ -172,6 +173,7 @@ def test_two_nodes_of_one_name_have_two_labels(installed):
      ["'no.yaml'"]),
     ('<launch><node pkg="world" exec="talker"><remap from="" to="b"/></node></launch>', 1, ["empty"]),
     ('<launch><set_remap from="a" to=""/></launch>', 1, ["<set_remap>", "empty"]),
+    ("""<launch><set_parameter name="a" value="''"/></launch>""", 1, ["<set_parameter>", "nothing", "quotes in quotes"]),
     ('<launch><node pkg="world" exec="talker" on_exit="respawn"/></launch>', 1, ["on_exit", "'respawn'", "shutdown"]),
 ])
 def test_a_mistake_is_one_line_with_its_place(installed, text, line, words):

@@ -199,9 +199,9 @@ def test_a_flood_of_lines_is_passed_on_whole(launch):
 def test_a_node_gets_its_parameters_and_names(launch):
     launch.package(job="import sys\nprint(sys.argv[1:])\n"
                    "print(open(sys.argv[sys.argv.index('--params-file') + 1]).read())\n")
-    rest = launch.start('<node pkg="world" exec="job" name="n" namespace="air" args="word">'
+    rest = launch.start('<set_parameter name="y" value="\'true\'"/><node pkg="world" exec="job" name="n" namespace="air" args="word">'
                         '<param name="x" value="2"/><remap from="a" to="b"/></node>').end()[1]
-    assert "['word', '--ros-args', '-r', '__node:=n', '-r', '__ns:=/air', '--params-file'," in rest
+    assert "['word', '--ros-args', '-r', '__node:=n', '-r', '__ns:=/air', '-p', 'y:=true', '--params-file'," in rest
     assert "'-r', 'a:=b']" in rest
     assert "x: 2" in rest
 
