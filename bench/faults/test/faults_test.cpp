@@ -65,6 +65,18 @@ TEST(FaultRules, ACrashIsAllowedForTheReasonsOnTheListOnly) {
   EXPECT_EQ(rule_of(wing("gnss", "servo2_stuck")), Rule::kPitchSurface) << "the second of a pair";
 }
 
+TEST(FaultRules, ANearlyEmptyBatteryExplainsAHardLandingOnlyWhereTheStickFlies) {
+  const auto with_low_battery = [](std::size_t subject, const char* pilot, const char* other) {
+    return rule_of({subject, pilot, "battery_low", other, "leg", false});
+  };
+  EXPECT_EQ(with_low_battery(0, "hover", "link_cut:3"), Rule::kStickIsLow);
+  EXPECT_EQ(with_low_battery(0, "hover", "companion_stall:1"), Rule::kStickIsLow);
+  EXPECT_EQ(with_low_battery(0, "idle", "link_cut:3"), Rule::kPilotHasIt);
+  EXPECT_EQ(with_low_battery(0, "hover", "gnss"), Rule::kNone);
+  EXPECT_EQ(with_low_battery(1, "hover", "link_cut:3"), Rule::kNone) << "a wing glides";
+  EXPECT_EQ(rule_of(multirotor("battery_low")), Rule::kNone);
+}
+
 TEST(FaultRules, WhatNeedsTheMissionIsNotExplainedByASoftLanding) {
   EXPECT_TRUE(explained(multirotor("gnss:20"), Class::kMissionDone));
   EXPECT_FALSE(explained(multirotor("gnss:20"), Class::kLandedElsewhere));
