@@ -35,15 +35,19 @@ struct ArmedRule {
   bool only_up;
 };
 
-/// One row of the parameter table (parameters.csv). Limits of integers are exact in a float.
-struct ParamRow {
-  link::ParamName name;
+/// What parameters have in common that differ in their name only. Limits of integers are exact in a float.
+struct ParamKind {
   ParamType type;
   std::uint8_t armed_rule;  ///< Which of detail::kArmedRules limits a change while armed.
   ParamValue initial;
   float min;
   float max;
   float sentinel;  ///< One value outside the range that is allowed too ("none"); else the default.
+};
+
+/// One row of the parameter table (parameters.csv).
+struct ParamRow : ParamKind {
+  const link::ParamName& name;
 };
 
 /// A name of up to 16 characters, padded with NUL.
@@ -53,18 +57,16 @@ constexpr link::ParamName padded_name(const char* text) {
   return name;
 }
 
-/// A row of the generated table; arguments as the members of ParamRow.
-constexpr ParamRow int_row(const char* name, std::int32_t initial, float min, float max,
-                           float sentinel, std::uint8_t armed_rule) {
-  return {padded_name(name), ParamType::kInt32, armed_rule, ParamValue{initial}, min, max,
-          sentinel};
+/// A kind of the generated table; arguments as the members of ParamKind.
+constexpr ParamKind int_kind(std::int32_t initial, float min, float max, float sentinel,
+                             std::uint8_t armed_rule) {
+  return {ParamType::kInt32, armed_rule, ParamValue{initial}, min, max, sentinel};
 }
 
-/// As int_row(), for a float.
-constexpr ParamRow float_row(const char* name, float initial, float min, float max, float sentinel,
-                             std::uint8_t armed_rule) {
-  return {padded_name(name), ParamType::kFloat, armed_rule, ParamValue{initial}, min, max,
-          sentinel};
+/// As int_kind(), for a float.
+constexpr ParamKind float_kind(float initial, float min, float max, float sentinel,
+                               std::uint8_t armed_rule) {
+  return {ParamType::kFloat, armed_rule, ParamValue{initial}, min, max, sentinel};
 }
 
 }  // namespace rosflight::core

@@ -39,8 +39,7 @@ std::size_t Parameters::find(const link::ParamName& name) {
   while (low < high) {
     const std::size_t middle = (low + high) / 2;
     const std::size_t index = detail::kParamOrder[middle];
-    const int order =
-        std::strncmp(detail::kParamTable[index].name.data(), name.data(), name.size());
+    const int order = std::strncmp(detail::kParamNames[index].data(), name.data(), name.size());
     if (order == 0) return index;
     if (order < 0) {
       low = middle + 1;
@@ -56,7 +55,7 @@ std::uint32_t Parameters::bits(Param id) const {
 }
 
 bool Parameters::in_range(Param id, ParamValue value) {
-  const ParamRow& r = row(id);
+  const ParamKind& r = kind(id);
   if (r.type == ParamType::kFloat) {
     const float v = value.f;
     if (!std::isfinite(v)) return false;
@@ -68,7 +67,7 @@ bool Parameters::in_range(Param id, ParamValue value) {
 }
 
 SetResult Parameters::set_bits(Param id, std::uint8_t type, std::uint32_t bits, bool armed) {
-  const ParamRow& r = row(id);
+  const ParamKind& r = kind(id);
   if (type != static_cast<std::uint8_t>(r.type)) return SetResult::kWrongType;
   const ParamValue value = from_bits(r.type, bits);
   if (!in_range(id, value)) return SetResult::kOutOfRange;
@@ -85,13 +84,13 @@ SetResult Parameters::set_bits(Param id, std::uint8_t type, std::uint32_t bits, 
 
 SetResult Parameters::set_int(Param id, std::int32_t value) {
   const ParamValue v{value};
-  if (row(id).type != ParamType::kInt32) return SetResult::kWrongType;
+  if (kind(id).type != ParamType::kInt32) return SetResult::kWrongType;
   return in_range(id, v) ? store(id, v) : SetResult::kOutOfRange;
 }
 
 SetResult Parameters::set_float(Param id, float value) {
   const ParamValue v{value};
-  if (row(id).type != ParamType::kFloat) return SetResult::kWrongType;
+  if (kind(id).type != ParamType::kFloat) return SetResult::kWrongType;
   return in_range(id, v) ? store(id, v) : SetResult::kOutOfRange;
 }
 
@@ -112,7 +111,8 @@ SetResult Parameters::store(Param id, ParamValue value) {
 
 void Parameters::reset_to_defaults() {
   for (std::size_t k = 0; k < kParamCount; ++k) {
-    static_cast<void>(store(static_cast<Param>(k), detail::kParamTable[k].initial));
+    const auto id = static_cast<Param>(k);
+    static_cast<void>(store(id, kind(id).initial));
   }
 }
 

@@ -26,12 +26,16 @@ class Parameters {
   Parameters() { reset_to_defaults(); }
 
   /// The table row of a parameter.
-  static constexpr const ParamRow& row(Param id) {
-    return detail::kParamTable[static_cast<std::size_t>(id)];
+  static constexpr ParamRow row(Param id) {
+    return {kind(id), detail::kParamNames[static_cast<std::size_t>(id)]};
+  }
+  /// That row without its name.
+  static constexpr const ParamKind& kind(Param id) {
+    return detail::kParamKinds[detail::kParamKindOf[static_cast<std::size_t>(id)]];
   }
   /// The limit of a change while armed.
   static constexpr const ArmedRule& armed_rule(Param id) {
-    return detail::kArmedRules[row(id).armed_rule];
+    return detail::kArmedRules[kind(id).armed_rule];
   }
   /// Finds a name of up to 16 characters; @returns kParamCount if there is none.
   static std::size_t find(const link::ParamName& name);

@@ -40,9 +40,23 @@ bool MavlinkCodec::encode(const Message& message, Frame& frame) {
     return false;
   }
   ++counters_.frames_sent;
-  const mavlink::Sender sender = next_;
+  const mavlink::Row& row = mavlink::kRows[index];
+  mavlink::Sender sender = next_;
   ++next_.sequence;
-  mavlink::kRows[index].encode(message, sender, frame);
+  sender.message_id = row.id;
+  if (row.id == MAVLINK_MSG_ID_PARAM_VALUE &&
+      sender.component_id == MAV_COMP_ID_ROSFLIGHT_FIRMWARE) {
+    sender.component_id = MAV_COMP_ID_ALL;
+  }
+  std::uint8_t* const bytes = frame.bytes.data();
+  bytes[0] = kStartByte;
+  bytes[1] = row.length;
+  std::memcpy(bytes + 2, &sender, sizeof sender);
+  row.pack(message, bytes + kHeaderBytes);
+  const std::size_t covered = kHeaderBytes - 1 + row.length;
+  const std::uint16_t crc = mavlink::checksum(bytes + 1, covered, row.crc_extra);
+  std::memcpy(bytes + 1 + covered, &crc, sizeof crc);
+  frame.size = kOverheadBytes + row.length;
   return true;
 }
 

@@ -13,11 +13,8 @@
 #include "link/mavlink/wire.hpp"
 #include "link/messages.hpp"
 
-/// One row per alternative of link::Message: how it is framed and which functions do it. Ids,
+/// One row per alternative of link::Message: how it is framed and which functions do its payload. Ids,
 /// lengths and CRC_EXTRA are those of the generated headers. Private to the codec.
-///
-/// Each message has its own encoder, so that lengths are constants in it: a third fewer
-/// instructions than one encoder for all.
 namespace rosflight::link::mavlink {
 
 inline constexpr std::uint8_t kStartByte = 0xFE;
@@ -29,33 +26,21 @@ struct Row {
   std::uint8_t length;  ///< Payload bytes.
   std::uint8_t crc_extra;
   std::uint8_t alternative;  ///< Index in link::Message.
-  void (*encode)(const Message& message, Sender sender, Frame& frame);
+  void (*pack)(const Message& message, std::uint8_t* payload);
   void (*unpack)(const std::uint8_t* payload, Message& message);
 };
 
 // The generated structs are in wire order without gaps, so their first kLength bytes are the
 // payload.
 
-/// Encodes the alternative Ours of the message as a frame.
-template <typename Ours, typename Wire, std::uint8_t kId, std::uint8_t kLength,
-          std::uint8_t kCrcExtra>
-void encode_as(const Message& message, Sender sender, Frame& frame) {
+/// Writes the payload of the alternative Ours of the message.
+template <typename Ours, typename Wire, std::uint8_t kLength>
+void pack_as(const Message& message, std::uint8_t* payload) {
   const Ours* const ours = std::get_if<Ours>(&message);
   if (ours == nullptr) return;  // not reached: the row was chosen by the alternative
   Wire wire;
   pack(*ours, wire);
-  std::uint8_t* const bytes = frame.bytes.data();
-  bytes[0] = kStartByte;
-  bytes[1] = kLength;
-  sender.message_id = kId;
-  if (kId == MAVLINK_MSG_ID_PARAM_VALUE && sender.component_id == MAV_COMP_ID_ROSFLIGHT_FIRMWARE) {
-    sender.component_id = MAV_COMP_ID_ALL;
-  }
-  std::memcpy(bytes + 2, &sender, sizeof sender);
-  std::memcpy(bytes + kHeaderBytes, &wire, kLength);
-  const std::uint16_t crc = checksum(bytes + 1, kHeaderBytes - 1 + kLength, kCrcExtra);
-  std::memcpy(bytes + kHeaderBytes + kLength, &crc, sizeof crc);
-  frame.size = kOverheadBytes + kLength;
+  std::memcpy(payload, &wire, kLength);
 }
 
 /// Makes `message` an Ours with the values of the payload.
@@ -76,7 +61,7 @@ constexpr Row row() {
           kLength,
           kCrcExtra,
           static_cast<std::uint8_t>(kAlternative),
-          &encode_as<Ours, Wire, kId, kLength, kCrcExtra>,
+          &pack_as<Ours, Wire, kLength>,
           &unpack_as<Ours, Wire, kLength>};
 }
 

@@ -115,6 +115,20 @@ def limit(text):
     return ("-" if value < 0 else "") + "kInfinity" if math.isinf(value) else f"{value!r}f"
 
 
+def kind_of(row, rules):
+    """All of a row but its name, as the call that makes it."""
+    default = literal(row["type"], row["default"])
+    sentinel = limit(row["sentinel"] or row["default"])
+    make = "int_kind" if row["type"] == "int32" else "float_kind"
+    return f"{make}({default}, {limit(row['min'])}, {limit(row['max'])}, {sentinel}, {rules.index(armed_rule('', row))})"
+
+
+def lines_of(numbers):
+    numbers = list(numbers)
+    for start in range(0, len(numbers), 16):
+        yield "    " + "".join(f"{number}, " for number in numbers[start:start + 16]).rstrip()
+
+
 def header(rows):
     rules = list(dict.fromkeys(armed_rule("", row) for row in rows))
     yield "// Generated from firmware/core/parameters.csv. Do not edit."
@@ -133,21 +147,22 @@ def header(rows):
     for factor, step, only_up in rules:
         yield f"    {{{limit(str(factor))}, {limit(str(step))}, {str(only_up).lower()}}},"
     yield "}};"
-    yield "inline constexpr std::array<ParamRow, kParamCount> kParamTable{{"
-    for row in rows:
-        kind = row["type"]
-        make = "int_row" if kind == "int32" else "float_row"
-        default = literal(kind, row["default"])
-        low, high = limit(row["min"]), limit(row["max"])
-        sentinel = limit(row["sentinel"] or row["default"])
-        rule = rules.index(armed_rule("", row))
-        yield f'    {make}("{row["name"]}", {default}, {low}, {high}, {sentinel}, {rule}),'
+    kinds = [kind_of(row, rules) for row in rows]
+    distinct = list(dict.fromkeys(kinds))
+    yield f"inline constexpr std::array<ParamKind, {len(distinct)}> kParamKinds{{{{"
+    yield from (f"    {kind}," for kind in distinct)
+    yield "}};"
+    yield "/// Which of them a parameter is."
+    yield "inline constexpr std::array<std::uint8_t, kParamCount> kParamKindOf{{"
+    yield from lines_of(distinct.index(kind) for kind in kinds)
+    yield "}};"
+    yield "inline constexpr std::array<link::ParamName, kParamCount> kParamNames{{"
+    yield from (f'    padded_name("{row["name"]}"),' for row in rows)
     yield "}};"
     yield "/// Indices in the order of the names."
     yield "inline constexpr std::array<std::uint16_t, kParamCount> kParamOrder{{"
     order = sorted(range(len(rows)), key=lambda index: rows[index]["name"])
-    for start in range(0, len(order), 16):
-        yield "    " + "".join(f"{index}, " for index in order[start:start + 16]).rstrip()
+    yield from lines_of(order)
     yield "}};"
     yield "}  // namespace detail"
     yield "}  // namespace rosflight::core"

@@ -42,9 +42,9 @@ def test_makes_a_row_and_an_entry_of_each_parameter(tmp_path):
     done, header, page = run(tmp_path, table(GOOD, float_row, sentinel_row))
     assert done.returncode == 0, done.stderr
     text = header.read_text()
-    assert 'int_row("SYS_ID", 1, 1.0f, 255.0f, 1.0f, 0)' in text
-    assert 'float_row("PRI_MIXER_0_1", 0.5f, -kInfinity, kInfinity, 0.5f, 1)' in text
-    assert 'float_row("FAILSAFE_THR", -1.0f, 0.0f, 1.0f, -1.0f, 0)' in text
+    assert ("    int_kind(1, 1.0f, 255.0f, 1.0f, 0),\n    float_kind(0.5f, -kInfinity, kInfinity, 0.5f, 1),\n"
+            "    float_kind(-1.0f, 0.0f, 1.0f, -1.0f, 0),\n") in text
+    assert '    padded_name("SYS_ID"),\n    padded_name("PRI_MIXER_0_1"),\n    padded_name("FAILSAFE_THR"),\n' in text
     assert "kParamCount = 3;" in text
     assert "{kInfinity, 0.0f, false}," in text and "{0.0f, 0.0f, false}," in text
     assert [line.strip() for line in text.splitlines() if line.strip().startswith("k") and line.endswith(",")] \
@@ -62,7 +62,8 @@ def test_each_armed_rule_stands_once_in_the_header(tmp_path):
     assert done.returncode == 0, done.stderr
     text = header.read_text()
     assert "{4.0f, 0.02f, false},\n    {1.5f, 0.0f, true},\n    {4.0f, 0.0f, false},\n}};" in text
-    assert [f'float_row("{name}", 1.0f, 0.0f, 9.0f, 1.0f, {rule})' in text for name, rule in zip("ABCD", (0, 1, 2, 2))]
+    assert "".join(f"    float_kind(1.0f, 0.0f, 9.0f, 1.0f, {rule}),\n" for rule in range(3)) + "}};" in text
+    assert "std::array<std::uint8_t, kParamCount> kParamKindOf{{\n    0, 1, 2, 2,\n}};" in text
     assert "| 1.5 up |" in page.read_text()
 
 
