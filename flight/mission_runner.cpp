@@ -300,10 +300,13 @@ void MissionRunner::report_estimate() {
 }
 
 /// Sends the estimated attitude to the firmware as external attitude. The firmware's own filter uses
-/// gyro and accelerometer alone: drag and turns bias its tilt.
+/// gyro and accelerometer alone: drag and turns bias its tilt. Right after a hole in the data, as of a
+/// firmware that restarted, it knows the tilt better than the estimate.
 void MissionRunner::send_attitude() {
+  constexpr double kSure_rad = 0.05;
   const bool good = estimate_source_.health().initialised && estimate_.p_W.allFinite() &&
-                    estimate_.attitude == autonomy::Quality::kGood;
+                    estimate_.attitude == autonomy::Quality::kGood &&
+                    estimate_.attitude_sigma_B_rad.head<2>().maxCoeff() < kSure_rad;
   if (!config_.share_attitude || offboard_paused_ || !good) return;
   const autonomy::Quaternion& q = estimate_.q_WB;
   link::ExternalAttitude attitude;

@@ -55,6 +55,26 @@ struct PilotOverride {
   bool any() const { return roll_pitch || yaw || throttle; }
 };
 
+/// Who controls the axes, over the time.
+///
+/// A flight controller that restarted, or missed some commands, reports the offboard axes as not
+/// active until the next command arrives. For kHandover_s that is no pilot's decision: autonomy
+/// that held its position for it would brake as hard as it can.
+class OverrideWatch {
+ public:
+  static constexpr double kHandover_s = 0.25;
+
+  PilotOverride step(std::uint16_t word, double dt_s) {
+    constexpr unsigned kNotActive = 0x3C0U;
+    const bool by_pilot = (word & ~kNotActive) != 0;
+    left_s_ = word == 0 ? kHandover_s : by_pilot ? 0.0 : left_s_ - dt_s;
+    return left_s_ > 0.0 ? PilotOverride{} : PilotOverride::from_word(word);
+  }
+
+ private:
+  double left_s_{0.0};
+};
+
 /// Status that the flight controller sends.
 struct Status {
   bool armed{};

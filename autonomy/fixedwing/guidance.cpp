@@ -121,7 +121,7 @@ void Guidance::enter(Phase to, const Input& in) {
 void Guidance::update_phase(const Input& in) {
   watch_limits(in);
   const bool failsafe = in.status.failsafe;
-  const bool pilot = PilotOverride::from_word(in.status.rc_override).any() || failsafe;
+  const bool pilot = override_.step(in.status.rc_override, out_.dt_s).any() || failsafe;
   const Phase to = kPhaseTable.next(out_.phase, conditions(in, pilot).bits());
   const bool idle_now = to == Phase::kDisarmed || to == Phase::kLanded;
   if (!idle_now && pilot != pilot_) {

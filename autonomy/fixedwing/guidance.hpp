@@ -95,6 +95,7 @@ class Guidance {
   double last_t_s_{};
   double blind_s_{};  ///< Since the take-off began: without a state, or flown by the failsafe.
   bool started_{false};
+  OverrideWatch override_;
   bool pilot_{false};
   bool failsafe_{false};
   bool path_done_{false};

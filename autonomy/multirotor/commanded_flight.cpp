@@ -89,7 +89,7 @@ CommandedFlight::Turn CommandedFlight::begin(const Input& in) {
   state_lost_ = false;
 
   attitude_ = AttitudeView(in.state.q_WB);
-  pilot_ = PilotOverride::from_word(in.status.rc_override);
+  pilot_ = override_.step(in.status.rc_override, dt_s_);
   voltage_V_ = in.status.battery_voltage_V;
   failsafe_ = in.status.failsafe;
   step_ = machine_.step({.t_s = in.t_s,

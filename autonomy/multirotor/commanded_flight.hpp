@@ -111,6 +111,7 @@ class CommandedFlight {
   StateMachine::Output step_{};
   Output out_{};
   AttitudeView attitude_{Quaternion::Identity()};
+  OverrideWatch override_;
   PilotOverride pilot_{};
   double dt_s_{};
   double voltage_V_{};

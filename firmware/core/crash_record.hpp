@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "firmware/core/estimator.hpp"
 #include "firmware/hal/roles.hpp"
 
 namespace rosflight::core {
@@ -19,10 +20,16 @@ using hal::Time;
 ///
 ///     u32 flight word | 3 x u32 age of a rearming [ms] | u32 Fletcher-16
 ///
-/// A record without a valid second part counts as written on the ground.
+/// and 48 more:
+///
+///     u32 age of the estimate [us] | 4 x f32 attitude | 3 x f32 rates | 3 x f32 bias | u32 Fletcher-16
+///
+/// A record without a valid second part counts as written on the ground, one without the third knows
+/// no attitude.
 struct CrashRecord {
   static constexpr std::size_t kReferenceBytes = 44;
-  static constexpr std::size_t kBytes = 64;
+  static constexpr std::size_t kMotionAt = 64;  ///< Where the third part begins.
+  static constexpr std::size_t kBytes = 112;
   static constexpr std::uint32_t kArmed = 0xBAD2FA11u;
   static constexpr std::uint32_t kAboveIdle = 0x0F117E5Du;
   static constexpr std::uint32_t kNever = 0xFFFFFFFFu;
@@ -39,6 +46,9 @@ struct CrashRecord {
   using Ages = std::array<std::uint32_t, kMaxRearms>;
   /// Ages of the last three rearmings at the fault, newest first; kNever where there was none.
   Ages rearm_age_ms{kNever, kNever, kNever};
+
+  Motion motion{};                     ///< Its stamp is not stored,
+  Time motion_age{-Motion::kUnknown};  ///< but how old it was at the fault.
 
   std::uint32_t pc() const { return registers[6]; }
   /// The vehicle was flying, and was not rearmed three times within the last 60 s.

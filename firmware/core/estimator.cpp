@@ -78,10 +78,23 @@ void Estimator::settle() {
   }
 }
 
-void Estimator::reset_in_flight() {
+bool Motion::plausible() const {
+  constexpr float kUnit = 0.01f, kMaxRate_rad_s = 2000.0f * kRadPerDeg, kMaxBias_rad_s = 0.35f;
+  return std::abs(squared_norm(q_WB) - 1.0f) < kUnit &&  // false for NaN, as the others are
+         (rates_rad_s.array().abs() <= kMaxRate_rad_s).all() &&
+         (bias_rad_s.array().abs() <= kMaxBias_rad_s).all();
+}
+
+void Estimator::resume_in_flight(const Motion& before) {
   reset();
   started_ = false;
   in_flight_ = true;
+  estimate_.stamp = Motion::kUnknown;
+  if (!before.plausible()) return;
+  estimate_.stamp = before.stamp;
+  estimate_.q_WB = normalized(before.q_WB);
+  bias_ = before.bias_rad_s;
+  rate_ = before.rates_rad_s + bias_;
 }
 
 bool Estimator::set_external_attitude(const std::array<float, 4>& q_WB) {
@@ -118,21 +131,11 @@ bool Estimator::external_plausible(const Quaternion& q) {
 }
 
 const AttitudeEstimate& Estimator::step(const hal::ImuSample& imu, float dt_s) {
-  estimate_.stamp = imu.stamp;
   if (!started_) {
-    started_ = true;
-    constexpr Time kLatest{std::int64_t{1} << 60};  // leaves room for sums with any first stamp
-    now_ = std::clamp(imu.stamp, Time{0}, kLatest);
-    last_use_ = external_time_ = now_;
-    boost_start_ = now_;
-    const Vector3 first = to_vector(imu.accel_m_s2);
-    const float horizontal_sq = first.x() * first.x() + first.y() * first.y();
-    if (in_flight_ || horizontal_sq > kLevelEnough * kLevelEnough * first.squaredNorm()) {
-      acc_ = first;
-      level_from_accelerometer();
-    }
+    start(imu);
     return estimate_;
   }
+  estimate_.stamp = imu.stamp;
   if (dt_s > kGap_s) {
     cross_gap(imu, dt_s);
     dt_s = 0.0f;
@@ -142,11 +145,36 @@ const AttitudeEstimate& Estimator::step(const hal::ImuSample& imu, float dt_s) {
   const Correction c = correction(dt_s);
   bias_ -= c.ki * dt_s * Vector3{c.error.x(), c.error.y(), c.yaw_bias_error};
   propagate(rate_for_step() - bias_ + c.kp * c.error, dt_s, config_.exact_step);
+  publish();
+  return estimate_;
+}
 
+inline void Estimator::publish() {
   estimate_.rates_rad_s = rate_ - bias_;
   estimate_.roll_rad = roll_of(estimate_.q_WB);
   estimate_.pitch_rad = pitch_of(estimate_.q_WB);
-  return estimate_;
+}
+
+void Estimator::start(const hal::ImuSample& imu) {
+  started_ = true;
+  constexpr Time kLatest{std::int64_t{1} << 60};  // leaves room for sums with any first stamp
+  now_ = std::clamp(imu.stamp, Time{0}, kLatest);
+  last_use_ = external_time_ = boost_start_ = now_;
+  const float gap_s = static_cast<float>((now_ - estimate_.stamp).count()) / kMicroseconds;
+  estimate_.stamp = imu.stamp;
+  const Vector3 first = to_vector(imu.accel_m_s2);
+  if (in_flight_) {
+    acc_ = first;
+    boost_start_ -= config_.init_time;
+    cross_gap(imu, std::max(0.0f, gap_s));
+    publish();
+    return;
+  }
+  const float horizontal_sq = first.x() * first.x() + first.y() * first.y();
+  if (horizontal_sq > kLevelEnough * kLevelEnough * first.squaredNorm()) {
+    acc_ = first;
+    level_from_accelerometer();
+  }
 }
 
 void Estimator::cross_gap(const hal::ImuSample& imu, float dt_s) {

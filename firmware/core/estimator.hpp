@@ -16,6 +16,18 @@ struct AttitudeEstimate {
   float pitch_rad{0.0f};
 };
 
+/// What an estimate continues from after a restart in flight.
+struct Motion {
+  static constexpr Time kUnknown = -hal::milliseconds(3'600'000);
+  Time stamp{kUnknown};
+  Quaternion q_WB{};
+  Vector3 rates_rad_s{Vector3::Zero()};
+  Vector3 bias_rad_s{Vector3::Zero()};
+
+  /// A unit quaternion, rates that a gyro can measure, a bias that one may have.
+  bool plausible() const;
+};
+
 /// Attitude from gyro and accelerometer: quaternion complementary filter after Mahony, Hamel and
 /// Pflimlin, "Nonlinear complementary filters on the special orthogonal group", IEEE TAC 53(5),
 /// 2008, with the low-passes, the integration and the start-up boost of ROSflight 2.x.
@@ -79,9 +91,13 @@ class Estimator {
 
   /// Level, no bias, filters at rest. The very first step after construction only records its time.
   void reset();
-  /// After a restart in the air: roll and pitch from the first accelerometer sample, the boost
-  /// counts from that sample and leaves external attitudes alone.
-  void reset_in_flight();
+  /// After a restart in the air. The time from `before` to the first sample is a gap like any other; an
+  /// accelerometer in flight measures thrust and drag, not the tilt. Without a plausible `before` of
+  /// at most kMaxGap_s ago roll and pitch come from that sample nevertheless, and the boost counts
+  /// from it.
+  void resume_in_flight(const Motion& before);
+  /// For resume_in_flight() of the next start.
+  Motion motion() const { return {estimate_.stamp, estimate_.q_WB, estimate_.rates_rad_s, bias_}; }
   /// At the end of a gyro calibration, hence at rest: resets the bias estimate, which belonged to the
   /// old offset. While the offset was measured nothing was subtracted from it, and it turned the
   /// attitude: roll and pitch more than 3 degrees from the accelerometer's are set to those. Yaw is
@@ -127,6 +143,8 @@ class Estimator {
   void propagate(const Vector3& rate, float dt_s, bool exact);
   void level_from_accelerometer();
   void cross_gap(const hal::ImuSample& imu, float dt_s);
+  void start(const hal::ImuSample& imu);
+  void publish();
   void watch_health(bool used);
 
   Config config_{};

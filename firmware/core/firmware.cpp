@@ -49,7 +49,8 @@ void Firmware::run() {
 }
 
 void Firmware::start() {
-  note(Event::kInitialized, board_.clock.now());
+  const Time started = board_.clock.now();
+  note(Event::kInitialized, started);
   board_.leds.set(hal::Led::kOverride, false);
   board_.leds.set(hal::Led::kStatus, false);
   const StoreResult loaded = load_parameters();
@@ -86,7 +87,7 @@ void Firmware::start() {
   rc_.describe(log_);
   check_calibration();
   estimator_.reset();
-  recover_from_crash();
+  recover_from_crash(started);
   if (!state_.armed()) {
     sensors_.start_baro_calibration();
     if (parameters_.get_float(Param::kDiffPressBias) == 0.0f) sensors_.start_airspeed_calibration();

@@ -152,7 +152,7 @@ class Firmware {
   void watch_motor_test(Time now);
   void report_checks(Time now);
   void send_counters();
-  void recover_from_crash();
+  void recover_from_crash(Time started);
   void watch_imu(Time now);
   void watch_battery(Time now);
   void show_leds(Time now);

@@ -259,8 +259,11 @@ void Firmware::record_fault(const std::array<std::uint32_t, 8>& registers) {
   record.error_word = state_.errors();
   record.armed = state_.armed();
   record.registers = registers;
-  record.above_idle = above_idle() || may_glide(board_.clock.now());
-  const std::int64_t uptime_ms = hal::to_ms(board_.clock.now());
+  const Time now = board_.clock.now();
+  record.above_idle = above_idle() || may_glide(now);
+  record.motion = estimator_.motion();
+  record.motion_age = now - record.motion.stamp;
+  const std::int64_t uptime_ms = hal::to_ms(now);
   for (std::size_t k = 0; k < rearm_ages_ms_.size(); ++k) {
     record.rearm_age_ms[k] = static_cast<std::uint32_t>(
         std::min<std::int64_t>(rearm_ages_ms_[k] + uptime_ms, CrashRecord::kNever));
@@ -268,7 +271,7 @@ void Firmware::record_fault(const std::array<std::uint32_t, 8>& registers) {
   static_cast<void>(write_crash_record(board_.backup, record));
 }
 
-void Firmware::recover_from_crash() {
+void Firmware::recover_from_crash(Time started) {
   CrashRecord record;
   if (!take_crash_record(board_.backup, record)) return;
   fault_count_ = record.fault_count;
@@ -278,7 +281,8 @@ void Firmware::recover_from_crash() {
   if (record.may_rearm()) note(Event::kArmInAir, now);
   if (state_.armed()) {
     rearm_ages_ms_ = {0, record.rearm_age_ms[0], record.rearm_age_ms[1]};
-    estimator_.reset_in_flight();
+    record.motion.stamp = started - record.motion_age;
+    estimator_.resume_in_flight(record.motion);
     powered_ = now;
     log_.critical("Rearmed after a fault in flight");
   } else if (record.armed) {

@@ -111,7 +111,7 @@ class Storage {
 /// A few bytes that survive a reset but not a power cycle.
 class BackupMemory {
  public:
-  static constexpr std::size_t kSize = 64;
+  static constexpr std::size_t kSize = 128;
   /// Reads the first `count` <= kSize bytes. @returns false if there is no such memory or its content
   /// did not survive.
   virtual bool read(std::uint8_t* data, std::size_t count) = 0;

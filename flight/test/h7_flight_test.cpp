@@ -182,6 +182,16 @@ TEST_P(SilentSensor, IsReportedAndTheMissionGoesOn) {
 }
 INSTANTIATE_TEST_SUITE_P(Sensors, SilentSensor, ::testing::Values("baro", "mag"));
 
+/// Between the estimated and the true direction of gravity.
+double attitude_error_deg(const Rig& rig) {
+  const core::Quaternion q = view_of(rig).q_WB;
+  const Eigen::Quaterniond estimate(q.w, q.x, q.y, q.z);
+  const auto down = sim::Vector3::UnitZ();
+  const double c =
+      (estimate.conjugate() * down).dot(rig.flight->truth().body.q_WB.conjugate() * down);
+  return std::acos(std::min(1.0, c)) * 180.0 / 3.14159265358979323846;
+}
+
 /// A bus error in the driver of the IMU, or an interrupt that never ends: record, reset, armed again.
 using Trouble = std::tuple<const char*, Breakdown>;
 class HardwareTrouble : public ::testing::TestWithParam<Trouble> {};
@@ -221,7 +231,32 @@ TEST_P(HardwareTrouble, LeavesARecordResetsAndRearms) {
 INSTANTIATE_TEST_SUITE_P(Kinds, HardwareTrouble,
                          ::testing::Values(Trouble{"pixracer_pro", Breakdown::kCrash},
                                            Trouble{"pixracer_pro", Breakdown::kHang},
-                                           Trouble{"varmint", Breakdown::kCrash}));
+                                           Trouble{"varmint", Breakdown::kCrash},
+                                           Trouble{"varmint", Breakdown::kHang}));
+
+/// Of a hang while the vehicle accelerates, brakes and turns: the attitude goes on from the record, and so
+/// does the mission.
+class HangAt : public ::testing::TestWithParam<double> {};
+TEST_P(HangAt, TiltsTheVehicleLessThan30Degrees) {
+  Rig rig{on_board()};
+  rig.run_until(GetParam());
+  rig.flight->autopilot().break_down(rig.flight->now(), Breakdown::kHang);
+  double tilt_deg = 0.0;
+  double error_deg = 0.0;
+  while (rig.flight->now() < at_s(GetParam() + 1.5)) {
+    rig.flight->step();
+    tilt_deg = std::max(tilt_deg, rig.tilt_deg());
+    const bool again = chip_of(rig).figures()->resets > 0;
+    if (again && chip_of(rig).process().from_chip().outputs[0] > 0.0F)
+      error_deg = std::max(error_deg, attitude_error_deg(rig));
+  }
+  EXPECT_EQ(chip_of(rig).figures()->resets, 1U);
+  EXPECT_TRUE(view_of(rig).armed);
+  EXPECT_LT(tilt_deg, 30.0);
+  EXPECT_LT(error_deg, 8.0) << "of roll and pitch";
+  EXPECT_TRUE(rig.flight->autonomy().tracking) << "nobody took over";
+}
+INSTANTIATE_TEST_SUITE_P(Times, HangAt, ::testing::Values(15.0, 17.5, 22.5, 25.0, 30.0));
 
 /// Sets a parameter, and stores it.
 void store(Rig& rig, double value) {

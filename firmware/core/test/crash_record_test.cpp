@@ -16,6 +16,9 @@ CrashRecord example() {
   r.fault_count = 0x0102;
   r.error_word = 0x00A1;
   r.armed = true;
+  r.motion = {
+      Motion::kUnknown, {0.5f, -0.5f, 0.5f, 0.5f}, {1.0f, -2.0f, 3.0f}, {0.25f, 0.0f, -0.125f}};
+  r.motion_age = hal::microseconds(0x00012345);
   r.registers = {0x10111213, 0x20212223, 0x30313233, 0x40414243,
                  0x50515253, 0x60616263, 0x08001234, 0x81000003};
   return r;
@@ -68,6 +71,26 @@ TEST(CrashRecord, OurOwnPartFollowsThatOfTheReference) {
   ASSERT_TRUE(take_crash_record(memory, read));
   EXPECT_TRUE(read.above_idle);
   EXPECT_EQ(read.rearm_age_ms, written.rearm_age_ms);
+}
+
+TEST(CrashRecord, TheMotionFollowsAndIsReadBackBitByBit) {
+  boards::SimulatedBackup memory;
+  ASSERT_TRUE(write_crash_record(memory, example()));
+  const auto b = memory_of(memory);
+  EXPECT_EQ(std::vector<std::uint8_t>(b.begin() + 64, b.begin() + 72),
+            (std::vector<std::uint8_t>{0x45, 0x23, 0x01, 0x00, 0x00, 0x00, 0x00, 0x3F}));
+  CrashRecord read;
+  ASSERT_TRUE(take_crash_record(memory, read));
+  EXPECT_EQ(read.motion_age, hal::microseconds(0x00012345));
+  EXPECT_EQ(read.motion.q_WB.x, -0.5f);
+  EXPECT_EQ(read.motion.q_WB.z, 0.5f);
+  EXPECT_EQ(read.motion.rates_rad_s, Vector3(1.0f, -2.0f, 3.0f));
+  EXPECT_EQ(read.motion.bias_rad_s, Vector3(0.25f, 0.0f, -0.125f));
+  CrashRecord old = example();
+  old.motion_age = Time::max();
+  ASSERT_TRUE(write_crash_record(memory, old));
+  ASSERT_TRUE(take_crash_record(memory, read));
+  EXPECT_GT(read.motion_age, hal::milliseconds(3'600'000)) << "4295 s is the oldest";
 }
 
 TEST(CrashRecord, ARecordOfTheReferenceAloneCountsAsWrittenOnTheGround) {
@@ -144,7 +167,9 @@ TEST(CrashRecord, AnyFlippedBitIsNoticedAndTheMemoryCleared) {
         ASSERT_FALSE(take_crash_record(memory, read)) << byte << "." << bit;
       } else {
         ASSERT_TRUE(take_crash_record(memory, read)) << byte << "." << bit;
-        ASSERT_FALSE(read.above_idle) << byte << "." << bit;
+        const bool in_motion = byte >= CrashRecord::kMotionAt;
+        ASSERT_EQ(read.above_idle, in_motion) << byte << "." << bit;
+        ASSERT_EQ(read.motion_age == -Motion::kUnknown, in_motion) << byte << "." << bit;
       }
       ASSERT_EQ(memory_of(memory), std::vector<std::uint8_t>(CrashRecord::kBytes, 0));
     }

@@ -260,10 +260,10 @@ TEST(EstimatorStart, GainsAreTenfoldWhileTheBoostLasts) {
   EXPECT_NEAR(roll_after_one_step(2'997'500), once, 2e-7f);  // this step is at 3.000 s
 }
 
-TEST(EstimatorStart, InFlightTakesRollAndPitchFromTheFirstSample) {
+TEST(EstimatorStart, InFlightWithoutAMotionBeforeTakesRollAndPitchFromTheFirstSample) {
   Rig rig(2500);
   rig.now_us = 50'000'000;
-  rig.estimator.reset_in_flight();
+  rig.estimator.resume_in_flight({});
   const AttitudeEstimate& e = rig.sample(Attitude::from_euler(0.4, -0.2, 0).accel_at_rest(), {});
   EXPECT_NEAR(e.roll_rad, 0.4f, 1e-5f);
   EXPECT_NEAR(e.pitch_rad, -0.2f, 1e-5f);
@@ -290,7 +290,7 @@ TEST(EstimatorStart, TheBoostCountsFromTheFirstSampleAndSparesExternalGains) {
   Estimator::Config config;
   Rig rig(2500, config);
   rig.now_us = 50'000'000;
-  rig.estimator.reset_in_flight();
+  rig.estimator.resume_in_flight({});
   rig.rest(0.5);  // tilt below is followed with tenfold gains: 5 /s
   rig.rest(0.5, Attitude::from_euler(0.1, 0, 0).accel_at_rest());
   EXPECT_GT(rig.estimator.estimate().roll_rad, 0.08f);
