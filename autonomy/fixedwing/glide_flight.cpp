@@ -12,10 +12,21 @@ namespace {
 
 constexpr double kAgain_s = 0.5;     // between two plans
 constexpr double kReserve_m = 1.0;   // short of the field there is no second try
+constexpr double kFaster = 2.0;      // share of airspeed per share of height left over
+constexpr double kFastest = 1.4;     // of the airspeed that sinks least
+constexpr double kSlow_m = 3.0;      // here it is back at that
 constexpr double kNearKey_m = 20.0;  // closer to its final part a glide is not planned again
 
 Vector2 wind_of(const StateEstimate& state) {
   return state.wind_valid ? Vector2(state.wind_W.head<2>()) : Vector2(Vector2::Zero());
+}
+
+/// Height that the airspeed is worth beyond that of the settings.
+double stored_m(const GlideFlight::Input& in) {
+  if (!in.state.air_valid) return 0.0;
+  const double v = in.state.airspeed_m_s;
+  const double v0 = in.config.safety.glide_m_s;
+  return (v * v - v0 * v0) / (2.0 * in.config.controller.airframe.gravity_m_s2);
 }
 
 }  // namespace
@@ -34,7 +45,9 @@ void GlideFlight::learn_ratio(const Input& in) {
   constexpr double kSettle_s = 3.0;
   constexpr double kAverage_s = 6.0;
   constexpr double kRange = 1.6;  // of the settings, either way
+  constexpr double kSameSpeed = 1.1;
   if (in.t_s - began_s_ < kSettle_s || !in.state.air_valid) return;
+  if (in.state.airspeed_m_s > kSameSpeed * in.config.safety.glide_m_s) return;
   const double gravity_m_s2 = in.config.controller.airframe.gravity_m_s2;
   const RollPitch attitude = RollPitch::of(in.state.q_WB);
   const double rate_m_s2 = in.state.a_B.x() - gravity_m_s2 * std::sin(attitude.pitch_rad);
@@ -49,16 +62,30 @@ void GlideFlight::learn_ratio(const Input& in) {
   ratio_ = std::clamp(mean, known / kRange, known * kRange);
 }
 
+/// s of (1).
+double GlideFlight::left_over_m(const Input& in, double needed_m) const {
+  return glide_->aim_W.z() - in.state.p_W.z() + stored_m(in) - kReserve_m - needed_m;
+}
+
+double GlideFlight::airspeed_m_s(const Input& in) const {
+  const double v0 = in.config.safety.glide_m_s;
+  if (!glide_ || in.position_lost || !in.state.air_valid) return v0;
+  const double height_m = std::max(glide_->aim_W.z() - in.state.p_W.z(), kSlow_m);
+  const double g = in.config.controller.airframe.gravity_m_s2;
+  const double most = std::min(kFastest, std::sqrt(1.0 + g * (height_m - kSlow_m) / (v0 * v0)));
+  return v0 * std::clamp(1.0 + kFaster * spare_m_ / height_m, 1.0, most);
+}
+
+bool GlideFlight::on_final(const Vector2& p_m) const {
+  const Vector2 to_key = glide_->key.p_m - p_m;
+  return to_key.dot(along(glide_->key.course_rad)) < kNearKey_m &&
+         std::abs(to_key.dot(right_of(glide_->key.course_rad))) < kNearKey_m;
+}
+
 void GlideFlight::plan(const Input& in, PathManager& path) {
-  const Vector2 p_m = in.state.p_W.head<2>();
-  if (glide_) {
-    const Vector2 to_key = glide_->key.p_m - p_m;
-    const bool behind = to_key.dot(along(glide_->key.course_rad)) < kNearKey_m &&
-                        std::abs(to_key.dot(right_of(glide_->key.course_rad))) < kNearKey_m;
-    if (behind) return;
-  }
   if (in.t_s - planned_s_ < kAgain_s || in.position_lost) return;
   planned_s_ = in.t_s;
+  const Vector2 p_m = in.state.p_W.head<2>();
   GlideConfig glide;
   glide.airspeed_m_s = in.config.safety.glide_m_s;
   glide.ratio = ratio_;
@@ -68,7 +95,19 @@ void GlideFlight::plan(const Input& in, PathManager& path) {
   const GlidePlanner planner(glide);
   const Vector2 wind_m_s = wind_of(in.state);
   const Pose from{p_m, in.state.course_rad};
-  const double up_m = -in.state.p_W.z() - kReserve_m;
+  if (glide_) {
+    double needed_m = 0.0;
+    if (on_final(p_m)) {
+      const double course_rad = glide_->key.course_rad;
+      needed_m = (glide_->aim_W.head<2>() - p_m).dot(along(course_rad)) /
+                 planner.distance_per_height(course_rad, wind_m_s);
+    } else {
+      needed_m = planner.height_needed_m(from, glide_->key, glide_->final_m, wind_m_s);
+    }
+    spare_m_ = left_over_m(in, needed_m);
+    if (on_final(p_m)) return;
+  }
+  const double up_m = -in.state.p_W.z() + stored_m(in) - kReserve_m;
   auto found = planner.plan(from, up_m + in.landing.aim_W.z(), in.landing, wind_m_s);
   if (!found && planner.out_of_reach(from, up_m + in.landing.aim_W.z(), in.landing, wind_m_s)) {
     found = planner.plan(from, up_m + in.start.aim_W.z(), in.start, wind_m_s);
@@ -91,6 +130,7 @@ void GlideFlight::plan(const Input& in, PathManager& path) {
   if (next.start({from, -in.state.p_W.z()}, 0)) return;
   path = std::move(next);
   glide_ = found;
+  spare_m_ = left_over_m(in, found->height_needed_m);
 }
 
 CurrentPath GlideFlight::step(const Input& in, PathManager& path) {

@@ -253,7 +253,7 @@ Controller::Direct PhasePath::direct(Phase phase, const Input& in) const {
                          : config.controller.lost_roll_rad;
       break;
     case Phase::kGlide:
-      out.airspeed_by_pitch_m_s = config.safety.glide_m_s;
+      out.airspeed_by_pitch_m_s = glide_.airspeed_m_s(glide_input(in));
       if (in.height_above_ground_m < config.safety.straight_below_m) {
         if (glide_.planned() && !in.position_lost) {
           out.max_roll_rad = kFinalRoll_rad;

@@ -121,6 +121,25 @@ TEST(FixedWingDecisions, AGlideWithinReachEndsAtTheLandingPlace) {
   }
 }
 
+/// From 145 m away and 64 m high every path is too short by most of a turn. At 14 m/s it ended 267 m
+/// beyond the landing place.
+TEST(FixedWingDecisions, AGlideUsesUpHeightThatIsLeftOverByAirspeed) {
+  SmallWorld world(hourglass());
+  world.run(115.0);
+  world.plant.config().motor = 0.0;
+  world.run(10.0);
+  double fastest_m_s = 0.0;
+  world.run(190.0, [&] {
+    if (world.plant.on_ground()) return;
+    fastest_m_s = std::max(fastest_m_s, world.plant.state().airspeed_m_s);
+  });
+  EXPECT_GT(fastest_m_s, 17.0);
+  EXPECT_LT(fastest_m_s, 1.4 * 14.0 + 0.5);
+  EXPECT_TRUE(world.manager.output().landed);
+  EXPECT_LT(world.plant.touchdown_m_s(), 1.5);
+  EXPECT_LT(world.plant.touchdown_W().head<2>().norm(), 160.0);
+}
+
 TEST(FixedWingDecisions, TheFailsafeCommandIsNoDeadMotor) {
   SmallWorld world(hourglass());
   ASSERT_TRUE(world.run_until(Phase::kMission, 60.0));
