@@ -94,8 +94,8 @@ class Watch final : public rclcpp::Node {
   /// Steady time to ROS time by the present difference of the clocks.
   void report_stamps(double start_s) const {
     const auto seconds = [](auto t) { return std::chrono::duration<double>(t).count(); };
-    const double start_ros_s = start_s + get_clock()->now().seconds() -
-                               seconds(std::chrono::steady_clock::now().time_since_epoch());
+    const double start_ros_s =
+        start_s + now().seconds() - seconds(std::chrono::steady_clock::now().time_since_epoch());
     double sum = 0.0, sum_of_squares = 0.0, most = 0.0;
     const auto& stamps = stamps_.at("imu/data");
     for (const double stamp : stamps) {
