@@ -6,6 +6,7 @@ Usage: check_structure.py. Prints one line per complaint and ends with 1 if ther
 
 import re
 import sys
+from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -64,6 +65,7 @@ ROS_HEADER = re.compile(
 SOURCE_SUFFIXES = {".cpp", ".hpp", ".c", ".h", ".py", ".sh", ".cmake", ".ts", ".tsx", ".mjs", ".css"}
 LICENCE = "SPDX-License-Identifier: BSD-3-Clause"
 MOST_LINES, MANY_LINES = 600, 400
+MANY_UNITS = 4  # a folder that a person can own
 
 
 @dataclass
@@ -172,7 +174,6 @@ OWN_NAMESPACE = ("autonomy/estimation", "autonomy/fixedwing", "autonomy/multirot
 NAMESPACE_EXCEPTIONS = {
     "sim/portable_math.hpp": "rosflight::sim::portable",  # replaces the C library: calls say which function they mean
     "firmware/boards/qemu_m7": "rosflight::boards::m7",  # drivers of the Cortex-M7, not of its emulator
-    "apps/measure": "rosflight::flight",  # wraps the codec of flight/sil
     "ros/rosflight_sim/include/rosflight_sim/view_tools.hpp": "rosflight_sim::views",  # functions of *_views.cpp alone
 }
 
@@ -310,10 +311,18 @@ def check_sizes(tree: Tree) -> list[str]:
 
 
 def check_readmes(tree: Tree) -> list[str]:
-    """Every top folder, and every folder that builds something, says what it is."""
+    """Every top folder, every folder that builds something, and every folder with four units of C++ or Python says what it is.
+
+    A header and its source are one unit. Tests are described by the README of what they test, the inside of a ROS package by
+    that of the package.
+    """
     top = {Path(p.parts[0]) for p in tree.files if len(p.parts) > 1 and p.parts[0][0] != "."}
     built = {p.parent for p in tree.files if p.name == "CMakeLists.txt" and "test" not in p.parts}
-    return [f"{folder}: no README.md" for folder in sorted(top | built)
+    units = {p.with_suffix("") for p in tree.files if p.suffix in (".cpp", ".hpp", ".c", ".h", ".py")
+             and not {"test", "fuzz"} & set(p.parts) and p.parts[0] not in ("ros", "ros_standin")}
+    owned = {folder for folder, count in Counter(unit.parent for unit in units).items()
+             if count >= MANY_UNITS and folder.parts}
+    return [f"{folder}: no README.md" for folder in sorted(top | built | owned)
             if folder / "README.md" not in tree.files]
 
 

@@ -137,6 +137,15 @@ def test_folders_without_readme_are_told(tree):
     assert found == ["docs: no README.md", "firmware/core: no README.md"]
 
 
+def test_a_folder_of_four_units_has_a_readme(tree):
+    units = [f"{name}.{suffix}" for name in "abc" for suffix in ("hpp", "cpp")]
+    tops = {"sim/README.md": "", "ros/README.md": ""}
+    four = {f"{folder}/{name}": "" for name in [*units, "d.py"]
+            for folder in ("sim/wind", "sim/wind/test", "sim/fuzz", "ros/package/src")}
+    three = {f"sim/ground/{name}": "" for name in units}
+    assert structure.check_readmes(tree(tops | four | three)) == ["sim/wind: no README.md"]
+
+
 def test_paths_in_documents_exist(tree):
     found = structure.check_paths(tree({
         "sim/a.cpp": "", "sim/README.md": "[up](../docs/x.md) [web](https://a.b/c) [here](#x)\n",
