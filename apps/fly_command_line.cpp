@@ -41,7 +41,7 @@ void add_view(CLI::App& fly, FlyOptions& options, ViewChoice& choice) {
            options.speed = speed;
            options.realtime = true;
          },
-         "At so many times the pace of the wall clock")
+         "Speed relative to real time")
       ->check(CLI::Range(kLowest, kHighest));
 }
 
@@ -78,7 +78,7 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
       ->capture_default_str()
       ->check(CLI::IsMember({"hover", "idle"}));
   fly->add_option("--link-protocol", choice.link_protocol,
-                  "What the board speaks: mavlink or lean; the companion finds out")
+                  "Protocol of the board: mavlink or lean; the companion detects it")
       ->capture_default_str()
       ->check(CLI::IsMember(link_protocols()));
   fly->add_option("--wind", choice.wind,
@@ -95,7 +95,7 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
   fly->add_option("--visualiser", choice.visualisers,
                   "Visualiser of a plugin, by name; sees the flight beside the log")
       ->take_all();
-  fly->add_flag("--realtime", options.realtime, "At the pace of the wall clock");
+  fly->add_flag("--realtime", options.realtime, "In real time");
   fly->add_option("--out", options.folder,
                   "Flight folder, new or empty; default: next in flights/. With --seeds: CSV file");
   fly->add_option(

@@ -30,14 +30,14 @@ constexpr std::array<Name, 17> kNames{{
     {"battery", FaultKind::kBattery, "the battery monitor stops delivering"},
     {"imu_nan", FaultKind::kImuNan, "IMU samples turn into NaN"},
     {"imu_stuck", FaultKind::kImuStuck, "IMU samples repeat the last good values"},
-    {"rc_silence", FaultKind::kRcSilence, "the receiver falls silent"},
+    {"rc_silence", FaultKind::kRcSilence, "the receiver sends nothing"},
     {"rc_frame_loss", FaultKind::kRcFrameLoss, "receiver frames carry the frame-lost flag"},
     {"link_cut", FaultKind::kLinkCut, "no byte passes the link, either way"},
-    {"crash", FaultKind::kCrash, "the board's processor breaks down, once, and starts again"},
-    {"hang", FaultKind::kHang, "the firmware hangs, once, until the watchdog starts it again"},
+    {"crash", FaultKind::kCrash, "the firmware crashes once and restarts"},
+    {"hang", FaultKind::kHang, "the firmware hangs once, until the watchdog restarts it"},
     {"pitot_blocked", FaultKind::kPitotBlocked, "the pitot tube reads no pressure"},
-    {"companion_stall", FaultKind::kCompanionStall, "the companion's program stands still"},
-    {"battery_low", FaultKind::kBatteryLow, "15 % of the battery's charge are left"},
+    {"companion_stall", FaultKind::kCompanionStall, "the companion's program pauses"},
+    {"battery_low", FaultKind::kBatteryLow, "the battery has 15 % of its charge left"},
 }};
 
 /// A fault with a size: NAME=VALUE. `unit` turns what is typed into what Fault holds.
@@ -53,19 +53,22 @@ struct Step {
 using base::kRadPerDeg;
 constexpr std::array<Step, 11> kSteps{{
     {"baro_step", FaultKind::kBaroStep, 0, 1000.0, 1.0,
-     "the barometer reads so many metres too high"},
+     "VALUE metres are added to the height of the barometer"},
     {"mag_turned", FaultKind::kMagTurned, 0, 180.0, kRadPerDeg,
-     "the magnetometer turns by degrees about body z"},
-    {"accel_step_x", FaultKind::kAccelStep, 0, 100.0, 1.0, "m/s^2 on an axis of the accelerometer"},
+     "the magnetometer is turned by VALUE degrees about body z"},
+    {"accel_step_x", FaultKind::kAccelStep, 0, 100.0, 1.0,
+     "VALUE m/s^2 are added to this axis of the accelerometer"},
     {"accel_step_y", FaultKind::kAccelStep, 1, 100.0, 1.0, "the same"},
     {"accel_step_z", FaultKind::kAccelStep, 2, 100.0, 1.0, "the same"},
-    {"gyro_step_x", FaultKind::kGyroStep, 0, 10.0, 1.0, "rad/s on an axis of the gyro"},
+    {"gyro_step_x", FaultKind::kGyroStep, 0, 10.0, 1.0,
+     "VALUE rad/s are added to this axis of the gyro"},
     {"gyro_step_y", FaultKind::kGyroStep, 1, 10.0, 1.0, "the same"},
     {"gyro_step_z", FaultKind::kGyroStep, 2, 10.0, 1.0, "the same"},
     {"gnss_step", FaultKind::kGnssStep, 0, 10000.0, 1.0,
-     "the satellite position jumps by metres to the north"},
-    {"gnss_delay", FaultKind::kGnssDelay, 0, 10.0, 1.0, "fixes arrive seconds later"},
-    {"link_noise", FaultKind::kLinkNoise, 0, 1.0, 1.0, "this share of the link's bytes is damaged"},
+     "the satellite position jumps VALUE metres to the north"},
+    {"gnss_delay", FaultKind::kGnssDelay, 0, 10.0, 1.0, "fixes arrive VALUE seconds later"},
+    {"link_noise", FaultKind::kLinkNoise, 0, 1.0, 1.0,
+     "the share VALUE of the link's bytes is damaged"},
 }};
 
 /// Sizes below 0 have a meaning.

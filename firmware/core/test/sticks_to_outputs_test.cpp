@@ -235,7 +235,7 @@ TEST(SticksToOutputs, ACustomMixerInNewtonsTakesNewtonsAndNewtonMetres) {
   chain.mixer.set_header(header);
   chain.configure();
   const PilotInput pilot;
-  const std::array<float, kAxes> u{0, 0, -200.0f, 70.0f, 1e30f};  // nothing uses entry 4
+  const std::array<float, kAxes> u{0, 0, -200.0f, 70.0f, 1e30f};  // nothing uses axis 4
   chain.offboard(link::OffboardMode::kPassThrough, u);
   static_cast<void>(chain.sticks(pilot));
   EXPECT_EQ(chain.forces, u);
