@@ -15,7 +15,7 @@ inline constexpr double kStandardGravity_m_s2 = 9.80665;
 /// Universal gas constant over the molar mass of air: U.S. Standard Atmosphere 1976, table 2.
 inline constexpr double kAirGasConstant_J_kg_K = 8314.32 / 28.9644;
 
-/// ROSflight 2.x ellipsoid of satellite navigation: NGA.STND.0036 (2014), table 3.1.
+/// Reference ellipsoid of satellite navigation (WGS 84): NGA.STND.0036 (2014), table 3.1.
 namespace wgs84 {
 inline constexpr double kSemiMajorAxis_m = 6378137.0;
 inline constexpr double kFlattening = 1.0 / 298.257223563;

@@ -262,8 +262,9 @@ Table<SafetyConfig> safety_table() {
            "distance per height of that glide, in still air"},
           {"straight_below_m", &S::straight_below_m, "m", Range::between(0.0, 200.0),
            "a glide does not turn below this height"},
-          {"longest_range_m", &S::longest_range_m, "m", Range::between(0.0, 200.0),
-           "larger readings of the range sensor are not used"}};
+          Row<S>{"max_range_m", &S::max_range_m, "m", Range::between(0.0, 200.0),
+                 "larger readings of the range sensor are not used"}
+              .formerly("longest_range_m")};
 }
 
 /// Values that several parts share.

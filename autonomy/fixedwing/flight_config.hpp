@@ -30,7 +30,7 @@ struct SafetyConfig {
   double glide_m_s{14.0};         ///< Airspeed that sinks least, and some.
   double glide_ratio{8.5};        ///< Distance per height at that airspeed, in still air.
   double straight_below_m{20.0};  ///< A glide does not turn any more.
-  double longest_range_m{8.0};    ///< Readings of the range sensor beyond count as none.
+  double max_range_m{8.0};        ///< Readings of the range sensor beyond count as none.
 };
 
 /// Settings of a whole flight of a fixed wing; the keys of section `autonomy` in a vehicle file.

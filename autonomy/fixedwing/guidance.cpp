@@ -29,7 +29,7 @@ bool Guidance::descending() const {
 double Guidance::height_above_ground_m(const Input& in) {
   const Vector3 ground_W =
       descending() ? phase_path_.landing_position_W(mission_) : phase_path_.start_W();
-  return ground_.height_m(in.state, in.range_m, config_.safety.longest_range_m, -ground_W.z());
+  return ground_.height_m(in.state, in.range_m, config_.safety.max_range_m, -ground_W.z());
 }
 
 PhaseConditions Guidance::conditions(const Input& in, bool pilot) {

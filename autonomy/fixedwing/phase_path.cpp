@@ -11,7 +11,7 @@
 namespace rosflight::autonomy::fixedwing {
 namespace {
 
-constexpr double kNearReference_m = 8.0;  // closer than this a path goes on from ROSflight 2.x
+constexpr double kNearReference_m = 8.0;  // a path continues from the wanted height within this
 constexpr double kCalm_m_s = 1.0;         // less wind than this does not turn the landing round
 constexpr double kTooFast_s_m = 0.2;      // throttle taken away per speed above cruise
 constexpr double kFlareRamp_1_s = 0.5;    // throttle taken away per second

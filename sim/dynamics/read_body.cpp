@@ -44,8 +44,9 @@ Table<BodyParameters> body_parameters() {
            &B::integration,
            {{"rk4", Integration::kRk4}, {"frozen_forces", Integration::kFrozenForces}},
            "frozen_forces: as ROSflight 2.x"},
-          {"longest_step_s", &B::max_step_s, "s", Range::between(1e-4, 0.1),
-           "longer steps are split evenly"}};
+          R{"max_step_s", &B::max_step_s, "s", Range::between(1e-4, 0.1),
+            "longer steps are split evenly"}
+              .formerly("longest_step_s")};
 }
 
 BodyParameters read_body(const config::Section& section) {

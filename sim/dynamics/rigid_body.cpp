@@ -84,7 +84,7 @@ RigidBody::RigidBody(const BodyParameters& body, const GroundParameters& ground,
       inertia_{body.inertia_kg_m2},
       inertia_inverse_{body.inertia_kg_m2.inverse()},
       integration_{body.integration},
-      longest_step_s_{body.max_step_s},
+      max_step_s_{body.max_step_s},
       ground_model_{ground.model},
       ground_{ground},
       gravity_m_s2_{environment.gravity_m_s2},
@@ -258,8 +258,7 @@ void RigidBody::step(Time t, const hal::OutputValues& outputs) {
   const double dt = to_seconds(t - truth_.time);
   if (!(dt > 0.0)) return;
   // A step a rounding error longer than allowed is not split.
-  const auto count =
-      std::max<std::int64_t>(1, std::llround(std::ceil(dt / longest_step_s_ - 1e-9)));
+  const auto count = std::max<std::int64_t>(1, std::llround(std::ceil(dt / max_step_s_ - 1e-9)));
   const double h = dt / static_cast<double>(count);
   for (std::int64_t i = 0; i < count; ++i) {
     const BodyState& body = truth_.body;

@@ -96,7 +96,7 @@ class RigidBody final : public Dynamics {
   Matrix3 inertia_;
   Matrix3 inertia_inverse_;
   Integration integration_;
-  double longest_step_s_;
+  double max_step_s_;
   GroundModel ground_model_;
   GroundContact ground_;
   double gravity_m_s2_;

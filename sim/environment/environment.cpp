@@ -66,9 +66,10 @@ Table<GustParameters> gust_table() {
        "of the normal law of the magnitude"},
       {"direction_std", &G::direction_std, "", Range::between(0.0, 100.0),
        "per axis, added to the direction of the steady wind"},
-      {"shortest_s", &G::shortest_s, "s", Range::positive_up_to(600.0), "duration"},
-      R{"longest_s", &G::longest_s, "s", Range::any(), "duration"}.within(
-          "from shortest_s to 600", [](const G& g) { return Range::between(g.shortest_s, 600.0); })}
+      R{"min_s", &G::min_s, "s", Range::positive_up_to(600.0), "duration"}.formerly("shortest_s"),
+      R{"max_s", &G::max_s, "s", Range::any(), "duration"}
+          .within("from min_s to 600", [](const G& g) { return Range::between(g.min_s, 600.0); })
+          .formerly("longest_s")}
       .whole();
 }
 

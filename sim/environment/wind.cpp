@@ -71,8 +71,7 @@ Wind::Gust Wind::draw_gust(double age_s) {
   do {
     direction = direction_W_ + spread * normal_vector(gust_stream_);
   } while (direction.squaredNorm() < 1e-12);
-  const double duration =
-      gust_stream_.uniform(gust_parameters_.shortest_s, gust_parameters_.longest_s);
+  const double duration = gust_stream_.uniform(gust_parameters_.min_s, gust_parameters_.max_s);
   return {magnitude * direction.normalized(), duration, age_s};
 }
 

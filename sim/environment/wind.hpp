@@ -14,8 +14,8 @@ struct GustParameters {
       0.15};  ///< Of the normal law that is drawn from until the draw is not negative.
   double magnitude_std_m_s{0.3};
   double direction_std{0.1};  ///< Per axis, added to the unit vector of the steady wind.
-  double shortest_s{0.5};
-  double longest_s{5.0};
+  double min_s{0.5};
+  double max_s{5.0};
 };
 
 struct WindParameters {

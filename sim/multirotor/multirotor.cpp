@@ -8,7 +8,7 @@ namespace rosflight::sim {
 namespace {
 
 constexpr double kTwoPi = 6.283185307179586;
-/// ROSflight 2.x's least coefficients and least rotor speed.
+/// Minimum coefficients and rotor speed of ROSflight 2.x.
 constexpr double kReferenceFloor = 1e-4;
 /// Above this many radii the ground changes thrust by less than 2e-4.
 constexpr double kGroundEffectReach = 20.0;

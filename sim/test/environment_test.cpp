@@ -236,19 +236,21 @@ TEST(Environment, ReadsItsSection) {
             Vector3(1e-5, 0, 2e-5));
   const EnvironmentParameters former =
       read(kEnvironment + "magnetic_field_N_T: [1e-5, 0, 2e-5]\n" +
-           "wind: {steady_N_m_s: [1, 2, 3], random_std_N_m_s: [4, 5, 6]}\n");
+           "wind: {steady_N_m_s: [1, 2, 3], random_std_N_m_s: [4, 5, 6], "
+           "gusts: {mean_interval_s: 5, shortest_s: 6, longest_s: 7}}\n");
   EXPECT_EQ(former.magnetic_field_W_T, Vector3(1e-5, 0, 2e-5));
   EXPECT_EQ(former.wind.steady_W_m_s, Vector3(1, 2, 3));
   EXPECT_EQ(former.wind.random_std_W_m_s, Vector3(4, 5, 6));
+  EXPECT_EQ(former.wind.gusts.min_s, 6.0);
+  EXPECT_EQ(former.wind.gusts.max_s, 7.0);
 }
 
 TEST(Environment, RejectsWhatCannotBe) {
   EXPECT_EQ(message_of(kEnvironment + "wind: {steady: [1, 2, 3]}"),
             "e.yaml:5: wind.steady: found an unknown key, allowed steady_W_m_s, random_std_W_m_s, "
             "turbulence_w20_m_s, gusts");
-  EXPECT_EQ(message_of(kEnvironment +
-                       "wind: {gusts: {mean_interval_s: 5, shortest_s: 6, longest_s: 5.5}}"),
-            "e.yaml:5: wind.gusts.longest_s: found 5.5, allowed a number from 6 to 600");
+  EXPECT_EQ(message_of(kEnvironment + "wind: {gusts: {mean_interval_s: 5, min_s: 6, max_s: 5.5}}"),
+            "e.yaml:5: wind.gusts.max_s: found 5.5, allowed a number from 6 to 600");
   EXPECT_EQ(message_of("origin: {latitude_deg: 91, longitude_deg: 0, altitude_m: 0}"),
             "e.yaml:1: origin.latitude_deg: found 91, allowed a number from -90 to 90");
   std::string other = kEnvironment;

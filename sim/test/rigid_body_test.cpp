@@ -132,7 +132,7 @@ TEST(RigidBody, QuadrotorInFlightConvergesWithFourthOrder) {
   const auto end_of = [](const std::string& step_s) {
     // Without the bends of the model: current limit, rotor drag from zero thrust on, still air
     // below the rotors.
-    World world({"body.longest_step_s=" + step_s, "ground.model=none",
+    World world({"body.max_step_s=" + step_s, "ground.model=none",
                  "environment.atmosphere.model=constant",
                  "environment.atmosphere.density_kg_m3=1.2", "rotors.motor.current_limit_A=10000",
                  "aero.rotor_drag_s_m=0"});

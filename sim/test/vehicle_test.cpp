@@ -91,6 +91,11 @@ TEST(Vehicle, WrittenTextIsTheSameVehicle) {
   EXPECT_EQ(again.text(), vehicle.text());
 }
 
+TEST(Vehicle, ReadsTheFormerKeyOfTheMaximumStep) {
+  EXPECT_EQ(Vehicle::from_file(kVehicleFile, {"body.longest_step_s=0.002"}).body().max_step_s,
+            0.002);
+}
+
 TEST(Vehicle, BadValuesAreNamedInOneLine) {
   EXPECT_EQ(message_with("type=submarine"), "type: found submarine, allowed fixedwing, multirotor");
   EXPECT_EQ(message_with("body.mass_kg=-1"),
@@ -99,7 +104,7 @@ TEST(Vehicle, BadValuesAreNamedInOneLine) {
             "body.mass_kg: found 3.5 kg, allowed a number > 0 and <= 100000");
   EXPECT_EQ(message_with("body.mas_kg=3.5"),
             "body.mas_kg: found an unknown key, allowed mass_kg, inertia_kg_m2, integration, "
-            "longest_step_s");
+            "max_step_s");
   EXPECT_EQ(message_with("wings.area_m2=1").substr(0, 28), "wings: found an unknown key,");
   EXPECT_EQ(message_with("body.inertia_kg_m2.zz=0.2"),
             "body.inertia_kg_m2: found principal moments 0.08, 0.08, "

@@ -124,8 +124,8 @@ TEST(Wind, GustIsOneMinusCosineInDirectionOfTheWind) {
              .magnitude_mean_m_s = 4.0,
              .magnitude_std_m_s = 0.0,
              .direction_std = 0.0,
-             .shortest_s = 2.0,
-             .longest_s = 2.0};
+             .min_s = 2.0,
+             .max_s = 2.0};
   Wind wind(p, RandomSource{3});
   constexpr double kStep_s = 0.001;
   double impulse = 0.0;
@@ -150,8 +150,8 @@ TEST(Wind, GustsArriveAtTheirRateWhateverTheStep) {
              .magnitude_mean_m_s = 0.15,
              .magnitude_std_m_s = 0.3,
              .direction_std = 0.0,
-             .shortest_s = 0.5,
-             .longest_s = 5.0};
+             .min_s = 0.5,
+             .max_s = 5.0};
   for (const double dt : {0.0025, 0.05}) {
     Wind wind(p, RandomSource{8});
     const double total_s = 30'000.0;

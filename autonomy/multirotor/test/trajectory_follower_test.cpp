@@ -99,8 +99,8 @@ TEST(TrajectoryFollower, FollowsConstantSpeedWithoutLag) {
     p += v * dt_s;
     v += a * dt_s;
   }
-  // explicit Euler against the sampled setpoint is one step of way apart; ROSflight 2.x would
-  // trail 2.7 m
+  // Explicit Euler trails the sampled setpoint by the distance of one step; ROSflight 2.x trails by
+  // 2.7 m.
   EXPECT_LT((bench.setpoint.p_W - p).norm(), 1.01 * 3.0 * dt_s);
 }
 

@@ -33,7 +33,7 @@ class Ground {
     while (board_.serial.counters().bytes_received < goal) {
       std::vector<pollfd> set;
       board_.serial.add_to(set);
-      ASSERT_GT(::poll(set.data(), set.size(), boards::kPatience_ms), 0);
+      ASSERT_GT(::poll(set.data(), set.size(), boards::kTimeout_ms), 0);
       board_.serial.receive();
     }
   }
@@ -138,7 +138,7 @@ TEST_F(LinuxAutopilotTest, ARebootBuildsTheFirmwareAnewFromWhatWasWritten) {
   ground_.send(link::CommandRequest{static_cast<std::uint8_t>(link::Command::kReboot)});
   sil_.link_pass();
   ASSERT_TRUE(ground_.expect<link::CommandAck>().success);
-  for (int ms = 0; ms < boards::kPatience_ms && sil_.restarts() == 0; ++ms) {
+  for (int ms = 0; ms < boards::kTimeout_ms && sil_.restarts() == 0; ++ms) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     sil_.link_pass();
   }

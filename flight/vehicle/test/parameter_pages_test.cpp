@@ -181,6 +181,13 @@ TEST(ParameterTables, ValuesBesideEveryRangeAreRefusedInOneLine) {
   expect_refusals(autonomy::estimation::parameters());
 }
 
+TEST(ParameterTables, ReadTheFormerKeyOfTheMaximumRange) {
+  autonomy::fixedwing::AutonomyConfig s;
+  const auto document = config::Document::from_text("safety: {longest_range_m: 5}", "file.yaml");
+  autonomy::fixedwing::parameters().read(document.root(), s);
+  EXPECT_EQ(s.flight.safety.max_range_m, 5.0);
+}
+
 template <class S>
 S read_default_file(const std::string& file, const config::Table<S>& table) {
   S s;

@@ -51,7 +51,7 @@ double clipped(double x, double most) {
 
 constexpr double kGravity_m_s2 = 9.81;
 constexpr double kPeriod_s = 0.01;
-constexpr double kPatience_s = 60.0;  // of node time, for each step of the flight
+constexpr double kTimeout_s = 60.0;  // of node time, for each step of the flight
 
 // A parameter; `side_m:=5` is an integer for ROS, and good for a number all the same.
 double number(rclcpp::Node& node, const std::string& name, double value) {
@@ -102,7 +102,7 @@ class Square : public rclcpp::Node {
 
   void step() {
     if (!since_) since_ = now();
-    if ((now() - *since_).seconds() > kPatience_s) return end(1, "gave up: nothing moves on");
+    if ((now() - *since_).seconds() > kTimeout_s) return end(1, "gave up: nothing moves on");
     if (!state_ || !status_) return;
     const bool airborne = phase_ == Phase::kFly || phase_ == Phase::kLand;
     if (airborne && !status_->armed) return end(1, "disarmed in flight");

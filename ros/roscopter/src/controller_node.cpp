@@ -55,11 +55,11 @@ class ControllerNode : public rclcpp::Node {
         config_{flight::read_multirotor_autonomy(vehicle_).flight},
         tuning_{tuning_of(config_)},
         parameters_{*this, controller_parameters(), tuning_} {
-    state_patience_s_ = rosflight_common::declare_number(
+    state_timeout_s_ = rosflight_common::declare_number(
         *this, "state_timeout_s", 0.25, 0.01, 10.0,
         "without a state for this long the vehicle is the pilot's [s]");
-    status_patience_s_ = rosflight_common::declare_number(*this, "status_timeout_s", 2.0, 0.1, 60.0,
-                                                          "the same without a status [s]");
+    status_timeout_s_ = rosflight_common::declare_number(*this, "status_timeout_s", 2.0, 0.1, 60.0,
+                                                         "the same without a status [s]");
     const std::string why = fault(tuning_);
     if (!why.empty()) throw config::Error("parameter " + why);
     parameters_.on_change([this](const Tuning& tuning) {
@@ -219,13 +219,13 @@ class ControllerNode : public rclcpp::Node {
     const rclcpp::Time arrived = rosflight_common::received_at(*this, message.header.stamp);
     const double t_s = rosflight_common::seconds(message.header);
     if (t_s < last_s_ - kBack_s) {
-      RCLCPP_WARN(get_logger(), "time went back by %.1f s: beginning again", last_s_ - t_s);
+      RCLCPP_WARN(get_logger(), "ROS time jumped back %.1f s; controller reset", last_s_ - t_s);
       control_ = CommandedFlight(tuning_.controller, config_.thrust);
       control_.renew(with_mission(tuning_.states));
     }
     last_s_ = t_s;
     state_at_ = arrived;
-    if (silent_ && (arrived - *status_at_).seconds() > status_patience_s_) return;
+    if (silent_ && (arrived - *status_at_).seconds() > status_timeout_s_) return;
     silent_ = false;
     const double age_s = given_at_ ? (arrived - *given_at_).seconds() : autonomy::kInfinity;
     const bool good = control_.command_good(given_, std::max(age_s, 0.0));
@@ -305,8 +305,8 @@ class ControllerNode : public rclcpp::Node {
   void watch() {
     if (silent_ || !state_at_ || !status_at_) return;
     const rclcpp::Time time = now();
-    const bool no_state = (time - *state_at_).seconds() > state_patience_s_;
-    const bool no_status = (time - *status_at_).seconds() > status_patience_s_;
+    const bool no_state = (time - *state_at_).seconds() > state_timeout_s_;
+    const bool no_status = (time - *status_at_).seconds() > status_timeout_s_;
     if (!no_state && !no_status) return;
     silent_ = true;
     control_.lose_state();
@@ -334,8 +334,8 @@ class ControllerNode : public rclcpp::Node {
   std::optional<rclcpp::Time> status_at_;
   std::optional<rclcpp::Time> state_at_;
   double mission_height_m_{std::numeric_limits<double>::quiet_NaN()};
-  double state_patience_s_{};
-  double status_patience_s_{};
+  double state_timeout_s_{};
+  double status_timeout_s_{};
   double last_s_{};
   bool silent_{false};
   bool flown_{false};

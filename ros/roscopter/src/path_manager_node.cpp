@@ -41,7 +41,7 @@ config::Table<PathConfig> path_parameters() {
       {"waypoint_tolerance", &C::waypoint_tolerance_m, "m", Range::between(0.01, 100.0),
        "closer counts as reached"},
       {"arrival_timeout_s", &C::arrival_timeout_s, "s", Range::between(0.1, 3600.0),
-       "longest wait for the vehicle at the end of a leg"},
+       "maximum wait for the vehicle at the end of a leg"},
       {"do_linear_interpolation",
        [](const C& c) { return c.interpolation == Interpolation::kLinear; },
        [](C& c, bool on) {
@@ -72,7 +72,7 @@ class PathManagerNode : public rclcpp::Node {
         parameters_{*this, path_parameters(), config_.path},
         phase_{*this, [this](const std::string& phase) { enter(phase); }} {
     const double rate_Hz = rosflight_common::declare_number(
-        *this, "path_update_frequency", 100.0, 1.0, 1000.0, "most setpoints a second [Hz]");
+        *this, "path_update_frequency", 100.0, 1.0, 1000.0, "maximum setpoints per second [Hz]");
     interval_s_ = kAlmost / rate_Hz;
     parameters_.on_change([this](const PathConfig& config) {
       path_.configure(in_force(config));

@@ -21,8 +21,8 @@ namespace {
 
 using config::number_text;
 
-bool between(double x, double least, double most) {
-  return x >= least && x <= most;
+bool between(double x, double min, double max) {
+  return x >= min && x <= max;
 }
 
 [[noreturn]] void refuse(const std::string& field, const std::string& found,

@@ -16,10 +16,10 @@ class SignalGenerator final : public rosflight_common::SignalNode {
  public:
   explicit SignalGenerator(const rclcpp::NodeOptions& options)
       : SignalNode("signal_generator/", options) {
-    mode_ = rosflight_common::declare_whole(*this, "controller_mode", 0, 0, 11,
-                                            "of roscopter_msgs/ControllerCommand", true);
-    output_ = rosflight_common::declare_whole(*this, "controller_output", 1, 1, 4,
-                                              "the cmd that varies", true);
+    mode_ = rosflight_common::declare_integer(*this, "controller_mode", 0, 0, 11,
+                                              "of roscopter_msgs/ControllerCommand", true);
+    output_ = rosflight_common::declare_integer(*this, "controller_output", 1, 1, 4,
+                                                "the cmd that varies", true);
     for (std::size_t k = 0; k < base_.size(); ++k) {
       base_[k] = rosflight_common::declare_number(*this, "default_cmd" + std::to_string(k + 1), 0.0,
                                                   -10'000.0, 10'000.0, "value, or lower end", true);

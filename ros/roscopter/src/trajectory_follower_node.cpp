@@ -40,7 +40,7 @@ config::Table<FollowerConfig> follower_parameters() {
           {"down_command_window", &C::max_position_error_m, "m", Range::between(0.1, 100.0),
            "farther away an error counts as this much"},
           {"max_commanded_down_accel_in_gs", &C::min_lift_ratio, kDown,
-           Range::between(-0.95, -0.05), "least upward share of thrust, negative"},
+           Range::between(-0.95, -0.05), "minimum upward share of thrust, negative"},
           {"trajectory_timeout_s", &C::timeout_s, "s", Range::between(0.01, 60.0),
            "an older setpoint is not followed"},
           gains("u_n", &C::horizontal, position),

@@ -40,15 +40,15 @@ class HeldWrench final : public sim::ForcesAndMoments {
 
 /// Moves the body under the wrenches it is sent: from the stamp of the last one to that of this
 /// one, then publishes truth and wind. Stamps that stand publish only; those that go back begin
-/// again; a gap of more than longest_gap_s moves the body by that much.
+/// again; a gap of more than max_gap_s moves the body by that much.
 class DynamicsNode : public rclcpp::Node {
  public:
   explicit DynamicsNode(const rclcpp::NodeOptions& options)
       : Node("dynamics", options),
         parameters_{VehicleParameters::declare(*this)},
         tuning_{*this, dynamics_views(), parameters_, [this] { retune(); }} {
-    longest_gap_s_ = declare_number(*this, "longest_gap_s", 0.1, 0.001, 10.0,
-                                    "longest step that one wrench may stand for [s]");
+    max_gap_s_ = declare_number(*this, "max_gap_s", 0.1, 0.001, 10.0,
+                                "maximum step that one wrench may stand for [s]");
     body_ = make_body();
     truth_ = create_publisher<rosflight_msgs::msg::SimState>("sim/truth_state", newest());
     wind_ = create_publisher<geometry_msgs::msg::Vector3Stamped>("sim/truth_wind", newest());
@@ -96,11 +96,11 @@ class DynamicsNode : public rclcpp::Node {
     std::int64_t gap_ns = started_ ? stamp - last_stamp_ns_ : 0;
     started_ = true;
     last_stamp_ns_ = stamp;
-    const auto longest_ns = static_cast<std::int64_t>(longest_gap_s_ * 1e9);
-    if (gap_ns > longest_ns) {
+    const auto max_ns = static_cast<std::int64_t>(max_gap_s_ * 1e9);
+    if (gap_ns > max_ns) {
       RCLCPP_WARN(get_logger(), "%.3f s between two wrenches: the body moves by %.3f s",
-                  static_cast<double>(gap_ns) * 1e-9, longest_gap_s_);
-      gap_ns = longest_ns;
+                  static_cast<double>(gap_ns) * 1e-9, max_gap_s_);
+      gap_ns = max_ns;
     }
     if (gap_ns > 0) {
       pending_ns_ += gap_ns;
@@ -141,7 +141,7 @@ class DynamicsNode : public rclcpp::Node {
   VehicleTuning tuning_;
   HeldWrench forces_;
   std::unique_ptr<sim::RigidBody> body_;
-  double longest_gap_s_{};
+  double max_gap_s_{};
   bool started_{false};
   std::int64_t last_stamp_ns_{0};
   std::int64_t pending_ns_{0};

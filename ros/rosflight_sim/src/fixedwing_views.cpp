@@ -21,7 +21,7 @@ using base::kDegPerRad;
 struct Entry {
   const char* name;
   const char* key;
-  double least, most;
+  double min, max;
   const char* what;
   double (*get)(const sim::AirframeParameters&);
   double scale{1.0};
@@ -97,7 +97,7 @@ Airframe airframe_of(const Vehicle& v) {
 
 void add_airframe(List& list) {
   for (const Entry& e : kEntries) {
-    add(list, e.name, e.least, e.most, e.what,
+    add(list, e.name, e.min, e.max, e.what,
         [get = e.get](const Vehicle& v) { return get(airframe_of(v)); });
   }
   for (const Lateral& lateral : kLaterals) {

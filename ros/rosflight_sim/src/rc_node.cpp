@@ -26,7 +26,7 @@ class RcNode : public rclcpp::Node {
                                "of the attitude sticks, of their whole way")} {
     const bool use_keyboard = declare_switch(*this, "use_vimfly", false, "fly with the keyboard");
     const auto device =
-        declare_whole(*this, "joystick", 0, 0, 15, "which one, in the order of SDL");
+        declare_integer(*this, "joystick", 0, 0, 15, "which one, in the order of SDL");
     choose(static_cast<int>(device), use_keyboard);
     publisher_ = create_publisher<rosflight_msgs::msg::RCRaw>(
         "sim/RC", rclcpp::QoS(rclcpp::KeepLast(10)).reliable());

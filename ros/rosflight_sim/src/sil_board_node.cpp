@@ -85,10 +85,11 @@ class SilBoardNode : public rclcpp::Node {
       : Node("sil_board", options), only_one_{get_namespace()} {
     const std::string own_host = declare_text(*this, "simulation_host", "localhost",
                                               "own side of the link: localhost or 0.0.0.0");
-    const auto own_port = declare_whole(*this, "simulation_port", 14525, 1, 65535, "own UDP port");
+    const auto own_port =
+        declare_integer(*this, "simulation_port", 14525, 1, 65535, "own UDP port");
     const std::string far_host = declare_text(*this, "ROS_host", own_host, "host of rosflight_io");
     const auto far_port =
-        declare_whole(*this, "ROS_port", 14520, 1, 65535, "UDP port of rosflight_io");
+        declare_integer(*this, "ROS_port", 14520, 1, 65535, "UDP port of rosflight_io");
     const std::string folder = declare_text(
         *this, "memory_folder", "", "of the non-volatile memory; empty: ~/.ros/rosflight_memory");
     simulated_time_ = get_parameter("use_sim_time").as_bool();

@@ -26,10 +26,10 @@ class SilManager : public rclcpp::Node {
                                    "steps of the board per second of node time [Hz]", true);
     const bool use_timer =
         declare_switch(*this, "use_timer", true, "false: step only by rosflight_sil/take_sim_step");
-    exists_ms_ = declare_whole(*this, "service_exists_timeout_ms", 500, 1, 10'000,
-                               "how long take_sim_step waits for sil_board/run to exist [ms]");
-    result_ms_ = declare_whole(*this, "service_result_timeout_ms", 500, 1, 10'000,
-                               "how long a step may take [ms]");
+    exists_ms_ = declare_integer(*this, "service_exists_timeout_ms", 500, 1, 10'000,
+                                 "how long take_sim_step waits for sil_board/run to exist [ms]");
+    result_ms_ = declare_integer(*this, "service_result_timeout_ms", 500, 1, 10'000,
+                                 "how long a step may take [ms]");
     steps_ = create_callback_group(rclcpp::CallbackGroupType::MutuallyExclusive);
     client_ = client_in_group<Trigger>(*this, "sil_board/run", steps_);
     by_hand_ = client_in_group<Trigger>(*this, "sil_board/run", steps_);

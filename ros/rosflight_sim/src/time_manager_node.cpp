@@ -42,10 +42,10 @@ class TimeManager : public rclcpp::Node {
     single_us_ = declare_number(*this, "single_step_us", 2500.0, 50.0, 1'000'000.0,
                                 "simulated time of one take_step [us]");
     lead_us_ = declare_number(
-        *this, "longest_lead_us", 2500.0, 0.0, 1'000'000.0,
+        *this, "max_lead_us", 2500.0, 0.0, 1'000'000.0,
         "time runs at most this far ahead of sim/truth_state, 0: never waits [us]", true);
     lag_us_ =
-        declare_number(*this, "longest_lag_us", 5000.0, 0.0, 1'000'000.0,
+        declare_number(*this, "max_lag_us", 5000.0, 0.0, 1'000'000.0,
                        "time runs on for this long when a message of wait_for is due [us]", true);
     waited_.emplace(*this,
                     declare_text(*this, "wait_for", "",
@@ -76,8 +76,8 @@ class TimeManager : public rclcpp::Node {
         "sim/truth_state", newest(),
         [this](rosflight_msgs::msg::SimState::ConstSharedPtr) { world_follows(); });
     changes_ = on_change(*this, [this](const rclcpp::Parameter& p) {
-      if (p.get_name() == "longest_lead_us") lead_us_ = p.as_double();
-      if (p.get_name() == "longest_lag_us") lag_us_ = p.as_double();
+      if (p.get_name() == "max_lead_us") lead_us_ = p.as_double();
+      if (p.get_name() == "max_lag_us") lag_us_ = p.as_double();
       if (p.get_name() == "default_pub_rate_us") step_us_ = p.as_double();
       if (p.get_name() == "clock_tick_us") tick_us_ = p.as_double();
       if (p.get_name() == "real_time_multiplier") factor_ = p.as_double();

@@ -146,9 +146,8 @@ void add_gusts(List& list) {
       gusts(&sim::GustParameters::magnitude_std_m_s));
   add(list, "gust_dir_std_dev", 0.0, 100.0, "spread of the direction, per axis",
       gusts(&sim::GustParameters::direction_std));
-  add_list(
-      list, "gust_duration_limits", Kind::kNumbers, "shortest, longest [s]", true,
-      [](const Vehicle& v) { return Numbers{wind(v).gusts.shortest_s, wind(v).gusts.longest_s}; });
+  add_list(list, "gust_duration_limits", Kind::kNumbers, "shortest, longest [s]", true,
+           [](const Vehicle& v) { return Numbers{wind(v).gusts.min_s, wind(v).gusts.max_s}; });
 }
 
 void assign_wind(std::vector<std::string>& out, const ViewValues& all) {
@@ -168,8 +167,8 @@ void assign_wind(std::vector<std::string>& out, const ViewValues& all) {
       "environment.wind.gusts={mean_interval_s: " + text(all.at("interoccurance_time_gust_s")[0]) +
       ", magnitude_mean_m_s: " + text(all.at("gust_magnitude_mean")[0]) +
       ", magnitude_std_m_s: " + text(all.at("gust_magnitude_std_dev")[0]) +
-      ", direction_std: " + text(all.at("gust_dir_std_dev")[0]) +
-      ", shortest_s: " + text(limits[0]) + ", longest_s: " + text(limits[1]) + "}");
+      ", direction_std: " + text(all.at("gust_dir_std_dev")[0]) + ", min_s: " + text(limits[0]) +
+      ", max_s: " + text(limits[1]) + "}");
 }
 
 // ---- multirotor ---------------------------------------------------------------------------------

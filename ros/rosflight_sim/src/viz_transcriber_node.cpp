@@ -24,10 +24,10 @@ class VizTranscriber : public rclcpp::Node {
     mesh_file_ = declare_text(*this, "sim_aircraft_file", "common_resource/multirotor.stl",
                               "mesh, below the share folder of rosflight_sim");
     scale_ = declare_number(*this, "aircraft_scale", 2.0, 0.01, 1000.0, "of the mesh", true);
-    path_every_ = declare_whole(*this, "path_publish_modulo", 40, 1, 100'000,
-                                "messages of truth per point of the path", true);
-    longest_path_ = declare_whole(*this, "max_path_history", 10'000, 2, 1'000'000,
-                                  "points of the path that are kept", true);
+    path_every_ = declare_integer(*this, "path_publish_modulo", 40, 1, 100'000,
+                                  "messages of truth per point of the path", true);
+    max_path_ = declare_integer(*this, "max_path_history", 10'000, 2, 1'000'000,
+                                "points of the path that are kept", true);
     prefix_ = declare_text(*this, "frame_prefix", frame_prefix(get_namespace()),
                            "in front of the names of frames");
     const rclcpp::QoS markers = rclcpp::QoS(rclcpp::KeepLast(5)).reliable();
@@ -39,7 +39,7 @@ class VizTranscriber : public rclcpp::Node {
     changes_ = on_change(*this, [this](const rclcpp::Parameter& p) {
       if (p.get_name() == "aircraft_scale") scale_ = p.as_double();
       if (p.get_name() == "path_publish_modulo") path_every_ = p.as_int();
-      if (p.get_name() == "max_path_history") longest_path_ = p.as_int();
+      if (p.get_name() == "max_path_history") max_path_ = p.as_int();
     });
     publish_fixed_frames();
     publish_mesh(now());
@@ -127,14 +127,14 @@ class VizTranscriber : public rclcpp::Node {
     if (count % kMeshEvery == 0) publish_mesh(state.header.stamp);
     if (count % static_cast<std::uint64_t>(path_every_) != 0) return;
     points_.push_back(state.pose.position);
-    while (points_.size() > static_cast<std::size_t>(longest_path_)) points_.pop_front();
+    while (points_.size() > static_cast<std::size_t>(max_path_)) points_.pop_front();
     publish_path(state.header.stamp);
   }
 
   std::string mesh_file_;
   double scale_{};
   std::int64_t path_every_{};
-  std::int64_t longest_path_{};
+  std::int64_t max_path_{};
   std::string prefix_;
   std::uint64_t count_{0};
   std::deque<geometry_msgs::msg::Point> points_;

@@ -88,7 +88,7 @@ def test_time_waits_for_a_topic_that_is_due(peer):
         for interval_ns in (0, 3_000_000, *3 * [apart_ns]):  # the first timer was late
             at_ns += interval_ns
             say(at_ns)  # an answer to a request shows that the message before it has been read
-            assert set_parameters(peer, "standalone_time_manager", longest_lag_us=lag_ns / 1000)[0].successful
+            assert set_parameters(peer, "standalone_time_manager", max_lag_us=lag_ns / 1000)[0].successful
         assert peer.call(Trigger, "time_manager/toggle_pause").message == "running"
         for _ in range(30):
             due_ns = at_ns + apart_ns

@@ -59,26 +59,27 @@ WingTable all_gains() {
 WingTable limits() {
   using K = ControllerConfig;
   using autonomy::fixedwing::Airframe;
-  return {{"max_roll", in_controller(&K::max_roll_rad), kDeg, Range::between(5.0, 60.0), ""},
-          {"max_pitch", in_controller(&K::max_pitch_rad), kDeg, Range::between(5.0, 45.0), ""},
-          {"max_t", in_controller(&K::max_throttle), "", Range::between(0.1, 1.0), "most throttle"},
-          {"trim_t", in_controller(&K::throttle_cruise), "", Range::between(0.0, 1.0),
-           "throttle of level flight at cruise"},
-          {"max_alt_error",
-           [](const C& c) { return c.flight.controller.total_energy.max_height_error_m; },
-           [](C& c, double x) {
-             c.flight.controller.total_energy.max_height_error_m = x;
-             c.flight.controller.successive_loops.max_height_error_m = x;
-           },
-           "m", Range::between(1.0, 200.0), "farther away a height counts as this"},
-          {"mass", in_controller(&K::airframe, &Airframe::mass_kg), "kg",
-           Range::between(0.1, 1000.0), ""},
-          {"gravity", [](const C& c) { return c.flight.controller.airframe.gravity_m_s2; },
-           [](C& c, double x) {
-             c.flight.controller.airframe.gravity_m_s2 = x;
-             c.flight.controller.total_energy.gravity_m_s2 = x;
-           },
-           "m/s^2", Range::between(9.0, 10.0), ""}};
+  return {
+      {"max_roll", in_controller(&K::max_roll_rad), kDeg, Range::between(5.0, 60.0), ""},
+      {"max_pitch", in_controller(&K::max_pitch_rad), kDeg, Range::between(5.0, 45.0), ""},
+      {"max_t", in_controller(&K::max_throttle), "", Range::between(0.1, 1.0), "maximum throttle"},
+      {"trim_t", in_controller(&K::throttle_cruise), "", Range::between(0.0, 1.0),
+       "throttle of level flight at cruise"},
+      {"max_alt_error",
+       [](const C& c) { return c.flight.controller.total_energy.max_height_error_m; },
+       [](C& c, double x) {
+         c.flight.controller.total_energy.max_height_error_m = x;
+         c.flight.controller.successive_loops.max_height_error_m = x;
+       },
+       "m", Range::between(1.0, 200.0), "farther away a height counts as this"},
+      {"mass", in_controller(&K::airframe, &Airframe::mass_kg), "kg", Range::between(0.1, 1000.0),
+       ""},
+      {"gravity", [](const C& c) { return c.flight.controller.airframe.gravity_m_s2; },
+       [](C& c, double x) {
+         c.flight.controller.airframe.gravity_m_s2 = x;
+         c.flight.controller.total_energy.gravity_m_s2 = x;
+       },
+       "m/s^2", Range::between(9.0, 10.0), ""}};
 }
 
 WingTable takeoff() {
@@ -89,7 +90,7 @@ WingTable takeoff() {
           {"alt_hz", at(&C::zones, &ZoneConfig::hold_m), "m", Range::between(0.5, 500.0),
            "below the height wanted: end of that climb"},
           {"max_takeoff_throttle", &C::max_takeoff_throttle, "", Range::between(0.1, 1.0),
-           "most throttle until airborne"},
+           "maximum throttle until airborne"},
           {"cmd_takeoff_pitch", at(&C::flight, &FlightConfig::takeoff, &TakeoffConfig::pitch_rad),
            kDeg, Range::between(0.0, 30.0), "once fast enough, without a path manager"},
           {"roll_command_override", &C::roll_override,
@@ -103,7 +104,7 @@ WingTable takeoff() {
 WingTable controller_parameters() {
   const auto all = [](C& c) -> C& { return c; };
   return {{"controller_output_frequency", &C::rate_Hz, "Hz", Range::between(10.0, 1000.0),
-           "most commands a second"},
+           "maximum commands per second"},
           {"", all, all_gains()},
           {"", all, limits()},
           {"", all, takeoff()}};

@@ -13,10 +13,10 @@ using autonomy::estimation::EstimatorConfig;
 using rosflight_common::kPascalPerMetre;
 
 /// One parameter over one number of the configuration, `unit` parameters to one of ours.
-rosflight_common::EstimatorView view(const char* name, double least, double most, const char* text,
+rosflight_common::EstimatorView view(const char* name, double min, double max, const char* text,
                                      double (*get)(const EstimatorConfig&),
                                      void (*set)(EstimatorConfig&, double)) {
-  return {name, least, most, text, get, set};
+  return {name, min, max, text, get, set};
 }
 
 struct Policy {

@@ -48,7 +48,7 @@ class PathFollowerNode : public rclcpp::Node {
     };
     using F = std::remove_cvref_t<decltype(wing::FlightConfig::follower)>;
     return {{"controller_commands_pub_frequency", &C::rate_Hz, "Hz", Range::between(1.0, 1000.0),
-             "most commands a second"},
+             "maximum commands per second"},
             {"chi_infty", follower(&F::approach_rad), "rad", Range::between(0.05, 1.57),
              "course towards a line from far away"},
             {"k_path", follower(&F::line_gain_1_m), "1/m", Range::between(1e-4, 1.0),

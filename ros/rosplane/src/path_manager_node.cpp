@@ -55,7 +55,7 @@ class PathManagerNode : public rclcpp::Node {
     using config::Range;
     using C = WingConfig;
     return {{"current_path_pub_frequency", &C::rate_Hz, "Hz", Range::between(10.0, 1000.0),
-             "most paths a second"},
+             "maximum paths per second"},
             {"R_min", [](const C& c) { return c.flight.plan.radius_m; },
              [](C& c, double x) { c.flight.plan.radius_m = c.limits.plan.radius_m = x; }, "m",
              Range::between(5.0, 1000.0), "radius of turns"},

@@ -19,8 +19,8 @@ class SignalGenerator final : public rosflight_common::SignalNode {
     const std::string output = declare_parameter<std::string>(
         "controller_output", "roll", rosflight_common::described(kOutputs, false));
     if (!choose(output)) throw std::invalid_argument("parameter " + refusal(output));
-    const auto number = [this](const char* name, double value, double most, const char* text) {
-      return declare_number(*this, name, value, -most, most, text, true);
+    const auto number = [this](const char* name, double value, double max, const char* text) {
+      return declare_number(*this, name, value, -max, max, text, true);
     };
     base_.va_c = static_cast<float>(number("default_va_c", 15.0, 100.0, "airspeed [m/s]"));
     base_.h_c = static_cast<float>(number("default_h_c", 40.0, 10000.0, "height [m]"));

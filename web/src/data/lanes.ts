@@ -8,7 +8,7 @@ export interface Span { from: number; to: number; label: string; tone: Tone }
 export interface Lane { name: string; spans: Span[] }
 
 /** Bits of Status.error_code. */
-export const ERRORS = ['mixer invalid', 'IMU silent', 'RC lost', 'estimator unhealthy', 'time went back', 'IMU not calibrated',
+export const ERRORS = ['mixer invalid', 'IMU silent', 'RC lost', 'estimator unhealthy', 'timestamp moved backwards', 'IMU not calibrated',
   'buffer overrun', 'failsafe throttle invalid'];
 const BY_COMPANION = 0x3c0; // Status.rc_override: no valid command of the companion on that axis
 const BY_PILOT = 0x3f;

@@ -16,7 +16,7 @@ const NAMES: [field: string, name: string][] = [
 /** Bins of the firmware's histogram of late and early samples, core::PassCounters. */
 const JITTER = ['below 10 µs', '10 to 30 µs', '30 to 100 µs', '100 to 300 µs', '300 to 1000 µs', '1000 to 3000 µs', '3000 to 10000 µs',
   '10000 µs and more'];
-const REJECTED = ['not a number, or no measurement', 'IMU: stamp went back', 'IMU: stamp far from its arrival', 'IMU: stuck',
+const REJECTED = ['not a number, or no measurement', 'IMU: timestamp moved backwards', 'IMU: stamp far from its arrival', 'IMU: stuck',
   'pressure out of range', 'other sensor out of range', 'external attitude rejected', 'gyro clipped, used'];
 
 export function Firmware({flight}: {flight: Flight}) {

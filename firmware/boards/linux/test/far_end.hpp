@@ -23,7 +23,7 @@ namespace rosflight::boards {
 using Bytes = std::vector<std::uint8_t>;
 
 /// Far longer than a loaded machine needs; a test that waits so long has failed.
-inline constexpr int kPatience_ms = 20'000;
+inline constexpr int kTimeout_ms = 20'000;
 /// Long enough for bytes that should not come.
 inline constexpr int kSilence_ms = 50;
 
@@ -132,7 +132,7 @@ struct Pair {
     Bytes all;
     while (true) {
       near->transmit();
-      const int timeout = all.size() < expected ? kPatience_ms : kSilence_ms;
+      const int timeout = all.size() < expected ? kTimeout_ms : kSilence_ms;
       pollfd set{far.get(), POLLIN, 0};
       if (::poll(&set, 1, timeout) <= 0) return all;
       Bytes buffer(65536);
@@ -142,10 +142,10 @@ struct Pair {
     }
   }
   /// Something for the board to do.
-  bool wait_near(int patience_ms = kPatience_ms) const {
+  bool wait_near(int timeout_ms = kTimeout_ms) const {
     std::vector<pollfd> set;
     near->add_to(set);
-    return ::poll(set.data(), set.size(), patience_ms) > 0;
+    return ::poll(set.data(), set.size(), timeout_ms) > 0;
   }
 
   std::unique_ptr<LinuxSerial> near;

@@ -41,7 +41,7 @@ std::string error_of(const LinkAddress& address) {
 
 /// Passes until someone is there, or until nobody is.
 void wait_for_peer(LinuxSerial& serial, bool there) {
-  for (int ms = 0; ms < kPatience_ms; ++ms) {
+  for (int ms = 0; ms < kTimeout_ms; ++ms) {
     serial.receive();
     ASSERT_TRUE(write(serial, {0}));
     serial.transmit();
@@ -316,7 +316,7 @@ TEST(UdpWire, SendsWholeFramesInDatagramsBelow1400Bytes) {
   std::size_t total = 0;
   while (total < 2630) {
     pollfd set{pair.far.get(), POLLIN, 0};
-    ASSERT_EQ(::poll(&set, 1, kPatience_ms), 1);
+    ASSERT_EQ(::poll(&set, 1, kTimeout_ms), 1);
     Bytes buffer(65536);
     const ssize_t n = ::read(pair.far.get(), buffer.data(), buffer.size());
     ASSERT_GT(n, 0);

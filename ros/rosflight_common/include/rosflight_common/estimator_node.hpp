@@ -33,8 +33,8 @@ namespace flight = rosflight::flight;
 /// A parameter of ROSflight 2.x's name over a setting of the estimator; read at the start.
 struct EstimatorView {
   const char* name;
-  double least;
-  double most;
+  double min;
+  double max;
   const char* text;
   double (*get)(const autonomy::estimation::EstimatorConfig&);
   void (*set)(autonomy::estimation::EstimatorConfig&, double);
@@ -82,9 +82,9 @@ class EstimatorNode : public rclcpp::Node {
   explicit EstimatorNode(const rclcpp::NodeOptions& options)
       : Node("estimator", options), estimator_{read_config()} {
     const double rate_Hz = declare_number(*this, "estimator_update_frequency", 400.0, 1.0, 2000.0,
-                                          "most states a second [Hz]");
+                                          "maximum states per second [Hz]");
     interval_ns_ = static_cast<std::int64_t>(kAlmost * 1e9 / rate_Hz);
-    least_fix_ = declare_whole(*this, "min_gnss_fix_type", 3, 2, 4, "of rosflight_msgs/GNSS");
+    min_fix_ = declare_integer(*this, "min_gnss_fix_type", 3, 2, 4, "of rosflight_msgs/GNSS");
     if (declare_switch(*this, "hotstart_estimator", false, "kept for its name")) {
       throw config::Error(
           "parameter hotstart_estimator: found true, allowed false, because there is no hotstart "
@@ -120,7 +120,7 @@ class EstimatorNode : public rclcpp::Node {
     for (const EstimatorView& view : Policy::views()) {
       const double from_file = view.get(config);
       const double value =
-          declare_number(*this, view.name, from_file, view.least, view.most, view.text);
+          declare_number(*this, view.name, from_file, view.min, view.max, view.text);
       if (value != from_file) view.set(config, value);
     }
     return config;
@@ -182,7 +182,7 @@ class EstimatorNode : public rclcpp::Node {
     sample.t_s = seconds(m.header);
     sample.unix_s =
         static_cast<double>(m.gnss_unix_seconds) + 1e-9 * static_cast<double>(m.gnss_unix_nanos);
-    sample.fix_3d = m.fix_type >= least_fix_ &&
+    sample.fix_3d = m.fix_type >= min_fix_ &&
                     m.fix_type <= rosflight_msgs::msg::GNSS::GNSS_FIX_TYPE_GNSS_PLUS_DEAD_RECKONING;
     sample.position = {m.lat, m.lon, static_cast<double>(m.alt)};
     sample.v_W_m_s = {static_cast<double>(m.vel_n), static_cast<double>(m.vel_e),
@@ -280,7 +280,7 @@ class EstimatorNode : public rclcpp::Node {
                                  Sensor{"baro", "baro", 0.5}, Sensor{"gnss", "gnss", 1.0}};
   std::int64_t interval_ns_{};
   std::int64_t last_ns_{};
-  std::int64_t least_fix_{};
+  std::int64_t min_fix_{};
   std::uint64_t watches_{};
   bool armed_{false};
   bool restarted_{false};  ///< The firmware began again, with a heading of its own.

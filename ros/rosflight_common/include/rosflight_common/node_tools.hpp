@@ -36,26 +36,25 @@ inline std::string not_finite(const std::string& parameter) {
 
 /// Declares a number in a range. Live ones can be changed while the node runs.
 /// @throws std::invalid_argument  for NaN and infinity, which rclcpp finds in every range; else what it throws.
-inline double declare_number(rclcpp::Node& node, const std::string& name, double value,
-                             double least, double most, const std::string& text,
-                             bool live = false) {
+inline double declare_number(rclcpp::Node& node, const std::string& name, double value, double min,
+                             double max, const std::string& text, bool live = false) {
   auto descriptor = described(text, !live);
   rcl_interfaces::msg::FloatingPointRange range;
-  range.from_value = least;
-  range.to_value = most;
+  range.from_value = min;
+  range.to_value = max;
   descriptor.floating_point_range.push_back(range);
   const double given = node.declare_parameter<double>(name, value, descriptor);
   if (!std::isfinite(given)) throw std::invalid_argument(not_finite(name));
   return given;
 }
 
-inline std::int64_t declare_whole(rclcpp::Node& node, const std::string& name, std::int64_t value,
-                                  std::int64_t least, std::int64_t most, const std::string& text,
-                                  bool live = false) {
+inline std::int64_t declare_integer(rclcpp::Node& node, const std::string& name, std::int64_t value,
+                                    std::int64_t min, std::int64_t max, const std::string& text,
+                                    bool live = false) {
   auto descriptor = described(text, !live);
   rcl_interfaces::msg::IntegerRange range;
-  range.from_value = least;
-  range.to_value = most;
+  range.from_value = min;
+  range.to_value = max;
   range.step = 1;
   descriptor.integer_range.push_back(range);
   return node.declare_parameter<std::int64_t>(name, value, descriptor);

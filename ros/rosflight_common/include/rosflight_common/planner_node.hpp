@@ -56,8 +56,8 @@ class PlannerNode : public rclcpp::Node {
   explicit PlannerNode(const rclcpp::NodeOptions& options)
       : Node("path_planner", options),
         policy_{VehicleFile::declare(*this, Policy::kVehicle).read()} {
-    most_published_ = declare_whole(*this, "num_waypoints_to_publish_at_start", kMost, 0, kMost,
-                                    "so many of the list are published without being asked", true);
+    max_published_ = declare_integer(*this, "num_waypoints_to_publish_at_start", kMost, 0, kMost,
+                                     "so many of the list are published without being asked", true);
     const std::string file = declare_text(*this, "mission_file", "", "loaded at the start");
     waypoints_topic_ = create_publisher<Waypoint>(
         Policy::kTopic, rclcpp::QoS(static_cast<std::size_t>(kMost) + 1).transient_local());
@@ -67,7 +67,7 @@ class PlannerNode : public rclcpp::Node {
     serve();
     changes_ = on_change(*this, [this](const rclcpp::Parameter& parameter) {
       if (parameter.get_name() != "num_waypoints_to_publish_at_start") return;
-      most_published_ = parameter.as_int();
+      max_published_ = parameter.as_int();
       top_up();
     });
     publish_clear();
@@ -220,7 +220,7 @@ class PlannerNode : public rclcpp::Node {
   }
 
   void top_up() {
-    const auto wanted = std::min(static_cast<std::size_t>(most_published_), list_.size());
+    const auto wanted = std::min(static_cast<std::size_t>(max_published_), list_.size());
     while (published_ < wanted) publish_next();
     changed();
   }
@@ -228,7 +228,7 @@ class PlannerNode : public rclcpp::Node {
   Policy policy_;
   std::vector<Waypoint> list_;
   std::size_t published_{0};
-  std::int64_t most_published_{kMost};
+  std::int64_t max_published_{kMost};
   std::optional<Plan> plan_;
   std::optional<autonomy::Geodetic> origin_;
   std::optional<std::string> waiting_file_;

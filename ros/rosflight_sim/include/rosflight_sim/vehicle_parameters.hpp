@@ -55,7 +55,7 @@ struct VehicleParameters {
   static VehicleParameters declare(rclcpp::Node& node) {
     auto named = rosflight_common::VehicleFile::declare(
         node, usual_vehicle(node.get_name()), ", or -r __node:=multirotor_forces_and_moments");
-    const std::int64_t seed = rosflight_common::declare_whole(
+    const std::int64_t seed = rosflight_common::declare_integer(
         node, "seed", 1, 0, 1'000'000'000'000, "of all random numbers: errors of sensors, wind");
     std::shared_ptr<ParameterFile> given;
     if (auto read = ParameterFile::load(named.file)) {

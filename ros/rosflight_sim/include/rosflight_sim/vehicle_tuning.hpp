@@ -53,7 +53,7 @@ class VehicleTuning {
 
   static Values declare(rclcpp::Node& node, const VehicleView& view, const Values& value) {
     if (view.kind == Kind::kNumber)
-      return {rosflight_common::declare_number(node, view.name, value[0], view.least, view.most,
+      return {rosflight_common::declare_number(node, view.name, value[0], view.min, view.max,
                                                view.text, view.live)};
     const auto descriptor = rosflight_common::described(view.text, !view.live);
     if (view.kind == Kind::kSwitch)

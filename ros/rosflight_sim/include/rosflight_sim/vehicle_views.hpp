@@ -18,8 +18,8 @@ struct VehicleView {
 
   std::string name;
   Kind kind{Kind::kNumber};
-  double least{};
-  double most{};
+  double min{};
+  double max{};
   std::string text;
   bool live{true};
   std::function<std::vector<double>(const sim::Vehicle&)> get;  ///< What the vehicle file says.

@@ -33,9 +33,9 @@ inline std::string text(const Numbers& values) {
   return out + "]";
 }
 
-inline void add(List& list, std::string name, double least, double most, std::string what,
+inline void add(List& list, std::string name, double min, double max, std::string what,
                 std::function<double(const Vehicle&)> get) {
-  list.push_back({std::move(name), Kind::kNumber, least, most, std::move(what), true,
+  list.push_back({std::move(name), Kind::kNumber, min, max, std::move(what), true,
                   [get = std::move(get)](const Vehicle& v) { return Numbers{get(v)}; }});
 }
 
