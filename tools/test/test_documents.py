@@ -29,7 +29,6 @@ ELSEWHERE = {
     r"\./rosflight (view|fly --view)\b": "web/test/page.browser.test.ts",
     r"\./rosflight bench\b": "tools/test/test_bench.py; measuring takes minutes",
     r"\./rosflight ros (build|run|demo)\b": "the stage ros of ./rosflight test",
-    r"\./rosflight fly .*--fault \S+@\d+\.\d{4}\b": "bench/faults/report.cpp wrote it with the end of that flight, which failed",
     r"docker ": "needs a Docker daemon; tools/test/test_dockerfile.py and test_the_debian_package_flies",
     r"colcon build": "needs a ROS installation, or what the stage ros installs",
     r"ros2 run .*port:=/dev/": "needs hardware",
