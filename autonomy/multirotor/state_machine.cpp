@@ -59,8 +59,8 @@ void StateMachine::watch_gap(const Input& in) {
 }
 
 void StateMachine::watch_failsafe(const Input& in) {
-  constexpr double kStill_m_s = 0.3;
-  const bool rests = low(in) && std::abs(in.state.v_W.z()) < kStill_m_s;
+  constexpr double kRests_m_s = 0.3;
+  const bool rests = low(in) && std::abs(in.state.v_W.z()) < kRests_m_s;
   grounded_s_ = rests && in.failsafe ? grounded_s_ + in.dt_s : 0.0;
   if (rests && failsafe_before_ && !in.failsafe) grounded_s_ = 2.0 * kGrounded_s;
   failsafe_before_ = in.failsafe;
