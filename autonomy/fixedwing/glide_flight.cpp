@@ -29,6 +29,17 @@ double stored_m(const GlideFlight::Input& in) {
   return (v * v - v0 * v0) / (2.0 * in.config.controller.airframe.gravity_m_s2);
 }
 
+/// s of (1).
+double left_over_m(const GlideFlight::Input& in, const GlidePath& glide, double needed_m) {
+  return glide.aim_W.z() - in.state.p_W.z() + stored_m(in) - kReserve_m - needed_m;
+}
+
+bool on_final(const GlidePath& glide, const Vector2& p_m) {
+  const Vector2 to_key = glide.key.p_m - p_m;
+  return to_key.dot(along(glide.key.course_rad)) < kNearKey_m &&
+         std::abs(to_key.dot(right_of(glide.key.course_rad))) < kNearKey_m;
+}
+
 }  // namespace
 
 void GlideFlight::begin(const Input& in, PathManager& path) {
@@ -62,11 +73,6 @@ void GlideFlight::learn_ratio(const Input& in) {
   ratio_ = std::clamp(mean, known / kRange, known * kRange);
 }
 
-/// s of (1).
-double GlideFlight::left_over_m(const Input& in, double needed_m) const {
-  return glide_->aim_W.z() - in.state.p_W.z() + stored_m(in) - kReserve_m - needed_m;
-}
-
 double GlideFlight::airspeed_m_s(const Input& in) const {
   const double v0 = in.config.safety.glide_m_s;
   if (!glide_ || in.position_lost || !in.state.air_valid) return v0;
@@ -74,12 +80,6 @@ double GlideFlight::airspeed_m_s(const Input& in) const {
   const double g = in.config.controller.airframe.gravity_m_s2;
   const double most = std::min(kFastest, std::sqrt(1.0 + g * (height_m - kSlow_m) / (v0 * v0)));
   return v0 * std::clamp(1.0 + kFaster * spare_m_ / height_m, 1.0, most);
-}
-
-bool GlideFlight::on_final(const Vector2& p_m) const {
-  const Vector2 to_key = glide_->key.p_m - p_m;
-  return to_key.dot(along(glide_->key.course_rad)) < kNearKey_m &&
-         std::abs(to_key.dot(right_of(glide_->key.course_rad))) < kNearKey_m;
 }
 
 void GlideFlight::plan(const Input& in, PathManager& path) {
@@ -96,16 +96,17 @@ void GlideFlight::plan(const Input& in, PathManager& path) {
   const Vector2 wind_m_s = wind_of(in.state);
   const Pose from{p_m, in.state.course_rad};
   if (glide_) {
+    const bool final = on_final(*glide_, p_m);
     double needed_m = 0.0;
-    if (on_final(p_m)) {
+    if (final) {
       const double course_rad = glide_->key.course_rad;
       needed_m = (glide_->aim_W.head<2>() - p_m).dot(along(course_rad)) /
                  planner.distance_per_height(course_rad, wind_m_s);
     } else {
       needed_m = planner.height_needed_m(from, glide_->key, glide_->final_m, wind_m_s);
     }
-    spare_m_ = left_over_m(in, needed_m);
-    if (on_final(p_m)) return;
+    spare_m_ = left_over_m(in, *glide_, needed_m);
+    if (final) return;
   }
   const double up_m = -in.state.p_W.z() + stored_m(in) - kReserve_m;
   auto found = planner.plan(from, up_m + in.landing.aim_W.z(), in.landing, wind_m_s);
@@ -130,7 +131,7 @@ void GlideFlight::plan(const Input& in, PathManager& path) {
   if (next.start({from, -in.state.p_W.z()}, 0)) return;
   path = std::move(next);
   glide_ = found;
-  spare_m_ = left_over_m(in, found->height_needed_m);
+  spare_m_ = left_over_m(in, *found, found->height_needed_m);
 }
 
 CurrentPath GlideFlight::step(const Input& in, PathManager& path) {

@@ -41,8 +41,6 @@ class GlideFlight {
  private:
   void learn_ratio(const Input& in);
   void plan(const Input& in, PathManager& path);
-  bool on_final(const Vector2& p_m) const;
-  double left_over_m(const Input& in, double needed_m) const;
 
   std::optional<GlidePath> glide_;
   double began_s_{};

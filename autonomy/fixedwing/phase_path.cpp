@@ -109,7 +109,7 @@ void PhasePath::plan(const Input& in, const std::vector<Waypoint>& waypoints, bo
     fault = start(config, from, waypoints, cycle, first);
     if (!fault) return;
   }
-  events.add(FlightEventType::kPathFault, fault->waypoint);
+  if (fault) events.add(FlightEventType::kPathFault, fault->waypoint);
 }
 
 void PhasePath::begin_approach(const Input& in, FlightEvents& events) {

@@ -95,16 +95,16 @@ class FlightManager {
   PathManager path_;
   std::unique_ptr<TrajectoryLaw> follower_;
   CommandedFlight control_;
-  AtEnd at_end_{AtEnd::kLand};
   std::optional<double> takeoff_height_m_;  ///< Of the mission.
   FlightLimits limits_;
   std::optional<Fence> fence_;
   Vector3 start_W_{Vector3::Zero()};  ///< Of the take-off.
   double unplaced_s_{};               ///< Without a horizontal position.
   double settled_s_{};                ///< When the position will have settled.
+  FlightOutput out_{};
+  AtEnd at_end_{AtEnd::kLand};
   bool return_asked_{false};
   bool returning_{false};
-  FlightOutput out_{};
   bool flown_{false};  ///< Landed once with this mission.
   bool command_good_{true};
 };

@@ -13,6 +13,7 @@ using FaultRegisters = std::array<std::uint32_t, 8>;
 
 }  // namespace rosflight::boards
 
+// NOLINTBEGIN(bugprone-dynamic-static-initializers): of the linker
 extern "C" {
 extern std::uint32_t board_stack_bottom[], board_stack_top[];
 extern std::uint32_t board_data_begin[], board_data_end[], board_data_load[];
@@ -20,6 +21,7 @@ extern std::uint32_t board_bss_begin[], board_bss_end[];
 using Constructor = void (*)();
 extern Constructor board_preinit_begin[], board_init_end[];
 }
+// NOLINTEND(bugprone-dynamic-static-initializers)
 
 namespace rosflight::boards {
 
