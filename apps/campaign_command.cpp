@@ -11,8 +11,8 @@
 #include <map>
 #include <vector>
 
-#include "apps/stop_signal.hpp"
 #include "base/atomic_file.hpp"
+#include "base/stop_signal.hpp"
 #include "flight/campaign.hpp"
 
 namespace rosflight::apps {
@@ -82,7 +82,7 @@ int campaign_command(const flight::FlightChoice& choice, const std::string& seed
   if (std::filesystem::exists(file)) {
     throw config::Error(fmt::format("--out: found {}, allowed a new file", file.string()));
   }
-  // Bad input is told before there is a file, a file that cannot be written before anything flies.
+  // Bad input is reported before there is a file, a file that cannot be written before anything flies.
   static_cast<void>(flight::FlightSetup(choice));
   base::write_file(file, flight::campaign_csv({}));
   const std::uint64_t wanted = options.last_seed - options.first_seed + 1;
@@ -91,8 +91,8 @@ int campaign_command(const flight::FlightChoice& choice, const std::string& seed
     if (terminal) fmt::print(err, "\r{} of {} flights ", done, wanted);
     if (terminal) err.flush();
   };
-  options.interrupted = [] { return stop_signal() != 0; };
-  const SignalWatch watch;
+  options.interrupted = [] { return base::stop_signal() != 0; };
+  const base::SignalWatch watch;
   const auto start = std::chrono::steady_clock::now();
   const std::vector<FlightSummary> flights = fly_campaign(options);
   const double wall_s =
@@ -110,7 +110,7 @@ int campaign_command(const flight::FlightChoice& choice, const std::string& seed
   if (!flights.empty()) print_statistics(out, flights);
   print_failures(out, flights);
   fmt::print(out, "\nrows in {}\n", file.string());
-  if (stop_signal() != 0) return 128 + stop_signal();
+  if (base::stop_signal() != 0) return 128 + base::stop_signal();
   return all ? 0 : 1;
 }
 

@@ -9,8 +9,8 @@
 #include <iostream>
 #include <utility>
 
-#include "apps/stop_signal.hpp"
 #include "base/constants.hpp"
+#include "base/stop_signal.hpp"
 
 namespace rosflight::apps {
 namespace {
@@ -151,23 +151,23 @@ flight::FlightSummary fly_once(const flight::FlyOptions& options, bool json, std
 }  // namespace
 
 int fly_command(flight::FlyOptions options, bool json, std::ostream& out, std::ostream& err,
-                FlightWatch* watch, std::string* log_sha256) {
+                viewer::FlightWatch* watch, std::string* log_sha256) {
   Progress progress(err, isatty(STDERR_FILENO) == 1);
   options.on_note = [&progress](const flight::FlightNote& note) { progress.note(note); };
   options.on_step = [&progress](const flight::Flight& flight) { progress.tick(flight); };
-  options.interrupted = [] { return stop_signal() != 0; };
+  options.interrupted = [] { return base::stop_signal() != 0; };
   if (watch != nullptr) {
     options.observer = &watch->observer();
     options.commander = &watch->commander();
   }
-  const SignalWatch signals;
+  const base::SignalWatch signals;
   const auto first = options.folder;
   try {
     for (;;) {
       const flight::FlightSummary summary = fly_once(options, json, out, err, progress);
       if (log_sha256 != nullptr && summary.log) *log_sha256 = summary.log->sha256;
       const int code = summary.score.success() ? 0 : 1;
-      if (stop_signal() != 0) return 128 + stop_signal();
+      if (base::stop_signal() != 0) return 128 + base::stop_signal();
       const auto mission = watch != nullptr ? watch->stay(summary) : std::nullopt;
       if (!mission) return code;
       if (!mission->empty()) options.choice.mission = *mission;

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/fly_command_line.hpp"
 
+#include <fmt/format.h>
+
 #include <optional>
 #include <string>
 
 #include "apps/campaign_command.hpp"
-#include "apps/flight_commander.hpp"
 #include "apps/fly_command.hpp"
 #include "apps/options.hpp"
+#include "apps/viewers.hpp"
 #include "flight/build_info.hpp"
 #include "flight/link_protocol.hpp"
 #include "sim/faults.hpp"
@@ -33,8 +35,8 @@ void add_view(CLI::App& fly, FlyOptions& options, ViewChoice& choice) {
                  "With --view: address of a network interface, for other computers");
   fly.add_flag("--hold", choice.hold,
                "With --view: the pilot does not arm by himself, a viewer does");
-  constexpr double kLowest = 0.01;
-  constexpr double kHighest = 100.0;
+  constexpr double kMinSpeed = 0.01;
+  constexpr double kMaxSpeed = 100.0;
   fly.add_option_function<double>(
          "--speed",
          [&options](double speed) {
@@ -42,7 +44,7 @@ void add_view(CLI::App& fly, FlyOptions& options, ViewChoice& choice) {
            options.realtime = true;
          },
          "Speed relative to real time")
-      ->check(CLI::Range(kLowest, kHighest));
+      ->check(CLI::Range(kMinSpeed, kMaxSpeed));
 }
 
 CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
@@ -51,11 +53,14 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
   FlightChoice& choice = options.choice;
   fly->add_option("--vehicle", choice.vehicle, "Vehicle: a name of vehicles/ or a YAML file")
       ->capture_default_str();
+  std::vector<std::string> boards{"in_process", "qemu_m7"};
+  boards.insert(boards.end(), kChipBoards.begin(), kChipBoards.end());
   fly->add_option("--board", choice.board,
-                  "Where the firmware runs: in_process; qemu_m7, an emulated Cortex-M7; "
-                  "pixracer_pro, varmint: the image of that board on an emulated STM32H7")
+                  fmt::format("Where the firmware runs: in_process; qemu_m7, an emulated "
+                              "Cortex-M7; {}: the image of that board on an emulated STM32H7",
+                              fmt::join(kChipBoards, ", ")))
       ->capture_default_str()
-      ->check(CLI::IsMember({"in_process", "qemu_m7", "pixracer_pro", "varmint"}));
+      ->check(CLI::IsMember(boards));
   fly->add_option("--link", choice.link,
                   "cable: the simulated one; uart: that of qemu_m7, in real time; usb: that of an "
                   "emulated STM32H7")
@@ -128,20 +133,23 @@ void check_campaign(const CLI::App& fly, const FlyOptions& options) {
 }
 
 /// Nothing without --view. A flight that is watched is at the pace of the wall clock.
-std::unique_ptr<FlightWatch> watch_of(const ViewChoice& choice, const MakeWatch& make_watch,
-                                      FlyOptions& options) {
+std::unique_ptr<viewer::FlightWatch> watch_of(const ViewChoice& choice, const Viewers* viewers,
+                                              FlyOptions& options) {
   if (!choice.view) return nullptr;
   if (options.log == "none")
     throw config::Error(
         "--log: found none with --view, allowed plot, full: it shows what is logged");
-  if (!make_watch)
+  if (viewers == nullptr)
     throw config::Error("--view: found in a program without it; use ./rosflight fly");
   options.realtime = true;
-  return make_watch(choice.access, choice.hold);
+  return viewers->watch(choice.access, choice.hold);
 }
 
 /// Flies what a log has again, with all that was changed by hand. @returns 0 if the log is equal.
-int repeat_command(const CLI::App& fly, const std::string& log, FlyOptions options, bool json) {
+int repeat_command(const CLI::App& fly, const std::string& log, const Viewers* viewers,
+                   FlyOptions options, bool json) {
+  if (viewers == nullptr)
+    throw config::Error("--repeat: found in a program without it; use ./rosflight fly");
   for (const char* name :
        {"--vehicle", "--mission", "--seed", "--state", "--pilot", "--wind", "--set", "--fault",
         "--plugin", "--link", "--link-protocol", "--log", "--no-log", "--view", "--visualiser"}) {
@@ -153,8 +161,8 @@ int repeat_command(const CLI::App& fly, const std::string& log, FlyOptions optio
   options.choice = recorded.choice;
   options.choice.board = board;
   options.log = recorded.log;
-  RepeatCommander commander(recorded);
-  options.commander = &commander;
+  const auto commander = viewers->repeat(recorded);
+  options.commander = commander.get();
   std::string sha256;
   const int code = fly_command(options, json, std::cout, std::cerr, nullptr, &sha256);
   if (code > 1) return code;  // a signal
@@ -168,7 +176,7 @@ int repeat_command(const CLI::App& fly, const std::string& log, FlyOptions optio
 
 }  // namespace
 
-int fly_command_line(int argc, char** argv, const MakeWatch& make_watch) {
+int fly_command_line(int argc, char** argv, const Viewers* viewers) {
   CLI::App app{"rosflight: fly. ./rosflight --help lists all commands."};
   FlyOptions options;
   bool json = false;
@@ -183,9 +191,9 @@ int fly_command_line(int argc, char** argv, const MakeWatch& make_watch) {
                   "if the logs are equal to the bit");
   app.set_version_flag("--version", build_info_text());
   return parse_and_run(app, argc, argv, [&] {
-    if (repeat && !seeds) return repeat_command(*fly, *repeat, options, json);
+    if (repeat && !seeds) return repeat_command(*fly, *repeat, viewers, options, json);
     if (!seeds) {
-      const auto watch = watch_of(view, make_watch, options);
+      const auto watch = watch_of(view, viewers, options);
       return fly_command(options, json, std::cout, std::cerr, watch.get());
     }
     check_campaign(*fly, options);

@@ -10,8 +10,9 @@
 #include <vector>
 
 #include "apps/options.hpp"
-#include "apps/stop_signal.hpp"
+#include "base/stop_signal.hpp"
 #include "config/strict_yaml.hpp"
+#include "ground/blackbox.hpp"
 #include "ground/calibration.hpp"
 #include "ground/monitor.hpp"
 #include "ground/parameter_commands.hpp"
@@ -138,6 +139,23 @@ CLI::App* add_preflight(CLI::App& app, LinkChoice& choice, bool& json) {
   return command;
 }
 
+CLI::App* add_blackbox(CLI::App& app, LinkChoice& choice, std::string& folder) {
+  CLI::App* command = app.add_subcommand(
+      "blackbox",
+      "Reads the flight record of a board into a flight folder; exit code 1 if there is none");
+  add_link(*command, choice);
+  command->add_option("--out", folder, "Folder, new or empty")->capture_default_str();
+  return command;
+}
+
+void check_new_folder(const std::filesystem::path& folder) {
+  namespace fs = std::filesystem;
+  if (fs::exists(folder) && (!fs::is_directory(folder) || !fs::is_empty(folder))) {
+    throw config::Error("--out: found " + folder.string() +
+                        " with something in it, allowed a new or empty folder");
+  }
+}
+
 struct CalibrateOptions {
   std::string what;
   double wait_s{60.0};
@@ -173,15 +191,16 @@ CLI::App* add_calibrate(CLI::App& app, LinkChoice& choice, CalibrateOptions& o) 
 }
 
 int run_connected(const LinkChoice& choice, const Action& action) {
-  const SignalWatch watch;
+  const base::SignalWatch watch;
   try {
     GroundLink link({choice.link, seconds(choice.timeout_s),
-                     static_cast<std::uint8_t>(choice.system), [] { return stop_signal() != 0; }});
+                     static_cast<std::uint8_t>(choice.system),
+                     [] { return base::stop_signal() != 0; }});
     link.connect();
     return action(link);
   } catch (const Stopped&) {
     std::cout << std::flush;
-    return 128 + stop_signal();
+    return 128 + base::stop_signal();
   }
 }
 
@@ -189,8 +208,8 @@ int run_connected(const LinkChoice& choice, const Action& action) {
 
 int ground_command_line(int argc, char** argv) {
   CLI::App app{
-      "rosflight: params, calibrate, monitor and preflight. ./rosflight --help lists all "
-      "commands."};
+      "rosflight: params, calibrate, monitor, preflight and blackbox. ./rosflight --help lists "
+      "all commands."};
   LinkChoice choice;
   ParamsOptions params_options;
   MonitorOptions monitor_options;
@@ -200,6 +219,8 @@ int ground_command_line(int argc, char** argv) {
   CalibrateOptions calibrate_options;
   const CLI::App* calibrate = add_calibrate(app, choice, calibrate_options);
   add_preflight(app, choice, json);
+  std::string folder = "blackbox";
+  const CLI::App* blackbox = add_blackbox(app, choice, folder);
   return parse_and_run(app, argc, argv, [&] {
     if (*monitor_app) {
       monitor_options.in_place = ::isatty(STDOUT_FILENO) != 0;
@@ -212,6 +233,11 @@ int ground_command_line(int argc, char** argv) {
         return kCalibrations.at(calibrate_options.what)(l, calibrate_options.calibration,
                                                         std::cout);
       });
+    }
+    if (*blackbox) {
+      check_new_folder(folder);
+      return run_connected(choice,
+                           [&](GroundLink& l) { return read_blackbox(l, folder, std::cout); });
     }
     if (!*params) {
       return run_connected(choice, [&](GroundLink& l) {

@@ -3,8 +3,8 @@
 
 namespace rosflight::apps {
 
-/// Reads the command line of ./rosflight params, calibrate, monitor and preflight, runs the command and prints errors as
-/// one line.
+/// Reads the command line of ./rosflight params, calibrate, monitor, preflight and blackbox, runs the command and prints
+/// errors as one line.
 /// @returns the exit code: 0, or 2 for bad input and no answer, or that of the command.
 int ground_command_line(int argc, char** argv);
 

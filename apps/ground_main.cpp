@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The program behind ./rosflight params, calibrate, monitor and preflight.
+// The program behind ./rosflight params, calibrate, monitor, preflight and blackbox.
 #include "apps/ground_command_line.hpp"
 
 int main(int argc, char** argv) {

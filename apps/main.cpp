@@ -23,21 +23,23 @@ struct Elsewhere {
 constexpr const char* kTools = "rosflight_tools";
 constexpr const char* kGround = "rosflight_ground_tools";
 constexpr const char* kView = "rosflight_view";
-constexpr std::array<Elsewhere, 9> kElsewhere{{{"replay", kTools},
-                                               {"sil", kTools},
-                                               {"mixer", kTools},
-                                               {"trim", kTools},
-                                               {"params", kGround},
-                                               {"calibrate", kGround},
-                                               {"monitor", kGround},
-                                               {"preflight", kGround},
-                                               {"view", kView}}};
+constexpr std::array<Elsewhere, 10> kElsewhere{{{"replay", kTools},
+                                                {"sil", kTools},
+                                                {"mixer", kTools},
+                                                {"trim", kTools},
+                                                {"params", kGround},
+                                                {"calibrate", kGround},
+                                                {"monitor", kGround},
+                                                {"preflight", kGround},
+                                                {"blackbox", kGround},
+                                                {"view", kView}}};
 
 /// Goes on as that program with the same arguments. Comes back only when that is not possible.
 int run(const char* program, char** argv) {
-  std::error_code ignored;  // then the working directory is looked in, and the message says so
+  std::error_code ignored;  // then the working directory is looked in, and the message names it
   const std::filesystem::path tools =
       std::filesystem::read_symlink("/proc/self/exe", ignored).replace_filename(program);
+  // NOLINTNEXTLINE(clang-analyzer-optin.taint.GenericTaint): the user's arguments, for our program
   ::execv(tools.c_str(), argv);
   std::cerr << "rosflight: " << argv[1] << " needs " << tools.string() << ": "
             << std::strerror(errno) << " (./rosflight " << argv[1] << " builds it)\n";
@@ -48,8 +50,10 @@ int run(const char* program, char** argv) {
 
 int main(int argc, char** argv) {
   const std::string_view command = argc > 1 ? argv[1] : "";
-  const auto is_view = [](std::string_view word) { return word == "--view"; };
-  if (command == "fly" && std::any_of(argv + 2, argv + argc, is_view)) return run(kView, argv);
+  const auto has_viewers = [](std::string_view word) {
+    return word == "--view" || word == "--repeat" || word.rfind("--repeat=", 0) == 0;
+  };
+  if (command == "fly" && std::any_of(argv + 2, argv + argc, has_viewers)) return run(kView, argv);
   const auto* const there =
       std::find_if(kElsewhere.begin(), kElsewhere.end(),
                    [command](const Elsewhere& e) { return e.command == command; });

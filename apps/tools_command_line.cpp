@@ -109,7 +109,7 @@ CLI::App* add_sil(CLI::App& app, SilOptions& options) {
                   "File that keeps the parameters; created if missing [rosflight_VEHICLE.nvm]")
       ->type_name("FILE");
   sil->add_option("--rate", options.rate_Hz, "IMU samples and simulation steps per second")
-      ->check(CLI::Range(SilOptions::kLowestRate_Hz, SilOptions::kHighestRate_Hz))
+      ->check(CLI::Range(SilOptions::kMinRate_Hz, SilOptions::kMaxRate_Hz))
       ->capture_default_str();
   sil->add_option("--rc", options.rc,
                   "Script of the pilot (YAML); default: sticks centred, throttle low")

@@ -10,7 +10,7 @@ namespace rosflight::apps {
 struct TrimOptions {
   std::string vehicle{"anaconda"};
   double speed_m_s{};
-  std::optional<double> radius_m;  ///< Of a turn, to the right positive.
+  std::optional<double> radius_m;  ///< Radius of the turn, positive to the right; empty: straight.
   double climb_deg{0.0};
   double height_m{0.0};  ///< Above the origin of the vehicle file.
   std::vector<std::string> overrides;

@@ -52,7 +52,7 @@ struct Spread {
   }
 };
 
-/// Mean of what is 1 if the filter is as good as it says.
+/// Mean of what is 1 if the filter has the errors that it reports.
 struct Ratio {
   double sum{};
   std::uint64_t count{};
@@ -97,10 +97,8 @@ void judge_output(const Flight& flight, const TruePast& past, Errors& errors) {
   errors.wind_m_s.values.push_back((estimate.wind_W - wind_W).head<2>().norm());
 }
 
-template <bool kWind>
 void judge_filter(const Flight& flight, const TruePast& past, Errors& errors) {
-  const auto* estimate_source =
-      dynamic_cast<const LinkStateEstimator<kWind>*>(&flight.estimate_source());
+  const auto* estimate_source = dynamic_cast<const LinkStateEstimator*>(&flight.estimate_source());
   const auto& estimator = estimate_source->estimator();
   const TruePast::Moment* at = past.at(estimator.filter_time_s());
   if (at == nullptr) return;
@@ -110,8 +108,7 @@ void judge_filter(const Flight& flight, const TruePast& past, Errors& errors) {
   e << log_rotation(x.q_WB.conjugate() * at->body.q_WB),
       at->body.q_WB * (at->body.v_B + at->body.w_B.cross(lever_B)) - x.v_W,
       at->seen_W + at->body.q_WB * lever_B - x.p_W;
-  const Eigen::Matrix<double, 9, 9> P =
-      estimator.filter().covariance().template topLeftCorner<9, 9>();
+  const Eigen::Matrix<double, 9, 9> P = estimator.filter().covariance().topLeftCorner<9, 9>();
   errors.nees.add(e.dot(P.ldlt().solve(e)) / 9.0);
   const auto block = [&e, &P](int first) {
     const Vector3 part = e.segment<3>(first);
@@ -134,7 +131,6 @@ void judge_innovations(const Flight& flight, std::array<std::uint64_t, kAids>& s
   }
 }
 
-template <bool kWind>
 Errors fly(int flights, FlightChoice choice, const std::vector<std::string>& overrides) {
   Errors errors;
   choice.overrides.insert(choice.overrides.end(), overrides.begin(), overrides.end());
@@ -152,7 +148,7 @@ Errors fly(int flights, FlightChoice choice, const std::vector<std::string>& ove
       constexpr int kEvery = 40;  // ten times a second
       if (!f.autonomy().tracking || ++step % kEvery != 0) return;
       judge_output(f, past, errors);
-      judge_filter<kWind>(f, past, errors);
+      judge_filter(f, past, errors);
     });
     flight->run();
     const auto& health = flight->estimate_source().health();
@@ -198,7 +194,7 @@ nlohmann::ordered_json json_of(Errors& errors) {
   return json;
 }
 
-FlightChoice wing_in(const char* wind) {
+FlightChoice fixedwing_in(const char* wind) {
   FlightChoice choice;
   choice.vehicle = "anaconda";
   choice.wind = wind;
@@ -233,17 +229,17 @@ int main(int argc, char** argv) {
   try {
     const int flights = argc > 1 ? static_cast<int>(std::strtol(argv[1], nullptr, 10)) : 60;
     if (flights < 1) throw std::invalid_argument("FLIGHTS is a number from 1");
-    const int wings = (flights + 2) / 3;
+    const int fixedwing_flights = (flights + 2) / 3;
     const std::vector<std::string> keys(argv + std::min(argc, 2), argv + argc);
     FlightChoice modelled;
     modelled.overrides = as_modelled();
-    Errors errors = fly<false>(flights, {}, keys);
+    Errors errors = fly(flights, {}, keys);
     nlohmann::ordered_json json{{"shipped", json_of(errors)}};
-    errors = fly<false>(flights, modelled, keys);
+    errors = fly(flights, modelled, keys);
     json["modelled"] = json_of(errors);
-    errors = fly<true>(wings, wing_in("6,270"), keys);
+    errors = fly(fixedwing_flights, fixedwing_in("6,270"), keys);
     json["fixedwing"] = json_of(errors);
-    errors = fly<true>(wings, wing_in("6,270,6"), keys);
+    errors = fly(fixedwing_flights, fixedwing_in("6,270,6"), keys);
     json["fixedwing_gusts"] = json_of(errors);
     std::cout << json.dump(1) << "\n";
     return 0;

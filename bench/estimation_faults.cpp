@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Does the estimate know when it is wrong? Flies each fault of the campaign (bench/faults) with both
 // vehicles and counts, while the vehicle is in the air: how often each state is outside its own
-// 3 sigma, how long the true position error exceeds 15 m before the estimate says that its position
+// 3 sigma, how long the true position error exceeds 15 m before the estimate reports that its position
 // is unreliable, and the largest errors and banks. No logs.
 //
 // usage: estimation_faults [SEEDS]        (default 2)
@@ -47,8 +47,8 @@ struct Count {
   double max_error_m{}, max_turn_deg{}, max_bank_deg{};
   double far_since_s{-1.0};  ///< The true position error has exceeded 15 m since then.
   bool far{};                ///< It once did.
-  bool said_in_time{true};   ///< And within 10 s the estimate said so, each time.
-  bool said{};               ///< It said so at some time.
+  bool said_in_time{true};   ///< Whether the estimate reported it within 10 s, each time.
+  bool said{};               ///< Whether it was reported at some time.
   std::string outcome;
 
   void look(Flight& flight, Time t, const TruePast& past, double fault_s) {

@@ -75,7 +75,7 @@ class NoCodec final : public link::Codec {
 
 enum class Load { kHover, kFull, kStorm };
 
-/// One pass, by a name that callgrind can be told: it counts from here to the return.
+/// One pass, by a name that callgrind accepts: it counts from here to the return.
 extern "C" __attribute__((noinline)) void bench_counted_pass(core::Firmware& firmware) {
   firmware.run();
   asm volatile("");
@@ -115,7 +115,7 @@ class Rig {
     }
   }
 
-  /// Encodes what the companion says beforehand, so that its work is not counted.
+  /// Encodes what the companion sends beforehand, so that its work is not counted.
   void prepare() {
     link::OffboardControl command;
     command.mode = static_cast<std::uint8_t>(link::OffboardMode::kRollPitchYawrateThrottle);

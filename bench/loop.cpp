@@ -53,7 +53,7 @@ int main(int argc, char** argv) {
     double recorded = 0.0;
     double logged = 0.0;
     double estimated = 0.0;
-    double winged = 0.0;
+    double of_fixedwing = 0.0;
     if (log_too) {
       const std::filesystem::path folder =
           std::filesystem::temp_directory_path() / "rosflight_bench_loop";
@@ -65,15 +65,15 @@ int main(int argc, char** argv) {
       std::filesystem::remove_all(folder);
       const auto on_estimate = std::make_unique<FlightSetup>(FlightChoice{});
       estimated = factor(*on_estimate);
-      FlightChoice wing;
-      wing.vehicle = "anaconda";
-      winged = factor(*std::make_unique<FlightSetup>(wing));
+      FlightChoice fixedwing;
+      fixedwing.vehicle = "anaconda";
+      of_fixedwing = factor(*std::make_unique<FlightSetup>(fixedwing));
     }
     std::cout << nlohmann::ordered_json{{"realtime_factor", plain},
                                         {"realtime_factor_no_log", recorded},
                                         {"realtime_factor_log", logged},
                                         {"realtime_factor_ekf", estimated},
-                                        {"realtime_factor_fixedwing", winged}}
+                                        {"realtime_factor_fixedwing", of_fixedwing}}
               << "\n";
     return 0;
   } catch (const std::exception& e) {

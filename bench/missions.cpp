@@ -69,17 +69,17 @@ struct Score {
   double from_s{};
 
   void look(Flight& flight) {
-    const GuidanceOutput& guide = flight.autonomy();
+    const GuidanceOutput& guidance = flight.autonomy();
     if (flight.runner().stage() != Stage::kFly) return;
     if (rosflight::sim::to_seconds(flight.now()) < from_s) return;
     const auto& truth = flight.truth().body;
     const double cosine = (truth.q_WB * Vector3::UnitZ()).z();
     max_tilt_deg = std::max(max_tilt_deg, kDegPerRad * std::acos(std::clamp(cosine, -1.0, 1.0)));
-    if (!guide.tracking) return;
-    own.add((flight.seen_position_W() - guide.setpoint.p_W).head<2>().norm());
-    total.add((truth.p_W - guide.setpoint.p_W).head<2>().norm());
+    if (!guidance.tracking) return;
+    own.add((flight.seen_position_W() - guidance.setpoint.p_W).head<2>().norm());
+    total.add((truth.p_W - guidance.setpoint.p_W).head<2>().norm());
     max_height_error_m =
-        std::max(max_height_error_m, std::abs(truth.p_W.z() - guide.setpoint.p_W.z()));
+        std::max(max_height_error_m, std::abs(truth.p_W.z() - guidance.setpoint.p_W.z()));
   }
 };
 

@@ -58,21 +58,21 @@ Figures fly(const Row& row, std::uint64_t seed) {
   const auto flight = std::make_unique<Flight>(setup);
   flight->run();
   const FlightScore judged = flight->score();
-  const FixedWingRecord& wing = *flight->fixedwing_record();
+  const FixedWingRecord& record = *flight->fixedwing_record();
   Figures out;
   out["landed"] = judged.landing.soft(judged.limits) && flight->runner().disarmed() ? 1.0 : 0.0;
   out["completed"] = judged.success() ? 1.0 : 0.0;
-  out["straight_rms_m"] = wing.straight.rms();
-  out["arc_rms_m"] = wing.arc.rms();
-  out["corner_rms_m"] = wing.corner.rms();
-  out["corner_max_m"] = wing.corner.max;
-  out["straight_total_rms_m"] = wing.straight_total.rms();
-  out["arc_total_rms_m"] = wing.arc_total.rms();
-  out["height_rms_m"] = wing.height.rms();
-  out["airspeed_rms_m_s"] = wing.airspeed.rms();
-  out["max_bank_deg"] = kDegPerRad * wing.roll.max;
-  out["min_airspeed_m_s"] = wing.lowest_airspeed_m_s;
-  if (const auto& touch = wing.touchdown()) {
+  out["straight_rms_m"] = record.straight.rms();
+  out["arc_rms_m"] = record.arc.rms();
+  out["corner_rms_m"] = record.corner.rms();
+  out["corner_max_m"] = record.corner.max;
+  out["straight_total_rms_m"] = record.straight_total.rms();
+  out["arc_total_rms_m"] = record.arc_total.rms();
+  out["height_rms_m"] = record.height.rms();
+  out["airspeed_rms_m_s"] = record.airspeed.rms();
+  out["max_bank_deg"] = kDegPerRad * record.roll.max;
+  out["min_airspeed_m_s"] = record.lowest_airspeed_m_s;
+  if (const auto& touch = record.touchdown()) {
     out["touchdown_distance_m"] = touch->distance_m;
     out["touchdown_sink_m_s"] = touch->sink_m_s;
     out["touchdown_bank_deg"] = kDegPerRad * std::abs(touch->roll_rad);

@@ -51,7 +51,8 @@ struct ParameterListEvent {
   bool complete{};
 };
 
-/// Values on the FCU differ from its stored ones, as far as this end has observed.
+/// Values on the FCU differ from its stored ones, as far as this end has observed. What the firmware measures at every start does
+/// not count.
 struct UnsavedEvent {
   bool unsaved{};
 };

@@ -18,7 +18,7 @@ constexpr double kStill_rad_s = 0.3;
 constexpr double kAccelWeight = 0.05;  // 50 ms at 400 Hz
 constexpr Time kTiltedAway = std::chrono::seconds{1};
 constexpr std::size_t kCircleSectors = 10;
-// Of the circle against the strength of the samples: noise is below 1 %, a turn in a field inclined by
+// Radius of the circle over the strength of the samples: noise is below 1 %, a turn in a field inclined by
 // 85 deg 9 %.
 constexpr double kMinRadius = 0.02;
 constexpr std::size_t kCheckEvery = 10;

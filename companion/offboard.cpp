@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kRollAxis = 3;
 constexpr std::size_t kPitchAxis = 4;
 constexpr std::size_t kYawAxis = 5;
-constexpr float kSmallestNorm = 1e-3f;
+constexpr float kMinNorm = 1e-3f;
 
 template <std::size_t N>
 bool all_finite(const std::array<float, N>& values) {
@@ -146,7 +146,7 @@ SendStatus Offboard::send(const link::ExternalAttitude& attitude) {
     norm_squared += static_cast<double>(q) * static_cast<double>(q);
   }
   const double norm = std::sqrt(norm_squared);
-  if (norm < static_cast<double>(kSmallestNorm)) {
+  if (norm < static_cast<double>(kMinNorm)) {
     return check(SendStatus::kBadMode);
   }
   link::ExternalAttitude unit;

@@ -13,6 +13,12 @@ namespace {
 // So many values in a row that do not fit mean that the table does not.
 constexpr int kForeignUntilRelist = 3;
 
+// Measured by the firmware at every start, which is no reason to store it: so does the firmware count (Parameters::unsaved).
+bool measured_at_start(const link::ParamName& name) {
+  const std::string_view text = text_of(name);
+  return text == "BARO_BIAS" || text == "GROUND_LEVEL";
+}
+
 std::string load_summary(const LoadReport& report) {
   std::string text = std::to_string(report.entries.size()) + " parameters";
   const char* separator = ": ";
@@ -266,7 +272,7 @@ void ParameterClient::received(const link::ParamValue& message) {
   }
   list_.received(message.index, newly_fresh, now);
   if (result.update != Update::kSame) {
-    changes_ += result.update == Update::kChanged ? 1 : 0;
+    if (result.update == Update::kChanged && !measured_at_start(entry.name)) ++changes_;
     port_.publish(ParameterEvent{entry.name, entry.value.type, entry.value.bits,
                                  result.update == Update::kNew, result.old_value.bits});
     publish_unsaved();

@@ -26,7 +26,7 @@ class ParameterClient {
     ParameterList::Options list;
     ParameterRequests::Options requests;
     Time list_timeout{
-        std::chrono::seconds{30}};  ///< Of refresh() and save(), without any progress.
+        std::chrono::seconds{30}};  ///< Max time of refresh() and save() without progress.
   };
 
   struct Counters {
@@ -56,7 +56,8 @@ class ParameterClient {
   bool complete() const { return table_.complete(); }
   /// The last value received of a parameter; nothing if none was.
   std::optional<ParameterValue> get(std::string_view name) const;
-  /// A value changed since the last successful write command or start of the FCU.
+  /// A value changed since the last successful write command or start of the FCU. BARO_BIAS and GROUND_LEVEL do not count: the
+  /// firmware measures them at every start.
   bool unsaved() const { return changes_ != saved_changes_; }
   const Counters& counters() const { return counters_; }
   const ParameterList::Counters& list_counters() const { return list_.counters(); }

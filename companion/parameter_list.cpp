@@ -6,7 +6,7 @@
 namespace rosflight::companion {
 
 namespace {
-constexpr Time kSlowestListRetry = std::chrono::seconds{3};
+constexpr Time kMaxListRetry = std::chrono::seconds{3};
 }  // namespace
 
 void ParameterList::start(Time now) {
@@ -64,7 +64,7 @@ void ParameterList::run(Port& port) {
 }
 
 void ParameterList::ask_for_missing(Port& port) {
-  retry_ = progress_ ? options_.retry : std::min(retry_ * 2, kSlowestListRetry);
+  retry_ = progress_ ? options_.retry : std::min(retry_ * 2, kMaxListRetry);
   progress_ = false;
   waiting_for_ = 0;
   due_ = port.now() + retry_;

@@ -8,7 +8,7 @@ namespace rosflight::companion {
 
 namespace {
 
-constexpr Time kSlowestRequest = std::chrono::seconds{1};
+constexpr Time kMaxRequestRetry = std::chrono::seconds{1};
 // Sets after which only a read was answered, by the old value: an FCU that is silent about what it
 // refuses. With 1 % of the bytes lost, one set in 10^6 looks so.
 constexpr int kOldRoundsUntilRefused = 8;
@@ -177,7 +177,7 @@ bool ParameterRequests::transmit(Request& request) {
     return false;
   }
   request.retry_at = port_.now() + request.retry;
-  request.retry = std::min(request.retry * 3 / 2, kSlowestRequest);
+  request.retry = std::min(request.retry * 3 / 2, kMaxRequestRetry);
   ++request.attempts;
   return true;
 }

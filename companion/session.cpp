@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 
 constexpr Time kRatePeriod = 1s;
 constexpr Time kFirstVersionRetry = 1s;
-constexpr Time kSlowestVersionRetry = 10s;
+constexpr Time kMaxVersionRetry = 10s;
 
 // Next time of a periodic action: in rhythm, but without making up for what was missed.
 Time next_time(Time due, Time period, Time now) {
@@ -163,7 +163,7 @@ void Session::run_timers() {
       const bool sent =
           send(link::CommandRequest{static_cast<std::uint8_t>(link::Command::kSendVersion)});
       version_request_.due = now_ + (sent ? version_retry_ : kQueueFull);
-      version_retry_ = sent ? std::min(version_retry_ * 2, kSlowestVersionRetry) : version_retry_;
+      version_retry_ = sent ? std::min(version_retry_ * 2, kMaxVersionRetry) : version_retry_;
     }
     offboard_.run();
   }

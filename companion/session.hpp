@@ -99,6 +99,11 @@ class Session final : private Port {
   bool request_report(link::ReportKind kind) {
     return send(link::ReportRequest{target_system(), static_cast<std::uint8_t>(kind)});
   }
+  /// Requests entries of the FCU's flight record: they arrive as link::RecordPart. See RecordReader.
+  /// @returns false if the request was not sent.
+  bool request_record(std::uint32_t first, std::uint16_t count) {
+    return send(link::RecordRequest{target_system(), first, count});
+  }
   /// Runs one motor on the bench; `value` 0..1. The FCU stops it 0.3 s after the last call.
   /// @returns false if the message was not sent.
   bool test_motor(std::uint8_t motor, float value) {
@@ -143,7 +148,7 @@ class Session final : private Port {
   Time now_{};
   Time next_due_{};
   bool link_open_{false};
-  std::optional<std::uint32_t> refused_schema_;  ///< Of an FCU with other layouts.
+  std::optional<std::uint32_t> refused_schema_;  ///< Schema of an FCU with other layouts.
   Timer heartbeat_;
   Timer sync_;
   Timer version_request_;

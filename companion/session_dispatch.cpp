@@ -116,6 +116,7 @@ struct Session::Dispatcher {
     announce(m, arrival());
     s.publish(m);
   }
+  void operator()(const link::RecordPart& m) { announce(m, arrival()); }
   void operator()(const link::Version& m) {
     announce(m, arrival());
     s.version_ = m;

@@ -14,7 +14,7 @@ inline constexpr Time kNever = Time::max();
 /// After so long a message that found the send queue full, or the link closed, is tried again.
 inline constexpr Time kQueueFull = std::chrono::milliseconds{10};
 
-/// In seconds.
+/// Time in seconds.
 constexpr double to_seconds(Time t) {
   return static_cast<double>(t.count()) * 1e-9;
 }

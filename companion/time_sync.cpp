@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 
 constexpr Time kSentNever{-1};
 constexpr Time kPointPeriod = 1s;
-constexpr Time kLongestRoundTrip = 2s;
+constexpr Time kMaxRoundTrip = 2s;
 constexpr Time kJumpMargin = 5ms;
 constexpr Time kRosflight2Jump = 10ms;
 constexpr double kRosflight2Weight = 0.95;
@@ -54,8 +54,7 @@ TimeSync::Answer TimeSync::answer(const link::TimeSync& message, Time now) {
   // Half of 64 bits of nanoseconds is 146 years: a clock beyond that is a broken frame, and would
   // overflow.
   const bool plausible = message.tc1_ns > 0 && message.tc1_ns < (std::int64_t{1} << 62);
-  if (!plausible || sent < Time{} || sent > now || now - sent > kLongestRoundTrip ||
-      !is_ours(sent)) {
+  if (!plausible || sent < Time{} || sent > now || now - sent > kMaxRoundTrip || !is_ours(sent)) {
     ++figures_.ignored;
     return Answer::kIgnored;
   }

@@ -35,12 +35,11 @@ class TimeSync {
   struct Figures {
     std::uint64_t requests{};
     std::uint64_t answers{};
-    std::uint64_t
-        ignored{};  ///< Of another companion, over 16 requests late, doubled or impossible.
+    std::uint64_t ignored{};  ///< Answers to others, over 16 requests late, doubled or impossible.
     std::uint64_t jumps{};
     Time offset{};       ///< At the last answer: companion time - FCU time.
     double drift_ppm{};  ///< Rate of the companion clock against the FCU's, minus one.
-    Time round_trip{};   ///< Of the last answer.
+    Time round_trip{};   ///< Round trip of the last answer.
     Time min_round_trip{};
     Time jitter{};       ///< Root mean square of o - O, exponential over some 20 answers.
     Time error_bound{};  ///< Half the smallest round trip: (3).

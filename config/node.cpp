@@ -305,16 +305,16 @@ std::string emit(const Node& root) {
 }
 
 bool is_key(std::string_view key) {
-  constexpr std::size_t kLongest = 128;
-  return !key.empty() && key.size() <= kLongest && key.find('.') == std::string_view::npos &&
+  constexpr std::size_t kMaxLength = 128;
+  return !key.empty() && key.size() <= kMaxLength && key.find('.') == std::string_view::npos &&
          std::none_of(key.begin(), key.end(), is_control);
 }
 
 std::string printable(std::string_view text) {
-  constexpr std::size_t kLongest = 60;
+  constexpr std::size_t kMaxLength = 60;
   std::string out;
-  for (const char c : text.substr(0, kLongest)) out += is_control(c) ? '?' : c;
-  return text.size() > kLongest ? out + "..." : out;
+  for (const char c : text.substr(0, kMaxLength)) out += is_control(c) ? '?' : c;
+  return text.size() > kMaxLength ? out + "..." : out;
 }
 
 }  // namespace rosflight::config::detail

@@ -15,7 +15,7 @@ struct Node {
   std::string key;        ///< In its parent map.
   std::string path;       ///< "body.mass_kg", "rotors.0.spin"; empty at the root.
   std::string where;      ///< "file:12" or "--set a.b=c".
-  std::string directory;  ///< Of the file.
+  std::string directory;  ///< Directory of the file.
   std::string scalar;
   bool quoted{false};   ///< Written in quotes: text, never a number.
   bool asked{false};    ///< Somebody knows this key.

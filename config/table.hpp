@@ -30,6 +30,7 @@ namespace rosflight::config {
 struct Unit {
   // NOLINTNEXTLINE(google-explicit-constructor): a row names its unit as a text
   constexpr Unit(const char* name, double in_member = 1.0) : text{name}, factor{in_member} {}
+  constexpr explicit Unit(std::string_view name) : text{name}, factor{1.0} {}
   std::string_view text;
   double factor;
 };
@@ -54,7 +55,7 @@ using Values = std::vector<double>;
 struct Row {
   enum class Kind { kNumber, kNumbers, kPoints, kInteger, kBoolean, kChoice, kSection, kList };
 
-  std::string key;     ///< Of a section "" too: its rows stand among those around it.
+  std::string key;     ///< A section may have "": its rows stand among those around it.
   std::string former;  ///< Spelling of earlier versions, still accepted.
   Kind kind{};
   std::string_view unit;
@@ -62,9 +63,9 @@ struct Row {
   Range allowed;
   std::string_view text;
   bool needed{false};
-  std::size_t count{1};                 ///< Of kNumbers, kAnyCount for any; of one of the kPoints.
-  Whole items{};                        ///< Of kList.
-  std::vector<std::string_view> words;  ///< Of kChoice.
+  std::size_t count{1};                 ///< Numbers in a kNumbers (or kAnyCount), or in one point.
+  Whole items{};                        ///< Bounds of the number of items of a kList.
+  std::vector<std::string_view> words;  ///< Words of a kChoice.
   std::string default_text;             ///< Says where a derived default comes from.
   std::string allowed_text;             ///< Where `allowed` alone does not tell.
   std::function<Values(const void*)> get;
@@ -76,10 +77,10 @@ struct Row {
   std::function<bool(const void*)> holds;      ///< After all rows of the section.
   std::string holds_text;
 
-  std::function<void*(void*)> at;     ///< Of kSection: the struct inside; null: absent.
+  std::function<void*(void*)> at;     ///< kSection: the struct inside; null: absent.
   std::function<void*(void*)> renew;  ///< If set: a section that is there begins from zero.
-  std::function<void*(void*)> add;    ///< Of kList: a new struct at its end.
-  std::function<std::vector<void*>(void*)> all;  ///< Of kList: its structs.
+  std::function<void*(void*)> add;    ///< kList: a new struct at its end.
+  std::function<std::vector<void*>(void*)> all;  ///< kList: its structs.
   std::vector<Row> rows;
 };
 

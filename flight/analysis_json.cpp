@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Rounded to so many significant digits; null if it is not finite.
-Json number(double value, int digits = 4) {
+Json significant(double value, int digits = 4) {
   if (!std::isfinite(value)) return {};
   if (value == 0.0) return 0;
   const double scale = std::pow(10.0, digits - 1 - std::floor(std::log10(std::abs(value))));
@@ -25,7 +25,7 @@ Json number(double value, int digits = 4) {
 
 Json numbers(const std::vector<double>& values) {
   Json all = Json::array();
-  for (const double value : values) all.push_back(number(value));
+  for (const double value : values) all.push_back(significant(value));
   return all;
 }
 
@@ -33,8 +33,8 @@ Json waypoints_json(const FlightSetup& setup) {
   Json all = Json::array();
   for (const ShownWaypoint& waypoint : setup.waypoints) {
     all.push_back({{"position_m", {waypoint.p_W.x(), waypoint.p_W.y(), waypoint.p_W.z()}},
-                   {"heading_deg", number(waypoint.heading_rad / base::kRadPerDeg)},
-                   {"hold_s", number(waypoint.hold_s)}});
+                   {"heading_deg", significant(waypoint.heading_rad / base::kRadPerDeg)},
+                   {"hold_s", significant(waypoint.hold_s)}});
   }
   return all;
 }
@@ -71,7 +71,7 @@ Json curves_json(const std::vector<AnalysisMoment>& moments) {
     };
     if (std::none_of(moments.begin(), moments.end(), known)) continue;
     Json values = Json::array();
-    for (const AnalysisMoment& moment : moments) values.push_back(number(moment.*member));
+    for (const AnalysisMoment& moment : moments) values.push_back(significant(moment.*member));
     all[name] = std::move(values);
   }
   return all;
@@ -89,7 +89,7 @@ std::string analysis_json(const FlightSetup& setup, const FlightAnalysis& analys
                    {{"frequency_Hz", numbers(gyro.frequency_Hz)},
                     {"sensor_rad_s_rtHz", numbers(gyro.before)},
                     {"controller_rad_s_rtHz", numbers(gyro.after)},
-                    {"latency_s", number(gyro.latency_s)}}}};
+                    {"latency_s", significant(gyro.latency_s)}}}};
   // Texts may contain a file name that is no UTF-8.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

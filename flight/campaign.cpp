@@ -83,7 +83,7 @@ std::string cell(double value) {
   return std::isfinite(value) ? fmt::format("{:.6f}", value) : "";
 }
 
-/// Of the waypoint that was missed by most; NaN where one was never flown to.
+/// Distance to the waypoint that was missed by most; NaN where one was never flown to.
 double worst_waypoint_m(const FlightScore& score) {
   double worst = 0.0;
   for (const WaypointPass& pass : score.waypoints) {

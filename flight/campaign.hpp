@@ -10,7 +10,7 @@
 namespace rosflight::flight {
 
 struct CampaignOptions {
-  FlightChoice choice;  ///< Of all flights; its seed is not used.
+  FlightChoice choice;  ///< Choice of all flights; its seed is not used.
   std::uint64_t first_seed{1};
   std::uint64_t last_seed{1};  ///< Included.
   unsigned threads{0};         ///< Flights at once; 0: one for each processor.

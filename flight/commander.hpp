@@ -6,7 +6,7 @@
 namespace rosflight::flight {
 
 /// Somebody who commands the vehicle, and changes the simulation, while it flies, such as a viewer of the
-/// page. What is commanded is a part of the flight: it enters at the beginning of a step, and its log says so.
+/// page. What is commanded is a part of the flight: it enters at the beginning of a step, and its log contains it.
 class Commander {
  public:
   virtual ~Commander() = default;
@@ -20,7 +20,7 @@ class Commander {
     static_cast<void>(next);
     return false;
   }
-  /// After the last step.
+  /// Called after the last step.
   virtual void end() = 0;
 };
 

@@ -34,7 +34,7 @@ class FixAge {
 
  private:
   std::optional<double> smallest_s_;
-  double stamp_s_{};  ///< Of the newest fix.
+  double stamp_s_{};  ///< Stamp of the newest fix.
 };
 
 }  // namespace rosflight::flight

@@ -8,10 +8,10 @@
 
 namespace rosflight::flight {
 
-namespace wing = autonomy::fixedwing;
+namespace fixedwing = autonomy::fixedwing;
 
-bool FixedWingRecord::captured(const wing::FlightOutput& output) {
-  const wing::Segment& now = output.path.segment;
+bool FixedWingRecord::captured(const fixedwing::FlightOutput& output) {
+  const fixedwing::Segment& now = output.path.segment;
   const bool new_segment =
       now.start.p_m != segment_.start.p_m || now.start.course_rad != segment_.start.course_rad;
   if (new_segment) {
@@ -22,11 +22,11 @@ bool FixedWingRecord::captured(const wing::FlightOutput& output) {
 }
 
 void FixedWingRecord::step(const sim::Truth& truth, const sim::Vector3& seen_W,
-                           const wing::FlightOutput& output) {
+                           const fixedwing::FlightOutput& output) {
   const sim::Vector3 v_W = truth.body.q_WB * truth.body.v_B;
   const double through_air = (v_W - truth.air.wind_W).norm();
   const auto attitude = autonomy::RollPitch::of(truth.body.q_WB);
-  const wing::Segment& segment = output.path.segment;
+  const fixedwing::Segment& segment = output.path.segment;
   const bool counts = output.tracking && captured(output);
   if (output.tracking && !counts) corner.add(segment.cross_track_m(seen_W.head<2>()));
   if (counts) {
@@ -38,12 +38,12 @@ void FixedWingRecord::step(const sim::Truth& truth, const sim::Vector3& seen_W,
     height_total.add(output.path.height_m + truth.body.p_W.z());
     airspeed.add(output.wanted.airspeed_m_s - through_air);
   }
-  const bool flying = output.phase != wing::Phase::kDisarmed &&
-                      output.phase != wing::Phase::kTakeoff &&
-                      output.phase != wing::Phase::kRollout && output.phase != wing::Phase::kLanded;
+  const bool flying =
+      output.phase != fixedwing::Phase::kDisarmed && output.phase != fixedwing::Phase::kTakeoff &&
+      output.phase != fixedwing::Phase::kRollout && output.phase != fixedwing::Phase::kLanded;
   if (flying && !truth.on_ground) {
     roll.add(attitude.roll_rad);
-    if (output.phase != wing::Phase::kFlare) {
+    if (output.phase != fixedwing::Phase::kFlare) {
       lowest_airspeed_m_s = std::min(lowest_airspeed_m_s, through_air);
     }
   }
@@ -52,15 +52,15 @@ void FixedWingRecord::step(const sim::Truth& truth, const sim::Vector3& seen_W,
     const double course = std::atan2(v_W.y(), v_W.x());
     touchdown_ = Touchdown{sim::to_seconds(truth.time),
                            away.head<2>().norm(),
-                           away.head<2>().dot(wing::along(course)),
+                           away.head<2>().dot(fixedwing::along(course)),
                            sink_m_s_,
                            attitude.roll_rad,
                            attitude.pitch_rad};
   }
   const bool coming_down =
-      output.phase == wing::Phase::kApproach || output.phase == wing::Phase::kGlide ||
-      output.phase == wing::Phase::kFlare || output.phase == wing::Phase::kDescent ||
-      output.phase == wing::Phase::kRollout;
+      output.phase == fixedwing::Phase::kApproach || output.phase == fixedwing::Phase::kGlide ||
+      output.phase == fixedwing::Phase::kFlare || output.phase == fixedwing::Phase::kDescent ||
+      output.phase == fixedwing::Phase::kRollout;
   was_in_air_ = coming_down && !truth.on_ground;
   sink_m_s_ = v_W.z();
 }

@@ -12,7 +12,7 @@ namespace rosflight::flight {
 ///
 /// Cross-track and height errors are against the path beside the vehicle, height against the ramped
 /// reference, airspeed against the commanded one; all only on the mission's path. After a corner
-/// that no arc rounds off (path: line) no wing can follow: the turn itself takes up to two radii to
+/// that no arc rounds off (path: line) no fixed wing can follow: the turn itself takes up to two radii to
 /// the side, and the field of the follower brings the aircraft back over some three. The straight
 /// and height, airspeed count from kCapture radii on; what lies before is in `corner`.
 class FixedWingRecord {
@@ -22,8 +22,8 @@ class FixedWingRecord {
   struct Touchdown {
     double t_s{};
     double distance_m{};  ///< Horizontally from the aim point.
-    double along_m{};     ///< Of it, beyond the aim point.
-    double sink_m_s{};    ///< Of the centre of mass, in the step before.
+    double along_m{};     ///< Part of distance_m along the course, beyond the aim point.
+    double sink_m_s{};    ///< Sink rate of the centre of mass, in the step before.
     double roll_rad{};
     double pitch_rad{};
   };

@@ -50,10 +50,9 @@ std::unique_ptr<Guidance> make_guidance(const FlightSetup& setup) {
 
 std::unique_ptr<StateEstimateSource> make_estimate_source(const FlightSetup& setup,
                                                           companion::Session& session) {
-  if (setup.fixed_wing()) {
-    return std::make_unique<LinkStateEstimator<true>>(session, setup.estimator);
-  }
-  return std::make_unique<LinkStateEstimator<false>>(session, setup.estimator);
+  using autonomy::estimation::Airframe;
+  const Airframe airframe = setup.fixed_wing() ? Airframe::kFixedWing : Airframe::kMultirotor;
+  return std::make_unique<LinkStateEstimator>(session, setup.estimator, airframe);
 }
 
 std::unique_ptr<Autopilot> make_autopilot(const FlightSetup& setup, CableLink& link) {
@@ -149,7 +148,7 @@ class Flight::Loop final : private sim::LockStepListener {
   /// nullptr unless the project's guidance flies a fixed wing.
   const FixedWingGuidance* fixedwing_guidance{};
   std::optional<FixedWingRecord> fixedwing_record;
-  std::optional<sim::Vector3> frame_shift_W;           ///< Of the estimate's frame against W [m].
+  std::optional<sim::Vector3> frame_shift_W;           ///< Shift of the estimated frame [m].
   const sim::sensors::StandardSensors* instruments{};  ///< nullptr: a module of a user's own.
   double link_noise{0.0};
   std::array<bool, 2> broken_down{};  ///< Crash and hang: the fault has happened.

@@ -4,12 +4,12 @@
 namespace rosflight::flight {
 namespace {
 
-namespace wing = autonomy::fixedwing;
+namespace fixedwing = autonomy::fixedwing;
 
-void add_wing(const wing::FlightOutput& output, const sim::Truth& truth, const sim::Vector3& seen_W,
-              AnalysisMoment& moment) {
-  if (output.phase == wing::Phase::kDisarmed) return;
-  const wing::Surfaces& surfaces = output.control.surfaces;
+void add_fixedwing(const fixedwing::FlightOutput& output, const sim::Truth& truth,
+                   const sim::Vector3& seen_W, AnalysisMoment& moment) {
+  if (output.phase == fixedwing::Phase::kDisarmed) return;
+  const fixedwing::Surfaces& surfaces = output.control.surfaces;
   moment.aileron = surfaces.aileron;
   moment.elevator = surfaces.elevator;
   moment.rudder = surfaces.rudder;
@@ -18,7 +18,7 @@ void add_wing(const wing::FlightOutput& output, const sim::Truth& truth, const s
     moment.course_command_rad = output.wanted.course_rad;
   }
   if (output.tracking) {
-    const wing::Segment& segment = output.path.segment;
+    const fixedwing::Segment& segment = output.path.segment;
     moment.cross_track_m = segment.cross_track_m(seen_W.head<2>());
     moment.cross_track_total_m = segment.cross_track_m(truth.body.p_W.head<2>());
     moment.height_error_m = -truth.body.p_W.z() - output.path.height_m;
@@ -36,7 +36,7 @@ AnalysisMoment analysis_moment(const Flight& flight, const sim::Truth& truth) {
     moment.drift_east_m = seen_W.y() - truth.body.p_W.y();
   }
   if (const auto* guidance = dynamic_cast<const FixedWingGuidance*>(&flight.guidance()))
-    add_wing(guidance->details(), truth, seen_W, moment);
+    add_fixedwing(guidance->details(), truth, seen_W, moment);
   return moment;
 }
 

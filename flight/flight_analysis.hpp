@@ -16,7 +16,7 @@ struct AnalysisMoment {
   /// Slow error of the satellites, which nothing on board can see: seen position less the true one.
   double drift_north_m{kNone};
   double drift_east_m{kNone};
-  // Of a fixed wing.
+  // Fixed wing only.
   double cross_track_m{kNone};        ///< Right of the path, less the drift.
   double cross_track_total_m{kNone};  ///< By the truth alone.
   double height_error_m{kNone};       ///< Above the ramped reference.

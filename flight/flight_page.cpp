@@ -59,12 +59,12 @@ FlightPage::~FlightPage() {
 void FlightPage::write(std::string_view summary, std::string_view analysis) {
   extract_->close();
   std::string html = contents(page_);
-  constexpr std::string_view kPlace = "<!-- flight -->";
-  const std::size_t place = html.find(kPlace);
+  constexpr std::string_view kMarker = "<!-- flight -->";
+  const std::size_t place = html.find(kMarker);
   if (place == std::string::npos) {
-    throw std::runtime_error(page_.string() + ": has no line " + std::string(kPlace));
+    throw std::runtime_error(page_.string() + ": has no line " + std::string(kMarker));
   }
-  html.replace(place, kPlace.size(),
+  html.replace(place, kMarker.size(),
                element("flight-summary", "application/json", summary) +
                    element("flight-analysis", "application/json", analysis) +
                    element("flight-log", "application/gzip",

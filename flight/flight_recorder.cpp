@@ -136,8 +136,8 @@ void FlightRecorder::log_autonomy(sim::Time t) {
   if (output.phase != last_phase_) {
     last_phase_ = output.phase;
     if (log_) log_->write_phase(t, output.phase);
-    if (const auto* wing = dynamic_cast<const FixedWingGuidance*>(&flight_.guidance())) {
-      add_route(t, wing->manager());
+    if (const auto* fixedwing = dynamic_cast<const FixedWingGuidance*>(&flight_.guidance())) {
+      add_route(t, fixedwing->manager());
     }
   }
   constexpr double kInterval_s = 0.0099;  // autonomy runs at 100 Hz

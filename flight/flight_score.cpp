@@ -14,8 +14,8 @@ namespace {
 
 LandingLimits limits_of(const FlightSetup& setup) {
   LandingLimits limits;
-  if (const auto* wing = std::get_if<FixedWingPlan>(&setup.plan)) {
-    limits.aim_W = wing->mission.landing.aim_W;
+  if (const auto* fixedwing = std::get_if<FixedWingPlan>(&setup.plan)) {
+    limits.aim_W = fixedwing->mission.landing.aim_W;
     limits.max_speed_m_s = 2.0;
     limits.max_bank_rad = 15.0 * base::kRadPerDeg;
     limits.half_length_m = 50.0;

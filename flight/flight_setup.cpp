@@ -108,10 +108,10 @@ constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<ShownWaypoint> shown(const std::variant<MultirotorPlan, FixedWingPlan>& plan) {
   std::vector<ShownWaypoint> out;
-  if (const auto* wing = std::get_if<FixedWingPlan>(&plan)) {
+  if (const auto* fixedwing = std::get_if<FixedWingPlan>(&plan)) {
     using autonomy::fixedwing::Passing;
-    const auto& waypoints = wing->mission.waypoints;
-    const bool cycle = wing->mission.at_end == autonomy::AtEnd::kCycle;
+    const auto& waypoints = fixedwing->mission.waypoints;
+    const bool cycle = fixedwing->mission.at_end == autonomy::AtEnd::kCycle;
     for (std::size_t k = 0; k < waypoints.size(); ++k) {
       const auto& wp = waypoints[k];
       const bool corner = wp.passing == Passing::kFillet && (cycle || k + 1 < waypoints.size());
@@ -138,8 +138,8 @@ bool names_places_on_earth(const std::string& mission_file) {
 
 double throttle_that_carries(const std::variant<MultirotorPlan, FixedWingPlan>& plan,
                              const sim::Vehicle& vehicle) {
-  if (const auto* wing = std::get_if<FixedWingPlan>(&plan)) {
-    return wing->autonomy.flight.controller.throttle_cruise;
+  if (const auto* fixedwing = std::get_if<FixedWingPlan>(&plan)) {
+    return fixedwing->autonomy.flight.controller.throttle_cruise;
   }
   return std::get<MultirotorPlan>(plan).autonomy.flight.thrust.throttle(
       vehicle.body().mass_kg * vehicle.environment().gravity_m_s2);
@@ -217,18 +217,18 @@ FlightSetup::FlightSetup(const FlightChoice& choice_in)
   mission_text = read_text(mission_file);
   if (names_places_on_earth(mission_file)) {
     // Such a mission was converted from here: the estimate counts from the same place on the map,
-    // not from where the first fixes of a flight say that it stands.
+    // not from where the first fixes of a flight place it.
     estimator.origin = vehicle.environment().origin;
   }
   if (choice.link == "uart" && choice.board != "qemu_m7") {
     throw Error(fmt::format("--link: found uart with --board {}, allowed with --board qemu_m7",
                             choice.board));
   }
-  const bool emulated_chip = choice.board == "pixracer_pro" || choice.board == "varmint";
+  const bool emulated_chip =
+      std::find(kChipBoards.begin(), kChipBoards.end(), choice.board) != kChipBoards.end();
   if (choice.link == "usb" && !emulated_chip) {
-    throw Error(
-        fmt::format("--link: found usb with --board {}, allowed with --board pixracer_pro, varmint",
-                    choice.board));
+    throw Error(fmt::format("--link: found usb with --board {}, allowed with --board {}",
+                            choice.board, fmt::join(kChipBoards, ", ")));
   }
   if (emulated_chip && choice.link_protocol != "mavlink") {
     throw Error(fmt::format("--link-protocol: found {} with --board {}, allowed mavlink",

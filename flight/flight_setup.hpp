@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -16,12 +17,15 @@
 
 namespace rosflight::flight {
 
+/// The boards with an emulated STM32H7, as FlightChoice::board spells them.
+inline constexpr std::array<const char*, 2> kChipBoards{"pixracer_pro", "varmint"};
+
 /// What a person chose for a flight; names and texts as typed.
 struct FlightChoice {
-  std::string board{"in_process"};  ///< Or "qemu_m7", "pixracer_pro", "varmint".
+  std::string board{"in_process"};  ///< Or "qemu_m7", or one of kChipBoards.
   std::string link{"cable"};        ///< Or "uart", of qemu_m7, in real time; or "usb".
   std::string vehicle{"multirotor"};
-  std::string mission{"default"};  ///< Of the vehicle's kind.
+  std::string mission{"default"};  ///< "default": the mission of the vehicle's kind.
   std::uint64_t seed{1};
   std::string link_protocol{"mavlink"};  ///< What the board speaks: mavlink or lean.
   std::string state{"estimate"};         ///< What guidance flies on: estimate or truth.
@@ -59,7 +63,7 @@ struct FlightSetup {
   FlightChoice choice;
   sim::Registry registry;
   sim::Vehicle vehicle;
-  sim::MultirotorParameters rotors;  ///< Of a fixed wing: its propulsion.
+  sim::MultirotorParameters rotors;  ///< Rotors; the propulsion of a fixed wing.
   companion::ParameterSet firmware;
   autonomy::estimation::EstimatorConfig estimator;
   std::string mission_file;
@@ -82,7 +86,7 @@ sim::rc::ChannelMap channels_of(const companion::ParameterSet& firmware);
 
 struct WindChoice {
   sim::Vector3 steady_W_m_s{sim::Vector3::Zero()};
-  std::optional<double> w20_m_s;  ///< Of the turbulence.
+  std::optional<double> w20_m_s;  ///< Wind at 20 ft, which sets the turbulence.
 };
 /// "8,270,5": 8 m/s from the west, turbulence as with 5 m/s at 20 ft. @throws config::Error
 WindChoice parse_wind(const std::string& text);

@@ -17,7 +17,7 @@ namespace rosflight::flight {
 struct FlightSummary {
   FlightChoice choice;
   std::vector<std::string> arguments;        ///< As typed.
-  std::vector<std::string> faults_too_late;  ///< Of choice.faults: after the end of the flight.
+  std::vector<std::string> faults_too_late;  ///< Faults after the end of the flight.
   std::filesystem::path folder;
   FlightScore score;
   double sim_time_s{};
@@ -31,8 +31,8 @@ struct FlightSummary {
   int warnings{};  ///< Notes of this severity in flight.
   int errors{};
   std::uint64_t frames_dropped{};             ///< Frames that found no room on the link.
-  std::optional<ProcessorFigures> processor;  ///< Of an emulated processor.
-  double gyro_latency_s{std::numeric_limits<double>::quiet_NaN()};  ///< Of the gyro filters.
+  std::optional<ProcessorFigures> processor;  ///< Figures of an emulated processor.
+  double gyro_latency_s{std::numeric_limits<double>::quiet_NaN()};  ///< Gyro filters.
   std::optional<link::Counters> counters;         ///< The firmware's newest report.
   std::optional<rosflight::log::LogSummary> log;  ///< Empty without a log.
   std::filesystem::path page;                     ///< report.html; empty: none was written.

@@ -13,6 +13,7 @@
 #include "firmware/boards/common/host/child_process.hpp"
 #include "flight/flight_page.hpp"
 #include "flight/flight_recorder.hpp"
+#include "flight/preflight_json.hpp"
 #include "flight/repeat.hpp"
 #include "sim/time_sources.hpp"
 
@@ -119,6 +120,7 @@ FlightSummary fly(const FlyOptions& options) {
   summary.counters = recorder.counters();
   const std::string analysis = analysis_json(*setup, recorder.analysis());
   base::write_file(folder / "analysis.json", analysis);
+  base::write_file(folder / "preflight.json", preflight_json(flight->runner().checks()));
   base::write_file(folder / "vehicle.yaml", setup->vehicle.text());
   base::write_file(folder / "mission.yaml", setup->mission_text);
   companion::write_parameter_file(folder / "parameters.yaml",

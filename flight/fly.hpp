@@ -42,8 +42,8 @@ class FlightAborted : public std::runtime_error {
 /// @throws config::Error  it cannot be made, or is not empty.
 std::filesystem::path make_flight_folder(const std::optional<std::filesystem::path>& wanted);
 
-/// Flies a mission and leaves a flight folder: log, report, summary, vehicle, mission and
-/// parameters.
+/// Flies a mission and leaves a flight folder: log, report, summary, checks before arming, vehicle, mission
+/// and parameters.
 /// @throws config::Error    bad input, or the folder is not empty; nothing is written then.
 /// @throws FlightAborted    the emulated autopilot failed; the log is not complete then.
 /// @throws log::LogError    the log cannot be written.

@@ -7,7 +7,7 @@ namespace rosflight::flight {
 namespace {
 
 using link::Severity;
-namespace wing = autonomy::fixedwing;
+namespace fixedwing = autonomy::fixedwing;
 
 Guidance::Note say(Severity severity, std::string text) {
   return {severity, std::move(text)};
@@ -54,13 +54,13 @@ Guidance::Note note_of(const autonomy::FlightEvent& e, const char* phase) {
 }
 
 /// The point of the path beside the vehicle, and how the path goes on there.
-autonomy::multirotor::Trajectory beside(const wing::FlightOutput& output) {
-  const wing::Segment& segment = output.path.segment;
+autonomy::multirotor::Trajectory beside(const fixedwing::FlightOutput& output) {
+  const fixedwing::Segment& segment = output.path.segment;
   const double s_m = output.path.progress_m;
   const double course = segment.course_at(s_m);
   autonomy::multirotor::Trajectory out;
   out.p_W << segment.point_at(s_m), -output.path.height_m;
-  out.v_W << output.wanted.airspeed_m_s * wing::along(course), -output.wanted.climb_ff_m_s;
+  out.v_W << output.wanted.airspeed_m_s * fixedwing::along(course), -output.wanted.climb_ff_m_s;
   out.psi_rad = autonomy::wrap_angle(course);
   return out;
 }
@@ -102,10 +102,10 @@ const GuidanceOutput& MultirotorGuidance::step(const Input& in, const Notify& no
 }
 
 const GuidanceOutput& FixedWingGuidance::step(const Input& in, const Notify& notify) {
-  const wing::FlightOutput& output =
+  const fixedwing::FlightOutput& output =
       manager_.step({.t_s = in.t_s, .state = in.state, .status = in.status, .range_m = in.range_m});
   report(output, out_, notify);
-  using wing::Phase;
+  using fixedwing::Phase;
   const Phase phase = output.phase;
   out_.idle = phase == Phase::kDisarmed || phase == Phase::kLanded;
   out_.in_air = phase == Phase::kClimb || phase == Phase::kMission || phase == Phase::kLoiter ||

@@ -36,7 +36,7 @@ class Guidance {
     double t_s{};  ///< Companion time.
     const autonomy::StateEstimate& state;
     autonomy::Status status{};
-    std::optional<double> range_m;  ///< Of the range sensor, if fresh and in range.
+    std::optional<double> range_m;  ///< Downward range, if fresh and in range.
   };
   struct Note {
     link::Severity severity{};

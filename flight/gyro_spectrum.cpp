@@ -77,7 +77,7 @@ GyroSpectrum Spectrum::result(double rate_Hz) const {
     out.frequency_Hz.push_back(f);
     out.before.push_back(std::sqrt(scale * power_before_[k]));
     out.after.push_back(std::sqrt(scale * power_after_[k]));
-    if (f > kHighestDelay_Hz) continue;
+    if (f > kMaxDelay_Hz) continue;
     const double both = std::sqrt(power_before_[k] * power_after_[k]);
     if (!(both > 0.0)) continue;
     const double c = std::abs(cross_[k]) / both;

@@ -15,7 +15,7 @@ struct GyroSpectrum {
   std::vector<double> frequency_Hz;
   std::vector<double> before;
   std::vector<double> after;
-  double latency_s{std::numeric_limits<double>::quiet_NaN()};  ///< Of slow motion.
+  double latency_s{std::numeric_limits<double>::quiet_NaN()};  ///< For slow motion.
 };
 
 /// Spectra of a rate before and after a filter, and the time between them, by the method of Welch
@@ -28,13 +28,13 @@ struct GyroSpectrum {
 ///             S_k = mean(conj(X_k) Y_k),
 ///             c_k = |S_k| / sqrt(mean(|X_k|^2) mean(|Y_k|^2))            (3)
 ///
-/// (2) adds the three axes, (3) takes frequencies up to kHighestDelay_Hz: the delay of slow motion.
+/// (2) adds the three axes, (3) takes frequencies up to kMaxDelay_Hz: the delay of slow motion.
 /// P. D. Welch, IEEE Transactions on Audio and Electroacoustics 15 (2), 1967.
 class Spectrum {
  public:
   using Rates = std::array<float, 3>;  ///< [rad/s]
   static constexpr std::size_t kSegment = 256;
-  static constexpr double kHighestDelay_Hz = 15.0;
+  static constexpr double kMaxDelay_Hz = 15.0;
 
   Spectrum();
   Spectrum(Spectrum&&) noexcept;

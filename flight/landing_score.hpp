@@ -11,10 +11,9 @@ struct LandingLimits {
   sim::Vector3 aim_W{sim::Vector3::Zero()};
   double max_speed_m_s{1.5};  ///< Downwards, before the first contact.
   double max_bank_rad{};      ///< 0: no limit besides LandingScore::kCrashTilt_rad.
-  double half_length_m{
-      3.0};  ///< Of the landing area along its course; without a course its radius.
+  double half_length_m{3.0};  ///< Landing area along its course; without a course its radius.
   double half_width_m{3.0};
-  std::optional<double> course_rad;  ///< Of the landing area.
+  std::optional<double> course_rad;  ///< Course of the landing area.
 };
 
 /// How a flight came down, by the truth alone.
@@ -37,7 +36,7 @@ class LandingScore {
     double tilt_rad{};     ///< Between the body's z axis and down.
     double bank_rad{};
     sim::Vector3 p_W{sim::Vector3::Zero()};
-    double course_rad{};  ///< Of the velocity over ground.
+    double course_rad{};  ///< Course of the velocity over ground.
   };
 
   /// Once per step from arming on.
@@ -48,7 +47,7 @@ class LandingScore {
   const std::optional<Touchdown>& touchdown() const { return touchdown_; }
   /// Contacts between take-off and touchdown.
   int early_contacts() const { return early_contacts_; }
-  /// On the ground since, without a break [s].
+  /// Time on the ground without a break [s].
   double down_for_s() const { return down_for_s_; }
   /// Tilt now [rad].
   double tilt_rad() const { return tilt_rad_; }
@@ -67,7 +66,7 @@ class LandingScore {
   bool contact_{false};
   std::optional<Touchdown> touchdown_;
   int early_contacts_{0};
-  double ground_height_m_{0.0};  ///< Of the centre of mass at the last contact.
+  double ground_height_m_{0.0};  ///< Altitude of the centre of mass at the last contact.
   double down_for_s_{0.0};
   double tilt_rad_{0.0};
   double sink_m_s_{0.0};

@@ -11,15 +11,15 @@ namespace rosflight::flight {
 
 /// Feeds an estimator with the samples that arrive over the link. Times are companion times of the
 /// samples; a message without a stamp takes the time of the IMU sample before it.
-template <bool kWind>
 class LinkStateEstimator final : public StateEstimateSource, private companion::Listener {
  public:
-  using Estimator = autonomy::estimation::Estimator<kWind>;
+  using Estimator = autonomy::estimation::Estimator;
 
   /// @param session  must outlive this.
   LinkStateEstimator(companion::Session& session,
-                     const autonomy::estimation::EstimatorConfig& config)
-      : session_{session}, estimator_{config} {
+                     const autonomy::estimation::EstimatorConfig& config,
+                     autonomy::estimation::Airframe airframe)
+      : session_{session}, estimator_{config, airframe} {
     session_.add(*this);
   }
   ~LinkStateEstimator() override { session_.remove(*this); }

@@ -89,6 +89,7 @@ void MissionRunner::fail(const std::string& why) {
 }
 
 void MissionRunner::on_event(const companion::Event& event) {
+  if (stage_ <= Stage::kArm || !checks_.complete()) checks_.add(now_, event);
   if (const auto* log = std::get_if<companion::LogEvent>(&event)) {
     note(log->line.severity, "fcu", std::string{companion::text_of(log->line.text)});
   } else if (const auto* schema = std::get_if<companion::SchemaEvent>(&event)) {
@@ -127,7 +128,7 @@ void MissionRunner::step(sim::Time t, const sim::Truth& truth) {
     case Stage::kFly:
       return fly(truth);
     case Stage::kDisarm:
-      return disarm();
+      return disarm(truth);
     case Stage::kDone:
     case Stage::kFailed:
       return;
@@ -186,6 +187,7 @@ void MissionRunner::arm() {
     enter(Stage::kFly);
     return;
   }
+  request(link::ReportKind::kChecks, checks_requested_);
   if (hold_) {
     entered_ = now_;  // its timeout waits too
     return;
@@ -199,6 +201,11 @@ void MissionRunner::arm() {
         "no take-off: the firmware has other motor parameters than the vehicle file: {}",
         differing));
   }
+  if (!arms_) {
+    checks_ = {};  // those of this moment count, to the last row
+    static_cast<void>(session_.request_report(link::ReportKind::kChecks));
+  }
+  arms_ = true;
   pilot_.set_switch(Control::kArm, true);
 }
 
@@ -217,9 +224,11 @@ std::string MissionRunner::differing_thrust() const {
 
 /// The safety pilot holds his throttle stick where it carries the vehicle while the companion flies,
 /// so that it keeps its altitude if the offboard commands stop.
-void MissionRunner::move_throttle_stick() {
+void MissionRunner::move_throttle_stick(const sim::Truth& truth) {
   const bool up = stage_ == Stage::kFly && now_ - armed_at_ >= kTakeOff;
-  const float wanted = up ? static_cast<float>(config_.pilot_stick) : 0.0F;
+  const double carrying =
+      altitude_.on() ? altitude_.stick(truth, config_.pilot_stick) : config_.pilot_stick;
+  const float wanted = up ? static_cast<float>(carrying) : 0.0F;
   if (wanted == throttle_stick_) return;  // a script may have moved the stick since
   throttle_stick_ = wanted;
   pilot_.set(Control::kThrottle, wanted);
@@ -315,19 +324,19 @@ void MissionRunner::send_attitude() {
   static_cast<void>(session_.offboard().send(attitude));
 }
 
-/// Requests the firmware's counters once a second, for the report.
-void MissionRunner::request_counters() {
+/// Requests a report of the firmware once a second, for the flight folder.
+void MissionRunner::request(link::ReportKind kind, sim::Time& requested) {
   constexpr sim::Time kEvery = std::chrono::seconds(1);
-  if (now_ - counters_requested_ < kEvery) return;
-  counters_requested_ = now_;
-  static_cast<void>(session_.request_report(link::ReportKind::kCounters));
+  if (now_ - requested < kEvery) return;
+  requested = now_;
+  static_cast<void>(session_.request_report(kind));
 }
 
 void MissionRunner::fly(const sim::Truth& truth) {
   if (--countdown_ > 0) return;
-  request_counters();
+  request(link::ReportKind::kCounters, counters_requested_);
   countdown_ = config_.autonomy_every;
-  move_throttle_stick();
+  move_throttle_stick(truth);
   const link::Status& fcu = session_.streams().status.value;
   update_estimate(truth);
   if (!config_.on_truth) {
@@ -366,11 +375,11 @@ void MissionRunner::fly(const sim::Truth& truth) {
   check_for_failure(truth);
 }
 
-void MissionRunner::disarm() {
+void MissionRunner::disarm(const sim::Truth& truth) {
   if (session_.streams().status.value.armed) return;
   disarmed_ = true;
   enter(Stage::kDone);
-  move_throttle_stick();
+  move_throttle_stick(truth);
 }
 
 }  // namespace rosflight::flight

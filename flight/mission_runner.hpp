@@ -4,7 +4,9 @@
 #include <optional>
 #include <string>
 
+#include "companion/check_list.hpp"
 #include "companion/session.hpp"
+#include "flight/altitude_keeper.hpp"
 #include "flight/guidance.hpp"
 #include "flight/state_estimate_source.hpp"
 #include "sim/modules.hpp"
@@ -50,12 +52,12 @@ struct FlightNote {
 /// arms by radio, flies with offboard commands, lands and disarms. Each stage has a timeout.
 ///
 /// Uses what a real companion has, unless `on_truth` is set. Only the checks that end a failed flight
-/// use the true state. The pilot does not see the vehicle: he raises his throttle stick kTakeOff
+/// use the true state. Unless he keeps its altitude, the pilot does not see the vehicle: he raises his throttle stick kTakeOff
 /// after arming and lowers it after disarming. Companion time is simulated time.
 class MissionRunner final : private companion::Listener {
  public:
   using Notify = std::function<void(const FlightNote&)>;
-  /// From arming to the pilot's throttle stick.
+  /// Time from arming to the pilot's throttle stick.
   static constexpr sim::Time kTakeOff = std::chrono::seconds(1);
 
   MissionRunner(const MissionRunnerConfig& config, companion::Session& session,
@@ -71,12 +73,17 @@ class MissionRunner final : private companion::Listener {
   /// While on, the pilot does not arm by himself.
   void set_hold(bool hold) { hold_ = hold; }
 
+  /// While on, the pilot watches a multirotor and keeps its present altitude by his throttle stick.
+  void set_keep_altitude(bool on) { altitude_.set(on); }
+
   Stage stage() const { return stage_; }
   bool finished() const { return stage_ == Stage::kDone || stage_ == Stage::kFailed; }
   /// Empty unless stage() is kFailed.
   const std::string& failure() const { return failure_; }
   sim::Time armed_at() const { return armed_at_; }
   bool disarmed() const { return disarmed_; }
+  /// The firmware's checks, as they were last before it armed.
+  const companion::CheckList& checks() const { return checks_; }
   /// true: sends no offboard commands, as a companion that hangs; for tests.
   void set_offboard_paused(bool paused) { offboard_paused_ = paused; }
 
@@ -96,9 +103,9 @@ class MissionRunner final : private companion::Listener {
   void update_estimate(const sim::Truth& truth);
   void report_estimate();
   void send_attitude();
-  void disarm();
-  void request_counters();
-  void move_throttle_stick();
+  void disarm(const sim::Truth& truth);
+  void request(link::ReportKind kind, sim::Time& requested);
+  void move_throttle_stick(const sim::Truth& truth);
   void check_for_failure(const sim::Truth& truth);
   void enter(Stage stage);
   void fail(const std::string& why);
@@ -122,14 +129,18 @@ class MissionRunner final : private companion::Listener {
   sim::Time grounded_since_{};
   sim::Time checked_{};  ///< Last look for a failure.
   sim::Time last_received_{};
-  sim::Time counters_requested_{};  ///< For the firmware's counters.
+  sim::Time counters_requested_{};
+  sim::Time checks_requested_{};
   int countdown_{0};
   float throttle_stick_{0.0F};
   bool offboard_paused_{false};
   bool hold_{false};
+  AltitudeKeeper altitude_;
+  bool arms_{false};  ///< The pilot has switched.
   bool disarmed_{false};
   bool airspeed_calibrated_{false};
   std::string failure_;
+  companion::CheckList checks_;
   companion::Job<companion::LoadReport> load_;
   companion::Job<companion::CommandResult> command_;
 };

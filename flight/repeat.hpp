@@ -16,14 +16,14 @@ inline constexpr const char* kOperator = "operator";
 /// What a log says of how its flight came about: enough to fly it again to the bit.
 struct RecordedFlight {
   struct Command {
-    sim::Time at{};    ///< Of the step in which it entered.
+    sim::Time at{};    ///< Time of the step in which it entered.
     std::string text;  ///< As in the log.
   };
   FlightChoice choice;  ///< Without the board: all give the same bits.
   std::string log;      ///< How much was logged: plot or full.
   std::vector<Command> commands;
   std::optional<sim::Time> ended;  ///< By a person, before the step at this time.
-  std::string sha256;              ///< Of the log.
+  std::string sha256;              ///< SHA-256 of the log.
 };
 
 /// @param log  a log, or a flight folder. @throws config::Error  it cannot be read, or is none of `fly`.

@@ -20,7 +20,7 @@ using sim::rc::Control;
 using Change = std::function<void(Flight&)>;
 
 constexpr std::string_view kAllowed =
-    "wind, gust, fault, heal, switch, stick, hold, land, return, tune";
+    "wind, gust, fault, heal, switch, stick, keep_altitude, hold, board, land, return, tune";
 
 /// Its part before the first `mark`, and what follows.
 std::pair<std::string, std::string> cut(const std::string& text, char mark) {
@@ -46,11 +46,11 @@ Change wind(const std::string& text) {
 }
 
 Change gust(const std::string& text) {
-  constexpr double kLongest_s = 60.0;
+  constexpr double kMaxHold_s = 60.0;
   const std::size_t comma = text.rfind(',');
   const auto seconds =
       comma == std::string::npos ? std::nullopt : config::parse_number(text.substr(comma + 1));
-  if (!seconds || !(*seconds > 0.0) || *seconds > kLongest_s)
+  if (!seconds || !(*seconds > 0.0) || *seconds > kMaxHold_s)
     throw wrong("gust", text, "SPEED,FROM_DEG,SECONDS with more than 0 and at most 60 s");
   const WindChoice peak = parse_wind(text.substr(0, comma));
   if (peak.w20_m_s) throw wrong("gust", text, "SPEED,FROM_DEG,SECONDS");
@@ -100,6 +100,21 @@ Change move(const std::string& text, bool is_switch) {
   return [which, to](Flight& flight) { flight.pilot().set(which, static_cast<float>(to)); };
 }
 
+Change board(const std::string& text, const FlightSetup& setup) {
+  using Impairment = Autopilot::Impairment;
+  constexpr std::array<std::pair<std::string_view, Impairment>, 3> kImpairments{
+      {{"slow", Impairment::kSlowPasses},
+       {"reversed_clock", Impairment::kReversedImuClock},
+       {"healthy", Impairment::kNone}}};
+  const auto* const found = std::find_if(kImpairments.begin(), kImpairments.end(),
+                                         [&text](const auto& one) { return one.first == text; });
+  if (found == kImpairments.end()) throw wrong("board", text, "slow, reversed_clock, healthy");
+  if (setup.choice.board != "in_process") throw wrong("board", setup.choice.board, "in_process");
+  return [kind = found->second](Flight& flight) {
+    static_cast<void>(flight.autopilot().set_impairment(flight.now(), kind));
+  };
+}
+
 Change tune(const std::string& text, const Flight& flight) {
   const auto [key, value] = cut(text, ' ');
   return [vehicle = tuned(flight.vehicle_text(), flight.setup(), key, value)](Flight& flying) {
@@ -122,6 +137,11 @@ std::function<void(Flight&)> parse_change(const std::string& text, const Flight&
   if (verb == "tune") return tune(rest, present);
   if (verb == "hold") {
     return [on = on_or_off("hold", rest)](Flight& flight) { flight.runner().set_hold(on); };
+  }
+  if (verb == "board") return board(rest, present.setup());
+  if (verb == "keep_altitude") {
+    if (present.setup().fixed_wing()) throw wrong("steer", verb, "that of a multirotor");
+    return [on = on_or_off(verb, rest)](Flight& flight) { flight.runner().set_keep_altitude(on); };
   }
   if (!rest.empty()) throw wrong("steer", text, kAllowed);
   if (verb == "heal") return [](Flight& flight) { flight.faults().end_all(flight.now()); };

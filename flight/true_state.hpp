@@ -8,7 +8,7 @@
 
 namespace rosflight::flight {
 
-/// The truth in the form of an estimate: what a perfect estimator would say.
+/// The truth in the form of an estimate: what a perfect estimator would report.
 inline autonomy::StateEstimate true_state(const sim::Truth& truth) {
   autonomy::StateEstimate out;
   out.t_s = sim::to_seconds(truth.time);

@@ -73,13 +73,13 @@ Vector3 wing_size(const FlightSetup& setup) {
 std::string vehicle_urdf(const FlightSetup& setup) {
   const auto& rotors = setup.rotors.rotors;
   const auto& contacts = setup.vehicle.ground().contacts_B;
-  constexpr double kSmallest_m = 0.1;
-  Vector3 reach = Vector3::Constant(kSmallest_m);
+  constexpr double kMinReach_m = 0.1;
+  Vector3 reach = Vector3::Constant(kMinReach_m);
   for (const auto& rotor : rotors) reach = reach.cwiseMax(rotor.p_B.cwiseAbs());
   for (const Vector3& contact : contacts) reach = reach.cwiseMax(contact.cwiseAbs());
   const Vector3 wing = setup.fixed_wing() ? wing_size(setup) : Vector3::Zero();
   const double width_m = std::min(reach.x(), reach.y());
-  // What a wing stands on reaches to its tips, which are no part of its body.
+  // The contacts of a fixed wing reach to its wing tips, which are no part of its body.
   const Vector3 body = wing.x() > 0.0 ? Vector3{reach.x(), 0.7 * wing.x(), 0.6 * wing.x()}
                                       : Vector3{reach.x(), width_m, 0.25 * width_m};
 

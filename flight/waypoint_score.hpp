@@ -24,7 +24,7 @@ struct WaypointPass {
   PassMeasure measure{PassMeasure::kPoint};
   double truth_distance_m{std::numeric_limits<double>::quiet_NaN()};
   double estimate_distance_m{std::numeric_limits<double>::quiet_NaN()};  ///< As guidance saw it.
-  double t_s{std::numeric_limits<double>::quiet_NaN()};  ///< Of truth_distance_m, since power-up.
+  double t_s{std::numeric_limits<double>::quiet_NaN()};                  ///< Since power-up.
 
   /// @param radius_m  the mission's score radius.
   bool within(double radius_m) const { return truth_distance_m <= radius_m; }

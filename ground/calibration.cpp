@@ -41,7 +41,7 @@ int calibrate_sensor(GroundLink& link, const Sensor& sensor, bool write, std::os
   Session& session = link.session();
   const bool armed = link.streams().status.value.armed;
   const ParameterSet before = read_values(link, sensor.parameters);
-  if (!armed) {  // otherwise the vehicle says why it refuses
+  if (!armed) {  // otherwise the vehicle sends the reason
     const Figures figures = sensor.figures(measure(link, sensor), numbers(before), false);
     say_figures(sensor.name, "before", figures, out);
     if (const Figure* bad = first_bad(figures)) return refuse(sensor, *bad, "nothing changed", out);

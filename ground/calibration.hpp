@@ -43,7 +43,7 @@ int calibrate_esc(GroundLink& link, const CalibrationOptions& options, std::ostr
 void say(std::ostream& out, const std::string& line);
 /// Present values. @throws NoAnswer  the vehicle does not have one.
 companion::ParameterSet read_values(GroundLink& link, const std::vector<std::string>& names);
-/// Stores the parameters if wanted; says else that they are not. @returns the exit code.
+/// Stores the parameters if wanted; prints otherwise that they are not. @returns the exit code.
 int store_calibration(GroundLink& link, bool write, std::ostream& out);
 
 }  // namespace rosflight::ground

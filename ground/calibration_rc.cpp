@@ -134,7 +134,7 @@ class OutputEnds final : public companion::Listener {
     now_highest = static_cast<double>(*std::max_element(m.values.begin(), end));
   }
   double highest{0.0};      ///< Reached by every output.
-  double now_highest{1.0};  ///< Of the last message.
+  double now_highest{1.0};  ///< Highest value of the last message.
 
  private:
   Session& session_;
@@ -211,7 +211,7 @@ int calibrate_rc(GroundLink& link, const CalibrationOptions& options, std::ostre
     return std::all_of(range.sticks.begin(), range.sticks.end(), whole_range);
   };
   const auto armed = [&link] { return link.streams().status.value.armed; };
-  if (!armed()) {  // otherwise the vehicle says why it refuses
+  if (!armed()) {  // otherwise the vehicle sends the reason
     say(out,
         "propellers off (sticks can arm): move both sticks of the transmitter to all their ends");
     const bool moved = link.run_until([&] { return all_moved() || armed(); }, options.wait);

@@ -30,7 +30,7 @@ bool is_free_here(const base::LinkAddress& address) {
     const base::FileDescriptor socket = base::new_socket(at.family(), SOCK_DGRAM);
     return socket.valid() && base::bind_socket(socket, at, SOCK_DGRAM);
   } catch (const base::LinkError&) {
-    return false;  // an unknown host is told when the link is opened
+    return false;  // an unknown host is reported when the link is opened
   }
 }
 
@@ -67,6 +67,7 @@ bool GroundLink::run(const std::function<bool()>& done, Time limit, bool stoppab
     if (left <= Time{}) return false;
     runner_.io().restart();
     runner_.io().run_for(std::min(left, kTurn));
+    if (options_.each_turn) options_.each_turn();
   }
   return true;
 }

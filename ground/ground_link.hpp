@@ -18,7 +18,7 @@ using companion::Job;
 using companion::Session;
 using companion::Time;
 
-/// The vehicle does not answer: one line with the link, the time waited and what the link said last.
+/// The vehicle does not answer: one line with the link, the time waited and the last message of the link.
 class NoAnswer : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -49,6 +49,7 @@ class GroundLink {
     Time timeout{std::chrono::seconds{5}};  ///< For the first heartbeat and for silence later.
     std::uint8_t system{1};                 ///< SYS_ID of the vehicle.
     std::function<bool()> stopped;          ///< A person asked to stop; may be empty.
+    std::function<void()> each_turn{};      ///< Called while it runs, each 10 ms; may be empty.
   };
 
   /// Opens nothing yet. @throws LinkError  the link cannot be read or its host is unknown.
@@ -86,7 +87,7 @@ class GroundLink {
 
   Session& session() { return runner_.session(); }
   const companion::Streams& streams() { return session().streams(); }
-  /// As it was given.
+  /// Link as the user gave it.
   const std::string& name() const { return options_.link; }
   Time timeout() const { return options_.timeout; }
   Time now() const { return companion::Runner::steady_now(); }

@@ -65,7 +65,7 @@ void print_rows(const ParameterSet& set, bool json, std::ostream& out) {
   }
 }
 
-/// What the vehicle said about a parameter that it refused.
+/// What the vehicle sent about a parameter that it refused.
 std::string reason(GroundLink& link, const TextLog& texts, const std::string& name) {
   const auto said = [&] { return !texts.last_with(name).empty(); };
   link.run_until(said, kTextTime);

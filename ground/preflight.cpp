@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "companion/check_list.hpp"
 #include "companion/status_text.hpp"
 
 namespace rosflight::ground {
@@ -31,35 +31,32 @@ constexpr const char* kParameters[] = {
     "GYRO_Z_BIAS",   "ACC_X_BIAS",   "ACC_Y_BIAS",  "ACC_Z_BIAS",  "MAG_X_BIAS",
     "MAG_Y_BIAS",    "MAG_Z_BIAS",   "MAG_CAL_A00", "BARO_BIAS",   "DIFF_PRESS_BIAS"};
 
-constexpr const char* kNotSent = "not told by this link";
+constexpr const char* kNotSent = "not sent on this link";
 
 const char* verdict_text(PreflightVerdict verdict) {
-  constexpr std::array<const char*, 4> kTexts{"pass", "warning", "FAIL", "not told"};
+  constexpr std::array<const char*, 4> kTexts{"pass", "warning", "FAIL", "not sent"};
   return kTexts[static_cast<std::size_t>(verdict)];
 }
 
 /// Collects the lines of the firmware's list.
-class CheckList final : public companion::Listener {
+class ListReader final : public companion::Listener {
  public:
-  explicit CheckList(Session& session) : session_(session) { session_.add(*this); }
-  ~CheckList() override { session_.remove(*this); }
-  CheckList(const CheckList&) = delete;
-  CheckList& operator=(const CheckList&) = delete;
+  explicit ListReader(Session& session) : session_(session) { session_.add(*this); }
+  ~ListReader() override { session_.remove(*this); }
+  ListReader(const ListReader&) = delete;
+  ListReader& operator=(const ListReader&) = delete;
 
-  void on_event(const companion::Event& event) override {
-    if (const auto* line = std::get_if<link::CheckResult>(&event)) lines_[line->index] = *line;
-  }
-  bool complete() const { return !lines_.empty() && lines_.size() == lines_.begin()->second.count; }
+  void on_event(const companion::Event& event) override { list_.add(session_.now(), event); }
+  bool complete() const { return list_.complete(); }
   std::vector<link::CheckResult> lines() const {
     std::vector<link::CheckResult> all;
-    all.reserve(lines_.size());
-    for (const auto& [index, line] : lines_) all.push_back(line);
+    for (const auto& [index, line] : list_.lines()) all.push_back(line.result);
     return all;
   }
 
  private:
   Session& session_;
-  std::map<std::uint8_t, link::CheckResult> lines_;
+  companion::CheckList list_;
 };
 
 std::optional<double> value_of(const PreflightFacts& facts, std::string_view name) {
@@ -80,7 +77,7 @@ void add_firmware_list(const PreflightFacts& facts, Rows& rows) {
   }
 }
 
-/// Of a firmware without the list, such as ROSflight 2.x: the bits of its error word.
+/// Rows for a firmware without the list, such as ROSflight 2.x: the bits of its error word.
 void add_error_word(const PreflightFacts& facts, Rows& rows) {
   for (int bit = 0; companion::error_text(bit) != nullptr; ++bit) {
     const bool set = (facts.status.error_code >> bit & 1) != 0;
@@ -230,7 +227,7 @@ PreflightFacts observe_preflight(GroundLink& link) {
   std::vector<Job<companion::ParameterResult>> reads;
   for (const char* name : preflight_parameters()) reads.push_back(session.parameters().read(name));
   link.run_for(kObservation);
-  CheckList list(session);
+  ListReader list(session);
   for (int attempt = 0; attempt < kListAttempts && !list.complete(); ++attempt) {
     session.request_report(link::ReportKind::kChecks);
     link.run_until([&] { return list.complete(); }, kListTime);
@@ -275,7 +272,7 @@ int print_preflight(const std::vector<PreflightRow>& rows, bool json, std::ostre
           fmt::format("{:<9} {:<19} {}", verdict_text(row.verdict), row.name, row.text);
       out << line.substr(0, line.find_last_not_of(' ') + 1) << "\n";
     }
-    out << fmt::format("{}: {} pass, {} warn, {} fail, {} are not told by this link\n",
+    out << fmt::format("{}: {} pass, {} warn, {} fail, {} not sent on this link\n",
                        failed == 0 ? "ready" : "NOT READY", count(kPass), count(kWarning), failed,
                        count(kNotTold));
   }

@@ -18,7 +18,7 @@ class Statistics {
   }
   std::size_t count() const { return count_; }
   double mean() const { return mean_; }
-  /// Of the sample; 0 below two samples.
+  /// Standard deviation of the sample; 0 below two samples.
   double deviation() const {
     return count_ < 2 ? 0.0 : std::sqrt(squares_ / static_cast<double>(count_ - 1));
   }

@@ -18,6 +18,7 @@ inline constexpr std::size_t kTextLength = 50;
 inline constexpr std::size_t kRcChannels = 18;
 inline constexpr std::size_t kCheckNameLength = 16;
 inline constexpr std::size_t kCounterBins = 8;
+inline constexpr std::size_t kRecordPartBytes = 64;  ///< Half of an entry.
 
 /// A name of at most 16 characters, NUL-padded; a name of exactly 16 has no NUL.
 using ParamName = std::array<char, kParamNameLength>;
@@ -116,6 +117,13 @@ enum class ReportKind : std::uint8_t { kChecks = 0, kCounters = 1 };
 struct ReportRequest {
   std::uint8_t target_system{1};
   std::uint8_t kind{};  ///< A ReportKind if the sender behaves.
+};
+
+/// Requests entries of the flight record, each answered by two RecordParts.
+struct RecordRequest {
+  std::uint8_t target_system{1};
+  std::uint32_t first{};  ///< Number of the first one; 0: the oldest.
+  std::uint16_t count{};  ///< 0: the answer is one part without an entry.
 };
 
 // ---- FCU to companion
@@ -254,11 +262,21 @@ struct Counters {
   std::array<std::uint32_t, kCounterBins> rejected{};    ///< Sensor samples by cause.
 };
 
+/// One half of an entry of the flight record as it lies in the memory of the FCU; docs/link.md has its
+/// layout. In halves, because a whole one would be the longest message by far.
+struct RecordPart {
+  std::uint32_t number{};  ///< Number of the entry; 0: none.
+  std::uint32_t oldest{};  ///< Number of the oldest entry that there is.
+  std::uint32_t newest{};
+  std::uint8_t part{};  ///< 0, 1.
+  std::array<std::uint8_t, kRecordPartBytes> bytes{};
+};
+
 using Message =
     std::variant<std::monostate, Heartbeat, TimeSync, ParamRequestRead, ParamRequestList, ParamSet,
                  OffboardControl, AuxCommand, ExternalAttitude, CommandRequest, ParamValue,
                  CommandAck, Attitude, Imu, Mag, Baro, DiffPressure, Range, RcChannels, OutputRaw,
                  Status, Version, HardError, Gnss, BatteryStatus, StatusText, MotorTest,
-                 ReportRequest, CheckResult, Counters>;
+                 ReportRequest, CheckResult, Counters, RecordRequest, RecordPart>;
 
 }  // namespace rosflight::link

@@ -44,7 +44,7 @@ class BlockThread {
   void end_thread(bool drop_waiting);
 
   Work work_;
-  std::mutex mutex_;  ///< Of all members below but the thread.
+  std::mutex mutex_;  ///< Protects all members below but the thread.
   std::condition_variable changed_;
   std::deque<Block> waiting_;
   std::vector<Block> spare_;

@@ -22,7 +22,7 @@ class Sha256 {
 
   void update(Bytes bytes);
 
-  /// Of everything fed so far as 64 lower-case hexadecimal digits, as sha256sum prints it. The
+  /// Hash of everything fed so far as 64 lower-case hexadecimal digits, as sha256sum prints it. The
   /// object can be fed on.
   std::string hex() const;
 

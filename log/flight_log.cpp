@@ -162,6 +162,9 @@ struct FlightLog::LinkVisitor {
   void operator()(const link::ReportRequest& m) const { put<Topic::kReportRequest>(m); }
   void operator()(const link::CheckResult& m) const { put<Topic::kCheckResult>(m); }
   void operator()(const link::Counters& m) const { put<Topic::kCounters>(m); }
+  // A record read from a board is a file of its own.
+  void operator()(const link::RecordRequest& /*m*/) const {}
+  void operator()(const link::RecordPart& /*m*/) const {}
   void operator()(const link::Mag& m) const { put<Topic::kMagnetometer>(m, kBodyFrame); }
   void operator()(const link::Baro& m) const { put<Topic::kBaro>(m); }
   void operator()(const link::DiffPressure& m) const { put<Topic::kAirspeed>(m); }

@@ -131,7 +131,7 @@ class FlightLog {
 
   template <Topic kTopic, class Message>
   void write(std::uint64_t log_time_ns, const Message& message);
-  /// With this header.
+  /// Writes a message with this header.
   template <Topic kTopic, class Message>
   void write(std::uint64_t log_time_ns, messages::std_msgs::Header header, Message&& message);
 
@@ -143,11 +143,11 @@ class FlightLog {
   std::uint64_t fcu_boot_ns_{};
   std::optional<link::Attitude> attitude_;              ///< The latest.
   messages::rosflight_log_msgs::RawFrames raw_frames_;  ///< Not written yet.
-  std::uint64_t raw_start_ns_{};                        ///< Of the first of them.
+  std::uint64_t raw_start_ns_{};                        ///< Time of the first of raw_frames_.
   messages::rosflight_log_msgs::BoardInputs inputs_;    ///< Likewise.
   std::uint64_t inputs_start_ns_{};
-  std::uint64_t inputs_last_ns_{};  ///< Of the last input.
-  std::uint64_t latest_ns_{};       ///< Of all messages.
+  std::uint64_t inputs_last_ns_{};  ///< Time of the last input.
+  std::uint64_t latest_ns_{};       ///< Latest time of all messages.
   // Kept for their memory.
   messages::rosflight_log_msgs::TruthVehicle vehicle_;
   messages::tf2_msgs::TFMessage transform_;

@@ -26,7 +26,7 @@ McapWriter::Options unpacked() {
 
 LogExtract::LogExtract(std::filesystem::path path, const TextMap& flight)
     : writer_(std::move(path), unpacked()) {
-  static_assert(kTopics.size() <= kMostTopics);
+  static_assert(kTopics.size() <= kMaxTopics);
   writer_.add_metadata("flight", flight);
 }
 
@@ -43,7 +43,7 @@ void LogExtract::on_logged(Topic topic, std::uint64_t time_ns, Bytes cdr) {
   kept.bytes.insert(kept.bytes.end(), cdr.begin(), cdr.end());
   kept.messages.push_back({time_ns, kept.bytes.size()});
   kept_bytes_ += cdr.size();
-  if (kept_bytes_ > kMostKept_bytes) write_kept();
+  if (kept_bytes_ > kMaxKept_bytes) write_kept();
 }
 
 LogSummary LogExtract::close() {
@@ -84,10 +84,9 @@ void LogExtract::write_kept() {
   for (const std::size_t k : order) {
     const Bytes bytes = kept_[k].bytes;
     std::size_t start = 0;
-    for (const Place& place : kept_[k].messages) {
-      writer_.write(channel(k), place.time_ns, place.time_ns,
-                    bytes.subspan(start, place.end - start));
-      start = place.end;
+    for (const MessageEnd& each : kept_[k].messages) {
+      writer_.write(channel(k), each.time_ns, each.time_ns, bytes.subspan(start, each.end - start));
+      start = each.end;
     }
     kept_[k] = {};
   }

@@ -18,7 +18,7 @@ class LogExtract final : public LogObserver {
  public:
   static constexpr std::uint32_t kInterval_ms = 20;
   /// Kept in memory until they are written, together.
-  static constexpr std::size_t kMostKept_bytes = std::size_t{64} << 20U;
+  static constexpr std::size_t kMaxKept_bytes = std::size_t{64} << 20U;
 
   /// @param flight  as FlightLog's. @throws LogError  the file cannot be written; so do the others.
   LogExtract(std::filesystem::path path, const TextMap& flight);
@@ -32,24 +32,24 @@ class LogExtract final : public LogObserver {
   static std::string without_indexes(Bytes mcap);
 
  private:
-  static constexpr std::size_t kMostTopics = 56;
+  static constexpr std::size_t kMaxTopics = 56;
 
-  struct Place {
+  struct MessageEnd {
     std::uint64_t time_ns{};
-    std::size_t end{};  ///< Of the message in `bytes`; it starts where the one before ends.
+    std::size_t end{};  ///< End of the message in `bytes`; it starts where the one before ends.
   };
   struct Kept {
     std::vector<std::uint8_t> bytes;
-    std::vector<Place> messages;
+    std::vector<MessageEnd> messages;
   };
 
   McapWriter::ChannelId channel(std::size_t topic);
   void write_kept();
 
   McapWriter writer_;
-  std::array<McapWriter::ChannelId, kMostTopics> channels_{};
-  std::array<std::uint64_t, kMostTopics> next_due_ns_{};
-  std::array<Kept, kMostTopics> kept_{};
+  std::array<McapWriter::ChannelId, kMaxTopics> channels_{};
+  std::array<std::uint64_t, kMaxTopics> next_due_ns_{};
+  std::array<Kept, kMaxTopics> kept_{};
   std::size_t kept_bytes_{0};
 };
 

@@ -57,7 +57,7 @@ class McapFile {
   /// @param statistics         The record, whose number of chunks is still to be filled in.
   void close(Bytes schemas, Bytes channels, ByteBuffer& statistics);
 
-  /// Of use after close().
+  /// Hash of the file; call it after close().
   std::string sha256() const { return sha256_.hex(); }
   std::uint64_t size() const { return file_.size(); }
 
@@ -84,12 +84,12 @@ class McapFile {
   Compression compression_;
   OutputFile file_;
   bool in_summary_{false};
-  std::uint32_t crc_{0};  ///< Of the summary so far.
+  std::uint32_t crc_{0};  ///< CRC of the summary so far.
   Sha256 sha256_;
   std::unique_ptr<ZSTD_CCtx_s, FreeZstd> zstd_;
   ByteBuffer scratch_;  ///< One record.
   ByteBuffer compressed_;
-  std::vector<std::vector<IndexEntry>> indexes_;  ///< Of this chunk; channel id k is entry k.
+  std::vector<std::vector<IndexEntry>> indexes_;  ///< This chunk, by channel id.
   ByteBuffer chunk_indexes_;
   ByteBuffer attachment_indexes_;
   ByteBuffer metadata_indexes_;

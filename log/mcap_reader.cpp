@@ -73,8 +73,8 @@ std::vector<std::uint8_t> McapReader::unpacked(Bytes chunk) const {
   fields.take(4);  // Checksum: zstd has its own.
   const std::string compression = fields.text();
   const Bytes records = fields.take(fields.number<std::uint64_t>());
-  constexpr std::uint64_t kLargest = std::uint64_t{1} << 30U;
-  if (!fields.complete() || size > kLargest) damaged();
+  constexpr std::uint64_t kMaxSize = std::uint64_t{1} << 30U;
+  if (!fields.complete() || size > kMaxSize) damaged();
   if (compression.empty()) return {records.begin(), records.end()};
   std::vector<std::uint8_t> out(static_cast<std::size_t>(size));
   if (compression != "zstd" ||

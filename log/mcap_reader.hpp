@@ -34,7 +34,7 @@ class McapReader {
   const TextMap& flight() const { return flight_; }  ///< Metadata record "flight".
   /// Identity of the contents, as LogSummary::sha256.
   std::string sha256() const { return sha256_.hex(); }
-  /// Of the first attachment: the start of the flight.
+  /// Time of the first attachment: the start of the flight.
   std::uint64_t start_ns() const { return start_ns_; }
 
  private:

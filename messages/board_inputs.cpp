@@ -50,8 +50,8 @@ struct Reader {
     float read{};
     value(read);
     // A byte, a flag, an enumerator; or a count, as far as a float holds whole numbers.
-    constexpr float kLargest = sizeof(T) == 1 ? 255.0F : 16777216.0F;
-    if (read >= 0.0F && read <= kLargest) {
+    constexpr float kMaxExact = sizeof(T) == 1 ? 255.0F : 16777216.0F;
+    if (read >= 0.0F && read <= kMaxExact) {
       x = static_cast<T>(read);
     } else {
       complete = false;

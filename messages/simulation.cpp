@@ -9,7 +9,7 @@
 namespace rosflight::messages {
 namespace {
 
-constexpr double kLowestPulse_us = 1000.0;
+constexpr double kMinPulse_us = 1000.0;
 constexpr double kPulseSpan_us = 1000.0;
 
 template <class Message>  // Vector3 or Point
@@ -112,11 +112,11 @@ void fill_vehicle(const sim::Truth& truth, const hal::OutputValues& outputs,
 std::uint16_t pulse_us(float value) {
   // The comparison order turns NaN into 0; the small term keeps fraction() of a pulse that pulse.
   const double x = value > 0.0F ? std::min(static_cast<double>(value), 1.0) : 0.0;
-  return static_cast<std::uint16_t>(kLowestPulse_us + std::floor(kPulseSpan_us * x + 1e-4));
+  return static_cast<std::uint16_t>(kMinPulse_us + std::floor(kPulseSpan_us * x + 1e-4));
 }
 
 float fraction(std::uint16_t pulse_us) {
-  return static_cast<float>((static_cast<double>(pulse_us) - kLowestPulse_us) / kPulseSpan_us);
+  return static_cast<float>((static_cast<double>(pulse_us) - kMinPulse_us) / kPulseSpan_us);
 }
 
 rosflight_msgs::PwmOutput to_message(const hal::OutputValues& outputs) {

@@ -12,7 +12,7 @@
 
 namespace rosflight::sim {
 namespace {
-constexpr double kLongest_s = 1e9;
+constexpr double kMaxDuration_s = 1e9;
 
 struct Name {
   std::string_view name;
@@ -97,7 +97,7 @@ std::string all_names() {
 Time parse_seconds(std::string_view text, std::string_view part, const char* what, bool zero_too) {
   const auto seconds = config::parse_number(part);
   const bool good =
-      seconds && *seconds <= kLongest_s && (zero_too ? *seconds >= 0.0 : *seconds > 0.0);
+      seconds && *seconds <= kMaxDuration_s && (zero_too ? *seconds >= 0.0 : *seconds > 0.0);
   if (!good) {
     throw fault_error(text, std::string(what) + " " + quoted(part),
                       zero_too ? "seconds >= 0" : "seconds > 0");

@@ -44,7 +44,7 @@ inline constexpr std::size_t kFaultKinds = 26;
 /// What kBatteryLow leaves of a full battery.
 inline constexpr double kLowCharge = 0.15;
 
-/// In force for start <= t < end.
+/// A fault in force for start <= t < end.
 struct Fault {
   FaultKind kind{};
   std::size_t motor{};  ///< For kMotor: index from 0, likewise of the surface for kServo.

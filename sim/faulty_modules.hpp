@@ -74,7 +74,7 @@ class FaultySensors : public SensorsModule {
   void spoil(Time t, hal::BaroSample& baro) const {
     const double step_m = faults_.value(FaultKind::kBaroStep, t);
     if (step_m == 0.0) return;
-    // Of the standard atmosphere: p = p0 (1 - h/(T0/L))^(g/(R L)).
+    // Standard atmosphere: p = p0 (1 - h/(T0/L))^(g/(R L)).
     constexpr double kSea_Pa = base::kSeaLevelPressure_Pa;
     constexpr double kScale_m = base::kTroposphere.scale_m;
     constexpr double kPower = base::kTroposphere.pressure_exponent;

@@ -55,11 +55,11 @@ class ForcesAndMoments {
 
   struct Input {
     const BodyState& body;
-    const Matrix3& R_WB;     ///< Of body.q_WB.
+    const Matrix3& R_WB;     ///< Computed from body.q_WB.
     const Vector3& v_air_B;  ///< Velocity through the air: body.v_B less the wind [m/s].
     const Air& air;
     const hal::OutputValues& outputs;  ///< Held constant over a step; may be NaN.
-    double height_above_ground_m;      ///< Of the centre of mass.
+    double height_above_ground_m;      ///< Height of the centre of mass.
   };
 
   virtual ~ForcesAndMoments() = default;

@@ -28,9 +28,9 @@ namespace rosflight::sim {
 /// density is also its angle random walk in units/sqrt(s).
 class WhiteNoise {
  public:
-  /// With a standard deviation per sample.
+  /// Noise with a standard deviation per sample.
   static WhiteNoise per_sample(double sigma, RandomStream stream) { return {sigma, stream}; }
-  /// With a density [unit/sqrt(Hz)] at the sample period.
+  /// Noise with a density [unit/sqrt(Hz)] at the sample period.
   static WhiteNoise from_density(double density, Time period, RandomStream stream) {
     return {density / std::sqrt(to_seconds(period)), stream};
   }

@@ -38,7 +38,7 @@ class Catalogue {
     }
     return found->second;
   }
-  /// In alphabetical order.
+  /// Names in alphabetical order.
   std::vector<std::string> names() const {
     std::vector<std::string> all;
     all.reserve(things_.size());

@@ -10,7 +10,7 @@ using hal::Time;
 struct Timing {
   bool enabled{true};
   Time period{};  ///< > 0.
-  Time phase{};   ///< Of turn 0, >= 0.
+  Time phase{};   ///< Time of the first sample, >= 0.
   Time delay{};   ///< From measurement to delivery, >= 0.
 };
 

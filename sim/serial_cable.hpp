@@ -113,7 +113,7 @@ class SerialLine {
   struct Class {
     explicit Class(std::size_t capacity) : bytes{capacity}, sizes(capacity) {}
     ByteRing bytes;
-    std::vector<std::uint32_t> sizes;  ///< Of the frames in `bytes`, a ring.
+    std::vector<std::uint32_t> sizes;  ///< Sizes of the frames in `bytes`, a ring.
     std::size_t first{0};
     std::size_t frames{0};
   };
@@ -129,7 +129,7 @@ class SerialLine {
   std::int64_t spent_{0};  ///< On the byte that is on the wire [us baud].
   std::array<Class, kClasses> classes_;
   std::size_t sending_{0};    ///< Class of the frame on the wire.
-  std::size_t remaining_{0};  ///< Of its bytes; 0: the wire is idle.
+  std::size_t remaining_{0};  ///< Bytes of that frame not sent yet; 0: the wire is idle.
   ByteRing received_;
   bool cut_{false};
   double log_intact_;                 ///< ln(1 - corruption_per_byte); 0: never corrupts.

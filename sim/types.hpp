@@ -56,13 +56,13 @@ struct Truth {
   /// Derivative of w_B [rad/s^2], gyroscopic part included.
   Vector3 angular_acceleration_B{Vector3::Zero()};
   Air air;        ///< At `body`; the wind is that of the last step.
-  Wrench wrench;  ///< Of the forces-and-moments module: without gravity and ground.
+  Wrench wrench;  ///< Wrench of the forces-and-moments module alone.
   bool on_ground{true};
   double battery_voltage_V{};
   double battery_current_A{};
   std::size_t rotor_count{};
   std::array<double, kMaxRotors> rotor_speed_rad_s{};
-  double aileron_rad{};  ///< Of control surfaces, all together; of a fixed wing, like the next two.
+  double aileron_rad{};  ///< Aileron deflection; fixed wing only, like the next two.
   double elevator_rad{};
   double rudder_rad{};
 };

@@ -6,7 +6,7 @@
 namespace rosflight::sim {
 namespace {
 
-constexpr int kLongestChain = 8;
+constexpr int kMaxChain = 8;
 
 namespace fs = std::filesystem;
 
@@ -24,8 +24,8 @@ config::Document read_chain(const fs::path& file, const fs::path& library, int d
   config::Document document = config::Document::from_file(file);
   const config::Section root = document.root();
   if (!root.has("extends")) return document;
-  if (depth == kLongestChain) {
-    throw root.error("extends", "a chain of more than " + std::to_string(kLongestChain) + " files",
+  if (depth == kMaxChain) {
+    throw root.error("extends", "a chain of more than " + std::to_string(kMaxChain) + " files",
                      "a shorter one");
   }
   config::Document base = read_chain(find_base(root, library), library, depth + 1);

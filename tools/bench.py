@@ -54,7 +54,7 @@ def meets(value: float, target: str) -> bool:
 
 
 def measure(figure: Figure) -> Result:
-    """A figure that cannot be measured says why and does not stop the others."""
+    """A figure that cannot be measured gives the reason and does not stop the others."""
     try:
         return Result(figure, value=figure.measure())
     except Exception as error:

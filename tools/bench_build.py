@@ -41,7 +41,7 @@ def flight_cpu_s(source: Path = project.ROOT) -> float:
 
 
 def last_line(said: str) -> str:
-    return (said.strip().splitlines() or ["it said nothing"])[-1]
+    return (said.strip().splitlines() or ["it printed nothing"])[-1]
 
 
 def of_commit(commit: str) -> float:

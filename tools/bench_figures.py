@@ -110,7 +110,7 @@ ESTIMATION += [("nees", "1")] + [(name, "1") for name in CONSISTENT]
 AIR = [(f"{name}_{kind}", "m/s") for name in ("airspeed_m_s", "wind_m_s") for kind in ("rms", "p95")]
 
 # While sensors fail: the share of time in which a state is outside its own 3 sigma, the largest of the nine; flights whose
-# position was off by more than 15 m, in how many the estimate said so within 10 s, and flights without a fault in which it did.
+# position was off by more than 15 m, in how many the estimate reported it within 10 s, and flights without a fault in which it did.
 ESTIMATION_FAULTS = [("outside_worst", "1", "<= 0.01"), ("far", "flights", "report"), ("said_in_time_share", "1", ">= 0.95"),
                      ("nominal_said", "flights", "= 0")]
 ESTIMATION_FAULT_SEEDS = 3
@@ -145,7 +145,7 @@ def fixedwing_rows() -> list[tuple[str, str, str, str]]:
                  (name, "arc_rms_m", "m", "<= 5"), (name, "arc_total_rms_m", "m", "report"),
                  (name, "height_rms_m", "m", "<= 2"), (name, "airspeed_rms_m_s", "m/s", "<= 1"),
                  (name, "completed", "flights", "= 1")]
-    # Where a path has corners without arcs no wing can follow; these three radii behind each are not in the rows above.
+    # Where a path has corners without arcs no fixed wing can follow; these three radii behind each are not in the rows above.
     rows += [("line", "corner_rms_m", "m", "report"), ("line", "corner_max_m", "m", "report")]
     for name, limit in (("landing_range", 15), ("landing_no_range", 40), ("landing_wind", 15)):
         rows += [(name, "touchdown_distance_m", "m", f"<= {limit}"),
@@ -205,20 +205,22 @@ def m7() -> list[Figure]:
     ]
 
 
-# Of offboard commands at 400 Hz to an emulated board and back: the paper's measurement, on its boards.
+# Round trips of offboard commands at 400 Hz to an emulated board and back: the paper's measurement, on its boards.
 BOARD_ROUND_TRIPS = [("usb", "usb", "mean_ms", "ms", "<= 0.42"), ("usb", "usb", "max_ms", "ms", "<= 2.4"),
                      ("usb", "usb", "fastest_hz", "Hz", "report"), ("usb", "usb", "idle_fraction", "-", ">= 0.93"), ("uart", "921600", "mean_ms", "ms", "<= 1.4"),
                      ("uart", "921600", "max_ms", "ms", "report"), ("3mbaud", "3000000", "mean_ms", "ms", "<= 0.6")]
 
 
 def h7() -> list[Figure]:
-    """The images of the boards with an STM32H7, emulated: sizes, round trips, and the default flight of the Pixracer Pro."""
-    def flown(name: str, unit: str, target: str) -> Figure:
-        return Figure(f"h7.{name}", unit, target, lambda: float(h7_figures.flight()[name]), "cortex-m7")
+    """The images of the boards with an STM32H7, emulated: sizes, round trips, and default flights; without a board's name, of the Pixracer Pro."""
+    def flown(name: str, unit: str, target: str, board: str = h7_figures.BOARD) -> Figure:
+        prefix = "" if board == h7_figures.BOARD else f"{board}_"
+        return Figure(f"h7.{prefix}{name}", unit, target, lambda: float(h7_figures.flight(board)[name]), "cortex-m7")
 
     return [
         Figure("h7.text_bytes", "B", "<= 105000", h7_figures.text_bytes, "cortex-m7"),
         Figure("h7.ram_bytes", "B", "<= 96000", h7_figures.ram_bytes, "cortex-m7"),
+        Figure("h7.record_bytes", "B", "report", h7_figures.record_bytes, "cortex-m7"),
         Figure("h7.varmint_text_bytes", "B", "<= 105000", lambda: h7_figures.text_bytes("varmint"), "cortex-m7"),
         Figure("h7.varmint_ram_bytes", "B", "<= 96000", lambda: h7_figures.ram_bytes("varmint"), "cortex-m7"),
         *(Figure(f"rtt.{board}_{name}_{quantity}", unit, target,
@@ -228,6 +230,10 @@ def h7() -> list[Figure]:
         Figure("h7.realtime_factor", "s/s", ">= 5", h7_figures.realtime_factor, "cortex-m7"),
         flown("stack_bytes", "B", "<= 8192"),
         flown("tracking_rms_m", "m", "report"),
+        flown("imu_to_output_us", "us", "<= 120"),
+        flown("stamp_error_us", "us", "<= 2"),
+        flown("imu_to_output_us", "us", "<= 400", "varmint"),
+        flown("stamp_error_us", "us", "<= 2", "varmint"),
     ]
 
 
@@ -279,7 +285,7 @@ def run_json(command: list[str], ending: tuple[int, ...] = (0,)) -> dict:
     """What a program prints on stdout, as JSON."""
     done = subprocess.run(command, cwd=project.ROOT, capture_output=True, text=True)
     if done.returncode not in ending:
-        last = (done.stderr.strip().splitlines() or ["it said nothing"])[-1]
+        last = (done.stderr.strip().splitlines() or ["it printed nothing"])[-1]
         raise RuntimeError(f"{command[0]} ended with {done.returncode}: {last}")
     try:
         return json.loads(done.stdout)
@@ -445,7 +451,7 @@ def demo(*words: str):
 
 
 def round_trip(path: str, quantity: str, fastest: bool = False) -> float:
-    """Of one row of the table of ./rosflight ros demo rtt. The fastest rate counts without loss only."""
+    """A number of one row of the table of ./rosflight ros demo rtt. The fastest rate counts without loss only."""
     rows = demo("rtt", "--link", "udp", "--count", "20000")
     row = next(row for row in rows if row["path"] == path and row["load"] == "idle"
                and (row["wanted_hz"] is None) == fastest)
@@ -455,7 +461,7 @@ def round_trip(path: str, quantity: str, fastest: bool = False) -> float:
 
 
 def ros_factor(composed: bool) -> float:
-    """Of the launched simulator and roscopter."""
+    """Real-time factor of the launched simulator and roscopter."""
     row, = (row for row in demo("factor") if row["composed"] == composed)
     return number(row, "factor")
 

@@ -29,12 +29,14 @@ MAY_INCLUDE = {
     "messages": ["link", "firmware/hal", "sim/types.hpp"],
     "log": ["messages", "link", "firmware/hal", "sim/types.hpp"],
     "companion": ["link", "config"],
-    "ground": ["link", "config", "companion"],
+    "ground": ["link", "config", "companion", "log", "firmware/hal", "firmware/boards/parts/flight_record.hpp"],
     "autonomy": ["config"],
     "flight": ["link", "firmware/hal", "firmware/core", "firmware/boards", "sim", "messages", "log", "companion", "autonomy",
                "config"],
     "web/server": [],
-    "apps": ["flight", "log", "web/server", "ground", "companion", "sim", "link", "firmware/hal", "firmware/core", "firmware/boards", "config"],
+    "viewer": ["flight", "log", "web/server", "ground", "companion", "sim", "link", "config"],
+    "apps": ["viewer", "flight", "web/server/access.hpp", "ground", "companion", "sim", "link", "firmware/hal", "firmware/core",
+             "firmware/boards", "config"],
     "bench": ["flight", "sim", "link", "firmware/hal", "firmware/core", "firmware/boards", "test_support"],
     "examples": ["flight", "autonomy", "sim", "config"],
     "ros/rosflight_common": ["autonomy", "config", "sim", "flight/vehicle/vehicle_setup.hpp"],
@@ -64,7 +66,7 @@ ROS_HEADER = re.compile(
 )
 SOURCE_SUFFIXES = {".cpp", ".hpp", ".c", ".h", ".py", ".sh", ".cmake", ".ts", ".tsx", ".mjs", ".css"}
 LICENCE = "SPDX-License-Identifier: BSD-3-Clause"
-MOST_LINES, MANY_LINES = 600, 400
+MAX_LINES, MANY_LINES = 600, 400
 MANY_UNITS = 4  # a folder that a person can own
 
 
@@ -303,8 +305,8 @@ def check_sizes(tree: Tree) -> list[str]:
     complaints = []
     for path in tree.sources():
         lines = tree.text(path).count("\n")
-        if lines > MOST_LINES:
-            complaints.append(f"{path}: {lines} lines, at most {MOST_LINES}")
+        if lines > MAX_LINES:
+            complaints.append(f"{path}: {lines} lines, at most {MAX_LINES}")
         elif lines > MANY_LINES:
             print(f"   note: {path} has {lines} lines; look for the second idea inside")
     return complaints

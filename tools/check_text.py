@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Checks comments, names and prose: typeset equations, words to avoid (docs/style.md), suffixes of frames.
+"""Checks comments, names and prose: typeset equations, words to avoid (docs/style.md), suffixes of frames, long cells.
 
 Usage: check_text.py   one line per complaint; ends with 1 if there is any. Also part of the stage `structure`.
 """
@@ -33,7 +33,12 @@ NOT_FRAMES = {"LOCK_NB"}
 EQUATION_ALONE = re.compile(r"^\s*//[/!]?<?\s*\(\d+[a-z]?\)[.,]?$")
 EQUATION = re.compile(r"^\s*//[/!]?(?P<space>\s+)\S.*=.*[^\w(]\(\d+[a-z]?\)[.,]?$")
 TYPESET_INDENT = 5
-PROSE = {".md", ".py", ".sh", ".yaml", ".msg", ".srv", ".xml", ".cmake", ".txt", ".csv"}
+# "Of the queue: ..." wants the line above to be read first.
+FRAGMENT = re.compile(r"//[/!]?<? Of ")
+MAX_CELL = 300
+# A path of one machine, in what is built.
+OWN_PATH = re.compile(r'"/(tmp|home|root|work|mnt)/')
+PROSE = {".md", ".py", ".sh", ".ts", ".tsx", ".yaml", ".msg", ".srv", ".xml", ".cmake", ".txt", ".csv"}
 CPP = {".cpp", ".hpp"}
 # The list of words itself, quotations of other projects' names, and recorded data.
 NOT_CHECKED = {"docs/style.md", "tools/check_text.py", "tools/test/test_check_text.py", "CHANGELOG.md"}
@@ -69,6 +74,33 @@ def equations_in(path: Path, text: str) -> list[str]:
     return complaints
 
 
+def fragments_in(path: Path, text: str) -> list[str]:
+    """Comments that begin in the middle of a sentence; a line that goes on from the comment above it is none."""
+    complaints = []
+    before = ""
+    for number, line in enumerate(text.splitlines(), 1):
+        if FRAGMENT.search(line) and not before.lstrip().startswith("//"):
+            complaints.append(f"{path}:{number}: a comment that begins with 'Of'; name what it is of")
+        before = line
+    return complaints
+
+
+def paths_in(path: Path, text: str) -> list[str]:
+    return [f"{path}:{number}: a path of one machine" for number, line in enumerate(text.splitlines(), 1) if OWN_PATH.search(line)]
+
+
+def cells_in(path: Path, text: str) -> list[str]:
+    complaints = []
+    for number, line in enumerate(text.splitlines(), 1):
+        cells = line.strip().strip("|").split(" | ") if line.startswith("|") else []
+        for cell in cells:
+            prose = re.sub(r"`[^`]*`", "", cell).strip()
+            if len(prose) > MAX_CELL:
+                complaints.append(f"{path}:{number}: a table cell of {len(prose)} characters, allowed {MAX_CELL}: "
+                                  f"'{prose[:40]}...'")
+    return complaints
+
+
 def frames_in(path: Path, text: str) -> list[str]:
     complaints = []
     for number, line in enumerate(text.splitlines(), 1):
@@ -81,13 +113,18 @@ def frames_in(path: Path, text: str) -> list[str]:
 
 def run(root: Path = project.ROOT) -> dict[str, list[str]]:
     """Complaints of each check, by its name."""
-    found: dict[str, list[str]] = {"words": [], "equations": [], "frames": []}
+    found: dict[str, list[str]] = {"words": [], "equations": [], "frames": [], "fragments": [], "cells": [], "paths": []}
     for path in project.own_files(root):
         if str(path) in NOT_CHECKED or path.suffix not in PROSE | CPP or "corpus" in path.parts:
             continue
         text = (root / path).read_text(errors="replace")
         found["words"] += words_in(path, text)
+        if path.suffix == ".md":
+            found["cells"] += cells_in(path, text)
+        if path.suffix in CPP and "test" not in path.parts:
+            found["paths"] += paths_in(path, text)
         if path.suffix in CPP:
+            found["fragments"] += fragments_in(path, text)
             found["equations"] += equations_in(path, text)
             found["frames"] += frames_in(path, text)
     return found

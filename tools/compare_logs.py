@@ -69,9 +69,9 @@ FLIGHTS = {
     "multirotor_lean_link": ["--seed", "4", "--link-protocol", "lean", "--mission", "hop"],
     "multirotor_faults": ["--seed", "5", "--fault", "gnss@15:20", "--fault", "crash@40", "--fault", "baro_step=3@25"],
     "multirotor_link_cut": ["--seed", "6", "--fault", "link_cut@20:3", "--mission", "square"],
-    "wing": ["--vehicle", "anaconda"],
-    "wing_gusts": ["--vehicle", "anaconda", "--seed", "8", "--wind", "5,200,6", "--mission", "hourglass_dubins"],
-    "wing_faults": ["--vehicle", "xflr5_anaconda", "--seed", "9", "--fault", "pitot_blocked@30:20", "--fault", "rc_silence@50:4"],
+    "fixedwing": ["--vehicle", "anaconda"],
+    "fixedwing_gusts": ["--vehicle", "anaconda", "--seed", "8", "--wind", "5,200,6", "--mission", "hourglass_dubins"],
+    "fixedwing_faults": ["--vehicle", "xflr5_anaconda", "--seed", "9", "--fault", "pitot_blocked@30:20", "--fault", "rc_silence@50:4"],
 }
 
 
@@ -142,7 +142,7 @@ def flattened(value, path: str = ""):
 
 
 def bits(value) -> object:
-    """Equal only for equal bits: tells -0 from 0, and a NaN equals itself."""
+    """Equal only for equal bits: -0 differs from 0, and a NaN equals itself."""
     return struct.pack("<d", value) if isinstance(value, float) else (type(value), value)
 
 
@@ -161,7 +161,7 @@ def common(type_name: str, fields: dict[str, object], old: bool) -> dict[str, ob
 
 
 def first_of_repeats(messages: Iterator[Message]) -> Iterator[Message]:
-    """Of topics that repeat others the first message of every interval; no frames of the link."""
+    """From topics that repeat others, the first message of every interval; no frames of the link."""
     due_ns = dict.fromkeys(REPEATS, 0)
     for message in messages:
         if message.type in (RAW_FRAME, RAW_FRAMES) or message.topic in NEW_TOPICS:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs the stages of ./rosflight test, each in a process of its own, several lanes at once.
 
-The stages of one lane run one after the other. A stage beside others says nothing until it ends: then all it said comes
+The stages of one lane run one after the other. A stage beside others prints nothing until it ends: then all of its output comes
 in one piece. One that crashes, exits or leaves no count is a failure of that stage; the others still run.
 """
 

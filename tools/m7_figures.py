@@ -139,7 +139,7 @@ def fly(*options: str) -> dict:
             [str(program), "fly", "--board", "qemu_m7", "--json", "--out", f"{scratch}/flight", *options],
             cwd=project.ROOT, capture_output=True, text=True, timeout=600, stdin=subprocess.DEVNULL)
     if done.returncode not in (0, 1):
-        raise RuntimeError((done.stderr.strip().splitlines() or ["the flight said nothing"])[-1])
+        raise RuntimeError((done.stderr.strip().splitlines() or ["the flight printed nothing"])[-1])
     return json.loads(done.stdout)
 
 

@@ -32,7 +32,7 @@ class Mutation:
     becomes: str  # ... and what stands in its place
     below: str = ""  # the first such line below this one counts
     test: str = PROPERTIES
-    says: str = ""  # what the failing test must say, such as the name of the invariant
+    says: str = ""  # what the failing test must print, such as the name of the invariant
 
     def apply(self, text: str) -> str:
         """@raise ValueError when the line is not there, or not the only one."""
@@ -98,7 +98,7 @@ def run(command: list[str]) -> subprocess.CompletedProcess:
 
 
 def build_and_run(test: str) -> tuple[bool, str]:
-    """Whether the test of the copy passes, and what it said. @raise RuntimeError when it does not build."""
+    """Whether the test of the copy passes, and its output. @raise RuntimeError when it does not build."""
     built = run(["ninja", "-C", str(COPY / "build/release"), "-j", str(project.jobs()), test])
     if built.returncode != 0:
         raise RuntimeError("does not build: " + " ".join(
@@ -131,11 +131,11 @@ def try_one(mutation: Mutation) -> str:
 
 
 def test(names: list[str] = ()) -> Outcome:
-    """Each chosen mutation counts once. Without one the tests must pass, or failing says nothing."""
+    """Each chosen mutation counts once. Without one the tests must pass, or a failure means nothing."""
     mutations = chosen(list(names))
     copy_tree()
     # For one defect as the tree is built: ccache has all but the files beside it. For many, the fewer files beside each the better.
-    together = "6" if len(mutations) == 1 else "1"
+    together = "9" if len(mutations) == 1 else "1"
     configured = run(["cmake", "--preset", "release", "-DROSFLIGHT_QUICK_BUILD=ON", f"-DROSFLIGHT_FILES_AT_A_TIME={together}",
                       f"-DROSFLIGHT_PARTS={';'.join(PARTS)}"])
     if configured.returncode != 0:

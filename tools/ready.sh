@@ -11,7 +11,7 @@
 #
 # ROSFLIGHT_JOBS limits compilers at work at once, ROSFLIGHT_KEEP_GOING=1 builds on after an error,
 # ROSFLIGHT_PYTHON names the interpreter the environment is made with.
-# Exit code 2: something this script cannot put right by itself; it says what.
+# Exit code 2: something this script cannot put right by itself; it prints what.
 set -euo pipefail
 
 : "${root:=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)}"
@@ -98,7 +98,7 @@ install_packages() {  # NAME...
   "${apt[@]}" update >"$log" 2>&1 || say "apt-get update had trouble, trying on with the old lists"
   if ! "${apt[@]}" install -y --no-install-recommends "$@" >>"$log" 2>&1; then
     tail -n 8 "$log" >&2
-    fail "apt-get could not install the packages; all it said is in $log"
+    fail "apt-get could not install the packages; its output is in $log"
   fi
 }
 
@@ -188,7 +188,7 @@ ready_environment() {  # FOLDER REQUIREMENTS, both from the root
   if ! stoppable "$venv/bin/python3" -m pip install --disable-pip-version-check --no-input --no-compile \
     -r "$requirements" >"$log" 2>&1; then
     tail -n 8 "$log" >&2
-    fail "pip could not install $listed; all it said is in $log"
+    fail "pip could not install $listed; its output is in $log"
   fi
   venv_key "$venv" "$requirements" >"$venv/.stamp.new"
   (cd "$venv"/lib/python3*/site-packages && printf '%s\n' *) >>"$venv/.stamp.new"
@@ -226,7 +226,7 @@ in_web() { (cd "$root/web" && PATH="$root/.venv-web/bin:$PATH" stoppable "$@"); 
 
 web_failed() {  # LOG WHAT
   tail -n 8 "$1" >&2
-  fail "$2; all it said is in $1"
+  fail "$2; the output is in $1"
 }
 
 # ---- build ------------------------------------------------------------------------------------

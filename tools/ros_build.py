@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Builds the packages under ros/ with colcon into build/ros, or tells that nothing changed. With --rclcpp first that, from source."""
+"""Builds the packages under ros/ with colcon into build/ros, or reports that nothing changed. With --rclcpp first that, from source."""
 
 import contextlib
 import fcntl
@@ -17,7 +17,7 @@ from ros_environment import Environment
 
 SOURCES, STAND_INS = "ros", "ros_standin"
 # The stand-ins hold a file COLCON_IGNORE, so that a plain colcon build on a ROS installation never
-# sees them. Without an installation colcon is told to look.
+# sees them. Without an installation colcon has to look for them.
 SEE_STAND_INS = {"COLCON_EXTENSION_BLOCKLIST": "colcon_core.package_identification.ignore"}
 SETTINGS = ("CMakeLists.txt", "CMakePresets.json", "tools/ros_build.py", "tools/ros_environment.py")
 WHEEL_LINKING = "-Wl,--as-needed -Wl,--allow-shlib-undefined"
@@ -40,7 +40,7 @@ def _packages() -> dict[str, str]:
 
 
 def _manifests() -> list[Path]:
-    """Of the packages that colcon finds: it looks for none below another."""
+    """Manifests of the packages that colcon finds: it looks for none below another."""
     found = [path for path in project.own_files() if path.name == "package.xml"
              and path.parts[0] in (SOURCES, STAND_INS)]
     folders = {path.parent for path in found}

@@ -25,7 +25,7 @@ def memory_kB(pid: int) -> int:
 
 
 def link_counters(received: list) -> dict[str, int]:
-    """Of the newest /diagnostics."""
+    """Counters of the newest /diagnostics."""
     values = {entry.key: entry.value for status in received[-1][1].status for entry in status.values}
     return {name: int(values[name]) for name in LINK_COUNTERS}
 

@@ -26,7 +26,7 @@ COLUMNS = ["path", "link", "load", "rate_hz", "sent", "lost", "min", "mean", "st
 
 
 def figures(file: Path) -> dict[str, float]:
-    """Of the round trips in a CSV file, in ms."""
+    """Figures of the round trips in a CSV file, in ms."""
     with file.open() as lines:
         ms = sorted(float(row["round_trip_us"]) / 1000.0 for row in csv.DictReader(lines))
     if not ms:

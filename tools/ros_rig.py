@@ -4,6 +4,7 @@ ros/. Runs inside the ROS environment. Every wait is bounded and far longer than
 
 import csv
 import os
+import random
 import select
 import signal
 import socket
@@ -43,9 +44,18 @@ def table_size():
 
 
 def free_udp_port():
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+    """Below the range of which sockets without a wish get theirs, so that none takes it meanwhile, and not one of DDS, whose domain D
+    uses the first ports from 7400 + 250 D."""
+    while True:
+        port = random.SystemRandom().randrange(20_000, 32_000)
+        if (port - 7400) % 250 < 125:
+            continue
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                probe.bind(("127.0.0.1", port))
+            except OSError:
+                continue
+            return port
 
 
 def write_parameters(file, values):
@@ -127,10 +137,10 @@ class Io:
         return stop(self.process, how)
 
 
-def wait_for(condition, what, tell=lambda: "", timeout_s=TIMEOUT_S):
+def wait_for(condition, what, describe=lambda: "", timeout_s=TIMEOUT_S):
     end = time.monotonic() + timeout_s
     while not condition():
-        assert time.monotonic() < end, f"waited {timeout_s} s for {what}: {tell()}"
+        assert time.monotonic() < end, f"waited {timeout_s} s for {what}: {describe()}"
         time.sleep(0.01)
 
 

@@ -7,8 +7,8 @@ NAME chooses: a stage by its name, and test programs and pytest files by a part 
 structure, build, unit and python: less than five minutes after a build.
 Stages: format, structure, build, unit, mutation, faults, python, web, ros, cortex-m7, sanitizers, ros-sanitizers, fuzz, tidy. Sanitizers
 and clang-tidy look at what flies and at whole flights; sanitizers-rest, tidy-rest and tidy-ros (simulation, programs,
-tests, ROS nodes) run when named: they take as long as all others together. The stage faults flies a quarter of the fault campaign and
-300 seeds in gusts.
+tests, ROS nodes) run when named: they take as long as all others together. So does web-rest: calibrations in the browser that take over
+a minute of real time, and the page used by touch. The stage faults flies a quarter of the fault campaign and 300 seeds in gusts.
 
 Stages that run in real time (python, ros, ros-sanitizers) run beside those that compute, which have the lowest priority.
 The output of a stage is printed when it ends. The table gives wall time and processor time of each stage.
@@ -17,6 +17,7 @@ The output of a stage is printed when it ends. The table gives wall time and pro
 sees it; NAME is a part of the names there. The stage mutation does one of them.
 """
 
+import difflib
 import os
 import sys
 
@@ -43,11 +44,12 @@ STAGES = {
     "fuzz": Stage(stages.fuzz, COMPUTES),
     "sanitizers": Stage(stages.sanitizers, COMPUTES),
     "tidy": Stage(stages.tidy_product, COMPUTES),
+    "web-rest": Stage(stages.web_rest, WAITS),
     "sanitizers-rest": Stage(stages.sanitizers_rest, COMPUTES),
     "tidy-rest": Stage(stages.tidy_rest, COMPUTES),
     "tidy-ros": Stage(stages.tidy_ros, COMPUTES),
 }
-ON_REQUEST = {"sanitizers-rest", "tidy-rest", "tidy-ros"}
+ON_REQUEST = {"web-rest", "sanitizers-rest", "tidy-rest", "tidy-ros"}
 QUICK = ("format", "structure", "build", "unit", "python")
 
 
@@ -66,8 +68,9 @@ def chosen_stages(names: list[str]) -> list[tuple[str, Stage]]:
         ros_parts = [part for part in parts if any(part in str(file) for file in ros_test.files())]
         for part in parts:
             if not any(part in known for known in [*binaries, *map(str, files), *ros_parts]):
-                raise ValueError(f"no stage, test program or pytest file matches '{part}'; test "
-                                 f"programs: {', '.join(stages.test_names())}")
+                near = difflib.get_close_matches(part, stages.test_names(), n=4, cutoff=0.3)
+                raise ValueError(f"found {part}, allowed a stage ({', '.join(STAGES)}), or a part of the name of a test "
+                                 f"program or pytest file, as {', '.join(near or stages.test_names()[:4])}")
         if binaries:
             chosen.append(("unit", Stage(lambda: stages.unit_tests(binaries))))
         if files:

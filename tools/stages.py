@@ -185,12 +185,12 @@ def unit_tests(names: list[str] | None = None) -> Outcome:
 def sanitizers() -> Outcome:
     """Tests of what flies and whole flights under address and undefined-behaviour sanitizers; each program counts
     once."""
-    return _sanitized(lambda folder: folder in FLIES | {"apps", "flight"})
+    return _sanitized(lambda folder: folder in FLIES | {"apps", "flight", "viewer"})
 
 
 def sanitizers_rest() -> Outcome:
     """The other tests under sanitizers."""
-    return _sanitized(lambda folder: folder not in FLIES | {"apps", "flight"})
+    return _sanitized(lambda folder: folder not in FLIES | {"apps", "flight", "viewer"})
 
 
 def _sanitized(wanted) -> Outcome:
@@ -229,6 +229,11 @@ def ros_sanitizers() -> Outcome:
 def web_tests() -> Outcome:
     """The browser's page: types, reader of logs, views in a headless browser."""
     return web_test.run()
+
+
+def web_rest() -> Outcome:
+    """Calibrations that a person does, over a minute of real time each, and the page used by touch."""
+    return web_test.run("test/*.browser.test.ts", ROSFLIGHT_WEB_LONG="1")
 
 
 # ---- the fault campaign -------------------------------------------------------------------------

@@ -16,16 +16,18 @@ PROGRAMS = ROOT / "build/release/apps"
 FLIGHTS = {"MULTIROTOR": [], "FIXED_WING": ["--vehicle", "anaconda", "--mission", "circuit"]}
 
 
-def run() -> Outcome:
-    """Each test counts, and the check of the types as one."""
+def run(files: str = "test/*.test.ts", **variables: str) -> Outcome:
+    """Each test counts, and the check of the types as one. ROSFLIGHT_WEB_LONG=1: those that take minutes too."""
     made = subprocess.run(["bash", str(ROOT / "tools/ready.sh"), "web", "test"], stdout=subprocess.DEVNULL)
-    if made.returncode or not project.build("release", "rosflight", "rosflight_tools", "rosflight_view"):
+    venv = subprocess.run(["bash", str(ROOT / "tools/ready.sh"), "venv"], stdout=subprocess.DEVNULL)
+    programs = ["rosflight", "rosflight_tools", "rosflight_view", "rosflight_mavlink_python"]
+    if made.returncode or venv.returncode or not project.build("release", *programs):
         return Outcome(failed=1, complaints=["the page or the programs cannot be built"])
     types = _node("npx", "--no-install", "tsc", "-p", ".")
     checked = Outcome(int(types.returncode == 0), int(types.returncode != 0), types.stdout.splitlines() if types.returncode else [])
     with tempfile.TemporaryDirectory(prefix="rosflight_web_") as folder:
         flights = {f"ROSFLIGHT_WEB_{name}": str(_fly(Path(folder) / name, options)) for name, options in FLIGHTS.items()}
-        tests = _node("node", "--test", "--test-reporter=tap", "--test-concurrency=2", "test/*.test.ts", **flights)
+        tests = _node("node", "--test", "--test-reporter=tap", "--test-concurrency=2", files, **flights, **variables)
     print("".join(f"   {line[2:]}\n" for line in tests.stdout.splitlines() if line.startswith("# web.")), end="")
     counts = {name: int(number) for name, number in re.findall(r"^# (pass|fail|cancelled) (\d+)$", tests.stdout, re.M)}
     failed = counts.get("fail", 0) + counts.get("cancelled", 0)
@@ -38,7 +40,8 @@ def run() -> Outcome:
 def _node(*command: str, **variables: str) -> subprocess.CompletedProcess:
     environment = {**os.environ, **variables, "PATH": f"{ROOT}/.venv-web/bin:{os.environ['PATH']}",
                    "ROSFLIGHT_WEB_PAGE": str(PAGE), "ROSFLIGHT_WEB_VIEW": str(PROGRAMS / "rosflight_view"),
-                   "ROSFLIGHT_WEB_FLY": str(PROGRAMS / "rosflight"), "ROSFLIGHT_WEB_SIL": str(PROGRAMS / "rosflight_tools")}
+                   "ROSFLIGHT_WEB_FLY": str(PROGRAMS / "rosflight"), "ROSFLIGHT_WEB_SIL": str(PROGRAMS / "rosflight_tools"),
+                   "ROSFLIGHT_WEB_PYTHON": str(ROOT / ".venv/bin/python")}
     return subprocess.run(command, cwd=ROOT / "web", env=environment, capture_output=True, text=True)
 
 

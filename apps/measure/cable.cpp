@@ -58,12 +58,12 @@ class Cable {
   }
 
   void summarise() const {
-    const auto tell = [](const char* name, const sim::SerialLine::Counters& c) {
+    const auto line_of = [](const char* name, const sim::SerialLine::Counters& c) {
       return fmt::format("{} {} bytes, {} corrupted, {} frames dropped", name, c.bytes_sent,
                          c.bytes_corrupted, c.frames_dropped[sim::SerialLine::kOrdinary]);
     };
-    std::cerr << fmt::format("cable: {}; {}\n", tell("to board", to_board_.counters()),
-                             tell("to companion", to_companion_.counters()));
+    std::cerr << fmt::format("cable: {}; {}\n", line_of("to board", to_board_.counters()),
+                             line_of("to companion", to_companion_.counters()));
   }
 
  private:

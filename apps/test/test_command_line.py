@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What ./rosflight says about itself, and about what it was asked for."""
+"""What ./rosflight prints about itself, and about what was requested."""
 import csv
 import json
 import os
@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PROGRAM = Path(os.environ.get("ROSFLIGHT_BUILD", ROOT / "build" / "release")) / "apps" / "rosflight"
-COMMANDS = ["fly", "view", "replay", "sil", "mixer", "trim", "params", "calibrate", "monitor", "preflight"]
+COMMANDS = ["fly", "view", "replay", "sil", "mixer", "trim", "params", "calibrate", "monitor", "preflight", "blackbox"]
 
 
 @pytest.fixture(scope="module")

@@ -37,7 +37,7 @@ def test_every_command_of_the_help_is_offered():
     assert offered("mo") == {"monitor"}
 
 
-@pytest.mark.parametrize("command", ["fly", "sil", "replay", "params", "calibrate", "monitor", "preflight"])
+@pytest.mark.parametrize("command", ["fly", "sil", "replay", "params", "calibrate", "monitor", "preflight", "blackbox"])
 def test_every_option_of_a_command_is_offered(command):
     text = (ROOT / f"apps/help/{command}.txt").read_text()
     options = {word.strip(",") for line in text.splitlines() if line.lstrip().startswith("-")

@@ -18,7 +18,7 @@ enum class BatteryLevel : std::uint8_t {
 struct BatteryConfig {
   double cells{};           ///< In series; 0: voltages are not judged.
   double capacity_Ah{};     ///< 0: the charge is not judged.
-  double resistance_ohm{};  ///< Of the pack.
+  double resistance_ohm{};  ///< Resistance of the whole pack.
   double warn_cell_V{3.75};
   double return_cell_V{3.72};
   double land_cell_V{3.63};

@@ -22,7 +22,7 @@ struct Fence {
 
 /// What battery and fence ask of a flight, for multirotor and fixed wing alike:
 ///
-///     battery low               says so
+///     battery low               reports it
 ///     battery at its return     returns and lands
 ///     battery at its landing    lands
 ///     outside of the fence      returns and lands

@@ -12,7 +12,7 @@ struct FlightProgress {
   bool mission_done{};     ///< The last waypoint was passed.
   bool landed{};           ///< Once in this flight.
   bool request_disarm{};   ///< It stands after the landing.
-  FlightEvents events{};   ///< Of this step.
+  FlightEvents events{};   ///< Events of this step.
 };
 
 }  // namespace rosflight::autonomy

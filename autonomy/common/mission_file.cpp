@@ -142,7 +142,7 @@ Vector3 waypoint_position(const Section& wp, const MissionArea& area,
   Vector3 p_W{w[0], w[1], w[2]};
   if (geodetic) {
     if (!origin)
-      throw wp.error(key, "true", "false, because the start has no known place on earth");
+      throw wp.error(key, "true", "false, because the start has no known position on earth");
     if (std::abs(w[0]) > 90.0)
       throw wp.error("w", "latitude " + number_text(w[0]), "-90 to 90 deg");
     if (std::abs(w[1]) > 180.0)
@@ -153,7 +153,7 @@ Vector3 waypoint_position(const Section& wp, const MissionArea& area,
   }
   const double distance_m = std::hypot(p_W.x(), p_W.y());
   if (!(distance_m <= area.max_distance_m)) {
-    throw wp.error("w", "a place " + number_text(std::round(distance_m)) + " m from the start",
+    throw wp.error("w", "a position " + number_text(std::round(distance_m)) + " m from the start",
                    "at most " + number_text(area.max_distance_m) + " m");
   }
   const double height_m = -p_W.z();
@@ -168,7 +168,7 @@ Vector3 waypoint_position(const Section& wp, const MissionArea& area,
 void check_fence(const Section& wp, const std::optional<Fence>& fence, const Vector3& p_W) {
   if (!fence || fence->holds(p_W)) return;
   throw wp.error("w",
-                 "a place " + number_text(std::round(p_W.head<2>().norm())) +
+                 "a position " + number_text(std::round(p_W.head<2>().norm())) +
                      " m from the start, " + number_text(std::round(-p_W.z())) + " m high",
                  "inside of the fence: " + number_text(fence->radius_m) + " m and " +
                      number_text(fence->height_m) + " m");

@@ -19,8 +19,7 @@ double standard_density_kg_m3(double pressure_Pa) {
 
 }  // namespace
 
-template <bool kWing>
-void AidFusion<kWing>::reset() {
+void AidFusion::reset() {
   filter_ = Filter{};
   ground_up_m_ = 0.0;
   jump_ = {};
@@ -37,9 +36,8 @@ void AidFusion<kWing>::reset() {
   health_ = {};
 }
 
-template <bool kWing>
-void AidFusion<kWing>::start(double t_s, const NominalState& state, const Covariance& covariance,
-                             double pressure_Pa) {
+void AidFusion::start(double t_s, const NominalState& state, const Covariance& covariance,
+                      double pressure_Pa) {
   t_s_ = t_s;
   filter_ = Filter{};
   filter_.state() = state;
@@ -49,8 +47,7 @@ void AidFusion<kWing>::start(double t_s, const NominalState& state, const Covari
   health_.initialised = true;
 }
 
-template <bool kWing>
-void AidFusion<kWing>::predict(const ImuBuffer::Segment& segment) {
+void AidFusion::predict(const ImuBuffer::Segment& segment) {
   const ImuIncrement u = segment.unknown
                              ? Filter::steady(filter_.state(), segment.u.dt_s, config_.gravity_m_s2)
                              : segment.u;
@@ -93,14 +90,12 @@ void AidFusion<kWing>::predict(const ImuBuffer::Segment& segment) {
   health_.bridging = true;
 }
 
-template <bool kWing>
 template <int kRows>
-bool AidFusion<kWing>::weigh(Aid aid, const Filter::Residual<kRows>& residual, double gate_sigma) {
+bool AidFusion::weigh(Aid aid, const Filter::Residual<kRows>& residual, double gate_sigma) {
   return note(aid, filter_.correct(residual, gate_sigma), kRows);
 }
 
-template <bool kWing>
-bool AidFusion<kWing>::note(Aid aid, const Filter::Verdict& verdict, int rows) {
+bool AidFusion::note(Aid aid, const Filter::Verdict& verdict, int rows) {
   AidHealth& health = health_.of(aid);
   health.nis = verdict.nis / rows;
   if (verdict.accepted) {
@@ -117,14 +112,12 @@ bool AidFusion<kWing>::note(Aid aid, const Filter::Verdict& verdict, int rows) {
   return verdict.accepted;
 }
 
-template <bool kWing>
-void AidFusion<kWing>::fuse(const AidSample& sample, double newest_s) {
+void AidFusion::fuse(const AidSample& sample, double newest_s) {
   newest_s_ = newest_s;
   std::visit([this](const auto& s) { this->fuse(s); }, sample);
 }
 
-template <bool kWing>
-void AidFusion<kWing>::fuse(const GnssSample& sample) {
+void AidFusion::fuse(const GnssSample& sample) {
   if (!reference_.origin) {  // started without a fix: the fix is at the position of the filter
     const Vector3 p_W = filter_.state().p_W + filter_.state().q_WB * gnss_lever();
     reference_.origin = moved(sample.position, -p_W);
@@ -151,8 +144,7 @@ void AidFusion<kWing>::fuse(const GnssSample& sample) {
   jump_.t_s = t_s_;
 }
 
-template <bool kWing>
-Vector2 AidFusion<kWing>::unshown_jump_W(double t_s) const {
+Vector2 AidFusion::unshown_jump_W(double t_s) const {
   const double size_m = jump_.moved_W.norm();
   constexpr double kMax_s = 5.0;
   const double speed_m_s = std::max(config_.jump_speed_m_s, size_m / kMax_s);
@@ -163,8 +155,7 @@ Vector2 AidFusion<kWing>::unshown_jump_W(double t_s) const {
 
 /// Innovations of the velocity by their standard deviations, two sigmas of what is always off to one side
 /// counted in: a fault of the IMU is more than that.
-template <bool kWing>
-Vector3 AidFusion<kWing>::doubtful_velocity(const Vector3& residual) const {
+Vector3 AidFusion::suspect_velocity(const Vector3& residual) const {
   constexpr double kSigmas = 2.0;
   const Vector3 variance = filter_.covariance().diagonal().segment<3>(Filter::kVelocity) +
                            Vector3::Constant(gnss_velocity_variance(kSigmas));
@@ -172,11 +163,10 @@ Vector3 AidFusion<kWing>::doubtful_velocity(const Vector3& residual) const {
 }
 
 /// Whether normalised innovations of the velocity have kept their sign for some time.
-template <bool kWing>
-bool AidFusion<kWing>::velocity_is_off(const Vector3& doubtful) {
+bool AidFusion::velocity_is_off(const Vector3& suspect) {
   bool off = false;
   for (int k = 0; k < 3; ++k) {
-    const bool axis_off = velocity_means_[static_cast<std::size_t>(k)].exceeded(doubtful(k));
+    const bool axis_off = velocity_means_[static_cast<std::size_t>(k)].exceeded(suspect(k));
     off = off || axis_off;
   }
   return off;
@@ -184,8 +174,7 @@ bool AidFusion<kWing>::velocity_is_off(const Vector3& doubtful) {
 
 /// Besides the noise: the antenna is not just where the configuration has it, nor the fix of just that
 /// instant, so turning and accelerating add to it, here as many sigmas of both.
-template <bool kWing>
-double AidFusion<kWing>::gnss_velocity_variance(double sigmas) const {
+double AidFusion::gnss_velocity_variance(double sigmas) const {
   const NominalState& x = filter_.state();
   const Vector3 gravity_W(0.0, 0.0, config_.gravity_m_s2);
   const double by_turning =
@@ -196,15 +185,14 @@ double AidFusion<kWing>::gnss_velocity_variance(double sigmas) const {
   return noise * noise + by_turning * by_turning + by_accelerating * by_accelerating;
 }
 
-template <bool kWing>
-void AidFusion<kWing>::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
+void AidFusion::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
   const auto square = [](double x) { return x * x; };
   constexpr double kGap_s = 1.0;
   if (t_s_ - health_.of(Aid::kGnssVelocity).last_accepted_s > kGap_s) settled_since_s_ = 1e9;
   auto velocity = Filter::gnss_velocity(filter_.state(), sample.v_W_m_s, gnss_lever(), w_raw_B_);
   velocity.R = gnss_velocity_variance(1.0) * Matrix3::Identity();
-  const Vector3 doubtful = doubtful_velocity(velocity.nu);
-  const bool drifts = velocity_is_off(doubtful);
+  const Vector3 suspect = suspect_velocity(velocity.nu);
+  const bool drifts = velocity_is_off(suspect);
   const bool velocity_ok = weigh<3>(Aid::kGnssVelocity, velocity, config_.gate_sigma);
 
   auto horizontal = Filter::gnss_position(filter_.state(), p_W, gnss_lever()).template rows<2>(0);
@@ -217,8 +205,8 @@ void AidFusion<kWing>::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
   static_cast<void>(weigh<1>(Aid::kGnssAltitude, altitude, config_.gate_sigma));
 
   const AidHealth& of_velocity = health_.of(Aid::kGnssVelocity);
-  if (velocity_monitor_.exceeded(doubtful.squaredNorm() / 3.0) ||
-      of_velocity.rejecting_for_s() > config_.gnss_doubt_s) {
+  if (velocity_monitor_.exceeded(suspect.squaredNorm() / 3.0) ||
+      of_velocity.rejecting_for_s() > config_.gnss_rejected_s) {
     widen_imu_errors(kLargeFault);
     if (!velocity_ok) {  // it was not used yet
       static_cast<void>(filter_.correct(velocity, config_.gate_sigma));
@@ -246,8 +234,7 @@ void AidFusion<kWing>::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
 /// they should be: R. K. Mehra, "On the identification of variances and adaptive Kalman filtering",
 /// IEEE Trans. Automatic Control 15, 1970, in its simplest form. Without GNSS a wrong tilt looks like
 /// a gust, without a magnetometer a wrong heading: then what was learned stays.
-template <bool kWing>
-void AidFusion<kWing>::learn_gusts(double nis) {
+void AidFusion::learn_gusts(double nis) {
   if (dead_reckoning() || silent(Aid::kHeading)) return;
   constexpr double kShare = 0.02;
   constexpr double kMaxNis = 9.0;
@@ -257,8 +244,7 @@ void AidFusion<kWing>::learn_gusts(double nis) {
 }
 
 /// A gust has taken the pitot out of its gate, and the wind with it: both are let in again.
-template <bool kWing>
-void AidFusion<kWing>::widen_wind(double gust_m_s) {
+void AidFusion::widen_wind(double gust_m_s) {
   filter_.covariance().template block<2, 2>(Filter::kWind, Filter::kWind) +=
       gust_m_s * gust_m_s * Eigen::Matrix2d::Identity();
   wind_noise_m_s_rts_ = max_wind_noise_m_s_rts();
@@ -266,49 +252,43 @@ void AidFusion<kWing>::widen_wind(double gust_m_s) {
   ++health_.wind_relearned;
 }
 
-template <bool kWing>
-bool AidFusion<kWing>::off_the_ground() const {
+bool AidFusion::off_the_ground() const {
   constexpr double kClear_m = 0.3;
   constexpr double kClearOfRunway_m = 1.5;
   const double above_m = -filter_.state().p_W.z() - ground_up_m_ - config_.height_at_rest_m;
-  return above_m > (kWing ? kClearOfRunway_m : kClear_m);
+  return above_m > (fixed_wing() ? kClearOfRunway_m : kClear_m);
 }
 
-template <bool kWing>
-bool AidFusion<kWing>::dead_reckoning() const {
+bool AidFusion::dead_reckoning() const {
   constexpr double kGap_s = 0.5;
   return t_s_ - health_.of(Aid::kGnssVelocity).last_accepted_s > kGap_s;
 }
 
 /// Nothing of this aid was used for a while.
-template <bool kWing>
-bool AidFusion<kWing>::silent(Aid aid) const {
+bool AidFusion::silent(Aid aid) const {
   constexpr double kGap_s = 1.0;
   return t_s_ - health_.of(aid).last_accepted_s > kGap_s;
 }
 
 /// After a long hole the attitude and the velocity are too far off for what is linear in both: GNSS
 /// comes first, if it comes soon.
-template <bool kWing>
-bool AidFusion<kWing>::waits_for_gnss() const {
+bool AidFusion::waits_for_gnss() const {
   constexpr double kSoon_s = 1.0;
   return health_.bridging && t_s_ - long_hole_end_s_ < kSoon_s;
 }
 
 /// The mean specific force at the body's origin: that at the IMU less what turning adds to it there.
-template <bool kWing>
-Vector3 AidFusion<kWing>::force_at_origin() const {
+Vector3 AidFusion::force_at_origin() const {
   const Vector3& r_B = config_.imu_position_B;
   const Vector3 w_B = 0.5 * (force_.w_start_B + w_raw_B_) - filter_.state().gyro_bias_B;
   const Vector3 angular_B = (w_raw_B_ - force_.w_start_B) / force_.dt_s;
   return force_.dv_B / force_.dt_s - angular_B.cross(r_B) - w_B.cross(w_B.cross(r_B));
 }
 
-/// A wing hardly slips: the scale of its side force would be learned from noise. It is a "consider" state, as
+/// A fixed wing hardly slips: the scale of its side force would be learned from noise. It is a "consider" state, as
 /// those of correct_heading(): its variance counts, and it is not corrected. Besides, rudder, ailerons and
 /// turning add a lateral force, which the model leaves out.
-template <bool kWing>
-void AidFusion<kWing>::consider_air_scale(Filter::Residual<1>& residual) const {
+void AidFusion::consider_air_scale(Filter::Residual<1>& residual) const {
   const Eigen::RowVector2d by_scale = residual.H.segment<2>(Filter::kAirScale);
   residual.H.segment<2>(Filter::kAirScale).setZero();
   const auto P = filter_.covariance().template block<2, 2>(Filter::kAirScale, Filter::kAirScale);
@@ -317,9 +297,8 @@ void AidFusion<kWing>::consider_air_scale(Filter::Residual<1>& residual) const {
   residual.R(0) += (by_scale * P * by_scale.transpose())(0) + by_turning * by_turning;
 }
 
-/// The specific force along body x and y (rotors) or y (wing), averaged over an interval.
-template <bool kWing>
-void AidFusion<kWing>::fuse_air_force(const ImuBuffer::Segment& segment) {
+/// The specific force along body x and y (rotors) or y (fixed wing), averaged over an interval.
+void AidFusion::fuse_air_force(const ImuBuffer::Segment& segment) {
   force_.dv_B += segment.u.dv_B;
   force_.dt_s += segment.u.dt_s;
   if (force_.dt_s < config_.air_force_interval_s) return;
@@ -328,12 +307,12 @@ void AidFusion<kWing>::fuse_air_force(const ImuBuffer::Segment& segment) {
   if (!off_the_ground() || waits_for_gnss()) return;
   const NominalState& x = filter_.state();
   const double thrust_m_s2 = std::max(0.0, x.accel_bias_B.z() - force_B.z());
-  for (int axis = kWing ? 1 : 0; axis < 2; ++axis) {
+  for (int axis = fixed_wing() ? 1 : 0; axis < 2; ++axis) {
     const AirForce model = config_.air.along(axis, thrust_m_s2, density_kg_m3_);
     if (model.linear_1_s <= 0.0 && model.quadratic_1_m <= 0.0) continue;
     auto residual = Filter::air_force(filter_.state(), axis, force_B(axis), model);
     residual.R(0) = config_.air_force_sigma_m_s2 * config_.air_force_sigma_m_s2;
-    if (kWing) consider_air_scale(residual);
+    if (fixed_wing()) consider_air_scale(residual);
     const bool accepted = weigh<1>(Aid::kSideslip, residual, config_.gate_sigma);
     if (accepted) learn_gusts(health_.of(Aid::kSideslip).nis);
     const double size = std::sqrt(health_.of(Aid::kSideslip).nis);
@@ -345,13 +324,12 @@ void AidFusion<kWing>::fuse_air_force(const ImuBuffer::Segment& segment) {
       widen_heading();
     }
   }
-  if (kWing && silent(Aid::kPitot)) fuse_lift(force_B.z());
+  if (fixed_wing() && silent(Aid::kPitot)) fuse_lift(force_B.z());
 }
 
-/// The specific force of the lift, for the airspeed where no pitot tells it. Vertical gusts, which the
+/// The specific force of the lift, for the airspeed where no pitot measures it. Vertical gusts, which the
 /// filter has no state for, are its noise.
-template <bool kWing>
-void AidFusion<kWing>::fuse_lift(double force_m_s2) {
+void AidFusion::fuse_lift(double force_m_s2) {
   constexpr double kSigma_m_s2 = 2.0;
   constexpr double kByGusts_rts_s = 3.0;
   const LiftModel& lift = config_.air.lift;
@@ -364,8 +342,7 @@ void AidFusion<kWing>::fuse_lift(double force_m_s2) {
   static_cast<void>(filter_.correct(residual, config_.gate_sigma));
 }
 
-template <bool kWing>
-void AidFusion<kWing>::fuse(const BaroSample& sample) {
+void AidFusion::fuse(const BaroSample& sample) {
   density_kg_m3_ = standard_density_kg_m3(sample.pressure_Pa);
   if (waits_for_gnss()) return;  // it may have jumped unseen, and the altitude would follow it
   const double height_m = standard_height_m(sample.pressure_Pa) - origin_pressure_height_m_;
@@ -384,8 +361,7 @@ void AidFusion<kWing>::fuse(const BaroSample& sample) {
   ++health_.baro_relearned;
 }
 
-template <bool kWing>
-void AidFusion<kWing>::fuse(const RangeSample& sample) {
+void AidFusion::fuse(const RangeSample& sample) {
   const NominalState& x = filter_.state();
   const double cosine = (x.q_WB * Vector3::UnitZ()).z();
   if (cosine < std::cos(config_.range_max_tilt_rad)) return;
@@ -400,9 +376,8 @@ void AidFusion<kWing>::fuse(const RangeSample& sample) {
   ++health_.ground_relearned;
 }
 
-template <bool kWing>
-void AidFusion<kWing>::fuse(const PitotSample& sample) {
-  if constexpr (kWing) {
+void AidFusion::fuse(const PitotSample& sample) {
+  if (fixed_wing()) {
     const NominalState& x = filter_.state();
     const Vector3 wind_W(x.wind_W.x(), x.wind_W.y(), 0.0);
     const double forward_m_s = (x.q_WB.conjugate() * (x.v_W - wind_W)).x();
@@ -426,22 +401,17 @@ void AidFusion<kWing>::fuse(const PitotSample& sample) {
   }
 }
 
-template <bool kWing>
-void AidFusion<kWing>::fuse(const SideslipSample& sample) {
+void AidFusion::fuse(const SideslipSample& sample) {
   if (waits_for_gnss()) return;
   auto residual = Filter::sideslip(filter_.state(), sample.v_air_y_m_s);
   residual.R(0) = config_.sideslip_sigma_m_s * config_.sideslip_sigma_m_s;
   static_cast<void>(weigh<1>(Aid::kSideslip, residual, config_.gate_sigma));
 }
 
-template <bool kWing>
-void AidFusion<kWing>::fuse_rest() {
+void AidFusion::fuse_rest() {
   auto residual = Filter::velocity(filter_.state(), Vector3::Zero());
   residual.R = config_.rest_sigma_m_s * config_.rest_sigma_m_s * Matrix3::Identity();
   static_cast<void>(weigh<3>(Aid::kRest, residual, config_.gate_sigma));
 }
-
-template class AidFusion<false>;
-template class AidFusion<true>;
 
 }  // namespace rosflight::autonomy::estimation

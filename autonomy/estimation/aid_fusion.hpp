@@ -62,7 +62,7 @@ class InnovationMean {
 
 /// What positions and headings refer to; unknown until the first fix.
 struct Reference {
-  std::optional<Geodetic> origin;         ///< Of W.
+  std::optional<Geodetic> origin;         ///< Position of the origin of W.
   std::optional<double> declination_rad;  ///< Magnetic north, east of true north.
 };
 
@@ -79,7 +79,7 @@ inline Geodetic moved(const Geodetic& from, const Vector3& by_W) {
 ///
 /// | aid | rejected for | recovery |
 /// |---|---|---|
-/// | GNSS velocity | gnss_doubt_s | biases of the IMU and what they have led to are widened |
+/// | GNSS velocity | gnss_rejected_s | biases of the IMU and what they have led to are widened |
 /// | GNSS position, velocity | gnss_reset_s | horizontal position and velocity are reset to GNSS |
 /// | GNSS position alone | gnss_jump_s | its slow error is set so that the residual is zero |
 /// | barometer | baro_relearn_s | its bias is set so that the residual is zero |
@@ -87,21 +87,21 @@ inline Geodetic moved(const Geodetic& from, const Vector3& by_W) {
 /// | pitot | pitot_relearn_s | the wind is widened by the residual, unless the tube is blocked |
 /// | range | range_relearn_s | the altitude of the ground is set so that the residual is zero |
 ///
-/// Before a gate closes, the innovations tell: where their mean square over some samples
+/// Before a gate closes, the innovations show a fault: where their mean square over some samples
 /// or their mean in their sign exceeds what the covariance allows, a bias of the IMU has jumped and
 /// its variance is widened. Velocity of GNSS, specific force of the air (without GNSS) and heading
 /// are watched. A heading that moves as no gyro does is the magnetometer's fault.
 ///
 /// Everything is fused at time_s(), which predict() moves on; the Estimator around it
 /// (estimator.hpp) brings the samples into order of time. Fixed size, no heap, no clock.
-template <bool kWing>
 class AidFusion {
  public:
   using Filter = ErrorStateEkf;
   using Covariance = Filter::Covariance;
 
   /// Takes a copy of the configuration.
-  explicit AidFusion(const EstimatorConfig& config) : config_{config} {}
+  AidFusion(const EstimatorConfig& config, Airframe airframe)
+      : config_{config}, airframe_{airframe} {}
 
   /// Discards the state, and the record but for the count of restarts. Origin, declination stay.
   void reset();
@@ -135,9 +135,10 @@ class AidFusion {
   /// The part of a late correction of the position that the output does not show yet at t_s [m].
   Vector2 unshown_jump_W(double t_s) const;
 
-  double time_s() const { return t_s_; }  ///< Of the filter's state.
+  double time_s() const { return t_s_; }  ///< Time of the filter's state.
   const Filter& filter() const { return filter_; }
   const EstimatorConfig& config() const { return config_; }
+  bool fixed_wing() const { return airframe_ == Airframe::kFixedWing; }
   Reference& reference() { return reference_; }
   const Reference& reference() const { return reference_; }
   /// The record of all aids; the Estimator adds its own counts.
@@ -183,8 +184,8 @@ class AidFusion {
   static constexpr ImuFault kSmallFault{0.05, 0.3, 1.0};
   static constexpr ImuFault kDeadReckonedFault{0.05, 0.3, 1.5};
   void widen_imu_errors(const ImuFault& fault);
-  Vector3 doubtful_velocity(const Vector3& residual) const;
-  bool velocity_is_off(const Vector3& doubtful);
+  Vector3 suspect_velocity(const Vector3& residual) const;
+  bool velocity_is_off(const Vector3& suspect);
   void widen_heading();
   bool height_drifts(const Filter::Residual<1>& residual);
   void widen_vertical();
@@ -194,6 +195,7 @@ class AidFusion {
   Vector3 gnss_lever() const { return config_.gnss_position_B - config_.imu_position_B; }
 
   EstimatorConfig config_;
+  Airframe airframe_;
   Filter filter_;
   double t_s_{};
   double newest_s_{};
@@ -217,7 +219,7 @@ class AidFusion {
   } force_;
   /// The magnetometer, and whether it or the gyro is wrong where they disagree.
   struct {
-    double residual_rad{};  ///< Of the last heading that was used, and its time.
+    double residual_rad{};  ///< Residual of the last heading that was used.
     double t_s{-1e9};
     bool jumped{};                 ///< The heading moved as no gyro does: it is the magnetometer.
     int fitting{};                 ///< Samples in a row that fit, while none is used.
@@ -227,7 +229,7 @@ class AidFusion {
   } heading_;
   /// The barometer, and whether it or the accelerometer is wrong where they disagree.
   struct {
-    double residual_m{};  ///< Of the last altitude that was used, and its time.
+    double residual_m{};  ///< Residual of the last altitude that was used.
     double t_s{-1e9};
     bool jumped{};  ///< The altitude moved as no accelerometer does: it is the barometer.
     double widened_s{-1e9};
@@ -248,8 +250,5 @@ class AidFusion {
   } good_;
   EstimatorHealth health_;
 };
-
-extern template class AidFusion<false>;
-extern template class AidFusion<true>;
 
 }  // namespace rosflight::autonomy::estimation

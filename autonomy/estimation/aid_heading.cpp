@@ -8,8 +8,7 @@
 
 namespace rosflight::autonomy::estimation {
 
-template <bool kWing>
-void AidFusion<kWing>::fuse(const MagSample& sample) {
+void AidFusion::fuse(const MagSample& sample) {
   if (!reference_.declination_rad) return;
   auto residual =
       Filter::magnetic_heading(filter_.state(), sample.field_T, *reference_.declination_rad);
@@ -26,14 +25,12 @@ void AidFusion<kWing>::fuse(const MagSample& sample) {
   if (heading_drifts(residual, fits)) widen_heading();
 }
 
-template <bool kWing>
-double AidFusion<kWing>::vertical_field_T(const Vector3& field_B) const {
+double AidFusion::vertical_field_T(const Vector3& field_B) const {
   const NominalState& x = filter_.state();
   return (x.q_WB * (field_B - x.mag_bias_B)).z();
 }
 
-template <bool kWing>
-void AidFusion<kWing>::learn_vertical_field(const Vector3& field_B) {
+void AidFusion::learn_vertical_field(const Vector3& field_B) {
   constexpr double kShare = 0.01;
   const double down_T = vertical_field_T(field_B);
   heading_.down_T = heading_.down_T.value_or(down_T);
@@ -43,8 +40,7 @@ void AidFusion<kWing>::learn_vertical_field(const Vector3& field_B) {
 /// Whether the vertical part of the field is as it was: it does not depend on the heading, so a gyro
 /// that is wrong about the vertical leaves it, while a magnetometer that is turned or beside new
 /// iron changes it as soon as the vehicle tilts.
-template <bool kWing>
-bool AidFusion<kWing>::field_fits(const Vector3& field_B) const {
+bool AidFusion::field_fits(const Vector3& field_B) const {
   if (!heading_.down_T) return true;
   constexpr double kTilt_rad = 0.02;  // times the horizontal field
   const double level_T = (filter_.state().q_WB * field_B).head<2>().norm();
@@ -56,8 +52,7 @@ bool AidFusion<kWing>::field_fits(const Vector3& field_B) const {
 
 /// The gate of a heading: none passes that does not fit; after a refusal of some time, only once
 /// several in a row have fitted, since that of a wrong magnetometer passes the right one in turns.
-template <bool kWing>
-double AidFusion<kWing>::heading_gate(const Filter::Residual<1>& residual, bool fits) {
+double AidFusion::heading_gate(const Filter::Residual<1>& residual, bool fits) {
   constexpr double kRefused_s = 0.3;
   constexpr int kEnough = 20;
   const AidHealth& health = health_.of(Aid::kHeading);
@@ -74,8 +69,7 @@ double AidFusion<kWing>::heading_gate(const Filter::Residual<1>& residual, bool 
 
 /// Whether the heading drifts away from that of the magnetometer as with a gyro that is wrong by up
 /// to kGyroStepLimit_rad_s, counted from the last heading that was used.
-template <bool kWing>
-bool AidFusion<kWing>::heading_drifts(const Filter::Residual<1>& residual, bool fits) {
+bool AidFusion::heading_drifts(const Filter::Residual<1>& residual, bool fits) {
   constexpr double kSigmas = 4.0;
   const AidHealth& health = health_.of(Aid::kHeading);
   if (!health.rejecting) {
@@ -102,8 +96,7 @@ bool AidFusion<kWing>::heading_drifts(const Filter::Residual<1>& residual, bool 
 }
 
 /// The heading drifts: widens it and the gyro bias about the vertical.
-template <bool kWing>
-void AidFusion<kWing>::widen_heading() {
+void AidFusion::widen_heading() {
   constexpr double kHeading_rad = 0.1;
   constexpr double kGyroBias_rad_s = 0.2;
   const double kAcross_rad_s =
@@ -123,8 +116,7 @@ void AidFusion<kWing>::widen_heading() {
   ++health_.heading_widenings;
 }
 
-template <bool kWing>
-void AidFusion<kWing>::start_heading(const Vector3& field_B) {
+void AidFusion::start_heading(const Vector3& field_B) {
   if (!reference_.declination_rad) return;
   auto residual = Filter::magnetic_heading(filter_.state(), field_B, *reference_.declination_rad);
   const double level_T = (filter_.state().q_WB * field_B).head<2>().norm();
@@ -132,22 +124,5 @@ void AidFusion<kWing>::start_heading(const Vector3& field_B) {
   residual.R(0) = sigma_rad * sigma_rad;
   static_cast<void>(filter_.correct(residual, std::numeric_limits<double>::infinity()));
 }
-
-template void AidFusion<false>::fuse(const MagSample&);
-template double AidFusion<false>::vertical_field_T(const Vector3&) const;
-template void AidFusion<false>::learn_vertical_field(const Vector3&);
-template bool AidFusion<false>::field_fits(const Vector3&) const;
-template double AidFusion<false>::heading_gate(const Filter::Residual<1>&, bool);
-template bool AidFusion<false>::heading_drifts(const Filter::Residual<1>&, bool);
-template void AidFusion<false>::widen_heading();
-template void AidFusion<false>::start_heading(const Vector3&);
-template void AidFusion<true>::fuse(const MagSample&);
-template double AidFusion<true>::vertical_field_T(const Vector3&) const;
-template void AidFusion<true>::learn_vertical_field(const Vector3&);
-template bool AidFusion<true>::field_fits(const Vector3&) const;
-template double AidFusion<true>::heading_gate(const Filter::Residual<1>&, bool);
-template bool AidFusion<true>::heading_drifts(const Filter::Residual<1>&, bool);
-template void AidFusion<true>::widen_heading();
-template void AidFusion<true>::start_heading(const Vector3&);
 
 }  // namespace rosflight::autonomy::estimation

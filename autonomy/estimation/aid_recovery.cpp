@@ -21,8 +21,7 @@ constexpr double kWidenEvery_s = 0.3;
 ///     dbg = b, dtheta = -b T, dv = R [a]x b T^2/2;    dba = c, dv = -R c T
 ///
 /// so that tilt and velocity follow their cause, and a tilt that no bias explains stays where it is.
-template <bool kWing>
-void AidFusion<kWing>::widen_imu_errors(const ImuFault& fault) {
+void AidFusion::widen_imu_errors(const ImuFault& fault) {
   if (t_s_ - widened_s_ < kWidenEvery_s) return;
   widened_s_ = t_s_;
   constexpr double kTilt_rad = 0.02;  // besides
@@ -56,8 +55,7 @@ void AidFusion<kWing>::widen_imu_errors(const ImuFault& fault) {
 
 /// Whether the altitude drifts away from that of the barometer as with an accelerometer that is wrong,
 /// counted from the last altitude that was used.
-template <bool kWing>
-bool AidFusion<kWing>::height_drifts(const Filter::Residual<1>& residual) {
+bool AidFusion::height_drifts(const Filter::Residual<1>& residual) {
   constexpr double kSigmas = 5.0;
   constexpr double kVelocity_m_s = 3.0;  // what it has led to by then
   constexpr double kAcceleration_m_s2 = 10.0;
@@ -76,8 +74,7 @@ bool AidFusion<kWing>::height_drifts(const Filter::Residual<1>& residual) {
 
 /// The altitude drifts, and nothing but the barometer aids it: adds to the covariance what a jump of
 /// the specific force along the vertical, some time ago, has led to by now.
-template <bool kWing>
-void AidFusion<kWing>::widen_vertical() {
+void AidFusion::widen_vertical() {
   if (t_s_ - height_.widened_s < kWidenEvery_s) return;
   height_.widened_s = t_s_;
   constexpr double kAcceleration_m_s2 = 2.0;
@@ -98,8 +95,7 @@ void AidFusion<kWing>::widen_vertical() {
 
 /// Horizontal position and velocity as GNSS has them, less its slow error; the height only where it
 /// has no other aid.
-template <bool kWing>
-void AidFusion<kWing>::reset_to_gnss(const Vector3& p_W, const Vector3& v_W) {
+void AidFusion::reset_to_gnss(const Vector3& p_W, const Vector3& v_W) {
   constexpr double kTilt_rad = 0.05;
   NominalState& x = filter_.state();
   const Vector3 lever_W = x.q_WB * gnss_lever();
@@ -118,8 +114,7 @@ void AidFusion<kWing>::reset_to_gnss(const Vector3& p_W, const Vector3& v_W) {
 }
 
 /// Sets the slow error of axes of the satellites' position so that they have no residual.
-template <bool kWing>
-void AidFusion<kWing>::restart_gnss_bias(int first, int size, const Vector3& p_W) {
+void AidFusion::restart_gnss_bias(int first, int size, const Vector3& p_W) {
   NominalState& x = filter_.state();
   const Vector3 residual = Filter::gnss_position(x, p_W, gnss_lever()).nu;
   x.gnss_bias_W.segment(first, size) += residual.segment(first, size);
@@ -128,9 +123,8 @@ void AidFusion<kWing>::restart_gnss_bias(int first, int size, const Vector3& p_W
   ++health_.gnss_jumps;
 }
 
-template <bool kWing>
-void AidFusion<kWing>::correct_attitude(const Vector3& error_B, double tilt_sigma_rad,
-                                        double heading_sigma_rad) {
+void AidFusion::correct_attitude(const Vector3& error_B, double tilt_sigma_rad,
+                                 double heading_sigma_rad) {
   Filter::Error dx = Filter::Error::Zero();
   dx.segment<3>(Filter::kTheta) = error_B;
   filter_.inject(dx);
@@ -141,8 +135,7 @@ void AidFusion<kWing>::correct_attitude(const Vector3& error_B, double tilt_sigm
       more * down_B * down_B.transpose();
 }
 
-template <bool kWing>
-void AidFusion<kWing>::guard() {
+void AidFusion::guard() {
   constexpr double kEvery_s = 1.0;
   const NominalState& x = filter_.state();
   const double sum = x.p_W.sum() + x.v_W.sum() + x.q_WB.coeffs().sum() + x.gyro_bias_B.sum() +
@@ -162,8 +155,7 @@ void AidFusion<kWing>::guard() {
   ++health_.restarts;
 }
 
-template <bool kWing>
-void AidFusion<kWing>::shift(double by_s) {
+void AidFusion::shift(double by_s) {
   for (double* t_s : {&t_s_, &newest_s_, &jump_.t_s, &jump_.until_s, &heading_.t_s,
                       &heading_.widened_s, &height_.t_s, &height_.widened_s, &widened_s_,
                       &long_hole_end_s_, &settled_since_s_, &good_.t_s}) {
@@ -176,22 +168,5 @@ void AidFusion<kWing>::shift(double by_s) {
   }
   ++health_.realigned;
 }
-
-template void AidFusion<false>::widen_imu_errors(const ImuFault&);
-template bool AidFusion<false>::height_drifts(const Filter::Residual<1>&);
-template void AidFusion<false>::widen_vertical();
-template void AidFusion<false>::reset_to_gnss(const Vector3&, const Vector3&);
-template void AidFusion<false>::restart_gnss_bias(int, int, const Vector3&);
-template void AidFusion<false>::correct_attitude(const Vector3&, double, double);
-template void AidFusion<false>::guard();
-template void AidFusion<false>::shift(double);
-template void AidFusion<true>::widen_imu_errors(const ImuFault&);
-template bool AidFusion<true>::height_drifts(const Filter::Residual<1>&);
-template void AidFusion<true>::widen_vertical();
-template void AidFusion<true>::reset_to_gnss(const Vector3&, const Vector3&);
-template void AidFusion<true>::restart_gnss_bias(int, int, const Vector3&);
-template void AidFusion<true>::correct_attitude(const Vector3&, double, double);
-template void AidFusion<true>::guard();
-template void AidFusion<true>::shift(double);
 
 }  // namespace rosflight::autonomy::estimation

@@ -50,7 +50,7 @@ struct ProcessNoise {
 ///
 ///     f = -(1 + e) (linear + quadratic |v_a|) v_a                                    (1)
 ///
-/// v_a the velocity through the air, e the relative error of the model along that axis. Rotors: linear = rotor_drag * thrust / mass; bodies and wings:
+/// v_a the velocity through the air, e the relative error of the model along that axis. Rotors: linear = rotor_drag * thrust / mass; bodies and fixed wings:
 /// quadratic = rho S C / (2 m), C the drag coefficient or the slope of the side force.
 struct AirForce {
   double linear_1_s{};

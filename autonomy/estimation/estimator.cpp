@@ -14,8 +14,7 @@ constexpr double kMaxPressure_Pa = 115e3;
 
 // ---- samples in
 
-template <bool kWing>
-void Estimator<kWing>::add(const ImuSample& sample) {
+void Estimator::add(const ImuSample& sample) {
   constexpr double kMaxGyro_rad_s = 50.0;
   constexpr double kMaxAccel_m_s2 = 500.0;
   if (!std::isfinite(sample.t_s) || !(sample.gyro_rad_s.norm() < kMaxGyro_rad_s) ||
@@ -45,8 +44,7 @@ void Estimator<kWing>::add(const ImuSample& sample) {
 }
 
 /// Counts a sample that does not fit the clock; once several have come in order the clock is theirs.
-template <bool kWing>
-void Estimator<kWing>::take_other_clock(const ImuSample& sample) {
+void Estimator::take_other_clock(const ImuSample& sample) {
   constexpr int kEnough = 5;
   constexpr double kBreak_s = 0.1;
   reject_unusable();
@@ -72,8 +70,7 @@ void Estimator<kWing>::take_other_clock(const ImuSample& sample) {
   add(sample);
 }
 
-template <bool kWing>
-void Estimator<kWing>::add(const GnssSample& sample) {
+void Estimator::add(const GnssSample& sample) {
   const bool position_ok = std::abs(sample.position.latitude_deg) <= 90.0 &&
                            std::abs(sample.position.longitude_deg) <= 360.0 &&
                            std::abs(sample.position.altitude_m) < 1e5;
@@ -89,8 +86,7 @@ void Estimator<kWing>::add(const GnssSample& sample) {
   queue(sample);
 }
 
-template <bool kWing>
-void Estimator<kWing>::allow_for_delay(const GnssSample& sample) {
+void Estimator::allow_for_delay(const GnssSample& sample) {
   constexpr int kEnough = 3;
   constexpr double kMargin_s = 0.03;
   const double age_s = imu_.last().t_s - sample.t_s;
@@ -101,8 +97,7 @@ void Estimator<kWing>::allow_for_delay(const GnssSample& sample) {
   lag_s_ = age_s + kMargin_s;
 }
 
-template <bool kWing>
-void Estimator<kWing>::add(const BaroSample& sample) {
+void Estimator::add(const BaroSample& sample) {
   const bool on_earth =
       sample.pressure_Pa > kMinPressure_Pa && sample.pressure_Pa < kMaxPressure_Pa;
   if (!on_earth) {
@@ -115,8 +110,7 @@ void Estimator<kWing>::add(const BaroSample& sample) {
   queue(sample);
 }
 
-template <bool kWing>
-void Estimator<kWing>::add(const MagSample& sample) {
+void Estimator::add(const MagSample& sample) {
   const double strength_T = sample.field_T.norm();
   const bool a_field = strength_T > 1e-6 && strength_T < 1e-2;  // the earth's is 22 to 67 uT
   if (!a_field) {
@@ -129,8 +123,7 @@ void Estimator<kWing>::add(const MagSample& sample) {
   queue(sample);
 }
 
-template <bool kWing>
-void Estimator<kWing>::add(const RangeSample& sample) {
+void Estimator::add(const RangeSample& sample) {
   if (!config().use_range || !health().initialised) return;
   // Many sensors report their limit where there is no echo, or one that is nearer.
   constexpr double kSigmas = 3.0;
@@ -143,9 +136,8 @@ void Estimator<kWing>::add(const RangeSample& sample) {
   queue(echo);
 }
 
-template <bool kWing>
-void Estimator<kWing>::add(const PitotSample& sample) {
-  if constexpr (kWing) {
+void Estimator::add(const PitotSample& sample) {
+  if (fixed_wing()) {
     if (!std::isfinite(sample.pressure_Pa)) {
       reject_unusable();
       return;
@@ -156,13 +148,11 @@ void Estimator<kWing>::add(const PitotSample& sample) {
   }
 }
 
-template <bool kWing>
-void Estimator<kWing>::add(const SideslipSample& sample) {
+void Estimator::add(const SideslipSample& sample) {
   if (health().initialised && std::isfinite(sample.v_air_y_m_s)) queue(sample);
 }
 
-template <bool kWing>
-void Estimator<kWing>::set_attitude_hint(double t_s, const Quaternion& q_WB, bool with_heading) {
+void Estimator::set_attitude_hint(double t_s, const Quaternion& q_WB, bool with_heading) {
   const double norm = q_WB.norm();
   const bool a_rotation = norm > 0.5 && norm < 2.0;
   if (!a_rotation || !std::isfinite(t_s)) return;
@@ -180,8 +170,7 @@ void Estimator<kWing>::set_attitude_hint(double t_s, const Quaternion& q_WB, boo
 }
 
 /// Into the queue, which is in order of time; what the filter has passed already is too late.
-template <bool kWing>
-void Estimator<kWing>::queue(const AidSample& sample) {
+void Estimator::queue(const AidSample& sample) {
   constexpr double kSlack_s = 1e-4;
   const double t_s = std::visit([](const auto& s) { return s.t_s; }, sample);
   const bool from_the_future = t_s > imu_.last().t_s + 1.0;
@@ -195,8 +184,7 @@ void Estimator<kWing>::queue(const AidSample& sample) {
   queue_[at] = {t_s, sample};
 }
 
-template <bool kWing>
-void Estimator<kWing>::advance(double target_s) {
+void Estimator::advance(double target_s) {
   std::size_t done = 0;
   while (imu_.size() > 0 && imu_.front().end_s() <= target_s + 1e-9) {
     const double end_s = imu_.front().end_s();
@@ -224,8 +212,7 @@ void Estimator<kWing>::advance(double target_s) {
   fusion_.guard();
 }
 
-template <bool kWing>
-void Estimator<kWing>::restart() {
+void Estimator::restart() {
   imu_.forget();
   attitude_lost_s_.reset();
   misfits_ = {};
@@ -238,8 +225,5 @@ void Estimator<kWing>::restart() {
   hint_ = {};
   fusion_.reset();
 }
-
-template class Estimator<false>;
-template class Estimator<true>;
 
 }  // namespace rosflight::autonomy::estimation

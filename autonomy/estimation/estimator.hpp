@@ -28,17 +28,16 @@ namespace rosflight::autonomy::estimation {
 ///
 /// Starts on the ground (set_at_rest(true), still: level by the accelerometer, gyro bias as
 /// averaged) or in the air (position and velocity by GNSS, attitude by the hint or by the
-/// accelerometer, coarse). Multirotor: kWing false. Fixed wing: kWing true, with pitot and
-/// sideslip.
+/// accelerometer, coarse).
 ///
 /// Fixed size, no heap, no clock; a function of the sequence of calls.
-template <bool kWing>
 class Estimator {
  public:
   using Filter = ErrorStateEkf;
 
   /// Takes a copy of the configuration. Starts by itself once it has samples enough.
-  explicit Estimator(const EstimatorConfig& config) : fusion_{config}, imu_{config.increment_s} {}
+  Estimator(const EstimatorConfig& config, Airframe airframe)
+      : fusion_{config, airframe}, imu_{config.increment_s} {}
 
   /// Takes one sample. IMU samples drive the estimator: the others wait in the queue until the
   /// filter reaches their time. Rejected, and counted in health(): values that are not finite or
@@ -80,6 +79,8 @@ class Estimator {
   double filter_time_s() const { return fusion_.time_s(); }
 
  private:
+  bool fixed_wing() const { return fusion_.fixed_wing(); }
+
   struct Pending {
     double t_s{};
     AidSample sample;
@@ -98,13 +99,13 @@ class Estimator {
   double declination(const GnssSample& fix) const;
   Quality aided(double age_s, double good_s) const;
 
-  AidFusion<kWing> fusion_;
+  AidFusion fusion_;
   ImuBuffer imu_;
   std::array<Pending, kQueue> queue_{};
   std::size_t queued_{0};
   double lag_s_{config().lag_s};
   int delayed_{0};                                  ///< Fixes in a row that came too late.
-  std::array<double, 3> next_s_{-1e9, -1e9, -1e9};  ///< Of mag, baro, pitot: thinning.
+  std::array<double, 3> next_s_{-1e9, -1e9, -1e9};  ///< Due times of mag, baro and pitot.
   double next_rest_s_{};
   Alignment window_;
   bool at_rest_{false};
@@ -119,11 +120,5 @@ class Estimator {
     Quaternion q_WB{Quaternion::Identity()};
   } hint_;
 };
-
-extern template class Estimator<false>;
-extern template class Estimator<true>;
-
-using MultirotorEstimator = Estimator<false>;
-using FixedwingEstimator = Estimator<true>;
 
 }  // namespace rosflight::autonomy::estimation

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <cstdint>
 #include <optional>
 
 #include "autonomy/common/geodesy.hpp"
@@ -9,6 +10,9 @@
 #include "base/constants.hpp"
 
 namespace rosflight::autonomy::estimation {
+
+/// A fixed wing has wind, pitot and sideslip besides.
+enum class Airframe : std::uint8_t { kMultirotor, kFixedWing };
 
 /// A gyro that is suddenly wrong by up to this is found out.
 inline constexpr double kGyroStepLimit_rad_s = 0.5;
@@ -40,7 +44,7 @@ struct EstimatorConfig {
   Vector3 imu_position_B{Vector3::Zero()};
   Vector3 gnss_position_B{Vector3::Zero()};
   Vector3 range_position_B{Vector3::Zero()};
-  double height_at_rest_m{};  ///< Of the body's origin above the ground it stands on.
+  double height_at_rest_m{};  ///< Body origin above the ground at rest.
 
   ProcessNoise noise{};
   AirModel air{};
@@ -48,17 +52,17 @@ struct EstimatorConfig {
   double gnss_horizontal_sigma_m{0.022};  ///< Noise from fix to fix; the slow error is in `noise`.
   double gnss_altitude_sigma_m{0.045};
   double gnss_velocity_sigma_m_s{0.051};
-  double gnss_position_sigma_m{0.05};  ///< Of gnss_position_B.
-  double gnss_time_sigma_s{0.01};      ///< Of the stamp of a fix.
+  double gnss_position_sigma_m{0.05};  ///< Error of gnss_position_B.
+  double gnss_time_sigma_s{0.01};      ///< Error of the stamp of a fix.
   double baro_sigma_m{0.05};
-  double mag_sigma_T{3e-7};         ///< Of each axis.
+  double mag_sigma_T{3e-7};         ///< Noise of each axis.
   double heading_sigma_rad{0.005};  ///< Besides: declination.
   double range_sigma_m{0.012};
   double pitot_sigma_Pa{1.1};
   double sideslip_sigma_m_s{1.0};
   double air_force_sigma_m_s2{0.055};
   double air_force_turning_m_s{0.3};  ///< Fixed wing: besides, times the rate of turning.
-  double rest_sigma_m_s{0.02};        ///< Of "it stands still" while at rest.
+  double rest_sigma_m_s{0.02};        ///< Noise of the zero velocity at rest.
 
   // Longest rates at which samples are fused; 0: all.
   double mag_interval_s{0.05};
@@ -86,21 +90,21 @@ struct EstimatorConfig {
   /// Else asked once, with the first fix: a magnetic model. Neither: magnetic north is taken for
   /// true.
   double (*declination_at)(const GnssSample& fix){nullptr};  ///< [rad]
-  std::optional<Geodetic> origin;  ///< Of N; else where it starts, by the first fixes.
+  std::optional<Geodetic> origin;  ///< Origin of W; else the start, by the first fixes.
 
   /// Whether the owner passes the attitude on to the flight controller, whose own filter takes drag
   /// and turns for tilt.
   bool share_attitude{true};
 
   // Timeouts of rejected measurements.
-  double gnss_doubt_s{0.3};            ///< Velocity rejected for this long: IMU errors are widened.
+  double gnss_rejected_s{0.3};         ///< Velocity rejected for this long: IMU errors are widened.
   double gnss_reset_s{3.0};            ///< Rejected for this long: the estimate is reset to GNSS.
   double max_wind_noise_m_s_rts{1.0};  ///< To which gusts may raise noise.wind_m_s_rts; at first.
   double pitot_relearn_s{1.0};         ///< Rejected for this long, not blocked: a gust.
   double gnss_jump_s{1.0};        ///< Position alone rejected for this long: the receiver's jumped.
   double baro_relearn_s{1.0};     ///< Rejected for this long: its bias is estimated again.
   double range_relearn_s{1.0};    ///< Rejected for this long: the ground altitude is set again.
-  double jump_speed_m_s{1.5};     ///< Of showing what GNSS moves the position by when it returns.
+  double jump_speed_m_s{1.5};     ///< Min speed at which a late position correction is shown.
   double dead_reckoning_s{30.0};  ///< Without GNSS for this long: no position.
 };
 

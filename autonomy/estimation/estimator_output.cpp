@@ -7,14 +7,12 @@
 
 namespace rosflight::autonomy::estimation {
 
-template <bool kWing>
-Quality Estimator<kWing>::aided(double age_s, double good_s) const {
+Quality Estimator::aided(double age_s, double good_s) const {
   if (age_s < good_s) return Quality::kGood;
   return age_s < config().dead_reckoning_s ? Quality::kDeadReckoned : Quality::kNone;
 }
 
-template <bool kWing>
-StateEstimate Estimator<kWing>::estimate() const {
+StateEstimate Estimator::estimate() const {
   StateEstimate out;
   out.t_s = imu_.last().t_s;
   if (!health().initialised) return out;
@@ -65,7 +63,7 @@ StateEstimate Estimator<kWing>::estimate() const {
   out.attitude_sigma_B_rad = sigma(Filter::kTheta);
 
   const auto age = [this](Aid aid) { return filter_time_s() - health().of(aid).last_accepted_s; };
-  if constexpr (kWing) {
+  if (fixed_wing()) {
     out.wind_W = {x.wind_W.x(), x.wind_W.y(), 0.0};
     out.wind_sigma_W_m_s = {std::sqrt(P(Filter::kWind, Filter::kWind)),
                             std::sqrt(P(Filter::kWind + 1, Filter::kWind + 1)), 0.0};
@@ -103,10 +101,5 @@ StateEstimate Estimator<kWing>::estimate() const {
   out.vertical = aided(std::min({age(Aid::kBaro), age(Aid::kRange), age(Aid::kGnssVelocity)}), 1.0);
   return out;
 }
-
-template Quality Estimator<false>::aided(double, double) const;
-template Quality Estimator<true>::aided(double, double) const;
-template StateEstimate Estimator<false>::estimate() const;
-template StateEstimate Estimator<true>::estimate() const;
 
 }  // namespace rosflight::autonomy::estimation

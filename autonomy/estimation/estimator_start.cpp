@@ -12,15 +12,13 @@ constexpr double kFreshHint_s = 0.5;
 
 }  // namespace
 
-template <bool kWing>
-double Estimator<kWing>::declination(const GnssSample& fix) const {
+double Estimator::declination(const GnssSample& fix) const {
   const std::optional<double>& fixed = config().declination_rad;
   if (fixed) return *fixed;
   return config().declination_at != nullptr ? config().declination_at(fix) : 0.0;
 }
 
-template <bool kWing>
-void Estimator<kWing>::try_start() {
+void Estimator::try_start() {
   if (config().declination_rad) fusion_.reference().declination_rad = config().declination_rad;
   const bool hinted = window_.end_s - hint_.t_s < kFreshHint_s;
   constexpr double kHintedWindow_s = 0.2;
@@ -39,8 +37,7 @@ void Estimator<kWing>::try_start() {
   window_.clear();
 }
 
-template <bool kWing>
-NominalState Estimator<kWing>::initial_state(bool on_ground, bool hinted) {
+NominalState Estimator::initial_state(bool on_ground, bool hinted) {
   std::optional<Geodetic>& origin = fusion_.reference().origin;
   const double now_s = window_.end_s;
   const Vector3 gnss_lever = config().gnss_position_B - config().imu_position_B;
@@ -75,9 +72,8 @@ NominalState Estimator<kWing>::initial_state(bool on_ground, bool hinted) {
   return x;
 }
 
-template <bool kWing>
-ErrorStateEkf::Covariance Estimator<kWing>::initial_covariance(bool on_ground, bool hinted,
-                                                               bool new_origin) const {
+ErrorStateEkf::Covariance Estimator::initial_covariance(bool on_ground, bool hinted,
+                                                        bool new_origin) const {
   constexpr double kAtOrigin_m = 0.01;
   constexpr double kGroundTilt_rad = 0.03;
   constexpr double kHintTilt_rad = 0.1;
@@ -117,8 +113,7 @@ ErrorStateEkf::Covariance Estimator<kWing>::initial_covariance(bool on_ground, b
   return filter.covariance();
 }
 
-template <bool kWing>
-void Estimator<kWing>::start(bool on_ground) {
+void Estimator::start(bool on_ground) {
   const double now_s = window_.end_s;
   const bool hinted = now_s - hint_.t_s < kFreshHint_s;
   const bool new_origin = !fusion_.reference().origin && !config().origin;
@@ -138,10 +133,9 @@ void Estimator<kWing>::start(bool on_ground) {
   window_.clear();
 }
 
-template <bool kWing>
-void Estimator<kWing>::start_at(double t_s, const NominalState& state,
-                                const Filter::Covariance& covariance, const Geodetic& origin,
-                                double pressure_Pa) {
+void Estimator::start_at(double t_s, const NominalState& state,
+                         const Filter::Covariance& covariance, const Geodetic& origin,
+                         double pressure_Pa) {
   restart();
   fusion_.reference().origin = origin;
   if (config().declination_rad) fusion_.reference().declination_rad = config().declination_rad;
@@ -150,20 +144,5 @@ void Estimator<kWing>::start_at(double t_s, const NominalState& state,
   next_rest_s_ = t_s;
   imu_ = ImuBuffer{config().increment_s};
 }
-
-template double Estimator<false>::declination(const GnssSample&) const;
-template void Estimator<false>::try_start();
-template NominalState Estimator<false>::initial_state(bool, bool);
-template ErrorStateEkf::Covariance Estimator<false>::initial_covariance(bool, bool, bool) const;
-template void Estimator<false>::start(bool);
-template void Estimator<false>::start_at(double, const NominalState&,
-                                         const ErrorStateEkf::Covariance&, const Geodetic&, double);
-template double Estimator<true>::declination(const GnssSample&) const;
-template void Estimator<true>::try_start();
-template NominalState Estimator<true>::initial_state(bool, bool);
-template ErrorStateEkf::Covariance Estimator<true>::initial_covariance(bool, bool, bool) const;
-template void Estimator<true>::start(bool);
-template void Estimator<true>::start_at(double, const NominalState&,
-                                        const ErrorStateEkf::Covariance&, const Geodetic&, double);
 
 }  // namespace rosflight::autonomy::estimation

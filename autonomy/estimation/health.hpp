@@ -28,7 +28,7 @@ struct AidHealth {
   double last_rejected_s{-1e9};
   double rejected_since_s{};  ///< First rejection since the last acceptance; valid if `rejecting`.
   bool rejecting{};
-  double nis{};  ///< Of the last one, by its degrees of freedom.
+  double nis{};  ///< NIS of the last measurement, divided by its degrees of freedom.
 
   double rejecting_for_s() const { return rejecting ? last_rejected_s - rejected_since_s : 0.0; }
 };

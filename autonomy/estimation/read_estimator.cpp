@@ -44,7 +44,7 @@ Table<EstimatorConfig> sigma_table() {
       {"gnss_altitude_m", &E::gnss_altitude_sigma_m, "m", kSigma, "altitude, from fix to fix"},
       {"gnss_velocity_m_s", &E::gnss_velocity_sigma_m_s, "m/s", kSigma, "velocity"},
       {"gnss_position_m", &E::gnss_position_sigma_m, "m", kNotNegative,
-       "place of the antenna: turning adds to the noise of the velocity"},
+       "position of the antenna: turning adds to the noise of the velocity"},
       {"gnss_time_s", &E::gnss_time_sigma_s, "s", kNotNegative,
        "stamp of a fix: accelerating adds to the noise of the velocity"},
       {"baro_m", &E::baro_sigma_m, "m", kSigma, "barometric altitude"},
@@ -116,8 +116,9 @@ Table<EstimatorConfig> parameters() {
       Row<E>{"declination_deg", &E::declination_rad, kDeg, Range::between(-180.0, 180.0),
              "east, instead of the magnetic model"}
           .if_absent("WMM2025"),
-      {"gnss_doubt_s", &E::gnss_doubt_s, "s", kSigma,
-       "velocity rejected for this long: the IMU may have changed"},
+      Row<E>{"gnss_rejected_s", &E::gnss_rejected_s, "s", kSigma,
+             "velocity rejected for this long: the IMU may have changed"}
+          .formerly("gnss_doubt_s"),
       {"gnss_reset_s", &E::gnss_reset_s, "s", kSigma,
        "GNSS rejected for this long: the estimate is reset to GNSS"},
       {"max_wind_noise_m_s_rts", &E::max_wind_noise_m_s_rts, "m/s/sqrt(s)", kSigma,

@@ -40,7 +40,7 @@ struct Controller::Motion {
   RollPitch attitude;
   double airspeed_m_s;
   double gain;  ///< (V0/V)^2
-  double load;  ///< Of the turn: 1/cos(roll).
+  double load;  ///< Load factor of the turn: 1/cos(roll).
   bool airspeed_known;
 };
 

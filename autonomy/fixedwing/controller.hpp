@@ -49,10 +49,10 @@ struct ControllerConfig {
   double min_airspeed_m_s{11.5};    ///< Speed guard: nothing may pitch up below it.
   double speed_guard_rad_s_m{0.1};  ///< Climb angle given up per speed missing.
   double max_roll_rad{45.0 * kRadPerDeg};
-  double max_roll_rate_rad_s{90.0 * kRadPerDeg};  ///< Of the commanded bank.
+  double max_roll_rate_rad_s{90.0 * kRadPerDeg};  ///< Max rate of the commanded bank.
   double max_pitch_rad{25.0 * kRadPerDeg};
   double min_pitch_rad{-20.0 * kRadPerDeg};
-  double max_alpha_rad{10.0 * kRadPerDeg};  ///< Of the stall guard; the wing stalls at 11.6 deg.
+  double max_alpha_rad{10.0 * kRadPerDeg};  ///< Stall guard; the wing stalls at 11.6 deg.
   double max_climb_rad{15.0 * kRadPerDeg};
   double max_descent_rad{12.0 * kRadPerDeg};
   double throttle_cruise{0.5};
@@ -93,7 +93,7 @@ struct ControllerConfig {
 /// the bank that balances the force of the sideslip, atan(a_y/g).
 ///
 /// Stops: without a valid command younger than command_timeout_s it circles: bank lost_roll_rad,
-/// height of the last good command (its own if there was none), cruise; Output::lost says so. A
+/// height of the last good command (its own if there was none), cruise; Output::lost is set. A
 /// state that is not finite: the last output is repeated. Axes the pilot holds lose their
 /// integrals.
 class Controller {
@@ -106,7 +106,7 @@ class Controller {
     std::optional<double> throttle;
     std::optional<double> ground_course_rad;      ///< Rolling: rudder steers, wings level.
     std::optional<double> airspeed_by_pitch_m_s;  ///< Climb angle for this airspeed: the glide.
-    double speed_share{1.0};     ///< Of the airspeed in the climb angle (LongitudinalLaw).
+    double speed_share{1.0};     ///< Weight of the airspeed in the climb angle (LongitudinalLaw).
     double min_pitch_rad{-kPi};  ///< Closer limits of theta_c and phi_c.
     double max_pitch_rad{kPi};
     double max_roll_rad{kPi};
@@ -136,7 +136,7 @@ class Controller {
   Controller() : Controller(ControllerConfig{}) {}
   /// With the longitudinal law that the configuration names.
   explicit Controller(const ControllerConfig& config);
-  /// With a law of one's own.
+  /// Controller with another longitudinal law.
   Controller(const ControllerConfig& config, std::unique_ptr<LongitudinalLaw> law);
 
   /// Surfaces and throttle for one period dt_s. Cannot fail; see the class for invalid input.

@@ -25,7 +25,7 @@ class FaultMonitor {
   bool position_known(const StateEstimate& state, double t_s, const SafetyConfig& config,
                       FlightEvents& events);
   bool position_lost() const { return position_lost_; }
-  /// Since the last aided position [s].
+  /// Time since the last aided position [s].
   double unaided_s(double t_s) const { return t_s - position_good_s_; }
 
   /// Whether the motor has failed: at full throttle the specific energy falls,

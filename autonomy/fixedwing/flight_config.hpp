@@ -42,7 +42,7 @@ struct FlightConfig {
   LandingConfig landing{};
   SafetyConfig safety{};
   BatteryConfig battery{};
-  double lead_s{0.5};  ///< Of the path (PathManager).
+  double lead_s{0.5};  ///< Lead time on the path (PathManager).
 };
 
 }  // namespace rosflight::autonomy::fixedwing

@@ -31,7 +31,7 @@ FirmwareCommand command_of(const Surfaces& s);
 /// - position without aiding longer than dead_reckoning_s: circles at a fixed bank, height and
 ///   airspeed held, until the position is back;
 /// - airspeed unknown: throttle by feed-forward, height by pitch;
-/// - motor out (full throttle, energy falls): glides, circling the landing place, straight on below
+/// - motor out (full throttle, energy falls): glides, circling the landing point, straight on below
 ///   straight_below_m, flares;
 /// - the pilot takes an axis: circles, and goes on with the same waypoint when it is given back.
 class FlightManager {

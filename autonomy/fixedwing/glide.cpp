@@ -10,11 +10,10 @@
 namespace rosflight::autonomy::fixedwing {
 namespace {
 
-constexpr double kShortestFinal_m = 50.0;
+constexpr double kMinFinal_m = 50.0;
 constexpr double kFinalStep_m = 5.0;
 constexpr int kFinals = 81;  // up to 450 m
 constexpr double kArcStep_rad = 0.2;
-constexpr double kMinOverGround = 0.3;  // of the airspeed, in head wind
 constexpr int kCourses = 8;
 
 double ground_speed(double airspeed_m_s, double course_rad, const Vector2& wind_m_s) {
@@ -64,7 +63,7 @@ std::optional<GlidePath> GlidePlanner::on_course(const Pose& from, double height
                                                  const Vector2& wind_m_s) const {
   std::optional<GlidePath> best;
   for (int k = 0; k < kFinals; ++k) {
-    const double final_m = kShortestFinal_m + kFinalStep_m * k;
+    const double final_m = kMinFinal_m + kFinalStep_m * k;
     GlidePath path;
     path.aim_W = field.aim_W;
     path.final_m = final_m;
@@ -95,8 +94,9 @@ std::optional<GlidePath> GlidePlanner::plan(const Pose& from, double height_m, c
 
 bool GlidePlanner::out_of_reach(const Pose& from, double height_m, const Field& field,
                                 const Vector2& wind_m_s) const {
-  const Vector2 way = field.aim_W.head<2>() - from.p_m;
-  return way.norm() > height_m * distance_per_height(course_of(way), wind_m_s) + config_.flare_m;
+  const Vector2 to_aim = field.aim_W.head<2>() - from.p_m;
+  return to_aim.norm() >
+         height_m * distance_per_height(course_of(to_aim), wind_m_s) + config_.flare_m;
 }
 
 }  // namespace rosflight::autonomy::fixedwing

@@ -11,12 +11,12 @@ namespace rosflight::autonomy::fixedwing {
 struct GlideConfig {
   double airspeed_m_s{14.0};  ///< Sinks least, and some.
   double ratio{8.5};          ///< Distance per height in still air, straight on.
-  double radius_m{50.0};      ///< Of turns.
+  double radius_m{50.0};      ///< Radius of turns.
   double flare_m{15.0};       ///< What the flare adds to the distance; 0 leaves it as a reserve.
   double gravity_m_s2{base::kStandardGravity_m_s2};
 };
 
-/// A place to land on, and the course if only one will do.
+/// A landing point, and the course if only one will do.
 struct Field {
   Vector3 aim_W{Vector3::Zero()};
   std::optional<double> course_rad;
@@ -31,7 +31,7 @@ struct GlidePath {
   double spare_m{};  ///< Height that is left over: >= 0.
 };
 
-/// Plans glides without a motor. The way to a field is a Dubins path to the key, then straight on:
+/// Plans glides without a motor. The path to a field is a Dubins path to the key, then straight on:
 ///
 ///     height = sum over the path of  ds V/(Vg(chi) E) n^(3/2)                                (1)
 ///     Vg(chi) = w.u + sqrt(V^2 - (w x u)^2)                                                 (2)
@@ -52,7 +52,7 @@ class GlidePlanner {
   /// Height lost in one whole turn.
   double turn_height_m() const;
 
-  /// The way down on the first field within reach, at the course of the field, against the wind, or
+  /// The path down to the first field within reach, at the course of the field, against the wind, or
   /// any of eight. @param height_m  above the field of each, `from` being the vehicle.
   /// @return empty: none is within reach, or it is more than a turn too high for all.
   std::optional<GlidePath> plan(const Pose& from, double height_m, const Field& field,

@@ -10,12 +10,12 @@
 namespace rosflight::autonomy::fixedwing {
 namespace {
 
-constexpr double kAgain_s = 0.5;     // between two plans
-constexpr double kReserve_m = 1.0;   // short of the field there is no second try
-constexpr double kFaster = 2.0;      // share of airspeed per share of height left over
-constexpr double kFastest = 1.4;     // of the airspeed that sinks least
-constexpr double kSlow_m = 3.0;      // here it is back at that
-constexpr double kNearKey_m = 20.0;  // closer to its final part a glide is not planned again
+constexpr double kAgain_s = 0.5;        // between two plans
+constexpr double kReserve_m = 1.0;      // short of the field there is no second try
+constexpr double kFaster = 2.0;         // share of airspeed per share of height left over
+constexpr double kMaxSpeedRatio = 1.4;  // of the airspeed that sinks least
+constexpr double kSlow_m = 3.0;         // here it is back at that
+constexpr double kNearKey_m = 20.0;     // closer to its final part a glide is not planned again
 
 Vector2 wind_of(const StateEstimate& state) {
   return state.wind_valid ? Vector2(state.wind_W.head<2>()) : Vector2(Vector2::Zero());
@@ -78,7 +78,8 @@ double GlideFlight::airspeed_m_s(const Input& in) const {
   if (!glide_ || in.position_lost || !in.state.air_valid) return v0;
   const double height_m = std::max(glide_->aim_W.z() - in.state.p_W.z(), kSlow_m);
   const double g = in.config.controller.airframe.gravity_m_s2;
-  const double most = std::min(kFastest, std::sqrt(1.0 + g * (height_m - kSlow_m) / (v0 * v0)));
+  const double most =
+      std::min(kMaxSpeedRatio, std::sqrt(1.0 + g * (height_m - kSlow_m) / (v0 * v0)));
   return v0 * std::clamp(1.0 + kFaster * spare_m_ / height_m, 1.0, most);
 }
 

@@ -9,7 +9,7 @@ namespace rosflight::autonomy::fixedwing {
 
 /// Flies a glide without a motor: its path is planned again twice a second with the wind and the
 /// glide ratio of now, until the vehicle is near the final part. Without a path it circles the
-/// landing place, or flies straight towards it when it is out of reach.
+/// landing point, or flies straight towards it when it is out of reach.
 ///
 /// Height that is left over at the end of the path is used up by airspeed, whose drag grows:
 ///
@@ -25,7 +25,7 @@ class GlideFlight {
     const FlightConfig& config;
     Field landing{};    ///< First choice,
     Field start{};      ///< and where to when that is out of reach.
-    double radius_m{};  ///< Of turns.
+    double radius_m{};  ///< Radius of turns.
     bool position_lost{};
   };
 

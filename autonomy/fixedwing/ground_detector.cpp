@@ -13,7 +13,7 @@ constexpr double kTouch_s = 0.4;
 constexpr double kRolling_m = 0.4;  // by the range sensor: wheels, a nose that is up, a small hop
 constexpr double kLevelAbove_s = 3.0;
 constexpr double kTouchHeight_m = 3.0;  // the ground is at most this much higher than given
-constexpr double kMinCosTilt = 0.8;     // beyond this tilt a range says little of the height
+constexpr double kMinCosTilt = 0.8;     // beyond this tilt a range is a poor measure of the height
 
 double cos_tilt(const Quaternion& q) {
   return 1.0 - 2.0 * (q.x() * q.x() + q.y() * q.y());

@@ -7,7 +7,6 @@
 namespace rosflight::autonomy::fixedwing {
 namespace {
 
-constexpr double kMinOverGround = 0.3;  // of the airspeed, in head wind
 constexpr double kMinFlare_m = 0.5;
 
 }  // namespace

@@ -8,7 +8,7 @@ namespace rosflight::autonomy::fixedwing {
 
 struct LandingConfig {
   double approach_height_m{35.0};  ///< Above the aim point, where the glide path begins.
-  double glide_slope{0.09};        ///< Of the glide path: 5 degrees.
+  double glide_slope{0.09};        ///< Slope of the glide path: 5 degrees.
   double level_m{120.0};           ///< Straight and level before it.
   double airspeed_m_s{14.5};       ///< On the glide path.
   double flare_time_s{1.6};        ///< tau of the flare.

@@ -20,13 +20,13 @@ class LongitudinalLaw {
     double airspeed_rate_m_s2{};
     double height_c_m{};
     double airspeed_c_m_s{};
-    double climb_ff_m_s{};   ///< Of the reference.
+    double climb_ff_m_s{};   ///< Climb rate of the reference.
     double throttle_ff{};    ///< What the vehicle needs for airspeed_c, climb_ff and bank.
     double min_climb_rad{};  ///< Limits of the answer,
     double max_climb_rad{};  ///< the speed guard's included.
     double min_throttle{};
     double max_throttle{1.0};
-    double speed_share{1.0};    ///< Of the airspeed in the climb angle; 0: throttle alone holds it.
+    double speed_share{1.0};    ///< Weight of the airspeed in the climb angle; 0: throttle alone.
     bool airspeed_known{true};  ///< If not: throttle_ff is flown, and height by climb angle alone.
   };
   struct Output {

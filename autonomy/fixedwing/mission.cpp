@@ -99,7 +99,7 @@ MissionFault fault_of(const PlanFault& fault) {
     case PlanFaultKind::kTooSteepDown:
       return {k, "w", "a descent of " + percent(found), "at most " + percent(allowed)};
     case PlanFaultKind::kUnreachable:
-      return {k, "w", "no way to it from the circle before, " + metres(found) + " away",
+      return {k, "w", "no path to it from the circle before, " + metres(found) + " away",
               "a distance of " + metres(allowed) + ", or the same turn"};
   }
   return {k, "w", "a leg that cannot be flown", "another"};

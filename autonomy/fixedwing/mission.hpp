@@ -25,7 +25,7 @@ struct Mission {
   AtEnd at_end{AtEnd::kLand};
   std::optional<double> takeoff_height_m;  ///< Else the vehicle's.
   double score_radius_m{15.0};             ///< How near the truth must pass a waypoint.
-  std::optional<double> radius_m;          ///< Of its turns; else the vehicle's.
+  std::optional<double> radius_m;          ///< Radius of its turns; empty: that of the vehicle.
   LandingSite landing{};                   ///< Absent: the position of the start.
   std::optional<Fence> fence;              ///< Absent: none.
 };
@@ -49,7 +49,7 @@ void close_mission(Mission& mission);
 /// What cannot be flown, and where.
 struct MissionFault {
   std::size_t waypoint{};  ///< Counted from 0.
-  std::string key;         ///< Of a mission file.
+  std::string key;         ///< Key in the mission file.
   std::string found;
   std::string allowed;
 };

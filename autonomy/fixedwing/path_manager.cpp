@@ -27,13 +27,13 @@ std::optional<PlanFault> PathManager::start(const PathStart& from, std::size_t f
 
 bool PathManager::over(const Segment& segment, const Vector2& p_m) const {
   if (segment.corner_rad == 0.0) return progress_m_ >= segment.length_m;
-  // The plane of a sharp corner lies along the leg: only near its end does it say anything.
+  // The plane of a sharp corner lies along the leg: it is only used near its end.
   if (progress_m_ < segment.length_m - planner_.config().radius_m) return false;
   const Vector2 beyond = p_m - segment.point_at(segment.length_m);
   return beyond.dot(along(segment.course_at(segment.length_m) + 0.5 * segment.corner_rad)) > 0.0;
 }
 
-/// Of the present segment; itself at the end.
+/// The segment after the present one; the present one at the end.
 std::size_t PathManager::next() const {
   if (index_ + 1 < plan_.segments.size()) return index_ + 1;
   return plan_.loop_to == Plan::kNoLoop ? index_ : plan_.loop_to;

@@ -19,11 +19,13 @@ constexpr double kFlareSlowest = 0.9;     // of the approach airspeed; slower, t
 constexpr double kFlareThrottle = 4.4;    // per share of airspeed that is missing
 constexpr double kFlareSink_s_m = 0.4;    // throttle per sink that is too much,
 constexpr double kFlareSink_m_s = 0.3;    // beyond this
+constexpr double kNoseDown_m = 0.3;       // higher, the nose may still go down,
+constexpr double kNoseDown_rad = 4.0 * kRadPerDeg;  // by this
 constexpr double kSameRadius_m = 0.01;
 constexpr double kShareOfBank = 0.85;  // of the largest bank, for turns down the wind
 constexpr double kPathFirst_m = 10.0;  // lower on an approach pitch holds the path alone
 constexpr double kGustMargin = 1.0;    // of the gusts' deviation, on top of the approach airspeed,
-constexpr double kMostMargin = 0.15;   // at most this share of it
+constexpr double kMaxMargin = 0.15;    // at most this share of it
 constexpr double kFinalRoll_rad = 15.0 * kRadPerDeg;  // low on the final part of a glide
 
 double head_wind(const StateEstimate& state, double course_rad) {
@@ -116,7 +118,7 @@ void PhasePath::begin_approach(const Input& in, FlightEvents& events) {
   const double course_rad = choose_landing_course(in);
   LandingConfig config = in.config.landing;
   config.airspeed_m_s +=
-      std::min(kGustMargin * gusts_.sigma_m_s(), kMostMargin * config.airspeed_m_s);
+      std::min(kGustMargin * gusts_.sigma_m_s(), kMaxMargin * config.airspeed_m_s);
   const LandingPath landing =
       LandingPath::plan(config, landing_position_W(in.mission), course_rad,
                         in.config.plan.airspeed_m_s, head_wind(in.state, course_rad));
@@ -175,7 +177,8 @@ void PhasePath::begin(Phase phase, std::size_t waypoint, const Input& in, Flight
       flare_throttle_ = in.motor_lost ? 0.0 : in.last.throttle;
       break;
     case Phase::kRollout:
-      roll_course_rad_ = heading_of(in.state.q_WB);
+      // In a crosswind the nose points beside the way over the ground.
+      roll_course_rad_ = in.position_lost ? heading_of(in.state.q_WB) : in.state.course_rad;
       break;
     case Phase::kClimb:
       climb_from_W_ = in.state.p_W;
@@ -272,7 +275,7 @@ Controller::Direct PhasePath::direct(Phase phase, const Input& in) const {
       out.throttle = flare_throttle(in, v);
       out.max_roll_rad = config.landing.max_roll_rad;
       out.max_pitch_rad = config.landing.max_pitch_rad;
-      out.min_pitch_rad = 0.0;
+      out.min_pitch_rad = in.height_above_ground_m > kNoseDown_m ? -kNoseDown_rad : 0.0;
       if (!path_.started() || in.position_lost) out.roll_rad = 0.0;
       break;
     case Phase::kRollout:

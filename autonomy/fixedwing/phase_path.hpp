@@ -87,7 +87,7 @@ class PhasePath {
   PathManager path_;
   GustMeter gusts_;
   GlideFlight glide_;
-  CurrentPath circle_{};  ///< Of kLoiter, kDescent and a flare without a path.
+  CurrentPath circle_{};  ///< Path in kLoiter, kDescent and a flare without a path.
   Vector3 start_W_{Vector3::Zero()};
   Vector3 climb_from_W_{Vector3::Zero()};
   double start_course_rad_{};

@@ -10,8 +10,8 @@
 namespace rosflight::autonomy::fixedwing {
 
 struct PlannerConfig {
-  double radius_m{50.0};       ///< Of every turn,
-  double closest_m{};          ///< but of fillets down to this where legs are short; 0: none.
+  double radius_m{50.0};       ///< Turn radius.
+  double closest_m{};          ///< Min radius of a fillet where legs are short; 0: radius_m.
   double climb_slope{0.15};    ///< Maximum altitude gained per distance.
   double descent_slope{0.15};  ///< Maximum altitude lost per distance.
   double airspeed_m_s{15.0};   ///< Where a waypoint says none.

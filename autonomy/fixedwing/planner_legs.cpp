@@ -28,7 +28,7 @@ TurnCircle circle_of(const Node& node, double radius_m) {
   return {node.pose.p_m, radius_m};
 }
 
-/// Shortest way over one straight; chooses the open sense of a circle at its end.
+/// Shortest path over one straight; chooses the open sense of a circle at its end.
 Leg connect(const Node& from, Node& to, double radius_m) {
   Leg best;
   double sense = to.radius_m;

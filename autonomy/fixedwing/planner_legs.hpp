@@ -20,7 +20,7 @@ struct Node {
   double height_m{};
   double airspeed_m_s{};
   double radius_m{};  ///< kFillet; kCircle: signed, 0 while the sense is open.
-  double hold_m{};    ///< kCircle: way to stay.
+  double hold_m{};    ///< kCircle: length of path on the circle.
   bool forever{};
   std::size_t waypoint{};
 };
@@ -31,7 +31,7 @@ struct Leg {
   double cut_start_m{};  ///< Taken from the straight by fillets.
   double cut_end_m{};
   double length_m{kInfinity};
-  double course_rad{};  ///< Of the straight.
+  double course_rad{};  ///< Course of the straight.
 
   double spare_m() const { return parts[1].length_m - cut_start_m - cut_end_m; }
   /// What each fillet at its ends can have more.

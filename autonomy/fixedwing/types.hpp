@@ -27,6 +27,9 @@ inline double course_of(const Vector2& direction) {
   return std::atan2(direction.y(), direction.x());
 }
 
+/// Ground speed by airspeed that plans count on in the strongest head wind.
+inline constexpr double kMinOverGround = 0.3;
+
 /// Horizontal position and course.
 struct Pose {
   Vector2 p_m{Vector2::Zero()};

@@ -29,7 +29,7 @@ void CommandedFlight::renew(const StateMachineConfig& states) {
 /// The limits that a settled vehicle needs keep one with a wrong motor model from coming down.
 void CommandedFlight::apply_config() {
   ControllerConfig config = config_;
-  if (thrust_watch_.told()) {
+  if (thrust_watch_.found()) {
     config.min_thrust_N = 0.0;
     config.max_descend_acceleration_m_s2 = config.gravity_m_s2;
   }

@@ -39,7 +39,7 @@ class CommandedFlight {
     bool command_good{true};      ///< The received command may be flown.
     const Trajectory* planned{};  ///< Where the vehicle is meant to be; may be null.
     // NOLINTNEXTLINE(readability-redundant-member-init): so that GCC lets callers name members
-    std::optional<double> range_m{};  ///< Of a range sensor downwards, fresh and in range.
+    std::optional<double> range_m{};  ///< Downward range, if fresh and in range.
   };
   struct Output {
     FirmwareCommand command{};
@@ -76,7 +76,7 @@ class CommandedFlight {
 
   bool started() const { return started_; }
   bool on_ground() const;
-  /// As StateMachine::command_good.
+  /// Same as StateMachine::command_good.
   bool command_good(const ControllerCommand& command, double age_s) const {
     return machine_.command_good(command, age_s);
   }
@@ -94,7 +94,7 @@ class CommandedFlight {
   void set_thrust_model(const ThrustModel& thrust) {
     controller_.configure(controller_.config(), thrust);
   }
-  const AttitudeView& attitude() const { return attitude_; }  ///< Of the state of this turn.
+  const AttitudeView& attitude() const { return attitude_; }  ///< In this step.
   const PilotOverride& pilot() const { return pilot_; }
   double dt_s() const { return dt_s_; }
   const Output& output() const { return out_; }

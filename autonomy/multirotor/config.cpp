@@ -74,14 +74,14 @@ Table<ControllerConfig> controller_limits() {
 
 Table<LegLimits> leg_limits() {
   using L = LegLimits;
-  return {
-      {"speed_m_s", &L::speed_m_s, "m/s", Range::between(0.1, 50.0),
-       "of legs; also limits position loops and missions"},
-      {"acceleration_m_s2", &L::acceleration_m_s2, "m/s^2", Range::between(0.1, 50.0), "of legs"},
-      {"leg_yaw_rate_deg_s", &L::yaw_rate_rad_s, kDegPerS, Range::between(1.0, 1000.0),
-       "turning along legs"},
-      {"leg_yaw_acceleration_deg_s2", &L::yaw_acceleration_rad_s2, kDegPerS2,
-       Range::between(1.0, 10000.0), "turning along legs"}};
+  return {{"speed_m_s", &L::speed_m_s, "m/s", Range::between(0.1, 50.0),
+           "maximum speed of legs; also limits position loops and missions"},
+          {"acceleration_m_s2", &L::acceleration_m_s2, "m/s^2", Range::between(0.1, 50.0),
+           "maximum acceleration of legs"},
+          {"leg_yaw_rate_deg_s", &L::yaw_rate_rad_s, kDegPerS, Range::between(1.0, 1000.0),
+           "turning along legs"},
+          {"leg_yaw_acceleration_deg_s2", &L::yaw_acceleration_rad_s2, kDegPerS2,
+           Range::between(1.0, 10000.0), "turning along legs"}};
 }
 
 Table<MissionLimits> mission_limits() {

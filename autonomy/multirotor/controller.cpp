@@ -149,10 +149,10 @@ Controller::Output Controller::accelerate(double forward, double right, double d
   const double mass = config_.mass_kg;
   const double lift =
       std::clamp(g - down, config_.min_thrust_N / mass, config_.max_thrust_N / mass);
-  const double sideways = std::sqrt(forward * forward + right * right);
+  const double lateral = std::sqrt(forward * forward + right * right);
   const double most = lift * tan_tilt_;
-  tilt_limited_ = sideways > most;
-  const double keep = tilt_limited_ ? most / sideways : 1.0;
+  tilt_limited_ = lateral > most;
+  const double keep = tilt_limited_ ? most / lateral : 1.0;
   const ThrustDirection to = ThrustDirection::of(forward * keep, right * keep, -lift);
   const double thrust_N = mass * lift / std::max(in.attitude.cos_tilt, cos_tilt_);
   const double limited_N = std::clamp(thrust_N, config_.min_thrust_N, config_.max_thrust_N);

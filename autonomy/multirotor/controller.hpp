@@ -78,7 +78,7 @@ class Controller {
  public:
   struct Input {
     const State& state;
-    const AttitudeView& attitude;  ///< Of state.q_WB.
+    const AttitudeView& attitude;  ///< Computed from state.q_WB.
     const ControllerCommand& command;
     double dt_s{};          ///< <= 0: the last output is repeated.
     PilotOverride pilot{};  ///< Integrals of the axes the pilot holds are cleared.

@@ -23,12 +23,12 @@ FigureEightLeg::FigureEightLeg(const Trajectory& start, double radius_m, int tur
   // The first lobe of (1) lies along y.
   cosine_ = std::cos(course_rad - 0.5 * kPi);
   sine_ = std::sin(course_rad - 0.5 * kPi);
-  way_m_ = length_m_ * turns;
+  path_m_ = length_m_ * turns;
   // A ramp of T takes v T/2 of the way; half of it must do.
   const double half = 0.5 * acceleration_m_s2;
-  speed_m_s_ = std::min(speed_m_s, std::sqrt(2.0 * half * way_m_ / kPi));
+  speed_m_s_ = std::min(speed_m_s, std::sqrt(2.0 * half * path_m_ / kPi));
   ramp_s_ = 0.5 * kPi * speed_m_s_ / half;
-  cruise_end_s_ = way_m_ / speed_m_s_;
+  cruise_end_s_ = path_m_ / speed_m_s_;
 }
 
 FigureEightLeg::Along FigureEightLeg::along(double t_s) const {
@@ -41,9 +41,9 @@ FigureEightLeg::Along FigureEightLeg::along(double t_s) const {
   if (t_s <= 0.0) return {};
   if (t_s < ramp_s_) return ramp(t_s);
   if (t_s < cruise_end_s_) return {speed_m_s_ * (t_s - 0.5 * ramp_s_), speed_m_s_, 0.0, 0.0};
-  if (t_s >= duration_s()) return {way_m_, 0.0, 0.0, 0.0};
+  if (t_s >= duration_s()) return {path_m_, 0.0, 0.0, 0.0};
   const Along back = ramp(duration_s() - t_s);
-  return {way_m_ - back.s_m, back.v_m_s, -back.a_m_s2, back.j_m_s3};
+  return {path_m_ - back.s_m, back.v_m_s, -back.a_m_s2, back.j_m_s3};
 }
 
 Trajectory FigureEightLeg::sample(double t_s) const {

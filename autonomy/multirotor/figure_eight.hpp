@@ -43,10 +43,10 @@ class FigureEightLeg {
   Along along(double t_s) const;
 
   Trajectory start_{};
-  double cosine_{1.0}, sine_{};     ///< Of the turn that takes (1) to N.
-  std::array<double, kTerms> c_{};  ///< Of sin(n phi), n from 1; odd: y, even: x.
+  double cosine_{1.0}, sine_{};     ///< Rotation that takes (1) to W.
+  std::array<double, kTerms> c_{};  ///< Factors of sin(n phi), n from 1; odd: y, even: x.
   double length_m_{};               ///< Once around.
-  double way_m_{};
+  double path_m_{};
   double speed_m_s_{};
   double ramp_s_{};
   double cruise_end_s_{};

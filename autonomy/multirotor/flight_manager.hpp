@@ -18,7 +18,7 @@ struct FlightConfig {
   ControllerConfig controller{};
   StateMachineConfig states{};
   BatteryConfig battery{};
-  double return_height_m{5.0};  ///< Of a return, above the start, at least.
+  double return_height_m{5.0};  ///< Min altitude of a return above the start.
   ThrustModel thrust;
 };
 
@@ -59,7 +59,7 @@ class FlightManager {
     const State& state;
     Status status{};
     // NOLINTNEXTLINE(readability-redundant-member-init): so that GCC lets callers name members
-    std::optional<double> range_m{};  ///< Of a range sensor downwards, fresh and in range.
+    std::optional<double> range_m{};  ///< Downward range, if fresh and in range.
   };
 
   /// Throws std::invalid_argument if the mission cannot be flown with this configuration.
@@ -95,10 +95,10 @@ class FlightManager {
   PathManager path_;
   std::unique_ptr<TrajectoryLaw> follower_;
   CommandedFlight control_;
-  std::optional<double> takeoff_height_m_;  ///< Of the mission.
+  std::optional<double> takeoff_height_m_;  ///< Takeoff altitude of the mission.
   FlightLimits limits_;
   std::optional<Fence> fence_;
-  Vector3 start_W_{Vector3::Zero()};  ///< Of the take-off.
+  Vector3 start_W_{Vector3::Zero()};  ///< Position of the take-off.
   double unplaced_s_{};               ///< Without a horizontal position.
   double settled_s_{};                ///< When the position will have settled.
   FlightOutput out_{};

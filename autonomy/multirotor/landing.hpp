@@ -8,7 +8,7 @@ struct LandingConfig {
   double speed_m_s{1.0};             ///< Descent above slow_height_m.
   double touchdown_speed_m_s{0.35};  ///< Descent at the height of the start, and below it.
   double slow_height_m{1.5};         ///< Above the start; from here on it slows down.
-  double acceleration_m_s2{1.0};     ///< Of the descent as it begins.
+  double acceleration_m_s2{1.0};     ///< Acceleration at the start of the descent.
   double contact_s{0.4};  ///< Sinking too slowly for this long means there may be ground.
   double unload_s{1.0};   ///< Time from hover thrust to none while probing the ground.
 };

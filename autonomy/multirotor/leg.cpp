@@ -49,14 +49,14 @@ void QuinticLeg::fit(double duration_s) {
   const Vector4 c1 = start_rate_ * duration_s;
   const Vector4 bend = start_acceleration_ * (duration_s * duration_s);
   const Vector4 c2 = 0.5 * bend;
-  const Vector4 way = target_ - start_ - c1 - c2;
+  const Vector4 rest = target_ - start_ - c1 - c2;
   const Vector4 rate = -c1 - bend;
   p_ = {start_,
         c1,
         c2,
-        10.0 * way - 4.0 * rate - 0.5 * bend,
-        -15.0 * way + 7.0 * rate + bend,
-        6.0 * way - 3.0 * rate - 0.5 * bend};
+        10.0 * rest - 4.0 * rate - 0.5 * bend,
+        -15.0 * rest + 7.0 * rate + bend,
+        6.0 * rest - 3.0 * rate - 0.5 * bend};
   for (std::size_t k = 0; k < v_.size(); ++k) {
     v_[k] = (static_cast<double>(k + 1) * inverse_duration_1_s_) * p_[k + 1];
   }
@@ -143,27 +143,27 @@ Trajectory LinearLeg::sample(double t_s) const {
     return out;
   }
   const double t = std::max(t_s, 0.0);
-  double way = 0.0;
+  double path_m = 0.0;
   double speed = 0.0;
   double acceleration = acceleration_m_s2_;
   if (t < ramp_s_) {
-    way = t * (start_speed_m_s_ + 0.5 * acceleration * t);
+    path_m = t * (start_speed_m_s_ + 0.5 * acceleration * t);
     speed = start_speed_m_s_ + acceleration * t;
   } else if (t < cruise_s_) {
     speed = acceleration * ramp_s_;
-    way = speed * (t - 0.5 * ramp_s_);
+    path_m = speed * (t - 0.5 * ramp_s_);
     acceleration = 0.0;
   } else {
     const double left_s = duration_s_ - t;
-    way = distance_m_ - 0.5 * acceleration * left_s * left_s;
+    path_m = distance_m_ - 0.5 * acceleration * left_s * left_s;
     speed = acceleration * left_s;
     acceleration = -acceleration;
   }
-  out.p_W = start_.p_W + direction_W_ * way;
+  out.p_W = start_.p_W + direction_W_ * path_m;
   out.v_W = direction_W_ * speed;
   out.a_W = direction_W_ * acceleration;
   const double turn_per_m = psi_change_rad_ / distance_m_;
-  out.psi_rad = wrap_angle(start_.psi_rad + turn_per_m * way);
+  out.psi_rad = wrap_angle(start_.psi_rad + turn_per_m * path_m);
   out.psi_dot_rad_s = turn_per_m * speed;
   out.psi_ddot_rad_s2 = turn_per_m * acceleration;
   return out;

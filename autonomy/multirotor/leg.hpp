@@ -78,7 +78,7 @@ class LinearLeg {
   /// 0..duration_s().
   Trajectory sample(double t_s) const;
   double duration_s() const { return duration_s_; }
-  /// As flown: 0 for the trapezoid.
+  /// Speed at the end of the leg as flown: 0 for the trapezoid.
   double end_speed_m_s() const { return end_speed_m_s_; }
 
  private:

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNearPlan_m = 1.0;  // closer than this a path goes on from its own setpoint
 constexpr double kNearPlan_m_s = 0.5;
-constexpr double kMinLinear_m = 1e-3;  // a shorter way is a turn on the spot
+constexpr double kMinLinear_m = 1e-3;  // a shorter path is a turn on the spot
 
 }  // namespace
 

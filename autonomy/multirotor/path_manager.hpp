@@ -45,12 +45,12 @@ class PathManager {
     double distance_m{};     ///< From the vehicle to that target.
     Event event{Event::kNone};
     std::size_t event_waypoint{};
-    double event_distance_m{};  ///< Of the vehicle to event_waypoint.
+    double event_distance_m{};  ///< Distance of the vehicle to event_waypoint.
     bool done{};                ///< The last waypoint is behind and there is no cycle.
   };
 
   PathManager() = default;
-  /// Without waypoints; nothing moves before start().
+  /// Has no waypoints; nothing moves before start().
   explicit PathManager(const PathConfig& config) : config_(config) {}
 
   /// Replaces the whole list at once (empty: stay where the setpoint is) and forgets the progress,

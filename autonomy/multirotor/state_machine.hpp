@@ -53,7 +53,7 @@ class StateMachine {
     bool failsafe{};  ///< The flight controller flies its failsafe command.
     bool regained{};  ///< The first state after a gap in which others flew.
     // NOLINTNEXTLINE(readability-redundant-member-init): so that GCC lets callers name members
-    std::optional<double> range_m{};  ///< Of a range sensor downwards, fresh and in range.
+    std::optional<double> range_m{};  ///< Downward range, if fresh and in range.
   };
   struct Output {
     Phase phase{Phase::kDisarmed};

@@ -6,7 +6,7 @@
 
 namespace rosflight::autonomy::multirotor {
 
-/// Tells that a vehicle does not do what its thrust should make it do: it keeps climbing with much less than its weight, or
+/// Finds that a vehicle does not do what its thrust should make it do: it keeps climbing with much less than its weight, or
 /// sinking with much more.
 ///
 /// With kLittle of its weight a vehicle loses 3.9 m/s of climb in a second, so one that still climbs at kSpeed_m_s after
@@ -28,13 +28,13 @@ class ThrustWatch {
     climbing_s_ =
         thrust_N <= kLittle * weight_N && down_m_s < -kSpeed_m_s ? climbing_s_ + dt_s : 0.0;
     sinking_s_ = thrust_N >= high_thrust_N && down_m_s > kSpeed_m_s ? sinking_s_ + dt_s : 0.0;
-    const bool found = !told_ && (climbing_s_ > kClimbing_s || sinking_s_ > kSinking_s);
-    told_ = told_ || found;
-    return found;
+    const bool first = !found_ && (climbing_s_ > kClimbing_s || sinking_s_ > kSinking_s);
+    found_ = found_ || first;
+    return first;
   }
   /// Somebody else flies: what was seen so far does not count.
   void interrupt() { climbing_s_ = sinking_s_ = 0.0; }
-  bool told() const { return told_; }
+  bool found() const { return found_; }
   void reset() { *this = ThrustWatch{}; }
 
  private:
@@ -42,7 +42,7 @@ class ThrustWatch {
 
   double climbing_s_{};
   double sinking_s_{};
-  bool told_{false};
+  bool found_{false};
 };
 
 }  // namespace rosflight::autonomy::multirotor

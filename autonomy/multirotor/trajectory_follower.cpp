@@ -51,7 +51,7 @@ void TrajectoryFollower::restart(const Vector3& trim_W) {
   east_.set_integral(trim_W.y());
   down_.set_integral(trim_W.z());
   last_ = ControllerCommand{};
-  sideways_limited_ = lift_limited_ = false;
+  lateral_limited_ = lift_limited_ = false;
 }
 
 Vector3 TrajectoryFollower::wanted_acceleration(const Input& in) {
@@ -59,16 +59,16 @@ Vector3 TrajectoryFollower::wanted_acceleration(const Input& in) {
   const Trajectory& to = in.setpoint;
   Vector3 error = to.p_W - at.p_W;
   const double window = config_.max_position_error_m;
-  const double sideways = std::sqrt(error.x() * error.x() + error.y() * error.y());
-  const bool far_sideways = sideways > window;
+  const double lateral = std::sqrt(error.x() * error.x() + error.y() * error.y());
+  const bool far_lateral = lateral > window;
   const bool far_below_or_above = std::abs(error.z()) > window;
-  if (far_sideways) error.head<2>() *= window / sideways;
+  if (far_lateral) error.head<2>() *= window / lateral;
   error.z() = std::clamp(error.z(), -window, window);
   const Vector3 v_excess = at.v_W - to.v_W;
   const Vector3 target = at.p_W + error;
 
   const bool pilot = in.pilot.roll_pitch;
-  const bool limited = sideways_limited_ || far_sideways;
+  const bool limited = lateral_limited_ || far_lateral;
   Vector3 u;
   u.x() = north_.step_with_rate(target.x(), at.p_W.x(), v_excess.x(), in.dt_s,
                                 may_integrate(north_, error.x(), pilot, limited));
@@ -93,9 +93,9 @@ void TrajectoryFollower::limit(Vector3& f_W) {
   f_W.z() = lift;
   const double left = std::sqrt(std::max(max_force * max_force - lift * lift, 0.0));
   const double most = std::min(-lift * tan_tilt_, left);
-  const double sideways = std::sqrt(f_W.x() * f_W.x() + f_W.y() * f_W.y());
-  sideways_limited_ = sideways > most;
-  if (sideways_limited_) f_W.head<2>() *= most / sideways;
+  const double lateral = std::sqrt(f_W.x() * f_W.x() + f_W.y() * f_W.y());
+  lateral_limited_ = lateral > most;
+  if (lateral_limited_) f_W.head<2>() *= most / lateral;
 }
 
 double TrajectoryFollower::wanted_yaw_rate(const Input& in) {

@@ -74,7 +74,7 @@ class TrajectoryFollower final : public TrajectoryLaw {
   Pid north_, east_, down_, heading_;
   ControllerCommand last_{};
   double tan_tilt_{};
-  bool sideways_limited_{false};
+  bool lateral_limited_{false};
   bool lift_limited_{false};
 };
 

@@ -12,7 +12,7 @@ class TrajectoryLaw {
  public:
   struct Input {
     const State& state;
-    const AttitudeView& attitude;  ///< Of state.q_WB.
+    const AttitudeView& attitude;  ///< Computed from state.q_WB.
     const Trajectory& setpoint;
     double setpoint_age_s{};
     double dt_s{};          ///< <= 0: the last output is repeated.

@@ -44,7 +44,7 @@ struct Trajectory {
 };
 
 /// What the four numbers of a ControllerCommand are (ROSflight 2.x, roscopter ControllerCommand).
-/// N, E, D: position [m] or velocity [m/s]; accelerations in units of gravity, in v1; torques [N
+/// North, east, down: position [m] or velocity [m/s]; accelerations in units of gravity, in v1; torques [N
 /// m].
 enum class ControlMode : std::uint8_t {
   kNposEposDposYaw = 0,

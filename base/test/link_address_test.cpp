@@ -35,7 +35,7 @@ TEST(LinkAddress, WritesWhatItReads) {
   }
 }
 
-TEST(BoardLink, ReadsEachKind) {
+TEST(LinkAddressOfBoard, ReadsEachKind) {
   EXPECT_EQ(parse_board_link("pty").kind, Kind::kPty);
   EXPECT_EQ(parse_board_link("pty").path, "");
   EXPECT_EQ(parse_board_link("pty:/tmp/a:b").path, "/tmp/a:b");
@@ -52,7 +52,7 @@ TEST(BoardLink, ReadsEachKind) {
   EXPECT_EQ(parse_board_link("tcp:0.0.0.0:5760").host, "0.0.0.0");
 }
 
-TEST(BoardLink, SaysInOneLineWhatIsWrong) {
+TEST(LinkAddressOfBoard, SaysInOneLineWhatIsWrong) {
   const auto found = [](const char* text) -> std::string {
     try {
       parse_board_link(text);
@@ -72,9 +72,9 @@ TEST(BoardLink, SaysInOneLineWhatIsWrong) {
   EXPECT_EQ(found("tcp:::1:5760"), "an address with ':' outside brackets");
 }
 
-class BadBoardLink : public ::testing::TestWithParam<const char*> {};
+class BadLinkAddressOfBoard : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(BadBoardLink, IsOneLineWithTheTextWhatWasFoundAndWhatIsAllowed) {
+TEST_P(BadLinkAddressOfBoard, IsOneLineWithTheTextWhatWasFoundAndWhatIsAllowed) {
   try {
     parse_board_link(GetParam());
     ADD_FAILURE() << "taken";
@@ -88,7 +88,7 @@ TEST_P(BadBoardLink, IsOneLineWithTheTextWhatWasFoundAndWhatIsAllowed) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Texts, BadBoardLink,
+INSTANTIATE_TEST_SUITE_P(Texts, BadLinkAddressOfBoard,
                          ::testing::Values("", "pt", "pty:", "udp", "udp:", "udp:host",
                                            "udp::14520", "udp:host:", "udp:host:0",
                                            "udp:host:65536", "udp:host:-1", "udp:host:14520x",

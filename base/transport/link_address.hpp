@@ -38,13 +38,13 @@ struct LinkAddress {
   static constexpr std::uint16_t kBoardPort = 14525;
 
   Kind kind{Kind::kPty};
-  std::string path;  ///< Of the device, or of the symbolic link to a pty; empty: none.
+  std::string path;  ///< Path of the device, or of the symbolic link to a pty; empty: none.
   std::uint32_t baud{921600};
   std::string host;                       ///< kTcpServer: address to listen on; empty: all.
   std::uint16_t port{};                   ///< 0 (board's TCP): any free one.
   std::uint16_t local_port{kGroundPort};  ///< kUdp; 0: any free one.
 
-  /// As parse_link() reads it.
+  /// Text that parse_link() reads.
   std::string text() const;
 };
 

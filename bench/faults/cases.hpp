@@ -10,8 +10,8 @@ namespace rosflight::bench::faults {
 struct Subject {
   const char* vehicle;
   bool fixed_wing;
-  std::vector<const char*> phases;       ///< Of the single faults; phases.hpp says when each is.
-  std::vector<const char*> pair_phases;  ///< Of the pairs.
+  std::vector<const char*> phases;       ///< Phases of the single faults, defined in phases.hpp.
+  std::vector<const char*> pair_phases;  ///< Phases of the pairs.
 };
 const std::vector<Subject>& subjects();
 
@@ -31,7 +31,7 @@ struct Case {
   std::size_t subject{};
   std::string pilot;   ///< "hover" or "idle".
   std::string first;   ///< A row of fault_rows().
-  std::string second;  ///< Of a pair, a second later; else empty.
+  std::string second;  ///< Second fault of a pair, 1 s later; else empty.
   std::string phase;
   /// The receiver's failsafe flies its own command though the companion's commands are fresh.
   bool failsafe_command{};

@@ -72,7 +72,7 @@ void for_each_row(const std::vector<Flown>& flown, const Sheet& sheet, Row row) 
   }
 }
 
-/// Of the pairs of a sheet: flights by phase and cell.
+/// Counts the pairs of a sheet: flights by phase and cell.
 std::map<std::string, std::map<std::string, std::size_t>> pair_counts(
     const std::vector<Flown>& flown, const Sheet& sheet) {
   std::map<std::string, std::map<std::string, std::size_t>> out;

@@ -147,7 +147,7 @@ class Rig {
   }
 
   bench::IdleBoard board_;
-  link::MavlinkCodec codec_{{1, link::MavlinkCodec::kFcuComponent}};
+  link::MavlinkCodec codec_{{1, link::MavlinkCodec::kFcuComponent}, link::mavlink::fcu_messages()};
   link::MavlinkCodec companion_{{1, link::MavlinkCodec::kCompanionComponent}};
   core::Firmware firmware_{board_.roles(), codec_};
   std::int32_t passes_{0};

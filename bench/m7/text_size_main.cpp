@@ -7,7 +7,8 @@
 
 int board_main() {
   rosflight::bench::IdleBoard board;
-  rosflight::link::MavlinkCodec codec{{1, rosflight::link::MavlinkCodec::kFcuComponent}};
+  rosflight::link::MavlinkCodec codec{{1, rosflight::link::MavlinkCodec::kFcuComponent},
+                                      rosflight::link::mavlink::fcu_messages()};
   rosflight::core::Firmware firmware(board.roles(), codec);
   firmware.start();
   for (;;) firmware.run();

@@ -23,7 +23,7 @@ Endpoint::Opened failure(Result result, const std::string& what, int error) {
   return {result, FileDescriptor{}, what + ": " + std::strerror(error)};
 }
 
-/// USB converters collect bytes for 16 ms unless told not to. Not all drivers know this; that is no
+/// USB converters collect bytes for 16 ms unless configured not to. Not all drivers know this; that is no
 /// fault.
 void ask_for_low_latency(int fd) {
   serial_struct settings{};

@@ -129,7 +129,7 @@ class AsioLink : public testing::Test {
 TEST_F(AsioLink, SerialPortIsWaitedForAndFoundAgain) {
   const auto device = folder / "ttyFCU";
   CompanionEnd companion(parse_link("serial:" + device.string()));
-  // Not there yet: no error, but told.
+  // Not there yet: no error, but reported.
   ASSERT_TRUE(wait_for(companion, nullptr, [&] { return !companion.lines.empty(); }));
   EXPECT_EQ(companion.lines[0],
             device.string() + ": cannot be opened: No such file or directory; waiting");

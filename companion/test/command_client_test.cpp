@@ -282,20 +282,35 @@ TEST(Reboot, ToTheBootloaderEndsWithSilence) {
   EXPECT_EQ(job.text(), "reboot to bootloader: the flight control unit has left");
 }
 
-// ROSflight 2.x tells nobody which values a read or the defaults brought.
+// ROSflight 2.x does not report which values a read or the defaults brought.
 TEST(Command, ReadAndDefaultsBringTheMirrorUpToDate) {
   CommandRig rig;
-  rig.fcu.set_from_inside("BARO_BIAS", ParameterValue::of(3.0f));
+  rig.fcu.set_from_inside("DIFF_PRESS_BIAS", ParameterValue::of(3.0f));
   rig.step();
   EXPECT_TRUE(rig.session.parameters().unsaved());
   rig.fcu.on_command = [&](Command) {
-    rig.fcu.find("BARO_BIAS")->value = ParameterValue::of(5.0f);
+    rig.fcu.find("DIFF_PRESS_BIAS")->value = ParameterValue::of(5.0f);
     return true;
   };
   const auto job = rig.session.commands().start(Command::kReadParams);
   ASSERT_TRUE(rig.run_job(job, 100ms));
   ASSERT_TRUE(rig.run_until([&] { return rig.session.parameters().table().all_fresh(); }, 1s));
-  EXPECT_FLOAT_EQ(rig.mirror("BARO_BIAS").as_float(), 5.0f);
+  EXPECT_FLOAT_EQ(rig.mirror("DIFF_PRESS_BIAS").as_float(), 5.0f);
+  EXPECT_FALSE(rig.session.parameters().unsaved());
+}
+
+// The firmware measures them seconds after each start, which may be while parameters are written.
+TEST(ParameterUnsaved, IsNotWhatTheBarometerMeasuresAtEveryStart) {
+  CommandRig rig;
+  rig.fcu.on_command = [&](Command) {
+    rig.fcu.set_from_inside("BARO_BIAS", ParameterValue::of(3.0f));
+    rig.fcu.set_from_inside("GROUND_LEVEL", ParameterValue::of(4.0f));
+    return true;
+  };
+  const auto job = rig.session.commands().start(Command::kWriteParams);
+  ASSERT_TRUE(rig.run_job(job, 100ms));
+  rig.run_for(10ms);
+  EXPECT_FLOAT_EQ(rig.mirror("GROUND_LEVEL").as_float(), 4.0f);
   EXPECT_FALSE(rig.session.parameters().unsaved());
 }
 

@@ -21,7 +21,7 @@ TEST(Connection, NeedsAHeartbeatAndThenAnyMessage) {
   EXPECT_EQ(connection.next_due(), 6s);
   EXPECT_TRUE(connection.expired(6s));
   EXPECT_FALSE(connection.connected());
-  EXPECT_FALSE(connection.expired(7s));  // told once
+  EXPECT_FALSE(connection.expired(7s));  // reported once
   EXPECT_FALSE(connection.received(8s, false));
   EXPECT_TRUE(connection.received(8s, true));
 }

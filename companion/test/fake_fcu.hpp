@@ -23,7 +23,7 @@ class Random {
     state_ ^= state_ >> 27;
     return state_ * 2685821657736338717ULL;
   }
-  /// In [0, 1).
+  /// Next number in [0, 1).
   double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
 
  private:
@@ -94,7 +94,7 @@ class FakeFcu {
   }
 
   std::vector<Parameter> parameters;
-  bool silent{false};             ///< Dead: reads and says nothing.
+  bool silent{false};             ///< Dead: reads and sends nothing.
   bool answers_equal_sets{true};  ///< ROSflight 2.x: false.
   bool armed{false};
   bool imu{true};  ///< Streams IMU and attitude every pass.

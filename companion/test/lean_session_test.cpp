@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A companion that was not told what its FCU speaks.
+// A companion that has no setting of the protocol of its FCU.
 #include <gtest/gtest.h>
 
 #include "companion/test/rig.hpp"

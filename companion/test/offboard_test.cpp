@@ -38,9 +38,9 @@ TEST(Offboard, BuildersFillModeAxisAndMask) {
   EXPECT_EQ(rates.mode, 1);
   EXPECT_EQ(rates.ignore, 0x3C6);  // 1, 2 and the free four
   EXPECT_EQ(rates.u, (std::array<float, 10>{0.6f, 0, 0, 1, 2, 3, 0, 0, 0, 0}));
-  const auto wing = surfaces(0.1f, 0.2f, 0.3f, 0.4f);
-  EXPECT_EQ(wing.mode, 0);
-  EXPECT_EQ(wing.u, (std::array<float, 10>{0.4f, 0, 0, 0.1f, 0.2f, 0.3f, 0, 0, 0, 0}));
+  const auto fixedwing = surfaces(0.1f, 0.2f, 0.3f, 0.4f);
+  EXPECT_EQ(fixedwing.mode, 0);
+  EXPECT_EQ(fixedwing.u, (std::array<float, 10>{0.4f, 0, 0, 0.1f, 0.2f, 0.3f, 0, 0, 0, 0}));
   const auto all = pass_through({0, 0, -9, 1, 2, 3, 4, 5, 6, 7}, ignore_bit(0) | ignore_bit(9));
   EXPECT_EQ(all.mode, 0);
   EXPECT_EQ(all.ignore, 0x201);

@@ -149,11 +149,11 @@ TEST_F(ParameterFiles, AMixerIsChosenAfterWhatItIsCheckedAgainst) {
   table[0].name = "PRIMARY_MIXER";
   table[1].name = "RC_F_AXIS";
   Rig rig(std::move(table));
-  write_parameter_file(folder / "wing.yaml",
+  write_parameter_file(folder / "fixedwing.yaml",
                        {{"PRIMARY_MIXER", ParameterValue::of(std::int32_t{10})},
                         {"RC_F_AXIS", ParameterValue::of(7.0f)}},
                        "");
-  const auto loaded = rig.session.parameters().load_file(folder / "wing.yaml");
+  const auto loaded = rig.session.parameters().load_file(folder / "fixedwing.yaml");
   ASSERT_TRUE(rig.run_job(loaded));
   ASSERT_TRUE(loaded.done()) << loaded.text();
   std::vector<std::string> order;

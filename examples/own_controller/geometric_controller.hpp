@@ -49,7 +49,7 @@ class GeometricController final : public rosflight::autonomy::multirotor::Trajec
 
   GeometricConfig config_;
   Vector3 integral_W_{Vector3::Zero()};  ///< As an acceleration [m/s^2].
-  Vector3 rate_B_{Vector3::Zero()};      ///< Of the attitude's integral [rad/s].
+  Vector3 rate_B_{Vector3::Zero()};      ///< Rate from the integral of the attitude error [rad/s].
   ControllerCommand last_{};
 };
 

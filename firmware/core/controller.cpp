@@ -7,7 +7,7 @@ namespace rosflight::core {
 namespace {
 
 constexpr float kThrottleForIntegration = 0.1f;
-constexpr float kLongestIntegrationStep_s = 0.01f;
+constexpr float kMaxIntegrationStep_s = 0.01f;
 
 /// Squared sines of half the tilts, 60 and 75 degrees, between which the angle errors are blended
 /// from differences to a rotation.
@@ -92,7 +92,7 @@ Controller::AngleErrors Controller::steep_errors(const CommandVector& command,
   m.dt_s = dt_s;
   m.tau_s = config_.tau_s;
   m.limit = config_.max_thrust_N;  // full normalised torque, or full thrust on a lever of 1 m
-  m.integrate = armed && throttle_up && dt_s < kLongestIntegrationStep_s;
+  m.integrate = armed && throttle_up && dt_s < kMaxIntegrationStep_s;
   m.saturated = saturated;
 
   output_ = command.value;

@@ -41,8 +41,8 @@ float asin(float sine) {
 
 /// x = k pi/2 + r in double precision, |r| <= pi/4, then polynomials in r^2.
 SinCos sin_cos(float angle_rad) {
-  constexpr float kFarthest = 1e6f;
-  if (!(std::abs(angle_rad) <= kFarthest)) return {kNan, kNan};
+  constexpr float kMaxAngle_rad = 1e6f;
+  if (!(std::abs(angle_rad) <= kMaxAngle_rad)) return {kNan, kNan};
   const auto x = static_cast<double>(angle_rad);
   const double turns = x * 0.63661977236758134;
   const auto k = static_cast<std::int32_t>(turns + (turns < 0.0 ? -0.5 : 0.5));
@@ -88,9 +88,9 @@ float pow(float x, float y) {
   for (int n = 11; n >= 1; n -= 2) series = 1.0 / n + z * series;
   constexpr double kLn2 = 0.69314718055994531;
   const double power = static_cast<double>(y) * (static_cast<double>(k) + 2.0 * s * series / kLn2);
-  constexpr double kMost = 127.0;
-  if (power > kMost) return std::numeric_limits<float>::infinity();
-  if (power < -kMost) return 0.0f;
+  constexpr double kMaxPower = 127.0;
+  if (power > kMaxPower) return std::numeric_limits<float>::infinity();
+  if (power < -kMaxPower) return 0.0f;
   const auto whole = static_cast<std::int32_t>(power + (power < 0.0 ? -0.5 : 0.5));
   const double r = (power - static_cast<double>(whole)) * kLn2;
   double sum = 1.0;

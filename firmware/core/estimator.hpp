@@ -96,7 +96,7 @@ class Estimator {
   /// at most kMaxGap_s ago roll and pitch come from that sample nevertheless, and the boost counts
   /// from it.
   void resume_in_flight(const Motion& before);
-  /// For resume_in_flight() of the next start.
+  /// State for resume_in_flight() of the next start.
   Motion motion() const { return {estimate_.stamp, estimate_.q_WB, estimate_.rates_rad_s, bias_}; }
   /// At the end of a gyro calibration, hence at rest: resets the bias estimate, which belonged to the
   /// old offset. While the offset was measured nothing was subtracted from it, and it turned the
@@ -162,7 +162,7 @@ class Estimator {
   Time now_{};           ///< Stamp of the first sample plus all dt since.
   Time external_time_{};
   Time boost_start_{};
-  Time last_use_{};  ///< Of the accelerometer or an external attitude.
+  Time last_use_{};  ///< Last use of the accelerometer or an external attitude.
   Time usable_since_{};
   bool external_pending_{false};
   bool started_{false};

@@ -163,7 +163,7 @@ class Firmware {
   link::Codec& codec_;
   Log log_;
   Parameters parameters_;
-  float max_thrust_N_{1.0f};  ///< Of all motors, by parameters and density.
+  float max_thrust_N_{1.0f};  ///< Max thrust of all motors, by parameters and density.
   ParameterStore store_;
   StateMachine state_;
   Sensors sensors_;
@@ -190,7 +190,7 @@ class Firmware {
   Time max_pass_{};                       ///< Longest time between passes since the last report.
   Time moved_{hal::milliseconds(-1000)};  ///< When the disarmed vehicle last turned.
   Time idle_until_{};                     ///< End of kIdleFirst, while holding_idle_.
-  Time powered_{Time::min() / 2};         ///< Of a fixed wing: last time with a motor above idle.
+  Time powered_{Time::min() / 2};         ///< Fixed wing: last time with a motor above idle.
   Time disarmed_{};                       ///< When it was disarmed with motors above idle.
   Time test_until_{};                     ///< When the motor test ends.
   CrashRecord::Ages rearm_ages_ms_{CrashRecord{}.rearm_age_ms};  ///< At the start.

@@ -12,6 +12,7 @@ std::uint8_t target_of(const link::Message& message) {
   if (const auto* list = std::get_if<link::ParamRequestList>(&message)) return list->target_system;
   if (const auto* test = std::get_if<link::MotorTest>(&message)) return test->target_system;
   if (const auto* report = std::get_if<link::ReportRequest>(&message)) return report->target_system;
+  if (const auto* record = std::get_if<link::RecordRequest>(&message)) return record->target_system;
   return 0;
 }
 

@@ -28,7 +28,7 @@ class GyroChain {
     float low_pass_Hz{0.0f};       ///< 0: off.
     float notch_Hz{0.0f};          ///< 0: off.
     float notch_width_Hz{30.0f};   ///< Between the -3 dB points.
-    float full_scale_rad_s{0.0f};  ///< Of the part; 0: clipping is not counted.
+    float full_scale_rad_s{0.0f};  ///< Full scale of the sensor; 0: clipping is not counted.
   };
 
   /// The filters that configure() left off: their frequency is not below kMaxFrequencyRatio, or a

@@ -43,7 +43,7 @@ class ImuClock {
     bool backwards{false};  ///< Unusable because the stamp went back.
     bool restarted{false};  ///< First sample (dt_s is 0), or first after the clock was set.
     bool standing{false};   ///< Unusable because the stamp does not move.
-    float dt_s{0.0f};       ///< Of a usable sample; >= 0.
+    float dt_s{0.0f};       ///< Time step of a usable sample; >= 0.
   };
 
   /// @param arrival  board clock; does not go back.
@@ -68,8 +68,8 @@ class ImuClock {
   Step examine(Time stamp, Time arrival, std::int64_t dt, std::int64_t waited);
   Step use(Time stamp, Time arrival, bool restarted, Time dt);
 
-  Time stamp_{};    ///< Of the last usable sample, the first with this stamp.
-  Time arrival_{};  ///< Of the same.
+  Time stamp_{};    ///< Stamp of the last usable sample, the first with this stamp.
+  Time arrival_{};  ///< Arrival of that sample.
   Time candidate_stamp_{};
   Time candidate_arrival_{};
   std::uint8_t candidates_{0};

@@ -10,7 +10,7 @@
 namespace rosflight::core {
 namespace {
 
-constexpr float kSmallestBattery_V = 1e-4f;
+constexpr float kMinBattery_V = 1e-4f;
 constexpr float kServoCentre = 0.5f;
 constexpr float kGpioThreshold = 0.5f;
 
@@ -211,7 +211,7 @@ Mixer::Group Mixer::product_by_axis(const Inputs& u, std::size_t group,
 
 void Mixer::motors_from_speed(const Conditions& conditions) {
   const float battery_V = voltage(conditions.battery_V);
-  motor_model_failed_ = !config_.motor.usable() || !(battery_V >= kSmallestBattery_V);
+  motor_model_failed_ = !config_.motor.usable() || !(battery_V >= kMinBattery_V);
   for (const std::size_t k : motors_) {
     const float speed_sq = std::max(mixed_[k], 0.0f);  // in this order a NaN is kept
     mixed_[k] = motor_model_failed_
@@ -223,8 +223,8 @@ void Mixer::motors_from_speed(const Conditions& conditions) {
 /// The measured voltage, limited to the range of a usable battery. Without BATT_VOLT_MAX there are no
 /// limits.
 float Mixer::voltage(float battery_V) {
-  const float lowest_V = kLowestVoltage * config_.motor.full_voltage_V;
-  const float highest_V = kHighestVoltage * config_.motor.full_voltage_V;
+  const float lowest_V = kMinVoltage * config_.motor.full_voltage_V;
+  const float highest_V = kMaxVoltage * config_.motor.full_voltage_V;
   const bool too_low = battery_V < lowest_V || !std::isfinite(battery_V);
   const bool too_high = !too_low && battery_V > highest_V && highest_V > 0.0f;
   voltage_replaced_ = too_low || too_high;

@@ -53,8 +53,8 @@ class Mixer {
   static constexpr float kTestLimit = 0.3f;
   /// Range of the voltage in (2), as fractions of that of the full battery: a failed sensor changes
   /// the throttle by a factor between 0.6/1.1 and 1/0.6.
-  static constexpr float kLowestVoltage = 0.6f;
-  static constexpr float kHighestVoltage = 1.1f;
+  static constexpr float kMinVoltage = 0.6f;
+  static constexpr float kMaxVoltage = 1.1f;
 
   struct Config {
     bool fixed_wing{false};

@@ -37,7 +37,7 @@ class MotorStop {
   static constexpr Time kImpactWindow = hal::milliseconds(5000);  ///< Stillness counts until then.
   static constexpr Time kFailsafeRest = hal::milliseconds(30000);
   static constexpr Time kProbe = hal::milliseconds(500);
-  static constexpr Time kSettling = hal::milliseconds(250);  ///< Of the probe.
+  static constexpr Time kSettling = hal::milliseconds(250);  ///< Wider limits in the probe.
   static constexpr float kAltitudeBand_m = 1.0f;
   static constexpr float kAltitudeTime_s = 2.0f;  ///< Low-pass against the barometer's noise.
   static constexpr int kImpactSamples = 2;        ///< A single sample is an outlier of the sensor.
@@ -54,7 +54,7 @@ class MotorStop {
     Quaternion q_WB{};
     Vector3 accel_m_s2{Vector3::Zero()};
     Vector3 rates_rad_s{Vector3::Zero()};
-    float altitude_m{};  ///< Of the barometer; 0 without one.
+    float altitude_m{};  ///< Altitude from the barometer; 0 without one.
     bool throttle_commanded{};
     bool failsafe{};
   };

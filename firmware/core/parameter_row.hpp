@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -47,7 +48,7 @@ struct ParamKind {
 
 /// One row of the parameter table (parameters.csv).
 struct ParamRow : ParamKind {
-  const link::ParamName& name;
+  link::ParamName name;
 };
 
 /// A name of up to 16 characters, padded with NUL.
@@ -55,6 +56,17 @@ constexpr link::ParamName padded_name(const char* text) {
   link::ParamName name{};
   for (std::size_t k = 0; k < name.size() && text[k] != '\0'; ++k) name[k] = text[k];
   return name;
+}
+
+/// Unpacks a name over the one before it. A packed name is a byte, whose upper half is the number of
+/// characters that both begin with and whose lower half is the number of its own less 1, and its own.
+/// @returns where the next one begins.
+inline const std::uint8_t* next_name(const std::uint8_t* packed, link::ParamName& name) {
+  const std::size_t shared = *packed >> 4u;
+  const std::size_t own = (*packed & 15u) + 1u;
+  ++packed;
+  std::fill(std::copy_n(packed, own, name.begin() + shared), name.end(), '\0');
+  return packed + own;
 }
 
 /// A kind of the generated table; arguments as the members of ParamKind.

@@ -112,9 +112,9 @@ class ParameterStore {
   }
 
   hal::Storage& storage_;
-  Parameters::Version begun_{};  ///< Of the values when the save began.
+  Parameters::Version begun_{};  ///< Version of the values when the save began.
   Crc32 crc_;
-  std::uint32_t sequence_{0};  ///< Of the newest set.
+  std::uint32_t sequence_{0};  ///< Sequence number of the newest set.
   std::uint16_t entry_{0};     ///< The next to be written.
   std::uint16_t at_{0};        ///< Where it goes in its slot.
   std::uint8_t newest_{1};     ///< Slot of the newest set; a save goes to the other.

@@ -33,21 +33,26 @@ bool near_enough(const ArmedRule& rule, float from, float to) {
 
 }  // namespace
 
+/// One by one: names come by hand, in a list of the companion, or from stored parameters of another version.
 std::size_t Parameters::find(const link::ParamName& name) {
-  std::size_t low = 0;
-  std::size_t high = kParamCount;
-  while (low < high) {
-    const std::size_t middle = (low + high) / 2;
-    const std::size_t index = detail::kParamOrder[middle];
-    const int order = std::strncmp(detail::kParamNames[index].data(), name.data(), name.size());
-    if (order == 0) return index;
-    if (order < 0) {
-      low = middle + 1;
-    } else {
-      high = middle;
-    }
+  link::ParamName each{};
+  const std::uint8_t* packed = detail::kParamNames.data();
+  std::size_t index = 0;
+  for (; index < kParamCount; ++index) {
+    packed = next_name(packed, each);
+    if (std::strncmp(each.data(), name.data(), name.size()) == 0) break;
   }
-  return kParamCount;
+  return index;
+}
+
+link::ParamName Parameters::name(Param id) {
+  const auto index = static_cast<std::size_t>(id);
+  link::ParamName name{};
+  const std::uint8_t* packed =
+      &detail::kParamNames[detail::kNameBlocks[index / detail::kNamesPerBlock]];
+  for (std::size_t k = 0; k <= index % detail::kNamesPerBlock; ++k)
+    packed = next_name(packed, name);
+  return name;
 }
 
 std::uint32_t Parameters::bits(Param id) const {

@@ -53,8 +53,8 @@ class Pid {
       has_last_ = false;  // a derivative gain set later starts from rest
       return 0.0f;
     }
-    constexpr float kSmallestStep_s = 1e-4f;
-    if (dt_s > kSmallestStep_s && has_last_) {
+    constexpr float kMinStep_s = 1e-4f;
+    if (dt_s > kMinStep_s && has_last_) {
       const float sum = 2.0f * tau_s + dt_s;
       const float next = (2.0f * tau_s - dt_s) / sum * derivative_ + 2.0f / sum * (x - last_);
       if (!std::isfinite(next)) return next;  // and is not stored

@@ -9,8 +9,8 @@ namespace {
 constexpr std::uint8_t kFirstSwitchChannel = 4;
 constexpr float kSwitchHigh = 0.8f;
 constexpr float kSwitchLow = 0.2f;
-constexpr float kLowestValid = -0.25f;
-constexpr float kHighestValid = 1.25f;
+constexpr float kMinValid = -0.25f;
+constexpr float kMaxValid = 1.25f;
 
 constexpr std::array<const char*, kSwitchCount> kNames{"arm", "attitude override",
                                                        "throttle override", "attitude type"};
@@ -45,7 +45,7 @@ void Rc::describe(Log& log) const {
 
 bool Rc::good(const hal::RcFrame& frame) const {
   if (frame.frame_lost || frame.failsafe) return false;
-  const auto valid = [](float c) { return c >= kLowestValid && c <= kHighestValid; };
+  const auto valid = [](float c) { return c >= kMinValid && c <= kMaxValid; };
   const auto delivered = std::min<std::size_t>(frame.channel_count, frame.channels.size());
   const auto n = std::min<std::size_t>(config_.channel_count, delivered);
   const auto& c = frame.channels;

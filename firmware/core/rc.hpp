@@ -47,7 +47,7 @@ class Rc {
     std::uint8_t channel_count{6};  ///< Checked for validity; switches must lie below.
     std::uint8_t roll{0}, pitch{1}, throttle{2}, yaw{3};  ///< Channels of the sticks, below 24.
     std::array<std::uint8_t, kSwitchCount> switch_channel{255, 4, 4, 255};
-    std::array<std::int8_t, 4> direction{1, 1, 1, 1};  ///< Of channels 4..7; negative reverses.
+    std::array<std::int8_t, 4> direction{1, 1, 1, 1};  ///< Channels 4..7; negative reverses.
     float arm_threshold{0.15f};
   };
 

@@ -10,14 +10,14 @@ namespace {
 
 // Offset of each axis at rest, of the parts that fly: +-20 deg/s of an MPU-6000 (data sheet,
 // zero-rate output), +-0.25 rad/s in the simulator of ROSflight 2.x, +-1 deg/s of a BMI088.
-constexpr float kLargestGyroBias_rad_s = 0.35f;
+constexpr float kMaxGyroBias_rad_s = 0.35f;
 // Maximum less minimum of 1001 samples is some 6.5 sigma of white noise: 0.25 rad/s as the norm of
 // three axes at 0.0226 rad/s (the noisiest simulated sensor), 0.05 rad/s for a BMI088. The rest is
 // for wind and hands.
-constexpr float kLargestGyroSpread_rad_s = 0.3f;
+constexpr float kMaxGyroSpread_rad_s = 0.3f;
 constexpr float kMaxAccelSpread_m_s2 = 1.0f;
-constexpr float kLargestAccelBias_m_s2 = 3.0f;
-constexpr float kLargestTilt_deg = 5.0f;
+constexpr float kMaxAccelBias_m_s2 = 3.0f;
+constexpr float kMaxTilt_deg = 5.0f;
 
 /// Angle between a mean accelerometer reading and that of a level vehicle, from its horizontal part
 /// (which an offset along z does not change) up to 90 degrees.
@@ -41,20 +41,21 @@ bool finite(const hal::GnssSample& s) {
 
 /// A position on the Earth, below the altitude and speed limits of civil receivers (export rules).
 bool in_range(const hal::GnssSample& s) {
-  constexpr float kLowest_m = -1000.0f, kHighest_m = 100e3f, kFastest_m_s = 1000.0f;
+  constexpr float kMinHeight_m = -1000.0f, kMaxHeight_m = 100e3f, kMaxSpeed_m_s = 1000.0f;
   const hal::Vec3& v = s.velocity_ned_m_s;
   return std::abs(s.latitude_deg) <= 90.0 && std::abs(s.longitude_deg) <= 360.0 &&
-         s.height_msl_m >= kLowest_m && s.height_msl_m <= kHighest_m &&
-         std::abs(v[0]) <= kFastest_m_s && std::abs(v[1]) <= kFastest_m_s &&
-         std::abs(v[2]) <= kFastest_m_s;
+         s.height_msl_m >= kMinHeight_m && s.height_msl_m <= kMaxHeight_m &&
+         std::abs(v[0]) <= kMaxSpeed_m_s && std::abs(v[1]) <= kMaxSpeed_m_s &&
+         std::abs(v[2]) <= kMaxSpeed_m_s;
 }
 
 /// Within the widest ranges sold: +-4000 deg/s, +-400 g.
 bool in_range(const hal::ImuSample& s) {
-  constexpr float kFastest_rad_s = 125.0f, kHardest_m_s2 = 7000.0f, kHottest_K = 1000.0f;
-  return to_vector(s.gyro_rad_s).squaredNorm() <= kFastest_rad_s * kFastest_rad_s &&
-         to_vector(s.accel_m_s2).squaredNorm() <= kHardest_m_s2 * kHardest_m_s2 &&
-         std::abs(s.temperature_K) <= kHottest_K;
+  constexpr float kMaxRate_rad_s = 125.0f, kMaxAcceleration_m_s2 = 7000.0f,
+                  kMaxTemperature_K = 1000.0f;
+  return to_vector(s.gyro_rad_s).squaredNorm() <= kMaxRate_rad_s * kMaxRate_rad_s &&
+         to_vector(s.accel_m_s2).squaredNorm() <= kMaxAcceleration_m_s2 * kMaxAcceleration_m_s2 &&
+         std::abs(s.temperature_K) <= kMaxTemperature_K;
 }
 
 bool same_bits(const hal::Vec3& a, const hal::Vec3& b) {
@@ -268,12 +269,12 @@ void Sensors::calibrate_accel(const Vector3& accel, float temperature_K, Paramet
   }
   const Vector3 bias = accel_calibration_.mean();
   const float tilt = tilt_deg(level + bias);
-  if (tilt > kLargestTilt_deg) {
+  if (tilt > kMaxTilt_deg) {
     log.error(Text("Accel calibration refused: tilt ").add(tilt, 1).add(" deg"));
     return;
   }
   events.accel_settled = true;
-  if (bias.norm() >= kLargestAccelBias_m_s2 || !set_three(parameters, Param::kAccXBias, bias)) {
+  if (bias.norm() >= kMaxAccelBias_m_s2 || !set_three(parameters, Param::kAccXBias, bias)) {
     log.error(Text("Large accelerometer bias: norm ").add(bias.norm(), 2));
     return;
   }
@@ -290,9 +291,9 @@ void Sensors::calibrate_gyro(const Vector3& gyro, const Vector3& accel, Paramete
   const float moved = gyro_calibration_.spread().norm();
   const float swayed = gravity_while_gyro_.spread().norm();
   Text refused("Gyro calibration refused: ");
-  if (moved > kLargestGyroSpread_rad_s) {
+  if (moved > kMaxGyroSpread_rad_s) {
     refused.add("moved ").add(moved, 2).add(" rad/s");
-  } else if (bias.cwiseAbs().maxCoeff() > kLargestGyroBias_rad_s) {
+  } else if (bias.cwiseAbs().maxCoeff() > kMaxGyroBias_rad_s) {
     refused.add("mean ").add(bias.norm(), 2).add(" rad/s");
   } else if (swayed > kMaxAccelSpread_m_s2) {  // a turn too slow for the spread of the gyro
     refused.add("swayed ").add(swayed, 2).add(" m/s^2");
@@ -398,9 +399,9 @@ bool Sensors::take(const hal::BatterySample& raw) {
     return reject(Reject::kNotFinite);
   }
   constexpr float kNoise_V = -1.0f;  // noise of a converter without a battery
-  constexpr float kHighest_V = 100.0f, kLargest_A = 2000.0f;
-  if (raw.voltage_V < kNoise_V || raw.voltage_V > kHighest_V ||
-      std::abs(raw.current_A) > kLargest_A) {
+  constexpr float kMaxVoltage_V = 100.0f, kMaxCurrent_A = 2000.0f;
+  if (raw.voltage_V < kNoise_V || raw.voltage_V > kMaxVoltage_V ||
+      std::abs(raw.current_A) > kMaxCurrent_A) {
     return reject(Reject::kRange);
   }
   hal::BatterySample& filtered = now_.battery;

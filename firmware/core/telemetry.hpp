@@ -143,7 +143,7 @@ class Telemetry {
   PerPace every_{1, 1};
   std::uint32_t dropped_{0};
   std::array<std::uint16_t, kStreams> waited_{};  ///< Samples since the last one sent.
-  std::array<std::uint8_t, kStreams> bytes_{};    ///< Of the last frame of each kind.
+  std::array<std::uint8_t, kStreams> bytes_{};    ///< Bytes of the last frame of each kind.
   std::uint16_t next_listed_{static_cast<std::uint16_t>(kParamCount)};
   std::uint8_t imu_count_{0};
   std::uint8_t room_{0};          ///< Messages that this pass may still send.

@@ -7,7 +7,7 @@
 #include "firmware/hal/time.hpp"
 
 /// What the autopilot needs from a board: one narrow interface per role. Every function is called
-/// from the single control thread, does not block unless its comment says otherwise, and does not
+/// from the single control thread, does not block unless its comment states otherwise, and does not
 /// throw. test/contract/ has one suite per role, which every implementation passes.
 namespace rosflight::hal {
 

@@ -31,11 +31,14 @@ struct FirmwareView {
 struct ProcessorFigures {
   std::uint32_t stack_bytes{};    ///< High-water mark.
   std::uint64_t instructions{};   ///< Executed in passes.
-  std::uint64_t passes{};         ///< Of the main loop.
+  std::uint64_t passes{};         ///< Passes of the main loop.
   std::uint32_t resets{};         ///< After the first start.
   std::uint64_t uart_received{};  ///< Bytes over its own serial port, if it has one.
   std::uint64_t uart_sent{};
   std::uint64_t uart_lost{};  ///< Bytes that arrived too fast, and frames that found no room.
+  std::uint32_t imu_to_output_us{};  ///< Armed, the longest from a data-ready edge to an output.
+  double imu_to_output_mean_us{};    ///< Armed, mean of the longest of each step.
+  double stamp_error_us{};           ///< Armed, the largest of an IMU stamp; up to the first reset.
 };
 
 /// Flight control hardware with the real firmware: the system under test of a flight.
@@ -50,11 +53,22 @@ class Autopilot : public sim::AutopilotModule {
     kPowerLoss,  ///< Power fails and returns: backup memory is lost.
   };
 
+  /// Lasts until it is replaced.
+  enum class Impairment : std::uint8_t {
+    kNone,
+    kSlowPasses,        ///< Each pass of the main loop takes 3 ms.
+    kReversedImuClock,  ///< Stamps of samples go back as fast as time goes on.
+  };
+
   /// Powers up at time t. Call it once, before the first step.
   virtual void start(sim::Time t) = 0;
   /// Breaks now or in the next step. kCrash and kHang leave a record in backup memory; each kind
   /// ends with a reset.
   virtual void break_down(sim::Time t, Breakdown kind) = 0;
+  /// @returns false: this one cannot have it.
+  virtual bool set_impairment(sim::Time /*t*/, Impairment kind) {
+    return kind == Impairment::kNone;
+  }
   /// Simulated time at which the firmware's clock was zero.
   virtual sim::Time boot_time() const = 0;
   virtual FirmwareView view() const = 0;

@@ -2,6 +2,7 @@
 #include "flight/autopilot/chip_autopilot.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "flight/autopilot/emulated_autopilot.hpp"
@@ -128,6 +129,17 @@ void ChipAutopilot::exchange(sim::Time t) {
   figures_.uart_received = answer.link_received;
   figures_.uart_sent = answer.link_sent;
   figures_.uart_lost = answer.link_lost;
+  if (view().armed) note_timing(answer);
+}
+
+void ChipAutopilot::note_timing(const FromChip& answer) {
+  if (answer.edge_to_output_us > 0) {
+    figures_.imu_to_output_us = std::max(figures_.imu_to_output_us, answer.edge_to_output_us);
+    const double more = answer.edge_to_output_us - figures_.imu_to_output_mean_us;
+    figures_.imu_to_output_mean_us += more / static_cast<double>(++timed_);
+  }
+  if (answer.resets > 0) return;
+  figures_.stamp_error_us = std::max(figures_.stamp_error_us, std::abs(answer.stamp_error_us));
 }
 
 FirmwareView ChipAutopilot::view() const {

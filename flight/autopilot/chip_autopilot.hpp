@@ -73,20 +73,22 @@ class ChipAutopilot final : public Autopilot {
   std::optional<ProcessorFigures> figures() const override { return figures_; }
 
   Process& process() { return process_; }
-  /// In the next step.
+  /// Injects a fault in the next step.
   void inject(boards::stm32h7::HardwareFault fault) { fault_ = fault; }
 
  private:
   void exchange(sim::Time t);
+  void note_timing(const boards::stm32h7::FromChip& answer);
 
   CableLink& link_;
   ChipCables cables_;
   Process process_;
   ChipTransport transport_;
   boards::stm32h7::HardwareFault fault_{
-      boards::stm32h7::HardwareFault::kNone};  ///< Of the next step.
+      boards::stm32h7::HardwareFault::kNone};  ///< Fault of the next step.
   hal::OutputValues outputs_{};
   ProcessorFigures figures_;
+  std::uint64_t timed_{0};  ///< Steps in the mean of imu_to_output_mean_us.
   sim::Time boot_{};
 };
 

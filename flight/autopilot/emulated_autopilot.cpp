@@ -11,12 +11,12 @@ namespace {
 
 using boards::m7::Bell;
 using boards::m7::EmulatorError;
-using boards::m7::FromBoard;
+using boards::m7::FromProcessor;
 using boards::m7::Order;
-using boards::m7::ToBoard;
+using boards::m7::ToProcessor;
 using boards::m7::Trouble;
 
-/// Of the emulator's `-icount shift=0`: 1 ns each, the board's counter runs at 25 MHz.
+/// Instructions with the emulator's `-icount shift=0`: 1 ns each, the board's counter runs at 25 MHz.
 constexpr std::uint64_t kInstructionsPerTick = 40;
 
 }  // namespace
@@ -61,7 +61,7 @@ void EmulatedAutopilot::start(sim::Time t) {
 /// The board waits at its bell; its firmware starts with its clock at zero.
 void EmulatedAutopilot::boot(sim::Time t) {
   boot_ = t;
-  ToBoard& block = emulator_.to_board();
+  ToProcessor& block = emulator_.to_processor();
   block.order = Order::kStart;
   block.trouble = Trouble::kNone;
   block.time_us = 0;
@@ -85,7 +85,7 @@ void EmulatedAutopilot::break_down(sim::Time t, Breakdown kind) {
 
 /// Room in the cable's queues and what waits in it, as the firmware would find them in this step.
 void EmulatedAutopilot::fill_link(sim::Time t) {
-  ToBoard& block = emulator_.to_board();
+  ToProcessor& block = emulator_.to_processor();
   sim::SerialLine& line = link_.cable().to_companion;
   line.advance(t);
   block.room = {static_cast<std::uint32_t>(line.writable(0)),
@@ -95,7 +95,7 @@ void EmulatedAutopilot::fill_link(sim::Time t) {
 
 const hal::OutputValues& EmulatedAutopilot::step(sim::Time t, const sim::SensorSamples& samples,
                                                  const hal::RcFrame* rc) {
-  ToBoard& block = emulator_.to_board();
+  ToProcessor& block = emulator_.to_processor();
   block.order = Order::kStep;
   block.trouble = std::exchange(trouble_, Trouble::kNone);
   block.time_us = (t - boot_).count();
@@ -111,7 +111,7 @@ const hal::OutputValues& EmulatedAutopilot::step(sim::Time t, const sim::SensorS
     boot(t);
     return outputs_;
   }
-  const bool resets = emulator_.from_board().reset_requested != 0;
+  const bool resets = emulator_.from_processor().reset_requested != 0;
   take_answer();
   if (resets) {
     if (emulator_.wait_for_answer() != Bell::kBooted) {
@@ -124,18 +124,18 @@ const hal::OutputValues& EmulatedAutopilot::step(sim::Time t, const sim::SensorS
 }
 
 void EmulatedAutopilot::take_answer() {
-  const FromBoard& answer = emulator_.from_board();
+  const FromProcessor& answer = emulator_.from_processor();
   const std::size_t count = std::min<std::size_t>(answer.link_count, answer.link.size());
-  for (std::size_t at = 0; at + FromBoard::kFrameHeader <= count;) {
+  for (std::size_t at = 0; at + FromProcessor::kFrameHeader <= count;) {
     const std::uint8_t* const frame = answer.link.data() + at;
     const std::size_t size = static_cast<std::size_t>(frame[0]) | static_cast<std::size_t>(frame[1])
                                                                       << 8U;
-    if (at + FromBoard::kFrameHeader + size > count) break;
-    const bool taken = link_.port().write(frame + FromBoard::kFrameHeader, size, frame[2]);
+    if (at + FromProcessor::kFrameHeader + size > count) break;
+    const bool taken = link_.port().write(frame + FromProcessor::kFrameHeader, size, frame[2]);
     if (taken != (frame[3] != 0)) {
       throw EmulatorError("emulated board: cable and board disagree on the room for a frame");
     }
-    at += FromBoard::kFrameHeader + size;
+    at += FromProcessor::kFrameHeader + size;
   }
   outputs_ = answer.outputs;
   figures_.stack_bytes = std::max(figures_.stack_bytes, answer.stack_bytes);
@@ -144,7 +144,7 @@ void EmulatedAutopilot::take_answer() {
 }
 
 FirmwareView EmulatedAutopilot::view() const {
-  return view_of(emulator_.from_board().firmware);
+  return view_of(emulator_.from_processor().firmware);
 }
 
 }  // namespace rosflight::flight

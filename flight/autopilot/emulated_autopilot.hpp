@@ -44,7 +44,7 @@ class EmulatedAutopilot final : public Autopilot {
 
   CableLink& link_;
   Emulator emulator_;
-  boards::m7::Trouble trouble_{boards::m7::Trouble::kNone};  ///< Of the next step.
+  boards::m7::Trouble trouble_{boards::m7::Trouble::kNone};  ///< Trouble of the next step.
   hal::OutputValues outputs_{};
   ProcessorFigures figures_;
   sim::Time boot_{};

@@ -27,6 +27,14 @@ void InProcessAutopilot::break_down(sim::Time t, Breakdown kind) {
   boot(t);
 }
 
+bool InProcessAutopilot::set_impairment(sim::Time t, Impairment kind) {
+  constexpr hal::Time kSlow = hal::milliseconds(3);
+  board_.system.set_work(kind == Impairment::kSlowPasses ? kSlow : hal::Time{0});
+  reversed_.reset();
+  if (kind == Impairment::kReversedImuClock) reversed_ = t;
+  return true;
+}
+
 const hal::OutputValues& InProcessAutopilot::step(sim::Time t, const sim::SensorSamples& samples,
                                                   const hal::RcFrame* rc) {
   core::Firmware& firmware = *firmware_;
@@ -34,7 +42,9 @@ const hal::OutputValues& InProcessAutopilot::step(sim::Time t, const sim::Sensor
   if (link_.tap() != nullptr) link_.tap()->on_inputs(t, samples, rc);
   if (rc != nullptr) board_.receiver.put(*rc);
   if (rc != nullptr || link_.waiting()) firmware.run();
-  deliver(samples, board_, [this](hal::Time stamp) { return stamp - boot_; });
+  deliver(samples, board_, [this](hal::Time stamp) {
+    return (reversed_ ? *reversed_ - (stamp - *reversed_) : stamp) - boot_;
+  });
   firmware.run();
   if (boards::aids_waiting(board_)) firmware.run();
   if (board_.system.reset_requested()) {

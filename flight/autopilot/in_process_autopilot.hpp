@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <optional>
 #include <string>
 
 #include "firmware/boards/simulated/simulated_board.hpp"
@@ -26,6 +27,7 @@ class InProcessAutopilot : public Autopilot {
                                 const hal::RcFrame* rc) override;
   /// A process cannot hang and be reset: kCrash and kHang leave a record and reboot at once.
   void break_down(sim::Time t, Breakdown kind) override;
+  bool set_impairment(sim::Time t, Impairment kind) override;
   sim::Time boot_time() const override { return boot_; }
   FirmwareView view() const override;
   companion::Transport& link() override { return link_.companion_end(); }
@@ -42,6 +44,7 @@ class InProcessAutopilot : public Autopilot {
   boards::SimulatedBoard board_;
   HostedFirmware firmware_;
   sim::Time boot_{};
+  std::optional<sim::Time> reversed_;  ///< Stamps go back since then.
 };
 
 }  // namespace rosflight::flight

@@ -13,8 +13,8 @@ namespace rosflight::flight {
 namespace {
 
 using boards::m7::EmulatorError;
-using boards::m7::FromBoard;
-using boards::m7::ToBoard;
+using boards::m7::FromProcessor;
+using boards::m7::ToProcessor;
 using boards::m7::Trouble;
 
 /// More than this many bytes behind, whole frames are dropped as by a full cable.
@@ -72,7 +72,7 @@ void UartAutopilot::start(sim::Time t) {
   boot_ = t;
   // The world begins when the firmware has.
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(4);
-  while (load(emulator_.from_board().sequence) == 0) {
+  while (load(emulator_.from_processor().sequence) == 0) {
     emulator_.check();
     if (std::chrono::steady_clock::now() > end) {
       emulator_.power_off();
@@ -96,7 +96,7 @@ const hal::OutputValues& UartAutopilot::step(sim::Time t, const sim::SensorSampl
     until_check_ = kStepsPerCheck;
     emulator_.check();
   }
-  ToBoard& block = emulator_.to_board();
+  ToProcessor& block = emulator_.to_processor();
   std::atomic_ref<std::uint32_t> sequence{block.sequence};
   sequence.fetch_add(1);  // odd: being written
   block.trouble = std::exchange(trouble_, Trouble::kNone);
@@ -110,11 +110,11 @@ const hal::OutputValues& UartAutopilot::step(sim::Time t, const sim::SensorSampl
 /// The newest answer that is whole; the one before if the board is writing all the time.
 void UartAutopilot::take_answer() {
   constexpr int kTries = 100;
-  const FromBoard& shared = emulator_.from_board();
+  const FromProcessor& shared = emulator_.from_processor();
   for (int k = 0; k < kTries; ++k) {
     const std::uint32_t before = load(shared.sequence);
     if ((before & 1U) != 0) continue;
-    FromBoard copy = shared;
+    FromProcessor copy = shared;
     std::atomic_thread_fence(std::memory_order_acquire);
     if (load(shared.sequence) != before) continue;
     if (copy.boots > answer_.boots && answer_.boots != 0) ++figures_.resets;

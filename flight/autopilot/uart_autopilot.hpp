@@ -49,7 +49,7 @@ class UartAutopilot final : public Autopilot {
   companion::Transport& link() override { return transport_; }
   void set_link_tap(LinkTap* tap) override { transport_.set_tap(tap); }
 
-  const boards::m7::FromBoard& last_answer() const { return answer_; }
+  const boards::m7::FromProcessor& last_answer() const { return answer_; }
 
  private:
   void take_answer();
@@ -57,7 +57,7 @@ class UartAutopilot final : public Autopilot {
   boards::m7::Emulator emulator_;
   UartTransport transport_;
   boards::m7::Trouble trouble_{boards::m7::Trouble::kNone};
-  boards::m7::FromBoard answer_;
+  boards::m7::FromProcessor answer_;
   ProcessorFigures figures_;
   sim::Time boot_{};
   int until_check_{0};

@@ -43,7 +43,7 @@ class Track:
     def away_from(self, other) -> dict:
         """Distances to another track at each time."""
         turn = np.einsum("nji,njk->nik", self.attitude, other.attitude)
-        # Of a small rotation, from its antisymmetric part: the trace would lose half the digits.
+        # The angle of a small rotation, from its antisymmetric part: the trace would lose half the digits.
         axis = 0.5 * np.stack([turn[:, 2, 1] - turn[:, 1, 2], turn[:, 0, 2] - turn[:, 2, 0],
                                turn[:, 1, 0] - turn[:, 0, 1]], axis=1)
         length = np.linalg.norm

@@ -15,7 +15,7 @@ struct RecordedFlight {
   static constexpr sim::Time kHold{2500};
 
   sim::BodyState start;
-  std::vector<double> module_state;  ///< Of the forces-and-moments module at the start.
+  std::vector<double> module_state;  ///< State of the forces-and-moments module at the start.
   std::vector<hal::OutputValues> outputs;
   sim::BodyState end;
 };

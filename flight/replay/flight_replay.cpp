@@ -150,11 +150,11 @@ void check(const Recording& recording, const std::filesystem::path& file) {
   }
 }
 
-/// The firmware on a board that receives what another one received. What it sends takes its time on
+/// The firmware, given what another one received. What it sends takes its time on
 /// the simulated cable, whose queue it sees.
-class ReplayedBoard final : private LinkTap {
+class ReplayedFirmware final : private LinkTap {
  public:
-  explicit ReplayedBoard(const std::string& protocol)
+  explicit ReplayedFirmware(const std::string& protocol)
       : cable_{sim::RandomSource{0}}, autopilot_{cable_, protocol} {
     autopilot_.start(sim::Time{0});
     cable_.set_tap(this);
@@ -187,24 +187,24 @@ bool same_bits(const hal::OutputValues& a, const hal::OutputValues& b) {
 }
 
 /// Between two inputs; sensors deliver every few milliseconds. A damaged stamp must not run for years.
-constexpr sim::Time kLongestGap = std::chrono::seconds(60);
+constexpr sim::Time kMaxGap = std::chrono::seconds(60);
 
 /// Feeds all inputs. @returns the number of steps whose outputs were compared, and the time of the
 /// first that differ.
 std::pair<std::size_t, std::optional<sim::Time>> run(const Recording& recording,
-                                                     ReplayedBoard& board,
+                                                     ReplayedFirmware& board,
                                                      const std::filesystem::path& file) {
   std::size_t compared = 0;
   std::optional<sim::Time> differ;
   auto expected = recording.outputs.begin();
   auto inputs = recording.inputs.begin();
   for (sim::Time t{0}; inputs != recording.inputs.end(); t += Flight::kStep) {
-    if (inputs->time < t || inputs->time - t > kLongestGap) {
+    if (inputs->time < t || inputs->time - t > kMaxGap) {
       throw InputError(fmt::format(
           "{}: found inputs at {} us after {} us, allowed multiples of {} us in rising order, "
           "{} s apart at most",
           file.string(), inputs->time.count(), t.count(), Flight::kStep.count(),
-          sim::to_seconds(kLongestGap)));
+          sim::to_seconds(kMaxGap)));
     }
     const hal::OutputValues& outputs = board.step(t, inputs->time == t ? *inputs++ : StepInputs{});
     const sim::Time end = t + Flight::kStep;
@@ -222,7 +222,7 @@ int replay_flight(const std::filesystem::path& log, std::ostream& out) {
   const std::filesystem::path file = std::filesystem::is_directory(log) ? log / "flight.mcap" : log;
   const Recording recording = recording_of(file);
   check(recording, file);
-  const auto board = std::make_unique<ReplayedBoard>(recording.flight.at("link_protocol"));
+  const auto board = std::make_unique<ReplayedFirmware>(recording.flight.at("link_protocol"));
   const auto [steps, outputs_differ] = run(recording, *board, file);
   const auto& sent = board->sent();
   const auto [ours, theirs] =

@@ -12,7 +12,7 @@ namespace rosflight::flight {
 /// firmware of the same commit does the same.
 ///
 /// @param log  A log of `fly --log full`; others lack what the sensors gave (/board/inputs).
-/// @returns 0 if all is equal, otherwise 1; says on `out` what was compared, or the first difference.
+/// @returns 0 if all is equal, otherwise 1; prints on `out` what was compared, or the first difference.
 /// @throws InputError  one line: the log cannot be read, or lacks something.
 int replay_flight(const std::filesystem::path& log, std::ostream& out);
 

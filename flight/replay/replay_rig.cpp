@@ -111,8 +111,8 @@ void ReplayRig::set_parameter(const std::string& name, double value) {
   if (whole && value != std::trunc(value)) {
     throw InputError(fmt::format("{}: found {}, allowed a whole number", name, value));
   }
-  constexpr double kLargestInteger = 2147483647.0;
-  const auto i = static_cast<std::int32_t>(std::clamp(value, -kLargestInteger, kLargestInteger));
+  constexpr double kMaxInteger = 2147483647.0;
+  const auto i = static_cast<std::int32_t>(std::clamp(value, -kMaxInteger, kMaxInteger));
   const auto f = static_cast<float>(value);
   link::ParamSet set;
   set.name = padded;

@@ -32,10 +32,9 @@ base::LinkAddress read_link(const SilOptions& options) {
 }
 
 sim::Time step_of(const SilOptions& options) {
-  if (options.rate_Hz < SilOptions::kLowestRate_Hz ||
-      options.rate_Hz > SilOptions::kHighestRate_Hz) {
+  if (options.rate_Hz < SilOptions::kMinRate_Hz || options.rate_Hz > SilOptions::kMaxRate_Hz) {
     throw config::Error(fmt::format("--rate: found {}, allowed {} to {} Hz", options.rate_Hz,
-                                    SilOptions::kLowestRate_Hz, SilOptions::kHighestRate_Hz));
+                                    SilOptions::kMinRate_Hz, SilOptions::kMaxRate_Hz));
   }
   constexpr int kMicroseconds = 1'000'000;
   return sim::Time{(kMicroseconds + options.rate_Hz / 2) / options.rate_Hz};
@@ -131,9 +130,9 @@ int sil_command(const SilOptions& options, std::ostream& out,
   Pace pace{start, step};
   const auto seconds = [&loop] { return sim::to_seconds(loop.now()); };
   do {
-    firmware.set_tick(pace.tick());
+    firmware.set_tick(pace.begin(LinuxClock::steady()));
     loop.step();
-    pace.advance(LinuxClock::steady());
+    pace.advance();
     if (options.duration_s && seconds() >= *options.duration_s) break;
   } while (waiter.wait_until(pace.tick()));
   summarise(board, firmware, pace, loop.ticks(), seconds());

@@ -24,8 +24,8 @@ struct SilOptions {
   /// with the mixer of another.
   std::optional<std::filesystem::path> storage;
   int rate_Hz{400};  ///< IMU samples and simulation steps a second.
-  static constexpr int kLowestRate_Hz = 50;
-  static constexpr int kHighestRate_Hz = 2000;
+  static constexpr int kMinRate_Hz = 50;
+  static constexpr int kMaxRate_Hz = 2000;
   std::optional<std::filesystem::path> rc;  ///< Script; without one the pilot leaves all as it is.
   std::optional<double> duration_s;
   std::vector<std::string> faults;  ///< WHAT@TIME[:DURATION] each.
@@ -34,7 +34,7 @@ struct SilOptions {
 
 /// Runs until SIGINT, SIGTERM or the end of `duration_s`. Writes one line to `out` when the link is
 /// open, "sil ready" and key=value words, and a summary to stderr at the end.
-/// @returns 0. @throws config::Error, base::LinkError, boards::BoardError  one line; nothing has
+/// @returns 0. @throws config::Error, base::LinkError, boards::LinuxError  one line; nothing has
 /// been created then, unless a blank memory file.
 /// @param make_codec  instead of what `link_protocol` says: measurements put a decorator around it.
 int sil_command(const SilOptions& options, std::ostream& out,

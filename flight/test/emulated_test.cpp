@@ -38,7 +38,7 @@ FirmwareView view_of(const Rig& rig) {
   return rig.flight->autopilot().view();
 }
 
-/// What the runner was told during a flight.
+/// What the runner received during a flight.
 class Notes {
  public:
   explicit Notes(Rig& rig) {
@@ -101,7 +101,7 @@ TEST_P(EmulatedM7Speaking, FliesTheDefaultMissionToTheBitAsInProcess) {
 }
 INSTANTIATE_TEST_SUITE_P(Protocols, EmulatedM7Speaking, ::testing::Values("mavlink", "lean"));
 
-/// Of a flight on the estimate, which the log has as well: every byte of the link, a hundred
+/// Hash of the log of a flight on the estimate, which the log has as well: every byte of the link, a hundred
 /// estimates a second.
 std::string log_hash(const FlightChoice& choice, const std::filesystem::path& file) {
   Rig rig{choice};
@@ -144,7 +144,7 @@ TEST(EmulatedM7, ImuLossFallsWithMotorsOffAndStaysArmed) {
   rig.flight->run();
   EXPECT_EQ(rig.flight->runner().stage(), Stage::kFailed);
   EXPECT_TRUE(view_of(rig).armed);
-  EXPECT_EQ(as_emulated(rig).emulator().from_board().outputs[0], 0.0F);
+  EXPECT_EQ(as_emulated(rig).emulator().from_processor().outputs[0], 0.0F);
   expect_small_stack(rig);
 }
 
@@ -195,7 +195,7 @@ TEST(EmulatedM7, CrashOnTheGroundLeavesItDisarmed) {
   EXPECT_EQ(as_emulated(rig).figures()->resets, 1U);
   rig.run_for(1.0);
   EXPECT_FALSE(view_of(rig).armed);
-  for (const float output : as_emulated(rig).emulator().from_board().outputs)
+  for (const float output : as_emulated(rig).emulator().from_processor().outputs)
     EXPECT_EQ(output, 0.0F);
   EXPECT_TRUE(notes.has("Fault 1 at pc ")) << notes.text();
 }
@@ -236,13 +236,13 @@ TEST(EmulatedM7, AParameterSurvivesResetAndEmulator) {
   static_cast<void>(rig.flight->session().commands().start(link::Command::kReboot));
   rig.run_for(1.0);
   EXPECT_EQ(as_emulated(rig).figures()->resets, 1U) << "the processor has reset itself";
-  EXPECT_EQ(as_emulated(rig).emulator().from_board().boots, 2U);
+  EXPECT_EQ(as_emulated(rig).emulator().from_processor().boots, 2U);
   EXPECT_EQ(read_parameter(rig, "FILT_ACC_KP"), 0.875);
 
   const pid_t before = as_emulated(rig).emulator().process();
   rig.flight->autopilot().break_down(rig.flight->now(), Breakdown::kPowerLoss);
   EXPECT_NE(as_emulated(rig).emulator().process(), before);
-  EXPECT_EQ(as_emulated(rig).emulator().from_board().boots, 1U);
+  EXPECT_EQ(as_emulated(rig).emulator().from_processor().boots, 1U);
   rig.run_for(1.0);
   EXPECT_EQ(read_parameter(rig, "FILT_ACC_KP"), 0.875);
 }
@@ -334,7 +334,8 @@ TEST(EmulatedM7, AnImageThatIsNoneIsToldWithWhatTheEmulatorSaid) {
     autopilot.start(sim::Time{0});
     ADD_FAILURE() << "no program is an error";
   } catch (const EmulatorError& error) {
-    EXPECT_NE(std::string(error.what()).find("it said last:\nqemu-system-arm: "), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("its last output:\nqemu-system-arm: "),
+              std::string::npos)
         << error.what();
   }
   EXPECT_FALSE(autopilot.emulator().running());

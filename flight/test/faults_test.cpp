@@ -198,8 +198,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, OneSensorOfMany,
 
 class SizedFault : public ::testing::TestWithParam<const char*> {};
 TEST_P(SizedFault, IsFlownThrough) {
-  constexpr double kMostTilt_deg = 45.0;
-  constexpr double kMostDrift_m = 30.0;
+  constexpr double kMaxTilt_deg = 45.0;
+  constexpr double kMaxDrift_m = 30.0;
   Rig rig(Rig::with_faults({GetParam()}));
   double tilt_deg = 0.0;
   rig.flight->set_script([&](Flight& flight, sim::Time) {
@@ -208,8 +208,8 @@ TEST_P(SizedFault, IsFlownThrough) {
   rig.flight->run();
   EXPECT_EQ(rig.flight->runner().stage(), Stage::kDone) << rig.flight->runner().failure();
   EXPECT_TRUE(rig.flight->autonomy().landed);
-  EXPECT_LT(tilt_deg, kMostTilt_deg);
-  EXPECT_LT(rig.flight->own_tracking().max, kMostDrift_m);
+  EXPECT_LT(tilt_deg, kMaxTilt_deg);
+  EXPECT_LT(rig.flight->own_tracking().max, kMaxDrift_m);
 }
 INSTANTIATE_TEST_SUITE_P(Kinds, SizedFault,
                          ::testing::Values("gnss@20:20", "gnss@20", "baro_step=5@20",

@@ -8,30 +8,30 @@
 namespace rosflight::flight::testing {
 namespace {
 
-TEST(Wing, LandsWithoutRangeSensor) {
-  Rig rig(wing("default", {"range@0"}));
+TEST(FixedWing, LandsWithoutRangeSensor) {
+  Rig rig(fixedwing("default", {"range@0"}));
   rig.flight->run();
   EXPECT_TRUE(rig.completed());
   expect_touchdown(rig, 40.0, 1.5);
 }
 
-TEST(Wing, BlockedPitot) {
-  Rig rig(wing("default", {"pitot_blocked@80"}));
+TEST(FixedWing, BlockedPitot) {
+  Rig rig(fixedwing("default", {"pitot_blocked@80"}));
   rig.flight->run();
   EXPECT_TRUE(rig.completed());
   expect_in_control(rig);
 }
 
-TEST(Wing, TwentySecondsWithoutGnss) {
-  Rig rig(wing("default", {"gnss@80:20"}));
+TEST(FixedWing, TwentySecondsWithoutGnss) {
+  Rig rig(fixedwing("default", {"gnss@80:20"}));
   rig.flight->run();
   EXPECT_TRUE(rig.completed());
   expect_in_control(rig);
   EXPECT_LE(record(rig).straight_total.rms(), 15.0);
 }
 
-TEST(Wing, MotorOff) {
-  Rig rig(wing("default", {"motor0_dead@80"}));
+TEST(FixedWing, MotorOff) {
+  Rig rig(fixedwing("default", {"motor0_dead@80"}));
   rig.flight->run();
   EXPECT_FALSE(rig.completed());
   EXPECT_EQ(rig.flight->runner().stage(), Stage::kDone);
@@ -39,17 +39,17 @@ TEST(Wing, MotorOff) {
   expect_touchdown(rig, 500.0, 2.0);
 }
 
-TEST(Wing, AileronsStuck) {
+TEST(FixedWing, AileronsStuck) {
   for (const double at_s : {16.4, 80.0}) {  // just off the ground, and in a turn
-    Rig rig(wing("default", {fmt::format("servo0_stuck@{}", at_s)}));
+    Rig rig(fixedwing("default", {fmt::format("servo0_stuck@{}", at_s)}));
     rig.flight->run();
     EXPECT_EQ(rig.flight->runner().stage(), Stage::kDone) << rig.flight->runner().failure();
     expect_touchdown(rig, 40.0, 2.0);
   }
 }
 
-TEST(Wing, ThreeSecondsWithoutLink) {
-  Rig rig(wing("default", {"link_cut@80:3"}));
+TEST(FixedWing, ThreeSecondsWithoutLink) {
+  Rig rig(fixedwing("default", {"link_cut@80:3"}));
   rig.run_until(80.0);
   const double before_m = rig.height_m();
   double most_m = 0.0;
@@ -65,19 +65,19 @@ TEST(Wing, ThreeSecondsWithoutLink) {
   expect_in_control(rig);
 }
 
-TEST(Wing, NoMoreLink) {
-  Rig rig(wing("default", {"link_cut@80"}));
+TEST(FixedWing, NoMoreLink) {
+  Rig rig(fixedwing("default", {"link_cut@80"}));
   EXPECT_TRUE(rig.reach(Stage::kFailed));
   EXPECT_LE(sim::to_seconds(rig.flight->now()), 95.0);
   rig.flight->run();
   EXPECT_LE(record(rig).roll.max, 60.0 * autonomy::kRadPerDeg);
 }
 
-/// Faults of sensors that a flight survives; the second: whether the place is held to a limit.
+/// Faults of sensors that a flight survives; the second: whether the position is held to a limit.
 class SensorFaults : public ::testing::TestWithParam<std::pair<const char*, bool>> {};
 
 TEST_P(SensorFaults, AreFlownThrough) {
-  Rig rig(wing("default", {GetParam().first}));
+  Rig rig(fixedwing("default", {GetParam().first}));
   rig.flight->run();
   EXPECT_TRUE(rig.completed()) << rig.flight->runner().failure();
   expect_in_control(rig);
@@ -88,7 +88,7 @@ TEST_P(SensorFaults, AreFlownThrough) {
   EXPECT_LE(record(rig).touchdown()->sink_m_s, 2.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Wing, SensorFaults,
+INSTANTIATE_TEST_SUITE_P(FixedWing, SensorFaults,
                          ::testing::Values(std::pair{"mag@80", false}, std::pair{"baro@80", false},
                                            std::pair{"diff_pressure@80", false},
                                            std::pair{"baro_step=5@80", false},

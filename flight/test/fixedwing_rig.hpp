@@ -6,7 +6,7 @@
 
 namespace rosflight::flight::testing {
 
-inline FlightChoice wing(const std::string& mission, std::vector<std::string> faults = {}) {
+inline FlightChoice fixedwing(const std::string& mission, std::vector<std::string> faults = {}) {
   FlightChoice choice = Rig::with_faults(std::move(faults));
   choice.vehicle = "anaconda";
   choice.mission = mission;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Flights of a fixed wing through the real firmware, on the estimate: missions, tails, and what a
-// user asks of a flight. Faults: wing_faults_test.cpp.
+// user asks of a flight. Faults: fixedwing_faults_test.cpp.
 #include <gtest/gtest.h>
 
 #include "flight/test/fixedwing_rig.hpp"
@@ -11,7 +11,7 @@ namespace {
 class Missions : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(Missions, AreFlownFromTakeoffToLanding) {
-  Rig rig(wing(GetParam()));
+  Rig rig(fixedwing(GetParam()));
   rig.flight->run();
   EXPECT_TRUE(rig.completed()) << rig.flight->runner().failure();
   expect_tracked(rig);
@@ -19,7 +19,7 @@ TEST_P(Missions, AreFlownFromTakeoffToLanding) {
   expect_touchdown(rig, 15.0, 1.5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Wing, Missions,
+INSTANTIATE_TEST_SUITE_P(FixedWing, Missions,
                          ::testing::Values("default", "hourglass_line", "hourglass_dubins",
                                            "climb_and_descent", "reference_fixedwing"));
 
@@ -32,7 +32,7 @@ struct Tail {
 class Tails : public ::testing::TestWithParam<Tail> {};
 
 TEST_P(Tails, FlyTheDefaultMission) {
-  FlightChoice choice = wing("default");
+  FlightChoice choice = fixedwing("default");
   choice.overrides = GetParam().overrides;
   Rig rig(choice);
   rig.flight->run();
@@ -43,7 +43,7 @@ TEST_P(Tails, FlyTheDefaultMission) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Wing, Tails,
+    FixedWing, Tails,
     ::testing::Values(
         Tail{"plain",
              {"firmware.PRIMARY_MIXER=9",
@@ -60,8 +60,8 @@ INSTANTIATE_TEST_SUITE_P(
               "{output: 1, travel_deg: 40, aileron: -0.5, elevator: 0.5}]"}}),
     [](const auto& instance) { return std::string(instance.param.name); });
 
-TEST(Wing, TheAerosondeFliesItsCircuit) {
-  FlightChoice choice = wing("wide_circuit");
+TEST(FixedWing, TheAerosondeFliesItsCircuit) {
+  FlightChoice choice = fixedwing("wide_circuit");
   choice.vehicle = "aerosonde";
   Rig rig(choice);
   rig.flight->run();
@@ -72,8 +72,8 @@ TEST(Wing, TheAerosondeFliesItsCircuit) {
   expect_touchdown(rig, 15.0, 1.5);
 }
 
-TEST(Wing, RacetrackInWind) {
-  FlightChoice choice = wing("racetrack");
+TEST(FixedWing, RacetrackInWind) {
+  FlightChoice choice = fixedwing("racetrack");
   choice.wind = "8,250";
   Rig rig(choice);
   rig.flight->run();
@@ -82,8 +82,8 @@ TEST(Wing, RacetrackInWind) {
   expect_touchdown(rig, 15.0, 1.5);
 }
 
-TEST(Wing, SuccessiveLoopsFlyTheSame) {
-  FlightChoice choice = wing("climb_and_descent");
+TEST(FixedWing, SuccessiveLoopsFlyTheSame) {
+  FlightChoice choice = fixedwing("climb_and_descent");
   choice.overrides = {"autonomy.energy.longitudinal=successive_loops"};
   Rig rig(choice);
   rig.flight->run();
@@ -91,19 +91,19 @@ TEST(Wing, SuccessiveLoopsFlyTheSame) {
   expect_tracked(rig);
 }
 
-TEST(Wing, SameSeedSameFlight) {
+TEST(FixedWing, SameSeedSameFlight) {
   double last_m[2] = {};
   for (double& north_m : last_m) {
-    Rig rig(wing("default"));
+    Rig rig(fixedwing("default"));
     rig.run_until(60.0);
     north_m = rig.flight->truth().body.p_W.x();
   }
   EXPECT_EQ(last_m[0], last_m[1]);
 }
 
-TEST(Wing, AMissionForAMultirotorIsRefusedByLine) {
+TEST(FixedWing, AMissionForAMultirotorIsRefusedByLine) {
   try {
-    Rig rig(wing("square"));
+    Rig rig(fixedwing("square"));
     FAIL();
   } catch (const config::Error& error) {
     EXPECT_NE(std::string(error.what()).find("square.yaml:"), std::string::npos) << error.what();

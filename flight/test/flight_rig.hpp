@@ -46,7 +46,7 @@ struct Rig {
   }
 
   const core::Firmware& firmware() const { return flight->in_process().firmware(); }
-  /// By the truth.
+  /// Whether the mission was completed by the true motion.
   bool completed() const { return flight->score().success(); }
   double tilt_deg() const {
     const double c = (flight->truth().body.q_WB * sim::Vector3::UnitZ()).z();

@@ -63,7 +63,7 @@ TEST(MotorParameters, OthersThanTheVehicleFilesKeepItOnTheGround) {
 }
 
 /// A waypoint on the map is flown to on the map: the estimate counts from the mission's origin, not
-/// from where the first fixes say that the vehicle stands.
+/// from where the first fixes place the vehicle.
 TEST_F(FlightFolder, AMissionWithLatitudesCountsFromTheOriginOfTheMap) {
   fs::create_directories(folder_);
   const fs::path mission = folder_ / "geodetic.yaml";
@@ -102,8 +102,8 @@ TEST_F(FlightFolder, HoldsEverythingAndSaysHowItWent) {
   const FlightSummary summary = fly(options);
   EXPECT_TRUE(summary.score.success()) << summary.score.verdict;
   const std::string json = summary_json(summary);
-  for (const char* name : {"flight.mcap", "summary.json", "analysis.json", "vehicle.yaml",
-                           "mission.yaml", "parameters.yaml"}) {
+  for (const char* name : {"flight.mcap", "summary.json", "analysis.json", "preflight.json",
+                           "vehicle.yaml", "mission.yaml", "parameters.yaml"}) {
     EXPECT_GT(fs::file_size(folder_ / name), 100U) << name;
   }
   for (const auto& entry : fs::directory_iterator(folder_)) {

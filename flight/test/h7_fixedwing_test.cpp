@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The fixed wing on the image of the Pixracer Pro, emulated.
+// The fixed wing on the images of the boards with an STM32H7, emulated.
 #include <gtest/gtest.h>
 
 #include "flight/test/fixedwing_rig.hpp"
@@ -8,8 +8,12 @@
 namespace rosflight::flight::testing {
 namespace {
 
-TEST(PixracerPro, FliesTheFixedWingWithItsPitotSensor) {
-  FlightChoice choice = on_board();
+class EachImage : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Boards, EachImage, ::testing::Values("pixracer_pro", "varmint"),
+                         [](const auto& board) { return std::string(board.param); });
+
+TEST_P(EachImage, FliesTheFixedWingWithItsPitotSensor) {
+  FlightChoice choice = on_board({}, GetParam());
   choice.vehicle = "anaconda";
   Rig rig{choice};
   rig.flight->run();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every hundredth byte of the serial cable is damaged: what the firmware takes, and who flies in
-// the gaps.
+// Every hundredth byte of the serial cable is damaged: which commands the firmware accepts, and who is in
+// control while they are missing.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -75,7 +75,7 @@ struct NoisyLink : ::testing::TestWithParam<int> {
     (*firmware).run();
   }
 
-  double intact_share{};  ///< Of the frames, by chance.
+  double intact_share{};  ///< Expected share of intact frames.
   sim::Time now{};
   sim::SerialLine::Config config = [] {
     sim::SerialLine::Config c;

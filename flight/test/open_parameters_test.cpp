@@ -91,8 +91,8 @@ bool is_tuned(Param id) {
 
 /// All that can be done while armed to the parameters of `p`.
 std::vector<Change> changes_of(const Parameters& p, bool tuned) {
-  constexpr int kMostMessages = 20;
-  constexpr float kLargest = 1e6f;
+  constexpr int kMaxMessages = 20;
+  constexpr float kMaxLimit = 1e6f;
   std::vector<Change> changes;
   for (std::size_t k = 0; k < core::kParamCount; ++k) {
     const auto id = static_cast<Param>(k);
@@ -101,8 +101,8 @@ std::vector<Change> changes_of(const Parameters& p, bool tuned) {
     for (const float limit : {row.min, row.max, row.sentinel}) {
       if (std::isnan(limit)) continue;
       const auto change =
-          towards(p, id, static_cast<double>(std::clamp(limit, -kLargest, kLargest)),
-                  tuned ? 1 : kMostMessages);
+          towards(p, id, static_cast<double>(std::clamp(limit, -kMaxLimit, kMaxLimit)),
+                  tuned ? 1 : kMaxMessages);
       if (change) changes.push_back(*change);
     }
   }
@@ -120,10 +120,10 @@ class InFlight {
 
   /// Flies as before; a new flight if the last one ended or met with trouble.
   bool make_ready() {
-    constexpr double kLongest_s = 400.0;
+    constexpr double kMaxTime_s = 400.0;
     if (rig_ && trouble_.empty() && rig_->flight->runner().stage() == Stage::kFly &&
         rig_->flight->autonomy().tracking && steady() &&
-        sim::to_seconds(rig_->flight->now()) < kLongest_s) {
+        sim::to_seconds(rig_->flight->now()) < kMaxTime_s) {
       return true;
     }
     trouble_.clear();
@@ -301,7 +301,7 @@ TEST(OpenParameters, EachBoundIsFlownByTheMultirotor) {
 }
 
 TEST(OpenParameters, EachBoundIsFlownByTheFixedWing) {
-  fly_all(wing("racetrack"));
+  fly_all(fixedwing("racetrack"));
 }
 
 TEST(OpenParameters, OneStepOfAGainDoesNotKickTheMultirotor) {
@@ -309,7 +309,7 @@ TEST(OpenParameters, OneStepOfAGainDoesNotKickTheMultirotor) {
 }
 
 TEST(OpenParameters, OneStepOfAGainDoesNotKickTheFixedWing) {
-  tune_all(wing("racetrack"));
+  tune_all(fixedwing("racetrack"));
 }
 
 }  // namespace

@@ -139,14 +139,14 @@ TEST(LandingScore, LimitsOfSpeedTiltAndBank) {
     d.move(-speed_m_s, 20.0 / speed_m_s, kRadPerDeg * roll_deg);
     return d.score;
   };
-  LandingLimits wing = within_3_m();
-  wing.max_speed_m_s = 2.0;
-  wing.max_bank_rad = 15.0 * kRadPerDeg;
+  LandingLimits fixedwing = within_3_m();
+  fixedwing.max_speed_m_s = 2.0;
+  fixedwing.max_bank_rad = 15.0 * kRadPerDeg;
   EXPECT_TRUE(landed_at(1.49, 0.0).soft(within_3_m()));
   EXPECT_FALSE(landed_at(1.51, 0.0).soft(within_3_m()));
-  EXPECT_TRUE(landed_at(1.99, 14.9).soft(wing));
-  EXPECT_FALSE(landed_at(2.01, 0.0).soft(wing));
-  EXPECT_FALSE(landed_at(1.0, -15.1).soft(wing));
+  EXPECT_TRUE(landed_at(1.99, 14.9).soft(fixedwing));
+  EXPECT_FALSE(landed_at(2.01, 0.0).soft(fixedwing));
+  EXPECT_FALSE(landed_at(1.0, -15.1).soft(fixedwing));
   EXPECT_FALSE(landed_at(3.99, 44.9).crashed());
   EXPECT_TRUE(landed_at(4.01, 0.0).crashed());
   EXPECT_TRUE(landed_at(1.0, 45.1).crashed());
@@ -200,7 +200,7 @@ TEST(LandingScore, ARunwayIsLongAlongItsCourse) {
   EXPECT_FALSE(d.score.inside(runway));
 }
 
-/// Whatever a body does: a touchdown is told only while it stays down, and a contact in between is
+/// Whatever a body does: a touchdown is reported only while it stays down, and a contact in between is
 /// never forgotten.
 TEST(LandingScore, HoldsOverRandomFlights) {
   std::mt19937 random(7);
@@ -259,7 +259,7 @@ TEST(Score, TheDefaultFlightIsDoneInTruth) {
 class Offset final : public StateEstimateSource {
  public:
   Offset(companion::Session& session, const FlightSetup& setup)
-      : inner_{session, setup.estimator} {}
+      : inner_{session, setup.estimator, autonomy::estimation::Airframe::kMultirotor} {}
   autonomy::StateEstimate estimate() const override {
     autonomy::StateEstimate out = inner_.estimate();
     out.p_W.y() += 4.0;
@@ -271,7 +271,7 @@ class Offset final : public StateEstimateSource {
   void restart() override { inner_.restart(); }
 
  private:
-  LinkStateEstimator<false> inner_;
+  LinkStateEstimator inner_;
 };
 
 TEST(Score, AMissThatTheEstimateDoesNotKnowOfIsNoSuccess) {

@@ -85,6 +85,33 @@ TEST_F(SteeringTest, ThePilotArmsWhenHeIsLet) {
   EXPECT_EQ(flight_.runner().stage(), Stage::kDone);
 }
 
+/// A step of the roll stick for 2 s and back. @returns how far the altitude went [m].
+double altitude_lost_m(bool kept) {
+  const FlightSetup setup{FlightChoice{}};
+  Flight flight{setup};
+  while (!flight.autonomy().tracking) flight.step();
+  const auto altitude_m = [&flight] { return -flight.truth().body.p_W.z(); };
+  const double before_m = altitude_m();
+  double off_m = 0.0;
+  const auto fly = [&](const std::string& text, double s) {
+    parse_change(text, flight)(flight);
+    for (const sim::Time end = flight.now() + sim::Time{static_cast<std::int64_t>(s * 1e6)};
+         flight.now() < end; flight.step())
+      off_m = std::max(off_m, std::abs(altitude_m() - before_m));
+  };
+  if (kept) fly("keep_altitude on", 0.0);
+  fly("switch attitude_override on", 1.5);
+  fly("stick roll 0.75", 2.0);
+  fly("stick roll 0.5", 1.2);
+  return off_m;
+}
+
+TEST(KeepAltitude, ThePilotKeepsItWhileTheVehicleIsTilted) {
+  const double kept_m = altitude_lost_m(true);
+  EXPECT_LT(kept_m, 0.7);
+  EXPECT_GT(altitude_lost_m(false), 3.0 * kept_m);
+}
+
 TEST_F(SteeringTest, AKeyOfAutonomyIsInForceFromTheNextStepAndInTheVehicleFile) {
   const auto config = [this]() -> const autonomy::multirotor::FlightConfig& {
     return dynamic_cast<MultirotorGuidance&>(flight_.guidance()).manager().config();
@@ -151,6 +178,10 @@ TEST_F(SteeringTest, OtherTextsAreRefusedWithWhatIsAllowed) {
                            "stick roll 1.1",
                            "stick roll nan",
                            "hold",
+                           "keep_altitude",
+                           "keep_altitude yes",
+                           "board",
+                           "board broken",
                            "land here",
                            "tune",
                            "tune limits.tilt_deg",

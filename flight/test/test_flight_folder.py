@@ -6,6 +6,7 @@ import gzip
 import io
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -48,6 +49,29 @@ def test_summary_has_truth_and_estimate_side_by_side(flight):
         assert waypoint["estimate_distance_m"] < waypoint["truth_distance_m"] < 2.0
     assert summary["touchdown_speed_m_s"] <= 1.5 and summary["touchdown_distance_m"] <= 3.0
     assert 0 <= summary["touchdown_tilt_deg"] < 15
+
+
+CHECKS = re.findall(r'\{Check::k\w+, +"([^"]+)"', (Path(__file__).parents[2] / "firmware/core/arming_checks.hpp").read_text())
+
+
+def test_checks_before_arming_are_those_of_the_firmware(flight):
+    folder, summary = flight
+    list_ = json.loads((folder / "preflight.json").read_text())
+    assert list_["ready"] is True
+    assert [check["row"] for check in list_["checks"]] == CHECKS
+    for check in list_["checks"]:
+        assert check["verdict"] in ("pass", "warning") and (check["reason"] == "") == (check["verdict"] == "pass"), check
+    times = [check["time_s"] for check in list_["checks"]]
+    armed_s = summary["sim_time_s"] - summary["flight_time_s"]
+    assert times == sorted(times) and 1 < times[0] < times[-1] < armed_s + 1 and times[-1] - times[0] < 0.5
+
+
+def test_checks_of_a_vehicle_that_does_not_arm_say_why(tmp_path):
+    code, _ = fly(tmp_path, "--fault", "rc_silence@0")
+    assert code == 1
+    list_ = json.loads((tmp_path / "f" / "preflight.json").read_text())
+    assert list_["ready"] is False
+    assert [(check["row"], check["reason"]) for check in list_["checks"] if check["verdict"] == "refuses"][0] == ("receiver", "RC signal lost")
 
 
 def fly(tmp_path, *arguments):
@@ -187,6 +211,14 @@ def test_without_the_page_or_a_log_a_line_says_how_to_get_it(built, tmp_path):
                     "leave as report.html)")
     for name in ("f", "g"):
         assert not (tmp_path / name / "report.html").exists()
+
+
+@pytest.mark.parametrize("command", [["fly", "--view", "--out", "f"], ["view", "flight.mcap"], ["view", "udp:14998", "--out", "f"]])
+def test_what_needs_the_page_ends_without_it_with_one_line_and_makes_no_folder(built, tmp_path, command):
+    run = subprocess.run([PROGRAM.with_name("rosflight_view"), *command], capture_output=True, text=True, timeout=60, cwd=tmp_path,
+                         env={**os.environ, "ROSFLIGHT_DATA_DIR": str(built)})
+    assert (run.returncode, run.stdout, (tmp_path / "f").exists()) == (2, "", False)
+    assert run.stderr == f"rosflight: page: found none in {built / 'build/web'}, allowed after ./rosflight view has built it\n"
 
 
 def test_same_seed_same_log_in_another_process(flight, tmp_path):

@@ -17,7 +17,7 @@ namespace {
 using companion::ParameterValue;
 using config::Range;
 
-constexpr std::size_t kMostMotors = core::kChannels;
+constexpr std::size_t kMaxMotors = core::kChannels;
 constexpr double kFourPiSq = 4.0 * base::kPi * base::kPi;
 constexpr float kMotorRate_hz = 490.0F;
 
@@ -70,7 +70,7 @@ FrameConfig read_frame(const config::Document& document) {
   const config::Section file = document.root();
   FrameConfig frame;
   const auto count = static_cast<std::size_t>(
-      file.integer("num_motors", 1, static_cast<std::int64_t>(kMostMotors)));
+      file.integer("num_motors", 1, static_cast<std::int64_t>(kMaxMotors)));
   const auto positions = triples(file, "motor_positions", count);
   const auto axes = triples(file, "motor_orientations", count);
   const auto spins = file.numbers("motor_directions", count, Range::between(-1.0, 1.0));
@@ -108,7 +108,7 @@ FrameConfig vehicle_frame(const sim::Vehicle& vehicle) {
   FrameConfig frame = propulsion_frame(vehicle);
   const config::Section section = vehicle.root().section("rotors");
   for (const FrameRotor& rotor : frame.rotors) {
-    if (rotor.output >= kMostMotors) {
+    if (rotor.output >= kMaxMotors) {
       throw section.error("layout", fmt::format("output {}", rotor.output), "outputs 0 to 9");
     }
   }
@@ -230,7 +230,7 @@ companion::ParameterSet mixer_parameters(const FrameConfig& frame, MixerTarget t
   } else {
     add(set, "SECONDARY_MIXER", 11);
   }
-  for (std::size_t channel = 0; channel < kMostMotors; ++channel) {
+  for (std::size_t channel = 0; channel < kMaxMotors; ++channel) {
     const auto rotor = std::find_if(frame.rotors.begin(), frame.rotors.end(),
                                     [channel](const FrameRotor& r) { return r.output == channel; });
     const bool used = rotor != frame.rotors.end();

@@ -73,7 +73,7 @@ FrameQuality frame_quality(const FrameConfig& frame, const Eigen::MatrixXd& M);
 struct HoverCheck {
   double speed_rad_s{};
   double voltage_V{};
-  double throttle{};  ///< Of max_voltage.
+  double throttle{};  ///< Fraction of max_voltage.
   double max_speed_rad_s{};
   double max_thrust_N{};
   double thrust_to_weight{};

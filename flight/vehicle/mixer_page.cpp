@@ -115,8 +115,8 @@ std::string drawing(MixerId id) {
            "<text class=\"small\" x=\"0\" y=\"6\">motor: " +
            effects(gains, 0) + "</text>\n";
   }
-  const bool wing = id == MixerId::kFixedWing || id == MixerId::kInvertedVTail;
-  return wing ? aircraft(id, gains, header) : multirotor(gains, header);
+  const bool fixed_wing = id == MixerId::kFixedWing || id == MixerId::kInvertedVTail;
+  return fixed_wing ? aircraft(id, gains, header) : multirotor(gains, header);
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ autonomy::multirotor::AutonomyConfig read_multirotor_autonomy(const sim::Vehicle
 
 autonomy::fixedwing::AutonomyConfig read_fixedwing_autonomy(const sim::Vehicle& vehicle);
 
-/// Of either vehicle; declination by wmm2025_declination.
+/// Configuration for either kind of vehicle; declination by wmm2025_declination.
 autonomy::estimation::EstimatorConfig read_estimator(const sim::Vehicle& vehicle);
 
 /// What the magnetic model of the world's national surveys says at a fix: WMM2025, within its

@@ -49,7 +49,7 @@ class HandTurned(OldFirmware):
     HARD_IRON_T = (15e-6, -10e-6, 5e-6)
     HOLD_S, TURN_S, CIRCLES = 2.6, 3.0, 2
     STEP_S = 0.0025  # of the hand: a circle has as many samples on any machine
-    LONGEST_STEP_S = 0.2  # a busy machine makes the hand slow; it does not tear it from face to face
+    MAX_STEP_S = 0.2  # a busy machine makes the hand slow; it does not tear it from face to face
     FACES = [(0, 0, 1), (1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0), (0, 0, -1)]  # body axis that points down
 
     def __init__(self):
@@ -66,7 +66,7 @@ class HandTurned(OldFirmware):
         owed_s, last, step = 0.0, time.monotonic(), 0
         while not self.ended.wait(self.STEP_S):
             now = time.monotonic()
-            owed_s += min(now - last, self.LONGEST_STEP_S)
+            owed_s += min(now - last, self.MAX_STEP_S)
             last = now
             try:
                 for message in self.mav.parse_buffer(_received(client)) or []:
@@ -125,3 +125,9 @@ def _received(client):
         return client.recv(65536)
     except BlockingIOError:
         return b""
+
+
+if __name__ == "__main__":  # in the hands of a person, for the tests of the page
+    vehicle = HandTurned()
+    print(vehicle.link, flush=True)
+    vehicle.join()

@@ -29,6 +29,9 @@ ARM = "at_s: 1.2, switch: arm, on: true"
 STICKS = ("roll", "pitch", "yaw", "throttle")
 
 
+LONGER = ("--timeout", "20")  # ten firmwares share the machine
+
+
 @dataclass
 class Done:
     """What a command ended with."""
@@ -63,7 +66,7 @@ class Vehicle(Sil):
         self.link = self.words["link"]
 
     def run(self, command, *words):
-        longer = ("--timeout", "20") if command == "params" else ()  # ten firmwares share the machine
+        longer = LONGER if command == "params" else ()
         return tool(command, self.link, *longer, *words, cwd=self.folder)
 
 
@@ -262,10 +265,10 @@ def other_links(folder):
     said = {}
     with Vehicle(folder / "udp", link=f"udp:127.0.0.1:{port}") as v:
         said["udp"] = v.run("params", "set", "RC_TYPE", "1")
-        said["udp port"] = tool("params", f"udp:{port}", "get", "RC_TYPE")
+        said["udp port"] = tool("params", f"udp:{port}", *LONGER, "get", "RC_TYPE")
     with Vehicle(folder / "lean", "--link-protocol", "lean", link="pty") as v:
-        said["lean"] = tool("params", v.link.removeprefix("pty:"), "set", "RC_TYPE", "1")
-        said["lean checks"] = v.run("preflight", "--json")
+        said["lean"] = tool("params", v.link.removeprefix("pty:"), *LONGER, "set", "RC_TYPE", "1")
+        said["lean checks"] = v.run("preflight", *LONGER, "--json")
     return said
 
 

@@ -104,7 +104,7 @@ def test_bad_input_is_one_line_and_changes_nothing(said, name, text):
 def test_what_sil_prints_is_a_link(said):
     result = of(said, "other links")
     for name in ("udp", "lean"):
-        assert (result[name].code, result[name].lines[0]) == (0, "RC_TYPE: set to 1"), result[name]
+        assert (result[name].code, result[name].lines[:1]) == (0, ["RC_TYPE: set to 1"]), result[name]
     assert result["udp port"].code == 0
     assert "storage" in {row["name"] for row in json.loads(result["lean checks"].out)["checks"]}
 

@@ -16,11 +16,11 @@ struct Known {
   std::uint8_t id;
   std::uint8_t crc_extra;
 };
-constexpr std::array<Known, 29> kKnown{
+constexpr std::array<Known, 31> kKnown{
     {{0, 50},    {20, 214},  {21, 159},  {22, 220},  {23, 168},  {31, 246}, {65, 118},  {111, 34},
      {180, 90},  {181, 67},  {182, 218}, {183, 206}, {184, 169}, {187, 60}, {188, 249}, {189, 113},
      {190, 181}, {191, 12},  {192, 134}, {193, 1},   {195, 65},  {196, 10}, {197, 221}, {199, 48},
-     {253, 83},  {236, 164}, {237, 114}, {238, 133}, {239, 2}}};
+     {253, 83},  {236, 164}, {237, 114}, {238, 133}, {239, 2},   {228, 52}, {229, 44}}};
 
 /// Reads `data` as pieces of message number, length, payload and makes a stream of good frames of
 /// them, with the start byte of a false one in between where the message number is past the end of
@@ -52,7 +52,7 @@ Bytes make_good_frames(const std::uint8_t* data, std::size_t size) {
 }
 
 struct Mavlink {
-  static constexpr std::size_t kShortestFrame = 8;
+  static constexpr std::size_t kMinFrame = 8;
   static MavlinkCodec fcu() { return MavlinkCodec({1, MavlinkCodec::kFcuComponent}); }
   static MavlinkCodec companion() { return MavlinkCodec({1, MavlinkCodec::kCompanionComponent}); }
   static Bytes good_frames(const std::uint8_t* data, std::size_t size) {

@@ -11,7 +11,7 @@
 /// division, and must be the same after they have been encoded and received once more.
 ///
 ///     struct Traits {
-///       static constexpr std::size_t kShortestFrame;
+///       static constexpr std::size_t kMinFrame;
 ///       static SomeCodec fcu();         // both ends of a link, newly constructed
 ///       static OtherCodec companion();
 ///       // `data` holds triples of message number, length and payload; returns them as frames.
@@ -47,7 +47,7 @@ Outcome receive(const Bytes& stream, std::size_t chunk) {
       require(step.complete || step.consumed == size - used);
       used += step.consumed;
       if (!step.complete) continue;
-      require(++complete <= stream.size() / Traits::kShortestFrame);
+      require(++complete <= stream.size() / Traits::kMinFrame);
       Frame frame;
       require(sender.encode(receiver.message(), frame));
       require(frame.size <= kMaxFrameBytes);

@@ -22,7 +22,7 @@ void frame_up(Bytes content, Bytes& stream) {
 }
 
 struct Lean {
-  static constexpr std::size_t kShortestFrame = lean::kOverheadBytes + 1;
+  static constexpr std::size_t kMinFrame = lean::kOverheadBytes + 1;
   static LeanCodec fcu() { return LeanCodec(); }
   static LeanCodec companion() { return LeanCodec(); }
   /// Payloads that are too short are filled with zeros; past the table, the raw bytes behind an FF

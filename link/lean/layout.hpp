@@ -265,6 +265,23 @@ struct Layout<Counters> {
       field("imu_jitter", &Counters::imu_jitter), field("rejected", &Counters::rejected));
 };
 
+template <>
+struct Layout<RecordRequest> {
+  static constexpr const char* kName = "RecordRequest";
+  static constexpr auto kFields =
+      std::make_tuple(field("target_system", &RecordRequest::target_system),
+                      field("first", &RecordRequest::first), field("count", &RecordRequest::count));
+};
+
+template <>
+struct Layout<RecordPart> {
+  static constexpr const char* kName = "RecordPart";
+  static constexpr auto kFields =
+      std::make_tuple(field("number", &RecordPart::number), field("oldest", &RecordPart::oldest),
+                      field("newest", &RecordPart::newest), field("part", &RecordPart::part),
+                      field("bytes", &RecordPart::bytes));
+};
+
 // ---- one value on the wire
 
 /// How a value looks in the schema: a type letter, its bytes, how many of them.

@@ -8,6 +8,14 @@
 #include "link/mavlink/wire_table.hpp"
 
 namespace rosflight::link {
+
+const mavlink::Table& mavlink::all_messages() {
+  return kTable<false>;
+}
+const mavlink::Table& mavlink::fcu_messages() {
+  return kTable<true>;
+}
+
 namespace {
 
 using mavlink::kHeaderBytes;
@@ -35,12 +43,11 @@ bool intact(const std::uint8_t* frame, const mavlink::Row& row) {
 
 bool MavlinkCodec::encode(const Message& message, Frame& frame) {
   const std::size_t index = message.index();
-  if (index == mavlink::kNoRow || index >= mavlink::kRows.size()) {
-    frame.size = 0;
-    return false;
-  }
+  frame.size = 0;
+  if (index >= messages_->rows.size()) return false;
+  const mavlink::Row& row = messages_->rows[index];
+  if (row.pack == nullptr) return false;  // std::monostate too
   ++counters_.frames_sent;
-  const mavlink::Row& row = mavlink::kRows[index];
   mavlink::Sender sender = next_;
   ++next_.sequence;
   sender.message_id = row.id;
@@ -70,7 +77,7 @@ Codec::Decoded MavlinkCodec::decode(const std::uint8_t* data, std::size_t size) 
       hold(start, left);
       break;
     }
-    const mavlink::Row* const row = mavlink::find_row(start[5]);
+    const mavlink::Row* const row = mavlink::find_row(*messages_, start[5]);
     if (row != nullptr && left < frame_bytes(start)) {
       hold(start, left);
       break;
@@ -103,7 +110,7 @@ bool MavlinkCodec::decode_held(const std::uint8_t* data, std::size_t size, Decod
     bool right = false;
     bool whole = fill_up_to(kHeaderBytes);
     if (whole) {
-      const mavlink::Row* const row = mavlink::find_row(frame[5]);
+      const mavlink::Row* const row = mavlink::find_row(*messages_, frame[5]);
       whole = row == nullptr || fill_up_to(frame_bytes(frame));
       right = whole && row != nullptr && intact(frame, *row);
       if (right) accept(frame, *row);
@@ -134,7 +141,9 @@ void MavlinkCodec::hold(const std::uint8_t* data, std::size_t size) {
 
 void MavlinkCodec::accept(const std::uint8_t* frame, const mavlink::Row& row) {
   const std::size_t payload = frame[1];
-  if (payload >= row.length) {
+  if (row.unpack == nullptr) {
+    message_ = std::monostate{};
+  } else if (payload >= row.length) {
     row.unpack(frame + kHeaderBytes, message_);
   } else {
     std::array<std::uint8_t, mavlink::kMaxPayload> extended{};

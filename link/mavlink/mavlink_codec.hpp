@@ -13,6 +13,12 @@ namespace mavlink {
 
 struct Row;
 
+/// The messages of an end. A companion's program, and tests that are both ends, have all of them; an FCU
+/// neither encodes what only a companion sends nor decodes what only an FCU sends, for half of the code.
+struct Table;
+const Table& all_messages();
+const Table& fcu_messages();
+
 /// Bytes 2 to 5 of a frame.
 struct Sender {
   std::uint8_t sequence{};
@@ -49,8 +55,11 @@ class MavlinkCodec final : public Codec {
   };
 
   /// @param identity  of this end; the sequence starts at 0.
-  explicit MavlinkCodec(Identity identity)
-      : next_{0, identity.system_id, identity.component_id, 0} {}
+  explicit MavlinkCodec(Identity identity) : MavlinkCodec(identity, mavlink::all_messages()) {}
+  /// With fcu_messages() encode() returns false for what a companion sends, and a good frame of what only an
+  /// FCU sends is counted and received as std::monostate.
+  MavlinkCodec(Identity identity, const mavlink::Table& messages)
+      : messages_{&messages}, next_{0, identity.system_id, identity.component_id, 0} {}
 
   bool encode(const Message& message, Frame& frame) override;
   Decoded decode(const std::uint8_t* data, std::size_t size) override;
@@ -63,6 +72,7 @@ class MavlinkCodec final : public Codec {
   void hold(const std::uint8_t* data, std::size_t size);
   void accept(const std::uint8_t* frame, const mavlink::Row& row);
 
+  const mavlink::Table* messages_;
   mavlink::Sender next_;
   SequenceWatch sequence_;
   std::uint16_t held_size_{0};

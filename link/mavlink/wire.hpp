@@ -341,4 +341,28 @@ inline void unpack(const mavlink_counters_t& w, Counters& m) {
   std::memcpy(m.rejected.data(), w.rejected, sizeof w.rejected);
 }
 
+inline void pack(const RecordRequest& m, mavlink_record_request_t& w) {
+  w.target_system = m.target_system;
+  w.first = m.first;
+  w.count = m.count;
+}
+inline void unpack(const mavlink_record_request_t& w, RecordRequest& m) {
+  m = {w.target_system, w.first, w.count};
+}
+
+inline void pack(const RecordPart& m, mavlink_record_part_t& w) {
+  w.number = m.number;
+  w.oldest = m.oldest;
+  w.newest = m.newest;
+  w.part = m.part;
+  std::memcpy(w.bytes, m.bytes.data(), sizeof w.bytes);
+}
+inline void unpack(const mavlink_record_part_t& w, RecordPart& m) {
+  m.number = w.number;
+  m.oldest = w.oldest;
+  m.newest = w.newest;
+  m.part = w.part;
+  std::memcpy(m.bytes.data(), w.bytes, sizeof w.bytes);
+}
+
 }  // namespace rosflight::link::mavlink

@@ -80,7 +80,7 @@ TEST(DetectingCodec, FollowsAnFcuThatWasExchanged) {
   }
 }
 
-TEST(DetectingCodec, KeepsItsProtocolThroughNoiseShorterThanItsDoubt) {
+TEST(DetectingCodec, KeepsItsProtocolThroughNoiseBelowItsLimit) {
   DetectingCodec companion;
   LeanCodec lean;
   decoded(companion, encoded(lean, Heartbeat{}));

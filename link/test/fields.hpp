@@ -195,6 +195,18 @@ void each_field(Either<Counters> auto& m, auto&& f) {
   f("imu_jitter", m.imu_jitter);
   f("rejected", m.rejected);
 }
+void each_field(Either<RecordRequest> auto& m, auto&& f) {
+  f("target_system", m.target_system);
+  f("first", m.first);
+  f("count", m.count);
+}
+void each_field(Either<RecordPart> auto& m, auto&& f) {
+  f("number", m.number);
+  f("oldest", m.oldest);
+  f("newest", m.newest);
+  f("part", m.part);
+  f("bytes", m.bytes);
+}
 
 template <typename To, typename From>
 To bits_of(const From& from) {

@@ -24,7 +24,7 @@ TABLE = read_table()
 
 
 def schema():
-    text = "".join(f"{number} {TABLE[number][0]} {TABLE[number][2]}\n" for number in range(2, 30))
+    text = "".join(f"{number} {TABLE[number][0]} {TABLE[number][2]}\n" for number in range(2, 32))
     value = 2166136261
     for byte in text.encode():
         value = (value ^ byte) * 16777619 % 2**32

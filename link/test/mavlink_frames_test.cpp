@@ -137,7 +137,9 @@ std::vector<Layout> layouts() {
           {236, 6, 164, MotorTest{}},
           {237, 2, 114, ReportRequest{}},
           {238, 69, 133, CheckResult{}},
-          {239, 92, 2, Counters{}}};
+          {239, 92, 2, Counters{}},
+          {228, 7, 52, RecordRequest{}},
+          {229, 77, 44, RecordPart{}}};
 }
 
 /// CRC-16/MCRF4XX bit by bit, from its definition.
@@ -174,6 +176,34 @@ TEST(MavlinkFrames, OnlyParametersOfAnFcuComeFromComponentZero) {
     MavlinkCodec other({7, 50});
     EXPECT_EQ(encoded(other, layout.message)[4], 50) << int{layout.id};
   }
+}
+
+/// An FCU sends and understands exactly what a whole codec does, as far as its direction goes.
+TEST(MavlinkFrames, AnFcuHasTheMessagesOfItsDirection) {
+  int sent = 0;
+  int received = 0;
+  for (const Layout& layout : layouts()) {
+    MavlinkCodec all(kFcu);
+    MavlinkCodec fcu(kFcu, mavlink::fcu_messages());
+    const Bytes frame = encoded(all, layout.message);
+    Frame made;
+    if (fcu.encode(layout.message, made)) {
+      ++sent;
+      EXPECT_EQ(Bytes(made.bytes.begin(), made.bytes.begin() + static_cast<long>(made.size)), frame)
+          << int{layout.id};
+    } else {
+      EXPECT_EQ(made.size, 0u);
+    }
+    const Codec::Decoded result = fcu.decode(frame.data(), frame.size());
+    EXPECT_TRUE(result.complete && result.consumed == frame.size()) << int{layout.id};
+    EXPECT_EQ(fcu.counters().frames_received, 1u);
+    EXPECT_EQ(fcu.counters().frames_dropped, 0u);
+    if (std::holds_alternative<std::monostate>(fcu.message())) continue;
+    ++received;
+    EXPECT_EQ(fcu.message().index(), layout.message.index());
+  }
+  EXPECT_EQ(sent, 21);
+  EXPECT_EQ(received, 12);
 }
 
 TEST(MavlinkFrames, ANewSystemIdHoldsFromTheNextFrame) {

@@ -27,7 +27,7 @@ CONSTANT = {"HEARTBEAT": {"autopilot": 0, "base_mode": 0, "custom_mode": 0, "sys
             "PARAM_REQUEST_READ": {"target_component": 0},
             "PARAM_REQUEST_LIST": {"target_component": 0},
             "PARAM_SET": {"target_component": 0}}
-OURS = {236, 237, 238, 239}
+OURS = {228, 229, 236, 237, 238, 239}
 BOOLEAN = {("ROSFLIGHT_CMD_ACK", "success"), ("ROSFLIGHT_STATUS", "armed"),
            ("ROSFLIGHT_STATUS", "failsafe"), ("ROSFLIGHT_STATUS", "offboard")}
 
@@ -103,10 +103,10 @@ def exchange(dialect):
     return list(zip(sent, answers))
 
 
-def test_the_dialect_has_25_messages_of_rosflight_and_four_of_ours(dialect):
-    assert len(dialect.mavlink_map) == 25 + 4
+def test_the_dialect_has_25_messages_of_rosflight_and_six_of_ours(dialect):
+    assert len(dialect.mavlink_map) == 25 + 6
     assert [dialect.mavlink_map[number].msgname for number in sorted(OURS)] == [
-        "MOTOR_TEST", "REPORT_REQUEST", "CHECK_RESULT", "COUNTERS"]
+        "RECORD_REQUEST", "RECORD_PART", "MOTOR_TEST", "REPORT_REQUEST", "CHECK_RESULT", "COUNTERS"]
     public = importlib.import_module("pymavlink.dialects.v20.all").mavlink_map
     assert not OURS & public.keys()  # no public dialect means something else by them
 

@@ -31,7 +31,7 @@ T value_at(const std::string& bytes, std::size_t offset) {
 
 struct Record {
   std::uint8_t opcode;
-  std::size_t offset;  ///< Of the contents.
+  std::size_t offset;  ///< Offset of the contents.
   std::size_t length;
 };
 

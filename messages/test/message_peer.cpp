@@ -32,6 +32,8 @@ struct Peer {
   }
 
   void operator()(const std::monostate& /*none*/) {}
+  void operator()(const link::RecordRequest& /*no ROS message*/) {}
+  void operator()(const link::RecordPart& /*no ROS message*/) {}
   void operator()(const link::Imu& m) {
     put(to_message(m));
     put(to_message(m, attitude));

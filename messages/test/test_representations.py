@@ -137,6 +137,7 @@ EXPECTED = {
     "COUNTERS": lambda m: [("rosflight_log_msgs/msg/Counters", {
         name: getattr(m, name) for name in ("longest_pass", "pass_budget", "passes_over_budget", "passes",
                                             "frames_dropped", "tx_dropped", "texts_lost", "imu_jitter", "rejected")})],
+    "RECORD_REQUEST": lambda m: [], "RECORD_PART": lambda m: [],
 }
 NO_HEADER = {"std_msgs/msg/String", "rcl_interfaces/msg/Log"}
 # Fields that no ROS message carries: times, which become stamps, and what ROSflight 2.x does not publish.
@@ -146,6 +147,7 @@ NOT_CARRIED = {
     "PARAM_SET": {"target_component"}, "ATTITUDE_QUATERNION": {"time_boot_ms"}, "SMALL_IMU": {"time_boot_us"},
     "RC_CHANNELS": {"time_boot_ms", "chancount", "rssi", *(f"chan{k}_raw" for k in range(9, 19))},
     "ROSFLIGHT_OUTPUT_RAW": {"stamp"}, "ROSFLIGHT_GNSS": {"rosflight_timestamp"},
+    "RECORD_REQUEST": {"target_system", "first", "count"}, "RECORD_PART": {"number", "oldest", "newest", "part", "bytes"},
 }
 # Values that mean something; every other field takes any value of its type.
 CHOSEN = {("SMALL_RANGE", "type"): range(4), ("STATUSTEXT", "severity"): (2, 3, 4, 6),
@@ -230,7 +232,7 @@ def exchange():
     done = subprocess.run([BUILD / "messages" / "message_peer"], input="\n".join(f.hex() for *_, f in sent) + "\n",
                           text=True, capture_output=True, check=True, timeout=60)
     lines = done.stdout.splitlines()
-    answers = [line.rstrip("\t").split("\t") for line in lines[:len(sent)]]
+    answers = [line.rstrip("\t").split("\t") if line else [] for line in lines[:len(sent)]]
     pairs = [[(a[k], bytes.fromhex(a[k + 1])) for k in range(0, len(a), 2)] for a in answers]
     return list(zip(sent, pairs)), schemas_in(lines[len(sent):])
 

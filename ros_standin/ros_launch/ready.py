@@ -19,7 +19,7 @@ _NOT_READY = re.compile(r"(^|\]: )not ready\b")
 
 
 def says_ready(line: str) -> int:
-    """How many nodes the line says are up; 0: it says nothing of the kind."""
+    """How many nodes are up according to the line; 0: it has no such number."""
     found = _READY.search(line)
     return int(found["nodes"] or 1) if found else 0
 

@@ -47,7 +47,7 @@ class Running:
     rest: bytes = b""
     up: bool = False
     said_ready: bool = False
-    has_work: bool = False  # said `not ready`: the graph does not count
+    has_work: bool = False  # printed `not ready`: the graph does not count
     nodes: int = 1  # in this process
     ended: bool = False
 
@@ -94,7 +94,7 @@ class Runner:
         if not _refused(died):
             self._say(f"launch: {_end_of(died)}")
             return 1
-        last = next((line for line in reversed(died.last) if line.strip()), "(said nothing)")
+        last = next((line for line in reversed(died.last) if line.strip()), "(no output)")
         self._say(f"launch: {died.node.name} ({died.node.what}) refused to start: {last}")
         return 2
 
@@ -169,13 +169,13 @@ class Runner:
         if not running.said_ready and (nodes := says_ready(text)):
             running.up = running.said_ready = True
             running.nodes = nodes
-            return  # the launch says `ready` once, for all
+            return  # the launch prints `ready` once, for all
         elif not running.said_ready and says_not_ready(text):
             running.up, running.has_work = False, True
         self._say(f"[{running.node.name}] {text}")
 
     def _look_for_dead(self) -> Running | None:
-        """Who ended and should not have. A job that never said it is ready may end with 0."""
+        """Who ended and should not have. A job that never printed `ready` may end with 0."""
         for running in self._running:
             if running.ended or running.process.poll() is None:
                 continue
@@ -183,7 +183,7 @@ class Runner:
             running.ended = running.up = True
             if running.process.returncode != 0 or running.said_ready:
                 return running
-            if not running.has_work:  # else it was waited for, and `ready` says that it is done
+            if not running.has_work:  # else it was waited for, and `ready` means that it is done
                 self._say(f"launch: {running.node.name} has finished")
         return None
 
@@ -223,7 +223,7 @@ class Runner:
     # ---- stopping -------------------------------------------------------------------------------
 
     def _stop_all(self) -> None:
-        # A terminal has told all of its foreground processes already; telling them twice breaks
+        # A terminal has signalled all of its foreground processes already; a second signal breaks
         # what they do at their end.
         if self._asked != signal.SIGINT or not _in_foreground():
             self._tell(signal.SIGINT, [r.process.pid for r in self._alive()])
@@ -269,7 +269,7 @@ def _end_of(died: Running) -> str:
 
 
 def _refused(died: Running) -> bool:
-    """Exit code 2 before it was ready: its input is wrong, and its last line tells how."""
+    """Exit code 2 before it was ready: its input is wrong, and its last line shows how."""
     return died.process.returncode == 2 and not died.said_ready
 
 

@@ -8,7 +8,7 @@
 namespace rosflight::sim {
 namespace {
 /// Horizontal part of body x below which a wheel has no direction and acts as any point.
-constexpr double kLeastHeading = 0.1;
+constexpr double kMinHeading = 0.1;
 }  // namespace
 
 GroundContact::GroundContact(const GroundParameters& parameters)
@@ -67,7 +67,7 @@ GroundContact::Grip GroundContact::grip(std::size_t i, const Matrix3& R_WB, cons
   const double limit = parameters_.friction * t.normal_N;
   const double heading = std::sqrt(R_WB(0, 0) * R_WB(0, 0) + R_WB(1, 0) * R_WB(1, 0));
   const bool wheel = i + parameters_.wheels >= anchors_.size();
-  if (!wheel || heading < kLeastHeading) {
+  if (!wheel || heading < kMinHeading) {
     const double pull = std::sqrt(t.pull_x_N * t.pull_x_N + t.pull_y_N * t.pull_y_N);
     if (pull <= limit) return {t.pull_x_N, t.pull_y_N, false};
     const double share = limit / pull;

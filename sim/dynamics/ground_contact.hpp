@@ -18,12 +18,12 @@ struct GroundParameters {
   /// Points of the gear that may touch [m]; the last `wheels` of them roll along body x.
   std::vector<Vector3> contacts_B;
   std::size_t wheels{0};
-  double stiffness_N_m{};  ///< Of each contact, normal; likewise the next three.
+  double stiffness_N_m{};  ///< Normal stiffness of each contact; likewise the next three.
   double damping_N_s_m{};
   double friction_stiffness_N_m{};  ///< Tangential, while it sticks.
   double friction_damping_N_s_m{};
   double friction{};          ///< Coulomb's coefficient; of a wheel, across its direction.
-  double rolling_friction{};  ///< Of a wheel along its direction.
+  double rolling_friction{};  ///< Friction of a wheel along its direction.
 };
 
 /// Reads section `ground`. Throws config::Error.

@@ -15,18 +15,18 @@ using config::Table;
 /// possible.
 constexpr double kMeasured = 0.02;
 
-using B = BodyParameters;
+using Body = BodyParameters;
 
-Row<B> moment(std::string_view key, int i) {
-  return Row<B>{key, [i](B& b) -> double& { return b.inertia_kg_m2(i, i); }, "kg m^2",
-                Range::positive_up_to(1e6), ""}
+Row<Body> moment(std::string_view key, int i) {
+  return Row<Body>{key, [i](Body& b) -> double& { return b.inertia_kg_m2(i, i); }, "kg m^2",
+                   Range::positive_up_to(1e6), ""}
       .needed();
 }
 
-Row<B> product(std::string_view key, int i, int k) {
+Row<Body> product(std::string_view key, int i, int k) {
   return {key,
-          [i, k](const B& b) { return b.inertia_kg_m2(i, k); },
-          [i, k](B& b, double v) { b.inertia_kg_m2(i, k) = b.inertia_kg_m2(k, i) = v; },
+          [i, k](const Body& b) { return b.inertia_kg_m2(i, k); },
+          [i, k](Body& b, double v) { b.inertia_kg_m2(i, k) = b.inertia_kg_m2(k, i) = v; },
           "kg m^2",
           Range::between(-1e6, 1e6),
           "element of the matrix: minus the integral over mass"};
@@ -35,16 +35,16 @@ Row<B> product(std::string_view key, int i, int k) {
 }  // namespace
 
 Table<BodyParameters> body_parameters() {
-  using R = Row<B>;
-  const Table<B> inertia{moment("xx", 0),     moment("yy", 1),     moment("zz", 2),
-                         product("xy", 0, 1), product("xz", 0, 2), product("yz", 1, 2)};
-  return {R{"mass_kg", &B::mass_kg, "kg", Range::positive_up_to(1e5), ""}.needed(),
-          R{"inertia_kg_m2", [](B& b) -> B& { return b; }, inertia}.needed(),
+  using R = Row<Body>;
+  const Table<Body> inertia{moment("xx", 0),     moment("yy", 1),     moment("zz", 2),
+                            product("xy", 0, 1), product("xz", 0, 2), product("yz", 1, 2)};
+  return {R{"mass_kg", &Body::mass_kg, "kg", Range::positive_up_to(1e5), ""}.needed(),
+          R{"inertia_kg_m2", [](Body& b) -> Body& { return b; }, inertia}.needed(),
           {"integration",
-           &B::integration,
+           &Body::integration,
            {{"rk4", Integration::kRk4}, {"frozen_forces", Integration::kFrozenForces}},
            "frozen_forces: as ROSflight 2.x"},
-          R{"max_step_s", &B::max_step_s, "s", Range::between(1e-4, 0.1),
+          R{"max_step_s", &Body::max_step_s, "s", Range::between(1e-4, 0.1),
             "longer steps are split evenly"}
               .formerly("longest_step_s")};
 }

@@ -10,7 +10,7 @@ namespace rosflight::sim {
 namespace {
 
 constexpr std::size_t kBodyStates = 13;  // p, q (w x y z), v, w
-constexpr double kDeepestStart_m = 0.05;
+constexpr double kMaxStartDepth_m = 0.05;
 /// ROSflight 2.x: on the ground below this height.
 constexpr double kPlaneReach_m = 0.001;
 
@@ -108,7 +108,7 @@ bool RigidBody::possible(const BodyState& state) const {
   if (ground_model_ != GroundModel::kNone && state.p_W.z() > 0.0) return false;
   BodyState unit = state;
   unit.q_WB.coeffs() /= state.q_WB.norm();
-  return ground_model_ != GroundModel::kContact || ground_.depth_m(unit) <= kDeepestStart_m;
+  return ground_model_ != GroundModel::kContact || ground_.depth_m(unit) <= kMaxStartDepth_m;
 }
 
 bool RigidBody::set_state(const BodyState& state) {

@@ -58,7 +58,7 @@ class RigidBody final : public Dynamics {
   /// balanced, so a vehicle at rest stays at rest, and the wind turns no propeller.
   void set_held(bool held) { held_ = held; }
 
-  /// From the next step on, as Wind::set().
+  /// Same as Wind::set(), from the next step on.
   void set_wind(const Vector3& steady_W_m_s, double w20_m_s, const RandomSource& random) {
     wind_.set(steady_W_m_s, w20_m_s, random);
     truth_.air.wind_W = wind_.velocity_W();
@@ -74,8 +74,8 @@ class RigidBody final : public Dynamics {
   std::span<const double> module_state() const;
 
  private:
-  static constexpr int kMost = 13 + static_cast<int>(ForcesAndMoments::kMaxStates);
-  using State = Eigen::Array<double, Eigen::Dynamic, 1, 0, kMost, 1>;  // in place, no heap
+  static constexpr int kMaxSize = 13 + static_cast<int>(ForcesAndMoments::kMaxStates);
+  using State = Eigen::Array<double, Eigen::Dynamic, 1, 0, kMaxSize, 1>;  // in place, no heap
 
   /// Wrenches at y (into wrench_ and total_) and the module's derivatives.
   void evaluate(const State& y, const BodyState& body, const Matrix3& R_WB,
@@ -107,7 +107,7 @@ class RigidBody final : public Dynamics {
   bool held_{false};
   BodyState rest_;
   State y_;        ///< p, q (w x y z), v, w and those of the module.
-  Wrench wrench_;  ///< Of the module, at the last evaluation.
+  Wrench wrench_;  ///< Wrench of the module at the last evaluation.
   Wrench total_;   ///< With ground, without gravity.
   Vector3 angular_acceleration_B_{Vector3::Zero()};  ///< At the last evaluation.
   Truth truth_;

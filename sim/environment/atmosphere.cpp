@@ -9,8 +9,8 @@ namespace rosflight::sim {
 namespace {
 
 /// Where the layers would have to be continued too far.
-constexpr double kLowest_m = -10e3;
-constexpr double kHighest_m = 1000e3;
+constexpr double kMinHeight_m = -10e3;
+constexpr double kMaxHeight_m = 1000e3;
 
 double pressure_ratio(double exponent, double lapse_K_m, double temperature_ratio,
                       double above_base_m) {
@@ -55,7 +55,8 @@ AirProperties Atmosphere::standard(double height_m) const {
 }
 
 AirProperties Atmosphere::at(double height_m) const {
-  height_m = height_m > kLowest_m ? std::min(height_m, kHighest_m) : kLowest_m;  // also for a NaN
+  height_m =
+      height_m > kMinHeight_m ? std::min(height_m, kMaxHeight_m) : kMinHeight_m;  // also for a NaN
   if (parameters_.model == AtmosphereModel::kReference) {
     constexpr const base::Troposphere& air = base::kRosflightTroposphere;
     const double share = std::max(1.0 - 2.25694e-5 * height_m, 1e-6);

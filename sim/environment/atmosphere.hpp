@@ -15,7 +15,7 @@ enum class AtmosphereModel {
 
 struct AtmosphereParameters {
   AtmosphereModel model{AtmosphereModel::kStandard1976};
-  /// Of the day; by default that of the standard.
+  /// Pressure of the day; by default that of the standard.
   double sea_level_pressure_Pa{base::kSeaLevelPressure_Pa};
   double temperature_offset_K{0.0};  ///< Warmer (+) or colder than the standard, at all altitudes.
   double constant_density_kg_m3{base::kSeaLevelDensity_kg_m3};  ///< Only with kConstant.

@@ -69,11 +69,11 @@ Vector3 DrydenTurbulence::step(double dt_s, double height_m, double speed_m_s) {
   const double sigma_w = 0.1 * w20_m_s_;
   const double sigma_u = sigma_w * portable::exp(-0.4 * log_k);
 
-  const double way_m = std::max({speed_m_s, w20_m_s_, 1.0}) * dt_s;
-  const double r_u = way_m / length_u_m;
+  const double path_m = std::max({speed_m_s, w20_m_s_, 1.0}) * dt_s;
+  const double r_u = path_m / length_u_m;
   const double decay = portable::exp(-r_u);
   u_ = decay * u_ + std::sqrt(2.0 * noise_covariance(r_u)[0]) * stream_u_.normal();
-  return {sigma_u * u_, sigma_u * v_.step(r_u), sigma_w * w_.step(way_m / length_w_m)};
+  return {sigma_u * u_, sigma_u * v_.step(r_u), sigma_w * w_.step(path_m / length_w_m)};
 }
 
 }  // namespace rosflight::sim

@@ -12,7 +12,7 @@ namespace rosflight::sim {
 
 /// Position and date: section `environment` of a vehicle file.
 struct EnvironmentParameters {
-  Geodetic origin;              ///< Of the local frame W; height above mean sea level.
+  Geodetic origin;              ///< Origin of the local frame W; height above mean sea level.
   std::int64_t start_unix_s{};  ///< Civil time at simulation time 0.
   double gravity_m_s2{base::kStandardGravity_m_s2};
   AtmosphereParameters atmosphere;

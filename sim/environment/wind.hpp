@@ -10,8 +10,7 @@ namespace rosflight::sim {
 /// Discrete gusts, off while mean_interval_s is 0.
 struct GustParameters {
   double mean_interval_s{0.0};
-  double magnitude_mean_m_s{
-      0.15};  ///< Of the normal law that is drawn from until the draw is not negative.
+  double magnitude_mean_m_s{0.15};  ///< Mean of the normal law; negative draws are drawn again.
   double magnitude_std_m_s{0.3};
   double direction_std{0.1};  ///< Per axis, added to the unit vector of the steady wind.
   double min_s{0.5};
@@ -63,7 +62,7 @@ class Wind {
 
   GustParameters gust_parameters_;
   Vector3 steady_W_;
-  Vector3 direction_W_{Vector3::Zero()};  ///< Of the steady wind; zero without.
+  Vector3 direction_W_{Vector3::Zero()};  ///< Direction of the steady wind; zero without.
   Vector3 along_W_{Vector3::UnitX()};     ///< Horizontal.
   std::optional<DrydenTurbulence> turbulence_;
   RandomStream gust_stream_;

@@ -19,8 +19,8 @@ using Vector = Eigen::VectorXd;
 enum Unknown : Eigen::Index { kAlpha, kRoll, kPitch, kThrottle, kAileron, kElevator, kRudder, kOf };
 constexpr double kSpeedScale_rad_s = 500.0;  // of the rotor speeds that follow
 
-constexpr int kMostSteps = 60;
-constexpr int kMostHalvings = 12;
+constexpr int kMaxSteps = 60;
+constexpr int kMaxHalvings = 12;
 constexpr double kGoodEnough = 2e-5;  // outputs are floats: 6e-8 of full thrust and deflection
 constexpr double kNearlyFull = 0.9999;
 
@@ -241,11 +241,11 @@ namespace {
 /// afterwards. @returns whether it is a solution.
 bool solve(Search& search, Vector z) {
   Vector left = search.residual(z);
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     const Vector delta = search.jacobian(z).fullPivLu().solve(-left);
     double share = 1.0;
     bool better = false;
-    for (int halving = 0; halving < kMostHalvings && !better; ++halving, share *= 0.5) {
+    for (int halving = 0; halving < kMaxHalvings && !better; ++halving, share *= 0.5) {
       Vector next = z + share * delta;
       search.limit(next);
       const Vector next_left = search.residual(next);

@@ -13,7 +13,7 @@ namespace rosflight::sim {
 struct FlightCondition {
   double airspeed_m_s{};
   double climb_rad{0.0};      ///< Angle of the path above the horizon.
-  double turn_radius_m{0.0};  ///< Of the path over ground, right turns positive; 0: straight.
+  double turn_radius_m{0.0};  ///< Path over ground, positive to the right; 0: straight.
   double height_m{0.0};       ///< Above the origin, for the air's density.
 };
 
@@ -29,9 +29,9 @@ struct Trim {
   BodyState body;  ///< Heading north, at the condition's height.
   std::vector<double> module_state;
   hal::OutputValues outputs{};
-  Wrench wrench;          ///< Of the module.
+  Wrench wrench;          ///< Wrench of the module.
   double thrust_N{};      ///< Force along body x of the rotors alone.
-  double lift_to_drag{};  ///< Of the airframe.
+  double lift_to_drag{};  ///< Lift-to-drag ratio of the airframe.
   /// Residual dv/dt and dw/dt of the equations of motion; not 0 because the outputs are floats.
   Vector3 acceleration_B{Vector3::Zero()};
   Vector3 angular_acceleration_B{Vector3::Zero()};

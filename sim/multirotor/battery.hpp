@@ -11,7 +11,7 @@ struct BatteryParameters {
   double cells{};                           ///< In series.
   double capacity_As{};                     ///< Charge from full to empty.
   double initial_charge{1.0};               ///< Fraction of the capacity at the start, 0..1.
-  double resistance_ohm{};                  ///< Of the pack with its leads.
+  double resistance_ohm{};                  ///< Resistance of the pack with its leads.
   double avionics_current_A{};              ///< Drawn besides the motors.
   std::vector<double> open_circuit_cell_V;  ///< At equal steps of charge from 0 to 1, at least two.
 };
@@ -50,7 +50,7 @@ class Battery {
   double avionics_current_A_;
   double last_interval_;  ///< Number of intervals of the curve.
   double intervals_per_As_;
-  std::vector<double> curve_V_;  ///< Of the pack.
+  std::vector<double> curve_V_;  ///< Open-circuit voltage of the pack over charge.
 };
 
 }  // namespace rosflight::sim

@@ -63,7 +63,7 @@ class Multirotor final : public ForcesAndMoments {
   struct Group {
     Vector3Lanes p_B, e_B, p_cross_e_B;
     Lanes spin;
-    Lanes factor;  ///< Of thrust and torque; 1 if dead.
+    Lanes factor;  ///< Factor of thrust and torque; 1 if dead.
     Lanes alive;   ///< 1, or 0: no output reaches the ESC.
     std::array<std::size_t, kLanes> output;
   };

@@ -16,11 +16,11 @@ using config::Whole;
 
 constexpr Whole kMicroseconds{0, 10'000'000};  // of a phase or delay
 constexpr double kMaxRate_Hz = 10'000.0;
-constexpr double kLargest = 1e9;  // of an error, in any unit
+constexpr double kMaxError = 1e9;  // of an error, in any unit
 constexpr double kFinestResolution = 1e-12;
-constexpr double kShortestDropout_s = 0.01;
-constexpr Range kBias = Range::between(-kLargest, kLargest);
-constexpr Range kSize = Range::between(0.0, kLargest);
+constexpr double kMinDropout_s = 0.01;
+constexpr Range kBias = Range::between(-kMaxError, kMaxError);
+constexpr Range kSize = Range::between(0.0, kMaxError);
 
 template <class S>
 S& self(S& s) {
@@ -168,7 +168,7 @@ Table<Rangefinder::Config> range_table() {
           errors("range_m", &C::range_m),
           position<C>(),
           {"min_m", &C::min_m, "m", kSize, "nearest distance that is measured"},
-          R{"max_m", &C::max_m, "m", Range::positive_up_to(kLargest),
+          R{"max_m", &C::max_m, "m", Range::positive_up_to(kMaxError),
             "farthest distance that is measured"}
               .must("a number > min_m", [](const C& c) { return c.min_m < c.max_m; }),
           {"max_tilt_deg", &C::max_tilt_deg, "deg", Range::between(0.0, 89.0), "no echo beyond it"},
@@ -183,7 +183,7 @@ Table<Gnss::Config> gnss_table() {
   using R = config::Row<C>;
   const auto long_enough = [](double C::*duration_s) {
     return [duration_s](const C& c) {
-      return c.dropout_interval_s <= 0.0 || c.*duration_s >= kShortestDropout_s;
+      return c.dropout_interval_s <= 0.0 || c.*duration_s >= kMinDropout_s;
     };
   };
   constexpr std::string_view kLongEnough = "a number >= 0.01 where there are drop-outs";

@@ -28,7 +28,7 @@ TEST(MultirotorReference, StaticTable) {
   for (const Row& row : {Row{0.10, 0.3691, 0.0069, 80.42}, Row{0.30, 3.3831, 0.0633, 243.46},
                          Row{0.50, 9.3057, 0.1741, 403.79}, Row{0.70, 17.9953, 0.3366, 561.51},
                          Row{1.00, 35.9361, 0.6723, 793.49}}) {
-    // One motor alone, so that its torques can be told apart; the command is a float: 3e-8
+    // One motor alone, so that its torques can be distinguished; the command is a float: 3e-8
     // relative.
     hal::OutputValues outputs{};
     outputs[0] = static_cast<float>(row.throttle);

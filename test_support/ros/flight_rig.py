@@ -33,7 +33,7 @@ class FlightRig:
         self.peer.close()
 
     def seen(self):
-        """What a failure says beside the log."""
+        """What a failure shows beside the log."""
         return ""
 
     def until(self, condition, what):

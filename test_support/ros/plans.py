@@ -15,7 +15,7 @@ class Planned:
 
 
 def values_of(source) -> dict[str, object]:
-    """Of a file: none."""
+    """Values of `name:=value`; a file has none."""
     if isinstance(source, str):
         name, value = source.split(":=", 1)
         return {name: yaml.safe_load(value)}

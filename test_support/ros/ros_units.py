@@ -11,7 +11,7 @@ def _program(package):
 
 
 def names(package):
-    """Of all cases; one that fails if there is no program."""
+    """Names of all cases; one that fails if there is no program."""
     if not _program(package).exists():
         return ["(not built)"]
     listed = subprocess.run([_program(package), "--gtest_list_tests"], capture_output=True, text=True, check=True)

@@ -34,7 +34,7 @@ def executable(package, name):
 
 
 class Process:
-    """A program and what it says."""
+    """A program and its output."""
 
     def __init__(self, *command, **options):
         self.lines = []
@@ -98,10 +98,10 @@ def node(name, package="rosflight_sim", at_launch=None, namespace=None, **parame
     return process
 
 
-def launch(*words, **arguments):
-    """./rosflight ros launch, inside the environment that the tests run in."""
+def launch(*words, environment=None, **arguments):
+    """./rosflight ros launch, inside the environment that the tests run in, changed by `environment`."""
     return Process(sys.executable, ROOT / "ros_standin/ros_launch", *words, *(f"{k}:={v}" for k, v in arguments.items()),
-                   env={**os.environ, "ROSFLIGHT_GUI": "false"})
+                   env={**os.environ, "ROSFLIGHT_GUI": "false", **(environment or {})})
 
 
 class SimPeer:
@@ -121,7 +121,7 @@ class SimPeer:
             self.executor.spin_once(timeout_sec=0.05)
 
     def listen(self, kind, topic, qos=ALL, progress=None):
-        """A list that grows with the messages. On `progress` it tells how far: simulated time can wait for that (wait_for)."""
+        """A list that grows with the messages. On `progress` it publishes how far: simulated time can wait for that (wait_for)."""
         received = []
         told = progress and self.publisher(Header, progress)
 
@@ -155,7 +155,7 @@ class SimPeer:
                 self.changed.wait(0.2)
 
     def poll(self, condition, what):
-        """As wait, for conditions that no message tells of."""
+        """As wait, for conditions that no message reports."""
         end = time.monotonic() + TIMEOUT_S
         while not condition():
             assert time.monotonic() < end, f"waited {TIMEOUT_S} s for {what}"

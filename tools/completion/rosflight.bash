@@ -80,7 +80,7 @@ _rosflight() {
   fi
   case $command:${before} in
     completion:*) words='bash zsh' ;;
-    params:* | calibrate:* | monitor:* | preflight:*)
+    params:* | calibrate:* | monitor:* | preflight:* | blackbox:*)
       # bash takes the colons of a link for ends of words, so the link may be several of them.
       case $command in
         params) words="$(_rosflight_actions "$root")" ;;

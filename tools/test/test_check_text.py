@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""check_text.py sees broken equations, words to avoid and frames that look like newtons."""
+"""check_text.py sees broken equations, words to avoid, frames that look like newtons, comments without a head and long cells."""
 
 from pathlib import Path
 
@@ -23,6 +23,22 @@ def test_words(path, line, count):
 ])
 def test_equations(line, count):
     assert len(check_text.equations_in(CPP, line)) == count
+
+
+@pytest.mark.parametrize("text, count", [
+    ("int a;  ///< Of the queue.", 1), ("/// Of the queue: half of it remains.", 1), ("/// Number\n/// Of Two.", 0), ("// Often", 0),
+])
+def test_fragments(text, count):
+    assert len(check_text.fragments_in(CPP, text)) == count
+
+
+def test_paths():
+    assert len(check_text.paths_in(CPP, 'std::fopen("/tmp/trace.txt", "a");\nopen("/dev/null");')) == 1
+
+
+@pytest.mark.parametrize("cell, count", [("a" * 300, 0), ("a" * 301, 1), (f"`{'a' * 301}`", 0), (f"aa `b` {'a' * 300}", 1)])
+def test_cells(cell, count):
+    assert len(check_text.cells_in(PROSE, f"| x | {cell} |")) == count
 
 
 @pytest.mark.parametrize("name, count", [

@@ -43,7 +43,7 @@ ELSEWHERE = {
     r"\./rosflight fly --board pixracer_pro": "flight/test/h7_flight_test.cpp",
     r"\./rosflight fly --board varmint": "flight/test/h7_flight_test.cpp",
     r"\./rosflight firmware flash": "needs hardware; tools/test/test_firmware_files.py",
-    r"\./rosflight (preflight|monitor) /dev/ttyACM0": "needs hardware",
+    r"\./rosflight (preflight|monitor|blackbox) /dev/ttyACM0": "needs hardware; flight/test/h7_record_test.cpp reads a record",
     r"\./rosflight firmware build": "the stage cortex-m7 of ./rosflight test",
     r"build/fuzz/": "the stage fuzz of ./rosflight test",
     r".*\.venv/bin/(python -m )?pytest\b": "the stage python of ./rosflight test",

@@ -10,6 +10,7 @@ section           size        addr
 .data               96   536888320
 .bss             40000   536888416
 .dma              5120   805568512
+.record         512000   603979776
 .debug_info      99999           0
 Total           262631
 """
@@ -23,6 +24,10 @@ def sections(monkeypatch):
 def test_initial_values_count_in_flash_and_ram(sections):
     assert h7_figures.text_bytes() == 100000 + 8 + 96
     assert h7_figures.ram_bytes() == 17408 + 96 + 40000 + 5120
+
+
+def test_the_flight_record_is_counted_apart(sections):
+    assert h7_figures.record_bytes() == 512000
 
 
 def test_factor_is_simulated_time_over_processor_time(monkeypatch):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Every mutation still fits the tree, and the frame that tries them tells caught from not caught."""
+"""Every mutation still fits the tree, and the frame that tries them distinguishes caught from not caught."""
 
 import mutation_tests
 import project

@@ -102,7 +102,7 @@ def test_unknown_command_is_one_line_and_exit_code_2(house):
     done = house.start("fyl")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == ("rosflight: unknown command 'fyl'; "
-                           "allowed: fly, view, log, replay, sil, mixer, trim, params, calibrate, monitor, preflight, completion, test, firmware, bench, ros, --help, --version\n")
+                           "allowed: fly, view, log, replay, sil, mixer, trim, params, calibrate, monitor, preflight, blackbox, completion, test, firmware, bench, ros, --help, --version\n")
 
 
 def test_no_command_shows_the_help_as_an_error(house):
@@ -322,6 +322,19 @@ def test_an_environment_that_takes_long_does_not_keep_a_build_waiting(house):
 def test_a_flight_needs_no_python_packages_but_those_of_the_build(house):
     assert house.start("fly").returncode == 0
     assert (house.root / ".venv-build").exists() and not (house.root / ".venv").exists()
+
+
+def test_only_a_flight_with_viewers_builds_the_page(house):
+    (house.root / "web").mkdir()
+    (house.root / "web/package-lock.json").write_text("{}\n")
+    (house.root / "tools/requirements-web.txt").write_text("# nothing\n")
+    house.replace("npm", "mkdir node_modules")
+    house.replace("node", "exit 0")
+    assert house.start("fly").returncode == 0
+    assert house.called("npm") == house.called("node") == [] and not (house.root / ".venv-web").exists()
+    house.start("fly", "--view")
+    assert house.called("npm") == ["npm ci --omit=dev"]
+    assert house.called("node") == [f"node build.mjs {house.root}/build/web"]
 
 
 @pytest.fixture

@@ -28,14 +28,14 @@ std::optional<ByteRange> byte_range(std::string_view header, std::uint64_t size)
     const std::optional<std::uint64_t> length = number(last_text);
     if (!length || *length == 0 || size == 0) return std::nullopt;
     const std::uint64_t kept = std::min(*length, size);
-    return ByteRange{size - kept, std::min(kept, kLargestRange)};
+    return ByteRange{size - kept, std::min(kept, kMaxRange)};
   }
   const std::optional<std::uint64_t> first = number(first_text);
   const std::optional<std::uint64_t> last =
       last_text.empty() ? std::optional<std::uint64_t>(size) : number(last_text);
   if (!first || !last || *first >= size || *last < *first) return std::nullopt;
   const std::uint64_t end = std::min(*last, size - 1) + 1;
-  return ByteRange{*first, std::min(end - *first, kLargestRange)};
+  return ByteRange{*first, std::min(end - *first, kMaxRange)};
 }
 
 }  // namespace rosflight::web::server

@@ -15,7 +15,7 @@ std::string CommandDesk::ask(Command command) {
   if (!closed_.empty()) return closed_;
   std::size_t waiting = size(command);
   for (const Command& other : commands_) waiting += size(other);
-  if (waiting > kMostWaiting) return "too many commands wait";
+  if (waiting > kMaxWaiting) return "too many commands wait";
   commands_.push_back(std::move(command));
   return {};
 }
@@ -57,7 +57,7 @@ std::vector<CommandDesk::Command> CommandDesk::commands() {
 
 void CommandDesk::answer(Answer answer) {
   const std::scoped_lock lock(mutex_);
-  if (answers_.size() < kMostWaiting) answers_.push_back(std::move(answer));
+  if (answers_.size() < kMaxWaiting) answers_.push_back(std::move(answer));
 }
 
 void CommandDesk::set_parameters(Parameters parameters) {

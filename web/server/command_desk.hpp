@@ -20,7 +20,7 @@ namespace rosflight::web::server {
 class CommandDesk {
  public:
   /// Commands and values on their way, of all viewers together.
-  static constexpr std::size_t kMostWaiting = 1024;
+  static constexpr std::size_t kMaxWaiting = 1024;
 
   struct SetParameters {
     std::vector<std::pair<std::string, double>> values;
@@ -37,7 +37,8 @@ class CommandDesk {
     double value{};        ///< 0 to 1; the firmware has a limit of its own.
   };
   struct Calibrate {
-    std::string sensor;  ///< gyro, accel, baro or airspeed.
+    std::string
+        sensor;  ///< gyro, accel, baro, airspeed; of a vehicle on a link also mag, rc, esc_props_off, stop.
   };
   struct Gone {};  ///< The viewer is no longer connected; nobody waits for the answer.
   using What = std::variant<SetParameters, WriteParameters, ReportChecks, TakeControl, Steer,
@@ -48,7 +49,7 @@ class CommandDesk {
     What what;
   };
   struct Result {
-    std::string name;             ///< Of the parameter; empty if the command has none.
+    std::string name;             ///< Name of the parameter; empty if the command has none.
     std::optional<double> value;  ///< In force at the end, if it is known.
     bool good{};
     std::string text;  ///< One line with the outcome and its reason.

@@ -93,13 +93,13 @@ bool Conversation::on_request(std::string_view message) {
       continue;
     }
     subscriptions_[channel] = id;
-    cursor_.places[channel] = {true, 0, 0};
+    cursor_.channel_states[channel] = {true, 0, 0};
   }
   for (const std::uint32_t id : request.unsubscribe) {
     for (std::size_t k = 0; k < subscriptions_.size(); ++k) {
       if (subscriptions_[k] != id) continue;
       subscriptions_[k].reset();
-      cursor_.places[k].wanted = false;
+      cursor_.channel_states[k].wanted = false;
     }
   }
   return unknown.empty() || complain(unknown);
@@ -109,7 +109,7 @@ bool Conversation::on_parameters(const std::vector<std::string>& names, const st
   const auto parameters = desk_ != nullptr ? desk_->parameters() : nullptr;
   if (parameters == nullptr) return complain("getParameters: none are known here");
   texts_.push_back(foxglove::parameter_values(*parameters, names, id));
-  return texts_.size() <= kMostUnreadTexts;
+  return texts_.size() <= kMaxUnreadTexts;
 }
 
 bool Conversation::on_command(CommandDesk::What what, const std::string& id) {
@@ -118,12 +118,12 @@ bool Conversation::on_command(CommandDesk::What what, const std::string& id) {
   const std::string refusal = desk_->ask({viewer_, id, std::move(what)});
   if (refusal.empty()) return true;
   texts_.push_back(foxglove::command_results({viewer_, id, {{{}, {}, false, refusal}}}));
-  return texts_.size() <= kMostUnreadTexts;
+  return texts_.size() <= kMaxUnreadTexts;
 }
 
 bool Conversation::complain(const std::string& what) {
   texts_.push_back(foxglove::status_error(what));
-  return texts_.size() <= kMostUnreadTexts;
+  return texts_.size() <= kMaxUnreadTexts;
 }
 
 }  // namespace rosflight::web::server

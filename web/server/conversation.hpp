@@ -14,16 +14,16 @@
 
 namespace rosflight::web::server {
 
-/// What is said between the server and one viewer, in the Foxglove protocol v1 (foxglove.hpp), without
+/// What is sent between the server and one viewer, in the Foxglove protocol v1 (foxglove.hpp), without
 /// the socket.
 ///
-/// Where a token is wanted, the viewer's first message has to be it, and nothing is said before. What is
+/// Where a token is wanted, the viewer's first message has to be it, and nothing is sent before. What is
 /// new stays in LiveData until all before it has been sent, so a viewer that does not read costs no
 /// memory: it misses states.
 class Conversation {
  public:
   /// A viewer with more answers unread is disconnected.
-  static constexpr std::size_t kMostUnreadTexts = 32;
+  static constexpr std::size_t kMaxUnreadTexts = 32;
 
   /// @param desk  nullptr: nothing can be commanded.
   /// @param session  the same for all viewers of one start of the server.
@@ -38,7 +38,7 @@ class Conversation {
   /// Something else runs now, and next() has nothing more to send: the viewer has to begin again.
   bool is_over() const { return over_ && answers_.empty(); }
 
-  /// A message of the viewer; `is_text` if its frame says so.
+  /// A message of the viewer; `is_text` if its frame has that type.
   /// @returns whether the viewer stays connected.
   [[nodiscard]] bool on_message(std::string_view message, bool is_text);
 
@@ -66,7 +66,7 @@ class Conversation {
   const std::string& session_;
   std::uint64_t viewer_;
   Right right_;
-  std::optional<bool> unsaved_;  ///< As the viewer was told; likewise the next one.
+  std::optional<bool> unsaved_;  ///< As last sent to the viewer; likewise the next one.
   std::optional<CommandDesk::Control> control_;
   bool over_{false};
   std::deque<std::string> texts_;

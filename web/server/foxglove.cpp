@@ -25,23 +25,23 @@ std::uint32_t id(const Json& json) {
 
 /// As on the link. A name with anything else is none, and must not get into a log.
 std::string parameter_name(const Json& json) {
-  constexpr std::size_t kLongest = 16;
+  constexpr std::size_t kMaxLength = 16;
   auto name = json.get<std::string>();
   const bool good = std::all_of(name.begin(), name.end(), [](char c) {
     return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
   });
-  if (!good || name.empty() || name.size() > kLongest)
+  if (!good || name.empty() || name.size() > kMaxLength)
     throw Json::other_error::create(501, "a parameter has no such name", &json);
   return name;
 }
 
 /// Printable, and short enough for a line of the log.
 std::string change_text(const Json& json) {
-  constexpr std::size_t kLongest = 200;
+  constexpr std::size_t kMaxLength = 200;
   auto text = json.get<std::string>();
   const bool good =
       std::all_of(text.begin(), text.end(), [](char c) { return c >= ' ' && c <= '~'; });
-  if (!good || text.empty() || text.size() > kLongest)
+  if (!good || text.empty() || text.size() > kMaxLength)
     throw Json::other_error::create(501, "a change has 1 to 200 printable characters", &json);
   return text;
 }

@@ -14,7 +14,7 @@
 
 /// The Foxglove WebSocket protocol v1, server's side, as far as it is used: channels, subscriptions,
 /// messages, parameters. Text frames are JSON objects with a member `op`, binary frames little-endian.
-/// Of our own are the client's operations token, writeParameters, reportChecks, takeControl, steer,
+/// Additions of this project are the client's operations token, writeParameters, reportChecks, takeControl, steer,
 /// testMotor and calibrate, and the members `results`, `unsaved` and `control` of parameterValues: clients ignore
 /// members, but not operations.
 namespace rosflight::web::server::foxglove {
@@ -33,7 +33,7 @@ std::string parameter_values(const CommandDesk::Parameters& parameters,
 /// The values in force after a command, and how each part of it ended.
 std::string command_results(const CommandDesk::Answer& answer);
 std::string parameters_unsaved(bool unsaved);
-/// @param viewer  the number of who is told.
+/// @param viewer  the number of the viewer that receives it.
 std::string control_text(const CommandDesk::Control& control, std::uint64_t viewer);
 /// @param first  number of the first channel; others follow. Clients see numbers one larger.
 std::string advertise(std::size_t first, std::span<const LiveData::Channel> channels);
@@ -51,7 +51,7 @@ struct Request {
   std::vector<std::uint32_t> unsubscribe;                        ///< Its own ids.
   std::optional<std::vector<std::string>> get_parameters;        ///< Names; empty: all.
   std::optional<CommandDesk::What> command;
-  std::string id;         ///< Of the two above, for the answer.
+  std::string id;         ///< Request id of the two above, for the answer.
   std::string complaint;  ///< Not empty: what is wrong, for status_error().
 };
 /// Anything may come; what is not understood becomes a complaint.

@@ -29,7 +29,7 @@ void LiveData::put(std::size_t channel, std::uint64_t time_ns, std::span<const s
   if (channels_.at(channel).kind == Kind::kState) {
     ++states_[channel].version;
     states_[channel].latest = std::move(message);
-  } else if (event_bytes_ + cdr.size() > kMostEventBytes) {
+  } else if (event_bytes_ + cdr.size() > kMaxEventBytes) {
     ++lost_;
   } else {
     event_bytes_ += cdr.size();
@@ -45,12 +45,12 @@ LiveData::News LiveData::news(Cursor& cursor) const {
   if (news.restarted) return news;
   for (; cursor.channels < channels_.size(); ++cursor.channels)
     news.channels.push_back(channels_[cursor.channels]);
-  cursor.places.resize(channels_.size());
+  cursor.channel_states.resize(channels_.size());
   add_events(cursor, news);
   for (std::size_t k = 0; k < states_.size(); ++k) {
-    Cursor::Place& place = cursor.places[k];
-    if (!place.wanted || place.version == states_[k].version) continue;
-    place.version = states_[k].version;
+    Cursor::ChannelState& state = cursor.channel_states[k];
+    if (!state.wanted || state.version == states_[k].version) continue;
+    state.version = states_[k].version;
     news.messages.push_back(states_[k].latest);
   }
   return news;
@@ -58,15 +58,15 @@ LiveData::News LiveData::news(Cursor& cursor) const {
 
 void LiveData::add_events(Cursor& cursor, News& news) const {
   std::size_t first = events_.size();
-  for (const Cursor::Place& place : cursor.places) {
-    if (place.wanted) first = std::min(first, place.next_event);
+  for (const Cursor::ChannelState& state : cursor.channel_states) {
+    if (state.wanted) first = std::min(first, state.next_event);
   }
   for (std::size_t k = first; k < events_.size(); ++k) {
-    const Cursor::Place& place = cursor.places[events_[k]->channel];
-    if (place.wanted && k >= place.next_event) news.messages.push_back(events_[k]);
+    const Cursor::ChannelState& state = cursor.channel_states[events_[k]->channel];
+    if (state.wanted && k >= state.next_event) news.messages.push_back(events_[k]);
   }
-  for (Cursor::Place& place : cursor.places) {
-    if (place.wanted) place.next_event = events_.size();
+  for (Cursor::ChannelState& state : cursor.channel_states) {
+    if (state.wanted) state.next_event = events_.size();
   }
 }
 

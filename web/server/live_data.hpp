@@ -15,12 +15,12 @@ namespace rosflight::web::server {
 ///
 /// A channel is of one of two kinds. Of a *state*, such as a position, only the latest message is
 /// kept: a viewer that is slow, or came late, misses the others. Of an *event*, such as a text, all
-/// are kept in order, for viewers that come later too; together at most kMostEventBytes, then
+/// are kept in order, for viewers that come later too; together at most kMaxEventBytes, then
 /// further ones are lost and counted. Putting in takes a lock for the time of a copy and never waits
 /// for a viewer.
 class LiveData {
  public:
-  static constexpr std::size_t kMostEventBytes = std::size_t{64} << 20U;
+  static constexpr std::size_t kMaxEventBytes = std::size_t{64} << 20U;
 
   enum class Kind : std::uint8_t { kState, kEvent };
   struct Channel {
@@ -45,21 +45,21 @@ class LiveData {
   /// @throws std::out_of_range  no such channel.
   void put(std::size_t channel, std::uint64_t time_ns, std::span<const std::uint8_t> cdr);
 
-  /// Where a viewer stands. A channel is not wanted until the viewer says so.
+  /// Where a viewer stands. A channel is not wanted until the viewer subscribes.
   struct Cursor {
-    struct Place {
+    struct ChannelState {
       bool wanted{false};
-      std::uint64_t version{0};   ///< Of the state, as last seen.
+      std::uint64_t version{0};   ///< Version of the state at the last visit.
       std::size_t next_event{0};  ///< Into all events.
     };
     std::uint64_t run{0};     ///< Counts restarts.
     std::size_t channels{0};  ///< Seen by it.
-    std::vector<Place> places;
+    std::vector<ChannelState> channel_states;
   };
   struct News {
     bool restarted{false};          ///< Since the cursor began; then there is nothing for it.
     std::vector<Channel> channels;  ///< New ones; the first has the number Cursor::channels had.
-    std::vector<Shared> messages;   ///< Of wanted channels: new events in order, then new states.
+    std::vector<Shared> messages;   ///< Wanted channels: new events in order, then new states.
   };
   /// What is new since the cursor was last here; moves it.
   News news(Cursor& cursor) const;

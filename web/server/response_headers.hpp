@@ -6,7 +6,7 @@
 
 namespace rosflight::web::server {
 
-/// Of what an address leads to; "" is the page itself.
+/// Media type of what an address leads to; "" is the page itself.
 constexpr std::string_view media_type(std::string_view address) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kTypes{
       {{".html", "text/html; charset=utf-8"},

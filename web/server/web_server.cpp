@@ -46,7 +46,7 @@ struct WebServer::Impl {
   void accept(tcp::acceptor& acceptor) {
     acceptor.async_accept([this, &acceptor](beast::error_code error, tcp::socket socket) {
       if (error == asio::error::operation_aborted) return;
-      if (!error && site.clients < kMostClients) {
+      if (!error && site.clients < kMaxClients) {
         std::make_shared<HttpSession>(std::move(socket), site)->read();
       }
       accept(acceptor);
@@ -56,7 +56,7 @@ struct WebServer::Impl {
   Site site;
   asio::io_context io{1};
   tcp::acceptor first{io};
-  tcp::acceptor v6{io};  ///< Of this computer.
+  tcp::acceptor v6{io};  ///< Listens on the IPv6 loopback address.
   asio::steady_timer timer{io};
   std::thread thread;
 };

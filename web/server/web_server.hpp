@@ -31,8 +31,8 @@ struct Contents {
 ///
 /// Only GET and HEAD, only addresses of Contents. A request must name this server as Host, by the
 /// address where it listens (421 otherwise: a foreign name that leads here), and if it has an Origin, as
-/// that (403 otherwise: a foreign page). At most kMostClients connections; a request
-/// head has at most kLargestHead bytes (431) and no body (413).
+/// that (403 otherwise: a foreign page). At most kMaxClients connections; a request
+/// head has at most kMaxHead bytes (431) and no body (413).
 ///
 /// A token, 128 random bits of this start, is in address() after '#', which browsers send to nobody; there
 /// is one to look and one to command. On this computer everybody may command.
@@ -40,16 +40,16 @@ struct Contents {
 /// (401 otherwise), a WebSocket as its first message {"op":"token","token":"..."}.
 ///
 /// A WebSocket at any address speaks the Foxglove protocol v1 (foxglove.hpp) and sends what is new in
-/// Contents::live kRate_Hz times a second, to at most kMostViewers (503). A viewer that does not read
+/// Contents::live kRate_Hz times a second, to at most kMaxViewers (503). A viewer that does not read
 /// misses states and is closed after Access::silence; nobody waits for it. Its messages have at most
-/// kLargestMessage bytes.
+/// kMaxMessage bytes.
 class WebServer {
  public:
-  static constexpr int kMostClients = 64;
-  static constexpr int kMostViewers = 16;
+  static constexpr int kMaxClients = 64;
+  static constexpr int kMaxViewers = 16;
   static constexpr int kRate_Hz = 60;
-  static constexpr unsigned kLargestMessage = 65536;
-  static constexpr unsigned kLargestHead = 8192;
+  static constexpr unsigned kMaxMessage = 65536;
+  static constexpr unsigned kMaxHead = 8192;
 
   /// @throws std::system_error  it cannot listen there, for example because the port is taken.
   /// @throws std::invalid_argument  `listen` is no address of one interface.

@@ -7,7 +7,7 @@ import * as state from './state.ts';
 import {firstMessage} from './token.ts';
 
 const AGAIN_MS = 1000;
-/** How often what is slow to draw (plots, trails, states) is drawn anew. */
+/** How often what is slow to draw (plots, trails, states) is drawn again. */
 const REVISION_MS = 1000;
 /** The picture is this late, one period of the server, so that it lies between two messages. */
 const DELAY_MS = 1000 / 60;

@@ -8,7 +8,7 @@ import * as state from './state.ts';
 import {admission} from './token.ts';
 
 /** What the server has: addresses relative to the page. */
-interface Offer { name?: string; log?: string; summary?: string; analysis?: string; live?: boolean }
+interface Offer { name?: string; log?: string; summary?: string; analysis?: string; live?: boolean; other?: {name: string; parameters: string} }
 
 const PAUSE_EACH_MS = 40;
 
@@ -30,6 +30,7 @@ export async function openFirst() {
     const json = async (address: string | undefined) => address ? parsed(await (await get(address)).text()) : undefined;
     state.summary.value = await json(offer.summary);
     const analysis = await json(offer.analysis);
+    state.other.value = offer.other;
     if (offer.live) connect(offer.name ?? 'flight');
     else if (offer.log) await open(() => urlSource(offer.log!, offer.name, admission()), analysis);
   }

@@ -30,6 +30,8 @@ export const revision = signal(0);
 export const commands = signal<Commands | undefined>(undefined);
 /** Of a running flight; undefined where nothing can be commanded. */
 export const control = signal<Control | undefined>(undefined);
+/** Another vehicle on a link, and the address of its parameters. */
+export const other = signal<{name: string; parameters: string} | undefined>(undefined);
 /** Parameters have changed since they were last written to the vehicle's memory. */
 export const unsaved = signal(false);
 
@@ -56,12 +58,12 @@ function step(before_ms: number, now_ms: number) {
   else requestAnimationFrame((next_ms) => step(now_ms, next_ms));
 }
 
-/** To the next message of the topic that the 3-D view follows; `way` is 1 or -1. */
-export function stepMessage(way: 1 | -1) {
+/** To the next message of the topic that the 3-D view follows; `direction` is 1 or -1. */
+export function stepMessage(direction: 1 | -1) {
   playing.value = false;
   const table = flight.value?.tables.get(flight.value.poseTopic?.topic ?? '');
   if (!table) return;
   const slack_s = 1e-6;
-  const row = table.rowAt(time.value + (way > 0 ? slack_s : -slack_s)) + (way > 0 ? 1 : 0);
+  const row = table.rowAt(time.value + (direction > 0 ? slack_s : -slack_s)) + (direction > 0 ? 1 : 0);
   seek(table.times[Math.min(Math.max(row, 0), table.length - 1)] ?? 0);
 }

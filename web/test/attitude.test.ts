@@ -39,7 +39,7 @@ test('north is away from the viewer, east right, up up', () => {
   near(new Vector3(0, 0, -1).applyQuaternion(attitudeFromNed([half, 0, 0, half])).toArray(), [1, 0, 0]);
 });
 
-test('between two attitudes the shorter way is taken', () => {
+test('between two attitudes the shorter rotation is taken', () => {
   near(between([1, 0, 0, 0], [-1, 0, 0, 0], 0.5), [1, 0, 0, 0]);
   const middle = between([1, 0, 0, 0], [half, 0, 0, half], 0.5);
   near(eulerAngles(middle), [0, 0, Math.PI / 4]);

@@ -15,6 +15,9 @@ import {pixelAt} from './picture.ts';
 const AXE = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const FLAGS = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
 
+/** What takes a minute of real time, or does not hold beside other stages on two cores: ./rosflight test web-rest. */
+export const LONG = process.env['ROSFLIGHT_WEB_LONG'] !== undefined;
+
 export async function startBrowser(flags: string[] = []): Promise<Browser> {
   const executablePath = process.env['ROSFLIGHT_CHROMIUM'] ?? await chromium.executablePath();
   return playwright.launch({executablePath, args: [...FLAGS, ...flags]});
@@ -26,7 +29,7 @@ export const SMALL = {width: 900, height: 420};
 export const PHONE = {width: 390, height: 844};
 
 /** A page that fails the test on errors of its scripts and on requests to anybody but this computer. */
-export async function newPage(browser: Browser, viewport = DESKTOP, more: {colorScheme?: 'dark' | 'light'} = {}) {
+export async function newPage(browser: Browser, viewport = DESKTOP, more: {colorScheme?: 'dark' | 'light'; hasTouch?: boolean} = {}) {
   const context = await browser.newContext({viewport, locale: 'en-US', colorScheme: 'light', ...more});
   const page = await context.newPage();
   page.setDefaultTimeout(120_000); // the machine may be busy
@@ -53,14 +56,24 @@ export async function flightShown(page: Page) {
   await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset['frames'] ?? 0) > 0);
 }
 
-/** Keeps a picture for people to look at, in the folder that ROSFLIGHT_WEB_PICTURES names; in another size than the test's if given. */
-export async function keepPicture(page: Page, name: string, size?: typeof DESKTOP) {
+/** Keeps a picture for people to look at, and its dark twin, in the folder that ROSFLIGHT_WEB_PICTURES names; in another size than the test's
+ * if given. `ready` is done before each: what a new size or scheme of colours ends is begun again. */
+export async function keepPicture(page: Page, name: string, size?: typeof DESKTOP, ready = async () => {}) {
   const folder = process.env['ROSFLIGHT_WEB_PICTURES'];
   if (!folder) return;
   const before = page.viewportSize()!;
   if (size) await page.setViewportSize(size);
-  await drawn(page);
-  await page.screenshot({path: join(folder, `${name}.png`)});
+  const keep = async (file: string) => {
+    await ready();
+    await drawn(page);
+    await page.screenshot({path: join(folder, file)});
+  };
+  await keep(`${name}.png`);
+  if (await page.evaluate(() => matchMedia('(prefers-color-scheme: light)').matches)) {
+    await page.emulateMedia({colorScheme: 'dark'});
+    await keep(`${name}-dark.png`);
+    await page.emulateMedia({colorScheme: 'light'});
+  }
   if (size) await page.setViewportSize(before);
 }
 
@@ -112,7 +125,7 @@ export function pageFiles(folder: string): Files {
   return Object.fromEntries(['index.html', 'page.js', 'page.css'].map((name) => [name, join(folder, name)]));
 }
 
-export type PageOptions = [typeof DESKTOP?, {colorScheme?: 'dark'}?];
+export type PageOptions = [typeof DESKTOP?, {colorScheme?: 'dark'; hasTouch?: boolean}?];
 
 /** Opens the page, does something with it and then wants no complaint. */
 export async function onPage(browser: Browser, url: string, use: (page: Page) => Promise<void>, ...options: PageOptions) {

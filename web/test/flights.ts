@@ -22,8 +22,14 @@ export const FLY = named('ROSFLIGHT_WEB_FLY');
 /** Program behind ./rosflight sil. */
 export const SIL = named('ROSFLIGHT_WEB_SIL');
 
+/** Python with pymavlink. */
+export const PYTHON = named('ROSFLIGHT_WEB_PYTHON');
+
 export const logOf = (folder: string) => join(folder, 'flight.mcap');
 
 export async function summaryOf(folder: string): Promise<Record<string, unknown>> {
   return JSON.parse(await readFile(join(folder, 'summary.json'), 'utf8')) as Record<string, unknown>;
 }
+
+/** How many the firmware has: a line each, and the head. */
+export const PARAMETERS = (await readFile(new URL('../../firmware/core/parameters.csv', import.meta.url), 'utf8')).trim().split('\n').length - 1;

@@ -111,7 +111,7 @@ test('the log is the same to the bit with and without three viewers, one of whic
   client.close();
   ours.close();
   stuck.destroy();
-  // The page stays until it is told to end.
+  // The page stays until it receives the end.
   assert.equal((await fetch(url)).status, 200);
   assert.equal(child.exitCode, null);
   child.kill('SIGINT');

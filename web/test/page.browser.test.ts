@@ -7,8 +7,9 @@ import {join} from 'node:path';
 import {after, before, describe, test} from 'node:test';
 import {gzipSync} from 'node:zlib';
 import type {Browser, Page} from 'playwright-core';
-import {clock, DESKTOP, drawn, goTo, keepPicture, newPage, onPage, PHONE, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
+import {clock, DESKTOP, drawn, goTo, keepPicture, LONG, newPage, onPage, PHONE, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
 import {FIXED_WING, logOf, MULTIROTOR, PAGE, VIEW} from './flights.ts';
+import {HANDS, KEYBOARD, withoutMouse, type Hand} from './hands.ts';
 
 const started: ChildProcess[] = [];
 let browser: Browser;
@@ -79,15 +80,6 @@ describe('replay of a flight', () => {
     await page.getByRole('button', {name: 'Play'}).click();
     await page.waitForFunction(() => document.querySelector('.play')!.getAttribute('aria-label') === 'Play', undefined, {timeout: 60_000});
     assert.ok(await clock(page) > 50);
-  }));
-
-  test('an event leads to its moment', () => withPage(multirotor, async (page) => {
-    await page.getByRole('tab', {name: 'Events'}).click();
-    const row = page.locator('.events tr', {hasText: /land/i}).first();
-    const t = parseFloat(await row.locator('td').first().innerText());
-    await row.getByRole('button').click();
-    assert.equal(await clock(page), t);
-    assert.equal(await row.getAttribute('aria-current'), 'time');
   }));
 
   test('plots have curves, and any field can be added', () => withPage(multirotor, async (page) => {
@@ -173,6 +165,100 @@ describe('replay of a flight', () => {
   }));
 });
 
+const button = (page: Page, name: string | RegExp) => page.getByRole('button', {name, exact: typeof name === 'string'});
+const tab = (page: Page, name: string) => page.getByRole('tab', {name});
+const slider = (page: Page) => page.getByLabel('Time in the flight');
+const vehicleAt = (page: Page) => page.evaluate(() => window.rosflightScene!.vehicleInPicture()!);
+
+/** What a person can do with a flight that was, without a mouse; in this order on one page. */
+const POINTS: Record<string, (page: Page, hand: Hand) => Promise<void>> = {
+  'moments: slider, steps, play, speed': async (page, hand) => {
+    await hand.slide(slider(page));
+    const slid = await clock(page);
+    assert.ok(slid > 1, `${slid}`);
+    await hand.press(button(page, 'One step on'));
+    assert.ok(await clock(page) > slid);
+    await hand.press(button(page, 'One step back'));
+    assert.equal(await clock(page), slid);
+    await hand.choose(page.getByLabel('Speed'), '5');
+    await hand.press(button(page, 'Play'));
+    await page.waitForFunction((from) => parseFloat(document.querySelector('.clock')!.textContent!) > from + 1, slid);
+    await hand.press(button(page, 'Pause'));
+  },
+  'camera: other views, turned': async (page, hand) => {
+    await hand.press(button(page, 'Whole flight'));
+    await drawn(page);
+    const before = await vehicleAt(page);
+    await hand.turn(page.locator('canvas').first());
+    const after = await vehicleAt(page);
+    assert.ok(Math.hypot(after.x - before.x, after.y - before.y) > 0.005, `${after.x}, ${after.y}`);
+    await hand.press(button(page, 'Follow'));
+    await drawn(page);
+    assert.ok(await vehicleAt(page));
+  },
+  'plots: a field added, zoom': async (page, hand) => {
+    await hand.type(page.getByLabel('Add a plot of any field'), '/baro pressure');
+    await page.waitForSelector('figure:has-text("/baro pressure") canvas');
+    /** The moment shown is there, as a share of the width of the plot. */
+    const markedAt = (share: number) => page.waitForFunction((wanted) => {
+      const marker = document.querySelector('.plots figure .now')!;
+      return Math.abs(new DOMMatrix(getComputedStyle(marker).transform).e / marker.parentElement!.clientWidth - wanted) < 0.02;
+    }, share);
+    const whole = await clock(page) / Number(await slider(page).getAttribute('max'));
+    assert.ok(Math.abs(whole - 0.5) > 0.04, `${whole}`);
+    await markedAt(whole);
+    for (let k = 0; k < 5; ++k) await hand.press(button(page, 'Zoom in'));
+    await markedAt(0.5);
+    await hand.press(button(page, 'Show all of it'));
+    await markedAt(whole);
+    await hand.press(button(page, 'remove the plot /baro pressure'));
+  },
+  'events: one leads to its moment': async (page, hand) => {
+    await hand.press(tab(page, 'Events'));
+    const row = page.locator('.events tr', {hasText: /land/i}).first();
+    await hand.press(row.getByRole('button'));
+    assert.equal(await clock(page), parseFloat(await row.locator('td').first().innerText()));
+    assert.equal(await row.getAttribute('aria-current'), 'time');
+  },
+  'preflight: the checks before arming': async (page, hand) => {
+    await hand.slide(slider(page));
+    await hand.press(tab(page, 'Preflight'));
+    assert.match(await page.locator('.preflight .verdict').innerText(), /armed/);
+    assert.ok(await page.locator('.preflight .checks tbody tr').count() > 5);
+  },
+  'receiver and outputs: channels and mixer': async (page, hand) => {
+    await hand.press(tab(page, 'Receiver and outputs'));
+    await page.locator('.mixer svg').scrollIntoViewIfNeeded();
+    assert.equal(await page.locator('.mixer .motor').count(), 4);
+  },
+  'parameters: search, group, file, save': async (page, hand) => {
+    await hand.press(tab(page, 'Parameters'));
+    await hand.choose(page.getByLabel('Group'), 'BATT');
+    await hand.press(page.getByLabel('only those that differ from the default'));
+    await hand.type(page.getByLabel('Search'), 'volt_max');
+    assert.deepEqual(await page.locator('.parameters tbody th').allInnerTexts(), ['BATT_VOLT_MAX']);
+    await hand.give(page.locator('label', {hasText: 'Compare with a file'}), {name: 'mine.yaml', mimeType: 'application/yaml',
+      buffer: Buffer.from('- {name: BATT_VOLT_MAX, type: 9, value: 24.0}\n')});
+    await page.getByText('1 difference from mine.yaml').waitFor();
+    const saved = page.waitForEvent('download');
+    await hand.press(button(page, 'Save to a file'));
+    assert.equal((await saved).suggestedFilename(), 'parameters.yaml');
+  },
+  'tune: an axis and its band': async (page, hand) => {
+    await hand.press(tab(page, 'Tune'));
+    await hand.choose(page.getByLabel('Axis'), 'Pitch');
+    await hand.choose(page.getByLabel('Band'), '2 %');
+  },
+};
+
+for (const hand of HANDS) {
+  test(`a flight is looked at ${hand.name}`, {skip: hand === KEYBOARD || LONG ? false : './rosflight test web-rest runs it'}, (t) => withPage(multirotor, async (page) => {
+    const check = await withoutMouse(page);
+    for (const [point, act] of Object.entries(POINTS)) await t.test(point, () => act(page, hand));
+    await check();
+  }, ...hand.options));
+}
+
 describe('what may go wrong', () => {
   async function openFile(page: Page, name: string, buffer: Buffer) {
     await page.locator('input[type=file]').setInputFiles({name, mimeType: 'application/octet-stream', buffer});
@@ -205,10 +291,12 @@ describe('what may go wrong', () => {
 describe('for everybody', () => {
   for (const [name, viewport, scheme] of [['desktop', DESKTOP, 'light'], ['dark', DESKTOP, 'dark'], ['phone', PHONE, 'light']] as const) {
     test(`axe finds nothing, ${name}`, () => withPage(multirotor, async (page) => {
+      await goTo(page, 20);
       for (const tab of await page.getByRole('tab').all()) {
         await tab.click();
         await drawn(page);
         assert.deepEqual(await violations(page), [], await tab.innerText());
+        if (name === 'desktop') await keepPicture(page, `view-${(await tab.innerText()).toLowerCase().replaceAll(' ', '-')}`);
       }
       const wide = await page.evaluate(() => document.documentElement.scrollWidth - document.documentElement.clientWidth);
       assert.ok(wide <= 0, `${wide} pixels wider than the window`);

@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import {readFile} from 'node:fs/promises';
 import {join} from 'node:path';
 import {test} from 'node:test';
+import {changesIn, typed, type Edits} from '../src/data/edits.ts';
 import {differences, formatParameterFile, parseParameterFile} from '../src/data/parameter_file.ts';
 import {allowedText, complaint, groupsOf, parseParameterTable, sameValue} from '../src/data/parameter_table.ts';
 import {MULTIROTOR} from './flights.ts';
@@ -55,3 +56,16 @@ test('differences are those that sending would change', () => {
 });
 
 test('groups are of three and more', () => assert.deepEqual(groupsOf(['A_1', 'A_2', 'A_3', 'B_1', 'B_2']), ['A']));
+
+test('a number is sent as it is typed, also where its first letters are the value that is there', () => {
+  for (const [value, text] of [[0, '0.001'], [1, '1.5'], [12, '120'], [0.5, '0.50'], [-1, '-1.25']] as const) {
+    const values = new Map([['GAIN', value]]);
+    let edits: Edits = new Map();
+    for (let letters = 0; letters <= text.length; ++letters) {
+      const field = text.slice(0, letters);
+      edits = typed(edits, 'GAIN', field, String(value));
+      assert.equal(edits.get('GAIN') ?? String(value), field, 'what the field shows');
+    }
+    assert.deepEqual(changesIn(edits, values), Number(text) === value ? [] : [['GAIN', text]]);
+  }
+});

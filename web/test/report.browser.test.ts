@@ -113,6 +113,17 @@ describe('report.html', () => {
     await keepPicture(page, 'firmware');
   }));
 
+  test('shows the checks before arming that the folder has', () => withReport(MULTIROTOR, async (page) => {
+    const stored = JSON.parse(await readFile(join(MULTIROTOR, 'preflight.json'), 'utf8')) as {ready: boolean; checks: {row: string; verdict: string; reason: string}[]};
+    assert.ok(stored.ready);
+    assert.equal(stored.checks.length, 17);
+    await page.getByRole('tab', {name: 'Preflight'}).click();
+    await page.getByRole('button', {name: /^All checks at [\d.]+ s$/}).press('Enter');
+    await page.getByText('All checks of the firmware').waitFor();
+    const rows = (await page.locator('.preflight .checks tbody tr').allInnerTexts()).map((text) => text.split('\t'));
+    assert.deepEqual(rows.map(([name, verdict]) => [name!.trim(), verdict!.trim().slice(2)]), stored.checks.map(({row, verdict}) => [row, verdict]));
+  }));
+
   test('marks the parameters that differ from the default', () => withReport(MULTIROTOR, async (page) => {
     await page.getByRole('tab', {name: 'Parameters'}).click();
     await page.getByLabel('only those that differ from the default').check();

@@ -7,8 +7,9 @@ import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {after, before, describe, test} from 'node:test';
 import type {Browser, Page} from 'playwright-core';
-import {clock, DESKTOP, flightShown, goTo, keepPicture, newPage, onPage, PHONE, SMALL, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
+import {clock, DESKTOP, flightShown, goTo, keepPicture, LONG, newPage, onPage, PHONE, SMALL, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
 import {VIEW} from './flights.ts';
+import {HANDS, withoutMouse, type Hand} from './hands.ts';
 import {viewer} from './simulated.ts';
 
 const started: ChildProcess[] = [];
@@ -19,6 +20,93 @@ after(async () => {
   for (const program of started) program.kill('SIGTERM');
   await browser?.close();
 });
+
+const button = (page: Page, name: string | RegExp) => page.getByRole('button', {name, exact: typeof name === 'string'});
+const done = (page: Page, text: string) => page.locator('.said', {hasText: `Done: ${text}`}).waitFor();
+
+/** What a person can change in a flight, without a mouse; in this order on one page. */
+const CHANGES: Record<string, (page: Page, hand: Hand) => Promise<void>> = {
+  'simulation: control, time, wind, faults, pilot': async (page, hand) => {
+    await hand.press(page.getByRole('tab', {name: 'Simulation'}));
+    await hand.press(button(page, /^Take/));
+    await page.getByText('You have control').waitFor();
+    const steering = page.locator('.steering');
+    await hand.press(steering.getByRole('button', {name: 'Pause'}));
+    await done(page, 'pause');
+    await hand.press(button(page, 'Step 10 ms'));
+    await done(page, 'step 4');
+    await hand.type(page.getByLabel('Wind speed'), '3');
+    await hand.press(button(page, 'Set wind'));
+    await done(page, 'wind 3,270,0');
+    await hand.choose(page.getByLabel('Fault').first(), 'baro_step=VALUE');
+    await hand.type(page.getByLabel('Size'), '2');
+    await hand.press(button(page, 'Begin fault'));
+    await done(page, 'fault baro_step=2');
+    await hand.press(button(page, 'End all faults'));
+    await done(page, 'heal');
+    await hand.slide(page.getByLabel('Stick yaw'));
+    await done(page, 'stick yaw');
+    await hand.press(button(page, 'Angle mode on'));
+    await done(page, 'switch attitude_mode on');
+    const speed = page.getByLabel('Speed of the simulation');
+    const other = await speed.inputValue() === '2' ? '1' : '2';
+    await hand.choose(speed, other);
+    await done(page, `speed ${other}`);
+    await hand.press(button(page, 'Resume'));
+    await done(page, 'resume');
+  },
+  'parameters: of the firmware, written, and of autonomy': async (page, hand) => {
+    await hand.press(page.getByRole('tab', {name: 'Parameters'}));
+    for (const [owner, key] of [['autonomy', 'autonomy.limits.tilt_deg'], ['firmware', 'ACC_X_TEMP_COMP']] as const) {
+      await hand.choose(page.getByLabel('Parameters of'), owner);
+      await hand.type(page.getByLabel('Search'), key.toLowerCase());
+      const field = page.getByLabel(`Value of ${key}`);
+      const value = owner === 'autonomy' ? Number(await field.inputValue()) - 1 : 0.001 + Number(await field.inputValue());
+      await hand.type(field, String(value));
+      await hand.press(button(page, 'Send 1 change'));
+      await page.locator('.result', {hasText: `✓ set to ${value}`}).waitFor();
+    }
+    await hand.press(button(page, 'Write to memory'));
+    await page.getByText('writing parameters: done').waitFor();
+  },
+  'preflight: checks': async (page, hand) => {
+    await hand.press(page.getByRole('tab', {name: 'Preflight'}));
+    await hand.press(button(page, 'Check now'));
+    await page.getByText('All checks of the firmware').waitFor();
+  },
+  'tune: a gain tried, undone, taken': async (page, hand) => {
+    await hand.press(page.getByRole('tab', {name: 'Tune'}));
+    const gain = page.getByLabel('PID_ROLL_ANG_P');
+    const before = await gain.inputValue();
+    for (const [end, after] of [['Undo', before], ['Take', '1.5']] as const) {
+      await hand.type(gain, '1.5'); // by its first letter the value that it has
+      await hand.press(button(page, 'Try'));
+      await page.getByText(`Before: PID_ROLL_ANG_P ${before}`).waitFor();
+      await hand.press(button(page, end));
+      await page.getByText('Before:').waitFor({state: 'detached'});
+      assert.equal(await gain.inputValue(), after);
+    }
+    await hand.type(gain, before);
+    await hand.press(button(page, 'Try'));
+    await page.getByText('Before: PID_ROLL_ANG_P 1.5').waitFor();
+    await hand.press(button(page, 'Take'));
+  },
+  'simulation: gust, hold, return, landing, another mission': async (page, hand) => {
+    await hand.press(page.getByRole('tab', {name: 'Simulation'}));
+    for (const [name, text] of [['One gust', 'gust 5,270,3'], ['Hold before arming', 'hold on'], ['Let the pilot arm', 'hold off']] as const) {
+      await hand.press(button(page, name));
+      await done(page, text);
+    }
+    await page.waitForFunction(() => /(?<!dis)armed/.test(document.querySelector('.instruments')!.textContent!));
+    for (const [name, text] of [['Return and land', 'return'], ['Land', 'land']] as const) {
+      await hand.press(button(page, name));
+      await done(page, text);
+    }
+    await hand.type(page.getByLabel('Next mission'), 'hop');
+    await hand.press(button(page, 'Reset'));
+    await done(page, 'reset hop');
+  },
+};
 
 const withPage = (url: string, use: (page: Page) => Promise<void>, ...options: PageOptions) => onPage(browser, url, use, ...options);
 
@@ -106,6 +194,10 @@ describe('a running flight', () => {
       await until(2); // the vehicle's file is loaded
       await page.getByLabel('Search').fill('temp_comp');
       const field = page.getByLabel('Value of ACC_X_TEMP_COMP');
+      await field.focus(); // by keyboard, behind the 0 that stands there
+      await page.keyboard.press('End');
+      await page.keyboard.type('.0005');
+      assert.equal(await field.inputValue(), '0.0005');
       await field.fill('3');
       assert.equal(await said.innerText(), 'ACC_X_TEMP_COMP: allowed: -2 .. 2');
       assert.ok(await page.getByRole('button', {name: 'Send 1 change'}).isDisabled());
@@ -242,6 +334,20 @@ describe('a running flight', () => {
     }, SMALL);
     program.kill('SIGKILL');
     await rm(folder, {recursive: true});
+  });
+
+  test('is changed without a mouse', {skip: LONG ? false : './rosflight test web-rest runs it'}, async (t) => {
+    for (const hand of HANDS) {
+      const {url, program, folder} = await flyAndView('--speed', '1', '--hold');
+      await withPage(url, async (page) => {
+        const check = await withoutMouse(page);
+        await page.locator('.space').evaluate((picture) => Object.assign(picture.style, {height: '16px', minHeight: '0'})); // drawn for nobody
+        for (const [point, act] of Object.entries(CHANGES)) await t.test(`${point}, ${hand.name}`, () => act(page, hand));
+        await check();
+      }, ...hand.options);
+      program.kill('SIGKILL');
+      await rm(folder, {recursive: true});
+    }
   });
 
   test('that is gone is said, and the page connects again by itself', async () => {

@@ -60,7 +60,7 @@ test('a flight changed by hand is repeated from its log to the bit', {timeout: 2
   await until(() => /take-?off|phase takeoff|stage fly/.test(flight.said()));
   for (const text of ['tune limits.tilt_deg 20', 'tune follower.horizontal.kp_1_s2 4.5', 'fault gnss:2']) assert.ok((await one.steer(text)).good, text);
   for (const text of ['fault mag', 'pause']) assert.ok((await one.steer(text)).good, text); // it flies no further while the other one comes
-  // Another viewer takes over, and the first one is told.
+  // Another viewer takes over, and the first one is notified.
   const two = await viewer(flight.url);
   assert.ok((await two.commands.takeControl())[0]!.good);
   await one.until((control) => control.viewer === two.seen.control!.you);

@@ -80,6 +80,16 @@ test('what does not reach the command is not settled, and says what is left', ()
   assert.equal(stepFigures({t: Float64Array.of(0), y: Float64Array.of(0)}, STEP, 0.05), undefined);
 });
 
+test('samples that a viewer missed just before the step: the last one counts while the command stood, then there are no figures', () => {
+  const {t, y} = sampled((at) => 1 - Math.exp(-at / 0.1));
+  const without = (hole_s: number) => {
+    const kept = [...t.keys()].filter((k) => t[k]! >= STEP.t || t[k]! < STEP.t - hole_s);
+    return stepFigures({t: Float64Array.from(kept, (k) => t[k]!), y: Float64Array.from(kept, (k) => y[k]!)}, STEP, 0.05);
+  };
+  for (const hole_s of [0.05, 0.15, 0.25]) near(without(hole_s)!.rise_s, 0.1 * Math.log(9), 1e-5, `rise after a hole of ${hole_s} s`);
+  assert.equal(without(0.35), undefined);
+});
+
 test('a step stands before and after; ramps, blips and small ones are none', () => {
   const t = Float64Array.from({length: 500}, (_, k) => k / 50);
   const steps = (y: (t: number) => number) => findSteps({t, y: t.map(y)}, 3);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Is the filter as good as it says? Normalised squared errors of the state (NEES) and of the
-// innovations (NIS) over 60 seeded flights whose noise is what the filter is told. Y. Bar-Shalom,
+// Does the filter have the errors that it reports? Normalised squared errors of the state (NEES) and of the
+// innovations (NIS) over 60 seeded flights whose noise is what the filter assumes. Y. Bar-Shalom,
 // X. Li, T. Kirubarajan, "Estimation with Applications to Tracking and Navigation", 2001,
 // sec. 5.4.2: the sum of the NEES of N runs at one time is chi-square with N n degrees of freedom.
 #include <gtest/gtest.h>
@@ -22,7 +22,6 @@ double chi_square(double degrees, double normal_quantile) {
 }
 constexpr double k999 = 3.2905;  ///< Two-sided 99.9 %.
 
-template <bool kWind>
 struct Statistics {
   static constexpr int kEpochs = static_cast<int>(kFlight_s);
   std::array<double, kEpochs> nees{};
@@ -40,7 +39,7 @@ double nees(const NominalState& truth, const ErrorStateEkf& filter) {
 }
 
 template <bool kWind>
-void fly(std::uint64_t seed, Statistics<kWind>& statistics) {
+void fly(std::uint64_t seed, Statistics& statistics) {
   using Filter = ErrorStateEkf;
   WorldConfig world_config;
   EstimatorConfig& config = world_config.filter;
@@ -52,9 +51,9 @@ void fly(std::uint64_t seed, Statistics<kWind>& statistics) {
   config.gate_sigma = config.heading_gate_sigma = 1e3;
   config.baro_relearn_s = config.gnss_reset_s = 1e9;
   world_config.seed = seed;
-  world_config.wing = kWind;
+  world_config.fixedwing = kWind;
   // What a calibration leaves. With 0.1 m/s^2 the filter, which is of first order, is too sure of
-  // itself by 16 % of the NEES from the 5th to the 9th second, until tilt and bias are told apart.
+  // itself by 16 % of the NEES from the 5th to the 9th second, until tilt and bias are distinguished.
   world_config.gyro_bias_sigma = 0.005;
   world_config.accel_bias_sigma = 0.03;
   const double phase = 0.1 * static_cast<double>(seed % 30);
@@ -81,7 +80,7 @@ void fly(std::uint64_t seed, Statistics<kWind>& statistics) {
   sigma(Filter::kWind, 2, kWind ? 1.0 : 1e-3);
   sigma(Filter::kGnssBias, 3, 0.05);
   sigma(Filter::kMagBias, 3, world_config.mag_bias_sigma_T / Filter::kMicrotesla);
-  Estimator<kWind> estimator(config);
+  Estimator estimator(config, kWind ? Airframe::kFixedWing : Airframe::kMultirotor);
 
   Filter::Error draw;
   std::mt19937_64 generator(seed + 1000);
@@ -115,21 +114,21 @@ void fly(std::uint64_t seed, Statistics<kWind>& statistics) {
 
 template <bool kWind>
 void check() {
-  Statistics<kWind> statistics;
+  Statistics statistics;
   for (int run = 1; run <= kRuns; ++run) fly<kWind>(static_cast<std::uint64_t>(run), statistics);
   EXPECT_EQ(statistics.rejected, 0U);
   const double low = chi_square(kRuns * kUsed, -k999);
   const double high = chi_square(kRuns * kUsed, k999);
   double sum = 0.0;
-  for (int k = 0; k + 1 < Statistics<kWind>::kEpochs; ++k) {
+  for (int k = 0; k + 1 < Statistics::kEpochs; ++k) {
     const double nees = statistics.nees[static_cast<std::size_t>(k)];
     sum += nees / (kRuns * kUsed);
     EXPECT_GT(nees, low) << "after " << k + 1 << " s";
     EXPECT_LT(nees, high) << "after " << k + 1 << " s";
   }
   std::printf("NEES by its degrees of freedom, mean of %d epochs: %.3f (one epoch: %.3f to %.3f)\n",
-              Statistics<kWind>::kEpochs - 1, sum / (Statistics<kWind>::kEpochs - 1),
-              low / (kRuns * kUsed), high / (kRuns * kUsed));
+              Statistics::kEpochs - 1, sum / (Statistics::kEpochs - 1), low / (kRuns * kUsed),
+              high / (kRuns * kUsed));
   constexpr std::array<const char*, kAids> kNames{
       "gnss horizontal", "gnss altitude", "gnss velocity", "baro", "heading",
       "range",           "pitot",         "sideslip",      "rest"};

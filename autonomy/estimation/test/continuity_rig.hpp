@@ -18,7 +18,7 @@ struct Nobody {
 
 /// Passes samples on under the clock of a far end that has restarted, without those of some sensors.
 struct Restarted {
-  MultirotorEstimator& estimator;
+  Estimator& estimator;
   double earlier_s{};
   bool mag{true}, baro{true}, gnss{true};
 
@@ -78,7 +78,7 @@ struct Flight {
     config.range = false;
     config.filter.imu_position_B = imu_position_B;
     world = std::make_unique<World>(config, path);
-    estimator = std::make_unique<MultirotorEstimator>(config.filter);
+    estimator = std::make_unique<Estimator>(config.filter, Airframe::kMultirotor);
     ErrorStateEkf start;
     start.covariance().setZero();
     start.reset_variance(ErrorStateEkf::kTheta, 3, 0.02);
@@ -121,7 +121,7 @@ struct Flight {
   }
 
   std::unique_ptr<World> world;
-  std::unique_ptr<MultirotorEstimator> estimator;
+  std::unique_ptr<Estimator> estimator;
 };
 
 }  // namespace rosflight::autonomy::estimation::test

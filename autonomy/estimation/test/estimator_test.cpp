@@ -38,7 +38,7 @@ struct Fixture {
     config.accel_bias_sigma = 0.05;
     config.range = false;
     world = std::make_unique<World>(config, std::move(path));
-    estimator = std::make_unique<MultirotorEstimator>(config.filter);
+    estimator = std::make_unique<Estimator>(config.filter, Airframe::kMultirotor);
   }
   void run_until(double t_s) {
     while (world->time_s() < t_s) {
@@ -51,7 +51,7 @@ struct Fixture {
     template <class Sample>
     void add(const Sample&) {}
   };
-  /// Of the newest estimate against the truth at its own time.
+  /// Horizontal error of the newest estimate against the truth at its own time.
   double position_error_m() const {
     const StateEstimate e = estimator->estimate();
     return (e.p_W - world->motion(e.t_s).p_W).head<2>().norm();
@@ -73,7 +73,7 @@ struct Fixture {
 
   double rest_until_s{4.5};
   std::unique_ptr<World> world;
-  std::unique_ptr<MultirotorEstimator> estimator;
+  std::unique_ptr<Estimator> estimator;
 };
 
 TEST(Estimator, StartsOnTheGroundAndKnowsItsBiases) {
@@ -270,7 +270,7 @@ TEST(Estimator, RubbishIsCountedAndChangesNothing) {
 }
 
 /// A fixed wing in steady wind; the wind of the filter walks by little.
-struct WindyWing {
+struct WindyFixedWing {
   static constexpr double kPhase = 0.5;
 
   static WorldConfig configured() {
@@ -280,7 +280,7 @@ struct WindyWing {
     config.filter.noise.wind_m_s_rts = 0.02;
     config.filter.sideslip_sigma_m_s = 0.5;
     config.filter.use_sideslip = false;
-    config.wing = true;
+    config.fixedwing = true;
     config.range = false;
     config.accel_bias_sigma = 0.03;
     config.wind_W = {5.0, -3.0, 0.0};
@@ -294,7 +294,7 @@ struct WindyWing {
       world.step(estimator);
     }
   }
-  /// Of the air without the gust [m/s].
+  /// Error of the airspeed against the air without the gust [m/s].
   double airspeed_error_m_s() const {
     const StateEstimate e = estimator.estimate();
     return e.airspeed_m_s - (world.motion(e.t_s).v_W - config.wind_W).norm();
@@ -302,11 +302,11 @@ struct WindyWing {
 
   WorldConfig config{configured()};
   World world{config, [this](double t) { return fixedwing_at(t, kPhase, config.wind_W); }};
-  FixedwingEstimator estimator{config.filter};
+  Estimator estimator{config.filter, Airframe::kFixedWing};
 };
 
 TEST(Estimator, FindsTheWindWithPitotAndSideslip) {
-  WindyWing f;
+  WindyFixedWing f;
   f.run_until(40.0);
   const StateEstimate e = f.estimator.estimate();
   EXPECT_TRUE(e.wind_valid);
@@ -320,7 +320,7 @@ TEST(Estimator, FindsTheWindWithPitotAndSideslip) {
 
 TEST(Estimator, AGustThatShutsThePitotOutIsLetInAgain) {
   for (const double gust_m_s : {-4.0, -2.0, 3.0, 5.0}) {
-    WindyWing f;
+    WindyFixedWing f;
     f.run_until(40.0);
     f.world.extra_airspeed_m_s = gust_m_s;
     f.run_until(45.0);
@@ -332,7 +332,7 @@ TEST(Estimator, AGustThatShutsThePitotOutIsLetInAgain) {
 
 /// Passes on all samples but those of the magnetometer.
 struct WithoutMag {
-  FixedwingEstimator& estimator;
+  Estimator& estimator;
   template <class Sample>
   void add(const Sample& sample) {
     if constexpr (!std::is_same_v<Sample, MagSample>) estimator.add(sample);
@@ -341,9 +341,9 @@ struct WithoutMag {
 
 TEST(Estimator, WithoutAMagnetometerTheForceOfTheAirHoldsTheHeading) {
   for (const double step_rad_s : {0.0, 0.1, -0.1}) {
-    WindyWing f;
+    WindyFixedWing f;
     f.config.filter.air.side_area_m2_kg = 0.113;
-    f.estimator = FixedwingEstimator(f.config.filter);
+    f.estimator = Estimator(f.config.filter, Airframe::kFixedWing);
     f.run_until(40.0);
     f.world.extra_gyro.z() = step_rad_s;
     WithoutMag without{f.estimator};
@@ -358,9 +358,9 @@ TEST(Estimator, WithoutAMagnetometerTheForceOfTheAirHoldsTheHeading) {
 TEST(Estimator, TheSideForceOfRudderAndTurningIsNoFaultOfTheGyro) {
   constexpr double kPerTurning_m_s = 0.3;
   constexpr double kSoon_s = 0.01;
-  WindyWing f;
+  WindyFixedWing f;
   f.config.filter.air.side_area_m2_kg = 0.113;
-  f.estimator = FixedwingEstimator(f.config.filter);
+  f.estimator = Estimator(f.config.filter, Airframe::kFixedWing);
   f.run_until(40.0);
   f.world.gnss_on = false;
   WithoutMag without{f.estimator};
@@ -379,7 +379,7 @@ TEST(Estimator, TheSideForceOfRudderAndTurningIsNoFaultOfTheGyro) {
 }
 
 TEST(Estimator, WithoutPitotAndGnssTheAirspeedIsNotKnown) {
-  WindyWing f;
+  WindyFixedWing f;
   f.run_until(40.0);
   f.world.pitot_blocked = true;
   f.run_until(45.0);
@@ -393,7 +393,7 @@ TEST(Estimator, WithoutPitotAndGnssTheAirspeedIsNotKnown) {
 }
 
 TEST(Estimator, ABlockedPitotIsNoGust) {
-  WindyWing f;
+  WindyFixedWing f;
   f.run_until(40.0);
   f.world.pitot_blocked = true;
   f.run_until(80.0);

@@ -125,7 +125,7 @@ TEST(Jacobian, OfBaroHeight) {
 }
 
 TEST(Jacobian, OfMagneticHeading) {
-  // Where the measurement is what the state says; elsewhere H leaves the noise out on purpose.
+  // Where the measurement equals its prediction from the state; elsewhere H leaves the noise out on purpose.
   const Vector3 field_W(2.1e-5, 0.4e-5, 4.6e-5);
   const double declination = std::atan2(field_W.y(), field_W.x());
   RandomStates random(5);
@@ -294,7 +294,7 @@ TEST(Gate, HasTheTailOfAScalar) {
   EXPECT_DOUBLE_EQ(Filter::gate(1, 3.0), 9.0);
   EXPECT_NEAR(Filter::gate(3, 3.0), 14.156, 0.04 * 14.156);
   EXPECT_NEAR(Filter::gate(3, 5.0), 31.812, 0.04 * 31.812);
-  // Of two the tail is exp(-x/2).
+  // For two degrees of freedom the tail is exp(-x/2).
   EXPECT_NEAR(Filter::gate(2, 3.0), -2.0 * std::log(std::erfc(3.0 / std::sqrt(2.0))), 0.3);
   EXPECT_NEAR(Filter::gate(2, 5.0), -2.0 * std::log(std::erfc(5.0 / std::sqrt(2.0))), 0.6);
 }

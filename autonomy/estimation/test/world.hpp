@@ -10,7 +10,7 @@
 #include "autonomy/estimation/estimator.hpp"
 
 /// A world to judge estimators in: motion in closed form, so that truth has no integration error,
-/// and sensors whose noise is exactly what the filter is told. Knows nothing of the simulator.
+/// and sensors whose noise is exactly what the filter assumes. Knows nothing of the simulator.
 namespace rosflight::autonomy::estimation::test {
 
 inline constexpr double kGravity = 9.80665;
@@ -91,7 +91,7 @@ struct WorldConfig {
   double accel_bias_sigma{0.1};
   double mag_bias_sigma_T{6e-7};
   bool range{true};
-  bool wing{false};
+  bool fixedwing{false};
   Vector3 wind_W{Vector3::Zero()};
 };
 
@@ -149,7 +149,7 @@ class World {
     if (due(8, 2)) arrive(config_.baro_delay_s, baro(t, m));
     if (due(20, 1)) arrive(config_.mag_delay_s, mag(t, m));
     if (config_.range && due(20, 4)) arrive(0.002, range(t, m));
-    if (config_.wing && due(20, 3)) {
+    if (config_.fixedwing && due(20, 3)) {
       arrive(0.002, pitot(t, m));
       arrive(0.002, sideslip(t, m));
     }

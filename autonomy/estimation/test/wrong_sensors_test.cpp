@@ -96,7 +96,7 @@ TEST(WrongSensors, TheDragOfTheVehicleFileMayBeFarFromTheTrueOne) {
   }
 }
 
-TEST(WrongSensors, TheAntennaMayBeBesideItsPlace) {
+TEST(WrongSensors, TheAntennaMayBeOffItsPosition) {
   for (const Vector3& beside_m : {Vector3(0.12, 0.0, 0.08), Vector3(-0.08, 0.1, 0.0)}) {
     Flight f(1, 0.0, Vector3::Zero(), brisk_at);
     f.world->gnss_beside_m = beside_m;

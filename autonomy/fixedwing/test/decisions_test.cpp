@@ -106,7 +106,7 @@ TEST(FixedWingDecisions, APositionThatIsBackDuringTheDescentEndsIt) {
   EXPECT_EQ(world.manager.output().phase, Phase::kMission);
 }
 
-TEST(FixedWingDecisions, AGlideWithinReachEndsAtTheLandingPlace) {
+TEST(FixedWingDecisions, AGlideWithinReachEndsAtTheLandingPoint) {
   for (const double at_s : {40.0, 60.0, 75.0, 95.0, 110.0, 130.0, 150.0}) {
     SmallWorld world(hourglass());
     world.run(at_s);
@@ -122,7 +122,7 @@ TEST(FixedWingDecisions, AGlideWithinReachEndsAtTheLandingPlace) {
 }
 
 /// From 145 m away and 64 m high every path is too short by most of a turn. At 14 m/s it ended 267 m
-/// beyond the landing place.
+/// beyond the landing point.
 TEST(FixedWingDecisions, AGlideUsesUpHeightThatIsLeftOverByAirspeed) {
   SmallWorld world(hourglass());
   world.run(115.0);

@@ -137,7 +137,7 @@ TEST(FixedWingFlight, AJumpOfTheHeightDoesNotMakeATakeoff) {
   ASSERT_TRUE(world.run_until(Phase::kMission, 60.0));
   double wrong_m = 0.0;
   world.look = [&](StateEstimate& s) { s.p_W.z() += wrong_m; };
-  wrong_m = 66.0;  // the estimate says 4 m
+  wrong_m = 66.0;  // the estimate reports 4 m
   world.run(1.0);
   EXPECT_EQ(world.manager.output().phase, Phase::kMission);
   wrong_m = 0.0;
@@ -178,7 +178,7 @@ TEST(FixedWingFlight, FliesOnWithoutAirspeed) {
   EXPECT_LT(worst_m, 5.0);
 }
 
-TEST(FixedWingFlight, DeadReckonsThenCirclesUntilThePlaceIsKnown) {
+TEST(FixedWingFlight, DeadReckonsThenCirclesUntilThePositionIsKnown) {
   SmallWorld world(hourglass());
   ASSERT_TRUE(world.run_until(Phase::kMission, 60.0));
   world.look = [](StateEstimate& s) { s.horizontal = Quality::kDeadReckoned; };

@@ -83,7 +83,7 @@ TEST(FixedWingMission, FaultsAreNamedByLine) {
       {"{type: goto, w: [300, 0, -70], speed: 60}", "speed"},
       {"{type: goto, w: [300, 0, -70], sped: 15}", "sped"},
       {"{type: goto, w: [300, 0, -2]}", "a height of 2 m"},
-      {"{type: goto, w: [9000, 0, -70]}", "a place 9000 m from the start"},
+      {"{type: goto, w: [9000, 0, -70]}", "a position 9000 m from the start"},
       {"{type: goto, w: [300, 0, -70], path: dubins}", "heading_deg"},
       {"{type: goto, w: [300, 0, -70], path: spline}", "path"},
       {"{type: goto, w: [300, 0, -70], turn: left}", "turn"},

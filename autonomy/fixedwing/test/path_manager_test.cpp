@@ -8,7 +8,7 @@
 namespace rosflight::autonomy::fixedwing::test {
 namespace {
 
-/// Leads a point along its own path by what it is told, like a perfect vehicle.
+/// Leads a point along its own path by what it receives, like a perfect vehicle.
 std::vector<std::size_t> walk(PathManager& manager, Vector3 p_W, double metres) {
   std::vector<std::size_t> passed;
   for (double s = 0.0; s < metres; s += 0.5) {
@@ -70,7 +70,7 @@ TEST(FixedWingPathManager, CirclesTheLastWaypointForEver) {
   EXPECT_LT((out.path.c_W.head<2>() - Vector2(400, -50)).norm(), 1e-9);
 }
 
-/// Point 16: a circle of open sense is joined in the sense with the shorter way to it.
+/// Point 16: a circle of open sense is joined in the sense with the shorter path to it.
 TEST(FixedWingPathManager, CircleOfOpenSenseIsJoinedTheShorterWay) {
   const Planner planner(PlannerConfig{});
   for (double course = -3.0; course < 3.0; course += 0.4) {
@@ -79,19 +79,19 @@ TEST(FixedWingPathManager, CircleOfOpenSenseIsJoinedTheShorterWay) {
     wp.p_W = {200.0, 60.0, -60.0};
     wp.passing = Passing::kCircle;
     wp.hold_indefinitely = true;
-    double way_m[3] = {};
+    double path_m[3] = {};
     int sense = 0;
     for (const int turn : {-1, 0, 1}) {
       wp.turn = turn;
       Plan plan;
       ASSERT_FALSE(planner.plan(start, std::vector{wp}, false, 0, plan));
       for (const Segment& s : plan.segments) {
-        if (std::isfinite(s.length_m)) way_m[turn + 1] += s.length_m;
+        if (std::isfinite(s.length_m)) path_m[turn + 1] += s.length_m;
       }
       if (turn == 0) sense = plan.segments.back().radius_m > 0.0 ? 1 : -1;
     }
-    EXPECT_EQ(way_m[1], std::min(way_m[0], way_m[2]));
-    EXPECT_EQ(way_m[1], way_m[sense + 1]);
+    EXPECT_EQ(path_m[1], std::min(path_m[0], path_m[2]));
+    EXPECT_EQ(path_m[1], path_m[sense + 1]);
   }
 }
 
@@ -103,7 +103,7 @@ TEST(FixedWingPathManager, BesideTheArcItStillGoesOn) {
   manager.set_waypoints(list, false);
   ASSERT_FALSE(manager.start({{{0, 0}, 0.0}, 70.0}));
   std::size_t last = 0;
-  double way = 0.0;
+  double path_m = 0.0;
   for (int k = 0; k < 20000 && !manager.output().done; ++k) {
     const auto& now = manager.output();
     Vector2 p = Vector2::Zero();
@@ -116,10 +116,10 @@ TEST(FixedWingPathManager, BesideTheArcItStillGoesOn) {
     const auto& out = manager.step({p.x(), p.y(), -70.0});
     EXPECT_GE(out.waypoint, last);
     last = out.waypoint;
-    way += 0.5;
+    path_m += 0.5;
   }
   EXPECT_TRUE(manager.output().done);
-  EXPECT_LT(way, 5000.0);
+  EXPECT_LT(path_m, 5000.0);
 }
 
 /// Point 20: on the arcs of a climbing Dubins leg the height reference has no step.

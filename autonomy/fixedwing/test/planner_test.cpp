@@ -25,7 +25,7 @@ std::vector<Waypoint> hourglass(Passing passing) {
           at(-400, -250, 70, passing, 66.0), at(400, -50, 70, passing, 66.0)};
 }
 
-/// Place and height go on without a step, and the course too but for corners.
+/// Position and altitude go on without a step, and the course too but for corners.
 void expect_smooth(const Plan& plan) {
   for (std::size_t k = 0; k < plan.segments.size(); ++k) {
     const bool last = k + 1 == plan.segments.size();

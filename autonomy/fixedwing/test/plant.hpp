@@ -16,7 +16,7 @@ struct PlantConfig {
   double gravity_m_s2{9.80665};
   double density_kg_m3{1.07};
   double servo_lag_s{0.03};
-  double throw_rad{40.0 * kRadPerDeg};  ///< Of a surface at 1.
+  double throw_rad{40.0 * kRadPerDeg};  ///< Deflection of a surface at 1.
   Vector3 wind_W{Vector3::Zero()};
   double motor{1.0};  ///< Share of the thrust that is left.
 };

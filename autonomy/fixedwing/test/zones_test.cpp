@@ -8,7 +8,7 @@
 namespace rosflight::autonomy::fixedwing::test {
 namespace {
 
-/// A controller that is told course, height and airspeed, and nothing else.
+/// A controller that receives course, height and airspeed, and nothing else.
 struct Bench {
   Bench() { plant.stand(0.0); }
   void run(double seconds) {

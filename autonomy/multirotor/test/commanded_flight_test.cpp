@@ -131,7 +131,7 @@ TEST(CommandedFlight, AVehicleThatSinksWithAllItsThrustIsToldAndLands) {
   bench.armed = true;
   bench.run(20.0, go_to({0, 0, -40}));
   EXPECT_EQ(bench.thrust_faults, 0);
-  bench.status.failsafe = true;  // the flight controller does not do what it is told
+  bench.status.failsafe = true;  // the flight controller does not do what is commanded
   bench.plant.config().mass_kg = bench.config.controller.max_thrust_N / 9.81 * 1.05;
   bench.run(6.0, go_to({0, 0, -40}));
   EXPECT_EQ(bench.thrust_faults, 0);

@@ -49,7 +49,7 @@ TEST(FigureEight, HasTheRadiusTheSpeedAndTheLobesItSays) {
   double sharpest = 0.0;
   double fastest = 0.0;
   double north_high = 0.0, north_low = 0.0, east_high = 0.0, east_low = 0.0;
-  double way_m = 0.0;
+  double path_m = 0.0;
   Vector3 last = leg.sample(0.0).p_W;
   for (int k = 0; 1e-3 * k < leg.duration_s(); ++k) {
     const Trajectory at = leg.sample(1e-3 * k);
@@ -61,12 +61,12 @@ TEST(FigureEight, HasTheRadiusTheSpeedAndTheLobesItSays) {
     north_low = std::min(north_low, p.x());
     east_high = std::max(east_high, p.y());
     east_low = std::min(east_low, p.y());
-    way_m += (at.p_W - last).norm();
+    path_m += (at.p_W - last).norm();
     last = at.p_W;
   }
   EXPECT_NEAR(fastest, kSpeed_m_s, 1e-9);
   EXPECT_NEAR(1.0 / sharpest, kRadius_m, 0.01);
-  EXPECT_NEAR(way_m, leg.length_m(), 0.02);
+  EXPECT_NEAR(path_m, leg.length_m(), 0.02);
   // By numerical integration of the course, in another program.
   EXPECT_NEAR(north_high, 2.832143 * kRadius_m, 1e-3);
   EXPECT_NEAR(north_low, -2.832143 * kRadius_m, 1e-3);

@@ -67,7 +67,7 @@ class Flight {
   double t_s{};
   double last_step_s{};
   bool disarmed{false};
-  double impact_m_s{};  ///< Of the last touch of the ground.
+  double impact_m_s{};  ///< Speed at the last touch of the ground.
   std::vector<FlightEvent> events;
 
  private:

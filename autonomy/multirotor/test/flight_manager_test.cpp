@@ -96,7 +96,7 @@ TEST(FlightManager, SetpointDoesNotJumpWhenTheMissionBegins) {
   EXPECT_TRUE(seen);
 }
 
-// Weak point 38, 37: the place of take-off may be anywhere, the place of landing lower or higher.
+// Weak point 38, 37: the place of take-off may be anywhere, the landing point lower or higher.
 TEST(FlightManager, TakesOffFromAHillAndLandsOnLowerGround) {
   Flight flight(default_config(), "missions/square.yaml", PlantConfig{.ground_down_m = -1.0});
   flight.run(20.0);

@@ -106,7 +106,7 @@ TEST(Mission, OneBadEntryRefusesTheWholeFile) {
       {"m.yaml:3:", "mission.1.w", "3 numbers"});
 }
 
-// Weak point 28: a waypoint was a hold unless told otherwise, and kept use_lla after its
+// Weak point 28: a waypoint was a hold unless stated otherwise, and kept use_lla after its
 // conversion.
 TEST(Mission, WaypointsAreGotoAndLocal) {
   EXPECT_EQ(Waypoint{}.type, WaypointType::kGoto);
@@ -121,7 +121,7 @@ TEST(Mission, WaypointsAreGotoAndLocal) {
 // Weak point 25: geodetic missions loaded before the origin was known were wrong.
 TEST(Mission, GeodeticWaypointsNeedAnOrigin) {
   expect_refused(one("{type: goto, w: [40.2682, -111.6347, 1397.0], use_lla: true, psi: 0}"),
-                 {"m.yaml:2:", "use_lla", "true", "no known place"});
+                 {"m.yaml:2:", "use_lla", "true", "no known position"});
 }
 
 TEST(Mission, RefusesWithOneLine) {

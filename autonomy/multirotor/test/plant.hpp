@@ -33,7 +33,7 @@ struct PlantConfig {
   double drag_1_s{0.49};
   Vector3 wind_W{Vector3::Zero()};
   double ground_down_m{0.0};
-  double thrust_scale{1.0};  ///< What the motors really give, over what the model says.
+  double thrust_scale{1.0};  ///< What the motors really give, over what the model predicts.
   double attitude_frequency_rad_s{10.0};
   double attitude_damping{0.8};
   double yaw_rate_lag_s{0.15};

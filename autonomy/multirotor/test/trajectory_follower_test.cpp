@@ -218,13 +218,13 @@ TEST(TrajectoryFollower, ClearsAllIntegralsByCallAndByPilotAxis) {
   EXPECT_TRUE(called.follower.trim_W().isZero(0.0));
   EXPECT_EQ(called.follower.heading_integral(), 0.0);
 
-  Bench sideways = wound_up();
-  sideways.pilot = PilotOverride::from_word(0x01);  // attitude switch: roll, pitch and yaw
-  sideways.step();
-  EXPECT_EQ(sideways.follower.trim_W().x(), 0.0);
-  EXPECT_EQ(sideways.follower.trim_W().y(), 0.0);
-  EXPECT_GT(std::abs(sideways.follower.trim_W().z()), 0.01);
-  EXPECT_EQ(sideways.follower.heading_integral(), 0.0);
+  Bench lateral = wound_up();
+  lateral.pilot = PilotOverride::from_word(0x01);  // attitude switch: roll, pitch and yaw
+  lateral.step();
+  EXPECT_EQ(lateral.follower.trim_W().x(), 0.0);
+  EXPECT_EQ(lateral.follower.trim_W().y(), 0.0);
+  EXPECT_GT(std::abs(lateral.follower.trim_W().z()), 0.01);
+  EXPECT_EQ(lateral.follower.heading_integral(), 0.0);
 
   Bench stick = wound_up();
   stick.pilot = PilotOverride::from_word(0x10);  // yaw stick only

@@ -14,7 +14,7 @@ namespace {
 Case multirotor(const char* first, const char* pilot = "hover", const char* second = "") {
   return {0, pilot, first, second, "leg", false};
 }
-Case wing(const char* first, const char* second = "") {
+Case fixedwing(const char* first, const char* second = "") {
   return {1, "hover", first, second, "leg", false};
 }
 
@@ -50,10 +50,10 @@ TEST(FaultCases, AreAllSinglesTheFailsafeCommandAndAllPairs) {
 }
 
 TEST(FaultRules, ACrashIsAllowedForTheReasonsOnTheListOnly) {
-  EXPECT_EQ(rule_of(wing("servo1_stuck")), Rule::kPitchSurface);
-  EXPECT_EQ(rule_of(wing("servo0_stuck")), Rule::kNone);
+  EXPECT_EQ(rule_of(fixedwing("servo1_stuck")), Rule::kPitchSurface);
+  EXPECT_EQ(rule_of(fixedwing("servo0_stuck")), Rule::kNone);
   EXPECT_EQ(rule_of(multirotor("motor0_dead:1")), Rule::kRotorDead);
-  EXPECT_EQ(rule_of(wing("motor0_dead:1")), Rule::kNone) << "a wing glides";
+  EXPECT_EQ(rule_of(fixedwing("motor0_dead:1")), Rule::kNone) << "a fixed wing glides";
   EXPECT_EQ(rule_of(multirotor("motor0_partial=0.5")), Rule::kNone);
   EXPECT_EQ(rule_of(multirotor("imu_stuck:1")), Rule::kImuGone);
   EXPECT_EQ(rule_of(multirotor("imu:0.3")), Rule::kNone);
@@ -61,8 +61,9 @@ TEST(FaultRules, ACrashIsAllowedForTheReasonsOnTheListOnly) {
   EXPECT_EQ(rule_of(multirotor("gyro_step_z=0.1")), Rule::kNone);
   EXPECT_EQ(rule_of(multirotor("link_cut:3", "idle")), Rule::kPilotHasIt);
   EXPECT_EQ(rule_of(multirotor("link_cut:3", "hover")), Rule::kNone);
-  EXPECT_EQ(rule_of(wing("link_cut:3")), Rule::kNone);
-  EXPECT_EQ(rule_of(wing("gnss", "servo2_stuck")), Rule::kPitchSurface) << "the second of a pair";
+  EXPECT_EQ(rule_of(fixedwing("link_cut:3")), Rule::kNone);
+  EXPECT_EQ(rule_of(fixedwing("gnss", "servo2_stuck")), Rule::kPitchSurface)
+      << "the second of a pair";
 }
 
 TEST(FaultRules, ANearlyEmptyBatteryExplainsAHardLandingOnlyWhereTheStickFlies) {
@@ -73,7 +74,7 @@ TEST(FaultRules, ANearlyEmptyBatteryExplainsAHardLandingOnlyWhereTheStickFlies) 
   EXPECT_EQ(with_low_battery(0, "hover", "companion_stall:1"), Rule::kStickIsLow);
   EXPECT_EQ(with_low_battery(0, "idle", "link_cut:3"), Rule::kPilotHasIt);
   EXPECT_EQ(with_low_battery(0, "hover", "gnss"), Rule::kNone);
-  EXPECT_EQ(with_low_battery(1, "hover", "link_cut:3"), Rule::kNone) << "a wing glides";
+  EXPECT_EQ(with_low_battery(1, "hover", "link_cut:3"), Rule::kNone) << "a fixed wing glides";
   EXPECT_EQ(rule_of(multirotor("battery_low")), Rule::kNone);
 }
 

@@ -45,9 +45,9 @@ class EchoCodec final : public link::Codec {
 };
 
 /// What an image for measuring speaks: MAVLink, with answers.
-struct BoardLink {
-  explicit BoardLink(hal::Serial& port) : codec{inner, port} {}
-  link::MavlinkCodec inner{{1, link::MavlinkCodec::kFcuComponent}};
+struct ImageLink {
+  explicit ImageLink(hal::Serial& port) : codec{inner, port} {}
+  link::MavlinkCodec inner{{1, link::MavlinkCodec::kFcuComponent}, link::mavlink::fcu_messages()};
   EchoCodec codec;
 };
 

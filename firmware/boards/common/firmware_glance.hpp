@@ -8,6 +8,7 @@ namespace rosflight::boards {
 /// What a display may know of the firmware inside a board. Laid out the same on a 64-bit host and on
 /// a Cortex-M7.
 struct FirmwareGlance {
+  std::int64_t imu_stamp_us{};      ///< Stamp of the newest IMU sample, in the time of the board.
   std::array<float, 10> command{};  ///< Combined command.
   std::array<std::uint8_t, 10> command_type{};
   std::uint8_t state{};
@@ -21,6 +22,6 @@ struct FirmwareGlance {
   float pitch_rad{};
   std::array<float, 3> rates_rad_s{};
 };
-static_assert(sizeof(FirmwareGlance) == 96);
+static_assert(sizeof(FirmwareGlance) == 104);
 
 }  // namespace rosflight::boards

@@ -26,7 +26,7 @@ class FrameQueues {
     queue.put(data, size);
     return true;
   }
-  /// Of ordinary frames.
+  /// Bytes of ordinary frames that fit.
   std::size_t writable() const {
     const std::size_t room = queues_.back().room();
     return room > kHeader ? room - kHeader : 0;
@@ -62,7 +62,7 @@ class FrameQueues {
 
   std::array<Queue, hal::Serial::kClasses> queues_;
   std::size_t sending_{0};    ///< Queue of the frame on its way.
-  std::size_t remaining_{0};  ///< Of its bytes.
+  std::size_t remaining_{0};  ///< Bytes of that frame not sent yet.
   std::uint32_t dropped_{0};
 };
 

@@ -7,6 +7,7 @@ namespace rosflight::boards {
 
 /// For the main loop of an image: what the firmware's state is now.
 inline void glance(const core::Firmware& firmware, FirmwareGlance& out) {
+  out.imu_stamp_us = firmware.sensors().measurements().imu.stamp.count();
   const core::CommandVector& combined = firmware.command().combined();
   for (std::size_t k = 0; k < out.command.size(); ++k) {
     out.command[k] = combined.value[k];

@@ -5,7 +5,7 @@
 namespace rosflight::boards {
 
 /// What the image speaks: this one, or that of mavlink_main.hpp, as the build says.
-struct BoardLink {
+struct ImageLink {
   link::LeanCodec codec;
 };
 

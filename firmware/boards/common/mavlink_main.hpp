@@ -5,8 +5,8 @@
 namespace rosflight::boards {
 
 /// What the image speaks: this one, or that of lean_main.hpp, as the build says.
-struct BoardLink {
-  link::MavlinkCodec codec{{1, link::MavlinkCodec::kFcuComponent}};
+struct ImageLink {
+  link::MavlinkCodec codec{{1, link::MavlinkCodec::kFcuComponent}, link::mavlink::fcu_messages()};
 };
 
 }  // namespace rosflight::boards

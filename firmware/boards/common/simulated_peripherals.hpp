@@ -67,16 +67,16 @@ class SimulatedBattery final : public Mailbox<hal::BatterySample, hal::Battery> 
 class SimulatedOutputs final : public hal::Outputs {
  public:
   bool configure(const hal::OutputRates& rates_hz) override {
-    constexpr float kFastestPwm_hz = 490.0f;
-    constexpr float kSlowestDshot_hz = 150'000.0f;
-    constexpr float kFastestDshot_hz = 1'200'000.0f;
+    constexpr float kMaxPwm_hz = 490.0f;
+    constexpr float kMinDshot_hz = 150'000.0f;
+    constexpr float kMaxDshot_hz = 1'200'000.0f;
     rates_ = rates_hz;
     bool ok = true;
     for (float& rate : rates_) {
-      const bool pwm = rate >= 0.0f && rate <= kFastestPwm_hz;
-      if (pwm || (rate >= kSlowestDshot_hz && rate <= kFastestDshot_hz)) continue;
+      const bool pwm = rate >= 0.0f && rate <= kMaxPwm_hz;
+      if (pwm || (rate >= kMinDshot_hz && rate <= kMaxDshot_hz)) continue;
       ok = false;
-      rate = kFastestPwm_hz;
+      rate = kMaxPwm_hz;
     }
     enabled_ = true;
     return ok;

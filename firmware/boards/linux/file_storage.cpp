@@ -11,17 +11,17 @@
 #include <vector>
 
 #include "base/atomic_file.hpp"
-#include "firmware/boards/linux/board_error.hpp"
+#include "firmware/boards/linux/linux_error.hpp"
 
 namespace rosflight::boards {
 namespace {
 
-BoardError failure(const std::filesystem::path& file, const std::string& found,
+LinuxError failure(const std::filesystem::path& file, const std::string& found,
                    const std::string& allowed) {
-  return BoardError{file.string() + ": found " + found + ", allowed " + allowed};
+  return LinuxError{file.string() + ": found " + found + ", allowed " + allowed};
 }
 
-BoardError system_failure(const std::filesystem::path& file) {
+LinuxError system_failure(const std::filesystem::path& file) {
   return failure(file, "'" + std::string{std::strerror(errno)} + "'",
                  "a file to read and write as non-volatile memory");
 }
@@ -63,7 +63,7 @@ FileStorage::FileStorage(const std::filesystem::path& file, std::size_t size) : 
   if (present < size_) {
     const std::vector<std::uint8_t> blank(size_ - present, 0xFF);
     if (!write_all(file_.get(), blank.data(), blank.size(), present) || !flush()) {
-      const BoardError error = system_failure(file);
+      const LinuxError error = system_failure(file);
       if (created_) ::unlink(file.c_str());
       throw error;
     }

@@ -18,7 +18,7 @@ class FileStorage final : public hal::Storage {
   static constexpr std::size_t kSize = 16384;
 
   /// Opens the file, or creates it blank.
-  /// @throws BoardError  no such folder, no permission, no plain file, longer than `size`, disk
+  /// @throws LinuxError  no such folder, no permission, no plain file, longer than `size`, disk
   /// full, or in use by another board.
   explicit FileStorage(const std::filesystem::path& file, std::size_t size = kSize);
 

@@ -11,7 +11,7 @@
 namespace rosflight::boards {
 
 struct LinuxBoard {
-  /// @throws BoardError
+  /// @throws LinuxError
   LinuxBoard(const LinkAddress& link, const std::filesystem::path& storage_file)
       : system{clock}, serial{link}, storage{storage_file} {}
 

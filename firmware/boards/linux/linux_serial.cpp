@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include "firmware/boards/linux/board_error.hpp"
+#include "firmware/boards/linux/linux_error.hpp"
 
 namespace rosflight::boards {
 
-static_assert(TransmitQueue::kLargestFrame <= 1400, "a frame fits a datagram");
+static_assert(TransmitQueue::kMaxFrame <= 1400, "a frame fits a datagram");
 
 std::unique_ptr<Wire> open_wire(const LinkAddress& address) {
   switch (address.kind) {
@@ -18,14 +18,14 @@ std::unique_ptr<Wire> open_wire(const LinkAddress& address) {
     case LinkAddress::Kind::kTcpServer:
       return open_tcp(address);
     default:
-      throw BoardError("link \"" + address.text() + "\": no kind of link of a board");
+      throw LinuxError("link \"" + address.text() + "\": no kind of link of a board");
   }
 }
 
 LinuxSerial::LinuxSerial(const LinkAddress& address)
     : wire_{open_wire(address)},
-      received_(kReceiveChunk + kLargestDatagram),
-      staged_(kLargestSend),
+      received_(kReceiveChunk + kMaxDatagram),
+      staged_(kMaxSend),
       peer_{wire_->peer()} {}
 
 bool LinuxSerial::open(std::uint32_t baud, std::uint8_t device) {

@@ -57,19 +57,19 @@ class LinuxSerial final : public hal::Serial {
   /// What waits for someone who has left, or for nobody, is not for the next one.
   void forget_old_peer();
 
-  static constexpr std::size_t kLargestDatagram = 65536;
+  static constexpr std::size_t kMaxDatagram = 65536;
   /// Keeps datagrams below the common frame size of networks.
-  static constexpr std::size_t kLargestSend = 1400;
+  static constexpr std::size_t kMaxSend = 1400;
 
   std::unique_ptr<Wire> wire_;
   TransmitQueue queue_{kTransmitCapacity};
   std::vector<std::uint8_t> received_;
   std::size_t received_size_{0};
-  std::size_t readable_{0};  ///< Of those, what this pass may have.
+  std::size_t readable_{0};  ///< Bytes of received_ that this pass may read.
   std::size_t read_{0};
   std::vector<std::uint8_t> staged_;  ///< Frames on their way to the operating system.
   std::size_t staged_size_{0};
-  std::size_t begun_{0};  ///< Of those, what it has taken.
+  std::size_t begun_{0};  ///< Bytes of staged_ that it has taken.
   std::uint32_t peer_{0};
   Counters counters_;
   bool connected_{false};

@@ -34,7 +34,7 @@ class LinuxSystem final : public hal::System {
     ++passes_;
   }
 
-  /// Of the calling thread, so that waiting for other programs does not count.
+  /// Time of the calling thread, so that waiting for other programs does not count.
   hal::Time busy_time() const override {
     timespec used{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);

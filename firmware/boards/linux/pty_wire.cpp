@@ -7,14 +7,14 @@
 #include <filesystem>
 
 #include "base/transport/pseudo_terminal.hpp"
-#include "firmware/boards/linux/board_error.hpp"
+#include "firmware/boards/linux/linux_error.hpp"
 #include "firmware/boards/linux/wire.hpp"
 
 namespace rosflight::boards {
 namespace {
 
-BoardError failure(const std::string& what) {
-  return BoardError{what + ": " + std::strerror(errno)};
+LinuxError failure(const std::string& what) {
+  return LinuxError{what + ": " + std::strerror(errno)};
 }
 
 /// The master side of a pseudo terminal. The kernel reports "hung up" while nobody has the other

@@ -4,7 +4,7 @@
 #include <cerrno>
 #include <cstring>
 
-#include "firmware/boards/linux/board_error.hpp"
+#include "firmware/boards/linux/linux_error.hpp"
 
 namespace rosflight::boards {
 
@@ -12,7 +12,7 @@ base::SocketAddress look_up(const base::LinkAddress& link, int type) {
   try {
     return base::look_up(link.host, link.port, type);
   } catch (const base::LinkError& error) {
-    throw BoardError{"link: found host '" + link.host + "' (" + error.what() +
+    throw LinuxError{"link: found host '" + link.host + "' (" + error.what() +
                      "), allowed a name or address that can be found"};
   }
 }
@@ -20,10 +20,10 @@ base::SocketAddress look_up(const base::LinkAddress& link, int type) {
 base::FileDescriptor bound_socket(const base::SocketAddress& address, int type,
                                   const std::string& link) {
   base::FileDescriptor socket = base::new_socket(address.family(), type);
-  if (!socket.valid()) throw BoardError{link + ": no socket: " + std::strerror(errno)};
+  if (!socket.valid()) throw LinuxError{link + ": no socket: " + std::strerror(errno)};
   if (!base::bind_socket(socket, address, type)) {
     const std::string reason = std::strerror(errno);
-    throw BoardError{link + " " + address.text() + ": found '" + reason + "', allowed a free port"};
+    throw LinuxError{link + " " + address.text() + ": found '" + reason + "', allowed a free port"};
   }
   return socket;
 }

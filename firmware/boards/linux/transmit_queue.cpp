@@ -29,7 +29,7 @@ void TransmitQueue::peek(const Class& c, std::uint8_t* data, std::size_t count, 
 }
 
 bool TransmitQueue::push(const std::uint8_t* data, std::size_t size, std::uint8_t qos) {
-  if (size == 0 || size > kLargestFrame || size > room()) return false;
+  if (size == 0 || size > kMaxFrame || size > room()) return false;
   Class& c = classes_[hal::Serial::class_of(qos)];
   const std::array<std::uint8_t, kHeader> header{static_cast<std::uint8_t>(size & 0xFFU),
                                                  static_cast<std::uint8_t>(size >> 8U)};

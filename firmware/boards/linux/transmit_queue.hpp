@@ -13,7 +13,7 @@ namespace rosflight::boards {
 /// they came. Bounded in bytes over all classes; takes its memory at construction.
 class TransmitQueue {
  public:
-  static constexpr std::size_t kLargestFrame = 1024;
+  static constexpr std::size_t kMaxFrame = 1024;
 
   explicit TransmitQueue(std::size_t capacity);
 

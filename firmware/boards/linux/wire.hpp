@@ -21,7 +21,7 @@ class Wire {
 
   /// Looks who came and who left. Call it before a round of receive() and send().
   /// @returns whether there is a far end; without one, there is nobody to send to, though what the
-  /// last one said may still be waiting.
+  /// last one sent may still be waiting.
   virtual bool refresh() = 0;
   /// Changes when another far end takes the place of the one before: what was begun for the old
   /// one must not be continued.
@@ -37,7 +37,7 @@ class Wire {
   virtual std::string where() const = 0;
 };
 
-/// @throws BoardError  the address cannot be had: taken, unknown, not of this machine.
+/// @throws LinuxError  the address cannot be had: taken, unknown, not of this machine.
 std::unique_ptr<Wire> open_wire(const LinkAddress& address);
 std::unique_ptr<Wire> open_pty(const LinkAddress& address);
 std::unique_ptr<Wire> open_udp(const LinkAddress& address);

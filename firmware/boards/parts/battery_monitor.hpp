@@ -7,8 +7,8 @@ namespace rosflight::boards::parts {
 
 /// What the factory measured of a converter's references, at 3.3 V and 16 bits.
 struct AdcCalibration {
-  float reference_code{};                    ///< Of the internal reference.
-  float low_code{}, high_code{};             ///< Of the temperature sensor ...
+  float reference_code{};                    ///< Code of the internal reference.
+  float low_code{}, high_code{};             ///< Codes of the temperature sensor ...
   float low_degC{30.0f}, high_degC{110.0f};  ///< ... at these temperatures.
 };
 

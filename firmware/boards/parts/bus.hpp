@@ -27,7 +27,7 @@ enum class TransferResult : std::uint8_t {
 
 struct Transfer;
 
-/// Is told of the end of its transfers.
+/// Is notified of the end of its transfers.
 class TransferOwner {
  public:
   /// Bus context, after the chip select went high or the stop condition was sent. May start transfers,

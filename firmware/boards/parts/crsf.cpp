@@ -29,7 +29,7 @@ Finding CrsfFormat::inspect(const std::uint8_t* data, std::size_t size) {
   if (data[0] != kToFlightController) return {Finding::kStray};
   if (size < 2) return {Finding::kMore};
   const std::size_t length = data[1];
-  if (length < 2 || length > kLongest - 2) return {Finding::kStray};
+  if (length < 2 || length > kMaxLength - 2) return {Finding::kStray};
   if (size < length + 2) return {Finding::kMore};
   const bool right = crc8(data + 2, length - 1) == data[length + 1];
   return {right ? Finding::kFrame : Finding::kDamaged, length + 2};

@@ -9,7 +9,7 @@ namespace rosflight::boards::parts {
 ///
 ///     0xC8 | length of what follows, 2..62 | type | payload | CRC-8 of type and payload
 struct CrsfFormat {
-  static constexpr std::size_t kLongest = 64;
+  static constexpr std::size_t kMaxLength = 64;
   static Finding inspect(const std::uint8_t* data, std::size_t size);
   /// Polynomial 0xD5, start 0, not reflected (DVB-S2). Check value of "123456789": 0xBC.
   static std::uint8_t crc8(const std::uint8_t* data, std::size_t size);
@@ -25,7 +25,7 @@ struct CrsfFormat {
 class CrsfInput final : public ReceiverInput {
  public:
   static constexpr UartFormat kFormat{420'000, false, 1, false};
-  /// Statistics older than this say nothing about now.
+  /// Statistics older than this do not describe the present state.
   static constexpr Time kStatisticsTimeout = hal::milliseconds(1000);
   static constexpr Time kGap{2'000};  ///< Silence within a frame ends it.
 

@@ -27,7 +27,7 @@ constexpr std::uint8_t kLateTicks = 20;
 
 }  // namespace
 
-/// With three wires the part must be told before anything is read, again after the reset. The writes
+/// Three wires must be configured before anything is read, again after the reset. The writes
 /// to 0x0E, 0x0F and 0x62 and the temperature measurement that follows make some parts measure the
 /// right temperature.
 std::array<SetupStep, Dps310::kSteps> Dps310::steps(bool three_wires) {

@@ -20,7 +20,7 @@ class Dps310 final : public Driver, public hal::Source<hal::BaroSample>, private
  public:
   static SpiWish spi(bool three_wires) { return {3, 10'000'000, three_wires}; }
 
-  /// @param three_wires  data in and out share a line; the part is told before the first read.
+  /// @param three_wires  data in and out share a line; configured before the first read.
   Dps310(Port& port, bool three_wires);
 
   /// Main loop.
@@ -29,7 +29,7 @@ class Dps310 final : public Driver, public hal::Source<hal::BaroSample>, private
   struct Coefficients {
     std::int32_t c0{}, c1{}, c00{}, c10{}, c01{}, c11{}, c20{}, c21{}, c30{};
   };
-  /// Of registers 0x10..0x21.
+  /// Coefficients from the registers 0x10..0x21.
   static Coefficients unpack(const std::array<std::uint8_t, 18>& registers);
   /// Equation (1) [Pa] and (2) [K]. @param q, t  raw values over their scale factors.
   static float pressure_Pa(const Coefficients& c, float q, float t);

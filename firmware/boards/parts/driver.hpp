@@ -35,7 +35,7 @@ class Setup;
 class Driver {
  public:
   static constexpr Time kRetry = hal::milliseconds(1000);
-  static constexpr std::uint8_t kFailuresInARow = 10;  ///< Of transfers, until a part failed.
+  static constexpr std::uint8_t kFailuresInARow = 10;  ///< Transfers until a part failed.
 
   /// Begins to bring the part up. Bus context, or before interrupts are on.
   void start(Start how, Time now);

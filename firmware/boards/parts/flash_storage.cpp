@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kCrcBytes = 4, kBlockAt = 4, kGenerationAt = 6, kContentAt = 8;
 constexpr hal::Time kWordLimit = hal::milliseconds(10);
 constexpr std::size_t kErasedInARow = 8;  ///< Behind the last word of the log.
-constexpr int kPlacesToTry = 4;
+constexpr int kWordsToTry = 4;
 
 std::uint32_t crc_of(const FlashMedium::Word& word) {
   base::Crc32 crc;
@@ -176,7 +176,7 @@ bool FlashStorage::write(std::size_t offset, const std::uint8_t* data, std::size
 
 bool FlashStorage::append(std::size_t block, const Block& content) {
   if (active_ == kNone && !begin_first_sector()) return false;
-  for (int k = 0; k < kPlacesToTry; ++k) {
+  for (int k = 0; k < kWordsToTry; ++k) {
     if (next_ == medium_.words_per_sector() && !finish_copy()) return false;
     const std::size_t at = next_++;
     const auto index = static_cast<std::uint16_t>(block);

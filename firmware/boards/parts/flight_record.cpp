@@ -25,6 +25,10 @@ std::uint32_t crc_of(const std::uint8_t* slot) {
   return crc.value();
 }
 
+bool intact(const std::uint8_t* slot) {
+  return le32(slot + kNumberAt) != 0 && le32(slot) == crc_of(slot);
+}
+
 void put_time(std::uint8_t* p, hal::Time time) {
   const auto us = static_cast<std::uint64_t>(time.count());
   put_le32(p, static_cast<std::uint32_t>(us & 0xFFFFFFFFu));
@@ -60,31 +64,44 @@ void visit_floats(Moment& m, Visit visit) {
 
 }  // namespace
 
-bool FlightRecord::intact(std::size_t index, std::uint32_t& number) const {
-  const std::uint8_t* const at = slot(index);
-  number = le32(at + kNumberAt);
-  return number != 0 && (number - 1) % slots_ == index && le32(at) == crc_of(at);
+/// Whether the slot has a number that belongs there.
+bool FlightRecord::numbered(std::size_t index, std::uint32_t& number) const {
+  number = le32(slot(index) + kNumberAt);
+  return number != 0 && (number - 1) % slots_ == index;
+}
+
+/// Number of the newest intact entry, 0 if there is none. A reset damages one slot, so a memory whose
+/// newest ones are all damaged holds something else.
+std::uint32_t FlightRecord::find_newest() const {
+  constexpr int kAttempts = 8;
+  std::uint32_t below = 0xFFFFFFFFu;
+  for (int k = 0; k < kAttempts; ++k) {
+    std::uint32_t newest = 0;
+    for (std::size_t index = 0; index < slots_; ++index) {
+      std::uint32_t number = 0;
+      if (numbered(index, number) && number < below) newest = std::max(newest, number);
+    }
+    if (newest == 0 || intact(bytes(newest))) return newest;
+    below = newest;
+  }
+  return 0;
 }
 
 std::size_t FlightRecord::attach(bool power_cycled, hal::Time now) {
   next_ = 1;
   first_ = 1;
-  std::uint32_t newest = 0;
-  std::uint32_t oldest = 0xFFFFFFFFu;
-  for (std::size_t k = 0; k < slots_ && !power_cycled; ++k) {
-    std::uint32_t number = 0;
-    if (!intact(k, number)) continue;
-    newest = std::max(newest, number);
-    oldest = std::min(oldest, number);
-  }
+  const std::uint32_t newest = power_cycled ? 0 : find_newest();
   if (newest == 0) {
     std::fill_n(memory_, slots_ * kSlotBytes, std::uint8_t{0});
     put(Kind::kStart, now, nullptr, 0);
     return 0;
   }
-  const auto kept = static_cast<std::uint32_t>(slots_);
   next_ = newest + 1;
-  first_ = std::max(oldest, newest >= kept ? newest - kept + 1 : 1);
+  first_ = newest;
+  for (std::size_t index = 0; index < slots_; ++index) {
+    std::uint32_t number = 0;
+    if (numbered(index, number) && number < first_ && newest - number < slots_) first_ = number;
+  }
   const std::size_t found = size();
   put(Kind::kStart, now, nullptr, 0);
   return found;
@@ -121,9 +138,10 @@ void FlightRecord::add(const FlightMoment& moment) {
   put(Kind::kMoment, moment.time, &made[kFlagsAt], kSlotBytes - kFlagsAt);
 }
 
-void FlightRecord::add(hal::Time time, const char* text) {
+void FlightRecord::add(hal::Time time, const char* text, std::uint8_t severity) {
   if (held_) return;
   std::array<std::uint8_t, kSlotBytes> made{};
+  made[kFlagsAt] = severity;
   const std::size_t length = std::min(std::strlen(text), kTextBytes);
   std::memcpy(&made[kBodyAt], text, length);
   put(Kind::kText, time, &made[kFlagsAt], kSlotBytes - kFlagsAt);
@@ -132,16 +150,18 @@ void FlightRecord::add(hal::Time time, const char* text) {
 bool FlightRecord::read(std::size_t index, Entry& entry) const {
   if (index >= size()) return false;
   const auto wanted = static_cast<std::uint32_t>(first_ + index);
-  const std::size_t place = (wanted - 1) % slots_;
-  std::uint32_t number = 0;
-  if (!intact(place, number) || number != wanted) return false;
-  const std::uint8_t* const at = slot(place);
+  return decode(bytes(wanted), entry) && entry.number == wanted;
+}
+
+bool FlightRecord::decode(const std::uint8_t* at, Entry& entry) {
+  if (!intact(at)) return false;
   entry = {};
   entry.kind = static_cast<Kind>(at[kKindAt]);
-  entry.number = number;
+  entry.number = le32(at + kNumberAt);
   entry.moment.time = get_time(at + kTimeAt);
   if (entry.kind == Kind::kText) {
     std::memcpy(entry.text.data(), at + kBodyAt, kTextBytes);
+    entry.severity = at[kFlagsAt];
   } else if (entry.kind == Kind::kMoment) {
     entry.moment.flags = at[kFlagsAt];
     entry.moment.error_word = static_cast<std::uint16_t>(le16(at + kErrorsAt));

@@ -16,13 +16,13 @@ struct Finding {
     kDamaged  ///< A whole frame with a wrong checksum.
   };
   Kind kind{kMore};
-  std::size_t size{0};  ///< Of a whole frame.
+  std::size_t size{0};  ///< Bytes of a whole frame.
 };
 
 /// Finds frames in a stream of bytes. After a damaged frame the search goes on with its second byte, so
 /// a frame that began within it is found. Format has
 ///
-///     static constexpr std::size_t kLongest;
+///     static constexpr std::size_t kMaxLength;
 ///     static Finding inspect(const std::uint8_t* data, std::size_t size);  // size >= 1; looks no
 ///                                                                          // further than one frame
 template <class Format>
@@ -70,7 +70,7 @@ class Framer {
     size_ -= count;
   }
 
-  std::array<std::uint8_t, Format::kLongest> buffer_{};
+  std::array<std::uint8_t, Format::kMaxLength> buffer_{};
   std::size_t size_{0};
   std::uint32_t frames_{0};
   std::uint32_t damaged_{0};

@@ -4,15 +4,15 @@
 namespace rosflight::boards::parts {
 namespace {
 
-constexpr std::uint32_t kMostCounts = 65'536;
-constexpr std::uint16_t kSlowestThrottle = 48, kFastestThrottle = 2047;
+constexpr std::uint32_t kMaxCounts = 65'536;
+constexpr std::uint16_t kMinThrottle = 48, kMaxThrottle = 2047;
 constexpr float kMicrosecondsPerSecond = 1e6f;
 
 bool is_pwm(float rate_hz) {
-  return rate_hz >= kSlowestPwm_hz && rate_hz <= kFastestPwm_hz;
+  return rate_hz >= kMinPwm_hz && rate_hz <= kMaxPwm_hz;
 }
 bool is_dshot(float rate_hz) {
-  return rate_hz >= kSlowestDshot_hz && rate_hz <= kFastestDshot_hz;
+  return rate_hz >= kMinDshot_hz && rate_hz <= kMaxDshot_hz;
 }
 
 /// NaN becomes 0.
@@ -47,7 +47,7 @@ PulsePlan plan_pulses(const float* rates_hz, std::size_t channels, std::uint32_t
   const float undivided = static_cast<float>(timer_hz) / plan.rate_hz;
   if (plan.kind == PulseKind::kPwm) {
     plan.prescaler =
-        static_cast<std::uint32_t>((undivided - 0.5f) / static_cast<float>(kMostCounts));
+        static_cast<std::uint32_t>((undivided - 0.5f) / static_cast<float>(kMaxCounts));
   }
   const float divided_hz = static_cast<float>(timer_hz) / static_cast<float>(plan.prescaler + 1);
   plan.period = rounded(divided_hz / plan.rate_hz);
@@ -62,8 +62,8 @@ std::uint32_t pwm_counts(const PulsePlan& plan, float value) {
 std::uint16_t dshot_throttle(float value) {
   const float v = limited(value);
   if (v == 0.0f) return 0;
-  constexpr auto kSpan = static_cast<float>(kFastestThrottle - kSlowestThrottle);
-  return static_cast<std::uint16_t>(kSlowestThrottle + rounded(kSpan * v));
+  constexpr auto kSpan = static_cast<float>(kMaxThrottle - kMinThrottle);
+  return static_cast<std::uint16_t>(kMinThrottle + rounded(kSpan * v));
 }
 
 std::uint16_t dshot_frame(std::uint16_t throttle, bool telemetry) {

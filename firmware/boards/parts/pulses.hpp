@@ -25,11 +25,11 @@ struct PulsePlan {
   float counts_per_us{0.0f};
 };
 
-inline constexpr float kSlowestPwm_hz =
+inline constexpr float kMinPwm_hz =
     4.0f;  ///< Slower ones do not fit 16 bits and a pulse of 2 ms well.
-inline constexpr float kFastestPwm_hz = 490.0f;
-inline constexpr float kSlowestDshot_hz = 150'000.0f;
-inline constexpr float kFastestDshot_hz = 1'200'000.0f;
+inline constexpr float kMaxPwm_hz = 490.0f;
+inline constexpr float kMinDshot_hz = 150'000.0f;
+inline constexpr float kMaxDshot_hz = 1'200'000.0f;
 
 /// Plans a group. PWM gets the finest count with which a period fits 16 bits; DShot counts undivided.
 /// A rate of 0 means that the channel is off, and fits any other.

@@ -31,7 +31,7 @@ struct SetupStep {
   std::uint8_t value{0};
   std::uint8_t mask{0xFF};   ///< Bits that are compared.
   std::uint32_t wait_us{0};  ///< After the write, before anything else.
-  bool even_if_warm{false};  ///< Of kWrite: also at a warm start.
+  bool even_if_warm{false};  ///< kWrite: executed at a warm start as well.
 };
 
 /// Runs the start-up sequence of a part, one transfer after the other, without waiting in between

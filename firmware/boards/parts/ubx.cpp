@@ -28,7 +28,7 @@ Finding UbxFormat::inspect(const std::uint8_t* data, std::size_t size) {
   if (data[0] != kSync1 || (size > 1 && data[1] != kSync2)) return {Finding::kStray};
   if (size < 6) return {Finding::kMore};
   const std::size_t length = static_cast<std::uint16_t>(le16(data + 4));
-  if (length > kMostPayload) return {Finding::kStray};
+  if (length > kMaxPayload) return {Finding::kStray};
   if (size < length + kAround) return {Finding::kMore};
   const Sums expected = sums(data + 2, length + 4);
   const bool right = data[length + 6] == expected.a && data[length + 7] == expected.b;
@@ -58,7 +58,7 @@ Finding NmeaFormat::inspect(const std::uint8_t* data, std::size_t size) {
       const bool right = data[k + 1] == hex_digit(sum >> 4) && data[k + 2] == hex_digit(sum);
       return {right ? Finding::kFrame : Finding::kDamaged, k + 3};
     }
-    if (data[k] < 0x20 || data[k] > 0x7E || k + 3 >= kLongest) return {Finding::kStray};
+    if (data[k] < 0x20 || data[k] > 0x7E || k + 3 >= kMaxLength) return {Finding::kStray};
     sum ^= data[k];
   }
   return {Finding::kMore};
@@ -92,10 +92,9 @@ NavPvt NavPvt::from(const std::uint8_t* p) {
   const auto within = [](std::int32_t value, std::int32_t limit) {
     return value >= -limit && value <= limit;
   };
-  constexpr std::int32_t kMostLatitude = 900'000'000, kMostLongitude = 1'800'000'000;  // 1e-7 deg
-  pvt.plausible = within(pvt.nano_ns, kBillion - 1) &&
-                  within(le32_signed(p + 24), kMostLongitude) &&
-                  within(le32_signed(p + 28), kMostLatitude);
+  constexpr std::int32_t kMaxLatitude = 900'000'000, kMaxLongitude = 1'800'000'000;  // 1e-7 deg
+  pvt.plausible = within(pvt.nano_ns, kBillion - 1) && within(le32_signed(p + 24), kMaxLongitude) &&
+                  within(le32_signed(p + 28), kMaxLatitude);
   s.longitude_deg = 1e-7 * static_cast<double>(le32_signed(p + 24));
   s.latitude_deg = 1e-7 * static_cast<double>(le32_signed(p + 28));
   const auto metres = [p](std::size_t at) {

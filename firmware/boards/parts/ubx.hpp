@@ -9,12 +9,12 @@ namespace rosflight::boards::parts {
 ///
 ///     0xB5 0x62 | class | id | length u16 | payload | two sums over class .. payload
 ///
-/// Source: u-blox M9 interface description, "UBX frame structure". Longer payloads than kMostPayload begin
+/// Source: u-blox M9 interface description, "UBX frame structure". Longer payloads than kMaxPayload begin
 /// no frame, so that a damaged length does not swallow what follows.
 struct UbxFormat {
   static constexpr std::size_t kAround = 8;
-  static constexpr std::size_t kMostPayload = 256;
-  static constexpr std::size_t kLongest = kMostPayload + kAround;
+  static constexpr std::size_t kMaxPayload = 256;
+  static constexpr std::size_t kMaxLength = kMaxPayload + kAround;
 
   static Finding inspect(const std::uint8_t* data, std::size_t size);
   struct Sums {
@@ -30,7 +30,7 @@ struct UbxFormat {
 
 /// Sentences of NMEA 0183, to recognize a receiver that speaks it: "$" ... "*" and two hex digits.
 struct NmeaFormat {
-  static constexpr std::size_t kLongest = 100;
+  static constexpr std::size_t kMaxLength = 100;
   static Finding inspect(const std::uint8_t* data, std::size_t size);
 };
 
@@ -40,7 +40,7 @@ struct NavPvt {
   static constexpr std::uint8_t kClass = 0x01, kId = 0x07;
 
   hal::GnssSample sample{};  ///< All but the stamp.
-  std::int32_t nano_ns{};    ///< Of the time of validity, after the whole second; may be negative.
+  std::int32_t nano_ns{};    ///< Time of validity after the whole second; may be negative.
   bool time_resolved{};      ///< Date, time and leap seconds are known.
   bool fix_ok{};
   /// Fraction of a second, latitude and longitude lie within their ranges.

@@ -24,7 +24,7 @@ inline constexpr Pin kRedLed{'B', 11}, kGreenLed{'B', 1}, kBlueLed{'B', 3};
 
 // The BMI088 on SPI5. Its gyro announces each sample with a rising edge on INT3.
 inline constexpr Pin kGyroReady{'F', 3};
-inline constexpr stm32h7::SpiBus::Place kImuBus{
+inline constexpr stm32h7::SpiBus::Pins kImuBus{
     stm32h7::SPI5, {'F', 7}, {'F', 8}, {'F', 9}, 5, 5, 6, stm32h7::request::SPI5_RX};
 enum ImuDevice : std::uint8_t { kAccel = 0, kGyro = 1 };
 /// The part allows 10 MHz; of 16 MHz that leaves 8.
@@ -32,18 +32,18 @@ inline constexpr stm32h7::SpiBus::Device kImuDevices[] = {{{'F', 6}, 10'000'000}
                                                           {{'F', 10}, 10'000'000}};
 
 /// The DPS310 shares SPI2 with the FRAM; it has no data-ready line.
-inline constexpr stm32h7::SpiBus::Place kBaroBus{
+inline constexpr stm32h7::SpiBus::Pins kBaroBus{
     stm32h7::SPI2, {'B', 10}, {'B', 14}, {'B', 15}, 5, 3, 4, stm32h7::request::SPI2_RX};
 enum BaroBusDevice : std::uint8_t { kBaro = 0, kFram = 1 };
 inline constexpr stm32h7::SpiBus::Device kBaroBusDevices[] = {{{'D', 7}, 10'000'000},
                                                               {{'D', 10}, 40'000'000}};
 
 /// The only I2C, on the GPS connector: magnetometer and pitot sensor.
-inline constexpr stm32h7::I2cBus::Place kExternalBus{
+inline constexpr stm32h7::I2cBus::Pins kExternalBus{
     stm32h7::I2C1, stm32h7::irq::I2C1_EV, stm32h7::irq::I2C1_ER, {'B', 8}, {'B', 9}, 4};
 
 /// GNSS receiver, and its pulse per second.
-inline constexpr stm32h7::Uart::Place kGnss{
+inline constexpr stm32h7::Uart::Pins kGnss{
     stm32h7::UART4, stm32h7::irq::UART4, {'A', 1}, {'A', 0}, 8, 7, 0, stm32h7::request::UART4_RX};
 inline constexpr Pin kPulsePerSecond{'D', 12};
 
@@ -51,16 +51,16 @@ inline constexpr Pin kPulsePerSecond{'D', 12};
 inline constexpr Pin kUnusedSelects[] = {{'C', 2}, {'E', 15}};
 
 /// Link to the companion: USB, or TELEM 1. Streams 8 and 10 are DMA2's 0 and 2.
-inline constexpr stm32h7::Uart::Place kLink{stm32h7::USART2,
-                                            stm32h7::irq::USART2,
-                                            {'D', 6},
-                                            {'D', 5},
-                                            7,
-                                            10,
-                                            8,
-                                            stm32h7::request::USART2_RX};
+inline constexpr stm32h7::Uart::Pins kLink{stm32h7::USART2,
+                                           stm32h7::irq::USART2,
+                                           {'D', 6},
+                                           {'D', 5},
+                                           7,
+                                           10,
+                                           8,
+                                           stm32h7::request::USART2_RX};
 /// Receiver input; its transmit pin is not connected.
-inline constexpr stm32h7::Uart::Place kReceiver{
+inline constexpr stm32h7::Uart::Pins kReceiver{
     stm32h7::USART6,          stm32h7::irq::USART6,       {'C', 7}, {'C', 6}, 7, 9,
     stm32h7::Uart::kNoStream, stm32h7::request::USART6_RX};
 

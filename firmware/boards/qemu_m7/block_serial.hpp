@@ -17,19 +17,19 @@ class BlockSerial final : public hal::Serial {
 
   /// A new block is there.
   void begin() {
-    const ToBoard& in = block_.to_board;
+    const ToProcessor& in = block_.to_processor;
     taken_ = 0;
     available_ = std::min<std::size_t>(in.link_count, in.link.size());
     room_ = in.room;
-    block_.from_board.link_count = 0;
-    block_.from_board.link_overflow = 0;
+    block_.from_processor.link_count = 0;
+    block_.from_processor.link_overflow = 0;
   }
 
   bool open(std::uint32_t /*baud*/, std::uint8_t /*device*/) override { return true; }
 
   bool write(const std::uint8_t* data, std::size_t size, std::uint8_t qos) override {
-    FromBoard& out = block_.from_board;
-    if (size > 0xFFFFu || out.link_count + FromBoard::kFrameHeader + size > out.link.size()) {
+    FromProcessor& out = block_.from_processor;
+    if (size > 0xFFFFu || out.link_count + FromProcessor::kFrameHeader + size > out.link.size()) {
       ++out.link_overflow;
       return false;
     }
@@ -42,14 +42,14 @@ class BlockSerial final : public hal::Serial {
     to[1] = static_cast<std::uint8_t>(size >> 8u);
     to[2] = qos;
     to[3] = fits ? 1 : 0;
-    std::memcpy(to + FromBoard::kFrameHeader, data, size);
-    out.link_count += static_cast<std::uint32_t>(FromBoard::kFrameHeader + size);
+    std::memcpy(to + FromProcessor::kFrameHeader, data, size);
+    out.link_count += static_cast<std::uint32_t>(FromProcessor::kFrameHeader + size);
     return fits;
   }
   std::size_t writable() const override { return room_[kTransmitClasses - 1]; }
   std::size_t read(std::uint8_t* data, std::size_t capacity) override {
     const std::size_t count = std::min(capacity, available_ - taken_);
-    std::memcpy(data, block_.to_board.link.data() + taken_, count);
+    std::memcpy(data, block_.to_processor.link.data() + taken_, count);
     taken_ += count;
     return count;
   }

@@ -14,8 +14,8 @@
 /// The board's 16 MiB of external RAM at 0x60000000 are backed by memory of the host. The block
 /// lies at its beginning, the non-volatile storage one mebibyte above.
 ///
-/// Lock-step: the world fills ToBoard and sends one byte over a pipe; the board, which has stood
-/// still in a semihosting read, makes its passes, fills FromBoard and sends one byte back. Real
+/// Lock-step: the world fills ToProcessor and sends one byte over a pipe; the board, which has stood
+/// still in a semihosting read, makes its passes, fills FromProcessor and sends one byte back. Real
 /// time: no pipes; each side counts `sequence` up after writing and copies what the other wrote
 /// until the count was the same before and after.
 namespace rosflight::boards::m7 {
@@ -27,15 +27,15 @@ inline constexpr std::size_t kStorageSize = 16384;
 
 /// Bytes on the pipes.
 enum class Bell : char {
-  kRing = 'r',    ///< To the board: ToBoard is ready.
-  kDone = 'd',    ///< From the board: FromBoard is ready.
+  kRing = 'r',    ///< To the board: ToProcessor is ready.
+  kDone = 'd',    ///< From the board: FromProcessor is ready.
   kBooted = 'b',  ///< From the board: it has started and waits for kStart.
 };
 /// File descriptors of the emulator's process at which the pipes are; the board opens them by name.
-inline constexpr int kToBoardFd = 20;
-inline constexpr int kFromBoardFd = 21;
-inline constexpr char kToBoardPipe[] = "/proc/self/fd/20";
-inline constexpr char kFromBoardPipe[] = "/proc/self/fd/21";
+inline constexpr int kToProcessorFd = 20;
+inline constexpr int kFromProcessorFd = 21;
+inline constexpr char kToProcessorPipe[] = "/proc/self/fd/20";
+inline constexpr char kFromProcessorPipe[] = "/proc/self/fd/21";
 
 enum class Coupling : std::uint32_t { kLockStep = 1, kRealTime = 2 };
 
@@ -55,7 +55,7 @@ enum class Trouble : std::uint32_t {
 /// Transmit classes of the cable: urgent, timely, ordinary.
 inline constexpr std::size_t kTransmitClasses = 3;
 
-struct ToBoard {
+struct ToProcessor {
   static constexpr std::size_t kLinkCapacity = 4096;
 
   std::uint32_t sequence{};
@@ -79,7 +79,7 @@ struct ToBoard {
   std::array<std::uint8_t, kLinkCapacity> link{};
 };
 
-struct FromBoard {
+struct FromProcessor {
   static constexpr std::size_t kLinkCapacity = 16384;
   /// Each frame in `link` stands behind these bytes: size (two, little-endian), urgency, and
   /// whether the board counted on room for it.
@@ -89,7 +89,7 @@ struct FromBoard {
   std::uint32_t boots{};            ///< Since the power came on.
   std::uint32_t reset_requested{};  ///< 1: resets itself after this answer.
   std::uint32_t stack_bytes{};      ///< High-water mark since the power came on.
-  std::uint32_t ticks{};            ///< Of the 25 MHz counter, spent in the passes of this step.
+  std::uint32_t ticks{};            ///< Ticks of the 25 MHz counter in the passes of this step.
   std::uint32_t passes{};
   std::uint32_t link_count{};
   std::uint32_t link_overflow{};  ///< Frames lost because `link` was full.
@@ -105,8 +105,8 @@ struct FromBoard {
 };
 
 struct ExchangeBlock {
-  ToBoard to_board;
-  FromBoard from_board;
+  ToProcessor to_processor;
+  FromProcessor from_processor;
 };
 
 // Both compilers must agree; these are the sizes.
@@ -114,8 +114,9 @@ static_assert(sizeof(hal::RcFrame) == 112 && sizeof(hal::ImuSample) == 40);
 static_assert(sizeof(hal::MagSample) == 24 && sizeof(hal::BaroSample) == 16);
 static_assert(sizeof(hal::DiffPressureSample) == 16 && sizeof(hal::RangeSample) == 24);
 static_assert(sizeof(hal::GnssSample) == 72 && sizeof(hal::BatterySample) == 16);
-static_assert(offsetof(ToBoard, rc) == 48 && sizeof(ToBoard) == 48 + 320 + ToBoard::kLinkCapacity);
-static_assert(offsetof(FromBoard, link) == 208);
+static_assert(offsetof(ToProcessor, rc) == 48 &&
+              sizeof(ToProcessor) == 48 + 320 + ToProcessor::kLinkCapacity);
+static_assert(offsetof(FromProcessor, link) == 216);
 static_assert(std::is_trivially_copyable_v<ExchangeBlock>);
 static_assert(sizeof(ExchangeBlock) <= kStorageOffset);
 

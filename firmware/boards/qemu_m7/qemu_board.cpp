@@ -33,14 +33,14 @@ QemuBoard::QemuBoard(Coupling coupling)
   leds.set(hal::Led::kStatus, false);
 }
 
-void QemuBoard::take_receiver(const ToBoard& in, hal::Time offset) {
+void QemuBoard::take_receiver(const ToProcessor& in, hal::Time offset) {
   if (in.has_rc == 0) return;
   hal::RcFrame frame = in.rc;
   frame.stamp += offset;
   receiver.put(frame);
 }
 
-void QemuBoard::take_sensors(const ToBoard& in, hal::Time offset) {
+void QemuBoard::take_sensors(const ToProcessor& in, hal::Time offset) {
   const auto put = [offset](auto& mailbox, std::uint8_t has, auto sample) {
     sample.stamp += offset;
     if (has != 0) mailbox.put(sample);
@@ -54,7 +54,7 @@ void QemuBoard::take_sensors(const ToBoard& in, hal::Time offset) {
   put(battery, in.has_battery, in.battery);
 }
 
-void QemuBoard::report(FromBoard& out) const {
+void QemuBoard::report(FromProcessor& out) const {
   out.outputs = outputs.values();
   out.leds = {static_cast<std::uint8_t>(FpgaLeds::lit(hal::Led::kOverride)),
               static_cast<std::uint8_t>(FpgaLeds::lit(hal::Led::kStatus))};

@@ -20,7 +20,7 @@ class QemuSystem final : public hal::System {
     to_bootloader_ = to_bootloader;
   }
   void feed_watchdog() override { Watchdog::feed(watchdog_ms_); }
-  /// The emulator's clock says nothing about the time a pass would take: bench/m7 counts
+  /// The emulator's clock does not measure the time a pass would take: bench/m7 counts
   /// instructions.
   hal::Time busy_time() const override { return {}; }
   bool shares_processor() const override { return true; }
@@ -71,10 +71,10 @@ struct QemuBoard {
 
   /// Puts what the block carries, all but receiver and link, into the mailboxes. `offset` is added
   /// to every stamp.
-  void take_sensors(const ToBoard& in, hal::Time offset);
-  void take_receiver(const ToBoard& in, hal::Time offset);
+  void take_sensors(const ToProcessor& in, hal::Time offset);
+  void take_receiver(const ToProcessor& in, hal::Time offset);
   /// Outputs, LEDs, stack.
-  void report(FromBoard& out) const;
+  void report(FromProcessor& out) const;
   hal::Board roles(hal::Clock& clock, hal::Serial& serial);
 
   QemuSystem system;

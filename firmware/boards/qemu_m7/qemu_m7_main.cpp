@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The image: board, link and firmware put together, in lock-step with the world or in real time.
 #include "firmware/boards/common/glance_main.hpp"
-#include "firmware/boards/common/place.hpp"
+#include "firmware/boards/common/object_storage.hpp"
 #include "firmware/boards/qemu_m7/block_serial.hpp"
 #include "firmware/boards/qemu_m7/qemu_board.hpp"
 #include "firmware/boards/qemu_m7/semihosting.hpp"
 #include "firmware/boards/qemu_m7/startup.hpp"
 #include "firmware/boards/qemu_m7/uart.hpp"
 #include "firmware/core/firmware.hpp"
-#include ROSFLIGHT_BOARD_LINK
+#include ROSFLIGHT_IMAGE_LINK
 
 namespace {
 
@@ -17,23 +17,23 @@ using namespace rosflight::boards::m7;  // NOLINT(google-build-using-namespace)
 
 struct Autopilot {
   explicit Autopilot(const hal::Board& board) : firmware{board, link.codec} {}
-  boards::BoardLink link;
+  boards::ImageLink link;
   core::Firmware firmware;
 };
 
 // One of each in an image; the interrupt handlers at the end must find them. All zero at start.
-boards::Place<Autopilot> autopilot_place;
-boards::Place<HardwareClock> hardware_clock_place;
-boards::Place<Uart> uart_place;
-boards::Place<QemuBoard> board_place;
-boards::Place<ToBoard> inputs_place;
+boards::ObjectStorage<Autopilot> autopilot_storage;
+boards::ObjectStorage<HardwareClock> hardware_clock_storage;
+boards::ObjectStorage<Uart> uart_storage;
+boards::ObjectStorage<QemuBoard> board_storage;
+boards::ObjectStorage<ToProcessor> inputs_storage;
 
 /// The two ends of the lock-step's pipes.
 class Doorbell {
  public:
   Doorbell()
-      : in_{semihosting::open(kToBoardPipe, sizeof kToBoardPipe - 1, 1)},
-        out_{semihosting::open(kFromBoardPipe, sizeof kFromBoardPipe - 1, 5)} {
+      : in_{semihosting::open(kToProcessorPipe, sizeof kToProcessorPipe - 1, 1)},
+        out_{semihosting::open(kFromProcessorPipe, sizeof kFromProcessorPipe - 1, 5)} {
     if (in_ < 0 || out_ < 0) {
       semihosting::print("qemu_m7: no pipes to the world\n");
       semihosting::exit(1);
@@ -56,13 +56,13 @@ class Doorbell {
   const Doorbell bell;
   LatchedClock clock;
   BlockSerial serial(block);
-  QemuBoard& board = board_place.make(Coupling::kLockStep);
-  core::Firmware& firmware = autopilot_place.make(board.roles(clock, serial)).firmware;
+  QemuBoard& board = board_storage.make(Coupling::kLockStep);
+  core::Firmware& firmware = autopilot_storage.make(board.roles(clock, serial)).firmware;
   bell.ring(Bell::kBooted);
   for (;;) {
     bell.wait();
-    const ToBoard& in = block.to_board;
-    FromBoard& out = block.from_board;
+    const ToProcessor& in = block.to_processor;
+    FromProcessor& out = block.from_processor;
     // The watchdog watches passes; waiting for the world is no hang.
     Watchdog::start(QemuBoard::kWatchdogLockStep_ms);
     const std::uint32_t begin = cycles();
@@ -98,12 +98,12 @@ class Doorbell {
 }
 
 /// Copies what the world wrote, once it is whole. @returns false if it is being written.
-bool read_block(const ExchangeBlock& block, ToBoard& copy) {
-  const volatile std::uint32_t& sequence = block.to_board.sequence;
+bool read_block(const ExchangeBlock& block, ToProcessor& copy) {
+  const volatile std::uint32_t& sequence = block.to_processor.sequence;
   const std::uint32_t before = sequence;
   if ((before & 1u) != 0) return false;  // odd: the world is writing
   memory_barrier();
-  copy = block.to_board;
+  copy = block.to_processor;
   memory_barrier();
   return sequence == before;
 }
@@ -126,7 +126,7 @@ class WorldLag {
   bool known_{false};
 };
 
-void report_uart(const Uart& uart, FromBoard& out) {
+void report_uart(const Uart& uart, FromProcessor& out) {
   out.uart_received = uart.counters().received;
   out.uart_sent = uart.counters().sent;
   out.uart_overruns = uart.counters().overruns;
@@ -135,20 +135,20 @@ void report_uart(const Uart& uart, FromBoard& out) {
 
 [[noreturn]] void run_in_real_time(ExchangeBlock& block) {
   constexpr std::uint32_t kTick_Hz = 1000;
-  ToBoard& in = inputs_place.make();
-  HardwareClock& clock = hardware_clock_place.make();
-  Uart& uart = uart_place.make(Uart::kUart0);
-  QemuBoard& board = board_place.make(Coupling::kRealTime);
-  core::Firmware& firmware = autopilot_place.make(board.roles(clock, uart)).firmware;
+  ToProcessor& in = inputs_storage.make();
+  HardwareClock& clock = hardware_clock_storage.make();
+  Uart& uart = uart_storage.make(Uart::kUart0);
+  QemuBoard& board = board_storage.make(Coupling::kRealTime);
+  core::Firmware& firmware = autopilot_storage.make(board.roles(clock, uart)).firmware;
   start_tick(kTick_Hz);
   asm volatile("cpsie i" ::: "memory");
   firmware.start();
   Watchdog::start(QemuBoard::kWatchdogRealTime_ms);
-  FromBoard& out = block.from_board;
+  FromProcessor& out = block.from_processor;
   std::uint32_t seen = 0;
   WorldLag lag;
   for (;;) {
-    const volatile std::uint32_t& sequence = block.to_board.sequence;
+    const volatile std::uint32_t& sequence = block.to_processor.sequence;
     if (sequence != seen && read_block(block, in)) {
       seen = in.sequence;
       const hal::Time offset = lag.update(clock.now() - hal::Time{in.time_us});
@@ -176,24 +176,25 @@ void report_uart(const Uart& uart, FromBoard& out) {
 extern "C" {
 
 void board_fault(const FaultRegisters& registers) {
-  if (board_place.get() != nullptr) board_place.get()->outputs.disable();
-  if (autopilot_place.get() != nullptr) autopilot_place.get()->firmware.record_fault(registers);
+  if (board_storage.get() != nullptr) board_storage.get()->outputs.disable();
+  if (autopilot_storage.get() != nullptr) autopilot_storage.get()->firmware.record_fault(registers);
 }
 
 void board_tick() {
-  if (hardware_clock_place.get() != nullptr) static_cast<void>(hardware_clock_place.get()->now());
+  if (hardware_clock_storage.get() != nullptr)
+    static_cast<void>(hardware_clock_storage.get()->now());
 }
 
 void board_uart0_receive() {
-  uart_place.get()->on_receive();
+  uart_storage.get()->on_receive();
 }
 void board_uart0_transmit() {
-  uart_place.get()->on_transmit();
+  uart_storage.get()->on_transmit();
 }
 
 int board_main() {
   ExchangeBlock& block = exchange_block();
-  if (block.to_board.coupling == Coupling::kRealTime) run_in_real_time(block);
+  if (block.to_processor.coupling == Coupling::kRealTime) run_in_real_time(block);
   run_in_lock_step(block);
 }
 }

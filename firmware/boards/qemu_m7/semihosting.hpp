@@ -18,7 +18,7 @@ inline std::uint32_t address(const void* pointer) {
   return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(pointer));
 }
 
-/// To the emulator's standard error.
+/// Writes to the emulator's standard error.
 inline void print(const char* text) {
   call(0x04, text);
 }

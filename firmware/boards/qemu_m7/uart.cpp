@@ -11,19 +11,19 @@ constexpr std::uint32_t kReceiveFull = 2u;
 constexpr std::uint32_t kTransmitInterrupt = 1u;
 constexpr std::uint32_t kReceiveInterrupt = 2u;
 constexpr std::uint32_t kEnableAll = 0xFu;  // transmitter, receiver, and their interrupts
-constexpr std::uint32_t kSmallestDivider = 16;
+constexpr std::uint32_t kMinDivider = 16;
 
 }  // namespace
 
 bool Uart::open(std::uint32_t baud, std::uint8_t device) {
   const std::uint32_t wanted = baud == 0 ? 0 : kClock_Hz / baud;
-  const bool possible = wanted >= kSmallestDivider && device == 0;
+  const bool possible = wanted >= kMinDivider && device == 0;
   constexpr std::uint32_t kUsualBaud = 921'600;
   divider() = possible ? wanted : kClock_Hz / kUsualBaud;
   interrupts() = 0xFu;
   control() = kEnableAll;
-  enable_interrupt(place_.receive_irq);
-  enable_interrupt(place_.transmit_irq);
+  enable_interrupt(peripheral_.receive_irq);
+  enable_interrupt(peripheral_.transmit_irq);
   return possible;
 }
 
@@ -32,7 +32,7 @@ bool Uart::write(const std::uint8_t* data, std::size_t size, std::uint8_t qos) {
     const InterruptGuard guard;
     if (!queues_.put(data, size, qos)) return false;
   }
-  pend_interrupt(place_.transmit_irq);
+  pend_interrupt(peripheral_.transmit_irq);
   return true;
 }
 
@@ -61,7 +61,7 @@ void Uart::on_receive() {
     }
   }
   interrupts() = kReceiveInterrupt;
-  if ((state() & kReceiveFull) != 0) pend_interrupt(place_.receive_irq);
+  if ((state() & kReceiveFull) != 0) pend_interrupt(peripheral_.receive_irq);
 }
 
 void Uart::on_transmit() {

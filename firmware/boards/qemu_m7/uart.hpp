@@ -13,15 +13,15 @@ namespace rosflight::boards::m7 {
 /// The image forwards its two interrupts to on_receive() and on_transmit().
 class Uart final : public hal::Serial {
  public:
-  struct Place {
+  struct Peripheral {
     std::uintptr_t base;
     unsigned receive_irq;
     unsigned transmit_irq;
   };
-  static constexpr Place kUart0{0x4000'4000u, 0, 1};
-  static constexpr Place kUart1{0x4000'5000u, 2, 3};
+  static constexpr Peripheral kUart0{0x4000'4000u, 0, 1};
+  static constexpr Peripheral kUart1{0x4000'5000u, 2, 3};
 
-  explicit Uart(const Place& place) : place_{place} {}
+  explicit Uart(const Peripheral& peripheral) : peripheral_{peripheral} {}
 
   /// The one device there is, at any rate that the clock can be divided to (up to 1.5 Mbit/s).
   bool open(std::uint32_t baud, std::uint8_t device) override;
@@ -44,13 +44,13 @@ class Uart final : public hal::Serial {
   std::uint32_t frames_dropped() const { return queues_.dropped(); }
 
  private:
-  volatile std::uint32_t& data_register() const { return reg(place_.base); }
-  volatile std::uint32_t& state() const { return reg(place_.base + 0x04u); }
-  volatile std::uint32_t& control() const { return reg(place_.base + 0x08u); }
-  volatile std::uint32_t& interrupts() const { return reg(place_.base + 0x0Cu); }
-  volatile std::uint32_t& divider() const { return reg(place_.base + 0x10u); }
+  volatile std::uint32_t& data_register() const { return reg(peripheral_.base); }
+  volatile std::uint32_t& state() const { return reg(peripheral_.base + 0x04u); }
+  volatile std::uint32_t& control() const { return reg(peripheral_.base + 0x08u); }
+  volatile std::uint32_t& interrupts() const { return reg(peripheral_.base + 0x0Cu); }
+  volatile std::uint32_t& divider() const { return reg(peripheral_.base + 0x10u); }
 
-  Place place_;
+  Peripheral peripheral_;
   ByteRing<8192> received_;
   FrameQueues<4096> queues_;
   Counters counters_{};

@@ -9,7 +9,7 @@ namespace {
 constexpr Instance kConverters[] = {ADC1, ADC3};
 constexpr std::uint8_t kReferenceChannel = 19;  // of ADC3
 constexpr std::uint32_t kDivideBy32 = 8;        // 64 MHz to 2 MHz; the converter halves it again
-constexpr std::uint32_t kLongestSample = 7;     // 810.5 cycles
+constexpr std::uint32_t kMaxSampleTime = 7;     // 810.5 cycles
 constexpr std::uintptr_t kReferenceCalibration = 0x1FF1'E860u;
 
 /// A whole write: the bits of CR that start something are set by writing 1 and stay otherwise.
@@ -43,7 +43,7 @@ void BatteryPins::convert(std::uint8_t channel) const {
     const std::uint8_t which = each == ADC3 ? kReferenceChannel : channel;
     const std::uint32_t in_register = which % 10u * 3u;
     reg(each, adc::PCSEL) = 1u << which;
-    reg(each, which < 10 ? adc::SMPR1 : adc::SMPR2) = kLongestSample << in_register;
+    reg(each, which < 10 ? adc::SMPR1 : adc::SMPR2) = kMaxSampleTime << in_register;
     reg(each, adc::SQR1) = adc::SQR1_SQ1(which);
     reg(each, adc::CR) = kRegulatorOn | adc::CR_ADEN(1) | adc::CR_ADSTART(1);
   }
@@ -67,14 +67,14 @@ void BatteryPins::step(hal::Time now) {
     case Stage::kIdle:
       if (ticks_ % kTicksPerSample != 0) return;
       begun_ = now;
-      convert(place_.voltage_channel);
+      convert(channels_.voltage_channel);
       stage_ = Stage::kVoltage;
       break;
     case Stage::kVoltage:
       if (!all(adc::ISR, adc::ISR_EOC, 1)) return;
       voltage_code_ = reg(ADC1, adc::DR);
       static_cast<void>(static_cast<std::uint32_t>(reg(ADC3, adc::DR)));  // clears its flag
-      convert(place_.current_channel);
+      convert(channels_.current_channel);
       stage_ = Stage::kCurrent;
       break;
     case Stage::kCurrent: {

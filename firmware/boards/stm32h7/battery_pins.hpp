@@ -10,12 +10,12 @@ namespace rosflight::boards::stm32h7 {
 /// step is taken in a tick, none waits. RM0433 ch. 25.
 class BatteryPins {
  public:
-  struct Place {
+  struct Channels {
     std::uint8_t voltage_channel,
-        current_channel;  ///< Of ADC1; their pins are analog after a reset.
+        current_channel;  ///< Both of ADC1; their pins are analog after a reset.
   };
-  BatteryPins(const Place& place, parts::BatteryMonitor& monitor)
-      : place_{place}, monitor_{monitor} {}
+  BatteryPins(const Channels& channels, parts::BatteryMonitor& monitor)
+      : channels_{channels}, monitor_{monitor} {}
 
   /// Opens the clock gates and starts the regulators. Once.
   void open();
@@ -27,7 +27,7 @@ class BatteryPins {
   static constexpr unsigned kTicksPerSample = 100;
   void convert(std::uint8_t channel) const;
 
-  Place place_;
+  Channels channels_;
   parts::BatteryMonitor& monitor_;
   Stage stage_{Stage::kRegulator};
   unsigned ticks_{0};

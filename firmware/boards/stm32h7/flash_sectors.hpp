@@ -12,7 +12,7 @@ namespace rosflight::boards::stm32h7 {
 ///
 /// A word whose code cannot be corrected (power was cut while it was written) is answered by the bus with
 /// an error. It is read with data bus faults ignored (FAULTMASK and CCR.BFHFNMIGN, Armv7-M ARM B1.5.8), for
-/// some 100 ns with interrupts off, and the flag of the controller says that it is lost.
+/// some 100 ns with interrupts off, and the flag of the controller shows that it is lost.
 class FlashSectors final : public parts::FlashMedium {
  public:
   static constexpr std::uint32_t kBase = 0x081C'0000u, kSectorBytes = 0x2'0000u;

@@ -8,18 +8,18 @@ constexpr std::uint32_t kTick_us = 1000;
 
 }  // namespace
 
-void BoardLeds::open() {
-  for (const Pin& pin : {place_.override_led, place_.status_led, place_.other}) {
-    make_output(pin, place_.low_is_lit, place_.low_is_lit ? Drive::kOpenDrain : Drive::kPushPull);
+void PinLeds::open() {
+  for (const Pin& pin : {pins_.override_led, pins_.status_led, pins_.other}) {
+    make_output(pin, pins_.low_is_lit, pins_.low_is_lit ? Drive::kOpenDrain : Drive::kPushPull);
   }
 }
 
-void BoardLeds::set(hal::Led led, bool on) {
-  const bool high = on != place_.low_is_lit;
-  set_level(led == hal::Led::kOverride ? place_.override_led : place_.status_led, high);
+void PinLeds::set(hal::Led led, bool on) {
+  const bool high = on != pins_.low_is_lit;
+  set_level(led == hal::Led::kOverride ? pins_.override_led : pins_.status_led, high);
 }
 
-bool BoardReceiver::start(hal::ReceiverType type) {
+bool UartReceiver::start(hal::ReceiverType type) {
   if (type == hal::ReceiverType::kPpm) return false;
   const bool crsf = type == hal::ReceiverType::kCrsf;
   parts::ReceiverInput* const wanted = crsf ? static_cast<parts::ReceiverInput*>(&crsf_) : &sbus_;
@@ -29,7 +29,7 @@ bool BoardReceiver::start(hal::ReceiverType type) {
   return true;
 }
 
-bool BoardReceiver::poll(hal::RcFrame& frame) {
+bool UartReceiver::poll(hal::RcFrame& frame) {
   if (!input_->poll(frame)) return false;
   frame.rssi = input_->rssi(frame.stamp);
   return true;
@@ -67,6 +67,7 @@ void FlightBoard::open_common() {
   watch_rising_edge(plan_.imu_ready);
   enable_interrupt(plan_.imu_irq, Priority::kEdge);
   enable_interrupt(plan_.sample_irq, Priority::kBus);
+  system_.start_imu();
   start_tick(kTick_us);
 }
 

@@ -9,7 +9,7 @@
 #include "firmware/boards/parts/ublox.hpp"
 #include "firmware/boards/stm32h7/backup_domain.hpp"
 #include "firmware/boards/stm32h7/battery_pins.hpp"
-#include "firmware/boards/stm32h7/board_system.hpp"
+#include "firmware/boards/stm32h7/h7_system.hpp"
 #include "firmware/boards/stm32h7/link_port.hpp"
 #include "firmware/boards/stm32h7/part_uart.hpp"
 #include "firmware/boards/stm32h7/pulses.hpp"
@@ -17,27 +17,27 @@
 
 namespace rosflight::boards::stm32h7 {
 
-class BoardLeds final : public hal::Leds {
+class PinLeds final : public hal::Leds {
  public:
-  struct Place {
+  struct Pins {
     Pin override_led, status_led, other;
     bool low_is_lit;  ///< On open drains.
   };
-  explicit BoardLeds(const Place& place) : place_{place} {}
+  explicit PinLeds(const Pins& pins) : pins_{pins} {}
 
   /// All of them off.
   void open();
   void set(hal::Led led, bool on) override;
 
  private:
-  Place place_;
+  Pins pins_;
 };
 
 /// S.Bus, or CRSF with its link quality as strength of the signal.
-class BoardReceiver final : public hal::Receiver {
+class UartReceiver final : public hal::Receiver {
  public:
-  BoardReceiver(const Uart::Place& place, const Uart::Memory& memory, const hal::Clock& clock)
-      : uart_{place, memory, clock} {}
+  UartReceiver(const Uart::Pins& pins, const Uart::Memory& memory, const hal::Clock& clock)
+      : uart_{pins, memory, clock} {}
   bool start(hal::ReceiverType type) override;
   bool poll(hal::RcFrame& frame) override;
   void on_interrupt() { uart_.on_interrupt(); }
@@ -58,16 +58,16 @@ class BoardReceiver final : public hal::Receiver {
 class FlightBoard {
  public:
   struct Plan {
-    LinkPort::Place link;
-    Uart::Place receiver, gnss;
+    LinkPort::Pins link;
+    Uart::Pins receiver, gnss;
     Pin pulse_per_second;
     unsigned pulse_irq;
     Pin imu_ready;
-    unsigned imu_irq;     ///< Of that pin.
+    unsigned imu_irq;     ///< Interrupt of imu_ready.
     unsigned sample_irq;  ///< Any that is not used: the edge pends it, for the bus context.
-    Pulses::Place outputs;
-    BoardLeds::Place leds;
-    BatteryPins::Place battery;
+    Pulses::Pins outputs;
+    PinLeds::Pins leds;
+    BatteryPins::Channels battery;
     parts::AdcScale battery_voltage, battery_current;
   };
   /// What the DMA touches; an object of section .dma.
@@ -100,9 +100,9 @@ class FlightBoard {
 
   /// Opens inputs and starts the interrupts; the board has opened its buses.
   void open_common();
-  /// Of the newest data-ready edge; in the interrupt that it pended.
+  /// Time of the newest data-ready edge; call it in the interrupt that the edge pended.
   hal::Time edge_time() const;
-  /// Of the tick, when the board has stepped its buses.
+  /// The common part of a tick, after the board has stepped its buses.
   void step_common();
   void wake() { wakes_ = true; }
   void wake_when_idle(const parts::SharedBus& bus) {
@@ -116,17 +116,17 @@ class FlightBoard {
   MicrosecondClock clock_;
   PartUart gnss_uart_;
   parts::Ublox gnss_{gnss_uart_, parts::Ublox::Config{}};
-  BoardSystem system_;
+  H7System system_;
 
  private:
   /// The tick wakes the main loop this often even if nothing else does.
   static constexpr unsigned kTicksPerWake = 10;
 
   LinkPort link_;
-  BoardReceiver receiver_;
+  UartReceiver receiver_;
   Pulses outputs_;
   BackupRam backup_;
-  BoardLeds leds_;
+  PinLeds leds_;
   parts::BatteryMonitor battery_;
   BatteryPins battery_pins_;
   Absent<hal::RangeSample> range_;

@@ -17,24 +17,24 @@ constexpr int kClocksToFree = 9;
 
 void I2cBus::open(parts::SharedBus& bus) {
   bus_ = &bus;
-  open_gate(place_.i2c);
-  for (const Pin& pin : {place_.clock, place_.data}) {
+  open_gate(pins_.i2c);
+  for (const Pin& pin : {pins_.clock, pins_.data}) {
     make_output(pin, true, Drive::kOpenDrain);  // high before it is given away
-    make_alternate(pin, place_.function, Pull::kUp);
+    make_alternate(pin, pins_.function, Pull::kUp);
   }
   start_peripheral();
-  enable_interrupt(place_.event_irq, Priority::kBus);
-  enable_interrupt(place_.error_irq, Priority::kBus);
+  enable_interrupt(pins_.event_irq, Priority::kBus);
+  enable_interrupt(pins_.error_irq, Priority::kBus);
 }
 
 void I2cBus::start_peripheral() {
-  reg(place_.i2c, i2c::CR1) = 0;
-  const std::uint32_t back = reg(place_.i2c, i2c::CR1);
+  reg(pins_.i2c, i2c::CR1) = 0;
+  const std::uint32_t back = reg(pins_.i2c, i2c::CR1);
   static_cast<void>(back);  // it takes three bus clocks to be off
-  reg(place_.i2c, i2c::TIMINGR) = kTiming100kHz;
-  reg(place_.i2c, i2c::CR1) = i2c::CR1_TXIE(1) | i2c::CR1_RXIE(1) | i2c::CR1_NACKIE(1) |
-                              i2c::CR1_STOPIE(1) | i2c::CR1_TCIE(1) | i2c::CR1_ERRIE(1) |
-                              i2c::CR1_PE(1);
+  reg(pins_.i2c, i2c::TIMINGR) = kTiming100kHz;
+  reg(pins_.i2c, i2c::CR1) = i2c::CR1_TXIE(1) | i2c::CR1_RXIE(1) | i2c::CR1_NACKIE(1) |
+                             i2c::CR1_STOPIE(1) | i2c::CR1_TCIE(1) | i2c::CR1_ERRIE(1) |
+                             i2c::CR1_PE(1);
 }
 
 std::uint32_t I2cBus::mask() {
@@ -56,14 +56,14 @@ void I2cBus::begin(std::uint8_t device, const parts::Transfer& transfer) {
 /// Start condition, address and direction; the stop condition follows by itself if asked for.
 void I2cBus::address(bool read, std::size_t count, bool stop_at_end) {
   moved_ = 0;
-  reg(place_.i2c, i2c::CR2) = i2c::CR2_SADD(static_cast<std::uint32_t>(device_) << 1u) |
-                              i2c::CR2_RD_WRN(read) |
-                              i2c::CR2_NBYTES(static_cast<std::uint32_t>(count)) |
-                              i2c::CR2_AUTOEND(stop_at_end) | i2c::CR2_START(1);
+  reg(pins_.i2c, i2c::CR2) = i2c::CR2_SADD(static_cast<std::uint32_t>(device_) << 1u) |
+                             i2c::CR2_RD_WRN(read) |
+                             i2c::CR2_NBYTES(static_cast<std::uint32_t>(count)) |
+                             i2c::CR2_AUTOEND(stop_at_end) | i2c::CR2_START(1);
 }
 
 void I2cBus::on_interrupt() {
-  const Instance& i2c = place_.i2c;
+  const Instance& i2c = pins_.i2c;
   const std::uint32_t status = reg(i2c, i2c::ISR);
   constexpr std::uint32_t kErrors =
       i2c::ISR_BERR.mask() | i2c::ISR_ARLO.mask() | i2c::ISR_OVR.mask();
@@ -100,30 +100,30 @@ void I2cBus::finish(parts::TransferResult result) {
 
 void I2cBus::abort() {
   transfer_ = nullptr;
-  reg(place_.i2c, i2c::CR1) = 0;
+  reg(pins_.i2c, i2c::CR1) = 0;
   free_lines();
   start_peripheral();
 }
 
 /// A part in the middle of a byte lets go of the data line after so many clocks; then a stop.
 void I2cBus::free_lines() {
-  make_output(place_.data, true, Drive::kOpenDrain);
-  make_output(place_.clock, true, Drive::kOpenDrain);
+  make_output(pins_.data, true, Drive::kOpenDrain);
+  make_output(pins_.clock, true, Drive::kOpenDrain);
   const auto clock = [this](bool high) {
-    set_level(place_.clock, high);
+    set_level(pins_.clock, high);
     wait_us(kHalfClock_us);
   };
-  for (int k = 0; k < kClocksToFree && !level(place_.data); ++k) {
+  for (int k = 0; k < kClocksToFree && !level(pins_.data); ++k) {
     clock(false);
     clock(true);
   }
   clock(false);
-  set_level(place_.data, false);
+  set_level(pins_.data, false);
   clock(true);
-  set_level(place_.data, true);
+  set_level(pins_.data, true);
   wait_us(kHalfClock_us);
-  make_alternate(place_.clock, place_.function, Pull::kUp);
-  make_alternate(place_.data, place_.function, Pull::kUp);
+  make_alternate(pins_.clock, pins_.function, Pull::kUp);
+  make_alternate(pins_.data, pins_.function, Pull::kUp);
 }
 
 }  // namespace rosflight::boards::stm32h7

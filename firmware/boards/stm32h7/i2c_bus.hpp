@@ -12,7 +12,7 @@ namespace rosflight::boards::stm32h7 {
 /// section 3.1.16). The image forwards event and error interrupts to on_interrupt().
 class I2cBus final : public parts::BusHardware {
  public:
-  struct Place {
+  struct Pins {
     Instance i2c;
     unsigned event_irq, error_irq;
     Pin clock, data;
@@ -22,7 +22,7 @@ class I2cBus final : public parts::BusHardware {
   static constexpr parts::Time kLimit = hal::milliseconds(8);
 
   /// The device numbers of transfers are 7-bit addresses.
-  explicit I2cBus(const Place& place) : place_{place} {}
+  explicit I2cBus(const Pins& pins) : pins_{pins} {}
 
   /// Pins, timing, interrupts. Call it once.
   void open(parts::SharedBus& bus);
@@ -39,7 +39,7 @@ class I2cBus final : public parts::BusHardware {
   void finish(parts::TransferResult result);
   void free_lines();
 
-  Place place_;
+  Pins pins_;
   parts::SharedBus* bus_{nullptr};
   const parts::Transfer* transfer_{nullptr};
   std::uint8_t device_{0};

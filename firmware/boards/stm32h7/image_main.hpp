@@ -2,15 +2,21 @@
 #pragma once
 #include <type_traits>
 
+#include "firmware/boards/common/flight_record_main.hpp"
 #include "firmware/boards/common/glance_main.hpp"
-#include "firmware/boards/common/place.hpp"
+#include "firmware/boards/common/object_storage.hpp"
 #include "firmware/boards/stm32h7/backup_domain.hpp"
 #include "firmware/boards/stm32h7/clocks.hpp"
 #include "firmware/boards/stm32h7/cpu.hpp"
 #include "firmware/boards/stm32h7/flight_board.hpp"
 #include "firmware/boards/stm32h7/startup.hpp"
 // What it speaks.
-#include ROSFLIGHT_BOARD_LINK
+#include ROSFLIGHT_IMAGE_LINK
+
+extern "C" {
+// NOLINTNEXTLINE(bugprone-dynamic-static-initializers): of the linker
+extern std::uint8_t board_record_begin[], board_record_end[];
+}
 
 namespace rosflight::boards::stm32h7 {
 
@@ -21,7 +27,7 @@ class Image {
  public:
   Board& board() { return *board_.get(); }
 
-  /// Of board_fault().
+  /// Called by board_fault().
   void record_fault(const FaultRegisters& registers) {
     if (Autopilot* const autopilot = autopilot_.get()) autopilot->firmware.record_fault(registers);
   }
@@ -30,33 +36,46 @@ class Image {
   [[noreturn]] void run(const Oscillator& oscillator, typename Board::Memory& memory,
                         FirmwareGlance& shown) {
     constexpr std::uint32_t kSram3Size = 0x8000u;
+    constexpr std::uint32_t kAxiSram = 0x2400'0000u, kAxiSramSize = 0x8'0000u;
     start_clocks(oscillator);
     open_gate(kSram3);
     open_backup_memory();
     make_uncached(0, kSram3.base, kSram3Size);
     make_uncached(1, kBackupMemory, kBackupMemorySize);
-    Board::map_memory(2);
+    // The flight record: a dirty cache line would be lost with a reset.
+    make_uncached(2, kAxiSram, kAxiSramSize);
+    Board::map_memory(3);
     start_memory_system();
     start_microseconds();
     open_ports();
     const bool cold = take_reset_cause() == ResetCause::kPowerOn;
     Board& here = board_.make(memory, cold ? parts::Start::kCold : parts::Start::kWarm);
     here.open();
-    core::Firmware& firmware = autopilot_.make(here.roles()).firmware;
+    const hal::Board roles = here.roles();
+    parts::FlightRecord record{board_record_begin,
+                               static_cast<std::size_t>(board_record_end - board_record_begin)};
+    FlightRecorder recorder{record, record.attach(cold, roles.clock.now()), roles.clock.now()};
+    Autopilot& autopilot = autopilot_.make(roles, record);
+    core::Firmware& firmware = autopilot.firmware;
     firmware.start();
     here.start_watchdog();
     for (;;) {
       firmware.run();
       glance(firmware, shown);
-      here.maintain(firmware.state().armed());
+      const bool armed = firmware.state().armed();
+      recorder.step(firmware, roles.clock.now());
+      autopilot.codec.serve(roles.serial, armed);
+      here.maintain(armed);
       here.idle();
     }
   }
 
  private:
   struct Autopilot {
-    explicit Autopilot(const hal::Board& board)
-        : link{make_link<BoardLink>(board.serial)}, firmware{board, link.codec} {}
+    Autopilot(const hal::Board& board, parts::FlightRecord& record)
+        : link{make_link<ImageLink>(board.serial)},
+          codec{link.codec, record, board.clock},
+          firmware{board, codec} {}
     template <class Link>
     static Link make_link([[maybe_unused]] hal::Serial& port) {
       if constexpr (std::is_constructible_v<Link, hal::Serial&>) {
@@ -65,11 +84,12 @@ class Image {
         return Link{};
       }
     }
-    BoardLink link;
+    ImageLink link;
+    RecordingCodec codec;
     core::Firmware firmware;
   };
-  Place<Board> board_;
-  Place<Autopilot> autopilot_;
+  ObjectStorage<Board> board_;
+  ObjectStorage<Autopilot> autopilot_;
 };
 
 }  // namespace rosflight::boards::stm32h7

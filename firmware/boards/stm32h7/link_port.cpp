@@ -15,7 +15,7 @@ bool LinkPort::open(std::uint32_t baud, std::uint8_t device) {
     format.baud = kUsualBaud;
     static_cast<void>(uart_.open(format));
   }
-  usb_.open(place_.usb_minus, place_.usb_plus);
+  usb_.open(pins_.usb_minus, pins_.usb_plus);
   unmask_bus(masked);
   return possible;
 }

@@ -10,12 +10,11 @@ namespace rosflight::boards::stm32h7 {
 /// over the UART otherwise. The image forwards the interrupts of both.
 class LinkPort final : public hal::Serial {
  public:
-  struct Place {
-    Uart::Place uart;
+  struct Pins {
+    Uart::Pins uart;
     Pin usb_minus, usb_plus;
   };
-  LinkPort(const Place& place, const Uart::Memory& memory)
-      : place_{place}, uart_{place.uart, memory} {}
+  LinkPort(const Pins& pins, const Uart::Memory& memory) : pins_{pins}, uart_{pins.uart, memory} {}
 
   /// Opens both. @param baud  of the UART.
   bool open(std::uint32_t baud, std::uint8_t device) override;
@@ -33,7 +32,7 @@ class LinkPort final : public hal::Serial {
  private:
   void send_next();
 
-  Place place_;
+  Pins pins_;
   Uart uart_;
   UsbPort usb_;
   FrameQueues<4096> queues_;

@@ -9,8 +9,8 @@ namespace rosflight::boards::stm32h7 {
 class PartUart final : public parts::UartPort {
  public:
   /// All must outlive this.
-  PartUart(const Uart::Place& place, const Uart::Memory& memory, const hal::Clock& clock)
-      : uart_{place, memory}, clock_{clock} {}
+  PartUart(const Uart::Pins& pins, const Uart::Memory& memory, const hal::Clock& clock)
+      : uart_{pins, memory}, clock_{clock} {}
 
   /// Gives received bytes to this; call it before the first set_format().
   void connect(parts::ByteReceiver& receiver) { receiver_ = &receiver; }

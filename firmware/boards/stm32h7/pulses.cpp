@@ -16,8 +16,8 @@ bool Pulses::configure(const hal::OutputRates& rates_hz) {
   for (std::size_t g = 0; g < kMaxGroups; ++g) {
     std::array<float, kTimerChannels> rates{};
     std::size_t members = 0;
-    for (std::size_t k = 0; k < place_.count; ++k) {
-      if (channel(k).timer == place_.groups[g].timer) rates[members++] = rates_hz[k];
+    for (std::size_t k = 0; k < pins_.count; ++k) {
+      if (channel(k).timer == pins_.groups[g].timer) rates[members++] = rates_hz[k];
     }
     plans_[g] = parts::plan_pulses(rates.data(), members, kTimerClock_Hz);
     ok = ok && plans_[g].status == parts::PulsePlan::Status::kOk;
@@ -28,7 +28,7 @@ bool Pulses::configure(const hal::OutputRates& rates_hz) {
 }
 
 void Pulses::start_timer(std::size_t group) {
-  const auto& [timer, stream, request] = place_.groups[group];
+  const auto& [timer, stream, request] = pins_.groups[group];
   const parts::PulsePlan& plan = plans_[group];
   const bool runs = plan.kind != parts::PulseKind::kOff;
   open_gate(timer);
@@ -43,7 +43,7 @@ void Pulses::start_timer(std::size_t group) {
   std::uint32_t modes[2] = {0, 0};
   std::uint32_t enables = 0;
   bool advanced = false;
-  for (std::size_t k = 0; k < place_.count; ++k) {
+  for (std::size_t k = 0; k < pins_.count; ++k) {
     const Channel& c = channel(k);
     if (!(c.timer == timer)) continue;
     const std::uint32_t mode = tim::CCMR1_OC1M(kPwm1) | tim::CCMR1_OC1PE(1);
@@ -63,7 +63,7 @@ void Pulses::start_timer(std::size_t group) {
     reg(timer, tim::DIER) = tim::DIER_UDE(1);
   }
   if (runs) reg(timer, tim::CR1) = tim::CR1_URS(1) | tim::CR1_ARPE(1) | tim::CR1_CEN(1);
-  for (std::size_t k = 0; k < place_.count; ++k) {
+  for (std::size_t k = 0; k < pins_.count; ++k) {
     if (channel(k).timer == timer) make_alternate(channel(k).pin, channel(k).function);
   }
 }
@@ -73,21 +73,21 @@ void Pulses::write(const hal::OutputValues& values) {
   for (std::size_t g = 0; g < kMaxGroups; ++g) {
     if (plans_[g].kind == parts::PulseKind::kDshot) write_frames(g, values);
     if (plans_[g].kind != parts::PulseKind::kPwm) continue;
-    for (std::size_t k = 0; k < place_.count; ++k) {
+    for (std::size_t k = 0; k < pins_.count; ++k) {
       const Channel& c = channel(k);
-      if (!(c.timer == place_.groups[g].timer)) continue;
+      if (!(c.timer == pins_.groups[g].timer)) continue;
       reg(c.timer, tim::CCR1 + 4u * c.channel) = parts::pwm_counts(plans_[g], values[k]);
     }
   }
 }
 
 void Pulses::write_frames(std::size_t group, const hal::OutputValues& values) {
-  const Group& here = place_.groups[group];
+  const Group& here = pins_.groups[group];
   DmaStream stream{here.stream};
   if (stream.runs()) return;
   Burst& burst = memory_.bursts[group];
   burst.fill(0);
-  for (std::size_t k = 0; k < place_.count; ++k) {
+  for (std::size_t k = 0; k < pins_.count; ++k) {
     const Channel& c = channel(k);
     if (!(c.timer == here.timer)) continue;
     const std::uint16_t frame = parts::dshot_frame(parts::dshot_throttle(values[k]), false);
@@ -104,11 +104,11 @@ void Pulses::write_frames(std::size_t group, const hal::OutputValues& values) {
 void Pulses::disable() {
   if (!enabled_) return;
   enabled_ = false;
-  for (const Group& each : place_.groups) {
+  for (const Group& each : pins_.groups) {
     DmaStream stream{each.stream};
     if (stream.runs()) stream.stop();
   }
-  for (std::size_t k = 0; k < place_.count; ++k) {
+  for (std::size_t k = 0; k < pins_.count; ++k) {
     reg(channel(k).timer, tim::CCR1 + 4u * channel(k).channel) = 0;
   }
 }

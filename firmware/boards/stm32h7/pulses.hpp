@@ -31,21 +31,21 @@ class Pulses final : public hal::Outputs {
   struct Group {
     Instance timer;
     unsigned stream;
-    std::uint32_t request;  ///< Of its update.
+    std::uint32_t request;  ///< DMA request of the update of the timer.
   };
-  /// Of one group, for the DMA; of section .dma.
+  /// Compare values of one group for the DMA, in section .dma.
   using Burst = std::array<std::uint16_t, kTimerChannels * parts::kDshotCounts>;
   struct Memory {
     alignas(32) std::array<Burst, kMaxGroups> bursts;
   };
-  struct Place {
+  struct Pins {
     const Channel* channels;  ///< In the order of the outputs.
     std::size_t count;        ///< <= kMaxChannels.
     std::array<Group, kMaxGroups> groups;
   };
 
   /// Both must outlive this.
-  Pulses(const Place& place, Memory& memory) : place_{place}, memory_{memory} {}
+  Pulses(const Pins& pins, Memory& memory) : pins_{pins}, memory_{memory} {}
 
   /// 0 (off), 4 to 490 Hz, or 150 000 to 1 200 000 Hz for DShot. @returns false for a rate out of range, or
   /// two rates on one timer: the timer then runs at the slower.
@@ -54,11 +54,11 @@ class Pulses final : public hal::Outputs {
   void disable() override;
 
  private:
-  const Channel& channel(std::size_t k) const { return place_.channels[k]; }
+  const Channel& channel(std::size_t k) const { return pins_.channels[k]; }
   void start_timer(std::size_t group);
   void write_frames(std::size_t group, const hal::OutputValues& values);
 
-  const Place& place_;
+  const Pins& pins_;
   Memory& memory_;
   std::array<parts::PulsePlan, kMaxGroups> plans_{};
   bool enabled_{false};

@@ -36,7 +36,7 @@ T& memory_at(std::uintptr_t address) {
 inline volatile std::uint32_t& reg(const Instance& instance, std::uint32_t offset) {
   return memory_at<volatile std::uint32_t>(instance.base + offset);
 }
-/// For data registers with frames of 8 bits.
+/// Register access of 8 bits, for data registers with such frames.
 inline volatile std::uint8_t& reg8(const Instance& instance, std::uint32_t offset) {
   return memory_at<volatile std::uint8_t>(instance.base + offset);
 }

@@ -24,18 +24,18 @@ std::uint32_t SpiBus::divider_for(std::uint32_t max_Hz) const {
 
 void SpiBus::open(parts::SharedBus& bus) {
   bus_ = &bus;
-  open_gate(place_.spi);
+  open_gate(pins_.spi);
   for (std::size_t k = 0; k < device_count_; ++k) make_output(devices_[k].select, true);
-  for (const Pin& pin : {place_.clock, place_.in, place_.out}) make_alternate(pin, place_.function);
+  for (const Pin& pin : {pins_.clock, pins_.in, pins_.out}) make_alternate(pin, pins_.function);
   // SSI before MASTER: without it the SPI sees its own select low and leaves master mode. AFCNTR keeps
   // the clock high while the SPI is disabled.
-  reg(place_.spi, spi::CR1) = spi::CR1_SSI(1);
-  reg(place_.spi, spi::CFG2) =
+  reg(pins_.spi, spi::CR1) = spi::CR1_SSI(1);
+  reg(pins_.spi, spi::CFG2) =
       spi::CFG2_SSM(1) | spi::CFG2_AFCNTR(1) | spi::CFG2_CPOL(1) | spi::CFG2_CPHA(1);
-  modify(reg(place_.spi, spi::CFG2), spi::CFG2_MASTER, 1);
+  modify(reg(pins_.spi, spi::CFG2), spi::CFG2_MASTER, 1);
   using Direction = DmaStream::Direction;
-  receive_.connect({place_.receive_request, Direction::kToMemory, false, true});
-  transmit_.connect({place_.receive_request + 1, Direction::kToRegister});
+  receive_.connect({pins_.receive_request, Direction::kToMemory, false, true});
+  transmit_.connect({pins_.receive_request + 1, Direction::kToRegister});
   enable_interrupt(receive_.irq(), Priority::kBus);
 }
 
@@ -54,7 +54,7 @@ void SpiBus::begin(std::uint8_t device, const parts::Transfer& transfer) {
   const std::size_t count = transfer.out_count + transfer.in_count;
   const auto rest = std::copy_n(transfer.out, transfer.out_count, buffers_.out.begin());
   std::fill_n(rest, transfer.in_count, std::uint8_t{0});
-  const Instance& spi = place_.spi;
+  const Instance& spi = pins_.spi;
   const std::uint32_t format = spi::CFG1_DSIZE(kEightBits) | spi::CFG1_CRCSIZE(kEightBits) |
                                spi::CFG1_MBR(divider_for(devices_[device].max_Hz));
   reg(spi, spi::CR2) = spi::CR2_TSIZE(static_cast<std::uint32_t>(count));
@@ -69,7 +69,7 @@ void SpiBus::begin(std::uint8_t device, const parts::Transfer& transfer) {
 
 /// The SPI is disabled, its flags and streams are cleared, the device is deselected.
 void SpiBus::end(bool failed) {
-  const Instance& spi = place_.spi;
+  const Instance& spi = pins_.spi;
   if (!failed) {
     while (spi::SR_EOT.of(reg(spi, spi::SR)) == 0) {  // at once: the last byte has been moved
     }

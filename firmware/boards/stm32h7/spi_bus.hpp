@@ -21,7 +21,7 @@ struct SpiBuffers {
 /// The image forwards the interrupt of the receive stream to on_interrupt().
 class SpiBus final : public parts::BusHardware {
  public:
-  struct Place {
+  struct Pins {
     Instance spi;
     Pin clock, in, out;
     unsigned function;  ///< Alternate function of the three pins.
@@ -34,13 +34,13 @@ class SpiBus final : public parts::BusHardware {
   };
 
   /// `devices`, `count` of them, and `buffers` must outlive this.
-  SpiBus(const Place& place, const Device* devices, std::size_t count, SpiBuffers& buffers)
-      : place_{place},
+  SpiBus(const Pins& pins, const Device* devices, std::size_t count, SpiBuffers& buffers)
+      : pins_{pins},
         devices_{devices},
         device_count_{count},
         buffers_{buffers},
-        receive_{place.receive_stream},
-        transmit_{place.transmit_stream} {}
+        receive_{pins.receive_stream},
+        transmit_{pins.transmit_stream} {}
 
   /// Pins, streams, interrupt. Call it once, before the first transfer.
   void open(parts::SharedBus& bus);
@@ -55,7 +55,7 @@ class SpiBus final : public parts::BusHardware {
   void end(bool failed);
   std::uint32_t divider_for(std::uint32_t max_Hz) const;
 
-  Place place_;
+  Pins pins_;
   const Device* devices_;
   std::size_t device_count_;
   SpiBuffers& buffers_;

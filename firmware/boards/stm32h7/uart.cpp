@@ -33,19 +33,19 @@ hal::Time character_time(const parts::UartFormat& format) {
 bool Uart::open(const parts::UartFormat& format) {
   const std::uint32_t divider = divider_for(format.baud);
   if (divider == 0) return false;
-  const Instance& uart = place_.uart;
+  const Instance& uart = pins_.uart;
   open_gate(uart);
   modify(reg(uart, usart::CR1), usart::CR1_UE, 0);  // rates and format only while disabled
   reg(uart, usart::CR1) = 0;
   receive_.connect(
-      {place_.receive_request, DmaStream::Direction::kToMemory, true, false, false, true});
+      {pins_.receive_request, DmaStream::Direction::kToMemory, true, false, false, true});
   if (sends()) {
     transmit_.connect(
-        {place_.receive_request + 1, DmaStream::Direction::kToRegister, false, true, false, true});
-    make_alternate(place_.transmit, place_.function);
+        {pins_.receive_request + 1, DmaStream::Direction::kToRegister, false, true, false, true});
+    make_alternate(pins_.transmit, pins_.function);
     enable_interrupt(transmit_.irq(), Priority::kBus);
   }
-  make_alternate(place_.receive, place_.function, Pull::kUp);
+  make_alternate(pins_.receive, pins_.function, Pull::kUp);
   taken_ = 0;
   sending_ = false;
   reg(uart, usart::BRR) = divider;
@@ -57,7 +57,7 @@ bool Uart::open(const parts::UartFormat& format) {
   reg(uart, usart::CR1) = usart::CR1_UE(1) | usart::CR1_RE(1) | usart::CR1_TE(sends()) |
                           usart::CR1_IDLEIE(1) | usart::CR1_PCE(format.even_parity) |
                           usart::CR1_M0(format.even_parity);
-  enable_interrupt(place_.irq, Priority::kBus);
+  enable_interrupt(pins_.irq, Priority::kBus);
   return true;
 }
 
@@ -77,15 +77,15 @@ std::size_t Uart::read(std::uint8_t* data, std::size_t capacity) {
 
 void Uart::send(std::size_t count) {
   sending_ = true;
-  transmit_.start(place_.uart.base + usart::TDR, memory_.out, count);
+  transmit_.start(pins_.uart.base + usart::TDR, memory_.out, count);
 }
 
 Uart::Event Uart::on_interrupt() {
   constexpr std::uint32_t kErrors = usart::ICR_PECF.mask() | usart::ICR_FECF.mask() |
                                     usart::ICR_NECF.mask() | usart::ICR_ORECF.mask();
-  const std::uint32_t status = reg(place_.uart, usart::ISR);
-  reg(place_.uart, usart::ICR) = kErrors | usart::ICR_IDLECF.mask();
-  const std::uint32_t back = reg(place_.uart, usart::ISR);
+  const std::uint32_t status = reg(pins_.uart, usart::ISR);
+  reg(pins_.uart, usart::ICR) = kErrors | usart::ICR_IDLECF.mask();
+  const std::uint32_t back = reg(pins_.uart, usart::ISR);
   static_cast<void>(back);  // the write has arrived: the interrupt does not come again
   return {usart::ISR_IDLE.of(status) != 0, (status & kErrors) != 0};
 }

@@ -19,7 +19,7 @@ hal::Time character_time(const parts::UartFormat& format);
 /// not noticed: it holds 6 ms at 3 Mbaud.
 class Uart {
  public:
-  struct Place {
+  struct Pins {
     Instance uart;
     unsigned irq;
     Pin receive, transmit;
@@ -36,11 +36,11 @@ class Uart {
     std::size_t out_size;
   };
 
-  Uart(const Place& place, const Memory& memory)
-      : place_{place},
+  Uart(const Pins& pins, const Memory& memory)
+      : pins_{pins},
         memory_{memory},
-        receive_{place.receive_stream},
-        transmit_{place.transmit_stream} {}
+        receive_{pins.receive_stream},
+        transmit_{pins.transmit_stream} {}
 
   /// Opens or reopens it; what was queued or received is lost.
   /// @returns false, and changes nothing, if the rate cannot be had within 2 %.
@@ -54,7 +54,7 @@ class Uart {
   std::size_t out_size() const { return memory_.out_size; }
   bool sending() const { return sending_; }
   /// The last stop bit has left.
-  bool line_is_quiet() const { return usart::ISR_TC.of(reg(place_.uart, usart::ISR)) != 0; }
+  bool line_is_quiet() const { return usart::ISR_TC.of(reg(pins_.uart, usart::ISR)) != 0; }
   void send(std::size_t count);
 
   /// What the UART's own interrupt was for; clears it.
@@ -63,14 +63,14 @@ class Uart {
     bool error{};
   };
   Event on_interrupt();
-  /// Of the transmit stream.
+  /// Interrupt of the transmit stream.
   void on_sent();
 
  private:
-  bool sends() const { return place_.transmit_stream != kNoStream; }
+  bool sends() const { return pins_.transmit_stream != kNoStream; }
   std::size_t written() const { return (memory_.ring_size - receive_.left()) % memory_.ring_size; }
 
-  Place place_;
+  Pins pins_;
   Memory memory_;
   DmaStream receive_;
   DmaStream transmit_;
@@ -82,8 +82,8 @@ class Uart {
 class UartListener {
  public:
   /// All must outlive this.
-  UartListener(const Uart::Place& place, const Uart::Memory& memory, const hal::Clock& clock)
-      : uart_{place, memory}, clock_{clock} {}
+  UartListener(const Uart::Pins& pins, const Uart::Memory& memory, const hal::Clock& clock)
+      : uart_{pins, memory}, clock_{clock} {}
   /// May be called again, with another decoder.
   bool open(const parts::UartFormat& format, parts::ByteReceiver& receiver);
   void on_interrupt();

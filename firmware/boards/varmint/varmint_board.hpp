@@ -21,7 +21,7 @@ class Varmint final : public stm32h7::FlightBoard {
   /// Clocks and memory system run already.
   Varmint(Memory& memory, parts::Start how);
 
-  /// Of the MPU's regions, from number `first` on, before the caches are on.
+  /// Sets the MPU's regions, from number `first` on, before the caches are on.
   static void map_memory(unsigned first) { stm32h7::FlashSectors::map_memory(first); }
   /// Opens buses and inputs, starts the tick and the interrupts.
   void open();

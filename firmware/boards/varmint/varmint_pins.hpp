@@ -20,47 +20,47 @@ inline constexpr Pin kRedLed{'B', 2}, kGreenLed{'E', 15}, kBlueLed{'E', 8};
 // The ADIS16500 on SPI4, paced by a clock that we give. Its reset is low.
 inline constexpr Pin kImuReady{'B', 8}, kImuReset{'E', 12}, kSyncClock{'B', 14};
 inline constexpr unsigned kSyncClockFunction = 2;  ///< TIM12 channel 1.
-inline constexpr stm32h7::SpiBus::Place kImuBus{
+inline constexpr stm32h7::SpiBus::Pins kImuBus{
     stm32h7::SPI4, {'E', 2}, {'E', 13}, {'E', 6}, 5, 5, 6, stm32h7::request::SPI4_RX};
 inline constexpr stm32h7::SpiBus::Device kImuDevices[] = {{{'E', 4}, 1'000'000}};
 
 /// DPS310 and IIS2MDC share SPI2, each with one wire for both directions: the chip's two data pins
 /// meet at the part.
-inline constexpr stm32h7::SpiBus::Place kBaroBus{
+inline constexpr stm32h7::SpiBus::Pins kBaroBus{
     stm32h7::SPI2, {'B', 13}, {'C', 2}, {'C', 3}, 5, 3, 4, stm32h7::request::SPI2_RX};
 enum BaroBusDevice : std::uint8_t { kBaro = 0, kMag = 1 };
 inline constexpr stm32h7::SpiBus::Device kBaroBusDevices[] = {{{'E', 1}, 4'000'000},
                                                               {{'B', 12}, 4'000'000}};
 
 /// Pitot sensor, with a pin that rises at the end of a conversion, and potentiometer of the servo supply.
-inline constexpr stm32h7::I2cBus::Place kI2c{
+inline constexpr stm32h7::I2cBus::Pins kI2c{
     stm32h7::I2C1, stm32h7::irq::I2C1_EV, stm32h7::irq::I2C1_ER, {'B', 6}, {'B', 9}, 4};
 inline constexpr Pin kPitotReady{'E', 9};
 inline constexpr float kServoSupply_V = 4.8f;
 
-inline constexpr stm32h7::Uart::Place kGnss{stm32h7::USART1,
-                                            stm32h7::irq::USART1,
-                                            {'B', 7},
-                                            {'A', 9},
-                                            7,
-                                            7,
-                                            0,
-                                            stm32h7::request::USART1_RX};
+inline constexpr stm32h7::Uart::Pins kGnss{stm32h7::USART1,
+                                           stm32h7::irq::USART1,
+                                           {'B', 7},
+                                           {'A', 9},
+                                           7,
+                                           7,
+                                           0,
+                                           stm32h7::request::USART1_RX};
 inline constexpr Pin kPulsePerSecond{'A', 3};
 
 /// Chip selects of the second IMU, which is not used: kept high.
 inline constexpr Pin kUnusedSelects[] = {{'A', 4}, {'D', 10}};
 
 /// Link to the companion: USB, or this. Streams 8 and 10 are DMA2's 0 and 2.
-inline constexpr stm32h7::Uart::Place kLink{stm32h7::USART2,
-                                            stm32h7::irq::USART2,
-                                            {'D', 6},
-                                            {'D', 5},
-                                            7,
-                                            10,
-                                            8,
-                                            stm32h7::request::USART2_RX};
-inline constexpr stm32h7::Uart::Place kReceiver{
+inline constexpr stm32h7::Uart::Pins kLink{stm32h7::USART2,
+                                           stm32h7::irq::USART2,
+                                           {'D', 6},
+                                           {'D', 5},
+                                           7,
+                                           10,
+                                           8,
+                                           stm32h7::request::USART2_RX};
+inline constexpr stm32h7::Uart::Pins kReceiver{
     stm32h7::USART3,          stm32h7::irq::USART3,       {'D', 9}, {'D', 8}, 7, 9,
     stm32h7::Uart::kNoStream, stm32h7::request::USART3_RX};
 

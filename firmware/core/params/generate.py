@@ -9,11 +9,14 @@ Column `armed`, what one message may do to the value while armed: empty = anythi
 `FACTOR [step STEP] [up]` = at most FACTOR times as much or as little, with the same sign, or a change of at most STEP;
 with `up` never less than it is. Floats only."""
 import csv
+import itertools
 import math
+import os
 import re
 import sys
 
 COLUMNS = ["name", "type", "default", "min", "max", "sentinel", "armed", "units", "description"]
+NAMES_PER_BLOCK = 16
 
 
 def identifier(name):
@@ -129,6 +132,15 @@ def lines_of(numbers):
         yield "    " + "".join(f"{number}, " for number in numbers[start:start + 16]).rstrip()
 
 
+def packed(names):
+    """Each name as the characters that it does not share with the one before: parameter_row.hpp, next_name()."""
+    before = ""
+    for index, name in enumerate(names):
+        shared = len(os.path.commonprefix([before, name[:-1]])) if index % NAMES_PER_BLOCK else 0
+        yield bytes([shared << 4 | len(name) - shared - 1]) + name[shared:].encode()
+        before = name
+
+
 def header(rows):
     rules = list(dict.fromkeys(armed_rule("", row) for row in rows))
     yield "// Generated from firmware/core/parameters.csv. Do not edit."
@@ -156,13 +168,16 @@ def header(rows):
     yield "inline constexpr std::array<std::uint8_t, kParamCount> kParamKindOf{{"
     yield from lines_of(distinct.index(kind) for kind in kinds)
     yield "}};"
-    yield "inline constexpr std::array<link::ParamName, kParamCount> kParamNames{{"
-    yield from (f'    padded_name("{row["name"]}"),' for row in rows)
+    names = list(packed(row["name"] for row in rows))
+    begins = list(itertools.accumulate(map(len, names), initial=0))
+    yield "/// All names, packed (next_name()), and where those begin that share nothing with the name before."
+    yield f"inline constexpr std::array<std::uint8_t, {begins[-1]}> kParamNames{{{{"
+    yield from lines_of(b"".join(names))
     yield "}};"
-    yield "/// Indices in the order of the names."
-    yield "inline constexpr std::array<std::uint16_t, kParamCount> kParamOrder{{"
-    order = sorted(range(len(rows)), key=lambda index: rows[index]["name"])
-    yield from lines_of(order)
+    yield f"inline constexpr std::size_t kNamesPerBlock = {NAMES_PER_BLOCK};"
+    blocks = begins[:-1:NAMES_PER_BLOCK]
+    yield f"inline constexpr std::array<std::uint16_t, {len(blocks)}> kNameBlocks{{{{"
+    yield from lines_of(blocks)
     yield "}};"
     yield "}  // namespace detail"
     yield "}  // namespace rosflight::core"

@@ -255,7 +255,7 @@ TEST_F(CommandTest, FailsafeUsesThePrimaryMixerWhoeverHadControl) {
   EXPECT_FLOAT_EQ(combined(2), 0.4f);
   ASSERT_TRUE(offboard(kAngles, {0, 0, 1, 1, 1, 1, 1, 1, 1, 1}));
   idle(1);
-  EXPECT_FLOAT_EQ(combined(2), 0.4f) << "the companion has no say in failsafe";
+  EXPECT_FLOAT_EQ(combined(2), 0.4f) << "the companion has no effect in failsafe";
   EXPECT_EQ(combined(6), 0.0f);
   failsafe_ = false;
   idle(1);
@@ -384,7 +384,7 @@ TEST_F(CompanionInFailsafe, WithTheCompanionSilentTooTheFailsafeCommandFollowsIt
   failsafe_ = true;
   idle(10);
   EXPECT_FALSE(command_.in_failsafe());
-  EXPECT_TRUE(idle(100)) << "the status tells it";
+  EXPECT_TRUE(idle(100)) << "the status reports it";
   EXPECT_TRUE(command_.in_failsafe());
   EXPECT_FLOAT_EQ(combined(2), 0.4f);
   EXPECT_FLOAT_EQ(combined(3), 0.0f);

@@ -44,7 +44,7 @@ void run_reference_rows(bool exact_step, const std::vector<Row>& rows) {
 // it does neither. With a tilt error e that the gyro offset keeps up (0.22/5 rad here) the two
 // differ by e psi / 2: 4e-6 in the tilt rate of each sample at psi = 7e-3 rad, 0.0024 rad in half a
 // quaternion component at 0.3 rad, 0.01 at 0.9 rad. The last row of ROSflight 2.x, at a heading of
-// 3 rad, where it does not correct at all, says nothing about this estimator.
+// 3 rad, where it does not correct at all, is no test of this estimator.
 TEST(EstimatorAgainstReference, EulerSteps) {
   run_reference_rows(
       false,

@@ -121,7 +121,7 @@ TEST_F(FirmwareArming, WithoutLeastThrottleTheOverrideSwitchMustBeOn) {
   rig_.run_for(3300);
   EXPECT_FALSE(rig_.armed());
   EXPECT_EQ(rig_.count_text("Unable to arm: throttle override switch is off"), 3u)
-      << "asked at every frame, told once a second";
+      << "requested at every frame, reported once a second";
   rig_.rc.channels[4] = 1.0f;
   rig_.run_for(50);
   EXPECT_TRUE(rig_.armed());

@@ -319,7 +319,7 @@ TEST_F(FirmwareParameters, AChangedSwitchMappingIsTold) {
   EXPECT_TRUE(rig_.said("arm switch on channel 5"));
 }
 
-/// Volts and amperes that the companion is told of 1.5 V and 1 A at the pins.
+/// Volts and amperes that the companion receives for 1.5 V and 1 A at the pins.
 std::pair<float, float> battery_of(FirmwareRig& rig) {
   rig.run_for(10);
   rig.inbox.clear();

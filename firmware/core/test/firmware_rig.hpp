@@ -199,8 +199,8 @@ class FirmwareRig {
   hal::RcFrame rc;
   hal::Vec3 accel_m_s2{0.0f, 0.0f, -9.80665f};
   hal::Vec3 gyro_rad_s{1e-6f, 0.0f, 0.0f};
-  Time imu_offset{};  ///< Of the stamps.
-  Time imu_drift{};   ///< Of the stamps, per pass.
+  Time imu_offset{};  ///< Offset of the stamps.
+  Time imu_drift{};   ///< Drift of the stamps per pass.
   bool dither{true};
   bool imu_on{true};
   bool rc_on{true};
@@ -211,7 +211,7 @@ class FirmwareRig {
  private:
   void collect() {
     const auto bytes = serial.take_sent();
-    // The codec hides identities; take them from the frames, whose sizes the decoder tells.
+    // The codec hides identities; take them from the frames, whose sizes the decoder reports.
     for (std::size_t used = 0; used < bytes.size();) {
       const auto result = companion_codec_.decode(bytes.data() + used, bytes.size() - used);
       if (result.complete) {

@@ -4,7 +4,7 @@
 namespace rosflight::core {
 namespace {
 
-// ---- commands 5, 6, 7 (weak point 62: neither modules nor companion were told)
+// ---- commands 5, 6, 7 (weak point 62: neither modules nor companion were notified)
 
 TEST_F(FirmwareParameters, WriteReadAndDefaultsAreToldToModulesAndCompanion) {
   start();

@@ -7,9 +7,9 @@
 namespace rosflight::core {
 namespace {
 
-constexpr int kMostMessages = 8;
-constexpr std::size_t kMostBytesRead = 1024 + 128;  // the last of what is read may wait
-constexpr std::size_t kMostBytesEncoded = 1024;
+constexpr int kMaxMessages = 8;
+constexpr std::size_t kMaxBytesRead = 1024 + 128;  // the last of what is read may wait
+constexpr std::size_t kMaxBytesEncoded = 1024;
 // Documented times and limits stand here as numbers: a check that takes them from the firmware
 // would follow a slip in it.
 constexpr Time kImuSilence = hal::milliseconds(100);
@@ -480,11 +480,11 @@ void FlightInvariants::check_disarming(const WatchedFirmware& watched) {
 
 void FlightInvariants::check_work(const WatchedFirmware& watched) {
   const PassWork& w = watched.work();
-  if (w.messages_decoded > kMostMessages) {
+  if (w.messages_decoded > kMaxMessages) {
     fail("work_messages", words(w.messages_decoded, " messages in a pass"));
   }
-  if (w.bytes_read > kMostBytesRead) fail("work_bytes_read", words(w.bytes_read, " B read"));
-  if (w.bytes_encoded > kMostBytesEncoded) {
+  if (w.bytes_read > kMaxBytesRead) fail("work_bytes_read", words(w.bytes_read, " B read"));
+  if (w.bytes_encoded > kMaxBytesEncoded) {
     fail("work_bytes_encoded", words(w.bytes_encoded, " B sent"));
   }
   if (w.settings_derived > 1) {

@@ -63,7 +63,7 @@ class FlightInvariants {
   Time glides_until_{};
   bool asked_{false};                             ///< For arming, since disarmed.
   bool stick_raised_{false}, commanded_{false};   ///< Since the arming.
-  float throttle_{0.0f}, throttle_before_{0.0f};  ///< Of the newest good frame, and the one before.
+  float throttle_{0.0f}, throttle_before_{0.0f};  ///< Newest good frame; the one before.
   Time imu_any_{}, stuck_at_{};
   int unusable_{0};  ///< Samples in a row.
   bool imu_latched_{false};
@@ -71,7 +71,7 @@ class FlightInvariants {
   bool rc_bad_now_{false}, rc_failsafe_now_{false};
   int off_frames_{0};  ///< In a row with the arm switch off.
   Time off_since_{}, corner_since_{}, rc_good_{kNever};
-  bool in_corner_{false};  ///< Of the disarming gesture.
+  bool in_corner_{false};  ///< The sticks are in the disarming corner.
   Time offboard_{kNever}, companion_{kNever}, parameters_changed_{kNever};
   Time motor_test_{kNever};
   int auxiliary_over_writes_{0};  ///< Passes that wrote outputs since auxiliary motors must stop.

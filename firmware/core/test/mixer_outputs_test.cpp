@@ -232,8 +232,8 @@ TEST(MixerAux, AMotorCommandThatCameBeforeOrWhileDisarmedNeverCounts) {
   failsafe.failsafe = true;
   static_cast<void>(m.step({}, failsafe));
   ASSERT_TRUE(m.set_auxiliary(motor_and_servo()));
-  EXPECT_EQ(m.step({}, failsafe)[10], 0.0f) << "the companion has no say in failsafe";
-  EXPECT_EQ(m.step({}, armed())[10], 0.0f) << "nor what it said then";
+  EXPECT_EQ(m.step({}, failsafe)[10], 0.0f) << "the companion has no effect in failsafe";
+  EXPECT_EQ(m.step({}, armed())[10], 0.0f) << "nor what it sent then";
 }
 
 TEST(MixerAux, AMotorOnAServosPinStopsAtZeroNotAtTheServosCentre) {

@@ -56,7 +56,7 @@ TEST(ParameterStore, AMediumThatFailsHalfwayLeavesTheLiveTableAlone) {
   }
 }
 
-/// Counts what is done to a medium, and spoils what it is told to write.
+/// Counts what is done to a medium, and spoils what is written.
 class WatchedStorage final : public hal::Storage {
  public:
   explicit WatchedStorage(hal::Storage& good) : good_{good} {}
@@ -69,7 +69,8 @@ class WatchedStorage final : public hal::Storage {
     ++writes;
     largest = std::max(largest, count);
     std::vector<std::uint8_t> bytes(data, data + count);
-    if (writes == spoiled_write) bytes[count / 2] ^= 0x10u;  // says yes and stores something else
+    if (writes == spoiled_write)
+      bytes[count / 2] ^= 0x10u;  // reports success and stores something else
     return good_.write(offset, bytes.data(), count);
   }
   bool flush() override { return good_.flush(); }

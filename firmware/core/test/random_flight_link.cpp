@@ -244,8 +244,8 @@ void RandomFlight::garbage() {
   Random& r = random(Ingredient::kGarbage);
   if (!happens(Ingredient::kGarbage, hal::milliseconds(100))) return;
   // Sometimes more than a pass may read.
-  constexpr std::uint32_t kMost = 60;
-  const std::uint32_t count = r.chance(0.05f) ? r.below(kMost) : 1;
+  constexpr std::uint32_t kMaxBurst = 60;
+  const std::uint32_t count = r.chance(0.05f) ? r.below(kMaxBurst) : 1;
   for (std::uint32_t k = 0; k < count; ++k) {
     inputs_.packets.emplace_back();
     Packet& packet = inputs_.packets.back();

@@ -380,7 +380,7 @@ class RcWithArmSwitch : public RcTest {
 TEST_F(RcWithArmSwitch, ArmsOnTheFirstOnAndDisarmsWhenEveryFrameOfATenthOfASecondSaidOff) {
   struct Rate {
     std::int64_t period_us;
-    int frames;  ///< That say off before it counts: the first, and those until 100 ms later.
+    int frames;  ///< That have the switch off before it counts: the first, and those until 100 ms later.
   };
   for (const Rate& rate : {Rate{20'000, 6}, Rate{9'000, 13}, Rate{2'000, 51}, Rate{50'000, 3}}) {
     SCOPED_TRACE(rate.period_us);
@@ -419,7 +419,7 @@ TEST_F(RcWithArmSwitch, LostFramesInBetweenSayNothing) {
       };
       for (int k = 0; k < 100; ++k) static_cast<void>(next(false, false));
       static_cast<void>(next(true, false));
-      // Off between lost frames that say on, and the other way round: only good ones count.
+      // Off between lost frames with the switch on, and the other way round: only good ones count.
       Time first{};
       bool disarm = false;
       for (int k = 0; k < 200 && !disarm; ++k) {

@@ -3,6 +3,7 @@
 import csv
 import math
 import pathlib
+import re
 import subprocess
 import sys
 
@@ -44,7 +45,7 @@ def test_makes_a_row_and_an_entry_of_each_parameter(tmp_path):
     text = header.read_text()
     assert ("    int_kind(1, 1.0f, 255.0f, 1.0f, 0),\n    float_kind(0.5f, -kInfinity, kInfinity, 0.5f, 1),\n"
             "    float_kind(-1.0f, 0.0f, 1.0f, -1.0f, 0),\n") in text
-    assert '    padded_name("SYS_ID"),\n    padded_name("PRI_MIXER_0_1"),\n    padded_name("FAILSAFE_THR"),\n' in text
+    assert names_in(text) == ["SYS_ID", "PRI_MIXER_0_1", "FAILSAFE_THR"]
     assert "kParamCount = 3;" in text
     assert "{kInfinity, 0.0f, false}," in text and "{0.0f, 0.0f, false}," in text
     assert [line.strip() for line in text.splitlines() if line.strip().startswith("k") and line.endswith(",")] \
@@ -52,6 +53,28 @@ def test_makes_a_row_and_an_entry_of_each_parameter(tmp_path):
     lines = page.read_text().splitlines()
     assert "| 1 | PRI_MIXER_0_1 | float | 0.5 | -inf .. inf | N | locked | A gain |" in lines
     assert any("0 .. 1 or -1" in line and r"If \|x\| is lost" in line for line in lines)
+
+
+def names_in(header):
+    """The names of the table, unpacked by the rule of next_name() in parameter_row.hpp."""
+    table = re.search(r"kParamNames\{\{\n(.*?)\}\};", header, re.S)[1]
+    rest = bytes(int(number) for number in re.findall(r"[0-9]+", table))
+    names = []
+    while rest:
+        shared, own = rest[0] >> 4, (rest[0] & 15) + 1
+        names.append((names[-1] if names else "")[:shared] + rest[1:1 + own].decode())
+        rest = rest[1 + own:]
+    return names
+
+
+def test_names_are_packed_and_blocks_begin_with_a_whole_one(tmp_path):
+    names = ["A", *(f"ABCDEFGHIJKLMNO{letter}" for letter in "ABCDEFGHIJKLMNOPQ"), "ABC"]
+    done, header, _ = run(tmp_path, table(*(changed(name=name) for name in names)))
+    assert done.returncode == 0, done.stderr
+    text = header.read_text()
+    assert names_in(text) == names
+    # 1 + 1 for A, 1 + 15 for the next, 1 + 1 for each of 14; then 1 + 16, 1 + 1, and 1 + 1 for ABC, whose AB is shared.
+    assert "std::array<std::uint8_t, 67>" in text and "kNameBlocks{{\n    0, 46,\n}};" in text
 
 
 def test_each_armed_rule_stands_once_in_the_header(tmp_path):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The firmware as a process that was told to speak lean, and a tool written from docs/link.md."""
+"""The firmware as a process that is set to lean, and a tool written from docs/link.md."""
 
 import struct
 import sys

@@ -71,7 +71,7 @@ def test_all_parameters_have_the_names_types_and_defaults_of_the_reference_and_o
 
 
 def test_a_tool_that_knows_only_the_protocol_loads_all_parameters_and_sets_one_of_ours(pty_ground):
-    """As official tools do: a table of the size that the first value tells, filled by index, gaps asked for."""
+    """As official tools do: a table of the size that the first value reports, filled by index, gaps asked for."""
     pty_ground.mav.param_request_list_send(1, 1)
     first = pty_ground.expect("PARAM_VALUE")
     table = [None] * first.param_count

@@ -181,6 +181,13 @@ TEST(ParameterTables, ValuesBesideEveryRangeAreRefusedInOneLine) {
   expect_refusals(autonomy::estimation::parameters());
 }
 
+TEST(ParameterTables, ReadTheFormerKeyOfTheTimeOfRejectedVelocity) {
+  autonomy::estimation::EstimatorConfig s;
+  const auto document = config::Document::from_text("gnss_doubt_s: 0.7", "file.yaml");
+  autonomy::estimation::parameters().read(document.root(), s);
+  EXPECT_EQ(s.gnss_rejected_s, 0.7);
+}
+
 TEST(ParameterTables, ReadTheFormerKeyOfTheMaximumRange) {
   autonomy::fixedwing::AutonomyConfig s;
   const auto document = config::Document::from_text("safety: {longest_range_m: 5}", "file.yaml");

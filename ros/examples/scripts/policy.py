@@ -4,7 +4,7 @@
 
 Inputs from the simulator's `sim/truth_state`, outputs straight to the mixer; the flight controller closes no loop. The weights are
 those that train_policy.py made when the package was built, or a file of your own (parameter `weights`). The vehicle is
-vehicles/multirotor.yaml, whose mixer takes throttle and torques without units. It flies `places`, one after the other.
+vehicles/multirotor.yaml, whose mixer takes throttle and torques without units. It flies to `positions`, one after the other.
 
     ./rosflight ros launch rosflight_examples policy.launch.xml
 """
@@ -21,7 +21,7 @@ from rclpy.node import Node
 from rosflight_msgs.msg import Command, SimState, Status
 
 WEIGHTS = Path(__file__).resolve().parents[2] / "share/rosflight_examples/policy_weights.npz"
-LONGEST_STEP_S = 0.05
+MAX_STEP_S = 0.05
 DEPTH = 5  # a state that is some steps late is still answered, so every one is, as long as simulated time waits for `command`
 
 
@@ -44,11 +44,11 @@ class Policy(Node):
     def __init__(self):
         super().__init__("policy")
         self.network = Network(self.declare_parameter("weights", str(WEIGHTS)).value)
-        flat = self.declare_parameter("places", [0.0, 0.0, -2.0, 2.0, 0.0, -2.0, 2.0, 2.0, -2.5, 0.0, 0.0, -2.0],
-                                      ParameterDescriptor(description="north, east, down [m], one after the other")).value
+        flat = self.declare_parameter("positions", [0.0, 0.0, -2.0, 2.0, 0.0, -2.0, 2.0, 2.0, -2.5, 0.0, 0.0, -2.0],
+                                      ParameterDescriptor(description="positions north, east, down [m] to fly to, one after the other")).value
         if not flat or len(flat) % 3:
-            raise ValueError(f"parameter places: found {len(flat)} numbers, allowed three for each place")
-        self.places = [flat[k:k + 3] for k in range(0, len(flat), 3)]
+            raise ValueError(f"parameter positions: found {len(flat)} numbers, allowed three for each position")
+        self.positions = [flat[k:k + 3] for k in range(0, len(flat), 3)]
         self.stay_s = float(self.declare_parameter("stay_s", 4.0, ParameterDescriptor(dynamic_typing=True)).value)
         self.flies = False
         self.flown_s = self.sum_down = self.last = 0.0
@@ -62,7 +62,7 @@ class Policy(Node):
 
     def on_state(self, message):
         now = message.header.stamp.sec + 1e-9 * message.header.stamp.nanosec
-        dt = max(0.0, min(LONGEST_STEP_S, now - self.last))
+        dt = max(0.0, min(MAX_STEP_S, now - self.last))
         self.last = now
         command = Command(mode=Command.MODE_PASS_THROUGH)
         command.header.stamp = message.header.stamp
@@ -74,9 +74,9 @@ class Policy(Node):
             self.flown_s = self.sum_down = 0.0
         self.commands.publish(command)
 
-    def place(self, dt):
+    def position(self, dt):
         self.flown_s += dt
-        return self.places[min(int(self.flown_s / self.stay_s), len(self.places) - 1)]
+        return self.positions[min(int(self.flown_s / self.stay_s), len(self.positions) - 1)]
 
     def inputs(self, message, dt):
         """The inputs of train_policy.py: errors and velocity in the heading frame."""
@@ -84,7 +84,7 @@ class Policy(Node):
         roll = math.atan2(2 * (q.w * q.x + q.y * q.z), 1 - 2 * (q.x * q.x + q.y * q.y))
         pitch = math.asin(max(-1.0, min(1.0, 2 * (q.w * q.y - q.z * q.x))))
         yaw = math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z))
-        north, east, down = (to - at for to, at in zip(self.place(dt), (p.x, p.y, p.z)))
+        north, east, down = (to - at for to, at in zip(self.position(dt), (p.x, p.y, p.z)))
         self.sum_down = max(-1.0, min(1.0, self.sum_down + max(-0.5, min(0.5, down)) * dt))
         c, s = math.cos(yaw), math.sin(yaw)
         # Velocity from body axes to those of the heading: pitch, then roll, taken back.

@@ -19,7 +19,7 @@ from std_srvs.srv import Trigger
 sys.path.insert(0, str(ROOT / "ros/examples/scripts"))
 import train_policy  # noqa: E402
 
-PLACES = [(0, 0, -2), (2, 0, -2), (2, 2, -2.5), (0, 0, -2)]
+POSITIONS = [(0, 0, -2), (2, 0, -2), (2, 2, -2.5), (0, 0, -2)]
 QUAD_X = numpy.array([[-1, -1, -1, -1], [-0.353557, -0.353557, 0.353557, 0.353557], [0.353557, -0.353557, -0.353557, 0.353557],
                       [0.25, -0.25, 0.25, -0.25]])  # docs/predefined-mixers.md, rows Fz, roll, pitch, yaw
 
@@ -73,7 +73,7 @@ class Seen:
             results += self.peer.call(SetParameters, "command_filter/set_parameters", parameters=[Parameter(name="bias", value=value)]).results
         assert all(result.successful for result in results), results
 
-    def place(self, message=None):
+    def position(self, message=None):
         p = (message or self.truth[-1]).pose.position
         return p.x, p.y, p.z
 
@@ -95,12 +95,12 @@ def flight(tmp_path_factory):
         seen.peer.close()
 
 
-def test_the_policy_flies_its_places_in_pass_through_at_400_Hz(flight):
+def test_the_policy_flies_its_positions_in_pass_through_at_400_Hz(flight):
     flight.fly_on(17.0)
-    for place in PLACES:
-        near = min(math.dist(place, flight.place(m)) for m in list(flight.truth))
-        assert near < 0.35, f"{near:.2f} m from {place}"
-    assert math.dist(flight.place(), PLACES[-1]) < 0.5, "it stays at the last"
+    for position in POSITIONS:
+        near = min(math.dist(position, flight.position(m)) for m in list(flight.truth))
+        assert near < 0.35, f"{near:.2f} m from {position}"
+    assert math.dist(flight.position(), POSITIONS[-1]) < 0.5, "it stays at the last"
     flying = [m for m in list(flight.sent) if m.u[2] < -0.1]
     assert all(m.mode == Command.MODE_PASS_THROUGH for m in flying)
     times = [stamp_ns(m) for m in flying]
@@ -112,11 +112,11 @@ def test_the_policy_flies_its_places_in_pass_through_at_400_Hz(flight):
 
 @pytest.fixture
 def filtered(flight):
-    """The flight, its filter as it was afterwards, and the vehicle back at its last place."""
+    """The flight, its filter as it was afterwards, and the vehicle back at its last position."""
     yield flight
     with flight.paused():
         flight.set_filter(bias=[0.0] * 10, delay_s=0.0, replay_s=0.0, dead_motor=-1)
-    flight.fly_on(6.0)
+    flight.fly_on(4.0)
 
 
 def test_a_bias_and_a_delay_are_flown_with(filtered):
@@ -131,9 +131,9 @@ def test_a_bias_and_a_delay_are_flown_with(filtered):
     assert len(late) > 300
     for before, now in late:
         assert now == pytest.approx(before + [0, 0, 0, 0.05, 0, 0, 0, 0, 0, 0], abs=1e-6)
-    east = flight.place()[1]
+    east = flight.position()[1]
     assert 0.02 < east < 1.0, "a torque to the right that the network does not know of: it stands to the right, and stands"
-    assert abs(flight.place()[2] + 2.0) < 0.5
+    assert abs(flight.position()[2] + 2.0) < 0.5
 
 
 def test_recorded_commands_are_played_again(filtered):
@@ -150,7 +150,7 @@ def test_recorded_commands_are_played_again(filtered):
     assert len(set(sent)) > 50
     assert any(tuple(m.u) not in set(sent) for m in wanted[-200:]), "while the policy goes on"
     flight.fly_on(5.0)
-    assert math.dist(flight.place(), PLACES[-1]) < 0.6, "it has caught itself"
+    assert math.dist(flight.position(), POSITIONS[-1]) < 0.6, "it has caught itself"
 
 
 def test_a_dead_motor_stands_still_and_the_quadrotor_falls(filtered):
@@ -158,7 +158,7 @@ def test_a_dead_motor_stands_still_and_the_quadrotor_falls(filtered):
     with flight.paused():
         flight.set_filter(dead_motor=0)
         begin = len(flight.pulses)
-    flight.until(lambda: flight.place()[2] > -0.5, "the fall")
+    flight.until(lambda: flight.position()[2] > -0.5, "the fall")
     idle = 1100  # MOTOR_IDLE_THR
     pulses = [m.values for m in list(flight.pulses)[begin:]]
     pulses = pulses[next(k for k, values in enumerate(pulses) if values[0] <= idle):]

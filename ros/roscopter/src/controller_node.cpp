@@ -57,9 +57,10 @@ class ControllerNode : public rclcpp::Node {
         parameters_{*this, controller_parameters(), tuning_} {
     state_timeout_s_ = rosflight_common::declare_number(
         *this, "state_timeout_s", 0.25, 0.01, 10.0,
-        "without a state for this long the vehicle is the pilot's [s]");
-    status_timeout_s_ = rosflight_common::declare_number(*this, "status_timeout_s", 2.0, 0.1, 60.0,
-                                                         "the same without a status [s]");
+        "time without a state after which the pilot has control [s]");
+    status_timeout_s_ = rosflight_common::declare_number(
+        *this, "status_timeout_s", 2.0, 0.1, 60.0,
+        "time without a status after which the pilot has control [s]");
     const std::string why = fault(tuning_);
     if (!why.empty()) throw config::Error("parameter " + why);
     parameters_.on_change([this](const Tuning& tuning) {
@@ -69,9 +70,10 @@ class ControllerNode : public rclcpp::Node {
     });
     control_ = CommandedFlight(tuning_.controller, config_.thrust);
     control_.renew(tuning_.states);
-    if (rosflight_common::declare_switch(*this, "use_firmware_parameters", true,
-                                         "what a throttle does is read from the flight controller; "
-                                         "false: from the vehicle file")) {
+    if (rosflight_common::declare_switch(
+            *this, "use_firmware_parameters", true,
+            "reads the thrust of a throttle from the flight controller; "
+            "false: from the vehicle file")) {
       const auto& names = flight::kThrustParameters;
       motors_.emplace(*this, std::vector<std::string>(names.begin(), names.end()),
                       std::chrono::milliseconds(20), FirmwareParameters::Repeat::kForever,
@@ -127,7 +129,8 @@ class ControllerNode : public rclcpp::Node {
 
   std::string motor_fault(const FirmwareParameters::Values& values) {
     const double mixer = values.at("PRIMARY_MIXER");
-    if (std::find(kWingMixers.begin(), kWingMixers.end(), mixer) != kWingMixers.end())
+    if (std::find(kFixedWingMixers.begin(), kFixedWingMixers.end(), mixer) !=
+        kFixedWingMixers.end())
       return "PRIMARY_MIXER: found " + config::number_text(mixer) +
              ", a fixed wing's, allowed a multirotor's";
     const auto rotors = flight::read_rotors(vehicle_);
@@ -174,7 +177,7 @@ class ControllerNode : public rclcpp::Node {
     const auto latched = rclcpp::QoS(1).transient_local();
     out_ = create_publisher<Command>("command", newest);
     phase_ = create_publisher<std_msgs::msg::String>("flight_phase", latched);
-    tell_phase();
+    publish_phase();
     given_sub_ = create_subscription<ControllerCommand>(
         "high_level_command", newest, [this](ControllerCommand::ConstSharedPtr message) {
           given_ = command_of(*message);
@@ -286,7 +289,7 @@ class ControllerNode : public rclcpp::Node {
   }
 
   void enter(Phase phase) {
-    tell_phase();
+    publish_phase();
     RCLCPP_INFO(get_logger(), "phase %s%s", autonomy::multirotor::name(phase),
                 phase == Phase::kLanded ? ": disarm" : "");
     if (phase == Phase::kLanded) flown_ = true;
@@ -295,13 +298,13 @@ class ControllerNode : public rclcpp::Node {
     control_.renew(with_mission(tuning_.states));
   }
 
-  void tell_phase() {
+  void publish_phase() {
     std_msgs::msg::String message;
     message.data = autonomy::multirotor::name(control_.output().phase);
     phase_->publish(message);
   }
 
-  /// What no message can tell: that none comes.
+  /// Detects that no message arrives.
   void watch() {
     if (silent_ || !state_at_ || !status_at_) return;
     const rclcpp::Time time = now();
@@ -319,7 +322,7 @@ class ControllerNode : public rclcpp::Node {
   static constexpr double kBack_s = 1.0;
 
   /// FIXEDWING and INVERTED_VTAIL of the firmware's table (docs/predefined-mixers.md).
-  static constexpr std::array kWingMixers{9.0, 10.0};
+  static constexpr std::array kFixedWingMixers{9.0, 10.0};
 
   rosflight::sim::Vehicle vehicle_;
   FlightConfig config_;

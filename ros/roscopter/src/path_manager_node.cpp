@@ -35,11 +35,11 @@ config::Table<PathConfig> path_parameters() {
   using C = PathConfig;
   return {
       {"max_velocity", at(&C::limits, &LegLimits::speed_m_s), "m/s", Range::between(0.1, 50.0),
-       "of legs"},
+       "maximum speed of legs"},
       {"max_acceleration", at(&C::limits, &LegLimits::acceleration_m_s2), "m/s^2",
-       Range::between(0.1, 50.0), "of legs"},
+       Range::between(0.1, 50.0), "maximum acceleration of legs"},
       {"waypoint_tolerance", &C::waypoint_tolerance_m, "m", Range::between(0.01, 100.0),
-       "closer counts as reached"},
+       "distance at which a waypoint is reached"},
       {"arrival_timeout_s", &C::arrival_timeout_s, "s", Range::between(0.1, 3600.0),
        "maximum wait for the vehicle at the end of a leg"},
       {"do_linear_interpolation",
@@ -54,7 +54,7 @@ config::Table<PathConfig> path_parameters() {
 
 /// Turns waypoints into a trajectory: autonomy's PathManager, one setpoint per State.
 ///
-/// The clock of the path runs while the controller says "offboard" on `flight_phase`; until then
+/// The clock of the path runs while the controller publishes "offboard" on `flight_phase`; until then
 /// the setpoint is where the vehicle is. If nobody publishes a phase the path begins with the
 /// first waypoint. After the last waypoint of a mission that ends in a landing it calls
 /// controller/land; so it does after path_manager/return_to_base, above where it took off.
@@ -258,7 +258,7 @@ class PathManagerNode : public rclcpp::Node {
   bool done_{false};
   bool returning_{false};
   std::vector<autonomy::multirotor::Waypoint> mission_;  ///< Without the return.
-  std::optional<Eigen::Vector3d> place_W_, home_W_;      ///< Of the last State; of the take-off.
+  std::optional<Eigen::Vector3d> place_W_, home_W_;      ///< Last State; take-off.
   rclcpp::Publisher<TrajectoryCommand>::SharedPtr setpoints_;
   rclcpp::Subscription<Waypoint>::SharedPtr waypoints_;
   rclcpp::Subscription<std_msgs::msg::String>::SharedPtr at_end_;

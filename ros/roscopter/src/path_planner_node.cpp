@@ -74,12 +74,12 @@ class Policy {
       refuse("psi", number_text(static_cast<double>(wp.psi)), "-2 pi to 2 pi");
     const bool speed_fits =
         wp.speed == 0.0F ||
-        (wp.speed >= kSlowest_m_s && static_cast<double>(wp.speed) <= limits_.max_speed_m_s);
+        (wp.speed >= kMinSpeed_m_s && static_cast<double>(wp.speed) <= limits_.max_speed_m_s);
     if (!speed_fits) {
       refuse("speed", number_text(static_cast<double>(wp.speed)),
              "0.1 to " + number_text(limits_.max_speed_m_s) + ", or 0 for the vehicle's");
     }
-    if (!between(static_cast<double>(wp.hold_seconds), 0.0, kLongestHold_s))
+    if (!between(static_cast<double>(wp.hold_seconds), 0.0, kMaxHold_s))
       refuse("hold_seconds", number_text(static_cast<double>(wp.hold_seconds)), "0 to 86400");
     if (wp.hold_indefinitely && wp.type == Waypoint::TYPE_GOTO)
       refuse("hold_indefinitely", "true at a goto", "false, or type 0");
@@ -99,13 +99,15 @@ class Policy {
   }
 
  private:
-  static constexpr float kSlowest_m_s = 0.1F;
-  static constexpr double kLongestHold_s = 86400.0;
+  static constexpr float kMinSpeed_m_s = 0.1F;
+  static constexpr double kMaxHold_s = 86400.0;
 
   void check_place(Waypoint& wp, const std::optional<autonomy::Geodetic>& origin) const {
     autonomy::Vector3 p_W = vector(wp.w);
     if (wp.use_lla) {
-      if (!origin) refuse("use_lla", "true", "false, as long as no state tells the origin");
+      if (!origin)
+        refuse("use_lla", "true",
+               "false: the origin is not known yet, no vehicle state has arrived");
       if (!between(p_W.x(), -90.0, 90.0) || !between(p_W.y(), -180.0, 180.0))
         refuse("w", number_text(p_W.x()) + ", " + number_text(p_W.y()), "latitude, longitude");
       p_W = autonomy::ned_of({p_W.x(), p_W.y(), p_W.z()}, *origin);
@@ -114,7 +116,7 @@ class Policy {
     }
     const double distance_m = std::hypot(p_W.x(), p_W.y());
     if (!(distance_m <= limits_.max_distance_m)) {
-      refuse("w", "a place " + number_text(distance_m) + " m from the origin",
+      refuse("w", "a position " + number_text(distance_m) + " m from the origin",
              "at most " + number_text(limits_.max_distance_m) + " m");
     }
     const double height_m = -p_W.z();
@@ -141,7 +143,7 @@ const char* word(autonomy::AtEnd at_end) {
   return "land";
 }
 
-/// Tells besides what a Waypoint cannot: what happens at the end, and the height of the take-off.
+/// Publishes besides what a Waypoint has no field for: what happens at the end, and the height of the take-off.
 class PathPlanner final : public rosflight_common::PlannerNode<Policy> {
  public:
   explicit PathPlanner(const rclcpp::NodeOptions& options) : PlannerNode(options) {

@@ -17,12 +17,13 @@ class SignalGenerator final : public rosflight_common::SignalNode {
   explicit SignalGenerator(const rclcpp::NodeOptions& options)
       : SignalNode("signal_generator/", options) {
     mode_ = rosflight_common::declare_integer(*this, "controller_mode", 0, 0, 11,
-                                              "of roscopter_msgs/ControllerCommand", true);
+                                              "mode of roscopter_msgs/ControllerCommand", true);
     output_ = rosflight_common::declare_integer(*this, "controller_output", 1, 1, 4,
-                                                "the cmd that varies", true);
+                                                "number of the cmd that varies", true);
     for (std::size_t k = 0; k < base_.size(); ++k) {
-      base_[k] = rosflight_common::declare_number(*this, "default_cmd" + std::to_string(k + 1), 0.0,
-                                                  -10'000.0, 10'000.0, "value, or lower end", true);
+      base_[k] = rosflight_common::declare_number(
+          *this, "default_cmd" + std::to_string(k + 1), 0.0, -10'000.0, 10'000.0,
+          "value of this cmd; lower end of the one that varies", true);
     }
     commands_ = create_publisher<ControllerCommand>("high_level_command", rclcpp::QoS(1));
     changes_ = rosflight_common::on_change(*this, [this](const rclcpp::Parameter& p) { take(p); });

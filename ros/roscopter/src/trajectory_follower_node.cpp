@@ -34,21 +34,22 @@ config::Table<FollowerConfig> follower_parameters() {
     return rosflight_common::gains_row<C>(prefix, member, "", Range::between(-1000.0, 1000.0),
                                           text);
   };
-  const char* position = "of the acceleration from the position error";
-  return {{"gravity", &C::gravity_m_s2, "m/s^2", Range::between(9.0, 10.0), ""},
-          {"mass", &C::mass_kg, "kg", Range::between(0.01, 1000.0), ""},
-          {"down_command_window", &C::max_position_error_m, "m", Range::between(0.1, 100.0),
-           "farther away an error counts as this much"},
-          {"max_commanded_down_accel_in_gs", &C::min_lift_ratio, kDown,
-           Range::between(-0.95, -0.05), "minimum upward share of thrust, negative"},
-          {"trajectory_timeout_s", &C::timeout_s, "s", Range::between(0.01, 60.0),
-           "an older setpoint is not followed"},
-          gains("u_n", &C::horizontal, position),
-          gains(
-              "u_e", [](C& c) -> auto& { return *c.east; },
-              position),  // with_east has given it a value
-          gains("u_d", &C::vertical, position),
-          gains("yaw_to_rate", &C::heading, "of the yaw rate from the heading")};
+  const char* position = "gain from the position error to the acceleration";
+  return {
+      {"gravity", &C::gravity_m_s2, "m/s^2", Range::between(9.0, 10.0), "gravity"},
+      {"mass", &C::mass_kg, "kg", Range::between(0.01, 1000.0), "mass of the vehicle"},
+      {"down_command_window", &C::max_position_error_m, "m", Range::between(0.1, 100.0),
+       "position error is limited to this"},
+      {"max_commanded_down_accel_in_gs", &C::min_lift_ratio, kDown, Range::between(-0.95, -0.05),
+       "minimum upward thrust as a share of the weight, negative"},
+      {"trajectory_timeout_s", &C::timeout_s, "s", Range::between(0.01, 60.0),
+       "maximum age of a setpoint that is followed"},
+      gains("u_n", &C::horizontal, position),
+      gains(
+          "u_e", [](C& c) -> auto& { return *c.east; },
+          position),  // with_east has given it a value
+      gains("u_d", &C::vertical, position),
+      gains("yaw_to_rate", &C::heading, "gain from the heading error to the yaw rate")};
 }
 
 FollowerConfig with_east(FollowerConfig config) {
@@ -107,7 +108,7 @@ class TrajectoryFollowerNode : public rclcpp::Node {
     TrajectoryCommand message;
     rclcpp::Time at;
   };
-  static constexpr double kFarthest_s = 0.1;  // a setpoint is carried on
+  static constexpr double kMaxAhead_s = 0.1;  // a setpoint is carried on
 
   void step(const State& message) {
     if (!received_) return;
@@ -118,7 +119,7 @@ class TrajectoryFollowerNode : public rclcpp::Node {
     const autonomy::multirotor::State state = state_of(message);
     const autonomy::multirotor::AttitudeView attitude(state.q_WB);
     const double ahead_s =
-        std::clamp(t_s - rosflight_common::seconds(received_->message.header), 0.0, kFarthest_s);
+        std::clamp(t_s - rosflight_common::seconds(received_->message.header), 0.0, kMaxAhead_s);
     const autonomy::multirotor::Trajectory setpoint =
         carried_on(trajectory_of(received_->message), ahead_s);
     const double age_s = std::max(0.0, (now() - received_->at).seconds());

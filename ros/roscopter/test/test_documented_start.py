@@ -31,7 +31,7 @@ def test_it_does_not_take_off_with_a_throttle_that_cannot_carry_it(flight):
     start = len(flight.truth)
     flight.until(lambda: len(flight.truth) > start + 2000, "five seconds")
     assert all(m.pose.position.z > -0.2 for m in flight.truth)
-    assert flight.phase() == "disarmed"
+    flight.until(lambda: flight.phase() == "disarmed", "the phase disarmed")
     flight.pilot("toggle_override", lambda: flight.status[-1].rc_override & 3, "the override")
     flight.pilot("toggle_arm", lambda: not flight.status[-1].armed, "being disarmed")
     assert flight.peer.call(ParamSet, "param_set", name="RC_MAX_THR", value=0.7).exists

@@ -7,16 +7,14 @@ import time
 
 import pytest
 from copter_nodes import LATCHED_ALL, START_NS, WITHOUT_VEHICLE, copter, going, set_values, state
-from geometry_msgs.msg import Quaternion, Vector3
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, ListParameters, SetParameters
-from rosgraph_msgs.msg import Clock
 from roscopter_msgs.msg import ControllerCommand, State, TrajectoryCommand, Waypoint
 from rosflight_msgs.msg import Attitude, Barometer, Command, GNSS, SimState, Status
 from sensor_msgs.msg import Imu, MagneticField
 from sim_contract import TRIGGER, Module, Out, check_module
-from sim_rig import ALL, ALL_BEST_EFFORT, LATCHED, VEHICLE, Process, SimPeer, executable, launch, stamp, stamp_ns
-from std_msgs.msg import Bool, String
+from sim_rig import LATCHED, VEHICLE, Process, SimPeer, executable, launch, stamp, stamp_ns
+from std_msgs.msg import String
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import Marker
 
@@ -271,112 +269,7 @@ def test_the_follower_obeys_its_gains_and_stops_when_set_points_do(peer):
         peer.poll(lambda: (followed(0.5), answer().cmd_valid)[1], "valid commands again")
 
 
-# ---- estimator, transcribers, signal ---------------------------------------------------------------
-
-
-class Resting:
-    """The sensors of a vehicle at rest with the nose to the east: a field of 20 uT north, 45 uT down is 20 uT to the left."""
-
-    def __init__(self, peer):
-        self.received = peer.listen(State, "estimated_state")
-        self.imu, self.mag = peer.publisher(Imu, "imu/data", ALL), peer.publisher(MagneticField, "magnetometer", ALL)
-        self.baro, self.gnss = peer.publisher(Barometer, "baro", ALL), peer.publisher(GNSS, "gnss", ALL)
-        peer.poll(lambda: all(p.get_subscription_count() for p in (self.imu, self.mag, self.baro, self.gnss)), "subscribers")
-        self.peer, self.tick = peer, 0
-
-    def ns(self):
-        return START_NS + self.tick * 5_000_000
-
-    def until(self, states):
-        """Sends 200 samples in a second of their stamps until so many states have come."""
-        def some():
-            for _ in range(5):
-                if self.tick % 4 == 0:
-                    self.mag.publish(stamp(MagneticField(magnetic_field=Vector3(x=0.0, y=-2e-5, z=4.5e-5)), self.ns()))
-                    self.baro.publish(stamp(Barometer(pressure=86_000.0), self.ns()))
-                if self.tick % 40 == 0:
-                    self.gnss.publish(stamp(GNSS(fix_type=3, num_sat=12, lat=40.0, lon=-111.0, alt=1400.0,
-                                                 gnss_unix_seconds=1_780_000_000), self.ns()))
-                self.imu.publish(stamp(Imu(linear_acceleration=Vector3(z=-GRAVITY)), self.ns()))
-                self.tick += 1
-            time.sleep(0.002)
-            return len(self.received) >= states
-        self.peer.poll(some, f"{states} states")
-
-
-def test_the_estimator_finds_its_attitude_and_falls_silent_with_the_imu(peer):
-    with copter("estimator", declination=0.0) as process:
-        resting = Resting(peer)
-        received = resting.received
-        resting.until(100)
-        last = received[-1]
-        assert last.psi == pytest.approx(math.pi / 2, abs=0.02) and abs(last.phi) < 0.01 and abs(last.theta) < 0.01
-        assert last.quat.z == pytest.approx(math.sin(math.pi / 4), abs=0.01)
-        assert math.hypot(last.p_n, last.p_e, last.p_d) < 1.0
-        assert (last.initial_lat, last.initial_lon) == pytest.approx((40.0, -111.0), abs=1e-5)
-        assert last.initial_alt == pytest.approx(1400.0, abs=1.0)
-        stamps = [stamp_ns(m) for m in received]
-        assert all(later > earlier for earlier, later in zip(stamps, stamps[1:]))
-        process.until("imu/data is silent: no state goes out")
-        count = len(received)
-        time.sleep(0.2)
-        assert len(received) == count
-
-
-@pytest.mark.parametrize("restarted", [False, True])
-def test_after_a_gap_the_heading_is_the_flight_controllers_unless_it_restarted(peer, restarted):
-    """The estimate points east, and the flight controller, whose samples were missing for 1 s, says north."""
-    with copter("estimator", declination=0.0):
-        resting = Resting(peer)
-        attitude, again = peer.publisher(Attitude, "attitude", ALL), peer.publisher(Bool, "status/restarted", ALL)
-        peer.poll(lambda: attitude.get_subscription_count() and again.get_subscription_count(), "subscribers")
-        resting.until(100)
-        if restarted:
-            again.publish(Bool(data=True))
-        resting.tick += 200
-        before = len(resting.received)
-
-        def hinted():
-            attitude.publish(stamp(Attitude(attitude=Quaternion(w=1.0)), resting.ns()))
-            resting.until(len(resting.received) + 1)
-            return len(resting.received) >= before + 200
-        peer.poll(hinted, "200 states after the gap")
-        turned = max(abs(state.psi - math.pi / 2) for state in resting.received[before:])
-        assert (turned < 0.1) == restarted, turned
-
-
-def test_a_clock_that_is_late_makes_no_topic_silent(peer):
-    """0.3 s of IMU samples arrive before the simulated time that they are stamped with."""
-    with copter("estimator", use_sim_time="true") as process:
-        clock, imu = peer.publisher(Clock, "/clock", ALL_BEST_EFFORT), peer.publisher(Imu, "imu/data", ALL)
-        peer.poll(lambda: clock.get_subscription_count() and imu.get_subscription_count(), "subscribers")
-
-        def tell_time(ns):
-            message = Clock()
-            message.clock.sec, message.clock.nanosec = divmod(ns, 1_000_000_000)
-            for _ in range(10):  # best effort
-                clock.publish(message)
-                time.sleep(0.02)
-
-        def sample(ns):
-            imu.publish(stamp(Imu(linear_acceleration=Vector3(z=-GRAVITY)), ns))
-
-        def read():
-            """An answer shows that what came before the request has been read."""
-            assert peer.call(ListParameters, "estimator/list_parameters").result.names
-
-        tell_time(START_NS)
-        read()
-        for ms in range(0, 300, 10):
-            sample(START_NS + ms * 1_000_000)
-            read()
-        tell_time(START_NS + 310_000_000)
-        read()
-        sample(START_NS + 320_000_000)
-        read()
-        tell_time(START_NS + 500_000_000)
-        process.until("imu/data is silent: no state goes out")
-        assert process.text().count("is silent") == 1 and "is back" not in process.text()
+# ---- transcribers, signal ---------------------------------------------------------------------------
 
 
 def test_the_transcribers_copy(peer):

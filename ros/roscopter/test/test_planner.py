@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The path planner by itself: what it publishes, what it refuses, missions and places on earth."""
+"""The path planner by itself: what it publishes, what it refuses, missions and positions on earth."""
 
 import math
 
@@ -48,13 +48,13 @@ def test_the_planner_publishes_so_many_and_late_joiners_get_all(peer, tmp_path):
 
 @pytest.mark.parametrize("waypoint, said", [
     (going(10, height=500.0), "wp.w: found a height of 500 m, allowed 0.5 to 120 m"),
-    (going(99_999), "wp.w: found a place"),
+    (going(99_999), "wp.w: found a position"),
     (going(math.nan), "wp.w: found"),
     (going(10, speed=99.0), "wp.speed: found 99, allowed 0.1 to 8"),
     (going(10, psi=9.0), "wp.psi: found 9"),
     (going(10, hold_indefinitely=True), "wp.hold_indefinitely: found true at a goto"),
     (Waypoint(type=7), "wp.type: found 7, allowed 0 (hold) or 1 (goto)"),
-    (going(10, use_lla=True), "wp.use_lla: found true, allowed false, as long as no state tells the origin"),
+    (going(10, use_lla=True), "wp.use_lla: found true, allowed false: the origin is not known yet"),
 ])
 def test_the_planner_names_what_is_wrong_with_a_waypoint(planner, waypoint, said):
     peer, _ = planner
@@ -90,7 +90,7 @@ def test_missions_load_whole_or_not_at_all_and_geodetic_ones_with_an_origin(plan
     geodetic = tmp_path / "geodetic.yaml"
     geodetic.write_text("mission:\n  - {type: goto, w: [40.001, -111.0, 1410], use_lla: true, psi: 0}\n")
     assert not load(geodetic)
-    process.until("use_lla: found true, allowed false, because the start has no known place")
+    process.until("use_lla: found true, allowed false, because the start has no known position")
     states = peer.publisher(State, "estimated_state")
     origin = state(START_NS)
     origin.initial_lat, origin.initial_lon, origin.initial_alt = 40.0, -111.0, 1400.0
@@ -100,5 +100,5 @@ def test_missions_load_whole_or_not_at_all_and_geodetic_ones_with_an_origin(plan
         return load(geodetic)
     peer.poll(loaded, "the origin")
     # A meridian's radius at 40 deg on WGS-84, a(1-e^2)/(1-e^2 sin^2)^1.5 = 6361815.8 m, and the height of the origin.
-    peer.wait(lambda: abs(received[-1].w[0] - math.radians(0.001) * (6361815.8 + 1400.0)) < 0.01, "the place")
+    peer.wait(lambda: abs(received[-1].w[0] - math.radians(0.001) * (6361815.8 + 1400.0)) < 0.01, "the position")
     assert abs(received[-1].w[1]) < 1e-3 and abs(received[-1].w[2] + 10.0) < 0.01 and not received[-1].use_lla

@@ -104,9 +104,9 @@ class Threads {
     try {
       executor.spin();
     } catch (...) {
-      shared_.cancel();
-      for (auto& other : own_) other.cancel();
-      throw;
+      // Ends the others, those too that do not spin yet: they would miss a cancel(). False: ROS had ended before, and the
+      // callback threw because of that.
+      if (rclcpp::shutdown()) throw;
     }
   }
 
@@ -114,8 +114,8 @@ class Threads {
   std::list<rclcpp::executors::SingleThreadedExecutor> own_;
 };
 
-/// Waits for the end.
-void run(int argc, char** argv) {
+/// Waits for the end. `spins` becomes true when the nodes are made.
+void run(int argc, char** argv, bool& spins) {
   std::vector<Loaded> nodes;
   for (int i = 1; i < argc && std::string_view(argv[i]) != "--ros-args"; ++i) {
     // One argument may name several: `ros2 launch` passes on the value of a variable as one, spaces and all.
@@ -129,6 +129,7 @@ void run(int argc, char** argv) {
   rclcpp::Node& first = *nodes.front().node;
   const auto watch = warn_without_clock(first);
   RCLCPP_INFO(first.get_logger(), "ready: %zu nodes in one process", nodes.size());
+  spins = true;
   threads.spin();
 }
 
@@ -137,12 +138,13 @@ void run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   bool started = false;
+  bool spins = false;
   try {
     rclcpp::init(argc, argv);
     started = true;
-    rosflight_common::run(argc, argv);
+    rosflight_common::run(argc, argv, spins);
   } catch (const std::exception& why) {
-    if (started && !rclcpp::ok()) return 0;  // SIGINT while the nodes are being made
+    if (started && !spins && !rclcpp::ok()) return 0;  // SIGINT while the nodes are being made
     std::fprintf(stderr, "compose: %s\n", rosflight_common::one_line(why.what()).c_str());
     rclcpp::shutdown();
     return 2;

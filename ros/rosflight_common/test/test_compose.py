@@ -6,7 +6,7 @@ import os
 import pytest
 from ros_launch.packages import Packages
 from ros_launch.reader import Reader
-from ros_rig import free_udp_port
+from ros_rig import PREFIXES, free_udp_port
 from rosflight_msgs.msg import SimState, Status
 from sim_rig import VEHICLE, Process, SimPeer, executable
 from std_srvs.srv import Trigger
@@ -15,9 +15,9 @@ SIMULATOR = ["rosflight_sim/sil_board", "rosflight_sim/rosflight_sil_manager", "
              "rosflight_sim/rc", "rosflight_sim/multirotor_forces_and_moments", "rosflight_sim/standalone_dynamics"]
 
 
-def compose(*components, **parameters):
+def compose(*components, environment=None, **parameters):
     words = [word for key, value in parameters.items() for word in ("-p", f"{key}:={value}")]
-    return Process(executable("rosflight_common", "compose"), *components, "--ros-args", *words)
+    return Process(executable("rosflight_common", "compose"), *components, "--ros-args", *words, env=environment)
 
 
 def test_simulator_and_io_node_run_in_one_process(tmp_path):
@@ -76,3 +76,14 @@ def test_arguments_that_ros_refuses_are_one_line():
     process = compose("rosflight_gcs/viz", mission_file="")
     assert process.end() == 2
     assert process.lines[-1].startswith("compose: ") and "'-p mission_file:='" in process.lines[-1]
+
+
+def test_an_exception_ends_the_process_before_all_threads_run(tmp_path):
+    """The first thread throws while the others are being started."""
+    (tmp_path / "lib").symlink_to(PREFIXES[0].parent / "build/rosflight_common")
+    environment = {**os.environ, "AMENT_PREFIX_PATH": f"{os.environ['AMENT_PREFIX_PATH']}:{tmp_path}"}
+    component = "rosflight_common/throws_at_once"
+    for _ in range(8):
+        process = compose(f"{component}:throws", *(f"{component}:waits_{i}" for i in range(8)), environment=environment)
+        assert process.end() == 2
+        assert process.lines[-1] == "compose: thrown by a timer"

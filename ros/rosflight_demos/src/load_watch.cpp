@@ -42,7 +42,7 @@ constexpr std::size_t kDepth =
 constexpr double kCommandRate_Hz = 100.0;
 constexpr double kImuPeriod_s = 0.0025;
 /// `sil` moves its ticks after a delay of so much (flight/sil/pace.hpp): no sample was taken in it.
-constexpr double kPause_s = 0.1;
+constexpr double kPause_s = 0.04;
 
 class Watch final : public rclcpp::Node {
  public:

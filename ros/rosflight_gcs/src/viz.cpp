@@ -24,7 +24,7 @@ using visualization_msgs::msg::Marker;
 
 constexpr const char* kFrame = "fixed_frame";
 constexpr double kUnitsPerTesla = 1e5;
-constexpr std::size_t kLargestCloud = 5000;
+constexpr std::size_t kMaxCloud = 5000;
 
 /// The rotation that turns the x axis along a vector: yaw about z, then pitch about y; no roll.
 geometry_msgs::msg::Quaternion along(double x, double y, double z) {
@@ -78,11 +78,11 @@ class VizNode final : public rclcpp::Node {
     point.y = kUnitsPerTesla * m.magnetic_field.y;
     point.z = kUnitsPerTesla * m.magnetic_field.z;
     cloud_.header.stamp = m.header.stamp;
-    if (cloud_.points.size() < kLargestCloud) {
+    if (cloud_.points.size() < kMaxCloud) {
       cloud_.points.push_back(point);
     } else {
       cloud_.points[oldest_] = point;
-      oldest_ = (oldest_ + 1) % kLargestCloud;
+      oldest_ = (oldest_ + 1) % kMaxCloud;
     }
     cloud_is_new_ = true;
   }

@@ -61,7 +61,7 @@ IoNode::IoNode(const rclcpp::NodeOptions& options)
   runner_.on_link_state([logger = get_logger(), first = std::make_shared<bool>(true)](
                             bool open, const std::string& line) {
     if (open && std::exchange(*first, false)) {
-      RCLCPP_DEBUG(logger, "%s", line.c_str());  // the version tells more
+      RCLCPP_DEBUG(logger, "%s", line.c_str());  // the version has more
     } else if (open) {
       RCLCPP_INFO(logger, "%s", line.c_str());
     } else {
@@ -81,25 +81,28 @@ IoNode::~IoNode() {
 }
 
 companion::LinkSpec IoNode::read_link() {
-  const bool udp = declare_parameter("udp", false, described("UDP instead of the serial port"));
+  const bool udp =
+      declare_parameter("udp", false, described("uses UDP instead of the serial port"));
   const std::string bind_host = declare_parameter<std::string>(
-      "bind_host", "localhost", described("kept for its name: the node listens on every address"));
+      "bind_host", "localhost",
+      described("default of remote_host; the node listens on every address"));
   const auto bind_port =
       declare_parameter<std::int64_t>("bind_port", 14520, port_number("local UDP port"));
   const std::string remote_host = declare_parameter<std::string>(
       "remote_host", bind_host, described("address of the simulated board"));
-  const auto remote_port =
-      declare_parameter<std::int64_t>("remote_port", 14525, port_number("its UDP port"));
+  const auto remote_port = declare_parameter<std::int64_t>(
+      "remote_port", 14525, port_number("UDP port of the simulated board"));
   const std::string port =
       declare_parameter<std::string>("port", "/dev/ttyACM0", described("serial device"));
-  const auto baud_rate =
-      declare_parameter<std::int64_t>("baud_rate", 921600, described("of the serial device"));
+  const auto baud_rate = declare_parameter<std::int64_t>(
+      "baud_rate", 921600, described("baud rate of the serial device"));
   const bool wait = declare_parameter("wait_for_port", false,
-                                      described("a device that is not there yet is no error"));
-  const std::string link = declare_parameter<std::string>(
-      "link", "",
-      described("any link, over all above: serial:PATH[:BAUD], udp:HOST:PORT[:LOCAL_PORT], "
-                "tcp:HOST:PORT, tcp:PORT, pty"));
+                                      described("waits for a serial device that is not there yet"));
+  const std::string link =
+      declare_parameter<std::string>("link", "",
+                                     described("link that replaces all parameters above: "
+                                               "serial:PATH[:BAUD], udp:HOST:PORT[:LOCAL_PORT], "
+                                               "tcp:HOST:PORT, tcp:PORT, pty"));
   if (!link.empty()) return companion::parse_link(link);
   if (udp) {
     return companion::parse_link("udp:" + remote_host + ":" + std::to_string(remote_port) + ":" +

@@ -56,8 +56,8 @@ void LogLines::on_status(const rosflight::link::Status& m, const companion::Stam
   if (m.armed != before.armed) RCLCPP_WARN(logger_, m.armed ? "Armed" : "Disarmed");
   if (m.failsafe && !before.failsafe) RCLCPP_ERROR(logger_, "Failsafe");
   if (!m.failsafe && before.failsafe) RCLCPP_WARN(logger_, "Failsafe over");
-  if (m.armed) tell_control(m, before);
-  tell_errors(m.error_code, before.error_code, m.armed);
+  if (m.armed) log_control(m, before);
+  log_errors(m.error_code, before.error_code, m.armed);
 }
 
 rosflight::link::Status LogLines::first(const rosflight::link::Status& m) {
@@ -72,8 +72,8 @@ rosflight::link::Status LogLines::first(const rosflight::link::Status& m) {
   return before;
 }
 
-void LogLines::tell_control(const rosflight::link::Status& m,
-                            const rosflight::link::Status& before) {
+void LogLines::log_control(const rosflight::link::Status& m,
+                           const rosflight::link::Status& before) {
   const bool overridden = m.rc_override != 0;
   if (overridden != (before.rc_override != 0)) {
     RCLCPP_WARN(logger_, overridden ? "The pilot overrides" : "The pilot has given control back");
@@ -86,7 +86,7 @@ void LogLines::tell_control(const rosflight::link::Status& m,
   }
 }
 
-void LogLines::tell_errors(std::uint8_t now, std::uint8_t before, bool armed) {
+void LogLines::log_errors(std::uint8_t now, std::uint8_t before, bool armed) {
   const auto over = static_cast<std::uint8_t>(not_ready_ & ~now);
   const auto set_up = static_cast<std::uint8_t>(armed ? 0 : now & ~before & kSetUpErrors);
   if (set_up != 0)
@@ -116,9 +116,9 @@ void LogLines::on_sent(const rosflight::link::Message& message, companion::Time 
 }
 
 void LogLines::on_event(const companion::Event& event) {
-  if (const auto* connection = std::get_if<companion::ConnectionEvent>(&event)) tell(*connection);
-  if (const auto* line = std::get_if<companion::LogEvent>(&event)) tell(*line);
-  if (const auto* version = std::get_if<companion::VersionEvent>(&event)) tell(*version);
+  if (const auto* connection = std::get_if<companion::ConnectionEvent>(&event)) log(*connection);
+  if (const auto* line = std::get_if<companion::LogEvent>(&event)) log(*line);
+  if (const auto* version = std::get_if<companion::VersionEvent>(&event)) log(*version);
   if (const auto* schema = std::get_if<companion::SchemaEvent>(&event)) {
     RCLCPP_ERROR(logger_, "%s", companion::schema_text(*schema).c_str());
   }
@@ -131,7 +131,7 @@ void LogLines::on_event(const companion::Event& event) {
   }
 }
 
-void LogLines::tell(const companion::ConnectionEvent& event) {
+void LogLines::log(const companion::ConnectionEvent& event) {
   switch (event.change) {
     case companion::ConnectionChange::kConnected:
       if (std::exchange(met_, true)) RCLCPP_INFO(logger_, "The autopilot is back");
@@ -150,7 +150,7 @@ void LogLines::tell(const companion::ConnectionEvent& event) {
   }
 }
 
-void LogLines::tell(const companion::LogEvent& event) {
+void LogLines::log(const companion::LogEvent& event) {
   const std::string text{companion::text_of(event.line.text)};
   if (begins_with(text, kRefusal)) return;
   if (about_set_up(text)) {
@@ -171,7 +171,7 @@ void LogLines::tell(const companion::LogEvent& event) {
   }
 }
 
-void LogLines::tell(const companion::VersionEvent& event) {
+void LogLines::log(const companion::VersionEvent& event) {
   const std::string text{companion::text_of(event.version.text)};
   if (event.match == companion::VersionMatch::kSame) {
     RCLCPP_INFO(logger_, "Autopilot version %s fits", text.c_str());

@@ -15,11 +15,11 @@ using rosflight::link::ParamType;
 
 namespace {
 
-constexpr double kLargest = std::numeric_limits<float>::max();  // what the link carries
+constexpr double kMaxValue = std::numeric_limits<float>::max();  // what the link carries
 
 void add_range(const ground::ParameterInfo& info, ParameterDescriptor& descriptor) {
-  const double low = std::max(std::min(info.min, info.sentinel), -kLargest);
-  const double high = std::min(std::max(info.max, info.sentinel), kLargest);
+  const double low = std::max(std::min(info.min, info.sentinel), -kMaxValue);
+  const double high = std::min(std::max(info.max, info.sentinel), kMaxValue);
   if (info.type == ParamType::kInt32) {
     rcl_interfaces::msg::IntegerRange range;
     range.from_value = static_cast<std::int64_t>(low);

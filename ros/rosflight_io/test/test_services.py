@@ -45,7 +45,7 @@ def test_changed_parameters_are_announced_and_writing_settles_them(rig):
     wait_for(lambda: unsaved[-1][1].data, "unsaved")
     answer = rig.peer.call(Trigger, "param_write")
     assert answer.success, answer.message
-    wait_for(lambda: not unsaved[-1][1].data, "saved")
+    wait_for(lambda: not unsaved[-1][1].data, "saved", lambda: [message.data for _, message in unsaved])
 
 
 def test_file_of_all_parameters_and_back(rig):

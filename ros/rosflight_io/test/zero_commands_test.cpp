@@ -18,7 +18,7 @@ OffboardControl lift(std::uint8_t mode = kPassThrough) {
   return command;
 }
 
-/// Lines told in `seconds` at 100 Hz, of which every `nth` is zero; their counts are added to `sum`.
+/// Lines logged in `seconds` at 100 Hz, of which every `nth` is zero; their counts are added to `sum`.
 int lines(ZeroCommands& watch, int from_s, int seconds, int nth, int& sum,
           std::uint8_t mode = kPassThrough) {
   int told = 0;

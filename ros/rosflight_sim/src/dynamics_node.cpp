@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <chrono>
 #include <geometry_msgs/msg/vector3_stamped.hpp>
 #include <geometry_msgs/msg/wrench_stamped.hpp>
+#include <optional>
 #include <rosflight_msgs/msg/sim_state.hpp>
 #include <rosflight_msgs/srv/set_sim_state.hpp>
 #include <std_srvs/srv/trigger.hpp>
@@ -98,8 +101,7 @@ class DynamicsNode : public rclcpp::Node {
     last_stamp_ns_ = stamp;
     const auto max_ns = static_cast<std::int64_t>(max_gap_s_ * 1e9);
     if (gap_ns > max_ns) {
-      RCLCPP_WARN(get_logger(), "%.3f s between two wrenches: the body moves by %.3f s",
-                  static_cast<double>(gap_ns) * 1e-9, max_gap_s_);
+      report_gap(gap_ns);
       gap_ns = max_ns;
     }
     if (gap_ns > 0) {
@@ -110,6 +112,22 @@ class DynamicsNode : public rclcpp::Node {
       pending_ns_ %= kMicrosecond_ns;
     }
     publish(message.header.stamp);
+  }
+
+  /// The first at once, later ones in one line each five seconds.
+  void report_gap(std::int64_t gap_ns) {
+    ++gaps_;
+    max_gap_ns_ = std::max(max_gap_ns_, gap_ns);
+    const auto now = std::chrono::steady_clock::now();
+    constexpr auto kInterval = std::chrono::seconds(5);
+    if (gaps_reported_ && now - *gaps_reported_ < kInterval) return;
+    RCLCPP_WARN(get_logger(),
+                "%.3f s between two wrenches, gaps since the last report: %d: each moves the body "
+                "by %.3f s",
+                static_cast<double>(max_gap_ns_) * 1e-9, gaps_, max_gap_s_);
+    gaps_reported_ = now;
+    gaps_ = 0;
+    max_gap_ns_ = 0;
   }
 
   void publish(const builtin_interfaces::msg::Time& stamp) {
@@ -131,9 +149,10 @@ class DynamicsNode : public rclcpp::Node {
     if (body.p_W.isZero() && body.v_B.isZero() && body.w_B.isZero())
       body.p_W = body_->rest_state().p_W;
     response.success = body_->set_state(body);
-    response.message = response.success ? "set"
-                                        : "found a NaN, no rotation or a place under ground, "
-                                          "allowed finite numbers and z <= 0 (down is positive)";
+    response.message = response.success
+                           ? "set"
+                           : "found a NaN, no rotation or a position below the ground, "
+                             "allowed finite numbers and z <= 0 (down is positive)";
     if (response.success) publish(now());
   }
 
@@ -145,6 +164,9 @@ class DynamicsNode : public rclcpp::Node {
   bool started_{false};
   std::int64_t last_stamp_ns_{0};
   std::int64_t pending_ns_{0};
+  int gaps_{0};  ///< Since the last report.
+  std::int64_t max_gap_ns_{0};
+  std::optional<std::chrono::steady_clock::time_point> gaps_reported_;
   rclcpp::Publisher<rosflight_msgs::msg::SimState>::SharedPtr truth_;
   rclcpp::Publisher<geometry_msgs::msg::Vector3Stamped>::SharedPtr wind_;
   rclcpp::Service<SetSimState>::SharedPtr set_state_;

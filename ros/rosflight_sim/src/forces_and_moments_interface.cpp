@@ -42,7 +42,7 @@ std::vector<std::string> mixer_names() {
 ForcesAndMomentsInterface::ForcesAndMomentsInterface(const rclcpp::NodeOptions& options)
     : Node("mav_forces_and_moments", options),
       invert_{rosflight_common::declare_switch(*this, "invert_mixing_matrix", true,
-                                               "of the custom mixer")},
+                                               "inverts the matrix of the custom mixer")},
       mixer_{*this, mixer_names(), std::chrono::milliseconds(2),
              FirmwareParameters::Repeat::kOnRequest,
              [this](const FirmwareParameters::Values& values) { store(values); }} {

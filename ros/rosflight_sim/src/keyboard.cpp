@@ -18,8 +18,8 @@ void KeyboardSticks::push(Stick& stick, double direction, Time now) const {
 }
 
 void KeyboardSticks::stroke(char key, Time now) {
-  constexpr int kLowest_us = 1000;
-  constexpr int kHighest_us = 2000;
+  constexpr int kMinPulse_us = 1000;
+  constexpr int kMaxPulse_us = 2000;
   switch (key) {
     case 'h':
       return push(roll_, -1.0, now);
@@ -34,10 +34,10 @@ void KeyboardSticks::stroke(char key, Time now) {
     case 'f':
       return push(yaw_, 1.0, now);
     case 'a':
-      throttle_us_ = std::min(throttle_us_ + kThrottleStroke_us, kHighest_us);
+      throttle_us_ = std::min(throttle_us_ + kThrottleStroke_us, kMaxPulse_us);
       return;
     case 's':
-      throttle_us_ = std::max(throttle_us_ - kThrottleStroke_us, kLowest_us);
+      throttle_us_ = std::max(throttle_us_ - kThrottleStroke_us, kMinPulse_us);
       return;
     case 't':
       return flip_arm();

@@ -22,11 +22,12 @@ class RcNode : public rclcpp::Node {
  public:
   explicit RcNode(const rclcpp::NodeOptions& options)
       : Node("rc", options),
-        sticks_{declare_number(*this, "key_deflection", 0.4, 0.05, 1.0,
-                               "of the attitude sticks, of their whole way")} {
-    const bool use_keyboard = declare_switch(*this, "use_vimfly", false, "fly with the keyboard");
+        sticks_{declare_number(
+            *this, "key_deflection", 0.4, 0.05, 1.0,
+            "deflection of the attitude sticks by a key, as a share of the maximum")} {
+    const bool use_keyboard = declare_switch(*this, "use_vimfly", false, "flies with the keyboard");
     const auto device =
-        declare_integer(*this, "joystick", 0, 0, 15, "which one, in the order of SDL");
+        declare_integer(*this, "joystick", 0, 0, 15, "index of the joystick in the order of SDL");
     choose(static_cast<int>(device), use_keyboard);
     publisher_ = create_publisher<rosflight_msgs::msg::RCRaw>(
         "sim/RC", rclcpp::QoS(rclcpp::KeepLast(10)).reliable());

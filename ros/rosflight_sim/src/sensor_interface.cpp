@@ -79,7 +79,7 @@ SensorInterface::SensorInterface(const rclcpp::NodeOptions& options)
   for (std::size_t k = 0; k < kCount; ++k)
     set(k, rosflight_common::declare_number(*this, std::string(kSensors[k].name) + kFrequency,
                                             kSensors[k].usual_Hz, 0.1, 2000.0,
-                                            "samples a second [Hz]", true));
+                                            "samples per second [Hz]", true));
   parameter_callback_handle_ =
       rosflight_common::on_change(*this, [set](const rclcpp::Parameter& parameter) {
         for (std::size_t k = 0; k < kCount; ++k)

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "base/constants.hpp"
+#include "sim/parameter_tables.hpp"
+#include "sim/sensors/read_config.hpp"
 
 namespace rosflight_sim {
 
@@ -32,6 +34,19 @@ T look(const Part<T>& part, const SensorSettings& settings) {
 void add_number(List& list, const char* name, double least, double most, config::Unit unit,
                 const char* text, const Part<double>& part) {
   list.emplace_back(name, part, unit, Range::between(least, most), text);
+}
+
+/// A number of the vehicle file: with its unit and range.
+template <class S>
+void add_key(List& list, const char* name, const config::Table<S>& table, std::string_view key,
+             const char* text, S SensorSettings::*part) {
+  for (const config::Parameter<S>& parameter : table.parameters()) {
+    if (parameter.row.key != key) continue;
+    list.emplace_back(
+        name, [parameter, part](const SensorSettings& s) { return parameter.get(s.*part)[0]; },
+        [parameter, part](SensorSettings& s, double value) { parameter.set(s.*part, {value}); },
+        config::Unit{parameter.row.unit}, parameter.row.allowed, text);
+  }
 }
 
 void add_rate(List& list, const char* name, const Part<Timing>& part) {
@@ -182,7 +197,7 @@ Timing& battery_timing(SensorsConfig& c) {
 void add_imu(List& list) {
   const Markov law{at(gyro), at(imu_timing), 20.0};
   add_noise(list, "gyro_stdev", 10.0, "rad/s", "white noise per sample", at(gyro), at(imu_timing));
-  add_number(list, "gyro_bias_range", 0.0, 10.0, "rad/s", "bias at start, +-",
+  add_number(list, "gyro_bias_range", 0.0, 10.0, "rad/s", "maximum size of the bias at start",
              [](SensorSettings& s) -> double& { return gyro(s.sensors).turn_on_bias; });
   add_drive(list, "gyro_bias_walk_stdev", 10.0, law);
   add_decay(list, "k_gyro", {law});
@@ -190,10 +205,10 @@ void add_imu(List& list) {
              [](SensorSettings& s) -> double& { return s.sensors.imu.gyro_transient_time_s; });
   const char* names[] = {"gyro_bias_model_x0", "gyro_bias_model_y0", "gyro_bias_model_z0"};
   for (int i = 0; i < 3; ++i)
-    add_number(list, names[i], -1.0, 1.0, "rad/s", "a bias at start that dies out",
+    add_number(list, names[i], -1.0, 1.0, "rad/s", "initial value of a decaying bias",
                [i](SensorSettings& s) -> double& { return s.sensors.imu.gyro_transient_rad_s[i]; });
   add_noise(list, "acc_stdev", 100.0, "m/s^2", "white noise per sample", at(accel), at(imu_timing));
-  add_number(list, "acc_bias_range", 0.0, 100.0, "m/s^2", "bias at start, +-",
+  add_number(list, "acc_bias_range", 0.0, 100.0, "m/s^2", "maximum size of the bias at start",
              [](SensorSettings& s) -> double& { return accel(s.sensors).turn_on_bias; });
   add_walk(list, "acc_bias_walk_stdev", 1.0, "m/s^2", "step of the bias per sample", at(accel),
            at(imu_timing));
@@ -232,29 +247,31 @@ void add_mag(List& list) {
   const Markov law{at(field), at(mag_timing), 7.0};
   add_drive(list, "mag_stdev", 1.0, law);
   add_decay(list, "k_mag", {law});
-  add_field(list, "inclination", base::kPi / 2, "rad", "of the field, down",
+  add_field(list, "inclination", base::kPi / 2, "rad", "inclination of the magnetic field, down",
             &Field::inclination_rad);
-  add_field(list, "declination", base::kPi, "rad", "of the field, east", &Field::declination_rad);
-  add_field(list, "total_intensity", 1e-3, "T", "of the field", &Field::total_T);
+  add_field(list, "declination", base::kPi, "rad", "declination of the magnetic field, east",
+            &Field::declination_rad);
+  add_field(list, "total_intensity", 1e-3, "T", "intensity of the magnetic field", &Field::total_T);
 }
 
 void add_pressures_and_range(List& list) {
   add_noise(list, "baro_stdev", 1e4, "Pa", "white noise per sample", at(baro), at(baro_timing));
-  add_number(list, "baro_bias_range", 0.0, 1e4, "Pa", "bias at start, +-",
+  add_number(list, "baro_bias_range", 0.0, 1e4, "Pa", "maximum size of the bias at start",
              [](SensorSettings& s) -> double& { return baro(s.sensors).turn_on_bias; });
   add_walk(list, "baro_bias_walk_stdev", 1e3, "Pa", "step of the bias per sample", at(baro),
            at(baro_timing));
   add_noise(list, "airspeed_stdev", 1e4, "Pa", "white noise per sample", at(pitot),
             at(pitot_timing));
-  add_number(list, "airspeed_bias_range", 0.0, 1e4, "Pa", "bias at start, +-",
+  add_number(list, "airspeed_bias_range", 0.0, 1e4, "Pa", "maximum size of the bias at start",
              [](SensorSettings& s) -> double& { return pitot(s.sensors).turn_on_bias; });
   add_walk(list, "airspeed_bias_walk_stdev", 1e3, "Pa", "step of the bias per sample", at(pitot),
            at(pitot_timing));
   add_noise(list, "range_stdev", 100.0, "m", "white noise per sample", at(range), at(range_timing));
-  add_number(list, "range_min_range", 0.0, 100.0, "m", "nearest distance that is measured",
-             [](SensorSettings& s) -> double& { return s.sensors.range.min_m; });
-  add_number(list, "range_max_range", 0.0, 1000.0, "m", "farthest distance that is measured",
-             [](SensorSettings& s) -> double& { return s.sensors.range.max_m; });
+  const auto sensors = sim::sensors::sensor_tables();
+  add_key(list, "range_min_range", sensors, "range.min_m", "minimum distance that is measured",
+          &SensorSettings::sensors);
+  add_key(list, "range_max_range", sensors, "range.max_m", "maximum distance that is measured",
+          &SensorSettings::sensors);
 }
 
 void add_gnss_and_battery(List& list) {
@@ -268,19 +285,20 @@ void add_gnss_and_battery(List& list) {
             at(gnss_timing));
   add_noise(list, "battery_stdev", 100.0, "V", "white noise per sample", at(voltage),
             at(battery_timing));
-  add_number(list, "battery_voltage", 0.0, 100.0, "V", "constant; 0: from the forces and moments",
+  add_number(list, "battery_voltage", 0.0, 100.0, "V",
+             "constant voltage; 0: that of the forces and moments",
              [](SensorSettings& s) -> double& { return s.sensors.battery.fixed_voltage_V; });
 }
 
 void add_place(List& list) {
-  add_number(list, "origin_altitude", -500.0, 10'000.0, "m", "of the start, above mean sea level",
-             [](SensorSettings& s) -> double& { return s.environment.origin.altitude_m; });
-  add_number(list, "origin_latitude", -90.0, 90.0, "deg", "of the start",
-             [](SensorSettings& s) -> double& { return s.environment.origin.latitude_deg; });
-  add_number(list, "origin_longitude", -180.0, 180.0, "deg", "of the start",
-             [](SensorSettings& s) -> double& { return s.environment.origin.longitude_deg; });
-  add_number(list, "gravity", 0.1, 100.0, "m/s^2", "",
-             [](SensorSettings& s) -> double& { return s.environment.gravity_m_s2; });
+  const auto environment = sim::environment_parameters();
+  const auto add = [&](const char* name, std::string_view key, const char* text) {
+    add_key(list, name, environment, key, text, &SensorSettings::environment);
+  };
+  add("origin_altitude", "origin.altitude_m", "altitude of the start above mean sea level");
+  add("origin_latitude", "origin.latitude_deg", "latitude of the start");
+  add("origin_longitude", "origin.longitude_deg", "longitude of the start");
+  add("gravity", "gravity_m_s2", "gravity");
 }
 
 }  // namespace

@@ -70,7 +70,7 @@ class SensorsNode : public rclcpp::Node {
   void declare_instruments() {
     settings_ = {sim::sensors::read_sensors(parameters_.vehicle.sensors()), environment_};
     tuning_.emplace(*this, sensor_parameters(), settings_, parameters_.values_for(get_name()));
-    parameters_.tell_unused(*this);
+    parameters_.log_unused(*this);
     make_instruments(settings_);
     tuning_->on_change([this](const SensorSettings& wanted) {
       make_instruments(wanted);
@@ -188,7 +188,7 @@ class SensorsNode : public rclcpp::Node {
   std::unique_ptr<sim::SensorsModule> module_;
   const sim::sensors::StandardSensors* standard_{nullptr};
   sim::EnvironmentParameters environment_;
-  SensorSettings settings_;  ///< Of the module `standard`.
+  SensorSettings settings_;  ///< Settings of the module `standard`.
   std::optional<rosflight_common::LiveParameters<SensorSettings>> tuning_;
   sim::Atmosphere atmosphere_;
   std::optional<TickTracker> ticks_;

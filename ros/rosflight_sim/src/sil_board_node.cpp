@@ -25,9 +25,9 @@
 #include "rosflight_common/messages.hpp"
 #include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
-#include "rosflight_sim/board_clock.hpp"
 #include "rosflight_sim/firmware_process.hpp"
 #include "rosflight_sim/only_one.hpp"
+#include "rosflight_sim/waiting_clock.hpp"
 
 namespace rosflight_sim {
 
@@ -84,17 +84,18 @@ class SilBoardNode : public rclcpp::Node {
   explicit SilBoardNode(const rclcpp::NodeOptions& options)
       : Node("sil_board", options), only_one_{get_namespace()} {
     const std::string own_host = declare_text(*this, "simulation_host", "localhost",
-                                              "own side of the link: localhost or 0.0.0.0");
+                                              "own address of the link: localhost or 0.0.0.0");
     const auto own_port =
         declare_integer(*this, "simulation_port", 14525, 1, 65535, "own UDP port");
     const std::string far_host = declare_text(*this, "ROS_host", own_host, "host of rosflight_io");
     const auto far_port =
         declare_integer(*this, "ROS_port", 14520, 1, 65535, "UDP port of rosflight_io");
-    const std::string folder = declare_text(
-        *this, "memory_folder", "", "of the non-volatile memory; empty: ~/.ros/rosflight_memory");
+    const std::string folder =
+        declare_text(*this, "memory_folder", "",
+                     "folder of the non-volatile memory; empty: ~/.ros/rosflight_memory");
     simulated_time_ = get_parameter("use_sim_time").as_bool();
-    const std::string vehicle =
-        declare_text(*this, "vehicle_file", "", "its name is that of the memory's folder");
+    const std::string vehicle = declare_text(
+        *this, "vehicle_file", "", "vehicle file; its name becomes that of the memory's folder");
     const fs::path memory = memory_file(folder, get_namespace(), vehicle);
     firmware_ = std::make_unique<FirmwareProcess>(udp(far_host, far_port, own_port), memory,
                                                   [this] { return board_time(); });
@@ -124,7 +125,7 @@ class SilBoardNode : public rclcpp::Node {
 
  private:
   hal::Time board_time() {
-    if (!simulated_time_) return wall_time_.at(BoardClock::Wall::now());
+    if (!simulated_time_) return wall_time_.at(WaitingClock::Wall::now());
     constexpr std::int64_t kMicrosecond_ns = 1000;
     return hal::Time{now().nanoseconds() / kMicrosecond_ns};
   }
@@ -147,7 +148,7 @@ class SilBoardNode : public rclcpp::Node {
           from_message(from_ros<Message>(*message), sample);
           const std::lock_guard lock{mutex_};
           if constexpr (std::is_same_v<Sample, hal::RcFrame>)
-            wall_time_.came(BoardClock::Source::kReceiver, BoardClock::Wall::now());
+            wall_time_.came(WaitingClock::Source::kReceiver, WaitingClock::Wall::now());
           firmware_->put(sample, age(message->header.stamp));
         }));
   }
@@ -159,7 +160,7 @@ class SilBoardNode : public rclcpp::Node {
           from_message(from_ros<messages::sensor_msgs::Imu>(*message), sample);
           const std::lock_guard lock{mutex_};
           sample.temperature_K = imu_temperature_K_;
-          wall_time_.came(BoardClock::Source::kImu, BoardClock::Wall::now());
+          wall_time_.came(WaitingClock::Source::kImu, WaitingClock::Wall::now());
           firmware_->put(sample, age(message->header.stamp));
           if (simulated_time_ && now().nanoseconds() == last_step_ns_) pass();
         }));
@@ -202,9 +203,9 @@ class SilBoardNode : public rclcpp::Node {
   /// taken after the wait.
   void wait_for_new_time() {
     using std::chrono::steady_clock;
-    constexpr auto kLongest = std::chrono::milliseconds(60);
+    constexpr auto kMaxWait = std::chrono::milliseconds(60);
     constexpr auto kLook = std::chrono::microseconds(50);
-    const auto give_up = steady_clock::now() + kLongest;
+    const auto give_up = steady_clock::now() + kMaxWait;
     std::int64_t time_ns = now().nanoseconds();
     while (simulated_time_ && time_ns == last_step_ns_ && steady_clock::now() < give_up) {
       std::this_thread::sleep_for(kLook);
@@ -215,7 +216,7 @@ class SilBoardNode : public rclcpp::Node {
 
   void report_stalls() {
     constexpr hal::Time kWorthSaying = hal::milliseconds(20);
-    BoardClock::Stalls stalls{};
+    WaitingClock::Stalls stalls{};
     {
       const std::lock_guard lock{mutex_};
       stalls = wall_time_.take_stalls();
@@ -241,8 +242,8 @@ class SilBoardNode : public rclcpp::Node {
         const std::lock_guard lock{mutex_};
         firmware_->serial().add_to(set);
       }
-      constexpr int kLongest_ms = 100;
-      if (::poll(set.data(), set.size(), kLongest_ms) <= 0 || stop_) continue;
+      constexpr int kMaxWait_ms = 100;
+      if (::poll(set.data(), set.size(), kMaxWait_ms) <= 0 || stop_) continue;
       const std::lock_guard lock{mutex_};
       do {
         pass();
@@ -253,8 +254,8 @@ class SilBoardNode : public rclcpp::Node {
   OnlyOne only_one_;
   bool simulated_time_{};
   std::int64_t last_step_ns_{-1};
-  std::mutex mutex_;      ///< Of the firmware and all that it is fed with.
-  BoardClock wall_time_;  ///< Of the firmware without simulated time.
+  std::mutex mutex_;        ///< Protects the firmware and its inputs.
+  WaitingClock wall_time_;  ///< Clock of the firmware without simulated time.
   std::unique_ptr<FirmwareProcess> firmware_;
   float imu_temperature_K_{298.15F};
   rclcpp::Publisher<rosflight_msgs::msg::PwmOutput>::SharedPtr pwm_;

@@ -14,7 +14,7 @@ using Trigger = std_srvs::srv::Trigger;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-/// Asks the board for one step at every tick of node time, or when told to.
+/// Asks the board for one step at every tick of node time, or on request.
 ///
 /// One step at a time. A tick that comes before the step has been answered is made up for as soon
 /// as it is; more than one are skipped, counted and said. An answer that does not come within
@@ -24,12 +24,13 @@ class SilManager : public rclcpp::Node {
   explicit SilManager(const rclcpp::NodeOptions& options) : Node("rosflight_sil_manager", options) {
     frequency_Hz_ = declare_number(*this, "simulation_loop_frequency", 400.0, 10.0, 2000.0,
                                    "steps of the board per second of node time [Hz]", true);
-    const bool use_timer =
-        declare_switch(*this, "use_timer", true, "false: step only by rosflight_sil/take_sim_step");
-    exists_ms_ = declare_integer(*this, "service_exists_timeout_ms", 500, 1, 10'000,
-                                 "how long take_sim_step waits for sil_board/run to exist [ms]");
+    const bool use_timer = declare_switch(
+        *this, "use_timer", true, "steps by a timer; false: only by rosflight_sil/take_sim_step");
+    exists_ms_ =
+        declare_integer(*this, "service_exists_timeout_ms", 500, 1, 10'000,
+                        "maximum time that take_sim_step waits for the service sil_board/run [ms]");
     result_ms_ = declare_integer(*this, "service_result_timeout_ms", 500, 1, 10'000,
-                                 "how long a step may take [ms]");
+                                 "maximum duration of a step [ms]");
     steps_ = create_callback_group(rclcpp::CallbackGroupType::MutuallyExclusive);
     client_ = client_in_group<Trigger>(*this, "sil_board/run", steps_);
     by_hand_ = client_in_group<Trigger>(*this, "sil_board/run", steps_);

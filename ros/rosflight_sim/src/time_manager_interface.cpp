@@ -5,18 +5,16 @@
 #include <memory>
 
 #include "rosflight_common/node_tools.hpp"
+#include "rosflight_sim/time_parameters.hpp"
 
 namespace rosflight_sim {
 
-using rosflight_common::declare_number;
 using std_srvs::srv::Trigger;
 
 TimeManagerInterface::TimeManagerInterface(const rclcpp::NodeOptions& options)
     : Node("time_manager", options),
-      step_us_{declare_number(*this, "default_pub_rate_us", 2500.0, 50.0, 10'000.0,
-                              "simulated time between two clock messages [us]", true)},
-      factor_{declare_number(*this, "real_time_multiplier", 1.0, 0.01, 100.0,
-                             "simulated seconds per second", true)} {
+      step_us_{declare_step_us(*this)},
+      factor_{declare_factor(*this)} {
   clock_ = create_publisher<rosgraph_msgs::msg::Clock>(
       "/clock", rclcpp::QoS(rclcpp::KeepLast(1)).best_effort());
   truth_ = create_subscription<rosflight_msgs::msg::SimState>(
@@ -31,8 +29,8 @@ TimeManagerInterface::TimeManagerInterface(const rclcpp::NodeOptions& options)
       });
   parameter_callback_handle_ =
       rosflight_common::on_change(*this, [this](const rclcpp::Parameter& parameter) {
-        if (parameter.get_name() == "default_pub_rate_us") step_us_ = parameter.as_double();
-        if (parameter.get_name() == "real_time_multiplier") factor_ = parameter.as_double();
+        if (parameter.get_name() == kStepParameter) step_us_ = parameter.as_double();
+        if (parameter.get_name() == kFactorParameter) factor_ = parameter.as_double();
         start();
       });
   start();

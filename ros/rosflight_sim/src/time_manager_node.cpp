@@ -9,6 +9,7 @@
 #include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
 #include "rosflight_sim/fine_ticks.hpp"
+#include "rosflight_sim/time_parameters.hpp"
 #include "rosflight_sim/waited_topics.hpp"
 
 namespace rosflight_sim {
@@ -31,33 +32,29 @@ class TimeManager : public rclcpp::Node {
  public:
   explicit TimeManager(const rclcpp::NodeOptions& options)
       : Node("time_manager", with_clock_of_its_own(options)) {
-    step_us_ = declare_number(
-        *this, "default_pub_rate_us", kDefaultStep_us, 50.0, 10'000.0,
-        "simulated time between two clock messages; a loop period: lock-step [us]", true);
+    step_us_ = declare_step_us(*this);
     tick_us_ = declare_number(
         *this, "clock_tick_us", 100.0, 50.0, 10'000.0,
         "simulated time between two messages of /clock; a step or more: steps only [us]", true);
-    factor_ = declare_number(*this, "real_time_multiplier", 1.0, 0.01, 100.0,
-                             "simulated seconds per second", true);
+    factor_ = declare_factor(*this);
     single_us_ = declare_number(*this, "single_step_us", 2500.0, 50.0, 1'000'000.0,
                                 "simulated time of one take_step [us]");
-    lead_us_ = declare_number(
-        *this, "max_lead_us", 2500.0, 0.0, 1'000'000.0,
-        "time runs at most this far ahead of sim/truth_state, 0: never waits [us]", true);
-    lag_us_ =
-        declare_number(*this, "max_lag_us", 5000.0, 0.0, 1'000'000.0,
-                       "time runs on for this long when a message of wait_for is due [us]", true);
+    lead_us_ = declare_number(*this, "max_lead_us", 2500.0, 0.0, 1'000'000.0,
+                              "maximum time ahead of sim/truth_state; 0: never waits [us]", true);
+    lag_us_ = declare_number(*this, "max_lag_us", 5000.0, 0.0, 1'000'000.0,
+                             "maximum time after a message of wait_for was due [us]", true);
     waited_.emplace(*this,
                     declare_text(*this, "wait_for", "",
                                  "stamped topics that time waits for, separated by spaces"),
                     [this] {
                       if (!paused_ && waiting_) tick();
                     });
-    const bool paused = declare_switch(*this, "start_paused", false, "wait for toggle_pause");
+    const bool paused =
+        declare_switch(*this, "start_paused", false, "starts paused, until toggle_pause is called");
     const auto newest_only = rclcpp::QoS(rclcpp::KeepLast(1)).best_effort();
     steps_ = create_publisher<rosgraph_msgs::msg::Clock>(kSteps, newest_only);
     clock_ = create_publisher<rosgraph_msgs::msg::Clock>(kClock, newest_only);
-    fine_.emplace([this](std::int64_t time_ns) { tell(time_ns); });
+    fine_.emplace([this](std::int64_t time_ns) { publish(time_ns); });
     pause_ = create_service<std_srvs::srv::Trigger>(
         "time_manager/toggle_pause",
         [this](const std::shared_ptr<std_srvs::srv::Trigger::Request>,
@@ -78,9 +75,9 @@ class TimeManager : public rclcpp::Node {
     changes_ = on_change(*this, [this](const rclcpp::Parameter& p) {
       if (p.get_name() == "max_lead_us") lead_us_ = p.as_double();
       if (p.get_name() == "max_lag_us") lag_us_ = p.as_double();
-      if (p.get_name() == "default_pub_rate_us") step_us_ = p.as_double();
+      if (p.get_name() == kStepParameter) step_us_ = p.as_double();
       if (p.get_name() == "clock_tick_us") tick_us_ = p.as_double();
-      if (p.get_name() == "real_time_multiplier") factor_ = p.as_double();
+      if (p.get_name() == kFactorParameter) factor_ = p.as_double();
       start();
     });
     paused_ = paused;
@@ -90,13 +87,12 @@ class TimeManager : public rclcpp::Node {
  private:
   static constexpr const char* kClock = "/clock";  // where all nodes with use_sim_time look
   static constexpr const char* kSteps = "/clock_steps";
-  static constexpr double kDefaultStep_us = 2500.0;
   static constexpr auto kMaxDelay = std::chrono::milliseconds(50);
   static constexpr auto kJudged = std::chrono::seconds(2);
   /// A pace that nobody holds must not keep services and parameters waiting.
-  static constexpr auto kLongestTick = std::chrono::milliseconds(2);
+  static constexpr auto kMaxTick = std::chrono::milliseconds(2);
   static constexpr auto kSayAgain = std::chrono::milliseconds(20);
-  static constexpr double kHeld = 0.98;  ///< Of the factor, to count as held.
+  static constexpr double kHeld = 0.98;  ///< Fraction of the factor that counts as held.
 
   /// In a process whose nodes follow another clock (-r /clock:=...), this one still publishes /clock.
   static rclcpp::NodeOptions with_clock_of_its_own(rclcpp::NodeOptions options) {
@@ -145,20 +141,20 @@ class TimeManager : public rclcpp::Node {
     rosgraph_msgs::msg::Clock message;
     message.clock = stamp_of(time_ns_);
     steps_->publish(message);
-    tell(time_ns_);
+    publish(time_ns_);
   }
 
-  /// On /clock, in this thread and in that of the ticks. Never a time before one that has been told.
-  void tell(std::int64_t time_ns) {
-    const std::lock_guard lock{telling_};
-    told_ns_ = std::max(told_ns_, time_ns);
+  /// On /clock, in this thread and in that of the ticks. Never a time before one that has been published.
+  void publish(std::int64_t time_ns) {
+    const std::lock_guard lock{publishing_};
+    published_ns_ = std::max(published_ns_, time_ns);
     rosgraph_msgs::msg::Clock message;
-    message.clock = stamp_of(told_ns_);
+    message.clock = stamp_of(published_ns_);
     clock_->publish(message);
   }
 
   /// The ticks between the step that has just been taken and the next one.
-  void tell_ticks(steady_clock::time_point now) {
+  void publish_ticks(steady_clock::time_point now) {
     if (tick_us_ >= step_us_ || clock_->get_subscription_count() == 0 || a_topic_is_behind(now))
       return fine_->stop();
     fine_->follow({time_ns_, static_cast<std::int64_t>(step_us_ * 1e3),
@@ -202,14 +198,14 @@ class TimeManager : public rclcpp::Node {
     const auto now = steady_clock::now();
     if (now - next_ > kMaxDelay) next_ = now;
     bool moved = false;
-    while (next_ <= now && !must_wait(now) && steady_clock::now() - now < kLongestTick) {
+    while (next_ <= now && !must_wait(now) && steady_clock::now() - now < kMaxTick) {
       advance(step_us_);
       said_ = now;
       next_ += wall_period();
       moved = true;
       if (!follows_) break;  // the world's first answer may be waiting for this thread
     }
-    if (moved) tell_ticks(now);
+    if (moved) publish_ticks(now);
     judge(now);
   }
 
@@ -248,8 +244,8 @@ class TimeManager : public rclcpp::Node {
   steady_clock::time_point said_;
   steady_clock::time_point judge_from_;
   std::int64_t judge_time_ns_{0};
-  std::mutex telling_;
-  std::int64_t told_ns_{0};
+  std::mutex publishing_;
+  std::int64_t published_ns_{0};
   rclcpp::Publisher<rosgraph_msgs::msg::Clock>::SharedPtr clock_, steps_;
   rclcpp::Service<std_srvs::srv::Trigger>::SharedPtr pause_;
   rclcpp::Service<std_srvs::srv::Trigger>::SharedPtr take_step_;

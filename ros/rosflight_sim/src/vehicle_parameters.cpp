@@ -51,9 +51,9 @@ void print(const sim::Vehicle& vehicle, const std::string& node, const VehicleVi
 
 void print_dynamics(const std::string& file) {
   const auto vehicle = sim::Vehicle::from_file(file);
-  const bool wing = vehicle.type() == "fixedwing";
+  const bool fixed_wing = vehicle.type() == "fixedwing";
   print(vehicle, vehicle.type() + "_forces_and_moments",
-        wing ? fixedwing_views() : multirotor_views());
+        fixed_wing ? fixedwing_views() : multirotor_views());
   print(vehicle, "standalone_dynamics", dynamics_views());
 }
 

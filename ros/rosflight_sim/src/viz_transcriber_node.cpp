@@ -22,14 +22,14 @@ class VizTranscriber : public rclcpp::Node {
   explicit VizTranscriber(const rclcpp::NodeOptions& options)
       : Node("standalone_viz_transcriber", options) {
     mesh_file_ = declare_text(*this, "sim_aircraft_file", "common_resource/multirotor.stl",
-                              "mesh, below the share folder of rosflight_sim");
-    scale_ = declare_number(*this, "aircraft_scale", 2.0, 0.01, 1000.0, "of the mesh", true);
+                              "file of the mesh, below the share folder of rosflight_sim");
+    scale_ = declare_number(*this, "aircraft_scale", 2.0, 0.01, 1000.0, "scale of the mesh", true);
     path_every_ = declare_integer(*this, "path_publish_modulo", 40, 1, 100'000,
                                   "messages of truth per point of the path", true);
     max_path_ = declare_integer(*this, "max_path_history", 10'000, 2, 1'000'000,
-                                "points of the path that are kept", true);
+                                "maximum number of points of the path", true);
     prefix_ = declare_text(*this, "frame_prefix", frame_prefix(get_namespace()),
-                           "in front of the names of frames");
+                           "prefix of the names of frames");
     const rclcpp::QoS markers = rclcpp::QoS(rclcpp::KeepLast(5)).reliable();
     mesh_ = create_publisher<Marker>("rviz/mesh", markers);
     path_ = create_publisher<Marker>("rviz/mesh_path", markers);

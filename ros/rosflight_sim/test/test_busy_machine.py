@@ -11,7 +11,7 @@ from ros_rig import free_udp_port
 from rosflight_msgs.msg import Status
 from sim_rig import SimPeer, launch
 
-SECONDS = 30.0
+SECONDS = 25.0
 LOOPS_PER_PROCESSOR = 4
 FALSE_ALARMS = ("not responding", "RC lost", "failsafe", "Failsafe")
 

@@ -254,6 +254,10 @@ def test_wrenches_that_are_none_are_refused_and_a_gap_is_bounded(peer, body):
     body.ns += 10_000_000_000
     assert body.step().pose.position.z - before.pose.position.z < 0.1  # not 490 m
     assert "10.0" in body.process.until("between two wrenches")
+    for _ in range(3):  # reported together, five seconds after the first
+        body.ns += 1_000_000_000
+        body.step()
+    assert body.process.text().count("between two wrenches") == 1
 
 
 # ---- sensors -------------------------------------------------------------------------------------

@@ -7,6 +7,7 @@ import math
 
 import pytest
 from geometry_msgs.msg import WrenchStamped
+from rcl_interfaces.srv import DescribeParameters
 from ros_rig import ROOT, free_udp_port
 from rosflight_msgs.msg import Command, PwmOutput, SimState, Status
 from sim_contract import MODULES, check_headers, check_module
@@ -165,3 +166,19 @@ def test_a_fixed_wing_flies_in_the_launched_simulator(tmp_path):
     assert all(11.0 < speed < 22.0 for _, _, speed, _ in aloft)
     assert all(height > 25.0 for _, height, _, _ in aloft)
     assert all(abs(roll) < 0.5 for _, _, _, roll in aloft)
+
+
+def test_limits_and_texts_are_those_of_the_vehicle_file(peer):
+    """docs/vehicle-keys.md, made from the same rows, has the numbers below."""
+    wanted = {"wing_s": (0.0, 1e4, "aero.wing.area_m2 of the vehicle file [m^2]"),
+              "wing_epsilon": (0.0, 1.5, "aero.wing.oswald of the vehicle file: efficiency"),
+              "wing_alpha0": (0.0, math.pi / 2, "aero.stall.angle_deg of the vehicle file [deg]"),
+              "C_ell_p": (-1000.0, 1000.0, "aero.roll.p of the vehicle file: by p b/2V"),
+              "D_prop": (0.0, 5.0, "rotors.propeller.diameter_m of the vehicle file [m]")}
+    with forces():
+        described = peer.call(DescribeParameters, f"{NODE}/describe_parameters", names=list(wanted)).descriptors
+        found = {one.name: (one.floating_point_range[0].from_value, pytest.approx(one.floating_point_range[0].to_value),
+                            one.description) for one in described}
+        assert found == wanted
+        refused = set_parameters(peer, NODE, wing_s=0.0)[0]  # the range of ROS has no open end
+        assert not refused.successful and "area_m2" in refused.reason

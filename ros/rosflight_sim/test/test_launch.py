@@ -21,7 +21,8 @@ def pid_of(world, program):
     """Process of a node of this launch, among its children. `ready` may be the graph's word for a node of this name that an
     earlier launch has left there."""
     def found():
-        listed = subprocess.run(["ps", "--ppid", str(world.process.pid), "-o", "pid=,args="], capture_output=True, text=True, check=False)
+        listed = subprocess.run(["ps", "-ww", "--ppid", str(world.process.pid), "-o", "pid=,args="], capture_output=True, text=True,
+                                check=False)  # -ww: else ps may cut the path of a program at 80 columns
         words = (line.split() for line in listed.stdout.splitlines())
         return next((int(pid) for pid, file, *_ in words if file.endswith("/" + program)), None)
     wait_for(found, f"a process {program}", world.text)

@@ -5,12 +5,15 @@ memory of the firmware.
 Not counted: lines of rcl about the environment, and those with which a machine that has too much to do says so; where it does,
 sensors that came late are not counted either."""
 
-import pytest
+import os
+import time
+
 from ros_rig import free_udp_port
 from rosflight_msgs.msg import SimState
 from sim_rig import SimPeer, last_s, launch
 
-MOST = 10
+MAX_LINES = 10
+AFTER_S = 5.0
 SLOW = ("this machine cannot hold", "time goes on without it", "board time stood still", "The autopilot's clock jumped")
 LATE = (" is silent", " is back")
 
@@ -21,35 +24,62 @@ def said(world):
     return [line for line in lines if not any(part in line for part in ("[rcl]: ", *SLOW, *(LATE if slow else ())))]
 
 
-def start(package, file, memory, watch, **arguments):
-    ports = {"simulation_port": free_udp_port(), "ROS_port": free_udp_port()}
-    with launch(package, file, viz="false", memory_folder=memory, **ports, **arguments) as world:
-        world.until("ready: ")
-        world.until("parameters received")
-        truth = watch.listen(SimState, "sim/truth_state")
-        watch.wait(lambda: truth, "the truth")
+class Start:
+    """A launch, in a domain of its own where another one runs beside it."""
+
+    def __init__(self, package, file, memory, apart=False, **arguments):
+        ports = {"simulation_port": free_udp_port(), "ROS_port": free_udp_port()}
+        environment = {"ROS_DOMAIN_ID": str(int(os.environ["ROS_DOMAIN_ID"]) + 101)} if apart else {}
+        self.world = launch(package, file, environment=environment, viz="false", memory_folder=memory, **ports, **arguments)
+
+    def is_up(self):
+        self.world.until("ready: ")
+        self.world.until("parameters received")
+
+    def judge(self, blank):
+        lines = said(self.world)
+        assert len(lines) <= MAX_LINES, "\n".join(lines)
+        assert not any("[ERROR]" in line or "[FATAL]" in line for line in lines), "\n".join(lines)
+        if blank:
+            assert len([line for line in lines if "[WARN]" in line and "[rosflight_io]" in line]) == 1, "\n".join(lines)
+            told, = [line for line in lines if "Not ready to be armed: " in line]
+            assert "invalid mixer" in told and "IMU uncalibrated" in told
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.world.stop()
+
+
+def test_the_simulators_start_in_ten_lines_and_one_says_why_the_vehicle_cannot_be_armed(tmp_path):
+    for memory in ("blank", "of the first start"):
+        with Start("rosflight_sim", "multirotor_standalone.launch.xml", tmp_path) as one, \
+                Start("rosflight_sim", "fixedwing_standalone.launch.xml", tmp_path, apart=True) as two:
+            for start in (one, two):
+                start.is_up()
+            time.sleep(AFTER_S)
+            for start in (one, two):
+                start.judge(memory == "blank")
+
+
+def test_processes_and_a_flight_in_simulated_time_start_in_ten_lines(tmp_path):
+    with Start("rosflight_sim", "multirotor_standalone.launch.xml", tmp_path / "one", apart=True, composed="false") as processes:
+        flies(tmp_path / "two", "roscopter")
+        processes.is_up()
+        time.sleep(AFTER_S)
+        processes.judge(True)
+
+
+def test_the_fixed_wing_flies_off_in_ten_lines(tmp_path):
+    flies(tmp_path, "rosplane")
+
+
+def flies(memory, package):
+    with SimPeer("watcher") as watcher, Start(package, "fly.launch.xml", memory, use_sim_time="true", real_time_multiplier="2.0") as start:
+        start.is_up()
+        truth = watcher.listen(SimState, "sim/truth_state")
+        watcher.wait(lambda: truth, "the truth")
         begin = last_s(truth)
-        watch.wait_simulated(lambda: last_s(truth) > begin + 5.0, "five seconds", lambda: last_s(truth))
-        return said(world)
-
-
-@pytest.mark.parametrize("package, file, arguments", [
-    ("rosflight_sim", "multirotor_standalone.launch.xml", {}),
-    ("rosflight_sim", "fixedwing_standalone.launch.xml", {}),
-    ("rosflight_sim", "multirotor_standalone.launch.xml", {"composed": "false"}),
-    ("roscopter", "fly.launch.xml", {"use_sim_time": "true"}),
-    ("rosplane", "fly.launch.xml", {"use_sim_time": "true"})])
-def test_the_first_start_and_the_next_are_ten_lines_without_an_error(tmp_path, package, file, arguments):
-    with SimPeer("watcher") as watcher:
-        for _ in ("blank memory", "the memory of the first"):
-            lines = start(package, file, tmp_path, watcher, **arguments)
-            assert len(lines) <= MOST, "\n".join(lines)
-            assert not any("[ERROR]" in line or "[FATAL]" in line for line in lines), "\n".join(lines)
-
-
-def test_a_vehicle_that_cannot_be_armed_says_why_in_one_line(tmp_path):
-    with SimPeer("watcher") as watcher:
-        lines = start("rosflight_sim", "multirotor_standalone.launch.xml", tmp_path, watcher)
-        assert len([line for line in lines if "[WARN]" in line and "[rosflight_io]" in line]) == 1, "\n".join(lines)
-        told, = [line for line in lines if "Not ready to be armed: " in line]
-        assert "invalid mixer" in told and "IMU uncalibrated" in told
+        watcher.wait_simulated(lambda: last_s(truth) > begin + AFTER_S, "five seconds", lambda: last_s(truth))
+        start.judge(False)

@@ -23,7 +23,7 @@ def test_time(peer):
 
         def now_ns():
             return received[-1].clock.sec * 1_000_000_000 + received[-1].clock.nanosec if received else -1
-        peer.wait(lambda: received, "time, which is told again and again while it stands")
+        peer.wait(lambda: received, "time, which is published again and again while it stands")
         first = int(peer.call(Trigger, "time_manager/take_step").message.split()[2])
         for count in range(1, 11):
             answer = peer.call(Trigger, "time_manager/take_step")
@@ -63,7 +63,7 @@ def test_the_clock_ticks_between_the_steps(peer):
         assert all(time_ns % 100_000 == 0 for time_ns in told)
         assert set_parameters(peer, "standalone_time_manager", clock_tick_us=2500.0)[0].successful
         last = times(clock)[-1]
-        # What was told before the change may arrive late.
+        # What was published before the change may arrive late.
         peer.wait(lambda: times(clock)[-1] > last + 20 * TICK_NS and all(time_ns % TICK_NS == 0 for time_ns in times(clock)[-10:]),
                   "ten stamps on steps alone")
 
@@ -113,11 +113,11 @@ def test_time_waits_for_a_topic_that_is_due(peer):
 
 def test_scaled_time_has_the_factor(peer):
     """Judged by the node's own clock against the wall between two of its messages; a busy machine only makes it slower."""
-    with node("standalone_time_manager", at_launch="standalone_time_manager", real_time_multiplier=0.25):
+    with node("standalone_time_manager", at_launch="standalone_time_manager", real_time_multiplier=0.5):
         received = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
         peer.wait(lambda: received, "time")
         start, first = time.monotonic(), received[-1]
         peer.wait(lambda: received[-1].clock.sec - first.clock.sec >= 1, "a second")
         elapsed = time.monotonic() - start
         passed = received[-1].clock.sec - first.clock.sec + 1e-9 * (received[-1].clock.nanosec - first.clock.nanosec)
-        assert passed <= 0.26 * elapsed + 0.02
+        assert passed <= 0.51 * elapsed + 0.02

@@ -3,16 +3,18 @@
 
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <random>
 #include <thread>
 #include <vector>
 
 #include "rosflight_common/time.hpp"
-#include "rosflight_sim/board_clock.hpp"
 #include "rosflight_sim/fine_ticks.hpp"
 #include "rosflight_sim/frames.hpp"
 #include "rosflight_sim/module_states.hpp"
 #include "rosflight_sim/tick_tracker.hpp"
+#include "rosflight_sim/topic_pace.hpp"
+#include "rosflight_sim/waiting_clock.hpp"
 
 namespace rosflight_sim {
 
@@ -63,7 +65,7 @@ TEST(FineTicks, ThatAreLateOrTooCloseAreLeftOut) {
     const FineTicks::Step fast = step_at(factor);
     std::int64_t before = 0;
     for (std::int64_t tick = 0; (tick = FineTicks::next(fast, tick, fast.wall)) > 0; before = tick)
-      EXPECT_GE(FineTicks::due(fast, tick) - FineTicks::due(fast, before), FineTicks::kShortestGap)
+      EXPECT_GE(FineTicks::due(fast, tick) - FineTicks::due(fast, before), FineTicks::kMinGap)
           << factor;
   }
   EXPECT_EQ(FineTicks::next({0, kTick_ns, kTick_ns, {}, {}}, 0, {}), 0)
@@ -94,18 +96,85 @@ TEST(FineTicks, AreToldInOrderAndEndWithTheStepOrAStop) {
   }
 }
 
+// ---- topics that time waits for -------------------------------------------------------------------
+
+/// A world that is as fast as it may be, and a node that answers each step from a queue of five, in so much wall time.
+struct Answered {
+  TopicPace pace;
+  TopicPace::Wall::time_point wall{std::chrono::seconds(100)};
+  std::int64_t time_ns = 0;
+  std::deque<std::int64_t> queue;
+  int busy_us = 0;
+  int lost = 0;
+
+  /// @param answer_us  what each answer takes from now on
+  void run(int ms, int answer_us) {
+    for (int k = 0; k < ms * 10; ++k) {
+      wall += std::chrono::microseconds(100);
+      busy_us -= 100;
+      if (busy_us <= 0 && !queue.empty()) {
+        if (asked) pace.came(*asked, time_ns);
+        asked = queue.front();
+        queue.pop_front();
+        busy_us = answer_us;
+      }
+      if (pace.look(time_ns, 2 * kTick_ns, wall) != TopicPace::Look::kNotBehind) continue;
+      time_ns += kTick_ns;
+      queue.push_back(time_ns);
+      if (queue.size() <= 5) continue;
+      queue.pop_front();
+      ++lost;
+    }
+  }
+
+ private:
+  std::optional<std::int64_t> asked;
+};
+
+TEST(TopicPace, ANodeThatStartsSlowlyIsStillGivenEachStep) {
+  Answered node;
+  node.run(300, 50'000);
+  const int before = node.lost;
+  node.run(1000, 1000);
+  EXPECT_EQ(node.lost, before);
+  const std::int64_t start_ns = node.time_ns;
+  node.run(1000, 1000);
+  EXPECT_NEAR(static_cast<double>(node.time_ns - start_ns) * 1e-9, 2.5, 0.1)
+      << "a step for each answer";
+}
+
+TEST(TopicPace, ANodeThatStallsLosesNoStep) {
+  Answered node;
+  node.run(1000, 1000);
+  const int before = node.lost;
+  for (const int stall_ms : {20, 300, 1500}) {
+    node.run(2 * stall_ms, 1000 * stall_ms);
+    node.run(500, 1000);
+  }
+  EXPECT_EQ(node.lost, before);
+}
+
+TEST(TopicPace, ATopicThatEndsWhileItIsLearntDoesNotSlowTimeForEver) {
+  Answered node;
+  node.pace.came(0, 0);
+  node.pace.came(kTick_ns, kTick_ns);
+  node.busy_us = 1'000'000'000;
+  node.run(2100, 1000);  // 100 steps of 20 ms, then one every 0.1 ms
+  EXPECT_GT(node.time_ns, 500 * kTick_ns);
+}
+
 // ---- the board's time without simulated time ------------------------------------------------------
 
 /// A board that is looked at every millisecond, with an IMU every other one.
 struct Stage {
-  BoardClock clock;
-  BoardClock::Wall::time_point wall{std::chrono::seconds(100)};
+  WaitingClock clock;
+  WaitingClock::Wall::time_point wall{std::chrono::seconds(100)};
   hal::Time latest = clock.at(wall);
 
   void run(int ms, bool imu, int apart_ms = 1) {
     for (int k = 0; k < ms; k += apart_ms) {
       wall += std::chrono::milliseconds(apart_ms);
-      if (imu && k % 2 == 0) clock.came(BoardClock::Source::kImu, wall);
+      if (imu && k % 2 == 0) clock.came(WaitingClock::Source::kImu, wall);
       const hal::Time now = clock.at(wall);
       ASSERT_GE(now, latest);
       latest = now;
@@ -113,7 +182,7 @@ struct Stage {
   }
   /// The first of each; board time runs with the IMU alone afterwards, as the receiver has been given up.
   void start() {
-    clock.came(BoardClock::Source::kReceiver, wall);
+    clock.came(WaitingClock::Source::kReceiver, wall);
     run(1000, true);
     static_cast<void>(clock.take_stalls());
   }
@@ -125,18 +194,18 @@ struct Stage {
   }
 };
 
-TEST(BoardClock, RunsAsTheWallWhileSamplesCome) {
+TEST(WaitingClock, RunsAsTheWallWhileSamplesCome) {
   Stage stage;
   stage.start();
   EXPECT_EQ(stage.gain_ms(3000, true), 3000);
   EXPECT_EQ(stage.clock.take_stalls().count, 0);
 }
 
-TEST(BoardClock, WaitsAtTheStartForTheFirstOfEachButNotForEver) {
+TEST(WaitingClock, WaitsAtTheStartForTheFirstOfEachButNotForEver) {
   Stage stage;
   EXPECT_EQ(stage.gain_ms(1000, false), 20);
   EXPECT_EQ(stage.gain_ms(1000, true), 40);  // and for the receiver 60 ms
-  stage.clock.came(BoardClock::Source::kReceiver, stage.wall);
+  stage.clock.came(WaitingClock::Source::kReceiver, stage.wall);
   EXPECT_EQ(stage.gain_ms(50, true), 50);
   EXPECT_EQ(stage.clock.take_stalls().count, 0);
 
@@ -145,7 +214,7 @@ TEST(BoardClock, WaitsAtTheStartForTheFirstOfEachButNotForEver) {
   EXPECT_EQ(alone.gain_ms(1000, false), 1000);
 }
 
-TEST(BoardClock, StandsWhileSamplesAreLateAndSaysForHowLong) {
+TEST(WaitingClock, StandsWhileSamplesAreLateAndSaysForHowLong) {
   Stage stage;
   stage.start();
   stage.run(100, true);
@@ -153,13 +222,13 @@ TEST(BoardClock, StandsWhileSamplesAreLateAndSaysForHowLong) {
     EXPECT_EQ(stage.gain_ms(300, false), 19);  // 20 ms after the last one, a millisecond ago
     EXPECT_EQ(stage.gain_ms(100, true), 99);   // which the first sample ends
   }
-  const BoardClock::Stalls stalls = stage.clock.take_stalls();
+  const WaitingClock::Stalls stalls = stage.clock.take_stalls();
   EXPECT_EQ(stalls.count, 5);
   EXPECT_EQ(stalls.sum, hal::milliseconds(5 * 282));
   EXPECT_EQ(stage.clock.take_stalls().count, 0);
 }
 
-TEST(BoardClock, GoesOnWithoutASourceThatIsDead) {
+TEST(WaitingClock, GoesOnWithoutASourceThatIsDead) {
   Stage stage;
   stage.start();
   stage.run(100, true);
@@ -168,7 +237,7 @@ TEST(BoardClock, GoesOnWithoutASourceThatIsDead) {
   EXPECT_EQ(stage.gain_ms(400, false), 19);
 }
 
-TEST(BoardClock, AProcessThatStoodStillItselfGivesNobodyUp) {
+TEST(WaitingClock, AProcessThatStoodStillItselfGivesNobodyUp) {
   Stage stage;
   stage.start();
   stage.run(100, true);
@@ -176,9 +245,9 @@ TEST(BoardClock, AProcessThatStoodStillItselfGivesNobodyUp) {
   EXPECT_EQ(stage.gain_ms(300, false), 0);
 }
 
-TEST(BoardClock, WaitsForTheReceiver) {
+TEST(WaitingClock, WaitsForTheReceiver) {
   Stage stage;
-  stage.clock.came(BoardClock::Source::kReceiver, stage.wall);
+  stage.clock.came(WaitingClock::Source::kReceiver, stage.wall);
   EXPECT_EQ(stage.gain_ms(400, true), 60);
 }
 

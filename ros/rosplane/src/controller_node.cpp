@@ -28,7 +28,7 @@ using rosplane_msgs::msg::State;
 
 /// Course, height and airspeed to surfaces and throttle, one command for a state.
 ///
-/// With a path_manager of ours, flight_phase tells what is flown; without one, altitude zones take
+/// With a path_manager of ours, flight_phase has what is flown; without one, altitude zones take
 /// off by themselves once there is a command.
 ///
 /// Stops:
@@ -41,12 +41,12 @@ class ControllerNode : public rclcpp::Node {
   explicit ControllerNode(const rclcpp::NodeOptions& options)
       : Node("controller", options),
         law_{declare_control_type()},
-        config_{with(WingConfig::declare(*this), law_)},
+        config_{with(FixedWingConfig::declare(*this), law_)},
         parameters_{*this, controller_parameters(), config_},
         reader_{config_.min_airspeed_known_m_s, config_.flight.controller.airframe.gravity_m_s2},
         controller_{config_.flight.controller},
         zones_{config_.zones} {
-    parameters_.on_change([this](const WingConfig& wanted) { return apply(wanted); });
+    parameters_.on_change([this](const FixedWingConfig& wanted) { return apply(wanted); });
     commands_ = create_publisher<Command>("command", rclcpp::QoS(10));
     internals_ = create_publisher<ControllerInternals>("controller_internals", rclcpp::QoS(10));
     wanted_ = create_subscription<ControllerCommands>(
@@ -70,23 +70,25 @@ class ControllerNode : public rclcpp::Node {
 
  private:
   /// Nothing: as the vehicle file says.
-  std::optional<wing::LongitudinalKind> declare_control_type() {
+  std::optional<fixedwing::LongitudinalKind> declare_control_type() {
     const auto type = declare_parameter<std::string>(
         "control_type", "vehicle",
         rosflight_common::described(
-            "longitudinal law: total_energy, successive_loop, or vehicle: as its file says", true));
-    if (type == "total_energy") return wing::LongitudinalKind::kTotalEnergy;
-    if (type == "successive_loop") return wing::LongitudinalKind::kSuccessiveLoops;
+            "longitudinal law: total_energy, successive_loop, or vehicle: as in the vehicle file",
+            true));
+    if (type == "total_energy") return fixedwing::LongitudinalKind::kTotalEnergy;
+    if (type == "successive_loop") return fixedwing::LongitudinalKind::kSuccessiveLoops;
     if (type == "vehicle" || type == "default") return {};
     throw std::invalid_argument("control type: found '" + type +
                                 "', allowed total_energy, successive_loop or vehicle");
   }
-  static WingConfig with(WingConfig config, std::optional<wing::LongitudinalKind> law) {
+  static FixedWingConfig with(FixedWingConfig config,
+                              std::optional<fixedwing::LongitudinalKind> law) {
     if (law) config.flight.controller.longitudinal = *law;
     return config;
   }
 
-  std::string apply(const WingConfig& wanted) {
+  std::string apply(const FixedWingConfig& wanted) {
     controller_.configure(wanted.flight.controller);
     zones_.configure(wanted.zones);
     return "";
@@ -116,7 +118,7 @@ class ControllerNode : public rclcpp::Node {
     if (!thinning_.pass(state.t_s, config_.rate_Hz)) return;
     const double dt_s = state.t_s - last_s_;
     last_s_ = state.t_s;
-    const auto direct = what_is_told(state);
+    const auto direct = direct_command(state);
     Command out;
     out.header = message.header;
     if (direct) {
@@ -128,7 +130,8 @@ class ControllerNode : public rclcpp::Node {
   }
 
   /// What is flown beside the command; nothing: the vehicle stays on the ground.
-  std::optional<wing::Controller::Direct> what_is_told(const autonomy::StateEstimate& state) {
+  std::optional<fixedwing::Controller::Direct> direct_command(
+      const autonomy::StateEstimate& state) {
     if (!phase_) {
       if (!last_command_) return {};
       return zones_.step(
@@ -137,10 +140,10 @@ class ControllerNode : public rclcpp::Node {
     }
     if (phase_->idle || !armed_) return {};
     if (fresh(last_phase_)) return direct_of(*phase_);
-    return wing::Controller::Direct{};
+    return fixedwing::Controller::Direct{};
   }
 
-  void fly(const autonomy::StateEstimate& state, wing::Controller::Direct direct, double dt_s,
+  void fly(const autonomy::StateEstimate& state, fixedwing::Controller::Direct direct, double dt_s,
            Command& out) {
     const bool commanded = fresh(last_command_);
     const bool taking_off = zone() == ControllerInternals::ZONE_TAKE_OFF;
@@ -150,9 +153,9 @@ class ControllerNode : public rclcpp::Node {
       if (config_.roll_override) direct.roll_rad = given(command_.phi_c);
       if (config_.pitch_override) direct.pitch_rad = given(command_.theta_c);
     }
-    const wing::ControllerCommand command = command_of(command_);
+    const fixedwing::ControllerCommand command = command_of(command_);
     const double age_s = last_command_ ? this->age_s(*last_command_) : 1e9;
-    const wing::Controller::Output& control =
+    const fixedwing::Controller::Output& control =
         controller_.step({state, command, age_s, dt_s, pilot_, direct});
     if (control.lost != circling_ && !direct.roll_rad) {
       circling_ = control.lost;
@@ -166,7 +169,7 @@ class ControllerNode : public rclcpp::Node {
       RCLCPP_WARN(get_logger(), "%s", autonomy::name(autonomy::FlightEventType::kAileronsLost));
     }
     rolls_by_rudder_ = control.aileron_lost;
-    const autonomy::FirmwareCommand command_out = wing::command_of(control.surfaces);
+    const autonomy::FirmwareCommand command_out = fixedwing::command_of(control.surfaces);
     out.mode = static_cast<std::uint8_t>(command_out.mode);
     out.ignore = command_out.ignore;
     out.u = command_out.u;
@@ -197,7 +200,7 @@ class ControllerNode : public rclcpp::Node {
 
   /// No state: the pilot gets what he is asked for.
   void watch() {
-    if (!last_state_ || age_s(*last_state_) <= wing::Guidance::kStateGrace_s) return;
+    if (!last_state_ || age_s(*last_state_) <= fixedwing::Guidance::kStateGrace_s) return;
     if (!lost_) RCLCPP_ERROR(get_logger(), "estimated_state is silent: the pilot has control");
     lost_ = true;
     Command out;
@@ -206,12 +209,12 @@ class ControllerNode : public rclcpp::Node {
     commands_->publish(out);
   }
 
-  std::optional<wing::LongitudinalKind> law_;
-  WingConfig config_;
-  WingParameters parameters_;
+  std::optional<fixedwing::LongitudinalKind> law_;
+  FixedWingConfig config_;
+  FixedWingParameters parameters_;
   StateReader reader_;
-  wing::Controller controller_;
-  wing::AltitudeZones zones_;
+  fixedwing::Controller controller_;
+  fixedwing::AltitudeZones zones_;
   ControllerCommands command_;
   std::optional<FlightPhase> phase_;
   std::optional<rclcpp::Time> last_command_, last_phase_, last_state_;

@@ -20,7 +20,7 @@ rosflight_common::EstimatorView view(const char* name, double min, double max, c
 }
 
 struct Policy {
-  static constexpr bool kWind = true;
+  static constexpr auto kAirframe = autonomy::estimation::Airframe::kFixedWing;
   static constexpr const char* kVehicle = kUsualVehicle;
   using Message = rosplane_msgs::msg::State;
 
@@ -29,7 +29,7 @@ struct Policy {
     put(in, origin, out);
   }
 
-  /// A wing that does not know where it is can still fly: its place goes out as NaN.
+  /// A fixed wing flies without a position as well: the position is sent as NaN.
   static bool worth_telling(const autonomy::StateEstimate& in) {
     using autonomy::Quality;
     return in.attitude != Quality::kNone && in.heading != Quality::kNone &&
@@ -40,34 +40,36 @@ struct Policy {
     using C = EstimatorConfig;
     return {
         view(
-            "gravity", 9.0, 10.0, "[m/s^2]", [](const C& c) { return c.gravity_m_s2; },
+            "gravity", 9.0, 10.0, "gravity [m/s^2]", [](const C& c) { return c.gravity_m_s2; },
             [](C& c, double x) { c.gravity_m_s2 = x; }),
         view(
-            "sigma_n_gps", 1e-3, 100.0, "of GNSS, north and east [m]",
+            "sigma_n_gps", 1e-3, 100.0,
+            "standard deviation of the GNSS position, north and east [m]",
             [](const C& c) { return c.gnss_horizontal_sigma_m; },
             [](C& c, double x) { c.gnss_horizontal_sigma_m = x; }),
         view(
-            "sigma_h_gps", 1e-3, 100.0, "of the altitude of GNSS [m]",
+            "sigma_h_gps", 1e-3, 100.0, "standard deviation of the GNSS altitude [m]",
             [](const C& c) { return c.gnss_altitude_sigma_m; },
             [](C& c, double x) { c.gnss_altitude_sigma_m = x; }),
         view(
-            "sigma_vn_gps", 1e-3, 100.0, "of the velocity of GNSS, each axis [m/s]",
+            "sigma_vn_gps", 1e-3, 100.0, "standard deviation of the GNSS velocity, each axis [m/s]",
             [](const C& c) { return c.gnss_velocity_sigma_m_s; },
             [](C& c, double x) { c.gnss_velocity_sigma_m_s = x; }),
         view(
-            "sigma_static_press", 0.01, 1000.0, "of the barometer [Pa]",
+            "sigma_static_press", 0.01, 1000.0, "standard deviation of the barometer [Pa]",
             [](const C& c) { return kPascalPerMetre * c.baro_sigma_m; },
             [](C& c, double x) { c.baro_sigma_m = x / kPascalPerMetre; }),
         view(
-            "sigma_diff", 0.01, 1000.0, "of the pitot tube [Pa]",
+            "sigma_diff", 0.01, 1000.0, "standard deviation of the pitot tube [Pa]",
             [](const C& c) { return c.pitot_sigma_Pa; },
             [](C& c, double x) { c.pitot_sigma_Pa = x; }),
         view(
-            "sigma_beta", 1e-3, 100.0, "of no sideslip, as a speed [m/s]",
+            "sigma_beta", 1e-3, 100.0, "standard deviation of the sideslip, as a speed [m/s]",
             [](const C& c) { return c.sideslip_sigma_m_s; },
             [](C& c, double x) { c.sideslip_sigma_m_s = x; }),
         view(
-            "min_airspeed_estimation", 0.1, 100.0, "below, pitot and sideslip say nothing [m/s]",
+            "min_airspeed_estimation", 0.1, 100.0,
+            "minimum airspeed at which pitot tube and sideslip are used [m/s]",
             [](const C& c) { return c.min_airspeed_m_s; },
             [](C& c, double x) { c.min_airspeed_m_s = x; }),
         rosflight_common::declination_view(),

@@ -68,7 +68,7 @@ class InputMapper : public rclcpp::Node {
     }
     declare_limits();
     const std::string controller = rosflight_common::declare_text(
-        *this, "controller_node", "controller", "whose parameters are set");
+        *this, "controller_node", "controller", "name of the controller whose parameters are set");
     overrides_ = create_client<rcl_interfaces::srv::SetParameters>(controller + "/set_parameters");
     changes_ = rosflight_common::on_change_or_refuse(
         *this, [this](const std::vector<rclcpp::Parameter>& given) { return change(given); });
@@ -100,11 +100,15 @@ class InputMapper : public rclcpp::Node {
 
   void declare_limits() {
     using rosflight_common::declare_number;
-    declare_number(*this, "rc_roll_angle_min_max", 0.5, 0.0, 1.5, "at full stick [rad]", true);
-    declare_number(*this, "rc_pitch_angle_min_max", 0.5, 0.0, 1.5, "at full stick [rad]", true);
-    declare_number(*this, "rc_course_rate", 0.5, 0.0, 10.0, "at full stick [rad/s]", true);
-    declare_number(*this, "rc_altitude_rate", 3.0, 0.0, 100.0, "at full stick [m/s]", true);
-    declare_number(*this, "rc_airspeed_rate", 1.0, 0.0, 100.0, "at full stick [m/s^2]", true);
+    declare_number(*this, "rc_roll_angle_min_max", 0.5, 0.0, 1.5, "bank at full stick [rad]", true);
+    declare_number(*this, "rc_pitch_angle_min_max", 0.5, 0.0, 1.5, "pitch at full stick [rad]",
+                   true);
+    declare_number(*this, "rc_course_rate", 0.5, 0.0, 10.0, "course rate at full stick [rad/s]",
+                   true);
+    declare_number(*this, "rc_altitude_rate", 3.0, 0.0, 100.0, "climb rate at full stick [m/s]",
+                   true);
+    declare_number(*this, "rc_airspeed_rate", 1.0, 0.0, 100.0,
+                   "change of airspeed at full stick [m/s^2]", true);
   }
   float limit(const char* name) const { return single(get_parameter(name).as_double()); }
 
@@ -193,8 +197,8 @@ class InputMapper : public rclcpp::Node {
       held_.h_c = -state.p_d;
       held_.va_c = state.va;
     }
-    constexpr double kLongest_s = 0.5;
-    const float dt = dt_s > 0.0 && dt_s < kLongest_s ? single(dt_s) : 0.0F;
+    constexpr double kMaxStep_s = 0.5;
+    const float dt = dt_s > 0.0 && dt_s < kMaxStep_s ? single(dt_s) : 0.0F;
     held_.chi_c =
         single(autonomy::wrap_angle(wide(held_.chi_c + stick(0) * limit("rc_course_rate") * dt)));
     held_.h_c += stick(1) * limit("rc_altitude_rate") * dt;

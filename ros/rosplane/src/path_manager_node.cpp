@@ -9,7 +9,7 @@
 #include "rosflight_common/component.hpp"
 #include "rosflight_common/node_tools.hpp"
 #include "rosplane/conversions.hpp"
-#include "rosplane/wing_parameters.hpp"
+#include "rosplane/fixedwing_parameters.hpp"
 
 namespace rosplane {
 
@@ -35,11 +35,11 @@ class PathManagerNode : public rclcpp::Node {
  public:
   explicit PathManagerNode(const rclcpp::NodeOptions& options)
       : Node("path_manager", options),
-        config_{WingConfig::declare(*this)},
+        config_{FixedWingConfig::declare(*this)},
         parameters_{*this, parameters(), config_},
         reader_{config_.min_airspeed_known_m_s, config_.flight.controller.airframe.gravity_m_s2},
         guidance_{config_.flight, without_waypoints()} {
-    parameters_.on_change([this](const WingConfig& wanted) { return apply(wanted); });
+    parameters_.on_change([this](const FixedWingConfig& wanted) { return apply(wanted); });
     paths_ = create_publisher<CurrentPath>("current_path", rclcpp::QoS(10));
     phases_ = create_publisher<FlightPhase>("flight_phase", rclcpp::QoS(10));
     listen();
@@ -51,9 +51,9 @@ class PathManagerNode : public rclcpp::Node {
   static constexpr double kGrace_s = 10.0;
   static constexpr double kOld_s = 0.2;  // of range, throttle and height wanted
 
-  static WingTable parameters() {
+  static FixedWingTable parameters() {
     using config::Range;
-    using C = WingConfig;
+    using C = FixedWingConfig;
     return {{"current_path_pub_frequency", &C::rate_Hz, "Hz", Range::between(10.0, 1000.0),
              "maximum paths per second"},
             {"R_min", [](const C& c) { return c.flight.plan.radius_m; },
@@ -61,10 +61,10 @@ class PathManagerNode : public rclcpp::Node {
              Range::between(5.0, 1000.0), "radius of turns"},
             {"default_airspeed", [](const C& c) { return c.flight.plan.airspeed_m_s; },
              [](C& c, double x) { c.flight.plan.airspeed_m_s = c.limits.plan.airspeed_m_s = x; },
-             "m/s", Range::between(3.0, 100.0), "where a waypoint says none"},
+             "m/s", Range::between(3.0, 100.0), "airspeed of waypoints without one"},
             {"default_altitude", &C::default_height_m, "m", Range::between(5.0, 10000.0),
-             "without waypoints"},
-            {"orbit_last", &C::orbit_last, "circle the last waypoint for ever"}};
+             "height of the circle without waypoints"},
+            {"orbit_last", &C::orbit_last, "circles the last waypoint for ever"}};
   }
 
   void listen() {
@@ -110,9 +110,10 @@ class PathManagerNode : public rclcpp::Node {
     services_.push_back(
         create_service<Trigger>(name, [this, act](const std::shared_ptr<Trigger::Request>,
                                                   std::shared_ptr<Trigger::Response> response) {
-          const wing::Phase phase = guidance_.output().phase;
-          response->success = phase != wing::Phase::kDisarmed && phase != wing::Phase::kLanded;
-          response->message = std::string("phase ") + wing::name(phase);
+          const fixedwing::Phase phase = guidance_.output().phase;
+          response->success =
+              phase != fixedwing::Phase::kDisarmed && phase != fixedwing::Phase::kLanded;
+          response->message = std::string("phase ") + fixedwing::name(phase);
           if (response->success) act();
         }));
   }
@@ -123,11 +124,11 @@ class PathManagerNode : public rclcpp::Node {
 
   // ---- mission ----------------------------------------------------------------------------------
 
-  wing::Mission without_waypoints() const {
-    wing::Mission out;
-    wing::Waypoint circle;
+  fixedwing::Mission without_waypoints() const {
+    fixedwing::Mission out;
+    fixedwing::Waypoint circle;
     circle.p_W = {0.0, 0.0, -config_.default_height_m};
-    circle.passing = wing::Passing::kCircle;
+    circle.passing = fixedwing::Passing::kCircle;
     circle.turn = 1;
     circle.hold_indefinitely = true;
     out.waypoints.push_back(circle);
@@ -135,10 +136,10 @@ class PathManagerNode : public rclcpp::Node {
     return out;
   }
 
-  /// As ROSflight 2.x: round and round. Kept when a list is cleared: who tells settings tells new
-  /// ones then, and they may come first.
-  static wing::Mission until_told() {
-    wing::Mission out;
+  /// As ROSflight 2.x: the list is repeated. Kept when a list is cleared: a sender of settings sends new
+  /// ones then, and they may arrive first.
+  static fixedwing::Mission default_mission() {
+    fixedwing::Mission out;
     out.at_end = autonomy::AtEnd::kCycle;
     return out;
   }
@@ -153,30 +154,30 @@ class PathManagerNode : public rclcpp::Node {
     new_mission();
   }
 
-  wing::Mission mission(const WingConfig& config) const {
+  fixedwing::Mission mission(const FixedWingConfig& config) const {
     if (list_.empty()) return without_waypoints();
-    wing::Mission out = head_;
+    fixedwing::Mission out = head_;
     out.waypoints.clear();
     for (const Waypoint& message : list_) {
       out.waypoints.push_back(waypoint_of(message, origin_));
     }
     if (config.orbit_last) out.at_end = autonomy::AtEnd::kHold;
-    wing::close_mission(out);
+    fixedwing::close_mission(out);
     return out;
   }
 
   /// In flight it goes on with the waypoint it is on its way to, or with the first new one.
   void new_mission() {
-    const wing::GuidanceOutput& now_flown = guidance_.output();
+    const fixedwing::GuidanceOutput& now_flown = guidance_.output();
     const bool longer = list_.size() > flown_ && flown_ > 0;
     const std::size_t first = !longer ? 0 : (now_flown.mission_done ? flown_ : now_flown.waypoint);
     guidance_.set_mission(mission(config_), first);
     flown_ = list_.size();
   }
 
-  std::string apply(const WingConfig& wanted) {
-    wing::Mission changed = mission(wanted);
-    if (const auto fault = wing::check_mission(changed, wanted.limits)) {
+  std::string apply(const FixedWingConfig& wanted) {
+    fixedwing::Mission changed = mission(wanted);
+    if (const auto fault = fixedwing::check_mission(changed, wanted.limits)) {
       return "waypoint " + std::to_string(fault->waypoint + 1) + ": found " + fault->found +
              ", allowed " + fault->allowed;
     }
@@ -205,12 +206,15 @@ class PathManagerNode : public rclcpp::Node {
     autonomy::Status status = status_;
     if (!started_s_) started_s_ = state.t_s;
     const bool nothing_to_fly = list_.empty() && state.t_s - *started_s_ < kGrace_s;
-    if (guidance_.output().phase == wing::Phase::kDisarmed && nothing_to_fly) status.armed = false;
-    wing::Guidance::Last last = last_;
+    if (guidance_.output().phase == fixedwing::Phase::kDisarmed && nothing_to_fly)
+      status.armed = false;
+    fixedwing::Guidance::Last last = last_;
     if (old(last_wanted_)) last.wanted_height_m.reset();
-    const wing::GuidanceOutput& out = guidance_.step({state.t_s, state, status, range(), last});
-    tell(out);
-    if (out.act == wing::GuidanceAct::kRepeat || out.act == wing::GuidanceAct::kGiveUp) return;
+    const fixedwing::GuidanceOutput& out =
+        guidance_.step({state.t_s, state, status, range(), last});
+    log(out);
+    if (out.act == fixedwing::GuidanceAct::kRepeat || out.act == fixedwing::GuidanceAct::kGiveUp)
+      return;
     FlightPhase phase;
     put(out, phase);
     phase.header = message.header;
@@ -222,11 +226,12 @@ class PathManagerNode : public rclcpp::Node {
     paths_->publish(path);
   }
 
-  void tell(const wing::GuidanceOutput& out) {
+  void log(const fixedwing::GuidanceOutput& out) {
     using Type = autonomy::FlightEventType;
     for (const autonomy::FlightEvent& event : out.events) {
       if (event.type == Type::kPhase) {
-        RCLCPP_INFO(get_logger(), "phase %s", wing::name(static_cast<wing::Phase>(event.index)));
+        RCLCPP_INFO(get_logger(), "phase %s",
+                    fixedwing::name(static_cast<fixedwing::Phase>(event.index)));
       } else if (event.type == Type::kWaypointReached) {
         RCLCPP_INFO(get_logger(), "waypoint %zu reached at %.1f m", event.index + 1, event.value);
       } else if (event.type == Type::kMissionDone || event.type == Type::kPilotGaveBack ||
@@ -238,17 +243,17 @@ class PathManagerNode : public rclcpp::Node {
     }
   }
 
-  WingConfig config_;
-  WingParameters parameters_;
+  FixedWingConfig config_;
+  FixedWingParameters parameters_;
   StateReader reader_;
-  wing::Guidance guidance_;
+  fixedwing::Guidance guidance_;
   std::optional<double> started_s_;  ///< Time of the first state.
   std::vector<Waypoint> list_;
-  wing::Mission head_{until_told()};
+  fixedwing::Mission head_{default_mission()};
   std::size_t flown_{0};  ///< Waypoints that the guidance knows of.
   std::optional<autonomy::Geodetic> origin_;
   autonomy::Status status_{};
-  wing::Guidance::Last last_{};
+  fixedwing::Guidance::Last last_{};
   sensor_msgs::msg::Range range_;
   std::optional<rclcpp::Time> last_range_, last_wanted_;
   Thinning thinning_;

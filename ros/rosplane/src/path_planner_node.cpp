@@ -34,7 +34,7 @@ class Policy {
   static constexpr const char* kServices = "";
   struct Plan {
     std::vector<Waypoint> waypoints;
-    wing::Mission mission;  ///< Its head counts; the waypoints are above.
+    fixedwing::Mission mission;  ///< Its head counts; the waypoints are above.
   };
 
   explicit Policy(const sim::Vehicle& vehicle)
@@ -42,14 +42,15 @@ class Policy {
 
   Plan load(const std::string& file, const std::optional<autonomy::Geodetic>& origin) const {
     Plan plan;
-    plan.mission = wing::load_mission(file, limits_, origin);
+    plan.mission = fixedwing::load_mission(file, limits_, origin);
     // Circles at the end come from at_end; path_manager makes them again.
     for (std::size_t k = 0; k < plan.mission.waypoints.size(); ++k) {
-      const wing::Waypoint& wp = plan.mission.waypoints[k];
+      const fixedwing::Waypoint& wp = plan.mission.waypoints[k];
       const bool at_end = k + 1 == plan.mission.waypoints.size() && wp.hold_indefinitely;
-      if (wp.passing == wing::Passing::kLine || (wp.passing == wing::Passing::kCircle && !at_end)) {
+      if (wp.passing == fixedwing::Passing::kLine ||
+          (wp.passing == fixedwing::Passing::kCircle && !at_end)) {
         throw config::Error(file + ": waypoint " + std::to_string(k + 1) + ": found " +
-                            (wp.passing == wing::Passing::kLine ? "path line" : "type hold") +
+                            (wp.passing == fixedwing::Passing::kLine ? "path line" : "type hold") +
                             ", allowed path fillet or dubins over ROS, because a Waypoint has no "
                             "room for it");
       }
@@ -89,14 +90,14 @@ class Policy {
              number_text(limits_.min_airspeed_m_s) + " to " +
                  number_text(limits_.max_airspeed_m_s) + " m/s, or 0 for cruise");
     }
-    wing::Mission mission;
+    fixedwing::Mission mission;
     mission.at_end = autonomy::AtEnd::kLand;
     for (const Waypoint& message : list) {
       mission.waypoints.push_back(rosplane::waypoint_of(message, origin));
     }
     mission.waypoints.insert(mission.waypoints.begin() + static_cast<std::ptrdiff_t>(place),
                              rosplane::waypoint_of(wp, origin));
-    if (const auto fault = wing::check_mission(mission, limits_)) {
+    if (const auto fault = fixedwing::check_mission(mission, limits_)) {
       refuse("waypoint " + std::to_string(fault->waypoint + 1), fault->found, fault->allowed);
     }
   }
@@ -115,7 +116,8 @@ class Policy {
   void check_place(Waypoint& wp, const std::optional<autonomy::Geodetic>& origin) const {
     autonomy::Vector3 p_W = vector(wp.w);
     if (wp.lla) {
-      if (!origin) refuse("lla", "true", "false, as long as no state tells the origin");
+      if (!origin)
+        refuse("lla", "true", "false: the origin is not known yet, no vehicle state has arrived");
       const bool on_earth = std::abs(p_W.x()) <= 90.0 && std::abs(p_W.y()) <= 180.0;
       if (!on_earth)
         refuse("w", number_text(p_W.x()) + ", " + number_text(p_W.y()), "latitude, longitude");
@@ -126,7 +128,7 @@ class Policy {
     const autonomy::MissionArea& area = limits_.area;
     const double distance_m = std::hypot(p_W.x(), p_W.y());
     if (!(distance_m <= area.max_distance_m)) {
-      refuse("w", "a place " + number_text(distance_m) + " m from the origin",
+      refuse("w", "a position " + number_text(distance_m) + " m from the origin",
              "at most " + number_text(area.max_distance_m) + " m");
     }
     const double height_m = -p_W.z();
@@ -138,10 +140,10 @@ class Policy {
     }
   }
 
-  wing::MissionLimits limits_;
+  fixedwing::MissionLimits limits_;
 };
 
-/// Tells besides what a Waypoint cannot: the end of the mission, its turns, take-off and landing.
+/// Publishes besides what a Waypoint has no field for: the end of the mission, its turns, take-off and landing.
 class PathPlanner final : public rosflight_common::PlannerNode<Policy> {
  public:
   explicit PathPlanner(const rclcpp::NodeOptions& options) : PlannerNode(options) {

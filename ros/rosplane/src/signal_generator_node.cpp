@@ -22,11 +22,13 @@ class SignalGenerator final : public rosflight_common::SignalNode {
     const auto number = [this](const char* name, double value, double max, const char* text) {
       return declare_number(*this, name, value, -max, max, text, true);
     };
-    base_.va_c = static_cast<float>(number("default_va_c", 15.0, 100.0, "airspeed [m/s]"));
-    base_.h_c = static_cast<float>(number("default_h_c", 40.0, 10000.0, "height [m]"));
-    base_.chi_c = static_cast<float>(number("default_chi_c", 0.0, 6.3, "course [rad]"));
-    base_.theta_c = static_cast<float>(number("default_theta_c", 0.0, 1.0, "pitch [rad]"));
-    base_.phi_c = static_cast<float>(number("default_phi_c", 0.0, 1.5, "roll [rad]"));
+    base_.va_c =
+        static_cast<float>(number("default_va_c", 15.0, 100.0, "commanded airspeed [m/s]"));
+    base_.h_c = static_cast<float>(number("default_h_c", 40.0, 10000.0, "commanded height [m]"));
+    base_.chi_c = static_cast<float>(number("default_chi_c", 0.0, 6.3, "commanded course [rad]"));
+    base_.theta_c =
+        static_cast<float>(number("default_theta_c", 0.0, 1.0, "commanded pitch [rad]"));
+    base_.phi_c = static_cast<float>(number("default_phi_c", 0.0, 1.5, "commanded roll [rad]"));
     commands_ = create_publisher<ControllerCommands>("controller_command", rclcpp::QoS(1));
     own_changes_ = rosflight_common::on_change_or_refuse(
         *this, [this](const std::vector<rclcpp::Parameter>& given) { return change(given); });

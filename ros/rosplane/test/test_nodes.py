@@ -115,7 +115,7 @@ def test_path_follower_follows_stops_and_takes_gains(peer):
         on_it = feed.until(lambda m: abs(m.chi_c - math.pi / 2) < 1e-3, "the circle itself", north=50.0, course=math.pi / 2)
         assert on_it.phi_ff == pytest.approx(math.atan(15.0**2 / (9.80665 * 50)), rel=1e-3)  # coordinated turn
 
-        # No path any more: commands end, and it says so once.
+        # No path any more: commands end, and it reports that once.
         feed.others = []
         peer.poll(lambda: feed.give() or "current_path is silent" in process.text(), "a word about the silence")
         assert falls_silent(feed.received, feed.give) and process.text().count("is silent") == 1
@@ -211,7 +211,7 @@ def test_controller_flies_stops_and_takes_gains(peer, law, tmp_path):
                                                         pitch_command_override=False))
         # Commands end: it circles at lost_roll_deg of the vehicle file. Phases end too: it flies on.
         feed.others = feed.others[:1]
-        bank_of(feed, lambda m: abs(m.phi_c - math.radians(20.0)) < 1e-3, "the circle of a lost wing")
+        bank_of(feed, lambda m: abs(m.phi_c - math.radians(20.0)) < 1e-3, "the circle of a lost fixed wing")
         process.until("controller_command is silent: circles")
         # The state ends: every entry goes to the pilot, until it is back.
         count = len(feed.received)
@@ -255,7 +255,7 @@ def test_controller_takes_off_by_itself_without_a_path_manager(peer):
 
 
 class Sensors:
-    """What an aircraft's sensors say while it stands at 1400 m, 100 times a second of its own time."""
+    """What an aircraft's sensors measure while it stands at 1400 m, 100 times a second of its own time."""
 
     def __init__(self, peer):
         self.peer, self.ns, self.ticks = peer, 1_000_000_000_000, 0
@@ -301,7 +301,7 @@ def test_estimator_starts_tells_and_says_what_it_does_not_know(peer):
         assert math.hypot(still.p_n, still.p_e, still.p_d) < 1.0 and abs(still.phi) < 0.01
         assert still.psi == pytest.approx(math.radians(10.0), abs=0.01)  # the field points to magnetic north
         assert stamp_ns(still) == sensors.ns and math.isnan(still.w_n)
-        # Armed and without GNSS for longer than dead_reckoning_s: it says that it does not know where it is, and goes on.
+        # Armed and without GNSS for longer than dead_reckoning_s: it reports an unknown position and goes on.
         sensors.armed, sensors.gnss = True, False
         lost = sensors.run(32.0)
         assert math.isnan(lost.p_n) and math.isnan(lost.p_e)
@@ -359,7 +359,7 @@ def test_input_mapper_mixes_axis_by_axis(peer):
         peer.poll(lambda: feed.give() or mapped, "an output")
         assert mapped[-1].ignore == 0x2
 
-        # The pilot's angles: full right stick, and the controller is told to take them.
+        # The pilot's angles: full right stick, and the controller is set to take them.
         feed.also(RCRaw, "rc_raw", lambda ns: stamp(RCRaw(values=[2000, 1250, 1500, 1500, 1000, 1000, 1000, 1000]), ns))
         assert peer.call(Trigger, "input_mapper/set_angle_control_mode").success
         answer = feed.until(lambda m: m.phi_c > 0.4, "the stick's angle")

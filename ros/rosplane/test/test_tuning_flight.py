@@ -53,7 +53,7 @@ def test_a_signal_on_the_roll_is_flown(tmp_path):
         until(lambda: last_s(inner) > start_s + 4 * PERIOD_S and last_s(states) > last_s(inner) - 0.1, "four periods")
         ends = ends_of_halves(inner)
         assert {round(end.phi_c, 2) for end in ends} == {UP, DOWN} and len(ends) >= 6
-        # A wing that follows is there at the end of the half period of 2 s.
+        # A fixed wing that follows is there at the end of the half period of 2 s.
         rolls = {stamp_ns(state): state.phi for state in states}
         for end in ends:
             at_ns = min(rolls, key=lambda ns, e=end: abs(ns - stamp_ns(e)))

@@ -4,7 +4,7 @@
 
 namespace rclcpp::detail {
 
-/// Sends what is logged to the console, the log file and /rosout, as the arguments say.
+/// Sends what is logged to the console, the log file and /rosout, as the arguments specify.
 void start_logging(const rcl_arguments_t& arguments);
 
 /// While it lives nothing is logged: the publishers behind /rosout may change.

@@ -108,7 +108,7 @@ const ParameterValue& NodeParameters::declare(const std::string& name, const Par
   if (initial.get_type() != PARAMETER_NOT_SET) {
     ParameterEvent event;
     event.new_parameters.push_back(Parameter(name, initial).to_parameter_msg());
-    tell(event);
+    publish(event);
   }
   return declared.value;
 }
@@ -205,13 +205,13 @@ NodeParameters::Result NodeParameters::set(const std::vector<Parameter>& paramet
           .push_back(parameter.to_parameter_msg());
       changed.push_back(parameter);
     }
-    tell(event);
+    publish(event);
   }
   if (watcher_) std::for_each(changed.begin(), changed.end(), watcher_);
   return accepted();
 }
 
-void NodeParameters::tell(ParameterEvent& event) {
+void NodeParameters::publish(ParameterEvent& event) {
   if (!events_) return;
   event.node = base_->get_fully_qualified_name();
   event.stamp = clock_->now();

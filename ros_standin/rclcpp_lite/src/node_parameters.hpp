@@ -15,7 +15,7 @@ namespace rclcpp::detail {
 
 class ParameterServices;
 
-/// The parameters of one node: values, descriptors, who may refuse, and who is told.
+/// The parameters of one node: values, descriptors, callbacks that may refuse, and the event that is published.
 class NodeParameters {
  public:
   using Descriptor = rcl_interfaces::msg::ParameterDescriptor;
@@ -52,7 +52,7 @@ class NodeParameters {
   Result ask_callbacks(const std::vector<Parameter>& parameters);
   void must_not_be_in_callback() const;
   Result acceptable(const Parameter& parameter) const;
-  void tell(rcl_interfaces::msg::ParameterEvent& event);
+  void publish(rcl_interfaces::msg::ParameterEvent& event);
 
   node_interfaces::NodeBaseInterface::SharedPtr base_;
   Clock::SharedPtr clock_;

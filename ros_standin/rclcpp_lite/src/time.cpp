@@ -12,7 +12,7 @@ namespace rclcpp {
 
 namespace {
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
+constexpr auto kMax = std::numeric_limits<std::int64_t>::max();
 
 std::int64_t sum(std::int64_t left, std::int64_t right) {
   std::int64_t result = 0;
@@ -84,7 +84,7 @@ Duration Duration::operator-(const Duration& other) const {
 Duration Duration::operator*(double scale) const {
   if (!std::isfinite(scale)) throw std::runtime_error("a duration times no finite number");
   const auto product = static_cast<long double>(ns()) * static_cast<long double>(scale);
-  if (std::fabs(product) >= static_cast<long double>(kMost)) {
+  if (std::fabs(product) >= static_cast<long double>(kMax)) {
     throw std::overflow_error("product of a duration does not fit into 64 bits of nanoseconds");
   }
   return of(static_cast<std::int64_t>(product));
@@ -100,8 +100,8 @@ Duration Duration::from_nanoseconds(rcl_duration_value_t nanoseconds) {
   return Duration(rcl_duration_t{nanoseconds});
 }
 Duration Duration::from_rmw_time(rmw_time_t duration) {
-  constexpr auto kMostSeconds = static_cast<std::uint64_t>(kMost / kNanosecondsPerSecond);
-  if (duration.sec >= kMostSeconds) return of(kMost);
+  constexpr auto kMaxSeconds = static_cast<std::uint64_t>(kMax / kNanosecondsPerSecond);
+  if (duration.sec >= kMaxSeconds) return of(kMax);
   return of(static_cast<std::int64_t>(duration.sec) * kNanosecondsPerSecond +
             static_cast<std::int64_t>(duration.nsec));
 }

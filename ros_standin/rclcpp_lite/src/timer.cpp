@@ -70,7 +70,7 @@ std::shared_ptr<void> TimerBase::take() {
     return nullptr;
   }
   detail::check(code, "call a timer");
-  return {&timer_, [](void*) {}};  // only says that the callback is due
+  return {&timer_, [](void*) {}};  // only marks the callback as due
 }
 
 }  // namespace rclcpp

@@ -74,9 +74,9 @@ def test_timer_on_simulated_time_follows_the_clock_and_its_jumps(tester):
         seen = len(wall)
         until(lambda: len(wall) > seen + 10, "wall time goes on")
         assert len(sim.ticks) == 7
-        until(lambda: jumps, "the jump forward is told")
+        until(lambda: jumps, "the jump forward is reported")
         # After a jump back the timer goes on from there.
-        until(lambda: sim.show(5 * SECOND) or len(jumps) > 1, "the jump back is told")
+        until(lambda: sim.show(5 * SECOND) or len(jumps) > 1, "the jump back is reported")
         sim.tick_at(5 * SECOND + SECOND // 5)
         assert [jump.data for jump in jumps] == [1000 * SECOND - 15 * SECOND // 10, -995 * SECOND]
 

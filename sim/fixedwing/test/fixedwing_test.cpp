@@ -42,14 +42,14 @@ TEST(FixedWing, PropellersMeetTheReferencesStaticAndIdleThrust) {
     double idle_15_N;
   };
   const Row rows[] = {{53.18, -13.06}, {51.37, -12.40}, {51.97, -12.61}, {84.56, -8.06}};
-  for (std::size_t i = 0; i < kReferenceWings.size(); ++i) {
-    SCOPED_TRACE(kReferenceWings[i].name);
-    const Hangar hangar(kReferenceWings[i]);
-    const double density = kReferenceWings[i].density_kg_m3;
+  for (std::size_t i = 0; i < kReferenceAircraft.size(); ++i) {
+    SCOPED_TRACE(kReferenceAircraft[i].name);
+    const Hangar hangar(kReferenceAircraft[i]);
+    const double density = kReferenceAircraft[i].density_kg_m3;
     EXPECT_NEAR(propeller_N(hangar, 1.0F, 0.0, density), rows[i].static_N, 0.006);
     EXPECT_NEAR(propeller_N(hangar, 0.0F, 15.0, density), rows[i].idle_15_N, 0.006);
   }
-  const Hangar hangar(kReferenceWings[0]);
+  const Hangar hangar(kReferenceAircraft[0]);
   Air air;
   air.density_kg_m3 = 1.2682;
   const auto all =
@@ -58,7 +58,7 @@ TEST(FixedWing, PropellersMeetTheReferencesStaticAndIdleThrust) {
 }
 
 TEST(FixedWing, TheReferencesModelIsCutOffBelow2MetresPerSecond) {
-  const Hangar hangar(kReferenceWings[0]);
+  const Hangar hangar(kReferenceAircraft[0]);
   BodyState body;
   body.v_B.x() = 1.99;
   const auto x = initial_states(hangar.forces);

@@ -15,32 +15,32 @@ inline std::string vehicle_file(const std::string& name) {
 }
 
 /// One of the vehicles of ROSflight 2.x, with its numbers.
-struct ReferenceWing {
+struct ReferenceAircraft {
   std::string name;
   double density_kg_m3;
   double voltage_V;
 };
 
-inline const std::vector<ReferenceWing> kReferenceWings{{"anaconda", 1.2682, 24.0},
-                                                        {"openvsp_anaconda", 1.204, 24.0},
-                                                        {"xflr5_anaconda", 1.225, 24.0},
-                                                        {"aerosonde", 1.2682, 44.4}};
+inline const std::vector<ReferenceAircraft> kReferenceAircraft{{"anaconda", 1.2682, 24.0},
+                                                               {"openvsp_anaconda", 1.204, 24.0},
+                                                               {"xflr5_anaconda", 1.225, 24.0},
+                                                               {"aerosonde", 1.2682, 44.4}};
 
 /// The options of ROSflight 2.x's simulator.
-inline std::vector<std::string> reference_options(const ReferenceWing& wing) {
+inline std::vector<std::string> reference_options(const ReferenceAircraft& aircraft) {
   std::vector<std::string> options{
       "rotors.motor.model=instant",
       "rotors.flow=airspeed",
       "rotors.motor.active_braking=true",
       "battery.model=constant",
-      "battery.constant_voltage_V=" + std::to_string(wing.voltage_V),
+      "battery.constant_voltage_V=" + std::to_string(aircraft.voltage_V),
       "aero.model=reference",
       "ground.model=frictionless_plane",
       "body.integration=frozen_forces",
       "environment.gravity_m_s2=9.81",
       "environment.atmosphere.model=constant",
-      "environment.atmosphere.density_kg_m3=" + std::to_string(wing.density_kg_m3)};
-  if (wing.name == "aerosonde") options.emplace_back("aero.drag.parasitic=0");
+      "environment.atmosphere.density_kg_m3=" + std::to_string(aircraft.density_kg_m3)};
+  if (aircraft.name == "aerosonde") options.emplace_back("aero.drag.parasitic=0");
   return options;
 }
 
@@ -52,7 +52,8 @@ struct Hangar {
         random{seed},
         forces{read_fixed_wing(vehicle.root())},
         dynamics{vehicle.body(), vehicle.ground(), vehicle.environment(), forces, random} {}
-  explicit Hangar(const ReferenceWing& wing) : Hangar(wing.name, reference_options(wing)) {}
+  explicit Hangar(const ReferenceAircraft& aircraft)
+      : Hangar(aircraft.name, reference_options(aircraft)) {}
 
   TrimVehicle trimmed() const { return {forces, vehicle.body(), vehicle.environment()}; }
   Trim trim(const FlightCondition& condition) const { return find_trim(trimmed(), condition); }

@@ -40,16 +40,16 @@ constexpr Row kLevelFlight[] = {
     {"aerosonde", 35, 0.23, 0.15, 0.65, 0.938},
 };
 
-const ReferenceWing& reference_wing(const std::string& name) {
-  for (const ReferenceWing& wing : kReferenceWings)
-    if (wing.name == name) return wing;
+const ReferenceAircraft& reference_aircraft(const std::string& name) {
+  for (const ReferenceAircraft& aircraft : kReferenceAircraft)
+    if (aircraft.name == name) return aircraft;
   throw std::runtime_error("no vehicle " + name);
 }
 
 TEST(Trim, MeetsTheLevelFlightOfTheReference) {
   for (const Row& row : kLevelFlight) {
     SCOPED_TRACE(row.vehicle + std::string(" ") + std::to_string(row.airspeed_m_s));
-    const Hangar hangar(reference_wing(row.vehicle));
+    const Hangar hangar(reference_aircraft(row.vehicle));
     const Trim trim = hangar.trim(row.airspeed_m_s);
     // Half a unit of the last digit; the table leaves out the aileron against the propeller's
     // torque and its side force.
@@ -61,7 +61,7 @@ TEST(Trim, MeetsTheLevelFlightOfTheReference) {
 }
 
 TEST(Trim, TheReferencesAnacondaCannotHold30MetresPerSecond) {
-  const Hangar hangar(reference_wing("anaconda"));
+  const Hangar hangar(reference_aircraft("anaconda"));
   try {
     hangar.trim(30.0);
     FAIL();
@@ -92,11 +92,12 @@ TEST(Trim, IsFoundOverTheWholeSpeedRange) {
 }
 
 TEST(Trim, StaysWhereItIsInTheSimulator) {
-  for (const ReferenceWing& wing : kReferenceWings) {
-    SCOPED_TRACE(wing.name);
-    Hangar hangar(wing.name, {"environment.atmosphere.model=constant",
-                              "environment.atmosphere.density_kg_m3=1.1", "battery.model=constant",
-                              "battery.constant_voltage_V=" + std::to_string(wing.voltage_V)});
+  for (const ReferenceAircraft& aircraft : kReferenceAircraft) {
+    SCOPED_TRACE(aircraft.name);
+    Hangar hangar(aircraft.name,
+                  {"environment.atmosphere.model=constant",
+                   "environment.atmosphere.density_kg_m3=1.1", "battery.model=constant",
+                   "battery.constant_voltage_V=" + std::to_string(aircraft.voltage_V)});
     const Trim trim = hangar.trim({18.0, 0.05, 0.0, 100.0});
     EXPECT_LT(trim.acceleration_B.norm(), 3e-5);
     EXPECT_LT(trim.angular_acceleration_B.norm(), 3e-5);
@@ -141,9 +142,9 @@ std::map<std::string, Mode> modes_of(const Hangar& hangar, double speed) {
 }
 
 TEST(Modes, EachAircraftHasTheFiveOfTheTextbookAndItsMotors) {
-  for (const ReferenceWing& wing : kReferenceWings) {
-    SCOPED_TRACE(wing.name);
-    const auto modes = modes_of(Hangar(wing.name), 18.0);
+  for (const ReferenceAircraft& aircraft : kReferenceAircraft) {
+    SCOPED_TRACE(aircraft.name);
+    const auto modes = modes_of(Hangar(aircraft.name), 18.0);
     for (const char* name : {"short period", "phugoid", "Dutch roll", "roll", "spiral", "motor"})
       EXPECT_TRUE(modes.contains(name)) << name;
     EXPECT_EQ(modes.size(), 6U);

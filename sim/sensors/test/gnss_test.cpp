@@ -47,7 +47,7 @@ TEST(Gnss, AtTheOriginItIsAtTheOrigin) {
   EXPECT_FLOAT_EQ(sample.speed_accuracy_m_s, 0.05F);
 }
 
-TEST(Gnss, APlaceNextDoorIsWhereTheEllipsoidHasIt) {
+TEST(Gnss, APositionNearbyIsWhereTheEllipsoidHasIt) {
   // Radii of curvature at 40.2463724 deg from the WGS-84 formulas a (1 - e2)/W^3 and a/W, W =
   // sqrt(1 - e2 sin^2): meridian 6 362 109.0 m, prime vertical 6 387 073.6 m; plus the height 1387
   // m. 100 m are 1e-5 of that, so what the curvature does to the result stays below 1e-9 deg.

@@ -36,7 +36,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
   void read() {
     parser_ = std::make_unique<http::request_parser<http::empty_body>>();
-    parser_->header_limit(WebServer::kLargestHead);
+    parser_->header_limit(WebServer::kMaxHead);
     parser_->body_limit(0);
     stream_.expires_after(site_.access.silence);
     http::async_read(stream_, buffer_, *parser_,
@@ -101,7 +101,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
       return refuse(http::status::bad_request, "messages come after the answer to the handshake");
     }
     std::erase_if(site_.viewers, [](const std::weak_ptr<Viewer>& v) { return v.expired(); });
-    if (site_.viewers.size() >= WebServer::kMostViewers) {
+    if (site_.viewers.size() >= WebServer::kMaxViewers) {
       return refuse(http::status::service_unavailable, "too many viewers");
     }
     stream_.expires_never();  // the WebSocket has time limits of its own
@@ -179,8 +179,8 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     const bool head = parser_->get().method() == http::verb::head;
     auto serializer = std::make_shared<http::response_serializer<Body>>(*response);
     // A slow client has time for all of it, one that does not read is not waited for.
-    constexpr std::uint64_t kSlowest_bytes_s = 16384;
-    const std::chrono::seconds slow(response->payload_size().value_or(0) / kSlowest_bytes_s);
+    constexpr std::uint64_t kMinRate_bytes_s = 16384;
+    const std::chrono::seconds slow(response->payload_size().value_or(0) / kMinRate_bytes_s);
     stream_.expires_after(site_.access.silence + slow);
     const auto sent = [self = shared_from_this(), response, serializer](beast::error_code error,
                                                                         std::size_t) {
@@ -214,7 +214,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   static constexpr std::size_t kRest = 1024;
 
   beast::tcp_stream stream_;
-  beast::flat_buffer buffer_{WebServer::kLargestHead};
+  beast::flat_buffer buffer_{WebServer::kMaxHead};
   std::unique_ptr<http::request_parser<http::empty_body>> parser_;
   bool last_{false};  ///< The connection ends with this answer.
   std::array<char, kRest> rest_{};

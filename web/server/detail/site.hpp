@@ -31,7 +31,7 @@ struct Site {
   Contents contents;
   Access access;
   Admission admission{{}, 0};
-  std::string session{random_token()};  ///< Of this start.
+  std::string session{random_token()};  ///< Random identifier of this start.
   int clients{0};
   std::uint64_t viewers_so_far{0};
   std::vector<std::weak_ptr<Viewer>> viewers;

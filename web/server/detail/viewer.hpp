@@ -38,7 +38,7 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
         [name = std::string(protocol)](websocket::response_type& response) {
           response.set(http::field::sec_websocket_protocol, name);
         }));
-    stream_.read_message_max(WebServer::kLargestMessage);
+    stream_.read_message_max(WebServer::kMaxMessage);
     stream_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
       if (error) return;
       self->open_ = true;

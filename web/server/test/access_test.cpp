@@ -172,7 +172,7 @@ TEST_F(AccessTest, ALongHeadAndABodyAreRefusedAndEndTheConnection) {
   start({});
   const Client head_client = connect();
   head_client.write("GET / HTTP/1.1\r\nHost: " + host_ +
-                    "\r\nX: " + std::string(WebServer::kLargestHead, 'x'));
+                    "\r\nX: " + std::string(WebServer::kMaxHead, 'x'));
   EXPECT_EQ(head_client.read().substr(9, 3), "431");
   const Client body_client = connect();
   body_client.write(head("POST /", "Content-Length: 5\r\n") + "hello" + head("GET /"));
@@ -194,7 +194,7 @@ TEST_F(AccessTest, ATooLongMessageEndsTheWebSocket) {
   const Client client = connect();
   client.write(head("GET /", kWebSocket));
   EXPECT_EQ(client.read_head().substr(9, 3), "101");
-  client.write(frame(std::string(WebServer::kLargestMessage + 1, ' ')));
+  client.write(frame(std::string(WebServer::kMaxMessage + 1, ' ')));
   const std::string said = client.read();
   const std::string too_big{'\x03', '\xf1'};  // 1009, RFC 6455 section 7.4.1
   EXPECT_NE(said.find(too_big), std::string::npos);
@@ -220,7 +220,7 @@ TEST_F(AccessTest, ASlowReaderGetsAllOfIt) {
 TEST_F(AccessTest, NoMoreThanItsViewersAreServed) {
   start({});
   std::vector<std::unique_ptr<Client>> viewers;
-  for (int k = 0; k < WebServer::kMostViewers; ++k) {
+  for (int k = 0; k < WebServer::kMaxViewers; ++k) {
     viewers.push_back(std::make_unique<Client>(server_->port()));
     viewers.back()->write(head("GET /", kWebSocket));
     EXPECT_EQ(viewers.back()->read_head().substr(9, 3), "101");

@@ -78,7 +78,7 @@ TEST_F(ConversationTest, WhatIsUnsubscribedMeanwhileIsNotSent) {
 TEST_F(ConversationTest, UnreadComplaintsEndIt) {
   Conversation talk(live_, nullptr, open_, session_, 1);
   all(talk);
-  for (std::size_t k = 0; k < Conversation::kMostUnreadTexts; ++k)
+  for (std::size_t k = 0; k < Conversation::kMaxUnreadTexts; ++k)
     ASSERT_TRUE(talk.on_message("nonsense", true)) << k;
   EXPECT_FALSE(talk.on_message("nonsense", false));
 }
@@ -220,9 +220,9 @@ TEST_F(ConversationTest, WhatIsNoParameterIsNoCommand) {
 TEST_F(ConversationTest, NoMoreCommandsWaitThanTheirLimit) {
   CommandDesk desk;
   const CommandDesk::Command one{1, "", CommandDesk::WriteParameters{}};
-  for (std::size_t k = 0; k < CommandDesk::kMostWaiting; ++k) ASSERT_EQ(desk.ask(one), "");
+  for (std::size_t k = 0; k < CommandDesk::kMaxWaiting; ++k) ASSERT_EQ(desk.ask(one), "");
   EXPECT_NE(desk.ask(one), "");
-  EXPECT_EQ(desk.commands().size(), CommandDesk::kMostWaiting);
+  EXPECT_EQ(desk.commands().size(), CommandDesk::kMaxWaiting);
   EXPECT_EQ(desk.ask(one), "");
 }
 

@@ -24,7 +24,7 @@ class LiveDataTest : public testing::Test {
     return seen;
   }
   static void want_all(LiveData::Cursor& cursor) {
-    for (auto& place : cursor.places) place.wanted = true;
+    for (auto& state : cursor.channel_states) state.wanted = true;
   }
 
   LiveData data_;
@@ -63,7 +63,7 @@ TEST_F(LiveDataTest, ChannelsMayComeLater) {
 }
 
 TEST_F(LiveDataTest, EventsBeyondTheLimitAreLostAndCounted) {
-  put(event_, 1, LiveData::kMostEventBytes - 1);
+  put(event_, 1, LiveData::kMaxEventBytes - 1);
   put(event_, 2, 2);
   put(event_, 3, 1);
   EXPECT_EQ(data_.events_lost(), 1U);

@@ -39,7 +39,7 @@ class Client {
     EXPECT_EQ(::send(socket_, text.data(), text.size(), MSG_NOSIGNAL),
               static_cast<ssize_t>(text.size()));
   }
-  /// What the server says, at least so many bytes unless it closes the connection before.
+  /// What the server sends, at least so many bytes unless it closes the connection before.
   std::string read_some(std::size_t least) const {
     return read_until([least](const std::string& all) { return all.size() >= least; });
   }
@@ -49,7 +49,7 @@ class Client {
     for (char c = 0; !head.ends_with("\r\n\r\n") && ::recv(socket_, &c, 1, 0) == 1;) head += c;
     return head;
   }
-  /// All that the server says until it closes the connection.
+  /// All that the server sends until it closes the connection.
   std::string read() const {
     return read_until([](const std::string&) { return false; });
   }

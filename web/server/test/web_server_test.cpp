@@ -116,7 +116,7 @@ TEST_F(WebServerTest, OneConnectionCarriesManyRequests) {
 
 TEST_F(WebServerTest, TooLongAndBrokenRequestsEndTheConnection) {
   const Client too_long(server_.port());
-  too_long.write("GET / HTTP/1.1\r\nX: " + std::string(WebServer::kLargestHead, 'x') + "\r\n\r\n");
+  too_long.write("GET / HTTP/1.1\r\nX: " + std::string(WebServer::kMaxHead, 'x') + "\r\n\r\n");
   EXPECT_EQ(status(too_long.read()), "431");
   const Client broken(server_.port());
   broken.write("\x16\x03\x01 this is no HTTP\r\n\r\n");
@@ -135,7 +135,7 @@ TEST_F(WebServerTest, ATakenPortIsAnError) {
 
 TEST_F(WebServerTest, NoMoreThanItsClientsAreServed) {
   std::vector<std::unique_ptr<Client>> clients;
-  for (int k = 0; k < WebServer::kMostClients; ++k) {
+  for (int k = 0; k < WebServer::kMaxClients; ++k) {
     clients.push_back(std::make_unique<Client>(server_.port()));
     clients.back()->write("GET / HTTP/1.1\r\n");  // goes on, so that it stays
   }

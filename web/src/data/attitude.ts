@@ -13,7 +13,7 @@ export function eulerAngles([w, x, y, z]: Quaternion): Triple {
   ];
 }
 
-/** Between two attitudes on the shorter way, of unit length; `share` 0 is `a`, 1 is `b`. For attitudes close to each other. */
+/** Between two attitudes along the shorter rotation, of unit length; `share` 0 is `a`, 1 is `b`. For attitudes close to each other. */
 export function between(a: Quaternion, b: Quaternion, share: number): Quaternion {
   const sign = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] < 0 ? -1 : 1;
   const mix = a.map((value, k) => value + share * (sign * b[k]! - value));

@@ -22,13 +22,14 @@ export class Commands {
 
   takeControl(): Promise<Result[]> { return this.ask({op: 'takeControl'}); }
 
-  /** Changes the simulation (flight/steering.hpp, apps/simulation_changes.hpp have the language). */
+  /** Changes the simulation (flight/steering.hpp, viewer/simulation_changes.hpp have the language). */
   steer(text: string): Promise<Result[]> { return this.ask({op: 'steer', text}); }
 
   /** For 0.3 s, by the firmware's own rule. */
   testMotor(motor: number, value: number): Promise<Result[]> { return this.ask({op: 'testMotor', motor, value}); }
 
-  /** gyro, accel, baro or airspeed; the result has the figures of its quality. */
+  /** gyro, accel, baro, airspeed; of a vehicle on a link also mag, rc, esc_props_off, and stop for one of these. The result has the figures
+   * of its quality, or what was refused. */
   calibrate(sensor: string): Promise<Result[]> { return this.ask({op: 'calibrate', sensor}); }
 
   /** A message of the server that may end one. */

@@ -4,11 +4,10 @@ import type {Analysis} from './analysis.ts';
 import {eulerAngles, turned, type Quaternion, type Triple} from './attitude.ts';
 import type {Flight, PoseTopic} from './flight.ts';
 import {lastAtOrBefore, type Table} from './table.ts';
+import {DEG_PER_RAD} from './units.ts';
 
 /** NaN is a gap. */
 export interface Curve { t: Float64Array; y: Float64Array }
-
-const DEG = 180 / Math.PI;
 
 /** A field times a factor. @returns undefined if the flight does not have it. */
 export function field(flight: Flight, topic: string, name: string, factor = 1): Curve | undefined {
@@ -42,7 +41,7 @@ export function derived(flight: Flight, topic: string, names: readonly string[],
 
 /** Roll, pitch or yaw [deg], yaw without jumps of a turn. */
 export function angle(flight: Flight, topic: string, attitude: readonly string[], axis: 0 | 1 | 2): Curve | undefined {
-  const curve = derived(flight, topic, attitude, (q) => eulerAngles(q as unknown as Quaternion)[axis] * DEG);
+  const curve = derived(flight, topic, attitude, (q) => eulerAngles(q as unknown as Quaternion)[axis] * DEG_PER_RAD);
   return curve && axis === 2 ? unwrapped(curve) : curve;
 }
 
@@ -98,12 +97,12 @@ export function sampleAt({t, y}: Curve, time: number): number {
   return span > 0 ? y[low]! + (time - t[low]!) / span * (y[high]! - y[low]!) : y[low]!;
 }
 
-/** Positions of a topic in north-east-down [m], no more than `most`, evenly chosen; `rows` is which. */
-export function path(table: Table, names: PoseTopic['position'], most: number): {points: Triple[]; rows: number[]} {
+/** Positions of a topic in north-east-down [m], no more than `max`, evenly chosen; `rows` is which. */
+export function path(table: Table, names: PoseTopic['position'], max: number): {points: Triple[]; rows: number[]} {
   const columns = names.map((name) => table.column(name));
   const points: Triple[] = [];
   const rows: number[] = [];
-  const step = Math.max(1, Math.ceil(table.length / most));
+  const step = Math.max(1, Math.ceil(table.length / max));
   for (let row = 0; row < table.length; row += step) {
     const point = columns.map((column) => column?.[row] ?? NaN) as unknown as Triple;
     if (!point.every(Number.isFinite)) continue;

@@ -8,7 +8,7 @@ import {unpackZstd} from './zstd.ts';
 export interface Schema { id: number; name: string; encoding: string; text: string }
 export interface Channel { id: number; schemaId: number; topic: string; encoding: string }
 export interface Attachment { name: string; mediaType: string; bytes: Uint8Array }
-interface Place { offset: number; length: number }
+interface ByteRange { offset: number; length: number }
 
 /** Called for each message; `data` is valid during the call. */
 export type UseMessage = (channel: Channel, time: Stamp, data: Uint8Array) => void;
@@ -22,7 +22,7 @@ const HEAD_BYTES = 9; // opcode and length of a record
 const MESSAGE_HEAD_BYTES = 22; // channel, number, time of the log, time of sending
 const LOG_TIME_AT = 6;
 const FOOTER_BYTES = HEAD_BYTES + 20;
-const LARGEST_CHUNK = 256 << 20;
+const MAX_CHUNK = 256 << 20;
 const READ_AT_ONCE = 4 << 20;
 
 export class McapLog {
@@ -33,7 +33,7 @@ export class McapLog {
   readonly attachments: Attachment[] = [];
   /** Whether the file has its end. */
   complete = false;
-  private chunks: Place[] = [];
+  private chunks: ByteRange[] = [];
 
   private constructor(source: ByteSource) { this.source = source; }
 
@@ -56,7 +56,7 @@ export class McapLog {
     const read = (k: number) => {
       const block = blocks[k];
       const bytes = block && this.source.read(block.offset, block.length);
-      bytes?.catch(() => {}); // said when it is its turn
+      bytes?.catch(() => {}); // reported when it is its turn
       return bytes;
     };
     let ahead = read(0);
@@ -73,8 +73,8 @@ export class McapLog {
   }
 
   /** Chunks that are read at once. */
-  private blocks(): (Place & {chunks: Place[]})[] {
-    const blocks: (Place & {chunks: Place[]})[] = [];
+  private blocks(): (ByteRange & {chunks: ByteRange[]})[] {
+    const blocks: (ByteRange & {chunks: ByteRange[]})[] = [];
     for (const chunk of this.chunks) {
       const last = blocks.at(-1);
       const length = last ? chunk.offset + chunk.length - last.offset : Infinity;
@@ -95,7 +95,7 @@ export class McapLog {
     const start = new Fields(end.subarray(HEAD_BYTES)).size();
     const summaryEnd = source.size - FOOTER_BYTES - MAGIC.length;
     if (start === 0 || start > summaryEnd) return false;
-    const others: Place[] = [];
+    const others: ByteRange[] = [];
     for (const {op, body} of recordsOf(await source.read(start, summaryEnd - start))) {
       const fields = new Fields(body);
       if (op === OP.chunkIndex) {
@@ -164,7 +164,7 @@ export class McapLog {
     fields.skip(4);
     const compression = fields.text();
     const packed = fields.bytes(fields.size());
-    if (size > LARGEST_CHUNK) throw new Error(`${this.source.name}: a chunk of ${size} bytes, at most ${LARGEST_CHUNK}`);
+    if (size > MAX_CHUNK) throw new Error(`${this.source.name}: a chunk of ${size} bytes, at most ${MAX_CHUNK}`);
     if (compression === '') return packed;
     if (compression !== 'zstd') throw new Error(`${this.source.name}: compressed by '${compression}', known are none and zstd`);
     const records = (await unpackZstd())(packed, size);

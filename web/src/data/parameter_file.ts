@@ -11,7 +11,7 @@ export function parseParameterFile(text: string): ParameterValue[] {
   const values = new Map<string, ParameterValue>();
   for (const [k, raw] of text.split('\n').entries()) {
     const line = raw.replace(/#.*/, '').trim();
-    if (line === '' || line === '---') continue;
+    if (line === '' || line === '---' || line === '[]') continue;
     const found = /^- *\{(.*)\}$/.exec(line);
     const keys = new Map(found?.[1]!.split(',').map((pair) => pair.split(':').map((part) => part.trim()) as [string, string]));
     const name = keys.get('name') ?? '';

@@ -21,7 +21,7 @@ const ALIASES: Record<string, NumberKind> = {
   bool: 'bool', boolean: 'bool', byte: 'uint8', octet: 'uint8', char: 'uint8', int8: 'int8', uint8: 'uint8', int16: 'int16',
   uint16: 'uint16', int32: 'int32', uint32: 'uint32', int64: 'int64', uint64: 'uint64', float32: 'float32', float64: 'float64',
 };
-const MOST_NESTED = 16;
+const MAX_DEPTH = 16;
 
 /** @throws Error  a line or a message name that cannot be understood. */
 export function parseSchema(name: string, text: string): MessageType {
@@ -36,7 +36,7 @@ export function parseSchema(name: string, text: string): MessageType {
 }
 
 function messageType(name: string, text: string, texts: Map<string, string>, depth: number): MessageType {
-  if (depth > MOST_NESTED) throw new Error(`${name}: messages nested in more than ${MOST_NESTED} levels`);
+  if (depth > MAX_DEPTH) throw new Error(`${name}: messages nested in more than ${MAX_DEPTH} levels`);
   const fields: Field[] = [];
   for (const raw of text.split('\n')) {
     const line = raw.replace(/#.*/, '').trim();

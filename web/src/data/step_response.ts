@@ -16,17 +16,18 @@ export interface Step { t: number; end_s: number; from: number; to: number }
 export interface StepFigures { beside: number; rise_s: number; overshoot: number; settling_s: number; left: number }
 
 const STOOD_S = 0.3;
+const MEAN_S = 0.1; // of the answer before the step
 const STANDS_S = 0.5;
 const STANDING = 0.1; // of the step
 const LEFT_SHARE = 0.2; // of the time after the step: the mean error at its end
 
-/** @param least  in the unit of the command. */
-export function findSteps({t, y}: Curve, least: number): Step[] {
+/** @param minStep  in the unit of the command. */
+export function findSteps({t, y}: Curve, minStep: number): Step[] {
   const steps: Step[] = [];
   for (let k = 1; k < y.length; ++k) {
     const [from, to] = [y[k - 1]!, y[k]!];
     const size = Math.abs(to - from);
-    if (!(size >= least)) continue;
+    if (!(size >= minStep)) continue;
     let first = k - 1;
     while (first > 0 && Math.abs(y[first - 1]! - from) <= STANDING * size) --first;
     let last = k;
@@ -36,12 +37,14 @@ export function findSteps({t, y}: Curve, least: number): Step[] {
   return steps;
 }
 
-/** @param band  0.05 or 0.02. */
+/** @param band  0.05 or 0.02.
+ * @returns nothing where the samples of the answer are missing. */
 export function stepFigures(response: Curve, step: Step, band: number): StepFigures | undefined {
-  const MEAN_S = 0.1;
-  const before = samples(response, step.t - MEAN_S, step.t).filter(({t}) => t < step.t);
+  const stood = samples(response, step.t - STOOD_S, step.t).filter(({t}) => t < step.t);
   const after = samples(response, step.t, step.end_s);
-  if (before.length === 0 || after.length < 2) return undefined;
+  if (stood.length === 0 || after.length < 2) return undefined;
+  const last = stood.filter(({t}) => t >= step.t - MEAN_S);
+  const before = last.length > 0 ? last : stood.slice(-1); // a busy computer may have missed the others
   const y0 = before.reduce((sum, {y}) => sum + y, 0) / before.length;
   const span = step.to - y0;
   const z = after.map(({t, y}) => ({t: t - step.t, z: (y - y0) / span}));
@@ -75,7 +78,7 @@ function samples({t, y}: Curve, from: number, to: number): {t: number; y: number
 const SHOWN_BEFORE_S = 0.2;
 
 /** Figures of a response that began elsewhere than at the command say nothing of this step. */
-export const MOST_BESIDE = 0.2;
+export const MAX_BESIDE = 0.2;
 
 const SIMILAR = 0.2;
 /** The latest step before that asked for about the same. */

@@ -4,7 +4,7 @@ import {CdrCursor, SIZE} from './cdr.ts';
 import type {Field, MessageType} from './ros_schema.ts';
 
 /** Elements of a sequence that become columns. More is data that nobody plots. */
-const MOST_ELEMENTS = 16;
+const MAX_ELEMENTS = 16;
 const FIRST_ROOM = 64;
 
 const NOTHING = new Uint8Array(4);
@@ -98,7 +98,7 @@ export class Table {
     const columns: Column[] = [];
     return [(cursor, row) => {
       const count = cursor.count(field);
-      const kept = Math.min(count, MOST_ELEMENTS);
+      const kept = Math.min(count, MAX_ELEMENTS);
       for (let k = 0; k < kept; ++k) {
         const column = columns[k] ??= this.newColumn(`${path}[${k}]`);
         column.values[row] = cursor.number(type);

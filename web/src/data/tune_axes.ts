@@ -3,26 +3,26 @@
 import {angle, derived, field, type Curve} from './curves.ts';
 import type {Flight} from './flight.ts';
 import {findSteps, type Step} from './step_response.ts';
+import {DEG_PER_RAD} from './units.ts';
 
-export interface Axis { name: string; unit: string; gains: readonly string[]; least: number; stick: string; channel: string; most: string;
+export interface Axis { name: string; unit: string; gains: readonly string[]; minStep: number; stick: string; channel: string; maxParameter: string;
   /** Bits of Status.rc_override: the stick counts. */
   pilot: number; angle?: 0 | 1 }
 
 const gains = (loop: string) => ['P', 'I', 'D'].map((one) => `PID_${loop}_${one}`);
 export const AXES: readonly Axis[] = [
-  {name: 'Roll', unit: '°', gains: gains('ROLL_ANG'), least: 3, stick: 'roll', channel: 'RC_X_CHN', most: 'RC_MAX_ROLL', pilot: 0x45, angle: 0},
-  {name: 'Pitch', unit: '°', gains: gains('PITCH_ANG'), least: 3, stick: 'pitch', channel: 'RC_Y_CHN', most: 'RC_MAX_PITCH', pilot: 0x89, angle: 1},
-  {name: 'Yaw rate', unit: '°/s', gains: gains('YAW_RATE'), least: 8, stick: 'yaw', channel: 'RC_Z_CHN', most: 'RC_MAX_YAWRATE', pilot: 0x111},
+  {name: 'Roll', unit: '°', gains: gains('ROLL_ANG'), minStep: 3, stick: 'roll', channel: 'RC_X_CHN', maxParameter: 'RC_MAX_ROLL', pilot: 0x45, angle: 0},
+  {name: 'Pitch', unit: '°', gains: gains('PITCH_ANG'), minStep: 3, stick: 'pitch', channel: 'RC_Y_CHN', maxParameter: 'RC_MAX_PITCH', pilot: 0x89, angle: 1},
+  {name: 'Yaw rate', unit: '°/s', gains: gains('YAW_RATE'), minStep: 8, stick: 'yaw', channel: 'RC_Z_CHN', maxParameter: 'RC_MAX_YAWRATE', pilot: 0x111},
 ];
 
-const DEG = 180 / Math.PI;
 const ATTITUDE_Q = ['w', 'x', 'y', 'z'].map((a) => `attitude.${a}`);
 const ANGLES = 2; // Command.mode: roll and pitch are angles
 const PULSE = {middle: 1500, half: 500}; // µs of the receiver
 
 /** What the firmware measured. */
 export const responseOf = (flight: Flight, {angle: which}: Axis): Curve | undefined => which === undefined
-  ? field(flight, '/attitude', 'angular_velocity.z', DEG) : angle(flight, '/attitude', ATTITUDE_Q, which);
+  ? field(flight, '/attitude', 'angular_velocity.z', DEG_PER_RAD) : angle(flight, '/attitude', ATTITUDE_Q, which);
 
 /** Steps of stick and companion while armed; those of a stick that commands no angle are none. */
 export function stepsOf(flight: Flight, axis: Axis, parameters: ReadonlyMap<string, number>): Step[] {
@@ -31,13 +31,13 @@ export function stepsOf(flight: Flight, axis: Axis, parameters: ReadonlyMap<stri
   const stick = derived(flight, '/rc_raw', names, ([pulse, mode]) => {
     const isAngle = selector >= 0 ? mode! > PULSE.middle : (parameters.get('RC_ATT_MODE') ?? 1) !== 0;
     if (axis.angle !== undefined && !isAngle) return NaN;
-    return (pulse! - PULSE.middle) / PULSE.half * (parameters.get(axis.most) ?? NaN) * DEG;
+    return (pulse! - PULSE.middle) / PULSE.half * (parameters.get(axis.maxParameter) ?? NaN) * DEG_PER_RAD;
   });
   const channel = 3 + (axis.angle ?? 2);
   const companion = derived(flight, '/command', ['mode', 'ignore', `u[${channel}]`], ([mode, ignore, u]) =>
-    mode === ANGLES && !((ignore! >> channel) & 1) ? u! * DEG : NaN);
+    mode === ANGLES && !((ignore! >> channel) & 1) ? u! * DEG_PER_RAD : NaN);
   const armed = (step: Step) => flight.latest('/status', 'armed', step.t) === 1;
-  const steps = (curve: Curve | undefined, byPilot: boolean) => curve ? findSteps(curve, axis.least).flatMap((step) => inForce(flight, axis, step, byPilot)) : [];
+  const steps = (curve: Curve | undefined, byPilot: boolean) => curve ? findSteps(curve, axis.minStep).flatMap((step) => inForce(flight, axis, step, byPilot)) : [];
   return [...steps(stick, true), ...steps(companion, false)]
     .filter(armed).sort((a, b) => a.t - b.t);
 }
@@ -45,7 +45,7 @@ export function stepsOf(flight: Flight, axis: Axis, parameters: ReadonlyMap<stri
 /** The part of a step in which pilot or companion had the axis; none if it was the other one. The status comes at 10 Hz. */
 function inForce(flight: Flight, axis: Axis, step: Step, byPilot: boolean): Step[] {
   const SOON_S = 0.25;
-  const LEAST_S = 0.5;
+  const MIN_S = 0.5;
   const status = flight.tables.get('/status');
   const override = status?.column('rc_override');
   if (!status || !override) return [];
@@ -54,5 +54,5 @@ function inForce(flight: Flight, axis: Axis, step: Step, byPilot: boolean): Step
   if (row < 0 || !holds(row)) return [];
   while (row < status.length && status.times[row]! <= step.end_s && holds(row)) ++row;
   const end_s = Math.min(step.end_s, status.times[Math.min(row, status.length) - 1]!);
-  return end_s - step.t >= LEAST_S ? [{...step, end_s}] : [];
+  return end_s - step.t >= MIN_S ? [{...step, end_s}] : [];
 }

@@ -5,14 +5,14 @@ import {BufferGeometry, CanvasTexture, Float32BufferAttribute, Group, LineBasicM
 import type {Palette} from './palette.ts';
 
 const STEPS_M = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000];
-const MOST_LINES = 24;
+const MAX_LINES = 24;
 
 export interface Ground { group: Group; step_m: number }
 
 /** Covers the box and half as much around it. @param height  of the ground, in the frame of three.js. */
 export function ground(around: Box3, height: number, colours: Palette): Ground {
   const width = Math.max(around.max.x - around.min.x, around.max.z - around.min.z, 8) * 1.8;
-  const step_m = STEPS_M.find((step) => width / step <= MOST_LINES) ?? 10000;
+  const step_m = STEPS_M.find((step) => width / step <= MAX_LINES) ?? 10000;
   const half = Math.ceil(width / 2 / step_m) * step_m;
   const middle = (low: number, high: number) => Math.round((low + high) / 2 / step_m) * step_m;
   const x = middle(around.min.x, around.max.x);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Colours of what is drawn on a canvas, from the style sheet, so that light and dark are said once.
 
-const NAMES = ['paper', 'ink', 'faint', 'grid', 'ground', 'sky', 'actual', 'estimate', 'command', 'route', 'good', 'bad'] as const;
+const NAMES = ['paper', 'ink', 'faint', 'grid', 'ground', 'sky', 'actual', 'estimate', 'command', 'route', 'good', 'bad',
+  'body', 'gear', 'blade', 'rotor', 'wing', 'front'] as const;
 export type Palette = Record<typeof NAMES[number], string>;
 
 /** As they are now, #rrggbb. */

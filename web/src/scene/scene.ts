@@ -18,7 +18,7 @@ import {rotorAngles} from './rotor_angles.ts';
 export type View = 'follow' | 'free' | 'above' | 'south' | 'east';
 
 const SIGMAS = 3;
-const MOST_POINTS = 6000;
+const MAX_POINTS = 6000;
 /** A real rotor blurs; at this share of its speed one sees which is faster. */
 const ROTOR_SHARE = 0.05;
 const WIND_M_PER_M_S = 0.4;
@@ -64,7 +64,7 @@ export class FlightScene {
     this.setTime(this.time);
   }
 
-  /** Colours changed, or the flight has grown: all is made anew, the camera stays. */
+  /** Colours changed, or the flight has grown: all is made again, the camera stays. */
   refresh() {
     if (!this.flight) return;
     this.colours = palette();
@@ -140,7 +140,7 @@ export class FlightScene {
     this.addTrail(flight, {topic: '/trajectory_command', position: ESTIMATE.position, attitude: []}, colours.command, 5, false);
     if (this.box.isEmpty()) this.box.expandByPoint(new Vector3());
     this.addPlans(flight);
-    this.model = vehicleModel(flight.urdf);
+    this.model = vehicleModel(flight.urdf, colours);
     const {position} = this.vehicle;
     this.vehicle = new Group().add(this.model.group);
     this.vehicle.position.copy(position);
@@ -158,7 +158,7 @@ export class FlightScene {
   private addTrail(flight: Flight, pose: PoseTopic, colour: string, width: number, ends: boolean) {
     const table = flight.tables.get(pose.topic);
     if (!table) return;
-    const {points, rows} = path(table, pose.position, MOST_POINTS);
+    const {points, rows} = path(table, pose.position, MAX_POINTS);
     if (points.length < 2) return;
     const there = points.map(fromNed);
     for (const point of there) this.box.expandByPoint(point);

@@ -3,10 +3,11 @@
 import {BoxGeometry, CylinderGeometry, DoubleSide, Euler, Group, Mesh, MeshStandardMaterial, Quaternion, SphereGeometry, Vector3,
   type Object3D} from 'three';
 import {fromFlu} from './frames.ts';
+import type {Palette} from './palette.ts';
 import {shapesOf, type Shape} from './urdf.ts';
 
-const COLOURS: Record<string, number> = {body: 0x3c4854, rotor: 0x4c8fd0, wing: 0xd8d6cc, gear: 0x22262a};
-const FRONT = 0xd9482b;
+/** Materials of the description that have a colour of their own here; others have the body's. */
+const MATERIALS = ['body', 'rotor', 'wing', 'gear'] as const;
 const UP = new Vector3(0, 1, 0);
 
 export interface VehicleModel {
@@ -17,26 +18,26 @@ export interface VehicleModel {
   radius: number;
 }
 
-export function vehicleModel(urdf: string): VehicleModel {
+export function vehicleModel(urdf: string, colours: Palette): VehicleModel {
   const shapes = shapesOf(urdf);
   const group = new Group();
   const rotors: Object3D[] = [];
   let radius = 0.3;
   for (const shape of shapes.length > 0 ? shapes : [PLAIN]) {
-    const part = shape.link.startsWith('rotor_') ? rotor(shape) : solid(shape);
+    const part = shape.link.startsWith('rotor_') ? rotor(shape, colours) : solid(shape, colours);
     part.position.copy(fromFlu(shape.position));
     part.quaternion.copy(turn(shape));
     radius = Math.max(radius, part.position.length() + reach(shape));
     group.add(part);
     if (shape.link.startsWith('rotor_')) {
       rotors.push(part.children[0]!);
-      const arm = beam(part.position);
+      const arm = beam(part.position, colours);
       if (arm) group.add(arm);
     }
   }
-  group.add(nose(shapes.find((shape) => shape.link === 'base_link') ?? PLAIN));
+  group.add(nose(shapes.find((shape) => shape.link === 'base_link') ?? PLAIN, colours));
   const wing = shapes.find((shape) => shape.link === 'wing');
-  if (wing) group.add(tail(wing));
+  if (wing) group.add(tail(wing, colours));
   return {group, rotors, radius};
 }
 
@@ -49,53 +50,53 @@ function turn({rpy}: Shape): Quaternion {
   return new Quaternion(-q.y, q.z, -q.x, q.w);
 }
 
-function solid(shape: Shape): Mesh {
+function solid(shape: Shape, colours: Palette): Mesh {
   const [a = 0, b = 0, c = 0] = shape.size;
   const geometry = shape.kind === 'box' ? new BoxGeometry(b, c, a)
     : shape.kind === 'sphere' ? new SphereGeometry(a, 16, 12) : new CylinderGeometry(a, a, b, 32);
-  return new Mesh(geometry, matter(COLOURS[shape.material] ?? COLOURS['body']!));
+  return new Mesh(geometry, matter(colours[MATERIALS.find((name) => name === shape.material) ?? 'body']));
 }
 
 /** A pale disc, and in it what turns: two blades and a hub. */
-function rotor(shape: Shape): Group {
+function rotor(shape: Shape, colours: Palette): Group {
   const [radius = 0.1, thickness = 0.01] = shape.size;
   const turning = new Group();
-  const blades = new Mesh(new BoxGeometry(2 * radius, 0.6 * thickness, 0.14 * radius), matter(0x1d2328));
-  const hub = new Mesh(new CylinderGeometry(0.12 * radius, 0.15 * radius, 4 * thickness, 16), matter(0x1d2328));
+  const blades = new Mesh(new BoxGeometry(2 * radius, 0.6 * thickness, 0.14 * radius), matter(colours.blade));
+  const hub = new Mesh(new CylinderGeometry(0.12 * radius, 0.15 * radius, 4 * thickness, 16), matter(colours.blade));
   turning.add(blades, hub);
   const disc = new Mesh(new CylinderGeometry(radius, radius, 0.2 * thickness, 48),
-    new MeshStandardMaterial({color: COLOURS['rotor']!, transparent: true, opacity: 0.28, side: DoubleSide, depthWrite: false}));
+    new MeshStandardMaterial({color: colours.rotor, transparent: true, opacity: 0.28, side: DoubleSide, depthWrite: false}));
   const group = new Group();
   group.add(turning, disc);
   return group;
 }
 
-function beam(end: Vector3): Mesh | undefined {
+function beam(end: Vector3, colours: Palette): Mesh | undefined {
   const length = end.length();
   if (length < 0.05) return undefined;
-  const mesh = new Mesh(new CylinderGeometry(0.04 * length, 0.04 * length, length, 10), matter(COLOURS['body']!));
+  const mesh = new Mesh(new CylinderGeometry(0.04 * length, 0.04 * length, length, 10), matter(colours.body));
   mesh.position.copy(end).multiplyScalar(0.5);
   mesh.quaternion.setFromUnitVectors(UP, end.clone().normalize());
   return mesh;
 }
 
 /** Where the front is, also from far away. */
-function nose({size: [length = 0.4, width = 0.2, height = 0.1]}: Shape): Mesh {
-  const mesh = new Mesh(new BoxGeometry(0.7 * width, 0.7 * height, 0.25 * length), matter(FRONT));
+function nose({size: [length = 0.4, width = 0.2, height = 0.1]}: Shape, colours: Palette): Mesh {
+  const mesh = new Mesh(new BoxGeometry(0.7 * width, 0.7 * height, 0.25 * length), matter(colours.front));
   mesh.position.z = -0.55 * length;
   return mesh;
 }
 
 /** A boom and a tail in proportion to the wing: the description has none. */
-function tail({size: [chord = 0.2, span = 1]}: Shape): Group {
+function tail({size: [chord = 0.2, span = 1]}: Shape, colours: Palette): Group {
   const group = new Group();
   const arm = 2.8 * chord;
-  const boom = new Mesh(new CylinderGeometry(0.1 * chord, 0.16 * chord, arm + chord, 12), matter(COLOURS['body']!));
+  const boom = new Mesh(new CylinderGeometry(0.1 * chord, 0.16 * chord, arm + chord, 12), matter(colours.body));
   boom.rotation.x = Math.PI / 2;
   boom.position.z = 0.4 * arm;
-  const level = new Mesh(new BoxGeometry(0.28 * span, 0.05 * chord, 0.6 * chord), matter(COLOURS['wing']!));
+  const level = new Mesh(new BoxGeometry(0.28 * span, 0.05 * chord, 0.6 * chord), matter(colours.wing));
   level.position.z = arm;
-  const fin = new Mesh(new BoxGeometry(0.05 * chord, 0.7 * chord, 0.6 * chord), matter(COLOURS['wing']!));
+  const fin = new Mesh(new BoxGeometry(0.05 * chord, 0.7 * chord, 0.6 * chord), matter(colours.wing));
   fin.position.set(0, 0.35 * chord, arm);
   group.add(boom, level, fin);
   return group;
@@ -105,4 +106,4 @@ function reach({kind, size: [a = 0, b = 0]}: Shape): number {
   return kind === 'box' ? Math.hypot(a, b) / 2 : a;
 }
 
-function matter(color: number): MeshStandardMaterial { return new MeshStandardMaterial({color, roughness: 0.75, metalness: 0.05}); }
+function matter(color: string): MeshStandardMaterial { return new MeshStandardMaterial({color, roughness: 0.75, metalness: 0.05}); }

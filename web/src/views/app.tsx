@@ -96,10 +96,10 @@ function FlightView({flight}: {flight: Flight}) {
 }
 
 function moveTab(event: KeyboardEvent, from: Tab, setTab: (tab: Tab) => void) {
-  const way = event.key === 'ArrowRight' ? 1 : event.key === 'ArrowLeft' ? -1 : 0;
-  if (way === 0) return;
+  const step = event.key === 'ArrowRight' ? 1 : event.key === 'ArrowLeft' ? -1 : 0;
+  if (step === 0) return;
   const names = tabs();
-  const to = names[(names.indexOf(from) + way + names.length) % names.length]!;
+  const to = names[(names.indexOf(from) + step + names.length) % names.length]!;
   event.preventDefault();
   setTab(to);
   document.getElementById(`tab-${to}`)?.focus();

@@ -2,6 +2,7 @@
 // Which curves are drawn together. A curve that a flight does not have is left out, a chart without curves too.
 import {alignedTo, analysisCurve, angle, derived, difference, field, groundVelocity, horizontal, unwrapped, type Curve} from '../data/curves.ts';
 import {AIDS, type Flight} from '../data/flight.ts';
+import {DEG_PER_RAD} from '../data/units.ts';
 
 export type Style = 'command' | 'actual' | 'estimate' | 'numbered';
 export interface Line { label: string; style: Style; curve: Curve }
@@ -12,7 +13,6 @@ const TRUTH = '/sim/truth_state';
 const ESTIMATE = '/autonomy/estimate';
 const SETPOINT = '/trajectory_command';
 const VEHICLE = '/sim/truth_vehicle';
-const DEG = 180 / Math.PI;
 const AXES = ['x', 'y', 'z'] as const;
 const POSE_Q = ['w', 'x', 'y', 'z'].map((a) => `pose.orientation.${a}`);
 const ATTITUDE_Q = ['w', 'x', 'y', 'z'].map((a) => `attitude.${a}`);
@@ -58,7 +58,7 @@ function position(flight: Flight): Chart[] {
 /** What a channel of /command asks for: an angle or a rate, by its mode. */
 function command(flight: Flight, channel: number, mode: (mode: number) => boolean): Curve | undefined {
   return derived(flight, '/command', ['mode', 'ignore', `u[${channel}]`], ([m, ignore, u]) =>
-    mode(m!) && !((ignore! >> channel) & 1) ? u! * DEG : NaN);
+    mode(m!) && !((ignore! >> channel) & 1) ? u! * DEG_PER_RAD : NaN);
 }
 
 function attitude(flight: Flight): Chart[] {
@@ -72,15 +72,15 @@ function attitude(flight: Flight): Chart[] {
       chart(name, '°', [['command', 'command', asked], ['true', 'actual', truth],
         ['firmware', 'estimate', alignedTo(angle(flight, '/attitude', ATTITUDE_Q, axis), truth)]]),
       chart(`${name} rate`, '°/s', [['command', 'command', rate],
-        ['true', 'actual', field(flight, TRUTH, `twist.angular.${AXES[axis]}`, DEG)],
-        ['firmware', 'estimate', field(flight, '/attitude', `angular_velocity.${AXES[axis]}`, DEG)]]),
+        ['true', 'actual', field(flight, TRUTH, `twist.angular.${AXES[axis]}`, DEG_PER_RAD)],
+        ['firmware', 'estimate', field(flight, '/attitude', `angular_velocity.${AXES[axis]}`, DEG_PER_RAD)]]),
     ];
   });
 }
 
 /** Columns name[0], name[1], ... that a topic has and that are not zero throughout. */
-function numbered(flight: Flight, topic: string, name: string, most = 14): Wanted[] {
-  return Array.from({length: most}, (_, k): Wanted => {
+function numbered(flight: Flight, topic: string, name: string, count = 14): Wanted[] {
+  return Array.from({length: count}, (_, k): Wanted => {
     const curve = field(flight, topic, `${name}[${k}]`);
     return [String(k + 1), 'numbered', curve?.y.some((value) => value !== 0) ? curve : undefined];
   });
@@ -118,7 +118,7 @@ function errors(flight: Flight): Chart[] {
     const truth = angle(flight, TRUTH, POSE_Q, k);
     return chart(`${['Roll', 'Pitch', 'Heading'][k]} error`, '°', [['error', 'actual',
       difference(alignedTo(angle(flight, ESTIMATE, estimateQ, k), truth), truth)]],
-      within(field(flight, ESTIMATE, `attitude_sigma[${k}]`, DEG)));
+      within(field(flight, ESTIMATE, `attitude_sigma[${k}]`, DEG_PER_RAD)));
   });
   return [...place, ...velocity, ...turn, chart('Innovations squared over their covariance (1 is right)', '',
     AIDS.map((name, k): Wanted => [name, 'numbered', some(field(flight, ESTIMATE, `innovation[${k}]`))]))];
@@ -135,7 +135,7 @@ function fixedWing(flight: Flight): Chart[] {
     chart('Height above the ramped reference', 'm', [['error', 'actual', analysisCurve(analysis, 'height_error_m')]]),
     chart('Airspeed and its command', 'm/s', [['command', 'command', analysisCurve(analysis, 'airspeed_command_m_s')],
       ['estimate', 'estimate', some(field(flight, ESTIMATE, 'airspeed'))], ['measured', 'actual', field(flight, '/airspeed', 'velocity')]]),
-    chart('Course over ground', '°', [['command', 'command', alignedTo(course && unwrapped(analysisCurve(analysis, 'course_command_rad', DEG)), course)],
+    chart('Course over ground', '°', [['command', 'command', alignedTo(course && unwrapped(analysisCurve(analysis, 'course_command_rad', DEG_PER_RAD)), course)],
       ['true', 'actual', course]]),
     chart('Surfaces, by effect', 'of full', ['aileron', 'elevator', 'rudder'].map((name): Wanted => [name, 'numbered', analysisCurve(analysis, name)])),
   ];
@@ -143,8 +143,8 @@ function fixedWing(flight: Flight): Chart[] {
 
 /** True course [deg], where the vehicle moves. */
 function courseOf(flight: Flight): Curve | undefined {
-  const slowest_m_s = 2;
-  return unwrapped(groundVelocity(flight, ([n, e]) => Math.hypot(n, e) > slowest_m_s ? Math.atan2(e, n) * DEG : NaN));
+  const minSpeed_m_s = 2;
+  return unwrapped(groundVelocity(flight, ([n, e]) => Math.hypot(n, e) > minSpeed_m_s ? Math.atan2(e, n) * DEG_PER_RAD : NaN));
 }
 
 function some(curve: Curve | undefined): Curve | undefined {
@@ -166,7 +166,7 @@ function firmware(flight: Flight): Chart[] {
   return [
     chart('Receiver channels', 'µs', numbered(flight, '/rc_raw', 'values', 8)),
     chart('Duration of the control part of a pass', 'µs', [['pass', 'actual', field(flight, '/status', 'loop_time_us')]]),
-    chart('Gyro', '°/s', AXES.map((a): Wanted => [a, 'numbered', field(flight, '/imu/data', `angular_velocity.${a}`, DEG)])),
+    chart('Gyro', '°/s', AXES.map((a): Wanted => [a, 'numbered', field(flight, '/imu/data', `angular_velocity.${a}`, DEG_PER_RAD)])),
     chart('Accelerometer', 'm/s²', AXES.map((a): Wanted => [a, 'numbered', field(flight, '/imu/data', `linear_acceleration.${a}`)])),
   ];
 }

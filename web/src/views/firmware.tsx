@@ -4,8 +4,10 @@ import {useEffect, useRef} from 'preact/hooks';
 import uPlot from 'uplot';
 import type {GyroSpectrum} from '../data/analysis.ts';
 import type {Flight} from '../data/flight.ts';
+import {DEG_PER_RAD} from '../data/units.ts';
 import {palette} from '../scene/palette.ts';
 import * as state from '../state.ts';
+import {useTheme} from './theme.ts';
 
 const COUNTERS = '/link/counters';
 const NAMES: [field: string, name: string][] = [
@@ -46,35 +48,23 @@ function Bins({names, value}: {names: string[]; value: (k: number) => number}) {
   return <table><tbody>{names.map((name, k) => <Row key={name} name={name} value={value(k)}/>)}</tbody></table>;
 }
 
-const DEG = 180 / Math.PI;
-
 function Spectrum({gyro}: {gyro: GyroSpectrum}) {
   const place = useRef<HTMLDivElement>(null);
+  const theme = useTheme();
   useEffect(() => {
     const element = place.current!;
-    const draw = () => {
-      const colours = palette();
-      const axis = {stroke: colours.faint, grid: {stroke: colours.grid, width: 1}, ticks: {show: false}, font: '11px system-ui, sans-serif'};
-      const value = (_: uPlot, y: number | null) => y == null ? '' : y.toPrecision(3);
-      const density = (values: number[]) => values.map((y) => y > 0 ? y * DEG : null);
-      return new uPlot({
-        width: element.clientWidth, height: 170, scales: {x: {time: false}, y: {distr: 3}},
-        axes: [{...axis, size: 24}, {...axis, size: 52}],
-        series: [{label: 'Hz'}, {label: 'sensor', stroke: colours.command, width: 3.5, points: {show: false}, value},
-          {label: 'to the controller', stroke: colours.actual, width: 1.4, points: {show: false}, value}],
-      }, [gyro.frequency_Hz, density(gyro.sensor_rad_s_rtHz), density(gyro.controller_rad_s_rtHz)], element);
-    };
-    let plot = draw();
-    const again = () => {
-      plot.destroy();
-      plot = draw();
-    };
-    document.addEventListener('themechange', again);
-    return () => {
-      document.removeEventListener('themechange', again);
-      plot.destroy();
-    };
-  }, [gyro]);
+    const colours = palette();
+    const axis = {stroke: colours.faint, grid: {stroke: colours.grid, width: 1}, ticks: {show: false}, font: '11px system-ui, sans-serif'};
+    const value = (_: uPlot, y: number | null) => y == null ? '' : y.toPrecision(3);
+    const density = (values: number[]) => values.map((y) => y > 0 ? y * DEG_PER_RAD : null);
+    const plot = new uPlot({
+      width: element.clientWidth, height: 170, scales: {x: {time: false}, y: {distr: 3}},
+      axes: [{...axis, size: 24}, {...axis, size: 52}],
+      series: [{label: 'Hz'}, {label: 'sensor', stroke: colours.command, width: 3.5, points: {show: false}, value},
+        {label: 'to the controller', stroke: colours.actual, width: 1.4, points: {show: false}, value}],
+    }, [gyro.frequency_Hz, density(gyro.sensor_rad_s_rtHz), density(gyro.controller_rad_s_rtHz)], element);
+    return () => plot.destroy();
+  }, [gyro, theme]);
   return <figure>
     <figcaption>Gyro, density by frequency <span class="unit">°/s per √Hz over Hz</span></figcaption>
     <p class="hint">In the air, three axes together.{gyro.latency_s !== null

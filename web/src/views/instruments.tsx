@@ -5,16 +5,16 @@ import type {Flight} from '../data/flight.ts';
 import {errorNames} from '../data/lanes.ts';
 import {usesOf} from '../data/mixer.ts';
 import {valuesOfMoment} from '../data/parameter_values.ts';
+import {DEG_PER_RAD} from '../data/units.ts';
 import * as state from '../state.ts';
 import {Mixer} from './mixer.tsx';
 
-const DEG = 180 / Math.PI;
 const PITCH_PX = 1.6; // for a degree
 
 export function Instruments({flight}: {flight: Flight}) {
   const t = state.time.value;
   const pose = flight.poseAt(t);
-  const [roll, pitch, yaw] = pose ? eulerAngles(pose.q).map((angle) => angle * DEG) : [NaN, NaN, NaN];
+  const [roll, pitch, yaw] = pose ? eulerAngles(pose.q).map((angle) => angle * DEG_PER_RAD) : [NaN, NaN, NaN];
   const velocity = groundSpeed(flight, t);
   return <div class="instruments">
     <AttitudeIndicator roll={roll!} pitch={pitch!}/>
@@ -89,8 +89,8 @@ export function Bars({flight}: {flight: Flight}) {
   </section>;
 }
 
-function values(flight: Flight, topic: string, name: string, most: number, t: number): number[] {
-  return Array.from({length: most}, (_, k) => flight.latest(topic, `${name}[${k}]`, t)).filter(Number.isFinite);
+function values(flight: Flight, topic: string, name: string, count: number, t: number): number[] {
+  return Array.from({length: count}, (_, k) => flight.latest(topic, `${name}[${k}]`, t)).filter(Number.isFinite);
 }
 
 function Bar({name, use = '', share, text}: {name: string; use?: string; share: number; text: string}) {

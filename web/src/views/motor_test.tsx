@@ -7,7 +7,7 @@ import * as state from '../state.ts';
 import {hasControl} from './control.tsx';
 
 const REPEAT_MS = 100;
-const MOST = 0.3; // of the firmware
+const MAX_VALUE = 0.3; // of the firmware
 const OUTPUTS = 10;
 
 /** Repeats `send` from start() to stop(); stops by itself when the page is not in front. */
@@ -61,7 +61,7 @@ export function MotorTest({flight}: {flight: Flight}) {
       <label><input type="checkbox" checked={free} onChange={(event) => setFree(event.currentTarget.checked)}/> No propeller is mounted</label>
       <label>Output <select value={String(motor)} disabled={held} onChange={(event) => setMotor(Number(event.currentTarget.value))}>
         {Array.from({length: OUTPUTS}, (_, k) => <option key={k} value={String(k)}>{k}</option>)}</select></label>
-      <label>Value {value.toFixed(2)} <input type="range" min={0.02} max={MOST} step={0.01} value={value} disabled={held} aria-label="Value of the motor test"
+      <label>Value {value.toFixed(2)} <input type="range" min={0.02} max={MAX_VALUE} step={0.01} value={value} disabled={held} aria-label="Value of the motor test"
         onInput={(event) => setValue(Number(event.currentTarget.value))}/></label>
       <button class={held ? 'held' : ''} disabled={!allowed} aria-pressed={held}
         onPointerDown={(event) => { event.currentTarget.setPointerCapture(event.pointerId); start(); }}
@@ -73,7 +73,7 @@ export function MotorTest({flight}: {flight: Flight}) {
         }} onKeyUp={stop} onBlur={stop}>Hold to turn the motor</button>
       <span class="mono" role="status">output {motor}: {Number.isFinite(output) ? output.toFixed(2) : '–'}</span>
     </div>
-    <p class="hint">It turns while the button is held, disarmed, at {MOST} at most. It stops within 0.3 s without the page, the server or the link.</p>
+    <p class="hint">It turns while the button is held, disarmed, at {MAX_VALUE} at most. It stops within 0.3 s without the page, the server or the link.</p>
     <p class="said wrong" role="alert">{said}</p>
   </section>;
 }

@@ -7,8 +7,10 @@ import type {Result} from '../data/commands.ts';
 import type {Flight} from '../data/flight.ts';
 import {tableOf, valuesAt} from '../data/parameter_values.ts';
 import {differences, formatParameterFile, parseParameterFile, twoFiles, type Difference, type ParameterValue} from '../data/parameter_file.ts';
+import {changesIn, typed, type Edits} from '../data/edits.ts';
 import {allowedText, complaint, groupOf, groupsOf, parseParameterTable, sameValue, shortNumber, type ParameterInfo} from '../data/parameter_table.ts';
 import * as state from '../state.ts';
+import {admission} from '../token.ts';
 import {ControlBar, hasControl} from './control.tsx';
 import {Settings} from './settings.tsx';
 
@@ -34,7 +36,7 @@ function OfFirmware({flight}: {flight: Flight}) {
   const [wanted, setWanted] = useState('');
   const [group, setGroup] = useState('');
   const [changedOnly, setChangedOnly] = useState(false);
-  const [edits, setEdits] = useState<ReadonlyMap<string, string>>(new Map());
+  const [edits, setEdits] = useState<Edits>(new Map());
   const [results, setResults] = useState<ReadonlyMap<string, Result>>(new Map());
   const [said, setSaid] = useState('');
   const [file, setFile] = useState<{name: string; here?: string; found: Difference[]}>();
@@ -46,7 +48,8 @@ function OfFirmware({flight}: {flight: Flight}) {
   const isChanged = (name: string) => INFOS.has(name) && !sameValue(values.get(name)!, INFOS.get(name)!.standard);
   const shown = names.filter((name) => (group === '' || groupOf(name) === group) && (!changedOnly || isChanged(name) || edits.has(name))
     && `${name} ${INFOS.get(name)?.description}`.toLowerCase().includes(text));
-  const wrong = [...edits].filter(([name, edit]) => complaint(edit, INFOS.get(name)));
+  const changes = changesIn(edits, values);
+  const wrong = changes.filter(([name, edit]) => complaint(edit, INFOS.get(name)));
 
   const send = async (sent: {name: string; value: number}[]) => {
     setSaid(`Sending ${sent.length}`);
@@ -80,6 +83,17 @@ function OfFirmware({flight}: {flight: Flight}) {
     if (read.length === 2) setFile({name: second!.name, here: first!.name, found: twoFiles(first!.values, second!.values)});
   };
 
+  /** The server has them once that vehicle has sent its whole list. */
+  const loadOther = async ({name, parameters}: {name: string; parameters: string}) => {
+    setFile(undefined);
+    const answer = await fetch(parameters, {headers: admission(), cache: 'no-store'}).catch(() => undefined);
+    const there = answer?.ok ? parseParameterFile(await answer.text()) : [];
+    setSaid(there.length === 0 ? `${name} has not sent its parameters yet` : '');
+    if (there.length === 0) return;
+    const here = [...values].map(([one, value]) => ({name: one, value, isFloat: false}));
+    setFile({name, found: twoFiles(here, there)});
+  };
+
   return <section class="parameters" aria-label="Parameters">
     <p class="hint">Values of the firmware at the moment shown.{state.live.value !== 'off' && !state.commands.value && ' This address is one to look, not to command.'}</p>
     {real && <ControlBar/>}
@@ -96,32 +110,25 @@ function OfFirmware({flight}: {flight: Flight}) {
         if (chosen.length > 0) void load(chosen);
         event.currentTarget.value = '';
       }}/></label>
+      {state.other.value && <button onClick={() => void loadOther(state.other.value!)}>Compare with {state.other.value.name}</button>}
       <button onClick={() => save(values)}>Save to a file</button>
       {commands && <button onClick={() => void write()}>Write to memory</button>}
       {commands && state.unsaved.value && <span class="badge warning">changed since the last write</span>}
-      {edits.size > 0 && <>
-        <button disabled={wrong.length > 0} onClick={() => void send([...edits].map(([name, edit]) => ({name, value: Number(edit)})))}>
-          Send {edits.size} {edits.size === 1 ? 'change' : 'changes'}</button>
+      {changes.length > 0 && <>
+        <button disabled={wrong.length > 0} onClick={() => void send(changes.map(([name, edit]) => ({name, value: Number(edit)})))}>
+          Send {changes.length} {changes.length === 1 ? 'change' : 'changes'}</button>
         <button onClick={() => setEdits(new Map())}>Discard</button></>}
     </div>
     <p class="said" role="status">{wrong.length > 0 ? `${wrong[0]![0]}: ${complaint(wrong[0]![1], INFOS.get(wrong[0]![0]))}` : said}</p>
     {file && <Differences key={file.name} {...file} send={commands && !file.here ? send : undefined} close={() => setFile(undefined)}/>}
     <table><thead><tr><th>name</th><th class="n">value</th><th class="n">default</th></tr></thead>
       <tbody>{shown.map((name) => <Row key={name} name={name} value={values.get(name)!} info={INFOS.get(name)} result={results.get(name)} edit={edits.get(name)}
-        change={commands && ((edit) => setEdits((before) => edited(before, name, edit, values.get(name)!)))}/>)}</tbody></table>
+        change={commands && ((edit) => setEdits((before) => typed(before, name, edit, shortNumber(values.get(name)!))))}/>)}</tbody></table>
   </section>;
 }
 
 /** Beside its name. */
 const outcome = ({name, text}: Result) => text.startsWith(`${name}: `) ? text.slice(name.length + 2) : text;
-
-/** A text that says what the vehicle has is no edit. */
-function edited(before: ReadonlyMap<string, string>, name: string, edit: string, value: number): Map<string, string> {
-  const after = new Map(before);
-  if (edit.trim() !== '' && sameValue(Number(edit), value)) after.delete(name);
-  else after.set(name, edit);
-  return after;
-}
 
 function Row({name, value, info, result, edit, change}: {name: string; value: number; info: ParameterInfo | undefined; result: Result | undefined;
   edit: string | undefined; change: ((edit: string) => void) | undefined}) {
@@ -143,13 +150,14 @@ function Differences({name, here, found, send, close}: {name: string; here?: str
   close: () => void}) {
   const [left, setLeft] = useState<ReadonlySet<string>>(new Set());
   const [results, setResults] = useState<ReadonlyMap<string, Result>>(new Map());
-  const chosen = found.filter((one) => one.here !== undefined && !left.has(one.name));
+  const canSend = (one: Difference) => one.here !== undefined && !Number.isNaN(one.there);
+  const chosen = found.filter((one) => canSend(one) && !left.has(one.name));
   const choose = (one: string, on: boolean) => setLeft((before) => new Set(on ? [...before].filter((other) => other !== one) : [...before, one]));
   return <section class="differences" aria-label="Differences from the file">
-    <h2>{found.length === 0 ? `${name} has the same values` : `${found.length} differences ${here ? `between ${here} and` : 'from'} ${name}`}</h2>
+    <h2>{found.length === 0 ? `${name} has the same values` : `${found.length} ${found.length === 1 ? 'difference' : 'differences'} ${here ? `between ${here} and` : 'from'} ${name}`}</h2>
     {found.length > 0 && <table><thead><tr>{send && <th>send</th>}<th>name</th><th class="n">{here ?? 'here'}</th><th class="n">{here ? name : 'in the file'}</th>{results.size > 0 && <th>result</th>}</tr></thead>
       <tbody>{found.map((one) => <tr key={one.name}>
-        {send && <td><input type="checkbox" aria-label={`Send ${one.name}`} disabled={one.here === undefined} checked={one.here !== undefined && !left.has(one.name)}
+        {send && <td><input type="checkbox" aria-label={`Send ${one.name}`} disabled={!canSend(one)} checked={canSend(one) && !left.has(one.name)}
           onChange={(event) => choose(one.name, event.currentTarget.checked)}/></td>}
         <td class="mono">{one.name}</td><td class="n">{one.here === undefined ? 'no such parameter' : shortNumber(one.here)}</td><td class="n">{Number.isNaN(one.there) ? 'no such parameter' : shortNumber(one.there)}</td>
         {results.size > 0 && <td>{results.has(one.name) && outcome(results.get(one.name)!)}</td>}</tr>)}</tbody></table>}

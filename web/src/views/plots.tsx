@@ -7,6 +7,7 @@ import type {Flight} from '../data/flight.ts';
 import * as state from '../state.ts';
 import {chartGroups, type Chart} from './charts.ts';
 import {Plot, type PlotOptions} from './plot.ts';
+import {useTheme} from './theme.ts';
 
 /** Span of time that all charts show. */
 interface Zoom { from: number; to: number }
@@ -19,10 +20,16 @@ export function Plots({flight}: {flight: Flight}) {
   const chosen = useMemo(() => own.map((name) => ownChart(flight, name)), [flight, own, revision]);
   const end_s = flight.end_s;
   const shades = useMemo(() => faultsOf(flight.facts, flight.end_s), [flight, revision]);
+  /** Half of the span, about the moment shown: dragging needs a mouse. */
+  const zoomIn = () => {
+    const quarter_s = (zoom ? zoom.to - zoom.from : end_s) / 4;
+    const middle_s = Math.min(Math.max(state.time.value, quarter_s), end_s - quarter_s);
+    setZoom({from: middle_s - quarter_s, to: middle_s + quarter_s});
+  };
   return <section class="plots" aria-label="Plots">
     <p class="hint">Click: go to that moment. Drag: zoom. Double click: all of it. Broad pale lines are commands.
-      {shades.length > 0 && ' A fault is in force where a plot is shaded.'}
-      {zoom && <button class="link" onClick={() => setZoom(null)}>show all of it</button>}</p>
+      {shades.length > 0 && ' A fault is in force where a plot is shaded.'}</p>
+    <div class="tools"><button onClick={zoomIn}>Zoom in</button>{zoom && <button onClick={() => setZoom(null)}>Show all of it</button>}</div>
     <FieldChooser flight={flight} onChoose={(name) => setOwn((names) => [...new Set([name, ...names])])}/>
     {chosen.map((chart) => <ChartFigure key={chart.title} {...{chart, shades, end_s, zoom, setZoom}}
       onRemove={() => setOwn((names) => names.filter((name) => name !== chart.title))}/>)}
@@ -63,6 +70,7 @@ function ChartFigure({chart, shades, end_s, zoom, setZoom, onRemove}: FigureProp
   const plot = useRef<Plot | undefined>(undefined);
   const latest = useRef({chart, end_s, zoom});
   latest.current = {chart, end_s, zoom};
+  const theme = useTheme();
   const kinds = chart.lines.map(({label}) => label).join();
   useEffect(() => {
     const element = place.current!;
@@ -84,7 +92,7 @@ function ChartFigure({chart, shades, end_s, zoom, setZoom, onRemove}: FigureProp
       plot.current?.destroy();
       plot.current = undefined;
     };
-  }, [kinds]);
+  }, [kinds, theme]);
   useEffect(() => plot.current?.setChart(chart), [chart]);
   useEffect(() => plot.current?.setSpan(zoom ?? {from: 0, to: end_s}), [zoom, end_s]);
   return <figure>

@@ -17,6 +17,7 @@ export function Preflight({flight}: {flight: Flight}) {
   const list = checksAt(flight, t);
   const lines = linesAt(flight, t);
   const refused = refusalAt(flight, t);
+  const later = !list && state.live.value === 'off' ? checksAt(flight, Infinity) : undefined;
   const armed = flight.latest('/status', 'armed', t) === 1;
   const against = lines?.filter(({verdict}) => verdict === 'refuses').length ?? 0;
   const ask = async () => {
@@ -30,6 +31,7 @@ export function Preflight({flight}: {flight: Flight}) {
     <div class="tools">{commands && <button onClick={() => void ask()}>Check now</button>}
       <span class="hint">{list ? `All checks of the firmware, as of ${list.t.toFixed(1)} s; flags of the status as they are now.`
         : 'Flags of the status alone; the firmware was not asked for all of its checks.'}</span>
+      {later && <button onClick={() => state.seek(later.t)}>All checks at {later.t.toFixed(1)} s</button>}
       <span role="status">{said}</span></div>
     {refused && <div class="refusal"><h2>Attempt to arm at {refused.t.toFixed(1)} s, refused</h2>
       <ul>{refused.reasons.map((reason) => <li key={reason}>{reason}</li>)}</ul></div>}
@@ -37,6 +39,6 @@ export function Preflight({flight}: {flight: Flight}) {
       <tbody>{lines.map(({name, verdict, reason}) => <tr key={name}>
         <th scope="row">{name}</th><td><span class={`badge ${WORDS[verdict][1]}`}>{WORDS[verdict][0]}</span></td>
         <td>{verdict !== 'pass' && <>{reason && <strong>{reason}. </strong>}{WAYS_OUT[name]}</>}</td></tr>)}</tbody></table>}
-    {commands && state.control.value && <><ControlBar/><Calibrations/><MotorTest flight={flight}/></>}
+    {commands && state.control.value && <><ControlBar/><Calibrations flight={flight}/><MotorTest flight={flight}/></>}
   </section>;
 }

@@ -6,6 +6,7 @@ import {useMemo, useState} from 'preact/hooks';
 import type {Flight} from '../data/flight.ts';
 import type {Result} from '../data/commands.ts';
 import {parseKeyPage, parseSettings, settingsAt, type SettingInfo} from '../data/settings.ts';
+import {typed, type Edits} from '../data/edits.ts';
 import * as state from '../state.ts';
 import {ControlBar, hasControl} from './control.tsx';
 
@@ -23,7 +24,7 @@ export function Settings({flight, of}: {flight: Flight; of: 'autonomy' | 'vehicl
   const [wanted, setWanted] = useState('');
   const [group, setGroup] = useState('');
   const [givenOnly, setGivenOnly] = useState(false);
-  const [edits, setEdits] = useState<ReadonlyMap<string, string>>(new Map());
+  const [edits, setEdits] = useState<Edits>(new Map());
   const [results, setResults] = useState<ReadonlyMap<string, Result>>(new Map());
   const [said, setSaid] = useState('');
   if (yaml === '') return <p class="hint">There is no vehicle file here: a vehicle on a link does not have one, and older logs do not hold it.</p>;
@@ -33,8 +34,9 @@ export function Settings({flight, of}: {flight: Flight; of: 'autonomy' | 'vehicl
     && `${key} ${meaning}`.toLowerCase().includes(text));
   const simulated = state.control.value?.simulated;
   const change = of === 'autonomy' && simulated && state.commands.value && hasControl();
+  const changes = [...edits].filter(([key, edit]) => edit.trim() !== '' && edit.trim() !== values.get(key));
   const send = async () => {
-    const sent = [...edits];
+    const sent = changes;
     let good = 0;
     for (const [key, value] of sent) {
       const [ended] = await state.commands.value!.steer(`tune ${key.slice(AUTONOMY.length)} ${value.trim()}`);
@@ -55,19 +57,14 @@ export function Settings({flight, of}: {flight: Flight; of: 'autonomy' | 'vehicl
         <option value="">all</option>{[...new Set(infos.map(({key}) => groupOf(key)))].map((one) => <option key={one}>{one}</option>)}</select></label>
       <label><input type="checkbox" checked={givenOnly} onChange={(event) => setGivenOnly(event.currentTarget.checked)}/> only those that the file gives</label>
       <span class="hint">{shown.length} of {infos.length}</span>
-      {edits.size > 0 && change && <>
-        <button onClick={() => void send()}>Send {edits.size} {edits.size === 1 ? 'change' : 'changes'}</button>
+      {changes.length > 0 && change && <>
+        <button onClick={() => void send()}>Send {changes.length} {changes.length === 1 ? 'change' : 'changes'}</button>
         <button onClick={() => setEdits(new Map())}>Discard</button></>}
     </div>
     <p class="said" role="status">{said}</p>
     <table><thead><tr><th>name</th><th class="n">value</th><th class="n">default</th></tr></thead>
       <tbody>{shown.map((info) => <Row key={info.key} info={info} value={values.get(info.key)} edit={edits.get(info.key)} result={results.get(info.key)}
-        change={change && changesInFlight(info.key) ? (edit) => setEdits((before) => {
-          const after = new Map(before);
-          if (edit.trim() === '' || edit.trim() === values.get(info.key)) after.delete(info.key);
-          else after.set(info.key, edit);
-          return after;
-        }) : undefined}/>)}</tbody></table>
+        change={change && changesInFlight(info.key) ? (edit) => setEdits((before) => typed(before, info.key, edit, values.get(info.key) ?? '')) : undefined}/>)}</tbody></table>
   </section>;
 }
 

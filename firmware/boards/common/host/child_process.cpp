@@ -101,7 +101,7 @@ void ChildProcess::give_up(const std::string& why) {
   listen();
   std::string text = "emulated board: " + why;
   while (!last_words_.empty() && last_words_.back() == '\n') last_words_.pop_back();
-  text += last_words_.empty() ? "; it said nothing" : "; it said last:\n" + last_words_;
+  text += last_words_.empty() ? "; it printed nothing" : "; its last output:\n" + last_words_;
   stop();
   throw EmulatorError(text);
 }

@@ -12,7 +12,7 @@
 
 namespace rosflight::boards {
 
-/// One line for a person, then what the emulator said last.
+/// One line for a person, then the last output of the emulator.
 class EmulatorError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "firmware/boards/linux/board_error.hpp"
+#include "firmware/boards/linux/linux_error.hpp"
 #include "firmware/boards/linux/test/far_end.hpp"
 #include "firmware/core/parameter_store.hpp"
 
@@ -28,7 +28,7 @@ void fill(const fs::path& file, const Bytes& bytes) {
 std::string error_of(const fs::path& file) {
   try {
     const FileStorage storage(file);
-  } catch (const BoardError& error) {
+  } catch (const LinuxError& error) {
     return error.what();
   }
   return "no error";

@@ -23,31 +23,31 @@ using base::LinkAddress;
 using boards::LinuxBoard;
 
 /// One whole board each, seen through the roles that the firmware gets.
-struct OnBoard {
+struct Fixture {
   boards::TemporaryFolder folder;
   LinuxBoard board{base::parse_board_link("tcp:0"), folder / "memory"};
   hal::Board roles{board.roles()};
 };
 
-struct LinuxClock : OnBoard {
+struct LinuxClock : Fixture {
   Clock& role() { return roles.clock; }
   void pass(Time time) { std::this_thread::sleep_for(time); }
 };
 
 template <class S, boards::Mailbox<S> LinuxBoard::*kBox>
-struct LinuxSource : OnBoard {
+struct LinuxSource : Fixture {
   using Sample = S;
   Source<S>& role() { return board.*kBox; }
   void deliver(const S& sample) { (board.*kBox).put(sample); }
 };
 
-struct LinuxReceiver : OnBoard {
+struct LinuxReceiver : Fixture {
   using Sample = RcFrame;
   Receiver& role() { return roles.receiver; }
   void deliver(const RcFrame& frame) { board.receiver.put(frame); }
 };
 
-struct LinuxBattery : OnBoard {
+struct LinuxBattery : Fixture {
   using Sample = BatterySample;
   Battery& role() { return roles.battery; }
   void deliver(const BatterySample& pins) { board.battery.put(pins); }
@@ -62,7 +62,7 @@ struct LinuxSerial {
   std::vector<std::uint8_t> sent() { return pair.sent(room - pair.near->writable()); }
 };
 
-struct LinuxOutputs : OnBoard {
+struct LinuxOutputs : Fixture {
   Outputs& role() { return roles.outputs; }
   std::size_t channels() const { return kOutputs; }
   float resolution() const { return 0.0f; }
@@ -80,7 +80,7 @@ struct LinuxStorage {
   }
 };
 
-struct LinuxBackup : OnBoard {
+struct LinuxBackup : Fixture {
   BackupMemory& role() { return roles.backup; }
   void reset() {
     board.system.reset(false);
@@ -89,12 +89,12 @@ struct LinuxBackup : OnBoard {
   }
 };
 
-struct LinuxLeds : OnBoard {
+struct LinuxLeds : Fixture {
   Leds& role() { return roles.leds; }
   bool lit(Led led) { return board.leds.on(led); }
 };
 
-struct LinuxSystem : OnBoard {
+struct LinuxSystem : Fixture {
   System& role() { return roles.system; }
   bool sensors_started() const { return board.system.sensors_started(); }
   bool reset_asked() const { return board.system.reset_requested(); }

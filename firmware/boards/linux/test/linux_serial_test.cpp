@@ -3,7 +3,7 @@
 
 #include <numeric>
 
-#include "firmware/boards/linux/board_error.hpp"
+#include "firmware/boards/linux/linux_error.hpp"
 #include "firmware/boards/linux/test/far_end.hpp"
 
 namespace rosflight::boards {
@@ -33,7 +33,7 @@ bool write(LinuxSerial& serial, const Bytes& frame) {
 std::string error_of(const LinkAddress& address) {
   try {
     const LinuxSerial serial(address);
-  } catch (const BoardError& error) {
+  } catch (const LinuxError& error) {
     return error.what();
   }
   return "no error";

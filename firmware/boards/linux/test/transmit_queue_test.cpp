@@ -53,8 +53,8 @@ TEST(TransmitQueue, BoundsAllClassesTogether) {
 TEST(TransmitQueue, RefusesNothingAndTooMuch) {
   TransmitQueue queue(4096);
   EXPECT_FALSE(push(queue, {}));
-  EXPECT_FALSE(push(queue, Bytes(TransmitQueue::kLargestFrame + 1)));
-  EXPECT_TRUE(push(queue, Bytes(TransmitQueue::kLargestFrame)));
+  EXPECT_FALSE(push(queue, Bytes(TransmitQueue::kMaxFrame + 1)));
+  EXPECT_TRUE(push(queue, Bytes(TransmitQueue::kMaxFrame)));
 }
 
 TEST(TransmitQueue, FramesOfOneByteFillItToTheBrimAgainAndAgain) {

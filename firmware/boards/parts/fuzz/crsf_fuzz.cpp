@@ -22,7 +22,7 @@ fuzz::Bytes make_frame(fuzz::Bytes payload) {
 struct Crsf {
   using Input = CrsfInput;
   static constexpr std::size_t kChannels = 16;
-  static constexpr std::size_t kShortestFrame = 26;
+  static constexpr std::size_t kMinFrame = 26;
   static Time on_the_wire(std::size_t bytes) {
     return Time{static_cast<std::int64_t>(bytes) * 10'000'000 / 420'000};
   }

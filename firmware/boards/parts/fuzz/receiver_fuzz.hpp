@@ -61,7 +61,7 @@ class Feed {
       require(frame.stamp <= now_ + Traits::on_the_wire(sent_));
       outcome_.frames.push_back(frame);
     }
-    require(outcome_.frames.size() <= sent_ / Traits::kShortestFrame);
+    require(outcome_.frames.size() <= sent_ / Traits::kMinFrame);
     require(input_.good() >= outcome_.frames.size());
   }
 

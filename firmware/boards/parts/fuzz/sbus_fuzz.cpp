@@ -10,7 +10,7 @@ using namespace rosflight::boards::parts;
 struct Sbus {
   using Input = SbusInput;
   static constexpr std::size_t kChannels = 24;
-  static constexpr std::size_t kShortestFrame = SbusInput::kFrameBytes;
+  static constexpr std::size_t kMinFrame = SbusInput::kFrameBytes;
   static Time on_the_wire(std::size_t bytes) {
     return static_cast<std::int64_t>(bytes) * SbusInput::kByte;
   }

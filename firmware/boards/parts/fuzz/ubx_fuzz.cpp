@@ -77,7 +77,7 @@ std::vector<GnssSample> receive(const Bytes& stream, std::size_t chunk) {
     require(std::abs(sample.latitude_deg) <= 90.0 && std::abs(sample.longitude_deg) <= 180.0);
   }
   const std::size_t before = samples.size();
-  give(Bytes(UbxFormat::kLongest, 0));  // longer than what may still be missing of a frame
+  give(Bytes(UbxFormat::kMaxLength, 0));  // longer than what may still be missing of a frame
   require(samples.size() <= before + 1);
   const std::size_t then = samples.size();
   give(frame(0x01, 0x07, Bytes(NavPvt::kBytes)));

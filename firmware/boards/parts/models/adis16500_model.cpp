@@ -46,6 +46,12 @@ void Adis16500Model::advance(Time now) {
   if (!runs()) next_ = std::max(next_, now_ + kSync);  // no clock, no samples to catch up with
 }
 
+double Adis16500Model::delay_us() const {
+  const double averaged = registers_[kDecimation / 2] + 1.0;
+  const double oldest_us = (averaged - 1.0) * static_cast<double>(kSync.count());
+  return static_cast<double>(kDelay.count()) + oldest_us / 2.0;
+}
+
 void Adis16500Model::sample() {
   const ImuTruth truth = exposure_(now_ - kDelay);
   for (std::size_t k = 0; k < 3; ++k) {

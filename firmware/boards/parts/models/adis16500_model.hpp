@@ -23,6 +23,8 @@ class Adis16500Model final : public SpiPart {
   std::uint8_t exchange(std::uint8_t out) override;
   /// The reset pin; low stops the part, high starts it.
   void reset_pin(bool high);
+  /// Mean age, at its data-ready edge, of what a sample shows.
+  double delay_us() const;
 
   std::uint16_t reg(std::uint8_t address) const { return registers_[address / 2]; }
   void set_reg(std::uint8_t address, std::uint16_t value) { registers_[address / 2] = value; }

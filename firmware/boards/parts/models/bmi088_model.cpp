@@ -195,6 +195,10 @@ void Bmi088Model::Gyro::advance(Time now) {
   now_ = now;
 }
 
+double Bmi088Model::Gyro::delay_us() const {
+  return filter_[0].delay() * 1e6 / kInternal_hz * (1.0 + clock_error_);
+}
+
 void Bmi088Model::Gyro::sample(Time now) {
   const GyroMode mode = gyro_mode(registers[0x10]);
   const auto every = static_cast<unsigned>(std::lround(kInternal_hz / mode.rate_hz));

@@ -55,6 +55,8 @@ class Bmi088Model {
     Line line;
     /// Samples put out since the power came.
     std::uint64_t samples() const { return samples_; }
+    /// Age of what a sample shows, of its filter, at its data-ready edge.
+    double delay_us() const;
 
    private:
     std::uint8_t read_register(std::uint8_t reg) override;

@@ -44,7 +44,7 @@ class Dps310Model final : public SpiRegisters {
   Time reset_at_{};
   Time begun_{};
   Time done_{kNever};
-  unsigned kind_{0};       ///< Of the measurement: 1 pressure, 2 temperature.
+  unsigned kind_{0};       ///< Kind of measurement: 1 pressure, 2 temperature.
   unsigned unlocking_{0};  ///< Writes of the work-around so far.
   bool worked_around_{false};
 };

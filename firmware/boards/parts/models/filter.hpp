@@ -30,6 +30,8 @@ class LowPass {
     return y;
   }
   void reset() { started_ = false; }
+  /// Group delay for slow signals, in samples.
+  double delay() const { return 1.0 - (a1_ + 2.0 * a2_) / (1.0 + a1_ + a2_); }
 
  private:
   double b_{1.0}, a1_{}, a2_{};

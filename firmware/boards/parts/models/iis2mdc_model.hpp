@@ -22,7 +22,7 @@ class Iis2mdcModel final : public SpiRegisters {
     if (on) reset();
   }
 
-  std::array<double, 3> offset_T{};  ///< Of the sensor; its sign follows the set or reset state.
+  std::array<double, 3> offset_T{};  ///< Sensor offset; its sign follows the set or reset state.
   bool stalls{false};
 
  private:

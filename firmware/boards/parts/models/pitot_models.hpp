@@ -72,10 +72,9 @@ class DlhrModel final : public I2cPart {
           static_cast<std::uint8_t>(error_bits | 0x40u | (done_ != kNever ? 0x20u : 0u));
       out_[0] = status;
       at_ = 0;
-    } else {
-      command_ = 0;
-      received_ = 0;
     }
+    command_ = 0;
+    received_ = 0;  // a start ends what a reset of the chip cut off
     return true;
   }
   bool write(std::uint8_t byte) override {

@@ -70,6 +70,7 @@ TEST_F(Adis16500Test, StampIsTheEdgeLessTheGroupDelay) {
     return truth;
   };
   run();
+  EXPECT_EQ(model_.delay_us(), 2510.0);
   last();
   for (const auto& sample : samples(milliseconds(50))) {
     EXPECT_NEAR(sample.gyro_rad_s[2], 1e-5 * static_cast<double>(sample.stamp.count()), 2e-5);

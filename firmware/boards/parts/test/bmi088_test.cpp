@@ -128,6 +128,7 @@ TEST_F(Bmi088Test, StampIsTheEdgeLessTheGroupDelay) {
     return truth;
   };
   run();
+  EXPECT_NEAR(model_.gyro.delay_us(), 979.0, 5.0) << "its filter is a digital one";
   samples(milliseconds(20));
   for (const hal::ImuSample& sample : samples(milliseconds(50))) {
     const double rate_at_stamp = 1e-5 * static_cast<double>(sample.stamp.count());

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <random>
 #include <string>
@@ -51,7 +52,7 @@ class FlightRecordTest : public testing::Test {
 
 TEST_F(FlightRecordTest, KeepsWhatIsEntered) {
   record_.add(moment(7));
-  record_.add(milliseconds(80), "Armed");
+  record_.add(milliseconds(80), "Armed", 6);
   ASSERT_EQ(record_.size(), 3u);
   ASSERT_TRUE(record_.read(0, entry_));
   EXPECT_EQ(entry_.kind, Kind::kStart);
@@ -71,6 +72,7 @@ TEST_F(FlightRecordTest, KeepsWhatIsEntered) {
   EXPECT_EQ(entry_.kind, Kind::kText);
   EXPECT_EQ(entry_.moment.time, milliseconds(80));
   EXPECT_STREQ(entry_.text.data(), "Armed");
+  EXPECT_EQ(entry_.severity, 6);
   EXPECT_FALSE(record_.read(3, entry_));
 }
 
@@ -129,6 +131,21 @@ TEST_F(FlightRecordTest, DamageInTheMiddleCostsWhatIsDamaged) {
   std::size_t good = 0;
   for (std::size_t k = 0; k < record_.size(); ++k) good += record_.read(k, entry_) ? 1u : 0u;
   EXPECT_EQ(good, kSlots - 1);
+}
+
+TEST_F(FlightRecordTest, TheBytesOfAnEntryAreReadAnywhere) {
+  for (int k = 1; k <= 60; ++k) record_.add(moment(k));
+  EXPECT_EQ(record_.oldest(), 12u);
+  EXPECT_EQ(record_.newest(), 61u);
+  std::array<std::uint8_t, FlightRecord::kSlotBytes> bytes{};
+  std::copy_n(record_.bytes(30), bytes.size(), bytes.begin());
+  ASSERT_TRUE(FlightRecord::decode(bytes.data(), entry_));
+  EXPECT_EQ(entry_.number, 30u);
+  EXPECT_EQ(entry_.moment.time, at(29));
+  bytes[127] ^= 1u;
+  EXPECT_FALSE(FlightRecord::decode(bytes.data(), entry_));
+  bytes.fill(0);
+  EXPECT_FALSE(FlightRecord::decode(bytes.data(), entry_)) << "the CRC of zeros is not 0";
 }
 
 TEST_F(FlightRecordTest, RandomMemoryIsAnEmptyRecord) {

@@ -114,7 +114,7 @@ TEST_F(UbloxTest, StampAndUnixTimeAreThoseOfValidity) {
   time_to_run(milliseconds(3000));
   samples(milliseconds(1200));
   for (const auto& sample : samples(milliseconds(2500))) {
-    // Solutions are valid at multiples of 100 ms, and their velocity tells which.
+    // Solutions are valid at multiples of 100 ms, and their velocity shows which.
     EXPECT_EQ(sample.stamp.count() % 100'000, 0);
     EXPECT_NEAR(sample.velocity_ned_m_s[0], 1e-6 * static_cast<double>(sample.stamp.count()), 1e-3);
     EXPECT_EQ(sample.unix_s * 1'000'000 + sample.unix_ns / 1000,

@@ -64,15 +64,15 @@ Emulator::~Emulator() {
 void Emulator::power_on() {
   power_off();
   block() = ExchangeBlock{};
-  to_board().coupling = options_.coupling;
+  to_processor().coupling = options_.coupling;
   Pipe to_board_pipe;
   Pipe from_board_pipe;
   std::array<int, 2> uart{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, uart.data()) != 0) fail("socketpair");
   uart_ = base::FileDescriptor{uart[0]};
   const base::FileDescriptor board_uart{uart[1]};
-  child_.start(arguments(), {{to_board_pipe.read.get(), kToBoardFd},
-                             {from_board_pipe.write.get(), kFromBoardFd},
+  child_.start(arguments(), {{to_board_pipe.read.get(), kToProcessorFd},
+                             {from_board_pipe.write.get(), kFromProcessorFd},
                              {ram_.get(), kRamFd},
                              {board_uart.get(), kUartFd}});
   bell_out_ = std::move(to_board_pipe.write);
@@ -116,7 +116,7 @@ void Emulator::power_off() {
 }
 
 void Emulator::ring() {
-  ++to_board().sequence;
+  ++to_processor().sequence;
   child_.send(bell_out_.get(), static_cast<char>(Bell::kRing));
 }
 

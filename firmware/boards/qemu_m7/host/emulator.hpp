@@ -35,18 +35,18 @@ class Emulator {
   Emulator(const Emulator&) = delete;
   Emulator& operator=(const Emulator&) = delete;
 
-  /// Starts the process. In lock-step the board will say kBooted; wait_for_answer() takes it.
+  /// Starts the process. In lock-step the board will send kBooted; wait_for_answer() takes it.
   void power_on();
   /// Ends the process at once.
   void power_off();
   bool running() const { return child_.running(); }
   pid_t process() const { return child_.process(); }
 
-  ToBoard& to_board() { return block().to_board; }
-  const FromBoard& from_board() const { return block().from_board; }
+  ToProcessor& to_processor() { return block().to_processor; }
+  const FromProcessor& from_processor() const { return block().from_processor; }
   std::uint8_t* storage() { return memory_ + kStorageOffset; }
 
-  /// Lock-step: signals to the board that to_board() is ready. @throws EmulatorError if it is gone.
+  /// Lock-step: signals to the board that to_processor() is ready. @throws EmulatorError if it is gone.
   void ring();
   /// Lock-step: kDone or kBooted. @throws EmulatorError if the board died or kept silent longer
   /// than `timeout`; the process is ended then.

@@ -13,10 +13,10 @@ bool holding = false;
 /// Waits for what the emulator does in real time. @returns false after five seconds.
 template <class Condition>
 bool wait_for(Condition condition) {
-  constexpr std::uint32_t kLongest = 5u * kClock_Hz;
+  constexpr std::uint32_t kMaxCycles = 5u * kClock_Hz;
   const std::uint32_t begin = cycles();
   while (!condition()) {
-    if (cycles() - begin > kLongest) return false;
+    if (cycles() - begin > kMaxCycles) return false;
     // Reading registers without pause would keep the emulator from its sockets.
     wait_for_interrupt();
   }

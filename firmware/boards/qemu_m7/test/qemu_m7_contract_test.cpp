@@ -23,11 +23,11 @@ namespace {
 
 using boards::m7::Coupling;
 using boards::m7::ExchangeBlock;
-using boards::m7::FromBoard;
-using boards::m7::ToBoard;
+using boards::m7::FromProcessor;
+using boards::m7::ToProcessor;
 
 /// One whole board each, seen through the roles that the firmware gets.
-struct OnBoard {
+struct Fixture {
   boards::m7::LatchedClock clock;
   std::unique_ptr<ExchangeBlock> block{std::make_unique<ExchangeBlock>()};
   boards::m7::BlockSerial serial{*block};
@@ -36,9 +36,9 @@ struct OnBoard {
 
   /// Samples come as the world sends them.
   void deliver() {
-    board.take_receiver(block->to_board, Time{0});
-    board.take_sensors(block->to_board, Time{0});
-    block->to_board = ToBoard{};
+    board.take_receiver(block->to_processor, Time{0});
+    board.take_sensors(block->to_processor, Time{0});
+    block->to_processor = ToProcessor{};
   }
 };
 
@@ -58,52 +58,52 @@ template <class S>
 struct Field;
 template <>
 struct Field<ImuSample> {
-  static auto& of(ToBoard& b) { return b.has_imu = 1, b.imu; }
+  static auto& of(ToProcessor& b) { return b.has_imu = 1, b.imu; }
   static Source<ImuSample>& role(hal::Board& b) { return b.imu; }
 };
 template <>
 struct Field<MagSample> {
-  static auto& of(ToBoard& b) { return b.has_mag = 1, b.mag; }
+  static auto& of(ToProcessor& b) { return b.has_mag = 1, b.mag; }
   static Source<MagSample>& role(hal::Board& b) { return b.mag; }
 };
 template <>
 struct Field<BaroSample> {
-  static auto& of(ToBoard& b) { return b.has_baro = 1, b.baro; }
+  static auto& of(ToProcessor& b) { return b.has_baro = 1, b.baro; }
   static Source<BaroSample>& role(hal::Board& b) { return b.baro; }
 };
 template <>
 struct Field<DiffPressureSample> {
-  static auto& of(ToBoard& b) { return b.has_diff_pressure = 1, b.diff_pressure; }
+  static auto& of(ToProcessor& b) { return b.has_diff_pressure = 1, b.diff_pressure; }
   static Source<DiffPressureSample>& role(hal::Board& b) { return b.diff_pressure; }
 };
 template <>
 struct Field<RangeSample> {
-  static auto& of(ToBoard& b) { return b.has_range = 1, b.range; }
+  static auto& of(ToProcessor& b) { return b.has_range = 1, b.range; }
   static Source<RangeSample>& role(hal::Board& b) { return b.range; }
 };
 template <>
 struct Field<GnssSample> {
-  static auto& of(ToBoard& b) { return b.has_gnss = 1, b.gnss; }
+  static auto& of(ToProcessor& b) { return b.has_gnss = 1, b.gnss; }
   static Source<GnssSample>& role(hal::Board& b) { return b.gnss; }
 };
 template <>
 struct Field<RcFrame> {
-  static auto& of(ToBoard& b) { return b.has_rc = 1, b.rc; }
+  static auto& of(ToProcessor& b) { return b.has_rc = 1, b.rc; }
   static Source<RcFrame>& role(hal::Board& b) { return b.receiver; }
 };
 template <>
 struct Field<BatterySample> {
-  static auto& of(ToBoard& b) { return b.has_battery = 1, b.battery; }
+  static auto& of(ToProcessor& b) { return b.has_battery = 1, b.battery; }
   static Source<BatterySample>& role(hal::Board& b) { return b.battery; }
 };
 
 template <class S>
-struct BlockSource : OnBoard {
+struct BlockSource : Fixture {
   using Sample = S;
   Source<S>& role() { return Field<S>::role(roles); }
   void deliver(const S& sample) {
-    Field<S>::of(block->to_board) = sample;
-    OnBoard::deliver();
+    Field<S>::of(block->to_processor) = sample;
+    Fixture::deliver();
   }
 };
 
@@ -116,29 +116,29 @@ struct BlockBattery : BlockSource<BatterySample> {
 };
 
 /// Lock-step: a block per exchange, the cable outside with room for one transmit queue.
-struct ThroughBlock : OnBoard {
+struct ThroughBlock : Fixture {
   static constexpr std::uint32_t kRoom = 4096;
   ThroughBlock() { exchange(); }
   Serial& role() { return roles.serial; }
   void exchange() {
-    block->to_board.room = {kRoom, kRoom, kRoom};
+    block->to_processor.room = {kRoom, kRoom, kRoom};
     serial.begin();
   }
   void deliver(const std::vector<std::uint8_t>& bytes) {
-    std::copy(bytes.begin(), bytes.end(), block->to_board.link.begin());
-    block->to_board.link_count = static_cast<std::uint32_t>(bytes.size());
-    const FromBoard before = block->from_board;
+    std::copy(bytes.begin(), bytes.end(), block->to_processor.link.begin());
+    block->to_processor.link_count = static_cast<std::uint32_t>(bytes.size());
+    const FromProcessor before = block->from_processor;
     exchange();
-    block->from_board = before;  // what was written is not lost by it
-    block->to_board.link_count = 0;
+    block->from_processor = before;  // what was written is not lost by it
+    block->to_processor.link_count = 0;
   }
   std::vector<std::uint8_t> sent() {
     std::vector<std::uint8_t> bytes;
-    const auto& out = block->from_board;
+    const auto& out = block->from_processor;
     for (std::size_t at = 0; at < out.link_count;) {
       const std::size_t size = out.link[at] | static_cast<std::size_t>(out.link[at + 1]) << 8u;
       const bool fits = out.link[at + 3] != 0;
-      at += FromBoard::kFrameHeader;
+      at += FromProcessor::kFrameHeader;
       if (fits) bytes.insert(bytes.end(), &out.link[at], &out.link[at] + size);
       at += size;
     }
@@ -155,13 +155,13 @@ struct OnWire {
   std::vector<std::uint8_t> sent() { return uarts.sent(); }
 };
 
-struct Pins : OnBoard {
+struct Pins : Fixture {
   Outputs& role() { return roles.outputs; }
   std::size_t channels() const { return kOutputs; }
   float resolution() const { return 0.0f; }
   float driven(std::size_t k) {
-    board.report(block->from_board);
-    return block->from_board.outputs[k];
+    board.report(block->from_processor);
+    return block->from_processor.outputs[k];
   }
 };
 
@@ -185,15 +185,15 @@ struct Backup {
   std::unique_ptr<boards::BackupRam> memory{make()};
 };
 
-struct Lamps : OnBoard {
+struct Lamps : Fixture {
   Leds& role() { return roles.leds; }
   bool lit(Led led) {
-    board.report(block->from_board);
-    return block->from_board.leds[static_cast<std::size_t>(led)] != 0;
+    board.report(block->from_processor);
+    return block->from_processor.leds[static_cast<std::size_t>(led)] != 0;
   }
 };
 
-struct Processor : OnBoard {
+struct Processor : Fixture {
   System& role() { return roles.system; }
   bool sensors_started() const { return board.system.sensors_started(); }
   bool reset_asked() const { return board.system.reset_requested(); }

@@ -137,9 +137,9 @@ void board_fault(const FaultRegisters& registers) {
 
 /// Words of the emulator's arg= settings, separated by blanks.
 int board_main() {
-  constexpr int kMostArguments = 16;
+  constexpr int kMaxArguments = 16;
   static char line[512];
-  static char* words[kMostArguments + 1];
+  static char* words[kMaxArguments + 1];
   struct {
     char* text;
     int size;
@@ -147,7 +147,7 @@ int board_main() {
   asm volatile("cpsie i" ::: "memory");
   int count = 0;
   if (semihosting::call(kCommandLine, &wanted) == 0) {
-    for (char* at = std::strtok(line, " "); at != nullptr && count < kMostArguments;
+    for (char* at = std::strtok(line, " "); at != nullptr && count < kMaxArguments;
          at = std::strtok(nullptr, " ")) {
       words[count++] = at;
     }

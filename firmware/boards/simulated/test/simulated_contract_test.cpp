@@ -18,13 +18,13 @@ namespace rosflight::hal::contract {
 namespace {
 
 /// One whole board each, seen through the roles that the firmware gets.
-struct OnBoard {
+struct Fixture {
   boards::SimulatedBoard board;
   boards::MemorySerial serial;
   hal::Board roles{board.roles(serial)};
 };
 
-struct SimulatedClock : OnBoard {
+struct SimulatedClock : Fixture {
   Clock& role() { return roles.clock; }
   void pass(Time time) { board.clock.set(board.clock.now() + time); }
 };
@@ -73,31 +73,31 @@ struct MailboxOf<BatterySample> {
 };
 
 template <class S>
-struct SimulatedSource : OnBoard {
+struct SimulatedSource : Fixture {
   using Sample = S;
   Source<S>& role() { return MailboxOf<S>::role(roles); }
   void deliver(const S& sample) { MailboxOf<S>::in(board).put(sample); }
 };
 
-struct SimulatedReceiver : OnBoard {
+struct SimulatedReceiver : Fixture {
   using Sample = RcFrame;
   Receiver& role() { return roles.receiver; }
   void deliver(const RcFrame& frame) { board.receiver.put(frame); }
 };
 
-struct SimulatedBattery : OnBoard {
+struct SimulatedBattery : Fixture {
   using Sample = BatterySample;
   Battery& role() { return roles.battery; }
   void deliver(const BatterySample& pins) { board.battery.put(pins); }
 };
 
-struct SimulatedSerial : OnBoard {
+struct SimulatedSerial : Fixture {
   Serial& role() { return roles.serial; }
   void deliver(const std::vector<std::uint8_t>& bytes) { serial.put(bytes.data(), bytes.size()); }
   std::vector<std::uint8_t> sent() { return serial.take_sent(); }
 };
 
-struct SimulatedOutputs : OnBoard {
+struct SimulatedOutputs : Fixture {
   Outputs& role() { return roles.outputs; }
   std::size_t channels() const { return kOutputs; }
   float resolution() const { return 0.0f; }
@@ -115,7 +115,7 @@ struct SimulatedStorage {
   std::unique_ptr<boards::SimulatedStorage> storage{std::make_unique<boards::SimulatedStorage>()};
 };
 
-struct SimulatedBackup : OnBoard {
+struct SimulatedBackup : Fixture {
   BackupMemory& role() { return roles.backup; }
   void reset() {
     board.system.reset(false);
@@ -123,12 +123,12 @@ struct SimulatedBackup : OnBoard {
   }
 };
 
-struct SimulatedLeds : OnBoard {
+struct SimulatedLeds : Fixture {
   Leds& role() { return roles.leds; }
   bool lit(Led led) { return board.leds.on(led); }
 };
 
-struct SimulatedSystem : OnBoard {
+struct SimulatedSystem : Fixture {
   System& role() { return roles.system; }
   bool sensors_started() const { return board.system.sensors_started(); }
   bool reset_asked() const { return board.system.reset_requested(); }

@@ -14,7 +14,7 @@ namespace rosflight::boards::stm32h7::emulator {
 class AdcModel final : public Peripheral {
  public:
   static constexpr double kSupply_V =
-      3.28;  ///< Of the boards: a bit less than the factory's 3.3 V.
+      3.28;  ///< Supply of the boards, a bit less than the factory's 3.3 V.
 
   AdcModel(Core& core, std::string name, const Instance& instance, const ClockTree& clocks)
       : Peripheral{core, std::move(name), "ADC", instance}, clocks_{clocks} {}

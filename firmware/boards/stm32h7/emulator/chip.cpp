@@ -150,6 +150,11 @@ void Chip::check_backup_memory() {
   constexpr std::uint32_t kBackup = 0x3880'0000U;
   if (processor.cacheable(kBackup))
     processor.complain("backup memory lies in cached memory at a reset");
+  constexpr std::uint32_t kRecord = 0x2400'0000U;
+  const std::uint8_t* const record = processor.memory(kRecord, 8);
+  const bool in_use = std::any_of(record, record + 8, [](std::uint8_t byte) { return byte != 0; });
+  if (in_use && processor.cacheable(kRecord))
+    processor.complain("the flight record lies in cached memory at a reset");
 }
 
 void Chip::power_on(std::uint32_t vector_table) {

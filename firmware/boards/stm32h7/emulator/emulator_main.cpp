@@ -26,7 +26,7 @@ constexpr std::uint32_t kImageBases[] = {0x0800'0000U, 0x0802'0000U};
 /// Runs orders from the block until the other end of the pipe closes.
 class Session {
  public:
-  Session(EmulatedBoard& board, const ElfFile& image, Exchange& block)
+  Session(EmulatedHardware& board, const ElfFile& image, Exchange& block)
       : board_{board}, chip_{board.chip()}, image_{image}, block_{block} {
     chip_.processor.on_complaint = [this](const std::string& what) { note(what); };
     chip_.processor.on_fault = [this](const std::string& what) {
@@ -88,6 +88,7 @@ class Session {
     out.cpu_us = static_cast<std::uint64_t>(std::clock()) * 1'000'000 / CLOCKS_PER_SEC;
     if (const std::uint8_t* glance = variable("board_glance", sizeof(FirmwareGlance))) {
       std::memcpy(&out.firmware, glance, sizeof(FirmwareGlance));
+      out.stamp_error_us = board_.stamp_error_us(out.firmware.imu_stamp_us);
     }
   }
 
@@ -124,7 +125,7 @@ class Session {
     text[count] = 0;
   }
 
-  EmulatedBoard& board_;
+  EmulatedHardware& board_;
   Chip& chip_;
   const ElfFile& image_;
   Exchange& block_;
@@ -132,7 +133,7 @@ class Session {
   std::uint32_t complaints_{0};
 };
 
-std::unique_ptr<EmulatedBoard> make_board(const std::string& name) {
+std::unique_ptr<EmulatedHardware> make_board(const std::string& name) {
   if (name == "pixracer_pro") return std::make_unique<PixracerProModel>();
   if (name == "varmint") return std::make_unique<VarmintModel>();
   throw ProcessorError("board: found " + name + ", allowed pixracer_pro, varmint");

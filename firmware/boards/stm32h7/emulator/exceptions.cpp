@@ -13,6 +13,7 @@ constexpr std::uint32_t kBasicFrame = 0x20, kFloatFrame = 0x68;
 constexpr std::uint32_t kFloatActive = 4;     // CONTROL.FPCA
 constexpr std::uint32_t kAligned = 1U << 9U;  // of the stacked PSR: four bytes were skipped
 constexpr std::uint32_t kThumb = 1U << 24U;
+constexpr std::uint32_t kIfThen = 0x0600'FC00U;  // what is left of an IT block
 constexpr Ticks kEntryTicks = Ticks{12} * 2,
                 kReturnTicks = Ticks{10} * 2;  // cycles of the Cortex-M7 TRM
 
@@ -97,6 +98,8 @@ void Processor::enter(int exception, std::uint32_t return_address) {
   set(UC_ARM_REG_SP, sp);
   constexpr std::uint32_t kToHandler = 0xFFFF'FFF1U, kToThread = 0xFFFF'FFF9U, kNoFloats = 0x10U;
   set(UC_ARM_REG_LR, (nvic_.nested() ? kToHandler : kToThread) & (floats ? ~kNoFloats : ~0U));
+  set(UC_ARM_REG_XPSR_NZCVQG,
+      psr & ~(kIfThen | kAligned));  // a block ends within one at a page's end
   set(UC_ARM_REG_IPSR, static_cast<std::uint32_t>(exception));
   set(UC_ARM_REG_APSR_NZCV, psr);  // Unicorn renews its flags of translation with this
   std::uint32_t handler = 0;

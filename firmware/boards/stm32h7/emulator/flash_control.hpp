@@ -33,7 +33,7 @@ class FlashControl final : public Peripheral {
   void write_control(std::uint32_t value);
 
   unsigned keys_{0};    ///< Right ones in a row.
-  unsigned pieces_{0};  ///< Of the word that is being written.
+  unsigned pieces_{0};  ///< Pieces of the word that is being written.
   std::uint32_t word_at_{0};
   parts::FlashMedium::Word content_{};
 };

@@ -22,8 +22,8 @@ I2cModel::I2cModel(Core& core, std::string name, const Instance& instance, const
 void I2cModel::reset() {
   Peripheral::reset();
   word(i2c::ISR) = i2c::ISR_TXE.mask();
-  if (selected_ != nullptr) selected_->stop();
-  selected_ = nullptr;
+  selected_ =
+      nullptr;  // the lines are released, no stop condition: a part waits for the next start
   phase_ = Phase::kIdle;
 }
 

@@ -9,28 +9,31 @@ constexpr PinName kSensorSupply = pin('E', 3), kLevelShifter = pin('I', 3);
 constexpr PinName kBaroSelect = pin('D', 7), kFramSelect = pin('D', 10);
 constexpr unsigned kSpiFunction = 5, kI2cFunction = 4;
 constexpr std::uint64_t kBmi088Max_Hz = 10'000'000, kDps310Max_Hz = 10'000'000;
+/// Its edges drift through all phases of the link's traffic within seconds.
+constexpr double kImuClockError = 3e-4;
 
 }  // namespace
 
 PixracerProModel::PixracerProModel()
-    : FlightBoardModel{{24'000'000,
-                        &Chip::spi5,
-                        pin('F', 3),
-                        pin('D', 12),
-                        {&Chip::usart2, pin('D', 6), pin('D', 5), 7},
-                        {&Chip::usart6, pin('C', 7), {}, 7},
-                        {&Chip::uart4, pin('A', 1), pin('A', 0), 8},
-                        {{&Chip::tim1, 3, pin('E', 14), 1},
-                         {&Chip::tim1, 2, pin('E', 13), 1},
-                         {&Chip::tim1, 1, pin('E', 11), 1},
-                         {&Chip::tim1, 0, pin('E', 9), 1},
-                         {&Chip::tim4, 1, pin('D', 13), 2},
-                         {&Chip::tim4, 2, pin('D', 14), 2},
-                         {&Chip::tim8, 0, pin('I', 5), 3},
-                         {&Chip::tim8, 1, pin('I', 6), 3}},
-                        {pin('B', 11), pin('B', 3), pin('B', 1)},
-                        true,
-                        {14, 15, 12.62, 60.5, 0.0747}}} {
+    : CommonHardware{{24'000'000,
+                      &Chip::spi5,
+                      pin('F', 3),
+                      pin('D', 12),
+                      {&Chip::usart2, pin('D', 6), pin('D', 5), 7},
+                      {&Chip::usart6, pin('C', 7), {}, 7},
+                      {&Chip::uart4, pin('A', 1), pin('A', 0), 8},
+                      {{&Chip::tim1, 3, pin('E', 14), 1},
+                       {&Chip::tim1, 2, pin('E', 13), 1},
+                       {&Chip::tim1, 1, pin('E', 11), 1},
+                       {&Chip::tim1, 0, pin('E', 9), 1},
+                       {&Chip::tim4, 1, pin('D', 13), 2},
+                       {&Chip::tim4, 2, pin('D', 14), 2},
+                       {&Chip::tim8, 0, pin('I', 5), 3},
+                       {&Chip::tim8, 1, pin('I', 6), 3}},
+                      {pin('B', 11), pin('B', 3), pin('B', 1)},
+                      true,
+                      {14, 15, 12.62, 60.5, 0.0747}}} {
+  imu_.clock_error = kImuClockError;
   chip_.processor.add(accel_);
   chip_.processor.add(gyro_);
   connect_imu();

@@ -4,12 +4,12 @@
 #include "firmware/boards/parts/models/fram_model.hpp"
 #include "firmware/boards/parts/models/ist8308_model.hpp"
 #include "firmware/boards/parts/models/pitot_models.hpp"
-#include "firmware/boards/stm32h7/emulator/flight_board_model.hpp"
+#include "firmware/boards/stm32h7/emulator/common_hardware.hpp"
 
 namespace rosflight::boards::stm32h7::emulator {
 
 /// Pixracer Pro: what of the board is modelled so far is listed in firmware/boards/pixracer_pro.
-class PixracerProModel final : public FlightBoardModel {
+class PixracerProModel final : public CommonHardware {
  public:
   PixracerProModel();
 
@@ -18,6 +18,7 @@ class PixracerProModel final : public FlightBoardModel {
     return {&imu_.accel, &imu_.gyro, &baro_, &fram_, &mag_, &pitot_};
   }
   void advance_parts() override;
+  double imu_delay_us() const override { return imu_.gyro.delay_us(); }
   void set_broken(const Broken& broken) override;
   void connect_imu();
   void connect_baro();

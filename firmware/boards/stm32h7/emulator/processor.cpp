@@ -13,7 +13,7 @@
 namespace rosflight::boards::stm32h7::emulator {
 namespace {
 
-constexpr std::uint32_t kFlashEnd = 0x20'0000U;      // of the addresses that blocks_ tells apart
+constexpr std::uint32_t kFlashEnd = 0x20'0000U;      // of the addresses that blocks_ distinguishes
 constexpr std::uint64_t kInstructionHalfCycles = 3;  // 1.5 cycles each
 
 void check(uc_err error, const char* what) {

@@ -123,11 +123,11 @@ class Processor final : public Core {
   SystemControl control_;
   Ticks now_{}, target_{}, next_due_{kNever}, instruction_ticks_{3};
   bool slow_{false};     ///< The next block must look for interrupts.
-  bool stopped_{false};  ///< Unicorn was told to stop: not a sleep.
+  bool stopped_{false};  ///< Unicorn was stopped: not a sleep.
   bool reset_requested_{false}, locked_up_{false};
   int fault_{0};  ///< Taken when Unicorn has stopped.
   std::uint32_t resume_at_{}, vector_table_{};
-  /// Of the block at this half word of flash.
+  /// Size and instructions of the block at a half word of flash.
   struct Block {
     std::uint16_t size{}, instructions{};
   };

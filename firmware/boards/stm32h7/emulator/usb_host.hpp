@@ -20,7 +20,7 @@ class UsbHost final : public Timed {
 
   /// The cable. Out: what waits is lost.
   void plug(bool in);
-  /// To the device.
+  /// Queues bytes for the device.
   void send(const std::uint8_t* data, std::size_t count) {
     to_device_.insert(to_device_.end(), data, data + count);
   }
@@ -51,7 +51,7 @@ class UsbHost final : public Timed {
   UsbModel& device_;
   Stage stage_{Stage::kUnplugged};
   Phase phase_{Phase::kSetup};
-  std::size_t next_{0};  ///< Of the script.
+  std::size_t next_{0};  ///< Next item of the script.
   Ticks since_{0};
   UsbModel::Packet answer_;
   std::deque<std::uint8_t> to_device_;

@@ -244,11 +244,11 @@ UsbModel::Result UsbModel::send(std::size_t endpoint, const Packet& packet) {
 }
 
 UsbModel::Result UsbModel::receive(std::size_t endpoint, Packet& packet) {
-  constexpr std::size_t kLongest = 64;
+  constexpr std::size_t kMaxPacket = 64;
   std::uint32_t& control = word(in_at(endpoint, otg_in::DIEPCTL));
   if (otg_in::DIEPCTL_STALL.of(control) != 0) return Result::kStall;
   std::uint32_t& sizes = word(in_at(endpoint, otg_in::DIEPTSIZ));
-  const std::size_t count = std::min<std::size_t>(otg_in::DIEPTSIZ_XFRSIZ.of(sizes), kLongest);
+  const std::size_t count = std::min<std::size_t>(otg_in::DIEPTSIZ_XFRSIZ.of(sizes), kMaxPacket);
   const std::size_t stored = (count + kWordBytes - 1) / kWordBytes * kWordBytes;
   auto& fifo = to_host_[endpoint];
   const bool gives = otg_in::DIEPCTL_EPENA.of(control) != 0 &&

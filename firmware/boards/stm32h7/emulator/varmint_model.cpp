@@ -14,26 +14,26 @@ constexpr Ticks kSyncPeriod = 500 * kTicksPerMicrosecond;
 }  // namespace
 
 VarmintModel::VarmintModel()
-    : FlightBoardModel{{50'000'000,
-                        &Chip::spi4,
-                        pin('B', 8),
-                        pin('A', 3),
-                        {&Chip::usart2, pin('D', 6), pin('D', 5), 7},
-                        {&Chip::usart3, pin('D', 9), {}, 7},
-                        {&Chip::usart1, pin('B', 7), pin('A', 9), 7},
-                        {{&Chip::tim1, 0, pin('A', 8), 1},
-                         {&Chip::tim1, 1, pin('E', 11), 1},
-                         {&Chip::tim1, 2, pin('A', 10), 1},
-                         {&Chip::tim1, 3, pin('E', 14), 1},
-                         {&Chip::tim4, 2, pin('D', 14), 2},
-                         {&Chip::tim4, 1, pin('D', 13), 2},
-                         {&Chip::tim4, 0, pin('D', 12), 2},
-                         {&Chip::tim4, 3, pin('D', 15), 2},
-                         {&Chip::tim3, 0, pin('C', 6), 2},
-                         {&Chip::tim3, 1, pin('B', 5), 2}},
-                        {pin('B', 2), pin('E', 8), pin('E', 15)},
-                        false,
-                        {16, 11, 11.215, 10.0, 0.0}}} {
+    : CommonHardware{{50'000'000,
+                      &Chip::spi4,
+                      pin('B', 8),
+                      pin('A', 3),
+                      {&Chip::usart2, pin('D', 6), pin('D', 5), 7},
+                      {&Chip::usart3, pin('D', 9), {}, 7},
+                      {&Chip::usart1, pin('B', 7), pin('A', 9), 7},
+                      {{&Chip::tim1, 0, pin('A', 8), 1},
+                       {&Chip::tim1, 1, pin('E', 11), 1},
+                       {&Chip::tim1, 2, pin('A', 10), 1},
+                       {&Chip::tim1, 3, pin('E', 14), 1},
+                       {&Chip::tim4, 2, pin('D', 14), 2},
+                       {&Chip::tim4, 1, pin('D', 13), 2},
+                       {&Chip::tim4, 0, pin('D', 12), 2},
+                       {&Chip::tim4, 3, pin('D', 15), 2},
+                       {&Chip::tim3, 0, pin('C', 6), 2},
+                       {&Chip::tim3, 1, pin('B', 5), 2}},
+                      {pin('B', 2), pin('E', 8), pin('E', 15)},
+                      false,
+                      {16, 11, 11.215, 10.0, 0.0}}} {
   chip_.processor.add(imu_on_bus_);
   imu_.sync_clock = false;
   connect_imu();
@@ -102,8 +102,8 @@ void VarmintModel::connect_i2c() {
 }
 
 /// As the part sits on the board: turned about the vertical.
-parts::models::ImuTruth VarmintModel::imu_truth() const {
-  parts::models::ImuTruth truth = imu_truth_;
+parts::models::ImuTruth VarmintModel::imu_truth(hal::Time when) const {
+  parts::models::ImuTruth truth = imu_truth_at(when);
   for (std::size_t k = 0; k < 2; ++k) {
     truth.accel_m_s2[k] = -truth.accel_m_s2[k];
     truth.gyro_rad_s[k] = -truth.gyro_rad_s[k];

@@ -4,12 +4,12 @@
 #include "firmware/boards/parts/models/fram_model.hpp"
 #include "firmware/boards/parts/models/iis2mdc_model.hpp"
 #include "firmware/boards/parts/models/pitot_models.hpp"
-#include "firmware/boards/stm32h7/emulator/flight_board_model.hpp"
+#include "firmware/boards/stm32h7/emulator/common_hardware.hpp"
 
 namespace rosflight::boards::stm32h7::emulator {
 
 /// Varmint 11X: what of the board is modelled so far is listed in firmware/boards/varmint.
-class VarmintModel final : public FlightBoardModel {
+class VarmintModel final : public CommonHardware {
  public:
   VarmintModel();
 
@@ -18,16 +18,17 @@ class VarmintModel final : public FlightBoardModel {
     return {&imu_, &baro_, &mag_, &pitot_, &servo_supply_};
   }
   void advance_parts() override;
+  double imu_delay_us() const override { return imu_.delay_us(); }
   void set_broken(const Broken& broken) override;
   void connect_imu();
   void connect_baro_bus();
   void connect_i2c();
   /// The part runs on the clock at its pin.
   void look_at_sync_clock();
-  parts::models::ImuTruth imu_truth() const;
+  parts::models::ImuTruth imu_truth(hal::Time when) const;
   parts::models::MagTruth mag_truth() const;
 
-  parts::models::Adis16500Model imu_{[this](hal::Time) { return imu_truth(); }};
+  parts::models::Adis16500Model imu_{[this](hal::Time when) { return imu_truth(when); }};
   PartOnSpi imu_on_bus_{chip_.processor, imu_, true};
   parts::models::Dps310Model baro_{[this](hal::Time) { return baro_truth_; }, true};
   PartOnSpi baro_on_bus_{chip_.processor, baro_, false};

@@ -33,7 +33,7 @@ enum class HardwareFault : std::uint8_t {
 struct ToChip {
   static constexpr std::size_t kLinkCapacity = 16384;
 
-  std::int64_t time_us{};   ///< Of the world: the samples and bytes arrive now.
+  std::int64_t time_us{};   ///< Simulation time: the samples and bytes arrive now.
   std::int64_t until_us{};  ///< The chip runs up to here.
   ChipOrder order{ChipOrder::kStep};
   HardwareFault fault{HardwareFault::kNone};
@@ -63,14 +63,16 @@ struct FromChip {
       clock_zero_us{};  ///< When the firmware's microsecond counter was 0; -1: not started.
   std::uint64_t instructions{};  ///< Since the program began.
   std::uint64_t busy_us{};       ///< Time not slept.
-  std::uint64_t cpu_us{};        ///< Of the host, spent by the program.
+  std::uint64_t cpu_us{};        ///< Processor time of the host, spent by the program.
   std::uint64_t link_received{}, link_sent{}, link_lost{};
   std::uint32_t resets{};       ///< Since the program began.
-  std::uint32_t complaints{};   ///< Of models, since the program began.
+  std::uint32_t complaints{};   ///< Complaints of models since the program began.
   std::uint32_t stack_bytes{};  ///< High-water mark since the power came on.
   std::uint32_t link_count{};
   std::uint32_t
       edge_to_output_us{};  ///< From a data-ready edge to the output that followed; the longest of this step.
+  /// The firmware's stamp of its newest IMU sample less the time of the world that the sample shows.
+  double stamp_error_us{};
   hal::OutputValues outputs{};  ///< Pulses on the pins, as 0..1.
   std::array<std::uint8_t, 4> leds{};
   FirmwareGlance firmware;

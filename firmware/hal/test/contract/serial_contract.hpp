@@ -26,7 +26,7 @@ template <class Traits>
 class SerialContract : public ::testing::Test {
  protected:
   using Bytes = std::vector<std::uint8_t>;
-  /// A frame that tells its number and length in each byte's place.
+  /// A frame that carries its number and length in each byte's place.
   static Bytes frame(std::size_t size, std::size_t number) {
     Bytes bytes(size);
     for (std::size_t k = 0; k < size; ++k) {
@@ -100,9 +100,9 @@ TYPED_TEST_P(SerialContract, FramesOfDifferentUrgencyArriveWhole) {
 }
 
 TYPED_TEST_P(SerialContract, TakesTheLargestFrameOfTheLink) {
-  constexpr std::size_t kLargestMavlink1Frame = 263;
-  ASSERT_GE(this->traits_.role().writable(), kLargestMavlink1Frame);
-  const auto frame = this->frame(kLargestMavlink1Frame, 3);
+  constexpr std::size_t kMaxMavlink1Frame = 263;
+  ASSERT_GE(this->traits_.role().writable(), kMaxMavlink1Frame);
+  const auto frame = this->frame(kMaxMavlink1Frame, 3);
   ASSERT_TRUE(this->write(frame));
   EXPECT_EQ(this->traits_.sent(), frame);
 }

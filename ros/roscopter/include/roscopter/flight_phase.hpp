@@ -14,7 +14,7 @@ namespace roscopter {
 inline constexpr const char* kTakeoff = "takeoff";
 inline constexpr const char* kOffboard = "offboard";
 
-/// What the controller tells of its state machine on `flight_phase` (latched). roscopter has no
+/// What the controller publishes of its state machine on `flight_phase` (latched). roscopter has no
 /// such topic: where nobody publishes it, the commands of the chain are taken to be flown at all
 /// times.
 class FlightPhase {

@@ -40,7 +40,7 @@ struct EstimatorView {
   void (*set)(autonomy::estimation::EstimatorConfig&, double);
 };
 
-/// Of standard air at sea level: 1.225 kg/m^3 times 9.80665 m/s^2.
+/// Standard air at sea level: 1.225 kg/m^3 times 9.80665 m/s^2.
 inline constexpr double kPascalPerMetre = 12.013;
 
 /// The declination, which both stacks name alike; -1e6, as ROSflight 2.x has it: by the model.
@@ -50,7 +50,7 @@ inline EstimatorView declination_view() {
   return {"declination",
           kNotGiven,
           180.0,
-          "of the magnetic field [deg]; -1e6: by WMM2025",
+          "declination of the magnetic field [deg]; -1e6: by WMM2025",
           [](const C& c) {
             return c.declination_rad ? *c.declination_rad / autonomy::kRadPerDeg : kNotGiven;
           },
@@ -66,26 +66,28 @@ inline EstimatorView declination_view() {
 
 /// The estimator of autonomy/estimation as a node, for both stacks.
 ///
-/// Policy: `kWind` (airspeed is listened to), `Message` with a `header`, `views()` and
+/// Policy: `kAirframe` (that of a fixed wing listens to airspeed), `Message` with a `header`, `views()` and
 /// `fill(const StateEstimate&, const std::optional<Geodetic>&, Message&)`.
 ///
 /// A state goes out with an IMU sample, under its stamp, at most estimator_update_frequency times a
 /// second, and only when position, velocity and attitude are known. So it falls silent when the
-/// IMU does; a controller that uses it must stop by itself. Silence of a sensor and its end are told
+/// IMU does; a controller that uses it must stop by itself. Silence of a sensor and its end are reported
 /// once in the log; `/diagnostics` has the health at 1 Hz.
 template <class Policy>
 class EstimatorNode : public rclcpp::Node {
  public:
   using Message = typename Policy::Message;
-  using Estimator = autonomy::estimation::Estimator<Policy::kWind>;
+  using Estimator = autonomy::estimation::Estimator;
 
   explicit EstimatorNode(const rclcpp::NodeOptions& options)
-      : Node("estimator", options), estimator_{read_config()} {
+      : Node("estimator", options), estimator_{read_config(), Policy::kAirframe} {
     const double rate_Hz = declare_number(*this, "estimator_update_frequency", 400.0, 1.0, 2000.0,
                                           "maximum states per second [Hz]");
     interval_ns_ = static_cast<std::int64_t>(kAlmost * 1e9 / rate_Hz);
-    min_fix_ = declare_integer(*this, "min_gnss_fix_type", 3, 2, 4, "of rosflight_msgs/GNSS");
-    if (declare_switch(*this, "hotstart_estimator", false, "kept for its name")) {
+    min_fix_ = declare_integer(*this, "min_gnss_fix_type", 3, 2, 4,
+                               "minimum fix_type of rosflight_msgs/GNSS that is used");
+    if (declare_switch(*this, "hotstart_estimator", false,
+                       "without effect; only false is allowed")) {
       throw config::Error(
           "parameter hotstart_estimator: found true, allowed false, because there is no hotstart "
           "file: the estimator starts in the air by itself");
@@ -94,7 +96,7 @@ class EstimatorNode : public rclcpp::Node {
       sensor.timeout_s =
           1e-3 * declare_number(*this, "max_" + sensor.name + "_sensor_silence_duration_ms",
                                 sensor.timeout_s * 1e3, 1.0, 60'000.0,
-                                "longer silence is told in the log [ms]");
+                                "silence after which a warning is logged [ms]");
     }
     states_ = create_publisher<Message>("estimated_state", rclcpp::QoS(10));
     diagnostics_ =
@@ -166,7 +168,7 @@ class EstimatorNode : public rclcpp::Node {
                                       static_cast<double>(m.min_range),
                                       static_cast<double>(m.max_range)});
     });
-    if constexpr (Policy::kWind) {
+    if constexpr (Policy::kAirframe == autonomy::estimation::Airframe::kFixedWing) {
       subscribe<rosflight_msgs::msg::Airspeed>(
           "airspeed", [this](const rosflight_msgs::msg::Airspeed& m) {
             estimator_.add(
@@ -228,10 +230,10 @@ class EstimatorNode : public rclcpp::Node {
                   sensor.name == "imu" ? ": no state goes out" : "");
     }
     constexpr int kOnceIn = 10;
-    if (++watches_ % kOnceIn == 0) tell_health(time);
+    if (++watches_ % kOnceIn == 0) publish_health(time);
   }
 
-  void tell_health(const rclcpp::Time& time) {
+  void publish_health(const rclcpp::Time& time) {
     using diagnostic_msgs::msg::DiagnosticStatus;
     const autonomy::estimation::EstimatorHealth& health = estimator_.health();
     const autonomy::StateEstimate estimate = estimator_.estimate();

@@ -137,10 +137,10 @@ inline std::string one_line(const std::string& text) {
 inline rclcpp::Time received_at(rclcpp::Node& node, const builtin_interfaces::msg::Time& stamp) {
   const rclcpp::Time now = node.now();
   if (!node.get_clock()->ros_time_is_active()) return now;
-  static constexpr double kFarthest_s = 1.0;  // a clock that has been set back
+  static constexpr double kMaxAhead_s = 1.0;  // a clock that has been set back
   const rclcpp::Time stamped(stamp, now.get_clock_type());
   const double ahead_s = (stamped - now).seconds();
-  return ahead_s > 0.0 && ahead_s < kFarthest_s ? stamped : now;
+  return ahead_s > 0.0 && ahead_s < kMaxAhead_s ? stamped : now;
 }
 
 /// Warns every 5 s while the node is to follow simulated time and there is none. Keep what is returned.

@@ -21,7 +21,7 @@ namespace rosflight_common {
 namespace autonomy = rosflight::autonomy;
 namespace config = rosflight::config;
 
-/// Does any waypoint of a mission file give its place on earth?
+/// Does any waypoint of a mission file give its position on earth?
 inline bool is_geodetic(const autonomy::MissionFile& mission) {
   const auto& list = mission.waypoints;
   return std::any_of(list.begin(), list.end(), [](const config::Section& wp) {
@@ -56,11 +56,13 @@ class PlannerNode : public rclcpp::Node {
   explicit PlannerNode(const rclcpp::NodeOptions& options)
       : Node("path_planner", options),
         policy_{VehicleFile::declare(*this, Policy::kVehicle).read()} {
-    max_published_ = declare_integer(*this, "num_waypoints_to_publish_at_start", kMost, 0, kMost,
-                                     "so many of the list are published without being asked", true);
-    const std::string file = declare_text(*this, "mission_file", "", "loaded at the start");
+    max_published_ =
+        declare_integer(*this, "num_waypoints_to_publish_at_start", kMaxWaypoints, 0, kMaxWaypoints,
+                        "number of waypoints that are published at the start", true);
+    const std::string file =
+        declare_text(*this, "mission_file", "", "mission file (YAML) that is loaded at the start");
     waypoints_topic_ = create_publisher<Waypoint>(
-        Policy::kTopic, rclcpp::QoS(static_cast<std::size_t>(kMost) + 1).transient_local());
+        Policy::kTopic, rclcpp::QoS(static_cast<std::size_t>(kMaxWaypoints) + 1).transient_local());
     states_ = create_subscription<State>(
         "estimated_state", rclcpp::QoS(10),
         [this](typename State::ConstSharedPtr message) { take_origin(*message); });
@@ -77,13 +79,13 @@ class PlannerNode : public rclcpp::Node {
  protected:
   /// The list is another, or another part of it is published.
   virtual void changed() {}
-  const std::optional<Plan>& plan() const { return plan_; }  ///< Of the file, if there was one.
+  const std::optional<Plan>& plan() const { return plan_; }  ///< From the file.
   bool all_published() const { return published_ == list_.size(); }
 
  private:
   using Trigger = std_srvs::srv::Trigger;
   using ParamFile = rosflight_msgs::srv::ParamFile;
-  static constexpr std::int64_t kMost = autonomy::kMaxWaypoints;
+  static constexpr std::int64_t kMaxWaypoints = autonomy::kMaxWaypoints;
 
   static std::string service(const char* name) { return std::string(Policy::kServices) + name; }
 
@@ -138,9 +140,9 @@ class PlannerNode : public rclcpp::Node {
   void add(const Waypoint& given, bool publish_now, typename AddWaypoint::Response& response) {
     Waypoint waypoint = given;
     try {
-      if (list_.size() >= static_cast<std::size_t>(kMost)) {
-        throw config::Error("waypoints: found " + std::to_string(kMost) + " of them, allowed " +
-                            std::to_string(kMost));
+      if (list_.size() >= static_cast<std::size_t>(kMaxWaypoints)) {
+        throw config::Error("waypoints: found " + std::to_string(kMaxWaypoints) +
+                            " of them, allowed " + std::to_string(kMaxWaypoints));
       }
       if constexpr (requires { policy_.check(waypoint, origin_, list_, list_.size()); }) {
         policy_.check(waypoint, origin_, list_, publish_now ? published_ : list_.size());
@@ -228,7 +230,7 @@ class PlannerNode : public rclcpp::Node {
   Policy policy_;
   std::vector<Waypoint> list_;
   std::size_t published_{0};
-  std::int64_t max_published_{kMost};
+  std::int64_t max_published_{kMaxWaypoints};
   std::optional<Plan> plan_;
   std::optional<autonomy::Geodetic> origin_;
   std::optional<std::string> waiting_file_;

@@ -29,10 +29,11 @@ class SignalNode : public rclcpp::Node {
     if (!form) throw std::invalid_argument("parameter " + refusal(type));
     form_ = *form;
     magnitude_ = declare_number(*this, "signal_magnitude", 1.0, -1000.0, 1000.0,
-                                "from the lower to the upper end", true);
-    frequency_Hz_ = declare_number(*this, "frequency_hz", 0.2, 0.001, 100.0, "[Hz]", true);
+                                "difference between the upper and the lower end", true);
+    frequency_Hz_ = declare_number(*this, "frequency_hz", 0.2, 0.001, 100.0,
+                                   "frequency of the signal [Hz]", true);
     rate_Hz_ =
-        declare_number(*this, "publish_rate_hz", 100.0, 1.0, 1000.0, "setpoints a second [Hz]");
+        declare_number(*this, "publish_rate_hz", 100.0, 1.0, 1000.0, "setpoints per second [Hz]");
     changes_ = on_change_or_refuse(
         *this, [this](const std::vector<rclcpp::Parameter>& given) { return change(given); });
     serve(services);

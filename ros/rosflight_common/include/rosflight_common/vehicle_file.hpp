@@ -43,7 +43,8 @@ struct VehicleFile {
           or_type);
     }
     const auto given = node.declare_parameter<std::vector<std::string>>(
-        "vehicle_overrides", {}, described("section.key=value, instead of what the file says"));
+        "vehicle_overrides", {},
+        described("values that replace those of the vehicle file: section.key=value"));
     for (const auto& text : given) {
       if (!text.empty()) out.overrides.push_back(text);
     }

@@ -22,9 +22,9 @@ class WaypointMarkers : public rclcpp::Node {
   explicit WaypointMarkers(const rclcpp::NodeOptions& options)
       : Node("rviz_waypoint_publisher", options) {
     scale_ = declare_number(*this, "waypoint_scale", Policy::kSphere_m, 0.01, 100.0,
-                            "of the spheres [m]", true);
-    text_ = declare_number(*this, "text_scale", Policy::kText_m, 0.01, 100.0, "of the numbers [m]",
-                           true);
+                            "diameter of the spheres [m]", true);
+    text_ = declare_number(*this, "text_scale", Policy::kText_m, 0.01, 100.0,
+                           "height of the numbers [m]", true);
     changes_ = on_change(*this, [this](const rclcpp::Parameter& p) {
       if (p.get_name() == "waypoint_scale") scale_ = p.as_double();
       if (p.get_name() == "text_scale") text_ = p.as_double();
@@ -44,19 +44,19 @@ class WaypointMarkers : public rclcpp::Node {
 
   void take(const Waypoint& message) {
     if (message.clear_wp_list) {
-      places_.clear();
+      points_.clear();
       Marker marker;
       marker.action = Marker::DELETEALL;
       markers_->publish(marker);
       return;
     }
     if (Policy::geodetic(message)) return;
-    geometry_msgs::msg::Point place;
-    place.x = static_cast<double>(message.w[0]);
-    place.y = static_cast<double>(message.w[1]);
-    place.z = static_cast<double>(message.w[2]);
-    places_.push_back(place);
-    show(places_.size() - 1);
+    geometry_msgs::msg::Point point;
+    point.x = static_cast<double>(message.w[0]);
+    point.y = static_cast<double>(message.w[1]);
+    point.z = static_cast<double>(message.w[2]);
+    points_.push_back(point);
+    show(points_.size() - 1);
   }
 
   Marker marker_of(int type, const char* name, double scale) const {
@@ -74,18 +74,18 @@ class WaypointMarkers : public rclcpp::Node {
   /// @param from  the first waypoint whose number is not shown as it should be.
   void show(std::size_t from) {
     constexpr double kLine_m = 0.1;
-    if (places_.empty()) return;
+    if (points_.empty()) return;
     Marker spheres = marker_of(Marker::SPHERE_LIST, "waypoints", scale_);
-    spheres.points = places_;
+    spheres.points = points_;
     markers_->publish(spheres);
     Marker line = marker_of(Marker::LINE_STRIP, "path", kLine_m);
-    line.points = places_;
+    line.points = points_;
     markers_->publish(line);
-    for (std::size_t k = from; k < places_.size(); ++k) {
+    for (std::size_t k = from; k < points_.size(); ++k) {
       Marker number = marker_of(Marker::TEXT_VIEW_FACING, "numbers", text_);
       number.id = static_cast<int>(k);
       number.text = std::to_string(k + 1);
-      number.pose.position = places_[k];
+      number.pose.position = points_[k];
       number.pose.position.z -= scale_;
       markers_->publish(number);
     }
@@ -93,7 +93,7 @@ class WaypointMarkers : public rclcpp::Node {
 
   double scale_{};
   double text_{};
-  std::vector<geometry_msgs::msg::Point> places_;
+  std::vector<geometry_msgs::msg::Point> points_;
   rclcpp::Publisher<Marker>::SharedPtr markers_;
   typename rclcpp::Subscription<Waypoint>::SharedPtr waypoints_;
   rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr changes_;

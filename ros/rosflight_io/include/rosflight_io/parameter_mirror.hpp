@@ -20,7 +20,7 @@ class ParameterMirror final : public rosflight::companion::Listener {
 
   /// By the link's thread: remembers what is new.
   void on_event(const rosflight::companion::Event& event) override;
-  /// By the node's thread: declares and updates.
+  /// Declares and updates; call it in the node's thread.
   void update();
 
  private:
@@ -39,7 +39,7 @@ class ParameterMirror final : public rosflight::companion::Listener {
   std::set<std::string> known_;  ///< Names of the firmware that are declared.
   bool mirroring_{false};        ///< A set that comes from the firmware.
 
-  std::mutex mutex_;  ///< Of what follows.
+  std::mutex mutex_;  ///< Protects news_.
   Set news_;
 };
 

@@ -11,7 +11,7 @@
 
 namespace rosflight_sim {
 
-/// Times between two steps of simulated time, told at the wall times that belong to them.
+/// Times between two steps of simulated time, published at the wall times that belong to them.
 ///
 /// A node that asks twice within one step of 2.5 ms should find two times. In a thread of its own, because the wait set of a
 /// process with many nodes is too slow to wake up 10 000 times a second. What is late is left out, never made up for.
@@ -19,14 +19,14 @@ class FineTicks {
  public:
   using Wall = std::chrono::steady_clock;
   /// Ticks closer than this in wall time are left out.
-  static constexpr std::chrono::microseconds kShortestGap{50};
+  static constexpr std::chrono::microseconds kMinGap{50};
 
-  /// A step that has just been told, and the ticks up to the next one.
+  /// A step that has just been published, and the ticks up to the next one.
   struct Step {
-    std::int64_t time_ns{};        ///< Of the step.
+    std::int64_t time_ns{};        ///< Time of the step.
     std::int64_t step_ns{};        ///< From it to the next.
     std::int64_t tick_ns{};        ///< Between two ticks.
-    Wall::time_point wall{};       ///< Of the step.
+    Wall::time_point wall{};       ///< Time of the step.
     Wall::duration wall_period{};  ///< From it to the next.
   };
 
@@ -54,8 +54,7 @@ class FineTicks {
   static std::int64_t next(const Step& step, std::int64_t last, Wall::time_point now) {
     if (step.tick_ns <= 0 || step.step_ns <= step.tick_ns) return 0;
     const auto gap = wall_gap(step);
-    const std::int64_t stride =
-        gap >= kShortestGap ? 1 : kShortestGap / std::max(gap, Wall::duration{1}) + 1;
+    const std::int64_t stride = gap >= kMinGap ? 1 : kMinGap / std::max(gap, Wall::duration{1}) + 1;
     const std::int64_t passed =
         now <= step.wall || gap <= Wall::duration{0} ? 0 : (now - step.wall) / gap;
     const std::int64_t number = std::max(last + stride, passed);
@@ -101,7 +100,7 @@ class FineTicks {
   std::mutex mutex_;
   std::condition_variable changed_;
   Step step_{};
-  std::uint64_t number_{0};  ///< Of calls of set().
+  std::uint64_t number_{0};  ///< Number of calls of set().
   bool ended_{false};
   std::thread thread_;
 };

@@ -52,7 +52,7 @@ class NodeClock final : public hal::Clock {
 /// Not thread-safe: one caller at a time.
 class FirmwareProcess {
  public:
-  /// @throws boards::BoardError  one line: port taken, unknown host, memory file in use.
+  /// @throws boards::LinuxError  one line: port taken, unknown host, memory file in use.
   FirmwareProcess(const base::LinkAddress& link, const std::filesystem::path& memory,
                   NodeClock::Now node_time)
       : clock_{std::move(node_time)}, system_{clock_}, serial_{link}, storage_{memory} {
@@ -135,7 +135,7 @@ class FirmwareProcess {
   boards::Mailbox<hal::DiffPressureSample> diff_pressure_;
   boards::Mailbox<hal::RangeSample> range_;
   boards::Mailbox<hal::GnssSample> gnss_;
-  std::unique_ptr<Autopilot> autopilot_;  ///< Of the present boot.
+  std::unique_ptr<Autopilot> autopilot_;  ///< Autopilot since the last boot.
   std::uint64_t restarts_{0};
 };
 

@@ -23,7 +23,7 @@ namespace base = rosflight::base;
 /// | r     | 5       | override                                                    |
 /// | m     | 6       | attitude mode: on (angles) at the start                     |
 ///
-/// A terminal tells of strokes, not of releases: a deflection lasts kFirstHold after the first
+/// A terminal reports strokes, not releases: a deflection lasts kFirstHold after the first
 /// stroke, as long as a keyboard waits before it repeats, and kHold after a repeated one.
 class KeyboardSticks {
  public:

@@ -12,7 +12,7 @@ namespace rosflight_sim {
 namespace sim = rosflight::sim;
 
 /// Integrates the states of a forces-and-moments module without the rigid body, which another node
-/// moves: classical Runge-Kutta with the body held, in steps of at most kLongest_s.
+/// moves: classical Runge-Kutta with the body held, in steps of at most kMaxStep_s.
 class ModuleStates {
  public:
   /// @param module  must outlive this.
@@ -29,7 +29,7 @@ class ModuleStates {
   void step(const sim::ForcesAndMoments::Input& in, double dt_s, sim::Wrench& wrench,
             sim::Truth& truth) {
     if (dt_s > 0.0 && dt_s < kGiveUp_s) {
-      const int count = static_cast<int>(std::ceil(dt_s / kLongest_s - 1e-9));
+      const int count = static_cast<int>(std::ceil(dt_s / kMaxStep_s - 1e-9));
       for (int i = 0; i < count; ++i) runge_kutta(in, dt_s / count);
     }
     States unused{};
@@ -37,7 +37,7 @@ class ModuleStates {
     module_.report(in, states(), truth);
   }
 
-  static constexpr double kLongest_s = 0.0025;
+  static constexpr double kMaxStep_s = 0.0025;
   static constexpr double kGiveUp_s = 0.5;
 
  private:

@@ -33,7 +33,7 @@ struct VehicleParameters {
     vehicle = sim::Vehicle::from_file(file, all);
   }
 
-  /// Of a ROS parameter file, for a node.
+  /// Values of a ROS parameter file for a node.
   rosflight_common::GivenValues values_for(const std::string& node) const {
     if (!given) return {};
     return [file = given, node](const std::string& name, rosflight_common::GivenKind kind) {
@@ -42,7 +42,7 @@ struct VehicleParameters {
   }
 
   /// Logs what a ROS parameter file has for the node and nobody reads. Call it when all parameters are declared.
-  void tell_unused(const rclcpp::Node& node) const {
+  void log_unused(const rclcpp::Node& node) const {
     if (!given) return;
     std::string names;
     for (const std::string& name : given->unused(node.get_name()))
@@ -55,8 +55,9 @@ struct VehicleParameters {
   static VehicleParameters declare(rclcpp::Node& node) {
     auto named = rosflight_common::VehicleFile::declare(
         node, usual_vehicle(node.get_name()), ", or -r __node:=multirotor_forces_and_moments");
-    const std::int64_t seed = rosflight_common::declare_integer(
-        node, "seed", 1, 0, 1'000'000'000'000, "of all random numbers: errors of sensors, wind");
+    const std::int64_t seed =
+        rosflight_common::declare_integer(node, "seed", 1, 0, 1'000'000'000'000,
+                                          "seed of all random numbers: errors of sensors, wind");
     std::shared_ptr<ParameterFile> given;
     if (auto read = ParameterFile::load(named.file)) {
       given = std::make_shared<ParameterFile>(std::move(*read));

@@ -34,7 +34,7 @@ class VehicleTuning {
       values_[view.name] = declare(node, view, usual.value_or(from_file));
       if (values_[view.name] != from_file) differing_.insert(view.name);
     }
-    parameters_.tell_unused(node);
+    parameters_.log_unused(node);
     if (!differing_.empty()) parameters_.make(views_.assignments(values_, differing_));
     handle_ = rosflight_common::on_change_or_refuse(
         node, [this](const std::vector<rclcpp::Parameter>& given) { return change(given); });

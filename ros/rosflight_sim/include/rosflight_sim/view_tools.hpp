@@ -39,6 +39,23 @@ inline void add(List& list, std::string name, double min, double max, std::strin
                   [get = std::move(get)](const Vehicle& v) { return Numbers{get(v)}; }});
 }
 
+/// One number of the vehicle file under its name in ROSflight 2.x. Range, unit and meaning are those
+/// of the file's key.
+struct KeyView {
+  std::string name;
+  std::string key;       ///< Whole path, such as "aero.lift.alpha".
+  std::size_t index{0};  ///< In a list of numbers.
+  double factor{1.0};    ///< Value of the key for a value of 1 of the parameter.
+};
+using KeyViews = std::vector<KeyView>;
+
+/// A view of a key with a getter of its own, or of each key. @throws std::out_of_range  the file has no such key.
+void add(List& list, const KeyView& view, std::function<double(const Vehicle&)> get);
+void add(List& list, const KeyViews& views);
+/// How those that changed go back; a list of numbers with all its views.
+void assign(std::vector<std::string>& out, const KeyViews& views, const ViewValues& all,
+            const Names& changed);
+
 inline void add_list(List& list, std::string name, Kind kind, std::string what, bool live,
                      std::function<Numbers(const Vehicle&)> get) {
   list.push_back({std::move(name), kind, -1e9, 1e9, std::move(what), live, std::move(get)});

@@ -25,7 +25,7 @@ inline constexpr const char* kUsualVehicle = "anaconda";
 
 namespace autonomy = rosflight::autonomy;
 
-namespace wing = autonomy::fixedwing;
+namespace fixedwing = autonomy::fixedwing;
 
 inline constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
@@ -110,8 +110,8 @@ class StateReader {
     state_.wind_W.setZero();
     if (state_.wind_valid) state_.wind_W.head<2>() << wide(in.w_n), wide(in.w_e);
     const double airspeed_m_s = wide(in.va);
-    constexpr double kLongest_s = 0.5;
-    const bool steady = dt_s > 0.0 && dt_s < kLongest_s;
+    constexpr double kMaxStep_s = 0.5;
+    const bool steady = dt_s > 0.0 && dt_s < kMaxStep_s;
     const double rate = steady ? (airspeed_m_s - state_.airspeed_m_s) / dt_s : 0.0;
     state_.air_valid = airspeed_m_s > min_airspeed_m_s_;
     state_.airspeed_m_s = std::isfinite(airspeed_m_s) ? airspeed_m_s : 0.0;
@@ -147,7 +147,7 @@ inline autonomy::Vector3 vector(const std::array<float, 3>& in) {
 }
 
 /// A valid path. On an orbit r and q, which nobody else reads there, tell how it climbs.
-inline void put(const wing::CurrentPath& in, const autonomy::Vector3& p_W,
+inline void put(const fixedwing::CurrentPath& in, const autonomy::Vector3& p_W,
                 rosplane_msgs::msg::CurrentPath& out) {
   using Message = rosplane_msgs::msg::CurrentPath;
   out.path_type = in.circle ? Message::ORBIT_PATH : Message::LINE_PATH;
@@ -160,20 +160,20 @@ inline void put(const wing::CurrentPath& in, const autonomy::Vector3& p_W,
     put(in.q_W, out.q);
     return;
   }
-  const wing::Vector2 d = (p_W - in.c_W).head<2>();
-  const double polar = wing::course_of(d);
+  const fixedwing::Vector2 d = (p_W - in.c_W).head<2>();
+  const double polar = fixedwing::course_of(d);
   const double turn = in.turn > 0 ? 1.0 : -1.0;
   autonomy::Vector3 beside = in.c_W;
-  beside.head<2>() += in.radius_m * wing::along(polar);
+  beside.head<2>() += in.radius_m * fixedwing::along(polar);
   put(beside, out.r);
-  autonomy::Vector3 way;
-  way << wing::along(polar + turn * 0.5 * autonomy::kPi), -in.slope;
-  put(way.normalized(), out.q);
+  autonomy::Vector3 tangent;
+  tangent << fixedwing::along(polar + turn * 0.5 * autonomy::kPi), -in.slope;
+  put(tangent.normalized(), out.q);
 }
 
 /// Valid if all that its type needs is there.
-inline wing::CurrentPath path_of(const rosplane_msgs::msg::CurrentPath& in) {
-  wing::CurrentPath out;
+inline fixedwing::CurrentPath path_of(const rosplane_msgs::msg::CurrentPath& in) {
+  fixedwing::CurrentPath out;
   out.circle = in.path_type == rosplane_msgs::msg::CurrentPath::ORBIT_PATH;
   out.airspeed_m_s = wide(in.va_d);
   out.r_W = vector(in.r);
@@ -194,7 +194,8 @@ inline wing::CurrentPath path_of(const rosplane_msgs::msg::CurrentPath& in) {
 
 // ---- commands -----------------------------------------------------------------------------------
 
-inline void put(const wing::ControllerCommand& in, rosplane_msgs::msg::ControllerCommands& out) {
+inline void put(const fixedwing::ControllerCommand& in,
+                rosplane_msgs::msg::ControllerCommands& out) {
   out.va_c = single(in.airspeed_m_s);
   out.h_c = single(in.height_m);
   out.chi_c = single(in.course_rad);
@@ -203,8 +204,8 @@ inline void put(const wing::ControllerCommand& in, rosplane_msgs::msg::Controlle
   out.aux_valid = true;
 }
 
-inline wing::ControllerCommand command_of(const rosplane_msgs::msg::ControllerCommands& in) {
-  wing::ControllerCommand out;
+inline fixedwing::ControllerCommand command_of(const rosplane_msgs::msg::ControllerCommands& in) {
+  fixedwing::ControllerCommand out;
   out.airspeed_m_s = wide(in.va_c);
   out.height_m = wide(in.h_c);
   out.course_rad = wide(in.chi_c);
@@ -223,9 +224,9 @@ inline std::optional<double> given(float value) {
   return std::isfinite(value) ? std::optional(wide(value)) : std::nullopt;
 }
 
-inline void put(const wing::GuidanceOutput& in, rosplane_msgs::msg::FlightPhase& out) {
+inline void put(const fixedwing::GuidanceOutput& in, rosplane_msgs::msg::FlightPhase& out) {
   out.phase = static_cast<std::uint8_t>(in.phase);
-  out.idle = in.act == wing::GuidanceAct::kIdle;
+  out.idle = in.act == fixedwing::GuidanceAct::kIdle;
   out.waypoint = static_cast<std::uint16_t>(in.waypoint);
   out.mission_done = in.mission_done;
   out.height_above_ground = single(in.height_above_ground_m);
@@ -241,8 +242,8 @@ inline void put(const wing::GuidanceOutput& in, rosplane_msgs::msg::FlightPhase&
   out.max_throttle = single(in.direct.max_throttle);
 }
 
-inline wing::Controller::Direct direct_of(const rosplane_msgs::msg::FlightPhase& in) {
-  wing::Controller::Direct out;
+inline fixedwing::Controller::Direct direct_of(const rosplane_msgs::msg::FlightPhase& in) {
+  fixedwing::Controller::Direct out;
   out.roll_rad = given(in.roll);
   out.pitch_rad = given(in.pitch);
   out.climb_m_s = given(in.climb_rate);
@@ -259,27 +260,27 @@ inline wing::Controller::Direct direct_of(const rosplane_msgs::msg::FlightPhase&
 // ---- mission ------------------------------------------------------------------------------------
 
 /// How ROSflight's waypoints say it: lines with corners and circles have no words there.
-inline void put(const wing::Waypoint& in, rosplane_msgs::msg::Waypoint& out) {
+inline void put(const fixedwing::Waypoint& in, rosplane_msgs::msg::Waypoint& out) {
   put(in.p_W, out.w);
   out.lla = false;
-  out.use_chi = in.passing == wing::Passing::kDubins;
+  out.use_chi = in.passing == fixedwing::Passing::kDubins;
   out.chi_d = single(in.course_rad);
   out.va_d = single(in.airspeed_m_s);
 }
 
-inline wing::Waypoint waypoint_of(const rosplane_msgs::msg::Waypoint& in,
-                                  const std::optional<autonomy::Geodetic>& origin) {
-  wing::Waypoint out;
+inline fixedwing::Waypoint waypoint_of(const rosplane_msgs::msg::Waypoint& in,
+                                       const std::optional<autonomy::Geodetic>& origin) {
+  fixedwing::Waypoint out;
   out.p_W = vector(in.w);
   if (in.lla && origin)
     out.p_W = autonomy::ned_of({wide(in.w[0]), wide(in.w[1]), wide(in.w[2])}, *origin);
-  out.passing = in.use_chi ? wing::Passing::kDubins : wing::Passing::kFillet;
+  out.passing = in.use_chi ? fixedwing::Passing::kDubins : fixedwing::Passing::kFillet;
   out.course_rad = in.use_chi ? wide(in.chi_d) : 0.0;
   out.airspeed_m_s = wide(in.va_d);
   return out;
 }
 
-inline void put(const wing::Mission& in, rosplane_msgs::msg::MissionSettings& out) {
+inline void put(const fixedwing::Mission& in, rosplane_msgs::msg::MissionSettings& out) {
   out.at_end = static_cast<std::uint8_t>(in.at_end);
   out.takeoff_height = single(in.takeoff_height_m);
   out.turn_radius = single(in.radius_m);
@@ -288,7 +289,7 @@ inline void put(const wing::Mission& in, rosplane_msgs::msg::MissionSettings& ou
 }
 
 /// Everything but the waypoints.
-inline void take(const rosplane_msgs::msg::MissionSettings& in, wing::Mission& out) {
+inline void take(const rosplane_msgs::msg::MissionSettings& in, fixedwing::Mission& out) {
   constexpr std::uint8_t kLast = static_cast<std::uint8_t>(autonomy::AtEnd::kReturn);
   out.at_end = static_cast<autonomy::AtEnd>(std::min(in.at_end, kLast));
   out.takeoff_height_m = given(in.takeoff_height);

@@ -120,7 +120,7 @@ class Node : public std::enable_shared_from_this<Node> {
   const ParameterValue& declare_parameter(const std::string& name, const ParameterValue& value,
                                           const Descriptor& descriptor = Descriptor(),
                                           bool ignore_override = false);
-  /// Without default: not set unless given.
+  /// Declares a parameter without default: not set unless given.
   const ParameterValue& declare_parameter(const std::string& name, ParameterType type,
                                           const Descriptor& descriptor = Descriptor(),
                                           bool ignore_override = false);

@@ -11,7 +11,7 @@
 
 namespace rclcpp::detail {
 
-/// Wakes an executor that waits. Its generation tells the executor whether the set of things to
+/// Wakes an executor that waits. Its generation shows the executor whether the set of things to
 /// wait for is still the one it knows.
 class WakeUp {
  public:

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "firmware/boards/stm32h7/emulator/common_hardware.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/constants.hpp"
+#include "firmware/boards/stm32h7/emulator/receiver_frames.hpp"
+
+namespace rosflight::boards::stm32h7::emulator {
+namespace {
+
+constexpr parts::UartFormat kSbus{100'000, true, 2, true}, kCrsf{420'000, false, 1, false};
+constexpr unsigned kUsbFunction = 10;
+
+}  // namespace
+
+CommonHardware::CommonHardware(Wiring wiring)
+    : chip_{wiring.crystal_Hz},
+      wiring_{std::move(wiring)},
+      gnss_on_wire_{chip_.processor, chip_.*wiring_.gnss.uart, gnss_} {
+  chip_.processor.add(gnss_on_wire_);
+  chip_.processor.add(usb_host_);
+  connect_serial();
+  chip_.adc1.pin_V = [this](unsigned channel) { return battery_pin_V(channel); };
+  gnss_.pulse = [this](bool high, hal::Time /*when*/) {
+    chip_.port(wiring_.pulse_per_second).drive(wiring_.pulse_per_second.number, high);
+  };
+}
+
+void CommonHardware::expect_pins(std::initializer_list<PinName> pins, unsigned function) {
+  for (const PinName& each : pins) chip_.port(each).expect_alternate(each.number, function);
+}
+
+void CommonHardware::connect_serial() {
+  (chip_.*wiring_.link.uart).on_byte = [this](std::uint8_t byte, std::uint32_t /*baud*/) {
+    sent_.push_back(byte);
+  };
+  usb_host_.on_data = [this](const UsbModel::Packet& packet) {
+    sent_.insert(sent_.end(), packet.begin(), packet.end());
+  };
+  chip_.usb.on_attach = [this] { expect_pins({pin('A', 11), pin('A', 12)}, kUsbFunction); };
+  for (const SerialPins& each : {wiring_.link, wiring_.gnss}) {
+    (chip_.*each.uart).on_enable = [this, each] {
+      expect_pins({each.receive, each.transmit}, each.function);
+    };
+  }
+  (chip_.*wiring_.receiver.uart).on_enable = [this] {
+    expect_pins({wiring_.receiver.receive}, wiring_.receiver.function);
+  };
+}
+
+/// The world's newest solution, moved on to another time with its velocity.
+parts::models::GnssTruth CommonHardware::gnss_truth(hal::Time when) const {
+  const hal::GnssSample& s = gnss_sample_;
+  const double dt_s = 1e-6 * static_cast<double>((when - s.stamp).count());
+  constexpr double kMetresPerDegree = 111'319.49;  // of latitude, and of longitude at the equator
+  const double north_m_s = static_cast<double>(s.velocity_ned_m_s[0]);
+  const double east_m_s = static_cast<double>(s.velocity_ned_m_s[1]);
+  parts::models::GnssTruth truth;
+  truth.latitude_deg = s.latitude_deg + north_m_s * dt_s / kMetresPerDegree;
+  truth.longitude_deg = s.longitude_deg + east_m_s * dt_s / kMetresPerDegree /
+                                              std::cos(s.latitude_deg * base::kRadPerDeg);
+  truth.height_msl_m =
+      static_cast<double>(s.height_msl_m) - static_cast<double>(s.velocity_ned_m_s[2]) * dt_s;
+  for (std::size_t k = 0; k < 3; ++k)
+    truth.velocity_ned_m_s[k] = static_cast<double>(s.velocity_ned_m_s[k]);
+  truth.fix = static_cast<int>(s.fix);
+  truth.satellites = s.satellites;
+  return truth;
+}
+
+void CommonHardware::data_ready(bool high) {
+  if (imu_is_silent_) return;
+  if (high) {
+    note_output_latency();
+    edge_ = chip_.processor.now();
+    note_sample_time();
+  }
+  chip_.port(wiring_.imu_ready).drive(wiring_.imu_ready.number, high);
+}
+
+/// Latency of the edge before: an output was written between it and now.
+void CommonHardware::note_output_latency() {
+  const Ticks written = chip_.tim1.written(0);
+  if (edge_ != 0 && written > edge_) latency_ = std::max(latency_, written - edge_);
+}
+
+void CommonHardware::note_sample_time() {
+  if (!chip_.tim5.counts()) return;
+  const double on_clock = static_cast<double>(edge_ - chip_.tim5.zero());
+  seen_at_us_[seen_++ % seen_at_us_.size()] = on_clock / kTicksPerMicrosecond - imu_delay_us();
+}
+
+double CommonHardware::stamp_error_us(std::int64_t stamp_us) const {
+  const auto end = seen_at_us_.begin() + std::min(seen_, seen_at_us_.size());
+  const auto stamp = static_cast<double>(stamp_us);
+  const auto nearest = std::min_element(seen_at_us_.begin(), end, [stamp](double a, double b) {
+    return std::abs(stamp - a) < std::abs(stamp - b);
+  });
+  return nearest == end ? 0.0 : stamp - *nearest;
+}
+
+const parts::models::ImuTruth& CommonHardware::imu_truth_at(hal::Time when) const {
+  return when < exposed_at_ ? former_imu_truth_ : imu_truth_;
+}
+
+void CommonHardware::power_on() {
+  const hal::Time now = part_time(chip_.processor.now());
+  const auto renew = [now](parts::models::Part& part) {
+    part.advance(now);
+    part.set_power(false);
+    part.set_power(true);
+  };
+  for (const parts::models::Part* const part : parts())
+    renew(const_cast<parts::models::Part&>(*part));
+  renew(gnss_);
+  advance_parts();
+  gnss_on_wire_.advance();
+  sent_.clear();
+  latency_ = edge_ = 0;
+  seen_ = 0;
+}
+
+void CommonHardware::expose(const ToChip& world) {
+  advance_parts();
+  imu_is_silent_ = world.has_imu == 0;
+  const std::int64_t now_us = world.time_us;
+  set_broken({baro_presence_.lost(world.has_baro != 0, now_us),
+              mag_presence_.lost(world.has_mag != 0, now_us),
+              pitot_presence_.lost(world.has_diff_pressure != 0, now_us)});
+  gnss_on_wire_.set_mute(gnss_presence_.lost(world.has_gnss != 0, now_us));
+  take_samples(world);
+  if (world.has_rc != 0) send_receiver_frame(world);
+  usb_host_.plug(world.usb_plugged != 0);
+  if (world.usb_plugged != 0) {
+    usb_host_.send(world.link.data(), world.link_count);
+  } else if (world.link_count > 0) {
+    parts::UartFormat format;
+    format.baud = world.link_baud;
+    (chip_.*wiring_.link.uart).feed(world.link.data(), world.link_count, format);
+  }
+}
+
+void CommonHardware::send_receiver_frame(const ToChip& world) {
+  UartModel& uart = chip_.*wiring_.receiver.uart;
+  if (world.receiver_is_crsf != 0) {
+    const parts::models::Bytes frames = crsf_frames(world.rc);
+    return uart.feed(frames.data(), frames.size(), kCrsf);
+  }
+  const SbusFrame frame = sbus_frame(world.rc);
+  uart.feed(frame.data(), frame.size(), kSbus);
+}
+
+/// Behind the divider and the amplifier of the power module.
+double CommonHardware::battery_pin_V(unsigned channel) const {
+  const BatteryWiring& w = wiring_.battery;
+  if (channel == w.voltage_channel) return battery_V_ / w.volts_per_volt;
+  return channel == w.current_channel ? w.offset_V + battery_A_ / w.amperes_per_volt : 0.0;
+}
+
+void CommonHardware::take_samples(const ToChip& world) {
+  const auto copy = [](const hal::Vec3& from, std::array<double, 3>& to) {
+    std::copy(from.begin(), from.end(), to.begin());
+  };
+  if (world.has_imu != 0) {
+    former_imu_truth_ = std::exchange(imu_truth_, {});
+    exposed_at_ = hal::Time{world.time_us};
+    copy(world.imu.accel_m_s2, imu_truth_.accel_m_s2);
+    copy(world.imu.gyro_rad_s, imu_truth_.gyro_rad_s);
+    imu_truth_.temperature_K = static_cast<double>(world.imu.temperature_K);
+  }
+  if (world.has_battery != 0) {
+    battery_V_ = static_cast<double>(world.battery.voltage_V);
+    battery_A_ = static_cast<double>(world.battery.current_A);
+  }
+  if (world.has_mag != 0) copy(world.mag.field_T, mag_truth_.field_T);
+  if (world.has_baro != 0) {
+    baro_truth_ = {static_cast<double>(world.baro.pressure_Pa),
+                   static_cast<double>(world.baro.temperature_K)};
+  }
+  if (world.has_diff_pressure != 0) {
+    pitot_truth_ = {static_cast<double>(world.diff_pressure.pressure_Pa),
+                    static_cast<double>(world.diff_pressure.temperature_K)};
+  }
+  if (world.has_gnss != 0) {
+    gnss_sample_ = world.gnss;
+    constexpr std::int64_t kPerSecond = 1'000'000;
+    gnss_.epoch =
+        world.gnss.stamp - hal::Time{world.gnss.unix_s * kPerSecond + world.gnss.unix_ns / 1000};
+  }
+}
+
+void CommonHardware::inject(HardwareFault fault) {
+  if (fault == HardwareFault::kBusError) (chip_.*wiring_.imu_bus).fail_next_write();
+  for (const std::size_t sector : {0U, 1U}) {
+    if (fault != HardwareFault::kDamagedFlash) break;
+    chip_.flash.sectors.damage(sector, 0);  // one of two marks
+    chip_.flash.sectors.damage(sector, 2);  // the first block
+  }
+  if (fault == HardwareFault::kStuckInterrupt) chip_.interrupts.stick(wiring_.imu_ready.number);
+}
+
+void CommonHardware::report(FromChip& out) {
+  constexpr float kMinPulse_us = 1000.0F, kSpan_us = 1000.0F;
+  for (std::size_t k = 0; k < wiring_.outputs.size(); ++k) {
+    const Output& output = wiring_.outputs[k];
+    const TimerModel& timer = chip_.*output.timer;
+    const Ticks pulse = timer.pulse(output.channel);
+    out.outputs[k] = 0.0F;
+    if (timer.makes_dshot()) {
+      constexpr float kStop = 47.0F, kFull = 2047.0F;
+      const auto throttle = static_cast<float>(timer.dshot_throttle(output.channel));
+      expect_pins({output.pin}, output.function);
+      out.outputs[k] = std::max(throttle - kStop, 0.0F) / (kFull - kStop);
+      continue;
+    }
+    if (pulse == 0) continue;
+    expect_pins({output.pin}, output.function);
+    const float us = static_cast<float>(pulse) / static_cast<float>(kTicksPerMicrosecond);
+    out.outputs[k] = std::max((us - kMinPulse_us) / kSpan_us, 0.0F);
+  }
+  for (std::size_t k = 0; k < wiring_.leds.size(); ++k) {
+    const PinName& led = wiring_.leds[k];
+    const PinPort& port = chip_.port(led);
+    const bool lit = port.is_output(led.number) && port.level(led.number) != wiring_.low_is_lit;
+    out.leds[k] = static_cast<std::uint8_t>(lit);
+  }
+  const std::size_t count = std::min(sent_.size(), out.link.size());
+  std::copy_n(sent_.begin(), count, out.link.begin());
+  out.link_count = static_cast<std::uint32_t>(count);
+  sent_.erase(sent_.begin(), sent_.begin() + static_cast<std::ptrdiff_t>(count));
+  const UartModel& link = chip_.*wiring_.link.uart;
+  out.link_received = link.received();
+  out.link_sent = link.sent();
+  out.link_lost = link.overruns() + link.line_errors();
+  out.clock_zero_us = chip_.tim5.counts()
+                          ? static_cast<std::int64_t>(chip_.tim5.zero() / kTicksPerMicrosecond)
+                          : -1;
+  out.edge_to_output_us =
+      static_cast<std::uint32_t>(std::exchange(latency_, 0) / kTicksPerMicrosecond);
+}
+
+std::vector<std::string> CommonHardware::complaints() const {
+  std::vector<std::string> all = gnss_.complaints();
+  for (const parts::models::Part* const part : parts()) {
+    all.insert(all.end(), part->complaints().begin(), part->complaints().end());
+  }
+  return all;
+}
+
+}  // namespace rosflight::boards::stm32h7::emulator

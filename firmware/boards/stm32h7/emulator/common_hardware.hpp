@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+
+#include "firmware/boards/parts/models/dps310_model.hpp"
+#include "firmware/boards/parts/models/truth.hpp"
+#include "firmware/boards/parts/models/ublox_model.hpp"
+#include "firmware/boards/stm32h7/emulator/emulated_hardware.hpp"
+#include "firmware/boards/stm32h7/emulator/part_on_spi.hpp"
+#include "firmware/boards/stm32h7/emulator/part_on_uart.hpp"
+#include "firmware/boards/stm32h7/emulator/usb_host.hpp"
+
+namespace rosflight::boards::stm32h7::emulator {
+
+constexpr PinName pin(char port, unsigned number) {
+  return {static_cast<unsigned>(port - 'A'), number};
+}
+
+/// What the boards of this chip have in common: link, receiver, GNSS receiver, outputs, LEDs, and the
+/// world that their parts are exposed to. A board adds its buses and parts.
+///
+/// The wiring is written down independently of the firmware's pin table, so that each checks the other:
+/// a pin given to a wrong function is complained of.
+class CommonHardware : public EmulatedHardware {
+ public:
+  Chip& chip() override { return chip_; }
+  void power_on() override;
+  void expose(const ToChip& world) override;
+  void inject(HardwareFault fault) override;
+  void report(FromChip& out) override;
+  double stamp_error_us(std::int64_t stamp_us) const override;
+  std::vector<std::string> complaints() const override;
+
+ protected:
+  struct Output {
+    TimerModel Chip::*timer;
+    std::size_t channel;
+    PinName pin;
+    unsigned function;
+  };
+  struct SerialPins {
+    UartModel Chip::*uart;
+    PinName receive, transmit;
+    unsigned function;
+  };
+  struct BatteryWiring {
+    unsigned voltage_channel, current_channel;
+    double volts_per_volt, amperes_per_volt, offset_V;
+  };
+  struct Wiring {
+    std::uint64_t crystal_Hz;
+    SpiModel Chip::*imu_bus;
+    PinName imu_ready, pulse_per_second;
+    SerialPins link, receiver, gnss;  ///< Nothing is connected to the receiver's transmit pin.
+    std::vector<Output> outputs;
+    std::array<PinName, 3> leds;  ///< Override, status, the other.
+    bool low_is_lit;
+    BatteryWiring battery;
+  };
+  /// Whether a sensor that delivered before has been without samples of the world for too long: then
+  /// it is broken, and mute on its bus. One that never delivered is not connected.
+  class Presence {
+   public:
+    static constexpr std::int64_t kTimeout_us = 300'000;
+    bool lost(bool sample, std::int64_t now_us) {
+      if (sample) newest_us_ = now_us;
+      return connected() && now_us - newest_us_ > kTimeout_us;
+    }
+    bool connected() const { return newest_us_ >= 0; }
+
+   private:
+    std::int64_t newest_us_{-1};
+  };
+  /// Which sensors of the world are broken.
+  struct Broken {
+    bool baro, mag, pitot;
+  };
+
+  explicit CommonHardware(Wiring wiring);
+
+  /// The parts of the board, the GNSS receiver aside.
+  virtual std::vector<const parts::models::Part*> parts() const = 0;
+  /// Brings the parts to this time, before the world changes.
+  virtual void advance_parts() = 0;
+  /// Age, at the data-ready edge, of what a sample of the IMU shows.
+  virtual double imu_delay_us() const = 0;
+  virtual void set_broken(const Broken& broken) = 0;
+  /// The data-ready line of the IMU.
+  void data_ready(bool high);
+  /// What the IMU was exposed to at a time of the last step and this one.
+  const parts::models::ImuTruth& imu_truth_at(hal::Time when) const;
+  void expect_pins(std::initializer_list<PinName> pins, unsigned function);
+
+  Chip chip_;
+  parts::models::ImuTruth imu_truth_;  ///< In the axes of the board, as all of these.
+  parts::models::BaroTruth baro_truth_;
+  parts::models::MagTruth mag_truth_;
+  parts::models::DiffPressureTruth pitot_truth_;
+  Presence pitot_presence_;
+
+ private:
+  parts::models::GnssTruth gnss_truth(hal::Time when) const;
+  void connect_serial();
+  void note_output_latency();
+  void note_sample_time();
+  void take_samples(const ToChip& world);
+  void send_receiver_frame(const ToChip& world);
+  double battery_pin_V(unsigned channel) const;
+
+  Wiring wiring_;
+  double battery_V_{0.0}, battery_A_{0.0};
+  hal::GnssSample gnss_sample_{};
+  parts::models::UbloxModel gnss_{[this](hal::Time when) { return gnss_truth(when); }};
+  PartOnUart gnss_on_wire_;
+  UsbHost usb_host_{chip_.processor, chip_.usb};
+  Presence baro_presence_, mag_presence_, gnss_presence_;
+  std::vector<std::uint8_t> sent_;
+  parts::models::ImuTruth former_imu_truth_;
+  hal::Time exposed_at_{};  ///< Since when `imu_truth_` holds.
+  std::array<double, 16>
+      seen_at_us_{};  ///< Times of the newest IMU samples, on the firmware's clock.
+  std::size_t seen_{0};
+  Ticks edge_{0};              ///< Time of the newest data-ready edge.
+  Ticks latency_{0};           ///< Longest from an edge to the write that followed.
+  bool imu_is_silent_{false};  ///< Injected: no data-ready edge reaches the chip.
+};
+
+}  // namespace rosflight::boards::stm32h7::emulator

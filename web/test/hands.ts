@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Two ways to use the page without a mouse: by keyboard alone, each control reached by Tab, and by touch on a phone.
+import assert from 'node:assert/strict';
+import type {Locator, Page} from 'playwright-core';
+import {drawn, PHONE, SMALL, type PageOptions} from './browser.ts';
+
+type Files = {name: string; mimeType: string; buffer: Buffer};
+
+export interface Hand {
+  name: string;
+  options: PageOptions;
+  /** A button, a box or a tab. */
+  press(target: Locator): Promise<void>;
+  type(target: Locator, text: string): Promise<void>;
+  choose(target: Locator, value: string): Promise<void>;
+  /** Of a slider: towards its end. */
+  slide(target: Locator): Promise<void>;
+  /** The picture. */
+  turn(picture: Locator): Promise<void>;
+  /** The label of a button that wants a file. */
+  give(label: Locator, file: Files): Promise<void>;
+}
+
+async function enabled(target: Locator) {
+  await target.page().waitForFunction((element) => !element!.matches(':disabled'), await target.elementHandle());
+}
+
+/** Presses Tab until the target has the focus. */
+export async function reach(target: Locator) {
+  const page = target.page();
+  await enabled(target);
+  for (let presses = 0; presses < 200; ++presses) {
+    const side = await target.evaluate((element) => element === document.activeElement ? 0
+      : document.activeElement!.compareDocumentPosition(element) & Node.DOCUMENT_POSITION_PRECEDING ? -1 : 1);
+    if (side === 0) return;
+    await page.keyboard.press(side < 0 ? 'Shift+Tab' : 'Tab');
+  }
+  assert.fail(`${target} is not reached by Tab`);
+}
+
+async function given(page: Page, ask: () => Promise<void>, file: Files) {
+  const chooser = page.waitForEvent('filechooser');
+  await ask();
+  await (await chooser).setFiles(file);
+}
+
+export const KEYBOARD: Hand = {
+  name: 'by keyboard alone',
+  options: [SMALL],
+  async press(target) {
+    const {keyboard} = target.page();
+    if (await target.getAttribute('role') !== 'tab') {
+      await reach(target);
+      return keyboard.press(await target.getAttribute('type') === 'checkbox' ? ' ' : 'Enter');
+    }
+    await reach(target.page().locator('[role=tab][aria-selected=true]'));
+    while (await target.getAttribute('aria-selected') !== 'true') await keyboard.press('ArrowRight');
+  },
+  async type(target, text) {
+    await reach(target);
+    await target.page().keyboard.press('Control+A');
+    await target.page().keyboard.type(text);
+  },
+  async choose(target, value) {
+    await reach(target);
+    const steps = await target.evaluate((select: HTMLSelectElement, to) =>
+      [...select.options].findIndex((option) => option.value === to) - select.selectedIndex, value);
+    for (let k = 0; k < Math.abs(steps); ++k) await target.page().keyboard.press(steps > 0 ? 'ArrowDown' : 'ArrowUp');
+    assert.equal(await target.inputValue(), value);
+  },
+  async slide(target) {
+    await reach(target);
+    await target.page().keyboard.press('PageUp');
+  },
+  async turn(picture) {
+    await reach(picture);
+    for (let k = 0; k < 3; ++k) await picture.page().keyboard.press('ArrowRight');
+  },
+  give: (label, file) => given(label.page(), () => KEYBOARD.press(label.locator('input')), file),
+};
+
+/** A finger on the place; lifted by the function that it returns. */
+export async function finger(page: Page, x: number, y: number, to = {x, y}) {
+  const session = await page.context().newCDPSession(page);
+  const touch = (type: 'touchStart' | 'touchMove' | 'touchEnd', ...touchPoints: {x: number; y: number}[]) => session.send('Input.dispatchTouchEvent', {type, touchPoints});
+  await touch('touchStart', {x, y});
+  for (const share of to.x === x && to.y === y ? [] : [0.25, 0.5, 0.75, 1]) await touch('touchMove', {x: x + share * (to.x - x), y: y + share * (to.y - y)});
+  return async () => {
+    await touch('touchEnd');
+    await session.detach();
+  };
+}
+
+/** Playwright's tap() looks for what lies under the finger, which hung for its whole time on a busy machine. */
+async function tap(target: Locator, share = 0.5) {
+  await enabled(target);
+  await target.evaluate((element) => element.scrollIntoView({block: 'center', behavior: 'instant'}));
+  const {x, y, width, height} = (await target.boundingBox())!;
+  await (await finger(target.page(), x + share * width, y + height / 2))();
+}
+
+export const TOUCH: Hand = {
+  name: 'by touch on a phone',
+  options: [PHONE, {hasTouch: true}],
+  press: (target) => tap(target),
+  async type(target, text) {
+    await tap(target);
+    await target.fill(text);
+  },
+  async choose(target, value) { // the list of a phone is not part of the page
+    await target.scrollIntoViewIfNeeded();
+    await target.selectOption(value);
+  },
+  slide: (target) => tap(target, 0.75),
+  async turn(picture) {
+    await picture.scrollIntoViewIfNeeded();
+    const {x, y, width, height} = (await picture.boundingBox())!;
+    await (await finger(picture.page(), x + width / 2, y + height / 2, {x: x + 0.7 * width, y: y + height / 2}))();
+    await drawn(picture.page());
+  },
+  give: (label, file) => given(label.page(), () => tap(label), file),
+};
+
+export const HANDS = [KEYBOARD, TOUCH];
+
+/** Begins to note what pointers are used; the function returned wants no mouse, and all of the page inside the window. */
+export async function withoutMouse(page: Page) {
+  await page.evaluate(() => window.addEventListener('pointerdown', ({pointerType}) => { document.body.dataset[pointerType] = 'used'; }, true));
+  return async () => {
+    assert.equal(await page.evaluate(() => document.body.dataset['mouse']), undefined);
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= document.documentElement.clientWidth), 'wider than the window');
+  };
+}
