@@ -158,7 +158,9 @@ describe('replay of a flight', () => {
     await page.context().close();
   });
 
-  test('a fixed wing flies too', () => withPage(fixedWing, async (page) => {
+  test('a fixed wing flies too, and is seen on the ground', () => withPage(fixedWing, async (page) => {
+    await goTo(page, 15);
+    await vehicleIsSeen(page);
     await goTo(page, 40);
     await vehicleIsSeen(page);
     assert.ok(parseFloat(/speed\s*([\d.]+) m\/s/.exec(await page.locator('.instruments').innerText())![1]!) > 8);

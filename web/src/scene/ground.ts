@@ -19,7 +19,9 @@ export function ground(around: Box3, height: number, colours: Palette): Ground {
   const z = middle(around.min.z, around.max.z);
   const group = new Group();
   group.position.set(x, height, z);
-  const plane = new Mesh(new PlaneGeometry(80 * half, 80 * half), new MeshBasicMaterial({color: colours.ground}));
+  // Drawn first and without depth: that of a plane of kilometres is wrong by more than the height of a wing above its wheels.
+  const plane = new Mesh(new PlaneGeometry(80 * half, 80 * half), new MeshBasicMaterial({color: colours.ground, depthWrite: false}));
+  plane.renderOrder = -2;
   plane.rotation.x = -Math.PI / 2;
   plane.position.y = -0.02;
   group.add(plane, grid(half, step_m, colours.grid));
@@ -36,7 +38,9 @@ function grid(half: number, step: number, colour: string): LineSegments {
   for (let at = -half; at <= half + step / 2; at += step) ends.push(at, 0, -half, at, 0, half, -half, 0, at, half, 0, at);
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new Float32BufferAttribute(ends, 3));
-  return new LineSegments(geometry, new LineBasicMaterial({color: colour}));
+  const lines = new LineSegments(geometry, new LineBasicMaterial({color: colour, depthWrite: false}));
+  lines.renderOrder = -1;
+  return lines;
 }
 
 /** A text that faces the viewer. @param height  in metres. */
