@@ -7,9 +7,12 @@ import {join} from 'node:path';
 import {after, before, describe, test} from 'node:test';
 import {gzipSync} from 'node:zlib';
 import type {Browser, Page} from 'playwright-core';
+import {bytesSource} from '../src/data/bytes.ts';
+import {readLog} from '../src/data/read_log.ts';
 import {clock, DESKTOP, drawn, goTo, keepPicture, LONG, newPage, onPage, PHONE, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
 import {FIXED_WING, logOf, MULTIROTOR, PAGE, VIEW} from './flights.ts';
 import {HANDS, KEYBOARD, withoutMouse, type Hand} from './hands.ts';
+import {changed} from './picture.ts';
 
 const started: ChildProcess[] = [];
 let browser: Browser;
@@ -32,6 +35,8 @@ after(async () => {
   for (const program of started) program.kill('SIGTERM');
   await browser?.close();
 });
+
+const flightOf = async (folder: string) => readLog(bytesSource('log', new Uint8Array(await readFile(logOf(folder)))));
 
 const withPage = (url: string, use: (page: Page) => Promise<void>, ...options: PageOptions) => onPage(browser, url, use, ...options);
 
@@ -164,6 +169,68 @@ describe('replay of a flight', () => {
     await goTo(page, 40);
     await vehicleIsSeen(page);
     assert.ok(parseFloat(/speed\s*([\d.]+) m\/s/.exec(await page.locator('.instruments').innerText())![1]!) > 8);
+  }));
+
+  test('surfaces of a fixed wing are deflected as its outputs say, and are seen where they are', () => withPage(fixedWing, async (page) => {
+    const wing = await flightOf(FIXED_WING);
+    const angles = () => page.evaluate(() => ['right aileron', 'left aileron', 'left tail', 'right tail']
+      .map((name) => window.rosflightScene!.object(name)!.rotation.x));
+    const command = wing.tables.get('/command')!;
+    const roll = command.column('u[3]')!;
+    const rightmost = roll.reduce((best, value, row) => value > roll[best]! ? row : best, 0);
+    for (const t of [1, 20, command.times[rightmost]!]) {
+      await goTo(page, t);
+      const moment = Number(await slider(page).inputValue());
+      const outputs = [0, 1, 2].map((k) => 2 * wing.latest('/sim/truth_vehicle', `outputs[${k}]`, moment) - 1);
+      const travel_rad = 40 * Math.PI / 180; // vehicles/anaconda.yaml
+      const wanted = [-outputs[0]!, outputs[0]!, -outputs[1]!, outputs[2]!].map((value) => value * travel_rad);
+      (await angles()).forEach((angle, k) => assert.ok(Math.abs(angle - wanted[k]!) < 1e-6, `${moment} s, ${k}: ${angle} for ${wanted[k]}`));
+    }
+    assert.ok((await angles())[0]! < -0.05, 'rolling right, the right aileron is up');
+    const canvas = page.locator('canvas').first();
+    const pitch = command.column('u[4]')!;
+    await goTo(page, command.times[pitch.reduce((best, value, row) => value > pitch[best]! ? row : best, 0)]!);
+    await keepPicture(page, 'fixed-wing', undefined, async () => {
+      await page.getByRole('button', {name: 'Follow'}).click();
+      await canvas.hover();
+      await page.mouse.wheel(0, -600); // closer
+    });
+    const clip = (await canvas.boundingBox())!;
+    for (const name of ['right aileron', 'left tail']) {
+      await page.getByRole('button', {name: 'Follow'}).click();
+      await drawn(page);
+      const before = await page.screenshot({clip});
+      const at = await page.evaluate((part) => {
+        const hinge = window.rosflightScene!.object(part)!;
+        hinge.rotation.x -= 0.6;
+        window.rosflightScene!.setView('follow'); // draws again
+        return window.rosflightScene!.inPicture(hinge.getWorldPosition(hinge.position.clone()))!;
+      }, name);
+      await drawn(page);
+      const seen = changed(before, await page.screenshot({clip}));
+      assert.ok(seen.pixels > 20 && Math.hypot(seen.x - at.x, seen.y - at.y) < 0.05, `${name} at ${at.x}, ${at.y}: ${JSON.stringify(seen)}`);
+    }
+  }));
+
+  test('rotors turn with their outputs and stand without', () => withPage(multirotor, async (page) => {
+    const flight = await flightOf(MULTIROTOR);
+    const angles = () => page.evaluate(() => [0, 1, 2, 3].map((k) => window.rosflightScene!.object(`rotor ${k}`)!.rotation.y));
+    const turned = async (from: number, to: number) => {
+      await goTo(page, from);
+      const before = await angles();
+      await goTo(page, to);
+      return (await angles()).map((angle, k) => angle - before[k]!);
+    };
+    assert.deepEqual(flight.latest('/sim/truth_vehicle', 'outputs[0]', 4), 0);
+    assert.deepEqual(await turned(2, 4), [0, 0, 0, 0]);
+    const truth = flight.tables.get('/sim/truth_vehicle')!;
+    const moved = await turned(20, 20.5);
+    for (const [k, angle] of moved.entries()) {
+      const speeds = truth.column(`rotor_speed[${k}]`)!.subarray(truth.rowAt(20), truth.rowAt(20.5));
+      const mean = speeds.reduce((sum, speed) => sum + speed, 0) / speeds.length;
+      assert.ok(mean > 100 && Math.abs(Math.abs(angle) / (0.05 * 0.5 * mean) - 1) < 0.01, `rotor ${k}: ${angle} rad at ${mean} rad/s, a twentieth of it shown`);
+    }
+    assert.deepEqual(moved.map(Math.sign), [1, -1, 1, -1]);
   }));
 });
 

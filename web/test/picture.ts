@@ -18,6 +18,20 @@ export function pixelAt(png: Buffer, x: number, y: number, half: number): [numbe
   return sum.map((value) => Math.round(value / Math.max(count, 1))) as [number, number, number];
 }
 
+/** How many pixels differ in two pictures of the same size, and the middle of these as shares of the picture. */
+export function changed(before: Buffer, after: Buffer): {pixels: number; x: number; y: number} {
+  const [a, b] = [decoded(before), decoded(after)];
+  const sum = {pixels: 0, x: 0, y: 0};
+  for (let at = 0; at < a.width * a.height; ++at) {
+    const channel = at * a.channels;
+    if ([0, 1, 2].every((k) => Math.abs(a.pixels[channel + k]! - b.pixels[channel + k]!) < 16)) continue;
+    ++sum.pixels;
+    sum.x += at % a.width;
+    sum.y += Math.floor(at / a.width);
+  }
+  return {pixels: sum.pixels, x: sum.x / sum.pixels / a.width, y: sum.y / sum.pixels / a.height};
+}
+
 function decoded(png: Buffer) {
   const width = png.readUInt32BE(16);
   const height = png.readUInt32BE(20);

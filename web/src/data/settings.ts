@@ -59,6 +59,16 @@ export function parseSettings(yaml: string): Map<string, string> {
   return values;
 }
 
+/** The entries of a list of maps in the same YAML, by the keys that lead to it; none if there is no such list. */
+export function parseMaps(yaml: string, ...keys: string[]): Map<string, string>[] {
+  let block = yaml;
+  for (const [depth, key] of keys.entries()) {
+    const indent = '  '.repeat(depth);
+    block = new RegExp(`^${indent}${key}:\\n((?:${indent} .*\\n)*)`, 'm').exec(block)?.[1] ?? '';
+  }
+  return block.split(/^ *-$/m).slice(1).map((entry) => new Map([...entry.matchAll(/^ *(\w+): (.*)$/gm)].map(([, key, value]) => [key!, value!])));
+}
+
 /** The vehicle file in force at `t`; empty where the log has none. */
 export function settingsAt(flight: Flight, t: number): string {
   const {settings} = flight;

@@ -2,11 +2,12 @@
 // The 3-D view of one flight: vehicle, paths, waypoints, wind, estimate with its uncertainty. It draws only when something
 // changed, so a page at rest costs nothing.
 import {AmbientLight, ArrowHelper, Box3, CircleGeometry, Color, DirectionalLight, Fog, Group, HemisphereLight, Mesh, MeshBasicMaterial,
-  PerspectiveCamera, Scene, SphereGeometry, type SpriteMaterial, Vector3, WebGLRenderer} from 'three';
+  type Object3D, PerspectiveCamera, Scene, SphereGeometry, type SpriteMaterial, Vector3, WebGLRenderer} from 'three';
 import {OrbitControls} from 'three/addons/controls/OrbitControls.js';
 import type {Triple} from '../data/attitude.ts';
 import {path} from '../data/curves.ts';
 import {ESTIMATE, type Flight, type PoseTopic} from '../data/flight.ts';
+import {deflections, surfacesOf, type Surface} from '../data/surfaces.ts';
 import {lastAtOrBefore} from '../data/table.ts';
 import {attitudeFromNed, fromNed} from './frames.ts';
 import {ground, marker} from './ground.ts';
@@ -36,6 +37,7 @@ export class FlightScene {
   private shadow: Mesh | undefined;
   private trails: {trail: Trail; times: number[]}[] = [];
   private angles: Float64Array[] = [];
+  private surfaces: Surface[] = [];
   private flight: Flight | undefined;
   private box = new Box3();
   private view: View = 'follow';
@@ -91,6 +93,7 @@ export class FlightScene {
     this.shadow!.visible = this.vehicle.visible;
     this.shadow!.position.set(this.vehicle.position.x, this.floor + 0.01, this.vehicle.position.z);
     this.turnRotors(flight, t);
+    for (const [part, angle] of deflections(flight, this.surfaces, t)) this.model?.hinges.get(part)?.rotation.set(angle, 0, 0);
     this.placeCloud(flight, t);
     this.placeWind(flight, t);
     for (const {trail, times} of this.trails) trail.setEnd(lastAtOrBefore(times, times.length, t));
@@ -116,12 +119,16 @@ export class FlightScene {
     this.ask();
   }
 
-  /** Where the vehicle is in the picture: from its left and from its top, as shares of it; undefined when it is not in it. */
-  vehicleInPicture(): {x: number; y: number} | undefined {
-    const at = this.vehicle.position.clone().project(this.camera);
-    if (!this.vehicle.visible || Math.abs(at.x) > 1 || Math.abs(at.y) > 1 || at.z > 1) return undefined;
-    return {x: (at.x + 1) / 2, y: (1 - at.y) / 2};
+  /** Where a point is in the picture: from its left and from its top, as shares of it; undefined when it is not in it. */
+  inPicture(point: Vector3): {x: number; y: number} | undefined {
+    const at = point.clone().project(this.camera);
+    return Math.abs(at.x) > 1 || Math.abs(at.y) > 1 || at.z > 1 ? undefined : {x: (at.x + 1) / 2, y: (1 - at.y) / 2};
   }
+
+  vehicleInPicture() { return this.vehicle.visible ? this.inPicture(this.vehicle.position) : undefined; }
+
+  /** What the picture holds under this name, for tests: a control surface, for example. */
+  object(name: string): Object3D | undefined { return this.scene.getObjectByName(name); }
 
   private build(flight: Flight) {
     const {colours} = this;
@@ -140,7 +147,9 @@ export class FlightScene {
     this.addTrail(flight, {topic: '/trajectory_command', position: ESTIMATE.position, attitude: []}, colours.command, 5, false);
     if (this.box.isEmpty()) this.box.expandByPoint(new Vector3());
     this.addPlans(flight);
-    this.model = vehicleModel(flight.urdf, colours);
+    this.surfaces = surfacesOf(flight);
+    const invertedV = this.surfaces.some(({parts}) => parts.some(([part]) => part.endsWith('tail')));
+    this.model = vehicleModel(flight.urdf, {fixedWing: flight.fixedWing, invertedV}, colours);
     const {position} = this.vehicle;
     this.vehicle = new Group().add(this.model.group);
     this.vehicle.position.copy(position);

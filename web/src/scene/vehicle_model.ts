@@ -4,6 +4,7 @@ import {BoxGeometry, CylinderGeometry, DoubleSide, Euler, Group, Mesh, MeshStand
   type Object3D} from 'three';
 import {fromFlu} from './frames.ts';
 import type {Palette} from './palette.ts';
+import {tail, wing, type Hinges} from './surfaces.ts';
 import {shapesOf, type Shape} from './urdf.ts';
 
 /** Materials of the description that have a colour of their own here; others have the body's. */
@@ -14,35 +15,50 @@ export interface VehicleModel {
   group: Group;
   /** One for each rotor, in the order of the firmware's outputs: turns about its y. */
   rotors: Object3D[];
+  /** Of the control surfaces of a fixed wing. */
+  hinges: Hinges;
   /** Of a sphere around it [m]. */
   radius: number;
 }
 
-export function vehicleModel(urdf: string, colours: Palette): VehicleModel {
-  const shapes = shapesOf(urdf);
+/** What a description does not say. */
+export interface Kind { fixedWing: boolean; invertedV: boolean }
+
+export function vehicleModel(urdf: string, {fixedWing, invertedV}: Kind, colours: Palette): VehicleModel {
+  const described = shapesOf(urdf);
+  const shapes = described.length > 0 ? described : fixedWing ? [PLAIN, PLAIN_WING] : [PLAIN];
   const group = new Group();
   const rotors: Object3D[] = [];
+  const hinges: Hinges = new Map();
   let radius = 0.3;
-  for (const shape of shapes.length > 0 ? shapes : [PLAIN]) {
+  for (const shape of shapes) {
+    if (shape.link === 'wing') {
+      const [chord = 0.2, span = 1, thickness = 0.01] = shape.size;
+      const materials = {fixed: matter(colours.wing), moving: matter(colours.rotor), boom: matter(colours.body)};
+      group.add(wing(chord, span, thickness, hinges, materials), tail(chord, span, invertedV, hinges, materials));
+      radius = Math.max(radius, reach(shape));
+      continue;
+    }
     const part = shape.link.startsWith('rotor_') ? rotor(shape, colours) : solid(shape, colours);
     part.position.copy(fromFlu(shape.position));
     part.quaternion.copy(turn(shape));
     radius = Math.max(radius, part.position.length() + reach(shape));
     group.add(part);
     if (shape.link.startsWith('rotor_')) {
-      rotors.push(part.children[0]!);
+      const turning = part.children[0]!;
+      turning.name = `rotor ${rotors.length}`;
+      rotors.push(turning);
       const arm = beam(part.position, colours);
       if (arm) group.add(arm);
     }
   }
   group.add(nose(shapes.find((shape) => shape.link === 'base_link') ?? PLAIN, colours));
-  const wing = shapes.find((shape) => shape.link === 'wing');
-  if (wing) group.add(tail(wing, colours));
-  return {group, rotors, radius};
+  return {group, rotors, hinges, radius};
 }
 
 /** A vehicle without a description. */
 const PLAIN: Shape = {link: 'base_link', kind: 'box', size: [0.4, 0.25, 0.1], position: [0, 0, 0], rpy: [0, 0, 0], material: 'body'};
+const PLAIN_WING: Shape = {link: 'wing', kind: 'box', size: [0.25, 1.5, 0.01], position: [0, 0, 0], rpy: [0, 0, 0], material: 'wing'};
 
 /** Turned about the fixed axes x, y, z in this order, in front-left-up, then into the frame of the model. */
 function turn({rpy}: Shape): Quaternion {
@@ -85,21 +101,6 @@ function nose({size: [length = 0.4, width = 0.2, height = 0.1]}: Shape, colours:
   const mesh = new Mesh(new BoxGeometry(0.7 * width, 0.7 * height, 0.25 * length), matter(colours.front));
   mesh.position.z = -0.55 * length;
   return mesh;
-}
-
-/** A boom and a tail in proportion to the wing: the description has none. */
-function tail({size: [chord = 0.2, span = 1]}: Shape, colours: Palette): Group {
-  const group = new Group();
-  const arm = 2.8 * chord;
-  const boom = new Mesh(new CylinderGeometry(0.1 * chord, 0.16 * chord, arm + chord, 12), matter(colours.body));
-  boom.rotation.x = Math.PI / 2;
-  boom.position.z = 0.4 * arm;
-  const level = new Mesh(new BoxGeometry(0.28 * span, 0.05 * chord, 0.6 * chord), matter(colours.wing));
-  level.position.z = arm;
-  const fin = new Mesh(new BoxGeometry(0.05 * chord, 0.7 * chord, 0.6 * chord), matter(colours.wing));
-  fin.position.set(0, 0.35 * chord, arm);
-  group.add(boom, level, fin);
-  return group;
 }
 
 function reach({kind, size: [a = 0, b = 0]}: Shape): number {
