@@ -210,8 +210,9 @@ class Link:
 class Rig:
     """Firmware, node and peer, connected over UDP or as `kind` says, all parameters received."""
 
-    def __init__(self, folder, *sil_options, namespace="", kind="udp", program=PROGRAM, cable_options=()):
+    def __init__(self, folder, *sil_options, namespace="", kind="udp", program=PROGRAM, cable_options=(), node_arguments=()):
         self.link = Link(kind, folder, *sil_options, program=program, cable_options=cable_options)
+        self.link.node_arguments += node_arguments
         self.sil = self.link.sil
         self.folder = folder
         self.namespace = namespace

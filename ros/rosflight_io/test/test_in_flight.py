@@ -1,16 +1,24 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Faults in flight: the vehicle is in the air, its pilot's sticks hold it level, and ROS leans it."""
+"""Faults in flight: the vehicle is in the air, its pilot's sticks hold it level, and ROS leans it. The node is in simulated time,
+which goes on with the wall's from FIRST_S."""
 
 import math
 import signal
+import time
 
 import pytest
 import yaml
+from io_streams import STREAMS
 from ros_rig import ROOT, Rig, wait_for, write_parameters
 from rosflight_msgs.msg import Attitude, Command, Status
 from rosflight_msgs.srv import ParamFile
+from rosgraph_msgs.msg import Clock
+from sim_rig import BEST_EFFORT, SimPeer, stamp_ns
 from std_srvs.srv import Trigger
 
+FIRST_S = 103.0  # the first tick
+TICK_S = 0.005
+WITHOUT_TIME_S = 1.0  # of the node, with a board that sends
 ARM_S, TAKE_OFF_S, RELEASE_S = 20.0, 21.5, 23.0  # after all has been set up
 THROTTLE = 0.75  # of RC_MAX_THR: climbs slowly, for as long as the tests take
 LEAN_RAD = 0.2
@@ -26,6 +34,49 @@ events:
   - {{at_s: {RELEASE_S}, switch: attitude_override, on: false}}
 """)
     return script
+
+
+class SimulatedTime:
+    """Publishes /clock from WITHOUT_TIME_S after somebody subscribes to it, and keeps all that rosflight_io publishes."""
+
+    def __init__(self, peer):
+        self.received = {name: peer.listen(kind, name) for name, kind in STREAMS.items()}
+        self.clock = peer.publisher(Clock, "/clock", BEST_EFFORT)
+        self.subscribed_s = self.begin_s = self.early = None
+        peer.node.create_timer(TICK_S, self._tick)
+
+    def now_s(self):
+        return FIRST_S + time.monotonic() - self.begin_s
+
+    def _tick(self):
+        if self.subscribed_s is None:
+            if self.clock.get_subscription_count():
+                self.subscribed_s = time.monotonic()
+            return
+        if self.begin_s is None:
+            if time.monotonic() - self.subscribed_s < WITHOUT_TIME_S:
+                return
+            self.early = self.counts()
+            self.begin_s = time.monotonic()
+        message = Clock()
+        message.clock.sec, message.clock.nanosec = divmod(int(self.now_s() * 1e9), 1_000_000_000)
+        self.clock.publish(message)
+
+    def counts(self):
+        return {name: len(messages) for name, messages in self.received.items()}
+
+    def counts_at_rest(self):
+        """When what is under way has come."""
+        counts = None
+        while counts != self.counts():
+            counts = self.counts()
+            time.sleep(0.2)
+        return counts
+
+    def first_s(self, counts):
+        """Earliest stamp of each topic behind so many messages; waits until there is one of each."""
+        wait_for(lambda: all(self.counts()[name] > count for name, count in counts.items()), "all topics", self.counts)
+        return {name: min(map(stamp_ns, list(self.received[name])[count:])) * 1e-9 for name, count in counts.items()}
 
 
 class Flight:
@@ -77,12 +128,20 @@ class Flight:
 
 @pytest.fixture(scope="module")
 def flight(tmp_path_factory):
-    flight = Flight(tmp_path_factory.mktemp("flight"))
-    try:
-        flight.take_off()
-        yield flight
-    finally:
-        flight.close()
+    with SimPeer("time") as peer:
+        simulated = SimulatedTime(peer)
+        flight = Flight(tmp_path_factory.mktemp("flight"), node_arguments=["-p", "use_sim_time:=true"])
+        flight.time = simulated
+        try:
+            flight.take_off()
+            yield flight
+        finally:
+            flight.close()
+
+
+def test_no_message_is_older_than_the_first_tick(flight):
+    assert set(flight.time.early.values()) == {0}, "published while there was no time"
+    assert min(flight.time.first_s(flight.time.early).values()) >= FIRST_S
 
 
 def test_ros_leans_the_vehicle_and_the_pilot_has_it_back_when_ros_stops(flight):
@@ -99,10 +158,13 @@ def test_node_killed_in_flight_pilot_has_it_then_ros_again(flight):
     flight.wait_roll(LEAN_RAD)
     flight.rig.io.stop(signal.SIGKILL)
     flight.lean = None
+    before, killed_s = flight.time.counts_at_rest(), flight.time.now_s()
     flight.rig.start_io()
     flight.wait_new()
     state = flight.status[-1][1]
     assert state.armed and not state.failsafe and not state.offboard
+    first_s = flight.time.first_s(before)
+    assert min(first_s.values()) >= killed_s, first_s
     flight.wait_roll(0.0)
     flight.lean = -LEAN_RAD
     flight.wait_roll(-LEAN_RAD)

@@ -5,19 +5,14 @@ import math
 from functools import partial
 
 import pytest
-from geometry_msgs.msg import Vector3Stamped
+from io_streams import STREAMS
 from ros_rig import free_udp_port
-from rosflight_msgs.msg import (Attitude, AuxCommand, Barometer, BatteryStatus, GNSS, OutputRaw, RCRaw,
-                                SimState, Status)
+from rosflight_msgs.msg import AuxCommand, SimState
 from rosflight_msgs.srv import ParamFile, ParamGet, ParamSet
-from sensor_msgs.msg import Imu, MagneticField, Range, Temperature
 from sim_rig import LATCHED, SimPeer, last_s, launch, set_parameters
 from std_msgs.msg import Bool, String
 from std_srvs.srv import Trigger
 
-STREAMS = {"imu/data": Imu, "imu/temperature": Temperature, "attitude": Attitude, "attitude/euler": Vector3Stamped,
-           "magnetometer": MagneticField, "baro": Barometer, "range": Range, "rc_raw": RCRaw, "output_raw": OutputRaw,
-           "gnss": GNSS, "battery": BatteryStatus, "status": Status}
 LATCHED_STREAMS = {"version": String, "status/unsaved_params": Bool}
 REFUSED_IN_FLIGHT = ("calibrate_imu", "calibrate_baro", "calibrate_rc_trim", "param_write", "reboot",
                      "reboot_to_bootloader")
