@@ -109,6 +109,14 @@ def test_simulated_time_starts_a_time_manager_and_reaches_all():
     assert all(value["use_sim_time"] is True for value in values.values())
 
 
+@pytest.mark.parametrize("composed", ["true", "false"])
+@pytest.mark.parametrize("name", ["multirotor_standalone", "fixedwing_standalone", "common_nodes_standalone"])
+def test_sensors_have_the_rates_of_rosflight_2_unless_the_vehicle_files_are_asked_for(name, composed):
+    def rates(**given):
+        return nodes_of(plan(name, composed=composed, **given))["standalone_sensors"].parameters["sensor_rates"]
+    assert rates() == "rosflight_2" and rates(sensor_rates="vehicle") == "vehicle"
+
+
 def ranges():
     with (ROOT / "firmware/core/parameters.csv").open() as file:
         return {row["name"]: row for row in csv.DictReader(file)}
