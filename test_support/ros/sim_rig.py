@@ -16,7 +16,7 @@ from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy, qos_profile_services_default
 from ros_client import ask
-from ros_rig import TIMEOUT_S, PREFIXES, ROOT, stop
+from ros_rig import TIMEOUT_S, PREFIXES, ROOT, stop, wait_for
 from rosflight_msgs.msg import SimState
 from std_msgs.msg import Header
 
@@ -102,6 +102,18 @@ def launch(*words, environment=None, **arguments):
     """./rosflight ros launch, inside the environment that the tests run in, changed by `environment`."""
     return Process(sys.executable, ROOT / "ros_standin/ros_launch", *words, *(f"{k}:={v}" for k, v in arguments.items()),
                    env={**os.environ, "ROSFLIGHT_GUI": "false", **(environment or {})})
+
+
+def pid_of(world, program):
+    """Process of a node of this launch, among its children. `ready` may be the graph's word for a node of this name that an
+    earlier launch has left there."""
+    def found():
+        listed = subprocess.run(["ps", "-ww", "--ppid", str(world.process.pid), "-o", "pid=,args="], capture_output=True, text=True,
+                                check=False)  # -ww: else ps may cut the path of a program at 80 columns
+        words = (line.split() for line in listed.stdout.splitlines())
+        return next((int(pid) for pid, file, *_ in words if file.endswith("/" + program)), None)
+    wait_for(found, f"a process {program}", world.text)
+    return found()
 
 
 class SimPeer:
