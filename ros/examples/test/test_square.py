@@ -9,7 +9,7 @@ import pytest
 from ros_rig import ROOT, free_udp_port
 from rosflight_msgs.msg import SimState, Status
 from rosgraph_msgs.msg import Clock
-from sim_rig import BEST_EFFORT, Process, SimPeer, executable, launch
+from sim_rig import BEST_EFFORT, Process, SimPeer, executable, last_s, launch
 
 PYTHON_FORCES = ROOT / "ros/rosflight_sim/test/python_forces.py"
 CORNERS = [(0, 0), (3, 0), (3, 3), (0, 3), (0, 0)]
@@ -37,6 +37,7 @@ def test_a_square_is_flown(tmp_path, program, modules, forces):
             judge.wait(lambda: truth and status, "the world")
             truth.clear()
             with launch("rosflight_examples", "square.launch.xml", exec=program, use_sim_time="true") as flight:
+                judge.wait_simulated(lambda: flight.process.poll() is not None, "the end of the square", lambda: last_s(truth))
                 assert flight.end() == 0, flight.text() + world.text()
             assert "[square]: done" in flight.text()
         finally:

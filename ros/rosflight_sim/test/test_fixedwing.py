@@ -155,12 +155,15 @@ def test_a_fixed_wing_flies_in_the_launched_simulator(tmp_path):
         status, hands = peer.listen(Status, "status"), Hands(peer)
         peer.wait(lambda: status and hands.flown, "the world")
         assert peer.call(Trigger, "toggle_arm").success
-        peer.wait(lambda: status[-1].armed, "being armed", 60.0)
+
+        def until(condition, what):
+            peer.wait_simulated(condition, what, lambda: hands.flown[-1][0])
+        until(lambda: status[-1].armed, "being armed")
         assert hands.flown[-1][2] < 1.0  # still held by the pilot's switch
         assert peer.call(Trigger, "toggle_override").success
-        peer.wait(lambda: hands.flown[-1][1] > 30.0, "30 m of height", 120.0)
+        until(lambda: hands.flown[-1][1] > 30.0, "30 m of height")
         start = hands.flown[-1][0]
-        peer.wait(lambda: hands.flown[-1][0] > start + 10.0, "10 s of flight", 120.0)
+        until(lambda: hands.flown[-1][0] > start + 10.0, "10 s of flight")
         assert status[-1].armed and status[-1].offboard and not status[-1].failsafe
     aloft = [sample for sample in hands.flown if sample[0] > start]
     assert all(11.0 < speed < 22.0 for _, _, speed, _ in aloft)
