@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A launch file that sets the firmware up: `ready:` comes when the vehicle can be armed, or flies."""
+"""A launch file that sets the firmware up: `ready:` comes when the vehicle can be armed. `--fly` is flown in test_launch.py."""
 
 import pytest
 from ros_rig import ROOT, free_udp_port
@@ -8,19 +8,19 @@ from sim_rig import Process, SimPeer, executable, launch
 from std_srvs.srv import Trigger
 
 
-def world(tmp_path, then):
+def world(tmp_path):
     file = tmp_path / "it.launch.xml"
     file.write_text(f"""<launch>
       <include file="$(find-pkg-share rosflight_sim)/launch/multirotor_standalone.launch.xml">
         <arg name="use_sim_time" value="true"/><arg name="viz" value="false"/></include>
-      <node pkg="rosflight_sim" exec="init_firmware" name="init_firmware" args="--vehicle {ROOT}/vehicles/multirotor.yaml {then}"/>
+      <node pkg="rosflight_sim" exec="init_firmware" name="init_firmware" args="--vehicle {ROOT}/vehicles/multirotor.yaml --wait"/>
     </launch>""")
     return launch(file, memory_folder=tmp_path / "memory", simulation_port=free_udp_port(), ROS_port=free_udp_port(),
                   real_time_multiplier="10.0")
 
 
 def test_ready_means_that_the_vehicle_can_be_armed(tmp_path):
-    with SimPeer("watcher") as watcher, world(tmp_path, "--wait") as start:
+    with SimPeer("watcher") as watcher, world(tmp_path) as start:
         status = watcher.listen(Status, "status")
         start.until("ready: 9 nodes in ")  # of the launch, 8 of them in one process
         lines = start.text().splitlines()
@@ -28,14 +28,6 @@ def test_ready_means_that_the_vehicle_can_be_armed(tmp_path):
         assert lines[-1].startswith("ready: "), "it is waited for"
         assert watcher.call(Trigger, "toggle_arm").success
         watcher.wait(lambda: status and status[-1].armed, "being armed at the first try")
-
-
-def test_it_flies_by_itself_where_that_is_asked_for(tmp_path):
-    with SimPeer("watcher") as watcher, world(tmp_path, "--fly") as start:
-        status = watcher.listen(Status, "status")
-        start.until("ready: 9 nodes in ")  # of the launch, 8 of them in one process
-        assert "the autopilot has control" in start.text(), start.text()
-        watcher.wait(lambda: status and status[-1].armed and not status[-1].rc_override & 3, "arming and letting go")
 
 
 @pytest.mark.parametrize("words", [["--vehicle"], ["a.yaml", "--wait", "--fly"], ["a.yaml", "b.yaml"]])

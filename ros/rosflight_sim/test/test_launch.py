@@ -8,25 +8,13 @@ import subprocess
 import time
 
 import pytest
-from ros_rig import ROOT, TIMEOUT_S, free_udp_port, wait_for
+from ros_rig import ROOT, TIMEOUT_S, free_udp_port
 from rosflight_msgs.msg import PwmOutput, SimState
-from sim_rig import SimPeer, executable, launch, node, stamp_ns
+from sim_rig import SimPeer, executable, last_s, launch, node, pid_of, stamp_ns
 
 
 def own(tmp_path):
     return {"memory_folder": tmp_path, "simulation_port": free_udp_port(), "ROS_port": free_udp_port()}
-
-
-def pid_of(world, program):
-    """Process of a node of this launch, among its children. `ready` may be the graph's word for a node of this name that an
-    earlier launch has left there."""
-    def found():
-        listed = subprocess.run(["ps", "-ww", "--ppid", str(world.process.pid), "-o", "pid=,args="], capture_output=True, text=True,
-                                check=False)  # -ww: else ps may cut the path of a program at 80 columns
-        words = (line.split() for line in listed.stdout.splitlines())
-        return next((int(pid) for pid, file, *_ in words if file.endswith("/" + program)), None)
-    wait_for(found, f"a process {program}", world.text)
-    return found()
 
 
 @pytest.mark.parametrize("composed, dies, program", [
@@ -82,21 +70,24 @@ def test_two_vehicles_have_topics_memories_and_links_of_their_own(tmp_path):
             assert (tmp_path / name / "multirotor/mem.bin").exists()
 
 
-def test_two_vehicles_share_simulated_time(tmp_path):
-    """One time manager, in the namespace of one, for both: neither is left behind, and it says so when there is a second."""
+def test_two_vehicles_fly_in_simulated_time(tmp_path):
+    """Each by itself (autofly) from the launch file of the stack. One time manager, in the namespace of one, for both: neither is left
+    behind, and it says so when there is a second."""
     file = tmp_path / "two.launch.xml"
     ports = [free_udp_port() for _ in range(4)]
     vehicle = """<group><push-ros-namespace namespace="{0}"/>
       <let name="simulation_port" value="{1}"/><let name="ROS_port" value="{2}"/><let name="time_manager" value="{3}"/>
-      <include file="$(find-pkg-share rosflight_sim)/launch/multirotor_standalone.launch.xml">
-        <arg name="use_sim_time" value="true"/><arg name="viz" value="false"/></include></group>"""
+      <include file="$(find-pkg-share roscopter)/launch/fly.launch.xml">
+        <arg name="use_sim_time" value="true"/><arg name="autofly" value="true"/></include></group>"""
     file.write_text(f'<launch><let name="memory_folder" value="{tmp_path}"/><let name="real_time_multiplier" value="10.0"/>'
-                    '<let name="wait_for" value="sim/RC /two/sim/RC /judge/one /judge/two"/>'
+                    '<let name="viz" value="false"/>'
+                    '<let name="wait_for" value="sim/RC command /two/sim/truth_state /two/sim/RC /two/command /judge"/>'
                     + vehicle.format("one", *ports[:2], "true") + vehicle.format("two", *ports[2:], "false") + "</launch>")
     with SimPeer("watcher") as watcher, launch(file) as world:
-        world.until("ready: 15 nodes in ")
-        one, two = (watcher.listen(SimState, f"/{name}/sim/truth_state", progress=f"/judge/{name}") for name in ("one", "two"))
-        watcher.wait(lambda: len(one) > 2000 and len(two) > 2000, "five seconds of both")
+        one = watcher.listen(SimState, "/one/sim/truth_state", progress="/judge")
+        two = watcher.listen(SimState, "/two/sim/truth_state")
+        world.until("the autopilot has control", times=2)
+        watcher.wait_simulated(lambda: all(truth[-1].pose.position.z < -2.0 for truth in (one, two)), "both at 2 m", lambda: last_s(one))
         assert abs(stamp_ns(one[-1]) - stamp_ns(two[-1])) < 20e6  # a lag, a step of the observer, and what is under way
         assert "publishers of /clock" not in world.text()
         with node("standalone_time_manager", at_launch="another") as another:
