@@ -5,11 +5,13 @@ import importlib
 import re
 import shlex
 import time
+from pathlib import Path
 
 import pytest
 import yaml
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-from rcl_interfaces.srv import SetParameters
+from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
+from rclpy.parameter import parameter_value_to_python
 from plans import nodes_of
 from ros_launch.packages import Packages
 from ros_launch.reader import Reader, find
@@ -118,6 +120,18 @@ def test_a_refused_launch_ends_with_what_to_type(words, outcome):
 # ---- programs ------------------------------------------------------------------------------------
 
 
+def judge_values(node, file):
+    """All values of a parameter file for this node, and for all, are in force where the node has a parameter of the name."""
+    sections = {name.strip("/"): section["ros__parameters"] for name, section in yaml.safe_load(file.read_text()).items()}
+    given = sections.get("**", {}) | sections.get(node, {})
+    with SimPeer("reader") as peer:
+        names = sorted(given.keys() & set(peer.call(ListParameters, f"{node}/list_parameters").result.names))
+        values = [parameter_value_to_python(value) for value in peer.call(GetParameters, f"{node}/get_parameters", names=names).values]
+    assert names or node not in sections
+    assert {name: list(value) if isinstance(given[name], list) else value for name, value in zip(names, values)} \
+        == {name: given[name] for name in names}
+
+
 @pytest.mark.parametrize("words, outcome", rows("ros2 run"))
 def test_a_program_starts_or_says_what_to_type(words, outcome, tmp_path):
     package, name, *arguments = with_files(words, tmp_path)
@@ -125,8 +139,11 @@ def test_a_program_starts_or_says_what_to_type(words, outcome, tmp_path):
         if refusal(outcome):
             assert process.end() == 2
             assert refusal(outcome) in process.lines[-1], process.text()
-        else:
-            process.until("ready")
+            return
+        process.until("ready")
+        if "--params-file" in arguments:
+            named = [word.removeprefix("__node:=") for word in arguments if word.startswith("__node:=")]
+            judge_values((named or [name])[0], Path(arguments[arguments.index("--params-file") + 1]))
 
 
 # ---- services, parameters and topics -------------------------------------------------------------
