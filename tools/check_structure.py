@@ -41,7 +41,7 @@ MAY_INCLUDE = {
     "examples": ["flight", "autonomy", "sim", "config"],
     "ros/rosflight_common": ["autonomy", "config", "sim", "flight/vehicle/vehicle_setup.hpp"],
     "ros/examples": ["ros/rosflight_sim"],
-    "ros/roscopter": ["ros/rosflight_common", "autonomy", "config", "flight/vehicle/vehicle_setup.hpp"],
+    "ros/roscopter": ["ros/rosflight_common", "autonomy", "config", "flight/vehicle/mixer_fault.hpp", "flight/vehicle/vehicle_setup.hpp"],
     "ros/rosflight_demos": [],
     "ros/rosflight_gcs": ["ros/rosflight_common"],
     "ros/rosflight_io": ["ros/rosflight_common", "companion", "ground/parameter_info.hpp", "link", "messages"],

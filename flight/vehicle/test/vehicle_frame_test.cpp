@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,6 +8,7 @@
 
 #include "firmware/core/mixer_frames.hpp"
 #include "flight/vehicle/frame.hpp"
+#include "flight/vehicle/mixer_fault.hpp"
 #include "flight/vehicle/vehicle_setup.hpp"
 
 namespace rosflight::flight {
@@ -49,6 +51,23 @@ TEST(VehicleFrame, MotorsAndPropellersOfBothKindsComeFromTheRotors) {
   }
   EXPECT_DOUBLE_EQ(firmware_of("multirotor", {"firmware.NUM_MOTORS=3"}).at("NUM_MOTORS"), 3.0)
       << "what the section gives is what the firmware gets";
+}
+
+// Motors of the predefined mixers: docs/predefined-mixers.md.
+TEST(MixerFault, NamesAMixerOfOtherMotorsThanTheVehicles) {
+  for (const auto& [id, motors] :
+       {std::pair{1, 4}, {2, 4}, {3, 6}, {4, 6}, {5, 8}, {6, 8}, {7, 6}, {8, 8}, {0, 10}}) {
+    for (const std::size_t rotors : {4U, 6U, 8U, 10U}) {
+      const std::string fault = mixer_fault(id, rotors);
+      EXPECT_EQ(fault.empty(), static_cast<int>(rotors) == motors) << id << ' ' << fault;
+      const std::string said =
+          fmt::format("PRIMARY_MIXER: found {}, that of {} motors", id, motors);
+      EXPECT_TRUE(fault.empty() || fault.starts_with(said)) << fault;
+    }
+  }
+  for (const int surfaces : {9, 10})
+    EXPECT_NE(mixer_fault(surfaces, 1).find("a fixed wing's"), std::string::npos);
+  for (const int other : {-1, 11, 12, 255}) EXPECT_EQ(mixer_fault(other, 4), "") << other;
 }
 
 // The layout of the default vehicle is a quadrotor X: up to one factor for each axis its gains are

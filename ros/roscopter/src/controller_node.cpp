@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "autonomy/multirotor/commanded_flight.hpp"
+#include "flight/vehicle/mixer_fault.hpp"
 #include "flight/vehicle/vehicle_setup.hpp"
 #include "roscopter/controller_parameters.hpp"
 #include "roscopter/conversions.hpp"
@@ -128,12 +128,10 @@ class ControllerNode : public rclcpp::Node {
   }
 
   std::string motor_fault(const FirmwareParameters::Values& values) {
-    const double mixer = values.at("PRIMARY_MIXER");
-    if (std::find(kFixedWingMixers.begin(), kFixedWingMixers.end(), mixer) !=
-        kFixedWingMixers.end())
-      return "PRIMARY_MIXER: found " + config::number_text(mixer) +
-             ", a fixed wing's, allowed a multirotor's";
     const auto rotors = flight::read_rotors(vehicle_);
+    std::string mixer =
+        flight::mixer_fault(static_cast<int>(values.at("PRIMARY_MIXER")), rotors.rotors.size());
+    if (!mixer.empty()) return mixer;
     const double count = values.at("NUM_MOTORS");
     if (values.at("USE_MOTOR_PARAM") != 0.0 && count != static_cast<double>(rotors.rotors.size()))
       return "NUM_MOTORS: found " + config::number_text(count) + ", allowed " +
@@ -320,9 +318,6 @@ class ControllerNode : public rclcpp::Node {
 
   static constexpr double kWatch_s = 0.05;
   static constexpr double kBack_s = 1.0;
-
-  /// FIXEDWING and INVERTED_VTAIL of the firmware's table (docs/predefined-mixers.md).
-  static constexpr std::array kFixedWingMixers{9.0, 10.0};
 
   rosflight::sim::Vehicle vehicle_;
   FlightConfig config_;

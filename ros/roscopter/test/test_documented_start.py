@@ -8,6 +8,8 @@ from ros_rig import ROOT
 from rosflight_msgs.srv import ParamFile, ParamSet
 from sim_rig import launch
 
+SET = str(ROOT / "ros/rosflight_sim/params/multirotor_firmware/multirotor_combined.yaml")
+READY = "thrust as the flight controller makes it: USE_MOTOR_PARAM 1, RC_MAX_THR 0.7"
 HOP_PLACES = [(4, 0, -3), (4, 4, -3)]
 
 
@@ -22,10 +24,15 @@ def flight(tmp_path_factory):
             yield world
 
 
-def test_it_does_not_take_off_with_a_throttle_that_cannot_carry_it(flight):
-    """And says which parameters; with the right ones it is ready again."""
-    assert flight.peer.call(ParamSet, "param_set", name="RC_MAX_THR", value=0.2).exists
-    flight.stack.until("no take-off: USE_MOTOR_PARAM 1, RC_MAX_THR 0.2")
+@pytest.mark.parametrize("name, wrong, why", [
+    ("RC_MAX_THR", 0.2, "USE_MOTOR_PARAM 1, RC_MAX_THR 0.2"), ("NUM_MOTORS", 6.0, "NUM_MOTORS: found 6, allowed 4"),
+    ("PRIMARY_MIXER", 4.0, "PRIMARY_MIXER: found 4, that of 6 motors")])
+def test_it_does_not_take_off_with_motors_that_are_not_the_vehicles(flight, name, wrong, why):
+    """A throttle that cannot carry it, another number of motors, the mixer of a hexacopter: it says which parameters, and with the
+    right set it is ready again."""
+    told = flight.stack.text().count(READY)
+    assert flight.peer.call(ParamSet, "param_set", name=name, value=wrong).exists
+    flight.stack.until(f"no take-off: {why}")
     flight.pilot("toggle_arm", lambda: flight.status[-1].armed, "being armed")
     flight.pilot("toggle_override", lambda: not flight.status[-1].rc_override & 3, "the override to end")
     start = len(flight.truth)
@@ -34,8 +41,8 @@ def test_it_does_not_take_off_with_a_throttle_that_cannot_carry_it(flight):
     flight.until(lambda: flight.phase() == "disarmed", "the phase disarmed")
     flight.pilot("toggle_override", lambda: flight.status[-1].rc_override & 3, "the override")
     flight.pilot("toggle_arm", lambda: not flight.status[-1].armed, "being disarmed")
-    assert flight.peer.call(ParamSet, "param_set", name="RC_MAX_THR", value=0.7).exists
-    flight.stack.until("thrust as the flight controller makes it: USE_MOTOR_PARAM 1, RC_MAX_THR 0.7")
+    assert flight.peer.call(ParamFile, "param_load_from_file", filename=SET).success  # all: a predefined mixer overwrites PRI_MIXER_*
+    flight.stack.until(READY, times=told + 1)
 
 
 def test_the_mission_is_flown(flight):
