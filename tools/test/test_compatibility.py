@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """docs/compatibility.md and docs/safety.md are complete: 77 weak points, each decided, 36 findings, each promise and
-each difference with tests that exist."""
+each difference with tests that exist. Tests that docs/compatibility-ros.md names exist too."""
 
 import re
 
@@ -12,6 +12,7 @@ ROW = re.compile(r"\| (\d+) \| [^|]+ \| (\w+) \| [^|]+ \| ([^|]+) \|")
 NAMED_TEST = re.compile(r"`(\w+\.cpp): (\w+)\.(\w+)`")
 
 SAFETY = project.ROOT / "docs/safety.md"
+ROS = project.ROOT / "docs/compatibility-ros.md"
 FINDING = re.compile(r"\| (\d+) \| [^|]+ \| ([^|]+) \|")
 PROMISE = re.compile(r"\| ([A-Z][^|]+) \| ([^|]+) \|")
 PYTHON_TEST = re.compile(r"`(test_\w+\.py): (test_\w+)`")
@@ -20,7 +21,7 @@ rows = [match for line in DOCUMENT.read_text().splitlines() if (match := ROW.ful
 safety_lines = SAFETY.read_text().splitlines()
 findings = [match for line in safety_lines if (match := FINDING.fullmatch(line))]
 promises = [match for line in safety_lines if (match := PROMISE.fullmatch(line))]
-documents = DOCUMENT.read_text() + SAFETY.read_text()
+documents = DOCUMENT.read_text() + SAFETY.read_text() + ROS.read_text()
 named_tests = sorted(set(NAMED_TEST.findall(documents)))
 python_tests = sorted(set(PYTHON_TEST.findall(documents)))
 
