@@ -64,3 +64,10 @@ def test_remappings_reach_the_nodes(composed):
     assert ("mapped_command", "command") in nodes["input_mapper"].remappings
     assert nodes["controller"].parameters["control_type"] == "successive_loop"
     assert Path(nodes["controller"].parameters["vehicle_file"]).name == "aerosonde.yaml"
+
+
+@pytest.mark.parametrize("autofly, then", [({}, "--wait"), ({"autofly": "true"}, "--fly")])
+def test_it_flies_by_itself_where_that_is_asked_for(autofly, then):
+    """What --fly does is flown by roscopter in rosflight_sim's test_launch.py."""
+    init, = [node for node in plan("fly", **autofly).nodes if node.name == "init_firmware"]
+    assert [word for word in " ".join(init.command).split() if word in ("--wait", "--fly")] == [then]
