@@ -104,13 +104,13 @@ def launch(*words, environment=None, **arguments):
                    env={**os.environ, "ROSFLIGHT_GUI": "false", **(environment or {})})
 
 
-def pid_of(world, program):
-    """Process of a node of this launch, among its children. `ready` may be the graph's word for a node of this name that an
-    earlier launch has left there."""
+def pid_of(world, program, argument=""):
+    """Process of a node of this launch, among its children, with a text in its arguments. `ready` may be the
+    graph's word for a node of this name that an earlier launch has left there."""
     def found():
         listed = subprocess.run(["ps", "-ww", "--ppid", str(world.process.pid), "-o", "pid=,args="], capture_output=True, text=True,
                                 check=False)  # -ww: else ps may cut the path of a program at 80 columns
-        words = (line.split() for line in listed.stdout.splitlines())
+        words = (line.split() for line in listed.stdout.splitlines() if argument in line)
         return next((int(pid) for pid, file, *_ in words if file.endswith("/" + program)), None)
     wait_for(found, f"a process {program}", world.text)
     return found()

@@ -89,6 +89,16 @@ def test_two_vehicles_fly_in_simulated_time(tmp_path):
         world.until("the autopilot has control", times=2)
         watcher.wait_simulated(lambda: all(truth[-1].pose.position.z < -2.0 for truth in (one, two)), "both at 2 m", lambda: last_s(one))
         assert abs(stamp_ns(one[-1]) - stamp_ns(two[-1])) < 20e6  # a lag, a step of the observer, and what is under way
+        other = pid_of(world, "rosflight_common/compose", "__ns:=/two")
+        os.kill(other, signal.SIGSTOP)
+        try:
+            time.sleep(0.3)  # what is under way comes
+            before = last_s(one)
+            time.sleep(0.5)
+            assert last_s(one) - before < 0.02, "time waits for two"
+        finally:
+            os.kill(other, signal.SIGCONT)
+        watcher.wait_simulated(lambda: min(last_s(one), last_s(two)) > before + 0.5, "both to go on", lambda: last_s(one))
         assert "publishers of /clock" not in world.text()
         with node("standalone_time_manager", at_launch="another") as another:
             another.until("publishers of /clock, allowed one")
