@@ -24,12 +24,12 @@ def flight(tmp_path_factory):
             yield world
 
 
-@pytest.mark.parametrize("name, wrong, why", [
-    ("RC_MAX_THR", 0.2, "USE_MOTOR_PARAM 1, RC_MAX_THR 0.2"), ("NUM_MOTORS", 6.0, "NUM_MOTORS: found 6, allowed 4"),
-    ("PRIMARY_MIXER", 4.0, "PRIMARY_MIXER: found 4, that of 6 motors")])
-def test_it_does_not_take_off_with_motors_that_are_not_the_vehicles(flight, name, wrong, why):
+@pytest.mark.parametrize("name, wrong, right, why", [
+    ("RC_MAX_THR", 0.2, 0.7, "USE_MOTOR_PARAM 1, RC_MAX_THR 0.2"), ("NUM_MOTORS", 6.0, 4.0, "NUM_MOTORS: found 6, allowed 4"),
+    ("PRIMARY_MIXER", 4.0, 11.0, "PRIMARY_MIXER: found 4, that of 6 motors")])
+def test_it_does_not_take_off_with_motors_that_are_not_the_vehicles(flight, name, wrong, right, why):
     """A throttle that cannot carry it, another number of motors, the mixer of a hexacopter: it says which parameters, and with the
-    right set it is ready again."""
+    right ones it is ready again."""
     told = flight.stack.text().count(READY)
     assert flight.peer.call(ParamSet, "param_set", name=name, value=wrong).exists
     flight.stack.until(f"no take-off: {why}")
@@ -41,7 +41,8 @@ def test_it_does_not_take_off_with_motors_that_are_not_the_vehicles(flight, name
     flight.until(lambda: flight.phase() == "disarmed", "the phase disarmed")
     flight.pilot("toggle_override", lambda: flight.status[-1].rc_override & 3, "the override")
     flight.pilot("toggle_arm", lambda: not flight.status[-1].armed, "being disarmed")
-    assert flight.peer.call(ParamFile, "param_load_from_file", filename=SET).success  # all: a predefined mixer overwrites PRI_MIXER_*
+    assert flight.peer.call(ParamSet, "param_set", name=name, value=right).exists
+    assert flight.peer.call(ParamFile, "param_load_from_file", filename=SET).success  # a predefined mixer has overwritten PRI_MIXER_*
     flight.stack.until(READY, times=told + 1)
 
 
