@@ -19,9 +19,9 @@ const file = await readFile(join(FIXED_WING, 'vehicle.yaml'), 'utf8');
 /** From hinge to middle of a surface of the tail, whose chord is 0.6 of the wing's, of which 0.4 moves. */
 const TAIL_MIDDLE_M = 0.235 * 0.6 * 0.4 / 2;
 
-/** Angles with output k at `values[k]`, from -1 to 1. */
+/** Angles with output k at `values[k]` of its travel, from -1 to 1: 0 to 1 on the link. */
 function anglesAt(surfaces: Surface[], values: number[]): Map<Part, number> {
-  const still = {latest: (topic: string, field: string) => topic === '/output_raw' ? values[Number(/\d+/.exec(field)![0])] ?? 0 : NaN};
+  const still = {latest: (topic: string, field: string) => topic === '/output_raw' ? 0.5 + 0.5 * (values[Number(/\d+/.exec(field)![0])] ?? 0) : NaN};
   return deflections(still as unknown as Flight, surfaces, 0);
 }
 

@@ -11,7 +11,7 @@ export type Part = 'left aileron' | 'right aileron' | 'elevator' | 'rudder' | 'l
 
 export interface Surface {
   output: number;
-  /** Deflection at an output of 1 [rad]. */
+  /** Deflection at either end of the output [rad]. */
   travel_rad: number;
   /** What it moves; the sign is 1 if a positive output moves the trailing edge down, that of a rudder to the left. */
   parts: readonly (readonly [Part, 1 | -1])[];
@@ -67,8 +67,8 @@ export function deflections(flight: Flight, surfaces: readonly Surface[], t: num
   return new Map([...angles].map(([part, all]) => [part, all.reduce((sum, one) => sum + one, 0) / all.length]));
 }
 
-/** -1 to 1: what reached the servo in a simulation (0 to 1, hal::OutputValues), else what the mixer wanted. */
+/** -1 to 1, made from 0 to 1: what reached the servo in a simulation, else what the firmware reports. */
 function servoOutput(flight: Flight, output: number, t: number): number {
   const reached = flight.latest('/sim/truth_vehicle', `outputs[${output}]`, t);
-  return Number.isFinite(reached) ? 2 * reached - 1 : flight.latest('/output_raw', `values[${output}]`, t);
+  return 2 * (Number.isFinite(reached) ? reached : flight.latest('/output_raw', `values[${output}]`, t)) - 1;
 }
