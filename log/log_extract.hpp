@@ -10,10 +10,11 @@
 
 namespace rosflight::log {
 
-/// A small log beside the log of a flight, for a page: every event, of each state the first message of
-/// every kInterval_ms, no bulk (topic_kinds.hpp), nor what is made for ROS tools alone of other topics. Messages are those of the log, byte for byte; in the
-/// file, which is not compressed, each topic stands by itself: so it packs well as a whole. The first
-/// message is the earliest.
+/// A small log beside the log of a flight, for a page: every event and exchange, of each state the
+/// first message of every kInterval_ms, no bulk (topic_kinds.hpp), nor what is made for ROS tools
+/// alone of other topics. Messages are those of the log, byte for byte; in the file, which is not
+/// compressed, each topic stands by itself: so it packs well as a whole. The first message is the
+/// earliest.
 class LogExtract final : public LogObserver {
  public:
   static constexpr std::uint32_t kInterval_ms = 20;

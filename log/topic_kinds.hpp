@@ -9,9 +9,10 @@ namespace rosflight::log {
 
 /// What a view of a flight needs of a topic.
 enum class TopicKind : std::uint8_t {
-  kState,  ///< The latest message is enough, at the rate of a plot.
-  kEvent,  ///< Rare, and each message matters long after it came.
-  kBulk    ///< Bytes for other programs; no plot shows them.
+  kState,     ///< The latest message is enough, at the rate of a plot.
+  kExchange,  ///< Requests and answers at once: a record has both, a viewer the latest.
+  kEvent,     ///< Rare, and each message matters long after it came.
+  kBulk       ///< Bytes for other programs; no plot shows them.
 };
 
 constexpr TopicKind kind_of(Topic topic) {
@@ -35,6 +36,7 @@ constexpr TopicKind kind_of(Topic topic) {
                                Topic::kRobotDescription,
                                Topic::kSettings};
   if (std::find(kEvents.begin(), kEvents.end(), topic) != kEvents.end()) return TopicKind::kEvent;
+  if (topic == Topic::kTimeSync) return TopicKind::kExchange;
   return topic == Topic::kRawFrames || topic == Topic::kBoardInputs ? TopicKind::kBulk
                                                                     : TopicKind::kState;
 }

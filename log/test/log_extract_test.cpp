@@ -39,6 +39,15 @@ TEST_F(LogExtractTest, KeepsEveryEventAndStatesAtFiftyHertz) {
   EXPECT_EQ(extract.close().messages, 50U + 1000U);
 }
 
+TEST_F(LogExtractTest, KeepsARequestAndItsAnswer) {
+  LogExtract extract(file_, {});
+  for (std::uint64_t k = 0; k < 10; ++k) {
+    extract.on_logged(Topic::kTimeSync, k * 100 * kMs_ns, cdr_);
+    extract.on_logged(Topic::kTimeSync, k * 100 * kMs_ns + 2 * kMs_ns, cdr_);
+  }
+  EXPECT_EQ(extract.close().messages, 20U);
+}
+
 TEST_F(LogExtractTest, AStateThatComesRarelyIsComplete) {
   LogExtract extract(file_, {});
   for (std::uint64_t k = 0; k < 30; ++k) extract.on_logged(Topic::kGnss, k * 200 * kMs_ns, cdr_);
@@ -61,6 +70,7 @@ TEST_F(LogExtractTest, EveryTopicHasOneKind) {
   std::map<TopicKind, int> count;
   for (std::size_t k = 0; k < kTopics.size(); ++k) ++count[kind_of(static_cast<Topic>(k))];
   EXPECT_EQ(count[TopicKind::kBulk], 2);
+  EXPECT_EQ(count[TopicKind::kExchange], 1);
   EXPECT_GT(count[TopicKind::kEvent], 10);
   EXPECT_GT(count[TopicKind::kState], 20);
 }

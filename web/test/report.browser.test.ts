@@ -10,6 +10,7 @@ import {pathToFileURL} from 'node:url';
 import {gunzipSync} from 'node:zlib';
 import type {Browser, Page} from 'playwright-core';
 import {bytesSource} from '../src/data/bytes.ts';
+import {linkQualityAt} from '../src/data/link_quality.ts';
 import {readLog} from '../src/data/read_log.ts';
 import {DESKTOP, drawn, flightShown, goTo, keepPicture, newPage, PHONE, startBrowser, vehicleIsSeen} from './browser.ts';
 import {FIXED_WING, FLY, logOf, MULTIROTOR} from './flights.ts';
@@ -63,6 +64,7 @@ describe('report.html', () => {
         const all = kept.length === table.length;
         assert.ok(all || kept.length === bins(table.times, table.length), `${topic}: ${kept.length} of ${table.length}`);
       }
+      assert.deepEqual(linkQualityAt(extract, 30), linkQualityAt(log, 30));
     });
   }
 

@@ -4,6 +4,7 @@ import {useEffect, useRef} from 'preact/hooks';
 import uPlot from 'uplot';
 import type {GyroSpectrum} from '../data/analysis.ts';
 import type {Flight} from '../data/flight.ts';
+import {linkQualityAt, WAIT_S, WINDOW_S} from '../data/link_quality.ts';
 import {DEG_PER_RAD} from '../data/units.ts';
 import {palette} from '../scene/palette.ts';
 import * as state from '../state.ts';
@@ -28,6 +29,7 @@ export function Firmware({flight}: {flight: Flight}) {
   const first = counted && counted.length > 0 ? counted.times[0]! : Infinity;
   return <section class="firmware" aria-label="Firmware">
     {gyro && gyro.frequency_Hz.length > 0 && <Spectrum gyro={gyro}/>}
+    <Link flight={flight}/>
     {!counted ? <p class="hint">The log has no counters of the firmware.</p>
       : state.time.value < first ? <p class="hint">The firmware first reports its counters after {first.toFixed(1)} s.</p> : <>
         <h2>Counters at the moment shown</h2>
@@ -37,6 +39,21 @@ export function Firmware({flight}: {flight: Flight}) {
         <h2>Rejected samples</h2>
         <Bins names={REJECTED} value={(k) => at(`rejected[${k}]`)}/>
       </>}
+  </section>;
+}
+
+/** The companion asks for the firmware's time ten times a second. */
+function Link({flight}: {flight: Flight}) {
+  const link = linkQualityAt(flight, state.time.value);
+  if (!link) return null;
+  return <section aria-label="Link">
+    <h2>Link to the firmware: {link.state}</h2>
+    <table><tbody>
+      <Row name={`Time requests in ${WINDOW_S} s`} value={link.requests}/>
+      <Row name={`Not answered within ${WAIT_S} s`} value={link.unanswered}/>
+      <Row name="Round trip of the last answer, ms" value={+link.roundTrip_ms.toFixed(1)}/>
+      <Row name="Age of the last answer, s" value={+link.age_s.toFixed(1)}/>
+    </tbody></table>
   </section>;
 }
 

@@ -3,6 +3,7 @@
 import {eulerAngles} from '../data/attitude.ts';
 import type {Flight} from '../data/flight.ts';
 import {errorNames} from '../data/lanes.ts';
+import {linkQualityAt, WINDOW_S} from '../data/link_quality.ts';
 import {usesOf} from '../data/mixer.ts';
 import {valuesOfMoment} from '../data/parameter_values.ts';
 import {DEG_PER_RAD} from '../data/units.ts';
@@ -63,15 +64,26 @@ function AttitudeIndicator({roll, pitch}: {roll: number; pitch: number}) {
 function StateLine({flight, t}: {flight: Flight; t: number}) {
   const flag = (name: string) => flight.latest('/status', name, t);
   const armed = flag('armed');
-  if (!Number.isFinite(armed)) return <p class="state"><span class="badge neutral">no state yet</span></p>;
+  if (!Number.isFinite(armed)) return <p class="state"><span class="badge neutral">no state yet</span> <LinkBadge flight={flight} t={t}/></p>;
   const errors = errorNames(flag('error_code'));
   return <p class="state">
     <span class={`badge ${flag('failsafe') ? 'bad' : armed ? 'good' : 'neutral'}`}>{flag('failsafe') ? 'failsafe' : armed ? 'armed' : 'disarmed'}</span>
     {errors.map((error) => <span key={error} class="badge bad">{error}</span>)}
+    <LinkBadge flight={flight} t={t}/>
   </p>;
 }
 
-/** Receiver channels (1000 to 2000 us) and outputs (0 to 1, servos -1 to 1). */
+function LinkBadge({flight, t}: {flight: Flight; t: number}) {
+  const link = linkQualityAt(flight, t);
+  if (!link) return null;
+  const {state, requests, unanswered, roundTrip_ms, age_s} = link;
+  const lost = requests > 0 ? `, ${(100 * unanswered / requests).toFixed(0)} % lost` : '';
+  const title = `${unanswered} of ${requests} time requests in ${WINDOW_S} s without an answer`
+    + (age_s >= 0 ? `; the last one came ${age_s.toFixed(1)} s ago` : '') + (roundTrip_ms >= 0 ? `, after ${roundTrip_ms.toFixed(1)} ms` : '');
+  return <span class={`badge ${{good: 'good', weak: 'warning', lost: 'bad'}[state]}`} title={title}>link {state}{lost}</span>;
+}
+
+/** Receiver channels (1000 to 2000 us) and outputs (0 to 1, servos 0.5 at their centre). */
 export function Bars({flight}: {flight: Flight}) {
   const t = state.time.value;
   const parameters = valuesOfMoment(flight, state.following.value ? Infinity : t);
