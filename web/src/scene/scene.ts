@@ -142,9 +142,9 @@ export class FlightScene {
     this.trails = [];
     this.box.makeEmpty();
     const truth = flight.poseTopic;
-    if (truth?.position.length) this.addTrail(flight, truth, colours.actual, 3.5, true);
-    if (truth && truth !== ESTIMATE) this.addTrail(flight, ESTIMATE, colours.estimate, 1.5, true);
-    this.addTrail(flight, {topic: '/trajectory_command', position: ESTIMATE.position, attitude: []}, colours.command, 5, false);
+    if (truth?.position.length) this.addTrail('flown', flight, truth, colours.actual, 3.5, true);
+    if (truth && truth !== ESTIMATE) this.addTrail('estimate', flight, ESTIMATE, colours.estimate, 1.5, true);
+    this.addTrail('setpoint', flight, {topic: '/trajectory_command', position: ESTIMATE.position, attitude: []}, colours.command, 5, false);
     if (this.box.isEmpty()) this.box.expandByPoint(new Vector3());
     this.addPlans(flight);
     this.surfaces = surfacesOf(flight);
@@ -152,6 +152,7 @@ export class FlightScene {
     this.model = vehicleModel(flight.urdf, {fixedWing: flight.fixedWing, invertedV}, colours);
     const {position} = this.vehicle;
     this.vehicle = new Group().add(this.model.group);
+    this.vehicle.name = 'vehicle';
     this.vehicle.position.copy(position);
     this.scene.add(this.vehicle);
     this.angles = rotorAngles(flight, this.model.rotors.length);
@@ -164,7 +165,7 @@ export class FlightScene {
     this.scene.fog = new Fog(colours.sky, 3 * size + 60, 14 * size + 400);
   }
 
-  private addTrail(flight: Flight, pose: PoseTopic, colour: string, width: number, ends: boolean) {
+  private addTrail(name: string, flight: Flight, pose: PoseTopic, colour: string, width: number, ends: boolean) {
     const table = flight.tables.get(pose.topic);
     if (!table) return;
     const {points, rows} = path(table, pose.position, MAX_POINTS);
@@ -172,6 +173,7 @@ export class FlightScene {
     const there = points.map(fromNed);
     for (const point of there) this.box.expandByPoint(point);
     const trail = new Trail(there, colour, width);
+    trail.line.name = name;
     this.scene.add(trail.line);
     if (ends) this.trails.push({trail, times: rows.map((row) => table.times[row]!)});
   }
@@ -181,13 +183,17 @@ export class FlightScene {
     for (const {points} of flight.plans) {
       const there = points.map(fromNed);
       for (const point of there) this.box.expandByPoint(point);
-      if (there.length > 1) this.scene.add(new Trail(there, this.colours.route, 1.5).line);
+      if (there.length < 2) continue;
+      const {line} = new Trail(there, this.colours.route, 1.5);
+      line.name = 'plan';
+      this.scene.add(line);
     }
     for (const [k, point] of waypoints(flight).entries()) {
       const at = fromNed(point);
-      const name = marker(String(k + 1), this.colours);
-      name.position.copy(at);
-      this.scene.add(name, new Trail([at, new Vector3(at.x, 0, at.z)], this.colours.route, 1).line);
+      const disc = marker(String(k + 1), this.colours);
+      disc.position.copy(at);
+      disc.name = `waypoint ${k + 1}`;
+      this.scene.add(disc, new Trail([at, new Vector3(at.x, 0, at.z)], this.colours.route, 1).line);
     }
   }
 
@@ -195,6 +201,8 @@ export class FlightScene {
     this.cloud = new Mesh(new SphereGeometry(1, 24, 16),
       new MeshBasicMaterial({color: this.colours.estimate, transparent: true, opacity: 0.2, depthWrite: false}));
     this.wind = new ArrowHelper(new Vector3(1, 0, 0), new Vector3(), 1, this.colours.faint);
+    this.cloud.name = 'uncertainty';
+    this.wind.name = 'wind';
     this.cloud.visible = this.wind.visible = false;
     this.scene.add(this.cloud, this.wind);
   }

@@ -6,6 +6,7 @@ import {errorNames} from '../data/lanes.ts';
 import {linkQualityAt, WINDOW_S} from '../data/link_quality.ts';
 import {usesOf} from '../data/mixer.ts';
 import {valuesOfMoment} from '../data/parameter_values.ts';
+import {CHANNELS, endPoints} from '../data/receiver.ts';
 import {DEG_PER_RAD} from '../data/units.ts';
 import * as state from '../state.ts';
 import {Mixer} from './mixer.tsx';
@@ -77,7 +78,7 @@ function LinkBadge({flight, t}: {flight: Flight; t: number}) {
   const link = linkQualityAt(flight, t);
   if (!link) return null;
   const {state, requests, unanswered, roundTrip_ms, age_s} = link;
-  const lost = requests > 0 ? `, ${(100 * unanswered / requests).toFixed(0)} % lost` : '';
+  const lost = unanswered > 0 ? `, ${(100 * unanswered / requests).toFixed(0)} % lost` : '';
   const title = `${unanswered} of ${requests} time requests in ${WINDOW_S} s without an answer`
     + (age_s >= 0 ? `; the last one came ${age_s.toFixed(1)} s ago` : '') + (roundTrip_ms >= 0 ? `, after ${roundTrip_ms.toFixed(1)} ms` : '');
   return <span class={`badge ${{good: 'good', weak: 'warning', lost: 'bad'}[state]}`} title={title}>link {state}{lost}</span>;
@@ -87,13 +88,18 @@ function LinkBadge({flight, t}: {flight: Flight; t: number}) {
 export function Bars({flight}: {flight: Flight}) {
   const t = state.time.value;
   const parameters = valuesOfMoment(flight, state.following.value ? Infinity : t);
-  const channels = values(flight, '/rc_raw', 'values', 8, t);
+  const channels = values(flight, '/rc_raw', 'values', CHANNELS, t);
   const outputs = values(flight, '/output_raw', 'values', 14, t);
   const used = outputs.findLastIndex((_, k) => flight.tables.get('/output_raw')?.column(`values[${k}]`)?.some((value) => value !== 0));
   return <section class="bars" aria-label="Receiver and outputs">
     <h2>Receiver</h2>
-    {channels.map((value, k) => <Bar key={k} name={`channel ${k}`} use={usesOf(parameters, k).join(', ')} share={(value - 1000) / 1000} text={`${value.toFixed(0)} µs`}/>)}
-    {channels.length === 0 && <p class="hint">The log has no receiver channels.</p>}
+    {channels.map((value, k) => {
+      const ends = endPoints(flight, k, t);
+      return <Bar key={k} name={`channel ${k}`} share={travelOf(value)} text={`${value.toFixed(0)} µs`} ends={ends && [travelOf(ends.low_us), travelOf(ends.high_us)]}
+        use={[...usesOf(parameters, k), ...(ends ? [`${ends.low_us.toFixed(0)}\u00a0to\u00a0${ends.high_us.toFixed(0)}\u00a0µs`] : [])].join(', ')}/>;
+    })}
+    {channels.length === 0 ? <p class="hint">The log has no receiver channels.</p>
+      : <p class="hint">Use by the parameters RC_*_CHN, then the end points: smallest and largest pulse until the moment shown. Full travel is 1000 to 2000 µs.</p>}
     <h2>Outputs</h2>
     {outputs.slice(0, used + 1).map((value, k) => <Bar key={k} name={`output ${k}`} share={value} text={`${(100 * value).toFixed(0)} %`}/>)}
     {outputs.length === 0 && <p class="hint">The log has no outputs.</p>}
@@ -105,12 +111,17 @@ function values(flight: Flight, topic: string, name: string, count: number, t: n
   return Array.from({length: count}, (_, k) => flight.latest(topic, `${name}[${k}]`, t)).filter(Number.isFinite);
 }
 
-function Bar({name, use = '', share, text}: {name: string; use?: string; share: number; text: string}) {
+/** Of a pulse of the receiver [us]: 0 to 1. */
+const travelOf = (pulse_us: number) => (pulse_us - 1000) / 1000;
+
+/** @param ends  Marked in the bar, as shares of it. */
+function Bar({name, use = '', share, text, ends = []}: {name: string; use?: string; share: number; text: string; ends?: number[] | undefined}) {
   const size = Math.min(Math.abs(share), 1);
   const half = share < 0;
   return <div class="bar" role="meter" aria-label={name} aria-valuenow={Math.round(100 * share)} aria-valuemin={-100} aria-valuemax={100} aria-valuetext={text}>
     <span class="name">{name}</span>
-    <span class="gauge"><span class={half ? 'fill below' : 'fill'} style={{width: `${100 * size}%`}}/></span>
+    <span class="gauge"><span class={half ? 'fill below' : 'fill'} style={{width: `${100 * size}%`}}/>
+      {ends.map((end, k) => <i key={k} class="end" style={{left: `${100 * Math.min(Math.max(end, 0), 1)}%`}}/>)}</span>
     <span class="value">{text}</span>
     {use && <span class="use">{use}</span>}
   </div>;
