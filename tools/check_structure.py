@@ -300,6 +300,24 @@ def check_licences(tree: Tree) -> list[str]:
             if LICENCE not in "\n".join(tree.text(path).splitlines()[:3])]
 
 
+BEAST_UNIT, BEAST_PARTS = Path("web/server/web_server.cpp"), Path("web/server/detail")
+GENERATED = {".js", ".map", ".wasm", ".gz", ".br", ".tgz"}
+
+
+def check_web(tree: Tree) -> list[str]:
+    """Boost.Beast is compiled in one translation unit, and no bundle or package of the page is committed."""
+    complaints = []
+    for path in tree.cpp():
+        if path == BEAST_UNIT or path.parent == BEAST_PARTS:
+            continue
+        complaints += [f"{path}:{number}: includes {name}; only {BEAST_UNIT} and {BEAST_PARTS} may"
+                       for number, name in tree.includes(path, "<>") + tree.includes(path)
+                       if name.startswith(("boost/beast", f"{BEAST_PARTS}/"))]
+    complaints += [f"{path}: is generated, to be left out" for path in tree.files
+                   if path.parts[0] in ("web", "build") and (path.suffix in GENERATED or {"build", "node_modules"} & set(path.parts))]
+    return complaints
+
+
 def check_sizes(tree: Tree) -> list[str]:
     """A source of more than 600 lines holds a second idea."""
     complaints = []
@@ -348,7 +366,7 @@ def _exists(base: Path, name: str) -> bool:
 
 
 CHECKS = [check_includes, check_constants, check_namespaces, check_rooted, check_ros_free, check_cycles, check_links, check_licences, check_sizes,
-          check_readmes, check_paths]
+          check_readmes, check_paths, check_web]
 
 
 def run(root: Path = project.ROOT) -> dict[str, list[str]]:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The rules of check_structure.py, each shown on a small tree that breaks it."""
 
+import subprocess
 from pathlib import Path
 
 import check_structure as structure
@@ -168,3 +169,34 @@ def test_library_that_links_the_world_it_is_judged_in_is_told(tree, uses, ways):
         "helper/CMakeLists.txt": "rosflight_library(helper SOURCES h.cpp USES rosflight::sim)\n",
     }))
     assert [line.split(": ")[1] for line in found] == ways
+
+
+@pytest.mark.parametrize("path, line", [
+    ("web/server/conversation.cpp", "#include <boost/beast/core.hpp>"),
+    ("web/server/web_server.hpp", "#include <boost/beast/http.hpp>"),
+    ("viewer/page_server.cpp", '#include "web/server/detail/site.hpp"'),
+    ("web/server/test/access_test.cpp", '#include "web/server/detail/viewer.hpp"'),
+    ("web/page.js", ""), ("web/node_modules/three/package.json", ""), ("build/web/index.html", ""), ("web/src/page.js.map", ""),
+])
+def test_beast_elsewhere_and_what_is_generated_are_complaints(tree, path, line):
+    assert len(structure.check_web(tree({path: line + "\n"}))) == 1
+
+
+def test_nothing_generated_is_committed():
+    """own_files() leaves out folders that Git is asked for here."""
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=structure.project.ROOT, capture_output=True, text=True)
+    if listed.returncode:
+        pytest.skip("a source archive without git")
+    files = [Path(name) for name in listed.stdout.split("\0") if name]
+    assert Path("web/package-lock.json") in files
+    assert structure.check_web(structure.Tree(structure.project.ROOT, [path for path in files if path.suffix not in (".cpp", ".hpp")])) == []
+
+
+@pytest.mark.parametrize("path, line", [
+    ("web/server/web_server.cpp", '#include "web/server/detail/http_session.hpp"'),
+    ("web/server/detail/site.hpp", "#include <boost/beast/core.hpp>"),
+    ("web/server/web_server.cpp", "#include <boost/asio/steady_timer.hpp>"),
+    ("web/build.mjs", ""), ("web/src/page.html", ""), ("web/package-lock.json", ""),
+])
+def test_one_translation_unit_has_beast_and_sources_are_committed(tree, path, line):
+    assert structure.check_web(tree({path: line + "\n"})) == []

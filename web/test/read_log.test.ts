@@ -87,6 +87,31 @@ test('a damaged chunk ends reading with a note', async () => {
   assert.match(flight.notes[0]!, /^The log is damaged after \d+\.\d s: /);
 });
 
+test('the index is read first: before the first message hardly anything but the end of the file', async () => {
+  const read: [start: number, length: number][] = [];
+  const whole = bytesSource('log', bytes);
+  const log = await McapLog.open({...whole, read: (start, length) => {
+    read.push([start, length]);
+    return whole.read(start, length);
+  }});
+  const amount = read.reduce((sum, [, length]) => sum + length, 0);
+  assert.ok(amount < bytes.length / 20, `${amount} of ${bytes.length} bytes`);
+  // The start names the format, the end says where the index is: what follows are the index and what it leads to.
+  assert.deepEqual(read[0], [0, 8]);
+  assert.equal(read[1]![0] + read[1]![1], bytes.length);
+  assert.ok(read[2]![0] > bytes.length / 2 && read[2]![0] + read[2]![1] === read[1]![0]);
+  assert.ok(log.complete);
+  const reader = await McapIndexedReader.Initialize({
+    readable: {size: async () => BigInt(bytes.length), read: async (at, size) => bytes.subarray(Number(at), Number(at + size))},
+  });
+  assert.deepEqual([...log.channels.keys()].sort(), [...reader.channelsById.keys()].sort());
+  // No chunk, which has the messages, was touched.
+  for (const {chunkStartOffset, chunkLength} of reader.chunkIndexes) {
+    const [from, to] = [Number(chunkStartOffset), Number(chunkStartOffset + chunkLength)];
+    for (const [start, length] of read) assert.ok(start + length <= from || start >= to, `${start} + ${length} in the chunk at ${from}`);
+  }
+});
+
 test('what is no log is refused with one line', async () => {
   for (const other of [new Uint8Array(), new TextEncoder().encode('{"this": "is JSON"}'), new Uint8Array(5000)]) {
     await assert.rejects(readLog(bytesSource('other', other)), /^Error: other: is no MCAP file$/);
