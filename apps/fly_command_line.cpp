@@ -33,6 +33,10 @@ void add_view(CLI::App& fly, FlyOptions& options, ViewChoice& choice) {
       ->capture_default_str();
   fly.add_option("--listen", choice.access.listen,
                  "With --view: address of a network interface, for other computers");
+  fly.add_option("--allow-origin", choice.access.origins,
+                 "With --view: origin of a page, such as https://example.org, that may look beside "
+                 "Foxglove and Lichtblick; may be repeated")
+      ->allow_extra_args(false);
   fly.add_flag("--hold", choice.hold,
                "With --view: the pilot does not arm by himself, a viewer does");
   constexpr double kMinSpeed = 0.01;

@@ -42,6 +42,10 @@ int view_command_line(int argc, char** argv) {
   view->add_option(
       "--listen", options.access.listen,
       "Address of a network interface: serve other computers too, by a secret address");
+  view->add_option("--allow-origin", options.access.origins,
+                   "Origin of a page, such as https://example.org, that may look beside Foxglove "
+                   "and Lichtblick; may be repeated")
+      ->allow_extra_args(false);
   app.set_version_flag("--version", rosflight::flight::build_info_text());
   return apps::parse_and_run(app, argc, argv, [&] {
     options.link = input.string();

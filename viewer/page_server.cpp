@@ -37,6 +37,13 @@ web::server::Contents page_contents() {
 
 std::unique_ptr<web::server::WebServer> serve(web::server::Contents contents,
                                               const web::server::Access& access) {
+  for (const std::string& origin : access.origins) {
+    if (!web::server::Admission::is_origin_text(origin)) {
+      throw config::Error("--allow-origin: found " + origin +
+                          ", allowed SCHEME://HOST[:PORT] as browsers send it, such as "
+                          "https://example.org");
+    }
+  }
   try {
     return std::make_unique<web::server::WebServer>(std::move(contents), access);
   } catch (const std::invalid_argument&) {

@@ -10,7 +10,7 @@ namespace rosflight::viewer {
 /// @throws config::Error  there is none.
 web::server::Contents page_contents();
 
-/// @throws config::Error  the port is taken, or the address is none of this computer.
+/// @throws config::Error  the port is taken, the address is none of this computer, or an origin is none.
 std::unique_ptr<web::server::WebServer> serve(web::server::Contents contents,
                                               const web::server::Access& access);
 

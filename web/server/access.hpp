@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace rosflight::web::server {
 
@@ -15,6 +16,9 @@ struct Access {
   std::chrono::milliseconds silence{30'000};  ///< Then a connection is closed.
   std::chrono::milliseconds handshake{
       10'000};  ///< For the start of a WebSocket, and for the token.
+  /// Origins of further pages whose WebSockets may look, such as https://example.org.
+  // NOLINTNEXTLINE(readability-redundant-member-init): so that GCC lets callers leave it out
+  std::vector<std::string> origins{};
 };
 
 }  // namespace rosflight::web::server

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <random>
+#include <utility>
 
 namespace rosflight::web::server {
 namespace {
@@ -39,8 +40,11 @@ std::string random_token() {
   return token;
 }
 
-Admission::Admission(const std::string& listen, std::uint16_t port) {
+Admission::Admission(const std::string& listen, std::uint16_t port,
+                     std::vector<std::string> origins)
+    : viewers_{std::move(origins)} {
   if (listen.empty()) {
+    viewers_.insert(viewers_.end(), kApplications.begin(), kApplications.end());
     for (const char* here : {"127.0.0.1", "localhost", "::1"})
       names_.push_back(name_of(here, port));
   } else {
@@ -56,6 +60,22 @@ bool Admission::is_name(std::string_view host) const {
 
 bool Admission::is_origin(std::string_view origin) const {
   return origin.starts_with(kScheme) && is_name(origin.substr(kScheme.size()));
+}
+
+bool Admission::is_origin_text(std::string_view text) {
+  constexpr std::string_view kMark = "://";
+  constexpr std::string_view kAllowed = "abcdefghijklmnopqrstuvwxyz0123456789-._[]:";
+  const std::size_t end = text.find(kMark);
+  if (end == std::string_view::npos || end == 0) return false;
+  const std::string_view host = text.substr(end + kMark.size());
+  return text.substr(0, end).find_first_not_of(kAllowed) == std::string_view::npos &&
+         host.find_first_not_of(kAllowed) == std::string_view::npos && !host.empty();
+}
+
+Right Admission::right_of_origin(std::string_view origin) const {
+  if (is_origin(origin)) return Right::kCommand;
+  const bool may_look = std::find(viewers_.begin(), viewers_.end(), origin) != viewers_.end();
+  return may_look ? Right::kLook : Right::kNone;
 }
 
 Right Admission::right_of(std::string_view token) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "web/server/conversation.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "web/server/foxglove.hpp"
@@ -8,13 +9,14 @@
 namespace rosflight::web::server {
 
 Conversation::Conversation(const LiveData& live, CommandDesk* desk, const Admission& admission,
-                           const std::string& session, std::uint64_t viewer)
+                           const std::string& session, std::uint64_t viewer, Right most)
     : live_{live},
       desk_{desk},
       admission_{admission},
       session_{session},
       viewer_{viewer},
-      right_{admission.wants_token() ? Right::kNone : Right::kCommand} {
+      most_{most},
+      right_{admission.wants_token() ? Right::kNone : most} {
   if (is_admitted()) greet();
 }
 
@@ -24,7 +26,7 @@ Conversation::~Conversation() {
 
 bool Conversation::on_message(std::string_view message, bool is_text) {
   if (!is_admitted()) {
-    right_ = admission_.right_of(foxglove::parse_token(message));
+    right_ = std::min(most_, admission_.right_of(foxglove::parse_token(message)));
     if (is_admitted()) greet();
     return is_admitted();
   }
@@ -114,7 +116,10 @@ bool Conversation::on_parameters(const std::vector<std::string>& names, const st
 
 bool Conversation::on_command(CommandDesk::What what, const std::string& id) {
   if (desk_ == nullptr) return complain("nothing can be commanded here");
-  if (right_ != Right::kCommand) return complain("this address is one to look, not to command");
+  if (right_ != Right::kCommand) {
+    return complain(most_ == Right::kCommand ? "this address is one to look, not to command"
+                                             : "a page of another origin may look, not command");
+  }
   const std::string refusal = desk_->ask({viewer_, id, std::move(what)});
   if (refusal.empty()) return true;
   texts_.push_back(foxglove::command_results({viewer_, id, {{{}, {}, false, refusal}}}));

@@ -28,8 +28,9 @@ class Conversation {
   /// @param desk  nullptr: nothing can be commanded.
   /// @param session  the same for all viewers of one start of the server.
   /// @param viewer  its number, from 1.
+  /// @param most  what it may do at most, also with a token.
   Conversation(const LiveData& live, CommandDesk* desk, const Admission& admission,
-               const std::string& session, std::uint64_t viewer);
+               const std::string& session, std::uint64_t viewer, Right most = Right::kCommand);
   ~Conversation();
   Conversation(const Conversation&) = delete;
   Conversation& operator=(const Conversation&) = delete;
@@ -65,6 +66,7 @@ class Conversation {
   const Admission& admission_;
   const std::string& session_;
   std::uint64_t viewer_;
+  Right most_;
   Right right_;
   std::optional<bool> unsaved_;  ///< As last sent to the viewer; likewise the next one.
   std::optional<CommandDesk::Control> control_;

@@ -76,7 +76,8 @@ WebServer::WebServer(Contents contents, Access access)
   } catch (const boost::system::system_error& refused) {
     throw std::system_error(refused.code().value(), std::system_category());
   }
-  impl.site.admission = Admission(listen.empty() ? listen : address.to_string(), port());
+  impl.site.admission =
+      Admission(listen.empty() ? listen : address.to_string(), port(), impl.site.access.origins);
   impl.accept(impl.first);
   if (listen.empty()) {
     try {

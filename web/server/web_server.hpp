@@ -31,8 +31,9 @@ struct Contents {
 ///
 /// Only GET and HEAD, only addresses of Contents. A request must name this server as Host, by the
 /// address where it listens (421 otherwise: a foreign name that leads here), and if it has an Origin, as
-/// that (403 otherwise: a foreign page). At most kMaxClients connections; a request
-/// head has at most kMaxHead bytes (431) and no body (413).
+/// that (403 otherwise: a foreign page); a WebSocket may also come from Admission::kApplications and
+/// Access::origins, to look. At most kMaxClients connections; a request head has at most kMaxHead bytes
+/// (431) and no body (413).
 ///
 /// A token, 128 random bits of this start, is in address() after '#', which browsers send to nobody; there
 /// is one to look and one to command. On this computer everybody may command.

@@ -64,10 +64,13 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     };
     if (!site_.admission.is_name(header(http::field::host)))
       return refuse(http::status::misdirected_request, "this server has another name");
-    if (request.find(http::field::origin) != request.end() &&
-        !site_.admission.is_origin(header(http::field::origin)))
+    const Right right = request.find(http::field::origin) == request.end()
+                            ? Right::kCommand
+                            : site_.admission.right_of_origin(header(http::field::origin));
+    const bool is_upgrade = websocket::is_upgrade(request);
+    if (right < (is_upgrade ? Right::kLook : Right::kCommand))
       return refuse(http::status::forbidden, "asked for by a foreign page");
-    if (websocket::is_upgrade(request)) return upgrade(request);
+    if (is_upgrade) return upgrade(request, right);
     if (request.method() != http::verb::get && request.method() != http::verb::head) {
       return refuse(http::status::method_not_allowed, "allowed are GET and HEAD");
     }
@@ -88,7 +91,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     return address.empty() || address == "page.js" || address == "page.css";
   }
 
-  void upgrade(const Request& request) {
+  void upgrade(const Request& request, Right most) {
     const auto offered = request[http::field::sec_websocket_protocol];
     const auto protocol = foxglove::chosen_protocol({offered.data(), offered.size()});
     if (site_.contents.live == nullptr) return refuse(http::status::not_found, "nothing runs here");
@@ -105,7 +108,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
       return refuse(http::status::service_unavailable, "too many viewers");
     }
     stream_.expires_never();  // the WebSocket has time limits of its own
-    const auto viewer = std::make_shared<Viewer>(std::move(stream_), site_);
+    const auto viewer = std::make_shared<Viewer>(std::move(stream_), site_, most);
     site_.viewers.push_back(viewer);
     viewer->accept(request, *protocol);
   }

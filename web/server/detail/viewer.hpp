@@ -16,11 +16,12 @@ namespace rosflight::web::server {
 /// One WebSocket. Writes one message after the other.
 class Viewer : public std::enable_shared_from_this<Viewer> {
  public:
-  Viewer(beast::tcp_stream stream, Site& site)
+  /// @param most  what it may do at most.
+  Viewer(beast::tcp_stream stream, Site& site, Right most)
       : stream_{std::move(stream)},
         site_{site},
-        conversation_{*site.contents.live, site.contents.desk, site.admission, site.session,
-                      ++site.viewers_so_far},
+        conversation_{*site.contents.live, site.contents.desk,    site.admission,
+                      site.session,        ++site.viewers_so_far, most},
         admission_{stream_.get_executor()} {
     ++site_.clients;
   }

@@ -62,6 +62,11 @@ class AccessTest : public testing::Test {
   std::string status(const std::string& first, const std::string& more = "") const {
     return ask(first, more).substr(9, 3);
   }
+  std::string upgrade_status(const std::string& origin) const {
+    const Client client = connect();
+    client.write(head("GET /", std::string(kWebSocket) + "Origin: " + origin + "\r\n"));
+    return client.read_head().substr(9, 3);
+  }
   std::string token() const { return server_->address().substr(server_->address().find('#') + 1); }
   std::string with_token(const std::string& token) const {
     return "Authorization: Bearer " + token + "\r\n";
@@ -116,6 +121,53 @@ TEST_F(AccessTest, AnotherNameIsMisdirected) {
     host_ = name;
     EXPECT_EQ(status("GET /"), "421") << name;
   }
+}
+
+TEST_F(AccessTest, KnownApplicationsMayLookByAWebSocketAlone) {
+  start({});
+  for (const char* origin :
+       {"https://app.foxglove.dev", "https://lichtblick-suite.github.io", "file://"}) {
+    EXPECT_EQ(upgrade_status(origin), "101") << origin;
+    EXPECT_EQ(status("GET /offer.json", std::string("Origin: ") + origin + "\r\n"), "403")
+        << origin;
+  }
+  for (const char* origin : {"null", "", "https://example.org", "http://app.foxglove.dev",
+                             "https://app.foxglove.dev:444", "https://app.foxglove.dev.example.org",
+                             "https://example.org/https://app.foxglove.dev", "https://github.io",
+                             "file:///home", "file://example.org"})
+    EXPECT_EQ(upgrade_status(origin), "403") << origin;
+}
+
+TEST_F(AccessTest, AnOriginOfTheUsersChoiceMayLook) {
+  Access access;
+  access.origins = {"https://example.org"};
+  start(access);
+  EXPECT_EQ(upgrade_status("https://example.org"), "101");
+  EXPECT_EQ(upgrade_status("https://app.foxglove.dev"), "101");
+  EXPECT_EQ(upgrade_status("http://example.org"), "403");
+  EXPECT_EQ(status("GET /offer.json", "Origin: https://example.org\r\n"), "403");
+}
+
+TEST_F(AccessTest, OfAnotherComputerNoApplicationIsAdmittedUnlessChosen) {
+  Access access;
+  access.listen = kInterfaceText;
+  access.origins = {"https://example.org"};
+  start(access);
+  for (const std::string_view origin : Admission::kApplications)
+    EXPECT_EQ(upgrade_status(std::string(origin)), "403") << origin;
+  const Client client = connect();
+  client.write(head("GET /", std::string(kWebSocket) + "Origin: https://example.org\r\n"));
+  EXPECT_EQ(client.read_head().substr(9, 3), "101");
+  client.write(frame(R"({"op":"subscribe","subscriptions":[]})"));  // in place of the token
+  EXPECT_EQ(client.read_some(1), "");
+}
+
+TEST(Admission, AnOriginIsThatOfOneSite) {
+  for (const char* origin : {"https://example.org", "http://127.0.0.1:8080", "http://[::1]:8080"})
+    EXPECT_TRUE(Admission::is_origin_text(origin)) << origin;
+  for (const char* text : {"", "null", "*", "example.org", "https://", "://example.org",
+                           "https://*", "https://example.org/", "https://Example.org", "file://"})
+    EXPECT_FALSE(Admission::is_origin_text(text)) << text;
 }
 
 TEST_F(AccessTest, NoAddressOfOneInterfaceIsRefused) {

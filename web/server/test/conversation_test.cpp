@@ -135,6 +135,30 @@ TEST_F(ConversationTest, WhoMayLookMayNotCommand) {
   }
 }
 
+TEST_F(ConversationTest, APageOfAnotherOriginMayLookNotCommand) {
+  for (const Admission* admission : {&open_, &closed_}) {
+    CommandDesk desk;
+    desk.set_parameters({{{"RC_F_CHN", 4.0, false}}, false});
+    Conversation talk(live_, &desk, *admission, session_, 1, Right::kLook);
+    if (admission->wants_token()) {
+      ASSERT_TRUE(
+          talk.on_message(R"({"op":"token","token":")" + token(Right::kCommand) + "\"}", true));
+    }
+    EXPECT_NE(all(talk)[0].find(R"("commands":"no")"), std::string::npos);
+    for (const char* command :
+         {kSet, R"({"op":"writeParameters","id":"a"})", R"({"op":"takeControl","id":"a"})",
+          R"({"op":"steer","text":"switch arm on","id":"a"})"}) {
+      ASSERT_TRUE(talk.on_message(command, true));
+      EXPECT_TRUE(desk.commands().empty()) << command;
+      const std::vector<std::string> said = all(talk);
+      ASSERT_EQ(said.size(), 1U) << command;
+      EXPECT_NE(said[0].find("may look, not command"), std::string::npos) << command;
+    }
+    ASSERT_TRUE(talk.on_message(R"({"op":"getParameters","parameterNames":[],"id":"b"})", true));
+    EXPECT_NE(all(talk).at(0).find("RC_F_CHN"), std::string::npos);
+  }
+}
+
 TEST_F(ConversationTest, WhoHasControlIsToldAndThatAViewerIsGone) {
   CommandDesk desk;
   {
