@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <chrono>
 #include <regex>
 #include <sstream>
 
@@ -49,6 +52,52 @@ TEST_F(SteeringTest, EachFaultOfTheListBeginsNowAndEndsWhenHealed) {
   EXPECT_EQ(count, 30);
   change("heal");
   for (const sim::Fault& fault : flight_.faults().faults()) EXPECT_LT(fault.end, flight_.now());
+}
+
+TEST(SteerFixedWing, AStuckSurfaceKeepsItsDeflectionUntilTheFaultEnds) {
+  using namespace std::chrono_literals;
+  FlightChoice choice;
+  choice.vehicle = "anaconda";
+  const FlightSetup setup{choice};
+  Flight flight{setup};
+  while (!flight.autonomy().tracking) flight.step();
+  const auto apply = [&flight](const std::string& text) { parse_change(text, flight)(flight); };
+  struct Travel {
+    double aileron_rad, left_tail_rad, right_tail_rad;
+  };
+  /// How far each surface moves in that time. Elevator and rudder are the sums of vehicles/anaconda.yaml: each
+  /// half of the tail is what of them it does not share with the other one.
+  const auto travel = [&flight](std::chrono::seconds time) {
+    std::array<double, 3> low{1.0, 1.0, 1.0};
+    std::array<double, 3> high{-1.0, -1.0, -1.0};
+    for (const sim::Time end = flight.now() + time; flight.now() < end;) {
+      flight.step();
+      const sim::Truth& truth = flight.truth();
+      const std::array<double, 3> now{truth.aileron_rad,
+                                      (truth.rudder_rad - truth.elevator_rad) / 2.0,
+                                      (truth.rudder_rad + truth.elevator_rad) / 2.0};
+      for (std::size_t k = 0; k < now.size(); ++k) {
+        low[k] = std::min(low[k], now[k]);
+        high[k] = std::max(high[k], now[k]);
+      }
+    }
+    return Travel{high[0] - low[0], high[1] - low[1], high[2] - low[2]};
+  };
+  constexpr double kMoves_rad = 1e-3;
+  constexpr double kRounding_rad = 1e-12;
+  EXPECT_GT(travel(2s).aileron_rad, kMoves_rad);
+  apply("fault servo0_stuck:3");
+  const Travel aileron_stuck = travel(3s);
+  EXPECT_EQ(aileron_stuck.aileron_rad, 0.0);
+  EXPECT_GT(aileron_stuck.left_tail_rad, kMoves_rad);
+  EXPECT_GT(travel(2s).aileron_rad, kMoves_rad) << "it has ended by itself";
+  apply("fault servo1_stuck");
+  const Travel left_stuck = travel(1s);
+  EXPECT_LT(left_stuck.left_tail_rad, kRounding_rad);
+  EXPECT_GT(left_stuck.right_tail_rad, kMoves_rad);
+  apply("heal");
+  EXPECT_GT(travel(2s).left_tail_rad, kMoves_rad);
+  EXPECT_THROW(parse_change("fault servo3_stuck", flight), config::Error) << "it has three";
 }
 
 TEST_F(SteeringTest, WindIsTheNewOneAndAGustRisesAndEnds) {
