@@ -79,22 +79,36 @@ ParameterStore::Slot ParameterStore::inspect(std::size_t index) {
   return slot;
 }
 
-/// A slot without our magic is blank if it is erased from end to end.
+/// A slot without our magic is blank if it is erased where a set and its record of gyro biases go.
+/// Where neither slot has a set, survey() looks at the rest of it too.
 ParameterStore::Slot ParameterStore::inspect_unmarked(std::size_t index,
                                                       const std::uint8_t* header) {
-  Block block{};
   Slot slot;
-  const std::uint8_t erased = header[0];
-  bool blank = (erased == 0x00 || erased == 0xFF) && all_are(header, kHeaderBytes, erased);
   const std::size_t slot_bytes = storage_.size() / 2;
-  for (std::size_t at = 0; blank && at < slot_bytes;) {
-    const std::size_t n = std::min(block.size(), slot_bytes - at);
-    if (!storage_.read(offset(index) + at, block.data(), n)) return slot;
-    blank = all_are(block.data(), n, erased);
+  slot.erased = header[0];
+  slot.condition =
+      (slot.erased == 0x00 || slot.erased == 0xFF) && all_are(header, kHeaderBytes, slot.erased)
+          ? Condition::kBlank
+          : Condition::kDamaged;
+  require_erased(index, slot, kHeaderBytes, std::min(kSetBytes, slot_bytes));
+  require_erased(index, slot, slot_bytes - std::min(kBlockBytes, slot_bytes), slot_bytes);
+  return slot;
+}
+
+/// A blank slot that is not erased from `begin` to `end` is damaged; one that cannot be read there,
+/// unreadable.
+void ParameterStore::require_erased(std::size_t index, Slot& slot, std::size_t begin,
+                                    std::size_t end) {
+  Block block{};
+  for (std::size_t at = begin; slot.condition == Condition::kBlank && at < end;) {
+    const std::size_t n = std::min(block.size(), end - at);
+    if (!storage_.read(offset(index) + at, block.data(), n)) {
+      slot.condition = Condition::kUnreadable;
+    } else if (!all_are(block.data(), n, slot.erased)) {
+      slot.condition = Condition::kDamaged;
+    }
     at += n;
   }
-  slot.condition = blank ? Condition::kBlank : Condition::kDamaged;
-  return slot;
 }
 
 bool ParameterStore::newest_is_second(const Slot& first, const Slot& second) {
@@ -118,6 +132,10 @@ bool ParameterStore::may_be_newer(const Slot& other, const Slot& valid) {
 bool ParameterStore::survey(Slot& first, Slot& second) {
   first = inspect(0);
   second = inspect(1);
+  if (!first.valid() && !second.valid()) {  // defaults will be written over what is blank
+    require_erased(0, first, kSetBytes, storage_.size() / 2);
+    require_erased(1, second, kSetBytes, storage_.size() / 2);
+  }
   const bool newest_is_b = newest_is_second(first, second);
   const Slot& newest = newest_is_b ? second : first;
   set_in_force_ = newest.valid();

@@ -93,10 +93,12 @@ class ParameterStore {
     std::uint32_t sequence{};
     std::uint16_t count{};
     std::uint32_t crc{};
+    std::uint8_t erased{};  ///< What all bytes of a blank slot are.
     bool valid() const { return condition == Condition::kValid; }
   };
   Slot inspect(std::size_t index);
   Slot inspect_unmarked(std::size_t index, const std::uint8_t* header);
+  void require_erased(std::size_t index, Slot& slot, std::size_t begin, std::size_t end);
   bool survey(Slot& first, Slot& second);
   static bool newest_is_second(const Slot& first, const Slot& second);
   static bool may_be_newer(const Slot& other, const Slot& valid);

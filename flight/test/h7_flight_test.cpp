@@ -212,10 +212,8 @@ TEST_P(HardwareTrouble, LeavesARecordResetsAndRearms) {
   EXPECT_EQ(chip_of(rig).figures()->resets, 1U);
   const sim::Time reset = rig.flight->now();
   while (!samples_again(rig) && rig.flight->now() < reset + sim::Time{500'000}) rig.flight->step();
-  if (std::string(board) == "varmint") {  // not met on the other board: its README
-    EXPECT_LE(sim::to_seconds(rig.flight->now() - (reset - Flight::kStep)), 0.020)
-        << "first IMU sample; the reset was within the step before";
-  }
+  EXPECT_LE(sim::to_seconds(rig.flight->now() - (reset - Flight::kStep)), 0.020)
+      << "first IMU sample; the reset was within the step before";
   while (chip_of(rig).process().from_chip().outputs[0] == 0.0F &&
          rig.flight->now() < reset + sim::Time{500'000}) {
     rig.flight->step();

@@ -54,10 +54,23 @@ std::size_t Fram::address(std::uint8_t command, std::size_t offset) {
 bool Fram::read(std::size_t offset, std::uint8_t* data, std::size_t count) {
   if (!in_range(offset, count)) return false;
   for (std::size_t at = 0; at < count; at += kChunk) {
-    const std::size_t n = std::min(kChunk, count - at);
-    if (!exchange(address(kReadBytes, offset + at), n)) return false;
-    std::copy_n(in_.begin(), n, data + at);
+    if (!read_chunk(offset + at, data + at, std::min(kChunk, count - at))) return false;
   }
+  return true;
+}
+
+bool Fram::read_chunk(std::size_t offset, std::uint8_t* data, std::size_t count) {
+  if (offset != ahead_offset_ || count > ahead_count_) {
+    const std::size_t n = std::min(kChunk, kBytes - offset);
+    if (!exchange(address(kReadBytes, offset), n)) return false;
+    ahead_offset_ = offset;
+    ahead_index_ = 0;
+    ahead_count_ = n;
+  }
+  std::copy_n(in_.begin() + static_cast<std::ptrdiff_t>(ahead_index_), count, data);
+  ahead_offset_ += count;
+  ahead_index_ += count;
+  ahead_count_ -= count;
   return true;
 }
 
@@ -78,6 +91,7 @@ bool Fram::write(std::size_t offset, const std::uint8_t* data, std::size_t count
 /// A transfer that did not end in time may still be queued, so nothing is started before it has ended.
 bool Fram::exchange(std::size_t out, std::size_t in) {
   if (wait_.load() == Wait::kPending) return false;
+  ahead_count_ = 0;
   transfer_ = {out_.data(), out, in_.data(), in, this};
   wait_.store(Wait::kPending);
   const Time begun = clock_.now();

@@ -27,16 +27,17 @@ inline constexpr Pin kGyroReady{'F', 3};
 inline constexpr stm32h7::SpiBus::Pins kImuBus{
     stm32h7::SPI5, {'F', 7}, {'F', 8}, {'F', 9}, 5, 5, 6, stm32h7::request::SPI5_RX};
 enum ImuDevice : std::uint8_t { kAccel = 0, kGyro = 1 };
-/// The part allows 10 MHz; of 16 MHz that leaves 8.
+/// The part allows 10 MHz; of 64 MHz that leaves 8.
 inline constexpr stm32h7::SpiBus::Device kImuDevices[] = {{{'F', 6}, 10'000'000},
                                                           {{'F', 10}, 10'000'000}};
 
-/// The DPS310 shares SPI2 with the FRAM; it has no data-ready line.
+/// The DPS310 shares SPI2 with the FRAM; it has no data-ready line. The FRAM allows 40 MHz; 16 leave room
+/// for the wiring.
 inline constexpr stm32h7::SpiBus::Pins kBaroBus{
     stm32h7::SPI2, {'B', 10}, {'B', 14}, {'B', 15}, 5, 3, 4, stm32h7::request::SPI2_RX};
 enum BaroBusDevice : std::uint8_t { kBaro = 0, kFram = 1 };
 inline constexpr stm32h7::SpiBus::Device kBaroBusDevices[] = {{{'D', 7}, 10'000'000},
-                                                              {{'D', 10}, 40'000'000}};
+                                                              {{'D', 10}, 20'000'000}};
 
 /// The only I2C, on the GPS connector: magnetometer and pitot sensor.
 inline constexpr stm32h7::I2cBus::Pins kExternalBus{

@@ -50,7 +50,7 @@ void start_plls(const Oscillator& oscillator) {
                            rcc::PLLCFGR_PLL2RGE(kRange2To4MHz) |
                            rcc::PLLCFGR_PLL3RGE(kRange2To4MHz) | kAllOutputs;
   set_up_pll(rcc::PLL1DIVR, 400, 2, 8, 2);     // 800 MHz: 400, 100, 400 MHz
-  set_up_pll(rcc::PLL2DIVR, 240, 30, 30, 2);   // 480 MHz: 16, 16, 240 MHz
+  set_up_pll(rcc::PLL2DIVR, 256, 8, 8, 2);     // 512 MHz: 64, 64, 256 MHz
   set_up_pll(rcc::PLL3DIVR, 480, 60, 20, 15);  // 960 MHz: 16, 48, 64 MHz
   reg(RCC, rcc::CR) |= rcc::CR_PLL1ON(1) | rcc::CR_PLL2ON(1) | rcc::CR_PLL3ON(1);
   await(RCC, rcc::CR, rcc::CR_PLL1RDY, 1);

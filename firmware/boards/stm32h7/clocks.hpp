@@ -10,7 +10,7 @@ namespace rosflight::boards::stm32h7 {
 inline constexpr std::uint32_t kCoreClock_Hz = 400'000'000;
 inline constexpr std::uint32_t kTimerClock_Hz = 200'000'000;
 inline constexpr std::uint32_t kBusClock_Hz = 100'000'000;  ///< APB: UARTs, I2C.
-inline constexpr std::uint32_t kSpiClock_Hz = 16'000'000;   ///< Kernel clock of SPI1 to SPI5.
+inline constexpr std::uint32_t kSpiClock_Hz = 64'000'000;   ///< Kernel clock of SPI1 to SPI5.
 
 /// The board's oscillator at HSE.
 struct Oscillator {
@@ -18,7 +18,7 @@ struct Oscillator {
   bool external_clock;          ///< A clock signal instead of a crystal.
 };
 
-/// Supply, oscillators and PLLs from the state after a reset: 400 MHz from PLL1, 16 MHz for SPI from
+/// Supply, oscillators and PLLs from the state after a reset: 400 MHz from PLL1, 64 MHz for SPI from
 /// PLL2, 48 MHz (USB) and 64 MHz (ADC) from PLL3. RM0433 ch. 6 and 8.
 /// Waits for the oscillators, some 2 ms, without a limit: without a clock no part of the board works.
 void start_clocks(const Oscillator& oscillator);

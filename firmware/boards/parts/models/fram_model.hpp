@@ -19,6 +19,7 @@ class FramModel final : public SpiPart {
   void select(bool selected) override {
     if (!selected && selected_ && command_ == 0x02 && count_ > 3) latch_ = false;
     if (!selected && selected_ && command_ == 0x06) latch_ = true;
+    if (selected && !selected_) ++transfers;
     selected_ = selected;
     count_ = 0;
     command_ = 0;
@@ -51,6 +52,7 @@ class FramModel final : public SpiPart {
   std::array<std::uint8_t, 32768> cells{};
   std::array<std::uint8_t, 9> identity{0x7F, 0x7F, 0x7F, 0x7F, 0x7F, 0x7F, 0xC2, 0x22, 0x08};
   bool mute{false};
+  int transfers{0};
 
  private:
   bool powered_{true};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware/boards/parts/fram.hpp"
 
+#include <random>
+
 #include "firmware/boards/parts/mcp4017.hpp"
 #include "firmware/boards/parts/models/fram_model.hpp"
 #include "firmware/boards/parts/test/sensor_rig.hpp"
@@ -105,6 +107,57 @@ TEST_F(FramTest, ABlockOfParametersTakesLessThanAQuarterOfAMillisecond) {
   const Time begun = rig.now();
   EXPECT_TRUE(fram.write(0, block.data(), block.size()));
   EXPECT_LE(rig.now() - begun, Time{250});
+}
+
+/// 240 entries of a set of parameters, 21 bytes each: three in each transfer of 64 bytes, which takes
+/// (3 + 64) 8 / 4 MHz = 134 us on the wire. One by one there were 240 transfers to begin and to wait for.
+TEST_F(FramTest, SmallReadsOneBehindTheOtherShareATransfer) {
+  for (std::size_t k = 0; k < model.cells.size(); ++k)
+    model.cells[k] = static_cast<std::uint8_t>(k % 251);
+  model.transfers = 0;
+  std::array<std::uint8_t, 21> entry{};
+  for (std::size_t at = 12; at < 12 + 240 * entry.size(); at += entry.size()) {
+    ASSERT_TRUE(fram.read(at, entry.data(), entry.size()));
+    for (std::size_t k = 0; k < entry.size(); ++k) ASSERT_EQ(entry[k], (at + k) % 251) << at;
+  }
+  EXPECT_EQ(model.transfers, 80);
+}
+
+TEST_F(FramTest, WhatIsReadAgainOrWrittenComesFromThePart) {
+  std::array<std::uint8_t, 4> bytes{};
+  EXPECT_TRUE(fram.read(8, bytes.data(), 4));
+  model.cells[9] = 7;  // a bit that flipped
+  EXPECT_TRUE(fram.read(8, bytes.data(), 4));
+  EXPECT_EQ(bytes[1], 7);
+  const std::array<std::uint8_t, 4> written{1, 2, 3, 4};
+  EXPECT_TRUE(fram.write(12, written.data(), 4));
+  EXPECT_TRUE(fram.read(12, bytes.data(), 4));
+  EXPECT_EQ(bytes, written);
+  std::array<std::uint8_t, 40> last{};
+  EXPECT_TRUE(fram.read(Fram::kBytes - 40, last.data(), 20));
+  EXPECT_TRUE(fram.read(Fram::kBytes - 20, last.data(), 20));
+  EXPECT_FALSE(fram.read(Fram::kBytes, last.data(), 1));
+}
+
+/// Properties over random reads and writes: what is read is what the part holds.
+TEST_F(FramTest, RandomReadsAndWritesAgreeWithThePart) {
+  std::mt19937 random{1};
+  std::size_t next = 0;  // where the read before ended
+  std::array<std::uint8_t, 200> data{};
+  for (int k = 0; k < 2000; ++k) {
+    const std::size_t at = random() % 400;
+    const std::size_t n = 1 + random() % data.size();
+    if (random() % 4 == 0) {
+      for (auto& byte : data) byte = static_cast<std::uint8_t>(random());
+      ASSERT_TRUE(fram.write(at, data.data(), n));
+    } else {
+      const std::size_t begin = random() % 2 == 0 ? at : next;
+      ASSERT_TRUE(fram.read(begin, data.data(), n));
+      next = (begin + n) % 400;
+      ASSERT_TRUE(std::equal(data.begin(), data.begin() + static_cast<std::ptrdiff_t>(n),
+                             model.cells.begin() + static_cast<std::ptrdiff_t>(begin)));
+    }
+  }
 }
 
 // ---- MCP4017
