@@ -8,7 +8,7 @@ structure, build, unit and python: less than five minutes after a build.
 Stages: format, structure, build, unit, mutation, faults, python, web, ros, cortex-m7, sanitizers, ros-sanitizers, fuzz, tidy. Sanitizers
 and clang-tidy look at what flies and at whole flights; sanitizers-rest, tidy-rest and tidy-ros (simulation, programs,
 tests, ROS nodes) run when named: they take as long as all others together. So does web-rest: calibrations in the browser that take over
-a minute of real time, and the page used by touch. The stage faults flies a quarter of the fault campaign and 300 seeds in gusts.
+a minute of real time, and a flight looked at by touch and changed without a mouse. The stage faults flies a quarter of the fault campaign and 300 seeds in gusts.
 
 Stages that run in real time (python, ros, ros-sanitizers) run beside those that compute, which have the lowest priority.
 The output of a stage is printed when it ends. The table gives wall time and processor time of each stage.

@@ -232,7 +232,7 @@ def web_tests() -> Outcome:
 
 
 def web_rest() -> Outcome:
-    """Calibrations that a person does, over a minute of real time each, and the page used by touch."""
+    """Calibrations that a person does, over a minute of real time each, and a flight looked at by touch and changed without a mouse."""
     return web_test.run("test/*.browser.test.ts", ROSFLIGHT_WEB_LONG="1")
 
 

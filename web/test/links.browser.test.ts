@@ -118,8 +118,7 @@ test('a link that nobody can compare with ends the program before it serves or w
   }
 });
 
-const REST = {concurrency: true, skip: LONG ? false : './rosflight test web-rest runs it: over a minute of real time'};
-for (const hand of HANDS) test(`two vehicles are compared by their parameters, and one takes values of the other, ${hand.name}`, {timeout: 120_000, ...(hand === TOUCH ? REST : {})}, async () => {
+for (const hand of HANDS) test(`two vehicles are compared by their parameters, and one takes values of the other, ${hand.name}`, {timeout: 120_000}, async () => {
   const one = await firmware('tcp:0', '--nvm', join(scratch, `one${++count}.nvm`));
   const two = await firmware('pty', '--nvm', join(scratch, `two${count}.nvm`));
   const {url: twos, view} = await show(two.link);
@@ -163,6 +162,7 @@ for (const hand of HANDS) test(`two vehicles are compared by their parameters, a
   }, ...hand.options);
 });
 
+const REST = {concurrency: true, skip: LONG ? false : './rosflight test web-rest runs it: over a minute of real time'};
 describe('calibrations that a person does', REST, () => {
   for (const hand of HANDS) test(`receiver and speed controllers show each instruction and end with their figures, ${hand.name}`, {timeout: 300_000}, async () => {
     const memory = join(scratch, `transmitter${++count}.nvm`);

@@ -12,7 +12,7 @@ import type {Browser, Page} from 'playwright-core';
 import {bytesSource} from '../src/data/bytes.ts';
 import {checksAt} from '../src/data/checks.ts';
 import {readLog} from '../src/data/read_log.ts';
-import {DESKTOP, keepPicture, LONG, onPage, PHONE, SMALL, startBrowser, violations, type PageOptions} from './browser.ts';
+import {DESKTOP, keepPicture, onPage, PHONE, SMALL, startBrowser, violations, type PageOptions} from './browser.ts';
 import {MULTIROTOR, PARAMETERS, SIL, VIEW} from './flights.ts';
 import {finger, KEYBOARD, reach, TOUCH} from './hands.ts';
 
@@ -299,7 +299,6 @@ describe('a vehicle on a link', () => {
       await page.getByRole('tab', {name: 'Preflight'}).click();
       assert.deepEqual(await violations(page), []);
       await keepPicture(page, 'vehicle-phone-dark');
-      if (!LONG) return; // touches are judged by their times: ./rosflight test web-rest
       await TOUCH.press(page.getByRole('tab', {name: 'Parameters'}));
       await page.getByText(new RegExp(`^${PARAMETERS} of ${PARAMETERS}$`)).waitFor();
       await TOUCH.press(page.getByRole('tab', {name: 'Preflight'}));
