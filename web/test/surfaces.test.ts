@@ -10,7 +10,9 @@ import type {Flight} from '../src/data/flight.ts';
 import {parseParameterFile} from '../src/data/parameter_file.ts';
 import {readLog} from '../src/data/read_log.ts';
 import {deflections, surfacesOf, surfacesOfFile, surfacesOfMixer, type Part, type Surface} from '../src/data/surfaces.ts';
+import type {Palette} from '../src/scene/palette.ts';
 import {tail, wing, type Hinges} from '../src/scene/surfaces.ts';
+import {vehicleModel, type Kind} from '../src/scene/vehicle_model.ts';
 import {FIXED_WING, logOf} from './flights.ts';
 
 const flight = await readLog(bytesSource('log', new Uint8Array(await readFile(logOf(FIXED_WING)))));
@@ -127,4 +129,12 @@ test('without a vehicle file the servos of the mixer move by the assumed travel'
   const sides = (surfaces: Surface[]) => surfaces.map(({output, parts}) => [output, parts]);
   assert.deepEqual(sides(surfacesOfMixer(values)), sides(surfacesOfFile(file)));
   assert.ok(Math.abs(anglesAt(surfacesOfMixer(values), [1]).get('right aileron')! + 30 * Math.PI / 180) < 1e-12);
+});
+
+test('a fixed wing without a description has wing and tail, another vehicle has none', () => {
+  const colours = new Proxy({}, {get: () => '#808080'}) as Palette;
+  const parts = (kind: Kind) => [...vehicleModel('', kind, colours).hinges.keys()].sort();
+  assert.deepEqual(parts({fixedWing: true, invertedV: true}), ['left aileron', 'left tail', 'right aileron', 'right tail']);
+  assert.deepEqual(parts({fixedWing: true, invertedV: false}), ['elevator', 'left aileron', 'right aileron', 'rudder']);
+  assert.deepEqual(parts({fixedWing: false, invertedV: false}), []);
 });
