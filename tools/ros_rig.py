@@ -43,18 +43,23 @@ def table_size():
     return len(table())
 
 
+_given = set()  # ports; who asks binds them later
+
+
 def free_udp_port():
     """Below the range of which sockets without a wish get theirs, so that none takes it meanwhile, and not one of DDS, whose domain D
-    uses the first ports from 7400 + 250 D."""
+    uses the first ports from 7400 + 250 D. Never one twice, and odd or even as the domain: tools/ros_test.py gives the tests that
+    run beside these a domain of the other kind."""
     while True:
         port = random.SystemRandom().randrange(20_000, 32_000)
-        if (port - 7400) % 250 < 125:
+        if (port - 7400) % 250 < 125 or port in _given or (port - int(os.environ.get("ROS_DOMAIN_ID", "0"))) % 2:
             continue
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             try:
                 probe.bind(("127.0.0.1", port))
             except OSError:
                 continue
+            _given.add(port)
             return port
 
 
