@@ -32,7 +32,7 @@ def test_the_network_has_learnt_what_its_teacher_does():
 
 
 STEP_NS = 2_500_000
-WITHOUT = "time goes on without it"  # said of a node that has had no processor for 2 s
+WITHOUT = "no /command for "  # begin of the line with which time goes on without commands: their nodes had no processor for 2 s
 
 
 class Seen:
