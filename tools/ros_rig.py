@@ -129,14 +129,21 @@ class Io:
             command += ["-r", f"__ns:={namespace}"]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         self.lines = []
-        threading.Thread(target=self._read, daemon=True).start()
+        self.reader = threading.Thread(target=self._read, daemon=True)
+        self.reader.start()
 
     def _read(self):
         for line in self.process.stdout:
             self.lines.append(line.rstrip())
 
     def wait_line(self, part):
-        wait_for(lambda: any(part in line for line in self.lines), f"'{part}' in the node's log", lambda: self.lines[-20:])
+        def found():
+            ended = not self.reader.is_alive()
+            if any(part in line for line in self.lines):
+                return True
+            assert not ended, f"the node ended before '{part}': {self.lines[-20:]}"
+            return False
+        wait_for(found, f"'{part}' in the node's log", lambda: self.lines[-20:])
 
     def stop(self, how=signal.SIGINT):
         return stop(self.process, how)
@@ -221,12 +228,20 @@ class Rig:
         self.sil = self.link.sil
         self.folder = folder
         self.namespace = namespace
-        self.start_io()
+        try:
+            self.start_io()
+        except BaseException:
+            self.link.stop()
+            raise
         self.peer = Peer(namespace)
 
     def start_io(self, words=()):
         self.io = Io(*self.link.node_arguments, namespace=self.namespace, words=words)
-        self.io.wait_line("parameters received")
+        try:
+            self.io.wait_line("parameters received")
+        except BaseException:
+            self.io.stop()
+            raise
 
     def close(self):
         self.peer.close()

@@ -7,7 +7,7 @@ import subprocess
 import time
 
 import pytest
-from ros_rig import NODE, TIMEOUT_S, wait_for
+from ros_rig import NODE, TIMEOUT_S, Rig, start_ready, wait_for
 from rclpy.qos import QoSProfile
 from rosflight_msgs.msg import AuxCommand, Command, Status
 from std_msgs.msg import Bool
@@ -109,3 +109,12 @@ def test_a_link_that_cannot_be_ends_with_one_line_and_code_2(arguments, part):
     assert done.returncode == 2, done.stdout + done.stderr
     lines = [line for line in done.stderr.strip().splitlines() if line.startswith("rosflight_io:")]
     assert len(lines) == 1 and part in lines[0], done.stderr
+
+
+def test_a_rig_whose_node_does_not_start_leaves_no_firmware_running(tmp_path, monkeypatch):
+    firmware = []
+    monkeypatch.setattr("ros_rig.start_ready", lambda *words: firmware.append(start_ready(*words)) or firmware[-1])
+    with pytest.raises(AssertionError, match="the node ended before"):
+        Rig(tmp_path, node_arguments=["-p", "link:=carrier_pigeon:3"])
+    (process, _), = firmware
+    assert process.poll() is not None

@@ -25,9 +25,10 @@ using std::chrono::steady_clock;
 /// twice within one, the ticks between them; `/clock_steps` has the steps alone, for nodes that need no more: the launch files
 /// of the simulator let theirs follow it, because a message to each of twenty nodes every 0.1 ms takes more than a processor.
 ///
-/// Every message moves time on by default_pub_rate_us; the wall time between two is that divided by
-/// the factor. The timer asks the steady clock how many are due, so a late tick is made up and time
-/// keeps its pace; what is more than kMaxDelay behind is lost, and said.
+/// Every step moves time on by default_pub_rate_us; the wall time between two is that divided by the factor. The timer asks the
+/// steady clock how many are due, so a late step is made up and time keeps its pace; what is more than kMaxDelay behind is lost,
+/// and said. Where somebody follows the ticks, what is late is made up at kCatchUp times the pace, ticks and all: a node that has just been
+/// late would find the same time twice if the clock then went on by whole steps.
 class TimeManager : public rclcpp::Node {
  public:
   explicit TimeManager(const rclcpp::NodeOptions& options)
@@ -46,9 +47,7 @@ class TimeManager : public rclcpp::Node {
     waited_.emplace(*this,
                     declare_text(*this, "wait_for", "",
                                  "stamped topics that time waits for, separated by spaces"),
-                    [this] {
-                      if (!paused_ && waiting_) tick();
-                    });
+                    [this] { message_came(); });
     const bool paused =
         declare_switch(*this, "start_paused", false, "starts paused, until toggle_pause is called");
     const auto newest_only = rclcpp::QoS(rclcpp::KeepLast(1)).best_effort();
@@ -87,6 +86,7 @@ class TimeManager : public rclcpp::Node {
  private:
   static constexpr const char* kClock = "/clock";  // where all nodes with use_sim_time look
   static constexpr const char* kSteps = "/clock_steps";
+  static constexpr int kCatchUp = 4;  ///< Maximum pace where ticks are followed, of the factor.
   static constexpr auto kMaxDelay = std::chrono::milliseconds(50);
   static constexpr auto kJudged = std::chrono::seconds(2);
   /// A pace that nobody holds must not keep services and parameters waiting.
@@ -116,7 +116,9 @@ class TimeManager : public rclcpp::Node {
       timer_ = create_wall_timer(kSayAgain, [this] { advance(0.0); });
       return;
     }
-    timer_ = create_wall_timer(wall_period(), [this] { tick(); });
+    ticks_are_followed_ = pace().tick_ns > 0;
+    timer_ = create_wall_timer(ticks_are_followed_ ? wall_period() / kCatchUp : wall_period(),
+                               [this] { tick(); });
   }
 
   void set_paused(bool paused) {
@@ -153,13 +155,18 @@ class TimeManager : public rclcpp::Node {
     clock_->publish(message);
   }
 
-  /// The ticks between the step that has just been taken and the next one.
-  void publish_ticks(steady_clock::time_point now) {
-    if (tick_us_ >= step_us_ || clock_->get_subscription_count() == 0 || a_topic_is_behind(now))
-      return fine_->stop();
-    fine_->follow({time_ns_, static_cast<std::int64_t>(step_us_ * 1e3),
-                   static_cast<std::int64_t>(tick_us_ * 1e3), next_ - wall_period(),
-                   wall_period()});
+  /// The ticks between the last step and the next one.
+  void publish_ticks() {
+    const WaitedTopics::Pace how = pace();
+    if (how.tick_ns == 0) return fine_->stop();
+    ticks_end_ns_ = waited_->ticks_end_ns(how);
+    fine_->follow({time_ns_, how.step_ns, how.tick_ns, stepped_,
+                   std::max(next_ - stepped_, wall_period() / kCatchUp), ticks_end_ns_});
+  }
+
+  void message_came() {
+    if (paused_) return;
+    if (waiting_ || ticks_end_ns_ != WaitedTopics::kNoEnd) tick();
   }
 
   /// Everything up to here has happened in the world.
@@ -169,15 +176,22 @@ class TimeManager : public rclcpp::Node {
     if (!paused_ && waiting_) tick();
   }
 
-  bool a_topic_is_behind(steady_clock::time_point now) {
-    return waited_->behind(time_ns_, static_cast<std::int64_t>(lag_us_ * 1e3), now);
+  std::int64_t told_ns() {
+    const std::lock_guard lock{publishing_};
+    return published_ns_;
+  }
+
+  WaitedTopics::Pace pace() const {
+    const bool fine = tick_us_ < step_us_ && clock_->get_subscription_count() > 0;
+    return {static_cast<std::int64_t>(lag_us_ * 1e3), static_cast<std::int64_t>(step_us_ * 1e3),
+            fine ? static_cast<std::int64_t>(tick_us_ * 1e3) : 0};
   }
 
   bool must_wait(steady_clock::time_point now) {
     const bool for_world =
         follows_ && lead_us_ > 0.0 &&
         static_cast<double>(time_ns_ - followed_ns_) + step_us_ * 0.5e3 > lead_us_ * 1e3;
-    const bool for_topics = a_topic_is_behind(now);
+    const bool for_topics = waited_->behind(time_ns_, told_ns(), pace(), now);
     waiting_ = for_world || for_topics;
     if (waiting_ && now - said_ > kSayAgain) {  // best effort: it may have been lost
       advance(0.0);
@@ -198,14 +212,20 @@ class TimeManager : public rclcpp::Node {
     const auto now = steady_clock::now();
     if (now - next_ > kMaxDelay) next_ = now;
     bool moved = false;
-    while (next_ <= now && !must_wait(now) && steady_clock::now() - now < kMaxTick) {
+    // Ticks that stop for a node need no time of their own.
+    const bool free_ticks = ticks_are_followed_ && ticks_end_ns_ == WaitedTopics::kNoEnd;
+    const auto earliest = free_ticks ? stepped_ + wall_period() / kCatchUp : now;
+    while (next_ <= now && earliest <= now && !must_wait(now) &&
+           steady_clock::now() - now < kMaxTick) {
       advance(step_us_);
       said_ = now;
+      stepped_ = now;
       next_ += wall_period();
       moved = true;
+      if (ticks_are_followed_) break;
       if (!follows_) break;  // the world's first answer may be waiting for this thread
     }
-    if (moved) publish_ticks(now);
+    if (moved || ticks_end_ns_ != WaitedTopics::kNoEnd) publish_ticks();
     judge(now);
   }
 
@@ -225,6 +245,7 @@ class TimeManager : public rclcpp::Node {
     }
     judge_from_ = now;
     judge_time_ns_ = time_ns_;
+    if (ticks_are_followed_ != (pace().tick_ns > 0)) start();
   }
 
   double step_us_{};
@@ -239,8 +260,11 @@ class TimeManager : public rclcpp::Node {
   bool waiting_{false};  ///< For it, or for a topic.
   std::int64_t followed_ns_{0};
   std::int64_t time_ns_{0};
+  std::int64_t ticks_end_ns_{WaitedTopics::kNoEnd};
   steady_clock::time_point next_;
-  Overdue overdue_;  ///< The world.
+  steady_clock::time_point stepped_;  ///< When the last step was made.
+  bool ticks_are_followed_{false};    ///< At the last look, which is every two seconds.
+  Overdue overdue_;                   ///< The world.
   steady_clock::time_point said_;
   steady_clock::time_point judge_from_;
   std::int64_t judge_time_ns_{0};

@@ -13,6 +13,7 @@
 #include "rosflight_sim/frames.hpp"
 #include "rosflight_sim/module_states.hpp"
 #include "rosflight_sim/tick_tracker.hpp"
+#include "rosflight_sim/timer_phase.hpp"
 #include "rosflight_sim/topic_pace.hpp"
 #include "rosflight_sim/waiting_clock.hpp"
 
@@ -70,6 +71,43 @@ TEST(FineTicks, ThatAreLateOrTooCloseAreLeftOut) {
   }
   EXPECT_EQ(FineTicks::next({0, kTick_ns, kTick_ns, {}, {}}, 0, {}), 0)
       << "no tick shorter than a step";
+}
+
+TEST(FineTicks, EndWhereTheyMustWaitAndReachThatAtOnceWhenTheyAreLate) {
+  FineTicks::Step step = step_at(1.0);
+  const auto late = step.wall + std::chrono::milliseconds(9);
+  step.end_ns = step.time_ns + 1'260'000;
+  EXPECT_EQ(FineTicks::next(step, 3, step.wall + std::chrono::microseconds(700)), 7);
+  EXPECT_EQ(FineTicks::next(step, 11, step.wall + std::chrono::microseconds(1730)), 12);
+  EXPECT_EQ(FineTicks::next(step, 3, late), 12);
+  EXPECT_EQ(FineTicks::next(step, 12, late), 0);
+  step.end_ns = step.time_ns - 1;
+  EXPECT_EQ(FineTicks::next(step, 0, late), 0);
+  step.end_ns = step.time_ns + step.step_ns;
+  EXPECT_EQ(FineTicks::next(step, 12, late), 0) << "the next step is due";
+}
+
+TEST(FineTicks, GoOnWithTheRestOfAStep) {
+  std::mutex mutex;
+  std::vector<std::int64_t> told;
+  FineTicks ticks([&](std::int64_t time_ns) {
+    const std::lock_guard lock{mutex};
+    told.push_back(time_ns);
+  });
+  const auto wait_for = [&](std::int64_t time_ns) {
+    for (;; std::this_thread::yield()) {
+      const std::lock_guard lock{mutex};
+      if (!told.empty() && told.back() == time_ns) return;
+    }
+  };
+  FineTicks::Step step = step_at(1.0);  // long ago: each end is reached at once
+  for (const std::int64_t after_ns : {300'000, 300'000, 900'000, 2'400'000}) {
+    step.end_ns = step.time_ns + after_ns;
+    ticks.follow(step);
+    wait_for(step.end_ns);
+  }
+  const std::lock_guard lock{mutex};
+  EXPECT_EQ(told, (std::vector<std::int64_t>{17'800'000, 18'400'000, 19'900'000}));
 }
 
 TEST(FineTicks, AreToldInOrderAndEndWithTheStepOrAStop) {
@@ -161,6 +199,90 @@ TEST(TopicPace, ATopicThatEndsWhileItIsLearntDoesNotSlowTimeForEver) {
   node.busy_us = 1'000'000'000;
   node.run(2100, 1000);  // 100 steps of 20 ms, then one every 0.1 ms
   EXPECT_GT(node.time_ns, 500 * kTick_ns);
+}
+
+// ---- timers that follow the finer ticks -----------------------------------------------------------
+
+constexpr std::int64_t kFine_ns = 100'000;
+
+TEST(TimerPhase, TellsStampsOfTicksFromThoseOfStepsAndOfSensors) {
+  TimerPhase phase;
+  for (int k = 1; k <= 20; ++k) phase.called(k * 2 * kTick_ns, kFine_ns);
+  EXPECT_FALSE(phase.follows(kFine_ns, kTick_ns)) << "steps";
+  phase.called(41 * kTick_ns + kFine_ns, kFine_ns);
+  EXPECT_TRUE(phase.follows(kFine_ns, kTick_ns));
+  EXPECT_FALSE(phase.follows(0, kTick_ns)) << "nobody is told ticks";
+  phase.called(42 * kTick_ns + 12'345, kFine_ns);
+  EXPECT_FALSE(phase.follows(kFine_ns, kTick_ns)) << "a sensor";
+}
+
+/// A node of 390 Hz as rcl runs it, and ticks that stop where the phase says, each 0.1 ms of wall time. The node works for as
+/// long as it is told, and a message is on its way for 0.3 ms.
+struct Timer {
+  static constexpr std::int64_t kPeriod_ns = 2'564'000;
+  std::mt19937 random{11};
+  TimerPhase phase;
+  TimerPhase::Wall::time_point wall{std::chrono::seconds(100)};
+  std::int64_t time_ns = 40'000, due_ns = 0, busy_until_us = 0, wall_us = 0;
+  std::optional<std::int64_t> under_way_us;
+  std::vector<std::int64_t> stamps;
+  bool working = false;
+
+  void run(int ms, int max_work_us) {
+    std::uniform_int_distribution<int> work_us(50, max_work_us);
+    for (int k = 0; k < 10 * ms; ++k) {
+      wall_us += 100;
+      wall += std::chrono::microseconds(100);
+      if (under_way_us && wall_us >= *under_way_us) {
+        phase.called(stamps.back(), kFine_ns);
+        under_way_us.reset();
+      }
+      if (working && wall_us >= busy_until_us && !under_way_us) {
+        stamps.push_back(time_ns);
+        under_way_us = wall_us + 300;
+        working = false;
+      }
+      if (!working && time_ns >= due_ns) {
+        working = true;
+        busy_until_us = wall_us + work_us(random);
+        due_ns += kPeriod_ns *
+                  std::max<std::int64_t>(1, (time_ns - due_ns + kPeriod_ns - 1) / kPeriod_ns);
+      }
+      const bool learnt = stamps.size() > 12;
+      if (!learnt ? time_ns < due_ns + 2 * kTick_ns
+                  : time_ns + kFine_ns <= phase.ticks_end_ns(kFine_ns, 2 * kTick_ns))
+        time_ns += kFine_ns;
+      else
+        phase.stands(wall);
+    }
+  }
+};
+
+TEST(TimerPhase, NoStampIsThereTwiceAndNoPeriodIsLeftOutWhileItsWorkTakesUpToTwo) {
+  for (const int max_work_us : {100, 800, 2500, 5500}) {
+    Timer node;
+    node.run(30'000, max_work_us);
+    const std::size_t begin = node.stamps.size();
+    const std::int64_t from_ns = node.time_ns;
+    node.run(20'000, max_work_us);
+    for (std::size_t k = begin + 1; k < node.stamps.size(); ++k)
+      ASSERT_GT(node.stamps[k], node.stamps[k - 1]) << max_work_us << " us, message " << k - begin;
+    const double periods = static_cast<double>(node.time_ns - from_ns) / Timer::kPeriod_ns;
+    EXPECT_NEAR(static_cast<double>(node.stamps.size() - begin), periods, 2.0) << max_work_us;
+  }
+}
+
+TEST(TimerPhase, AnotherPeriodIsLearntAndAGapIsNone) {
+  TimerPhase phase;
+  std::int64_t stamp_ns = 0;
+  const auto call = [&](int times, std::int64_t apart_ns) {
+    for (int k = 0; k < times; ++k) phase.called(stamp_ns += apart_ns, kFine_ns);
+    return phase.ticks_end_ns(kFine_ns, 2 * kTick_ns) - stamp_ns;
+  };
+  EXPECT_NEAR(static_cast<double>(call(100, 2'600'000)), 3.9e6, 1e4);
+  EXPECT_NEAR(static_cast<double>(call(1, 900'000'000)), 3.9e6, 1e4);
+  EXPECT_NEAR(static_cast<double>(call(20, 10'000'000)), 15e6, 2e4)
+      << "at most the lag of two steps";
 }
 
 // ---- the board's time without simulated time ------------------------------------------------------

@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -23,11 +24,12 @@ class FineTicks {
 
   /// A step that has just been published, and the ticks up to the next one.
   struct Step {
-    std::int64_t time_ns{};        ///< Time of the step.
-    std::int64_t step_ns{};        ///< From it to the next.
-    std::int64_t tick_ns{};        ///< Between two ticks.
-    Wall::time_point wall{};       ///< Time of the step.
-    Wall::duration wall_period{};  ///< From it to the next.
+    std::int64_t time_ns{};                                         ///< Time of the step.
+    std::int64_t step_ns{};                                         ///< From it to the next.
+    std::int64_t tick_ns{};                                         ///< Between two ticks.
+    Wall::time_point wall{};                                        ///< Time of the step.
+    Wall::duration wall_period{};                                   ///< From it to the next.
+    std::int64_t end_ns{std::numeric_limits<std::int64_t>::max()};  ///< No tick after this time.
   };
 
   /// @param tell  called in the thread with a time [ns] between two steps; may come after the next step, which is then newer.
@@ -45,20 +47,24 @@ class FineTicks {
   FineTicks(const FineTicks&) = delete;
   FineTicks& operator=(const FineTicks&) = delete;
 
-  /// Goes on from this step.
+  /// Goes on from this step, or with the rest of it.
   void follow(const Step& step) { set(step); }
   /// No more ticks until follow().
   void stop() { set({}); }
 
-  /// Number of the first tick after `last` that is still to come at `now`; 0 if none is before the next step.
+  /// Number of the first tick after `last` that is still to come at `now`, or of the last one before an end that has been reached;
+  /// 0 if there is none before the next step.
   static std::int64_t next(const Step& step, std::int64_t last, Wall::time_point now) {
     if (step.tick_ns <= 0 || step.step_ns <= step.tick_ns) return 0;
     const auto gap = wall_gap(step);
     const std::int64_t stride = gap >= kMinGap ? 1 : kMinGap / std::max(gap, Wall::duration{1}) + 1;
     const std::int64_t passed =
         now <= step.wall || gap <= Wall::duration{0} ? 0 : (now - step.wall) / gap;
-    const std::int64_t number = std::max(last + stride, passed);
-    return number * step.tick_ns < step.step_ns ? number : 0;
+    const bool ends = step.end_ns < step.time_ns + step.step_ns;
+    const std::int64_t end = ends ? (step.end_ns - step.time_ns) / step.tick_ns : 0;
+    const std::int64_t coming = std::max(last + stride, passed);
+    const std::int64_t number = ends ? std::min(coming, end) : coming;
+    return number > last && number * step.tick_ns < step.step_ns ? number : 0;
   }
   static Wall::time_point due(const Step& step, std::int64_t number) {
     return step.wall + number * wall_gap(step);
@@ -81,15 +87,18 @@ class FineTicks {
   void run() {
     std::unique_lock lock{mutex_};
     std::uint64_t followed = 0;
+    std::int64_t told_ns = 0;
     while (!ended_) {
       changed_.wait(lock, [&] { return number_ != followed; });
       followed = number_;
       const Step step = step_;
-      std::int64_t tick = 0;
+      std::int64_t tick =
+          step.tick_ns > 0 ? std::max<std::int64_t>(told_ns - step.time_ns, 0) / step.tick_ns : 0;
       while ((tick = next(step, tick, Wall::now())) > 0) {
         if (changed_.wait_until(lock, due(step, tick), [&] { return number_ != followed; })) break;
+        told_ns = step.time_ns + tick * step.tick_ns;
         lock.unlock();
-        tell_(step.time_ns + tick * step.tick_ns);
+        tell_(told_ns);
         lock.lock();
         if (number_ != followed) break;
       }

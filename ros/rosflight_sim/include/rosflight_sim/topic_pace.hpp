@@ -65,18 +65,21 @@ class TopicPace {
       const bool ended = time_ns - came_ns_ > kMaxPeriod_ns;
       return ended || may_step(time_ns, now) ? Look::kNotBehind : Look::kBehind;
     }
-    if (time_ns - *stamp_ns_ - period_ns_ <= lag_ns) return Look::kNotBehind;
+    return look(time_ns - *stamp_ns_ - period_ns_ > lag_ns, now);
+  }
+  Look look(bool overdue, Wall::time_point now) {
+    if (!overdue) return Look::kNotBehind;
     if (!overdue_.give_up(now)) return Look::kBehind;
     *this = {};
     return Look::kGivenUp;
   }
 
+  bool counts() const { return intervals_ == kFirst; }
+
  private:
   static constexpr int kFirst = 4;  ///< The first may be short: a timer that was late catches up.
   static constexpr std::int64_t kGrowing = 16;
   static constexpr std::int64_t kForgetting = 64;
-
-  bool counts() const { return intervals_ == kFirst; }
 
   /// While it is learnt.
   bool may_step(std::int64_t time_ns, Wall::time_point now) {
