@@ -240,8 +240,10 @@ FlightSetup::FlightSetup(const FlightChoice& choice_in)
 void FlightSetup::check(const sim::Fault& fault) const {
   const bool servo = fault.kind == sim::FaultKind::kServo;
   if (!servo && fault.kind != sim::FaultKind::kMotor) return;
-  const std::size_t surfaces =
-      fixed_wing() ? sim::read_fixed_wing(vehicle.root()).surfaces.size() : 0;
+  const auto tilting = std::ranges::count_if(
+      rotors.rotors, [](const sim::RotorParameters& rotor) { return rotor.tilt.has_value(); });
+  const std::size_t surfaces = fixed_wing() ? sim::read_fixed_wing(vehicle.root()).surfaces.size()
+                                            : static_cast<std::size_t>(tilting);
   const std::size_t count = servo ? surfaces : rotors.rotors.size();
   if (fault.motor < count) return;
   throw Error(fmt::format(

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <string>
 
 #include "config/table.hpp"
@@ -93,7 +94,9 @@ void check_layout(const Section& surfaces, const FixedWingParameters& p) {
     const std::size_t output = p.surfaces[i].output;
     bool taken = false;
     for (std::size_t k = 0; k < i; ++k) taken = taken || p.surfaces[k].output == output;
-    for (const auto& rotor : p.propulsion.rotors) taken = taken || rotor.output == output;
+    for (const auto& rotor : p.propulsion.rotors) {
+      taken = taken || rotor.output == output || (rotor.tilt && rotor.tilt->output == output);
+    }
     if (taken) {
       throw layout[i].error("output", layout[i].raw("output") + " again",
                             "each output once, rotors included");
@@ -155,7 +158,9 @@ FixedWingParameters read_fixed_wing(const Section& vehicle) {
   surface_parameters().read(surfaces, p);
   check_layout(surfaces, p);
   surfaces.finish();
-  const std::size_t states = p.propulsion.rotors.size() + 1 + p.surfaces.size();
+  const auto tilts = static_cast<std::size_t>(
+      std::ranges::count_if(p.propulsion.rotors, [](const auto& r) { return r.tilt.has_value(); }));
+  const std::size_t states = p.propulsion.rotors.size() + 1 + tilts + p.surfaces.size();
   if (states > ForcesAndMoments::kMaxStates) {
     throw surfaces.error("layout", std::to_string(p.surfaces.size()) + " surfaces",
                          "rotors and surfaces with no more than " +

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/multirotor/multirotor.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+
+#include "sim/portable_math.hpp"
 
 namespace rosflight::sim {
 namespace {
@@ -26,6 +29,18 @@ Lanes dot(const Vector3Lanes& a, const Vector3Lanes& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+void set_lane(Vector3Lanes& lanes, std::size_t k, const Vector3& v) {
+  lanes.x.set(k, v.x());
+  lanes.y.set(k, v.y());
+  lanes.z.set(k, v.z());
+}
+
+/// e turned by an angle about a unit axis (O. Rodrigues, 1840).
+Vector3 turn(const Vector3& e, const Vector3& axis, double angle_rad) {
+  const portable::SinCos a = portable::sin_cos(angle_rad);
+  return a.cos * e + a.sin * axis.cross(e) + (1.0 - a.cos) * axis.dot(e) * axis;
+}
+
 }  // namespace
 
 Multirotor::Multirotor(const MultirotorParameters& p)
@@ -43,25 +58,36 @@ Multirotor::Multirotor(const MultirotorParameters& p)
       per_resistance_{1.0 / p.motor.resistance_ohm},
       per_inertia_{p.propeller.inertia_kg_m2 > 0.0 ? 1.0 / p.propeller.inertia_kg_m2 : 0.0} {
   if (motor_.model == MotorModel::kInstant) propeller_.inertia_kg_m2 = 0.0;
-  const auto set = [](Vector3Lanes& lanes, std::size_t k, const Vector3& v) {
-    lanes.x.set(k, v.x());
-    lanes.y.set(k, v.y());
-    lanes.z.set(k, v.z());
-  };
   for (std::size_t i = 0; i < kGroups * kLanes; ++i) {
     Group& group = group_[i / kLanes];
     const std::size_t k = i % kLanes;
     const bool real = i < rotors_;
     const RotorParameters r = real ? p.rotors[i] : RotorParameters{};
-    set(group.p_B, k, r.p_B);
-    set(group.e_B, k, r.e_B);
-    set(group.p_cross_e_B, k, r.p_B.cross(r.e_B));
+    set_lane(group.p_B, k, r.p_B);
+    aim(group, k, r.p_B, r.e_B);
     group.spin.set(k, r.spin);
     group.factor.set(k, real ? 1.0 : 0.0);
     group.alive.set(k, real ? 1.0 : 0.0);
     group.output[k] = r.output;
     extent_m_ = std::max(extent_m_, r.p_B.norm());
+    if (r.tilt) tilts_.push_back({i, r.p_B, r.e_B, *r.tilt, false});
   }
+}
+
+void Multirotor::aim(Group& group, std::size_t lane, const Vector3& p_B, const Vector3& e_B) {
+  set_lane(group.e_B, lane, e_B);
+  set_lane(group.p_cross_e_B, lane, p_B.cross(e_B));
+}
+
+const Multirotor::Groups& Multirotor::directed(std::span<const double> x, Groups& turned) const {
+  if (tilts_.empty()) return group_;
+  turned = group_;
+  for (std::size_t i = 0; i < tilts_.size(); ++i) {
+    const Tilt& tilt = tilts_[i];
+    aim(turned[tilt.rotor / kLanes], tilt.rotor % kLanes, tilt.p_B,
+        turn(tilt.e_B, tilt.servo.axis_B, x[rotors_ + 1 + i]));
+  }
+  return turned;
 }
 
 void Multirotor::initial_state(std::span<double> x) const {
@@ -75,6 +101,10 @@ void Multirotor::set_thrust_factor(std::size_t rotor, double factor) {
   const bool dead = !(factor > 0.0);
   group.alive.set(rotor % kLanes, dead ? 0.0 : 1.0);
   group.factor.set(rotor % kLanes, dead ? 1.0 : std::min(factor, 1.0));
+}
+
+void Multirotor::set_surface_stuck(std::size_t surface, bool stuck) {
+  if (surface < tilts_.size()) tilts_[surface].stuck = stuck;
 }
 
 void Multirotor::load(std::span<const double> x, PerRotor& speed) const {
@@ -196,8 +226,10 @@ void Multirotor::evaluate(const Input& in, std::span<const double> x, Wrench& wr
   Vector3Lanes force{0.0, 0.0, 0.0};
   Vector3Lanes torque = force;
   Vector3Lanes momentum = force;  // of the rotors, relative to the body, over -J_r
+  Groups turned;
+  const Groups& groups = directed(x, turned);
   for (std::size_t g = 0; g < groups_; ++g) {
-    const Group& group = group_[g];
+    const Group& group = groups[g];
     const Vector3Lanes& e = group.e_B;
     const Vector3Lanes hub = hub_velocity(in, group);
     const Lanes along = inflow(in, group, hub);
@@ -252,6 +284,16 @@ void Multirotor::evaluate(const Input& in, std::span<const double> x, Wrench& wr
   wrench.torque_B =
       Vector3(sum(torque.x), sum(torque.y), sum(torque.z)) + in.body.w_B.cross(spinning);
   x_dot[rotors_] = battery_.constant() ? 0.0 : -now.current_sum_A;
+  for (std::size_t i = 0; i < tilts_.size(); ++i) {
+    const TiltParameters& servo = tilts_[i].servo;
+    const double output = static_cast<double>(in.outputs[servo.output]);
+    const double command = servo.travel_rad * (2.0 * std::clamp(output, 0.0, 1.0) - 1.0);
+    const double rate = (command - x[rotors_ + 1 + i]) / servo.time_constant_s;
+    x_dot[rotors_ + 1 + i] =
+        std::isnan(rate) || tilts_[i].stuck
+            ? 0.0
+            : std::clamp(rate, -servo.rate_limit_rad_s, servo.rate_limit_rad_s);
+  }
 }
 
 void Multirotor::limit_state(std::span<double> x) const {
@@ -265,8 +307,10 @@ void Multirotor::report(const Input& in, std::span<const double> x, Truth& truth
   Supply now;
   supply(in.outputs, speeds, x[rotors_], now);
   if (motor_.model == MotorModel::kInstant) {
+    Groups turned;
+    const Groups& groups = directed(x, turned);
     for (std::size_t g = 0; g < groups_; ++g) {
-      const Group& group = group_[g];
+      const Group& group = groups[g];
       const Lanes u = inflow(in, group, hub_velocity(in, group)) * flow_per_speed_;
       speeds[g] = steady_speed(now.duty[g] * now.voltage_V, speeds[g], u, in.air.density_kg_m3,
                                group.factor);

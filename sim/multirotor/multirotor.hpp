@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <array>
+#include <vector>
 
 #include "sim/modules.hpp"
 #include "sim/multirotor/lanes.hpp"
@@ -37,14 +38,21 @@ namespace rosflight::sim {
 /// Unmanned Aircraft", suppl. 4.3; options reproduce its steady state, its flow and its ground
 /// effect exactly.
 ///
-/// States: rotor speeds [rad/s], then charge [A s]. No heap in a step; about 900 instructions an
+/// A tilting rotor's direction e is turned by the angle delta of its servo, which follows its command
+/// c = travel (2 output - 1) as a control surface does (FixedWing):
+///
+///     d delta/dt = max(-r, min(r, (c - delta)/tau))                                   (6)
+///
+/// A servo whose output is NaN keeps its angle. The torque that turns the spinning rotor is left out.
+///
+/// States: rotor speeds [rad/s], charge [A s], then tilt angles [rad]. No heap in a step; about 900 instructions an
 /// evaluation of four rotors.
 class Multirotor final : public ForcesAndMoments {
  public:
   /// @param parameters  as read_multirotor() checks them.
   explicit Multirotor(const MultirotorParameters& parameters);
 
-  std::size_t state_size() const override { return rotors_ + 1; }
+  std::size_t state_size() const override { return rotors_ + 1 + tilts_.size(); }
   void initial_state(std::span<double> x) const override;
   void evaluate(const Input& in, std::span<const double> x, Wrench& wrench,
                 std::span<double> x_dot) const override;
@@ -53,6 +61,8 @@ class Multirotor final : public ForcesAndMoments {
   /// Thrust and torque of the propeller shrink alike; at 0 the ESC is dead and the rotor runs down.
   void set_thrust_factor(std::size_t rotor, double factor) override;
   void set_charge_limit(double share) override { charge_limit_ = share; }
+  /// Surface i is the i-th tilting rotor.
+  void set_surface_stuck(std::size_t surface, bool stuck) override;
 
  private:
   /// Rotors are worked on four at a time; missing ones have no thrust, torque or current.
@@ -67,6 +77,13 @@ class Multirotor final : public ForcesAndMoments {
     Lanes alive;   ///< 1, or 0: no output reaches the ESC.
     std::array<std::size_t, kLanes> output;
   };
+  struct Tilt {
+    std::size_t rotor;
+    Vector3 p_B, e_B;
+    TiltParameters servo;
+    bool stuck;
+  };
+  using Groups = std::array<Group, kGroups>;
   /// Electric side of one moment.
   struct Supply {
     PerRotor duty;
@@ -79,6 +96,9 @@ class Multirotor final : public ForcesAndMoments {
     Lanes torque_Nm;
   };
 
+  static void aim(Group& group, std::size_t lane, const Vector3& p_B, const Vector3& e_B);
+  /// The rotors with the directions that the tilt angles of x give them; `turned` holds them if any tilts.
+  const Groups& directed(std::span<const double> x, Groups& turned) const;
   void load(std::span<const double> x, PerRotor& speed) const;
   void supply(const hal::OutputValues& outputs, const PerRotor& speed, double charge_As,
               Supply& now) const;
@@ -90,7 +110,8 @@ class Multirotor final : public ForcesAndMoments {
   Lanes ground_factor(const Input& in, const Group& group) const;
   Lanes acceleration(Lanes speed, Lanes current_A, Lanes torque_Nm) const;
 
-  std::array<Group, kGroups> group_;
+  Groups group_;
+  std::vector<Tilt> tilts_;
   std::size_t rotors_;
   std::size_t groups_;
   double charge_limit_{1.0};

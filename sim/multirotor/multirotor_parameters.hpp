@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "config/strict_yaml.hpp"
@@ -28,11 +29,21 @@ enum class GroundEffect {
   kPolynomial         ///< A lift of its own, quartic in height: ROSflight 2.x.
 };
 
+/// A servo that turns a rotor about an axis through its hub.
+struct TiltParameters {
+  std::size_t output{};  ///< Channel of the firmware that drives it: 0..1, 0.5 in the centre.
+  Vector3 axis_B{Vector3::UnitX()};  ///< Unit vector; a positive angle turns right-handed about it.
+  double travel_rad{};               ///< Angle at either end.
+  double time_constant_s{};
+  double rate_limit_rad_s{};
+};
+
 struct RotorParameters {
-  std::size_t output{};            ///< Channel of the firmware that drives it.
-  Vector3 p_B{Vector3::Zero()};    ///< Hub from the centre of mass [m].
-  Vector3 e_B{-Vector3::UnitZ()};  ///< Unit thrust direction.
-  double spin{1.0};                ///< +1 or -1: drag torque on the body acts along spin * e_B.
+  std::size_t output{};                ///< Channel of the firmware that drives it.
+  Vector3 p_B{Vector3::Zero()};        ///< Hub from the centre of mass [m].
+  Vector3 e_B{-Vector3::UnitZ()};      ///< Unit thrust direction.
+  double spin{1.0};                    ///< +1 or -1: drag torque on the body acts along spin * e_B.
+  std::optional<TiltParameters> tilt;  ///< Turns e_B.
 };
 
 /// All propellers alike: C(J) = c0 + c1 J + c2 J^2 over the advance ratio J = 2 pi V/(Omega D).

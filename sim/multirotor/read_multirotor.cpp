@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "config/table.hpp"
 #include "sim/modules.hpp"
@@ -9,11 +11,16 @@
 namespace rosflight::sim {
 namespace {
 
+using config::kDeg;
+using config::kDegPerS;
 using config::Range;
 using config::Row;
 using config::Section;
 using config::Table;
 using config::Whole;
+
+/// Unit vectors are written with few decimals; anything farther from one is a slip.
+constexpr double kUnitTolerance = 1e-3;
 
 const Range kCoefficient = Range::between(-1.0, 1.0);
 
@@ -21,24 +28,45 @@ bool first_is_positive(const std::array<double, 3>& coefficients) {
   return coefficients[0] > 0.0;
 }
 
+Table<TiltParameters> tilt_table() {
+  using T = TiltParameters;
+  using R = Row<T>;
+  return {
+      R{"output", &T::output, "", Whole{0, hal::kOutputs - 1},
+        "of the firmware, drives the servo; each output once, rotors included"}
+          .needed(),
+      R{"axis", &T::axis_B, "", Range::between(-1.0, 1.0),
+        "that a positive angle turns the thrust direction about, right-handed"}
+          .needed()
+          .must("a unit vector",
+                [](const T& t) { return std::abs(t.axis_B.norm() - 1.0) <= kUnitTolerance; }),
+      R{"travel_deg", &T::travel_rad, kDeg, Range::positive_up_to(90.0), "at either end"}.needed(),
+      // Shorter ones need smaller steps than 2.5 ms.
+      R{"time_constant_s", &T::time_constant_s, "s", Range::between(0.002, 1.0), "of the servo"}
+          .needed(),
+      R{"rate_limit_deg_s", &T::rate_limit_rad_s, kDegPerS, Range::positive_up_to(1e5),
+        "of the servo"}
+          .needed()};
+}
+
 Table<RotorParameters> rotor_table() {
   using P = RotorParameters;
   using R = Row<P>;
-  return {
-      R{"output", &P::output, "", Whole{0, hal::kOutputs - 1},
-        "of the firmware, drives it; each output once"}
-          .needed(),
-      R{"position_m", &P::p_B, "m", Range::between(-20.0, 20.0), "hub, from the centre of mass"}
-          .needed(),
-      // Written with few decimals; anything farther from a unit vector is a slip.
-      R{"thrust_direction", &P::e_B, "", Range::between(-1.0, 1.0), "(0, 0, -1): upright"}
-          .needed()
-          .must("a unit vector", [](const P& p) { return std::abs(p.e_B.norm() - 1.0) <= 1e-3; }),
-      R{"spin", &P::spin, "", Range::between(-1.0, 1.0),
-        "its drag turns the body along spin times thrust direction: -1 on an upright rotor "
-        "turns the nose right"}
-          .needed()
-          .only("-1 or 1", [](double spin) { return std::abs(spin) == 1.0; })};
+  return {R{"output", &P::output, "", Whole{0, hal::kOutputs - 1},
+            "of the firmware, drives it; each output once"}
+              .needed(),
+          R{"position_m", &P::p_B, "m", Range::between(-20.0, 20.0), "hub, from the centre of mass"}
+              .needed(),
+          R{"thrust_direction", &P::e_B, "", Range::between(-1.0, 1.0), "(0, 0, -1): upright"}
+              .needed()
+              .must("a unit vector",
+                    [](const P& p) { return std::abs(p.e_B.norm() - 1.0) <= kUnitTolerance; }),
+          R{"spin", &P::spin, "", Range::between(-1.0, 1.0),
+            "its drag turns the body along spin times thrust direction: -1 on an upright rotor "
+            "turns the nose right"}
+              .needed()
+              .only("-1 or 1", [](double spin) { return std::abs(spin) == 1.0; }),
+          R{"tilt", &P::tilt, tilt_table(), "A servo that turns the thrust direction."}};
 }
 
 Table<PropellerParameters> propeller_table() {
@@ -157,19 +185,36 @@ Table<AeroParameters> aero_parameters() {
                          [](const A& a) { return a.ground_effect == GroundEffect::kPolynomial; })};
 }
 
+namespace {
+
+/// Makes directions exact, and rejects an output that drives two things.
+void check_layout(const std::vector<Section>& layout, std::vector<RotorParameters>& rotors) {
+  std::vector<std::size_t> taken;
+  const auto take = [&taken](const Section& section, std::size_t output) {
+    if (std::find(taken.begin(), taken.end(), output) != taken.end())
+      throw section.error("output", section.raw("output") + " again", "each output once");
+    taken.push_back(output);
+  };
+  for (std::size_t i = 0; i < layout.size(); ++i) {
+    rotors[i].e_B.normalize();
+    take(layout[i], rotors[i].output);
+  }
+  for (std::size_t i = 0; i < layout.size(); ++i) {
+    if (!rotors[i].tilt) continue;
+    rotors[i].tilt->axis_B.normalize();
+    take(layout[i].section("tilt"), rotors[i].tilt->output);
+  }
+}
+
+}  // namespace
+
 MultirotorParameters read_propulsion(const Section& vehicle) {
   MultirotorParameters p;
   p.aero.ground_effect = GroundEffect::kNone;
   const Section rotors = vehicle.section("rotors");
   rotor_parameters().read(rotors, p);
   const auto layout = rotors.sections("layout");
-  for (std::size_t i = 0; i < layout.size(); ++i) {
-    p.rotors[i].e_B.normalize();
-    for (std::size_t k = 0; k < i; ++k) {
-      if (p.rotors[k].output == p.rotors[i].output)
-        throw layout[i].error("output", layout[i].raw("output") + " again", "each output once");
-    }
-  }
+  check_layout(layout, p.rotors);
   const Section motor = rotors.section("motor");
   const Section propeller = rotors.section("propeller");
   if (p.motor.model == MotorModel::kElectrical && !propeller.has("inertia_kg_m2"))

@@ -134,6 +134,64 @@ TEST(Multirotor, RotorSpeedEndsWhereTheReferenceFormulaSays) {
   EXPECT_NEAR(-truth.wrench.force_B.z() / 4.0, 9.3057, 4e-4);  // climbs at 0.4 mm/s by then
 }
 
+const char* const kTiltingRotor =
+    "rotors.layout.2.tilt={output: 8, axis: [-1, 0, 0], travel_deg: 30, time_constant_s: 0.03, "
+    "rate_limit_deg_s: 500}";
+
+TEST(Multirotor, ATiltedRotorPushesAndTurnsAboutItsTurnedAxis) {
+  const World world(with({kTiltingRotor}));
+  ASSERT_EQ(world.forces.state_size(), 6U);
+  std::vector<double> x(6, 0.0);
+  x[2] = 400.0;
+  x[4] = 1000.0;
+  const Wrench upright = evaluate(world.forces, {}, x).wrench;
+  const double thrust_N = -upright.force_B.z();
+  const double spin = -1.0;
+  const double drag_Nm = -spin * (upright.torque_B.z());
+  x[5] = 0.3;
+  const Wrench tilted = evaluate(world.forces, {}, x).wrench;
+  // The direction (0, 0, -1) turned by 0.3 rad about -x.
+  const Vector3 e(0.0, -std::sin(0.3), -std::cos(0.3));
+  const Vector3 p(-0.1768, -0.1768, -0.0762);
+  EXPECT_NEAR((tilted.force_B - thrust_N * e).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((tilted.torque_B - (thrust_N * p.cross(e) + spin * drag_Nm * e)).norm(), 0.0, 1e-12);
+}
+
+TEST(Multirotor, ATiltServoHasLagAndALimitOfItsRate) {
+  World world(with({kTiltingRotor, "environment.gravity_m_s2=0"}));
+  const double travel = 30.0 * kPi / 180.0;
+  const double limit = 500.0 * kPi / 180.0;
+  hal::OutputValues outputs{};
+  outputs[8] = 1.0F;
+  // At its limit until the lag asks for less: at travel - limit tau.
+  const double until_s = (travel - limit * 0.03) / limit;
+  world.run(until_s, outputs);
+  EXPECT_NEAR(world.dynamics.module_state()[5], limit * until_s, 1e-6);
+  world.run(0.03, outputs);
+  EXPECT_NEAR(world.dynamics.module_state()[5], travel - limit * 0.03 * std::exp(-1.0), 1e-5);
+  outputs[8] = std::numeric_limits<float>::quiet_NaN();
+  const double before = world.dynamics.module_state()[5];
+  world.run(0.1, outputs);
+  EXPECT_EQ(world.dynamics.module_state()[5], before) << "a servo without a command stays";
+  world.forces.set_surface_stuck(0, true);
+  outputs[8] = 0.0F;
+  world.run(0.1, outputs);
+  EXPECT_EQ(world.dynamics.module_state()[5], before) << "a stuck one too";
+}
+
+TEST(Multirotor, AnOutputDrivesOneThing) {
+  try {
+    const World world(
+        {"rotors.layout.2.tilt={output: 1, axis: [1, 0, 0], travel_deg: 30, "
+         "time_constant_s: 0.03, rate_limit_deg_s: 500}"});
+    FAIL();
+  } catch (const config::Error& error) {
+    EXPECT_NE(std::string(error.what()).find("found 1 again, allowed each output once"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(Multirotor, StepResponseHasTheLinearTimeConstant) {
   World world(with({"environment.gravity_m_s2=0"}));
   world.run(1.0, all_motors(0.48));

@@ -104,6 +104,91 @@ TEST(VehicleFrame, GainsAreInNewtonMetres) {
   EXPECT_DOUBLE_EQ(frame.max_voltage_V, 25.2) << "BATT_VOLT_MAX of the file";
 }
 
+struct Predefined {
+  const char* vehicle;
+  core::MixerId id;
+};
+constexpr Predefined kPredefined[]{{"quad_plus", core::MixerId::kQuadPlus},
+                                   {"multirotor", core::MixerId::kQuadX},
+                                   {"hexa_plus", core::MixerId::kHexPlus},
+                                   {"hexarotor", core::MixerId::kHexX},
+                                   {"octo_plus", core::MixerId::kOctoPlus},
+                                   {"octorotor", core::MixerId::kOctoX},
+                                   {"y6", core::MixerId::kY6},
+                                   {"x8", core::MixerId::kX8}};
+
+// The rule behind the tables (ROSflight 2.0 paper): a motor at angle theta with spin d adds
+// [0, 0, -1/n, -sin theta, cos theta, d] to force and torque. The tables have four decimals.
+TEST(VehicleFrame, RotorsAreWhereThePredefinedMixerHasThem) {
+  for (const Predefined& frame : kPredefined) {
+    SCOPED_TRACE(frame.vehicle);
+    const Values values = firmware_of(frame.vehicle);
+    EXPECT_EQ(values.at("PRIMARY_MIXER"), static_cast<double>(frame.id));
+    for (const auto& entry : values)
+      EXPECT_FALSE(entry.first.starts_with("PRI_MIXER_")) << entry.first;
+    const auto rotors = read_rotors(vehicle(frame.vehicle)).rotors;
+    EXPECT_EQ(mixer_fault(static_cast<int>(frame.id), rotors.size()), "");
+    Eigen::Matrix<float, core::kAxes, core::kChannels> M;
+    M.setZero();
+    for (const sim::RotorParameters& rotor : rotors) {
+      const double arm_m = std::hypot(rotor.p_B.x(), rotor.p_B.y());
+      const auto k = static_cast<Eigen::Index>(rotor.output);
+      M(2, k) = -1.0F / static_cast<float>(rotors.size());
+      M(3, k) = static_cast<float>(-rotor.p_B.y() / arm_m);
+      M(4, k) = static_cast<float>(rotor.p_B.x() / arm_m);
+      M(5, k) = static_cast<float>(-rotor.spin);  // up: the drag turns the nose by -spin
+    }
+    EXPECT_LT((core::pseudo_inverse(M) - core::frame_gains(frame.id)).cwiseAbs().maxCoeff(), 3e-4F);
+  }
+}
+
+// vehicles/README.md: a hub of 2.5 kg, which with four arms is the default quadrotor, and 0.25 kg at
+// the end of each arm.
+TEST(VehicleFrame, MassAndInertiaFollowFromTheDefaultQuadrotor) {
+  constexpr double kArm_kg = 0.25;
+  const auto arms = [&](const char* name) {
+    sim::Matrix3 J = sim::Matrix3::Zero();
+    for (const sim::RotorParameters& rotor : read_rotors(vehicle(name)).rotors) {
+      J += kArm_kg *
+           (rotor.p_B.squaredNorm() * sim::Matrix3::Identity() - rotor.p_B * rotor.p_B.transpose());
+    }
+    return J;
+  };
+  const sim::Matrix3 hub = vehicle("multirotor").body().inertia_kg_m2 - arms("multirotor");
+  for (const char* name :
+       {"quad_plus", "hexa_plus", "hexarotor", "octo_plus", "octorotor", "y6", "x8", "tricopter"}) {
+    SCOPED_TRACE(name);
+    const sim::BodyParameters body = vehicle(name).body();
+    const auto count = static_cast<double>(read_rotors(vehicle(name)).rotors.size());
+    EXPECT_NEAR(body.mass_kg, 2.5 + kArm_kg * count, 1e-9);
+    EXPECT_LT((body.inertia_kg_m2 - hub - arms(name)).cwiseAbs().maxCoeff(), 1e-4);
+  }
+}
+
+// docs/mixer.md: P = J w^2/u, D = 2 z w J/u with w = 10 rad/s, z = 0.7; u = arm x dF/dthrottle, since the
+// rows of a predefined mixer have arms of 1.
+TEST(VehicleFrame, AttitudeGainsFollowFromInertiaAndArm) {
+  for (const char* name :
+       {"quad_plus", "hexa_plus", "hexarotor", "octo_plus", "octorotor", "y6", "x8", "tricopter"}) {
+    SCOPED_TRACE(name);
+    const sim::Vehicle file = vehicle(name);
+    const FrameConfig frame = propulsion_frame(file);
+    const double W = hover_check(frame).speed_rad_s;
+    const double dV_dW = frame.motor_kv_V_s_rad + 2.0 * W * frame.motor_resistance_ohm *
+                                                      frame.torque_gain_Nm_s2() /
+                                                      frame.motor_kv_V_s_rad;
+    const double unit_Nm = std::hypot(frame.rotors[0].p_B.x(), frame.rotors[0].p_B.y()) * 2.0 *
+                           frame.thrust_gain_N_s2() * W * frame.max_voltage_V / dV_dW;
+    const Values values = firmware_of(name);
+    const double J = file.body().inertia_kg_m2(0, 0);
+    // Up to the battery's sag, and the quadrotor's rounding of 0.94 to 1.
+    EXPECT_NEAR(values.at("PID_ROLL_ANG_P"), J * 100.0 / unit_Nm, 0.1 * J * 100.0 / unit_Nm);
+    EXPECT_NEAR(values.at("PID_ROLL_ANG_D"), J * 14.0 / unit_Nm, 0.1 * J * 14.0 / unit_Nm);
+    EXPECT_EQ(values.at("PID_ROLL_ANG_I"), values.at("PID_ROLL_ANG_P"));
+    EXPECT_EQ(values.at("PID_PITCH_ANG_P"), values.at("PID_ROLL_ANG_P"));
+  }
+}
+
 // docs/mixer.md, units of the attitude gains: newton metres of roll for one unit of a predefined
 // mixer, from the slope of thrust over throttle at hover.
 TEST(VehicleFrame, UnitOfThePredefinedMixerIsThatOfTheDocument) {
