@@ -13,6 +13,7 @@ from project import ROOT
 # Most of these tests wait for real time to pass: two files at once leave the processors room. Not so whole flights, which
 # run as fast as the machine does: one at a time, or they disturb each other's timing.
 LANES = 2
+ROS_LANES = 3  # their nodes wait for each other too
 
 
 def run(files: list[Path], python: str, reports: Path, options: list[str] = (), lanes: int = LANES,

@@ -16,6 +16,7 @@ from pathlib import Path
 import rclpy
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import DurabilityPolicy, QoSProfile
+from pytest_files import ROS_LANES
 from ros_client import ask
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -48,11 +49,11 @@ _given = set()  # ports; who asks binds them later
 
 def free_udp_port():
     """Below the range of which sockets without a wish get theirs, so that none takes it meanwhile, and not one of DDS, whose domain D
-    uses the first ports from 7400 + 250 D. Never one twice, and odd or even as the domain: tools/ros_test.py gives the tests that
-    run beside these a domain of the other kind."""
+    uses the first ports from 7400 + 250 D. Never one twice, and with the remainder of the domain: tools/ros_test.py gives the tests
+    that run beside these a domain with another."""
     while True:
         port = random.SystemRandom().randrange(20_000, 32_000)
-        if (port - 7400) % 250 < 125 or port in _given or (port - int(os.environ.get("ROS_DOMAIN_ID", "0"))) % 2:
+        if (port - 7400) % 250 < 125 or port in _given or (port - int(os.environ.get("ROS_DOMAIN_ID", "0"))) % ROS_LANES:
             continue
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             try:

@@ -33,7 +33,7 @@ def files() -> list[Path]:
 
 def domain(lane: int = 0) -> str:
     """What runs at the same time on one machine must not receive each other's messages: domains by process id and lane."""
-    lanes = pytest_files.LANES
+    lanes = pytest_files.ROS_LANES
     return os.environ.get("ROS_DOMAIN_ID") or str(1 + os.getpid() * lanes % 100 + lane)
 
 
@@ -85,6 +85,6 @@ def _pytest(environment: ros_environment.Environment, chosen: list[Path], place:
         return environment.for_process(
             place, **environment.loopback(), **cpp_tests.SANITIZER_OPTIONS, ROS_DOMAIN_ID=domain(lane),
             ROS_LOG_DIR=str(place / "node_logs"))
-    lanes = 1 if "ROS_DOMAIN_ID" in os.environ else pytest_files.LANES
+    lanes = 1 if "ROS_DOMAIN_ID" in os.environ else pytest_files.ROS_LANES
     return pytest_files.run(chosen, str(environment.python), REPORTS / place.name,
                             ["-o", "pythonpath=tools ros_standin test_support/ros"], lanes, variables)

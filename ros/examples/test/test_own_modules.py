@@ -87,11 +87,11 @@ def test_a_plane_flies_a_mission_on_derived_classes(found, tmp_path):
         aloft = flight.time_s()
         flight.until(lambda: math.dist(flight.place()[:2], (-150, -150)) < 60.0, "the orbit around the last waypoint")
         arrived = flight.time_s()
-        flight.until(lambda: flight.time_s() > arrived + 40.0, "an orbit")
+        flight.until(lambda: flight.time_s() > arrived + 32.0, "an orbit and a half")
         assert flight.nearest_to((300, -150, -40)) < 40.0, "half of R_min before the waypoint it turns"
         orbit = [m.pose.position for m in flight.truth if stamp_ns(m) * 1e-9 > arrived + 20.0]
         assert all(40.0 < math.dist((p.x, p.y), (-150, -150)) < 65.0 and 35.0 < -p.z < 45.0 for p in orbit), "R_min, the altitude"
-        speeds = flight.speeds(aloft + 10.0, arrived + 40.0)
+        speeds = flight.speeds(aloft + 10.0, arrived + 32.0)
         assert 11.5 < min(speeds) and max(speeds) < 19.0
         assert not any(m.failsafe for m in flight.status)
 

@@ -13,7 +13,7 @@ from ros_rig import free_udp_port
 from rosflight_msgs.msg import Status
 from sim_rig import SimPeer, launch, pid_of
 
-SECONDS = 20.0
+SECONDS = 10.0
 LOOPS_PER_PROCESSOR = 4
 STOPS_S, BETWEEN_S = (*[0.2] * 8, 1.5), 0.1
 LEAD_S = 0.06  # time that the board has beyond the last sample or frame
