@@ -66,6 +66,7 @@ ROS_HEADER = re.compile(
 )
 SOURCE_SUFFIXES = {".cpp", ".hpp", ".c", ".h", ".py", ".sh", ".cmake", ".ts", ".tsx", ".mjs", ".css"}
 LICENCE = "SPDX-License-Identifier: BSD-3-Clause"
+COPYRIGHT = re.compile(r"^\W*(copyright\b.*\d{4}|\(c\) *\d{4})", re.I)
 MAX_LINES, MANY_LINES = 600, 400
 MANY_UNITS = 4  # a folder that a person can own
 
@@ -295,9 +296,13 @@ def check_links(tree: Tree) -> list[str]:
 
 
 def check_licences(tree: Tree) -> list[str]:
-    """One SPDX line near the top of every source."""
-    return [f"{path}: no line '{LICENCE}' among its first three" for path in tree.sources()
-            if LICENCE not in "\n".join(tree.text(path).splitlines()[:3])]
+    """One SPDX line near the top of every source, and no copyright of others: their files stay with them, and the project's own is in
+    LICENSE."""
+    complaints = [f"{path}: no line '{LICENCE}' among its first three" for path in tree.sources()
+                  if LICENCE not in "\n".join(tree.text(path).splitlines()[:3])]
+    return complaints + [f"{path}:{number}: a copyright; other people's files are installed, not kept here"
+                         for path in tree.sources()
+                         for number, line in enumerate(tree.text(path).splitlines(), 1) if COPYRIGHT.search(line)]
 
 
 BEAST_UNIT, BEAST_PARTS = Path("web/server/web_server.cpp"), Path("web/server/detail")

@@ -125,6 +125,13 @@ def test_licence_line_is_wanted_in_sources_and_scripts_only(tree):
     assert [line.split(":")[0] for line in found] == ["sim/bad.cpp", "CMakeLists.txt", "script"]
 
 
+def test_file_of_others_is_told(tree):
+    found = structure.check_licences(tree({
+        "ros/rclcpp/timer.hpp": f"{SPDX}\n// Copyright 2014 Open Source Robotics Foundation, Inc.\n", "a.py": f"{SPDX}# (c) 2020 Somebody\n",
+        "sim/own.cpp": f"{SPDX}// copyright is the project's, see LICENSE\n"}))
+    assert [line.split(": ")[0] for line in found] == ["ros/rclcpp/timer.hpp:3", "a.py:2"]
+
+
 def test_size_limits(tree, capsys):
     found = structure.check_sizes(tree({"a.cpp": "\n" * 601, "b.cpp": "\n" * 600, "c.csv": "\n" * 999}))
     assert found == ["a.cpp: 601 lines, at most 600"]
