@@ -67,7 +67,8 @@ class TimerPhase {
   static constexpr int kMaxGaps = 4;
   static constexpr double kGap = 2.5;           ///< Periods: it was not called meanwhile.
   static constexpr std::int64_t kMinSlack = 3;  ///< Ticks.
-  static constexpr auto kBusy = std::chrono::milliseconds(50);  ///< What its work may take.
+  static constexpr auto kBusy = std::chrono::milliseconds(20);  ///< What its work may take.
+  static constexpr auto kSlow = std::chrono::milliseconds(2);
   static constexpr auto kPerTick = std::chrono::milliseconds(5);
   /// A period that is thought too short makes time stand; one that is too long is put right by the next stamp.
   static constexpr double kLonger = 1.001;
@@ -85,11 +86,11 @@ class TimerPhase {
       period_ns_ = std::max(period_ns_, apart_ns);
     else
       period_ns_ += (apart_ns - period_ns_) / std::min(count_, kMean);
-    slow_ = stood_ > kPerTick ? kMean : std::max(slow_ - 1, 0);
+    slow_ = stood_ > kSlow ? kMean : std::max(slow_ - 1, 0);
     if (stood_ > kBusy) {  // that was too short
       period_ns_ = std::max(period_ns_, apart_ns);
       count_ = kFirst;
-    } else if (stood_ > kPerTick) {  // as long as time was given, or shorter
+    } else if (stood_ > Wall::duration{}) {  // as long as time was given, or shorter
       period_ns_ *= kShorter;
     }
   }
