@@ -42,9 +42,10 @@ Guidance::Note note_of(const autonomy::FlightEvent& e, const char* phase) {
     case Type::kReturning:
     case Type::kAileronsLost:
       return say(Severity::kWarning, name(e.type));
+    case Type::kMotorOut:
+      return say(Severity::kError, fmt::format("{}: motor {}", name(e.type), e.index));
     case Type::kTakeoffFailed:
     case Type::kPathFault:
-    case Type::kMotorOut:
     case Type::kPositionLost:
     case Type::kStateLost:
     case Type::kBatteryLand:
@@ -90,7 +91,7 @@ const GuidanceOutput& MultirotorGuidance::step(const Input& in, const Notify& no
   state.aided =
       in.state.horizontal == autonomy::Quality::kGood || in.state.dead_reckoning_s < kFollowed_s;
   const autonomy::multirotor::FlightOutput& output =
-      manager_.step({in.t_s, state, in.status, in.range_m});
+      manager_.step({in.t_s, state, in.status, in.range_m, in.outputs});
   report(output, out_, notify);
   using autonomy::multirotor::Phase;
   out_.idle = output.phase == Phase::kDisarmed || output.phase == Phase::kLanded;

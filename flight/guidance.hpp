@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -36,7 +37,8 @@ class Guidance {
     double t_s{};  ///< Companion time.
     const autonomy::StateEstimate& state;
     autonomy::Status status{};
-    std::optional<double> range_m;  ///< Downward range, if fresh and in range.
+    std::optional<double> range_m;   ///< Downward range, if fresh and in range.
+    std::span<const float> outputs;  ///< Reported by the flight controller, if fresh.
   };
   struct Note {
     link::Severity severity{};

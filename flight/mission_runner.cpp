@@ -265,6 +265,17 @@ void MissionRunner::update_estimate(const sim::Truth& truth) {
   estimate_.p_W.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 
+/// What the firmware reported last of its outputs, unless that is old.
+std::span<const float> MissionRunner::outputs() const {
+  constexpr double kMaxAge_s = 0.1;
+  const auto& output = session_.streams().output;
+  const bool fresh =
+      output.count > 0 &&
+      sim::to_seconds(now_) - companion::to_seconds(output.stamp.arrival) < kMaxAge_s;
+  if (!fresh) return {};
+  return output.value.values;
+}
+
 /// The newest reading of the range sensor [m], if it is fresh and in range. A vehicle may stand at the near
 /// end of the range: noise takes every other reading below it then.
 std::optional<double> MissionRunner::range() const {
@@ -355,8 +366,11 @@ void MissionRunner::fly(const sim::Truth& truth) {
   status.battery_fresh =
       battery.count > 0 &&
       sim::to_seconds(now_) - companion::to_seconds(battery.stamp.arrival) < kMaxBatteryAge_s;
-  const Guidance::Input in{
-      .t_s = sim::to_seconds(now_), .state = estimate_, .status = status, .range_m = range()};
+  const Guidance::Input in{.t_s = sim::to_seconds(now_),
+                           .state = estimate_,
+                           .status = status,
+                           .range_m = range(),
+                           .outputs = outputs()};
   const GuidanceOutput& output = guidance_.step(
       in, [this](const Guidance::Note& event) { note(event.severity, "autonomy", event.text); });
   if (!offboard_paused_) {

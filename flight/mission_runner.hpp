@@ -2,6 +2,7 @@
 #pragma once
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "companion/check_list.hpp"
@@ -111,6 +112,7 @@ class MissionRunner final : private companion::Listener {
   void fail(const std::string& why);
   void note(link::Severity severity, const char* source, const std::string& text);
   std::optional<double> range() const;
+  std::span<const float> outputs() const;
 
   MissionRunnerConfig config_;
   companion::Session& session_;

@@ -227,6 +227,11 @@ void share_limits(const VehicleFacts& vehicle, AutonomyConfig& out) {
   f.max_yaw_rate_rad_s = c.max_yaw_rate_rad_s;
 }
 
+double thrust_gain_N_s2(const RotorData& rotors) {
+  const double d2 = rotors.diameter_m * rotors.diameter_m;
+  return rotors.thrust_coefficient * rotors.air_density_kg_m3 * d2 * d2 / (4.0 * kPi * kPi);
+}
+
 ThrustModel thrust_model(const Section& in, const AutonomyConfig& config,
                          const VehicleFacts& vehicle) {
   try {
@@ -276,6 +281,15 @@ AutonomyConfig read_autonomy(const Section& autonomy, const VehicleFacts& vehicl
   out.flight.battery.capacity_Ah = vehicle.battery.capacity_Ah;
   out.flight.battery.resistance_ohm = vehicle.battery.resistance_ohm;
   out.flight.thrust = thrust_model(autonomy, out, vehicle);
+  out.flight.rotor_watch = vehicle.rotor_watch;
+  out.flight.rotor_watch.curve =
+      out.thrust_curve ? *out.thrust_curve : ThrustModel::curve_of(vehicle.rotors);
+  out.flight.rotor_watch.drag_per_thrust_m = vehicle.rotors.torque_coefficient *
+                                             vehicle.rotors.diameter_m /
+                                             vehicle.rotors.thrust_coefficient;
+  out.flight.rotor_watch.thrust_gain_N_s2 = thrust_gain_N_s2(vehicle.rotors);
+  out.flight.rotor_watch.rotor_drag_s_m = out.flight.follower.drag_1_s / vehicle.gravity_m_s2;
+  out.flight.rotor_watch.weight_N = vehicle.mass_kg * vehicle.gravity_m_s2;
   out.flight.controller.mass_kg = out.flight.follower.mass_kg = vehicle.mass_kg;
   out.flight.controller.gravity_m_s2 = out.flight.follower.gravity_m_s2 = vehicle.gravity_m_s2;
   const double weight_N = vehicle.mass_kg * vehicle.gravity_m_s2;

@@ -13,7 +13,8 @@ struct VehicleFacts {
   double gravity_m_s2{9.81};
   RotorData rotors{};
   ThrottlePath throttle{};
-  BatteryConfig battery{};  ///< Its cells, capacity and resistance.
+  BatteryConfig battery{};         ///< Its cells, capacity and resistance.
+  RotorWatchConfig rotor_watch{};  ///< Its rotors and inertia; no rotors: none is watched.
 };
 
 struct AutonomyConfig {

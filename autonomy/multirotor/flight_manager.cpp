@@ -27,7 +27,8 @@ FlightManager::FlightManager(const FlightConfig& config, const Mission& mission,
                              std::unique_ptr<TrajectoryLaw> law)
     : config_(config),
       follower_(law ? std::move(law) : std::make_unique<TrajectoryFollower>(config.follower)),
-      control_(config.controller, config.thrust) {
+      control_(config.controller, config.thrust),
+      rotors_(config.rotor_watch) {
   const double weight_N = config.controller.mass_kg * config.controller.gravity_m_s2;
   if (config.thrust.max_thrust_N() < 1.1 * weight_N) {
     throw std::invalid_argument("the vehicle weighs " + std::to_string(weight_N) +
@@ -63,7 +64,7 @@ void FlightManager::configure(const FlightConfig& config) {
   path_.configure(with_cycle(config.path, path_.config().cycle));
   if (auto* follower = dynamic_cast<TrajectoryFollower*>(follower_.get()))
     follower->configure(config.follower);
-  control_.configure(config.controller, with_height(config.states, takeoff_height_m_));
+  control_.configure(controller_config(), with_height(config.states, takeoff_height_m_));
   control_.set_thrust_model(config.thrust);
   limits_.configure(config.battery);
 }
@@ -140,6 +141,40 @@ void FlightManager::decide(const Input& in) {
   }
 }
 
+/// In the air, while no one else flies. A landing ends the watch before the ground pushes.
+void FlightManager::watch_rotors(const Input& in) {
+  const Phase phase = control_.output().phase;
+  const bool high = phase != Phase::kLanding || in.range_m.value_or(kInfinity) > kWatchHeight_m;
+  const bool flying = !control_.on_ground() && phase != Phase::kTakeoff;
+  if (!flying || !high || control_.pilot().any() || in.status.failsafe) {
+    rotors_.interrupt();
+    return;
+  }
+  if (!rotors_.step({.outputs = in.outputs,
+                     .w_B = in.state.w_B,
+                     .v_B = in.state.q_WB.conjugate() * in.state.v_W,
+                     .voltage_V = in.status.battery_voltage_V,
+                     .dt_s = control_.dt_s()})) {
+    return;
+  }
+  out_.events.add(FlightEventType::kMotorOut, *rotors_.lost());
+  control_.configure(controller_config(), with_height(config_.states, takeoff_height_m_));
+  control_.request_land();
+}
+
+ControllerConfig FlightManager::controller_config() const {
+  ControllerConfig config = config_.controller;
+  if (rotors_.lost()) config.max_tilt_rad = std::min(config.max_tilt_rad, kLostTilt_rad);
+  return config;
+}
+
+void FlightManager::give_up_yaw(const State& state) {
+  FirmwareCommand& command = out_.command;
+  const bool torque = command.mode == FirmwareMode::kPassThrough;
+  out_.yaw_rate_rad_s = torque ? 0.0 : state.w_B.z();
+  command.u[5] = static_cast<float>(out_.yaw_rate_rad_s);
+}
+
 bool FlightManager::position_settled(const Input& in) {
   const bool aided = in.state.horizontal && in.state.aided;
   if (!aided && !control_.on_ground()) settled_s_ = in.t_s + kPositionSettles_s;
@@ -165,6 +200,7 @@ const FlightOutput& FlightManager::step(const Input& in) {
     return out_;
   }
   if (control.phase != control.before) hand_over(in.t_s, in.state);
+  watch_rotors(in);
   decide(in);
   out_.phase = control.phase;
   out_.tracking = control.tracking && !returning_;
@@ -185,6 +221,7 @@ const FlightOutput& FlightManager::step(const Input& in) {
   out_.pitch_rad = control.pitch_rad;
   out_.yaw_rate_rad_s = control.yaw_rate_rad_s;
   out_.thrust_N = control.thrust_N;
+  if (rotors_.yaw_lost() && turn != Turn::kIdle) give_up_yaw(in.state);
   return out_;
 }
 

@@ -2,12 +2,14 @@
 #pragma once
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "autonomy/common/flight_limits.hpp"
 #include "autonomy/common/flight_progress.hpp"
 #include "autonomy/multirotor/commanded_flight.hpp"
 #include "autonomy/multirotor/mission.hpp"
 #include "autonomy/multirotor/path_manager.hpp"
+#include "autonomy/multirotor/rotor_watch.hpp"
 #include "autonomy/multirotor/trajectory_follower.hpp"
 
 namespace rosflight::autonomy::multirotor {
@@ -20,6 +22,7 @@ struct FlightConfig {
   BatteryConfig battery{};
   double return_height_m{5.0};  ///< Min altitude of a return above the start.
   ThrustModel thrust;
+  RotorWatchConfig rotor_watch{};
 };
 
 /// Output of one step.
@@ -45,6 +48,9 @@ struct FlightOutput : FlightProgress<Phase> {
 /// the landing a new mission must be set. A leg that was interrupted (pilot, lost state) starts
 /// again from where the vehicle is. A position that has been dead-reckoned for long is held, not
 /// followed, until it has been aided for kPositionSettles_s: the estimate moves to the truth then.
+/// A vehicle that has lost a rotor (RotorWatch) lands where it is; where yaw cannot be commanded any
+/// more the commanded yaw rate is the measured one, so that no motor is spent on it. It tilts by
+/// kLostTilt_rad at most: the other rotors have less left for turning.
 /// Without a horizontal position it keeps level, and lands when that lasts kPositionWait_s. Battery
 /// and fence (FlightLimits) let it return or land. A state that is not finite: the last command is
 /// repeated for kStateGrace_s, then all channels are ignored, which hands the vehicle to the pilot.
@@ -52,6 +58,8 @@ class FlightManager {
  public:
   static constexpr double kStateGrace_s = CommandedFlight::kStateGrace_s;
   static constexpr double kPositionWait_s = 1.5;
+  static constexpr double kLostTilt_rad = 20.0 * kRadPerDeg;
+  static constexpr double kWatchHeight_m = 0.5;      ///< A landing below it watches no rotors.
   static constexpr double kPositionSettles_s = 5.0;  ///< In which an estimate shows its correction.
 
   struct Input {
@@ -60,6 +68,8 @@ class FlightManager {
     Status status{};
     // NOLINTNEXTLINE(readability-redundant-member-init): so that GCC lets callers name members
     std::optional<double> range_m{};  ///< Downward range, if fresh and in range.
+    // NOLINTNEXTLINE(readability-redundant-member-init): the same
+    std::span<const float> outputs{};  ///< Reported by the flight controller, if fresh.
   };
 
   /// Throws std::invalid_argument if the mission cannot be flown with this configuration.
@@ -82,6 +92,7 @@ class FlightManager {
 
   const FlightOutput& output() const { return out_; }
   const FlightConfig& config() const { return config_; }
+  const RotorWatch& rotor_watch() const { return rotors_; }
 
  private:
   void start_path(double t_s, const State& state);
@@ -89,6 +100,9 @@ class FlightManager {
   ControllerCommand follow(double t_s, const State& state);
   void decide(const Input& in);
   bool position_settled(const Input& in);
+  void watch_rotors(const Input& in);
+  void give_up_yaw(const State& state);
+  ControllerConfig controller_config() const;
   void begin_return(double t_s, const State& state);
 
   FlightConfig config_{};
@@ -97,6 +111,7 @@ class FlightManager {
   CommandedFlight control_;
   std::optional<double> takeoff_height_m_;  ///< Takeoff altitude of the mission.
   FlightLimits limits_;
+  RotorWatch rotors_;
   std::optional<Fence> fence_;
   Vector3 start_W_{Vector3::Zero()};  ///< Position of the take-off.
   double unplaced_s_{};               ///< Without a horizontal position.

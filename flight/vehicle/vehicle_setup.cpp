@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "autonomy/estimation/read_estimator.hpp"
+#include "firmware/core/mixer_frames.hpp"
 #include "firmware/core/motor_model.hpp"
 #include "firmware/core/parameters.hpp"
 #include "flight/vehicle/frame.hpp"
@@ -34,6 +35,35 @@ autonomy::multirotor::RotorData rotor_data(const sim::MultirotorParameters& roto
   data.air_density_kg_m3 =
       sim::Atmosphere(environment.atmosphere).at(environment.origin.altitude_m).density_kg_m3;
   return data;
+}
+
+/// Gain of the mixer in force from input `axis` to output `channel`.
+double mixer_gain(const companion::ParameterSet& firmware, int axis, std::size_t channel) {
+  const auto id = static_cast<std::int32_t>(firmware_value(firmware, "PRIMARY_MIXER"));
+  if (!core::is_predefined(id))
+    return firmware_value(firmware, fmt::format("PRI_MIXER_{}_{}", axis, channel));
+  const core::MixerGains gains = core::frame_gains(static_cast<core::MixerId>(id));
+  return static_cast<double>(gains(static_cast<Eigen::Index>(channel), axis));
+}
+
+/// Rotors that can be watched: of more than four, since four are needed to fly at all, which nothing
+/// but the primary mixer drives.
+autonomy::multirotor::RotorWatchConfig rotor_watch(const sim::Vehicle& vehicle,
+                                                   const sim::MultirotorParameters& rotors,
+                                                   const companion::ParameterSet& firmware) {
+  autonomy::multirotor::RotorWatchConfig watch;
+  watch.inertia_kg_m2 = vehicle.body().inertia_kg_m2;
+  watch.rotor_inertia_kg_m2 = rotors.propeller.inertia_kg_m2;
+  constexpr std::size_t kNeeded = 4;
+  const bool one_mixer = firmware_value(firmware, "SECONDARY_MIXER") >= core::kFirstNoMixer;
+  if (rotors.rotors.size() <= kNeeded || !one_mixer) return watch;
+  for (const sim::RotorParameters& rotor : rotors.rotors) {
+    if (rotor.tilt || rotor.output >= core::kChannels) return {};
+    const auto gain = [&](int axis) { return mixer_gain(firmware, axis, rotor.output); };
+    watch.rotors.push_back(
+        {rotor.p_B, rotor.e_B, rotor.spin, rotor.output, {-gain(2), gain(3), gain(4), gain(5)}});
+  }
+  return watch;
 }
 
 /// Height of the centre of mass over its lowest point of contact.
@@ -162,6 +192,7 @@ autonomy::multirotor::AutonomyConfig read_multirotor_autonomy(
   facts.gravity_m_s2 = vehicle.environment().gravity_m_s2;
   facts.rotors = rotor_data(rotors, vehicle.environment());
   facts.battery = battery_facts(rotors.battery);
+  facts.rotor_watch = rotor_watch(vehicle, rotors, firmware);
   facts.throttle.rc_max_thr = firmware_value(firmware, "RC_MAX_THR");
   if (firmware_value(firmware, "USE_MOTOR_PARAM") != 0.0) {
     core::MotorModel motor;
