@@ -19,11 +19,6 @@ double duration_s(const Fault& fault) {
              : 1e-6 * static_cast<double>((fault.end - fault.start).count());
 }
 
-/// No command comes: for the firmware a companion that stands still is the same as a cut link.
-bool pilot_flies(const Fault& fault) {
-  return fault.kind == FaultKind::kLinkCut || fault.kind == FaultKind::kCompanionStall;
-}
-
 Rule rule_of(const Fault& fault, const Case& flown) {
   const bool fixed_wing = subjects()[flown.subject].fixed_wing;
   constexpr double kBridged_s = 0.3 + 1e-6;
@@ -40,7 +35,7 @@ Rule rule_of(const Fault& fault, const Case& flown) {
     case FaultKind::kGyroStep:
       return std::abs(fault.value) > kGyroBiasLimit_rad_s ? Rule::kGyroBeyond : Rule::kNone;
     case FaultKind::kLinkCut:
-    case FaultKind::kCompanionStall:
+    case FaultKind::kCompanionStall:  // for the firmware the same: no command comes
       return !fixed_wing && flown.pilot == "idle" ? Rule::kPilotHasIt : Rule::kNone;
     default:
       return Rule::kNone;
@@ -60,7 +55,7 @@ const char* name(Class c) {
 }
 
 const char* name(Rule rule) {
-  constexpr std::array<const char*, kRules> kNames{"", "R1", "R2", "R3", "R4", "R5", "R6"};
+  constexpr std::array<const char*, kRules> kNames{"", "R1", "R2", "R3", "R4", "R5"};
   return kNames.at(static_cast<std::size_t>(rule));
 }
 
@@ -73,22 +68,14 @@ const char* text(Rule rule) {
       "The gyro step is beyond the largest bias that the estimator learns, 0.1 rad/s.",
       "No command comes from the companion, and the safety pilot of a multirotor holds his "
       "throttle "
-      "stick at idle. The pilot has the vehicle then, as in ROSflight 2.x.",
-      "No command comes from the companion while the battery is nearly empty: the throttle stick "
-      "that carried a multirotor on a full battery no longer does. The pilot has the vehicle."};
+      "stick at idle. The pilot has the vehicle then, as in ROSflight 2.x."};
   return kTexts.at(static_cast<std::size_t>(rule));
 }
 
 Rule rule_of(const Case& flown) {
-  const Fault first = parsed(flown.first);
-  const Rule rule = rule_of(first, flown);
+  const Rule rule = rule_of(parsed(flown.first), flown);
   if (rule != Rule::kNone || flown.second.empty()) return rule;
-  const Fault second = parsed(flown.second);
-  if (const Rule other = rule_of(second, flown); other != Rule::kNone) return other;
-  const bool sags = first.kind == FaultKind::kBatteryLow || second.kind == FaultKind::kBatteryLow;
-  const bool by_stick = pilot_flies(first) || pilot_flies(second);
-  const bool multirotor = !subjects()[flown.subject].fixed_wing;
-  return sags && by_stick && multirotor ? Rule::kStickIsLow : Rule::kNone;
+  return rule_of(parsed(flown.second), flown);
 }
 
 bool needs_mission(const Case& flown) {

@@ -27,10 +27,9 @@ enum class Rule : unsigned char {
   kImuGone,       ///< R3
   kGyroBeyond,    ///< R4
   kPilotHasIt,    ///< R5
-  kStickIsLow,    ///< R6
 };
-inline constexpr std::size_t kRules = 7;
-/// "R1" to "R6"; "" for kNone.
+inline constexpr std::size_t kRules = 6;
+/// "R1" to "R5"; "" for kNone.
 const char* name(Rule rule);
 /// One sentence for the page.
 const char* text(Rule rule);

@@ -53,6 +53,16 @@ void CommandManager::set_axis_limits(const std::array<float, kAxes>& limits) {
   }
 }
 
+void CommandManager::set_throttle_factor(float factor) {
+  if (factor == throttle_factor_) return;
+  throttle_factor_ = factor;
+  decided_ = false;
+}
+
+float CommandManager::corrected(float throttle) const {
+  return std::max(throttle, std::min(throttle * throttle_factor_, 1.0f));
+}
+
 bool CommandManager::admit(link::OffboardControl& command) {
   if (command.mode >= kModes) return false;
   const bool throttle = static_cast<OffboardMode>(command.mode) != OffboardMode::kPassThrough;
@@ -117,7 +127,7 @@ void CommandManager::interpret(const PilotInput& pilot) {
   CommandVector& c = pilot_;
   c = CommandVector{};
   c.active = 0x3F;
-  c.value[config_.throttle_axis] = pilot.throttle;
+  c.value[config_.throttle_axis] = corrected(pilot.throttle);
   c.value[3] = pilot.roll;
   c.value[4] = pilot.pitch;
   c.value[5] = pilot.yaw;
@@ -235,6 +245,8 @@ bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, b
 
   if (in_failsafe_) {
     combined_ = failsafe_;
+    float& throttle = combined_.value[config_.throttle_axis];
+    throttle = corrected(throttle);
     primary_axes_ = kAllAxes;
   } else {
     combine();

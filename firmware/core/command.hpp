@@ -96,6 +96,11 @@ class CommandManager {
   };
   const Limited& limited() const { return limited_; }
 
+  /// Sets what the throttle of the pilot and of the failsafe is multiplied with, up to 1.
+  /// A command of the companion is taken as it is.
+  /// @param factor  1 or more.
+  void set_throttle_factor(float factor);
+
   /// Stores an admitted command. Masked axes are inactive; after the timeout all are. An inactive
   /// axis follows the pilot, or is 0 where the pilot has no command for it.
   /// @param thrust_fraction  total thrust of the command, 0..1 of the motors' maximum; used only in
@@ -132,6 +137,7 @@ class CommandManager {
   };
 
   void interpret(const PilotInput& pilot);
+  float corrected(float throttle) const;
   std::uint16_t override_now(Time now, const PilotInput& pilot);
   bool pilot_wants_less_thrust() const;
   float torque_share() const;
@@ -154,7 +160,8 @@ class CommandManager {
   CommandVector combined_{};
   std::array<StickHold, 3> holds_{};
   Time offboard_time_{};
-  Time decide_at_{};               ///< Next time at which a timeout or a hold ends.
+  Time decide_at_{};  ///< Next time at which a timeout or a hold ends.
+  float throttle_factor_{1.0f};
   float offboard_throttle_{0.0f};  ///< The last one commanded, also if masked or timed out since.
   float offboard_thrust_fraction_{0.0f};
   std::uint16_t override_{0};

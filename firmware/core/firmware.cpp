@@ -111,7 +111,10 @@ void Firmware::sense(Time now) {
   }
   if (events.any()) finish_calibration(events, now);
   if (sensors_.measurements().new_baro && mixer_.config().use_motor_model) update_max_thrust();
-  if (sensors_.measurements().new_battery) watch_battery(now);
+  if (sensors_.measurements().new_battery) {
+    correct_throttle();
+    watch_battery(now);
+  }
 }
 
 void Firmware::finish_calibration(const Sensors::CalibrationEvents& events, Time now) {

@@ -116,6 +116,7 @@ class Firmware {
   void apply_settings();
   void apply_mixers();
   void update_max_thrust();
+  void correct_throttle();
   void check_calibration();
   void forget_accel_calibration();
   void check_failsafe();

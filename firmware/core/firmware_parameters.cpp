@@ -152,6 +152,7 @@ void Firmware::apply_settings() {
   rc_.configure(rc_settings(parameters_));
   command_.configure(command_settings(parameters_, rc_, !mixer_.mixers_agree()));
   update_max_thrust();
+  correct_throttle();
   // 1 is also the table's default: unless a user set it, the board keeps its own scale.
   const std::int32_t chosen = parameters_.get_int(Param::kBattMultSet);
   const auto scale = [this, chosen](Param id, std::int32_t bit) {
@@ -174,6 +175,16 @@ void Firmware::update_max_thrust() {
   controller_.configure(controller_settings(parameters_, max_thrust_N_));
   mixer_.configure(mixer_settings(parameters_, max_thrust_N_));
   command_.set_axis_limits(mixer_.axis_limits(sensors_.measurements().density_kg_m3));
+}
+
+/// Sticks mean the same thrust on every battery, if THR_VOLT_COMP asks for it. With motor parameters
+/// the mixer does this for all commands.
+void Firmware::correct_throttle() {
+  const bool wanted = parameters_.get_bool(Param::kThrVoltComp) && !uses_motor_model(parameters_) &&
+                      !calibrates_escs(parameters_);
+  const float voltage_V = sensors_.measurements().battery.voltage_V;
+  command_.set_throttle_factor(
+      wanted ? full_battery_factor(voltage_V, parameters_.get_float(Param::kBattVoltMax)) : 1.0f);
 }
 
 /// Biases were set by a user: the measured ones are no longer in force.

@@ -37,10 +37,11 @@ struct MixerHeader {
 ///     motors                 tau_j <- tau_j / max(1, max |tau|)                          (3)
 ///     fixed wing             (1) with aileron, elevator, rudder reversed on request, without (3)
 ///
-/// V() is MotorModel::voltage_V. Below the idle throttle the yaw torque is left out, since it alone
-/// could start motors. Then auxiliary commands set the channels that the mixer leaves free, and
-/// every channel is limited by its type. A NaN or an infinity in any of them stops all motors for
-/// that pass; the other outputs keep their value, and a servo without a command its centre.
+/// V() is MotorModel::voltage_V, V_battery within kMinVoltage and kMaxVoltage of the full battery.
+/// Below the idle throttle the yaw torque is left out, since it alone could start motors. Then
+/// auxiliary commands set the channels that the mixer leaves free, and every channel is limited by
+/// its type. A NaN or an infinity in any of them stops all motors for that pass; the other outputs
+/// keep their value, and a servo without a command its centre.
 ///
 /// An auxiliary motor turns on a command that was received while armed, and only while the mixer is
 /// armed, the radio is present and the companion sends frames. When one of these ends, the motor
@@ -51,10 +52,6 @@ class Mixer {
   static constexpr std::uint16_t kAllAxes = 0x3FF;
   /// Largest output of a motor test.
   static constexpr float kTestLimit = 0.3f;
-  /// Range of the voltage in (2), as fractions of that of the full battery: a failed sensor changes
-  /// the throttle by a factor between 0.6/1.1 and 1/0.6.
-  static constexpr float kMinVoltage = 0.6f;
-  static constexpr float kMaxVoltage = 1.1f;
 
   struct Config {
     bool fixed_wing{false};

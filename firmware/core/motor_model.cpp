@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware/core/motor_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "firmware/core/math.hpp"
@@ -41,6 +42,15 @@ float MotorModel::speed_sq_rad2_s2(float voltage_V, float density_kg_m3) const {
 float MotorModel::max_thrust_N(float density_kg_m3) const {
   return static_cast<float>(motor_count) * thrust_gain(density_kg_m3) *
          speed_sq_rad2_s2(full_voltage_V, density_kg_m3);
+}
+
+float full_battery_factor(float voltage_V, float full_voltage_V) {
+  constexpr float kMargin = 0.98f;
+  constexpr float kMaxFactor = 1.2f;
+  const bool measured = voltage_V > 0.0f && voltage_V >= kMinVoltage * full_voltage_V &&
+                        voltage_V <= kMaxVoltage * full_voltage_V;
+  if (!measured) return 1.0f;
+  return std::clamp(kMargin * full_voltage_V / voltage_V, 1.0f, kMaxFactor);
 }
 
 }  // namespace rosflight::core

@@ -36,4 +36,20 @@ struct MotorModel {
   float torque_gain(float density_kg_m3) const;  ///< [N m s^2]
 };
 
+/// What a battery can have, as fractions of the full battery's voltage. With the model a failed
+/// sensor changes the throttle by a factor between 0.6/1.1 and 1/0.6.
+inline constexpr float kMinVoltage = 0.6f;
+inline constexpr float kMaxVoltage = 1.1f;
+
+/// Without the model: factor for a throttle that is meant for the full battery, so that it gives the
+/// same thrust on an emptier one. A motor output is a fraction of the voltage V that there is:
+///
+///     factor = clamp(0.98 V_full/V, 1, 1.2)                                               (2)
+///
+/// and 1 for a voltage that no battery has, as of a sensor that is absent. A sensor that reads 2 %
+/// too low must not make a vehicle climb whose pilot holds the stick that hovers. At 1.2 a lithium
+/// cell has 3.4 V and is nearly empty; the thrust is at most 1.2^2 of what the stick is meant for,
+/// whatever the sensor says.
+float full_battery_factor(float voltage_V, float full_voltage_V);
+
 }  // namespace rosflight::core
