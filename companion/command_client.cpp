@@ -342,4 +342,9 @@ void CommandClient::settle() {
   }
 }
 
+void CommandClient::copy_state_of(const CommandClient& other) {
+  due_ = other.due_;
+  armed_ = other.armed_;
+}
+
 }  // namespace rosflight::companion

@@ -69,6 +69,8 @@ class CommandClient {
   void run(bool link_open);
   Time next_due() const { return due_; }
   bool idle() const { return pending_.empty(); }
+  /// Takes over the state of another one; both must be idle.
+  void copy_state_of(const CommandClient& other);
 
  private:
   static constexpr std::size_t kMaxEvidence = 3;

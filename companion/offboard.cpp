@@ -156,4 +156,12 @@ SendStatus Offboard::send(const link::ExternalAttitude& attitude) {
   return put(unit, kOrdinary);
 }
 
+void Offboard::copy_state_of(const Offboard& other) {
+  held_ = other.held_;
+  period_ = other.period_;
+  next_ = other.next_;
+  held_until_ = other.held_until_;
+  counters_ = other.counters_;
+}
+
 }  // namespace rosflight::companion

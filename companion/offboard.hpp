@@ -86,6 +86,8 @@ class Offboard {
   /// Repeats the held setpoint when it is due.
   void run();
   Time next_due() const { return holding() ? next_ : kNever; }
+  /// Takes over the state of another one.
+  void copy_state_of(const Offboard& other);
 
  private:
   SendStatus check(SendStatus status);

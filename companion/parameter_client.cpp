@@ -351,4 +351,18 @@ void ParameterClient::publish_unsaved() {
   }
 }
 
+void ParameterClient::copy_state_of(const ParameterClient& other) {
+  table_ = other.table_;
+  list_.copy_state_of(other.list_);
+  requests_.copy_state_of(other.requests_);
+  list_progress_ = other.list_progress_;
+  changes_ = other.changes_;
+  saved_changes_ = other.saved_changes_;
+  published_unsaved_ = other.published_unsaved_;
+  saved_when_listed_ = other.saved_when_listed_;
+  foreign_in_a_row_ = other.foreign_in_a_row_;
+  firmware_version_ = other.firmware_version_;
+  counters_ = other.counters_;
+}
+
 }  // namespace rosflight::companion

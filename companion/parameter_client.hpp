@@ -98,6 +98,12 @@ class ParameterClient {
   /// Ends every job as failed, with a reason.
   void fail_all(const std::string& reason);
   /// The version for the head of saved files.
+  /// No job is pending.
+  bool idle() const {
+    return requests_.idle() && refreshes_.empty() && saves_.empty() && loads_.empty();
+  }
+  /// Takes over the state of another one; both must be idle.
+  void copy_state_of(const ParameterClient& other);
   void set_firmware_version(std::string_view text) { firmware_version_ = text; }
 
  private:

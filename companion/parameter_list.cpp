@@ -92,4 +92,14 @@ void ParameterList::ask_for_missing(Port& port) {
   }
 }
 
+void ParameterList::copy_state_of(const ParameterList& other) {
+  phase_ = other.phase_;
+  due_ = other.due_;
+  retry_ = other.retry_;
+  waiting_for_ = other.waiting_for_;
+  cursor_ = other.cursor_;
+  progress_ = other.progress_;
+  counters_ = other.counters_;
+}
+
 }  // namespace rosflight::companion

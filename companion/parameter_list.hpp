@@ -38,6 +38,9 @@ class ParameterList {
   /// Sends due requests. Call it only while the link is open.
   void run(Port& port);
 
+  /// Takes over how far another one is, but for the table.
+  void copy_state_of(const ParameterList& other);
+
   bool active() const { return phase_ != Phase::kIdle; }
   Time next_due() const { return phase_ == Phase::kIdle ? kNever : due_; }
   const Counters& counters() const { return counters_; }

@@ -305,4 +305,10 @@ void ParameterRequests::reschedule() {
   }
 }
 
+void ParameterRequests::copy_state_of(const ParameterRequests& other) {
+  last_answer_ = other.last_answer_;
+  closed_since_ = other.closed_since_;
+  due_ = other.due_;
+}
+
 }  // namespace rosflight::companion

@@ -48,6 +48,8 @@ class ParameterRequests {
   /// Sends due requests and ends those without an answer.
   void run(bool link_open);
   Time next_due() const { return due_; }
+  /// Takes over the state of another one; both must be idle.
+  void copy_state_of(const ParameterRequests& other);
   bool idle() const { return queue_.empty() && active_.empty(); }
   /// Ends all with "no answer" and `reason`.
   void abandon(const std::string& reason);

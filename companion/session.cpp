@@ -185,4 +185,28 @@ const LinkStatistics& Session::statistics() {
   return statistics_;
 }
 
+void Session::copy_state_of(const Session& other) {
+  options_ = other.options_;
+  now_ = other.now_;
+  next_due_ = other.next_due_;
+  link_open_ = other.link_open_;
+  refused_schema_ = other.refused_schema_;
+  heartbeat_ = other.heartbeat_;
+  sync_ = other.sync_;
+  version_request_ = other.version_request_;
+  rates_ = other.rates_;
+  version_retry_ = other.version_retry_;
+  bytes_received_before_ = other.bytes_received_before_;
+  bytes_sent_before_ = other.bytes_sent_before_;
+  connection_ = other.connection_;
+  time_sync_ = other.time_sync_;
+  streams_ = other.streams_;
+  parameters_.copy_state_of(other.parameters_);
+  commands_.copy_state_of(other.commands_);
+  offboard_.copy_state_of(other.offboard_);
+  version_ = other.version_;
+  version_match_ = other.version_match_;
+  statistics_ = other.statistics_;
+}
+
 }  // namespace rosflight::companion

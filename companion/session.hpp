@@ -72,6 +72,12 @@ class Session final : private Port {
   void begin_at(Time now) { now_ = std::max(now_, now); }
   Time now() const override { return now_; }
 
+  /// No job is pending.
+  bool idle() const { return parameters_.idle() && commands_.idle(); }
+  /// Takes over all of another session but its codec, transport and listeners, so that both go on alike, as a
+  /// simulation that returns to an earlier moment does. Both must be idle().
+  void copy_state_of(const Session& other);
+
   /// Listeners are called in the order they were added and must live until removed.
   void add(Listener& listener) { listeners_.push_back(&listener); }
   /// Its functions are no longer called.

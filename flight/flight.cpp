@@ -12,33 +12,16 @@
 #include "flight/autopilot/chip_autopilot.hpp"
 #include "flight/autopilot/in_process_autopilot.hpp"
 #include "flight/autopilot/uart_autopilot.hpp"
-#include "flight/link_state_estimator.hpp"
+#include "flight/companion_parts.hpp"
 #include "flight/tuning.hpp"
+#include "flight/world.hpp"
 #include "link/detect/detecting_codec.hpp"
-#include "sim/faulty_modules.hpp"
 #include "sim/lock_step.hpp"
-#include "sim/sensors/register.hpp"
 #include "sim/sensors/standard_sensors.hpp"
 #include "sim/time_sources.hpp"
 
 namespace rosflight::flight {
 namespace {
-
-sim::rc::Script pilot_script(const FlightSetup& setup) {
-  sim::rc::Script script;
-  script.channels = setup.channels;
-  return script;
-}
-
-MissionRunnerConfig runner_config(const FlightSetup& setup) {
-  MissionRunnerConfig config;
-  config.firmware = setup.firmware;
-  config.on_truth = setup.choice.state == "truth";
-  config.share_attitude = setup.estimator.share_attitude;
-  config.pilot_stick = setup.choice.pilot == "idle" ? 0.0 : setup.hover_throttle;
-  config.calibrate_airspeed = setup.fixed_wing();
-  return config;
-}
 
 std::unique_ptr<Guidance> make_guidance(const FlightSetup& setup) {
   if (const auto* fixedwing = std::get_if<FixedWingPlan>(&setup.plan)) {
@@ -46,13 +29,6 @@ std::unique_ptr<Guidance> make_guidance(const FlightSetup& setup) {
   }
   const auto& rotors = std::get<MultirotorPlan>(setup.plan);
   return std::make_unique<MultirotorGuidance>(rotors.autonomy.flight, rotors.mission);
-}
-
-std::unique_ptr<StateEstimateSource> make_estimate_source(const FlightSetup& setup,
-                                                          companion::Session& session) {
-  using autonomy::estimation::Airframe;
-  const Airframe airframe = setup.fixed_wing() ? Airframe::kFixedWing : Airframe::kMultirotor;
-  return std::make_unique<LinkStateEstimator>(session, setup.estimator, airframe);
 }
 
 std::unique_ptr<Autopilot> make_autopilot(const FlightSetup& setup, CableLink& link) {
@@ -77,26 +53,16 @@ std::unique_ptr<Autopilot> make_autopilot(const FlightSetup& setup, CableLink& l
 }  // namespace
 
 /// Owns the modules in the order of their construction and takes part in each step.
-class Flight::Loop final : private sim::LockStepListener {
+class Flight::Loop final : public World, private sim::LockStepListener {
  public:
   Loop(Flight& owner, const FlightSetup& flight_setup, FlightParts parts)
-      : flight{owner},
-        setup{flight_setup},
-        random{setup.choice.seed},
-        forces{setup.registry.make_forces(setup.vehicle, random)},
-        dynamics{setup.vehicle.body(), setup.vehicle.ground(), setup.vehicle.environment(), *forces,
-                 random},
-        healthy_sensors{sim::sensors::make_sensors(setup.registry, setup.vehicle, random)},
-        faults{setup.faults},
-        sensors{*healthy_sensors, faults},
-        pilot{pilot_script(setup)},
-        rc{pilot, faults},
-        cable{random},
+      : World{flight_setup},
+        flight{owner},
         autopilot{parts.autopilot ? parts.autopilot(cable) : make_autopilot(setup, cable)},
         session{codec, autopilot->link(), companion::Session::Options{}},
         guidance{parts.guidance ? std::move(parts.guidance) : make_guidance(setup)},
         estimate_source{parts.estimate_source ? parts.estimate_source(session)
-                                              : make_estimate_source(setup, session)},
+                                              : make_link_estimator(setup, session)},
         runner{runner_config(setup), session, pilot, *guidance, *estimate_source},
         scorer{setup},
         lock_step{parts.time != nullptr ? *parts.time : fast, rc, sensors, *autopilot, dynamics} {
@@ -106,7 +72,6 @@ class Flight::Loop final : private sim::LockStepListener {
       lock_step.add(*visualisers.back());
     }
     if (const auto* plan = std::get_if<FixedWingPlan>(&setup.plan)) {
-      face_the_wind();
       fixedwing_guidance = dynamic_cast<const FixedWingGuidance*>(guidance.get());
       fixedwing_record.emplace(plan->mission.landing.aim_W,
                                plan->autonomy.mission.plan_for(plan->mission).radius_m);
@@ -119,16 +84,6 @@ class Flight::Loop final : private sim::LockStepListener {
   const std::optional<hal::ImuSample>& newest_imu();
 
   Flight& flight;
-  const FlightSetup& setup;
-  sim::RandomSource random;
-  std::unique_ptr<sim::ForcesAndMoments> forces;
-  sim::RigidBody dynamics;
-  std::unique_ptr<sim::SensorsModule> healthy_sensors;
-  sim::FaultSchedule faults;
-  sim::FaultySensors sensors;
-  sim::rc::Pilot pilot;
-  sim::FaultyRc rc;
-  CableLink cable;
   std::unique_ptr<Autopilot> autopilot;
   link::DetectingCodec codec;
   companion::Session session;
@@ -150,34 +105,16 @@ class Flight::Loop final : private sim::LockStepListener {
   std::optional<FixedWingRecord> fixedwing_record;
   std::optional<sim::Vector3> frame_shift_W;           ///< Shift of the estimated frame [m].
   const sim::sensors::StandardSensors* instruments{};  ///< nullptr: a module of a user's own.
-  double link_noise{0.0};
-  std::array<bool, 2> broken_down{};  ///< Crash and hang: the fault has happened.
 
  private:
   void before_step(sim::Time t) override;
-  void apply_faults(sim::Time t);
-  void apply_link_faults(sim::Time t);
   void note_frame_of_estimate();
-  void face_the_wind();
 };
-
-/// A fixed wing takes off against the wind, if the wind exceeds kCalm_m_s. It is held until then,
-/// with a cover on its pitot tube while it is set up.
-void Flight::Loop::face_the_wind() {
-  constexpr double kCalm_m_s = 2.0;
-  dynamics.set_held(true);
-  const sim::Vector3& wind_W = setup.vehicle.environment().wind.steady_W_m_s;
-  if (wind_W.head<2>().norm() < kCalm_m_s) return;
-  const double heading = std::atan2(-wind_W.y(), -wind_W.x());
-  sim::BodyState state = dynamics.rest_state();
-  state.q_WB = sim::Quaternion(std::cos(0.5 * heading), 0.0, 0.0, std::sin(0.5 * heading));
-  if (!dynamics.set_state(state)) throw std::logic_error("the start against the wind");
-}
 
 void Flight::Loop::before_step(sim::Time t) {
   if (lock_step.samples().has_imu) imu = lock_step.samples().imu;
   cable.set_time(t);
-  apply_faults(t);
+  apply_faults(t, *autopilot);
   if (!faults.active(sim::FaultKind::kCompanionStall, t)) runner.step(t, dynamics.truth());
   note_frame_of_estimate();
   if (runner.stage() >= Stage::kFly)
@@ -209,33 +146,6 @@ void Flight::Loop::note_frame_of_estimate() {
   if (frame_shift_W || !origin || instruments == nullptr || setup.choice.state == "truth") return;
   frame_shift_W =
       instruments->gnss_bias() - autonomy::ned_of(*origin, setup.vehicle.environment().origin);
-}
-
-void Flight::Loop::apply_link_faults(sim::Time t) {
-  sim::SerialCable& line = cable.cable();
-  const bool cut = faults.active(sim::FaultKind::kLinkCut, t);
-  if (cut != line.to_board.cut()) {
-    line.advance(t);
-    line.set_cut(cut);
-  }
-  const double noise = std::min(faults.value(sim::FaultKind::kLinkNoise, t), 1.0);
-  if (noise == link_noise) return;
-  link_noise = noise;
-  line.advance(t);
-  line.set_corruption(noise);
-}
-
-void Flight::Loop::apply_faults(sim::Time t) {
-  apply_link_faults(t);
-  using Breakdown = Autopilot::Breakdown;
-  for (const auto& [kind, breakdown] : {std::pair{sim::FaultKind::kCrash, Breakdown::kCrash},
-                                        std::pair{sim::FaultKind::kHang, Breakdown::kHang}}) {
-    bool& done = broken_down[static_cast<std::size_t>(breakdown)];
-    const bool active = faults.active(kind, t);
-    if (active && !done) autopilot->break_down(t, breakdown);
-    done = active;
-  }
-  apply_actuator_faults(faults, t, *forces);
 }
 
 /// In the step under way the autopilot may have received it, or not yet: a tap that asks is called

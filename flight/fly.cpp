@@ -57,6 +57,18 @@ bool run(Flight& flight, const FlyOptions& options) {
   return false;
 }
 
+/// All of a flight folder but log, page and summary.
+void write_files(const fs::path& folder, Flight& flight, const std::string& analysis) {
+  const FlightSetup& setup = flight.setup();
+  base::write_file(folder / "analysis.json", analysis);
+  base::write_file(folder / "preflight.json", preflight_json(flight.runner().checks()));
+  base::write_file(folder / "vehicle.yaml", setup.vehicle.text());
+  base::write_file(folder / "mission.yaml", setup.mission_text);
+  companion::write_parameter_file(folder / "parameters.yaml",
+                                  flight.session().parameters().table().values(),
+                                  flight.session().firmware_version());
+}
+
 }  // namespace
 
 fs::path make_flight_folder(const std::optional<fs::path>& wanted) {
@@ -80,6 +92,9 @@ fs::path make_flight_folder(const std::optional<fs::path>& wanted) {
 }
 
 FlightSummary fly(const FlyOptions& options) {
+  if (!options.leave_folder && (options.log != "none" || options.folder)) {
+    throw config::Error("--log: found " + options.log + " without a flight folder, allowed none");
+  }
   const auto start = std::chrono::steady_clock::now();
   const auto setup = std::make_unique<FlightSetup>(options.choice);
   FlightParts parts = options.parts ? options.parts(*setup) : FlightParts{};
@@ -89,7 +104,7 @@ FlightSummary fly(const FlyOptions& options) {
   if (paced && parts.time == nullptr) parts.time = &pace;
   const sim::TimeSource* const parts_time = parts.time;
   const auto flight = std::make_unique<Flight>(*setup, std::move(parts));
-  const fs::path folder = make_flight_folder(options.folder);
+  const fs::path folder = options.leave_folder ? make_flight_folder(options.folder) : fs::path{};
   const std::unique_ptr<FlightPage> page = page_for(options, *setup, folder);
   FlightRecorder recorder(*flight, folder / "flight.mcap", log_level(options.log),
                           observers(options, page.get()));
@@ -118,16 +133,14 @@ FlightSummary fly(const FlyOptions& options) {
   summary.frames_dropped = recorder.dropped_frames();
   summary.gyro_latency_s = recorder.analysis().gyro.latency_s;
   summary.counters = recorder.counters();
-  const std::string analysis = analysis_json(*setup, recorder.analysis());
-  base::write_file(folder / "analysis.json", analysis);
-  base::write_file(folder / "preflight.json", preflight_json(flight->runner().checks()));
-  base::write_file(folder / "vehicle.yaml", setup->vehicle.text());
-  base::write_file(folder / "mission.yaml", setup->mission_text);
-  companion::write_parameter_file(folder / "parameters.yaml",
-                                  flight->session().parameters().table().values(),
-                                  flight->session().firmware_version());
+  std::string analysis;
+  if (options.leave_folder) {
+    analysis = analysis_json(*setup, recorder.analysis());
+    write_files(folder, *flight, analysis);
+  }
   summary.wall_time_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (!options.leave_folder) return summary;
   const std::string text = summary_json(summary);
   base::write_file(folder / "summary.json", text);
   if (page) {

@@ -19,6 +19,8 @@ struct FlyOptions {
   std::vector<std::string> arguments;  ///< As typed, for the summary.
   /// New or empty; default: the next number in flights/ of the current folder.
   std::optional<std::filesystem::path> folder;
+  /// false: nothing is written, and there is no folder; allowed with `log` none.
+  bool leave_folder{true};
   bool realtime{false};     ///< At the pace of the wall clock.
   double speed{1.0};        ///< With `realtime`: times the wall clock, > 0.
   std::string log{"plot"};  ///< How much the log holds: plot, full or none (log/README.md).
@@ -44,7 +46,7 @@ std::filesystem::path make_flight_folder(const std::optional<std::filesystem::pa
 
 /// Flies a mission and leaves a flight folder: log, report, summary, checks before arming, vehicle, mission
 /// and parameters.
-/// @throws config::Error    bad input, or the folder is not empty; nothing is written then.
+/// @throws config::Error    bad input, a log without a folder, or the folder is not empty; nothing is written then.
 /// @throws FlightAborted    the emulated autopilot failed; the log is not complete then.
 /// @throws log::LogError    the log cannot be written.
 FlightSummary fly(const FlyOptions& options);

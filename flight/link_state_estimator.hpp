@@ -35,6 +35,21 @@ class LinkStateEstimator final : public StateEstimateSource, private companion::
   const Estimator& estimator() const { return estimator_; }
   void set_enabled(bool enabled) override { enabled_ = enabled; }
 
+  /// All of it but the session, to go on from here again.
+  struct Moment {
+    FixAge fix_age;
+    Estimator estimator;
+    bool enabled;
+    bool restarted;
+  };
+  Moment save() const { return {fix_age_, estimator_, enabled_, restarted_}; }
+  void restore(const Moment& moment) {
+    fix_age_ = moment.fix_age;
+    estimator_ = moment.estimator;
+    enabled_ = moment.enabled;
+    restarted_ = moment.restarted;
+  }
+
  private:
   static double seconds(const companion::Stamp& stamp) {
     return companion::to_seconds(stamp.sample);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "flight/project_root.hpp"
 
+#include <dlfcn.h>
+
 #include <cstdlib>
 
 #include "config/strict_yaml.hpp"
@@ -14,6 +16,16 @@ bool holds_data(const std::filesystem::path& folder) {
          std::filesystem::is_directory(folder / "missions", ignored);
 }
 
+/// The file that this code was loaded from: a shared library, such as the Python package, that brings its data along.
+/// Empty for a program that was started by a relative path.
+std::filesystem::path own_file() {
+  Dl_info info{};
+  if (dladdr(reinterpret_cast<const void*>(&project_root), &info) == 0 || info.dli_fname == nullptr)
+    return {};
+  const std::filesystem::path file = info.dli_fname;
+  return file.is_absolute() ? file : std::filesystem::path{};
+}
+
 }  // namespace
 
 std::filesystem::path project_root() {
@@ -24,7 +36,8 @@ std::filesystem::path project_root() {
   }
   std::error_code ignored;
   for (std::filesystem::path start :
-       {std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path(),
+       {own_file().parent_path(),
+        std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path(),
         std::filesystem::current_path(ignored)}) {
     for (; start.has_relative_path(); start = start.parent_path()) {
       for (const auto& folder : {start, start / "share/rosflight"}) {

@@ -19,6 +19,17 @@ class HostedFirmware {
     image_ = std::make_unique<Image>(board, std::move(codec));
     image_->firmware.start();
   }
+  /// The firmware and its codec as they are now, to go on from here again.
+  struct Moment {
+    std::shared_ptr<link::Codec> codec;  ///< The same object: the firmware refers to it.
+    core::Firmware firmware;
+  };
+  Moment save() const { return {image_->codec, image_->firmware}; }
+  /// @param moment  of this object. The state of the codec is the caller's to restore.
+  void restore(const Moment& moment) {
+    image_.reset();
+    image_ = std::make_unique<Image>(moment);
+  }
   core::Firmware& operator*() { return image_->firmware; }
   const core::Firmware& operator*() const { return image_->firmware; }
 
@@ -26,6 +37,7 @@ class HostedFirmware {
   struct Image {
     Image(const hal::Board& board, std::shared_ptr<link::Codec> link)
         : codec{std::move(link)}, firmware{board, *codec} {}
+    explicit Image(const Moment& moment) : codec{moment.codec}, firmware{moment.firmware} {}
     std::shared_ptr<link::Codec> codec;
     core::Firmware firmware;
   };

@@ -8,12 +8,15 @@
 namespace rosflight::flight {
 
 InProcessAutopilot::InProcessAutopilot(CableLink& link, std::string protocol)
-    : link_{link}, protocol_{std::move(protocol)} {}
+    : InProcessAutopilot(link, [name = std::move(protocol)] { return make_board_codec(name); }) {}
+
+InProcessAutopilot::InProcessAutopilot(CableLink& link, MakeCodec make_codec)
+    : link_{link}, make_codec_{std::move(make_codec)} {}
 
 void InProcessAutopilot::boot(sim::Time t) {
   boot_ = t;
   board_.clock.set(hal::Time{0});
-  firmware_.boot(board_.roles(link_.port()), make_board_codec(protocol_));
+  firmware_.boot(board_.roles(link_.port()), make_codec_());
 }
 
 void InProcessAutopilot::break_down(sim::Time t, Breakdown kind) {
@@ -62,6 +65,22 @@ FirmwareView InProcessAutopilot::view() const {
           f.command().primary_axes(),  f.command().combined().value,
           f.command().combined().type, estimate.q_WB,
           estimate.roll_rad,           estimate.pitch_rad};
+}
+
+InProcessAutopilot::Moment InProcessAutopilot::save() const {
+  return {board_, firmware_.save(), boot_, reversed_};
+}
+
+void InProcessAutopilot::restore(const Moment& moment) {
+  board_ = moment.board;
+  firmware_.restore(moment.firmware);
+  boot_ = moment.boot;
+  reversed_ = moment.reversed;
+}
+
+void InProcessAutopilot::restore(const Moment& moment, sim::Time saved, sim::Time now) {
+  restore(moment);
+  boot_ += now - saved;
 }
 
 }  // namespace rosflight::flight

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -18,9 +20,14 @@ namespace rosflight::flight {
 /// clock starts at zero, storage and backup memory stay.
 class InProcessAutopilot : public Autopilot {
  public:
+  /// The board's end of the link, made again at each boot.
+  using MakeCodec = std::function<std::shared_ptr<link::Codec>()>;
+
   /// @param link  must outlive this.
   /// @param protocol  "mavlink" or "lean". @throws config::Error in start() for another one.
   explicit InProcessAutopilot(CableLink& link, std::string protocol = "mavlink");
+  /// @param make_codec  of one of the protocols, or quiet (quiet_codec.hpp).
+  InProcessAutopilot(CableLink& link, MakeCodec make_codec);
 
   void start(sim::Time t) override { boot(t); }
   const hal::OutputValues& step(sim::Time t, const sim::SensorSamples& samples,
@@ -33,6 +40,24 @@ class InProcessAutopilot : public Autopilot {
   companion::Transport& link() override { return link_.companion_end(); }
   void set_link_tap(LinkTap* tap) override { link_.set_tap(tap); }
 
+  /// Board and firmware as they are now, to go on from here again, but for the state of the codec.
+  struct Moment {
+    boards::SimulatedBoard board;
+    HostedFirmware::Moment firmware;
+    sim::Time boot;
+    std::optional<sim::Time> reversed;
+  };
+  Moment save() const;
+  /// @param moment  of this object.
+  void restore(const Moment& moment);
+  /// The same, with its clock as it was then, in a world whose time has gone on from `saved` to `now`.
+  void restore(const Moment& moment, sim::Time saved, sim::Time now);
+  /// The firmware receives a message that crosses no link.
+  void tell(const link::Message& message, sim::Time now) {
+    (*firmware_).handle(message, now - boot_);
+  }
+
+  const hal::OutputValues& outputs() const { return board_.outputs.values(); }
   const core::Firmware& firmware() const { return *firmware_; }
   boards::SimulatedBoard& board() { return board_; }
 
@@ -40,7 +65,7 @@ class InProcessAutopilot : public Autopilot {
   void boot(sim::Time t);
 
   CableLink& link_;
-  std::string protocol_;
+  MakeCodec make_codec_;
   boards::SimulatedBoard board_;
   HostedFirmware firmware_;
   sim::Time boot_{};

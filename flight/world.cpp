@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "flight/world.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "sim/sensors/register.hpp"
+
+namespace rosflight::flight {
+namespace {
+
+sim::rc::Script pilot_script(const FlightSetup& setup) {
+  sim::rc::Script script;
+  script.channels = setup.channels;
+  return script;
+}
+
+}  // namespace
+
+World::World(const FlightSetup& flight_setup)
+    : setup{flight_setup},
+      random{setup.choice.seed},
+      forces{setup.registry.make_forces(setup.vehicle, random)},
+      dynamics{setup.vehicle.body(), setup.vehicle.ground(), setup.vehicle.environment(), *forces,
+               random},
+      healthy_sensors{sim::sensors::make_sensors(setup.registry, setup.vehicle, random)},
+      faults{setup.faults},
+      sensors{*healthy_sensors, faults},
+      pilot{pilot_script(setup)},
+      rc{pilot, faults},
+      cable{random} {
+  if (setup.fixed_wing()) face_the_wind();
+}
+
+/// A fixed wing takes off against the wind, if the wind exceeds kCalm_m_s. It is held until then,
+/// with a cover on its pitot tube while it is set up.
+void World::face_the_wind() {
+  constexpr double kCalm_m_s = 2.0;
+  dynamics.set_held(true);
+  const sim::Vector3& wind_W = setup.vehicle.environment().wind.steady_W_m_s;
+  if (wind_W.head<2>().norm() < kCalm_m_s) return;
+  const double heading = std::atan2(-wind_W.y(), -wind_W.x());
+  sim::BodyState state = dynamics.rest_state();
+  state.q_WB = sim::Quaternion(std::cos(0.5 * heading), 0.0, 0.0, std::sin(0.5 * heading));
+  if (!dynamics.set_state(state)) throw std::logic_error("the start against the wind");
+}
+
+void World::apply_link_faults(sim::Time t) {
+  sim::SerialCable& line = cable.cable();
+  const bool cut = faults.active(sim::FaultKind::kLinkCut, t);
+  if (cut != line.to_board.cut()) {
+    line.advance(t);
+    line.set_cut(cut);
+  }
+  const double noise = std::min(faults.value(sim::FaultKind::kLinkNoise, t), 1.0);
+  if (noise == link_noise) return;
+  link_noise = noise;
+  line.advance(t);
+  line.set_corruption(noise);
+}
+
+void World::apply_faults(sim::Time t, Autopilot& autopilot) {
+  apply_link_faults(t);
+  using Breakdown = Autopilot::Breakdown;
+  for (const auto& [kind, breakdown] : {std::pair{sim::FaultKind::kCrash, Breakdown::kCrash},
+                                        std::pair{sim::FaultKind::kHang, Breakdown::kHang}}) {
+    bool& done = broken_down[static_cast<std::size_t>(breakdown)];
+    const bool active = faults.active(kind, t);
+    if (active && !done) autopilot.break_down(t, breakdown);
+    done = active;
+  }
+  apply_actuator_faults(faults, t, *forces);
+}
+
+}  // namespace rosflight::flight
