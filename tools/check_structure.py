@@ -34,6 +34,7 @@ MAY_INCLUDE = {
     "flight": ["link", "firmware/hal", "firmware/core", "firmware/boards", "sim", "messages", "log", "companion", "autonomy",
                "config"],
     "web/server": [],
+    "python": ["flight", "log", "companion", "autonomy", "sim", "link", "firmware/hal", "firmware/core", "firmware/boards", "config"],
     "viewer": ["flight", "log", "web/server", "ground", "companion", "sim", "link", "config"],
     "apps": ["viewer", "flight", "web/server/access.hpp", "ground", "companion", "sim", "link", "firmware/hal", "firmware/core",
              "firmware/boards", "config"],

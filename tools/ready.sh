@@ -7,6 +7,7 @@
 #   tools/ready.sh venv                        .venv from tools/requirements.txt, for tests and tools
 #   tools/ready.sh environment FOLDER FILE     another one, from another list
 #   tools/ready.sh web run|test                the browser's page in build/web; test: also what its tests need. Makes .venv-web
+#   tools/ready.sh python                      the Python package, installed in .venv-python
 #   tools/ready.sh build PRESET [TARGET...]    configure and build; no target means all. Makes .venv-build
 #
 # ROSFLIGHT_JOBS limits compilers at work at once, ROSFLIGHT_KEEP_GOING=1 builds on after an error,
@@ -329,9 +330,44 @@ ready_build() {  # PRESET TARGET...
   fi
 }
 
+# ---- the Python package -----------------------------------------------------------------------
+
+# All that the package is made from; the page too, where it was built.
+python_sources=(CMakeLists.txt CMakePresets.json pyproject.toml cmake base link messages config data firmware sim companion autonomy
+  log flight python vehicles missions build/web)
+
+# True unless a file has changed since the package was installed, or the tree has moved.
+python_is_installed() {  # STAMP
+  [[ -f $1 && $(<"$1") == "$root" ]] || return 1
+  local -a packages=("$root"/.venv-python/lib/python3*/site-packages/rosflight)
+  [[ -d ${packages[0]} ]] || return 1
+  [[ -z $(cd "$root" && find "${python_sources[@]}" -name __pycache__ -prune -o -type f -newer "$1" -print -quit 2>/dev/null) ]]
+}
+
+ready_python() {
+  ready_packages run python
+  ready_environment .venv-python tools/requirements-python.txt
+  take_lock python
+  local stamp="$root/build/.ready/python" log="$root/build/.ready/python.log"
+  python_is_installed "$stamp" && return
+  say "building the Python package"
+  [[ -f $stamp && $(<"$stamp") == "$root" ]] || rm -rf "$root"/build/python-*
+  rm -f "$stamp"
+  echo "$root" >"$stamp.new"  # its time is that of the sources read
+  use_ccache
+  local -x CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache CMAKE_BUILD_PARALLEL_LEVEL
+  CMAKE_BUILD_PARALLEL_LEVEL="$(build_jobs)"
+  if ! stoppable "$root/.venv-python/bin/python3" -m pip install --disable-pip-version-check --no-input --verbose --no-deps \
+    --no-build-isolation --force-reinstall "$root" >"$log" 2>&1; then
+    show_failure "$log"
+    fail "the Python package could not be built; the output is in $log"
+  fi
+  mv "$stamp.new" "$stamp"
+}
+
 if [[ ${BASH_SOURCE[0]} == "$0" ]]; then
   case ${1:-} in
-    packages | venv | environment | web | build) "ready_$1" "${@:2}" ;;
-    *) fail "usage: tools/ready.sh packages SET... | venv | environment FOLDER FILE | web run|test | build PRESET [TARGET...]" ;;
+    packages | venv | environment | web | python | build) "ready_$1" "${@:2}" ;;
+    *) fail "usage: tools/ready.sh packages SET... | venv | environment FOLDER FILE | web run|test | python | build PRESET [TARGET...]" ;;
   esac
 fi

@@ -5,7 +5,7 @@ Builds and runs every test and ends with the line "N passed, M failed". Exit cod
 
 NAME chooses: a stage by its name, and test programs and pytest files by a part of theirs. quick stands for format,
 structure, build, unit and python: less than five minutes after a build.
-Stages: format, structure, build, unit, mutation, faults, python, web, ros, cortex-m7, sanitizers, ros-sanitizers, fuzz, tidy. Sanitizers
+Stages: format, structure, build, unit, mutation, faults, python, python-package, web, ros, cortex-m7, sanitizers, ros-sanitizers, fuzz, tidy. Sanitizers
 and clang-tidy look at what flies and at whole flights; sanitizers-rest, tidy-rest and tidy-ros (simulation, programs,
 tests, ROS nodes) run when named: they take as long as all others together. So does web-rest: calibrations in the browser that take over
 a minute of real time, and a flight looked at by touch and changed without a mouse. The stage faults flies a quarter of the fault campaign and 300 seeds in gusts.
@@ -24,6 +24,7 @@ import sys
 import lanes
 import mutation_tests
 import project
+import python_package
 import ros_test
 import stages
 from lanes import COMPUTES, WAITS, Stage
@@ -34,6 +35,7 @@ STAGES = {
     "structure": Stage(stages.check_structure),
     "build": Stage(stages.build_release),
     "python": Stage(stages.python_tests, WAITS),
+    "python-package": Stage(stages.python_package_tests, WAITS),
     "web": Stage(stages.web_tests, WAITS),
     "cortex-m7": Stage(stages.cortex_m7, WAITS),  # one of its flights is in real time
     "ros": Stage(stages.ros_tests, WAITS),
@@ -66,8 +68,9 @@ def chosen_stages(names: list[str]) -> list[tuple[str, Stage]]:
     if parts:
         binaries, files = stages.matching(parts)
         ros_parts = [part for part in parts if any(part in str(file) for file in ros_test.files())]
+        package_parts = [part for part in parts if any(part in str(file) for file in python_package.files())]
         for part in parts:
-            if not any(part in known for known in [*binaries, *map(str, files), *ros_parts]):
+            if not any(part in known for known in [*binaries, *map(str, files), *ros_parts, *package_parts]):
                 near = difflib.get_close_matches(part, stages.test_names(), n=4, cutoff=0.3)
                 raise ValueError(f"found {part}, allowed a stage ({', '.join(STAGES)}), or a part of the name of a test "
                                  f"program or pytest file, as {', '.join(near or stages.test_names()[:4])}")
@@ -75,6 +78,8 @@ def chosen_stages(names: list[str]) -> list[tuple[str, Stage]]:
             chosen.append(("unit", Stage(lambda: stages.unit_tests(binaries))))
         if files:
             chosen.append(("python", Stage(lambda: stages.python_tests(files))))
+        if package_parts:
+            chosen.append(("python-package", Stage(lambda: stages.python_package_tests(package_parts))))
         if ros_parts:
             chosen.append(("ros", Stage(lambda: stages.ros_tests(ros_parts))))
     return chosen

@@ -15,6 +15,7 @@ import check_text
 import cpp_tests
 import project
 import pytest_files
+import python_package
 import ros_test
 import tidy as clang_tidy
 import web_test
@@ -133,9 +134,9 @@ def test_names() -> list[str]:
 
 
 def python_files() -> list[Path]:
-    """All pytest files but those that need the ROS environment."""
+    """All pytest files but those that need the ROS environment or the Python package."""
     return [path for path in project.own_files() if re.fullmatch(r"test_\w+\.py", path.name)
-            and not ros_test.needs_ros(path)]
+            and not ros_test.needs_ros(path) and not python_package.needs_package(path)]
 
 
 def matching(parts: list[str]) -> tuple[list[str], list[Path]]:
@@ -224,6 +225,11 @@ def ros_tests(names: list[str] = ()) -> Outcome:
 def ros_sanitizers() -> Outcome:
     """What stands in for rclcpp under sanitizers; nothing with a ROS installation."""
     return ros_test.sanitizers()
+
+
+def python_package_tests(names: list[str] = ()) -> Outcome:
+    """The Python package built by pip, its types checked, and its pytest files run where it is installed."""
+    return python_package.run(names)
 
 
 def web_tests() -> Outcome:

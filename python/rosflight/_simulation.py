@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A vehicle in a closed loop without a mission: the caller is companion and pilot."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Union
+
+import numpy as np
+
+from . import _arguments as arguments
+from . import _core
+from ._flight import SEVERITIES, STEPS_PER_SECOND, Note
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
+Number = Union[float, "np.floating[Any]"]
+SimulationError = _core.SimulationError
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The true state. The arrays are views: they follow the simulation in place. Copy what you keep."""
+
+    position_m: Array  #: North, east, down from the origin.
+    velocity_m_s: Array  #: Over ground, north, east, down.
+    attitude: Array  #: Quaternion w, x, y, z from body (front, right, down) to north-east-down.
+    rates_rad_s: Array  #: In the body.
+    specific_force_m_s2: Array  #: In the body: what an ideal accelerometer measures.
+    battery: Array  #: Voltage [V] and current [A].
+    rotor_speeds_rad_s: Array  #: Ten; those that the vehicle does not have are 0.
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What a companion computes from the samples that arrive over the link. Views, as those of Truth."""
+
+    position_m: Array
+    velocity_m_s: Array
+    attitude: Array
+    rates_rad_s: Array
+    wind_m_s: Array
+    position_sigma_m: Array
+    velocity_sigma_m_s: Array
+
+
+def _parts(whole: Array, *sizes: int) -> list[Array]:
+    return np.split(whole, np.cumsum(sizes)[:-1])
+
+
+class Parameters(Mapping[str, float]):
+    """Parameters of the firmware, as the companion has them. Setting one sends it over the link and steps the simulation until
+    the firmware has confirmed it, some milliseconds."""
+
+    def __init__(self, core: _core.Simulation):
+        self._core = core
+
+    def __getitem__(self, name: str) -> float:
+        found = self._core.parameter(name)
+        if found is None:
+            raise KeyError(name)
+        value, whole = found
+        return int(value) if whole else value
+
+    def __setitem__(self, name: str, value: Number) -> None:
+        self._core.set_parameter(name, arguments.finite(f"parameters, {name}", value))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter([name for name, _, _ in self._core.parameters()])
+
+    def __len__(self) -> int:
+        return len(self._core.parameters())
+
+
+def _vector(what: str, value: Sequence[Number] | Array, size: int) -> list[float]:
+    array = np.asarray(value)
+    if array.shape != (size,) or array.dtype.kind not in "fiu":
+        raise ValueError(f"{what}: found shape {array.shape} of {array.dtype}, allowed {size} numbers")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{what}: found NaN or infinity, allowed finite numbers")
+    return [float(one) for one in array]
+
+
+class Simulation:
+    """One vehicle with the real firmware, stepped by the caller. Every byte crosses the simulated cable.
+
+    It begins armed on the ground, after what a companion and a pilot do for a mission, by the same code: link, parameters,
+    calibration, storing, arming (`start=False`: powered up, at time 0). Equal arguments and equal calls give equal bits.
+
+    One step is 2.5 ms. A command stays in force until the next one, and is sent 100 times per second. One thread at a time may
+    use a simulation; different ones compute at once.
+    """
+
+    STEP_S = 1 / STEPS_PER_SECOND
+
+    def __init__(
+        self,
+        vehicle: str | os.PathLike[str] = "multirotor",
+        seed: int = 1,
+        wind: arguments.Wind | None = None,
+        faults: Union[str, Iterable[str]] = (),
+        set: arguments.Overrides = (),
+        *,
+        link_protocol: str = "mavlink",
+        start: bool = True,
+    ):
+        self._core = _core.Simulation(
+            arguments.name_or_path("vehicle", vehicle),
+            arguments.whole("seed", seed, 0),
+            arguments.wind_text(wind),
+            arguments.texts("faults", faults),
+            arguments.override_texts(set),
+            arguments.one_of("link_protocol", link_protocol, ("mavlink", "lean")),
+        )
+        self.truth = Truth(*_parts(self._core.truth, 3, 3, 4, 3, 3, 2, 10))
+        self.estimate = Estimate(*_parts(self._core.estimate, 3, 3, 4, 3, 3, 3, 3))
+        self.outputs: Array = self._core.outputs  #: The fourteen outputs of the firmware, 0 to 1. A view.
+        self.parameters = Parameters(self._core)
+        if start:
+            self.start()
+
+    def start(self) -> None:
+        """From power-up to armed. Raises SimulationError if the firmware does not arm."""
+        self._core.start()
+
+    def step(self, n: int = 1) -> None:
+        """Advances by n steps of 2.5 ms."""
+        self._core.step(arguments.whole("step", n, 0, 2**40))
+
+    def run(self, seconds: Number) -> None:
+        """Advances by a time, rounded to steps."""
+        self.step(round(arguments.finite("run", seconds) * STEPS_PER_SECOND))
+
+    # ---- what is seen -------------------------------------------------------------------------
+
+    @property
+    def time_s(self) -> float:
+        """Simulated time since power-up."""
+        return self._core.time_s
+
+    @property
+    def armed(self) -> bool:
+        return self._core.status[0]
+
+    @property
+    def failsafe(self) -> bool:
+        return self._core.status[1]
+
+    @property
+    def on_ground(self) -> bool:
+        return self._core.on_ground
+
+    @property
+    def hover_throttle(self) -> float:
+        """Throttle that carries the vehicle: hovering, or in cruise."""
+        return self._core.hover_throttle
+
+    def texts(self) -> list[Note]:
+        """What the firmware has written to its log since the last call."""
+        return [Note(t_s, "fcu", SEVERITIES[severity], text) for t_s, severity, text in self._core.take_texts()]
+
+    # ---- commands of the companion ------------------------------------------------------------
+
+    def mixer(self, u: Sequence[Number] | Array) -> None:
+        """Directly to the mixer (pass-through): forces x, y, z and torques x, y, z in its unit, then four free axes. Thrust up
+        is negative z."""
+        self._core.command("mixer", _vector("mixer", u, 6 if len(u) == 6 else 10))
+
+    def rates(self, roll_rad_s: Number, pitch_rad_s: Number, yaw_rad_s: Number, throttle: Number) -> None:
+        """Body rates; throttle 0 to 1."""
+        self._core.command("rates", _vector("rates", [roll_rad_s, pitch_rad_s, yaw_rad_s, throttle], 4))
+
+    def angles(self, roll_rad: Number, pitch_rad: Number, yaw_rad_s: Number, throttle: Number) -> None:
+        """Roll, pitch and rate of yaw; throttle 0 to 1."""
+        self._core.command("angles", _vector("angles", [roll_rad, pitch_rad, yaw_rad_s, throttle], 4))
+
+    def surfaces(self, aileron: Number, elevator: Number, rudder: Number, throttle: Number) -> None:
+        """A fixed wing's surfaces, -1 to 1, and throttle, 0 to 1, directly."""
+        if not self._core.fixed_wing:
+            raise ValueError("surfaces: found a multirotor, allowed a fixed wing")
+        self._core.command("surfaces", _vector("surfaces", [aileron, elevator, rudder, throttle], 4))
+
+    def release(self) -> None:
+        """No more commands: after OFFBOARD_TIMEOUT the pilot flies."""
+        self._core.release()
+
+    # ---- the pilot and the world --------------------------------------------------------------
+
+    def rc(self, **controls: float) -> None:
+        """Moves sticks and switches of the pilot, 0 to 1: roll, pitch, throttle, yaw, arm, attitude_override,
+        throttle_override, attitude_mode."""
+        for control, to in controls.items():
+            self._core.move(control, arguments.finite(f"rc, {control}", to))
+
+    def fault(self, text: str) -> None:
+        """Adds a fault, as `fly` takes it; its time counts from power-up: f"motor0_dead@{simulation.time_s}"."""
+        self._core.add_fault(arguments.texts("fault", [text])[0])
+
+    def end_faults(self) -> None:
+        self._core.end_faults()
+
+    def wind(self, wind: arguments.Wind) -> None:
+        """Another wind from now on."""
+        self._core.set_wind(arguments.wind_text(wind) or "")
+
+    def hold(self, held: bool) -> None:
+        """A fixed wing is held on the ground until it is let go: hold(False)."""
+        self._core.set_held(bool(held))
+
+    def place(
+        self,
+        position_m: Sequence[Number] | Array,
+        velocity_m_s: Sequence[Number] | Array = (0.0, 0.0, 0.0),
+        attitude: Sequence[Number] | Array = (1.0, 0.0, 0.0, 0.0),
+        rates_rad_s: Sequence[Number] | Array = (0.0, 0.0, 0.0),
+    ) -> None:
+        """Puts the vehicle somewhere else at once, rotors as they turn. The firmware is not told, as in Truth the frames."""
+        self._core.set_state([
+            *_vector("position_m", position_m, 3),
+            *_vector("velocity_m_s", velocity_m_s, 3),
+            *_vector("attitude", attitude, 4),
+            *_vector("rates_rad_s", rates_rad_s, 3),
+        ])
+
+    # ---- moments ------------------------------------------------------------------------------
+
+    def snapshot(self) -> _core.Snapshot:
+        """This moment, whole: world, sensors and their noise, firmware, bytes on the cable, companion, pilot, faults."""
+        return self._core.snapshot()
+
+    def restore(self, snapshot: _core.Snapshot) -> None:
+        """Back to a snapshot of this simulation, any number of times; equal calls lead on to equal bits."""
+        self._core.restore(snapshot)

@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Gymnasium environments with the real firmware in the loop; `import rosflight` registers them where gymnasium is installed.
+
+    env = gymnasium.make("rosflight/Hover-v0", action="rates")
+    envs = gymnasium.make_vec("rosflight/Hover-v0", num_envs=64, vectorization_mode="vector_entry_point", threads=2)
+"""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from typing import Any, Union
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+
+from . import _arguments as arguments
+from . import _core
+from ._flight import STEPS_PER_SECOND
+
+Floats = np.ndarray[Any, np.dtype[np.float32]]
+Flags = np.ndarray[Any, np.dtype[np.bool_]]
+
+ACTIONS = ("motors", "rates", "angles")
+TASKS = {"rosflight/Hover-v0": "hover", "rosflight/Waypoints-v0": "waypoints"}
+_LARGEST_SEED = 2**63
+
+
+class _Vehicles:
+    """Options of an environment, checked, and the vehicles that they describe. They are made with the first seed."""
+
+    def __init__(self, count: int, task: str, options: dict[str, Any]):
+        known: dict[str, Any] = {
+            "vehicle": "multirotor", "action": "rates", "rate_hz": 100, "episode_s": 10.0, "threads": 1, "wind": None, "set": (), "altitude_m": 5.0,
+            "start_radius_m": 1.0, "start_tilt_rad": 0.5, "start_speed_m_s": 1.0, "start_rates_rad_s": 1.0,
+        }
+        for name in options:
+            if name not in known:
+                raise ValueError(f"{name}: found an unknown option, allowed {', '.join(known)}")
+        chosen = known | options
+        rate_hz = arguments.whole("rate_hz", chosen["rate_hz"], 1, STEPS_PER_SECOND)
+        if STEPS_PER_SECOND % rate_hz:
+            raise ValueError(f"rate_hz: found {rate_hz}, allowed a divisor of {STEPS_PER_SECOND}")
+        #: As they are in force; part of `info` at each reset.
+        self.options: dict[str, Any] = chosen | {"task": task, "observation": "truth", "link": False}
+        self.count = arguments.whole("num_envs", count, 1, 2**20)
+        self.size = 25 if task == "waypoints" else 22
+        self._arguments: dict[str, Any] = {
+            "vehicle": arguments.name_or_path("vehicle", chosen["vehicle"]),
+            "wind": arguments.wind_text(chosen["wind"]),
+            "overrides": arguments.override_texts(chosen["set"]),
+            "task": task,
+            "action": arguments.one_of("action", chosen["action"], ACTIONS),
+            "count": self.count,
+            "threads": arguments.whole("threads", chosen["threads"], 1, 1024),
+            "substeps": STEPS_PER_SECOND // rate_hz,
+            "episode_s": arguments.at_least("episode_s", chosen["episode_s"], 0.0025),
+            "altitude_m": arguments.at_least("altitude_m", chosen["altitude_m"], 1.0),
+            **{name: arguments.at_least(name, chosen[name], 0.0)
+               for name in ("start_radius_m", "start_tilt_rad", "start_speed_m_s", "start_rates_rad_s")},
+        }
+        self._core: _core.Vehicles | None = None
+
+    def reset(self, observations: Floats, seed: int | None, mask: Flags | None) -> None:
+        """@param seed: of new vehicles, noise and episodes; None: these go on."""
+        if self._core is None:
+            first = int(np.random.SeedSequence().generate_state(1, np.uint64)[0]) if seed is None else seed
+            self._core = _core.Vehicles(**self._arguments, seed=first)
+        self._core.reset(observations, seed, mask)
+
+    @property
+    def core(self) -> _core.Vehicles:
+        if self._core is None:
+            raise gymnasium.error.ResetNeeded("step: found no episode, allowed after reset()")
+        return self._core
+
+    def truth(self) -> np.ndarray[Any, np.dtype[np.float64]]:
+        out = np.empty((self.count, _core.TRUTH_COLUMNS))
+        self.core.truth(out)
+        return out
+
+
+def _actions(value: object, shape: tuple[int, ...]) -> Floats:
+    array = np.asarray(value)
+    if array.shape != shape or array.dtype.kind not in "fiu":
+        raise ValueError(f"actions: found shape {array.shape} of {array.dtype}, allowed {shape} of float32")
+    return np.ascontiguousarray(array, np.float32)
+
+
+def _seed(seed: object) -> int | None:
+    return None if seed is None else arguments.whole("seed", seed, 0, _LARGEST_SEED)
+
+
+def _spaces(size: int) -> tuple[Any, Any]:
+    return spaces.Box(-np.inf, np.inf, (size,), np.float32), spaces.Box(-1.0, 1.0, (4,), np.float32)
+
+
+class FlightEnv(gymnasium.Env[Floats, Floats]):
+    """One vehicle. docs/python.md has the observation, the action, the reward and the options of each task."""
+
+    metadata: dict[str, Any] = {"render_modes": []}
+
+    def __init__(self, task: str = "hover", render_mode: None = None, **options: Any):
+        if render_mode is not None:
+            raise ValueError(f"render_mode: found {render_mode!r}, allowed None")
+        self._vehicles = _Vehicles(1, task, options)
+        self.observation_space, self.action_space = _spaces(self._vehicles.size)
+        self._observation = np.zeros((1, self._vehicles.size), np.float32)
+        self._last = np.zeros_like(self._observation)
+        self._reward = np.zeros(1, np.float32)
+        self._terminated, self._truncated = np.zeros(1, bool), np.zeros(1, bool)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Floats, dict[str, Any]]:
+        super().reset(seed=seed)
+        self._vehicles.reset(self._observation, _seed(seed), None)
+        return self._observation[0].copy(), {"options": deepcopy(self._vehicles.options)}
+
+    def step(self, action: Floats) -> tuple[Floats, float, bool, bool, dict[str, Any]]:
+        self._vehicles.core.step(_actions(action, (4,))[None], self._observation, self._reward, self._terminated, self._truncated,
+                                 self._last, False)
+        return self._observation[0].copy(), float(self._reward[0]), bool(self._terminated[0]), bool(self._truncated[0]), {}
+
+    def truth(self) -> np.ndarray[Any, np.dtype[np.float64]]:
+        """Position 3, velocity 3, attitude 4 (w, x, y, z), rates 3, distance, waypoints reached, outputs of motors 4."""
+        first: np.ndarray[Any, np.dtype[np.float64]] = self._vehicles.truth()[0]
+        return first
+
+
+class FlightVectorEnv(VectorEnv[Floats, Floats, Any]):
+    """Many vehicles on a pool of threads, stepped without the interpreter's lock. The result does not depend on `threads`.
+
+    autoreset_mode: NEXT_STEP, SAME_STEP (the last observation is info["final_obs"]) or DISABLED (reset with
+    options={"reset_mask": mask}). With copy=False observations are arrays that the next step fills again.
+    """
+
+    def __init__(
+        self,
+        num_envs: int = 1,
+        task: str = "hover",
+        autoreset_mode: Union[AutoresetMode, str] = AutoresetMode.NEXT_STEP,
+        copy: bool = True,
+        render_mode: None = None,
+        **options: Any,
+    ):
+        if render_mode is not None:
+            raise ValueError(f"render_mode: found {render_mode!r}, allowed None")
+        self._vehicles = _Vehicles(num_envs, task, options)
+        self.num_envs = self._vehicles.count
+        self._mode = AutoresetMode(autoreset_mode)
+        self.metadata = {"render_modes": [], "autoreset_mode": self._mode}
+        self.single_observation_space, self.single_action_space = _spaces(self._vehicles.size)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+        self._copy = copy
+        self._observations = np.zeros((self.num_envs, self._vehicles.size), np.float32)
+        self._last = np.zeros_like(self._observations)
+        self._rewards = np.zeros(self.num_envs, np.float32)
+        self._terminated, self._truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
+        self._ended = np.zeros(self.num_envs, bool)
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Floats, dict[str, Any]]:
+        """@param seed: one number, from which each vehicle has its own."""
+        super().reset(seed=seed)
+        mask = _mask(options, self.num_envs)
+        if mask is not None and seed is not None:
+            raise ValueError("reset: found a seed with a reset_mask, allowed one of them")
+        self._vehicles.reset(self._observations, _seed(seed), mask)
+        self._ended &= False if mask is None else ~mask
+        return self._out(self._observations), {"options": deepcopy(self._vehicles.options)}
+
+    def step(self, actions: Floats) -> tuple[Floats, Floats, Flags, Flags, dict[str, Any]]:
+        given = _actions(actions, (self.num_envs, 4))
+        if self._mode is AutoresetMode.DISABLED and self._ended.any():
+            raise gymnasium.error.ResetNeeded("step: found an episode that has ended, allowed after a reset of it")
+        self._vehicles.core.step(given, self._observations, self._rewards, self._terminated, self._truncated, self._last,
+                                 self._mode is AutoresetMode.SAME_STEP)
+        again = self._ended.copy()
+        if self._mode is AutoresetMode.NEXT_STEP and again.any():
+            self._vehicles.reset(self._observations, None, again)
+            self._rewards[again] = 0.0
+            self._terminated[again] = self._truncated[again] = False
+        self._ended = self._terminated | self._truncated
+        info: dict[str, Any] = {}
+        if self._mode is AutoresetMode.SAME_STEP and self._ended.any():
+            info = {"final_obs": self._last.copy(), "_final_obs": self._ended.copy()}
+        return (self._out(self._observations), self._out(self._rewards), self._terminated.copy(), self._truncated.copy(), info)
+
+    def truth(self) -> np.ndarray[Any, np.dtype[np.float64]]:
+        """A row for each vehicle, as FlightEnv.truth()."""
+        return self._vehicles.truth()
+
+    def _out(self, array: Floats) -> Floats:
+        return array.copy() if self._copy else array
+
+
+def _mask(options: dict[str, Any] | None, count: int) -> Flags | None:
+    if not options or "reset_mask" not in options:
+        return None
+    mask = np.asarray(options["reset_mask"])
+    if mask.shape != (count,) or mask.dtype != np.bool_:
+        raise ValueError(f"reset_mask: found shape {mask.shape} of {mask.dtype}, allowed ({count},) of bool")
+    return np.ascontiguousarray(mask)
+
+
+def register() -> None:
+    """Makes the environments known to gymnasium."""
+    for name, task in TASKS.items():
+        if name not in gymnasium.registry:
+            gymnasium.register(name, entry_point="rosflight.gym:FlightEnv", vector_entry_point="rosflight.gym:FlightVectorEnv",
+                               kwargs={"task": task})

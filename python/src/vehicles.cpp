@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "python/src/bind.hpp"
+#include "python/src/exclusive.hpp"
+#include "python/src/interrupt.hpp"
+#include "python/src/learner.hpp"
+#include "python/src/pool.hpp"
+
+namespace rosflight::python {
+namespace {
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using config::Error;
+
+template <class T>
+using Row = nb::ndarray<T, nb::numpy, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+template <class T>
+using Table = nb::ndarray<T, nb::numpy, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+
+/// Learners on a pool of threads, a row of each array for each. What they compute does not depend on the
+/// number of threads.
+class Vehicles {
+ public:
+  Vehicles(const flight::FlightChoice& choice, const TaskConfig& task, std::string level,
+           std::size_t count, std::size_t threads, int substeps, std::uint64_t seed)
+      : setup_{choice}, task_{task}, level_{std::move(level)}, substeps_{substeps}, pool_{threads} {
+    build(count, seed);
+  }
+
+  std::size_t count() const { return learners_.size(); }
+  std::size_t observation_size() const { return Learner::observation_size(task_.task); }
+
+  /// Other vehicles of the same kind, with the noise and the episodes of this seed.
+  void build(std::size_t count, std::uint64_t seed) {
+    learners_.clear();
+    const sim::RandomSource source{seed};
+    for (std::size_t k = 0; k < count; ++k) {
+      learners_.push_back(
+          std::make_unique<Learner>(setup_, task_, level_, source.child(std::to_string(k)).seed()));
+    }
+    pool_.for_each(count, [this](std::size_t k) { learners_[k]->start(); });
+    seed_ = seed;
+  }
+
+  /// @param seed  of new noise and episodes; none: they go on. @param mask  which of them; none: all.
+  void reset(Table<float> observations, std::optional<std::uint64_t> seed,
+             std::optional<Row<const bool>> mask) {
+    check_rows("observations", observations.shape(0));
+    if (mask) check_rows("reset_mask", mask->shape(0));
+    compute("reset", [&] {
+      if (seed && *seed != seed_) build(count(), *seed);
+      pool_.for_each(count(), [&](std::size_t k) {
+        if (mask && !mask->data()[k]) return;
+        if (seed) {
+          learners_[k]->rewind();
+        } else {
+          learners_[k]->begin_episode();
+        }
+        learners_[k]->observe(row(observations, k));
+      });
+    });
+  }
+
+  /// @param begin  episodes that have ended begin again at once; `last` then receives their last observations.
+  void step(Table<const float> actions, Table<float> observations, Row<float> rewards,
+            Row<bool> terminated, Row<bool> truncated, Table<float> last, bool begin) {
+    check_rows("actions", actions.shape(0));
+    if (actions.shape(1) != kActions)
+      throw Error(fmt::format("actions: found {} columns, allowed {}", actions.shape(1), kActions));
+    const float* const given = actions.data();
+    if (!std::all_of(given, given + actions.size(), [](float a) { return std::isfinite(a); })) {
+      throw Error("actions: found NaN or infinity, allowed finite numbers");
+    }
+    compute("step", [&] {
+      pool_.for_each(count(), [&](std::size_t k) {
+        Learner& learner = *learners_[k];
+        Action action;
+        std::copy_n(given + k * kActions, kActions, action.begin());
+        const Learner::Result result = learner.step(action, substeps_);
+        rewards.data()[k] = result.reward;
+        terminated.data()[k] = result.terminated;
+        truncated.data()[k] = result.truncated;
+        if (begin && (result.terminated || result.truncated)) {
+          learner.observe(row(last, k));
+          learner.begin_episode();
+        }
+        learner.observe(row(observations, k));
+      });
+    });
+  }
+
+  /// Position 3, velocity 3, attitude 4, rates 3, distance from the target, waypoints reached, outputs 4.
+  static constexpr std::size_t kTruth = 19;
+  void truth(Table<double> out) {
+    check_rows("out", out.shape(0));
+    const Exclusive::Use use(exclusive_, "truth");
+    for (std::size_t k = 0; k < count(); ++k) {
+      const Learner& learner = *learners_[k];
+      const sim::BodyState& body = learner.truth().body;
+      const sim::Vector3 v_W = body.q_WB * body.v_B;
+      double* to = out.data() + k * kTruth;
+      to = std::copy_n(body.p_W.data(), 3, to);
+      to = std::copy_n(v_W.data(), 3, to);
+      *to++ = body.q_WB.w(), *to++ = body.q_WB.x(), *to++ = body.q_WB.y(), *to++ = body.q_WB.z();
+      to = std::copy_n(body.w_B.data(), 3, to);
+      *to++ = learner.distance_m();
+      *to++ = static_cast<double>(learner.reached());
+      std::copy_n(learner.outputs().begin(), 4, to);
+    }
+  }
+
+ private:
+  void check_rows(const char* what, std::size_t rows) const {
+    if (rows != count())
+      throw Error(fmt::format("{}: found {} rows, allowed {}", what, rows, count()));
+  }
+  static float* row(Table<float>& table, std::size_t k) {
+    return table.data() + k * table.shape(1);
+  }
+
+  template <class F>
+  void compute(const char* what, F&& f) {
+    const Exclusive::Use use(exclusive_, what);
+    const nb::gil_scoped_release free;
+    f();
+  }
+
+  Exclusive exclusive_;
+  flight::FlightSetup setup_;
+  TaskConfig task_;
+  std::string level_;
+  int substeps_;
+  std::uint64_t seed_{};
+  std::vector<std::unique_ptr<Learner>> learners_;
+  Pool pool_;
+};
+
+}  // namespace
+
+void bind_vehicles(nb::module_& m) {
+  nb::class_<Vehicles>(m, "Vehicles")
+      .def(
+          "__init__",
+          [](Vehicles* self, std::string vehicle, std::optional<std::string> wind,
+             std::vector<std::string> overrides, std::string task, std::string action,
+             std::size_t count, std::size_t threads, int substeps, std::uint64_t seed,
+             double episode_s, double altitude_m, double start_radius_m, double start_tilt_rad,
+             double start_speed_m_s, double start_rates_rad_s) {
+            flight::FlightChoice choice;
+            choice.vehicle = std::move(vehicle);
+            choice.wind = std::move(wind);
+            choice.overrides = std::move(overrides);
+            TaskConfig config;
+            config.task = std::move(task);
+            config.episode_s = episode_s;
+            config.altitude_m = altitude_m;
+            config.start_radius_m = start_radius_m;
+            config.start_tilt_rad = start_tilt_rad;
+            config.start_speed_m_s = start_speed_m_s;
+            config.start_rates_rad_s = start_rates_rad_s;
+            const nb::gil_scoped_release free;
+            new (self) Vehicles(choice, config, std::move(action), count, threads, substeps, seed);
+          },
+          "vehicle"_a, "wind"_a.none(), "overrides"_a, "task"_a, "action"_a, "count"_a, "threads"_a,
+          "substeps"_a, "seed"_a, "episode_s"_a, "altitude_m"_a, "start_radius_m"_a,
+          "start_tilt_rad"_a, "start_speed_m_s"_a, "start_rates_rad_s"_a)
+      .def_prop_ro("count", &Vehicles::count)
+      .def_prop_ro("observation_size", &Vehicles::observation_size)
+      .def("reset", &Vehicles::reset, "observations"_a, "seed"_a.none(), "mask"_a.none())
+      .def("step", &Vehicles::step, "actions"_a, "observations"_a, "rewards"_a, "terminated"_a,
+           "truncated"_a, "last"_a, "begin"_a)
+      .def("truth", &Vehicles::truth, "out"_a);
+  m.attr("TRUTH_COLUMNS") = Vehicles::kTruth;
+}
+
+}  // namespace rosflight::python
