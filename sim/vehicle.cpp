@@ -53,6 +53,8 @@ Vehicle::Vehicle(config::Document document)
       environment_{read_environment(root_.section("environment"))},
       sensors_{root_.foreign_section("sensors")},
       firmware_{root_.foreign_section("firmware")},
-      autonomy_{root_.foreign_section("autonomy")} {}
+      autonomy_{root_.foreign_section("autonomy")} {
+  for (Vector3& contact : ground_.contacts_B) contact -= body_.centre_of_mass_B;
+}
 
 }  // namespace rosflight::sim

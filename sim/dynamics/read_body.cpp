@@ -15,6 +15,8 @@ using config::Table;
 /// possible.
 constexpr double kMeasured = 0.02;
 
+const Range kOffset = Range::between(-20.0, 20.0);
+
 using Body = BodyParameters;
 
 Row<Body> moment(std::string_view key, int i) {
@@ -40,6 +42,11 @@ Table<BodyParameters> body_parameters() {
                             product("xy", 0, 1), product("xz", 0, 2), product("yz", 1, 2)};
   return {R{"mass_kg", &Body::mass_kg, "kg", Range::positive_up_to(1e5), ""}.needed(),
           R{"inertia_kg_m2", [](Body& b) -> Body& { return b; }, inertia}.needed(),
+          {"center_of_mass_m", &Body::centre_of_mass_B, "m", kOffset,
+           "in the axes of all other positions of the file, which count from the middle of the "
+           "airframe "
+           "then: rotors, contacts, sensors, and the point where the air acts. The inertia is "
+           "about it"},
           {"integration",
            &Body::integration,
            {{"rk4", Integration::kRk4}, {"frozen_forces", Integration::kFrozenForces}},
@@ -47,6 +54,13 @@ Table<BodyParameters> body_parameters() {
           R{"max_step_s", &Body::max_step_s, "s", Range::between(1e-4, 0.1),
             "longer steps are split evenly"}
               .formerly("longest_step_s")};
+}
+
+Vector3 centre_of_mass(const config::Section& vehicle) {
+  const auto body = vehicle.optional_section("body");
+  if (!body) return Vector3::Zero();
+  const auto at = body->numbers("center_of_mass_m", 3, kOffset, {0.0, 0.0, 0.0});
+  return {at[0], at[1], at[2]};
 }
 
 BodyParameters read_body(const config::Section& section) {

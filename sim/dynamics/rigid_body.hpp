@@ -18,9 +18,14 @@ struct BodyParameters {
   /// elements are minus the products of inertia, J_xz = -integral x z dm. (ROSflight 2.x's
   /// parameters Jxy, Jxz, Jyz are these matrix elements too.)
   Matrix3 inertia_kg_m2{Matrix3::Identity()};
+  Vector3 centre_of_mass_B{Vector3::Zero()};  ///< From the origin of the file's positions [m].
   Integration integration{Integration::kRk4};
   double max_step_s{0.0025};  ///< Longer steps are split evenly.
 };
+
+/// `body.center_of_mass_m` of a vehicle file: where the mass is centred, in the axes that all other positions of
+/// the file count in. Zero if it is absent.
+Vector3 centre_of_mass(const config::Section& vehicle);
 
 /// Reads section `body`: mass, inertia that a body can have (positive, each principal moment at
 /// most the sum of the others and 2 %), integration. Throws config::Error.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/fixedwing/aerodynamics.hpp"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "base/constants.hpp"
@@ -21,14 +23,14 @@ struct Polar {
   double pitch;
 };
 
-Polar polar(const AirframeParameters& p, double alpha, double sine, double cosine,
-            double separated) {
+Polar polar(const AirframeParameters& p, double alpha, double sine, double cosine, double separated,
+            double induced) {
   const double attached = 1.0 - separated;
   const double lift = p.lift.zero + p.lift.alpha * alpha;
   const double aspect = p.span_m * p.span_m / p.area_m2;
   const double plate = 2.0 * sine * std::abs(sine);  // normal to it
   return {attached * lift + separated * plate * cosine,
-          p.drag.parasitic + attached * lift * lift / (base::kPi * p.oswald * aspect) +
+          p.drag.parasitic + induced * attached * lift * lift / (base::kPi * p.oswald * aspect) +
               separated * plate * sine,
           attached * (p.pitch.zero + p.pitch.alpha * alpha) +
               separated * plate * p.pitch.alpha / p.lift.alpha};
@@ -51,13 +53,19 @@ double Airframe::separation(double alpha) const {
   return 1.0 - (1.0 - beyond) * (1.0 - below);
 }
 
+double Airframe::induced_share(double height_m) const {
+  if (p_.ground_effect == WingGroundEffect::kNone) return 1.0;
+  const double ratio = 16.0 * std::max(height_m, 0.0) / p_.span_m;
+  return ratio * ratio / (1.0 + ratio * ratio);
+}
+
 double Airframe::lift_coefficient(double alpha) const {
   const portable::SinCos a = portable::sin_cos(alpha);
-  return polar(p_, alpha, a.sin, a.cos, separation(alpha)).lift;
+  return polar(p_, alpha, a.sin, a.cos, separation(alpha), 1.0).lift;
 }
 
 void Airframe::add_wrench(const Vector3& v_air_B, const Vector3& w_B, double density_kg_m3,
-                          const Deflection& d, Wrench& wrench) const {
+                          const Deflection& d, Wrench& wrench, double height_m) const {
   const double v_squared = v_air_B.squaredNorm();
   const double speed = std::sqrt(v_squared);
   const double in_plane = std::sqrt(v_air_B.x() * v_air_B.x() + v_air_B.z() * v_air_B.z());
@@ -69,16 +77,18 @@ void Airframe::add_wrench(const Vector3& v_air_B, const Vector3& w_B, double den
   const double q_damping = 0.5 * p_.chord_m * speed * w_B.y();
   const double span_damping = 0.5 * p_.span_m * speed;
 
-  const Polar c = polar(p_, alpha, sine, cosine, separation(alpha));
+  const Polar c = polar(p_, alpha, sine, cosine, separation(alpha), induced_share(height_m));
   const double lift =
       scale * (v_squared * (c.lift + p_.lift.elevator * d.elevator_rad) + q_damping * p_.lift.q);
   const double drag =
       scale * (v_squared * (c.drag + p_.drag.elevator * d.elevator_rad) + q_damping * p_.drag.q);
   const double pitch =
       v_squared * (c.pitch + p_.pitch.elevator * d.elevator_rad) + q_damping * p_.pitch.q;
-  wrench.force_B += Vector3(lift * sine - drag * cosine,
-                            scale * lateral(p_.side, v_squared, beta, span_damping, w_B, d),
-                            -drag * sine - lift * cosine);
+  const Vector3 force_B(lift * sine - drag * cosine,
+                        scale * lateral(p_.side, v_squared, beta, span_damping, w_B, d),
+                        -drag * sine - lift * cosine);
+  wrench.force_B += force_B;
+  if (!p_.centre_B.isZero(0.0)) wrench.torque_B += p_.centre_B.cross(force_B);
   wrench.torque_B +=
       scale * Vector3(p_.span_m * lateral(p_.roll, v_squared, beta, span_damping, w_B, d),
                       p_.chord_m * pitch,

@@ -39,6 +39,11 @@ struct LateralDerivatives {
   double rudder{};
 };
 
+enum class WingGroundEffect {
+  kNone,
+  kMcCormick  ///< The ground weakens what the tip vortices induce: (8).
+};
+
 enum class AeroModel {
   kStall,     ///< Stall, and the whole model down to rest.
   kReference  ///< ROSflight 2.x: lift linear at any angle; only thrust below 2 m/s.
@@ -53,6 +58,8 @@ struct AirframeParameters {
   double oswald{};           ///< e
   double stall_angle_rad{};  ///< alpha_0 of (4)
   double stall_sharpness{};  ///< M of (4) [1/rad]
+  WingGroundEffect ground_effect{WingGroundEffect::kNone};
+  Vector3 centre_B{Vector3::Zero()};  ///< Where (7) acts, from the centre of mass [m].
   SymmetricDerivatives lift;
   DragDerivatives drag;
   SymmetricDerivatives pitch;
@@ -77,7 +84,12 @@ AirframeParameters read_airframe(const config::Section& section);
 ///     C_m = (1 - s)(C_m0 + C_ma alpha) + s (C_ma/C_La) 2 sgn(alpha) sin^2 alpha                (6)
 ///     F = (-D cos a + L sin a, Y, -D sin a - L cos a)                                          (7)
 ///
-/// and C_m, C_Y, C_ell, C_n linear in beta, rates and deflections besides. (1)-(4), (7): R. Beard,
+/// with the ground effect the induced drag of (5), the second term, times
+///
+///     phi = (16 h/b)^2/(1 + (16 h/b)^2)                                                        (8)
+///
+/// h being the height of the centre of mass (B. McCormick, "Aerodynamics, Aeronautics, and Flight
+/// Mechanics", 1979, ch. 7), and C_m, C_Y, C_ell, C_n linear in beta, rates and deflections besides. (1)-(4), (7): R. Beard,
 /// T. McLain, "Small Unmanned Aircraft", 2012, sec. 4.2, eq. 4.8-4.10 and 4.15-4.20. The plate's
 /// drag in (5) and moment in (6) belong to the same plate as its lift in (3): Newtonian pressure 2
 /// sin^2 alpha normal to it, acting at the neutral point C_ma/C_La, so that beyond the stall a wing
@@ -86,6 +98,8 @@ AirframeParameters read_airframe(const config::Section& section);
 /// All terms with rates are multiplied out, so nothing is divided by V and the model holds at rest.
 class Airframe {
  public:
+  static constexpr double kHigh_m = 1e9;  ///< Out of ground effect.
+
   /// @param parameters  as read_airframe() checks them.
   explicit Airframe(const AirframeParameters& parameters) : p_{parameters} {}
 
@@ -93,8 +107,10 @@ class Airframe {
 
   /// Adds force and torque about the centre of mass.
   void add_wrench(const Vector3& v_air_B, const Vector3& w_B, double density_kg_m3,
-                  const Deflection& deflection, Wrench& wrench) const;
+                  const Deflection& deflection, Wrench& wrench, double height_m = kHigh_m) const;
 
+  /// phi of (8); 1 without a ground effect.
+  double induced_share(double height_m) const;
   /// s of (4); 0 for ROSflight 2.x's model.
   double separation(double alpha_rad) const;
   /// (3) without rates and elevator.

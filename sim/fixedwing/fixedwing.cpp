@@ -69,7 +69,7 @@ void FixedWing::evaluate(const Input& in, std::span<const double> x, Wrench& wre
     return;
   }
   airframe_.add_wrench(in.v_air_B, in.body.w_B, in.air.density_kg_m3, deflection(in.outputs, x),
-                       wrench);
+                       wrench, in.height_above_ground_m);
 }
 
 void FixedWing::limit_state(std::span<double> x) const {

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "config/table.hpp"
+#include "sim/dynamics/rigid_body.hpp"
 #include "sim/parameter_tables.hpp"
 
 namespace rosflight::sim {
@@ -116,6 +117,10 @@ Table<AirframeParameters> airframe_parameters() {
            &A::model,
            {{"stall", AeroModel::kStall}, {"reference", AeroModel::kReference}},
            "reference: as ROSflight 2.x"},
+          {"ground_effect",
+           &A::ground_effect,
+           {{"none", WingGroundEffect::kNone}, {"mccormick", WingGroundEffect::kMcCormick}},
+           "mccormick: less induced drag within a span of the ground"},
           R{"wing", self, wing_table()}.needed(),
           R{"stall", self, stall_table()}.needed(),
           R{"lift", &A::lift, lift_table()}.needed(),
@@ -154,6 +159,7 @@ FixedWingParameters read_fixed_wing(const Section& vehicle) {
   FixedWingParameters p;
   p.propulsion = read_propulsion(vehicle);
   p.airframe = read_airframe(vehicle.section("aero"));
+  p.airframe.centre_B = -centre_of_mass(vehicle);
   const Section surfaces = vehicle.section("surfaces");
   surface_parameters().read(surfaces, p);
   check_layout(surfaces, p);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/multirotor/inflow.hpp"
 #include "sim/portable_math.hpp"
 
 namespace rosflight::sim {
@@ -51,12 +52,17 @@ Multirotor::Multirotor(const MultirotorParameters& p)
       motor_{p.motor},
       reference_flow_{p.flow == RotorFlow::kReference},
       airspeed_flow_{p.flow == RotorFlow::kAirspeed},
+      momentum_{p.inflow == RotorInflow::kMomentum},
+      off_centre_{!p.aero.centre_B.isZero(0.0)},
       battery_{p.battery},
       aero_{p.aero},
       thrust_per_density_{fourth_power(p.propeller.diameter_m) / (kTwoPi * kTwoPi)},
       flow_per_speed_{kTwoPi / p.propeller.diameter_m},
       per_resistance_{1.0 / p.motor.resistance_ohm},
-      per_inertia_{p.propeller.inertia_kg_m2 > 0.0 ? 1.0 / p.propeller.inertia_kg_m2 : 0.0} {
+      per_inertia_{p.propeller.inertia_kg_m2 > 0.0 ? 1.0 / p.propeller.inertia_kg_m2 : 0.0},
+      disc_m2_{0.125 * kTwoPi * p.propeller.diameter_m * p.propeller.diameter_m},
+      lift_slope_{
+          lift_slope_m3(p.propeller.diameter_m, p.propeller.thrust[0], p.propeller.thrust[1])} {
   if (motor_.model == MotorModel::kInstant) propeller_.inertia_kg_m2 = 0.0;
   for (std::size_t i = 0; i < kGroups * kLanes; ++i) {
     Group& group = group_[i / kLanes];
@@ -195,6 +201,35 @@ Lanes Multirotor::steady_speed(Lanes drive_V, Lanes speed, Lanes u, double densi
   return max(where_positive(b, -2.0 * c / (b + root), (root - b) / (2.0 * a)), kReferenceFloor);
 }
 
+Multirotor::Disc Multirotor::disc(const Blades& axial, Lanes speed, Lanes along, Lanes across_sq,
+                                  double density, Lanes factor) const {
+  constexpr double kLeastSpeed_rad_s = 1.0;
+  constexpr double kLeastSpeed_m_s = 1.0;  // of the tip
+  constexpr double kMostTilting = 0.5;     // mu: beyond, the retreating blade stalls
+  const Lanes turning = max(speed, kLeastSpeed_rad_s);
+  const Lanes climb = max(along, 0.0);
+  const Lanes hover_sq = max(axial.thrust_N, 0.0) / (2.0 * density * disc_m2_);
+  const Lanes v_axial = axial_inflow(climb, hover_sq);
+  Disc out{axial, 0.0};
+  Lanes v = v_axial;
+  if (momentum_) {
+    const Lanes slope = factor * (lift_slope_ / (2.0 * disc_m2_)) * speed;
+    v = forward_inflow(climb, across_sq, hover_sq, slope, v_axial);
+    out.blades.thrust_N = axial.thrust_N + density * lift_slope_ * factor * speed * (v_axial - v);
+    const Lanes power = out.blades.thrust_N * (climb + v) - axial.thrust_N * (climb + v_axial);
+    out.blades.torque_Nm = axial.torque_Nm + power / turning;
+  }
+  if (propeller_.flapping) {
+    const Lanes tip = 0.5 * propeller_.diameter_m * speed;
+    const Lanes fast = max(max(tip, sqrt(across_sq) / kMostTilting), kLeastSpeed_m_s);
+    const Lanes fade = tip / fast;
+    const Lanes lambda = (climb + v) / fast;
+    out.flapping_s_m = fade * fade * (4.0 * propeller_.flapping->tip_pitch_rad - 2.0 * lambda) /
+                       (fast * (1.0 - 0.5 * across_sq / (fast * fast)));
+  }
+  return out;
+}
+
 Lanes Multirotor::ground_factor(const Input& in, const Group& group) const {
   const Vector3Lanes& p = group.p_B;
   const Matrix3& R = in.R_WB;
@@ -245,7 +280,12 @@ void Multirotor::evaluate(const Input& in, std::span<const double> x, Wrench& wr
         rate = (target - speed) / motor_.time_constant_s;
       }
     }
-    const Blades air = blades(speed, u, density, group.factor);
+    Disc disc_now{blades(speed, u, density, group.factor), 0.0};
+    if (momentum_ || propeller_.flapping) {
+      const Lanes across_sq = max(dot(hub, hub) - along * along, 0.0);
+      disc_now = disc(disc_now.blades, speed, along, across_sq, density, group.factor);
+    }
+    const Blades& air = disc_now.blades;
     if (motor_.model == MotorModel::kElectrical) {
       rate = acceleration(speed, now.current_A[g], air.torque_Nm);
     }
@@ -253,7 +293,8 @@ void Multirotor::evaluate(const Input& in, std::span<const double> x, Wrench& wr
       x_dot[i] = rate[i % kLanes];
 
     const Lanes thrust = near_ground ? air.thrust_N * ground_factor(in, group) : air.thrust_N;
-    const Lanes drag = -aero_.rotor_drag_s_m * max(air.thrust_N, 0.0);
+    Lanes drag = -aero_.rotor_drag_s_m * max(air.thrust_N, 0.0);
+    if (propeller_.flapping) drag = drag - disc_now.flapping_s_m * max(air.thrust_N, 0.0);
     const Vector3Lanes h{drag * (hub.x - along * e.x), drag * (hub.y - along * e.y),
                          drag * (hub.z - along * e.z)};
     const Lanes reaction = group.spin * (air.torque_Nm + inertia * rate);
@@ -268,12 +309,18 @@ void Multirotor::evaluate(const Input& in, std::span<const double> x, Wrench& wr
       torque = {torque.x + (p.y * h.z - p.z * h.y), torque.y + (p.z * h.x - p.x * h.z),
                 torque.z + (p.x * h.y - p.y * h.x)};
     }
+    if (propeller_.flapping) {
+      const Lanes k = -propeller_.flapping->hub_stiffness_Nm_rad * disc_now.flapping_s_m;
+      torque = {torque.x + k * (e.y * hub.z - e.z * hub.y),
+                torque.y + k * (e.z * hub.x - e.x * hub.z),
+                torque.z + k * (e.x * hub.y - e.y * hub.x)};
+    }
     momentum = {momentum.x + spin * e.x, momentum.y + spin * e.y, momentum.z + spin * e.z};
   }
 
   const Vector3& v = in.v_air_B;
-  wrench.force_B = Vector3(sum(force.x), sum(force.y), sum(force.z)) -
-                   (0.5 * density * v.norm()) * aero_.drag_area_m2.cwiseProduct(v);
+  const Vector3 drag_B = (0.5 * density * v.norm()) * aero_.drag_area_m2.cwiseProduct(v);
+  wrench.force_B = Vector3(sum(force.x), sum(force.y), sum(force.z)) - drag_B;
   if (aero_.ground_effect == GroundEffect::kPolynomial) {
     double lift = 0.0;
     for (const double c : aero_.ground_effect_polynomial)
@@ -283,6 +330,7 @@ void Multirotor::evaluate(const Input& in, std::span<const double> x, Wrench& wr
   const Vector3 spinning = inertia * Vector3(sum(momentum.x), sum(momentum.y), sum(momentum.z));
   wrench.torque_B =
       Vector3(sum(torque.x), sum(torque.y), sum(torque.z)) + in.body.w_B.cross(spinning);
+  if (off_centre_) wrench.torque_B -= aero_.centre_B.cross(drag_B);
   x_dot[rotors_] = battery_.constant() ? 0.0 : -now.current_sum_A;
   for (std::size_t i = 0; i < tilts_.size(); ++i) {
     const TiltParameters& servo = tilts_[i].servo;

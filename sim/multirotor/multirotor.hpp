@@ -23,6 +23,19 @@ namespace rosflight::sim {
 /// -descent_limit O. The second part of (3) is the rotor's H-force. k is the ground effect,
 /// 1/(1 - (R/4z)^2) with z >= R/2 (I. C. Cheeseman, W. E. Bennett, ARC R&M 3021, 1955).
 ///
+/// With the momentum inflow (inflow.hpp), a thrust T of (1), its induced velocity v_a in axial flight and v
+/// in the flight at hand, A the disc:
+///
+///     T' = T + rho a O (v_a - v)        Q' = Q + (T' (V + v) - T (V + v_a))/O         (7)
+/// with the lift slope a of inflow.hpp. In axial flight (7) is (1), (2). Flapping tilts the disc back by
+///
+///     a1 = mu (4 theta_t - 2 lambda)/(1 - mu^2/2),   mu = |v'|/(O R),   lambda = (V + v)/(O R)     (8)
+///
+/// (P. Pounds, R. Mahony, P. Corke, "Modelling and control of a large quadrotor robot", Control Eng.
+/// Practice 18, 2010, sec. 3; ideally twisted blades). It adds T a1 against v', and k a1 about e x -v'.
+/// The lateral tilt b1 is left out. Beyond mu 0.5, where the retreating blade stalls, a1 fades with the
+/// square of the rotor's speed; a rotor at rest does not flap.
+///
 /// Motor and ESC, duty d, battery voltage V_b, K_Q = K_V in SI:
 ///
 ///     I = (d V_b - K_V O)/R        tau_m = K_Q (I - I0)        J_r dO/dt = tau_m - Q  (4)
@@ -107,6 +120,13 @@ class Multirotor final : public ForcesAndMoments {
   Lanes inflow(const Input& in, const Group& group, const Vector3Lanes& hub) const;
   Blades blades(Lanes speed, Lanes u, double density, Lanes factor) const;
   Lanes steady_speed(Lanes drive_V, Lanes speed, Lanes u, double density, Lanes factor) const;
+  /// (7), and the coefficient of the drag that (8) adds [s/m].
+  struct Disc {
+    Blades blades;
+    Lanes flapping_s_m;
+  };
+  Disc disc(const Blades& axial, Lanes speed, Lanes along, Lanes across_sq, double density,
+            Lanes factor) const;
   Lanes ground_factor(const Input& in, const Group& group) const;
   Lanes acceleration(Lanes speed, Lanes current_A, Lanes torque_Nm) const;
 
@@ -120,12 +140,16 @@ class Multirotor final : public ForcesAndMoments {
   MotorParameters motor_;
   bool reference_flow_;
   bool airspeed_flow_;
+  bool momentum_;
+  bool off_centre_;  ///< The drag has an arm.
   Battery battery_;
   AeroParameters aero_;
   double thrust_per_density_;  ///< D^4/(4 pi^2)
   double flow_per_speed_;      ///< 2 pi/D
   double per_resistance_;
   double per_inertia_;
+  double disc_m2_;
+  double lift_slope_;  ///< a of (7) [m^3].
 };
 
 }  // namespace rosflight::sim

@@ -23,6 +23,11 @@ enum class RotorFlow {
   kAirspeed    ///< The airspeed, whatever its direction: fixed wings of ROSflight 2.x.
 };
 
+enum class RotorInflow {
+  kAxial,    ///< Thrust and torque depend on the air along the thrust alone.
+  kMomentum  ///< Air across the rotor takes its own downwash away: more thrust, less torque.
+};
+
 enum class GroundEffect {
   kNone,
   kCheesemanBennett,  ///< Thrust grows by 1/(1 - (R/4z)^2), z the hub's height.
@@ -46,6 +51,12 @@ struct RotorParameters {
   std::optional<TiltParameters> tilt;  ///< Turns e_B.
 };
 
+/// Blades that flap at a hub without hinges.
+struct FlappingParameters {
+  double tip_pitch_rad{};         ///< Pitch angle of the blade at its tip.
+  double hub_stiffness_Nm_rad{};  ///< Torque on the hub per tilt of the disc.
+};
+
 /// All propellers alike: C(J) = c0 + c1 J + c2 J^2 over the advance ratio J = 2 pi V/(Omega D).
 struct PropellerParameters {
   double diameter_m{};
@@ -54,6 +65,7 @@ struct PropellerParameters {
   double inertia_kg_m2{};  ///< Propeller with the motor's bell; 0 only where no model needs it.
   double descent_limit{
       0.12};  ///< Advance ratio below which thrust grows no more in descent (vortex ring).
+  std::optional<FlappingParameters> flapping;  ///< Absent: the disc does not tilt.
 };
 
 struct MotorParameters {
@@ -69,6 +81,7 @@ struct MotorParameters {
 struct AeroParameters {
   Vector3 drag_area_m2{Vector3::Zero()};  ///< C_D A along body x, y, z.
   double rotor_drag_s_m{};                ///< In-plane force per thrust and in-plane air speed.
+  Vector3 centre_B{Vector3::Zero()};      ///< Where the drag acts, from the centre of mass [m].
   GroundEffect ground_effect{GroundEffect::kCheesemanBennett};
   std::array<double, 5> ground_effect_polynomial{};  ///< g0..g4, highest power first [N/m^4 ... N].
 };
@@ -78,6 +91,7 @@ struct MultirotorParameters {
   PropellerParameters propeller;
   MotorParameters motor;
   RotorFlow flow{RotorFlow::kHub};
+  RotorInflow inflow{RotorInflow::kAxial};
   BatteryParameters battery;
   AeroParameters aero;
 };

@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "config/table.hpp"
+#include "sim/dynamics/rigid_body.hpp"
 #include "sim/modules.hpp"
+#include "sim/multirotor/inflow.hpp"
 #include "sim/parameter_tables.hpp"
 
 namespace rosflight::sim {
@@ -69,6 +71,17 @@ Table<RotorParameters> rotor_table() {
           R{"tilt", &P::tilt, tilt_table(), "A servo that turns the thrust direction."}};
 }
 
+Table<FlappingParameters> flapping_table() {
+  using F = FlappingParameters;
+  using R = Row<F>;
+  return {R{"tip_pitch_deg", &F::tip_pitch_rad, kDeg, Range::between(0.0, 45.0),
+            "of the blade; of a propeller of pitch p atan(p/(pi D))"}
+              .needed(),
+          R{"hub_stiffness_Nm_rad", &F::hub_stiffness_Nm_rad, "N m/rad",
+            Range::between(0.0, 1000.0), "torque on the hub per tilt of the disc"}
+              .needed()};
+}
+
 Table<PropellerParameters> propeller_table() {
   using P = PropellerParameters;
   using R = Row<P>;
@@ -85,7 +98,9 @@ Table<PropellerParameters> propeller_table() {
             "with the motor's bell"}
               .if_absent("needed with motor.model electrical"),
           {"descent_limit", &P::descent_limit, "", Range::between(0.0, 1.0),
-           "advance ratio below which thrust grows no more in descent (vortex ring)"}};
+           "advance ratio below which thrust grows no more in descent (vortex ring)"},
+          {"flapping", &P::flapping, flapping_table(),
+           "The disc tilts back in the air across it, which is drag besides aero.rotor_drag_s_m."}};
 }
 
 Table<MotorParameters> motor_table() {
@@ -130,6 +145,12 @@ Table<MultirotorParameters> rotor_parameters() {
             {"airspeed", RotorFlow::kAirspeed}},
            "air that a rotor meets. hub: at each rotor; reference: at the centre of mass, as "
            "multirotors of ROSflight 2.x; airspeed: whatever its direction, as its fixed wings"},
+          {"inflow",
+           &M::inflow,
+           {{"axial", RotorInflow::kAxial}, {"momentum", RotorInflow::kMomentum}},
+           "momentum: air across a rotor takes its downwash away, so that it needs less power in "
+           "forward "
+           "flight; with flow hub and motor.model electrical"},
           R{"motor", &M::motor, motor_table()}.needed(),
           R{"propeller", &M::propeller, propeller_table()}.needed()};
 }
@@ -206,6 +227,21 @@ void check_layout(const std::vector<Section>& layout, std::vector<RotorParameter
   }
 }
 
+void check_inflow(const Section& rotors, const MultirotorParameters& p) {
+  if (p.inflow == RotorInflow::kAxial) return;
+  if (p.flow != RotorFlow::kHub || p.motor.model != MotorModel::kElectrical) {
+    throw rotors.error("inflow", "momentum",
+                       "axial, or momentum with flow hub and motor.model electrical");
+  }
+  const PropellerParameters& propeller = p.propeller;
+  if (!(lift_slope_m3(propeller.diameter_m, propeller.thrust[0], propeller.thrust[1]) > 0.0)) {
+    throw rotors.error(
+        "inflow", "momentum",
+        "axial, or a propeller whose thrust falls in a climb, no faster than momentum "
+        "theory has it");
+  }
+}
+
 }  // namespace
 
 MultirotorParameters read_propulsion(const Section& vehicle) {
@@ -225,6 +261,10 @@ MultirotorParameters read_propulsion(const Section& vehicle) {
     throw motor.error("model", "instant with a battery of cells",
                       "electrical, first_order, or battery.model constant");
   }
+  check_inflow(rotors, p);
+  const Vector3 centre_B = centre_of_mass(vehicle);
+  for (RotorParameters& rotor : p.rotors) rotor.p_B -= centre_B;
+  p.aero.centre_B = -centre_B;
   rotors.finish();
   battery.finish();
   return p;

@@ -9,8 +9,12 @@ namespace rosflight::sim::sensors {
 
 void register_sensors(Registry& registry) {
   registry.sensors.add("standard", [](const Vehicle& vehicle, const RandomSource& random) {
-    return std::make_unique<StandardSensors>(read_sensors(vehicle.sensors()), vehicle.environment(),
-                                             random);
+    SensorsConfig config = read_sensors(vehicle.sensors());
+    const Vector3& centre_B = vehicle.body().centre_of_mass_B;
+    config.imu.position_m -= centre_B;
+    config.range.position_m -= centre_B;
+    config.gnss.position_m -= centre_B;
+    return std::make_unique<StandardSensors>(config, vehicle.environment(), random);
   });
 }
 

@@ -135,6 +135,39 @@ TEST(Airframe, LiftPeaksAtTheStatedCoefficientBelowTheStallAngle) {
   }
 }
 
+// McCormick: at a tenth of the span 2.56/3.56 of the induced drag is left.
+TEST(Airframe, GroundTakesInducedDragAway) {
+  const Hangar high("anaconda");
+  const Hangar low("anaconda", {"aero.ground_effect=mccormick"});
+  const auto drag = [](const Hangar& hangar, double height_m) {
+    Wrench wrench;
+    hangar.forces.airframe().add_wrench({15, 0, 0}, Vector3::Zero(), 1.2, {}, wrench, height_m);
+    return -wrench.force_B.x();
+  };
+  EXPECT_NEAR(low.forces.airframe().induced_share(0.208), 2.56 / 3.56, 1e-12);
+  EXPECT_EQ(high.forces.airframe().induced_share(0.208), 1.0);
+  // Level at 15 m/s: C_L0 = 0.506, 0.005 % separated.
+  const double induced_drag_N =
+      0.5 * 1.2 * 225.0 * 0.52 * 0.506 * 0.506 / (std::numbers::pi * 0.9 * 8.32);
+  EXPECT_NEAR(drag(high, 0.208) - drag(low, 0.208), induced_drag_N * (1.0 - 2.56 / 3.56), 1e-3);
+  EXPECT_NEAR(drag(low, 20.8), drag(high, 20.8), 1e-4 * induced_drag_N);
+}
+
+TEST(Airframe, AForwardMassPitchesTheNoseDown) {
+  const Hangar centred("anaconda");
+  const Hangar forward("anaconda", {"body.center_of_mass_m=[0.02, 0, 0]"});
+  const auto wrench = [](const Hangar& hangar) {
+    Wrench out;
+    hangar.forces.airframe().add_wrench({15, 0, 1}, Vector3::Zero(), 1.2, {}, out);
+    return out;
+  };
+  const Wrench with = wrench(forward);
+  EXPECT_EQ(with.force_B, wrench(centred).force_B);
+  // Lift, along -z, acts 2 cm behind the mass.
+  EXPECT_NEAR(with.torque_B.y() - wrench(centred).torque_B.y(), 0.02 * with.force_B.z(), 1e-9);
+  EXPECT_LT(with.force_B.z(), 0.0);
+}
+
 TEST(Airframe, IsAPlateFarBeyondTheStall) {
   const Hangar hangar("anaconda");
   const Airframe& wing = hangar.forces.airframe();
