@@ -103,8 +103,8 @@ TEST(Vehicle, BadValuesAreNamedInOneLine) {
   EXPECT_EQ(message_with("body.mass_kg=3.5 kg"),
             "body.mass_kg: found 3.5 kg, allowed a number > 0 and <= 100000");
   EXPECT_EQ(message_with("body.mas_kg=3.5"),
-            "body.mas_kg: found an unknown key, allowed mass_kg, inertia_kg_m2, integration, "
-            "max_step_s");
+            "body.mas_kg: found an unknown key, allowed mass_kg, inertia_kg_m2, center_of_mass_m, "
+            "integration, max_step_s");
   EXPECT_EQ(message_with("wings.area_m2=1").substr(0, 28), "wings: found an unknown key,");
   EXPECT_EQ(message_with("body.inertia_kg_m2.zz=0.2"),
             "body.inertia_kg_m2: found principal moments 0.08, 0.08, "
