@@ -216,7 +216,10 @@ INSTANTIATE_TEST_SUITE_P(Kinds, SizedFault,
                                            "mag_turned=30@20", "accel_step_x=0.3@20",
                                            "accel_step_y=-0.3@20", "accel_step_z=0.3@20",
                                            "gyro_step_x=0.02@20", "gyro_step_y=-0.02@20",
-                                           "gyro_step_z=0.02@20"));
+                                           "gyro_step_z=0.02@20", "gnss_step=30@20",
+                                           "gnss_delay=0.5@20", "baro_step=50@20",
+                                           "mag_turned=180@20", "gyro_step_x=0.1@20",
+                                           "gyro_step_y=0.1@20", "gyro_step_z=0.1@20"));
 
 TEST(Faults, BatteryMonitorKeepsTheLastVoltage) {
   const Rig rig = flown("battery@20");

@@ -88,17 +88,18 @@ TEST_P(SensorFaults, AreFlownThrough) {
   EXPECT_LE(record(rig).touchdown()->sink_m_s, 2.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(FixedWing, SensorFaults,
-                         ::testing::Values(std::pair{"mag@80", false}, std::pair{"baro@80", false},
-                                           std::pair{"diff_pressure@80", false},
-                                           std::pair{"baro_step=5@80", false},
-                                           std::pair{"mag_turned=30@80", false},
-                                           std::pair{"accel_step_x=0.3@80", true},
-                                           std::pair{"accel_step_y=0.3@80", true},
-                                           std::pair{"accel_step_z=0.3@80", true},
-                                           std::pair{"gyro_step_x=0.02@80", true},
-                                           std::pair{"gyro_step_y=0.02@80", true},
-                                           std::pair{"gyro_step_z=0.02@80", true}));
+INSTANTIATE_TEST_SUITE_P(
+    FixedWing, SensorFaults,
+    ::testing::Values(
+        std::pair{"mag@80", false}, std::pair{"baro@80", false},
+        std::pair{"diff_pressure@80", false}, std::pair{"baro_step=5@80", false},
+        std::pair{"mag_turned=30@80", false}, std::pair{"accel_step_x=0.3@80", true},
+        std::pair{"accel_step_y=0.3@80", true}, std::pair{"accel_step_z=0.3@80", true},
+        std::pair{"gyro_step_x=0.02@80", true}, std::pair{"gyro_step_y=0.02@80", true},
+        std::pair{"gyro_step_z=0.02@80", true}, std::pair{"gnss_step=30@80", false},
+        std::pair{"gnss_delay=0.5@80", false}, std::pair{"baro_step=50@80", false},
+        std::pair{"mag_turned=180@80", false}, std::pair{"gyro_step_x=0.1@80", false},
+        std::pair{"gyro_step_y=0.1@80", false}, std::pair{"gyro_step_z=0.1@80", false}));
 
 }  // namespace
 }  // namespace rosflight::flight::testing
