@@ -144,7 +144,8 @@ def test_processes_fly_the_same(method):
 def test_ctrl_c_ends_a_flight_and_its_folder_is_whole(tmp_path):
     """The same as with the command: an interrupted flight leaves its folder."""
     script = textwrap.dedent("""
-        import rosflight
+        import rosflight, signal
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell has its background jobs ignore it
         try:
             print("flying", flush=True)
             for seed in range(1000):

@@ -243,6 +243,7 @@ def test_one_thread_at_a_time(simulation):
 def test_ctrl_c_ends_a_long_step():
     script = textwrap.dedent("""
         import os, signal, threading, rosflight
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell has its background jobs ignore it
         simulation = rosflight.Simulation()
         threading.Timer(0.2, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
         try:
