@@ -153,12 +153,15 @@ def test_ctrl_c_ends_a_flight_and_its_folder_is_whole(tmp_path):
         except KeyboardInterrupt:
             print("interrupted")
     """)
-    process = subprocess.Popen([sys.executable, "-c", script], cwd=tmp_path, stdout=subprocess.PIPE, text=True)
-    assert process.stdout.readline() == "flying\n"
-    while not list(tmp_path.glob("flight0/*")):
-        pass
-    process.send_signal(signal.SIGINT)
-    said, _ = process.communicate(timeout=20)
+    with subprocess.Popen([sys.executable, "-c", script], cwd=tmp_path, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout.readline() == "flying\n"
+            while not list(tmp_path.glob("flight0/*")):
+                pass
+            process.send_signal(signal.SIGINT)
+            said, _ = process.communicate(timeout=20)
+        finally:
+            process.kill()  # it would write flights until the disk is full
     assert (said, process.returncode) == ("interrupted\n", 0)
     folders = sorted(tmp_path.iterdir())
     last = json.loads((folders[-1] / "summary.json").read_text())
