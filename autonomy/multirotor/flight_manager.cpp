@@ -150,14 +150,14 @@ void FlightManager::watch_rotors(const Input& in) {
     rotors_.interrupt();
     return;
   }
-  if (!rotors_.step({.outputs = in.outputs,
-                     .w_B = in.state.w_B,
-                     .v_B = in.state.q_WB.conjugate() * in.state.v_W,
-                     .voltage_V = in.status.battery_voltage_V,
-                     .dt_s = control_.dt_s()})) {
-    return;
-  }
-  out_.events.add(FlightEventType::kMotorOut, *rotors_.lost());
+  const bool found = rotors_.step({.outputs = in.outputs,
+                                   .w_B = in.state.w_B,
+                                   .v_B = in.state.q_WB.conjugate() * in.state.v_W,
+                                   .voltage_V = in.status.battery_voltage_V,
+                                   .dt_s = control_.dt_s()});
+  const std::optional<std::size_t> lost = rotors_.lost();
+  if (!found || !lost) return;
+  out_.events.add(FlightEventType::kMotorOut, *lost);
   control_.configure(controller_config(), with_height(config_.states, takeoff_height_m_));
   control_.request_land();
 }
