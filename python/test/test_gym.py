@@ -78,7 +78,7 @@ def test_same_step_shows_the_last_observation():
     assert np.array_equal(info["final_obs"], last) and not np.array_equal(observations, last)
 
 
-def test_disabled_waits_for_a_reset_of_those_that_ended():
+def test_without_autoreset_those_that_ended_are_reset_by_the_caller():
     envs = vector(episode_s=0.05, autoreset_mode="Disabled")
     envs.reset(seed=1)
     envs.step(np.zeros((3, 4), np.float32))

@@ -116,7 +116,7 @@ def test_time_waits_for_a_topic_that_is_due(peer):
 def test_a_node_that_is_late_hardly_finds_a_time_twice(peer):
     """A timer of 390 Hz as rcl has it: what is due is called, the next call is whole periods after the last, also when it was late; the
     stamp is the time when the work is done. Busy for up to two periods, and once for eight."""
-    period_ns, wall = 2_564_000, random.Random(7)
+    period_ns, work_s = 2_564_000, random.Random(7)
     with node("standalone_time_manager", at_launch="standalone_time_manager", wait_for="estimate"):
         received = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
         estimate = peer.publisher(Imu, "estimate", ALL)
@@ -130,7 +130,7 @@ def test_a_node_that_is_late_hardly_finds_a_time_twice(peer):
             while now_ns() < due_ns:
                 time.sleep(1e-4)
             due_ns += period_ns * max(1, math.ceil((now_ns() - due_ns) / period_ns))
-            time.sleep(0.02 if k == 500 else wall.uniform(0.0, 5e-3))
+            time.sleep(0.02 if k == 500 else work_s.uniform(0.0, 5e-3))
             stamps.append(now_ns())
             estimate.publish(stamp(Imu(), stamps[-1]))
     intervals = [later - earlier for earlier, later in zip(stamps, stamps[1:])][250:]  # after it has been learnt

@@ -67,11 +67,12 @@ class TimerPhase {
   static constexpr int kMaxGaps = 4;
   static constexpr double kGap = 2.5;           ///< Periods: it was not called meanwhile.
   static constexpr std::int64_t kMinSlack = 3;  ///< Ticks.
-  static constexpr auto kBusy = std::chrono::milliseconds(20);  ///< What its work may take.
-  static constexpr auto kSlow = std::chrono::milliseconds(2);
-  static constexpr auto kPerTick = std::chrono::milliseconds(5);
+  static constexpr auto kBusy = std::chrono::milliseconds(20);    ///< What its work may take.
+  static constexpr auto kSlow = std::chrono::milliseconds(2);     ///< Time stood so long for it.
+  static constexpr auto kPerTick = std::chrono::milliseconds(5);  ///< When it needs more than that.
   /// A period that is thought too short makes time stand; one that is too long is put right by the next stamp.
   static constexpr double kLonger = 1.001;
+  /// Some hundred messages until the period of a slow node is found from above; time then stands for kBusy once.
   static constexpr double kShorter = 1.0 - 1.0 / 1024;
 
   /// Half a period keeps no node waiting that is as fast as it should be. For one that is slow, where time stands decides its

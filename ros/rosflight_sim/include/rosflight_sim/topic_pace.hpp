@@ -67,6 +67,7 @@ class TopicPace {
     }
     return look(time_ns - *stamp_ns_ - period_ns_ > lag_ns, now);
   }
+  /// The same where somebody else knows whether it is overdue. Only of a topic that counts.
   Look look(bool overdue, Wall::time_point now) {
     if (!overdue) return Look::kNotBehind;
     if (!overdue_.give_up(now)) return Look::kBehind;
@@ -74,6 +75,7 @@ class TopicPace {
     return Look::kGivenUp;
   }
 
+  /// Whether its interval is known.
   bool counts() const { return intervals_ == kFirst; }
 
  private:
