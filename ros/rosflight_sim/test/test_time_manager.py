@@ -7,6 +7,7 @@ import random
 import signal
 import time
 
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rosflight_msgs.msg import SimState
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
@@ -15,6 +16,7 @@ from sim_rig import ALL, ALL_BEST_EFFORT, SimPeer, node, set_parameters, sim_sta
 from std_srvs.srv import Trigger
 
 TICK_NS = 2_500_000
+NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 def test_time(peer):
@@ -115,10 +117,10 @@ def test_time_waits_for_a_topic_that_is_due(peer):
 
 def test_a_node_that_is_late_hardly_finds_a_time_twice(peer):
     """A timer of 390 Hz as rcl has it: what is due is called, the next call is whole periods after the last, also when it was late; the
-    stamp is the time when the work is done. Busy for up to two periods, and once for eight."""
+    stamp is the time when the work is done. Busy for less than half a period, and now and then for three."""
     period_ns, work_s = 2_564_000, random.Random(7)
     with node("standalone_time_manager", at_launch="standalone_time_manager", wait_for="estimate"):
-        received = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
+        received = peer.listen(Clock, "/clock", NEWEST)  # as the time source of a node: who keeps more reads the past
         estimate = peer.publisher(Imu, "estimate", ALL)
         peer.wait(lambda: received, "time")
         peer.poll(lambda: estimate.get_subscription_count() > 0, "the time manager at the topic")
@@ -130,13 +132,14 @@ def test_a_node_that_is_late_hardly_finds_a_time_twice(peer):
             while now_ns() < due_ns:
                 time.sleep(1e-4)
             due_ns += period_ns * max(1, math.ceil((now_ns() - due_ns) / period_ns))
-            time.sleep(0.02 if k == 500 else work_s.uniform(0.0, 5e-3))
+            time.sleep(8e-3 if k % 25 == 0 else work_s.uniform(0.0, 1e-3))
             stamps.append(now_ns())
             estimate.publish(stamp(Imu(), stamps[-1]))
     intervals = [later - earlier for earlier, later in zip(stamps, stamps[1:])][250:]  # after it has been learnt
-    # This reader of the clock is in Python and polls: seldom, a tick is late by more than half a period. Of whole steps it is one in ten.
+    # This reader of the clock is in Python and polls: seldom, a tick is late by more than half a period.
     assert intervals.count(0) <= len(intervals) / 100, f"{intervals.count(0)} of {len(intervals)} times twice"
-    assert period_ns * 0.98 < sum(intervals) / len(intervals) < period_ns * 1.02, "each period is called once"
+    mean_ns = sum(intervals) / len(intervals)
+    assert period_ns * 0.98 < mean_ns < period_ns * (1 + 1 / 25), "each period is called once, but for one in each of the long works"
 
 
 def test_scaled_time_has_the_factor(peer):
