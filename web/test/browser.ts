@@ -135,6 +135,9 @@ export async function onPage(browser: Browser, url: string, use: (page: Page) =>
     await flightShown(page);
     await use(page);
     assert.deepEqual(complaints, []);
+  } catch (error) {
+    console.error(`the page when it failed:\n${await page.locator('body').innerText({timeout: 10_000}).catch(String)}`);
+    throw error;
   } finally {
     await page.context().close();
   }

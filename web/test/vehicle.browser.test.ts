@@ -82,10 +82,13 @@ async function vehicle(memory?: string) {
     if (!link.cut) outer.send(data, port, '127.0.0.1');
   });
   outer.on('message', (data) => { if (board && !link.cut) inner.send(data, board.port, board.address); });
-  const url = await new Promise<string>((resolve) => view.stdout.on('data', (data) => {
-    const found = /http:\S+/.exec(String(data));
-    if (found) resolve(found[0]);
-  }));
+  const url = await new Promise<string>((resolve, reject) => {
+    view.stdout.on('data', (data) => {
+      const found = /http:\S+/.exec(String(data));
+      if (found) resolve(found[0]);
+    });
+    view.on('exit', (code) => reject(new Error(`rosflight view ended with ${code}`)));
+  });
   return {url, view, sil, folder, outputs, link};
 }
 
@@ -292,7 +295,7 @@ describe('a vehicle on a link', () => {
     }, SMALL);
   });
 
-  test('is seen and calibrated by a phone in the dark', {timeout: 120_000}, async () => {
+  test('is seen and calibrated by a phone in the dark', {timeout: 240_000}, async () => {
     const {url} = await vehicle();
     await withPage(url, async (page) => {
       await page.waitForSelector('.instruments:has-text("disarmed")');
