@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -28,8 +29,10 @@ class TimerPhase {
       due_ns_ = stamp_ns;
     } else {
       gaps_ = 0;
-      learn(apart_ns);
-      due_ns_ = std::clamp(next_ns(), stamp_ns - slack_ns(tick_ns), stamp_ns);
+      const double periods = periods_in(apart_ns);
+      learn(apart_ns / periods);
+      const auto on_ns = static_cast<std::int64_t>(kLonger * periods * period_ns_);
+      due_ns_ = std::clamp(due_ns_ + on_ns, stamp_ns - slack_ns(tick_ns), stamp_ns);
     }
     stamp_ns_ = stamp_ns;
     recent_ns_[static_cast<std::size_t>(count_) % recent_ns_.size()] = stamp_ns;
@@ -82,16 +85,23 @@ class TimerPhase {
     return std::max(slow_ > 0 ? 0 : half_ns, kMinSlack * tick_ns);
   }
 
+  /// More than one where a call was left out or its message lost. A node that was waited for in vain has another period.
+  double periods_in(double apart_ns) const {
+    const bool known = count_ > kFirst && stood_ <= kBusy;
+    return known ? std::max(1.0, std::round(apart_ns / period_ns_)) : 1.0;
+  }
+
   void learn(double apart_ns) {
     if (count_ <= kFirst)  // the first may be short: a timer that was late catches up
       period_ns_ = std::max(period_ns_, apart_ns);
     else
       period_ns_ += (apart_ns - period_ns_) / std::min(count_, kMean);
-    slow_ = stood_ > kSlow ? kMean : std::max(slow_ - 1, 0);
-    if (stood_ > kBusy) {  // that was too short
+    const bool slow = stood_ > kSlow && stood_ <= kBusy;
+    slow_ = slow ? kMean : std::max(slow_ - 1, 0);
+    if (stood_ > kBusy) {  // the period was too short
       period_ns_ = std::max(period_ns_, apart_ns);
       count_ = kFirst;
-    } else if (stood_ > Wall::duration{}) {  // as long as time was given, or shorter
+    } else if (slow) {  // as long as time was given, or shorter
       period_ns_ *= kShorter;
     }
   }
