@@ -79,10 +79,17 @@ export const KEYBOARD: Hand = {
   give: (label, file) => given(label.page(), () => KEYBOARD.press(label.locator('input')), file),
 };
 
+/** Unanswered by the browser for so long [ms], a touch is lost. */
+const TOUCH_LIMIT_MS = 15_000;
+
 /** A finger on the place; lifted by the function that it returns. */
 export async function finger(page: Page, x: number, y: number, to = {x, y}) {
   const session = await page.context().newCDPSession(page);
-  const touch = (type: 'touchStart' | 'touchMove' | 'touchEnd', ...touchPoints: {x: number; y: number}[]) => session.send('Input.dispatchTouchEvent', {type, touchPoints});
+  const touch = async (type: 'touchStart' | 'touchMove' | 'touchEnd', ...touchPoints: {x: number; y: number}[]) => {
+    let timer: NodeJS.Timeout | undefined;
+    const lost = new Promise<never>((_, reject) => { timer = setTimeout(reject, TOUCH_LIMIT_MS, new Error(`no answer to ${type}`)); });
+    await Promise.race([session.send('Input.dispatchTouchEvent', {type, touchPoints}), lost]).finally(() => clearTimeout(timer));
+  };
   await touch('touchStart', {x, y});
   for (const share of to.x === x && to.y === y ? [] : [0.25, 0.5, 0.75, 1]) await touch('touchMove', {x: x + share * (to.x - x), y: y + share * (to.y - y)});
   return async () => {
@@ -95,16 +102,24 @@ export async function finger(page: Page, x: number, y: number, to = {x, y}) {
  * between the look and the touch move the target away from under the finger; then the tap is repeated. */
 async function tap(target: Locator, share = 0.5) {
   await enabled(target);
+  let why: unknown;
   for (let tries = 0; tries < 5; ++tries) {
     await target.evaluate((wanted) => {
       wanted.scrollIntoView({block: 'center', behavior: 'instant'});
       window.addEventListener('pointerdown', ({target: met}) => { document.body.dataset['met'] = String(wanted.contains(met as Node)); }, {capture: true, once: true});
     });
     const {x, y, width, height} = (await target.boundingBox())!;
-    await (await finger(target.page(), x + share * width, y + height / 2))();
-    if (await target.page().evaluate(() => document.body.dataset['met']) !== 'false') return;
+    try {
+      await (await finger(target.page(), x + share * width, y + height / 2))();
+      if (await target.page().evaluate(() => document.body.dataset['met']) !== 'false') return;
+      why = 'it moves away from under the finger';
+    } catch (error) {
+      why = error;
+      const session = await target.page().context().newCDPSession(target.page());
+      session.send('Input.dispatchTouchEvent', {type: 'touchCancel', touchPoints: []}).catch(() => undefined); // the finger may still be down
+    }
   }
-  assert.fail(`${target} moves away from under the finger`);
+  assert.fail(`${target} is not tapped: ${why}`);
 }
 
 export const TOUCH: Hand = {
