@@ -122,15 +122,7 @@ def fly(
     if series_hz and STEPS_PER_SECOND % series_hz:
         raise ValueError(f"series_hz: found {series_hz}, allowed 0 or a divisor of {STEPS_PER_SECOND}")
     summary, series, notes, folder = _core.fly(
-        arguments.name_or_path("vehicle", vehicle),
-        arguments.name_or_path("mission", mission),
-        arguments.whole("seed", seed, 0),
-        arguments.wind_text(wind),
-        arguments.texts("faults", faults),
-        arguments.override_texts(set),
-        arguments.one_of("state", state, ("estimate", "truth")),
-        arguments.one_of("pilot", pilot, ("hover", "idle")),
-        arguments.one_of("link_protocol", link_protocol, ("mavlink", "lean")),
+        _choice(vehicle, mission, seed, wind, faults, set, state, pilot, link_protocol),
         arguments.one_of("log", log, ("plot", "full", "none")),
         None if out is None else arguments.name_or_path("out", out),
         STEPS_PER_SECOND // series_hz if series_hz else 0,
@@ -148,6 +140,31 @@ def fly(
         notes=[Note(t_s, source, SEVERITIES[severity], text) for t_s, source, severity, text in notes],
         series=series,
     )
+
+
+_Choice = tuple[str, str, int, Union[str, None], list[str], list[str], str, str, str]
+
+
+def _choice(vehicle: object, mission: object, seed: object, wind: arguments.Wind | None, faults: Union[str, Iterable[str]],
+            overrides: arguments.Overrides, state: object, pilot: object, link_protocol: object) -> _Choice:
+    return (
+        arguments.name_or_path("vehicle", vehicle),
+        arguments.name_or_path("mission", mission),
+        arguments.whole("seed", seed, 0),
+        arguments.wind_text(wind),
+        arguments.texts("faults", faults),
+        arguments.override_texts(overrides),
+        arguments.one_of("state", state, ("estimate", "truth")),
+        arguments.one_of("pilot", pilot, ("hover", "idle")),
+        arguments.one_of("link_protocol", link_protocol, ("mavlink", "lean")),
+    )
+
+
+def check(vehicle: str = "multirotor", mission: str = "default", *, wind: arguments.Wind | None = None,
+          faults: Union[str, Iterable[str]] = (), set: arguments.Overrides = ()) -> tuple[str, str]:
+    """Reads and checks what `fly` would, and flies nothing: the same errors. Returns the vehicle, with all that it extends
+    and with `set`, and the mission, as texts of YAML."""
+    return _core.check(_choice(vehicle, mission, 1, wind, faults, set, "estimate", "hover", "mavlink"))
 
 
 def vehicles() -> list[str]:

@@ -4,10 +4,12 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -69,23 +71,29 @@ nb::list notes_of(const std::vector<flight::FlightNote>& notes) {
   return out;
 }
 
+/// Vehicle, mission, seed, wind, faults, overrides, state, pilot and link protocol, as ./rosflight fly takes them.
+using Choice = std::tuple<std::string, std::string, std::uint64_t, std::optional<std::string>,
+                          std::vector<std::string>, std::vector<std::string>, std::string,
+                          std::string, std::string>;
+
+flight::FlightChoice choice_of(Choice given) {
+  flight::FlightChoice choice;
+  std::tie(choice.vehicle, choice.mission, choice.seed, choice.wind, choice.faults,
+           choice.overrides, choice.state, choice.pilot, choice.link_protocol) = std::move(given);
+  return choice;
+}
+
+/// Reads and checks what fly() would read. @returns the vehicle with all that it extends, and the mission, as texts.
+nb::tuple check(Choice choice) {
+  const flight::FlightSetup setup(choice_of(std::move(choice)));
+  return nb::make_tuple(setup.vehicle.text(), setup.mission_text);
+}
+
 /// ./rosflight fly. @returns summary as JSON, series, notes, flight folder.
-nb::tuple fly(std::string vehicle, std::string mission, std::uint64_t seed,
-              std::optional<std::string> wind, std::vector<std::string> faults,
-              std::vector<std::string> overrides, std::string state, std::string pilot,
-              std::string link_protocol, std::string log, std::optional<std::string> out,
+nb::tuple fly(Choice choice, std::string log, std::optional<std::string> out,
               unsigned series_every) {
   flight::FlyOptions options;
-  flight::FlightChoice& choice = options.choice;
-  choice.vehicle = std::move(vehicle);
-  choice.mission = std::move(mission);
-  choice.seed = seed;
-  choice.wind = std::move(wind);
-  choice.faults = std::move(faults);
-  choice.overrides = std::move(overrides);
-  choice.state = std::move(state);
-  choice.pilot = std::move(pilot);
-  choice.link_protocol = std::move(link_protocol);
+  options.choice = choice_of(std::move(choice));
   options.leave_folder = out || log != "none";
   options.log = std::move(log);
   if (out) options.folder = *out;
@@ -112,13 +120,13 @@ nb::tuple fly(std::string vehicle, std::string mission, std::uint64_t seed,
 
 void bind_fly(nb::module_& m) {
   m.def(
-      "fly", &fly, "vehicle"_a, "mission"_a, "seed"_a, "wind"_a.none(), "faults"_a, "overrides"_a,
-      "state"_a, "pilot"_a, "link_protocol"_a, "log"_a, "out"_a.none(), "series_every"_a,
-      nb::sig("def fly(vehicle: str, mission: str, seed: int, wind: str | None, faults: list[str], "
-              "overrides: list[str], state: str, pilot: str, link_protocol: str, log: str, out: "
-              "str | None, "
-              "series_every: int) -> tuple[str, dict[str, numpy.typing.NDArray[numpy.float64]], "
-              "list[tuple[float, str, int, str]], str]"));
+      "check", &check, "choice"_a,
+      nb::sig("def check(choice: tuple[str, str, int, str | None, list[str], list[str], str, str, "
+              "str]) -> tuple[str, str]"));
+  m.def("fly", &fly, "choice"_a, "log"_a, "out"_a.none(), "series_every"_a,
+        nb::sig("def fly(choice: tuple[str, str, int, str | None, list[str], list[str], str, str, "
+                "str], log: str, out: str | None, series_every: int) -> tuple[str, dict[str, "
+                "numpy.typing.NDArray[numpy.float64]], list[tuple[float, str, int, str]], str]"));
 }
 
 }  // namespace rosflight::python
