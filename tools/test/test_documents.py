@@ -28,6 +28,7 @@ ELSEWHERE = {
     r"\./rosflight (params|calibrate|monitor|preflight) \S+:": "ground/test/test_sil_ground_tools.py, line by line",
     r"\./rosflight (view|fly --view)\b": "web/test/page.browser.test.ts",
     r"\./rosflight python\b": "python/test/test_package.py",
+    r"\./rosflight campaign\b": "python/test/test_campaign_command.py",
     r"\./rosflight bench\b": "tools/test/test_bench.py; measuring takes minutes",
     r"\./rosflight ros (build|run|demo)\b": "the stage ros of ./rosflight test",
     r"docker ": "needs a Docker daemon; tools/test/test_dockerfile.py and test_the_debian_package_flies",

@@ -102,7 +102,7 @@ def test_unknown_command_is_one_line_and_exit_code_2(house):
     done = house.start("fyl")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == ("rosflight: unknown command 'fyl'; "
-                           "allowed: fly, view, log, replay, sil, mixer, trim, params, calibrate, monitor, preflight, blackbox, completion, python, test, firmware, bench, ros, --help, --version\n")
+                           "allowed: fly, view, log, replay, sil, mixer, trim, params, calibrate, monitor, preflight, blackbox, completion, campaign, python, test, firmware, bench, ros, --help, --version\n")
 
 
 def test_no_command_shows_the_help_as_an_error(house):

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Campaigns on a Dask cluster: the rows of one machine, with workers killed, the scheduler restarted, and workers that cannot fly."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from rosflight import _worker, campaign
+from rosflight.campaign import _cluster
+
+TEXT = "flights: 24\nmission: hop\nwind: {speed_m_s: {uniform: [0, 6]}}\nfaults: [{fault: motor0_dead, at_s: 8, probability: 0.2}]\n"
+
+
+class Processes:
+    """Scheduler and workers of a cluster on this machine; they end with the test."""
+
+    def __init__(self, folder: Path):
+        self._folder = folder
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            self.port = free.getsockname()[1]
+        self.address = f"tcp://127.0.0.1:{self.port}"
+        self.started: list[subprocess.Popen] = []
+
+    def _start(self, *words: str) -> subprocess.Popen:
+        process = subprocess.Popen([sys.executable, "-m", *words], cwd=self._folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                                   start_new_session=True)
+        self.started.append(process)
+        return process
+
+    def scheduler(self) -> subprocess.Popen:
+        return self._start("distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", str(self.port), "--no-dashboard")
+
+    def worker(self) -> subprocess.Popen:
+        return self._start("distributed.cli.dask_worker", self.address, "--nthreads", "1", "--no-dashboard", "--no-nanny", "--death-timeout", "60")
+
+    def end(self) -> None:
+        for process in self.started:
+            try:
+                os.killpg(process.pid, signal.SIGKILL)
+            except ProcessLookupError:
+                pass
+            process.wait()
+
+
+@pytest.fixture
+def processes(tmp_path):
+    made = Processes(tmp_path)
+    try:
+        yield made
+    finally:
+        made.end()
+
+
+def wait_for(address: str) -> None:
+    until = time.monotonic() + 60
+    while True:
+        try:
+            _cluster.Cluster(address).close()
+            return
+        except campaign.CampaignError:
+            assert time.monotonic() < until
+            time.sleep(0.2)
+
+
+def test_killed_workers_and_a_restarted_scheduler_lose_no_row(processes, tmp_path):
+    (tmp_path / "c.yaml").write_text(TEXT)
+    alone = campaign.fly(tmp_path / "c.yaml", tmp_path / "alone", workers=2)
+    schedulers = [processes.scheduler()]
+    workers = [processes.worker(), processes.worker()]
+    wait_for(processes.address)
+
+    def break_it(done: int, wanted: int) -> None:
+        if done in (4, 14):
+            workers.pop(0).kill()
+            workers.append(processes.worker())
+        elif done == 9:
+            schedulers.pop().kill()
+            schedulers.append(processes.scheduler())
+            for worker in workers:  # they lose their scheduler, and others take their place
+                worker.kill()
+            workers[:] = [processes.worker(), processes.worker()]
+
+    together = campaign.fly(tmp_path / "c.yaml", tmp_path / "together", dask=processes.address, progress=break_it)
+    assert len(together) == 24
+    assert (tmp_path / "together/rows.parquet").read_bytes() == (tmp_path / "alone/rows.parquet").read_bytes()
+    assert alone.passed == together.passed
+
+
+def test_a_worker_with_another_program_is_refused(processes, tmp_path, monkeypatch):
+    (tmp_path / "c.yaml").write_text(TEXT)
+    processes.scheduler()
+    processes.worker()
+    wait_for(processes.address)
+    monkeypatch.setattr(_worker, "program", lambda: "rosflight 9, commit 0")
+    with pytest.raises(campaign.CampaignError, match="found a worker that cannot fly this .it has rosflight .*, the campaign rosflight 9, commit 0"):
+        campaign.fly(tmp_path / "c.yaml", tmp_path / "out", dask=processes.address)
+    assert not (tmp_path / "out/rows.parquet").exists()
+
+
+def test_a_scheduler_without_workers_is_one_line(processes, tmp_path, monkeypatch):
+    monkeypatch.setattr(_cluster, "NO_WORKER_S", 1.0)
+    (tmp_path / "c.yaml").write_text(TEXT)
+    processes.scheduler()
+    wait_for(processes.address)
+    with pytest.raises(campaign.CampaignError, match="--dask: found a scheduler without workers for 1 s, allowed at least one worker"):
+        campaign.fly(tmp_path / "c.yaml", tmp_path / "out", dask=processes.address)
