@@ -6,10 +6,11 @@
 #include <limits>
 #include <stdexcept>
 
+#include "sim/dynamics/body_motion.hpp"
+
 namespace rosflight::sim {
 namespace {
 
-constexpr std::size_t kBodyStates = 13;  // p, q (w x y z), v, w
 constexpr double kMaxStartDepth_m = 0.05;
 /// ROSflight 2.x: on the ground below this height.
 constexpr double kPlaneReach_m = 0.001;
@@ -17,49 +18,16 @@ constexpr double kPlaneReach_m = 0.001;
 /// Height given to the module where there is no ground.
 constexpr double kNoGround_m = 1e6;
 
-using Array3 = Eigen::Map<Vector3>;
-using ConstArray3 = Eigen::Map<const Vector3>;
+using detail::kBodyStates;
+using detail::motion;
+using detail::pack;
+using detail::runge_kutta;
+using detail::unpack;
 
 /// The module's states.
 template <class State>
 auto module_part(State& y) {
   return std::span(y.data() + kBodyStates, static_cast<std::size_t>(y.size()) - kBodyStates);
-}
-
-template <class State>
-BodyState unpack(const State& y) {
-  BodyState body;
-  body.p_W = ConstArray3(y.data());
-  body.q_WB = Quaternion(y[3], y[4], y[5], y[6]);
-  body.v_B = ConstArray3(y.data() + 7);
-  body.w_B = ConstArray3(y.data() + 10);
-  return body;
-}
-
-template <class State>
-void pack(const BodyState& body, State& y) {
-  Array3(y.data()) = body.p_W;
-  y[3] = body.q_WB.w();
-  y[4] = body.q_WB.x();
-  y[5] = body.q_WB.y();
-  y[6] = body.q_WB.z();
-  Array3(y.data() + 7) = body.v_B;
-  Array3(y.data() + 10) = body.w_B;
-}
-
-/// Derivatives of p, q, v from acceleration a_B (gravity included), and of w as given.
-template <class State>
-void motion(const BodyState& body, const Matrix3& R_WB, const Vector3& a_B, const Vector3& w_dot,
-            State& y_dot) {
-  const Vector3& w = body.w_B;
-  const Quaternion& q = body.q_WB;
-  Array3(y_dot.data()) = R_WB * body.v_B;
-  y_dot[3] = 0.5 * (-q.x() * w.x() - q.y() * w.y() - q.z() * w.z());
-  y_dot[4] = 0.5 * (q.w() * w.x() + q.y() * w.z() - q.z() * w.y());
-  y_dot[5] = 0.5 * (q.w() * w.y() + q.z() * w.x() - q.x() * w.z());
-  y_dot[6] = 0.5 * (q.w() * w.z() + q.x() * w.y() - q.y() * w.x());
-  Array3(y_dot.data() + 7) = a_B - w.cross(body.v_B);
-  Array3(y_dot.data() + 10) = w_dot;
 }
 
 Eigen::Index checked_size(std::size_t module_states) {
@@ -86,6 +54,7 @@ RigidBody::RigidBody(const BodyParameters& body, const GroundParameters& ground,
       integration_{body.integration},
       max_step_s_{body.max_step_s},
       ground_model_{ground.model},
+      acting_ground_{ground.model},
       ground_{ground},
       gravity_m_s2_{environment.gravity_m_s2},
       origin_height_m_{environment.origin.altitude_m},
@@ -131,6 +100,14 @@ double RigidBody::height_m(const BodyState& body) const {
   return ground_model_ == GroundModel::kNone ? kNoGround_m : -body.p_W.z();
 }
 
+void RigidBody::set_engine(PhysicsEngine& engine) {
+  if (integration_ != Integration::kRk4)
+    throw config::Error("body.integration: found frozen_forces with a physics engine, allowed rk4");
+  engine_ = &engine;
+  if (engine.contact() != nullptr) acting_ground_ = GroundModel::kNone;
+  engine.set_state(truth_.body);
+}
+
 void RigidBody::begin(const BodyState& given, std::span<const double> module_state) {
   BodyState state = given;
   // A unit quaternion stays as it is to the bit, so that a state that was read can be set again.
@@ -149,6 +126,7 @@ void RigidBody::begin(const BodyState& given, std::span<const double> module_sta
   derivative(y_, none, unused);
   finish_substep();
   fill_truth(none);
+  if (engine_ != nullptr) engine_->set_state(truth_.body);
 }
 
 void RigidBody::evaluate(const State& y, const BodyState& body, const Matrix3& R_WB,
@@ -158,9 +136,9 @@ void RigidBody::evaluate(const State& y, const BodyState& body, const Matrix3& R
   const ForcesAndMoments::Input in{body, R_WB, v_air_B, truth_.air, outputs, height_m(body)};
   forces_.evaluate(in, module_part(y), wrench_, module_part(y_dot));
   total_ = wrench_;
-  if (ground_model_ == GroundModel::kContact) {
+  if (acting_ground_ == GroundModel::kContact) {
     if (-body.p_W.z() < ground_.reach_m()) ground_.add_wrench(body, R_WB, total_);
-  } else if (ground_model_ == GroundModel::kFrictionlessPlane) {
+  } else if (acting_ground_ == GroundModel::kFrictionlessPlane) {
     stop_fall(body, R_WB);
   }
   if (held_) {
@@ -185,36 +163,38 @@ void RigidBody::derivative(const State& y, const hal::OutputValues& outputs, Sta
   motion(body, R_WB, a_B, angular_acceleration_B_, y_dot);
 }
 
-template <class Derivative>
-void RigidBody::runge_kutta(double h, const Derivative& derivative) {
-  const Eigen::Index n = y_.size();
-  State k1(n);
-  State k2(n);
-  State k3(n);
-  State k4(n);
-  State y(n);
-  derivative(y_, k1);
-  y = y_ + (0.5 * h) * k1;
-  derivative(y, k2);
-  y = y_ + (0.5 * h) * k2;
-  derivative(y, k3);
-  y = y_ + h * k3;
-  derivative(y, k4);
-  y_ += (h / 6.0) * (k1 + 2.0 * (k2 + k3) + k4);
+void RigidBody::substep(double h, const hal::OutputValues& outputs) {
+  runge_kutta(y_, h,
+              [this, &outputs](const State& y, State& y_dot) { derivative(y, outputs, y_dot); });
 }
 
-void RigidBody::substep(double h, const hal::OutputValues& outputs) {
-  runge_kutta(h, [this, &outputs](const State& y, State& y_dot) { derivative(y, outputs, y_dot); });
+/// The engine moves the body under the mean of the load that this scheme meets on the way from the engine's
+/// state; the states of the module go that way themselves. An error of second order in h.
+void RigidBody::substep_by_engine(double h, const hal::OutputValues& outputs) {
+  PhysicsEngine::Load load;
+  std::size_t stage = 0;
+  runge_kutta(y_, h, [&](const State& y, State& y_dot) {
+    derivative(y, outputs, y_dot);
+    const double share = detail::kStageShares.at(stage++);
+    load.force_W += share * (unpack(y).q_WB.normalized() * total_.force_B);
+    load.torque_B += share * total_.torque_B;
+  });
+  engine_->step(h, load);
+  pack(engine_->state(), y_);
+  if (const PhysicsEngine::Contact* contact = engine_->contact()) {
+    total_.force_B += contact->wrench.force_B;
+    total_.torque_B += contact->wrench.torque_B;
+  }
 }
 
 void RigidBody::substep_frozen(double h, const hal::OutputValues& outputs) {
-  if (ground_model_ == GroundModel::kFrictionlessPlane) y_[2] = std::min(y_[2], 0.0);
+  if (acting_ground_ == GroundModel::kFrictionlessPlane) y_[2] = std::min(y_[2], 0.0);
   const BodyState start = unpack(y_);
   const Matrix3 R_start = start.q_WB.toRotationMatrix();
   State module_rate(y_.size());
   evaluate(y_, start, R_start, outputs, module_rate);
   const Vector3 a_B = total_.force_B / mass_kg_ + gravity_m_s2_ * R_start.row(2).transpose();
-  runge_kutta(h, [&](const State& y, State& y_dot) {
+  runge_kutta(y_, h, [&](const State& y, State& y_dot) {
     const BodyState body = unpack(y);
     angular_acceleration_B_ =
         inertia_inverse_ * (total_.torque_B - body.w_B.cross(inertia_ * body.w_B));
@@ -224,18 +204,19 @@ void RigidBody::substep_frozen(double h, const hal::OutputValues& outputs) {
 }
 
 void RigidBody::finish_substep() {
-  const double norm = std::sqrt((y_[3] * y_[3] + y_[4] * y_[4]) + (y_[5] * y_[5] + y_[6] * y_[6]));
-  y_.segment<4>(3) /= norm;
+  detail::normalise_attitude(y_);
   forces_.limit_state(module_part(y_));
   truth_.body = unpack(y_);
   const BodyState& body = truth_.body;
-  if (ground_model_ == GroundModel::kContact) {
+  if (acting_ground_ == GroundModel::kContact) {
     const bool near = -body.p_W.z() < ground_.reach_m();
     if (near || truth_.on_ground)
       truth_.on_ground = ground_.end_step(body, body.q_WB.toRotationMatrix());
   } else {
     truth_.on_ground =
-        ground_model_ == GroundModel::kFrictionlessPlane && body.p_W.z() >= -kPlaneReach_m;
+        acting_ground_ == GroundModel::kFrictionlessPlane && body.p_W.z() >= -kPlaneReach_m;
+    if (engine_ != nullptr && engine_->contact() != nullptr)
+      truth_.on_ground = engine_->contact()->touches;
   }
 }
 
@@ -266,7 +247,9 @@ void RigidBody::step(Time t, const hal::OutputValues& outputs) {
       const Vector3 v_air_B = body.v_B - body.q_WB.conjugate() * truth_.air.wind_W;
       truth_.air.wind_W = wind_.step(h, -body.p_W.z(), v_air_B.norm());
     }
-    if (integration_ == Integration::kRk4) {
+    if (engine_ != nullptr) {
+      substep_by_engine(h, outputs);
+    } else if (integration_ == Integration::kRk4) {
       substep(h, outputs);
     } else {
       substep_frozen(h, outputs);

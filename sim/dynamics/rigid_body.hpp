@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include "sim/dynamics/ground_contact.hpp"
+#include "sim/dynamics/physics_engine.hpp"
 #include "sim/environment/environment.hpp"
 #include "sim/modules.hpp"
 
@@ -59,6 +60,11 @@ class RigidBody final : public Dynamics {
   /// The same with the states of the module; also false if their number is wrong or one is NaN.
   bool set_state(const BodyState& state, std::span<const double> module_state);
 
+  /// From now on `engine`, which must outlive this, moves the body from where it is. The scheme above then finds the
+  /// states of the module, and the load of each step: its mean over the four stages. Ground of the engine's own
+  /// takes the place of that of the parameters. @throws config::Error  forces are frozen.
+  void set_engine(PhysicsEngine& engine);
+
   /// The vehicle is held, as before a take-off in wind: all forces and torques but gravity are
   /// balanced, so a vehicle at rest stays at rest, and the wind turns no propeller.
   void set_held(bool held) { held_ = held; }
@@ -87,9 +93,8 @@ class RigidBody final : public Dynamics {
                 const hal::OutputValues& outputs, State& y_dot);
   void derivative(const State& y, const hal::OutputValues& outputs, State& y_dot);
   void stop_fall(const BodyState& body, const Matrix3& R_WB);
-  template <class Derivative>
-  void runge_kutta(double h, const Derivative& derivative);
   void substep(double h, const hal::OutputValues& outputs);
+  void substep_by_engine(double h, const hal::OutputValues& outputs);
   void substep_frozen(double h, const hal::OutputValues& outputs);
   void finish_substep();
   void fill_truth(const hal::OutputValues& outputs);
@@ -103,12 +108,14 @@ class RigidBody final : public Dynamics {
   Integration integration_;
   double max_step_s_;
   GroundModel ground_model_;
+  GroundModel acting_ground_;  ///< None where the engine has its own.
   GroundContact ground_;
   double gravity_m_s2_;
   double origin_height_m_;
   Atmosphere atmosphere_;
   Wind wind_;
   const ForcesAndMoments& forces_;
+  PhysicsEngine* engine_{nullptr};  ///< nullptr: the body is integrated here.
   bool held_{false};
   BodyState rest_;
   State y_;        ///< p, q (w x y z), v, w and those of the module.
