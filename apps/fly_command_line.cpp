@@ -86,6 +86,11 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
          "arming to disarming: hover (carries the vehicle) or idle")
       ->capture_default_str()
       ->check(CLI::IsMember({"hover", "idle"}));
+  fly->add_option("--physics", choice.physics,
+                  "What moves the body: runge_kutta; runge_kutta_held, the same with the load held "
+                  "over each step, as any other engine gets it; jsbsim, in a process of its own")
+      ->capture_default_str()
+      ->check(CLI::IsMember(std::vector<std::string>(kPhysics.begin(), kPhysics.end())));
   fly->add_option("--link-protocol", choice.link_protocol,
                   "Protocol of the board: mavlink or lean; the companion detects it")
       ->capture_default_str()
@@ -154,9 +159,9 @@ int repeat_command(const CLI::App& fly, const std::string& log, const Viewers* v
                    FlyOptions options, bool json) {
   if (viewers == nullptr)
     throw config::Error("--repeat: found in a program without it; use ./rosflight fly");
-  for (const char* name :
-       {"--vehicle", "--mission", "--seed", "--state", "--pilot", "--wind", "--set", "--fault",
-        "--plugin", "--link", "--link-protocol", "--log", "--no-log", "--view", "--visualiser"}) {
+  for (const char* name : {"--vehicle", "--mission", "--seed", "--state", "--pilot", "--wind",
+                           "--set", "--fault", "--plugin", "--link", "--link-protocol", "--physics",
+                           "--log", "--no-log", "--view", "--visualiser"}) {
     if (fly.count(name) > 0)
       throw config::Error(std::string(name) + ": found with --repeat, which takes it from the log");
   }

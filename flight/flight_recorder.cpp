@@ -27,18 +27,21 @@ std::array<float, 3> to_vec3(const sim::Vector3& v) {
 }  // namespace
 
 log::TextMap log_facts(const FlightSetup& setup) {
-  return {{"vehicle", std::filesystem::path(setup.choice.vehicle).stem().string()},
-          {"mission", std::filesystem::path(setup.mission_file).stem().string()},
-          {"seed", std::to_string(setup.choice.seed)},
-          {"state", setup.choice.state},
-          {"link_protocol", setup.choice.link_protocol},
-          {"faults", fmt::format("{}", fmt::join(setup.choice.faults, " "))},
-          {"vehicle_argument", setup.choice.vehicle},
-          {"mission_argument", setup.choice.mission},
-          {"pilot", setup.choice.pilot},
-          {"wind", setup.choice.wind.value_or("")},
-          {"overrides", fmt::format("{}", fmt::join(setup.choice.overrides, "\n"))},
-          {"plugins", fmt::format("{}", fmt::join(setup.choice.plugins, "\n"))}};
+  log::TextMap facts{{"vehicle", std::filesystem::path(setup.choice.vehicle).stem().string()},
+                     {"mission", std::filesystem::path(setup.mission_file).stem().string()},
+                     {"seed", std::to_string(setup.choice.seed)},
+                     {"state", setup.choice.state},
+                     {"link_protocol", setup.choice.link_protocol},
+                     {"faults", fmt::format("{}", fmt::join(setup.choice.faults, " "))},
+                     {"vehicle_argument", setup.choice.vehicle},
+                     {"mission_argument", setup.choice.mission},
+                     {"pilot", setup.choice.pilot},
+                     {"wind", setup.choice.wind.value_or("")},
+                     {"overrides", fmt::format("{}", fmt::join(setup.choice.overrides, "\n"))},
+                     {"plugins", fmt::format("{}", fmt::join(setup.choice.plugins, "\n"))}};
+  // Only where it says something, so that logs of before stay equal to the bit.
+  if (setup.choice.physics != FlightChoice{}.physics) facts["physics"] = setup.choice.physics;
+  return facts;
 }
 
 FlightRecorder::FlightRecorder(Flight& flight, const std::filesystem::path& log_file,

@@ -20,6 +20,10 @@ namespace rosflight::flight {
 /// The boards with an emulated STM32H7, as FlightChoice::board spells them.
 inline constexpr std::array<const char*, 2> kChipBoards{"pixracer_pro", "varmint"};
 
+/// What can move the body, as FlightChoice::physics spells it: the integrator of sim/dynamics, forces and body
+/// together; the same behind the interface of an engine, with the load held over a step; JSBSim.
+inline constexpr std::array<const char*, 3> kPhysics{"runge_kutta", "runge_kutta_held", "jsbsim"};
+
 /// What a person chose for a flight; names and texts as typed.
 struct FlightChoice {
   std::string board{"in_process"};  ///< Or "qemu_m7", or one of kChipBoards.
@@ -30,6 +34,7 @@ struct FlightChoice {
   std::string link_protocol{"mavlink"};  ///< What the board speaks: mavlink or lean.
   std::string state{"estimate"};         ///< What guidance flies on: estimate or truth.
   std::string pilot{"hover"};            ///< The safety pilot's throttle stick: hover or idle.
+  std::string physics{"runge_kutta"};    ///< One of kPhysics.
   std::vector<std::string> overrides;    ///< "body.mass_kg=3.2"
   std::vector<std::string> faults;       ///< "baro@20:5"
   std::vector<std::string> plugins;      ///< Shared libraries.

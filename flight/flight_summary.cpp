@@ -34,6 +34,7 @@ std::string command_line(const FlightChoice& choice) {
   if (choice.state != FlightChoice{}.state) line += " --state " + choice.state;
   for (const std::string& text : choice.plugins) line += " --plugin " + text;
   if (choice.pilot != FlightChoice{}.pilot) line += " --pilot " + choice.pilot;
+  if (choice.physics != FlightChoice{}.physics) line += " --physics " + choice.physics;
   if (choice.wind) line += " --wind " + *choice.wind;
   for (const std::string& text : choice.overrides) line += " --set " + text;
   for (const std::string& text : choice.faults) line += " --fault " + text;

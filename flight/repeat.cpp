@@ -42,6 +42,8 @@ FlightChoice choice_of(const log::TextMap& facts) {
   choice.link_protocol = facts.at("link_protocol");
   choice.state = facts.at("state");
   choice.pilot = facts.at("pilot");
+  if (const auto physics = facts.find("physics"); physics != facts.end())
+    choice.physics = physics->second;
   choice.faults = pieces(facts.at("faults"), ' ');
   choice.overrides = pieces(facts.at("overrides"), '\n');
   choice.plugins = pieces(facts.at("plugins"), '\n');

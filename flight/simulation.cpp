@@ -47,6 +47,11 @@ void heal(sim::ForcesAndMoments& forces) {
 
 const FlightSetup& checked(const FlightSetup& setup) {
   const FlightChoice& choice = setup.choice;
+  if (choice.physics != FlightChoice{}.physics) {
+    throw config::Error(
+        fmt::format("--physics: found {} in a simulation with snapshots, allowed {}",
+                    choice.physics, FlightChoice{}.physics));
+  }
   if (choice.board == "in_process" && choice.link == "cable") return setup;
   throw config::Error(fmt::format("--board: found {} with --link {}, allowed in_process and cable",
                                   choice.board, choice.link));

@@ -103,6 +103,7 @@ std::string summary_json(const FlightSummary& s) {
             {"seed", s.choice.seed},
             {"pilot", s.choice.pilot},
             {"state", s.choice.state},
+            {"physics", s.choice.physics},
             {"wind", s.choice.wind ? Json(*s.choice.wind) : Json()},
             {"faults", s.choice.faults},
             {"faults_too_late", s.faults_too_late},

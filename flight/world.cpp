@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "flight/world.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
+#include "flight/jsbsim/jsbsim_engine.hpp"
+#include "sim/dynamics/runge_kutta_engine.hpp"
 #include "sim/sensors/register.hpp"
 
 namespace rosflight::flight {
@@ -17,6 +21,20 @@ sim::rc::Script pilot_script(const FlightSetup& setup) {
   return script;
 }
 
+std::unique_ptr<sim::PhysicsEngine> make_engine(const FlightSetup& setup) {
+  const std::string& physics = setup.choice.physics;
+  const sim::BodyParameters& body = setup.vehicle.body();
+  const double gravity_m_s2 = setup.vehicle.environment().gravity_m_s2;
+  if (physics == "runge_kutta") return nullptr;
+  if (physics == "runge_kutta_held")
+    return std::make_unique<sim::RungeKuttaEngine>(body, gravity_m_s2);
+  if (physics == "jsbsim") {
+    return std::make_unique<JsbsimEngine>(body, gravity_m_s2, JsbsimEngine::Options::of_project());
+  }
+  throw config::Error(
+      fmt::format("--physics: found {}, allowed {}", physics, fmt::join(kPhysics, ", ")));
+}
+
 }  // namespace
 
 World::World(const FlightSetup& flight_setup)
@@ -25,12 +43,14 @@ World::World(const FlightSetup& flight_setup)
       forces{setup.registry.make_forces(setup.vehicle, random)},
       dynamics{setup.vehicle.body(), setup.vehicle.ground(), setup.vehicle.environment(), *forces,
                random},
+      engine{make_engine(setup)},
       healthy_sensors{sim::sensors::make_sensors(setup.registry, setup.vehicle, random)},
       faults{setup.faults},
       sensors{*healthy_sensors, faults},
       pilot{pilot_script(setup)},
       rc{pilot, faults},
       cable{random} {
+  if (engine) dynamics.set_engine(*engine);
   if (setup.fixed_wing()) face_the_wind();
 }
 

@@ -16,6 +16,7 @@ namespace rosflight::flight {
 /// what breaks of them.
 struct World {
   /// @param flight_setup  must outlive this. @throws config::Error  a module does not accept its configuration.
+  /// @throws boards::EmulatorError  the physics engine does not start.
   explicit World(const FlightSetup& flight_setup);
   World(const World&) = delete;
   World& operator=(const World&) = delete;
@@ -27,6 +28,7 @@ struct World {
   sim::RandomSource random;
   std::unique_ptr<sim::ForcesAndMoments> forces;
   sim::RigidBody dynamics;
+  std::unique_ptr<sim::PhysicsEngine> engine;  ///< nullptr: none but `dynamics`.
   std::unique_ptr<sim::SensorsModule> healthy_sensors;
   sim::FaultSchedule faults;
   sim::FaultySensors sensors;

@@ -19,6 +19,7 @@ import numpy as np
 
 import jsbsim_model
 import jsbsim_plot
+from jsbsim_body import FLAT_RADIUS_M, FT
 from jsbsim_run import HOLD_S, Track, jsbsim_track, our_track
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -82,7 +83,7 @@ def compare(name: str, folder: Path, change=lambda vehicle: None) -> Comparison:
 def rounding_m(samples: int, frames: int) -> np.ndarray:
     """What rounding adds to a position of JSBSim, which keeps it in feet from the planet's centre: a random walk of
     errors that are uniform within half a unit of the last place, three standard deviations of it."""
-    unit_m = np.spacing(jsbsim_model.FLAT_RADIUS_M / jsbsim_model.FT) * jsbsim_model.FT
+    unit_m = np.spacing(FLAT_RADIUS_M / FT) * FT
     return 3.0 * unit_m / np.sqrt(12.0) * np.sqrt(frames * np.arange(samples))
 
 

@@ -18,16 +18,11 @@ from pathlib import Path
 
 import yaml
 
+from jsbsim_body import FT, LBF, SLUG, mass_balance, metrics, planet
 from jsbsim_expression import Call, P, Table, clip, high, of, root, total
 
-FT = 0.3048
-LBF = 4.4482216152605
 INCH = 0.0254
-SLUG = LBF / FT  # [kg]: a pound-force gives it 1 ft/s^2
 SLUG_FT3 = SLUG / FT ** 3
-SLUG_FT2 = SLUG * FT ** 2
-LB_PER_SLUG = 32.174049  # JSBSim's own, so that its masses are ours to all digits
-FLAT_RADIUS_M = 1e9  # 300 m of way curve by 0.05 mm
 U, V, W = (P(f"velocities/{c}-fps") * FT for c in "uvw")
 RATES = [P(f"velocities/{c}-rad_sec") for c in "pqr"]
 
@@ -121,27 +116,14 @@ class Model:
 
     def xml(self, name: str) -> str:
         body, wing = self.vehicle["body"], self.vehicle["aero"].get("wing", {})
-        inertia = {key: body["inertia_kg_m2"].get(key, 0.0) for key in ("xx", "yy", "zz", "xy", "xz", "yz")}
-        gravity = float(self.vehicle["environment"]["gravity_m_s2"])
-        # JSBSim wants the integrals of x y dm etc. in axes aft, right, up; our matrix holds their negatives in axes
-        # forward, right, down.
-        sign = {"xy": 1.0, "xz": -1.0, "yz": 1.0}
-        products = "".join(f'<i{key} unit="SLUG*FT2">{sign[key] * inertia[key] / SLUG_FT2!r}</i{key}>' for key in sign)
-        moments = "".join(f'<i{key} unit="SLUG*FT2">{inertia[key] / SLUG_FT2!r}</i{key}>' for key in ("xx", "yy", "zz"))
-        zero = "<x>0</x><y>0</y><z>0</z>"
         properties = "".join(f"<property value=\"0\">{p}</property>" for p in self.properties)
         axes = "".join(f'<axis name="{axis}">' + "".join(f"<function>{f.xml()}</function>" for f in terms) + "</axis>"
                        for axis, terms in self.axes.items() if terms)
         return f"""<?xml version="1.0"?>
 <fdm_config name="{name}" version="2.0" release="BETA">
-<planet name="flat"><semimajor_axis unit="FT">{FLAT_RADIUS_M / FT!r}</semimajor_axis>
-<semiminor_axis unit="FT">{FLAT_RADIUS_M / FT!r}</semiminor_axis><rotation_rate unit="RAD/SEC">0</rotation_rate>
-<GM unit="FT3/SEC2">{gravity * FLAT_RADIUS_M ** 2 / FT ** 3!r}</GM><J2>0</J2></planet>
-<metrics><wingarea unit="FT2">{wing.get("area_m2", 1.0) / FT ** 2!r}</wingarea>
-<wingspan unit="FT">{wing.get("span_m", 1.0) / FT!r}</wingspan><chord unit="FT">{wing.get("chord_m", 1.0) / FT!r}</chord>
-<location name="AERORP" unit="IN">{zero}</location></metrics>
-<mass_balance negated_crossproduct_inertia="false">{moments}{products}<emptywt unit="LBS">{body["mass_kg"] / SLUG * LB_PER_SLUG!r}</emptywt>
-<location name="CG" unit="IN">{zero}</location></mass_balance>
+{planet(float(self.vehicle["environment"]["gravity_m_s2"]))}
+{metrics(**{key: wing[key] for key in ("area_m2", "span_m", "chord_m") if key in wing})}
+{mass_balance(body["mass_kg"], body["inertia_kg_m2"])}
 <ground_reactions/>
 <external_reactions>{"".join(self.reactions)}</external_reactions>
 <propulsion/>

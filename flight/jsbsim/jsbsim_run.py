@@ -8,7 +8,8 @@ import jsbsim
 import numpy as np
 
 import jsbsim_model
-from jsbsim_model import FLAT_RADIUS_M, FT, SLUG_FT3
+from jsbsim_body import FLAT_RADIUS_M, FT
+from jsbsim_model import SLUG_FT3
 
 HOLD_S = 2.5e-3
 ADAMS_BASHFORTH_4 = 5

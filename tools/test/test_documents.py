@@ -41,6 +41,8 @@ ELSEWHERE = {
     r"tools/ready.sh (packages|venv)": "each start of ./rosflight",
     r"tools/ready.sh web": "the stage web of ./rosflight test",
     r"\.venv/bin/python3 flight/jsbsim/jsbsim_compare.py": "flight/jsbsim/test",
+    r"\./rosflight fly --physics": "flight/jsbsim/test/test_physics_command.py",
+    r"build/release/flight/physics_comparison": "flight/jsbsim/test/physics_comparison_test.cpp",
     r"\./rosflight fly --board qemu_m7": "flight/test/emulated_test.cpp",
     r"\./rosflight fly --board pixracer_pro": "flight/test/h7_flight_test.cpp",
     r"\./rosflight fly --board varmint": "flight/test/h7_flight_test.cpp",

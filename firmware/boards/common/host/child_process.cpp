@@ -99,7 +99,7 @@ void ChildProcess::listen() {
 
 void ChildProcess::give_up(const std::string& why) {
   listen();
-  std::string text = "emulated board: " + why;
+  std::string text = part_ + ": " + why;
   while (!last_words_.empty() && last_words_.back() == '\n') last_words_.pop_back();
   text += last_words_.empty() ? "; it printed nothing" : "; its last output:\n" + last_words_;
   stop();
@@ -109,8 +109,8 @@ void ChildProcess::give_up(const std::string& why) {
 void ChildProcess::report_end(int status) {
   child_ = -1;
   give_up(WIFSIGNALED(status)
-              ? "the emulator was ended by signal " + std::to_string(WTERMSIG(status))
-              : "the emulator ended with status " + std::to_string(WEXITSTATUS(status)));
+              ? "its program was ended by signal " + std::to_string(WTERMSIG(status))
+              : "its program ended with status " + std::to_string(WEXITSTATUS(status)));
 }
 
 void ChildProcess::check() {

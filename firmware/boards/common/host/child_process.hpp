@@ -6,13 +6,14 @@
 #include <functional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/file_descriptor.hpp"
 
 namespace rosflight::boards {
 
-/// One line for a person, then the last output of the emulator.
+/// One line for a person, then the last output of the program.
 class EmulatorError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -25,8 +26,8 @@ struct Pipe {
   base::FileDescriptor write;
 };
 
-/// A program that emulates a board, as a child of this process: its open files, its last words, its
-/// end. The child dies with this object and with this process, however that ends.
+/// A program that emulates a board or another part of the world, as a child of this process: its open files,
+/// its last words, its end. The child dies with this object and with this process, however that ends.
 class ChildProcess {
  public:
   /// A file of this process and the number the child finds it under.
@@ -35,7 +36,8 @@ class ChildProcess {
     int to;
   };
 
-  ChildProcess() = default;
+  /// @param part  what it stands for; errors begin with it.
+  explicit ChildProcess(std::string part = "emulated board") : part_{std::move(part)} {}
   ~ChildProcess() { stop(); }
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
@@ -63,6 +65,7 @@ class ChildProcess {
   [[noreturn]] static void become(const std::vector<std::string>& arguments,
                                   const std::vector<File>& files, int said);
 
+  std::string part_;
   pid_t child_{-1};
   base::FileDescriptor said_;  ///< Standard output and error of the child.
   std::string last_words_;
