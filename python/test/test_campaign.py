@@ -3,9 +3,11 @@
 
 import textwrap
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import rosflight
 from rosflight import campaign
 from rosflight.campaign import _compare, _draws, _statistics
 from rosflight.campaign._configuration import Configuration
@@ -58,6 +60,7 @@ class Rows:
     """A campaign of two columns."""
 
     folder = Path("rows")
+    configuration = SimpleNamespace(required=SimpleNamespace(confidence=0.95))
 
     def __init__(self, **columns):
         self._columns = {name: np.array(values) for name, values in columns.items()}
@@ -93,6 +96,37 @@ def test_a_number_that_grows_is_worse():
     found = _compare.compare(before, after, ("tracking_rms_m",))
     assert found.verdict == "worse" and found.tests[1].median_change == pytest.approx(0.1)
     assert found.tests[1].paired.p == pytest.approx(2 / 2**8)
+
+
+# ---- pictures ----
+
+
+def test_the_picture_of_success_has_the_intervals():
+    some = Rows(seed=range(20), passed=[True] * 8 + [False] * 2 + [True] * 10, vehicle=["a"] * 10 + ["b"] * 10)
+    axes = rosflight.plot.success(some, "vehicle").axes[0]
+    ends = [bar.get_segments()[0][:, 1] for bar in axes.collections]
+    assert np.allclose(ends, 100 * np.array([campaign.clopper_pearson(8, 10), campaign.clopper_pearson(10, 10)]))
+    assert [text.get_text() for text in axes.get_xticklabels()] == ["a", "b"]
+
+
+def test_faults_are_shown_by_their_names():
+    some = Rows(seed=range(3), passed=[True] * 3, faults=["baro@3.25:5 mag@1", "baro_step=2@8", ""])
+    axes = rosflight.plot.success(some, "faults").axes[0]
+    assert sorted(text.get_text() for text in axes.get_xticklabels()) == ["baro mag", "baro_step", "none"]
+
+
+def test_the_picture_of_a_number_has_every_flight_that_has_it():
+    some = Rows(seed=range(6), passed=[True] * 4 + [False] * 2, tracking_rms_m=[0.1, 0.2, 0.3, 0.4, 2.0, float("nan")])
+    axes = rosflight.plot.distribution(some, "tracking_rms_m").axes[0]
+    assert sum(patch.get_height() for patch in axes.patches) == 5
+    assert [line.get_xdata()[0] for line in axes.lines] == pytest.approx(list(np.quantile([0.1, 0.2, 0.3, 0.4, 2.0], (0.05, 0.5, 0.95))))
+
+
+def test_pairs_are_of_equal_seeds():
+    before = Rows(seed=[1, 2, 3], passed=[True] * 3, tracking_rms_m=[0.1, 0.2, 0.3])
+    after = Rows(seed=[3, 2, 9], passed=[True] * 3, tracking_rms_m=[0.5, 0.4, 0.9])
+    was, now = rosflight.plot.paired(before, after, "tracking_rms_m").axes[0].lines[0].get_data()
+    assert list(was) == [0.2, 0.3] and list(now) == [0.4, 0.5]
 
 
 # ---- draws ----

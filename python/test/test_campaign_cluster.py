@@ -92,21 +92,16 @@ def test_killed_workers_and_a_restarted_scheduler_lose_no_row(processes, tmp_pat
     assert alone.passed == together.passed
 
 
-def test_a_worker_with_another_program_is_refused(processes, tmp_path, monkeypatch):
+def test_no_workers_and_workers_with_another_program_are_one_line(processes, tmp_path, monkeypatch):
     (tmp_path / "c.yaml").write_text(TEXT)
     processes.scheduler()
-    processes.worker()
     wait_for(processes.address)
+    monkeypatch.setattr(_cluster, "NO_WORKER_S", 0.5)
+    with pytest.raises(campaign.CampaignError, match="--dask: found a scheduler without workers for 0.5 s, allowed at least one worker"):
+        campaign.fly(tmp_path / "c.yaml", tmp_path / "out", dask=processes.address)
+    monkeypatch.setattr(_cluster, "NO_WORKER_S", 60.0)
     monkeypatch.setattr(_worker, "program", lambda: "rosflight 9, commit 0")
+    processes.worker()
     with pytest.raises(campaign.CampaignError, match="found a worker that cannot fly this .it has rosflight .*, the campaign rosflight 9, commit 0"):
-        campaign.fly(tmp_path / "c.yaml", tmp_path / "out", dask=processes.address)
-    assert not (tmp_path / "out/rows.parquet").exists()
-
-
-def test_a_scheduler_without_workers_is_one_line(processes, tmp_path, monkeypatch):
-    monkeypatch.setattr(_cluster, "NO_WORKER_S", 1.0)
-    (tmp_path / "c.yaml").write_text(TEXT)
-    processes.scheduler()
-    wait_for(processes.address)
-    with pytest.raises(campaign.CampaignError, match="--dask: found a scheduler without workers for 1 s, allowed at least one worker"):
-        campaign.fly(tmp_path / "c.yaml", tmp_path / "out", dask=processes.address)
+        campaign.fly(tmp_path / "c.yaml", tmp_path / "other", dask=processes.address)
+    assert not list(tmp_path.glob("o*/**/*.parquet"))

@@ -257,6 +257,17 @@ def test_damaged_rows_are_one_line(whole, command):
     assert "\n" not in str(raised.value)
 
 
+def test_a_worst_flight_that_moves_otherwise_than_its_row_is_one_line(whole, command):
+    """Rows of another processor or library, which would not be what the printed command flies."""
+    out = shutil.copytree(whole, command.folder / "out", ignore=shutil.ignore_patterns("worst"))
+    table = pq.read_table(out / "rows.parquet")
+    column = table.column_names.index("motion_sha256")
+    pq.write_table(table.set_column(column, "motion_sha256", [["0" * 64] * len(table)]), out / "rows.parquet")
+    with pytest.raises(campaign.CampaignError, match=r"^seed \d+: flown again it moves otherwise than in its row"):
+        campaign.report(campaign.read(out), worst=1, workers=1)
+    assert list((out / "worst").iterdir()) == []
+
+
 @pytest.mark.parametrize("words, said", [
     ([], "campaign: found neither or both, allowed one of FILE and --compare BEFORE AFTER"),
     (["c.yaml", "--workers", "0"], "--workers: found 0, allowed at least 1"),
