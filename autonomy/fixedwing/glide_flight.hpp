@@ -13,7 +13,7 @@ namespace rosflight::autonomy::fixedwing {
 ///
 /// Height that is left over at the end of the path is used up by airspeed, whose drag grows:
 ///
-///     V = V0 (1 + 2 s/h),  s = h + (V^2 - V0^2)/2g - reserve - needed,  V <= 1.4 V0         (1)
+///     V = V0 (1 + 2 s/h),  s = h + (V^2 - V0^2)/2g - needed,  V <= 1.4 V0                   (1)
 ///
 /// and no faster than the last metres take back: V^2 <= V0^2 + g (h - 3 m).
 class GlideFlight {
@@ -23,9 +23,10 @@ class GlideFlight {
     double dt_s{};
     const StateEstimate& state;
     const FlightConfig& config;
-    Field landing{};    ///< First choice,
-    Field start{};      ///< and where to when that is out of reach.
-    double radius_m{};  ///< Radius of turns.
+    Field landing{};        ///< First choice,
+    Field start{};          ///< and where to when that is out of reach.
+    double radius_m{};      ///< Radius of turns.
+    double airspeed_m_s{};  ///< V0 of (1): of the settings, and more in gusts.
     bool position_lost{};
   };
 
@@ -33,7 +34,7 @@ class GlideFlight {
   void begin(const Input& in, PathManager& path);
   /// The path to follow. Plans into `path`; a path that cannot be planned leaves the one before.
   CurrentPath step(const Input& in, PathManager& path);
-  /// (1): the airspeed to hold; V0 is that of the settings.
+  /// (1): the airspeed to hold.
   double airspeed_m_s(const Input& in) const;
   /// There is a path down, and `path` leads along it.
   bool planned() const { return glide_.has_value(); }

@@ -24,9 +24,10 @@ constexpr double kNoseDown_rad = 4.0 * kRadPerDeg;  // by this
 constexpr double kSameRadius_m = 0.01;
 constexpr double kShareOfBank = 0.85;  // of the largest bank, for turns down the wind
 constexpr double kPathFirst_m = 10.0;  // lower on an approach pitch holds the path alone
-constexpr double kGustMargin = 1.0;    // of the gusts' deviation, on top of the approach airspeed,
+constexpr double kGustMargin = 1.0;    // of the gusts' deviation, on top of a landing's airspeed,
 constexpr double kMaxMargin = 0.15;    // at most this share of it
-constexpr double kFinalRoll_rad = 15.0 * kRadPerDeg;  // low on the final part of a glide
+constexpr double kFinalRoll_rad = 15.0 * kRadPerDeg;  // at the ground on the final part of a glide,
+constexpr double kFinalRoll_rad_m = 2.0 * kRadPerDeg;  // and more with the height
 
 double head_wind(const StateEstimate& state, double course_rad) {
   if (!state.wind_valid) return 0.0;
@@ -65,6 +66,10 @@ double PhasePath::choose_landing_course(const Input& in) const {
   if (in.mission.landing.course_rad) return *in.mission.landing.course_rad;
   const bool tail_wind = head_wind(in.state, start_course_rad_) < -kCalm_m_s;
   return tail_wind ? wrap_angle(start_course_rad_ + kPi) : start_course_rad_;
+}
+
+double PhasePath::in_gusts(double airspeed_m_s) const {
+  return airspeed_m_s + std::min(kGustMargin * gusts_.sigma_m_s(), kMaxMargin * airspeed_m_s);
 }
 
 double PhasePath::closest_turn_m(const Input& in, double airspeed_m_s) const {
@@ -117,8 +122,7 @@ void PhasePath::plan(const Input& in, const std::vector<Waypoint>& waypoints, bo
 void PhasePath::begin_approach(const Input& in, FlightEvents& events) {
   const double course_rad = choose_landing_course(in);
   LandingConfig config = in.config.landing;
-  config.airspeed_m_s +=
-      std::min(kGustMargin * gusts_.sigma_m_s(), kMaxMargin * config.airspeed_m_s);
+  config.airspeed_m_s = in_gusts(config.airspeed_m_s);
   const LandingPath landing =
       LandingPath::plan(config, landing_position_W(in.mission), course_rad,
                         in.config.plan.airspeed_m_s, head_wind(in.state, course_rad));
@@ -206,6 +210,7 @@ GlideFlight::Input PhasePath::glide_input(const Input& in) const {
       .landing = {landing_position_W(in.mission), choose_landing_course(in)},
       .start = {start_W_, {}},
       .radius_m = std::max(in.config.plan.radius_m, closest_turn_m(in, in.config.safety.glide_m_s)),
+      .airspeed_m_s = in_gusts(in.config.safety.glide_m_s),
       .position_lost = in.position_lost};
 }
 
@@ -259,7 +264,7 @@ Controller::Direct PhasePath::direct(Phase phase, const Input& in) const {
       out.airspeed_by_pitch_m_s = glide_.airspeed_m_s(glide_input(in));
       if (in.height_above_ground_m < config.safety.straight_below_m) {
         if (glide_.planned() && !in.position_lost) {
-          out.max_roll_rad = kFinalRoll_rad;
+          out.max_roll_rad = kFinalRoll_rad + kFinalRoll_rad_m * in.height_above_ground_m;
         } else {
           out.roll_rad = 0.0;
         }

@@ -121,9 +121,9 @@ TEST(FixedWingDecisions, AGlideWithinReachEndsAtTheLandingPoint) {
   }
 }
 
-/// From 145 m away and 64 m high every path is too short by most of a turn. At 14 m/s it ended 267 m
-/// beyond the landing point.
-TEST(FixedWingDecisions, AGlideUsesUpHeightThatIsLeftOverByAirspeed) {
+/// From 145 m away and 64 m high the shortest paths are too short by most of a turn. What a longer
+/// one does not use up goes into airspeed, within its limit.
+TEST(FixedWingDecisions, AGlideUsesUpHeightThatIsLeftOver) {
   SmallWorld world(hourglass());
   world.run(115.0);
   world.plant.config().motor = 0.0;
@@ -133,11 +133,10 @@ TEST(FixedWingDecisions, AGlideUsesUpHeightThatIsLeftOverByAirspeed) {
     if (world.plant.on_ground()) return;
     fastest_m_s = std::max(fastest_m_s, world.plant.state().airspeed_m_s);
   });
-  EXPECT_GT(fastest_m_s, 17.0);
   EXPECT_LT(fastest_m_s, 1.4 * 14.0 + 0.5);
   EXPECT_TRUE(world.manager.output().landed);
   EXPECT_LT(world.plant.touchdown_m_s(), 1.5);
-  EXPECT_LT(world.plant.touchdown_W().head<2>().norm(), 160.0);
+  EXPECT_LT(world.plant.touchdown_W().head<2>().norm(), 30.0);
 }
 
 TEST(FixedWingDecisions, TheFailsafeCommandIsNoDeadMotor) {

@@ -41,6 +41,27 @@ TEST(Glide, AWholeTurnCostsItsLengthAndItsLoad) {
               1e-6);
 }
 
+/// The bank of a turn over ground is that of its speed over ground: Vg = 21 m/s down the wind needs
+/// tan(bank) = 21^2/(9.80665 x 50), against the wind 7^2/(9.80665 x 50).
+TEST(Glide, InATurnDownTheWindTheLoadIsThatOfTheSpeedOverGround) {
+  const GlidePlanner planner(kGlide);
+  const Vector2 north(7.0, 0.0);
+  constexpr double kArc_rad = 0.02;
+  const auto needed = [&](double course_rad) {
+    const double mean_rad = course_rad + 0.5 * kArc_rad;
+    const Pose from{{0.0, 0.0}, course_rad};
+    const Pose key{2.0 * 50.0 * std::sin(0.5 * kArc_rad) * along(mean_rad), course_rad + kArc_rad};
+    return planner.height_needed_m(from, key, 0.0, north);
+  };
+  const auto expected = [](double over_ground_m_s) {
+    const double tan_bank = over_ground_m_s * over_ground_m_s / (9.80665 * 50.0);
+    const double load = std::sqrt(1.0 + tan_bank * tan_bank);
+    return 50.0 * kArc_rad / (8.5 * over_ground_m_s / 14.0) * std::pow(load, 1.5);
+  };
+  EXPECT_NEAR(needed(-0.5 * kArc_rad), expected(21.0), 1e-3 * expected(21.0));
+  EXPECT_NEAR(needed(kPi - 0.5 * kArc_rad), expected(7.0), 1e-3 * expected(7.0));
+}
+
 TEST(Glide, TheHeightIsUsedUpAtTheFieldFromWhereverItIsWithinReach) {
   const GlidePlanner planner(kGlide);
   const Field field{{0.0, 0.0, 0.0}, 0.0};
