@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """rosflight.campaign: what a file stands for, its draws and statistics against numbers from outside, and bad input."""
 
+import re
+import subprocess
+import sys
 import textwrap
+from importlib import metadata
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -19,6 +23,26 @@ def configuration(folder: Path, text: str) -> Configuration:
     file = folder / "campaign.yaml"
     file.write_text(textwrap.dedent(text))
     return Configuration(file)
+
+
+@pytest.mark.parametrize("missing", ["pyarrow", "scipy", "yaml"])
+def test_without_its_libraries_the_package_is_imported_and_campaigns_are_one_line(missing):
+    script = f"""
+import sys
+sys.modules[{missing!r}] = None
+import rosflight
+try:
+    import rosflight.campaign
+except ImportError as error:
+    print(error)
+"""
+    said = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert said.stdout == f"rosflight.campaign: found no {missing}, allowed with pip install '.[campaign]'\n", said.stderr
+
+
+def test_a_plain_install_needs_numpy_alone():
+    needed = [line for line in metadata.requires("rosflight") or [] if "extra ==" not in line]
+    assert [re.match(r"\w+", line)[0] for line in needed] == ["numpy"]
 
 
 # ---- statistics ----

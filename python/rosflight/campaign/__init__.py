@@ -6,6 +6,13 @@
     print(rows.passed, len(rows), rows["tracking_rms_m"].max())
 """
 
+try:
+    import pyarrow as _pyarrow
+    import scipy as _scipy
+    import yaml as _yaml_library
+except ImportError as error:
+    raise ImportError(f"rosflight.campaign: found no {error.name}, allowed with pip install '.[campaign]'") from None
+
 from ._campaign import Campaign, fly, read
 from ._compare import Comparison, compare
 from ._report import report
