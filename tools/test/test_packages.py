@@ -2,6 +2,7 @@
 """The package.xml files: each names what its package uses, under names that rosdep and the ROS index know."""
 
 import re
+import subprocess
 import xml.etree.ElementTree as xml
 from pathlib import Path
 
@@ -108,3 +109,24 @@ def test_packages_are_there_under_all_names_of_rosflight_2():
         "rosplane", "rosplane_msgs", "rosplane_sim", "rosplane_gcs", "rosplane_tuning", "rosplane_extra"}
     assert dependencies(NAMES["rosflight_pkgs"]) >= NAMES.keys() - {
         "rosflight", "rosflight_pkgs", "rosflight_examples", "own_modules", "rosflight_demos"}
+
+
+def test_nodes_are_registered_where_rclcpp_components_writes_them_down(tmp_path):
+    """Its macro keeps them in variables of its caller, which must be the package's CMakeLists.txt. The commands of CMake that need a project
+    are made up here."""
+    (tmp_path / "rclcpp_componentsConfig.cmake").write_text("""
+macro(rclcpp_components_register_nodes target)
+  list(APPEND registered ${target} ${ARGN})
+endmacro()
+""")
+    script = tmp_path / "package.cmake"
+    made_up = "add_library add_executable set_target_properties target_compile_options target_include_directories target_link_libraries install"
+    script.write_text("\n".join(f"function({command})\nendfunction()" for command in made_up.split()) + f"""
+set(PROJECT_NAME some)
+include({ROOT}/ros/rosflight_common/cmake/rosflight_common-extras.cmake)
+rosflight_add_node(first CLASS some::First SOURCES first.cpp MAIN main.cpp)
+rosflight_add_node(second CLASS some::Second SOURCES second.cpp)
+message("${{registered}}")
+""")
+    told = subprocess.run(["cmake", f"-Drclcpp_components_DIR={tmp_path}", "-P", script], capture_output=True, text=True, check=True)
+    assert told.stderr.strip() == "some_first;some::First;some_second;some::Second"

@@ -31,29 +31,30 @@ endfunction()
 # rosflight_add_node(NAME CLASS package::Class SOURCES file... [MAIN file] [USES library...])
 #
 # A library with the node as a component (rosflight_common/component.hpp) and a program for `ros2 run` that has this node
-# alone. MAIN has the program's main(); without it, the macro ROSFLIGHT_NODE does.
+# alone. MAIN has the program's main(); without it, the macro ROSFLIGHT_NODE does. A macro, because rclcpp_components keeps what
+# it has registered in variables of its caller until ament_package() writes them down.
 set(ROSFLIGHT_NODE_MAIN ${CMAKE_CURRENT_LIST_DIR}/node_main.cpp)
 find_package(rclcpp_components QUIET)
-function(rosflight_add_node name)
+macro(rosflight_add_node name)
   cmake_parse_arguments(arg "" "CLASS;MAIN" "SOURCES;USES" ${ARGN})
-  set(component ${PROJECT_NAME}_${name})
-  add_library(${component} SHARED ${arg_SOURCES})
+  set(_component ${PROJECT_NAME}_${name})
+  add_library(${_component} SHARED ${arg_SOURCES})
   # No macro with the library's name: ccache then compiles a file that two nodes share once.
-  set_target_properties(${component} PROPERTIES DEFINE_SYMBOL "")
-  _rosflight_target(${component} "${arg_USES}")
+  set_target_properties(${_component} PROPERTIES DEFINE_SYMBOL "")
+  _rosflight_target(${_component} "${arg_USES}")
   if(rclcpp_components_FOUND)
-    target_link_libraries(${component} PRIVATE rclcpp_components::component)
-    rclcpp_components_register_nodes(${component} ${arg_CLASS})
+    target_link_libraries(${_component} PRIVATE rclcpp_components::component)
+    rclcpp_components_register_nodes(${_component} ${arg_CLASS})
   endif()
   if(NOT arg_MAIN)
     set(arg_MAIN ${ROSFLIGHT_NODE_MAIN})
   endif()
   add_executable(${name} ${arg_MAIN})
-  _rosflight_target(${name} "${component};${arg_USES}")
+  _rosflight_target(${name} "${_component};${arg_USES}")
   set_target_properties(${name} PROPERTIES INSTALL_RPATH "$ORIGIN/..")
-  install(TARGETS ${component} DESTINATION lib)
+  install(TARGETS ${_component} DESTINATION lib)
   install(TARGETS ${name} DESTINATION lib/${PROJECT_NAME})
-endfunction()
+endmacro()
 
 # rosflight_add_interfaces(INCLUDE folder SOURCES file... PACKAGES package... [USES target...] [EXPORTS package...] [PRIVATE target...])
 #

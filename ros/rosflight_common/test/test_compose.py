@@ -6,7 +6,7 @@ import os
 import pytest
 from ros_launch.packages import Packages
 from ros_launch.reader import Reader
-from ros_rig import PREFIXES, free_udp_port
+from ros_rig import PREFIXES, free_udp_port, program
 from rosflight_msgs.msg import SimState, Status
 from sim_rig import VEHICLE, Process, SimPeer, executable
 from std_srvs.srv import Trigger
@@ -87,3 +87,23 @@ def test_an_exception_ends_the_process_before_all_threads_run(tmp_path):
         process = compose(f"{component}:throws", *(f"{component}:waits_{i}" for i in range(8)), environment=environment)
         assert process.end() == 2
         assert process.lines[-1] == "compose: thrown by a timer"
+
+
+def test_a_container_of_ros_loads_our_nodes():
+    """With rclcpp_components. Each library of a node stands in the index under its class."""
+    container = program("rclcpp_components", "component_container")
+    if not container:
+        pytest.skip("rclcpp_components is not installed")
+    from composition_interfaces.srv import LoadNode
+    nodes = {}
+    for package in ("rosflight_io", "rosflight_sim", "roscopter", "rosplane"):
+        prefix = next(prefix for prefix in PREFIXES if (prefix / "share" / package).is_dir())
+        lines = (prefix / "share/ament_index/resource_index/rclcpp_components" / package).read_text().split()
+        nodes[package], libraries = zip(*(line.split(";") for line in lines))
+        made = {f"lib{package}_{file.name}.so" for file in (prefix / "lib" / package).iterdir()}
+        assert set(libraries) == {f"lib/{name}" for name in made if (prefix / "lib" / name).exists()}
+    with SimPeer("loader") as peer, Process(container) as process:
+        for package, names in nodes.items():
+            for name in dict.fromkeys(names):
+                answer = peer.call(LoadNode, "/ComponentManager/load_node", package_name=package, plugin_name=name)
+                assert answer.success, f"{package} {name}: {answer.error_message}\n{process.text()}"
