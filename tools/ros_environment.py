@@ -45,8 +45,9 @@ class Environment:
     def variables(self, place: Path | None = None) -> dict[str, str]:
         """The variables to set, with the packages built into `place` in front."""
         install = (place or self.place) / "install"
-        python_paths = sorted(str(path) for kind in ("site-packages", "dist-packages")
-                              for path in install.glob(f"**/lib/python3*/{kind}"))
+        prefixes = [install, self.underlay / "install"] if self.rclcpp else [install]
+        python_paths = [path for prefix in prefixes
+                        for path in sorted(str(path) for kind in ("site-packages", "dist-packages") for path in prefix.glob(f"**/lib/python3*/{kind}"))]
         found = {
             "AMENT_PREFIX_PATH": [str(install)],
             "CMAKE_PREFIX_PATH": [str(install)],

@@ -137,6 +137,10 @@ def test_sources_of_rclcpp_are_built_first_and_ours_on_them(tmp_path, wheels, mo
                          ([str(ROOT / "ros"), str(ROOT / "ros_standin/tf2_msgs")], ["rosflight_io"], place)]
     prefixes = wheels.variables()["AMENT_PREFIX_PATH"].split(":")
     assert prefixes[:2] == [str(place / "install"), str(place / "underlay/install")]
+    modules = [prefix / "lib/python3.11/site-packages" for prefix in (place / "install", place / "underlay/install")]
+    for folder in modules:
+        folder.mkdir(parents=True)
+    assert wheels.variables()["PYTHONPATH"].split(":")[:2] == [str(folder) for folder in modules]
 
 
 def test_failed_build_ends_with_1(capsys, wheels, monkeypatch):
