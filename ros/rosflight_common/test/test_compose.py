@@ -4,9 +4,10 @@
 import os
 
 import pytest
+from rclpy.parameter import Parameter
 from ros_launch.packages import Packages
 from ros_launch.reader import Reader
-from ros_rig import PREFIXES, free_udp_port, program
+from ros_rig import PREFIXES, ROOT, free_udp_port, program
 from rosflight_msgs.msg import SimState, Status
 from sim_rig import VEHICLE, Process, SimPeer, executable
 from std_srvs.srv import Trigger
@@ -89,7 +90,7 @@ def test_an_exception_ends_the_process_before_all_threads_run(tmp_path):
         assert process.lines[-1] == "compose: thrown by a timer"
 
 
-def test_a_container_of_ros_loads_our_nodes():
+def test_a_container_of_ros_loads_our_nodes(tmp_path):
     """With rclcpp_components. Each library of a node stands in the index under its class."""
     container = program("rclcpp_components", "component_container")
     if not container:
@@ -104,6 +105,10 @@ def test_a_container_of_ros_loads_our_nodes():
         assert set(libraries) == {f"lib/{name}" for name in made if (prefix / "lib" / name).exists()}
     with SimPeer("loader") as peer, Process(container) as process:
         for package, names in nodes.items():
+            vehicle = ROOT / "vehicles/anaconda.yaml" if package == "rosplane" else VEHICLE
+            given = [Parameter(name, value=value).to_parameter_msg() for name, value in
+                     {"vehicle_file": str(vehicle), "memory_folder": str(tmp_path), "wait_for_port": True}.items()]
             for name in dict.fromkeys(names):
-                answer = peer.call(LoadNode, "/ComponentManager/load_node", package_name=package, plugin_name=name)
+                answer = peer.call(LoadNode, "/ComponentManager/_container/load_node", package_name=package, plugin_name=name,
+                                   node_namespace=f"/{package}", parameters=given)
                 assert answer.success, f"{package} {name}: {answer.error_message}\n{process.text()}"
