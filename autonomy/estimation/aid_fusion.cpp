@@ -376,6 +376,18 @@ void AidFusion::fuse(const RangeSample& sample) {
   ++health_.ground_relearned;
 }
 
+/// No gust takes half of the airspeed away: a tube that reads so little is blocked. Where the airspeed was known when it was, it stays so
+/// until it nearly agrees: without it the estimate drifts, and would come near a wrong reading by itself.
+bool AidFusion::pitot_is_blocked(double measured_m_s, double forward_m_s) {
+  constexpr double kBlocked = 0.5;
+  constexpr double kOpen = 0.75;
+  constexpr double kKnown_m_s = 2.0;
+  const double share = measured_m_s / forward_m_s;
+  if (share < kBlocked && filter_.airspeed_sigma_m_s() < kKnown_m_s) pitot_blocked_ = true;
+  if (share > kOpen) pitot_blocked_ = false;
+  return pitot_blocked_ || share < kBlocked;
+}
+
 void AidFusion::fuse(const PitotSample& sample) {
   if (fixed_wing()) {
     const NominalState& x = filter_.state();
@@ -388,8 +400,7 @@ void AidFusion::fuse(const PitotSample& sample) {
     const double measured_m_s = std::sqrt(2.0 * std::max(sample.pressure_Pa, 0.0) / density_kg_m3_);
     residual.nu *= 2.0 * forward_m_s / (measured_m_s + forward_m_s);
     residual.R(0) = config_.pitot_sigma_Pa * config_.pitot_sigma_Pa;
-    // No gust takes half of the airspeed away: a tube that reads so little is blocked.
-    const bool blocked = measured_m_s < 0.5 * forward_m_s;
+    const bool blocked = pitot_is_blocked(measured_m_s, forward_m_s);
     if (weigh<1>(Aid::kPitot, residual, blocked ? 0.0 : config_.gate_sigma)) {
       learn_gusts(health_.of(Aid::kPitot).nis);
     } else if (!blocked && health_.of(Aid::kPitot).rejecting_for_s() > config_.pitot_relearn_s) {

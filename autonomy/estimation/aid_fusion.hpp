@@ -84,7 +84,7 @@ inline Geodetic moved(const Geodetic& from, const Vector3& by_W) {
 /// | GNSS position alone | gnss_jump_s | its slow error is set so that the residual is zero |
 /// | barometer | baro_relearn_s | its bias is set so that the residual is zero |
 /// | barometer without GNSS, no jump | at once | the accelerometer's bias and its effect are widened |
-/// | pitot | pitot_relearn_s | the wind is widened by the residual, unless the tube is blocked |
+/// | pitot | pitot_relearn_s | the wind is widened by the residual, unless the tube is blocked, which it stays until it agrees |
 /// | range | range_relearn_s | the altitude of the ground is set so that the residual is zero |
 ///
 /// Before a gate closes, the innovations show a fault: where their mean square over some samples
@@ -160,6 +160,7 @@ class AidFusion {
   void consider_air_scale(Filter::Residual<1>& residual) const;
   void learn_gusts(double nis);
   void widen_wind(double gust_m_s);
+  bool pitot_is_blocked(double measured_m_s, double forward_m_s);
   double max_wind_noise_m_s_rts() const {
     return std::max(config_.noise.wind_m_s_rts, config_.max_wind_noise_m_s_rts);
   }
@@ -239,6 +240,7 @@ class AidFusion {
   std::array<InnovationMean, 3> velocity_means_{InnovationMean{0.1, 5.0}, InnovationMean{0.1, 5.0},
                                                 InnovationMean{0.1, 5.0}};
   std::array<InnovationMean, 2> air_means_{InnovationMean{0.1, 4.0}, InnovationMean{0.1, 4.0}};
+  bool pitot_blocked_{};  ///< It read too little to be a gust, and has not agreed since.
   double wind_noise_m_s_rts_{max_wind_noise_m_s_rts()};  ///< Gusts are assumed, calm is learned.
   double widened_s_{-1e9};
   double long_hole_end_s_{-1e9};

@@ -401,5 +401,20 @@ TEST(Estimator, ABlockedPitotIsNoGust) {
   EXPECT_NEAR(f.airspeed_error_m_s(), 0.0, 1.0);
 }
 
+TEST(Estimator, APitotThatReadTooLittleIsNotBelievedUntilItAgrees) {
+  WindyFixedWing f;
+  f.run_until(40.0);
+  f.world.pitot_share = 0.45;
+  f.run_until(45.0);
+  f.world.pitot_share = 0.6;  // as where the aircraft has become slower
+  f.run_until(60.0);
+  EXPECT_EQ(f.estimator.health().wind_relearned, 0U);
+  EXPECT_NEAR(f.airspeed_error_m_s(), 0.0, 1.0);
+  f.world.pitot_share = 1.0;
+  f.run_until(65.0);
+  EXPECT_GT(f.estimator.health().of(Aid::kPitot).last_accepted_s, 64.5);
+  EXPECT_NEAR(f.airspeed_error_m_s(), 0.0, 1.0);
+}
+
 }  // namespace
 }  // namespace rosflight::autonomy::estimation::test

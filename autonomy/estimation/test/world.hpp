@@ -178,6 +178,7 @@ class World {
   double extra_baro_m{};
   double extra_airspeed_m_s{};  ///< A gust along the nose.
   bool pitot_blocked{};         ///< It reads no pressure.
+  double pitot_share{1.0};      ///< The part of the airspeed that it reads.
   double extra_heading_rad{};
   double turned_mag_rad{};  ///< About body z.
 
@@ -287,7 +288,7 @@ class World {
     return m.q_WB.conjugate() * (m.v_W - Vector3(wind_W_.x(), wind_W_.y(), 0.0));
   }
   PitotSample pitot(double t, const Motion& m) {
-    const double u = pitot_blocked ? 0.0 : air_B(m).x() + extra_airspeed_m_s;
+    const double u = pitot_blocked ? 0.0 : pitot_share * air_B(m).x() + extra_airspeed_m_s;
     const double p = pressure_at(origin().altitude_m - m.p_W.z());
     const double density = 1.225 * std::pow(p / 101325.0, 0.809737);
     return {t, 0.5 * density * u * u + config_.filter.pitot_sigma_Pa * normal()};
