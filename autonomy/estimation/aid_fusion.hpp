@@ -74,6 +74,10 @@ inline Geodetic moved(const Geodetic& from, const Vector3& by_W) {
           from.longitude_deg + by_W.y() / east_per_degree, from.altitude_m - by_W.z()};
 }
 
+/// Standard deviation below which ground speed and wind give the airspeed: a sixth of the
+/// 11.5 m/s that an anaconda flies at least.
+inline constexpr double kAirspeedKnown_m_s = 2.0;
+
 /// Fuses each aid with the filter: noise, lever, innovation gate, and recovery after a timeout of
 /// rejections.
 ///
@@ -154,7 +158,9 @@ class AidFusion {
   void fuse(const PitotSample& sample);
   void fuse(const SideslipSample& sample);
   template <int kRows>
-  bool weigh(Aid aid, const Filter::Residual<kRows>& residual, double gate_sigma);
+  bool weigh(Aid aid, const Filter::Residual<kRows>& residual, double gate_sigma) {
+    return note(aid, filter_.correct(residual, gate_sigma), kRows);
+  }
   bool note(Aid aid, const Filter::Verdict& verdict, int rows);
   void fuse_air_force(const ImuBuffer::Segment& segment);
   void consider_air_scale(Filter::Residual<1>& residual) const;

@@ -71,10 +71,10 @@ StateEstimate Estimator::estimate() const {
     out.airspeed_m_s = air_B.norm();
     out.wind_valid = out.wind_sigma_W_m_s.norm() < 0.75 * config().initial_wind_m_s;
     constexpr double kSilent_s = 1.0;
-    constexpr double kKnown_m_s = 2.0;
     // Ground speed and wind give it too; lift alone leaves airspeed and pitch undecided.
-    const bool known = age(Aid::kPitot) < kSilent_s || (age(Aid::kGnssVelocity) < kSilent_s &&
-                                                        filter().airspeed_sigma_m_s() < kKnown_m_s);
+    const bool known =
+        age(Aid::kPitot) < kSilent_s ||
+        (age(Aid::kGnssVelocity) < kSilent_s && filter().airspeed_sigma_m_s() < kAirspeedKnown_m_s);
     out.air_valid = out.airspeed_m_s > config().min_airspeed_m_s && known;
     if (out.air_valid) {
       out.alpha_rad = std::atan2(air_B.z(), air_B.x());
