@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs the pytest files under ros/ inside the ROS environment and counts their cases."""
 
+import fcntl
+import functools
 import os
 import re
+import tempfile
 from pathlib import Path
 
 import cpp_tests
@@ -32,9 +35,29 @@ def files() -> list[Path]:
 
 
 def domain(lane: int = 0) -> str:
-    """What runs at the same time on one machine must not receive each other's messages: domains by process id and lane."""
+    """What runs at the same time on one machine must not receive each other's messages: each lane of each run has its own domain."""
+    return os.environ.get("ROS_DOMAIN_ID") or str(_first_domain() + lane)
+
+
+_held = []  # locked files, open as long as this process runs
+
+
+@functools.cache
+def _first_domain() -> int:
+    """As many neighbouring domains as there are lanes, from 1 to 99, that no other run has: a locked file says so until this process
+    ends, however it ends."""
     lanes = pytest_files.ROS_LANES
-    return os.environ.get("ROS_DOMAIN_ID") or str(1 + os.getpid() * lanes % 100 + lane)
+    groups = 99 // lanes
+    for k in range(groups):
+        first = 1 + (os.getpid() + k) % groups * lanes
+        try:
+            lock = open(Path(tempfile.gettempdir()) / f"rosflight_ros_domain_{first}.lock", "w")
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:  # taken, also by another user, whose file this is
+            continue
+        _held.append(lock)
+        return first
+    raise ros_build.BadRequest(f"all {groups} groups of ROS domains are taken by other test runs: end one, or set ROS_DOMAIN_ID")
 
 
 def owner(path: Path) -> str | None:

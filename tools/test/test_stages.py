@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import cpp_tests
 import lanes
@@ -190,6 +191,26 @@ def test_two_lanes_of_ros_tests_do_not_hear_each_other(monkeypatch):
     monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
     assert ros_test.domain(0) != ros_test.domain(1)
     assert all(1 <= int(ros_test.domain(lane)) <= 101 for lane in (0, 1))
+
+
+def test_runs_of_ros_tests_at_one_time_have_domains_of_their_own_and_give_them_back(monkeypatch):
+    monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
+    monkeypatch.setattr(ros_test.os, "getpid", lambda: 7)  # in all three: the worst case
+    ros_test._first_domain.cache_clear()
+    tools = Path(ros_test.__file__).parent
+    script = "import os, ros_test; os.getpid = lambda: 7; print(ros_test.domain(), flush=True); input()"
+    mine = int(ros_test.domain())
+    with subprocess.Popen([sys.executable, "-c", script], cwd=tools, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
+        try:
+            theirs = int(other.stdout.readline())
+        finally:
+            other.kill()
+    assert abs(theirs - mine) >= pytest_files.ROS_LANES
+    with subprocess.Popen([sys.executable, "-c", script], cwd=tools, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as third:
+        try:
+            assert int(third.stdout.readline()) == theirs
+        finally:
+            third.kill()
 
 
 def test_names_choose_stages_programs_and_pytest_files(monkeypatch):

@@ -14,7 +14,7 @@ from sim_rig import SimPeer, last_s, launch
 
 MAX_LINES = 10
 AFTER_S = 5.0
-SLOW = ("this machine cannot hold", "time goes on without it", "board time stood still", "The autopilot's clock jumped")
+SLOW = ("this machine cannot hold", "time goes on without it", "board time stood still", "The autopilot's clock jumped", "steps skipped in")
 LATE = (" is silent", " is back")
 
 
