@@ -3,6 +3,7 @@
 import {batch} from '@preact/signals';
 import {Commands, type Control, type Result} from './data/commands.ts';
 import {LiveDecoder, PROTOCOLS} from './data/live.ts';
+import {nextPicture} from './pictures.ts';
 import * as state from './state.ts';
 import {firstMessage} from './token.ts';
 
@@ -36,6 +37,7 @@ export function connect(name: string) {
   let shown_s = 0;
   const follow = () => {
     if (state.live.value !== 'on' || state.flight.value !== decoder.flight) return;
+    nextPicture(follow);
     const now = performance.now();
     const {end_s} = decoder.flight;
     if (end_s > newest.end_s) newest = {end_s, at_ms: now};
@@ -50,7 +52,6 @@ export function connect(name: string) {
         ++state.revision.value;
       }
     });
-    requestAnimationFrame(follow);
   };
   socket.onopen = () => {
     const first = firstMessage();
@@ -72,7 +73,7 @@ export function connect(name: string) {
     state.flight.value = decoder.flight;
     state.following.value = true;
     state.live.value = 'on';
-    requestAnimationFrame(follow);
+    nextPicture(follow);
   };
   socket.onclose = () => {
     commands.lost();

@@ -3,6 +3,7 @@
 import {signal} from '@preact/signals';
 import type {Commands, Control} from './data/commands.ts';
 import type {Flight} from './data/flight.ts';
+import {nextPicture} from './pictures.ts';
 
 export const flight = signal<Flight | undefined>(undefined);
 /** Moment shown [s]. */
@@ -48,14 +49,15 @@ export function play(on: boolean) {
   if (on === playing.value || !flight.value) return;
   if (on && time.value >= flight.value.end_s) time.value = 0;
   playing.value = on;
-  if (on) requestAnimationFrame((now) => step(now, now));
+  if (on) nextPicture((now) => step(now, now));
 }
 
 function step(before_ms: number, now_ms: number) {
   if (!playing.value) return;
-  seek(time.value + (now_ms - before_ms) / 1000 * speed.value);
-  if (time.value >= (flight.value?.end_s ?? 0)) playing.value = false;
-  else requestAnimationFrame((next_ms) => step(now_ms, next_ms));
+  const t = time.value + (now_ms - before_ms) / 1000 * speed.value;
+  if (t >= (flight.value?.end_s ?? 0)) playing.value = false;
+  else nextPicture((next_ms) => step(now_ms, next_ms));
+  seek(t);
 }
 
 /** To the next message of the topic that the 3-D view follows; `direction` is 1 or -1. */

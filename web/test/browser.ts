@@ -136,7 +136,8 @@ export async function onPage(browser: Browser, url: string, use: (page: Page) =>
     await use(page);
     assert.deepEqual(complaints, []);
   } catch (error) {
-    console.error(`the page when it failed:\n${await page.locator('body').innerText({timeout: 10_000}).catch(String)}`);
+    const text = await page.locator('body').innerText({timeout: 10_000}).catch(String);
+    (error as Error).message += `\nThe page when it failed: ${text.replaceAll(/\s+/g, ' ')}`; // the message alone stands in a stage's output
     throw error;
   } finally {
     await page.context().close();

@@ -99,23 +99,26 @@ export async function finger(page: Page, x: number, y: number, to = {x, y}) {
 }
 
 /** Playwright's tap() looks for what lies under the finger, which hung for its whole time on a busy machine. Lines that come in the moment
- * between the look and the touch move the target away from under the finger; then the tap is repeated. */
+ * between the look and the touch move the target away from under the finger, and a touch may be lost; then the tap is repeated. */
 async function tap(target: Locator, share = 0.5) {
+  const page = target.page();
   await enabled(target);
   let why: unknown;
   for (let tries = 0; tries < 5; ++tries) {
     await target.evaluate((wanted) => {
       wanted.scrollIntoView({block: 'center', behavior: 'instant'});
-      window.addEventListener('pointerdown', ({target: met}) => { document.body.dataset['met'] = String(wanted.contains(met as Node)); }, {capture: true, once: true});
+      delete document.body.dataset['met'];
+      window.addEventListener('click', ({target: met}) => { document.body.dataset['met'] = String(wanted.contains(met as Node)); }, {capture: true, once: true});
     });
     const {x, y, width, height} = (await target.boundingBox())!;
     try {
-      await (await finger(target.page(), x + share * width, y + height / 2))();
-      if (await target.page().evaluate(() => document.body.dataset['met']) !== 'false') return;
+      await (await finger(page, x + share * width, y + height / 2))();
+      await page.waitForFunction(() => document.body.dataset['met'], undefined, {timeout: TOUCH_LIMIT_MS});
+      if (await page.evaluate(() => document.body.dataset['met'] === 'true')) return;
       why = 'it moves away from under the finger';
     } catch (error) {
       why = error;
-      const session = await target.page().context().newCDPSession(target.page());
+      const session = await page.context().newCDPSession(page);
       session.send('Input.dispatchTouchEvent', {type: 'touchCancel', touchPoints: []}).catch(() => undefined); // the finger may still be down
     }
   }
