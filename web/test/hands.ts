@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Two ways to use the page without a mouse: by keyboard alone, each control reached by Tab, and by touch on a phone.
 import assert from 'node:assert/strict';
-import type {Locator, Page} from 'playwright-core';
+import type {CDPSession, Locator, Page} from 'playwright-core';
 import {drawn, PHONE, SMALL, type PageOptions} from './browser.ts';
 
 type Files = {name: string; mimeType: string; buffer: Buffer};
@@ -82,20 +82,26 @@ export const KEYBOARD: Hand = {
 /** Unanswered by the browser for so long [ms], a touch is lost. */
 const TOUCH_LIMIT_MS = 15_000;
 
+/** One for each page, open as long as it: the browser makes the click after it has answered the touch. A session that ends then could take it along. */
+const sessions = new WeakMap<Page, Promise<CDPSession>>();
+function sessionOf(page: Page): Promise<CDPSession> {
+  const session = sessions.get(page) ?? page.context().newCDPSession(page);
+  sessions.set(page, session);
+  return session;
+}
+
+async function touch(page: Page, type: 'touchStart' | 'touchMove' | 'touchEnd', ...touchPoints: {x: number; y: number}[]) {
+  const session = await sessionOf(page);
+  let timer: NodeJS.Timeout | undefined;
+  const lost = new Promise<never>((_, reject) => { timer = setTimeout(reject, TOUCH_LIMIT_MS, new Error(`no answer to ${type}`)); });
+  await Promise.race([session.send('Input.dispatchTouchEvent', {type, touchPoints}), lost]).finally(() => clearTimeout(timer));
+}
+
 /** A finger on the place; lifted by the function that it returns. */
 export async function finger(page: Page, x: number, y: number, to = {x, y}) {
-  const session = await page.context().newCDPSession(page);
-  const touch = async (type: 'touchStart' | 'touchMove' | 'touchEnd', ...touchPoints: {x: number; y: number}[]) => {
-    let timer: NodeJS.Timeout | undefined;
-    const lost = new Promise<never>((_, reject) => { timer = setTimeout(reject, TOUCH_LIMIT_MS, new Error(`no answer to ${type}`)); });
-    await Promise.race([session.send('Input.dispatchTouchEvent', {type, touchPoints}), lost]).finally(() => clearTimeout(timer));
-  };
-  await touch('touchStart', {x, y});
-  for (const share of to.x === x && to.y === y ? [] : [0.25, 0.5, 0.75, 1]) await touch('touchMove', {x: x + share * (to.x - x), y: y + share * (to.y - y)});
-  return async () => {
-    await touch('touchEnd');
-    await session.detach();
-  };
+  await touch(page, 'touchStart', {x, y});
+  for (const share of to.x === x && to.y === y ? [] : [0.25, 0.5, 0.75, 1]) await touch(page, 'touchMove', {x: x + share * (to.x - x), y: y + share * (to.y - y)});
+  return () => touch(page, 'touchEnd');
 }
 
 /** Playwright's tap() looks for what lies under the finger, which hung for its whole time on a busy machine. Lines that come in the moment
@@ -112,13 +118,14 @@ async function tap(target: Locator, share = 0.5) {
     });
     const {x, y, width, height} = (await target.boundingBox())!;
     try {
-      await (await finger(page, x + share * width, y + height / 2))();
+      // The end is sent with the beginning: nothing can move in between.
+      await Promise.all([touch(page, 'touchStart', {x: x + share * width, y: y + height / 2}), touch(page, 'touchEnd')]);
       await page.waitForFunction(() => document.body.dataset['met'], undefined, {timeout: TOUCH_LIMIT_MS});
       if (await page.evaluate(() => document.body.dataset['met'] === 'true')) return;
       why = 'it moves away from under the finger';
     } catch (error) {
       why = error;
-      const session = await page.context().newCDPSession(page);
+      const session = await sessionOf(page);
       session.send('Input.dispatchTouchEvent', {type: 'touchCancel', touchPoints: []}).catch(() => undefined); // the finger may still be down
     }
   }
