@@ -127,19 +127,24 @@ def test_a_node_that_is_late_hardly_finds_a_time_twice(peer):
 
         def now_ns():
             return received[-1].clock.sec * 1_000_000_000 + received[-1].clock.nanosec
-        stamps, due_ns = [], now_ns()
+        stamps, late, due_ns = [], [], now_ns()
         for k in range(800):
+            begin_s = time.monotonic()
             while now_ns() < due_ns:
+                begin_s = time.monotonic()
                 time.sleep(1e-4)
             due_ns += period_ns * max(1, math.ceil((now_ns() - due_ns) / period_ns))
             time.sleep(8e-3 if k % 25 == 0 else work_s.uniform(0.0, 1e-3))
             stamps.append(now_ns())
             estimate.publish(stamp(Imu(), stamps[-1]))
-    intervals = [later - earlier for earlier, later in zip(stamps, stamps[1:])][250:]  # after it has been learnt
+            late.append(time.monotonic() - begin_s > 0.5e-9 * period_ns)  # each 25th, and more on a busy machine
+    learnt = 250
+    intervals = [later - earlier for earlier, later in zip(stamps, stamps[1:])][learnt:]
     # This reader of the clock is in Python and polls: seldom, a tick is late by more than half a period.
     assert intervals.count(0) <= len(intervals) / 100, f"{intervals.count(0)} of {len(intervals)} times twice"
     mean_ns = sum(intervals) / len(intervals)
-    assert period_ns * 0.98 < mean_ns < period_ns * (1 + 1 / 25), "each period is called once, but for one in each of the long works"
+    late_share = sum(late[learnt:]) / len(late[learnt:])
+    assert period_ns * 0.98 < mean_ns < period_ns * (1 + late_share), "each period is called once, but for one in each of the long works"
 
 
 def test_scaled_time_has_the_factor(peer):
