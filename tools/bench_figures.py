@@ -248,8 +248,10 @@ def ros_figures() -> list[Figure]:
         Figure("rtt.link_p999_ms", "ms", "<= 1.0", lambda: round_trip("bare link", "99.9 %")),
         Figure("rtt.link_max_rate_hz", "Hz", ">= 10000",
                lambda: round_trip("bare link", "rate_hz", fastest=True)),
-        Figure("ros.realtime_factor", "s/s", ">= 8", lambda: ros_factor(composed=True)),
-        Figure("ros.realtime_factor_processes", "s/s", ">= 1.5", lambda: ros_factor(composed=False)),
+        Figure("ros.realtime_factor", "s/s", ">= 8", lambda: ros_factor("factor", composed=True)),
+        Figure("ros.realtime_factor_processes", "s/s", ">= 1.5", lambda: ros_factor("factor", composed=False)),
+        Figure("ros.wakeups_per_step", "-", "report", lambda: ros_factor("wakeups_per_step", composed=True)),
+        Figure("ros.wakeups_per_step_processes", "-", "report", lambda: ros_factor("wakeups_per_step", composed=False)),
         Figure("load.missing", "messages", "= 0", lambda: load("missing")),
         Figure("load.sequence_gaps", "frames", "= 0", lambda: load("sequence_gaps")),
         Figure("load.memory_growth_kB", "kB", "< 1024", lambda: load("memory_growth_kB")),
@@ -460,10 +462,10 @@ def round_trip(path: str, quantity: str, fastest: bool = False) -> float:
     return number(row, quantity)
 
 
-def ros_factor(composed: bool) -> float:
-    """Real-time factor of the launched simulator and roscopter."""
+def ros_factor(quantity: str, composed: bool) -> float:
+    """Real-time factor of the launched simulator and roscopter, and wake-ups of their threads for each step of the world."""
     row, = (row for row in demo("factor") if row["composed"] == composed)
-    return number(row, "factor")
+    return number(row, quantity)
 
 
 def load(quantity: str):
