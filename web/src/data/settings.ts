@@ -7,7 +7,7 @@ import type {Flight} from './flight.ts';
 export interface SettingInfo { key: string; standard: string; unit: string; allowed: string; meaning: string }
 type Kind = 'multirotor' | 'fixed wing';
 
-/** Of docs/autonomy-keys.md or docs/vehicle-keys.md, for one kind of vehicle. Entries of lists are no single keys. */
+/** Of docs/autonomy-keys.md or docs/vehicle-keys.md, for one kind of vehicle. A key of the entries of a list has `[]` in it. */
 export function parseKeyPage(page: string, kind: Kind): SettingInfo[] {
   const other: Kind = kind === 'multirotor' ? 'fixed wing' : 'multirotor';
   const out: SettingInfo[] = [];
@@ -28,45 +28,53 @@ export function parseKeyPage(page: string, kind: Kind): SettingInfo[] {
     if (skipped || !cells) continue;
     const [standard, unit, allowed, meaning] = cells[2]!.split(' | ').map((cell) => cell.trim());
     const key = [section, part, cells[1]!].filter(Boolean).join('.');
-    if (allowed && !key.includes('[]') && !allowed.endsWith('entries')) out.push({key, standard: standard!, unit: unit!, allowed, meaning: meaning!});
+    if (allowed && !allowed.endsWith('entries')) out.push({key, standard: standard!, unit: unit!, allowed, meaning: meaning!});
   }
   return out;
 }
 
-/** Values by path, of the block-style YAML that the simulator writes. Lists of maps are left out, other lists stand in brackets. */
+/** Values by path, of the block-style YAML that the simulator writes. Lists of numbers stand in brackets; entries of a list of maps have
+ * their number in the path, as `--set` has it: `rotors.layout.0.spin`. */
 export function parseSettings(yaml: string): Map<string, string> {
   const values = new Map<string, string>();
   const path: string[] = [];
-  let list = '';
-  let mapsBelow = Infinity; // indentation of the entries of a list of maps
   for (const line of yaml.split('\n')) {
     const [, indent, text] = /^( *)(.*)$/.exec(line)!;
+    if (!text) continue;
     const depth = indent!.length / 2;
-    if (!text || depth > mapsBelow) continue;
-    if (text.startsWith('-')) {
-      if (text === '-') mapsBelow = depth;
-      else values.set(list, values.has(list) ? values.get(list)!.replace(/\]$/, `, ${text.slice(2)}]`) : `[${text.slice(2)}]`);
-      continue;
-    }
-    mapsBelow = Infinity;
-    const colon = text.indexOf(':');
+    const before = path[depth];
     path.length = depth;
-    path.push(text.slice(0, colon));
-    list = path.join('.');
-    const value = text.slice(colon + 1).trim();
-    if (value) values.set(list, value);
+    if (text === '-') {
+      path.push(String(/^\d+$/.test(before ?? '') ? Number(before) + 1 : 0));
+    } else if (text.startsWith('- ')) {
+      const list = path.join('.');
+      values.set(list, values.has(list) ? values.get(list)!.replace(/\]$/, `, ${text.slice(2)}]`) : `[${text.slice(2)}]`);
+    } else {
+      const colon = text.indexOf(':');
+      path.push(text.slice(0, colon));
+      const value = text.slice(colon + 1).trim();
+      if (value) values.set(path.join('.'), value);
+    }
   }
   return values;
 }
 
-/** The entries of a list of maps in the same YAML, by the keys that lead to it; none if there is no such list. */
-export function parseMaps(yaml: string, ...keys: string[]): Map<string, string>[] {
-  let block = yaml;
-  for (const [depth, key] of keys.entries()) {
-    const indent = '  '.repeat(depth);
-    block = new RegExp(`^${indent}${key}:\\n((?:${indent} .*\\n)*)`, 'm').exec(block)?.[1] ?? '';
-  }
-  return block.split(/^ *-$/m).slice(1).map((entry) => new Map([...entry.matchAll(/^ *(\w+): (.*)$/gm)].map(([, key, value]) => [key!, value!])));
+/** Paths of the entries that a list of maps has: `rotors.layout.0` and so on. */
+export function entriesOf(values: ReadonlyMap<string, string>, list: string): string[] {
+  const first = `${list}.`;
+  return [...new Set([...values.keys()].filter((key) => key.startsWith(first)).map((key) => first + parseInt(key.slice(first.length))))];
+}
+
+/** Each key of the entries of a list once for each entry, entry by entry; a part that an entry does not have is left out. */
+export function perEntry(infos: SettingInfo[], values: ReadonlyMap<string, string>): SettingInfo[] {
+  return infos.flatMap((info, k) => {
+    const [list, rest] = info.key.split('[]');
+    if (rest === undefined) return [info];
+    if (infos[k - 1]?.key.startsWith(`${list}[]`)) return []; // with the first of the list
+    const keys = infos.filter(({key}) => key.startsWith(`${list}[]`));
+    return entriesOf(values, list!).flatMap((entry) => keys.map((one) => ({...one, key: one.key.replace(`${list}[]`, entry)}))
+      .filter(({key}) => { const part = key.slice(0, key.lastIndexOf('.') + 1); return [...values.keys()].some((given) => given.startsWith(part)); }));
+  });
 }
 
 /** The vehicle file in force at `t`; empty where the log has none. */

@@ -3,7 +3,7 @@
 import type {Flight} from './flight.ts';
 import {mixedOutputs} from './mixer.ts';
 import {valuesOfMoment} from './parameter_values.ts';
-import {parseMaps, parseSettings, settingsAt} from './settings.ts';
+import {entriesOf, parseSettings, settingsAt} from './settings.ts';
 import {DEG_PER_RAD} from './units.ts';
 
 /** Surfaces as they are drawn; an inverted V-tail has two, each of which is elevator and rudder. */
@@ -31,8 +31,8 @@ export function surfacesOfFile(file: string): Surface[] {
   const keys = parseSettings(file);
   const sense = (key: string, usual: number) => Math.sign(usual * Number(keys.get(key) ?? usual)) || 1;
   const [right, down, left] = [sense('aero.roll.aileron', 1), sense('aero.pitch.elevator', -1), sense('aero.yaw.rudder', -1)];
-  return parseMaps(file, 'surfaces', 'layout').map((entry) => {
-    const effect = (name: string) => Number(entry.get(name) ?? 0);
+  return entriesOf(keys, 'surfaces.layout').map((entry) => {
+    const effect = (name: string) => Number(keys.get(`${entry}.${name}`) ?? 0);
     return {output: effect('output'), travel_rad: effect('travel_deg') / DEG_PER_RAD,
       parts: partsOf(right * effect('aileron'), down * effect('elevator'), left * effect('rudder'))};
   });

@@ -5,7 +5,7 @@ import vehicleKeys from '../../../docs/vehicle-keys.md';
 import {useMemo, useState} from 'preact/hooks';
 import type {Flight} from '../data/flight.ts';
 import type {Result} from '../data/commands.ts';
-import {parseKeyPage, parseSettings, settingsAt, type SettingInfo} from '../data/settings.ts';
+import {parseKeyPage, parseSettings, perEntry, settingsAt, type SettingInfo} from '../data/settings.ts';
 import {typed, type Edits} from '../data/edits.ts';
 import * as state from '../state.ts';
 import {ControlBar, hasControl} from './control.tsx';
@@ -20,7 +20,8 @@ export function Settings({flight, of}: {flight: Flight; of: 'autonomy' | 'vehicl
   void state.revision.value; // a growing flight
   const yaml = settingsAt(flight, state.following.value ? Infinity : state.time.value);
   const values = useMemo(() => parseSettings(yaml), [yaml]);
-  const infos = useMemo(() => parseKeyPage(of === 'autonomy' ? autonomyKeys : vehicleKeys, flight.fixedWing ? 'fixed wing' : 'multirotor'), [of, flight.fixedWing]);
+  const infos = useMemo(() => perEntry(parseKeyPage(of === 'autonomy' ? autonomyKeys : vehicleKeys, flight.fixedWing ? 'fixed wing' : 'multirotor'), values),
+    [of, flight.fixedWing, values]);
   const [wanted, setWanted] = useState('');
   const [group, setGroup] = useState('');
   const [givenOnly, setGivenOnly] = useState(false);
