@@ -54,9 +54,10 @@ test('flags of the status stand for checks', () => {
 
 test('a flag that changes after the list counts', () => {
   const flight = new Flight('made');
+  flight.add('/status', STATUS, 0.9, Uint8Array.from([0, 1, 0, 0, 0, 0, 0]));
   flight.add('/link/check_result', RESULT, 1, result(0, 2, 2, 'mixer', 'invalid mixer'));
   flight.add('/link/check_result', RESULT, 1, result(1, 2, 2, 'throttle', 'throttle not low'));
-  assert.deepEqual(linesAt(flight, 1)!.map(({verdict}) => verdict), ['refuses', 'refuses']);
+  assert.deepEqual(linesAt(flight, 1)!.map(({verdict}) => verdict), ['refuses', 'refuses'], 'and not one from before it');
   flight.add('/status', STATUS, 2, Uint8Array.from([0, 1, 0, 0, 0, 0, 0]));
   assert.deepEqual(linesAt(flight, 2), [{name: 'mixer', verdict: 'pass', reason: ''}, {name: 'throttle', verdict: 'refuses', reason: 'throttle not low'}]);
 });

@@ -55,14 +55,18 @@ export function flagsAt(flight: Flight, t: number): CheckLine[] | undefined {
   return OF_FLAGS.map((name, bit) => ({name, verdict: (code >> bit) & 1 ? 'refuses' : 'pass', reason: ''}));
 }
 
-/** The list, with the flags that came after it; the flags alone without a list. */
+/** The list, with the flags if they came after it; the flags alone without a list. */
 export function linesAt(flight: Flight, t: number): CheckLine[] | undefined {
   const flags = flagsAt(flight, t);
-  const now = new Map(flags?.map(({name, verdict}) => [name, verdict]));
-  return checksAt(flight, t)?.lines.map(({name, verdict, reason}) => {
+  const list = checksAt(flight, t);
+  if (!list) return flags;
+  const status = flight.tables.get('/status');
+  const newer = status && status.times[status.rowAt(t)]! > list.t ? flags : undefined;
+  const now = new Map(newer?.map(({name, verdict}) => [name, verdict]));
+  return list.lines.map(({name, verdict, reason}) => {
     const flag = now.get(name) ?? verdict;
     return {name, verdict: flag, reason: flag === 'pass' ? '' : reason};
-  }) ?? flags;
+  });
 }
 
 /** Why the newest attempt to arm was refused, if it was and nothing armed since. */
