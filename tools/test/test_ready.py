@@ -324,7 +324,9 @@ def test_a_flight_needs_no_python_packages_but_those_of_the_build(house):
     assert (house.root / ".venv-build").exists() and not (house.root / ".venv").exists()
 
 
-def test_only_a_flight_with_viewers_builds_the_page(house):
+@pytest.mark.parametrize("command, packages", [
+    ("rosflight fly --view", "npm ci --omit=dev"), ("rosflight view folder", "npm ci --omit=dev"), ("tools/ready.sh web test", "npm ci")])
+def test_only_what_shows_or_tests_the_page_builds_it(house, command, packages):
     (house.root / "web").mkdir()
     (house.root / "web/package-lock.json").write_text("{}\n")
     (house.root / "tools/requirements-web.txt").write_text("# nothing\n")
@@ -332,8 +334,8 @@ def test_only_a_flight_with_viewers_builds_the_page(house):
     house.replace("node", "exit 0")
     assert house.start("fly").returncode == 0
     assert house.called("npm") == house.called("node") == [] and not (house.root / ".venv-web").exists()
-    house.start("fly", "--view")
-    assert house.called("npm") == ["npm ci --omit=dev"]
+    subprocess.run(["bash", *command.split()], cwd=house.root, env=house.environment(), capture_output=True, timeout=120)
+    assert house.called("npm") == [packages]
     assert house.called("node") == [f"node build.mjs {house.root}/build/web"]
 
 
