@@ -13,6 +13,7 @@ import {bytesSource} from '../src/data/bytes.ts';
 import {LiveDecoder, PROTOCOLS} from '../src/data/live.ts';
 import {readLog} from '../src/data/read_log.ts';
 import {FLY, VIEW} from './flights.ts';
+import {flyWatched, until} from './simulated.ts';
 
 const scratch = await mkdtemp(join(tmpdir(), 'rosflight_live_'));
 const running: ChildProcess[] = [];
@@ -197,5 +198,22 @@ test('who does not speak the protocol, or is a foreign page, gets no WebSocket',
   assert.equal(await answer(here, protocol, 'Origin: http://example.org'), '403');
   assert.equal(await answer(here, protocol, 'Origin: null'), '403');
   assert.equal(await answer(`Host: example.org:${port}`, protocol), '421');
+  child.kill('SIGKILL');
+});
+
+test('of the two addresses for other computers one looks alone and the other commands too', {timeout: 120_000}, async () => {
+  const {said, child} = await flyWatched(running, join(scratch, String(++count)), '--mission', 'hop', '--listen', '127.0.0.2');
+  await until(() => said().includes('without the right to command'));
+  const printed = [...said().matchAll(/^(http:\/\/127\.0\.0\.2:\d+\/)#([0-9a-f]{32})(.*)$/gm)];
+  assert.deepEqual(printed.map(([, , , after]) => after), ['', '  (without the right to command)']);
+  const rights = await Promise.all(printed.map(([, address, token]) => new Promise<string>((resolve) => {
+    const socket = new WebSocket(address!.replace('http', 'ws'), PROTOCOLS);
+    socket.onopen = () => socket.send(JSON.stringify({op: 'token', token}));
+    socket.onmessage = ({data}) => {
+      resolve((JSON.parse(String(data)) as {metadata: {commands: string}}).metadata.commands);
+      socket.close();
+    };
+  })));
+  assert.deepEqual(rights, ['yes', 'no']);
   child.kill('SIGKILL');
 });

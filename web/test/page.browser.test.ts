@@ -105,6 +105,11 @@ describe('replay of a flight', () => {
     }));
     assert.deepEqual(discs.map((one) => one.slice(0, 3)), [[0, 1, -1], [1, 1, 1], [2, -1, 1], [3, -1, -1]], 'front right, rear right, rear left, front left');
     for (const [output, , , radius] of discs) assert.ok(radius! > 5, `motor ${output} turns`);
+    const file = await readFile(join(MULTIROTOR, 'parameters.yaml'), 'utf8');
+    const share = (row: number, k: number) => Number(new RegExp(`PRI_MIXER_${row}_${k}, type: 9, value: ([-\\d.e]+)`).exec(file)![1]);
+    const shares = (await page.locator('.mixer tbody tr').allInnerTexts()).map((text) => text.split('\t').slice(0, 5));
+    assert.deepEqual(shares, [0, 1, 2, 3].map((k) => // thrust is upwards, z of the body is downwards
+      [`${k} motor`, ...[-share(2, k), share(3, k), share(4, k), share(5, k)].map((value) => value.toFixed(2))]));
     assert.match(await page.locator('.bar', {hasText: 'channel 0'}).innerText(), /roll/);
     assert.match(await page.locator('.bar', {hasText: 'channel 5'}).innerText(), /attitude override, throttle override/);
     await keepPicture(page, 'mixer');
