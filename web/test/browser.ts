@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A headless browser with WebGL: the Chromium that the package @sparticuz/chromium has inside, or the one that the variable
-// ROSFLIGHT_CHROMIUM names.
+// A headless browser with WebGL: the Chromium that the package @sparticuz/chromium has inside, Debian's where that does not start, or the
+// one that the variable ROSFLIGHT_CHROMIUM names.
 import chromium from '@sparticuz/chromium';
 import assert from 'node:assert/strict';
-import {createReadStream} from 'node:fs';
+import {createReadStream, existsSync} from 'node:fs';
 import {readFile, stat} from 'node:fs/promises';
 import {createServer, type Server} from 'node:http';
 import type {AddressInfo} from 'node:net';
@@ -18,9 +18,19 @@ const FLAGS = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swift
 /** What takes a minute of real time, or does not hold beside other stages on two cores: ./rosflight test web-rest. */
 export const LONG = process.env['ROSFLIGHT_WEB_LONG'] !== undefined;
 
-export async function startBrowser(flags: string[] = []): Promise<Browser> {
-  const executablePath = process.env['ROSFLIGHT_CHROMIUM'] ?? await chromium.executablePath();
-  return playwright.launch({executablePath, args: [...FLAGS, ...flags]});
+/** Debian's, for machines where that of the package does not start: its processor is x86-64. */
+export const SYSTEM_CHROMIUM = '/usr/bin/chromium';
+
+export async function startBrowser(flags: string[] = [], packaged = () => chromium.executablePath()): Promise<Browser> {
+  const launch = (executablePath: string) => playwright.launch({executablePath, args: [...FLAGS, ...flags]});
+  const chosen = process.env['ROSFLIGHT_CHROMIUM'];
+  if (chosen) return launch(chosen);
+  try {
+    return await launch(await packaged());
+  } catch (error) {
+    if (!existsSync(SYSTEM_CHROMIUM)) throw error;
+    return launch(SYSTEM_CHROMIUM);
+  }
 }
 
 export const DESKTOP = {width: 1280, height: 800};
@@ -35,7 +45,10 @@ export async function newPage(browser: Browser, viewport = DESKTOP, more: {color
   page.setDefaultTimeout(120_000); // the machine may be busy
   const complaints: string[] = [];
   page.on('pageerror', (error) => complaints.push(`error in the page: ${error.stack}`));
-  page.on('console', (message) => { if (message.type() === 'error') complaints.push(`console: ${message.text()}`); });
+  page.on('console', (message) => {
+    const icon = message.location().url.endsWith('/favicon.ico'); // Debian's Chromium asks for one, and the page has none
+    if (message.type() === 'error' && !icon) complaints.push(`console: ${message.text()}`);
+  });
   page.on('request', (request) => {
     const {protocol, hostname} = new URL(request.url());
     const here = ['file:', 'data:', 'blob:'].includes(protocol) || hostname.startsWith('127.0.0.');
