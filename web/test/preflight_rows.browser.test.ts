@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rows of the firmware's checks before arming, each provoked in a simulated vehicle and found by the page's own reading of the log.
+// Rows of the firmware's checks before arming, each provoked in a simulated vehicle, and found on the page of its log.
 import assert from 'node:assert/strict';
-import {type ChildProcess} from 'node:child_process';
+import {spawn, type ChildProcess} from 'node:child_process';
 import {mkdtemp, readFile, rm} from 'node:fs/promises';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {after, test} from 'node:test';
+import {bytesSource} from '../src/data/bytes.ts';
 import {checksAt, WAYS_OUT, type CheckLine} from '../src/data/checks.ts';
+import {readLog} from '../src/data/read_log.ts';
+import {goTo, onPage, SMALL, startBrowser} from './browser.ts';
+import {logOf, VIEW} from './flights.ts';
 import {flyWatched, until, viewer} from './simulated.ts';
 
 const scratch = await mkdtemp(join(tmpdir(), 'rosflight_rows_'));
@@ -37,8 +41,9 @@ const CAUSES: Record<string, {steer?: string; set?: {[name: string]: number}; ba
 /** vehicle.browser.test.ts has the damaged memory of a firmware as a process. */
 const NOT_HERE = ['storage'];
 
-test('each row that a simulated vehicle can show fails when it is provoked, says why and what to do, and passes again', {timeout: 240_000}, async () => {
-  const flight = await flyWatched(running, join(scratch, 'rows'), '--hold', '--speed', '1');
+test('each row that a simulated vehicle can show fails when it is provoked, says why and what to do, and passes again', {timeout: 300_000}, async () => {
+  const folder = join(scratch, 'rows');
+  const flight = await flyWatched(running, folder, '--hold', '--speed', '1');
   const one = await viewer(flight.url);
   await one.commands.takeControl();
   await one.commands.checks();
@@ -77,5 +82,34 @@ test('each row that a simulated vehicle can show fails when it is provoked, says
     if (set) await one.commands.set(former);
     await shows(name, false);
   }
-  flight.child.kill('SIGKILL');
+  one.socket.close();
+  flight.child.kill('SIGINT');
+  await new Promise((resolve) => flight.child.on('exit', resolve));
+
+  const log = await readLog(bytesSource('log', new Uint8Array(await readFile(logOf(folder)))));
+  const results = log.tables.get('/link/check_result')!;
+  /** When the whole list had come that has the row's last failure, as the slider's steps of 10 ms have it; and its reason. */
+  const lastFailure = (name: string) => {
+    const row = results.text('name')!.findLastIndex((one, k) => one === name && results.column('result')![k] !== 0);
+    const last = row + results.column('count')![row]! - results.column('index')![row]! - 1;
+    return {t: Math.ceil(100 * results.times[last]!) / 100, reason: results.text('reason')![row]!};
+  };
+  const browser = await startBrowser();
+  const view = spawn(VIEW, ['view', folder], {stdio: ['ignore', 'pipe', 'inherit']});
+  running.push(view);
+  const url = await new Promise<string>((resolve) => view.stdout.once('data', (data) => resolve(String(data).split(' ')[0]!)));
+  try {
+    await onPage(browser, url, async (page) => {
+      await page.getByRole('tab', {name: 'Preflight'}).click();
+      for (const name of [...Object.keys(CAUSES), 'calibration']) {
+        const {t, reason} = lastFailure(name);
+        await goTo(page, t);
+        const shown = await page.locator('.preflight tr', {has: page.getByRole('rowheader', {name, exact: true})}).innerText();
+        assert.match(shown, /✗ refuses|! warning/, name);
+        assert.ok(shown.includes(`${reason}. ${WAYS_OUT[name]}`), `${name} at ${t} s: ${shown}`);
+      }
+    }, SMALL);
+  } finally {
+    await browser.close();
+  }
 });
