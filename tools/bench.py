@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Callable
 
 import bench_figures
+import bench_programs
 import project
 from bench_figures import Figure
 
@@ -126,7 +127,7 @@ def main(arguments: list[str], figures: Callable[[], list[Figure]] = bench_figur
         print(f"rosflight: {error}", file=sys.stderr)
         return 2
     for preset in sorted({figure.preset for figure in chosen}):
-        bench_figures.prepare(preset)
+        bench_programs.prepare(preset)
     print(row("figure", "value", "unit", "target", "met"), flush=True)
     results = []
     for figure in chosen:

@@ -1,31 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The figures of ./rosflight bench: how each is measured and what it should be.
-
-Programs under bench/ do the work and print numbers; what they take and print stands in
-bench/README.md. A new figure is one more row in all_figures().
-"""
+"""The figures of ./rosflight bench: the function that measures each, and what it should be. A new one is one more row in all_figures()."""
 
 import functools
-import json
-import statistics
-import subprocess
-import tempfile
-import time
 from dataclasses import dataclass, replace
 from typing import Callable
 
 import bench_build
 import bench_web
-import callgrind
 import h7_figures
 import m7_figures
-import project
 import stages
-
-RELEASE = project.ROOT / "build" / "release"
-FUZZ_RUNS = 1_000_000
-STORM_PASSES = 60
-PROPERTY_FLIGHTS = 25_000  # of 4000 passes each
+from bench_programs import (
+    counted, estimation_faults_figure, estimation_figure, faults, firmware_pass, fly_runs, fly_wall_s, FUZZ_RUNS, fuzz_runs, link_rate,
+    load, log_share, loop_factor, mission_figure, number, properties, ros_factor, round_trip, seeds_failed, size, wind_limit,
+    worst_over_mean)
 
 
 @dataclass(frozen=True)
@@ -113,7 +101,6 @@ AIR = [(f"{name}_{kind}", "m/s") for name in ("airspeed_m_s", "wind_m_s") for ki
 # position was off by more than 15 m, in how many the estimate reported it within 10 s, and flights without a fault in which it did.
 ESTIMATION_FAULTS = [("outside_worst", "1", "<= 0.01"), ("far", "flights", "report"), ("said_in_time_share", "1", ">= 0.95"),
                      ("nominal_said", "flights", "= 0")]
-ESTIMATION_FAULT_SEEDS = 3
 
 
 def mission_rows() -> list[tuple[str, str, str, str]]:
@@ -257,223 +244,3 @@ def ros_figures() -> list[Figure]:
         Figure("load.memory_growth_kB", "kB", "< 1024", lambda: load("memory_growth_kB")),
         Figure("load.stamp_error_ms", "ms", "report", lambda: load("stamp_error_ms")["max"]),
     ]
-
-
-def prepare(preset: str):
-    """Builds what the figures run. What does not build fails where it is measured."""
-    if preset == "none":
-        return
-    if preset == "release":
-        project.build("release", "bench/all", keep_going=True)
-        project.build("release", "rosflight", keep_going=True)
-    elif preset == "sanitizers":
-        project.build(preset, "bench/properties", keep_going=True)
-    elif preset == "cortex-m7":
-        project.build("release", "rosflight", "h7_emulator", keep_going=True)
-        project.build(preset, keep_going=True)
-    else:
-        project.build(preset, *stages.fuzzers(), keep_going=True)
-
-
-def program(name: str, folder: str = "bench") -> str:
-    path = RELEASE / folder / name
-    target = f"{folder}/{name}"
-    if not path.is_file() or not project.is_up_to_date("release", target):
-        raise RuntimeError(f"{target} does not build, see build/release/build.log")
-    return str(path)
-
-
-def run_json(command: list[str], ending: tuple[int, ...] = (0,)) -> dict:
-    """What a program prints on stdout, as JSON."""
-    done = subprocess.run(command, cwd=project.ROOT, capture_output=True, text=True)
-    if done.returncode not in ending:
-        last = (done.stderr.strip().splitlines() or ["it printed nothing"])[-1]
-        raise RuntimeError(f"{command[0]} ended with {done.returncode}: {last}")
-    try:
-        return json.loads(done.stdout)
-    except json.JSONDecodeError as error:
-        raise RuntimeError(f"{command[0]} printed no JSON: {error}") from None
-
-
-def number(printed: dict, key: str) -> float:
-    value = printed.get(key)
-    if not isinstance(value, (int, float)) or isinstance(value, bool):
-        raise RuntimeError(f"no number '{key}' among {', '.join(printed) or 'nothing'}")
-    return value
-
-
-@functools.cache
-def firmware_pass(protocol: str = "mavlink", load: str = "hover") -> float:
-    return callgrind.instructions_per_call(
-        [program("firmware_pass"), "--link-protocol", protocol, "--load", load, "--passes"],
-        few=4_000, many=20_000)
-
-
-def worst_over_mean() -> float:
-    """The dearest pass of a storm in which everything comes at once, over the mean of the full load."""
-    storm = callgrind.instructions_by_call(
-        [program("firmware_pass"), "--load", "storm", "--passes", str(STORM_PASSES)],
-        "bench_counted_pass")
-    return max(storm) / firmware_pass(load="full")
-
-
-@functools.cache
-def properties() -> dict:
-    """Random flights under sanitizers, a share on each processor. What did not hold stands in build/properties.log."""
-    path = project.ROOT / "build" / "sanitizers" / "bench" / "properties"
-    if not path.is_file() or not project.is_up_to_date("sanitizers", "bench/properties"):
-        raise RuntimeError("bench/properties does not build, see build/sanitizers/build.log")
-    share = PROPERTY_FLIGHTS // project.jobs() + 1
-    log = (project.ROOT / "build" / "properties.log").open("w")
-    running = [subprocess.Popen([str(path), "--first", str(1 + k * share), "--flights", str(share)],
-                                stdout=subprocess.PIPE, stderr=log, text=True)
-               for k in range(project.jobs())]
-    printed = [json.loads(process.communicate()[0] or "{}") for process in running]
-    return {key: sum(number(one, key) for one in printed) for key in ("passes", "violations")}
-
-
-def link_rate(protocol: str) -> float:
-    """Telemetry of the default flight, board to companion."""
-    return number(run_json([program("link_rate"), protocol]), "bytes_per_s")
-
-
-@functools.cache
-def loop_runs() -> list[dict]:
-    command = [program("loop")]
-    return [run_json(command) for _ in range(5)]
-
-
-def loop_factor(key: str) -> float:
-    return statistics.median(number(printed, key) for printed in loop_runs())
-
-
-def log_share() -> float:
-    """Speed of `fly` over that of `fly --no-log`, which keeps what the report shows: processor time of all threads."""
-    return statistics.median(number(printed, "realtime_factor_log") / number(printed, "realtime_factor_no_log")
-                             for printed in loop_runs())
-
-
-@functools.cache
-def estimation() -> dict:
-    return run_json([program("estimation")])
-
-
-def estimation_figure(noise: str, quantity: str) -> float:
-    return number(estimation()[noise], quantity)
-
-
-@functools.cache
-def missions() -> dict:
-    return run_json([program("missions")])
-
-
-@functools.cache
-def fixedwing_missions() -> dict:
-    return run_json([program("missions_fixedwing")])
-
-
-def mission_figure(name: str, quantity: str) -> float:
-    flown = fixedwing_missions() if name.startswith("fixedwing_") else missions()
-    return number(flown[name], quantity)
-
-
-def wind_limit(vehicle: str) -> float:
-    return number(run_json([program("wind_limits"), vehicle])[vehicle], "wind_limit_m_s")
-
-
-@functools.cache
-def estimation_faults() -> dict:
-    return run_json([program("estimation_faults"), str(ESTIMATION_FAULT_SEEDS)])
-
-
-def estimation_faults_figure(name: str) -> float:
-    return number(estimation_faults(), name)
-
-
-@functools.cache
-def faults() -> dict:
-    """Every flight of the fault campaign. The matrix goes to the terminal, to build/faults.csv and to its page."""
-    build = project.ROOT / "build"
-    printed = run_json([program("faults"), "--text", str(build / "faults.txt"), "--csv", str(build / "faults.csv"),
-                        "--page", str(project.ROOT / "docs" / "fault-matrix.md")])
-    print((build / "faults.txt").read_text(), flush=True)
-    return printed
-
-
-SEEDS = 5000  # of each vehicle
-
-
-def seeds_failed() -> int:
-    """Default missions of both vehicles in 6 m/s of wind with gusts that did not end with the mission done."""
-    flown = stages.add(stages.gusty_seeds(vehicle, SEEDS) for vehicle in ("multirotor", "anaconda"))
-    print("\n".join(flown.complaints), flush=True)
-    return flown.failed
-
-
-@functools.cache
-def sizes() -> dict:
-    return run_json([program("sizes")])
-
-
-def size(key: str) -> float:
-    return number(sizes(), key)
-
-
-@functools.cache
-def fly_runs() -> list[tuple[float, dict]]:
-    """Wall time and summary of the default flight, three times; it must succeed to count."""
-    runs = []
-    for _ in range(3):
-        with tempfile.TemporaryDirectory() as scratch:
-            start = time.monotonic()
-            printed = run_json([program("rosflight", "apps"), "fly", "--json", "--out", f"{scratch}/flight"])
-            runs.append((time.monotonic() - start, printed))
-        if printed.get("success") is not True:
-            raise RuntimeError("the flight did not succeed")
-    return runs
-
-
-def fly_wall_s() -> float:
-    return statistics.median(wall for wall, _ in fly_runs())
-
-
-def counted(*names: str) -> float:
-    """Sum of what the firmware counted in the default flight."""
-    counters = fly_runs()[0][1].get("counters") or {}
-    values = [counters.get(name) for name in names]
-    if None in values:
-        raise RuntimeError(f"no counters {names} in the summary of the flight")
-    return float(sum(sum(value) if isinstance(value, list) else value for value in values))
-
-
-@functools.cache
-def demo(*words: str):
-    with tempfile.TemporaryDirectory() as scratch:
-        return run_json([str(project.ROOT / "rosflight"), "ros", "demo", *words, "--json", "--out", scratch])
-
-
-def round_trip(path: str, quantity: str, fastest: bool = False) -> float:
-    """A number of one row of the table of ./rosflight ros demo rtt. The fastest rate counts without loss only."""
-    rows = demo("rtt", "--link", "udp", "--count", "20000")
-    row = next(row for row in rows if row["path"] == path and row["load"] == "idle"
-               and (row["wanted_hz"] is None) == fastest)
-    if fastest and row["lost"]:
-        raise RuntimeError(f"{row['lost']} of {row['sent']} commands were lost at full speed")
-    return number(row, quantity)
-
-
-def ros_factor(quantity: str, composed: bool) -> float:
-    """Real-time factor of the launched simulator and roscopter, and wake-ups of their threads for each step of the world."""
-    row, = (row for row in demo("factor") if row["composed"] == composed)
-    return number(row, quantity)
-
-
-def load(quantity: str):
-    return demo("load", "--seconds", "600")[quantity]
-
-
-def fuzz_runs(name: str) -> float:
-    runs, complaints = stages.run_fuzzer(name, f"-runs={FUZZ_RUNS}")
-    if complaints:
-        raise RuntimeError("; ".join(complaints))
-    return runs

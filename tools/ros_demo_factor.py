@@ -19,7 +19,7 @@ from rosflight_msgs.msg import Status
 
 FASTEST = 100.0  # more than any machine holds
 SETTLE_S = 5.0  # simulated, after the firmware has its parameters
-STEP_S = 0.0025  # of the world
+STEP_S = 0.0025  # of the world: the IMU's period
 
 
 @contextlib.contextmanager

@@ -42,7 +42,7 @@ def measure(rig: Rig, seconds: float) -> dict:
         raise RuntimeError(err.strip())
     count = len(diagnostics)
     wait_for(lambda: len(diagnostics) > count, "diagnostics")
-    found = json.loads(out)
+    found, _ = json.JSONDecoder().raw_decode(out, out.find("{"))  # the middleware prints there, too
     return found | {
         "seconds": seconds,
         "missing": sum(topic.get("missing", 0) for topic in found["topics"].values()),

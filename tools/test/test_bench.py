@@ -9,6 +9,7 @@ import sys
 import bench
 import bench_build
 import bench_figures
+import bench_programs
 import callgrind
 import pytest
 from bench_figures import Figure
@@ -28,7 +29,7 @@ FIGURES = [
 
 @pytest.fixture(autouse=True)
 def no_build(monkeypatch):
-    monkeypatch.setattr(bench_figures, "prepare", lambda preset: None)
+    monkeypatch.setattr(bench_programs, "prepare", lambda preset: None)
 
 
 def run(*arguments: str) -> int:
@@ -104,11 +105,11 @@ def test_every_figure_of_the_project_has_a_readable_target_and_its_own_name():
 
 def test_program_that_fails_or_prints_no_json_is_told():
     with pytest.raises(RuntimeError, match="ended with 3: broken"):
-        bench_figures.run_json(["sh", "-c", "echo broken >&2; exit 3"])
+        bench_programs.run_json(["sh", "-c", "echo broken >&2; exit 3"])
     with pytest.raises(RuntimeError, match="printed no JSON"):
-        bench_figures.run_json(["echo", "factor 7"])
+        bench_programs.run_json(["echo", "factor 7"])
     with pytest.raises(RuntimeError, match="no number 'b' among a"):
-        bench_figures.number(bench_figures.run_json(["echo", '{"a": 1}']), "b")
+        bench_programs.number(bench_programs.run_json(["echo", '{"a": 1}']), "b")
 
 
 def test_totals_of_a_callgrind_profile():

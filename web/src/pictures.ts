@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How often what moves is drawn: with each frame of the browser where the device can, seldomer where it cannot.
 
-/** A frame that came later than this was more than the device can draw [ms]. */
+/** A frame that came later than this, 25 a second, was more than the device can draw [ms]. */
 const SLOW_MS = 40;
 const LONGEST_REST_MS = 500;
 

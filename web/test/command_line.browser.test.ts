@@ -3,7 +3,7 @@
 // pace of a flight.
 import {McapWriter} from '@mcap/core';
 import assert from 'node:assert/strict';
-import {spawn, spawnSync, type ChildProcess} from 'node:child_process';
+import {spawnSync, type ChildProcess} from 'node:child_process';
 import {existsSync} from 'node:fs';
 import {copyFile, mkdtemp, rm, writeFile} from 'node:fs/promises';
 import {createServer, type AddressInfo} from 'node:net';
@@ -13,7 +13,7 @@ import {after, before, test} from 'node:test';
 import type {Browser} from 'playwright-core';
 import {drawn, goTo, newPage, onPage, startBrowser, vehicleIsSeen} from './browser.ts';
 import {logOf, MULTIROTOR, VIEW} from './flights.ts';
-import {flyWatched, viewer} from './simulated.ts';
+import {flyWatched, view, viewer} from './simulated.ts';
 
 const scratch = await mkdtemp(join(tmpdir(), 'rosflight_command_line_'));
 const started: ChildProcess[] = [];
@@ -25,14 +25,6 @@ after(async () => {
   await browser?.close();
   await rm(scratch, {recursive: true});
 });
-
-/** @returns the address that ./rosflight view prints. */
-async function view(file: string): Promise<string> {
-  const program = spawn(VIEW, ['view', file], {stdio: ['ignore', 'pipe', 'inherit']});
-  started.push(program);
-  for await (const line of program.stdout!) return String(line).split(' ')[0]!;
-  throw new Error('./rosflight view printed nothing');
-}
 
 test('a port that is taken ends the program with one line, which says what to do, and exit code 2', async () => {
   const other = createServer().listen(0, '127.0.0.1');
@@ -57,7 +49,7 @@ test('an origin that is none is refused the same way', () => {
 test('a log file is shown by itself, without what its folder holds beside it', async () => {
   const file = join(scratch, 'renamed.mcap');
   await copyFile(logOf(MULTIROTOR), file);
-  const url = await view(file);
+  const url = await view(started, file);
   const offer = await (await fetch(`${url}offer.json`)).json() as Record<string, unknown>;
   assert.deepEqual(offer, {log: 'flight/flight.mcap', name: file});
   await onPage(browser, url, async (page) => {
@@ -138,7 +130,7 @@ const bag: Topic[] = [
 test('a log of another program is opened as far as its types are those of ROS 2', async () => {
   const file = join(scratch, 'bag.mcap');
   await writeLog(file, bag);
-  await onPage(browser, await view(file), async (page) => {
+  await onPage(browser, await view(started, file), async (page) => {
     assert.equal(await page.locator('h1').innerText(), file);
     await page.getByText('Not read, in another encoding: /battery.').waitFor();
     await goTo(page, 5);
@@ -160,7 +152,7 @@ test('a log without a message of ROS 2 is refused with one line', async () => {
   const file = join(scratch, 'json.mcap');
   await writeLog(file, [json]);
   const {page, complaints} = await newPage(browser);
-  await page.goto(await view(file));
+  await page.goto(await view(started, file));
   assert.equal(await page.getByRole('alert').innerText(), `${file}: has no ROS 2 message (cdr, ros2msg)`);
   assert.deepEqual(complaints, []);
   await page.context().close();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What 3-D view, instruments, bars, slider and plots show of a flight, against arithmetic on the columns of its log.
 import assert from 'node:assert/strict';
-import {spawn, spawnSync, type ChildProcess} from 'node:child_process';
+import {spawnSync, type ChildProcess} from 'node:child_process';
 import {mkdtemp, readFile, rm} from 'node:fs/promises';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
@@ -13,11 +13,12 @@ import {bytesSource} from '../src/data/bytes.ts';
 import type {Flight} from '../src/data/flight.ts';
 import {readLog} from '../src/data/read_log.ts';
 import {clock, drawn, goTo, onPage, startBrowser} from './browser.ts';
-import {FLY, logOf, VIEW} from './flights.ts';
+import {FLY, logOf} from './flights.ts';
+import {view} from './simulated.ts';
 
 const DEG = 180 / Math.PI;
 let browser: Browser;
-let view: ChildProcess;
+const running: ChildProcess[] = [];
 let url = '';
 let folder = '';
 let flight: Flight;
@@ -27,11 +28,10 @@ before(async () => {
   folder = join(await mkdtemp(join(tmpdir(), 'rosflight_contents_')), 'flight');
   spawnSync(FLY, ['fly', '--wind', '3,240', '--fault', 'link_cut@20:3', '--out', folder]);
   flight = await readLog(bytesSource('log', new Uint8Array(await readFile(logOf(folder)))));
-  view = spawn(VIEW, ['view', folder], {stdio: ['ignore', 'pipe', 'inherit']});
-  url = await new Promise((resolve) => view.stdout!.once('data', (data) => resolve(String(data).split(' ')[0]!)));
+  url = await view(running, folder);
 });
 after(async () => {
-  view?.kill('SIGTERM');
+  running.forEach((program) => program.kill('SIGTERM'));
   await browser?.close();
   await rm(join(folder, '..'), {recursive: true});
 });

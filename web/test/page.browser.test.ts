@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page in a browser, as a user has it: served by ./rosflight view, opened with a file, without WebGL.
 import assert from 'node:assert/strict';
-import {spawn, type ChildProcess} from 'node:child_process';
+import {type ChildProcess} from 'node:child_process';
 import {readFile} from 'node:fs/promises';
 import {join} from 'node:path';
 import {after, before, describe, test} from 'node:test';
@@ -10,26 +10,19 @@ import type {Browser, Page} from 'playwright-core';
 import {bytesSource} from '../src/data/bytes.ts';
 import {readLog} from '../src/data/read_log.ts';
 import {clock, DESKTOP, drawn, goTo, keepPicture, LONG, newPage, onPage, PHONE, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
-import {FIXED_WING, logOf, MULTIROTOR, PAGE, VIEW} from './flights.ts';
+import {FIXED_WING, logOf, MULTIROTOR, PAGE} from './flights.ts';
 import {HANDS, KEYBOARD, withoutMouse, type Hand} from './hands.ts';
 import {changed} from './picture.ts';
+import {view} from './simulated.ts';
 
 const started: ChildProcess[] = [];
 let browser: Browser;
 let multirotor = '';
 let fixedWing = '';
 
-/** @returns the address that ./rosflight view prints. */
-async function view(input: string, ...options: string[]): Promise<string> {
-  const program = spawn(VIEW, ['view', input, ...options], {stdio: ['ignore', 'pipe', 'inherit']});
-  started.push(program);
-  for await (const line of program.stdout) return String(line).split(' ')[0]!;
-  throw new Error('./rosflight view printed nothing');
-}
-
 before(async () => {
   browser = await startBrowser();
-  [multirotor, fixedWing] = await Promise.all([view(MULTIROTOR), view(FIXED_WING)]);
+  [multirotor, fixedWing] = await Promise.all([view(started, MULTIROTOR), view(started, FIXED_WING)]);
 });
 after(async () => {
   for (const program of started) program.kill('SIGTERM');
@@ -155,7 +148,7 @@ describe('replay of a flight', () => {
   }));
 
   test('of another computer is seen with the whole address alone', async () => {
-    const url = await view(MULTIROTOR, '--listen', '127.0.0.2');
+    const url = await view(started, MULTIROTOR, '--listen', '127.0.0.2');
     const [base, token] = url.split('#') as [string, string];
     assert.match(token, /^[0-9a-f]{32}$/);
     await withPage(url, async (page) => {

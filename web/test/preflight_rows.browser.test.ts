@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Rows of the firmware's checks before arming, each provoked in a simulated vehicle, and found on the page of its log.
 import assert from 'node:assert/strict';
-import {spawn, type ChildProcess} from 'node:child_process';
+import {type ChildProcess} from 'node:child_process';
 import {mkdtemp, readFile, rm} from 'node:fs/promises';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
@@ -10,8 +10,8 @@ import {bytesSource} from '../src/data/bytes.ts';
 import {checksAt, WAYS_OUT, type CheckLine} from '../src/data/checks.ts';
 import {readLog} from '../src/data/read_log.ts';
 import {goTo, onPage, SMALL, startBrowser} from './browser.ts';
-import {logOf, VIEW} from './flights.ts';
-import {flyWatched, until, viewer} from './simulated.ts';
+import {logOf} from './flights.ts';
+import {flyWatched, until, view, viewer} from './simulated.ts';
 
 const scratch = await mkdtemp(join(tmpdir(), 'rosflight_rows_'));
 const running: ChildProcess[] = [];
@@ -95,11 +95,8 @@ test('each row that a simulated vehicle can show fails when it is provoked, says
     return {t: Math.ceil(100 * results.times[last]!) / 100, reason: results.text('reason')![row]!};
   };
   const browser = await startBrowser();
-  const view = spawn(VIEW, ['view', folder], {stdio: ['ignore', 'pipe', 'inherit']});
-  running.push(view);
-  const url = await new Promise<string>((resolve) => view.stdout.once('data', (data) => resolve(String(data).split(' ')[0]!)));
   try {
-    await onPage(browser, url, async (page) => {
+    await onPage(browser, await view(running, folder), async (page) => {
       await page.getByRole('tab', {name: 'Preflight'}).click();
       for (const name of [...Object.keys(CAUSES), 'calibration']) {
         const {t, reason} = lastFailure(name);

@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// ./rosflight fly --view with a viewer that steers it, for tests.
+// ./rosflight view, and ./rosflight fly --view with a viewer that steers it, for tests.
 import {spawn, type ChildProcess} from 'node:child_process';
 import {Commands, type Control} from '../src/data/commands.ts';
 import {LiveDecoder, PROTOCOLS} from '../src/data/live.ts';
 import {VIEW} from './flights.ts';
+
+/** Starts ./rosflight view; returns the address that it prints. */
+export async function view(running: ChildProcess[], input: string, ...options: string[]): Promise<string> {
+  const program = spawn(VIEW, ['view', input, ...options], {stdio: ['ignore', 'pipe', 'inherit']});
+  running.push(program);
+  for await (const line of program.stdout) return String(line).split(' ')[0]!;
+  throw new Error('./rosflight view printed nothing');
+}
 
 /** A flight that is watched; `printed` and `said` have what it wrote so far. */
 export async function flyWatched(running: ChildProcess[], folder: string, ...options: string[]) {

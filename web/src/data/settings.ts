@@ -67,13 +67,14 @@ export function entriesOf(values: ReadonlyMap<string, string>, list: string): st
 
 /** Each key of the entries of a list once for each entry, entry by entry; a part that an entry does not have is left out. */
 export function perEntry(infos: SettingInfo[], values: ReadonlyMap<string, string>): SettingInfo[] {
+  const given = [...values.keys()];
+  const hasPart = ({key}: SettingInfo) => given.some((one) => one.startsWith(key.slice(0, key.lastIndexOf('.') + 1)));
   return infos.flatMap((info, k) => {
     const [list, rest] = info.key.split('[]');
     if (rest === undefined) return [info];
     if (infos[k - 1]?.key.startsWith(`${list}[]`)) return []; // with the first of the list
     const keys = infos.filter(({key}) => key.startsWith(`${list}[]`));
-    return entriesOf(values, list!).flatMap((entry) => keys.map((one) => ({...one, key: one.key.replace(`${list}[]`, entry)}))
-      .filter(({key}) => { const part = key.slice(0, key.lastIndexOf('.') + 1); return [...values.keys()].some((given) => given.startsWith(part)); }));
+    return entriesOf(values, list!).flatMap((entry) => keys.map((one) => ({...one, key: one.key.replace(`${list}[]`, entry)})).filter(hasPart));
   });
 }
 
