@@ -109,7 +109,8 @@ class Path:
         self.received = peer.listen(TrajectoryCommand, "trajectory_command")
         self.states = peer.publisher(State, "estimated_state")
         self.waypoints = peer.publisher(Waypoint, "waypoints", LATCHED)
-        peer.poll(lambda: self.waypoints.get_subscription_count() and self.states.get_subscription_count(), "subscribers")
+        peer.poll(lambda: self.waypoints.get_subscription_count() and self.states.get_subscription_count()
+                  and peer.node.count_publishers("trajectory_command"), "both ends of the topics")
 
     def step(self, seconds=0.05):
         """The setpoint that answers a State."""
