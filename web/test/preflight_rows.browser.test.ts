@@ -6,11 +6,8 @@ import {mkdtemp, readFile, rm} from 'node:fs/promises';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {after, test} from 'node:test';
-import {bytesSource} from '../src/data/bytes.ts';
 import {checksAt, WAYS_OUT, type CheckLine} from '../src/data/checks.ts';
-import {readLog} from '../src/data/read_log.ts';
 import {goTo, onPage, SMALL, startBrowser} from './browser.ts';
-import {logOf} from './flights.ts';
 import {flyWatched, until, view, viewer} from './simulated.ts';
 
 const scratch = await mkdtemp(join(tmpdir(), 'rosflight_rows_'));
@@ -51,6 +48,14 @@ test('each row that a simulated vehicle can show fails when it is provoked, says
   await until(() => list() !== undefined);
   const row = (name: string): CheckLine => list()!.lines.find((line) => line.name === name)!;
   assert.equal(row('calibration').verdict, 'refuses', 'before it is calibrated');
+  /** The step of the page's slider at which each row's failure is the newest that is known, and the reason. */
+  const failures = new Map<string, {t: number; reason: string}>();
+  const seen = async (name: string) => {
+    const t = Math.ceil(100 * list()!.t) / 100;
+    failures.set(name, {t, reason: row(name).reason});
+    await until(() => one.flight.end_s > t + 0.01); // before a status says that it is healed
+  };
+  await seen('calibration');
   await one.steer('speed 20');
   await until(() => /stage arm/.test(flight.said()));
   const table = await readFile(new URL('../../firmware/core/arming_checks.hpp', import.meta.url), 'utf8');
@@ -77,6 +82,7 @@ test('each row that a simulated vehicle can show fails when it is provoked, says
     for (const {good, text} of did) assert.ok(good, `${name}: ${text}`);
     await shows(name, true);
     assert.ok(row(name).reason && WAYS_OUT[name], name);
+    await seen(name);
     if (back) await one.steer(back);
     await one.steer('heal');
     if (set) await one.commands.set(former);
@@ -86,20 +92,11 @@ test('each row that a simulated vehicle can show fails when it is provoked, says
   flight.child.kill('SIGINT');
   await new Promise((resolve) => flight.child.on('exit', resolve));
 
-  const log = await readLog(bytesSource('log', new Uint8Array(await readFile(logOf(folder)))));
-  const results = log.tables.get('/link/check_result')!;
-  /** When the whole list had come that has the row's last failure, as the slider's steps of 10 ms have it; and its reason. */
-  const lastFailure = (name: string) => {
-    const row = results.text('name')!.findLastIndex((one, k) => one === name && results.column('result')![k] !== 0);
-    const last = row + results.column('count')![row]! - results.column('index')![row]! - 1;
-    return {t: Math.ceil(100 * results.times[last]!) / 100, reason: results.text('reason')![row]!};
-  };
   const browser = await startBrowser();
   try {
     await onPage(browser, await view(running, folder), async (page) => {
       await page.getByRole('tab', {name: 'Preflight'}).click();
-      for (const name of [...Object.keys(CAUSES), 'calibration']) {
-        const {t, reason} = lastFailure(name);
+      for (const [name, {t, reason}] of failures) {
         await goTo(page, t);
         const shown = await page.locator('.preflight tr', {has: page.getByRole('rowheader', {name, exact: true})}).innerText();
         assert.match(shown, /✗ refuses|! warning/, name);
