@@ -18,7 +18,7 @@
 namespace rosflight::flight {
 
 /// The boards with an emulated STM32H7, as FlightChoice::board spells them.
-inline constexpr std::array<const char*, 2> kChipBoards{"pixracer_pro", "varmint"};
+inline constexpr std::array<const char*, 3> kChipBoards{"pixracer_pro", "varmint", "varmint_10x"};
 
 /// What can move the body, as FlightChoice::physics spells it: the integrator of sim/dynamics, forces and body
 /// together; the same behind the interface of an engine, with the load held over a step; JSBSim.

@@ -4,8 +4,9 @@
 Usage: ./rosflight firmware build BOARD [--keep-bootloader]
        ./rosflight firmware flash BOARD [--keep-bootloader] [--swd]
 
-BOARD is pixracer_pro or varmint. build makes ELF, BIN, HEX and DFU files and prints what the image occupies. flash builds and
-then writes the image, over USB with dfu-util or, with --swd, through an ST-Link with openocd; it says what to connect.
+BOARD is pixracer_pro, varmint (revision 11X) or varmint_10x. build makes ELF, BIN, HEX and DFU files and prints what the image
+occupies. flash builds and then writes the image, over USB with dfu-util or, with --swd, through an ST-Link with openocd; it says
+what to connect.
 --keep-bootloader links the image at 0x08020000, behind the 128 KiB of a bootloader of PX4 or ArduPilot.
 
 Nothing of this has been tried on a physical board: read docs/hardware.md first.
@@ -21,7 +22,7 @@ from pathlib import Path
 import project
 
 FLASH, BEHIND_BOOTLOADER = 0x08000000, 0x08020000
-BOARDS = ("pixracer_pro", "varmint")
+BOARDS = ("pixracer_pro", "varmint", "varmint_10x")
 # The bootloader in the chip's own ROM (ST application note AN2606 and UM0391, which also describes the file).
 ROM_VENDOR, ROM_PRODUCT = 0x0483, 0xDF11
 

@@ -303,6 +303,16 @@ TEST(Varmint, DamagedWordsOfTheFlashCostNeitherTheStartNorTheParameters) {
   EXPECT_EQ(chip_of(rig).figures()->resets, 0U);
 }
 
+/// The wiring of the emulated board is checked with every transfer of a bus.
+TEST(Varmint10X, FliesTheDefaultMissionWithTheBarometerOnABusOfItsOwn) {
+  Rig rig{on_board({}, "varmint_10x")};
+  rig.flight->run();
+  EXPECT_TRUE(rig.completed()) << rig.flight->runner().failure();
+  EXPECT_LT(rig.flight->tracking().rms(), 0.226);
+  EXPECT_EQ(chip_of(rig).figures()->resets, 0U);
+  EXPECT_EQ(view_of(rig).errors, 0U);
+}
+
 TEST(PixracerPro, PowerLossInFlightDoesNotRearm) {
   Rig rig{on_board()};
   rig.run_until(kFault_s);
@@ -389,8 +399,9 @@ TEST(PixracerPro, AWrongImageIsRefusedInOneLine) {
   std::filesystem::remove(options.image);
   options = emulated_chip("pixracer_pro");
   options.board = "varmint_99";
-  EXPECT_NE(refusal(options).find("board: found varmint_99, allowed pixracer_pro, varmint"),
-            std::string::npos);
+  EXPECT_NE(
+      refusal(options).find("board: found varmint_99, allowed pixracer_pro, varmint, varmint_10x"),
+      std::string::npos);
 }
 
 }  // namespace

@@ -28,8 +28,8 @@ def test_dfu_file_has_the_image_at_its_address_and_a_right_checksum():
 
 @pytest.mark.parametrize("arguments, said", [
     ([], "found 'nothing', allowed build, flash"),
-    (["build"], "found 'nothing', allowed pixracer_pro, varmint"),
-    (["build", "varmint_99"], "found 'varmint_99', allowed pixracer_pro, varmint"),
+    (["build"], "found 'nothing', allowed pixracer_pro, varmint, varmint_10x"),
+    (["build", "varmint_99"], "found 'varmint_99', allowed pixracer_pro, varmint, varmint_10x"),
     (["build", "varmint", "now"], "found 'now' after the board"),
     (["build", "varmint", "--swd"], "found '--swd', allowed --keep-bootloader"),
     (["flash", "varmint", "--fast"], "found '--fast', allowed --keep-bootloader, --swd"),

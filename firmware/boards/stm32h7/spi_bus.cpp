@@ -26,7 +26,8 @@ void SpiBus::open(parts::SharedBus& bus) {
   bus_ = &bus;
   open_gate(pins_.spi);
   for (std::size_t k = 0; k < device_count_; ++k) make_output(devices_[k].select, true);
-  for (const Pin& pin : {pins_.clock, pins_.in, pins_.out}) make_alternate(pin, pins_.function);
+  for (const Pin& pin : {pins_.clock, pins_.in}) make_alternate(pin, pins_.function);
+  make_alternate(pins_.out, pins_.out_function != 0 ? pins_.out_function : pins_.function);
   // SSI before MASTER: without it the SPI sees its own select low and leaves master mode. AFCNTR keeps
   // the clock high while the SPI is disabled.
   reg(pins_.spi, spi::CR1) = spi::CR1_SSI(1);

@@ -24,9 +24,10 @@ class SpiBus final : public parts::BusHardware {
   struct Pins {
     Instance spi;
     Pin clock, in, out;
-    unsigned function;  ///< Alternate function of the three pins.
+    unsigned function;  ///< Alternate function of the pins.
     unsigned receive_stream, transmit_stream;
     std::uint32_t receive_request;  ///< The transmit request is the next number.
+    unsigned out_function{0};       ///< Function of the pin `out`, if it is another one.
   };
   struct Device {
     Pin select;

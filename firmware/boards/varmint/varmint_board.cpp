@@ -29,15 +29,16 @@ Varmint::Varmint(Memory& memory, parts::Start how)
       imu_hardware_{kImuBus, kImuDevices, std::size(kImuDevices), memory.imu},
       imu_bus_{imu_hardware_, clock_},
       imu_{imu_port_, imu_reset_, imu_config()},
-      baro_hardware_{kBaroBus, kBaroBusDevices, std::size(kBaroBusDevices), memory.baro},
-      baro_bus_{baro_hardware_, clock_},
+      sensor_buses_{
+          make_buses(memory, clock_, std::make_index_sequence<std::size(kSensorBuses)>{})},
       mag_{mag_port_, kMagMounting},
       i2c_bus_{i2c_hardware_, clock_, stm32h7::I2cBus::kLimit} {
+  const stm32h7::SystemSensor supply{&servo_supply_, "MCP4017: started"};
   system_.set_sensors({{{&imu_, "ADIS16500: started"},
                         {&baro_, "DPS310: started"},
                         {&mag_, "IIS2MDC: started"},
                         {&pitot_, "DLHR: started"},
-                        {&servo_supply_, "MCP4017: started"},
+                        kHasServoSupply ? supply : stm32h7::SystemSensor{},
                         {&gnss_, nullptr}}},
                       kSensorWait);
 }
@@ -48,7 +49,7 @@ void Varmint::open() {
   stm32h7::make_output(kImuReset, true);
   for (const Pin& pin : kUnusedSelects) stm32h7::make_output(pin, true);
   imu_hardware_.open(imu_bus_);
-  baro_hardware_.open(baro_bus_);
+  for (SensorBus& each : sensor_buses_) each.hardware.open(each.bus);
   i2c_hardware_.open(i2c_bus_);
   stm32h7::make_input(kPitotReady, stm32h7::Pull::kDown);
   stm32h7::watch_rising_edge(kPitotReady);
@@ -56,6 +57,11 @@ void Varmint::open() {
   flash_.open();
   open_common();
   storage_.mount();
+}
+
+void Varmint::on_sensor_bus(std::size_t index) {
+  sensor_buses_[index].hardware.on_interrupt();
+  wake_when_idle(sensor_buses_[index].bus);
 }
 
 void Varmint::on_edges() {
@@ -68,7 +74,8 @@ void Varmint::on_edges() {
 
 void Varmint::on_tick() {
   stm32h7::clear_tick();
-  for (parts::SharedBus* const bus : {&imu_bus_, &baro_bus_, &i2c_bus_}) bus->step();
+  for (parts::SharedBus* const bus : {&imu_bus_, &i2c_bus_}) bus->step();
+  for (SensorBus& each : sensor_buses_) each.bus.step();
   step_common();
 }
 

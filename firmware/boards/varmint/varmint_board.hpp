@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <array>
+#include <utility>
+
 #include "firmware/boards/parts/adis16500.hpp"
 #include "firmware/boards/parts/dlhr.hpp"
 #include "firmware/boards/parts/dps310.hpp"
@@ -15,7 +18,8 @@ class Varmint final : public stm32h7::FlightBoard {
  public:
   /// What the DMA touches; an object of section .dma.
   struct Memory : FlightBoard::Memory {
-    stm32h7::SpiBuffers imu, baro;
+    stm32h7::SpiBuffers imu;
+    std::array<stm32h7::SpiBuffers, std::size(kSensorBuses)> sensors;
   };
 
   /// Clocks and memory system run already.
@@ -36,21 +40,36 @@ class Varmint final : public stm32h7::FlightBoard {
   void on_imu_sample() { imu_.data_ready(edge_time()); }
   void on_pitot_ready() { pitot_.conversion_done(clock_.now()); }
   void on_imu_bus() { imu_hardware_.on_interrupt(), wake_when_idle(imu_bus_); }
-  void on_baro_bus() { baro_hardware_.on_interrupt(), wake_when_idle(baro_bus_); }
+  /// @param index  in kSensorBuses.
+  void on_sensor_bus(std::size_t index);
   void on_i2c() { i2c_hardware_.on_interrupt(), wake(); }
   void on_tick();
 
  private:
+  struct SensorBus {
+    SensorBus(const stm32h7::SpiBus::Pins& pins, stm32h7::SpiBuffers& memory,
+              const hal::Clock& clock)
+        : hardware{pins, kBaroBusDevices, std::size(kBaroBusDevices), memory},
+          bus{hardware, clock} {}
+    stm32h7::SpiBus hardware;
+    parts::SharedBus bus;
+  };
+  using SensorBuses = std::array<SensorBus, std::size(kSensorBuses)>;
+  template <std::size_t... kIndex>
+  static SensorBuses make_buses(Memory& memory, const hal::Clock& clock,
+                                std::index_sequence<kIndex...> /*buses*/) {
+    return {SensorBus{kSensorBuses[kIndex], memory.sensors[kIndex], clock}...};
+  }
+
   stm32h7::SpiBus imu_hardware_;
   parts::SharedBus imu_bus_;
   parts::SharedPort imu_port_{imu_bus_, 0, true};
   stm32h7::DrivenPin imu_reset_{kImuReset};
   parts::Adis16500 imu_;
-  stm32h7::SpiBus baro_hardware_;
-  parts::SharedBus baro_bus_;
-  parts::SharedPort baro_port_{baro_bus_, kBaro};
+  SensorBuses sensor_buses_;
+  parts::SharedPort baro_port_{sensor_buses_[kBaroBus].bus, kBaro};
   parts::Dps310 baro_{baro_port_, true};
-  parts::SharedPort mag_port_{baro_bus_, kMag};
+  parts::SharedPort mag_port_{sensor_buses_[kMagBus].bus, kMag};
   parts::Iis2mdc mag_;
   stm32h7::I2cBus i2c_hardware_{kI2c};
   parts::SharedBus i2c_bus_;

@@ -7,7 +7,8 @@ namespace {
 
 using namespace rosflight::boards::stm32h7;  // NOLINT(google-build-using-namespace): this is their
                                              // main
-using rosflight::boards::varmint::Varmint;
+namespace varmint = rosflight::boards::varmint;
+using varmint::Varmint;
 
 Image<Varmint> image;
 __attribute__((section(".dma"))) Varmint::Memory dma_memory;
@@ -17,7 +18,8 @@ constexpr Interrupt kInterrupts[] = {
     {irq::SPI4, [] { image.board().on_imu_sample(); }},
     {irq::SPI2, [] { image.board().on_pitot_ready(); }},
     {irq::DMA1_STREAM5, [] { image.board().on_imu_bus(); }},
-    {irq::DMA1_STREAM3, [] { image.board().on_baro_bus(); }},
+    {irq::DMA1_STREAM3, [] { image.board().on_sensor_bus(0); }},
+    {irq::DMA1_STREAM1, [] { image.board().on_sensor_bus(varmint::kBaroBus); }},  // revision 10X
     {irq::I2C1_EV, [] { image.board().on_i2c(); }},
     {irq::I2C1_ER, [] { image.board().on_i2c(); }},
     {irq::USART1, [] { image.board().on_gnss(); }},
@@ -47,6 +49,6 @@ void board_fault(const FaultRegisters& registers) {
 }
 
 [[noreturn]] void board_main() {
-  image.run(rosflight::boards::varmint::kOscillator, dma_memory, board_glance);
+  image.run(varmint::kOscillator, dma_memory, board_glance);
 }
 }

@@ -6,16 +6,16 @@
 #include "firmware/boards/stm32h7/flight_board.hpp"
 #include "firmware/boards/stm32h7/i2c_bus.hpp"
 #include "firmware/boards/stm32h7/spi_bus.hpp"
+// revision_10x.hpp or revision_11x.hpp.
+#include ROSFLIGHT_BOARD_REVISION
 
-/// Pins, streams and devices of the AeroVironment Varmint 11X (STM32H753VIH6). Source: the board's
-/// definitions in ROSflight 2.x.
+/// Pins, streams and devices of the AeroVironment Varmint (STM32H753VIH6): what its revisions have in
+/// common. Source: the board's definitions in ROSflight 2.x.
 namespace rosflight::boards::varmint {
-
-using stm32h7::Pin;
 
 inline constexpr stm32h7::Oscillator kOscillator{50, true};  ///< A clock, not a crystal.
 
-inline constexpr Pin kRedLed{'B', 2}, kGreenLed{'E', 15}, kBlueLed{'E', 8};
+inline constexpr Pin kGreenLed{'E', 15}, kBlueLed{'E', 8};
 
 // The ADIS16500 on SPI4, paced by a clock that we give. Its reset is low.
 inline constexpr Pin kImuReady{'B', 8}, kImuReset{'E', 12}, kSyncClock{'B', 14};
@@ -24,10 +24,8 @@ inline constexpr stm32h7::SpiBus::Pins kImuBus{
     stm32h7::SPI4, {'E', 2}, {'E', 13}, {'E', 6}, 5, 5, 6, stm32h7::request::SPI4_RX};
 inline constexpr stm32h7::SpiBus::Device kImuDevices[] = {{{'E', 4}, 1'000'000}};
 
-/// DPS310 and IIS2MDC share SPI2, each with one wire for both directions: the chip's two data pins
+/// DPS310 and IIS2MDC, on one bus or two. Each has one wire for both directions: the chip's two data pins
 /// meet at the part.
-inline constexpr stm32h7::SpiBus::Pins kBaroBus{
-    stm32h7::SPI2, {'B', 13}, {'C', 2}, {'C', 3}, 5, 3, 4, stm32h7::request::SPI2_RX};
 enum BaroBusDevice : std::uint8_t { kBaro = 0, kMag = 1 };
 inline constexpr stm32h7::SpiBus::Device kBaroBusDevices[] = {{{'E', 1}, 4'000'000},
                                                               {{'B', 12}, 4'000'000}};

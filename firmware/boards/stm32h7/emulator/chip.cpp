@@ -59,6 +59,7 @@ Chip::Chip(std::uint64_t crystal_Hz)
             irq::DMA2_STREAM4, irq::DMA2_STREAM5, irq::DMA2_STREAM6, irq::DMA2_STREAM7}},
       spi1{spi("SPI1", SPI1, request::SPI1_RX, irq::SPI1)},
       spi2{spi("SPI2", SPI2, request::SPI2_RX, irq::SPI2)},
+      spi3{spi("SPI3", SPI3, request::SPI3_RX, irq::SPI3)},
       spi4{spi("SPI4", SPI4, request::SPI4_RX, irq::SPI4)},
       spi5{spi("SPI5", SPI5, request::SPI5_RX, irq::SPI5)},
       usart1{uart("USART1", USART1, request::USART1_RX, irq::USART1)},
@@ -80,7 +81,7 @@ Chip::Chip(std::uint64_t crystal_Hz)
           &dma1,   &dma2,   &spi1,  &spi2,     &spi4,          &spi5,       &usart1,
           &usart2, &usart3, &uart4, &usart6,   &tim1,          &tim2,       &tim3,
           &tim4,   &tim5,   &tim6,  &tim7,     &tim8,          &tim12};
-  for (Peripheral* each : {static_cast<Peripheral*>(&i2c1),
+  for (Peripheral* each : {static_cast<Peripheral*>(&spi3), static_cast<Peripheral*>(&i2c1),
                            static_cast<Peripheral*>(&flash_sectors), static_cast<Peripheral*>(&usb),
                            static_cast<Peripheral*>(&adc1), static_cast<Peripheral*>(&adc3)})
     all_.push_back(each);

@@ -43,7 +43,7 @@ class Chip {
   DmaMultiplexer multiplexer{processor};
   DmaModel dma1, dma2;
   DmaRequests requests{{&dma1, &dma2}};
-  SpiModel spi1, spi2, spi4, spi5;
+  SpiModel spi1, spi2, spi3, spi4, spi5;
   UartModel usart1, usart2, usart3, uart4, usart6;
   I2cModel i2c1{processor, "I2C1", I2C1, clocks, irq::I2C1_EV, irq::I2C1_ER};
   UsbModel usb{processor, clocks, power};

@@ -135,8 +135,10 @@ class Session {
 
 std::unique_ptr<EmulatedHardware> make_board(const std::string& name) {
   if (name == "pixracer_pro") return std::make_unique<PixracerProModel>();
-  if (name == "varmint") return std::make_unique<VarmintModel>();
-  throw ProcessorError("board: found " + name + ", allowed pixracer_pro, varmint");
+  using Revision = VarmintModel::Revision;
+  if (name == "varmint") return std::make_unique<VarmintModel>(Revision::k11X);
+  if (name == "varmint_10x") return std::make_unique<VarmintModel>(Revision::k10X);
+  throw ProcessorError("board: found " + name + ", allowed pixracer_pro, varmint, varmint_10x");
 }
 
 Exchange& map_block() {

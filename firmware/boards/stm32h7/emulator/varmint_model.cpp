@@ -11,9 +11,13 @@ constexpr unsigned kSpiFunction = 5, kI2cFunction = 4, kSyncFunction = 2;
 constexpr std::uint64_t kAdis16500Max_Hz = 1'000'000, kBaroBusMax_Hz = 10'000'000;
 constexpr Ticks kSyncPeriod = 500 * kTicksPerMicrosecond;
 
+PinName red_led(VarmintModel::Revision revision) {
+  return revision == VarmintModel::Revision::k10X ? pin('E', 7) : pin('B', 2);
+}
+
 }  // namespace
 
-VarmintModel::VarmintModel()
+VarmintModel::VarmintModel(Revision revision)
     : CommonHardware{{50'000'000,
                       &Chip::spi4,
                       pin('B', 8),
@@ -31,14 +35,21 @@ VarmintModel::VarmintModel()
                        {&Chip::tim4, 3, pin('D', 15), 2},
                        {&Chip::tim3, 0, pin('C', 6), 2},
                        {&Chip::tim3, 1, pin('B', 5), 2}},
-                      {pin('B', 2), pin('E', 8), pin('E', 15)},
+                      {red_led(revision), pin('E', 8), pin('E', 15)},
                       false,
                       {16, 11, 11.215, 10.0, 0.0}}} {
   chip_.processor.add(imu_on_bus_);
   imu_.sync_clock = false;
   connect_imu();
-  connect_baro_bus();
-  connect_i2c();
+  chip_.port(kMagSelect).on_output = [this](unsigned number, bool high) {
+    if (number == kMagSelect.number) mag_on_bus_.select(!high);
+  };
+  if (revision == Revision::k10X) {
+    connect_own_buses();
+  } else {
+    connect_shared_bus();
+  }
+  connect_i2c(revision != Revision::k10X);
 }
 
 void VarmintModel::connect_imu() {
@@ -70,10 +81,7 @@ void VarmintModel::look_at_sync_clock() {
   imu_on_bus_.advance();
 }
 
-void VarmintModel::connect_baro_bus() {
-  chip_.port(kMagSelect).on_output = [this](unsigned number, bool high) {
-    if (number == kMagSelect.number) mag_on_bus_.select(!high);
-  };
+void VarmintModel::connect_shared_bus() {
   chip_.spi2.exchange = [this](std::uint8_t out) -> std::uint8_t {
     if (baro_on_bus_.selected() && mag_on_bus_.selected()) {
       chip_.processor.complain("SPI2: barometer and magnetometer are both selected");
@@ -81,17 +89,35 @@ void VarmintModel::connect_baro_bus() {
     if (mag_on_bus_.selected()) return mag_on_bus_.exchange(out);
     return baro_on_bus_.selected() ? baro_on_bus_.exchange(out) : 0xFF;
   };
-  chip_.spi2.on_start = [this](std::uint64_t clock_Hz) {
-    expect_pins({pin('B', 13), pin('C', 2), pin('C', 3)}, kSpiFunction);
-    if (!chip_.configuration.pads_of_port_c_connected())
-      chip_.processor.complain("SPI2: the pads PC2_C and PC3_C are not connected");
-    if (clock_Hz > kBaroBusMax_Hz) chip_.processor.complain("SPI2: faster than its parts allow");
+  chip_.spi2.on_start = [this](std::uint64_t clock_Hz) { check_mag_bus(clock_Hz); };
+}
+
+void VarmintModel::check_mag_bus(std::uint64_t clock_Hz) {
+  expect_pins({pin('B', 13), pin('C', 2), pin('C', 3)}, kSpiFunction);
+  if (!chip_.configuration.pads_of_port_c_connected())
+    chip_.processor.complain("SPI2: the pads PC2_C and PC3_C are not connected");
+  if (clock_Hz > kBaroBusMax_Hz) chip_.processor.complain("SPI2: faster than its parts allow");
+}
+
+void VarmintModel::connect_own_buses() {
+  chip_.spi2.exchange = [this](std::uint8_t out) -> std::uint8_t {
+    return mag_on_bus_.selected() ? mag_on_bus_.exchange(out) : 0xFF;
+  };
+  chip_.spi2.on_start = [this](std::uint64_t clock_Hz) { check_mag_bus(clock_Hz); };
+  chip_.spi3.exchange = [this](std::uint8_t out) -> std::uint8_t {
+    return baro_on_bus_.selected() ? baro_on_bus_.exchange(out) : 0xFF;
+  };
+  chip_.spi3.on_start = [this](std::uint64_t clock_Hz) {
+    constexpr unsigned kClockAndInFunction = 6, kOutFunction = 7;
+    expect_pins({pin('B', 3), pin('B', 4)}, kClockAndInFunction);
+    expect_pins({pin('B', 2)}, kOutFunction);
+    if (clock_Hz > kBaroBusMax_Hz) chip_.processor.complain("SPI3: faster than its part allows");
   };
 }
 
-void VarmintModel::connect_i2c() {
+void VarmintModel::connect_i2c(bool with_servo_supply) {
   chip_.i2c1.connect(pitot_);
-  chip_.i2c1.connect(servo_supply_);
+  if (with_servo_supply) chip_.i2c1.connect(servo_supply_);
   chip_.i2c1.on_enable = [this] {
     expect_pins({pin('B', 6), pin('B', 9)}, kI2cFunction);
     for (const unsigned number : {6U, 9U}) chip_.port(pin('B', number)).expect_open_drain(number);

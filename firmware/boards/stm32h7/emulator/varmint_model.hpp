@@ -8,10 +8,11 @@
 
 namespace rosflight::boards::stm32h7::emulator {
 
-/// Varmint 11X: what of the board is modelled so far is listed in firmware/boards/varmint.
+/// Varmint, by its revision: what of the board is modelled so far is listed in firmware/boards/varmint.
 class VarmintModel final : public CommonHardware {
  public:
-  VarmintModel();
+  enum class Revision { k10X, k11X };
+  explicit VarmintModel(Revision revision);
 
  private:
   std::vector<const parts::models::Part*> parts() const override {
@@ -21,8 +22,12 @@ class VarmintModel final : public CommonHardware {
   double imu_delay_us() const override { return imu_.delay_us(); }
   void set_broken(const Broken& broken) override;
   void connect_imu();
-  void connect_baro_bus();
-  void connect_i2c();
+  /// Barometer and magnetometer on SPI2.
+  void connect_shared_bus();
+  /// The magnetometer on SPI2, the barometer on SPI3.
+  void connect_own_buses();
+  void check_mag_bus(std::uint64_t clock_Hz);
+  void connect_i2c(bool with_servo_supply);
   /// The part runs on the clock at its pin.
   void look_at_sync_clock();
   parts::models::ImuTruth imu_truth(hal::Time when) const;
