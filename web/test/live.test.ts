@@ -12,7 +12,7 @@ import {after, test} from 'node:test';
 import {bytesSource} from '../src/data/bytes.ts';
 import {LiveDecoder, PROTOCOLS} from '../src/data/live.ts';
 import {readLog} from '../src/data/read_log.ts';
-import {FLY, VIEW} from './flights.ts';
+import {FLY, SIL, VIEW} from './flights.ts';
 import {flyWatched, until} from './simulated.ts';
 
 const scratch = await mkdtemp(join(tmpdir(), 'rosflight_live_'));
@@ -201,19 +201,48 @@ test('who does not speak the protocol, or is a foreign page, gets no WebSocket',
   child.kill('SIGKILL');
 });
 
-test('of the two addresses for other computers one looks alone and the other commands too', {timeout: 120_000}, async () => {
-  const {said, child} = await flyWatched(running, join(scratch, String(++count)), '--mission', 'hop', '--listen', '127.0.0.2');
+/** Of each address for other computers that a program prints: what stands behind it, the right to command as the server says it, and its
+ * answer to a viewer who takes control. */
+async function rights(said: () => string) {
   await until(() => said().includes('without the right to command'));
   const printed = [...said().matchAll(/^(http:\/\/127\.0\.0\.2:\d+\/)#([0-9a-f]{32})(.*)$/gm)];
-  assert.deepEqual(printed.map(([, , , after]) => after), ['', '  (without the right to command)']);
-  const rights = await Promise.all(printed.map(([, address, token]) => new Promise<string>((resolve) => {
+  return Promise.all(printed.map(([, address, token, note]) => new Promise<[string, string, string]>((resolve) => {
     const socket = new WebSocket(address!.replace('http', 'ws'), PROTOCOLS);
+    let right = '';
     socket.onopen = () => socket.send(JSON.stringify({op: 'token', token}));
     socket.onmessage = ({data}) => {
-      resolve((JSON.parse(String(data)) as {metadata: {commands: string}}).metadata.commands);
+      if (typeof data !== 'string') return;
+      const message = JSON.parse(data) as {op: string; id?: string; metadata?: {commands: string}; message?: string; results?: {text: string}[]};
+      if (message.metadata) {
+        right = message.metadata.commands;
+        socket.send(JSON.stringify({op: 'takeControl', id: 'take'}));
+      }
+      const answer = message.op === 'status' ? message.message : message.id === 'take' ? message.results?.[0]?.text : undefined;
+      if (answer === undefined) return;
+      resolve([note!.trim(), right, answer]);
       socket.close();
     };
   })));
-  assert.deepEqual(rights, ['yes', 'no']);
+}
+const both = (note: string) => [[note, 'yes', 'in control'],
+  ['(without the right to command)', 'no', 'this address is one to look, not to command']];
+
+test('of the two addresses for other computers one looks alone and the other commands too: fly --view', {timeout: 120_000}, async () => {
+  const {said, child} = await flyWatched(running, join(scratch, String(++count)), '--mission', 'hop', '--listen', '127.0.0.2');
+  assert.deepEqual(await rights(said), both(''));
   child.kill('SIGKILL');
+});
+
+test('the same of a vehicle on a link: view LINK', {timeout: 120_000}, async () => {
+  const start = (program: string, ...words: string[]) => {
+    const child = spawn(program, words, {stdio: ['ignore', 'pipe', 'inherit']});
+    running.push(child);
+    let printed = '';
+    child.stdout.on('data', (data) => { printed += String(data); });
+    return () => printed;
+  };
+  const firmware = start(SIL, 'sil', '--link', 'tcp:0', '--nvm', join(scratch, 'listen.nvm'));
+  await until(() => /link=\S+/.test(firmware()));
+  const view = start(VIEW, 'view', /link=(\S+)/.exec(firmware())![1]!, '--out', join(scratch, String(++count)), '--listen', '127.0.0.2');
+  assert.deepEqual(await rights(view), both('(Ctrl-C ends it)'));
 });
