@@ -23,8 +23,23 @@ from ._flight import STEPS_PER_SECOND
 Floats = np.ndarray[Any, np.dtype[np.float32]]
 Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
-ACTIONS = ("motors", "rates", "angles")
-TASKS = {"rosflight/Hover-v0": "hover", "rosflight/Waypoints-v0": "waypoints"}
+ACTIONS = ("motors", "surfaces", "rates", "angles", "velocity", "waypoint")
+TASKS = {"rosflight/Hover-v0": "hover", "rosflight/Waypoints-v0": "waypoints", "rosflight/Gates-v0": "gates",
+         "rosflight/FixedWingLine-v0": "fixed_wing_line", "rosflight/Landing-v0": "landing"}
+#: Options and their defaults.
+OPTIONS: dict[str, Any] = {
+    "vehicle": "multirotor", "action": "rates", "rate_hz": 100, "episode_s": 10.0, "threads": 1, "wind": None, "set": (), "altitude_m": 5.0,
+    "start_radius_m": 1.0, "start_tilt_rad": 0.5, "start_speed_m_s": 1.0, "start_rates_rad_s": 1.0,
+}
+#: Where a task has others.
+OF_TASK: dict[str, dict[str, Any]] = {
+    "hover": {},
+    "waypoints": {},
+    "gates": {"episode_s": 30.0, "start_radius_m": 0.5, "start_tilt_rad": 0.3},
+    "landing": {"episode_s": 15.0, "start_radius_m": 2.0, "start_tilt_rad": 0.3, "start_rates_rad_s": 0.5},
+    "fixed_wing_line": {"vehicle": "anaconda", "action": "surfaces", "episode_s": 30.0, "altitude_m": 50.0, "start_radius_m": 10.0,
+                        "start_tilt_rad": 0.3, "start_rates_rad_s": 0.3},
+}
 _LARGEST_SEED = 2**63
 
 
@@ -32,10 +47,7 @@ class _Vehicles:
     """Options of an environment, checked, and the vehicles that they describe. They are made with the first seed."""
 
     def __init__(self, count: int, task: str, options: dict[str, Any]):
-        known: dict[str, Any] = {
-            "vehicle": "multirotor", "action": "rates", "rate_hz": 100, "episode_s": 10.0, "threads": 1, "wind": None, "set": (), "altitude_m": 5.0,
-            "start_radius_m": 1.0, "start_tilt_rad": 0.5, "start_speed_m_s": 1.0, "start_rates_rad_s": 1.0,
-        }
+        known = OPTIONS | OF_TASK[arguments.one_of("task", task, tuple(OF_TASK))]
         for name in options:
             if name not in known:
                 raise ValueError(f"{name}: found an unknown option, allowed {', '.join(known)}")
@@ -46,7 +58,7 @@ class _Vehicles:
         #: As they are in force; part of `info` at each reset.
         self.options: dict[str, Any] = chosen | {"task": task, "observation": "truth", "link": False}
         self.count = arguments.whole("num_envs", count, 1, 2**20)
-        self.size = 25 if task == "waypoints" else 22
+        self.size = _core.observation_size(task)
         self._arguments: dict[str, Any] = {
             "vehicle": arguments.name_or_path("vehicle", chosen["vehicle"]),
             "wind": arguments.wind_text(chosen["wind"]),
@@ -98,7 +110,7 @@ def _spaces(size: int) -> tuple[Any, Any]:
 
 
 class FlightEnv(gymnasium.Env[Floats, Floats]):
-    """One vehicle. docs/python.md has the observation, the action, the reward and the options of each task."""
+    """One vehicle. docs/gymnasium/ has the observation, the action, the reward and the options of each task."""
 
     metadata: dict[str, Any] = {"render_modes": []}
 
@@ -110,7 +122,7 @@ class FlightEnv(gymnasium.Env[Floats, Floats]):
         self._observation = np.zeros((1, self._vehicles.size), np.float32)
         self._last = np.zeros_like(self._observation)
         self._reward = np.zeros(1, np.float32)
-        self._terminated, self._truncated = np.zeros(1, bool), np.zeros(1, bool)
+        self._terminated, self._truncated, self._success = np.zeros(1, bool), np.zeros(1, bool), np.zeros(1, bool)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Floats, dict[str, Any]]:
         super().reset(seed=seed)
@@ -119,11 +131,13 @@ class FlightEnv(gymnasium.Env[Floats, Floats]):
 
     def step(self, action: Floats) -> tuple[Floats, float, bool, bool, dict[str, Any]]:
         self._vehicles.core.step(_actions(action, (4,))[None], self._observation, self._reward, self._terminated, self._truncated,
-                                 self._last, False)
-        return self._observation[0].copy(), float(self._reward[0]), bool(self._terminated[0]), bool(self._truncated[0]), {}
+                                 self._success, self._last, False, None)
+        terminated, truncated = bool(self._terminated[0]), bool(self._truncated[0])
+        info = {"is_success": bool(self._success[0])} if terminated or truncated else {}
+        return self._observation[0].copy(), float(self._reward[0]), terminated, truncated, info
 
     def truth(self) -> np.ndarray[Any, np.dtype[np.float64]]:
-        """Position 3, velocity 3, attitude 4 (w, x, y, z), rates 3, distance, waypoints reached, outputs of motors 4."""
+        """Position 3, velocity 3, attitude 4 (w, x, y, z), rates 3, distance, waypoints or gates passed, outputs 14."""
         first: np.ndarray[Any, np.dtype[np.float64]] = self._vehicles.truth()[0]
         return first
 
@@ -131,7 +145,7 @@ class FlightEnv(gymnasium.Env[Floats, Floats]):
 class FlightVectorEnv(VectorEnv[Floats, Floats, Any]):
     """Many vehicles on a pool of threads, stepped without the interpreter's lock. The result does not depend on `threads`.
 
-    autoreset_mode: NEXT_STEP, SAME_STEP (the last observation is info["final_obs"]) or DISABLED (reset with
+    autoreset_mode: NEXT_STEP, SAME_STEP (the last observations are info["final_obs"]) or DISABLED (reset with
     options={"reset_mask": mask}). With copy=False observations are arrays that the next step fills again.
     """
 
@@ -158,7 +172,7 @@ class FlightVectorEnv(VectorEnv[Floats, Floats, Any]):
         self._last = np.zeros_like(self._observations)
         self._rewards = np.zeros(self.num_envs, np.float32)
         self._terminated, self._truncated = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
-        self._ended = np.zeros(self.num_envs, bool)
+        self._success, self._ended = np.zeros(self.num_envs, bool), np.zeros(self.num_envs, bool)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Floats, dict[str, Any]]:
         """@param seed: one number, from which each vehicle has its own."""
@@ -174,18 +188,23 @@ class FlightVectorEnv(VectorEnv[Floats, Floats, Any]):
         given = _actions(actions, (self.num_envs, 4))
         if self._mode is AutoresetMode.DISABLED and self._ended.any():
             raise gymnasium.error.ResetNeeded("step: found an episode that has ended, allowed after a reset of it")
-        self._vehicles.core.step(given, self._observations, self._rewards, self._terminated, self._truncated, self._last,
-                                 self._mode is AutoresetMode.SAME_STEP)
-        again = self._ended.copy()
-        if self._mode is AutoresetMode.NEXT_STEP and again.any():
-            self._vehicles.reset(self._observations, None, again)
-            self._rewards[again] = 0.0
-            self._terminated[again] = self._truncated[again] = False
+        self._vehicles.core.step(given, self._observations, self._rewards, self._terminated, self._truncated, self._success,
+                                 self._last, self._mode is AutoresetMode.SAME_STEP,
+                                 self._ended if self._mode is AutoresetMode.NEXT_STEP else None)
         self._ended = self._terminated | self._truncated
-        info: dict[str, Any] = {}
-        if self._mode is AutoresetMode.SAME_STEP and self._ended.any():
-            info = {"final_obs": self._last.copy(), "_final_obs": self._ended.copy()}
+        info = self._info() if self._ended.any() else {}
         return (self._out(self._observations), self._out(self._rewards), self._terminated.copy(), self._truncated.copy(), info)
+
+    def _info(self) -> dict[str, Any]:
+        """Of the episodes that have ended, as gymnasium's own vector environments have it."""
+        ended = self._ended.copy()
+        info: dict[str, Any] = {"is_success": self._success & ended, "_is_success": ended}
+        if self._mode is not AutoresetMode.SAME_STEP:
+            return info
+        last = np.full(self.num_envs, None, object)
+        for k in np.flatnonzero(ended):
+            last[k] = self._last[k].copy()
+        return {"final_obs": last, "_final_obs": ended.copy(), "final_info": info, "_final_info": ended.copy()}
 
     def truth(self) -> np.ndarray[Any, np.dtype[np.float64]]:
         """A row for each vehicle, as FlightEnv.truth()."""

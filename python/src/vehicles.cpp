@@ -11,6 +11,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -43,7 +44,6 @@ class Vehicles {
   }
 
   std::size_t count() const { return learners_.size(); }
-  std::size_t observation_size() const { return Learner::observation_size(task_.task); }
 
   /// Other vehicles of the same kind, with the noise and the episodes of this seed.
   void build(std::size_t count, std::uint64_t seed) {
@@ -77,8 +77,10 @@ class Vehicles {
   }
 
   /// @param begin  episodes that have ended begin again at once; `last` then receives their last observations.
+  /// @param again  these begin an episode instead of a step; none: nobody.
   void step(Table<const float> actions, Table<float> observations, Row<float> rewards,
-            Row<bool> terminated, Row<bool> truncated, Table<float> last, bool begin) {
+            Row<bool> terminated, Row<bool> truncated, Row<bool> success, Table<float> last,
+            bool begin, std::optional<Row<const bool>> again) {
     check_rows("actions", actions.shape(0));
     if (actions.shape(1) != kActions)
       throw Error(fmt::format("actions: found {} columns, allowed {}", actions.shape(1), kActions));
@@ -86,15 +88,22 @@ class Vehicles {
     if (!std::all_of(given, given + actions.size(), [](float a) { return std::isfinite(a); })) {
       throw Error("actions: found NaN or infinity, allowed finite numbers");
     }
+    if (again) check_rows("again", again->shape(0));
     compute("step", [&] {
       pool_.for_each(count(), [&](std::size_t k) {
         Learner& learner = *learners_[k];
-        Action action;
-        std::copy_n(given + k * kActions, kActions, action.begin());
-        const Learner::Result result = learner.step(action, substeps_);
+        Learner::Result result;
+        if (again && again->data()[k]) {
+          learner.begin_episode();
+        } else {
+          Action action;
+          std::copy_n(given + k * kActions, kActions, action.begin());
+          result = learner.step(action, substeps_);
+        }
         rewards.data()[k] = result.reward;
         terminated.data()[k] = result.terminated;
         truncated.data()[k] = result.truncated;
+        success.data()[k] = result.success;
         if (begin && (result.terminated || result.truncated)) {
           learner.observe(row(last, k));
           learner.begin_episode();
@@ -104,8 +113,8 @@ class Vehicles {
     });
   }
 
-  /// Position 3, velocity 3, attitude 4, rates 3, distance from the target, waypoints reached, outputs 4.
-  static constexpr std::size_t kTruth = 19;
+  /// Position 3, velocity 3, attitude 4, rates 3, distance from the target, waypoints or gates passed, outputs.
+  static constexpr std::size_t kTruth = 15 + std::tuple_size_v<hal::OutputValues>;
   void truth(Table<double> out) {
     check_rows("out", out.shape(0));
     const Exclusive::Use use(exclusive_, "truth");
@@ -120,7 +129,7 @@ class Vehicles {
       to = std::copy_n(body.w_B.data(), 3, to);
       *to++ = learner.distance_m();
       *to++ = static_cast<double>(learner.reached());
-      std::copy_n(learner.outputs().begin(), 4, to);
+      std::ranges::copy(learner.outputs(), to);
     }
   }
 
@@ -180,12 +189,14 @@ void bind_vehicles(nb::module_& m) {
           "substeps"_a, "seed"_a, "episode_s"_a, "altitude_m"_a, "start_radius_m"_a,
           "start_tilt_rad"_a, "start_speed_m_s"_a, "start_rates_rad_s"_a)
       .def_prop_ro("count", &Vehicles::count)
-      .def_prop_ro("observation_size", &Vehicles::observation_size)
       .def("reset", &Vehicles::reset, "observations"_a, "seed"_a.none(), "mask"_a.none())
       .def("step", &Vehicles::step, "actions"_a, "observations"_a, "rewards"_a, "terminated"_a,
-           "truncated"_a, "last"_a, "begin"_a)
+           "truncated"_a, "success"_a, "last"_a, "begin"_a, "again"_a.none())
       .def("truth", &Vehicles::truth, "out"_a);
   m.attr("TRUTH_COLUMNS") = Vehicles::kTruth;
+  m.def("tasks", &task_names, "Names of the tasks.");
+  m.def("observation_size", &Learner::observation_size, "task"_a,
+        "How many numbers an observation of a task has.");
 }
 
 }  // namespace rosflight::python

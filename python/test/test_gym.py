@@ -12,7 +12,9 @@ import rosflight
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
-NAMES = ["rosflight/Hover-v0", "rosflight/Waypoints-v0"]
+NAMES = ["rosflight/Hover-v0", "rosflight/Waypoints-v0", "rosflight/Gates-v0", "rosflight/Landing-v0", "rosflight/FixedWingLine-v0"]
+LEVELS = {name: ("surfaces", "rates", "angles") if "FixedWing" in name else ("motors", "rates", "angles", "velocity", "waypoint")
+          for name in NAMES}
 
 
 def vector(name=NAMES[0], num_envs=3, **options):
@@ -29,8 +31,7 @@ def fly(envs, steps, seed=4, actions_seed=0):
     return np.concatenate(rows)
 
 
-@pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("action", ["motors", "rates", "angles"])
+@pytest.mark.parametrize("name, action", [(name, action) for name in NAMES for action in LEVELS[name]])
 def test_the_checks_of_gymnasium_pass(name, action):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -47,9 +48,10 @@ def test_a_seed_says_all(name):
     assert not np.array_equal(first, fly(env, 50, seed=5))
 
 
-def test_the_number_of_threads_changes_nothing():
+@pytest.mark.parametrize("name", NAMES)
+def test_the_number_of_threads_changes_nothing(name):
     options = {"num_envs": 5, "autoreset_mode": "SameStep", "episode_s": 0.2}
-    assert np.array_equal(fly(vector(threads=1, **options), 60), fly(vector(threads=3, **options), 60))
+    assert np.array_equal(fly(vector(name, threads=1, **options), 60), fly(vector(name, threads=3, **options), 60))
 
 
 def test_episodes_of_a_seed_differ_and_so_do_vehicles():
@@ -57,6 +59,31 @@ def test_episodes_of_a_seed_differ_and_so_do_vehicles():
     starts = [envs.reset(seed=2)[0], envs.reset()[0]]
     assert len(np.unique(np.concatenate(starts)[:, 0])) == 6
     assert np.abs(np.concatenate(starts)[:, :3]).max() <= 1.0  # start_radius_m
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+def test_it_does_what_the_vector_environment_of_gymnasium_does(name, mode):
+    """Which steps the single environment one by one."""
+    ours = vector(name, num_envs=1, episode_s=0.05, autoreset_mode=mode)
+    theirs = gymnasium.make_vec(name, num_envs=1, vectorization_mode="sync", vector_kwargs={"autoreset_mode": AutoresetMode(mode)},
+                                episode_s=0.05)
+    assert ours.metadata["autoreset_mode"] is theirs.metadata["autoreset_mode"]
+    assert ours.observation_space == theirs.observation_space and ours.action_space == theirs.action_space
+    assert np.array_equal(ours.reset(seed=3)[0], theirs.reset(seed=3)[0])
+    random = np.random.default_rng(1)
+    for _ in range(17):
+        action = random.uniform(-1, 1, (1, 4)).astype(np.float32)
+        mine, other = ours.step(action), theirs.step(action)
+        assert all(np.array_equal(a, b) for a, b in zip(mine[:4], other[:4]))
+        info, wanted = mine[4], {key: value for key, value in other[4].items() if key.lstrip("_") != "options"}
+        assert info.keys() == wanted.keys()
+        if "final_obs" in info:
+            assert info["final_obs"].dtype == wanted["final_obs"].dtype == object
+            assert np.array_equal(info["final_obs"][0], wanted["final_obs"][0])
+            info, wanted = info["final_info"], wanted["final_info"]
+        for key, value in wanted.items():
+            assert np.array_equal(info[key], value) and info[key].dtype == np.asarray(value).dtype
 
 
 def test_next_step_begins_again_in_the_step_after():
@@ -75,7 +102,7 @@ def test_same_step_shows_the_last_observation():
         observations, _, _, truncated, info = envs.step(np.zeros((3, 4), np.float32))
         last = whole.step(np.zeros((3, 4), np.float32))[0]
     assert truncated.all() and info["_final_obs"].all()
-    assert np.array_equal(info["final_obs"], last) and not np.array_equal(observations, last)
+    assert np.array_equal(np.stack(info["final_obs"]), last) and not np.array_equal(observations, last)
 
 
 def test_without_autoreset_those_that_ended_are_reset_by_the_caller():
@@ -100,9 +127,10 @@ def test_wrappers_of_gymnasium_work():
     assert (info["episode"]["l"] == 5).all()
 
 
-def test_the_single_vehicle_is_the_first_of_many():
+@pytest.mark.parametrize("name", NAMES)
+def test_the_single_vehicle_is_the_first_of_many(name):
     """Same seed, same vehicle, whatever flies beside it."""
-    env, envs = gymnasium.make(NAMES[0]), vector()
+    env, envs = gymnasium.make(name), vector(name)
     one, many = env.reset(seed=9)[0], envs.reset(seed=9)[0]
     assert np.array_equal(one, many[0])
     for _ in range(20):
@@ -115,7 +143,7 @@ def test_motors_get_the_outputs_that_are_asked_for():
     env.reset(seed=3)
     wanted = np.array([0.45, 0.55, 0.5, 0.6])
     env.step((2 * wanted - 1).astype(np.float32))
-    assert env.truth()[15:] == pytest.approx(wanted, abs=1e-3)
+    assert env.truth()[15:19] == pytest.approx(wanted, abs=1e-3)
 
 
 def test_rates_are_over_the_limits_of_the_firmware():
@@ -149,7 +177,7 @@ def test_a_simple_controller_hovers():
 @pytest.mark.parametrize("options, kind, said", [
     ({"vehicle": "plane9"}, ValueError, "plane9"),
     ({"vehicle": "anaconda"}, ValueError, "vehicle: found anaconda, a fixed wing, allowed a multirotor"),
-    ({"action": "will"}, ValueError, "action: found 'will', allowed motors, rates, angles"),
+    ({"action": "will"}, ValueError, "action: found 'will', allowed motors, surfaces, rates, angles, velocity, waypoint"),
     ({"rate_hz": 30}, ValueError, "rate_hz: found 30, allowed a divisor of 400"),
     ({"colour": "red"}, ValueError, "colour: found an unknown option, allowed vehicle, action"),
     ({"episode_s": float("nan")}, ValueError, "episode_s: found nan"),

@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What each task of the environments asks for: numbers by hand, and a controller of a few lines that can do it."""
+
+import gymnasium
+import numpy as np
+import pytest
+import rosflight
+
+STILL = {"start_radius_m": 0.0, "start_tilt_rad": 0.0, "start_speed_m_s": 0.0, "start_rates_rad_s": 0.0}
+SPEED, CLIMB, DESCENT = 8.0, 2.0, 1.5  #: Limits of vehicles/multirotor.yaml.
+
+
+def make(name, **options):
+    return gymnasium.make(f"rosflight/{name}-v0", **options).unwrapped
+
+
+def velocity(v):
+    """An action of the level `velocity`."""
+    return np.clip([v[0] / SPEED, v[1] / SPEED, v[2] / (CLIMB if v[2] < 0 else DESCENT), 0], -1, 1).astype(np.float32)
+
+
+def fly(env, policy, seed=1, steps=20_000):
+    """@returns the rewards, how it ended and whether that was a success."""
+    observation, _ = env.reset(seed=seed)
+    rewards = []
+    for _ in range(steps):
+        observation, reward, terminated, truncated, info = env.step(policy(observation))
+        rewards.append(reward)
+        if terminated or truncated:
+            return np.array(rewards), terminated, info["is_success"]
+    raise AssertionError("the episode does not end")
+
+
+# ---- actions ----------------------------------------------------------------------------------
+
+def test_velocities_are_flown():
+    env = make("Hover", action="velocity", **STILL)
+    env.reset(seed=3)
+    wanted = np.array([1.5, -1.0, -0.5])
+    for _ in range(300):
+        env.step(velocity(wanted))
+    assert env.truth()[3:6] == pytest.approx(wanted, abs=0.1)
+
+
+def test_a_waypoint_is_where_the_action_began():
+    """One action of a second: 1 m north of where it began, at 5 m for a number of 1, and a heading of 90 degrees."""
+    env = make("Hover", action="waypoint", rate_hz=1, episode_s=100, **STILL)
+    env.reset(seed=3)
+    begun = env.truth()[:3]
+    env.step(np.array([0.2, 0, 0, 0.5], np.float32))
+    moved = env.truth()[:3] - begun
+    assert 0.3 < moved[0] < 1.1 and np.abs(moved[1:]).max() < 0.1
+    for _ in range(10):  # here, now
+        env.step(np.array([0, 0, 0, 0.5], np.float32))
+    q = env.truth()[6:10]
+    assert 2 * np.arctan2(q[3], q[0]) == pytest.approx(np.pi / 2, abs=0.02)
+    assert np.linalg.norm(env.truth()[3:6]) < 0.05
+
+
+def test_a_command_does_not_time_out_within_an_action():
+    """The firmware discards a command after 0.1 s, an action may last longer."""
+    env = make("Hover", action="rates", rate_hz=2, **STILL)
+    env.reset(seed=3)
+    env.step(np.zeros(4, np.float32))
+    assert abs(env.truth()[5]) < 0.3  # without thrust it would fall at 2 m/s and more by now
+
+
+@pytest.mark.parametrize("action", ["surfaces", "angles", "rates"])
+def test_the_throttle_of_a_fixed_wing_is_the_same_at_each_level(action):
+    """Half way from cruise (0.5) to none."""
+    env = make("FixedWingLine", action=action, **STILL)
+    env.reset(seed=3)
+    env.step(np.array([-0.5, 0, 0, 0], np.float32))
+    assert env.truth()[15 + 4] == pytest.approx(0.25, abs=0.01)
+
+
+# ---- gates ------------------------------------------------------------------------------------
+
+def race(observation, aside_m=0.0):
+    """Through the opening, or beside its middle: along the gate's direction, and across to its axis."""
+    to, forward = observation[:3].astype(float), observation[22:25].astype(float)
+    to = to + aside_m * np.cross(forward, [0, 0, 1])
+    ahead = forward @ to
+    across = to - ahead * forward
+    straight = np.linalg.norm(across) < 0.4
+    return velocity(1.5 * across + forward * (2.0 if straight else 0.5))
+
+
+def test_two_laps_through_the_gates_are_a_success():
+    env = make("Gates", action="velocity", episode_s=200, start_tilt_rad=0.0, start_rates_rad_s=0.0)
+    rewards, terminated, success = fly(env, race)
+    assert terminated and success and env.truth()[14] == 12
+    # 1 for each gate, and the way: between gates that stand 8 m apart, moved by up to 1.5 m each, less what was missed of their middle.
+    assert 12 + 12 * (8 - 3) < rewards.sum() < 12 + 12 * (8 + 3)
+
+
+def test_gates_stand_on_the_circle_that_the_page_states():
+    env = make("Gates", **STILL)
+    for seed in range(1, 30):
+        observation, _ = env.reset(seed=seed)
+        gate, forward = env.truth()[:3] + observation[:3], observation[22:25]
+        assert abs(np.hypot(*gate[:2]) - 8) <= 1.5 and abs(gate[2] + 5) <= 1.5
+        assert observation[:3] @ forward == pytest.approx(3.0, abs=1e-5)  # the start is 3 m before it
+        tangent = abs(np.cross(np.append(gate[:2] / np.hypot(*gate[:2]), 0), forward)[2])
+        # Turned by up to 30 degrees; a gate that is moved along the circle has another tangent there.
+        assert tangent >= np.cos(np.radians(30) + np.arcsin(1.5 / 8)) - 1e-6
+        assert np.linalg.norm(observation[25:28]) < 8 + 3 + 1e-5
+
+
+@pytest.mark.parametrize("aside_m, hits", [(0.0, False), (0.5, False), (1.0, True), (1.7, True)])
+def test_what_does_not_fit_through_the_opening_hits_the_frame(aside_m, hits):
+    """Half an opening is 1.2 m, the frame 0.3 m, the vehicle's radius 0.44 m: 0.76 m to 1.94 m off the middle are a crash."""
+    env = make("Gates", action="velocity", start_tilt_rad=0.0, start_rates_rad_s=0.0, episode_s=60)
+    observation, _ = env.reset(seed=2)
+    while env.truth()[14] == 0:
+        observation, reward, terminated, _, info = env.step(race(observation, aside_m))
+        if terminated:
+            break
+    assert terminated == hits
+    if hits:
+        assert reward < -1.5 and not info["is_success"]
+
+
+def test_a_gate_backwards_does_not_count():
+    """Round it at a distance, then through it from behind: no reward, no crash."""
+    env = make("Gates", action="velocity", start_tilt_rad=0.0, start_rates_rad_s=0.0, episode_s=200)
+    observation, _ = env.reset(seed=2)
+    forward = observation[22:25].astype(float)
+    side = np.cross(forward, [0, 0, 1])
+    gate = env.truth()[:3] + observation[:3]
+    for point in (gate - 3 * forward + 4 * side, gate + 3 * forward + 4 * side, gate + 3 * forward, gate - 3 * forward):
+        for _ in range(5000):
+            to = point - env.truth()[:3]
+            if np.linalg.norm(to) < 0.3:
+                break
+            _, _, terminated, _, _ = env.step(velocity(1.0 * to))
+            assert not terminated
+        else:
+            raise AssertionError("the point is not reached")
+    assert env.truth()[14] == 0
+
+
+# ---- landing ----------------------------------------------------------------------------------
+
+def descend(speed_m_s):
+    return lambda observation: velocity([observation[0], observation[1], speed_m_s])
+
+
+def test_a_soft_landing_on_the_point_is_a_success():
+    env = make("Landing", action="velocity", start_tilt_rad=0.0, start_rates_rad_s=0.0)
+    rewards, terminated, success = fly(env, descend(0.5))
+    v = env.truth()
+    assert terminated and success and np.hypot(*v[:2]) < 0.5
+    assert 5 / (1 + 0.5**2) / (1 + 0.5**2) - 0.5 < rewards[-1] < 5  # by the formula of the page
+
+
+def test_a_fall_is_a_crash_at_the_time_of_a_fall():
+    env = make("Landing", action="motors", altitude_m=3.0, **STILL)
+    rewards, terminated, success = fly(env, lambda _: np.full(4, -1, np.float32))
+    assert terminated and not success and rewards[-1] < -1.5
+    fall_s = np.sqrt(2 * 3.0 / 9.80665)
+    assert fall_s <= len(rewards) / 100 < fall_s + 0.3  # the rotors still turn at first
+
+
+# ---- fixed wing -------------------------------------------------------------------------------
+
+def follow(observation):
+    """Roll by the way across the line, pitch by the altitude, throttle by the airspeed."""
+    to, v, forward, airspeed = observation[:3], observation[3:6], observation[22:25], observation[25]
+    right = np.cross([0, 0, 1], forward)
+    course = np.arctan2(v @ right, v @ forward)
+    wanted = np.arctan(0.04 * (to @ right))
+    roll = np.clip(1.2 * (wanted - course), -0.6, 0.6)
+    pitch = np.clip(0.05 - 0.03 * to[2] + 0.03 * v[2], -0.3, 0.3)
+    return np.clip([0.3 * (15 - airspeed), roll / np.pi * 4, pitch / np.pi * 4, 0], -1, 1).astype(np.float32)
+
+
+def test_a_line_is_followed():
+    rewards, terminated, success = fly(make("FixedWingLine", action="angles"), follow)
+    assert success and not terminated and rewards.sum() > 20  # of 30 on the line all the time
+
+
+def test_a_fixed_wing_begins_trimmed_in_the_wind():
+    """Its airspeed is the cruise of 15 m/s, its ground speed that and the wind."""
+    env = make("FixedWingLine", wind=(4, 270), **STILL)
+    observation, _ = env.reset(seed=1)
+    assert observation[25] == pytest.approx(15.0, abs=1e-4)
+    air_W = observation[3:6] - np.array([0, 4, 0])
+    assert np.linalg.norm(air_W) == pytest.approx(15.0, abs=1e-4) and abs(air_W[2]) < 1e-4  # level
+    assert np.linalg.norm(observation[:3]) < 1e-4 and observation[22:25] @ observation[22:25] == pytest.approx(1.0, abs=1e-6)
+
+
+def test_the_target_is_the_nearest_point_of_the_line():
+    observation, _ = make("FixedWingLine").reset(seed=1)
+    assert abs(observation[:3] @ observation[22:25]) < 1e-4
+    assert np.linalg.norm(observation[:3]) <= 10
+
+
+@pytest.mark.parametrize("name, options, said", [
+    ("FixedWingLine", {"vehicle": "multirotor", "action": "rates"}, "vehicle: found multirotor, a multirotor, allowed a fixed wing"),
+    ("FixedWingLine", {"action": "motors"}, "action: found 'motors' for anaconda, a fixed wing, allowed surfaces, rates, angles"),
+    ("Gates", {"vehicle": "anaconda"}, "vehicle: found anaconda, a fixed wing, allowed a multirotor"),
+    ("Landing", {"action": "surfaces"}, "action: found 'surfaces' for multirotor, a multirotor, allowed motors, rates, angles, velocity, waypoint"),
+    ("FixedWingLine", {"set": {"body.mass_kg": 12}}, "allowed one that can hold its cruise of 15 m/s: it needs more lift"),
+    ("Landing", {"altitude_m": 0.5}, "altitude_m: found 0.5, allowed at least 1.0"),
+])
+def test_bad_options_are_one_line(name, options, said):
+    with pytest.raises(ValueError) as raised:
+        make(name, **options).reset(seed=1)
+    assert said in str(raised.value) and "\n" not in str(raised.value)
+
+
+def test_the_task_is_checked():
+    from rosflight.gym import FlightEnv
+
+    with pytest.raises(ValueError, match="task: found 'fly', allowed hover, waypoints, gates"):
+        FlightEnv("fly")
+
+
+def test_the_tasks_of_both_sides_are_the_same():
+    from rosflight import _core, gym
+
+    assert sorted(_core.tasks()) == sorted(gym.TASKS.values()) == sorted(gym.OF_TASK)
+    assert rosflight.gym.TASKS.keys() <= gymnasium.registry.keys()
