@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Shows that the tests see defects: each file of tools/mutations/ is a defect of one line.
 
-A defect is written into a copy of the tree, its test is built there and must fail. tools/mutations/README.md
-says what a file holds.
+A defect is written into a copy of the tree, its test is built there and must fail. A defect in the drivers of a chip goes into the
+image of a board, and a flight on the emulated chip must fail. tools/mutations/README.md says what a file holds.
 """
 
 import os
+import shlex
 import shutil
 import subprocess
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,9 +20,13 @@ from cpp_tests import Outcome
 FOLDER = project.ROOT / "tools" / "mutations"
 COPY = project.ROOT / "build" / "mutations"
 PARTS = ("base", "link", "firmware/hal", "firmware/core", "firmware/boards/parts", "test_support", "firmware/boards/simulated")
+CHIP_PARTS = ("base", "link", "firmware/hal", "firmware/core", "firmware/boards/parts", "firmware/boards/stm32h7",
+              "firmware/boards/pixracer_pro", "firmware/boards/varmint")
+FLIGHT_PARTS = ("vehicles", "missions")
 PROPERTIES = "firmware_properties_test"
 CHEAPEST = "disarm_leaves_motors"  # one small file of the core; the one that CI builds
-KEYS = {"breaks", "file", "below", "line", "becomes", "test", "says"}
+KEYS = {"breaks", "file", "below", "line", "becomes", "test", "flight", "says"}
+EMULATOR = "build/release/firmware/boards/stm32h7/emulator/h7_emulator"
 
 
 @dataclass(frozen=True)
@@ -32,6 +38,7 @@ class Mutation:
     becomes: str  # ... and what stands in its place
     below: str = ""  # the first such line below this one counts
     test: str = PROPERTIES
+    flight: str = ""  # instead of a test: options of `rosflight fly`, which must fail
     says: str = ""  # what the failing test must print, such as the name of the invariant
 
     def apply(self, text: str) -> str:
@@ -54,6 +61,8 @@ def read(path: Path) -> Mutation:
         raise ValueError(f"{path.name}: allowed keys are {', '.join(sorted(KEYS))}")
     if "\n" in found["line"] or "\n" in str(found["becomes"] or ""):
         raise ValueError(f"{path.name}: a mutation changes one line")
+    if "test" in found and "flight" in found:
+        raise ValueError(f"{path.name}: allowed is one of test and flight")
     found["becomes"] = found["becomes"] or ""
     return Mutation(path.stem, **found)
 
@@ -72,7 +81,7 @@ def chosen(names: list[str]) -> list[Mutation]:
 
 def copy_tree():
     """The files that the tests are built of; those that did not change keep their time."""
-    parts = (*PARTS, "cmake", "firmware/boards/common")
+    parts = (*PARTS, *CHIP_PARTS, *FLIGHT_PARTS, "cmake", "firmware/boards/common")
     wanted = {path for path in project.own_files() if len(path.parts) == 1 or any(
         path.is_relative_to(part) for part in parts)}
     for path in wanted:
@@ -108,6 +117,24 @@ def build_and_run(test: str) -> tuple[bool, str]:
     return done.returncode == 0, done.stdout + done.stderr
 
 
+def build_and_fly(options: str) -> tuple[bool, str]:
+    """The same of a flight with the image of the copy on the emulated chip."""
+    board = shlex.split(options)[shlex.split(options).index("--board") + 1]
+    built = run(["ninja", "-C", str(COPY / "build/cortex-m7"), "-j", str(project.jobs()), f"firmware_{board}.elf"])
+    if built.returncode != 0:
+        raise RuntimeError("does not build: " + " ".join(
+            line for line in built.stdout.splitlines() if "error" in line)[:400])
+    with tempfile.TemporaryDirectory() as folder:
+        done = subprocess.run([str(project.ROOT / "build/release/apps/rosflight"), "fly", *shlex.split(options), "--log", "none",
+                               "--out", f"{folder}/flight"], cwd=folder, capture_output=True, text=True,
+                              env={**os.environ, "ROSFLIGHT_DATA_DIR": str(COPY)}, stdin=subprocess.DEVNULL)
+    return done.returncode == 0, done.stdout + done.stderr
+
+
+def try_out(mutation: Mutation) -> tuple[bool, str]:
+    return build_and_fly(mutation.flight) if mutation.flight else build_and_run(mutation.test)
+
+
 def says_defect(said: str, wanted: str) -> bool:
     return any(wanted in line for line in said.splitlines())
 
@@ -118,16 +145,28 @@ def try_one(mutation: Mutation) -> str:
     original = file.read_text()
     try:
         file.write_text(mutation.apply(original))
-        passed, said = build_and_run(mutation.test)
+        passed, said = try_out(mutation)
     except (RuntimeError, ValueError) as error:
         return str(error)
     finally:
         file.write_text(original)
+    tried = f"fly {mutation.flight}" if mutation.flight else mutation.test
     if passed:
-        return f"not caught by {mutation.test}"
+        return f"not caught by {tried}"
     if mutation.says and not says_defect(said, mutation.says):
-        return f"{mutation.test} fails, but says nothing of '{mutation.says}'"
+        return f"{tried} fails, but says nothing of '{mutation.says}'"
     return ""
+
+
+def prepare_flights() -> bool:
+    """The simulation and the emulator are those of the tree; only the image is the copy's."""
+    if not project.build("release", "rosflight", "h7_emulator"):
+        return False
+    link = COPY / EMULATOR
+    link.parent.mkdir(parents=True, exist_ok=True)
+    link.unlink(missing_ok=True)
+    link.symlink_to(project.ROOT / EMULATOR)
+    return True
 
 
 def test(names: list[str] = ()) -> Outcome:
@@ -136,16 +175,24 @@ def test(names: list[str] = ()) -> Outcome:
     copy_tree()
     # For one defect as the tree is built: ccache has all but the files beside it. For many, the fewer files beside each the better.
     together = "9" if len(mutations) == 1 else "1"
-    configured = run(["cmake", "--preset", "release", "-DROSFLIGHT_QUICK_BUILD=ON", f"-DROSFLIGHT_FILES_AT_A_TIME={together}",
-                      f"-DROSFLIGHT_PARTS={';'.join(PARTS)}"])
-    if configured.returncode != 0:
-        return Outcome(failed=1, complaints=configured.stderr.splitlines()[-5:])
+    configurations = []
+    if any(not mutation.flight for mutation in mutations):
+        configurations.append(["release", "-DROSFLIGHT_QUICK_BUILD=ON", f"-DROSFLIGHT_FILES_AT_A_TIME={together}",
+                               f"-DROSFLIGHT_PARTS={';'.join(PARTS)}"])
+    if any(mutation.flight for mutation in mutations):
+        configurations.append(["cortex-m7", f"-DROSFLIGHT_PARTS={';'.join(CHIP_PARTS)}"])
+        if not prepare_flights():
+            return Outcome(failed=1, complaints=["rosflight and h7_emulator do not build, all output is in build/release/build.log"])
+    for preset, *options in configurations:
+        configured = run(["cmake", "--preset", preset, *options])
+        if configured.returncode != 0:
+            return Outcome(failed=1, complaints=configured.stderr.splitlines()[-5:])
     outcome = Outcome()
-    for name in sorted({mutation.test for mutation in mutations}):
-        passed, said = build_and_run(name)
+    for mutation in {m.flight or m.test: m for m in mutations}.values():
+        passed, said = try_out(mutation)
         if not passed:
             outcome.failed += 1
-            outcome.complaints += [f"{name} fails without any mutation", *said.splitlines()[-5:]]
+            outcome.complaints += [f"{mutation.flight or mutation.test} fails without any mutation", *said.splitlines()[-5:]]
     for mutation in mutations:
         complaint = try_one(mutation)
         print(f"   {mutation.name}: {complaint or 'caught'}", flush=True)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Every mutation still fits the tree, and the frame that tries them distinguishes caught from not caught."""
 
+import re
+
 import mutation_tests
 import project
 import pytest
@@ -14,8 +16,12 @@ def test_mutation_fits_the_tree(mutation):
     after = mutation.apply(before)
     assert after != before
     assert after.count("\n") == before.count("\n")
-    folder = next(f for f in ("firmware/core", "firmware/boards/parts") if mutation.file.startswith(f + "/"))
     assert "/test/" not in mutation.file
+    if mutation.flight:
+        assert mutation.file.startswith(mutation_tests.CHIP_PARTS)
+        assert re.match(r"--board \w+ ", mutation.flight)
+        return
+    folder = next(f for f in ("firmware/core", "firmware/boards/parts") if mutation.file.startswith(f + "/"))
     test = project.ROOT / folder / "test" / f"{mutation.test.removeprefix('parts_')}.cpp"
     assert test.is_file()
 
@@ -23,7 +29,6 @@ def test_mutation_fits_the_tree(mutation):
 def test_there_is_one_for_each_invariant():
     text = (project.ROOT / "firmware/core/test/flight_invariants.cpp").read_text()
     said = [mutation.says for mutation in mutation_tests.all_mutations()]
-    import re
     invariants = set(re.findall(r'fail\((?:silent \? )?"(\w+)"', text))
     missing = {name for name in invariants if name not in said}
     assert not missing, f"no mutation shows that these see their defect: {', '.join(sorted(missing))}"
@@ -63,3 +68,19 @@ def test_only_the_failure_it_names_counts(tmp_path, monkeypatch, passes, said, c
     mutation = Mutation("m", "", "f", "good", "bad", test="t", says="outputs_in_range")
     assert mutation_tests.try_one(mutation) == complaint
     assert (tmp_path / "f").read_text() == "good\n"
+
+
+def test_a_flight_stands_for_a_test(tmp_path, monkeypatch):
+    (tmp_path / "f").write_text("good\n")
+    monkeypatch.setattr(mutation_tests, "COPY", tmp_path)
+    monkeypatch.setattr(mutation_tests, "build_and_fly", lambda options: (options == "--board b", "SPI: old flags"))
+    mutation = Mutation("m", "", "f", "good", "bad", flight="--board b", says="old flags")
+    assert mutation_tests.try_one(mutation) == "not caught by fly --board b"
+    other = Mutation("m", "", "f", "good", "bad", flight="--board c", says="old flags")
+    assert mutation_tests.try_one(other) == ""
+
+
+def test_a_test_and_a_flight_together_are_refused(tmp_path):
+    (tmp_path / "m.yaml").write_text("breaks: b\nfile: f\nline: l\nbecomes: c\ntest: t\nflight: --board b\n")
+    with pytest.raises(ValueError, match="m.yaml: allowed is one of test and flight"):
+        mutation_tests.read(tmp_path / "m.yaml")

@@ -45,6 +45,8 @@ inline bool edge_pending(const Pin& pin) {
 }
 inline void clear_edge(const Pin& pin) {
   reg(EXTI, exti::CPUPR1) = 1u << pin.number;
+  const std::uint32_t back = reg(EXTI, exti::CPUPR1);
+  static_cast<void>(back);  // the write has arrived: the interrupt does not come again
 }
 
 }  // namespace rosflight::boards::stm32h7

@@ -10,7 +10,7 @@ void AdcModel::reset() {
   Peripheral::reset();
   word(adc::CR) = adc::CR_DEEPPWD.mask();
   word(adc::CFGR) = adc::CFGR_JQDIS.mask();
-  calibrated_ = false;
+  calibrated_ = seen_ready_ = false;
 }
 
 /// Revision V halves what the prescaler gives.
@@ -23,6 +23,7 @@ std::uint64_t AdcModel::clock_Hz() const {
 
 std::uint32_t AdcModel::read(std::uint32_t offset, unsigned /*size*/) {
   if (offset == adc::DR) word(adc::ISR) &= ~adc::ISR_EOC.mask();
+  if (offset == adc::ISR && adc::ISR_ADRDY.of(word(offset)) != 0) seen_ready_ = true;
   return word(offset);
 }
 
@@ -44,6 +45,8 @@ void AdcModel::write(std::uint32_t offset, std::uint32_t value, unsigned /*size*
 void AdcModel::write_control(std::uint32_t value) {
   const auto sets = [this, value](const Field& bit) { return bit.of(value) != 0 && !has(bit); };
   const bool regulated = has(adc::CR_ADVREGEN) && !has(adc::CR_DEEPPWD);
+  if (sets(adc::CR_ADVREGEN) && has(adc::CR_DEEPPWD))
+    complain("regulator switched on in deep power-down");
   if (sets(adc::CR_ADCAL)) {
     if (!regulated) complain("calibrated without its regulator");
     if (clock_Hz() == 0) complain("its clock stands still");
@@ -64,6 +67,7 @@ void AdcModel::write_control(std::uint32_t value) {
 void AdcModel::start() {
   constexpr std::uint64_t kSlow_Hz = 6'250'000;
   if (adc::ISR_ADRDY.of(word(adc::ISR)) == 0) return complain("started before it is ready");
+  if (!seen_ready_) complain("started before ADRDY was read");
   const std::uint32_t channel = adc::SQR1_SQ1.of(word(adc::SQR1));
   if ((word(adc::PCSEL) >> channel & 1U) == 0)
     complain("channel " + std::to_string(channel) + " is not preselected");

@@ -8,8 +8,8 @@ namespace rosflight::boards::stm32h7::emulator {
 
 /// ADC1 or ADC3: single conversions of 16 bits started by software. RM0433 ch. 25.
 ///
-/// Complains of: a calibration without the regulator, an enable without a calibration, a start before it
-/// is ready or while it converts, set-up while it converts, a channel that is not preselected, a clock that
+/// Complains of: a regulator switched on in deep power-down, a calibration without it, an enable without a
+/// calibration, a start before ADRDY was read or while it converts, set-up while it converts, a channel that is not preselected, a clock that
 /// stands still or is too fast for BOOST; what is not modelled (sequences, triggers, DMA).
 class AdcModel final : public Peripheral {
  public:
@@ -34,7 +34,7 @@ class AdcModel final : public Peripheral {
   bool has(const Field& bit) const { return bit.of(word(adc::CR)) != 0; }
 
   const ClockTree& clocks_;
-  bool calibrated_{false};
+  bool calibrated_{false}, seen_ready_{false};
 };
 
 }  // namespace rosflight::boards::stm32h7::emulator

@@ -43,12 +43,15 @@ std::uint64_t apb_divider(std::uint32_t field) {
 void PowerControl::reset() {
   Peripheral::reset();
   word(pwr::CR3) = 6U;
-  supplied_ = false;
+  supplied_ = seen_ready_ = false;
 }
 
 std::uint32_t PowerControl::read(std::uint32_t offset, unsigned /*size*/) {
   std::uint32_t value = word(offset);
-  if (offset == pwr::CSR1 && supplied_) value |= pwr::CSR1_ACTVOSRDY.mask();
+  if (offset == pwr::CSR1 && supplied_) {
+    value |= pwr::CSR1_ACTVOSRDY.mask();
+    seen_ready_ = true;
+  }
   if (offset == pwr::D3CR && supplied_) value |= pwr::D3CR_VOSRDY.mask();
   if (offset == pwr::CR3 && pwr::CR3_USB33DEN.of(value) != 0) value |= pwr::CR3_USB33RDY.mask();
   return value;
@@ -64,6 +67,8 @@ void PowerControl::write(std::uint32_t offset, std::uint32_t value, unsigned /*s
   }
   if (offset == pwr::D3CR && !supplied_)
     complain("D3CR: voltage scale before the supply is chosen");
+  if (offset == pwr::D3CR && supplied_ && !seen_ready_)
+    complain("D3CR: voltage scale before ACTVOSRDY was read");
   word(offset) = value;
 }
 

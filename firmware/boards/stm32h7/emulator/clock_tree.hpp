@@ -22,7 +22,7 @@ class PowerControl final : public Peripheral {
  private:
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
-  bool supplied_{false};
+  bool supplied_{false}, seen_ready_{false};
 };
 
 /// Oscillators, PLLs, dividers, clock gates, resets and reset flags. RM0433 ch. 8.

@@ -2,6 +2,7 @@
 #include "firmware/boards/stm32h7/emulator/dma_model.hpp"
 
 #include <cstring>
+#include <utility>
 
 namespace rosflight::boards::stm32h7::emulator {
 namespace {
@@ -47,6 +48,20 @@ DmaModel::DmaModel(Core& core, std::string name, const Instance& instance,
   for (std::size_t k = 0; k < kStreams; ++k) describe("DMA_STREAM", at(k, 0));
 }
 
+void DmaModel::reset() {
+  Peripheral::reset();
+  stopping_.fill(false);
+}
+
+std::uint32_t DmaModel::read(std::uint32_t offset, unsigned /*size*/) {
+  const std::uint32_t value = word(offset);
+  for (std::size_t k = 0; k < kStreams; ++k) {
+    if (offset == at(k, dma_stream::CR) && std::exchange(stopping_[k], false))
+      word(offset) &= ~dma_stream::CR_EN.mask();
+  }
+  return value;
+}
+
 void DmaModel::write(std::uint32_t offset, std::uint32_t value, unsigned /*size*/) {
   if (offset == dma::LIFCR || offset == dma::HIFCR) {
     word(offset - dma::LIFCR + dma::LISR) &= ~value;
@@ -79,7 +94,11 @@ void DmaModel::write_control(std::size_t stream, std::uint32_t value) {
   control = value;
   const bool run = (value & enable) != 0;
   if (run && !ran) start(stream);
-  if (!run && ran) flag(stream, kComplete);  // stopped by software: reported as complete
+  if (!run && ran) {  // stopped by software: reported as complete
+    control |= enable;
+    stopping_[stream] = true;
+    flag(stream, kComplete);
+  }
   drive_lines();
 }
 
@@ -124,7 +143,7 @@ bool DmaModel::reachable(std::size_t stream, std::uint32_t address, std::uint32_
 
 std::size_t DmaModel::stream_of(std::uint32_t request) const {
   for (std::size_t k = 0; k < kStreams; ++k) {
-    if (multiplexer_.request(first_channel_ + k) == request && runs(k)) return k;
+    if (multiplexer_.request(first_channel_ + k) == request && runs(k) && !stopping_[k]) return k;
   }
   return kStreams;
 }
@@ -188,6 +207,14 @@ bool DmaRequests::served(std::uint32_t request) const {
     if (each->stream_of(request) != DmaModel::kStreams) return true;
   }
   return false;
+}
+
+std::uint32_t DmaRequests::width(std::uint32_t request) const {
+  for (const DmaModel* each : controllers_) {
+    const std::size_t stream = each->stream_of(request);
+    if (stream != DmaModel::kStreams) return each->width(stream);
+  }
+  return 0;
 }
 
 bool DmaRequests::move(std::uint32_t request, std::uint32_t& element) const {

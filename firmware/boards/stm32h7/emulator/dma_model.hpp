@@ -34,6 +34,8 @@ class DmaModel final : public Peripheral {
            const DmaMultiplexer& multiplexer, std::size_t first_channel,
            const std::array<unsigned, kStreams>& irqs);
 
+  void reset() override;
+  /// EN reads 1, also while a stopped stream ends its access.
   bool runs(std::size_t stream) const {
     return dma_stream::CR_EN.of(word(at(stream, dma_stream::CR))) != 0;
   }
@@ -42,6 +44,10 @@ class DmaModel final : public Peripheral {
   /// Moves one element in the direction the stream was set up for.
   /// @returns false if the stream stopped with an error.
   bool move(std::size_t stream, std::uint32_t& element);
+  /// Bytes of an element.
+  std::uint32_t width(std::size_t stream) const {
+    return 1U << dma_stream::CR_PSIZE.of(word(at(stream, dma_stream::CR)));
+  }
   std::function<void(std::uint32_t request)> on_start;
   /// Whether the memory at this address has its clock.
   std::function<bool(std::uint32_t address)> memory_is_clocked;
@@ -50,6 +56,7 @@ class DmaModel final : public Peripheral {
   static constexpr std::uint32_t at(std::size_t stream, std::uint32_t offset) {
     return 0x10U + 0x18U * static_cast<std::uint32_t>(stream) + offset;
   }
+  std::uint32_t read(std::uint32_t offset, unsigned size) override;
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void write_control(std::size_t stream, std::uint32_t value);
   void start(std::size_t stream);
@@ -65,6 +72,7 @@ class DmaModel final : public Peripheral {
   std::size_t first_channel_;
   std::array<unsigned, kStreams> irqs_;
   std::array<std::uint32_t, kStreams> count_{}, done_{};  ///< Elements of a round, and moved ones.
+  std::array<bool, kStreams> stopping_{};  ///< Stopped by software: EN is 1 until it has been read.
 };
 
 /// What a peripheral with DMA requests sees of both controllers.
@@ -72,6 +80,8 @@ class DmaRequests {
  public:
   explicit DmaRequests(std::vector<DmaModel*> controllers) : controllers_{std::move(controllers)} {}
   bool served(std::uint32_t request) const;
+  /// Bytes of an element of the stream that serves it; 0 if none does.
+  std::uint32_t width(std::uint32_t request) const;
   /// @returns false if no stream serves it.
   bool move(std::uint32_t request, std::uint32_t& element) const;
 

@@ -116,6 +116,7 @@ void Processor::leave(std::uint32_t exc_return) {
   std::uint32_t sp = get(UC_ARM_REG_SP);
   const std::uint32_t size = floats ? kFloatFrame : kBasicFrame;
   const std::uint8_t* const frame = memory(sp, size);
+  check_return();
   const int exception = frame != nullptr ? nvic_.deactivate() : 0;
   if (exception == 0) return raise(kHardFault, "exception return without a frame", 1U << 11U, 0);
   std::uint32_t words[8];

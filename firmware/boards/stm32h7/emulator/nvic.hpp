@@ -37,6 +37,7 @@ class Nvic {
   void set_priority(int exception, std::uint8_t priority);
   void set_group(std::uint32_t group) { group_ = group; }
 
+  bool line(unsigned irq) const { return line_[irq]; }
   bool enabled(unsigned irq) const { return enabled_[irq]; }
   bool pending(int exception) const { return pending_[index(exception)]; }
   bool active(int exception) const { return active_[index(exception)]; }

@@ -300,6 +300,7 @@ void Processor::power_on(std::uint32_t vector_table) {
   control_.reset(vector_table);
   reset_requested_ = locked_up_ = stopped_ = false;
   fault_ = 0;
+  cleared_ = nullptr;
   next_due_ = kNever;
   for (const Window& w : windows_) {
     w.peripheral->due = kNever;
@@ -349,6 +350,7 @@ std::uint32_t Processor::bus_read(std::uint32_t address, unsigned size) {
     complain(window->peripheral->name() + ": read while its clock gate is closed");
     return 0;
   }
+  if (window->peripheral == cleared_) cleared_ = nullptr;
   return window->peripheral->bus_read(address - window->base, size);
 }
 
@@ -368,7 +370,24 @@ void Processor::bus_write(std::uint32_t address, std::uint32_t value, unsigned s
   if (gate_is_open_ && !gate_is_open_(window->peripheral->instance())) {
     return complain(window->peripheral->name() + ": written while its clock gate is closed");
   }
+  const bool asked = asks_again();
   window->peripheral->bus_write(address - window->base, value, size);
+  if (!asked || asks_again()) return;
+  cleared_ = window->peripheral;
+  cleared_by_ = nvic_.running();
+}
+
+/// Whether the line of the running handler is high.
+bool Processor::asks_again() const {
+  const int running = nvic_.running();
+  return running >= kFirstIrq && nvic_.line(static_cast<unsigned>(running - kFirstIrq));
+}
+
+/// A write to a peripheral takes longer than the return from a handler, which would run twice.
+void Processor::check_return() {
+  if (cleared_ == nullptr || cleared_by_ != nvic_.running()) return;
+  complain(cleared_->name() + ": its handler ends without reading back what cleared the request");
+  cleared_ = nullptr;
 }
 
 void Processor::set_line(unsigned irq, bool high) {

@@ -104,6 +104,8 @@ class Processor final : public Core {
   void reset_now();
   std::uint32_t bus_read(std::uint32_t address, unsigned size);
   void bus_write(std::uint32_t address, std::uint32_t value, unsigned size);
+  bool asks_again() const;
+  void check_return();
   Window* window_at(std::uint32_t address);
 
   // exceptions.cpp
@@ -125,6 +127,10 @@ class Processor final : public Core {
   bool slow_{false};     ///< The next block must look for interrupts.
   bool stopped_{false};  ///< Unicorn was stopped: not a sleep.
   bool reset_requested_{false}, locked_up_{false};
+  /// The peripheral whose request the running handler has cleared, until it is read: the write may still be on
+  /// its way.
+  const Peripheral* cleared_{nullptr};
+  int cleared_by_{0};
   int fault_{0};  ///< Taken when Unicorn has stopped.
   std::uint32_t resume_at_{}, vector_table_{};
   /// Size and instructions of the block at a half word of flash.

@@ -23,6 +23,7 @@ void SpiModel::reset() {
   word(spi::CFG1) = 0x0007'0007U;
   received_.clear();
   left_ = 0;
+  end_unseen_ = false;
 }
 
 std::uint64_t SpiModel::clock_Hz() const {
@@ -37,7 +38,10 @@ std::uint32_t SpiModel::status() const {
 }
 
 std::uint32_t SpiModel::read(std::uint32_t offset, unsigned size) {
-  if (offset == spi::SR) return status();
+  if (offset == spi::SR) {
+    end_unseen_ = false;
+    return status();
+  }
   if (offset != spi::RXDR) return word(offset);
   if (size != 1) complain("RXDR: not read by bytes");
   if (received_.empty()) {
@@ -55,8 +59,12 @@ void SpiModel::check_change(std::uint32_t offset, std::uint32_t value) {
   const bool protected_one = offset == spi::CFG1 || offset == spi::CFG2 || offset == spi::CR2;
   if (enabled() && protected_one && changed != 0)
     complain("set up while enabled, offset " + std::to_string(offset));
-  if (offset != spi::CFG1) return;
   const std::uint32_t raised = value & ~word(offset);
+  if (offset == spi::CFG2 && spi::CFG2_MASTER.of(raised) != 0 && spi::CFG2_SSM.of(value) != 0 &&
+      spi::CR1_SSI.of(word(spi::CR1)) == 0) {
+    complain("MASTER set before SSI: mode fault");
+  }
+  if (offset != spi::CFG1) return;
   if (spi::CFG1_RXDMAEN.of(raised) != 0 && dma_.served(wiring_.receive_request)) {
     complain("RXDMAEN set after its stream was started");
   }
@@ -108,6 +116,8 @@ void SpiModel::write_control(std::uint32_t value) {
   }
   if (!enable && was_enabled) {
     if (left_ > 0) complain("disabled in the middle of a transfer");
+    if (end_unseen_) complain("disabled before EOT was read");
+    end_unseen_ = false;
     received_.clear();
     left_ = 0;
     value &= ~spi::CR1_CSTART.mask();
@@ -130,6 +140,9 @@ void SpiModel::start() {
   if (on_start) on_start(clock_Hz());
   if (spi::CFG1_TXDMAEN.of(word(spi::CFG1)) == 0) return;
   if (!dma_.served(wiring_.receive_request)) complain("no stream for received bytes");
+  for (const std::uint32_t request : {wiring_.receive_request, wiring_.transmit_request}) {
+    if (dma_.width(request) > 1) complain("its DMA does not access the data registers by bytes");
+  }
   core().set_due(*this, core().now() + Ticks{8} * left_ * period_of(clock_Hz()));
 }
 
@@ -147,6 +160,7 @@ void SpiModel::event(Ticks /*now*/) {
 
 void SpiModel::finish() {
   word(spi::SR) |= spi::SR_EOT.mask() | spi::SR_TXTF.mask();
+  end_unseen_ = true;
   word(spi::CR1) &= ~spi::CR1_CSTART.mask();
 }
 

@@ -18,8 +18,8 @@ struct SpiWiring {
 
 /// SPI as master, frames of 8 bits, transfers of a set size. RM0433 ch. 50.
 ///
-/// Complains of: CFG1, CFG2 or TSIZE written while enabled; MASTER without SSI (mode fault); pins
-/// that float between transfers; the DMA parts switched on in the wrong order; a start with old flags;
+/// Complains of: CFG1, CFG2 or TSIZE written while enabled; MASTER without SSI (mode fault); a transfer
+/// whose end nobody has looked at when the SPI is disabled; pins that float between transfers; the DMA parts switched on in the wrong order; a start with old flags;
 /// data registers not accessed by bytes; a kernel clock that stands still; a clock faster than the
 /// board's parts allow.
 class SpiModel final : public Peripheral {
@@ -53,6 +53,7 @@ class SpiModel final : public Peripheral {
   SpiWiring wiring_;
   std::deque<std::uint8_t> received_;
   std::uint32_t left_{0};
+  bool end_unseen_{false};  ///< A transfer has ended and EOT has not been read yet.
   std::uint64_t transfers_{0};
 };
 

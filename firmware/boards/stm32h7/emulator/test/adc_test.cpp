@@ -20,13 +20,17 @@ class Adc : public Models {
     converter.pin_V = [](unsigned channel) { return channel == kChannel ? 1.64 : 0.0; };
     write(converter, adc::CCR, adc::CCR_PRESC(8));
   }
-  void enable() {
+  void calibrate_and_enable() {
     write(converter, adc::CR, 0);
     write(converter, adc::CR, kOn);
     write(converter, adc::CR, kOn | adc::CR_ADCAL(1));
     core.run_for(2000 * kTicksPerMicrosecond);
     write(converter, adc::CR, kEnabled);
     core.run_for(10 * kTicksPerMicrosecond);
+  }
+  void enable() {
+    calibrate_and_enable();
+    EXPECT_EQ(adc::ISR_ADRDY.of(read(converter, adc::ISR)), 1U);
   }
   void choose(std::uint32_t channel) {
     write(converter, adc::PCSEL, 1U << channel);
@@ -50,13 +54,19 @@ TEST_F(Adc, ConvertsAPinInItsTime) {
 }
 
 TEST_F(Adc, WrongOrdersAreComplainedOf) {
+  write(converter, adc::CR, kOn);
+  expect_complaint("in deep power-down");
+  converter.reset();
+  write(converter, adc::CR, 0);
   write(converter, adc::CR, kOn | adc::CR_ADCAL(1));
   expect_complaint("without its regulator");
   converter.reset();
+  write(converter, adc::CR, 0);
   write(converter, adc::CR, kOn);
   write(converter, adc::CR, kEnabled);
   expect_complaint("before it is calibrated");
   converter.reset();
+  write(converter, adc::CR, 0);
   write(converter, adc::CR, kOn);
   write(converter, adc::CR, kOn | adc::CR_ADSTART(1));
   expect_complaint("before it is ready");
@@ -70,6 +80,13 @@ TEST_F(Adc, WrongOrdersAreComplainedOf) {
   expect_complaint("set up while it converts");
   write(converter, adc::CR, kEnabled | adc::CR_ADSTART(1));
   expect_complaint("started while it converts");
+}
+
+TEST_F(Adc, ReadinessIsReadBeforeTheFirstStart) {
+  calibrate_and_enable();
+  choose(kChannel);
+  write(converter, adc::CR, kEnabled | adc::CR_ADSTART(1));
+  expect_complaint("before ADRDY was read");
 }
 
 TEST_F(Adc, AFastClockNeedsBoost) {

@@ -66,6 +66,19 @@ TEST_F(DmaRules, NothingIsSetUpWhileItRuns) {
   expect_complaint("changed while its stream runs");
 }
 
+TEST_F(DmaRules, AStoppedStreamRunsUntilEnWasRead) {
+  set_up(FakeCore::kMemory);
+  start();
+  write(dma1, kStream, dma_stream::CR_MINC(1) | dma_stream::CR_TCIE(1));
+  EXPECT_FALSE(requests.served(request::SPI5_RX));
+  write(dma1, kStream + dma_stream::NDTR, 2);
+  expect_complaint("set up while it runs");
+  EXPECT_EQ(dma_stream::CR_EN.of(read(dma1, kStream)), 1U);
+  EXPECT_EQ(dma_stream::CR_EN.of(read(dma1, kStream)), 0U);
+  write(dma1, kStream + dma_stream::NDTR, 2);
+  EXPECT_TRUE(core.complaints.empty());
+}
+
 TEST_F(DmaRules, TightlyCoupledMemoryIsNotReached) {
   set_up(0x2000'0000U);
   start();
@@ -91,6 +104,7 @@ TEST_F(DmaRules, UartRequestsNeedTrbuff) {
   start();
   expect_complaint("TRBUFF");
   write(dma1, kStream, dma_stream::CR_MINC(1) | dma_stream::CR_TCIE(1));
+  EXPECT_EQ(dma_stream::CR_EN.of(read(dma1, kStream)), 1U);
   write(dma1, dma::LIFCR, 0x3D);
   set_up(FakeCore::kMemory, kUartRx);
   start(dma_stream::CR_TRBUFF(1));
@@ -107,15 +121,16 @@ class SpiRules : public Models {
     write(spi, spi::CR1, spi::CR1_SSI(1));
     write(spi, spi::CFG2, kConfiguration);
   }
-  void streams(bool receive, bool transmit) {
+  void streams(bool receive, bool transmit, std::uint32_t more = 0) {
     write(multiplexer, 0, request::SPI5_RX);
     write(multiplexer, 4, request::SPI5_TX);
-    const auto start = [this](std::uint32_t at, std::uint32_t memory, std::uint32_t direction) {
+    const auto start = [this, more](std::uint32_t at, std::uint32_t memory,
+                                    std::uint32_t direction) {
       write(dma1, dma::LIFCR, 0x3DU | 0x3DU << 6U);
       write(dma1, at + dma_stream::NDTR, 2);
       write(dma1, at + dma_stream::M0AR, memory);
       write(dma1, at,
-            dma_stream::CR_MINC(1) | dma_stream::CR_DIR(direction) | dma_stream::CR_EN(1));
+            dma_stream::CR_MINC(1) | dma_stream::CR_DIR(direction) | more | dma_stream::CR_EN(1));
     };
     if (receive) start(0x10, FakeCore::kMemory + 32, 0);
     if (transmit) start(0x28, FakeCore::kMemory, 1);
@@ -167,12 +182,28 @@ TEST_F(SpiRules, MasterNeedsSsiAndPinsThatAreHeld) {
   expect_complaint("AFCNTR");
 }
 
+TEST_F(SpiRules, SsiIsSetBeforeMaster) {
+  spi.reset();
+  write(spi, spi::CFG2, kConfiguration);
+  expect_complaint("MASTER set before SSI");
+}
+
 TEST_F(SpiRules, DmaPartsInTheWrongOrder) {
   streams(true, false);
   write(spi, spi::CFG1, kFormat | spi::CFG1_RXDMAEN(1));
   expect_complaint("RXDMAEN set after");
   write(spi, spi::CFG1, kFormat | spi::CFG1_RXDMAEN(1) | spi::CFG1_TXDMAEN(1));
   expect_complaint("TXDMAEN set before");
+}
+
+TEST_F(SpiRules, DmaMovesBytes) {
+  write(spi, spi::CR2, 2);
+  write(spi, spi::CFG1, kFormat | spi::CFG1_RXDMAEN(1));
+  streams(true, true, dma_stream::CR_PSIZE(1) | dma_stream::CR_MSIZE(1));
+  write(spi, spi::CFG1, kFormat | spi::CFG1_RXDMAEN(1) | spi::CFG1_TXDMAEN(1));
+  enable_and_start();
+  ASSERT_EQ(core.complaints.size(), 2U) << "both directions";
+  EXPECT_NE(core.complaints[0].find("by bytes"), std::string::npos);
 }
 
 TEST_F(SpiRules, OldFlagsAndWideAccesses) {
@@ -182,6 +213,7 @@ TEST_F(SpiRules, OldFlagsAndWideAccesses) {
   write(spi, spi::TXDR, 1, 4);
   expect_complaint("not written by bytes");
   write(spi, spi::CR1, spi::CR1_SSI(1));
+  expect_complaint("disabled before EOT was read");
   enable_and_start();
   expect_complaint("old flags");
 }

@@ -40,6 +40,7 @@ class Models : public ::testing::Test {
   /// As the firmware does it: see clocks.cpp of the chip layer.
   void start_clocks() {
     write(power, pwr::CR3, pwr::CR3_LDOEN(1));
+    static_cast<void>(read(power, pwr::CSR1));
     write(power, pwr::D3CR, pwr::D3CR_VOS(3));
     write(clocks, rcc::CR, rcc::CR_HSION(1) | rcc::CR_HSEON(1));
     write(clocks, rcc::PLLCKSELR, 2U | 12U << 4U | 12U << 12U | 12U << 20U);

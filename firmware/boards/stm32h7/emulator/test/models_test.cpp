@@ -69,6 +69,12 @@ TEST_F(Models, SupplyIsChosenOnce) {
   expect_complaint("only once");
 }
 
+TEST_F(Models, VoltageScaleWaitsForTheSupply) {
+  write(power, pwr::CR3, pwr::CR3_LDOEN(1));
+  write(power, pwr::D3CR, pwr::D3CR_VOS(3));
+  expect_complaint("before ACTVOSRDY was read");
+}
+
 TEST_F(Models, GateIsReadBackBeforeTheFirstAccess) {
   EXPECT_FALSE(clocks.gate_open(SPI5));
   write(clocks, rcc::APB2ENR, rcc::APB2ENR_SPI5EN(1));
