@@ -7,7 +7,7 @@ The ROS 2 side of the project: messages, nodes, launch files, all under ros/.
   test [NAME...]        build, then run the tests under ros/ (all, or files with NAME in their path)
   launch FILE [A:=B...] run a launch file, or PACKAGE FILE: ros_standin/ros_launch/README.md
   call SERVICE [F:=V...] call a service once, as ros2 service call does, which pip does not have
-  demo rtt|passthrough  the demonstrations of the paper: ./rosflight ros demo --help
+  demo NAME             rtt, passthrough, load or factor: ./rosflight ros demo --help
   run COMMAND...        run a command inside the ROS environment
   env                   print the environment as lines for a shell: eval "$(./rosflight ros env)"
 

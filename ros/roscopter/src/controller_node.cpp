@@ -19,6 +19,7 @@
 #include "roscopter/conversions.hpp"
 #include "rosflight_common/component.hpp"
 #include "rosflight_common/firmware_parameters.hpp"
+#include "rosflight_common/latched.hpp"
 #include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
 #include "rosflight_common/vehicle_file.hpp"
@@ -172,9 +173,9 @@ class ControllerNode : public rclcpp::Node {
 
   void open() {
     const auto newest = rclcpp::QoS(1);
-    const auto latched = rclcpp::QoS(1).transient_local();
     out_ = create_publisher<Command>("command", newest);
-    phase_ = create_publisher<std_msgs::msg::String>("flight_phase", latched);
+    phase_ =
+        rosflight_common::create_latched_publisher<std_msgs::msg::String>(*this, "flight_phase", 1);
     publish_phase();
     given_sub_ = create_subscription<ControllerCommand>(
         "high_level_command", newest, [this](ControllerCommand::ConstSharedPtr message) {
@@ -193,8 +194,8 @@ class ControllerNode : public rclcpp::Node {
         "battery", newest, [this](BatteryStatus::ConstSharedPtr message) {
           status_.battery_voltage_V = static_cast<double>(message->voltage);
         });
-    height_sub_ = create_subscription<std_msgs::msg::Float64>(
-        "mission/takeoff_height", latched, [this](std_msgs::msg::Float64::ConstSharedPtr message) {
+    height_sub_ = rosflight_common::create_latched_subscription<std_msgs::msg::Float64>(
+        *this, "mission/takeoff_height", 1, [this](std_msgs::msg::Float64::ConstSharedPtr message) {
           mission_height_m_ = message->data;
           control_.configure(tuning_.controller, with_mission(tuning_.states));
         });

@@ -9,6 +9,7 @@
 #include "roscopter/conversions.hpp"
 #include "roscopter/flight_phase.hpp"
 #include "rosflight_common/component.hpp"
+#include "rosflight_common/latched.hpp"
 #include "rosflight_common/live_parameters.hpp"
 #include "rosflight_common/time.hpp"
 #include "rosflight_common/vehicle_file.hpp"
@@ -80,12 +81,11 @@ class PathManagerNode : public rclcpp::Node {
     });
     path_.configure(in_force(config_.path));
     setpoints_ = create_publisher<TrajectoryCommand>("trajectory_command", rclcpp::QoS(1));
-    waypoints_ = create_subscription<Waypoint>(
-        "waypoints", rclcpp::QoS(autonomy::kMaxWaypoints + 1).transient_local(),
+    waypoints_ = rosflight_common::create_latched_subscription<Waypoint>(
+        *this, "waypoints", autonomy::kMaxWaypoints + 1,
         [this](Waypoint::ConstSharedPtr message) { take(*message); });
-    at_end_ = create_subscription<std_msgs::msg::String>(
-        "mission/at_end", rclcpp::QoS(1).transient_local(),
-        [this](std_msgs::msg::String::ConstSharedPtr message) {
+    at_end_ = rosflight_common::create_latched_subscription<std_msgs::msg::String>(
+        *this, "mission/at_end", 1, [this](std_msgs::msg::String::ConstSharedPtr message) {
           end_ = message->data;
           path_.configure(in_force(config_.path));
         });

@@ -9,6 +9,7 @@
 #include "flight/vehicle/vehicle_setup.hpp"
 #include "roscopter/conversions.hpp"
 #include "rosflight_common/component.hpp"
+#include "rosflight_common/latched.hpp"
 #include "rosflight_common/planner_node.hpp"
 
 namespace roscopter {
@@ -147,9 +148,10 @@ const char* word(autonomy::AtEnd at_end) {
 class PathPlanner final : public rosflight_common::PlannerNode<Policy> {
  public:
   explicit PathPlanner(const rclcpp::NodeOptions& options) : PlannerNode(options) {
-    const auto latched = rclcpp::QoS(1).transient_local();
-    at_end_ = create_publisher<std_msgs::msg::String>("mission/at_end", latched);
-    takeoff_ = create_publisher<std_msgs::msg::Float64>("mission/takeoff_height", latched);
+    at_end_ = rosflight_common::create_latched_publisher<std_msgs::msg::String>(
+        *this, "mission/at_end", 1);
+    takeoff_ = rosflight_common::create_latched_publisher<std_msgs::msg::Float64>(
+        *this, "mission/takeoff_height", 1);
     changed();
   }
 

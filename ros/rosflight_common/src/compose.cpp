@@ -68,6 +68,7 @@ Loaded make(const Component& component) {
   const bool waits = ::dlsym(library, "rosflight_waits_in_callbacks") != nullptr;
   rclcpp::NodeOptions options;
   options.use_clock_thread(waits);  // a thread for each node's clock costs more than the nodes
+  options.use_intra_process_comms(true);
   if (!component.name.empty()) options.arguments({"--ros-args", "-r", "__node:=" + component.name});
   std::shared_ptr<rclcpp::Node> node;
   make_node(options, node);

@@ -90,7 +90,8 @@ def test_an_exception_ends_the_process_before_all_threads_run(tmp_path):
         assert process.lines[-1] == "compose: thrown by a timer"
 
 
-def test_a_container_of_ros_loads_our_nodes(tmp_path):
+@pytest.mark.parametrize("intra_process", [False, True])
+def test_a_container_of_ros_loads_our_nodes(tmp_path, intra_process):
     """With rclcpp_components. Each library of a node stands in the index under its class."""
     container = program("rclcpp_components", "component_container")
     if not container:
@@ -110,5 +111,6 @@ def test_a_container_of_ros_loads_our_nodes(tmp_path):
                      {"vehicle_file": str(vehicle), "memory_folder": str(tmp_path), "wait_for_port": True}.items()]
             for name in dict.fromkeys(names):
                 answer = peer.call(LoadNode, "/ComponentManager/_container/load_node", package_name=package, plugin_name=name,
-                                   node_namespace=f"/{package}", parameters=given)
+                                   node_namespace=f"/{package}", parameters=given,
+                                   extra_arguments=[Parameter("use_intra_process_comms", value=intra_process).to_parameter_msg()])
                 assert answer.success, f"{package} {name}: {answer.error_message}\n{process.text()}"

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "messages/link.hpp"
+#include "rosflight_common/latched.hpp"
 #include "rosflight_common/messages.hpp"
 
 namespace rosflight_io {
@@ -18,10 +19,10 @@ constexpr std::size_t kDepth = 100;
 
 StreamPublisher::StreamPublisher(rclcpp::Node& node, Clock& clock, std::string frame_id)
     : node_{node}, clock_{clock}, frame_id_{std::move(frame_id)} {
-  const auto latched = [](std::size_t depth) { return rclcpp::QoS(depth).transient_local(); };
-  unsaved_ = node.create_publisher<std_msgs::msg::Bool>("status/unsaved_params", latched(1));
-  errors_ =
-      node.create_publisher<rosflight_msgs::msg::Error>("status/rosflight_errors", latched(5));
+  unsaved_ = rosflight_common::create_latched_publisher<std_msgs::msg::Bool>(
+      node, "status/unsaved_params", 1);
+  errors_ = rosflight_common::create_latched_publisher<rosflight_msgs::msg::Error>(
+      node, "status/rosflight_errors", 5);
   params_changed_ = node.create_publisher<std_msgs::msg::Bool>("status/params_changed", 1);
   restarted_ = node.create_publisher<std_msgs::msg::Bool>("status/restarted", 1);
   unsaved_->publish(std_msgs::msg::Bool());
@@ -107,8 +108,8 @@ void StreamPublisher::on_event(const companion::Event& event) {
     errors_->publish(message);
   } else if (const auto* version = std::get_if<companion::VersionEvent>(&event)) {
     if (!version_) {
-      version_ = node_.create_publisher<std_msgs::msg::String>("version",
-                                                               rclcpp::QoS(1).transient_local());
+      version_ =
+          rosflight_common::create_latched_publisher<std_msgs::msg::String>(node_, "version", 1);
     }
     version_->publish(to_ros<std_msgs::msg::String>(to_message(version->version)));
   }

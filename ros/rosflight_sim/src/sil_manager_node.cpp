@@ -61,8 +61,9 @@ class SilManager : public rclcpp::Node {
     if (busy_ && now - asked_ > milliseconds(result_ms_)) {
       client_->prune_pending_requests();
       busy_ = false;
+      board_answers_ = false;
     }
-    if (!client_->service_is_ready()) {
+    if (!board_answers_ && !client_->service_is_ready()) {
       ++skipped_;
     } else if (!busy_) {
       ask();
@@ -82,6 +83,7 @@ class SilManager : public rclcpp::Node {
                                 [this, number](rclcpp::Client<Trigger>::SharedFuture) {
                                   if (number != number_) return;
                                   busy_ = false;
+                                  board_answers_ = true;
                                   if (due_) ask();
                                 });
   }
@@ -119,6 +121,7 @@ class SilManager : public rclcpp::Node {
   std::int64_t result_ms_{};
   bool busy_{false};  ///< With the members below: of the group of steps, one callback at a time.
   bool due_{false};   ///< A tick came while busy.
+  bool board_answers_{false};  ///< Then it is not looked for: that walks through all topics of ROS.
   steady_clock::time_point asked_;
   std::uint64_t number_{0};
   std::uint64_t ticks_{0};

@@ -5,6 +5,7 @@
 #include <visualization_msgs/msg/marker.hpp>
 
 #include "rosflight_common/component.hpp"
+#include "rosflight_common/latched.hpp"
 #include "rosflight_common/node_tools.hpp"
 #include "rosflight_sim/frames.hpp"
 
@@ -34,8 +35,7 @@ class VizTranscriber : public rclcpp::Node {
     mesh_ = create_publisher<Marker>("rviz/mesh", markers);
     path_ = create_publisher<Marker>("rviz/mesh_path", markers);
     tf_ = create_publisher<TFMessage>("/tf", rclcpp::QoS(rclcpp::KeepLast(100)).reliable());
-    fixed_ = create_publisher<TFMessage>(
-        "/tf_static", rclcpp::QoS(rclcpp::KeepLast(1)).reliable().transient_local());
+    fixed_ = create_latched_publisher<TFMessage>(*this, "/tf_static", 1);
     changes_ = on_change(*this, [this](const rclcpp::Parameter& p) {
       if (p.get_name() == "aircraft_scale") scale_ = p.as_double();
       if (p.get_name() == "path_publish_modulo") path_every_ = p.as_int();

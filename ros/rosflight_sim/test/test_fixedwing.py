@@ -137,7 +137,7 @@ class Hands:
         self.turn += 1
         if self.turn % 8:
             return
-        command = Command(mode=Command.MODE_PASS_THROUGH)
+        command = Command(header=truth.header, mode=Command.MODE_PASS_THROUGH)
         wanted = 0.1 if speed > 11.5 else 0.0
         command.u[0] = max(0.0, min(1.0, 0.6 + 0.2 * (16.0 - speed)))
         command.u[3] = max(-1.0, min(1.0, -0.8 * roll - 0.1 * truth.twist.angular.x))
@@ -148,7 +148,8 @@ class Hands:
 def test_a_fixed_wing_flies_in_the_launched_simulator(tmp_path):
     ports = {"simulation_port": free_udp_port(), "ROS_port": free_udp_port()}
     with SimPeer("pilot") as peer, launch("rosflight_sim", "fixedwing_standalone.launch.xml", use_sim_time="true", viz="false",
-                                          real_time_multiplier="10.0", memory_folder=tmp_path, **ports) as world:
+                                          real_time_multiplier="10.0", wait_for="sim/RC command", memory_folder=tmp_path,
+                                          **ports) as world:
         world.until("ready: ")
         with launch("rosflight_sim", "fixedwing_init_firmware.launch.py") as init:
             assert init.end() == 0, init.text()

@@ -7,6 +7,7 @@
 
 #include "autonomy/fixedwing/guidance.hpp"
 #include "rosflight_common/component.hpp"
+#include "rosflight_common/latched.hpp"
 #include "rosflight_common/node_tools.hpp"
 #include "rosplane/conversions.hpp"
 #include "rosplane/fixedwing_parameters.hpp"
@@ -70,11 +71,11 @@ class PathManagerNode : public rclcpp::Node {
   void listen() {
     states_ = create_subscription<State>("estimated_state", rclcpp::QoS(10),
                                          [this](State::ConstSharedPtr message) { step(*message); });
-    waypoints_ = create_subscription<Waypoint>(
-        "waypoint_path", rclcpp::QoS(autonomy::kMaxWaypoints + 1).transient_local(),
+    waypoints_ = rosflight_common::create_latched_subscription<Waypoint>(
+        *this, "waypoint_path", autonomy::kMaxWaypoints + 1,
         [this](Waypoint::ConstSharedPtr message) { take(*message); });
-    settings_ = create_subscription<rosplane_msgs::msg::MissionSettings>(
-        "mission_settings", rclcpp::QoS(1).transient_local(),
+    settings_ = rosflight_common::create_latched_subscription<rosplane_msgs::msg::MissionSettings>(
+        *this, "mission_settings", 1,
         [this](rosplane_msgs::msg::MissionSettings::ConstSharedPtr message) {
           rosplane::take(*message, head_);
           new_mission();

@@ -5,6 +5,7 @@
 #include "autonomy/fixedwing/mission.hpp"
 #include "flight/vehicle/vehicle_setup.hpp"
 #include "rosflight_common/component.hpp"
+#include "rosflight_common/latched.hpp"
 #include "rosflight_common/planner_node.hpp"
 #include "rosplane/conversions.hpp"
 
@@ -147,8 +148,8 @@ class Policy {
 class PathPlanner final : public rosflight_common::PlannerNode<Policy> {
  public:
   explicit PathPlanner(const rclcpp::NodeOptions& options) : PlannerNode(options) {
-    settings_ = create_publisher<rosplane_msgs::msg::MissionSettings>(
-        "mission_settings", rclcpp::QoS(1).transient_local());
+    settings_ = rosflight_common::create_latched_publisher<rosplane_msgs::msg::MissionSettings>(
+        *this, "mission_settings", 1);
     changed();
   }
 

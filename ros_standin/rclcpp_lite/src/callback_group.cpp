@@ -7,6 +7,7 @@ namespace rclcpp {
 
 void CallbackGroup::add(const std::shared_ptr<detail::Entity>& entity) {
   std::shared_ptr<detail::WakeUp> wake_up;
+  entity->set_group(weak_from_this());
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     entities_.push_back(entity);
@@ -26,6 +27,15 @@ std::vector<std::weak_ptr<detail::Entity>> CallbackGroup::entities() const {
 void CallbackGroup::set_wake_up(const std::shared_ptr<detail::WakeUp>& wake_up) {
   const std::lock_guard<std::mutex> lock(mutex_);
   wake_up_ = wake_up;
+}
+
+void CallbackGroup::wake_if_waiting() const {
+  std::shared_ptr<detail::WakeUp> wake_up;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    wake_up = wake_up_.lock();
+  }
+  if (wake_up) wake_up->trigger_if_waiting();
 }
 
 bool CallbackGroup::has_executor() const {

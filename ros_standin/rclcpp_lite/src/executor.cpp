@@ -103,9 +103,18 @@ void Executor::remove_callback_group(CallbackGroup::SharedPtr group, bool) {
 /// Lists what the nodes have now and makes room for it.
 void Executor::collect() {
   known_generation_ = wake_up_->generation();
-  watched_.clear();
-  const auto take_group = [this](const CallbackGroup::SharedPtr& group) {
-    for (auto& entity : group->entities()) watched_.push_back({std::move(entity), group});
+  using Kind = detail::Entity::Kind;
+  constexpr std::array kOrder{Kind::kTimer, Kind::kSubscription, Kind::kService, Kind::kClient};
+  std::array<std::vector<Watched>, kOrder.size()> of_kind;
+  std::vector<Watched> seldom;
+  const auto of = [&](Kind kind) -> std::vector<Watched>& {
+    return of_kind[static_cast<std::size_t>(kind)];
+  };
+  const auto take_group = [&](const CallbackGroup::SharedPtr& group) {
+    for (const auto& weak : group->entities()) {
+      const auto entity = weak.lock();
+      if (entity) (entity->is_seldom() ? seldom : of(entity->kind())).push_back({weak, group});
+    }
   };
   {
     const std::lock_guard<std::mutex> lock(members_mutex_);
@@ -121,16 +130,14 @@ void Executor::collect() {
       if (const auto group = weak_group.lock()) take_group(group);
     }
   }
-  std::array<std::size_t, 4> counts{};
-  for (const auto& watched : watched_) {
-    if (const auto entity = watched.entity.lock())
-      ++counts[static_cast<std::size_t>(entity->kind())];
-  }
-  using Kind = detail::Entity::Kind;
-  const auto of = [&](Kind kind) { return counts[static_cast<std::size_t>(kind)]; };
-  detail::check(rcl_wait_set_resize(&wait_set_, of(Kind::kSubscription), 1, of(Kind::kTimer),
-                                    of(Kind::kClient), of(Kind::kService), 0),
-                "resize a wait set");
+  watched_.clear();
+  for (const Kind kind : kOrder) watched_.insert(watched_.end(), of(kind).begin(), of(kind).end());
+  all_but_seldom_ = watched_.size();
+  watched_.insert(watched_.end(), seldom.begin(), seldom.end());
+  detail::check(
+      rcl_wait_set_resize(&wait_set_, of(Kind::kSubscription).size(), 1, of(Kind::kTimer).size(),
+                          of(Kind::kClient).size(), of(Kind::kService).size() + seldom.size(), 0),
+      "resize a wait set");
 }
 
 /// A mutually exclusive group at work takes nothing new.
@@ -139,41 +146,70 @@ bool Executor::is_closed(const CallbackGroup& group) const {
          !const_cast<CallbackGroup&>(group).can_be_taken_from();
 }
 
-/// Puts everything into the set. False: something is gone, collect again.
-bool Executor::fill() {
+/// Puts what is watched into the set. False: something is gone, collect again.
+bool Executor::fill(Among among) {
   detail::check(rcl_wait_set_clear(&wait_set_), "clear a wait set");
   detail::check(rcl_wait_set_add_guard_condition(&wait_set_, wake_up_->handle(), nullptr), "wait");
   in_set_.clear();
-  for (const auto& watched : watched_) {
-    auto entity = watched.entity.lock();
+  const std::size_t count = among == Among::kAll ? watched_.size() : all_but_seldom_;
+  for (std::size_t i = 0; i < count; ++i) {
+    auto entity = watched_[i].entity.lock();
     if (!entity) return false;
-    if (is_closed(*watched.group)) continue;
+    if (is_closed(*watched_[i].group)) continue;
     entity->add_to(wait_set_);
-    in_set_.push_back({std::move(entity), watched.group});
+    in_set_.push_back({std::move(entity), watched_[i].group});
   }
   return true;
 }
 
-void Executor::wait(nanoseconds timeout) {
-  if (known_generation_ != wake_up_->generation()) collect();
-  while (!fill()) collect();
+/// False: nothing came in time.
+bool Executor::wait_for(Among among, nanoseconds timeout) {
+  while (!fill(among)) collect();
+  wake_up_->set_waiting(true);
+  for (const auto& candidate : in_set_) {
+    if (candidate.entity->has_own()) timeout = nanoseconds(0);
+  }
   const auto code = rcl_wait(&wait_set_, timeout.count());
-  if (code == RCL_RET_TIMEOUT) {
-    rcl_reset_error();
-  } else {
+  wake_up_->set_waiting(false);
+  const bool in_time = code != RCL_RET_TIMEOUT;
+  if (in_time) {
     detail::check(code, "wait");
-    using Kind = detail::Entity::Kind;
-    for (const auto kind : {Kind::kTimer, Kind::kSubscription, Kind::kService, Kind::kClient}) {
-      for (auto& candidate : in_set_) {
-        if (candidate.entity && candidate.entity->kind() == kind &&
-            candidate.entity->is_ready(wait_set_)) {
-          ready_.push_back(std::move(candidate));
-          candidate.entity.reset();
-        }
-      }
-    }
+  } else {
+    rcl_reset_error();
+  }
+  for (auto& candidate : in_set_) {
+    if (in_time ? candidate.entity->is_ready(wait_set_) : candidate.entity->has_own())
+      ready_.push_back(std::move(candidate));
   }
   in_set_.clear();
+  waited_ = Steady::now();
+  return in_time || !ready_.empty();
+}
+
+/// Messages that came without the middleware. False: there are none.
+bool Executor::find_own() {
+  for (std::size_t i = 0; i < all_but_seldom_; ++i) {
+    auto entity = watched_[i].entity.lock();
+    if (entity && entity->has_own() && !is_closed(*watched_[i].group))
+      ready_.push_back({std::move(entity), watched_[i].group});
+  }
+  return !ready_.empty();
+}
+
+void Executor::wait(nanoseconds timeout) {
+  constexpr nanoseconds kOwnOnly = std::chrono::microseconds(200);
+  constexpr nanoseconds kWithoutSeldom = std::chrono::milliseconds(2);
+  constexpr std::size_t kFewSeldom = 24;  // of four nodes: to look twice would take longer
+  if (known_generation_ != wake_up_->generation()) collect();
+  const auto now = Steady::now();
+  if (timeout.count() != 0) {  // who does not wait wants to know of everything
+    if (now - waited_ < kOwnOnly && find_own()) return;
+    if (watched_.size() - all_but_seldom_ > kFewSeldom && now - waited_for_all_ < kWithoutSeldom &&
+        wait_for(Among::kAllButSeldom, nanoseconds(0)))
+      return;
+  }
+  wait_for(Among::kAll, timeout);
+  waited_for_all_ = waited_;
 }
 
 std::optional<Executor::Work> Executor::take_next() {

@@ -24,6 +24,14 @@ Node::Node(const std::string& name, const std::string& name_space, const NodeOpt
 
 Node::~Node() = default;
 
+std::shared_ptr<detail::IntraProcessTopics> Node::within_process(
+    IntraProcessSetting setting) const {
+  const bool wanted =
+      setting == IntraProcessSetting::Enable ||
+      (setting == IntraProcessSetting::NodeDefault && options_.use_intra_process_comms());
+  return wanted ? base_->get_context()->intra_process_topics() : nullptr;
+}
+
 CallbackGroup& Node::group_or_default(const CallbackGroup::SharedPtr& group) const {
   if (!group) return *base_->get_default_callback_group();
   if (!base_->callback_group_in_node(group)) {

@@ -46,8 +46,9 @@ NodeParameters::NodeParameters(node_interfaces::NodeBaseInterface::SharedPtr bas
   overrides_ = parameter_overrides(*base_->get_rcl_node_handle(),
                                    *base_->get_context()->get_rcl_context(), options);
   if (options.start_parameter_event_publisher()) {
-    events_ = std::make_shared<Publisher<ParameterEvent>>(
-        base_->get_shared_rcl_node_handle(), "/parameter_events", options.parameter_event_qos());
+    events_ = std::make_shared<Publisher<ParameterEvent>>(base_->get_shared_rcl_node_handle(),
+                                                          "/parameter_events",
+                                                          options.parameter_event_qos(), nullptr);
   }
   if (options.start_parameter_services()) {
     services_ = std::make_unique<ParameterServices>(*base_, *this);

@@ -3,6 +3,9 @@
 
 #include <rcl/context.h>
 #include <rcl/error_handling.h>
+#include <rmw/rmw.h>
+
+#include <stdexcept>
 
 #include "rcl_call.hpp"
 
@@ -18,7 +21,23 @@ PublisherBase::PublisherBase(std::shared_ptr<rcl_node_t> node, const std::string
 }
 
 PublisherBase::~PublisherBase() {
+  if (topic_) topic_->remove_publisher(gid_);
   detail::complain(rcl_publisher_fini(&publisher_, node_.get()), "end a publisher");
+}
+
+void PublisherBase::join(std::shared_ptr<detail::IntraProcessTopic> topic) {
+  const QoS qos = get_actual_qos();
+  detail::check_intra_process(qos, get_topic_name());
+  detail::check(rmw_get_gid_for_publisher(rcl_publisher_get_rmw_handle(&publisher_), &gid_),
+                "read a publisher's identity");
+  reliable_ = qos.reliability() == ReliabilityPolicy::Reliable;
+  topic_ = std::move(topic);
+  topic_->add_publisher(gid_);
+}
+
+std::vector<std::shared_ptr<detail::IntraProcessReader>> PublisherBase::readers() const {
+  if (!topic_) return {};
+  return topic_->readers(reliable_);
 }
 
 std::size_t PublisherBase::get_subscription_count() const {
@@ -50,6 +69,10 @@ void PublisherBase::publish_message(const void* message) {
 }
 
 void PublisherBase::publish_bytes(const rcl_serialized_message_t& bytes) {
+  if (topic_) {
+    throw std::runtime_error(std::string("topic '") + get_topic_name() +
+                             "' within the process: bytes are not passed on");
+  }
   check(rcl_publish_serialized_message(&publisher_, &bytes, nullptr));
 }
 

@@ -22,6 +22,14 @@ SubscriptionBase::~SubscriptionBase() {
   detail::complain(rcl_subscription_fini(&subscription_, node_.get()), "end a subscription");
 }
 
+void SubscriptionBase::join(std::shared_ptr<detail::IntraProcessTopic> topic) {
+  const QoS qos = get_actual_qos();
+  detail::check_intra_process(qos, get_topic_name());
+  reader_ = std::make_shared<detail::IntraProcessReader>(qos);
+  topic_ = std::move(topic);
+  topic_->add(reader_);
+}
+
 std::size_t SubscriptionBase::get_publisher_count() const {
   std::size_t count = 0;
   detail::check(rcl_subscription_get_publisher_count(&subscription_, &count), "count publishers");
@@ -53,7 +61,10 @@ bool taken(rcl_ret_t code) {
 }  // namespace
 
 bool SubscriptionBase::take_message(void* message, MessageInfo& info) {
-  return taken(rcl_take(&subscription_, message, &info.get_rmw_message_info(), nullptr));
+  while (taken(rcl_take(&subscription_, message, &info.get_rmw_message_info(), nullptr))) {
+    if (!topic_ || !topic_->is_publisher(info.get_rmw_message_info().publisher_gid)) return true;
+  }
+  return false;
 }
 
 bool SubscriptionBase::take_bytes(rcl_serialized_message_t& bytes, MessageInfo& info) {

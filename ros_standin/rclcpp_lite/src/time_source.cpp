@@ -11,6 +11,8 @@ TimeSource::TimeSource(node_interfaces::NodeBaseInterface::SharedPtr base, Clock
       clock_(std::move(clock)),
       parameters_(parameters),
       qos_(options.clock_qos()),
+      topics_(options.use_intra_process_comms() ? base_->get_context()->intra_process_topics()
+                                                : nullptr),
       own_thread_(options.use_clock_thread()) {
   constexpr auto kName = "use_sim_time";
   if (!parameters_.has(kName)) {
@@ -56,7 +58,7 @@ void TimeSource::start_listening() {
             rcl_set_ros_time_override(clock->get_clock_handle(), Time(message.clock).nanoseconds()),
             "set simulated time");
       },
-      false);
+      false, topics_);
   group_->add(subscription_);
   if (!own_thread_) return;
   ExecutorOptions options;

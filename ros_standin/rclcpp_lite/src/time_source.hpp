@@ -27,6 +27,7 @@ class TimeSource {
   Clock::SharedPtr clock_;
   NodeParameters& parameters_;
   const QoS qos_;
+  const std::shared_ptr<IntraProcessTopics> topics_;  ///< Null: by the middleware only.
   const bool own_thread_;
   std::mutex mutex_;
   bool on_{false};

@@ -6,7 +6,7 @@ import re
 import pytest
 from ros_peer import lite_program, run
 
-PROGRAMS = ["api_test", "executor_test", "timer_test", "values_test"]
+PROGRAMS = ["api_test", "executor_test", "intra_process_test", "timer_test", "values_test"]
 
 
 def cases():

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "autonomy/multirotor/state_machine.hpp"
+#include "rosflight_common/latched.hpp"
 
 namespace roscopter {
 
@@ -22,9 +23,8 @@ class FlightPhase {
   using Entered = std::function<void(const std::string&)>;
 
   FlightPhase(rclcpp::Node& node, Entered entered) : node_{node}, entered_{std::move(entered)} {
-    phases_ = node.create_subscription<std_msgs::msg::String>(
-        "flight_phase", rclcpp::QoS(1).transient_local(),
-        [this](std_msgs::msg::String::ConstSharedPtr message) {
+    phases_ = rosflight_common::create_latched_subscription<std_msgs::msg::String>(
+        node, "flight_phase", 1, [this](std_msgs::msg::String::ConstSharedPtr message) {
           if (message->data == phase_) return;
           phase_ = message->data;
           entered_(phase_);

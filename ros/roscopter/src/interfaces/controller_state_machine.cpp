@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "rosflight_common/latched.hpp"
 #include "rosflight_common/time.hpp"
 
 namespace roscopter {
@@ -16,7 +17,7 @@ ControllerStateMachine::ControllerStateMachine(const rclcpp::NodeOptions& option
   params.declare_double("takeoff_d_vel", -0.5);
   params.declare_double("takeoff_landing_pos_hold_time", 3.0);
   phases_ =
-      create_publisher<std_msgs::msg::String>("flight_phase", rclcpp::QoS(1).transient_local());
+      rosflight_common::create_latched_publisher<std_msgs::msg::String>(*this, "flight_phase", 1);
   enter(Phase::kDisarmed);
 }
 

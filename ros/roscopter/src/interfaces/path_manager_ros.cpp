@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "rosflight_common/latched.hpp"
 #include "rosflight_common/time.hpp"
 
 namespace roscopter {
@@ -12,13 +13,13 @@ namespace roscopter {
 PathManagerROS::PathManagerROS(const rclcpp::NodeOptions& options) : Node("path_manager", options) {
   constexpr std::size_t kWaypoints = 1000;
   commands_ = create_publisher<TrajectoryCommand>("trajectory_command", rclcpp::QoS(1));
-  waypoints_ = create_subscription<Waypoint>("waypoints", rclcpp::QoS(kWaypoints).transient_local(),
-                                             [this](Waypoint::ConstSharedPtr message) {
-                                               if (message->clear_wp_list)
-                                                 clear_waypoints_internally();
-                                               else
-                                                 waypoint_list_.push_back(*message);
-                                             });
+  waypoints_ = rosflight_common::create_latched_subscription<Waypoint>(
+      *this, "waypoints", kWaypoints, [this](Waypoint::ConstSharedPtr message) {
+        if (message->clear_wp_list)
+          clear_waypoints_internally();
+        else
+          waypoint_list_.push_back(*message);
+      });
   states_ = create_subscription<State>("estimated_state", rclcpp::QoS(1),
                                        [this](State::ConstSharedPtr message) { step(*message); });
   clear_ = create_service<Trigger>(

@@ -11,6 +11,7 @@
 #include <rclcpp/rclcpp.hpp>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -163,7 +164,9 @@ int run_node(int argc, char** argv) {
   try {
     rclcpp::init(argc, argv);
     started = true;
-    const auto node = std::make_shared<NodeType>(rclcpp::NodeOptions());
+    // Callbacks of one thread that return at once need no second one for the clock: it would be one more to wake at each tick.
+    constexpr bool kMayWait = !std::is_same_v<Executor, rclcpp::executors::SingleThreadedExecutor>;
+    const auto node = std::make_shared<NodeType>(rclcpp::NodeOptions().use_clock_thread(kMayWait));
     const auto watch = warn_without_clock(*node);
     Executor executor;
     executor.add_node(node);

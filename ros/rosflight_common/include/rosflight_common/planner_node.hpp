@@ -12,6 +12,7 @@
 
 #include "autonomy/common/geodesy.hpp"
 #include "autonomy/common/mission_file.hpp"
+#include "rosflight_common/latched.hpp"
 #include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/paths.hpp"
 #include "rosflight_common/vehicle_file.hpp"
@@ -61,8 +62,8 @@ class PlannerNode : public rclcpp::Node {
                         "number of waypoints that are published at the start", true);
     const std::string file =
         declare_text(*this, "mission_file", "", "mission file (YAML) that is loaded at the start");
-    waypoints_topic_ = create_publisher<Waypoint>(
-        Policy::kTopic, rclcpp::QoS(static_cast<std::size_t>(kMaxWaypoints) + 1).transient_local());
+    waypoints_topic_ = create_latched_publisher<Waypoint>(
+        *this, Policy::kTopic, static_cast<std::size_t>(kMaxWaypoints) + 1);
     states_ = create_subscription<State>(
         "estimated_state", rclcpp::QoS(10),
         [this](typename State::ConstSharedPtr message) { take_origin(*message); });

@@ -7,6 +7,7 @@
 #include <visualization_msgs/msg/marker.hpp>
 
 #include "autonomy/common/mission_file.hpp"
+#include "rosflight_common/latched.hpp"
 #include "rosflight_common/node_tools.hpp"
 
 namespace rosflight_common {
@@ -30,9 +31,9 @@ class WaypointMarkers : public rclcpp::Node {
       if (p.get_name() == "text_scale") text_ = p.as_double();
       show(0);
     });
-    markers_ = create_publisher<Marker>("rviz/waypoint", rclcpp::QoS(kKept).transient_local());
-    waypoints_ = create_subscription<Waypoint>(
-        Policy::kTopic, rclcpp::QoS(rosflight::autonomy::kMaxWaypoints + 1).transient_local(),
+    markers_ = create_latched_publisher<Marker>(*this, "rviz/waypoint", kKept);
+    waypoints_ = create_latched_subscription<Waypoint>(
+        *this, Policy::kTopic, rosflight::autonomy::kMaxWaypoints + 1,
         [this](typename Waypoint::ConstSharedPtr message) { take(*message); });
   }
 

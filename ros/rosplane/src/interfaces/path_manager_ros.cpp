@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "rosflight_common/latched.hpp"
 #include "rosflight_common/time.hpp"
 
 namespace rosplane {
@@ -17,9 +18,9 @@ PathManagerROS::PathManagerROS(const rclcpp::NodeOptions& options) : Node("path_
   constexpr std::size_t kWaypoints = 1000;
   using Message = rosplane_msgs::msg::Waypoint;
   paths_ = create_publisher<Path>("current_path", rclcpp::QoS(10));
-  inputs_ =
-      create_subscription<Message>("waypoint_path", rclcpp::QoS(kWaypoints).transient_local(),
-                                   [this](Message::ConstSharedPtr message) { take(*message); });
+  inputs_ = rosflight_common::create_latched_subscription<Message>(
+      *this, "waypoint_path", kWaypoints,
+      [this](Message::ConstSharedPtr message) { take(*message); });
   states_ = create_subscription<State>("estimated_state", rclcpp::QoS(10),
                                        [this](State::ConstSharedPtr message) { step(*message); });
 }

@@ -15,7 +15,7 @@ namespace rclcpp {
 enum class CallbackGroupType { MutuallyExclusive, Reentrant };
 
 /// Callbacks that may, or may not, run at the same time in a MultiThreadedExecutor.
-class CallbackGroup {
+class CallbackGroup : public std::enable_shared_from_this<CallbackGroup> {
  public:
   RCLCPP_SMART_PTR_DEFINITIONS(CallbackGroup)
   explicit CallbackGroup(CallbackGroupType type, bool automatically_add = true)
@@ -30,6 +30,8 @@ class CallbackGroup {
   /// The executor that waits for this group; null: none does.
   void set_wake_up(const std::shared_ptr<detail::WakeUp>& wake_up);
   bool has_executor() const;
+  /// A message has come without the middleware.
+  void wake_if_waiting() const;
 
  private:
   const CallbackGroupType type_;

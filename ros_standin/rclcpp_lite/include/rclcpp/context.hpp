@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "rclcpp/detail/intra_process.hpp"
 #include "rclcpp/init_options.hpp"
 #include "rclcpp/macros.hpp"
 
@@ -53,6 +54,11 @@ class Context : public std::enable_shared_from_this<Context> {
   /// Nodes and executors keep it, so that the middleware outlives them.
   std::shared_ptr<rcl_context_t> get_rcl_context() const;
 
+  // ---- for nodes, not for users ----
+  const std::shared_ptr<detail::IntraProcessTopics>& intra_process_topics() const {
+    return intra_process_topics_;
+  }
+
  private:
   mutable std::recursive_mutex mutex_;
   std::atomic_bool valid_{
@@ -64,6 +70,8 @@ class Context : public std::enable_shared_from_this<Context> {
   std::uint64_t next_callback_{1};
   std::mutex sleep_mutex_;
   std::condition_variable sleepers_;
+  const std::shared_ptr<detail::IntraProcessTopics> intra_process_topics_{
+      std::make_shared<detail::IntraProcessTopics>()};
 };
 
 namespace contexts {

@@ -178,6 +178,8 @@ class Node : public std::enable_shared_from_this<Node> {
  private:
   CallbackGroup& group_or_default(const CallbackGroup::SharedPtr& group) const;
   std::string resolved_topic(const std::string& name) const;
+  /// Null: not within the process.
+  std::shared_ptr<detail::IntraProcessTopics> within_process(IntraProcessSetting setting) const;
 
   NodeOptions options_;
   node_interfaces::NodeBaseInterface::SharedPtr base_;

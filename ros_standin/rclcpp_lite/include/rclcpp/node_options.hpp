@@ -10,7 +10,7 @@
 
 namespace rclcpp {
 
-/// How a node is made. Intra-process delivery is accepted and ignored.
+/// How a node is made.
 class NodeOptions {
  public:
   Context::SharedPtr context() const { return context_; }

@@ -6,6 +6,10 @@
 #include <cstddef>
 #include <memory>
 
+namespace rclcpp {
+class CallbackGroup;
+}
+
 namespace rclcpp::detail {
 
 /// Something an executor waits for: a timer, subscription, service or client.
@@ -21,6 +25,12 @@ class Entity {
   virtual void add_to(rcl_wait_set_t& set) = 0;
   /// After the wait: is there something to take?
   virtual bool is_ready(const rcl_wait_set_t& set) const = 0;
+  /// Is there something to take that did not come by the middleware?
+  virtual bool has_own() const { return false; }
+  /// Told once, by the group that has it.
+  virtual void set_group(const std::weak_ptr<CallbackGroup>&) {}
+  /// May what comes wait for a moment? See Executor.
+  virtual bool is_seldom() const { return false; }
   /// What arrived, for execute; null if there was nothing after all.
   virtual std::shared_ptr<void> take() = 0;
   virtual void execute(std::shared_ptr<void> taken) = 0;

@@ -35,6 +35,8 @@ class MessageCallback {
     using Callback = std::decay_t<CallbackT>;
     static_assert(kTakes<Callback, MessageT> || kTakes<Callback, SerializedMessage>,
                   "rclcpp takes messages as const reference, unique or shared pointer");
+    wants_its_own_ = !std::is_invocable_v<Callback&, SharedArgument<MessageT>> &&
+                     !std::is_invocable_v<Callback&, SharedArgument<MessageT>, const MessageInfo&>;
     if constexpr (std::is_invocable_v<Callback&, Argument<MessageT>>) {
       call_ = [callback = Callback(std::forward<CallbackT>(callback))](
                   const Message& message, const Bytes&, const MessageInfo&) mutable {
@@ -51,6 +53,8 @@ class MessageCallback {
   }
 
   bool wants_bytes() const { return wants_bytes_; }
+  /// May it change the message, or keep it for itself?
+  bool wants_its_own() const { return wants_its_own_; }
   void operator()(const Message& message, const Bytes& bytes, const MessageInfo& info) {
     call_(message, bytes, info);
   }
@@ -70,6 +74,14 @@ class MessageCallback {
     operator std::unique_ptr<T>() const {                        // NOLINT: implicit on purpose
       return std::make_unique<T>(std::move(*value));
     }
+  };
+
+  /// The forms that leave the message to others, too.
+  template <typename T>
+  struct SharedArgument {
+    template <typename U, typename = std::enable_if_t<std::is_same_v<U, T>>>
+    operator const U&() const;                  // NOLINT: implicit on purpose
+    operator std::shared_ptr<const T>() const;  // NOLINT: implicit on purpose
   };
 
   template <typename CallbackT>
@@ -93,6 +105,7 @@ class MessageCallback {
 
   std::function<void(const Message&, const Bytes&, const MessageInfo&)> call_;
   bool wants_bytes_{false};
+  bool wants_its_own_{false};
 };
 
 }  // namespace rclcpp::detail

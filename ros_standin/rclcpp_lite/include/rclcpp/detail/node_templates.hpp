@@ -10,8 +10,10 @@ namespace rclcpp {
 
 template <typename MessageT, typename AllocatorT>
 std::shared_ptr<Publisher<MessageT>> Node::create_publisher(
-    const std::string& topic, const QoS& qos, const PublisherOptionsWithAllocator<AllocatorT>&) {
-  return std::make_shared<Publisher<MessageT>>(base_->get_shared_rcl_node_handle(), topic, qos);
+    const std::string& topic, const QoS& qos,
+    const PublisherOptionsWithAllocator<AllocatorT>& options) {
+  return std::make_shared<Publisher<MessageT>>(base_->get_shared_rcl_node_handle(), topic, qos,
+                                               within_process(options.use_intra_process_comm));
 }
 
 template <typename MessageT, typename CallbackT, typename AllocatorT>
@@ -20,7 +22,7 @@ std::shared_ptr<Subscription<MessageT>> Node::create_subscription(
     const SubscriptionOptionsWithAllocator<AllocatorT>& options) {
   auto subscription = std::make_shared<Subscription<MessageT>>(
       base_->get_shared_rcl_node_handle(), topic, qos, std::forward<CallbackT>(callback),
-      options.ignore_local_publications);
+      options.ignore_local_publications, within_process(options.use_intra_process_comm));
   group_or_default(options.callback_group).add(subscription);
   return subscription;
 }

@@ -20,6 +20,11 @@ class WakeUp {
   WakeUp& operator=(const WakeUp&) = delete;
   ~WakeUp();
   void trigger();
+  /// While it is set, what comes without the middleware triggers. Set before the executor looks for such things.
+  void set_waiting(bool waiting) { waiting_ = waiting; }
+  void trigger_if_waiting() {
+    if (waiting_) trigger();
+  }
   void set_changed() {
     ++generation_;
     trigger();
@@ -31,6 +36,7 @@ class WakeUp {
   std::shared_ptr<rcl_context_t> context_;
   rcl_guard_condition_t condition_;
   std::atomic<std::uint64_t> generation_{1};
+  std::atomic_bool waiting_{false};
 };
 
 }  // namespace rclcpp::detail
