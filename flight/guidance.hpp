@@ -57,6 +57,8 @@ class Guidance {
   virtual void request_land() = 0;
   /// Ends the mission: the next steps fly back and land. Default: land.
   virtual void request_return() { request_land(); }
+  /// A step of the commanded altitude: the mission this much higher; 0: as it is. Default: it does not.
+  virtual void set_altitude_offset(double /*offset_m*/) {}
   /// Takes other gains and limits into use, in flight. @returns false: it cannot.
   virtual bool configure(const autonomy::multirotor::FlightConfig& /*config*/) { return false; }
   virtual bool configure(const autonomy::fixedwing::FlightConfig& /*config*/) { return false; }
@@ -78,6 +80,7 @@ class MultirotorGuidance final : public Guidance {
   const GuidanceOutput& step(const Input& in, const Notify& notify) override;
   void request_land() override { manager_.request_land(); }
   void request_return() override { manager_.request_return(); }
+  void set_altitude_offset(double offset_m) override { manager_.set_altitude_offset(offset_m); }
   using Guidance::configure;
   bool configure(const autonomy::multirotor::FlightConfig& config) override {
     manager_.configure(config);

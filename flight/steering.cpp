@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -20,7 +21,8 @@ using sim::rc::Control;
 using Change = std::function<void(Flight&)>;
 
 constexpr std::string_view kAllowed =
-    "wind, gust, fault, heal, switch, stick, keep_altitude, hold, board, land, return, tune";
+    "wind, gust, fault, heal, switch, stick, keep_altitude, altitude_offset, hold, board, land, "
+    "return, tune";
 
 /// Its part before the first `mark`, and what follows.
 std::pair<std::string, std::string> cut(const std::string& text, char mark) {
@@ -100,6 +102,14 @@ Change move(const std::string& text, bool is_switch) {
   return [which, to](Flight& flight) { flight.pilot().set(which, static_cast<float>(to)); };
 }
 
+Change altitude_offset(const std::string& text) {
+  constexpr double kMax_m = 3.0;
+  const auto offset_m = config::parse_number(text);
+  if (!offset_m || !(std::abs(*offset_m) <= kMax_m))
+    throw wrong("altitude_offset", text, "-3 to 3 m");
+  return [to_m = *offset_m](Flight& flight) { flight.guidance().set_altitude_offset(to_m); };
+}
+
 Change board(const std::string& text, const FlightSetup& setup) {
   using Impairment = Autopilot::Impairment;
   constexpr std::array<std::pair<std::string_view, Impairment>, 3> kImpairments{
@@ -139,8 +149,11 @@ std::function<void(Flight&)> parse_change(const std::string& text, const Flight&
     return [on = on_or_off("hold", rest)](Flight& flight) { flight.runner().set_hold(on); };
   }
   if (verb == "board") return board(rest, present.setup());
+  const bool multirotor_only = verb == "keep_altitude" || verb == "altitude_offset";
+  if (multirotor_only && present.setup().fixed_wing())
+    throw wrong("steer", verb, "that of a multirotor");
+  if (verb == "altitude_offset") return altitude_offset(rest);
   if (verb == "keep_altitude") {
-    if (present.setup().fixed_wing()) throw wrong("steer", verb, "that of a multirotor");
     return [on = on_or_off(verb, rest)](Flight& flight) { flight.runner().set_keep_altitude(on); };
   }
   if (!rest.empty()) throw wrong("steer", text, kAllowed);

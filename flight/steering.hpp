@@ -17,6 +17,7 @@ namespace rosflight::flight {
 ///     switch NAME on|off                arm, attitude_override, throttle_override, attitude_mode
 ///     stick NAME POSITION               roll, pitch, throttle, yaw; 0 to 1
 ///     keep_altitude on|off              the pilot of a multirotor keeps its altitude by the throttle stick
+///     altitude_offset METRES            a multirotor flies its mission this much higher, -3 to 3
 ///     hold on|off                       the pilot does not arm by himself
 ///     board slow|reversed_clock|healthy passes of 3 ms; samples whose stamps go back (board in process)
 ///     land | return                     the mission ends

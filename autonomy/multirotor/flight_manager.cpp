@@ -69,6 +69,10 @@ void FlightManager::configure(const FlightConfig& config) {
   limits_.configure(config.battery);
 }
 
+void FlightManager::set_altitude_offset(double offset_m) {
+  if (control_.output().phase == Phase::kOffboard && !returning_) altitude_offset_m_ = offset_m;
+}
+
 void FlightManager::start_path(double t_s, const State& state) {
   path_.start(t_s, path_start(state, control_.attitude().psi_rad, out_.setpoint));
 }
@@ -83,6 +87,7 @@ void FlightManager::hand_over(double t_s, const State& state) {
   }
   if (control.before == Phase::kOffboard) {
     path_.stop();
+    altitude_offset_m_ = 0.0;
     control_.take_over(follower_->trim_W());
   }
   if (control.phase == Phase::kLanded) flown_ = true;
@@ -90,7 +95,8 @@ void FlightManager::hand_over(double t_s, const State& state) {
 
 ControllerCommand FlightManager::follow(double t_s, const State& state) {
   const AttitudeView& attitude = control_.attitude();
-  const PathManager::Output path = path_.step(t_s, state.p_W, attitude.psi_rad);
+  const Vector3 offset_W{0.0, 0.0, -altitude_offset_m_};
+  const PathManager::Output path = path_.step(t_s, state.p_W - offset_W, attitude.psi_rad);
   if (path.event != PathManager::Event::kNone && !returning_) {
     const bool reached = path.event == PathManager::Event::kReached;
     out_.events.add(reached ? FlightEventType::kWaypointReached : FlightEventType::kWaypointMissed,
@@ -104,6 +110,7 @@ ControllerCommand FlightManager::follow(double t_s, const State& state) {
     if (at_end_ == AtEnd::kLand) control_.request_land();
   }
   out_.setpoint = path.setpoint;
+  out_.setpoint.p_W += offset_W;
   if (!returning_) out_.waypoint = path.waypoint;
   out_.distance_m = path.distance_m;
   return follower_->step({state, attitude, out_.setpoint, 0.0, control_.dt_s(), control_.pilot()});
@@ -111,6 +118,7 @@ ControllerCommand FlightManager::follow(double t_s, const State& state) {
 
 /// Up to the height of the return where it is lower, then above the start.
 void FlightManager::begin_return(double t_s, const State& state) {
+  altitude_offset_m_ = 0.0;
   path_.set_cycle(false);
   path_.set_waypoints(
       path_back(state.p_W, start_W_, config_.return_height_m, control_.attitude().psi_rad));

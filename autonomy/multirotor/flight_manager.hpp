@@ -90,6 +90,10 @@ class FlightManager {
   /// was planned. A law of the caller's own keeps its own.
   void configure(const FlightConfig& config);
 
+  /// A step of the commanded altitude: while the mission's path is followed, it is flown this much higher. 0: as it is.
+  /// Ends with the path: hold, pilot, return, landing.
+  void set_altitude_offset(double offset_m);
+
   const FlightOutput& output() const { return out_; }
   const FlightConfig& config() const { return config_; }
   const RotorWatch& rotor_watch() const { return rotors_; }
@@ -116,6 +120,7 @@ class FlightManager {
   Vector3 start_W_{Vector3::Zero()};  ///< Position of the take-off.
   double unplaced_s_{};               ///< Without a horizontal position.
   double settled_s_{};                ///< When the position will have settled.
+  double altitude_offset_m_{};        ///< Added to the altitude of the path.
   FlightOutput out_{};
   AtEnd at_end_{AtEnd::kLand};
   bool return_asked_{false};

@@ -161,6 +161,22 @@ TEST(KeepAltitude, ThePilotKeepsItWhileTheVehicleIsTilted) {
   EXPECT_GT(altitude_lost_m(false), 3.0 * kept_m);
 }
 
+TEST_F(SteeringTest, AnAltitudeOffsetRaisesAMultirotorAndEndsAtZero) {
+  while (!flight_.autonomy().tracking) flight_.step();
+  run_to(sim::to_seconds(flight_.now()) + 6.0);
+  const auto above_path_m = [this] {
+    return flight_.autonomy().setpoint.p_W.z() - flight_.truth().body.p_W.z();
+  };
+  change("altitude_offset 1.5");
+  run_to(sim::to_seconds(flight_.now()) + 0.1);
+  EXPECT_LT(above_path_m(), -1.0) << "it is to climb";
+  run_to(sim::to_seconds(flight_.now()) + 5.0);
+  EXPECT_NEAR(above_path_m(), 0.0, 0.3);
+  change("altitude_offset 0");
+  run_to(sim::to_seconds(flight_.now()) + 0.1);
+  EXPECT_GT(above_path_m(), 1.0) << "and down again";
+}
+
 TEST_F(SteeringTest, AKeyOfAutonomyIsInForceFromTheNextStepAndInTheVehicleFile) {
   const auto config = [this]() -> const autonomy::multirotor::FlightConfig& {
     return dynamic_cast<MultirotorGuidance&>(flight_.guidance()).manager().config();
@@ -229,6 +245,10 @@ TEST_F(SteeringTest, OtherTextsAreRefusedWithWhatIsAllowed) {
                            "hold",
                            "keep_altitude",
                            "keep_altitude yes",
+                           "altitude_offset",
+                           "altitude_offset 3.1",
+                           "altitude_offset nan",
+                           "altitude_offset up",
                            "board",
                            "board broken",
                            "land here",

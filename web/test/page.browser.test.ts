@@ -315,6 +315,8 @@ const POINTS: Record<string, (page: Page, hand: Hand) => Promise<void>> = {
     await hand.press(tab(page, 'Tune'));
     await hand.choose(page.getByLabel('Axis'), 'Pitch');
     await hand.choose(page.getByLabel('Band'), '2 %');
+    await hand.choose(page.getByLabel('Axis'), 'Altitude');
+    await page.getByText('No step of altitude in this flight yet.').waitFor();
   },
 };
 

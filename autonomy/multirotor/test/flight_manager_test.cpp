@@ -116,6 +116,53 @@ TEST(FlightManager, LandsOnHigherGroundThanItStartedFrom) {
   EXPECT_LT(flight.impact_m_s, 1.3);  // it has not slowed down yet: landing speed 1 m/s
 }
 
+/// Without drag, lag and integral the altitude is that of s^2 + kd s + kp: unit step responses in closed form.
+TEST(FlightManager, AStepOfTheAltitudeIsAnsweredAsTheGainsSay) {
+  struct Gains {
+    double kp, kd, overshoot, peak_s;
+  };
+  const auto oscillator = [](double kp, double damping) {
+    const double damped = std::sqrt(1.0 - damping * damping);
+    return Gains{kp, 2.0 * damping * std::sqrt(kp), std::exp(-kPi * damping / damped),
+                 kPi / (std::sqrt(kp) * damped)};
+  };
+  for (const Gains& gains : {oscillator(4.0, 0.4), oscillator(6.0, 0.6), oscillator(2.0, 0.3)}) {
+    FlightConfig config = default_config();
+    config.follower.vertical = {gains.kp, 0.0, gains.kd};
+    Flight flight(config, "missions/hover.yaml", {.motor_lag_s = 1e-3, .drag_1_s = 0.0});
+    while (!flight.output().tracking) flight.run(0.1);
+    flight.run(12.0);
+    ASSERT_TRUE(flight.output().tracking);
+    const double before_m = flight.plant.state().p_W.z();
+    const double asked_m = flight.output().setpoint.p_W.z();
+    const double start_s = flight.t_s;
+    flight.manager.set_altitude_offset(1.0);
+    double peak_m = 0.0;
+    double peak_s = 0.0;
+    flight.run(5.0, [&] {
+      const double risen_m = before_m - flight.plant.state().p_W.z();
+      if (risen_m > peak_m) peak_s = flight.t_s - start_s;
+      peak_m = std::max(peak_m, risen_m);
+    });
+    EXPECT_NEAR(flight.output().setpoint.p_W.z(), asked_m - 1.0, 1e-9);
+    EXPECT_NEAR(peak_m, 1.0 + gains.overshoot, 0.02) << gains.kd;
+    EXPECT_NEAR(peak_s, gains.peak_s, 0.05) << gains.kd;
+  }
+}
+
+TEST(FlightManager, AnOffsetOfTheAltitudeEndsWithThePathAndMissesNoWaypoint) {
+  Flight flight;
+  flight.manager.set_altitude_offset(2.0);  // not before it flies its path
+  while (!flight.output().tracking) flight.run(0.1);
+  EXPECT_NEAR(flight.output().setpoint.p_W.z(), flight.plant.state().p_W.z(), 0.5);
+  flight.manager.set_altitude_offset(2.0);
+  flight.run(80.0);
+  EXPECT_EQ(flight.events_of(FlightEventType::kWaypointReached).size(),
+            flight.mission.waypoints.size());
+  EXPECT_TRUE(flight.disarmed);
+  EXPECT_LT(flight.impact_m_s, 0.6);
+}
+
 // Weak point 37: nobody could ask for a landing.
 TEST(FlightManager, LandsWhereItIsWhenAsked) {
   Flight flight;
