@@ -80,6 +80,7 @@ class FlightBoard {
     Pulses::Memory outputs;
   };
 
+  const Plan& plan() const { return plan_; }
   /// Sleeps until there is something for the main loop.
   void idle();
   void start_watchdog() { system_.start_watchdog(); }

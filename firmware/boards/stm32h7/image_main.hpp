@@ -4,11 +4,7 @@
 
 #include "firmware/boards/common/flight_record_main.hpp"
 #include "firmware/boards/common/glance_main.hpp"
-#include "firmware/boards/common/object_storage.hpp"
-#include "firmware/boards/stm32h7/backup_domain.hpp"
-#include "firmware/boards/stm32h7/clocks.hpp"
-#include "firmware/boards/stm32h7/cpu.hpp"
-#include "firmware/boards/stm32h7/flight_board.hpp"
+#include "firmware/boards/stm32h7/board_start.hpp"
 #include "firmware/boards/stm32h7/startup.hpp"
 // What it speaks.
 #include ROSFLIGHT_IMAGE_LINK
@@ -35,22 +31,8 @@ class Image {
   /// From the end of start-up on: clocks, memory system, board, firmware, main loop.
   [[noreturn]] void run(const Oscillator& oscillator, typename Board::Memory& memory,
                         FirmwareGlance& shown) {
-    constexpr std::uint32_t kSram3Size = 0x8000u;
-    constexpr std::uint32_t kAxiSram = 0x2400'0000u, kAxiSramSize = 0x8'0000u;
-    start_clocks(oscillator);
-    open_gate(kSram3);
-    open_backup_memory();
-    make_uncached(0, kSram3.base, kSram3Size);
-    make_uncached(1, kBackupMemory, kBackupMemorySize);
-    // The flight record: a dirty cache line would be lost with a reset.
-    make_uncached(2, kAxiSram, kAxiSramSize);
-    Board::map_memory(3);
-    start_memory_system();
-    start_microseconds();
-    open_ports();
-    const bool cold = take_reset_cause() == ResetCause::kPowerOn;
-    Board& here = board_.make(memory, cold ? parts::Start::kCold : parts::Start::kWarm);
-    here.open();
+    const bool cold = start_board(board_, oscillator, memory);
+    Board& here = board();
     const hal::Board roles = here.roles();
     parts::FlightRecord record{board_record_begin,
                                static_cast<std::size_t>(board_record_end - board_record_begin)};

@@ -6,6 +6,7 @@
 
 #include "firmware/boards/qemu_m7/startup.hpp"
 #include "firmware/boards/qemu_m7/test/crossed_uarts.hpp"
+#include "firmware/core/test/arithmetic_contract.hpp"
 
 namespace rosflight::boards::m7 {
 namespace {
