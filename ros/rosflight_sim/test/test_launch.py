@@ -144,6 +144,7 @@ def test_a_wrong_command_is_one_line(words, said):
     (["multirotor_standalone.launch.xml", "dynamics_param_file:=/no/such.yaml"], "/no/such.yaml: found no such file, allowed a YAML file"),
     (["multirotor_standalone.launch.xml", "seed:=-1"], "seed"),
     (["multirotor_standalone.launch.xml", "simulation_port:=abc"], "_port' has invalid type: "),
+    (["multirotor_standalone.launch.xml", "use_sim_time:=true", "real_time_multiplier:=0"], "real_time_multiplier"),
     (["hardware_io.launch.xml", "port:=/dev/no_such_port"], "port: found /dev/no_such_port"),
     (["hardware_io.launch.xml", "port:=/dev/null", "baud_rate:=12345"], "baud"),
     (["hardware_io.launch.xml", "baud_rate:=fast"], "baud_rate"),

@@ -7,6 +7,8 @@ import random
 import signal
 import time
 
+from rcl_interfaces.msg import ParameterType
+from rcl_interfaces.srv import GetParameters
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rosflight_msgs.msg import SimState
 from rosgraph_msgs.msg import Clock
@@ -51,6 +53,13 @@ def test_time(peer):
             return "cannot hold real_time_multiplier 100.00: time runs at " in process.text()
         peer.poll(behind, "the warning of a slow world")
         assert not set_parameters(peer, "standalone_time_manager", real_time_multiplier=0.0)[0].successful
+
+
+def test_a_whole_number_is_good_for_a_decimal_one(peer):
+    """`real_time_multiplier:=3` is an integer for ROS."""
+    with node("standalone_time_manager", at_launch="standalone_time_manager", real_time_multiplier=3):
+        value, = peer.call(GetParameters, "standalone_time_manager/get_parameters", names=["real_time_multiplier"]).values
+        assert (value.type, value.double_value) == (ParameterType.PARAMETER_DOUBLE, 3.0)
 
 
 def test_the_clock_ticks_between_the_steps(peer):

@@ -24,6 +24,10 @@ Node::Node(const std::string& name, const std::string& name_space, const NodeOpt
 
 Node::~Node() = default;
 
+node_interfaces::NodeParametersInterface::SharedPtr Node::get_node_parameters_interface() {
+  return parameters_;
+}
+
 std::shared_ptr<detail::IntraProcessTopics> Node::within_process(
     IntraProcessSetting setting) const {
   const bool wanted =

@@ -16,7 +16,7 @@ namespace rclcpp::detail {
 class ParameterServices;
 
 /// The parameters of one node: values, descriptors, callbacks that may refuse, and the event that is published.
-class NodeParameters {
+class NodeParameters : public node_interfaces::NodeParametersInterface {
  public:
   using Descriptor = rcl_interfaces::msg::ParameterDescriptor;
   using Result = rcl_interfaces::msg::SetParametersResult;
@@ -24,7 +24,7 @@ class NodeParameters {
 
   NodeParameters(node_interfaces::NodeBaseInterface::SharedPtr base, Clock::SharedPtr clock,
                  const NodeOptions& options);
-  ~NodeParameters();
+  ~NodeParameters() override;
 
   const ParameterValue& declare(const std::string& name, const ParameterValue& value,
                                 ParameterType type, Descriptor descriptor, bool ignore_override);
@@ -39,6 +39,9 @@ class NodeParameters {
                                                  std::uint64_t depth) const;
   Handle::SharedPtr add_callback(Handle::OnSetParametersCallbackType callback);
   void remove_callback(const Handle* handle);
+  const std::map<std::string, ParameterValue>& get_parameter_overrides() const override {
+    return overrides_;
+  }
   bool allows_undeclared() const { return allow_undeclared_; }
   /// Called with each parameter that has changed, by the thread that changed it.
   void on_change(std::function<void(const Parameter&)> watcher) { watcher_ = std::move(watcher); }

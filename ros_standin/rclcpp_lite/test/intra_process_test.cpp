@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <rclcpp/rclcpp.hpp>
@@ -121,6 +122,26 @@ TEST_F(IntraProcess, OthersGetItByTheMiddlewareAndNobodyGetsItTwice) {
   expected.push_back(kMessages);
   ASSERT_TRUE(spin_until([&] { return by_pointer.back() == kMessages; }));
   EXPECT_EQ(by_pointer, expected);
+}
+
+/// The middleware numbers what it sends.
+TEST_F(IntraProcess, WhatNobodyReadsIsNotSent) {
+  const auto publisher = within_->create_publisher<Int64>("topic", 10);
+  for (int i = 0; i < 5; ++i) publisher->publish(number(i));
+  int got = 0;
+  const auto pointer =
+      within_->create_subscription<Int64>("topic", 10, [&](const Int64&) { ++got; });
+  for (int i = 0; i < 5; ++i) publisher->publish(number(i));
+  ASSERT_TRUE(spin_until([&] { return got == 5; }));
+  std::uint64_t sent = 0;
+  const auto middleware = outside_->create_subscription<Int64>(
+      "topic", 10, [&](const Int64&, const rclcpp::MessageInfo& info) {
+        sent = info.get_rmw_message_info().publication_sequence_number;
+      });
+  ASSERT_TRUE(spin_until([&] { return publisher->get_subscription_count() == 2; }));
+  publisher->publish(number(0));
+  ASSERT_TRUE(spin_until([&] { return sent != 0; }));
+  EXPECT_EQ(sent, 1U);
 }
 
 TEST_F(IntraProcess, ThereAreNoMoreThanTheDepthAndTheOldestGo) {

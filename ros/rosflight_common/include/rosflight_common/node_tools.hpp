@@ -36,6 +36,7 @@ inline std::string not_finite(const std::string& parameter) {
 }
 
 /// Declares a number in a range. Live ones can be changed while the node runs.
+/// A whole number that is given (`real_time_multiplier:=10`), which is an integer for ROS, is good for it.
 /// @throws std::invalid_argument  for NaN and infinity, which rclcpp finds in every range; else what it throws.
 inline double declare_number(rclcpp::Node& node, const std::string& name, double value, double min,
                              double max, const std::string& text, bool live = false) {
@@ -44,7 +45,12 @@ inline double declare_number(rclcpp::Node& node, const std::string& name, double
   range.from_value = min;
   range.to_value = max;
   descriptor.floating_point_range.push_back(range);
-  const double given = node.declare_parameter<double>(name, value, descriptor);
+  const auto& overrides = node.get_node_parameters_interface()->get_parameter_overrides();
+  const auto found = overrides.find(name);
+  const bool whole = found != overrides.end() &&
+                     found->second.get_type() == rclcpp::ParameterType::PARAMETER_INTEGER;
+  if (whole) value = static_cast<double>(found->second.get<std::int64_t>());
+  const double given = node.declare_parameter<double>(name, value, descriptor, whole);
   if (!std::isfinite(given)) throw std::invalid_argument(not_finite(name));
   return given;
 }

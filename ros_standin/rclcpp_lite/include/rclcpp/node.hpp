@@ -16,6 +16,7 @@
 #include "rclcpp/generic_subscription.hpp"
 #include "rclcpp/logger.hpp"
 #include "rclcpp/node_interfaces/node_base_interface.hpp"
+#include "rclcpp/node_interfaces/node_parameters_interface.hpp"
 #include "rclcpp/node_options.hpp"
 #include "rclcpp/parameter.hpp"
 #include "rclcpp/publisher.hpp"
@@ -69,6 +70,7 @@ class Node : public std::enable_shared_from_this<Node> {
   Logger get_logger() const { return logger_; }
   const NodeOptions& get_node_options() const { return options_; }
   node_interfaces::NodeBaseInterface::SharedPtr get_node_base_interface() { return base_; }
+  node_interfaces::NodeParametersInterface::SharedPtr get_node_parameters_interface();
 
   CallbackGroup::SharedPtr create_callback_group(CallbackGroupType type,
                                                  bool automatically_add_to_executor = true);
