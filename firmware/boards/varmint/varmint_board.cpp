@@ -33,12 +33,12 @@ Varmint::Varmint(Memory& memory, parts::Start how)
           make_buses(memory, clock_, std::make_index_sequence<std::size(kSensorBuses)>{})},
       mag_{mag_port_, kMagMounting},
       i2c_bus_{i2c_hardware_, clock_, stm32h7::I2cBus::kLimit} {
-  const stm32h7::SystemSensor supply{&servo_supply_, "MCP4017: started"};
   system_.set_sensors({{{&imu_, "ADIS16500: started"},
                         {&baro_, "DPS310: started"},
                         {&mag_, "IIS2MDC: started"},
                         {&pitot_, "DLHR: started"},
-                        kHasServoSupply ? supply : stm32h7::SystemSensor{},
+                        kHasServoSupply ? stm32h7::SystemSensor{&servo_supply_, "MCP4017: started"}
+                                        : stm32h7::SystemSensor{},
                         {&gnss_, nullptr}}},
                       kSensorWait);
 }

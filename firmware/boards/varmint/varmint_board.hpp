@@ -58,6 +58,7 @@ class Varmint final : public stm32h7::FlightBoard {
   template <std::size_t... kIndex>
   static SensorBuses make_buses(Memory& memory, const hal::Clock& clock,
                                 std::index_sequence<kIndex...> /*buses*/) {
+    // NOLINTNEXTLINE(clang-analyzer-core.StackAddressEscape): made in place, no temporary object
     return {SensorBus{kSensorBuses[kIndex], memory.sensors[kIndex], clock}...};
   }
 
