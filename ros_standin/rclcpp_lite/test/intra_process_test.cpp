@@ -223,11 +223,11 @@ TEST_F(IntraProcess, EndlessMessagesLeaveTheOthersTheirTurn) {
   });
   int ticks = 0;
   const auto timer = within_->create_wall_timer(1ms, [&] { ++ticks; });
-  bool heard = false;
-  const auto ear =
-      outside_->create_subscription<Int64>("by_middleware", 1, [&](const Int64&) { heard = true; });
-  const auto mouth = outside_->create_publisher<Int64>("by_middleware", 1);
-  ASSERT_TRUE(spin_until([&] { return mouth->get_subscription_count() == 1; }));
+  bool received = false;
+  const auto from_outside = outside_->create_subscription<Int64>(
+      "by_middleware", 1, [&](const Int64&) { received = true; });
+  const auto outside = outside_->create_publisher<Int64>("by_middleware", 1);
+  ASSERT_TRUE(spin_until([&] { return outside->get_subscription_count() == 1; }));
   const auto service = within_->create_service<std_srvs::srv::Trigger>(
       "asked",
       [](const std::shared_ptr<std_srvs::srv::Trigger::Request>,
@@ -237,11 +237,11 @@ TEST_F(IntraProcess, EndlessMessagesLeaveTheOthersTheirTurn) {
   ASSERT_TRUE(spin_until([&] { return client->service_is_ready(); }));
   const auto answer =
       client->async_send_request(std::make_shared<std_srvs::srv::Trigger::Request>());
-  mouth->publish(number(1));
+  outside->publish(number(1));
   const int before = ticks;
   const std::int64_t messages_before = endless;
   EXPECT_TRUE(spin_until([&] {
-    return heard && ticks > before + 2 && answer.wait_for(0s) == std::future_status::ready;
+    return received && ticks > before + 2 && answer.wait_for(0s) == std::future_status::ready;
   }));
   EXPECT_GT(endless, messages_before + 10);
 }

@@ -146,7 +146,7 @@ function Gains({flight, axis, parameters}: {flight: Flight; axis: Axis; paramete
       setSaid(stick ? 'Taken. Parameters has the button that writes them to memory.' : 'Taken for this flight. A next one has what its vehicle file says.');
     }}>Take</button></div>
     {before.size > 0 && <p class="hint">Before: {[...before].map(([gain, value]) => `${gain} ${shortNumber(value)}`).join(', ')}</p>}
-    {state.control.value!.simulated && <Maker flight={flight} axis={axis} parameters={parameters} say={setSaid}/>}
+    {state.control.value!.simulated && <StepButton flight={flight} axis={axis} parameters={parameters} say={setSaid}/>}
     <p class="said" role="status">{wrong ? `${wrong[0]}: ${wrong[1]}` : said}</p>
   </fieldset>;
 }
@@ -164,12 +164,12 @@ function movesOfStick(stick: Stick, share: number, fixedWing: boolean): {moves: 
 }
 
 const MAX_OFFSET_M = 3; // flight/steering.cpp
+const ALTITUDE_S = 5; // of the offset, and again without it: a slow answer has settled by then
 const movesOfAltitude = (size: number): {moves: readonly Move[]; end: readonly string[]} =>
   ({moves: [[`altitude_offset ${size}`, ALTITUDE_S], ['altitude_offset 0', ALTITUDE_S]], end: ['altitude_offset 0']});
-const ALTITUDE_S = 5;
 
 /** Makes steps in a simulated flight. */
-function Maker({flight, axis, parameters, say}: {flight: Flight; axis: Axis; parameters: ReadonlyMap<string, number>; say: (text: string) => void}) {
+function StepButton({flight, axis, parameters, say}: {flight: Flight; axis: Axis; parameters: ReadonlyMap<string, number>; say: (text: string) => void}) {
   const {stick, unit} = axis;
   const {fixedWing} = flight;
   const [size, setSize] = useState(stick ? '10' : '1');
