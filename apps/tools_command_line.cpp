@@ -112,7 +112,8 @@ CLI::App* add_sil(CLI::App& app, SilOptions& options) {
       ->check(CLI::Range(SilOptions::kMinRate_Hz, SilOptions::kMaxRate_Hz))
       ->capture_default_str();
   sil->add_option("--rc", options.rc,
-                  "Script of the pilot (YAML); default: sticks centred, throttle low")
+                  "Script of the pilot (YAML), or - for lines of standard input as \"roll 0.5\"; "
+                  "default: sticks centred, throttle low")
       ->type_name("FILE");
   sil->add_option("--duration", options.duration_s, "End after this time")
       ->type_name("S")

@@ -26,7 +26,8 @@ struct SilOptions {
   int rate_Hz{400};  ///< IMU samples and simulation steps a second.
   static constexpr int kMinRate_Hz = 50;
   static constexpr int kMaxRate_Hz = 2000;
-  std::optional<std::filesystem::path> rc;  ///< Script; without one the pilot leaves all as it is.
+  /// Script; without one the pilot leaves all as it is. "-": lines of standard input (RcLines).
+  std::optional<std::filesystem::path> rc;
   std::optional<double> duration_s;
   std::vector<std::string> faults;  ///< WHAT@TIME[:DURATION] each.
   std::uint64_t seed{1};

@@ -2,6 +2,9 @@
 #include "flight/sil/world.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
+
+#include <iostream>
 
 #include "sim/rc/script.hpp"
 
@@ -22,8 +25,12 @@ sim::Vehicle read_vehicle(const SilOptions& options, sim::Registry& registry, si
   return registry.open_vehicle(options.vehicle, std::move(overrides));
 }
 
+bool from_input(const SilOptions& options) {
+  return options.rc == "-";
+}
+
 sim::rc::Script read_rc(const SilOptions& options) {
-  if (!options.rc) return {};
+  if (!options.rc || from_input(options)) return {};
   const auto document = config::Document::from_file(*options.rc);
   return sim::rc::read_script(document.root());
 }
@@ -52,9 +59,12 @@ SilWorld::SilWorld(const SilOptions& options, sim::Time step)
       forces_{registry_.make_forces(vehicle_, random_)},
       dynamics_{vehicle_.body(), vehicle_.ground(), vehicle_.environment(), *forces_, random_},
       sensors_{sim::sensors::make_sensors(registry_, vehicle_, random_)},
-      pilot_{read_rc(options)} {}
+      pilot_{read_rc(options)} {
+  if (from_input(options)) rc_lines_.emplace(STDIN_FILENO, pilot_, std::cerr);
+}
 
 void SilWorld::before_step(sim::Time t) {
+  if (rc_lines_) rc_lines_->step();
   sim::apply_actuator_faults(faults_, t, *forces_);
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <memory>
+#include <optional>
 
+#include "flight/sil/rc_lines.hpp"
 #include "flight/sil/sil.hpp"
 #include "sim/dynamics/rigid_body.hpp"
 #include "sim/faults.hpp"
@@ -22,7 +24,7 @@ class SilWorld {
   sim::SensorsModule& sensors() { return faulty_sensors_; }
   sim::Dynamics& dynamics() { return dynamics_; }
   const sim::FaultSchedule& faults() const { return faults_; }
-  /// Motors break at their time.
+  /// Motors break at their time, and the pilot does what he reads.
   void before_step(sim::Time t);
 
  private:
@@ -34,6 +36,7 @@ class SilWorld {
   sim::RigidBody dynamics_;
   std::unique_ptr<sim::SensorsModule> sensors_;
   sim::rc::Pilot pilot_;
+  std::optional<RcLines> rc_lines_;
   sim::FaultySensors faulty_sensors_{*sensors_, faults_};
   sim::FaultyRc faulty_rc_{pilot_, faults_};
 };
