@@ -2,7 +2,7 @@
 // Vehicles on a pseudo terminal and on TCP: ./rosflight view pty:PATH and tcp:HOST:PORT against ./rosflight sil, and the calibrations
 // that a person does.
 import assert from 'node:assert/strict';
-import {spawn, spawnSync, type ChildProcess} from 'node:child_process';
+import {spawnSync, type ChildProcess} from 'node:child_process';
 import {existsSync} from 'node:fs';
 import {mkdtemp, readFile, rm, writeFile} from 'node:fs/promises';
 import {tmpdir} from 'node:os';
@@ -14,6 +14,7 @@ import {readLog} from '../src/data/read_log.ts';
 import {DESKTOP, keepPicture, LONG, onPage, PHONE, SMALL, startBrowser, violations} from './browser.ts';
 import {MULTIROTOR, PARAMETERS, PYTHON, SIL, VIEW} from './flights.ts';
 import {HANDS, KEYBOARD, TOUCH, withoutMouse, type Hand} from './hands.ts';
+import {start} from './simulated.ts';
 
 const PEER = new URL('../../ground/test/peer.py', import.meta.url).pathname;
 const started: ChildProcess[] = [];
@@ -31,31 +32,15 @@ after(async () => {
   await rm(scratch, {recursive: true});
 });
 
-/** What a program printed that has the pattern. */
-async function start(program: string, words: string[], pattern: RegExp) {
-  const child = spawn(program, words, {stdio: ['ignore', 'pipe', 'inherit']});
-  started.push(child);
-  let printed = '';
-  const found = await new Promise<RegExpExecArray>((resolve, reject) => {
-    child.on('exit', (code) => reject(new Error(`${program} ${words.join(' ')} ended with ${code}: ${printed}`)));
-    child.stdout.on('data', (data) => {
-      printed += String(data);
-      const match = pattern.exec(printed);
-      if (match) resolve(match);
-    });
-  });
-  return {child, found};
-}
-
 /** @returns the firmware as a process and the link that it prints. */
 async function firmware(link: string, ...options: string[]) {
-  const {child, found} = await start(SIL, ['sil', '--link', link, ...options], /link=(\S+)/);
+  const {child, found} = await start(started, SIL, ['sil', '--link', link, ...options], /link=(\S+)/);
   return {sil: child, link: found[1]!};
 }
 
 async function show(link: string, ...options: string[]) {
   const folder = join(scratch, `flight${++count}`);
-  const {child, found} = await start(VIEW, ['view', link, '--out', folder, ...options], /http:\S+/);
+  const {child, found} = await start(started, VIEW, ['view', link, '--out', folder, ...options], /http:\S+/);
   return {view: child, url: found[0], folder};
 }
 
@@ -214,7 +199,7 @@ describe('calibrations that a person does', REST, () => {
   });
 
   test('the magnetometer is turned by hand and ends with the residual of its fit', {timeout: 300_000}, async () => {
-    const {found} = await start(PYTHON, [PEER], /tcp:\S+/);
+    const {found} = await start(started, PYTHON, [PEER], /tcp:\S+/);
     const {url} = await show(found[0]);
     await onPage(browser, url, async (page) => {
       await takeControl(page);

@@ -13,7 +13,7 @@ import {bytesSource} from '../src/data/bytes.ts';
 import {LiveDecoder, PROTOCOLS} from '../src/data/live.ts';
 import {readLog} from '../src/data/read_log.ts';
 import {FLY, SIL, VIEW} from './flights.ts';
-import {flyWatched, until} from './simulated.ts';
+import {flyWatched, start, until} from './simulated.ts';
 
 const scratch = await mkdtemp(join(tmpdir(), 'rosflight_live_'));
 const running: ChildProcess[] = [];
@@ -234,15 +234,7 @@ test('of the two addresses for other computers one looks alone and the other com
 });
 
 test('the same of a vehicle on a link: view LINK', {timeout: 120_000}, async () => {
-  const start = (program: string, ...words: string[]) => {
-    const child = spawn(program, words, {stdio: ['ignore', 'pipe', 'inherit']});
-    running.push(child);
-    let printed = '';
-    child.stdout.on('data', (data) => { printed += String(data); });
-    return () => printed;
-  };
-  const firmware = start(SIL, 'sil', '--link', 'tcp:0', '--nvm', join(scratch, 'listen.nvm'));
-  await until(() => /link=\S+/.test(firmware()));
-  const view = start(VIEW, 'view', /link=(\S+)/.exec(firmware())![1]!, '--out', join(scratch, String(++count)), '--listen', '127.0.0.2');
-  assert.deepEqual(await rights(view), both('(Ctrl-C ends it)'));
+  const firmware = await start(running, SIL, ['sil', '--link', 'tcp:0', '--nvm', join(scratch, 'listen.nvm')], /link=(\S+)/);
+  const view = await start(running, VIEW, ['view', firmware.found[1]!, '--out', join(scratch, String(++count)), '--listen', '127.0.0.2'], /http/);
+  assert.deepEqual(await rights(view.printed), both('(Ctrl-C ends it)'));
 });

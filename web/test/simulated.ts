@@ -13,6 +13,22 @@ export async function view(running: ChildProcess[], input: string, ...options: s
   throw new Error('./rosflight view printed nothing');
 }
 
+/** Starts a program; `found` is what it printed that has the pattern, `printed` all so far. */
+export async function start(running: ChildProcess[], program: string, words: string[], pattern: RegExp) {
+  const child = spawn(program, words, {stdio: ['pipe', 'pipe', 'inherit']});
+  running.push(child);
+  let printed = '';
+  const found = await new Promise<RegExpExecArray>((resolve, reject) => {
+    child.on('exit', (code) => reject(new Error(`${program} ${words.join(' ')} ended with ${code}: ${printed}`)));
+    child.stdout.on('data', (data) => {
+      printed += String(data);
+      const match = pattern.exec(printed);
+      if (match) resolve(match);
+    });
+  });
+  return {child, found, printed: () => printed};
+}
+
 /** A flight that is watched; `printed` and `said` have what it wrote so far. */
 export async function flyWatched(running: ChildProcess[], folder: string, ...options: string[]) {
   const child = spawn(VIEW, ['fly', '--view', '--json', '--out', folder, ...options], {stdio: ['ignore', 'pipe', 'pipe']});
