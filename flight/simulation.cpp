@@ -203,6 +203,8 @@ void Simulation::start(const std::function<bool()>& stop) {
 
 void Simulation::step() {
   loop_->lock_step.step();
+  // What the owner sends between two steps leaves at the start of the next one.
+  loop_->cable.set_time(now());
 }
 sim::Time Simulation::now() const {
   return loop_->lock_step.now();
