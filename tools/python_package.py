@@ -12,8 +12,9 @@ from project import ROOT
 
 PYTHON = ROOT / ".venv-python/bin/python3"
 FOLDER = Path("python/test")
-# The package as it is installed, with the stubs of its extension module, and the examples that use it.
-TYPED = (["-p", "rosflight"], ["python/examples"])
+# The package as it is installed, with the stubs of its extension module, as the oldest and the newest Python that it declares see it, and
+# the examples that use it.
+TYPED = (["--python-version", "3.10", "-p", "rosflight"], ["--python-version", "3.13", "-p", "rosflight"], ["python/examples"])
 
 
 def needs_package(path: Path) -> bool:

@@ -11,6 +11,7 @@ from typing import Any, Union
 
 Wind = Union[str, tuple[float, float], tuple[float, float, float]]
 Overrides = Union[Mapping[str, Any], Iterable[str]]
+MAX_DELAY_S = 0.09  #: A command counts for 0.1 s in the firmware, so a later one would leave gaps.
 
 
 def whole(name: str, value: object, low: int, high: int = 2**64 - 1) -> int:

@@ -8,7 +8,7 @@
 from __future__ import annotations
 
 from copy import deepcopy
-from typing import Any, Union
+from typing import TYPE_CHECKING, Any, Union
 
 import gymnasium
 import numpy as np
@@ -20,16 +20,21 @@ from . import _arguments as arguments
 from . import _core
 from ._flight import STEPS_PER_SECOND
 
+if TYPE_CHECKING:
+    from ._variation import Variation
+
 Floats = np.ndarray[Any, np.dtype[np.float32]]
 Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
+OBSERVATIONS = ("truth", "estimate", "sensors")
 ACTIONS = ("motors", "surfaces", "rates", "angles", "velocity", "waypoint")
 TASKS = {"rosflight/Hover-v0": "hover", "rosflight/Waypoints-v0": "waypoints", "rosflight/Gates-v0": "gates",
          "rosflight/FixedWingLine-v0": "fixed_wing_line", "rosflight/Landing-v0": "landing"}
 #: Options and their defaults.
 OPTIONS: dict[str, Any] = {
     "vehicle": "multirotor", "action": "rates", "rate_hz": 100, "episode_s": 10.0, "threads": 1, "wind": None, "set": (), "altitude_m": 5.0,
-    "start_radius_m": 1.0, "start_tilt_rad": 0.5, "start_speed_m_s": 1.0, "start_rates_rad_s": 1.0,
+    "start_radius_m": 1.0, "start_tilt_rad": 0.5, "start_speed_m_s": 1.0, "start_rates_rad_s": 1.0, "observation": "truth", "link": False,
+    "action_delay_s": 0.0, "randomise": None,
 }
 #: Where a task has others.
 OF_TASK: dict[str, dict[str, Any]] = {
@@ -56,9 +61,17 @@ class _Vehicles:
         if STEPS_PER_SECOND % rate_hz:
             raise ValueError(f"rate_hz: found {rate_hz}, allowed a divisor of {STEPS_PER_SECOND}")
         #: As they are in force; part of `info` at each reset.
-        self.options: dict[str, Any] = chosen | {"task": task, "observation": "truth", "link": False}
+        self.options: dict[str, Any] = chosen | {"task": task, "substeps": STEPS_PER_SECOND // rate_hz}
+        observation = arguments.one_of("observation", chosen["observation"], OBSERVATIONS)
+        if not isinstance(chosen["link"], bool):
+            raise TypeError(f"link: found {chosen['link']!r}, allowed True, False")
+        if observation != "truth" and not chosen["link"]:
+            raise ValueError(f"observation: found {observation!r} without a link, allowed with link=True")
+        self._delay_s = arguments.at_least("action_delay_s", chosen["action_delay_s"], 0.0)
+        if self._delay_s > arguments.MAX_DELAY_S:
+            raise ValueError(f"action_delay_s: found {self._delay_s}, allowed 0 to {arguments.MAX_DELAY_S}")
         self.count = arguments.whole("num_envs", count, 1, 2**20)
-        self.size = _core.observation_size(task)
+        self.size = _core.observation_size(task, observation)
         self._arguments: dict[str, Any] = {
             "vehicle": arguments.name_or_path("vehicle", chosen["vehicle"]),
             "wind": arguments.wind_text(chosen["wind"]),
@@ -67,19 +80,50 @@ class _Vehicles:
             "action": arguments.one_of("action", chosen["action"], ACTIONS),
             "count": self.count,
             "threads": arguments.whole("threads", chosen["threads"], 1, 1024),
+            "observation": observation,
+            "link": chosen["link"],
             "substeps": STEPS_PER_SECOND // rate_hz,
+            "delay_steps": round(self._delay_s * STEPS_PER_SECOND),
             "episode_s": arguments.at_least("episode_s", chosen["episode_s"], 0.0025),
             "altitude_m": arguments.at_least("altitude_m", chosen["altitude_m"], 1.0),
             **{name: arguments.at_least(name, chosen[name], 0.0)
                for name in ("start_radius_m", "start_tilt_rad", "start_speed_m_s", "start_rates_rad_s")},
         }
         self._core: _core.Vehicles | None = None
+        self._seed: int | None = None
+        self._variation = self._read_variation(chosen["randomise"])
+        #: What was drawn for each vehicle.
+        self.drawn: dict[str, np.ndarray[Any, Any]] = {}
+
+    def _read_variation(self, file: object) -> Variation | None:
+        if file is None:
+            return None
+        path = arguments.name_or_path("randomise", file)
+        try:
+            from ._variation import Variation
+        except ImportError as error:
+            raise ImportError(f"randomise: found no {error.name}, allowed with rosflight[campaign] installed") from None
+        return Variation(path, self._arguments["vehicle"], self._arguments["overrides"])
+
+    def _make(self, seed: int) -> _core.Vehicles:
+        individuals = []
+        if self._variation is not None:
+            drawn = [self._variation.draw(seed, k) for k in range(self.count)]
+            self.drawn = {name: np.array([one[name] for one in drawn]) for name in drawn[0]}
+            individuals = [self._variation.individual(one, self._delay_s) for one in drawn]
+        return _core.Vehicles(**self._arguments, seed=seed, individuals=individuals)
+
+    def info(self) -> dict[str, Any]:
+        """What a reset returns beside the observation."""
+        options = {"options": deepcopy(self.options)}
+        return options if self._variation is None else options | {"drawn": {name: value.copy() for name, value in self.drawn.items()}}
 
     def reset(self, observations: Floats, seed: int | None, mask: Flags | None) -> None:
         """@param seed: of new vehicles, noise and episodes; None: these go on."""
-        if self._core is None:
-            first = int(np.random.SeedSequence().generate_state(1, np.uint64)[0]) if seed is None else seed
-            self._core = _core.Vehicles(**self._arguments, seed=first)
+        others = self._variation is not None and seed is not None and seed != self._seed
+        if self._core is None or others:
+            self._seed = int(np.random.SeedSequence().generate_state(1, np.uint64)[0]) if seed is None else seed
+            self._core = self._make(self._seed)
         self._core.reset(observations, seed, mask)
 
     @property
@@ -127,7 +171,10 @@ class FlightEnv(gymnasium.Env[Floats, Floats]):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Floats, dict[str, Any]]:
         super().reset(seed=seed)
         self._vehicles.reset(self._observation, _seed(seed), None)
-        return self._observation[0].copy(), {"options": deepcopy(self._vehicles.options)}
+        info = self._vehicles.info()
+        if "drawn" in info:
+            info["drawn"] = {name: value[0].item() for name, value in info["drawn"].items()}
+        return self._observation[0].copy(), info
 
     def step(self, action: Floats) -> tuple[Floats, float, bool, bool, dict[str, Any]]:
         self._vehicles.core.step(_actions(action, (4,))[None], self._observation, self._reward, self._terminated, self._truncated,
@@ -182,7 +229,7 @@ class FlightVectorEnv(VectorEnv[Floats, Floats, Any]):
             raise ValueError("reset: found a seed with a reset_mask, allowed one of them")
         self._vehicles.reset(self._observations, _seed(seed), mask)
         self._ended &= False if mask is None else ~mask
-        return self._out(self._observations), {"options": deepcopy(self._vehicles.options)}
+        return self._out(self._observations), self._vehicles.info()
 
     def step(self, actions: Floats) -> tuple[Floats, Floats, Flags, Flags, dict[str, Any]]:
         given = _actions(actions, (self.num_envs, 4))

@@ -123,6 +123,10 @@ void ActionMap::begin(const Action& given, const SeenState& state) {
   }
 }
 
+void ActionMap::fly_to(const sim::Vector3& p_W, double heading_rad) {
+  wanted_ = {ControlMode::kNposEposDposYaw, {p_W.x(), p_W.y(), p_W.z(), heading_rad}, true};
+}
+
 link::OffboardControl ActionMap::pass_through() const {
   std::array<float, link::kCommandAxes> u{};
   for (std::size_t row = 0; row < inverse_.size(); ++row) {

@@ -41,6 +41,8 @@ class ActionMap {
   void restart();
   /// An action begins. @param state  as the companion knows it.
   void begin(const Action& action, const SeenState& state);
+  /// The same as an action `waypoint`, for any distance.
+  void fly_to(const sim::Vector3& p_W, double heading_rad);
   /// The command at `state`, dt_s after the one before. Only velocity and position depend on the state.
   link::OffboardControl command(const SeenState& state, double dt_s, double battery_voltage_V);
   bool depends_on_state() const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,6 +11,18 @@
 #include "python/src/task.hpp"
 
 namespace rosflight::python {
+
+/// How a learner is connected to its vehicle, and what it sees.
+struct Connection {
+  /// "truth"; "estimate": the companion's; "sensors": the estimate, then kSensorNumbers of what arrived last.
+  std::string observation{"truth"};
+  /// Commands and telemetry are bytes on the cable, and the companion estimates.
+  bool link{false};
+  int substeps{4};     ///< Steps of 2.5 ms in an action.
+  int delay_steps{0};  ///< Steps from an action to the board.
+};
+/// Gyro 3 [rad/s], accelerometer 3 [m/s^2], magnetometer 3 [uT], barometer [m], range [m], airspeed [m/s], velocity by GNSS 3 [m/s].
+inline constexpr std::size_t kSensorNumbers = 15;
 
 /// One vehicle and its episodes.
 class Learner {
@@ -23,24 +36,26 @@ class Learner {
 
   /// Numbers of an observation: target less position 3, velocity 3, rotation matrix 9 (rows, body to W), rates 3, last
   /// action 4; then those of the task. @throws config::Error  the task is unknown.
-  static std::size_t observation_size(const std::string& task) {
+  static std::size_t observation_size(const std::string& task, const std::string& observation) {
     constexpr std::size_t kCommon = 22;
-    return kCommon + Task::observation_size(task);
+    return kCommon + Task::observation_size(task) + (observation == "sensors" ? kSensorNumbers : 0);
   }
 
-  /// @param setup, task  must outlive this. @param seed  of its noise and its episodes.
-  Learner(flight::FlightSetup& setup, const TaskConfig& task, const std::string& level,
-          std::uint64_t seed);
+  /// @param setup, task  must outlive this. @param map  what actions mean: that of the vehicle as its companion
+  ///   knows it. @param seed  of its noise and its episodes.
+  Learner(flight::FlightSetup& setup, const TaskConfig& task, const ActionMap& map,
+          const Connection& connection, std::uint64_t seed);
 
-  /// Powers it up, arms it, lets the rotors turn as in hover and leaves out the link. @throws flight::Simulation::Error  it does not arm.
+  /// Powers it up and arms it. Without a link the rotors then turn as in hover, and the link is left out; with one the
+  /// companion takes off. @throws flight::Simulation::Error  it does not arm, or does not get there.
   void start();
   /// As right after start(): the first episode again.
   void rewind();
-  /// A new episode; the noise of sensors and air goes on.
+  /// A new episode. Without a link the noise of sensors and air goes on, and the vehicle is put where the episode
+  /// starts. With one everything is as after the take-off, and the companion flies to the start.
   void begin_episode();
-  /// @param substeps  steps of 2.5 ms.
-  Result step(const Action& action, int substeps);
-  void observe(float* out) const;
+  Result step(const Action& action);
+  void observe(float* out);
   const sim::Truth& truth() const { return simulation_.truth(); }
   const hal::OutputValues& outputs() const { return simulation_.outputs(); }
   std::size_t reached() const { return task_->reached(); }
@@ -48,18 +63,31 @@ class Learner {
 
  private:
   sim::Vector3 to_target(const sim::Vector3& p_W) const { return task_->target_W(p_W) - p_W; }
+  SeenState seen() const;
   link::OffboardControl command();
+  void send(const link::OffboardControl& command);
+  void step_once();
+  void turn_rotors();
+  void take_off();
+  void fly_to(const sim::Vector3& p_W, double heading_rad, double near_m);
+  float* observe_sensors(float* to);
 
   const TaskConfig& config_;
+  Connection connection_;
   ActionMap map_;
   std::uint64_t seed_;
   flight::Simulation simulation_;
   std::unique_ptr<Task> task_;
-  std::shared_ptr<const flight::Simulation::Moment> armed_;
-  std::vector<double> hovering_;  ///< States of rotors and battery.
+  std::shared_ptr<const flight::Simulation::Moment> ready_;  ///< What episodes begin from.
+  std::vector<double> hovering_;                             ///< States of rotors and battery.
   sim::RandomStream random_;
   Action action_{};
-  int steps_{0};  ///< Steps of 2.5 ms in this episode.
+  struct Underway {
+    int at_step{};
+    link::OffboardControl command;
+  };
+  std::deque<Underway> underway_;  ///< Commands that are delayed.
+  int steps_{0};                   ///< Steps of 2.5 ms in this episode.
 };
 
 }  // namespace rosflight::python

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include "autonomy/common/state_estimate.hpp"
 #include "sim/types.hpp"
 
 namespace rosflight::python {
@@ -16,6 +17,9 @@ struct SeenState {
   static SeenState of(const sim::Truth& truth) {
     const sim::BodyState& body = truth.body;
     return {body.p_W, body.q_WB * body.v_B, body.q_WB, body.w_B, truth.air.wind_W};
+  }
+  static SeenState of(const autonomy::StateEstimate& estimate) {
+    return {estimate.p_W, estimate.v_W, estimate.q_WB, estimate.w_B, estimate.wind_W};
   }
 };
 

@@ -83,9 +83,10 @@ class Waypoints final : public Task {
     next();
     reached_ = 0;
     Start start = draw_start(random, target_W_, 0.0, base::kPi);
-    before_m_ = (target_W_ - start.body.p_W).norm();
+    place(start.body);
     return start;
   }
+  void place(const sim::BodyState& body) override { before_m_ = (target_W_ - body.p_W).norm(); }
   Vector3 target_W(const Vector3& /*p_W*/) const override { return target_W_; }
   Verdict judge(const sim::Truth& truth, double dt_s) override {
     constexpr double kLost_m = 20.0;
@@ -161,9 +162,10 @@ class Gates final : public Task {
     const Gate& gate = gates_.front();
     Start start = draw_start(random, gate.centre_W - kBefore_m * gate.forward_W,
                              std::atan2(gate.forward_W.y(), gate.forward_W.x()), 0.25 * base::kPi);
-    before_W_ = start.body.p_W;
+    place(start.body);
     return start;
   }
+  void place(const sim::BodyState& body) override { before_W_ = body.p_W; }
   Vector3 target_W(const Vector3& /*p_W*/) const override { return gate(0).centre_W; }
 
   void advance(const sim::Truth& now) override {
@@ -238,9 +240,12 @@ class Landing final : public Task {
     touched_ = false;
     Start start =
         draw_start(random, rest_W_ - config_.altitude_m * Vector3::UnitZ(), 0.0, base::kPi);
-    above_ = start.body;
-    before_m_ = (rest_W_ - start.body.p_W).norm();
+    place(start.body);
     return start;
+  }
+  void place(const sim::BodyState& body) override {
+    above_ = body;
+    before_m_ = (rest_W_ - body.p_W).norm();
   }
   Vector3 target_W(const Vector3& /*p_W*/) const override { return rest_W_; }
 

@@ -54,6 +54,8 @@ class Task {
 
   /// Draws an episode.
   virtual Start begin(sim::RandomStream& random) = 0;
+  /// The episode starts there instead, where the companion could not do better.
+  virtual void place(const sim::BodyState& body) { static_cast<void>(body); }
   /// The vehicle has moved by one step of the simulation.
   virtual void advance(const sim::Truth& now) { static_cast<void>(now); }
   /// An action has been flown for dt_s. Begins the next one.

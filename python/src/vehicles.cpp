@@ -33,13 +33,31 @@ using Row = nb::ndarray<T, nb::numpy, nb::ndim<1>, nb::c_contig, nb::device::cpu
 template <class T>
 using Table = nb::ndarray<T, nb::numpy, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
+/// What distinguishes one vehicle from the others.
+struct Individual {
+  std::vector<std::string> overrides;  ///< After those of all.
+  std::optional<std::string> wind;     ///< none: that of all
+  int delay_steps{};
+};
+
 /// Learners on a pool of threads, a row of each array for each. What they compute does not depend on the
 /// number of threads.
 class Vehicles {
  public:
-  Vehicles(const flight::FlightChoice& choice, const TaskConfig& task, std::string level,
-           std::size_t count, std::size_t threads, int substeps, std::uint64_t seed)
-      : setup_{choice}, task_{task}, level_{std::move(level)}, substeps_{substeps}, pool_{threads} {
+  /// @param individuals  empty, or one for each vehicle.
+  Vehicles(const flight::FlightChoice& choice, const TaskConfig& task, const std::string& level,
+           const Connection& connection, std::size_t count, std::size_t threads, std::uint64_t seed,
+           std::vector<Individual> individuals)
+      : setup_{choice},
+        task_{task},
+        connection_{connection},
+        map_{setup_, level},
+        individuals_{std::move(individuals)},
+        pool_{threads} {
+    if (!individuals_.empty()) {
+      setups_.resize(count);
+      pool_.for_each(count, [this](std::size_t k) { setups_[k] = individual_setup(k); });
+    }
     build(count, seed);
   }
 
@@ -50,8 +68,12 @@ class Vehicles {
     learners_.clear();
     const sim::RandomSource source{seed};
     for (std::size_t k = 0; k < count; ++k) {
-      learners_.push_back(
-          std::make_unique<Learner>(setup_, task_, level_, source.child(std::to_string(k)).seed()));
+      const bool own = !individuals_.empty();
+      Connection connection = connection_;
+      if (own) connection.delay_steps = individuals_[k].delay_steps;
+      learners_.push_back(std::make_unique<Learner>(own ? *setups_[k] : setup_, task_, map_,
+                                                    connection,
+                                                    source.child(std::to_string(k)).seed()));
     }
     pool_.for_each(count, [this](std::size_t k) { learners_[k]->start(); });
     seed_ = seed;
@@ -98,7 +120,7 @@ class Vehicles {
         } else {
           Action action;
           std::copy_n(given + k * kActions, kActions, action.begin());
-          result = learner.step(action, substeps_);
+          result = learner.step(action);
         }
         rewards.data()[k] = result.reward;
         terminated.data()[k] = result.terminated;
@@ -149,11 +171,21 @@ class Vehicles {
     f();
   }
 
+  std::unique_ptr<flight::FlightSetup> individual_setup(std::size_t k) const {
+    const Individual& one = individuals_[k];
+    flight::FlightChoice choice = setup_.choice;
+    choice.overrides.insert(choice.overrides.end(), one.overrides.begin(), one.overrides.end());
+    if (one.wind) choice.wind = one.wind;
+    return std::make_unique<flight::FlightSetup>(choice);
+  }
+
   Exclusive exclusive_;
   flight::FlightSetup setup_;
   TaskConfig task_;
-  std::string level_;
-  int substeps_;
+  Connection connection_;
+  ActionMap map_;
+  std::vector<Individual> individuals_;
+  std::vector<std::unique_ptr<flight::FlightSetup>> setups_;  ///< One for each individual.
   std::uint64_t seed_{};
   std::vector<std::unique_ptr<Learner>> learners_;
   Pool pool_;
@@ -162,32 +194,39 @@ class Vehicles {
 }  // namespace
 
 void bind_vehicles(nb::module_& m) {
+  nb::class_<Individual>(m, "Individual")
+      .def(
+          "__init__",
+          [](Individual* self, std::vector<std::string> overrides, std::optional<std::string> wind,
+             int delay_steps) {
+            new (self) Individual{std::move(overrides), std::move(wind), delay_steps};
+          },
+          "overrides"_a, "wind"_a.none(), "delay_steps"_a);
   nb::class_<Vehicles>(m, "Vehicles")
       .def(
           "__init__",
           [](Vehicles* self, std::string vehicle, std::optional<std::string> wind,
              std::vector<std::string> overrides, std::string task, std::string action,
-             std::size_t count, std::size_t threads, int substeps, std::uint64_t seed,
-             double episode_s, double altitude_m, double start_radius_m, double start_tilt_rad,
-             double start_speed_m_s, double start_rates_rad_s) {
+             std::string observation, bool link, int substeps, int delay_steps, std::size_t count,
+             std::size_t threads, std::uint64_t seed, double episode_s, double altitude_m,
+             double start_radius_m, double start_tilt_rad, double start_speed_m_s,
+             double start_rates_rad_s, std::vector<Individual> individuals) {
             flight::FlightChoice choice;
             choice.vehicle = std::move(vehicle);
             choice.wind = std::move(wind);
             choice.overrides = std::move(overrides);
-            TaskConfig config;
-            config.task = std::move(task);
-            config.episode_s = episode_s;
-            config.altitude_m = altitude_m;
-            config.start_radius_m = start_radius_m;
-            config.start_tilt_rad = start_tilt_rad;
-            config.start_speed_m_s = start_speed_m_s;
-            config.start_rates_rad_s = start_rates_rad_s;
+            const TaskConfig config{std::move(task),  episode_s,      altitude_m,
+                                    start_radius_m,   start_tilt_rad, start_speed_m_s,
+                                    start_rates_rad_s};
+            const Connection connection{std::move(observation), link, substeps, delay_steps};
             const nb::gil_scoped_release free;
-            new (self) Vehicles(choice, config, std::move(action), count, threads, substeps, seed);
+            new (self) Vehicles(choice, config, action, connection, count, threads, seed,
+                                std::move(individuals));
           },
-          "vehicle"_a, "wind"_a.none(), "overrides"_a, "task"_a, "action"_a, "count"_a, "threads"_a,
-          "substeps"_a, "seed"_a, "episode_s"_a, "altitude_m"_a, "start_radius_m"_a,
-          "start_tilt_rad"_a, "start_speed_m_s"_a, "start_rates_rad_s"_a)
+          "vehicle"_a, "wind"_a.none(), "overrides"_a, "task"_a, "action"_a, "observation"_a,
+          "link"_a, "substeps"_a, "delay_steps"_a, "count"_a, "threads"_a, "seed"_a, "episode_s"_a,
+          "altitude_m"_a, "start_radius_m"_a, "start_tilt_rad"_a, "start_speed_m_s"_a,
+          "start_rates_rad_s"_a, "individuals"_a)
       .def_prop_ro("count", &Vehicles::count)
       .def("reset", &Vehicles::reset, "observations"_a, "seed"_a.none(), "mask"_a.none())
       .def("step", &Vehicles::step, "actions"_a, "observations"_a, "rewards"_a, "terminated"_a,
@@ -195,7 +234,7 @@ void bind_vehicles(nb::module_& m) {
       .def("truth", &Vehicles::truth, "out"_a);
   m.attr("TRUTH_COLUMNS") = Vehicles::kTruth;
   m.def("tasks", &task_names, "Names of the tasks.");
-  m.def("observation_size", &Learner::observation_size, "task"_a,
+  m.def("observation_size", &Learner::observation_size, "task"_a, "observation"_a,
         "How many numbers an observation of a task has.");
 }
 
