@@ -6,7 +6,7 @@ Names are relative. A node of your own that fulfils its line can stand in for ou
 from dataclasses import dataclass, field
 
 from geometry_msgs.msg import Vector3Stamped, WrenchStamped
-from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy, qos_profile_sensor_data
 from rosflight_msgs.msg import Airspeed, Barometer, BatteryStatus, GNSS, PwmOutput, RCRaw, SimState
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, MagneticField, Range, Temperature
@@ -95,9 +95,14 @@ def check_module(peer, name):
                                                else ReliabilityPolicy.RELIABLE), topic
         assert end.qos_profile.durability == (DurabilityPolicy.TRANSIENT_LOCAL if out.latched
                                               else DurabilityPolicy.VOLATILE), topic
+    # Some subscribe only while somebody reads what they make of it.
+    readers = [peer.node.create_subscription(out.kind, topic, lambda message: None, qos_profile_sensor_data)
+               for topic, out in module.outputs.items()]
     for topic, kind in module.inputs.items():
         peer.poll(lambda t=topic: ends(peer.node.get_subscriptions_info_by_topic, t), f"a subscription of {topic}")
         assert {end.topic_type for end in ends(peer.node.get_subscriptions_info_by_topic, topic)} == {type_name(kind)}, topic
+    for reader in readers:
+        peer.node.destroy_subscription(reader)
 
     def services():
         found = {}

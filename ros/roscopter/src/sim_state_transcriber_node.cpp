@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <optional>
 #include <rosflight_msgs/msg/sim_state.hpp>
 
 #include "roscopter/conversions.hpp"
 #include "rosflight_common/component.hpp"
-#include "rosflight_common/node_tools.hpp"
+#include "rosflight_common/while_read.hpp"
 
 namespace roscopter {
 
@@ -14,15 +15,17 @@ using roscopter_msgs::msg::State;
 using rosflight_msgs::msg::SimState;
 
 /// The simulator's truth as a State: biases and origin are zero. For comparing, and for tuning
-/// without an estimator.
+/// without an estimator; stamps are those of the truth, so no clock is needed.
 class SimStateTranscriber : public rclcpp::Node {
  public:
   explicit SimStateTranscriber(const rclcpp::NodeOptions& options)
       : Node("roscopter_truth", options) {
     states_ = create_publisher<State>("sim/roscopter/state", rclcpp::QoS(1));
-    truth_ =
-        create_subscription<SimState>("sim/truth_state", rclcpp::QoS(1),
-                                      [this](SimState::ConstSharedPtr truth) { pass(*truth); });
+    truth_.emplace(*this, *states_, [this]() -> rosflight_common::WhileRead::Subscriptions {
+      return {
+          create_subscription<SimState>("sim/truth_state", rclcpp::QoS(1),
+                                        [this](SimState::ConstSharedPtr truth) { pass(*truth); })};
+    });
   }
 
  private:
@@ -43,7 +46,7 @@ class SimStateTranscriber : public rclcpp::Node {
   }
 
   rclcpp::Publisher<State>::SharedPtr states_;
-  rclcpp::Subscription<SimState>::SharedPtr truth_;
+  std::optional<rosflight_common::WhileRead> truth_;
 };
 
 }  // namespace

@@ -295,6 +295,17 @@ def test_the_transcribers_copy(peer):
         assert copy.psi == pytest.approx(math.pi / 2) and copy.initial_lat == 0.0 and stamp_ns(copy) == START_NS
 
 
+def test_the_truth_is_subscribed_to_while_somebody_reads_its_copy(peer):
+    truth = peer.publisher(SimState, "sim/truth_state")
+    with copter("sim_state_transcriber"):
+        peer.poll(lambda: peer.node.count_publishers("sim/roscopter/state") == 1, "the node's topic")
+        for _ in range(2):
+            peer.poll(lambda: truth.get_subscription_count() == 0, "an end of the subscription")
+            reader = peer.node.create_subscription(State, "sim/roscopter/state", lambda state: None, 1)
+            peer.poll(lambda: truth.get_subscription_count() == 1, "the subscription")
+            peer.node.destroy_subscription(reader)
+
+
 def test_waypoints_are_shown_in_rviz_until_they_are_cleared(peer):
     waypoints = peer.publisher(Waypoint, "waypoints", LATCHED)
     for north in (1.0, 5.0):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from diagnostic_msgs.msg import DiagnosticArray
 from ros_rig import table, table_size, wait_for
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
@@ -45,7 +46,9 @@ def test_changed_parameters_are_announced_and_writing_settles_them(rig):
     wait_for(lambda: unsaved[-1][1].data, "unsaved")
     answer = rig.peer.call(Trigger, "param_write")
     assert answer.success, answer.message
-    wait_for(lambda: not unsaved[-1][1].data, "saved", lambda: [message.data for _, message in unsaved])
+    reports = rig.peer.listen(DiagnosticArray, "/diagnostics")
+    wait_for(lambda: not unsaved[-1][1].data, "saved",
+             lambda: f"{[message.data for _, message in unsaved]}, the node says {reports[-1:]}, {rig.io.lines[-20:]}")
 
 
 def test_file_of_all_parameters_and_back(rig):

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <chrono>
+#include <list>
+#include <memory>
+#include <optional>
 #include <std_srvs/srv/trigger.hpp>
 
 #include "rosflight_common/component.hpp"
@@ -18,7 +21,7 @@ using std::chrono::steady_clock;
 ///
 /// One step at a time. A tick that comes before the step has been answered is made up for as soon
 /// as it is; more than one are skipped, counted and said. An answer that does not come within
-/// service_result_timeout_ms is waited for no longer.
+/// service_result_timeout_ms is waited for no longer. No callback waits, so one thread does all.
 class SilManager : public rclcpp::Node {
  public:
   explicit SilManager(const rclcpp::NodeOptions& options) : Node("rosflight_sil_manager", options) {
@@ -31,13 +34,14 @@ class SilManager : public rclcpp::Node {
                         "maximum time that take_sim_step waits for the service sil_board/run [ms]");
     result_ms_ = declare_integer(*this, "service_result_timeout_ms", 500, 1, 10'000,
                                  "maximum duration of a step [ms]");
-    steps_ = create_callback_group(rclcpp::CallbackGroupType::MutuallyExclusive);
-    client_ = client_in_group<Trigger>(*this, "sil_board/run", steps_);
-    by_hand_ = client_in_group<Trigger>(*this, "sil_board/run", steps_);
+    client_ = create_client<Trigger>("sil_board/run");
+    by_hand_ = create_client<Trigger>("sil_board/run");
     service_ = create_service<Trigger>(
         "rosflight_sil/take_sim_step",
-        [this](const std::shared_ptr<Trigger::Request>, std::shared_ptr<Trigger::Response> answer) {
-          take_step(*answer);
+        [this](std::shared_ptr<rclcpp::Service<Trigger>>, std::shared_ptr<rmw_request_id_t> caller,
+               std::shared_ptr<Trigger::Request>) {
+          asked_by_hand_.push_back({std::move(caller), steady_clock::now(), std::nullopt});
+          look_after_steps_by_hand();
         });
     changes_ = on_change(*this, [this](const rclcpp::Parameter& p) {
       if (p.get_name() != "simulation_loop_frequency") return;
@@ -52,7 +56,7 @@ class SilManager : public rclcpp::Node {
   void start() {
     const rclcpp::Duration period(
         std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / frequency_Hz_)));
-    timer_ = rclcpp::create_timer(this, get_clock(), period, [this] { tick(); }, steps_);
+    timer_ = rclcpp::create_timer(this, get_clock(), period, [this] { tick(); });
   }
 
   void tick() {
@@ -100,43 +104,77 @@ class SilManager : public rclcpp::Node {
     ticks_ = skipped_ = 0;
   }
 
-  /// A caller waits for the end of the step, in a thread of its own.
-  void take_step(Trigger::Response& answer) {
+  /// A caller of take_sim_step, who gets the answer of the board.
+  struct StepByHand {
+    std::shared_ptr<rmw_request_id_t> caller;
+    steady_clock::time_point since;          ///< When it was asked for, then when the board was.
+    std::optional<std::int64_t> request_id;  ///< What the board was asked, once it was.
+  };
+  using StepsByHand = std::list<StepByHand>;
+
+  /// Asks the board as soon as it is there, and gives up what takes too long; looks again while there are any.
+  void look_after_steps_by_hand() {
+    constexpr milliseconds kLookAgain{10};
+    const auto now = steady_clock::now();
+    for (auto step = asked_by_hand_.begin(); step != asked_by_hand_.end();) {
+      const auto present = step++;
+      if (!present->request_id && by_hand_->service_is_ready()) {
+        ask_by_hand(present, now);
+      } else if (!present->request_id && now - present->since > milliseconds(exists_ms_)) {
+        answer_failed(present, "found no service sil_board/run, allowed with the board running");
+      } else if (present->request_id && now - present->since > milliseconds(result_ms_)) {
+        by_hand_->remove_pending_request(*present->request_id);
+        answer_failed(present, "found no answer of sil_board/run in time");
+      }
+    }
+    if (asked_by_hand_.empty()) {
+      look_again_.reset();
+    } else if (!look_again_) {
+      look_again_ = create_wall_timer(kLookAgain, [this] { look_after_steps_by_hand(); });
+    }
+  }
+
+  void ask_by_hand(StepsByHand::iterator step, steady_clock::time_point now) {
+    step->since = now;
+    step->request_id =
+        by_hand_
+            ->async_send_request(std::make_shared<Trigger::Request>(),
+                                 [this, step](rclcpp::Client<Trigger>::SharedFuture answer) {
+                                   service_->send_response(*step->caller, *answer.get());
+                                   asked_by_hand_.erase(step);
+                                 })
+            .request_id;
+  }
+
+  void answer_failed(StepsByHand::iterator step, const char* why) {
+    Trigger::Response answer;
     answer.success = false;
-    if (!by_hand_->wait_for_service(milliseconds(exists_ms_))) {
-      answer.message = "found no service sil_board/run, allowed with the board running";
-      return;
-    }
-    auto future = by_hand_->async_send_request(std::make_shared<Trigger::Request>());
-    if (future.wait_for(milliseconds(result_ms_)) != std::future_status::ready) {
-      by_hand_->remove_pending_request(future);
-      answer.message = "found no answer of sil_board/run in time";
-      return;
-    }
-    answer = *future.get();
+    answer.message = why;
+    service_->send_response(*step->caller, answer);
+    asked_by_hand_.erase(step);
   }
 
   double frequency_Hz_{};
   std::int64_t exists_ms_{};
   std::int64_t result_ms_{};
-  bool busy_{false};  ///< With the members below: of the group of steps, one callback at a time.
-  bool due_{false};   ///< A tick came while busy.
+  bool busy_{false};           ///< A step has been asked for and not been answered.
+  bool due_{false};            ///< A tick came while busy.
   bool board_answers_{false};  ///< Then it is not looked for: that walks through all topics of ROS.
   steady_clock::time_point asked_;
   std::uint64_t number_{0};
   std::uint64_t ticks_{0};
   std::uint64_t skipped_{0};
   steady_clock::time_point report_from_;
-  rclcpp::CallbackGroup::SharedPtr steps_;
   rclcpp::Client<Trigger>::SharedPtr client_;
   rclcpp::Client<Trigger>::SharedPtr by_hand_;
   rclcpp::Service<Trigger>::SharedPtr service_;
   rclcpp::TimerBase::SharedPtr timer_;
+  StepsByHand asked_by_hand_;
+  rclcpp::TimerBase::SharedPtr look_again_;  ///< While there are any.
   rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr changes_;
 };
 
 }  // namespace
 }  // namespace rosflight_sim
 
-ROSFLIGHT_WAITS_IN_CALLBACKS
-ROSFLIGHT_NODE(rosflight_sim::SilManager, MultiThreadedExecutor)
+ROSFLIGHT_NODE(rosflight_sim::SilManager, SingleThreadedExecutor)

@@ -92,6 +92,8 @@ class TimeManager : public rclcpp::Node {
   /// A pace that nobody holds must not keep services and parameters waiting.
   static constexpr auto kMaxTick = std::chrono::milliseconds(2);
   static constexpr auto kSayAgain = std::chrono::milliseconds(20);
+  /// Between two looks at what time waits for, at most: it may have been given up, or its message lost.
+  static constexpr auto kLook = std::chrono::milliseconds(2);
   static constexpr double kHeld = 0.98;  ///< Fraction of the factor that counts as held.
 
   /// In a process whose nodes follow another clock (-r /clock:=...), this one still publishes /clock.
@@ -112,13 +114,27 @@ class TimeManager : public rclcpp::Node {
     judge_from_ = steady_clock::now();
     judge_time_ns_ = time_ns_;
     timer_.reset();
+    look_.reset();
     if (paused_) {  // for nodes that come now, and if a message was lost
-      timer_ = create_wall_timer(kSayAgain, [this] { advance(0.0); });
+      look_ = create_wall_timer(kSayAgain, [this] { advance(0.0); });
       return;
     }
     ticks_are_followed_ = pace().tick_ns > 0;
     timer_ = create_wall_timer(ticks_are_followed_ ? wall_period() / kCatchUp : wall_period(),
                                [this] { tick(); });
+    look_ = create_wall_timer(kLook, [this] { tick(); });
+  }
+
+  /// What time waits for calls tick() when it comes: until then a timer of 25 us, at 100 times real time, would only keep a
+  /// processor busy. Not where ticks are followed: how long they stand is seen by looking.
+  void rest() {
+    const bool rests = waiting_ && !ticks_are_followed_;
+    if (rests == timer_->is_canceled()) return;
+    if (rests) {
+      timer_->cancel();
+    } else {
+      timer_->reset();
+    }
   }
 
   void set_paused(bool paused) {
@@ -227,6 +243,7 @@ class TimeManager : public rclcpp::Node {
     }
     if (moved || ticks_end_ns_ != WaitedTopics::kNoEnd) publish_ticks();
     judge(now);
+    rest();
   }
 
   void judge(steady_clock::time_point now) {
@@ -274,7 +291,8 @@ class TimeManager : public rclcpp::Node {
   rclcpp::Service<std_srvs::srv::Trigger>::SharedPtr pause_;
   rclcpp::Service<std_srvs::srv::Trigger>::SharedPtr take_step_;
   rclcpp::Subscription<rosflight_msgs::msg::SimState>::SharedPtr truth_;
-  rclcpp::TimerBase::SharedPtr timer_;
+  rclcpp::TimerBase::SharedPtr timer_;  ///< Makes the steps.
+  rclcpp::TimerBase::SharedPtr look_;   ///< Slower, also while time waits or is paused.
   rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr changes_;
   std::optional<FineTicks> fine_;  ///< The last member: its thread uses the others.
 };

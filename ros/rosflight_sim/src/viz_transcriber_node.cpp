@@ -42,7 +42,7 @@ class VizTranscriber : public rclcpp::Node {
       if (p.get_name() == "max_path_history") max_path_ = p.as_int();
     });
     publish_fixed_frames();
-    publish_mesh(now());
+    publish_mesh(newest_);
     truth_ = create_subscription<rosflight_msgs::msg::SimState>(
         "sim/truth_state", rclcpp::QoS(rclcpp::KeepLast(10)).reliable(),
         [this](rosflight_msgs::msg::SimState::ConstSharedPtr message) { show(*message); });
@@ -52,6 +52,8 @@ class VizTranscriber : public rclcpp::Node {
   static constexpr std::uint64_t kPoseEvery = 8;  ///< 50 Hz of 400
   static constexpr std::uint64_t kMeshEvery =
       400;  ///< the frame moves the mesh; 1 Hz for late eyes
+  /// Stamp of what holds at any time (0 in tf2 and RViz). All others are those of the truth, so this node needs no clock.
+  const builtin_interfaces::msg::Time newest_{};
 
   geometry_msgs::msg::TransformStamped transform(const builtin_interfaces::msg::Time& stamp,
                                                  const std::string& parent,
@@ -66,13 +68,13 @@ class VizTranscriber : public rclcpp::Node {
   void publish_fixed_frames() {
     TFMessage message;
     if (!prefix_.empty()) {  // the trees of all vehicles have one root
-      auto t = transform(now(), "", "map");
+      auto t = transform(newest_, "", "map");
       t.header.frame_id = "map";
       t.transform.rotation.w = 1.0;
       message.transforms.push_back(t);
     }
     for (const FrameEdge& edge : fixed_frames()) {
-      auto t = transform(now(), edge.parent, edge.child);
+      auto t = transform(newest_, edge.parent, edge.child);
       t.transform.rotation.w = edge.rotation.w();
       t.transform.rotation.x = edge.rotation.x();
       t.transform.rotation.y = edge.rotation.y();

@@ -457,6 +457,23 @@ def test_manager_steps_by_hand(peer):
             assert run.count == count
 
 
+def test_manager_answers_for_a_board_that_takes_too_long(peer):
+    limit_s = 0.2
+
+    def late(_, response):
+        time.sleep(5 * limit_s)
+        response.success = True
+        return response
+    with node("rosflight_sil_manager", use_timer="false", service_result_timeout_ms=int(1e3 * limit_s)), SimPeer("board") as board:
+        board.node.create_service(Trigger, "sil_board/run", late)
+
+        def step():
+            return peer.call(Trigger, "rosflight_sil/take_sim_step")
+        peer.poll(lambda: "found no service" not in step().message, "the board")
+        answer = step()
+        assert not answer.success and answer.message == "found no answer of sil_board/run in time"
+
+
 def test_manager_steps_at_its_rate_in_simulated_time(peer):
     with node("rosflight_sil_manager", use_sim_time="true"):
         run = Run(peer)

@@ -3,6 +3,7 @@
 
 import csv
 import math
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -101,12 +102,29 @@ def test_a_module_can_be_left_out(argument, node, composed):
     assert everything - without == {node}
 
 
-def test_simulated_time_starts_a_time_manager_and_reaches_all():
-    nodes = nodes_of(plan("multirotor_standalone", use_sim_time="true", real_time_multiplier=2))
+@pytest.mark.parametrize("composed, without", [
+    ("true", set()), ("false", {"multirotor_forces_and_moments", "standalone_sensors", "standalone_viz_transcriber"})])
+def test_simulated_time_starts_a_time_manager_and_reaches_all_that_read_a_clock(composed, without):
+    nodes = nodes_of(plan("multirotor_standalone", composed=composed, use_sim_time="true", real_time_multiplier=2))
     values = {name: node.parameters for name, node in nodes.items()}
     manager = values.pop("standalone_time_manager")
     assert manager["real_time_multiplier"] == 2
-    assert all(value["use_sim_time"] is True for value in values.values())
+    assert {name for name, value in values.items() if "use_sim_time" not in value} == without
+    assert all(value["use_sim_time"] is True for name, value in values.items() if name not in without)
+
+
+WITHOUT_CLOCK = {
+    "rosflight_sim": ["forces_node", "forces_and_moments_interface", "sensors_node", "sensor_interface", "viz_transcriber_node"],
+    "roscopter": ["sim_state_transcriber_node", "ext_att_transcriber_node", "path_manager_node", "rviz_waypoint_publisher_node"],
+    "rosplane": ["sim_state_transcriber_node", "rviz_waypoint_publisher_node"]}
+
+
+def test_nodes_that_are_given_no_clock_look_at_none():
+    """Each message costs a process two wake-ups: what needs no time is not given it by the launch files."""
+    for package, sources in WITHOUT_CLOCK.items():
+        for source in sources:
+            text = (ROOT / f"ros/{package}/src/{source}.cpp").read_text()
+            assert not re.search(r"\bnow\(\)|create_timer\(|received_at\(", text), source
 
 
 @pytest.mark.parametrize("composed", ["true", "false"])

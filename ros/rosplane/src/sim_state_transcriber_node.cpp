@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <geometry_msgs/msg/vector3_stamped.hpp>
+#include <optional>
 #include <rosflight_msgs/msg/sim_state.hpp>
 #include <sensor_msgs/msg/imu.hpp>
 
 #include "rosflight_common/component.hpp"
 #include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/vehicle_file.hpp"
+#include "rosflight_common/while_read.hpp"
 #include "rosplane/conversions.hpp"
 
 namespace rosplane {
@@ -19,7 +21,7 @@ using rosplane_msgs::msg::State;
 using sensor_msgs::msg::Imu;
 
 /// The simulator's truth as a State, with the origin of the vehicle file. For comparing, and for
-/// tuning without an estimator.
+/// tuning without an estimator; stamps are those of the truth, so no clock is needed.
 class SimStateTranscriber : public rclcpp::Node {
  public:
   explicit SimStateTranscriber(const rclcpp::NodeOptions& options)
@@ -27,21 +29,26 @@ class SimStateTranscriber : public rclcpp::Node {
     origin_ =
         rosflight_common::VehicleFile::declare(*this, kUsualVehicle).read().environment().origin;
     states_ = create_publisher<State>("sim/rosplane/state", rclcpp::QoS(1));
-    winds_ = create_subscription<Vector3Stamped>(
-        "sim/truth_wind", rclcpp::QoS(1), [this](Vector3Stamped::ConstSharedPtr m) {
-          state_.wind_W = {m->vector.x, m->vector.y, m->vector.z};
-        });
-    biases_ = create_subscription<Imu>("sim/truth_imu_bias", rclcpp::QoS(1),
-                                       [this](Imu::ConstSharedPtr m) {
-                                         const auto& b = m->angular_velocity;
-                                         state_.gyro_bias_B = {b.x, b.y, b.z};
-                                       });
-    truth_ =
-        create_subscription<SimState>("sim/truth_state", rclcpp::QoS(1),
-                                      [this](SimState::ConstSharedPtr truth) { pass(*truth); });
+    truth_.emplace(*this, *states_, [this] { return subscribe(); });
   }
 
  private:
+  rosflight_common::WhileRead::Subscriptions subscribe() {
+    return {
+        create_subscription<Vector3Stamped>("sim/truth_wind", rclcpp::QoS(1),
+                                            [this](Vector3Stamped::ConstSharedPtr m) {
+                                              state_.wind_W = {m->vector.x, m->vector.y,
+                                                               m->vector.z};
+                                            }),
+        create_subscription<Imu>("sim/truth_imu_bias", rclcpp::QoS(1),
+                                 [this](Imu::ConstSharedPtr m) {
+                                   const auto& b = m->angular_velocity;
+                                   state_.gyro_bias_B = {b.x, b.y, b.z};
+                                 }),
+        create_subscription<SimState>("sim/truth_state", rclcpp::QoS(1),
+                                      [this](SimState::ConstSharedPtr truth) { pass(*truth); })};
+  }
+
   void pass(const SimState& truth) {
     const auto& p = truth.pose.position;
     const auto& q = truth.pose.orientation;
@@ -73,9 +80,7 @@ class SimStateTranscriber : public rclcpp::Node {
   autonomy::Geodetic origin_{};
   autonomy::StateEstimate state_{};
   rclcpp::Publisher<State>::SharedPtr states_;
-  rclcpp::Subscription<SimState>::SharedPtr truth_;
-  rclcpp::Subscription<Vector3Stamped>::SharedPtr winds_;
-  rclcpp::Subscription<Imu>::SharedPtr biases_;
+  std::optional<rosflight_common::WhileRead> truth_;
 };
 
 }  // namespace

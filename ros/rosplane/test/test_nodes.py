@@ -6,6 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from geometry_msgs.msg import Vector3Stamped
 from plane_rig import NODES, VEHICLE, WITHOUT_VEHICLE, falls_silent, now_ns, start, state
 from ros_rig import ROOT, TIMEOUT_S
 from rosflight_msgs.msg import Airspeed, Barometer, Command, GNSS, RCRaw, SimState, Status
@@ -333,6 +334,21 @@ def test_truth_becomes_a_state(peer):
         assert out.psi == pytest.approx(math.radians(30.0), abs=1e-6) and out.chi == pytest.approx(out.psi, abs=1e-6)
         assert out.va == pytest.approx(math.hypot(15.0, 1.5)) and out.alpha == pytest.approx(math.atan2(1.5, 15.0))
         assert (out.initial_lat, out.initial_alt) == (40.2463724, 1387.0)  # of the vehicle file
+
+
+def test_the_truth_is_subscribed_to_while_somebody_reads_its_copy(peer):
+    publishers = [peer.publisher(kind, f"sim/truth_{name}")
+                  for kind, name in ((SimState, "state"), (Vector3Stamped, "wind"), (Imu, "imu_bias"))]
+
+    def counts():
+        return {publisher.get_subscription_count() for publisher in publishers}
+    with start("sim_state_transcriber"):
+        peer.poll(lambda: peer.node.count_publishers("sim/rosplane/state") == 1, "the node's topic")
+        for _ in range(2):
+            peer.poll(lambda: counts() == {0}, "an end of the subscriptions")
+            reader = peer.node.create_subscription(State, "sim/rosplane/state", lambda state: None, 1)
+            peer.poll(lambda: counts() == {1}, "the subscriptions")
+            peer.node.destroy_subscription(reader)
 
 
 def test_signal_generator_puts_its_signal_on_one_command(peer):

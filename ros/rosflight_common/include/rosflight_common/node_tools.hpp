@@ -119,20 +119,6 @@ inline rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr on_chan
       });
 }
 
-/// A client whose answers come in a callback group of its own. Humble and later distributions
-/// disagree on the type of the argument in the middle.
-template <class Service, class NodeType>
-typename rclcpp::Client<Service>::SharedPtr client_in_group(
-    NodeType& node, const std::string& name, rclcpp::CallbackGroup::SharedPtr group) {
-  if constexpr (requires {
-                  node.template create_client<Service>(name, rclcpp::ServicesQoS(), group);
-                }) {
-    return node.template create_client<Service>(name, rclcpp::ServicesQoS(), group);
-  } else {
-    return node.template create_client<Service>(name, rmw_qos_profile_services_default, group);
-  }
-}
-
 /// What went wrong in one line: without the places in the sources of ROS that rcl adds.
 inline std::string one_line(const std::string& text) {
   std::string line = text.substr(0, std::min(text.find(", at /"), text.find('\n')));

@@ -61,8 +61,7 @@ class WaypointMarkers : public rclcpp::Node {
   }
 
   Marker marker_of(int type, const char* name, double scale) const {
-    Marker marker;
-    marker.header.stamp = now();
+    Marker marker;  // stamp 0: waypoints stay, RViz shows them at any time
     marker.header.frame_id = "NED";
     marker.ns = name;
     marker.type = type;

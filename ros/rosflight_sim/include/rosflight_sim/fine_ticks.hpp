@@ -78,6 +78,7 @@ class FineTicks {
   void set(const Step& step) {
     {
       const std::lock_guard lock{mutex_};
+      if (step_.tick_ns == 0 && step.tick_ns == 0) return;  // nothing to wake the thread for
       step_ = step;
       ++number_;
     }
