@@ -112,20 +112,12 @@ class Simulation::Moment {
         faults_{loop.faults},
         sensors_{loop.sensors},
         pilot_{loop.pilot},
-        cable_{loop.cable.cable()},
-        cable_time_{loop.cable.time()},
-        link_noise_{loop.link_noise},
         broken_down_{loop.broken_down},
         autopilot_{loop.autopilot.save()},
         board_codec_{loop.board_codec},
         board_codec_state_{*loop.board_codec},
-        linked_{loop.linked},
-        codec_{loop.codec},
-        session_{loop.codec, loop.autopilot.link(), companion::Session::Options{}},
-        estimator_{loop.estimator->save()},
-        lock_step_{loop.lock_step} {
-    session_.copy_state_of(loop.session);
-  }
+        link_{loop.linked ? std::make_unique<const Link>(loop) : nullptr},
+        lock_step_{loop.lock_step} {}
 
   const Loop* owner() const { return owner_; }
 
@@ -136,16 +128,11 @@ class Simulation::Moment {
     heal(*loop.forces);
     replace(loop.sensors, sensors_);
     loop.pilot = pilot_;
-    loop.cable.cable() = cable_;
-    loop.cable.set_time(cable_time_);
-    loop.link_noise = link_noise_;
     loop.broken_down = broken_down_;
     loop.autopilot.restore(autopilot_);
     restore_codec(loop);
-    loop.linked = linked_;
-    loop.codec = codec_;
-    loop.session.copy_state_of(session_);
-    loop.estimator->restore(estimator_);
+    loop.linked = link_ != nullptr;
+    if (link_ != nullptr) link_->restore(loop);
     replace(loop.lock_step, lock_step_);
   }
 
@@ -157,6 +144,36 @@ class Simulation::Moment {
   }
 
  private:
+  /// Cable and companion: a large part of a moment.
+  class Link {
+   public:
+    explicit Link(Loop& loop)
+        : cable_{loop.cable.cable()},
+          time_{loop.cable.time()},
+          noise_{loop.link_noise},
+          codec_{loop.codec},
+          session_{loop.codec, loop.autopilot.link(), companion::Session::Options{}},
+          estimator_{loop.estimator->save()} {
+      session_.copy_state_of(loop.session);
+    }
+    void restore(Loop& loop) const {
+      loop.cable.cable() = cable_;
+      loop.cable.set_time(time_);
+      loop.link_noise = noise_;
+      loop.codec = codec_;
+      loop.session.copy_state_of(session_);
+      loop.estimator->restore(estimator_);
+    }
+
+   private:
+    sim::SerialCable cable_;
+    sim::Time time_;
+    double noise_;
+    link::DetectingCodec codec_;
+    companion::Session session_;  ///< Is never stepped.
+    LinkStateEstimator::Moment estimator_;
+  };
+
   void restore_codec(Loop& loop) const {
     loop.board_codec = board_codec_;
     *board_codec_ = board_codec_state_;
@@ -168,17 +185,11 @@ class Simulation::Moment {
   sim::FaultSchedule faults_;
   sim::FaultySensors sensors_;
   sim::rc::Pilot pilot_;
-  sim::SerialCable cable_;
-  sim::Time cable_time_;
-  double link_noise_;
   std::array<bool, 2> broken_down_;
   InProcessAutopilot::Moment autopilot_;
   std::shared_ptr<QuietCodec> board_codec_;  ///< The same object.
   QuietCodec board_codec_state_;
-  bool linked_;
-  link::DetectingCodec codec_;
-  companion::Session session_;  ///< Is never stepped.
-  LinkStateEstimator::Moment estimator_;
+  std::unique_ptr<const Link> link_;  ///< nullptr: there was none.
   sim::LockStep lock_step_;
 };
 

@@ -235,3 +235,19 @@ def test_without_gymnasium_the_package_works():
     script = "import sys; sys.modules['gymnasium'] = None; import rosflight; print(rosflight.vehicles()[0])"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+def test_a_vehicle_takes_200_kb():
+    """By the resident memory of a process of its own, after one set has been made."""
+    measure = """if True:
+        from pathlib import Path
+        from rosflight.gym import FlightVectorEnv
+        def made(count):
+            envs = FlightVectorEnv(count)
+            envs.reset(seed=1)
+            return envs, 4096 * int(Path("/proc/self/statm").read_text().split()[1])
+        first, before = made(4)
+        second, after = made(256)
+        print((after - before) / 256)
+    """
+    assert float(subprocess.run([sys.executable, "-c", measure], capture_output=True, text=True, check=True).stdout) <= 200e3
