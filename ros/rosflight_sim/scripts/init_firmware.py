@@ -24,66 +24,74 @@ from rosflight_msgs.srv import ParamFile
 from std_srvs.srv import Trigger
 
 TIMEOUT_S = 60.0
-TRY_AGAIN_S = 0.5
 SAY_AGAIN_S = 10.0
 
 
-def call(node, kind, name, **fields):
-    """The answer of a service, waited for."""
-    client = node.create_client(kind, name)
-    if not client.wait_for_service(timeout_sec=TIMEOUT_S):
-        raise RuntimeError(f"{name}: found no such service, allowed with rosflight_io running")
-    future = client.call_async(kind.Request(**fields))
-    rclpy.spin_until_future_complete(node, future, timeout_sec=TIMEOUT_S)
-    if not future.done():
-        raise RuntimeError(f"{name}: no answer in {TIMEOUT_S:.0f} s")
-    node.destroy_client(client)
-    return future.result()
-
-
-def demand(node, kind, name, **fields):
-    answer = call(node, kind, name, **fields)
-    text = getattr(answer, "message", "")
-    node.get_logger().debug(f"{name}: {'done' if answer.success else 'failed'} {text}")
-    if not answer.success:
-        raise RuntimeError(f"{name} failed {text}")
-
-
-def initialise(node, file):
-    end = time.monotonic() + TIMEOUT_S
-    while not call(node, Trigger, "all_params_received").success:
-        if time.monotonic() > end:
-            raise RuntimeError("the firmware's parameters have not arrived")
-        time.sleep(TRY_AGAIN_S)
-    demand(node, ParamFile, "param_load_from_file", filename=file)
-    demand(node, Trigger, "calibrate_imu")
-    demand(node, Trigger, "param_write")
-    node.get_logger().info("parameters loaded, IMU calibrated, all stored")
-
-
 class Vehicle:
-    """What the flight controller says of itself, and the pilot's switches."""
+    """The flight controller by its status and the services of rosflight_io and of the simulated pilot.
 
+    Times to wait are the flight controller's, by the stamps of its status: in simulated time a busy machine makes it slow. They are the
+    wall's since the last status while none comes.
+    """
+
+    SERVICES = {"all_params_received": Trigger, "param_load_from_file": ParamFile, "calibrate_imu": Trigger, "param_write": Trigger,
+                "toggle_arm": Trigger, "toggle_override": Trigger}
     PILOT_HOLDS = Status.OVERRIDE_ATT_SWITCH | Status.OVERRIDE_THR_SWITCH
     FOLLOWS_S = 5.0
     TRIES = 5  # odd: each turns the switch over
 
     def __init__(self, node):
-        self.node, self.status = node, None
+        self.node, self.status, self.last_s = node, None, time.monotonic()
         node.create_subscription(Status, "status", self.on_status, 1)
+        # All now: rmw_fastrtps drops the answer to a client that the server has known for too short a time.
+        self.clients = {name: node.create_client(kind, name) for name, kind in self.SERVICES.items()}
 
     def on_status(self, message):
-        self.status = message
+        self.status, self.last_s = message, time.monotonic()
+
+    def within(self, seconds, done):
+        """Whether it is done within the time."""
+        start, self.last_s = None, time.monotonic()
+        while not done():
+            rclpy.spin_once(self.node, timeout_sec=0.1)
+            now = self.status and self.status.header.stamp.sec + 1e-9 * self.status.header.stamp.nanosec
+            if start is None or now < start:  # it may have been started again
+                start = now
+            if start is not None and now - start > seconds or time.monotonic() - self.last_s > seconds:
+                return False
+        return True
+
+    def call(self, name, **fields):
+        """The answer of a service. One that has not come after half of the time is asked for once more: it may have been dropped."""
+        client = self.clients[name]
+        if not client.wait_for_service(timeout_sec=TIMEOUT_S):
+            raise RuntimeError(f"{name}: found no such service, allowed with rosflight_io running")
+        futures = []
+        for _ in range(2):
+            futures.append(client.call_async(client.srv_type.Request(**fields)))
+            if self.within(TIMEOUT_S / 2, lambda: any(future.done() for future in futures)):
+                return next(future.result() for future in futures if future.done())
+        raise RuntimeError(f"{name}: no answer in {TIMEOUT_S:.0f} s")
+
+    def demand(self, name, **fields):
+        answer = self.call(name, **fields)
+        text = getattr(answer, "message", "")
+        self.node.get_logger().debug(f"{name}: {'done' if answer.success else 'failed'} {text}")
+        if not answer.success:
+            raise RuntimeError(f"{name} failed {text}")
+
+    def initialise(self, file):
+        if not self.within(TIMEOUT_S, lambda: self.call("all_params_received").success):
+            raise RuntimeError("the firmware's parameters have not arrived")
+        self.demand("param_load_from_file", filename=file)
+        self.demand("calibrate_imu")
+        self.demand("param_write")
+        self.node.get_logger().info("parameters loaded, IMU calibrated, all stored")
 
     def becomes(self, condition, seconds):
         """Whether a status that comes now fulfils the condition within the time."""
-        end = time.monotonic() + seconds
         self.status = None
-        while time.monotonic() < end:
-            rclpy.spin_once(self.node, timeout_sec=0.1)
-            if self.status is not None and condition(self.status):
-                return True
-        return False
+        return self.within(seconds, lambda: self.status is not None and condition(self.status))
 
     def wait(self):
         """As long as it takes; says now and then what it waits for."""
@@ -99,7 +107,7 @@ class Vehicle:
     def switch(self, service, condition, text):
         """Flips a switch of the pilot until the flight controller follows: it does not arm with the throttle up, or errors."""
         for _ in range(self.TRIES):
-            call(self.node, Trigger, service)
+            self.call(service)
             if self.becomes(condition, self.FOLLOWS_S):
                 self.node.get_logger().info(text)
                 return
@@ -133,9 +141,10 @@ def run(file, then):
     rclpy.init()
     node = rclpy.create_node("init_firmware")
     try:
-        initialise(node, file)
+        vehicle = Vehicle(node)
+        vehicle.initialise(file)
         if then:
-            getattr(Vehicle(node), then[0].removeprefix("--"))()
+            getattr(vehicle, then[0].removeprefix("--"))()
     except RuntimeError as why:
         node.get_logger().error(str(why))
         return 1

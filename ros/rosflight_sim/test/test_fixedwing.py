@@ -152,7 +152,7 @@ def test_a_fixed_wing_flies_in_the_launched_simulator(tmp_path):
                                           **ports) as world:
         world.until("ready: ")
         with launch("rosflight_sim", "fixedwing_init_firmware.launch.py") as init:
-            assert init.end() == 0, init.text()
+            assert init.end() == 0, init.text() + world.text()
         status, hands = peer.listen(Status, "status"), Hands(peer)
         peer.wait(lambda: status and hands.flown, "the world")
         assert peer.call(Trigger, "toggle_arm").success

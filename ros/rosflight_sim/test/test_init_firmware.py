@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A launch file that sets the firmware up: `ready:` comes when the vehicle can be armed. `--fly` is flown in test_launch.py."""
 
+import contextlib
+import threading
+
 import pytest
 from ros_rig import ROOT, free_udp_port
 from rosflight_msgs.msg import Status
+from rosflight_msgs.srv import ParamFile
 from sim_rig import Process, SimPeer, executable, launch
 from std_srvs.srv import Trigger
 
@@ -27,6 +31,49 @@ def test_ready_means_that_the_vehicle_can_be_armed(tmp_path):
         assert said.index("[init_firmware] not ready: ") < said.index("all stored") < said.index("\nready: 9 nodes in "), said
         assert watcher.call(Trigger, "toggle_arm").success
         watcher.wait(lambda: status and status[-1].armed, "being armed at the first try")
+
+
+@contextlib.contextmanager
+def flight_controller(peer, answers_after_s):
+    """A flight controller and its I/O node that calibrate as slowly as that, in its time: a second in 10 ms of the wall."""
+    status, ended, now = peer.publisher(Status, "status"), threading.Event(), [0]
+
+    def run():
+        while not ended.wait(0.01):
+            now[0] += 1
+            message = Status()
+            message.header.stamp.sec = now[0]
+            status.publish(message)
+
+    def good(_, answer):
+        answer.success = True
+        return answer
+
+    def calibrate(_, answer):
+        start = now[0]
+        while now[0] < start + answers_after_s and not ended.wait(0.01):
+            pass
+        return good(_, answer)
+    services = [peer.node.create_service(Trigger, name, good) for name in ("all_params_received", "param_write")]
+    services += [peer.node.create_service(ParamFile, "param_load_from_file", good), peer.node.create_service(Trigger, "calibrate_imu", calibrate)]
+    thread = threading.Thread(target=run)
+    thread.start()
+    try:
+        yield now
+    finally:
+        ended.set()
+        thread.join()
+
+
+@pytest.mark.parametrize("answers_after_s, code, text", [(50, 0, "all stored"), (10_000, 1, "calibrate_imu: no answer in 60 s")])
+def test_times_to_wait_are_those_of_the_flight_controller(tmp_path, answers_after_s, code, text):
+    """An answer after half of the time is the first request's, and good."""
+    with SimPeer("board") as peer, flight_controller(peer, answers_after_s) as now, \
+            Process(executable("rosflight_sim", "init_firmware"), tmp_path / "any.yaml") as process:
+        start = now[0]
+        assert process.end() == code, process.text()
+        assert text in process.text()
+        assert now[0] - start < 60 * 100  # not a minute of the wall
 
 
 @pytest.mark.parametrize("words", [["--vehicle"], ["a.yaml", "--wait", "--fly"], ["a.yaml", "b.yaml"]])
