@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Union
 
@@ -117,6 +117,8 @@ class Simulation:
         self.estimate = Estimate(*_parts(self._core.estimate, 3, 3, 4, 3, 3, 3, 3))
         self.outputs: Array = self._core.outputs  #: The fourteen outputs of the firmware, 0 to 1. A view.
         self.parameters = Parameters(self._core)
+        self._calls: list[tuple[int, Callable[[Simulation], object]]] = []  # periods in steps
+        self._calling = False
         if start:
             self.start()
 
@@ -126,7 +128,38 @@ class Simulation:
 
     def step(self, n: int = 1) -> None:
         """Advances by n steps of 2.5 ms."""
-        self._core.step(arguments.whole("step", n, 0, 2**40))
+        left = arguments.whole("step", n, 0, 2**40)
+        if left and self._calling:
+            raise SimulationError("step: found a call by a function of every(), allowed from outside")
+        while left and self._calls:
+            now = round(self.time_s * STEPS_PER_SECOND)
+            self._calling = True
+            try:
+                for period, call in list(self._calls):
+                    if now % period == 0:
+                        call(self)
+            finally:
+                self._calling = False
+            until_next = min((period - now % period for period, _ in self._calls), default=left)
+            self._core.step(min(left, until_next))
+            left -= min(left, until_next)
+        self._core.step(left)
+
+    def every(self, seconds: Number, call: Callable[[Simulation], object]) -> Callable[[], None]:
+        """From now on `call(self)` before each step that begins at a multiple of this time: a controller or an estimator of your own.
+
+        @returns a function that ends it. What `call` raises ends step() or run(); the simulation can go on.
+        """
+        period = round(arguments.at_least("every", seconds, 1 / STEPS_PER_SECOND) * STEPS_PER_SECOND)
+        if not callable(call):
+            raise TypeError(f"every: found {call!r}, allowed a function of the simulation")
+        row = (period, call)
+        self._calls.append(row)
+
+        def end() -> None:
+            self._calls[:] = [other for other in self._calls if other is not row]
+
+        return end
 
     def run(self, seconds: Number) -> None:
         """Advances by a time, rounded to steps."""

@@ -240,6 +240,53 @@ def test_a_fixed_wing_is_held_until_it_is_let_go():
     assert simulation.truth.velocity_m_s[0] > 3.0
 
 
+def test_a_function_is_called_at_its_period_and_flies_as_the_same_commands_do(simulation):
+    """A controller of altitude at 50 Hz: what it does is what a loop around step(8) does, to the bit."""
+
+    def control(vehicle):
+        climb = vehicle.truth.position_m[2] + 5 + vehicle.truth.velocity_m_s[2]
+        vehicle.rates(0, 0, 0, float(np.clip(vehicle.hover_throttle + 0.1 * climb, 0, 1)))
+
+    simulation.step(-round(400 * simulation.time_s) % 8)  # until a multiple of 0.02 s
+    moment = simulation.snapshot()
+    for _ in range(100):
+        control(simulation)
+        simulation.step(8)
+    by_hand = np.array(simulation._core.truth)
+    simulation.restore(moment)
+    end = simulation.every(0.02, control)
+    simulation.step(3)
+    simulation.step(797)
+    assert np.array_equal(simulation._core.truth, by_hand)
+    times = []
+    end()
+    stop = simulation.every(0.01, lambda vehicle: times.append(vehicle.time_s))
+    simulation.run(0.05)
+    stop()
+    simulation.run(0.05)
+    assert len(times) == 5 and np.diff(times) == pytest.approx([0.01] * 4)
+
+
+def test_what_a_function_raises_ends_the_step(simulation):
+    end = simulation.every(0.01, lambda vehicle: vehicle.step())
+    before = simulation.time_s
+    with pytest.raises(rosflight.SimulationError, match="^step: found a call by a function of every"):
+        simulation.run(1)
+    end()
+    simulation.step()
+    assert simulation.time_s < before + 0.02
+
+
+@pytest.mark.parametrize("arguments, kind, said", [
+    ((0.001, print), ValueError, "every: found 0.001, allowed at least 0.0025"),
+    ((0.01, 3), TypeError, "every: found 3, allowed a function of the simulation"),
+])
+def test_bad_arguments_of_every_are_one_line(arguments, kind, said, simulation):
+    with pytest.raises(kind) as raised:
+        simulation.every(*arguments)
+    assert str(raised.value) == said
+
+
 def test_one_thread_at_a_time(simulation):
     thread = threading.Thread(target=lambda: simulation.run(60.0))
     thread.start()
