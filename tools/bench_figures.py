@@ -12,7 +12,7 @@ import m7_figures
 import stages
 from bench_programs import (
     counted, estimation_faults_figure, estimation_figure, faults, firmware_pass, fly_runs, fly_wall_s, FUZZ_RUNS, fuzz_runs, link_rate,
-    load, log_share, loop_factor, mission_figure, number, properties, ros_factor, round_trip, seeds_failed, size, wind_limit,
+    load, log_share, loop_factor, mission_figure, number, properties, ros_factor, round_trip, scale, seeds_failed, size, wind_limit,
     worst_over_mean)
 
 
@@ -74,6 +74,8 @@ def all_figures() -> list[Figure]:
         Figure("web.bundle_kB", "kB", "<= 300", bench_web.bundle_kb, "none", on_request=True),
         *(Figure(f"web.{name}", unit, target, lambda name=name: bench_web.measured()[name], "none", on_request=True)
           for name, unit, target in bench_web.FIGURES),
+        *(Figure(f"scale.{name}", unit, target, lambda name=name: number(scale(), name), "none", on_request=True)
+          for name, unit, target in SCALE),
         Figure("faults.flights", "flights", "report", lambda: faults()["flights"], on_request=True),
         Figure("faults.single_unexplained", "flights", "= 0", lambda: faults()["single_unexplained"], on_request=True),
         Figure("faults.pairs_unexplained", "flights", "= 0", lambda: faults()["pairs_unexplained"], on_request=True),
@@ -101,6 +103,13 @@ AIR = [(f"{name}_{kind}", "m/s") for name in ("airspeed_m_s", "wind_m_s") for ki
 # position was off by more than 15 m, in how many the estimate reported it within 10 s, and flights without a fault in which it did.
 ESTIMATION_FAULTS = [("outside_worst", "1", "<= 0.01"), ("far", "flights", "report"), ("said_in_time_share", "1", ">= 0.95"),
                      ("nominal_said", "flights", "= 0")]
+
+
+# What bench/scale.py prints. Rates by the clock are for two cores that do nothing else.
+SCALE = [("steps_per_s", "1/s", ">= 700000"), ("steps_per_core_s", "1/s", "report"),
+         ("steps_link_per_s", "1/s", ">= 500000"), ("steps_link_per_core_s", "1/s", "report"), ("thread_efficiency", "x", ">= 0.95"),
+         ("flights_per_minute", "1/min", ">= 3000"), ("flights_per_core_minute", "1/min", "report"), ("flights_failed", "flights", "= 0"),
+         ("memory_kB", "kB", "<= 200"), ("overhead_us", "us", "<= 15")]
 
 
 def mission_rows() -> list[tuple[str, str, str, str]]:

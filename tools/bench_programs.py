@@ -13,6 +13,7 @@ import time
 
 import callgrind
 import project
+import python_package
 import stages
 
 RELEASE = project.ROOT / "build" / "release"
@@ -227,6 +228,13 @@ def ros_factor(quantity: str, composed: bool) -> float:
     """Real-time factor of the launched simulator and roscopter, and wake-ups of their threads for each step of the world."""
     row, = (row for row in demo("factor") if row["composed"] == composed)
     return number(row, quantity)
+
+
+@functools.cache
+def scale() -> dict:
+    if subprocess.run(["bash", str(project.ROOT / "tools/ready.sh"), "python"]).returncode:
+        raise RuntimeError("the Python package does not build, see build/.ready/python.log")
+    return run_json([str(python_package.PYTHON), "bench/scale.py"])
 
 
 def load(quantity: str):
