@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "companion/load_summary.hpp"
 #include "companion/parameter_file.hpp"
 
 namespace rosflight::companion {
@@ -17,21 +18,6 @@ constexpr int kForeignUntilRelist = 3;
 bool measured_at_start(const link::ParamName& name) {
   const std::string_view text = text_of(name);
   return text == "BARO_BIAS" || text == "GROUND_LEVEL";
-}
-
-std::string load_summary(const LoadReport& report) {
-  std::string text = std::to_string(report.entries.size()) + " parameters";
-  const char* separator = ": ";
-  for (int i = 0; i <= static_cast<int>(ParameterOutcome::kNoAnswer); ++i) {
-    const auto outcome = static_cast<ParameterOutcome>(i);
-    if (const std::size_t n = report.count(outcome); n > 0) {
-      text += separator + std::to_string(n) + " " + outcome_name(outcome);
-      separator = ", ";
-    }
-  }
-  const auto bad = std::find_if(report.entries.begin(), report.entries.end(),
-                                [](const ParameterResult& e) { return !e.ok(); });
-  return bad == report.entries.end() ? text : text + "; first: " + bad->text;
 }
 
 }  // namespace

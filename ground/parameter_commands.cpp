@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "companion/load_summary.hpp"
 #include "companion/parameter_file.hpp"
 #include "config/strict_yaml.hpp"
 #include "ground/parameter_info.hpp"
@@ -189,8 +190,7 @@ int load_parameters(GroundLink& link, const ParameterSet& set, bool write, std::
   for (const ParameterResult& entry : job.result().entries) {
     if (!entry.ok()) bad.push_back(entry);
   }
-  const std::string& summary = job.text();
-  out << summary.substr(0, summary.find("; first: ")) << "\n";
+  out << companion::count_text(job.result()) << "\n";
   return report(link, bad, texts, write, out);
 }
 

@@ -344,11 +344,8 @@ def test_nodes_use_only_what_humble_and_jazzy_both_have():
     assert len(sources) > 10
     wrong = [f"{path}: {found[0]}" for path, text in sources.items()
              for found in re.finditer(NOT_IN_BOTH, text)]
-    # The argument after the callback or the name has one type in Humble and another in Jazzy:
-    # client_in_group() asks which.
+    # The argument after the callback or the name has one type in Humble and another in Jazzy.
     for path, text in sources.items():
-        if "client_in_group(" in text and path.name == "node_tools.hpp":
-            continue
         for function, most in (("create_service", 2), ("create_client", 1)):
             wrong += [f"{path}: {function} with {len(arguments)} arguments"
                       for arguments in calls(text, function) if len(arguments) > most]

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "companion/load_summary.hpp"
 #include "rosflight_common/paths.hpp"
 #include "rosflight_io/mixing_matrix.hpp"
 
@@ -139,10 +140,12 @@ void Services::offer_files() {
           RCLCPP_ERROR(logger, "%s", entry.text.c_str());
         }
       }
+      const std::string text =
+          job.result().entries.empty() ? job.text() : companion::count_text(job.result());
       if (job.done()) {
-        RCLCPP_INFO(logger, "%s", job.text().c_str());
+        RCLCPP_INFO(logger, "%s", text.c_str());
       } else {
-        RCLCPP_ERROR(logger, "%s", job.text().c_str());
+        RCLCPP_ERROR(logger, "%s", text.c_str());
       }
       ParamFile::Response response;
       response.success = job.done();

@@ -62,16 +62,14 @@ class Vehicle:
         return True
 
     def call(self, name, **fields):
-        """The answer of a service. One that has not come after half of the time is asked for once more: it may have been dropped."""
+        """The answer of a service."""
         client = self.clients[name]
         if not client.wait_for_service(timeout_sec=TIMEOUT_S):
             raise RuntimeError(f"{name}: found no such service, allowed with rosflight_io running")
-        futures = []
-        for _ in range(2):
-            futures.append(client.call_async(client.srv_type.Request(**fields)))
-            if self.within(TIMEOUT_S / 2, lambda: any(future.done() for future in futures)):
-                return next(future.result() for future in futures if future.done())
-        raise RuntimeError(f"{name}: no answer in {TIMEOUT_S:.0f} s")
+        future = client.call_async(client.srv_type.Request(**fields))
+        if not self.within(TIMEOUT_S, future.done):
+            raise RuntimeError(f"{name}: no answer in {TIMEOUT_S:.0f} s")
+        return future.result()
 
     def demand(self, name, **fields):
         answer = self.call(name, **fields)

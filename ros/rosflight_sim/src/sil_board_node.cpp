@@ -6,6 +6,8 @@
 #include <atomic>
 #include <chrono>
 #include <cstdlib>
+#include <deque>
+#include <memory>
 #include <mutex>
 #include <rosflight_msgs/msg/airspeed.hpp>
 #include <rosflight_msgs/msg/barometer.hpp>
@@ -105,12 +107,15 @@ class SilBoardNode : public rclcpp::Node {
     listen();
     if (!simulated_time_)
       report_ = create_wall_timer(std::chrono::seconds(1), [this] { report_stalls(); });
-    run_ = create_service<Trigger>(
-        "sil_board/run",
-        [this](const std::shared_ptr<Trigger::Request>, std::shared_ptr<Trigger::Response> answer) {
-          step();
-          answer->success = true;
+    run_ =
+        create_service<Trigger>("sil_board/run", [this](std::shared_ptr<rclcpp::Service<Trigger>>,
+                                                        std::shared_ptr<rmw_request_id_t> caller,
+                                                        std::shared_ptr<Trigger::Request>) {
+          asked_.push_back({std::move(caller), Wall::now()});
+          step_when_due();
         });
+    look_ = create_wall_timer(std::chrono::microseconds(100), [this] { step_when_due(); });
+    look_->cancel();
     wake_ = ::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
     link_ = std::thread([this] { serve_link(); });
   }
@@ -124,6 +129,14 @@ class SilBoardNode : public rclcpp::Node {
   }
 
  private:
+  using Wall = std::chrono::steady_clock;
+
+  /// Who asked for a step of the board.
+  struct Asked {
+    std::shared_ptr<rmw_request_id_t> caller;
+    Wall::time_point since;
+  };
+
   hal::Time board_time() {
     if (!simulated_time_) return wall_time_.at(WaitingClock::Wall::now());
     constexpr std::int64_t kMicrosecond_ns = 1000;
@@ -186,8 +199,28 @@ class SilBoardNode : public rclcpp::Node {
     subscribe<messages::rosflight_msgs::RCRaw, rosflight_msgs::msg::RCRaw, hal::RcFrame>("sim/RC");
   }
 
+  /// Simulated time and the wish for a step come on different ways, and the wish may be here first: the step belongs to a later moment
+  /// than the one before. Steps by hand while time stands are taken after kMaxWait.
+  void step_when_due() {
+    constexpr auto kMaxWait = std::chrono::milliseconds(60);
+    while (!asked_.empty()) {
+      const bool stands = simulated_time_ && now().nanoseconds() == last_step_ns_;
+      if (stands && Wall::now() - asked_.front().since < kMaxWait) {
+        if (look_->is_canceled()) look_->reset();
+        return;
+      }
+      step();
+      Trigger::Response answer;
+      answer.success = true;
+      run_->send_response(*asked_.front().caller, answer);
+      asked_.pop_front();
+      if (!asked_.empty()) asked_.front().since = Wall::now();  // each waits for a time of its own
+    }
+    if (!look_->is_canceled()) look_->cancel();
+  }
+
   void step() {
-    wait_for_new_time();
+    last_step_ns_ = now().nanoseconds();
     rosflight_msgs::msg::PwmOutput message;
     {
       const std::lock_guard lock{mutex_};
@@ -196,22 +229,6 @@ class SilBoardNode : public rclcpp::Node {
     }
     message.header.stamp = stamp_of(last_step_ns_);
     pwm_->publish(message);
-  }
-
-  /// Simulated time and the wish for a step come on different ways, and the wish may be here first:
-  /// the step belongs to a later moment than the one before. Steps by hand while time stands are
-  /// taken after the wait.
-  void wait_for_new_time() {
-    using std::chrono::steady_clock;
-    constexpr auto kMaxWait = std::chrono::milliseconds(60);
-    constexpr auto kLook = std::chrono::microseconds(50);
-    const auto give_up = steady_clock::now() + kMaxWait;
-    std::int64_t time_ns = now().nanoseconds();
-    while (simulated_time_ && time_ns == last_step_ns_ && steady_clock::now() < give_up) {
-      std::this_thread::sleep_for(kLook);
-      time_ns = now().nanoseconds();
-    }
-    last_step_ns_ = time_ns;
   }
 
   void report_stalls() {
@@ -260,6 +277,8 @@ class SilBoardNode : public rclcpp::Node {
   float imu_temperature_K_{298.15F};
   rclcpp::Publisher<rosflight_msgs::msg::PwmOutput>::SharedPtr pwm_;
   rclcpp::Service<Trigger>::SharedPtr run_;
+  std::deque<Asked> asked_;            ///< Steps that wait for a new time.
+  rclcpp::TimerBase::SharedPtr look_;  ///< While there are any.
   std::vector<rclcpp::SubscriptionBase::SharedPtr> subscriptions_;
   rclcpp::TimerBase::SharedPtr report_;
   std::atomic<bool> stop_{false};

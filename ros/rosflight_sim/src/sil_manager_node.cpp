@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <chrono>
-#include <list>
+#include <deque>
 #include <memory>
 #include <optional>
 #include <std_srvs/srv/trigger.hpp>
@@ -110,22 +110,26 @@ class SilManager : public rclcpp::Node {
     steady_clock::time_point since;          ///< When it was asked for, then when the board was.
     std::optional<std::int64_t> request_id;  ///< What the board was asked, once it was.
   };
-  using StepsByHand = std::list<StepByHand>;
 
-  /// Asks the board as soon as it is there, and gives up what takes too long; looks again while there are any.
+  /// One after the other: asks the board as soon as it is there, gives up what takes too long, looks again while there are any.
   void look_after_steps_by_hand() {
     constexpr milliseconds kLookAgain{10};
     const auto now = steady_clock::now();
-    for (auto step = asked_by_hand_.begin(); step != asked_by_hand_.end();) {
-      const auto present = step++;
-      if (!present->request_id && by_hand_->service_is_ready()) {
-        ask_by_hand(present, now);
-      } else if (!present->request_id && now - present->since > milliseconds(exists_ms_)) {
-        answer_failed(present, "found no service sil_board/run, allowed with the board running");
-      } else if (present->request_id && now - present->since > milliseconds(result_ms_)) {
-        by_hand_->remove_pending_request(*present->request_id);
-        answer_failed(present, "found no answer of sil_board/run in time");
+    while (!asked_by_hand_.empty()) {
+      const StepByHand& first = asked_by_hand_.front();
+      if (!first.request_id && by_hand_->service_is_ready()) {
+        ask_by_hand(now);
+        break;
       }
+      const milliseconds limit(first.request_id ? result_ms_ : exists_ms_);
+      if (now - first.since <= limit) break;
+      if (first.request_id) by_hand_->remove_pending_request(*first.request_id);
+      Trigger::Response failed;
+      failed.success = false;
+      failed.message = first.request_id
+                           ? "found no answer of sil_board/run in time"
+                           : "found no service sil_board/run, allowed with the board running";
+      answer_by_hand(failed);
     }
     if (asked_by_hand_.empty()) {
       look_again_.reset();
@@ -134,24 +138,21 @@ class SilManager : public rclcpp::Node {
     }
   }
 
-  void ask_by_hand(StepsByHand::iterator step, steady_clock::time_point now) {
-    step->since = now;
-    step->request_id =
+  void ask_by_hand(steady_clock::time_point now) {
+    asked_by_hand_.front().since = now;
+    asked_by_hand_.front().request_id =
         by_hand_
             ->async_send_request(std::make_shared<Trigger::Request>(),
-                                 [this, step](rclcpp::Client<Trigger>::SharedFuture answer) {
-                                   service_->send_response(*step->caller, *answer.get());
-                                   asked_by_hand_.erase(step);
+                                 [this](rclcpp::Client<Trigger>::SharedFuture answer) {
+                                   answer_by_hand(*answer.get());
+                                   look_after_steps_by_hand();
                                  })
             .request_id;
   }
 
-  void answer_failed(StepsByHand::iterator step, const char* why) {
-    Trigger::Response answer;
-    answer.success = false;
-    answer.message = why;
-    service_->send_response(*step->caller, answer);
-    asked_by_hand_.erase(step);
+  void answer_by_hand(Trigger::Response answer) {
+    service_->send_response(*asked_by_hand_.front().caller, answer);
+    asked_by_hand_.pop_front();
   }
 
   double frequency_Hz_{};
@@ -169,7 +170,7 @@ class SilManager : public rclcpp::Node {
   rclcpp::Client<Trigger>::SharedPtr by_hand_;
   rclcpp::Service<Trigger>::SharedPtr service_;
   rclcpp::TimerBase::SharedPtr timer_;
-  StepsByHand asked_by_hand_;
+  std::deque<StepByHand> asked_by_hand_;
   rclcpp::TimerBase::SharedPtr look_again_;  ///< While there are any.
   rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr changes_;
 };

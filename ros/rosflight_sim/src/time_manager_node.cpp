@@ -126,9 +126,10 @@ class TimeManager : public rclcpp::Node {
   }
 
   /// What time waits for calls tick() when it comes: until then a timer of 25 us, at 100 times real time, would only keep a
-  /// processor busy. Not where ticks are followed: how long they stand is seen by looking.
+  /// processor busy. Not where ticks are followed: how long they stand is seen by looking. Not where the timer is slow: begun again,
+  /// it would make its steps at other times.
   void rest() {
-    const bool rests = waiting_ && !ticks_are_followed_;
+    const bool rests = waiting_ && !ticks_are_followed_ && wall_period() < kLook;
     if (rests == timer_->is_canceled()) return;
     if (rests) {
       timer_->cancel();
@@ -225,6 +226,8 @@ class TimeManager : public rclcpp::Node {
   }
 
   void tick() {
+    if (paused_)
+      return;  // a timer that start() has ended may still be under way in a container with several threads
     const auto now = steady_clock::now();
     if (now - next_ > kMaxDelay) next_ = now;
     bool moved = false;

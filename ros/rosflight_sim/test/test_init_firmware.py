@@ -67,7 +67,6 @@ def flight_controller(peer, answers_after_s):
 
 @pytest.mark.parametrize("answers_after_s, code, text", [(50, 0, "all stored"), (10_000, 1, "calibrate_imu: no answer in 60 s")])
 def test_times_to_wait_are_those_of_the_flight_controller(tmp_path, answers_after_s, code, text):
-    """An answer after half of the time is the first request's, and good."""
     with SimPeer("board") as peer, flight_controller(peer, answers_after_s) as now, \
             Process(executable("rosflight_sim", "init_firmware"), tmp_path / "any.yaml") as process:
         start = now[0]
