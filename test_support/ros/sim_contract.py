@@ -3,10 +3,11 @@
 
 Names are relative. A node of your own that fulfils its line can stand in for ours; `check_module` asks the ROS graph."""
 
+import contextlib
 from dataclasses import dataclass, field
 
 from geometry_msgs.msg import Vector3Stamped, WrenchStamped
-from rclpy.qos import DurabilityPolicy, ReliabilityPolicy, qos_profile_sensor_data
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from rosflight_msgs.msg import Airspeed, Barometer, BatteryStatus, GNSS, PwmOutput, RCRaw, SimState
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, MagneticField, Range, Temperature
@@ -95,14 +96,12 @@ def check_module(peer, name):
                                                else ReliabilityPolicy.RELIABLE), topic
         assert end.qos_profile.durability == (DurabilityPolicy.TRANSIENT_LOCAL if out.latched
                                               else DurabilityPolicy.VOLATILE), topic
-    # Some subscribe only while somebody reads what they make of it.
-    readers = [peer.node.create_subscription(out.kind, topic, lambda message: None, qos_profile_sensor_data)
-               for topic, out in module.outputs.items()]
-    for topic, kind in module.inputs.items():
-        peer.poll(lambda t=topic: ends(peer.node.get_subscriptions_info_by_topic, t), f"a subscription of {topic}")
-        assert {end.topic_type for end in ends(peer.node.get_subscriptions_info_by_topic, topic)} == {type_name(kind)}, topic
-    for reader in readers:
-        peer.node.destroy_subscription(reader)
+    with contextlib.ExitStack() as readers:  # some subscribe only while somebody reads what they make of it
+        for topic, out in module.outputs.items():
+            readers.enter_context(peer.reads(out.kind, topic))
+        for topic, kind in module.inputs.items():
+            peer.poll(lambda t=topic: ends(peer.node.get_subscriptions_info_by_topic, t), f"a subscription of {topic}")
+            assert {end.topic_type for end in ends(peer.node.get_subscriptions_info_by_topic, topic)} == {type_name(kind)}, topic
 
     def services():
         found = {}

@@ -3,6 +3,7 @@
 
 Nothing here waits for a time: conditions only, with a timeout far beyond what a loaded machine needs."""
 
+import contextlib
 import os
 import signal
 import subprocess
@@ -145,6 +146,14 @@ class SimPeer:
                 told.publish(message.header)
         self.node.create_subscription(kind, topic, receive, qos)
         return received
+
+    @contextlib.contextmanager
+    def reads(self, kind, topic, qos=ALL_BEST_EFFORT):
+        """A subscription meanwhile. It is ended in the thread that spins, which rclpy does not let others do while it waits."""
+        subscription = self.node.create_subscription(kind, topic, lambda message: None, qos)
+        yield
+        ended = self.executor.create_task(self.node.destroy_subscription, subscription)
+        self.poll(ended.done, f"the end of a subscription of {topic}")
 
     def publisher(self, kind, topic, qos=NEWEST):
         return self.node.create_publisher(kind, topic, qos)

@@ -301,9 +301,8 @@ def test_the_truth_is_subscribed_to_while_somebody_reads_its_copy(peer):
         peer.poll(lambda: peer.node.count_publishers("sim/roscopter/state") == 1, "the node's topic")
         for _ in range(2):
             peer.poll(lambda: truth.get_subscription_count() == 0, "an end of the subscription")
-            reader = peer.node.create_subscription(State, "sim/roscopter/state", lambda state: None, 1)
-            peer.poll(lambda: truth.get_subscription_count() == 1, "the subscription")
-            peer.node.destroy_subscription(reader)
+            with peer.reads(State, "sim/roscopter/state"):
+                peer.poll(lambda: truth.get_subscription_count() == 1, "the subscription")
 
 
 def test_waypoints_are_shown_in_rviz_until_they_are_cleared(peer):

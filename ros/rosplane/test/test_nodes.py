@@ -346,9 +346,8 @@ def test_the_truth_is_subscribed_to_while_somebody_reads_its_copy(peer):
         peer.poll(lambda: peer.node.count_publishers("sim/rosplane/state") == 1, "the node's topic")
         for _ in range(2):
             peer.poll(lambda: counts() == {0}, "an end of the subscriptions")
-            reader = peer.node.create_subscription(State, "sim/rosplane/state", lambda state: None, 1)
-            peer.poll(lambda: counts() == {1}, "the subscriptions")
-            peer.node.destroy_subscription(reader)
+            with peer.reads(State, "sim/rosplane/state"):
+                peer.poll(lambda: counts() == {1}, "the subscriptions")
 
 
 def test_signal_generator_puts_its_signal_on_one_command(peer):
