@@ -206,7 +206,7 @@ void bind_vehicles(nb::module_& m) {
       .def(
           "__init__",
           [](Vehicles* self, std::string vehicle, std::optional<std::string> wind,
-             std::vector<std::string> overrides, std::string task, std::string action,
+             std::vector<std::string> overrides, std::string task, const std::string& action,
              std::string observation, bool link, int substeps, int delay_steps, std::size_t count,
              std::size_t threads, std::uint64_t seed, double episode_s, double altitude_m,
              double start_radius_m, double start_tilt_rad, double start_speed_m_s,
