@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 import yaml
-from diagnostic_msgs.msg import DiagnosticArray
 from ros_rig import table, table_size, wait_for
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
@@ -38,6 +37,8 @@ def test_param_set_is_true_only_if_the_value_is_in_force(rig):
 
 
 def test_changed_parameters_are_announced_and_writing_settles_them(rig):
+    # The firmware measures it 5 s after the start: during a write it is a change that the write does not hold.
+    wait_for(lambda: get(rig, "DIFF_PRESS_BIAS") != 0.0, "the zero offset of the pitot tube")
     changed = rig.peer.listen(Bool, "status/params_changed")
     unsaved = rig.peer.listen(Bool, "status/unsaved_params", latched=True)
     wait_for(lambda: unsaved, "the latched topic")
@@ -46,9 +47,7 @@ def test_changed_parameters_are_announced_and_writing_settles_them(rig):
     wait_for(lambda: unsaved[-1][1].data, "unsaved")
     answer = rig.peer.call(Trigger, "param_write")
     assert answer.success, answer.message
-    reports = rig.peer.listen(DiagnosticArray, "/diagnostics")
-    wait_for(lambda: not unsaved[-1][1].data, "saved",
-             lambda: f"{[message.data for _, message in unsaved]}, the node says {reports[-1:]}, {rig.io.lines[-20:]}")
+    wait_for(lambda: not unsaved[-1][1].data, "saved", lambda: [message.data for _, message in unsaved])
 
 
 def test_file_of_all_parameters_and_back(rig):
