@@ -121,10 +121,9 @@ WITHOUT_CLOCK = {
 
 def test_nodes_that_are_given_no_clock_look_at_none():
     """Each message costs a process two wake-ups: what needs no time is not given it by the launch files."""
-    for package, sources in WITHOUT_CLOCK.items():
-        for source in sources:
-            text = (ROOT / f"ros/{package}/src/{source}.cpp").read_text()
-            assert not re.search(r"\bnow\(\)|create_timer\(|received_at\(", text), source
+    files = [ROOT / f"ros/{package}/src/{source}.cpp" for package, sources in WITHOUT_CLOCK.items() for source in sources]
+    for file in (*files, ROOT / "ros/rosflight_common/include/rosflight_common/waypoint_markers.hpp"):
+        assert not re.search(r"\bnow\(\)|create_timer\(|received_at\(", file.read_text()), file
 
 
 @pytest.mark.parametrize("composed", ["true", "false"])
