@@ -4,7 +4,7 @@
 import rosflight
 
 
-def control(vehicle):
+def control(vehicle: rosflight.Simulation) -> None:
     error = vehicle.estimate.position_m[2] + 5
     vehicle.rates(0, 0, 0, min(max(vehicle.hover_throttle + 0.1 * (error + vehicle.estimate.velocity_m_s[2]), 0), 1))
 
