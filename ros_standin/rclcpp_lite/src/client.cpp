@@ -25,11 +25,16 @@ ClientBase::ClientBase(std::shared_ptr<rcl_node_t> node, Context::SharedPtr cont
 }
 
 ClientBase::~ClientBase() {
+  detail::complain(rcl_client_set_on_new_response_callback(&client_, nullptr, nullptr),
+                   "leave a client alone");
   detail::complain(rcl_client_fini(&client_, node_.get()), "end a client");
 }
 
-void ClientBase::add_to(rcl_wait_set_t& set) {
-  detail::check(rcl_wait_set_add_client(&set, &client_, &index_), "wait for a client");
+void ClientBase::set_group(const std::weak_ptr<CallbackGroup>& group) {
+  arrivals_.set_group(group);
+  detail::check(
+      rcl_client_set_on_new_response_callback(&client_, &detail::Arrivals::come, &arrivals_),
+      "be told of responses");
 }
 
 bool ClientBase::service_is_ready() const {
@@ -116,13 +121,15 @@ std::int64_t ClientBase::send(const void* request) {
 }
 
 bool ClientBase::take_response(rmw_request_id_t& id, void* response) {
-  const auto code = rcl_take_response(&client_, &id, response);
-  if (code == RCL_RET_CLIENT_TAKE_FAILED) {
-    rcl_reset_error();
-    return false;
-  }
-  detail::check(code, "take a response");
-  return true;
+  return arrivals_.take([&] {
+    const auto code = rcl_take_response(&client_, &id, response);
+    if (code == RCL_RET_CLIENT_TAKE_FAILED) {
+      rcl_reset_error();
+      return false;
+    }
+    detail::check(code, "take a response");
+    return true;
+  });
 }
 
 }  // namespace rclcpp

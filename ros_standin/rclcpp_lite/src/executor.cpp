@@ -9,6 +9,7 @@
 
 #include "rcl_call.hpp"
 #include "rclcpp/node.hpp"
+#include "rclcpp/timer.hpp"
 
 namespace rclcpp {
 
@@ -106,15 +107,12 @@ void Executor::collect() {
   using Kind = detail::Entity::Kind;
   constexpr std::array kOrder{Kind::kTimer, Kind::kSubscription, Kind::kService, Kind::kClient};
   std::array<std::vector<Watched>, kOrder.size()> of_kind;
-  std::vector<Watched> seldom;
   const auto of = [&](Kind kind) -> std::vector<Watched>& {
     return of_kind[static_cast<std::size_t>(kind)];
   };
   const auto take_group = [&](const CallbackGroup::SharedPtr& group) {
-    for (const auto& weak : group->entities()) {
-      const auto entity = weak.lock();
-      if (entity) (entity->is_seldom() ? seldom : of(entity->kind())).push_back({weak, group});
-    }
+    for (const auto& weak : group->entities())
+      if (const auto entity = weak.lock()) of(entity->kind()).push_back({weak, group});
   };
   {
     const std::lock_guard<std::mutex> lock(members_mutex_);
@@ -132,12 +130,8 @@ void Executor::collect() {
   }
   watched_.clear();
   for (const Kind kind : kOrder) watched_.insert(watched_.end(), of(kind).begin(), of(kind).end());
-  all_but_seldom_ = watched_.size();
-  watched_.insert(watched_.end(), seldom.begin(), seldom.end());
-  detail::check(
-      rcl_wait_set_resize(&wait_set_, of(Kind::kSubscription).size(), 1, of(Kind::kTimer).size(),
-                          of(Kind::kClient).size(), of(Kind::kService).size() + seldom.size(), 0),
-      "resize a wait set");
+  timers_ = of(Kind::kTimer).size();
+  detail::check(rcl_wait_set_resize(&wait_set_, 0, 1, timers_, 0, 0, 0), "resize a wait set");
 }
 
 /// A mutually exclusive group at work takes nothing new.
@@ -146,70 +140,42 @@ bool Executor::is_closed(const CallbackGroup& group) const {
          !const_cast<CallbackGroup&>(group).can_be_taken_from();
 }
 
-/// Puts what is watched into the set. False: something is gone, collect again.
-bool Executor::fill(Among among) {
-  detail::check(rcl_wait_set_clear(&wait_set_), "clear a wait set");
-  detail::check(rcl_wait_set_add_guard_condition(&wait_set_, wake_up_->handle(), nullptr), "wait");
-  in_set_.clear();
-  const std::size_t count = among == Among::kAll ? watched_.size() : all_but_seldom_;
-  for (std::size_t i = 0; i < count; ++i) {
-    auto entity = watched_[i].entity.lock();
-    if (!entity) return false;
-    if (is_closed(*watched_[i].group)) continue;
-    entity->add_to(wait_set_);
-    in_set_.push_back({std::move(entity), watched_[i].group});
-  }
-  return true;
-}
-
-/// False: nothing came in time.
-bool Executor::wait_for(Among among, nanoseconds timeout) {
-  while (!fill(among)) collect();
-  wake_up_->set_waiting(true);
-  for (const auto& candidate : in_set_) {
-    if (candidate.entity->has_own()) timeout = nanoseconds(0);
-  }
-  const auto code = rcl_wait(&wait_set_, timeout.count());
-  wake_up_->set_waiting(false);
-  const bool in_time = code != RCL_RET_TIMEOUT;
-  if (in_time) {
-    detail::check(code, "wait");
-  } else {
-    rcl_reset_error();
-  }
-  for (auto& candidate : in_set_) {
-    if (in_time ? candidate.entity->is_ready(wait_set_) : candidate.entity->has_own())
-      ready_.push_back(std::move(candidate));
-  }
-  in_set_.clear();
-  waited_ = Steady::now();
-  return in_time || !ready_.empty();
-}
-
-/// Messages that came without the middleware. False: there are none.
-bool Executor::find_own() {
-  for (std::size_t i = 0; i < all_but_seldom_; ++i) {
-    auto entity = watched_[i].entity.lock();
-    if (entity && entity->has_own() && !is_closed(*watched_[i].group))
-      ready_.push_back({std::move(entity), watched_[i].group});
+/// False: there is nothing to do.
+bool Executor::find_ready() {
+  for (const Watched& watched : watched_) {
+    auto entity = watched.entity.lock();
+    if (entity && entity->has_work() && !is_closed(*watched.group))
+      ready_.push_back({std::move(entity), watched.group});
   }
   return !ready_.empty();
 }
 
-void Executor::wait(nanoseconds timeout) {
-  constexpr nanoseconds kOwnOnly = std::chrono::microseconds(200);
-  constexpr nanoseconds kWithoutSeldom = std::chrono::milliseconds(2);
-  constexpr std::size_t kFewSeldom = 24;  // of four nodes: to look twice would take longer
-  if (known_generation_ != wake_up_->generation()) collect();
-  const auto now = Steady::now();
-  if (timeout.count() != 0) {  // who does not wait wants to know of everything
-    if (now - waited_ < kOwnOnly && find_own()) return;
-    if (watched_.size() - all_but_seldom_ > kFewSeldom && now - waited_for_all_ < kWithoutSeldom &&
-        wait_for(Among::kAllButSeldom, nanoseconds(0)))
-      return;
+/// Until somebody wakes this executor, a timer is due or time is over.
+void Executor::rest(nanoseconds timeout) {
+  detail::check(rcl_wait_set_clear(&wait_set_), "clear a wait set");
+  detail::check(rcl_wait_set_add_guard_condition(&wait_set_, wake_up_->handle(), nullptr), "wait");
+  std::vector<std::shared_ptr<detail::Entity>> in_set;
+  for (std::size_t i = 0; i < timers_; ++i) {
+    auto timer = watched_[i].entity.lock();
+    if (!timer || is_closed(*watched_[i].group)) continue;
+    static_cast<const TimerBase&>(*timer).add_to(wait_set_);
+    in_set.push_back(std::move(timer));
   }
-  wait_for(Among::kAll, timeout);
-  waited_for_all_ = waited_;
+  const auto code = rcl_wait(&wait_set_, timeout.count());
+  if (code == RCL_RET_TIMEOUT) {
+    rcl_reset_error();
+  } else {
+    detail::check(code, "wait");
+  }
+}
+
+void Executor::wait(nanoseconds timeout) {
+  if (known_generation_ != wake_up_->generation()) collect();
+  wake_up_->set_waiting(true);  // before it looks: what comes after that wakes it
+  const bool found = find_ready();
+  if (!found && timeout.count() != 0) rest(timeout);
+  wake_up_->set_waiting(false);
+  if (!found) find_ready();
 }
 
 std::optional<Executor::Work> Executor::take_next() {
@@ -232,15 +198,16 @@ std::optional<Executor::Work> Executor::take_next() {
 
 std::optional<Executor::Work> Executor::next(nanoseconds timeout) {
   const std::lock_guard<std::mutex> lock(wait_mutex_);
-  if (auto work = take_next()) return work;
   // Cancelled while another thread had the lock: its wait has used up the wake-up.
   if (!may_spin()) return std::nullopt;
+  if (auto work = take_next()) return work;
   // What stayed belongs to groups at work; the wait will find it again when they are free.
   ready_.clear();
   waiting_ = true;
   wait(timeout);
   waiting_ = false;
-  return take_next();
+  // What the callback that cancelled has made possible is not begun.
+  return may_spin() ? take_next() : std::nullopt;
 }
 
 void Executor::execute(Work& work) {

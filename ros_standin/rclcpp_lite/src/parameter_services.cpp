@@ -3,21 +3,12 @@
 
 namespace rclcpp::detail {
 
-namespace {
-template <typename ServiceT>
-class SeldomService : public Service<ServiceT> {
- public:
-  using Service<ServiceT>::Service;
-  bool is_seldom() const override { return true; }
-};
-}  // namespace
-
 template <typename ServiceT>
 void ParameterServices::offer(node_interfaces::NodeBaseInterface& base, const std::string& name,
                               Handler<ServiceT> handler) {
   using Request = std::shared_ptr<typename ServiceT::Request>;
   using Response = std::shared_ptr<typename ServiceT::Response>;
-  auto service = std::make_shared<SeldomService<ServiceT>>(
+  auto service = std::make_shared<Service<ServiceT>>(
       base.get_shared_rcl_node_handle(), "~/" + name,
       [this, handler](const Request& request, const Response& response) {
         (this->*handler)(*request, *response);

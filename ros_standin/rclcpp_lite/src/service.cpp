@@ -18,21 +18,28 @@ ServiceBase::ServiceBase(std::shared_ptr<rcl_node_t> node, const std::string& na
 }
 
 ServiceBase::~ServiceBase() {
+  detail::complain(rcl_service_set_on_new_request_callback(&service_, nullptr, nullptr),
+                   "leave a service alone");
   detail::complain(rcl_service_fini(&service_, node_.get()), "end a service");
 }
 
-void ServiceBase::add_to(rcl_wait_set_t& set) {
-  detail::check(rcl_wait_set_add_service(&set, &service_, &index_), "wait for a service");
+void ServiceBase::set_group(const std::weak_ptr<CallbackGroup>& group) {
+  arrivals_.set_group(group);
+  detail::check(
+      rcl_service_set_on_new_request_callback(&service_, &detail::Arrivals::come, &arrivals_),
+      "be told of requests");
 }
 
 bool ServiceBase::take_request(rmw_request_id_t& id, void* request) {
-  const auto code = rcl_take_request(&service_, &id, request);
-  if (code == RCL_RET_SERVICE_TAKE_FAILED) {
-    rcl_reset_error();
-    return false;
-  }
-  detail::check(code, "take a request");
-  return true;
+  return arrivals_.take([&] {
+    const auto code = rcl_take_request(&service_, &id, request);
+    if (code == RCL_RET_SERVICE_TAKE_FAILED) {
+      rcl_reset_error();
+      return false;
+    }
+    detail::check(code, "take a request");
+    return true;
+  });
 }
 
 void ServiceBase::send(rmw_request_id_t& id, void* response) {

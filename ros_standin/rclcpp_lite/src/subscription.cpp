@@ -19,7 +19,17 @@ SubscriptionBase::SubscriptionBase(std::shared_ptr<rcl_node_t> node, const std::
 }
 
 SubscriptionBase::~SubscriptionBase() {
+  detail::complain(rcl_subscription_set_on_new_message_callback(&subscription_, nullptr, nullptr),
+                   "leave a topic alone");
   detail::complain(rcl_subscription_fini(&subscription_, node_.get()), "end a subscription");
+}
+
+void SubscriptionBase::set_group(const std::weak_ptr<CallbackGroup>& group) {
+  if (reader_) reader_->set_group(group);
+  arrivals_.set_group(group);
+  detail::check(rcl_subscription_set_on_new_message_callback(&subscription_,
+                                                             &detail::Arrivals::come, &arrivals_),
+                "be told of messages");
 }
 
 void SubscriptionBase::join(std::shared_ptr<detail::IntraProcessTopic> topic) {
@@ -44,11 +54,6 @@ QoS SubscriptionBase::get_actual_qos() const {
   return QoS(QoSInitialization::from_rmw(*profile), *profile);
 }
 
-void SubscriptionBase::add_to(rcl_wait_set_t& set) {
-  detail::check(rcl_wait_set_add_subscription(&set, &subscription_, &index_),
-                "wait for a subscription");
-}
-
 namespace {
 bool taken(rcl_ret_t code) {
   if (code == RCL_RET_SUBSCRIPTION_TAKE_FAILED) {
@@ -61,15 +66,19 @@ bool taken(rcl_ret_t code) {
 }  // namespace
 
 bool SubscriptionBase::take_message(void* message, MessageInfo& info) {
-  while (taken(rcl_take(&subscription_, message, &info.get_rmw_message_info(), nullptr))) {
-    if (!topic_ || !topic_->is_publisher(info.get_rmw_message_info().publisher_gid)) return true;
-  }
-  return false;
+  return arrivals_.take([&] {
+    while (taken(rcl_take(&subscription_, message, &info.get_rmw_message_info(), nullptr))) {
+      if (!topic_ || !topic_->is_publisher(info.get_rmw_message_info().publisher_gid)) return true;
+    }
+    return false;
+  });
 }
 
 bool SubscriptionBase::take_bytes(rcl_serialized_message_t& bytes, MessageInfo& info) {
-  return taken(
-      rcl_take_serialized_message(&subscription_, &bytes, &info.get_rmw_message_info(), nullptr));
+  return arrivals_.take([&] {
+    return taken(
+        rcl_take_serialized_message(&subscription_, &bytes, &info.get_rmw_message_info(), nullptr));
+  });
 }
 
 }  // namespace rclcpp

@@ -42,7 +42,7 @@ void TimerBase::reset() {
   detail::check(rcl_timer_reset(&timer_), "reset a timer");
 }
 
-bool TimerBase::is_ready() {
+bool TimerBase::is_ready() const {
   bool ready = false;
   detail::check(rcl_timer_is_ready(&timer_, &ready), "ask a timer");
   return ready;
@@ -59,8 +59,8 @@ std::chrono::nanoseconds TimerBase::time_until_trigger() {
   return std::chrono::nanoseconds(left);
 }
 
-void TimerBase::add_to(rcl_wait_set_t& set) {
-  detail::check(rcl_wait_set_add_timer(&set, &timer_, &index_), "wait for a timer");
+void TimerBase::add_to(rcl_wait_set_t& set) const {
+  detail::check(rcl_wait_set_add_timer(&set, &timer_, nullptr), "wait for a timer");
 }
 
 std::shared_ptr<void> TimerBase::take() {

@@ -154,6 +154,54 @@ TEST_F(Executor, EntitiesMayComeAndGoWhileItSpins) {
   spinner.join();
 }
 
+// The middleware tells of a message in its own thread, at any moment of the wait.
+TEST_F(Executor, NothingThatHasComeIsLeftLying) {
+  const auto sender = std::make_shared<rclcpp::Node>("sender");
+  const auto node = std::make_shared<rclcpp::Node>("receiver");
+  constexpr int kMessages = 5000;
+  const rclcpp::QoS all = rclcpp::QoS(rclcpp::KeepLast(kMessages)).reliable();
+  const auto publisher = sender->create_publisher<Int64>("many", all);
+  rclcpp::executors::SingleThreadedExecutor executor;
+  executor.add_node(node);
+  std::vector<std::int64_t> received;
+  std::atomic_int count{0};
+  const auto subscription = node->create_subscription<Int64>("many", all, [&](const Int64& m) {
+    received.push_back(m.data);
+    ++count;
+  });
+  while (publisher->get_subscription_count() == 0) std::this_thread::sleep_for(1ms);
+  std::thread spinner([&] { executor.spin(); });
+  for (int i = 0; i < kMessages; ++i) {
+    publisher->publish(Int64().set__data(i));
+    const auto end = std::chrono::steady_clock::now() + 30s;
+    // Half of them one by one: nothing that follows would hide one that was left.
+    while (i % 2 == 0 && count <= i && std::chrono::steady_clock::now() < end)
+      std::this_thread::yield();
+    if (i % 2 == 0 && count <= i) break;
+  }
+  const auto end = std::chrono::steady_clock::now() + 30s;
+  while (count < kMessages && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(1ms);
+  executor.cancel();
+  spinner.join();
+  ASSERT_EQ(received.size(), kMessages);
+  for (int i = 0; i < kMessages; ++i) ASSERT_EQ(received[static_cast<std::size_t>(i)], i);
+}
+
+TEST_F(Executor, WhatCameBeforeItsExecutorIsTaken) {
+  const auto node = std::make_shared<rclcpp::Node>("late");
+  const auto publisher = node->create_publisher<Int64>("early", 10);
+  int received = 0;
+  const auto subscription =
+      node->create_subscription<Int64>("early", 10, [&](const Int64&) { ++received; });
+  while (publisher->get_subscription_count() == 0) std::this_thread::sleep_for(1ms);
+  for (int i = 0; i < 3; ++i) publisher->publish(Int64());
+  std::this_thread::sleep_for(50ms);
+  rclcpp::executors::SingleThreadedExecutor executor;
+  executor.add_node(node);
+  EXPECT_TRUE(spin_until(executor, [&] { return received == 3; }));
+}
+
 TEST_F(Executor, NodeBelongsToOneExecutor) {
   const auto node = std::make_shared<rclcpp::Node>("single");
   rclcpp::executors::SingleThreadedExecutor first, second;

@@ -18,6 +18,7 @@
 
 #include "rclcpp/context.hpp"
 #include "rclcpp/detail/arguments.hpp"
+#include "rclcpp/detail/arrivals.hpp"
 #include "rclcpp/detail/entity.hpp"
 #include "rclcpp/macros.hpp"
 #include "rclcpp/qos.hpp"
@@ -71,8 +72,8 @@ class ClientBase : public detail::Entity {
   }
 
   Kind kind() const override { return Kind::kClient; }
-  void add_to(rcl_wait_set_t& set) override;
-  bool is_ready(const rcl_wait_set_t& set) const override { return set.clients[index_] != nullptr; }
+  bool has_work() const override { return arrivals_.any(); }
+  void set_group(const std::weak_ptr<CallbackGroup>& group) override;
 
  protected:
   std::int64_t send(const void* request);
@@ -85,7 +86,7 @@ class ClientBase : public detail::Entity {
   std::shared_ptr<rcl_node_t> node_;
   Context::SharedPtr context_;
   rcl_client_t client_;
-  std::size_t index_{0};
+  detail::Arrivals arrivals_;
 };
 
 /// Sends requests. Safe to use from several threads.

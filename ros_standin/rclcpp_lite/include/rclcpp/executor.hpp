@@ -27,12 +27,10 @@ struct ExecutorOptions {
 
 /// Waits for the entities of its nodes and calls their callbacks.
 ///
-/// One rcl wait set, made again only when entities came or went; waiting is the kernel's, without
-/// polling. Nodes and entities are held weakly: dropping one ends its callbacks.
+/// Nodes and entities are held weakly: dropping one ends its callbacks.
 ///
-/// What a wait costs grows with what it waits for, and each node has six services for its parameters alone. So an executor with much
-/// to do looks first for messages of its process, which need no middleware; each 0.2 ms for all but those services; and each 2 ms
-/// for them, too. One that has nothing to do waits for everything.
+/// The middleware tells each entity of what comes (Arrivals), and the entity wakes the executor, so what a wait costs does not grow with
+/// the services and subscriptions of its nodes: it is for timers and this wake-up alone, by the kernel, without polling.
 class Executor {
  public:
   RCLCPP_SMART_PTR_ALIASES_ONLY(Executor)
@@ -99,12 +97,10 @@ class Executor {
     CallbackGroup::SharedPtr group;
   };
   FutureReturnCode spin_until(const std::function<bool()>& done, std::chrono::nanoseconds timeout);
-  enum class Among { kAllButSeldom, kAll };
   void wait(std::chrono::nanoseconds timeout);
-  bool wait_for(Among among, std::chrono::nanoseconds timeout);
-  bool find_own();
+  void rest(std::chrono::nanoseconds timeout);
+  bool find_ready();
   void collect();
-  bool fill(Among among);
   std::optional<Work> take_next();
   bool is_closed(const CallbackGroup& group) const;
 
@@ -120,10 +116,8 @@ class Executor {
   std::mutex wait_mutex_;  ///< Guards all below; held while waiting.
   rcl_wait_set_t wait_set_;
   std::uint64_t known_generation_{0};
-  std::vector<Watched> watched_;   ///< In the order of calls: timers, messages, services, clients.
-  std::size_t all_but_seldom_{0};  ///< How many come before those that are seldom used.
-  std::chrono::steady_clock::time_point waited_, waited_for_all_;
-  std::vector<Ready> in_set_;
+  std::vector<Watched> watched_;  ///< In the order of calls: timers, messages, services, clients.
+  std::size_t timers_{0};         ///< How many of them are timers.
   std::deque<Ready> ready_;
 };
 

@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "rclcpp/detail/arguments.hpp"
+#include "rclcpp/detail/arrivals.hpp"
 #include "rclcpp/detail/entity.hpp"
 #include "rclcpp/macros.hpp"
 #include "rclcpp/qos.hpp"
@@ -28,10 +29,8 @@ class ServiceBase : public detail::Entity {
   const char* get_service_name() const { return rcl_service_get_service_name(&service_); }
 
   Kind kind() const override { return Kind::kService; }
-  void add_to(rcl_wait_set_t& set) override;
-  bool is_ready(const rcl_wait_set_t& set) const override {
-    return set.services[index_] != nullptr;
-  }
+  bool has_work() const override { return arrivals_.any(); }
+  void set_group(const std::weak_ptr<CallbackGroup>& group) override;
 
  protected:
   /// False: there was nothing.
@@ -41,7 +40,7 @@ class ServiceBase : public detail::Entity {
  private:
   std::shared_ptr<rcl_node_t> node_;
   rcl_service_t service_;
-  std::size_t index_{0};
+  detail::Arrivals arrivals_;
 };
 
 template <typename ServiceT>

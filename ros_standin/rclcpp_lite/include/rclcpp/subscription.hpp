@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "rclcpp/callback_group.hpp"
+#include "rclcpp/detail/arrivals.hpp"
 #include "rclcpp/detail/entity.hpp"
 #include "rclcpp/detail/intra_process.hpp"
 #include "rclcpp/detail/message_callback.hpp"
@@ -44,14 +45,8 @@ class SubscriptionBase : public detail::Entity {
   QoS get_actual_qos() const;
 
   Kind kind() const override { return Kind::kSubscription; }
-  void add_to(rcl_wait_set_t& set) override;
-  bool is_ready(const rcl_wait_set_t& set) const override {
-    return has_own() || set.subscriptions[index_] != nullptr;
-  }
-  bool has_own() const override { return reader_ && !reader_->is_empty(); }
-  void set_group(const std::weak_ptr<CallbackGroup>& group) override {
-    if (reader_) reader_->set_group(group);
-  }
+  bool has_work() const override { return arrivals_.any() || (reader_ && !reader_->is_empty()); }
+  void set_group(const std::weak_ptr<CallbackGroup>& group) override;
 
  protected:
   /// Throws std::invalid_argument as check_intra_process does.
@@ -65,7 +60,7 @@ class SubscriptionBase : public detail::Entity {
  private:
   std::shared_ptr<rcl_node_t> node_;
   rcl_subscription_t subscription_;
-  std::size_t index_{0};
+  detail::Arrivals arrivals_;
   std::shared_ptr<detail::IntraProcessTopic> topic_;  ///< Null: by the middleware only.
   std::shared_ptr<detail::IntraProcessReader> reader_;
 };

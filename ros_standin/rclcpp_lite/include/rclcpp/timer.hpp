@@ -2,6 +2,7 @@
 #pragma once
 
 #include <rcl/timer.h>
+#include <rcl/wait.h>
 
 #include <chrono>
 #include <functional>
@@ -29,21 +30,21 @@ class TimerBase : public detail::Entity {
   /// Starts the period again; also starts a cancelled timer.
   void reset();
   /// True when the period is over.
-  bool is_ready();
+  bool is_ready() const;
   bool is_steady() const { return clock_->get_clock_type() == RCL_STEADY_TIME; }
   /// Negative when overdue, std::chrono::nanoseconds::max() when cancelled.
   std::chrono::nanoseconds time_until_trigger();
 
   Kind kind() const override { return Kind::kTimer; }
-  void add_to(rcl_wait_set_t& set) override;
-  bool is_ready(const rcl_wait_set_t& set) const override { return set.timers[index_] != nullptr; }
+  bool has_work() const override { return is_ready(); }
+  /// A wait with the set ends when the period is over.
+  void add_to(rcl_wait_set_t& set) const;
   std::shared_ptr<void> take() override;
 
  private:
   Clock::SharedPtr clock_;
   std::shared_ptr<rcl_context_t> context_;
   rcl_timer_t timer_;
-  std::size_t index_{0};
 };
 
 namespace detail {
