@@ -19,12 +19,14 @@ LOOP_HZ = 400
 
 @dataclass
 class Out:
-    """A topic that a module writes. rate_Hz: of node time; a text names the parameter that says it; None: any."""
+    """A topic that a module writes. rate_Hz: of node time; a text names the parameter that says it; None: any. every: so many of them
+    make one message."""
     kind: type
     rate_Hz: object = LOOP_HZ
     frame: object = None  # None: the message has no header, or any frame
     best_effort: bool = False
     latched: bool = False
+    every: int = 1
 
 
 @dataclass
@@ -54,13 +56,13 @@ MODULES = {
                      {"sim/pwm_output": PwmOutput, "sim/truth_state": SimState, "sim/truth_wind": Vector3Stamped}),
     "dynamics": Module("standalone_dynamics",
                        {"sim/truth_state": Out(SimState, LOOP_HZ, "NED"),
-                        "sim/truth_wind": Out(Vector3Stamped, LOOP_HZ, "NED")},
+                        "sim/truth_wind": Out(Vector3Stamped, None, "NED")},
                        {"sim/forces_and_moments": WrenchStamped},
                        {"dynamics/set_sim_state": "rosflight_msgs/srv/SetSimState"}),
     "sensors": Module(
         "standalone_sensors",
         {"sim/sensors/imu/data": Out(Imu, "imu_update_frequency", "aircraft_body"),
-         "sim/sensors/imu/temperature": Out(Temperature, "imu_update_frequency", "aircraft_body"),
+         "sim/sensors/imu/temperature": Out(Temperature, "imu_update_frequency", "aircraft_body", every=10),
          "sim/truth_imu_bias": Out(Imu, "imu_update_frequency"),
          "sim/sensors/mag": Out(MagneticField, "mag_update_frequency", "aircraft_body"),
          "sim/sensors/baro": Out(Barometer, "baro_update_frequency", "aircraft_body"),

@@ -9,7 +9,7 @@ import pytest
 from ros_rig import ROOT, free_udp_port
 from rosflight_msgs.msg import SimState, Status
 from rosgraph_msgs.msg import Clock
-from sim_rig import BEST_EFFORT, Process, SimPeer, executable, last_s, launch
+from sim_rig import BEST_EFFORT, Process, SimPeer, executable, last_s, launch, stamp_ns
 
 PYTHON_FORCES = ROOT / "ros/rosflight_sim/test/python_forces.py"
 CORNERS = [(0, 0), (3, 0), (3, 3), (0, 3), (0, 0)]
@@ -43,6 +43,10 @@ def test_a_square_is_flown(tmp_path, program, modules, forces):
         finally:
             if theirs:
                 theirs.stop()
+        judge.wait(lambda: not status[-1].armed, "the motors to stop")
+        stopped_ns = stamp_ns([m for m in status if m.armed][-1])
+        judge.wait(lambda: stamp_ns(truth[-1]) >= stopped_ns, "the truth until then")
+    truth = [m for m in truth if stamp_ns(m) <= stopped_ns]
     flown = [(m.pose.position.x, m.pose.position.y, -m.pose.position.z) for m in truth]
     at_height = [(x, y) for x, y, height in flown if height > 1.5]
     for corner in CORNERS:

@@ -178,7 +178,8 @@ class ControllerNode : public rclcpp::Node {
         rosflight_common::create_latched_publisher<std_msgs::msg::String>(*this, "flight_phase", 1);
     publish_phase();
     given_sub_ = create_subscription<ControllerCommand>(
-        "high_level_command", newest, [this](ControllerCommand::ConstSharedPtr message) {
+        "high_level_command", rosflight_common::stream(),
+        [this](ControllerCommand::ConstSharedPtr message) {
           given_ = command_of(*message);
           given_at_ = rosflight_common::received_at(*this, message->header.stamp);
         });
@@ -199,8 +200,9 @@ class ControllerNode : public rclcpp::Node {
           mission_height_m_ = message->data;
           control_.configure(tuning_.controller, with_mission(tuning_.states));
         });
-    state_sub_ = create_subscription<State>(
-        "estimated_state", newest, [this](State::ConstSharedPtr message) { step(*message); });
+    state_sub_ =
+        create_subscription<State>("estimated_state", rosflight_common::stream(),
+                                   [this](State::ConstSharedPtr message) { step(*message); });
     land_ = create_service<Trigger>(
         "controller/land", [this](const std::shared_ptr<Trigger::Request>,
                                   std::shared_ptr<Trigger::Response> response) {

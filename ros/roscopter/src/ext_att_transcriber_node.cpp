@@ -18,7 +18,7 @@ class ExtAttTranscriber : public rclcpp::Node {
   explicit ExtAttTranscriber(const rclcpp::NodeOptions& options)
       : Node("ext_att_transcriber", options) {
     attitudes_ = create_publisher<Attitude>("external_attitude", rclcpp::QoS(1));
-    states_ = create_subscription<State>("estimated_state", rclcpp::QoS(1),
+    states_ = create_subscription<State>("estimated_state", rosflight_common::stream(),
                                          [this](State::ConstSharedPtr state) {
                                            Attitude out;
                                            out.header = state->header;

@@ -11,6 +11,7 @@
 #include "rosflight_common/component.hpp"
 #include "rosflight_common/latched.hpp"
 #include "rosflight_common/live_parameters.hpp"
+#include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
 #include "rosflight_common/vehicle_file.hpp"
 
@@ -89,7 +90,7 @@ class PathManagerNode : public rclcpp::Node {
           end_ = message->data;
           path_.configure(in_force(config_.path));
         });
-    states_ = create_subscription<State>("estimated_state", rclcpp::QoS(1),
+    states_ = create_subscription<State>("estimated_state", rosflight_common::stream(),
                                          [this](State::ConstSharedPtr message) { step(*message); });
     land_ = create_client<Trigger>("controller/land");
     clear_ = create_service<Trigger>(

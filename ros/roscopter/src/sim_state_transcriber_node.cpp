@@ -4,6 +4,7 @@
 
 #include "roscopter/conversions.hpp"
 #include "rosflight_common/component.hpp"
+#include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/while_read.hpp"
 
 namespace roscopter {
@@ -21,11 +22,12 @@ class SimStateTranscriber : public rclcpp::Node {
   explicit SimStateTranscriber(const rclcpp::NodeOptions& options)
       : Node("roscopter_truth", options) {
     states_ = create_publisher<State>("sim/roscopter/state", rclcpp::QoS(1));
-    truth_.emplace(*this, *states_, [this]() -> rosflight_common::WhileRead::Subscriptions {
-      return {
-          create_subscription<SimState>("sim/truth_state", rclcpp::QoS(1),
-                                        [this](SimState::ConstSharedPtr truth) { pass(*truth); })};
-    });
+    truth_.emplace(*this, rosflight_common::WhileRead::Made{states_},
+                   [this]() -> rosflight_common::WhileRead::Subscriptions {
+                     return {create_subscription<SimState>(
+                         "sim/truth_state", rosflight_common::stream(),
+                         [this](SimState::ConstSharedPtr truth) { pass(*truth); })};
+                   });
   }
 
  private:

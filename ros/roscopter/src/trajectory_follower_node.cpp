@@ -84,7 +84,8 @@ class TrajectoryFollowerNode : public rclcpp::Node {
     });
     commands_ = create_publisher<ControllerCommand>("high_level_command", rclcpp::QoS(1));
     setpoints_ = create_subscription<TrajectoryCommand>(
-        "trajectory_command", rclcpp::QoS(1), [this](TrajectoryCommand::ConstSharedPtr message) {
+        "trajectory_command", rosflight_common::stream(),
+        [this](TrajectoryCommand::ConstSharedPtr message) {
           received_ =
               Received{*message, rosflight_common::received_at(*this, message->header.stamp)};
         });
@@ -92,7 +93,7 @@ class TrajectoryFollowerNode : public rclcpp::Node {
         "status", rclcpp::QoS(1), [this](Status::ConstSharedPtr message) {
           pilot_ = autonomy::PilotOverride::from_word(message->rc_override);
         });
-    states_ = create_subscription<State>("estimated_state", rclcpp::QoS(1),
+    states_ = create_subscription<State>("estimated_state", rosflight_common::stream(),
                                          [this](State::ConstSharedPtr message) { step(*message); });
     clear_ = create_service<Trigger>("trajectory_follower/clear_integrators",
                                      [this](const std::shared_ptr<Trigger::Request>,

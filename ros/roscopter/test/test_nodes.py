@@ -12,6 +12,7 @@ from rcl_interfaces.srv import DescribeParameters, ListParameters, SetParameters
 from roscopter_msgs.msg import ControllerCommand, State, TrajectoryCommand, Waypoint
 from rosflight_msgs.msg import Attitude, Barometer, Command, GNSS, SimState, Status
 from sensor_msgs.msg import Imu, MagneticField
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sim_contract import TRIGGER, Module, Out, check_module
 from sim_rig import LATCHED, VEHICLE, Process, SimPeer, executable, launch, stamp, stamp_ns
 from std_msgs.msg import String
@@ -293,6 +294,36 @@ def test_the_transcribers_copy(peer):
         copy = states[-1]
         assert (copy.p_n, copy.v_x, copy.v_y, copy.r) == pytest.approx((3.0, 2.0, 0.0, 0.5), abs=1e-6)
         assert copy.psi == pytest.approx(math.pi / 2) and copy.initial_lat == 0.0 and stamp_ns(copy) == START_NS
+
+
+@pytest.mark.parametrize("name, topics", [
+    ("estimator", ["imu/data", "attitude", "baro", "gnss", "magnetometer", "range"]), ("path_planner", ["estimated_state"]),
+    ("path_manager", ["estimated_state"]), ("trajectory_follower", ["estimated_state", "trajectory_command"]),
+    ("controller", ["estimated_state", "high_level_command"]), ("ext_att_transcriber", ["estimated_state"])])
+def test_what_comes_again_and_again_is_not_acknowledged(peer, name, topics):
+    """Each acknowledgement costs two processes a wake-up."""
+    with copter(name):
+        for topic in topics:
+            peer.poll(lambda t=topic: peer.node.get_subscriptions_info_by_topic(f"/{t}"), f"a subscription of {topic}")
+            assert {end.qos_profile.reliability for end in peer.node.get_subscriptions_info_by_topic(f"/{topic}")} == {
+                ReliabilityPolicy.BEST_EFFORT}, topic
+
+
+@pytest.mark.parametrize("reliability", [ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT])
+def test_publishers_of_either_reliability_arrive(peer, reliability):
+    with copter("ext_att_transcriber"):
+        attitudes = peer.listen(Attitude, "external_attitude")
+        states = peer.publisher(State, "estimated_state", QoSProfile(depth=1, reliability=reliability))
+        peer.poll(lambda: states.publish(state(START_NS)) or attitudes, "an attitude")
+
+
+def test_the_planner_leaves_the_state_alone_once_it_knows_the_origin(peer):
+    with copter("path_planner"):
+        states = peer.publisher(State, "estimated_state")
+        peer.poll(lambda: states.get_subscription_count() == 1, "the subscription")
+        known = state(START_NS)
+        known.initial_lat, known.initial_lon = 40.0, -111.0
+        peer.poll(lambda: states.publish(known) or states.get_subscription_count() == 0, "its end")
 
 
 def test_the_truth_is_subscribed_to_while_somebody_reads_its_copy(peer):

@@ -9,6 +9,7 @@
 
 #include "base/atmosphere.hpp"
 #include "base/constants.hpp"
+#include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
 
 namespace rosflight_common {
@@ -16,6 +17,7 @@ namespace {
 
 namespace base = rosflight::base;
 
+constexpr std::size_t kDepth = 10;
 constexpr double kNotInUse = -1000000.0;
 constexpr double kEarth_m = 6378145.0;  // of ROSflight 2.x
 
@@ -33,11 +35,11 @@ EstimatorInterface::EstimatorInterface(const rclcpp::NodeOptions& options)
   declare();
   handle_ = params_.watch([this] { parameter_changed = true; });
   set_sensor_monitoring();
-  subscribe<rosflight_msgs::msg::Status>("status");
-  subscribe<sensor_msgs::msg::Imu>("imu/data");
-  subscribe<rosflight_msgs::msg::GNSS>("gnss");
-  subscribe<rosflight_msgs::msg::Barometer>("baro");
-  subscribe<sensor_msgs::msg::MagneticField>("magnetometer");
+  subscribe<rosflight_msgs::msg::Status>("status", rclcpp::QoS(kDepth));
+  subscribe<sensor_msgs::msg::Imu>("imu/data", stream(kDepth));
+  subscribe<rosflight_msgs::msg::GNSS>("gnss", stream(kDepth));
+  subscribe<rosflight_msgs::msg::Barometer>("baro", stream(kDepth));
+  subscribe<sensor_msgs::msg::MagneticField>("magnetometer", stream(kDepth));
 }
 
 void EstimatorInterface::declare() {
@@ -60,9 +62,9 @@ void EstimatorInterface::declare() {
 }
 
 template <class Message>
-void EstimatorInterface::subscribe(const char* topic) {
+void EstimatorInterface::subscribe(const char* topic, const rclcpp::QoS& qos) {
   subscriptions_.push_back(create_subscription<Message>(
-      topic, rclcpp::QoS(10), [this](typename Message::ConstSharedPtr m) { take(*m); }));
+      topic, qos, [this](typename Message::ConstSharedPtr m) { take(*m); }));
 }
 
 void EstimatorInterface::check_sensors() {

@@ -13,6 +13,7 @@
 #include "messages/link.hpp"
 #include "rosflight_common/component.hpp"
 #include "rosflight_common/messages.hpp"
+#include "rosflight_common/node_tools.hpp"
 #include "rosflight_io/diagnostics.hpp"
 
 namespace rosflight_io {
@@ -119,17 +120,19 @@ companion::LinkSpec IoNode::read_link() {
 void IoNode::subscribe() {
   commands_ = create_callback_group(rclcpp::CallbackGroupType::MutuallyExclusive);
   namespace ours = rosflight::messages::rosflight_msgs;
-  forward<ours::Command, rosflight_msgs::msg::Command>("command");
-  forward<ours::AuxCommand, rosflight_msgs::msg::AuxCommand>("aux_command");
-  forward<ours::Attitude, rosflight_msgs::msg::Attitude>("external_attitude");
+  forward<ours::Command, rosflight_msgs::msg::Command>("command", rosflight_common::newest());
+  forward<ours::AuxCommand, rosflight_msgs::msg::AuxCommand>("aux_command",
+                                                             rosflight_common::newest());
+  forward<ours::Attitude, rosflight_msgs::msg::Attitude>("external_attitude",
+                                                         rosflight_common::stream());
 }
 
 template <class Message, class Ros>
-void IoNode::forward(const char* topic) {
+void IoNode::forward(const char* topic, const rclcpp::QoS& qos) {
   rclcpp::SubscriptionOptions options;
   options.callback_group = commands_;
   subscriptions_.push_back(create_subscription<Ros>(
-      topic, 1,
+      topic, qos,
       [this, topic](typename Ros::ConstSharedPtr received) {
         if (!link_runs_) return;
         const auto message =

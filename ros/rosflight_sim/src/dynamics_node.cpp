@@ -64,14 +64,13 @@ class DynamicsNode : public rclcpp::Node {
                                      [this](const std::shared_ptr<Trigger::Request>,
                                             std::shared_ptr<Trigger::Response> response) {
                                        body_ = make_body();
-                                       publish(now());
+                                       publish(newest_stamp());
                                        response->success = true;
                                        response->message = "at rest at the origin";
                                      });
     wrenches_ = create_subscription<geometry_msgs::msg::WrenchStamped>(
         "sim/forces_and_moments", newest(),
         [this](geometry_msgs::msg::WrenchStamped::ConstSharedPtr message) { step(*message); });
-    publish(now());
   }
 
  private:
@@ -114,6 +113,11 @@ class DynamicsNode : public rclcpp::Node {
     publish(message.header.stamp);
   }
 
+  /// For what a service has published. Only before the first wrench is it that of a clock, so the launch files give this node none.
+  builtin_interfaces::msg::Time newest_stamp() {
+    return started_ ? stamp_of(last_stamp_ns_) : static_cast<builtin_interfaces::msg::Time>(now());
+  }
+
   /// The first at once, later ones in one line each five seconds.
   void report_gap(std::int64_t gap_ns) {
     ++gaps_;
@@ -131,16 +135,24 @@ class DynamicsNode : public rclcpp::Node {
   }
 
   void publish(const builtin_interfaces::msg::Time& stamp) {
-    auto wind = to_ros<geometry_msgs::msg::Vector3Stamped>(
-        messages::wind_message(body_->truth().air.wind_W));
-    wind.header.stamp = stamp;
-    wind.header.frame_id = "NED";
-    wind_->publish(wind);
+    publish_wind(stamp);
     auto state = to_ros<rosflight_msgs::msg::SimState>(
         messages::to_message(body_->truth(), parameters_.vehicle.environment().gravity_m_s2));
     state.header.stamp = stamp;
     state.header.frame_id = "NED";
     truth_->publish(state);
+  }
+
+  /// As often as the truth while it changes; a wind that stands, each tenth time.
+  void publish_wind(const builtin_interfaces::msg::Time& stamp) {
+    constexpr int kEvery = 10;
+    const sim::Vector3 wind_W = body_->truth().air.wind_W;
+    if (wind_W == told_wind_W_ && ++winds_ % kEvery != 0) return;
+    told_wind_W_ = wind_W;
+    auto wind = to_ros<geometry_msgs::msg::Vector3Stamped>(messages::wind_message(wind_W));
+    wind.header.stamp = stamp;
+    wind.header.frame_id = "NED";
+    wind_->publish(wind);
   }
 
   /// An all-zero pose means the start: at rest on the gear, whose height the caller cannot know.
@@ -153,7 +165,7 @@ class DynamicsNode : public rclcpp::Node {
                            ? "set"
                            : "found a NaN, no rotation or a position below the ground, "
                              "allowed finite numbers and z <= 0 (down is positive)";
-    if (response.success) publish(now());
+    if (response.success) publish(newest_stamp());
   }
 
   VehicleParameters parameters_;
@@ -164,7 +176,9 @@ class DynamicsNode : public rclcpp::Node {
   bool started_{false};
   std::int64_t last_stamp_ns_{0};
   std::int64_t pending_ns_{0};
-  int gaps_{0};  ///< Since the last report.
+  std::optional<sim::Vector3> told_wind_W_;
+  int winds_{0};  ///< That were the same as the one before.
+  int gaps_{0};   ///< Since the last report.
   std::int64_t max_gap_ns_{0};
   std::optional<std::chrono::steady_clock::time_point> gaps_reported_;
   rclcpp::Publisher<rosflight_msgs::msg::SimState>::SharedPtr truth_;

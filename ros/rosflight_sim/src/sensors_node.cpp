@@ -172,9 +172,13 @@ class SensorsNode : public rclcpp::Node {
     if (!samples_.has_imu) return;
     const hal::ImuSample& s = samples_.imu;
     auto imu = to_ros<sensor_msgs::msg::Imu>(messages::to_message(s));
-    auto temperature = to_ros<sensor_msgs::msg::Temperature>(messages::imu_temperature(s));
-    imu.header = temperature.header = header(samples_.imu);
-    temperature_->publish(temperature);
+    imu.header = header(samples_.imu);
+    constexpr std::uint64_t kTemperatureEvery = 10;  // it changes in minutes
+    if (imus_++ % kTemperatureEvery == 0) {
+      auto temperature = to_ros<sensor_msgs::msg::Temperature>(messages::imu_temperature(s));
+      temperature.header = imu.header;
+      temperature_->publish(temperature);
+    }
     imu_->publish(imu);
     if (standard_ == nullptr) return;
     auto bias = to_ros<sensor_msgs::msg::Imu>(
@@ -195,6 +199,7 @@ class SensorsNode : public rclcpp::Node {
   std::string frame_;
   sim::Truth truth_;
   std::int64_t stamp_ns_{0};
+  std::uint64_t imus_{0};
   sim::SensorSamples samples_;
   rclcpp::Publisher<sensor_msgs::msg::Imu>::SharedPtr imu_, bias_;
   rclcpp::Publisher<sensor_msgs::msg::Temperature>::SharedPtr temperature_;

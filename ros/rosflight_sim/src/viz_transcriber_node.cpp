@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <deque>
+#include <optional>
 #include <rosflight_msgs/msg/sim_state.hpp>
 #include <tf2_msgs/msg/tf_message.hpp>
 #include <visualization_msgs/msg/marker.hpp>
@@ -7,6 +8,7 @@
 #include "rosflight_common/component.hpp"
 #include "rosflight_common/latched.hpp"
 #include "rosflight_common/node_tools.hpp"
+#include "rosflight_common/while_read.hpp"
 #include "rosflight_sim/frames.hpp"
 
 namespace rosflight_sim {
@@ -17,7 +19,8 @@ using namespace rosflight_common;
 using tf2_msgs::msg::TFMessage;
 using visualization_msgs::msg::Marker;
 
-/// Truth as RViz reads it: a mesh, the path flown, and the tree of frames (frames.hpp).
+/// Truth as RViz reads it: a mesh, the path flown, and the tree of frames (frames.hpp). Only while somebody reads one of them; the path
+/// is what was flown while somebody did.
 class VizTranscriber : public rclcpp::Node {
  public:
   explicit VizTranscriber(const rclcpp::NodeOptions& options)
@@ -43,9 +46,11 @@ class VizTranscriber : public rclcpp::Node {
     });
     publish_fixed_frames();
     publish_mesh(newest_);
-    truth_ = create_subscription<rosflight_msgs::msg::SimState>(
-        "sim/truth_state", rclcpp::QoS(rclcpp::KeepLast(10)).reliable(),
-        [this](rosflight_msgs::msg::SimState::ConstSharedPtr message) { show(*message); });
+    truth_.emplace(*this, WhileRead::Made{mesh_, path_, tf_}, [this] {
+      return WhileRead::Subscriptions{create_subscription<rosflight_msgs::msg::SimState>(
+          "sim/truth_state", stream(10),
+          [this](rosflight_msgs::msg::SimState::ConstSharedPtr message) { show(*message); })};
+    });
   }
 
  private:
@@ -142,7 +147,7 @@ class VizTranscriber : public rclcpp::Node {
   std::deque<geometry_msgs::msg::Point> points_;
   rclcpp::Publisher<Marker>::SharedPtr mesh_, path_;
   rclcpp::Publisher<TFMessage>::SharedPtr tf_, fixed_;
-  rclcpp::Subscription<rosflight_msgs::msg::SimState>::SharedPtr truth_;
+  std::optional<WhileRead> truth_;
   rclcpp::node_interfaces::OnSetParametersCallbackHandle::SharedPtr changes_;
 };
 

@@ -161,7 +161,6 @@ def test_dynamics(peer, body):
     for _ in range(100):
         assert stamp_ns(body.step()) == body.ns  # the stamp of the wrench
     check_headers(body.truth, outputs["sim/truth_state"])
-    peer.wait(lambda: len(body.wind) >= 100, "wind")
     check_headers(body.wind, outputs["sim/truth_wind"])
     at_rest = body.step()
     assert at_rest.pose.orientation.w == pytest.approx(1, abs=1e-6)
@@ -218,6 +217,20 @@ def test_mass_and_wind_change_live_and_nonsense_is_refused(peer, body):
     assert all(r.successful for r in wind(sim_has_wind=False, wind_has_gusts=True))
     body.step()
     peer.wait(lambda: abs(body.wind[-1].vector.x) < 1.0, "gusts at most")
+
+
+@pytest.mark.parametrize("turbulence_m_s, winds", [(0, 10), (5, 100)])
+def test_the_wind_is_sent_each_time_while_it_changes_and_each_tenth_time_while_it_stands(peer, turbulence_m_s, winds):
+    with node("standalone_dynamics", vehicle_file=VEHICLE,
+              vehicle_overrides=f'["environment.wind.turbulence_w20_m_s={turbulence_m_s}"]'):
+        body = Body(peer)
+        assert body.put(sim_state(0, z=-100.0)).success
+        body.step(), body.step()
+        body.wind.clear()
+        last_ns = [stamp_ns(body.step()) for _ in range(100)][-1]
+        peer.wait(lambda: body.wind and stamp_ns(body.wind[-1]) > last_ns - 10 * TICK_NS, "the last wind")
+        check_headers(body.wind, MODULES["dynamics"].outputs["sim/truth_wind"])
+        assert abs(len(body.wind) - winds) <= 1
 
 
 def test_states_that_cannot_be_are_refused_and_zeros_mean_the_start(body):
@@ -295,7 +308,7 @@ def test_sensors(peer):
         for _ in range(400 * seconds):
             world.step()
         for topic, out in MODULES["sensors"].outputs.items():
-            rate_Hz = parameter(peer, "standalone_sensors", out.rate_Hz).double_value
+            rate_Hz = parameter(peer, "standalone_sensors", out.rate_Hz).double_value / out.every
             assert rate_Hz > 0
             peer.poll(lambda h=world.received[topic], r=rate_Hz: abs(len(h) - r * seconds) <= 1, f"{rate_Hz} Hz of {topic}")
             stamps = check_headers(world.received[topic], out)
@@ -348,6 +361,17 @@ def test_sensor_readings_follow_their_parameters_live(peer):
 
 
 # ---- display -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind, topic", [(TFMessage, "/tf"), (Marker, "rviz/mesh"), (Marker, "rviz/mesh_path")])
+def test_the_display_subscribes_to_the_truth_while_somebody_reads_it(peer, kind, topic):
+    truth = peer.publisher(SimState, "sim/truth_state")
+    with node("standalone_viz_transcriber"):
+        peer.poll(lambda: peer.node.count_publishers(topic) == 1, "the node's topic")
+        peer.poll(lambda: truth.get_subscription_count() == 0, "no subscription")
+        with peer.reads(kind, topic):
+            peer.poll(lambda: truth.get_subscription_count() == 1, "the subscription")
+        peer.poll(lambda: truth.get_subscription_count() == 0, "its end")
 
 
 @pytest.mark.parametrize("namespace, prefix", [(None, ""), ("/air", "air/")])

@@ -103,7 +103,7 @@ def test_a_module_can_be_left_out(argument, node, composed):
 
 
 @pytest.mark.parametrize("composed, without", [
-    ("true", set()), ("false", {"multirotor_forces_and_moments", "standalone_sensors", "standalone_viz_transcriber"})])
+    ("true", set()), ("false", {"multirotor_forces_and_moments", "standalone_dynamics", "standalone_sensors", "standalone_viz_transcriber"})])
 def test_simulated_time_starts_a_time_manager_and_reaches_all_that_read_a_clock(composed, without):
     nodes = nodes_of(plan("multirotor_standalone", composed=composed, use_sim_time="true", real_time_multiplier=2))
     values = {name: node.parameters for name, node in nodes.items()}

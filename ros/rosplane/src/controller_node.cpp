@@ -62,7 +62,7 @@ class ControllerNode : public rclcpp::Node {
           armed_ = message->armed;
           pilot_ = autonomy::PilotOverride::from_word(message->rc_override);
         });
-    states_ = create_subscription<State>("estimated_state", rclcpp::QoS(10),
+    states_ = create_subscription<State>("estimated_state", rosflight_common::stream(10),
                                          [this](State::ConstSharedPtr message) { step(*message); });
     watch_ = rclcpp::create_timer(this, get_clock(), rclcpp::Duration::from_seconds(0.02),
                                   [this] { watch(); });

@@ -137,7 +137,7 @@ class InputMapper : public rclcpp::Node {
           }
           last_rc_ = rosflight_common::received_at(*this, message->header.stamp);
         });
-    states_ = create_subscription<State>("estimated_state", rclcpp::QoS(10),
+    states_ = create_subscription<State>("estimated_state", rosflight_common::stream(10),
                                          [this](State::ConstSharedPtr message) { step(*message); });
   }
 

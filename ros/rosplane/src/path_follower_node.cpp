@@ -35,7 +35,7 @@ class PathFollowerNode : public rclcpp::Node {
           path_ = path_of(*message);
           received_ = rosflight_common::received_at(*this, message->header.stamp);
         });
-    states_ = create_subscription<State>("estimated_state", rclcpp::QoS(10),
+    states_ = create_subscription<State>("estimated_state", rosflight_common::stream(10),
                                          [this](State::ConstSharedPtr message) { step(*message); });
   }
 

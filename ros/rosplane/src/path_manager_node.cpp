@@ -69,7 +69,7 @@ class PathManagerNode : public rclcpp::Node {
   }
 
   void listen() {
-    states_ = create_subscription<State>("estimated_state", rclcpp::QoS(10),
+    states_ = create_subscription<State>("estimated_state", rosflight_common::stream(10),
                                          [this](State::ConstSharedPtr message) { step(*message); });
     waypoints_ = rosflight_common::create_latched_subscription<Waypoint>(
         *this, "waypoint_path", autonomy::kMaxWaypoints + 1,

@@ -29,23 +29,24 @@ class SimStateTranscriber : public rclcpp::Node {
     origin_ =
         rosflight_common::VehicleFile::declare(*this, kUsualVehicle).read().environment().origin;
     states_ = create_publisher<State>("sim/rosplane/state", rclcpp::QoS(1));
-    truth_.emplace(*this, *states_, [this] { return subscribe(); });
+    truth_.emplace(*this, rosflight_common::WhileRead::Made{states_},
+                   [this] { return subscribe(); });
   }
 
  private:
   rosflight_common::WhileRead::Subscriptions subscribe() {
     return {
-        create_subscription<Vector3Stamped>("sim/truth_wind", rclcpp::QoS(1),
+        create_subscription<Vector3Stamped>("sim/truth_wind", rosflight_common::stream(),
                                             [this](Vector3Stamped::ConstSharedPtr m) {
                                               state_.wind_W = {m->vector.x, m->vector.y,
                                                                m->vector.z};
                                             }),
-        create_subscription<Imu>("sim/truth_imu_bias", rclcpp::QoS(1),
+        create_subscription<Imu>("sim/truth_imu_bias", rosflight_common::stream(),
                                  [this](Imu::ConstSharedPtr m) {
                                    const auto& b = m->angular_velocity;
                                    state_.gyro_bias_B = {b.x, b.y, b.z};
                                  }),
-        create_subscription<SimState>("sim/truth_state", rclcpp::QoS(1),
+        create_subscription<SimState>("sim/truth_state", rosflight_common::stream(),
                                       [this](SimState::ConstSharedPtr truth) { pass(*truth); })};
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/constants.hpp"
+#include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
 
 namespace roscopter {
@@ -13,11 +14,11 @@ ControllerROS::ControllerROS(const rclcpp::NodeOptions& options) : Node("control
   const auto newest = rclcpp::QoS(1);
   commands_ = create_publisher<Command>("command", newest);
   inputs_ = create_subscription<ControllerCommand>(
-      "high_level_command", newest,
+      "high_level_command", rosflight_common::stream(),
       [this](ControllerCommand::ConstSharedPtr message) { input_ = *message; });
   statuses_ = create_subscription<Status>(
       "status", newest, [this](Status::ConstSharedPtr message) { status_ = *message; });
-  states_ = create_subscription<State>("estimated_state", newest,
+  states_ = create_subscription<State>("estimated_state", rosflight_common::stream(),
                                        [this](State::ConstSharedPtr message) { step(*message); });
   parameter_callback_handle_ = params.watch([this] { update_gains(); });
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "rosflight_common/latched.hpp"
+#include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
 
 namespace roscopter {
@@ -20,7 +21,7 @@ PathManagerROS::PathManagerROS(const rclcpp::NodeOptions& options) : Node("path_
         else
           waypoint_list_.push_back(*message);
       });
-  states_ = create_subscription<State>("estimated_state", rclcpp::QoS(1),
+  states_ = create_subscription<State>("estimated_state", rosflight_common::stream(),
                                        [this](State::ConstSharedPtr message) { step(*message); });
   clear_ = create_service<Trigger>(
       "path_manager/clear_waypoints",

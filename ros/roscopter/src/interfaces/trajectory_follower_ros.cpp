@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
 
 namespace roscopter {
@@ -16,11 +17,11 @@ TrajectoryFollowerROS::TrajectoryFollowerROS(const rclcpp::NodeOptions& options)
   const auto newest = rclcpp::QoS(1);
   commands_ = create_publisher<ControllerCommand>("high_level_command", newest);
   inputs_ = create_subscription<TrajectoryCommand>(
-      "trajectory_command", newest,
+      "trajectory_command", rosflight_common::stream(),
       [this](TrajectoryCommand::ConstSharedPtr message) { input_ = *message; });
   statuses_ = create_subscription<Status>(
       "status", newest, [this](Status::ConstSharedPtr message) { firmware_status_ = *message; });
-  states_ = create_subscription<State>("estimated_state", newest,
+  states_ = create_subscription<State>("estimated_state", rosflight_common::stream(),
                                        [this](State::ConstSharedPtr message) { step(*message); });
   clear_ = create_service<Trigger>(
       "trajectory_follower/clear_integrators",

@@ -86,7 +86,7 @@ class EstimatorInterface : public rclcpp::Node {
 
   void declare();
   template <class Message>
-  void subscribe(const char* topic);
+  void subscribe(const char* topic, const rclcpp::QoS& qos);
 
   void take(const rosflight_msgs::msg::Status& message);
   void take(const sensor_msgs::msg::Imu& message);

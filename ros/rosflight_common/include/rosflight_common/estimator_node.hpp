@@ -129,25 +129,26 @@ class EstimatorNode : public rclcpp::Node {
   }
 
   template <class Kind, class Take>
-  void subscribe(const char* topic, Take take) {
+  void subscribe(const char* topic, Take take, const rclcpp::QoS& qos = stream(kDepth)) {
     subscriptions_.push_back(create_subscription<Kind>(
-        topic, rclcpp::QoS(kDepth),
-        [take](typename Kind::ConstSharedPtr message) { take(*message); }));
+        topic, qos, [take](typename Kind::ConstSharedPtr message) { take(*message); }));
   }
 
   void listen() {
     namespace est = autonomy::estimation;
     subscribe<rosflight_msgs::msg::Status>(
-        "status", [this](const rosflight_msgs::msg::Status& m) { armed_ = m.armed; });
+        "status", [this](const rosflight_msgs::msg::Status& m) { armed_ = m.armed; },
+        rclcpp::QoS(kDepth));
     subscribe<rosflight_msgs::msg::Attitude>(
         "attitude", [this](const rosflight_msgs::msg::Attitude& m) {
           if (!estimator_.wants_attitude_hint()) return;
           const auto& q = m.attitude;
           estimator_.set_attitude_hint(seconds(m.header), {q.w, q.x, q.y, q.z}, !restarted_);
         });
-    subscribe<std_msgs::msg::Bool>("status/restarted", [this](const std_msgs::msg::Bool& m) {
-      restarted_ = restarted_ || m.data;
-    });
+    subscribe<std_msgs::msg::Bool>(
+        "status/restarted",
+        [this](const std_msgs::msg::Bool& m) { restarted_ = restarted_ || m.data; },
+        rclcpp::QoS(kDepth));
     subscribe<rosflight_msgs::msg::GNSS>("gnss", [this](const rosflight_msgs::msg::GNSS& m) {
       received(kGnss, m.header);
       estimator_.add(gnss_sample(m));

@@ -23,6 +23,12 @@ inline rclcpp::QoS newest() {
   return rclcpp::QoS(rclcpp::KeepLast(1)).reliable();
 }
 
+/// For a subscription to what comes again and again: a message that is lost is followed by a newer one, so its publisher is not told of
+/// each that arrived. Takes publishers of either reliability.
+inline rclcpp::QoS stream(std::size_t depth = 1) {
+  return rclcpp::QoS(rclcpp::KeepLast(depth)).best_effort();
+}
+
 inline rcl_interfaces::msg::ParameterDescriptor described(const std::string& text,
                                                           bool read_only = true) {
   rcl_interfaces::msg::ParameterDescriptor descriptor;

@@ -65,7 +65,7 @@ class PlannerNode : public rclcpp::Node {
     waypoints_topic_ = create_latched_publisher<Waypoint>(
         *this, Policy::kTopic, static_cast<std::size_t>(kMaxWaypoints) + 1);
     states_ = create_subscription<State>(
-        "estimated_state", rclcpp::QoS(10),
+        "estimated_state", stream(),
         [this](typename State::ConstSharedPtr message) { take_origin(*message); });
     serve();
     changes_ = on_change(*this, [this](const rclcpp::Parameter& parameter) {
@@ -203,9 +203,10 @@ class PlannerNode : public rclcpp::Node {
   }
 
   void take_origin(const State& state) {
-    if (origin_) return;
     origin_ = policy_.origin(state);
-    if (origin_ && waiting_file_) load(std::string(*waiting_file_));
+    if (!origin_) return;
+    states_.reset();  // states have nothing else for a planner
+    if (waiting_file_) load(std::string(*waiting_file_));
   }
 
   void publish_clear() {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -18,9 +19,12 @@ class WhileRead {
   using Subscriptions = std::vector<std::shared_ptr<rclcpp::SubscriptionBase>>;
   using Subscribe = std::function<Subscriptions()>;
 
-  /// @param node, made  must outlive this. @param subscribe  makes the subscriptions, each time that readers come.
-  WhileRead(rclcpp::Node& node, const rclcpp::PublisherBase& made, Subscribe subscribe)
-      : made_{made}, subscribe_{std::move(subscribe)} {
+  using Made = std::vector<std::shared_ptr<rclcpp::PublisherBase>>;
+
+  /// @param node  must outlive this. @param made  what is made of them. @param subscribe  makes the subscriptions, each time that
+  /// readers come.
+  WhileRead(rclcpp::Node& node, Made made, Subscribe subscribe)
+      : made_{std::move(made)}, subscribe_{std::move(subscribe)} {
     static constexpr std::chrono::milliseconds kLook{100};
     timer_ = node.create_wall_timer(kLook, [this] { look(); });
   }
@@ -29,12 +33,14 @@ class WhileRead {
 
  private:
   void look() {
-    const bool read = made_.get_subscription_count() > 0;
+    const bool read = std::any_of(made_.begin(), made_.end(), [](const auto& publisher) {
+      return publisher->get_subscription_count() > 0;
+    });
     if (read && subscriptions_.empty()) subscriptions_ = subscribe_();
     if (!read) subscriptions_.clear();
   }
 
-  const rclcpp::PublisherBase& made_;
+  Made made_;
   Subscribe subscribe_;
   Subscriptions subscriptions_;
   rclcpp::TimerBase::SharedPtr timer_;

@@ -36,7 +36,7 @@ class IoNode final : public rclcpp::Node {
   void subscribe();
   /// Sends what arrives on `topic`. @tparam Message  the type of messages/ beside Ros.
   template <class Message, class Ros>
-  void forward(const char* topic);
+  void forward(const char* topic, const rclcpp::QoS& qos);
   /// Starts the link's thread, at the first tick of the clock.
   void start_link();
   void run_link();

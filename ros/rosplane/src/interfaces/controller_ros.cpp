@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
 
 namespace rosplane {
@@ -17,7 +18,7 @@ ControllerROS::ControllerROS(const rclcpp::NodeOptions& options) : Node("control
   inputs_ = create_subscription<Commands>(
       "controller_command", rclcpp::QoS(10),
       [this](Commands::ConstSharedPtr message) { wanted_ = *message; });
-  states_ = create_subscription<State>("estimated_state", rclcpp::QoS(10),
+  states_ = create_subscription<State>("estimated_state", rosflight_common::stream(10),
                                        [this](State::ConstSharedPtr message) { step(*message); });
 }
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rosflight_common/node_tools.hpp"
+
 namespace rosplane {
 
 EstimatorROS::EstimatorROS(const rclcpp::NodeOptions& options) : StateEstimator(options) {
@@ -11,8 +13,9 @@ EstimatorROS::EstimatorROS(const rclcpp::NodeOptions& options) : StateEstimator(
   params_.declare_int("max_diff_sensor_silence_duration_ms", 110);
   received("diff");
   using rosflight_msgs::msg::Airspeed;
-  airspeeds_ = create_subscription<Airspeed>(
-      "airspeed", rclcpp::QoS(10), [this](Airspeed::ConstSharedPtr message) { take(*message); });
+  airspeeds_ =
+      create_subscription<Airspeed>("airspeed", rosflight_common::stream(10),
+                                    [this](Airspeed::ConstSharedPtr message) { take(*message); });
 }
 
 void EstimatorROS::take(const rosflight_msgs::msg::Airspeed& message) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
 
 namespace rosplane {
@@ -19,7 +20,7 @@ PathFollowerROS::PathFollowerROS(const rclcpp::NodeOptions& options)
   commands_ = create_publisher<Commands>("controller_command", rclcpp::QoS(1));
   paths_ = create_subscription<Path>("current_path", rclcpp::QoS(100),
                                      [this](Path::ConstSharedPtr message) { take(*message); });
-  states_ = create_subscription<State>("estimated_state", rclcpp::QoS(10),
+  states_ = create_subscription<State>("estimated_state", rosflight_common::stream(10),
                                        [this](State::ConstSharedPtr message) { step(*message); });
 }
 

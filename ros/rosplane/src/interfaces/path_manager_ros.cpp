@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "rosflight_common/latched.hpp"
+#include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
 
 namespace rosplane {
@@ -21,7 +22,7 @@ PathManagerROS::PathManagerROS(const rclcpp::NodeOptions& options) : Node("path_
   inputs_ = rosflight_common::create_latched_subscription<Message>(
       *this, "waypoint_path", kWaypoints,
       [this](Message::ConstSharedPtr message) { take(*message); });
-  states_ = create_subscription<State>("estimated_state", rclcpp::QoS(10),
+  states_ = create_subscription<State>("estimated_state", rosflight_common::stream(10),
                                        [this](State::ConstSharedPtr message) { step(*message); });
 }
 
