@@ -11,8 +11,8 @@ import h7_figures
 import m7_figures
 import stages
 from bench_programs import (
-    counted, estimation_faults_figure, estimation_figure, faults, firmware_pass, fly_runs, fly_wall_s, FUZZ_RUNS, fuzz_runs, link_rate,
-    load, log_share, loop_factor, mission_figure, number, properties, ros_factor, round_trip, scale, seeds_failed, size, wind_limit,
+    counted, estimation_faults_figure, estimation_figure, faults, firmware_pass, fly_runs, fly_wall_s, FUZZ_RUNS, fuzz_runs, inference,
+    link_rate, load, log_share, loop_factor, mission_figure, number, properties, ros_factor, round_trip, scale, seeds_failed, size, wind_limit,
     worst_over_mean)
 
 
@@ -34,6 +34,7 @@ def all_figures() -> list[Figure]:
         Figure("firmware.instructions", "instructions", "<= 2500", firmware_pass),
         Figure("firmware.instructions_no_link", "instructions", "<= 2000",
                lambda: firmware_pass("none")),
+        Figure("inference.instructions", "instructions", "report", inference),
         Figure("lean.instructions", "instructions", "report", lambda: firmware_pass("lean")),
         Figure("mavlink.bytes_per_s", "B/s", "report", lambda: link_rate("mavlink")),
         Figure("lean.bytes_per_s", "B/s", "report", lambda: link_rate("lean")),

@@ -74,6 +74,10 @@ def firmware_pass(protocol: str = "mavlink", load: str = "hover") -> float:
         few=4_000, many=20_000)
 
 
+def inference() -> float:
+    return callgrind.instructions_per_call([program("inference"), "--count"], few=100, many=1_000)
+
+
 def worst_over_mean() -> float:
     """The dearest pass of a storm in which everything comes at once, over the mean of the full load."""
     storm = callgrind.instructions_by_call(
