@@ -164,6 +164,14 @@ ready_venv() { ready_environment .venv tools/requirements.txt; }
 # All that a build needs of Python: quickly made, so that a first flight does not wait for what only tests use.
 ready_build_venv() { ready_environment .venv-build tools/requirements-build.txt; }
 
+# The file of ROSFLIGHT_POLICY, whose policy is built in, and what reads it.
+ready_policy() {
+  [[ -n ${ROSFLIGHT_POLICY:-} ]] || return 0
+  [[ -f $ROSFLIGHT_POLICY ]] || fail "ROSFLIGHT_POLICY: found '$ROSFLIGHT_POLICY', allowed the path of an ONNX file"
+  ROSFLIGHT_POLICY="$(readlink -f "$ROSFLIGHT_POLICY")"
+  ready_environment .venv-policy tools/requirements-policy.txt
+}
+
 ready_environment() {  # FOLDER REQUIREMENTS, both from the root
   take_lock "${1#.}"
   local name=$1 listed=$2
@@ -280,7 +288,9 @@ show_failure() {  # LOG
 
 configure() {  # PRESET
   local build="$root/build/$1" key made_for=
+  local policy=${ROSFLIGHT_POLICY:-}
   key="$root"$'\n'"$(sha256sum <"$root/CMakePresets.json")"
+  [[ -z $policy ]] || key+=$'\n'$policy
   [[ -f $build/.configured ]] && made_for="$(<"$build/.configured")"
   [[ $made_for == "$key" && -f $build/build.ninja ]] && return
   say "configuring $1"
@@ -293,6 +303,7 @@ configure() {  # PRESET
   # Quick host builds; cortex-m7 compiles file by file, which shows a missing #include.
   local -a options=()
   [[ $1 == cortex-m7 ]] || options=(-DROSFLIGHT_QUICK_BUILD=ON)
+  [[ -z $policy ]] || options+=("-DROSFLIGHT_POLICY=$policy")
   if ! (cd "$root" && cmake --preset "$1" "${options[@]}") >"$build/configure.log" 2>&1; then
     show_failure "$build/configure.log"
     fail "configuring $1 failed; all of it is in $build/configure.log"
@@ -315,6 +326,7 @@ run_ninja() {  # PRESET NINJA...
 
 ready_build() {  # PRESET TARGET...
   ready_build_venv
+  ready_policy
   take_lock "$1"
   local preset=$1
   shift

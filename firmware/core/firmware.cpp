@@ -82,6 +82,7 @@ void Firmware::start() {
   for (std::size_t k = 0; const char* text = board_.system.sensor_message(k, ok); ++k) {
     log_.push(ok ? Severity::kInfo : Severity::kError, text);
   }
+  if (learned_.built_in()) log_.info(Text("Learned controller: ").add(learned_.policy()->name));
   apply_settings();
   static_cast<void>(parameters_.take_changes());  // rows that the choice of mixer has filled in
   rc_.describe(log_);
@@ -184,8 +185,10 @@ void Firmware::control(Time now, float dt_s) {
   const Measurements& m = sensors_.measurements();
   const AttitudeEstimate& attitude = estimator_.step(m.imu, dt_s);
   if (estimator_.healthy() == state_.has(Error::kUnhealthyEstimator)) judge_estimator();
+  const CommandVector& command =
+      learned_.built_in() ? learned_command(attitude, dt_s) : command_.combined();
   const auto& forces =
-      controller_.step(command_.combined(), attitude, dt_s, state_.armed(), mixer_.saturated());
+      controller_.step(command, attitude, dt_s, state_.armed(), mixer_.saturated());
   Mixer::Conditions conditions = mixer_conditions(now);
   conditions.primary_axes = command_.primary_axes();
   board_.outputs.write(mixer_.step(forces, conditions));
@@ -204,6 +207,26 @@ void Firmware::control(Time now, float dt_s) {
   const Time took = board_.clock.now() - now;
   loop_time_us_ = static_cast<std::int16_t>(
       std::min<std::int64_t>(took.count(), std::numeric_limits<std::int16_t>::max()));
+}
+
+/// The policy may fly armed multirotors, but not the failsafe command. Once it has missed a pass it flies no more until the
+/// vehicle is disarmed.
+[[gnu::noinline]] const CommandVector& Firmware::learned_command(const AttitudeEstimate& attitude,
+                                                                 float dt_s) {
+  const bool ended = learned_.end() != LearnedController::End::kNone;
+  const bool may_fly =
+      state_.armed() && !command_.in_failsafe() && !parameters_.get_bool(Param::kFixedWing);
+  const CommandVector& command = learned_.step(command_.combined(), attitude, dt_s, may_fly);
+  if (!ended && learned_.end() != LearnedController::End::kNone) {
+    Text text{"Learned control off until disarm: "};
+    if (learned_.end() == LearnedController::End::kTilt) {
+      text.add("tilt > 90 deg");
+    } else {
+      text.add("output ").add(learned_.bad_output(), 2);
+    }
+    log_.critical(text);
+  }
+  return command;
 }
 
 void Firmware::receive(Time now) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include "firmware/core/arming_checks.hpp"
+#include "firmware/core/learned_controller.hpp"
 #include "firmware/core/mixer_setup.hpp"
 #include "firmware/core/motor_stop.hpp"
 #include "firmware/core/parameter_store.hpp"
@@ -59,6 +60,7 @@ class Firmware {
   const CommandManager& command() const { return command_; }
   const Estimator& estimator() const { return estimator_; }
   const Controller& controller() const { return controller_; }
+  const LearnedController& learned() const { return learned_; }
   const Mixer& mixer() const { return mixer_; }
   const Sensors& sensors() const { return sensors_; }
   const Parameters& parameters() const { return parameters_; }
@@ -82,6 +84,7 @@ class Firmware {
   void finish_calibration(const Sensors::CalibrationEvents& events, Time now);
   bool time_step(float& dt_s);
   void control(Time now, float dt_s);
+  const CommandVector& learned_command(const AttitudeEstimate& attitude, float dt_s);
   void judge_estimator();
   Mixer::Conditions mixer_conditions(Time now);
   void receive(Time now);
@@ -171,6 +174,7 @@ class Firmware {
   Estimator estimator_;
   Rc rc_;
   CommandManager command_;
+  LearnedController learned_{built_in_policy()};
   Controller controller_;
   Mixer mixer_;
   Telemetry telemetry_;

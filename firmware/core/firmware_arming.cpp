@@ -146,6 +146,7 @@ void Firmware::armed_now(Actions actions, Time now) {
 void Firmware::disarmed_now(Time now) {
   rearm_in_air_ = above_idle();
   disarmed_ = now;
+  learned_.reset();
   motor_stop_.reset();
   holding_idle_ = false;
   stop_motors();

@@ -171,6 +171,23 @@ def test_changed_package_list_is_looked_through_again(house):
     assert done.stderr.endswith(" novel\n")
 
 
+def test_a_policy_is_built_in_while_its_file_is_named(house):
+    (house.root / "tools/requirements-policy.txt").write_text("# nothing\n")
+    file = house.root / "policy.onnx"
+    file.touch()
+    for policy, option in ((str(file), f" -DROSFLIGHT_POLICY={file}"), ("", "")):
+        assert house.start("fly", ROSFLIGHT_POLICY=policy).returncode == 0
+        assert house.called("cmake") == [f"cmake --preset release -DROSFLIGHT_QUICK_BUILD=ON{option}"]
+        assert (house.root / ".venv-policy").is_dir()
+
+
+def test_a_policy_without_a_file_is_one_line_and_exit_code_2(house):
+    done = house.start("fly", ROSFLIGHT_POLICY="none.onnx")
+    assert done.returncode == 2
+    assert done.stderr.splitlines()[-1] == "rosflight: ROSFLIGHT_POLICY: found 'none.onnx', allowed the path of an ONNX file"
+    assert house.called("cmake") == []
+
+
 def test_changed_presets_configure_again(house):
     house.start("fly")
     house.called("cmake")
