@@ -14,6 +14,7 @@ import rclpy
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
+from rclpy.time import Time
 from rosflight_msgs.msg import Command, SimState, Status
 from std_srvs.srv import Trigger
 
@@ -54,7 +55,7 @@ class Square(Node):
         self.create_subscription(Status, "status", self.on_status, 1)
         self.arm = self.create_client(Trigger, "toggle_arm")
         self.override = self.create_client(Trigger, "toggle_override")
-        self.asked = self.get_clock().now()
+        self.asked, self.answered = False, self.get_clock().now()  # asked: and not answered yet
         self.since = None
         self.begin(self.wait, "waiting for the simulator and for an autopilot without errors")
         self.create_timer(PERIOD_S, self.step)
@@ -143,13 +144,18 @@ class Square(Node):
         return bool(self.status.rc_override & PILOT_HOLDS)
 
     def toggled(self, client, is_on, wanted):
-        """The service flips a switch of the pilot. Asks again only if the autopilot has not followed for a second."""
+        """The service flips a switch of the pilot, so it is asked again only if it has answered and the autopilot has not followed a
+        second later, by the time of its own status."""
         if is_on == wanted:
             return True
-        if client.service_is_ready() and self.seconds_since(self.asked) > 1.0:
-            self.asked = self.get_clock().now()
-            client.call_async(Trigger.Request())
+        status_at = Time.from_msg(self.status.header.stamp, self.answered.clock_type)
+        if not self.asked and client.service_is_ready() and (status_at - self.answered).nanoseconds > 1e9:
+            self.asked = True
+            client.call_async(Trigger.Request()).add_done_callback(self.on_answer)
         return False
+
+    def on_answer(self, _):
+        self.asked, self.answered = False, self.get_clock().now()
 
     def fly_to(self, place):
         """Position error -> velocity -> acceleration -> angles and throttle."""

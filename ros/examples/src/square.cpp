@@ -149,13 +149,18 @@ class Square : public rclcpp::Node {
            0;
   }
 
-  // The service flips a switch of the pilot. Asks again only if the autopilot has not followed for
-  // a second.
+  // The service flips a switch of the pilot, so it is asked again only if it has answered and the autopilot has not
+  // followed a second later, by the time of its own status.
   bool toggled(rclcpp::Client<Trigger>& client, bool is, bool wanted) {
     if (is == wanted) return true;
-    if (client.service_is_ready() && (now() - asked_).seconds() > 1.0) {
-      asked_ = now();
-      client.async_send_request(std::make_shared<Trigger::Request>());
+    const rclcpp::Time status_at(status_->header.stamp, answered_.get_clock_type());
+    if (!asked_ && client.service_is_ready() && (status_at - answered_).seconds() > 1.0) {
+      asked_ = true;
+      client.async_send_request(std::make_shared<Trigger::Request>(),
+                                [this](rclcpp::Client<Trigger>::SharedFuture) {
+                                  asked_ = false;
+                                  answered_ = now();
+                                });
     }
     return false;
   }
@@ -216,7 +221,8 @@ class Square : public rclcpp::Node {
   double hover_{0.5};  // throttle that carries the vehicle, learnt on the way
   Phase phase_{Phase::kWait};
   std::optional<rclcpp::Time> since_;
-  rclcpp::Time asked_{now()};
+  bool asked_{false};  // and not answered yet
+  rclcpp::Time answered_{now()};
   int exit_code_{1};
   SimState::ConstSharedPtr state_;
   Status::ConstSharedPtr status_;

@@ -4,12 +4,15 @@ is on forces and moments of somebody else, in Python."""
 
 import math
 import sys
+import threading
+import time
 
 import pytest
 from ros_rig import ROOT, free_udp_port
 from rosflight_msgs.msg import SimState, Status
 from rosgraph_msgs.msg import Clock
-from sim_rig import BEST_EFFORT, Process, SimPeer, executable, last_s, launch, stamp_ns
+from sim_rig import BEST_EFFORT, Process, SimPeer, executable, last_s, launch, stamp, stamp_ns
+from std_srvs.srv import Trigger
 
 PYTHON_FORCES = ROOT / "ros/rosflight_sim/test/python_forces.py"
 CORNERS = [(0, 0), (3, 0), (3, 3), (0, 3), (0, 0)]
@@ -82,6 +85,42 @@ def test_its_time_to_wait_begins_when_simulated_time_does(square):
         peer.poll(tick, "the end")
         assert program.end() == 1 and program.lines[-1].endswith("gave up: nothing moves on")
         assert now[0] > 1060.0
+
+
+def test_a_switch_is_asked_for_again_only_after_its_answer_and_a_newer_status(square):
+    """It flips each time: asked twice by a busy machine, it would disarm in flight."""
+    with SimPeer() as peer, square("use_sim_time:=true") as program:
+        clock, status = peer.publisher(Clock, "/clock", BEST_EFFORT), peer.publisher(Status, "status")
+        truth = peer.publisher(SimState, "sim/truth_state")
+        asked, answer = [], threading.Event()
+
+        def flip(_, response):
+            asked.append(now[0])
+            answer.wait(60)
+            return response
+        now, newest = [100.0], [100.0]
+        peer.node.create_service(Trigger, "toggle_arm", flip)
+
+        def tick(following=True):
+            now[0] += 0.1
+            newest[0] = now[0] if following else newest[0]
+            message = Clock()
+            message.clock.sec, message.clock.nanosec = divmod(round(now[0] * 1e9), 1_000_000_000)
+            clock.publish(message)
+            truth.publish(stamp(SimState(), round(now[0] * 1e9)))
+            status.publish(stamp(Status(), round(newest[0] * 1e9)))
+        peer.poll(lambda: tick() or asked, "the first call")
+        for _ in range(50):
+            tick()
+            time.sleep(0.02)
+        assert len(asked) == 1  # it has not been answered
+        newest[0] = now[0]
+        answer.set()
+        for _ in range(50):
+            tick(following=False)
+            time.sleep(0.02)
+        assert len(asked) == 1  # the status is older than the answer
+        peer.poll(lambda: tick() or len(asked) == 2, "another call")
 
 
 def test_a_number_may_be_whole_and_a_word_is_refused(square):
