@@ -86,6 +86,7 @@ void ParameterList::ask_for_missing(Port& port) {
       progress_ = true;
       return;
     }
+    table_.note_read(*missing);
     ++counters_.index_requests;
     ++waiting_for_;
     cursor_ = *missing + 1;

@@ -27,9 +27,8 @@ class ParameterList {
     std::uint64_t index_requests{};
   };
 
-  /// @param table  receives the values; must outlive this.
-  ParameterList(const Options& options, const ParameterTable& table)
-      : options_(options), table_(table) {}
+  /// @param table  receives the values and notes the requests; must outlive this.
+  ParameterList(const Options& options, ParameterTable& table) : options_(options), table_(table) {}
 
   /// Requests the list from the beginning.
   void start(Time now);
@@ -51,7 +50,7 @@ class ParameterList {
   void ask_for_missing(Port& port);
 
   Options options_;
-  const ParameterTable& table_;
+  ParameterTable& table_;
   Phase phase_{Phase::kIdle};
   Time due_{kNever};
   Time retry_{};

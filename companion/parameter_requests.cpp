@@ -142,7 +142,9 @@ bool ParameterRequests::send_read(const Request& request) {
   message.target_system = port_.target_system();
   message.index = request.resolved ? static_cast<std::int16_t>(request.index) : std::int16_t{-1};
   message.name = request.name;
-  return port_.send(message, kOrdinary);
+  const bool sent = port_.send(message, kOrdinary);
+  if (sent && request.resolved) table_.note_read(request.index);
+  return sent;
 }
 
 bool ParameterRequests::transmit(Request& request) {
@@ -161,6 +163,7 @@ bool ParameterRequests::transmit(Request& request) {
     message.value = request.target.bits;
     message.type = static_cast<std::uint8_t>(request.target.type);
     sent = port_.send(message, kOrdinary);
+    request.late = table_[request.index].awaited;
     if (sent && request.sets > 0) {
       send_read(request);
     }
@@ -227,6 +230,10 @@ void ParameterRequests::contradicted(Request& request, const ParameterValue& val
     send_read(request);
     return;
   }
+  if (request.late > 0) {
+    --request.late;
+    return;
+  }
   ++request.old_values;
   request.old_rounds += request.old_values == 1 ? 1 : 0;
   if (request.sets == 1) {
@@ -252,6 +259,7 @@ void ParameterRequests::table_forgotten() {
     request.resolved = false;
     request.other.reset();
     request.sets = 0;
+    request.late = 0;
     request.old_values = 0;
     request.old_pairs = 0;
     request.old_rounds = 0;

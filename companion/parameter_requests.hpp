@@ -16,7 +16,8 @@ namespace rosflight::companion {
 /// A set is confirmed by a PARAM_VALUE with the requested value. The old value is no refusal yet: it
 /// may have been sent before (list transfer), or the set was lost and only the read after it
 /// arrived. The set is therefore repeated with a read behind it; when two old values answer that
-/// pair (two pairs during a list transfer), the FCU has refused the set. A third value received
+/// pair (two pairs during a list transfer), the FCU has refused the set. Answers to earlier reads, which a
+/// busy FCU gives all at once, do not count. A third value received
 /// twice was chosen by the FCU: clamped. An FCU of ROSflight 2.x does not answer a set of the value
 /// it has, so a parameter that seems to have it is read instead. Requests are served in order,
 /// `window` at a time, never two of the same name.
@@ -32,7 +33,7 @@ class ParameterRequests {
   using Done = std::function<void(const ParameterResult&)>;
 
   /// @param table  the mirror of the FCU's table. @param port  both must outlive this.
-  ParameterRequests(const Options& options, const ParameterTable& table, Port& port)
+  ParameterRequests(const Options& options, ParameterTable& table, Port& port)
       : options_(options), table_(table), port_(port) {}
 
   /// Reads a parameter; `done` receives the result.
@@ -68,9 +69,10 @@ class ParameterRequests {
     ParameterValue before{};              ///< Value when the first set left; valid if sets > 0.
     std::optional<ParameterValue> other;  ///< Neither this nor the wanted one.
     int sets{0};
-    int old_values{0};  ///< Answers with `before` since the last set.
-    int old_pairs{0};   ///< Sets that were answered by two old values.
-    int old_rounds{0};  ///< Sets that were answered by any.
+    std::uint32_t late{0};  ///< Answers to reads before the last set that may still arrive.
+    int old_values{0};      ///< Further answers with `before` since the last set.
+    int old_pairs{0};       ///< Sets that were answered by two old values.
+    int old_rounds{0};      ///< Sets that were answered by any.
     bool ended{false};
     int attempts{0};
     Time started{};
@@ -91,7 +93,7 @@ class ParameterRequests {
   void reschedule();
 
   Options options_;
-  const ParameterTable& table_;
+  ParameterTable& table_;
   Port& port_;
   std::deque<Request> queue_;
   std::vector<Request> active_;

@@ -43,7 +43,7 @@ ParameterTable::Result ParameterTable::accept(const link::ParamValue& message) {
     if (find(name)) {
       return {Update::kForeign, {}};
     }
-    entry = {name, value, true, true};
+    entry = {name, value, true, true, entry.awaited - (entry.awaited > 0 ? 1U : 0U)};
     ++known_;
     ++fresh_;
     return {Update::kNew, {}};
@@ -51,6 +51,7 @@ ParameterTable::Result ParameterTable::accept(const link::ParamValue& message) {
   if (entry.name != name || entry.value.type != message.type) {
     return {Update::kForeign, {}};
   }
+  entry.awaited -= entry.awaited > 0 ? 1 : 0;
   fresh_ += entry.fresh ? 0 : 1;
   entry.fresh = true;
   if (same_value(entry.value, value)) {

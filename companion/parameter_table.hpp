@@ -30,6 +30,8 @@ class ParameterTable {
     ParameterValue value{};
     bool known{false};  ///< Received at least once.
     bool fresh{false};  ///< Received since the last forget() or age().
+    /// Answers that may still be on their way, with the value of their time: reads less values received since.
+    std::uint32_t awaited{0};
   };
 
   struct Result {
@@ -39,6 +41,9 @@ class ParameterTable {
 
   /// Processes a message of the FCU.
   Result accept(const link::ParamValue& message);
+
+  /// A read of this index was sent.
+  void note_read(std::size_t index) { ++entries_[index].awaited; }
 
   void forget();  ///< Clears the table: another FCU, or a restart.
   void age();     ///< Marks all values as not fresh.

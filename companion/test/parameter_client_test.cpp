@@ -245,6 +245,34 @@ TEST(ParameterSet, IsNotFooledByAnOldValueOnItsWay) {
   EXPECT_EQ(job.result().outcome, Outcome::kSet);
 }
 
+// The FCU is busy before the last row of its table; the companion asks for that row again and again. The list
+// then ends with the row, and the answers arrive after the set has left.
+TEST(ParameterSet, IsNotFooledByLateAnswersToRequestsOfTheList) {
+  Rig rig;
+  ASSERT_TRUE(rig.run_until([&] { return rig.session.parameters().table().known() == 19; }));
+  std::size_t late = 0;
+  rig.fcu.intercept = [&](const link::Message& m) {
+    const auto* const read = std::get_if<link::ParamRequestRead>(&m);
+    if (read != nullptr && read->index == 19 && rig.fcu.count_received<link::ParamSet>() == 0) {
+      ++late;
+      return true;
+    }
+    if (std::holds_alternative<link::ParamSet>(m)) {
+      for (; late > 0; --late) rig.fcu.send_value(19);
+    }
+    return false;
+  };
+  for (const Time end = rig.now + 900ms; rig.now < end;) {
+    rig.now += Rig::kStep;
+    rig.session.step(rig.now);
+  }
+  ASSERT_TRUE(rig.run_until([&] { return rig.session.parameters().complete(); }));
+  ASSERT_GE(late, 3U);
+  const auto job = rig.session.parameters().set("P019", 4.0);
+  ASSERT_TRUE(rig.run_job(job, 1s));
+  EXPECT_EQ(job.text(), "P019: set to 4.0");
+}
+
 TEST(ParameterSet, RefusesWhatNoParameterCanHoldWithoutAskingTheFcu) {
   Rig rig;
   ASSERT_TRUE(rig.run_until([&] { return rig.session.parameters().complete(); }));
