@@ -122,13 +122,8 @@ std::int64_t ClientBase::send(const void* request) {
 
 bool ClientBase::take_response(rmw_request_id_t& id, void* response) {
   return arrivals_.take([&] {
-    const auto code = rcl_take_response(&client_, &id, response);
-    if (code == RCL_RET_CLIENT_TAKE_FAILED) {
-      rcl_reset_error();
-      return false;
-    }
-    detail::check(code, "take a response");
-    return true;
+    return detail::taken(rcl_take_response(&client_, &id, response), RCL_RET_CLIENT_TAKE_FAILED,
+                         "take a response");
   });
 }
 

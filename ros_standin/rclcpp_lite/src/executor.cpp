@@ -154,7 +154,7 @@ bool Executor::find_ready() {
 void Executor::rest(nanoseconds timeout) {
   detail::check(rcl_wait_set_clear(&wait_set_), "clear a wait set");
   detail::check(rcl_wait_set_add_guard_condition(&wait_set_, wake_up_->handle(), nullptr), "wait");
-  std::vector<std::shared_ptr<detail::Entity>> in_set;
+  std::vector<std::shared_ptr<detail::Entity>> in_set;  // kept while the set has them
   for (std::size_t i = 0; i < timers_; ++i) {
     auto timer = watched_[i].entity.lock();
     if (!timer || is_closed(*watched_[i].group)) continue;

@@ -32,13 +32,8 @@ void ServiceBase::set_group(const std::weak_ptr<CallbackGroup>& group) {
 
 bool ServiceBase::take_request(rmw_request_id_t& id, void* request) {
   return arrivals_.take([&] {
-    const auto code = rcl_take_request(&service_, &id, request);
-    if (code == RCL_RET_SERVICE_TAKE_FAILED) {
-      rcl_reset_error();
-      return false;
-    }
-    detail::check(code, "take a request");
-    return true;
+    return detail::taken(rcl_take_request(&service_, &id, request), RCL_RET_SERVICE_TAKE_FAILED,
+                         "take a request");
   });
 }
 

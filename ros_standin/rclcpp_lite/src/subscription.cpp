@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "rclcpp/subscription.hpp"
 
-#include <rcl/error_handling.h>
-
 #include "rcl_call.hpp"
 
 namespace rclcpp {
@@ -56,12 +54,7 @@ QoS SubscriptionBase::get_actual_qos() const {
 
 namespace {
 bool taken(rcl_ret_t code) {
-  if (code == RCL_RET_SUBSCRIPTION_TAKE_FAILED) {
-    rcl_reset_error();
-    return false;
-  }
-  detail::check(code, "take a message");
-  return true;
+  return detail::taken(code, RCL_RET_SUBSCRIPTION_TAKE_FAILED, "take a message");
 }
 }  // namespace
 

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cstddef>
 #include <memory>
-#include <mutex>
 #include <utility>
 
 #include "rclcpp/callback_group.hpp"
@@ -19,24 +18,17 @@ class Arrivals {
   Arrivals(const Arrivals&) = delete;
   Arrivals& operator=(const Arrivals&) = delete;
 
-  void set_group(std::weak_ptr<CallbackGroup> group) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    group_ = std::move(group);
-  }
+  /// Once, before rcl is given `come`.
+  void set_group(std::weak_ptr<CallbackGroup> group) { group_ = std::move(group); }
   /// A callback of rcl; `self` are these arrivals.
   static void come(const void* self, std::size_t) {
     // rcl hands out what it was given as const.
     auto& arrivals = *const_cast<Arrivals*>(static_cast<const Arrivals*>(self));
     arrivals.there_ = true;
-    std::shared_ptr<CallbackGroup> group;
-    {
-      const std::lock_guard<std::mutex> lock(arrivals.mutex_);
-      group = arrivals.group_.lock();
-    }
-    if (group) group->wake_if_waiting();
+    if (const auto group = arrivals.group_.lock()) group->wake_if_waiting();
   }
   bool any() const { return there_; }
-  /// Calls `take` as rcl does it: there may be more after it, unless it found nothing.
+  /// @param take  asks rcl for one; after one that it found there may be more
   template <typename TakeT>
   bool take(TakeT&& take) {
     there_ = false;  // before it looks: what comes from here on counts
@@ -47,7 +39,6 @@ class Arrivals {
 
  private:
   std::atomic_bool there_{false};
-  std::mutex mutex_;
   std::weak_ptr<CallbackGroup> group_;
 };
 
