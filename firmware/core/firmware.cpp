@@ -216,7 +216,8 @@ void Firmware::control(Time now, float dt_s) {
   const bool ended = learned_.end() != LearnedController::End::kNone;
   const bool may_fly =
       state_.armed() && !command_.in_failsafe() && !parameters_.get_bool(Param::kFixedWing);
-  const CommandVector& command = learned_.step(command_.combined(), attitude, dt_s, may_fly);
+  const CommandVector& command = command_.combined();
+  learned_.step(command, attitude, dt_s, may_fly);
   if (!ended && learned_.end() != LearnedController::End::kNone) {
     Text text{"Learned control off until disarm: "};
     if (learned_.end() == LearnedController::End::kTilt) {
@@ -226,7 +227,7 @@ void Firmware::control(Time now, float dt_s) {
     }
     log_.critical(text);
   }
-  return command;
+  return learned_.flying() ? learned_.commanded() : command;
 }
 
 void Firmware::receive(Time now) {

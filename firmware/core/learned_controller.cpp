@@ -11,20 +11,18 @@ void LearnedController::reset() {
   flying_ = false;
 }
 
-const CommandVector& LearnedController::step(const CommandVector& command,
-                                             const AttitudeEstimate& state, float dt_s,
-                                             bool may_fly) {
+void LearnedController::step(const CommandVector& command, const AttitudeEstimate& state,
+                             float dt_s, bool may_fly) {
   const bool angles = command.type[3] == CommandType::kAngle &&
                       command.type[4] == CommandType::kAngle &&
                       command.type[5] == CommandType::kRate;
   flying_ = may_fly && angles && end_ == End::kNone && flies(command, state, dt_s);
-  if (!flying_) return command;
+  if (!flying_) return;
   commanded_ = command;
   for (std::size_t k = 0; k < outputs_.size(); ++k) {
     commanded_.type[3 + k] = CommandType::kRate;
     commanded_.value[3 + k] = outputs_[k] * max_rates_[k];
   }
-  return commanded_;
 }
 
 /// @returns whether the policy flies this step; it is allowed to.

@@ -35,15 +35,15 @@ class LearnedController {
   /// Requires built_in().
   /// @param may_fly  false: the command goes on as it came, and the network starts from rest later.
   /// @param dt_s     time since the previous step [s].
-  /// @returns the command for Controller.
-  const CommandVector& step(const CommandVector& command, const AttitudeEstimate& state, float dt_s,
-                            bool may_fly);
+  void step(const CommandVector& command, const AttitudeEstimate& state, float dt_s, bool may_fly);
 
   End end() const { return end_; }
   /// The output that ended it; with End::kOutput.
   float bad_output() const { return bad_output_; }
   /// The last step commanded rates.
   bool flying() const { return flying_; }
+  /// The command of the last step for Controller; with flying().
+  const CommandVector& commanded() const { return commanded_; }
 
  private:
   bool flies(const CommandVector& command, const AttitudeEstimate& state, float dt_s);

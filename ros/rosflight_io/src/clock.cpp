@@ -22,6 +22,8 @@ Clock::Clock(rclcpp::Clock::SharedPtr ros_clock)
 rosflight::companion::Time Clock::now() {
   if (!simulated_) return rosflight::companion::Time{steady_ns()};
   const std::int64_t now = ros_->now().nanoseconds();
+  std::int64_t none = 0;
+  begin_ns_.compare_exchange_strong(none, now);
   std::int64_t latest = latest_ns_;
   while (now > latest && !latest_ns_.compare_exchange_weak(latest, now)) {
   }

@@ -28,9 +28,11 @@ StreamPublisher::StreamPublisher(rclcpp::Node& node, Clock& clock, std::string f
   unsaved_->publish(std_msgs::msg::Bool());
 }
 
+/// Satellites are measured long before they are received: what is from before the time began has no stamp.
 template <class Ros, class Message>
 void StreamPublisher::publish(Topic<Ros>& topic, const Message& message, companion::Time t,
                               const std::string& frame_id) {
+  if (t < clock_.begin()) return;
   if (!topic.publisher) topic.publisher = node_.create_publisher<Ros>(topic.name, kDepth);
   auto out = to_ros<Ros>(message);
   out.header.stamp = clock_.to_ros(t);

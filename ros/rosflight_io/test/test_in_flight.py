@@ -23,6 +23,7 @@ ARM_S, TAKE_OFF_S, RELEASE_S = 20.0, 21.5, 23.0  # after all has been set up
 THROTTLE = 0.75  # of RC_MAX_THR: climbs slowly, for as long as the tests take
 LEAN_RAD = 0.2
 LEVEL_RAD = 0.05
+GNSS_DELAY_S = 0.3  # longer than it takes to synchronise: fixes of before the first tick are received after it
 ABSENT_ALOFT = {"range"}  # the vehicle climbs out of its reach while a slow machine is at work
 
 
@@ -87,7 +88,8 @@ class Flight:
     pilot's."""
 
     def __init__(self, folder, **options):
-        self.rig = Rig(folder, "--rc", pilot(folder), **options)
+        late = f"vehicle.sensors.gnss.delay_us={GNSS_DELAY_S * 1e6:.0f}"
+        self.rig = Rig(folder, "--rc", pilot(folder), "--set", late, **options)
         self.attitude = self.rig.peer.listen(Attitude, "attitude")
         self.status = self.rig.peer.listen(Status, "status")
         self.publisher = self.rig.peer.node.create_publisher(Command, "command", 1)

@@ -20,6 +20,8 @@ class Clock {
   /// Never goes back.
   rosflight::companion::Time now();
   rclcpp::Time to_ros(rosflight::companion::Time t);
+  /// Simulated time began then, as far as now() saw; of what was before there is no time. Wall time has no begin.
+  rosflight::companion::Time begin() const { return rosflight::companion::Time{begin_ns_}; }
   bool simulated() const { return simulated_; }
   /// There is a time to synchronise with: simulated time has none before its first /clock.
   bool runs() const { return !simulated_ || ros_->now().nanoseconds() > 0; }
@@ -28,6 +30,7 @@ class Clock {
   rclcpp::Clock::SharedPtr ros_;
   bool simulated_;
   std::atomic<std::int64_t> latest_ns_{0};
+  std::atomic<std::int64_t> begin_ns_{0};
 };
 
 }  // namespace rosflight_io
