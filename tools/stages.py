@@ -91,6 +91,8 @@ def tidy_ros() -> Outcome:
 
 
 def _tidy(build: str, wanted) -> Outcome:
+    if build != ROS and (built := _build(Path(build).name)).failed:
+        return built
     clean, complaints = clang_tidy.run(build, wanted=wanted)
     print(f"   {clean} files clean")
     return _check(complaints)

@@ -281,6 +281,16 @@ def test_tidy_looks_at_each_file_of_those_compiled_together(tmp_path):
 
 
 @pytest.mark.parametrize("builds", [True, False])
+def test_tidy_builds_what_it_looks_at(monkeypatch, builds):
+    done = []
+    monkeypatch.setattr(stages.project, "build", lambda preset, *_, **__: done.append(preset) or builds)
+    monkeypatch.setattr(stages.clang_tidy, "run", lambda build, wanted: done.append(build) or (3, []))
+    outcome = stages.tidy_product()
+    assert done == (["cortex-m7", "build/cortex-m7", "release", "build/release"] if builds else ["cortex-m7", "release"])
+    assert (outcome.passed, outcome.failed) == ((2, 0) if builds else (0, 2))
+
+
+@pytest.mark.parametrize("builds", [True, False])
 def test_named_python_tests_run_the_programs_of_today(monkeypatch, builds):
     done = []
 
