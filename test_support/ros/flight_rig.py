@@ -5,7 +5,7 @@ import math
 
 from ros_rig import free_udp_port
 from rosflight_msgs.msg import SimState, Status
-from sim_rig import SimPeer, last_s, launch
+from sim_rig import SimPeer, last_s, launch, stamp_ns
 from std_srvs.srv import Trigger
 
 FASTEST = "10.0"  # more than any machine holds: as fast as it can, and time waits for the world
@@ -60,6 +60,18 @@ class FlightRig:
 
     def let_go(self):
         self.pilot("toggle_override", lambda: not self.status[-1].rc_override & OVERRIDE, "the override to end")
+
+    def judge_errors(self):
+        """None in the air, however brisk the climb."""
+        assert not [m for m in list(self.status) if m.armed and m.error_code], self.process.text()[-4000:]
+
+    def judge_steps(self, step_ns=2_500_000):
+        """None of the world's steps is missing, unless this observer was given up as too slow."""
+        if "no /judge for 2 s" in self.process.text():
+            return
+        stamps = [stamp_ns(m) for m in list(self.truth)]
+        gaps = [b - a for a, b in zip(stamps, stamps[1:]) if b - a != step_ns]
+        assert len(stamps) > 1000 and not gaps, gaps[:10]
 
     def place(self):
         p = self.truth[-1].pose.position

@@ -9,9 +9,8 @@ from pathlib import Path
 
 import pytest
 import yaml
-from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
-from rclpy.parameter import parameter_value_to_python
+from rclpy.parameter import Parameter, parameter_value_to_python
 from plans import nodes_of
 from ros_launch.packages import Packages
 from ros_launch.reader import Reader, find
@@ -73,7 +72,8 @@ def test_the_table_is_read_and_has_all_packages_of_rosflight_2():
     assert len(ROWS) == DOCUMENT.read_text().count("| `ros2 ") > 110
     named = {words[0] for kind in ("ros2 launch", "ros2 run") for words, _ in rows(kind)}
     assert named == {"rosflight_sim", "rosflight_io", "rosflight_gcs", "roscopter", "roscopter_sim", "roscopter_gcs",
-                     "roscopter_tuning", "rosplane", "rosplane_sim", "rosplane_gcs", "rosplane_tuning", "rosplane_extra"}
+                     "roscopter_tuning", "rosplane", "rosplane_sim", "rosplane_gcs", "rosplane_tuning", "rosplane_extra",
+                     "rosflight_rqt_plugins"}
     outcomes = {outcome for _, outcome in ROWS if not outcome.startswith("refused: ")}
     assert outcomes == {"works", "works with rqt_reconfigure"}
 
@@ -154,7 +154,8 @@ def everything(tmp_path_factory):
     """All nodes of both stacks and the simulator, in two processes, for two nodes have the name controller."""
     here, there = free_udp_port(), free_udp_port()
     simulator = [f"rosflight_sim/{name}" for name in (
-        "standalone_time_manager", "sil_board", "rosflight_sil_manager", "rc", "standalone_sensors", "standalone_dynamics")]
+        "standalone_time_manager", "sil_board", "rosflight_sil_manager", "rc", "standalone_sensors",
+        "standalone_dynamics:standalone_dynamics")]
     copter = [f"roscopter/{name}" for name in ("estimator", "path_planner", "path_manager", "trajectory_follower", "controller",
                                                "signal_generator")]
     plane = [f"rosplane/{name}" for name in ("path_planner", "path_manager", "path_follower", "controller", "signal_generator",
@@ -200,10 +201,13 @@ def test_a_service_is_there_with_its_type_and_fields(everything, words, outcome)
 
 @pytest.mark.parametrize("words, outcome", rows("ros2 param set"))
 def test_a_parameter_can_be_set(everything, words, outcome):
-    _, node, name, value = words
-    new = Parameter(name=name, value=ParameterValue(type=ParameterType.PARAMETER_INTEGER, integer_value=int(value)))
+    _, node, name, text = words
+    everything.poll(lambda: name in everything.call(ListParameters, f"{node}/list_parameters").result.names, name)
+    new = Parameter(name, value=yaml.safe_load(text)).to_parameter_msg()  # as `ros2 param set` reads it
     result, = everything.call(SetParameters, f"{node}/set_parameters", parameters=[new]).results
     assert result.successful, result.reason
+    value, = everything.call(GetParameters, f"{node}/get_parameters", names=[name]).values
+    assert value == new.value
 
 
 @pytest.mark.parametrize("words, outcome", rows("ros2 topic echo"))

@@ -98,7 +98,7 @@ def test_a_container_of_ros_loads_our_nodes(tmp_path, intra_process):
         pytest.skip("rclcpp_components is not installed")
     from composition_interfaces.srv import LoadNode
     nodes = {}
-    for package in ("rosflight_io", "rosflight_sim", "roscopter", "rosplane"):
+    for package in ("rosflight_io", "rosflight_sim", "rosflight_gcs", "roscopter", "rosplane"):
         prefix = next(prefix for prefix in PREFIXES if (prefix / "share" / package).is_dir())
         lines = (prefix / "share/ament_index/resource_index/rclcpp_components" / package).read_text().split()
         nodes[package], libraries = zip(*(line.split(";") for line in lines))

@@ -3,6 +3,7 @@
 which goes on with the wall's from FIRST_S."""
 
 import math
+import re
 import signal
 import time
 
@@ -24,6 +25,8 @@ THROTTLE = 0.75  # of RC_MAX_THR: climbs slowly, for as long as the tests take
 LEAN_RAD = 0.2
 LEVEL_RAD = 0.05
 GNSS_DELAY_S = 0.3  # longer than it takes to synchronise: fixes of before the first tick are received after it
+IGNORE_ALL = 0x3FF
+EMPTY = re.compile(r"pass-through commands in flight that are all zeros, which stops the motors: (\d+)")
 ABSENT_ALOFT = {"range"}  # the vehicle climbs out of its reach while a slow machine is at work
 
 
@@ -85,7 +88,7 @@ class SimulatedTime:
 
 class Flight:
     """A vehicle in the air. `lean` publishes a roll angle at 50 Hz as long as it is not None; the throttle stays the
-    pilot's."""
+    pilot's. `empty` publishes pass-through commands without a value, which the firmware ignores."""
 
     def __init__(self, folder, **options):
         late = f"vehicle.sensors.gnss.delay_us={GNSS_DELAY_S * 1e6:.0f}"
@@ -93,7 +96,7 @@ class Flight:
         self.attitude = self.rig.peer.listen(Attitude, "attitude")
         self.status = self.rig.peer.listen(Status, "status")
         self.publisher = self.rig.peer.node.create_publisher(Command, "command", 1)
-        self.lean = None
+        self.lean, self.empty = None, False
         self.rig.peer.node.create_timer(0.02, self._publish)
 
     def take_off(self):
@@ -113,6 +116,8 @@ class Flight:
             command.ignore = Command.IGNORE_VALUE0 | Command.IGNORE_VALUE1 | Command.IGNORE_VALUE2
             command.u[3] = self.lean
             self.publisher.publish(command)
+        if self.empty:
+            self.publisher.publish(Command(mode=Command.MODE_PASS_THROUGH, ignore=IGNORE_ALL))
 
     def roll(self):
         q = self.attitude[-1][1].attitude
@@ -158,6 +163,19 @@ def test_ros_leans_the_vehicle_and_the_pilot_has_it_back_when_ros_stops(flight):
     flight.lean = None
     flight.wait_roll(0.0, offboard=False)
     assert flight.status[-1][1].armed
+
+
+def test_commands_without_a_value_are_logged_once_a_second_with_their_number(flight):
+    flight.lean = LEAN_RAD
+    flight.wait_roll(LEAN_RAD, offboard=True)
+    begin_s, flight.empty = flight.time.now_s(), True
+
+    def counts():
+        return [int(found[1]) for line in flight.rig.io.lines if (found := EMPTY.search(line))]
+    wait_for(lambda: len(counts()) >= 3, "three lines", lambda: flight.rig.io.lines[-10:])
+    assert len(counts()) < flight.time.now_s() - begin_s + 1.5
+    assert counts()[0] == 1 and counts()[2] > 10, "those of a second, at 50 Hz, however slow the machine"
+    flight.lean, flight.empty = None, False
 
 
 def test_node_killed_in_flight_pilot_has_it_then_ros_again(flight):

@@ -4,9 +4,10 @@
 import socket
 import struct
 
+import pytest
 from ros_rig import TIMEOUT_S, free_udp_port
 from rosgraph_msgs.msg import Clock
-from sim_rig import SimPeer, node
+from sim_rig import Process, SimPeer, executable, node
 
 FIRST_S = 103  # simulated time when the node is started again in a flight
 TIMESYNC = 111  # message number; tc1 and ts1, both int64 [ns] (MAVLink, common.xml)
@@ -54,3 +55,11 @@ def test_nothing_is_sent_before_the_first_tick():
                 return len(asked) >= 5
             peer.poll(time_goes_on, f"five requests for the time within {TIMEOUT_S} s")
             assert min(asked) >= FIRST_S * 1_000_000_000
+
+
+@pytest.mark.parametrize("package, program, words", [
+    ("roscopter", "controller", []), ("rosflight_common", "compose", ["rosplane/path_follower", "rosplane/controller"])])
+def test_every_program_says_that_no_clock_comes(package, program, words):
+    """One node and several in a process; the I/O node is above."""
+    with Process(executable(package, program), *words, "--ros-args", "-p", "use_sim_time:=true") as process:
+        process.until("use_sim_time is true and no /clock came for 5 s")

@@ -51,5 +51,7 @@ def test_a_mission_from_take_off_to_landing(tmp_path):
         assert math.hypot(down.pose.position.x, down.pose.position.y) < 15.0
         assert down.twist.linear.z < 1.5
         assert not any(m.failsafe for m in flight.status)
+        flight.judge_errors()
+        flight.judge_steps()
         assert any(m.offboard and not m.rc_override & OVERRIDE for m in flight.status)
         assert any(m.alt_zone == ControllerInternals.ZONE_DESEND for m in flight.inner)

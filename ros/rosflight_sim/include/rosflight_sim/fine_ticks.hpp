@@ -15,7 +15,8 @@ namespace rosflight_sim {
 /// Times between two steps of simulated time, published at the wall times that belong to them.
 ///
 /// A node that asks twice within one step of 2.5 ms should find two times. In a thread of its own, because the wait set of a
-/// process with many nodes is too slow to wake up 10 000 times a second. What is late is left out, never made up for.
+/// process with many nodes is too slow to wake up 10 000 times a second. A tick that is late is left out here; late steps are the
+/// time manager's.
 class FineTicks {
  public:
   using Wall = std::chrono::steady_clock;
