@@ -16,11 +16,29 @@ std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+/// An unsigned integer of at most `max`. get<>() alone would cast whatever number or boolean stands there.
+std::uint64_t whole(const Json& json, std::uint64_t max) {
+  if (!json.is_number_unsigned() || json.get<std::uint64_t>() > max) {
+    throw Json::other_error::create(
+        501, "found " + text_of(json) + ", allowed an integer from 0 to " + std::to_string(max),
+        &json);
+  }
+  return json.get<std::uint64_t>();
+}
+
 std::uint32_t id(const Json& json) {
-  const auto value = json.get<std::int64_t>();
-  if (value < 0 || value > std::numeric_limits<std::uint32_t>::max())
-    throw Json::other_error::create(501, "an id is no 32-bit number", &json);
-  return static_cast<std::uint32_t>(value);
+  return static_cast<std::uint32_t>(whole(json, std::numeric_limits<std::uint32_t>::max()));
+}
+
+CommandDesk::TestMotor motor_test(const Json& json) {
+  const auto motor =
+      static_cast<std::uint8_t>(whole(json.at("motor"), std::numeric_limits<std::uint8_t>::max()));
+  const Json& value = json.at("value");
+  if (!value.is_number() || !(value.get<double>() >= 0.0 && value.get<double>() <= 1.0)) {
+    throw Json::other_error::create(
+        501, "value: found " + text_of(value) + ", allowed a number from 0 to 1", &json);
+  }
+  return {motor, value.get<double>()};
 }
 
 /// As on the link. A name with anything else is none, and must not get into a log.
@@ -72,8 +90,7 @@ bool read_parameter_request(const std::string& op, const Json& json, Request& re
   } else if (op == "calibrate") {
     request.command = CommandDesk::Calibrate{parameter_name(json.at("sensor"))};
   } else if (op == "testMotor") {
-    request.command = CommandDesk::TestMotor{json.at("motor").get<std::uint8_t>(),
-                                             json.at("value").get<double>()};
+    request.command = motor_test(json);
   } else if (op == "steer") {
     request.command = CommandDesk::Steer{change_text(json.at("text"))};
   } else {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <tuple>
 
 namespace rosflight::web::server::foxglove {
 namespace {
@@ -40,15 +41,52 @@ TEST(Foxglove, SubscriptionsAreRead) {
 
 TEST(Foxglove, WhatIsNotUnderstoodIsAComplaint) {
   for (const char* text :
-       {"", "{", "[]", "7", "{}", R"({"op":7})", R"({"op":"fly"})", R"({"op":"subscribe"})",
+       {"",
+        "{",
+        "[]",
+        "7",
+        "{}",
+        R"({"op":7})",
+        R"({"op":"fly"})",
+        R"({"op":"subscribe"})",
         R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":0}]})",
         R"({"op":"subscribe","subscriptions":[{"id":-1,"channelId":1}]})",
         R"({"op":"subscribe","subscriptions":[{"id":4294967296,"channelId":1}]})",
         R"({"op":"subscribe","subscriptions":[{"id":"1","channelId":1}]})",
-        R"({"op":"subscribe","subscriptions":7})"}) {
+        R"({"op":"subscribe","subscriptions":[{"id":true,"channelId":1}]})",
+        R"({"op":"subscribe","subscriptions":[{"id":1.5,"channelId":1}]})",
+        R"({"op":"subscribe","subscriptions":7})",
+        R"({"op":"testMotor","motor":256,"value":0.1})",
+        R"({"op":"testMotor","motor":259,"value":0.1})",
+        R"({"op":"testMotor","motor":-1,"value":0.1})",
+        R"({"op":"testMotor","motor":2.7,"value":0.1})",
+        R"({"op":"testMotor","motor":true,"value":0.1})",
+        R"({"op":"testMotor","motor":1e300,"value":0.1})",
+        R"({"op":"testMotor","motor":"2","value":0.1})",
+        R"({"op":"testMotor","motor":2})",
+        R"({"op":"testMotor","motor":2,"value":1.01})",
+        R"({"op":"testMotor","motor":2,"value":-0.1})",
+        R"({"op":"testMotor","motor":2,"value":true})",
+        R"({"op":"testMotor","motor":2,"value":null})",
+        R"({"op":"testMotor","value":0.1})"}) {
     const Request request = parse_request(text);
     EXPECT_NE(request.complaint, "") << text;
     EXPECT_TRUE(request.subscribe.empty()) << text;
+    EXPECT_FALSE(request.command) << text;
+  }
+}
+
+TEST(Foxglove, AMotorTestHasAnOutputAndAShare) {
+  for (const auto& [text, motor, value] :
+       {std::tuple(R"({"op":"testMotor","motor":0,"value":0,"id":"a"})", 0, 0.0),
+        std::tuple(R"({"op":"testMotor","motor":255,"value":1,"id":"a"})", 255, 1.0),
+        std::tuple(R"({"op":"testMotor","motor":13,"value":0.25,"id":"a"})", 13, 0.25)}) {
+    const Request request = parse_request(text);
+    EXPECT_EQ(request.complaint, "") << text;
+    EXPECT_EQ(request.id, "a");
+    const auto& test = std::get<CommandDesk::TestMotor>(*request.command);
+    EXPECT_EQ(test.motor, motor);
+    EXPECT_EQ(test.value, value);
   }
 }
 
