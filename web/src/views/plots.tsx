@@ -48,8 +48,10 @@ function ownChart(flight: Flight, title: string): Chart {
 
 /** Every number of every topic. */
 function FieldChooser({flight, onChoose}: {flight: Flight; onChoose: (name: string) => void}) {
+  void state.revision.value; // a running flight gets topics, and fields of sequences, as it goes on
+  const columns = [...flight.tables.values()].reduce((sum, table) => sum + table.names.length, 0);
   const names = useMemo(() => [...flight.tables].flatMap(([topic, table]) => table.names
-    .filter((name) => !name.startsWith('header.')).map((name) => `${topic} ${name}`)).sort(), [flight]);
+    .filter((name) => !name.startsWith('header.')).map((name) => `${topic} ${name}`)).sort(), [flight, columns]);
   const known = useMemo(() => new Set(names), [names]);
   return <div class="chooser">
     <label>Add a plot of any field <input list="fields" placeholder="/imu/data angular_velocity.x" onInput={(event) => {
