@@ -36,8 +36,14 @@ ViewerCommands::Log log_of(const Notify& note, sim::Time now) {
   };
 }
 
-/// "viewer 2 takes control (step 40)": nothing for a line that is no command.
-std::optional<CommandDesk::Command> command_of(std::string_view line) {
+/// What a viewer did, without the step.
+struct Line {
+  std::uint64_t viewer{};
+  std::string text;
+};
+
+/// "viewer 2 takes control (step 40)": nothing for a line of another form.
+std::optional<Line> parse_line(std::string_view line) {
   constexpr std::string_view kStart = "viewer ";
   const std::size_t end = line.rfind(" (step ");
   if (!line.starts_with(kStart) || end == std::string_view::npos) return std::nullopt;
@@ -46,9 +52,7 @@ std::optional<CommandDesk::Command> command_of(std::string_view line) {
   const char* const last = line.data() + line.size();
   const auto [space, error] = std::from_chars(line.data(), last, viewer);
   if (error != std::errc{} || space == last || *space != ' ') return std::nullopt;
-  const auto what = parse_command(line.substr(static_cast<std::size_t>(space - line.data()) + 1));
-  if (!what) return std::nullopt;
-  return CommandDesk::Command{viewer, {}, *what};
+  return Line{viewer, std::string(line.substr(static_cast<std::size_t>(space - line.data()) + 1))};
 }
 
 }  // namespace
@@ -139,8 +143,13 @@ void RepeatCommander::step(flight::Flight& flight, sim::Time now, const Notify& 
   flight_ = &flight;
   const ViewerCommands::Log log = log_of(note, now);
   for (; next_ < recorded_.commands.size() && recorded_.commands[next_].at <= now; ++next_) {
-    if (const auto command = command_of(recorded_.commands[next_].text))
-      commands_.start(*command, flight.session(), log);
+    const auto line = parse_line(recorded_.commands[next_].text);
+    if (!line) continue;
+    if (is_refusal(line->text)) {
+      log(line->viewer, line->text);
+    } else if (const auto what = parse_command(line->text)) {
+      commands_.start({line->viewer, {}, *what}, flight.session(), log);
+    }
   }
   commands_.step(flight.session(), log);
 }

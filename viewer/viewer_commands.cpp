@@ -24,6 +24,7 @@ constexpr std::string_view kCalibrates = "calibrates ";
 constexpr std::string_view kCalibration = "calibration: ";
 constexpr std::string_view kStop = "stop";
 constexpr std::string_view kLeaves = "is gone";
+constexpr std::string_view kRefused = "is refused: ";
 
 Desk::Result result_of(const ParameterResult& entry) {
   const std::optional<double> value =
@@ -84,6 +85,10 @@ std::optional<ViewerCommands::What> parse_command(std::string_view text) {
   return std::nullopt;
 }
 
+bool is_refusal(std::string_view text) {
+  return text.starts_with(kRefused);
+}
+
 ViewerCommands::ViewerCommands(web::server::CommandDesk& desk, ParseChange parse_change)
     : desk_{desk}, parse_change_{std::move(parse_change)} {}
 
@@ -115,16 +120,31 @@ void ViewerCommands::step(companion::Session& session, const Log& log) {
 }
 
 std::string ViewerCommands::refusal(const Desk::Command& command) const {
-  const bool steers = std::holds_alternative<Desk::Steer>(command.what);
-  if (steers && !parse_change_) return "a real vehicle cannot be steered from here";
-  const bool tests = std::holds_alternative<Desk::TestMotor>(command.what) ||
-                     std::holds_alternative<Desk::Calibrate>(command.what);
-  const bool changes =
-      steers || tests ||
-      (!parse_change_ && !std::holds_alternative<Desk::ReportChecks>(command.what));
-  if (!changes || command.viewer == in_control_) return {};
-  return in_control_ == 0 ? "take control first"
-                          : fmt::format("viewer {} has control", in_control_);
+  if (std::holds_alternative<Desk::Steer>(command.what) && !parse_change_)
+    return "a real vehicle cannot be steered from here";
+  const bool looks = std::holds_alternative<Desk::ReportChecks>(command.what);
+  if (!looks && command.viewer != in_control_) {
+    return in_control_ == 0 ? "take control first"
+                            : fmt::format("viewer {} has control", in_control_);
+  }
+  const auto* calibrate = std::get_if<Desk::Calibrate>(&command.what);
+  return calibrate ? refusal_of_calibration(calibrate->sensor) : std::string();
+}
+
+std::string ViewerCommands::refusal_of_calibration(const std::string& name) const {
+  if (name == kStop) return procedure_ ? "" : "no calibration runs";
+  if (procedure_) return procedure_->name + " is being calibrated";
+  if (ground::find_sensor(name) != nullptr ||
+      std::find(procedures_.begin(), procedures_.end(), name) != procedures_.end())
+    return {};
+  std::string allowed = "allowed: gyro, accel, baro, airspeed";
+  for (const std::string& one : procedures_) allowed += ", " + one;
+  return allowed;
+}
+
+void ViewerCommands::refuse(const Desk::Command& command, std::string why, const Log& log) {
+  log(command.viewer, fmt::format("{}{}: {}", kRefused, text_of(command.what), why));
+  answer(command, false, std::move(why));
 }
 
 void ViewerCommands::answer(const Desk::Command& command, bool good, std::string text) {
@@ -146,8 +166,7 @@ void ViewerCommands::start(const Desk::Command& command, companion::Session& ses
     in_control_ = command.viewer;
     return answer(command, true, "in control");
   }
-  if (std::string why = refusal(command); !why.empty())
-    return answer(command, false, std::move(why));
+  if (std::string why = refusal(command); !why.empty()) return refuse(command, std::move(why), log);
   if (const auto* steer = std::get_if<Desk::Steer>(&command.what)) {
     try {
       const std::function<void()> change = parse_change_(steer->text);
@@ -155,7 +174,7 @@ void ViewerCommands::start(const Desk::Command& command, companion::Session& ses
       change();
       return answer(command, true, steer->text);
     } catch (const config::Error& error) {
-      return answer(command, false, error.what());
+      return refuse(command, error.what(), log);
     }
   }
   log(command.viewer, text_of(command.what));
@@ -171,9 +190,7 @@ void ViewerCommands::start_on_vehicle(const Desk::Command& command, companion::S
   if (const auto* set = std::get_if<Desk::SetParameters>(&command.what)) {
     start_load(*set, session, waiting);
   } else if (const auto* calibrate = std::get_if<Desk::Calibrate>(&command.what)) {
-    std::string why = start_calibration(command, calibrate->sensor, session, waiting);
-    if (!why.empty()) return answer(command, false, std::move(why));
-    if (!waiting.calibration) return;
+    if (!start_calibration(command, calibrate->sensor, session, waiting)) return;
   } else if (std::holds_alternative<Desk::WriteParameters>(command.what)) {
     waiting.plain = session.commands().start(link::Command::kWriteParams);
   } else {
@@ -183,26 +200,19 @@ void ViewerCommands::start_on_vehicle(const Desk::Command& command, companion::S
   waiting_.push_back(std::move(waiting));
 }
 
-std::string ViewerCommands::start_calibration(const Desk::Command& command, const std::string& name,
-                                              companion::Session& session, Waiting& waiting) {
+bool ViewerCommands::start_calibration(const Desk::Command& command, const std::string& name,
+                                       companion::Session& session, Waiting& waiting) {
   if (name == kStop) {
-    if (!procedure_) return "no calibration runs";
     procedure_->stopped = true;
     answer(command, true, "stopping");
-    return {};
+    return false;
   }
-  if (procedure_) return procedure_->name + " is being calibrated";
   if (const ground::Sensor* sensor = ground::find_sensor(name)) {
     waiting.calibration = std::make_unique<ground::SensorCalibration>(session, *sensor);
-    return {};
-  }
-  if (std::find(procedures_.begin(), procedures_.end(), name) == procedures_.end()) {
-    std::string allowed = "allowed: gyro, accel, baro, airspeed";
-    for (const std::string& one : procedures_) allowed += ", " + one;
-    return allowed;
+    return true;
   }
   procedure_ = Procedure{std::move(waiting.answer), name};
-  return {};
+  return false;
 }
 
 std::optional<std::string> ViewerCommands::begin_procedure() {

@@ -18,8 +18,9 @@ namespace rosflight::viewer {
 /// Does what viewers of the page command (CommandDesk): to the vehicle over the companion's session, and to
 /// the simulation if there is one.
 ///
-/// Control belongs to one viewer at a time, who takes it, also from another. Steering needs it; of a real
-/// vehicle all commands that change something do.
+/// Control belongs to one viewer at a time, who takes it, also from another. All commands need it but the
+/// request for the checks before arming, which changes nothing. The log has each command, and each that was
+/// refused with the reason.
 class ViewerCommands {
  public:
   using What = web::server::CommandDesk::What;
@@ -81,10 +82,12 @@ class ViewerCommands {
 
   /// @returns why a viewer may not; empty: it may.
   std::string refusal(const Desk::Command& command) const;
+  std::string refusal_of_calibration(const std::string& name) const;
+  void refuse(const Desk::Command& command, std::string why, const Log& log);
   void start_on_vehicle(const Desk::Command& command, companion::Session& session);
-  /// @returns why it does not start; empty: it does, or it was answered.
-  std::string start_calibration(const Desk::Command& command, const std::string& name,
-                                companion::Session& session, Waiting& waiting);
+  /// @returns whether it runs by itself: the others wait for a person, or stop what runs.
+  bool start_calibration(const Desk::Command& command, const std::string& name,
+                         companion::Session& session, Waiting& waiting);
   void start_load(const Desk::SetParameters& set, companion::Session& session, Waiting& waiting);
   void answer(const Desk::Command& command, bool good, std::string text);
   void publish_parameters(const companion::ParameterClient& client);
@@ -101,5 +104,7 @@ class ViewerCommands {
 /// What a command is in the log, and back. @returns nothing for a text that is none.
 std::string text_of(const ViewerCommands::What& what);
 std::optional<ViewerCommands::What> parse_command(std::string_view text);
+/// Whether it is what the log has of a command that was refused: "is refused: COMMAND: REASON".
+bool is_refusal(std::string_view text);
 
 }  // namespace rosflight::viewer

@@ -5,6 +5,8 @@
 
 #include <functional>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "companion/test/rig.hpp"
@@ -36,6 +38,11 @@ class ViewerCommandsTest : public testing::Test {
     return answers.empty() ? std::vector<Desk::Result>{} : answers[0].results;
   }
 
+  void take_control() {
+    ask(Desk::TakeControl{});
+    notes_.clear();
+  }
+
   companion::test::Rig rig_;
   Desk desk_;
   std::vector<std::string> changes_;  ///< Changes of the simulation, in order.
@@ -50,6 +57,7 @@ class ViewerCommandsTest : public testing::Test {
 };
 
 TEST_F(ViewerCommandsTest, EachParameterSetHasAResultAndTheLogSaysWho) {
+  take_control();
   const auto first = rig_.session.parameters().table()[0];
   const std::string name(companion::text_of(first.name));
   const auto results = ask(Desk::SetParameters{{{name, 7.0}, {"NO_SUCH", 1.0}}});
@@ -65,6 +73,7 @@ TEST_F(ViewerCommandsTest, EachParameterSetHasAResultAndTheLogSaysWho) {
 }
 
 TEST_F(ViewerCommandsTest, AValueThatTheLinkCannotCarryIsNotSent) {
+  take_control();
   const companion::ParameterTable& table = rig_.session.parameters().table();
   for (std::size_t k = 0; k < table.count(); ++k) {
     const bool whole = table[k].value.type == link::ParamType::kInt32;
@@ -76,6 +85,7 @@ TEST_F(ViewerCommandsTest, AValueThatTheLinkCannotCarryIsNotSent) {
 }
 
 TEST_F(ViewerCommandsTest, WritingSaves) {
+  take_control();
   const std::string name(companion::text_of(rig_.session.parameters().table()[0].name));
   ask(Desk::SetParameters{{{name, 7.0}}});
   const auto results = ask(Desk::WriteParameters{});
@@ -85,6 +95,7 @@ TEST_F(ViewerCommandsTest, WritingSaves) {
 }
 
 TEST_F(ViewerCommandsTest, WhatWaitsAtTheEndIsAnswered) {
+  take_control();
   EXPECT_EQ(desk_.ask({2, "a", Desk::WriteParameters{}}), "");
   commands_.step(rig_.session, log_);
   commands_.end("the flight has ended");
@@ -105,8 +116,58 @@ TEST_F(ViewerCommandsTest, OneViewerAtATimeSteersAndTakingOverIsLogged) {
   run(1s);
   EXPECT_EQ(commands_.in_control(), 0U);
   EXPECT_EQ(changes_, (std::vector<std::string>{"wind 5,0"}));
-  EXPECT_EQ(notes_, (std::vector<std::string>{"2 takes control", "2 steers: wind 5,0",
-                                              "3 takes control from viewer 2", "3 is gone"}));
+  EXPECT_EQ(notes_, (std::vector<std::string>{
+                        "2 is refused: steers: wind 5,0: take control first", "2 takes control",
+                        "2 steers: wind 5,0", "2 is refused: steers: bad: bad change",
+                        "3 takes control from viewer 2",
+                        "2 is refused: steers: wind 9,0: viewer 3 has control", "3 is gone"}));
+}
+
+TEST_F(ViewerCommandsTest, WithoutControlASimulatedVehicleIsLookedAtAlone) {
+  const std::string name(companion::text_of(rig_.session.parameters().table()[0].name));
+  const std::vector<std::pair<Desk::What, std::string>> changes{
+      {Desk::SetParameters{{{name, 7.0}}}, "sets " + name + " 7"},
+      {Desk::WriteParameters{}, "writes the parameters"},
+      {Desk::TestMotor{3, 0.1}, "tests motor 3 0.1"},
+      {Desk::Calibrate{"gyro"}, "calibrates gyro"}};
+  for (const auto& [what, text] : changes) {
+    notes_.clear();
+    const auto results = ask(what);
+    ASSERT_EQ(results.size(), 1U) << text;
+    EXPECT_FALSE(results[0].good) << text;
+    EXPECT_EQ(results[0].text, "take control first") << text;
+    EXPECT_EQ(notes_, (std::vector<std::string>{"2 is refused: " + text + ": take control first"}));
+    EXPECT_TRUE(is_refusal(notes_[0].substr(2)));
+    EXPECT_FALSE(parse_command(notes_[0].substr(2))) << "it is not repeated as a command";
+  }
+  EXPECT_NE(rig_.session.parameters().get(name)->number(), 7.0);
+  notes_.clear();
+  EXPECT_TRUE(ask(Desk::ReportChecks{})[0].good);
+  EXPECT_EQ(notes_, (std::vector<std::string>{"2 asks for the checks before arming"}));
+}
+
+TEST_F(ViewerCommandsTest, EveryKindOfCommandIsInTheLogWithItsViewer) {
+  take_control();
+  const std::string name(companion::text_of(rig_.session.parameters().table()[0].name));
+  const std::vector<std::pair<Desk::What, std::string>> all{
+      {Desk::SetParameters{{{name, 7.0}}}, "2 sets " + name + " 7"},
+      {Desk::WriteParameters{}, "2 writes the parameters"},
+      {Desk::ReportChecks{}, "2 asks for the checks before arming"},
+      {Desk::TakeControl{}, "2 takes control"},
+      {Desk::Steer{"wind 5,0"}, "2 steers: wind 5,0"},
+      {Desk::TestMotor{3, 0.1}, "2 tests motor 3 0.1"},
+      {Desk::Calibrate{"baro"}, "2 calibrates baro"}};
+  EXPECT_EQ(all.size() + 1, std::variant_size_v<Desk::What>) << "one that is gone follows";
+  for (const auto& [what, line] : all) {
+    notes_.clear();
+    EXPECT_EQ(desk_.ask({2, "a", what}), "");
+    run(10ms);
+    EXPECT_EQ(notes_, (std::vector<std::string>{line}));
+  }
+  notes_.clear();
+  desk_.forget(2);
+  run(10ms);
+  EXPECT_EQ(notes_, (std::vector<std::string>{"2 is gone"}));
 }
 
 TEST_F(ViewerCommandsTest, OfARealVehicleNothingIsChangedWithoutControlAndNothingSteered) {
@@ -138,6 +199,9 @@ TEST_F(ViewerCommandsTest, ACalibrationByHandIsRunByTheOwnerAndLoggedLineByLine)
   ask_for(1, Desk::TakeControl{});
   EXPECT_EQ(ask_for(1, Desk::Calibrate{"esc_props_off"}),
             "allowed: gyro, accel, baro, airspeed, mag, rc");
+  EXPECT_EQ(
+      notes_.back(),
+      "1 is refused: calibrates esc_props_off: allowed: gyro, accel, baro, airspeed, mag, rc");
   EXPECT_EQ(ask_for(1, Desk::Calibrate{"stop"}), "no calibration runs");
   EXPECT_FALSE(real.begin_procedure());
   EXPECT_EQ(ask_for(1, Desk::Calibrate{"mag"}), "");

@@ -40,8 +40,7 @@ function OfFirmware({flight}: {flight: Flight}) {
   const [results, setResults] = useState<ReadonlyMap<string, Result>>(new Map());
   const [said, setSaid] = useState('');
   const [file, setFile] = useState<{name: string; here?: string; found: Difference[]}>();
-  const real = state.control.value?.simulated === false;
-  const commands = real && !hasControl() ? undefined : state.commands.value; // a real vehicle wants control
+  const commands = hasControl() ? state.commands.value : undefined;
 
   const names = [...values.keys()].sort();
   const text = wanted.trim().toLowerCase();
@@ -95,8 +94,8 @@ function OfFirmware({flight}: {flight: Flight}) {
   };
 
   return <section class="parameters" aria-label="Parameters">
-    <p class="hint">Values of the firmware at the moment shown.{state.live.value !== 'off' && !state.commands.value && ' This address is one to look, not to command.'}</p>
-    {real && <ControlBar/>}
+    <p class="hint">Values of the firmware at the moment shown.</p>
+    {state.control.value && <ControlBar/>}
     <div class="tools">
       <label>Search <input type="search" value={wanted} onInput={(event) => setWanted(event.currentTarget.value)}/></label>
       <label>Group <select value={group} onChange={(event) => setGroup(event.currentTarget.value)}>
