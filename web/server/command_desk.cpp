@@ -57,7 +57,9 @@ std::vector<CommandDesk::Command> CommandDesk::commands() {
 
 void CommandDesk::answer(Answer answer) {
   const std::scoped_lock lock(mutex_);
-  if (answers_.size() < kMaxWaiting) answers_.push_back(std::move(answer));
+  // The oldest are of viewers that are gone: all others take theirs many times a second.
+  if (answers_.size() == kMaxWaiting) answers_.erase(answers_.begin());
+  answers_.push_back(std::move(answer));
 }
 
 void CommandDesk::set_parameters(Parameters parameters) {

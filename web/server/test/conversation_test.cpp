@@ -250,5 +250,15 @@ TEST_F(ConversationTest, NoMoreCommandsWaitThanTheirLimit) {
   EXPECT_EQ(desk.ask(one), "");
 }
 
+TEST_F(ConversationTest, AnswersThatNobodyTakesMakeRoomForNewOnes) {
+  CommandDesk desk;
+  for (std::uint64_t gone = 1; gone <= CommandDesk::kMaxWaiting; ++gone)
+    desk.answer({gone, "", {}});
+  desk.answer({5000, "a", {}});
+  ASSERT_EQ(desk.answers(5000).size(), 1U);
+  EXPECT_TRUE(desk.answers(1).empty());
+  EXPECT_EQ(desk.answers(2).size(), 1U);
+}
+
 }  // namespace
 }  // namespace rosflight::web::server
