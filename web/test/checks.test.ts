@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import {readFile} from 'node:fs/promises';
 import {test} from 'node:test';
-import {checksAt, flagsAt, linesAt, refusalAt, WAYS_OUT} from '../src/data/checks.ts';
+import {checksAt, flagsAt, linesAt, refusalAt, wayOut, WAYS_OUT} from '../src/data/checks.ts';
 import {Flight} from '../src/data/flight.ts';
 import {parseSchema} from '../src/data/ros_schema.ts';
 
@@ -27,6 +27,15 @@ test('each check of the firmware has a way out, and no other', async () => {
   const names = [...table.matchAll(/\{Check::k\w+, +"([^"]+)"/g)].map(([, name]) => name!);
   assert.equal(names.length, Number(/kCheckCount = (\d+)/.exec(table)![1]));
   assert.deepEqual(Object.keys(WAYS_OUT).sort(), names.sort());
+});
+
+test('each flag of the status has a way out, which needs no other program: the page has the link', () => {
+  const flight = new Flight('made');
+  flight.add('/status', STATUS, 1, Uint8Array.from([0, 1, 0, 0, 0xff, 0, 0]));
+  const lines = flagsAt(flight, 9)!;
+  assert.deepEqual(lines.map(({verdict}) => verdict), Array.from({length: 8}, () => 'refuses'));
+  for (const {name} of lines) assert.match(wayOut(name), /^[A-Z].*\.$/, name);
+  for (const [name, text] of Object.entries(WAYS_OUT)) assert.ok(!text.includes('./rosflight'), `${name}: ${text}`);
 });
 
 test('the list is the newest that is complete', () => {

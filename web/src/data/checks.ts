@@ -14,7 +14,7 @@ export const WAYS_OUT: Record<string, string> = {
   'ESC mixer': 'Set PRIMARY_MIXER to the mixer of the airframe, unless the speed controllers are to be calibrated.',
   'IMU': 'The IMU sends nothing. Check its wiring, then restart the flight controller.',
   'IMU time': 'Restart the flight controller. If it comes again, its clock or its IMU is damaged.',
-  'calibration': 'Leave the vehicle at rest and calibrate the gyro: ./rosflight calibrate LINK gyro.',
+  'calibration': 'Leave the vehicle at rest and calibrate the gyro: take control, then press Calibrate beside Gyro below.',
   'estimator': 'Keep the vehicle at rest until its attitude has settled.',
   'receiver': 'Switch the transmitter on. Check that the receiver is bound and connected.',
   'failsafe': 'Set FAILSAFE_THR to a throttle from 0 to 1 with which the vehicle comes down.',
@@ -28,6 +28,14 @@ export const WAYS_OUT: Record<string, string> = {
   'battery seen': 'Connect the battery monitor and set the motor parameters, or set USE_MOTOR_PARAM to 0.',
   'battery': 'Charge the battery. BATT_VOLT_MAX is the voltage of a full one.',
 };
+
+/** The same of flags that are no check. This firmware never sets them. */
+const OF_OTHER_FIRMWARE: Record<string, string> = {
+  'buffer overrun': 'Restart the flight controller. The firmware of this project never sends this flag.',
+};
+
+/** What to do about a line of linesAt(). */
+export const wayOut = (name: string): string => WAYS_OUT[name] ?? OF_OTHER_FIRMWARE[name] ?? '';
 
 /** Checks of the bits of Status.error_code, in their order. */
 const OF_FLAGS = ['mixer', 'IMU', 'receiver', 'estimator', 'IMU time', 'calibration', 'buffer overrun', 'failsafe'];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Whether the vehicle would arm at the moment shown, and for each reason against it what to do.
 import {useState} from 'preact/hooks';
-import {checksAt, linesAt, refusalAt, WAYS_OUT, type Verdict} from '../data/checks.ts';
+import {checksAt, linesAt, refusalAt, wayOut, type Verdict} from '../data/checks.ts';
 import type {Flight} from '../data/flight.ts';
 import * as state from '../state.ts';
 import {Calibrations} from './calibrations.tsx';
@@ -38,7 +38,7 @@ export function Preflight({flight}: {flight: Flight}) {
     {lines && <table class="checks"><thead><tr><th>check</th><th>result</th><th>reason, and what to do</th></tr></thead>
       <tbody>{lines.map(({name, verdict, reason}) => <tr key={name}>
         <th scope="row">{name}</th><td><span class={`badge ${WORDS[verdict][1]}`}>{WORDS[verdict][0]}</span></td>
-        <td>{verdict !== 'pass' && <>{reason && <strong>{reason}. </strong>}{WAYS_OUT[name]}</>}</td></tr>)}</tbody></table>}
+        <td>{verdict !== 'pass' && <>{reason && <strong>{reason}. </strong>}{wayOut(name)}</>}</td></tr>)}</tbody></table>}
     {commands && state.control.value && <><ControlBar/><Calibrations flight={flight}/><MotorTest flight={flight}/></>}
   </section>;
 }
