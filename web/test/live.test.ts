@@ -13,7 +13,7 @@ import {bytesSource} from '../src/data/bytes.ts';
 import {LiveDecoder, PROTOCOLS} from '../src/data/live.ts';
 import {readLog} from '../src/data/read_log.ts';
 import {FLY, SIL, VIEW} from './flights.ts';
-import {flyWatched, start, until} from './simulated.ts';
+import {ADDRESS, flyWatched, start, until} from './simulated.ts';
 
 const scratch = await mkdtemp(join(tmpdir(), 'rosflight_live_'));
 const running: ChildProcess[] = [];
@@ -44,8 +44,8 @@ async function fly(program: string, ...options: string[]) {
   summary.catch(() => {}); // a test may end the flight before
   const address = new Promise<string>((resolve) => child.stderr.on('data', (data) => {
     said += String(data);
-    const found = /http:\S+/.exec(said);
-    if (found) resolve(found[0]);
+    const found = ADDRESS.exec(said);
+    if (found) resolve(found[1]!);
   }));
   return {child, summary, address};
 }
@@ -146,7 +146,8 @@ test('a viewer that comes after the landing gets every event and the latest stat
 test('FoxgloveClient reads and sets parameters, and the log says who did', {timeout: 120_000}, async () => {
   const {child, summary, address} = await fly(VIEW, '--view');
   const url = await address;
-  const client = new FoxgloveClient({ws: new WebSocket(url.replace('http', 'ws'), [FoxgloveClient.SUPPORTED_SUBPROTOCOL]) as never});
+  const socket = new WebSocket(url.replace('http', 'ws'), [FoxgloveClient.SUPPORTED_SUBPROTOCOL]);
+  const client = new FoxgloveClient({ws: socket as never});
   const complaints: string[] = [];
   client.on('status', ({message}) => complaints.push(message));
   const values = (names: string[]) => new Promise<{name: string; value: unknown}[]>((resolve) => {
@@ -160,9 +161,11 @@ test('FoxgloveClient reads and sets parameters, and the log says who did', {time
   assert.equal(all.length, parameters);
   assert.match(complaints[0] ?? 'none are known', /none are known/);
   const done = new Promise<{value: unknown}[]>((resolve) => client.on('parameterValues', ({parameters: found, id}) => { if (id === 'set') resolve(found as never); }));
+  socket.send(JSON.stringify({op: 'takeControl'})); // which Foxglove's protocol does not have
   client.setParameters([{name: 'ACC_X_TEMP_COMP', value: 0.001}], 'set');
   assert.deepEqual((await done).map(({value}) => value), [Math.fround(0.001)]);
   assert.deepEqual((await values(['ACC_X_TEMP_COMP'])).map(({value}) => value), [Math.fround(0.001)]);
+  socket.send(JSON.stringify({op: 'steer', text: 'speed 50'}));
   client.close();
   const {success} = await summary;
   assert.equal(success, true);

@@ -29,6 +29,9 @@ export async function start(running: ChildProcess[], program: string, words: str
   return {child, found, printed: () => printed};
 }
 
+/** The line that ./rosflight fly --view prints on standard error; with --listen a token stands behind the address. */
+export const ADDRESS = /^(http:\/\/127\.0\.0\.(?:1:\d+\/|2:\d+\/#[0-9a-f]{32}))\n/m;
+
 /** A flight that is watched; `printed` and `said` have what it wrote so far. */
 export async function flyWatched(running: ChildProcess[], folder: string, ...options: string[]) {
   const child = spawn(VIEW, ['fly', '--view', '--json', '--out', folder, ...options], {stdio: ['ignore', 'pipe', 'pipe']});
@@ -38,8 +41,8 @@ export async function flyWatched(running: ChildProcess[], folder: string, ...opt
   child.stdout.on('data', (data) => { printed += String(data); });
   const url = await new Promise<string>((resolve) => child.stderr.on('data', (data) => {
     said += String(data);
-    const found = /http:\S+/.exec(said);
-    if (found) resolve(found[0]);
+    const found = ADDRESS.exec(said);
+    if (found) resolve(found[1]!);
   }));
   return {child, url, printed: () => printed, said: () => said};
 }

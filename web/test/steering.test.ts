@@ -20,9 +20,9 @@ after(async () => {
 
 const fly = (folder: string, ...options: string[]) => flyWatched(running, join(scratch, folder), ...options);
 
-/** @returns exit code and what it said. */
-async function repeat(folder: string) {
-  const child = spawn(FLY, ['fly', '--repeat', join(scratch, folder), '--json', '--out', join(scratch, `${folder}_again`)], {stdio: ['ignore', 'pipe', 'pipe']});
+/** @param log  the folder of a flight, or a log in it. @returns exit code and what it said. */
+async function repeat(folder: string, log = folder) {
+  const child = spawn(FLY, ['fly', '--repeat', join(scratch, log), '--json', '--out', join(scratch, `${folder}_again`)], {stdio: ['ignore', 'pipe', 'pipe']});
   running.push(child);
   let said = '';
   let printed = '';
@@ -56,6 +56,10 @@ test('a flight changed by hand is repeated from its log to the bit', {timeout: 2
   await until(() => /stage arm/.test(flight.said()));
   await new Promise((resolve) => setTimeout(resolve, 500)); // 4 s, in which the filter settles: it holds
   assert.ok(!/stage fly/.test(flight.said()));
+  for (const answers of [await one.commands.calibrate('gyro'), await one.commands.write(), await one.commands.checks(), await one.commands.testMotor(0, 0.1)]) {
+    assert.equal(answers.length, 1);
+    assert.ok(answers[0]!.good, answers[0]!.text);
+  }
   for (const text of ['wind 4,200,3', 'gust 6,90,2.5', 'hold off']) assert.ok((await one.steer(text)).good, text); // not before it is calibrated
   await until(() => /take-?off|phase takeoff|stage fly/.test(flight.said()));
   for (const text of ['tune limits.tilt_deg 20', 'tune follower.horizontal.kp_1_s2 4.5', 'fault gnss:2']) assert.ok((await one.steer(text)).good, text);
@@ -70,14 +74,23 @@ test('a flight changed by hand is repeated from its log to the bit', {timeout: 2
   await until(() => flight.printed().endsWith('}\n'));
   const summary = JSON.parse(flight.printed()) as Record<string, unknown>;
   flight.child.kill('SIGTERM');
-  const again = await repeat('changed');
+  const again = await repeat('changed', join('changed', 'flight.mcap'));
   assert.equal(again.summary['log_sha256'], summary['log_sha256'], again.said);
   assert.equal(again.code, 0);
   assert.match(again.said, /commands repeated; the log is equal to the bit/);
-  const {events, settings} = await read('changed');
+  const {events, settings, tables} = await read('changed');
   assert.deepEqual(settings.map(({text}) => [/tilt_deg: (\S+)/.exec(text)![1], /kp_1_s2: (\S+)/.exec(text)![1]]), [['35', '6.0'], ['20', '6.0'], ['20', '4.5']]);
   const said = events.filter(({source}) => source === 'viewer');
   assert.ok(said.some(({text}) => /^viewer 2 takes control from viewer 1 \(step \d+\)$/.test(text)));
+  for (const text of ['sets BATT_CURR_ALPHA', 'calibrates gyro', 'writes the parameters', 'asks for the checks before arming', 'tests motor 0 0.1'])
+    assert.ok(said.some((line) => line.text.startsWith(`viewer 1 ${text}`)), text);
+  assert.equal(said[0]!.text, 'viewer 0 steers: hold on (step 0)', 'by --hold');
+  assert.match(said[1]!.text, /^viewer 1 is refused: steers: pause: take control first \(step/);
+  assert.ok(said.some(({text}) => text.startsWith('viewer 1 is refused: steers: heal: viewer 2 has control')));
+  const tested = said.find(({text}) => text.startsWith('viewer 1 tests motor'))!.t;
+  const outputs = tables.get('/output_raw')!;
+  const turned = (from: number, to: number) => outputs.column('values[0]')!.subarray(outputs.rowAt(from) + 1, outputs.rowAt(to) + 1).some((value) => value > 0.09);
+  assert.ok(!turned(0, tested) && turned(tested, tested + 0.4), 'the motor turned');
   for (const {t, text} of said) assert.equal(Number(/\(step (\d+)\)$/.exec(text)![1]), Math.round(t / 0.0025), text);
 });
 
