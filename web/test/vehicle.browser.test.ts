@@ -121,6 +121,16 @@ async function hold(page: Page, outputs: Outputs) {
   return button;
 }
 
+/** Processes of the browser's pages. */
+async function pageProcesses(): Promise<number[]> {
+  const session = await browser.newBrowserCDPSession();
+  const {processInfo} = await session.send('SystemInfo.getProcessInfo');
+  await session.detach();
+  const pages = processInfo.filter(({type}) => type === 'renderer').map(({id}) => id);
+  assert.ok(pages.length > 0);
+  return pages;
+}
+
 /** From `start` [ms] until the firmware's outputs were 0 for good [s]. */
 async function stopsAfter(outputs: Outputs, start: number) {
   await until(() => outputs.newest > start + 800); // the firmware sends on
@@ -185,7 +195,7 @@ describe('a vehicle on a link', () => {
     assert.ok(flight.tables.get('/link/param_set')!.text('name')!.includes('PRIMARY_MIXER'));
   });
 
-  test('a motor turns while the button is held; 0 within 0.35 s of its release (mouse, key, finger), a cut link, a hidden page, a killed server', {timeout: 200_000}, async () => {
+  test('a motor turns while the button is held; 0 within 0.35 s of its release (mouse, key, finger), a cut link, a hidden page, a frozen page, a killed server', {timeout: 200_000}, async () => {
     const {url, view, outputs, link} = await vehicle();
     const {page, context} = await (async () => {
       const context = await browser.newContext({viewport: SMALL, locale: 'en-US'});
@@ -266,6 +276,20 @@ describe('a vehicle on a link', () => {
       await page.mouse.up();
       return s;
     });
+    await page.setViewportSize(PHONE);
+    await measure('frozen', async () => { // as by a phone that is locked: the page gets no event, its process no time
+      await button.scrollIntoViewIfNeeded();
+      const {x, y} = (await button.boundingBox())!;
+      const lift = await finger(page, x + 20, y + 10);
+      await until(() => outputs.largest > 0.09);
+      const pages = await pageProcesses();
+      const start = performance.now();
+      for (const id of pages) process.kill(id, 'SIGSTOP');
+      const s = await stopsAfter(outputs, start).finally(() => pages.forEach((id) => process.kill(id, 'SIGCONT')));
+      await lift();
+      return s;
+    });
+    await page.setViewportSize(SMALL);
     await hold(page, outputs);
     const start = performance.now();
     view.kill('SIGKILL');
