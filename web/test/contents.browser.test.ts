@@ -6,13 +6,13 @@ import {mkdtemp, readFile, rm} from 'node:fs/promises';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {after, before, test} from 'node:test';
-import type {Line2} from 'three/addons/lines/Line2.js';
 import type {Browser, Page} from 'playwright-core';
 import type {Analysis} from '../src/data/analysis.ts';
 import {bytesSource} from '../src/data/bytes.ts';
 import type {Flight} from '../src/data/flight.ts';
 import {readLog} from '../src/data/read_log.ts';
 import {clock, drawn, goTo, onPage, startBrowser} from './browser.ts';
+import {ATTITUDE, bars, cells, ESTIMATED, extent, inPicture, lineOf, near, objectOf, POSITION, positions} from './contents.ts';
 import {FLY, logOf} from './flights.ts';
 import {view} from './simulated.ts';
 
@@ -43,49 +43,6 @@ async function at(page: Page, t: number): Promise<number> {
   return Number(await page.getByLabel('Time in the flight').inputValue());
 }
 
-/** Columns of a topic at the latest message. */
-const cells = (of: Flight, topic: string, names: string[], t: number) => names.map((name) => of.latest(topic, name, t));
-/** From north-east-down to the picture: x east, y up, z south. */
-const inPicture = ([n, e, d]: number[]) => [e!, -d!, -n!];
-const POSITION = ['pose.position.x', 'pose.position.y', 'pose.position.z'];
-const ATTITUDE = ['pose.orientation.w', 'pose.orientation.x', 'pose.orientation.y', 'pose.orientation.z'];
-const ESTIMATED = ['position[0]', 'position[1]', 'position[2]'];
-
-function near(is: number[], wanted: number[], tolerance: number, what: string) {
-  assert.equal(is.length, wanted.length, what);
-  is.forEach((value, k) => assert.ok(Math.abs(value - wanted[k]!) <= tolerance, `${what}: ${is} for ${wanted}`));
-}
-
-interface Placed {
-  visible: boolean; position: number[]; scale: number[];
-  /** Where its -z, the front of a vehicle, and its y, the tip of an arrow, point to. */
-  front: number[]; up: number[];
-}
-
-const objectOf = (page: Page, name: string) => page.evaluate((wanted): Placed => {
-  const object = window.rosflightScene!.object(wanted)!;
-  const along = (x: number, y: number, z: number) => object.position.clone().set(x, y, z).applyQuaternion(object.quaternion).toArray();
-  return {visible: object.visible, position: object.position.toArray(), scale: object.scale.toArray(), front: along(0, 0, -1), up: along(0, 1, 0)};
-}, name);
-
-/** Points of a line, and how many of its segments are drawn. */
-const lineOf = (page: Page, name: string) => page.evaluate((wanted) => {
-  const {geometry} = window.rosflightScene!.object(wanted) as Line2;
-  const {instanceStart, instanceEnd} = geometry.attributes;
-  const point = (of: typeof instanceStart, k: number) => [of!.getX(k), of!.getY(k), of!.getZ(k)];
-  const last = instanceStart!.count - 1;
-  return {points: [...Array.from({length: last + 1}, (_, k) => point(instanceStart, k)), point(instanceEnd, last)], drawn: geometry.instanceCount};
-}, name);
-
-/** Smallest and largest of each coordinate. */
-const extent = (points: number[][]) => [0, 1, 2].flatMap((k) => [Math.min(...points.map((point) => point[k]!)), Math.max(...points.map((point) => point[k]!))]);
-
-/** Positions of a whole topic in the picture, without those that are not finite. */
-function positions(topic: string, names: string[]): number[][] {
-  const table = flight.tables.get(topic)!;
-  return Array.from({length: table.length}, (_, row) => names.map((name) => table.column(name)![row]!)).filter((point) => point.every(Number.isFinite)).map(inPicture);
-}
-
 async function space(page: Page) {
   const analysis = JSON.parse(await readFile(join(folder, 'analysis.json'), 'utf8')) as Analysis;
   for (const wanted of [12, 31]) {
@@ -112,7 +69,7 @@ async function space(page: Page) {
     ['setpoint', '/trajectory_command', ESTIMATED, 0.03]] as const) {
     const {points} = await lineOf(page, name);
     assert.ok(points.length > 1000, `${name}: ${points.length}`);
-    near(extent(points), extent(positions(topic, [...names])), tolerance, name);
+    near(extent(points), extent(positions(flight, topic, names)), tolerance, name);
   }
   const waypoints = analysis.waypoints.map(({position_m}) => inPicture([...position_m]));
   assert.equal(waypoints.length, 7);
@@ -165,14 +122,6 @@ async function instruments(page: Page) {
     assert.ok(typeof text === 'string' ? shown === text : text.test(shown), `${t} s: ${shown}`);
   }
 }
-
-/** Each bar: share that is filled, its number, its use and end points in words, and their marks. */
-const bars = (page: Page) => page.locator('.bar').evaluateAll((all) => all.map((bar) => {
-  const [gauge, fill] = [bar.querySelector('.gauge')!, bar.querySelector('.fill')!];
-  return {name: bar.getAttribute('aria-label')!, share: fill.getBoundingClientRect().width / gauge.clientWidth,
-    value: parseFloat(bar.querySelector('.value')!.textContent!), use: bar.querySelector('.use')?.textContent ?? '',
-    ends: [...bar.querySelectorAll('.end')].map((end) => parseFloat((end as HTMLElement).style.left) / 100)};
-}));
 
 async function receiverAndOutputs(page: Page) {
   await page.getByRole('tab', {name: 'Receiver and outputs'}).click();

@@ -73,7 +73,8 @@ describe('a vehicle on a serial port or TCP', () => {
     test(`is shown over ${kind}, changed, and the page shows its end`, {timeout: 120_000}, async () => {
       const {sil, link} = await firmware(kind, '--nvm', join(scratch, `${kind.slice(0, 3)}.nvm`));
       assert.match(link, kind === 'pty' ? /^pty:\// : /^tcp:127\.0\.0\.1:\d+$/);
-      const {url, view, folder} = await show(link);
+      // A real port is typed as serial:PATH; the comparison of two vehicles types pty:PATH.
+      const {url, view, folder} = await show(link.replace('pty:', 'serial:'));
       await onPage(browser, url, async (page) => {
         await page.waitForSelector('.instruments:has-text("disarmed")');
         await takeControl(page);

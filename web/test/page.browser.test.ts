@@ -68,6 +68,10 @@ describe('replay of a flight', () => {
     const paused = await clock(page);
     await drawn(page);
     assert.equal(await clock(page), paused);
+    await slider(page).press('End');
+    assert.ok(Math.abs(await clock(page) - Number(await slider(page).getAttribute('max'))) < 0.011);
+    await slider(page).press('Home');
+    assert.equal(await clock(page), 0);
     await page.getByRole('tab', {name: 'Plots'}).focus();
     await page.keyboard.press('ArrowRight');
     assert.equal(await page.getByRole('tab', {name: 'Events'}).getAttribute('aria-selected'), 'true');
@@ -345,12 +349,22 @@ describe('what may go wrong', () => {
   test('without WebGL all but the 3-D view works', async () => {
     const plain = await startBrowser(['--disable-3d-apis']);
     try {
-      const {page} = await newPage(plain);
+      const {page, complaints} = await newPage(plain);
       await page.goto(multirotor);
       await page.waitForSelector('text=This browser has no WebGL');
       await goTo(page, 20);
       assert.match(await page.locator('.instruments').innerText(), /height\s*5\.\d m/);
       await page.waitForSelector('.plot canvas');
+      const contents: Record<string, string> = {'Plots': '.plot canvas', 'Events': '.events tr', 'Preflight': '.preflight .checks tr', 'Receiver and outputs': '.mixer .motor',
+        'Firmware': '#panel table tr', 'Facts': '.facts tr', 'Parameters': '.parameters tbody tr', 'Tune': '.tune select'};
+      const tabs = await page.getByRole('tab').all();
+      assert.deepEqual(await Promise.all(tabs.map((one) => one.innerText())), Object.keys(contents));
+      for (const one of tabs) {
+        await one.click();
+        await page.locator(contents[await one.innerText()]!).first().waitFor();
+      }
+      const others = complaints.filter((one) => !/WebGL/.test(one)); // what three.js says of it
+      assert.deepEqual(others, []);
     } finally {
       await plain.close();
     }

@@ -35,6 +35,8 @@ const CAUSES: Record<string, {steer?: string; set?: {[name: string]: number}; ba
   'battery seen': {set: {PROP_CT: 0, USE_MOTOR_PARAM: 1}},
   'battery': {set: {BATT_VOLT_MAX: 40}},
 };
+/** The row under which the pilot tries to arm. */
+const TRIED = 'failsafe';
 /** vehicle.browser.test.ts has the damaged memory of a firmware as a process. */
 const NOT_HERE = ['storage'];
 
@@ -73,6 +75,7 @@ test('each row that a simulated vehicle can show fails when it is provoked, says
       assert.ok(one.flight.end_s - start < 60, `${name} ${bad ? 'passes on' : 'fails on'}`);
     }
   };
+  let refused = NaN;
   for (const [name, {steer, set, back}] of Object.entries(CAUSES)) {
     await shows(name, false);
     const link = one.flight.tables.get('/link/param_value')!;
@@ -83,6 +86,14 @@ test('each row that a simulated vehicle can show fails when it is provoked, says
     await shows(name, true);
     assert.ok(row(name).reason && WAYS_OUT[name], name);
     await seen(name);
+    if (name === TRIED) {
+      const refusals = () => one.flight.events.filter(({text}) => text.startsWith('Unable to arm: '));
+      const known = refusals().length;
+      await one.steer('switch arm on');
+      await until(() => refusals().length > known);
+      await one.steer('switch arm off');
+      refused = refusals()[known]!.t;
+    }
     if (back) await one.steer(back);
     await one.steer('heal');
     if (set) await one.commands.set(former);
@@ -102,6 +113,12 @@ test('each row that a simulated vehicle can show fails when it is provoked, says
         assert.match(shown, /✗ refuses|! warning/, name);
         assert.ok(shown.includes(`${reason}. ${WAYS_OUT[name]}`), `${name} at ${t} s: ${shown}`);
       }
+      const attempt = page.locator('.refusal');
+      await goTo(page, Math.floor(100 * refused - 1) / 100);
+      assert.equal(await attempt.count(), 0);
+      await goTo(page, Math.ceil(100 * refused + 1) / 100);
+      assert.equal(await attempt.locator('h2').innerText(), `Attempt to arm at ${refused.toFixed(1)} s, refused`);
+      assert.deepEqual(await attempt.locator('li').allInnerTexts(), [failures.get(TRIED)!.reason]);
     }, SMALL);
   } finally {
     await browser.close();

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page of a flight that runs, ./rosflight fly --view: seen, checked, changed and steered.
 import assert from 'node:assert/strict';
-import {spawn, type ChildProcess} from 'node:child_process';
+import {spawn, spawnSync, type ChildProcess} from 'node:child_process';
 import {mkdtemp, readFile, rm} from 'node:fs/promises';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {after, before, describe, test} from 'node:test';
 import type {Browser, Page} from 'playwright-core';
+import {bytesSource} from '../src/data/bytes.ts';
+import {readLog} from '../src/data/read_log.ts';
 import {clock, DESKTOP, flightShown, goTo, keepPicture, LONG, newPage, onPage, PHONE, SMALL, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
-import {VIEW} from './flights.ts';
+import {bars, cells, ESTIMATED, extent, inPicture, lineOf, near, objectOf, POSITION, positions} from './contents.ts';
+import {FLY, logOf, VIEW} from './flights.ts';
 import {HANDS, withoutMouse, type Hand} from './hands.ts';
-import {viewer} from './simulated.ts';
+import {ADDRESS, viewer} from './simulated.ts';
 
 const started: ChildProcess[] = [];
 let browser: Browser;
@@ -110,50 +113,95 @@ const CHANGES: Record<string, (page: Page, hand: Hand) => Promise<void>> = {
 
 const withPage = (url: string, use: (page: Page) => Promise<void>, ...options: PageOptions) => onPage(browser, url, use, ...options);
 
+/** The page of a flight that has landed, to which each message came as it happened, at its last moment. It has no more than 60 of a second. */
+async function showsTheLog(page: Page, folder: string) {
+  const flight = await readLog(bytesSource('log', new Uint8Array(await readFile(logOf(folder)))));
+  const t = flight.end_s;
+  const SEEN_M = 0.4; // of a path, between two messages
+  near([await clock(page)], [t], 0.05, 'the last moment');
+  for (const [name, topic, names] of [['flown', '/sim/truth_state', POSITION], ['estimate', '/autonomy/estimate', ESTIMATED], ['setpoint', '/trajectory_command', ESTIMATED]] as const) {
+    const {points} = await lineOf(page, name);
+    assert.ok(points.length > 100, `${name}: ${points.length}`);
+    near(extent(points), extent(positions(flight, topic, names)), SEEN_M, name);
+  }
+  near((await objectOf(page, 'vehicle')).position, inPicture(cells(flight, '/sim/truth_state', POSITION, t)), 0.02, 'vehicle');
+  const cloud = await objectOf(page, 'uncertainty');
+  near(cloud.position, inPicture(cells(flight, '/autonomy/estimate', ESTIMATED, t)), 0.05, 'estimate');
+  const [n, e, d] = cells(flight, '/autonomy/estimate', [0, 1, 2].map((k) => `position_sigma[${k}]`), t);
+  near(cloud.scale, [3 * e!, 3 * d!, 3 * n!], 0.02, 'three standard deviations');
+  const corners = flight.plans[0]!.points.map((point) => inPicture([...point]));
+  near((await lineOf(page, 'plan')).points.flat(), corners.flat(), 1e-4, 'plan');
+  for (const [k, place] of corners.entries()) near((await objectOf(page, `waypoint ${k + 1}`)).position, place, 1e-6, `waypoint ${k + 1}`);
+  const wind = await objectOf(page, 'wind');
+  assert.ok(wind.visible);
+  near(wind.up, inPicture([0.5, Math.sqrt(0.75), 0]), 1e-3, 'it comes from 240 degrees');
+  assert.equal(await page.locator('.state .badge', {hasText: 'link'}).innerText(), 'link good');
+  await page.getByRole('tab', {name: 'Receiver and outputs'}).click();
+  for (const {name, value, share} of await bars(page)) {
+    const [kind, k] = name.split(' ');
+    const truth = kind === 'channel' ? flight.latest('/rc_raw', `values[${k}]`, t) : 100 * flight.latest('/output_raw', `values[${k}]`, t);
+    near([value], [truth], 0.5, name);
+    near([share], [kind === 'channel' ? (truth - 1000) / 1000 : truth / 100], 0.01, `length of ${name}`);
+  }
+}
+
 describe('a running flight', () => {
   /** @returns the address that ./rosflight fly --view prints on standard error. */
   async function flyAndView(...options: string[]) {
     const folder = await mkdtemp(join(tmpdir(), 'rosflight_page_'));
     const program = spawn(VIEW, ['fly', '--view', '--mission', 'hop', '--out', join(folder, 'flight'), ...options],
-      {stdio: ['ignore', 'ignore', 'pipe']});
+      {stdio: ['ignore', 'pipe', 'pipe']});
     started.push(program);
     let said = '';
+    let printed = '';
+    program.stdout.on('data', (data) => { printed += String(data); });
     const url = await new Promise<string>((resolve) => program.stderr.on('data', (data) => {
       said += String(data);
-      const found = /http:\S+/.exec(said);
-      if (found) resolve(found[0]);
+      const found = ADDRESS.exec(said);
+      if (found) resolve(found[1]!);
     }));
-    return {url, program, folder, ended: () => /has ended/.test(said)};
+    return {url, program, folder, ended: () => /has ended/.test(said), printed: () => printed};
   }
 
-  /** Another viewer sets the speed. @returns its connection. */
-  async function faster(url: string, speed: number) {
+  /** Another viewer takes control and steers. @returns its connection. */
+  async function steered(url: string, ...texts: string[]) {
     const {socket, commands, steer} = await viewer(url);
     await commands.takeControl();
-    assert.ok((await steer(`speed ${speed}`)).good);
+    for (const text of texts) {
+      const {good, text: said} = await steer(text);
+      assert.ok(good || said === 'the flight has ended', said); // on a busy machine
+    }
     return socket;
   }
 
   test('is seen as it happens, can be looked back on, and stays after landing', async () => {
-    const {url, program, folder, ended} = await flyAndView('--speed', '0.5');
+    const {url, program, folder, ended, printed} = await flyAndView('--speed', '0.5', '--wind', '3,240');
     await withPage(url, async (page) => {
       await page.waitForFunction(() => parseFloat(document.querySelector('.clock')!.textContent!) > 3);
+      assert.equal(printed(), '', 'nothing on standard output before the landing');
       await page.waitForFunction(() => document.querySelector('.instruments')!.textContent!.includes('armed')
         && !document.querySelector('.instruments')!.textContent!.includes('disarmed'), );
       const before = await clock(page);
       await page.waitForFunction((from) => parseFloat(document.querySelector('.clock')!.textContent!) > from + 1, before);
       await vehicleIsSeen(page);
       await page.waitForSelector('.plot canvas');
+      await page.getByLabel('Add a plot of any field').fill('/baro pressure'); // a topic that began after the page
+      await page.waitForSelector('figure:has-text("/baro pressure") canvas');
+      await page.getByRole('button', {name: 'remove the plot /baro pressure'}).click();
       await keepPicture(page, 'live');
       await goTo(page, 2);
       assert.equal(await clock(page), 2);
       assert.match(await page.locator('.instruments').innerText(), /disarmed/);
       await page.getByRole('button', {name: 'live'}).click();
       await page.waitForFunction(() => parseFloat(document.querySelector('.clock')!.textContent!) > 6);
+      const other = await steered(url, 'speed 2');
       while (!ended()) await page.waitForTimeout(100);
+      assert.match(printed(), /^All waypoints passed within 2 m, landed and disarmed\.\n[^]*^flight folder /m);
       await page.getByRole('tab', {name: 'Events'}).click();
       await page.waitForSelector('.events tr:has-text("land")');
       await page.waitForSelector('.instruments:has-text("disarmed")');
+      await showsTheLog(page, join(folder, 'flight'));
+      other.close();
     }, SMALL);
     program.kill('SIGTERM');
     await rm(folder, {recursive: true});
@@ -165,7 +213,8 @@ describe('a running flight', () => {
       const result = (check: string) => page.locator('.preflight tr', {has: page.getByRole('rowheader', {name: check, exact: true})});
       await page.getByRole('tab', {name: 'Preflight'}).click();
       await result('calibration').getByText('✗ refuses').waitFor(); // by the flags of the status
-      assert.match(await result('calibration').innerText(), /calibrate the gyro/);
+      assert.match(await result('calibration').innerText(), /calibrate the gyro: take control, then press Calibrate beside Gyro below/);
+      await page.locator('.calibrations tr', {hasText: 'Gyro'}).getByText('Calibrate', {exact: true}).waitFor();
       await page.getByRole('button', {name: 'Check now'}).focus();
       await page.keyboard.press('Enter');
       await page.getByText('All checks of the firmware').waitFor();
@@ -176,7 +225,7 @@ describe('a running flight', () => {
       assert.match(await page.locator('.preflight .verdict').innerText(), /Arming is refused for \d+ reason/);
       assert.deepEqual(await violations(page), []);
       await keepPicture(page, 'preflight', DESKTOP);
-      const other = await faster(url, 1);
+      const other = await steered(url, 'speed 4');
       await result('calibration').getByText('✓ pass').waitFor(); // by the flags, without asking again
       await page.getByText('The vehicle is armed.').waitFor();
       other.close();
@@ -186,14 +235,16 @@ describe('a running flight', () => {
   });
 
   test('has its parameters changed from the page, and each change says how it ended', async () => {
-    const {url, program, folder} = await flyAndView('--speed', '0.1'); // not armed for a minute
+    const {url, program, folder} = await flyAndView('--speed', '2', '--hold');
     await withPage(url, async (page) => {
       const said = page.locator('.said');
       const until = (s: number) => page.waitForFunction((t) => parseFloat(document.querySelector('.clock')!.textContent!) > t, s);
       await page.getByRole('tab', {name: 'Parameters'}).click();
-      await until(2); // the vehicle's file is loaded
+      await until(5); // the vehicle's file is loaded and written
       await page.getByLabel('Search').fill('temp_comp');
       const field = page.getByLabel('Value of ACC_X_TEMP_COMP');
+      assert.deepEqual([await field.count(), await page.getByRole('button', {name: 'Write to memory'}).count()], [0, 0], 'to look at without control');
+      await page.getByRole('button', {name: 'Take control'}).click();
       await field.focus(); // by keyboard, behind the 0 that stands there
       await page.keyboard.press('End');
       await page.keyboard.type('.0005');
@@ -211,21 +262,26 @@ describe('a running flight', () => {
       assert.equal(await field.inputValue(), '0.001');
       await page.getByText('changed since the last write').waitFor();
       await page.getByLabel('Compare with a file').setInputFiles({name: 'mine.yaml', mimeType: 'application/yaml',
-        buffer: Buffer.from('- {name: ACC_X_TEMP_COMP, type: 9, value: 0.002}\n- {name: ACC_Y_TEMP_COMP, type: 9, value: 0.002}\n- {name: NO_SUCH, type: 6, value: 1}\n')});
+        buffer: Buffer.from('- {name: ACC_X_TEMP_COMP, type: 9, value: 0.002}\n- {name: ACC_Y_TEMP_COMP, type: 9, value: 0.002}\n- {name: ACC_Z_TEMP_COMP, type: 9, value: 3}\n- {name: NO_SUCH, type: 6, value: 1}\n')});
       await page.getByLabel('Send ACC_X_TEMP_COMP').uncheck();
-      await page.getByRole('button', {name: 'Send 1 from the file'}).click();
-      await page.locator('.differences').getByText('set to 0.002').waitFor();
+      await page.getByRole('button', {name: 'Send 2 from the file'}).click();
+      const entry = (name: string) => page.locator('.differences tr', {hasText: name});
+      await entry('ACC_Y_TEMP_COMP').getByText('set to 0.002').waitFor();
+      await entry('ACC_Z_TEMP_COMP').getByText('3 refused, stays at 0').waitFor(); // beyond its range
+      assert.equal(await said.innerText(), '1 of 2 in force');
       assert.equal(await page.getByLabel('Value of ACC_X_TEMP_COMP').inputValue(), '0.001');
       assert.equal(await page.getByLabel('Value of ACC_Y_TEMP_COMP').inputValue(), '0.002');
       await keepPicture(page, 'parameters', DESKTOP);
       await page.getByRole('button', {name: 'Write to memory'}).click();
       await page.getByText('writing parameters: done').waitFor();
-      const other = await faster(url, 0.5);
+      await page.getByText('changed since the last write').waitFor({state: 'detached'});
+      const other = await steered(url, 'speed 0.3', 'hold off');
+      await field.waitFor({state: 'detached'}); // the other one has control
       await page.waitForFunction(() => /(?<!dis)armed/.test(document.querySelector('.instruments')!.textContent!));
+      await page.getByRole('button', {name: 'Take over control'}).click();
       await field.fill('0.004');
       await page.getByRole('button', {name: 'Send 1 change'}).click();
-      await page.locator('.result.bad').waitFor();
-      assert.match(await page.locator('.result.bad').innerText(), /✗ 0.004 refused, stays at 0.001/);
+      await page.locator('.result.bad', {hasText: '✗ 0.004 refused, stays at 0.001'}).waitFor();
       await page.getByRole('tab', {name: 'Events'}).click();
       await page.waitForSelector('.events tr:has-text("viewer 1 sets ACC_X_TEMP_COMP 0.001")');
       other.close();
@@ -301,6 +357,10 @@ describe('a running flight', () => {
       await press('One gust');
       await page.locator('.said.wrong', {hasText: 'allowed SPEED,FROM_DEG'}).waitFor();
       await page.getByLabel('Wind speed').fill('5');
+      const help = spawnSync(FLY, ['fly', '--help'], {encoding: 'utf8'}).stdout;
+      const listed = /WHAT is one of\n(.*?)\n\s*\n/s.exec(help)![1]!.split('\n').map((line) => line.trim().split(' ')[0]);
+      assert.ok(listed.length > 30 && listed.includes('motorN_dead'), `${listed}`);
+      assert.deepEqual(await page.getByLabel('Fault').first().locator('option').allInnerTexts(), listed, 'every fault of --fault');
       await page.getByLabel('Fault').first().selectOption('motorN_partial=FACTOR');
       await page.getByLabel('Number N').fill('2');
       await page.getByLabel('Size').fill('0.9');
@@ -355,10 +415,16 @@ describe('a running flight', () => {
     const {page} = await newPage(browser, SMALL);
     await page.goto(first.url);
     await flightShown(page);
+    const reaches = (s: number) => page.waitForFunction((t) => parseFloat(document.querySelector('.clock')!.textContent!) > t, s);
+    await reaches(2);
     first.program.kill('SIGKILL');
     await page.waitForSelector('text=The connection to the flight is lost; trying again.');
-    const second = await flyAndView('--port', new URL(first.url).port);
+    const old = await clock(page);
+    const second = await flyAndView('--port', new URL(first.url).port, '--speed', '0.2'); // the page takes a second to try again
     await page.waitForSelector('text=The connection to the flight is lost', {state: 'detached', timeout: 60_000});
+    await page.waitForFunction((t) => parseFloat(document.querySelector('.clock')!.textContent!) < t, old); // another flight
+    await reaches(await clock(page) + 0.2);
+    await vehicleIsSeen(page);
     second.program.kill('SIGKILL');
     await page.context().close();
     for (const {folder} of [first, second]) await rm(folder, {recursive: true});
