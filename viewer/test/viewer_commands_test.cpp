@@ -136,7 +136,7 @@ TEST_F(ViewerCommandsTest, WithoutControlASimulatedVehicleIsLookedAtAlone) {
     ASSERT_EQ(results.size(), 1U) << text;
     EXPECT_FALSE(results[0].good) << text;
     EXPECT_EQ(results[0].text, "take control first") << text;
-    EXPECT_EQ(notes_, (std::vector<std::string>{"2 is refused: " + text + ": take control first"}));
+    ASSERT_EQ(notes_, (std::vector<std::string>{"2 is refused: " + text + ": take control first"}));
     EXPECT_TRUE(is_refusal(notes_[0].substr(2)));
     EXPECT_FALSE(parse_command(notes_[0].substr(2))) << "it is not repeated as a command";
   }

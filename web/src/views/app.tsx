@@ -105,7 +105,7 @@ function moveTab(event: KeyboardEvent, from: Tab, setTab: (tab: Tab) => void) {
   document.getElementById(`tab-${to}`)?.focus();
 }
 
-/** Space plays and pauses, comma and point step, Home and End jump, unless the user is typing or on a control that uses the key. */
+/** Space plays and pauses, comma and point step, unless the user is typing or on a control that uses the key. */
 function useKeyboard() {
   useEffect(() => {
     const press = (event: KeyboardEvent) => {
