@@ -10,7 +10,7 @@ import type {Browser, Page} from 'playwright-core';
 import {bytesSource} from '../src/data/bytes.ts';
 import {readLog} from '../src/data/read_log.ts';
 import {clock, DESKTOP, flightShown, goTo, keepPicture, LONG, newPage, onPage, PHONE, SMALL, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
-import {bars, cells, ESTIMATED, extent, inPicture, lineOf, near, objectOf, POSITION, positions} from './contents.ts';
+import {showsTheLog} from './contents.ts';
 import {FLY, logOf, VIEW} from './flights.ts';
 import {HANDS, withoutMouse, type Hand} from './hands.ts';
 import {ADDRESS, viewer} from './simulated.ts';
@@ -113,38 +113,6 @@ const CHANGES: Record<string, (page: Page, hand: Hand) => Promise<void>> = {
 
 const withPage = (url: string, use: (page: Page) => Promise<void>, ...options: PageOptions) => onPage(browser, url, use, ...options);
 
-/** The page of a flight that has landed, to which each message came as it happened, at its last moment. It has no more than 60 of a second. */
-async function showsTheLog(page: Page, folder: string) {
-  const flight = await readLog(bytesSource('log', new Uint8Array(await readFile(logOf(folder)))));
-  const t = flight.end_s;
-  const SEEN_M = 0.4; // of a path, between two messages
-  near([await clock(page)], [t], 0.05, 'the last moment');
-  for (const [name, topic, names] of [['flown', '/sim/truth_state', POSITION], ['estimate', '/autonomy/estimate', ESTIMATED], ['setpoint', '/trajectory_command', ESTIMATED]] as const) {
-    const {points} = await lineOf(page, name);
-    assert.ok(points.length > 100, `${name}: ${points.length}`);
-    near(extent(points), extent(positions(flight, topic, names)), SEEN_M, name);
-  }
-  near((await objectOf(page, 'vehicle')).position, inPicture(cells(flight, '/sim/truth_state', POSITION, t)), 0.02, 'vehicle');
-  const cloud = await objectOf(page, 'uncertainty');
-  near(cloud.position, inPicture(cells(flight, '/autonomy/estimate', ESTIMATED, t)), 0.05, 'estimate');
-  const [n, e, d] = cells(flight, '/autonomy/estimate', [0, 1, 2].map((k) => `position_sigma[${k}]`), t);
-  near(cloud.scale, [3 * e!, 3 * d!, 3 * n!], 0.02, 'three standard deviations');
-  const corners = flight.plans[0]!.points.map((point) => inPicture([...point]));
-  near((await lineOf(page, 'plan')).points.flat(), corners.flat(), 1e-4, 'plan');
-  for (const [k, place] of corners.entries()) near((await objectOf(page, `waypoint ${k + 1}`)).position, place, 1e-6, `waypoint ${k + 1}`);
-  const wind = await objectOf(page, 'wind');
-  assert.ok(wind.visible);
-  near(wind.up, inPicture([0.5, Math.sqrt(0.75), 0]), 1e-3, 'it comes from 240 degrees');
-  assert.equal(await page.locator('.state .badge', {hasText: 'link'}).innerText(), 'link good');
-  await page.getByRole('tab', {name: 'Receiver and outputs'}).click();
-  for (const {name, value, share} of await bars(page)) {
-    const [kind, k] = name.split(' ');
-    const truth = kind === 'channel' ? flight.latest('/rc_raw', `values[${k}]`, t) : 100 * flight.latest('/output_raw', `values[${k}]`, t);
-    near([value], [truth], 0.5, name);
-    near([share], [kind === 'channel' ? (truth - 1000) / 1000 : truth / 100], 0.01, `length of ${name}`);
-  }
-}
-
 describe('a running flight', () => {
   /** @returns the address that ./rosflight fly --view prints on standard error. */
   async function flyAndView(...options: string[]) {
@@ -200,7 +168,7 @@ describe('a running flight', () => {
       await page.getByRole('tab', {name: 'Events'}).click();
       await page.waitForSelector('.events tr:has-text("land")');
       await page.waitForSelector('.instruments:has-text("disarmed")');
-      await showsTheLog(page, join(folder, 'flight'));
+      await showsTheLog(page, await readLog(bytesSource('log', new Uint8Array(await readFile(logOf(join(folder, 'flight')))))));
       other.close();
     }, SMALL);
     program.kill('SIGTERM');
