@@ -191,7 +191,8 @@ describe('a vehicle on a link', () => {
     assert.equal(said[0], 'viewer 1 takes control');
     assert.match(said[1]!, /^viewer 1 sets .*PRIMARY_MIXER/);
     assert.deepEqual(said.slice(2), ['viewer 1 calibrates gyro', 'viewer 1 calibrates baro', 'viewer 1 calibrates accel',
-      'viewer 2 takes control from viewer 1', 'viewer 2 is gone']);
+      'viewer 2 takes control from viewer 1',
+      'viewer 2 is refused: steers: switch arm on: a real vehicle cannot be steered from here', 'viewer 2 is gone']);
     assert.ok(flight.tables.get('/link/param_set')!.text('name')!.includes('PRIMARY_MIXER'));
   });
 
