@@ -24,6 +24,7 @@ from rosflight_msgs.srv import ParamFile
 from std_srvs.srv import Trigger
 
 TIMEOUT_S = 60.0
+FIRST_ANSWER_S = 5.0
 SAY_AGAIN_S = 10.0
 
 
@@ -61,15 +62,24 @@ class Vehicle:
                 return False
         return True
 
-    def call(self, name, **fields):
-        """The answer of a service."""
+    def ask(self, name, seconds, **fields):
+        """The answer of a service; None: it did not come within the time."""
         client = self.clients[name]
         if not client.wait_for_service(timeout_sec=TIMEOUT_S):
             raise RuntimeError(f"{name}: found no such service, allowed with rosflight_io running")
         future = client.call_async(client.srv_type.Request(**fields))
-        if not self.within(TIMEOUT_S, future.done):
+        return future.result() if self.within(seconds, future.done) else None
+
+    def call(self, name, **fields):
+        answer = self.ask(name, TIMEOUT_S, **fields)
+        if answer is None:
             raise RuntimeError(f"{name}: no answer in {TIMEOUT_S:.0f} s")
-        return future.result()
+        return answer
+
+    def has_all_parameters(self):
+        """The first question of all: its answer may be lost on a busy machine while the two ends hardly know each other."""
+        answer = self.ask("all_params_received", FIRST_ANSWER_S)
+        return answer is not None and answer.success
 
     def demand(self, name, **fields):
         answer = self.call(name, **fields)
@@ -79,7 +89,7 @@ class Vehicle:
             raise RuntimeError(f"{name} failed {text}")
 
     def initialise(self, file):
-        if not self.within(TIMEOUT_S, lambda: self.call("all_params_received").success):
+        if not self.within(TIMEOUT_S, self.has_all_parameters):
             raise RuntimeError("the firmware's parameters have not arrived")
         self.demand("param_load_from_file", filename=file)
         self.demand("calibrate_imu")

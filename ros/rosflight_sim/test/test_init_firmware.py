@@ -2,9 +2,12 @@
 """A launch file that sets the firmware up: `ready:` comes when the vehicle can be armed. `--fly` is flown in test_launch.py."""
 
 import contextlib
+import importlib.util
 import threading
 
 import pytest
+import rclpy
+import rclpy.task
 from ros_rig import ROOT, free_udp_port
 from rosflight_msgs.msg import Status
 from rosflight_msgs.srv import ParamFile
@@ -73,6 +76,39 @@ def test_times_to_wait_are_those_of_the_flight_controller(tmp_path, answers_afte
         assert process.end() == code, process.text()
         assert text in process.text()
         assert now[0] - start < 60 * 100  # not a minute of the wall
+
+
+class Silent:
+    """A client of a service whose first answers are lost."""
+
+    srv_type = Trigger
+
+    def __init__(self, lost):
+        self.lost, self.asked = lost, 0
+
+    def wait_for_service(self, timeout_sec):
+        return True
+
+    def call_async(self, request):
+        self.asked += 1
+        answer = rclpy.task.Future()
+        if self.asked > self.lost:
+            answer.set_result(Trigger.Response(success=self.asked > self.lost + 1))
+        return answer
+
+
+def test_a_first_question_without_an_answer_is_asked_again(monkeypatch):
+    spec = importlib.util.spec_from_file_location("init_firmware", ROOT / "ros/rosflight_sim/scripts/init_firmware.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    monkeypatch.setattr(module, "FIRST_ANSWER_S", 0.1)
+    with SimPeer("board") as peer, flight_controller(peer, 0):
+        node = rclpy.create_node("setter")
+        vehicle = module.Vehicle(node)
+        silent = vehicle.clients["all_params_received"] = Silent(lost=2)
+        vehicle.initialise("any.yaml")
+        assert silent.asked == 4
+        node.destroy_node()
 
 
 @pytest.mark.parametrize("words", [["--vehicle"], ["a.yaml", "--wait", "--fly"], ["a.yaml", "b.yaml"]])
