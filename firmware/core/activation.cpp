@@ -14,8 +14,8 @@ namespace {
 float exp_minus_1(float x) {
   constexpr float kLn2 = 0.693359375f;
   constexpr float kLn2Rest = -2.12194440e-4f;
-  const float above =
-      x * 1.44269504f + 0.5f;  // not negative: a cast rounds it down, to the nearest k
+  // x / ln 2 + 0.5 is not negative: the cast rounds it down, to the nearest k.
+  const float above = x * 1.44269504f + 0.5f;
   const auto k = static_cast<std::int32_t>(above);
   const auto whole = static_cast<float>(k);
   const float r = (x - whole * kLn2) - whole * kLn2Rest;

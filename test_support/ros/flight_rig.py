@@ -9,6 +9,7 @@ from sim_rig import SimPeer, last_s, launch, stamp_ns
 from std_srvs.srv import Trigger
 
 FASTEST = "10.0"  # more than any machine holds: as fast as it can, and time waits for the world
+STEP_NS = 2_500_000  # default_pub_rate_us of the time manager
 OVERRIDE = Status.OVERRIDE_ATT_SWITCH | Status.OVERRIDE_THR_SWITCH
 
 
@@ -65,12 +66,12 @@ class FlightRig:
         """None in the air, however brisk the climb."""
         assert not [m for m in list(self.status) if m.armed and m.error_code], self.process.text()[-4000:]
 
-    def judge_steps(self, step_ns=2_500_000):
+    def judge_steps(self):
         """None of the world's steps is missing, unless this observer was given up as too slow."""
         if "no /judge for 2 s" in self.process.text():
             return
         stamps = [stamp_ns(m) for m in list(self.truth)]
-        gaps = [b - a for a, b in zip(stamps, stamps[1:]) if b - a != step_ns]
+        gaps = [b - a for a, b in zip(stamps, stamps[1:]) if b - a != STEP_NS]
         assert len(stamps) > 1000 and not gaps, gaps[:10]
 
     def place(self):

@@ -25,7 +25,7 @@ THROTTLE = 0.75  # of RC_MAX_THR: climbs slowly, for as long as the tests take
 LEAN_RAD = 0.2
 LEVEL_RAD = 0.05
 GNSS_DELAY_S = 0.3  # longer than it takes to synchronise: fixes of before the first tick are received after it
-IGNORE_ALL = 0x3FF
+IGNORE_ALL = sum(getattr(Command, f"IGNORE_VALUE{k}") for k in range(10))
 EMPTY = re.compile(r"pass-through commands in flight that are all zeros, which stops the motors: (\d+)")
 ABSENT_ALOFT = {"range"}  # the vehicle climbs out of its reach while a slow machine is at work
 
