@@ -132,7 +132,9 @@ class SilManager : public rclcpp::Node {
       answer_by_hand(failed);
     }
     if (asked_by_hand_.empty()) {
+      if (!look_again_) return;
       look_again_.reset();
+      tell_executor(*this);
     } else if (!look_again_) {
       look_again_ = create_wall_timer(kLookAgain, [this] { look_after_steps_by_hand(); });
     }

@@ -6,11 +6,18 @@
 namespace rclcpp {
 
 void CallbackGroup::add(const std::shared_ptr<detail::Entity>& entity) {
-  std::shared_ptr<detail::WakeUp> wake_up;
   entity->set_group(weak_from_this());
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     entities_.push_back(entity);
+  }
+  trigger_notify_guard_condition();
+}
+
+void CallbackGroup::trigger_notify_guard_condition() const {
+  std::shared_ptr<detail::WakeUp> wake_up;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
     wake_up = wake_up_.lock();
   }
   if (wake_up) wake_up->set_changed();

@@ -128,6 +128,7 @@ void Executor::collect() {
       if (const auto group = weak_group.lock()) take_group(group);
     }
   }
+  gone_since_.reset();
   watched_.clear();
   for (const Kind kind : kOrder) watched_.insert(watched_.end(), of(kind).begin(), of(kind).end());
   timers_ = of(Kind::kTimer).size();
@@ -142,12 +143,28 @@ bool Executor::is_closed(const CallbackGroup& group) const {
 
 /// False: there is nothing to do.
 bool Executor::find_ready() {
+  bool any_gone = false;
   for (const Watched& watched : watched_) {
     auto entity = watched.entity.lock();
+    any_gone = any_gone || !entity;
     if (entity && entity->has_work() && !is_closed(*watched.group))
       ready_.push_back({std::move(entity), watched.group});
   }
+  refuse_forgotten(any_gone);
   return !ready_.empty();
+}
+
+/// The thread that drops an entity may be about to tell.
+void Executor::refuse_forgotten(bool any_gone) {
+  constexpr std::chrono::seconds kAtTheLatest{1};
+  if (!any_gone) return;
+  const auto now = Steady::now();
+  if (!gone_since_) gone_since_ = now;
+  if (now - *gone_since_ > kAtTheLatest && known_generation_ == wake_up_->generation())
+    throw std::logic_error(
+        "a subscription, timer, service or client was destroyed and "
+        "trigger_notify_guard_condition() of its "
+        "callback group was not called: rclcpp 28 gives what is ready to the wrong ones");
 }
 
 /// Until somebody wakes this executor, a timer is due or time is over.

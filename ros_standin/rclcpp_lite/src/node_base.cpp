@@ -74,6 +74,12 @@ NodeBaseInterface::NodeBaseInterface(const std::string& name, const std::string&
   default_group_ = create_callback_group(CallbackGroupType::MutuallyExclusive, true);
 }
 
+NodeBaseInterface::~NodeBaseInterface() {
+  for (const auto& weak : groups_) {
+    if (const auto group = weak.lock()) group->trigger_notify_guard_condition();
+  }
+}
+
 CallbackGroup::SharedPtr NodeBaseInterface::create_callback_group(CallbackGroupType type,
                                                                   bool automatically_add) {
   auto group = std::make_shared<CallbackGroup>(type, automatically_add);

@@ -154,6 +154,43 @@ TEST_F(Executor, EntitiesMayComeAndGoWhileItSpins) {
   spinner.join();
 }
 
+// With rclcpp 28 the executor would give what is ready to the wrong subscriptions, and never rest.
+TEST_F(Executor, WhoDropsAnEntityTellsTheExecutor) {
+  const auto node = std::make_shared<rclcpp::Node>("dropping");
+  rclcpp::executors::SingleThreadedExecutor executor;
+  executor.add_node(node);
+  auto subscription = node->create_subscription<Int64>("here", 10, [](const Int64&) {});
+  const auto beat = node->create_wall_timer(10ms, [] {});
+  const auto spin = [&](std::chrono::milliseconds time) {
+    for (const auto end = std::chrono::steady_clock::now() + time;
+         std::chrono::steady_clock::now() < end;)
+      executor.spin_once(100ms);
+  };
+  spin(50ms);
+  subscription.reset();
+  node->get_node_base_interface()->get_default_callback_group()->trigger_notify_guard_condition();
+  EXPECT_NO_THROW(spin(1500ms));
+  auto timer = node->create_wall_timer(1h, [] {});
+  spin(50ms);
+  timer.reset();
+  EXPECT_THROW(spin(1500ms), std::logic_error);
+}
+
+TEST_F(Executor, ANodeThatEndsNeedNotTellTheExecutor) {
+  auto node = std::make_shared<rclcpp::Node>("ends");
+  const auto stays = std::make_shared<rclcpp::Node>("stays");
+  rclcpp::executors::SingleThreadedExecutor executor;
+  executor.add_node(node);
+  executor.add_node(stays);
+  const auto beat = stays->create_wall_timer(10ms, [] {});
+  auto subscription = node->create_subscription<Int64>("here", 10, [](const Int64&) {});
+  executor.spin_once(100ms);
+  subscription.reset();
+  node.reset();
+  const auto end = std::chrono::steady_clock::now() + 1500ms;
+  EXPECT_NO_THROW(while (std::chrono::steady_clock::now() < end) executor.spin_once(100ms));
+}
+
 // The middleware tells of a message in its own thread, at any moment of the wait.
 TEST_F(Executor, NothingThatHasComeIsLeftLying) {
   const auto sender = std::make_shared<rclcpp::Node>("sender");

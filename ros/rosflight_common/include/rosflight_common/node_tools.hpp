@@ -142,6 +142,14 @@ inline rclcpp::Time received_at(rclcpp::Node& node, const builtin_interfaces::ms
   return ahead_s > 0.0 && ahead_s < kMaxAhead_s ? stamped : now;
 }
 
+/// To be called after a subscription, timer, service or client of a living node has been destroyed. rclcpp 28 makes its
+/// wait set anew for those that come but not for those that go: until then it takes from the wrong ones and never rests.
+inline void tell_executor(rclcpp::Node& node) {
+  node.for_each_callback_group([](const rclcpp::CallbackGroup::SharedPtr& group) {
+    group->trigger_notify_guard_condition();
+  });
+}
+
 /// Warns every 5 s while the node is to follow simulated time and there is none. Keep what is returned.
 inline rclcpp::TimerBase::SharedPtr warn_without_clock(rclcpp::Node& node) {
   if (!node.get_clock()->ros_time_is_active()) return nullptr;

@@ -206,6 +206,7 @@ class PlannerNode : public rclcpp::Node {
     origin_ = policy_.origin(state);
     if (!origin_) return;
     states_.reset();  // states have nothing else for a planner
+    tell_executor(*this);
     if (waiting_file_) load(std::string(*waiting_file_));
   }
 

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "rosflight_common/node_tools.hpp"
+
 namespace rosflight_common {
 
 /// Subscriptions that a node has only while somebody reads what it makes of them: 400 messages a second that nobody reads would cost
@@ -24,7 +26,7 @@ class WhileRead {
   /// @param node  must outlive this. @param made  what is made of them. @param subscribe  makes the subscriptions, each time that
   /// readers come.
   WhileRead(rclcpp::Node& node, Made made, Subscribe subscribe)
-      : made_{std::move(made)}, subscribe_{std::move(subscribe)} {
+      : node_{node}, made_{std::move(made)}, subscribe_{std::move(subscribe)} {
     static constexpr std::chrono::milliseconds kLook{100};
     timer_ = node.create_wall_timer(kLook, [this] { look(); });
   }
@@ -37,9 +39,12 @@ class WhileRead {
       return publisher->get_subscription_count() > 0;
     });
     if (read && subscriptions_.empty()) subscriptions_ = subscribe_();
-    if (!read) subscriptions_.clear();
+    if (read || subscriptions_.empty()) return;
+    subscriptions_.clear();
+    tell_executor(node_);
   }
 
+  rclcpp::Node& node_;
   Made made_;
   Subscribe subscribe_;
   Subscriptions subscriptions_;

@@ -21,6 +21,8 @@ class CallbackGroup : public std::enable_shared_from_this<CallbackGroup> {
   explicit CallbackGroup(CallbackGroupType type, bool automatically_add = true)
       : type_(type), automatically_add_(automatically_add) {}
   CallbackGroupType type() const { return type_; }
+  /// Tells the executor that entities have come or gone.
+  void trigger_notify_guard_condition() const;
   bool automatically_add_to_executor_with_node() const { return automatically_add_; }
   std::atomic_bool& can_be_taken_from() { return can_be_taken_from_; }
 

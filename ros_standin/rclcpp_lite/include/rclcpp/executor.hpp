@@ -27,7 +27,9 @@ struct ExecutorOptions {
 
 /// Waits for the entities of its nodes and calls their callbacks.
 ///
-/// Nodes and entities are held weakly: dropping one ends its callbacks.
+/// Nodes and entities are held weakly: dropping one ends its callbacks. Who drops an entity of a living node calls
+/// trigger_notify_guard_condition() of its callback group, or std::logic_error comes out of spin a second later: rclcpp 28 gives
+/// what is ready to the wrong entities until it is called.
 ///
 /// The middleware tells each entity of what comes (Arrivals), and the entity wakes the executor, so what a wait costs does not grow with
 /// the services and subscriptions of its nodes: it is for timers and this wake-up alone, by the kernel, without polling.
@@ -100,6 +102,7 @@ class Executor {
   void wait(std::chrono::nanoseconds timeout);
   void rest(std::chrono::nanoseconds timeout);
   bool find_ready();
+  void refuse_forgotten(bool any_gone);
   void collect();
   std::optional<Work> take_next();
   bool is_closed(const CallbackGroup& group) const;
@@ -119,6 +122,7 @@ class Executor {
   std::vector<Watched> watched_;  ///< In the order of calls: timers, messages, services, clients.
   std::size_t timers_{0};         ///< How many of them are timers.
   std::deque<Ready> ready_;
+  std::optional<std::chrono::steady_clock::time_point> gone_since_;  ///< One of watched_.
 };
 
 }  // namespace rclcpp

@@ -20,6 +20,9 @@ class NodeBaseInterface {
   RCLCPP_SMART_PTR_ALIASES_ONLY(NodeBaseInterface)
   NodeBaseInterface(const std::string& name, const std::string& name_space,
                     const NodeOptions& options);
+  NodeBaseInterface(const NodeBaseInterface&) = delete;
+  NodeBaseInterface& operator=(const NodeBaseInterface&) = delete;
+  ~NodeBaseInterface();
   const char* get_name() const { return rcl_node_get_name(node_.get()); }
   const char* get_namespace() const { return rcl_node_get_namespace(node_.get()); }
   const char* get_fully_qualified_name() const {
