@@ -2,6 +2,7 @@
 #include "firmware/core/rc.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace rosflight::core {
 namespace {
@@ -23,6 +24,10 @@ void Rc::configure(const Config& config) {
                                config.channel_count == config_.channel_count &&
                                config.direction == config_.direction;
   if (!same_arm_switch) forget_arm_switch();
+  const bool same_gesture = same_arm_switch && config.yaw == config_.yaw &&
+                            config.throttle == config_.throttle &&
+                            config.arm_threshold == config_.arm_threshold;
+  if (received_ && !same_gesture) yaw_was_inside_ = false;
   config_ = config;
 }
 
@@ -110,9 +115,10 @@ bool Rc::shortened(Time now, const hal::RcFrame& frame) {
 }
 
 void Rc::look_for_gesture(Time step, bool may_disarm, Update& update) {
-  const bool corner = throttle_low() && (may_disarm ? input_.yaw < -(1.0f - config_.arm_threshold)
-                                                    : input_.yaw > 1.0f - config_.arm_threshold);
-  gesture_ = corner && step > Time{0} ? gesture_ + step : Time{0};
+  const float outside = 1.0f - config_.arm_threshold;
+  yaw_was_inside_ = yaw_was_inside_ || std::abs(input_.yaw) <= outside;
+  const bool corner = throttle_low() && (may_disarm ? input_.yaw < -outside : input_.yaw > outside);
+  gesture_ = corner && yaw_was_inside_ && step > Time{0} ? gesture_ + step : Time{0};
   if (gesture_ <= kGestureTime) return;
   update.arm = !may_disarm;
   update.disarm = may_disarm;

@@ -59,7 +59,8 @@ class Rc {
     bool disarm{};  ///< ... or to disarm.
   };
 
-  /// An arm switch on another channel or reversed has to be off for kOffTime before it can arm.
+  /// An arm switch on another channel or reversed has to be off for kOffTime before it can arm; after a change of the gesture the yaw stick
+  /// has to be inside its threshold before sticks can arm or disarm. So no change of parameters alone does either.
   void configure(const Config& config);
   /// The switch has a channel.
   bool mapped(Switch s) const;
@@ -91,6 +92,7 @@ class Rc {
   PilotInput input_{};
   Time last_good_{};
   Time gesture_{};                     ///< How long the sticks have been in the corner.
+  bool yaw_was_inside_{true};          ///< Since the last change of the configuration.
   Time off_since_{};                   ///< First of the consecutive frames with the switch off.
   std::uint8_t off_frames_{0};         ///< Their number, up to kOffFrames.
   bool arm_switch_was_off_{false};     ///< For kOffTime: on may arm.

@@ -66,6 +66,26 @@ TEST_F(WeakPoints, N19NoMessageArms) {  // kept
   }
 }
 
+// RC_ARM_CHN -1 leaves arming to the sticks; then a switch that is on becomes the yaw stick.
+TEST_F(WeakPoints, N19NoParameterArms) {
+  rig_.store_quadrotor();
+  rig_.store([](Parameters& p) { static_cast<void>(p.set_int(Param::kRcArmChn, 4)); });
+  rig_.start();
+  rig_.run_for(200);
+  rig_.rc.channels[5] = 1.0f;
+  rig_.run_for(200);
+  ASSERT_EQ(rig_.errors(), 0);
+  rig_.set_param("RC_ARM_CHN", -1);
+  rig_.set_param("RC_Z_CHN", 5);
+  rig_.run_for(5000);
+  ASSERT_EQ(rig_.firmware().parameters().get_int(Param::kRcZChn), 5);
+  EXPECT_FALSE(rig_.armed());
+  rig_.rc.channels[5] = 0.5f;
+  rig_.run_for(100);
+  rig_.rc.channels[5] = 1.0f;
+  EXPECT_GE(rig_.ms_until([this] { return rig_.armed(); }, 2000), 1000) << "a pilot's stick does";
+}
+
 TEST_F(WeakPoints, N28StoredBatteryFiltersAreInForceAfterARestart) {
   rig_.store_quadrotor();
   rig_.store([](Parameters& p) { static_cast<void>(p.set_float(Param::kBattVoltLpf, 0.5f)); });
