@@ -304,6 +304,13 @@ void MissionRunner::report_estimate() {
            lost ? "position lost" : "position by dead reckoning");
     }
   }
+  if (estimate_.position_unreliable != position_unreliable_) {
+    position_unreliable_ = estimate_.position_unreliable;
+    note(position_unreliable_ ? Severity::kWarning : Severity::kInfo, "estimator",
+         position_unreliable_ ? fmt::format("position unreliable: 3 sigma above {:.0f} m",
+                                            autonomy::StateEstimate::kUnreliable_m)
+                              : "position reliable again");
+  }
   const bool heading = estimate_.heading == autonomy::Quality::kGood;
   if (heading != heading_good_) {
     heading_good_ = heading;

@@ -123,6 +123,7 @@ class MissionRunner final : private companion::Listener {
   std::uint64_t resets_{0};
   autonomy::Quality horizontal_{autonomy::Quality::kGood};
   bool heading_good_{true};
+  bool position_unreliable_{false};
   Notify notify_;
   sim::Time now_{};
   sim::Time entered_{};

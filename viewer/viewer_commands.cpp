@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include "config/strict_yaml.hpp"
@@ -73,7 +74,8 @@ std::optional<ViewerCommands::What> parse_command(std::string_view text) {
     const auto set = parse_values(text.substr(kTests.size()));
     if (!set || set->values.size() != 1) return std::nullopt;
     const auto motor = config::parse_number(set->values[0].first);
-    if (!motor || *motor < 0.0 || *motor > 255.0) return std::nullopt;
+    if (!motor || *motor < 0.0 || *motor > 255.0 || *motor != std::floor(*motor))
+      return std::nullopt;
     return Desk::TestMotor{static_cast<std::uint8_t>(*motor), set->values[0].second};
   }
   if (text.starts_with(kCalibrates))

@@ -38,6 +38,14 @@ class FlightLimits {
     crossed_ = return_ = land_ = false;
   }
 
+  /// That of another mission, in flight: what an earlier fence asked for is over, what the battery asks for stays.
+  void set_fence(const std::optional<Fence>& fence) {
+    fence_ = fence;
+    outside_s_ = 0.0;
+    crossed_ = false;
+    return_ = battery_.level() >= BatteryLevel::kReturn;
+  }
+
   /// Also in flight; the battery's charge stays.
   void configure(const BatteryConfig& battery) { battery_.configure(battery); }
 

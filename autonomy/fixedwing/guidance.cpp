@@ -15,7 +15,7 @@ void Guidance::set_mission(const Mission& mission, std::size_t first) {
   mission_ = mission;
   out_.waypoint = std::min(first, mission.waypoints.size() - 1);
   out_.mission_done = path_done_ = land_ = return_ = false;
-  limits_.start(config_.battery, mission_.fence);
+  limits_.set_fence(mission_.fence);
   if (out_.phase == Phase::kLanded || out_.phase == Phase::kDisarmed) flown_ = false;
   // In flight the new list is planned from where the vehicle is.
   if (out_.phase == Phase::kMission) phase_path_.stop();

@@ -51,7 +51,11 @@ void FlightManager::set_mission(const Mission& mission) {
   path_.set_waypoints(mission.waypoints);
   at_end_ = mission.at_end;
   fence_ = mission.fence;
-  limits_.start(config_.battery, fence_);
+  if (control_.on_ground()) {
+    limits_.start(config_.battery, fence_);
+  } else {
+    limits_.set_fence(fence_);
+  }
   return_asked_ = returning_ = false;
   unplaced_s_ = 0.0;
   flown_ = false;

@@ -245,6 +245,7 @@ TEST(ViewerCommandTexts, AreReadBack) {
   EXPECT_EQ(std::get<Desk::SetParameters>(*set).values[2].second, 1.0 / 3.0);
   EXPECT_FALSE(parse_command("sets A"));
   EXPECT_FALSE(parse_command("dances"));
+  EXPECT_FALSE(parse_command("tests motor 2.7 0.1"));
 }
 
 }  // namespace

@@ -182,6 +182,21 @@ TEST(FixedWingDecisions, ALowBatteryReturnsAndLandsAnEmptyOneLandsAtOnce) {
   }
 }
 
+TEST(FixedWingDecisions, AnotherMissionInFlightDoesNotFillTheBattery) {
+  SmallWorld world(hourglass(), {}, with_battery());
+  world.status.battery_fresh = true;
+  world.status.battery_voltage_V = 6.0 * 4.0;
+  world.run(50.0);
+  world.status.battery_voltage_V = 6.0 * 3.70;
+  world.run(3.5);
+  ASSERT_EQ(world.manager.output().phase, Phase::kReturn);
+  world.status.battery_voltage_V = 6.0 * 4.0;
+  world.manager.set_mission(hourglass());
+  world.run(250.0);
+  EXPECT_TRUE(world.manager.output().landed);
+  EXPECT_FALSE(world.manager.output().mission_done);
+}
+
 TEST(FixedWingDecisions, OutsideOfItsFenceItReturnsAndLands) {
   Mission mission = hourglass();
   mission.fence = Fence{300.0, 120.0};

@@ -115,6 +115,19 @@ TEST(MultirotorDecisions, ALowBatteryReturnsAnEmptyOneLandsWhereItIs) {
   }
 }
 
+TEST(MultirotorDecisions, AnotherMissionInFlightDoesNotFillTheBattery) {
+  Legs flight(with_battery());
+  flight.battery_V = 6.0 * 3.70;
+  flight.run(4.0);
+  ASSERT_EQ(flight.count(FlightEventType::kBatteryReturn), 1);
+  flight.battery_V = 6.0 * 4.0;  // without load, for a moment
+  flight.manager.set_mission(flight.mission);
+  flight.run(60.0);
+  EXPECT_TRUE(flight.disarmed);
+  EXPECT_FALSE(flight.output().mission_done);
+  EXPECT_LT(flight.from_start_m(), 0.5);
+}
+
 TEST(MultirotorDecisions, OutsideOfItsFenceItReturnsAndLands) {
   Flight flight;
   Mission fenced = flight.mission;
