@@ -304,25 +304,6 @@ TEST(Faults, CutLinkHandsOverToThePilotThenTheMissionGoesOn) {
   EXPECT_TRUE(rig.completed());
 }
 
-TEST(Faults, APositionThatIsUnreliableIsSaid) {
-  const auto notes = [](const std::string& fault) {
-    Rig rig(fault.empty() ? FlightChoice{} : Rig::with_faults({fault}));
-    std::vector<std::string> texts;
-    rig.flight->runner().set_notify([&](const FlightNote& note) {
-      if (note.text.rfind("position ", 0) == 0) texts.push_back(note.text);
-    });
-    rig.flight->run();
-    return texts;
-  };
-  const auto has = [](const std::vector<std::string>& texts, const char* text) {
-    return std::find(texts.begin(), texts.end(), text) != texts.end();
-  };
-  const auto dead_reckoned = notes("gnss@20:40");
-  EXPECT_TRUE(has(dead_reckoned, "position unreliable: 3 sigma above 15 m"));
-  EXPECT_TRUE(has(dead_reckoned, "position reliable again"));
-  EXPECT_FALSE(has(notes(""), "position unreliable: 3 sigma above 15 m"));
-}
-
 TEST(Faults, CutLinkForGoodEndsTheFlight) {
   Rig rig(Rig::with_faults({"link_cut@20"}));
   EXPECT_TRUE(rig.reach(Stage::kFailed));

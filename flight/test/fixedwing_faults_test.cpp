@@ -45,6 +45,25 @@ TEST(FixedWing, TwentySecondsWithoutGnss) {
   EXPECT_LE(record(rig).straight_total.rms(), 15.0);
 }
 
+TEST(FixedWing, APositionThatIsUnreliableIsSaid) {
+  const auto notes = [](const std::vector<std::string>& faults) {
+    Rig rig(fixedwing("default", faults));
+    std::vector<std::string> texts;
+    rig.flight->runner().set_notify([&](const FlightNote& note) {
+      if (note.text.rfind("position ", 0) == 0 && note.source == "estimator")
+        texts.push_back(note.text);
+    });
+    rig.flight->run();
+    rig.flight->runner().set_notify(nullptr);
+    return texts;
+  };
+  using Texts = std::vector<std::string>;
+  EXPECT_EQ(notes({}), Texts{});
+  EXPECT_EQ(notes({"gnss@80:100"}),
+            (Texts{"position by dead reckoning", "position unreliable: 3 sigma above 15 m",
+                   "position lost", "position aided", "position reliable again"}));
+}
+
 TEST(FixedWing, MotorOff) {
   Rig rig(fixedwing("default", {"motor0_dead@80"}));
   rig.flight->run();
