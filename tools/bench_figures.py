@@ -153,7 +153,7 @@ def fixedwing_rows() -> list[tuple[str, str, str, str]]:
              ("gnss_loss", "completed", "flights", "= 1"),
              ("motor_off", "min_airspeed_m_s", "m/s", ">= 11"),
              ("motor_off", "touchdown_sink_m_s", "m/s", "<= 2"),
-             ("motor_off", "touchdown_distance_m", "m", "<= 500"),
+             ("motor_off", "touchdown_distance_m", "m", "<= 30"),
              ("motor_off", "landed", "flights", "= 1")]
     rows += [(name, "max_bank_deg", "deg", "<= 60")
              for name in ("pitot_blocked", "gnss_loss", "motor_off", "gusts")]

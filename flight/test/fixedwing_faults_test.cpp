@@ -70,7 +70,7 @@ TEST(FixedWing, MotorOff) {
   EXPECT_FALSE(rig.completed());
   EXPECT_EQ(rig.flight->runner().stage(), Stage::kDone);
   expect_in_control(rig);
-  expect_touchdown(rig, 500.0, 2.0);
+  expect_touchdown(rig, 30.0, 2.0);
 }
 
 TEST(FixedWing, AileronsStuck) {
