@@ -9,7 +9,7 @@ from roscopter_msgs.msg import State, Waypoint
 from roscopter_msgs.srv import AddWaypoint
 from ros_rig import ROOT
 from rosflight_msgs.srv import ParamFile
-from sim_rig import LATCHED, SimPeer
+from sim_rig import LATCHED, Process, SimPeer, executable
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
@@ -102,3 +102,11 @@ def test_missions_load_whole_or_not_at_all_and_geodetic_ones_with_an_origin(plan
     # A meridian's radius at 40 deg on WGS-84, a(1-e^2)/(1-e^2 sin^2)^1.5 = 6361815.8 m, and the height of the origin.
     peer.wait(lambda: abs(received[-1].w[0] - math.radians(0.001) * (6361815.8 + 1400.0)) < 0.01, "the position")
     assert abs(received[-1].w[1]) < 1e-3 and abs(received[-1].w[2] + 10.0) < 0.01 and not received[-1].use_lla
+
+
+@pytest.mark.parametrize("package, waypoint", [("roscopter", "w: [10, 0, -5], psi: 0"), ("rosplane", "w: [100, 0, -50], speed: 17")])
+def test_a_fence_that_no_node_judges_is_named(peer, tmp_path, package, waypoint):
+    mission = tmp_path / "fenced.yaml"
+    mission.write_text(f"fence: {{radius_m: 200, height_m: 90}}\nmission:\n  - {{type: goto, {waypoint}}}\n")
+    with Process(executable(package, "path_planner"), "--ros-args", "-p", f"mission_file:={mission}") as process:
+        process.until("fence: found one, which no node judges")

@@ -38,7 +38,7 @@ inline bool is_geodetic(const autonomy::MissionFile& mission) {
 ///     Waypoint, State, AddWaypoint          messages and service
 ///     kTopic, kServices                     name of the topic, prefix of the services
 ///     explicit Policy(const sim::Vehicle&)  limits of missions
-///     Plan load(file, origin)               a struct with `waypoints`; throws config::Error
+///     Plan load(file, origin)               a struct with `waypoints`, and `fence`: the file has one; throws config::Error
 ///     void check(Waypoint&, origin)         one from outside: made local, throws config::Error;
 ///                                           or with the list and the place it takes there
 ///     Waypoint waypoint_of(Request)         of AddWaypoint, unless it has a field wp
@@ -188,6 +188,8 @@ class PlannerNode : public rclcpp::Node {
 
   void take(Plan plan) {
     waiting_file_.reset();
+    if (plan.fence)
+      RCLCPP_WARN(get_logger(), "fence: found one, which no node judges: the vehicle may leave it");
     list_ = plan.waypoints;
     plan_ = std::move(plan);
     publish_clear();
