@@ -11,9 +11,9 @@ import {bytesSource} from '../src/data/bytes.ts';
 import {readLog} from '../src/data/read_log.ts';
 import {clock, DESKTOP, flightShown, goTo, keepPicture, LONG, newPage, onPage, PHONE, SMALL, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
 import {showsTheLog} from './contents.ts';
-import {FLY, logOf, VIEW} from './flights.ts';
-import {HANDS, withoutMouse, type Hand} from './hands.ts';
-import {ADDRESS, viewer} from './simulated.ts';
+import {FLY, logOf, MULTIROTOR, VIEW} from './flights.ts';
+import {HANDS, KEYBOARD, reach, withoutMouse, type Hand} from './hands.ts';
+import {ADDRESS, until, viewer} from './simulated.ts';
 
 const started: ChildProcess[] = [];
 let browser: Browser;
@@ -117,6 +117,9 @@ describe('a running flight', () => {
   /** @returns the address that ./rosflight fly --view prints on standard error. */
   async function flyAndView(...options: string[]) {
     const folder = await mkdtemp(join(tmpdir(), 'rosflight_page_'));
+/** The second address that --listen prints. */
+const ONE_TO_LOOK = /^(http:\S+) +\(without the right to command\)$/m;
+
     const program = spawn(VIEW, ['fly', '--view', '--mission', 'hop', '--out', join(folder, 'flight'), ...options],
       {stdio: ['ignore', 'pipe', 'pipe']});
     started.push(program);
@@ -128,7 +131,7 @@ describe('a running flight', () => {
       const found = ADDRESS.exec(said);
       if (found) resolve(found[1]!);
     }));
-    return {url, program, folder, ended: () => /has ended/.test(said), printed: () => printed};
+    return {url, program, folder, ended: () => /has ended/.test(said), printed: () => printed, said: () => said};
   }
 
   /** Another viewer takes control and steers. @returns its connection. */
@@ -259,7 +262,7 @@ describe('a running flight', () => {
   });
 
   test('has its autonomy tuned from the page; what the vehicle is made of stays', async () => {
-    const {url, program, folder} = await flyAndView('--speed', '1', '--hold');
+    const {url, program, folder, said} = await flyAndView('--speed', '1', '--hold', '--listen', '127.0.0.2');
     await withPage(url, async (page) => {
       await page.getByRole('tab', {name: 'Parameters'}).click();
       const owner = page.getByLabel('Parameters of');
@@ -292,7 +295,13 @@ describe('a running flight', () => {
       await page.waitForSelector('.events tr:has-text("viewer 1 steers: tune limits.tilt_deg 22")');
     }, SMALL);
     program.kill('SIGKILL');
-    await rm(folder, {recursive: true});
+    await page.getByText('The connection to the flight is lost').waitFor();
+    const again = await flyAndView('--hold', '--listen', '127.0.0.2', '--port', new URL(url).port);
+    await page.getByRole('alert').getByText('wants the whole address').waitFor();
+    await page.getByText('The connection to the flight is lost').waitFor({state: 'detached'});
+    await page.context().close();
+    again.program.kill('SIGKILL');
+    for (const one of [folder, again.folder]) await rm(one, {recursive: true});
   });
 
   test('is steered from the page: control, time, wind, faults, transmitter; another viewer takes over', async () => {
@@ -306,6 +315,20 @@ describe('a running flight', () => {
       assert.ok(await page.getByRole('button', {name: 'Pause', exact: true}).last().isDisabled(), 'control first');
       await press('Take control');
       await page.getByText('You have control (viewer 1)').waitFor();
+
+    // The other address of --listen is one to look.
+    await until(() => ONE_TO_LOOK.test(said()));
+    const {page} = await newPage(browser, SMALL);
+    await page.goto(ONE_TO_LOOK.exec(said())![1]!);
+    await flightShown(page);
+    for (const [name, without] of [['Simulation', '.steering :enabled'], ['Parameters', '.parameters td input, button:text("Write to memory")'],
+      ['Preflight', 'button:text("Check now"), .calibrations, .motor-test']] as const) {
+      await page.getByRole('tab', {name}).click();
+      if (name !== 'Preflight') await page.getByText('This address is one to look, not to command.').waitFor();
+      assert.equal(await page.locator(without).count(), 0, name);
+      assert.equal(await page.getByRole('button', {name: /^Take/}).count(), 0, name);
+    }
+    // A server that is started again has other tokens.
       await page.locator('.simulation').getByRole('button', {name: 'Pause', exact: true}).focus();
       await page.keyboard.press('Enter');
       await page.getByText('simulation paused').waitFor();
@@ -398,3 +421,13 @@ describe('a running flight', () => {
     for (const {folder} of [first, second]) await rm(folder, {recursive: true});
   });
 });
+    // A log that the user opens stays: the connection ends, and with it what belongs to the server.
+    const watch = await viewer(second.url);
+    await page.getByRole('tab', {name: 'Simulation'}).click();
+    await page.getByRole('button', {name: 'Take control'}).click();
+    await watch.until(({viewer}) => viewer !== 0);
+    await page.locator('input[type=file]').first().setInputFiles(logOf(MULTIROTOR));
+    await watch.until(({viewer}) => viewer === 0);
+    await goTo(page, 20);
+    const known_s = watch.flight.end_s;
+    await until(() => watch.flight.end_s > known_s + 0.1); // messages that the page must not show
