@@ -258,11 +258,13 @@ const ONE_TO_LOOK = /^(http:\S+) +\(without the right to command\)$/m;
       other.close();
     }, SMALL);
     program.kill('SIGKILL');
+      await field.fill('0.003'); // not sent yet
     await rm(folder, {recursive: true});
   });
 
   test('has its autonomy tuned from the page; what the vehicle is made of stays', async () => {
     const {url, program, folder, said} = await flyAndView('--speed', '1', '--hold', '--listen', '127.0.0.2');
+      assert.equal(await field.inputValue(), '0.003');
     await withPage(url, async (page) => {
       await page.getByRole('tab', {name: 'Parameters'}).click();
       const owner = page.getByLabel('Parameters of');
