@@ -8,7 +8,7 @@ import {after, before, describe, test} from 'node:test';
 import type {Browser, Page} from 'playwright-core';
 import {bytesSource} from '../src/data/bytes.ts';
 import {readLog} from '../src/data/read_log.ts';
-import {clock, DESKTOP, drawn, goTo, keepPicture, LONG, newPage, onPage, PHONE, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
+import {clock, DESKTOP, drawn, flightShown, goTo, keepPicture, LONG, newPage, onPage, PHONE, startBrowser, vehicleIsSeen, vehicleSeen, violations, type PageOptions} from './browser.ts';
 import {FIXED_WING, logOf, MULTIROTOR} from './flights.ts';
 import {HANDS, KEYBOARD, withoutMouse, type Hand} from './hands.ts';
 import {changed} from './picture.ts';
@@ -34,14 +34,32 @@ const withPage = (url: string, use: (page: Page) => Promise<void>, ...options: P
 
 describe('replay of a flight', () => {
   test('shows the vehicle where it is, also after a seek and in each view', () => withPage(multirotor, async (page) => {
-    for (const t of [7, 20, 44]) {
+    for (const t of [7, 44, 20]) { // the last one away from the discs of the waypoints, which hide it from afar
       await goTo(page, t);
-      await vehicleIsSeen(page);
+      await vehicleIsSeen(page, `${t} s`);
     }
     for (const name of ['Whole flight', 'From above', 'From south', 'From east']) {
       await page.getByRole('button', {name}).click();
       await drawn(page);
-      assert.ok(await page.evaluate(() => window.rosflightScene!.vehicleInPicture()), name);
+      await vehicleIsSeen(page, name);
+    }
+    // Turned by the mouse, it is away from the middle.
+    await page.getByRole('button', {name: 'Whole flight'}).click();
+    const {x, y, width, height} = (await page.locator('canvas').first().boundingBox())!;
+    await page.mouse.move(x + width / 2, y + height / 2);
+    await page.mouse.down();
+    await page.mouse.move(x + 0.7 * width, y + 0.6 * height, {steps: 3});
+    await page.mouse.up();
+    await drawn(page);
+    const turned = await vehicleAt(page);
+    assert.ok(Math.hypot(turned.x - 0.5, turned.y - 0.5) > 0.05, JSON.stringify(turned));
+    await vehicleIsSeen(page, 'turned');
+    // A body that is drawn beside the vehicle's place is found.
+    await page.evaluate(() => { window.rosflightScene!.object('vehicle')!.children[0]!.position.y += 1; });
+    for (const name of ['Follow', 'From east']) {
+      await page.getByRole('button', {name}).click();
+      const {off_m} = (await vehicleSeen(page))!;
+      assert.ok(Math.abs(off_m - 1) < 0.3, `${name}: ${off_m} m`);
     }
   }));
 
