@@ -137,6 +137,16 @@ describe('replay of a flight', () => {
 
   test('parameters can be searched', () => withPage(multirotor, async (page) => {
     await page.getByRole('tab', {name: 'Parameters'}).click();
+  test('the mixer of a fixed wing has its servos and no airframe of motors', () => withPage(fixedWing, async (page) => {
+    await page.getByRole('tab', {name: 'Receiver and outputs'}).click();
+    await goTo(page, 20);
+    const [head, ...rows] = (await page.locator('.mixer tr').allInnerTexts()).map((text) => text.split('\t').slice(0, 5));
+    assert.deepEqual(head, ['output', 'thrust ahead', 'roll', 'pitch', 'yaw']);
+    assert.deepEqual(rows, [['0 servo', '0.00', '1.00', '0.00', '0.00'], ['1 servo', '0.00', '0.00', '-0.50', '0.50'],
+      ['2 servo', '0.00', '0.00', '0.50', '0.50'], ['4 motor', '1.00', '0.00', '0.00', '0.00']], 'aileron, both of the inverted V, propeller');
+    assert.equal(await page.locator('.mixer svg').count(), 0);
+  }));
+
     await goTo(page, 40);
     await page.getByLabel('Search').fill('batt_volt_max');
     assert.equal(await page.locator('.parameters tbody tr').first().innerText(), 'BATT_VOLT_MAX\t25.2\t25', 'name, value, default');
