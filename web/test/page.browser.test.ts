@@ -38,7 +38,7 @@ describe('replay of a flight', () => {
       await goTo(page, t);
       await vehicleIsSeen(page, `${t} s`);
     }
-    for (const name of ['Whole flight', 'From above', 'From south', 'From east']) {
+    for (const name of ['Whole flight', 'From above', 'From south', 'From east', 'Follow']) {
       await page.getByRole('button', {name}).click();
       await drawn(page);
       await vehicleIsSeen(page, name);
@@ -106,6 +106,14 @@ describe('replay of a flight', () => {
     assert.match(await page.locator('figure', {hasText: 'North'}).first().innerText(), /setpoint/);
     await page.getByLabel('Add a plot of any field').fill('/baro pressure');
     await page.waitForSelector('figure:has-text("/baro pressure") canvas');
+    const {x, y, width} = (await page.locator('figure:has-text("/baro pressure") .u-over').boundingBox())!;
+    await page.mouse.move(x + 0.2 * width, y + 20);
+    await page.mouse.down();
+    await page.mouse.move(x + 0.4 * width, y + 20, {steps: 3});
+    await page.mouse.up();
+    await button(page, 'Show all of it').waitFor();
+    await page.mouse.dblclick(x + 0.3 * width, y + 20);
+    await button(page, 'Show all of it').waitFor({state: 'detached'});
     await page.getByRole('button', {name: 'remove the plot /baro pressure'}).click();
     assert.equal(await page.locator('figure:has-text("/baro pressure")').count(), 0);
   }));
@@ -129,14 +137,6 @@ describe('replay of a flight', () => {
     await keepPicture(page, 'mixer');
   }));
 
-  test('facts have the verdict and every waypoint', () => withPage(multirotor, async (page) => {
-    await page.getByRole('tab', {name: 'Facts'}).click();
-    assert.match(await page.locator('.verdict').innerText(), /Success/);
-    assert.equal(await page.locator('.facts table').nth(1).locator('tbody tr').count(), 7);
-  }));
-
-  test('parameters can be searched', () => withPage(multirotor, async (page) => {
-    await page.getByRole('tab', {name: 'Parameters'}).click();
   test('the mixer of a fixed wing has its servos and no airframe of motors', () => withPage(fixedWing, async (page) => {
     await page.getByRole('tab', {name: 'Receiver and outputs'}).click();
     await goTo(page, 20);
@@ -147,6 +147,14 @@ describe('replay of a flight', () => {
     assert.equal(await page.locator('.mixer svg').count(), 0);
   }));
 
+  test('facts have the verdict and every waypoint', () => withPage(multirotor, async (page) => {
+    await page.getByRole('tab', {name: 'Facts'}).click();
+    assert.match(await page.locator('.verdict').innerText(), /Success/);
+    assert.equal(await page.locator('.facts table').nth(1).locator('tbody tr').count(), 7);
+  }));
+
+  test('parameters can be searched', () => withPage(multirotor, async (page) => {
+    await page.getByRole('tab', {name: 'Parameters'}).click();
     await goTo(page, 40);
     await page.getByLabel('Search').fill('batt_volt_max');
     assert.equal(await page.locator('.parameters tbody tr').first().innerText(), 'BATT_VOLT_MAX\t25.2\t25', 'name, value, default');
@@ -371,6 +379,14 @@ describe('what may go wrong', () => {
     assert.match(await page.locator('h1').innerText(), /flies/);
     await openFile(page, 'notes.txt', Buffer.from('no log'));
     assert.equal(await page.getByRole('alert').innerText(), 'notes.txt: is no MCAP file');
+    // The same by a drop.
+    await page.evaluate(async (address) => {
+      const dataTransfer = new DataTransfer();
+      dataTransfer.items.add(new File([await (await fetch(address)).arrayBuffer()], 'dropped.mcap'));
+      document.querySelector('header')!.dispatchEvent(new DragEvent('drop', {dataTransfer, bubbles: true, cancelable: true}));
+    }, 'flight/flight.mcap'); // which the server has of the other flight
+    await flightShown(page);
+    assert.equal(await page.getByRole('alert').count(), 0);
   }));
 
   test('without WebGL all but the 3-D view works', async () => {
@@ -399,6 +415,23 @@ describe('what may go wrong', () => {
 });
 
 describe('for everybody', () => {
+  test('the button turns light into dark and back, the picture too', () => withPage(multirotor, async (page) => {
+    /** Sum of red, green and blue: of the page, and of the sky in the picture. */
+    const brightness = () => page.evaluate(() => {
+      const sum = (numbers: Iterable<number>) => [...numbers].slice(0, 3).reduce((all, one) => all + one, 0);
+      const gl = document.querySelector('canvas')!.getContext('webgl2')!;
+      const corner = new Uint8Array(4);
+      gl.readPixels(0, gl.drawingBufferHeight - 1, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, corner);
+      return [sum(getComputedStyle(document.body).backgroundColor.match(/\d+/g)!.map(Number)), sum(corner)];
+    });
+    await button(page, 'From south').click(); // above the horizon there is the sky
+    for (const dark of [true, false]) {
+      await button(page, 'Light or dark').click();
+      await drawn(page);
+      for (const one of await brightness()) assert.ok(dark ? one < 200 : one > 600, `${one}, dark: ${dark}`);
+    }
+  }));
+
   for (const [name, viewport, scheme] of [['desktop', DESKTOP, 'light'], ['dark', DESKTOP, 'dark'], ['phone', PHONE, 'light']] as const) {
     test(`axe finds nothing, ${name}`, () => withPage(multirotor, async (page) => {
       await goTo(page, 20);
