@@ -129,9 +129,6 @@ describe('a running flight', () => {
   /** @returns the address that ./rosflight fly --view prints on standard error. */
   async function flyAndView(...options: string[]) {
     const folder = await mkdtemp(join(tmpdir(), 'rosflight_page_'));
-/** The second address that --listen prints. */
-const ONE_TO_LOOK = /^(http:\S+) +\(without the right to command\)$/m;
-
     const program = spawn(VIEW, ['fly', '--view', '--mission', 'hop', '--out', join(folder, 'flight'), ...options],
       {stdio: ['ignore', 'pipe', 'pipe']});
     started.push(program);
@@ -191,15 +188,14 @@ const ONE_TO_LOOK = /^(http:\S+) +\(without the right to command\)$/m;
   });
 
   test('says what keeps it from arming, and what to do about it', async () => {
-    const {url, program, folder} = await flyAndView('--speed', '0.1'); // not calibrated for 50 s
+    const {url, program, folder} = await flyAndView('--speed', '0.1', '--hold'); // not calibrated for 50 s
     await withPage(url, async (page) => {
       const result = (check: string) => page.locator('.preflight tr', {has: page.getByRole('rowheader', {name: check, exact: true})});
       await page.getByRole('tab', {name: 'Preflight'}).click();
       await result('calibration').getByText('✗ refuses').waitFor(); // by the flags of the status
-      assert.match(await result('calibration').innerText(), /calibrate the gyro: take control, then press Calibrate beside Gyro below/);
+      assert.match(await result('calibration').innerText(), /calibrate the gyro: in Preflight of the vehicle take control, then press Calibrate beside Gyro\./);
       await page.locator('.calibrations tr', {hasText: 'Gyro'}).getByText('Calibrate', {exact: true}).waitFor();
-      await page.getByRole('button', {name: 'Check now'}).focus();
-      await page.keyboard.press('Enter');
+      await KEYBOARD.press(page.getByRole('button', {name: 'Check now'}));
       await page.getByText('All checks of the firmware').waitFor();
       const table = await readFile(new URL('../../firmware/core/arming_checks.hpp', import.meta.url), 'utf8');
       const names = [...table.matchAll(/\{Check::k\w+, +"([^"]+)"/g)].map(([, name]) => name!);
@@ -210,8 +206,16 @@ const ONE_TO_LOOK = /^(http:\S+) +\(without the right to command\)$/m;
       await keepPicture(page, 'preflight', DESKTOP);
       const other = await steered(url, 'speed 4');
       await result('calibration').getByText('✓ pass').waitFor(); // by the flags, without asking again
+      // What the list advises.
+      await KEYBOARD.press(page.getByRole('button', {name: 'Take over control'}));
+      for (const [name, figure] of [['gyro', /✓ standard deviation [\d.e-]+ rad\/s, limit 0.05 rad\/s/], ['airspeed', /✓ noise [\d.]+ Pa, limit 10 Pa/]] as const) {
+        const row = page.locator('.calibrations tr', {has: page.getByRole('button', {name: `Calibrate ${name}`})});
+        await KEYBOARD.press(row.getByRole('button'));
+        await row.getByText(figure).waitFor();
+      }
+      const another = await steered(url, 'hold off');
       await page.getByText('The vehicle is armed.').waitFor();
-      other.close();
+      for (const socket of [other, another]) socket.close();
     }, SMALL);
     program.kill('SIGKILL');
     await rm(folder, {recursive: true});
@@ -253,30 +257,30 @@ const ONE_TO_LOOK = /^(http:\S+) +\(without the right to command\)$/m;
       assert.equal(await page.getByLabel('Value of ACC_X_TEMP_COMP').inputValue(), '0.001');
       assert.equal(await page.getByLabel('Value of ACC_Y_TEMP_COMP').inputValue(), '0.002');
       await keepPicture(page, 'parameters', DESKTOP);
+      await fitsPhone(page);
       await page.getByRole('button', {name: 'Write to memory'}).click();
       await page.getByText('writing parameters: done').waitFor();
       await page.getByText('changed since the last write').waitFor({state: 'detached'});
+      await field.fill('0.003'); // not sent yet
       const other = await steered(url, 'speed 0.3', 'hold off');
-      await fitsPhone(page);
       await field.waitFor({state: 'detached'}); // the other one has control
+      assert.equal(await page.getByRole('button', {name: 'Send 1 change'}).count(), 0);
       await page.waitForFunction(() => /(?<!dis)armed/.test(document.querySelector('.instruments')!.textContent!));
       await page.getByRole('button', {name: 'Take over control'}).click();
+      assert.equal(await field.inputValue(), '0.003');
       await field.fill('0.004');
       await page.getByRole('button', {name: 'Send 1 change'}).click();
       await page.locator('.result.bad', {hasText: '✗ 0.004 refused, stays at 0.001'}).waitFor();
-      assert.equal(await page.getByRole('button', {name: 'Send 1 change'}).count(), 0);
       await page.getByRole('tab', {name: 'Events'}).click();
       await page.waitForSelector('.events tr:has-text("viewer 1 sets ACC_X_TEMP_COMP 0.001")');
       other.close();
     }, SMALL);
     program.kill('SIGKILL');
-      await field.fill('0.003'); // not sent yet
     await rm(folder, {recursive: true});
   });
 
   test('has its autonomy tuned from the page; what the vehicle is made of stays', async () => {
     const {url, program, folder, said} = await flyAndView('--speed', '1', '--hold', '--listen', '127.0.0.2');
-      assert.equal(await field.inputValue(), '0.003');
     await withPage(url, async (page) => {
       await page.getByRole('tab', {name: 'Parameters'}).click();
       const owner = page.getByLabel('Parameters of');
@@ -302,16 +306,12 @@ const ONE_TO_LOOK = /^(http:\S+) +\(without the right to command\)$/m;
       await page.waitForFunction(() => document.querySelector<HTMLInputElement>('.parameters td input')!.value === '22');
       assert.deepEqual(await violations(page), []);
       await keepPicture(page, 'parameters-autonomy', DESKTOP);
+      await fitsPhone(page);
       await page.getByLabel('Search').fill('sigma');
       assert.equal(await page.getByLabel(/^Value of/).count(), 0, 'the estimator\'s are read once');
       await page.getByRole('tab', {name: 'Events'}).click();
       await page.waitForSelector('.events tr:has-text("viewer 1 steers: tune limits.tilt_deg 22")');
-      await fitsPhone(page);
     }, SMALL);
-    program.kill('SIGKILL');
-    await page.getByText('The connection to the flight is lost').waitFor();
-    const again = await flyAndView('--hold', '--listen', '127.0.0.2', '--port', new URL(url).port);
-    await page.getByRole('alert').getByText('wants the whole address').waitFor();
 
     // The other address of --listen is one to look.
     await until(() => ONE_TO_LOOK.test(said()));
@@ -326,6 +326,10 @@ const ONE_TO_LOOK = /^(http:\S+) +\(without the right to command\)$/m;
       assert.equal(await page.getByRole('button', {name: /^Take/}).count(), 0, name);
     }
     // A server that is started again has other tokens.
+    program.kill('SIGKILL');
+    await page.getByText('The connection to the flight is lost').waitFor();
+    const again = await flyAndView('--hold', '--listen', '127.0.0.2', '--port', new URL(url).port);
+    await page.getByRole('alert').getByText('wants the whole address').waitFor();
     await page.getByText('The connection to the flight is lost').waitFor({state: 'detached'});
     await page.context().close();
     again.program.kill('SIGKILL');
@@ -415,8 +419,8 @@ const ONE_TO_LOOK = /^(http:\S+) +\(without the right to command\)$/m;
       }, ...hand.options);
       program.kill('SIGKILL');
       await rm(folder, {recursive: true});
-    }
-  });
+    });
+  }
 
   test('that is gone is said, and the page connects again by itself', async () => {
     const first = await flyAndView();
@@ -433,11 +437,6 @@ const ONE_TO_LOOK = /^(http:\S+) +\(without the right to command\)$/m;
     await page.waitForFunction((t) => parseFloat(document.querySelector('.clock')!.textContent!) < t, old); // another flight
     await reaches(await clock(page) + 0.2);
     await vehicleIsSeen(page);
-    second.program.kill('SIGKILL');
-    await page.context().close();
-    for (const {folder} of [first, second]) await rm(folder, {recursive: true});
-  });
-});
     // A log that the user opens stays: the connection ends, and with it what belongs to the server.
     const watch = await viewer(second.url);
     await page.getByRole('tab', {name: 'Simulation'}).click();
@@ -448,3 +447,13 @@ const ONE_TO_LOOK = /^(http:\S+) +\(without the right to command\)$/m;
     await goTo(page, 20);
     const known_s = watch.flight.end_s;
     await until(() => watch.flight.end_s > known_s + 0.1); // messages that the page must not show
+    second.program.kill('SIGKILL');
+    await until(() => watch.socket.readyState === WebSocket.CLOSED);
+    assert.equal(await clock(page), 20);
+    assert.match(await page.locator('.instruments').innerText(), /height\s*5\.\d m/);
+    assert.equal(await page.getByRole('tab', {name: 'Simulation'}).count(), 0);
+    assert.equal(await page.getByText('The connection to the flight is lost').count(), 0);
+    await page.context().close();
+    for (const {folder} of [first, second]) await rm(folder, {recursive: true});
+  });
+});
