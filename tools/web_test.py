@@ -29,6 +29,7 @@ def run(files: str = "test/*.test.ts", **variables: str) -> Outcome:
         flights = {f"ROSFLIGHT_WEB_{name}": str(_fly(Path(folder) / name, options)) for name, options in FLIGHTS.items()}
         tests = _node("node", "--test", "--test-reporter=tap", "--test-concurrency=2", files, **flights, **variables)
     print("".join(f"   {line[2:]}\n" for line in tests.stdout.splitlines() if line.startswith("# web.")), end="")
+    print("".join(f"   skipped: {line}\n" for line in _skipped(tests.stdout)), end="")
     counts = {name: int(number) for name, number in re.findall(r"^# (pass|fail|cancelled) (\d+)$", tests.stdout, re.M)}
     failed = counts.get("fail", 0) + counts.get("cancelled", 0)
     complaints = [] if tests.returncode == 0 and failed == 0 and counts.get("pass") else _complaints(tests.stdout + tests.stderr)
@@ -48,6 +49,11 @@ def _node(*command: str, **variables: str) -> subprocess.CompletedProcess:
 def _fly(folder: Path, options: list[str]) -> Path:
     subprocess.run([PROGRAMS / "rosflight", "fly", "--out", folder, *options], capture_output=True)
     return folder
+
+
+def _skipped(said: str) -> list[str]:
+    """The names of tests that were left out, each with its reason."""
+    return [f"{name} ({why.strip()})" for name, why in re.findall(r"^ *ok \d+ - (.*?) # SKIP(.*)$", said, re.M)]
 
 
 def _complaints(said: str) -> list[str]:

@@ -20,13 +20,13 @@ async function view(folder: string): Promise<string> {
 
 const median = (values: number[]) => values.sort((a, b) => a - b)[values.length >> 1]!;
 
-/** From navigation to the first frame with the vehicle in it [s]. */
+/** From navigation to the first frame with the vehicle in it [s]: the second one, as the scene draws an empty one when it is made. */
 async function firstPicture(browser: Browser, url: string): Promise<number> {
   const {page} = await newPage(browser, SMALL);
   await page.goto(url);
   const ms = await page.evaluate(() => new Promise<number>((resolve) => {
     const look = () => {
-      const drawn = Number(document.querySelector('canvas')?.dataset['frames'] ?? 0) > 0;
+      const drawn = Number(document.querySelector('canvas')?.dataset['frames'] ?? 0) > 1;
       if (drawn && window.rosflightScene?.vehicleInPicture()) resolve(performance.now());
       else requestAnimationFrame(look);
     };

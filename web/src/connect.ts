@@ -2,10 +2,11 @@
 // Keeps the page connected with the running flight of its server.
 import {batch} from '@preact/signals';
 import {Commands, type Control, type Result} from './data/commands.ts';
+import type {Flight} from './data/flight.ts';
 import {LiveDecoder, PROTOCOLS} from './data/live.ts';
 import {nextPicture} from './pictures.ts';
 import * as state from './state.ts';
-import {firstMessage} from './token.ts';
+import {admission, firstMessage, WHOLE_ADDRESS} from './token.ts';
 
 const AGAIN_MS = 1000;
 /** How often what is slow to draw (plots, trails, states) is drawn again. */
@@ -26,20 +27,16 @@ function onServer(message: ServerMessage, commands: Commands) {
   if (message.results) ++state.revision.value; // what is in force has come before them
 }
 
-export function connect(name: string) {
-  if (state.live.value === 'off') state.live.value = 'connecting';
-  const socket = new WebSocket(location.href.replace(/^http/, 'ws').replace(/[?#].*/, ''), PROTOCOLS);
-  socket.binaryType = 'arraybuffer';
-  const decoder = new LiveDecoder(name);
-  const commands = new Commands((text) => socket.send(text));
+/** Shows the flight as it grows, with each picture, until another one is shown or the connection is lost. */
+function follow(flight: Flight) {
   let revised = 0;
   let newest = {end_s: -1, at_ms: 0};
   let shown_s = 0;
-  const follow = () => {
-    if (state.live.value !== 'on' || state.flight.value !== decoder.flight) return;
-    nextPicture(follow);
+  const show = () => {
+    if (state.live.value !== 'on' || state.flight.value !== flight) return;
+    nextPicture(show);
     const now = performance.now();
-    const {end_s} = decoder.flight;
+    const {end_s} = flight;
     if (end_s > newest.end_s) newest = {end_s, at_ms: now};
     const quiet = now - newest.at_ms > QUIET_MS;
     // Between two messages time goes on as in the simulation, and never back.
@@ -53,12 +50,50 @@ export function connect(name: string) {
       }
     });
   };
+  nextPicture(show);
+}
+
+/** What belongs to a connection alone. */
+function withoutServer() {
+  state.commands.value = undefined;
+  state.control.value = undefined;
+}
+
+/** Of the connection there is, or of the wait for the next one. */
+let end = () => {};
+
+/** The page shows something else from now on: the user has opened a log. */
+export function disconnect() {
+  if (state.live.value === 'off') return;
+  end();
+  batch(() => {
+    withoutServer();
+    state.other.value = undefined;
+    state.unsaved.value = false;
+    state.following.value = false;
+    state.live.value = 'off';
+  });
+}
+
+/** Whether the server that is there now, started again, has another token. */
+async function wantsOtherToken(): Promise<boolean> {
+  return (await fetch('offer.json', {headers: admission()}).catch(() => undefined))?.status === 401;
+}
+
+export function connect(name: string) {
+  if (state.live.value === 'off') state.live.value = 'connecting';
+  const socket = new WebSocket(location.href.replace(/^http/, 'ws').replace(/[?#].*/, ''), PROTOCOLS);
+  socket.binaryType = 'arraybuffer';
+  const decoder = new LiveDecoder(name);
+  const commands = new Commands((text) => socket.send(text));
+  let greeted = false;
   socket.onopen = () => {
     const first = firstMessage();
     if (first) socket.send(first);
   };
   socket.onmessage = ({data}) => {
     if (typeof data === 'string') {
+      greeted = true;
       const answer = decoder.text(data);
       if (answer) socket.send(answer);
       else onServer(JSON.parse(data) as ServerMessage, commands);
@@ -73,13 +108,28 @@ export function connect(name: string) {
     state.flight.value = decoder.flight;
     state.following.value = true;
     state.live.value = 'on';
-    nextPicture(follow);
+    follow(decoder.flight);
   };
+  let over = false;
+  const again = async () => {
+    const refused = !greeted && firstMessage() !== undefined && await wantsOtherToken();
+    if (over) return;
+    if (!refused) return connect(name);
+    state.failure.value = WHOLE_ADDRESS;
+    state.live.value = 'off';
+  };
+  let timer: ReturnType<typeof setTimeout> | undefined;
   socket.onclose = () => {
     commands.lost();
-    state.commands.value = undefined;
-    state.control.value = undefined;
+    withoutServer();
     state.live.value = 'gone';
-    setTimeout(() => connect(name), AGAIN_MS);
+    timer = setTimeout(() => void again(), AGAIN_MS);
+  };
+  end = () => {
+    over = true;
+    clearTimeout(timer);
+    socket.onopen = socket.onmessage = socket.onclose = null;
+    socket.close();
+    commands.lost();
   };
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where the page gets its flight from: inside itself (report.html), the server that gave the page, or a file of the user.
-import {connect} from './connect.ts';
+import {connect, disconnect} from './connect.ts';
 import type {Analysis} from './data/analysis.ts';
 import {blobSource, bytesSource, urlSource, type ByteSource} from './data/bytes.ts';
 import {readLog} from './data/read_log.ts';
 import * as state from './state.ts';
-import {admission} from './token.ts';
+import {admission, WHOLE_ADDRESS} from './token.ts';
 
 /** What the server has: addresses relative to the page. */
 interface Offer { name?: string; log?: string; summary?: string; analysis?: string; live?: boolean; other?: {name: string; parameters: string} }
@@ -22,7 +22,7 @@ export async function openFirst() {
     const get = (address: string) => fetch(address, {headers: admission()});
     const answer = await get('offer.json').catch(() => undefined);
     if (answer?.status === 401) {
-      state.failure.value = 'The server wants the whole address that it printed, with what stands after #.';
+      state.failure.value = WHOLE_ADDRESS;
       return;
     }
     if (!answer?.ok) return;
@@ -36,7 +36,9 @@ export async function openFirst() {
   }
 }
 
+/** On the page of something that runs it ends the connection: the next message would take the log away. */
 export async function openFile(file: File) {
+  disconnect();
   state.summary.value = undefined; // is of another flight
   state.extract.value = false;
   await open(async () => blobSource(file.name, file));

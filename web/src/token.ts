@@ -12,3 +12,6 @@ export function admission(): Record<string, string> {
 export function firstMessage(): string | undefined {
   return token() ? JSON.stringify({op: 'token', token: token()}) : undefined;
 }
+
+/** What the user has to do without the right one. */
+export const WHOLE_ADDRESS = 'The server wants the whole address that it printed, with what stands after #. It is new with each start.';

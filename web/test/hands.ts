@@ -13,8 +13,8 @@ export interface Hand {
   press(target: Locator): Promise<void>;
   type(target: Locator, text: string): Promise<void>;
   choose(target: Locator, value: string): Promise<void>;
-  /** Of a slider: towards its end. */
-  slide(target: Locator): Promise<void>;
+  /** Of a slider: towards its end, or to its beginning. */
+  slide(target: Locator, to?: 'to its beginning'): Promise<void>;
   /** The picture. */
   turn(picture: Locator): Promise<void>;
   /** The label of a button that wants a file. */
@@ -29,7 +29,14 @@ async function enabled(target: Locator) {
 export async function reach(target: Locator) {
   const page = target.page();
   await enabled(target);
-  for (let presses = 0; presses < 200; ++presses) {
+  const steps = await target.evaluate((element) => {
+    const all = [...document.querySelectorAll<HTMLElement>('a[href], button, input, select, textarea, summary, [tabindex]')]
+      .filter((one) => one.tabIndex >= 0 && !one.matches(':disabled') && one.getClientRects().length > 0);
+    const [from, to] = [document.activeElement as HTMLElement, element as HTMLElement].map((one) => all.indexOf(one)) as [number, number];
+    return from < 0 || to < 0 ? 0 : to - from;
+  });
+  for (let k = 0; k < Math.abs(steps); ++k) await page.keyboard.press(steps < 0 ? 'Shift+Tab' : 'Tab');
+  for (let presses = 0; presses < 200; ++presses) { // the page may have changed meanwhile
     const side = await target.evaluate((element) => element === document.activeElement ? 0
       : document.activeElement!.compareDocumentPosition(element) & Node.DOCUMENT_POSITION_PRECEDING ? -1 : 1);
     if (side === 0) return;
@@ -68,9 +75,9 @@ export const KEYBOARD: Hand = {
     for (let k = 0; k < Math.abs(steps); ++k) await target.page().keyboard.press(steps > 0 ? 'ArrowDown' : 'ArrowUp');
     assert.equal(await target.inputValue(), value);
   },
-  async slide(target) {
+  async slide(target, to) {
     await reach(target);
-    await target.page().keyboard.press('PageUp');
+    await target.page().keyboard.press(to ? 'Home' : 'PageUp');
   },
   async turn(picture) {
     await reach(picture);
@@ -144,7 +151,7 @@ export const TOUCH: Hand = {
     await target.scrollIntoViewIfNeeded();
     await target.selectOption(value);
   },
-  slide: (target) => tap(target, 0.75),
+  slide: (target, to) => tap(target, to ? 0.02 : 0.75),
   async turn(picture) {
     await picture.scrollIntoViewIfNeeded();
     const {x, y, width, height} = (await picture.boundingBox())!;

@@ -187,15 +187,17 @@ test('who does not speak the protocol, or is a foreign page, gets no WebSocket',
     socket.on('data', (data) => {
       text += String(data);
       socket.destroy();
-      resolve(text.split(' ')[1]!);
+      resolve([text.split(' ')[1]!, ...text.match(/(?<=^Sec-WebSocket-Protocol: ).*(?=\r)/mi) ?? []].join(' '));
     });
     socket.write(`${['GET / HTTP/1.1', 'Upgrade: websocket', 'Connection: Upgrade', 'Sec-WebSocket-Version: 13',
       'Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==', ...headers].join('\r\n')}\r\n\r\n`);
   });
   const here = `Host: 127.0.0.1:${port}`;
   const protocol = 'Sec-WebSocket-Protocol: foxglove.websocket.v1';
-  assert.equal(await answer(here, protocol), '101');
-  assert.equal(await answer(here, protocol, `Origin: ${url.slice(0, -1)}`), '101');
+  const chosen = '101 foxglove.websocket.v1';
+  assert.equal(await answer(here, protocol), chosen);
+  assert.equal(await answer(here, protocol, `Origin: ${url.slice(0, -1)}`), chosen);
+  assert.equal(await answer(here, 'Sec-WebSocket-Protocol: foxglove.sdk.v1'), '101 foxglove.sdk.v1');
   assert.equal(await answer(here), '400');
   assert.equal(await answer(here, 'Sec-WebSocket-Protocol: other'), '400');
   assert.equal(await answer(here, protocol, 'Origin: http://example.org'), '403');

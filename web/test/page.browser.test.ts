@@ -8,7 +8,7 @@ import {after, before, describe, test} from 'node:test';
 import type {Browser, Page} from 'playwright-core';
 import {bytesSource} from '../src/data/bytes.ts';
 import {readLog} from '../src/data/read_log.ts';
-import {clock, DESKTOP, drawn, goTo, keepPicture, LONG, newPage, onPage, PHONE, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
+import {clock, DESKTOP, drawn, flightShown, goTo, keepPicture, LONG, newPage, onPage, PHONE, startBrowser, vehicleIsSeen, vehicleSeen, violations, type PageOptions} from './browser.ts';
 import {FIXED_WING, logOf, MULTIROTOR} from './flights.ts';
 import {HANDS, KEYBOARD, withoutMouse, type Hand} from './hands.ts';
 import {changed} from './picture.ts';
@@ -34,14 +34,32 @@ const withPage = (url: string, use: (page: Page) => Promise<void>, ...options: P
 
 describe('replay of a flight', () => {
   test('shows the vehicle where it is, also after a seek and in each view', () => withPage(multirotor, async (page) => {
-    for (const t of [7, 20, 44]) {
+    for (const t of [7, 44, 20]) { // the last one away from the discs of the waypoints, which hide it from afar
       await goTo(page, t);
-      await vehicleIsSeen(page);
+      await vehicleIsSeen(page, `${t} s`);
     }
-    for (const name of ['Whole flight', 'From above', 'From south', 'From east']) {
+    for (const name of ['Whole flight', 'From above', 'From south', 'From east', 'Follow']) {
       await page.getByRole('button', {name}).click();
       await drawn(page);
-      assert.ok(await page.evaluate(() => window.rosflightScene!.vehicleInPicture()), name);
+      await vehicleIsSeen(page, name);
+    }
+    // Turned by the mouse, it is away from the middle.
+    await page.getByRole('button', {name: 'Whole flight'}).click();
+    const {x, y, width, height} = (await page.locator('canvas').first().boundingBox())!;
+    await page.mouse.move(x + width / 2, y + height / 2);
+    await page.mouse.down();
+    await page.mouse.move(x + 0.7 * width, y + 0.6 * height, {steps: 3});
+    await page.mouse.up();
+    await drawn(page);
+    const turned = await vehicleAt(page);
+    assert.ok(Math.hypot(turned.x - 0.5, turned.y - 0.5) > 0.05, JSON.stringify(turned));
+    await vehicleIsSeen(page, 'turned');
+    // A body that is drawn beside the vehicle's place is found.
+    await page.evaluate(() => { window.rosflightScene!.object('vehicle')!.children[0]!.position.y += 1; });
+    for (const name of ['Follow', 'From east']) {
+      await page.getByRole('button', {name}).click();
+      const {off_m} = (await vehicleSeen(page))!;
+      assert.ok(Math.abs(off_m - 1) < 0.3, `${name}: ${off_m} m`);
     }
   }));
 
@@ -88,6 +106,14 @@ describe('replay of a flight', () => {
     assert.match(await page.locator('figure', {hasText: 'North'}).first().innerText(), /setpoint/);
     await page.getByLabel('Add a plot of any field').fill('/baro pressure');
     await page.waitForSelector('figure:has-text("/baro pressure") canvas');
+    const {x, y, width} = (await page.locator('figure:has-text("/baro pressure") .u-over').boundingBox())!;
+    await page.mouse.move(x + 0.2 * width, y + 20);
+    await page.mouse.down();
+    await page.mouse.move(x + 0.4 * width, y + 20, {steps: 3});
+    await page.mouse.up();
+    await button(page, 'Show all of it').waitFor();
+    await page.mouse.dblclick(x + 0.3 * width, y + 20);
+    await button(page, 'Show all of it').waitFor({state: 'detached'});
     await page.getByRole('button', {name: 'remove the plot /baro pressure'}).click();
     assert.equal(await page.locator('figure:has-text("/baro pressure")').count(), 0);
   }));
@@ -109,6 +135,16 @@ describe('replay of a flight', () => {
     assert.match(await page.locator('.bar', {hasText: 'channel 0'}).innerText(), /roll/);
     assert.match(await page.locator('.bar', {hasText: 'channel 5'}).innerText(), /attitude override, throttle override/);
     await keepPicture(page, 'mixer');
+  }));
+
+  test('the mixer of a fixed wing has its servos and no airframe of motors', () => withPage(fixedWing, async (page) => {
+    await page.getByRole('tab', {name: 'Receiver and outputs'}).click();
+    await goTo(page, 20);
+    const [head, ...rows] = (await page.locator('.mixer tr').allInnerTexts()).map((text) => text.split('\t').slice(0, 5));
+    assert.deepEqual(head, ['output', 'thrust ahead', 'roll', 'pitch', 'yaw']);
+    assert.deepEqual(rows, [['0 servo', '0.00', '1.00', '0.00', '0.00'], ['1 servo', '0.00', '0.00', '-0.50', '0.50'],
+      ['2 servo', '0.00', '0.00', '0.50', '0.50'], ['4 motor', '1.00', '0.00', '0.00', '0.00']], 'aileron, both of the inverted V, propeller');
+    assert.equal(await page.locator('.mixer svg').count(), 0);
   }));
 
   test('facts have the verdict and every waypoint', () => withPage(multirotor, async (page) => {
@@ -343,6 +379,14 @@ describe('what may go wrong', () => {
     assert.match(await page.locator('h1').innerText(), /flies/);
     await openFile(page, 'notes.txt', Buffer.from('no log'));
     assert.equal(await page.getByRole('alert').innerText(), 'notes.txt: is no MCAP file');
+    // The same by a drop.
+    await page.evaluate(async (address) => {
+      const dataTransfer = new DataTransfer();
+      dataTransfer.items.add(new File([await (await fetch(address)).arrayBuffer()], 'dropped.mcap'));
+      document.querySelector('header')!.dispatchEvent(new DragEvent('drop', {dataTransfer, bubbles: true, cancelable: true}));
+    }, 'flight/flight.mcap'); // which the server has of the other flight
+    await flightShown(page);
+    assert.equal(await page.getByRole('alert').count(), 0);
   }));
 
   test('without WebGL all but the 3-D view works', async () => {
@@ -371,6 +415,23 @@ describe('what may go wrong', () => {
 });
 
 describe('for everybody', () => {
+  test('the button turns light into dark and back, the picture too', () => withPage(multirotor, async (page) => {
+    /** Sum of red, green and blue: of the page, and of the sky in the picture. */
+    const brightness = () => page.evaluate(() => {
+      const sum = (numbers: Iterable<number>) => [...numbers].slice(0, 3).reduce((all, one) => all + one, 0);
+      const gl = document.querySelector('canvas')!.getContext('webgl2')!;
+      const corner = new Uint8Array(4);
+      gl.readPixels(0, gl.drawingBufferHeight - 1, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, corner);
+      return [sum(getComputedStyle(document.body).backgroundColor.match(/\d+/g)!.map(Number)), sum(corner)];
+    });
+    await button(page, 'From south').click(); // above the horizon there is the sky
+    for (const dark of [true, false]) {
+      await button(page, 'Light or dark').click();
+      await drawn(page);
+      for (const one of await brightness()) assert.ok(dark ? one < 200 : one > 600, `${one}, dark: ${dark}`);
+    }
+  }));
+
   for (const [name, viewport, scheme] of [['desktop', DESKTOP, 'light'], ['dark', DESKTOP, 'dark'], ['phone', PHONE, 'light']] as const) {
     test(`axe finds nothing, ${name}`, () => withPage(multirotor, async (page) => {
       await goTo(page, 20);

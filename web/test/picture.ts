@@ -2,22 +2,6 @@
 // Pixels of a PNG as browsers write them: 8 bits a colour, RGB or RGBA, not interlaced.
 import {inflateSync} from 'node:zlib';
 
-/** Mean colour of a square around a place given as shares of the picture; `half` is half its edge, as a share of the width. */
-export function pixelAt(png: Buffer, x: number, y: number, half: number): [number, number, number] {
-  const {width, height, channels, pixels} = decoded(png);
-  const reach = Math.max(Math.round(half * width), 1);
-  const sum: [number, number, number] = [0, 0, 0];
-  let count = 0;
-  for (let row = Math.round(y * height) - reach; row <= Math.round(y * height) + reach; ++row) {
-    for (let column = Math.round(x * width) - reach; column <= Math.round(x * width) + reach; ++column) {
-      if (row < 0 || row >= height || column < 0 || column >= width) continue;
-      for (const k of [0, 1, 2] as const) sum[k] += pixels[(row * width + column) * channels + k]!;
-      ++count;
-    }
-  }
-  return sum.map((value) => Math.round(value / Math.max(count, 1))) as [number, number, number];
-}
-
 /** How many pixels differ in two pictures of the same size, and the middle of these as shares of the picture. */
 export function changed(before: Buffer, after: Buffer): {pixels: number; x: number; y: number} {
   const [a, b] = [decoded(before), decoded(after)];

@@ -3,9 +3,11 @@
 import {McapIndexedReader} from '@mcap/core';
 import assert from 'node:assert/strict';
 import {readFile} from 'node:fs/promises';
+import {createServer} from 'node:http';
+import type {AddressInfo} from 'node:net';
 import {test} from 'node:test';
 import {zstdDecompressSync} from 'node:zlib';
-import {bytesSource} from '../src/data/bytes.ts';
+import {bytesSource, urlSource} from '../src/data/bytes.ts';
 import {lanesOf} from '../src/data/lanes.ts';
 import {McapLog} from '../src/data/mcap.ts';
 import {readLog} from '../src/data/read_log.ts';
@@ -110,6 +112,23 @@ test('the index is read first: before the first message hardly anything but the 
     const [from, to] = [Number(chunkStartOffset), Number(chunkStartOffset + chunkLength)];
     for (const [start, length] of read) assert.ok(start + length <= from || start >= to, `${start} + ${length} in the chunk at ${from}`);
   }
+});
+
+test('a server that shortens a range is asked for the rest; one that sends nothing more ends it', async () => {
+  let longest = 100_000;
+  const server = createServer((request, response) => {
+    const [, first, last] = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range!)!.map(Number) as [number, number, number];
+    const part = bytes.subarray(first, Math.min(first + longest, last + 1));
+    response.writeHead(206, {'Content-Range': `bytes ${first}-${first + part.length - 1}/${bytes.length}`}).end(part);
+  });
+  await new Promise<void>((resolve) => server.listen(0, '127.0.0.1', resolve));
+  const log = await urlSource(`http://127.0.0.1:${(server.address() as AddressInfo).port}/`, 'log');
+  assert.equal(log.size, bytes.length);
+  assert.deepEqual(Buffer.from(await log.read(12_345, 234_567)), Buffer.from(bytes.subarray(12_345, 12_345 + 234_567)));
+  assert.deepEqual((await readLog(log)).events, (await readLog(bytesSource('log', bytes))).events);
+  longest = 0;
+  await assert.rejects(log.read(0, 10), /^Error: log: ends 10 bytes too early$/);
+  server.close();
 });
 
 test('what is no log is refused with one line', async () => {

@@ -7,7 +7,8 @@ import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {after, before, test} from 'node:test';
 import type {Browser, Page} from 'playwright-core';
-import {DESKTOP, keepPicture, LONG, onPage, SMALL, startBrowser, violations} from './browser.ts';
+import {DESKTOP, fitsPhone, keepPicture, LONG, onPage, SMALL, startBrowser, violations} from './browser.ts';
+import {KEYBOARD} from './hands.ts';
 import {flyWatched, viewer} from './simulated.ts';
 
 const started: ChildProcess[] = [];
@@ -45,8 +46,7 @@ const ALTITUDE = {button: 'Step for 5 s', begun: 'The mission is flown at anothe
 /** A step there and back, by keyboard. */
 async function step(page: Page, {button, begun, ended}: typeof STICK) {
   const known = await rowsOf(page).count();
-  await page.getByRole('button', {name: button}).focus();
-  await page.keyboard.press('Enter');
+  await KEYBOARD.press(page.getByRole('button', {name: button}));
   await page.getByText(begun).waitFor();
   await page.getByText(ended).waitFor();
   await page.waitForFunction((count) => document.querySelectorAll('.steps tbody tr').length >= count + 2, known, {timeout: 20_000});
@@ -91,6 +91,7 @@ test('a step of the roll stick has its figures beside the gains, which are tried
   await measured();
   assert.deepEqual(await violations(page), []);
   await keepPicture(page, 'tune', DESKTOP);
+  await fitsPhone(page);
   const softer = await cells(page, 1);
   assert.equal(softer[5], 0.5);
   assert.ok(softer[1]! > 1.2 * first[1]!, `half the gain answers more slowly: ${softer}, ${first}`);

@@ -19,7 +19,8 @@ export function blobSource(name: string, blob: Blob): ByteSource {
   };
 }
 
-/** A file of the server, in ranges; `more` headers go with each request. A server that knows no ranges sends it whole, once. */
+/** A file of the server, in ranges; `more` headers go with each request. A server that knows no ranges sends it whole, once; one that shortens
+ * a range is asked again for the rest. */
 export async function urlSource(url: string, name = url, more: Record<string, string> = {}): Promise<ByteSource> {
   const answer = await fetch(url, {headers: {...more, Range: 'bytes=0-0'}});
   if (!answer.ok) throw new Error(`${name}: the server answers ${answer.status} ${answer.statusText}`);
@@ -28,10 +29,17 @@ export async function urlSource(url: string, name = url, more: Record<string, st
   return {
     name, size,
     async read(start, length) {
-      if (length === 0) return new Uint8Array();
-      const part = await fetch(url, {headers: {...more, Range: `bytes=${start}-${start + length - 1}`}});
-      if (part.status !== 206) throw new Error(`${name}: the server answers ${part.status} ${part.statusText}`);
-      return whole(name, new Uint8Array(await part.arrayBuffer()), length);
+      const parts: Uint8Array[] = [];
+      let got = 0;
+      while (got < length) {
+        const answer = await fetch(url, {headers: {...more, Range: `bytes=${start + got}-${start + length - 1}`}});
+        if (answer.status !== 206) throw new Error(`${name}: the server answers ${answer.status} ${answer.statusText}`);
+        const part = new Uint8Array(await answer.arrayBuffer());
+        if (part.length === 0) break;
+        parts.push(part);
+        got += part.length;
+      }
+      return whole(name, parts.length === 1 ? parts[0]! : joined(parts, got), length);
     },
   };
 }
@@ -39,4 +47,14 @@ export async function urlSource(url: string, name = url, more: Record<string, st
 function whole(name: string, bytes: Uint8Array, length: number): Uint8Array {
   if (bytes.length !== length) throw new Error(`${name}: ends ${length - bytes.length} bytes too early`);
   return bytes;
+}
+
+function joined(parts: readonly Uint8Array[], length: number): Uint8Array {
+  const all = new Uint8Array(length);
+  let at = 0;
+  for (const part of parts) {
+    all.set(part, at);
+    at += part.length;
+  }
+  return all;
 }

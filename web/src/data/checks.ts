@@ -14,7 +14,7 @@ export const WAYS_OUT: Record<string, string> = {
   'ESC mixer': 'Set PRIMARY_MIXER to the mixer of the airframe, unless the speed controllers are to be calibrated.',
   'IMU': 'The IMU sends nothing. Check its wiring, then restart the flight controller.',
   'IMU time': 'Restart the flight controller. If it comes again, its clock or its IMU is damaged.',
-  'calibration': 'Leave the vehicle at rest and calibrate the gyro: take control, then press Calibrate beside Gyro below.',
+  'calibration': 'Leave the vehicle at rest and calibrate the gyro: in Preflight of the vehicle take control, then press Calibrate beside Gyro.',
   'estimator': 'Keep the vehicle at rest until its attitude has settled.',
   'receiver': 'Switch the transmitter on. Check that the receiver is bound and connected.',
   'failsafe': 'Set FAILSAFE_THR to a throttle from 0 to 1 with which the vehicle comes down.',

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What each output does, out of the mixer's parameters: PRI_MIXER_r_k is the share of output k in thrust (r = 2) and in the torques
-// about the body's axes (3, 4, 5).
+// What each output does, out of the mixer's parameters: PRI_MIXER_r_k is the share of output k in the forces along the body's axes (r = 0, 1, 2)
+// and in the torques about them (3, 4, 5).
 
-export interface MixedOutput { output: number; isMotor: boolean; thrust: number; roll: number; pitch: number; yaw: number }
+/** `thrust` is upwards, `ahead` that of a propeller in front or behind. */
+export interface MixedOutput { output: number; isMotor: boolean; thrust: number; ahead: number; roll: number; pitch: number; yaw: number }
 
 const OUTPUTS = 10;
 const MOTOR = 2; // PRI_MIXER_OUT_k
@@ -11,7 +12,8 @@ const MOTOR = 2; // PRI_MIXER_OUT_k
 export function mixedOutputs(values: ReadonlyMap<string, number>): MixedOutput[] {
   const share = (row: number, k: number) => values.get(`PRI_MIXER_${row}_${k}`) ?? 0;
   return Array.from({length: OUTPUTS}, (_, k) => ({
-    output: k, isMotor: values.get(`PRI_MIXER_OUT_${k}`) === MOTOR, thrust: -share(2, k), roll: share(3, k), pitch: share(4, k), yaw: share(5, k),
+    output: k, isMotor: values.get(`PRI_MIXER_OUT_${k}`) === MOTOR, thrust: 0 - share(2, k), ahead: share(0, k),
+    roll: share(3, k), pitch: share(4, k), yaw: share(5, k),
   })).filter(({output}) => [0, 1, 2, 3, 4, 5].some((row) => share(row, output) !== 0));
 }
 

@@ -31,7 +31,7 @@ export function App() {
     </header>
     {state.failure.value && <p class="failure" role="alert">{state.failure.value}</p>}
     {state.live.value === 'gone' && <p class="failure" role="status">The connection to the flight is lost; trying again.</p>}
-    {state.extract.value && <p class="notice" role="note">This page holds every event and 50 Hz of every field. Its folder has the log;{' '}
+    {state.extract.value && <p class="notice" role="note">This page holds every event and 50 Hz of every field, but for the topics that repeat others for ROS tools. Its folder has the log;{' '}
       <code>./rosflight view FOLDER</code> shows all of it.</p>}
     {flight?.notes.map((note) => <p class="failure" role="status" key={note}>{note}</p>)}
     {flight ? <FlightView flight={flight}/> : <Start/>}

@@ -11,6 +11,8 @@ export function Mixer({flight, values}: {flight: Flight; values: ReadonlyMap<str
   const outputs = mixedOutputs(values);
   if (outputs.length === 0) return <><h2>Mixer</h2><p class="hint">The parameters of the mixer are not known.</p></>;
   const motors = outputs.filter(({isMotor}) => isMotor);
+  // A fixed wing pulls ahead and has no thrust upwards.
+  const columns = (['thrust', 'ahead', 'roll', 'pitch', 'yaw'] as const).filter((name) => !['thrust', 'ahead'].includes(name) || outputs.some((one) => one[name] !== 0));
   const now = (k: number) => flight.latest('/output_raw', `values[${k}]`, state.time.value);
   const percent = (value: number) => Number.isFinite(value) ? `${(100 * value).toFixed(0)} %` : '–';
   return <section class="mixer" aria-label="Mixer">
@@ -30,9 +32,9 @@ export function Mixer({flight, values}: {flight: Flight; values: ReadonlyMap<str
           </g>;
         })}
       </svg>}
-      <table><thead><tr><th>output</th><th class="n">thrust</th><th class="n">roll</th><th class="n">pitch</th><th class="n">yaw</th><th class="n">now</th></tr></thead>
+      <table><thead><tr><th>output</th>{columns.map((name) => <th key={name} class="n">{name === 'ahead' ? 'thrust ahead' : name}</th>)}<th class="n">now</th></tr></thead>
         <tbody>{outputs.map((one) => <tr key={one.output}><th scope="row">{one.output} {one.isMotor ? 'motor' : 'servo'}</th>
-          {[one.thrust, one.roll, one.pitch, one.yaw].map((share, k) => <td key={k} class="n">{share.toFixed(2)}</td>)}
+          {columns.map((name) => <td key={name} class="n">{one[name].toFixed(2)}</td>)}
           <td class="n">{percent(now(one.output))}</td></tr>)}</tbody></table>
     </div>
     <p class="hint">Shares are those of the firmware's mixer; ↻ and ↺: its torque turns the nose right or left. Discs fill with the output.</p>

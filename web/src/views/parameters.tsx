@@ -113,7 +113,7 @@ function OfFirmware({flight}: {flight: Flight}) {
       <button onClick={() => save(values)}>Save to a file</button>
       {commands && <button onClick={() => void write()}>Write to memory</button>}
       {commands && state.unsaved.value && <span class="badge warning">changed since the last write</span>}
-      {changes.length > 0 && <>
+      {commands && changes.length > 0 && <>
         <button disabled={wrong.length > 0} onClick={() => void send(changes.map(([name, edit]) => ({name, value: Number(edit)})))}>
           Send {changes.length} {changes.length === 1 ? 'change' : 'changes'}</button>
         <button onClick={() => setEdits(new Map())}>Discard</button></>}

@@ -54,14 +54,14 @@ export function Tune({flight}: {flight: Flight}) {
     </div>
     {state.control.value && <><ControlBar/><Gains key={axis.name} flight={flight} axis={axis} parameters={now}/></>}
     {last && response && <Responses key={axis.name} chart={chartOf(axis, last.step, similarBefore(rows.map(({step}) => step), last.step), (step) => around(response, step))}/>}
-    {rows.length === 0 ? <p>No step of {axis.name.toLowerCase()} in this flight yet.</p> : <table class="steps">
+    {rows.length === 0 ? <p>No step of {axis.name.toLowerCase()} in this flight yet.</p> : <div class="wide"><table class="steps">
       <thead><tr><th class="n">at</th><th class="n">step</th><th class="n">rise</th><th class="n">overshoot</th><th class="n">settled</th><th class="n">left</th>
         {axis.gains.map((gain) => <th class="n" key={gain}>{partOf(gain)}</th>)}</tr></thead>
       <tbody>{rows.toReversed().map(({step, figures, values}) => <tr key={step.t}>
         <th scope="row" class="n"><button class="link" onClick={() => state.seek(step.t)}>{step.t.toFixed(2)} s</button></th>
         <td class="n">{(step.to - step.from).toFixed(1)} {axis.unit}</td>
         <Figures figures={figures} step={step} unit={axis.unit}/>
-        {axis.gains.map((gain) => <td class="n" key={gain}>{shortNumber(values.get(gain) ?? NaN)}</td>)}</tr>)}</tbody></table>}
+        {axis.gains.map((gain) => <td class="n" key={gain}>{shortNumber(values.get(gain) ?? NaN)}</td>)}</tr>)}</tbody></table></div>}
   </section>;
 }
 
