@@ -60,7 +60,7 @@ class Rc {
   };
 
   /// An arm switch on another channel or reversed has to be off for kOffTime before it can arm; after a change of the gesture the yaw stick
-  /// has to be inside its threshold before sticks can arm or disarm. So no change of parameters alone does either.
+  /// has to be inside its threshold before sticks can arm or disarm: no change of parameters alone arms.
   void configure(const Config& config);
   /// The switch has a channel.
   bool mapped(Switch s) const;

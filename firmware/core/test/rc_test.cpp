@@ -349,36 +349,6 @@ TEST_F(RcTest, TheFirstFrameAfterBootOrAnOutageSaysNothingAboutTheTimeBefore) {
   EXPECT_TRUE(frame().arm);
 }
 
-// A channel that stands at its upper end becomes the yaw stick, one at its lower end the throttle.
-TEST_F(RcTest, AChangeOfParametersAloneNeverArmsNorDisarms) {
-  for (const bool armed : {false, true}) {
-    armed_ = armed;
-    frame_ = centred();
-    frame_.channels[5] = armed ? 0.0f : 1.0f;
-    config_ = {};
-    configure();
-    frame();
-    config_.yaw = 5;
-    configure();
-    for (const float throttle : {0.0f, 0.5f, 0.0f}) {
-      frame_.channels[kThrottle] = throttle;
-      for (int k = 0; k < 100; ++k) {
-        const auto update = frame();
-        EXPECT_FALSE(update.arm || update.disarm) << k;
-      }
-    }
-    frame_.channels[5] = 0.5f;
-    frame();
-    frame_.channels[5] = armed ? 0.0f : 1.0f;
-    bool asked = false;
-    for (int k = 0; k < 60; ++k) {
-      const auto update = frame();
-      asked = asked || (armed ? update.disarm : update.arm);
-    }
-    EXPECT_TRUE(asked) << "once the stick was inside";
-  }
-}
-
 TEST(RcAtBoot, AFirstFrameShortlyAfterBootDoesNotCountTheTimeSinceBoot) {
   Rc rc;
   hal::RcFrame corner = centred();

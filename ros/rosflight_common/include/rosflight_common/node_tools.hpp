@@ -143,7 +143,7 @@ inline rclcpp::Time received_at(rclcpp::Node& node, const builtin_interfaces::ms
 }
 
 /// To be called after a subscription, timer, service or client of a living node has been destroyed. rclcpp 28 makes its
-/// wait set anew for those that come but not for those that go: until then it takes from the wrong ones and never rests.
+/// wait set again for those that come but not for those that go: until then it takes from the wrong ones and never rests.
 inline void tell_executor(rclcpp::Node& node) {
   node.for_each_callback_group([](const rclcpp::CallbackGroup::SharedPtr& group) {
     group->trigger_notify_guard_condition();
