@@ -58,6 +58,7 @@ describe('replay of a flight', () => {
     await page.evaluate(() => { window.rosflightScene!.object('vehicle')!.children[0]!.position.y += 1; });
     for (const name of ['Follow', 'From east']) {
       await page.getByRole('button', {name}).click();
+      await drawn(page);
       const {off_m} = (await vehicleSeen(page))!;
       assert.ok(Math.abs(off_m - 1) < 0.3, `${name}: ${off_m} m`);
     }
