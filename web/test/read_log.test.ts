@@ -114,7 +114,7 @@ test('the index is read first: before the first message hardly anything but the 
   }
 });
 
-test('a server that shortens a range is asked for the rest; one that sends nothing more ends it', async () => {
+test('a server that shortens a range is asked for the rest; one that sends nothing more ends it', async (t) => {
   let longest = 100_000;
   const server = createServer((request, response) => {
     const [, first, last] = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range!)!.map(Number) as [number, number, number];
@@ -122,13 +122,16 @@ test('a server that shortens a range is asked for the rest; one that sends nothi
     response.writeHead(206, {'Content-Range': `bytes ${first}-${first + part.length - 1}/${bytes.length}`}).end(part);
   });
   await new Promise<void>((resolve) => server.listen(0, '127.0.0.1', resolve));
+  t.after(() => {
+    server.closeAllConnections();
+    server.close();
+  });
   const log = await urlSource(`http://127.0.0.1:${(server.address() as AddressInfo).port}/`, 'log');
   assert.equal(log.size, bytes.length);
   assert.deepEqual(Buffer.from(await log.read(12_345, 234_567)), Buffer.from(bytes.subarray(12_345, 12_345 + 234_567)));
   assert.deepEqual((await readLog(log)).events, (await readLog(bytesSource('log', bytes))).events);
   longest = 0;
   await assert.rejects(log.read(0, 10), /^Error: log: ends 10 bytes too early$/);
-  server.close();
 });
 
 test('what is no log is refused with one line', async () => {

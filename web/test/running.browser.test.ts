@@ -279,7 +279,7 @@ describe('a running flight', () => {
     await rm(folder, {recursive: true});
   });
 
-  test('has its autonomy tuned from the page; what the vehicle is made of stays', async () => {
+  test('has its autonomy tuned from the page; what the vehicle is made of stays', {timeout: 400_000}, async () => {
     const {url, program, folder, said} = await flyAndView('--speed', '1', '--hold', '--listen', '127.0.0.2');
     await withPage(url, async (page) => {
       await page.getByRole('tab', {name: 'Parameters'}).click();
@@ -422,7 +422,7 @@ describe('a running flight', () => {
     });
   }
 
-  test('that is gone is said, and the page connects again by itself', async () => {
+  test('that is gone is said, and the page connects again by itself', {timeout: 400_000}, async () => {
     const first = await flyAndView();
     const {page} = await newPage(browser, SMALL);
     await page.goto(first.url);
