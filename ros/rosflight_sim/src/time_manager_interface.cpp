@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <utility>
 
 #include "rosflight_common/node_tools.hpp"
+#include "rosflight_common/time.hpp"
 #include "rosflight_sim/time_parameters.hpp"
 
 namespace rosflight_sim {
@@ -19,7 +21,11 @@ TimeManagerInterface::TimeManagerInterface(const rclcpp::NodeOptions& options)
       "/clock", rclcpp::QoS(rclcpp::KeepLast(1)).best_effort());
   truth_ = create_subscription<rosflight_msgs::msg::SimState>(
       "sim/truth_state", rosflight_common::newest(),
-      [this](rosflight_msgs::msg::SimState::ConstSharedPtr) { follows_ = answered_ = true; });
+      [this](rosflight_msgs::msg::SimState::ConstSharedPtr message) {
+        // One that is sent again, because its step was, is no answer to a newer step.
+        const std::int64_t stamp_ns = rosflight_common::nanoseconds(message->header.stamp);
+        if (std::exchange(truth_ns_, stamp_ns) != stamp_ns) follows_ = answered_ = true;
+      });
   pause_ = create_service<Trigger>(
       "time_manager/toggle_pause",
       [this](const std::shared_ptr<Trigger::Request>, std::shared_ptr<Trigger::Response> response) {

@@ -4,6 +4,7 @@
 #include <rosflight_msgs/msg/sim_state.hpp>
 #include <rosgraph_msgs/msg/clock.hpp>
 #include <std_srvs/srv/trigger.hpp>
+#include <utility>
 
 #include "rosflight_common/component.hpp"
 #include "rosflight_common/node_tools.hpp"
@@ -69,8 +70,9 @@ class TimeManager : public rclcpp::Node {
           single_step(*response);
         });
     truth_ = create_subscription<rosflight_msgs::msg::SimState>(
-        "sim/truth_state", newest(),
-        [this](rosflight_msgs::msg::SimState::ConstSharedPtr) { world_follows(); });
+        "sim/truth_state", newest(), [this](rosflight_msgs::msg::SimState::ConstSharedPtr message) {
+          world_follows(nanoseconds(message->header.stamp));
+        });
     changes_ = on_change(*this, [this](const rclcpp::Parameter& p) {
       if (p.get_name() == "max_lead_us") lead_us_ = p.as_double();
       if (p.get_name() == "max_lag_us") lag_us_ = p.as_double();
@@ -186,8 +188,9 @@ class TimeManager : public rclcpp::Node {
     if (waiting_ || ticks_end_ns_ != WaitedTopics::kNoEnd) tick();
   }
 
-  /// Everything up to here has happened in the world.
-  void world_follows() {
+  /// Everything up to here has happened in the world. A truth that is sent again, because its step was, says nothing of a newer step.
+  void world_follows(std::int64_t truth_ns) {
+    if (std::exchange(truth_ns_, truth_ns) == truth_ns) return;
     followed_ns_ = time_ns_;
     follows_ = true;
     if (!paused_ && waiting_) tick();
@@ -279,6 +282,7 @@ class TimeManager : public rclcpp::Node {
   bool follows_{false};  ///< There is a world that answers.
   bool waiting_{false};  ///< For it, or for a topic.
   std::int64_t followed_ns_{0};
+  std::int64_t truth_ns_{-1};
   std::int64_t time_ns_{0};
   std::int64_t ticks_end_ns_{WaitedTopics::kNoEnd};
   steady_clock::time_point next_;

@@ -81,6 +81,29 @@ def test_the_clock_ticks_between_the_steps(peer):
                   "ten stamps on steps alone")
 
 
+def test_a_truth_that_is_sent_again_does_not_move_time(peer):
+    with node("standalone_time_manager", at_launch="standalone_time_manager", real_time_multiplier=10.0, start_paused="true"):
+        received = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
+        truth = peer.publisher(SimState, "sim/truth_state", ALL)
+        peer.wait(lambda: received, "time")
+        peer.poll(lambda: truth.get_subscription_count() > 0, "the time manager at the truth")
+
+        def now_ns():
+            return received[-1].clock.sec * 1_000_000_000 + received[-1].clock.nanosec
+        first = now_ns()
+        truth.publish(sim_state(first))
+        assert peer.call(Trigger, "time_manager/toggle_pause").message == "running"
+        peer.wait(lambda: now_ns() > first, "the next step")
+        time.sleep(0.1)
+        at = now_ns()
+        for _ in range(20):
+            truth.publish(sim_state(first))
+            time.sleep(0.005)
+        assert now_ns() == at
+        truth.publish(sim_state(at))
+        peer.wait(lambda: now_ns() > at, "time to go on")
+
+
 def test_time_waits_for_a_topic_that_is_due(peer):
     """It stops a lag after the next stamp is due, goes on with the message, and after two seconds without one; seconds in which the
     machine stood still do not count. A first interval that was short does not stop it, and a message that was lost does not let it run

@@ -40,6 +40,7 @@ class TimeManagerInterface : public rclcpp::Node {
   bool paused_{false};
   bool follows_{false};  ///< There is a world that answers.
   bool answered_{true};  ///< It has, since time last moved.
+  std::int64_t truth_ns_{-1};
   Wall::time_point moved_;
   Wall::time_point said_;
   rclcpp::Publisher<rosgraph_msgs::msg::Clock>::SharedPtr clock_;
