@@ -113,7 +113,7 @@ export async function finger(page: Page, x: number, y: number, to = {x, y}) {
 
 /** Playwright's tap() looks for what lies under the finger, which hung for its whole time on a busy machine. Lines that come in the moment
  * between the look and the touch move the target away from under the finger, and a touch may be lost; then the tap is repeated. */
-async function tap(target: Locator, share = 0.5) {
+async function tap(target: Locator) {
   const page = target.page();
   await enabled(target);
   let why: unknown;
@@ -126,7 +126,7 @@ async function tap(target: Locator, share = 0.5) {
     const {x, y, width, height} = (await target.boundingBox())!;
     try {
       // The end is sent with the beginning: nothing can move in between.
-      await Promise.all([touch(page, 'touchStart', {x: x + share * width, y: y + height / 2}), touch(page, 'touchEnd')]);
+      await Promise.all([touch(page, 'touchStart', {x: x + width / 2, y: y + height / 2}), touch(page, 'touchEnd')]);
       await page.waitForFunction(() => document.body.dataset['met'], undefined, {timeout: TOUCH_LIMIT_MS});
       if (await page.evaluate(() => document.body.dataset['met'] === 'true')) return;
       why = 'it moves away from under the finger';
@@ -151,7 +151,12 @@ export const TOUCH: Hand = {
     await target.scrollIntoViewIfNeeded();
     await target.selectOption(value);
   },
-  slide: (target, to) => tap(target, to ? 0.02 : 0.75),
+  async slide(target, to) { // the browser makes no click of a touch on a slider
+    await enabled(target);
+    await target.scrollIntoViewIfNeeded();
+    const {x, y, width, height} = (await target.boundingBox())!;
+    await (await finger(target.page(), x + 0.5 * width, y + height / 2, {x: x + (to ? 0.02 : 0.75) * width, y: y + height / 2}))();
+  },
   async turn(picture) {
     await picture.scrollIntoViewIfNeeded();
     const {x, y, width, height} = (await picture.boundingBox())!;
