@@ -92,10 +92,10 @@ class Rc {
   PilotInput input_{};
   Time last_good_{};
   Time gesture_{};                     ///< How long the sticks have been in the corner.
-  bool yaw_was_inside_{true};          ///< Since the last change of the configuration.
   Time off_since_{};                   ///< First of the consecutive frames with the switch off.
   std::uint8_t off_frames_{0};         ///< Their number, up to kOffFrames.
   bool arm_switch_was_off_{false};     ///< For kOffTime: on may arm.
+  bool yaw_was_inside_{true};          ///< Since the last change of the gesture.
   bool received_{false};               ///< A good frame came since boot.
   bool by_switch_{false};              ///< Arming is by switch: the receiver carries its channel.
   Time complete_{};                    ///< When the last frame that was not shortened came.
