@@ -6,6 +6,7 @@ import os
 import random
 import signal
 import time
+from functools import partial
 
 from rcl_interfaces.msg import ParameterType
 from rcl_interfaces.srv import GetParameters
@@ -21,14 +22,17 @@ TICK_NS = 2_500_000
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
+def newest_ns(received):
+    """The time of the newest message of a clock, -1 before the first."""
+    return received[-1].clock.sec * 1_000_000_000 + received[-1].clock.nanosec if received else -1
+
+
 def test_time(peer):
     with node("standalone_time_manager", at_launch="standalone_time_manager", start_paused="true",
               single_step_us=2500.0, default_pub_rate_us=1250.0) as process:
         check_module(peer, "time")
         received = peer.listen(Clock, "/clock", ALL_BEST_EFFORT)
-
-        def now_ns():
-            return received[-1].clock.sec * 1_000_000_000 + received[-1].clock.nanosec if received else -1
+        now_ns = partial(newest_ns, received)
         peer.wait(lambda: received, "time, which is published again and again while it stands")
         first = int(peer.call(Trigger, "time_manager/take_step").message.split()[2])
         for count in range(1, 11):
@@ -87,9 +91,7 @@ def test_a_truth_that_is_sent_again_does_not_move_time(peer):
         truth = peer.publisher(SimState, "sim/truth_state", ALL)
         peer.wait(lambda: received, "time")
         peer.poll(lambda: truth.get_subscription_count() > 0, "the time manager at the truth")
-
-        def now_ns():
-            return received[-1].clock.sec * 1_000_000_000 + received[-1].clock.nanosec
+        now_ns = partial(newest_ns, received)
         first = now_ns()
         truth.publish(sim_state(first))
         assert peer.call(Trigger, "time_manager/toggle_pause").message == "running"
@@ -114,9 +116,7 @@ def test_time_waits_for_a_topic_that_is_due(peer):
         follower = peer.publisher(Imu, "follower", ALL)
         peer.wait(lambda: received, "time")
         peer.poll(lambda: follower.get_subscription_count() > 0, "the time manager at the topic")
-
-        def now_ns():
-            return received[-1].clock.sec * 1_000_000_000 + received[-1].clock.nanosec
+        now_ns = partial(newest_ns, received)
 
         def say(at_ns):
             follower.publish(stamp(Imu(), at_ns))
@@ -156,9 +156,7 @@ def test_a_node_that_is_late_hardly_finds_a_time_twice(peer):
         estimate = peer.publisher(Imu, "estimate", ALL)
         peer.wait(lambda: received, "time")
         peer.poll(lambda: estimate.get_subscription_count() > 0, "the time manager at the topic")
-
-        def now_ns():
-            return received[-1].clock.sec * 1_000_000_000 + received[-1].clock.nanosec
+        now_ns = partial(newest_ns, received)
         stamps, late, due_ns = [], [], now_ns()
         for k in range(800):
             begin_s = time.monotonic()
