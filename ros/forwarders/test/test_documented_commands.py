@@ -151,7 +151,8 @@ def test_a_program_starts_or_says_what_to_type(words, outcome, tmp_path):
 
 @pytest.fixture(scope="module")
 def everything(tmp_path_factory):
-    """All nodes of both stacks and the simulator, in two processes, for two nodes have the name controller."""
+    """All nodes of both stacks and the simulator, in two processes. A name that both stacks have is the multirotor's: two nodes
+    of one name would both be asked, and either may answer first."""
     here, there = free_udp_port(), free_udp_port()
     simulator = [f"rosflight_sim/{name}" for name in (
         "standalone_time_manager", "sil_board", "rosflight_sil_manager", "rc", "standalone_sensors",
@@ -160,12 +161,14 @@ def everything(tmp_path_factory):
                                                "signal_generator")]
     plane = [f"rosplane/{name}" for name in ("path_planner", "path_manager", "path_follower", "controller", "signal_generator",
                                              "input_mapper")]
+    both = [name.partition("/")[2] for name in plane if name.replace("rosplane", "roscopter") in copter]
+    others = [word for name in both for word in ("-r", f"{name}:__node:=plane_{name}")]
     compose = executable("rosflight_common", "compose")
     given = ["-p", f"simulation_port:={there}", "-p", f"ROS_port:={here}", "-p", f"bind_port:={here}", "-p", "udp:=true",
              "-p", f"remote_port:={there}", "-p", f"memory_folder:={tmp_path_factory.mktemp('memory')}"]
     with Process(compose, *simulator, "rosflight_sim/multirotor_forces_and_moments:multirotor_forces_and_moments",
                  "rosflight_io/rosflight_io", *copter, "--ros-args", *given, "-p", f"vehicle_file:={VEHICLE}") as first, \
-            Process(compose, *plane) as second, SimPeer("typist") as peer:
+            Process(compose, *plane, "--ros-args", *others) as second, SimPeer("typist") as peer:
         first.until("ready: ")
         second.until("ready: ")
         yield peer

@@ -22,7 +22,7 @@ REFUSED_IN_FLIGHT = ("calibrate_imu", "calibrate_baro", "calibrate_rc_trim", "pa
 def world(tmp_path_factory):
     ports = {"simulation_port": free_udp_port(), "ROS_port": free_udp_port()}
     with SimPeer("judge") as peer, launch("rosflight_sim", "multirotor_standalone.launch.xml", use_sim_time="true",
-                                          real_time_multiplier="2.0", wait_for="sim/RC judge",
+                                          real_time_multiplier="2.0", wait_for="sim/RC judge command",
                                           memory_folder=tmp_path_factory.mktemp("memory"), **ports) as process:
         process.until("ready: ")
         peer.received = {name: peer.listen(kind, name) for name, kind in STREAMS.items()}
