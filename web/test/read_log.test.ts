@@ -10,6 +10,7 @@ import {zstdDecompressSync} from 'node:zlib';
 import {bytesSource, urlSource} from '../src/data/bytes.ts';
 import {lanesOf} from '../src/data/lanes.ts';
 import {McapLog} from '../src/data/mcap.ts';
+import {recordsOf} from '../src/data/mcap_records.ts';
 import {readLog} from '../src/data/read_log.ts';
 import {FIXED_WING, logOf, MULTIROTOR, summaryOf} from './flights.ts';
 import {random} from './random.ts';
@@ -80,6 +81,21 @@ test('a log without its end is read as far as it goes, and says so', async () =>
   const flight = await readLog(bytesSource('half', half));
   assert.ok(flight.end_s > 10 && flight.end_s < 45, `${flight.end_s} s`);
   assert.match(flight.notes[0]!, /^The log has no end: it was read as far as it goes, \d+\.\d s\.$/);
+});
+
+test('the room for messages is what the file says of them, and no more than it can hold', async () => {
+  const flight = await readLog(bytesSource('log', bytes));
+  for (const [topic, table] of flight.tables) assert.equal(table.times.length, Math.max(table.length, 64), topic);
+  const lie = bytes.slice();
+  const view = new DataView(lie.buffer);
+  const FOOTER = lie.length - 8 - 20; // address of the summary first
+  const summary = lie.subarray(Number(view.getBigUint64(FOOTER, true)), FOOTER - 9);
+  const {body} = recordsOf(summary).find(({op}) => op === 11)!;
+  const FIRST_COUNT = 42 + 4 + 2; // behind the numbers of records and the times, the length of the list and the number of the channel
+  new DataView(body.buffer, body.byteOffset).setBigUint64(FIRST_COUNT, 2n ** 51n, true);
+  const lying = await readLog(bytesSource('lying', lie));
+  assert.equal(lying.end_s, flight.end_s);
+  for (const table of lying.tables.values()) assert.ok(table.times.length <= bytes.length / 16);
 });
 
 test('a damaged chunk ends reading with a note', async () => {

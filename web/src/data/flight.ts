@@ -49,6 +49,8 @@ export class Flight {
   /** What the reader of the log has to say to the user, such as that it ends early. */
   readonly notes: string[] = [];
   end_s = 0;
+  /** About how many messages of a topic will come, where it is known. */
+  readonly expected = new Map<string, number>();
 
   constructor(name: string) { this.name = name; }
 
@@ -99,7 +101,7 @@ export class Flight {
 
   private table(topic: string, type: MessageType): Table {
     let table = this.tables.get(topic);
-    if (!table) this.tables.set(topic, table = new Table(type));
+    if (!table) this.tables.set(topic, table = new Table(type, this.expected.get(topic)));
     return table;
   }
 }

@@ -2,7 +2,7 @@
 // Reads MCAP files: the index first, then one chunk after the other. A file without its end, as a power cut leaves it, is
 // read from its start as far as it goes. Format: the MCAP specification; log/mcap_file.hpp writes ours.
 import type {ByteSource} from './bytes.ts';
-import {Fields, placesOf, recordsOf, type Stamp} from './mcap_records.ts';
+import {Fields, Place, recordsOf, type Stamp} from './mcap_records.ts';
 import {unpackZstd} from './zstd.ts';
 
 export interface Schema { id: number; name: string; encoding: string; text: string }
@@ -15,7 +15,7 @@ export type UseMessage = (channel: Channel, time: Stamp, data: Uint8Array) => vo
 
 const MAGIC = [0x89, 0x4d, 0x43, 0x41, 0x50, 0x30, 0x0d, 0x0a];
 const OP = {
-  footer: 2, schema: 3, channel: 4, message: 5, chunk: 6, chunkIndex: 8, attachment: 9, attachmentIndex: 10, metadata: 12,
+  footer: 2, schema: 3, channel: 4, message: 5, chunk: 6, chunkIndex: 8, attachment: 9, attachmentIndex: 10, statistics: 11, metadata: 12,
   metadataIndex: 13, dataEnd: 15,
 };
 const HEAD_BYTES = 9; // opcode and length of a record
@@ -31,6 +31,8 @@ export class McapLog {
   readonly channels = new Map<number, Channel>();
   readonly metadata = new Map<string, Map<string, string>>();
   readonly attachments: Attachment[] = [];
+  /** How many messages each channel is said to have; by a file with its end. */
+  readonly counts = new Map<number, number>();
   /** Whether the file has its end. */
   complete = false;
   private chunks: ByteRange[] = [];
@@ -128,8 +130,11 @@ export class McapLog {
   }
 
   private useRecords(records: Uint8Array, use: UseMessage) {
-    const view = new DataView(records.buffer, records.byteOffset, records.byteLength);
-    for (const {op, start, end} of placesOf(records)) {
+    for (const all = new Place(records); all.next();); // a damaged one is found before the first is used
+    const place = new Place(records);
+    const {view} = place;
+    while (place.next()) {
+      const {op, start, end} = place;
       if (op !== OP.message) {
         this.take(op, records.subarray(start, end));
         continue;
@@ -149,6 +154,11 @@ export class McapLog {
     } else if (op === OP.channel) {
       const id = fields.short();
       this.channels.set(id, {id, schemaId: fields.short(), topic: fields.text(), encoding: fields.text()});
+    } else if (op === OP.statistics) {
+      const BEFORE = 42; // number of each kind of record, the first and the last time
+      fields.skip(BEFORE);
+      const ENTRY = 10;
+      for (let left = Math.floor(fields.word() / ENTRY); left > 0; --left) this.counts.set(fields.short(), fields.size());
     } else if (op === OP.metadata) {
       this.metadata.set(fields.text(), fields.textMap());
     } else if (op === OP.attachment) {

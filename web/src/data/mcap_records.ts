@@ -59,21 +59,30 @@ const TEXT = new TextDecoder();
 
 /** The records in a piece of a file. @throws RangeError  the last one is cut off. */
 export function recordsOf(bytes: Uint8Array): {op: number; body: Uint8Array}[] {
-  return placesOf(bytes).map(({op, start, end}) => ({op, body: bytes.subarray(start, end)}));
+  const records = [];
+  for (const place = new Place(bytes); place.next();) records.push({op: place.op, body: bytes.subarray(place.start, place.end)});
+  return records;
 }
 
-/** Where they are. @throws RangeError  the last one is cut off. */
-export function placesOf(bytes: Uint8Array): {op: number; start: number; end: number}[] {
-  const HEAD_BYTES = 9;
-  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
-  const places = [];
-  for (let at = 0; at < bytes.length;) {
-    if (at + HEAD_BYTES > bytes.length) throw new RangeError('a record is cut off');
-    const start = at + HEAD_BYTES;
-    const end = start + view.getUint32(at + 1, true);
-    if (view.getUint32(at + 5, true) !== 0 || end > bytes.length) throw new RangeError('a record is cut off');
-    places.push({op: view.getUint8(at), start, end});
-    at = end;
+/** Goes from record to record, a million of them in a long flight, and makes no object for each. */
+export class Place {
+  op = 0;
+  start = 0;
+  end = 0;
+  readonly view: DataView;
+
+  constructor(bytes: Uint8Array) { this.view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength); }
+
+  /** @returns whether there is one more. @throws RangeError  it is cut off. */
+  next(): boolean {
+    const HEAD_BYTES = 9;
+    const {view, end: at} = this;
+    if (at === view.byteLength) return false;
+    if (at + HEAD_BYTES > view.byteLength) throw new RangeError('a record is cut off');
+    this.op = view.getUint8(at);
+    this.start = at + HEAD_BYTES;
+    this.end = this.start + view.getUint32(at + 1, true);
+    if (view.getUint32(at + 5, true) !== 0 || this.end > view.byteLength) throw new RangeError('a record is cut off');
+    return true;
   }
-  return places;
 }

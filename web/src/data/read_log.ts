@@ -5,6 +5,9 @@ import {McapLog, type Channel} from './mcap.ts';
 import {secondsBetween, type Stamp} from './mcap_records.ts';
 import {parseSchema, type MessageType} from './ros_schema.ts';
 
+/** [B] Compressed. What a file says of its messages is believed as far as it can hold them. */
+const SMALLEST_MESSAGE = 16;
+
 /**
  * A whole log as a flight. What cannot be read of it is left out and said in Flight.notes.
  * @throws Error  it is no MCAP file, or has no message that the page can read.
@@ -14,6 +17,10 @@ export async function readLog(source: ByteSource, progress?: (share: number) => 
   const flight = new Flight(source.name);
   const types = new Map<number, MessageType | null>();
   const unread = new Set<string>();
+  for (const [id, count] of log.counts) {
+    const topic = log.channels.get(id)?.topic;
+    if (topic) flight.expected.set(topic, Math.min((flight.expected.get(topic) ?? 0) + count, source.size / SMALLEST_MESSAGE));
+  }
   let start: Stamp | undefined;
   let count = 0;
   try {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // All messages of one topic as columns: a plot needs one field of thousands of messages, never one whole message.
-import {CdrCursor, SIZE} from './cdr.ts';
+import {CdrCursor, SIZE, type Column} from './cdr.ts';
 import type {Field, MessageType} from './ros_schema.ts';
 
 /** Elements of a sequence that become columns. More is data that nobody plots. */
@@ -10,28 +10,29 @@ const FIRST_ROOM = 64;
 const NOTHING = new Uint8Array(4);
 
 type Reader = (cursor: CdrCursor, row: number) => void;
-interface Column { values: Float64Array<ArrayBuffer> }
 
 /** Columns are named as in the definition: `pose.position.x`, `u[3]`. Rows are in the order in which they were added. */
 export class Table {
   readonly type: MessageType;
   /** Time of each row [s], from the start of the log; longer than the table: see `length`. */
-  times = new Float64Array(FIRST_ROOM);
+  times: Float64Array<ArrayBuffer>;
   length = 0;
   private readonly numbers = new Map<string, Column>();
   private readonly texts = new Map<string, string[]>();
   private readonly readers: Reader[];
   private readonly cursor = new CdrCursor(NOTHING);
 
-  constructor(type: MessageType) {
+  /** @param rows  about how many will come. */
+  constructor(type: MessageType, rows = 0) {
     this.type = type;
+    this.times = new Float64Array(Math.max(rows, FIRST_ROOM));
     this.readers = this.readersOf(type, '');
   }
 
   /** Adds a message. @throws Error, RangeError  it is damaged; the table is then as before. */
   add(time_s: number, message: Uint8Array) {
     const row = this.length;
-    if (row === this.times.length) this.grow();
+    if (row === this.times.length) this.grow(2 * row);
     const {cursor} = this;
     cursor.open(message);
     for (const read of this.readers) read(cursor, row);
@@ -61,14 +62,14 @@ export class Table {
     return share === 0 ? values[row]! : values[row]! + share * (values[next]! - values[row]!);
   }
 
-  private grow() {
-    const room = 2 * this.times.length;
+  private grow(room: number) {
     this.times = widened(this.times, room);
     for (const column of this.numbers.values()) column.values = widened(column.values, room);
   }
 
-  private newColumn(name: string): Column {
-    const column = {values: empty(this.times.length)};
+  /** No number in the rows before this one. */
+  private newColumn(name: string, row = 0): Column {
+    const column = {values: new Float64Array(this.times.length).fill(NaN, 0, row)};
     this.numbers.set(name, column);
     return column;
   }
@@ -99,11 +100,10 @@ export class Table {
     return [(cursor, row) => {
       const count = cursor.count(field);
       const kept = Math.min(count, MAX_ELEMENTS);
-      for (let k = 0; k < kept; ++k) {
-        const column = columns[k] ??= this.newColumn(`${path}[${k}]`);
-        column.values[row] = cursor.number(type);
-      }
+      while (columns.length < kept) columns.push(this.newColumn(`${path}[${columns.length}]`, row));
+      cursor.numbers(type, columns, kept, row);
       cursor.skip(count - kept, SIZE[type]);
+      for (let k = kept; k < columns.length; ++k) columns[k]!.values[row] = NaN;
     }];
   }
 }
@@ -118,12 +118,10 @@ function pass(type: MessageType, cursor: CdrCursor) {
   }
 }
 
-function empty(room: number): Float64Array<ArrayBuffer> { return new Float64Array(room).fill(NaN); }
-
 function widened(values: Float64Array, room: number): Float64Array<ArrayBuffer> {
   const wider = new Float64Array(room);
   wider.set(values);
-  return wider.fill(NaN, values.length);
+  return wider;
 }
 
 /** Index of the last of the first `length` sorted values that is not above `value`, -1 if all are. */
