@@ -98,6 +98,113 @@ TEST_F(CommandTest, OffboardEndsAfterItsTimeOutWithoutAReceiverFrame) {
   EXPECT_FLOAT_EQ(combined(2), 0.9f) << "the pilot's";
 }
 
+class OffboardHold : public CommandTest {
+ protected:
+  OffboardHold() {
+    config_.offboard_hold = milliseconds(1200);
+    configure();
+  }
+  /// The pilot's stick at idle, as where he looks on.
+  void companion_flies_alone(std::uint8_t mode = kAngles) {
+    config_.take_min_throttle = false;
+    configure();
+    pilot_.throttle = 0.0f;
+    ASSERT_TRUE(offboard(mode, {0.0f, 0.0f, 0.5f, 0.1f, -0.2f, 0.3f, 1.0f}));
+    pass(0);
+  }
+  void expect_level(float throttle) {
+    EXPECT_EQ(word(), 0);
+    EXPECT_TRUE(command_.offboard_active());
+    EXPECT_FLOAT_EQ(combined(2), throttle);
+    for (std::size_t k = 3; k < 10; ++k) EXPECT_EQ(combined(k), 0.0f) << k;
+    EXPECT_EQ(type(3), CommandType::kAngle);
+    EXPECT_EQ(type(4), CommandType::kAngle);
+    EXPECT_EQ(type(5), CommandType::kRate);
+  }
+};
+
+TEST_F(OffboardHold, AMomentOfSilenceLeavesTheThrustAndLevels) {
+  for (const std::uint8_t mode : {kAngles, kRates, kPassThrough}) {
+    companion_flies_alone(mode);
+    EXPECT_FALSE(idle(100)) << "exactly OFFBOARD_TIMEOUT old";
+    EXPECT_FLOAT_EQ(combined(3), 0.1f);
+    now_ += hal::microseconds(1);
+    EXPECT_FALSE(command_.update(now_, pilot_, false, false)) << "nobody else commands";
+    expect_level(0.5f);
+    EXPECT_EQ(type(2), mode == kPassThrough ? CommandType::kPassThrough : CommandType::kThrottle);
+    EXPECT_EQ(command_.primary_axes() & 0x3F, 0);
+    pass(1190);
+    expect_level(0.5f);
+  }
+}
+
+TEST_F(OffboardHold, AfterItThePilotHasEveryAxisWithoutAReceiverFrame) {
+  companion_flies_alone();
+  idle(101);
+  idle(1199);
+  expect_level(0.5f);
+  now_ += hal::microseconds(1);
+  EXPECT_TRUE(command_.update(now_, pilot_, false, false)) << "the status reports it";
+  EXPECT_EQ(word(), kNobodyOffboard);
+  EXPECT_EQ(combined(2), 0.0f);
+}
+
+TEST_F(OffboardHold, TheNextCommandEndsIt) {
+  companion_flies_alone();
+  idle(1000);
+  ASSERT_TRUE(offboard(kAngles, {0.0f, 0.0f, 0.4f, 0.2f, 0.0f, 0.0f}));
+  idle(1);
+  EXPECT_FLOAT_EQ(combined(2), 0.4f);
+  EXPECT_FLOAT_EQ(combined(3), 0.2f);
+}
+
+TEST_F(OffboardHold, ThePilotTakesWhatHeMovesAtOnce) {
+  companion_flies_alone();
+  idle(500);
+  pilot_.roll = 0.5f;
+  pass();
+  EXPECT_EQ(word(), override_bit::kStickRoll);
+  EXPECT_FLOAT_EQ(combined(3), 0.5f * 0.786f);
+  EXPECT_FLOAT_EQ(combined(2), 0.5f);
+  set_switch(Switch::kThrottleOverride, true);
+  pass();
+  EXPECT_EQ(combined(2), 0.0f);
+}
+
+TEST_F(OffboardHold, WithoutAReceiverTheFailsafeCommandFollows) {
+  config_.failsafe_throttle = 0.4f;
+  config_.companion_in_failsafe = true;
+  companion_flies_alone();
+  failsafe_ = true;
+  idle(600);
+  EXPECT_FALSE(command_.in_failsafe());
+  expect_level(0.5f);
+  idle(701);
+  EXPECT_TRUE(command_.in_failsafe());
+  EXPECT_FLOAT_EQ(combined(2), 0.4f);
+}
+
+TEST_F(OffboardHold, AMaskedAxisStaysThePilots) {
+  config_.take_min_throttle = false;
+  configure();
+  ASSERT_TRUE(offboard(kAngles, {0.0f, 0.0f, 0.5f, 0.1f, -0.2f, 0.3f}, 1u << 4));
+  pilot_.pitch = 0.05f;
+  pass();
+  idle(500);
+  EXPECT_EQ(word(), override_bit::kPitchInactive);
+  EXPECT_FLOAT_EQ(combined(4), 0.05f * 0.786f);
+}
+
+TEST_F(OffboardHold, NeitherAFixedWingNorAVehicleWithTwoMixersHasIt) {
+  for (const bool fixed_wing : {true, false}) {
+    config_.fixed_wing = fixed_wing;
+    config_.override_whole = !fixed_wing;
+    companion_flies_alone();
+    idle(101);
+    EXPECT_FALSE(command_.offboard_active()) << fixed_wing;
+  }
+}
+
 TEST_F(CommandTest, AShorterTimeOutActsOnTheCommandInForce) {
   companion_flies();
   pass();
