@@ -156,11 +156,10 @@ TEST_P(SilentCompanion, HandsOverAfterTheTimeoutAndTheHold) {
   const auto& command = rig.firmware().command();
   double handed_over_s = std::numeric_limits<double>::infinity();
   double tilt_after_1s_deg = 0.0;
-  while (sim::to_seconds(rig.flight->now()) < start_s + 2.0) {
-    rig.flight->step();
-    const double t_s = sim::to_seconds(rig.flight->now()) - start_s;
+  for (double t_s = 0.0; t_s < 2.0; t_s = sim::to_seconds(rig.flight->now()) - start_s) {
     if (!command.offboard_active()) handed_over_s = std::min(handed_over_s, t_s);
     if (t_s < 1.1) tilt_after_1s_deg = rig.tilt_deg();
+    rig.flight->step();
   }
   EXPECT_GE(handed_over_s, 0.1 + GetParam() - 0.01) << "the last command was up to 10 ms old";
   EXPECT_LE(handed_over_s, 0.1 + GetParam() + 3 * kStep_s);
