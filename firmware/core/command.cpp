@@ -215,34 +215,13 @@ void CommandManager::hold_angles() {
   combined_.value[4] *= config_.max_pitch_rad;
 }
 
-/// Where both mixers are the same, so that an angle means there what it means here.
-bool CommandManager::holds_level() const {
-  return !config_.fixed_wing && !config_.override_whole && config_.offboard_hold > Time{};
-}
-
-/// A companion that is silent for a moment left a thrust that carries the vehicle, at an angle or torque
-/// that was meant for the next hundredth of a second: the thrust stays, the vehicle levels.
-void CommandManager::hold_level() {
-  constexpr std::uint16_t kPrimary = 0x3F;
-  offboard_.active &= kPrimary;
-  for (std::size_t k = 3; k < kAxes; ++k) {
-    offboard_.value[k] = 0.0f;
-    offboard_.type[k] = offboard_type(OffboardMode::kRollPitchYawrateThrottle, k);
-  }
-}
-
 bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, bool failsafe) {
   const bool due =
       new_input || offboard_new_ || !decided_ || now >= decide_at_ || failsafe != in_failsafe_;
   if (!due) return false;
   decided_ = true;
   offboard_new_ = false;
-  Time silent_at = offboard_time_ + config_.offboard_timeout;
-  if (now > silent_at && offboard_.active != 0 && holds_level()) {
-    silent_at += config_.offboard_hold;
-    hold_level();
-  }
-  if (now > silent_at) {
+  if (now > offboard_time_ + config_.offboard_timeout) {
     offboard_.active = 0;
     offboard_.value.fill(0.0f);
   }
@@ -256,7 +235,9 @@ bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, b
   }
 
   decide_at_ = kNever;
-  if (offboard_.active != 0) decide_at_ = silent_at + hal::microseconds(1);
+  if (offboard_.active != 0) {
+    decide_at_ = offboard_time_ + config_.offboard_timeout + hal::microseconds(1);
+  }
   for (const StickHold& hold : holds_) {
     const Time end = hold.released + config_.stick_hold;
     if (hold.ever && end > now) decide_at_ = std::min(decide_at_, end);

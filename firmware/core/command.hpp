@@ -62,7 +62,6 @@ class CommandManager {
     Time stick_hold{hal::milliseconds(1000)};  ///< From the release of the stick.
     bool take_min_throttle{true};
     Time offboard_timeout{hal::milliseconds(100)};
-    Time offboard_hold{};  ///< OFFBOARD_HOLD: see hold_level().
     float failsafe_throttle{-1.0f};
     bool companion_in_failsafe{false};  ///< FAILSAFE_OFFBRD: see update().
     bool fixed_wing_holds{false};       ///< FW_ANGLE_HOLD: see hold_angles().
@@ -102,9 +101,8 @@ class CommandManager {
   /// @param factor  1 or more.
   void set_throttle_factor(float factor);
 
-  /// Stores an admitted command. Masked axes are inactive; after the timeout, and the hold of a
-  /// multirotor, all are. An inactive axis follows the pilot, or is 0 where the pilot has no command
-  /// for it.
+  /// Stores an admitted command. Masked axes are inactive; after the timeout all are. An inactive
+  /// axis follows the pilot, or is 0 where the pilot has no command for it.
   /// @param thrust_fraction  total thrust of the command, 0..1 of the motors' maximum; used only in
   ///                         pass-through, where the axes do not show it.
   void take_offboard(Time now, const link::OffboardControl& command, float thrust_fraction);
@@ -145,8 +143,6 @@ class CommandManager {
   float torque_share() const;
   void combine();
   void hold_angles();
-  bool holds_level() const;
-  void hold_level();
 
   static constexpr std::size_t kModes = 3;
   using Limits = std::array<float, kAxes>;

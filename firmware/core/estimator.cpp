@@ -230,7 +230,7 @@ Estimator::Correction Estimator::external_correction(float dt_s) {
   const float length = s.norm();
   c.error = d.w >= length ? Vector3{4.0f * d.w * s} : Vector3{2.0f / length * s};
   c.kp = config_.ext_kp;
-  c.ki = config_.ext_ki > 0.0f ? config_.ext_ki : config_.ki;
+  c.ki = config_.ki;
   const float longest = c.kp > 0.0f ? 0.5f / c.kp : 0.0f;
   c.error *= std::min(hal::seconds(now_ - external_time_), longest) / dt_s;
   c.yaw_bias_error = c.error.z();

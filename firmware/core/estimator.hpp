@@ -50,9 +50,7 @@ struct Motion {
 ///     w_e  = 4 c s                  up to 90 degrees, else   2 s / |s|                    (6)
 ///
 /// times (time since the previous one)/dt, because it stands for that whole interval; the interval
-/// counts only up to 1/(2 k_p), which is what closes the gap without overshoot. It has gains of its
-/// own, FILT_EXT_KP and, unless that is 0, FILT_EXT_KI: a companion knows the attitude within a
-/// degree, so a bias can be learned from it in seconds, not in the minutes that FILT_KI takes. An external
+/// counts only up to 1/(2 k_p), which is what closes the gap without overshoot. An external
 /// attitude more than 20 degrees from the estimate is rejected until ten in a row agree within 5
 /// degrees, each carried on by the estimated motion; those that follow are used as long as they
 /// agree with the one before. The heading at power-up is arbitrary: ten is also what it takes a
@@ -80,7 +78,6 @@ class Estimator {
     float acc_kp{0.5f};
     float ki{0.01f};
     float ext_kp{1.5f};
-    float ext_ki{0.0f};  ///< FILT_EXT_KI; 0: `ki`.
     float acc_margin{0.1f};
     float acc_lpf{0.5f}, gyro_xy_lpf{0.3f}, gyro_z_lpf{0.3f};
     bool quadratic_rates{true};

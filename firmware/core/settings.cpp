@@ -63,7 +63,6 @@ Estimator::Config estimator_settings(const Parameters& p) {
   c.acc_kp = p.get_float(Param::kFiltAccKp);
   c.ki = p.get_float(Param::kFiltKi);
   c.ext_kp = p.get_float(Param::kFiltExtKp);
-  c.ext_ki = p.get_float(Param::kFiltExtKi);
   c.acc_margin = p.get_float(Param::kFiltAccMargin);
   c.acc_lpf = p.get_float(Param::kAccLpf);
   c.gyro_xy_lpf = p.get_float(Param::kGyroXyLpf);
@@ -109,7 +108,6 @@ CommandManager::Config command_settings(const Parameters& p, const Rc& rc, bool 
   c.take_min_throttle = p.get_bool(Param::kTakeMinThr);
   c.offboard_timeout = hal::milliseconds(p.get_int(Param::kOffboardTimeout));
   c.failsafe_throttle = p.get_float(Param::kFailsafeThr);
-  c.offboard_hold = hal::milliseconds(p.get_int(Param::kOffboardHold));
   c.companion_in_failsafe = p.get_bool(Param::kFailsafeOffbrd);
   c.fixed_wing_holds = c.fixed_wing && p.get_bool(Param::kFwAngleHold);
   c.override_whole = override_whole;

@@ -180,33 +180,6 @@ TEST(EstimatorExternalAttitude, CorrectsInProportionToTheInterval) {
   EXPECT_NEAR(yaw_of(rig.q()), 1.5f * 2.0f * 0.0998334f * 0.02f, 2e-6f);
 }
 
-TEST(EstimatorExternalAttitude, ItsOwnGainLearnsAGyroStepInSeconds) {
-  // The error is twice the angle, so bias and angle decay with the roots of s^2 + 2 k_p s + 2 k_i: for 1.5
-  // and 0.5 the slow one is -0.38/s. FILT_KI has -0.0067/s and leaves 1.9 degrees.
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const float step : {0.1f, -0.1f}) {
-      const auto after_12s = [&](float ki) {
-        Estimator::Config config = unboosted();
-        config.ext_ki = ki;
-        Rig rig(2500, config);
-        hal::Vec3 gyro{};
-        gyro[static_cast<std::size_t>(axis)] = step;
-        for (int k = 0; k < 600; ++k) {
-          EXPECT_TRUE(rig.estimator.set_external_attitude({1, 0, 0, 0}));
-          rig.rest(0.02, {}, gyro);  // an accelerometer that is not used
-        }
-        return rig;
-      };
-      const Rig learned = after_12s(0.5f);
-      EXPECT_NEAR(learned.estimator.bias_rad_s()[axis], step, 0.02f * std::abs(step)) << axis;
-      EXPECT_LT(Attitude{}.angle_to(learned.q()), 0.1 * kDegree) << axis;
-      const Rig other = after_12s(0.0f);
-      EXPECT_LT(std::abs(other.estimator.bias_rad_s()[axis]), 0.1f * std::abs(step)) << axis;
-      EXPECT_GT(Attitude{}.angle_to(other.q()), 1.5 * kDegree) << axis;
-    }
-  }
-}
-
 TEST(EstimatorExternalAttitude, IsUsedOnce) {
   Estimator::Config config;
   config.init_time = Time{0};

@@ -381,19 +381,14 @@ void FlightInvariants::check_receiver(const WatchedFirmware& watched) {
 void FlightInvariants::check_companion(const WatchedFirmware& watched) {
   const Firmware& f = watched.firmware();
   const CommandManager& c = f.command();
-  const Parameters& p = f.parameters();
-  const auto timeout = hal::milliseconds(p.get_int(Param::kOffboardTimeout));
-  const auto hold =
-      hal::milliseconds(p.get_bool(Param::kFixedWing) ? 0 : p.get_int(Param::kOffboardHold));
-  const bool changed = parameters_changed_ == now_;
-  for (std::size_t k = 3; k < kAxes && now_ - offboard_ > timeout && !changed; ++k) {
-    const bool held = k < 6 && (static_cast<unsigned>(c.primary_axes()) >> k & 1u) != 0;
-    if (held || c.in_failsafe() || c.combined().value[k] == 0.0f) continue;
-    fail(k < 6 ? "offboard_hold" : "offboard_timeout",
-         words("axis ", k, " still at ", c.combined().value[k]));
-  }
-  if (now_ - offboard_ > timeout + hold && !changed && c.offboard_active()) {
-    fail("offboard_timeout", "offboard is still active");
+  const auto timeout = hal::milliseconds(f.parameters().get_int(Param::kOffboardTimeout));
+  if (now_ - offboard_ > timeout && parameters_changed_ != now_) {
+    if (c.offboard_active()) fail("offboard_timeout", "offboard is still active");
+    for (std::size_t k = 6; k < kAxes && !c.in_failsafe(); ++k) {
+      if (c.combined().value[k] != 0.0f) {
+        fail("offboard_timeout", words("free axis ", k, " still at ", c.combined().value[k]));
+      }
+    }
   }
   // Outputs follow when they are written next; without an IMU the motors stop for another reason.
   const bool silent = now_ - companion_ > kCompanionSilence;

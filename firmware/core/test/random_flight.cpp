@@ -57,7 +57,6 @@ RandomFlight::RandomFlight(std::uint64_t seed, Without without) : seed_{seed}, p
   Random choice{~seed};  // its own, so that the flights are what they were before there was one
   companion_in_failsafe_ = choice.chance(0.5f);
   hands_off_ = companion_in_failsafe_ && choice.chance(0.7f);
-  companion_held_ = choice.chance(0.5f);
   enter(Phase::kRest, 100, 600);
 }
 
@@ -81,7 +80,6 @@ void RandomFlight::configure(Parameters& p) const {
   set(p, "TAKE_MIN_THR", std::int32_t{take_min_throttle_});
   set(p, "ARM_CAL_GYRO", std::int32_t{calibrate_gyro_});
   set(p, "FAILSAFE_OFFBRD", std::int32_t{companion_in_failsafe_});
-  set(p, "OFFBOARD_HOLD", companion_held_ ? std::int32_t{300} : std::int32_t{0});
   if (arm_switch_) set(p, "RC_ARM_CHN", static_cast<std::int32_t>(kArmChannel));
   switch (vehicle_) {
     case Vehicle::kQuadrotor:
@@ -121,7 +119,6 @@ std::string RandomFlight::description() const {
   text += arm_switch_ ? ", arm switch" : ", sticks";
   if (calibrate_gyro_) text += ", ARM_CAL_GYRO";
   if (companion_in_failsafe_) text += ", FAILSAFE_OFFBRD";
-  if (companion_held_) text += ", OFFBOARD_HOLD";
   text += ", pass " + std::to_string(pass_.count()) + " us, IMU " +
           std::to_string(imu_period_.count()) + " us, receiver " +
           std::to_string(rc_period_.count()) + " us; with";
