@@ -5,7 +5,7 @@ import {McapLog, type Channel} from './mcap.ts';
 import {secondsBetween, type Stamp} from './mcap_records.ts';
 import {parseSchema, type MessageType} from './ros_schema.ts';
 
-/** [B] Compressed. What a file says of its messages is believed as far as it can hold them. */
+/** [B] Compressed; ours have 90. A file that says it has more messages than fit into it is not believed: the room for them grows then as they come. */
 const SMALLEST_MESSAGE = 16;
 
 /**
@@ -17,9 +17,10 @@ export async function readLog(source: ByteSource, progress?: (share: number) => 
   const flight = new Flight(source.name);
   const types = new Map<number, MessageType | null>();
   const unread = new Set<string>();
-  for (const [id, count] of log.counts) {
+  const said = [...log.counts.values()].reduce((sum, count) => sum + count, 0);
+  for (const [id, count] of said * SMALLEST_MESSAGE <= source.size ? log.counts : []) {
     const topic = log.channels.get(id)?.topic;
-    if (topic) flight.expected.set(topic, Math.min((flight.expected.get(topic) ?? 0) + count, source.size / SMALLEST_MESSAGE));
+    if (topic) flight.expected.set(topic, (flight.expected.get(topic) ?? 0) + count);
   }
   let start: Stamp | undefined;
   let count = 0;

@@ -32,7 +32,7 @@ export class Table {
   /** Adds a message. @throws Error, RangeError  it is damaged; the table is then as before. */
   add(time_s: number, message: Uint8Array) {
     const row = this.length;
-    if (row === this.times.length) this.grow(2 * row);
+    if (row === this.times.length) this.grow();
     const {cursor} = this;
     cursor.open(message);
     for (const read of this.readers) read(cursor, row);
@@ -62,7 +62,8 @@ export class Table {
     return share === 0 ? values[row]! : values[row]! + share * (values[next]! - values[row]!);
   }
 
-  private grow(room: number) {
+  private grow() {
+    const room = 2 * this.times.length;
     this.times = widened(this.times, room);
     for (const column of this.numbers.values()) column.values = widened(column.values, room);
   }
