@@ -68,6 +68,9 @@ export async function flightShown(page: Page) {
   await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset['frames'] ?? 0) > 0);
 }
 
+/** The picture is as high as a line of text from now on: for what looks at tables alone, as WebGL in software takes half a processor. */
+export const drawnForNobody = (page: Page) => page.locator('.space').evaluate((space) => Object.assign(space.style, {height: '16px', minHeight: '0'}));
+
 /** Keeps a picture for people to look at, and its dark twin, in the folder that ROSFLIGHT_WEB_PICTURES names; in another size than the test's
  * if given. `ready` is done before each: what a new size or scheme of colours ends is begun again. */
 export async function keepPicture(page: Page, name: string, size?: typeof DESKTOP, ready = async () => {}) {
@@ -75,6 +78,7 @@ export async function keepPicture(page: Page, name: string, size?: typeof DESKTO
   if (!folder) return;
   const before = page.viewportSize()!;
   if (size) await page.setViewportSize(size);
+  await page.locator('.space').evaluateAll((spaces) => spaces.forEach((space) => space.removeAttribute('style')));
   const keep = async (file: string) => {
     await ready();
     await drawn(page);

@@ -11,7 +11,7 @@ import {after, before, describe, test} from 'node:test';
 import type {Browser, Page} from 'playwright-core';
 import {bytesSource} from '../src/data/bytes.ts';
 import {readLog} from '../src/data/read_log.ts';
-import {DESKTOP, keepPicture, LONG, onPage, PHONE, SMALL, startBrowser, violations} from './browser.ts';
+import {DESKTOP, drawnForNobody, keepPicture, LONG, onPage, PHONE, SMALL, startBrowser, violations} from './browser.ts';
 import {MULTIROTOR, PARAMETERS, PYTHON, SIL, VIEW} from './flights.ts';
 import {HANDS, KEYBOARD, TOUCH, withoutMouse, type Hand} from './hands.ts';
 import {start} from './simulated.ts';
@@ -76,6 +76,7 @@ describe('a vehicle on a serial port or TCP', () => {
       // A real port is typed as serial:PATH; the comparison of two vehicles types pty:PATH.
       const {url, view, folder} = await show(link.replace('pty:', 'serial:'));
       await onPage(browser, url, async (page) => {
+        await drawnForNobody(page);
         await page.waitForSelector('.instruments:has-text("disarmed")');
         await takeControl(page);
         await page.getByLabel('Search').fill('FAILSAFE_THR');
@@ -109,6 +110,7 @@ for (const hand of HANDS) test(`two vehicles are compared by their parameters, a
   const two = await firmware('pty', '--nvm', join(scratch, `two${count}.nvm`));
   const {url: twos, view} = await show(two.link);
   await onPage(browser, twos, async (page) => { // the other vehicle is another one
+    await drawnForNobody(page);
     await takeControl(page);
     await page.getByLabel('Search').fill('FAILSAFE_THR');
     await page.getByLabel('Value of FAILSAFE_THR').fill('0.3');
@@ -121,6 +123,7 @@ for (const hand of HANDS) test(`two vehicles are compared by their parameters, a
   await new Promise((resolve) => view.on('exit', resolve)); // a serial port serves one program
   const {url} = await show(one.link, '--compare', two.link);
   await onPage(browser, url, async (page) => {
+    await drawnForNobody(page);
     const check = await withoutMouse(page);
     await hand.press(page.getByRole('tab', {name: 'Parameters'}));
     await hand.press(page.getByRole('button', {name: 'Take control'}));
@@ -157,6 +160,7 @@ describe('calibrations that a person does', REST, () => {
     const first = await firmware('tcp:0', '--nvm', memory);
     const {url} = await show(first.link);
     await onPage(browser, url, async (page) => {
+      await drawnForNobody(page);
       await takeControl(page);
       await listed(page);
       await page.getByLabel('Compare with a file').setInputFiles(join(MULTIROTOR, 'parameters.yaml'));
@@ -203,6 +207,7 @@ describe('calibrations that a person does', REST, () => {
     const {found} = await start(started, PYTHON, [PEER], /tcp:\S+/);
     const {url} = await show(found[0]);
     await onPage(browser, url, async (page) => {
+      await drawnForNobody(page);
       await takeControl(page);
       await page.getByRole('tab', {name: 'Preflight'}).click();
       await begin(page, 'magnetometer', KEYBOARD);

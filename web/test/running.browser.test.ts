@@ -9,7 +9,7 @@ import {after, before, describe, test} from 'node:test';
 import type {Browser, Page} from 'playwright-core';
 import {bytesSource} from '../src/data/bytes.ts';
 import {readLog} from '../src/data/read_log.ts';
-import {clock, DESKTOP, fitsPhone, flightShown, goTo, keepPicture, LONG, newPage, onPage, PHONE, SMALL, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
+import {clock, DESKTOP, drawnForNobody, fitsPhone, flightShown, goTo, keepPicture, LONG, newPage, onPage, PHONE, SMALL, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
 import {showsTheLog} from './contents.ts';
 import {FLY, logOf, MULTIROTOR, VIEW} from './flights.ts';
 import {HANDS, KEYBOARD, reach, withoutMouse, type Hand} from './hands.ts';
@@ -190,6 +190,7 @@ describe('a running flight', () => {
   test('says what keeps it from arming, and what to do about it', async () => {
     const {url, program, folder} = await flyAndView('--speed', '0.1', '--hold'); // not calibrated for 50 s
     await withPage(url, async (page) => {
+      await drawnForNobody(page);
       const result = (check: string) => page.locator('.preflight tr', {has: page.getByRole('rowheader', {name: check, exact: true})});
       await page.getByRole('tab', {name: 'Preflight'}).click();
       await result('calibration').getByText('✗ refuses').waitFor(); // by the flags of the status
@@ -224,6 +225,7 @@ describe('a running flight', () => {
   test('has its parameters changed from the page, and each change says how it ended', async () => {
     const {url, program, folder} = await flyAndView('--speed', '2', '--hold');
     await withPage(url, async (page) => {
+      await drawnForNobody(page);
       const said = page.locator('.said');
       const until = (s: number) => page.waitForFunction((t) => parseFloat(document.querySelector('.clock')!.textContent!) > t, s);
       await page.getByRole('tab', {name: 'Parameters'}).click();
@@ -282,6 +284,7 @@ describe('a running flight', () => {
   test('has its autonomy tuned from the page; what the vehicle is made of stays', {timeout: 400_000}, async () => {
     const {url, program, folder, said} = await flyAndView('--speed', '1', '--hold', '--listen', '127.0.0.2');
     await withPage(url, async (page) => {
+      await drawnForNobody(page);
       await page.getByRole('tab', {name: 'Parameters'}).click();
       const owner = page.getByLabel('Parameters of');
       await owner.selectOption('vehicle');
@@ -339,6 +342,7 @@ describe('a running flight', () => {
   test('is steered from the page: control, time, wind, faults, transmitter; another viewer takes over', async () => {
     const {url, program, folder} = await flyAndView('--speed', '1', '--hold');
     await withPage(url, async (page) => {
+      await drawnForNobody(page);
       const press = async (name: string) => {
         await page.getByRole('button', {name, exact: true}).focus();
         await page.keyboard.press('Enter');
@@ -411,7 +415,7 @@ describe('a running flight', () => {
       const {url, program, folder} = await flyAndView('--speed', '1', '--hold');
       await withPage(url, async (page) => {
         const check = await withoutMouse(page);
-        await page.locator('.space').evaluate((picture) => Object.assign(picture.style, {height: '16px', minHeight: '0'})); // drawn for nobody
+        await drawnForNobody(page);
         for (const [point, act] of Object.entries(CHANGES)) {
           await t.test(point, {skip: LONG || point.startsWith('simulation') ? false : LEFT_OUT}, () => act(page, hand));
         }

@@ -7,7 +7,7 @@ import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 import {after, before, test} from 'node:test';
 import type {Browser, Page} from 'playwright-core';
-import {DESKTOP, fitsPhone, keepPicture, LONG, onPage, SMALL, startBrowser, violations} from './browser.ts';
+import {DESKTOP, drawnForNobody, fitsPhone, keepPicture, LONG, onPage, SMALL, startBrowser, violations} from './browser.ts';
 import {KEYBOARD} from './hands.ts';
 import {flyWatched, viewer} from './simulated.ts';
 
@@ -27,6 +27,7 @@ async function tune(test: (page: Page, url: string) => Promise<void>) {
   await writeFile(mission, 'mission:\n  - {type: hold, w: [0, 0, -8], speed: 4, heading_deg: 0, hold_seconds: 300}\n');
   const {url} = await flyWatched(started, join(folder, 'flight'), '--mission', mission, '--hold');
   await onPage(browser, url, async (page) => {
+    await drawnForNobody(page);
     await page.getByRole('tab', {name: 'Tune'}).click();
     await test(page, url);
   }, SMALL);

@@ -12,7 +12,7 @@ import type {Browser, Page} from 'playwright-core';
 import {bytesSource} from '../src/data/bytes.ts';
 import {checksAt} from '../src/data/checks.ts';
 import {readLog} from '../src/data/read_log.ts';
-import {DESKTOP, fitsPhone, keepPicture, onPage, PHONE, SMALL, startBrowser, violations, type PageOptions} from './browser.ts';
+import {DESKTOP, drawnForNobody, fitsPhone, keepPicture, onPage, PHONE, SMALL, startBrowser, violations, type PageOptions} from './browser.ts';
 import {MULTIROTOR, PARAMETERS, SIL, VIEW} from './flights.ts';
 import {finger, KEYBOARD, reach, TOUCH} from './hands.ts';
 import {start} from './simulated.ts';
@@ -66,14 +66,16 @@ class Outputs {
 
   /** @returns what goes on to the program. The second answer to one question is of this test. */
   fromFirmware(data: Buffer): Buffer {
-    return Buffer.concat([...frames(data)].filter(({id, payload}) => {
+    return Buffer.concat([...frames(data)].flatMap(({id, payload, all}) => {
       if (id === OUTPUT_RAW) this.read(payload);
-      if (id !== TIMESYNC || payload.readBigInt64LE(8) !== this.answered) return true;
+      if (id !== TIMESYNC) return [all];
+      const question = payload.readBigInt64LE(8);
+      if (question !== this.answered) {
+        this.answered = question;
+        return [all];
+      }
       this.asked_s = Number(payload.readBigInt64LE(0)) / 1e9;
-      return false;
-    }).map(({id, payload, all}) => {
-      if (id === TIMESYNC) this.answered = payload.readBigInt64LE(8);
-      return all;
+      return [];
     }));
   }
 
@@ -172,6 +174,7 @@ describe('a vehicle on a link', () => {
   test('is looked at; who takes control sets parameters, and nothing arms it', {timeout: 200_000}, async () => {
     const {url, view, folder} = await vehicle();
     await withPage(url, async (page) => {
+      await drawnForNobody(page);
       await page.waitForSelector('.instruments:has-text("disarmed")');
       assert.match(await page.locator('.instruments').innerText(), /height\s*–/);
       assert.equal(await page.getByRole('tab', {name: 'Simulation'}).count(), 0);
@@ -232,6 +235,7 @@ describe('a vehicle on a link', () => {
     })();
     await page.goto(url);
     await page.waitForSelector('.instruments:has-text("disarmed")');
+    await drawnForNobody(page);
     await setUp(page);
     // The pilot's throttle is low and the vehicle rests: the state before arming.
     await page.getByRole('tab', {name: 'Preflight'}).click();
@@ -338,6 +342,7 @@ describe('a vehicle on a link', () => {
     await writeFile(memory, Buffer.alloc(64, 0x5a));
     const {url} = await vehicle(memory);
     await withPage(url, async (page) => {
+      await drawnForNobody(page);
       const row = page.locator('.preflight tr', {has: page.getByRole('rowheader', {name: 'storage', exact: true})});
       await page.getByRole('tab', {name: 'Preflight'}).click();
       await row.getByText('✗ refuses').waitFor();
