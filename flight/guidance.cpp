@@ -41,6 +41,9 @@ Guidance::Note note_of(const autonomy::FlightEvent& e, const char* phase) {
     case Type::kFailsafeFlies:
     case Type::kReturning:
     case Type::kAileronsLost:
+    case Type::kSinksLevel:
+    case Type::kGlidesLevel:
+    case Type::kLongGap:
       return say(Severity::kWarning, name(e.type));
     case Type::kMotorOut:
       return say(Severity::kError, fmt::format("{}: motor {}", name(e.type), e.index));

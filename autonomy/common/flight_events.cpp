@@ -6,7 +6,7 @@
 namespace rosflight::autonomy {
 namespace {
 
-constexpr std::array<const char*, 21> kNames{
+constexpr std::array<const char*, 24> kNames{
     "phase",
     "waypoint reached",
     "waypoint missed",
@@ -27,7 +27,10 @@ constexpr std::array<const char*, 21> kNames{
     "receiver lost: the flight controller flies its failsafe command",
     "the flight controller follows commands again",
     "returns to the start",
-    "the ailerons have no effect: the rudder rolls"};
+    "the ailerons have no effect: the rudder rolls",
+    "no state: sinks level",
+    "no state: glides with level wings",
+    "back after more than 10 s: holds 8 s, then returns and lands"};
 
 }  // namespace
 

@@ -17,7 +17,7 @@ enum class FlightEventType : std::uint8_t {
   kPositionLost,
   kPilotTookOver,
   kPilotGaveBack,
-  kStateLost,  ///< The state is not finite, or missing: the vehicle is handed to the pilot.
+  kStateLost,  ///< The state is not finite, or missing, or the link is silent. The next event says what follows.
   kStateRegained,
   kThrustFault,  ///< The vehicle does not follow its thrust (ThrustWatch); value: its climb rate [m/s]. It lands.
   kBatteryLow,     ///< BatteryWatch; the next two decide.
@@ -27,7 +27,10 @@ enum class FlightEventType : std::uint8_t {
   kFailsafeFlies,  ///< The receiver is lost and the flight controller flies its failsafe command.
   kFailsafeOver,   ///< It follows commands again.
   kReturning,      ///< On its way back to the start, to land there.
-  kAileronsLost    ///< They have no effect: the rudder rolls.
+  kAileronsLost,   ///< They have no effect: the rudder rolls.
+  kSinksLevel,     ///< A multirotor without a state (LevelSink).
+  kGlidesLevel,    ///< A fixed wing without a state (LevelGlide).
+  kLongGap         ///< It could not be guided for more than GapWatch::kGoesOn_s.
 };
 /// Text for logs, such as "waypoint reached"; "unknown" outside the enumeration.
 const char* name(FlightEventType type);

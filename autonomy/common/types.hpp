@@ -84,6 +84,7 @@ struct Status {
   bool failsafe{};  ///< The receiver is lost: the flight controller flies its own command.
   double battery_current_A{};
   bool battery_fresh{};  ///< Voltage and current were measured lately.
+  double silent_s{};     ///< Since anything arrived from it (GapWatch).
 };
 
 }  // namespace rosflight::autonomy
