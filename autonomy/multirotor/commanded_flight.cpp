@@ -6,8 +6,10 @@
 namespace rosflight::autonomy::multirotor {
 namespace {
 
-bool finite(const State& s) {
-  return std::isfinite(s.p_W.sum() + s.v_W.sum() + s.q_WB.coeffs().sum() + s.w_B.sum());
+/// Altitude and vertical speed must mean something, or nothing can be flown on them.
+bool flyable(const State& s) {
+  return s.vertical &&
+         std::isfinite(s.p_W.sum() + s.v_W.sum() + s.q_WB.coeffs().sum() + s.w_B.sum());
 }
 
 }  // namespace
@@ -44,7 +46,7 @@ void CommandedFlight::lose_state() {
 }
 
 bool CommandedFlight::check_state(const Input& in) {
-  if (finite(in.state)) {
+  if (flyable(in.state) && GapWatch::linked(in.status.silent_s)) {
     last_good_s_ = in.t_s;
     return true;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include "autonomy/common/flight_events.hpp"
+#include "autonomy/common/gap_watch.hpp"
 #include "autonomy/multirotor/controller.hpp"
 #include "autonomy/multirotor/state_machine.hpp"
 #include "autonomy/multirotor/thrust_watch.hpp"
@@ -15,8 +16,8 @@ namespace rosflight::autonomy::multirotor {
 /// passes the commands of its own follower, the ROS controller those it receives.
 ///
 /// The flight starts when the vehicle is armed, the pilot holds no axis and the caller is ready. A
-/// state that is not finite: the last command is repeated for kStateGrace_s, then all channels are
-/// ignored, which hands the vehicle to the pilot. Without a horizontal position (State) it keeps
+/// state that is not finite, or a link that is silent (GapWatch): the last command is repeated for
+/// kStateGrace_s, then all channels are ignored, which hands the vehicle to the pilot. Without a horizontal position (State) it keeps
 /// level; its caller gives no command then. While the flight controller flies its failsafe command
 /// the hold point follows the vehicle, as for a pilot. A vehicle that does not follow its thrust
 /// (ThrustWatch) lands, with the limits of thrust and acceleration downwards lifted. It allocates
@@ -75,6 +76,7 @@ class CommandedFlight {
   void renew(const StateMachineConfig& states);
 
   bool started() const { return started_; }
+  bool state_lost() const { return state_lost_; }
   bool on_ground() const;
   /// Same as StateMachine::command_good.
   bool command_good(const ControllerCommand& command, double age_s) const {
@@ -94,6 +96,7 @@ class CommandedFlight {
   void set_thrust_model(const ThrustModel& thrust) {
     controller_.configure(controller_.config(), thrust);
   }
+  const StateMachine& machine() const { return machine_; }
   const AttitudeView& attitude() const { return attitude_; }  ///< In this step.
   const PilotOverride& pilot() const { return pilot_; }
   double dt_s() const { return dt_s_; }

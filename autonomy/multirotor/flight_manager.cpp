@@ -2,6 +2,7 @@
 #include "autonomy/multirotor/flight_manager.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -56,8 +57,8 @@ void FlightManager::set_mission(const Mission& mission) {
   } else {
     limits_.set_fence(fence_);
   }
-  return_asked_ = returning_ = false;
-  unplaced_s_ = 0.0;
+  return_asked_ = returning_ = gap_returns_ = false;
+  unplaced_s_ = hold_until_s_ = 0.0;
   flown_ = false;
   command_good_ = true;
   out_.mission_done = out_.landed = false;
@@ -83,7 +84,10 @@ void FlightManager::start_path(double t_s, const State& state) {
 
 void FlightManager::hand_over(double t_s, const State& state) {
   const CommandedFlight::Output& control = control_.output();
-  if (control.phase == Phase::kTakeoff) start_W_ = state.p_W;
+  if (control.phase == Phase::kTakeoff) {
+    start_W_ = state.p_W;
+    hover_thrust_N_ = config_.controller.mass_kg * config_.controller.gravity_m_s2;
+  }
   if (control.phase == Phase::kOffboard) {
     start_path(t_s, state);
     follower_->restart(control_.trim_W());
@@ -147,7 +151,8 @@ void FlightManager::decide(const Input& in) {
     control_.request_land();
   }
   if (limits_.asks_land()) control_.request_land();
-  const bool wanted = return_asked_ || limits_.asks_return();
+  const bool after_gap = gap_returns_ && in.t_s >= hold_until_s_;
+  const bool wanted = return_asked_ || limits_.asks_return() || after_gap;
   if (wanted && !returning_ && placed && control_.output().phase != Phase::kLanding) {
     begin_return(in.t_s, in.state);
   }
@@ -193,9 +198,110 @@ bool FlightManager::position_settled(const Input& in) {
   return aided && in.t_s >= settled_s_;
 }
 
+/// What it takes to sink later without a state: the vertical part of the thrust in flight without a climb.
+void FlightManager::learn_hover_thrust(const State& state) {
+  constexpr double kMean_s = 4.0;
+  constexpr double kLevel_m_s = 0.5;
+  const Phase phase = control_.output().phase;
+  const bool flying = phase == Phase::kPositionHold || phase == Phase::kOffboard;
+  if (!flying || control_.pilot().any() || std::abs(state.v_W.z()) > kLevel_m_s) return;
+  const Quaternion& q = state.q_WB;
+  const double tilt_cosine = 1.0 - 2.0 * (q.x() * q.x() + q.y() * q.y());
+  hover_thrust_N_ +=
+      (out_.thrust_N * tilt_cosine - hover_thrust_N_) * std::min(control_.dt_s() / kMean_s, 1.0);
+}
+
+/// The vehicle can be guided again, after a time in which it could not be: GapWatch.
+void FlightManager::end_gap(const Input& in) {
+  const CommandedFlight::Output& control = control_.output();
+  if (sinking_ && control.phase == control.before) {
+    out_.events.add(FlightEventType::kPhase, static_cast<std::size_t>(control.phase));
+  }
+  sinking_ = false;
+  known_ = in.state;
+  const double gap_s = gap_.step(in.t_s, true, in.status.silent_s);
+  if (!in.status.armed) rests_ = false;
+  if (gap_s <= GapWatch::kGoesOn_s || !in.status.armed || rests_) return;
+  if (control.phase == Phase::kDisarmed) return rest();
+  if (control.phase == Phase::kLanded) return;
+  out_.events.add(FlightEventType::kLongGap);
+  if (control.phase == Phase::kTakeoff) return control_.request_land();
+  gap_returns_ = true;
+  hold_until_s_ = in.t_s + GapWatch::kHold_s;
+}
+
+void FlightManager::enter_without_state(Phase phase) {
+  if (out_.phase == phase) return;
+  out_.phase = phase;
+  out_.events.add(FlightEventType::kPhase, static_cast<std::size_t>(phase));
+}
+
+/// It stands: motors idle until it is disarmed.
+void FlightManager::rest() {
+  if (!rests_ && control_.output().phase <= Phase::kTakeoff) {
+    out_.events.add(FlightEventType::kTakeoffFailed);
+  }
+  rests_ = flown_ = out_.landed = out_.request_disarm = true;
+  out_.tracking = false;
+  out_.command = FirmwareCommand{};
+  out_.thrust_N = out_.roll_rad = out_.pitch_rad = out_.yaw_rate_rad_s = 0.0;
+  enter_without_state(Phase::kLanded);
+}
+
+/// Armed on the ground, and no state to take off with.
+void FlightManager::wait_on_ground(const Input& in) {
+  out_.command = FirmwareCommand{};
+  if (control_.output().phase != Phase::kLanded && gap_.lasts_s(in.t_s) > kTakeoffWait_s) rest();
+}
+
+void FlightManager::sink(const Input& in) {
+  if (!sinking_) {
+    sinking_ = true;
+    const StateMachine& machine = control_.machine();
+    const bool pilot_flew = gap_.linked_s(in.t_s) < gap_.lasts_s(in.t_s);
+    sink_.start(config_.states.landing, {.height_m = machine.ground_down_m() - known_.p_W.z(),
+                                         .down_speed_m_s = pilot_flew ? 0.0 : known_.v_W.z(),
+                                         .hover_thrust_N = hover_thrust_N_,
+                                         .gravity_m_s2 = config_.controller.gravity_m_s2,
+                                         .standing_range_m = machine.standing_range_m()});
+    out_.events.add(FlightEventType::kSinksLevel);
+    enter_without_state(Phase::kLanding);
+  }
+  const LevelSink::Output down = sink_.step(in.raw, in.range_m, control_.dt_s());
+  if (down.touched) return rest();
+  out_.command = FirmwareCommand{};
+  out_.command.mode = FirmwareMode::kRollPitchYawrateThrottle;
+  out_.command.u[2] =
+      static_cast<float>(config_.thrust.throttle(down.thrust_N, in.status.battery_voltage_V));
+  out_.thrust_N = down.thrust_N;
+  out_.roll_rad = out_.pitch_rad = out_.yaw_rate_rad_s = 0.0;
+  if (rotors_.yaw_lost() && in.raw.w_B) {
+    out_.yaw_rate_rad_s = in.raw.w_B->z();
+    out_.command.u[5] = static_cast<float>(out_.yaw_rate_rad_s);
+  }
+}
+
+/// After the grace: the pilot has the vehicle while the link is silent; with a link it comes down.
+void FlightManager::without_state(const Input& in) {
+  rotors_.interrupt();
+  if (!in.status.armed) {
+    rests_ = rests_ || !control_.on_ground();
+    return;
+  }
+  if (rests_) return rest();
+  if (gap_.linked_s(in.t_s) < kStateGrace_s) return sink_.interrupt();
+  const bool lifted =
+      control_.machine().ground_down_m() - known_.p_W.z() > config_.states.lift_off_height_m;
+  const bool stands =
+      control_.on_ground() || (control_.output().phase == Phase::kTakeoff && !lifted);
+  if (stands) return wait_on_ground(in);
+  sink(in);
+}
+
 const FlightOutput& FlightManager::step(const Input& in) {
   using Turn = CommandedFlight::Turn;
-  const bool settled = position_settled(in);
+  if (!control_.started()) gap_.start(in.t_s);
+  const bool settled = position_settled(in) && !(in.t_s < hold_until_s_);
   const Turn turn =
       control_.begin({.t_s = in.t_s,
                       .state = in.state,
@@ -207,8 +313,19 @@ const FlightOutput& FlightManager::step(const Input& in) {
   const CommandedFlight::Output& control = control_.output();
   out_.events = control.events;
   if (turn == Turn::kNone) {
+    const bool time_stood = !(control_.dt_s() > 0.0);
+    if (time_stood && control_.state_lost()) return out_;
     out_.command = control.command;
     out_.tracking = control.tracking;
+    if (time_stood) return out_;
+    gap_.step(in.t_s, false, in.status.silent_s);
+    if (control_.state_lost()) without_state(in);
+    return out_;
+  }
+  end_gap(in);
+  learn_hover_thrust(in.state);
+  if (rests_) {
+    rest();
     return out_;
   }
   if (control.phase != control.before) hand_over(in.t_s, in.state);
@@ -217,7 +334,7 @@ const FlightOutput& FlightManager::step(const Input& in) {
   out_.phase = control.phase;
   out_.tracking = control.tracking && !returning_;
   out_.request_disarm = control.request_disarm;
-  out_.landed = control.landed;
+  out_.landed = control.landed || flown_;
   command_good_ = true;
   if (turn == Turn::kFollow) {
     const ControllerCommand command = follow(in.t_s, in.state);

@@ -6,7 +6,10 @@
 
 #include "autonomy/common/flight_limits.hpp"
 #include "autonomy/common/flight_progress.hpp"
+#include "autonomy/common/gap_watch.hpp"
+#include "autonomy/common/raw_motion.hpp"
 #include "autonomy/multirotor/commanded_flight.hpp"
+#include "autonomy/multirotor/level_sink.hpp"
 #include "autonomy/multirotor/mission.hpp"
 #include "autonomy/multirotor/path_manager.hpp"
 #include "autonomy/multirotor/rotor_watch.hpp"
@@ -52,8 +55,12 @@ struct FlightOutput : FlightProgress<Phase> {
 /// more the commanded yaw rate is the measured one, so that no motor is spent on it. It tilts by
 /// kLostTilt_rad at most: the other rotors have less left for turning.
 /// Without a horizontal position it keeps level, and lands when that lasts kPositionWait_s. Battery
-/// and fence (FlightLimits) let it return or land. A state that is not finite: the last command is
-/// repeated for kStateGrace_s, then all channels are ignored, which hands the vehicle to the pilot.
+/// and fence (FlightLimits) let it return or land.
+///
+/// A state that is lost (not finite, or without a vertical part): the last command is repeated for
+/// kStateGrace_s, then the vehicle sinks level to the ground (LevelSink). In a take-off that has not left the ground
+/// the motors idle, and it is given up after kTakeoffWait_s. While the link is silent all channels are ignored
+/// instead, which hands the vehicle to the pilot. Back again it goes on, or holds and returns (GapWatch).
 class FlightManager {
  public:
   static constexpr double kStateGrace_s = CommandedFlight::kStateGrace_s;
@@ -61,6 +68,7 @@ class FlightManager {
   static constexpr double kLostTilt_rad = 20.0 * kRadPerDeg;
   static constexpr double kWatchHeight_m = 0.5;      ///< A landing below it watches no rotors.
   static constexpr double kPositionSettles_s = 5.0;  ///< In which an estimate shows its correction.
+  static constexpr double kTakeoffWait_s = 1.5;      ///< For a state, on the ground.
 
   struct Input {
     double t_s{};  ///< Must grow.
@@ -70,6 +78,8 @@ class FlightManager {
     std::optional<double> range_m{};  ///< Downward range, if fresh and in range.
     // NOLINTNEXTLINE(readability-redundant-member-init): the same
     std::span<const float> outputs{};  ///< Reported by the flight controller, if fresh.
+    // NOLINTNEXTLINE(readability-redundant-member-init): the same
+    RawMotion raw{};  ///< For a flight without a state.
   };
 
   /// Throws std::invalid_argument if the mission cannot be flown with this configuration.
@@ -108,6 +118,13 @@ class FlightManager {
   void give_up_yaw(const State& state);
   ControllerConfig controller_config() const;
   void begin_return(double t_s, const State& state);
+  void learn_hover_thrust(const State& state);
+  void end_gap(const Input& in);
+  void without_state(const Input& in);
+  void sink(const Input& in);
+  void wait_on_ground(const Input& in);
+  void rest();
+  void enter_without_state(Phase phase);
 
   FlightConfig config_{};
   PathManager path_;
@@ -121,6 +138,14 @@ class FlightManager {
   double unplaced_s_{};               ///< Without a horizontal position.
   double settled_s_{};                ///< When the position will have settled.
   double altitude_offset_m_{};        ///< Added to the altitude of the path.
+  GapWatch gap_;
+  LevelSink sink_;
+  State known_{};            ///< The last state that was flown on.
+  double hover_thrust_N_{};  ///< Without tilt and climb.
+  double hold_until_s_{};    ///< After a long gap.
+  bool gap_returns_{false};  ///< After that hold it returns.
+  bool sinking_{false};
+  bool rests_{false};  ///< On the ground without a state, until it is disarmed.
   FlightOutput out_{};
   AtEnd at_end_{AtEnd::kLand};
   bool return_asked_{false};

@@ -79,6 +79,10 @@ class StateMachine {
   void configure(const StateMachineConfig& config);
   Phase phase() const { return phase_; }
   const StateMachineConfig& config() const { return config_; }
+  /// What the range sensor read before the take-off.
+  const std::optional<double>& standing_range_m() const { return standing_range_m_; }
+  /// Down coordinate of the position of take-off.
+  double ground_down_m() const { return ground_down_m_; }
 
   /// A finite command of a known mode, not older than the timeout.
   bool command_good(const ControllerCommand& command, double age_s) const;

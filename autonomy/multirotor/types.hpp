@@ -14,6 +14,7 @@ struct State {
   Vector3 w_B{Vector3::Zero()};
   bool horizontal{true};  ///< false: position and velocity north and east mean nothing.
   bool aided{true};       ///< false: they have been dead-reckoned for a while: hold, do not follow.
+  bool vertical{true};    ///< false: altitude and vertical speed mean nothing.
 };
 
 /// One target, always local: geodetic input is converted when a mission is loaded (geodesy.hpp).

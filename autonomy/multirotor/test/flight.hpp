@@ -28,7 +28,7 @@ class Flight {
     const long steps = std::lround(seconds / kWorldStep_s);
     for (long k = 0; k < steps && !disarmed; ++k) {
       if (tick_++ % (1000 / rate_hz) == 0) control(after_step);
-      plant.step(manager.output().command, armed(), kWorldStep_s);
+      plant.step(silent ? pilot() : manager.output().command, armed(), kWorldStep_s);
       t_s += kWorldStep_s;
       if (plant.state().p_W.z() < plant.config().ground_down_m - 0.5) plant.take_impact_m_s();
       impact_m_s = std::max(impact_m_s * (plant.on_ground() ? 1.0 : 0.0), plant.take_impact_m_s());
@@ -42,7 +42,8 @@ class Flight {
             .rc_override = override_word,
             .battery_voltage_V = battery_V,
             .failsafe = failsafe,
-            .battery_fresh = battery_V > 0.0};
+            .battery_fresh = battery_V > 0.0,
+            .silent_s = silent ? t_s - heard_s_ : 0.0};
   }
   bool armed() const { return t_s >= 0.5 && !disarmed; }
   std::vector<FlightEvent> events_of(FlightEventType type) const {
@@ -64,6 +65,11 @@ class Flight {
   bool failsafe{false};
   double battery_V{0.0};             ///< 0: not measured.
   std::function<void(State&)> look;  ///< Spoils what the manager sees.
+  bool silent{false};                ///< Nothing arrives, either way; the pilot keeps the height.
+  bool with_baro{false};
+  bool with_accel{false};
+  bool with_range{false};
+  double accel_bias_m_s2{0.0};
   double t_s{};
   double last_step_s{};
   bool disarmed{false};
@@ -75,9 +81,15 @@ class Flight {
 
   void control(const std::function<void()>& after_step) {
     last_step_s = t_s;
-    State seen = plant.state();
-    if (look) look(seen);
-    const FlightOutput& out = manager.step({t_s, seen, status()});
+    if (!silent) {
+      heard_s_ = t_s;
+      seen_ = plant.state();
+    } else if (t_s - heard_s_ > GapWatch::kSilent_s) {
+      seen_.p_W.setConstant(std::nan(""));
+    }
+    if (look && !silent) look(seen_);
+    const FlightOutput& out = manager.step(
+        {.t_s = t_s, .state = seen_, .status = status(), .range_m = range(), .raw = raw()});
     events.insert(events.end(), out.events.begin(), out.events.end());
     if (out.tracking) {
       square_sum_ += (out.setpoint.p_W - plant.state().p_W).squaredNorm();
@@ -87,6 +99,33 @@ class Flight {
     after_step();
   }
 
+  FirmwareCommand pilot() const {
+    FirmwareCommand out;
+    out.mode = FirmwareMode::kRollPitchYawrateThrottle;
+    const double weight_N = manager.config().controller.mass_kg * plant.config().gravity_m_s2;
+    const double thrust_N = weight_N * (1.0 + 0.3 * plant.state().v_W.z());
+    out.u[2] = static_cast<float>(manager.config().thrust.throttle(thrust_N));
+    return out;
+  }
+  std::optional<double> range() const {
+    constexpr double kMax_m = 8.0;
+    const double up_m = plant.config().ground_down_m - plant.state().p_W.z();
+    return with_range && !silent && up_m < kMax_m ? std::optional(up_m) : std::nullopt;
+  }
+  RawMotion raw() const {
+    RawMotion out;
+    if (silent) return out;
+    if (with_baro) out.baro_up_m = 120.0 - plant.state().p_W.z();
+    if (with_accel) {
+      out.q_WB = plant.state().q_WB;
+      out.w_B = plant.state().w_B;
+      out.a_B = plant.specific_B() + Vector3(0.0, 0.0, accel_bias_m_s2);
+    }
+    return out;
+  }
+
+  State seen_;
+  double heard_s_{};
   long tick_{};
   long samples_{};
   double square_sum_{};

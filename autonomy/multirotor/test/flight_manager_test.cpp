@@ -222,28 +222,6 @@ TEST(FlightManager, PilotTakesOverFliesAwayAndGivesBack) {
   EXPECT_EQ(flight.events_of(FlightEventType::kPilotGaveBack).size(), 1U);
 }
 
-TEST(FlightManager, LostStateIsHandedToThePilotAndTakenBack) {
-  Flight flight;
-  flight.run(10.0);
-  State bad = flight.plant.state();
-  bad.v_W.y() = std::nan("");
-  const FirmwareCommand last = flight.output().command;
-  double t = flight.last_step_s;
-  const FlightOutput* out = &flight.manager.step({t += 0.05, bad, flight.status()});
-  EXPECT_EQ(out->command.u, last.u);
-  EXPECT_EQ(out->command.ignore, 0);
-  out = &flight.manager.step({t += 0.06, bad, flight.status()});
-  EXPECT_EQ(out->command.ignore, kIgnoreAll);
-  ASSERT_EQ(out->events.count, 1U);
-  EXPECT_EQ(out->events.list[0].type, FlightEventType::kStateLost);
-  EXPECT_EQ(flight.manager.step({t += 1.0, bad, flight.status()}).events.count, 0U);
-  out = &flight.manager.step({t + 0.01, flight.plant.state(), flight.status()});
-  EXPECT_EQ(out->command.ignore, 0);
-  EXPECT_EQ(out->phase, Phase::kPositionHold);
-  EXPECT_EQ(out->events.list[0].type, FlightEventType::kStateRegained);
-  for (const float u : out->command.u) EXPECT_TRUE(std::isfinite(u));
-}
-
 TEST(FlightManager, EndsAtTheLastWaypointOrGoesRound) {
   for (const AtEnd end : {AtEnd::kHold, AtEnd::kCycle}) {
     Flight flight(default_config(), "missions/square.yaml");

@@ -52,6 +52,7 @@ class Plant {
     const Vector3 up_W = state_.q_WB * Vector3(0.0, 0.0, -1.0);
     Vector3 a =
         up_W * (thrust_N_ / config_.mass_kg) - config_.drag_1_s * (state_.v_W - config_.wind_W);
+    specific_B_ = state_.q_WB.conjugate() * a;
     a.z() += config_.gravity_m_s2;
     state_.v_W += a * dt_s;
     state_.p_W += state_.v_W * dt_s;
@@ -61,14 +62,18 @@ class Plant {
       state_.p_W.z() = config_.ground_down_m;
       state_.v_W = Vector3(0.0, 0.0, std::min(state_.v_W.z(), 0.0));
       level_out();
+      specific_B_ = {0.0, 0.0, -config_.gravity_m_s2};
     }
   }
 
   const State& state() const { return state_; }
   State& state() { return state_; }
   PlantConfig& config() { return config_; }
+  const PlantConfig& config() const { return config_; }
   double thrust_N() const { return thrust_N_; }
   bool on_ground() const { return on_ground_; }
+  /// What an accelerometer measures.
+  const Vector3& specific_B() const { return specific_B_; }
   /// Highest speed into the ground since the last call.
   double take_impact_m_s() { return std::exchange(impact_m_s_, 0.0); }
 
@@ -110,6 +115,7 @@ class Plant {
   PlantConfig config_;
   ThrustModel thrust_;
   State state_{};
+  Vector3 specific_B_{Vector3::Zero()};
   double thrust_N_{};
   double impact_m_s_{};
   bool on_ground_{true};
