@@ -7,8 +7,9 @@
 
 namespace rosflight::autonomy::fixedwing {
 
-bool FaultMonitor::state_good(const StateEstimate& s, double t_s, FlightEvents& events) {
-  const bool good = s.attitude != Quality::kNone &&
+bool FaultMonitor::state_good(const StateEstimate& s, double t_s, FlightEvents& events,
+                              bool linked) {
+  const bool good = linked && s.attitude != Quality::kNone &&
                     std::isfinite(s.p_W.sum() + s.v_W.sum() + s.q_WB.coeffs().sum() + s.w_B.sum() +
                                   s.a_B.sum() + s.airspeed_m_s + s.course_rad);
   if (good) {

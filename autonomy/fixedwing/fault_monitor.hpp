@@ -16,8 +16,8 @@ class FaultMonitor {
   /// Starts the timeouts. Called in the first step.
   void start(double t_s) { state_good_s_ = position_good_s_ = t_s; }
 
-  /// Whether the state has an attitude and is finite.
-  bool state_good(const StateEstimate& state, double t_s, FlightEvents& events);
+  /// Whether the state has an attitude and is finite, and the link brings and takes what it should.
+  bool state_good(const StateEstimate& state, double t_s, FlightEvents& events, bool linked = true);
   bool state_lost() const { return state_lost_; }  ///< Not good for more than kStateGrace_s.
 
   /// Whether a path can be followed: position and heading exist, and the last aided position is no

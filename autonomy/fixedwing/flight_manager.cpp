@@ -26,17 +26,33 @@ void FlightManager::configure(const FlightConfig& config) {
   follower_ = PathFollower(config.follower);
 }
 
+/// Without the flight controller's attitude it has the surfaces, and the throttle is closed.
+void FlightManager::glide_level(const RawMotion& raw) {
+  constexpr std::uint16_t kAllButThrottle = kIgnoreAll - 1U;
+  out_.wanted = {};
+  out_.tracking = false;
+  out_.command = FirmwareCommand{};
+  out_.command.ignore = kAllButThrottle;
+  if (!raw.q_WB) return;
+  const StateEstimate state = LevelGlide::state(raw);
+  out_.control = controller_.step({state, out_.wanted, 0.0, out_.dt_s, {}, out_.direct});
+  out_.command = command_of(out_.control.surfaces);
+}
+
 const FlightOutput& FlightManager::step(const Input& in) {
   const Guidance::Last last{out_.control.throttle_full, out_.control.surfaces.throttle,
                             out_.wanted.valid ? std::optional(out_.wanted.height_m) : std::nullopt};
   static_cast<GuidanceOutput&>(out_) =
-      guidance_.step({in.t_s, in.state, in.status, in.range_m, last});
+      guidance_.step({in.t_s, in.state, in.status, in.range_m, last, in.raw});
   if (out_.restart) controller_.reset();
   switch (out_.act) {
     case GuidanceAct::kRepeat:
       break;
     case GuidanceAct::kGiveUp:
       out_.command.ignore = kIgnoreAll;
+      break;
+    case GuidanceAct::kGlideLevel:
+      glide_level(in.raw);
       break;
     case GuidanceAct::kIdle:
       out_.command = FirmwareCommand{};

@@ -26,8 +26,10 @@ FirmwareCommand command_of(const Surfaces& s);
 ///
 /// The flight starts when the vehicle is armed and no axis is the pilot's, in the direction it
 /// points, and happens once. What stops it, and how:
-/// - state not finite or without attitude: the last command for kStateGrace_s, then all channels
-///   are ignored, which hands the vehicle to the pilot;
+/// - state not finite or without attitude: the last command for kStateGrace_s, then a glide with level
+///   wings (LevelGlide) by the flight controller's attitude. Without that either the throttle is closed and the
+///   surfaces are the flight controller's, which holds them as FW_ANGLE_HOLD says;
+/// - link silent (GapWatch): all channels are ignored, which hands the vehicle to the pilot;
 /// - position without aiding longer than dead_reckoning_s: circles at a fixed bank, height and
 ///   airspeed held, until the position is back;
 /// - airspeed unknown: throttle by feed-forward, height by pitch;
@@ -43,6 +45,8 @@ class FlightManager {
     const StateEstimate& state;
     Status status{};
     std::optional<double> range_m;  ///< Along the body's z axis, from the centre of mass.
+    // NOLINTNEXTLINE(readability-redundant-member-init): so that GCC lets callers name members
+    RawMotion raw{};  ///< For a flight without a state.
   };
 
   /// Throws std::invalid_argument for a mission without waypoints.
@@ -65,6 +69,8 @@ class FlightManager {
   const PathManager& path() const { return guidance_.path(); }
 
  private:
+  void glide_level(const RawMotion& raw);
+
   Guidance guidance_;
   PathFollower follower_;
   Controller controller_;

@@ -23,6 +23,8 @@ class GroundDetector {
   /// @param range_m  what the range sensor reads, along body z from the centre of mass [m].
   void set_standing(std::optional<double> range_m) { standing_range_m_ = range_m.value_or(0.0); }
 
+  double standing_range_m() const { return standing_range_m_; }
+
   /// Height of the centre of mass above where it is when it stands [m], by (1).
   /// @param range_m      echo [m]; ignored if not finite, negative, above max_range_m or taken at a
   ///                     tilt of more than 37 degrees.

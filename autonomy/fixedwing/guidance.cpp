@@ -14,7 +14,8 @@ void Guidance::set_mission(const Mission& mission, std::size_t first) {
   if (mission.waypoints.empty()) throw std::invalid_argument("the mission has no waypoint");
   mission_ = mission;
   out_.waypoint = std::min(first, mission.waypoints.size() - 1);
-  out_.mission_done = path_done_ = land_ = return_ = false;
+  out_.mission_done = path_done_ = land_ = return_ = gap_returns_ = false;
+  hold_until_s_ = 0.0;
   limits_.set_fence(mission_.fence);
   if (out_.phase == Phase::kLanded || out_.phase == Phase::kDisarmed) flown_ = false;
   // In flight the new list is planned from where the vehicle is.
@@ -57,7 +58,8 @@ PhaseConditions Guidance::conditions(const Input& in, bool pilot) {
   out.set(Conditions::kTooLate, phase_path_.since_s(in.t_s) > takeoff.timeout_s || interrupted);
   out.set(Conditions::kPathDone, path_done_);
   out.set(Conditions::kLandNext, land_ || ends_down || limits_.asks_land());
-  out.set(Conditions::kReturnNext, return_ || ends_home || limits_.asks_return());
+  out.set(Conditions::kReturnNext, return_ || ends_home || limits_.asks_return() || gap_returns_);
+  out.set(Conditions::kHolds, in.t_s < hold_until_s_);
   const bool known = faults_.position_known(in.state, in.t_s, config_.safety, out_.events);
   // Just above the ground a landing goes on: there is no room to circle.
   const bool landing = out_.phase == Phase::kApproach &&
@@ -122,7 +124,7 @@ void Guidance::update_phase(const Input& in) {
   watch_limits(in);
   const bool failsafe = in.status.failsafe;
   const bool pilot = override_.step(in.status.rc_override, out_.dt_s).any() || failsafe;
-  const Phase to = kPhaseTable.next(out_.phase, conditions(in, pilot).bits());
+  const Phase to = kPhaseTable.next(out_.phase, conditions(in, pilot || interrupted_).bits());
   const bool idle_now = to == Phase::kDisarmed || to == Phase::kLanded;
   if (!idle_now && pilot != pilot_) {
     const bool by_failsafe = failsafe || failsafe_;
@@ -136,14 +138,15 @@ void Guidance::update_phase(const Input& in) {
   const bool new_list = to == Phase::kMission && !phase_path_.path().started();
   if (to != out_.phase || new_list) {
     enter(to, in);
-  } else if (pilot_) {
+  } else if ((pilot_ || interrupted_) && !(to == Phase::kTakeoff && in.state.bridging)) {
+    // Whether a take-off has left the ground meanwhile is known only once the gap is bridged.
     phase_path_.restart(to, path_input(in));
   }
   out_.request_disarm = out_.phase == Phase::kLanded;
   out_.landed = out_.landed || out_.phase == Phase::kLanded;
 }
 
-/// Battery and fence. Back at the start after a return that they asked for, it lands.
+/// Battery and fence. Back at the start after a return that they or a long gap asked for, it lands.
 void Guidance::watch_limits(const Input& in) {
   const bool flying = out_.phase != Phase::kDisarmed && out_.phase != Phase::kTakeoff &&
                       out_.phase != Phase::kRollout && out_.phase != Phase::kLanded;
@@ -151,7 +154,8 @@ void Guidance::watch_limits(const Input& in) {
   const Vector3 from_start_W = in.state.p_W - phase_path_.start_W();
   limits_.step(in.status, from_start_W, out_.dt_s, out_.events);
   constexpr double kThere = 2.5;  // turn radii: the circle above the start, and some
-  if (out_.phase == Phase::kReturn && limits_.asks_return() && !return_ &&
+  const bool lands = (limits_.asks_return() || gap_returns_) && !return_;
+  if (out_.phase == Phase::kReturn && lands &&
       from_start_W.head<2>().norm() < kThere * phase_path_.path().planner().config().radius_m) {
     land_ = true;
   }
@@ -173,6 +177,73 @@ void Guidance::lead(const Input& in) {
   }
 }
 
+/// It stands, until it is disarmed.
+void Guidance::rest() {
+  if (out_.phase != Phase::kLanded) {
+    out_.phase = Phase::kLanded;
+    out_.events.add(FlightEventType::kPhase, static_cast<std::size_t>(Phase::kLanded));
+  }
+  rests_ = flown_ = out_.landed = out_.request_disarm = true;
+  gliding_level_ = false;
+  out_.act = GuidanceAct::kIdle;
+}
+
+/// After the grace: the pilot has the vehicle while the link is silent; with a link it glides down.
+void Guidance::without_state(const Input& in) {
+  out_.act = GuidanceAct::kGiveUp;
+  if (!in.status.armed) {
+    rests_ = rests_ || gliding_level_;
+    return;
+  }
+  if (rests_) return rest();
+  if (gap_.linked_s(in.t_s) < kStateGrace_s || out_.phase == Phase::kLanded) return;
+  if (out_.phase == Phase::kDisarmed) {
+    if (gap_.lasts_s(in.t_s) <= kTakeoffWait_s) return;
+    out_.events.add(FlightEventType::kTakeoffFailed);
+    return rest();
+  }
+  if (!gliding_level_) {
+    gliding_level_ = true;
+    before_glide_ = out_.phase;
+    if (before_glide_ == Phase::kTakeoff) out_.events.add(FlightEventType::kTakeoffFailed);
+    level_glide_.start(out_.height_above_ground_m, ground_.standing_range_m());
+    out_.events.add(FlightEventType::kGlidesLevel);
+    if (out_.phase != Phase::kGlide) {
+      out_.phase = Phase::kGlide;
+      out_.events.add(FlightEventType::kPhase, static_cast<std::size_t>(Phase::kGlide));
+    }
+  }
+  if (level_glide_.step(in.raw, in.range_m, out_.dt_s)) return rest();
+  out_.act = GuidanceAct::kGlideLevel;
+  out_.follow = {};
+  out_.direct = level_glide_.direct(config_.safety);
+}
+
+/// The vehicle can be guided again, after a time in which it could not be: GapWatch. A landing that was just
+/// above the ground goes on.
+void Guidance::end_gap(const Input& in) {
+  interrupted_ = false;
+  if (!in.status.armed) rests_ = false;
+  if (gliding_level_) {
+    gliding_level_ = false;
+    const bool was_landing = before_glide_ == Phase::kApproach || before_glide_ == Phase::kFlare ||
+                             before_glide_ == Phase::kRollout || before_glide_ == Phase::kTakeoff;
+    const bool low = out_.height_above_ground_m < config_.safety.straight_below_m;
+    enter(was_landing && low ? Phase::kFlare : Phase::kLoiter, in);
+  }
+  const double gap_s = gap_.step(in.t_s, true, in.status.silent_s);
+  if (gap_s <= GapWatch::kGoesOn_s || !in.status.armed || rests_) return;
+  if (out_.phase == Phase::kDisarmed) {
+    out_.events.add(FlightEventType::kTakeoffFailed);
+    return rest();
+  }
+  if (out_.phase == Phase::kRollout || out_.phase == Phase::kLanded) return;
+  out_.events.add(FlightEventType::kLongGap);
+  if (out_.phase == Phase::kTakeoff) blind_s_ = std::max(blind_s_, gap_s);
+  interrupted_ = gap_returns_ = true;
+  hold_until_s_ = in.t_s + GapWatch::kHold_s;
+}
+
 const GuidanceOutput& Guidance::step(const Input& in) {
   out_.events.count = 0;
   out_.act = GuidanceAct::kRepeat;
@@ -181,17 +252,25 @@ const GuidanceOutput& Guidance::step(const Input& in) {
     started_ = true;
     last_t_s_ = in.t_s;
     faults_.start(in.t_s);
+    gap_.start(in.t_s);
     return out_;
   }
   out_.dt_s = in.t_s - last_t_s_;
   if (!(out_.dt_s > 0.0)) return out_;
   last_t_s_ = in.t_s;
-  if (!faults_.state_good(in.state, in.t_s, out_.events)) {
+  const bool linked = GapWatch::linked(in.status.silent_s);
+  if (!faults_.state_good(in.state, in.t_s, out_.events, linked)) {
     blind_s_ += out_.dt_s;
-    if (faults_.state_lost()) out_.act = GuidanceAct::kGiveUp;
+    gap_.step(in.t_s, false, in.status.silent_s);
+    if (faults_.state_lost()) without_state(in);
     return out_;
   }
   out_.height_above_ground_m = height_above_ground_m(in);
+  end_gap(in);
+  if (rests_) {
+    rest();
+    return out_;
+  }
   update_phase(in);
   if (out_.phase == Phase::kDisarmed || out_.phase == Phase::kLanded) {
     out_.act = GuidanceAct::kIdle;

@@ -2,8 +2,10 @@
 #pragma once
 #include "autonomy/common/flight_limits.hpp"
 #include "autonomy/common/flight_progress.hpp"
+#include "autonomy/common/gap_watch.hpp"
 #include "autonomy/fixedwing/fault_monitor.hpp"
 #include "autonomy/fixedwing/ground_detector.hpp"
+#include "autonomy/fixedwing/level_glide.hpp"
 #include "autonomy/fixedwing/phase_path.hpp"
 
 namespace rosflight::autonomy::fixedwing {
@@ -11,9 +13,10 @@ namespace rosflight::autonomy::fixedwing {
 /// The action of follower and controller in one step.
 enum class GuidanceAct : std::uint8_t {
   kRepeat,  ///< Nothing new: the last command again.
-  kGiveUp,  ///< No state: every channel goes to the pilot.
+  kGiveUp,  ///< No link, or no state on the ground: every channel goes to the pilot.
   kIdle,    ///< On the ground: all zero.
-  kFly
+  kFly,
+  kGlideLevel  ///< No state: `direct`, by the flight controller's attitude (LevelGlide).
 };
 
 /// Output of guidance: inputs of follower and controller, and the state of the flight.
@@ -41,6 +44,7 @@ struct GuidanceOutput : FlightProgress<Phase> {
 class Guidance {
  public:
   static constexpr double kStateGrace_s = FaultMonitor::kStateGrace_s;
+  static constexpr double kTakeoffWait_s = 1.5;  ///< For a state, before a take-off.
 
   using Last = PhasePath::Last;
   struct Input {
@@ -49,6 +53,8 @@ class Guidance {
     Status status{};
     std::optional<double> range_m;  ///< Along the body's z axis, from the centre of mass.
     Last last{};
+    // NOLINTNEXTLINE(readability-redundant-member-init): so that GCC lets callers name members
+    RawMotion raw{};  ///< For a flight without a state.
   };
 
   /// Throws std::invalid_argument for a mission without waypoints.
@@ -84,16 +90,23 @@ class Guidance {
   void update_phase(const Input& in);
   void watch_limits(const Input& in);
   void lead(const Input& in);
+  void without_state(const Input& in);
+  void rest();
+  void end_gap(const Input& in);
 
   FlightConfig config_{};
   Mission mission_{};
   FaultMonitor faults_;
   FlightLimits limits_;
+  GapWatch gap_;
+  LevelGlide level_glide_;
   GroundDetector ground_;
   PhasePath phase_path_;
   GuidanceOutput out_{};
+  Phase before_glide_{Phase::kDisarmed};  ///< Phase in which the state was lost.
   double last_t_s_{};
-  double blind_s_{};  ///< Since the take-off began: without a state, or flown by the failsafe.
+  double hold_until_s_{};  ///< After a long gap.
+  double blind_s_{};       ///< Since the take-off began: without a state, or flown by the failsafe.
   bool started_{false};
   OverrideWatch override_;
   bool pilot_{false};
@@ -101,6 +114,10 @@ class Guidance {
   bool path_done_{false};
   bool land_{false};
   bool return_{false};
+  bool gap_returns_{false};  ///< After the hold that follows a long gap.
+  bool interrupted_{false};  ///< A long gap ends in this step.
+  bool gliding_level_{false};
+  bool rests_{false};  ///< On the ground without a state, until it is disarmed.
   bool flown_{false};
 };
 

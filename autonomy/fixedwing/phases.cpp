@@ -31,9 +31,9 @@ constexpr std::array kTransitions = {
     T{Phase::kLoiter, P::kOnGround, 0, Phase::kRollout},
     T{Phase::kLoiter, P::kMotorOut, 0, Phase::kGlide},
     T{Phase::kLoiter, P::kComeDown, P::kPositionKnown, Phase::kDescent},
-    T{Phase::kLoiter, P::kPositionKnown | P::kLandNext, 0, Phase::kApproach},
-    T{Phase::kLoiter, P::kPositionKnown | P::kReturnNext, 0, Phase::kReturn},
-    T{Phase::kLoiter, P::kPositionKnown, P::kPathDone, Phase::kMission},
+    T{Phase::kLoiter, P::kPositionKnown | P::kLandNext, P::kHolds, Phase::kApproach},
+    T{Phase::kLoiter, P::kPositionKnown | P::kReturnNext, P::kHolds, Phase::kReturn},
+    T{Phase::kLoiter, P::kPositionKnown, P::kPathDone | P::kHolds, Phase::kMission},
 
     T{Phase::kReturn, P::kPilot, 0, Phase::kLoiter},
     T{Phase::kReturn, P::kMotorOut, 0, Phase::kGlide},

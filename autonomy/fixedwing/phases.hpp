@@ -38,7 +38,8 @@ struct Conditions {
     kOnGround = 1U << 12U,
     kStands = 1U << 13U,
     kComeDown =
-        1U << 14U  ///< Down without a position: it was missing too long, or the battery ends.
+        1U << 14U,      ///< Down without a position: it was missing too long, or the battery ends.
+    kHolds = 1U << 15U  ///< After a long gap (GapWatch): it goes nowhere yet.
   };
 };
 

@@ -30,6 +30,7 @@ TEST(FaultMonitor, StateIsLostAfterTheGraceAndRegainedAtOnce) {
   EXPECT_TRUE(monitor.state_good(good_state(), 0.6, events));
   EXPECT_FALSE(monitor.state_lost());
   EXPECT_EQ(events.list[1].type, FlightEventType::kStateRegained);
+  EXPECT_FALSE(monitor.state_good(good_state(), 0.7, events, false)) << "the link is silent";
 }
 
 TEST(FaultMonitor, DeadReckonedPositionIsKnownForATime) {

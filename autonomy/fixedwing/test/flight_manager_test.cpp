@@ -196,21 +196,6 @@ TEST(FixedWingFlight, DeadReckonsThenCirclesUntilThePositionIsKnown) {
   EXPECT_EQ(world.manager.output().phase, Phase::kMission);
 }
 
-TEST(FixedWingFlight, StateThatIsNoNumberGoesToThePilot) {
-  SmallWorld world(hourglass());
-  ASSERT_TRUE(world.run_until(Phase::kMission, 60.0));
-  world.look = [](StateEstimate& s) { s.v_W.x() = std::nan(""); };
-  world.run(0.05);
-  EXPECT_EQ(world.manager.output().command.ignore, 0);
-  world.run(0.2);
-  EXPECT_EQ(world.manager.output().command.ignore, kIgnoreAll);
-  for (const float u : world.manager.output().command.u) EXPECT_TRUE(std::isfinite(u));
-  world.look = nullptr;
-  world.run(5.0);
-  EXPECT_EQ(world.manager.output().command.ignore, 0);
-  EXPECT_EQ(world.count(FlightEventType::kStateRegained), 1);
-}
-
 /// Point 35: there is a landing, on request too, and a return that circles the start.
 TEST(FixedWingFlight, ReturnsAndLandsOnRequest) {
   SmallWorld world(hourglass());

@@ -48,14 +48,27 @@ class SmallWorld {
     for (long k = 0; k < steps && !manager.output().request_disarm; ++k) {
       if (tick_++ % 4 == 0) {
         status.armed = plant.time_s() > 0.5;
-        StateEstimate seen = plant.state();
-        if (look) look(seen);
-        const auto& out = manager.step({plant.time_s(), seen, status, range()});
+        if (!silent) {
+          heard_s_ = plant.time_s();
+          seen_ = plant.state();
+        } else if (plant.time_s() - heard_s_ > GapWatch::kSilent_s) {
+          seen_.p_W.setConstant(std::nan(""));
+        }
+        status.silent_s = plant.time_s() - heard_s_;
+        if (look && !silent) look(seen_);
+        const auto& out = manager.step({.t_s = plant.time_s(),
+                                        .state = seen_,
+                                        .status = status,
+                                        .range_m = range(),
+                                        .raw = raw()});
         events.insert(events.end(), out.events.begin(), out.events.end());
-        if (out.command.ignore == 0) {
-          const auto& u = out.command.u;
+        const auto& u = out.command.u;
+        if (out.command.ignore == 0 && !silent) {
           surfaces = {static_cast<double>(u[3]), static_cast<double>(u[4]),
                       static_cast<double>(u[5]), static_cast<double>(u[0])};
+        } else if (angle_hold) {
+          const bool throttle_ours = !silent && (out.command.ignore & 1U) == 0;
+          surfaces = level(throttle_ours ? static_cast<double>(u[0]) : 0.5);
         }
         after_step();
       }
@@ -82,15 +95,40 @@ class SmallWorld {
   Status status{};
   Surfaces surfaces{};
   bool with_range{true};
+  bool silent{false};  ///< Nothing arrives, either way.
+  bool angle_hold{
+      false};  ///< What is ignored the flight controller holds level, as with FW_ANGLE_HOLD.
+  bool with_attitude{false};
+  bool with_baro{false};
   std::function<void(StateEstimate&)> look;  ///< Spoils what the manager sees.
   std::vector<FlightEvent> events;
 
  private:
   static constexpr double kStep_s = 0.0025;
+  /// Angles of the sticks, centred; the throttle at cruise.
+  Surfaces level(double throttle) const {
+    const RollPitch at = RollPitch::of(plant.state().q_WB);
+    const Vector3& w = plant.state().w_B;
+    return {std::clamp(-1.1 * at.roll_rad - 0.06 * w.x(), -1.0, 1.0),
+            std::clamp(-0.06 - 1.8 * at.pitch_rad - 0.15 * w.y(), -1.0, 1.0), 0.0, throttle};
+  }
+  RawMotion raw() const {
+    RawMotion out;
+    if (silent) return out;
+    if (with_attitude) {
+      out.q_WB = plant.state().q_WB;
+      out.w_B = plant.state().w_B;
+      out.a_B = plant.state().a_B;
+    }
+    if (with_baro) out.baro_up_m = 300.0 - plant.state().p_W.z();
+    return out;
+  }
   std::optional<double> range() const {
     const double up_m = -plant.state().p_W.z();
-    return with_range && up_m < 8.0 ? std::optional(std::max(up_m, 0.0)) : std::nullopt;
+    return with_range && !silent && up_m < 8.0 ? std::optional(std::max(up_m, 0.0)) : std::nullopt;
   }
+  StateEstimate seen_;
+  double heard_s_{};
   long tick_{};
 };
 

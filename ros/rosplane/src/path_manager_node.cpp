@@ -30,8 +30,8 @@ using std_srvs::srv::Trigger;
 /// first state on.
 ///
 /// Stops: without a state, or with one that cannot be flown on, nothing is published, so the
-/// follower's path and the controller's commands grow old. Position not known: circles at a fixed
-/// bank (Guidance).
+/// follower's path and the controller's commands grow old. Back after more than 10 s it holds, returns and
+/// lands (GapWatch). Position not known: circles at a fixed bank (Guidance).
 class PathManagerNode : public rclcpp::Node {
  public:
   explicit PathManagerNode(const rclcpp::NodeOptions& options)
