@@ -93,8 +93,9 @@ const GuidanceOutput& MultirotorGuidance::step(const Input& in, const Notify& no
   constexpr double kFollowed_s = 3.0;  // by dead reckoning alone
   state.aided =
       in.state.horizontal == autonomy::Quality::kGood || in.state.dead_reckoning_s < kFollowed_s;
+  state.vertical = in.state.vertical != autonomy::Quality::kNone;
   const autonomy::multirotor::FlightOutput& output =
-      manager_.step({in.t_s, state, in.status, in.range_m, in.outputs});
+      manager_.step({in.t_s, state, in.status, in.range_m, in.outputs, in.raw});
   report(output, out_, notify);
   using autonomy::multirotor::Phase;
   out_.idle = output.phase == Phase::kDisarmed || output.phase == Phase::kLanded;
@@ -106,8 +107,11 @@ const GuidanceOutput& MultirotorGuidance::step(const Input& in, const Notify& no
 }
 
 const GuidanceOutput& FixedWingGuidance::step(const Input& in, const Notify& notify) {
-  const fixedwing::FlightOutput& output =
-      manager_.step({.t_s = in.t_s, .state = in.state, .status = in.status, .range_m = in.range_m});
+  const fixedwing::FlightOutput& output = manager_.step({.t_s = in.t_s,
+                                                         .state = in.state,
+                                                         .status = in.status,
+                                                         .range_m = in.range_m,
+                                                         .raw = in.raw});
   report(output, out_, notify);
   using fixedwing::Phase;
   const Phase phase = output.phase;

@@ -39,6 +39,8 @@ class Guidance {
     autonomy::Status status{};
     std::optional<double> range_m;   ///< Downward range, if fresh and in range.
     std::span<const float> outputs;  ///< Reported by the flight controller, if fresh.
+    // NOLINTNEXTLINE(readability-redundant-member-init): so that GCC lets callers name members
+    autonomy::RawMotion raw{};  ///< Of the flight controller, for a flight without a state.
   };
   struct Note {
     link::Severity severity{};

@@ -3,9 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <limits>
-
-#include "flight/true_state.hpp"
 #include "flight/vehicle/vehicle_setup.hpp"
 
 namespace rosflight::flight {
@@ -183,7 +180,7 @@ void MissionRunner::arm() {
     }
     note(Severity::kInfo, "pilot", "gives control to the companion");
     countdown_ = 0;
-    grounded_since_ = last_received_ = now_;
+    grounded_since_ = flying_since_ = now_;
     enter(Stage::kFly);
     return;
   }
@@ -237,7 +234,6 @@ void MissionRunner::move_throttle_stick(const sim::Truth& truth) {
 /// Ends a flight that cannot go on. Uses the true state, as an observer beside the field would.
 void MissionRunner::check_for_failure(const sim::Truth& truth) {
   constexpr double kMaxOnGround_s = 1.0;
-  constexpr double kMaxSilence_s = 10.0;
   constexpr sim::Time kStandstill = std::chrono::milliseconds(100);
   const bool in_air = guidance_.output().in_air;
   const double tilt_cosine = (truth.body.q_WB * sim::Vector3::UnitZ()).z();
@@ -247,99 +243,36 @@ void MissionRunner::check_for_failure(const sim::Truth& truth) {
   checked_ = now_;
   const bool as_meant = !truth.on_ground || (!in_air && tilt_cosine > kOverturned);
   if (as_meant || stood_still) grounded_since_ = now_;
-  if (session_.connected()) last_received_ = now_;
   if (sim::to_seconds(now_ - grounded_since_) > kMaxOnGround_s) return fail("came down in flight");
-  if (sim::to_seconds(now_ - last_received_) > kMaxSilence_s) return fail("link lost in flight");
   if (disarmed_) return fail("disarmed in flight");
+  watch_link(truth);
 }
 
-void MissionRunner::update_estimate(const sim::Truth& truth) {
-  if (config_.on_truth) {
-    estimate_ = true_state(truth);
+/// A link that stays silent ends the flight: at rest on the ground, or when it is given up.
+void MissionRunner::watch_link(const sim::Truth& truth) {
+  using autonomy::GapWatch;
+  constexpr double kAtRest_s = 1.0;
+  const double silent_s = this->silent_s();
+  if (!truth.on_ground) flying_since_ = now_;
+  if (silent_s <= GapWatch::kGoesOn_s) {
+    silence_noted_ = false;
     return;
   }
-  estimate_ = estimate_source_.estimate();
-  constexpr double kMaxAge_s = 0.5;
-  const bool stale = sim::to_seconds(now_) - estimate_.t_s > kMaxAge_s;
-  if (estimate_source_.health().initialised && !stale) return;
-  estimate_.p_W.setConstant(std::numeric_limits<double>::quiet_NaN());
-}
-
-/// What the firmware reported last of its outputs, unless that is old.
-std::span<const float> MissionRunner::outputs() const {
-  constexpr double kMaxAge_s = 0.1;
-  const auto& output = session_.streams().output;
-  const bool fresh =
-      output.count > 0 &&
-      sim::to_seconds(now_) - companion::to_seconds(output.stamp.arrival) < kMaxAge_s;
-  if (!fresh) return {};
-  return output.value.values;
-}
-
-/// The newest reading of the range sensor [m], if it is fresh and in range. A vehicle may stand at the near
-/// end of the range: noise takes every other reading below it then.
-std::optional<double> MissionRunner::range() const {
-  constexpr double kMaxAge_s = 0.2;
-  const auto& range = session_.streams().range;
-  const double reading_m = static_cast<double>(range.value.range_m);
-  const bool fresh = range.count > 0 &&
-                     sim::to_seconds(now_) - companion::to_seconds(range.stamp.arrival) < kMaxAge_s;
-  constexpr double kNearEnd = 0.8;  // of the shortest range
-  const bool inside = reading_m >= kNearEnd * static_cast<double>(range.value.min_m) &&
-                      reading_m < static_cast<double>(range.value.max_m);
-  return fresh && inside && config_.use_range ? std::optional(reading_m) : std::nullopt;
-}
-
-/// Notes what changes in the estimate. What follows from it is the guidance's to decide.
-void MissionRunner::report_estimate() {
-  const autonomy::estimation::EstimatorHealth& health = estimate_source_.health();
-  if (!health.initialised) return;
-  if (estimate_.horizontal != horizontal_) {
-    horizontal_ = estimate_.horizontal;
-    if (horizontal_ == autonomy::Quality::kGood) {
-      note(Severity::kInfo, "estimator", "position aided");
-    } else {
-      const bool lost = horizontal_ == autonomy::Quality::kNone;
-      note(lost ? Severity::kError : Severity::kWarning, "estimator",
-           lost ? "position lost" : "position by dead reckoning");
-    }
+  if (!silence_noted_) {
+    silence_noted_ = true;
+    note(Severity::kWarning, "mission",
+         fmt::format("link silent for {:.0f} s: if it comes back the vehicle holds, returns and "
+                     "lands; given up after {:.0f} s",
+                     GapWatch::kGoesOn_s, GapWatch::kGivesUp_s));
   }
-  if (estimate_.position_unreliable != position_unreliable_) {
-    position_unreliable_ = estimate_.position_unreliable;
-    note(position_unreliable_ ? Severity::kWarning : Severity::kInfo, "estimator",
-         position_unreliable_ ? fmt::format("position unreliable: 3 sigma above {:.0f} m",
-                                            autonomy::StateEstimate::kUnreliable_m)
-                              : "position reliable again");
-  }
-  const bool heading = estimate_.heading == autonomy::Quality::kGood;
-  if (heading != heading_good_) {
-    heading_good_ = heading;
-    note(heading ? Severity::kInfo : Severity::kWarning, "estimator",
-         heading ? "heading aided" : "heading by the gyro alone");
-  }
-  const std::uint64_t resets =
-      health.gnss_resets + health.baro_relearned + health.ground_relearned + health.restarts;
-  if (resets == resets_) return;
-  resets_ = resets;
-  note(Severity::kWarning, "estimator",
-       fmt::format("resets: to GNSS {}, barometer's bias {}, ground {}, all {}", health.gnss_resets,
-                   health.baro_relearned, health.ground_relearned, health.restarts));
-}
-
-/// Sends the estimated attitude to the firmware as external attitude. The firmware's own filter uses
-/// gyro and accelerometer alone: drag and turns bias its tilt. Right after a hole in the data, as of a
-/// firmware that restarted, it knows the tilt better than the estimate.
-void MissionRunner::send_attitude() {
-  constexpr double kSure_rad = 0.05;
-  const bool good = estimate_source_.health().initialised && estimate_.p_W.allFinite() &&
-                    estimate_.attitude == autonomy::Quality::kGood &&
-                    estimate_.attitude_sigma_B_rad.head<2>().maxCoeff() < kSure_rad;
-  if (!config_.share_attitude || offboard_paused_ || !good) return;
-  const autonomy::Quaternion& q = estimate_.q_WB;
-  link::ExternalAttitude attitude;
-  attitude.q_WB = {static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
-                   static_cast<float>(q.z())};
-  static_cast<void>(session_.offboard().send(attitude));
+  const bool rests = sim::to_seconds(now_ - flying_since_) > kAtRest_s;
+  if (!rests && silent_s <= GapWatch::kGivesUp_s) return;
+  note(Severity::kError, "mission",
+       rests ? std::string("link silent, the vehicle rests on the ground")
+             : fmt::format("link silent for {:.0f} s: the vehicle is given up for lost; its "
+                           "firmware and the safety pilot have it",
+                           GapWatch::kGivesUp_s));
+  fail("link lost in flight");
 }
 
 /// Requests a report of the firmware once a second, for the flight folder.
@@ -366,6 +299,7 @@ void MissionRunner::fly(const sim::Truth& truth) {
   status.offboard = fcu.offboard;
   status.rc_override = fcu.rc_override;
   status.failsafe = fcu.failsafe;
+  status.silent_s = silent_s();
   const auto& battery = session_.streams().battery;
   constexpr double kMaxBatteryAge_s = 2.0;
   status.battery_voltage_V = static_cast<double>(battery.value.voltage_V);
@@ -377,7 +311,8 @@ void MissionRunner::fly(const sim::Truth& truth) {
                            .state = estimate_,
                            .status = status,
                            .range_m = range(),
-                           .outputs = outputs()};
+                           .outputs = outputs(),
+                           .raw = raw_motion()};
   const GuidanceOutput& output = guidance_.step(
       in, [this](const Guidance::Note& event) { note(event.severity, "autonomy", event.text); });
   if (!offboard_paused_) {

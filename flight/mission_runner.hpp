@@ -113,6 +113,9 @@ class MissionRunner final : private companion::Listener {
   void note(link::Severity severity, const char* source, const std::string& text);
   std::optional<double> range() const;
   std::span<const float> outputs() const;
+  double silent_s() const;
+  autonomy::RawMotion raw_motion() const;
+  void watch_link(const sim::Truth& truth);
 
   MissionRunnerConfig config_;
   companion::Session& session_;
@@ -120,6 +123,7 @@ class MissionRunner final : private companion::Listener {
   Guidance& guidance_;
   StateEstimateSource& estimate_source_;
   autonomy::StateEstimate estimate_;
+  autonomy::Vector3 accel_bias_B_{autonomy::Vector3::Zero()};  ///< As last estimated.
   std::uint64_t resets_{0};
   autonomy::Quality horizontal_{autonomy::Quality::kGood};
   bool heading_good_{true};
@@ -130,8 +134,9 @@ class MissionRunner final : private companion::Listener {
   sim::Time armed_at_{};
   Stage stage_{Stage::kConnect};
   sim::Time grounded_since_{};
-  sim::Time checked_{};  ///< Last look for a failure.
-  sim::Time last_received_{};
+  sim::Time checked_{};       ///< Last look for a failure.
+  sim::Time flying_since_{};  ///< Last time above the ground.
+  bool silence_noted_{false};
   sim::Time counters_requested_{};
   sim::Time checks_requested_{};
   int countdown_{0};

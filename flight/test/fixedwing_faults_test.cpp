@@ -102,7 +102,7 @@ TEST(FixedWing, ThreeSecondsWithoutLink) {
 TEST(FixedWing, NoMoreLink) {
   Rig rig(fixedwing("default", {"link_cut@80"}));
   EXPECT_TRUE(rig.reach(Stage::kFailed));
-  EXPECT_LE(sim::to_seconds(rig.flight->now()), 95.0);
+  EXPECT_LE(sim::to_seconds(rig.flight->now()), 141.0);
   rig.flight->run();
   EXPECT_LE(record(rig).roll.max, 60.0 * autonomy::kRadPerDeg);
 }
