@@ -233,11 +233,9 @@ void Guidance::end_gap(const Input& in) {
   }
   const double gap_s = gap_.step(in.t_s, true, in.status.silent_s);
   if (gap_s <= GapWatch::kGoesOn_s || !in.status.armed || rests_) return;
-  if (out_.phase == Phase::kDisarmed) {
-    out_.events.add(FlightEventType::kTakeoffFailed);
-    return rest();
-  }
-  if (out_.phase == Phase::kRollout || out_.phase == Phase::kLanded) return;
+  const bool flies = out_.phase != Phase::kDisarmed && out_.phase != Phase::kRollout &&
+                     out_.phase != Phase::kLanded;
+  if (!flies) return;
   out_.events.add(FlightEventType::kLongGap);
   if (out_.phase == Phase::kTakeoff) blind_s_ = std::max(blind_s_, gap_s);
   interrupted_ = gap_returns_ = true;

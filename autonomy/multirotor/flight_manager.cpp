@@ -222,8 +222,7 @@ void FlightManager::end_gap(const Input& in) {
   const double gap_s = gap_.step(in.t_s, true, in.status.silent_s);
   if (!in.status.armed) rests_ = false;
   if (gap_s <= GapWatch::kGoesOn_s || !in.status.armed || rests_) return;
-  if (control.phase == Phase::kDisarmed) return rest();
-  if (control.phase == Phase::kLanded) return;
+  if (control.phase == Phase::kDisarmed || control.phase == Phase::kLanded) return;
   out_.events.add(FlightEventType::kLongGap);
   if (control.phase == Phase::kTakeoff) return control_.request_land();
   gap_returns_ = true;

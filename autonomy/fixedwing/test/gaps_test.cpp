@@ -195,6 +195,17 @@ TEST(FixedWingGaps, AJumpOfTheTimeIsAGap) {
   EXPECT_EQ(world.phase(), Phase::kLoiter);
 }
 
+/// A list of waypoints may come late.
+TEST(FixedWingGaps, AGapBeforeTheTakeOffDoesNotMatter) {
+  World world;
+  world.run(0.4);
+  Status armed = world.status;
+  armed.armed = true;
+  world.manager.step({12.0, world.plant.state(), armed, {}});
+  EXPECT_EQ(world.phase(), Phase::kTakeoff);
+  EXPECT_EQ(world.count(FlightEventType::kTakeoffFailed), 0);
+}
+
 TEST(FixedWingGaps, ALongGapInTheTakeOffRunGivesItUp) {
   World world;
   world.run(1.2);
