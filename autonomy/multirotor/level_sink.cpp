@@ -80,9 +80,7 @@ void LevelSink::watch_ground(const RawMotion& raw, double dt_s) {
       unloads_ = unloads_ && moved_m > 0.0;  // it falls: that was no ground
     }
   }
-  const double latest_s = kSpare_s + std::max(from_.height_m, 0.0) / kSlowest_m_s;
-  const bool late = !by_baro() && since_s_ > latest_s;
-  unloads_ = unloads_ || at_ground_s_ > kContact_s || (by_baro() && still_s_ > kStill_s) || late;
+  unloads_ = unloads_ || at_ground_s_ > kContact_s || (by_baro() && still_s_ > kStill_s);
 }
 
 LevelSink::Output LevelSink::sink(const RawMotion& raw, double dt_s) {
@@ -100,6 +98,12 @@ LevelSink::Output LevelSink::sink(const RawMotion& raw, double dt_s) {
     } else {
       share = without_baro_s_ > 0.0 ? steady_share_ - kMargin : kShare;
     }
+    const double latest_s = kSpare_s + std::max(from_.height_m, 0.0) / kSlowest_m_s;
+    const double late_share =
+        std::clamp(share, kMinShare, kMaxShare) - kFall_1_s * std::max(since_s_ - latest_s, 0.0);
+    unloads_ = late_share < kNone;
+    thrust_N_ = from_.hover_thrust_N * late_share;
+    return {thrust_N_, false};
   }
   thrust_N_ = from_.hover_thrust_N * std::clamp(share, kMinShare, kMaxShare);
   return {thrust_N_, false};

@@ -19,8 +19,9 @@ namespace rosflight::autonomy::multirotor {
 /// then on T is the mean of its last 2 s less kMargin T_h, with which drag keeps the speed. Without either T is kShare of T_h.
 ///
 /// The ground: by Landing where there are both, by the range sensor, by an altitude of the barometer that stands
-/// still; else T falls to none once the time has passed in which the vehicle comes down from its last known height
-/// at kSlowest_m_s. No heap, no clock.
+/// still. Where nothing shows it T falls by kFall_1_s from the time on in which the vehicle comes down from its last
+/// known height at kSlowest_m_s: one that has kept its height by a wrong T_h sinks then, and with less than kNone of
+/// T_h none flies. No heap, no clock.
 class LevelSink {
  public:
   static constexpr double kShare = 0.98;
@@ -29,6 +30,8 @@ class LevelSink {
   static constexpr double kBlind_m_s = 0.7;
   static constexpr double kSlowest_m_s = 0.4;
   static constexpr double kSpare_s = 15.0;  ///< On top of that time.
+  static constexpr double kFall_1_s = 0.005;
+  static constexpr double kNone = 0.7;
 
   /// The vehicle when its state was last known.
   struct Start {

@@ -18,9 +18,11 @@ constexpr double weight_N() {
 
 /// A point mass above flat ground with motors of 50 ms and a drag of 0.2 1/s.
 struct Descent {
-  Descent(double height_m, double down_m_s) : up_m{height_m}, up_m_s{-down_m_s} {
-    sink.start({}, {.height_m = height_m,
-                    .down_speed_m_s = down_m_s,
+  Descent(double height_m, double down_m_s) : up_m{height_m}, up_m_s{-down_m_s} { restart(); }
+
+  void restart() {
+    sink.start({}, {.height_m = up_m,
+                    .down_speed_m_s = -up_m_s,
                     .hover_thrust_N = hover_share * weight_N(),
                     .gravity_m_s2 = kGravity_m_s2,
                     .standing_range_m = 0.0});
@@ -104,7 +106,7 @@ TEST(LevelSink, ComesDownByTheAccelerometerAloneWhateverItsBiasIs) {
     Descent d(12.0, 1.0);
     d.with_baro = false;
     d.bias_m_s2 = bias_m_s2;
-    d.run(90.0);
+    d.run(150.0);
     EXPECT_TRUE(d.touched) << bias_m_s2;
     EXPECT_EQ(d.up_m, 0.0) << bias_m_s2;
     EXPECT_LT(d.impact_m_s, 1.6) << bias_m_s2;
@@ -130,9 +132,21 @@ TEST(LevelSink, WithoutAnythingItEndsAfterTheTimeThatTheDescentTakes) {
   d.run(LevelSink::kSpare_s + 6.0 / LevelSink::kSlowest_m_s - 0.5);
   EXPECT_FALSE(d.touched);
   EXPECT_EQ(d.up_m, 0.0);
-  d.run(4.0);
+  d.run((LevelSink::kShare - LevelSink::kNone) / LevelSink::kFall_1_s + 4.0);
   EXPECT_TRUE(d.touched);
   EXPECT_EQ(d.wanted_N, 0.0);
+}
+
+/// Its thrust of before was that of a climb: motors that stop in the air are worse than a long wait.
+TEST(LevelSink, AVehicleThatHasKeptItsHeightComesDownInTheEnd) {
+  Descent d(15.0, 0.0);
+  d.hover_share = 1.03;
+  d.with_baro = d.with_accel = false;
+  d.restart();
+  d.run(200.0);
+  EXPECT_TRUE(d.touched);
+  EXPECT_EQ(d.up_m, 0.0);
+  EXPECT_LT(d.impact_m_s, 4.5);
 }
 
 /// A pilot flew meanwhile: neither the height nor the speed of before hold.
