@@ -2,6 +2,8 @@
 #include "autonomy/common/battery_watch.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 
 namespace rosflight::autonomy {
 
@@ -20,6 +22,26 @@ config::Table<BatteryConfig> battery_table() {
            "a level counts after this time"}};
 }
 
+std::optional<double> cell_at_rest_V(const BatteryConfig& config,
+                                     const BatteryWatch::Sample& sample) {
+  if (!(config.cells > 0.0) || !sample.fresh || !(sample.voltage_V > 0.0)) return {};
+  return (sample.voltage_V + config.resistance_ohm * sample.current_A) / config.cells;
+}
+
+std::string takeoff_fault(const BatteryConfig& config, const BatteryWatch::Sample& sample) {
+  const std::optional<double> cell_V = cell_at_rest_V(config, sample);
+  const double min_V = std::max(config.return_cell_V, config.land_cell_V);
+  if (!cell_V || (*cell_V >= min_V && *cell_V <= kMaxCell_V)) return "";
+  std::array<char, 200> text{};
+  std::snprintf(
+      text.data(), text.size(),
+      "battery: found %.1f V, %.2f V in each of the %g cells of the vehicle file, allowed "
+      "%.2f to %.2f V: %sbattery.cells must be those of the pack",
+      sample.voltage_V, *cell_V, config.cells, min_V, kMaxCell_V,
+      *cell_V < min_V ? "charge it; " : "");
+  return text.data();
+}
+
 double BatteryWatch::charge() const {
   if (!(config_.capacity_Ah > 0.0)) return 1.0;
   constexpr double kSecondsPerHour = 3600.0;
@@ -27,14 +49,11 @@ double BatteryWatch::charge() const {
 }
 
 BatteryLevel BatteryWatch::by_voltage(const Sample& sample) const {
-  if (!(config_.cells > 0.0) || !sample.fresh || !(sample.voltage_V > 0.0)) {
-    return BatteryLevel::kGood;
-  }
-  const double cell_V =
-      (sample.voltage_V + config_.resistance_ohm * sample.current_A) / config_.cells;
-  if (cell_V < config_.land_cell_V) return BatteryLevel::kLand;
-  if (cell_V < config_.return_cell_V) return BatteryLevel::kReturn;
-  return cell_V < config_.warn_cell_V ? BatteryLevel::kWarn : BatteryLevel::kGood;
+  const std::optional<double> cell_V = cell_at_rest_V(config_, sample);
+  if (!cell_V) return BatteryLevel::kGood;
+  if (*cell_V < config_.land_cell_V) return BatteryLevel::kLand;
+  if (*cell_V < config_.return_cell_V) return BatteryLevel::kReturn;
+  return *cell_V < config_.warn_cell_V ? BatteryLevel::kWarn : BatteryLevel::kGood;
 }
 
 BatteryLevel BatteryWatch::by_charge() const {

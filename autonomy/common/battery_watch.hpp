@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <cstdint>
+#include <optional>
+#include <string>
 
 #include "config/table.hpp"
 
@@ -68,5 +70,18 @@ class BatteryWatch {
   double current_A_{};
   double worse_s_{};  ///< How long the next level has lasted.
 };
+
+/// The voltage of one cell at rest, U0 of (1); absent where the cells or a fresh voltage are not known.
+std::optional<double> cell_at_rest_V(const BatteryConfig& config,
+                                     const BatteryWatch::Sample& sample);
+
+/// A full lithium cell has 4.35 V at most; the rest is what a voltage divider may be wrong by.
+inline constexpr double kMaxCell_V = 4.4;
+
+/// Why a flight must not begin with this battery, in one line; empty if it may, or if its voltage is not known.
+///
+/// Below the levels that return or land the flight would end as soon as it has begun: the battery is empty, or the pack has fewer
+/// cells than `cells`. Above kMaxCell_V it has more, and no level would ever be reached.
+std::string takeoff_fault(const BatteryConfig& config, const BatteryWatch::Sample& sample);
 
 }  // namespace rosflight::autonomy

@@ -18,6 +18,7 @@ struct Fence {
   bool holds(const Vector3& from_start_W) const {
     return from_start_W.head<2>().norm() <= radius_m && -from_start_W.z() <= height_m;
   }
+  bool operator==(const Fence&) const = default;
 };
 
 /// What battery and fence ask of a flight, for multirotor and fixed wing alike:

@@ -165,13 +165,17 @@ Vector3 waypoint_position(const Section& wp, const MissionArea& area,
   return p_W;
 }
 
+std::optional<OutsideOfFence> outside_of(const std::optional<Fence>& fence, const Vector3& p_W) {
+  if (!fence || fence->holds(p_W)) return {};
+  return OutsideOfFence{"a position " + number_text(std::round(p_W.head<2>().norm())) +
+                            " m from the start, " + number_text(std::round(-p_W.z())) + " m high",
+                        "inside of the fence: " + number_text(fence->radius_m) + " m and " +
+                            number_text(fence->height_m) + " m"};
+}
+
 void check_fence(const Section& wp, const std::optional<Fence>& fence, const Vector3& p_W) {
-  if (!fence || fence->holds(p_W)) return;
-  throw wp.error("w",
-                 "a position " + number_text(std::round(p_W.head<2>().norm())) +
-                     " m from the start, " + number_text(std::round(-p_W.z())) + " m high",
-                 "inside of the fence: " + number_text(fence->radius_m) + " m and " +
-                     number_text(fence->height_m) + " m");
+  const auto outside = outside_of(fence, p_W);
+  if (outside) throw wp.error("w", outside->found, outside->allowed);
 }
 
 std::optional<double> waypoint_heading_rad(const Section& wp, std::string_view radians) {

@@ -62,6 +62,13 @@ WaypointType waypoint_type(const config::Section& wp);
 /// altitude [m]; inside `area`, in local coordinates.
 Vector3 waypoint_position(const config::Section& wp, const MissionArea& area,
                           const std::optional<Geodetic>& origin);
+/// What is wrong with a position from the start, for a message.
+struct OutsideOfFence {
+  std::string found;
+  std::string allowed;
+};
+/// Absent if the fence holds the position, or if there is none.
+std::optional<OutsideOfFence> outside_of(const std::optional<Fence>& fence, const Vector3& p_W);
 /// Throws config::Error for a waypoint outside of the fence.
 void check_fence(const config::Section& wp, const std::optional<Fence>& fence, const Vector3& p_W);
 /// One of the keys heading_deg and `radians`; absent if neither is there.

@@ -22,6 +22,23 @@ void Guidance::set_mission(const Mission& mission, std::size_t first) {
   if (out_.phase == Phase::kMission) phase_path_.stop();
 }
 
+void Guidance::revise_mission(const Mission& mission, std::size_t next) {
+  if (mission.waypoints.empty()) throw std::invalid_argument("the mission has no waypoint");
+  next = std::min(next, mission.waypoints.size() - 1);
+  if (next != out_.waypoint || mission.at_end != mission_.at_end) out_.mission_done = false;
+  path_done_ = path_done_ && out_.mission_done;
+  const std::optional<Fence> fence = mission_.fence;
+  mission_ = mission;
+  mission_.fence = fence;
+  out_.waypoint = next;
+  if (out_.phase == Phase::kMission) phase_path_.stop();
+}
+
+void Guidance::set_fence(const std::optional<Fence>& fence) {
+  mission_.fence = fence;
+  limits_.set_fence(fence);
+}
+
 bool Guidance::descending() const {
   return out_.phase == Phase::kApproach || out_.phase == Phase::kFlare ||
          out_.phase == Phase::kGlide || out_.phase == Phase::kDescent;

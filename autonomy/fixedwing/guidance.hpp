@@ -68,8 +68,13 @@ class Guidance {
   /// Returns to the position of the start and circles there; set_mission() cancels it. Battery and
   /// fence (FlightLimits) return too, and land when they are there.
   void request_return() { return_ = true; }
-  /// Another mission, also in flight, from waypoint `first` on.
+  /// Another mission, also in flight, from waypoint `first` on. A return that the battery has asked for goes on.
   void set_mission(const Mission& mission, std::size_t first = 0);
+  /// The mission with more waypoints, other turns or another end, also in flight: goes on with waypoint `next`, and what was
+  /// asked for stays. A mission that was done is done no more if `next` or its end is another. Its fence: set_fence().
+  void revise_mission(const Mission& mission, std::size_t next);
+  /// Another fence, also in flight: what the one before has asked for is over.
+  void set_fence(const std::optional<Fence>& fence);
   /// Also in flight; a path that has begun stays as it was planned.
   void configure(const FlightConfig& config) {
     config_ = config;
@@ -79,6 +84,7 @@ class Guidance {
   const GuidanceOutput& output() const { return out_; }
   const FlightConfig& config() const { return config_; }
   const Mission& mission() const { return mission_; }
+  const FlightLimits& limits() const { return limits_; }
   const PathManager& path() const { return phase_path_.path(); }
 
  private:

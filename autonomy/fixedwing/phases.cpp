@@ -39,6 +39,7 @@ constexpr std::array kTransitions = {
     T{Phase::kReturn, P::kMotorOut, 0, Phase::kGlide},
     T{Phase::kReturn, 0, P::kPositionKnown, Phase::kLoiter},
     T{Phase::kReturn, P::kLandNext, 0, Phase::kApproach},
+    T{Phase::kReturn, 0, P::kReturnNext, Phase::kMission},
 
     T{Phase::kApproach, P::kPilot, 0, Phase::kLoiter},
     T{Phase::kApproach, P::kLow, 0, Phase::kFlare},

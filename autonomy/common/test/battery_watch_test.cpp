@@ -70,6 +70,37 @@ TEST(BatteryWatch, APackThatIsNotKnownIsNotJudged) {
   EXPECT_EQ(watch.charge(), 1.0);
 }
 
+/// A full pack, a nearly empty one, and packs of other cells than the file says.
+TEST(TakeoffFault, APackThatWouldEndTheFlightAtOnceIsRefusedAndTheCellsAreNamed) {
+  const auto with = [](double voltage_V) {
+    return takeoff_fault(pack(), {.voltage_V = voltage_V, .current_A = 1.0, .fresh = true});
+  };
+  EXPECT_EQ(with(25.2), "");
+  EXPECT_EQ(with(6.0 * 3.73), "");
+  EXPECT_EQ(with(6.0 * 4.35), "") << "a full cell of the higher voltage";
+  EXPECT_EQ(
+      with(16.8),
+      "battery: found 16.8 V, 2.80 V in each of the 6 cells of the vehicle file, allowed 3.72 "
+      "to 4.40 V: charge it; battery.cells must be those of the pack");
+  EXPECT_NE(with(21.0), "") << "a full pack of five";
+  EXPECT_NE(with(6.0 * 3.70), "") << "an empty one of six";
+  EXPECT_EQ(
+      with(29.4),
+      "battery: found 29.4 V, 4.90 V in each of the 6 cells of the vehicle file, allowed 3.72 "
+      "to 4.40 V: battery.cells must be those of the pack");
+}
+
+TEST(TakeoffFault, WhatIsNotKnownIsNotRefused) {
+  EXPECT_EQ(takeoff_fault(pack(), {.voltage_V = 0.0, .current_A = 0.0, .fresh = true}), "");
+  EXPECT_EQ(takeoff_fault(pack(), {.voltage_V = 16.8, .current_A = 0.0, .fresh = false}), "");
+  EXPECT_EQ(takeoff_fault({}, {.voltage_V = 16.8, .current_A = 0.0, .fresh = true}), "");
+}
+
+TEST(TakeoffFault, TheSagOfWhatIsSwitchedOnCounts) {
+  const double sagged_V = 6.0 * 3.73 - 0.02 * 5.0;
+  EXPECT_EQ(takeoff_fault(pack(), {.voltage_V = sagged_V, .current_A = 5.0, .fresh = true}), "");
+}
+
 struct Limited {
   Limited() { limits.start(pack(), Fence{100.0, 50.0}); }
   void fly(double seconds, const Vector3& at_W, double cell_V = 4.0) {

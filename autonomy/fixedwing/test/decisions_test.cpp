@@ -197,6 +197,21 @@ TEST(FixedWingDecisions, AnotherMissionInFlightDoesNotFillTheBattery) {
   EXPECT_FALSE(world.manager.output().mission_done);
 }
 
+TEST(FixedWingDecisions, AnotherMissionEndsAReturnThatWasAskedFor) {
+  SmallWorld world(hourglass());
+  world.run(60.0);
+  world.manager.request_return();
+  world.run(3.0);
+  ASSERT_EQ(world.manager.output().phase, Phase::kReturn);
+  world.manager.set_mission(hourglass());
+  world.run(0.1);
+  EXPECT_EQ(world.manager.output().phase, Phase::kMission);
+  EXPECT_EQ(world.manager.output().waypoint, 0U);
+  world.run(500.0);
+  EXPECT_TRUE(world.manager.output().mission_done);
+  EXPECT_TRUE(world.manager.output().landed);
+}
+
 TEST(FixedWingDecisions, OutsideOfItsFenceItReturnsAndLands) {
   Mission mission = hourglass();
   mission.fence = Fence{300.0, 120.0};
