@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The generated types against interfaces.csv, a table of what ROSflight 2.x has."""
+"""The generated types against interfaces.csv, a table of what ROSflight 2.x has, and one message of ours."""
 
 from pathlib import Path
 
@@ -20,4 +20,4 @@ def test_constants_have_the_values_of_the_table(name):
 
 
 def test_no_interface_is_missing_in_the_table():
-    TABLE.check_complete(messages=15, services=4)
+    TABLE.check_complete(messages=16, services=4)
