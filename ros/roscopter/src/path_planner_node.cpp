@@ -44,7 +44,7 @@ class Policy {
     std::vector<Waypoint> waypoints;
     autonomy::AtEnd at_end{autonomy::AtEnd::kLand};
     std::optional<double> takeoff_height_m;
-    bool fence{};
+    std::optional<autonomy::Fence> fence;
   };
 
   explicit Policy(const sim::Vehicle& vehicle)
@@ -56,7 +56,7 @@ class Policy {
     Plan plan;
     plan.at_end = mission.at_end;
     plan.takeoff_height_m = mission.takeoff_height_m;
-    plan.fence = mission.fence.has_value();
+    plan.fence = mission.fence;
     for (const autonomy::multirotor::Waypoint& waypoint : mission.waypoints) {
       if (waypoint.figure_turns > 0) {
         throw config::Error(file +

@@ -8,6 +8,7 @@ from copter_nodes import LATCHED_ALL, START_NS, copter, going, state
 from roscopter_msgs.msg import State, Waypoint
 from roscopter_msgs.srv import AddWaypoint
 from ros_rig import ROOT
+from rosflight_msgs.msg import Fence
 from rosflight_msgs.srv import ParamFile
 from sim_rig import LATCHED, Process, SimPeer, executable
 from std_msgs.msg import String
@@ -104,9 +105,41 @@ def test_missions_load_whole_or_not_at_all_and_geodetic_ones_with_an_origin(plan
     assert abs(received[-1].w[1]) < 1e-3 and abs(received[-1].w[2] + 10.0) < 0.01 and not received[-1].use_lla
 
 
-@pytest.mark.parametrize("package, waypoint", [("roscopter", "w: [10, 0, -5], psi: 0"), ("rosplane", "w: [100, 0, -50], speed: 17")])
-def test_a_fence_that_no_node_judges_is_named(peer, tmp_path, package, waypoint):
+@pytest.mark.parametrize("package, vehicle, waypoint", [
+    ("roscopter", "multirotor", "w: [10, 0, -5], psi: 0"), ("rosplane", "anaconda", "w: [100, 0, -50], speed: 17")])
+def test_the_fence_of_a_mission_is_published_until_there_is_another(peer, tmp_path, package, vehicle, waypoint):
+    prefix = "path_planner/" if package == "roscopter" else ""
+
+    def mission(name, head):
+        file = tmp_path / name
+        file.write_text(f"{head}\nmission:\n  - {{type: goto, {waypoint}}}\n")
+        return file
+
+    def load(file):
+        return peer.call(ParamFile, f"{prefix}load_mission_from_file", filename=str(file)).success
+    fenced = mission("fenced.yaml", "fence: {radius_m: 200, height_m: 90}")
+    with Process(executable(package, "path_planner"), "--ros-args", "-p", f"mission_file:={fenced}",
+                 "-p", f"vehicle_file:={ROOT / f'vehicles/{vehicle}.yaml'}") as process:
+        process.until("ready")
+        fences = peer.listen(Fence, "mission/fence", LATCHED)  # later than it was published
+        peer.wait(lambda: fences and (fences[-1].radius, fences[-1].height) == (200.0, 90.0), "the fence of the file")
+        assert load(mission("open.yaml", ""))
+        peer.wait(lambda: math.isnan(fences[-1].radius) and math.isnan(fences[-1].height), "no fence")
+        assert load(mission("other.yaml", "fence: {radius_m: 300, height_m: 80}"))
+        peer.wait(lambda: (fences[-1].radius, fences[-1].height) == (300.0, 80.0), "another fence")
+        assert peer.call(Trigger, f"{prefix}clear_waypoints").success
+        peer.wait(lambda: math.isnan(fences[-1].radius), "no fence without a mission")
+
+
+def test_a_waypoint_outside_of_the_fence_in_force_is_refused(peer, tmp_path):
     mission = tmp_path / "fenced.yaml"
-    mission.write_text(f"fence: {{radius_m: 200, height_m: 90}}\nmission:\n  - {{type: goto, {waypoint}}}\n")
-    with Process(executable(package, "path_planner"), "--ros-args", "-p", f"mission_file:={mission}") as process:
-        process.until("fence: found one, which no node judges")
+    mission.write_text("fence: {radius_m: 50, height_m: 20}\nmission:\n  - {type: goto, w: [10, 0, -5], psi: 0}\n")
+    with copter("path_planner", mission_file=mission):
+        def add(waypoint):
+            return peer.call(AddWaypoint, "path_planner/add_waypoint", wp=waypoint)
+        outside = "w: found a position 60 m from the start, 5 m high, allowed inside of the fence: 50 m and 20 m"
+        assert add(going(60)).message == outside
+        assert not add(going(10, height=30.0)).success
+        assert add(going(40)).success
+        assert peer.call(Trigger, "path_planner/clear_waypoints").success
+        assert add(going(60)).success, "no mission, no fence"

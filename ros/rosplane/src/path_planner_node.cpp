@@ -36,7 +36,7 @@ class Policy {
   struct Plan {
     std::vector<Waypoint> waypoints;
     fixedwing::Mission mission;  ///< Its head counts; the waypoints are above.
-    bool fence{};
+    std::optional<autonomy::Fence> fence;
   };
 
   explicit Policy(const sim::Vehicle& vehicle)
@@ -45,7 +45,7 @@ class Policy {
   Plan load(const std::string& file, const std::optional<autonomy::Geodetic>& origin) const {
     Plan plan;
     plan.mission = fixedwing::load_mission(file, limits_, origin);
-    plan.fence = plan.mission.fence.has_value();
+    plan.fence = plan.mission.fence;
     // Circles at the end come from at_end; path_manager makes them again.
     for (std::size_t k = 0; k < plan.mission.waypoints.size(); ++k) {
       const fixedwing::Waypoint& wp = plan.mission.waypoints[k];

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <rclcpp/rclcpp.hpp>
+#include <rosflight_msgs/msg/fence.hpp>
 #include <rosflight_msgs/srv/param_file.hpp>
 #include <std_srvs/srv/trigger.hpp>
 #include <string>
@@ -13,6 +14,7 @@
 #include "autonomy/common/geodesy.hpp"
 #include "autonomy/common/mission_file.hpp"
 #include "rosflight_common/latched.hpp"
+#include "rosflight_common/limits_input.hpp"
 #include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/paths.hpp"
 #include "rosflight_common/vehicle_file.hpp"
@@ -31,14 +33,15 @@ inline bool is_geodetic(const autonomy::MissionFile& mission) {
 }
 
 /// Node path_planner of both stacks: an ordered list of waypoints, of which the first so many are
-/// published. Late joiners get all that are in force: the topic keeps as many as a list can have.
+/// published. Late joiners get all that are in force: the topic keeps as many as a list can have. The fence of the mission file is
+/// published on `mission/fence` (latched), before its waypoints.
 ///
 /// Policy:
 ///
 ///     Waypoint, State, AddWaypoint          messages and service
 ///     kTopic, kServices                     name of the topic, prefix of the services
 ///     explicit Policy(const sim::Vehicle&)  limits of missions
-///     Plan load(file, origin)               a struct with `waypoints`, and `fence`: the file has one; throws config::Error
+///     Plan load(file, origin)               a struct with `waypoints` and `fence`, that of the file; throws config::Error
 ///     void check(Waypoint&, origin)         one from outside: made local, throws config::Error;
 ///                                           or with the list and the place it takes there
 ///     Waypoint waypoint_of(Request)         of AddWaypoint, unless it has a field wp
@@ -64,6 +67,7 @@ class PlannerNode : public rclcpp::Node {
         declare_text(*this, "mission_file", "", "mission file (YAML) that is loaded at the start");
     waypoints_topic_ = create_latched_publisher<Waypoint>(
         *this, Policy::kTopic, static_cast<std::size_t>(kMaxWaypoints) + 1);
+    fence_topic_ = create_latched_publisher<rosflight_msgs::msg::Fence>(*this, kFenceTopic, 1);
     states_ = create_subscription<State>(
         "estimated_state", stream(),
         [this](typename State::ConstSharedPtr message) { take_origin(*message); });
@@ -75,6 +79,7 @@ class PlannerNode : public rclcpp::Node {
     });
     publish_clear();
     if (!file.empty()) begin_with(file);
+    publish_fence();
   }
 
  protected:
@@ -150,6 +155,9 @@ class PlannerNode : public rclcpp::Node {
       } else {
         policy_.check(waypoint, origin_);
       }
+      const auto outside = autonomy::outside_of(fence(), position_of(waypoint));
+      if (outside)
+        throw config::Error("w: found " + outside->found + ", allowed " + outside->allowed);
     } catch (const config::Error& why) {
       response.success = false;
       response.message = why.what();
@@ -188,10 +196,9 @@ class PlannerNode : public rclcpp::Node {
 
   void take(Plan plan) {
     waiting_file_.reset();
-    if (plan.fence)
-      RCLCPP_WARN(get_logger(), "fence: found one, which no node judges: the vehicle may leave it");
     list_ = plan.waypoints;
     plan_ = std::move(plan);
+    publish_fence();
     publish_clear();
     top_up();
   }
@@ -200,8 +207,24 @@ class PlannerNode : public rclcpp::Node {
     list_.clear();
     plan_.reset();
     waiting_file_.reset();
+    publish_fence();
     publish_clear();
     changed();
+  }
+
+  std::optional<autonomy::Fence> fence() const { return plan_ ? plan_->fence : std::nullopt; }
+
+  /// When it is another than before, and once at the start.
+  void publish_fence() {
+    if (fence_published_ && *fence_published_ == fence()) return;
+    fence_published_ = fence();
+    fence_topic_->publish(message_of(fence()));
+  }
+
+  /// The position of a waypoint that was made local.
+  static autonomy::Vector3 position_of(const Waypoint& waypoint) {
+    return {static_cast<double>(waypoint.w[0]), static_cast<double>(waypoint.w[1]),
+            static_cast<double>(waypoint.w[2])};
   }
 
   void take_origin(const State& state) {
@@ -237,9 +260,11 @@ class PlannerNode : public rclcpp::Node {
   std::size_t published_{0};
   std::int64_t max_published_{kMaxWaypoints};
   std::optional<Plan> plan_;
+  std::optional<std::optional<autonomy::Fence>> fence_published_;
   std::optional<autonomy::Geodetic> origin_;
   std::optional<std::string> waiting_file_;
   typename rclcpp::Publisher<Waypoint>::SharedPtr waypoints_topic_;
+  rclcpp::Publisher<rosflight_msgs::msg::Fence>::SharedPtr fence_topic_;
   typename rclcpp::Subscription<State>::SharedPtr states_;
   typename rclcpp::Service<AddWaypoint>::SharedPtr add_;
   rclcpp::Service<ParamFile>::SharedPtr load_;
