@@ -20,6 +20,7 @@
 #include "rosflight_common/component.hpp"
 #include "rosflight_common/firmware_parameters.hpp"
 #include "rosflight_common/latched.hpp"
+#include "rosflight_common/limits_input.hpp"
 #include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
 #include "rosflight_common/vehicle_file.hpp"
@@ -47,7 +48,7 @@ using std_srvs::srv::Trigger;
 /// all entries ignored, then silence. Without commands it holds where it is and lands after
 /// lost_command_land_s. It publishes its phase on `flight_phase` and lands by `controller/land`. What a throttle does is read from
 /// the flight controller (FirmwareParameters): without its parameters, or with ones that cannot carry the vehicle, it does not take
-/// off.
+/// off; nor does it with a battery that would end the flight at once (LimitsInput).
 class ControllerNode : public rclcpp::Node {
  public:
   explicit ControllerNode(const rclcpp::NodeOptions& options)
@@ -55,7 +56,8 @@ class ControllerNode : public rclcpp::Node {
         vehicle_{rosflight_common::VehicleFile::declare(*this, kUsualVehicle).read()},
         config_{flight::read_multirotor_autonomy(vehicle_).flight},
         tuning_{tuning_of(config_)},
-        parameters_{*this, controller_parameters(), tuning_} {
+        parameters_{*this, controller_parameters(), tuning_},
+        battery_{config_.battery} {
     state_timeout_s_ = rosflight_common::declare_number(
         *this, "state_timeout_s", 0.25, 0.01, 10.0,
         "time without a state after which the pilot has control [s]");
@@ -165,6 +167,16 @@ class ControllerNode : public rclcpp::Node {
     return false;
   }
 
+  /// A battery that is empty, or that has not the cells of the vehicle file: else the flight would end as soon as it has begun.
+  bool battery_good(const rclcpp::Time& time) {
+    const std::string why = battery_.takeoff_fault(time.seconds());
+    if (!why.empty() && status_.armed && control_.output().phase == Phase::kDisarmed) {
+      constexpr int kAgain_ms = 5000;
+      RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kAgain_ms, "no take-off: %s", why.c_str());
+    }
+    return why.empty();
+  }
+
   autonomy::multirotor::StateMachineConfig with_mission(
       autonomy::multirotor::StateMachineConfig states) const {
     if (std::isfinite(mission_height_m_)) states.takeoff_height_m = mission_height_m_;
@@ -193,7 +205,8 @@ class ControllerNode : public rclcpp::Node {
         });
     battery_sub_ = create_subscription<BatteryStatus>(
         "battery", newest, [this](BatteryStatus::ConstSharedPtr message) {
-          status_.battery_voltage_V = static_cast<double>(message->voltage);
+          battery_.take(*message,
+                        rosflight_common::received_at(*this, message->header.stamp).seconds());
         });
     height_sub_ = rosflight_common::create_latched_subscription<std_msgs::msg::Float64>(
         *this, "mission/takeoff_height", 1, [this](std_msgs::msg::Float64::ConstSharedPtr message) {
@@ -234,12 +247,11 @@ class ControllerNode : public rclcpp::Node {
     const double age_s = given_at_ ? (arrived - *given_at_).seconds() : autonomy::kInfinity;
     const bool good = control_.command_good(given_, std::max(age_s, 0.0));
     const autonomy::multirotor::State state = state_of(message);
+    battery_.fill(arrived.seconds(), status_);
+    const bool ready = good && !flown_ && motors_known() && battery_good(arrived);
     using Turn = CommandedFlight::Turn;
-    const Turn turn = control_.begin({.t_s = t_s,
-                                      .state = state,
-                                      .status = status_,
-                                      .ready = good && !flown_ && motors_known(),
-                                      .command_good = good});
+    const Turn turn = control_.begin(
+        {.t_s = t_s, .state = state, .status = status_, .ready = ready, .command_good = good});
     if (turn == Turn::kOwn || turn == Turn::kFollow) control_.finish(state, given_);
     note();
     publish(message.header.stamp);
@@ -329,6 +341,7 @@ class ControllerNode : public rclcpp::Node {
   CommandedFlight control_;
   std::optional<FirmwareParameters> motors_;
   std::string motor_fault_;
+  rosflight_common::LimitsInput battery_;
   autonomy::Status status_{};
   autonomy::multirotor::ControllerCommand given_{};
   std::optional<rclcpp::Time> given_at_;

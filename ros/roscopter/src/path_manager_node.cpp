@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
+#include <rosflight_msgs/msg/battery_status.hpp>
+#include <rosflight_msgs/msg/fence.hpp>
 #include <std_msgs/msg/string.hpp>
 #include <std_srvs/srv/trigger.hpp>
 
+#include "autonomy/common/flight_limits.hpp"
 #include "autonomy/multirotor/angles.hpp"
 #include "autonomy/multirotor/path_manager.hpp"
 #include "flight/vehicle/vehicle_setup.hpp"
@@ -10,6 +13,7 @@
 #include "roscopter/flight_phase.hpp"
 #include "rosflight_common/component.hpp"
 #include "rosflight_common/latched.hpp"
+#include "rosflight_common/limits_input.hpp"
 #include "rosflight_common/live_parameters.hpp"
 #include "rosflight_common/node_tools.hpp"
 #include "rosflight_common/time.hpp"
@@ -27,6 +31,8 @@ using autonomy::multirotor::PathManager;
 using roscopter_msgs::msg::State;
 using roscopter_msgs::msg::TrajectoryCommand;
 using roscopter_msgs::msg::Waypoint;
+using rosflight_msgs::msg::BatteryStatus;
+using rosflight_msgs::msg::Fence;
 using std_srvs::srv::Trigger;
 
 config::Table<PathConfig> path_parameters() {
@@ -60,7 +66,10 @@ config::Table<PathConfig> path_parameters() {
 /// the setpoint is where the vehicle is. If nobody publishes a phase the path begins with the
 /// first waypoint. After the last waypoint of a mission that ends in a landing it calls
 /// controller/land; so it does after path_manager/return_to_base, above where it took off.
-/// Waypoints that come during a return are not used.
+///
+/// Battery and fence (autonomy's FlightLimits) let it return or land, as in FlightManager. Without a take-off that it has seen there
+/// is no place to return to and no fence, and without waypoints another node leads: then it lands instead. A list that begins with the order to forget the one before ends a return, but
+/// for one that the battery asks for; a waypoint that is added meanwhile is for the next flight.
 ///
 /// Without State nothing goes out, and nothing without a waypoint on the ground; a list that is
 /// cleared in flight leaves the setpoint where it is.
@@ -72,6 +81,7 @@ class PathManagerNode : public rclcpp::Node {
                     rosflight_common::VehicleFile::declare(*this, kUsualVehicle).read())
                     .flight},
         parameters_{*this, path_parameters(), config_.path},
+        limits_input_{config_.battery},
         phase_{*this, [this](const std::string& phase) { enter(phase); }} {
     const double rate_Hz = rosflight_common::declare_number(
         *this, "path_update_frequency", 100.0, 1.0, 1000.0, "maximum setpoints per second [Hz]");
@@ -81,6 +91,7 @@ class PathManagerNode : public rclcpp::Node {
       return "";
     });
     path_.configure(in_force(config_.path));
+    limits_.start(config_.battery, {});
     setpoints_ = create_publisher<TrajectoryCommand>("trajectory_command", rclcpp::QoS(1));
     waypoints_ = rosflight_common::create_latched_subscription<Waypoint>(
         *this, "waypoints", autonomy::kMaxWaypoints + 1,
@@ -89,6 +100,17 @@ class PathManagerNode : public rclcpp::Node {
         *this, "mission/at_end", 1, [this](std_msgs::msg::String::ConstSharedPtr message) {
           end_ = message->data;
           path_.configure(in_force(config_.path));
+        });
+    batteries_ = create_subscription<BatteryStatus>(
+        "battery", rosflight_common::stream(), [this](BatteryStatus::ConstSharedPtr message) {
+          limits_input_.take(*message,
+                             rosflight_common::received_at(*this, message->header.stamp).seconds());
+        });
+    fences_ = rosflight_common::create_latched_subscription<Fence>(
+        *this, rosflight_common::kFenceTopic, 1, [this](Fence::ConstSharedPtr message) {
+          if (!limits_input_.take(*message)) return;
+          RCLCPP_INFO(get_logger(), "%s", limits_input_.fence_text().c_str());
+          limits_.set_fence(limits_input_.fence());
         });
     states_ = create_subscription<State>("estimated_state", rosflight_common::stream(),
                                          [this](State::ConstSharedPtr message) { step(*message); });
@@ -116,7 +138,9 @@ class PathManagerNode : public rclcpp::Node {
                                         const char* why = why_no_return();
                                         response->success = *why == '\0';
                                         response->message = response->success ? "returning" : why;
-                                        if (response->success) begin_return();
+                                        if (!response->success) return;
+                                        RCLCPP_WARN(get_logger(), "returning to where it took off");
+                                        begin_return();
                                       });
   }
 
@@ -143,22 +167,24 @@ class PathManagerNode : public rclcpp::Node {
     done_ = false;
     mission_ = path_.waypoints();
     path_.configure(in_force(config_.path));
-    path_.set_waypoints(autonomy::multirotor::path_back(
-        setpoint_.p_W, *home_W_, config_.return_height_m, setpoint_.psi_rad));
-    RCLCPP_WARN(get_logger(), "returning to where it took off");
+    lead_back(setpoint_.p_W, setpoint_.psi_rad);
   }
 
+  void lead_back(const autonomy::Vector3& from_W, double psi_rad) {
+    path_.set_waypoints(
+        autonomy::multirotor::path_back(from_W, *home_W_, config_.return_height_m, psi_rad));
+  }
+
+  /// What a fence has asked for is over. What the battery asks for is not: the next State returns again.
   void clear() {
     geodetic_.clear();
     path_.set_waypoints({});
+    limits_.set_fence(limits_input_.fence());
     done_ = returning_ = false;
+    path_.configure(in_force(config_.path));
   }
 
   void take(const Waypoint& message) {
-    if (returning_) {
-      RCLCPP_WARN_ONCE(get_logger(), "waypoints: found one during a return, not used");
-      return;
-    }
     if (message.clear_wp_list) {
       clear();
       return;
@@ -180,6 +206,13 @@ class PathManagerNode : public rclcpp::Node {
       RCLCPP_ERROR(get_logger(), "waypoints: found numbers that are not finite, not used");
       return;
     }
+    if (returning_) {
+      constexpr int kAgain_ms = 5000;
+      RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kAgain_ms,
+                           "waypoints: found one during a return, kept for the next flight");
+      mission_.push_back(waypoint);
+      return;
+    }
     path_.append(waypoint);
     done_ = false;
   }
@@ -187,6 +220,9 @@ class PathManagerNode : public rclcpp::Node {
   void enter(const std::string& phase) {
     if (phase != kTakeoff) return;
     home_W_ = place_W_;
+    limits_.start(config_.battery, limits_input_.fence());
+    const std::string unknown = limits_input_.not_judged(now().seconds());
+    if (!unknown.empty()) RCLCPP_WARN(get_logger(), "%s", unknown.c_str());
     if (!returning_) mission_ = path_.waypoints();
     returning_ = false;
     path_.configure(in_force(config_.path));
@@ -206,8 +242,10 @@ class PathManagerNode : public rclcpp::Node {
     const bool good =
         state.p_W.allFinite() && state.v_W.allFinite() && state.q_WB.coeffs().allFinite();
     if (!good || t_s - last_s_ < interval_s_) return;
+    const double dt_s = std::isfinite(last_s_) ? t_s - last_s_ : 0.0;
     last_s_ = t_s;
     place_W_ = state.p_W;
+    judge(dt_s);
     const double psi_rad = autonomy::multirotor::AttitudeView(state.q_WB).psi_rad;
     const bool fly = phase_.following();
     if (!fly) path_.stop();
@@ -216,6 +254,7 @@ class PathManagerNode : public rclcpp::Node {
       setpoint_.p_W = state.p_W;
       setpoint_.psi_rad = psi_rad;
       if (path_.waypoints().empty()) return;
+      if (fly && returning_) lead_back(state.p_W, psi_rad);
       if (fly) path_.start(t_s, autonomy::multirotor::path_start(state, psi_rad, setpoint_));
     }
     if (path_.started()) follow(path_.step(t_s, state.p_W, psi_rad));
@@ -226,9 +265,57 @@ class PathManagerNode : public rclcpp::Node {
     setpoints_->publish(out);
   }
 
+  /// What battery and fence ask for.
+  void judge(double dt_s) {
+    if (!phase_.flying()) return;
+    autonomy::Status status;
+    limits_input_.fill(now().seconds(), status);
+    autonomy::Vector3 from_start_W = autonomy::Vector3::Constant(std::nan(""));
+    if (home_W_) from_start_W = *place_W_ - *home_W_;
+    autonomy::FlightEvents events;
+    limits_.step(status, from_start_W, dt_s, events);
+    for (const autonomy::FlightEvent& event : events) report(event.type);
+    const bool back = limits_.asks_return();
+    if (limits_.asks_land() || (back && *why_not_back() != '\0')) {
+      ask_for_landing();
+    } else if (back && !returning_ && !phase_.landing()) {
+      begin_return();
+    }
+  }
+
+  /// Why it lands instead of a return; empty: it returns.
+  const char* why_not_back() const {
+    if (!home_W_) return ", lands: no take-off was seen";
+    const bool leads = path_.started() || !path_.waypoints().empty();
+    return leads ? "" : ", lands: the commands that are flown are not this path's";
+  }
+
+  void report(autonomy::FlightEventType type) {
+    const std::string text = limits_input_.text(type, now().seconds(), limits_.battery().charge());
+    if (type == autonomy::FlightEventType::kBatteryLand) {
+      RCLCPP_ERROR(get_logger(), "%s", text.c_str());
+    } else {
+      const bool back = limits_.asks_return();
+      RCLCPP_WARN(get_logger(), "%s%s", text.c_str(), back ? why_not_back() : "");
+    }
+  }
+
+  /// Once a second until the controller lands.
+  void ask_for_landing() {
+    constexpr double kAgain_s = 1.0;
+    if (phase_.landing() || last_s_ < land_asked_s_ + kAgain_s) return;
+    land_asked_s_ = last_s_;
+    if (land_->service_is_ready()) {
+      land_->async_send_request(std::make_shared<Trigger::Request>());
+    } else {
+      RCLCPP_ERROR(get_logger(),
+                   "controller/land: nobody serves it, found a battery that asks for it");
+    }
+  }
+
   void follow(const PathManager::Output& path) {
     setpoint_ = path.setpoint;
-    if (path.event != PathManager::Event::kNone) {
+    if (path.event != PathManager::Event::kNone && !returning_) {
       const bool reached = path.event == PathManager::Event::kReached;
       RCLCPP_INFO(get_logger(), "waypoint %zu %s at %.2f m", path.event_waypoint + 1,
                   reached ? "reached" : "missed", path.event_distance_m);
@@ -248,6 +335,8 @@ class PathManagerNode : public rclcpp::Node {
 
   autonomy::multirotor::FlightConfig config_;
   rosflight_common::LiveParameters<PathConfig> parameters_;
+  rosflight_common::LimitsInput limits_input_;
+  autonomy::FlightLimits limits_;
   FlightPhase phase_;
   PathManager path_;
   autonomy::multirotor::Trajectory setpoint_{};
@@ -256,6 +345,7 @@ class PathManagerNode : public rclcpp::Node {
   std::string end_;  ///< What the mission says, if anything.
   double interval_s_{};
   double last_s_{-autonomy::kInfinity};
+  double land_asked_s_{-autonomy::kInfinity};
   bool done_{false};
   bool returning_{false};
   std::vector<autonomy::multirotor::Waypoint> mission_;  ///< Without the return.
@@ -263,6 +353,8 @@ class PathManagerNode : public rclcpp::Node {
   rclcpp::Publisher<TrajectoryCommand>::SharedPtr setpoints_;
   rclcpp::Subscription<Waypoint>::SharedPtr waypoints_;
   rclcpp::Subscription<std_msgs::msg::String>::SharedPtr at_end_;
+  rclcpp::Subscription<BatteryStatus>::SharedPtr batteries_;
+  rclcpp::Subscription<Fence>::SharedPtr fences_;
   rclcpp::Subscription<State>::SharedPtr states_;
   rclcpp::Client<Trigger>::SharedPtr land_;
   rclcpp::Service<Trigger>::SharedPtr clear_;

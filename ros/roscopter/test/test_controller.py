@@ -6,7 +6,7 @@ import math
 import pytest
 from copter_nodes import START_NS, copter, set_values, state
 from roscopter_msgs.msg import ControllerCommand, State
-from rosflight_msgs.msg import Command, Status
+from rosflight_msgs.msg import BatteryStatus, Command, Status
 from sim_rig import LATCHED, SimPeer, stamp_ns
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
@@ -137,3 +137,28 @@ def test_the_controller_holds_without_commands_and_hands_over_without_state(flow
     flown.until(lambda: flown.phase() == "disarmed", "phase disarmed")
     answer = flown.peer.call(Trigger, "controller/land")
     assert not answer.success and "found phase disarmed, allowed in flight" in answer.message
+
+
+@pytest.mark.parametrize("voltage, said", [
+    (16.8, "found 16.8 V, 2.80 V in each of the 6 cells of the vehicle file, allowed 3.72 to 4.40 V: charge it; battery.cells must"),
+    (33.6, "found 33.6 V, 5.60 V in each of the 6 cells of the vehicle file, allowed 3.72 to 4.40 V: battery.cells must")])
+def test_a_pack_of_other_cells_than_the_vehicle_file_says_does_not_take_off(peer, voltage, said):
+    """It would return and land as soon as it had taken off, or never."""
+    with copter("controller") as process:
+        flown = Flown(peer)
+        battery = peer.publisher(BatteryStatus, "battery")
+        peer.poll(battery.get_subscription_count, "a subscriber")
+
+        def step(volts):
+            battery.publish(BatteryStatus(voltage=volts, current=1.0))
+            flown.step()
+        peer.poll(lambda: (flown.status.publish(Status()), flown.states.publish(state(flown.ns, flown.place)),
+                           flown.commands)[2], "a first command")
+        for _ in range(20):
+            step(voltage)
+        flown.armed = True
+        peer.poll(lambda: (step(voltage), f"no take-off: battery: {said}" in process.text())[1], "the refusal")
+        for _ in range(20):
+            step(voltage)
+        assert flown.phase() == "disarmed" and not any(flown.commands[-1].u)
+        peer.poll(lambda: (step(25.2), flown.phase() == "takeoff")[1], "the take-off with six full cells")

@@ -6,11 +6,11 @@ import math
 import time
 
 import pytest
-from copter_nodes import LATCHED_ALL, START_NS, WITHOUT_VEHICLE, copter, going, set_values, state
+from copter_nodes import LATCHED_ALL, START_NS, WITHOUT_VEHICLE, Path, copter, going, set_values, state
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, ListParameters, SetParameters
 from roscopter_msgs.msg import ControllerCommand, State, TrajectoryCommand, Waypoint
-from rosflight_msgs.msg import Attitude, Barometer, Command, GNSS, SimState, Status
+from rosflight_msgs.msg import Attitude, Barometer, BatteryStatus, Command, Fence, GNSS, SimState, Status
 from sensor_msgs.msg import Imu, MagneticField
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sim_contract import TRIGGER, Module, Out, check_module
@@ -25,19 +25,20 @@ PARAM_FILE = "rosflight_msgs/srv/ParamFile"
 MODULES = [
     ("estimator", Module("estimator", {"estimated_state": Out(State)},
                          {"imu/data": Imu, "gnss": GNSS, "baro": Barometer, "magnetometer": MagneticField, "status": Status})),
-    ("path_planner", Module("path_planner", {"waypoints": Out(Waypoint, latched=True)}, {"estimated_state": State},
+    ("path_planner", Module("path_planner", {"waypoints": Out(Waypoint, latched=True), "mission/fence": Out(Fence, latched=True)},
+                             {"estimated_state": State},
                             {"path_planner/add_waypoint": "roscopter_msgs/srv/AddWaypoint",
                              "path_planner/clear_waypoints": TRIGGER, "path_planner/load_mission_from_file": PARAM_FILE,
                              "path_planner/print_waypoints": TRIGGER, "path_planner/publish_next_waypoint": TRIGGER})),
     ("path_manager", Module("path_manager", {"trajectory_command": Out(TrajectoryCommand)},
-                            {"estimated_state": State, "waypoints": Waypoint},
+                            {"estimated_state": State, "waypoints": Waypoint, "battery": BatteryStatus, "mission/fence": Fence},
                             {"path_manager/clear_waypoints": TRIGGER, "path_manager/print_waypoints": TRIGGER,
                              "path_manager/return_to_base": TRIGGER})),
     ("trajectory_follower", Module("trajectory_follower", {"high_level_command": Out(ControllerCommand)},
                                    {"estimated_state": State, "trajectory_command": TrajectoryCommand, "status": Status},
                                    {"trajectory_follower/clear_integrators": TRIGGER})),
     ("controller", Module("controller", {"command": Out(Command), "flight_phase": Out(String, latched=True)},
-                          {"estimated_state": State, "high_level_command": ControllerCommand, "status": Status},
+                          {"estimated_state": State, "high_level_command": ControllerCommand, "status": Status, "battery": BatteryStatus},
                           {"controller/land": TRIGGER})),
     ("ext_att_transcriber", Module("ext_att_transcriber", {"external_attitude": Out(Attitude)}, {"estimated_state": State})),
     ("rviz_waypoint_publisher", Module("rviz_waypoint_publisher", {"rviz/waypoint": Out(Marker, latched=True)}, {"waypoints": Waypoint})),
@@ -100,35 +101,6 @@ def test_the_tuning_launch_starts_what_it_names(peer):
 
 
 # ---- path manager --------------------------------------------------------------------------------
-
-
-class Path:
-    """A vehicle that is always where the setpoint is."""
-
-    def __init__(self, peer, place):
-        self.peer, self.ns, self.place = peer, START_NS, place
-        self.received = peer.listen(TrajectoryCommand, "trajectory_command")
-        self.states = peer.publisher(State, "estimated_state")
-        self.waypoints = peer.publisher(Waypoint, "waypoints", LATCHED)
-        peer.poll(lambda: self.waypoints.get_subscription_count() and self.states.get_subscription_count()
-                  and peer.node.count_publishers("trajectory_command"), "both ends of the topics")
-
-    def step(self, seconds=0.05):
-        """The setpoint that answers a State."""
-        self.ns += round(seconds * 1e9)
-        self.states.publish(state(self.ns, self.place))
-        self.peer.wait(lambda: self.received and stamp_ns(self.received[-1]) == self.ns, "a setpoint")
-        self.place = tuple(float(x) for x in self.received[-1].position)
-        return self.received[-1]
-
-    def silent(self):
-        """No answer to some States."""
-        count = len(self.received)
-        for _ in range(5):
-            self.ns += 50_000_000
-            self.states.publish(state(self.ns, self.place))
-            time.sleep(0.05)
-        return len(self.received) == count
 
 
 def test_the_path_manager_flies_legs_of_the_closed_form(peer):
@@ -224,7 +196,7 @@ def test_a_return_leads_up_then_over_the_take_off_and_lands(peer):
         assert path.place == pytest.approx((1.0, 2.0, -5.0), abs=1e-3) and len(landings) == 1
         phases.publish(String(data="takeoff"))
         peer.poll(lambda: back().message == "found no path in flight, allowed on one", "the next take-off")
-        assert peer.call(Trigger, "path_manager/print_waypoints").message == "1 waypoints", "those of the mission"
+        assert peer.call(Trigger, "path_manager/print_waypoints").message == "2 waypoints", "those of the mission"
 
 
 # ---- follower ------------------------------------------------------------------------------------
@@ -298,7 +270,7 @@ def test_the_transcribers_copy(peer):
 
 @pytest.mark.parametrize("name, topics", [
     ("estimator", ["imu/data", "attitude", "baro", "gnss", "magnetometer", "range"]), ("path_planner", ["estimated_state"]),
-    ("path_manager", ["estimated_state"]), ("trajectory_follower", ["estimated_state", "trajectory_command"]),
+    ("path_manager", ["estimated_state", "battery"]), ("trajectory_follower", ["estimated_state", "trajectory_command"]),
     ("controller", ["estimated_state", "high_level_command"]), ("ext_att_transcriber", ["estimated_state"])])
 def test_what_comes_again_and_again_is_not_acknowledged(peer, name, topics):
     """Each acknowledgement costs two processes a wake-up."""

@@ -13,7 +13,9 @@ namespace roscopter {
 
 /// The phases that other nodes look for; autonomy::multirotor::name() of Phase.
 inline constexpr const char* kTakeoff = "takeoff";
+inline constexpr const char* kPositionHold = "position_hold";
 inline constexpr const char* kOffboard = "offboard";
+inline constexpr const char* kLanding = "landing";
 
 /// What the controller publishes of its state machine on `flight_phase` (latched). roscopter has no
 /// such topic: where nobody publishes it, the commands of the chain are taken to be flown at all
@@ -36,6 +38,10 @@ class FlightPhase {
     if (phase_.empty()) return node_.count_publishers(phases_->get_topic_name()) == 0;
     return phase_ == kOffboard;
   }
+
+  /// After the take-off and not yet on the ground; false where nobody publishes a phase.
+  bool flying() const { return phase_ == kPositionHold || phase_ == kOffboard || landing(); }
+  bool landing() const { return phase_ == kLanding; }
 
  private:
   rclcpp::Node& node_;
