@@ -5,12 +5,13 @@ import math
 import time
 
 from ros_rig import ROOT
-from rosflight_msgs.msg import Airspeed, Barometer, Command, GNSS, RCRaw, SimState, Status
+from rosflight_msgs.msg import Airspeed, Barometer, BatteryStatus, Command, Fence, GNSS, RCRaw, SimState, Status
+from rosgraph_msgs.msg import Clock
 from rosplane_msgs.msg import (ControllerCommands, ControllerInternals, CurrentPath, FlightPhase, MissionSettings, State,
                                Waypoint)
 from sensor_msgs.msg import Imu, MagneticField, Range
 from sim_contract import TRIGGER, Module, Out
-from sim_rig import node, stamp
+from sim_rig import ALL_BEST_EFFORT, NEWEST, node, stamp
 from visualization_msgs.msg import Marker
 
 VEHICLE = ROOT / "vehicles/anaconda.yaml"
@@ -24,14 +25,15 @@ NODES = {
                         {"imu/data": Imu, "gnss": GNSS, "baro": Barometer, "airspeed": Airspeed,
                          "magnetometer": MagneticField, "status": Status}),
     "path_planner": Module("path_planner", {"waypoint_path": Out(Waypoint, latched=True),
-                                            "mission_settings": Out(MissionSettings, latched=True)},
+                                            "mission_settings": Out(MissionSettings, latched=True),
+                                            "mission/fence": Out(Fence, latched=True)},
                            {"estimated_state": State},
                            {"add_waypoint": ADD, "clear_waypoints": TRIGGER, "print_waypoints": TRIGGER,
                             "publish_next_waypoint": TRIGGER, "load_mission_from_file": "rosflight_msgs/srv/ParamFile"}),
     "path_manager": Module("path_manager", {"current_path": Out(CurrentPath), "flight_phase": Out(FlightPhase)},
                            {"estimated_state": State, "waypoint_path": Waypoint, "mission_settings": MissionSettings,
                             "status": Status, "range": Range, "command": Command,
-                            "controller_command": ControllerCommands},
+                            "controller_command": ControllerCommands, "battery": BatteryStatus, "mission/fence": Fence},
                            {"land": TRIGGER, "return_to_base": TRIGGER}),
     "path_follower": Module("path_follower", {"controller_command": Out(ControllerCommands)},
                             {"estimated_state": State, "current_path": CurrentPath}),
@@ -84,3 +86,51 @@ def falls_silent(received, feed):
         if len(received) == count:
             return True
     return False
+
+
+class World:
+    """path_manager on simulated time: clock, state and status, tick by tick."""
+
+    def __init__(self, peer):
+        self.peer, self.t_s = peer, 100.0
+        self.clock = peer.publisher(Clock, "/clock", ALL_BEST_EFFORT)
+        self.states = peer.publisher(State, "estimated_state")
+        self.status = peer.publisher(Status, "status", NEWEST)
+        self.command = peer.publisher(Command, "command", NEWEST)
+        self.phases, self.paths = peer.listen(FlightPhase, "flight_phase"), peer.listen(CurrentPath, "current_path")
+        self.battery = peer.publisher(BatteryStatus, "battery", NEWEST)
+        self.armed = self.failsafe = False
+        self.throttle = self.voltage = None
+
+    def tick(self, dt_s=0.02, **fields):
+        self.t_s += dt_s
+        ns = round(self.t_s * 1e9)
+        clock = Clock()
+        clock.clock.sec, clock.clock.nanosec = divmod(ns, 1_000_000_000)
+        self.clock.publish(clock)
+        self.status.publish(stamp(Status(armed=self.armed, failsafe=self.failsafe), ns))
+        if self.throttle is not None:
+            self.command.publish(stamp(Command(u=[self.throttle] + 9 * [0.0]), ns))
+        if self.voltage is not None:
+            self.battery.publish(stamp(BatteryStatus(voltage=self.voltage, current=1.0), ns))
+        self.states.publish(state(ns, **fields))
+
+    def until_phase(self, number, **fields):
+        first = len(self.phases)
+
+        def there():
+            self.tick(**fields)
+            return any(m.phase == number for m in self.phases[first:])
+        self.peer.poll(there, f"phase {number}, last {self.phases[-1:]}")
+
+    def until_path(self, condition, what, **fields):
+        first = len(self.paths)
+        try:
+            self.peer.poll(lambda: self.tick(**fields) or any(condition(m) for m in self.paths[first:]), what)
+        except AssertionError as why:
+            raise AssertionError(f"{why}: {self.phases[-1:]} {self.paths[-1:]}") from None
+        return next(m for m in self.paths[first:] if condition(m))
+
+
+def waypoint(*w, **more):
+    return Waypoint(w=[float(x) for x in w], va_d=15.0, **more)

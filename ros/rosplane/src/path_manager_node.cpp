@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <rclcpp/rclcpp.hpp>
+#include <rosflight_msgs/msg/battery_status.hpp>
 #include <rosflight_msgs/msg/command.hpp>
+#include <rosflight_msgs/msg/fence.hpp>
 #include <rosflight_msgs/msg/status.hpp>
 #include <sensor_msgs/msg/range.hpp>
 #include <std_srvs/srv/trigger.hpp>
@@ -8,6 +10,7 @@
 #include "autonomy/fixedwing/guidance.hpp"
 #include "rosflight_common/component.hpp"
 #include "rosflight_common/latched.hpp"
+#include "rosflight_common/limits_input.hpp"
 #include "rosflight_common/node_tools.hpp"
 #include "rosplane/conversions.hpp"
 #include "rosplane/fixedwing_parameters.hpp"
@@ -27,7 +30,10 @@ using std_srvs::srv::Trigger;
 /// state.
 ///
 /// Without waypoints it circles the origin at default_altitude, from kGrace_s after the
-/// first state on.
+/// first state on. It takes off neither with an empty battery nor with one that has not the cells of the vehicle file (LimitsInput).
+///
+/// A list that begins with the order to forget the one before is another mission; a longer one, other settings and other parameters
+/// are the present one revised, which a return or a landing that was asked for outlasts.
 ///
 /// Stops: without a state, or with one that cannot be flown on, nothing is published, so the
 /// follower's path and the controller's commands grow old. Back after more than 10 s it holds, returns and
@@ -39,6 +45,7 @@ class PathManagerNode : public rclcpp::Node {
         config_{FixedWingConfig::declare(*this)},
         parameters_{*this, parameters(), config_},
         reader_{config_.min_airspeed_known_m_s, config_.flight.controller.airframe.gravity_m_s2},
+        limits_{config_.flight.battery},
         guidance_{config_.flight, without_waypoints()} {
     parameters_.on_change([this](const FixedWingConfig& wanted) { return apply(wanted); });
     paths_ = create_publisher<CurrentPath>("current_path", rclcpp::QoS(10));
@@ -77,8 +84,22 @@ class PathManagerNode : public rclcpp::Node {
     settings_ = rosflight_common::create_latched_subscription<rosplane_msgs::msg::MissionSettings>(
         *this, "mission_settings", 1,
         [this](rosplane_msgs::msg::MissionSettings::ConstSharedPtr message) {
+          const fixedwing::Mission before = head_;
           rosplane::take(*message, head_);
-          new_mission();
+          if (!same_settings(before, head_)) revise(guidance_.output().waypoint);
+        });
+    fences_ = rosflight_common::create_latched_subscription<rosflight_msgs::msg::Fence>(
+        *this, rosflight_common::kFenceTopic, 1,
+        [this](rosflight_msgs::msg::Fence::ConstSharedPtr message) {
+          if (!limits_.take(*message)) return;
+          RCLCPP_INFO(get_logger(), "%s", limits_.fence_text().c_str());
+          guidance_.set_fence(limits_.fence());
+        });
+    batteries_ = create_subscription<rosflight_msgs::msg::BatteryStatus>(
+        "battery", rosflight_common::stream(),
+        [this](rosflight_msgs::msg::BatteryStatus::ConstSharedPtr message) {
+          limits_.take(*message,
+                       rosflight_common::received_at(*this, message->header.stamp).seconds());
         });
     statuses_ = create_subscription<rosflight_msgs::msg::Status>(
         "status", rclcpp::QoS(10), [this](rosflight_msgs::msg::Status::ConstSharedPtr message) {
@@ -155,9 +176,17 @@ class PathManagerNode : public rclcpp::Node {
     new_mission();
   }
 
+  /// All that a MissionSettings has.
+  static bool same_settings(const fixedwing::Mission& a, const fixedwing::Mission& b) {
+    return a.at_end == b.at_end && a.takeoff_height_m == b.takeoff_height_m &&
+           a.radius_m == b.radius_m && a.landing.aim_W == b.landing.aim_W &&
+           a.landing.course_rad == b.landing.course_rad;
+  }
+
   fixedwing::Mission mission(const FixedWingConfig& config) const {
-    if (list_.empty()) return without_waypoints();
-    fixedwing::Mission out = head_;
+    fixedwing::Mission out = list_.empty() ? without_waypoints() : head_;
+    out.fence = limits_.fence();
+    if (list_.empty()) return out;
     out.waypoints.clear();
     for (const Waypoint& message : list_) {
       out.waypoints.push_back(waypoint_of(message, origin_));
@@ -167,14 +196,23 @@ class PathManagerNode : public rclcpp::Node {
     return out;
   }
 
-  /// In flight it goes on with the waypoint it is on its way to, or with the first new one.
+  /// A longer list goes on with the waypoint that is flown to, or with the first new one. On the ground it is another mission too:
+  /// after a landing it is flown.
   void new_mission() {
-    const fixedwing::GuidanceOutput& now_flown = guidance_.output();
+    const fixedwing::GuidanceOutput& flown = guidance_.output();
     const bool longer = list_.size() > flown_ && flown_ > 0;
-    const std::size_t first = !longer ? 0 : (now_flown.mission_done ? flown_ : now_flown.waypoint);
-    guidance_.set_mission(mission(config_), first);
+    const bool on_ground =
+        flown.phase == fixedwing::Phase::kDisarmed || flown.phase == fixedwing::Phase::kLanded;
+    const std::size_t first = !longer ? 0 : (flown.mission_done ? flown_ : flown.waypoint);
+    if (longer && !on_ground) {
+      revise(first);
+    } else {
+      guidance_.set_mission(mission(config_), first);
+    }
     flown_ = list_.size();
   }
+
+  void revise(std::size_t next) { guidance_.revise_mission(mission(config_), next); }
 
   std::string apply(const FixedWingConfig& wanted) {
     fixedwing::Mission changed = mission(wanted);
@@ -183,8 +221,7 @@ class PathManagerNode : public rclcpp::Node {
              ", allowed " + fault->allowed;
     }
     guidance_.configure(wanted.flight);
-    // A flight that is over does not begin again because of a parameter.
-    if (!guidance_.output().landed) guidance_.set_mission(changed, guidance_.output().waypoint);
+    guidance_.revise_mission(changed, guidance_.output().waypoint);
     return "";
   }
 
@@ -200,20 +237,23 @@ class PathManagerNode : public rclcpp::Node {
     if (!origin_) {
       origin_ = origin_of(message);
       const auto& geodetic = [](const Waypoint& wp) { return wp.lla; };
-      if (origin_ && std::any_of(list_.begin(), list_.end(), geodetic)) new_mission();
+      if (origin_ && std::any_of(list_.begin(), list_.end(), geodetic))
+        revise(guidance_.output().waypoint);
     }
     const autonomy::StateEstimate& state = reader_.read(message);
     if (!flyable(state) || !thinning_.pass(state.t_s, config_.rate_Hz)) return;
+    const double now_s = now().seconds();
     autonomy::Status status = status_;
+    limits_.fill(now_s, status);
     if (!started_s_) started_s_ = state.t_s;
     const bool nothing_to_fly = list_.empty() && state.t_s - *started_s_ < kGrace_s;
-    if (guidance_.output().phase == fixedwing::Phase::kDisarmed && nothing_to_fly)
-      status.armed = false;
+    if (guidance_.output().phase == fixedwing::Phase::kDisarmed)
+      status.armed = status.armed && !nothing_to_fly && battery_good(now_s);
     fixedwing::Guidance::Last last = last_;
     if (old(last_wanted_)) last.wanted_height_m.reset();
     const fixedwing::GuidanceOutput& out =
         guidance_.step({state.t_s, state, status, range(), last});
-    log(out);
+    log(out, now_s);
     if (out.act == fixedwing::GuidanceAct::kRepeat || out.act == fixedwing::GuidanceAct::kGiveUp)
       return;
     FlightPhase phase;
@@ -227,19 +267,34 @@ class PathManagerNode : public rclcpp::Node {
     paths_->publish(path);
   }
 
-  void log(const fixedwing::GuidanceOutput& out) {
+  bool battery_good(double now_s) {
+    const std::string why = limits_.takeoff_fault(now_s);
+    constexpr int kAgain_ms = 5000;
+    if (!why.empty())
+      RCLCPP_WARN_THROTTLE(get_logger(), *get_clock(), kAgain_ms, "no take-off: %s", why.c_str());
+    return why.empty();
+  }
+
+  void log(const fixedwing::GuidanceOutput& out, double now_s) {
     using Type = autonomy::FlightEventType;
     for (const autonomy::FlightEvent& event : out.events) {
+      const std::string text =
+          limits_.text(event.type, now_s, guidance_.limits().battery().charge());
       if (event.type == Type::kPhase) {
-        RCLCPP_INFO(get_logger(), "phase %s",
-                    fixedwing::name(static_cast<fixedwing::Phase>(event.index)));
+        const auto phase = static_cast<fixedwing::Phase>(event.index);
+        RCLCPP_INFO(get_logger(), "phase %s", fixedwing::name(phase));
+        const std::string unknown = limits_.not_judged(now_s);
+        if (phase == fixedwing::Phase::kTakeoff && !unknown.empty())
+          RCLCPP_WARN(get_logger(), "%s", unknown.c_str());
       } else if (event.type == Type::kWaypointReached) {
         RCLCPP_INFO(get_logger(), "waypoint %zu reached at %.1f m", event.index + 1, event.value);
       } else if (event.type == Type::kMissionDone || event.type == Type::kPilotGaveBack ||
                  event.type == Type::kFailsafeOver) {
-        RCLCPP_INFO(get_logger(), "%s", autonomy::name(event.type));
+        RCLCPP_INFO(get_logger(), "%s", text.c_str());
+      } else if (event.type == Type::kBatteryLand) {
+        RCLCPP_ERROR(get_logger(), "%s", text.c_str());
       } else {
-        RCLCPP_WARN(get_logger(), "%s", autonomy::name(event.type));
+        RCLCPP_WARN(get_logger(), "%s", text.c_str());
       }
     }
   }
@@ -247,6 +302,7 @@ class PathManagerNode : public rclcpp::Node {
   FixedWingConfig config_;
   FixedWingParameters parameters_;
   StateReader reader_;
+  rosflight_common::LimitsInput limits_;
   fixedwing::Guidance guidance_;
   std::optional<double> started_s_;  ///< Time of the first state.
   std::vector<Waypoint> list_;
@@ -263,6 +319,8 @@ class PathManagerNode : public rclcpp::Node {
   rclcpp::Subscription<State>::SharedPtr states_;
   rclcpp::Subscription<Waypoint>::SharedPtr waypoints_;
   rclcpp::Subscription<rosplane_msgs::msg::MissionSettings>::SharedPtr settings_;
+  rclcpp::Subscription<rosflight_msgs::msg::Fence>::SharedPtr fences_;
+  rclcpp::Subscription<rosflight_msgs::msg::BatteryStatus>::SharedPtr batteries_;
   rclcpp::Subscription<rosflight_msgs::msg::Status>::SharedPtr statuses_;
   rclcpp::Subscription<sensor_msgs::msg::Range>::SharedPtr ranges_;
   rclcpp::Subscription<rosflight_msgs::msg::Command>::SharedPtr commands_;

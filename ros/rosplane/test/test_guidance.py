@@ -4,14 +4,12 @@
 import math
 
 import pytest
-from plane_rig import falls_silent, now_ns, start, state
+from plane_rig import World, falls_silent, now_ns, start, state, waypoint
 from ros_rig import ROOT
-from rosflight_msgs.msg import Command, Status
 from rosflight_msgs.srv import ParamFile
-from rosgraph_msgs.msg import Clock
 from rosplane_msgs.msg import CurrentPath, FlightPhase, MissionSettings, State, Waypoint
 from rosplane_msgs.srv import AddWaypoint
-from sim_rig import ALL_BEST_EFFORT, LATCHED, NEWEST, SimPeer, set_parameters, stamp
+from sim_rig import LATCHED, SimPeer, set_parameters
 from std_srvs.srv import Trigger
 
 MISSIONS = ROOT / "missions"
@@ -103,51 +101,6 @@ def test_planner_refuses_a_bad_file_whole_and_says_why(peer, tmp_path, text, sai
         assert load(peer, MISSIONS / "fixedwing.yaml") and not load(peer, file)
         assert "mission.yaml" in planner.until(said or "[ERROR]")
         assert "4 waypoints, 4 published" in peer.call(Trigger, "print_waypoints").message
-
-
-class World:
-    """path_manager on simulated time: clock, state and status, tick by tick."""
-
-    def __init__(self, peer):
-        self.peer, self.t_s = peer, 100.0
-        self.clock = peer.publisher(Clock, "/clock", ALL_BEST_EFFORT)
-        self.states = peer.publisher(State, "estimated_state")
-        self.status = peer.publisher(Status, "status", NEWEST)
-        self.command = peer.publisher(Command, "command", NEWEST)
-        self.phases, self.paths = peer.listen(FlightPhase, "flight_phase"), peer.listen(CurrentPath, "current_path")
-        self.armed = self.failsafe = False
-        self.throttle = None
-
-    def tick(self, dt_s=0.02, **fields):
-        self.t_s += dt_s
-        ns = round(self.t_s * 1e9)
-        clock = Clock()
-        clock.clock.sec, clock.clock.nanosec = divmod(ns, 1_000_000_000)
-        self.clock.publish(clock)
-        self.status.publish(stamp(Status(armed=self.armed, failsafe=self.failsafe), ns))
-        if self.throttle is not None:
-            self.command.publish(stamp(Command(u=[self.throttle] + 9 * [0.0]), ns))
-        self.states.publish(state(ns, **fields))
-
-    def until_phase(self, number, **fields):
-        first = len(self.phases)
-
-        def there():
-            self.tick(**fields)
-            return any(m.phase == number for m in self.phases[first:])
-        self.peer.poll(there, f"phase {number}, last {self.phases[-1:]}")
-
-    def until_path(self, condition, what, **fields):
-        first = len(self.paths)
-        try:
-            self.peer.poll(lambda: self.tick(**fields) or any(condition(m) for m in self.paths[first:]), what)
-        except AssertionError as why:
-            raise AssertionError(f"{why}: {self.phases[-1:]} {self.paths[-1:]}") from None
-        return next(m for m in self.paths[first:] if condition(m))
-
-
-def waypoint(*w, **more):
-    return Waypoint(w=[float(x) for x in w], va_d=15.0, **more)
 
 
 def test_path_manager_from_take_off_to_circles(peer):
