@@ -49,50 +49,73 @@ void fill_record(const Parameters& parameters, std::uint32_t sequence, std::uint
 
 // ---- reading
 
-ParameterStore::Slot ParameterStore::inspect(std::size_t index) {
-  Block block{};
-  const std::size_t start = offset(index);
+/// Reads the header. What follows our magic stays unread; without it a slot is blank, as far as that
+/// was read, or damaged.
+ParameterStore::Slot ParameterStore::look(std::size_t index) {
+  std::array<std::uint8_t, kHeaderBytes> header{};
   const std::size_t slot_bytes = storage_.size() / 2;
-  Slot slot;  // unreadable, until its last byte has been read
-  if (slot_bytes < kHeaderBytes + kCrcBytes || !storage_.read(start, block.data(), kHeaderBytes)) {
+  Slot slot;  // unreadable
+  if (slot_bytes < kHeaderBytes + kCrcBytes ||
+      !storage_.read(offset(index), header.data(), header.size())) {
     return slot;
   }
-  if (get_u32(block.data()) != kMagic) return inspect_unmarked(index, block.data());
+  if (get_u32(header.data()) != kMagic) {
+    slot.erased = header[0];
+    const bool erased = (slot.erased == 0x00 || slot.erased == 0xFF) &&
+                        all_are(header.data(), header.size(), slot.erased);
+    slot.condition = erased ? Condition::kBlank : Condition::kDamaged;
+    return slot;
+  }
   slot.sequence_known = true;
-  slot.sequence = get_u32(block.data() + 4);
-  slot.count = static_cast<std::uint16_t>(get_u32(block.data() + 8) & 0xFFFFu);
-  const std::size_t body = kHeaderBytes + slot.count * kEntryBytes;
-  if (body + kCrcBytes > slot_bytes) {
-    slot.condition = Condition::kDamaged;
-    return slot;
-  }
-  Crc32 crc;
-  for (std::size_t at = 0; at < body;) {
-    const std::size_t n = std::min(block.size(), body - at);
-    if (!storage_.read(start + at, block.data(), n)) return slot;
-    crc.add(block.data(), n);
-    at += n;
-  }
-  if (!storage_.read(start + body, block.data(), kCrcBytes)) return slot;
-  slot.crc = crc.value();
-  slot.condition = get_u32(block.data()) == slot.crc ? Condition::kValid : Condition::kDamaged;
+  slot.sequence = get_u32(&header[4]);
+  slot.count = static_cast<std::uint16_t>(get_u32(&header[8]) & 0xFFFFu);
+  slot.crc.add(header.data(), header.size());
+  const bool fits = kHeaderBytes + slot.count * kEntryBytes + kCrcBytes <= slot_bytes;
+  slot.condition = fits ? Condition::kUnread : Condition::kDamaged;
   return slot;
 }
 
-/// A slot without our magic is blank if it is erased where a set and its record of gyro biases go.
-/// Where neither slot has a set, survey() looks at the rest of it too.
-ParameterStore::Slot ParameterStore::inspect_unmarked(std::size_t index,
-                                                      const std::uint8_t* header) {
-  Slot slot;
+/// Reads what look() left. A slot is blank if it is erased where a set and its record of gyro biases
+/// go. Where neither slot has a set, survey() looks at the rest of it too.
+void ParameterStore::read(std::size_t index, Slot& slot, const Reading& reading) {
   const std::size_t slot_bytes = storage_.size() / 2;
-  slot.erased = header[0];
-  slot.condition =
-      (slot.erased == 0x00 || slot.erased == 0xFF) && all_are(header, kHeaderBytes, slot.erased)
-          ? Condition::kBlank
-          : Condition::kDamaged;
+  if (slot.condition == Condition::kUnread) slot.condition = read_set(index, slot, reading);
   require_erased(index, slot, kHeaderBytes, std::min(kSetBytes, slot_bytes));
   require_erased(index, slot, slot_bytes - std::min(kBlockBytes, slot_bytes), slot_bytes);
-  return slot;
+  if (reading.system != nullptr) reading.system->feed_watchdog();
+}
+
+/// One reading both checks the set and takes its values, which count only if it was valid.
+ParameterStore::Condition ParameterStore::read_set(std::size_t index, const Slot& slot,
+                                                   const Reading& reading) {
+  constexpr std::size_t kReadsBetweenFeeds = 32;
+  std::array<std::uint8_t, kEntryBytes> entry{};
+  std::size_t at = offset(index) + kHeaderBytes;
+  Crc32 crc = slot.crc;
+  for (std::size_t k = 0; k < slot.count; ++k, at += kEntryBytes) {
+    if (reading.system != nullptr && k % kReadsBetweenFeeds == 0) reading.system->feed_watchdog();
+    if (!storage_.read(at, entry.data(), entry.size())) return Condition::kUnreadable;
+    crc.add(entry.data(), entry.size());
+    if (reading.live != nullptr) take(k, entry.data(), reading);
+  }
+  if (!storage_.read(at, entry.data(), kCrcBytes)) return Condition::kUnreadable;
+  return get_u32(entry.data()) == crc.value() ? Condition::kValid : Condition::kDamaged;
+}
+
+void ParameterStore::take(std::size_t k, const std::uint8_t* entry, const Reading& reading) {
+  link::ParamName name{};
+  std::memcpy(name.data(), entry, name.size());
+  // Usually the same firmware wrote the set, in the order of the table.
+  const bool in_order = k < kParamCount && Parameters::row(static_cast<Param>(k)).name == name;
+  const std::size_t found = in_order ? k : Parameters::find(name);
+  const SetResult result =
+      found == kParamCount ? SetResult::kWrongType
+                           : reading.loaded->set_bits(static_cast<Param>(found), entry[name.size()],
+                                                      get_u32(entry + name.size() + 1), false);
+  const bool taken = result == SetResult::kChanged || result == SetResult::kUnchanged;
+  LoadReport& report = *reading.report;
+  if (!taken && report.skipped == 0) report.first_skipped = name;
+  ++(taken ? report.loaded : report.skipped);
 }
 
 /// A blank slot that is not erased from `begin` to `end` is damaged; one that cannot be read there,
@@ -111,10 +134,17 @@ void ParameterStore::require_erased(std::size_t index, Slot& slot, std::size_t b
   }
 }
 
-bool ParameterStore::newest_is_second(const Slot& first, const Slot& second) {
+/// Which of the slots that begin as a set does has the later number.
+bool ParameterStore::second_is_later(const Slots& slots) {
   constexpr std::uint32_t kHalf = 0x80000000u;
-  const bool later = second.sequence != first.sequence && second.sequence - first.sequence < kHalf;
-  return second.valid() && (!first.valid() || later);
+  if (slots[1].condition != Condition::kUnread) return false;
+  if (slots[0].condition != Condition::kUnread) return true;
+  const std::uint32_t ahead = slots[1].sequence - slots[0].sequence;
+  return ahead != 0 && ahead < kHalf;
+}
+
+bool ParameterStore::is_before(const Slot& other, const Slot& valid) {
+  return other.sequence_known && other.sequence + 1 == valid.sequence;
 }
 
 /// The set before the valid one may be damaged without a loss; any other number belongs to a newer
@@ -123,81 +153,57 @@ bool ParameterStore::newest_is_second(const Slot& first, const Slot& second) {
 bool ParameterStore::may_be_newer(const Slot& other, const Slot& valid) {
   if (other.condition == Condition::kUnreadable) return true;
   if (other.condition == Condition::kBlank) return valid.sequence > 1;
-  return other.condition == Condition::kDamaged &&
-         (!other.sequence_known || other.sequence + 1 != valid.sequence);
+  return other.condition == Condition::kDamaged && !is_before(other, valid);
 }
 
-/// Determines which slot is in force and which is written next. @returns false if neither can
-/// be read.
-bool ParameterStore::survey(Slot& first, Slot& second) {
-  first = inspect(0);
-  second = inspect(1);
-  if (!first.valid() && !second.valid()) {  // defaults will be written over what is blank
-    require_erased(0, first, kSetBytes, storage_.size() / 2);
-    require_erased(1, second, kSetBytes, storage_.size() / 2);
+/// Determines which slot is in force and which is written next. The later set is read first; if it is
+/// valid, the one before it is not read. @returns false if neither can be read.
+bool ParameterStore::survey(Slots& slots, const Reading& reading) {
+  slots = {look(0), look(1)};
+  set_in_force_ = false;
+  sequence_ = 0;
+  newest_ = 1;
+  const std::size_t later = second_is_later(slots) ? 1 : 0;
+  for (const std::size_t index : {later, 1 - later}) {
+    Slot& slot = slots[index];
+    if (set_in_force_) {
+      if (!is_before(slot, slots[newest_])) read(index, slot, {{}, {}, {}, reading.system});
+      break;
+    }
+    read(index, slot, reading);
+    if (slot.valid()) {
+      set_in_force_ = true;
+      sequence_ = slot.sequence;
+      newest_ = static_cast<std::uint8_t>(index);
+    } else if (reading.live != nullptr) {
+      *reading.loaded = *reading.live;
+      *reading.report = {};
+    }
   }
-  const bool newest_is_b = newest_is_second(first, second);
-  const Slot& newest = newest_is_b ? second : first;
-  set_in_force_ = newest.valid();
-  sequence_ = set_in_force_ ? newest.sequence : 0;
-  newest_ = newest_is_b || !first.valid() ? 1 : 0;
-  const bool unreadable =
-      first.condition == Condition::kUnreadable || second.condition == Condition::kUnreadable;
-  surveyed_ = !unreadable;
-  return set_in_force_ || !unreadable;
+  if (!set_in_force_) {  // defaults will be written over what is blank
+    require_erased(0, slots[0], kSetBytes, storage_.size() / 2);
+    require_erased(1, slots[1], kSetBytes, storage_.size() / 2);
+  }
+  surveyed_ =
+      slots[0].condition != Condition::kUnreadable && slots[1].condition != Condition::kUnreadable;
+  return set_in_force_ || surveyed_;
 }
 
 StoreResult ParameterStore::load(Parameters& parameters, LoadReport& report, hal::System* system) {
-  Slot a;
-  Slot b;
+  Slots slots;
+  Parameters loaded = parameters;
   report = {};
-  const bool known = survey(a, b);
-  if (system != nullptr) system->feed_watchdog();
+  if (!survey(slots, {&parameters, &loaded, &report, system})) return StoreResult::kFailed;
   if (!set_in_force_) {
-    if (!known) return StoreResult::kFailed;
-    const bool damaged = a.condition == Condition::kDamaged || b.condition == Condition::kDamaged;
+    const bool damaged =
+        slots[0].condition == Condition::kDamaged || slots[1].condition == Condition::kDamaged;
     return damaged ? StoreResult::kDamaged : StoreResult::kBlank;
   }
-  const Slot& slot = newest_ == 1 ? b : a;
-  report.fell_back = may_be_newer(newest_ == 1 ? a : b, slot);
-  Parameters loaded = parameters;  // the medium may fail before the end
-  if (read_set(newest_, slot, loaded, report, system) != StoreResult::kOk) {
-    surveyed_ = false;
-    return StoreResult::kFailed;
-  }
+  report.fell_back = may_be_newer(slots[1 - newest_], slots[newest_]);
   if (!read_gyro_bias(newest_, loaded)) report.fell_back = true;
   if (report.loaded == kParamCount) loaded.mark_saved(loaded.version());
   parameters = loaded;
   return StoreResult::kOk;
-}
-
-StoreResult ParameterStore::read_set(std::size_t index, const Slot& slot, Parameters& loaded,
-                                     LoadReport& report, hal::System* system) {
-  constexpr std::size_t kReadsBetweenFeeds = 32;
-  Crc32 crc;
-  std::array<std::uint8_t, kEntryBytes> entry{};
-  if (!storage_.read(offset(index), entry.data(), kHeaderBytes)) return StoreResult::kFailed;
-  crc.add(entry.data(), kHeaderBytes);
-  for (std::size_t k = 0; k < slot.count; ++k) {
-    if (system != nullptr && k % kReadsBetweenFeeds == 0) system->feed_watchdog();
-    const std::size_t at = offset(index) + kHeaderBytes + k * kEntryBytes;
-    if (!storage_.read(at, entry.data(), entry.size())) return StoreResult::kFailed;
-    crc.add(entry.data(), entry.size());
-    link::ParamName name{};
-    std::memcpy(name.data(), entry.data(), name.size());
-    // Usually the same firmware wrote the set, in the order of the table.
-    const bool in_order = k < kParamCount && Parameters::row(static_cast<Param>(k)).name == name;
-    const std::size_t found = in_order ? k : Parameters::find(name);
-    const SetResult result = found == kParamCount
-                                 ? SetResult::kWrongType
-                                 : loaded.set_bits(static_cast<Param>(found), entry[name.size()],
-                                                   get_u32(&entry[name.size() + 1]), false);
-    const bool taken = result == SetResult::kChanged || result == SetResult::kUnchanged;
-    if (!taken && report.skipped == 0) report.first_skipped = name;
-    ++(taken ? report.loaded : report.skipped);
-  }
-  // The second reading differs: the set is not valid.
-  return crc.value() == slot.crc ? StoreResult::kOk : StoreResult::kFailed;
 }
 
 /// @returns false if the record is damaged; that of an earlier set is ignored.
@@ -227,9 +233,8 @@ bool ParameterStore::read_gyro_bias(std::size_t index, Parameters& loaded) {
 StoreResult ParameterStore::begin(const Parameters& parameters) {
   if (!present()) return StoreResult::kFailed;
   if (!surveyed_) {
-    Slot a;
-    Slot b;
-    if (!survey(a, b)) return StoreResult::kFailed;
+    Slots slots;
+    if (!survey(slots, {})) return StoreResult::kFailed;
   }
   begun_ = parameters.version();
   crc_ = {};

@@ -61,9 +61,10 @@ class ParameterStore {
   /// Whether the medium has room for two slots.
   bool present() const { return storage_.size() / 2 >= kSlotBytes; }
 
-  /// Validates a whole slot first, then takes over its values all at once. After a failure the live
-  /// table is untouched. Parameters that the set does not name keep their values. Not while busy().
-  /// Reads both slots at once, so it feeds the watchdog of `system` meanwhile.
+  /// Reads a whole slot, then takes over its values all at once if they are valid. After a failure the
+  /// live table is untouched. Parameters that the set does not name keep their values. Not while busy().
+  /// A set is read once, and the set before a valid one not at all: after a restart in flight each
+  /// parameter costs the time of its 21 bytes. Feeds the watchdog of `system` meanwhile.
   StoreResult load(Parameters& parameters, LoadReport& report, hal::System* system = nullptr);
 
   /// Starts to store all values. @returns kBusy; kFailed if the medium is too small or neither slot
@@ -86,24 +87,39 @@ class ParameterStore {
 
  private:
   enum class Writing : std::uint8_t { kNothing, kRecordOfSet, kSet, kGyroBias };
-  enum class Condition : std::uint8_t { kBlank, kValid, kDamaged, kUnreadable };
+  enum class Condition : std::uint8_t {
+    kBlank,
+    kUnread,  ///< Begins as a set does; what follows is not known.
+    kValid,
+    kDamaged,
+    kUnreadable
+  };
   struct Slot {
     Condition condition{Condition::kUnreadable};
     bool sequence_known{};
-    std::uint32_t sequence{};
-    std::uint16_t count{};
-    std::uint32_t crc{};
     std::uint8_t erased{};  ///< What all bytes of a blank slot are.
+    std::uint16_t count{};
+    std::uint32_t sequence{};
+    Crc32 crc{};  ///< Checksum so far: that of the header.
     bool valid() const { return condition == Condition::kValid; }
   };
-  Slot inspect(std::size_t index);
-  Slot inspect_unmarked(std::size_t index, const std::uint8_t* header);
+  using Slots = std::array<Slot, 2>;
+  /// What a reading is for, besides finding out which slot is in force.
+  struct Reading {
+    const Parameters* live{};  ///< If not null: `loaded` becomes this with the values of the set.
+    Parameters* loaded{};
+    LoadReport* report{};
+    hal::System* system{};
+  };
+  Slot look(std::size_t index);
+  void read(std::size_t index, Slot& slot, const Reading& reading);
+  Condition read_set(std::size_t index, const Slot& slot, const Reading& reading);
   void require_erased(std::size_t index, Slot& slot, std::size_t begin, std::size_t end);
-  bool survey(Slot& first, Slot& second);
-  static bool newest_is_second(const Slot& first, const Slot& second);
+  bool survey(Slots& slots, const Reading& reading);
+  static bool second_is_later(const Slots& slots);
+  static bool is_before(const Slot& other, const Slot& valid);
   static bool may_be_newer(const Slot& other, const Slot& valid);
-  StoreResult read_set(std::size_t index, const Slot& slot, Parameters& loaded, LoadReport& report,
-                       hal::System* system);
+  static void take(std::size_t k, const std::uint8_t* entry, const Reading& reading);
   bool read_gyro_bias(std::size_t index, Parameters& loaded);
   std::size_t fill(const Parameters& parameters, std::uint8_t* block);
   bool write_block(std::size_t at, const std::uint8_t* block, std::size_t size);

@@ -271,8 +271,23 @@ TEST(ParameterStore, ABlankSlotBesideTheSecondSetIsALossBesideTheFirstItIsNone) 
   }
 }
 
-/// After a restart in the air each millisecond of reading counts: of the blank slot beside a set only the
-/// bytes of a set are read, three times 5 kB instead of 5 + 16 + 5.
+/// After a restart in the air each millisecond of reading counts: the set in force is read once, the one
+/// before it not at all, and of the blank slot beside a first set only the bytes of a set.
+TEST(ParameterStore, ALoadReadsTheSetInForceOnceAndTheOneBeforeItNotAtAll) {
+  SimulatedStorage medium;
+  constexpr std::size_t kHeadersAndRecord = 2 * kHeader + 24;
+  for (int n = 1; n <= 4; ++n) {
+    ASSERT_EQ(ParameterStore(medium).save(set_number(n)), StoreResult::kOk);
+    WatchedStorage storage(medium);
+    const Loaded l = load(storage);
+    ASSERT_EQ(l.result, StoreResult::kOk);
+    EXPECT_TRUE(same(l.parameters, set_number(n))) << n;
+    const std::size_t once = ParameterStore::kSetBytes - kHeader + kHeadersAndRecord;
+    const std::size_t blank = ParameterStore::kSlotBytes - kHeader;
+    EXPECT_EQ(storage.read_bytes, n == 1 ? once + blank : once) << n;
+  }
+}
+
 TEST(ParameterStore, ABlankSlotBesideASetIsReadWhereASetWouldBe) {
   SimulatedStorage storage;
   ASSERT_EQ(ParameterStore(storage).save(with_biases(0.01f, 0.0f, 0.0f)), StoreResult::kOk);

@@ -142,7 +142,23 @@ TEST(ParameterStore, ACorruptedByteAnywhereFallsBackToTheOlderSet) {
     const Loaded l = load(storage);
     ASSERT_EQ(l.result, StoreResult::kOk) << k;
     ASSERT_TRUE(same(l.parameters, older)) << k;
+    ASSERT_EQ(l.report.loaded, kParamCount) << k;
+    ASSERT_EQ(l.report.skipped, 0u) << k;
   }
+}
+
+TEST(ParameterStore, NothingOfADamagedSetIsTakenOver) {
+  SimulatedStorage storage;
+  place(storage, 0, slot_of(1, {{"SYS_ID", 6, 7}}));
+  std::vector<std::uint8_t> damaged = slot_of(2, {{"SYS_ID", 6, 8}, {"NUM_MOTORS", 6, 6}});
+  damaged.back() ^= 1u;
+  place(storage, 1, damaged);
+  const Loaded l = load(storage);
+  ASSERT_EQ(l.result, StoreResult::kOk);
+  EXPECT_TRUE(l.report.fell_back);
+  EXPECT_EQ(l.report.loaded, 1u);
+  EXPECT_EQ(l.parameters.get_int(Param::kSysId), 7);
+  EXPECT_EQ(l.parameters.get_int(Param::kNumMotors), 4) << "only the damaged set names it";
 }
 
 TEST(ParameterStore, FallingBackToTheOlderSetIsReported) {
