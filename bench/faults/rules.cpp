@@ -35,7 +35,6 @@ Rule rule_of(const Fault& fault, const Case& flown) {
     case FaultKind::kGyroStep:
       return std::abs(fault.value) > kGyroBiasLimit_rad_s ? Rule::kGyroBeyond : Rule::kNone;
     case FaultKind::kLinkCut:
-    case FaultKind::kCompanionStall:  // for the firmware the same: no command comes
       return !fixed_wing && flown.pilot == "idle" ? Rule::kPilotHasIt : Rule::kNone;
     default:
       return Rule::kNone;
@@ -66,9 +65,8 @@ const char* text(Rule rule) {
       "One rotor of four is dead: three cannot hold the attitude.",
       "The IMU is silent, damaged or stuck for longer than 0.3 s.",
       "The gyro step is beyond the largest bias that the estimator learns, 0.1 rad/s.",
-      "No command comes from the companion, and the safety pilot of a multirotor holds his "
-      "throttle "
-      "stick at idle. The pilot has the vehicle then, as in ROSflight 2.x."};
+      "The link is cut, and the safety pilot of a multirotor holds his throttle stick at idle. The "
+      "pilot has the vehicle then, as in ROSflight 2.x."};
   return kTexts.at(static_cast<std::size_t>(rule));
 }
 
@@ -82,7 +80,7 @@ bool needs_mission(const Case& flown) {
   if (!flown.second.empty() || flown.failsafe_command) return false;
   const bool fixed_wing = subjects()[flown.subject].fixed_wing;
   const bool hover = flown.pilot == "hover";
-  if (flown.first == "link_cut:3" || flown.first == "companion_stall:1") return fixed_wing || hover;
+  if (flown.first == "link_cut:3") return fixed_wing || hover;
   if (flown.first == "rc_silence:2" || flown.first == "rc_silence:10") return hover;
   constexpr std::array kAlways{"gnss:20",
                                "crash",
@@ -91,6 +89,7 @@ bool needs_mission(const Case& flown) {
                                "baro",
                                "range",
                                "battery",
+                               "companion_stall:1",
                                "pitot_blocked",
                                "rc_frame_loss:2",
                                "motor0_partial=0.8",

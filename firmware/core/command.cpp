@@ -10,6 +10,7 @@ namespace {
 constexpr Time kNever = Time::max();
 constexpr std::uint16_t kAllAxes = 0x3FF;
 constexpr std::uint16_t kFreeAxes = 0x3C0;
+constexpr float kLandedShare = 0.5f;  // share of T_f in (2)
 
 using link::OffboardMode;
 
@@ -114,6 +115,16 @@ void CommandManager::forget_offboard() {
   decided_ = false;
 }
 
+void CommandManager::arm(Time now, bool in_air) {
+  armed_ = true;
+  in_air_ = in_air;
+  flight_agreed_ = now;
+}
+
+void CommandManager::disarm() {
+  armed_ = in_air_ = decided_ = false;
+}
+
 bool CommandManager::StickHold::deviated(Time now, float stick, const Config& config) {
   if (std::abs(stick) > config.stick_deviation) {
     ever = true;
@@ -215,13 +226,58 @@ void CommandManager::hold_angles() {
   combined_.value[4] *= config_.max_pitch_rad;
 }
 
+/// Thrust of a multirotor, 0..1 of the motors' maximum.
+float CommandManager::thrust(const CommandVector& command) const {
+  const std::size_t k = config_.throttle_axis;
+  if (command.type[k] == CommandType::kPassThrough) return offboard_thrust_fraction_;
+  return command.value[k] * config_.max_throttle;
+}
+
+float CommandManager::sinking_thrust() const {
+  return corrected(config_.failsafe_throttle) * config_.max_throttle;
+}
+
+/// Evaluates (1) and (2) with the thrust that was in force until now.
+void CommandManager::watch_flight(Time now) {
+  const float in_force = thrust(combined_);
+  const bool agrees =
+      in_air_ ? in_force > kLandedShare * sinking_thrust() : !(in_force > sinking_thrust());
+  if (!armed_ || agrees) flight_agreed_ = now;
+  if (now - flight_agreed_ < kFlightChange) return;
+  in_air_ = !in_air_;
+  flight_agreed_ = now;
+}
+
+/// Only where both mixers are the same: there an angle means what it meant to the companion. The failsafe command does
+/// not wait for the end of a hold.
+bool CommandManager::may_hold(bool failsafe) const {
+  return config_.offboard_hold > Time{} && !config_.fixed_wing && !config_.override_whole &&
+         in_air_ && !failsafe && offboard_.is_active(config_.throttle_axis) &&
+         thrust(offboard_) > kLandedShare * sinking_thrust();
+}
+
+/// The last thrust carried the vehicle; angles and torques were meant for the next hundredth of a second.
+void CommandManager::hold_level() {
+  offboard_.active = static_cast<std::uint16_t>(offboard_.active & ~kFreeAxes);
+  for (std::size_t k = 3; k < kAxes; ++k) {
+    offboard_.value[k] = 0.0f;
+    offboard_.type[k] = offboard_type(OffboardMode::kRollPitchYawrateThrottle, k);
+  }
+}
+
 bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, bool failsafe) {
   const bool due =
       new_input || offboard_new_ || !decided_ || now >= decide_at_ || failsafe != in_failsafe_;
   if (!due) return false;
   decided_ = true;
   offboard_new_ = false;
-  if (now > offboard_time_ + config_.offboard_timeout) {
+  watch_flight(now);
+  Time silent_at = offboard_time_ + config_.offboard_timeout;
+  if (now > silent_at && may_hold(failsafe)) {
+    silent_at += config_.offboard_hold;
+    hold_level();
+  }
+  if (now > silent_at) {
     offboard_.active = 0;
     offboard_.value.fill(0.0f);
   }
@@ -235,9 +291,7 @@ bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, b
   }
 
   decide_at_ = kNever;
-  if (offboard_.active != 0) {
-    decide_at_ = offboard_time_ + config_.offboard_timeout + hal::microseconds(1);
-  }
+  if (offboard_.active != 0) decide_at_ = silent_at + hal::microseconds(1);
   for (const StickHold& hold : holds_) {
     const Time end = hold.released + config_.stick_hold;
     if (hold.ever && end > now) decide_at_ = std::min(decide_at_, end);

@@ -48,8 +48,23 @@ inline constexpr std::uint16_t kYaw = 0x111;
 /// Combines the pilot's sticks and the companion's commands, axis by axis, and holds the failsafe
 /// command. The combination is computed at every receiver frame, every offboard command, and when a
 /// timeout or a stick hold ends, so it is never older than one pass.
+///
+/// A multirotor in the air whose companion is silent keeps the last thrust, level, for OFFBOARD_HOLD.
+/// With T the thrust in force, from stick or companion, and T_f that of FAILSAFE_THR, at which the vehicle
+/// sinks slowly, it is
+///
+///     in the air      after T > T_f for 1 s, or when armed in the air                          (1)
+///     on the ground   after T <= T_f / 2 for 1 s, when armed on the ground, or disarmed        (2)
+///
+/// A thrust of T_f / 2 or less is not kept: from there on no hold begins on a vehicle that has landed.
+/// Between its touchdown and then, a hold prolongs what the companion commanded on the ground, which is
+/// less than the weight unless it takes off again. No sensor is used: in a flight a barometer drifts by
+/// more than the heights that matter here, and not every vehicle has a range sensor.
 class CommandManager {
  public:
+  /// For so long the thrust must satisfy (1) or (2).
+  static constexpr Time kFlightChange = hal::milliseconds(1000);
+
   struct Config {
     bool fixed_wing{false};
     std::uint8_t throttle_axis{2};  ///< RC_F_AXIS: the axis, 0..2, of the throttle stick.
@@ -62,6 +77,7 @@ class CommandManager {
     Time stick_hold{hal::milliseconds(1000)};  ///< From the release of the stick.
     bool take_min_throttle{true};
     Time offboard_timeout{hal::milliseconds(100)};
+    Time offboard_hold{};  ///< OFFBOARD_HOLD; 0: none.
     float failsafe_throttle{-1.0f};
     bool companion_in_failsafe{false};  ///< FAILSAFE_OFFBRD: see update().
     bool fixed_wing_holds{false};       ///< FW_ANGLE_HOLD: see hold_angles().
@@ -101,8 +117,9 @@ class CommandManager {
   /// @param factor  1 or more.
   void set_throttle_factor(float factor);
 
-  /// Stores an admitted command. Masked axes are inactive; after the timeout all are. An inactive
-  /// axis follows the pilot, or is 0 where the pilot has no command for it.
+  /// Stores an admitted command. Masked axes are inactive; after the timeout, and the hold if there
+  /// is one, all are. An inactive axis follows the pilot, or is 0 where the pilot has no command for
+  /// it.
   /// @param thrust_fraction  total thrust of the command, 0..1 of the motors' maximum; used only in
   ///                         pass-through, where the axes do not show it.
   void take_offboard(Time now, const link::OffboardControl& command, float thrust_fraction);
@@ -110,6 +127,11 @@ class CommandManager {
   bool set_offboard(Time now, const link::OffboardControl& command, float thrust_fraction);
   /// Discards every offboard command, as on arming on the ground.
   void forget_offboard();
+
+  /// From now on the motors turn. @param in_air  the vehicle is in the air already.
+  void arm(Time now, bool in_air);
+  /// From now on the vehicle counts as on the ground.
+  void disarm();
 
   /// Once per pass. While the receiver is lost (`failsafe`) the failsafe command is in force. With
   /// companion_in_failsafe the companion goes on instead, as long as its roll, pitch, yaw and
@@ -128,6 +150,8 @@ class CommandManager {
   std::uint16_t primary_axes() const { return primary_axes_; }
   /// The failsafe command is in force.
   bool in_failsafe() const { return in_failsafe_; }
+  /// By (1) and (2); always false while disarmed.
+  bool in_air() const { return in_air_; }
 
  private:
   struct StickHold {
@@ -143,6 +167,11 @@ class CommandManager {
   float torque_share() const;
   void combine();
   void hold_angles();
+  float thrust(const CommandVector& command) const;
+  float sinking_thrust() const;
+  void watch_flight(Time now);
+  bool may_hold(bool failsafe) const;
+  void hold_level();
 
   static constexpr std::size_t kModes = 3;
   using Limits = std::array<float, kAxes>;
@@ -160,7 +189,8 @@ class CommandManager {
   CommandVector combined_{};
   std::array<StickHold, 3> holds_{};
   Time offboard_time_{};
-  Time decide_at_{};  ///< Next time at which a timeout or a hold ends.
+  Time decide_at_{};      ///< Next time at which a timeout or a hold ends.
+  Time flight_agreed_{};  ///< When the thrust in force last agreed with in_air_.
   float throttle_factor_{1.0f};
   float offboard_throttle_{0.0f};  ///< The last one commanded, also if masked or timed out since.
   float offboard_thrust_fraction_{0.0f};
@@ -169,6 +199,8 @@ class CommandManager {
   bool offboard_new_{false};
   bool in_failsafe_{false};
   bool decided_{false};
+  bool armed_{false};
+  bool in_air_{false};
 };
 
 }  // namespace rosflight::core

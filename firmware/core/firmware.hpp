@@ -167,7 +167,6 @@ class Firmware {
   link::Codec& codec_;
   Log log_;
   Parameters parameters_;
-  float max_thrust_N_{1.0f};  ///< Max thrust of all motors, by parameters and density.
   ParameterStore store_;
   StateMachine state_;
   Sensors sensors_;
@@ -188,6 +187,7 @@ class Firmware {
   std::array<std::uint32_t, 3> reported_losses_{};  ///< Frames in and out, texts.
   std::array<bool, kAidCount> reported_silent_{};
   std::uint16_t reported_sensor_errors_{0};
+  float max_thrust_N_{1.0f};  ///< Max thrust of all motors, by parameters and density.
   RateLimit sensor_texts_{hal::milliseconds(10000)};
   RateLimit loss_texts_{hal::milliseconds(10000)};
   hal::RcFrame rc_frame_{};  ///< The newest; a member so that a pass without one need not clear it.
@@ -198,8 +198,8 @@ class Firmware {
   Time powered_{Time::min() / 2};         ///< Fixed wing: last time with a motor above idle.
   Time disarmed_{};                       ///< When it was disarmed with motors above idle.
   Time test_until_{};                     ///< When the motor test ends.
+  std::size_t next_check_{kCheckCount};   ///< Next line of the report on checks.
   CrashRecord::Ages rearm_ages_ms_{CrashRecord{}.rearm_age_ms};  ///< At the start.
-  std::size_t next_check_{kCheckCount};  ///< Next line of the report on checks.
   float test_value_{0.0f};
   std::int8_t test_motor_{-1};
   bool holding_idle_{false};

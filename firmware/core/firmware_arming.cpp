@@ -134,6 +134,7 @@ void Firmware::armed_now(Actions actions, Time now) {
   stop_reported_ = rearm_in_air_ = false;
   holding_idle_ = !in_air;
   idle_until_ = now + kIdleFirst;
+  command_.arm(now, in_air);
   if (!in_air) {
     powered_ = Time::min() / 2;
     command_.forget_offboard();
@@ -147,6 +148,7 @@ void Firmware::disarmed_now(Time now) {
   rearm_in_air_ = above_idle();
   disarmed_ = now;
   learned_.reset();
+  command_.disarm();
   motor_stop_.reset();
   holding_idle_ = false;
   stop_motors();

@@ -108,6 +108,7 @@ CommandManager::Config command_settings(const Parameters& p, const Rc& rc, bool 
   c.take_min_throttle = p.get_bool(Param::kTakeMinThr);
   c.offboard_timeout = hal::milliseconds(p.get_int(Param::kOffboardTimeout));
   c.failsafe_throttle = p.get_float(Param::kFailsafeThr);
+  c.offboard_hold = hal::milliseconds(p.get_int(Param::kOffboardHold));
   c.companion_in_failsafe = p.get_bool(Param::kFailsafeOffbrd);
   c.fixed_wing_holds = c.fixed_wing && p.get_bool(Param::kFwAngleHold);
   c.override_whole = override_whole;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Flies every row of docs/faults.md.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -291,17 +292,60 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Radio,
                          ::testing::Values(RadioFault{"rc_silence", 0.225},
                                            RadioFault{"rc_frame_loss", 0.125}));
 
-TEST(Faults, CutLinkHandsOverToThePilotThenTheMissionGoesOn) {
-  Rig rig(Rig::with_faults({"link_cut@20:3"}));
+/// OFFBOARD_HOLD [ms]: that of the vehicle file, and that of ROSflight 2.x.
+class CutLink : public ::testing::TestWithParam<int> {};
+TEST_P(CutLink, HandsOverToThePilotThenTheMissionGoesOn) {
+  FlightChoice choice = Rig::with_faults({"link_cut@20:3"});
+  choice.overrides = {fmt::format("firmware.OFFBOARD_HOLD={}", GetParam())};
+  Rig rig(choice);
   rig.run_until(kFault_s);
-  EXPECT_LE(time_until(rig, 1.0, [&] { return !rig.firmware().command().offboard_active(); }),
-            0.115);
-  EXPECT_EQ(rig.firmware().command().primary_axes() & 0x3FU, 0x3FU);
+  const auto& command = rig.firmware().command();
   const double height_m = rig.height_m();
+  EXPECT_LE(time_until(rig, 1.0, [&] { return command.combined().value[3] == 0.0F; }), 0.115);
+  EXPECT_EQ(command.offboard_active(), GetParam() > 0) << "level";
+  EXPECT_LE(time_until(rig, 2.0, [&] { return !command.offboard_active(); }),
+            1e-3 * GetParam() + 0.005);
+  EXPECT_EQ(command.primary_axes() & 0x3FU, 0x3FU);
   rig.run_until(kFault_s + 3.0);
   EXPECT_LT(std::abs(rig.height_m() - height_m), 2.0);
   rig.flight->run();
   EXPECT_TRUE(rig.completed());
+}
+INSTANTIATE_TEST_SUITE_P(Holds, CutLink, ::testing::Values(1200, 0));
+
+/// A second without commands, in each phase, with a pilot who only looks on.
+class StalledCompanion : public ::testing::TestWithParam<double> {};
+TEST_P(StalledCompanion, NeedsNoPilot) {
+  FlightChoice choice = Rig::with_faults({fmt::format("companion_stall@{}:1", GetParam())});
+  choice.pilot = "idle";
+  Rig rig(choice);
+  rig.flight->run();
+  EXPECT_EQ(rig.flight->score().outcome, Outcome::kMissionDone) << rig.flight->score().verdict;
+}
+INSTANTIATE_TEST_SUITE_P(Moments, StalledCompanion, ::testing::Values(7.0, 8.0, 20.0, 26.5, 46.0));
+
+/// Cut just after arming, when guidance commands the thrust of the take-off: idle as without OFFBOARD_HOLD.
+TEST(Faults, ALinkCutBeforeLiftOffLeavesTheVehicleOnTheGround) {
+  FlightChoice choice;
+  choice.pilot = "idle";
+  Rig armed(choice);
+  ASSERT_TRUE(armed.reach(Stage::kFly));
+  const double cut_s = sim::to_seconds(armed.flight->now()) + 0.05;
+  for (const int duration_s : {3, 8}) {
+    choice.faults = {fmt::format("link_cut@{:.4f}:{}", cut_s, duration_s)};
+    Rig rig(choice);
+    rig.run_until(cut_s);
+    EXPECT_GT(rig.firmware().command().combined().value[2], 0.3F) << "it would lift off";
+    const double stands_m = rig.height_m();
+    double highest_m = stands_m;
+    while (rig.flight->now() < at_s(cut_s + duration_s)) {
+      highest_m = std::max(highest_m, rig.height_m());
+      rig.flight->step();
+    }
+    EXPECT_LT(highest_m - stands_m, 0.05) << duration_s;
+    rig.flight->run();
+    EXPECT_EQ(rig.flight->score().outcome, Outcome::kMissionDone) << rig.flight->score().verdict;
+  }
 }
 
 TEST(Faults, CutLinkForGoodEndsTheFlight) {

@@ -21,7 +21,7 @@ std::string problem_of(const std::vector<std::string>& words) {
 }
 
 TEST(ParameterInfo, EveryDefaultIsAllowedAndSentinelsStandApart) {
-  ASSERT_EQ(parameter_infos().size(), 343U);
+  ASSERT_EQ(parameter_infos().size(), 344U);
   for (const ParameterInfo& info : parameter_infos()) {
     EXPECT_TRUE(info.allows(info.initial)) << info.name;
     EXPECT_TRUE(companion::make_name(info.name)) << info.name;

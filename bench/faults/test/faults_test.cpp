@@ -61,6 +61,7 @@ TEST(FaultRules, ACrashIsAllowedForTheReasonsOnTheListOnly) {
   EXPECT_EQ(rule_of(multirotor("gyro_step_z=0.1")), Rule::kNone);
   EXPECT_EQ(rule_of(multirotor("link_cut:3", "idle")), Rule::kPilotHasIt);
   EXPECT_EQ(rule_of(multirotor("link_cut:3", "hover")), Rule::kNone);
+  EXPECT_EQ(rule_of(multirotor("companion_stall:1", "idle")), Rule::kNone);
   EXPECT_EQ(rule_of(fixedwing("link_cut:3")), Rule::kNone);
   EXPECT_EQ(rule_of(fixedwing("gnss", "servo2_stuck")), Rule::kPitchSurface)
       << "the second of a pair";
@@ -76,6 +77,7 @@ TEST(FaultRules, ANearlyEmptyBatteryExplainsNoHardLanding) {
 TEST(FaultRules, WhatNeedsTheMissionIsNotExplainedByASoftLanding) {
   EXPECT_TRUE(explained(multirotor("gnss:20"), Class::kMissionDone));
   EXPECT_FALSE(explained(multirotor("gnss:20"), Class::kLandedElsewhere));
+  EXPECT_FALSE(explained(multirotor("companion_stall:1", "idle"), Class::kLandedElsewhere));
   EXPECT_TRUE(explained(multirotor("gnss"), Class::kLandedElsewhere));
   EXPECT_FALSE(explained(multirotor("gnss"), Class::kTimeout));
   EXPECT_FALSE(explained(multirotor("gnss"), Class::kHardLanding));

@@ -43,6 +43,7 @@ TEST(FirmwareProperties, RandomFlightsReachWhatTheyAreAbout) {
   EXPECT_GE(c.failsafe_passes, 3'000u);
   EXPECT_GE(c.offboard_passes, 30'000u);
   EXPECT_GE(c.companion_in_failsafe_passes, 50u);
+  EXPECT_GE(c.hold_passes, 500u);
   EXPECT_GE(c.armed_on_ground, 200u);
   EXPECT_GE(c.disarmed, 100u);
   EXPECT_GE(c.armed_after_fault, 10u);

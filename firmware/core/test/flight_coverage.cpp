@@ -12,6 +12,7 @@ void Coverage::add(const Coverage& o) {
   failsafe_passes += o.failsafe_passes;
   offboard_passes += o.offboard_passes;
   companion_in_failsafe_passes += o.companion_in_failsafe_passes;
+  hold_passes += o.hold_passes;
   armed_on_ground += o.armed_on_ground;
   armed_in_air += o.armed_in_air;
   armed_after_fault += o.armed_after_fault;
@@ -39,15 +40,15 @@ std::string Coverage::report() const {
   std::ostringstream out;
   out << passes << " passes, armed " << armed_passes << ", failsafe " << failsafe_passes
       << ", offboard " << offboard_passes << ", companion in failsafe "
-      << companion_in_failsafe_passes << "\narmed on the ground " << armed_on_ground
-      << ", in the air " << armed_in_air << ", after a fault " << armed_after_fault << "; disarmed "
-      << disarmed << ", calibrations left " << calibrations_left << ", motor tests " << motor_tests
-      << ", passes that write " << saves << ", restarts " << restarts << "\nreceiver lost armed "
-      << receiver_lost_armed << ", IMU lost armed " << imu_lost_armed << ", auxiliary motors "
-      << auxiliary_motor_passes << ", foreign messages " << foreign_messages
-      << ", parameter messages " << parameter_changes << "\nlongest pass: " << longest_messages
-      << " messages, " << longest_bytes_read << " B read, " << longest_bytes_encoded
-      << " B encoded\nstates";
+      << companion_in_failsafe_passes << ", held " << hold_passes << "\narmed on the ground "
+      << armed_on_ground << ", in the air " << armed_in_air << ", after a fault "
+      << armed_after_fault << "; disarmed " << disarmed << ", calibrations left "
+      << calibrations_left << ", motor tests " << motor_tests << ", passes that write " << saves
+      << ", restarts " << restarts << "\nreceiver lost armed " << receiver_lost_armed
+      << ", IMU lost armed " << imu_lost_armed << ", auxiliary motors " << auxiliary_motor_passes
+      << ", foreign messages " << foreign_messages << ", parameter messages " << parameter_changes
+      << "\nlongest pass: " << longest_messages << " messages, " << longest_bytes_read
+      << " B read, " << longest_bytes_encoded << " B encoded\nstates";
   for (const auto n : in_state) out << ' ' << n;
   out << "\ntransitions";
   for (std::size_t k = 0; k < kStateCount; ++k) {

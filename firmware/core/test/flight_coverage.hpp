@@ -22,6 +22,7 @@ struct Coverage {
   std::uint64_t passes{};
   std::uint64_t armed_passes{}, failsafe_passes{}, offboard_passes{};
   std::uint64_t companion_in_failsafe_passes{};  ///< FAILSAFE_OFFBRD: it went on.
+  std::uint64_t hold_passes{};                   ///< OFFBOARD_HOLD: level, without a companion.
   std::uint64_t armed_on_ground{}, armed_in_air{}, armed_after_fault{}, disarmed{};
   std::uint64_t imu_lost_armed{}, receiver_lost_armed{}, auxiliary_motor_passes{};
   std::uint64_t calibrations_left{}, saves{}, restarts{}, foreign_messages{}, parameter_changes{};

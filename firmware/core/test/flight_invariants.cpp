@@ -21,6 +21,7 @@ constexpr Time kMotorTestTime = hal::milliseconds(300);
 constexpr float kMotorTestLimit = 0.3f;
 constexpr Time kHoldIdle = hal::milliseconds(500);
 constexpr Time kInAir = hal::milliseconds(1000);
+constexpr Time kLiftOff = hal::milliseconds(1000);
 constexpr Time kCompanionSilence = hal::milliseconds(1000);
 constexpr int kStuck = 20;
 constexpr Time kImuLatch = hal::milliseconds(1000);
@@ -381,14 +382,24 @@ void FlightInvariants::check_receiver(const WatchedFirmware& watched) {
 void FlightInvariants::check_companion(const WatchedFirmware& watched) {
   const Firmware& f = watched.firmware();
   const CommandManager& c = f.command();
-  const auto timeout = hal::milliseconds(f.parameters().get_int(Param::kOffboardTimeout));
-  if (now_ - offboard_ > timeout && parameters_changed_ != now_) {
-    if (c.offboard_active()) fail("offboard_timeout", "offboard is still active");
-    for (std::size_t k = 6; k < kAxes && !c.in_failsafe(); ++k) {
-      if (c.combined().value[k] != 0.0f) {
-        fail("offboard_timeout", words("free axis ", k, " still at ", c.combined().value[k]));
-      }
-    }
+  const Parameters& p = f.parameters();
+  const auto timeout = hal::milliseconds(p.get_int(Param::kOffboardTimeout));
+  const auto hold =
+      hal::milliseconds(p.get_bool(Param::kFixedWing) ? 0 : p.get_int(Param::kOffboardHold));
+  const bool late = now_ - offboard_ > timeout && parameters_changed_ != now_;
+  for (std::size_t k = 3; k < kAxes && late; ++k) {
+    const bool pilot = k < 6 && (static_cast<unsigned>(c.primary_axes()) >> k & 1u) != 0;
+    if (pilot || c.in_failsafe() || c.combined().value[k] == 0.0f) continue;
+    fail(k < 6 ? "offboard_level" : "offboard_timeout",
+         words("axis ", k, " still at ", c.combined().value[k]));
+  }
+  const bool holds = late && c.offboard_active();
+  if (holds) ++coverage_.hold_passes;
+  if (holds && now_ - offboard_ > timeout + hold) fail("offboard_timeout", "still active");
+  const bool just_armed = on_ground_ && now_ - armed_at_ < kLiftOff;
+  if (holds && (!f.state().armed() || f.state().failsafe() || just_armed)) {
+    fail("offboard_hold_in_flight", words("armed ", f.state().armed(), ", just ", just_armed,
+                                          ", failsafe ", f.state().failsafe()));
   }
   // Outputs follow when they are written next; without an IMU the motors stop for another reason.
   const bool silent = now_ - companion_ > kCompanionSilence;

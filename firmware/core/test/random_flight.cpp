@@ -57,6 +57,7 @@ RandomFlight::RandomFlight(std::uint64_t seed, Without without) : seed_{seed}, p
   Random choice{~seed};  // its own, so that the flights are what they were before there was one
   companion_in_failsafe_ = choice.chance(0.5f);
   hands_off_ = companion_in_failsafe_ && choice.chance(0.7f);
+  companion_held_ = choice.chance(0.5f);
   enter(Phase::kRest, 100, 600);
 }
 
@@ -73,13 +74,15 @@ void RandomFlight::choose_ingredients(Without without) {
 }
 
 void RandomFlight::configure(Parameters& p) const {
-  set(p, "FAILSAFE_THR", 0.3f);
   set(p, "ACC_Z_BIAS", 0.001f);
   set(p, "GYRO_X_BIAS", 1e-6f);
   set(p, "RC_NUM_CHN", std::int32_t{8});
   set(p, "TAKE_MIN_THR", std::int32_t{take_min_throttle_});
   set(p, "ARM_CAL_GYRO", std::int32_t{calibrate_gyro_});
   set(p, "FAILSAFE_OFFBRD", std::int32_t{companion_in_failsafe_});
+  // The companion commands 0.2 at least: enough to fly with the smaller one.
+  set(p, "FAILSAFE_THR", companion_held_ ? 0.15f : 0.3f);
+  set(p, "OFFBOARD_HOLD", companion_held_ ? std::int32_t{300} : std::int32_t{0});
   if (arm_switch_) set(p, "RC_ARM_CHN", static_cast<std::int32_t>(kArmChannel));
   switch (vehicle_) {
     case Vehicle::kQuadrotor:
@@ -119,6 +122,7 @@ std::string RandomFlight::description() const {
   text += arm_switch_ ? ", arm switch" : ", sticks";
   if (calibrate_gyro_) text += ", ARM_CAL_GYRO";
   if (companion_in_failsafe_) text += ", FAILSAFE_OFFBRD";
+  if (companion_held_) text += ", OFFBOARD_HOLD";
   text += ", pass " + std::to_string(pass_.count()) + " us, IMU " +
           std::to_string(imu_period_.count()) + " us, receiver " +
           std::to_string(rc_period_.count()) + " us; with";

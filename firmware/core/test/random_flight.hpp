@@ -127,7 +127,8 @@ class RandomFlight {
   bool calibrate_gyro_{false};
   bool take_min_throttle_{true};
   bool companion_in_failsafe_{false};
-  bool hands_off_{false};  ///< Sticks centred in flight: the axes are the companion's.
+  bool companion_held_{false};  ///< OFFBOARD_HOLD.
+  bool hands_off_{false};       ///< Sticks centred in flight: the axes are the companion's.
   Time pass_{};
   Time jitter_{};
   Time imu_period_{};
