@@ -13,7 +13,7 @@ from sim_rig import LATCHED, VEHICLE
 
 FENCE_M = 6.0  # less than the first waypoint of missions/default.yaml, 8 m north
 # The levels of the charge, so high that the flight needs no minutes.
-LEVELS = "  battery: {warn_charge: 0.97, return_charge: 0.93, land_charge: 0.2}\n"
+LEVELS = "  battery: {warn_charge: 0.985, return_charge: 0.97, land_charge: 0.2}\n"
 
 
 @pytest.fixture(scope="module")
