@@ -153,10 +153,11 @@ void Guidance::update_phase(const Input& in) {
   failsafe_ = failsafe;
   if (failsafe) blind_s_ += out_.dt_s;
   const bool new_list = to == Phase::kMission && !phase_path_.path().started();
+  // Whether a take-off has left the ground meanwhile is known only once the gap is bridged.
+  const bool unknown = to == Phase::kTakeoff && in.state.bridging;
   if (to != out_.phase || new_list) {
     enter(to, in);
-  } else if ((pilot_ || interrupted_) && !(to == Phase::kTakeoff && in.state.bridging)) {
-    // Whether a take-off has left the ground meanwhile is known only once the gap is bridged.
+  } else if ((pilot_ || interrupted_) && !unknown) {
     phase_path_.restart(to, path_input(in));
   }
   out_.request_disarm = out_.phase == Phase::kLanded;
