@@ -112,9 +112,11 @@ test('in a flight each surface does what the companion commands: roll right, pit
     assert.equal(angles.get('left aileron')! + angles.get('right aileron')!, 0);
     const shown = [angles.get('left aileron')! / travel, -(right + left), -(right - left)]; // roll right, pitch up, yaw right
     shown.forEach((value, k) => {
-      const wanted = command.column(`u[${3 + k}]`)![row]!;
+      const commands = command.column(`u[${3 + k}]`)!;
+      const wanted = commands[row]!;
       off[k]!.push(value - wanted);
-      if (Math.abs(wanted) > 0.25) assert.ok(value * wanted > 0, `${t} s, axis ${k}: ${value} for ${wanted}`);
+      const turned = !(commands[row - 1]! * wanted > 0); // a nose that is raised: not through link and mixer yet
+      if (Math.abs(wanted) > 0.25 && !turned) assert.ok(value * wanted > 0, `${t} s, axis ${k}: ${value} for ${wanted}`);
     });
   }
   // The log has every other command, and one takes some milliseconds through link and mixer.
