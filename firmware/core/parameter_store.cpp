@@ -107,7 +107,9 @@ void ParameterStore::take(std::size_t k, const std::uint8_t* entry, const Readin
   std::memcpy(name.data(), entry, name.size());
   // Usually the same firmware wrote the set, in the order of the table.
   const bool in_order = k < kParamCount && Parameters::row(static_cast<Param>(k)).name == name;
-  const std::size_t found = in_order ? k : Parameters::find(name);
+  // Where a set was cut off nothing is written, and nothing is searched for.
+  const bool named = name[0] != '\0' && name[0] != '\xFF';
+  const std::size_t found = in_order ? k : (named ? Parameters::find(name) : kParamCount);
   const SetResult result =
       found == kParamCount ? SetResult::kWrongType
                            : reading.loaded->set_bits(static_cast<Param>(found), entry[name.size()],

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
+#include <limits>
 #include <rosflight_msgs/msg/battery_status.hpp>
 #include <rosflight_msgs/msg/fence.hpp>
 #include <std_msgs/msg/string.hpp>
@@ -102,10 +103,8 @@ class PathManagerNode : public rclcpp::Node {
           path_.configure(in_force(config_.path));
         });
     batteries_ = create_subscription<BatteryStatus>(
-        "battery", rosflight_common::stream(), [this](BatteryStatus::ConstSharedPtr message) {
-          limits_input_.take(*message,
-                             rosflight_common::received_at(*this, message->header.stamp).seconds());
-        });
+        "battery", rosflight_common::stream(),
+        [this](BatteryStatus::ConstSharedPtr message) { limits_input_.take(*message, state_s_); });
     fences_ = rosflight_common::create_latched_subscription<Fence>(
         *this, rosflight_common::kFenceTopic, 1, [this](Fence::ConstSharedPtr message) {
           if (!limits_input_.take(*message)) return;
@@ -221,7 +220,7 @@ class PathManagerNode : public rclcpp::Node {
     if (phase != kTakeoff) return;
     home_W_ = place_W_;
     limits_.start(config_.battery, limits_input_.fence());
-    const std::string unknown = limits_input_.not_judged(now().seconds());
+    const std::string unknown = limits_input_.not_judged(state_s_);
     if (!unknown.empty()) RCLCPP_WARN(get_logger(), "%s", unknown.c_str());
     if (!returning_) mission_ = path_.waypoints();
     returning_ = false;
@@ -238,6 +237,7 @@ class PathManagerNode : public rclcpp::Node {
     }
     const autonomy::multirotor::State state = state_of(message);
     const double t_s = rosflight_common::seconds(message.header);
+    state_s_ = t_s;
     if (t_s < last_s_ - kBack_s) last_s_ = t_s - 1.0;  // the clock was set back
     const bool good =
         state.p_W.allFinite() && state.v_W.allFinite() && state.q_WB.coeffs().allFinite();
@@ -269,7 +269,7 @@ class PathManagerNode : public rclcpp::Node {
   void judge(double dt_s) {
     if (!phase_.flying()) return;
     autonomy::Status status;
-    limits_input_.fill(now().seconds(), status);
+    limits_input_.fill(state_s_, status);
     autonomy::Vector3 from_start_W = autonomy::Vector3::Constant(std::nan(""));
     if (home_W_) from_start_W = *place_W_ - *home_W_;
     autonomy::FlightEvents events;
@@ -291,7 +291,7 @@ class PathManagerNode : public rclcpp::Node {
   }
 
   void report(autonomy::FlightEventType type) {
-    const std::string text = limits_input_.text(type, now().seconds(), limits_.battery().charge());
+    const std::string text = limits_input_.text(type, state_s_, limits_.battery().charge());
     if (type == autonomy::FlightEventType::kBatteryLand) {
       RCLCPP_ERROR(get_logger(), "%s", text.c_str());
     } else {
@@ -336,6 +336,8 @@ class PathManagerNode : public rclcpp::Node {
   autonomy::multirotor::FlightConfig config_;
   rosflight_common::LiveParameters<PathConfig> parameters_;
   rosflight_common::LimitsInput limits_input_;
+  /// Stamp of the latest State [s]: the only time that this node knows.
+  double state_s_{-std::numeric_limits<double>::infinity()};
   autonomy::FlightLimits limits_;
   FlightPhase phase_;
   PathManager path_;
