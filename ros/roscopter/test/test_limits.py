@@ -31,9 +31,8 @@ def to(north):
 class InFlight(Path):
     """On its way from START to a waypoint 60 m north of it; the controller is this peer."""
 
-    def __init__(self, peer, process):
-        self.landings, self.process = [], process
-        self.phase = peer.publisher(String, "flight_phase", LATCHED)
+    def __init__(self, peer, process, phases):
+        self.landings, self.process, self.phase = [], process, phases
         self.fence = peer.publisher(Fence, "mission/fence", LATCHED)
         self.battery = peer.publisher(BatteryStatus, "battery")
         self.cell = 4.0
@@ -47,7 +46,9 @@ class InFlight(Path):
         peer.poll(self.battery.get_subscription_count, "a subscription of battery")
         self.waypoints.publish(to(61))
         self.until_listed(1)
-        self.step()
+        for _ in range(20):  # it knows battery and place before it takes off
+            self.step()
+            time.sleep(0.02)
         self.enter("takeoff")
         peer.poll(lambda: self.back().message == "found no path in flight, allowed on one", "the take-off")
         self.enter("offboard")
@@ -82,7 +83,7 @@ def in_flight(peer, **parameters):
     phases = peer.publisher(String, "flight_phase", LATCHED)
     phases.publish(String(data="disarmed"))
     with copter("path_manager", **parameters) as process:
-        yield InFlight(peer, process)
+        yield InFlight(peer, process, phases)
 
 
 def test_outside_of_the_fence_it_returns_to_the_take_off_and_lands(peer):
