@@ -69,18 +69,18 @@ LevelSink::Output LevelSink::land(double dt_s, bool at_ground) {
 /// Starts and ends the unloading of a vehicle that Landing cannot see the ground for.
 void LevelSink::watch_ground(const RawMotion& raw, double dt_s) {
   constexpr double kContact_s = 0.4;
-  constexpr double kStill_m = 0.5;
-  constexpr double kStill_s = 3.0;
+  constexpr double kStands_m = 0.5;
+  constexpr double kStands_s = 3.0;
   if (raw.baro_up_m) {
     const double moved_m = *raw.baro_up_m - still_up_m_;
     still_s_ += dt_s;
-    if (std::abs(moved_m) > kStill_m) {
+    if (std::abs(moved_m) > kStands_m) {
       still_s_ = 0.0;
       still_up_m_ = *raw.baro_up_m;
       unloads_ = unloads_ && moved_m > 0.0;  // it falls: that was no ground
     }
   }
-  unloads_ = unloads_ || at_ground_s_ > kContact_s || (by_baro() && still_s_ > kStill_s);
+  unloads_ = unloads_ || at_ground_s_ > kContact_s || (by_baro() && still_s_ > kStands_s);
 }
 
 LevelSink::Output LevelSink::sink(const RawMotion& raw, double dt_s) {
