@@ -224,8 +224,7 @@ def test_the_follower_obeys_its_gains_and_stops_when_set_points_do(peer):
         states.publish(state(ns))
         time.sleep(0.2)
         assert not received, "nothing before the first setpoint"
-        followed(0.5)
-        peer.poll(lambda: (states.publish(state(ns)), received)[1], "the first command")
+        peer.poll(lambda: (followed(0.5), states.publish(state(ns)), received)[2], "the first command")
 
         def until_pitch(acceleration):
             pitch, thrust = -math.atan(acceleration / GRAVITY), MASS * math.hypot(acceleration, GRAVITY)
