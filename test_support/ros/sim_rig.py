@@ -62,6 +62,11 @@ class Process:
         assert found(), f"no line with {part!r} in:\n" + "\n".join(self.lines[-40:])
         return found()
 
+    def says(self, part, times=1):
+        """Waits for the lines with `part`, which are so many: what a node does may be seen before the line that reports it."""
+        self.until(part, times)
+        assert sum(part in line for line in self.lines) == times, self.text()
+
     def end(self):
         """Exit code of a program that ends by itself."""
         try:

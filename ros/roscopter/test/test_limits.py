@@ -99,7 +99,7 @@ def test_outside_of_the_fence_it_returns_to_the_take_off_and_lands(peer):
         flight.until(landed, "landing")
         assert 10.0 < farthest < 25.0, "half a second beyond it, then it brakes"
         assert flight.landings[0] == pytest.approx(HOME, abs=1e-3)
-        assert flight.said("outside of the fence: returns (10 m around the start, 50 m high)") == 1
+        flight.process.says("outside of the fence: returns (10 m around the start, 50 m high)")
         assert flight.said("waypoint") == 0, "those of the return are nobody's"
         # Another flight with the same list, and with what was added meanwhile.
         for north in (62, 63):
@@ -115,7 +115,7 @@ def test_a_fence_that_was_there_before_the_flight_counts_too_and_so_does_its_hei
     with in_flight(peer) as flight:
         flight.until(lambda: flight.landings, "landing")
         assert flight.landings[0] == pytest.approx(HOME, abs=1e-3)
-        assert flight.said("outside of the fence: returns") == 1
+        flight.process.says("outside of the fence: returns")
 
 
 def test_a_new_list_ends_the_return_of_a_fence(peer):
@@ -137,7 +137,7 @@ def test_a_battery_is_reported_then_returns_then_lands_where_it_is(peer):
         flight.until(lambda: flight.place[0] > 20.0, "place far from the take-off")
         flight.cell = 3.74
         flight.until(lambda: flight.said("battery low"), "warning")
-        assert flight.said("battery low (3.74 V in each of 6 cells at rest, ") == 1
+        flight.process.says("battery low (3.74 V in each of 6 cells at rest, ")
         north = flight.place[0]
         for _ in range(100):
             flight.step()
@@ -156,8 +156,9 @@ def test_a_battery_is_reported_then_returns_then_lands_where_it_is(peer):
         flight.cell = 3.60
         flight.until(lambda: flight.landings, "landing")
         assert flight.landings[0][0] > START[0] + 2.0, "where it is"
-        assert flight.said("[ERROR]") == flight.said("battery low: lands (3.60 V in each of 6 cells at rest, ") == 1
-        assert flight.said("battery low") == 3
+        flight.process.says("battery low: lands (3.60 V in each of 6 cells at rest, ")
+        assert flight.said("[ERROR]") == 1
+        flight.process.says("battery low", 3)
 
 
 def test_a_low_battery_returns_from_a_hold_too_and_from_where_the_pilot_has_flown_it(peer):
@@ -194,7 +195,7 @@ def test_without_a_take_off_that_was_seen_a_low_battery_lands(peer):
             return landings
         peer.poll(landing, "the landing")
         process.until("battery low: returns")
-        assert "lands: no take-off was seen" in process.text()
+        process.says("lands: no take-off was seen")
 
 
 def test_a_battery_that_is_not_measured_is_named_at_the_take_off(peer):
@@ -234,4 +235,5 @@ def test_a_vehicle_that_another_node_commands_is_landed(peer):
         phases.publish(String(data="offboard"))
         peer.poll(lambda: tick(3.70) or landings, "the landing")
         process.until("battery low: returns")
-        assert "lands: the commands that are flown are not this path's" in process.text() and not setpoints
+        process.says("lands: the commands that are flown are not this path's")
+        assert not setpoints

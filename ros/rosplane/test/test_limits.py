@@ -115,13 +115,13 @@ def test_outside_of_the_fence_it_returns_and_lands_until_there_is_another(peer, 
     world.until_said("fence: 90 m around the start, 120 m high", height=60.0)
     assert {m.phase for m in world.fly(height=60.0)} == {FlightPhase.MISSION}
     world.until_phase(FlightPhase.RETURN, north=150.0, height=60.0)
-    assert world.said("outside of the fence: returns (90 m around the start, 120 m high)") == 1
+    world.process.says("outside of the fence: returns (90 m around the start, 120 m high)")
     world.fence.publish(Fence(radius=900.0, height=120.0))
     world.until_phase(FlightPhase.MISSION, north=150.0, height=60.0)
     world.fence.publish(Fence(radius=120.0, height=120.0))
     world.until_phase(FlightPhase.RETURN, north=150.0, height=60.0)
     world.until_phase(FlightPhase.APPROACH, north=20.0, height=60.0)
-    assert world.said("outside of the fence: returns") == 2
+    world.process.says("outside of the fence: returns", 2)
 
 
 def test_a_battery_is_reported_then_returns_then_lands(peer, manager):
@@ -131,13 +131,14 @@ def test_a_battery_is_reported_then_returns_then_lands(peer, manager):
     assert {m.phase for m in world.fly(**NORTH)} == {FlightPhase.MISSION}
     world.voltage = CELLS * 3.70
     world.until_phase(FlightPhase.RETURN, **NORTH)
-    assert world.said("battery low: returns (3.70 V in each of 6 cells at rest, ") == 1
+    world.process.says("battery low: returns (3.70 V in each of 6 cells at rest, ")
     world.send_list()
     assert {m.phase for m in world.fly(**NORTH)} == {FlightPhase.RETURN}, "no list takes that back"
     world.voltage = CELLS * 3.60
     world.until_phase(FlightPhase.APPROACH, **NORTH)
-    assert world.said("[ERROR]") == world.said("battery low: lands (3.60 V in each of 6 cells at rest, ") == 1
-    assert world.said("battery low") == 3
+    world.process.says("battery low: lands (3.60 V in each of 6 cells at rest, ")
+    assert world.said("[ERROR]") == 1
+    world.process.says("battery low", 3)
 
 
 def test_a_pack_of_other_cells_than_the_vehicle_file_says_does_not_take_off(peer, manager):
@@ -159,4 +160,4 @@ def test_a_battery_that_is_not_measured_is_named_at_the_take_off(peer, manager):
     world = Mission(peer, manager)
     world.voltage = None
     world.take_off()
-    assert world.said("battery: found no voltage: the flight does not end when it is low") == 1
+    world.process.says("battery: found no voltage: the flight does not end when it is low")
