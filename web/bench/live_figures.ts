@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Measures the page and its server on what runs. Usage: node bench/live_figures.ts VIEW SIL. Prints one JSON object.
 //
-// latency_ms: from an attitude sample that leaves the firmware (./rosflight sil, its bytes pass through here) to the animation frame that
-// shows it, less the frame period; the median. server_core_share: processor time of ./rosflight fly --view for each viewer that reads
-// everything, at 60 Hz; with many viewers less with none.
+// latency_ms: from an attitude sample that leaves the firmware (./rosflight sil, its bytes pass through here) to the end of the first
+// picture drawn with it, less the frame period; the median. server_core_share: processor time of ./rosflight fly --view for each viewer
+// that reads everything, at 60 Hz; with many viewers less with none.
 import {spawn, type ChildProcess} from 'node:child_process';
 import {createSocket, type Socket} from 'node:dgram';
 import {readFileSync} from 'node:fs';
@@ -79,21 +79,25 @@ async function latency(): Promise<{latency_ms: number; frame_ms: number}> {
     const scene = window.rosflightScene as unknown as Inside;
     const table = () => scene.flight.tables.get('/attitude')!;
     let next = table().length;
-    const end = performance.now() + 1000 * seconds;
     let before = performance.now();
     const shown: Shown[] = [];
     const periods: number[] = [];
-    const look = () => {
+    // Called in the animation frame that has drawn: the scene counts its pictures in this attribute.
+    const drawn = new MutationObserver(() => {
+      const times = table().times;
+      const x = table().column('attitude.x')!;
+      for (; next < table().length && times[next]! <= scene.time; ++next) shown.push({x: x[next]!, at: performance.timeOrigin + performance.now()});
+    });
+    drawn.observe(document.querySelector('canvas[data-frames]')!, {attributeFilter: ['data-frames']});
+    const end = performance.now() + 1000 * seconds;
+    const count = () => {
       const now = performance.now();
       periods.push(now - before);
       before = now;
-      const times = table().times;
-      const x = table().column('attitude.x')!;
-      for (; next < table().length && times[next]! <= scene.time; ++next) shown.push({x: x[next]!, at: performance.timeOrigin + now});
-      if (now < end) requestAnimationFrame(look);
+      if (now < end) requestAnimationFrame(count);
       else resolve({shown, periods});
     };
-    requestAnimationFrame(look);
+    requestAnimationFrame(count);
   }), SAMPLES_S);
   await browser.close();
   const took = seen.shown.flatMap(({x, at}) => sent.has(Math.fround(x)) ? [at - sent.get(Math.fround(x))!] : []);

@@ -9,6 +9,7 @@ import {path} from '../data/curves.ts';
 import {ESTIMATE, type Flight, type PoseTopic} from '../data/flight.ts';
 import {deflections, surfacesOf, type Surface} from '../data/surfaces.ts';
 import {lastAtOrBefore} from '../data/table.ts';
+import {pictureIsMade} from '../pictures.ts';
 import {attitudeFromNed, fromNed} from './frames.ts';
 import {ground, marker} from './ground.ts';
 import {palette, type Palette} from './palette.ts';
@@ -97,7 +98,9 @@ export class FlightScene {
     this.placeCloud(flight, t);
     this.placeWind(flight, t);
     for (const {trail, times} of this.trails) trail.setEnd(lastAtOrBefore(times, times.length, t));
-    this.ask();
+    // The frame of the browser that sets the time draws it too, not the next.
+    if (pictureIsMade()) this.draw();
+    else this.ask();
   }
 
   setView(view: View) {
@@ -251,13 +254,11 @@ export class FlightScene {
   private ask() {
     if (this.asked) return;
     this.asked = true;
-    requestAnimationFrame(() => {
-      this.asked = false;
-      this.draw();
-    });
+    requestAnimationFrame(() => { if (this.asked) this.draw(); });
   }
 
   private draw() {
+    this.asked = false;
     this.renderer.render(this.scene, this.camera);
     this.renderer.domElement.dataset['frames'] = String(Number(this.renderer.domElement.dataset['frames'] ?? 0) + 1);
   }
