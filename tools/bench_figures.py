@@ -12,7 +12,7 @@ import m7_figures
 import stages
 from bench_programs import (
     counted, estimation_faults_figure, estimation_figure, faults, firmware_pass, fly_runs, fly_wall_s, FUZZ_RUNS, fuzz_runs, inference,
-    link_rate, load, log_share, loop_factor, mission_figure, number, properties, ros_factor, round_trip, scale, seeds_failed, size, wind_limit,
+    link_rate, load, log_share, loop_factor, mission_figure, number, properties, random_faults, ros_factor, round_trip, scale, seeds_failed, size, wind_limit,
     worst_over_mean)
 
 
@@ -80,6 +80,9 @@ def all_figures() -> list[Figure]:
         Figure("faults.flights", "flights", "report", lambda: faults()["flights"], on_request=True),
         Figure("faults.single_unexplained", "flights", "= 0", lambda: faults()["single_unexplained"], on_request=True),
         Figure("faults.pairs_unexplained", "flights", "= 0", lambda: faults()["pairs_unexplained"], on_request=True),
+        Figure("faults.random_flights", "flights", "report", lambda: random_faults()["flights"], on_request=True),
+        Figure("faults.random_unexplained", "flights", "= 0",
+               lambda: sum(random_faults()[f"{name}_unexplained"] for name in ("single", "pairs")), on_request=True),
         Figure("faults.seeds_failed", "flights", "= 0", seeds_failed, on_request=True),
         *m7(),
         *h7(),

@@ -22,6 +22,7 @@ STORM_PASSES = 60
 PROPERTY_FLIGHTS = 25_000  # of 4000 passes each
 ESTIMATION_FAULT_SEEDS = 3
 SEEDS = 5000  # of each vehicle
+RANDOM_FLIGHTS = 500
 
 
 def prepare(preset: str):
@@ -166,6 +167,16 @@ def faults() -> dict:
     printed = run_json([program("faults"), "--text", str(build / "faults.txt"), "--csv", str(build / "faults.csv"),
                         "--page", str(project.ROOT / "docs" / "fault-matrix.md")])
     print((build / "faults.txt").read_text(), flush=True)
+    return printed
+
+
+@functools.cache
+def random_faults() -> dict:
+    """Random flights with faults. How they ended goes to the terminal and to build/random_faults.csv."""
+    build = project.ROOT / "build"
+    printed = run_json([program("faults"), "--random", str(RANDOM_FLIGHTS), "--seed", "1",
+                        "--text", str(build / "random_faults.txt"), "--csv", str(build / "random_faults.csv")])
+    print((build / "random_faults.txt").read_text(), flush=True)
     return printed
 
 

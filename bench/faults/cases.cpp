@@ -109,11 +109,17 @@ const std::vector<Subject>& subjects() {
       {"multirotor",
        false,
        {"armed", "take-off", "hold", "leg", "turn", "landing", "touch"},
-       {"leg", "landing"}},
+       {"leg", "landing"},
+       4,
+       0,
+       6.0},
       {"anaconda",
        true,
        {"roll", "lift", "climb", "leg", "arc", "approach", "flare"},
-       {"leg", "approach"}}};
+       {"leg", "approach"},
+       1,
+       3,
+       5.0}};
   return list;
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,9 @@ struct Subject {
   bool fixed_wing;
   std::vector<const char*> phases;       ///< Phases of the single faults, defined in phases.hpp.
   std::vector<const char*> pair_phases;  ///< Phases of the pairs.
+  unsigned motors;
+  unsigned surfaces;
+  double wind_m_s;  ///< The strongest wind of random flights; within its limit in vehicles/README.md.
 };
 const std::vector<Subject>& subjects();
 
@@ -26,16 +31,22 @@ std::vector<FaultRow> fault_rows(bool fixed_wing);
 /// "imu:0.3" at 12.5 s: "imu@12.5:0.3".
 std::string at_time(const std::string& fault, double t_s);
 
-/// One flight of the campaign.
+/// One flight of the campaign, or a random one.
 struct Case {
   std::size_t subject{};
   std::string pilot;   ///< "hover" or "idle".
   std::string first;   ///< A row of fault_rows().
-  std::string second;  ///< Second fault of a pair, 1 s later; else empty.
-  std::string phase;
+  std::string second;  ///< Second fault of a pair, in the campaign 1 s later; else empty.
+  std::string phase;   ///< Of the first fault. kRandom: that of `moments`.
   /// The receiver's failsafe flies its own command though the companion's commands are fresh.
   bool failsafe_command{};
+  std::uint64_t seed{1};
+  std::string wind{};  ///< As `--wind` takes it; empty: calm.
+  /// When the faults of kRandom begin: 0 is arming, 1 the touchdown of the flight without faults in calm air.
+  std::array<double, 2> moments{};
+  double second_after_s{};  ///< > 0: the second fault begins this long after the first.
 };
+inline constexpr const char* kRandom = "random";
 /// Every flight: singles, then those with the failsafe command, then pairs.
 std::vector<Case> all_cases();
 

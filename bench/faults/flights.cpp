@@ -2,24 +2,21 @@
 #include "bench/faults/flights.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
-#include <atomic>
-#include <exception>
 #include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
-#include <thread>
 #include <tuple>
 
 #include "bench/faults/phases.hpp"
+#include "bench/in_parallel.hpp"
 
 namespace rosflight::bench::faults {
 namespace {
 
+using flight::Flight;
 using flight::FlightSetup;
 using flight::Outcome;
 
@@ -29,6 +26,8 @@ flight::FlightChoice choice_of(const Case& flown) {
   flight::FlightChoice choice;
   choice.vehicle = subjects()[flown.subject].vehicle;
   choice.pilot = flown.pilot;
+  choice.seed = flown.seed;
+  if (!flown.wind.empty()) choice.wind = flown.wind;
   if (flown.failsafe_command) choice.overrides = {kFailsafeCommand};
   return choice;
 }
@@ -48,18 +47,70 @@ Class class_of(const flight::FlightScore& score, bool disarmed) {
   }
 }
 
-/// Set-ups and times of phases, read and flown once for each kind of flight. Of one thread.
+/// What flights have in common whose set-ups differ in their faults alone, in calm air with seed 1.
+using Key = std::tuple<std::size_t, std::string, bool>;
+
+Key key_of(const Case& c) {
+  return {c.subject, c.pilot, c.failsafe_command};
+}
+
+/// The flights without faults of all that these cases need.
+std::map<Key, Phases> fly_without_faults(const std::vector<Case>& cases, unsigned threads) {
+  std::map<Key, Phases> found;
+  for (const Case& c : cases) found.try_emplace(key_of(c));
+  std::vector<std::pair<const Key, Phases>*> list;
+  for (auto& entry : found) list.push_back(&entry);
+  in_parallel(list.size(), threads, [&] {
+    return [&list](std::size_t k) {
+      Case plain;
+      std::tie(plain.subject, plain.pilot, plain.failsafe_command) = list[k]->first;
+      list[k]->second = find_phases(FlightSetup(choice_of(plain)));
+    };
+  });
+  return found;
+}
+
+/// The faults of a case with their times, as `--fault` takes them.
+std::vector<std::string> timed(const Case& wanted, const Phases& phases) {
+  const bool random = wanted.phase == kRandom;
+  const auto at = [&phases](double moment) {
+    return phases.armed_s + moment * (phases.touchdown_s - phases.armed_s);
+  };
+  const double first_s = random ? at(wanted.moments[0]) : phases.begin_s.at(wanted.phase);
+  std::vector<std::string> out{at_time(wanted.first, first_s)};
+  if (wanted.second.empty()) return out;
+  const double after_s = random ? wanted.second_after_s : 1.0;
+  out.push_back(at_time(wanted.second, after_s > 0.0 ? first_s + after_s : at(wanted.moments[1])));
+  return out;
+}
+
+/// Flies cases one after the other; keeps the set-ups of the campaign's flights. Of one thread.
 class Hangar {
  public:
+  explicit Hangar(const std::map<Key, Phases>& phases) : phases_{phases} {}
+
   Flown fly(const Case& wanted) {
-    Prepared& ready = prepared(wanted);
     Flown out;
     out.flight = wanted;
-    const double t_s = ready.phases.at(wanted.phase);
-    out.faults.push_back(at_time(wanted.first, t_s));
-    if (!wanted.second.empty()) out.faults.push_back(at_time(wanted.second, t_s + 1.0));
-    ready.setup->faults = sim::parse_faults(out.faults);
-    const auto flight = std::make_unique<flight::Flight>(*ready.setup);
+    out.faults = timed(wanted, phases_.at(key_of(wanted)));
+    const bool random = wanted.phase == kRandom;
+    std::unique_ptr<FlightSetup> own;
+    if (random) own = std::make_unique<FlightSetup>(choice_of(wanted));
+    FlightSetup& setup = random ? *own : kept(wanted);
+    setup.faults = sim::parse_faults(out.faults);
+    fly(setup, out);
+    if (random && !out.as_asked()) {
+      setup.faults = {};
+      const auto plain = std::make_unique<Flight>(setup);
+      plain->run();
+      out.without_faults = flight::outcome_name(plain->score().outcome);
+    }
+    return out;
+  }
+
+ private:
+  static void fly(const FlightSetup& setup, Flown& out) {
+    const auto flight = std::make_unique<Flight>(setup);
     flight->run();
     const flight::FlightScore score = flight->score();
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -68,64 +119,16 @@ class Hangar {
     out.touchdown_m_s = score.landing.touchdown() ? score.landing.touchdown()->hardest_m_s : kNone;
     out.from_aim_m = score.landing.distance_m(score.limits);
     out.sim_time_s = sim::to_seconds(flight->now());
-    return out;
   }
 
- private:
-  struct Prepared {
-    std::unique_ptr<FlightSetup> setup;
-    PhaseTimes phases;
-  };
-
-  Prepared& prepared(const Case& wanted) {
-    const auto key = std::tuple(wanted.subject, wanted.pilot, wanted.failsafe_command);
-    const auto [entry, fresh] = ready_.try_emplace(key);
-    if (fresh) {
-      entry->second.setup = std::make_unique<FlightSetup>(choice_of(wanted));
-      entry->second.phases = find_phases(*entry->second.setup);
-    }
-    return entry->second;
+  FlightSetup& kept(const Case& wanted) {
+    auto& setup = setups_[key_of(wanted)];
+    if (!setup) setup = std::make_unique<FlightSetup>(choice_of(wanted));
+    return *setup;
   }
 
-  std::map<std::tuple<std::size_t, std::string, bool>, Prepared> ready_;
-};
-
-/// The work that the threads share.
-class Campaign {
- public:
-  Campaign(const std::vector<Case>& cases, const std::function<void(std::size_t)>& progress)
-      : cases_{cases}, progress_{progress}, flown_(cases.size()) {}
-
-  /// Flies until no case is left. A thread that fails ends the others.
-  void work() {
-    try {
-      Hangar hangar;
-      for (std::size_t k = next_++; k < cases_.size() && !stop_; k = next_++) {
-        flown_[k] = hangar.fly(cases_[k]);
-        const std::lock_guard lock(mutex_);
-        progress_(++done_);
-      }
-    } catch (...) {
-      const std::lock_guard lock(mutex_);
-      error_ = std::current_exception();
-      stop_ = true;
-    }
-  }
-
-  std::vector<Flown> result() {
-    if (error_) std::rethrow_exception(error_);
-    return std::move(flown_);
-  }
-
- private:
-  const std::vector<Case>& cases_;
-  const std::function<void(std::size_t)>& progress_;
-  std::vector<Flown> flown_;
-  std::atomic<std::size_t> next_{0};
-  std::atomic<bool> stop_{false};
-  std::mutex mutex_;
-  std::size_t done_{0};
-  std::exception_ptr error_;
+  const std::map<Key, Phases>& phases_;
+  std::map<Key, std::unique_ptr<FlightSetup>> setups_;
 };
 
 }  // namespace
@@ -135,6 +138,8 @@ std::string command(const Flown& flown) {
   std::string out = "./rosflight fly";
   if (c.subject > 0) out += fmt::format(" --vehicle {}", subjects()[c.subject].vehicle);
   if (c.pilot != "hover") out += " --pilot " + c.pilot;
+  if (c.seed != 1) out += fmt::format(" --seed {}", c.seed);
+  if (!c.wind.empty()) out += " --wind " + c.wind;
   if (c.failsafe_command) out += fmt::format(" --set {}", kFailsafeCommand);
   for (const std::string& fault : flown.faults) out += " --fault " + fault;
   return out;
@@ -142,14 +147,18 @@ std::string command(const Flown& flown) {
 
 std::vector<Flown> fly(const std::vector<Case>& cases, unsigned threads,
                        const std::function<void(std::size_t)>& progress) {
-  const unsigned processors = std::max(1U, std::thread::hardware_concurrency());
-  const unsigned wanted = threads == 0 ? processors : threads;
-  Campaign campaign(cases, progress);
-  std::vector<std::thread> helpers;
-  for (unsigned k = 1; k < wanted; ++k) helpers.emplace_back([&campaign] { campaign.work(); });
-  campaign.work();
-  for (std::thread& helper : helpers) helper.join();
-  return campaign.result();
+  const std::map<Key, Phases> phases = fly_without_faults(cases, threads);
+  std::vector<Flown> flown(cases.size());
+  std::mutex mutex;
+  std::size_t done = 0;
+  in_parallel(cases.size(), threads, [&] {
+    return [&, hangar = std::make_shared<Hangar>(phases)](std::size_t k) {
+      flown[k] = hangar->fly(cases[k]);
+      const std::lock_guard lock(mutex);
+      progress(++done);
+    };
+  });
+  return flown;
 }
 
 }  // namespace rosflight::bench::faults

@@ -17,14 +17,15 @@ struct Flown {
   double touchdown_m_s{};  ///< NaN: none.
   double from_aim_m{};     ///< NaN: none.
   double sim_time_s{};
+  std::string without_faults;  ///< Outcome of an unexplained random flight flown without its faults.
   bool as_asked() const { return explained(flight, ended); }
 };
 
-/// The command that flies this again.
+/// The command that flies this again, equal to the bit.
 std::string command(const Flown& flown);
 
 /// Flies all cases, several at once, in this process and without logs. The result is that of flying
-/// one after the other, in the order of the cases.
+/// one after the other, in the order of the cases. An unexplained random flight is flown again without its faults.
 /// @param threads   0: one for each processor.
 /// @param progress  called now and then with the number of flights done, by one thread at a time.
 std::vector<Flown> fly(const std::vector<Case>& cases, unsigned threads,

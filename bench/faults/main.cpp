@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Flies the fault campaign and prints its figures as one JSON object; the matrix goes to files.
 //
-// usage: faults [--quarter] [--text FILE] [--csv FILE] [--page FILE] [--compare PAGE] [--threads N]
-//               [--only WORD]...
+// usage: faults [--quarter] [--page FILE] [--compare PAGE] [--only WORD]... [COMMON]
+//        faults --random N [--seed S] [--wind SPEED,FROM_DEG,GUST] [COMMON]
+// COMMON: [--text FILE] [--csv FILE] [--threads N]
 //   --quarter  every fourth flight, for continuous integration
 //   --compare  the cells that were flown have to be those of this page
 //   --only     flights whose vehicle, phase or fault has this name; all that are given must fit
+//   --random   N flights with drawn vehicles, pilots, faults, moments, seeds and winds (random_cases.hpp)
+//   --seed     of the series of random flights (1)
+//   --wind     of all random flights instead of a drawn one
+#include <charconv>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <fstream>
@@ -15,8 +21,10 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
+#include "bench/faults/random_cases.hpp"
 #include "bench/faults/report.hpp"
 
 namespace {
@@ -28,7 +36,32 @@ struct Options {
   std::optional<std::string> text, csv, page, compare;
   unsigned threads{0};
   std::vector<std::string> only;
+  std::optional<std::size_t> random;
+  std::uint64_t seed{1};
+  std::optional<std::string> wind;
 };
+
+std::uint64_t number(const std::string& option, const std::string& text) {
+  std::uint64_t value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc{} || stop != end) {
+    throw std::invalid_argument(option + ": found '" + text + "', allowed a whole number");
+  }
+  return value;
+}
+
+/// Options of the campaign have no meaning for random flights, and the other way round.
+void check(const Options& o) {
+  if (o.random && (o.quarter || o.page || o.compare || !o.only.empty())) {
+    throw std::invalid_argument(
+        "--random: found --quarter, --page, --compare or --only, allowed --seed, --wind, --text, --csv");
+  }
+  if (!o.random && (o.wind || o.seed != 1)) {
+    throw std::invalid_argument("--seed, --wind: found no --random, allowed with --random N");
+  }
+  if (o.wind) rosflight::flight::parse_wind(*o.wind);
+}
 
 Options read(int argc, char** argv) {
   Options out;
@@ -49,13 +82,20 @@ Options read(int argc, char** argv) {
     } else if (words[k] == "--compare") {
       out.compare = value();
     } else if (words[k] == "--threads") {
-      out.threads = static_cast<unsigned>(std::stoul(value()));
+      out.threads = static_cast<unsigned>(number("--threads", value()));
+    } else if (words[k] == "--random") {
+      out.random = number("--random", value());
+    } else if (words[k] == "--seed") {
+      out.seed = number("--seed", value());
+    } else if (words[k] == "--wind") {
+      out.wind = value();
     } else if (words[k] == "--only") {
       out.only.push_back(value());
     } else {
       throw std::invalid_argument("unknown option " + words[k]);
     }
   }
+  check(out);
   return out;
 }
 
@@ -71,6 +111,7 @@ bool fits(const Case& c, const std::vector<std::string>& only) {
 }
 
 std::vector<Case> chosen(const Options& options) {
+  if (options.random) return random_cases(*options.random, options.seed, options.wind);
   constexpr std::size_t kQuarter = 4;
   std::vector<Case> out;
   std::size_t k = 0;
@@ -97,7 +138,7 @@ int run(const Options& options) {
     if (done % kEvery == 0) std::fprintf(stderr, "%zu of %zu flights\n", done, cases.size());
   };
   const std::vector<Flown> flown = fly(cases, options.threads, progress);
-  write(options.text, as_text(flown));
+  write(options.text, options.random ? as_random_text(flown) : as_text(flown));
   write(options.csv, as_csv(flown));
   write(options.page, as_page(flown));
   std::vector<std::string> differing;
@@ -106,17 +147,17 @@ int run(const Options& options) {
     differing = differences(flown, {std::istreambuf_iterator<char>(stream), {}});
   }
   for (const std::string& line : differing) std::fprintf(stderr, "%s\n", line.c_str());
-  double singles = 0.0, pairs = 0.0;
+  std::size_t singles = 0, pairs = 0;
   for (const Flown& f : flown) {
     if (f.as_asked()) continue;
-    (f.flight.second.empty() ? singles : pairs) += 1.0;
-    std::fprintf(stderr, "no rule explains: %s: %s\n", command(f).c_str(), f.verdict.c_str());
+    ++(f.flight.second.empty() ? singles : pairs);
+    std::fprintf(stderr, "no rule explains: %s: %s\n", command(f).c_str(), verdict(f).c_str());
   }
   nlohmann::ordered_json out;
   out["flights"] = flown.size();
   out["single_unexplained"] = singles;
   out["pairs_unexplained"] = pairs;
-  out["differing"] = differing.size();
+  if (!options.random) out["differing"] = differing.size();
   std::cout << out.dump(1) << "\n";
   return 0;
 }

@@ -31,7 +31,7 @@ class Watch {
     }
   }
 
-  PhaseTimes multirotor(double touchdown_s) const {
+  std::map<std::string, double> multirotor(double touchdown_s) const {
     return {{"armed", armed_s_ + 0.05},
             {"take-off", middle("takeoff")},
             {"hold", begin("position_hold") + 0.5},
@@ -40,7 +40,7 @@ class Watch {
             {"landing", middle("landing", touchdown_s)},
             {"touch", touchdown_s - 0.1}};
   }
-  PhaseTimes fixedwing() const {
+  std::map<std::string, double> fixedwing() const {
     return {{"roll", 0.5 * (begin("takeoff") + lifted_s_)},
             {"lift", lifted_s_ + 0.3},
             {"climb", middle("climb")},
@@ -49,6 +49,7 @@ class Watch {
             {"approach", middle("approach")},
             {"flare", begin("flare") + 0.3}};
   }
+  double armed_s() const { return armed_s_; }
 
  private:
   double begin(const char* phase) const { return begin_.at(phase); }
@@ -69,19 +70,22 @@ class Watch {
 
 }  // namespace
 
-PhaseTimes find_phases(const flight::FlightSetup& setup) {
+Phases find_phases(const flight::FlightSetup& setup,
+                   const std::function<void(flight::Flight&, sim::Time)>& also) {
   const auto flight = std::make_unique<Flight>(setup);
   Watch watch;
-  flight->set_script([&watch](Flight& f, sim::Time t) { watch.look(f, sim::to_seconds(t)); });
+  flight->set_script([&](Flight& f, sim::Time t) {
+    watch.look(f, sim::to_seconds(t));
+    if (also) also(f, t);
+  });
   flight->run();
   const flight::FlightScore score = flight->score();
   if (!score.success()) {
     throw std::runtime_error("the flight without faults failed: " + score.verdict);
   }
-  if (setup.fixed_wing()) return watch.fixedwing();
-  const auto& touchdown = score.landing.touchdown();
-  if (!touchdown) throw std::runtime_error("the flight without faults did not touch down");
-  return watch.multirotor(touchdown->t_s);
+  const double touchdown_s = score.landing.touchdown()->t_s;  // a success has one
+  return {setup.fixed_wing() ? watch.fixedwing() : watch.multirotor(touchdown_s), watch.armed_s(),
+          touchdown_s};
 }
 
 }  // namespace rosflight::bench::faults

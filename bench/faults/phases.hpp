@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <functional>
 #include <map>
 #include <string>
 
@@ -7,7 +8,7 @@
 
 namespace rosflight::bench::faults {
 
-/// Times of the phases of a flight [s], by name:
+/// Times of a flight [s]; phases by name:
 ///
 ///     multirotor   armed     just armed               fixed wing   roll      half way to lifting off
 ///                  take-off  climbing, half way                    lift      just off the ground
@@ -19,10 +20,16 @@ namespace rosflight::bench::faults {
 ///
 /// Equal seeds give equal flights, so those of a flight without faults are those of every flight
 /// until its fault begins.
-using PhaseTimes = std::map<std::string, double>;
+struct Phases {
+  std::map<std::string, double> begin_s;
+  double armed_s{};
+  double touchdown_s{};
+};
 
 /// Flies `setup`, which has no faults, and notes when each phase was.
+/// @param also  called in each step.
 /// @throws std::runtime_error  the flight does not succeed.
-PhaseTimes find_phases(const flight::FlightSetup& setup);
+Phases find_phases(const flight::FlightSetup& setup,
+                   const std::function<void(flight::Flight&, sim::Time)>& also = {});
 
 }  // namespace rosflight::bench::faults

@@ -2,6 +2,7 @@
 #include "bench/faults/report.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -98,8 +99,22 @@ std::vector<const Flown*> unexplained(const std::vector<Flown>& flown) {
   return out;
 }
 
+std::string list_of_unexplained(const std::vector<Flown>& flown) {
+  std::string out;
+  for (const Flown* f : unexplained(flown)) {
+    if (out.empty()) out = "\nNo rule explains:\n";
+    out += fmt::format("  {}\n      {}\n", command(*f), verdict(*f));
+  }
+  return out;
+}
+
 std::string number(double value) {
   return std::isfinite(value) ? fmt::format("{:.2f}", value) : "";
+}
+
+/// The times behind the names of the faults, for the table of all flights.
+std::string joined(const std::vector<std::string>& faults) {
+  return fmt::format("{}", fmt::join(faults, " "));
 }
 
 constexpr const char* kHead =
@@ -120,6 +135,11 @@ constexpr const char* kHead =
     "| rule | a hard landing or crash is allowed because |\n|---|---|\n";
 
 }  // namespace
+
+std::string verdict(const Flown& flown) {
+  if (flown.without_faults.empty()) return flown.verdict;
+  return fmt::format("{} Without its faults: {}.", flown.verdict, flown.without_faults);
+}
 
 std::string as_text(const std::vector<Flown>& flown) {
   std::string out;
@@ -142,22 +162,37 @@ std::string as_text(const std::vector<Flown>& flown) {
       out += fmt::format("{}, pairs from {} on: {}\n", sheet.title(), phase, counted(counts));
     }
   }
-  const auto open = unexplained(flown);
-  if (!open.empty()) out += "\nNo rule explains:\n";
-  for (const Flown* f : open) out += fmt::format("  {}\n      {}\n", command(*f), f->verdict);
-  return out;
+  return out + list_of_unexplained(flown);
+}
+
+std::string as_random_text(const std::vector<Flown>& flown) {
+  std::string out;
+  for (std::size_t s = 0; s < subjects().size(); ++s) {
+    for (const bool pair : {false, true}) {
+      std::map<std::string, std::size_t> counts;
+      for (const Flown& f : flown) {
+        const bool mine = f.flight.subject == s && f.flight.second.empty() != pair;
+        if (mine) ++counts[cell(f)];
+      }
+      out += fmt::format("{}, {}: {}\n", subjects()[s].vehicle, pair ? "two faults" : "one fault",
+                         counted(counts));
+    }
+  }
+  return out + list_of_unexplained(flown);
 }
 
 std::string as_csv(const std::vector<Flown>& flown) {
   std::string out =
-      "vehicle,pilot,failsafe_command,phase,first,second,class,rule,explained,touchdown_m_s,"
-      "from_aim_m,sim_time_s,verdict\n";
+      "vehicle,pilot,failsafe_command,seed,wind,phase,first,second,faults,class,rule,explained,"
+      "touchdown_m_s,from_aim_m,sim_time_s,verdict\n";
   for (const Flown& f : flown) {
     const Case& c = f.flight;
-    out += fmt::format("{},{},{:d},{},{},{},{},{},{:d},{},{},{:.1f},\"{}\"\n",
-                       subjects()[c.subject].vehicle, c.pilot, c.failsafe_command, c.phase, c.first,
-                       c.second, name(f.ended), name(rule_of(c)), f.as_asked(),
-                       number(f.touchdown_m_s), number(f.from_aim_m), f.sim_time_s, f.verdict);
+    out += fmt::format("{},{},{:d},{},\"{}\",{},{},{},{},", subjects()[c.subject].vehicle, c.pilot,
+                       c.failsafe_command, c.seed, c.wind, c.phase, c.first, c.second,
+                       joined(f.faults));
+    out += fmt::format("{},{},{:d},{},{},{:.1f},\"{}\"\n", name(f.ended), name(rule_of(c)),
+                       f.as_asked(), number(f.touchdown_m_s), number(f.from_aim_m), f.sim_time_s,
+                       f.verdict);
   }
   return out;
 }

@@ -8,8 +8,12 @@
 /// The campaign for people: a table for the terminal, rows for other programs, a page.
 namespace rosflight::bench::faults {
 
+/// The verdict of a flight; of an unexplained random one also how it ends without its faults.
+std::string verdict(const Flown& flown);
 /// The matrices fault x phase, the summary of the pairs, and every flight that no rule explains.
 std::string as_text(const std::vector<Flown>& flown);
+/// Of random flights: how many ended how, and every flight that no rule explains.
+std::string as_random_text(const std::vector<Flown>& flown);
 /// A header and one row for each flight.
 std::string as_csv(const std::vector<Flown>& flown);
 /// docs/fault-matrix.md.

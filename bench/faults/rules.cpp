@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "bench/faults/rules.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -80,21 +79,34 @@ bool needs_mission(const Case& flown) {
   if (!flown.second.empty() || flown.failsafe_command) return false;
   const bool fixed_wing = subjects()[flown.subject].fixed_wing;
   const bool hover = flown.pilot == "hover";
-  if (flown.first == "link_cut:3") return fixed_wing || hover;
-  if (flown.first == "rc_silence:2" || flown.first == "rc_silence:10") return hover;
-  constexpr std::array kAlways{"gnss:20",
-                               "crash",
-                               "hang",
-                               "mag",
-                               "baro",
-                               "range",
-                               "battery",
-                               "companion_stall:1",
-                               "pitot_blocked",
-                               "rc_frame_loss:2",
-                               "motor0_partial=0.8",
-                               "link_noise=0.01"};
-  return std::ranges::any_of(kAlways, [&](const char* text) { return flown.first == text; });
+  const Fault fault = parsed(flown.first);
+  const auto lasts = [&fault](double at_most_s) { return duration_s(fault) < at_most_s + 1e-6; };
+  switch (fault.kind) {
+    case FaultKind::kCrash:
+    case FaultKind::kHang:
+    case FaultKind::kMag:
+    case FaultKind::kBaro:
+    case FaultKind::kRange:
+    case FaultKind::kBattery:
+    case FaultKind::kPitotBlocked:
+      return true;
+    case FaultKind::kGnss:
+      return lasts(20.0);
+    case FaultKind::kLinkCut:
+      return lasts(3.0) && (fixed_wing || hover);
+    case FaultKind::kRcSilence:
+      return lasts(10.0) && hover;
+    case FaultKind::kRcFrameLoss:
+      return lasts(2.0);
+    case FaultKind::kCompanionStall:
+      return lasts(1.0);
+    case FaultKind::kLinkNoise:
+      return fault.value <= 0.01;
+    case FaultKind::kMotor:
+      return fault.factor >= 0.8;
+    default:
+      return false;
+  }
 }
 
 bool explained(const Case& flown, Class ended) {

@@ -36,7 +36,8 @@ const char* text(Rule rule);
 
 /// The rule that allows this flight to end hard; kNone: it has to end softly.
 Rule rule_of(const Case& flown);
-/// Whether the mission has to be completed. Of single faults only.
+/// Whether the mission has to be completed: after a single fault of a listed kind that is no larger and
+/// no longer than listed.
 bool needs_mission(const Case& flown);
 /// Whether the end of a flight is what the rules ask for.
 bool explained(const Case& flown, Class ended);
