@@ -3,6 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <functional>
+
+#include "sim/faults.hpp"
+
 namespace rosflight::bench::faults {
 namespace {
 
@@ -61,12 +65,23 @@ constexpr Listed kListed[]{
     {"servo2_stuck", false, For::kFixedWing},
 };
 
-void add_singles(std::vector<Case>& out) {
+/// Receives each flight of the campaign, and whether it belongs to the quarter.
+using Visit = std::function<void(const Case&, bool in_quarter)>;
+
+constexpr std::array kPilots{"hover", "idle"};
+constexpr std::size_t kQuarter = 4;
+
+/// Of each fault every fourth phase: with each fault another one, and with the idle stick others
+/// than with the hovering one.
+void visit_singles(const Visit& visit) {
   for (std::size_t s = 0; s < subjects().size(); ++s) {
-    for (const char* pilot : {"hover", "idle"}) {
-      for (const FaultRow& row : fault_rows(subjects()[s].fixed_wing)) {
-        for (const char* phase : subjects()[s].phases) {
-          out.push_back({s, pilot, row.text, "", phase, false});
+    const auto rows = fault_rows(subjects()[s].fixed_wing);
+    for (std::size_t pilot = 0; pilot < kPilots.size(); ++pilot) {
+      for (std::size_t row = 0; row < rows.size(); ++row) {
+        for (std::size_t phase = 0; phase < subjects()[s].phases.size(); ++phase) {
+          const Case c{s, kPilots[pilot], rows[row].text, "", subjects()[s].phases[phase], false};
+          const bool mine = (row + phase + 2 * pilot) % kQuarter == 0;
+          visit(c, mine && (pilot == 0 || stick_counts(c)));
         }
       }
     }
@@ -74,31 +89,66 @@ void add_singles(std::vector<Case>& out) {
 }
 
 /// Silence of the receiver with the failsafe command of ROSflight 2.x.
-void add_failsafe_commands(std::vector<Case>& out) {
+void visit_failsafe_commands(const Visit& visit) {
   for (std::size_t s = 0; s < subjects().size(); ++s) {
+    std::size_t row = 0;
     for (const char* fault : {"rc_silence:2", "rc_silence:10", "rc_frame_loss:2"}) {
-      for (const char* phase : subjects()[s].phases) {
-        out.push_back({s, "hover", fault, "", phase, true});
+      for (std::size_t phase = 0; phase < subjects()[s].phases.size(); ++phase) {
+        visit({s, "hover", fault, "", subjects()[s].phases[phase], true},
+              (row + phase) % kQuarter == 0);
       }
+      ++row;
     }
   }
 }
 
-void add_pairs(std::vector<Case>& out) {
+/// The four blocks of a vehicle, two phases with two pilots, fly different pairs in the quarter.
+void visit_pairs(const Visit& visit) {
   for (std::size_t s = 0; s < subjects().size(); ++s) {
     std::vector<std::string> kinds;
     for (const FaultRow& row : fault_rows(subjects()[s].fixed_wing)) {
       if (row.first_of_kind) kinds.push_back(row.text);
     }
-    for (const char* pilot : {"hover", "idle"}) {
-      for (const char* phase : subjects()[s].pair_phases) {
+    for (std::size_t pilot = 0; pilot < kPilots.size(); ++pilot) {
+      for (std::size_t phase = 0; phase < subjects()[s].pair_phases.size(); ++phase) {
+        const std::size_t block = phase + 2 * pilot;
+        std::size_t pair = 0;
         for (std::size_t a = 0; a < kinds.size(); ++a) {
-          for (std::size_t b = a + 1; b < kinds.size(); ++b) {
-            out.push_back({s, pilot, kinds[a], kinds[b], phase, false});
+          for (std::size_t b = a + 1; b < kinds.size(); ++b, ++pair) {
+            const Case c{s,        kPilots[pilot],                    kinds[a],
+                         kinds[b], subjects()[s].pair_phases[phase], false};
+            const bool mine = pair % kQuarter == block;
+            visit(c, mine && (pilot == 0 || stick_counts(c)));
           }
         }
       }
     }
+  }
+}
+
+void visit_all(const Visit& visit) {
+  visit_singles(visit);
+  visit_failsafe_commands(visit);
+  visit_pairs(visit);
+}
+
+/// While it lasts, or after it, the companion's commands are not in force.
+bool takes_commands(const std::string& fault) {
+  using sim::FaultKind;
+  switch (sim::parse_fault(at_time(fault, 0.0)).kind) {
+    case FaultKind::kImu:
+    case FaultKind::kImuNan:
+    case FaultKind::kImuStuck:
+    case FaultKind::kRcSilence:
+    case FaultKind::kRcFrameLoss:
+    case FaultKind::kLinkCut:
+    case FaultKind::kLinkNoise:
+    case FaultKind::kCompanionStall:
+    case FaultKind::kCrash:
+    case FaultKind::kHang:
+      return true;
+    default:
+      return false;
   }
 }
 
@@ -139,11 +189,22 @@ std::string at_time(const std::string& fault, double t_s) {
   return fmt::format("{}@{:.4f}{}", what, t_s, duration);
 }
 
+bool stick_counts(const Case& c) {
+  if (!subjects()[c.subject].fixed_wing) return true;
+  return takes_commands(c.first) || (!c.second.empty() && takes_commands(c.second));
+}
+
 std::vector<Case> all_cases() {
   std::vector<Case> out;
-  add_singles(out);
-  add_failsafe_commands(out);
-  add_pairs(out);
+  visit_all([&out](const Case& c, bool) { out.push_back(c); });
+  return out;
+}
+
+std::vector<Case> quarter() {
+  std::vector<Case> out;
+  visit_all([&out](const Case& c, bool in_quarter) {
+    if (in_quarter) out.push_back(c);
+  });
   return out;
 }
 

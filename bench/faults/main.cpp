@@ -4,7 +4,7 @@
 // usage: faults [--quarter] [--page FILE] [--compare PAGE] [--only WORD]... [COMMON]
 //        faults --random N [--seed S] [--wind SPEED,FROM_DEG,GUST] [COMMON]
 // COMMON: [--text FILE] [--csv FILE] [--threads N]
-//   --quarter  every fourth flight, for continuous integration
+//   --quarter  a fixed quarter of the flights that differ, for continuous integration
 //   --compare  the cells that were flown have to be those of this page
 //   --only     flights whose vehicle, phase or fault has this name; all that are given must fit
 //   --random   N flights with drawn vehicles, pilots, faults, moments, seeds and winds (random_cases.hpp)
@@ -112,15 +112,8 @@ bool fits(const Case& c, const std::vector<std::string>& only) {
 
 std::vector<Case> chosen(const Options& options) {
   if (options.random) return random_cases(*options.random, options.seed, options.wind);
-  constexpr std::size_t kQuarter = 4;
-  std::vector<Case> out;
-  std::size_t k = 0;
-  for (const Case& c : all_cases()) {
-    // A step of the phase from row to row, so that every phase has its turn.
-    const bool mine = !options.quarter || k % kQuarter == 0;
-    ++k;
-    if (mine && fits(c, options.only)) out.push_back(c);
-  }
+  std::vector<Case> out = options.quarter ? quarter() : all_cases();
+  std::erase_if(out, [&options](const Case& c) { return !fits(c, options.only); });
   return out;
 }
 

@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the fault campaign flies and what it asks for; no flight.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <fstream>
+#include <iterator>
+#include <map>
 #include <set>
+#include <sstream>
+#include <tuple>
 
 #include "bench/faults/report.hpp"
+#include "flight/project_root.hpp"
 #include "sim/faults.hpp"
 
 namespace rosflight::bench::faults {
@@ -47,6 +55,129 @@ TEST(FaultCases, AreAllSinglesTheFailsafeCommandAndAllPairs) {
   const auto pairs = [](std::ptrdiff_t n) { return n * (n - 1) / 2; };
   EXPECT_EQ(count([](const Case& c) { return !c.second.empty(); }),
             std::ptrdiff_t{2 * 2} * (pairs(kinds(false)) + pairs(kinds(true))));
+}
+
+using Pair = std::set<std::string>;
+
+/// The pairs of a quarter's block, in either order.
+std::set<Pair> pairs_of_block(std::size_t subject, const char* pilot, const std::string& phase) {
+  std::set<Pair> out;
+  for (const Case& c : quarter()) {
+    const bool mine = c.subject == subject && c.pilot == pilot && c.phase == phase;
+    if (mine && !c.second.empty()) out.insert({c.first, c.second});
+  }
+  return out;
+}
+
+std::string label(const Case& c) {
+  return fmt::format("{} {} {} {} {} {}", c.subject, c.pilot, c.first, c.second, c.phase,
+                     c.failsafe_command);
+}
+
+TEST(FaultQuarter, IsAQuarterOfTheFlightsThatDiffer) {
+  std::set<std::string> all;
+  std::size_t singles = 0;
+  std::size_t failsafe = 0;
+  std::set<std::string> pairs;
+  for (const Case& c : all_cases()) {
+    all.insert(label(c));
+    if (c.pilot == "idle" && !stick_counts(c)) continue;
+    if (c.failsafe_command) {
+      ++failsafe;
+    } else if (c.second.empty()) {
+      ++singles;
+    } else {
+      Case sorted = c;
+      std::tie(sorted.first, sorted.second) = std::minmax(c.first, c.second);
+      pairs.insert(label(sorted));
+    }
+  }
+  std::set<std::string> seen;
+  std::array<std::size_t, 3> flown{};
+  for (const Case& c : quarter()) {
+    EXPECT_TRUE(all.contains(label(c))) << label(c);
+    EXPECT_TRUE(seen.insert(label(c)).second) << label(c) << " twice";
+    ++flown[c.failsafe_command ? 1 : c.second.empty() ? 0 : 2];
+  }
+  const auto share = [](std::size_t part, std::size_t whole) {
+    return static_cast<double>(part) / static_cast<double>(whole);
+  };
+  EXPECT_NEAR(share(flown[0], singles), 0.25, 0.01);
+  EXPECT_NEAR(share(flown[1], failsafe), 0.25, 0.02);
+  EXPECT_NEAR(share(flown[2], pairs.size()), 0.25, 0.01);
+}
+
+TEST(FaultQuarter, TheBlocksOfAVehicleFlyDifferentPairs) {
+  for (std::size_t s = 0; s < subjects().size(); ++s) {
+    std::set<Pair> all;
+    for (const Case& c : all_cases()) {
+      if (c.subject == s && !c.second.empty()) all.insert({c.first, c.second});
+    }
+    std::set<Pair> covered;
+    std::size_t flown = 0;
+    for (const char* pilot : {"hover", "idle"}) {
+      for (const char* phase : subjects()[s].pair_phases) {
+        const auto block = pairs_of_block(s, pilot, phase);
+        EXPECT_GT(block.size(), 0U) << pilot << ' ' << phase;
+        flown += block.size();
+        covered.insert(block.begin(), block.end());
+      }
+    }
+    EXPECT_EQ(covered.size(), flown) << "no pair in two blocks";
+    if (subjects()[s].fixed_wing) {
+      EXPECT_GT(covered.size(), all.size() * 3 / 4);
+    } else {
+      EXPECT_EQ(covered, all) << "each pair in one of the blocks";
+    }
+  }
+}
+
+TEST(FaultQuarter, ThePilotsFlyDifferentCellsAndEveryFaultAndPhaseIsFlown) {
+  std::map<std::string, std::set<std::string>> pilots_of_cell;
+  for (std::size_t s = 0; s < subjects().size(); ++s) {
+    std::set<std::string> faults;
+    std::set<std::string> phases;
+    for (const Case& c : quarter()) {
+      if (c.subject != s || !c.second.empty() || c.failsafe_command) continue;
+      faults.insert(c.first);
+      phases.insert(c.phase);
+      pilots_of_cell[fmt::format("{} {} {}", s, c.first, c.phase)].insert(c.pilot);
+    }
+    EXPECT_EQ(faults.size(), fault_rows(subjects()[s].fixed_wing).size());
+    EXPECT_EQ(phases.size(), subjects()[s].phases.size());
+  }
+  for (const auto& [cell, pilots] : pilots_of_cell) EXPECT_EQ(pilots.size(), 1U) << cell;
+}
+
+/// The rows of a sheet of docs/fault-matrix.md by fault.
+std::map<std::string, std::string> rows_of(const std::string& page, const std::string& sheet) {
+  std::map<std::string, std::string> out;
+  std::istringstream lines(page.substr(page.find("\n## " + sheet + "\n") + 1));
+  std::string line;
+  std::getline(lines, line);
+  while (std::getline(lines, line) && !line.starts_with("## ")) {
+    if (!line.starts_with("| `")) continue;
+    const auto end = line.find('`', 3);
+    out[line.substr(3, end - 3)] = line.substr(end);
+  }
+  return out;
+}
+
+TEST(FaultQuarter, WhereTheStickDoesNotCountThePageHasTheSameCellsForBothPilots) {
+  std::ifstream stream(flight::project_root() / "docs/fault-matrix.md", std::ios::binary);
+  const std::string page{std::istreambuf_iterator<char>(stream), {}};
+  const auto hover = rows_of(page, "anaconda, pilot's stick hover");
+  const auto idle = rows_of(page, "anaconda, pilot's stick idle");
+  std::size_t compared = 0;
+  for (const FaultRow& row : fault_rows(true)) {
+    if (stick_counts(fixedwing(row.text.c_str()))) continue;
+    ++compared;
+    EXPECT_EQ(hover.at(row.text), idle.at(row.text)) << row.text;
+  }
+  EXPECT_EQ(compared, 31U);
+  EXPECT_TRUE(stick_counts(multirotor("mag", "idle")));
+  EXPECT_TRUE(stick_counts(fixedwing("mag", "crash")));
+  EXPECT_FALSE(stick_counts(fixedwing("mag", "baro")));
 }
 
 TEST(FaultRules, ACrashIsAllowedForTheReasonsOnTheListOnly) {
