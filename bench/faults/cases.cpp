@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <functional>
+#include <utility>
 
 #include "sim/faults.hpp"
 
@@ -102,7 +103,8 @@ void visit_failsafe_commands(const Visit& visit) {
   }
 }
 
-/// The four blocks of a vehicle, two phases with two pilots, fly different pairs in the quarter.
+/// Each pair in both orders. The four blocks of a vehicle, two phases with two pilots, fly different pairs
+/// in the quarter, each in one order.
 void visit_pairs(const Visit& visit) {
   for (std::size_t s = 0; s < subjects().size(); ++s) {
     std::vector<std::string> kinds;
@@ -115,10 +117,13 @@ void visit_pairs(const Visit& visit) {
         std::size_t pair = 0;
         for (std::size_t a = 0; a < kinds.size(); ++a) {
           for (std::size_t b = a + 1; b < kinds.size(); ++b, ++pair) {
-            const Case c{s,        kPilots[pilot],                    kinds[a],
-                         kinds[b], subjects()[s].pair_phases[phase], false};
-            const bool mine = pair % kQuarter == block;
-            visit(c, mine && (pilot == 0 || stick_counts(c)));
+            Case c{s,        kPilots[pilot],                    kinds[a],
+                   kinds[b], subjects()[s].pair_phases[phase], false};
+            const bool mine = pair % kQuarter == block && (pilot == 0 || stick_counts(c));
+            const bool reversed = pair / kQuarter % 2 == 1;
+            visit(c, mine && !reversed);
+            std::swap(c.first, c.second);
+            visit(c, mine && reversed);
           }
         }
       }

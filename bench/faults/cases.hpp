@@ -47,15 +47,15 @@ struct Case {
   double second_after_s{};  ///< > 0: the second fault begins this long after the first.
 };
 inline constexpr const char* kRandom = "random";
-/// Every flight: singles, then those with the failsafe command, then pairs.
+/// Every flight: singles, then those with the failsafe command, then pairs, each in both orders.
 std::vector<Case> all_cases();
 
 /// Whether the position of the pilot's throttle stick can change the flight: that of a fixed wing only
 /// with a fault that takes the companion's commands away. docs/fault-matrix.md shows the same for both.
 bool stick_counts(const Case& c);
 
-/// What continuous integration flies: a fixed quarter of the flights that differ. With the idle
-/// stick those are left out where it does not count.
+/// What continuous integration flies: a fixed quarter of the flights that differ, of pairs in one order
+/// each. With the idle stick those are left out where it does not count.
 std::vector<Case> quarter();
 
 }  // namespace rosflight::bench::faults

@@ -225,7 +225,7 @@ std::string as_page(const std::vector<Flown>& flown) {
     const auto pairs = pair_counts(flown, sheet);
     if (pairs.empty()) continue;
     out +=
-        "\nPairs, the second fault 1 s after the first:\n\n| from | flights by end |\n|---|---|\n";
+        "\nPairs in both orders, the second fault 1 s after the first:\n\n| from | flights by end |\n|---|---|\n";
     for (const auto& [phase, counts] : pairs) {
       out += fmt::format("| {} | {} |\n", phase, counted(counts));
     }

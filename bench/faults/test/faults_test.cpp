@@ -11,6 +11,7 @@
 #include <set>
 #include <sstream>
 #include <tuple>
+#include <utility>
 
 #include "bench/faults/report.hpp"
 #include "flight/project_root.hpp"
@@ -24,6 +25,11 @@ Case multirotor(const char* first, const char* pilot = "hover", const char* seco
 }
 Case fixedwing(const char* first, const char* second = "") {
   return {1, "hover", first, second, "leg", false};
+}
+
+std::string label(const Case& c) {
+  return fmt::format("{} {} {} {} {} {}", c.subject, c.pilot, c.first, c.second, c.phase,
+                     c.failsafe_command);
 }
 
 TEST(FaultCases, EveryFaultIsOneThatCanBeAskedForAndFitsItsVehicle) {
@@ -52,9 +58,19 @@ TEST(FaultCases, AreAllSinglesTheFailsafeCommandAndAllPairs) {
     const auto rows = fault_rows(fixed_wing);
     return std::ranges::count_if(rows, [](const FaultRow& row) { return row.first_of_kind; });
   };
-  const auto pairs = [](std::ptrdiff_t n) { return n * (n - 1) / 2; };
+  const auto pairs = [](std::ptrdiff_t n) { return n * (n - 1); };  // in both orders
   EXPECT_EQ(count([](const Case& c) { return !c.second.empty(); }),
             std::ptrdiff_t{2 * 2} * (pairs(kinds(false)) + pairs(kinds(true))));
+}
+
+TEST(FaultCases, EveryPairIsFlownInBothOrdersInEveryPhaseWithBothPilots) {
+  std::set<std::string> all;
+  for (const Case& c : all_cases()) EXPECT_TRUE(all.insert(label(c)).second) << label(c) << " twice";
+  for (Case c : all_cases()) {
+    if (c.second.empty()) continue;
+    std::swap(c.first, c.second);
+    EXPECT_TRUE(all.contains(label(c))) << label(c);
+  }
 }
 
 using Pair = std::set<std::string>;
@@ -67,11 +83,6 @@ std::set<Pair> pairs_of_block(std::size_t subject, const char* pilot, const std:
     if (mine && !c.second.empty()) out.insert({c.first, c.second});
   }
   return out;
-}
-
-std::string label(const Case& c) {
-  return fmt::format("{} {} {} {} {} {}", c.subject, c.pilot, c.first, c.second, c.phase,
-                     c.failsafe_command);
 }
 
 TEST(FaultQuarter, IsAQuarterOfTheFlightsThatDiffer) {
@@ -104,7 +115,7 @@ TEST(FaultQuarter, IsAQuarterOfTheFlightsThatDiffer) {
   };
   EXPECT_NEAR(share(flown[0], singles), 0.25, 0.01);
   EXPECT_NEAR(share(flown[1], failsafe), 0.25, 0.02);
-  EXPECT_NEAR(share(flown[2], pairs.size()), 0.25, 0.01);
+  EXPECT_NEAR(share(flown[2], pairs.size()), 0.25, 0.01) << "either order of a pair counts once";
 }
 
 TEST(FaultQuarter, TheBlocksOfAVehicleFlyDifferentPairs) {
@@ -115,6 +126,14 @@ TEST(FaultQuarter, TheBlocksOfAVehicleFlyDifferentPairs) {
     }
     std::set<Pair> covered;
     std::size_t flown = 0;
+    std::size_t reversed = 0;
+    const auto rows = fault_rows(subjects()[s].fixed_wing);
+    const auto place = [&rows](const std::string& fault) {
+      return std::ranges::find(rows, fault, &FaultRow::text) - rows.begin();
+    };
+    for (const Case& c : quarter()) {
+      if (c.subject == s && !c.second.empty() && place(c.first) > place(c.second)) ++reversed;
+    }
     for (const char* pilot : {"hover", "idle"}) {
       for (const char* phase : subjects()[s].pair_phases) {
         const auto block = pairs_of_block(s, pilot, phase);
@@ -124,6 +143,8 @@ TEST(FaultQuarter, TheBlocksOfAVehicleFlyDifferentPairs) {
       }
     }
     EXPECT_EQ(covered.size(), flown) << "no pair in two blocks";
+    EXPECT_NEAR(static_cast<double>(reversed), 0.5 * static_cast<double>(flown), 20.0)
+        << "both orders";
     if (subjects()[s].fixed_wing) {
       EXPECT_GT(covered.size(), all.size() * 3 / 4);
     } else {
