@@ -5,10 +5,10 @@
 // is used; what is compared with a covariance is that of the estimate's own time. Multirotor: with
 // the shipped sensors and with sensors whose noise is the white one that the filter models (its
 // biases walk, those of the sensors do not: that leaves the filter a little too careful). Fixed
-// wing: shipped sensors, in steady wind and in gusts, with the errors of airspeed and wind (against
-// the air at the aircraft, gusts included); a third of the flights.
+// wing: shipped sensors, in calm air, in steady wind and in gusts, with the errors of airspeed and wind
+// (against the air at the aircraft, gusts included).
 //
-// usage: estimation [FLIGHTS [KEY=VALUE...]]        (default 60; keys of the vehicle file)
+// usage: estimation [FLIGHTS [KEY=VALUE...]]        (default 100 of each; keys of the vehicle file)
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,11 +17,14 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/constants.hpp"
 #include "bench/estimate_error.hpp"
+#include "bench/in_parallel.hpp"
 
 namespace {
 
@@ -50,6 +53,9 @@ struct Spread {
     std::nth_element(values.begin(), at, values.end());
     return *at;
   }
+  void add(const Spread& other) {
+    values.insert(values.end(), other.values.begin(), other.values.end());
+  }
 };
 
 /// Mean of what is 1 if the filter has the errors that it reports.
@@ -59,6 +65,10 @@ struct Ratio {
   void add(double value) {
     sum += value;
     ++count;
+  }
+  void add(const Ratio& other) {
+    sum += other.sum;
+    count += other.count;
   }
   double mean() const { return count > 0 ? sum / static_cast<double>(count) : 0.0; }
 };
@@ -71,6 +81,22 @@ struct Errors {
   std::array<Ratio, 9> outside;  ///< 3 sigma, of position, velocity, attitude: 1 or 0.
   std::uint64_t unreliable{};    ///< Samples in which the position counted as unreliable.
   std::uint64_t widened{};       ///< Variances widened without need.
+
+  void add(const Errors& other) {
+    for (Spread Errors::*spread :
+         {&Errors::horizontal_m, &Errors::vertical_m, &Errors::velocity_m_s, &Errors::tilt_deg,
+          &Errors::heading_deg, &Errors::airspeed_m_s, &Errors::wind_m_s}) {
+      (this->*spread).add(other.*spread);
+    }
+    for (Ratio Errors::*ratio : {&Errors::nees, &Errors::attitude_nees, &Errors::velocity_nees,
+                                 &Errors::position_nees}) {
+      (this->*ratio).add(other.*ratio);
+    }
+    for (std::size_t k = 0; k < nis.size(); ++k) nis[k].add(other.nis[k]);
+    for (std::size_t k = 0; k < outside.size(); ++k) outside[k].add(other.outside[k]);
+    unreliable += other.unreliable;
+    widened += other.widened;
+  }
 };
 
 void judge_output(const Flight& flight, const TruePast& past, Errors& errors) {
@@ -131,33 +157,45 @@ void judge_innovations(const Flight& flight, std::array<std::uint64_t, kAids>& s
   }
 }
 
-Errors fly(int flights, FlightChoice choice, const std::vector<std::string>& overrides) {
+/// One flight.
+Errors fly(const FlightChoice& choice) {
   Errors errors;
-  choice.overrides.insert(choice.overrides.end(), overrides.begin(), overrides.end());
-  for (int seed = 1; seed <= flights; ++seed) {
-    choice.seed = static_cast<std::uint64_t>(seed);
-    const FlightSetup setup(choice);
-    const auto flight = std::make_unique<Flight>(setup);
-    TruePast past;
-    std::array<std::uint64_t, kAids> seen{};
-    int step = 0;
-    flight->set_script([&](Flight& f, rosflight::sim::Time t) {
-      if (f.runner().stage() != Stage::kFly) return;
-      past.add(f, t);
-      judge_innovations(f, seen, errors);
-      constexpr int kEvery = 40;  // ten times a second
-      if (!f.autonomy().tracking || ++step % kEvery != 0) return;
-      judge_output(f, past, errors);
-      judge_filter(f, past, errors);
-    });
-    flight->run();
-    const auto& health = flight->estimate_source().health();
-    errors.widened += health.imu_widenings + health.heading_widenings + health.gnss_resets +
-                      health.gnss_jumps + health.baro_relearned;
-    if (flight->runner().stage() != Stage::kDone) {
-      throw std::runtime_error("a flight failed: " + flight->runner().failure());
-    }
+  const FlightSetup setup(choice);
+  const auto flight = std::make_unique<Flight>(setup);
+  TruePast past;
+  std::array<std::uint64_t, kAids> seen{};
+  int step = 0;
+  flight->set_script([&](Flight& f, rosflight::sim::Time t) {
+    if (f.runner().stage() != Stage::kFly) return;
+    past.add(f, t);
+    judge_innovations(f, seen, errors);
+    constexpr int kEvery = 40;  // ten times a second
+    if (!f.autonomy().tracking || ++step % kEvery != 0) return;
+    judge_output(f, past, errors);
+    judge_filter(f, past, errors);
+  });
+  flight->run();
+  const auto& health = flight->estimate_source().health();
+  errors.widened += health.imu_widenings + health.heading_widenings + health.gnss_resets +
+                    health.gnss_jumps + health.baro_relearned;
+  if (flight->runner().stage() != Stage::kDone) {
+    throw std::runtime_error("a flight failed: " + flight->runner().failure());
   }
+  return errors;
+}
+
+/// Seeds from 1 on, on all processors. The sums are those of one flight after the other.
+Errors fly(std::size_t flights, FlightChoice choice, const std::vector<std::string>& overrides) {
+  choice.overrides.insert(choice.overrides.end(), overrides.begin(), overrides.end());
+  std::vector<Errors> of_flights(flights);
+  rosflight::bench::in_parallel(flights, 0, [&] {
+    return [&, own = choice](std::size_t k) mutable {
+      own.seed = k + 1;
+      of_flights[k] = fly(own);
+    };
+  });
+  Errors errors;
+  for (const Errors& one : of_flights) errors.add(one);
   return errors;
 }
 
@@ -194,7 +232,7 @@ nlohmann::ordered_json json_of(Errors& errors) {
   return json;
 }
 
-FlightChoice fixedwing_in(const char* wind) {
+FlightChoice fixedwing_in(const std::optional<std::string>& wind) {
   FlightChoice choice;
   choice.vehicle = "anaconda";
   choice.wind = wind;
@@ -227,20 +265,22 @@ std::vector<std::string> as_modelled() {
 
 int main(int argc, char** argv) {
   try {
-    const int flights = argc > 1 ? static_cast<int>(std::strtol(argv[1], nullptr, 10)) : 60;
-    if (flights < 1) throw std::invalid_argument("FLIGHTS is a number from 1");
-    const int fixedwing_flights = (flights + 2) / 3;
+    const long asked = argc > 1 ? std::strtol(argv[1], nullptr, 10) : 100;
+    if (asked < 1) throw std::invalid_argument("FLIGHTS is a number from 1");
+    const auto flights = static_cast<std::size_t>(asked);
     const std::vector<std::string> keys(argv + std::min(argc, 2), argv + argc);
     FlightChoice modelled;
     modelled.overrides = as_modelled();
-    Errors errors = fly(flights, {}, keys);
-    nlohmann::ordered_json json{{"shipped", json_of(errors)}};
-    errors = fly(flights, modelled, keys);
-    json["modelled"] = json_of(errors);
-    errors = fly(fixedwing_flights, fixedwing_in("6,270"), keys);
-    json["fixedwing"] = json_of(errors);
-    errors = fly(fixedwing_flights, fixedwing_in("6,270,6"), keys);
-    json["fixedwing_gusts"] = json_of(errors);
+    const std::pair<const char*, FlightChoice> rows[]{{"shipped", {}},
+                                                      {"modelled", modelled},
+                                                      {"fixedwing_calm", fixedwing_in({})},
+                                                      {"fixedwing", fixedwing_in("6,270")},
+                                                      {"fixedwing_gusts", fixedwing_in("6,270,6")}};
+    nlohmann::ordered_json json;
+    for (const auto& [name, choice] : rows) {
+      Errors errors = fly(flights, choice, keys);
+      json[name] = json_of(errors);
+    }
     std::cout << json.dump(1) << "\n";
     return 0;
   } catch (const std::exception& e) {

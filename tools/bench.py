@@ -4,7 +4,7 @@
 Measures the project's figures, prints each with its target as soon as it is there, and writes them to FILE as one JSON
 object after each: name -> {"value", "unit", "target", "met"}. NAME chooses by a part of the name.
 Without a name those are measured that take five minutes together. By name or with --all also: faults in every phase and
-in pairs (faults, half an hour; prints the matrix and writes docs/fault-matrix.md), random flights (property, half an
+in pairs (faults, three quarters of an hour; prints the matrix and writes docs/fault-matrix.md), random flights (property, half an
 hour), the build (build, some minutes), round trips, speed and load over ROS (rtt, ros, load,
 a quarter of an hour)
 and the fuzzers with a million inputs each (fuzz, an hour).
@@ -45,10 +45,13 @@ class Result:
 
 
 def meets(value: float, target: str) -> bool:
-    """Whether a value meets a target such as "<= 2500", "< 5", ">= 1000" or "= 0"."""
+    """Whether a value meets a target such as "<= 2500", "< 5", ">= 1000", "= 0" or "0.7..1.3"."""
+    both = re.fullmatch(r"([\d.e+]+?)\.\.([\d.e+]+)", target)
+    if both is not None:
+        return float(both[1]) <= value <= float(both[2])
     match = re.fullmatch(r"(<=|>=|<|>|=)\s*([\d.e+]+)", target)
     if match is None:
-        raise ValueError(f"target '{target}' is none of <=, >=, <, >, = and a number")
+        raise ValueError(f"target '{target}' is none of <=, >=, <, >, = and a number, and not LOW..HIGH")
     limit = float(match[2])
     return {"<=": value <= limit, ">=": value >= limit, "<": value < limit, ">": value > limit,
             "=": value == limit}[match[1]]

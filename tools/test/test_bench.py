@@ -86,14 +86,28 @@ def test_bad_arguments_are_one_line_and_exit_code_2(arguments, capsys):
 
 @pytest.mark.parametrize("value, target, met", [
     (2500, "<= 2500", True), (2501, "<= 2500", False), (999.9, ">= 1000", False), (0, "= 0", True),
-    (1, "= 0", False), (2, "> 2", False), (1e6, ">= 1000000", True)])
+    (1, "= 0", False), (2, "> 2", False), (1e6, ">= 1000000", True),
+    (0.69, "0.7..1.3", False), (0.7, "0.7..1.3", True), (1.3, "0.7..1.3", True), (1.31, "0.7..1.3", False)])
 def test_targets(value, target, met):
     assert bench.meets(value, target) is met
 
 
-def test_unreadable_target_is_refused():
+@pytest.mark.parametrize("target", ["about 2", "1..", "..2", "0.7...1.3"])
+def test_unreadable_target_is_refused(target):
     with pytest.raises(ValueError):
-        bench.meets(1, "about 2")
+        bench.meets(1, target)
+
+
+def test_consistency_has_both_bounds_for_each_block_and_sensor_of_each_vehicle():
+    targets = {figure.name.removeprefix("estimation."): figure.target for figure in bench_figures.all_figures()
+               if figure.name.startswith("estimation.")}
+    aids = ("gnss_horizontal", "gnss_altitude", "gnss_velocity", "baro", "heading", "air_force")
+    for noise, more in (("shipped", ("range",)), ("fixedwing_calm", ("pitot",)), ("fixedwing", ("pitot",)), ("fixedwing_gusts", ("pitot",))):
+        names = [f"nees_{block}" for block in ("attitude", "velocity", "position")] + [f"nis_{aid}" for aid in (*aids, *more)]
+        assert {targets[f"{noise}.{name}"] for name in names} == {"0.7..1.3"}, noise
+    assert targets["shipped.horizontal_m_rms"] == "<= 0.174"
+    assert {targets[f"{air}.horizontal_m_rms"] for air in ("fixedwing_calm", "fixedwing", "fixedwing_gusts")} == {"<= 0.241"}
+    assert "shipped.nis_pitot" not in targets  # a multirotor has none
 
 
 def test_every_figure_of_the_project_has_a_readable_target_and_its_own_name():
