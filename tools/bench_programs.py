@@ -20,7 +20,6 @@ RELEASE = project.ROOT / "build" / "release"
 FUZZ_RUNS = 1_000_000
 STORM_PASSES = 60
 PROPERTY_FLIGHTS = 25_000  # of 4000 passes each
-ESTIMATION_FAULT_SEEDS = 3
 SEEDS = 5000  # of each vehicle
 RANDOM_FLIGHTS = 500
 
@@ -149,15 +148,6 @@ def mission_figure(name: str, quantity: str) -> float:
 
 def wind_limit(vehicle: str) -> float:
     return number(run_json([program("wind_limits"), vehicle])[vehicle], "wind_limit_m_s")
-
-
-@functools.cache
-def estimation_faults() -> dict:
-    return run_json([program("estimation_faults"), str(ESTIMATION_FAULT_SEEDS)])
-
-
-def estimation_faults_figure(name: str) -> float:
-    return number(estimation_faults(), name)
 
 
 @functools.cache

@@ -251,11 +251,11 @@ SEEDS = 150  # of each vehicle
 
 
 def faults() -> Outcome:
-    """A fixed quarter of the fault campaign, whether the estimate knows when it is wrong, and seeded flights in gusts."""
-    built = _build("release", "bench/faults", "bench/estimation_faults", "apps/rosflight")
+    """A fixed quarter of the fault campaign, whether the estimate reports in it how wrong it is, and seeded flights in gusts."""
+    built = _build("release", "bench/faults", "apps/rosflight")
     if built.failed:
         return built
-    return add([_fault_quarter(), _estimate_with_faults(), *(gusty_seeds(vehicle, SEEDS) for vehicle in ("multirotor", "anaconda"))])
+    return add([_fault_quarter(), *(gusty_seeds(vehicle, SEEDS) for vehicle in ("multirotor", "anaconda"))])
 
 
 def _fault_quarter() -> Outcome:
@@ -270,17 +270,13 @@ def _fault_quarter() -> Outcome:
     complaints = [line for line in said if line not in known]
     if done.returncode:
         return Outcome(failed=1, complaints=complaints or [f"bench/faults ended with {done.returncode}"])
-    flights = json.loads(done.stdout)["flights"]
-    failed = min(len(complaints), flights)
-    return Outcome(flights - failed, failed, complaints)
-
-
-def _estimate_with_faults() -> Outcome:
-    """One seed of what ./rosflight bench estimation.faults flies, with its limits."""
-    done = _run([str(ROOT / "build/release/bench/estimation_faults"), "1"])
-    if done.returncode:
-        return Outcome(failed=1, complaints=[f"bench/estimation_faults ended with {done.returncode}"])
     found = json.loads(done.stdout)
+    failed = min(len(complaints), found["flights"])
+    return add([Outcome(found["flights"] - failed, failed, complaints), _estimate_with_faults(found)])
+
+
+def _estimate_with_faults(found: dict) -> Outcome:
+    """The limits of ./rosflight bench faults, over the flights of the quarter."""
     return add([_check([f"{name}: found {found[name]:.4f}, allowed {limit}"] if wrong else []) for name, limit, wrong in (
         ("outside_worst", "at most 0.01", found["outside_worst"] > 0.01),
         ("said_in_time_share", "at least 0.95", found["said_in_time_share"] < 0.95),

@@ -54,17 +54,25 @@ Key key_of(const Case& c) {
   return {c.subject, c.pilot, c.failsafe_command};
 }
 
-/// The flights without faults of all that these cases need.
-std::map<Key, Phases> fly_without_faults(const std::vector<Case>& cases, unsigned threads) {
-  std::map<Key, Phases> found;
+struct Nominal {
+  Phases phases;
+  bool said{};  ///< The estimate reported an unreliable position.
+};
+
+/// The flights without faults that these cases need.
+std::map<Key, Nominal> fly_without_faults(const std::vector<Case>& cases, unsigned threads) {
+  std::map<Key, Nominal> found;
   for (const Case& c : cases) found.try_emplace(key_of(c));
-  std::vector<std::pair<const Key, Phases>*> list;
+  std::vector<std::pair<const Key, Nominal>*> list;
   for (auto& entry : found) list.push_back(&entry);
   in_parallel(list.size(), threads, [&] {
     return [&list](std::size_t k) {
       Case plain;
       std::tie(plain.subject, plain.pilot, plain.failsafe_command) = list[k]->first;
-      list[k]->second = find_phases(FlightSetup(choice_of(plain)));
+      EstimateWatch watch(0.0);
+      const auto look = [&watch](Flight& f, sim::Time t) { watch.look(f, t); };
+      list[k]->second.phases = find_phases(FlightSetup(choice_of(plain)), look);
+      list[k]->second.said = watch.count().said > 0;
     };
   });
   return found;
@@ -84,15 +92,21 @@ std::vector<std::string> timed(const Case& wanted, const Phases& phases) {
   return out;
 }
 
+double first_begin_s(const sim::FaultSchedule& faults) {
+  sim::Time first = sim::Time::max();
+  for (const sim::Fault& fault : faults.faults()) first = std::min(first, fault.start);
+  return sim::to_seconds(first);
+}
+
 /// Flies cases one after the other; keeps the set-ups of the campaign's flights. Of one thread.
 class Hangar {
  public:
-  explicit Hangar(const std::map<Key, Phases>& phases) : phases_{phases} {}
+  explicit Hangar(const std::map<Key, Nominal>& nominal) : nominal_{nominal} {}
 
   Flown fly(const Case& wanted) {
     Flown out;
     out.flight = wanted;
-    out.faults = timed(wanted, phases_.at(key_of(wanted)));
+    out.faults = timed(wanted, nominal_.at(key_of(wanted)).phases);
     const bool random = wanted.phase == kRandom;
     std::unique_ptr<FlightSetup> own;
     if (random) own = std::make_unique<FlightSetup>(choice_of(wanted));
@@ -111,6 +125,8 @@ class Hangar {
  private:
   static void fly(const FlightSetup& setup, Flown& out) {
     const auto flight = std::make_unique<Flight>(setup);
+    EstimateWatch watch(first_begin_s(setup.faults));
+    flight->set_script([&watch](Flight& f, sim::Time t) { watch.look(f, t); });
     flight->run();
     const flight::FlightScore score = flight->score();
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -119,6 +135,7 @@ class Hangar {
     out.touchdown_m_s = score.landing.touchdown() ? score.landing.touchdown()->hardest_m_s : kNone;
     out.from_aim_m = score.landing.distance_m(score.limits);
     out.sim_time_s = sim::to_seconds(flight->now());
+    out.estimate = watch.count();
   }
 
   FlightSetup& kept(const Case& wanted) {
@@ -127,7 +144,7 @@ class Hangar {
     return *setup;
   }
 
-  const std::map<Key, Phases>& phases_;
+  const std::map<Key, Nominal>& nominal_;
   std::map<Key, std::unique_ptr<FlightSetup>> setups_;
 };
 
@@ -145,20 +162,24 @@ std::string command(const Flown& flown) {
   return out;
 }
 
-std::vector<Flown> fly(const std::vector<Case>& cases, unsigned threads,
-                       const std::function<void(std::size_t)>& progress) {
-  const std::map<Key, Phases> phases = fly_without_faults(cases, threads);
-  std::vector<Flown> flown(cases.size());
+Campaign fly(const std::vector<Case>& cases, unsigned threads,
+             const std::function<void(std::size_t)>& progress) {
+  const std::map<Key, Nominal> nominal = fly_without_faults(cases, threads);
+  Campaign out;
+  out.nominal = nominal.size();
+  out.nominal_said = static_cast<std::size_t>(
+      std::ranges::count_if(nominal, [](const auto& entry) { return entry.second.said; }));
+  out.flights.resize(cases.size());
   std::mutex mutex;
   std::size_t done = 0;
   in_parallel(cases.size(), threads, [&] {
-    return [&, hangar = std::make_shared<Hangar>(phases)](std::size_t k) {
-      flown[k] = hangar->fly(cases[k]);
+    return [&, hangar = std::make_shared<Hangar>(nominal)](std::size_t k) {
+      out.flights[k] = hangar->fly(cases[k]);
       const std::lock_guard lock(mutex);
       progress(++done);
     };
   });
-  return flown;
+  return out;
 }
 
 }  // namespace rosflight::bench::faults

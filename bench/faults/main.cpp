@@ -30,6 +30,7 @@
 namespace {
 
 using namespace rosflight::bench::faults;  // NOLINT(google-build-using-namespace): one file
+using rosflight::bench::kStates;
 
 struct Options {
   bool quarter{false};
@@ -124,13 +125,18 @@ void write(const std::optional<std::string>& file, const std::string& text) {
   if (!stream.flush()) throw std::runtime_error("cannot write " + *file);
 }
 
+double share(std::uint64_t part, std::uint64_t whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+}
+
 int run(const Options& options) {
   const std::vector<Case> cases = chosen(options);
   const auto progress = [&](std::size_t done) {
     constexpr std::size_t kEvery = 100;
     if (done % kEvery == 0) std::fprintf(stderr, "%zu of %zu flights\n", done, cases.size());
   };
-  const std::vector<Flown> flown = fly(cases, options.threads, progress);
+  const Campaign campaign = fly(cases, options.threads, progress);
+  const std::vector<Flown>& flown = campaign.flights;
   write(options.text, options.random ? as_random_text(flown) : as_text(flown));
   write(options.csv, as_csv(flown));
   write(options.page, as_page(flown));
@@ -141,7 +147,9 @@ int run(const Options& options) {
   }
   for (const std::string& line : differing) std::fprintf(stderr, "%s\n", line.c_str());
   std::size_t singles = 0, pairs = 0;
+  EstimateCount estimate;
   for (const Flown& f : flown) {
+    estimate.add(f.estimate);
     if (f.as_asked()) continue;
     ++(f.flight.second.empty() ? singles : pairs);
     std::fprintf(stderr, "no rule explains: %s: %s\n", command(f).c_str(), verdict(f).c_str());
@@ -151,6 +159,13 @@ int run(const Options& options) {
   out["single_unexplained"] = singles;
   out["pairs_unexplained"] = pairs;
   if (!options.random) out["differing"] = differing.size();
+  for (std::size_t k = 0; k < kStates.size(); ++k) {
+    out[std::string("outside_") + kStates[k]] = share(estimate.outside[k], estimate.samples);
+  }
+  out["outside_worst"] = estimate.worst_share();
+  out["far"] = estimate.far;
+  out["said_in_time_share"] = estimate.far > 0 ? share(estimate.in_time, estimate.far) : 1.0;
+  out["nominal_said"] = campaign.nominal_said;
   std::cout << out.dump(1) << "\n";
   return 0;
 }

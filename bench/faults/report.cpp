@@ -184,15 +184,16 @@ std::string as_random_text(const std::vector<Flown>& flown) {
 std::string as_csv(const std::vector<Flown>& flown) {
   std::string out =
       "vehicle,pilot,failsafe_command,seed,wind,phase,first,second,faults,class,rule,explained,"
-      "touchdown_m_s,from_aim_m,sim_time_s,verdict\n";
+      "touchdown_m_s,from_aim_m,sim_time_s,outside_state,outside_share,far,said_in_time,verdict\n";
   for (const Flown& f : flown) {
     const Case& c = f.flight;
     out += fmt::format("{},{},{:d},{},\"{}\",{},{},{},{},", subjects()[c.subject].vehicle, c.pilot,
                        c.failsafe_command, c.seed, c.wind, c.phase, c.first, c.second,
                        joined(f.faults));
-    out += fmt::format("{},{},{:d},{},{},{:.1f},\"{}\"\n", name(f.ended), name(rule_of(c)),
-                       f.as_asked(), number(f.touchdown_m_s), number(f.from_aim_m), f.sim_time_s,
-                       f.verdict);
+    out += fmt::format("{},{},{:d},{},{},{:.1f},", name(f.ended), name(rule_of(c)), f.as_asked(),
+                       number(f.touchdown_m_s), number(f.from_aim_m), f.sim_time_s);
+    out += fmt::format("{},{:.4f},{},{},\"{}\"\n", kStates[f.estimate.worst()],
+                       f.estimate.worst_share(), f.estimate.far, f.estimate.in_time, f.verdict);
   }
   return out;
 }
