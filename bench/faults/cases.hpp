@@ -47,6 +47,9 @@ struct Case {
   double second_after_s{};  ///< > 0: the second fault begins this long after the first.
 };
 inline constexpr const char* kRandom = "random";
+/// What stands for kRandom when the flight has been flown: where the vehicle was, by its true motion.
+inline constexpr const char* kOnGround = "on the ground";
+inline constexpr const char* kInTheAir = "in the air";
 /// Every flight: singles, then those with the failsafe command, then pairs, each in both orders.
 std::vector<Case> all_cases();
 

@@ -136,6 +136,9 @@ class Hangar {
     out.from_aim_m = score.landing.distance_m(score.limits);
     out.sim_time_s = sim::to_seconds(flight->now());
     out.estimate = watch.count();
+    if (out.flight.phase == kRandom) {
+      out.flight.phase = watch.began_on_ground() ? kOnGround : kInTheAir;
+    }
   }
 
   FlightSetup& kept(const Case& wanted) {

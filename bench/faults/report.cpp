@@ -37,12 +37,11 @@ std::vector<Sheet> sheets() {
   return out;
 }
 
-/// "done", "crash R2", and "crash ?" where no rule explains it.
+/// "done", "crash R2", "ground R6", and "crash ?" where no rule explains it.
 std::string cell(const Flown& f) {
-  std::string out = name(f.ended);
-  if (!f.as_asked()) return out + " ?";
-  if (f.ended >= Class::kHardLanding) out += fmt::format(" {}", name(rule_of(f.flight)));
-  return out;
+  if (!f.as_asked()) return fmt::format("{} ?", name(f.ended));
+  const Rule rule = allowed_by(f.flight, f.ended);
+  return rule == Rule::kNone ? name(f.ended) : fmt::format("{} {}", name(f.ended), name(rule));
 }
 
 /// Cells of the single faults of a sheet: by fault, then by phase.
@@ -128,11 +127,12 @@ constexpr const char* kHead =
     "| cell | meaning |\n|---|---|\n"
     "| done | mission done: every waypoint passed, landed in the landing area, disarmed |\n"
     "| landed | a soft landing elsewhere, or a waypoint missed |\n"
-    "| ground | it did not take off, and its motors are off |\n"
+    "| ground | it never took off, its motors are off, and the rule that allows it. The outcome of such a flight is "
+    "`timeout` |\n"
     "| timeout | still in the air at the end of the flight |\n"
     "| hard, crash | a hard landing, a crash, with the rule that allows it |\n"
     "| ? | no rule allows this end, or the mission had to be completed |\n\n"
-    "| rule | a hard landing or crash is allowed because |\n|---|---|\n";
+    "| rule | the end is allowed because |\n|---|---|\n";
 
 }  // namespace
 
@@ -190,7 +190,7 @@ std::string as_csv(const std::vector<Flown>& flown) {
     out += fmt::format("{},{},{:d},{},\"{}\",{},{},{},{},", subjects()[c.subject].vehicle, c.pilot,
                        c.failsafe_command, c.seed, c.wind, c.phase, c.first, c.second,
                        joined(f.faults));
-    out += fmt::format("{},{},{:d},{},{},{:.1f},", name(f.ended), name(rule_of(c)), f.as_asked(),
+    out += fmt::format("{},{},{:d},{},{},{:.1f},", name(f.ended), name(allowed_by(c, f.ended)), f.as_asked(),
                        number(f.touchdown_m_s), number(f.from_aim_m), f.sim_time_s);
     out += fmt::format("{},{:.4f},{},{},\"{}\"\n", kStates[f.estimate.worst()],
                        f.estimate.worst_share(), f.estimate.far, f.estimate.in_time, f.verdict);

@@ -53,7 +53,7 @@ const char* name(Class c) {
 }
 
 const char* name(Rule rule) {
-  constexpr std::array<const char*, kRules> kNames{"", "R1", "R2", "R3", "R4", "R5"};
+  constexpr std::array<const char*, kRules> kNames{"", "R1", "R2", "R3", "R4", "R5", "R6"};
   return kNames.at(static_cast<std::size_t>(rule));
 }
 
@@ -65,7 +65,9 @@ const char* text(Rule rule) {
       "The IMU is silent, damaged or stuck for longer than 0.3 s.",
       "The gyro step is beyond the largest bias that the estimator learns, 0.1 rad/s.",
       "The link is cut, and the safety pilot of a multirotor holds his throttle stick at idle. The "
-      "pilot has the vehicle then, as in ROSflight 2.x."};
+      "pilot has the vehicle then, as in ROSflight 2.x.",
+      "The fault began before lift-off and the take-off was given up: the vehicle stands on the ground "
+      "with its motors off. For `ground` only, and for nothing that happens in the air."};
   return kTexts.at(static_cast<std::size_t>(rule));
 }
 
@@ -73,6 +75,22 @@ Rule rule_of(const Case& flown) {
   const Rule rule = rule_of(parsed(flown.first), flown);
   if (rule != Rule::kNone || flown.second.empty()) return rule;
   return rule_of(parsed(flown.second), flown);
+}
+
+bool before_lift_off(const std::string& phase) {
+  return phase == "armed" || phase == "roll" || phase == kOnGround;
+}
+
+Rule allowed_by(const Case& flown, Class ended) {
+  switch (ended) {
+    case Class::kNotFlown:
+      return before_lift_off(flown.phase) ? Rule::kTakeOffGivenUp : Rule::kNone;
+    case Class::kHardLanding:
+    case Class::kCrash:
+      return rule_of(flown);
+    default:
+      return Rule::kNone;
+  }
 }
 
 bool needs_mission(const Case& flown) {
@@ -112,9 +130,7 @@ bool needs_mission(const Case& flown) {
 bool explained(const Case& flown, Class ended) {
   if (ended == Class::kMissionDone) return true;
   if (needs_mission(flown)) return false;
-  if (ended == Class::kLandedElsewhere || ended == Class::kNotFlown) return true;
-  if (ended == Class::kTimeout) return false;
-  return rule_of(flown) != Rule::kNone;
+  return ended == Class::kLandedElsewhere || allowed_by(flown, ended) != Rule::kNone;
 }
 
 }  // namespace rosflight::bench::faults

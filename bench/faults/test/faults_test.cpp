@@ -245,6 +245,28 @@ TEST(FaultRules, WhatNeedsTheMissionIsNotExplainedByASoftLanding) {
   EXPECT_TRUE(explained(multirotor("link_cut:3", "idle"), Class::kCrash));
 }
 
+TEST(FaultRules, AVehicleMayStayOnTheGroundForAFaultBeforeLiftOffOnly) {
+  for (std::size_t s = 0; s < subjects().size(); ++s) {
+    for (const char* phase : subjects()[s].phases) {
+      const bool allowed = phase == std::string("armed") || phase == std::string("roll");
+      for (const char* fault : {"link_cut:8", "imu_stuck:1", "battery_low"}) {
+        const Case c{s, "hover", fault, "", phase, false};
+        EXPECT_EQ(explained(c, Class::kNotFlown), allowed) << phase << ' ' << fault;
+        EXPECT_EQ(allowed_by(c, Class::kNotFlown), allowed ? Rule::kTakeOffGivenUp : Rule::kNone);
+        EXPECT_FALSE(explained(c, Class::kTimeout)) << "with its motors on, or in the air";
+      }
+      const Case needed{s, "hover", "crash", "", phase, false};
+      EXPECT_FALSE(explained(needed, Class::kNotFlown)) << phase << ": the mission has to be done";
+    }
+  }
+  const Case beyond{0, "hover", "gnss", "", kInTheAir, false};
+  EXPECT_FALSE(explained(beyond, Class::kNotFlown));
+  const Case on_ground{0, "hover", "gnss", "", kOnGround, false};
+  EXPECT_TRUE(explained(on_ground, Class::kNotFlown));
+  EXPECT_EQ(allowed_by(on_ground, Class::kCrash), Rule::kNone) << "R6 allows no crash";
+  EXPECT_EQ(allowed_by(on_ground, Class::kMissionDone), Rule::kNone);
+}
+
 Flown flown(const Case& c, Class ended) {
   Flown out;
   out.flight = c;
@@ -252,6 +274,18 @@ Flown flown(const Case& c, Class ended) {
   out.ended = ended;
   out.verdict = "verdict";
   return out;
+}
+
+TEST(FaultPage, NamesTheRuleOfAVehicleThatStaysOnTheGround) {
+  Case roll = fixedwing("link_cut:8");
+  roll.phase = "roll";
+  const std::string page = as_page({flown(roll, Class::kNotFlown)});
+  EXPECT_NE(page.find("| `link_cut:8` | ground R6 |"), std::string::npos) << page;
+  EXPECT_NE(page.find("The outcome of such a flight is `timeout`"), std::string::npos);
+  EXPECT_NE(page.find("| R6 | The fault began before lift-off"), std::string::npos);
+  const std::string leg = as_page({flown(fixedwing("link_cut:8"), Class::kNotFlown)});
+  EXPECT_NE(leg.find("ground ?"), std::string::npos) << leg;
+  EXPECT_EQ(leg.find("Nothing."), std::string::npos);
 }
 
 TEST(FaultPage, SaysWhatWasFlownAndFindsWhatDiffers) {
