@@ -88,8 +88,8 @@ struct Errors {
           &Errors::heading_deg, &Errors::airspeed_m_s, &Errors::wind_m_s}) {
       (this->*spread).add(other.*spread);
     }
-    for (Ratio Errors::*ratio : {&Errors::nees, &Errors::attitude_nees, &Errors::velocity_nees,
-                                 &Errors::position_nees}) {
+    for (Ratio Errors::*ratio :
+         {&Errors::nees, &Errors::attitude_nees, &Errors::velocity_nees, &Errors::position_nees}) {
       (this->*ratio).add(other.*ratio);
     }
     for (std::size_t k = 0; k < nis.size(); ++k) nis[k].add(other.nis[k]);

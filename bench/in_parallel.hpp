@@ -30,7 +30,8 @@ void in_parallel(std::size_t count, unsigned threads, const MakeWorker& make_wor
       stop = true;
     }
   };
-  const unsigned wanted = threads == 0 ? std::max(1U, std::thread::hardware_concurrency()) : threads;
+  const unsigned wanted =
+      threads == 0 ? std::max(1U, std::thread::hardware_concurrency()) : threads;
   std::vector<std::thread> helpers;
   for (unsigned k = 1; k < wanted; ++k) helpers.emplace_back(work);
   work();

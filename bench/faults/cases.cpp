@@ -72,8 +72,8 @@ using Visit = std::function<void(const Case&, bool in_quarter)>;
 constexpr std::array kPilots{"hover", "idle"};
 constexpr std::size_t kQuarter = 4;
 
-/// Of each fault every fourth phase: with each fault another one, and with the idle stick others
-/// than with the hovering one.
+/// The quarter has every fourth phase of each fault: with each fault another one, and with the idle
+/// stick others than with the hovering one.
 void visit_singles(const Visit& visit) {
   for (std::size_t s = 0; s < subjects().size(); ++s) {
     const auto rows = fault_rows(subjects()[s].fixed_wing);
@@ -117,8 +117,7 @@ void visit_pairs(const Visit& visit) {
         std::size_t pair = 0;
         for (std::size_t a = 0; a < kinds.size(); ++a) {
           for (std::size_t b = a + 1; b < kinds.size(); ++b, ++pair) {
-            Case c{s,        kPilots[pilot],                    kinds[a],
-                   kinds[b], subjects()[s].pair_phases[phase], false};
+            Case c{s, kPilots[pilot], kinds[a], kinds[b], subjects()[s].pair_phases[phase], false};
             const bool mine = pair % kQuarter == block && (pilot == 0 || stick_counts(c));
             const bool reversed = pair / kQuarter % 2 == 1;
             visit(c, mine && !reversed);

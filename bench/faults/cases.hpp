@@ -16,7 +16,8 @@ struct Subject {
   std::vector<const char*> pair_phases;  ///< Phases of the pairs.
   unsigned motors;
   unsigned surfaces;
-  double wind_m_s;  ///< The strongest wind of random flights; within its limit in vehicles/README.md.
+  double
+      wind_m_s;  ///< The strongest wind of random flights; within its limit in vehicles/README.md.
 };
 const std::vector<Subject>& subjects();
 
@@ -37,7 +38,7 @@ struct Case {
   std::string pilot;   ///< "hover" or "idle".
   std::string first;   ///< A row of fault_rows().
   std::string second;  ///< Second fault of a pair, in the campaign 1 s later; else empty.
-  std::string phase;   ///< Of the first fault. kRandom: that of `moments`.
+  std::string phase;   ///< When the first fault begins: a phase, or kRandom, which `moments` says.
   /// The receiver's failsafe flies its own command though the companion's commands are fresh.
   bool failsafe_command{};
   std::uint64_t seed{1};

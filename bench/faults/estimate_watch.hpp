@@ -12,7 +12,8 @@ namespace rosflight::bench::faults {
 /// in the air by its true motion.
 struct EstimateCount {
   std::uint64_t samples{};
-  std::array<std::uint64_t, 9> outside{};  ///< Those in which a state of kStates was outside its own 3 sigma.
+  std::array<std::uint64_t, 9>
+      outside{};            ///< Those in which a state of kStates was outside its own 3 sigma.
   std::uint64_t far{};      ///< Flights whose true position was off by more than 15 m.
   std::uint64_t in_time{};  ///< Those of them in which the estimate reported that within 10 s.
   std::uint64_t said{};     ///< Flights in which it reported an unreliable position.
@@ -49,9 +50,10 @@ class EstimateWatch {
   bool begun_{};
   bool began_on_ground_{};
   EstimateCount count_;
-  double far_since_s_{-1.0};  ///< Off by more than 15 m without a report since then; < 0: it is not.
-  bool reported_{};           ///< A case was reported in time.
-  bool late_{};               ///< A case was not.
+  double far_since_s_{
+      -1.0};         ///< Off by more than 15 m without a report since then; < 0: it is not.
+  bool reported_{};  ///< A case was reported in time.
+  bool late_{};      ///< A case was not.
   bool said_{};
 };
 

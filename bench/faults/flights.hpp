@@ -19,7 +19,8 @@ struct Flown {
   double from_aim_m{};     ///< NaN: none.
   double sim_time_s{};
   EstimateCount estimate{};
-  std::string without_faults;  ///< Outcome of an unexplained random flight flown without its faults.
+  std::string
+      without_faults;  ///< Outcome of an unexplained random flight flown without its faults.
   bool as_asked() const { return explained(flight, ended); }
 };
 
@@ -28,7 +29,7 @@ std::string command(const Flown& flown);
 
 struct Campaign {
   std::vector<Flown> flights;  ///< In the order of the cases.
-  std::size_t nominal{};       ///< Flights without faults that were flown for the times of the phases.
+  std::size_t nominal{};  ///< Flights without faults that were flown for the times of the phases.
   std::size_t nominal_said{};  ///< Those in which the estimate reported an unreliable position.
 };
 

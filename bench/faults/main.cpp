@@ -56,7 +56,8 @@ std::uint64_t number(const std::string& option, const std::string& text) {
 void check(const Options& o) {
   if (o.random && (o.quarter || o.page || o.compare || !o.only.empty())) {
     throw std::invalid_argument(
-        "--random: found --quarter, --page, --compare or --only, allowed --seed, --wind, --text, --csv");
+        "--random: found --quarter, --page, --compare or --only, allowed --seed, --wind, --text, "
+        "--csv");
   }
   if (!o.random && (o.wind || o.seed != 1)) {
     throw std::invalid_argument("--seed, --wind: found no --random, allowed with --random N");

@@ -100,47 +100,45 @@ Case drawn(Dice dice, const std::optional<std::string>& wind) {
 
 const std::vector<DrawnKind>& drawn_kinds() {
   constexpr auto kFixedWing = Kind::For::kFixedWing;
-  static const std::vector<DrawnKind> list{
-      lasting("imu", 0.02, 0.5, 0.0),
-      lasting("imu_nan", 0.02, 0.5, 0.0),
-      lasting("imu_stuck", 0.02, 0.5, 0.0),
-      lasting("mag", 1.0, 60.0, 0.5),
-      lasting("baro", 1.0, 60.0, 0.5),
-      lasting("gnss", 1.0, 60.0, 0.5),
-      sized("gnss_step", 5.0, 30.0),
-      sized("gnss_delay", 0.05, 0.5, false),
-      lasting("diff_pressure", 1.0, 60.0, 0.5, kFixedWing),
-      lasting("pitot_blocked", 1.0, 60.0, 0.5, kFixedWing),
-      lasting("range", 1.0, 60.0, 0.5),
-      lasting("battery", 1.0, 60.0, 0.5),
-      moment("battery_low"),
-      lasting("rc_silence", 0.5, 20.0, 0.25),
-      lasting("rc_frame_loss", 0.5, 20.0, 0.25),
-      lasting("link_cut", 0.5, 20.0, 0.0),
-      sized("link_noise", 0.001, 0.01, false),
-      lasting("companion_stall", 0.1, 1.0, 0.0),
-      moment("crash"),
-      moment("hang"),
-      sized("baro_step", 2.0, 50.0),
-      sized("mag_turned", 10.0, 180.0),
-      sized("accel_step_x", 0.1, 1.0),
-      sized("accel_step_y", 0.1, 1.0),
-      sized("accel_step_z", 0.3, 3.0),
-      sized("gyro_step_x", 0.01, 0.1),
-      sized("gyro_step_y", 0.01, 0.1),
-      sized("gyro_step_z", 0.01, 0.1),
-      sized("motorN_partial", 0.5, 0.95, false),
-      lasting("motorN_dead", 0.2, 2.0, 0.25),
-      lasting("servoN_stuck", 1.0, 60.0, 0.5, kFixedWing)};
+  static const std::vector<DrawnKind> list{lasting("imu", 0.02, 0.5, 0.0),
+                                           lasting("imu_nan", 0.02, 0.5, 0.0),
+                                           lasting("imu_stuck", 0.02, 0.5, 0.0),
+                                           lasting("mag", 1.0, 60.0, 0.5),
+                                           lasting("baro", 1.0, 60.0, 0.5),
+                                           lasting("gnss", 1.0, 60.0, 0.5),
+                                           sized("gnss_step", 5.0, 30.0),
+                                           sized("gnss_delay", 0.05, 0.5, false),
+                                           lasting("diff_pressure", 1.0, 60.0, 0.5, kFixedWing),
+                                           lasting("pitot_blocked", 1.0, 60.0, 0.5, kFixedWing),
+                                           lasting("range", 1.0, 60.0, 0.5),
+                                           lasting("battery", 1.0, 60.0, 0.5),
+                                           moment("battery_low"),
+                                           lasting("rc_silence", 0.5, 20.0, 0.25),
+                                           lasting("rc_frame_loss", 0.5, 20.0, 0.25),
+                                           lasting("link_cut", 0.5, 20.0, 0.0),
+                                           sized("link_noise", 0.001, 0.01, false),
+                                           lasting("companion_stall", 0.1, 1.0, 0.0),
+                                           moment("crash"),
+                                           moment("hang"),
+                                           sized("baro_step", 2.0, 50.0),
+                                           sized("mag_turned", 10.0, 180.0),
+                                           sized("accel_step_x", 0.1, 1.0),
+                                           sized("accel_step_y", 0.1, 1.0),
+                                           sized("accel_step_z", 0.3, 3.0),
+                                           sized("gyro_step_x", 0.01, 0.1),
+                                           sized("gyro_step_y", 0.01, 0.1),
+                                           sized("gyro_step_z", 0.01, 0.1),
+                                           sized("motorN_partial", 0.5, 0.95, false),
+                                           lasting("motorN_dead", 0.2, 2.0, 0.25),
+                                           lasting("servoN_stuck", 1.0, 60.0, 0.5, kFixedWing)};
   return list;
 }
 
 std::string table_row(const DrawnKind& kind) {
-  const std::string value =
-      kind.largest == 0.0
-          ? "-"
-          : fmt::format("{:g} to {:g}{}", kind.smallest, kind.largest,
-                        kind.both_signs ? ", either sign" : "");
+  const std::string value = kind.largest == 0.0
+                                ? "-"
+                                : fmt::format("{:g} to {:g}{}", kind.smallest, kind.largest,
+                                              kind.both_signs ? ", either sign" : "");
   const std::string good =
       kind.for_good > 0.0 ? fmt::format("; {:g} % for good", 100.0 * kind.for_good) : "";
   const std::string duration =

@@ -16,8 +16,8 @@ struct DrawnKind {
   enum class For : unsigned char { kBoth, kFixedWing };
 
   std::string name;   ///< As `--fault` spells it; N is a motor or a surface.
-  double smallest{};  ///< Of the value, in the unit of the kind.
-  double largest{};   ///< 0: the kind has no value.
+  double smallest{};  ///< Smallest value, in the unit of the kind.
+  double largest{};   ///< Largest value; 0: the kind has none.
   bool both_signs{};
   double shortest_s{};
   double longest_s{};  ///< 0: no duration; it lasts to the end, or is a moment.

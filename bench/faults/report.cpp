@@ -127,7 +127,8 @@ constexpr const char* kHead =
     "| cell | meaning |\n|---|---|\n"
     "| done | mission done: every waypoint passed, landed in the landing area, disarmed |\n"
     "| landed | a soft landing elsewhere, or a waypoint missed |\n"
-    "| ground | it never took off, its motors are off, and the rule that allows it. The outcome of such a flight is "
+    "| ground | it never took off, its motors are off, and the rule that allows it. The outcome of "
+    "such a flight is "
     "`timeout` |\n"
     "| timeout | still in the air at the end of the flight |\n"
     "| hard, crash | a hard landing, a crash, with the rule that allows it |\n"
@@ -190,8 +191,8 @@ std::string as_csv(const std::vector<Flown>& flown) {
     out += fmt::format("{},{},{:d},{},\"{}\",{},{},{},{},", subjects()[c.subject].vehicle, c.pilot,
                        c.failsafe_command, c.seed, c.wind, c.phase, c.first, c.second,
                        joined(f.faults));
-    out += fmt::format("{},{},{:d},{},{},{:.1f},", name(f.ended), name(allowed_by(c, f.ended)), f.as_asked(),
-                       number(f.touchdown_m_s), number(f.from_aim_m), f.sim_time_s);
+    out += fmt::format("{},{},{:d},{},{},{:.1f},", name(f.ended), name(allowed_by(c, f.ended)),
+                       f.as_asked(), number(f.touchdown_m_s), number(f.from_aim_m), f.sim_time_s);
     out += fmt::format("{},{:.4f},{},{},\"{}\"\n", kStates[f.estimate.worst()],
                        f.estimate.worst_share(), f.estimate.far, f.estimate.in_time, f.verdict);
   }
@@ -226,7 +227,8 @@ std::string as_page(const std::vector<Flown>& flown) {
     const auto pairs = pair_counts(flown, sheet);
     if (pairs.empty()) continue;
     out +=
-        "\nPairs in both orders, the second fault 1 s after the first:\n\n| from | flights by end |\n|---|---|\n";
+        "\nPairs in both orders, the second fault 1 s after the first:\n\n| from | flights by end "
+        "|\n|---|---|\n";
     for (const auto& [phase, counts] : pairs) {
       out += fmt::format("| {} | {} |\n", phase, counted(counts));
     }

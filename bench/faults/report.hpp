@@ -12,7 +12,7 @@ namespace rosflight::bench::faults {
 std::string verdict(const Flown& flown);
 /// The matrices fault x phase, the summary of the pairs, and every flight that no rule explains.
 std::string as_text(const std::vector<Flown>& flown);
-/// Of random flights: how many ended how, and every flight that no rule explains.
+/// Random flights: how many ended how, and every flight that no rule explains.
 std::string as_random_text(const std::vector<Flown>& flown);
 /// A header and one row for each flight.
 std::string as_csv(const std::vector<Flown>& flown);

@@ -66,7 +66,8 @@ const char* text(Rule rule) {
       "The gyro step is beyond the largest bias that the estimator learns, 0.1 rad/s.",
       "The link is cut, and the safety pilot of a multirotor holds his throttle stick at idle. The "
       "pilot has the vehicle then, as in ROSflight 2.x.",
-      "The fault began before lift-off and the take-off was given up: the vehicle stands on the ground "
+      "The fault began before lift-off and the take-off was given up: the vehicle stands on the "
+      "ground "
       "with its motors off. For `ground` only, and for nothing that happens in the air."};
   return kTexts.at(static_cast<std::size_t>(rule));
 }

@@ -23,11 +23,11 @@ const char* name(Class c);
 /// kTakeOffGivenUp "ground".
 enum class Rule : unsigned char {
   kNone,
-  kPitchSurface,  ///< R1
-  kRotorDead,     ///< R2
-  kImuGone,       ///< R3
-  kGyroBeyond,    ///< R4
-  kPilotHasIt,    ///< R5
+  kPitchSurface,    ///< R1
+  kRotorDead,       ///< R2
+  kImuGone,         ///< R3
+  kGyroBeyond,      ///< R4
+  kPilotHasIt,      ///< R5
   kTakeOffGivenUp,  ///< R6
 };
 inline constexpr std::size_t kRules = 7;

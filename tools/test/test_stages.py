@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How ./rosflight test counts, chooses and goes on after a failure."""
 
+import json
 import os
 import signal
 import subprocess
@@ -303,3 +304,23 @@ def test_named_python_tests_run_the_programs_of_today(monkeypatch, builds):
     outcome = stages.python_tests([stages.ROOT / "tools/test/test_stages.py"])
     assert done[0] == ("release", stages.PROGRAMS)
     assert (outcome.passed, outcome.failed) == ((1, 0) if builds else (0, 1)) and (len(done) == 2) == builds
+
+
+QUARTER = {"flights": 10, "single_unexplained": 0, "pairs_unexplained": 0, "outside_worst": 0.005, "said_in_time_share": 1.0, "nominal_said": 0}
+
+
+@pytest.mark.parametrize("found, said, complaint", [
+    ({}, "100 of 10 flights", None),
+    ({}, "docs/fault-matrix.md: multirotor, gnss, leg: written done, flown crash ?", "written done, flown crash"),
+    ({}, "no rule explains: ./rosflight fly --fault mag@1: Crash.", "no rule explains"),
+    ({"outside_worst": 0.011}, "", "outside_worst: found 0.0110, allowed at most 0.01"),
+    ({"said_in_time_share": 0.94}, "", "said_in_time_share: found 0.9400, allowed at least 0.95"),
+    ({"nominal_said": 1}, "", "nominal_said"),
+])
+def test_the_quarter_of_the_fault_campaign_fails_for_each_of_its_limits(monkeypatch, found, said, complaint):
+    done = subprocess.CompletedProcess([], 0, stdout=json.dumps(QUARTER | found), stderr=said)
+    monkeypatch.setattr(stages, "_run", lambda *_: done)
+    outcome = stages._fault_quarter()
+    assert outcome.failed == (0 if complaint is None else 1)
+    assert outcome.passed == 13 - outcome.failed
+    assert complaint is None or complaint in outcome.complaints[0]

@@ -39,7 +39,8 @@ const DrawnKind& kind_of(const std::string& text) {
   const auto found = std::ranges::find_if(kinds, [&name](const DrawnKind& kind) {
     const std::size_t number = kind.name.find('N');
     if (number == std::string::npos) return kind.name == name;
-    return name.size() == kind.name.size() && name.substr(0, number) == kind.name.substr(0, number) &&
+    return name.size() == kind.name.size() &&
+           name.substr(0, number) == kind.name.substr(0, number) &&
            name.substr(number + 1) == kind.name.substr(number + 1);
   });
   EXPECT_NE(found, kinds.end()) << text;

@@ -1,31 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the fault campaign flies and what it asks for; no flight.
+// What the fault campaign flies, and which part of it continuous integration; no flight.
+#include "bench/faults/cases.hpp"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <fstream>
 #include <iterator>
 #include <map>
 #include <set>
 #include <sstream>
+#include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
-#include "bench/faults/report.hpp"
+#include "bench/faults/test/leg_cases.hpp"
 #include "flight/project_root.hpp"
 #include "sim/faults.hpp"
 
 namespace rosflight::bench::faults {
 namespace {
-
-Case multirotor(const char* first, const char* pilot = "hover", const char* second = "") {
-  return {0, pilot, first, second, "leg", false};
-}
-Case fixedwing(const char* first, const char* second = "") {
-  return {1, "hover", first, second, "leg", false};
-}
 
 std::string label(const Case& c) {
   return fmt::format("{} {} {} {} {} {}", c.subject, c.pilot, c.first, c.second, c.phase,
@@ -65,7 +63,8 @@ TEST(FaultCases, AreAllSinglesTheFailsafeCommandAndAllPairs) {
 
 TEST(FaultCases, EveryPairIsFlownInBothOrdersInEveryPhaseWithBothPilots) {
   std::set<std::string> all;
-  for (const Case& c : all_cases()) EXPECT_TRUE(all.insert(label(c)).second) << label(c) << " twice";
+  for (const Case& c : all_cases())
+    EXPECT_TRUE(all.insert(label(c)).second) << label(c) << " twice";
   for (Case c : all_cases()) {
     if (c.second.empty()) continue;
     std::swap(c.first, c.second);
@@ -199,113 +198,6 @@ TEST(FaultQuarter, WhereTheStickDoesNotCountThePageHasTheSameCellsForBothPilots)
   EXPECT_TRUE(stick_counts(multirotor("mag", "idle")));
   EXPECT_TRUE(stick_counts(fixedwing("mag", "crash")));
   EXPECT_FALSE(stick_counts(fixedwing("mag", "baro")));
-}
-
-TEST(FaultRules, ACrashIsAllowedForTheReasonsOnTheListOnly) {
-  EXPECT_EQ(rule_of(fixedwing("servo1_stuck")), Rule::kPitchSurface);
-  EXPECT_EQ(rule_of(fixedwing("servo0_stuck")), Rule::kNone);
-  EXPECT_EQ(rule_of(multirotor("motor0_dead:1")), Rule::kRotorDead);
-  EXPECT_EQ(rule_of(fixedwing("motor0_dead:1")), Rule::kNone) << "a fixed wing glides";
-  EXPECT_EQ(rule_of(multirotor("motor0_partial=0.5")), Rule::kNone);
-  EXPECT_EQ(rule_of(multirotor("imu_stuck:1")), Rule::kImuGone);
-  EXPECT_EQ(rule_of(multirotor("imu:0.3")), Rule::kNone);
-  EXPECT_EQ(rule_of(multirotor("gyro_step_z=0.5")), Rule::kGyroBeyond);
-  EXPECT_EQ(rule_of(multirotor("gyro_step_z=0.1")), Rule::kNone);
-  EXPECT_EQ(rule_of(multirotor("link_cut:3", "idle")), Rule::kPilotHasIt);
-  EXPECT_EQ(rule_of(multirotor("link_cut:3", "hover")), Rule::kNone);
-  EXPECT_EQ(rule_of(multirotor("companion_stall:1", "idle")), Rule::kNone);
-  EXPECT_EQ(rule_of(fixedwing("link_cut:3")), Rule::kNone);
-  EXPECT_EQ(rule_of(fixedwing("gnss", "servo2_stuck")), Rule::kPitchSurface)
-      << "the second of a pair";
-}
-
-TEST(FaultRules, ANearlyEmptyBatteryExplainsNoHardLanding) {
-  EXPECT_EQ(rule_of(multirotor("battery_low")), Rule::kNone);
-  EXPECT_EQ(rule_of(multirotor("battery_low", "hover", "link_cut:3")), Rule::kNone);
-  EXPECT_EQ(rule_of(multirotor("battery_low", "hover", "companion_stall:1")), Rule::kNone);
-  EXPECT_EQ(rule_of(multirotor("battery_low", "idle", "link_cut:3")), Rule::kPilotHasIt);
-}
-
-TEST(FaultRules, WhatNeedsTheMissionIsNotExplainedByASoftLanding) {
-  EXPECT_TRUE(explained(multirotor("gnss:20"), Class::kMissionDone));
-  EXPECT_FALSE(explained(multirotor("gnss:20"), Class::kLandedElsewhere));
-  EXPECT_FALSE(explained(multirotor("companion_stall:1", "idle"), Class::kLandedElsewhere));
-  EXPECT_TRUE(explained(multirotor("gnss"), Class::kLandedElsewhere));
-  EXPECT_FALSE(explained(multirotor("gnss"), Class::kTimeout));
-  EXPECT_FALSE(explained(multirotor("gnss"), Class::kHardLanding));
-  EXPECT_TRUE(explained(multirotor("imu_stuck:1"), Class::kCrash));
-  EXPECT_FALSE(explained(multirotor("rc_silence:10"), Class::kLandedElsewhere));
-  Case failsafe = multirotor("rc_silence:10");
-  failsafe.failsafe_command = true;
-  EXPECT_TRUE(explained(failsafe, Class::kLandedElsewhere));
-  EXPECT_FALSE(explained(failsafe, Class::kCrash));
-  EXPECT_TRUE(explained(multirotor("gnss:20", "hover", "mag"), Class::kLandedElsewhere))
-      << "a pair";
-  EXPECT_FALSE(explained(multirotor("link_cut:3", "hover"), Class::kLandedElsewhere));
-  EXPECT_TRUE(explained(multirotor("link_cut:3", "idle"), Class::kCrash));
-}
-
-TEST(FaultRules, AVehicleMayStayOnTheGroundForAFaultBeforeLiftOffOnly) {
-  for (std::size_t s = 0; s < subjects().size(); ++s) {
-    for (const char* phase : subjects()[s].phases) {
-      const bool allowed = phase == std::string("armed") || phase == std::string("roll");
-      for (const char* fault : {"link_cut:8", "imu_stuck:1", "battery_low"}) {
-        const Case c{s, "hover", fault, "", phase, false};
-        EXPECT_EQ(explained(c, Class::kNotFlown), allowed) << phase << ' ' << fault;
-        EXPECT_EQ(allowed_by(c, Class::kNotFlown), allowed ? Rule::kTakeOffGivenUp : Rule::kNone);
-        EXPECT_FALSE(explained(c, Class::kTimeout)) << "with its motors on, or in the air";
-      }
-      const Case needed{s, "hover", "crash", "", phase, false};
-      EXPECT_FALSE(explained(needed, Class::kNotFlown)) << phase << ": the mission has to be done";
-    }
-  }
-  const Case beyond{0, "hover", "gnss", "", kInTheAir, false};
-  EXPECT_FALSE(explained(beyond, Class::kNotFlown));
-  const Case on_ground{0, "hover", "gnss", "", kOnGround, false};
-  EXPECT_TRUE(explained(on_ground, Class::kNotFlown));
-  EXPECT_EQ(allowed_by(on_ground, Class::kCrash), Rule::kNone) << "R6 allows no crash";
-  EXPECT_EQ(allowed_by(on_ground, Class::kMissionDone), Rule::kNone);
-}
-
-Flown flown(const Case& c, Class ended) {
-  Flown out;
-  out.flight = c;
-  out.faults = {at_time(c.first, 20.0)};
-  out.ended = ended;
-  out.verdict = "verdict";
-  return out;
-}
-
-TEST(FaultPage, NamesTheRuleOfAVehicleThatStaysOnTheGround) {
-  Case roll = fixedwing("link_cut:8");
-  roll.phase = "roll";
-  const std::string page = as_page({flown(roll, Class::kNotFlown)});
-  EXPECT_NE(page.find("| `link_cut:8` | ground R6 |"), std::string::npos) << page;
-  EXPECT_NE(page.find("The outcome of such a flight is `timeout`"), std::string::npos);
-  EXPECT_NE(page.find("| R6 | The fault began before lift-off"), std::string::npos);
-  const std::string leg = as_page({flown(fixedwing("link_cut:8"), Class::kNotFlown)});
-  EXPECT_NE(leg.find("ground ?"), std::string::npos) << leg;
-  EXPECT_EQ(leg.find("Nothing."), std::string::npos);
-}
-
-TEST(FaultPage, SaysWhatWasFlownAndFindsWhatDiffers) {
-  std::vector<Flown> list{flown(multirotor("gnss"), Class::kLandedElsewhere),
-                          flown(multirotor("imu_stuck:1"), Class::kCrash)};
-  const std::string page = as_page(list);
-  EXPECT_NE(page.find("| `gnss` |  |  |  | landed |"), std::string::npos) << page;
-  EXPECT_NE(page.find("crash R3"), std::string::npos);
-  EXPECT_NE(page.find("Nothing."), std::string::npos);
-  EXPECT_TRUE(differences(list, page).empty());
-  list[0].ended = Class::kCrash;
-  ASSERT_EQ(differences(list, page).size(), 1U);
-  EXPECT_EQ(
-      differences(list, page)[0],
-      "docs/fault-matrix.md: multirotor, pilot's stick hover, gnss, leg: written landed, flown "
-      "crash ?");
-  EXPECT_NE(as_page(list).find("- `./rosflight fly --fault gnss@20.0000`: verdict"),
-            std::string::npos);
-  EXPECT_EQ(differences(list, "").size(), 2U);
-  EXPECT_NE(as_text(list).find("crash ?"), std::string::npos);
 }
 
 }  // namespace
