@@ -6,8 +6,6 @@
 #include <functional>
 #include <utility>
 
-#include "sim/faults.hpp"
-
 namespace rosflight::bench::faults {
 namespace {
 
@@ -82,7 +80,7 @@ void visit_singles(const Visit& visit) {
         for (std::size_t phase = 0; phase < subjects()[s].phases.size(); ++phase) {
           const Case c{s, kPilots[pilot], rows[row].text, "", subjects()[s].phases[phase], false};
           const bool mine = (row + phase + 2 * pilot) % kQuarter == 0;
-          visit(c, mine && (pilot == 0 || stick_counts(c)));
+          visit(c, mine);
         }
       }
     }
@@ -118,7 +116,7 @@ void visit_pairs(const Visit& visit) {
         for (std::size_t a = 0; a < kinds.size(); ++a) {
           for (std::size_t b = a + 1; b < kinds.size(); ++b, ++pair) {
             Case c{s, kPilots[pilot], kinds[a], kinds[b], subjects()[s].pair_phases[phase], false};
-            const bool mine = pair % kQuarter == block && (pilot == 0 || stick_counts(c));
+            const bool mine = pair % kQuarter == block;
             const bool reversed = pair / kQuarter % 2 == 1;
             visit(c, mine && !reversed);
             std::swap(c.first, c.second);
@@ -134,26 +132,6 @@ void visit_all(const Visit& visit) {
   visit_singles(visit);
   visit_failsafe_commands(visit);
   visit_pairs(visit);
-}
-
-/// While it lasts, or after it, the companion's commands are not in force.
-bool takes_commands(const std::string& fault) {
-  using sim::FaultKind;
-  switch (sim::parse_fault(at_time(fault, 0.0)).kind) {
-    case FaultKind::kImu:
-    case FaultKind::kImuNan:
-    case FaultKind::kImuStuck:
-    case FaultKind::kRcSilence:
-    case FaultKind::kRcFrameLoss:
-    case FaultKind::kLinkCut:
-    case FaultKind::kLinkNoise:
-    case FaultKind::kCompanionStall:
-    case FaultKind::kCrash:
-    case FaultKind::kHang:
-      return true;
-    default:
-      return false;
-  }
 }
 
 }  // namespace
@@ -191,11 +169,6 @@ std::string at_time(const std::string& fault, double t_s) {
   const std::string what = fault.substr(0, colon);
   const std::string duration = colon == std::string::npos ? "" : fault.substr(colon);
   return fmt::format("{}@{:.4f}{}", what, t_s, duration);
-}
-
-bool stick_counts(const Case& c) {
-  if (!subjects()[c.subject].fixed_wing) return true;
-  return takes_commands(c.first) || (!c.second.empty() && takes_commands(c.second));
 }
 
 std::vector<Case> all_cases() {

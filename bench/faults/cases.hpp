@@ -54,12 +54,8 @@ inline constexpr const char* kInTheAir = "in the air";
 /// Every flight: singles, then those with the failsafe command, then pairs, each in both orders.
 std::vector<Case> all_cases();
 
-/// Whether the position of the pilot's throttle stick can change the flight: that of a fixed wing only
-/// with a fault that takes the companion's commands away. docs/fault-matrix.md shows the same for both.
-bool stick_counts(const Case& c);
-
-/// What continuous integration flies: a fixed quarter of the flights that differ, of pairs in one order
-/// each. With the idle stick those are left out where it does not count.
+/// What continuous integration flies: of the singles a fixed quarter, with each pilot other cells; of
+/// the pairs each one once, in one of its two phases, with one of the pilots and in one order.
 std::vector<Case> quarter();
 
 }  // namespace rosflight::bench::faults

@@ -4,12 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <memory>
-#include <mutex>
+#include <nlohmann/json.hpp>
 #include <tuple>
+#include <utility>
 
+#include "bench/faults/children.hpp"
 #include "bench/faults/phases.hpp"
 #include "bench/in_parallel.hpp"
 
@@ -92,13 +95,75 @@ std::vector<std::string> timed(const Case& wanted, const Phases& phases) {
   return out;
 }
 
+/// A fraction of a second before the fault in which it is not yet in force, but the truth is recorded.
+constexpr double kBefore_s = 0.3;
+
 double first_begin_s(const sim::FaultSchedule& faults) {
   sim::Time first = sim::Time::max();
   for (const sim::Fault& fault : faults.faults()) first = std::min(first, fault.start);
   return sim::to_seconds(first);
 }
 
-/// Flies cases one after the other; keeps the set-ups of the campaign's flights. Of one thread.
+/// Flies to the end, with the faults that the flight has.
+void finish(Flight& flight, Flown& out) {
+  EstimateWatch watch(first_begin_s(flight.faults()));
+  flight.set_script([&watch](Flight& f, sim::Time t) { watch.look(f, t); });
+  flight.run();
+  const flight::FlightScore score = flight.score();
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  out.ended = class_of(score, flight.runner().disarmed());
+  out.verdict = score.verdict;
+  out.touchdown_m_s = score.landing.touchdown() ? score.landing.touchdown()->hardest_m_s : kNone;
+  out.from_aim_m = score.landing.distance_m(score.limits);
+  out.sim_time_s = sim::to_seconds(flight.now());
+  out.estimate = watch.count();
+  if (out.flight.phase == kRandom) {
+    out.flight.phase = watch.began_on_ground() ? kOnGround : kInTheAir;
+  }
+}
+
+nlohmann::json number(double value) {
+  return std::isnan(value) ? nlohmann::json() : nlohmann::json(value);
+}
+double number(const nlohmann::json& value) {
+  return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
+}
+
+/// What a flight adds to its case, as one line.
+std::string line_of(const Flown& f) {
+  return nlohmann::json{f.ended,
+                        f.verdict,
+                        number(f.touchdown_m_s),
+                        number(f.from_aim_m),
+                        f.sim_time_s,
+                        f.without_faults,
+                        f.flight.phase,
+                        f.estimate.samples,
+                        f.estimate.outside,
+                        f.estimate.far,
+                        f.estimate.in_time,
+                        f.estimate.said}
+      .dump();
+}
+
+void read_line(const std::string& line, Flown& f) {
+  const auto json = nlohmann::json::parse(line);
+  f.ended = json[0].get<Class>();
+  f.verdict = json[1];
+  f.touchdown_m_s = number(json[2]);
+  f.from_aim_m = number(json[3]);
+  f.sim_time_s = json[4];
+  f.without_faults = json[5];
+  f.flight.phase = json[6];
+  f.estimate.samples = json[7];
+  f.estimate.outside = json[8];
+  f.estimate.far = json[9];
+  f.estimate.in_time = json[10];
+  f.estimate.said = json[11];
+}
+
+/// Flies cases one after the other, in one process. Flights of the campaign are equal until their first fault:
+/// each way to a phase is flown once and kept, and every flight goes on from a copy of it in a child.
 class Hangar {
  public:
   explicit Hangar(const std::map<Key, Nominal>& nominal) : nominal_{nominal} {}
@@ -107,48 +172,45 @@ class Hangar {
     Flown out;
     out.flight = wanted;
     out.faults = timed(wanted, nominal_.at(key_of(wanted)).phases);
-    const bool random = wanted.phase == kRandom;
-    std::unique_ptr<FlightSetup> own;
-    if (random) own = std::make_unique<FlightSetup>(choice_of(wanted));
-    FlightSetup& setup = random ? *own : kept(wanted);
-    setup.faults = sim::parse_faults(out.faults);
-    fly(setup, out);
-    if (random && !out.as_asked()) {
-      setup.faults = {};
-      const auto plain = std::make_unique<Flight>(setup);
-      plain->run();
-      out.without_faults = flight::outcome_name(plain->score().outcome);
+    const sim::FaultSchedule faults = sim::parse_faults(out.faults);
+    if (wanted.phase == kRandom) {
+      fly_alone(faults, out);
+      return out;
     }
+    Flight& before = flown_until(wanted, first_begin_s(faults) - kBefore_s);
+    const std::string line = in_child([&] {
+      for (const sim::Fault& fault : faults.faults()) before.faults().add(fault);
+      finish(before, out);
+      return line_of(out);
+    });
+    read_line(line, out);
     return out;
   }
 
  private:
-  static void fly(const FlightSetup& setup, Flown& out) {
-    const auto flight = std::make_unique<Flight>(setup);
-    EstimateWatch watch(first_begin_s(setup.faults));
-    flight->set_script([&watch](Flight& f, sim::Time t) { watch.look(f, t); });
-    flight->run();
-    const flight::FlightScore score = flight->score();
-    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    out.ended = class_of(score, flight->runner().disarmed());
-    out.verdict = score.verdict;
-    out.touchdown_m_s = score.landing.touchdown() ? score.landing.touchdown()->hardest_m_s : kNone;
-    out.from_aim_m = score.landing.distance_m(score.limits);
-    out.sim_time_s = sim::to_seconds(flight->now());
-    out.estimate = watch.count();
-    if (out.flight.phase == kRandom) {
-      out.flight.phase = watch.began_on_ground() ? kOnGround : kInTheAir;
-    }
+  static void fly_alone(const sim::FaultSchedule& faults, Flown& out) {
+    FlightSetup setup(choice_of(out.flight));
+    setup.faults = faults;
+    finish(*std::make_unique<Flight>(setup), out);
+    if (out.as_asked()) return;
+    setup.faults = {};
+    const auto plain = std::make_unique<Flight>(setup);
+    plain->run();
+    out.without_faults = flight::outcome_name(plain->score().outcome);
   }
 
-  FlightSetup& kept(const Case& wanted) {
+  Flight& flown_until(const Case& wanted, double until_s) {
     auto& setup = setups_[key_of(wanted)];
     if (!setup) setup = std::make_unique<FlightSetup>(choice_of(wanted));
-    return *setup;
+    auto& flight = flights_[{key_of(wanted), wanted.phase}];
+    if (!flight) flight = std::make_unique<Flight>(*setup);
+    while (sim::to_seconds(flight->now()) < until_s) flight->step();
+    return *flight;
   }
 
   const std::map<Key, Nominal>& nominal_;
   std::map<Key, std::unique_ptr<FlightSetup>> setups_;
+  std::map<std::pair<Key, std::string>, std::unique_ptr<Flight>> flights_;
 };
 
 }  // namespace
@@ -165,23 +227,25 @@ std::string command(const Flown& flown) {
   return out;
 }
 
-Campaign fly(const std::vector<Case>& cases, unsigned threads,
+Campaign fly(const std::vector<Case>& cases, unsigned processes,
              const std::function<void(std::size_t)>& progress) {
-  const std::map<Key, Nominal> nominal = fly_without_faults(cases, threads);
+  const std::map<Key, Nominal> nominal = fly_without_faults(cases, processes);
   Campaign out;
   out.nominal = nominal.size();
   out.nominal_said = static_cast<std::size_t>(
       std::ranges::count_if(nominal, [](const auto& entry) { return entry.second.said; }));
   out.flights.resize(cases.size());
-  std::mutex mutex;
+  Hangar hangar(nominal);
   std::size_t done = 0;
-  in_parallel(cases.size(), threads, [&] {
-    return [&, hangar = std::make_shared<Hangar>(nominal)](std::size_t k) {
-      out.flights[k] = hangar->fly(cases[k]);
-      const std::lock_guard lock(mutex);
-      progress(++done);
-    };
-  });
+  in_children(
+      cases.size(), processes, [&](std::size_t k) { return line_of(hangar.fly(cases[k])); },
+      [&](std::size_t k, const std::string& line) {
+        Flown& flown = out.flights[k];
+        flown.flight = cases[k];
+        flown.faults = timed(cases[k], nominal.at(key_of(cases[k])).phases);
+        read_line(line, flown);
+        progress(++done);
+      });
   return out;
 }
 

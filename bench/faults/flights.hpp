@@ -33,11 +33,12 @@ struct Campaign {
   std::size_t nominal_said{};  ///< Those in which the estimate reported an unreliable position.
 };
 
-/// Flies all cases, several at once, in this process and without logs. The result is that of flying
-/// one after the other, in the order of the cases. An unexplained random flight is flown again without its faults.
-/// @param threads   0: one for each processor.
-/// @param progress  called now and then with the number of flights done, by one thread at a time.
-Campaign fly(const std::vector<Case>& cases, unsigned threads,
+/// Flies all cases, several at once, without logs. The result is that of flying each one alone from
+/// its power-up, in the order of the cases: flights that are equal until their fault fly this part
+/// once. An unexplained random flight is flown again without its faults. Call it while the process has one thread.
+/// @param processes  children to fly in; 0: one for each processor.
+/// @param progress   called after each flight with the number of flights done.
+Campaign fly(const std::vector<Case>& cases, unsigned processes,
              const std::function<void(std::size_t)>& progress);
 
 }  // namespace rosflight::bench::faults

@@ -3,8 +3,8 @@
 //
 // usage: faults [--quarter] [--page FILE] [--compare PAGE] [--only WORD]... [COMMON]
 //        faults --random N [--seed S] [--wind SPEED,FROM_DEG,GUST] [COMMON]
-// COMMON: [--text FILE] [--csv FILE] [--threads N]
-//   --quarter  a fixed quarter of the flights that differ, for continuous integration
+// COMMON: [--text FILE] [--csv FILE] [--processes N]
+//   --quarter  a fixed quarter, for continuous integration: each pair once, in one order
 //   --compare  the cells that were flown have to be those of this page
 //   --only     flights whose vehicle, phase or fault has this name; all that are given must fit
 //   --random   N flights with drawn vehicles, pilots, faults, moments, seeds and winds (random_cases.hpp)
@@ -35,7 +35,7 @@ using rosflight::bench::kStates;
 struct Options {
   bool quarter{false};
   std::optional<std::string> text, csv, page, compare;
-  unsigned threads{0};
+  unsigned processes{0};
   std::vector<std::string> only;
   std::optional<std::size_t> random;
   std::uint64_t seed{1};
@@ -83,8 +83,8 @@ Options read(int argc, char** argv) {
       out.page = value();
     } else if (words[k] == "--compare") {
       out.compare = value();
-    } else if (words[k] == "--threads") {
-      out.threads = static_cast<unsigned>(number("--threads", value()));
+    } else if (words[k] == "--processes") {
+      out.processes = static_cast<unsigned>(number("--processes", value()));
     } else if (words[k] == "--random") {
       out.random = number("--random", value());
     } else if (words[k] == "--seed") {
@@ -136,7 +136,7 @@ int run(const Options& options) {
     constexpr std::size_t kEvery = 100;
     if (done % kEvery == 0) std::fprintf(stderr, "%zu of %zu flights\n", done, cases.size());
   };
-  const Campaign campaign = fly(cases, options.threads, progress);
+  const Campaign campaign = fly(cases, options.processes, progress);
   const std::vector<Flown>& flown = campaign.flights;
   write(options.text, options.random ? as_random_text(flown) : as_text(flown));
   write(options.csv, as_csv(flown));

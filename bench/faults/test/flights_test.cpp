@@ -209,7 +209,7 @@ TEST(FaultFlights, ThePrintedCommandRepeatsThemToTheBit) {
 
 TEST(FaultFlights, ARandomFlightSaysWhereItsFaultBegan) {
   Case early{0, "hover", "battery", "", kRandom, false, 3, "2.0,90,1.0"};
-  early.moments = {0.01, 0.0};
+  early.moments = {0.001, 0.0};  // 0.05 s after arming
   Case late = early;
   late.moments = {0.5, 0.0};
   const auto done = flown({early, late}, 1);
