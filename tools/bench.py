@@ -4,7 +4,7 @@
 Measures the project's figures, prints each with its target as soon as it is there, and writes them to FILE as one JSON
 object after each: name -> {"value", "unit", "target", "met"}. NAME chooses by a part of the name.
 Without a name those are measured that take five minutes together. By name or with --all also: faults in every phase and
-in pairs (faults, three quarters of an hour; prints the matrix and writes docs/fault-matrix.md), random flights (property, half an
+in pairs (faults, a quarter of an hour; prints the matrix and writes docs/fault-matrix.md), random flights (property, half an
 hour), the build (build, some minutes), round trips, speed and load over ROS (rtt, ros, load,
 a quarter of an hour)
 and the fuzzers with a million inputs each (fuzz, an hour).

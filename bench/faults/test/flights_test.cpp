@@ -145,8 +145,8 @@ TEST(FaultPhases, OfAFixedWingAreWhatTheirNamesSay) {
   EXPECT_LT(seen.at("flare").altitude_m, 5.0);
 }
 
-std::vector<Flown> flown(const std::vector<Case>& cases, unsigned threads) {
-  return fly(cases, threads, [](std::size_t) {}).flights;
+std::vector<Flown> flown(const std::vector<Case>& cases, unsigned processes) {
+  return fly(cases, processes, [](std::size_t) {}).flights;
 }
 
 bool same_number(double a, double b) {
@@ -165,7 +165,7 @@ void expect_same(const Flown& a, const Flown& b) {
   EXPECT_EQ(a.flight.phase, b.flight.phase);
 }
 
-TEST(FaultFlights, DoNotDependOnTheNumberOfThreads) {
+TEST(FaultFlights, DoNotDependOnTheNumberOfProcesses) {
   std::vector<Case> cases = random_cases(6, 1, {});
   cases.push_back({0, "hover", "link_cut:3", "", "leg", false});
   cases.push_back({0, "idle", "mag", "gnss:20", "landing", false});
