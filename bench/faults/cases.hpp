@@ -48,9 +48,10 @@ struct Case {
   double second_after_s{};  ///< > 0: the second fault begins this long after the first.
 };
 inline constexpr const char* kRandom = "random";
-/// What stands for kRandom when the flight has been flown: where the vehicle was, by its true motion.
-inline constexpr const char* kOnGround = "on the ground";
-inline constexpr const char* kInTheAir = "in the air";
+/// What stands for kRandom when the flight has been flown: whether the vehicle had taken off when the first
+/// fault began, as docs/scoring.md counts it (0.5 m above the ground, a fixed wing 2 m).
+inline constexpr const char* kBeforeLiftOff = "before lift-off";
+inline constexpr const char* kAfterLiftOff = "after lift-off";
 /// Every flight: singles, then those with the failsafe command, then pairs, each in both orders.
 std::vector<Case> all_cases();
 

@@ -31,7 +31,7 @@ void EstimateWatch::look(const flight::Flight& flight, sim::Time t) {
   if (now_s < begin_s_ - kKept_s || flight.runner().stage() != flight::Stage::kFly) return;
   past_.add(flight, t);
   if (now_s < begin_s_) return;
-  if (!begun_) began_on_ground_ = flight.truth().on_ground;
+  if (!begun_) began_before_lift_off_ = !flight.score().landing.airborne();
   begun_ = true;
   constexpr int kEvery = 20;  // twenty times a second
   if (++step_ % kEvery != 0 || flight.truth().on_ground) return;

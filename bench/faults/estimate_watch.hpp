@@ -40,15 +40,15 @@ class EstimateWatch {
   void sample(double t_s, const Eigen::Matrix<double, 9, 1>& sigmas, double off_m, bool unreliable);
 
   EstimateCount count() const;
-  /// The vehicle touched the ground when the first fault began, by its true motion.
-  bool began_on_ground() const { return began_on_ground_; }
+  /// The vehicle had not taken off when the first fault began, by its true motion.
+  bool began_before_lift_off() const { return began_before_lift_off_; }
 
  private:
   double begin_s_;
   TruePast past_;
   int step_{};
   bool begun_{};
-  bool began_on_ground_{};
+  bool began_before_lift_off_{};
   EstimateCount count_;
   double far_since_s_{
       -1.0};         ///< Off by more than 15 m without a report since then; < 0: it is not.

@@ -118,7 +118,7 @@ void finish(Flight& flight, Flown& out) {
   out.sim_time_s = sim::to_seconds(flight.now());
   out.estimate = watch.count();
   if (out.flight.phase == kRandom) {
-    out.flight.phase = watch.began_on_ground() ? kOnGround : kInTheAir;
+    out.flight.phase = watch.began_before_lift_off() ? kBeforeLiftOff : kAfterLiftOff;
   }
 }
 

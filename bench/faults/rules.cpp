@@ -79,7 +79,7 @@ Rule rule_of(const Case& flown) {
 }
 
 bool before_lift_off(const std::string& phase) {
-  return phase == "armed" || phase == "roll" || phase == kOnGround;
+  return phase == "armed" || phase == "roll" || phase == kBeforeLiftOff;
 }
 
 Rule allowed_by(const Case& flown, Class ended) {

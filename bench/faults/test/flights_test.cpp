@@ -213,8 +213,8 @@ TEST(FaultFlights, ARandomFlightSaysWhereItsFaultBegan) {
   Case late = early;
   late.moments = {0.5, 0.0};
   const auto done = flown({early, late}, 1);
-  EXPECT_EQ(done[0].flight.phase, kOnGround);
-  EXPECT_EQ(done[1].flight.phase, kInTheAir);
+  EXPECT_EQ(done[0].flight.phase, kBeforeLiftOff);
+  EXPECT_EQ(done[1].flight.phase, kAfterLiftOff);
   EXPECT_EQ(done[0].ended, Class::kMissionDone);
   EXPECT_EQ(done[0].faults[0].substr(0, 8), "battery@");
 }

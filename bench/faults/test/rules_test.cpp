@@ -123,9 +123,9 @@ TEST(FaultRules, AVehicleMayStayOnTheGroundForAFaultBeforeLiftOffOnly) {
       EXPECT_FALSE(explained(needed, Class::kNotFlown)) << phase << ": the mission has to be done";
     }
   }
-  const Case beyond{0, "hover", "gnss", "", kInTheAir, false};
+  const Case beyond{0, "hover", "gnss", "", kAfterLiftOff, false};
   EXPECT_FALSE(explained(beyond, Class::kNotFlown));
-  const Case on_ground{0, "hover", "gnss", "", kOnGround, false};
+  const Case on_ground{0, "hover", "gnss", "", kBeforeLiftOff, false};
   EXPECT_TRUE(explained(on_ground, Class::kNotFlown));
   EXPECT_EQ(allowed_by(on_ground, Class::kCrash), Rule::kNone) << "R6 allows no crash";
   EXPECT_EQ(allowed_by(on_ground, Class::kMissionDone), Rule::kNone);
