@@ -42,6 +42,7 @@ struct Case {
   /// The receiver's failsafe flies its own command though the companion's commands are fresh.
   bool failsafe_command{};
   std::uint64_t seed{1};
+  // NOLINTNEXTLINE(readability-redundant-member-init): so that GCC lets callers leave it out
   std::string wind{};  ///< As `--wind` takes it; empty: calm.
   /// When the faults of kRandom begin: 0 is arming, 1 the touchdown of the flight without faults in calm air.
   std::array<double, 2> moments{};

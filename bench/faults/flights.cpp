@@ -67,6 +67,7 @@ std::map<Key, Nominal> fly_without_faults(const std::vector<Case>& cases, unsign
   std::map<Key, Nominal> found;
   for (const Case& c : cases) found.try_emplace(key_of(c));
   std::vector<std::pair<const Key, Nominal>*> list;
+  list.reserve(found.size());
   for (auto& entry : found) list.push_back(&entry);
   in_parallel(list.size(), threads, [&] {
     return [&list](std::size_t k) {

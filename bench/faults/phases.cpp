@@ -80,10 +80,11 @@ Phases find_phases(const flight::FlightSetup& setup,
   });
   flight->run();
   const flight::FlightScore score = flight->score();
-  if (!score.success()) {
+  const auto& touchdown = score.landing.touchdown();
+  if (!score.success() || !touchdown) {
     throw std::runtime_error("the flight without faults failed: " + score.verdict);
   }
-  const double touchdown_s = score.landing.touchdown()->t_s;  // a success has one
+  const double touchdown_s = touchdown->t_s;
   return {setup.fixed_wing() ? watch.fixedwing() : watch.multirotor(touchdown_s), watch.armed_s(),
           touchdown_s};
 }

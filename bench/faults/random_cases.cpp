@@ -24,10 +24,7 @@ Kind sized(const char* name, double smallest, double largest, bool both_signs = 
 /// Numbers that are the same with every compiler: the distributions of the standard library are not.
 class Dice {
  public:
-  Dice(std::uint64_t series, std::uint64_t number) {
-    std::seed_seq words{series, series >> 32U, number, number >> 32U};
-    engine_.seed(words);
-  }
+  Dice(std::uint64_t series, std::uint64_t number) : engine_{engine(series, number)} {}
   double share() {
     constexpr double kUnit = 1.0 / 9007199254740992.0;  // 2^-53
     return static_cast<double>(engine_() >> 11U) * kUnit;
@@ -39,6 +36,11 @@ class Dice {
   }
 
  private:
+  static std::mt19937_64 engine(std::uint64_t series, std::uint64_t number) {
+    std::seed_seq words{series, series >> 32U, number, number >> 32U};
+    return std::mt19937_64{words};
+  }
+
   std::mt19937_64 engine_;
 };
 

@@ -46,7 +46,7 @@ TEST(FaultCases, AreAllSinglesTheFailsafeCommandAndAllPairs) {
   const auto m = static_cast<std::ptrdiff_t>(fault_rows(false).size());
   const auto w = static_cast<std::ptrdiff_t>(fault_rows(true).size());
   EXPECT_EQ(count([](const Case& c) { return c.second.empty() && !c.failsafe_command; }),
-            std::ptrdiff_t{2 * 7} * (m + w));
+            (m + w) * 2 * 7);
   EXPECT_EQ(count([](const Case& c) { return c.failsafe_command; }), 2 * 7 * 3);
   const auto kinds = [](bool fixed_wing) {
     const auto rows = fault_rows(fixed_wing);
@@ -54,7 +54,7 @@ TEST(FaultCases, AreAllSinglesTheFailsafeCommandAndAllPairs) {
   };
   const auto pairs = [](std::ptrdiff_t n) { return n * (n - 1); };  // in both orders
   EXPECT_EQ(count([](const Case& c) { return !c.second.empty(); }),
-            std::ptrdiff_t{2 * 2} * (pairs(kinds(false)) + pairs(kinds(true))));
+            (pairs(kinds(false)) + pairs(kinds(true))) * 2 * 2);
 }
 
 TEST(FaultCases, EveryPairIsFlownInBothOrdersInEveryPhaseWithBothPilots) {
