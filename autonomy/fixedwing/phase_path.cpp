@@ -169,7 +169,8 @@ void PhasePath::begin(Phase phase, std::size_t waypoint, const Input& in, Flight
       break;
     case Phase::kDescent:
       circle_here(in);
-      circle_.airspeed_m_s = std::max(in.config.landing.airspeed_m_s, in.config.safety.glide_m_s);
+      circle_.airspeed_m_s =
+          in_gusts(std::max(in.config.landing.airspeed_m_s, in.config.safety.glide_m_s));
       circle_.slope = -in.config.safety.descent_m_s / circle_.airspeed_m_s;
       path_.stop();
       break;
@@ -259,6 +260,7 @@ Controller::Direct PhasePath::direct(Phase phase, const Input& in) const {
       out.roll_rad = in.height_above_ground_m < config.safety.straight_below_m
                          ? 0.0
                          : config.controller.lost_roll_rad;
+      if (in.height_above_ground_m < kPathFirst_m) out.speed_share = 0.0;
       break;
     case Phase::kGlide:
       out.airspeed_by_pitch_m_s = glide_.airspeed_m_s(glide_input(in));
