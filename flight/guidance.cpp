@@ -44,6 +44,7 @@ Guidance::Note note_of(const autonomy::FlightEvent& e, const char* phase) {
     case Type::kSinksLevel:
     case Type::kGlidesLevel:
     case Type::kLongGap:
+    case Type::kTakeoffAgain:
       return say(Severity::kWarning, name(e.type));
     case Type::kMotorOut:
       return say(Severity::kError, fmt::format("{}: motor {}", name(e.type), e.index));

@@ -6,7 +6,7 @@
 namespace rosflight::autonomy {
 namespace {
 
-constexpr std::array<const char*, 24> kNames{
+constexpr std::array<const char*, 25> kNames{
     "phase",
     "waypoint reached",
     "waypoint missed",
@@ -30,7 +30,8 @@ constexpr std::array<const char*, 24> kNames{
     "the ailerons have no effect: the rudder rolls",
     "no state: sinks level",
     "no state: glides with level wings",
-    "back after more than 10 s: holds 8 s, then returns and lands"};
+    "back after more than 10 s: holds 8 s, then returns and lands",
+    "link and receiver are back: takes off again"};
 
 }  // namespace
 

@@ -30,7 +30,8 @@ enum class FlightEventType : std::uint8_t {
   kAileronsLost,   ///< They have no effect: the rudder rolls.
   kSinksLevel,     ///< A multirotor without a state (LevelSink).
   kGlidesLevel,    ///< A fixed wing without a state (LevelGlide).
-  kLongGap         ///< It could not be guided for more than GapWatch::kGoesOn_s.
+  kLongGap,        ///< It could not be guided for more than GapWatch::kGoesOn_s.
+  kTakeoffAgain  ///< A fixed wing tries the take-off again that link or receiver have interrupted.
 };
 /// Text for logs, such as "waypoint reached"; "unknown" outside the enumeration.
 const char* name(FlightEventType type);

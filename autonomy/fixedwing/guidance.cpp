@@ -64,15 +64,14 @@ PhaseConditions Guidance::conditions(const Input& in, bool pilot) {
   const bool ends_home = mission_.at_end == AtEnd::kReturn && out_.mission_done;
   PhaseConditions out;
   out.set(Conditions::kArmed, in.status.armed);
-  out.set(Conditions::kReady, !flown_);
   out.set(Conditions::kPilot, pilot);
   out.set(Conditions::kAirborne, height_m > takeoff.airborne_m && !in.state.bridging);
   out.set(Conditions::kHighEnough, height_m > wanted_m - takeoff.margin_m);
   // How far it has rolled meanwhile, and whether it has touched down again, is not known.
   constexpr double kGround_m = 0.5;
-  const bool interrupted = blind_s_ > takeoff.interrupted_s && !in.state.bridging &&
-                           out_.height_above_ground_m < kGround_m;
-  out.set(Conditions::kTooLate, phase_path_.since_s(in.t_s) > takeoff.timeout_s || interrupted);
+  broken_off_ = blind_s_ > takeoff.interrupted_s && !in.state.bridging &&
+                out_.height_above_ground_m < kGround_m;
+  out.set(Conditions::kTooLate, phase_path_.since_s(in.t_s) > takeoff.timeout_s || broken_off_);
   out.set(Conditions::kPathDone, path_done_);
   out.set(Conditions::kLandNext, land_ || ends_down || limits_.asks_land());
   out.set(Conditions::kReturnNext, return_ || ends_home || limits_.asks_return() || gap_returns_);
@@ -94,7 +93,11 @@ PhaseConditions Guidance::conditions(const Input& in, bool pilot) {
   constexpr double kLongRollout_s = 20.0;
   const bool rolled_out = out_.phase == Phase::kRollout && faults_.position_lost() &&
                           phase_path_.since_s(in.t_s) > kLongRollout_s;
-  out.set(Conditions::kStands, ground_.stands(in.state, out_.dt_s) || rolled_out);
+  const bool stands = ground_.stands(in.state, out_.dt_s) || rolled_out;
+  const bool rolls_out = out_.phase == Phase::kRollout;
+  if (rolls_out) retry_.step({in.state, stands, in.t_s - unhealthy_at_s_, out_.dt_s});
+  out.set(Conditions::kStands, stands && !(rolls_out && retry_.waits()));
+  out.set(Conditions::kReady, rolls_out ? retry_.due() : !flown_);
   return out;
 }
 
@@ -118,8 +121,13 @@ void Guidance::enter(Phase to, const Input& in) {
     case Phase::kTakeoff:
       blind_s_ = 0.0;
       ground_.set_standing(in.range_m);
-      limits_.start(config_.battery, mission_.fence);
       out_.restart = true;
+      if (from == Phase::kRollout) {
+        out_.events.add(FlightEventType::kTakeoffAgain);
+      } else {
+        limits_.start(config_.battery, mission_.fence);
+        retry_.start(in.state.p_W, heading_of(in.state.q_WB));
+      }
       break;
     case Phase::kMission:
     case Phase::kReturn:
@@ -127,7 +135,10 @@ void Guidance::enter(Phase to, const Input& in) {
       path_done_ = !phase_path_.path().started();
       break;
     case Phase::kRollout:
-      if (from == Phase::kTakeoff) out_.events.add(FlightEventType::kTakeoffFailed);
+      if (from == Phase::kTakeoff) {
+        out_.events.add(FlightEventType::kTakeoffFailed);
+        retry_.give_up(broken_off_ ? blind_s_ : 0.0);
+      }
       break;
     case Phase::kLanded:
       flown_ = true;
@@ -275,8 +286,10 @@ const GuidanceOutput& Guidance::step(const Input& in) {
   if (!(out_.dt_s > 0.0)) return out_;
   last_t_s_ = in.t_s;
   const bool linked = GapWatch::linked(in.status.silent_s);
+  if (in.status.failsafe) unhealthy_at_s_ = in.t_s;
   if (!faults_.state_good(in.state, in.t_s, out_.events, linked)) {
     blind_s_ += out_.dt_s;
+    unhealthy_at_s_ = in.t_s;
     gap_.step(in.t_s, false, in.status.silent_s);
     if (faults_.state_lost()) without_state(in);
     return out_;

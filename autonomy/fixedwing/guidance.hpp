@@ -7,6 +7,7 @@
 #include "autonomy/fixedwing/ground_detector.hpp"
 #include "autonomy/fixedwing/level_glide.hpp"
 #include "autonomy/fixedwing/phase_path.hpp"
+#include "autonomy/fixedwing/takeoff_retry.hpp"
 
 namespace rosflight::autonomy::fixedwing {
 
@@ -107,12 +108,14 @@ class Guidance {
   GapWatch gap_;
   LevelGlide level_glide_;
   GroundDetector ground_;
+  TakeoffRetry retry_;
   PhasePath phase_path_;
   GuidanceOutput out_{};
   Phase before_glide_{Phase::kDisarmed};  ///< Phase in which the state was lost.
   double last_t_s_{};
   double hold_until_s_{};  ///< After a long gap.
   double blind_s_{};       ///< Since the take-off began: without a state, or flown by the failsafe.
+  double unhealthy_at_s_{};  ///< Last time without a state or a receiver.
   bool started_{false};
   OverrideWatch override_;
   bool pilot_{false};
@@ -122,6 +125,7 @@ class Guidance {
   bool return_{false};
   bool gap_returns_{false};  ///< After the hold that follows a long gap.
   bool interrupted_{false};  ///< A long gap ends in this step.
+  bool broken_off_{false};   ///< An interruption has ended the take-off on the ground.
   bool gliding_level_{false};
   bool rests_{false};  ///< On the ground without a state, until it is disarmed.
   bool flown_{false};

@@ -60,6 +60,7 @@ constexpr std::array kTransitions = {
     T{Phase::kFlare, P::kPilot, P::kOnGround, Phase::kLoiter},
     T{Phase::kFlare, P::kOnGround, 0, Phase::kRollout},
 
+    T{Phase::kRollout, P::kStands | P::kReady, P::kPilot, Phase::kTakeoff},
     T{Phase::kRollout, P::kStands, 0, Phase::kLanded},
 };
 

@@ -24,7 +24,7 @@ enum class Phase : std::uint8_t {
 struct Conditions {
   enum : std::uint16_t {
     kArmed = kArmedCondition,
-    kReady = 1U << 1U,          ///< The caller wants to fly.
+    kReady = 1U << 1U,          ///< The caller wants to fly, or to try the take-off again.
     kPilot = 1U << 2U,          ///< The pilot holds an axis.
     kAirborne = 1U << 3U,       ///< Clearly above the ground of the take-off.
     kHighEnough = 1U << 4U,     ///< Height of the take-off reached.

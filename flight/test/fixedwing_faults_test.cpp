@@ -99,6 +99,38 @@ TEST(FixedWing, ThreeSecondsWithoutLink) {
   expect_in_control(rig);
 }
 
+/// On the runway it is at rest before it begins again, and the mission is flown.
+TEST(FixedWing, ATakeOffThatLinkOrReceiverInterruptIsFlownFromRest) {
+  struct Interrupted {
+    const char* fault;
+    const char* pilot;
+    std::vector<std::string> overrides;
+  };
+  for (const Interrupted& run : {Interrupted{"link_cut@15:8", "hover", {}},
+                                 {"link_cut@15:8", "idle", {}},
+                                 {"rc_silence@15:10", "hover", {"firmware.FAILSAFE_OFFBRD=0"}}}) {
+    FlightChoice choice = fixedwing("default", {run.fault});
+    choice.pilot = run.pilot;
+    choice.overrides = run.overrides;
+    Rig rig(choice);
+    rig.run_until(15.0);
+    ASSERT_EQ(std::string(rig.flight->autonomy().phase), "takeoff");
+    ASSERT_TRUE(rig.flight->truth().on_ground);
+    int again = 0;
+    rig.flight->runner().set_notify([&](const FlightNote& note) {
+      if (note.text.find("takes off again") == std::string::npos) return;
+      ++again;
+      const sim::BodyState& body = rig.flight->truth().body;
+      EXPECT_LT(body.v_B.norm(), 1.0) << run.fault;
+      EXPECT_LT(body.p_W.head<2>().norm(), 300.0) << run.fault;
+    });
+    rig.flight->run();
+    rig.flight->runner().set_notify(nullptr);
+    EXPECT_EQ(again, 1) << run.fault;
+    EXPECT_TRUE(rig.completed()) << run.fault << ": " << rig.flight->score().verdict;
+  }
+}
+
 TEST(FixedWing, NoMoreLink) {
   Rig rig(fixedwing("default", {"link_cut@80"}));
   EXPECT_TRUE(rig.reach(Stage::kFailed));

@@ -48,21 +48,80 @@ TEST(FixedWingDecisions, WithoutAnAidedHeightItComesDownAtOnceToTheRangeSensor) 
   EXPECT_LT(world.plant.touchdown_m_s(), 2.0);
 }
 
-TEST(FixedWingDecisions, ATakeOffThatTheFailsafeBrokeOffOnTheGroundIsGivenUp) {
-  for (const double silent_s : {2.0, 8.0}) {
-    SmallWorld world(hourglass());
-    world.run(1.5);
-    ASSERT_EQ(world.manager.output().phase, Phase::kTakeoff);
-    world.status.failsafe = true;
-    world.plant.config().motor = 0.0;
-    world.run(silent_s);
-    world.status.failsafe = false;
-    world.plant.config().motor = 1.0;
-    world.run(15.0);
-    const bool given_up = silent_s > 5.0;
-    EXPECT_EQ(world.count(FlightEventType::kTakeoffFailed), given_up ? 1 : 0) << silent_s;
-    EXPECT_EQ(world.height_m() > 10.0, !given_up) << silent_s;
+/// A take-off run in which the receiver is lost; the failsafe command stops the motor.
+struct BrokenOff : SmallWorld {
+  BrokenOff() : SmallWorld(hourglass()) {
+    run(1.5);
+    EXPECT_EQ(manager.output().phase, Phase::kTakeoff);
   }
+  void lose_receiver(double seconds) {
+    status.failsafe = true;
+    plant.config().motor = 0.0;
+    run(seconds);
+    status.failsafe = false;
+    plant.config().motor = 1.0;
+  }
+};
+
+TEST(FixedWingDecisions, ATakeOffThatTheFailsafeHasInterruptedForAMomentGoesOn) {
+  BrokenOff world;
+  world.lose_receiver(2.0);
+  world.run(15.0);
+  EXPECT_EQ(world.count(FlightEventType::kTakeoffFailed), 0);
+  EXPECT_GT(world.height_m(), 10.0);
+}
+
+TEST(FixedWingDecisions, ATakeOffThatTheFailsafeBrokeOffOnTheGroundIsTriedAgainFromRest) {
+  for (const double silent_s : {6.0, 9.5}) {
+    BrokenOff world;
+    world.lose_receiver(silent_s);
+    const double back_s = world.plant.time_s();
+    world.run(0.1);
+    EXPECT_EQ(world.count(FlightEventType::kTakeoffFailed), 1);
+    EXPECT_EQ(world.manager.output().phase, Phase::kRollout);
+    ASSERT_TRUE(world.run_until(Phase::kTakeoff, 30.0));
+    EXPECT_GT(world.plant.time_s() - back_s, TakeoffRetry::kHealthy_s - 0.1);
+    EXPECT_LT(world.plant.state().v_W.norm(), 1.0);
+    EXPECT_EQ(world.count(FlightEventType::kTakeoffAgain), 1);
+    world.run(500.0);
+    EXPECT_TRUE(world.manager.output().mission_done);
+    EXPECT_TRUE(world.manager.output().landed);
+  }
+}
+
+TEST(FixedWingDecisions, ATakeOffThatIsInterruptedAgainStaysOnTheGround) {
+  BrokenOff world;
+  world.lose_receiver(8.0);
+  world.run(0.1);
+  ASSERT_TRUE(world.run_until(Phase::kTakeoff, 30.0));
+  world.run(1.0);
+  world.lose_receiver(8.0);
+  world.run(30.0);
+  EXPECT_EQ(world.count(FlightEventType::kTakeoffAgain), 1);
+  EXPECT_EQ(world.count(FlightEventType::kTakeoffFailed), 2);
+  EXPECT_TRUE(world.manager.output().request_disarm);
+}
+
+TEST(FixedWingDecisions, ATakeOffIsNotTriedAgainBesideTheRunwayOrAfterALongInterruption) {
+  for (const bool beside : {true, false}) {
+    BrokenOff world;
+    world.lose_receiver(beside ? 8.0 : 12.0);
+    world.look = [beside](StateEstimate& s) {
+      if (beside) s.p_W.y() += 8.0;
+    };
+    world.run(30.0);
+    EXPECT_EQ(world.count(FlightEventType::kTakeoffAgain), 0) << beside;
+    EXPECT_TRUE(world.manager.output().request_disarm) << beside;
+  }
+}
+
+TEST(FixedWingDecisions, AMotorThatDoesNotTakeOffIsNotTriedAgain) {
+  SmallWorld world(hourglass());
+  world.plant.config().motor = 0.0;
+  world.run(60.0);
+  EXPECT_EQ(world.count(FlightEventType::kTakeoffFailed), 1);
+  EXPECT_EQ(world.count(FlightEventType::kTakeoffAgain), 0);
+  EXPECT_TRUE(world.manager.output().request_disarm);
 }
 
 TEST(FixedWingDecisions, AFailsafeLeavesNothingInTheControllerBehind) {
