@@ -25,7 +25,8 @@ constexpr double kSameRadius_m = 0.01;
 constexpr double kShareOfBank = 0.85;  // of the largest bank, for turns down the wind
 constexpr double kPathFirst_m = 10.0;  // lower on an approach pitch holds the path alone
 constexpr double kGustMargin = 1.0;    // of the gusts' deviation, on top of a landing's airspeed,
-constexpr double kMaxMargin = 0.15;    // at most this share of it
+constexpr double kMaxMargin = 0.15;    // at most this share of it;
+constexpr double kMoreWithoutMotor = 1.5;  // of both: no throttle makes up for what a gust takes
 constexpr double kFinalRoll_rad = 15.0 * kRadPerDeg;  // at the ground on the final part of a glide,
 constexpr double kFinalRoll_rad_m = 2.0 * kRadPerDeg;  // and more with the height
 
@@ -69,7 +70,11 @@ double PhasePath::choose_landing_course(const Input& in) const {
 }
 
 double PhasePath::in_gusts(double airspeed_m_s) const {
-  return airspeed_m_s + std::min(kGustMargin * gusts_.sigma_m_s(), kMaxMargin * airspeed_m_s);
+  return airspeed_m_s + gust_margin_m_s(airspeed_m_s);
+}
+
+double PhasePath::gust_margin_m_s(double airspeed_m_s) const {
+  return std::min(kGustMargin * gusts_.sigma_m_s(), kMaxMargin * airspeed_m_s);
 }
 
 double PhasePath::closest_turn_m(const Input& in, double airspeed_m_s) const {
@@ -211,7 +216,8 @@ GlideFlight::Input PhasePath::glide_input(const Input& in) const {
       .landing = {landing_position_W(in.mission), choose_landing_course(in)},
       .start = {start_W_, {}},
       .radius_m = std::max(in.config.plan.radius_m, closest_turn_m(in, in.config.safety.glide_m_s)),
-      .airspeed_m_s = in_gusts(in.config.safety.glide_m_s),
+      .airspeed_m_s = in.config.safety.glide_m_s +
+                      kMoreWithoutMotor * gust_margin_m_s(in.config.safety.glide_m_s),
       .position_lost = in.position_lost};
 }
 

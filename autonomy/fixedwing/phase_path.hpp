@@ -74,6 +74,7 @@ class PhasePath {
   double closest_turn_m(const Input& in, double airspeed_m_s) const;
   /// An airspeed near the ground, with a margin for the gusts of now.
   double in_gusts(double airspeed_m_s) const;
+  double gust_margin_m_s(double airspeed_m_s) const;
   std::optional<PlanFault> start(const PlannerConfig& config, const PathStart& from,
                                  std::vector<Waypoint> waypoints, bool cycle, std::size_t first);
   void plan(const Input& in, const std::vector<Waypoint>& waypoints, bool cycle, std::size_t first,
