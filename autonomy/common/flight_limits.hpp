@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "autonomy/common/battery_watch.hpp"
@@ -20,6 +21,12 @@ struct Fence {
   }
   bool operator==(const Fence&) const = default;
 };
+
+/// How high above the start a return may lead [m]: below the top of the fence, with room for what a vehicle strays.
+inline double return_ceiling_m(const std::optional<Fence>& fence) {
+  constexpr double kShare = 0.9;
+  return fence ? kShare * fence->height_m : std::numeric_limits<double>::infinity();
+}
 
 /// What battery and fence ask of a flight, for multirotor and fixed wing alike:
 ///

@@ -160,7 +160,9 @@ void PhasePath::begin(Phase phase, std::size_t waypoint, const Input& in, Flight
       break;
     case Phase::kReturn: {
       Waypoint home;
-      home.p_W = start_W_ - Vector3(0.0, 0.0, in.config.safety.return_height_m);
+      const double up_m =
+          std::min(in.config.safety.return_height_m, return_ceiling_m(in.mission.fence));
+      home.p_W = start_W_ - Vector3(0.0, 0.0, up_m);
       home.passing = Passing::kCircle;
       home.hold_indefinitely = true;
       plan(in, {home}, false, 0, radius_of(in), events);

@@ -124,12 +124,12 @@ ControllerCommand FlightManager::follow(double t_s, const State& state) {
   return follower_->step({state, attitude, out_.setpoint, 0.0, control_.dt_s(), control_.pilot()});
 }
 
-/// Up to the height of the return where it is lower, then above the start.
+/// Up to the height of the return where it is lower, down into the fence where it is higher, then above the start.
 void FlightManager::begin_return(double t_s, const State& state) {
   altitude_offset_m_ = 0.0;
   path_.set_cycle(false);
-  path_.set_waypoints(
-      path_back(state.p_W, start_W_, config_.return_height_m, control_.attitude().psi_rad));
+  path_.set_waypoints(path_back(state.p_W, start_W_, config_.return_height_m,
+                                return_ceiling_m(fence_), control_.attitude().psi_rad));
   if (control_.output().phase == Phase::kOffboard) start_path(t_s, state);
   returning_ = true;
   out_.events.add(FlightEventType::kReturning);

@@ -191,8 +191,9 @@ Trajectory path_start(const State& state, double psi_rad, const Trajectory& setp
 }
 
 std::vector<Waypoint> path_back(const Vector3& from_W, const Vector3& home_W, double height_m,
-                                double psi_rad) {
-  const double down_m = std::min(from_W.z(), home_W.z() - height_m);
+                                double ceiling_m, double psi_rad) {
+  const double down_m =
+      std::max(std::min(from_W.z(), home_W.z() - height_m), home_W.z() - ceiling_m);
   Waypoint up;
   up.p_W << from_W.head<2>(), down_m;
   up.psi_rad = psi_rad;

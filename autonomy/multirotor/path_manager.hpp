@@ -111,8 +111,9 @@ bool near_plan(const State& state, const Trajectory& setpoint);
 /// else in the vehicle with its velocity.
 Trajectory path_start(const State& state, double psi_rad, const Trajectory& setpoint);
 
-/// A return: up to `height_m` above `home_W` where `from_W` is lower, then over it at that height, with one heading.
+/// A return: up to `height_m` above `home_W` where `from_W` is lower, down to `ceiling_m` above it where it is higher, then
+/// over it at that height, with one heading.
 std::vector<Waypoint> path_back(const Vector3& from_W, const Vector3& home_W, double height_m,
-                                double psi_rad);
+                                double ceiling_m, double psi_rad);
 
 }  // namespace rosflight::autonomy::multirotor

@@ -286,5 +286,17 @@ TEST(FixedWingDecisions, OutsideOfItsFenceItReturnsAndLands) {
   EXPECT_LT(world.plant.touchdown_W().head<2>().norm(), 15.0);
 }
 
+TEST(FixedWingDecisions, AboveItsFenceItReturnsInsideOfIt) {
+  Mission mission = hourglass();
+  mission.fence = Fence{1000.0, 58.0};  // the mission is at 70 m, a return at 60 m
+  SmallWorld world(mission);
+  ASSERT_TRUE(world.run_until(Phase::kReturn, 100.0));
+  world.run(15.0);
+  double highest_m = 0.0;
+  world.run(300.0, [&] { highest_m = std::max(highest_m, world.height_m()); });
+  EXPECT_LT(highest_m, 58.0);
+  EXPECT_TRUE(world.manager.output().landed);
+}
+
 }  // namespace
 }  // namespace rosflight::autonomy::fixedwing::test

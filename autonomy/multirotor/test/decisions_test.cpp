@@ -142,5 +142,24 @@ TEST(MultirotorDecisions, OutsideOfItsFenceItReturnsAndLands) {
   EXPECT_LT(farthest_m, 8.0 + 5.0);  // 4 m/s, half a second to be sure, and the way to brake
 }
 
+TEST(MultirotorDecisions, AboveItsFenceItReturnsInsideOfIt) {
+  Flight flight;
+  Mission fenced = flight.mission;
+  fenced.fence = Fence{100.0, 4.5};
+  flight.manager.set_mission(fenced);
+  double highest_m = 0.0;
+  double returned_s = 1e9;
+  flight.run(60.0, [&] {
+    if (returned_s > 1e8 && !flight.events_of(FlightEventType::kReturning).empty())
+      returned_s = flight.t_s;
+    if (flight.t_s > returned_s + 4.0)
+      highest_m = std::max(highest_m, -flight.plant.state().p_W.z());
+  });
+  EXPECT_LT(returned_s, 60.0);
+  EXPECT_LT(highest_m, 4.5);
+  EXPECT_TRUE(flight.disarmed);
+  EXPECT_LT(flight.plant.state().p_W.head<2>().norm(), 0.5);
+}
+
 }  // namespace
 }  // namespace rosflight::autonomy::multirotor::test

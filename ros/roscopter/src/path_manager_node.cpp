@@ -170,8 +170,9 @@ class PathManagerNode : public rclcpp::Node {
   }
 
   void lead_back(const autonomy::Vector3& from_W, double psi_rad) {
-    path_.set_waypoints(
-        autonomy::multirotor::path_back(from_W, *home_W_, config_.return_height_m, psi_rad));
+    path_.set_waypoints(autonomy::multirotor::path_back(
+        from_W, *home_W_, config_.return_height_m,
+        autonomy::return_ceiling_m(limits_input_.fence()), psi_rad));
   }
 
   /// What a fence has asked for is over. What the battery asks for is not: the next State returns again.
