@@ -150,6 +150,19 @@ TEST_P(Gaps, ALinkThatIsBackLaterLetsItHoldReturnAndLand) {
   }
 }
 
+/// His stick stays where it carries the vehicle; what the link was cut in decides how far that is from level flight.
+TEST_P(Gaps, WithABlindPilotALongCutEndsInASoftLandingToo) {
+  for (const double share : {0.6, 1.0, 1.4}) {
+    for (const double gap_s : {10.5, 20.0, 40.0}) {
+      Noted flight(choice({fmt::format("link_cut@{}:{}", share * at_s(), gap_s)}), {});
+      flight.rig.flight->run();
+      SCOPED_TRACE(fmt::format("cut of {} s at {} s", gap_s, share * at_s()));
+      const FlightScore score = flight.rig.flight->score();
+      EXPECT_EQ(score.outcome, Outcome::kLandedElsewhere) << flight.all();
+    }
+  }
+}
+
 TEST_P(Gaps, ALinkThatStaysSilentIsGivenUpAfterAMinute) {
   Noted flight(choice({cut(600.0)}), {at_s()});
   EXPECT_TRUE(flight.rig.reach(Stage::kFailed));
@@ -182,7 +195,7 @@ TEST_P(Gaps, AStateThatIsLostForGoodEndsInASoftLanding) {
   }
 }
 
-/// Nothing waits until the stage ends.
+/// Nothing waits until the stage ends, and where the pilot keeps the altitude every flight ends softly.
 TEST_P(Gaps, RandomGapsNeverEndInATimeout) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> share(0.0, 1.0);
@@ -202,6 +215,7 @@ TEST_P(Gaps, RandomGapsNeverEndInATimeout) {
         << flight.all();
     EXPECT_NE(flight.rig.flight->score().outcome, Outcome::kTimeout) << flight.all();
     EXPECT_NE(flight.rig.flight->score().outcome, Outcome::kCrash) << flight.all();
+    EXPECT_NE(flight.rig.flight->score().outcome, Outcome::kHardLanding) << flight.all();
   }
 }
 

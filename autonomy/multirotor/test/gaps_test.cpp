@@ -260,7 +260,7 @@ TEST(MultirotorGaps, RandomGapsAlwaysLeadToADecision) {
     EXPECT_TRUE(flight.disarmed) << number << " phase " << name(flight.output().phase);
     EXPECT_LT(-flight.plant.state().p_W.z(), 0.05)
         << number << flight.with_baro << flight.with_accel << flight.with_range;
-    EXPECT_LT(flight.impact_m_s, 2.5)
+    EXPECT_LT(flight.impact_m_s, 1.5)
         << number << flight.with_baro << flight.with_accel << flight.with_range;
   }
 }
