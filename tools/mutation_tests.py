@@ -20,12 +20,13 @@ from cpp_tests import Outcome
 FOLDER = project.ROOT / "tools" / "mutations"
 COPY = project.ROOT / "build" / "mutations"
 PARTS = ("base", "link", "firmware/hal", "firmware/core", "firmware/boards/parts", "test_support", "firmware/boards/simulated")
+AUTONOMY_PARTS = ("base", "config", "test_support", "autonomy")
 CHIP_PARTS = ("base", "link", "firmware/hal", "firmware/core", "firmware/boards/parts", "firmware/boards/stm32h7",
               "firmware/boards/pixracer_pro", "firmware/boards/varmint")
 FLIGHT_PARTS = ("vehicles", "missions")
 PROPERTIES = "firmware_properties_test"
-CHEAPEST = "disarm_leaves_motors"  # one small file of the core; the one that CI builds
-KEYS = {"breaks", "file", "below", "line", "becomes", "test", "flight", "says"}
+CHEAPEST = ("disarm_leaves_motors", "autonomy_empty_battery_ignored")  # one small file each; those that CI builds
+KEYS = {"breaks", "file", "below", "line", "becomes", "test", "case", "flight", "says"}
 EMULATOR = "build/release/firmware/boards/stm32h7/emulator/h7_emulator"
 
 
@@ -38,6 +39,7 @@ class Mutation:
     becomes: str  # ... and what stands in its place
     below: str = ""  # the first such line below this one counts
     test: str = PROPERTIES
+    case: str = ""  # the only case of the test that is run
     flight: str = ""  # instead of a test: options of `rosflight fly`, which must fail
     says: str = ""  # what the failing test must print, such as the name of the invariant
 
@@ -63,6 +65,8 @@ def read(path: Path) -> Mutation:
         raise ValueError(f"{path.name}: a mutation changes one line")
     if "test" in found and "flight" in found:
         raise ValueError(f"{path.name}: allowed is one of test and flight")
+    if "case" in found and "test" not in found:
+        raise ValueError(f"{path.name}: a case is one of a test")
     found["becomes"] = found["becomes"] or ""
     return Mutation(path.stem, **found)
 
@@ -81,7 +85,7 @@ def chosen(names: list[str]) -> list[Mutation]:
 
 def copy_tree():
     """The files that the tests are built of; those that did not change keep their time."""
-    parts = (*PARTS, *CHIP_PARTS, *FLIGHT_PARTS, "cmake", "firmware/boards/common")
+    parts = (*PARTS, *AUTONOMY_PARTS, *CHIP_PARTS, *FLIGHT_PARTS, "cmake", "firmware/boards/common")
     wanted = {path for path in project.own_files() if len(path.parts) == 1 or any(
         path.is_relative_to(part) for part in parts)}
     for path in wanted:
@@ -106,14 +110,16 @@ def run(command: list[str]) -> subprocess.CompletedProcess:
     return subprocess.run(command, cwd=COPY, env=environment, capture_output=True, text=True)
 
 
-def build_and_run(test: str) -> tuple[bool, str]:
-    """Whether the test of the copy passes, and its output. @raise RuntimeError when it does not build."""
+def build_and_run(test: str, case: str = "") -> tuple[bool, str]:
+    """Whether the test of the copy, or one case of it, passes, and its output. @raise RuntimeError when it does not build."""
     built = run(["ninja", "-C", str(COPY / "build/release"), "-j", str(project.jobs()), test])
     if built.returncode != 0:
         raise RuntimeError("does not build: " + " ".join(
             line for line in built.stdout.splitlines() if "error" in line)[:400])
-    program = next(path for path in (COPY / "build/release/firmware").rglob(test) if path.is_file())
-    done = run([str(program)])
+    program = next(path for folder in ("firmware", "autonomy") for path in (COPY / "build/release" / folder).rglob(test) if path.is_file())
+    done = run([str(program), f"--gtest_filter={case or '*'}"])
+    if case and "[==========] Running 1 test " not in done.stdout:
+        raise RuntimeError(f"{test} has no case {case}")
     return done.returncode == 0, done.stdout + done.stderr
 
 
@@ -132,7 +138,9 @@ def build_and_fly(options: str) -> tuple[bool, str]:
 
 
 def try_out(mutation: Mutation) -> tuple[bool, str]:
-    return build_and_fly(mutation.flight) if mutation.flight else build_and_run(mutation.test)
+    if mutation.flight:
+        return build_and_fly(mutation.flight)
+    return build_and_run(mutation.test, mutation.case) if mutation.case else build_and_run(mutation.test)
 
 
 def says_defect(said: str, wanted: str) -> bool:
@@ -150,7 +158,7 @@ def try_one(mutation: Mutation) -> str:
         return str(error)
     finally:
         file.write_text(original)
-    tried = f"fly {mutation.flight}" if mutation.flight else mutation.test
+    tried = f"fly {mutation.flight}" if mutation.flight else mutation.case or mutation.test
     if passed:
         return f"not caught by {tried}"
     if mutation.says and not says_defect(said, mutation.says):
@@ -173,12 +181,15 @@ def test(names: list[str] = ()) -> Outcome:
     """Each chosen mutation counts once. Without one the tests must pass, or a failure means nothing."""
     mutations = chosen(list(names))
     copy_tree()
-    # For one defect as the tree is built: ccache has all but the files beside it. For many, the fewer files beside each the better.
-    together = "9" if len(mutations) == 1 else "1"
+    # For a few defects as the tree is built: ccache has all but the files beside each. For many, the fewer files beside each the better.
+    together = "9" if len(mutations) <= len(CHEAPEST) else "1"
     configurations = []
-    if any(not mutation.flight for mutation in mutations):
+    if tested := [mutation for mutation in mutations if not mutation.flight]:
+        parts = list(PARTS) if any(not mutation.file.startswith("autonomy/") for mutation in tested) else []
+        if any(mutation.file.startswith("autonomy/") for mutation in tested):
+            parts += [part for part in AUTONOMY_PARTS if part not in parts]
         configurations.append(["release", "-DROSFLIGHT_QUICK_BUILD=ON", f"-DROSFLIGHT_FILES_AT_A_TIME={together}",
-                               f"-DROSFLIGHT_PARTS={';'.join(PARTS)}"])
+                               f"-DROSFLIGHT_PARTS={';'.join(parts)}"])
     if any(mutation.flight for mutation in mutations):
         configurations.append(["cortex-m7", f"-DROSFLIGHT_PARTS={';'.join(CHIP_PARTS)}"])
         if not prepare_flights():
@@ -188,11 +199,14 @@ def test(names: list[str] = ()) -> Outcome:
         if configured.returncode != 0:
             return Outcome(failed=1, complaints=configured.stderr.splitlines()[-5:])
     outcome = Outcome()
-    for mutation in {m.flight or m.test: m for m in mutations}.values():
-        passed, said = try_out(mutation)
+    for mutation in {m.flight or f"{m.test} {m.case}": m for m in mutations}.values():
+        try:
+            passed, said = try_out(mutation)
+        except RuntimeError as error:
+            passed, said = False, str(error)
         if not passed:
             outcome.failed += 1
-            outcome.complaints += [f"{mutation.flight or mutation.test} fails without any mutation", *said.splitlines()[-5:]]
+            outcome.complaints += [f"{mutation.flight or mutation.case or mutation.test} fails without any mutation", *said.splitlines()[-5:]]
     for mutation in mutations:
         complaint = try_one(mutation)
         print(f"   {mutation.name}: {complaint or 'caught'}", flush=True)
@@ -203,5 +217,5 @@ def test(names: list[str] = ()) -> Outcome:
     return outcome
 
 
-def test_one() -> Outcome:
-    return test([CHEAPEST])
+def test_cheapest() -> Outcome:
+    return test(CHEAPEST)

@@ -2,6 +2,7 @@
 """Every mutation still fits the tree, and the frame that tries them distinguishes caught from not caught."""
 
 import re
+import subprocess
 
 import mutation_tests
 import project
@@ -20,6 +21,11 @@ def test_mutation_fits_the_tree(mutation):
     if mutation.flight:
         assert mutation.file.startswith(mutation_tests.CHIP_PARTS)
         assert re.match(r"--board \w+ ", mutation.flight)
+        return
+    if mutation.file.startswith("autonomy/"):
+        suite, case = mutation.case.split(".")
+        tests = (project.ROOT / "autonomy").glob(f"*/test/{re.sub('^(autonomy_fixedwing|autonomy|estimation)_', '', mutation.test)}.cpp")
+        assert any(f"TEST({suite}, {case})" in test.read_text() for test in tests)
         return
     folder = next(f for f in ("firmware/core", "firmware/boards/parts") if mutation.file.startswith(f + "/"))
     test = project.ROOT / folder / "test" / f"{mutation.test.removeprefix('parts_')}.cpp"
@@ -46,7 +52,7 @@ def test_line_must_be_there_once():
 
 
 def test_cheapest_exists_and_unknown_names_are_refused():
-    assert [m.name for m in mutation_tests.chosen([mutation_tests.CHEAPEST])] == [mutation_tests.CHEAPEST]
+    assert {m.name for m in mutation_tests.chosen(mutation_tests.CHEAPEST)} == set(mutation_tests.CHEAPEST)
     with pytest.raises(ValueError, match="no mutation matches 'nonsense'"):
         run_tests.chosen_stages(["mutations", "nonsense"])
 
@@ -78,6 +84,20 @@ def test_a_flight_stands_for_a_test(tmp_path, monkeypatch):
     assert mutation_tests.try_one(mutation) == "not caught by fly --board b"
     other = Mutation("m", "", "f", "good", "bad", flight="--board c", says="old flags")
     assert mutation_tests.try_one(other) == ""
+
+
+def test_a_case_is_run_alone_and_must_exist(monkeypatch):
+    answers = {"A.B": "[==========] Running 1 test from 1 test suite.", "A.C": "[==========] Running 0 tests from 0 test suites."}
+
+    def run(command):
+        case = command[-1].removeprefix("--gtest_filter=") if "--gtest_filter" in command[-1] else ""
+        return subprocess.CompletedProcess(command, 0, answers.get(case, ""), "")
+
+    monkeypatch.setattr(mutation_tests, "run", run)
+    monkeypatch.setattr(mutation_tests.Path, "rglob", lambda _self, _name: [project.ROOT / "README.md"])
+    assert mutation_tests.build_and_run("t", "A.B") == (True, answers["A.B"])
+    with pytest.raises(RuntimeError, match="t has no case A.C"):
+        mutation_tests.build_and_run("t", "A.C")
 
 
 def test_a_test_and_a_flight_together_are_refused(tmp_path):

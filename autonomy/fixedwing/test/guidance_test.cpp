@@ -41,7 +41,8 @@ class Led {
     for (int k = 0; k < times; ++k) {
       t_s_ += 0.1;
       state_.t_s = t_s_;
-      guidance.step({.t_s = t_s_, .state = state_, .status = status_, .range_m = {}, .last = {}});
+      guidance.step(
+          {.t_s = t_s_, .state = state_, .status = status_, .range_m = {}, .last = last_});
     }
     return guidance.output().phase;
   }
@@ -50,13 +51,31 @@ class Led {
     status_.battery_voltage_V = 6.0 * cell_V;
   }
 
+  void failsafe(bool on) { status_.failsafe = on; }
+  /// It sinks at full throttle, as with a dead motor.
+  void sink() {
+    state_.v_W.z() = 3.0;
+    last_.throttle_full = true;
+  }
+
   Guidance guidance;
 
  private:
   double t_s_{100.0};
   StateEstimate state_;
   Status status_{};
+  Guidance::Last last_{};
 };
+
+TEST(Guidance, TheThrottleOfTheFailsafeCommandIsNoDeadMotor) {
+  Led led;
+  led.sink();
+  led.failsafe(true);
+  EXPECT_EQ(led.step(60), Phase::kLoiter);
+  led.failsafe(false);
+  EXPECT_NE(led.step(), Phase::kGlide);
+  EXPECT_EQ(led.step(40), Phase::kGlide) << "its own full throttle is";
+}
 
 TEST(Guidance, ARevisedMissionGoesOnWithItsWaypoint) {
   Led led;
