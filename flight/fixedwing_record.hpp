@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <limits>
 #include <optional>
 
 #include "autonomy/fixedwing/flight_manager.hpp"
@@ -43,9 +44,10 @@ class FixedWingRecord {
   ErrorStatistics arc_total;
   ErrorStatistics height;  ///< As seen.
   ErrorStatistics height_total;
-  ErrorStatistics airspeed;         ///< [m/s]
-  ErrorStatistics roll;             ///< Largest bank in the air [rad].
-  double lowest_airspeed_m_s{1e9};  ///< From climb to approach.
+  ErrorStatistics airspeed;  ///< [m/s]
+  ErrorStatistics roll;      ///< Largest bank in the air [rad].
+  /// From climb to approach; infinite where it never climbed.
+  double lowest_airspeed_m_s{std::numeric_limits<double>::infinity()};
   const std::optional<Touchdown>& touchdown() const { return touchdown_; }
 
  private:

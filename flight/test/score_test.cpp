@@ -3,8 +3,10 @@
 
 #include <cmath>
 #include <random>
+#include <string>
 
 #include "base/constants.hpp"
+#include "flight/flight_summary.hpp"
 #include "flight/landing_score.hpp"
 #include "flight/link_state_estimator.hpp"
 #include "flight/test/flight_rig.hpp"
@@ -310,6 +312,17 @@ TEST(Score, APilotAtIdleWhoseStickLimitsTheThrottleKeepsTheVehicleOnTheGround) {
   EXPECT_EQ(score.outcome, Outcome::kTimeout) << score.verdict;
   EXPECT_NE(score.verdict.find("never took off"), std::string::npos) << score.verdict;
   EXPECT_FALSE(score.landing.touchdown());
+}
+
+TEST(Score, AFixedWingThatNeverClimbedHasNoLowestAirspeed) {
+  FlightChoice choice;
+  choice.vehicle = "anaconda";
+  choice.faults = {"link_cut@9"};  // before it is armed
+  Rig rig(choice);
+  rig.flight->run();
+  std::string json = summary_json(summarise(*rig.flight));
+  std::erase(json, ' ');
+  EXPECT_NE(json.find("\"lowest_airspeed_m_s\":null"), std::string::npos) << json;
 }
 
 /// Throttle stick of the pilot over a flight: the moments at which it moves.
