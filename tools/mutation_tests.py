@@ -43,6 +43,11 @@ class Mutation:
     flight: str = ""  # instead of a test: options of `rosflight fly`, which must fail
     says: str = ""  # what the failing test must print, such as the name of the invariant
 
+    @property
+    def tried(self) -> str:
+        """What has to fail, for people."""
+        return f"fly {self.flight}" if self.flight else self.case or self.test
+
     def apply(self, text: str) -> str:
         """@raise ValueError when the line is not there, or not the only one."""
         begin = 0
@@ -140,7 +145,7 @@ def build_and_fly(options: str) -> tuple[bool, str]:
 def try_out(mutation: Mutation) -> tuple[bool, str]:
     if mutation.flight:
         return build_and_fly(mutation.flight)
-    return build_and_run(mutation.test, mutation.case) if mutation.case else build_and_run(mutation.test)
+    return build_and_run(mutation.test, mutation.case)
 
 
 def says_defect(said: str, wanted: str) -> bool:
@@ -158,11 +163,10 @@ def try_one(mutation: Mutation) -> str:
         return str(error)
     finally:
         file.write_text(original)
-    tried = f"fly {mutation.flight}" if mutation.flight else mutation.case or mutation.test
     if passed:
-        return f"not caught by {tried}"
+        return f"not caught by {mutation.tried}"
     if mutation.says and not says_defect(said, mutation.says):
-        return f"{tried} fails, but says nothing of '{mutation.says}'"
+        return f"{mutation.tried} fails, but says nothing of '{mutation.says}'"
     return ""
 
 
@@ -206,7 +210,7 @@ def test(names: list[str] = ()) -> Outcome:
             passed, said = False, str(error)
         if not passed:
             outcome.failed += 1
-            outcome.complaints += [f"{mutation.flight or mutation.case or mutation.test} fails without any mutation", *said.splitlines()[-5:]]
+            outcome.complaints += [f"{mutation.tried} fails without any mutation", *said.splitlines()[-5:]]
     for mutation in mutations:
         complaint = try_one(mutation)
         print(f"   {mutation.name}: {complaint or 'caught'}", flush=True)

@@ -26,7 +26,6 @@ double EstimateCount::worst_share() const {
 }
 
 void EstimateWatch::look(const flight::Flight& flight, sim::Time t) {
-  constexpr double kKept_s = 0.2;
   const double now_s = sim::to_seconds(t);
   if (now_s < begin_s_ - kKept_s || flight.runner().stage() != flight::Stage::kFly) return;
   past_.add(flight, t);

@@ -12,8 +12,8 @@ namespace rosflight::bench::faults {
 /// in the air by its true motion.
 struct EstimateCount {
   std::uint64_t samples{};
-  std::array<std::uint64_t, 9>
-      outside{};            ///< Those in which a state of kStates was outside its own 3 sigma.
+  /// Those in which a state of kStates was outside its own 3 sigma.
+  std::array<std::uint64_t, 9> outside{};
   std::uint64_t far{};      ///< Flights whose true position was off by more than 15 m.
   std::uint64_t in_time{};  ///< Those of them in which the estimate reported that within 10 s.
   std::uint64_t said{};     ///< Flights in which it reported an unreliable position.
@@ -31,6 +31,9 @@ struct EstimateCount {
 /// worst case. While nobody receives the estimate, as with a cut link, nothing is counted.
 class EstimateWatch {
  public:
+  /// The truth of so long before the first fault is needed: the estimate is that much late at most.
+  static constexpr double kKept_s = 0.2;
+
   /// @param begin_s  when the first fault begins; 0 for a flight without.
   explicit EstimateWatch(double begin_s) : begin_s_{begin_s} {}
 
@@ -50,8 +53,8 @@ class EstimateWatch {
   bool begun_{};
   bool began_before_lift_off_{};
   EstimateCount count_;
-  double far_since_s_{
-      -1.0};         ///< Off by more than 15 m without a report since then; < 0: it is not.
+  /// Off by more than 15 m without a report since then; < 0: it is not.
+  double far_since_s_{-1.0};
   bool reported_{};  ///< A case was reported in time.
   bool late_{};      ///< A case was not.
   bool said_{};

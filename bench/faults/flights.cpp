@@ -96,8 +96,8 @@ std::vector<std::string> timed(const Case& wanted, const Phases& phases) {
   return out;
 }
 
-/// A fraction of a second before the fault in which it is not yet in force, but the truth is recorded.
-constexpr double kBefore_s = 0.3;
+/// The fault is added so long before it begins, so that the watch sees all that it keeps.
+constexpr double kBefore_s = EstimateWatch::kKept_s + 0.1;
 
 double first_begin_s(const sim::FaultSchedule& faults) {
   sim::Time first = sim::Time::max();

@@ -18,8 +18,8 @@ struct Vehicle {
   double end_s;  ///< In the middle of the mission.
   autonomy::Fence fence;
   double low_m;  ///< Height of a fence that the mission crosses upwards.
-  double
-      charge;  ///< Share of the charge at the start with which return_cell_V is reached in the mission.
+  /// Share of the charge at the start with which return_cell_V is reached in the mission.
+  double charge;
   double home_m;     ///< It lands within this of the start.
   double at_once_s;  ///< A landing where it is, or at the landing point, takes no longer.
   bool waits;        ///< After a return it circles until somebody asks for the landing.

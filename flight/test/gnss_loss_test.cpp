@@ -45,8 +45,9 @@ class GnssLoss : public ::testing::TestWithParam<const char*> {
     return out;
   }
   static void expect_in_control(const Worst& worst) {
+    // Commanded are 45 degrees at most; gusts add up to 4 in an arc.
     EXPECT_LE(worst.bank_rad, 50.0 * autonomy::kRadPerDeg);
-    EXPECT_GE(worst.airspeed_m_s, 10.5);
+    EXPECT_GE(worst.airspeed_m_s, 10.5);  // as FixedWingDecisions has it for the descent
   }
 };
 

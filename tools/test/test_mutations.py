@@ -66,7 +66,7 @@ def test_only_the_failure_it_names_counts(tmp_path, monkeypatch, passes, said, c
     (tmp_path / "f").write_text("good\n")
     monkeypatch.setattr(mutation_tests, "COPY", tmp_path)
 
-    def build_and_run(test):
+    def build_and_run(test, _case):
         assert (tmp_path / "f").read_text() == "bad\n"
         return passes, said
 

@@ -18,6 +18,12 @@ void fly(EstimateWatch& watch, double begin_s, double end_s, double off_m, bool 
   }
 }
 
+/// Whether the flight counts as one whose position was off, and as one that reported it in time.
+void expect_case(const EstimateWatch& watch, unsigned far, unsigned in_time) {
+  EXPECT_EQ(watch.count().far, far);
+  EXPECT_EQ(watch.count().in_time, in_time);
+}
+
 TEST(EstimateWatch, AStateIsOutsideBeyondThreeOfItsOwnSigmas) {
   EstimateWatch watch(0.0);
   Sigmas sigmas = Sigmas::Zero();
@@ -41,8 +47,7 @@ TEST(EstimateWatch, AReportWithinTenSecondsIsInTime) {
   fly(watch, 0.0, 5.0, 14.0, false);
   fly(watch, 5.0, 14.0, 16.0, false);
   fly(watch, 14.0, 30.0, 40.0, true);
-  EXPECT_EQ(watch.count().far, 1U);
-  EXPECT_EQ(watch.count().in_time, 1U);
+  expect_case(watch, 1, 1);
   EXPECT_EQ(watch.count().said, 1U);
 }
 
@@ -50,16 +55,14 @@ TEST(EstimateWatch, AReportAfterTenSecondsIsTooLate) {
   EstimateWatch watch(0.0);
   fly(watch, 0.0, 10.3, 16.0, false);
   fly(watch, 10.3, 30.0, 40.0, true);
-  EXPECT_EQ(watch.count().far, 1U);
-  EXPECT_EQ(watch.count().in_time, 0U);
+  expect_case(watch, 1, 0);
 }
 
 TEST(EstimateWatch, AReportThatIsTakenBackTooEarlyIsNone) {
   EstimateWatch watch(0.0);
   fly(watch, 0.0, 2.0, 16.0, true);
   fly(watch, 2.0, 12.2, 16.0, false);
-  EXPECT_EQ(watch.count().far, 1U);
-  EXPECT_EQ(watch.count().in_time, 0U);
+  expect_case(watch, 1, 0);
 }
 
 TEST(EstimateWatch, AnErrorThatPassesBeforeTenSecondsIsNoCase) {
@@ -67,8 +70,7 @@ TEST(EstimateWatch, AnErrorThatPassesBeforeTenSecondsIsNoCase) {
   fly(watch, 0.0, 9.0, 16.0, false);
   fly(watch, 9.0, 9.5, 3.0, false);
   fly(watch, 9.5, 19.0, 16.0, false);
-  EXPECT_EQ(watch.count().far, 0U);
-  EXPECT_EQ(watch.count().in_time, 0U);
+  expect_case(watch, 0, 0);
   EXPECT_EQ(watch.count().said, 0U);
 }
 

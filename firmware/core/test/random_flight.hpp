@@ -66,8 +66,8 @@ struct PassInputs {
   bool imu_unusable{false};  ///< `imu` is none: not a number, repeated, or of no new time.
 };
 
-/// Makes a flight from a seed: what a pilot does who arms, flies and disarms, and the disturbances of
-/// `Ingredient`, each of which can be left out. Open loop: the inputs do not depend on the firmware.
+/// Makes a flight from a seed: a pilot arms, flies and disarms, and the disturbances of `Ingredient` come
+/// on top, each of which can be left out. Open loop: the inputs do not depend on the firmware.
 class RandomFlight {
  public:
   using Without = std::bitset<kIngredientCount>;
