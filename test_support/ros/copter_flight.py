@@ -24,6 +24,8 @@ class Flight(FlightRig):
         self.until(lambda: self.phase() in names, f"phase {' or '.join(names)}")
 
     def take_off(self):
+        """Not before this observer has found the controller: the phases before that are lost to it."""
+        self.until(lambda: self.phases, "a phase of the controller")
         self.arm()
         self.let_go()
-        self.until_phase("takeoff", "position_hold", "offboard")
+        self.until(lambda: self.phase() != "disarmed", "a phase in the air")
