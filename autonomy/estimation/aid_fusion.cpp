@@ -26,6 +26,8 @@ void AidFusion::reset() {
   force_ = {};
   heading_ = {};
   height_ = {};
+  step_watch_.restart();
+  lift_rejected_ = 0;
   wind_noise_m_s_rts_ = max_wind_noise_m_s_rts();
   good_.t_s = widened_s_ = long_hole_end_s_ = -1e9;
   settled_since_s_ = 1e9;
@@ -54,7 +56,12 @@ void AidFusion::predict(const ImuBuffer::Segment& segment) {
   t_s_ = segment.end_s();
   if (!segment.hole) {
     ProcessNoise noise = config_.noise;
-    noise.wind_m_s_rts = wind_noise_m_s_rts_;
+    noise.wind_m_s_rts = wind_walk_m_s_rts();
+    if (fixed_wing()) {
+      noise.gust_down_m_s = gust_down_m_s();
+      noise.gust_down_time_s = gust_down_time_s();
+    }
+    watch_steps(u, noise);
     filter_.predict(u, noise, config_.gravity_m_s2);
     if (u.dt_s > 0.0) {
       w_raw_B_ = u.dtheta_B / u.dt_s;
@@ -63,6 +70,7 @@ void AidFusion::predict(const ImuBuffer::Segment& segment) {
     fuse_air_force(segment);
     return;
   }
+  step_watch_.restart();
   // White noise of what a vehicle may have done unseen; its attitude is never lost altogether.
   constexpr double kTurn_rad_rts = 0.5;
   constexpr double kAcceleration_m_s_rts = 5.0;
@@ -228,8 +236,11 @@ void AidFusion::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
 bool AidFusion::off_the_ground() const {
   constexpr double kClear_m = 0.3;
   constexpr double kClearOfRunway_m = 1.5;
-  const double above_m = -filter_.state().p_W.z() - ground_up_m_ - config_.height_at_rest_m;
-  return above_m > (fixed_wing() ? kClearOfRunway_m : kClear_m);
+  return height_above_ground_m() > (fixed_wing() ? kClearOfRunway_m : kClear_m);
+}
+
+double AidFusion::height_above_ground_m() const {
+  return -filter_.state().p_W.z() - ground_up_m_ - config_.height_at_rest_m;
 }
 
 bool AidFusion::dead_reckoning() const {
@@ -273,6 +284,7 @@ void AidFusion::fuse(const BaroSample& sample) {
   }
   if (health_.of(Aid::kBaro).rejecting_for_s() < config_.baro_relearn_s) return;
   filter_.relearn_baro_bias(height_m, config_.baro_sigma_m);
+  step_watch_.restart();
   health_.of(Aid::kBaro).rejecting = false;
   ++health_.baro_relearned;
 }

@@ -11,6 +11,7 @@
 #include "autonomy/estimation/health.hpp"
 #include "autonomy/estimation/imu_buffer.hpp"
 #include "autonomy/estimation/measurements.hpp"
+#include "autonomy/estimation/step_watch.hpp"
 #include "base/atmosphere.hpp"
 
 namespace rosflight::autonomy::estimation {
@@ -159,7 +160,9 @@ class AidFusion {
   void fuse(const SideslipSample& sample);
   template <int kRows>
   bool weigh(Aid aid, const Filter::Residual<kRows>& residual, double gate_sigma) {
-    return note(aid, filter_.correct(residual, gate_sigma), kRows);
+    const Filter::Verdict verdict = filter_.correct(residual, gate_sigma);
+    if constexpr (kRows == 1) step_watch_.observe(residual, verdict);
+    return note(aid, verdict, kRows);
   }
   bool note(Aid aid, const Filter::Verdict& verdict, int rows);
   void fuse_air_force(const ImuBuffer::Segment& segment);
@@ -174,7 +177,14 @@ class AidFusion {
   bool off_the_ground() const;
   bool dead_reckoning() const;
   bool silent(Aid aid) const;
+  bool watches_steps() const;
+  void watch_steps(const ImuIncrement& u, const ProcessNoise& noise);
+  double wind_walk_m_s_rts() const;
+  double gust_down_m_s() const;
+  double gust_down_time_s() const;
+  double height_above_ground_m() const;
   void fuse_lift(double force_m_s2);
+  void fuse_lift_for_airspeed(double force_m_s2);
   bool waits_for_gnss() const;
   double vertical_field_T(const Vector3& field_B) const;
   void learn_vertical_field(const Vector3& field_B);
@@ -246,8 +256,11 @@ class AidFusion {
   std::array<InnovationMean, 3> velocity_means_{InnovationMean{0.1, 5.0}, InnovationMean{0.1, 5.0},
                                                 InnovationMean{0.1, 5.0}};
   std::array<InnovationMean, 2> air_means_{InnovationMean{0.1, 4.0}, InnovationMean{0.1, 4.0}};
+  StepWatch step_watch_;  ///< A fixed wing's, while it has no GNSS.
+  int lift_rejected_{};   ///< Samples in a row.
   bool pitot_blocked_{};  ///< It read too little to be a gust, and has not agreed since.
   double wind_noise_m_s_rts_{max_wind_noise_m_s_rts()};  ///< Gusts are assumed, calm is learned.
+  double gusts_learned_at_m_{};                          ///< Height above ground.
   double widened_s_{-1e9};
   double long_hole_end_s_{-1e9};
   double settled_since_s_{1e9};  ///< GNSS position accepted without a gap.

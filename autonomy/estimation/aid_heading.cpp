@@ -19,10 +19,14 @@ void AidFusion::fuse(const MagSample& sample) {
   residual.R(0) = by_noise * by_noise + config_.heading_sigma_rad * config_.heading_sigma_rad;
   const bool fits = field_fits(sample.field_T);
   const double gate_sigma = heading_gate(residual, fits);
-  if (note(Aid::kHeading, filter_.correct_heading(residual, gate_sigma), 1)) {
+  const Filter::Verdict verdict = filter_.correct_heading(residual, gate_sigma);
+  step_watch_.observe(residual, verdict);
+  if (note(Aid::kHeading, verdict, 1)) {
     learn_vertical_field(sample.field_T);
   }
-  if (heading_drifts(residual, fits)) widen_heading();
+  // What was used has been weighed with all other aids by the watch on steps, where that runs.
+  const bool weighed = step_watch_.running() && verdict.accepted;
+  if (heading_drifts(residual, fits) && !weighed) widen_heading();
 }
 
 double AidFusion::vertical_field_T(const Vector3& field_B) const {
@@ -99,8 +103,9 @@ bool AidFusion::heading_drifts(const Filter::Residual<1>& residual, bool fits) {
 void AidFusion::widen_heading() {
   constexpr double kHeading_rad = 0.1;
   constexpr double kGyroBias_rad_s = 0.2;
-  const double kAcross_rad_s =
-      dead_reckoning() ? 0.1 : 0.05;  // the axis that is wrong need not be vertical
+  const double kAcross_rad_s = dead_reckoning() && !step_watch_.running()
+                                   ? 0.1
+                                   : 0.05;  // the wrong axis need not be vertical
   const Vector3 down_B = filter_.state().q_WB.conjugate() * Vector3::UnitZ();
   const Matrix3 along = down_B * down_B.transpose();
   auto& P = filter_.covariance();

@@ -127,6 +127,7 @@ void AidFusion::correct_attitude(const Vector3& error_B, double tilt_sigma_rad,
                                  double heading_sigma_rad) {
   Filter::Error dx = Filter::Error::Zero();
   dx.segment<3>(Filter::kTheta) = error_B;
+  step_watch_.restart();
   filter_.inject(dx);
   filter_.reset_variance(Filter::kTheta, 3, tilt_sigma_rad);
   const Vector3 down_B = filter_.state().q_WB.conjugate() * Vector3::UnitZ();

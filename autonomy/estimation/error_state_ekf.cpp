@@ -35,6 +35,7 @@ ErrorStateEkf::Covariance ErrorStateEkf::transition(const NominalState& x, const
   F.block<3, 3>(kPosition, kVelocity) = dt * Matrix3::Identity();
   F.block<3, 3>(kPosition, kAccelBias) = -0.5 * dt * dt * R;
   F.block<3, 3>(kGnssBias, kGnssBias) *= std::exp(-dt / noise.gnss_slow_time_s);
+  F(kGust, kGust) = std::exp(-dt / noise.gust_down_time_s);
   return F;
 }
 
@@ -78,10 +79,14 @@ void ErrorStateEkf::predict(const ImuIncrement& u, const ProcessNoise& noise, do
   rows.operator()<9>(kTheta);
   rows.operator()<3>(kGnssBias);
   P_.block<9, 9>(kTheta, kGyroBias) = P_.block<9, 9>(kGyroBias, kTheta).transpose();
-  P_.block<9, 5>(kTheta, kMagBias) = P_.block<5, 9>(kMagBias, kTheta).transpose();
+  P_.block<9, 7>(kTheta, kMagBias) = P_.block<7, 9>(kMagBias, kTheta).transpose();
   P_.block<3, 9>(kGnssBias, kGyroBias) = P_.block<9, 3>(kGyroBias, kGnssBias).transpose();
-  P_.block<3, 5>(kGnssBias, kMagBias) = P_.block<5, 3>(kMagBias, kGnssBias).transpose();
+  P_.block<3, 7>(kGnssBias, kMagBias) = P_.block<7, 3>(kMagBias, kGnssBias).transpose();
+  const double kept_gust = std::exp(-dt / noise.gust_down_time_s);
+  P_.row(kGust) *= kept_gust;
+  P_.col(kGust) *= kept_gust;
   x_.gnss_bias_W *= kept;
+  x_.gust_down_m_s *= kept_gust;
 
   const auto variance = [dt](double density) { return density * density * dt; };
   const double q_v = variance(noise.accel_m_s2_rtHz);
@@ -109,6 +114,8 @@ void ErrorStateEkf::predict(const ImuIncrement& u, const ProcessNoise& noise, do
     P_(kWind + k, kWind + k) += variance(noise.wind_m_s_rts);
     P_(kAirScale + k, kAirScale + k) += variance(noise.air_scale_rts);
   }
+  P_(kGust, kGust) += (1.0 - kept_gust * kept_gust) * noise.gust_down_m_s * noise.gust_down_m_s;
+  P_(kLiftOffset, kLiftOffset) += variance(noise.lift_offset_rad_rts);
   propagate(x_, u, gravity_m_s2);
 }
 
@@ -243,17 +250,21 @@ double ErrorStateEkf::airspeed_sigma_m_s() const {
   return std::sqrt((H * P_ * H.transpose())(0));
 }
 
+/// With u, w of the velocity through the air and C = zero + slope (atan2(w, u) + o - g/u):
+/// d alpha = (u dw - w du)/(u^2 + w^2), d(-g/u) = g du/u^2 - dg/u.
 ErrorStateEkf::Residual<1> ErrorStateEkf::lift(const NominalState& x, double force_m_s2,
                                                double density_kg_m3, const LiftModel& model) {
   const Vector3 air_B = air_velocity_B(x);
+  const double u = air_B.x();
+  const double w = air_B.z();
   const double pressure = 0.5 * density_kg_m3 * model.area_m2_kg;
-  const double square = air_B.x() * air_B.x() + air_B.z() * air_B.z();
-  const double coefficient = model.zero + model.slope_1_rad * std::atan2(air_B.z(), air_B.x());
-  // alpha = atan2(w, u): d alpha = (u dw - w du)/(u^2 + w^2)
-  const Eigen::RowVector3d by_air_B =
-      -pressure * Eigen::RowVector3d(2.0 * air_B.x() * coefficient - model.slope_1_rad * air_B.z(),
-                                     0.0,
-                                     2.0 * air_B.z() * coefficient + model.slope_1_rad * air_B.x());
+  const double square = u * u + w * w;
+  const double alpha = std::atan2(w, u) + x.lift_offset_rad - x.gust_down_m_s / u;
+  const double coefficient = model.zero + model.slope_1_rad * alpha;
+  const double by_alpha = pressure * square * model.slope_1_rad;
+  const Eigen::RowVector3d by_air_B(
+      -2.0 * pressure * u * coefficient + by_alpha * (w / square - x.gust_down_m_s / (u * u)), 0.0,
+      -2.0 * pressure * w * coefficient - by_alpha * u / square);
   const Eigen::RowVector3d by_v_W = by_air_B * x.q_WB.toRotationMatrix().transpose();
   Residual<1> r;
   r.nu(0) = force_m_s2 - (x.accel_bias_B.z() - pressure * square * coefficient);
@@ -261,6 +272,8 @@ ErrorStateEkf::Residual<1> ErrorStateEkf::lift(const NominalState& x, double for
   r.H.block<1, 2>(0, kWind) = -by_v_W.head<2>();
   r.H.block<1, 3>(0, kTheta) = by_air_B * skew(air_B);
   r.H(0, kAccelBias + 2) = 1.0;
+  r.H(0, kGust) = by_alpha / u;
+  r.H(0, kLiftOffset) = -by_alpha;
   return r;
 }
 
@@ -283,6 +296,8 @@ NominalState ErrorStateEkf::added(const NominalState& x, const Error& dx) {
   y.gnss_bias_W += dx.segment<3>(kGnssBias);
   y.mag_bias_B += kMicrotesla * dx.segment<3>(kMagBias);
   y.air_scale_B += dx.segment<2>(kAirScale);
+  y.gust_down_m_s += dx(kGust);
+  y.lift_offset_rad += dx(kLiftOffset);
   return y;
 }
 
@@ -298,27 +313,47 @@ ErrorStateEkf::Error ErrorStateEkf::difference(const NominalState& to, const Nom
   dx.segment<3>(kGnssBias) = to.gnss_bias_W - from.gnss_bias_W;
   dx.segment<3>(kMagBias) = (to.mag_bias_B - from.mag_bias_B) / kMicrotesla;
   dx.segment<2>(kAirScale) = to.air_scale_B - from.air_scale_B;
+  dx(kGust) = to.gust_down_m_s - from.gust_down_m_s;
+  dx(kLiftOffset) = to.lift_offset_rad - from.lift_offset_rad;
   return dx;
 }
 
 ErrorStateEkf::Verdict ErrorStateEkf::correct_heading(const Residual<1>& r, double gate_sigma) {
   const Error PHt = P_ * r.H.transpose();
-  const double S = (r.H * PHt)(0) + r.R(0);
   Verdict verdict;
-  verdict.nis = r.nu(0) * r.nu(0) / S;
+  verdict.variance = (r.H * PHt)(0) + r.R(0);
+  verdict.nis = r.nu(0) * r.nu(0) / verdict.variance;
   verdict.accepted = verdict.nis >= 0.0 && verdict.nis <= gate(1, gate_sigma);
   if (!verdict.accepted) return verdict;
   const Vector3 down_B = x_.q_WB.conjugate() * Vector3::UnitZ();
-  Error K = Error::Zero();
   for (const int first : {kTheta, kGyroBias}) {
-    K.segment<3>(first) = down_B * (down_B.dot(PHt.segment<3>(first)) / S);
+    verdict.gain.segment<3>(first) =
+        down_B * (down_B.dot(PHt.segment<3>(first)) / verdict.variance);
   }
-  K.segment<3>(kMagBias) = PHt.segment<3>(kMagBias) / S;
-  // K S K' - K H P - (K H P)' is symmetric to the bit as the sum of a matrix and its transpose.
-  const Covariance half = K * (0.5 * S * K - PHt).transpose();
+  verdict.gain.segment<3>(kMagBias) = PHt.segment<3>(kMagBias) / verdict.variance;
+  consider(r, PHt, verdict);
+  return verdict;
+}
+
+ErrorStateEkf::Verdict ErrorStateEkf::correct_gust(const Residual<1>& r, double gate_sigma) {
+  const Error PHt = P_ * r.H.transpose();
+  Verdict verdict;
+  verdict.variance = (r.H * PHt)(0) + r.R(0);
+  verdict.nis = r.nu(0) * r.nu(0) / verdict.variance;
+  verdict.accepted = verdict.nis >= 0.0 && verdict.nis <= gate(1, gate_sigma);
+  if (!verdict.accepted) return verdict;
+  for (const int k : {kGust, kLiftOffset}) verdict.gain(k) = PHt(k) / verdict.variance;
+  consider(r, PHt, verdict);
+  return verdict;
+}
+
+/// P - K H P - (K H P)' + K S K' for the gain of the verdict, and its correction.
+void ErrorStateEkf::consider(const Residual<1>& r, const Error& PHt, const Verdict& verdict) {
+  const Error& K = verdict.gain;
+  // Symmetric to the bit as the sum of a matrix and its transpose.
+  const Covariance half = K * (0.5 * verdict.variance * K - PHt).transpose();
   P_ += half + half.transpose();
   inject(K * r.nu(0));
-  return verdict;
 }
 
 void ErrorStateEkf::inject(const Error& dx) {

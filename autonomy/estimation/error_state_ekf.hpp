@@ -21,6 +21,8 @@ struct NominalState {
   Vector3 gnss_bias_W{Vector3::Zero()};  ///< Slow error of the satellites' position [m].
   Vector3 mag_bias_B{Vector3::Zero()};   ///< Iron of the vehicle [T].
   Vector2 air_scale_B{Vector2::Zero()};  ///< Relative error of AirForce along body x and y.
+  double gust_down_m_s{};                ///< Vertical gust, positive down; of the lift alone.
+  double lift_offset_rad{};              ///< Error of LiftModel as an angle of attack.
 };
 
 /// Integral of the IMU over dt_s: rotation vector, velocity change in body axes of the start.
@@ -44,6 +46,12 @@ struct ProcessNoise {
   double gnss_slow_horizontal_m{1.7};
   double gnss_slow_altitude_m{2.55};
   double gnss_slow_time_s{1100.0};  ///< > 0.
+  /// The vertical gust, another first-order Gauss-Markov process: in still air, and its correlation
+  /// time, > 0. What uses them raises the first with the gusts that are measured and sets the second
+  /// by height and airspeed (aid_air.cpp).
+  double gust_down_m_s{0.25};
+  double gust_down_time_s{2.0};
+  double lift_offset_rad_rts{5e-4};  ///< Random walk.
 };
 
 /// What the accelerometer measures of the air: the specific force along a body axis,
@@ -59,20 +67,26 @@ struct AirForce {
 
 /// What the accelerometer measures of the lift of a wing, along body z:
 ///
-///     f = -rho/2 S/m V^2 (zero + slope alpha)                                        (1)
+///     f = -rho/2 S/m V^2 (zero + slope (alpha + o - w/u))                            (1)
+///
+/// V, alpha and u by the velocity through air that does not rise, w the vertical gust (down), o the
+/// error of the model. R. Beard, T. McLain, Small Unmanned Aircraft, 2012, eq. (4.6) and (4.8), without
+/// pitch rate and elevator: those of an anaconda are worth 0.3 degrees of alpha.
 struct LiftModel {
   double area_m2_kg{};  ///< Wing area by mass; 0: not known.
   double zero{};        ///< C_L at no angle of attack,
   double slope_1_rad{};
+  double linear_rad{0.11};  ///< Largest angle of attack for which (1) holds.
 };
 
 /// Extended Kalman filter on the error of the state, without buffers, time or policy. The
 /// estimator around it (estimator.hpp) decides what is fused when.
 ///
 ///     truth:  q = q^ exp(dtheta),  every other x = x^ + dx                                 (1)
-///     error:  [dtheta_B, dv_W, dp_W, dbg_B, dba_B, dbaro, dw_W, dgnss_W, dmag_B, de_B]     (2)
+///     error:  [dtheta_B, dv_W, dp_W, dbg_B, dba_B, dbaro, dw_W, dgnss_W, dmag_B, de_B,     (2)
+///              dgust, doffset]
 ///
-/// 26 numbers; that of the magnetometer in microtesla, so that none is many orders from one.
+/// 28 numbers; that of the magnetometer in microtesla, so that none is many orders from one.
 /// The attitude error is three small angles in body axes, so no attitude is singular. Prediction
 /// over an increment, u = dtheta - bg dt and a = dv - ba dt:
 ///
@@ -88,7 +102,7 @@ class ErrorStateEkf {
  public:
   static constexpr int kTheta = 0, kVelocity = 3, kPosition = 6, kGyroBias = 9, kAccelBias = 12,
                        kBaroBias = 15, kWind = 16, kGnssBias = 18, kMagBias = 21, kAirScale = 24,
-                       kSize = 26;
+                       kGust = 26, kLiftOffset = 27, kSize = 28;
   static constexpr double kMicrotesla = 1e-6;  ///< Unit of the error of the magnetometer [T].
   using Error = Eigen::Matrix<double, kSize, 1>;
   using Covariance = Eigen::Matrix<double, kSize, kSize>;
@@ -113,6 +127,8 @@ class ErrorStateEkf {
   struct Verdict {
     double nis{};
     bool accepted{};
+    double variance{};          ///< S of a scalar residual,
+    Error gain{Error::Zero()};  ///< and its K: zero if it was not accepted.
   };
 
   NominalState& state() { return x_; }
@@ -129,6 +145,26 @@ class ErrorStateEkf {
   /// The derivative of (3): error after by error before.
   static Covariance transition(const NominalState& x, const ImuIncrement& u,
                                const ProcessNoise& noise);
+  /// Applies transition() to errors, one a column; x is the state before the increment.
+  template <int kColumns>
+  static void carry(const NominalState& x, const ImuIncrement& u, const ProcessNoise& noise,
+                    Eigen::Matrix<double, kSize, kColumns>& errors) {
+    using Rows = Eigen::Matrix<double, 3, kColumns>;
+    const double dt = u.dt_s;
+    const Vector3 turn = u.dtheta_B - x.gyro_bias_B * dt;
+    const Matrix3 R = x.q_WB.toRotationMatrix();
+    const Rows theta = errors.template middleRows<3>(kTheta);
+    const Rows v = errors.template middleRows<3>(kVelocity);
+    const Rows v_new = v - R * skew(u.dv_B - x.accel_bias_B * dt) * theta -
+                       dt * R * errors.template middleRows<3>(kAccelBias);
+    errors.template middleRows<3>(kPosition) += 0.5 * dt * (v + v_new);
+    errors.template middleRows<3>(kVelocity) = v_new;
+    errors.template middleRows<3>(kTheta) =
+        exp_rotation(turn).toRotationMatrix().transpose() * theta -
+        dt * right_jacobian(turn) * errors.template middleRows<3>(kGyroBias);
+    errors.template middleRows<3>(kGnssBias) *= std::exp(-dt / noise.gnss_slow_time_s);
+    errors.row(kGust) *= std::exp(-dt / noise.gust_down_time_s);
+  }
   /// Moves state and covariance on by one increment.
   void predict(const ImuIncrement& u, const ProcessNoise& noise, double gravity_m_s2);
 
@@ -156,7 +192,8 @@ class ErrorStateEkf {
   /// y: specific force along body axis `axis`, 0 or 1, as the accelerometer reads it [m/s^2].
   static Residual<1> air_force(const NominalState& x, int axis, double force_m_s2,
                                const AirForce& model);
-  /// y: specific force along body z, as the accelerometer reads it [m/s^2].
+  /// y: specific force along body z, as the accelerometer reads it [m/s^2]. The forward speed u
+  /// through the air must not be zero.
   static Residual<1> lift(const NominalState& x, double force_m_s2, double density_kg_m3,
                           const LiftModel& model);
   /// Standard deviation of the forward speed through the air [m/s].
@@ -175,9 +212,11 @@ class ErrorStateEkf {
     const Eigen::Matrix<double, kRows, kRows> S = r.H * PHt + r.R;
     Verdict verdict;
     if constexpr (kRows == 1) {
+      verdict.variance = S(0);
       verdict.nis = r.nu(0) * r.nu(0) / S(0);
       verdict.accepted = verdict.nis >= 0.0 && verdict.nis <= gate(kRows, gate_sigma);
       if (!verdict.accepted) return verdict;
+      verdict.gain = PHt / S(0);
       const Error scaled = PHt / std::sqrt(S(0));  // its square is symmetric to the bit
       P_.noalias() -= scaled * scaled.transpose();
       inject(PHt * (r.nu(0) / S(0)));
@@ -199,6 +238,8 @@ class ErrorStateEkf {
   /// other errors into account without correcting them (S. F. Schmidt 1966: "consider" states):
   /// with any gain K, P <- P - K H P - P H' K' + K S K'. So a heading that is wrong never tilts.
   Verdict correct_heading(const Residual<1>& r, double gate_sigma);
+  /// The same for the vertical gust and the error of the lift: all other errors are "consider" states.
+  Verdict correct_gust(const Residual<1>& r, double gate_sigma);
 
   /// Puts an error into the state (1) and turns the covariance.
   void inject(const Error& dx);
@@ -224,6 +265,7 @@ class ErrorStateEkf {
   }
 
  private:
+  void consider(const Residual<1>& r, const Error& PHt, const Verdict& verdict);
   void symmetrise() { P_ = (0.5 * (P_ + P_.transpose())).eval(); }
 
   NominalState x_;

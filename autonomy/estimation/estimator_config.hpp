@@ -62,6 +62,8 @@ struct EstimatorConfig {
   double sideslip_sigma_m_s{1.0};
   double air_force_sigma_m_s2{0.055};
   double air_force_turning_m_s{0.3};  ///< Fixed wing: besides, times the rate of turning.
+  double lift_sigma_m_s2{0.3};        ///< Specific force of the lift, averaged.
+  double lift_turning_m_s{1.0};       ///< Besides, times the rate of turning.
   double rest_sigma_m_s{0.02};        ///< Noise of the zero velocity at rest.
 
   // Longest rates at which samples are fused; 0: all.
@@ -85,6 +87,7 @@ struct EstimatorConfig {
   double initial_wind_m_s{4.0};
   double initial_mag_bias_T{6e-7};        ///< Each axis.
   double initial_air_scale{0.4};          ///< Relative error of `air`.
+  double initial_lift_offset_rad{0.02};   ///< Error of `air.lift`, as an angle of attack.
   double initial_window_s{1.0};           ///< Averaged before the start.
   std::optional<double> declination_rad;  ///< Known beforehand.
   /// Else asked once, with the first fix: a magnetic model. Neither: magnetic north is taken for

@@ -102,6 +102,8 @@ ErrorStateEkf::Covariance Estimator::initial_covariance(bool on_ground, bool hin
   set(Filter::kWind, 2, config().initial_wind_m_s);
   set(Filter::kMagBias, 3, config().initial_mag_bias_T / Filter::kMicrotesla);
   set(Filter::kAirScale, 2, config().initial_air_scale);
+  set(Filter::kGust, 1, config().noise.gust_down_m_s);
+  set(Filter::kLiftOffset, 1, config().initial_lift_offset_rad);
   if (new_origin) {  // the slow error of the satellites counts from here
     set(Filter::kGnssBias, 2, config().gnss_horizontal_sigma_m);
     set(Filter::kGnssBias + 2, 1, config().gnss_altitude_sigma_m);

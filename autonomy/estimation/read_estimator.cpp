@@ -29,6 +29,10 @@ Table<ProcessNoise> noise_table() {
       {"wind_m_s_rts", &N::wind_m_s_rts, "m/s/sqrt(s)", kNotNegative, "random walk in still air"},
       {"mag_bias_T_rts", &N::mag_bias_T_rts, "T/sqrt(s)", kNotNegative, "random walk"},
       {"air_scale_rts", &N::air_scale_rts, "1/sqrt(s)", kNotNegative, "random walk"},
+      {"gust_down_m_s", &N::gust_down_m_s, "m/s", kNotNegative,
+       "fixed wing: vertical gusts in still air: standard deviation"},
+      {"lift_offset_rad_rts", &N::lift_offset_rad_rts, "rad/sqrt(s)", kNotNegative,
+       "fixed wing: random walk of the error of the lift, as an angle of attack"},
       {"gnss_slow_horizontal_m", &N::gnss_slow_horizontal_m, "m", kNotNegative,
        "slow error of the satellites, each axis: standard deviation"},
       {"gnss_slow_altitude_m", &N::gnss_slow_altitude_m, "m", kNotNegative,
@@ -58,6 +62,9 @@ Table<EstimatorConfig> sigma_table() {
        "specific force of the air, besides initial_air_scale"},
       {"air_force_turning_m_s", &E::air_force_turning_m_s, "m/s", kNotNegative,
        "fixed wing: side force of rudder, ailerons and turning, times the rate of turning"},
+      {"lift_m_s2", &E::lift_sigma_m_s2, "m/s^2", kSigma, "fixed wing: specific force of the lift"},
+      {"lift_turning_m_s", &E::lift_turning_m_s, "m/s", kNotNegative,
+       "fixed wing: lift of elevator and turning, times the rate of turning"},
       {"rest_m_s", &E::rest_sigma_m_s, "m/s", kSigma, "velocity while at rest"}};
 }
 
@@ -111,6 +118,9 @@ Table<EstimatorConfig> parameters() {
        "iron of the vehicle, each axis: standard deviation at the start"},
       {"initial_air_scale", &E::initial_air_scale, "", kNotNegative,
        "relative error of the drag and side force in this file: standard deviation at the start"},
+      {"initial_lift_offset_rad", &E::initial_lift_offset_rad, "rad", kNotNegative,
+       "fixed wing: error of the lift in this file, as an angle of attack: standard deviation at "
+       "the start"},
       {"initial_window_s", &E::initial_window_s, "s", Range::between(0.1, 60.0),
        "averaged before the start"},
       Row<E>{"declination_deg", &E::declination_rad, kDeg, Range::between(-180.0, 180.0),

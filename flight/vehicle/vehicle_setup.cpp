@@ -83,6 +83,11 @@ autonomy::estimation::AirModel air_model(const sim::Vehicle& vehicle) {
     const sim::AirframeParameters wing = sim::read_fixed_wing(vehicle.root()).airframe;
     air.side_area_m2_kg = std::max(0.0, -wing.side.beta) * wing.area_m2 / mass_kg;
     air.lift = {wing.area_m2 / mass_kg, wing.lift.zero, wing.lift.alpha};
+    // The share of separated flow is a logistic function of the angle of attack: 1 % of it so many scales below the stall.
+    constexpr double kScales = 4.5;
+    if (wing.stall_sharpness > 0.0) {
+      air.lift.linear_rad = std::max(0.0, wing.stall_angle_rad - kScales / wing.stall_sharpness);
+    }
   } else if (vehicle.root().has("rotors")) {
     const sim::AeroParameters aero = sim::read_multirotor(vehicle.root()).aero;
     air.rotor_drag_s_m = aero.rotor_drag_s_m;

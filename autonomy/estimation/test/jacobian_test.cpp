@@ -38,6 +38,8 @@ class RandomStates {
     x.gnss_bias_W = vector(5.0);
     x.mag_bias_B = vector(2e-6);
     x.air_scale_B = vector(0.8).head<2>();
+    x.gust_down_m_s = uniform(-2.0, 2.0);
+    x.lift_offset_rad = uniform(-0.05, 0.05);
     return x;
   }
   ImuIncrement increment() {
@@ -80,9 +82,14 @@ TEST(Jacobian, OfTheTransition) {
           (Filter::difference(plus, middle) - Filter::difference(minus, middle)) / (2.0 * kStep);
     }
     ProcessNoise noise;
-    noise.gnss_slow_time_s = 1e9;  // propagate() leaves that error as it is
+    noise.gnss_slow_time_s = noise.gust_down_time_s = 1e9;  // propagate() leaves these as they are
     const Filter::Covariance F = Filter::transition(x, u, noise);
     ASSERT_LT(relative_difference(F, numeric), kTolerance) << n;
+    Eigen::Matrix<double, Filter::kSize, 5> errors;
+    for (int k = 0; k < errors.size(); ++k) errors.data()[k] = random.uniform(-1.0, 1.0);
+    const Eigen::Matrix<double, Filter::kSize, 5> product = F * errors;
+    Filter::carry(x, u, noise, errors);
+    ASSERT_LT(relative_difference(errors, product), 1e-14) << n;
   }
 }
 
@@ -163,7 +170,9 @@ TEST(Jacobian, OfAirForce) {
 
 TEST(Jacobian, OfLift) {
   const LiftModel model{0.11, 0.5, 5.6};
-  const auto flies = [](const NominalState& x) { return Filter::air_velocity_B(x).norm() > 1.0; };
+  const auto flies = [](const NominalState& x) {
+    return std::abs(Filter::air_velocity_B(x).x()) > 5.0;
+  };
   check([&](const NominalState& x) { return Filter::lift(x, -9.0, 1.1, model); }, 15, flies);
 }
 
@@ -201,6 +210,9 @@ TEST(Jacobian, PredictionByBlocksIsTheWholeProduct) {
     const double renewed = -std::expm1(-2.0 * dt / noise.gnss_slow_time_s) / dt;
     add(Filter::kGnssBias, 2, noise.gnss_slow_horizontal_m * std::sqrt(renewed));
     add(Filter::kGnssBias + 2, 1, noise.gnss_slow_altitude_m * std::sqrt(renewed));
+    const double of_gust = -std::expm1(-2.0 * dt / noise.gust_down_time_s) / dt;
+    add(Filter::kGust, 1, noise.gust_down_m_s * std::sqrt(of_gust));
+    add(Filter::kLiftOffset, 1, noise.lift_offset_rad_rts);
     Eigen::Matrix<double, Filter::kSize, 3> G = Eigen::Matrix<double, Filter::kSize, 3>::Zero();
     G.template middleRows<3>(Filter::kVelocity).setIdentity();
     G.template middleRows<3>(Filter::kPosition) = 0.5 * dt * Matrix3::Identity();
