@@ -239,7 +239,8 @@ class AidFusion {
     double residual_rad{};  ///< Residual of the last heading that was used.
     double t_s{-1e9};
     bool jumped{};                 ///< The heading moved as no gyro does: it is the magnetometer.
-    int fitting{};                 ///< Samples in a row that fit, while none is used.
+    double fitting_s{};            ///< For so long all samples have fitted, while none is used.
+    double seen_s{-1e9};           ///< Time of the last sample.
     std::optional<double> down_T;  ///< Vertical part of the field, of the samples that were used.
     int widened{};                 ///< Times in a row without a pause, and the last time.
     double widened_s{-1e9};

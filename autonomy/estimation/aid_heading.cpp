@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How an AidFusion uses the magnetometer: for the heading alone, and what it does when heading and gyro disagree.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -54,21 +55,25 @@ bool AidFusion::field_fits(const Vector3& field_B) const {
          config_.heading_gate_sigma * sigma_T;
 }
 
-/// The gate of a heading: none passes that does not fit; after a refusal of some time, only once
-/// several in a row have fitted, since that of a wrong magnetometer passes the right one in turns.
+/// The gate of a heading: none passes that does not fit; after a refusal of some time, only once it has
+/// fitted for kEnough_s, since that of a wrong magnetometer passes the right one in turns: in a circle
+/// at 20 degrees of bank for more than a second. Meanwhile such a circle turns by a radian.
 double AidFusion::heading_gate(const Filter::Residual<1>& residual, bool fits) {
   constexpr double kRefused_s = 0.3;
-  constexpr int kEnough = 20;
+  constexpr double kEnough_s = 5.0;
+  constexpr double kSeldom_s = 0.1;  // samples that come seldomer count as much
+  const double since_s = std::min(t_s_ - heading_.seen_s, kSeldom_s);
+  heading_.seen_s = t_s_;
   const AidHealth& health = health_.of(Aid::kHeading);
   if (health.rejecting_for_s() < kRefused_s) {
-    heading_.fitting = 0;
+    heading_.fitting_s = 0.0;
     return fits ? config_.heading_gate_sigma : 0.0;
   }
   const double S = (residual.H * filter_.covariance() * residual.H.transpose())(0) + residual.R(0);
   const double limit = Filter::gate(1, config_.heading_gate_sigma);
   const bool inside = residual.nu(0) * residual.nu(0) <= limit * S;
-  heading_.fitting = fits && inside ? heading_.fitting + 1 : 0;
-  return heading_.fitting > kEnough ? config_.heading_gate_sigma : 0.0;
+  heading_.fitting_s = fits && inside ? heading_.fitting_s + since_s : 0.0;
+  return heading_.fitting_s > kEnough_s ? config_.heading_gate_sigma : 0.0;
 }
 
 /// Whether the heading drifts away from that of the magnetometer as with a gyro that is wrong by up
@@ -117,7 +122,7 @@ void AidFusion::widen_heading() {
   constexpr double kIron_microtesla = 0.3;
   P.block<3, 3>(Filter::kMagBias, Filter::kMagBias) +=
       kIron_microtesla * kIron_microtesla * Matrix3::Identity();
-  heading_.fitting = 1000;  // the next one counts
+  heading_.fitting_s = 1e9;  // the next one counts
   ++health_.heading_widenings;
 }
 
