@@ -77,7 +77,7 @@ TEST_P(GnssLoss, WithoutSatellitesForGoodItComesDownSoftlyByRangeSensorOrBaromet
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Winds, GnssLoss, ::testing::Values("", "5,0,5", "5,270,4"));
+INSTANTIATE_TEST_SUITE_P(Winds, GnssLoss, ::testing::Values("", "5,0,5", "5,270,4", "6,270,6"));
 
 }  // namespace
 }  // namespace rosflight::flight::testing

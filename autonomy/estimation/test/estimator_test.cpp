@@ -220,7 +220,9 @@ TEST(Estimator, ATurnedMagnetometerDoesNotTurnTheVehicle) {
   EXPECT_EQ(f.estimator->estimate().heading, Quality::kDeadReckoned);
   EXPECT_LT(f.attitude_error_rad(), 0.06);
   f.world->extra_heading_rad = 0.0;
-  f.run_until(52.0);
+  f.run_until(54.9);
+  EXPECT_TRUE(f.aid(Aid::kHeading).rejecting);  // it has not fitted for 5 s yet
+  f.run_until(56.0);
   EXPECT_FALSE(f.aid(Aid::kHeading).rejecting);
   EXPECT_EQ(f.estimator->estimate().heading, Quality::kGood);
 }
