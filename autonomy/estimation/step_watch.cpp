@@ -7,7 +7,8 @@ namespace rosflight::autonomy::estimation {
 namespace {
 
 constexpr double kOnsetEvery_s = 1.0;
-/// Of the mean Bayes factor: of all onsets without a fault a share of 1e-7 exceeds it at most, in gusts that are not as modelled more.
+/// Least mean Bayes factor, as a logarithm: of all onsets without a fault a share of 1e-7 exceeds it at most,
+/// in gusts that are not as modelled more.
 constexpr double kMinLogEvidence = 16.0;
 
 }  // namespace

@@ -124,7 +124,7 @@ struct Wing {
     world->extra_gyro = gyro_step_rad_s;
     worst_rad = 0.0;
   }
-  /// Of the vertical: the heading without GNSS is the magnetometer's affair.
+  /// Error of the vertical: the heading without GNSS is the magnetometer's affair.
   double tilt_error_rad() const {
     const StateEstimate e = estimator->estimate();
     const Vector3 down_B = world->motion(e.t_s).q_WB.conjugate() * Vector3::UnitZ();
