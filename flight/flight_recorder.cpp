@@ -144,7 +144,7 @@ void FlightRecorder::log_autonomy(sim::Time t) {
     }
   }
   constexpr double kInterval_s = 0.0099;  // autonomy runs at 100 Hz
-  if (!log_ || sim::to_seconds(t) - last_setpoint_s_ < kInterval_s) return;
+  if (!log_ || !output.on_path || sim::to_seconds(t) - last_setpoint_s_ < kInterval_s) return;
   last_setpoint_s_ = sim::to_seconds(t);
   const autonomy::multirotor::Trajectory& s = output.setpoint;
   log_->write_setpoint(t, {{},

@@ -121,7 +121,8 @@ const GuidanceOutput& FixedWingGuidance::step(const Input& in, const Notify& not
                 phase == Phase::kReturn;
   out_.coming_down = phase == Phase::kApproach || phase == Phase::kDescent ||
                      phase == Phase::kGlide || phase == Phase::kFlare || phase == Phase::kRollout;
-  if (output.path.path.valid) out_.setpoint = beside(output);
+  out_.on_path = output.on_path && output.path.path.valid;
+  if (out_.on_path) out_.setpoint = beside(output);
   out_.distance_m = output.path.passed_at_m;
   return out_;
 }

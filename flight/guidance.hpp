@@ -22,7 +22,8 @@ struct GuidanceOutput {
   bool in_air{};                                ///< Meant to be off the ground.
   bool coming_down{};                           ///< Landing.
   bool tracking{};                              ///< On the mission's path, holding all axes.
-  autonomy::multirotor::Trajectory setpoint{};  ///< Where the vehicle is meant to be.
+  autonomy::multirotor::Trajectory setpoint{};  ///< Where the vehicle is meant to be,
+  bool on_path{true};                           ///< on a path; else `setpoint` is an earlier one.
   std::size_t waypoint{};                       ///< Index of the next one.
   double distance_m{};                          ///< Distance from it.
   bool mission_done{};

@@ -194,6 +194,7 @@ void Guidance::lead(const Input& in) {
   const PhasePath::Output path = phase_path_.step(out_.phase, path_input(in));
   out_.follow = path.follow;
   out_.direct = path.direct;
+  out_.on_path = path.planned;
   if (path.planned) out_.path = phase_path_.path().output();
   if (out_.phase != Phase::kMission) return;
   if (out_.path.passed) {
@@ -285,6 +286,7 @@ const GuidanceOutput& Guidance::step(const Input& in) {
   out_.dt_s = in.t_s - last_t_s_;
   if (!(out_.dt_s > 0.0)) return out_;
   last_t_s_ = in.t_s;
+  out_.on_path = false;
   const bool linked = GapWatch::linked(in.status.silent_s);
   if (in.status.failsafe) unhealthy_at_s_ = in.t_s;
   if (!faults_.state_good(in.state, in.t_s, out_.events, linked)) {

@@ -29,6 +29,8 @@ struct GuidanceOutput : FlightProgress<Phase> {
   Controller::Direct direct{};  ///< For the controller.
 
   PathManager::Output path{};
+  bool
+      on_path{};  ///< `follow` is that of `path`; else, as in a take-off, `path` is an earlier one.
   double height_above_ground_m{};
 };
 

@@ -50,7 +50,7 @@ bool Firmware::run_command(link::Command command, Time now) {
       link::Version version;
       version.text = Text(kVersion).chars();
       telemetry_.send(version);
-      log_.info(Text("Longest pass: ")
+      log_.info(Text("Longest period: ")
                     .add(static_cast<std::int32_t>(std::min<std::int64_t>(
                         max_pass_.count(), std::numeric_limits<std::int32_t>::max())))
                     .add(" us"));

@@ -3,6 +3,9 @@
 // user asks of a flight. Faults: fixedwing_faults_test.cpp.
 #include <gtest/gtest.h>
 
+#include <map>
+#include <set>
+
 #include "flight/test/fixedwing_rig.hpp"
 
 namespace rosflight::flight::testing {
@@ -80,6 +83,27 @@ TEST(FixedWing, RacetrackInWind) {
   EXPECT_TRUE(rig.completed());
   expect_tracked(rig);
   expect_touchdown(rig, 15.0, 1.5);
+}
+
+TEST(FixedWing, ASetpointHoldsWhileThePlannedPathIsFollowed) {
+  for (const std::vector<std::string>& faults : {std::vector<std::string>{}, {"gnss@80"}}) {
+    Rig rig(fixedwing("default", faults));
+    std::map<std::string_view, std::set<bool>> on_path;
+    while (!rig.flight->finished()) {
+      rig.flight->step();
+      if (rig.flight->runner().stage() != Stage::kFly) continue;
+      const GuidanceOutput& output = rig.flight->autonomy();
+      if (output.phase == std::string_view("disarmed")) continue;
+      on_path[output.phase].insert(output.on_path);
+      if (!output.on_path || !faults.empty()) continue;
+      ASSERT_LT((rig.flight->truth().body.p_W - output.setpoint.p_W).norm(), 20.0) << output.phase;
+    }
+    for (const auto& [phase, values] : on_path) {
+      const bool planned =
+          phase == "mission" || phase == "approach" || (phase == "flare" && faults.empty());
+      EXPECT_EQ(values, std::set<bool>{planned}) << phase;
+    }
+  }
 }
 
 TEST(FixedWing, SuccessiveLoopsFlyTheSame) {

@@ -256,7 +256,7 @@ class SlowClock final : public hal::Clock {
   mutable hal::Time now_{};
 };
 
-TEST_F(WeakPoints, N71LoopTimeSaturatesAndTheLongestPassIsToldWithTheVersion) {
+TEST_F(WeakPoints, N71LoopTimeSaturatesAndTheLongestPeriodIsToldWithTheVersion) {
   rig_.store_quadrotor();
   SlowClock clock;
   const hal::Board all = rig_.board.roles(rig_.serial);
@@ -298,13 +298,13 @@ TEST_F(WeakPoints, N71LoopTimeSaturatesAndTheLongestPassIsToldWithTheVersion) {
       if (text == nullptr) continue;
       const std::string line = text->text.data();
       told =
-          told || (line.rfind("Longest pass: ", 0) == 0 && line.substr(line.size() - 3) == " us");
+          told || (line.rfind("Longest period: ", 0) == 0 && line.substr(line.size() - 3) == " us");
     }
   }
   EXPECT_TRUE(told);
 }
 
-TEST_F(WeakPoints, N71LongestPassIsTheTimeFromOnePassToTheNextSinceItWasAsked) {
+TEST_F(WeakPoints, N71LongestPeriodIsTheTimeFromOnePassToTheNextSinceItWasAsked) {
   rig_.store_quadrotor();
   rig_.start();
   rig_.run_for(500);
@@ -312,10 +312,10 @@ TEST_F(WeakPoints, N71LongestPassIsTheTimeFromOnePassToTheNextSinceItWasAsked) {
   rig_.run_for(100);
   rig_.command(link::Command::kSendVersion);
   rig_.run_for(50);
-  EXPECT_TRUE(rig_.said("Longest pass: 4000 us"));
+  EXPECT_TRUE(rig_.said("Longest period: 4000 us"));
   rig_.command(link::Command::kSendVersion);
   rig_.run_for(50);
-  EXPECT_TRUE(rig_.said("Longest pass: 2500 us"));
+  EXPECT_TRUE(rig_.said("Longest period: 2500 us"));
 }
 
 }  // namespace
