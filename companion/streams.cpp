@@ -6,8 +6,8 @@
 namespace rosflight::companion {
 
 namespace {
-// An unstamped message belongs to the last IMU sample if that is this fresh; 20 ms is eight periods
-// at 400 Hz.
+// An unstamped message belongs to the last IMU sample if that arrived so shortly before; 20 ms is eight
+// periods at 400 Hz. Both may be much older: after a stall of the computer all bytes arrive at once.
 constexpr Time kBorrowWithin = std::chrono::milliseconds{20};
 // A sample cannot come from the future, bar the error of the offset.
 constexpr Time kClockSlack = std::chrono::milliseconds{1};
@@ -43,6 +43,7 @@ Stamp Streams::stamp_us(std::uint64_t time_boot_us, Time now, const TimeSync& sy
 
 Stamp Streams::stamp(const link::Imu& m, Time now, const TimeSync& sync) {
   last_imu_us_ = m.time_boot_us;
+  last_imu_arrival_ = now;
   return stamp_us(m.time_boot_us, now, sync);
 }
 
@@ -57,8 +58,8 @@ Stamp Streams::stamp_with_imu_ms(std::uint64_t time_boot_ms, Time now, const Tim
 Stamp Streams::stamp_unstamped(Time now, const TimeSync& sync) const {
   if (last_imu_us_) {
     const Stamp borrowed = stamp_us(*last_imu_us_, now, sync);
-    const Time age = now - borrowed.sample;
-    if (borrowed.source == StampSource::kFcuClock && age > -kClockSlack && age <= kBorrowWithin) {
+    if (borrowed.source == StampSource::kFcuClock && borrowed.sample < now + kClockSlack &&
+        now - last_imu_arrival_ <= kBorrowWithin) {
       return {now, std::min(borrowed.sample, now), StampSource::kImuPass};
     }
   }

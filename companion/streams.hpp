@@ -67,6 +67,7 @@ class Streams {
 
  private:
   std::optional<std::uint64_t> last_imu_us_;
+  Time last_imu_arrival_{};
   Time rates_since_{};
 };
 

@@ -128,6 +128,30 @@ TEST(Session, StampsAreFcuTimeInCompanionTime) {
   EXPECT_EQ(recorder.mag[0].second.arrival, rig.now + 1ms);
 }
 
+TEST(Session, StampsOfWhatArrivesAfterAStallAreThoseOfTheSamples) {
+  Rig rig;
+  Recorder recorder;
+  rig.session.add(recorder);
+  rig.run_for(1s);
+  recorder.mag.clear();
+  std::vector<Time> sent;
+  for (int k = 0; k < 200; ++k) {  // 0.5 s in which the computer reads nothing
+    rig.now += Rig::kStep;
+    rig.fcu.step(rig.now);
+    if (k % 10 != 0) continue;
+    rig.fcu.send(link::Mag{});
+    sent.push_back(rig.now);
+  }
+  rig.session.step(rig.now);
+  ASSERT_EQ(recorder.mag.size(), sent.size());
+  for (std::size_t k = 0; k < sent.size(); ++k) {
+    const Stamp& stamp = recorder.mag[k].second;
+    EXPECT_EQ(stamp.source, StampSource::kImuPass) << k;
+    EXPECT_LE(std::chrono::abs(stamp.sample - sent[k]), Rig::kStep) << k;
+    EXPECT_EQ(stamp.arrival, rig.now) << k;
+  }
+}
+
 TEST(Session, StampsFallBackToArrival) {
   Rig rig;
   rig.fcu.imu = false;
