@@ -23,6 +23,7 @@ void AidFusion::reset() {
   filter_ = Filter{};
   ground_up_m_ = 0.0;
   jump_ = {};
+  doubt_W_.setZero();
   force_ = {};
   heading_ = {};
   height_ = {};
@@ -31,6 +32,7 @@ void AidFusion::reset() {
   wind_noise_m_s_rts_ = max_wind_noise_m_s_rts();
   good_.t_s = widened_s_ = long_hole_end_s_ = -1e9;
   settled_since_s_ = 1e9;
+  started_on_fixes_s_ = -1e9;
   velocity_monitor_.reset();
   heading_monitor_.reset();
   for (InnovationMean& mean : velocity_means_) mean.reset();
@@ -47,6 +49,11 @@ void AidFusion::start(double t_s, const NominalState& state, const Covariance& c
   density_kg_m3_ = standard_density_kg_m3(pressure_Pa);
   origin_pressure_height_m_ = standard_height_m(pressure_Pa) + state.p_W.z() - state.baro_bias_m;
   health_.initialised = true;
+}
+
+void AidFusion::trust_fixes_at_rest() {
+  started_on_fixes_s_ = t_s_;
+  settled_since_s_ = -1e9;
 }
 
 void AidFusion::predict(const ImuBuffer::Segment& segment) {
@@ -191,7 +198,9 @@ double AidFusion::gnss_velocity_variance(double sigmas) const {
 void AidFusion::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
   const auto square = [](double x) { return x * x; };
   constexpr double kGap_s = 1.0;
-  if (t_s_ - health_.of(Aid::kGnssVelocity).last_accepted_s > kGap_s) settled_since_s_ = 1e9;
+  const double accepted_s =
+      std::max(health_.of(Aid::kGnssVelocity).last_accepted_s, started_on_fixes_s_);
+  if (t_s_ - accepted_s > kGap_s) settled_since_s_ = 1e9;
   auto velocity = Filter::gnss_velocity(filter_.state(), sample.v_W_m_s, gnss_lever(), w_raw_B_);
   velocity.R = gnss_velocity_variance(1.0) * Matrix3::Identity();
   const Vector3 suspect = suspect_velocity(velocity.nu);
@@ -200,7 +209,13 @@ void AidFusion::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
 
   auto horizontal = Filter::gnss_position(filter_.state(), p_W, gnss_lever()).template rows<2>(0);
   horizontal.R = square(config_.gnss_horizontal_sigma_m) * Eigen::Matrix2d::Identity();
+  const bool was_away = t_s_ - health_.of(Aid::kGnssHorizontal).last_accepted_s > kGap_s;
   const bool horizontal_ok = weigh<2>(Aid::kGnssHorizontal, horizontal, config_.gate_sigma);
+  constexpr double kDoubtful_sigma = 3.0;
+  if (was_away && horizontal_ok &&
+      2.0 * health_.of(Aid::kGnssHorizontal).nis > Filter::gate(2, kDoubtful_sigma)) {
+    doubt_W_ = horizontal.nu;
+  }
   if (horizontal_ok && settled_since_s_ > t_s_) settled_since_s_ = t_s_;
 
   auto altitude = Filter::gnss_position(filter_.state(), p_W, gnss_lever()).template rows<1>(2);
@@ -225,12 +240,20 @@ void AidFusion::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
   constexpr double kSettled_s = 2.0;
   const bool settled = of_position.rejected_since_s - settled_since_s_ > kSettled_s;
   if (velocity_ok && settled && of_position.rejecting_for_s() > config_.gnss_jump_s) {
+    constexpr double kBack = 0.2;  // of the way
+    if ((horizontal.nu + doubt_W_).norm() < kBack * doubt_W_.norm()) {
+      reset_to_gnss(p_W, sample.v_W_m_s);
+      doubt_W_.setZero();
+      return;
+    }
     restart_gnss_bias(0, 2, p_W);
     health_.of(Aid::kGnssHorizontal).rejecting = false;
     return;
   }
   const double rejected_s = std::max(of_velocity.rejecting_for_s(), of_position.rejecting_for_s());
-  if (rejected_s > config_.gnss_reset_s) reset_to_gnss(p_W, sample.v_W_m_s);
+  if (rejected_s <= config_.gnss_reset_s) return;
+  reset_to_gnss(p_W, sample.v_W_m_s);
+  doubt_W_ = velocity_ok ? horizontal.nu : Vector2::Zero();
 }
 
 bool AidFusion::off_the_ground() const {

@@ -86,7 +86,7 @@ inline constexpr double kAirspeedKnown_m_s = 2.0;
 /// |---|---|---|
 /// | GNSS velocity | gnss_rejected_s | biases of the IMU and what they have led to are widened |
 /// | GNSS position, velocity | gnss_reset_s | horizontal position and velocity are reset to GNSS |
-/// | GNSS position alone | gnss_jump_s | its slow error is set so that the residual is zero |
+/// | GNSS position alone | gnss_jump_s | its slow error is set so that the residual is zero; back where doubt_W() has it from: the position moves there |
 /// | barometer | baro_relearn_s | its bias is set so that the residual is zero |
 /// | barometer without GNSS, no jump | at once | the accelerometer's bias and its effect are widened |
 /// | pitot | pitot_relearn_s | the wind is widened by the residual, unless the tube is blocked, which it stays until it agrees |
@@ -114,6 +114,9 @@ class AidFusion {
   /// @param pressure_Pa  static pressure at that position; must be > 0.
   void start(double t_s, const NominalState& state, const Covariance& covariance,
              double pressure_Pa);
+  /// The position of the start is that of fixes at rest: a receiver that moves away from it now has
+  /// jumped, as after a flight with it.
+  void trust_fixes_at_rest();
   /// Moves the time without prediction: the first IMU sample after start().
   void set_time(double t_s) { t_s_ = t_s; }
 
@@ -139,6 +142,9 @@ class AidFusion {
 
   /// The part of a late correction of the position that the output does not show yet at t_s [m].
   Vector2 unshown_jump_W(double t_s) const;
+  /// How far GNSS, back from a pause, was from the prediction though its velocity was not: either may be wrong.
+  /// The position has followed GNSS, and is in doubt by as much until the receiver jumps back.
+  const Vector2& doubt_W() const { return doubt_W_; }
 
   double time_s() const { return t_s_; }  ///< Time of the filter's state.
   const Filter& filter() const { return filter_; }
@@ -228,6 +234,7 @@ class AidFusion {
     double t_s{};
     double until_s{-1e9};  ///< Corrections up to here belong to it.
   } jump_;
+  Vector2 doubt_W_{Vector2::Zero()};
   /// Sum of the specific force that is not fused yet, and the gyro at its start.
   struct {
     Vector3 dv_B{Vector3::Zero()};
@@ -265,6 +272,7 @@ class AidFusion {
   double widened_s_{-1e9};
   double long_hole_end_s_{-1e9};
   double settled_since_s_{1e9};  ///< GNSS position accepted without a gap.
+  double started_on_fixes_s_{-1e9};
   struct {
     double t_s{-1e9};
     NominalState state;

@@ -159,7 +159,7 @@ void AidFusion::guard() {
 void AidFusion::shift(double by_s) {
   for (double* t_s : {&t_s_, &newest_s_, &jump_.t_s, &jump_.until_s, &heading_.t_s,
                       &heading_.widened_s, &height_.t_s, &height_.widened_s, &widened_s_,
-                      &long_hole_end_s_, &settled_since_s_, &good_.t_s}) {
+                      &long_hole_end_s_, &settled_since_s_, &started_on_fixes_s_, &good_.t_s}) {
     *t_s += by_s;
   }
   for (AidHealth& aid : health_.aids) {

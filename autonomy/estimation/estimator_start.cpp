@@ -123,6 +123,7 @@ void Estimator::start(bool on_ground) {
   fusion_.start(now_s, state, initial_covariance(on_ground, hinted, new_origin),
                 window_.pressure_Pa.mean().x());
   if (on_ground || hinted) fusion_.start_heading(window_.field.mean());
+  if (on_ground && window_.last_fix) fusion_.trust_fixes_at_rest();
   imu_.clear();
   queued_ = 0;
   next_rest_s_ = now_s;

@@ -211,6 +211,38 @@ TEST(Estimator, ABarometerStepIsRefusedThenLearned) {
   EXPECT_NEAR(e.p_W.z(), f.world->motion(e.t_s).p_W.z(), 0.5);
 }
 
+TEST(Estimator, AReceiverThatJumpsRightAfterAStartAtRestDoesNotMoveTheVehicle) {
+  Fixture f;
+  while (!f.estimator->initialised()) f.run_until(f.world->time_s() + 0.01);
+  f.run_until(f.world->time_s() + 0.3);
+  f.world->extra_gnss = {30.0, 0.0, 0.0};
+  f.run_until(20.0);
+  EXPECT_EQ(f.estimator->health().gnss_jumps, 1U);
+  EXPECT_EQ(f.estimator->health().gnss_resets, 0U);
+  EXPECT_LT(f.position_error_m(), 0.7);
+}
+
+TEST(Estimator, AReceiverThatJumpsDuringAnOutageLeavesThePositionInDoubt) {
+  Fixture f;
+  f.run_until(20.0);
+  f.world->gnss_on = false;
+  f.run_until(25.0);
+  f.world->gnss_on = true;
+  f.world->extra_gnss = {60.0, 0.0, 0.0};
+  f.run_until(30.0);
+  for (int k = 0; k < 60; ++k) {
+    f.run_until(30.0 + k);
+    const StateEstimate e = f.estimator->estimate();
+    ASSERT_TRUE(e.position_unreliable) << k;
+    ASSERT_LT(f.position_error_m(), 3.0 * e.p_sigma_W_m.head<2>().norm()) << k;
+  }
+  EXPECT_LT(f.velocity_error_m_s(), 0.3);
+  f.world->extra_gnss.setZero();
+  f.run_until(105.0);
+  EXPECT_LT(f.position_error_m(), 1.0);
+  EXPECT_FALSE(f.estimator->estimate().position_unreliable);
+}
+
 TEST(Estimator, ATurnedMagnetometerDoesNotTurnTheVehicle) {
   Fixture f;
   f.run_until(30.0);
