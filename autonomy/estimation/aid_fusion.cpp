@@ -23,7 +23,7 @@ void AidFusion::reset() {
   filter_ = Filter{};
   ground_up_m_ = 0.0;
   jump_ = {};
-  doubt_W_.setZero();
+  disagreement_W_.setZero();
   force_ = {};
   heading_ = {};
   height_ = {};
@@ -211,10 +211,10 @@ void AidFusion::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
   horizontal.R = square(config_.gnss_horizontal_sigma_m) * Eigen::Matrix2d::Identity();
   const bool was_away = t_s_ - health_.of(Aid::kGnssHorizontal).last_accepted_s > kGap_s;
   const bool horizontal_ok = weigh<2>(Aid::kGnssHorizontal, horizontal, config_.gate_sigma);
-  constexpr double kDoubtful_sigma = 3.0;
+  constexpr double kDisagreement_sigma = 3.0;
   if (was_away && horizontal_ok &&
-      2.0 * health_.of(Aid::kGnssHorizontal).nis > Filter::gate(2, kDoubtful_sigma)) {
-    doubt_W_ = horizontal.nu;
+      2.0 * health_.of(Aid::kGnssHorizontal).nis > Filter::gate(2, kDisagreement_sigma)) {
+    disagreement_W_ += horizontal.nu;
   }
   if (horizontal_ok && settled_since_s_ > t_s_) settled_since_s_ = t_s_;
 
@@ -241,9 +241,9 @@ void AidFusion::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
   const bool settled = of_position.rejected_since_s - settled_since_s_ > kSettled_s;
   if (velocity_ok && settled && of_position.rejecting_for_s() > config_.gnss_jump_s) {
     constexpr double kBack = 0.2;  // of the way
-    if ((horizontal.nu + doubt_W_).norm() < kBack * doubt_W_.norm()) {
+    if ((horizontal.nu + disagreement_W_).norm() < kBack * disagreement_W_.norm()) {
       reset_to_gnss(p_W, sample.v_W_m_s);
-      doubt_W_.setZero();
+      disagreement_W_ += horizontal.nu;
       return;
     }
     restart_gnss_bias(0, 2, p_W);
@@ -253,7 +253,7 @@ void AidFusion::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
   const double rejected_s = std::max(of_velocity.rejecting_for_s(), of_position.rejecting_for_s());
   if (rejected_s <= config_.gnss_reset_s) return;
   reset_to_gnss(p_W, sample.v_W_m_s);
-  doubt_W_ = velocity_ok ? horizontal.nu : Vector2::Zero();
+  if (velocity_ok) disagreement_W_ += horizontal.nu;
 }
 
 bool AidFusion::off_the_ground() const {

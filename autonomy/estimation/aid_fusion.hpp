@@ -86,7 +86,7 @@ inline constexpr double kAirspeedKnown_m_s = 2.0;
 /// |---|---|---|
 /// | GNSS velocity | gnss_rejected_s | biases of the IMU and what they have led to are widened |
 /// | GNSS position, velocity | gnss_reset_s | horizontal position and velocity are reset to GNSS |
-/// | GNSS position alone | gnss_jump_s | its slow error is set so that the residual is zero; back where doubt_W() has it from: the position moves there |
+/// | GNSS position alone | gnss_jump_s | its slow error is set so that the residual is zero; back where disagreement_W() has it from: the position moves there |
 /// | barometer | baro_relearn_s | its bias is set so that the residual is zero |
 /// | barometer without GNSS, no jump | at once | the accelerometer's bias and its effect are widened |
 /// | pitot | pitot_relearn_s | the wind is widened by the residual, unless the tube is blocked, which it stays until it agrees |
@@ -143,8 +143,8 @@ class AidFusion {
   /// The part of a late correction of the position that the output does not show yet at t_s [m].
   Vector2 unshown_jump_W(double t_s) const;
   /// How far GNSS, back from a pause, was from the prediction though its velocity was not: either may be wrong.
-  /// The position has followed GNSS, and is in doubt by as much until the receiver jumps back.
-  const Vector2& doubt_W() const { return doubt_W_; }
+  /// The position has followed GNSS, and its reported sigma has as much in it until the receiver jumps back.
+  const Vector2& disagreement_W() const { return disagreement_W_; }
 
   double time_s() const { return t_s_; }  ///< Time of the filter's state.
   const Filter& filter() const { return filter_; }
@@ -234,7 +234,7 @@ class AidFusion {
     double t_s{};
     double until_s{-1e9};  ///< Corrections up to here belong to it.
   } jump_;
-  Vector2 doubt_W_{Vector2::Zero()};
+  Vector2 disagreement_W_{Vector2::Zero()};
   /// Sum of the specific force that is not fused yet, and the gyro at its start.
   struct {
     Vector3 dv_B{Vector3::Zero()};

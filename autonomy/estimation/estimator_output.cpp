@@ -58,7 +58,7 @@ StateEstimate Estimator::estimate() const {
   };
   out.p_sigma_W_m = sigma(Filter::kPosition);
   out.p_sigma_W_m.head<2>() = (out.p_sigma_W_m.head<2>().cwiseAbs2() + unshown_W.cwiseAbs2() +
-                               fusion_.doubt_W().cwiseAbs2())
+                               fusion_.disagreement_W().cwiseAbs2())
                                   .cwiseSqrt();
   out.v_sigma_W_m_s = sigma(Filter::kVelocity);
   out.attitude_sigma_B_rad = sigma(Filter::kTheta);

@@ -222,7 +222,7 @@ TEST(Estimator, AReceiverThatJumpsRightAfterAStartAtRestDoesNotMoveTheVehicle) {
   EXPECT_LT(f.position_error_m(), 0.7);
 }
 
-TEST(Estimator, AReceiverThatJumpsDuringAnOutageLeavesThePositionInDoubt) {
+TEST(Estimator, AReceiverThatJumpsDuringAnOutageLeavesThePositionUnreliable) {
   Fixture f;
   f.run_until(20.0);
   f.world->gnss_on = false;
