@@ -67,7 +67,7 @@ void judge(FlightScore& s, const MissionRunner& runner, bool landed) {
     s.verdict = fmt::format("Crash: {}{}.",
                             s.landing.early_contacts() > 0 || !touchdown
                                 ? "touched the ground before the landing"
-                                : touchdown_text(*touchdown),
+                                : touchdown_text(*s.landing.hardest()),
                             why);
   } else if (!touchdown) {
     s.outcome = Outcome::kTimeout;
@@ -76,8 +76,8 @@ void judge(FlightScore& s, const MissionRunner& runner, bool landed) {
                     s.landing.airborne() ? "still in the air at the end" : "never took off", why);
   } else if (!s.landing.soft(s.limits)) {
     s.outcome = Outcome::kHardLanding;
-    s.verdict = fmt::format("Hard landing: {}, {:g} m/s allowed{}.", touchdown_text(*touchdown),
-                            s.limits.max_speed_m_s, why);
+    s.verdict = fmt::format("Hard landing: {}, {:g} m/s allowed{}.",
+                            touchdown_text(*s.landing.hardest()), s.limits.max_speed_m_s, why);
   } else if (const std::string lacks = missing(s, runner, landed); !lacks.empty()) {
     s.outcome = Outcome::kLandedElsewhere;
     s.verdict = fmt::format("Failed: {}.", lacks);

@@ -8,6 +8,23 @@
 #include "autonomy/common/angles.hpp"
 
 namespace rosflight::flight {
+namespace {
+
+using Touchdown = LandingScore::Touchdown;
+
+bool harder(const Touchdown& a, const Touchdown& b) {
+  return a.hardest_m_s > b.hardest_m_s;
+}
+
+/// The harder one, with the larger bank and tilt of both.
+Touchdown worst(const Touchdown& a, const Touchdown& b) {
+  Touchdown out = harder(a, b) ? a : b;
+  out.tilt_rad = std::max(a.tilt_rad, b.tilt_rad);
+  out.bank_rad = std::max(std::abs(a.bank_rad), std::abs(b.bank_rad));
+  return out;
+}
+
+}  // namespace
 
 void LandingScore::step(const sim::Truth& truth) {
   const double t_s = sim::to_seconds(truth.time);
@@ -34,10 +51,17 @@ void LandingScore::step(const sim::Truth& truth) {
     if (!contact_) touchdown_->hardest_m_s = std::max(touchdown_->hardest_m_s, sink_m_s_);
     ground_height_m_ = height_m;
   } else if (touchdown_ && height_m > ground_height_m_ + rebound_m_) {
-    ++early_contacts_;
+    if (rested_) {
+      earlier_ = earlier_ ? worst(*earlier_, *touchdown_) : *touchdown_;
+    } else {
+      ++early_contacts_;
+    }
     touchdown_.reset();
+    rested_ = false;
   }
   down_for_s_ = contact && touchdown_ ? down_for_s_ + (t_s - last_s_) : 0.0;
+  rests_for_s_ = down_for_s_ > 0.0 && v_W.norm() < kRest_m_s ? rests_for_s_ + (t_s - last_s_) : 0.0;
+  rested_ = rested_ || rests_for_s_ >= kRest_s;
   contact_ = contact;
   sink_m_s_ = v_W.z();
   last_s_ = t_s;
@@ -58,16 +82,25 @@ bool LandingScore::inside(const LandingLimits& limits) const {
          std::abs(away.y() * north - away.x() * east) <= limits.half_width_m;
 }
 
+const LandingScore::Touchdown* LandingScore::hardest() const {
+  if (!touchdown_) return nullptr;
+  return earlier_ && harder(*earlier_, *touchdown_) ? &*earlier_ : &*touchdown_;
+}
+
 bool LandingScore::soft(const LandingLimits& limits) const {
-  return touchdown_ && touchdown_->hardest_m_s <= limits.max_speed_m_s &&
-         (limits.max_bank_rad == 0.0 || std::abs(touchdown_->bank_rad) <= limits.max_bank_rad) &&
-         !crashed();
+  const auto within = [&limits](const std::optional<Touchdown>& t) {
+    return t && t->hardest_m_s <= limits.max_speed_m_s &&
+           (limits.max_bank_rad == 0.0 || std::abs(t->bank_rad) <= limits.max_bank_rad);
+  };
+  return within(touchdown_) && (!earlier_ || within(earlier_)) && !crashed();
 }
 
 bool LandingScore::crashed() const {
   if (early_contacts_ > 0) return true;
-  return touchdown_ && (touchdown_->hardest_m_s > kCrashSpeed_m_s ||
-                        std::max(touchdown_->tilt_rad, tilt_rad_) > kCrashTilt_rad);
+  const auto breaks = [](const std::optional<Touchdown>& t) {
+    return t && (t->hardest_m_s > kCrashSpeed_m_s || t->tilt_rad > kCrashTilt_rad);
+  };
+  return breaks(earlier_) || breaks(touchdown_) || (touchdown_ && tilt_rad_ > kCrashTilt_rad);
 }
 
 }  // namespace rosflight::flight

@@ -20,11 +20,13 @@ struct LandingLimits {
 ///
 /// The touchdown is the first contact after which the vehicle stays down: rebounds up to a height belong
 /// to it, and the hardest of their contacts counts for the limits. A contact after which it flies on is
-/// counted apart.
+/// counted apart. A vehicle that has stood at rest and takes off again has landed before: the hardest of those
+/// landings has to be within the limits too.
 class LandingScore {
  public:
   static constexpr double kCrashSpeed_m_s = 4.0;
   static constexpr double kCrashTilt_rad = 0.785398163397448309616;  // 45 deg
+  static constexpr double kRest_m_s = 1.0, kRest_s = 1.0;  ///< Slower for so long: at rest.
 
   /// @param rebound_m  above the height of the contact.
   explicit LandingScore(double rebound_m = 0.5) : rebound_m_{rebound_m} {}
@@ -45,6 +47,8 @@ class LandingScore {
   bool airborne() const { return airborne_; }  ///< It has taken off.
   /// Empty: still in the air, or never there.
   const std::optional<Touchdown>& touchdown() const { return touchdown_; }
+  /// The hardest of it and of landings before another take-off; null without a touchdown.
+  const Touchdown* hardest() const;
   /// Contacts between take-off and touchdown.
   int early_contacts() const { return early_contacts_; }
   /// Time on the ground without a break [s].
@@ -65,6 +69,9 @@ class LandingScore {
   bool airborne_{false};
   bool contact_{false};
   std::optional<Touchdown> touchdown_;
+  std::optional<Touchdown> earlier_;  ///< The worst of each before another take-off.
+  bool rested_{false};                ///< Since the touchdown.
+  double rests_for_s_{0.0};
   int early_contacts_{0};
   double ground_height_m_{0.0};  ///< Altitude of the centre of mass at the last contact.
   double down_for_s_{0.0};

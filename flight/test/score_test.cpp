@@ -157,7 +157,7 @@ TEST(LandingScore, LimitsOfSpeedTiltAndBank) {
 TEST(LandingScore, ABounceBelongsToTheTouchdownAndAContactInFlightIsACrash) {
   Descent d;
   d.move(2.0, 5.0);
-  d.move(-1.2, 10.0);
+  d.move(-1.2, 8.6);
   d.move(1.0, 0.45);  // less than a rebound may be
   d.move(-1.4, 1.0);
   EXPECT_FALSE(d.score.crashed());
@@ -173,6 +173,29 @@ TEST(LandingScore, ABounceBelongsToTheTouchdownAndAContactInFlightIsACrash) {
   d.move(-1.0, 5.0);
   EXPECT_TRUE(d.score.touchdown());
   EXPECT_TRUE(d.score.crashed());
+}
+
+TEST(LandingScore, ATakeOffFromRestIsAnotherFlightOfWhichTheHardestLandingCounts) {
+  const auto lands_twice = [](double first_m_s, double rest_s, double roll_rad = 0.0,
+                              double down_m = 8.0) {
+    Descent d;
+    d.move(2.0, 3.0);
+    d.move(-first_m_s, down_m / first_m_s, roll_rad);
+    d.move(0.0, rest_s, roll_rad);
+    d.move(2.0, 3.0);
+    EXPECT_FALSE(d.score.touchdown());
+    d.move(-1.0, 8.0);
+    return d.score;
+  };
+  EXPECT_TRUE(lands_twice(1.4, 4.0).soft(within_3_m()));
+  EXPECT_EQ(lands_twice(1.4, 4.0).early_contacts(), 0);
+  EXPECT_FALSE(lands_twice(1.6, 4.0).soft(within_3_m()));
+  EXPECT_FALSE(lands_twice(1.6, 4.0).crashed());
+  EXPECT_NEAR(lands_twice(1.6, 4.0).hardest()->hardest_m_s, 1.6, 1e-9);
+  EXPECT_NEAR(lands_twice(0.5, 4.0).hardest()->hardest_m_s, 1.0, 1e-9);
+  EXPECT_TRUE(lands_twice(4.1, 4.0).crashed());
+  EXPECT_TRUE(lands_twice(1.0, 4.0, 0.8).crashed()) << "it had turned over";
+  EXPECT_EQ(lands_twice(1.0, 0.0, 0.0, 6.5).early_contacts(), 1) << "it had not come to rest";
 }
 
 TEST(LandingScore, AVehicleThatTipsOverAfterASoftTouchdownHasCrashed) {
@@ -207,7 +230,7 @@ TEST(LandingScore, ARunwayIsLongAlongItsCourse) {
 TEST(LandingScore, HoldsOverRandomFlights) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> speed(-6.0, 6.0);
-  std::uniform_real_distribution<double> duration(0.05, 2.0);
+  std::uniform_real_distribution<double> duration(0.05, 0.9);
   std::uniform_real_distribution<double> tilt(-0.5, 0.5);
   for (int flight = 0; flight < 200; ++flight) {
     Descent d;
@@ -217,7 +240,8 @@ TEST(LandingScore, HoldsOverRandomFlights) {
     double fastest_m_s = 0.0;
     double last_m_s = 0.0;  // the contact may come in the first step of a leg
     for (int leg = 0; leg < 30; ++leg) {
-      const double up_m_s = speed(random);
+      const double any_m_s = speed(random);  // never at rest for so long that it has landed
+      const double up_m_s = d.score.down_for_s() > 0.0 ? std::abs(any_m_s) : any_m_s;
       d.move(up_m_s, duration(random), tilt(random));
       const bool contact = d.height_m <= 0.2;
       if (contact && !down) fastest_m_s = std::max({fastest_m_s, -up_m_s, -last_m_s});
