@@ -58,6 +58,11 @@ void CommandManager::set_throttle_factor(float factor) {
   if (factor == throttle_factor_) return;
   throttle_factor_ = factor;
   decided_ = false;
+  if (held_.factor == 0.0f) return;
+  const float share = factor / held_.factor;
+  float& throttle = offboard_.value[config_.throttle_axis];
+  throttle = held_.throttle * share;
+  if (share > 1.0f) throttle = std::max(held_.throttle, std::min(throttle, 1.0f));
 }
 
 float CommandManager::corrected(float throttle) const {
@@ -104,12 +109,14 @@ void CommandManager::take_offboard(Time now, const link::OffboardControl& comman
   if (offboard_.is_active(config_.throttle_axis)) {
     offboard_throttle_ = command.u[config_.throttle_axis];
   }
+  held_ = {};
   offboard_time_ = now;
   offboard_thrust_fraction_ = thrust_fraction;
   offboard_new_ = true;
 }
 
 void CommandManager::forget_offboard() {
+  held_ = {};
   offboard_ = CommandVector{};
   offboard_throttle_ = offboard_thrust_fraction_ = 0.0f;
   decided_ = false;
@@ -258,6 +265,7 @@ bool CommandManager::may_hold(bool failsafe) const {
 
 /// The last thrust carried the vehicle; angles and torques were meant for the next hundredth of a second.
 void CommandManager::hold_level() {
+  if (held_.factor == 0.0f) held_ = {offboard_.value[config_.throttle_axis], throttle_factor_};
   offboard_.active = static_cast<std::uint16_t>(offboard_.active & ~kFreeAxes);
   for (std::size_t k = 3; k < kAxes; ++k) {
     offboard_.value[k] = 0.0f;
@@ -278,6 +286,7 @@ bool CommandManager::update(Time now, const PilotInput& pilot, bool new_input, b
     hold_level();
   }
   if (now > silent_at) {
+    held_ = {};
     offboard_.active = 0;
     offboard_.value.fill(0.0f);
   }

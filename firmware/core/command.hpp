@@ -113,7 +113,7 @@ class CommandManager {
   const Limited& limited() const { return limited_; }
 
   /// Sets what the throttle of the pilot and of the failsafe is multiplied with, up to 1.
-  /// A command of the companion is taken as it is.
+  /// A command of the companion is taken as it is; while it is held after the companion fell silent, it follows the factor.
   /// @param factor  1 or more.
   void set_throttle_factor(float factor);
 
@@ -196,6 +196,10 @@ class CommandManager {
   float offboard_thrust_fraction_{0.0f};
   std::uint16_t override_{0};
   std::uint16_t primary_axes_{0x3FF};
+  /// The last throttle of a silent companion and throttle_factor_ then; a factor of 0: none is held.
+  struct Held {
+    float throttle{0.0f}, factor{0.0f};
+  } held_{};
   bool offboard_new_{false};
   bool in_failsafe_{false};
   bool decided_{false};

@@ -233,6 +233,31 @@ TEST_F(OffboardHold, DisarmedOrArmedOnTheGroundItIsOnTheGround) {
   EXPECT_TRUE(holds_when_silent());
 }
 
+TEST_F(OffboardHold, TheThrustIsHeldWhileTheVoltageFalls) {
+  command_.set_throttle_factor(1.05f);
+  companion_commands(0.5f);
+  command_.set_throttle_factor(1.0f);
+  pass();
+  EXPECT_FLOAT_EQ(combined(2), 0.5f) << "the companion's own, it is there";
+  idle(101);
+  command_.set_throttle_factor(1.1f);
+  idle(20);
+  expect_level(0.55f);
+  command_.set_throttle_factor(1.2f);
+  idle(20);
+  expect_level(0.6f);
+  command_.set_throttle_factor(1.0f);
+  idle(20);
+  expect_level(0.5f);
+  companion_commands(0.9f);
+  idle(101);
+  command_.set_throttle_factor(1.2f);
+  idle(20);
+  expect_level(1.0f);
+  companion_commands(0.9f);
+  EXPECT_FLOAT_EQ(combined(2), 0.9f) << "it is back";
+}
+
 TEST_F(OffboardHold, OnAWeakBatteryTheSameThrustIsMoreThrottle) {
   command_.set_throttle_factor(1.2f);
   command_.arm(now_, false);
