@@ -172,12 +172,15 @@ std::int64_t Section::integer(std::string_view key, std::int64_t low, std::int64
 }
 
 bool Section::boolean(std::string_view key) const {
+  // The spellings of YAML 1.2, section 10.3.2; files of ROSflight 2.x have those of Python.
+  constexpr std::array<std::string_view, 6> kSpellings{"true",  "True",  "TRUE",
+                                                       "false", "False", "FALSE"};
   const Node& node = require(key, "true or false");
-  const bool is_true = node.scalar == "true";
-  if (node.kind != NodeKind::kScalar || node.quoted || (!is_true && node.scalar != "false")) {
+  const auto found = std::find(kSpellings.begin(), kSpellings.end(), node.scalar);
+  if (node.kind != NodeKind::kScalar || node.quoted || found == kSpellings.end()) {
     throw fault(node, "true or false");
   }
-  return is_true;
+  return found - kSpellings.begin() < 3;
 }
 
 bool Section::boolean(std::string_view key, bool if_absent) const {

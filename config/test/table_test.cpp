@@ -126,6 +126,15 @@ TEST(Table, ReadsEveryKind) {
   EXPECT_EQ(s.curves[1].b, 4.0);
 }
 
+TEST(Table, SwitchesHaveTheSpellingsOfYaml) {
+  for (const char* text : {"enabled: true", "enabled: True", "enabled: TRUE"}) {
+    EXPECT_TRUE(read(text).enabled) << text;
+  }
+  for (const char* text : {"enabled: false", "enabled: False", "enabled: FALSE"}) {
+    EXPECT_FALSE(read(text).enabled) << text;
+  }
+}
+
 TEST(Table, RefusalsNameFileLineKeyFoundAndAllowed) {
   EXPECT_EQ(refusal("motion:\n  tilt_deg: 61\n"),
             "file.yaml:2: motion.tilt_deg: found 61, allowed a number from 1 to 60");
@@ -135,6 +144,8 @@ TEST(Table, RefusalsNameFileLineKeyFoundAndAllowed) {
   EXPECT_EQ(refusal("count: 11"), "file.yaml:1: count: found 11, allowed an integer from 0 to 10");
   EXPECT_EQ(refusal("shape: flat"), "file.yaml:1: shape: found flat, allowed round, square");
   EXPECT_EQ(refusal("enabled: 1"), "file.yaml:1: enabled: found 1, allowed true or false");
+  EXPECT_EQ(refusal("enabled: tRUE"), "file.yaml:1: enabled: found tRUE, allowed true or false");
+  EXPECT_EQ(refusal("enabled: 'True'").substr(0, 20), "file.yaml:1: enabled");
   EXPECT_EQ(refusal("position_W_m: [1, 2]").substr(0, 30), "file.yaml:1: position_W_m: fou");
   EXPECT_EQ(refusal("motion: {slow_m_s: 9, fast_m_s: 8}"),
             "file.yaml:1: motion.fast_m_s: found 8, allowed a number from 9 to 50");
