@@ -211,7 +211,7 @@ void AidFusion::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
   horizontal.R = square(config_.gnss_horizontal_sigma_m) * Eigen::Matrix2d::Identity();
   const bool was_away = t_s_ - health_.of(Aid::kGnssHorizontal).last_accepted_s > kGap_s;
   const bool horizontal_ok = weigh<2>(Aid::kGnssHorizontal, horizontal, config_.gate_sigma);
-  constexpr double kDisagreement_sigma = 3.0;
+  constexpr double kDisagreement_sigma = 2.0;  // one right fix in twenty is off by more
   if (was_away && horizontal_ok &&
       2.0 * health_.of(Aid::kGnssHorizontal).nis > Filter::gate(2, kDisagreement_sigma)) {
     disagreement_W_ += horizontal.nu;

@@ -106,7 +106,9 @@ class AidFusion {
 
   /// Takes a copy of the configuration.
   AidFusion(const EstimatorConfig& config, Airframe airframe)
-      : config_{config}, airframe_{airframe} {}
+      : config_{config},
+        airframe_{airframe},
+        step_watch_{airframe == Airframe::kFixedWing ? StepWatch{} : StepWatch::unused()} {}
 
   /// Discards the state, and the record but for the count of restarts. Origin, declination stay.
   void reset();

@@ -14,7 +14,7 @@ constexpr double kMinLogEvidence = 16.0;
 }  // namespace
 
 void StepWatch::restart() {
-  errors_.setZero();
+  for (Errors& errors : room_) errors.setZero();
   information_.setZero();
   drive_.setZero();
   begun_ = 0;
@@ -23,11 +23,12 @@ void StepWatch::restart() {
 
 void StepWatch::begin_onset() {
   const int first = begun_ % kOnsets * kSteps;
-  errors_.middleCols<kSteps>(first).setZero();
+  Errors& errors = room_.front();
+  errors.middleCols<kSteps>(first).setZero();
   information_.segment<kSteps>(first).setZero();
   drive_.segment<kSteps>(first).setZero();
-  const auto step = [this, first](int column, int error, double sigma) {
-    errors_(error, first + column) = 1.0;
+  const auto step = [this, &errors, first](int column, int error, double sigma) {
+    errors(error, first + column) = 1.0;
     variance_(first + column) = sigma * sigma;
   };
   for (int axis = 0; axis < 3; ++axis) {
@@ -41,16 +42,17 @@ void StepWatch::begin_onset() {
 
 void StepWatch::predict(const NominalState& x, const ImuIncrement& u, const ProcessNoise& noise) {
   if (begun_ == 0 || since_s_ >= kOnsetEvery_s) begin_onset();
-  Filter::carry(x, u, noise, errors_);
+  Filter::carry(x, u, noise, room_.front());
   since_s_ += u.dt_s;
 }
 
 void StepWatch::observe(const Filter::Residual<1>& residual, const Filter::Verdict& verdict) {
   if (!running() || !verdict.accepted) return;
-  const Row h = residual.H * errors_;
+  Errors& errors = room_.front();
+  const Row h = residual.H * errors;
   information_ += h.cwiseAbs2() / verdict.variance;
   drive_ += h * (residual.nu(0) / verdict.variance);
-  errors_.noalias() -= verdict.gain * h;
+  errors.noalias() -= verdict.gain * h;
 }
 
 StepWatch::Row StepWatch::log_factors() const {
@@ -75,10 +77,10 @@ bool StepWatch::decide(Filter& filter) {
   const Row p = weights / weights.sum();
   const Row c = variance_.array() / (1.0 + variance_.array() * information_.array());
   const Row size = drive_.cwiseProduct(c);
-  const Filter::Error mean = errors_ * p.cwiseProduct(size).transpose();
+  const Errors& errors = room_.front();
+  const Filter::Error mean = errors * p.cwiseProduct(size).transpose();
   const Row square = p.array() * (c.array() + size.array().square());
-  const Eigen::Matrix<double, Filter::kSize, kHypotheses> scaled =
-      errors_ * square.cwiseSqrt().asDiagonal();
+  const Errors scaled = errors * square.cwiseSqrt().asDiagonal();
   filter.covariance().noalias() += scaled * scaled.transpose();
   filter.covariance().noalias() -= mean * mean.transpose();
   const Filter::Covariance symmetric =

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <vector>
+
 #include "autonomy/estimation/error_state_ekf.hpp"
 
 namespace rosflight::autonomy::estimation {
@@ -31,7 +33,7 @@ namespace rosflight::autonomy::estimation {
 /// (1), (2): B. Friedland, "Treatment of bias in recursive filtering", IEEE Trans. Automatic Control 14,
 /// 1969; A. S. Willsky, H. L. Jones, "A generalized likelihood ratio approach to the detection and
 /// estimation of jumps in linear systems", ibid. 21, 1976. (4): Y. Bar-Shalom, X. Li, T. Kirubarajan,
-/// "Estimation with Applications to Tracking and Navigation", 2001, eq. (1.4.16). Fixed size, no heap.
+/// "Estimation with Applications to Tracking and Navigation", 2001, eq. (1.4.16).
 class StepWatch {
  public:
   using Filter = ErrorStateEkf;
@@ -43,8 +45,15 @@ class StepWatch {
     double wind_m_s{2.0};
   };
 
-  StepWatch() { restart(); }
+  StepWatch() : StepWatch(Sizes{}) {}
   explicit StepWatch(const Sizes& sizes) : sizes_{sizes} { restart(); }
+  /// One without room, for a vehicle that has no use for it: predict() may not be called.
+  static StepWatch unused() {
+    StepWatch out;
+    out.room_.clear();
+    out.room_.shrink_to_fit();
+    return out;
+  }
 
   /// Forgets all innovations: there is no onset until the next prediction.
   void restart();
@@ -71,11 +80,12 @@ class StepWatch {
   Row log_factors() const;
 
   Sizes sizes_;
-  Row variance_{Row::Ones()};                                 ///< s^2 of each hypothesis.
-  Eigen::Matrix<double, Filter::kSize, kHypotheses> errors_;  ///< m of each.
-  Row information_, drive_;                                   ///< L and d of each.
-  int begun_{0};                                              ///< Onsets so far.
-  double since_s_{0.0};                                       ///< The last one began.
+  Row variance_{Row::Ones()};  ///< s^2 of each hypothesis.
+  using Errors = Eigen::Matrix<double, Filter::kSize, kHypotheses>;
+  std::vector<Errors> room_ = std::vector<Errors>(1);  ///< m of each: 14 kB, or none if unused().
+  Row information_, drive_;                            ///< L and d of each.
+  int begun_{0};                                       ///< Onsets so far.
+  double since_s_{0.0};                                ///< The last one began.
 };
 
 }  // namespace rosflight::autonomy::estimation
