@@ -278,7 +278,7 @@ class AidFusion {
   struct {
     double t_s{-1e9};
     NominalState state;
-    Covariance covariance;
+    Filter::LowerTriangle covariance;
   } good_;
   EstimatorHealth health_;
 };

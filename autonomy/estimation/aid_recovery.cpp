@@ -144,13 +144,13 @@ void AidFusion::guard() {
   const bool good = std::isfinite(sum) && filter_.covariance().diagonal().minCoeff() >= 0.0;
   if (good) {
     if (t_s_ - good_.t_s < kEvery_s) return;
-    good_ = {t_s_, x, filter_.covariance()};
+    good_ = {t_s_, x, filter_.lower_covariance()};
     return;
   }
   if (good_.t_s < 0.0) return;
   const double gone_s = std::max(0.0, t_s_ - good_.t_s);
   filter_.state() = good_.state;
-  filter_.covariance() = good_.covariance;
+  filter_.set_lower_covariance(good_.covariance);
   t_s_ -= gone_s;
   predict({t_s_, {gone_s, Vector3::Zero(), Vector3::Zero()}, true, true});
   ++health_.restarts;

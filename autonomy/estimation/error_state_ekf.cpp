@@ -356,6 +356,22 @@ void ErrorStateEkf::consider(const Residual<1>& r, const Error& PHt, const Verdi
   inject(K * r.nu(0));
 }
 
+ErrorStateEkf::LowerTriangle ErrorStateEkf::lower_covariance() const {
+  LowerTriangle out{};
+  std::size_t k = 0;
+  for (int column = 0; column < kSize; ++column) {
+    for (int row = column; row < kSize; ++row) out[k++] = P_(row, column);
+  }
+  return out;
+}
+
+void ErrorStateEkf::set_lower_covariance(const LowerTriangle& lower) {
+  std::size_t k = 0;
+  for (int column = 0; column < kSize; ++column) {
+    for (int row = column; row < kSize; ++row) P_(row, column) = P_(column, row) = lower[k++];
+  }
+}
+
 void ErrorStateEkf::inject(const Error& dx) {
   x_ = added(x_, dx);
   constexpr double kTiny_rad2 = 1e-8;  // G is one to 1e-4

@@ -203,6 +203,11 @@ class ErrorStateEkf {
   /// y: velocity of the IMU over ground; zero is the assumption of standing still.
   static Residual<3> velocity(const NominalState& x, const Vector3& v_W);
 
+  /// The covariance in half of its room, column by column from the diagonal down.
+  using LowerTriangle = std::array<double, static_cast<std::size_t>(kSize*(kSize + 1) / 2)>;
+  LowerTriangle lower_covariance() const;
+  void set_lower_covariance(const LowerTriangle& lower);
+
   /// Corrects the state if the residual is inside the gate. `gate_sigma` is the limit of a scalar
   /// residual in standard deviations; infinity accepts everything. A residual that is not finite is
   /// rejected.

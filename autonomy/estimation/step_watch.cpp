@@ -14,22 +14,24 @@ constexpr double kMinLogEvidence = 16.0;
 }  // namespace
 
 void StepWatch::restart() {
-  for (Errors& errors : room_) errors.setZero();
-  information_.setZero();
-  drive_.setZero();
+  for (Hypotheses& all : room_) {
+    all.errors.setZero();
+    all.information.setZero();
+    all.drive.setZero();
+  }
   begun_ = 0;
   since_s_ = 0.0;
 }
 
 void StepWatch::begin_onset() {
   const int first = begun_ % kOnsets * kSteps;
-  Errors& errors = room_.front();
-  errors.middleCols<kSteps>(first).setZero();
-  information_.segment<kSteps>(first).setZero();
-  drive_.segment<kSteps>(first).setZero();
-  const auto step = [this, &errors, first](int column, int error, double sigma) {
-    errors(error, first + column) = 1.0;
-    variance_(first + column) = sigma * sigma;
+  Hypotheses& all = room_.front();
+  all.errors.middleCols<kSteps>(first).setZero();
+  all.information.segment<kSteps>(first).setZero();
+  all.drive.segment<kSteps>(first).setZero();
+  const auto step = [&all, first](int column, int error, double sigma) {
+    all.errors(error, first + column) = 1.0;
+    all.variance(first + column) = sigma * sigma;
   };
   for (int axis = 0; axis < 3; ++axis) {
     step(axis, Filter::kGyroBias + axis, sizes_.gyro_rad_s);
@@ -42,23 +44,24 @@ void StepWatch::begin_onset() {
 
 void StepWatch::predict(const NominalState& x, const ImuIncrement& u, const ProcessNoise& noise) {
   if (begun_ == 0 || since_s_ >= kOnsetEvery_s) begin_onset();
-  Filter::carry(x, u, noise, room_.front());
+  Filter::carry(x, u, noise, room_.front().errors);
   since_s_ += u.dt_s;
 }
 
 void StepWatch::observe(const Filter::Residual<1>& residual, const Filter::Verdict& verdict) {
   if (!running() || !verdict.accepted) return;
-  Errors& errors = room_.front();
-  const Row h = residual.H * errors;
-  information_ += h.cwiseAbs2() / verdict.variance;
-  drive_ += h * (residual.nu(0) / verdict.variance);
-  errors.noalias() -= verdict.gain * h;
+  Hypotheses& all = room_.front();
+  const Row h = residual.H * all.errors;
+  all.information += h.cwiseAbs2() / verdict.variance;
+  all.drive += h * (residual.nu(0) / verdict.variance);
+  all.errors.noalias() -= verdict.gain * h;
 }
 
 StepWatch::Row StepWatch::log_factors() const {
+  const Hypotheses& all = room_.front();
   const Eigen::Array<double, 1, kHypotheses> by_size =
-      1.0 + variance_.array() * information_.array();
-  return 0.5 * (drive_.array().square() * variance_.array() / by_size - by_size.log());
+      1.0 + all.variance.array() * all.information.array();
+  return 0.5 * (all.drive.array().square() * all.variance.array() / by_size - by_size.log());
 }
 
 double StepWatch::log_evidence() const {
@@ -75,12 +78,13 @@ bool StepWatch::decide(Filter& filter) {
   const Row weights = (log_b.array() - largest).exp();
   if (largest + std::log(weights.mean()) < kMinLogEvidence) return false;
   const Row p = weights / weights.sum();
-  const Row c = variance_.array() / (1.0 + variance_.array() * information_.array());
-  const Row size = drive_.cwiseProduct(c);
-  const Errors& errors = room_.front();
-  const Filter::Error mean = errors * p.cwiseProduct(size).transpose();
+  const Hypotheses& all = room_.front();
+  const Row c = all.variance.array() / (1.0 + all.variance.array() * all.information.array());
+  const Row size = all.drive.cwiseProduct(c);
+  const Filter::Error mean = all.errors * p.cwiseProduct(size).transpose();
   const Row square = p.array() * (c.array() + size.array().square());
-  const Errors scaled = errors * square.cwiseSqrt().asDiagonal();
+  const Eigen::Matrix<double, Filter::kSize, kHypotheses> scaled =
+      all.errors * square.cwiseSqrt().asDiagonal();
   filter.covariance().noalias() += scaled * scaled.transpose();
   filter.covariance().noalias() -= mean * mean.transpose();
   const Filter::Covariance symmetric =

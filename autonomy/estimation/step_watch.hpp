@@ -80,12 +80,14 @@ class StepWatch {
   Row log_factors() const;
 
   Sizes sizes_;
-  Row variance_{Row::Ones()};  ///< s^2 of each hypothesis.
-  using Errors = Eigen::Matrix<double, Filter::kSize, kHypotheses>;
-  std::vector<Errors> room_ = std::vector<Errors>(1);  ///< m of each: 14 kB, or none if unused().
-  Row information_, drive_;                            ///< L and d of each.
-  int begun_{0};                                       ///< Onsets so far.
-  double since_s_{0.0};                                ///< The last one began.
+  struct Hypotheses {
+    Eigen::Matrix<double, Filter::kSize, kHypotheses> errors;  ///< m of each.
+    Row variance{Row::Ones()};                                 ///< s^2 of each.
+    Row information, drive;                                    ///< L and d of each.
+  };
+  std::vector<Hypotheses> room_ = std::vector<Hypotheses>(1);  ///< 16 kB, or none if unused().
+  int begun_{0};                                               ///< Onsets so far.
+  double since_s_{0.0};                                        ///< The last one began.
 };
 
 }  // namespace rosflight::autonomy::estimation
