@@ -145,7 +145,7 @@ void AidFusion::fuse(const GnssSample& sample) {
   constexpr double kGap_s = 1.0;
   const bool was_away = t_s_ - health_.of(Aid::kGnssHorizontal).last_accepted_s > kGap_s;
   const std::uint64_t resets = health_.gnss_resets;
-  fuse_gnss(sample, p_W);
+  fuse_gnss(sample, p_W, was_away);
   constexpr double kReturning_s = 2.0;
   if (was_away || health_.gnss_resets != resets) jump_.until_s = t_s_ + kReturning_s;
   if (t_s_ > jump_.until_s) return;
@@ -195,7 +195,7 @@ double AidFusion::gnss_velocity_variance(double sigmas) const {
   return noise * noise + by_turning * by_turning + by_accelerating * by_accelerating;
 }
 
-void AidFusion::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
+void AidFusion::fuse_gnss(const GnssSample& sample, const Vector3& p_W, bool was_away) {
   const auto square = [](double x) { return x * x; };
   constexpr double kGap_s = 1.0;
   const double accepted_s =
@@ -209,7 +209,6 @@ void AidFusion::fuse_gnss(const GnssSample& sample, const Vector3& p_W) {
 
   auto horizontal = Filter::gnss_position(filter_.state(), p_W, gnss_lever()).template rows<2>(0);
   horizontal.R = square(config_.gnss_horizontal_sigma_m) * Eigen::Matrix2d::Identity();
-  const bool was_away = t_s_ - health_.of(Aid::kGnssHorizontal).last_accepted_s > kGap_s;
   const bool horizontal_ok = weigh<2>(Aid::kGnssHorizontal, horizontal, config_.gate_sigma);
   constexpr double kDisagreement_sigma = 2.0;  // one right fix in twenty is off by more
   if (was_away && horizontal_ok &&

@@ -108,7 +108,7 @@ class AidFusion {
   AidFusion(const EstimatorConfig& config, Airframe airframe)
       : config_{config},
         airframe_{airframe},
-        step_watch_{airframe == Airframe::kFixedWing ? StepWatch{} : StepWatch::unused()} {}
+        step_watch_{StepWatch::Sizes{}, airframe == Airframe::kFixedWing} {}
 
   /// Discards the state, and the record but for the count of restarts. Origin, declination stay.
   void reset();
@@ -160,7 +160,7 @@ class AidFusion {
 
  private:
   void fuse(const GnssSample& sample);
-  void fuse_gnss(const GnssSample& sample, const Vector3& p_W);
+  void fuse_gnss(const GnssSample& sample, const Vector3& p_W, bool was_away);
   void fuse(const BaroSample& sample);
   void fuse(const MagSample& sample);
   void fuse(const RangeSample& sample);

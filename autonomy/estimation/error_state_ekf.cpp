@@ -318,12 +318,19 @@ ErrorStateEkf::Error ErrorStateEkf::difference(const NominalState& to, const Nom
   return dx;
 }
 
-ErrorStateEkf::Verdict ErrorStateEkf::correct_heading(const Residual<1>& r, double gate_sigma) {
-  const Error PHt = P_ * r.H.transpose();
+/// The verdict on a scalar residual, without its gain.
+ErrorStateEkf::Verdict ErrorStateEkf::judged(const Residual<1>& r, const Error& PHt,
+                                             double gate_sigma) {
   Verdict verdict;
   verdict.variance = (r.H * PHt)(0) + r.R(0);
   verdict.nis = r.nu(0) * r.nu(0) / verdict.variance;
   verdict.accepted = verdict.nis >= 0.0 && verdict.nis <= gate(1, gate_sigma);
+  return verdict;
+}
+
+ErrorStateEkf::Verdict ErrorStateEkf::correct_heading(const Residual<1>& r, double gate_sigma) {
+  const Error PHt = P_ * r.H.transpose();
+  Verdict verdict = judged(r, PHt, gate_sigma);
   if (!verdict.accepted) return verdict;
   const Vector3 down_B = x_.q_WB.conjugate() * Vector3::UnitZ();
   for (const int first : {kTheta, kGyroBias}) {
@@ -337,10 +344,7 @@ ErrorStateEkf::Verdict ErrorStateEkf::correct_heading(const Residual<1>& r, doub
 
 ErrorStateEkf::Verdict ErrorStateEkf::correct_gust(const Residual<1>& r, double gate_sigma) {
   const Error PHt = P_ * r.H.transpose();
-  Verdict verdict;
-  verdict.variance = (r.H * PHt)(0) + r.R(0);
-  verdict.nis = r.nu(0) * r.nu(0) / verdict.variance;
-  verdict.accepted = verdict.nis >= 0.0 && verdict.nis <= gate(1, gate_sigma);
+  Verdict verdict = judged(r, PHt, gate_sigma);
   if (!verdict.accepted) return verdict;
   for (const int k : {kGust, kLiftOffset}) verdict.gain(k) = PHt(k) / verdict.variance;
   consider(r, PHt, verdict);

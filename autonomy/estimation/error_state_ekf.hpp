@@ -270,6 +270,7 @@ class ErrorStateEkf {
   }
 
  private:
+  static Verdict judged(const Residual<1>& r, const Error& PHt, double gate_sigma);
   void consider(const Residual<1>& r, const Error& PHt, const Verdict& verdict);
   void symmetrise() { P_ = (0.5 * (P_ + P_.transpose())).eval(); }
 

@@ -46,13 +46,9 @@ class StepWatch {
   };
 
   StepWatch() : StepWatch(Sizes{}) {}
-  explicit StepWatch(const Sizes& sizes) : sizes_{sizes} { restart(); }
-  /// One without room, for a vehicle that has no use for it: predict() may not be called.
-  static StepWatch unused() {
-    StepWatch out;
-    out.room_.clear();
-    out.room_.shrink_to_fit();
-    return out;
+  /// @param used  false: it takes no room, and predict() may not be called.
+  explicit StepWatch(const Sizes& sizes, bool used = true) : sizes_{sizes}, room_(used ? 1U : 0U) {
+    restart();
   }
 
   /// Forgets all innovations: there is no onset until the next prediction.
@@ -85,9 +81,9 @@ class StepWatch {
     Row variance{Row::Ones()};                                 ///< s^2 of each.
     Row information, drive;                                    ///< L and d of each.
   };
-  std::vector<Hypotheses> room_ = std::vector<Hypotheses>(1);  ///< 16 kB, or none if unused().
-  int begun_{0};                                               ///< Onsets so far.
-  double since_s_{0.0};                                        ///< The last one began.
+  std::vector<Hypotheses> room_;  ///< One, of 16 kB, or none.
+  int begun_{0};                  ///< Onsets so far.
+  double since_s_{0.0};           ///< The last one began.
 };
 
 }  // namespace rosflight::autonomy::estimation
