@@ -57,7 +57,7 @@ endif()
 
 # Hundreds of tests are linked, by lld in a third of the time.
 find_program(ROSFLIGHT_LLD ld.lld)
-if(ROSFLIGHT_LLD AND NOT ROSFLIGHT_BARE_METAL)
+if(ROSFLIGHT_LLD AND NOT CMAKE_CROSSCOMPILING)
   add_link_options(-fuse-ld=lld)
 endif()
 

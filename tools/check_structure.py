@@ -18,6 +18,7 @@ import project
 BARE_BASE = ["base/angles.hpp", "base/atmosphere.hpp", "base/constants.hpp", "base/crc32.hpp"]
 BARE_METAL = ("link", "firmware/hal", "firmware/core")
 MAY_INCLUDE = {
+    "cmake/toolchains": [],
     "base": [],
     "test_support": [],
     "config": [],

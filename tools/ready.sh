@@ -325,6 +325,11 @@ run_ninja() {  # PRESET NINJA...
 }
 
 ready_build() {  # PRESET TARGET...
+  if [[ $1 == arm64 ]]; then
+    # shellcheck source=tools/arm64.sh
+    source "$root/tools/arm64.sh"
+    ready_arm64
+  fi
   ready_build_venv
   ready_policy
   take_lock "$1"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Eigen/Core>
 #include <cmath>
 
 #include "base/atmosphere.hpp"
 #include "base/constants.hpp"
+#include "firmware/core/eigen.hpp"
 #include "firmware/core/elementary.hpp"
 #include "firmware/hal/samples.hpp"
 

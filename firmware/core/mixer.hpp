@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Eigen/Core>
 #include <utility>
 
 #include "firmware/core/command.hpp"
+#include "firmware/core/eigen.hpp"
 #include "firmware/core/math.hpp"
 #include "firmware/core/motor_model.hpp"
 #include "firmware/hal/roles.hpp"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -8,6 +7,7 @@
 #include <tuple>
 
 #include "firmware/core/activation.hpp"
+#include "firmware/core/eigen.hpp"
 
 /// Inference of small neural networks whose layers and sizes the compiler knows. A network is made
 /// of layers; each has a Table, its numbers as constants, and kStates numbers that it keeps between

@@ -162,6 +162,29 @@ def test_second_start_installs_and_configures_nothing(house):
     assert house.called("ninja")  # ninja itself finds out that nothing changed
 
 
+def test_arm64_is_built_where_debians_packages_for_it_are(house):
+    """Without root and without a foreign architecture: its libraries are unpacked, not installed."""
+    shutil.copy(ROOT / "tools/arm64.sh", house.root / "tools")
+    (house.root / "tools/system_packages.txt").write_text("[run]\ng++\n[arm64]\ncompiler\n[arm64-root]\nlibone\nlibone-dev\n")
+    house.installed("g++", "compiler")
+    build = [str(house.root / "tools/ready.sh"), "build", "arm64"]
+    refused = subprocess.run(build, env=house.environment(), capture_output=True, text=True)
+    assert refused.returncode == 2
+    assert refused.stderr == f"rosflight: preset arm64: found {house.os_release} of noble, allowed Debian 12 (bookworm)\n"
+    house.os_release.write_text("VERSION_CODENAME=bookworm\n")
+    house.replace("apt-get", '[[ $* != *" download "* ]] || touch libone.deb libone-dev.deb')
+    house.replace("dpkg-deb", 'mkdir -p "$3/usr/lib" && touch "$3/usr/lib/$(basename "$2")"')
+    done = subprocess.run(build, env=house.environment(), capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert (house.root / "build/arm64-root/depends").read_text() == "libone\n"
+    assert {p.name for p in (house.root / "build/arm64-root/usr/lib").iterdir()} == {"libone.deb", "libone-dev.deb"}
+    update, download = house.called("apt-get")
+    assert download.endswith(" download libone libone-dev") and "Dir::State::status=" in update
+    assert "preset arm64" in house.called("cmake")[0]
+    subprocess.run(build, env=house.environment(), check=True)
+    assert house.called("apt-get") == []
+
+
 def test_changed_package_list_is_looked_through_again(house):
     house.start("fly")
     house.called("dpkg-query")

@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Linux on arm64, as on the companion's computer: the distribution's cross compiler, and libraries that tools/arm64.sh unpacks
+# in build/arm64-root. Programs run on an emulated processor.
+set(CMAKE_SYSTEM_NAME Linux)
+set(CMAKE_SYSTEM_PROCESSOR aarch64)
+find_program(ROSFLIGHT_ARM64_COMPILER aarch64-linux-gnu-g++)
+if(NOT ROSFLIGHT_ARM64_COMPILER)
+  message(FATAL_ERROR "aarch64-linux-gnu-g++ is not installed: it comes with the package g++-aarch64-linux-gnu")
+endif()
+set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)
+set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)
+get_filename_component(CMAKE_FIND_ROOT_PATH ${CMAKE_CURRENT_LIST_DIR}/../../build/arm64-root ABSOLUTE)
+set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64 -L ${CMAKE_FIND_ROOT_PATH})
+set(CMAKE_CXX_FLAGS_INIT "-isystem ${CMAKE_CURRENT_LIST_DIR}/arm64")  # before the compiler's own headers
+set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+set(CMAKE_SYSTEM_LIBRARY_PATH /usr/lib/aarch64-linux-gnu)  # within that folder
+# A library in one of these is found without a path when it is linked, but not by the libraries that need it.
+set(CMAKE_EXE_LINKER_FLAGS_INIT "-Wl,-rpath-link,${CMAKE_FIND_ROOT_PATH}/usr/lib/aarch64-linux-gnu")
+# From installed libraries, of which dpkg knows nothing here.
+if(EXISTS ${CMAKE_FIND_ROOT_PATH}/depends)
+  file(STRINGS ${CMAKE_FIND_ROOT_PATH}/depends depends)
+  string(REPLACE ";" ", " ROSFLIGHT_DEBIAN_DEPENDS "${depends}")
+endif()
