@@ -15,9 +15,9 @@ set(CMAKE_CXX_FLAGS_INIT "-isystem ${CMAKE_CURRENT_LIST_DIR}/arm64")  # before t
 set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 set(CMAKE_SYSTEM_LIBRARY_PATH /usr/lib/aarch64-linux-gnu)  # within that folder
-# A library in one of these is found without a path when it is linked, but not by the libraries that need it.
+# Where the linker looks for what these libraries need in turn.
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-Wl,-rpath-link,${CMAKE_FIND_ROOT_PATH}/usr/lib/aarch64-linux-gnu")
-# From installed libraries, of which dpkg knows nothing here.
+# For the Debian package: dpkg-shlibdeps asks about installed packages, and these are only unpacked.
 if(EXISTS ${CMAKE_FIND_ROOT_PATH}/depends)
   file(STRINGS ${CMAKE_FIND_ROOT_PATH}/depends depends)
   string(REPLACE ";" ", " ROSFLIGHT_DEBIAN_DEPENDS "${depends}")
