@@ -87,7 +87,7 @@ def all_figures() -> list[Figure]:
         *h7(),
         *(replace(figure, on_request=True) for figure in ros_figures()),
         *(Figure(f"fuzz.{name.removeprefix('fuzz_')}_runs", "inputs", f">= {FUZZ_RUNS}",
-                 functools.partial(fuzz_runs, name), preset="fuzz", on_request=True) for name in stages.fuzzers()),
+                 functools.partial(fuzz_runs, name), preset="sanitizers", on_request=True) for name in stages.fuzzers()),
     ]
 
 

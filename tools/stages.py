@@ -23,7 +23,7 @@ from cpp_tests import Binary, Outcome
 from project import ROOT
 
 RESULTS = ROOT / "build" / "test_results"
-SHORT_FUZZ = ("-max_total_time=10", "-runs=100000")
+SHORT_FUZZ = ("-max_total_time=6", "-runs=100000")
 
 
 def _run(command: list[str], **options) -> subprocess.CompletedProcess:
@@ -338,7 +338,7 @@ def fuzzers() -> list[str]:
 
 def run_fuzzer(name: str, *limits: str) -> tuple[int, list[str]]:
     """Runs one fuzzer from a fixed seed; how many inputs it tried and what it found."""
-    program = next((path for path in (ROOT / "build/fuzz").rglob(name) if path.is_file()), None)
+    program = next((path for path in (ROOT / "build/sanitizers").rglob(name) if path.is_file()), None)
     if program is None:
         return 0, [f"{name}: not built"]
     seeds = [str(path) for path in ROOT.glob(f"**/fuzz/corpus/{name}") if path.is_dir()]
@@ -366,7 +366,7 @@ def fuzz() -> Outcome:
     names = fuzzers()
     if not names:
         return Outcome()
-    built = _build("fuzz", *names)
+    built = _build("sanitizers", *names)
     with concurrent.futures.ThreadPoolExecutor(project.jobs()) as pool:
         found = list(pool.map(lambda name: run_fuzzer(name, *SHORT_FUZZ)[1], names))
     return add([built, *map(_check, found)])

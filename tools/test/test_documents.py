@@ -51,7 +51,7 @@ ELSEWHERE = {
     r"\./rosflight firmware flash": "needs hardware; tools/test/test_firmware_files.py",
     r"\./rosflight (preflight|monitor|blackbox) /dev/ttyACM0": "needs hardware; flight/test/h7_record_test.cpp reads a record",
     r"\./rosflight firmware build": "the stage cortex-m7 of ./rosflight test",
-    r"build/fuzz/": "the stage fuzz of ./rosflight test",
+    r"build/sanitizers/\w+/fuzz_": "the stage fuzz of ./rosflight test",
     r".*\.venv/bin/(python -m )?pytest\b": "the stage python of ./rosflight test",
     r"build/release/apps/measure/sil_link_latency": "apps/measure: real time, for a person to look at",
 }
@@ -238,10 +238,10 @@ def test_what_is_launched_or_called_exists(command):
 
 def test_targets_and_tests_that_are_built_exist(root):
     for command in BUILDS:
-        target = re.match(r"tools/ready.sh build (release|fuzz) (.*)", command.text)
+        target = re.match(r"tools/ready.sh build (release|sanitizers) (.*)", command.text)
         if command.text.startswith("cmake"):
             assert command.text == "cmake --preset release", f"{command}: configures build/release in another way"
-        elif target and target[1] == "fuzz":
+        elif target and target[1] == "sanitizers":
             assert target[2] in fuzzers(), command
         elif target or command.text.startswith("ninja"):
             done = run(f"ninja -C build/release -n {target[2]}" if target else f"{command.text} -n", root)
