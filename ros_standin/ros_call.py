@@ -11,6 +11,7 @@ Exit code 1: the service refused (`success` or `exists` is false in its answer),
 """
 
 import importlib
+import os
 import sys
 import time
 
@@ -64,7 +65,14 @@ def fill(request, words: list[str]):
     return request
 
 
-def call(node, service: str, words: list[str]) -> int:
+def for_the_answer():
+    """Standard output, for the answer alone: what libraries of DDS print there goes to standard error."""
+    answer = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)
+    return answer
+
+
+def call(node, service: str, words: list[str], out) -> int:
     name = node.resolve_service_name(service)
     kind = type_of(node, name)
     client = node.create_client(kind, name)
@@ -77,7 +85,7 @@ def call(node, service: str, words: list[str]) -> int:
         return 1
     answer = future.result()
     for field in answer.get_fields_and_field_types():
-        print(f"{field}: {getattr(answer, field)}")
+        print(f"{field}: {getattr(answer, field)}", file=out)
     return 1 if refused(answer) else 0
 
 
@@ -93,13 +101,15 @@ def main(arguments: list[str]) -> int:
     if not words or words[0] in ("-h", "--help"):
         print(__doc__)
         return 0 if words else 2
+    out = for_the_answer()
     rclpy.init(args=ros_arguments)
     try:
-        return call(rclpy.create_node("rosflight_call"), *words[:1], words[1:])
+        return call(rclpy.create_node("rosflight_call"), words[0], words[1:], out)
     except Wrong as why:
         print(f"rosflight: {why}", file=sys.stderr)
         return 2
     finally:
+        out.close()
         rclpy.try_shutdown()
 
 
