@@ -35,9 +35,9 @@ def test_a_square_is_flown(tmp_path, program, modules, forces):
         try:
             world.until("ready: ")
             truth, status = judge.listen(SimState, "sim/truth_state"), judge.listen(Status, "status")
+            judge.wait(lambda: truth and status, "the world")  # without forces it does not move, and time waits for nobody
             with launch("rosflight_sim", "multirotor_init_firmware.launch.py") as init:
                 assert init.end() == 0, init.text()
-            judge.wait(lambda: truth and status, "the world")
             truth.clear()
             with launch("rosflight_examples", "square.launch.xml", exec=program, use_sim_time="true") as flight:
                 judge.wait_simulated(lambda: flight.process.poll() is not None, "the end of the square", lambda: last_s(truth))
