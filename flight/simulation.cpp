@@ -82,6 +82,7 @@ class Simulation::Loop final : public World, private sim::LockStepListener {
 
   std::shared_ptr<QuietCodec> board_codec;  ///< That of the firmware's last boot.
   bool linked{true};
+  sim::ExternalWrench* external_wrench{nullptr};
   InProcessAutopilot autopilot;
   link::DetectingCodec codec;
   companion::Session session;
@@ -123,6 +124,7 @@ class Simulation::Moment {
 
   void restore(Loop& loop) const {
     replace(loop.dynamics, dynamics_);
+    loop.dynamics.set_external_wrench(loop.external_wrench);
     *loop.instruments() = instruments_;
     loop.faults = faults_;
     heal(*loop.forces);
@@ -265,6 +267,11 @@ std::span<const double> Simulation::module_state() const {
 }
 void Simulation::set_held(bool held) {
   loop_->dynamics.set_held(held);
+}
+
+void Simulation::set_external_wrench(sim::ExternalWrench* external) {
+  loop_->external_wrench = external;
+  loop_->dynamics.set_external_wrench(external);
 }
 
 void Simulation::drop_link() {

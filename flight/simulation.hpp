@@ -71,6 +71,9 @@ class Simulation final {
   /// A fixed wing is held on the ground until its owner lets it go.
   void set_held(bool held);
 
+  /// As RigidBody::set_external_wrench(). It is no part of a moment: restore() leaves it as it is.
+  void set_external_wrench(sim::ExternalWrench* external);
+
   /// From now on without companion and link, which costs less: telemetry is not encoded, and commands reach the firmware by
   /// tell() alone. estimate() stands still.
   void drop_link();

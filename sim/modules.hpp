@@ -89,6 +89,15 @@ class ForcesAndMoments {
   virtual void set_charge_limit(double share) { static_cast<void>(share); }
 };
 
+/// Changes the wrench of the vehicle's own module from outside: a tether, a model on trial.
+class ExternalWrench {
+ public:
+  virtual ~ExternalWrench() = default;
+  /// Called behind every ForcesAndMoments::evaluate(), with its input.
+  /// @param wrench  what the module computed: to be added to, or replaced.
+  virtual void change(const ForcesAndMoments::Input& in, Wrench& wrench) = 0;
+};
+
 /// 6. Dynamics: moves the body under wrench, gravity and ground; owns wind and air.
 class Dynamics {
  public:

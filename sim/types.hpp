@@ -55,8 +55,9 @@ struct Truth {
   Vector3 specific_force_B{Vector3::Zero()};
   /// Derivative of w_B [rad/s^2], gyroscopic part included.
   Vector3 angular_acceleration_B{Vector3::Zero()};
-  Air air;        ///< At `body`; the wind is that of the last step.
-  Wrench wrench;  ///< Wrench of the forces-and-moments module alone.
+  Air air;  ///< At `body`; the wind is that of the last step.
+  /// Without ground: that of the forces-and-moments module, changed by an ExternalWrench if there is one.
+  Wrench wrench;
   bool on_ground{true};
   double battery_voltage_V{};
   double battery_current_A{};

@@ -10,9 +10,9 @@ from . import plot
 from ._core import BUILD
 from ._flight import Flight, Note, fly, missions, vehicles
 from ._log import Log, Topic, read
-from ._simulation import Estimate, Parameters, Simulation, SimulationError, Truth
+from ._simulation import Estimate, Forces, Parameters, Simulation, SimulationError, Truth
 
-__all__ = ["BUILD", "Estimate", "Flight", "Log", "Note", "Parameters", "Simulation", "SimulationError", "Topic", "Truth", "fly",
+__all__ = ["BUILD", "Estimate", "Flight", "Forces", "Log", "Note", "Parameters", "Simulation", "SimulationError", "Topic", "Truth", "fly",
            "missions", "plot", "read", "vehicles"]
 
 try:

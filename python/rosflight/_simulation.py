@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -47,6 +48,38 @@ class Estimate:
 
 def _parts(whole: Array, *sizes: int) -> list[Array]:
     return np.split(whole, np.cumsum(sizes)[:-1])
+
+
+class Forces:
+    """Forces and moments on the vehicle, as a function of forces() sees and changes them. Views, which follow in place."""
+
+    position_m: Array  #: North, east, down from the origin.
+    velocity_m_s: Array  #: Over ground, north, east, down.
+    attitude: Array  #: Quaternion w, x, y, z from body (front, right, down) to north-east-down.
+    rates_rad_s: Array  #: In the body.
+    air_velocity_m_s: Array  #: Through the air, in the body.
+    outputs: Array  #: The fourteen of the firmware, 0 to 1.
+    force_N: Array  #: In the body, without gravity and ground: what the vehicle's own rotors and wings do. Change it in place.
+    torque_Nm: Array  #: About the centre of mass, in the body, as `force_N`.
+
+    def __init__(self, core: _core.Simulation):
+        (self.position_m, self.velocity_m_s, self.attitude, self.rates_rad_s, self.air_velocity_m_s, self.outputs,
+         self._scalars) = _parts(core.forces_inputs, 3, 3, 4, 3, 3, 14, 3)
+        self.force_N, self.torque_Nm = _parts(core.forces_wrench, 3, 3)
+
+    @property
+    def time_s(self) -> float:
+        """Start of the step."""
+        return float(self._scalars[0])
+
+    @property
+    def density_kg_m3(self) -> float:
+        return float(self._scalars[1])
+
+    @property
+    def height_m(self) -> float:
+        """Of the centre of mass above the ground."""
+        return float(self._scalars[2])
 
 
 class Parameters(Mapping[str, float]):
@@ -119,6 +152,7 @@ class Simulation:
         self.parameters = Parameters(self._core)
         self._calls: list[tuple[int, Callable[[Simulation], object]]] = []  # periods in steps
         self._calling = False
+        self._forces: Callable[[], object] | None = None
         if start:
             self.start()
 
@@ -160,6 +194,18 @@ class Simulation:
             self._calls[:] = [other for other in self._calls if other is not row]
 
         return end
+
+    def forces(self, call: Callable[[Forces], object] | None) -> None:
+        """From now on `call(forces)` behind each computation of the forces and moments of the vehicle, four times in a step, for what it
+        leaves in them to act: a tether, or a model of your own in place of theirs. None: no longer. One function at a time.
+
+        What `call` raises ends step() or run() after the step, in which the vehicle's own forces act; likewise a ValueError if it
+        leaves NaN. A snapshot does not hold the function: restore() leaves it as it is.
+        """
+        if call is not None and not callable(call):
+            raise TypeError(f"forces: found {call!r}, allowed a function of Forces, or None")
+        self._forces = None if call is None else functools.partial(call, Forces(self._core))  # the core does not keep it
+        self._core.set_forces(self._forces)
 
     def run(self, seconds: Number) -> None:
         """Advances by a time, rounded to steps."""

@@ -27,6 +27,8 @@
 #include "python/src/bind.hpp"
 #include "python/src/exclusive.hpp"
 #include "python/src/interrupt.hpp"
+#include "python/src/put.hpp"
+#include "python/src/python_wrench.hpp"
 
 namespace rosflight::python {
 namespace {
@@ -44,16 +46,6 @@ struct View {
   std::array<double, kEstimate> estimate{};
   std::array<double, std::tuple_size_v<hal::OutputValues>> outputs{};
 };
-
-template <class Vector>
-double* put(double* to, const Vector& v) {
-  to[0] = v.x(), to[1] = v.y(), to[2] = v.z();
-  return to + 3;
-}
-double* put(double* to, const Eigen::Quaterniond& q) {
-  to[0] = q.w(), to[1] = q.x(), to[2] = q.y(), to[3] = q.z();
-  return to + 4;
-}
 
 link::OffboardControl command_of(const std::string& level, const std::vector<float>& u,
                                  companion::ThrottleAxis axis) {
@@ -81,12 +73,13 @@ class Simulation final : private companion::Listener {
 
   void start() {
     compute("start", [this](Interrupt& interrupt) {
-      loop_.start([&interrupt] { return interrupt.raised(); });
+      loop_.start([&] { return interrupt.raised() || external_wrench_.failed(); });
     });
   }
   void step(std::uint64_t steps) {
     compute("step", [this, steps](Interrupt& interrupt) {
-      for (std::uint64_t k = 0; k < steps && !interrupt.raised(); ++k) loop_.step();
+      for (std::uint64_t k = 0; k < steps && !interrupt.raised() && !external_wrench_.failed(); ++k)
+        loop_.step();
     });
   }
   double time_s() { return sim::to_seconds(use("time").now()); }
@@ -137,7 +130,7 @@ class Simulation final : private companion::Listener {
     std::string error;
     compute("parameters", [&](Interrupt& interrupt) {
       const auto job = loop_.session().parameters().set(name, value);
-      while (job.pending() && !interrupt.raised()) loop_.step();
+      while (job.pending() && !interrupt.raised() && !external_wrench_.failed()) loop_.step();
       if (job.done() && !job.result().ok()) error = job.result().text;
       if (job.failed()) error = job.text();
     });
@@ -169,7 +162,14 @@ class Simulation final : private companion::Listener {
           "allowed others");
     }
     update();
+    external_wrench_.rethrow();
   }
+  /// @param function  without arguments; it reads external_wrench().inputs() and changes its wrench(). None: no function.
+  void set_forces(const nb::object& function) {
+    use("forces").set_external_wrench(function.is_none() ? nullptr : &external_wrench_);
+    external_wrench_.set_function(function);
+  }
+  PythonWrench& external_wrench() { return external_wrench_; }
   void set_held(bool held) { use("held").set_held(held); }
 
   Snapshot snapshot() { return {use("snapshot").save()}; }
@@ -209,6 +209,7 @@ class Simulation final : private companion::Listener {
       update();
     }
     interrupt.rethrow();
+    external_wrench_.rethrow();
   }
 
   void update() {
@@ -243,6 +244,7 @@ class Simulation final : private companion::Listener {
 
   Exclusive exclusive_;
   flight::FlightSetup setup_;
+  PythonWrench external_wrench_{[this] { return sim::to_seconds(loop_.truth().time); }};
   flight::Simulation loop_;
   View view_;
   std::vector<std::tuple<double, int, std::string>> texts_;
@@ -301,6 +303,19 @@ void bind_simulation(nb::module_& m) {
       .def("set_wind", &Simulation::set_wind, "text"_a)
       .def("set_state", &Simulation::set_state, "state"_a)
       .def("set_held", &Simulation::set_held, "held"_a)
+      .def("set_forces", &Simulation::set_forces, "function"_a.none())
+      .def_prop_ro("forces_inputs",
+                   [](nb::handle self) {
+                     auto& inputs = nb::cast<Simulation&>(self).external_wrench().inputs();
+                     return nb::ndarray<nb::numpy, const double, nb::ndim<1>>(
+                         inputs.data(), {inputs.size()}, self);
+                   })
+      .def_prop_ro("forces_wrench",
+                   [](nb::handle self) {
+                     auto& wrench = nb::cast<Simulation&>(self).external_wrench().wrench();
+                     return nb::ndarray<nb::numpy, double, nb::ndim<1>>(wrench.data(),
+                                                                        {wrench.size()}, self);
+                   })
       .def("snapshot", &Simulation::snapshot)
       .def("restore", &Simulation::restore, "snapshot"_a)
       .def("take_texts", &Simulation::take_texts);

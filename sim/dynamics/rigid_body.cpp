@@ -135,6 +135,7 @@ void RigidBody::evaluate(const State& y, const BodyState& body, const Matrix3& R
   if (!held_) v_air_B = body.v_B - R_WB.transpose() * truth_.air.wind_W;
   const ForcesAndMoments::Input in{body, R_WB, v_air_B, truth_.air, outputs, height_m(body)};
   forces_.evaluate(in, module_part(y), wrench_, module_part(y_dot));
+  if (external_ != nullptr) external_->change(in, wrench_);
   total_ = wrench_;
   if (acting_ground_ == GroundModel::kContact) {
     if (-body.p_W.z() < ground_.reach_m()) ground_.add_wrench(body, R_WB, total_);

@@ -65,6 +65,9 @@ class RigidBody final : public Dynamics {
   /// takes the place of that of the parameters. @throws config::Error  forces are frozen.
   void set_engine(PhysicsEngine& engine);
 
+  /// From now on `external`, which must outlive this, changes each wrench of the module; nullptr: nobody does.
+  void set_external_wrench(ExternalWrench* external) { external_ = external; }
+
   /// The vehicle is held, as before a take-off in wind: all forces and torques but gravity are
   /// balanced, so a vehicle at rest stays at rest, and the wind turns no propeller.
   void set_held(bool held) { held_ = held; }
@@ -116,10 +119,11 @@ class RigidBody final : public Dynamics {
   Wind wind_;
   const ForcesAndMoments& forces_;
   PhysicsEngine* engine_{nullptr};  ///< nullptr: the body is integrated here.
+  ExternalWrench* external_{nullptr};
   bool held_{false};
   BodyState rest_;
   State y_;        ///< p, q (w x y z), v, w and those of the module.
-  Wrench wrench_;  ///< Wrench of the module at the last evaluation.
+  Wrench wrench_;  ///< Wrench of the module at the last evaluation, and of external_.
   Wrench total_;   ///< With ground, without gravity.
   Vector3 angular_acceleration_B_{Vector3::Zero()};  ///< At the last evaluation.
   Truth truth_;

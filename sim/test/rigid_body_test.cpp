@@ -228,6 +228,47 @@ TEST(RigidBody, SameSeedSameFlightOtherSeedOtherFlight) {
   EXPECT_NE(fly(5).p_W, fly(6).p_W);
 }
 
+/// A spring to the height of 100 m, of an angular frequency, in place of the module's forces.
+class Spring final : public ExternalWrench {
+ public:
+  Spring(double mass_kg, double omega_rad_s) : mass_kg_{mass_kg}, omega_rad_s_{omega_rad_s} {}
+  void change(const ForcesAndMoments::Input& in, Wrench& wrench) override {
+    ++calls;
+    seen_force = wrench.force_B.x();
+    const double away_m = in.body.p_W.z() + 100.0;
+    wrench.force_B = {0.0, 0.0, -mass_kg_ * omega_rad_s_ * omega_rad_s_ * away_m};
+  }
+
+  int calls{0};
+  double seen_force{0.0};
+
+ private:
+  double mass_kg_, omega_rad_s_;
+};
+
+TEST(RigidBody, AWrenchFromOutsideActsAtEachStage) {
+  // Closed form z = cos(w t). Fourth order: h^4 w^5 t/120 = 3e-8 of the amplitude.
+  constexpr double kOmega = 8.0;
+  const Push forward([](const auto&) { return Wrench{{5.0, 0.0, 0.0}, Vector3::Zero()}; });
+  RigidBody dynamics(body(), {}, environment(0.0), forward, kRandom);
+  BodyState start;
+  start.p_W.z() = -99.0;
+  ASSERT_TRUE(dynamics.set_state(start));
+  Spring spring(2.0, kOmega);
+  dynamics.set_external_wrench(&spring);
+  run(dynamics, 3.0);
+  EXPECT_EQ(spring.calls, 4 * 1200);
+  EXPECT_EQ(spring.seen_force, 5.0);  // it sees what the module computed
+  EXPECT_NEAR(dynamics.truth().body.p_W.z(), -100.0 + std::cos(kOmega * 3.0), 1e-6);
+  EXPECT_EQ(dynamics.truth().body.p_W.x(), 0.0);  // which it has replaced
+  EXPECT_NEAR(dynamics.truth().specific_force_B.z(), -kOmega * kOmega * std::cos(kOmega * 3.0),
+              1e-2);
+  dynamics.set_external_wrench(nullptr);
+  run(dynamics, 0.0025);
+  EXPECT_EQ(spring.calls, 4 * 1200);
+  EXPECT_EQ(dynamics.truth().specific_force_B.x(), 2.5);
+}
+
 TEST(RigidBody, SteppingTakesNoHeap) {
   World world(
       {"environment.wind={steady_W_m_s: [3, 0, 0], turbulence_w20_m_s: 8, gusts: {mean_interval_s: "
