@@ -372,6 +372,8 @@ ready_python() {
   rm -f "$stamp"
   echo "$root" >"$stamp.new"  # its time is that of the sources read
   use_ccache
+  # By the names that CMake finds: ccache has what the preset release compiled, Python's own name for the same compiler hides it.
+  local -x CC="${CC:-cc}" CXX="${CXX:-c++}"
   local -x CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache CMAKE_BUILD_PARALLEL_LEVEL
   CMAKE_BUILD_PARALLEL_LEVEL="$(build_jobs)"
   if ! stoppable "$root/.venv-python/bin/python3" -m pip install --disable-pip-version-check --no-input --verbose --no-deps \

@@ -214,12 +214,12 @@ def unit_tests(names: list[str] | None = None) -> Outcome:
 def sanitizers() -> Outcome:
     """Tests of what flies and whole flights under address and undefined-behaviour sanitizers; each program counts
     once."""
-    return _sanitized(lambda folder: folder in FLIES | {"apps", "flight", "viewer"})
+    return _sanitized(lambda folder: folder in FLIES | {"flight"})
 
 
 def sanitizers_rest() -> Outcome:
     """The other tests under sanitizers."""
-    return _sanitized(lambda folder: folder not in FLIES | {"apps", "flight", "viewer"})
+    return _sanitized(lambda folder: folder not in FLIES | {"flight"})
 
 
 def _sanitized(wanted) -> Outcome:

@@ -20,10 +20,12 @@ that its parameters may be loaded, and some entries would be old ones):
 """
 
 import math
+import os
 import sys
 from bisect import bisect_right
 from collections import deque
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the matrices are small: more threads only wait for each other, busily
 import numpy
 import rclpy
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult

@@ -10,9 +10,11 @@ vehicles/multirotor.yaml, whose mixer takes throttle and torques without units. 
 """
 
 import math
+import os
 import sys
 from pathlib import Path
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the matrices are small: more threads only wait for each other, busily
 import numpy
 import rclpy
 from rcl_interfaces.msg import ParameterDescriptor

@@ -4,6 +4,8 @@ arrive, and the vehicle flies on, or falls. The network's weights against the co
 
 import contextlib
 import math
+import os
+import subprocess
 import sys
 
 import numpy
@@ -29,6 +31,17 @@ def test_the_network_has_learnt_what_its_teacher_does():
     made, wanted = train_policy.train(), train_policy.teacher(states)
     error = numpy.sqrt(((train_policy.network(made, states) - wanted) ** 2).mean(axis=0)) / wanted.std(axis=0)
     assert (error < 0.15).all(), f"of the teacher's spread, on states it was not shown: {error}"
+
+
+@pytest.mark.parametrize("script", ["policy", "command_filter"])
+def test_a_node_with_small_matrices_computes_in_one_thread(script):
+    """Threads of numpy's linear algebra waited busily for each other: three times the processor time, and half the pace of the flight."""
+    code = f"import os, {script}; print(len(os.listdir('/proc/self/task')))"
+
+    def threads(**more):
+        variables = {name: value for name, value in os.environ.items() if name != "OPENBLAS_NUM_THREADS"} | more
+        return int(subprocess.check_output([sys.executable, "-c", code], cwd=ROOT / "ros/examples/scripts", env=variables))
+    assert threads() == threads(OPENBLAS_NUM_THREADS="1")
 
 
 STEP_NS = 2_500_000

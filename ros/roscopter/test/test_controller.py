@@ -160,5 +160,6 @@ def test_a_pack_of_other_cells_than_the_vehicle_file_says_does_not_take_off(peer
         peer.poll(lambda: (step(voltage), f"no take-off: battery: {said}" in process.text())[1], "the refusal")
         for _ in range(20):
             step(voltage)
+        peer.wait(flown.phase, "the first phase, latched")
         assert flown.phase() == "disarmed" and not any(flown.commands[-1].u)
         peer.poll(lambda: (step(25.2), flown.phase() == "takeoff")[1], "the take-off with six full cells")
