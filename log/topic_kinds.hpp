@@ -10,7 +10,7 @@ namespace rosflight::log {
 /// What a view of a flight needs of a topic.
 enum class TopicKind : std::uint8_t {
   kState,     ///< The latest message is enough, at the rate of a plot.
-  kExchange,  ///< Requests and answers at once: a record has both, a viewer the latest.
+  kExchange,  ///< Requests and answers at once: who looks seldom has both.
   kEvent,     ///< Rare, and each message matters long after it came.
   kBulk       ///< Bytes for other programs; no plot shows them.
 };

@@ -10,7 +10,7 @@ void LiveData::restart() {
   const std::scoped_lock lock(mutex_);
   ++run_;
   channels_.clear();
-  states_.clear();
+  newest_.clear();
   events_.clear();
   event_bytes_ = 0;
 }
@@ -18,7 +18,7 @@ void LiveData::restart() {
 std::size_t LiveData::add_channel(Channel channel) {
   const std::scoped_lock lock(mutex_);
   channels_.push_back(std::move(channel));
-  states_.emplace_back();
+  newest_.emplace_back();
   return channels_.size() - 1;
 }
 
@@ -26,9 +26,12 @@ void LiveData::put(std::size_t channel, std::uint64_t time_ns, std::span<const s
   auto message = std::make_shared<const Message>(
       Message{channel, time_ns, std::vector<std::uint8_t>(cdr.begin(), cdr.end())});
   const std::scoped_lock lock(mutex_);
-  if (channels_.at(channel).kind == Kind::kState) {
-    ++states_[channel].version;
-    states_[channel].latest = std::move(message);
+  const Kind kind = channels_.at(channel).kind;
+  if (kind != Kind::kEvent) {
+    Newest& newest = newest_[channel];
+    ++newest.version;
+    newest.kept.push_back(std::move(message));
+    if (newest.kept.size() > (kind == Kind::kState ? 1 : kKeptOfExchange)) newest.kept.pop_front();
   } else if (event_bytes_ + cdr.size() > kMaxEventBytes) {
     ++lost_;
   } else {
@@ -47,11 +50,14 @@ LiveData::News LiveData::news(Cursor& cursor) const {
     news.channels.push_back(channels_[cursor.channels]);
   cursor.channel_states.resize(channels_.size());
   add_events(cursor, news);
-  for (std::size_t k = 0; k < states_.size(); ++k) {
+  for (std::size_t k = 0; k < newest_.size(); ++k) {
     Cursor::ChannelState& state = cursor.channel_states[k];
-    if (!state.wanted || state.version == states_[k].version) continue;
-    state.version = states_[k].version;
-    news.messages.push_back(states_[k].latest);
+    if (!state.wanted) continue;
+    const auto& [version, kept] = newest_[k];
+    const auto missed = std::min<std::uint64_t>(version - state.version, kept.size());
+    state.version = version;
+    news.messages.insert(news.messages.end(), kept.end() - static_cast<std::ptrdiff_t>(missed),
+                         kept.end());
   }
   return news;
 }

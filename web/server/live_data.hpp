@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -13,16 +14,18 @@ namespace rosflight::web::server {
 /// What viewers of something running see: messages of channels, put in by one thread and taken out by
 /// the server's.
 ///
-/// A channel is of one of two kinds. Of a *state*, such as a position, only the latest message is
-/// kept: a viewer that is slow, or came late, misses the others. Of an *event*, such as a text, all
-/// are kept in order, for viewers that come later too; together at most kMaxEventBytes, then
-/// further ones are lost and counted. Putting in takes a lock for the time of a copy and never waits
-/// for a viewer.
+/// A channel is of one of three kinds. Of a *state*, such as a position, only the latest message is
+/// kept: a viewer that is slow, or came late, misses the others. Of an *exchange*, requests and
+/// their answers, the last kKeptOfExchange are: a viewer that looks less often than they come has
+/// both. Of an *event*, such as a text, all are kept in order, for viewers that come later too;
+/// together at most kMaxEventBytes, then further ones are lost and counted. Putting in takes a lock
+/// for the time of a copy and never waits for a viewer.
 class LiveData {
  public:
   static constexpr std::size_t kMaxEventBytes = std::size_t{64} << 20U;
+  static constexpr std::size_t kKeptOfExchange = 64;
 
-  enum class Kind : std::uint8_t { kState, kEvent };
+  enum class Kind : std::uint8_t { kState, kExchange, kEvent };
   struct Channel {
     std::string topic;
     std::string type;    ///< Such as sensor_msgs/msg/Imu.
@@ -49,7 +52,7 @@ class LiveData {
   struct Cursor {
     struct ChannelState {
       bool wanted{false};
-      std::uint64_t version{0};   ///< Version of the state at the last visit.
+      std::uint64_t version{0};   ///< Version of the newest at the last visit.
       std::size_t next_event{0};  ///< Into all events.
     };
     std::uint64_t run{0};     ///< Counts restarts.
@@ -59,7 +62,8 @@ class LiveData {
   struct News {
     bool restarted{false};          ///< Since the cursor began; then there is nothing for it.
     std::vector<Channel> channels;  ///< New ones; the first has the number Cursor::channels had.
-    std::vector<Shared> messages;   ///< Wanted channels: new events in order, then new states.
+    /// In wanted channels: new events in order, then what is new in each other channel, in order.
+    std::vector<Shared> messages;
   };
   /// What is new since the cursor was last here; moves it.
   News news(Cursor& cursor) const;
@@ -70,15 +74,16 @@ class LiveData {
   /// Appends events that the cursor wants and has not seen.
   void add_events(Cursor& cursor, News& news) const;
 
-  struct State {
-    std::uint64_t version{0};
-    Shared latest;
+  /// The newest messages of a channel that is no event.
+  struct Newest {
+    std::uint64_t version{0};  ///< How many there were.
+    std::deque<Shared> kept;
   };
 
   mutable std::mutex mutex_;
   std::uint64_t run_{1};
   std::vector<Channel> channels_;
-  std::vector<State> states_;  ///< One for each channel; unused by events.
+  std::vector<Newest> newest_;  ///< One for each channel; unused by events.
   std::vector<Shared> events_;
   std::size_t event_bytes_{0};
   std::uint64_t lost_{0};

@@ -30,16 +30,35 @@ class LiveDataTest : public testing::Test {
   LiveData data_;
   std::size_t state_ = data_.add_channel({"/state", "a/B", "int8 x", Kind::kState});
   std::size_t event_ = data_.add_channel({"/event", "a/B", "int8 x", Kind::kEvent});
+  std::size_t exchange_ = data_.add_channel({"/exchange", "a/B", "int8 x", Kind::kExchange});
 };
 
 TEST_F(LiveDataTest, OnlyTheLatestStateIsThere) {
   LiveData::Cursor cursor;
-  EXPECT_EQ(data_.news(cursor).channels.size(), 2U);
+  EXPECT_EQ(data_.news(cursor).channels.size(), 3U);
   want_all(cursor);
   put(state_, 1);
   put(state_, 2);
   EXPECT_EQ(news(cursor), (Seen{{state_, 2}}));
   EXPECT_EQ(news(cursor), Seen{});
+}
+
+TEST_F(LiveDataTest, OfAnExchangeTheLastAreThereInOrder) {
+  LiveData::Cursor cursor;
+  data_.news(cursor);
+  want_all(cursor);
+  put(exchange_, 1);
+  put(exchange_, 2);
+  EXPECT_EQ(news(cursor), (Seen{{exchange_, 1}, {exchange_, 2}}));
+  put(exchange_, 3);
+  EXPECT_EQ(news(cursor), (Seen{{exchange_, 3}}));
+  EXPECT_EQ(news(cursor), Seen{});
+  Seen last;
+  for (std::uint64_t t = 4; t < 4 + 3 * LiveData::kKeptOfExchange; ++t) {
+    put(exchange_, t);
+    if (t >= 4 + 2 * LiveData::kKeptOfExchange) last.emplace_back(exchange_, t);
+  }
+  EXPECT_EQ(news(cursor), last) << "of a viewer that is too slow";
 }
 
 TEST_F(LiveDataTest, EveryEventIsThereInOrderAlsoForWhoComesLater) {

@@ -50,7 +50,7 @@ export function linkQualityAt(flight: Flight, t: number): LinkQuality | undefine
     ++requests;
     if (answer === undefined || answer - at > WAIT_S) ++unanswered;
   }
-  // Of a running flight the page has the latest message alone: a request whose answer came at once is not seen.
+  // To a page that is late the server sends the newest of both: of the oldest an answer may be without its request.
   for (const at of answers.values()) if (due(at)) ++requests;
   const silent_s = t - (answered_s ?? table.times[0]!);
   const state = silent_s > TIMEOUT_S ? 'lost' : unanswered > WEAK_SHARE * requests ? 'weak' : 'good';
