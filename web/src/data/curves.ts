@@ -111,3 +111,27 @@ export function path(table: Table, names: PoseTopic['position'], max: number): {
   }
   return {points, rows};
 }
+
+/** Column of a chart whose curves share their times: undefined is no sample of this curve there, null a gap. */
+export type Column = ArrayLike<number | null | undefined>;
+
+const HELD_S = 1;
+const HELD_INTERVALS = 3;
+
+/** The row of the column's last sample, -1 if it has none. */
+export function lastRow(values: Column): number { return lastSample(values, values.length - 1); }
+
+/** The row whose value a chart shows at `row`: of the sample there or before. A curve that has ended, at `last`, shows its last value for
+ * HELD_S or HELD_INTERVALS of its intervals, then none, as at a gap: `row` itself. */
+export function shownRow(times: ArrayLike<number>, values: Column, last: number, row: number): number {
+  if (row <= last) return Math.max(lastSample(values, row), 0);
+  if (last < 0) return row;
+  const before = lastSample(values, last - 1);
+  const interval_s = before < 0 ? 0 : times[last]! - times[before]!;
+  return times[row]! - times[last]! > Math.max(HELD_S, HELD_INTERVALS * interval_s) ? row : last;
+}
+
+function lastSample(values: Column, row: number): number {
+  while (row >= 0 && values[row] === undefined) --row;
+  return row;
+}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One chart drawn by uPlot. All charts of the page share cursor, zoom and the moment shown.
 import uPlot from 'uplot';
+import {lastRow, shownRow} from '../data/curves.ts';
 import {lastAtOrBefore} from '../data/table.ts';
 import {numbered, palette} from '../scene/palette.ts';
 import type {Chart, Line} from './charts.ts';
@@ -22,14 +23,18 @@ export class Plot {
   private readonly chart: uPlot;
   private readonly marker = document.createElement('div');
   private t = 0;
+  /** The row of the last sample in each column. */
+  private lastRows: number[];
 
   constructor(place: HTMLElement, chart: Chart, {shades, onSeek, onZoom, onAll}: PlotOptions) {
     const colours = palette();
     const axis = {stroke: colours.faint, grid: {stroke: colours.grid, width: 1}, ticks: {show: false}, font: '11px system-ui, sans-serif'};
     this.marker.className = 'now';
+    const data = table(chart);
+    this.lastRows = data.map(lastRow);
     this.chart = new uPlot({
       width: place.clientWidth, height: HEIGHT, legend: {show: true, live: true},
-      cursor: {sync: {key: 'flight', setSeries: false}, dataIdx: (u, k, row) => k === 0 ? row : lastKnown(u.data[k]!, row), drag: {x: true, y: false}, points: {size: 6}},
+      cursor: {sync: {key: 'flight', setSeries: false}, dataIdx: (u, k, row) => this.rowOf(u.data, k, row), drag: {x: true, y: false}, points: {size: 6}},
       scales: {x: {time: false, min: 0, max: 1}},
       axes: [{...axis, size: 24, values: (_, ticks) => ticks.map((t) => `${t}`)}, {...axis, size: 52, values: tidy}],
       series: [{label: 's', value: (_, t) => t == null ? '' : t.toFixed(2)}, ...bandSeries(chart), ...chart.lines.map(series)],
@@ -43,7 +48,7 @@ export class Plot {
         setScale: [() => this.place()],
         setSize: [() => this.place()],
       },
-    }, table(chart), place);
+    }, data, place);
     this.chart.over.append(this.marker);
     let down = 0;
     this.chart.over.addEventListener('pointerdown', (event) => { down = event.clientX; });
@@ -61,7 +66,11 @@ export class Plot {
   }
 
   /** Of the same curves as before, which may have grown. */
-  setChart(chart: Chart) { this.chart.setData(table(chart), false); }
+  setChart(chart: Chart) {
+    const data = table(chart);
+    this.lastRows = data.map(lastRow);
+    this.chart.setData(data, false);
+  }
 
   setSpan({from, to}: {from: number; to: number}) { this.chart.setScale('x', {min: from, max: Math.max(to, from + 0.1)}); }
 
@@ -72,7 +81,11 @@ export class Plot {
   private readAt(t: number) {
     const [times] = this.chart.data;
     const row = Math.max(lastAtOrBefore(times, times.length, t), 0);
-    this.chart.setLegend({idxs: this.chart.data.map((values, k) => k === 0 ? row : lastKnown(values, row))}, false);
+    this.chart.setLegend({idxs: this.chart.data.map((_, k) => this.rowOf(this.chart.data, k, row))}, false);
+  }
+
+  private rowOf(data: uPlot.AlignedData, k: number, row: number): number {
+    return k === 0 ? row : shownRow(data[0], data[k]!, this.lastRows[k]!, row);
   }
 
   private place() {
@@ -91,12 +104,6 @@ function shade(u: uPlot, shades: PlotOptions['shades'], colour: string) {
     const [low, high] = [from, to].map((t) => Math.min(Math.max(u.valToPos(t, 'x', true), left), left + width));
     if (high! > low!) u.ctx.fillRect(low!, top, high! - low!, height);
   }
-}
-
-/** The row of the latest value: other curves of the chart may have rows between its own. Gaps end the search. */
-function lastKnown(values: uPlot.AlignedData[number], row: number): number {
-  while (row > 0 && values[row] === undefined) --row;
-  return row;
 }
 
 /** uPlot wants one column of times for all: undefined is no sample there, null a gap. */
