@@ -70,6 +70,7 @@ RELEASE, ROS, CORTEX_M7 = "build/release", "build/ros/build", "build/cortex-m7"
 FLIES = {"autonomy", "companion", "config", "firmware", "link"}
 # What no other compiler than the microcontroller's sees.
 BOARDS = tuple(f"firmware/boards/{name}" for name in ("qemu_m7", "stm32h7", "pixracer_pro", "varmint"))
+SANITIZED = FLIES | {"flight"}
 EMULATOR = "h7_emulator"  # built by name: its engine is in .venv
 
 
@@ -214,12 +215,12 @@ def unit_tests(names: list[str] | None = None) -> Outcome:
 def sanitizers() -> Outcome:
     """Tests of what flies and whole flights under address and undefined-behaviour sanitizers; each program counts
     once."""
-    return _sanitized(lambda folder: folder in FLIES | {"flight"})
+    return _sanitized(lambda folder: folder in SANITIZED)
 
 
 def sanitizers_rest() -> Outcome:
     """The other tests under sanitizers."""
-    return _sanitized(lambda folder: folder not in FLIES | {"flight"})
+    return _sanitized(lambda folder: folder not in SANITIZED)
 
 
 def _sanitized(wanted) -> Outcome:

@@ -35,7 +35,7 @@ def test_the_network_has_learnt_what_its_teacher_does():
 
 @pytest.mark.parametrize("script", ["policy", "command_filter"])
 def test_a_node_with_small_matrices_computes_in_one_thread(script):
-    """Threads of numpy's linear algebra waited busily for each other: three times the processor time, and half the pace of the flight."""
+    """Threads of numpy's linear algebra waited busily for each other: three times the processor time, and a slower flight."""
     code = f"import os, {script}; print(len(os.listdir('/proc/self/task')))"
 
     def threads(**more):

@@ -52,7 +52,7 @@ def test_a_signal_on_the_roll_is_flown(tmp_path):
         start_s = last_s(inner)
         until(lambda: last_s(inner) > start_s + 4 * PERIOD_S, "four periods")
         # On a busy machine the states, sent more often, are read later than the commands, and ever later.
-        ends, end_s = ends_of_halves(list(inner)), last_s(inner)
+        ends, end_s = ends_of_halves(inner), last_s(inner)
         until(lambda: last_s(states) > end_s, "the states of four periods")
         assert {round(end.phi_c, 2) for end in ends} == {UP, DOWN} and len(ends) >= 6
         # A fixed wing that follows is there at the end of the half period of 2 s.

@@ -24,14 +24,12 @@ export class Plot {
   private readonly marker = document.createElement('div');
   private t = 0;
   /** The row of the last sample in each column. */
-  private lastRows: number[];
+  private lastRows: number[] = [];
 
   constructor(place: HTMLElement, chart: Chart, {shades, onSeek, onZoom, onAll}: PlotOptions) {
     const colours = palette();
     const axis = {stroke: colours.faint, grid: {stroke: colours.grid, width: 1}, ticks: {show: false}, font: '11px system-ui, sans-serif'};
     this.marker.className = 'now';
-    const data = table(chart);
-    this.lastRows = data.map(lastRow);
     this.chart = new uPlot({
       width: place.clientWidth, height: HEIGHT, legend: {show: true, live: true},
       cursor: {sync: {key: 'flight', setSeries: false}, dataIdx: (u, k, row) => this.rowOf(u.data, k, row), drag: {x: true, y: false}, points: {size: 6}},
@@ -48,7 +46,7 @@ export class Plot {
         setScale: [() => this.place()],
         setSize: [() => this.place()],
       },
-    }, data, place);
+    }, this.columns(chart), place);
     this.chart.over.append(this.marker);
     let down = 0;
     this.chart.over.addEventListener('pointerdown', (event) => { down = event.clientX; });
@@ -66,11 +64,7 @@ export class Plot {
   }
 
   /** Of the same curves as before, which may have grown. */
-  setChart(chart: Chart) {
-    const data = table(chart);
-    this.lastRows = data.map(lastRow);
-    this.chart.setData(data, false);
-  }
+  setChart(chart: Chart) { this.chart.setData(this.columns(chart), false); }
 
   setSpan({from, to}: {from: number; to: number}) { this.chart.setScale('x', {min: from, max: Math.max(to, from + 0.1)}); }
 
@@ -82,6 +76,12 @@ export class Plot {
     const [times] = this.chart.data;
     const row = Math.max(lastAtOrBefore(times, times.length, t), 0);
     this.chart.setLegend({idxs: this.chart.data.map((_, k) => this.rowOf(this.chart.data, k, row))}, false);
+  }
+
+  private columns(chart: Chart): uPlot.AlignedData {
+    const data = table(chart);
+    this.lastRows = data.map(lastRow);
+    return data;
   }
 
   private rowOf(data: uPlot.AlignedData, k: number, row: number): number {
