@@ -67,6 +67,7 @@ class Flight::Loop final : public World, private sim::LockStepListener {
         scorer{setup},
         lock_step{parts.time != nullptr ? *parts.time : fast, rc, sensors, *autopilot, dynamics} {
     lock_step.set_listener(this);
+    lock_step.set_substeps(autopilot->substeps(), kStep / autopilot->substeps());
     for (const std::string& name : setup.choice.visualisers) {
       visualisers.push_back(setup.registry.visualisers.at(name)(setup.vehicle, random));
       lock_step.add(*visualisers.back());

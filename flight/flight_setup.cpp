@@ -201,6 +201,10 @@ std::vector<std::string> wind_overrides(const std::string& text) {
   return overrides;
 }
 
+bool FlightChoice::has_chip() const {
+  return std::find(kChipBoards.begin(), kChipBoards.end(), board) != kChipBoards.end();
+}
+
 FlightSetup::FlightSetup(const FlightChoice& choice_in)
     : choice{choice_in},
       vehicle{open_vehicle(registry, choice)},
@@ -224,13 +228,11 @@ FlightSetup::FlightSetup(const FlightChoice& choice_in)
     throw Error(fmt::format("--link: found uart with --board {}, allowed with --board qemu_m7",
                             choice.board));
   }
-  const bool emulated_chip =
-      std::find(kChipBoards.begin(), kChipBoards.end(), choice.board) != kChipBoards.end();
-  if (choice.link == "usb" && !emulated_chip) {
+  if (choice.link == "usb" && !choice.has_chip()) {
     throw Error(fmt::format("--link: found usb with --board {}, allowed with --board {}",
                             choice.board, fmt::join(kChipBoards, ", ")));
   }
-  if (emulated_chip && choice.link_protocol != "mavlink") {
+  if (choice.has_chip() && choice.link_protocol != "mavlink") {
     throw Error(fmt::format("--link-protocol: found {} with --board {}, allowed mavlink",
                             choice.link_protocol, choice.board));
   }

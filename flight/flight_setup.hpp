@@ -20,6 +20,9 @@ namespace rosflight::flight {
 /// The boards with an emulated STM32H7, as FlightChoice::board spells them.
 inline constexpr std::array<const char*, 3> kChipBoards{"pixracer_pro", "varmint", "varmint_10x"};
 
+/// Their time step: the period of the fastest gyro. Firmware, parts and body take turns in it.
+inline constexpr sim::Time kChipStep{500};
+
 /// What can move the body, as FlightChoice::physics spells it: the integrator of sim/dynamics, forces and body
 /// together; the same behind the interface of an engine, with the load held over a step; JSBSim.
 inline constexpr std::array<const char*, 3> kPhysics{"runge_kutta", "runge_kutta_held", "jsbsim"};
@@ -40,6 +43,9 @@ struct FlightChoice {
   std::vector<std::string> plugins;      ///< Shared libraries.
   std::vector<std::string> visualisers;  ///< Names that a plugin registered.
   std::optional<std::string> wind;       ///< "SPEED,FROM_DEG[,W20]"
+
+  /// Whether the board is one of kChipBoards.
+  bool has_chip() const;
 };
 
 struct MultirotorPlan {

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "flight/flight.hpp"
 #include "flight/jsbsim/jsbsim_engine.hpp"
 #include "sim/dynamics/runge_kutta_engine.hpp"
 #include "sim/sensors/register.hpp"
@@ -35,6 +36,15 @@ std::unique_ptr<sim::PhysicsEngine> make_engine(const FlightSetup& setup) {
       fmt::format("--physics: found {}, allowed {}", physics, fmt::join(kPhysics, ", ")));
 }
 
+std::unique_ptr<sim::SensorsModule> make_sensors(const FlightSetup& setup,
+                                                 const sim::RandomSource& random) {
+  if (setup.choice.has_chip()) {
+    return sim::sensors::make_exposure(setup.registry, setup.vehicle, random, kChipStep,
+                                       Flight::kStep);
+  }
+  return sim::sensors::make_sensors(setup.registry, setup.vehicle, random);
+}
+
 }  // namespace
 
 World::World(const FlightSetup& flight_setup)
@@ -44,7 +54,7 @@ World::World(const FlightSetup& flight_setup)
       dynamics{setup.vehicle.body(), setup.vehicle.ground(), setup.vehicle.environment(), *forces,
                random},
       engine{make_engine(setup)},
-      healthy_sensors{sim::sensors::make_sensors(setup.registry, setup.vehicle, random)},
+      healthy_sensors{make_sensors(setup, random)},
       faults{setup.faults},
       sensors{*healthy_sensors, faults},
       pilot{pilot_script(setup)},

@@ -17,11 +17,17 @@ void LockStep::step() {
   if (listener_ != nullptr) listener_->before_step(t);
   has_frame_ = rc_.step(t, frame_);
   sensors_.step(dynamics_.truth(), samples_);
-  const hal::OutputValues& outputs = autopilot_.step(t, samples_, rc_frame());
-  if (listener_ != nullptr) listener_->after_autopilot(t, outputs);
+  const hal::OutputValues* outputs = &autopilot_.step(t, samples_, rc_frame());
+  for (unsigned k = 1; k < substeps_; ++k) {
+    const Time within = t + k * substep_;
+    dynamics_.step(within, *outputs);
+    sensors_.step(dynamics_.truth(), samples_);
+    outputs = &autopilot_.step(within, samples_, nullptr);
+  }
+  if (listener_ != nullptr) listener_->after_autopilot(t, *outputs);
   now_ = time_.advance(t);
-  dynamics_.step(now_, outputs);
-  for (Visualiser* visualiser : visualisers_) visualiser->step(dynamics_.truth(), outputs);
+  dynamics_.step(now_, *outputs);
+  for (Visualiser* visualiser : visualisers_) visualiser->step(dynamics_.truth(), *outputs);
   ++ticks_;
 }
 

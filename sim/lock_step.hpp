@@ -31,6 +31,10 @@ class LockStepListener {
 ///     dynamics      truth moves to t' under these outputs; it evaluates forces and moments
 ///     visualisers   get the truth at t' and the outputs that led to it, in the order of add()
 ///
+/// An autopilot that needs the world more often takes n substeps in each step: sensors, autopilot and
+/// dynamics then have n turns, each with an n-th of the time, and all others one, with the receiver's
+/// frame in the first.
+///
 /// The order is the same in every step and nothing else calls the modules, so a run is a function
 /// of their states alone. Owns references and one set of samples; allocates nothing while stepping.
 class LockStep {
@@ -43,6 +47,8 @@ class LockStep {
   void add(Visualiser& visualiser) { visualisers_.push_back(&visualiser); }
   /// nullptr: none.
   void set_listener(LockStepListener* listener) { listener_ = listener; }
+  /// From the next step on `count` substeps of `length` each, which together are a step of the time source.
+  void set_substeps(unsigned count, Time length) { substeps_ = count, substep_ = length; }
 
   /// Executes one step.
   void step();
@@ -67,6 +73,8 @@ class LockStep {
   SensorSamples samples_;
   hal::RcFrame frame_;
   bool has_frame_{false};
+  unsigned substeps_{1};
+  Time substep_{};
   Time now_;
   std::uint64_t ticks_{0};
 };

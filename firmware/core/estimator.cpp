@@ -160,7 +160,7 @@ void Estimator::start(const hal::ImuSample& imu) {
   constexpr Time kLatest{std::int64_t{1} << 60};  // leaves room for sums with any first stamp
   now_ = std::clamp(imu.stamp, Time{0}, kLatest);
   last_use_ = external_time_ = boost_start_ = now_;
-  const float gap_s = static_cast<float>((now_ - estimate_.stamp).count()) / kMicroseconds;
+  const float gap_s = hal::seconds(now_ - estimate_.stamp);
   estimate_.stamp = imu.stamp;
   const Vector3 first = to_vector(imu.accel_m_s2);
   if (in_flight_) {
@@ -178,8 +178,8 @@ void Estimator::start(const hal::ImuSample& imu) {
 }
 
 void Estimator::cross_gap(const hal::ImuSample& imu, float dt_s) {
-  constexpr float kMaxTime_s = 1e9f;  // keeps the sum of times finite
-  const Time gap{static_cast<std::int64_t>(std::min(dt_s, kMaxTime_s) * kMicroseconds)};
+  constexpr float kMaxTime_s = 2000.0f;  // fits 32 bits of microseconds
+  const Time gap{static_cast<std::int32_t>(std::min(dt_s, kMaxTime_s) * kMicroseconds)};
   now_ += gap;
   last_use_ += gap;  // health counts what was measured
   usable_since_ += gap;

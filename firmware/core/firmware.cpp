@@ -361,8 +361,8 @@ void Firmware::watch_battery(Time now) {
 void Firmware::show_leds(Time now) {
   bool status = state_.armed();
   if (state_.failsafe() || state_.error()) {
-    const std::int64_t half_period_ms = state_.failsafe() ? 100 : 500;
-    status = hal::to_ms(now) / half_period_ms % 2 == 0;
+    const std::uint32_t half_period_ms = state_.failsafe() ? 100 : 500;
+    status = static_cast<std::uint32_t>(hal::to_ms(now)) / half_period_ms % 2 == 0;
   }
   const std::array<bool, 2> wanted{command_.override_word() != 0, status};
   if (wanted[0] != leds_[0]) board_.leds.set(hal::Led::kOverride, wanted[0]);

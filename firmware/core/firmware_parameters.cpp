@@ -16,7 +16,7 @@ bool any_of(const Parameters::ChangeSet& changed, Param first, Param last) {
 
 bool any_of(const Parameters::ChangeSet& changed, std::initializer_list<Param> ids) {
   for (const Param id : ids) {
-    if (changed.test(static_cast<std::size_t>(id))) return true;
+    if (changed[static_cast<std::size_t>(id)]) return true;
   }
   return false;
 }

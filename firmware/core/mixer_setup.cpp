@@ -115,7 +115,7 @@ bool take_mixer_changes(const Parameters::ChangeSet& changed, Parameters& parame
   const bool follows = parameters.get_int(Param::kSecondaryMixer) >= kFirstNoMixer;
   bool rates = false;
   for (std::uint16_t k = 0; k < kChannels; ++k) {
-    rates = rates || changed.test(kFirstType + k) || changed.test(kFirstRate + k);
+    rates = rates || changed[kFirstType + k] || changed[kFirstRate + k];
   }
   if (rates) {
     MixerHeader header;
@@ -123,7 +123,7 @@ bool take_mixer_changes(const Parameters::ChangeSet& changed, Parameters& parame
     mixer.set_header(header);
   }
   for (std::uint16_t k = 0; k < kGainCount; ++k) {
-    if (changed.test(kFirstPrimary + k)) {
+    if (changed[kFirstPrimary + k]) {
       const float gain = parameters.get_float(static_cast<Param>(kFirstPrimary + k));
       element(mixer.primary(), k) = gain;
       if (follows) {
@@ -131,7 +131,7 @@ bool take_mixer_changes(const Parameters::ChangeSet& changed, Parameters& parame
         element(mixer.secondary(), k) = gain;
       }
     }
-    if (changed.test(kFirstSecondary + k)) {
+    if (changed[kFirstSecondary + k]) {
       element(mixer.secondary(), k) = parameters.get_float(static_cast<Param>(kFirstSecondary + k));
     }
   }

@@ -130,7 +130,7 @@ Parameters::ChangeSet Parameters::take_changes() {
 
 bool Parameters::take_unreported(Param& id) {
   if (unreported_count_ == 0) return false;
-  while (!unreported_.test(first_unreported_)) ++first_unreported_;
+  while (!unreported_[first_unreported_]) ++first_unreported_;
   id = static_cast<Param>(first_unreported_);
   mark_reported(id);
   return true;
@@ -138,14 +138,14 @@ bool Parameters::take_unreported(Param& id) {
 
 void Parameters::mark_unreported(Param id) {
   const auto index = static_cast<std::uint16_t>(id);
-  if (!unreported_.test(index)) ++unreported_count_;
+  if (!unreported_[index]) ++unreported_count_;
   unreported_.set(index);
   first_unreported_ = std::min(first_unreported_, index);
 }
 
 void Parameters::mark_reported(Param id) {
   const auto index = static_cast<std::size_t>(id);
-  if (!unreported_.test(index)) return;
+  if (!unreported_[index]) return;
   unreported_.reset(index);
   --unreported_count_;
 }

@@ -229,6 +229,7 @@ bool Sensors::take_imu(Time now, hal::Board& board, Parameters& parameters, Log&
   hal::ImuSample& raw = raw_.imu;
   if (!board.imu.poll(raw) || !usable(now, raw)) return false;
   if (gyro_filtered_) filter_gyro(raw, log);
+  if (!imu_mean_.step(raw, imu_step_.dt_s)) return false;
   Vector3 accel = to_vector(raw.accel_m_s2);
   Vector3 gyro = to_vector(raw.gyro_rad_s);
   if (imu_rotated_) {

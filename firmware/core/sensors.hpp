@@ -3,6 +3,7 @@
 #include "firmware/core/calibration.hpp"
 #include "firmware/core/gyro_chain.hpp"
 #include "firmware/core/imu_clock.hpp"
+#include "firmware/core/imu_mean.hpp"
 #include "firmware/core/log.hpp"
 #include "firmware/core/parameters.hpp"
 #include "firmware/hal/roles.hpp"
@@ -29,7 +30,8 @@ struct Measurements {
 /// Turns samples of the board into measurements: mounting, calibration, filters.
 ///
 ///     imu        v <- R(q_mount)^T v ,  a <- a - (temp_comp T + bias) ,  w <- w - bias
-///                w filtered as sampled, before all this, if asked for (GyroChain)
+///                w filtered as sampled, before all this, if asked for (GyroChain); then the mean of
+///                samples that come faster than 1250 Hz (ImuMean)
 ///     mag        m <- A (R(q_mount)^T m - bias)
 ///     pressure   p <- p - bias ,  airspeed = sign(p) sqrt(|p| / (0.5 rho_0))
 ///     density    rho <- rho + dt/(5 s + dt) (rho(p) - rho), from the first sample on
@@ -75,7 +77,7 @@ class Sensors {
   CalibrationEvents step(Time now, hal::Board& board, Parameters& parameters, Log& log);
 
   const Measurements& measurements() const { return now_; }
-  /// Time step of the newest IMU sample; of an unusable one too.
+  /// Time step of the newest IMU sample; of an unusable one too, and since the last mean if it is one.
   const ImuClock::Step& imu_step() const { return imu_step_; }
   /// Samples that were not used, by cause (Reject), since power-up.
   const std::array<std::uint32_t, kRejects>& rejected() const { return rejected_; }
@@ -142,6 +144,7 @@ class Sensors {
   Measurements now_{};
   ImuClock imu_clock_;
   ImuClock::Step imu_step_{};
+  ImuMean imu_mean_;
   GyroChain gyro_chain_;
   float gyro_chain_rate_Hz_{0.0f};  ///< For which it is configured; 0: not yet.
   float rate_window_s_{0.0f};

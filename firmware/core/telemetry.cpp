@@ -116,11 +116,13 @@ bool Telemetry::turn_of_many(Stream kind) {
 
 /// Once a second.
 void Telemetry::measure(Time now) {
-  const auto ms = static_cast<std::uint64_t>(hal::to_ms(now - measured_));
-  constexpr std::uint64_t kMinMeasured_ms = 500;  // the first second may be cut short
-  if (line_bytes_per_s_ > 0 && ms >= kMinMeasured_ms && measured_ > Time{0}) {
+  const std::uint32_t ms = ms32(now - measured_);
+  constexpr std::uint32_t kMinMeasured_ms = 500;  // the first second may be cut short
+  if (serial_.carries_all()) {
+    every_.fill(1);
+  } else if (line_bytes_per_s_ > 0 && ms >= kMinMeasured_ms && measured_ > Time{0}) {
     for (std::uint32_t& bytes : offered_) {
-      bytes = static_cast<std::uint32_t>(std::uint64_t{bytes} * 1000 / ms);
+      bytes = bytes / ms * 1000 + bytes % ms * 1000 / ms;
     }
     const std::uint32_t carried = budget(line_bytes_per_s_);
     const PerPace now_needed = needed(carried);
@@ -211,11 +213,13 @@ void Telemetry::report_crash(const CrashRecord& record, bool rearmed) {
 }
 
 void Telemetry::tenth(Time now, bool fixed_wing) {
-  constexpr std::int64_t kTenth_us = 100'000;
-  const std::int64_t tenth = now.count() / kTenth_us;
-  const bool first_of_second =
-      next_tenth_ == Time{0} || tenth / 10 != (next_tenth_.count() / kTenth_us - 1) / 10;
-  next_tenth_ = Time{(tenth + 1) * kTenth_us};
+  constexpr std::uint16_t kTenth_ms = 100;
+  constexpr std::uint32_t kTenths = 10;
+  const std::int64_t tenths = hal::quotient(hal::to_ms(now), kTenth_ms);
+  const auto tenth = static_cast<std::uint32_t>(tenths);  // starts again after 13 years
+  const bool first_of_second = next_tenth_ == Time{0} || tenth / kTenths != tenth_ / kTenths;
+  tenth_ = tenth;
+  next_tenth_ = hal::milliseconds((tenths + 1) * kTenth_ms);
   if (first_of_second) {
     measure(now);
     send(link::Heartbeat{fixed_wing ? link::VehicleType::kFixedWing

@@ -28,6 +28,8 @@ namespace rosflight::core {
 ///
 ///     n = ceil((O - S) / (C - R - S)), 1 for the others                                     (2)
 ///
+/// n = 1 as well while the port carries all.
+///
 /// While n > 1 a sample also waits for its next turn unless the transmit queue keeps 128 bytes for the
 /// others.
 /// Below 20 000 baud the status leaves twice a second and on change, else ten times.
@@ -137,7 +139,8 @@ class Telemetry {
   link::HardError crash_{};
   Time last_peer_frame_{};
   Time next_tenth_{};
-  Time measured_{};  ///< When offered_ began.
+  std::uint32_t tenth_{0};  ///< Tenth of a second that began at the last one.
+  Time measured_{};         ///< When offered_ began.
   std::uint32_t line_bytes_per_s_{0};
   PerPace offered_{};  ///< Bytes of samples, since measured_.
   PerPace every_{1, 1};

@@ -71,6 +71,8 @@ class Serial {
   virtual bool write(const std::uint8_t* data, std::size_t size, std::uint8_t qos) = 0;
   /// Bytes that write() would accept now; senders of bulk data pace themselves with it.
   virtual std::size_t writable() const = 0;
+  /// Whether the connection in use has room for every sample, whatever rate was asked for: USB.
+  virtual bool carries_all() const { return false; }
   /// Copies up to `capacity` received bytes. @returns the number copied, 0 if none was received.
   virtual std::size_t read(std::uint8_t* data, std::size_t capacity) = 0;
 

@@ -60,6 +60,8 @@ class Autopilot : public sim::AutopilotModule {
     kReversedImuClock,  ///< Stamps of samples go back as fast as time goes on.
   };
 
+  /// How many substeps of sim::LockStep make one of its steps.
+  virtual unsigned substeps() const { return 1; }
   /// Powers up at time t. Call it once, before the first step.
   virtual void start(sim::Time t) = 0;
   /// Breaks now or in the next step. kCrash and kHang leave a record in backup memory; each kind

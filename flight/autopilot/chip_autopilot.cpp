@@ -77,6 +77,10 @@ void ChipTransport::show(const std::uint8_t* data, std::size_t size) {
 ChipAutopilot::ChipAutopilot(CableLink& link, const Process::Options& options, ChipCables cables)
     : link_{link}, cables_{cables}, process_{options}, transport_{link} {}
 
+unsigned ChipAutopilot::substeps() const {
+  return static_cast<unsigned>(Flight::kStep / kChipStep);
+}
+
 void ChipAutopilot::start(sim::Time t) {
   process_.start();
   ToChip& order = process_.to_chip();
@@ -101,14 +105,17 @@ const hal::OutputValues& ChipAutopilot::step(sim::Time t, const sim::SensorSampl
   ToChip& order = process_.to_chip();
   order.order = ChipOrder::kStep;
   order.fault = std::exchange(fault_, HardwareFault::kNone);
-  order.until_us = (t + Flight::kStep).count();
+  order.until_us = t.count();
   fill_samples(order, samples, rc, sim::Time{0});
-  if (link_.tap() != nullptr) link_.tap()->on_inputs(t, samples, rc);
+  const bool whole_step = t % Flight::kStep == sim::Time{0};
+  if (whole_step && link_.tap() != nullptr) link_.tap()->on_inputs(t, samples, rc);
   order.link_baud = kLinkBaud;
   order.receiver_is_crsf = static_cast<std::uint8_t>(cables_.crsf);
   order.usb_plugged = static_cast<std::uint8_t>(cables_.usb && !link_.cable().to_board.cut());
-  order.link_count =
-      static_cast<std::uint32_t>(transport_.take(order.link.data(), order.link.size()));
+  std::copy(sent_.begin(), sent_.end(), order.link.begin());
+  order.link_count = static_cast<std::uint32_t>(sent_.size());
+  sent_.resize(ToChip::kLinkCapacity);
+  sent_.resize(transport_.take(sent_.data(), sent_.size()));
   exchange(t);
   return outputs_;
 }

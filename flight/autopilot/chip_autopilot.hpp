@@ -50,11 +50,11 @@ struct ChipCables {
 
 /// The unchanged image of a board on the emulated STM32H7, in lock-step.
 ///
-/// One exchange per step: the world's samples are what the models of the sensors are exposed to from
-/// then on, and the chip runs until the next step begins. The outputs are the pulses on the pins at the
-/// end of that time; they act on the vehicle from its beginning, so the delay of the loop is shorter
-/// than on silicon by up to a step. Repeatable to the bit. Every function may throw
-/// boards::EmulatorError, also because a model complained of the firmware.
+/// One exchange per kChipStep: the chip runs up to the time of the step, while the models of its sensors
+/// are exposed to what the world was since the last one, between two samples of it. The pulses that are on
+/// the pins then act on the vehicle from then on, so the loop has the delay that it has on silicon, to half
+/// a step. What the companion sends enters the wire one step late. Repeatable to the bit. Every function may
+/// throw boards::EmulatorError, also because a model complained of the firmware.
 class ChipAutopilot final : public Autopilot {
  public:
   using Process = boards::stm32h7::ChipProcess;
@@ -62,6 +62,7 @@ class ChipAutopilot final : public Autopilot {
   /// @param link  must outlive this. A cut of the link pulls the cable.
   ChipAutopilot(CableLink& link, const Process::Options& options, ChipCables cables = {});
 
+  unsigned substeps() const override;
   void start(sim::Time t) override;
   const hal::OutputValues& step(sim::Time t, const sim::SensorSamples& samples,
                                 const hal::RcFrame* rc) override;
@@ -88,7 +89,8 @@ class ChipAutopilot final : public Autopilot {
       boards::stm32h7::HardwareFault::kNone};  ///< Fault of the next step.
   hal::OutputValues outputs_{};
   ProcessorFigures figures_;
-  std::uint64_t timed_{0};  ///< Steps in the mean of imu_to_output_mean_us.
+  std::uint64_t timed_{0};          ///< Steps in the mean of imu_to_output_mean_us.
+  std::vector<std::uint8_t> sent_;  ///< By the companion, before the step that begins.
   sim::Time boot_{};
 };
 

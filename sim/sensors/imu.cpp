@@ -9,6 +9,7 @@ namespace rosflight::sim::sensors {
 namespace {
 using base::kRadPerDeg;
 constexpr double kReferenceTemperature_K = 298.15;
+constexpr double kTurn_rad = 2.0 * base::kPi;
 
 double rms_rotor_speed(const Truth& truth) {
   if (truth.rotor_count == 0) return 0.0;
@@ -80,10 +81,28 @@ void Imu::warm_up(const Truth& truth) {
   accel_temperature_bias_ = config_.accel_temperature_m_s2_K * offset_K;
 }
 
+/// Equation (2).
+void Imu::add_lines(const Truth& truth, Vector3& gyro, Vector3& accel) {
+  const double dt_s = to_seconds(truth.time - turned_until_);
+  turned_until_ = truth.time;
+  for (std::size_t i = 0; i < truth.rotor_count; ++i) {
+    const double speed_rad_s = truth.rotor_speed_rad_s[i];
+    const double turned = rotor_angle_rad_[i] + speed_rad_s * dt_s;
+    rotor_angle_rad_[i] = turned - kTurn_rad * std::floor(turned / kTurn_rad);
+    const auto [sine, cosine] = portable::sin_cos(rotor_angle_rad_[i]);
+    const double blade = portable::sin_cos(config_.blades * rotor_angle_rad_[i]).cos;
+    const double size = speed_rad_s * std::sqrt(2.0 / static_cast<double>(truth.rotor_count));
+    const Vector3 line(size * cosine, size * sine, size * blade);
+    gyro += config_.gyro_lines * line;
+    accel += config_.accel_vibration_m_s_rad * line;
+  }
+}
+
 bool Imu::measure(const Truth& truth, Sample& sample) {
   warm_up(truth);
   Vector3 gyro = truth.body.w_B;
   Vector3 accel = specific_force(truth);
+  if (config_.shows_lines) add_lines(truth, gyro, accel);
   if (rotated_) {
     gyro = R_SB_ * gyro;
     accel = R_SB_ * accel;
@@ -91,7 +110,7 @@ bool Imu::measure(const Truth& truth, Sample& sample) {
   transient_ *= transient_keep_;
   gyro += transient_ + gyro_temperature_bias_;
   accel += accel_temperature_bias_;
-  const double speed_rad_s = rms_rotor_speed(truth);
+  const double speed_rad_s = config_.shows_lines ? 0.0 : rms_rotor_speed(truth);
   if (config_.quiet_without_rotors && speed_rad_s == 0.0) {
     gyro = gyro_.apply_quietly(gyro);
     accel = accel_.apply_quietly(accel);

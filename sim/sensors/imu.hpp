@@ -15,6 +15,13 @@ namespace rosflight::sim::sensors {
 /// Strapdown Inertial Navigation Technology, 2nd ed., sec. 2). Rotors shake the airframe: white
 /// noise of sigma = vibration * rms rotor speed adds in power. Earth's rotation (7e-5 rad/s) is
 /// left out, below the bias of any part used here.
+/// Samples that come fast enough show what that noise is made of: each rotor of N that turns by phi_i at
+/// the speed s_i adds, with B blades,
+///
+///     sigma_i sqrt(2/N) (cos phi_i, sin phi_i, cos B phi_i),   sigma_i = vibration * s_i   (2)
+///
+/// on body axes: an unbalanced rotor pulls its hub around, and each blade that passes an arm pushes it.
+/// On each axis that is the power of the noise.
 /// A sample that would equal the one before bit by bit (no noise, at rest) has the last bit of the
 /// accelerometer's z changed: no real sensor repeats a sample exactly, and the firmware rejects one
 /// that does as stuck.
@@ -32,6 +39,9 @@ class Imu {
         Vector3::Zero()};              ///< Mounting: the IMU_ROLL, IMU_PITCH, IMU_YAW that undo it.
     double gyro_vibration{};           ///< Noise per rotor speed [rad/s per rad/s].
     double accel_vibration_m_s_rad{};  ///< [m/s^2 per rad/s].
+    bool shows_lines{false};           ///< Vibration is (2) in place of white noise.
+    double gyro_lines{9e-5};           ///< Vibration of the gyro in (2): 2 deg/s at 388 rad/s.
+    int blades{2};                     ///< B.
     Vector3 gyro_temperature_rad_s_K{Vector3::Zero()};  ///< Bias per kelvin from 298.15 K.
     Vector3 accel_temperature_m_s2_K{Vector3::Zero()};
     Temperature temperature;
@@ -56,6 +66,7 @@ class Imu {
  private:
   Vector3 specific_force(const Truth& truth) const;
   void warm_up(const Truth& truth);
+  void add_lines(const Truth& truth, Vector3& gyro, Vector3& accel);
 
   Config config_;
   double gravity_m_s2_;
@@ -69,6 +80,8 @@ class Imu {
   double rise_K_;
   double rise_keep_;
   bool temperature_matters_;
+  std::array<double, kMaxRotors> rotor_angle_rad_{};
+  Time turned_until_{};
   hal::Vec3 last_accel_{}, last_gyro_{};
   double temperature_K_{};
   Vector3 gyro_temperature_bias_{Vector3::Zero()};

@@ -123,6 +123,10 @@ Table<Imu::Config> imu_table() {
           {"gyro_vibration", &C::gyro_vibration, "", kShare, "noise per rotor speed"},
           {"accel_vibration", &C::accel_vibration_m_s_rad, "m/s^2 per rad/s", kShare,
            "noise per rotor speed"},
+          {"gyro_lines", &C::gyro_lines, "", kShare,
+           "the same on boards whose parts are modelled, as lines at the frequencies of rotors and "
+           "blades"},
+          {"blades", &C::blades, "", Whole{1, 12}, "of a propeller, for these lines"},
           {"gyro_bias_per_K", &C::gyro_temperature_rad_s_K, "rad/s/K", kPerK, "from 298.15 K"},
           {"accel_bias_per_K", &C::accel_temperature_m_s2_K, "m/s^2/K", kPerK, "from 298.15 K"},
           temperature<C>(),

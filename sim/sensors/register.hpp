@@ -15,4 +15,10 @@ void register_sensors(Registry& registry);
 std::unique_ptr<SensorsModule> make_sensors(const Registry& registry, const Vehicle& vehicle,
                                             const RandomSource& random);
 
+/// The same for a board whose parts are modelled: the standard module as exposure() has it. Another module keeps
+/// its own times.
+std::unique_ptr<SensorsModule> make_exposure(const Registry& registry, const Vehicle& vehicle,
+                                             const RandomSource& random, Time imu_period,
+                                             Time period);
+
 }  // namespace rosflight::sim::sensors

@@ -147,6 +147,34 @@ TEST(LockStep, CallsEveryModuleOnceInTheDocumentedOrder) {
   EXPECT_EQ(world.journal, expected);
 }
 
+TEST(LockStep, SubstepsAreTurnsOfSensorsAutopilotAndDynamicsAlone) {
+  World world;
+  FakeVisualiser log(world.journal, "log");
+  world.loop.add(log);
+  world.loop.set_substeps(5, Time{500});
+  world.loop.step();
+  const Journal expected{"rc 0",
+                         "sensors 0",
+                         "board 0 with rc",
+                         "dynamics 500",
+                         "sensors 500",
+                         "board 500",
+                         "dynamics 1000",
+                         "sensors 1000",
+                         "board 1000",
+                         "dynamics 1500",
+                         "sensors 1500",
+                         "board 1500",
+                         "dynamics 2000",
+                         "sensors 2000",
+                         "board 2000",
+                         "dynamics 2500",
+                         "log 2500 outputs of 2000"};
+  EXPECT_EQ(world.journal, expected);
+  EXPECT_EQ(world.loop.now(), Time{2500});
+  EXPECT_EQ(world.loop.ticks(), 1U);
+}
+
 TEST(LockStep, RunsToATimeAndCounts) {
   World world;
   EXPECT_EQ(world.loop.run_until(Time{1'000'000}), 400U);

@@ -11,8 +11,8 @@ constexpr std::uint8_t kChannels = 0x16, kLinkStatistics = 0x14;
 constexpr std::size_t kChannelsBytes = 22, kStatisticsBytes = 10;
 constexpr std::size_t kUplinkQuality = 2;
 constexpr std::size_t kAround = 4;  // address, length, type, CRC
-constexpr std::int64_t kBitsPerByte = 10;
-constexpr std::int64_t kMicrosecondsPerSecond = 1'000'000;
+constexpr std::uint32_t kBitsPerByte = 10;
+constexpr std::uint32_t kMicrosecondsPerSecond = 1'000'000;
 
 }  // namespace
 
@@ -38,8 +38,9 @@ Finding CrsfFormat::inspect(const std::uint8_t* data, std::size_t size) {
 void CrsfInput::receive(const std::uint8_t* data, std::size_t size, Time last) {
   if (size == 0) return;
   const auto on_the_wire = [](std::size_t bytes) {
-    return Time{static_cast<std::int64_t>(bytes) * kBitsPerByte * kMicrosecondsPerSecond /
-                static_cast<std::int64_t>(kFormat.baud)};
+    // 32 bits hold those of 400 bytes, more than any receiver is given at once.
+    return Time{static_cast<std::uint32_t>(bytes) * kBitsPerByte * kMicrosecondsPerSecond /
+                kFormat.baud};
   };
   if (last - on_the_wire(size) - last_ >= kGap) framer_.interrupt();
   last_ = last;

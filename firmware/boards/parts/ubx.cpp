@@ -66,11 +66,11 @@ Finding NmeaFormat::inspect(const std::uint8_t* data, std::size_t size) {
 
 /// Days by the formula for the civil calendar with years that begin in March.
 std::int64_t unix_seconds(int year, int month, int day, int hour, int minute, int second) {
-  const std::int64_t y = month <= 2 ? year - 1 : year;
-  const std::int64_t m = month <= 2 ? month + 9 : month - 3;  // March is 0
-  const std::int64_t days = 365 * y + y / 4 - y / 100 + y / 400 + (153 * m + 2) / 5 + day - 1;
-  constexpr std::int64_t kDaysTo1970 = 719'468;
-  return ((days - kDaysTo1970) * 24 + hour) * 3600 + std::int64_t{60} * minute + second;
+  const int y = month <= 2 ? year - 1 : year;
+  const int m = month <= 2 ? month + 9 : month - 3;  // March is 0
+  const int days = 365 * y + y / 4 - y / 100 + y / 400 + (153 * m + 2) / 5 + day - 1;
+  constexpr int kDaysTo1970 = 719'468;
+  return std::int64_t{86'400} * (days - kDaysTo1970) + hour * 3600 + minute * 60 + second;
 }
 
 NavPvt NavPvt::from(const std::uint8_t* p) {

@@ -10,7 +10,7 @@ constexpr hal::Time kSensorWait = hal::milliseconds(200);
 
 parts::Bmi088::Config imu_config() {
   parts::Bmi088::Config config;
-  config.gyro_rate = parts::Bmi088::GyroRate::k1000Hz116;
+  config.gyro_rate = parts::Bmi088::GyroRate::k2000Hz230;
   return config;
 }
 

@@ -20,6 +20,7 @@ class LinkPort final : public hal::Serial {
   bool open(std::uint32_t baud, std::uint8_t device) override;
   bool write(const std::uint8_t* data, std::size_t size, std::uint8_t qos) override;
   std::size_t writable() const override { return queues_.writable(); }
+  bool carries_all() const override { return usb_.connected(); }
   std::size_t read(std::uint8_t* data, std::size_t capacity) override;
   bool waiting() const { return usb_.connected() ? usb_.waiting() : uart_.waiting() > 0; }
 

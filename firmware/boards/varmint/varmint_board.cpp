@@ -18,6 +18,7 @@ constexpr parts::Mounting kMagMounting{{0, 1, 2}, {-1.0f, 1.0f, -1.0f}};
 
 parts::Adis16500::Config imu_config() {
   parts::Adis16500::Config config;
+  config.rate_hz = 1000;
   config.mounting = kImuMounting;
   return config;
 }

@@ -130,6 +130,47 @@ TEST(Imu, VibrationGrowsWithRotorSpeed) {
   EXPECT_EQ(measured(imu, truth).gyro_rad_s[0], 0.0F);
 }
 
+TEST(Imu, LinesHaveTheFrequenciesOfRotorAndBladesAndThePowerOfTheNoise) {
+  Imu::Config config = perfect();
+  config.timing.period = Time{500};
+  config.shows_lines = true;
+  config.blades = 3;
+  config.accel_vibration_m_s_rad = 1e-3;
+  config.gyro_lines = 2e-4;
+  Imu imu(config, kTestGravity, kSource);
+  Truth truth = at_rest();
+  truth.rotor_count = 1;
+  constexpr double kTurns_s = 60.0;  // a whole number in the time below
+  truth.rotor_speed_rad_s[0] = 2.0 * kPi * kTurns_s;
+  constexpr int kSamples = 2000;  // 1 s
+  const double sigma = 1e-3 * truth.rotor_speed_rad_s[0];
+  // Amplitude of a line, from the sums of sine and cosine over whole turns.
+  struct Line {
+    double frequency_hz;
+    double sine{0.0}, cosine{0.0}, squares{0.0};
+    void add(double t_s, double x) {
+      sine += x * std::sin(2.0 * kPi * frequency_hz * t_s);
+      cosine += x * std::cos(2.0 * kPi * frequency_hz * t_s);
+      squares += x * x;
+    }
+    double amplitude() const { return 2.0 / kSamples * std::hypot(sine, cosine); }
+    double rms() const { return std::sqrt(squares / kSamples); }
+  };
+  Line x{kTurns_s}, z{3.0 * kTurns_s}, gyro_y{kTurns_s};
+  for (int k = 0; k < kSamples; ++k) {
+    truth.time = Time{500 * k};
+    const auto sample = measured(imu, truth);
+    x.add(5e-4 * k, static_cast<double>(sample.accel_m_s2[0]));
+    z.add(5e-4 * k, static_cast<double>(sample.accel_m_s2[2]) + kTestGravity);
+    gyro_y.add(5e-4 * k, static_cast<double>(sample.gyro_rad_s[1]));
+  }
+  for (const Line& line : {x, z}) {
+    EXPECT_NEAR(line.amplitude(), std::sqrt(2.0) * sigma, 1e-3 * sigma);
+    EXPECT_NEAR(line.rms(), sigma, 1e-3 * sigma) << "nothing else";
+  }
+  EXPECT_NEAR(gyro_y.rms(), 0.2 * sigma, 1e-4 * sigma);
+}
+
 TEST(Imu, TemperatureMovesTheBias) {
   Imu::Config config = perfect();
   config.temperature.rise_K = 30.0;

@@ -6,12 +6,13 @@
 
 namespace rosflight::boards::parts::models {
 
-/// Second-order Butterworth low pass by the bilinear transformation, started at its first input.
-/// Its group delay for slow signals is sqrt(2) / (2 pi bandwidth).
+/// Second-order Butterworth low pass by the bilinear transformation, started at its first input. It is not
+/// prewarped: so its group delay for slow signals is exactly that of the continuous filter,
+/// sqrt(2) / (2 pi bandwidth), and the bandwidth is lower by 1.4 % at a fifteenth of the sample rate.
 class LowPass {
  public:
   void configure(double bandwidth_hz, double sample_hz) {
-    const double k = std::tan(base::kPi * bandwidth_hz / sample_hz);
+    const double k = base::kPi * bandwidth_hz / sample_hz;
     const double norm = 1.0 / (1.0 + std::sqrt(2.0) * k + k * k);
     b_ = k * k * norm;
     a1_ = 2.0 * (k * k - 1.0) * norm;

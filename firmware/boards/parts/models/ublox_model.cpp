@@ -42,11 +42,12 @@ void UbloxModel::set_power(bool on) {
   wire_free_ = now_;
   next_solution_ = up_to(now_, period_);
   next_second_ = up_to(now_, kSecond);
+  end_pulse();
 }
 
 Time UbloxModel::next_event() const {
   if (!powered_) return kNever;
-  Time next = std::min(next_solution_, next_second_);
+  Time next = std::min({next_solution_, next_second_, pulse_falls_});
   if (!solutions_.empty()) next = std::min(next, solutions_.front() + latency);
   if (!out_.empty()) next = std::min(next, std::max(now_ + Time{1}, out_.front().end));
   return next;
@@ -54,13 +55,15 @@ Time UbloxModel::next_event() const {
 
 void UbloxModel::advance(Time now) {
   while (powered_) {
-    Time next = std::min(next_solution_, next_second_);
+    Time next = std::min({next_solution_, next_second_, pulse_falls_});
     if (!solutions_.empty()) next = std::min(next, solutions_.front() + latency);
     if (next > now) break;
     now_ = next;
-    if (next == next_second_) {
+    if (next == pulse_falls_) {
+      end_pulse();
+    } else if (next == next_second_) {
       next_second_ += kSecond;
-      if (pulse && pulse_locked_us_ > 0) pulse(true, now_);
+      begin_pulse();
       if (nmea_out_) {
         const char* const sentence = "$GNTXT,01,01,02,ANTSTATUS=OK*25\r\n";
         send(Bytes(sentence, sentence + 33));
@@ -74,6 +77,18 @@ void UbloxModel::advance(Time now) {
     }
   }
   now_ = now;
+}
+
+void UbloxModel::begin_pulse() {
+  if (!pulse || pulse_locked_us_ == 0) return;
+  pulse_falls_ = now_ + Time{pulse_locked_us_};
+  pulse(true, now_);
+}
+
+void UbloxModel::end_pulse() {
+  const bool high = pulse_falls_ != kNever;
+  pulse_falls_ = kNever;
+  if (pulse && high) pulse(false, now_);
 }
 
 bool UbloxModel::take(std::uint8_t& byte, std::uint32_t& baud, Time& end) {
@@ -160,11 +175,11 @@ void UbloxModel::send_solution(Time validity) {
   put(p, 24, 4, std::lround(truth.longitude_deg * 1e7));
   put(p, 28, 4, std::lround(truth.latitude_deg * 1e7));
   put(p, 36, 4, std::lround(truth.height_msl_m * 1e3));
-  put(p, 40, 4, 1500);
-  put(p, 44, 4, 2500);
+  put(p, 40, 4, std::lround(truth.horizontal_accuracy_m * 1e3));
+  put(p, 44, 4, std::lround(truth.vertical_accuracy_m * 1e3));
   for (std::size_t k = 0; k < 3; ++k)
     put(p, 48 + 4 * k, 4, std::lround(truth.velocity_ned_m_s[k] * 1e3));
-  put(p, 68, 4, 120);
+  put(p, 68, 4, std::lround(truth.speed_accuracy_m_s * 1e3));
   send_ubx(0x01, 0x07, p);
 }
 

@@ -13,6 +13,8 @@ struct GnssTruth {
   double velocity_ned_m_s[3]{};
   int fix{3};
   int satellites{14};
+  double horizontal_accuracy_m{1.5}, vertical_accuracy_m{2.5},
+      speed_accuracy_m_s{0.12};  ///< Reported.
 };
 
 /// A u-blox M9 on its UART: rate and protocol of the port, messages and their rates, dynamic model, pulse
@@ -52,6 +54,8 @@ class UbloxModel final : public UartPart {
   void use_frame(const Bytes& frame);
   void configure(std::uint8_t id, const Bytes& payload);
   void send_solution(Time validity);
+  void begin_pulse();
+  void end_pulse();
   void send_ubx(std::uint8_t message_class, std::uint8_t id, const Bytes& payload);
   void send(const Bytes& bytes);
 
@@ -76,6 +80,7 @@ class UbloxModel final : public UartPart {
   Time now_{};
   Time next_solution_{};
   Time next_second_{};
+  Time pulse_falls_{kNever};
 };
 
 }  // namespace rosflight::boards::parts::models

@@ -122,6 +122,19 @@ TEST_F(UbloxTest, StampAndUnixTimeAreThoseOfValidity) {
   }
 }
 
+TEST_F(UbloxTest, ThePulseRisesAndFallsOnceASecond) {
+  std::vector<std::pair<bool, Time>> edges;
+  start();
+  time_to_run(milliseconds(3000));
+  model_.pulse = [&edges](bool high, Time when) { edges.emplace_back(high, when); };
+  rig_.run_for(milliseconds(5000));
+  ASSERT_EQ(edges.size(), 10u);
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    EXPECT_EQ(edges[k].first, k % 2 == 0);
+    EXPECT_EQ(edges[k].second.count() % 1'000'000, k % 2 == 0 ? 0 : 1000);
+  }
+}
+
 TEST_F(UbloxTest, WithoutPulseOrTimeTheStampIsTheArrivalLess22ms) {
   pulses_ = false;
   start();

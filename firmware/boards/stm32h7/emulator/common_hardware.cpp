@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "base/constants.hpp"
@@ -51,9 +52,9 @@ void CommonHardware::connect_serial() {
   };
 }
 
-/// The world's newest solution, moved on to another time with its velocity.
+/// The world's last solution before that time, moved on with its velocity.
 parts::models::GnssTruth CommonHardware::gnss_truth(hal::Time when) const {
-  const hal::GnssSample& s = gnss_sample_;
+  const hal::GnssSample& s = gnss_samples_.at(when).former.sample;
   const double dt_s = 1e-6 * static_cast<double>((when - s.stamp).count());
   constexpr double kMetresPerDegree = 111'319.49;  // of latitude, and of longitude at the equator
   const double north_m_s = static_cast<double>(s.velocity_ned_m_s[0]);
@@ -68,6 +69,9 @@ parts::models::GnssTruth CommonHardware::gnss_truth(hal::Time when) const {
     truth.velocity_ned_m_s[k] = static_cast<double>(s.velocity_ned_m_s[k]);
   truth.fix = static_cast<int>(s.fix);
   truth.satellites = s.satellites;
+  truth.horizontal_accuracy_m = static_cast<double>(s.horizontal_accuracy_m);
+  truth.vertical_accuracy_m = static_cast<double>(s.vertical_accuracy_m);
+  truth.speed_accuracy_m_s = static_cast<double>(s.speed_accuracy_m_s);
   return truth;
 }
 
@@ -93,17 +97,32 @@ void CommonHardware::note_sample_time() {
   seen_at_us_[seen_++ % seen_at_us_.size()] = on_clock / kTicksPerMicrosecond - imu_delay_us();
 }
 
+/// A sample of the firmware is one of the part, or the mean of two that follow each other.
 double CommonHardware::stamp_error_us(std::int64_t stamp_us) const {
-  const auto end = seen_at_us_.begin() + std::min(seen_, seen_at_us_.size());
   const auto stamp = static_cast<double>(stamp_us);
-  const auto nearest = std::min_element(seen_at_us_.begin(), end, [stamp](double a, double b) {
-    return std::abs(stamp - a) < std::abs(stamp - b);
-  });
-  return nearest == end ? 0.0 : stamp - *nearest;
+  std::optional<double> error;
+  const auto judge = [&error, stamp](double shown_us) {
+    if (!error || std::abs(stamp - shown_us) < std::abs(*error)) error = stamp - shown_us;
+  };
+  const std::size_t kept = std::min(seen_, seen_at_us_.size());
+  for (std::size_t back = 1; back <= kept; ++back) {
+    const double shown_us = seen_at_us_[(seen_ - back) % seen_at_us_.size()];
+    judge(shown_us);
+    if (back < kept) judge(0.5 * (shown_us + seen_at_us_[(seen_ - back - 1) % seen_at_us_.size()]));
+  }
+  return error.value_or(0.0);
 }
 
-const parts::models::ImuTruth& CommonHardware::imu_truth_at(hal::Time when) const {
-  return when < exposed_at_ ? former_imu_truth_ : imu_truth_;
+parts::models::ImuTruth CommonHardware::imu_truth(hal::Time when) const {
+  const auto place = imu_truths_.at(when);
+  const parts::models::ImuTruth& former = place.former.sample;
+  const parts::models::ImuTruth& later = place.later.sample;
+  parts::models::ImuTruth truth = former;
+  for (std::size_t k = 0; k < 3; ++k) {
+    truth.accel_m_s2[k] += place.share * (later.accel_m_s2[k] - former.accel_m_s2[k]);
+    truth.gyro_rad_s[k] += place.share * (later.gyro_rad_s[k] - former.gyro_rad_s[k]);
+  }
+  return truth;
 }
 
 void CommonHardware::power_on() {
@@ -165,11 +184,11 @@ void CommonHardware::take_samples(const ToChip& world) {
     std::copy(from.begin(), from.end(), to.begin());
   };
   if (world.has_imu != 0) {
-    former_imu_truth_ = std::exchange(imu_truth_, {});
-    exposed_at_ = hal::Time{world.time_us};
-    copy(world.imu.accel_m_s2, imu_truth_.accel_m_s2);
-    copy(world.imu.gyro_rad_s, imu_truth_.gyro_rad_s);
-    imu_truth_.temperature_K = static_cast<double>(world.imu.temperature_K);
+    parts::models::ImuTruth truth;
+    copy(world.imu.accel_m_s2, truth.accel_m_s2);
+    copy(world.imu.gyro_rad_s, truth.gyro_rad_s);
+    truth.temperature_K = static_cast<double>(world.imu.temperature_K);
+    imu_truths_.put(hal::Time{world.time_us}, truth);
   }
   if (world.has_battery != 0) {
     battery_V_ = static_cast<double>(world.battery.voltage_V);
@@ -185,7 +204,7 @@ void CommonHardware::take_samples(const ToChip& world) {
                     static_cast<double>(world.diff_pressure.temperature_K)};
   }
   if (world.has_gnss != 0) {
-    gnss_sample_ = world.gnss;
+    gnss_samples_.put(world.gnss.stamp, world.gnss);
     constexpr std::int64_t kPerSecond = 1'000'000;
     gnss_.epoch =
         world.gnss.stamp - hal::Time{world.gnss.unix_s * kPerSecond + world.gnss.unix_ns / 1000};

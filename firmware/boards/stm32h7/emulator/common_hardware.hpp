@@ -6,6 +6,7 @@
 #include "firmware/boards/parts/models/truth.hpp"
 #include "firmware/boards/parts/models/ublox_model.hpp"
 #include "firmware/boards/stm32h7/emulator/emulated_hardware.hpp"
+#include "firmware/boards/stm32h7/emulator/history.hpp"
 #include "firmware/boards/stm32h7/emulator/part_on_spi.hpp"
 #include "firmware/boards/stm32h7/emulator/part_on_uart.hpp"
 #include "firmware/boards/stm32h7/emulator/usb_host.hpp"
@@ -87,14 +88,13 @@ class CommonHardware : public EmulatedHardware {
   virtual void set_broken(const Broken& broken) = 0;
   /// The data-ready line of the IMU.
   void data_ready(bool high);
-  /// What the IMU was exposed to at a time of the last step and this one.
-  const parts::models::ImuTruth& imu_truth_at(hal::Time when) const;
+  /// What an IMU on the board's axes was exposed to, between the samples of the world.
+  parts::models::ImuTruth imu_truth(hal::Time when) const;
   void expect_pins(std::initializer_list<PinName> pins, unsigned function);
 
   Chip chip_;
-  parts::models::ImuTruth imu_truth_;  ///< In the axes of the board, as all of these.
   parts::models::BaroTruth baro_truth_;
-  parts::models::MagTruth mag_truth_;
+  parts::models::MagTruth mag_truth_;  ///< In the axes of the board.
   parts::models::DiffPressureTruth pitot_truth_;
   Presence pitot_presence_;
 
@@ -109,14 +109,14 @@ class CommonHardware : public EmulatedHardware {
 
   Wiring wiring_;
   double battery_V_{0.0}, battery_A_{0.0};
-  hal::GnssSample gnss_sample_{};
+  /// As long as a solution needs to be sent, and longer.
+  History<hal::GnssSample, 64> gnss_samples_;
   parts::models::UbloxModel gnss_{[this](hal::Time when) { return gnss_truth(when); }};
   PartOnUart gnss_on_wire_;
   UsbHost usb_host_{chip_.processor, chip_.usb};
   Presence baro_presence_, mag_presence_, gnss_presence_;
   std::vector<std::uint8_t> sent_;
-  parts::models::ImuTruth former_imu_truth_;
-  hal::Time exposed_at_{};  ///< Since when `imu_truth_` holds.
+  History<parts::models::ImuTruth, 8> imu_truths_;
   std::array<double, 16>
       seen_at_us_{};  ///< Times of the newest IMU samples, on the firmware's clock.
   std::size_t seen_{0};

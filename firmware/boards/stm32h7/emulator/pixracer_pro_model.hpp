@@ -24,7 +24,7 @@ class PixracerProModel final : public CommonHardware {
   void connect_baro();
   void connect_external();
 
-  parts::models::Bmi088Model imu_{[this](hal::Time) { return imu_truth_; }};
+  parts::models::Bmi088Model imu_{[this](hal::Time when) { return imu_truth(when); }};
   PartOnSpi accel_{chip_.processor, imu_.accel, false};
   PartOnSpi gyro_{chip_.processor, imu_.gyro, true};
   parts::models::Dps310Model baro_{[this](hal::Time) { return baro_truth_; }, false};

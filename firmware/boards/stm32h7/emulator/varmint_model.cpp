@@ -128,8 +128,8 @@ void VarmintModel::connect_i2c(bool with_servo_supply) {
 }
 
 /// As the part sits on the board: turned about the vertical.
-parts::models::ImuTruth VarmintModel::imu_truth(hal::Time when) const {
-  parts::models::ImuTruth truth = imu_truth_at(when);
+parts::models::ImuTruth VarmintModel::turned_imu_truth(hal::Time when) const {
+  parts::models::ImuTruth truth = imu_truth(when);
   for (std::size_t k = 0; k < 2; ++k) {
     truth.accel_m_s2[k] = -truth.accel_m_s2[k];
     truth.gyro_rad_s[k] = -truth.gyro_rad_s[k];

@@ -30,10 +30,10 @@ class VarmintModel final : public CommonHardware {
   void connect_i2c(bool with_servo_supply);
   /// The part runs on the clock at its pin.
   void look_at_sync_clock();
-  parts::models::ImuTruth imu_truth(hal::Time when) const;
+  parts::models::ImuTruth turned_imu_truth(hal::Time when) const;
   parts::models::MagTruth mag_truth() const;
 
-  parts::models::Adis16500Model imu_{[this](hal::Time when) { return imu_truth(when); }};
+  parts::models::Adis16500Model imu_{[this](hal::Time when) { return turned_imu_truth(when); }};
   PartOnSpi imu_on_bus_{chip_.processor, imu_, true};
   parts::models::Dps310Model baro_{[this](hal::Time) { return baro_truth_; }, true};
   PartOnSpi baro_on_bus_{chip_.processor, baro_, false};

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Vibration lines from the rotors to the controller on an emulated board: the part's filter, the core's filters at
+// the gyro's own rate, and what folds where samples are left out. Truth is integrated at that rate.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "flight/gyro_spectrum.hpp"
+#include "flight/test/h7_rig.hpp"
+#include "link/mavlink/mavlink_codec.hpp"
+
+namespace rosflight::flight::testing {
+namespace {
+
+constexpr double kLine = 3e-4;  // of the gyro, per rotor speed: 6.7 deg/s in hover
+constexpr double kControl_Hz = 1000.0, kGyro_Hz = 2000.0, kPart_Hz = 230.0;
+
+/// Samples of the IMU as the companion receives them.
+class ImuTap final : public LinkTap {
+ public:
+  struct Sample {
+    double t_s;  ///< Time on the board's clock.
+    Spectrum::Rates rates_rad_s;
+  };
+  void on_frame(Direction direction, hal::Time /*t*/, const std::uint8_t* data, std::size_t size,
+                bool /*taken*/) override {
+    if (direction != Direction::kToCompanion || !listening) return;
+    if (!codec_.decode(data, size).complete) return;
+    if (const auto* const imu = std::get_if<link::Imu>(&codec_.message()))
+      samples.push_back({1e-6 * static_cast<double>(imu->time_boot_us), imu->gyro_rad_s});
+  }
+  bool listening{false};
+  std::vector<Sample> samples;
+
+ private:
+  link::MavlinkCodec codec_{{1, link::MavlinkCodec::kCompanionComponent}};
+};
+
+struct Hover {
+  std::vector<ImuTap::Sample> samples;
+  double rotor_Hz{};  ///< Mean of the rotors.
+  double sigma{};     ///< Of a line, on one axis.
+  double delay_s{};   ///< Of the stamped rates behind the true ones.
+};
+
+/// What differs least from the true rates, moved in time: (g - w)' w_dot over w_dot' w_dot.
+double delay_of(const std::vector<ImuTap::Sample>& samples, double boot_s,
+                const std::vector<sim::Truth>& truths) {
+  double product = 0.0, power = 0.0;
+  for (const ImuTap::Sample& sample : samples) {
+    const double t_s = sample.t_s + boot_s;
+    const double begin_s = sim::to_seconds(truths.front().time);
+    const double step_s = sim::to_seconds(Flight::kStep);
+    const double place = (t_s - begin_s) / step_s;
+    if (place < 0.0 || place + 1.0 >= static_cast<double>(truths.size() - 1)) continue;
+    const auto k = static_cast<std::size_t>(place);
+    const double share = place - std::floor(place);
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      const double from = truths[k].body.w_B[axis], to = truths[k + 1].body.w_B[axis];
+      const double slope = (to - from) / step_s;
+      const double true_rate = from + share * (to - from);
+      const auto seen = static_cast<double>(sample.rates_rad_s[static_cast<std::size_t>(axis)]);
+      product += (seen - true_rate) * slope;
+      power += slope * slope;
+    }
+  }
+  return -product / power;
+}
+
+/// Four seconds of the default mission on the Pixracer Pro.
+Hover fly(int blades, std::vector<std::string> overrides) {
+  FlightChoice choice = on_board();
+  choice.link = "usb";
+  choice.overrides = std::move(overrides);
+  choice.overrides.push_back("sensors.imu.blades=" + std::to_string(blades));
+  ImuTap tap;
+  Rig rig{choice};
+  rig.flight->set_tap(&tap);
+  rig.run_until(10.0);
+  tap.listening = true;
+  Hover hover;
+  std::vector<sim::Truth> truths;
+  double speeds_rad_s = 0.0, squares = 0.0;
+  while (rig.flight->now() < at_s(14.0)) {
+    rig.flight->step();
+    const sim::Truth& truth = rig.flight->truth();
+    truths.push_back(truth);
+    for (std::size_t k = 0; k < truth.rotor_count; ++k) {
+      const double speed_rad_s = truth.rotor_speed_rad_s[k];
+      speeds_rad_s += speed_rad_s / static_cast<double>(truth.rotor_count);
+      squares += speed_rad_s * speed_rad_s / static_cast<double>(truth.rotor_count);
+    }
+  }
+  const auto steps = static_cast<double>(truths.size());
+  hover.samples = std::move(tap.samples);
+  hover.rotor_Hz = speeds_rad_s / steps / (2.0 * std::numbers::pi);
+  hover.sigma = kLine * std::sqrt(squares / steps);
+  hover.delay_s =
+      delay_of(hover.samples, sim::to_seconds(rig.flight->autopilot().boot_time()), truths);
+  return hover;
+}
+
+/// Power of the three axes within `width_Hz` of a frequency.
+double power_near(const Hover& hover, double frequency_Hz, double width_Hz) {
+  Spectrum spectrum;
+  for (const ImuTap::Sample& sample : hover.samples)
+    spectrum.add(sample.rates_rad_s, sample.rates_rad_s);
+  const double rate_Hz = static_cast<double>(hover.samples.size() - 1) /
+                         (hover.samples.back().t_s - hover.samples.front().t_s);
+  const GyroSpectrum s = spectrum.result(rate_Hz);
+  const double df_Hz = rate_Hz / static_cast<double>(Spectrum::kSegment);
+  double power = 0.0;
+  for (std::size_t k = 0; k < s.frequency_Hz.size(); ++k) {
+    if (std::abs(s.frequency_Hz[k] - frequency_Hz) <= width_Hz)
+      power += s.before[k] * s.before[k] * df_Hz;
+  }
+  return power;
+}
+
+/// Amplitude behind a second-order Butterworth low-pass.
+double low_pass(double frequency_Hz, double cut_off_Hz) {
+  const double r = frequency_Hz / cut_off_Hz;
+  return 1.0 / std::sqrt(1.0 + r * r * r * r);
+}
+/// Behind the mean of two samples of the gyro.
+double mean_of_two(double frequency_Hz) {
+  return std::abs(std::cos(std::numbers::pi * frequency_Hz / kGyro_Hz));
+}
+
+std::vector<std::string> lines(std::vector<std::string> more = {}) {
+  more.push_back("sensors.imu.gyro_lines=" + std::to_string(kLine));
+  return more;
+}
+
+TEST(Vibration, LinesOfRotorAndBladesReachTheControllerThroughTheFilterOfThePart) {
+  const Hover hover = fly(2, lines());
+  ASSERT_GT(hover.samples.size(), 3500U) << "every sample of the control loop goes over USB";
+  EXPECT_NEAR(hover.rotor_Hz, 388.0 / (2.0 * std::numbers::pi), 5.0);
+  const double blade_Hz = 2.0 * hover.rotor_Hz;
+  const auto expected = [&hover](double f_Hz, double axes) {
+    const double amplitude = low_pass(f_Hz, kPart_Hz) * mean_of_two(f_Hz);
+    return axes * hover.sigma * hover.sigma * amplitude * amplitude;
+  };
+  // The rotors' speeds differ by some percent, and so do their lines.
+  EXPECT_NEAR(power_near(hover, hover.rotor_Hz, 12.0) / expected(hover.rotor_Hz, 2.0), 1.0, 0.25);
+  EXPECT_NEAR(power_near(hover, blade_Hz, 24.0) / expected(blade_Hz, 1.0), 1.0, 0.25);
+  EXPECT_LT(power_near(hover, 300.0, 24.0), 0.02 * power_near(hover, blade_Hz, 24.0));
+  EXPECT_NEAR(hover.delay_s, 0.0, 100e-6) << "stamps are those of the motion";
+}
+
+TEST(Vibration, WhatFoldsIsTakenAwayByAFilterAtTheRateOfTheGyro) {
+  constexpr int kBlades = 12;
+  const Hover open = fly(kBlades, lines());
+  const double blade_Hz = kBlades * open.rotor_Hz;  // 740 Hz: beyond half of the control rate
+  const double folded_Hz = kControl_Hz - blade_Hz;
+  const double amplitude = low_pass(blade_Hz, kPart_Hz) * mean_of_two(blade_Hz);
+  const double expected = open.sigma * open.sigma * amplitude * amplitude;
+  constexpr double kWidth_Hz = 90.0;  // twelve times the spread of the rotors
+  EXPECT_NEAR(power_near(open, folded_Hz, kWidth_Hz) / expected, 1.0, 0.4);
+
+  constexpr double kCutOff_Hz = 80.0;
+  const Hover filtered = fly(kBlades, lines({"firmware.GYRO_LPF_HZ=80"}));
+  // The rest is the noise of the part, which the filter weakens too.
+  EXPECT_LT(power_near(filtered, folded_Hz, kWidth_Hz), 0.1 * expected);
+  const double kept = low_pass(open.rotor_Hz, kCutOff_Hz);
+  EXPECT_NEAR(power_near(filtered, filtered.rotor_Hz, 12.0) / power_near(open, open.rotor_Hz, 12.0),
+              kept * kept, 0.25 * kept * kept);
+}
+
+}  // namespace
+}  // namespace rosflight::flight::testing
