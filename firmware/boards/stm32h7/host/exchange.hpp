@@ -73,7 +73,8 @@ struct FromChip {
       edge_to_output_us{};  ///< From a data-ready edge to the output that followed; the longest of this step.
   /// The firmware's stamp of its newest IMU sample less the time of the world that the sample shows.
   double stamp_error_us{};
-  hal::OutputValues outputs{};  ///< Pulses on the pins, as 0..1.
+  hal::OutputValues outputs{};  ///< Pulses on the pins, as 0..1; of a plain level 0 or 1.
+  std::uint16_t levels{};       ///< Bit per output: its pin is a plain level.
   std::array<std::uint8_t, 4> leds{};
   FirmwareGlance firmware;
   std::array<char, kTextCapacity> text{};  ///< The first complaint.
