@@ -71,6 +71,9 @@ class Firmware {
   /// The checks before arming, evaluated now.
   CheckResults checks(Time now) const;
 
+  /// A text of the board: sent as those of the firmware are.
+  void report(Severity severity, const Text& text) { log_.push(severity, text); }
+
   /// Handles one message as if it had been received; for replay.
   void handle(const link::Message& message, Time now);
 

@@ -126,6 +126,7 @@ void CommonHardware::power_on() {
 void CommonHardware::expose(const ToChip& world) {
   advance_parts();
   imu_is_silent_ = world.has_imu == 0;
+  chip_.temperature_degC = world.chip_degC;
   const std::int64_t now_us = world.time_us;
   set_broken({baro_presence_.lost(world.has_baro != 0, now_us),
               mag_presence_.lost(world.has_mag != 0, now_us),

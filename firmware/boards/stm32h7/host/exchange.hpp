@@ -51,6 +51,7 @@ struct ToChip {
   hal::RangeSample range;
   hal::GnssSample gnss;
   hal::BatterySample battery;
+  double chip_degC{45.0};  ///< Temperature of the processor's junction.
   std::array<std::uint8_t, kLinkCapacity> link{};
 };
 
