@@ -52,6 +52,11 @@ class Image {
       const float temperature_K = here.temperature_K();
       report_temperature(temperature.step(temperature_K, armed, now), temperature_K, firmware,
                          record, now);
+      if constexpr (Board::kHasBuzzer) {
+        here.sound(
+            {armed, firmware.state().failsafe(), firmware.battery_low(), firmware.faults() > 0},
+            now);
+      }
       autopilot.codec.serve(roles.serial, armed);
       here.maintain(armed);
       here.idle();

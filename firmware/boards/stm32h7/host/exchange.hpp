@@ -77,6 +77,7 @@ struct FromChip {
   hal::OutputValues outputs{};  ///< Pulses on the pins, as 0..1; of a plain level 0 or 1.
   std::uint16_t levels{};       ///< Bit per output: its pin is a plain level.
   std::array<std::uint8_t, 4> leds{};
+  std::uint32_t buzzer_Hz{};  ///< Tone on the buzzer's pin now; 0: silent, or the board has none.
   FirmwareGlance firmware;
   std::array<char, kTextCapacity> text{};  ///< The first complaint.
   std::array<std::uint8_t, kLinkCapacity> link{};
