@@ -70,6 +70,13 @@ class Firmware {
   const PassCounters& counters() const { return counters_; }
   /// The checks before arming, evaluated now.
   CheckResults checks(Time now) const;
+  /// The measured voltage is that of a battery, and below kLowBatteryFraction of BATT_VOLT_MAX.
+  bool battery_low() const;
+  /// Faults in a row that ended with a restart, this start after the last of them; 0 after a reset on command.
+  unsigned faults() const { return fault_count_; }
+
+  /// A text of the board: sent as those of the firmware are.
+  void report(Severity severity, const Text& text) { log_.push(severity, text); }
 
   /// Handles one message as if it had been received; for replay.
   void handle(const link::Message& message, Time now);
@@ -151,7 +158,6 @@ class Firmware {
   bool still_holding_idle(Time now);
   void stop_motors();
   void report_motor_stop();
-  bool battery_low() const;
   void watch_motion(Time now);
   void watch_motor_test(Time now);
   void report_checks(Time now);

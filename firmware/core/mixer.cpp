@@ -12,7 +12,6 @@ namespace {
 
 constexpr float kMinBattery_V = 1e-4f;
 constexpr float kServoCentre = 0.5f;
-constexpr float kGpioThreshold = 0.5f;
 
 /// Four channels of a padded array, from the first of `group` on.
 template <class Values>
@@ -267,7 +266,11 @@ void Mixer::set_limits() {
                             .max(four(low_, g))
                             .min(four(high_, g));
   }
-  for (const std::size_t k : gpios_) outputs_[k] = mixed_[k] >= kGpioThreshold ? 1.0f : 0.0f;
+  for (const std::size_t k : gpios_) {
+    const bool commanded = auxiliary_.type[k] == static_cast<std::uint8_t>(link::AuxType::kServo);
+    const float value = commanded ? auxiliary_.value[k] : mixed_[k];
+    outputs_[k] = value >= hal::Outputs::kHighLevel ? 1.0f : 0.0f;
+  }
 }
 
 const hal::OutputValues& Mixer::step(const Inputs& u, const Conditions& conditions) {

@@ -40,7 +40,8 @@ struct MixerHeader {
 /// V() is MotorModel::voltage_V, V_battery within kMinVoltage and kMaxVoltage of the full battery.
 /// Below the idle throttle the yaw torque is left out, since it alone could start motors. Then
 /// auxiliary commands set the channels that the mixer leaves free, and every channel is limited by
-/// its type. A NaN or an infinity in any of them stops all motors for that pass; the other outputs
+/// its type. A channel of type GPIO is low or high: an auxiliary command of type servo for it is compared with
+/// one half, without one what the mixer makes of it. A NaN or an infinity in any of them stops all motors for that pass; the other outputs
 /// keep their value, and a servo without a command its centre.
 ///
 /// An auxiliary motor turns on a command that was received while armed, and only while the mixer is

@@ -142,6 +142,7 @@ hal::OutputRates output_rates(const MixerHeader& header) {
   hal::OutputRates rates = header.rate_hz;
   for (std::size_t k = 0; k < rates.size(); ++k) {
     if (!(rates[k] > 0.0f)) rates[k] = kDefaultRate_hz;
+    if (header.type[k] == OutputType::kGpio) rates[k] = 0.0f;
   }
   return rates;
 }

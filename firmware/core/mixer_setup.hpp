@@ -16,7 +16,8 @@ bool choose_mixers(Parameters& parameters, Mixer& mixer, Log& log);
 /// mixer of its own, SEC follows PRI. @returns true if the kind or pulse rate of a channel changed.
 bool take_mixer_changes(const Parameters::ChangeSet& changed, Parameters& parameters, Mixer& mixer);
 
-/// Pulse rates for the board: an unset rate (0) of a used channel means 50 Hz.
+/// Pulse rates for the board: a channel of type GPIO is a level and has none, whatever its parameter; an unset rate
+/// (0) of any other means 50 Hz.
 hal::OutputRates output_rates(const MixerHeader& header);
 
 }  // namespace rosflight::core

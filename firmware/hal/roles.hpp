@@ -82,12 +82,15 @@ class Serial {
 
 class Outputs {
  public:
-  /// Sets pulse rates; allowed at run time. @returns false if the board cannot give some channel
-  /// its rate (a timer group has one rate; 0 means off); it then uses the nearest it can.
+  static constexpr float kHighLevel = 0.5f;
+  /// Sets pulse rates; allowed at run time. A rate of 0 means no pulses: the pin is a level. It fits any rate
+  /// of the others. @returns false if the board cannot give some channel its rate (a timer group has one
+  /// rate); it then uses the nearest it can.
   virtual bool configure(const OutputRates& rates_hz) = 0;
-  /// Clamps to 0..1 (NaN to 0) and drives the pins; ignores channels the board lacks.
+  /// Clamps to 0..1 (NaN to 0) and drives the pins, a level high from kHighLevel up; ignores channels the
+  /// board lacks.
   virtual void write(const OutputValues& values) = 0;
-  /// Stops all pulses until the next configure().
+  /// Stops all pulses and makes all levels low until the next configure().
   virtual void disable() = 0;
 
  protected:

@@ -92,7 +92,7 @@ inline constexpr std::size_t kOutputs = 14;
 using OutputValues = std::array<float, kOutputs>;
 
 inline constexpr std::size_t kRatedOutputs = 10;
-/// Pulse rates of the mixer's channels [Hz]: 0..490 PWM, 150 000..1 200 000 DShot.
+/// Pulse rates of the mixer's channels [Hz]: 0..490 PWM, 150 000..1 200 000 DShot; 0: a level.
 using OutputRates = std::array<float, kRatedOutputs>;
 
 }  // namespace rosflight::hal

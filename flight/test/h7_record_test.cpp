@@ -159,6 +159,30 @@ TEST_P(FlightRecordOf, HasACrashInFlightAsTheLogOfTheFlightHasIt) {
   EXPECT_LE(flown_on.back().time, hal::milliseconds(10'200)) << "then it is held";
 }
 
+/// Two temperatures of the chip: 16 bits and its factory values resolve 0.03 K.
+TEST_P(FlightRecordOf, HasTheTemperatureOfTheProcessorAndAWarningIsSentOnce) {
+  FlightChoice choice = on_board({}, GetParam());
+  choice.mission = "hop";
+  Rig rig{choice};
+  std::string notes;
+  rig.flight->runner().set_notify([&notes](const FlightNote& note) { notes += note.text + "\n"; });
+  double& chip_degC = chip_of(rig).process().to_chip().chip_degC;
+  chip_degC = 57.5;
+  rig.run_until(12.0);
+  ASSERT_TRUE(view_of(rig).armed);
+  EXPECT_EQ(notes.find("degC"), std::string::npos) << "for the record only: " << notes;
+  chip_degC = 108.5;
+  rig.flight->run();
+  ASSERT_TRUE(rig.completed()) << rig.flight->runner().failure();
+  rig.run_for(12.0);
+  const std::size_t warning = notes.find("Chip above 105 degC: 108\n");
+  ASSERT_NE(warning, std::string::npos) << notes;
+  EXPECT_EQ(notes.find("Chip", warning + 1), std::string::npos) << notes;
+  const std::string texts = texts_of(read_record(rig));
+  EXPECT_NE(texts.find("Chip degC: 57\n"), std::string::npos) << texts;
+  EXPECT_NE(texts.find("Chip above 105 degC: 108\n"), std::string::npos) << texts;
+}
+
 TEST(FlightRecordOfPixracerPro, IsEmptyAfterAPowerCycle) {
   Rig rig{on_board()};
   rig.run_until(8.0);

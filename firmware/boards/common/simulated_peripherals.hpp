@@ -72,11 +72,17 @@ class SimulatedOutputs final : public hal::Outputs {
     constexpr float kMaxDshot_hz = 1'200'000.0f;
     rates_ = rates_hz;
     bool ok = true;
+    has_levels_ = false;
     for (float& rate : rates_) {
       const bool pwm = rate >= 0.0f && rate <= kMaxPwm_hz;
       if (pwm || (rate >= kMinDshot_hz && rate <= kMaxDshot_hz)) continue;
       ok = false;
       rate = kMaxPwm_hz;
+    }
+    for (std::size_t k = 0; k < rates_.size(); ++k) {
+      if (rates_[k] != 0.0f) continue;
+      has_levels_ = true;
+      values_[k] = 0.0f;
     }
     enabled_ = true;
     return ok;
@@ -87,6 +93,9 @@ class SimulatedOutputs final : public hal::Outputs {
     using All = Eigen::Array<float, hal::kOutputs, 1>;
     Eigen::Map<All>(values_.data()) =
         All::Zero().max(Eigen::Map<const All>(values.data())).min(1.0f);  // so NaN becomes 0
+    for (std::size_t k = 0; has_levels_ && k < rates_.size(); ++k) {
+      if (rates_[k] == 0.0f) values_[k] = values_[k] >= kHighLevel ? 1.0f : 0.0f;
+    }
   }
   void disable() override {
     enabled_ = false;
@@ -103,6 +112,7 @@ class SimulatedOutputs final : public hal::Outputs {
   hal::OutputRates rates_{};
   std::uint64_t writes_{0};
   bool enabled_{true};
+  bool has_levels_{false};  ///< Since configure().
 };
 
 /// Lives as long as the process: that is the power of such a board.

@@ -24,8 +24,8 @@ float chip_temperature_K(const AdcCalibration& c, std::uint32_t code, float supp
   const float span = c.high_code - c.low_code;
   if (!(span > 0.0f)) return 0.0f;
   const float as_calibrated = static_cast<float>(code) * supply_V / kCalibratedAt_V;
-  return kZeroCelsius_K + c.low_degC +
-         (c.high_degC - c.low_degC) * (as_calibrated - c.low_code) / span;
+  return kZeroCelsius_K + c.kLow_degC +
+         (c.kHigh_degC - c.kLow_degC) * (as_calibrated - c.low_code) / span;
 }
 
 void BatteryMonitor::measured(hal::Time stamp, float voltage_pin_V, float current_pin_V) {

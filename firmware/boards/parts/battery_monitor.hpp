@@ -7,9 +7,9 @@ namespace rosflight::boards::parts {
 
 /// What the factory measured of a converter's references, at 3.3 V and 16 bits.
 struct AdcCalibration {
-  float reference_code{};                    ///< Code of the internal reference.
-  float low_code{}, high_code{};             ///< Codes of the temperature sensor ...
-  float low_degC{30.0f}, high_degC{110.0f};  ///< ... at these temperatures.
+  float reference_code{};         ///< Code of the internal reference.
+  float low_code{}, high_code{};  ///< Codes of the temperature sensor ...
+  static constexpr float kLow_degC = 30.0f, kHigh_degC = 110.0f;  ///< ... at these temperatures.
 };
 
 /// From the code of a pin to what is behind it: value = (volts at the pin - offset) * scale.

@@ -32,7 +32,7 @@ inline constexpr float kMinDshot_hz = 150'000.0f;
 inline constexpr float kMaxDshot_hz = 1'200'000.0f;
 
 /// Plans a group. PWM gets the finest count with which a period fits 16 bits; DShot counts undivided.
-/// A rate of 0 means that the channel is off, and fits any other.
+/// A rate of 0 means that the channel has no pulses, and fits any other.
 PulsePlan plan_pulses(const float* rates_hz, std::size_t channels, std::uint32_t timer_hz);
 
 /// Counts of a PWM pulse of 1000 us + 1000 us * value; value is limited to 0..1, NaN is 0.

@@ -40,9 +40,18 @@ void PixracerPro::open() {
   imu_hardware_.open(imu_bus_);
   baro_hardware_.open(baro_bus_);
   external_hardware_.open(external_bus_);
+  stm32h7::start_square_wave(stm32h7::TIM2, 0, 0);
+  stm32h7::make_alternate(kBuzzer, kBuzzerFunction);
   open_common();
   // Without it the storage has no bytes, which the core reports.
   static_cast<void>(storage_.identify());
+}
+
+void PixracerPro::sound(const parts::Buzzer::Inputs& inputs, hal::Time now) {
+  const std::uint32_t tone_us = buzzer_.step(inputs, now);
+  if (tone_us == tone_us_) return;
+  tone_us_ = tone_us;
+  stm32h7::start_square_wave(stm32h7::TIM2, tone_us, tone_us / 2);
 }
 
 void PixracerPro::on_tick() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include "firmware/boards/parts/bmi088.hpp"
+#include "firmware/boards/parts/buzzer.hpp"
 #include "firmware/boards/parts/dps310.hpp"
 #include "firmware/boards/parts/fram.hpp"
 #include "firmware/boards/parts/ist8308.hpp"
@@ -22,6 +23,9 @@ class PixracerPro final : public stm32h7::FlightBoard {
   /// All that the MPU must know of is known; the FRAM needs no care.
   static void map_memory(unsigned /*first*/) {}
   static void maintain(bool /*armed*/) {}
+  static constexpr bool kHasBuzzer = true;
+  /// Main loop, once per pass.
+  void sound(const parts::Buzzer::Inputs& inputs, hal::Time now);
   /// Opens buses and inputs, starts the tick and the interrupts.
   void open();
   hal::Board roles() { return FlightBoard::roles(storage_, imu_, mag_, baro_, pitot_); }
@@ -50,6 +54,8 @@ class PixracerPro final : public stm32h7::FlightBoard {
   parts::Ist8308 mag_{mag_port_, parts::Mounting{}};
   parts::SharedPort pitot_port_{external_bus_, parts::Ms4525do::kAddress};
   parts::Ms4525do pitot_{pitot_port_};
+  parts::Buzzer buzzer_;
+  std::uint32_t tone_us_{0};  ///< Period of the tone that sounds; 0: none.
 };
 
 }  // namespace rosflight::boards::pixracer_pro

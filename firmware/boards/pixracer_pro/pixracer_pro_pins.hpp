@@ -65,6 +65,10 @@ inline constexpr stm32h7::Uart::Pins kReceiver{
     stm32h7::USART6,          stm32h7::irq::USART6,       {'C', 7}, {'C', 6}, 7, 9,
     stm32h7::Uart::kNoStream, stm32h7::request::USART6_RX};
 
+/// A piezo behind a transistor.
+inline constexpr Pin kBuzzer{'A', 15};
+inline constexpr unsigned kBuzzerFunction = 1;  ///< TIM2 channel 1.
+
 /// Outputs 1 to 8; groups {1-4}, {5, 6}, {7, 8}.
 inline constexpr stm32h7::Pulses::Channel kOutputs[] = {
     {stm32h7::TIM1, 3, true, {'E', 14}, 1},  {stm32h7::TIM1, 2, true, {'E', 13}, 1},

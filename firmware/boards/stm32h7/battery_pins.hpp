@@ -5,9 +5,9 @@
 
 namespace rosflight::boards::stm32h7 {
 
-/// Reads two pins with ADC1 ten times per second, and the chip's own reference with ADC3 beside them: the
-/// converter compares with its supply, which the reference measures. 16 bits, 0.8 ms a conversion; each
-/// step is taken in a tick, none waits. RM0433 ch. 25.
+/// Reads two pins with ADC1 ten times per second, and beside them with ADC3 the chip's own temperature sensor and
+/// reference: the converter compares with its supply, which the reference measures. 16 bits, 0.8 ms a
+/// conversion; each step is taken in a tick, none waits. RM0433 ch. 25.
 class BatteryPins {
  public:
   struct Channels {
@@ -21,18 +21,21 @@ class BatteryPins {
   void open();
   /// Bus context, once per tick of 1 ms.
   void step(hal::Time now);
+  /// Newest temperature of the chip's junction; 0 before the first. Any context.
+  float temperature_K() const { return temperature_K_; }
 
  private:
   enum class Stage : std::uint8_t { kRegulator, kCalibration, kEnable, kIdle, kVoltage, kCurrent };
   static constexpr unsigned kTicksPerSample = 100;
-  void convert(std::uint8_t channel) const;
+  static void convert(std::uint8_t channel, std::uint8_t internal_channel);
 
   Channels channels_;
   parts::BatteryMonitor& monitor_;
   Stage stage_{Stage::kRegulator};
   unsigned ticks_{0};
   hal::Time begun_{};
-  std::uint32_t voltage_code_{0};
+  std::uint32_t voltage_code_{0}, temperature_code_{0};
+  volatile float temperature_K_{0.0f};
 };
 
 }  // namespace rosflight::boards::stm32h7

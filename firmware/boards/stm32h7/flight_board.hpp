@@ -84,6 +84,8 @@ class FlightBoard {
   /// Sleeps until there is something for the main loop.
   void idle();
   void start_watchdog() { system_.start_watchdog(); }
+  /// Temperature of the processor's junction; 0 before it was measured.
+  float temperature_K() const { return battery_pins_.temperature_K(); }
 
   void on_imu_ready();
   void on_link() { link_.on_uart(), wakes_ = true; }

@@ -4,6 +4,7 @@
 
 #include "firmware/boards/common/flight_record_main.hpp"
 #include "firmware/boards/common/glance_main.hpp"
+#include "firmware/boards/common/temperature_main.hpp"
 #include "firmware/boards/stm32h7/board_start.hpp"
 #include "firmware/boards/stm32h7/startup.hpp"
 // What it speaks.
@@ -41,11 +42,21 @@ class Image {
     core::Firmware& firmware = autopilot.firmware;
     firmware.start();
     here.start_watchdog();
+    parts::TemperatureWatch temperature;
     for (;;) {
       firmware.run();
       glance(firmware, shown);
       const bool armed = firmware.state().armed();
-      recorder.step(firmware, roles.clock.now());
+      const hal::Time now = roles.clock.now();
+      recorder.step(firmware, now);
+      const float temperature_K = here.temperature_K();
+      report_temperature(temperature.step(temperature_K, armed, now), temperature_K, firmware,
+                         record, now);
+      if constexpr (Board::kHasBuzzer) {
+        here.sound(
+            {armed, firmware.state().failsafe(), firmware.battery_low(), firmware.faults() > 0},
+            now);
+      }
       autopilot.codec.serve(roles.serial, armed);
       here.maintain(armed);
       here.idle();

@@ -6,23 +6,32 @@
 namespace rosflight::boards::stm32h7 {
 namespace {
 
-constexpr std::uint32_t kPwm1 = 6;
+/// Modes of a channel's output: forced low or high, or high while the counter is below the compare value, which
+/// is low while that is 0.
+constexpr std::uint32_t kForcedLow = 4, kForcedHigh = 5, kPwm1 = 6;
+/// Bits in which they differ; of these only the lowest is set in kForcedHigh, none in kForcedLow.
+constexpr std::uint32_t kModeBits = 3;
+static_assert((kPwm1 & ~kModeBits) == kForcedLow && kForcedHigh == (kForcedLow | 1u));
 
 }  // namespace
 
 bool Pulses::configure(const hal::OutputRates& rates_hz) {
   disable();
+  std::uint32_t levels = 0;
   bool ok = true;
   for (std::size_t g = 0; g < kMaxGroups; ++g) {
     std::array<float, kTimerChannels> rates{};
     std::size_t members = 0;
     for (std::size_t k = 0; k < pins_.count; ++k) {
-      if (channel(k).timer == pins_.groups[g].timer) rates[members++] = rates_hz[k];
+      if (!(channel(k).timer == pins_.groups[g].timer)) continue;
+      rates[members++] = rates_hz[k];
+      levels |= std::uint32_t{rates_hz[k] == 0.0f} << k;
     }
     plans_[g] = parts::plan_pulses(rates.data(), members, kTimerClock_Hz);
     ok = ok && plans_[g].status == parts::PulsePlan::Status::kOk;
     start_timer(g);
   }
+  levels_ = static_cast<std::uint16_t>(levels);
   enabled_ = true;
   return ok;
 }
@@ -70,6 +79,7 @@ void Pulses::start_timer(std::size_t group) {
 
 void Pulses::write(const hal::OutputValues& values) {
   if (!enabled_) return;
+  set_levels(values);
   for (std::size_t g = 0; g < kMaxGroups; ++g) {
     if (plans_[g].kind == parts::PulseKind::kDshot) write_frames(g, values);
     if (plans_[g].kind != parts::PulseKind::kPwm) continue;
@@ -78,6 +88,16 @@ void Pulses::write(const hal::OutputValues& values) {
       if (!(c.timer == pins_.groups[g].timer)) continue;
       reg(c.timer, tim::CCR1 + 4u * c.channel) = parts::pwm_counts(plans_[g], values[k]);
     }
+  }
+}
+
+void Pulses::set_levels(const hal::OutputValues& values) const {
+  for (std::size_t k = 0; k < pins_.count; ++k) {
+    if ((levels_ >> k & 1u) == 0) continue;
+    const Channel& c = channel(k);
+    volatile std::uint32_t& modes = reg(c.timer, tim::CCMR1 + 4u * (c.channel / 2u));
+    const std::uint32_t lsb = tim::CCMR1_OC1M.lsb + 8u * (c.channel % 2u);
+    modes = (modes & ~(kModeBits << lsb)) | std::uint32_t{values[k] >= kHighLevel} << lsb;
   }
 }
 
@@ -111,6 +131,7 @@ void Pulses::disable() {
   for (std::size_t k = 0; k < pins_.count; ++k) {
     reg(channel(k).timer, tim::CCR1 + 4u * channel(k).channel) = 0;
   }
+  set_levels({});
 }
 
 }  // namespace rosflight::boards::stm32h7

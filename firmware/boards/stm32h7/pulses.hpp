@@ -10,14 +10,17 @@
 
 namespace rosflight::boards::stm32h7 {
 
-/// Servo pulses (PWM: 1000 us + 1000 us x value, active high) and DShot from timers; the arithmetic is in
-/// parts/pulses.hpp. RM0433 ch. 38 to 40.
+/// Servo pulses (PWM: 1000 us + 1000 us x value, active high), DShot and plain levels from timers; the arithmetic
+/// is in parts/pulses.hpp. RM0433 ch. 38 to 40.
 ///
 /// Channels on one timer are a group with one rate. PWM counts as finely as the period fits 16 bits: 35 ns
 /// at 490 Hz. Compare values are preloaded: a change takes effect with the next pulse, and none is cut.
 /// DShot: one period is one bit; at each of its ends a DMA burst writes the four compare values of the next,
 /// 16 bits and an end of low level. A frame that is on its way when the next is written is not cut; the
 /// next is dropped then, which happens only above 1 kHz at the slowest rate.
+///
+/// A level is the output of a channel that is forced low or high, so neither the counter nor the compare value,
+/// which a burst also writes, has an effect on it.
 class Pulses final : public hal::Outputs {
  public:
   static constexpr std::size_t kMaxChannels = 10, kMaxGroups = 3, kTimerChannels = 4;
@@ -47,7 +50,7 @@ class Pulses final : public hal::Outputs {
   /// Both must outlive this.
   Pulses(const Pins& pins, Memory& memory) : pins_{pins}, memory_{memory} {}
 
-  /// 0 (off), 4 to 490 Hz, or 150 000 to 1 200 000 Hz for DShot. @returns false for a rate out of range, or
+  /// 0 (a level), 4 to 490 Hz, or 150 000 to 1 200 000 Hz for DShot. @returns false for a rate out of range, or
   /// two rates on one timer: the timer then runs at the slower.
   bool configure(const hal::OutputRates& rates_hz) override;
   void write(const hal::OutputValues& values) override;
@@ -57,10 +60,12 @@ class Pulses final : public hal::Outputs {
   const Channel& channel(std::size_t k) const { return pins_.channels[k]; }
   void start_timer(std::size_t group);
   void write_frames(std::size_t group, const hal::OutputValues& values);
+  void set_levels(const hal::OutputValues& values) const;
 
   const Pins& pins_;
   Memory& memory_;
   std::array<parts::PulsePlan, kMaxGroups> plans_{};
+  std::uint16_t levels_{0};  ///< Bit per channel: it is a level.
   bool enabled_{false};
 };
 

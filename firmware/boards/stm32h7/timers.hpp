@@ -39,7 +39,7 @@ void start_tick(std::uint32_t period_us);
 void clear_tick();
 
 /// A square wave on channel 1 of a timer, for ever; the pin is the caller's.
-/// @param period_us, high_us  < 65 536.
+/// @param period_us, high_us  < 65 536. Both 0: the pin stays low.
 void start_square_wave(const Instance& timer, std::uint32_t period_us, std::uint32_t high_us);
 
 /// The independent watchdog (IWDG1, on its own 32 kHz oscillator) resets the chip; TIM6 warns before,

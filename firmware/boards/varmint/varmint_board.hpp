@@ -34,6 +34,7 @@ class Varmint final : public stm32h7::FlightBoard {
   void maintain(bool armed) {
     if (!armed) storage_.maintain();
   }
+  static constexpr bool kHasBuzzer = false;
 
   /// Data ready of the IMU and end of conversion of the pitot sensor.
   void on_edges();

@@ -60,6 +60,25 @@ TEST(MixerLimits, GpioPinsAreLowOrHigh) {
   }
 }
 
+TEST(MixerLimits, AnAuxiliaryServoCommandSwitchesAGpioPinInPlaceOfTheMixer) {
+  Mixer m = custom_mixer({OutputType::kGpio, OutputType::kServo});
+  m.primary()(0, 6) = 1.0f;
+  Inputs u{};
+  u[6] = 1.0f;
+  EXPECT_EQ(m.step(u, armed())[0], 1.0f) << "no command";
+  for (const auto& [value, level] :
+       {std::pair{0.0f, 0.0f}, {0.49f, 0.0f}, {0.5f, 1.0f}, {1.0f, 1.0f}, {-1.0f, 0.0f}}) {
+    ASSERT_TRUE(m.set_auxiliary(aux(0, link::AuxType::kServo, value)));
+    EXPECT_EQ(m.step(u, armed())[0], level) << value;
+    EXPECT_EQ(m.step(u, Mixer::Conditions{})[0], level) << value;
+  }
+  ASSERT_TRUE(m.set_auxiliary(aux(0, link::AuxType::kMotor, 0.0f)));
+  EXPECT_EQ(m.step(u, armed())[0], 1.0f) << "the pin drives no motor: the mixer has it";
+  ASSERT_TRUE(m.set_auxiliary(aux(1, link::AuxType::kServo, 1.0f)));
+  EXPECT_EQ(m.step(u, armed())[0], 1.0f);
+  EXPECT_EQ(m.outputs()[1], 0.5f) << "a servo of the mixer takes no command";
+}
+
 TEST(MixerLimits, JustAfterArmingNoMotorIsAboveIdle) {
   for (const bool spin : {true, false}) {
     Mixer::Config config;

@@ -169,6 +169,16 @@ TEST(MixerSetup, TreatsARateOfZeroAs50Hz) {
   EXPECT_EQ(rates, (hal::OutputRates{50, 490, 50, 50, 50, 300000, 50, 50, 50, 1}));
 }
 
+TEST(MixerSetup, AChannelOfTypeGpioIsALevelWhateverItsRate) {
+  MixerHeader header;
+  header.rate_hz = {0.0f, 490.0f, 0.0f, 300000.0f, 50.0f};
+  header.type = {OutputType::kGpio, OutputType::kGpio, OutputType::kMotor, OutputType::kGpio,
+                 OutputType::kServo};
+  const hal::OutputRates rates = output_rates(header);
+  EXPECT_EQ(rates, (hal::OutputRates{0, 0, 50, 0, 50, 50, 50, 50, 50, 50}))
+      << "and no other is, so that no motor is driven by a level";
+}
+
 TEST(MixerSetup, ClearsOutputs) {
   Bench s;
   s.set("PRIMARY_MIXER", 2);

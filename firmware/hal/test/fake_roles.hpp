@@ -90,12 +90,14 @@ class Loop final : public Serial {
   std::vector<std::uint8_t> out_;
 };
 
-/// Eight pins whose pulses last whole microseconds.
+/// Eight pins whose pulses last whole microseconds, or that are levels.
 class PwmOutputs final : public Outputs {
  public:
   static constexpr std::size_t kPins = 8;
   bool configure(const OutputRates& rates_hz) override {
+    disable();
     running_ = true;
+    for (std::size_t k = 0; k < kPins; ++k) level_[k] = rates_hz[k] == 0.0f;
     return std::all_of(rates_hz.begin(), rates_hz.end(),
                        [](float rate) { return rate >= 0.0f && rate <= 490.0f; });
   }
@@ -103,7 +105,8 @@ class PwmOutputs final : public Outputs {
     if (!running_) return;
     for (std::size_t k = 0; k < kPins; ++k) {
       const float clamped = std::isnan(values[k]) ? 0.0f : std::clamp(values[k], 0.0f, 1.0f);
-      pulse_us_[k] = 1000 + static_cast<int>(1000.0f * clamped);
+      const float driven = !level_[k] ? clamped : clamped >= kHighLevel ? 1.0f : 0.0f;
+      pulse_us_[k] = 1000 + static_cast<int>(1000.0f * driven);
     }
   }
   void disable() override {
@@ -114,6 +117,7 @@ class PwmOutputs final : public Outputs {
 
  private:
   std::array<int, kPins> pulse_us_{1000, 1000, 1000, 1000, 1000, 1000, 1000, 1000};
+  std::array<bool, kPins> level_{};
   bool running_{false};
 };
 

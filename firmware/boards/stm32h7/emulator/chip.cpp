@@ -103,15 +103,25 @@ Chip::Chip(std::uint64_t crystal_Hz)
   write_factory_values();
 }
 
-/// The reference of the converters; what ADC3 finds of it is its share of the supply.
+/// Reference and temperature sensor of the converters; what ADC3 finds of them is their share of the supply. The
+/// sensor's voltages are typical ones of the data sheet.
 void Chip::write_factory_values() {
   constexpr double kReference_V = 1.212, kCalibratedAt_V = 3.3;
-  constexpr unsigned kReferenceChannel = 19;
-  const auto code = static_cast<std::uint16_t>(65535.0 * kReference_V / kCalibratedAt_V);
-  std::memcpy(processor.memory(0x1FF1'E860U, sizeof code), &code, sizeof code);
-  adc3.pin_V = [this](unsigned channel) {
-    const bool on = adc::CCR_VREFEN.of(std::as_const(adc3).word(adc::CCR)) != 0;
-    return channel == kReferenceChannel && on ? kReference_V : 0.0;
+  constexpr double kAt30_V = 0.62, kSlope_V_K = 2e-3;
+  constexpr unsigned kTemperatureChannel = 18, kReferenceChannel = 19;
+  const auto sensor_V = [=](double degC) { return kAt30_V + kSlope_V_K * (degC - 30.0); };
+  const auto write = [this](std::uint32_t address, double volts) {
+    const auto code = static_cast<std::uint16_t>(65535.0 * volts / kCalibratedAt_V);
+    std::memcpy(processor.memory(address, sizeof code), &code, sizeof code);
+  };
+  write(0x1FF1'E860U, kReference_V);
+  write(0x1FF1'E820U, sensor_V(30.0));
+  write(0x1FF1'E840U, sensor_V(110.0));
+  adc3.pin_V = [this, sensor_V](unsigned channel) {
+    const std::uint32_t control = std::as_const(adc3).word(adc::CCR);
+    if (channel == kReferenceChannel && adc::CCR_VREFEN.of(control) != 0) return kReference_V;
+    const bool senses = channel == kTemperatureChannel && adc::CCR_TSEN.of(control) != 0;
+    return senses ? sensor_V(temperature_degC) : 0.0;
   };
 }
 

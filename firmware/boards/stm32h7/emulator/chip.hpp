@@ -30,6 +30,9 @@ class Chip {
   /// Power comes on: RAM and backup memory are lost.
   void power_on(std::uint32_t vector_table);
 
+  /// Temperature of its junction.
+  double temperature_degC{45.0};
+
   PinPort& port(const PinName& pin) { return ports_[pin.port]; }
 
   Processor processor;

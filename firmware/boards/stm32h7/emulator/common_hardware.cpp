@@ -145,6 +145,7 @@ void CommonHardware::power_on() {
 void CommonHardware::expose(const ToChip& world) {
   advance_parts();
   imu_is_silent_ = world.has_imu == 0;
+  chip_.temperature_degC = world.chip_degC;
   const std::int64_t now_us = world.time_us;
   set_broken({baro_presence_.lost(world.has_baro != 0, now_us),
               mag_presence_.lost(world.has_mag != 0, now_us),
@@ -223,11 +224,19 @@ void CommonHardware::inject(HardwareFault fault) {
 
 void CommonHardware::report(FromChip& out) {
   constexpr float kMinPulse_us = 1000.0F, kSpan_us = 1000.0F;
+  out.levels = 0;
   for (std::size_t k = 0; k < wiring_.outputs.size(); ++k) {
     const Output& output = wiring_.outputs[k];
     const TimerModel& timer = chip_.*output.timer;
     const Ticks pulse = timer.pulse(output.channel);
     out.outputs[k] = 0.0F;
+    if (timer.forces(output.channel)) {
+      const bool high = timer.forced_high(output.channel);
+      if (high) expect_pins({output.pin}, output.function);
+      out.outputs[k] = high ? 1.0F : 0.0F;
+      out.levels = static_cast<std::uint16_t>(out.levels | 1U << k);
+      continue;
+    }
     if (timer.makes_dshot()) {
       constexpr float kStop = 47.0F, kFull = 2047.0F;
       const auto throttle = static_cast<float>(timer.dshot_throttle(output.channel));

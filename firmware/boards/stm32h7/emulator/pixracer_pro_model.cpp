@@ -41,6 +41,16 @@ PixracerProModel::PixracerProModel()
   connect_external();
 }
 
+/// A square wave on the buzzer's pin.
+void PixracerProModel::report(FromChip& out) {
+  constexpr unsigned kFunction = 1;
+  CommonHardware::report(out);
+  out.buzzer_Hz = 0;
+  if (chip_.tim2.pulse(0) == 0) return;
+  expect_pins({pin('A', 15)}, kFunction);
+  out.buzzer_Hz = static_cast<std::uint32_t>(kTicksPerSecond / chip_.tim2.period());
+}
+
 void PixracerProModel::connect_imu() {
   chip_.port(kAccelSelect).on_output = [this](unsigned number, bool high) {
     if (number == kAccelSelect.number) accel_.select(!high);

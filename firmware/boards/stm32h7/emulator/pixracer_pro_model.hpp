@@ -12,6 +12,7 @@ namespace rosflight::boards::stm32h7::emulator {
 class PixracerProModel final : public CommonHardware {
  public:
   PixracerProModel();
+  void report(FromChip& out) override;
 
  private:
   std::vector<const parts::models::Part*> parts() const override {

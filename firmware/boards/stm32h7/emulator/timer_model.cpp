@@ -7,6 +7,7 @@
 namespace rosflight::boards::stm32h7::emulator {
 namespace {
 
+constexpr std::uint32_t kForcedLow = 4, kForcedHigh = 5;
 constexpr std::uint32_t kPwm1 = 6;  // active while the counter is below the compare value
 
 }  // namespace
@@ -48,10 +49,23 @@ bool TimerModel::preloads(std::size_t channel) const {
   return (channel % 2 == 0 ? tim::CCMR1_OC1PE : tim::CCMR1_OC2PE).of(modes) != 0;
 }
 
-Ticks TimerModel::pulse(std::size_t channel) const {
+/// The output is enabled, so the pin is driven.
+bool TimerModel::drives(std::size_t channel) const {
   const bool enabled = (word(tim::CCER) >> (4 * channel) & 1U) != 0;
   const bool main_output = kind_ != Kind::kAdvanced || tim::BDTR_MOE.of(word(tim::BDTR)) != 0;
-  if (!counts() || !enabled || !main_output || mode(channel) != kPwm1) return 0;
+  return enabled && main_output;
+}
+
+bool TimerModel::forces(std::size_t channel) const {
+  return mode(channel) == kForcedLow || mode(channel) == kForcedHigh;
+}
+
+bool TimerModel::forced_high(std::size_t channel) const {
+  return drives(channel) && mode(channel) == kForcedHigh;
+}
+
+Ticks TimerModel::pulse(std::size_t channel) const {
+  if (!counts() || !drives(channel) || mode(channel) != kPwm1) return 0;
   return std::min(tick() * active_compare_[channel], period());
 }
 
@@ -173,6 +187,7 @@ void TimerModel::burst() {
 /// The period that has ended is one bit on each channel, or low.
 void TimerModel::note_bit() {
   for (std::size_t k = 0; k < kChannels; ++k) {
+    if (forces(k)) continue;
     if (active_compare_[k] != 0) {
       train_[k].push_back(active_compare_[k]);
     } else if (!train_[k].empty()) {

@@ -9,7 +9,7 @@
 
 namespace rosflight::boards::stm32h7::emulator {
 
-/// A timer that counts up: update interrupt, pulses on four channels, bursts by DMA at each update, and
+/// A timer that counts up: update interrupt, pulses or forced levels on four channels, bursts by DMA at each update, and
 /// the DShot frames that these make. RM0433 ch. 38 to 41.
 ///
 /// Prescaler, and with preload also period and compare values, take effect at an update. Not
@@ -29,6 +29,10 @@ class TimerModel final : public Peripheral {
 
   /// Width of the pulses on a channel's pin now [ticks of the guest]; 0: the pin is still.
   Ticks pulse(std::size_t channel) const;
+  /// The channel's output is forced, so its pin is a level.
+  bool forces(std::size_t channel) const;
+  /// The level that is forced on a channel's pin.
+  bool forced_high(std::size_t channel) const;
   /// It makes bits, not pulses: its bursts are on.
   bool makes_dshot() const { return tim::DIER_UDE.of(word(tim::DIER)) != 0; }
   /// Throttle of the last DShot frame on a channel's pin, 0 to 2047.
@@ -59,6 +63,7 @@ class TimerModel final : public Peripheral {
   void schedule();
   void drive_line();
   bool preloads(std::size_t channel) const;
+  bool drives(std::size_t channel) const;
   std::uint32_t mode(std::size_t channel) const;
 
   const ClockTree& clocks_;

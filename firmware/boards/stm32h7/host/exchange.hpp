@@ -51,6 +51,7 @@ struct ToChip {
   hal::RangeSample range;
   hal::GnssSample gnss;
   hal::BatterySample battery;
+  double chip_degC{45.0};  ///< Temperature of the processor's junction.
   std::array<std::uint8_t, kLinkCapacity> link{};
 };
 
@@ -73,8 +74,10 @@ struct FromChip {
       edge_to_output_us{};  ///< From a data-ready edge to the output that followed; the longest of this step.
   /// The firmware's stamp of its newest IMU sample less the time of the world that the sample shows.
   double stamp_error_us{};
-  hal::OutputValues outputs{};  ///< Pulses on the pins, as 0..1.
+  hal::OutputValues outputs{};  ///< Pulses on the pins, as 0..1; of a plain level 0 or 1.
+  std::uint16_t levels{};       ///< Bit per output: its pin is a plain level.
   std::array<std::uint8_t, 4> leds{};
+  std::uint32_t buzzer_Hz{};  ///< Tone on the buzzer's pin now; 0: silent, or the board has none.
   FirmwareGlance firmware;
   std::array<char, kTextCapacity> text{};  ///< The first complaint.
   std::array<std::uint8_t, kLinkCapacity> link{};

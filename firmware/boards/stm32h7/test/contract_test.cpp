@@ -39,10 +39,15 @@ struct TimerPins {
     constexpr float kCountsPerMicrosecond = 200.0f;
     const Pulses::Channel& c = board_under_test().plan.outputs.channels[k];
     const std::uint32_t compare = reg(c.timer, tim::CCR1 + 4u * c.channel);
+    const bool counts = tim::CR1_CEN.of(reg(c.timer, tim::CR1)) != 0;
     const bool enabled = (reg(c.timer, tim::CCER) >> (4u * c.channel) & 1u) != 0 &&
-                         tim::CR1_CEN.of(reg(c.timer, tim::CR1)) != 0 &&
                          (!c.advanced || tim::BDTR_MOE.of(reg(c.timer, tim::BDTR)) != 0);
-    if (!enabled || compare == 0) return 0.0f;
+    constexpr std::uint32_t kForcedLow = 4, kForcedHigh = 5;
+    const std::uint32_t modes = reg(c.timer, c.channel < 2 ? tim::CCMR1 : tim::CCMR2);
+    const std::uint32_t mode = (c.channel % 2 == 0 ? tim::CCMR1_OC1M : tim::CCMR1_OC2M).of(modes);
+    if (mode == kForcedLow || mode == kForcedHigh)
+      return enabled && mode == kForcedHigh ? 1.0f : 0.0f;
+    if (!counts || !enabled || compare == 0) return 0.0f;
     const auto prescaler = static_cast<float>(reg(c.timer, tim::PSC) + 1);
     return (static_cast<float>(compare) * prescaler / kCountsPerMicrosecond - 1000.0f) / 1000.0f;
   }

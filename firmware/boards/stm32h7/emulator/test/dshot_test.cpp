@@ -61,6 +61,16 @@ TEST_F(Dshot, FramesOfEveryRateComeOutAsTheyWereMade) {
   EXPECT_EQ(core.complaints, std::vector<std::string>{});
 }
 
+TEST_F(Dshot, BurstsLeaveAForcedLevelAlone) {
+  start(667);
+  write(tim, tim::CCMR1, tim::CCMR1_OC1M(5) | tim::CCMR1_OC1PE(1));
+  send(parts::dshot_counts(parts::dshot_frame(1000, false), 667), 12);
+  core.run_for(100 * kTicksPerMicrosecond);
+  EXPECT_TRUE(tim.forced_high(0));
+  EXPECT_EQ(tim.dshot_throttle(0), 0U) << "it makes no bits, so 12 of them are no train";
+  EXPECT_EQ(core.complaints, std::vector<std::string>{});
+}
+
 TEST_F(Dshot, WhatNoSpeedControllerTakesIsComplainedOf) {
   start(667);
   send(parts::dshot_counts(parts::dshot_frame(1000, false), 667), 12);

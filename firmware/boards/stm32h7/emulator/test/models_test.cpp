@@ -137,6 +137,23 @@ TEST_F(Models, PulseChangesWithThePeriodAndNeedsTheMainOutput) {
   EXPECT_TRUE(core.complaints.empty());
 }
 
+TEST_F(Models, AForcedOutputIsALevelOnceItDrivesThePin) {
+  start_clocks();
+  write(timer, tim::CCMR2, tim::CCMR2_OC4M(5));
+  EXPECT_TRUE(timer.forces(3));
+  EXPECT_FALSE(timer.forced_high(3)) << "not enabled";
+  write(timer, tim::CCER, tim::CCER_CC4E(1));
+  EXPECT_FALSE(timer.forced_high(3)) << "TIM1 without MOE drives no pin";
+  write(timer, tim::BDTR, tim::BDTR_MOE(1));
+  EXPECT_TRUE(timer.forced_high(3)) << "at once, although the counter stands still";
+  EXPECT_EQ(timer.pulse(3), 0U);
+  write(timer, tim::CCMR2, tim::CCMR2_OC4M(4));
+  EXPECT_TRUE(timer.forces(3));
+  EXPECT_FALSE(timer.forced_high(3));
+  EXPECT_FALSE(timer.forces(2)) << "the other channel of the register";
+  EXPECT_TRUE(core.complaints.empty());
+}
+
 // ---- pins
 
 TEST(Pins, EdgeReachesTheInterruptOfItsPortAlone) {
