@@ -42,11 +42,17 @@ void UbloxModel::set_power(bool on) {
   wire_free_ = now_;
   next_solution_ = up_to(now_, period_);
   next_second_ = up_to(now_, kSecond);
+  end_pulse();
+}
+
+void UbloxModel::end_pulse() {
+  if (pulse_ends_ != kNever && pulse) pulse(false, now_);
+  pulse_ends_ = kNever;
 }
 
 Time UbloxModel::next_event() const {
   if (!powered_) return kNever;
-  Time next = std::min(next_solution_, next_second_);
+  Time next = std::min({next_solution_, next_second_, pulse_ends_});
   if (!solutions_.empty()) next = std::min(next, solutions_.front() + latency);
   if (!out_.empty()) next = std::min(next, std::max(now_ + Time{1}, out_.front().end));
   return next;
@@ -54,13 +60,18 @@ Time UbloxModel::next_event() const {
 
 void UbloxModel::advance(Time now) {
   while (powered_) {
-    Time next = std::min(next_solution_, next_second_);
+    Time next = std::min({next_solution_, next_second_, pulse_ends_});
     if (!solutions_.empty()) next = std::min(next, solutions_.front() + latency);
     if (next > now) break;
     now_ = next;
-    if (next == next_second_) {
+    if (next == pulse_ends_) {
+      end_pulse();
+    } else if (next == next_second_) {
       next_second_ += kSecond;
-      if (pulse && pulse_locked_us_ > 0) pulse(true, now_);
+      if (pulse && pulse_locked_us_ > 0) {
+        pulse_ends_ = now_ + Time{pulse_locked_us_};
+        pulse(true, now_);
+      }
       if (nmea_out_) {
         const char* const sentence = "$GNTXT,01,01,02,ANTSTATUS=OK*25\r\n";
         send(Bytes(sentence, sentence + 33));

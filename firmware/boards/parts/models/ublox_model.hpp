@@ -54,6 +54,7 @@ class UbloxModel final : public UartPart {
   void send_solution(Time validity);
   void send_ubx(std::uint8_t message_class, std::uint8_t id, const Bytes& payload);
   void send(const Bytes& bytes);
+  void end_pulse();
 
   Exposure exposure_;
   bool powered_{false};
@@ -76,6 +77,7 @@ class UbloxModel final : public UartPart {
   Time now_{};
   Time next_solution_{};
   Time next_second_{};
+  Time pulse_ends_{kNever};
 };
 
 }  // namespace rosflight::boards::parts::models

@@ -87,6 +87,20 @@ TEST_F(UbloxTest, ConfiguresAirborneModelAndPulse) {
   EXPECT_EQ(model_.complaints(), std::vector<std::string>{});
 }
 
+TEST_F(UbloxTest, TheModelsPulseRisesEachSecondAndFallsAfterItsLength) {
+  start();
+  time_to_run(milliseconds(3000));
+  std::vector<Time> rising, falling;
+  model_.pulse = [&](bool high, Time when) { (high ? rising : falling).push_back(when); };
+  rig_.run_for(milliseconds(3000));
+  ASSERT_EQ(rising.size(), 3u);
+  ASSERT_EQ(falling.size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(rising[k].count() % 1'000'000, 0);
+    EXPECT_EQ(falling[k] - rising[k], milliseconds(1));
+  }
+}
+
 TEST_F(UbloxTest, DeliversTenSolutionsASecond) {
   truth_.latitude_deg = -33.8567844;
   truth_.longitude_deg = 151.2152967;
