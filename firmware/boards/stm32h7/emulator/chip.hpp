@@ -30,6 +30,9 @@ class Chip {
   /// Power comes on: RAM and backup memory are lost.
   void power_on(std::uint32_t vector_table);
 
+  /// The processor executes ST's bootloader in ROM, of which nothing is modelled but that it waits.
+  bool in_bootloader() const;
+
   PinPort& port(const PinName& pin) { return ports_[pin.port]; }
 
   Processor processor;
@@ -63,6 +66,7 @@ class Chip {
   }
   void connect_dma();
   void write_factory_values();
+  void write_bootloader();
   void check_backup_memory();
   void reset_peripherals(std::uint32_t offset, std::uint32_t bits);
 

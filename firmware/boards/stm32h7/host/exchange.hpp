@@ -75,6 +75,7 @@ struct FromChip {
   double stamp_error_us{};
   hal::OutputValues outputs{};  ///< Pulses on the pins, as 0..1.
   std::array<std::uint8_t, 4> leds{};
+  std::uint8_t in_bootloader{};  ///< The processor executes the bootloader in ROM.
   FirmwareGlance firmware;
   std::array<char, kTextCapacity> text{};  ///< The first complaint.
   std::array<std::uint8_t, kLinkCapacity> link{};
