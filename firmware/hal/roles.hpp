@@ -45,7 +45,7 @@ class Receiver : public Source<RcFrame> {
 
 class Battery : public Source<BatterySample> {
  public:
-  /// Scales from the pin to the battery; 0 keeps the board's own value.
+  /// Scales from the pin to the battery, at first the board's own; 0 keeps the one in force.
   virtual void set_multipliers(float voltage, float current) = 0;
 
  protected:

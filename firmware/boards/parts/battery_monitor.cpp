@@ -42,8 +42,8 @@ bool BatteryMonitor::poll(hal::BatterySample& sample) {
 }
 
 void BatteryMonitor::set_multipliers(float voltage, float current) {
-  voltage_ = voltage != 0.0f ? voltage : board_voltage_.scale;
-  current_ = current != 0.0f ? current : board_current_.scale;
+  if (voltage != 0.0f) voltage_ = voltage;
+  if (current != 0.0f) current_ = current;
 }
 
 }  // namespace rosflight::boards::parts

@@ -26,7 +26,7 @@ float adc_pin_V(std::uint32_t code, float supply_V);
 float chip_temperature_K(const AdcCalibration& calibration, std::uint32_t code, float supply_V);
 
 /// Battery voltage and current of a board, from the converter to the main loop. What set_multipliers()
-/// sets replaces the board's scale; 0 keeps it. An offset always belongs to the board.
+/// sets replaces the board's scale; 0 keeps the one in force. An offset always belongs to the board.
 class BatteryMonitor final : public hal::Battery {
  public:
   BatteryMonitor(const AdcScale& voltage, const AdcScale& current)

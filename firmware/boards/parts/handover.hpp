@@ -8,17 +8,20 @@
 namespace rosflight::boards::parts {
 
 /// Samples on their way from the bus context to the main loop: one puts, the other takes, nobody
-/// locks. Holds N; a further one is dropped and counted, since the older ones may be being read.
+/// locks. Holds N; a further one replaces the newest, which is counted as dropped, so that a main loop that
+/// was away finds the newest last. The oldest may be being read: the bus context interrupts the main loop,
+/// never the reverse.
 template <class Sample, std::uint32_t N = 4>
 class Handover {
-  static_assert(N > 0 && (N & (N - 1)) == 0, "the counters wrap");
+  static_assert(N > 1 && (N & (N - 1)) == 0, "the counters wrap, and the newest is not the oldest");
 
  public:
-  /// Bus context. @returns false if there was no room.
+  /// Bus context. @returns false if it replaced another one.
   bool put(const Sample& sample) {
     const std::uint32_t put = put_.load(std::memory_order_relaxed);
     if (put - taken_.load(std::memory_order_acquire) == N) {
       dropped_.store(dropped_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+      samples_[(put - 1) % N] = sample;
       return false;
     }
     samples_[put % N] = sample;

@@ -12,6 +12,12 @@ inline constexpr std::uint32_t kBackupMemorySize = 4096;
 /// a cache line is lost with the reset.
 void open_backup_memory();
 
+/// Asks start-up to enter ST's bootloader in ROM after the next reset: a word at the end of the backup memory, which is open.
+void request_bootloader();
+/// Before the clocks, because the bootloader expects them as after a reset: enters it if it was requested, once, and then does not
+/// return. The backup memory is open. AN2606.
+void enter_requested_bootloader();
+
 /// What ended the last run; from RCC_RSR.
 enum class ResetCause : std::uint8_t { kPowerOn, kPin, kSoftware, kWatchdog, kOther };
 /// Reads and clears the flags, so call it once.

@@ -15,9 +15,10 @@ bool start_board(ObjectStorage<Board>& board, const Oscillator& oscillator,
                  typename Board::Memory& memory) {
   constexpr std::uint32_t kSram3Size = 0x8000u;
   constexpr std::uint32_t kAxiSram = 0x2400'0000u, kAxiSramSize = 0x8'0000u;
+  open_backup_memory();
+  enter_requested_bootloader();
   start_clocks(oscillator);
   open_gate(kSram3);
-  open_backup_memory();
   make_uncached(0, kSram3.base, kSram3Size);
   make_uncached(1, kBackupMemory, kBackupMemorySize);
   // The flight record: a dirty cache line would be lost with a reset.

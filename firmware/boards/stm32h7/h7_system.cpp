@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "firmware/boards/stm32h7/backup_domain.hpp"
 #include "firmware/boards/stm32h7/cpu.hpp"
 #include "firmware/boards/stm32h7/timers.hpp"
 
@@ -63,7 +64,8 @@ void H7System::feed_watchdog() {
   if (watched_) Watchdog::feed();
 }
 
-void H7System::reset(bool /*to_bootloader*/) {
+void H7System::reset(bool to_bootloader) {
+  if (to_bootloader) request_bootloader();
   reset_processor();
 }
 

@@ -21,6 +21,8 @@ class Adis16500Model final : public SpiPart {
   void set_power(bool on) override;
   void select(bool selected) override;
   std::uint8_t exchange(std::uint8_t out) override;
+  /// The chip was reset in the middle of a word, which is lost; the pin floats and select(false) follows.
+  void abandon() { selected_ = false; }
   /// The reset pin; low stops the part, high starts it.
   void reset_pin(bool high);
   /// Mean age, at its data-ready edge, of what a sample shows.

@@ -55,9 +55,9 @@ class UbloxModel final : public UartPart {
   void configure(std::uint8_t id, const Bytes& payload);
   void send_solution(Time validity);
   void begin_pulse();
-  void end_pulse();
   void send_ubx(std::uint8_t message_class, std::uint8_t id, const Bytes& payload);
   void send(const Bytes& bytes);
+  void end_pulse();
 
   Exposure exposure_;
   bool powered_{false};

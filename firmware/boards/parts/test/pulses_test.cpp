@@ -145,7 +145,7 @@ TEST(BatteryMonitor, ScalesWithTheTableOfTheBoards) {
   EXPECT_FALSE(battery.poll(sample));
 }
 
-TEST(BatteryMonitor, MultipliersReplaceTheScaleAndZeroKeepsIt) {
+TEST(BatteryMonitor, MultipliersReplaceTheScaleAndZeroKeepsTheOneInForce) {
   BatteryMonitor battery{{12.62f, 0.0f}, {60.5f, 0.1f}};
   hal::BatterySample sample;
   battery.set_multipliers(10.1f, 17.0f);
@@ -156,8 +156,8 @@ TEST(BatteryMonitor, MultipliersReplaceTheScaleAndZeroKeepsIt) {
   battery.set_multipliers(0.0f, 0.0f);
   battery.measured({}, 1.0f, 1.1f);
   ASSERT_TRUE(battery.poll(sample));
-  EXPECT_NEAR(sample.voltage_V, 12.62f, 1e-5f);
-  EXPECT_NEAR(sample.current_A, 60.5f, 1e-4f);
+  EXPECT_NEAR(sample.voltage_V, 10.1f, 1e-5f);
+  EXPECT_NEAR(sample.current_A, 17.0f, 1e-4f);
 }
 
 TEST(Adc, ConvertsByTheReference) {

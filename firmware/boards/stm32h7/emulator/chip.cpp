@@ -10,6 +10,8 @@ namespace {
 
 using Kind = Processor::Kind;
 
+constexpr std::uint32_t kBootloader = 0x1FF0'9800U;  // AN2606
+
 /// RM0433 table of the memory map.
 // NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): the order of the reference manual
 constexpr struct {
@@ -19,6 +21,7 @@ constexpr struct {
 } kMemories[] = {
     {0x0000'0000U, 0x1'0000, Kind::kCode},    // ITCM
     {0x0800'0000U, 0x1C'0000, Kind::kFlash},  // both banks, but for the sectors of parameters
+    {0x1FF0'9000U, 0x1000, Kind::kFlash},     // the bootloader in ROM
     {0x1FF1'E000U, 0x1000, Kind::kFlash},     // what the factory measured
     {0x2000'0000U, 0x2'0000, Kind::kRam},     // DTCM
     {0x2400'0000U, 0x8'0000, Kind::kRam},     // AXI SRAM
@@ -101,6 +104,20 @@ Chip::Chip(std::uint64_t crystal_Hz)
   watchdog.on_bite = [this] { check_backup_memory(); };
   connect_dma();
   write_factory_values();
+  write_bootloader();
+}
+
+/// A vector table, and two instructions: wait for an interrupt, again.
+void Chip::write_bootloader() {
+  constexpr std::uint32_t kStack = 0x2000'1000U, kEntry = kBootloader + 8;
+  constexpr std::uint32_t kWaitForEver = 0xE7FD'BF30U;
+  const std::array<std::uint32_t, 3> words{kStack, kEntry | 1U, kWaitForEver};
+  std::memcpy(processor.memory(kBootloader, sizeof words), words.data(), sizeof words);
+}
+
+bool Chip::in_bootloader() const {
+  const std::uint32_t at = processor.stands_at() & ~1U;
+  return at >= kBootloader && at < kBootloader + 0x800U;
 }
 
 /// Reference and temperature sensor of the converters; what ADC3 finds of them is their share of the supply. The

@@ -32,6 +32,8 @@ class Chip {
 
   /// Temperature of its junction.
   double temperature_degC{45.0};
+  /// The processor executes ST's bootloader in ROM, of which nothing is modelled but that it waits.
+  bool in_bootloader() const;
 
   PinPort& port(const PinName& pin) { return ports_[pin.port]; }
 
@@ -66,6 +68,7 @@ class Chip {
   }
   void connect_dma();
   void write_factory_values();
+  void write_bootloader();
   void check_backup_memory();
   void reset_peripherals(std::uint32_t offset, std::uint32_t bits);
 

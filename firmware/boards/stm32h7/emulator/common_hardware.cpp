@@ -195,7 +195,10 @@ void CommonHardware::take_samples(const ToChip& world) {
     battery_V_ = static_cast<double>(world.battery.voltage_V);
     battery_A_ = static_cast<double>(world.battery.current_A);
   }
-  if (world.has_mag != 0) copy(world.mag.field_T, mag_truth_.field_T);
+  if (world.has_mag != 0) {
+    copy(world.mag.field_T, mag_truth_.field_T);
+    mag_truth_.temperature_K = static_cast<double>(world.mag.temperature_K);
+  }
   if (world.has_baro != 0) {
     baro_truth_ = {static_cast<double>(world.baro.pressure_Pa),
                    static_cast<double>(world.baro.temperature_K)};

@@ -84,6 +84,7 @@ class Session {
     out.busy_us = (chip_.processor.now() - counters.slept) / kTicksPerMicrosecond;
     out.resets = static_cast<std::uint32_t>(counters.resets);
     out.complaints = complaints_;
+    out.in_bootloader = static_cast<std::uint8_t>(chip_.in_bootloader());
     if (out.clock_zero_us >= 0) out.stack_bytes = stack_high_water();  // painted by then
     out.cpu_us = static_cast<std::uint64_t>(std::clock()) * 1'000'000 / CLOCKS_PER_SEC;
     if (const std::uint8_t* glance = variable("board_glance", sizeof(FirmwareGlance))) {

@@ -78,6 +78,8 @@ class Processor final : public Core {
   std::function<void(const std::string&)> on_fault;
 
   const Counters& counters() const { return counters_; }
+  /// Address of the next instruction, between two calls of run_until().
+  std::uint32_t stands_at() const { return resume_at_; }
   /// A fault inside the hard fault handler stopped the processor until the next reset.
   bool locked_up() const { return locked_up_; }
 

@@ -54,7 +54,10 @@ VarmintModel::VarmintModel(Revision revision)
 
 void VarmintModel::connect_imu() {
   chip_.port(kImuSelect).on_output = [this](unsigned number, bool high) {
-    if (number == kImuSelect.number) imu_on_bus_.select(!high);
+    if (number == kImuSelect.number) {
+      if (!chip_.port(kImuSelect).is_output(number)) imu_.abandon();
+      imu_on_bus_.select(!high);
+    }
     if (number == kBaroSelect.number) baro_on_bus_.select(!high);
     if (number != kImuReset.number) return;
     imu_on_bus_.advance();

@@ -78,6 +78,7 @@ struct FromChip {
   std::uint16_t levels{};       ///< Bit per output: its pin is a plain level.
   std::array<std::uint8_t, 4> leds{};
   std::uint32_t buzzer_Hz{};  ///< Tone on the buzzer's pin now; 0: silent, or the board has none.
+  std::uint8_t in_bootloader{};  ///< The processor executes the bootloader in ROM.
   FirmwareGlance firmware;
   std::array<char, kTextCapacity> text{};  ///< The first complaint.
   std::array<std::uint8_t, kLinkCapacity> link{};

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/hal/roles.hpp"
-#include "firmware/hal/test/contract/samples.hpp"
+#include "firmware/hal/test/contract/delivery.hpp"
 
 /// What a Receiver promises beyond being a Source (source_contract.hpp). Instantiate with
 ///
@@ -11,19 +11,19 @@
 ///       using Sample = hal::RcFrame;
 ///       hal::Receiver& role();
 ///       void deliver(const hal::RcFrame& frame);
-///     };
+///     };                                      // and what delivery.hpp adds
 ///     INSTANTIATE_TYPED_TEST_SUITE_P(Board, ReceiverContract, Traits);
 namespace rosflight::hal::contract {
 
 template <class Traits>
-class ReceiverContract : public ::testing::Test {
+class ReceiverContract : public Delivery<Traits> {
  protected:
-  bool frame_passes(int k) {
-    traits_.deliver(make<RcFrame>(k));
+  ::testing::AssertionResult frame_passes(int k) {
+    this->traits_.deliver(make<RcFrame>(k));
     RcFrame frame;
-    return traits_.role().poll(frame) && frame.stamp == milliseconds(k);
+    if (!this->traits_.role().poll(frame)) return ::testing::AssertionFailure() << "no frame";
+    return this->shows(frame, make<RcFrame>(k));
   }
-  Traits traits_;
 };
 TYPED_TEST_SUITE_P(ReceiverContract);
 

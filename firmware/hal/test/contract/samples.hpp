@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <array>
 #include <tuple>
 
 #include "firmware/hal/samples.hpp"
@@ -8,8 +9,8 @@
 /// milliseconds.
 namespace rosflight::hal::contract {
 
-inline Vec3 three(float x) {
-  return {x + 0.25f, x + 0.5f, x + 0.75f};
+inline Vec3 three(float x, float unit = 1.0f) {
+  return {(x + 0.25f) * unit, (x + 0.5f) * unit, (x + 0.75f) * unit};
 }
 
 inline ImuSample make(int k, ImuSample /*kind*/) {
@@ -18,7 +19,8 @@ inline ImuSample make(int k, ImuSample /*kind*/) {
 }
 inline MagSample make(int k, MagSample /*kind*/) {
   const auto x = static_cast<float>(k);
-  return {milliseconds(k), three(x), x + 290.0f};
+  constexpr float kMicrotesla = 1e-6f;
+  return {milliseconds(k), three(x, kMicrotesla), x + 290.0f};
 }
 inline BaroSample make(int k, BaroSample /*kind*/) {
   const auto x = static_cast<float>(k);

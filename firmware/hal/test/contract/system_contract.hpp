@@ -11,10 +11,13 @@
 ///     struct Traits {
 ///       hal::System& role();          // the processor has just started
 ///       bool sensors_started() const;
-///       bool reset_asked() const;     // a real processor never returns from reset(): leave its
-///       bool bootloader_asked() const;   // test binary to a simulated one
+///       bool reset_asked() const;
+///       bool bootloader_asked() const;
 ///     };
 ///     INSTANTIATE_TYPED_TEST_SUITE_P(Board, SystemContract, Traits);
+///
+/// reset() of a real processor does not return. Its test is run again behind the reset, with a role() whose
+/// reset() returns, and with Traits that report what has happened.
 namespace rosflight::hal::contract {
 
 template <class Traits>
