@@ -37,7 +37,8 @@ FirmwareView view_of(const boards::FirmwareGlance& glance) {
   view.command = glance.command;
   std::transform(glance.command_type.begin(), glance.command_type.end(), view.command_type.begin(),
                  [](std::uint8_t type) { return static_cast<core::CommandType>(type); });
-  view.q_WB = {glance.q_WB[0], glance.q_WB[1], glance.q_WB[2], glance.q_WB[3]};
+  if (glance.q_WB != decltype(glance.q_WB){})
+    view.q_WB = {glance.q_WB[0], glance.q_WB[1], glance.q_WB[2], glance.q_WB[3]};
   view.roll_rad = glance.roll_rad;
   view.pitch_rad = glance.pitch_rad;
   return view;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
@@ -21,7 +22,10 @@ class ByteRing {
   /// `count` <= room(). Visible to the taker all at once.
   void put(const std::uint8_t* data, std::size_t count) {
     const std::uint32_t first = put_;
-    for (std::size_t k = 0; k < count; ++k) bytes_[(first + k) % N] = data[k];
+    const std::size_t place = first % N;
+    const std::size_t until_end = std::min(count, N - place);
+    std::copy_n(data, until_end, bytes_.begin() + place);
+    std::copy_n(data + until_end, count - until_end, bytes_.begin());
     std::atomic_thread_fence(std::memory_order_seq_cst);
     put_ = first + static_cast<std::uint32_t>(count);
   }
@@ -36,6 +40,14 @@ class ByteRing {
     const std::uint8_t byte = peek();
     drop(1);
     return byte;
+  }
+  /// `count` <= size().
+  void take(std::uint8_t* data, std::size_t count) {
+    const std::size_t place = taken_ % N;
+    const std::size_t until_end = std::min(count, N - place);
+    std::copy_n(bytes_.begin() + place, until_end, data);
+    std::copy_n(bytes_.begin(), count - until_end, data + until_end);
+    drop(count);
   }
 
  private:

@@ -17,7 +17,7 @@ struct FirmwareGlance {
   std::uint8_t reserved{};
   std::uint16_t errors{};
   std::uint16_t primary_axes{};
-  std::array<float, 4> q_WB{1.0f, 0.0f, 0.0f, 0.0f};
+  std::array<float, 4> q_WB{};  ///< All 0 before the first pass.
   float roll_rad{};
   float pitch_rad{};
   std::array<float, 3> rates_rad_s{};

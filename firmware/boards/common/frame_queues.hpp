@@ -39,7 +39,7 @@ class FrameQueues {
   std::size_t take(std::uint8_t* data, std::size_t capacity) {
     if (remaining_ == 0 && !begin_next()) return 0;
     const std::size_t count = std::min(remaining_, capacity);
-    for (std::size_t k = 0; k < count; ++k) data[k] = queues_[sending_].take();
+    queues_[sending_].take(data, count);
     remaining_ -= count;
     return count;
   }

@@ -33,7 +33,7 @@ class PixracerPro final : public stm32h7::FlightBoard {
   void on_imu_sample() { imu_.data_ready(edge_time()); }
   void on_imu_bus() { imu_hardware_.on_interrupt(), wake_when_idle(imu_bus_); }
   void on_baro_bus() { baro_hardware_.on_interrupt(), wake_when_idle(baro_bus_); }
-  void on_external_bus() { external_hardware_.on_interrupt(), wake(); }
+  void on_external_bus() { external_hardware_.on_interrupt(), wake_when_idle(external_bus_); }
   void on_tick();
 
  private:

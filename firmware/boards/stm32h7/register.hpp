@@ -11,10 +11,11 @@ struct Field {
   std::uint32_t lsb;
   std::uint32_t width;
 
-  constexpr std::uint32_t mask() const { return (width == 32 ? ~0u : (1u << width) - 1u) << lsb; }
+  // Inlined, they are one instruction or a constant: made small, the compiler would call them.
+  [[gnu::always_inline]] constexpr std::uint32_t mask() const { return (width == 32 ? ~0u : (1u << width) - 1u) << lsb; }
   /// The value in its place; bits that do not fit are cut off.
-  constexpr std::uint32_t operator()(std::uint32_t value) const { return (value << lsb) & mask(); }
-  constexpr std::uint32_t of(std::uint32_t word) const { return (word & mask()) >> lsb; }
+  [[gnu::always_inline]] constexpr std::uint32_t operator()(std::uint32_t value) const { return (value << lsb) & mask(); }
+  [[gnu::always_inline]] constexpr std::uint32_t of(std::uint32_t word) const { return (word & mask()) >> lsb; }
 };
 
 /// One peripheral of a kind: base address, and the bit of RCC that opens its clock gate

@@ -2,6 +2,7 @@
 #include "firmware/boards/stm32h7/usb_port.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "firmware/boards/stm32h7/clocks.hpp"
 #include "firmware/boards/stm32h7/cpu.hpp"
@@ -64,13 +65,16 @@ void start_in(std::uint32_t endpoint, const std::uint8_t* data, std::size_t size
                                    otg_in::DIEPTSIZ_XFRSIZ(static_cast<std::uint32_t>(size));
   in(endpoint, otg_in::DIEPCTL) =
       in(endpoint, otg_in::DIEPCTL) | otg_in::DIEPCTL_CNAK(1) | otg_in::DIEPCTL_EPENA(1);
-  for (std::size_t at = 0; at < size; at += 4) {
-    std::uint32_t word = 0;
-    for (std::size_t k = 0; k < 4 && at + k < size; ++k) {
-      word |= static_cast<std::uint32_t>(data[at + k]) << (8u * k);
-    }
+  std::uint32_t word = 0;
+  std::size_t at = 0;
+  for (; at + sizeof(word) <= size; at += sizeof(word)) {
+    std::memcpy(&word, data + at, sizeof(word));
     fifo(endpoint) = word;
   }
+  if (at == size) return;
+  word = 0;
+  std::memcpy(&word, data + at, size - at);
+  fifo(endpoint) = word;
 }
 
 }  // namespace
@@ -167,7 +171,7 @@ void UsbPort::send(const std::uint8_t* data, std::size_t size) {
 
 std::size_t UsbPort::read(std::uint8_t* data, std::size_t capacity) {
   const std::size_t count = std::min(capacity, received_.size());
-  for (std::size_t k = 0; k < count; ++k) data[k] = received_.take();
+  received_.take(data, count);
   const std::uint32_t masked = mask_bus();
   if (cdc_.configured()) accept_data();
   unmask_bus(masked);

@@ -43,7 +43,7 @@ class Varmint final : public stm32h7::FlightBoard {
   void on_imu_bus() { imu_hardware_.on_interrupt(), wake_when_idle(imu_bus_); }
   /// @param index  in kSensorBuses.
   void on_sensor_bus(std::size_t index);
-  void on_i2c() { i2c_hardware_.on_interrupt(), wake(); }
+  void on_i2c() { i2c_hardware_.on_interrupt(), wake_when_idle(i2c_bus_); }
   void on_tick();
 
  private:
