@@ -54,6 +54,17 @@ struct ToChip {
   std::array<std::uint8_t, kLinkCapacity> link{};
 };
 
+/// What a timer makes on the pin of an output.
+struct PinSignal {
+  static constexpr std::size_t kDshotBits = 16;
+
+  double count_s{};              ///< One count of the timer.
+  double period_s{};             ///< From pulse to pulse, or of one bit of DShot.
+  double high_s{};               ///< Width of the pulses; 0: the pin is still, or makes DShot.
+  std::uint32_t dshot_frames{};  ///< Sent since the power came on.
+  std::array<std::uint32_t, kDshotBits> dshot_high{};  ///< Of the last frame, bit by bit [counts].
+};
+
 struct FromChip {
   static constexpr std::size_t kLinkCapacity = 65536;
   static constexpr std::size_t kTextCapacity = 512;
@@ -73,7 +84,8 @@ struct FromChip {
       edge_to_output_us{};  ///< From a data-ready edge to the output that followed; the longest of this step.
   /// The firmware's stamp of its newest IMU sample less the time of the world that the sample shows.
   double stamp_error_us{};
-  hal::OutputValues outputs{};  ///< Pulses on the pins, as 0..1.
+  hal::OutputValues outputs{};                     ///< Pulses on the pins, as 0..1.
+  std::array<PinSignal, hal::kOutputs> signals{};  ///< The same as the pins show them.
   std::array<std::uint8_t, 4> leds{};
   FirmwareGlance firmware;
   std::array<char, kTextCapacity> text{};  ///< The first complaint.
