@@ -62,7 +62,8 @@ struct PinSignal {
   double period_s{};             ///< From pulse to pulse, or of one bit of DShot.
   double high_s{};               ///< Width of the pulses; 0: the pin is still, or makes DShot.
   std::uint32_t dshot_frames{};  ///< Sent since the power came on.
-  std::array<std::uint32_t, kDshotBits> dshot_high{};  ///< Of the last frame, bit by bit [counts].
+  std::array<std::uint32_t, kDshotBits>
+      dshot_high{};  ///< High time of each bit of the last frame [counts].
 };
 
 struct FromChip {
