@@ -8,7 +8,8 @@ Without a name those are measured that take five minutes together. By name or wi
 in pairs (faults, a quarter of an hour; prints the matrix and writes docs/fault-matrix.md), random flights (property, half an
 hour), the build (build, some minutes), round trips, speed and load over ROS (rtt, ros, load,
 a quarter of an hour)
-and the fuzzers with a million inputs each, those of the receivers' decoders and of the GNSS receiver's parser with ten (fuzz, hours).
+and the fuzzers with a million inputs each, those of the receivers' decoders and of the GNSS receiver's parser with ten million
+(fuzz, hours).
 --boards: the paper's measurements on the emulated Pixracer Pro and Varmint, as a table and as pictures in DIR: round trips of
 N offboard commands (18000) over USB and over the UART at 921600 and 3000000 baud, and S seconds (20) of a triangle wave of roll
 in pass-through at 400 Hz. A quarter of an hour.

@@ -13,9 +13,10 @@ import project
 LINKS = {"USB": "usb", "UART 921600": "921600", "UART 3000000": "3000000"}
 RESULTS = "boards.json"
 ENVIRONMENT = ".venv-plot"
-ROUND_TRIP = [("mean", "mean_ms"), ("median", "median_ms"), ("99.9 %", "p999_ms"), ("max", "max_ms"), ("fastest Hz", "fastest_hz")]
-ROLL = [("rms deg", "roll_rms_deg"), ("max deg", "roll_max_deg"), ("lag ms", "lag_ms"), ("estimate deg", "roll_estimated_rms_deg"),
-        ("Hz", "commands_hz")]
+ROUND_TRIP = [("mean", "mean_ms"), ("median", "median_ms"), ("99.9 %", "p999_ms"), ("max", "max_ms"),
+              ("fastest Hz", "fastest_hz")]
+ROLL = [("rms deg", "roll_rms_deg"), ("max deg", "roll_max_deg"), ("lag ms", "lag_ms"),
+        ("estimate deg", "roll_estimated_rms_deg"), ("Hz", "commands_hz")]
 
 
 class Parser(argparse.ArgumentParser):
@@ -78,8 +79,9 @@ def table(rows: list[dict], columns: list[tuple[str, str]], names: tuple[str, st
 
 def draw(folder: Path):
     """By matplotlib, in an environment of its own."""
-    subprocess.run(["bash", str(project.ROOT / "tools/ready.sh"), "environment", ENVIRONMENT, "tools/requirements-plot.txt"], check=True)
-    subprocess.run([str(project.ROOT / ENVIRONMENT / "bin/python3"), str(project.ROOT / "tools/board_plots.py"), str(folder)], check=True)
+    tools, python = project.ROOT / "tools", project.ROOT / ENVIRONMENT / "bin/python3"
+    subprocess.run(["bash", str(tools / "ready.sh"), "environment", ENVIRONMENT, "tools/requirements-plot.txt"], check=True)
+    subprocess.run([str(python), str(tools / "board_plots.py"), str(folder)], check=True)
 
 
 def main(arguments: list[str]) -> int:

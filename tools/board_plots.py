@@ -25,8 +25,8 @@ def draw_round_trips(folder: Path, board: str, rows: list[dict]):
     bins = numpy.arange(0.0, last + 0.04, 0.02)
     for each, row, colour in zip(trips, rows, COLOURS):
         axes.hist(each, bins=bins, histtype="stepfilled", alpha=0.35, color=colour)
-        axes.hist(each, bins=bins, histtype="step", color=colour,
-                  label=f"{row['name']}: mean {row['mean_ms']:.3f} ms, max {row['max_ms']:.3f} ms, up to {row['fastest_hz']:.0f} Hz")
+        label = f"{row['name']}: mean {row['mean_ms']:.3f} ms, max {row['max_ms']:.3f} ms, up to {row['fastest_hz']:.0f} Hz"
+        axes.hist(each, bins=bins, histtype="step", color=colour, label=label)
     axes.set(title=f"{board}, emulated: {rows[0]['commands']} offboard commands at 400 Hz and back", xlabel="round trip [ms]",
              ylabel="commands in 0.02 ms", yscale="log", xlim=(0.0, last * 1.03))
     figure.legend(loc="outside lower center")

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Line coverage of the part drivers (firmware/boards/parts) by their own tests: h7.driver_coverage of ./rosflight bench.
 
-Builds those tests with the preset `coverage`, runs each once and reads the counts of gcov. A line counts as executable if gcc made
-code of it in any of the programs, and as covered if any of them ran it. By hand, with the table of the files:
+Builds those tests with the preset `coverage`, runs each once and reads the counts of gcov. A line counts as executable if gcc
+made code of it in any of the programs, and as covered if any of them ran it. By hand, with the table of the drivers:
 
     .venv/bin/python3 tools/driver_coverage.py
 """
@@ -63,7 +63,8 @@ def files() -> dict[str, Lines]:
     counts = sorted(BUILD.rglob("*.gcda"))
     if not counts:
         raise RuntimeError("the tests left no counts")
-    said = subprocess.run(["gcov", "--json-format", "--stdout", *map(str, counts)], cwd=BUILD, capture_output=True, text=True, check=True)
+    command = ["gcov", "--json-format", "--stdout", *map(str, counts)]
+    said = subprocess.run(command, cwd=BUILD, capture_output=True, text=True, check=True)
     found = merged([json.loads(line) for line in said.stdout.splitlines() if line.strip()])
     missing = {path.name for path in DRIVERS.glob("*.cpp")} - found.keys()
     if missing:

@@ -5,7 +5,8 @@ import board_demo
 import h7_figures
 import pytest
 
-TRIP = {"board": "varmint", "link": "usb", "mean_ms": 0.1673, "median_ms": 0.17, "p999_ms": 0.25, "max_ms": 0.26, "fastest_hz": 5198.2}
+TRIP = {"board": "varmint", "link": "usb", "mean_ms": 0.1673, "median_ms": 0.17, "p999_ms": 0.25,
+        "max_ms": 0.26, "fastest_hz": 5198.2}
 ROLL = {"roll_rms_deg": 1.107, "roll_max_deg": 2.598, "lag_ms": 120.0, "roll_estimated_rms_deg": 0.488, "commands_hz": 399.9}
 
 
