@@ -53,7 +53,8 @@ int run(const std::vector<std::string>& words) {
     }
   }
   constexpr double kMaxDuration_s = 300.0;
-  if (!(plan.duration_s >= 1.0 && plan.duration_s <= kMaxDuration_s))
+  const bool allowed = plan.duration_s >= 1.0 && plan.duration_s <= kMaxDuration_s;
+  if (!allowed)
     throw std::runtime_error("--seconds: found " + std::to_string(plan.duration_s) +
                              ", allowed 1 to 300");
   const PassthroughResult flown = fly_passthrough(plan);

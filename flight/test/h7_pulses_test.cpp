@@ -128,6 +128,7 @@ class PulsesOf : public ::testing::TestWithParam<Wiring> {
   }
   std::vector<std::uint32_t> frames() const {
     std::vector<std::uint32_t> out;
+    out.reserve(GetParam().outputs());
     for (std::size_t k = 0; k < GetParam().outputs(); ++k)
       out.push_back(bench_.pin(k).dshot_frames);
     return out;
@@ -144,7 +145,7 @@ INSTANTIATE_TEST_SUITE_P(Boards, PulsesOf,
 TEST_P(PulsesOf, AreWithinOneCountOnEveryOutputAtEveryRate) {
   std::vector<float> rates{50.0F,  60.0F, 100.0F, 200.0F,     250.0F,     333.0F,      400.0F,
                            490.0F, 4.0F,  150e3F, 300'000.0F, 600'000.0F, 1'200'000.0F};
-  std::mt19937 random{17};
+  std::mt19937 random{17};  // NOLINT(bugprone-random-generator-seed): repeatable
   std::uniform_real_distribution<float> any_rate{4.0F, 490.0F}, any_value{0.0F, 1.0F};
   constexpr std::size_t kOddRates = 20;
   for (std::size_t k = 0; k < kOddRates; ++k) rates.push_back(any_rate(random));
