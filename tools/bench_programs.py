@@ -18,8 +18,8 @@ import stages
 
 RELEASE = project.ROOT / "build" / "release"
 FUZZ_RUNS = 1_000_000
-# Bytes that reach the firmware in flight from devices which anybody may connect. An input has room for several frames: ten of S.Bus,
-# four of CRSF at their longest, two solutions of UBX.
+# Bytes that reach the firmware in flight from devices which anybody may connect. An input has room for several frames: ten of
+# S.Bus, four of CRSF at their longest, two solutions of UBX.
 FUZZ_RUNS_OF = dict.fromkeys(("fuzz_parts_sbus", "fuzz_parts_crsf", "fuzz_parts_ubx"), 10_000_000)
 FUZZ_BYTES_OF = dict.fromkeys(FUZZ_RUNS_OF, 256)
 STORM_PASSES = 60
