@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Usage: ./rosflight bench [NAME...] [--all] [--json FILE]
+       ./rosflight bench --boards DIR [--board BOARD] [--count N] [--seconds S]
 
 Measures the project's figures, prints each with its target as soon as it is there, and writes them to FILE as one JSON
 object after each: name -> {"value", "unit", "target", "met"}. NAME chooses by a part of the name.
@@ -7,7 +8,11 @@ Without a name those are measured that take five minutes together. By name or wi
 in pairs (faults, a quarter of an hour; prints the matrix and writes docs/fault-matrix.md), random flights (property, half an
 hour), the build (build, some minutes), round trips, speed and load over ROS (rtt, ros, load,
 a quarter of an hour)
-and the fuzzers with a million inputs each (fuzz, an hour).
+and the fuzzers with a million inputs each, those of the receivers' decoders and of the GNSS receiver's parser with ten million
+(fuzz, hours).
+--boards: the paper's measurements on the emulated Pixracer Pro and Varmint, as a table and as pictures in DIR: round trips of
+N offboard commands (18000) over USB and over the UART at 921600 and 3000000 baud, and S seconds (20) of a triangle wave of roll
+in pass-through at 400 Hz. A quarter of an hour.
 A figure that cannot be measured has value null and says why under "reason".
 Exit code 0 when every chosen figure was measured, met or not; 1 otherwise.
 """
@@ -22,6 +27,7 @@ from typing import Callable
 
 import bench_figures
 import bench_programs
+import board_demo
 import project
 from bench_figures import Figure
 
@@ -95,7 +101,7 @@ def parse(arguments: list[str]) -> tuple[list[str], bool, Path | None]:
         elif argument == "--all":
             everything = True
         elif argument.startswith("-"):
-            raise ValueError(f"unknown option '{argument}'; allowed: --all, --json FILE, --help")
+            raise ValueError(f"unknown option '{argument}'; allowed: --all, --json FILE, --boards DIR, --help")
         else:
             names.append(argument)
     return names, everything, Path(file).absolute() if file else None
@@ -121,6 +127,8 @@ def main(arguments: list[str], figures: Callable[[], list[Figure]] = bench_figur
     if {"-h", "--help"} & set(arguments):
         print(__doc__)
         return 0
+    if arguments[:1] == ["--boards"]:
+        return board_demo.main(arguments[1:])
     try:
         names, everything, file = parse(arguments)
         chosen = choose(names, everything, figures())

@@ -39,7 +39,7 @@ MAY_INCLUDE = {
     "viewer": ["flight", "log", "web/server", "ground", "companion", "sim", "link", "config"],
     "apps": ["viewer", "flight", "web/server/access.hpp", "ground", "companion", "sim", "link", "firmware/hal", "firmware/core",
              "firmware/boards", "config"],
-    "bench": ["flight", "sim", "link", "firmware/hal", "firmware/core", "firmware/boards", "test_support"],
+    "bench": ["flight", "autonomy", "companion", "sim", "link", "firmware/hal", "firmware/core", "firmware/boards", "test_support"],
     "examples": ["flight", "autonomy", "sim", "config"],
     "ros/rosflight_common": ["autonomy", "config", "sim", "flight/vehicle/vehicle_setup.hpp"],
     "ros/examples": ["ros/rosflight_sim"],

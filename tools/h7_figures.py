@@ -47,18 +47,37 @@ def record_bytes(board: str = BOARD) -> float:
     return float(sum(sections(board).get(name, 0) for name in RECORD))
 
 
-@functools.cache
-def round_trips(board: str, link: str) -> dict:
-    """45 s of offboard commands to the emulated board and back, in its own time. Some minutes of the host's."""
-    project.build("cortex-m7", f"firmware_{board}_echo.elf", keep_going=True)
-    done = subprocess.run([str(project.ROOT / "build/release/bench/board_rtt"), board, link], capture_output=True, text=True,
-                          timeout=1800, stdin=subprocess.DEVNULL)
+def bench_program(name: str, *words: str) -> dict:
+    """What a program of bench/ prints about a board, as JSON."""
+    done = subprocess.run([str(project.ROOT / "build/release/bench" / name), *words], capture_output=True, text=True,
+                          timeout=3600, stdin=subprocess.DEVNULL)
     if done.returncode != 0:
-        raise RuntimeError((done.stderr.strip().splitlines() or ["it printed nothing"])[-1])
-    found = json.loads(done.stdout)
+        raise RuntimeError((done.stderr.strip().splitlines() or [f"{name} printed nothing"])[-1])
+    return json.loads(done.stdout)
+
+
+def measure_round_trips(board: str, link: str, *options: str) -> dict:
+    """Offboard commands to the emulated board and back, in its own time. Some minutes of the host's."""
+    project.build("cortex-m7", f"firmware_{board}_echo.elf", keep_going=True)
+    found = bench_program("board_rtt", board, link, *options)
     if found["lost"] != 0:
         raise RuntimeError(f"{found['lost']} commands were lost")
     return found
+
+
+@functools.cache
+def round_trips(board: str, link: str) -> dict:
+    """45 s of them at 400 Hz, and then as fast as they are answered."""
+    return measure_round_trips(board, link)
+
+
+@functools.cache
+def passthrough(board: str, attitude: str = "companion") -> dict:
+    """A triangle wave of roll by attitude loops of the companion, in pass-through at 400 Hz, over the UART.
+
+    @param attitude  what corrects the attitude that the firmware sends: the companion's, or nothing but the firmware's filter.
+    """
+    return bench_program("board_passthrough", board, *(["--attitude", "firmware"] if attitude == "firmware" else []))
 
 
 @functools.cache

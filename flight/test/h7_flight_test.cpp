@@ -393,6 +393,11 @@ TEST(PixracerPro, AWrongImageIsRefusedInOneLine) {
   options.image = project_root() / "build/cortex-m7/firmware/boards/qemu_m7/firmware_qemu_m7.elf";
   EXPECT_NE(refusal(options).find("no vector table at 0x08000000"), std::string::npos)
       << refusal(options);
+  // The same chip, other wiring.
+  options.image = emulated_chip("varmint").image;
+  EXPECT_NE(refusal(options).find("image: found one for varmint, allowed one for pixracer_pro"),
+            std::string::npos)
+      << refusal(options);
   options.image =
       std::filesystem::path(::testing::TempDir()) / ("h7_no_" + std::to_string(::getpid()));
   std::ofstream(options.image)

@@ -12,6 +12,10 @@ using namespace rosflight::boards::stm32h7;
 extern "C" {
 extern const VectorTable board_vectors;
 
+/// Which board the image is for: the emulator, and a person with a debugger, find it by its name.
+extern const char board_name[];
+__attribute__((used)) const char board_name[] = ROSFLIGHT_BOARD;
+
 __attribute__((naked)) void board_take_fault() {
   ROSFLIGHT_TAKE_FAULT();
 }

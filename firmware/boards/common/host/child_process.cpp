@@ -101,7 +101,10 @@ void ChildProcess::give_up(const std::string& why) {
   listen();
   std::string text = part_ + ": " + why;
   while (!last_words_.empty() && last_words_.back() == '\n') last_words_.pop_back();
-  text += last_words_.empty() ? "; it printed nothing" : "; its last output:\n" + last_words_;
+  const bool one_line = last_words_.find('\n') == std::string::npos;
+  text += last_words_.empty()
+              ? "; it printed nothing"
+              : std::string("; its last output:") + (one_line ? ' ' : '\n') + last_words_;
   stop();
   throw EmulatorError(text);
 }

@@ -15,6 +15,17 @@ namespace {
 constexpr parts::UartFormat kSbus{100'000, true, 2, true}, kCrsf{420'000, false, 1, false};
 constexpr unsigned kUsbFunction = 10;
 
+PinSignal signal_of(const TimerModel& timer, std::size_t channel) {
+  const auto seconds = [](Ticks ticks) { return static_cast<double>(ticks) / kTicksPerSecond; };
+  PinSignal out;
+  out.count_s = seconds(timer.tick());
+  out.period_s = seconds(timer.period());
+  if (!timer.makes_dshot()) out.high_s = seconds(timer.pulse(channel));
+  out.dshot_frames = timer.dshot_frames(channel);
+  out.dshot_high = timer.dshot_high(channel);
+  return out;
+}
+
 }  // namespace
 
 CommonHardware::CommonHardware(Wiring wiring)
@@ -232,6 +243,7 @@ void CommonHardware::report(FromChip& out) {
     const Output& output = wiring_.outputs[k];
     const TimerModel& timer = chip_.*output.timer;
     const Ticks pulse = timer.pulse(output.channel);
+    out.signals[k] = signal_of(timer, output.channel);
     out.outputs[k] = 0.0F;
     if (timer.forces(output.channel)) {
       const bool high = timer.forced_high(output.channel);

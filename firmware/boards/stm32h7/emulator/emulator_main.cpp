@@ -26,7 +26,9 @@ constexpr std::uint32_t kImageBases[] = {0x0800'0000U, 0x0802'0000U};
 /// Runs orders from the block until the other end of the pipe closes.
 class Session {
  public:
-  Session(EmulatedHardware& board, const ElfFile& image, Exchange& block)
+  /// @param board_name  of the emulated board, which the image has to be for.
+  Session(EmulatedHardware& board, const std::string& board_name, const ElfFile& image,
+          Exchange& block)
       : board_{board}, chip_{board.chip()}, image_{image}, block_{block} {
     chip_.processor.on_complaint = [this](const std::string& what) { note(what); };
     chip_.processor.on_fault = [this](const std::string& what) {
@@ -47,6 +49,7 @@ class Session {
       if (place == nullptr) throw ProcessorError("the image does not fit the chip's memory");
       std::copy(segment.bytes.begin(), segment.bytes.end(), place);
     }
+    check_board(board_name);
   }
 
   void run() {
@@ -61,6 +64,18 @@ class Session {
  private:
   std::int64_t now_us() const {
     return static_cast<std::int64_t>(chip_.processor.now() / kTicksPerMicrosecond);
+  }
+
+  /// @throws ProcessorError  the image is for another board. One without symbols is taken as it is.
+  void check_board(const std::string& expected) {
+    constexpr std::size_t kMaxName = 32;
+    const std::uint8_t* const at = variable("board_name", kMaxName);
+    if (at == nullptr) return;
+    std::string found(reinterpret_cast<const char*>(at), kMaxName);
+    found.resize(std::min(found.find('\0'), kMaxName));
+    if (found != expected)
+      throw ProcessorError("image: found one for " + found + ", allowed one for " + expected +
+                           ": ./rosflight firmware build " + expected + " makes it");
   }
 
   void serve(const ToChip& order) {
@@ -157,7 +172,7 @@ int main(int argc, char** argv) {
     if (argc != 3) throw ProcessorError("usage: h7_emulator BOARD IMAGE.elf, started by rosflight");
     const auto board = make_board(argv[1]);
     const ElfFile image = ElfFile::read(argv[2]);
-    Session(*board, image, map_block()).run();
+    Session(*board, argv[1], image, map_block()).run();
     return 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "h7_emulator: %s\n", error.what());

@@ -29,6 +29,8 @@ void TimerModel::reset() {
   active_prescaler_ = stopped_at_ = 0;
   active_compare_.fill(0);
   throttle_.fill(0);
+  frames_.fill(0);
+  high_ = {};
   for (auto& train : train_) train.clear();
   if (on_change) on_change();
 }
@@ -199,8 +201,7 @@ void TimerModel::note_bit() {
 
 /// High for 3/4 of a period is a 1, for 3/8 a 0; four bits of checksum at the end.
 void TimerModel::take_frame(std::size_t channel) {
-  constexpr std::size_t kBits = 16;
-  if (train_[channel].size() != kBits) {
+  if (train_[channel].size() != kDshotBits) {
     return complain("DShot: a train of " + std::to_string(train_[channel].size()) + " bits");
   }
   std::uint32_t frame = 0;
@@ -211,6 +212,8 @@ void TimerModel::take_frame(std::size_t channel) {
   const std::uint32_t x = frame >> 4U;
   if (((x ^ x >> 4U ^ x >> 8U) & 0xFU) != (frame & 0xFU)) return complain("DShot: wrong checksum");
   throttle_[channel] = x >> 1U;
+  std::copy(train_[channel].begin(), train_[channel].end(), high_[channel].begin());
+  ++frames_[channel];
 }
 
 void TimerModel::drive_line() {

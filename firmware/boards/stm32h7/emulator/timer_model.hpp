@@ -35,14 +35,23 @@ class TimerModel final : public Peripheral {
   bool forced_high(std::size_t channel) const;
   /// It makes bits, not pulses: its bursts are on.
   bool makes_dshot() const { return tim::DIER_UDE.of(word(tim::DIER)) != 0; }
+  static constexpr std::size_t kDshotBits = 16;
   /// Throttle of the last DShot frame on a channel's pin, 0 to 2047.
   std::uint32_t dshot_throttle(std::size_t channel) const { return throttle_[channel]; }
+  /// High time of each bit of that frame [counts].
+  const std::array<std::uint32_t, kDshotBits>& dshot_high(std::size_t channel) const {
+    return high_[channel];
+  }
+  /// Good frames since the reset.
+  std::uint32_t dshot_frames(std::size_t channel) const { return frames_[channel]; }
   /// The controller started a stream for this request.
   void stream_started(std::uint32_t request) {
     if (request == update_request_) schedule();
   }
   /// Time of the last write to this channel's compare register.
   Ticks written(std::size_t channel) const { return written_[channel]; }
+  /// One count.
+  Ticks tick() const { return clocks_.timer_period() * (Ticks{active_prescaler_} + 1); }
   Ticks period() const { return tick() * (std::uint64_t{active_reload_} + 1); }
   /// When the counter was started, as if it had counted from 0.
   Ticks zero() const { return zero_; }
@@ -54,7 +63,6 @@ class TimerModel final : public Peripheral {
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;
   void write_control(std::uint32_t value);
-  Ticks tick() const { return clocks_.timer_period() * (Ticks{active_prescaler_} + 1); }
   std::uint32_t count() const;
   void update(bool by_software);
   void burst();
@@ -72,7 +80,8 @@ class TimerModel final : public Peripheral {
   const DmaRequests* dma_;
   std::uint32_t update_request_;
   std::array<std::vector<std::uint32_t>, kChannels> train_;  ///< Pulses since the last low period.
-  std::array<std::uint32_t, kChannels> throttle_{};
+  std::array<std::uint32_t, kChannels> throttle_{}, frames_{};
+  std::array<std::array<std::uint32_t, kDshotBits>, kChannels> high_{};
   Ticks zero_{0};
   std::uint32_t active_prescaler_{0}, active_reload_{0}, stopped_at_{0};
   std::array<std::uint32_t, kChannels> active_compare_{};

@@ -55,6 +55,18 @@ struct ToChip {
   std::array<std::uint8_t, kLinkCapacity> link{};
 };
 
+/// What a timer makes on the pin of an output.
+struct PinSignal {
+  static constexpr std::size_t kDshotBits = 16;
+
+  double count_s{};              ///< One count of the timer.
+  double period_s{};             ///< From pulse to pulse, or of one bit of DShot.
+  double high_s{};               ///< Width of the pulses; 0: the pin is still, or makes DShot.
+  std::uint32_t dshot_frames{};  ///< Sent since the power came on.
+  std::array<std::uint32_t, kDshotBits>
+      dshot_high{};  ///< High time of each bit of the last frame [counts].
+};
+
 struct FromChip {
   static constexpr std::size_t kLinkCapacity = 65536;
   static constexpr std::size_t kTextCapacity = 512;
@@ -75,7 +87,8 @@ struct FromChip {
   /// The firmware's stamp of its newest IMU sample less the time of the world that the sample shows.
   double stamp_error_us{};
   hal::OutputValues outputs{};  ///< Pulses on the pins, as 0..1; of a plain level 0 or 1.
-  std::uint16_t levels{};       ///< Bit per output: its pin is a plain level.
+  std::array<PinSignal, hal::kOutputs> signals{};  ///< The same as the pins show them.
+  std::uint16_t levels{};                          ///< Bit per output: its pin is a plain level.
   std::array<std::uint8_t, 4> leds{};
   std::uint32_t buzzer_Hz{};  ///< Tone on the buzzer's pin now; 0: silent, or the board has none.
   std::uint8_t in_bootloader{};  ///< The processor executes the bootloader in ROM.

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""./rosflight bench --boards: the paper's measurements on the emulated boards; bench.py documents its use."""
+
+import argparse
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import h7_figures
+import project
+
+LINKS = {"USB": "usb", "UART 921600": "921600", "UART 3000000": "3000000"}
+RESULTS = "boards.json"
+ENVIRONMENT = ".venv-plot"
+ROUND_TRIP = [("mean", "mean_ms"), ("median", "median_ms"), ("99.9 %", "p999_ms"), ("max", "max_ms"),
+              ("fastest Hz", "fastest_hz")]
+ROLL = [("rms deg", "roll_rms_deg"), ("max deg", "roll_max_deg"), ("lag ms", "lag_ms"),
+        ("estimate deg", "roll_estimated_rms_deg"), ("Hz", "commands_hz")]
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message):
+        print(f"rosflight: bench --boards: {message}", file=sys.stderr)
+        sys.exit(2)
+
+
+def between(low: int, high: int):
+    def checked(text: str) -> int:
+        if not text.isdecimal() or not low <= int(text) <= high:
+            raise argparse.ArgumentTypeError(f"found {text}, allowed {low} to {high}")
+        return int(text)
+    return checked
+
+
+def parse(arguments: list[str]) -> argparse.Namespace:
+    parser = Parser(prog="./rosflight bench --boards", add_help=False)
+    parser.add_argument("folder", type=Path, metavar="DIR")
+    parser.add_argument("--board", action="append", choices=h7_figures.BOARDS)
+    parser.add_argument("--count", type=between(100, 1_000_000), default=18_000)
+    parser.add_argument("--seconds", type=between(1, 300), default=20)
+    return parser.parse_args(arguments)
+
+
+def build(boards: list[str]):
+    images = [f"firmware_{board}{kind}.elf" for board in boards for kind in ("", "_echo")]
+    for preset, targets in (("release", ["bench/board_rtt", "bench/board_passthrough", "h7_emulator"]), ("cortex-m7", images)):
+        if not project.build(preset, *targets):
+            raise RuntimeError(f"{', '.join(targets)} do not build, see build/{preset}/build.log")
+
+
+def measure(options: argparse.Namespace) -> dict[str, list[dict]]:
+    """Rows of both tables; what was measured one by one is in CSV files of the folder."""
+    trips, rolls = [], []
+    for board in options.board:
+        for attitude in ("companion", "firmware"):
+            print(f"rosflight: {board}: roll triangle, attitude corrected by the {attitude}", file=sys.stderr)
+            csv = f"passthrough_{board}_{attitude}.csv"
+            words = ["--seconds", str(options.seconds), "--csv", str(options.folder / csv)]
+            if attitude == "firmware":
+                words += ["--attitude", "firmware"]
+            rolls.append({**h7_figures.bench_program("board_passthrough", board, *words), "attitude": attitude, "csv": csv})
+        for name, link in LINKS.items():
+            print(f"rosflight: {board}: round trips over {name}", file=sys.stderr)
+            csv = f"rtt_{board}_{link}.csv"
+            found = h7_figures.measure_round_trips(board, link, "--count", str(options.count), "--csv", str(options.folder / csv))
+            trips.append({**found, "name": name, "csv": csv})
+    return {"round_trips": trips, "roll": rolls}
+
+
+def table(rows: list[dict], columns: list[tuple[str, str]], names: tuple[str, str]) -> str:
+    """Board, one more name, and numbers."""
+    lines = ["board".ljust(16) + names[1].ljust(14) + "".join(f"{title:>13}" for title, _ in columns)]
+    for row in rows:
+        cells = [f"{row[key]:>13.0f}" if abs(row[key]) >= 100 else f"{row[key]:>13.3f}" for _, key in columns]
+        lines.append(row["board"].ljust(16) + row[names[0]].ljust(14) + "".join(cells))
+    return "\n".join(lines)
+
+
+def draw(folder: Path):
+    """By matplotlib, in an environment of its own."""
+    tools, python = project.ROOT / "tools", project.ROOT / ENVIRONMENT / "bin/python3"
+    subprocess.run(["bash", str(tools / "ready.sh"), "environment", ENVIRONMENT, "tools/requirements-plot.txt"], check=True)
+    subprocess.run([str(python), str(tools / "board_plots.py"), str(folder)], check=True)
+
+
+def main(arguments: list[str]) -> int:
+    options = parse(arguments)
+    try:
+        options.folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        print(f"rosflight: bench --boards: {options.folder}: {error.strerror}", file=sys.stderr)
+        return 2
+    options.folder = options.folder.absolute()
+    options.board = options.board or list(h7_figures.BOARDS)
+    try:
+        build(options.board)
+        measured = measure(options)
+        (options.folder / RESULTS).write_text(json.dumps(measured, indent=2) + "\n")
+        draw(options.folder)
+    except (RuntimeError, OSError, subprocess.SubprocessError) as error:
+        print(f"rosflight: bench --boards: {error}", file=sys.stderr)
+        return 1
+    print("Round trips of offboard commands at 400 Hz [ms], and how many a second as fast as they are answered\n")
+    print(table(measured["round_trips"], ROUND_TRIP, ("name", "link")))
+    print("\nTriangle wave of roll in pass-through: error of the true roll, and of the firmware's estimate\n")
+    print(table(measured["roll"], ROLL, ("attitude", "attitude")))
+    print(f"\npictures, CSV and {RESULTS} are in {options.folder}")
+    return 0
