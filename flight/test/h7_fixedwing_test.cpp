@@ -20,6 +20,7 @@ TEST_P(EachImage, FliesTheFixedWingWithItsPitotSensor) {
   ASSERT_TRUE(rig.completed()) << rig.flight->runner().failure();
   expect_in_control(rig);
   expect_tracked(rig);
+  expect_tracked_as_in_process(rig, choice);
   const auto& streams = rig.flight->session().streams();
   const double flown_s = sim::to_seconds(rig.flight->now());
   EXPECT_GT(static_cast<double>(streams.diff_pressure.count), 95.0 * flown_s);

@@ -20,4 +20,18 @@ inline FirmwareView view_of(const Rig& rig) {
   return rig.flight->autopilot().view();
 }
 
+/// The error of a completed flight in following its setpoints, by the vehicle's own position, is that of the firmware in process
+/// with the same sensors, and at most a tenth more. The boards have no rangefinder.
+inline void expect_tracked_as_in_process(const Rig& on_board, FlightChoice choice) {
+  choice.board = "in_process";
+  choice.link = "cable";
+  choice.overrides.emplace_back("sensors.range.enabled=false");
+  Rig in_process{choice};
+  in_process.flight->run();
+  ASSERT_TRUE(in_process.completed()) << in_process.flight->runner().failure();
+  const double expected_m = in_process.flight->own_tracking().rms();
+  EXPECT_LT(on_board.flight->own_tracking().rms(), 1.1 * expected_m);
+  EXPECT_GT(on_board.flight->own_tracking().rms(), 0.7 * expected_m);
+}
+
 }  // namespace rosflight::flight::testing

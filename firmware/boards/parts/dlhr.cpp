@@ -32,7 +32,7 @@ bool Dlhr::begin(Start /*how*/, Time now) {
   if (on_bus_) return false;
   stage_ = Stage::kIdle;
   bad_in_a_row_ = 0;
-  period_.restart(now);
+  period_.restart(now + kWithoutEdge);
   return true;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware/boards/parts/dps310.hpp"
 
+#include <algorithm>
+
 #include "firmware/boards/parts/bytes.hpp"
 
 namespace rosflight::boards::parts {
@@ -104,8 +106,8 @@ void Dps310::advance_start(Time now) {
     write(Stage::kConfigure, kTemperatureConf, static_cast<std::uint8_t>(kOnce | source_));
   } else {
     started();
-    due_ = now;
-    command(false);
+    pressure_ = false;
+    due_ = std::max(now, begun() + kPressureTime);
   }
 }
 

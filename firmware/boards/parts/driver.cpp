@@ -7,6 +7,7 @@ namespace rosflight::boards::parts {
 
 void Driver::start(Start how, Time now) {
   how_ = how;
+  begun_ = now;
   failures_in_a_row_ = 0;
   well_ = false;
   if (begin(how, now)) {

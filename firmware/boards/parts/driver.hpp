@@ -68,6 +68,9 @@ class Driver {
   /// One tick of a start-up by a table of registers. @returns true once it has ended well; if it
   /// failed, so has the part.
   bool step_setup(Setup& setup, Time now);
+  /// When the last start began. A part that kept running through a reset of the chip may be in a measurement that
+  /// was commanded before, which has to end first.
+  Time begun() const { return begun_; }
   /// The start-up has ended.
   void started();
   /// The part has delivered something good; called for each of it.
@@ -83,6 +86,7 @@ class Driver {
   void announce() { announcements_.store(static_cast<std::uint16_t>(announcements() + 1)); }
 
   const char* name_;
+  Time begun_{};
   Time retry_at_{};
   Start retry_{Start::kCold};
   Start how_{Start::kCold};

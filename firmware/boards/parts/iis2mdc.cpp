@@ -43,15 +43,13 @@ bool Iis2mdc::begin(Start how, Time now) {
 }
 
 void Iis2mdc::step_start(Time now) {
-  if (!step_setup(setup_, now)) return;
-  started();
-  command();
+  if (step_setup(setup_, now)) started();
 }
 
 void Iis2mdc::step_running(Time now) {
   if (on_bus_) return;
   if (stage_ != Stage::kWaiting) {
-    command();
+    if (now - begun() >= kMeasurement) command();
   } else if (now - commanded_ >= kMeasurement) {
     stage_ = Stage::kResult;
     out_[0] = kA | kRead;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware/boards/parts/ist8308.hpp"
 
+#include <algorithm>
+
 #include "firmware/boards/parts/bytes.hpp"
 
 namespace rosflight::boards::parts {
@@ -44,7 +46,7 @@ bool Ist8308::begin(Start how, Time now) {
 
 void Ist8308::step_start(Time now) {
   if (!step_setup(setup_, now)) return;
-  period_.restart(now);
+  period_.restart(std::max(now, begun() + kMeasurement));
   started();
 }
 

@@ -43,7 +43,8 @@ void DmaStream::start(std::uint32_t register_address, const volatile void* memor
 }
 
 void DmaStream::stop() {
-  reg(controller(), at(dma_stream::CR)) = control_;
+  // Nothing else may change while it runs.
+  modify(reg(controller(), at(dma_stream::CR)), dma_stream::CR_EN, 0);
   while (runs()) {
   }
   static_cast<void>(clear_flags());

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware/boards/stm32h7/pulses.hpp"
 
+#include <algorithm>
+
 #include "firmware/boards/stm32h7/clocks.hpp"
+#include "firmware/boards/stm32h7/timers.hpp"
 
 namespace rosflight::boards::stm32h7 {
 namespace {
@@ -11,6 +14,8 @@ namespace {
 constexpr std::uint32_t kForcedLow = 4, kForcedHigh = 5, kPwm1 = 6;
 /// Bits in which they differ; of these only the lowest is set in kForcedHigh, none in kForcedLow.
 constexpr std::uint32_t kModeBits = 3;
+/// 18 bits of the slowest DShot: a frame on its way is not cut.
+constexpr std::uint32_t kLongestTrain_us = 120;
 static_assert((kPwm1 & ~kModeBits) == kForcedLow && kForcedHigh == (kForcedLow | 1u));
 
 }  // namespace
@@ -124,6 +129,8 @@ void Pulses::write_frames(std::size_t group, const hal::OutputValues& values) {
 void Pulses::disable() {
   if (!enabled_) return;
   enabled_ = false;
+  const auto sends = [](const Group& group) { return DmaStream{group.stream}.runs(); };
+  if (std::any_of(pins_.groups.begin(), pins_.groups.end(), sends)) wait_us(kLongestTrain_us);
   for (const Group& each : pins_.groups) {
     DmaStream stream{each.stream};
     if (stream.runs()) stream.stop();

@@ -12,10 +12,16 @@ struct Field {
   std::uint32_t width;
 
   // Inlined, they are one instruction or a constant: made small, the compiler would call them.
-  [[gnu::always_inline]] constexpr std::uint32_t mask() const { return (width == 32 ? ~0u : (1u << width) - 1u) << lsb; }
+  [[gnu::always_inline]] constexpr std::uint32_t mask() const {
+    return (width == 32 ? ~0u : (1u << width) - 1u) << lsb;
+  }
   /// The value in its place; bits that do not fit are cut off.
-  [[gnu::always_inline]] constexpr std::uint32_t operator()(std::uint32_t value) const { return (value << lsb) & mask(); }
-  [[gnu::always_inline]] constexpr std::uint32_t of(std::uint32_t word) const { return (word & mask()) >> lsb; }
+  [[gnu::always_inline]] constexpr std::uint32_t operator()(std::uint32_t value) const {
+    return (value << lsb) & mask();
+  }
+  [[gnu::always_inline]] constexpr std::uint32_t of(std::uint32_t word) const {
+    return (word & mask()) >> lsb;
+  }
 };
 
 /// One peripheral of a kind: base address, and the bit of RCC that opens its clock gate

@@ -165,6 +165,18 @@ TEST_P(Dps310Test, AWarmStartNeitherResetsNorWaits) {
   EXPECT_NEAR(samples(milliseconds(100)).back().pressure_Pa, 90'000.0, 0.3);
 }
 
+TEST_P(Dps310Test, AWarmStartLetsAMeasurementOfBeforeEnd) {
+  for (int late_us = 0; late_us < 25'000; late_us += 700) {
+    run();
+    samples(milliseconds(50));
+    rig_.run_for(Time{late_us});
+    driver_.start(Start::kWarm,
+                  rig_.now());  // as after a reset of the chip: what was commanded goes on
+    EXPECT_FALSE(samples(milliseconds(100)).empty());
+  }
+  EXPECT_EQ(model_.complaints(), std::vector<std::string>{});
+}
+
 TEST(Dps310, UnpacksCoefficientsOfTheDataSheetsLayout) {
   // c0 = -1, c1 = 0x7FF, c00 = 0x12345, c10 = -2, then c01 .. c30 = 1, -1, 0x7FFF, -0x8000, 5.
   const auto c = Dps310::unpack({0xFF, 0xF7, 0xFF, 0x12, 0x34, 0x5F, 0xFF, 0xFE, 0x00, 0x01, 0xFF,

@@ -20,7 +20,7 @@ class History {
   struct Place {
     const Entry& former;
     const Entry& later;
-    double share;  ///< Of the way from former to later, 0..1.
+    double share;  ///< Part of the way from former to later, 0..1.
   };
 
   /// Times ascend; a sample of the newest one's time takes its place.

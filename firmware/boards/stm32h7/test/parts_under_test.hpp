@@ -57,9 +57,6 @@ struct UbloxUnderTest {
     const std::int64_t ns = exposure.unix_ns + 1000 * after.count();
     s.unix_s += ns / kBillion;
     s.unix_ns = static_cast<std::int32_t>(ns % kBillion);
-    s.horizontal_accuracy_m = 1.5f;
-    s.vertical_accuracy_m = 2.5f;
-    s.speed_accuracy_m_s = 0.12f;
     return s;
   }
   /// Half a step, and 100 us at 21 m/s: 2 mm.
@@ -70,7 +67,7 @@ struct UbloxUnderTest {
     s.latitude_deg = s.longitude_deg = 0.5e-7 + 0.3e-7;
     s.height_msl_m = 0.5e-3f + 2e-3f + 2e-4f;
     s.velocity_ned_m_s = {0.51e-3f, 0.51e-3f, 0.51e-3f};
-    s.horizontal_accuracy_m = s.vertical_accuracy_m = s.speed_accuracy_m_s = 1e-6f;
+    s.horizontal_accuracy_m = s.vertical_accuracy_m = s.speed_accuracy_m_s = 0.51e-3f;
     return s;
   }
 };
