@@ -54,6 +54,8 @@ sensors:
     rotation_deg: [4, 5, 6]
     gyro_vibration: 0.1
     accel_vibration: 0.2
+    gyro_lines: 0.3
+    blades: 4
     gyro_bias_per_K: [0.1, 0.2, 0.3]
     accel_bias_per_K: [0.4, 0.5, 0.6]
     temperature_rise_K: 7
@@ -113,6 +115,8 @@ sensors:
   EXPECT_EQ(c.imu.rotation_deg, Vector3(4.0, 5.0, 6.0));
   EXPECT_EQ(c.imu.gyro_vibration, 0.1);
   EXPECT_EQ(c.imu.accel_vibration_m_s_rad, 0.2);
+  EXPECT_EQ(c.imu.gyro_lines, 0.3);
+  EXPECT_EQ(c.imu.blades, 4);
   EXPECT_EQ(c.imu.gyro_temperature_rad_s_K, Vector3(0.1, 0.2, 0.3));
   EXPECT_EQ(c.imu.accel_temperature_m_s2_K, Vector3(0.4, 0.5, 0.6));
   EXPECT_EQ(c.imu.temperature.rise_K, 7.0);
@@ -175,7 +179,7 @@ TEST(ReadSensors, MistakesHaveTheirLineAndWhatIsAllowed) {
             "v.yaml:3: sensors.imu.gyro: found an unknown key, allowed enabled, rate_Hz, phase_us, "
             "delay_us, "
             "gyro_rad_s, accel_m_s2, position_m, rotation_deg, gyro_vibration, accel_vibration, "
-            "gyro_bias_per_K, accel_bias_per_K, temperature_rise_K, warm_up_s");
+            "gyro_lines, blades, gyro_bias_per_K, accel_bias_per_K, temperature_rise_K, warm_up_s");
   EXPECT_EQ(
       message_of("sensors: {sonar: {}}\n"),
       "v.yaml:1: sensors.sonar: found an unknown key, allowed module, preset, imu, mag, baro, "

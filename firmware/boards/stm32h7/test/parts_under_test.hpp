@@ -42,7 +42,7 @@ struct UbloxUnderTest {
   static constexpr hal::Time kStart = hal::milliseconds(3500);
   static constexpr hal::Time kSettling{1'000}, kLatency{75'000}, kPeriod{100'000};
 
-  /// The receiver moves on, and states its own accuracies.
+  /// The receiver moves on.
   static hal::GnssSample expected(const hal::GnssSample& exposure, hal::Time after) {
     constexpr double kMetresPerDegree = 111'319.49;  // of the equator of WGS-84
     constexpr std::int64_t kBillion = 1'000'000'000;

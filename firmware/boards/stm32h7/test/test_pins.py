@@ -153,14 +153,17 @@ class Check:
         for channel, function in zip(battery, ("battery voltage", "battery current")):
             self.expect(f"{name}, {function}", f"INP{channel}", self.facts.by_function[function]["signal"])
 
+    # Pins with a square wave: timer and channel.
+    WAVES = {"kSyncClock": ("TIM12", "CH1"), "kBuzzer": ("TIM2", "CH1")}
+
     def run(self, text: str):
         found = constants(text)
         pins = {name: value[0] for kind, name, value in found if kind == "Pin" and not isinstance(value[0], list)}
         numbers = {name: value for _, name, value in found}
         for kind, name, value in found:
             inner = value[0] if value and isinstance(value[0], list) else value
-            if name == "kSyncClock":
-                self.signal(name, "TIM12", "CH1", inner[0], numbers["kSyncClockFunction"][0])
+            if name in self.WAVES:
+                self.signal(name, *self.WAVES[name], inner[0], numbers[f"{name}Function"][0])
             elif kind == "Pin":
                 self.gpio(name, inner)
             elif kind == "SpiBus::Pins":
@@ -221,6 +224,7 @@ def test_a_change_of_any_pin_is_found(name):
     ("varmint_10x", "varmint/revision_10x.hpp", "request::SPI3_RX", "request::SPI2_RX", "DMA request"),
     ("varmint", HEADER, "{stm32h7::TIM1, 1, true", "{stm32h7::TIM1, 2, true", "TIM1 CH3"),
     ("varmint", HEADER, "false, {'C', 6}, 2}", "false, {'C', 6}, 1}", "alternate function: found 1"),
+    ("pixracer_pro", PIXRACER_HEADER, "kBuzzerFunction = 1", "kBuzzerFunction = 2", "TIM2 CH1, alternate function"),
     ("varmint", HEADER, "kSyncClockFunction = 2", "kSyncClockFunction = 1", "TIM12 CH1, alternate function"),
     ("varmint", HEADER, "{16, 11}", "{16, 12}", "battery current: found INP12"),
     ("varmint", HEADER, "irq::EXTI9_5", "irq::EXTI3", "interrupt of kImuReady"),
