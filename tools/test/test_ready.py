@@ -183,6 +183,8 @@ def test_arm64_is_built_where_debians_packages_for_it_are(house):
     assert "preset arm64" in house.called("cmake")[0]
     subprocess.run(build, env=house.environment(), check=True)
     assert house.called("apt-get") == []
+    subprocess.run([*build[:-1], "arm64-tests"], env=house.environment(), check=True)
+    assert house.called("apt-get") == [] and "preset arm64-tests" in house.called("cmake")[-1]
 
 
 def test_changed_package_list_is_looked_through_again(house):
