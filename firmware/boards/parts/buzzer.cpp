@@ -2,11 +2,18 @@
 #include "firmware/boards/parts/buzzer.hpp"
 
 namespace rosflight::boards::parts {
+namespace {
 
+struct Pattern {
+  std::uint8_t length_10ms;         ///< The whole signal.
+  std::uint8_t beep_10ms, on_10ms;  ///< A beep with the silence behind it; without.
+  std::uint8_t tone_10us;           ///< Period of the tone.
+};
 /// In the order of Signal. Without a signal there is always time for the next one.
-const Buzzer::Pattern Buzzer::kPatterns[] = {{0, 1, 0, 0},       {60, 20, 10, 50},
-                                             {50, 50, 50, 40},   {40, 20, 10, 40},
-                                             {100, 100, 50, 25}, {100, 100, 10, 25}};
+constexpr Pattern kPatterns[] = {{0, 1, 0, 0},     {60, 20, 10, 50},   {50, 50, 50, 40},
+                                 {40, 20, 10, 40}, {100, 100, 50, 25}, {100, 100, 10, 25}};
+
+}  // namespace
 
 std::uint32_t Buzzer::step(const Inputs& in, hal::Time now) {
   constexpr std::uint32_t k10Milliseconds = 10'000, k10Microseconds = 10;

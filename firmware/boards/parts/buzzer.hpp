@@ -29,13 +29,6 @@ class Buzzer {
 
  private:
   enum class Signal : std::uint8_t { kNone, kStart, kArmed, kDisarmed, kFailsafe, kBatteryLow };
-  struct Pattern {
-    std::uint8_t length_10ms;         ///< The whole signal.
-    std::uint8_t beep_10ms, on_10ms;  ///< A beep with the silence behind it; without.
-    std::uint8_t tone_10us;           ///< Period of the tone.
-  };
-  static const Pattern kPatterns[];
-
   enum class Seen : std::uint8_t { kNothing, kDisarmed, kArmed };
 
   Signal signal_{Signal::kNone};

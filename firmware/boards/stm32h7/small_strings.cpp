@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Functions of the C library for short texts, a byte at a time: those of newlib, made for long ones, are 360 bytes
-// longer. Compiled so that the compiler does not find a call of the function in the function.
+// longer. Compiled as for a machine without a library, so that a loop does not become a call of its own function.
 #include <cstddef>
 
 extern "C" {
