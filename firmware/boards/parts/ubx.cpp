@@ -70,7 +70,8 @@ std::int64_t unix_seconds(int year, int month, int day, int hour, int minute, in
   const int m = month <= 2 ? month + 9 : month - 3;  // March is 0
   const int days = 365 * y + y / 4 - y / 100 + y / 400 + (153 * m + 2) / 5 + day - 1;
   constexpr int kDaysTo1970 = 719'468;
-  return std::int64_t{86'400} * (days - kDaysTo1970) + hour * 3600 + minute * 60 + second;
+  const int of_day = (hour * 60 + minute) * 60 + second;
+  return std::int64_t{86'400} * (days - kDaysTo1970) + of_day;
 }
 
 NavPvt NavPvt::from(const std::uint8_t* p) {
