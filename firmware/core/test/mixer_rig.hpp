@@ -62,4 +62,11 @@ inline void expect_near(const hal::OutputValues& out, std::initializer_list<floa
   }
 }
 
+inline link::AuxCommand aux(std::size_t channel, link::AuxType type, float value) {
+  link::AuxCommand command;
+  command.type[channel] = static_cast<std::uint8_t>(type);
+  command.value[channel] = value;
+  return command;
+}
+
 }  // namespace rosflight::core::mixer_rig

@@ -207,15 +207,7 @@ TEST_F(DlhrTest, PulledOutInFlightItComesBack) {
 }
 
 TEST_F(DlhrTest, AWarmStartLetsAMeasurementOfBeforeEnd) {
-  for (int late_us = 0; late_us < 25'000; late_us += 700) {
-    run();
-    last();
-    rig_.run_for(Time{late_us});
-    start(Start::kWarm);  // as after a reset of the chip: what was commanded goes on
-    time_to_run();
-    EXPECT_FALSE(samples(milliseconds(100)).empty());
-  }
-  EXPECT_EQ(model_.complaints(), std::vector<std::string>{});
+  expect_warm_starts_let_a_measurement_end(model_);
 }
 
 }  // namespace

@@ -36,6 +36,19 @@ class SensorTest : public testing::Test {
     }
     return all;
   }
+  /// After a reset of the chip what was commanded before goes on: a warm start in any phase of it lets it end.
+  template <class Model>
+  void expect_warm_starts_let_a_measurement_end(Model& model) {
+    for (int late_us = 0; late_us < 25'000; late_us += 700) {
+      run();
+      last();
+      rig_.run_for(Time{late_us});
+      start(Start::kWarm);
+      time_to_run();
+      EXPECT_FALSE(samples(hal::milliseconds(100)).empty());
+    }
+    EXPECT_EQ(model.complaints(), std::vector<std::string>{});
+  }
   Sample last(Time duration = hal::milliseconds(100)) {
     const auto all = samples(duration);
     EXPECT_FALSE(all.empty()) << driver().message();
