@@ -5,6 +5,9 @@
 #   rosflight_program(NAME SOURCES ... USES ...)              one executable
 #   rosflight_test(NAME [COMPUTES] SOURCES ... USES ... [LABELS ...] [ALIKE ...])   one GoogleTest binary, registered with
 #                                                             CTest; LABELS emulator: needs the image of preset cortex-m7;
+#                                                             LABELS long: takes over 5 s on an emulated arm64; LABELS alone:
+#                                                             replaces a part of a library, so it is joined with no other test
+#                                                             (joined_tests.cmake);
 #                                                             COMPUTES: for long, so optimized; ALIKE: cases that differ
 #                                                             from others in numbers only, left out under sanitizers
 #   rosflight_fuzzer(NAME SOURCES ... USES ...)               one libFuzzer binary (LLVMFuzzerTestOneInput), preset sanitizers;
@@ -51,7 +54,7 @@ endif()
 
 # Hundreds of tests are linked, by lld in a third of the time.
 find_program(ROSFLIGHT_LLD ld.lld)
-if(ROSFLIGHT_LLD AND NOT CMAKE_CROSSCOMPILING)
+if(ROSFLIGHT_LLD AND (NOT CMAKE_CROSSCOMPILING OR CMAKE_CXX_COMPILER_ID STREQUAL "Clang"))
   add_link_options(-fuse-ld=lld)
 endif()
 
@@ -160,7 +163,7 @@ function(_rosflight_test_options target kind)
   if((ROSFLIGHT_SANITIZE OR ROSFLIGHT_QUICK_BUILD) AND kind STREQUAL "test")
     target_compile_options(${target} PRIVATE -O0)
   endif()
-  if(ROSFLIGHT_SANITIZE AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
     target_compile_options(${target} PRIVATE -Wno-double-promotion)  # clang warns of double{x} too, which is explicit
   endif()
 endfunction()
@@ -218,8 +221,14 @@ function(rosflight_test name)
     return()
   endif()
   cmake_parse_arguments(arg "COMPUTES" "" "SOURCES;USES;LABELS;ALIKE" ${ARGN})
+  if(ROSFLIGHT_JOINED_TESTS AND NOT arg_LABELS)
+    _rosflight_join_test(${name} "${arg_SOURCES}" "${arg_USES}")
+    if(joined)
+      return()
+    endif()
+  endif()
   set(kind test)
-  if(arg_COMPUTES)
+  if(arg_COMPUTES OR (ROSFLIGHT_JOINED_TESTS AND "long" IN_LIST arg_LABELS))
     set(kind computing_test)
   endif()
   rosflight_program(${name} TEST ${kind} SOURCES ${arg_SOURCES} USES ${arg_USES} GTest::gtest_main)
@@ -235,11 +244,13 @@ function(rosflight_test name)
   set(timeout_s 300)
   if(ROSFLIGHT_SANITIZE)
     set(timeout_s 1200)
-  elseif("emulator" IN_LIST arg_LABELS)
+  elseif("emulator" IN_LIST arg_LABELS OR CMAKE_CROSSCOMPILING)
     set(timeout_s 900)
   endif()
   set_tests_properties(${name} PROPERTIES TIMEOUT ${timeout_s} LABELS "gtest;of ${folder};${arg_LABELS}")
 endfunction()
+
+include(joined_tests)
 
 function(rosflight_fuzzer name)
   if(NOT ROSFLIGHT_FUZZERS)

@@ -24,7 +24,7 @@ inline autonomy::StateEstimate true_state(const sim::Truth& truth) {
   const bool moves = out.airspeed_m_s > kStill_m_s;
   out.alpha_rad = moves ? std::atan2(air_B.z(), air_B.x()) : 0.0;
   out.beta_rad = moves ? std::asin(std::clamp(air_B.y() / out.airspeed_m_s, -1.0, 1.0)) : 0.0;
-  const bool over_ground = std::hypot(out.v_W.x(), out.v_W.y()) > kStill_m_s;
+  const bool over_ground = out.v_W.head<2>().norm() > kStill_m_s;
   const sim::Vector3 nose = out.q_WB * sim::Vector3::UnitX();
   const sim::Vector3& along = over_ground ? out.v_W : nose;
   out.course_rad = std::atan2(along.y(), along.x());

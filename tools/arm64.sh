@@ -13,7 +13,7 @@ ready_arm64() {
   ready_packages run test arm64
   take_lock arm64
   local into="$root/build/arm64-root" stamp="$root/build/.ready/arm64" key
-  key="$(wanted_packages arm64-root)"
+  key="$(wanted_packages arm64-depends arm64-root)"
   [[ -d $into && -f $stamp && $(<"$stamp") == "$key" ]] && return
   say "unpacking Debian's libraries for arm64 into build/arm64-root"
   local place="$root/build/.ready/arm64-apt" log="$root/build/.ready/arm64.log"
@@ -33,10 +33,7 @@ ready_arm64() {
     dpkg-deb --extract "$package" "$into.new"
   done
   # What the Debian package of this project depends on: the libraries themselves, whose names say which release they are of.
-  local name
-  for name in "${names[@]}"; do
-    [[ $name == *-dev ]] || echo "$name" >>"$into.new/depends"
-  done
+  wanted_packages arm64-depends >"$into.new/depends"
   mv "$into.new" "$into"
   rm -rf "$place"
   printf '%s\n' "$key" >"$stamp"

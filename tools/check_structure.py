@@ -15,7 +15,7 @@ import project
 # What the files of a folder may include, besides the folder itself. The longest folder that a path
 # starts with counts. A single file may be allowed by naming it.
 # Everybody may use base; what runs on a microcontroller only its headers without I/O, heap and exceptions.
-BARE_BASE = ["base/angles.hpp", "base/atmosphere.hpp", "base/constants.hpp", "base/crc32.hpp"]
+BARE_BASE = ["base/angles.hpp", "base/atmosphere.hpp", "base/constants.hpp", "base/crc32.hpp", "base/eigen.hpp"]
 BARE_METAL = ("link", "firmware/hal", "firmware/core")
 MAY_INCLUDE = {
     "cmake/toolchains": [],

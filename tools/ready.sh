@@ -325,7 +325,7 @@ run_ninja() {  # PRESET NINJA...
 }
 
 ready_build() {  # PRESET TARGET...
-  if [[ $1 == arm64 ]]; then
+  if [[ $1 == arm64 || $1 == arm64-tests ]]; then
     # shellcheck source=tools/arm64.sh
     source "$root/tools/arm64.sh"
     ready_arm64

@@ -5,11 +5,12 @@ Builds and runs every test and ends with the line "N passed, M failed". Exit cod
 
 NAME chooses: a stage by its name, and test programs and pytest files by a part of theirs. quick stands for format,
 structure, build, unit and python: less than five minutes after a build.
-Stages: format, structure, build, unit, mutation, faults, python, python-package, web, ros, cortex-m7, sanitizers, ros-sanitizers, fuzz, tidy. Sanitizers
-and clang-tidy look at what flies and at whole flights; sanitizers-rest, tidy-rest and tidy-ros (simulation, programs,
-tests, ROS nodes) run when named: they take as long as all others together. So do arm64 (on Debian 12: the program of a companion's
-computer, cross-built and flown on an emulated processor) and web-rest: calibrations in the browser that take over
-a minute of real time, and a flight looked at by touch and changed without a mouse. The stage faults flies a quarter of the fault campaign and 300 seeds in gusts.
+Stages: format, structure, build, unit, mutation, faults, python, python-package, web, ros, cortex-m7, sanitizers, ros-sanitizers,
+fuzz, tidy, arm64 (on Debian 12: tests of core, link, simulation and autonomy and a flight, cross-built for the companion's computer
+and run on an emulated processor). Sanitizers and clang-tidy look at what flies and at whole flights; sanitizers-rest, tidy-rest and
+tidy-ros (simulation, programs, tests, ROS nodes) run when named: they take as long as all others together. So do arm64-rest (long
+tests, both default flights and the Debian package for that computer) and web-rest: calibrations in the browser that take over a
+minute of real time, and a flight looked at by touch and changed without a mouse. The stage faults flies a quarter of the fault campaign and 300 seeds in gusts.
 
 Stages that run in real time (python, ros, ros-sanitizers) run beside those that compute, which have the lowest priority.
 The output of a stage is printed when it ends. The table gives wall time and processor time of each stage.
@@ -22,6 +23,7 @@ import difflib
 import os
 import sys
 
+import arm64_tests
 import lanes
 import mutation_tests
 import project
@@ -47,13 +49,14 @@ STAGES = {
     "fuzz": Stage(stages.fuzz, COMPUTES),
     "sanitizers": Stage(stages.sanitizers, COMPUTES),
     "tidy": Stage(stages.tidy_product, COMPUTES),
-    "arm64": Stage(stages.arm64, COMPUTES),
+    "arm64": Stage(arm64_tests.quick, COMPUTES),
+    "arm64-rest": Stage(arm64_tests.rest, COMPUTES),
     "web-rest": Stage(stages.web_rest, WAITS),
     "sanitizers-rest": Stage(stages.sanitizers_rest, COMPUTES),
     "tidy-rest": Stage(stages.tidy_rest, COMPUTES),
     "tidy-ros": Stage(stages.tidy_ros, COMPUTES),
 }
-ON_REQUEST = {"arm64", "web-rest", "sanitizers-rest", "tidy-rest", "tidy-ros"}
+ON_REQUEST = {"arm64-rest", "web-rest", "sanitizers-rest", "tidy-rest", "tidy-ros"}
 QUICK = ("format", "structure", "build", "unit", "python")
 
 

@@ -130,32 +130,6 @@ def _emulator_tests(names: list[str] | None = None) -> list[str]:
             if b.needs_emulator and (names is None or b.name in names)]
 
 
-def arm64() -> Outcome:
-    """The program of a companion's computer, cross-built and run on an emulated processor: arithmetic and flights have the
-    bits that they have here."""
-    built = add([_build("arm64", "rosflight", "arithmetic_test"), _build("release", "rosflight")])
-    if built.failed:
-        return built
-    arithmetic = _run_binaries("arm64", ["arithmetic_test"]).values()
-    return add([built, *arithmetic, *(_check(differs_on_arm64(vehicle)) for vehicle in ("multirotor", "anaconda"))])
-
-
-def differs_on_arm64(vehicle: str) -> list[str]:
-    """What is wrong with the default flight of a vehicle there, beside that of this computer."""
-    emulator = ("qemu-aarch64", "-L", str(ROOT / "build/arm64-root"))
-    found = {}
-    for preset, start in (("arm64", emulator), ("release", ())):
-        with tempfile.TemporaryDirectory() as scratch:
-            done = _run([*start, str(ROOT / "build" / preset / "apps/rosflight"), "fly", "--vehicle", vehicle, "--json",
-                         "--out", f"{scratch}/flight"])
-        if done.returncode:
-            return [f"{vehicle} on {preset}: {done.stderr.strip()[-400:]}"]
-        found[preset] = json.loads(done.stdout)["log_sha256"]
-    if found["arm64"] == found["release"]:
-        return []
-    return [f"{vehicle}: log_sha256 is {found['arm64']} on arm64, {found['release']} here"]
-
-
 def test_names() -> list[str]:
     """Names of all C++ tests, from the release build, configured if it is not yet."""
     project.build("release", "build.ninja")
@@ -188,7 +162,9 @@ def _is_built(preset: str, binary: Binary) -> bool:
     """After a failed build an old program may still be there: it must not pass for the new one."""
     if not binary.command:
         return False
-    program, build = Path(binary.command[0]), ROOT / "build" / preset
+    build = ROOT / "build" / preset
+    emulated = Path(binary.command[0]).name == "qemu-aarch64"  # -L FOLDER PROGRAM
+    program = Path(binary.command[3 if emulated else 0])
     return not program.is_relative_to(build) or project.is_up_to_date(
         preset, str(program.relative_to(build)))
 

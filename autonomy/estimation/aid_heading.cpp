@@ -50,7 +50,7 @@ bool AidFusion::field_fits(const Vector3& field_B) const {
   constexpr double kTilt_rad = 0.02;  // times the horizontal field
   const double level_T = (filter_.state().q_WB * field_B).head<2>().norm();
   const double sigma_T =
-      std::hypot(config_.mag_sigma_T, config_.initial_mag_bias_T, kTilt_rad * level_T);
+      Eigen::Vector3d{config_.mag_sigma_T, config_.initial_mag_bias_T, kTilt_rad * level_T}.norm();
   return std::abs(vertical_field_T(field_B) - *heading_.down_T) <
          config_.heading_gate_sigma * sigma_T;
 }
@@ -130,7 +130,8 @@ void AidFusion::start_heading(const Vector3& field_B) {
   if (!reference_.declination_rad) return;
   auto residual = Filter::magnetic_heading(filter_.state(), field_B, *reference_.declination_rad);
   const double level_T = (filter_.state().q_WB * field_B).head<2>().norm();
-  const double sigma_rad = std::hypot(config_.mag_sigma_T / level_T, config_.heading_sigma_rad);
+  const double sigma_rad =
+      Eigen::Vector2d{config_.mag_sigma_T / level_T, config_.heading_sigma_rad}.norm();
   residual.R(0) = sigma_rad * sigma_rad;
   static_cast<void>(filter_.correct(residual, std::numeric_limits<double>::infinity()));
 }

@@ -13,7 +13,7 @@ constexpr double kNoDirection = 1e-6;
 constexpr double kNearCentre_m = 1.0;
 
 double ground_speed(const StateEstimate& state) {
-  return std::hypot(state.v_W.x(), state.v_W.y());
+  return state.v_W.head<2>().norm();
 }
 
 }  // namespace

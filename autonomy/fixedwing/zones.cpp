@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "autonomy/fixedwing/zones.hpp"
 
-#include <cmath>
-
 #include "autonomy/common/angles.hpp"
 
 namespace rosflight::autonomy::fixedwing {
@@ -32,8 +30,7 @@ std::optional<Controller::Direct> AltitudeZones::step(const Input& in, const Fli
   }
   Controller::Direct out;
   if (zone_ == AltitudeZone::kTakeOff) {
-    const double v =
-        in.state.air_valid ? in.state.airspeed_m_s : std::hypot(in.state.v_W.x(), in.state.v_W.y());
+    const double v = in.state.air_valid ? in.state.airspeed_m_s : in.state.v_W.head<2>().norm();
     out = takeoff_direct(flight, v, in.t_s - since_s_, start_course_rad_);
   } else if (zone_ == AltitudeZone::kClimb) {
     out.roll_rad = 0.0;

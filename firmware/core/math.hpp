@@ -4,7 +4,7 @@
 
 #include "base/atmosphere.hpp"
 #include "base/constants.hpp"
-#include "firmware/core/eigen.hpp"
+#include "base/eigen.hpp"
 #include "firmware/core/elementary.hpp"
 #include "firmware/hal/samples.hpp"
 

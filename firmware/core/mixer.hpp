@@ -2,8 +2,8 @@
 #pragma once
 #include <utility>
 
+#include "base/eigen.hpp"
 #include "firmware/core/command.hpp"
-#include "firmware/core/eigen.hpp"
 #include "firmware/core/math.hpp"
 #include "firmware/core/motor_model.hpp"
 #include "firmware/hal/roles.hpp"

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <tuple>
 
+#include "base/eigen.hpp"
 #include "firmware/core/activation.hpp"
-#include "firmware/core/eigen.hpp"
 
 /// Inference of small neural networks whose layers and sizes the compiler knows. A network is made
 /// of layers; each has a Table, its numbers as constants, and kStates numbers that it keeps between

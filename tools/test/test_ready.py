@@ -165,7 +165,7 @@ def test_second_start_installs_and_configures_nothing(house):
 def test_arm64_is_built_where_debians_packages_for_it_are(house):
     """Without root and without a foreign architecture: its libraries are unpacked, not installed."""
     shutil.copy(ROOT / "tools/arm64.sh", house.root / "tools")
-    (house.root / "tools/system_packages.txt").write_text("[run]\ng++\n[arm64]\ncompiler\n[arm64-root]\nlibone\nlibone-dev\n")
+    (house.root / "tools/system_packages.txt").write_text("[run]\ng++\n[arm64]\ncompiler\n[arm64-depends]\nlibone\n[arm64-root]\nlibone-dev\n")
     house.installed("g++", "compiler")
     build = [str(house.root / "tools/ready.sh"), "build", "arm64"]
     refused = subprocess.run(build, env=house.environment(), capture_output=True, text=True)
@@ -183,6 +183,8 @@ def test_arm64_is_built_where_debians_packages_for_it_are(house):
     assert "preset arm64" in house.called("cmake")[0]
     subprocess.run(build, env=house.environment(), check=True)
     assert house.called("apt-get") == []
+    subprocess.run([*build[:-1], "arm64-tests"], env=house.environment(), check=True)
+    assert house.called("apt-get") == [] and "preset arm64-tests" in house.called("cmake")[-1]
 
 
 def test_changed_package_list_is_looked_through_again(house):

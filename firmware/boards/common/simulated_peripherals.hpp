@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cstdint>
 
+#include "base/eigen.hpp"
 #include "firmware/hal/roles.hpp"
 
 /// Peripherals of boards without hardware around them: a simulated vehicle puts samples in and

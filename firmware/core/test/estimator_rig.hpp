@@ -3,18 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "firmware/core/estimator.hpp"
 #include "firmware/core/test/attitude_truth.hpp"
+#include "firmware/core/test/test_values.hpp"
 
 namespace rosflight::core {
 
 using truth::Attitude;
 using truth::Rates;
-
-inline constexpr hal::Vec3 kLevel{0.0f, 0.0f, -9.80665f};
-inline constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 /// Feeds samples as the main loop does: equally spaced, dt from the stamps.
 class Rig {

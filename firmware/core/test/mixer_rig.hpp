@@ -3,17 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "firmware/core/mixer.hpp"
 #include "firmware/core/mixer_frames.hpp"
+#include "firmware/core/test/test_values.hpp"
 
 /// Mixers, commands and conditions for the mixer's tests.
 namespace rosflight::core::mixer_rig {
 
 using Inputs = std::array<float, kAxes>;
-inline constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-inline constexpr float kInf = std::numeric_limits<float>::infinity();
 
 inline Mixer make_mixer(MixerId id, const Mixer::Config& config = {}) {
   Mixer m;

@@ -3,17 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "firmware/boards/simulated/simulated_board.hpp"
 #include "firmware/core/sensors.hpp"
+#include "firmware/core/test/test_values.hpp"
 
 namespace rosflight::core {
 
-inline constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-inline constexpr float kInf = std::numeric_limits<float>::infinity();
-inline constexpr hal::Vec3 kLevel{0.0f, 0.0f, -9.80665f};
 inline constexpr int kCalibrationSamples = 1001;
 
 inline constexpr std::size_t cause(Reject r) {

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# The tests of a folder in one program, for the preset arm64-tests, which is compiled from nothing in each CI run: headers are
+# read, templates compiled and libraries linked once for about twenty test files (join_tests.py). Tests with a label stay programs
+# of their own. Compiler warnings are those of the release build, where each test is a file of its own.
+set(ROSFLIGHT_JOINED_TESTS "" CACHE STRING "Folders whose tests are joined, each folder to one program")
+set(ROSFLIGHT_JOINED_AT_A_TIME 20 CACHE STRING "How many test files are compiled as one")
+
+# Sets `joined` in the caller if the test becomes part of a joined program.
+function(_rosflight_join_test name sources uses)
+  set(joined OFF PARENT_SCOPE)
+  file(RELATIVE_PATH folder ${ROSFLIGHT_ROOT} ${CMAKE_CURRENT_SOURCE_DIR})
+  foreach(whole IN LISTS ROSFLIGHT_JOINED_TESTS)
+    list(LENGTH sources count)
+    if(count EQUAL 1 AND "${folder}/" MATCHES "^${whole}/")
+      get_filename_component(source ${sources} ABSOLUTE)
+      set_property(GLOBAL APPEND PROPERTY ROSFLIGHT_JOINED_${whole} ${name}=${source})
+      set_property(GLOBAL APPEND PROPERTY ROSFLIGHT_JOINED_USES_${whole} ${uses})
+      set(joined ON PARENT_SCOPE)
+      return()
+    endif()
+  endforeach()
+endfunction()
+
+function(_rosflight_joined_program whole)
+  get_property(tests GLOBAL PROPERTY ROSFLIGHT_JOINED_${whole})
+  get_property(uses GLOBAL PROPERTY ROSFLIGHT_JOINED_USES_${whole})
+  if(NOT tests)
+    return()
+  endif()
+  list(REMOVE_DUPLICATES uses)
+  string(REPLACE "/" "_" name joined_${whole}_test)
+  set(files)
+  list(LENGTH tests count)
+  foreach(first RANGE 0 ${count} ${ROSFLIGHT_JOINED_AT_A_TIME})
+    list(SUBLIST tests ${first} ${ROSFLIGHT_JOINED_AT_A_TIME} batch)
+    if(batch)
+      set(file ${CMAKE_BINARY_DIR}/joined/${name}_from_${first}.cpp)
+      list(TRANSFORM batch REPLACE "^[^=]*=" "" OUTPUT_VARIABLE sources)
+      add_custom_command(OUTPUT ${file}
+        COMMAND ${ROSFLIGHT_PYTHON} ${ROSFLIGHT_ROOT}/cmake/join_tests.py ${file} ${batch}
+        DEPENDS ${sources} ${ROSFLIGHT_ROOT}/cmake/join_tests.py VERBATIM)
+      list(APPEND files ${file})
+    endif()
+  endforeach()
+  rosflight_program(${name} TEST test SOURCES ${files} USES ${uses} GTest::gtest_main)
+  target_compile_options(${name} PRIVATE -w)
+  # Of a template that tests and a library instantiate, the linker takes the first: that of the library, which is optimized.
+  foreach(library IN LISTS uses)
+    get_target_property(type ${library} TYPE)
+    if(type STREQUAL "STATIC_LIBRARY")
+      target_link_options(${name} PRIVATE LINKER:--whole-archive $<TARGET_FILE:${library}> LINKER:--no-whole-archive)
+    endif()
+  endforeach()
+  add_test(NAME ${name} COMMAND ${name} WORKING_DIRECTORY ${ROSFLIGHT_ROOT})
+  string(REGEX REPLACE "/.*" "" top ${whole})
+  set_tests_properties(${name} PROPERTIES TIMEOUT 900 LABELS "gtest;of ${top}")
+endfunction()
+
+function(rosflight_joined_tests)
+  foreach(whole IN LISTS ROSFLIGHT_JOINED_TESTS)
+    _rosflight_joined_program(${whole})
+  endforeach()
+endfunction()
