@@ -253,6 +253,7 @@ def h7() -> list[Figure]:
                  "cortex-m7", on_request=True)
           for board in h7_figures.BOARDS for name, attitude, quantity, unit, target in BOARD_PASSTHROUGH),
         Figure("h7.realtime_factor", "s/s", ">= 5", h7_figures.realtime_factor, "cortex-m7"),
+        Figure("h7.varmint_realtime_factor", "s/s", ">= 5", lambda: h7_figures.realtime_factor("varmint"), "cortex-m7"),
         Figure("h7.driver_coverage", "% of lines", ">= 95", driver_coverage.total, "none", on_request=True),
         Figure("h7.driver_coverage_lowest", "% of lines", "report", driver_coverage.lowest, "none", on_request=True),
         flown("stack_bytes", "B", "<= 8192"),

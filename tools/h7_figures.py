@@ -95,6 +95,6 @@ def flight(board: str = BOARD) -> dict:
     return {**json.loads(done.stdout), "cpu_s": cpu_s}
 
 
-def realtime_factor() -> float:
+def realtime_factor(board: str = BOARD) -> float:
     """Simulated time over the processor time of simulation and emulator."""
-    return flight()["sim_time_s"] / flight()["cpu_s"]
+    return flight(board)["sim_time_s"] / flight(board)["cpu_s"]

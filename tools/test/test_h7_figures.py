@@ -31,5 +31,7 @@ def test_the_flight_record_is_counted_apart(sections):
 
 
 def test_factor_is_simulated_time_over_processor_time(monkeypatch):
-    monkeypatch.setattr(h7_figures, "flight", lambda: {"sim_time_s": 50.0, "cpu_s": 10.0})
+    cpu_s = {"pixracer_pro": 10.0, "varmint": 8.0}
+    monkeypatch.setattr(h7_figures, "flight", lambda board: {"sim_time_s": 50.0, "cpu_s": cpu_s[board]})
     assert h7_figures.realtime_factor() == 5.0
+    assert h7_figures.realtime_factor("varmint") == 6.25

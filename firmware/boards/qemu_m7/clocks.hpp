@@ -16,19 +16,19 @@ class LatchedClock final : public hal::Clock {
   hal::Time now_{};
 };
 
-/// Real time: microseconds since start, from the 25 MHz cycle counter. The periodic interrupt calls
-/// now() too, so that no wrap of the 32-bit counter is missed.
+/// Real time: microseconds since start, from the 25 MHz cycle counter.
 class HardwareClock final : public hal::Clock {
  public:
   HardwareClock() { counter_.start(cycles()); }
   hal::Time now() const override {
     constexpr std::uint32_t kCyclesPerMicrosecond = kClock_Hz / 1'000'000u;
-    const InterruptGuard guard;
-    return hal::Time{static_cast<std::int64_t>(counter_.at(cycles()) / kCyclesPerMicrosecond)};
+    return hal::Time{static_cast<std::int64_t>(counter_.at(cycles) / kCyclesPerMicrosecond)};
   }
+  /// From the periodic interrupt, so that no wrap of the 32-bit counter is missed.
+  void keep() { counter_.keep(cycles()); }
 
  private:
-  mutable WideCounter counter_;
+  WideCounter counter_;
 };
 
 }  // namespace rosflight::boards::m7

@@ -181,8 +181,7 @@ void board_fault(const FaultRegisters& registers) {
 }
 
 void board_tick() {
-  if (hardware_clock_storage.get() != nullptr)
-    static_cast<void>(hardware_clock_storage.get()->now());
+  if (hardware_clock_storage.get() != nullptr) hardware_clock_storage.get()->keep();
 }
 
 void board_uart0_receive() {

@@ -33,32 +33,39 @@ void DmaStream::connect(const Setup& setup) {
 
 void DmaStream::start(std::uint32_t register_address, const volatile void* memory,
                       std::size_t count) {
-  static_cast<void>(clear_flags());
-  reg(controller(), at(dma_stream::CR)) = control_;
-  reg(controller(), at(dma_stream::NDTR)) = static_cast<std::uint32_t>(count);
-  reg(controller(), at(dma_stream::PAR)) = register_address;
-  reg(controller(), at(dma_stream::M0AR)) = reinterpret_cast<std::uintptr_t>(memory);
+  drop_flags();
+  at(dma_stream::CR) = control_;
+  at(dma_stream::NDTR) = static_cast<std::uint32_t>(count);
+  at(dma_stream::PAR) = register_address;
+  at(dma_stream::M0AR) = reinterpret_cast<std::uintptr_t>(memory);
   asm volatile("dmb" ::: "memory");  // the buffer is written before the controller reads it
-  reg(controller(), at(dma_stream::CR)) = control_ | dma_stream::CR_EN(1);
+  at(dma_stream::CR) = control_ | dma_stream::CR_EN(1);
 }
 
 void DmaStream::stop() {
   // Nothing else may change while it runs.
-  modify(reg(controller(), at(dma_stream::CR)), dma_stream::CR_EN, 0);
+  modify(at(dma_stream::CR), dma_stream::CR_EN, 0);
   while (runs()) {
   }
   static_cast<void>(clear_flags());
 }
 
 bool DmaStream::clear_flags() {
-  constexpr std::uint32_t kShifts[] = {0, 6, 16, 22};
-  const std::uint32_t shift = kShifts[stream() % 4u];
   const bool high = stream() >= 4;
-  const std::uint32_t flags = reg(controller(), high ? dma::HISR : dma::LISR) >> shift & kAllFlags;
-  reg(controller(), high ? dma::HIFCR : dma::LIFCR) = kAllFlags << shift;
+  const std::uint32_t flags = reg(controller(), high ? dma::HISR : dma::LISR) >> shift();
+  drop_flags();
   const std::uint32_t back = reg(controller(), high ? dma::HISR : dma::LISR);
   static_cast<void>(back);  // the write has arrived: the interrupt does not come again
   return (flags & kTransferError) != 0;
+}
+
+void DmaStream::drop_flags() {
+  reg(controller(), stream() >= 4 ? dma::HIFCR : dma::LIFCR) = kAllFlags << shift();
+}
+
+std::uint32_t DmaStream::shift() const {
+  constexpr std::uint8_t kShifts[] = {0, 6, 16, 22};
+  return kShifts[stream() % 4u];
 }
 
 }  // namespace rosflight::boards::stm32h7

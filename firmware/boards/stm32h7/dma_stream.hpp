@@ -24,7 +24,8 @@ class DmaStream {
     bool half_words{false};  ///< 16 bits at a time.
   };
 
-  explicit constexpr DmaStream(unsigned number) : number_{number} {}
+  explicit constexpr DmaStream(unsigned number)
+      : number_{number}, registers_{controller().base + 0x10u + 0x18u * stream()} {}
 
   unsigned irq() const;
   /// Opens the gate, stops the stream and connects the request.
@@ -33,19 +34,24 @@ class DmaStream {
   void start(std::uint32_t register_address, const volatile void* memory, std::size_t count);
   /// Stops and waits until the stream has stopped.
   void stop();
-  bool runs() const { return dma_stream::CR_EN.of(reg(controller(), at(dma_stream::CR))) != 0; }
+  bool runs() const { return dma_stream::CR_EN.of(at(dma_stream::CR)) != 0; }
   /// Elements that are still to come.
-  std::size_t left() const { return reg(controller(), at(dma_stream::NDTR)) & 0xFFFFu; }
-  /// Clears all flags. @returns whether a transfer error was among them.
+  std::size_t left() const { return at(dma_stream::NDTR) & 0xFFFFu; }
+  /// Clears all flags, as the interrupt has to. @returns whether a transfer error was among them.
   bool clear_flags();
 
  private:
+  void drop_flags();
+  std::uint32_t shift() const;
   static constexpr unsigned kPerController = 8;
-  const Instance& controller() const { return number_ < kPerController ? DMA1 : DMA2; }
-  unsigned stream() const { return number_ % kPerController; }
-  std::uint32_t at(std::uint32_t offset) const { return 0x10u + 0x18u * stream() + offset; }
+  constexpr const Instance& controller() const { return number_ < kPerController ? DMA1 : DMA2; }
+  constexpr unsigned stream() const { return number_ % kPerController; }
+  volatile std::uint32_t& at(std::uint32_t offset) const {
+    return memory_at<volatile std::uint32_t>(registers_ + offset);
+  }
 
   unsigned number_;
+  std::uint32_t registers_;
   std::uint32_t control_{0};
 };
 

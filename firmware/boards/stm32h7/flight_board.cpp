@@ -97,6 +97,7 @@ void FlightBoard::on_pulse_per_second() {
 }
 
 void FlightBoard::step_common() {
+  clock_.keep();
   link_.step();
   gnss_uart_.step();
   const hal::Time now = clock_.now();
@@ -105,14 +106,15 @@ void FlightBoard::step_common() {
   if (++ticks_ % kTicksPerWake == 0) wakes_ = true;
 }
 
+/// Bytes of the link do not wake by themselves: its UART interrupts at the end of a frame, so that a frame costs one
+/// pass and not one at each interrupt meanwhile.
 void FlightBoard::idle() {
   const hal::Time begin = clock_.now();
-  for (;;) {
+  for (bool awake = link_.has_left_over(); !awake;) {
     asm volatile("cpsid i" ::: "memory");
-    const bool awake = wakes_ || link_.waiting();
+    awake = wakes_;
     if (!awake) wait_for_interrupt();
     asm volatile("cpsie i" ::: "memory");
-    if (awake) break;
   }
   wakes_ = false;
   system_.add_slept(clock_.now() - begin);

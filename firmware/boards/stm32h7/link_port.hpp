@@ -22,7 +22,11 @@ class LinkPort final : public hal::Serial {
   std::size_t writable() const override { return queues_.writable(); }
   bool carries_all() const override { return usb_.connected(); }
   std::size_t read(std::uint8_t* data, std::size_t capacity) override;
-  bool waiting() const { return usb_.connected() ? usb_.waiting() : uart_.waiting() > 0; }
+  /// More than what may have come since the last read(): a pass of the firmware takes a limited number of messages.
+  bool has_left_over() const {
+    constexpr std::size_t kSinceThen = 64;  // 0.2 ms at 3 Mbaud
+    return usb_.connected() ? usb_.waiting() : uart_.waiting() > kSinceThen;
+  }
 
   void on_uart() { static_cast<void>(uart_.on_interrupt()); }
   void on_uart_sent();

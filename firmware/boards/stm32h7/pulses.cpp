@@ -29,6 +29,7 @@ bool Pulses::configure(const hal::OutputRates& rates_hz) {
     std::size_t members = 0;
     for (std::size_t k = 0; k < pins_.count; ++k) {
       if (!(channel(k).timer == pins_.groups[g].timer)) continue;
+      group_of_[k] = static_cast<std::uint8_t>(g);
       rates[members++] = rates_hz[k];
       levels |= std::uint32_t{rates_hz[k] == 0.0f} << k;
     }
@@ -87,12 +88,12 @@ void Pulses::write(const hal::OutputValues& values) {
   set_levels(values);
   for (std::size_t g = 0; g < kMaxGroups; ++g) {
     if (plans_[g].kind == parts::PulseKind::kDshot) write_frames(g, values);
-    if (plans_[g].kind != parts::PulseKind::kPwm) continue;
-    for (std::size_t k = 0; k < pins_.count; ++k) {
-      const Channel& c = channel(k);
-      if (!(c.timer == pins_.groups[g].timer)) continue;
-      reg(c.timer, tim::CCR1 + 4u * c.channel) = parts::pwm_counts(plans_[g], values[k]);
-    }
+  }
+  for (std::size_t k = 0; k < pins_.count; ++k) {
+    const parts::PulsePlan& plan = plans_[group_of_[k]];
+    if (plan.kind != parts::PulseKind::kPwm) continue;
+    const Channel& c = channel(k);
+    reg(c.timer, tim::CCR1 + 4u * c.channel) = parts::pwm_counts(plan, values[k]);
   }
 }
 

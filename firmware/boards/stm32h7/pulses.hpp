@@ -65,7 +65,8 @@ class Pulses final : public hal::Outputs {
   const Pins& pins_;
   Memory& memory_;
   std::array<parts::PulsePlan, kMaxGroups> plans_{};
-  std::uint16_t levels_{0};  ///< Bit per channel: it is a level.
+  std::array<std::uint8_t, kMaxChannels> group_of_{};  ///< Group of each channel.
+  std::uint16_t levels_{0};                            ///< Bit per channel: it is a level.
   bool enabled_{false};
 };
 

@@ -19,18 +19,18 @@ inline void wait_us(std::uint32_t us) {
   }
 }
 
-/// 64 bits of microseconds since start_microseconds(). Any context; the tick reads it too, so that no
-/// wrap is missed.
+/// 64 bits of microseconds since start_microseconds(). Any context.
 class MicrosecondClock final : public hal::Clock {
  public:
   MicrosecondClock() { counter_.start(0); }
   hal::Time now() const override {
-    const InterruptGuard guard;
-    return hal::Time{static_cast<std::int64_t>(counter_.at(microseconds()))};
+    return hal::Time{static_cast<std::int64_t>(counter_.at(microseconds))};
   }
+  /// From the tick, so that no wrap is missed.
+  void keep() { counter_.keep(microseconds()); }
 
  private:
-  mutable WideCounter counter_;
+  WideCounter counter_;
 };
 
 /// Starts TIM7: an interrupt every `period_us` microseconds in the bus context. The image forwards it to

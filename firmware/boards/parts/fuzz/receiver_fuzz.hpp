@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <vector>
 
+#include "firmware/boards/parts/fuzz/exact_block.hpp"
 #include "firmware/boards/parts/receiver_input.hpp"
 
 /// Feeds arbitrary bytes to a receiver's decoder. The first byte says how the stream is divided into
@@ -31,15 +32,13 @@ class Feed {
  public:
   explicit Feed(std::size_t chunk) : chunk_{chunk} {}
 
-  /// Each call gets a heap block of exactly its size, so that reading past its end is seen.
   void bytes(const Bytes& piece, Time silence) {
     now_ += silence;
     for (std::size_t at = 0; at < piece.size(); at += chunk_) {
       const std::size_t size = std::min(chunk_, piece.size() - at);
-      const Bytes call(piece.begin() + static_cast<std::ptrdiff_t>(at),
-                       piece.begin() + static_cast<std::ptrdiff_t>(at + size));
       sent_ += size;
-      input_.receive(call.data(), size, now_ + Traits::on_the_wire(at + size));
+      input_.receive(block_.holding(piece.data() + at, size), size,
+                     now_ + Traits::on_the_wire(at + size));
       collect();
     }
     now_ += Traits::on_the_wire(piece.size());
@@ -65,6 +64,7 @@ class Feed {
     require(input_.good() >= outcome_.frames.size());
   }
 
+  ExactBlock block_;
   typename Traits::Input input_{};
   std::size_t chunk_;
   std::size_t sent_{0};

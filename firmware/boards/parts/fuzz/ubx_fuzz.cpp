@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any bytes from a u-blox receiver. The first byte says how they are divided into calls and whether
-// pieces (message number, length, payload) are made frames. Samples are well formed, do not depend on
-// the division, and a good solution after a pause is received.
+// Any bytes from a u-blox receiver. The first byte says how they are divided into calls, whether pieces
+// (message number, length, payload) are made frames, and whether what follows them is judged. Samples are well formed,
+// do not depend on the division, and a good solution is received once a frame that was cut can be no longer.
 #include <algorithm>
 #include <cstdlib>
 #include <vector>
 
+#include "firmware/boards/parts/fuzz/exact_block.hpp"
 #include "firmware/boards/parts/ublox.hpp"
 
 namespace {
@@ -50,39 +51,56 @@ Bytes good_frames(const std::uint8_t* data, std::size_t size) {
   return stream;
 }
 
-std::vector<GnssSample> receive(const Bytes& stream, std::size_t chunk) {
-  Port port;
-  Ublox driver{port, {}};
-  std::vector<GnssSample> samples;
-  rosflight::hal::Time now = milliseconds(1);
-  const auto give = [&](const Bytes& bytes) {
-    driver.receive(bytes.data(), bytes.size(), now);
-    GnssSample sample;
-    while (driver.poll(sample)) samples.push_back(sample);
-  };
-  driver.start(Start::kWarm, now);
-  for (int k = 0; k < 40 && driver.state() != PartState::kRunning; ++k, now += milliseconds(1)) {
-    give(frame(0x05, 0x01, {0x06, port.acknowledged}));
-    driver.step(now);
+/// A driver that has set up its receiver.
+class Running {
+ public:
+  Running() {
+    driver_.start(Start::kWarm, now_);
+    for (int k = 0; k < 40 && driver_.state() != PartState::kRunning; ++k) {
+      give(frame(0x05, 0x01, {0x06, port_.acknowledged}), kWhole);
+      driver_.step(now_);
+      now_ += milliseconds(1);
+    }
+    require(driver_.state() == PartState::kRunning);
   }
-  require(driver.state() == PartState::kRunning);
-  for (std::size_t at = 0; at < stream.size(); at += chunk) {
-    const std::size_t size = std::min(chunk, stream.size() - at);
-    give(Bytes(stream.begin() + static_cast<std::ptrdiff_t>(at),
-               stream.begin() + static_cast<std::ptrdiff_t>(at + size)));
+
+  static constexpr std::size_t kWhole = fuzz::ExactBlock::kMost;
+  /// @param chunk  bytes in a call.
+  void give(const Bytes& bytes, std::size_t chunk) {
+    for (std::size_t at = 0; at < bytes.size(); at += chunk) {
+      const std::size_t size = std::min(chunk, bytes.size() - at);
+      driver_.receive(block_.holding(bytes.data() + at, size), size, now_);
+      GnssSample sample;
+      while (driver_.poll(sample)) samples_.push_back(sample);
+    }
   }
+  const std::vector<GnssSample>& samples() const { return samples_; }
+
+ private:
+  fuzz::ExactBlock block_;
+  Port port_;
+  Ublox driver_{port_, {}};
+  std::vector<GnssSample> samples_;
+  rosflight::hal::Time now_ = milliseconds(1);
+};
+
+void judge(const std::vector<GnssSample>& samples) {
   for (const GnssSample& sample : samples) {
     require(sample.fix <= rosflight::hal::GnssFix::kTimeOnly);
     require(sample.unix_ns >= 0 && sample.unix_ns < 1'000'000'000);
     require(std::abs(sample.latitude_deg) <= 90.0 && std::abs(sample.longitude_deg) <= 180.0);
   }
-  const std::size_t before = samples.size();
-  give(Bytes(UbxFormat::kMaxLength, 0));  // longer than what may still be missing of a frame
-  require(samples.size() <= before + 1);
-  const std::size_t then = samples.size();
-  give(frame(0x01, 0x07, Bytes(NavPvt::kBytes)));
-  require(samples.size() == then + 1);
-  return samples;
+}
+
+void receives_a_good_one(Running& receiver) {
+  const std::size_t before = receiver.samples().size();
+  static const Bytes nothing(UbxFormat::kMaxLength, 0);
+  receiver.give(nothing, Running::kWhole);  // longer than what may still be missing of a frame
+  const std::size_t then = receiver.samples().size();
+  require(then <= before + 1);
+  static const Bytes good = frame(0x01, 0x07, Bytes(NavPvt::kBytes));
+  receiver.give(good, Running::kWhole);
+  require(receiver.samples().size() == then + 1);
 }
 
 }  // namespace
@@ -91,12 +109,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   const Bytes stream =
       data[0] >= 128 ? good_frames(data + 1, size - 1) : Bytes(data + 1, data + size);
-  // Less than a solution per call, so that the main loop takes all.
-  const std::vector<GnssSample> one = receive(stream, 80);
-  const std::vector<GnssSample> cut = receive(stream, data[0] % 64u + 1u);
-  require(one.size() == cut.size());
-  for (std::size_t k = 0; k < one.size(); ++k) {
-    require(one[k].unix_s == cut[k].unix_s && one[k].fix == cut[k].fix);
+  Running whole, cut;
+  whole.give(stream, 80);  // less than a solution per call, so that the main loop takes all
+  cut.give(stream, data[0] % 64u + 1u);
+  judge(whole.samples());
+  require(whole.samples().size() == cut.samples().size());
+  for (std::size_t k = 0; k < whole.samples().size(); ++k) {
+    require(whole.samples()[k].unix_s == cut.samples()[k].unix_s);
+    require(whole.samples()[k].fix == cut.samples()[k].fix);
   }
+  if ((data[0] & 64u) != 0) receives_a_good_one(cut);
   return 0;
 }

@@ -11,24 +11,10 @@
 namespace rosflight::boards::m7 {
 namespace {
 
-TEST(WideCounter, GoesOnAcrossTheWrapOfTheCounter) {
-  WideCounter counter;
-  counter.start(0xFFFF'FF00u);
-  EXPECT_EQ(counter.at(0xFFFF'FFFFu), 0xFFu);
-  EXPECT_EQ(counter.at(0u), 0x100u);
-  EXPECT_EQ(counter.at(0xFFFF'FEFFu), 0xFFFF'FFFFu);
-  EXPECT_EQ(counter.at(0xFFFF'FF00u), 0x1'0000'0000u);
-  std::uint32_t raw = 0xFFFF'FF00u;
-  for (std::uint64_t k = 1; k <= 40; ++k) {
-    raw += 0x4000'0000u;
-    ASSERT_EQ(counter.at(raw), 0x1'0000'0000u + k * 0x4000'0000u);
-  }
-}
-
 TEST(HardwareClock, GoesOnAcrossTheWrapOfTheHardware) {
   constexpr std::uint32_t kBeforeWrap = 10u * (kClock_Hz / 1000u);  // 10 ms
   reg(kCycleCounter) = 0u - kBeforeWrap;
-  const HardwareClock clock;
+  HardwareClock clock;
   const hal::Time begin = clock.now();
   EXPECT_LT(begin, hal::milliseconds(10));
   EXPECT_GT(cycles(), 0x8000'0000u) << "before the wrap";
@@ -38,6 +24,7 @@ TEST(HardwareClock, GoesOnAcrossTheWrapOfTheHardware) {
     ASSERT_GE(now, last);
     last = now;
   }
+  clock.keep();
   spend(hal::milliseconds(5));
   const hal::Time after = clock.now();
   EXPECT_GE(after - begin, hal::milliseconds(14));

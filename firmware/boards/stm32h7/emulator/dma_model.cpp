@@ -65,7 +65,8 @@ std::uint32_t DmaModel::read(std::uint32_t offset, unsigned /*size*/) {
 void DmaModel::write(std::uint32_t offset, std::uint32_t value, unsigned /*size*/) {
   if (offset == dma::LIFCR || offset == dma::HIFCR) {
     word(offset - dma::LIFCR + dma::LISR) &= ~value;
-    drive_lines();
+    const std::size_t first = offset == dma::LIFCR ? 0 : 4;
+    for (std::size_t k = first; k < first + 4; ++k) drive_line(k);
     return;
   }
   if (offset < at(0, 0)) return complain("write to a register that can only be read");
@@ -99,7 +100,7 @@ void DmaModel::write_control(std::size_t stream, std::uint32_t value) {
     stopping_[stream] = true;
     flag(stream, kComplete);
   }
-  drive_lines();
+  drive_line(stream);
 }
 
 void DmaModel::start(std::size_t stream) {
@@ -183,23 +184,21 @@ bool DmaModel::move(std::size_t stream, std::uint32_t& element) {
 
 void DmaModel::flag(std::size_t stream, std::uint32_t bit) {
   word(stream < 4 ? dma::LISR : dma::HISR) |= 1U << (shift_of(stream) + bit);
-  drive_lines();
+  drive_line(stream);
 }
 
 std::uint32_t DmaModel::flags(std::size_t stream) const {
   return word(stream < 4 ? dma::LISR : dma::HISR) >> shift_of(stream) & kAllFlags;
 }
 
-void DmaModel::drive_lines() {
-  for (std::size_t k = 0; k < kStreams; ++k) {
-    const std::uint32_t f = flags(k), control = word(at(k, dma_stream::CR));
-    const auto asks = [f, control](std::uint32_t bit, const Field& enable) {
-      return (f >> bit & 1U) != 0 && enable.of(control) != 0;
-    };
-    core().set_line(irqs_[k], asks(kComplete, dma_stream::CR_TCIE) ||
-                                  asks(kHalf, dma_stream::CR_HTIE) ||
-                                  asks(kTransferError, dma_stream::CR_TEIE));
-  }
+void DmaModel::drive_line(std::size_t stream) {
+  const std::uint32_t f = flags(stream), control = word(at(stream, dma_stream::CR));
+  const auto asks = [f, control](std::uint32_t bit, const Field& enable) {
+    return (f >> bit & 1U) != 0 && enable.of(control) != 0;
+  };
+  core().set_line(irqs_[stream], asks(kComplete, dma_stream::CR_TCIE) ||
+                                     asks(kHalf, dma_stream::CR_HTIE) ||
+                                     asks(kTransferError, dma_stream::CR_TEIE));
 }
 
 bool DmaRequests::served(std::uint32_t request) const {

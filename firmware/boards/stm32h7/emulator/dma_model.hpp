@@ -63,7 +63,7 @@ class DmaModel final : public Peripheral {
   bool reachable(std::size_t stream, std::uint32_t address, std::uint32_t bytes);
   void flag(std::size_t stream, std::uint32_t bit);
   std::uint32_t flags(std::size_t stream) const;
-  void drive_lines();
+  void drive_line(std::size_t stream);
   std::string name_of(std::size_t stream) const {
     return "stream " + std::to_string(stream) + ": ";
   }

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
-#include <ctime>
 #include <memory>
 #include <string>
 
@@ -50,6 +49,8 @@ class Session {
       std::copy(segment.bytes.begin(), segment.bytes.end(), place);
     }
     check_board(board_name);
+    glance_ = variable("board_glance", sizeof(FirmwareGlance));
+    find_stack();
   }
 
   void run() {
@@ -101,9 +102,8 @@ class Session {
     out.complaints = complaints_;
     out.in_bootloader = static_cast<std::uint8_t>(chip_.in_bootloader());
     if (out.clock_zero_us >= 0) out.stack_bytes = stack_high_water();  // painted by then
-    out.cpu_us = static_cast<std::uint64_t>(std::clock()) * 1'000'000 / CLOCKS_PER_SEC;
-    if (const std::uint8_t* glance = variable("board_glance", sizeof(FirmwareGlance))) {
-      std::memcpy(&out.firmware, glance, sizeof(FirmwareGlance));
+    if (glance_ != nullptr) {
+      std::memcpy(&out.firmware, glance_, sizeof(FirmwareGlance));
       out.stamp_error_us = board_.stamp_error_us(out.firmware.imu_stamp_us);
     }
   }
@@ -114,20 +114,22 @@ class Session {
     return found == image_.symbols.end() ? nullptr : chip_.processor.memory(found->second, size);
   }
 
-  std::uint32_t stack_high_water() {
-    constexpr std::uint32_t kPaint = 0xC0DE'FACEU;
+  void find_stack() {
     const auto bottom = image_.symbols.find("board_stack_bottom");
     const auto top = image_.symbols.find("board_stack_top");
-    if (bottom == image_.symbols.end() || top == image_.symbols.end()) return 0;
-    std::uint32_t address = bottom->second;
-    for (; address < top->second; address += 4) {
-      std::uint32_t word = 0;
-      const std::uint8_t* const at = chip_.processor.memory(address, 4);
-      if (at == nullptr) return 0;
-      std::memcpy(&word, at, 4);
-      if (word != kPaint) break;
-    }
-    return top->second - address;
+    if (bottom == image_.symbols.end() || top == image_.symbols.end()) return;
+    const std::uint8_t* const from =
+        chip_.processor.memory(bottom->second, top->second - bottom->second);
+    if (from == nullptr) return;
+    stack_bottom_ = reinterpret_cast<const std::uint32_t*>(from);
+    stack_top_ = stack_bottom_ + (top->second - bottom->second) / sizeof *stack_bottom_;
+  }
+
+  /// Bytes from the lowest word that has lost its paint to the top.
+  std::uint32_t stack_high_water() const {
+    const auto is_paint = [](std::uint32_t word) { return word == 0xC0DE'FACEU; };
+    const auto used = std::find_if_not(stack_bottom_, stack_top_, is_paint);
+    return static_cast<std::uint32_t>(sizeof *used) * static_cast<std::uint32_t>(stack_top_ - used);
   }
 
   void note(const std::string& what) {
@@ -145,6 +147,8 @@ class Session {
   Chip& chip_;
   const ElfFile& image_;
   Exchange& block_;
+  const std::uint8_t* glance_{nullptr};  ///< These three are the image's, if it has them.
+  const std::uint32_t *stack_bottom_{nullptr}, *stack_top_{nullptr};
   std::uint32_t base_{0};
   std::uint32_t complaints_{0};
 };

@@ -19,29 +19,27 @@ void Nvic::set_line(unsigned irq, bool high) {
 
 void Nvic::enable(unsigned irq, bool on) {
   enabled_[irq] = on;
-  look();
+  note_ready(kFirstIrq + static_cast<int>(irq));
 }
 
 void Nvic::pend(int exception) {
   pending_[index(exception)] = true;
-  if (ready(exception)) any_pending_ = true;
+  note_ready(exception);
 }
 
 void Nvic::unpend(int exception) {
   pending_[index(exception)] =
       exception >= kFirstIrq && line_[index(exception - kFirstIrq)] && !active(exception);
-  look();
+  note_ready(exception);
 }
 
 void Nvic::set_priority(int exception, std::uint8_t priority) {
   priority_[index(exception)] = priority & 0xF0U;
 }
 
-void Nvic::look() {
-  any_pending_ = false;
-  for (int e = kNmi; e < static_cast<int>(kExceptions) && !any_pending_; ++e) {
-    any_pending_ = ready(e);
-  }
+void Nvic::note_ready(int exception) {
+  ready_[index(exception)] = pending_[index(exception)] &&
+                             (exception < kFirstIrq || enabled_[index(exception - kFirstIrq)]);
 }
 
 int Nvic::priority(int exception) const {
@@ -67,8 +65,9 @@ int Nvic::running_priority(const Masks& masks) const {
 int Nvic::next(const Masks& masks) const {
   int best = 0;
   int best_priority = kBelowAll;
-  for (int e = kNmi; e < static_cast<int>(kExceptions); ++e) {
-    if (!ready(e) || priority(e) >= best_priority) continue;
+  for (std::size_t at = ready_._Find_first(); at < kExceptions; at = ready_._Find_next(at)) {
+    const int e = static_cast<int>(at);
+    if (priority(e) >= best_priority) continue;
     best = e;
     best_priority = priority(e);
   }
@@ -79,7 +78,7 @@ void Nvic::activate(int exception) {
   pending_[index(exception)] = false;
   active_[index(exception)] = true;
   stack_.push_back(exception);
-  look();
+  note_ready(exception);
 }
 
 int Nvic::deactivate() {
@@ -88,7 +87,6 @@ int Nvic::deactivate() {
   stack_.pop_back();
   active_[index(exception)] = false;
   if (exception >= kFirstIrq && line_[index(exception - kFirstIrq)]) pend(exception);
-  look();
   return exception;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <array>
+#include <bitset>
 #include <cstdint>
 #include <vector>
 
@@ -45,7 +46,7 @@ class Nvic {
   std::uint32_t group() const { return group_; }
 
   /// Whether any enabled exception is pending, masked or not: wakes a sleeping processor.
-  bool any_pending() const { return any_pending_; }
+  bool any_pending() const { return ready_.any(); }
   /// The exception to take now, or 0.
   int next(const Masks& masks) const;
   /// Its handler starts.
@@ -58,20 +59,16 @@ class Nvic {
 
  private:
   static std::size_t index(int exception) { return static_cast<std::size_t>(exception); }
-  bool ready(int exception) const {
-    return pending_[index(exception)] &&
-           (exception < kFirstIrq || enabled_[index(exception - kFirstIrq)]);
-  }
   int priority(int exception) const;
   int running_priority(const Masks& masks) const;
-  void look();
+  void note_ready(int exception);
 
   std::array<bool, kIrqs> line_{}, enabled_{};
   std::array<bool, kExceptions> pending_{}, active_{};
   std::array<std::uint8_t, kExceptions> priority_{};
   std::vector<int> stack_;
   std::uint32_t group_{0};
-  bool any_pending_{false};
+  std::bitset<kExceptions> ready_;  ///< Pending and enabled.
 };
 
 }  // namespace rosflight::boards::stm32h7::emulator

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 
 #include "firmware/boards/stm32h7/emulator/flash_control.hpp"
 
@@ -110,6 +111,8 @@ Processor::Processor()
   check(uc_open(UC_ARCH_ARM, UC_MODE_THUMB, &uc_), "unicorn");
   check(uc_ctl_set_cpu_model(uc_, UC_CPU_ARM_CORTEX_M7), "Cortex-M7");
   check(uc_ctl_tlb_mode(uc_, UC_TLB_VIRTUAL), "TLB");
+  // None: Unicorn would translate the block at such an address again at each start.
+  check(uc_ctl_exits_enable(uc_), "exits");
   uc_hook hook = 0;
   const auto add = [this, &hook](int type, auto* function) {
     check(uc_hook_add(uc_, &hook, type, reinterpret_cast<void*>(function), this, 1, 0), "hook");
@@ -192,18 +195,25 @@ void Processor::charge(unsigned instructions) {
   counters_.instructions += instructions;
 }
 
-/// Instructions of a block of flash; counted once and kept.
-unsigned Processor::count(std::uint32_t address, std::uint32_t size) {
+/// Instructions of a block of flash; counted once and kept, if it is not a very long one.
+inline unsigned Processor::count(std::uint32_t address, std::uint32_t size) {
   Block& block = blocks_[(address & (kFlashEnd - 1)) / 2];
-  if (block.size != size) {
-    constexpr unsigned kFirstWide = 0xE800U;  // half words from here on begin 32-bit instructions
-    const std::uint8_t* const code = memory(address, size);
-    block = {static_cast<std::uint16_t>(size), 0};
-    for (std::uint32_t k = 0; code != nullptr && k + 1 < size; ++block.instructions) {
-      k += (unsigned{code[k]} | unsigned{code[k + 1]} << 8U) >= kFirstWide ? 4 : 2;
-    }
+  if (block.half_words == size / 2) return block.instructions;
+  const unsigned instructions = count_again(address, size);
+  constexpr unsigned kMost = std::numeric_limits<std::uint8_t>::max();
+  if (size / 2 <= kMost)
+    block = {static_cast<std::uint8_t>(size / 2), static_cast<std::uint8_t>(instructions)};
+  return instructions;
+}
+
+unsigned Processor::count_again(std::uint32_t address, std::uint32_t size) {
+  constexpr unsigned kFirstWide = 0xE800U;  // half words from here on begin 32-bit instructions
+  const std::uint8_t* const code = memory(address, size);
+  unsigned instructions = 0;
+  for (std::uint32_t k = 0; code != nullptr && k + 1 < size; ++instructions) {
+    k += (unsigned{code[k]} | unsigned{code[k + 1]} << 8U) >= kFirstWide ? 4 : 2;
   }
-  return block.instructions;
+  return instructions;
 }
 
 void Processor::set_due(Timed& timed, Ticks time) {
@@ -213,20 +223,17 @@ void Processor::set_due(Timed& timed, Ticks time) {
 
 void Processor::run_events() {
   constexpr int kTooMany = 100'000;
-  for (int round = 0; round < kTooMany; ++round) {
-    next_due_ = kNever;
-    bool any = false;
+  for (int round = 0; next_due_ <= now_; ++round) {
+    if (round == kTooMany) throw ProcessorError("a model asks for events without end");
+    next_due_ = kNever;  // events may bring it forward while they run
     for (Timed* const each : timed_) {
       if (each->due <= now_) {
-        any = true;
         each->due = kNever;
         each->event(now_);
       }
       next_due_ = std::min(next_due_, each->due);
     }
-    if (!any) return;
   }
-  throw ProcessorError("a model asks for events without end");
 }
 
 /// At the beginning of a block: what is due, then interrupts, then the caller's time.
@@ -270,13 +277,12 @@ void Processor::run_until(Ticks time) {
     if (reset_requested_) reset_now();
     stopped_ = false;
     slow_ = nvic_.any_pending() || fault_ != 0;
-    // Ends at an address inside the vector table: nothing is ever executed there.
-    const uc_err error = uc_emu_start(uc_, resume_at_ | 1U, vector_table_ + 4, 0, 0);
+    const uc_err error = uc_emu_start(uc_, resume_at_ | 1U, 0, 0, 0);
     if (fault_ != 0) {
       take_fault();
     } else if (!stopped_ && !reset_requested_) {
-      check(error, at_address("instruction at", get(UC_ARM_REG_PC)).c_str());
       resume_at_ = get(UC_ARM_REG_PC);  // it stands behind a WFI
+      if (error != UC_ERR_OK) check(error, at_address("instruction at", resume_at_).c_str());
       sleep();
     }
   }
@@ -331,11 +337,12 @@ void Processor::power_on(std::uint32_t vector_table) {
 // ---- bus
 
 Processor::Window* Processor::window_at(std::uint32_t address) {
+  const auto holds = [address](const Window& w) { return address - w.base < w.size; };
+  if (newest_window_ != nullptr && holds(*newest_window_)) return newest_window_;
   auto after = std::upper_bound(windows_.begin(), windows_.end(), address,
                                 [](std::uint32_t a, const Window& w) { return a < w.base; });
-  if (after == windows_.begin()) return nullptr;
-  Window& window = *--after;
-  return address - window.base < window.size ? &window : nullptr;
+  if (after == windows_.begin() || !holds(*--after)) return nullptr;
+  return newest_window_ = &*after;
 }
 
 std::uint32_t Processor::bus_read(std::uint32_t address, unsigned size) {

@@ -97,7 +97,12 @@ class Processor final : public Core {
   struct Hooks;  ///< The callbacks of Unicorn.
   friend struct Hooks;
 
+  /// The block that begins at a half word of flash. Small, because it is looked up for each block.
+  struct Block {
+    std::uint8_t half_words{}, instructions{};
+  };
   unsigned count(std::uint32_t address, std::uint32_t size);
+  unsigned count_again(std::uint32_t address, std::uint32_t size);
   void charge(unsigned instructions);
   void begin_slowly(std::uint32_t address, unsigned instructions);
   void run_events();
@@ -135,12 +140,9 @@ class Processor final : public Core {
   int cleared_by_{0};
   int fault_{0};  ///< Taken when Unicorn has stopped.
   std::uint32_t resume_at_{}, vector_table_{};
-  /// Size and instructions of the block at a half word of flash.
-  struct Block {
-    std::uint16_t size{}, instructions{};
-  };
   std::vector<Block> blocks_;
   Memory* newest_memory_{nullptr};  ///< That memory() found last.
+  Window* newest_window_{nullptr};  ///< That window_at() found last.
   std::function<bool(const Instance&)> gate_is_open_;
   Counters counters_;
 };

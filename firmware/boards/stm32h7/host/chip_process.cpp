@@ -48,6 +48,7 @@ void ChipProcess::start() {
 
 void ChipProcess::exchange() {
   constexpr char kReady = 'r';
+  one_processor_.next_turn(child_.process());
   child_.send(to_chip_.get(), kReady);
   child_.receive(from_chip_.get(), options_.timeout);
   const FromChip& answer = block_->from_chip;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "firmware/boards/common/host/child_process.hpp"
+#include "firmware/boards/common/host/one_processor.hpp"
 #include "firmware/boards/stm32h7/host/exchange.hpp"
 
 namespace rosflight::boards::stm32h7 {
@@ -41,6 +42,7 @@ class ChipProcess {
  private:
   Options options_;
   ChildProcess child_;
+  OneProcessor one_processor_;
   base::FileDescriptor memory_, to_chip_, from_chip_;
   Exchange* block_{nullptr};
 };

@@ -76,7 +76,6 @@ struct FromChip {
       clock_zero_us{};  ///< When the firmware's microsecond counter was 0; -1: not started.
   std::uint64_t instructions{};  ///< Since the program began.
   std::uint64_t busy_us{};       ///< Time not slept.
-  std::uint64_t cpu_us{};        ///< Processor time of the host, spent by the program.
   std::uint64_t link_received{}, link_sent{}, link_lost{};
   std::uint32_t resets{};       ///< Since the program began.
   std::uint32_t complaints{};   ///< Complaints of models since the program began.
