@@ -64,12 +64,12 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
                               "Cortex-M7; {}: the image of that board on an emulated STM32H7",
                               fmt::join(kChipBoards, ", ")))
       ->capture_default_str()
-      ->check(CLI::IsMember(boards));
+      ->check(one_of(boards));
   fly->add_option("--link", choice.link,
                   "cable: the simulated one; uart: that of qemu_m7, in real time; usb: that of an "
                   "emulated STM32H7")
       ->capture_default_str()
-      ->check(CLI::IsMember({"cable", "uart", "usb"}));
+      ->check(one_of({"cable", "uart", "usb"}));
   fly->add_option("--mission", choice.mission, "Mission: a name of missions/ or a YAML file")
       ->capture_default_str();
   fly->add_option("--seed", choice.seed, "Seed of all noise and wind; same seed, same bits")
@@ -79,22 +79,22 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
                   "Where guidance gets its state from: estimate (filter on the link's sensor "
                   "streams) or truth")
       ->capture_default_str()
-      ->check(CLI::IsMember({"estimate", "truth"}));
+      ->check(one_of({"estimate", "truth"}));
   fly->add_option(
          "--pilot", choice.pilot,
          "Throttle stick of the safety pilot, who does not see the vehicle, from 1 s after "
          "arming to disarming: hover (carries the vehicle) or idle")
       ->capture_default_str()
-      ->check(CLI::IsMember({"hover", "idle"}));
+      ->check(one_of({"hover", "idle"}));
   fly->add_option("--physics", choice.physics,
                   "What moves the body: runge_kutta; runge_kutta_held, the same with the load held "
                   "over each step, as any other engine gets it; jsbsim, in a process of its own")
       ->capture_default_str()
-      ->check(CLI::IsMember(std::vector<std::string>(kPhysics.begin(), kPhysics.end())));
+      ->check(one_of(std::vector<std::string>(kPhysics.begin(), kPhysics.end())));
   fly->add_option("--link-protocol", choice.link_protocol,
                   "Protocol of the board: mavlink or lean; the companion detects it")
       ->capture_default_str()
-      ->check(CLI::IsMember(link_protocols()));
+      ->check(one_of(link_protocols()));
   fly->add_option("--wind", choice.wind,
                   "SPEED,FROM_DEG[,W20]: steady wind and Dryden turbulence [m/s]");
   fly->add_option("--set", choice.overrides, "vehicle.key=value, e.g. vehicle.body.mass_kg=3.2")
@@ -121,7 +121,7 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
                       "plot: sensors and link complete, truth, attitude and outputs at 100 Hz; "
                       "full: every step; none")
           ->capture_default_str()
-          ->check(CLI::IsMember({"plot", "full", "none"}));
+          ->check(one_of({"plot", "full", "none"}));
   fly->add_flag_callback(
          "--no-log", [&options] { options.log = "none"; }, "The same as --log none")
       ->excludes(log);

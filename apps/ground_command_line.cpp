@@ -177,9 +177,11 @@ CLI::App* add_calibrate(CLI::App& app, LinkChoice& choice, CalibrateOptions& o) 
       "calibrate",
       "Calibrates a sensor, the receiver or the speed controllers; exit code 1 if not good enough");
   add_link(*command, choice);
+  std::vector<std::string> kinds;
+  for (const auto& [name, calibration] : kCalibrations) kinds.push_back(name);
   command->add_option("WHAT", o.what, "gyro, accel, mag, baro, airspeed, rc or esc")
       ->required()
-      ->check(CLI::IsMember(kCalibrations));
+      ->check(one_of(kinds));
   command->add_option("--wait", o.wait_s, "Wait so long for each step that a person does [s]")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();

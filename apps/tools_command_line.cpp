@@ -104,7 +104,7 @@ CLI::App* add_sil(CLI::App& app, SilOptions& options) {
                   "Protocol of the board: mavlink or lean; ground tools of ROSflight need mavlink")
       ->type_name("NAME")
       ->capture_default_str()
-      ->check(CLI::IsMember(link_protocols()));
+      ->check(one_of(link_protocols()));
   sil->add_option("--nvm", options.storage,
                   "File that keeps the parameters; created if missing [rosflight_VEHICLE.nvm]")
       ->type_name("FILE");

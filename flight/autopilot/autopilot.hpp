@@ -43,8 +43,8 @@ struct ProcessorFigures {
 
 /// Flight control hardware with the real firmware: the system under test of a flight.
 ///
-/// Three implementations: InProcessAutopilot, EmulatedAutopilot (Cortex-M7 in lock-step) and
-/// UartAutopilot (Cortex-M7 in real time, over its own UART).
+/// Four implementations: InProcessAutopilot, EmulatedAutopilot (Cortex-M7 in lock-step),
+/// UartAutopilot (Cortex-M7 in real time, over its own UART) and ChipAutopilot (STM32H7 in lock-step).
 class Autopilot : public sim::AutopilotModule {
  public:
   enum class Breakdown : std::uint8_t {

@@ -287,7 +287,7 @@ def test_a_memory_in_use_is_one_line_and_exit_2(tmp_path):
     (["--vehicle", "none"], "vehicle: found none"),
     (["--set", "vehicle.body.mas_kg=3"], "body.mas_kg"),
     (["--rate", "7"], "--rate"),
-    (["--link-protocol", "morse"], "morse not in {mavlink,lean}"),
+    (["--link-protocol", "morse"], "--link-protocol: found morse, allowed mavlink, lean"),
     (["--rc", "nowhere.yaml"], "nowhere.yaml"),
     (["--fault", "imu"], "imu"),
     (["--duration", "-1"], "--duration"),
