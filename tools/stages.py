@@ -4,6 +4,7 @@
 import concurrent.futures
 import csv
 import json
+import os
 import re
 import subprocess
 import sys
@@ -313,6 +314,10 @@ def fuzzers() -> list[str]:
     return sorted(name for names in named for name in names)
 
 
+# No record of who allocated, and little freed memory kept back: a third less time. An input that was found, tried by hand, shows both.
+ASAN_OF_FUZZERS = "malloc_context_size=0:quarantine_size_mb=8"
+
+
 def run_fuzzer(name: str, *limits: str) -> tuple[int, list[str]]:
     """Runs one fuzzer from a fixed seed; how many inputs it tried and what it found."""
     program = next((path for path in (ROOT / "build/sanitizers").rglob(name) if path.is_file()), None)
@@ -324,7 +329,8 @@ def run_fuzzer(name: str, *limits: str) -> tuple[int, list[str]]:
         grown = Path(scratch) / "grown"
         grown.mkdir()
         done = _run([str(program), "-seed=1", "-print_final_stats=1", *limits,
-                     f"-artifact_prefix={found}-", str(grown), *seeds])
+                     f"-artifact_prefix={found}-", str(grown), *seeds],
+                    env={**os.environ, "ASAN_OPTIONS": ASAN_OF_FUZZERS})
         runs = re.search(r"stat::number_of_executed_units:\s*(\d+)", done.stderr)
         if done.returncode == 0 and runs:
             return int(runs[1]), []
