@@ -90,7 +90,7 @@ def test_files_are_saved_compared_and_loaded(said):
     ("no integer", "RC_TYPE: found 0.5, allowed a whole number"), ("unknown", "NO_SUCH: the vehicle has no such parameter"),
     ("unknown get", "NO_SUCH: the vehicle has no such parameter"), ("no file", "none.yaml"), ("no action", "subcommand"),
     ("file range", "bad.yaml:2: "), ("file range", "value: found 3, allowed 0 .. 2 enum"), ("file key", "bad.yaml:1: "),
-    ("file key", "value: found nothing, allowed a number"), ("what", "yaw not in {accel,airspeed,baro,esc,gyro,mag,rc}"), ("period", "--period"),
+    ("file key", "value: found nothing, allowed a number"), ("what", "WHAT: found yaw, allowed accel, airspeed, baro, esc, gyro, mag, rc"), ("period", "--period"),
 ])
 def test_bad_input_is_one_line_and_changes_nothing(said, name, text):
     result = of(said, "bad input")
