@@ -64,6 +64,7 @@ void add_processor(Json& json, const ProcessorFigures& figures, double sim_time_
   json["passes"] = figures.passes;
   if (figures.imu_to_output_us > 0) {
     json["imu_to_output_us"] = figures.imu_to_output_us;
+    json["transfer_to_output_us"] = figures.transfer_to_output_us;
     json["imu_to_output_mean_us"] = rounded(figures.imu_to_output_mean_us, 1);
     json["stamp_error_us"] = rounded(figures.stamp_error_us, 2);
   }

@@ -259,6 +259,8 @@ def h7() -> list[Figure]:
         flown("stack_bytes", "B", "<= 8192"),
         flown("tracking_rms_m", "m", "report"),
         flown("imu_to_output_us", "us", "<= 120"),
+        flown("transfer_to_output_us", "us", "<= 60"),
+        flown("transfer_to_output_us", "us", "<= 60", "varmint"),
         flown("stamp_error_us", "us", "<= 2"),
         flown("imu_to_output_us", "us", "<= 400", "varmint"),
         flown("stamp_error_us", "us", "<= 2", "varmint"),

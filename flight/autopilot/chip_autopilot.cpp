@@ -145,6 +145,8 @@ void ChipAutopilot::note_timing(const FromChip& answer) {
     const double more = answer.edge_to_output_us - figures_.imu_to_output_mean_us;
     figures_.imu_to_output_mean_us += more / static_cast<double>(++timed_);
   }
+  figures_.transfer_to_output_us =
+      std::max(figures_.transfer_to_output_us, answer.transfer_to_output_us);
   if (answer.resets > 0) return;
   figures_.stamp_error_us = std::max(figures_.stamp_error_us, std::abs(answer.stamp_error_us));
 }

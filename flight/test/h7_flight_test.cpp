@@ -58,6 +58,8 @@ TEST_P(EachImage, FliesTheDefaultMissionTwiceWithTheSameLog) {
   const bool slow_bus = std::string(GetParam()) == "varmint";
   EXPECT_GT(first.figures.imu_to_output_us, slow_bus ? 272U : 15U);
   EXPECT_LE(first.figures.imu_to_output_us, slow_bus ? 400U : 120U);
+  EXPECT_GT(first.figures.transfer_to_output_us, 5U) << "it is computed meanwhile";
+  EXPECT_LE(first.figures.transfer_to_output_us, 60U);
   EXPECT_GT(first.figures.stamp_error_us, 0.0) << "stamps have whole microseconds";
   EXPECT_LE(first.figures.stamp_error_us, 2.0);
 }

@@ -143,5 +143,29 @@ TEST(Varmint, HasNoBuzzer) {
   EXPECT_EQ(listener.beeps.size(), 0U);
 }
 
+class LedsOf : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Boards, LedsOf, ::testing::Values("pixracer_pro", "varmint"),
+                         [](const auto& board) { return std::string(board.param); });
+
+/// The emulator has a table of its own of the LEDs' pins, and of the level at which each is lit.
+TEST_P(LedsOf, ShowThatItIsArmedAndThatThePilotCommands) {
+  FlightChoice choice = on_board({}, GetParam());
+  choice.mission = "hop";
+  Rig rig{choice};
+  const auto lit = [&rig](std::size_t led) { return pins_of(rig).leds[led] != 0; };
+  bool commanded = false, dark_while_disarmed = true;
+  while (!view_of(rig).armed && sim::to_seconds(rig.flight->now()) < 10.0) {
+    commanded = lit(0);
+    if (view_of(rig).errors == 0) dark_while_disarmed = dark_while_disarmed && !lit(1);
+    rig.run_for(0.01);
+  }
+  ASSERT_TRUE(view_of(rig).armed);
+  EXPECT_TRUE(commanded) << "the pilot has control when it is armed";
+  EXPECT_TRUE(dark_while_disarmed);
+  rig.run_for(2.0);
+  EXPECT_TRUE(lit(1));
+  EXPECT_FALSE(lit(0)) << "the companion has control now";
+}
+
 }  // namespace
 }  // namespace rosflight::flight::testing

@@ -15,6 +15,7 @@ bool start_board(ObjectStorage<Board>& board, const Oscillator& oscillator,
                  typename Board::Memory& memory) {
   constexpr std::uint32_t kSram3Size = 0x8000u;
   constexpr std::uint32_t kAxiSram = 0x2400'0000u, kAxiSramSize = 0x8'0000u;
+  repair_old_silicon();
   open_backup_memory();
   enter_requested_bootloader();
   start_clocks(oscillator);
@@ -25,6 +26,7 @@ bool start_board(ObjectStorage<Board>& board, const Oscillator& oscillator,
   make_uncached(2, kAxiSram, kAxiSramSize);
   Board::map_memory(3);
   start_memory_system();
+  stop_with_debugger();
   start_microseconds();
   open_ports();
   const bool cold = take_reset_cause() == ResetCause::kPowerOn;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware/boards/stm32h7/cpu.hpp"
 
+#include "firmware/boards/stm32h7/registers.hpp"
+
 namespace rosflight::boards::stm32h7 {
 namespace {
 
@@ -47,6 +49,12 @@ void make_uncached(unsigned region, std::uint32_t base, std::uint32_t size) {
   scb(kMpuBase) = base;
   scb(kMpuAttributes) =
       kNoExecution | kFullAccess | kShareable | kCacheable | (log2 - 1u) << 1u | kEnable;
+}
+
+void repair_old_silicon() {
+  constexpr std::uint32_t kRevisionY = 0x1003;
+  if (dbgmcu::IDC_REV_ID.of(reg(DBGMCU, dbgmcu::IDC)) != kRevisionY) return;
+  reg(AXI, axi::TARG7_FN_MOD) = axi::TARG7_FN_MOD_READ_ISS_OVERRIDE(1);
 }
 
 void start_memory_system() {

@@ -54,5 +54,8 @@ inline void pend_interrupt(unsigned irq) {
 void make_uncached(unsigned region, std::uint32_t base, std::uint32_t size);
 /// Switches the MPU on, the default map for the rest, and then both caches.
 void start_memory_system();
+/// Silicon of revision Y: reads of the AXI SRAM may be wrong beside writes unless its port issues one at a time
+/// (errata sheet ES0392). Before that memory is used.
+void repair_old_silicon();
 
 }  // namespace rosflight::boards::stm32h7

@@ -20,6 +20,15 @@ void set_up(const Instance& timer, std::uint32_t prescaler, std::uint32_t period
 
 }  // namespace
 
+void stop_with_debugger() {
+  reg(DBGMCU, dbgmcu::APB1LFZ1) = dbgmcu::APB1LFZ1_DBG_TIM2(1) | dbgmcu::APB1LFZ1_DBG_TIM3(1) |
+                                  dbgmcu::APB1LFZ1_DBG_TIM4(1) | dbgmcu::APB1LFZ1_DBG_TIM5(1) |
+                                  dbgmcu::APB1LFZ1_DBG_TIM6(1) | dbgmcu::APB1LFZ1_DBG_TIM7(1) |
+                                  dbgmcu::APB1LFZ1_DBG_TIM12(1);
+  reg(DBGMCU, dbgmcu::APB2FZ1) = dbgmcu::APB2FZ1_DBG_TIM1(1) | dbgmcu::APB2FZ1_DBG_TIM8(1);
+  reg(DBGMCU, dbgmcu::APB4FZ1) = dbgmcu::APB4FZ1_DBG_IWDG1(1);
+}
+
 void start_microseconds() {
   set_up(TIM5, kMicrosecond, 0xFFFF'FFFFu);
   reg(TIM5, tim::CR1) = tim::CR1_URS(1) | tim::CR1_CEN(1);

@@ -33,6 +33,10 @@ class MicrosecondClock final : public hal::Clock {
   WideCounter counter_;
 };
 
+/// Timers and watchdog stand still while a debugger has halted the processor: it is not reset, and the outputs of
+/// stopped timers end (RM0433 ch. 60: the DBGMCU). Before they are started.
+void stop_with_debugger();
+
 /// Starts TIM7: an interrupt every `period_us` microseconds in the bus context. The image forwards it to
 /// clear_tick() first.
 void start_tick(std::uint32_t period_us);

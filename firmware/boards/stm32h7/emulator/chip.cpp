@@ -85,6 +85,7 @@ Chip::Chip(std::uint64_t crystal_Hz)
           &usart2, &usart3, &uart4, &usart6,   &tim1,          &tim2,       &tim3,
           &tim4,   &tim5,   &tim6,  &tim7,     &tim8,          &tim12};
   for (Peripheral* each : {static_cast<Peripheral*>(&spi3), static_cast<Peripheral*>(&i2c1),
+                           static_cast<Peripheral*>(&debug), static_cast<Peripheral*>(&axi),
                            static_cast<Peripheral*>(&flash_sectors), static_cast<Peripheral*>(&usb),
                            static_cast<Peripheral*>(&adc1), static_cast<Peripheral*>(&adc3)})
     all_.push_back(each);
@@ -103,6 +104,7 @@ Chip::Chip(std::uint64_t crystal_Hz)
   };
   watchdog.on_bite = [this] { check_backup_memory(); };
   connect_dma();
+  check_what_stops();
   write_factory_values();
   write_bootloader();
 }
@@ -139,6 +141,22 @@ void Chip::write_factory_values() {
     if (channel == kReferenceChannel && adc::CCR_VREFEN.of(control) != 0) return kReference_V;
     const bool senses = channel == kTemperatureChannel && adc::CCR_TSEN.of(control) != 0;
     return senses ? sensor_V(temperature_degC) : 0.0;
+  };
+}
+
+/// By the time that something counts, a debugger's halt must be able to stop it, and the errata of the silicon must have
+/// been heeded.
+void Chip::check_what_stops() {
+  const auto check = [this](const Peripheral& started) {
+    if (!debug.stops(started.instance()))
+      processor.complain(started.name() + ": counts on while a debugger has halted the processor");
+  };
+  for (TimerModel* timer : {&tim1, &tim2, &tim3, &tim4, &tim5, &tim6, &tim7, &tim8, &tim12})
+    timer->on_start = [check, timer] { check(*timer); };
+  watchdog.on_start = [this, check] {
+    check(watchdog);
+    if (debug.revision() == DebugUnit::Revision::kY && !axi.reads_one_at_a_time())
+      processor.complain("revision Y: the AXI SRAM may be read wrongly");
   };
 }
 

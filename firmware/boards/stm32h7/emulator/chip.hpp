@@ -6,6 +6,7 @@
 
 #include "firmware/boards/stm32h7/emulator/adc_model.hpp"
 #include "firmware/boards/stm32h7/emulator/clock_tree.hpp"
+#include "firmware/boards/stm32h7/emulator/debug_unit.hpp"
 #include "firmware/boards/stm32h7/emulator/dma_model.hpp"
 #include "firmware/boards/stm32h7/emulator/i2c_model.hpp"
 #include "firmware/boards/stm32h7/emulator/pins.hpp"
@@ -44,6 +45,8 @@ class Chip {
   ClockTree clocks;
   WatchdogModel watchdog{processor, clocks};
   SystemConfiguration configuration{processor};
+  DebugUnit debug{processor};
+  AxiMatrix axi{processor};
   ExternalInterrupts interrupts{processor, configuration};
   DmaMultiplexer multiplexer{processor};
   DmaModel dma1, dma2;
@@ -67,6 +70,7 @@ class Chip {
     return {processor, name, instance, clocks, irq, kind, &requests, update_request};
   }
   void connect_dma();
+  void check_what_stops();
   void write_factory_values();
   void write_bootloader();
   void check_backup_memory();

@@ -250,7 +250,10 @@ void WatchdogModel::write(std::uint32_t offset, std::uint32_t value, unsigned /*
     return;
   }
   unlocked_ = value == kUnlock;
-  if (value == kStart) running_ = true;
+  if (value == kStart) {
+    running_ = true;
+    if (on_start) on_start();
+  }
   if (!running_ || (value != kStart && value != kFeed)) return;
   const Ticks count = Ticks{4U << word(iwdg::PR)} * (word(iwdg::RLR) + 1);
   core().set_due(*this, core().now() + count * period_of(kLsi_Hz));

@@ -85,6 +85,7 @@ class WatchdogModel final : public Peripheral {
   void reset() override;
   void event(Ticks now) override;
   std::function<void()> on_bite;
+  std::function<void()> on_start;
 
  private:
   void write(std::uint32_t offset, std::uint32_t value, unsigned size) override;

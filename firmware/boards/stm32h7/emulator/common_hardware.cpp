@@ -35,6 +35,7 @@ CommonHardware::CommonHardware(Wiring wiring)
   chip_.processor.add(gnss_on_wire_);
   chip_.processor.add(usb_host_);
   connect_serial();
+  chip_.tim1.on_change = [this] { note_output(); };
   chip_.adc1.pin_V = [this](unsigned channel) { return battery_pin_V(channel); };
   gnss_.pulse = [this](bool high, hal::Time /*when*/) {
     chip_.port(wiring_.pulse_per_second).drive(wiring_.pulse_per_second.number, high);
@@ -102,6 +103,14 @@ void CommonHardware::note_output_latency() {
   if (edge_ != 0 && written > edge_) latency_ = std::max(latency_, written - edge_);
 }
 
+/// The first output is written: the samples of the last transfer have become commands.
+void CommonHardware::note_output() {
+  const Ticks written = chip_.tim1.written(0), ended = (chip_.*wiring_.imu_bus).ended();
+  if (written == judged_ || ended < edge_) return;
+  judged_ = written;
+  computing_ = std::max(computing_, written - ended);
+}
+
 void CommonHardware::note_sample_time() {
   if (!chip_.tim5.counts()) return;
   const double on_clock = static_cast<double>(edge_ - chip_.tim5.zero());
@@ -149,7 +158,7 @@ void CommonHardware::power_on() {
   advance_parts();
   gnss_on_wire_.advance();
   sent_.clear();
-  latency_ = edge_ = 0;
+  latency_ = computing_ = edge_ = 0;
   seen_ = 0;
 }
 
@@ -283,6 +292,8 @@ void CommonHardware::report(FromChip& out) {
                           : -1;
   out.edge_to_output_us =
       static_cast<std::uint32_t>(std::exchange(latency_, 0) / kTicksPerMicrosecond);
+  out.transfer_to_output_us =
+      static_cast<std::uint32_t>(std::exchange(computing_, 0) / kTicksPerMicrosecond);
 }
 
 std::vector<std::string> CommonHardware::complaints() const {

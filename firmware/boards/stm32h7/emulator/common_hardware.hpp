@@ -102,6 +102,7 @@ class CommonHardware : public EmulatedHardware {
   parts::models::GnssTruth gnss_truth(hal::Time when) const;
   void connect_serial();
   void note_output_latency();
+  void note_output();
   void note_sample_time();
   void take_samples(const ToChip& world);
   void send_receiver_frame(const ToChip& world);
@@ -121,7 +122,9 @@ class CommonHardware : public EmulatedHardware {
       seen_at_us_{};  ///< Times of the newest IMU samples, on the firmware's clock.
   std::size_t seen_{0};
   Ticks edge_{0};              ///< Time of the newest data-ready edge.
-  Ticks latency_{0};           ///< Longest from an edge to the write that followed.
+  Ticks latency_{0};           ///< Longest from an edge to the write that followed,
+  Ticks computing_{0};         ///< and from the end of the transfer before it.
+  Ticks judged_{0};            ///< Time of the last write that was judged so.
   bool imu_is_silent_{false};  ///< Injected: no data-ready edge reaches the chip.
 };
 

@@ -152,6 +152,7 @@ void Processor::finish() {
   Hooks::map<0x5000'0000U>(*this, 0x0010'0000U);
   Hooks::map<0x5100'0000U>(*this, 0x0200'0000U);
   Hooks::map<0x5800'0000U>(*this, 0x0010'0000U);
+  Hooks::map<0x5C00'0000U>(*this, 0x0010'0000U);
   Hooks::map<SystemControl::kBase>(*this, SystemControl::kSize);
   // Not over RAM: where this hook lies, every store takes the slow path.
   std::sort(memories_.begin(), memories_.end(), by_base);

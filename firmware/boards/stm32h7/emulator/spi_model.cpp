@@ -161,6 +161,7 @@ void SpiModel::event(Ticks /*now*/) {
 void SpiModel::finish() {
   word(spi::SR) |= spi::SR_EOT.mask() | spi::SR_TXTF.mask();
   end_unseen_ = true;
+  ended_ = core().now();
   word(spi::CR1) &= ~spi::CR1_CSTART.mask();
 }
 

@@ -35,6 +35,8 @@ class SpiModel final : public Peripheral {
   /// Called at each start: pins and rate can be checked.
   std::function<void(std::uint64_t clock_Hz)> on_start;
   std::uint64_t transfers() const { return transfers_; }
+  /// When the last byte of the last transfer had been shifted.
+  Ticks ended() const { return ended_; }
 
  private:
   std::uint32_t read(std::uint32_t offset, unsigned size) override;
@@ -55,6 +57,7 @@ class SpiModel final : public Peripheral {
   std::uint32_t left_{0};
   bool end_unseen_{false};  ///< A transfer has ended and EOT has not been read yet.
   std::uint64_t transfers_{0};
+  Ticks ended_{0};
 };
 
 }  // namespace rosflight::boards::stm32h7::emulator

@@ -83,7 +83,10 @@ void TimerModel::write_control(std::uint32_t value) {
   const bool ran = counts();
   const std::uint32_t at = count();
   word(tim::CR1) = value;
-  if (counts() && !ran) zero_ = core().now() - Ticks{at} * tick();
+  if (counts() && !ran) {
+    zero_ = core().now() - Ticks{at} * tick();
+    if (on_start) on_start();
+  }
   if (!counts() && ran) stopped_at_ = at;
 }
 

@@ -55,6 +55,8 @@ class TimerModel final : public Peripheral {
   Ticks period() const { return tick() * (std::uint64_t{active_reload_} + 1); }
   /// When the counter was started, as if it had counted from 0.
   Ticks zero() const { return zero_; }
+  /// Called when the counter is started.
+  std::function<void()> on_start;
   /// Called after each change of its registers by the firmware, and after a reset.
   std::function<void()> on_change;
   bool counts() const { return tim::CR1_CEN.of(word(tim::CR1)) != 0; }

@@ -40,6 +40,8 @@ VarmintModel::VarmintModel(Revision revision)
                       {16, 11, 11.215, 10.0, 0.0}}} {
   chip_.processor.add(imu_on_bus_);
   imu_.sync_clock = false;
+  // The older board has older silicon, so that its erratum is heeded in a flight.
+  if (revision == Revision::k10X) chip_.debug.set_revision(DebugUnit::Revision::kY);
   connect_imu();
   chip_.port(kMagSelect).on_output = [this](unsigned number, bool high) {
     if (number == kMagSelect.number) mag_on_bus_.select(!high);

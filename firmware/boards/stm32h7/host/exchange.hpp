@@ -82,6 +82,8 @@ struct FromChip {
   std::uint32_t stack_bytes{};  ///< High-water mark since the power came on.
   std::uint32_t link_count{};
   std::uint32_t
+      transfer_to_output_us{};  ///< From the end of the IMU's last transfer to the output that followed; the longest of this step.
+  std::uint32_t
       edge_to_output_us{};  ///< From a data-ready edge to the output that followed; the longest of this step.
   /// The firmware's stamp of its newest IMU sample less the time of the world that the sample shows.
   double stamp_error_us{};
