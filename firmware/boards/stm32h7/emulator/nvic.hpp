@@ -8,8 +8,8 @@
 namespace rosflight::boards::stm32h7::emulator {
 
 /// Numbers of exceptions as in IPSR; interrupt n is kFirstIrq + n.
-inline constexpr int kNmi = 2, kHardFault = 3, kBusFault = 5, kUsageFault = 6, kSvCall = 11,
-                     kSysTick = 15, kFirstIrq = 16;
+inline constexpr int kNmi = 2, kHardFault = 3, kMemoryFault = 4, kBusFault = 5, kUsageFault = 6,
+                     kSvCall = 11, kSysTick = 15, kFirstIrq = 16;
 
 /// Exceptions: which are pending, active and enabled, and which comes next.
 ///

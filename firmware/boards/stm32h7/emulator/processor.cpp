@@ -21,6 +21,13 @@ void check(uc_err error, const char* what) {
   if (error != UC_ERR_OK) throw ProcessorError(std::string(what) + ": " + uc_strerror(error));
 }
 
+constexpr std::uint32_t kSystemControlSpace = 0xE000'E000U;
+
+bool is_sys_tick(std::uint32_t address) {
+  return address >= kSystemControlSpace + SysTick::kControl &&
+         address < kSystemControlSpace + SysTick::kEnd;
+}
+
 std::string at_address(const std::string& what, std::uint32_t address) {
   char text[16];
   std::snprintf(text, sizeof text, " 0x%08x", address);
@@ -74,8 +81,8 @@ struct Processor::Hooks {
   }
 
   /// Read and write rights together, and no execution from RAM: else each store is four times slower.
-  static bool fill(uc_engine* /*uc*/, std::uint64_t address, uc_mem_type /*type*/,
-                   uc_tlb_entry* entry, void* self) {
+  static bool fill(uc_engine* /*uc*/, std::uint64_t address, uc_mem_type type, uc_tlb_entry* entry,
+                   void* self) {
     entry->paddr = address;
     std::uint32_t rights = UC_PROT_READ | UC_PROT_WRITE;
     for (const Memory& m : of(self).memories_) {
@@ -83,6 +90,11 @@ struct Processor::Hooks {
         rights |= UC_PROT_EXEC;
       }
     }
+    const auto [read, write] = of(self).control_.rights(static_cast<std::uint32_t>(address));
+    if (!read) rights = 0;
+    if (!write) rights &= ~static_cast<std::uint32_t>(UC_PROT_WRITE);
+    const bool forbidden = (type == UC_MEM_READ && !read) || (type == UC_MEM_WRITE && !write);
+    if (forbidden) of(self).forbidden_ = static_cast<std::uint32_t>(address);
     // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange): bits of the enumeration
     entry->perms = static_cast<uc_prot>(rights);
     return true;
@@ -145,6 +157,7 @@ void Processor::add(Peripheral& peripheral) {
 }
 
 void Processor::finish() {
+  timed_.push_back(&sys_tick_);
   const auto by_base = [](const auto& a, const auto& b) { return a.base < b.base; };
   std::sort(windows_.begin(), windows_.end(), by_base);
   Hooks::map<FlashSectorsWindow::kBase>(*this, 2 * FlashControl::kSectorBytes);
@@ -188,6 +201,7 @@ std::uint8_t* Processor::memory(std::uint32_t address, std::size_t count) {
 
 void Processor::set_frequency(std::uint64_t core_Hz) {
   const std::uint64_t half_cycle = kTicksPerSecond / 2;
+  sys_tick_.set_cycle((2 * half_cycle + core_Hz / 2) / core_Hz);
   instruction_ticks_ = (kInstructionHalfCycles * half_cycle + core_Hz / 2) / core_Hz;
 }
 
@@ -279,6 +293,12 @@ void Processor::run_until(Ticks time) {
     stopped_ = false;
     slow_ = nvic_.any_pending() || fault_ != 0;
     const uc_err error = uc_emu_start(uc_, resume_at_ | 1U, 0, 0, 0);
+    if (forbidden_) {
+      constexpr std::uint32_t kDataAccess = 0x82U;  // with its address
+      const std::uint32_t at = *forbidden_;
+      forbidden_.reset();
+      raise(kMemoryFault, at_address("the MPU forbids an access to", at), kDataAccess, at);
+    }
     if (fault_ != 0) {
       take_fault();
     } else if (!stopped_ && !reset_requested_) {
@@ -305,6 +325,7 @@ void Processor::power_on(std::uint32_t vector_table) {
   vector_table_ = vector_table;
   nvic_.reset();
   control_.reset(vector_table);
+  sys_tick_.reset();
   reset_requested_ = locked_up_ = stopped_ = false;
   fault_ = 0;
   cleared_ = nullptr;
@@ -348,7 +369,10 @@ Processor::Window* Processor::window_at(std::uint32_t address) {
 
 std::uint32_t Processor::bus_read(std::uint32_t address, unsigned size) {
   ++counters_.accesses;
-  if (address >= SystemControl::kBase) return control_.read(address - SystemControl::kBase, now_);
+  if (address >= SystemControl::kBase) {
+    if (is_sys_tick(address)) return sys_tick_.read(address - kSystemControlSpace);
+    return control_.read(address - SystemControl::kBase, now_);
+  }
   const Window* const window = window_at(address);
   if (window == nullptr) {
     complain(at_address("no peripheral at", address));
@@ -364,9 +388,12 @@ std::uint32_t Processor::bus_read(std::uint32_t address, unsigned size) {
 
 void Processor::bus_write(std::uint32_t address, std::uint32_t value, unsigned size) {
   ++counters_.accesses;
+  if (is_sys_tick(address)) return sys_tick_.write(address - kSystemControlSpace, value);
   if (address >= SystemControl::kBase) {
     control_.write(address - SystemControl::kBase, value, size, now_);
     if (nvic_.any_pending()) slow_ = true;
+    // NOLINTNEXTLINE(clang-analyzer-optin.core.EnumCastOutOfRange): in a macro of Unicorn
+    if (control_.take_mpu_change()) uc_ctl_flush_tlb(uc_);
     if (control_.take_reset_request()) {
       if (on_reset) on_reset(true);
       request_reset();

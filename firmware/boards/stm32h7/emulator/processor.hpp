@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "firmware/boards/stm32h7/emulator/core.hpp"
 #include "firmware/boards/stm32h7/emulator/nvic.hpp"
 #include "firmware/boards/stm32h7/emulator/peripheral.hpp"
+#include "firmware/boards/stm32h7/emulator/sys_tick.hpp"
 #include "firmware/boards/stm32h7/emulator/system_control.hpp"
 
 struct uc_struct;  // of unicorn/unicorn.h, which only processor.cpp and exceptions.cpp include
@@ -130,6 +132,7 @@ class Processor final : public Core {
   std::vector<Timed*> timed_;
   Nvic nvic_;
   SystemControl control_;
+  SysTick sys_tick_{*this, nvic_};
   Ticks now_{}, target_{}, next_due_{kNever}, instruction_ticks_{3};
   bool slow_{false};     ///< The next block must look for interrupts.
   bool stopped_{false};  ///< Unicorn was stopped: not a sleep.
@@ -138,7 +141,8 @@ class Processor final : public Core {
   /// its way.
   const Peripheral* cleared_{nullptr};
   int cleared_by_{0};
-  int fault_{0};  ///< Taken when Unicorn has stopped.
+  int fault_{0};                            ///< Taken when Unicorn has stopped.
+  std::optional<std::uint32_t> forbidden_;  ///< Where the MPU has just forbidden an access.
   std::uint32_t resume_at_{}, vector_table_{};
   std::vector<Block> blocks_;
   Memory* newest_memory_{nullptr};  ///< That memory() found last.

@@ -8,11 +8,10 @@ namespace {
 
 constexpr std::uint32_t kScs = 0xE000U;  // system control space, from kBase
 constexpr std::uint32_t kCycleControl = 0x1000U, kCycleCount = 0x1004U;
-constexpr std::uint32_t kSysTickControl = 0x010U, kSysTickEnd = 0x020U;
 constexpr std::uint32_t kSetEnable = 0x100U, kPriorities = 0x400U, kPrioritiesEnd = 0x4F0U;
 constexpr std::uint32_t kIcsr = 0xD04U, kVtor = 0xD08U, kAircr = 0xD0CU, kCcr = 0xD14U;
 constexpr std::uint32_t kSystemPriorities = 0xD18U, kShcsr = 0xD24U, kCfsr = 0xD28U, kHfsr = 0xD2CU,
-                        kBfar = 0xD38U;
+                        kMmfar = 0xD34U, kBfar = 0xD38U;
 constexpr std::uint32_t kMpuType = 0xD90U, kMpuControl = 0xD94U, kMpuNumber = 0xD98U,
                         kMpuBase = 0xD9CU, kMpuAttributes = 0xDA0U;
 constexpr std::uint32_t kSoftwareTrigger = 0xF00U;
@@ -36,6 +35,7 @@ void SystemControl::reset(std::uint32_t vector_table) {
   regions_.fill({});
   vector_table_ = vector_table;
   reset_requested_ = false;
+  mpu_changed_ = true;
 }
 
 bool SystemControl::cacheable(std::uint32_t address) const {
@@ -43,20 +43,38 @@ bool SystemControl::cacheable(std::uint32_t address) const {
   if ((word(kCcr) & kDataCacheOn) == 0) return false;
   const bool by_default = cacheable_by_default(address);
   if ((word(kMpuControl) & 1U) == 0 || !by_default) return by_default;
-  for (std::size_t k = regions_.size(); k-- > 0;) {  // the highest region that covers it counts
+  const Region* const region = region_at(address);
+  if (region == nullptr) return by_default;
+  // TEX, S, C, B: normal and not shareable with C, or TEX bit 2 with an inner policy. Shareable
+  // memory is not cached by this core (Cortex-M7 TRM).
+  const std::uint32_t tex = region->attributes >> 19U & 7U;
+  const bool shareable = (region->attributes >> 18U & 1U) != 0;
+  const bool c = (region->attributes >> 17U & 1U) != 0;
+  const bool b = (region->attributes >> 16U & 1U) != 0;
+  return !shareable && ((tex == 0 && c) || (tex == 1 && c && b) || (tex & 4U) != 0);
+}
+
+/// The highest region that covers an address counts.
+const SystemControl::Region* SystemControl::region_at(std::uint32_t address) const {
+  for (std::size_t k = regions_.size(); k-- > 0;) {
     const Region& region = regions_[k];
     if ((region.attributes & 1U) == 0) continue;
     const std::uint64_t size = std::uint64_t{2} << (region.attributes >> 1U & 31U);
-    if (address < region.base || address - region.base >= size) continue;
-    // TEX, S, C, B: normal and not shareable with C, or TEX bit 2 with an inner policy. Shareable
-    // memory is not cached by this core (Cortex-M7 TRM).
-    const std::uint32_t tex = region.attributes >> 19U & 7U;
-    const bool shareable = (region.attributes >> 18U & 1U) != 0;
-    const bool c = (region.attributes >> 17U & 1U) != 0;
-    const bool b = (region.attributes >> 16U & 1U) != 0;
-    return !shareable && ((tex == 0 && c) || (tex == 1 && c && b) || (tex & 4U) != 0);
+    if (address >= region.base && address - region.base < size) return &region;
   }
-  return by_default;
+  return nullptr;
+}
+
+SystemControl::Rights SystemControl::rights(std::uint32_t address) const {
+  constexpr std::uint32_t kDefaultMap = 1U << 2U;
+  if ((word(kMpuControl) & 1U) == 0) return {};
+  const Region* const region = region_at(address);
+  if (region == nullptr) {
+    const bool any = (word(kMpuControl) & kDefaultMap) != 0;
+    return {any, any};
+  }
+  const std::uint32_t access = region->attributes >> 24U & 7U;
+  return {access != 0, access >= 1 && access <= 3};
 }
 
 bool SystemControl::fault_enabled(int exception) const {
@@ -66,7 +84,8 @@ bool SystemControl::fault_enabled(int exception) const {
 void SystemControl::note_fault(std::uint32_t cfsr, std::uint32_t hfsr, std::uint32_t address) {
   word(kCfsr) |= cfsr;
   word(kHfsr) |= hfsr;
-  if (address != 0) word(kBfar) = address;
+  constexpr std::uint32_t kOfMemory = 0xFFU;
+  if (address != 0) word((cfsr & kOfMemory) != 0 ? kMmfar : kBfar) = address;
 }
 
 bool SystemControl::take_reset_request() {
@@ -157,7 +176,6 @@ void SystemControl::write(std::uint32_t offset, std::uint32_t value, unsigned si
   if (offset == kCycleCount) cycles_zero_ = now - 2 * Ticks{value};
   if (offset < kScs || offset >= kScs + 0x1000U) return;
   const std::uint32_t o = offset - kScs;
-  if (o >= kSysTickControl && o < kSysTickEnd) complain_("SysTick: not modelled");
   const bool irq_priority = o >= kPriorities && o < kPrioritiesEnd;
   if (irq_priority || (o >= kSystemPriorities && o < kShcsr)) {
     const std::uint32_t first =
@@ -184,6 +202,11 @@ void SystemControl::write(std::uint32_t offset, std::uint32_t value, unsigned si
     case kMpuBase:
     case kMpuAttributes:
       write_mpu(o, value);
+      mpu_changed_ = true;
+      break;
+    case kMpuControl:
+      word(o) = value;
+      mpu_changed_ = true;
       break;
     case kSoftwareTrigger:
       if (value < Nvic::kIrqs) nvic_.pend(kFirstIrq + static_cast<int>(value));

@@ -115,5 +115,44 @@ TEST(Processor, AHandlerReadsBackWhatClearsItsRequest) {
       << program.complaints();
 }
 
+/// Region 0 of the MPU forbids the second kilobyte of RAM: a word below it is written, one in it is read.
+TEST(Processor, WhatTheMpuForbidsIsAFaultOfItsOwn) {
+  constexpr std::uint32_t kForbidden = kFlash + 0x800, kMemoryHandler = kForbidden + 0x2E;
+  constexpr std::uint16_t kProgram[] = {
+      0x480F, 0xF44F, 0x3180, 0x6001,          // SHCSR: MEMFAULTENA
+      0x480E, 0x2100, 0x6001,                  // MPU_RNR: 0
+      0x490E, 0x6041,                          // MPU_RBAR: 0x20000400
+      0x2113, 0x6081,                          // MPU_RASR: 1 KiB, no access, on
+      0x2105, 0x4A0C, 0x6011,                  // MPU_CTRL: on, the default map beside
+      0xF04F, 0x5300, 0x2101, 0x6019,          // 1 to 0x20000000
+      0xF8D3, 0x4400,                          // ldr r4, [r3, #0x400]
+      0x2102, 0x6019, 0xE7FE,                  // 2 to 0x20000000; b .
+      0xF04F, 0x5300, 0x2103, 0x6059,          // the handler: 3 to 0x20000004
+      0x4806, 0x6801, 0x6099, 0xE7FE, 0xBF00,  // CFSR to 0x20000008; b .
+      0xED24, 0xE000, 0xED98, 0xE000, 0x0400, 0x2000, 0xED94, 0xE000, 0xED28, 0xE000};
+  Processor processor;
+  processor.add_memory(kFlash, 0x2000, Processor::Kind::kFlash);
+  processor.add_memory(kRam, 0x1000, Processor::Kind::kRam);
+  processor.finish();
+  const auto put = [&processor](std::uint32_t address, const void* data, std::size_t size) {
+    std::memcpy(processor.memory(address, size), data, size);
+  };
+  const auto word = [&processor](std::uint32_t address) {
+    std::uint32_t value = 0;
+    std::memcpy(&value, processor.memory(address, sizeof value), sizeof value);
+    return value;
+  };
+  const std::uint32_t vectors[] = {kRam + 0x1000, kForbidden | 1U};
+  const std::uint32_t handler = kMemoryHandler | 1U;
+  put(kFlash, vectors, sizeof vectors);
+  put(kFlash + 4 * kMemoryFault, &handler, sizeof handler);
+  put(kForbidden, kProgram, sizeof kProgram);
+  processor.power_on(kFlash);
+  processor.run_until(2000);
+  EXPECT_EQ(word(kRam), 1U) << "and nothing behind the forbidden access was executed";
+  EXPECT_EQ(word(kRam + 4), 3U) << "the handler ran";
+  EXPECT_EQ(word(kRam + 8), 0x82U) << "CFSR: a data access, its address is known";
+}
+
 }  // namespace
 }  // namespace rosflight::boards::stm32h7::emulator::testing
