@@ -39,6 +39,8 @@ struct ProcessorFigures {
   std::uint32_t imu_to_output_us{};  ///< Armed, the longest from a data-ready edge to an output.
   double imu_to_output_mean_us{};    ///< Armed, mean of the longest of each step.
   double stamp_error_us{};           ///< Armed, the largest of an IMU stamp; up to the first reset.
+  double armed_us{};                 ///< Time armed, of an autopilot that counts its sleep.
+  double slept_us{};                 ///< Of that time, what the processor slept.
 };
 
 /// Flight control hardware with the real firmware: the system under test of a flight.
