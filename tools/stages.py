@@ -196,7 +196,7 @@ def unit_tests(names: list[str] | None = None) -> Outcome:
     if names is not None and _emulator_tests(names):
         if _build("cortex-m7").failed:
             return Outcome(failed=1, complaints=["does not build, all output is in build/cortex-m7/*.log"])
-        if _build("release", EMULATOR).failed:
+        if _build("release", EMULATOR, *EMULATED_PROGRAMS).failed:
             return Outcome(failed=1, complaints=["does not build, all output is in build/release/*.log"])
     return add(_run_binaries("release", names).values())
 

@@ -40,7 +40,7 @@ struct ProcessorFigures {
   double imu_to_output_mean_us{};    ///< Armed, mean of the longest of each step.
   double stamp_error_us{};           ///< Armed, the largest of an IMU stamp; up to the first reset.
   double armed_us{};                 ///< Time armed, of an autopilot that counts its sleep.
-  double slept_us{};                 ///< Of that time, what the processor slept.
+  double slept_us{};                 ///< The part of armed_us that the processor slept.
 };
 
 /// Flight control hardware with the real firmware: the system under test of a flight.
