@@ -5,8 +5,10 @@
 //
 // Commands go out at 399.8 Hz, so that their phase to the streams of the board sweeps seven times over it in
 // 45 s, and then as fast as each is answered. The
-// image is that of the board with an echo (firmware/boards/common/echo_main.hpp). The time is the
-// emulated chip's, read every 10 us. Prints one JSON object; the CSV has a round trip [us] in each line.
+// image is that of the board with an echo (firmware/boards/common/echo_main.hpp). Every sensor of the
+// board measures, so that all streams run, the GNSS receiver at 10 Hz, and an S.Bus receiver sends at
+// 111 Hz. The time is the emulated chip's, read every 10 us. Prints one JSON object; the CSV has a
+// round trip [us] in each line.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -30,6 +32,7 @@ using boards::stm32h7::ChipOrder;
 using boards::stm32h7::ChipProcess;
 
 constexpr std::int64_t kResolution_us = 10, kPeriod_us = 2501, kLost_us = 100'000;
+constexpr std::int64_t kGnssPeriod_us = 100'000, kReceiverPeriod_us = 9000;
 constexpr std::uint32_t kUsualBaud = 921'600;
 
 ChipProcess::Options echo_image(const std::string& board) {
@@ -66,6 +69,7 @@ class Rig {
       const auto decoded = codec_.decode(from.link.data() + at, from.link_count - at);
       at += decoded.consumed;
       if (!decoded.complete) continue;
+      count(codec_.message());
       const auto* const output = std::get_if<link::OutputRaw>(&codec_.message());
       if (output != nullptr && output->time_boot_ms == 0)
         answer = static_cast<std::uint32_t>(output->values[EchoCodec::kAnswered]);
@@ -78,10 +82,20 @@ class Rig {
       run_until(std::min(end, now_us_ + kPeriod_us));
   }
   std::uint64_t received() const { return received_; }
+  /// Messages of the streams that depend on what is connected to the board, since it was built.
+  struct Streams {
+    std::size_t gnss{}, receiver{}, battery{};
+  };
+  const Streams& streams() const { return streams_; }
   /// Time not slept, by the count of instructions.
   std::uint64_t busy_us() { return chip_.from_chip().busy_us; }
 
  private:
+  void count(const link::Message& message) {
+    if (std::holds_alternative<link::Gnss>(message)) ++streams_.gnss;
+    if (std::holds_alternative<link::RcChannels>(message)) ++streams_.receiver;
+    if (std::holds_alternative<link::BatteryStatus>(message)) ++streams_.battery;
+  }
   void exchange(std::int64_t until_us) {
     boards::stm32h7::ToChip& order = chip_.to_chip();
     order.time_us = now_us_;
@@ -95,16 +109,46 @@ class Rig {
     order.baro.temperature_K = 300.0F;
     order.diff_pressure.temperature_K = 300.0F;
     order.mag.field_T = {2e-5F, 0.0F, 4e-5F};
+    order.has_battery = 1;
+    order.battery.voltage_V = 15.2F;
+    order.battery.current_A = 12.0F;
+    order.has_rc = is_due(next_receiver_us_, kReceiverPeriod_us);
+    order.rc.channel_count = 16;
+    order.rc.channels = {0.5F, 0.5F, 0.0F, 0.5F};
+    order.has_gnss = is_due(next_gnss_us_, kGnssPeriod_us);
+    if (order.has_gnss != 0) order.gnss = solution();
     chip_.exchange();
     order.link_count = 0;
     now_us_ = until_us;
+  }
+  /// Whether something comes now that comes in each period.
+  std::uint8_t is_due(std::int64_t& next_us, std::int64_t period_us) const {
+    if (now_us_ < next_us) return 0;
+    next_us += period_us;
+    return 1;
+  }
+  hal::GnssSample solution() const {
+    constexpr std::int64_t kSecond_us = 1'000'000;
+    hal::GnssSample sample;
+    sample.stamp = hal::Time{now_us_};
+    sample.unix_s = 1'700'000'000 + now_us_ / kSecond_us;
+    sample.unix_ns = static_cast<std::int32_t>(now_us_ % kSecond_us * 1000);
+    sample.fix = hal::GnssFix::k3d;
+    sample.satellites = 14;
+    sample.latitude_deg = 40.25;
+    sample.longitude_deg = -111.65;
+    sample.height_msl_m = 1400.0F;
+    sample.horizontal_accuracy_m = sample.vertical_accuracy_m = 1.0F;
+    sample.speed_accuracy_m_s = 0.2F;
+    return sample;
   }
 
   ChipProcess chip_;
   bool usb_;
   std::uint32_t baud_{kUsualBaud};
-  std::int64_t now_us_{0};
+  std::int64_t now_us_{0}, next_receiver_us_{0}, next_gnss_us_{0};
   std::uint64_t received_{0};
+  Streams streams_;
   link::MavlinkCodec codec_{{1, link::MavlinkCodec::kCompanionComponent}};
 };
 
@@ -169,6 +213,7 @@ int measure(const std::string& board, const std::string& link, std::size_t count
   Table steady;
   const std::int64_t begin = rig.now_us();
   const std::uint64_t before = rig.received(), busy_before_us = rig.busy_us();
+  const Rig::Streams streams_before = rig.streams();
   for (std::uint32_t k = 1; k <= count; ++k) {
     steady.add(round_trip(rig, k));
     const std::int64_t next = begin + static_cast<std::int64_t>(k) * kPeriod_us;
@@ -176,6 +221,11 @@ int measure(const std::string& board, const std::string& link, std::size_t count
   }
   const double lasted_s = 1e-6 * static_cast<double>(rig.now_us() - begin);
   const double busy_s = 1e-6 * static_cast<double>(rig.busy_us() - busy_before_us);
+  const auto per_s = [&](std::size_t Rig::Streams::*stream) {
+    return static_cast<double>(rig.streams().*stream - streams_before.*stream) / lasted_s;
+  };
+  const double gnss_hz = per_s(&Rig::Streams::gnss), receiver_hz = per_s(&Rig::Streams::receiver);
+  const double battery_hz = per_s(&Rig::Streams::battery);
   const double sent_per_s = static_cast<double>(rig.received() - before) / lasted_s;
   if (!csv.empty()) {
     std::FILE* const file = std::fopen(csv.c_str(), "w");
@@ -198,6 +248,9 @@ int measure(const std::string& board, const std::string& link, std::size_t count
                                       {"p999_ms", steady.ms(0.999)},
                                       {"max_ms", steady.ms(1.0)},
                                       {"streams_bytes_per_s", sent_per_s},
+                                      {"gnss_hz", gnss_hz},
+                                      {"receiver_hz", receiver_hz},
+                                      {"battery_hz", battery_hz},
                                       {"idle_fraction", 1.0 - busy_s / lasted_s},
                                       {"fastest_hz", static_cast<double>(fast.us.size()) / fast_s}}
                    .dump()

@@ -68,6 +68,8 @@ void add_processor(Json& json, const ProcessorFigures& figures, double sim_time_
     json["imu_to_output_mean_us"] = rounded(figures.imu_to_output_mean_us, 1);
     json["stamp_error_us"] = rounded(figures.stamp_error_us, 2);
   }
+  if (figures.armed_us > 0.0)
+    json["idle_fraction"] = rounded(figures.slept_us / figures.armed_us, 4);
   if (figures.instructions > 0) json["instructions"] = figures.instructions;
   if (figures.uart_sent > 0) {
     json["uart_sent_bytes_per_s"] = rounded(static_cast<double>(figures.uart_sent) / sim_time_s, 0);

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Usage: ./rosflight bench [NAME...] [--all] [--json FILE]
+       ./rosflight bench rtt --board BOARD [--count N]
        ./rosflight bench --boards DIR [--board BOARD] [--count N] [--seconds S]
 
 Measures the project's figures, prints each with its target as soon as it is there, and writes them to FILE as one JSON
@@ -10,6 +11,8 @@ hour), the build (build, some minutes), round trips, speed and load over ROS (rt
 a quarter of an hour)
 and the fuzzers with a million inputs each, those of the receivers' decoders and of the GNSS receiver's parser with ten million
 (fuzz, hours).
+rtt --board: round trips of N offboard commands (18000, which are 45 s at 400 Hz) to an emulated board, BOARD one of pixracer_pro and
+varmint, and then as fast as they are answered, over USB and over the UART at 921600 and 3000000 baud, with all streams on.
 --boards: the paper's measurements on the emulated Pixracer Pro and Varmint, as a table and as pictures in DIR: round trips of
 N offboard commands (18000) over USB and over the UART at 921600 and 3000000 baud, and S seconds (20) of a triangle wave of roll
 in pass-through at 400 Hz. A quarter of an hour.
@@ -129,6 +132,8 @@ def main(arguments: list[str], figures: Callable[[], list[Figure]] = bench_figur
         return 0
     if arguments[:1] == ["--boards"]:
         return board_demo.main(arguments[1:])
+    if arguments[:1] == ["rtt"] and any(word.split("=")[0] in ("--board", "--count") for word in arguments):
+        return board_demo.round_trips_main(arguments[1:])
     try:
         names, everything, file = parse(arguments)
         chosen = choose(names, everything, figures())

@@ -256,6 +256,8 @@ def h7() -> list[Figure]:
         Figure("h7.varmint_realtime_factor", "s/s", ">= 5", lambda: h7_figures.realtime_factor("varmint"), "cortex-m7"),
         Figure("h7.driver_coverage", "% of lines", ">= 95", driver_coverage.total, "none", on_request=True),
         Figure("h7.driver_coverage_lowest", "% of lines", "report", driver_coverage.lowest, "none", on_request=True),
+        *(Figure(f"h7.{prefix}idle_fraction", "-", ">= 0.93", lambda board=board: float(h7_figures.flight(board, "usb")["idle_fraction"]),
+                 "cortex-m7") for prefix, board in (("", h7_figures.BOARD), ("varmint_", "varmint"))),
         flown("stack_bytes", "B", "<= 8192"),
         flown("tracking_rms_m", "m", "report"),
         flown("imu_to_output_us", "us", "<= 120"),

@@ -10,12 +10,22 @@ from pathlib import Path
 
 import matplotlib
 import numpy
+import PIL.Image
 
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
 
+KEPT_COLOURS = 64  # of a picture: it is then a third of the size
 COLOURS = ["#0072b2", "#e69f00", "#009e73"]
 SHOWN_S = 12.0  # of the wave
+
+
+def save(figure, file: Path):
+    figure.savefig(file, dpi=100)
+    pyplot.close(figure)
+    with PIL.Image.open(file) as picture:
+        small = picture.convert("RGB").quantize(KEPT_COLOURS, dither=PIL.Image.Dither.NONE)
+    small.save(file, optimize=True)
 
 
 def draw_round_trips(folder: Path, board: str, rows: list[dict]):
@@ -31,8 +41,7 @@ def draw_round_trips(folder: Path, board: str, rows: list[dict]):
              ylabel="commands in 0.02 ms", yscale="log", xlim=(0.0, last * 1.03))
     figure.legend(loc="outside lower center")
     axes.grid(alpha=0.3)
-    figure.savefig(folder / f"rtt_{board}.png", dpi=120)
-    pyplot.close(figure)
+    save(figure, folder / f"rtt_{board}.png")
 
 
 def draw_roll(folder: Path, board: str, rows: list[dict]):
@@ -50,8 +59,7 @@ def draw_roll(folder: Path, board: str, rows: list[dict]):
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     axes[-1, 0].set_xlabel("time [s]")
     figure.suptitle(f"{board}, emulated: roll in pass-through, {rows[0]['commands_hz']:.0f} commands per second over the UART")
-    figure.savefig(folder / f"passthrough_{board}.png", dpi=120)
-    pyplot.close(figure)
+    save(figure, folder / f"passthrough_{board}.png")
 
 
 def main(folder: Path):

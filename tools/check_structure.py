@@ -10,6 +10,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import check_boards
 import project
 
 # What the files of a folder may include, besides the folder itself. The longest folder that a path
@@ -373,7 +374,8 @@ def _exists(base: Path, name: str) -> bool:
 
 
 CHECKS = [check_includes, check_constants, check_namespaces, check_rooted, check_ros_free, check_cycles, check_links, check_licences, check_sizes,
-          check_readmes, check_paths, check_web]
+          check_readmes, check_paths, check_web,
+          check_boards.check_one_image, check_boards.check_unicorn, check_boards.check_parts]
 
 
 def run(root: Path = project.ROOT) -> dict[str, list[str]]:

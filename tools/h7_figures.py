@@ -18,6 +18,8 @@ FLASH = (".text", ".ARM.exidx", ".ARM.extab", ".data")
 # else uses; record_bytes() is a figure of its own.
 RAM = (".stack", ".data", ".bss", ".dma")
 RECORD = (".record",)
+# Those of board_rtt that there are only with a GNSS receiver, a receiver and a battery.
+STREAMS = ("gnss_hz", "receiver_hz", "battery_hz")
 
 
 @functools.cache
@@ -62,6 +64,8 @@ def measure_round_trips(board: str, link: str, *options: str) -> dict:
     found = bench_program("board_rtt", board, link, *options)
     if found["lost"] != 0:
         raise RuntimeError(f"{found['lost']} commands were lost")
+    if missing := [stream for stream in STREAMS if not found[stream] > 0]:
+        raise RuntimeError(f"not all streams were on: {', '.join(missing)} is 0")
     return found
 
 
@@ -81,12 +85,15 @@ def passthrough(board: str, attitude: str = "companion") -> dict:
 
 
 @functools.cache
-def flight(board: str = BOARD) -> dict:
-    """Summary of the default flight of a board, with the processor time of simulation and emulator."""
+def flight(board: str = BOARD, link: str = "cable") -> dict:
+    """Summary of the default flight of a board, with the processor time of simulation and emulator.
+
+    @param link  "cable" is the UART of the companion, "usb" its virtual serial port.
+    """
     program = project.ROOT / "build/release/apps/rosflight"
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     with tempfile.TemporaryDirectory() as scratch:
-        done = subprocess.run([str(program), "fly", "--board", board, "--json", "--out", f"{scratch}/flight", "--log", "none"],
+        done = subprocess.run([str(program), "fly", "--board", board, "--link", link, "--json", "--out", f"{scratch}/flight", "--log", "none"],
                               cwd=project.ROOT, capture_output=True, text=True, timeout=600, stdin=subprocess.DEVNULL)
     if done.returncode != 0:
         raise RuntimeError((done.stderr.strip().splitlines() or ["the default flight did not succeed"])[-1])

@@ -73,6 +73,7 @@ FLIES = {"autonomy", "companion", "config", "firmware", "link"}
 BOARDS = tuple(f"firmware/boards/{name}" for name in ("qemu_m7", "stm32h7", "pixracer_pro", "varmint"))
 SANITIZED = FLIES | {"flight"}
 EMULATOR = "h7_emulator"  # built by name: its engine is in .venv
+EMULATED_PROGRAMS = ("rosflight", "rosflight_ground_tools")  # what tests with an emulator start
 
 
 def _flies(path: Path) -> bool:
@@ -117,11 +118,12 @@ def cortex_m7() -> Outcome:
     """Everything for the microcontroller built, and run: the board's own tests on the emulated
     processor, and flights with the firmware on it."""
     names = _emulator_tests()
-    built = add([_build("cortex-m7"), _build("release", EMULATOR, *names)])
+    built = add([_build("cortex-m7"), _build("release", EMULATOR, *names, *EMULATED_PROGRAMS)])
     if built.failed:
         return built
     on_target = _run_binaries("cortex-m7")
-    return add([built, *on_target.values(), *_run_binaries("release", names).values()])
+    by_command = pytest_files.run(emulator_files(), sys.executable, RESULTS / "python")
+    return add([built, *on_target.values(), *_run_binaries("release", names).values(), by_command])
 
 
 def _emulator_tests(names: list[str] | None = None) -> list[str]:
@@ -138,14 +140,24 @@ def test_names() -> list[str]:
 
 
 def python_files() -> list[Path]:
-    """All pytest files but those that need the ROS environment or the Python package."""
+    """All pytest files but those that need the ROS environment, the Python package or an emulated board."""
     return [path for path in project.own_files() if re.fullmatch(r"test_\w+\.py", path.name)
-            and not ros_test.needs_ros(path) and not python_package.needs_package(path)]
+            and not ros_test.needs_ros(path) and not python_package.needs_package(path) and not needs_emulator(path)]
+
+
+def needs_emulator(path: Path) -> bool:
+    """By its name: it starts an emulated board, and needs the images of the preset cortex-m7."""
+    return re.fullmatch(r"test_emulated_\w+\.py", path.name) is not None
+
+
+def emulator_files() -> list[Path]:
+    """The pytest files of the stage cortex-m7."""
+    return [path for path in project.own_files() if needs_emulator(path)]
 
 
 def matching(parts: list[str]) -> tuple[list[str], list[Path]]:
     """Test programs and pytest files with one of the parts in their name."""
-    files = [path for path in python_files() if any(part in str(path) for part in parts)]
+    files = [path for path in [*python_files(), *emulator_files()] if any(part in str(path) for part in parts)]
     return [name for name in test_names() if any(part in name for part in parts)], files
 
 
@@ -184,7 +196,7 @@ def unit_tests(names: list[str] | None = None) -> Outcome:
     if names is not None and _emulator_tests(names):
         if _build("cortex-m7").failed:
             return Outcome(failed=1, complaints=["does not build, all output is in build/cortex-m7/*.log"])
-        if _build("release", EMULATOR).failed:
+        if _build("release", EMULATOR, *EMULATED_PROGRAMS).failed:
             return Outcome(failed=1, complaints=["does not build, all output is in build/release/*.log"])
     return add(_run_binaries("release", names).values())
 
@@ -220,6 +232,10 @@ def python_tests(named: list[Path] | None = None) -> Outcome:
         return Outcome()
     if named and not project.build("release", *PROGRAMS, keep_going=True):
         return Outcome(failed=1, complaints=["the programs cannot be built"])
+    if any(needs_emulator(path) for path in files):
+        built = add([_build("cortex-m7"), _build("release", EMULATOR)])
+        if built.failed:
+            return built
     return pytest_files.run(files, sys.executable, RESULTS / "python")
 
 

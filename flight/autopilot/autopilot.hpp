@@ -38,9 +38,11 @@ struct ProcessorFigures {
   std::uint64_t uart_lost{};  ///< Bytes that arrived too fast, and frames that found no room.
   std::uint32_t imu_to_output_us{};  ///< Armed, the longest from a data-ready edge to an output.
   double imu_to_output_mean_us{};    ///< Armed, mean of the longest of each step.
-  std::uint32_t
-      transfer_to_output_us{};  ///< Armed, the longest from the end of the IMU's transfer to an output.
-  double stamp_error_us{};      ///< Armed, the largest of an IMU stamp; up to the first reset.
+  /// Armed, the longest from the end of the IMU's transfer to an output.
+  std::uint32_t transfer_to_output_us{};
+  double stamp_error_us{};  ///< Armed, the largest of an IMU stamp; up to the first reset.
+  double armed_us{};        ///< Time armed, of an autopilot that counts its sleep.
+  double slept_us{};        ///< The part of armed_us that the processor slept.
 };
 
 /// Flight control hardware with the real firmware: the system under test of a flight.

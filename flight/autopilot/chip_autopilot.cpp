@@ -137,6 +137,7 @@ void ChipAutopilot::exchange(sim::Time t) {
   figures_.uart_sent = answer.link_sent;
   figures_.uart_lost = answer.link_lost;
   if (view().armed) note_timing(answer);
+  note_load(answer);
 }
 
 void ChipAutopilot::note_timing(const FromChip& answer) {
@@ -149,6 +150,18 @@ void ChipAutopilot::note_timing(const FromChip& answer) {
       std::max(figures_.transfer_to_output_us, answer.transfer_to_output_us);
   if (answer.resets > 0) return;
   figures_.stamp_error_us = std::max(figures_.stamp_error_us, std::abs(answer.stamp_error_us));
+}
+
+/// A step in which the vehicle is armed at both ends counts as armed.
+void ChipAutopilot::note_load(const FromChip& answer) {
+  const bool armed = view().armed;
+  if (armed && was_armed_) {
+    const auto passed_us = static_cast<double>(answer.time_us - counted_.time_us);
+    figures_.armed_us += passed_us;
+    figures_.slept_us += passed_us - static_cast<double>(answer.busy_us - counted_.busy_us);
+  }
+  was_armed_ = armed;
+  counted_ = {answer.time_us, answer.busy_us};
 }
 
 FirmwareView ChipAutopilot::view() const {

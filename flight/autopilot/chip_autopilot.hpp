@@ -80,6 +80,7 @@ class ChipAutopilot final : public Autopilot {
  private:
   void exchange(sim::Time t);
   void note_timing(const boards::stm32h7::FromChip& answer);
+  void note_load(const boards::stm32h7::FromChip& answer);
 
   CableLink& link_;
   ChipCables cables_;
@@ -92,6 +93,11 @@ class ChipAutopilot final : public Autopilot {
   std::uint64_t timed_{0};          ///< Steps in the mean of imu_to_output_mean_us.
   std::vector<std::uint8_t> sent_;  ///< By the companion, before the step that begins.
   sim::Time boot_{};
+  struct {
+    std::int64_t time_us{};
+    std::uint64_t busy_us{};
+  } counted_;  ///< At the end of the last step.
+  bool was_armed_{false};
 };
 
 }  // namespace rosflight::flight

@@ -54,6 +54,9 @@ TEST_P(EachImage, FliesTheDefaultMissionTwiceWithTheSameLog) {
   EXPECT_EQ(first.figures.uart_lost, 0U);
   EXPECT_LE(first.figures.stack_bytes, 8192U);
   EXPECT_GE(first.figures.stack_bytes, 256U) << "painted and looked at";
+  EXPECT_GT(first.figures.armed_us, 30e6);
+  EXPECT_GE(first.figures.slept_us, 0.93 * first.figures.armed_us);
+  EXPECT_LE(first.figures.slept_us, 0.99 * first.figures.armed_us) << "it works";
   // 15 bytes at 8 MHz, or 34 at 1 MHz, are on the wire for 15 or 272 us of it.
   const bool slow_bus = std::string(GetParam()) == "varmint";
   EXPECT_GT(first.figures.imu_to_output_us, slow_bus ? 272U : 15U);

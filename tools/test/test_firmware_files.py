@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+import os
 import struct
 import zlib
 from pathlib import Path
@@ -57,3 +58,17 @@ def test_a_failed_write_is_an_error(monkeypatch):
     monkeypatch.setattr(firmware_files.subprocess, "run", lambda command, check: type("Done", (), {"returncode": 1})())
     with pytest.raises(firmware_files.FirmwareError, match="openocd has not written"):
         firmware_files.flash(Path("a.elf"), swd=True)
+
+
+@pytest.mark.parametrize("swd, tool, named", [
+    (False, "dfu-util", ["USB", "boot pin is held high", "BOOT0", "Pixracer Pro"]), (True, "openocd", ["ST-Link", "SWDIO", "SWCLK", "ground", "power"])])
+def test_what_to_connect_is_printed_before_the_tool_writes(tmp_path, monkeypatch, capfd, swd, tool, named):
+    program = tmp_path / tool
+    program.write_text('#!/bin/sh\necho "writes: $*"\n')
+    program.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
+    assert firmware_files.flash(Path("firmware.elf"), swd) == 0
+    connect, command, written = [line.strip() for line in capfd.readouterr().out.splitlines()]
+    assert connect.startswith("Connect ") and all(word in connect for word in named)
+    assert written.startswith("writes: ") and command == f"{tool} {written.removeprefix('writes: ')}"
+    assert ("firmware.elf" in command) if swd else ("0483:df11" in command and "firmware.dfu" in command)

@@ -35,3 +35,14 @@ def test_factor_is_simulated_time_over_processor_time(monkeypatch):
     monkeypatch.setattr(h7_figures, "flight", lambda board: {"sim_time_s": 50.0, "cpu_s": cpu_s[board]})
     assert h7_figures.realtime_factor() == 5.0
     assert h7_figures.realtime_factor("varmint") == 6.25
+
+
+@pytest.mark.parametrize("missing", ["gnss_hz", "receiver_hz", "battery_hz"])
+def test_round_trips_without_a_stream_do_not_count(monkeypatch, missing):
+    found = {"lost": 0, "gnss_hz": 10.0, "receiver_hz": 50.0, "battery_hz": 10.0}
+    monkeypatch.setattr(h7_figures.project, "build", lambda *words, **options: True)
+    monkeypatch.setattr(h7_figures, "bench_program", lambda *words: found)
+    assert h7_figures.measure_round_trips("varmint", "usb") == found
+    found[missing] = 0.0
+    with pytest.raises(RuntimeError, match=f"not all streams were on: {missing} is 0"):
+        h7_figures.measure_round_trips("varmint", "usb")

@@ -324,3 +324,27 @@ def test_the_quarter_of_the_fault_campaign_fails_for_each_of_its_limits(monkeypa
     assert outcome.failed == (0 if complaint is None else 1)
     assert outcome.passed == 13 - outcome.failed
     assert complaint is None or complaint in outcome.complaints[0]
+
+
+def test_files_that_need_an_emulated_board_run_with_the_images(monkeypatch):
+    (file,) = [path for path in stages.emulator_files() if path.name == "test_emulated_boards.py"]
+    assert file not in stages.python_files() and file in stages.matching(["emulated_boards"])[1]
+    built, ran = [], []
+    monkeypatch.setattr(stages, "_build", lambda *targets: built.append(targets) or Outcome(passed=1))
+    monkeypatch.setattr(stages, "_emulator_tests", lambda: ["a_test"])
+    monkeypatch.setattr(stages, "_run_binaries", lambda preset, names=None: {})
+    monkeypatch.setattr(pytest_files, "run", lambda files, *rest: ran.extend(files) or Outcome(passed=3))
+    assert stages.cortex_m7().passed == 2 + 3
+    assert ran == stages.emulator_files()
+    assert built == [("cortex-m7",), ("release", "h7_emulator", "a_test", "rosflight", "rosflight_ground_tools")]
+
+
+def test_named_they_have_their_images_built_first(monkeypatch):
+    built = []
+    monkeypatch.setattr(stages.project, "build", lambda preset, *targets, **options: built.append((preset, *targets)) or True)
+    monkeypatch.setattr(pytest_files, "run", lambda files, *rest: Outcome(passed=1))
+    stages.python_tests(stages.emulator_files())
+    assert built == [("release", *stages.PROGRAMS), ("cortex-m7",), ("release", "h7_emulator")]
+    built.clear()
+    stages.python_tests(stages.python_files()[:1])
+    assert built == [("release", *stages.PROGRAMS)]
