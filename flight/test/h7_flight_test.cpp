@@ -124,20 +124,6 @@ TEST_P(EachImage, FliesOnDshot) {
       << "while some channels of the timer still had the former rate";
 }
 
-/// A receiver on the same pin that speaks CRSF.
-TEST(PixracerPro, FliesWithCrsfAndItsLinkQualityIsTheSignalStrength) {
-  FlightChoice choice = on_board({"rc_silence@20:2"});
-  choice.overrides = {"firmware.RC_TYPE=2"};
-  Rig rig{choice};
-  rig.run_until(19.0);
-  EXPECT_TRUE(view_of(rig).armed);
-  EXPECT_EQ(rig.flight->session().streams().rc.value.rssi, 80 * 254 / 100);
-  rig.run_until(kFault_s + 0.225);
-  EXPECT_TRUE(view_of(rig).failsafe);
-  rig.flight->run();
-  EXPECT_TRUE(rig.completed()) << rig.flight->runner().failure();
-}
-
 TEST(PixracerPro, AnotherSeedIsAnotherFlight) {
   Rig one{on_board()};
   FlightChoice choice = on_board();
@@ -148,54 +134,10 @@ TEST(PixracerPro, AnotherSeedIsAnotherFlight) {
   EXPECT_NE(one.flight->truth().body.p_W, two.flight->truth().body.p_W);
 }
 
-TEST(PixracerPro, RadioLossIsFailsafeThenTheMissionGoesOn) {
-  Rig rig{on_board({"rc_silence@20:2"})};
-  rig.run_until(kFault_s + 0.225);
-  EXPECT_TRUE(view_of(rig).failsafe);
-  rig.run_until(kFault_s + 2.0 + 0.05);
-  EXPECT_FALSE(view_of(rig).failsafe);
-  rig.flight->run();
-  EXPECT_TRUE(rig.completed());
-}
-
-TEST(PixracerPro, ImuWithoutEdgesHoldsTheOutputsThenFallsWithMotorsOffAndStaysArmed) {
-  Rig rig{on_board({"imu@20"})};
-  const auto motor = [&rig] { return chip_of(rig).process().from_chip().outputs[0]; };
-  rig.run_until(kFault_s + 0.13);
-  EXPECT_NE(view_of(rig).errors & static_cast<unsigned>(core::Error::kImuNotResponding), 0U);
-  const float held = motor();
-  EXPECT_GT(held, 0.0F);
-  rig.run_until(kFault_s + 0.29);
-  EXPECT_EQ(motor(), held);
-  rig.run_until(kFault_s + 0.34);
-  EXPECT_EQ(motor(), 0.0F);
-  EXPECT_TRUE(view_of(rig).armed);
-}
-
 TEST(PixracerPro, CutLinkIsSurvived) {
   Rig rig{on_board({"link_cut@20:0.3"})};
   rig.flight->run();
   EXPECT_TRUE(rig.completed()) << rig.flight->runner().failure();
-}
-
-/// A sensor that falls silent on its bus for five seconds: the others carry the flight.
-class SilentSensor : public ::testing::TestWithParam<const char*> {};
-TEST_P(SilentSensor, IsReportedAndTheMissionGoesOn) {
-  Rig rig{on_board({std::string(GetParam()) + "@20:5"})};
-  rig.flight->run();
-  EXPECT_TRUE(rig.completed()) << rig.flight->runner().failure();
-  EXPECT_EQ(chip_of(rig).figures()->resets, 0U);
-}
-INSTANTIATE_TEST_SUITE_P(Sensors, SilentSensor, ::testing::Values("baro", "mag"));
-
-/// Between the estimated and the true direction of gravity.
-double attitude_error_deg(const Rig& rig) {
-  const core::Quaternion q = view_of(rig).q_WB;
-  const Eigen::Quaterniond estimate(q.w, q.x, q.y, q.z);
-  const auto down = sim::Vector3::UnitZ();
-  const double c =
-      (estimate.conjugate() * down).dot(rig.flight->truth().body.q_WB.conjugate() * down);
-  return std::acos(std::min(1.0, c)) * 180.0 / 3.14159265358979323846;
 }
 
 /// Whether the core has an IMU sample of the time after a reset in flight.
@@ -249,32 +191,6 @@ INSTANTIATE_TEST_SUITE_P(Kinds, HardwareTrouble,
                                            Trouble{"varmint", Breakdown::kCrash},
                                            Trouble{"varmint", Breakdown::kHang}));
 
-/// A hang while the vehicle accelerates, brakes and turns: the attitude goes on from the record, and so
-/// does the mission.
-class HangAt : public ::testing::TestWithParam<double> {};
-TEST_P(HangAt, TiltsTheVehicleNoFurtherThanItsLimit) {
-  Rig rig{on_board()};
-  rig.run_until(GetParam());
-  rig.flight->autopilot().break_down(rig.flight->now(), Breakdown::kHang);
-  double tilt_deg = 0.0;
-  double error_deg = 0.0;
-  while (rig.flight->now() < at_s(GetParam() + 1.5)) {
-    rig.flight->step();
-    tilt_deg = std::max(tilt_deg, rig.tilt_deg());
-    const bool again = chip_of(rig).figures()->resets > 0;
-    if (again && chip_of(rig).process().from_chip().outputs[0] > 0.0F)
-      error_deg = std::max(error_deg, attitude_error_deg(rig));
-  }
-  EXPECT_EQ(chip_of(rig).figures()->resets, 1U);
-  EXPECT_TRUE(view_of(rig).armed);
-  constexpr double kError_deg = 8.0;
-  EXPECT_LT(tilt_deg, 35.0 + kError_deg)
-      << "limits.tilt_deg of vehicles/multirotor.yaml, and an error that it cannot know";
-  EXPECT_LT(error_deg, kError_deg) << "of roll and pitch";
-  EXPECT_TRUE(rig.flight->autonomy().tracking) << "nobody took over";
-}
-INSTANTIATE_TEST_SUITE_P(Times, HangAt, ::testing::Values(15.0, 17.5, 22.5, 25.0, 30.0));
-
 /// Sets a parameter, and stores it.
 void store(Rig& rig, double value) {
   auto& session = rig.flight->session();
@@ -325,14 +241,6 @@ TEST(Varmint10X, FliesTheDefaultMissionWithTheBarometerOnABusOfItsOwn) {
   EXPECT_LT(rig.flight->tracking().rms(), kTracking95_m);
   EXPECT_EQ(chip_of(rig).figures()->resets, 0U);
   EXPECT_EQ(view_of(rig).errors, 0U);
-}
-
-TEST(PixracerPro, PowerLossInFlightDoesNotRearm) {
-  Rig rig{on_board()};
-  rig.run_until(kFault_s);
-  rig.flight->autopilot().break_down(rig.flight->now(), Breakdown::kPowerLoss);
-  rig.run_for(0.5);
-  EXPECT_FALSE(view_of(rig).armed) << "backup memory does not survive the power";
 }
 
 }  // namespace

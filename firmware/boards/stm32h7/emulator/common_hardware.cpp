@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "base/constants.hpp"
@@ -92,7 +91,7 @@ void CommonHardware::data_ready(bool high) {
   if (high) {
     note_output_latency();
     edge_ = chip_.processor.now();
-    note_sample_time();
+    edges_[edge_count_++ % edges_.size()] = edge_;
   }
   chip_.port(wiring_.imu_ready).drive(wiring_.imu_ready.number, high);
 }
@@ -111,26 +110,28 @@ void CommonHardware::note_output() {
   computing_ = std::max(computing_, written - ended);
 }
 
-void CommonHardware::note_sample_time() {
-  if (!chip_.tim5.counts()) return;
-  const double on_clock = static_cast<double>(edge_ - chip_.tim5.zero());
-  seen_at_us_[seen_++ % seen_at_us_.size()] = on_clock / kTicksPerMicrosecond - imu_delay_us();
-}
-
-/// A sample of the firmware is one of the part, or the mean of two that follow each other.
-double CommonHardware::stamp_error_us(std::int64_t stamp_us) const {
-  const auto stamp = static_cast<double>(stamp_us);
-  std::optional<double> error;
-  const auto judge = [&error, stamp](double shown_us) {
-    if (!error || std::abs(stamp - shown_us) < std::abs(*error)) error = stamp - shown_us;
+/// Which samples it is of shows the write of the outputs that were computed from them: the newest data-ready edge
+/// before that write is the edge of the last of them. Neither the stamp nor its nearness to some edge decides that, so
+/// a stamp of the sample before is wrong by a whole period. Judged when the stamp is new: then the newest write and the
+/// stamp are of the same pass.
+double CommonHardware::stamp_error_us(std::int64_t stamp_us) {
+  if (stamp_us == judged_stamp_us_ || !chip_.tim5.counts()) return stamp_error_us_;
+  judged_stamp_us_ = stamp_us;
+  const std::size_t averaged = wiring_.imu_samples_per_output;
+  const std::size_t kept = std::min(edge_count_, edges_.size());
+  const auto edge = [this](std::size_t back) {
+    return edges_[(edge_count_ - 1 - back) % edges_.size()];
   };
-  const std::size_t kept = std::min(seen_, seen_at_us_.size());
-  for (std::size_t back = 1; back <= kept; ++back) {
-    const double shown_us = seen_at_us_[(seen_ - back) % seen_at_us_.size()];
-    judge(shown_us);
-    if (back < kept) judge(0.5 * (shown_us + seen_at_us_[(seen_ - back - 1) % seen_at_us_.size()]));
+  std::size_t last = 0;
+  while (last < kept && edge(last) >= chip_.tim1.written(0)) ++last;
+  if (last + averaged > kept) return stamp_error_us_ = 0.0;
+  double sum_us = 0.0;
+  for (std::size_t k = 0; k < averaged; ++k) {
+    const auto on_clock = static_cast<double>(edge(last + k) - chip_.tim5.zero());
+    sum_us += on_clock / kTicksPerMicrosecond - imu_delay_us();
   }
-  return error.value_or(0.0);
+  stamp_error_us_ = static_cast<double>(stamp_us) - sum_us / static_cast<double>(averaged);
+  return stamp_error_us_;
 }
 
 parts::models::ImuTruth CommonHardware::imu_truth(hal::Time when) const {
@@ -159,7 +160,7 @@ void CommonHardware::power_on() {
   gnss_on_wire_.advance();
   sent_.clear();
   latency_ = computing_ = edge_ = 0;
-  seen_ = 0;
+  edge_count_ = 0;
 }
 
 void CommonHardware::expose(const ToChip& world) {

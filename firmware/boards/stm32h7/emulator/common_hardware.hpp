@@ -29,7 +29,7 @@ class CommonHardware : public EmulatedHardware {
   void expose(const ToChip& world) override;
   void inject(HardwareFault fault) override;
   void report(FromChip& out) override;
-  double stamp_error_us(std::int64_t stamp_us) const override;
+  double stamp_error_us(std::int64_t stamp_us) override;
   std::vector<std::string> complaints() const override;
 
  protected:
@@ -57,6 +57,7 @@ class CommonHardware : public EmulatedHardware {
     std::array<PinName, 3> leds;  ///< Override, status, the other.
     bool low_is_lit;
     BatteryWiring battery;
+    std::size_t imu_samples_per_output;  ///< The core takes the mean of so many.
   };
   /// Whether a sensor that delivered before has been without samples of the world for too long: then
   /// it is broken, and mute on its bus. One that never delivered is not connected.
@@ -103,7 +104,6 @@ class CommonHardware : public EmulatedHardware {
   void connect_serial();
   void note_output_latency();
   void note_output();
-  void note_sample_time();
   void take_samples(const ToChip& world);
   void send_receiver_frame(const ToChip& world);
   double battery_pin_V(unsigned channel) const;
@@ -118,14 +118,15 @@ class CommonHardware : public EmulatedHardware {
   Presence baro_presence_, mag_presence_, gnss_presence_;
   std::vector<std::uint8_t> sent_;
   History<parts::models::ImuTruth, 8> imu_truths_;
-  std::array<double, 16>
-      seen_at_us_{};  ///< Times of the newest IMU samples, on the firmware's clock.
-  std::size_t seen_{0};
-  Ticks edge_{0};              ///< Time of the newest data-ready edge.
-  Ticks latency_{0};           ///< Longest from an edge to the write that followed,
-  Ticks computing_{0};         ///< and from the end of the transfer before it.
-  Ticks judged_{0};            ///< Time of the last write that was judged so.
-  bool imu_is_silent_{false};  ///< Injected: no data-ready edge reaches the chip.
+  std::array<Ticks, 16> edges_{};  ///< Times of the newest data-ready edges.
+  std::size_t edge_count_{0};
+  std::int64_t judged_stamp_us_{0};
+  double stamp_error_us_{0.0};  ///< Of judged_stamp_us_.
+  Ticks edge_{0};               ///< Time of the newest data-ready edge.
+  Ticks latency_{0};            ///< Longest from an edge to the write that followed,
+  Ticks computing_{0};          ///< and from the end of the transfer before it.
+  Ticks judged_{0};             ///< Time of the last write that was judged so.
+  bool imu_is_silent_{false};   ///< Injected: no data-ready edge reaches the chip.
 };
 
 }  // namespace rosflight::boards::stm32h7::emulator

@@ -21,9 +21,9 @@ class EmulatedHardware {
   virtual void inject(HardwareFault fault) = 0;
   /// Pulses on the pins, LEDs, link bytes since the last call, figures.
   virtual void report(FromChip& out) = 0;
-  /// How far the firmware's stamp of an IMU sample is from the time of the world that the nearest
-  /// of the newest samples shows; 0 before the first.
-  virtual double stamp_error_us(std::int64_t stamp_us) const = 0;
+  /// How far the firmware's stamp of its newest IMU sample is from the time of the world that this sample
+  /// shows; 0 before the first. Call it after each run of the chip, of half a period of the control loop at most.
+  virtual double stamp_error_us(std::int64_t stamp_us) = 0;
   /// What the parts complained of.
   virtual std::vector<std::string> complaints() const = 0;
 };

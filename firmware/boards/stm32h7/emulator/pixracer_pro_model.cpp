@@ -32,7 +32,8 @@ PixracerProModel::PixracerProModel()
                        {&Chip::tim8, 1, pin('I', 6), 3}},
                       {pin('B', 11), pin('B', 3), pin('B', 1)},
                       true,
-                      {14, 15, 12.62, 60.5, 0.0747}}} {
+                      {14, 15, 12.62, 60.5, 0.0747},
+                      2}} {
   imu_.clock_error = kImuClockError;
   chip_.processor.add(accel_);
   chip_.processor.add(gyro_);

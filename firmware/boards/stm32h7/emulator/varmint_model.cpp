@@ -37,7 +37,8 @@ VarmintModel::VarmintModel(Revision revision)
                        {&Chip::tim3, 1, pin('B', 5), 2}},
                       {red_led(revision), pin('E', 8), pin('E', 15)},
                       false,
-                      {16, 11, 11.215, 10.0, 0.0}}} {
+                      {16, 11, 11.215, 10.0, 0.0},
+                      1}} {
   chip_.processor.add(imu_on_bus_);
   imu_.sync_clock = false;
   // The older board has older silicon, so that its erratum is heeded in a flight.
