@@ -31,6 +31,7 @@ void Firmware::run() {
   read_pilot(now);
   decide(now);
 
+  report_sensor_changes();
   if (telemetry_.tick(now, parameters_.get_bool(Param::kFixedWing))) {
     telemetry_.send(status());
     if (turning()) moved_ = now;
@@ -81,6 +82,7 @@ void Firmware::start() {
   bool ok = false;
   for (std::size_t k = 0; const char* text = board_.system.sensor_message(k, ok); ++k) {
     log_.push(ok ? Severity::kInfo : Severity::kError, text);
+    if (!ok) reported_sensor_errors_ = board_.system.sensor_errors();
   }
   if (learned_.built_in()) log_.info(Text("Learned controller: ").add(learned_.policy()->name));
   apply_settings();

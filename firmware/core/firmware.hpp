@@ -120,6 +120,7 @@ class Firmware {
   void answer_with(Param id);
   void report_losses(Time now);
   void report_sensors(Time now);
+  void report_sensor_changes();
 
   // parameters
   void apply_parameter_changes();
@@ -193,7 +194,8 @@ class Firmware {
   std::array<std::uint32_t, 3> reported_losses_{};  ///< Frames in and out, texts.
   std::array<bool, kAidCount> reported_silent_{};
   std::uint16_t reported_sensor_errors_{0};
-  float max_thrust_N_{1.0f};  ///< Max thrust of all motors, by parameters and density.
+  bool sensor_errors_wait_{false};  ///< The last report found errors that are not reported yet.
+  float max_thrust_N_{1.0f};        ///< Max thrust of all motors, by parameters and density.
   RateLimit sensor_texts_{hal::milliseconds(10000)};
   RateLimit loss_texts_{hal::milliseconds(10000)};
   hal::RcFrame rc_frame_{};  ///< The newest; a member so that a pass without one need not clear it.

@@ -2,6 +2,7 @@
 // The part of Firmware that executes commands and sends reports.
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "firmware/core/firmware.hpp"
 #include "firmware/core/version.hpp"
@@ -132,7 +133,8 @@ void Firmware::report_losses(Time now) {
 }
 
 /// Reports a sensor that stops delivering samples or delivers them again, and the start-ups and
-/// transfers that the board counts as failed.
+/// transfers that the board counts as failed. The errors of a sensor that fails are not reported in addition to its
+/// failure, so they are given until the next call to become one.
 void Firmware::report_sensors(Time now) {
   for (std::size_t k = 0; k < kAidCount; ++k) {
     const bool silent = sensor_watch_.silent(static_cast<Aid>(k), now);
@@ -142,9 +144,20 @@ void Firmware::report_sensors(Time now) {
               Text(silent ? "Sensor silent: " : "Sensor answers again: ").add(kAidNames[k]));
   }
   const std::uint16_t errors = board_.system.sensor_errors();
-  if (errors == reported_sensor_errors_ || !sensor_texts_.allow(now)) return;
+  const bool new_errors = errors != reported_sensor_errors_;
+  const bool waited = std::exchange(sensor_errors_wait_, new_errors);
+  if (!new_errors || !waited || !sensor_texts_.allow(now)) return;
   reported_sensor_errors_ = errors;
   log_.error(Text("Sensor errors since start: ").add(std::int32_t{errors}));
+}
+
+/// The text stands for the errors that came with the failure.
+void Firmware::report_sensor_changes() {
+  bool ok = false;
+  const char* const change = board_.system.sensor_change(ok);
+  if (change == nullptr) return;
+  log_.push(ok ? Severity::kInfo : Severity::kError, change);
+  reported_sensor_errors_ = board_.system.sensor_errors();
 }
 
 }  // namespace rosflight::core

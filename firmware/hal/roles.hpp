@@ -150,6 +150,9 @@ class System {
   /// Start-up report, one line per sensor; nullptr past the last. Sets `ok` to false for a sensor
   /// that failed.
   virtual const char* sensor_message(std::size_t index, bool& ok) const = 0;
+  /// The next sensor that failed since the start-up report, or that works again after a failure that was reported:
+  /// one line, once for each change. nullptr if nothing has changed. Sets `ok` to false for a failure.
+  virtual const char* sensor_change(bool& /*ok*/) { return nullptr; }
   /// Restarts the processor, into its bootloader if requested. Returns only on a simulated board,
   /// which restarts when the pass has ended.
   virtual void reset(bool to_bootloader) = 0;

@@ -94,17 +94,25 @@ void ChipAutopilot::break_down(sim::Time t, Breakdown kind) {
     ToChip& order = process_.to_chip();
     order.order = ChipOrder::kPowerOn;
     order.until_us = t.count();
+    order_fault();
     exchange(t);
     return;
   }
   fault_ = kind == Breakdown::kCrash ? HardwareFault::kBusError : HardwareFault::kStuckInterrupt;
 }
 
+void ChipAutopilot::order_fault() {
+  ToChip& order = process_.to_chip();
+  order.fault = std::exchange(fault_, HardwareFault::kNone);
+  order.faulty_part = faulty_part_;
+  order.torn_word = torn_word_;
+}
+
 const hal::OutputValues& ChipAutopilot::step(sim::Time t, const sim::SensorSamples& samples,
                                              const hal::RcFrame* rc) {
   ToChip& order = process_.to_chip();
   order.order = ChipOrder::kStep;
-  order.fault = std::exchange(fault_, HardwareFault::kNone);
+  order_fault();
   order.until_us = t.count();
   fill_samples(order, samples, rc, sim::Time{0});
   const bool whole_step = t % Flight::kStep == sim::Time{0};

@@ -74,11 +74,21 @@ class ChipAutopilot final : public Autopilot {
   std::optional<ProcessorFigures> figures() const override { return figures_; }
 
   Process& process() { return process_; }
-  /// Injects a fault in the next step.
-  void inject(boards::stm32h7::HardwareFault fault) { fault_ = fault; }
+  /// Injects a fault in the next step, or with the power that break_down() gives back.
+  void inject(boards::stm32h7::HardwareFault fault,
+              boards::stm32h7::FaultyPart part = boards::stm32h7::FaultyPart::kImu) {
+    fault_ = fault;
+    faulty_part_ = part;
+  }
+  /// Makes this word of the first sector of parameters unreadable, and the one of the last call readable.
+  void tear_flash(std::uint16_t word) {
+    fault_ = boards::stm32h7::HardwareFault::kTornWord;
+    torn_word_ = word;
+  }
 
  private:
   void exchange(sim::Time t);
+  void order_fault();
   void note_timing(const boards::stm32h7::FromChip& answer);
   void note_load(const boards::stm32h7::FromChip& answer);
 
@@ -88,6 +98,8 @@ class ChipAutopilot final : public Autopilot {
   ChipTransport transport_;
   boards::stm32h7::HardwareFault fault_{
       boards::stm32h7::HardwareFault::kNone};  ///< Fault of the next step.
+  boards::stm32h7::FaultyPart faulty_part_{};
+  std::uint16_t torn_word_{0};
   hal::OutputValues outputs_{};
   ProcessorFigures figures_;
   std::uint64_t timed_{0};          ///< Steps in the mean of imu_to_output_mean_us.

@@ -86,6 +86,7 @@ bool Driver::good(TransferResult result, Time now) {
 }
 
 void Driver::count_error() {
+  if (failure_announced()) return;
   const std::uint16_t errors = errors_.load(std::memory_order_relaxed);
   if (errors != 0xFFFFu) {
     errors_.store(static_cast<std::uint16_t>(errors + 1), std::memory_order_relaxed);

@@ -49,10 +49,15 @@ class Driver {
   /// Rises when message() has something new to say: the first failure after a success, and the first
   /// success after a failure. Repeated failures of a dead part do not count.
   std::uint16_t announcements() const { return announcements_.load(std::memory_order_acquire); }
-  /// Failed starts, failed transfers and damaged samples since construction; stops at 65535.
+  /// The last announcement was a failure.
+  bool failure_announced() const { return failure_announced_.load(std::memory_order_acquire); }
+  /// Failed starts, failed transfers and damaged samples since construction, but for those of a part whose failure has
+  /// been announced; stops at 65535.
   std::uint16_t errors() const { return errors_.load(std::memory_order_relaxed); }
   /// It has delivered something good since construction: the part is there.
   bool was_well() const { return was_well_.load(std::memory_order_relaxed); }
+  /// It has sent something since construction, good or not: a part is there.
+  bool answered() const { return answered_.load(std::memory_order_relaxed) || was_well(); }
 
  protected:
   explicit Driver(const char* name) : name_{name} {}
@@ -81,6 +86,8 @@ class Driver {
   /// the part.
   bool good(TransferResult result, Time now);
   void count_error();
+  /// The part has sent something that cannot be used.
+  void note_answer() { answered_.store(true, std::memory_order_relaxed); }
 
  private:
   void announce() { announcements_.store(static_cast<std::uint16_t>(announcements() + 1)); }
@@ -91,12 +98,13 @@ class Driver {
   Start retry_{Start::kCold};
   Start how_{Start::kCold};
   std::uint8_t failures_in_a_row_{0};
-  bool well_{false};               ///< Since the last start.
-  bool failure_announced_{false};  ///< Since it was last well.
+  bool well_{false};  ///< Since the last start.
   std::array<char, 64> message_{};
   std::atomic<PartState> state_{PartState::kOff};
   std::atomic<std::uint16_t> errors_{0};
   std::atomic<bool> was_well_{false};
+  std::atomic<bool> answered_{false};
+  std::atomic<bool> failure_announced_{false};  ///< Since it was last well.
   std::atomic<std::uint16_t> announcements_{0};
 };
 

@@ -121,7 +121,8 @@ void Ublox::step_start(Time now) {
       return;
     case Stage::kListen:
       if (nmea_.frames() != nmea_before_) {
-        fail(now).add("sends NMEA at ").number(baud_).add(" baud, no answer to UBX");
+        note_answer();
+        fail(now).add("sends NMEA at ").number(baud_).add(" baud, ignores UBX");
       } else if (now >= until_ && ++rate_ == kRates.size()) {
         fail(now).add("no answer");
       } else if (now >= until_) {

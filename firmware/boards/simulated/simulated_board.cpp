@@ -32,6 +32,13 @@ const char* SimulatedSystem::sensor_message(std::size_t index, bool& ok) const {
   return messages_[index].text.c_str();
 }
 
+const char* SimulatedSystem::sensor_change(bool& ok) {
+  if (changes_reported_ == changes_.size()) return nullptr;
+  const Message& change = changes_[changes_reported_++];
+  ok = change.ok;
+  return change.text.c_str();
+}
+
 void SimulatedSystem::reset(bool to_bootloader) {
   reset_requested_ = true;
   to_bootloader_ = to_bootloader;

@@ -48,6 +48,7 @@ class SimulatedSystem final : public hal::System {
   void start_sensors() override { started_ = true; }
   std::uint16_t sensor_errors() const override { return sensor_errors_; }
   const char* sensor_message(std::size_t index, bool& ok) const override;
+  const char* sensor_change(bool& ok) override;
   void reset(bool to_bootloader) override;
   void feed_watchdog() override { ++passes_; }
   /// Simulated time stands still during a pass: none is used, unless a test says so.
@@ -64,13 +65,16 @@ class SimulatedSystem final : public hal::System {
   void set_work(hal::Time work) { work_ = work; }
   void set_sensor_errors(std::uint16_t count) { sensor_errors_ = count; }
   void add_message(std::string text, bool ok) { messages_.push_back({std::move(text), ok}); }
+  /// Reported after the start-up report.
+  void add_change(std::string text, bool ok) { changes_.push_back({std::move(text), ok}); }
 
  private:
   struct Message {
     std::string text;
     bool ok;
   };
-  std::vector<Message> messages_;
+  std::vector<Message> messages_, changes_;
+  std::size_t changes_reported_{0};
   std::uint64_t passes_{0};
   mutable hal::Time busy_{};
   hal::Time work_{};

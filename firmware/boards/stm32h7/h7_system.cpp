@@ -27,6 +27,10 @@ void H7System::start_sensors() {
     });
   };
   while (starting() && clock_.now() < end) wait_for_interrupt();
+  for (std::size_t k = 0; k < sensors_.size(); ++k) {
+    const SystemSensor& each = sensors_[k];
+    reported_[k].failed = each.started != nullptr && each.driver->failure_announced();
+  }
 }
 
 void H7System::step(hal::Time now) {
@@ -52,6 +56,23 @@ const char* H7System::sensor_message(std::size_t index, bool& ok) const {
   ok = driver.state() != parts::PartState::kFailed;
   const char* const message = driver.message();
   return message[0] != 0 ? message : sensors_[index].started;
+}
+
+const char* H7System::sensor_change(bool& ok) {
+  constexpr hal::Time kBetweenTexts = hal::milliseconds(1000);
+  for (std::size_t k = 0; k < sensors_.size(); ++k) {
+    const SystemSensor& each = sensors_[k];
+    if (each.driver == nullptr || (each.started == nullptr && !each.driver->answered())) continue;
+    Reported& reported = reported_[k];
+    const bool failed = each.driver->failure_announced();
+    if (failed == reported.failed) continue;
+    const hal::Time now = clock_.now();
+    if (now - reported.at < kBetweenTexts) continue;
+    reported = {failed, now};
+    ok = !failed;
+    return each.driver->message();
+  }
+  return nullptr;
 }
 
 void H7System::start_watchdog() {

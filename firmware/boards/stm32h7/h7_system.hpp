@@ -11,7 +11,8 @@ namespace rosflight::boards::stm32h7 {
 struct SystemSensor {
   parts::Driver* driver{};
   /// What the start-up report contains of it when it runs and has no message of its own. nullptr: it need not
-  /// be connected, so it is not waited for and its errors count from its first sample on.
+  /// be connected, so it is not waited for, its failures are reported once it has sent something, and its errors count
+  /// from its first sample on.
   const char* started{};
 };
 
@@ -40,6 +41,8 @@ class H7System final : public hal::System {
   void start_sensors() override;
   std::uint16_t sensor_errors() const override;
   const char* sensor_message(std::size_t index, bool& ok) const override;
+  /// At most one text per second of each sensor, whatever a bad contact does.
+  const char* sensor_change(bool& ok) override;
   void reset(bool to_bootloader) override;
   void feed_watchdog() override;
   /// From now on a pass of the main loop may take kMaxPass.
@@ -57,6 +60,12 @@ class H7System final : public hal::System {
 
   const hal::Clock& clock_;
   Sensors sensors_{};
+  /// What the start-up report or sensor_change() has reported of a sensor.
+  struct Reported {
+    bool failed{false};
+    hal::Time at{hal::milliseconds(-1000)};
+  };
+  std::array<Reported, kMaxSensors> reported_{};
   hal::Time wait_{};
   parts::Start how_;
   hal::Time slept_{};

@@ -448,6 +448,28 @@ TEST_F(FirmwareLink, SensorErrorsThatTheBoardCountsAreToldEveryTenSecondsAtMost)
   EXPECT_EQ(told, 3u);
 }
 
+TEST_F(FirmwareLink, AFailedSensorIsReportedOnceAndItsErrorsAreNotReportedInAddition) {
+  start();
+  rig_.run_for(1100);
+  auto& system = rig_.board.system;
+  system.set_sensor_errors(1);
+  rig_.run_for(100);
+  system.add_change("Barometer: no answer", false);
+  system.set_sensor_errors(2);
+  rig_.run_for(5000);
+  system.add_change("Barometer: ok", true);
+  rig_.run_for(5000);
+  std::vector<std::string> found;
+  for (const auto& t : rig_.got<link::StatusText>()) {
+    const std::string text = t.text.data();
+    if (text.find("Barometer") == std::string::npos && text.find("errors") == std::string::npos)
+      continue;
+    found.push_back(text);
+    EXPECT_EQ(t.severity, text == "Barometer: ok" ? link::Severity::kInfo : link::Severity::kError);
+  }
+  EXPECT_EQ(found, (std::vector<std::string>{"Barometer: no answer", "Barometer: ok"}));
+}
+
 // ---- losses
 
 TEST_F(FirmwareLink, WhatTheLinkLosesIsCountedAndToldOnceInTenSeconds) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "firmware/boards/parts/models/flash_model.hpp"
 
+#include <utility>
+
 namespace rosflight::boards::parts::models {
 
 bool FlashModel::read(std::size_t sector, std::size_t word, Word& content) {
@@ -20,6 +22,9 @@ bool FlashModel::begin(hal::Time duration) {
 
 bool FlashModel::program(std::size_t sector, std::size_t word, const Word& content) {
   if (!begin(program_time)) return false;
+  sector_under_way_ = sector;
+  word_under_way_ = word;
+  before_erase_.clear();
   Cell& cell = sectors_[sector][word];
   if (cell.programmed) ++twice;
   cell.torn = cell.torn || cell.programmed || !powered_;
@@ -38,16 +43,39 @@ bool FlashModel::erase(std::size_t sector) {
     failed_ = true;
     return true;
   }
+  sector_under_way_ = sector;
+  before_erase_ = sectors_[sector];
+  erase_part(sector, powered_ ? 1.0 : erased_share_);
+  return true;
+}
+
+std::size_t FlashModel::erase_part(std::size_t sector, double share) {
+  constexpr double kTornShare = 0.3;
+  std::size_t torn_words = 0;
   auto& cells = sectors_[sector];
   for (std::size_t k = 0; k < cells.size(); ++k) {
-    const double share = static_cast<double>(k) / static_cast<double>(cells.size());
-    if (powered_ || share < erased_share_) {
+    const double at = static_cast<double>(k) / static_cast<double>(cells.size());
+    if (at < share) {
       cells[k] = {};
-    } else if (share < erased_share_ + 0.3) {
+    } else if (at < share + kTornShare) {
       cells[k].torn = true;
+      ++torn_words;
     }
   }
-  return true;
+  return torn_words;
+}
+
+void FlashModel::interrupt() {
+  if (!busy()) return;
+  if (before_erase_.empty()) {
+    sectors_[sector_under_way_][word_under_way_].torn = true;
+    ++torn;
+  } else {
+    const auto left = static_cast<double>((busy_until_ - now_()).count());
+    sectors_[sector_under_way_] = std::exchange(before_erase_, {});
+    torn += erase_part(sector_under_way_, 1.0 - left / static_cast<double>(erase_time.count()));
+  }
+  busy_until_ = hal::Time{};
 }
 
 void FlashModel::cut_after(std::uint64_t count, double erased_share) {

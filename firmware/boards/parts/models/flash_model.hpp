@@ -29,9 +29,14 @@ class FlashModel final : public FlashMedium {
   /// sector had been erased by then, 0..1.
   void cut_after(std::uint64_t operations, double erased_share = 0.5);
   void power_cycle();
+  /// A reset or a loss of power, now: a word that is being programmed cannot be read afterwards; a sector that is being
+  /// erased has lost what was erased so far, and words at that place cannot be read.
+  void interrupt();
   bool powered() const { return powered_; }
   /// Makes a word unreadable.
   void damage(std::size_t sector, std::size_t word) { sectors_[sector][word].torn = true; }
+  /// Makes a damaged word readable again.
+  void repair(std::size_t sector, std::size_t word) { sectors_[sector][word].torn = false; }
   bool used(std::size_t sector, std::size_t word) const {
     return sectors_[sector][word].programmed;
   }
@@ -44,6 +49,7 @@ class FlashModel final : public FlashMedium {
   int worn_words{0};            ///< So many of the next words do not hold what is programmed.
   std::uint64_t operations{0};  ///< Begun since construction.
   std::uint64_t twice{0};       ///< Words programmed without having been erased.
+  std::uint64_t torn{0};        ///< Words that interrupt() made unreadable.
 
  private:
   struct Cell {
@@ -57,10 +63,15 @@ class FlashModel final : public FlashMedium {
     return word;
   }
   bool begin(hal::Time duration);
+  /// Erases up to this share of a sector. @returns how many words behind it are torn.
+  std::size_t erase_part(std::size_t sector, double share);
 
   std::function<hal::Time()> now_;
   std::array<std::vector<Cell>, 2> sectors_;
   hal::Time busy_until_{};
+  /// The operation that runs while busy: of one word, or of a sector with what it held before.
+  std::size_t sector_under_way_{0}, word_under_way_{0};
+  std::vector<Cell> before_erase_;
   std::uint64_t cut_at_{UINT64_MAX};
   double erased_share_{0.5};
   bool powered_{true};

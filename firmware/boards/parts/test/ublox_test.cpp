@@ -164,7 +164,7 @@ TEST_F(UbloxTest, AReceiverThatSpeaksNmeaOnlyIsNamed) {
   model_.set_power(true);
   start();
   rig_.run_for(milliseconds(12'000));
-  EXPECT_STREQ(driver_.message(), "u-blox: sends NMEA at 57600 baud, no answer to UBX");
+  EXPECT_STREQ(driver_.message(), "u-blox: sends NMEA at 57600 baud, ignores UBX");
   EXPECT_EQ(driver_.announcements(), 1);
   model_.nmea_only = false;
   rig_.run_for(milliseconds(20'000));

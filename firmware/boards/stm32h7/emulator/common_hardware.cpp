@@ -87,7 +87,7 @@ parts::models::GnssTruth CommonHardware::gnss_truth(hal::Time when) const {
 }
 
 void CommonHardware::data_ready(bool high) {
-  if (imu_is_silent_) return;
+  if (imu_is_silent_ || chip_.processor.now() < edges_lost_until_) return;
   if (high) {
     note_output_latency();
     edge_ = chip_.processor.now();
@@ -168,10 +168,12 @@ void CommonHardware::expose(const ToChip& world) {
   imu_is_silent_ = world.has_imu == 0;
   chip_.temperature_degC = world.chip_degC;
   const std::int64_t now_us = world.time_us;
-  set_broken({baro_presence_.lost(world.has_baro != 0, now_us),
-              mag_presence_.lost(world.has_mag != 0, now_us),
-              pitot_presence_.lost(world.has_diff_pressure != 0, now_us)});
-  gnss_on_wire_.set_mute(gnss_presence_.lost(world.has_gnss != 0, now_us));
+  const bool no_baro = baro_presence_.lost(world.has_baro != 0, now_us);
+  const bool no_pitot = pitot_presence_.lost(world.has_diff_pressure != 0, now_us);
+  set_broken({no_baro || is_mute(FaultyPart::kBaro), mag_presence_.lost(world.has_mag != 0, now_us),
+              no_pitot || is_mute(FaultyPart::kPitot), is_mute(FaultyPart::kMag), i2c_is_stuck_});
+  const bool no_gnss = gnss_presence_.lost(world.has_gnss != 0, now_us);
+  gnss_on_wire_.set_mute(no_gnss || is_mute(FaultyPart::kGnss));
   take_samples(world);
   if (world.has_rc != 0) send_receiver_frame(world);
   usb_host_.plug(world.usb_plugged != 0);
@@ -236,16 +238,6 @@ void CommonHardware::take_samples(const ToChip& world) {
   }
 }
 
-void CommonHardware::inject(HardwareFault fault) {
-  if (fault == HardwareFault::kBusError) (chip_.*wiring_.imu_bus).fail_next_write();
-  for (const std::size_t sector : {0U, 1U}) {
-    if (fault != HardwareFault::kDamagedFlash) break;
-    chip_.flash.sectors.damage(sector, 0);  // one of two marks
-    chip_.flash.sectors.damage(sector, 2);  // the first block
-  }
-  if (fault == HardwareFault::kStuckInterrupt) chip_.interrupts.stick(wiring_.imu_ready.number);
-}
-
 void CommonHardware::report(FromChip& out) {
   constexpr float kMinPulse_us = 1000.0F, kSpan_us = 1000.0F;
   out.levels = 0;
@@ -288,6 +280,8 @@ void CommonHardware::report(FromChip& out) {
   out.link_received = link.received();
   out.link_sent = link.sent();
   out.link_lost = link.overruns() + link.line_errors();
+  out.flash_is_busy = static_cast<std::uint8_t>(chip_.flash.sectors.busy());
+  out.torn_words = static_cast<std::uint32_t>(chip_.flash.sectors.torn);
   out.clock_zero_us = chip_.tim5.counts()
                           ? static_cast<std::int64_t>(chip_.tim5.zero() / kTicksPerMicrosecond)
                           : -1;
@@ -300,6 +294,7 @@ void CommonHardware::report(FromChip& out) {
 std::vector<std::string> CommonHardware::complaints() const {
   std::vector<std::string> all = gnss_.complaints();
   for (const parts::models::Part* const part : parts()) {
+    if (std::count(browned_out_.begin(), browned_out_.end(), part) > 0) continue;
     all.insert(all.end(), part->complaints().begin(), part->complaints().end());
   }
   return all;

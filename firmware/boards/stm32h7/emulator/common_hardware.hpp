@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <array>
+#include <functional>
+#include <vector>
 
 #include "firmware/boards/parts/models/dps310_model.hpp"
 #include "firmware/boards/parts/models/truth.hpp"
@@ -27,7 +29,7 @@ class CommonHardware : public EmulatedHardware {
   Chip& chip() override { return chip_; }
   void power_on() override;
   void expose(const ToChip& world) override;
-  void inject(HardwareFault fault) override;
+  void inject(const ToChip& world) override;
   void report(FromChip& out) override;
   double stamp_error_us(std::int64_t stamp_us) override;
   std::vector<std::string> complaints() const override;
@@ -73,9 +75,17 @@ class CommonHardware : public EmulatedHardware {
    private:
     std::int64_t newest_us_{-1};
   };
-  /// Which sensors of the world are broken.
+  /// Which sensors of the world are broken, and what else is.
   struct Broken {
     bool baro, mag, pitot;
+    bool no_mag;     ///< Injected: the magnetometer is mute.
+    bool stuck_i2c;  ///< Injected: the data line of the I2C stays low.
+  };
+  /// A part as faults are injected into it.
+  struct Breakable {
+    std::vector<parts::models::Part*> supplied;  ///< What loses its registers together.
+    PartOnSpi* on_spi{};                         ///< nullptr if it is on another bus.
+    std::function<void(bool wrong)> set_identity;
   };
 
   explicit CommonHardware(Wiring wiring);
@@ -87,6 +97,11 @@ class CommonHardware : public EmulatedHardware {
   /// Age, at the data-ready edge, of what a sample of the IMU shows.
   virtual double imu_delay_us() const = 0;
   virtual void set_broken(const Broken& broken) = 0;
+  /// For Breakable: this register reads as that of another part.
+  static std::function<void(bool)> identity_of(parts::models::RegisterFile& registers,
+                                               std::uint8_t reg);
+  /// IMU, barometer or magnetometer.
+  virtual Breakable breakable(FaultyPart which) = 0;
   /// The data-ready line of the IMU.
   void data_ready(bool high);
   /// What an IMU on the board's axes was exposed to, between the samples of the world.
@@ -107,6 +122,11 @@ class CommonHardware : public EmulatedHardware {
   void take_samples(const ToChip& world);
   void send_receiver_frame(const ToChip& world);
   double battery_pin_V(unsigned channel) const;
+  void inject_into_flash(const ToChip& world);
+  void inject_into_part(const ToChip& world);
+  void inject_overrun(FaultyPart part);
+  void repair();
+  bool is_mute(FaultyPart part) const { return mute_[static_cast<std::size_t>(part)]; }
 
   Wiring wiring_;
   double battery_V_{0.0}, battery_A_{0.0};
@@ -127,6 +147,13 @@ class CommonHardware : public EmulatedHardware {
   Ticks computing_{0};          ///< and from the end of the transfer before it.
   Ticks judged_{0};             ///< Time of the last write that was judged so.
   bool imu_is_silent_{false};   ///< Injected: no data-ready edge reaches the chip.
+  // Injected too:
+  Ticks edges_lost_until_{0};
+  std::array<bool, 6> mute_{};  ///< By FaultyPart.
+  bool i2c_is_stuck_{false};
+  std::vector<const parts::models::Part*>
+      browned_out_;  ///< The firmware cannot know when their start-up ends.
+  std::size_t torn_word_{0};
 };
 
 }  // namespace rosflight::boards::stm32h7::emulator

@@ -18,7 +18,8 @@ class EmulatedHardware {
   virtual void power_on() = 0;
   /// What the world shows the parts from now on; bytes and frames begin to arrive.
   virtual void expose(const ToChip& world) = 0;
-  virtual void inject(HardwareFault fault) = 0;
+  /// The fault that `world` orders.
+  virtual void inject(const ToChip& world) = 0;
   /// Pulses on the pins, LEDs, link bytes since the last call, figures.
   virtual void report(FromChip& out) = 0;
   /// How far the firmware's stamp of its newest IMU sample is from the time of the world that this sample

@@ -86,7 +86,7 @@ class Session {
       board_.power_on();
     }
     board_.expose(order);
-    board_.inject(order.fault);
+    board_.inject(order);
     processor.run_until(static_cast<Ticks>(order.until_us) * kTicksPerMicrosecond);
   }
 

@@ -13,6 +13,7 @@ constexpr std::uint32_t kPieceBytes = 4;
 }  // namespace
 
 void FlashControl::reset() {
+  sectors.interrupt();
   Peripheral::reset();
   word(flash::ACR) = 0x37U;
   word(flash::CR2) = 0x31U;  // locked

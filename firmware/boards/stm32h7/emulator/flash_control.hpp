@@ -22,7 +22,7 @@ class FlashControl final : public Peripheral {
   std::uint32_t read_sectors(std::uint32_t offset);
   void write_sectors(std::uint32_t offset, std::uint32_t value);
 
-  /// What is stored there; survives resets and the power.
+  /// What is stored there; survives resets and the power, but for the word or sector that is being written or erased.
   parts::models::FlashModel sectors{
       kSectorBytes / parts::FlashMedium::kWordBytes,
       [this] { return hal::Time{static_cast<std::int64_t>(core().now() / kTicksPerMicrosecond)}; }};

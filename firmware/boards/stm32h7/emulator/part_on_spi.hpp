@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <utility>
+
 #include "firmware/boards/parts/models/part.hpp"
 #include "firmware/boards/stm32h7/emulator/pins.hpp"
 
@@ -23,13 +25,20 @@ class PartOnSpi final : public Timed {
     advance();
     part_.select(low);
     selected_ = low;
+    exchanged_ = 0;
   }
   bool selected() const { return selected_; }
   /// Injects a fault: nobody drives the data line.
   void set_mute(bool mute) { mute_ = mute; }
+  /// Injects a fault: one bit of the third byte of the next answer that is so long is inverted.
+  void flip_bit() { flips_ = true; }
   std::uint8_t exchange(std::uint8_t out) {
-    const std::uint8_t in = part_.exchange(out);
+    constexpr unsigned kFlippedByte = 2;
+    constexpr std::uint8_t kFlippedBit = 0x40;
+    std::uint8_t in = part_.exchange(out);
     schedule();
+    if (exchanged_++ == kFlippedByte && std::exchange(flips_, false))
+      in = static_cast<std::uint8_t>(in ^ kFlippedBit);
     if (mute_) return 0xFF;
     return in;
   }
@@ -52,6 +61,8 @@ class PartOnSpi final : public Timed {
   bool has_line_;
   bool selected_{false};
   bool mute_{false};
+  bool flips_{false};
+  unsigned exchanged_{0};  ///< Bytes since the part was selected.
 };
 
 }  // namespace rosflight::boards::stm32h7::emulator

@@ -20,6 +20,8 @@ class PartOnUart final : public Timed {
 
   /// Injects a fault: what it sends does not arrive.
   void set_mute(bool mute) { mute_ = mute; }
+  /// Injects a fault: one bit of the next byte is inverted.
+  void flip_bit() { flips_ = true; }
 
   void event(Ticks /*now*/) override { advance(); }
   void advance() {
@@ -28,6 +30,8 @@ class PartOnUart final : public Timed {
     parts::UartFormat format;
     hal::Time end{};
     while (part_.take(byte, format.baud, end)) {
+      constexpr std::uint8_t kFlippedBit = 0x40;
+      if (std::exchange(flips_, false)) byte = static_cast<std::uint8_t>(byte ^ kFlippedBit);
       if (!mute_) uart_.deliver(byte, format);
     }
     const hal::Time next = part_.next_event();
@@ -49,6 +53,7 @@ class PartOnUart final : public Timed {
   UartModel& uart_;
   parts::models::UartPart& part_;
   bool mute_{false};
+  bool flips_{false};
 };
 
 }  // namespace rosflight::boards::stm32h7::emulator

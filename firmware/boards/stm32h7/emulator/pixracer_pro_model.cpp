@@ -114,8 +114,19 @@ void PixracerProModel::advance_parts() {
 
 void PixracerProModel::set_broken(const Broken& broken) {
   baro_on_bus_.set_mute(broken.baro);
-  chip_.i2c1.hold_data_low(broken.mag);
+  chip_.i2c1.hold_data_low(broken.mag || broken.stuck_i2c);
+  mag_.registers.faults.mute = broken.no_mag;
   pitot_.mute = broken.pitot || !pitot_presence_.connected();
+}
+
+CommonHardware::Breakable PixracerProModel::breakable(FaultyPart which) {
+  constexpr std::uint8_t kGyroIdentity = 0x00, kBaroIdentity = 0x0D, kMagIdentity = 0x00;
+  if (which == FaultyPart::kImu) {
+    return {{&imu_.accel, &imu_.gyro}, &gyro_, identity_of(imu_.gyro.registers, kGyroIdentity)};
+  }
+  if (which == FaultyPart::kBaro)
+    return {{&baro_}, &baro_on_bus_, identity_of(baro_.registers, kBaroIdentity)};
+  return {{&mag_}, nullptr, identity_of(mag_.registers, kMagIdentity)};
 }
 
 }  // namespace rosflight::boards::stm32h7::emulator

@@ -21,6 +21,7 @@ class PixracerProModel final : public CommonHardware {
   void advance_parts() override;
   double imu_delay_us() const override { return imu_.gyro.delay_us(); }
   void set_broken(const Broken& broken) override;
+  Breakable breakable(FaultyPart which) override;
   void connect_imu();
   void connect_baro();
   void connect_external();

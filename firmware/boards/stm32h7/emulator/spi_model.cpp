@@ -148,13 +148,16 @@ void SpiModel::start() {
 
 /// The last byte of a transfer by DMA has been shifted.
 void SpiModel::event(Ticks /*now*/) {
+  const bool overrun = loses_byte_;
   for (; left_ > 0; --left_) {
     std::uint32_t out = 0xFF;
     dma_.move(wiring_.transmit_request, out);
     std::uint32_t in = exchange ? exchange(static_cast<std::uint8_t>(out)) : 0xFFU;
-    if (!dma_.move(wiring_.receive_request, in)) word(spi::SR) |= spi::SR_OVR.mask();
+    const bool lost = std::exchange(loses_byte_, false);
+    if (lost || !dma_.move(wiring_.receive_request, in)) word(spi::SR) |= spi::SR_OVR.mask();
   }
   finish();
+  if (overrun) end_unseen_ = false;  // who waits for the last byte gives up without it
   drive_line();
 }
 

@@ -34,6 +34,8 @@ class SpiModel final : public Peripheral {
   std::function<std::uint8_t(std::uint8_t)> exchange;
   /// Called at each start: pins and rate can be checked.
   std::function<void(std::uint64_t clock_Hz)> on_start;
+  /// Injects a fault: the first byte of the next transfer by DMA is not fetched in time.
+  void lose_byte() { loses_byte_ = true; }
   std::uint64_t transfers() const { return transfers_; }
   /// When the last byte of the last transfer had been shifted.
   Ticks ended() const { return ended_; }
@@ -56,6 +58,7 @@ class SpiModel final : public Peripheral {
   std::deque<std::uint8_t> received_;
   std::uint32_t left_{0};
   bool end_unseen_{false};  ///< A transfer has ended and EOT has not been read yet.
+  bool loses_byte_{false};
   std::uint64_t transfers_{0};
   Ticks ended_{0};
 };

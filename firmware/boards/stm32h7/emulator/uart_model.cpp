@@ -198,9 +198,10 @@ void UartModel::deliver(std::uint8_t byte, const parts::UartFormat& format) {
   idle_at_ = core().now() + byte_time(format) + byte_time(format) / 8;
   std::uint32_t element = byte;
   const bool by_dma = usart::CR3_DMAR.of(word(usart::CR3)) != 0;
-  const bool moved =
-      by_dma && dma_.served(wiring_.receive_request) && dma_.move(wiring_.receive_request, element);
-  if (!moved && received_bytes_.size() >= depth()) {
+  const bool lost = lost_in_ > 0 && --lost_in_ == 0;
+  const bool moved = !lost && by_dma && dma_.served(wiring_.receive_request) &&
+                     dma_.move(wiring_.receive_request, element);
+  if (lost || (!moved && received_bytes_.size() >= depth())) {
     ++overruns_;
     word(usart::ISR) |= usart::ISR_ORE.mask();
   } else if (!moved) {

@@ -33,6 +33,8 @@ class UartModel final : public Peripheral {
   void feed(const std::uint8_t* data, std::size_t count, const parts::UartFormat& format);
   /// A byte whose stop bit ends now, of a far end that keeps its own time.
   void deliver(std::uint8_t byte, const parts::UartFormat& format);
+  /// Injects a fault: the byte behind the next `after` is not fetched in time.
+  void lose_byte(unsigned after) { lost_in_ = after + 1; }
   /// A byte has left: its stop bit ended now.
   std::function<void(std::uint8_t byte, std::uint32_t baud)> on_byte;
   /// Called when the UART is enabled: pins can be checked.
@@ -73,6 +75,7 @@ class UartModel final : public Peripheral {
   std::deque<OnWire> wire_;
   std::deque<std::uint8_t> received_bytes_, waiting_;
   bool shifting_{false};
+  unsigned lost_in_{0};  ///< The injected loss, as bytes from now; 0: none.
   std::uint8_t shifted_{0};
   Ticks sent_at_{kNever}, arrives_at_{kNever}, idle_at_{kNever};
   std::uint64_t received_{0}, sent_{0}, overruns_{0}, line_errors_{0};

@@ -160,8 +160,22 @@ void VarmintModel::advance_parts() {
 
 void VarmintModel::set_broken(const Broken& broken) {
   baro_on_bus_.set_mute(broken.baro);
-  mag_on_bus_.set_mute(broken.mag);
+  mag_on_bus_.set_mute(broken.mag || broken.no_mag);
+  chip_.i2c1.hold_data_low(broken.stuck_i2c);
   pitot_.mute = broken.pitot;
+}
+
+CommonHardware::Breakable VarmintModel::breakable(FaultyPart which) {
+  constexpr std::uint8_t kBaroIdentity = 0x0D, kMagIdentity = 0x4F;
+  constexpr std::uint16_t kAdis16500 = 0x4074, kAdis16505 = 0x4079;
+  if (which == FaultyPart::kImu) {
+    return {{&imu_}, &imu_on_bus_, [this](bool wrong) {
+              imu_.product = wrong ? kAdis16505 : kAdis16500;
+            }};
+  }
+  if (which == FaultyPart::kBaro)
+    return {{&baro_}, &baro_on_bus_, identity_of(baro_.registers, kBaroIdentity)};
+  return {{&mag_}, &mag_on_bus_, identity_of(mag_.registers, kMagIdentity)};
 }
 
 }  // namespace rosflight::boards::stm32h7::emulator

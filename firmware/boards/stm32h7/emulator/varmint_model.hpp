@@ -21,6 +21,7 @@ class VarmintModel final : public CommonHardware {
   void advance_parts() override;
   double imu_delay_us() const override { return imu_.delay_us(); }
   void set_broken(const Broken& broken) override;
+  Breakable breakable(FaultyPart which) override;
   void connect_imu();
   /// Barometer and magnetometer on SPI2.
   void connect_shared_bus();

@@ -22,13 +22,26 @@ enum class ChipOrder : std::uint8_t {
   kStep,     ///< Takes what the block carries and runs until `until_us`.
 };
 
-/// Faults of the hardware that tests inject.
+/// Faults of the hardware that tests inject. Those from kMute to kSpeaksNmea last until kRepaired.
 enum class HardwareFault : std::uint8_t {
   kNone,
   kBusError,      ///< The next write to the bus of the IMU is answered with an error.
   kDamagedFlash,  ///< Two words of each sector of parameters cannot be read, as after a cut of power.
   kStuckInterrupt,  ///< The data-ready line's interrupt stays pending: no other code runs.
+  kMute,            ///< The part drives no data line and acknowledges nothing.
+  kStuckBus,        ///< The data line of the I2C stays low.
+  kWrongIdentity,   ///< The identity register of the part reads as that of another part.
+  kSpeaksNmea,      ///< The GNSS receiver ignores what it is sent and sends NMEA only.
+  kRepaired,
+  kLostEdges,  ///< For 30 ms no data-ready edge of the IMU arrives.
+  kOverrun,  ///< The next byte is lost: on the SPI of the IMU, the UART of the link or the GNSS receiver.
+  kBrownOut,  ///< The part loses its registers.
+  kFlippedBit,  ///< One bit of the next answer of a part on SPI, or of a byte of the GNSS receiver, is inverted.
+  kTornWord,  ///< The flash word `torn_word` of the first sector of parameters cannot be read; the one before can.
 };
+
+/// What the fault is in.
+enum class FaultyPart : std::uint8_t { kImu, kBaro, kMag, kPitot, kGnss, kLink };
 
 struct ToChip {
   static constexpr std::size_t kLinkCapacity = 16384;
@@ -37,6 +50,8 @@ struct ToChip {
   std::int64_t until_us{};  ///< The chip runs up to here.
   ChipOrder order{ChipOrder::kStep};
   HardwareFault fault{HardwareFault::kNone};
+  FaultyPart faulty_part{FaultyPart::kImu};
+  std::uint16_t torn_word{};
   std::uint8_t usb_plugged{};       ///< The link goes over USB; otherwise over the UART.
   std::uint8_t receiver_is_crsf{};  ///< Otherwise S.Bus.
   std::uint8_t has_rc{}, has_imu{}, has_mag{}, has_baro{};
@@ -79,6 +94,7 @@ struct FromChip {
   std::uint64_t link_received{}, link_sent{}, link_lost{};
   std::uint32_t resets{};       ///< Since the program began.
   std::uint32_t complaints{};   ///< Complaints of models since the program began.
+  std::uint32_t torn_words{};   ///< Flash words that a reset or a loss of power has cut.
   std::uint32_t stack_bytes{};  ///< High-water mark since the power came on.
   std::uint32_t link_count{};
   std::uint32_t
@@ -92,6 +108,8 @@ struct FromChip {
   std::uint16_t levels{};                          ///< Bit per output: its pin is a plain level.
   std::array<std::uint8_t, 4> leds{};
   std::uint32_t buzzer_Hz{};  ///< Tone on the buzzer's pin now; 0: silent, or the board has none.
+  std::uint8_t
+      flash_is_busy{};  ///< A word or a sector of the parameters is being written or erased.
   std::uint8_t in_bootloader{};  ///< The processor executes the bootloader in ROM.
   FirmwareGlance firmware;
   std::array<char, kTextCapacity> text{};  ///< The first complaint.

@@ -124,6 +124,7 @@ class RestartingSystem final : public hal::System {
   const char* sensor_message(std::size_t index, bool& ok) const override {
     return board().sensor_message(index, ok);
   }
+  const char* sensor_change(bool& ok) override { return board().sensor_change(ok); }
   void reset(bool to_bootloader) override {
     if (far_end().after() == FarEnd::After::kPowerOn) {
       far_end().announce_reset();

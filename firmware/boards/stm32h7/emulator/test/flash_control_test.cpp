@@ -67,6 +67,46 @@ TEST_F(FlashControlTest, WhatIsStoredSurvivesAReset) {
   EXPECT_EQ(window.bus_read(0, 4), 7U);
 }
 
+TEST_F(FlashControlTest, AResetAmidAWordTearsThatWordAlone) {
+  unlock();
+  control.bus_write(flash::CR2, kProgram, 4);
+  write_word(0, 7);
+  wait();
+  control.bus_write(flash::CR2, kProgram, 4);
+  write_word(32, 8);
+  EXPECT_TRUE(busy());
+  control.reset();
+  EXPECT_EQ(control.sectors.torn, 1U);
+  EXPECT_EQ(window.bus_read(0, 4), 7U);
+  EXPECT_EQ(core.bus_errors, 0);
+  window.bus_read(32, 4);
+  EXPECT_EQ(core.bus_errors, 1);
+  EXPECT_NE(flash::SR2_DBECCERR.of(control.bus_read(flash::SR2, 4)), 0U);
+  EXPECT_EQ(core.complaints, std::vector<std::string>{});
+}
+
+TEST_F(FlashControlTest, AResetAmidAnEraseLeavesTheEndOfTheSector) {
+  constexpr std::uint32_t kLastWord = FlashControl::kSectorBytes - 32;
+  unlock();
+  for (const std::uint32_t offset : {std::uint32_t{0}, kLastWord}) {
+    control.bus_write(flash::CR2, kProgram, 4);
+    write_word(offset, 7);
+    wait();
+  }
+  const std::uint32_t erase = flash::CR2_PSIZE(3) | flash::CR2_SER(1) | flash::CR2_SNB(6);
+  control.bus_write(flash::CR2, erase, 4);
+  control.bus_write(flash::CR2, erase | flash::CR2_START(1), 4);
+  core.run_for(kTicksPerSecond / 2);  // a third of it
+  EXPECT_TRUE(busy());
+  control.reset();
+  EXPECT_FALSE(busy());
+  EXPECT_EQ(window.bus_read(0, 4), 0xFFFF'FFFFU);
+  EXPECT_EQ(window.bus_read(kLastWord, 4), 7U);
+  EXPECT_EQ(core.bus_errors, 0);
+  window.bus_read(FlashControl::kSectorBytes / 2, 4);
+  EXPECT_EQ(core.bus_errors, 1) << "where the erase was";
+}
+
 TEST_F(FlashControlTest, AWordThatCannotBeCorrectedIsAnErrorOfTheBusAndAFlag) {
   control.sectors.damage(1, 3);
   window.bus_read(FlashControl::kSectorBytes + 2 * 32, 4);
