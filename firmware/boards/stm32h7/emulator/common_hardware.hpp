@@ -102,6 +102,7 @@ class CommonHardware : public EmulatedHardware {
  private:
   parts::models::GnssTruth gnss_truth(hal::Time when) const;
   void connect_serial();
+  bool far_end_reads(std::uint32_t baud) const;
   void note_output_latency();
   void take_samples(const ToChip& world);
   void send_receiver_frame(const ToChip& world);
@@ -116,6 +117,8 @@ class CommonHardware : public EmulatedHardware {
   UsbHost usb_host_{chip_.processor, chip_.usb};
   Presence baro_presence_, mag_presence_, gnss_presence_;
   std::vector<std::uint8_t> sent_;
+  std::uint32_t link_baud_{0};     ///< Of the far end; 0: any.
+  std::uint64_t link_garbled_{0};  ///< Bytes that it could not read.
   History<parts::models::ImuTruth, 8> imu_truths_;
   std::array<Ticks, 16> edges_{};  ///< Times of the newest data-ready edges.
   std::size_t edge_count_{0};
