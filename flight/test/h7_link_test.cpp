@@ -42,7 +42,7 @@ class Bench {
   void restart(std::uint32_t far_baud) {
     autopilot_.set_link_baud(far_baud);
     autopilot_.break_down(now_, Autopilot::Breakdown::kPowerLoss);
-    run_for(2.5);  // after 2 s of silence the companion begins anew
+    run_for(2.5);  // start-up, and the companion's timeout of 2 s
   }
 
   /// Asks for all parameters. @returns how many came.
