@@ -17,9 +17,6 @@ using boards::stm32h7::FromChip;
 using boards::stm32h7::HardwareFault;
 using boards::stm32h7::ToChip;
 
-/// Rate of the companion's end; the default of BAUD_RATE.
-constexpr std::uint32_t kLinkBaud = 921'600;
-
 }  // namespace
 
 boards::stm32h7::ChipProcess::Options emulated_chip(const std::string& board) {
@@ -117,7 +114,7 @@ const hal::OutputValues& ChipAutopilot::step(sim::Time t, const sim::SensorSampl
   fill_samples(order, samples, rc, sim::Time{0});
   const bool whole_step = t % Flight::kStep == sim::Time{0};
   if (whole_step && link_.tap() != nullptr) link_.tap()->on_inputs(t, samples, rc);
-  order.link_baud = kLinkBaud;
+  order.link_baud = link_baud_;
   order.receiver_is_crsf = static_cast<std::uint8_t>(cables_.crsf);
   order.usb_plugged = static_cast<std::uint8_t>(cables_.usb && !link_.cable().to_board.cut());
   std::copy(sent_.begin(), sent_.end(), order.link.begin());

@@ -74,6 +74,8 @@ class ChipAutopilot final : public Autopilot {
   std::optional<ProcessorFigures> figures() const override { return figures_; }
 
   Process& process() { return process_; }
+  /// Rate of the companion's UART from the next step on; 921 600, the default of BAUD_RATE, before.
+  void set_link_baud(std::uint32_t baud) { link_baud_ = baud; }
   /// Injects a fault in the next step, or with the power that break_down() gives back.
   void inject(boards::stm32h7::HardwareFault fault,
               boards::stm32h7::FaultyPart part = boards::stm32h7::FaultyPart::kImu) {
@@ -102,6 +104,7 @@ class ChipAutopilot final : public Autopilot {
   std::uint16_t torn_word_{0};
   hal::OutputValues outputs_{};
   ProcessorFigures figures_;
+  std::uint32_t link_baud_{921'600};
   std::uint64_t timed_{0};          ///< Steps in the mean of imu_to_output_mean_us.
   std::vector<std::uint8_t> sent_;  ///< By the companion, before the step that begins.
   sim::Time boot_{};

@@ -46,8 +46,12 @@ void CommonHardware::expect_pins(std::initializer_list<PinName> pins, unsigned f
 }
 
 void CommonHardware::connect_serial() {
-  (chip_.*wiring_.link.uart).on_byte = [this](std::uint8_t byte, std::uint32_t /*baud*/) {
-    sent_.push_back(byte);
+  (chip_.*wiring_.link.uart).on_byte = [this](std::uint8_t byte, std::uint32_t baud) {
+    if (far_end_reads(baud)) {
+      sent_.push_back(byte);
+    } else {
+      ++link_garbled_;
+    }
   };
   usb_host_.on_data = [this](const UsbModel::Packet& packet) {
     sent_.insert(sent_.end(), packet.begin(), packet.end());
@@ -61,6 +65,12 @@ void CommonHardware::connect_serial() {
   (chip_.*wiring_.receiver.uart).on_enable = [this] {
     expect_pins({wiring_.receiver.receive}, wiring_.receiver.function);
   };
+}
+
+/// Whether the far end of the link, with its own rate, reads what is sent at this one.
+bool CommonHardware::far_end_reads(std::uint32_t baud) const {
+  constexpr double kTolerance = 0.03;
+  return link_baud_ == 0 || std::abs(static_cast<double>(baud) / link_baud_ - 1.0) <= kTolerance;
 }
 
 /// The world's last solution before that time, moved on with its velocity.
@@ -177,6 +187,7 @@ void CommonHardware::expose(const ToChip& world) {
   take_samples(world);
   if (world.has_rc != 0) send_receiver_frame(world);
   usb_host_.plug(world.usb_plugged != 0);
+  link_baud_ = world.link_baud;
   if (world.usb_plugged != 0) {
     usb_host_.send(world.link.data(), world.link_count);
   } else if (world.link_count > 0) {
@@ -279,7 +290,7 @@ void CommonHardware::report(FromChip& out) {
   const UartModel& link = chip_.*wiring_.link.uart;
   out.link_received = link.received();
   out.link_sent = link.sent();
-  out.link_lost = link.overruns() + link.line_errors();
+  out.link_lost = link.overruns() + link.line_errors() + link_garbled_;
   out.flash_is_busy = static_cast<std::uint8_t>(chip_.flash.sectors.busy());
   out.torn_words = static_cast<std::uint32_t>(chip_.flash.sectors.torn);
   out.clock_zero_us = chip_.tim5.counts()

@@ -117,6 +117,7 @@ class CommonHardware : public EmulatedHardware {
  private:
   parts::models::GnssTruth gnss_truth(hal::Time when) const;
   void connect_serial();
+  bool far_end_reads(std::uint32_t baud) const;
   void note_output_latency();
   void note_output();
   void take_samples(const ToChip& world);
@@ -137,11 +138,13 @@ class CommonHardware : public EmulatedHardware {
   UsbHost usb_host_{chip_.processor, chip_.usb};
   Presence baro_presence_, mag_presence_, gnss_presence_;
   std::vector<std::uint8_t> sent_;
+  std::uint32_t link_baud_{0};     ///< Rate of the far end; 0: any.
+  std::uint64_t link_garbled_{0};  ///< Bytes that it could not read.
   History<parts::models::ImuTruth, 8> imu_truths_;
   std::array<Ticks, 16> edges_{};  ///< Times of the newest data-ready edges.
   std::size_t edge_count_{0};
   std::int64_t judged_stamp_us_{0};
-  double stamp_error_us_{0.0};  ///< Of judged_stamp_us_.
+  double stamp_error_us_{0.0};  ///< That of judged_stamp_us_.
   Ticks edge_{0};               ///< Time of the newest data-ready edge.
   Ticks latency_{0};            ///< Longest from an edge to the write that followed,
   Ticks computing_{0};          ///< and from the end of the transfer before it.
