@@ -2,7 +2,7 @@
 """Shows that the tests see defects: each file of tools/mutations/ is a defect of one line.
 
 A defect is written into a copy of the tree, its test is built there and must fail. A defect in the drivers of a chip goes into the
-image of a board, and a flight on the emulated chip must fail. tools/mutations/README.md says what a file holds.
+image of a board, and a flight on the emulated chip, or a test that flies it, must fail. tools/mutations/README.md says what a file holds.
 """
 
 import os
@@ -19,12 +19,15 @@ from cpp_tests import Outcome
 
 FOLDER = project.ROOT / "tools" / "mutations"
 COPY = project.ROOT / "build" / "mutations"
-PARTS = ("base", "link", "firmware/hal", "firmware/core", "firmware/boards/parts", "test_support", "firmware/boards/simulated")
+PARTS = ("base", "link", "firmware/hal", "firmware/core", "firmware/boards/common", "firmware/boards/parts", "test_support",
+         "firmware/boards/simulated")
 AUTONOMY_PARTS = ("base", "config", "test_support", "autonomy")
 CHIP_PARTS = ("base", "link", "firmware/hal", "firmware/core", "firmware/boards/parts", "firmware/boards/stm32h7",
               "firmware/boards/pixracer_pro", "firmware/boards/varmint")
 FLIGHT_PARTS = ("vehicles", "missions")
 PROPERTIES = "firmware_properties_test"
+FLYING = "flight_h7_"  # tests of the tree so named fly the image of the copy
+FLOWN = ("pixracer_pro", "varmint")
 CHEAPEST = ("disarm_leaves_motors", "autonomy_empty_battery_ignored")  # one small file each; those that CI builds
 KEYS = {"breaks", "file", "below", "line", "becomes", "test", "case", "flight", "says"}
 EMULATOR = "build/release/firmware/boards/stm32h7/emulator/h7_emulator"
@@ -42,6 +45,11 @@ class Mutation:
     case: str = ""  # the only case of the test that is run
     flight: str = ""  # instead of a test: options of `rosflight fly`, which must fail
     says: str = ""  # what the failing test must print, such as the name of the invariant
+
+    @property
+    def on_chip(self) -> bool:
+        """Whether it goes into an image that is flown."""
+        return bool(self.flight) or self.test.startswith(FLYING)
 
     @property
     def tried(self) -> str:
@@ -122,19 +130,35 @@ def build_and_run(test: str, case: str = "") -> tuple[bool, str]:
         raise RuntimeError("does not build: " + " ".join(
             line for line in built.stdout.splitlines() if "error" in line)[:400])
     program = next(path for folder in ("firmware", "autonomy") for path in (COPY / "build/release" / folder).rglob(test) if path.is_file())
-    done = run([str(program), f"--gtest_filter={case or '*'}"])
+    return result_of(test, case, run([str(program), f"--gtest_filter={case or '*'}"]))
+
+
+def result_of(test: str, case: str, done: subprocess.CompletedProcess) -> tuple[bool, str]:
     if case and "[==========] Running 1 test " not in done.stdout:
         raise RuntimeError(f"{test} has no case {case}")
     return done.returncode == 0, done.stdout + done.stderr
 
 
-def build_and_fly(options: str) -> tuple[bool, str]:
-    """The same of a flight with the image of the copy on the emulated chip."""
-    board = shlex.split(options)[shlex.split(options).index("--board") + 1]
-    built = run(["ninja", "-C", str(COPY / "build/cortex-m7"), "-j", str(project.jobs()), f"firmware_{board}.elf"])
+def build_images(*boards: str):
+    built = run(["ninja", "-C", str(COPY / "build/cortex-m7"), "-j", str(project.jobs()), *(f"firmware_{board}.elf" for board in boards)])
     if built.returncode != 0:
         raise RuntimeError("does not build: " + " ".join(
             line for line in built.stdout.splitlines() if "error" in line)[:400])
+
+
+def build_and_fly_in_test(test: str, case: str) -> tuple[bool, str]:
+    """The same of a test of the tree that flies the images of the copy."""
+    build_images(*FLOWN)
+    program = project.ROOT / "build/release/flight" / test
+    done = subprocess.run([str(program), f"--gtest_filter={case or '*'}"], capture_output=True, text=True, cwd=COPY,
+                          env={**os.environ, "ROSFLIGHT_DATA_DIR": str(COPY)}, stdin=subprocess.DEVNULL)
+    return result_of(test, case, done)
+
+
+def build_and_fly(options: str) -> tuple[bool, str]:
+    """The same of a flight with the image of the copy on the emulated chip."""
+    board = shlex.split(options)[shlex.split(options).index("--board") + 1]
+    build_images(board)
     with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run([str(project.ROOT / "build/release/apps/rosflight"), "fly", *shlex.split(options), "--log", "none",
                                "--out", f"{folder}/flight"], cwd=folder, capture_output=True, text=True,
@@ -145,6 +169,8 @@ def build_and_fly(options: str) -> tuple[bool, str]:
 def try_out(mutation: Mutation) -> tuple[bool, str]:
     if mutation.flight:
         return build_and_fly(mutation.flight)
+    if mutation.on_chip:
+        return build_and_fly_in_test(mutation.test, mutation.case)
     return build_and_run(mutation.test, mutation.case)
 
 
@@ -170,9 +196,9 @@ def try_one(mutation: Mutation) -> str:
     return ""
 
 
-def prepare_flights() -> bool:
-    """The simulation and the emulator are those of the tree; only the image is the copy's."""
-    if not project.build("release", "rosflight", "h7_emulator"):
+def prepare_flights(tests=()) -> bool:
+    """The simulation, the emulator and the tests are those of the tree; only the image is the copy's."""
+    if not project.build("release", "rosflight", "h7_emulator", *tests):
         return False
     link = COPY / EMULATOR
     link.parent.mkdir(parents=True, exist_ok=True)
@@ -188,15 +214,15 @@ def test(names: list[str] = ()) -> Outcome:
     # For a few defects as the tree is built: ccache has all but the files beside each. For many, the fewer files beside each the better.
     together = "9" if len(mutations) <= len(CHEAPEST) else "1"
     configurations = []
-    if tested := [mutation for mutation in mutations if not mutation.flight]:
+    if tested := [mutation for mutation in mutations if not mutation.on_chip]:
         parts = list(PARTS) if any(not mutation.file.startswith("autonomy/") for mutation in tested) else []
         if any(mutation.file.startswith("autonomy/") for mutation in tested):
             parts += [part for part in AUTONOMY_PARTS if part not in parts]
         configurations.append(["release", "-DROSFLIGHT_QUICK_BUILD=ON", f"-DROSFLIGHT_FILES_AT_A_TIME={together}",
                                f"-DROSFLIGHT_PARTS={';'.join(parts)}"])
-    if any(mutation.flight for mutation in mutations):
+    if flown := [mutation for mutation in mutations if mutation.on_chip]:
         configurations.append(["cortex-m7", f"-DROSFLIGHT_PARTS={';'.join(CHIP_PARTS)}"])
-        if not prepare_flights():
+        if not prepare_flights(sorted({mutation.test for mutation in flown if not mutation.flight})):
             return Outcome(failed=1, complaints=["rosflight and h7_emulator do not build, all output is in build/release/build.log"])
     for preset, *options in configurations:
         configured = run(["cmake", "--preset", preset, *options])

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Small hardware of the boards with an STM32H7, on the emulated chip: pins that are plain levels, and the buzzer.
+// Small hardware of the boards with an STM32H7, on the emulated chip: pins that are plain levels, LEDs, the buzzer, and the flash of
+// the parameters.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -147,24 +148,42 @@ class LedsOf : public ::testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Boards, LedsOf, ::testing::Values("pixracer_pro", "varmint"),
                          [](const auto& board) { return std::string(board.param); });
 
-/// The emulator has a table of its own of the LEDs' pins, and of the level at which each is lit.
-TEST_P(LedsOf, ShowThatItIsArmedAndThatThePilotCommands) {
+/// As the wiring of the emulated board has them: it says by itself which level lights them.
+TEST_P(LedsOf, ShowArmingAndThePilotsOverride) {
+  constexpr auto kOverride = static_cast<std::size_t>(hal::Led::kOverride);
+  constexpr auto kStatus = static_cast<std::size_t>(hal::Led::kStatus);
   FlightChoice choice = on_board({}, GetParam());
   choice.mission = "hop";
   Rig rig{choice};
-  const auto lit = [&rig](std::size_t led) { return pins_of(rig).leds[led] != 0; };
-  bool commanded = false, dark_while_disarmed = true;
-  while (!view_of(rig).armed && sim::to_seconds(rig.flight->now()) < 10.0) {
-    commanded = lit(0);
-    if (view_of(rig).errors == 0) dark_while_disarmed = dark_while_disarmed && !lit(1);
-    rig.run_for(0.01);
-  }
+  ASSERT_TRUE(rig.reach(Stage::kArm));
+  ASSERT_FALSE(view_of(rig).armed);
+  EXPECT_EQ(pins_of(rig).leds[kStatus], 0) << "disarmed, no error";
+  EXPECT_EQ(pins_of(rig).leds[kOverride], 1) << "the pilot commands";
+  ASSERT_TRUE(rig.reach_mission());
   ASSERT_TRUE(view_of(rig).armed);
-  EXPECT_TRUE(commanded) << "the pilot has control when it is armed";
-  EXPECT_TRUE(dark_while_disarmed);
-  rig.run_for(2.0);
-  EXPECT_TRUE(lit(1));
-  EXPECT_FALSE(lit(0)) << "the companion has control now";
+  EXPECT_EQ(pins_of(rig).leds[kStatus], 1);
+  EXPECT_EQ(pins_of(rig).leds[kOverride], 0) << "the companion commands";
+}
+
+/// After the restart the sector out of force is not blank, so the storage has something to erase.
+TEST(Varmint, LeavesItsFlashAloneWhileArmed) {
+  Rig rig{on_board({}, "varmint")};
+  rig.run_until(20.0);
+  ASSERT_TRUE(view_of(rig).armed);
+  const std::uint64_t before = pins_of(rig).flash_operations;
+  ASSERT_GT(before, 0U) << "parameters were stored before the flight";
+  chip_of(rig).inject(boards::stm32h7::HardwareFault::kDamagedFlash);
+  rig.run_for(0.01);
+  rig.flight->autopilot().break_down(rig.flight->now(), Breakdown::kCrash);
+  rig.run_for(3.0);
+  ASSERT_EQ(chip_of(rig).figures()->resets, 1U);
+  ASSERT_TRUE(view_of(rig).armed);
+  EXPECT_EQ(pins_of(rig).flash_operations, before) << "armed";
+  rig.flight->run();
+  ASSERT_TRUE(rig.completed()) << rig.flight->runner().failure();
+  rig.run_for(3.0);
+  ASSERT_FALSE(view_of(rig).armed);
+  EXPECT_GT(pins_of(rig).flash_operations, before) << "disarmed";
 }
 
 }  // namespace

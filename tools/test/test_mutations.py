@@ -11,6 +11,12 @@ import run_tests
 from mutation_tests import Mutation
 
 
+def case_is_in(name: str, tests) -> bool:
+    """Whether one of the files has the case, which may be one of several with parameters: FOR/SUITE.CASE/PARAMETER."""
+    suite, case = re.fullmatch(r"(?:\w+/)?(\w+)\.(\w+)(?:/\w+)?", name).groups()
+    return any(re.search(rf"TEST(_P)?\({suite}, {case}\)", test.read_text()) for test in tests)
+
+
 @pytest.mark.parametrize("mutation", mutation_tests.all_mutations(), ids=lambda m: m.name)
 def test_mutation_fits_the_tree(mutation):
     before = (project.ROOT / mutation.file).read_text()
@@ -18,14 +24,19 @@ def test_mutation_fits_the_tree(mutation):
     assert after != before
     assert after.count("\n") == before.count("\n")
     assert "/test/" not in mutation.file
-    if mutation.flight:
+    if mutation.on_chip:
         assert mutation.file.startswith(mutation_tests.CHIP_PARTS)
-        assert re.match(r"--board \w+ ", mutation.flight)
+        if mutation.flight:
+            assert re.match(r"--board \w+ ", mutation.flight)
+        else:
+            assert case_is_in(mutation.case, [project.ROOT / "flight/test" / f"{mutation.test.removeprefix('flight_')}.cpp"])
+        return
+    if mutation.file.startswith("firmware/boards/common/"):
+        assert case_is_in(mutation.case, (project.ROOT / "firmware/boards/common/test").glob("*.cpp"))
         return
     if mutation.file.startswith("autonomy/"):
-        suite, case = mutation.case.split(".")
         tests = (project.ROOT / "autonomy").glob(f"*/test/{re.sub('^(autonomy_fixedwing|autonomy|estimation)_', '', mutation.test)}.cpp")
-        assert any(f"TEST({suite}, {case})" in test.read_text() for test in tests)
+        assert case_is_in(mutation.case, tests)
         return
     folder = next(f for f in ("firmware/core", "firmware/boards/parts") if mutation.file.startswith(f + "/"))
     test = project.ROOT / folder / "test" / f"{mutation.test.removeprefix('parts_')}.cpp"
@@ -104,3 +115,18 @@ def test_a_test_and_a_flight_together_are_refused(tmp_path):
     (tmp_path / "m.yaml").write_text("breaks: b\nfile: f\nline: l\nbecomes: c\ntest: t\nflight: --board b\n")
     with pytest.raises(ValueError, match="m.yaml: allowed is one of test and flight"):
         mutation_tests.read(tmp_path / "m.yaml")
+
+
+def test_a_test_that_flies_takes_the_images_of_the_copy(tmp_path, monkeypatch):
+    tree, copy, built = tmp_path / "tree", tmp_path / "copy", []
+    copy.mkdir()
+    program = tree / "build/release/flight/flight_h7_pins_test"
+    program.parent.mkdir(parents=True)
+    program.write_text('#!/bin/sh\necho "[==========] Running 1 test from 1 test suite. $ROSFLIGHT_DATA_DIR $1"; exit 1\n')
+    program.chmod(0o755)
+    monkeypatch.setattr(mutation_tests, "COPY", copy)
+    monkeypatch.setattr(mutation_tests.project, "ROOT", tree)
+    monkeypatch.setattr(mutation_tests, "run", lambda command: built.append(command[-2:]) or subprocess.CompletedProcess(command, 0, "", ""))
+    passed, said = mutation_tests.try_out(Mutation("m", "", "f", "a", "b", test="flight_h7_pins_test", case="A.B"))
+    assert not passed and f" {copy} --gtest_filter=A.B" in said
+    assert built == [["firmware_pixracer_pro.elf", "firmware_varmint.elf"]]

@@ -98,6 +98,7 @@ class Session {
     out.time_us = now_us();
     out.instructions = counters.instructions;
     out.busy_us = (chip_.processor.now() - counters.slept) / kTicksPerMicrosecond;
+    out.flash_operations = chip_.flash.sectors.operations;
     out.resets = static_cast<std::uint32_t>(counters.resets);
     out.complaints = complaints_;
     out.in_bootloader = static_cast<std::uint8_t>(chip_.in_bootloader());

@@ -92,6 +92,8 @@ struct FromChip {
   std::uint64_t instructions{};  ///< Since the program began.
   std::uint64_t busy_us{};       ///< Time not slept.
   std::uint64_t link_received{}, link_sent{}, link_lost{};
+  std::uint64_t
+      flash_operations{};       ///< Words programmed and sectors erased, since the program began.
   std::uint32_t resets{};       ///< Since the program began.
   std::uint32_t complaints{};   ///< Complaints of models since the program began.
   std::uint32_t torn_words{};   ///< Flash words that a reset or a loss of power has cut.
