@@ -26,6 +26,7 @@ def test_mutation_fits_the_tree(mutation):
     assert "/test/" not in mutation.file
     if mutation.on_chip:
         assert mutation.file.startswith(mutation_tests.CHIP_PARTS)
+        assert mutation.says
         if mutation.flight:
             assert re.match(r"--board \w+ ", mutation.flight)
         else:
