@@ -123,7 +123,9 @@ class Session {
         chip_.processor.memory(bottom->second, top->second - bottom->second);
     if (from == nullptr) return;
     stack_bottom_ = reinterpret_cast<const std::uint32_t*>(from);
-    stack_top_ = stack_bottom_ + (top->second - bottom->second) / sizeof *stack_bottom_;
+    constexpr std::uint32_t kWord = sizeof(std::uint32_t);
+    const std::uint32_t words = (top->second - bottom->second) / kWord;
+    stack_top_ = stack_bottom_ + words;
   }
 
   /// Bytes from the lowest word that has lost its paint to the top.

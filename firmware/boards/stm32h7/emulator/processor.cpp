@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 #include <limits>
 
 #include "firmware/boards/stm32h7/emulator/flash_control.hpp"
@@ -361,10 +362,11 @@ void Processor::power_on(std::uint32_t vector_table) {
 Processor::Window* Processor::window_at(std::uint32_t address) {
   const auto holds = [address](const Window& w) { return address - w.base < w.size; };
   if (newest_window_ != nullptr && holds(*newest_window_)) return newest_window_;
-  auto after = std::upper_bound(windows_.begin(), windows_.end(), address,
-                                [](std::uint32_t a, const Window& w) { return a < w.base; });
-  if (after == windows_.begin() || !holds(*--after)) return nullptr;
-  return newest_window_ = &*after;
+  const auto after = std::upper_bound(windows_.begin(), windows_.end(), address,
+                                      [](std::uint32_t a, const Window& w) { return a < w.base; });
+  if (after == windows_.begin()) return nullptr;
+  Window& window = *std::prev(after);
+  return holds(window) ? newest_window_ = &window : nullptr;
 }
 
 std::uint32_t Processor::bus_read(std::uint32_t address, unsigned size) {

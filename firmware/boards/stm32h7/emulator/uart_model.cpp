@@ -198,7 +198,8 @@ void UartModel::deliver(std::uint8_t byte, const parts::UartFormat& format) {
   idle_at_ = core().now() + byte_time(format) + byte_time(format) / 8;
   std::uint32_t element = byte;
   const bool by_dma = usart::CR3_DMAR.of(word(usart::CR3)) != 0;
-  const bool lost = lost_in_ > 0 && --lost_in_ == 0;
+  const bool lost = lost_in_ == 1;
+  if (lost_in_ > 0) --lost_in_;
   const bool moved = !lost && by_dma && dma_.served(wiring_.receive_request) &&
                      dma_.move(wiring_.receive_request, element);
   if (lost || (!moved && received_bytes_.size() >= depth())) {
