@@ -13,6 +13,7 @@
 #include "flight/autopilot/emulated_autopilot.hpp"
 #include "flight/flight_recorder.hpp"
 #include "flight/test/flight_rig.hpp"
+#include "flight/test/last_words.hpp"
 #include "sim/time_sources.hpp"
 
 namespace rosflight::flight::testing {
@@ -249,16 +250,6 @@ TEST(EmulatedM7, AParameterSurvivesResetAndEmulator) {
 
 bool gone(pid_t process) {
   return ::kill(process, 0) == -1 && errno == ESRCH;
-}
-
-/// What ends a flight with a broken emulator.
-std::string last_words(Rig& rig) {
-  try {
-    rig.run_for(1.0);
-  } catch (const EmulatorError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(EmulatedM7, ADeadEmulatorEndsTheFlight) {

@@ -9,6 +9,7 @@
 
 #include "flight/project_root.hpp"
 #include "flight/test/h7_rig.hpp"
+#include "flight/test/last_words.hpp"
 
 namespace rosflight::flight::testing {
 namespace {
@@ -19,16 +20,6 @@ using boards::stm32h7::ChipProcess;
 class EachImage : public ::testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Boards, EachImage, ::testing::Values("pixracer_pro", "varmint"),
                          [](const auto& board) { return std::string(board.param); });
-
-/// What ends a flight with a broken emulator.
-std::string last_words(Rig& rig) {
-  try {
-    rig.run_for(1.0);
-  } catch (const EmulatorError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST(PixracerPro, ADeadEmulatorEndsTheFlight) {
   Rig rig{on_board()};

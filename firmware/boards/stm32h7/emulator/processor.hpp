@@ -25,6 +25,9 @@ class ProcessorError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// "what 0x08001234"
+std::string at_address(const std::string& what, std::uint32_t address);
+
 /// A Cortex-M7 with memory and peripherals. Unicorn executes the instructions; exceptions, time and
 /// the system control space are here.
 ///

@@ -58,8 +58,8 @@ TEST(OneProcessor, IsChosenAnewAllTheTime) {
     const cpu_set_t now = allowed_of(0);
     if (CPU_EQUAL(&now, &before)) ++free;
   }
-  if (CPU_COUNT(&before) == 1) GTEST_SKIP() << "this host has one processor";
-  EXPECT_EQ(free, 5);
+  const bool has_a_choice = CPU_COUNT(&before) > 1;
+  EXPECT_EQ(free, has_a_choice ? 5 : kTurns);
 }
 
 TEST(OneProcessor, ADeadChildIsNoError) {
