@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The clock of a replay, driven by the moments of animation frames that a test makes.
 import assert from 'node:assert/strict';
-import {afterEach, beforeEach, test} from 'node:test';
+import {afterEach, beforeEach, mock, test} from 'node:test';
 import type {Flight} from '../src/data/flight.ts';
 import {play, seek, speed, SPEEDS, time, flight, playing} from '../src/state.ts';
 
@@ -18,11 +18,15 @@ function frames(...intervals: number[]) {
 
 beforeEach(() => {
   waiting = [];
+  mock.method(performance, 'now', () => 0); // a device that draws in no time, whatever this one does meanwhile
   globalThis.requestAnimationFrame = (callback) => waiting.push(callback);
   flight.value = {end_s: 1000} as Flight;
   seek(0);
 });
-afterEach(() => play(false));
+afterEach(() => {
+  play(false);
+  mock.restoreAll();
+});
 
 test('at each speed from 0.1 to 20 the time of the flight is the time of the frames times the speed', () => {
   assert.deepEqual([SPEEDS[0], SPEEDS.at(-1)], [0.1, 20]);

@@ -44,7 +44,7 @@ class Feed {
     now_ += Traits::on_the_wire(piece.size());
   }
   void line_error() { input_.line_error(now_); }
-  Outcome outcome() {
+  const Outcome& outcome() {
     outcome_.good = input_.good();
     outcome_.bad = input_.bad();
     outcome_.strays = input_.strays();
