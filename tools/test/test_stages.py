@@ -137,7 +137,8 @@ def test_lanes_run_at_the_same_time_and_computing_gives_way(tmp_path):
         return run
     rows, _ = lanes.run([("a", Stage(meet("a", "b"), WAITS)), ("b", Stage(meet("b", "a"), COMPUTES))])
     assert [row.outcome.passed for row in rows] == [1, 1]
-    assert int((tmp_path / "b").read_text()) == 19 and int((tmp_path / "a").read_text()) < 19
+    waits, computes = (int((tmp_path / name).read_text()) for name in "ab")
+    assert waits == os.nice(0) < computes == min(19, waits + 19)
 
 
 def test_stages_alone_come_before_the_lanes_and_processor_time_is_told():
