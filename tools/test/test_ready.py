@@ -85,7 +85,7 @@ def house(tmp_path):
 def test_help_lists_the_commands_and_prepares_nothing(house):
     done = house.start("--help")
     assert done.returncode == 0
-    for command in ("fly", "replay", "sil", "mixer", "trim", "test", "bench"):
+    for command in ("fly", "replay", "sil", "mixer", "trim", "sdf", "test", "bench"):
         assert f"\n  {command} " in done.stdout
     assert not house.calls.exists() and not (house.root / "build").exists()
 
@@ -102,7 +102,7 @@ def test_unknown_command_is_one_line_and_exit_code_2(house):
     done = house.start("fyl")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == ("rosflight: unknown command 'fyl'; "
-                           "allowed: fly, view, log, replay, sil, mixer, trim, params, calibrate, monitor, preflight, blackbox, completion, campaign, python, test, firmware, bench, ros, --help, --version\n")
+                           "allowed: fly, view, log, replay, sil, mixer, trim, sdf, params, calibrate, monitor, preflight, blackbox, completion, campaign, python, test, firmware, bench, ros, --help, --version\n")
 
 
 def test_no_command_shows_the_help_as_an_error(house):
@@ -300,7 +300,7 @@ def test_failing_configure_is_told_and_tried_again(house):
 def test_the_other_commands_build_and_run_their_own_program(house):
     house.replace("ninja", 'mkdir -p "$2/apps" && printf "#!/bin/sh\\necho tool \\"\\$@\\"\\n" '
                            '>"$2/apps/rosflight_tools" && chmod +x "$2/apps/rosflight_tools"')
-    for command in ("replay", "sil", "mixer", "trim"):
+    for command in ("replay", "sil", "mixer", "trim", "sdf"):
         assert house.start(command, "word").stdout == f"tool {command} word\n"
     assert all(call.endswith(" rosflight_tools") for call in house.called("ninja"))
 
