@@ -88,7 +88,8 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
       ->check(one_of({"hover", "idle"}));
   fly->add_option("--physics", choice.physics,
                   "What moves the body: runge_kutta; runge_kutta_held, the same with the load held "
-                  "over each step, as any other engine gets it; jsbsim, in a process of its own")
+                  "over each step, as any other engine gets it; jsbsim and gazebo, each in a "
+                  "process of its own")
       ->capture_default_str()
       ->check(one_of(std::vector<std::string>(kPhysics.begin(), kPhysics.end())));
   fly->add_option("--link-protocol", choice.link_protocol,

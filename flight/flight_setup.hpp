@@ -24,8 +24,9 @@ inline constexpr std::array<const char*, 3> kChipBoards{"pixracer_pro", "varmint
 inline constexpr sim::Time kChipStep{500};
 
 /// What can move the body, as FlightChoice::physics spells it: the integrator of sim/dynamics, forces and body
-/// together; the same behind the interface of an engine, with the load held over a step; JSBSim.
-inline constexpr std::array<const char*, 3> kPhysics{"runge_kutta", "runge_kutta_held", "jsbsim"};
+/// together; the same behind the interface of an engine, with the load held over a step; JSBSim; Gazebo's dartsim.
+inline constexpr std::array<const char*, 4> kPhysics{"runge_kutta", "runge_kutta_held", "jsbsim",
+                                                     "gazebo"};
 
 /// What a person chose for a flight; names and texts as typed.
 struct FlightChoice {

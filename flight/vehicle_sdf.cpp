@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <vector>
 
@@ -20,34 +21,34 @@ using sim::Vector3;
 constexpr double kJointInertia_kg_m2 = 1e-9;
 constexpr double kEndless_rad = 1e16;  // SDF's own default: no limit
 
-std::string triple(const Vector3& v) {
+std::string sdf_triple(const Vector3& v) {
   // Adding zero turns -0 into 0.
   return fmt::format("{:.12g} {:.12g} {:.12g}", v.x() + 0.0, v.y() + 0.0, v.z() + 0.0);
 }
 
-std::string pose(const Vector3& position, const Vector3& rpy_rad = Vector3::Zero()) {
-  return fmt::format("<pose>{} {}</pose>", triple(position), triple(rpy_rad));
+std::string pose_element(const Vector3& position, const Vector3& rpy_rad = Vector3::Zero()) {
+  return fmt::format("<pose>{} {}</pose>", sdf_triple(position), sdf_triple(rpy_rad));
 }
 
-std::string box(const Vector3& size) {
-  return fmt::format("<geometry><box><size>{}</size></box></geometry>", triple(size));
+std::string box_geometry(const Vector3& size) {
+  return fmt::format("<geometry><box><size>{}</size></box></geometry>", sdf_triple(size));
 }
 
-std::string visual(const std::string& name, const std::string& geometry, const char* rgba,
-                   const std::string& at = {}) {
+std::string visual_element(const std::string& name, const std::string& geometry, const char* rgba,
+                           const std::string& at = {}) {
   return fmt::format(
       "      <visual name=\"{}_visual\">{}{}<material><diffuse>{}</diffuse></material></visual>\n",
       name, at, geometry, rgba);
 }
 
-std::string collision(const std::string& name, const std::string& geometry,
-                      const std::string& at = {}, const std::string& surface = {}) {
+std::string collision_element(const std::string& name, const std::string& geometry,
+                              const std::string& at = {}, const std::string& surface = {}) {
   return fmt::format("      <collision name=\"{}\">{}{}{}</collision>\n", name, at, geometry,
                      surface);
 }
 
 /// J about forward-left-up axes, of which y and z are those of J turned round.
-std::string inertial(double mass_kg, const sim::Matrix3& J) {
+std::string inertial_element(double mass_kg, const sim::Matrix3& J) {
   return fmt::format(
       "      <inertial><mass>{}</mass><inertia><ixx>{}</ixx><ixy>{}</ixy><ixz>{}</ixz><iyy>{}</iyy>"
       "<iyz>{}</iyz><izz>{}</izz></inertia></inertial>\n",
@@ -72,9 +73,10 @@ std::string gear(const sim::GroundParameters& ground) {
     const bool wheel = k + ground.wheels >= ground.contacts_B.size();
     const Vector3 centre = point - std::copysign(kContactRadius_m, point.z()) * Vector3::UnitZ();
     const std::string name = fmt::format("contact_{}", k);
-    out += collision(name, sphere, pose(centre),
-                     friction(wheel ? ground.rolling_friction : ground.friction, ground.friction));
-    out += visual(name, sphere, "0.1 0.1 0.1 1", pose(centre));
+    out += collision_element(
+        name, sphere, pose_element(centre),
+        friction(wheel ? ground.rolling_friction : ground.friction, ground.friction));
+    out += visual_element(name, sphere, "0.1 0.1 0.1 1", pose_element(centre));
   }
   return out;
 }
@@ -89,8 +91,8 @@ std::string turning(const std::string& name, const std::string& at, const std::s
       "      "
       "<axis><xyz>{4}</xyz><limit><lower>{5:.12g}</lower><upper>{6:.12g}</upper></limit></axis>\n"
       "    </joint>\n",
-      name, at, inertial(kJointMass_kg, kJointInertia_kg_m2 * sim::Matrix3::Identity()),
-      visual(name, geometry, rgba), axis, -limit_rad, limit_rad);
+      name, at, inertial_element(kJointMass_kg, kJointInertia_kg_m2 * sim::Matrix3::Identity()),
+      visual_element(name, geometry, rgba), axis, -limit_rad, limit_rad);
 }
 
 /// Each of them is an entry of its own.
@@ -100,7 +102,7 @@ void add_rotors(const sim::MultirotorParameters& parameters, Parts& out) {
   for (std::size_t k = 0; k < parameters.rotors.size(); ++k) {
     const sim::RotorParameters& rotor = parameters.rotors[k];
     out.push_back(turning(
-        fmt::format("rotor_{}", k), pose(flu(rotor.p_B), pointing(flu(rotor.e_B))),
+        fmt::format("rotor_{}", k), pose_element(flu(rotor.p_B), pointing(flu(rotor.e_B))),
         fmt::format(
             "<geometry><cylinder><radius>{:.6g}</radius><length>{}</length></cylinder></geometry>",
             0.5 * parameters.propeller.diameter_m, kPlateThickness_m),
@@ -123,9 +125,21 @@ void add_surfaces(const sim::Vehicle& vehicle, const VehicleShapes& shapes, Part
     if (!aileron) y_m = y_m > 0.0 ? -y_m : -y_m + span_m;
     const Vector3 size{chord_m, aileron ? 0.8 * shapes.wing_m.y() : 0.9 * span_m,
                        kPlateThickness_m};
-    out.push_back(turning(fmt::format("surface_{}", k), pose(at), box(size), "0.8 0.4 0.2 1",
-                          "0 1 0", all[k].travel_rad));
+    out.push_back(turning(fmt::format("surface_{}", k), pose_element(at), box_geometry(size),
+                          "0.8 0.4 0.2 1", "0 1 0", all[k].travel_rad));
   }
+}
+
+/// Mass is nowhere negative, so no principal moment exceeds the sum of the others. sdformat rejects a body for which it
+/// does; the reader of vehicle files allows 2 %. @returns J with the largest moment cut to that sum.
+sim::Matrix3 possible_inertia(const sim::Matrix3& J) {
+  const Eigen::SelfAdjointEigenSolver<sim::Matrix3> solver(J);
+  Vector3 moments = solver.eigenvalues();  // in increasing order
+  const double allowed = moments(0) + moments(1);
+  if (moments(2) <= allowed) return J;
+  constexpr double kRounding = 1e-9;
+  moments(2) = allowed * (1.0 - kRounding);
+  return solver.eigenvectors() * moments.asDiagonal() * solver.eigenvectors().transpose();
 }
 
 }  // namespace
@@ -140,12 +154,14 @@ std::string vehicle_sdf(const sim::Vehicle& vehicle, const std::string& name, Sd
   }
   const double mass_kg =
       vehicle.body().mass_kg - kJointMass_kg * static_cast<double>(joints.size());
-  std::string link = inertial(mass_kg, vehicle.body().inertia_kg_m2);
-  link +=
-      collision("body", box(shapes.body_m)) + visual("body", box(shapes.body_m), "0.25 0.3 0.35 1");
+  std::string link = inertial_element(
+      mass_kg, model == SdfModel::kOneLink ? vehicle.body().inertia_kg_m2
+                                           : possible_inertia(vehicle.body().inertia_kg_m2));
+  link += collision_element("body", box_geometry(shapes.body_m)) +
+          visual_element("body", box_geometry(shapes.body_m), "0.25 0.3 0.35 1");
   if (shapes.has_wing())
-    link += collision("wing", box(shapes.wing_m)) +
-            visual("wing", box(shapes.wing_m), "0.75 0.75 0.7 1");
+    link += collision_element("wing", box_geometry(shapes.wing_m)) +
+            visual_element("wing", box_geometry(shapes.wing_m), "0.75 0.75 0.7 1");
   link += gear(vehicle.ground());
   return fmt::format(
       "<?xml version=\"1.0\"?>\n<sdf version=\"1.9\">\n  <model name=\"{}\" "

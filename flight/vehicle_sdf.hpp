@@ -8,8 +8,8 @@ namespace rosflight::flight {
 
 /// Parts of the model that vehicle_sdf() writes.
 enum class SdfModel {
-  kOneLink,     ///< The body alone, for an engine that moves it under our forces.
-  kWithJoints,  ///< With a joint for each rotor and control surface, for viewers.
+  kOneLink,  ///< The body alone with the inertia of the file, for an engine that moves it under our forces.
+  kWithJoints,  ///< With a joint for each rotor and control surface, as Gazebo's programs accept it.
 };
 
 /// A vehicle file as a model of the Simulation Description Format, SDF 1.9 (http://sdformat.org/spec).
@@ -20,7 +20,8 @@ enum class SdfModel {
 /// them.
 ///
 /// Rotors turn about their thrust direction, surfaces about a hinge in a position that is drawn only: a vehicle file
-/// has none. Each of these links has kJointMass_kg, which `base_link` has less, so that the sum is that of the file.
+/// has none. An inertia that no body can have, which the reader of vehicle files allows up to 2 %, is rejected by sdformat: with
+/// joints the largest principal moment is cut to the sum of the others. Each of these links has kJointMass_kg, which `base_link` has less, so that the sum is that of the file.
 ///
 /// @param name  of the model. @throws config::Error
 std::string vehicle_sdf(const sim::Vehicle& vehicle, const std::string& name,

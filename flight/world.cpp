@@ -9,7 +9,9 @@
 #include <utility>
 
 #include "flight/flight.hpp"
+#include "flight/gazebo/gazebo_engine.hpp"
 #include "flight/jsbsim/jsbsim_engine.hpp"
+#include "flight/vehicle_sdf.hpp"
 #include "sim/dynamics/runge_kutta_engine.hpp"
 #include "sim/sensors/register.hpp"
 
@@ -31,6 +33,10 @@ std::unique_ptr<sim::PhysicsEngine> make_engine(const FlightSetup& setup) {
     return std::make_unique<sim::RungeKuttaEngine>(body, gravity_m_s2);
   if (physics == "jsbsim") {
     return std::make_unique<JsbsimEngine>(body, gravity_m_s2, JsbsimEngine::Options::of_project());
+  }
+  if (physics == "gazebo") {
+    return std::make_unique<GazeboEngine>(vehicle_sdf(setup.vehicle, "vehicle", SdfModel::kOneLink),
+                                          gravity_m_s2, GazeboEngine::Options::of_project());
   }
   throw config::Error(
       fmt::format("--physics: found {}, allowed {}", physics, fmt::join(kPhysics, ", ")));

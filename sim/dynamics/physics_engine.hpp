@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <string_view>
+
 #include "sim/types.hpp"
 
 namespace rosflight::sim {
@@ -17,7 +19,10 @@ class PhysicsEngine {
   /// What ground and obstacles of the engine's own did in the last step.
   struct Contact {
     bool touches{false};
-    Wrench wrench;  ///< On the body, mean over the step.
+    Wrench wrench;             ///< On the body, mean over the step.
+    bool airframe{false};      ///< More than the gear touches.
+    double approach_m_s{0.0};  ///< Fastest approach of a point that touches, before the step.
+    std::string_view other{};  ///< Name of what it touches there; valid until the next step.
   };
 
   virtual ~PhysicsEngine() = default;

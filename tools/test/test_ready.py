@@ -187,6 +187,22 @@ def test_arm64_is_built_where_debians_packages_for_it_are(house):
     assert house.called("apt-get") == [] and "preset arm64-tests" in house.called("cmake")[-1]
 
 
+def test_gazebos_engine_is_installed_and_built_when_a_flight_asks_for_it(house):
+    (house.root / "tools/system_packages.txt").write_text("[run]\ng++\n[gazebo]\nlibgazebo @bookworm\n")
+    house.os_release.write_text("VERSION_CODENAME=bookworm\n")
+    house.installed("g++")
+    assert house.start("fly").returncode == 0
+    assert not any("gazebo" in call for call in house.called("cmake"))
+    refused = house.start("fly", "--physics", "gazebo")
+    assert refused.returncode == 2 and refused.stderr.endswith(" libgazebo\n")
+    house.installed("g++", "libgazebo")
+    for words in (["--physics", "gazebo"], ["--physics=gazebo"]):
+        shutil.rmtree(house.root / "build/gazebo", ignore_errors=True)
+        assert house.start("fly", *words).returncode == 0
+        assert "preset gazebo" in house.called("cmake")[0]
+        assert any(call.endswith(" gazebo_engine") for call in house.called("ninja"))
+
+
 def test_changed_package_list_is_looked_through_again(house):
     house.start("fly")
     house.called("dpkg-query")
