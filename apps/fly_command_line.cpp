@@ -92,6 +92,9 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
                   "process of its own")
       ->capture_default_str()
       ->check(one_of(std::vector<std::string>(kPhysics.begin(), kPhysics.end())));
+  fly->add_option("--world", choice.world,
+                  "World of --physics gazebo (SDF file): its terrain, buildings and obstacles in "
+                  "place of the flat ground");
   fly->add_option("--link-protocol", choice.link_protocol,
                   "Protocol of the board: mavlink or lean; the companion detects it")
       ->capture_default_str()
@@ -162,7 +165,7 @@ int repeat_command(const CLI::App& fly, const std::string& log, const Viewers* v
     throw config::Error("--repeat: found in a program without it; use ./rosflight fly");
   for (const char* name : {"--vehicle", "--mission", "--seed", "--state", "--pilot", "--wind",
                            "--set", "--fault", "--plugin", "--link", "--link-protocol", "--physics",
-                           "--log", "--no-log", "--view", "--visualiser"}) {
+                           "--world", "--log", "--no-log", "--view", "--visualiser"}) {
     if (fly.count(name) > 0)
       throw config::Error(std::string(name) + ": found with --repeat, which takes it from the log");
   }

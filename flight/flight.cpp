@@ -13,6 +13,7 @@
 #include "flight/autopilot/in_process_autopilot.hpp"
 #include "flight/autopilot/uart_autopilot.hpp"
 #include "flight/companion_parts.hpp"
+#include "flight/contact_watch.hpp"
 #include "flight/tuning.hpp"
 #include "flight/world.hpp"
 #include "link/detect/detecting_codec.hpp"
@@ -92,6 +93,7 @@ class Flight::Loop final : public World, private sim::LockStepListener {
   std::unique_ptr<StateEstimateSource> estimate_source;
   MissionRunner runner;
   FlightScorer scorer;
+  ContactWatch contacts;
   sim::Time failed_at{};  ///< 0: not yet.
   sim::LockStepTime fast{kStep};
   sim::LockStep lock_step;
@@ -110,11 +112,13 @@ class Flight::Loop final : public World, private sim::LockStepListener {
  private:
   void before_step(sim::Time t) override;
   void note_frame_of_estimate();
+  void note_contact(sim::Time t);
 };
 
 void Flight::Loop::before_step(sim::Time t) {
   if (lock_step.samples().has_imu) imu = lock_step.samples().imu;
   cable.set_time(t);
+  if (engine) note_contact(t);
   apply_faults(t, *autopilot);
   if (!faults.active(sim::FaultKind::kCompanionStall, t)) runner.step(t, dynamics.truth());
   note_frame_of_estimate();
@@ -134,6 +138,19 @@ void Flight::Loop::before_step(sim::Time t) {
     }
   }
   if (script) script(flight, t);
+}
+
+/// Bodies of the world that the engine knows; a crash ends the mission.
+void Flight::Loop::note_contact(sim::Time t) {
+  const sim::PhysicsEngine::Contact* contact = engine->contact();
+  if (contact == nullptr) return;
+  const std::optional<ContactWatch::Event> event = contacts.step(t, *contact);
+  if (!event) return;
+  runner.report(event->crash ? link::Severity::kError : link::Severity::kInfo, "world",
+                event->text);
+  if (!event->crash) return;
+  scorer.crash(event->text);
+  runner.abort("crash: " + event->text);
 }
 
 sim::Vector3 Flight::Loop::seen_position_W() const {

@@ -41,6 +41,7 @@ log::TextMap log_facts(const FlightSetup& setup) {
                      {"plugins", fmt::format("{}", fmt::join(setup.choice.plugins, "\n"))}};
   // Only where it says something, so that logs of before stay equal to the bit.
   if (setup.choice.physics != FlightChoice{}.physics) facts["physics"] = setup.choice.physics;
+  if (!setup.choice.world.empty()) facts["world"] = setup.choice.world;
   return facts;
 }
 

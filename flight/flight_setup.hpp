@@ -39,6 +39,7 @@ struct FlightChoice {
   std::string state{"estimate"};         ///< What guidance flies on: estimate or truth.
   std::string pilot{"hover"};            ///< The safety pilot's throttle stick: hover or idle.
   std::string physics{"runge_kutta"};    ///< One of kPhysics.
+  std::string world;                     ///< SDF file, with physics gazebo; empty: our flat ground.
   std::vector<std::string> overrides;    ///< "body.mass_kg=3.2"
   std::vector<std::string> faults;       ///< "baro@20:5"
   std::vector<std::string> plugins;      ///< Shared libraries.

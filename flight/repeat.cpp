@@ -44,6 +44,7 @@ FlightChoice choice_of(const log::TextMap& facts) {
   choice.pilot = facts.at("pilot");
   if (const auto physics = facts.find("physics"); physics != facts.end())
     choice.physics = physics->second;
+  if (const auto world = facts.find("world"); world != facts.end()) choice.world = world->second;
   choice.faults = pieces(facts.at("faults"), ' ');
   choice.overrides = pieces(facts.at("overrides"), '\n');
   choice.plugins = pieces(facts.at("plugins"), '\n');

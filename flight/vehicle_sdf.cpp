@@ -95,6 +95,19 @@ std::string turning(const std::string& name, const std::string& at, const std::s
       visual_element(name, geometry, rgba), axis, -limit_rad, limit_rad);
 }
 
+/// For each propeller the square inside its disc.
+std::string propellers(const sim::MultirotorParameters& parameters) {
+  const double side_m = parameters.propeller.diameter_m * std::sqrt(0.5);
+  std::string out;
+  for (std::size_t k = 0; k < parameters.rotors.size(); ++k) {
+    const sim::RotorParameters& rotor = parameters.rotors[k];
+    out += collision_element(fmt::format("propeller_{}", k),
+                             box_geometry({side_m, side_m, kPlateThickness_m}),
+                             pose_element(flu(rotor.p_B), pointing(flu(rotor.e_B))));
+  }
+  return out;
+}
+
 /// Each of them is an entry of its own.
 using Parts = std::vector<std::string>;
 
@@ -162,6 +175,7 @@ std::string vehicle_sdf(const sim::Vehicle& vehicle, const std::string& name, Sd
   if (shapes.has_wing())
     link += collision_element("wing", box_geometry(shapes.wing_m)) +
             visual_element("wing", box_geometry(shapes.wing_m), "0.75 0.75 0.7 1");
+  link += propellers(propulsion);
   link += gear(vehicle.ground());
   return fmt::format(
       "<?xml version=\"1.0\"?>\n<sdf version=\"1.9\">\n  <model name=\"{}\" "

@@ -15,7 +15,7 @@ enum class SdfModel {
 /// A vehicle file as a model of the Simulation Description Format, SDF 1.9 (http://sdformat.org/spec).
 ///
 /// Link `base_link`: forward-left-up axes at the centre of mass, mass and inertia of the file. Collisions: a sphere
-/// inside each point of the gear, tangent to it; boxes for body and wing. The friction of the spheres is that of
+/// inside each point of the gear, tangent to it; boxes for body, wing and propellers (the square inside the disc). The friction of the spheres is that of
 /// the section `ground`; wheels roll along body x. Stiffness and damping are not written: engines differ in what they make of
 /// them.
 ///

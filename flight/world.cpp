@@ -26,6 +26,10 @@ sim::rc::Script pilot_script(const FlightSetup& setup) {
 
 std::unique_ptr<sim::PhysicsEngine> make_engine(const FlightSetup& setup) {
   const std::string& physics = setup.choice.physics;
+  const std::string& world = setup.choice.world;
+  if (!world.empty() && physics != "gazebo")
+    throw config::Error(
+        fmt::format("--world: found {} with --physics {}, allowed with gazebo", world, physics));
   const sim::BodyParameters& body = setup.vehicle.body();
   const double gravity_m_s2 = setup.vehicle.environment().gravity_m_s2;
   if (physics == "runge_kutta") return nullptr;
@@ -35,8 +39,10 @@ std::unique_ptr<sim::PhysicsEngine> make_engine(const FlightSetup& setup) {
     return std::make_unique<JsbsimEngine>(body, gravity_m_s2, JsbsimEngine::Options::of_project());
   }
   if (physics == "gazebo") {
+    GazeboEngine::Options options = GazeboEngine::Options::of_project();
+    options.world_file = world;
     return std::make_unique<GazeboEngine>(vehicle_sdf(setup.vehicle, "vehicle", SdfModel::kOneLink),
-                                          gravity_m_s2, GazeboEngine::Options::of_project());
+                                          gravity_m_s2, options);
   }
   throw config::Error(
       fmt::format("--physics: found {}, allowed {}", physics, fmt::join(kPhysics, ", ")));

@@ -12,7 +12,7 @@ import h7_figures
 import m7_figures
 import stages
 from bench_programs import (
-    counted, estimation_figure, faults, firmware_pass, fly_runs, fly_wall_s, fuzz_runs, fuzz_target, inference,
+    counted, dart_realtime_factor, estimation_figure, faults, firmware_pass, fly_runs, fly_wall_s, fuzz_runs, fuzz_target, inference,
     link_rate, load, log_share, loop_factor, mission_figure, number, properties, random_faults, ros_factor, round_trip, scale, seeds_failed, size, wind_limit,
     worst_over_mean)
 
@@ -47,6 +47,7 @@ def all_figures() -> list[Figure]:
                lambda: loop_factor("realtime_factor_ekf")),
         Figure("loop.realtime_factor_fixedwing", "s/s", ">= 500",
                lambda: loop_factor("realtime_factor_fixedwing")),
+        Figure("worlds.dart_realtime_factor", "s/s", ">= 100", dart_realtime_factor, "gazebo", on_request=True),
         Figure("firmware.object_bytes", "B", "<= 14000", lambda: size("firmware.object_bytes")),
         Figure("firmware.heap_allocations", "allocations", "= 0",
                lambda: size("firmware.heap_allocations")),

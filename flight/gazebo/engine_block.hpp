@@ -41,8 +41,9 @@ struct Block {
   Triple contact_torque_G;  ///< About the centre of mass.
   double
       approach_m_s;  ///< Largest speed of a point that touches, along the normal and towards the other body.
+  double normal_up;  ///< There: z of the normal of the surface, 1 on level ground, 0 at a wall.
   std::int32_t touches;
-  std::int32_t airframe_touches;  ///< Body or wing, not the gear.
+  std::int32_t airframe_touches;  ///< Body, wing or a propeller, not the gear.
   std::array<char, 64> other;     ///< Model of the world at the fastest of these points.
   std::array<char, 256> error;
 };

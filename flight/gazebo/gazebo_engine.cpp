@@ -126,6 +126,7 @@ void GazeboEngine::read_contact(const sim::Quaternion& q_WB) {
   contact_.touches = block_->touches != 0;
   contact_.airframe = block_->airframe_touches != 0;
   contact_.approach_m_s = block_->approach_m_s;
+  contact_.normal_up = block_->normal_up;
   block_->other.back() = '\0';
   contact_.other = block_->other.data();
   contact_.wrench.force_B = q_WB.conjugate() * enu(from_block(block_->contact_force_G));

@@ -22,6 +22,7 @@ class PhysicsEngine {
     Wrench wrench;             ///< On the body, mean over the step.
     bool airframe{false};      ///< More than the gear touches.
     double approach_m_s{0.0};  ///< Fastest approach of a point that touches, before the step.
+    double normal_up{0.0};     ///< There: 1 on level ground, 0 at a wall, negative under a roof.
     std::string_view other{};  ///< Name of what it touches there; valid until the next step.
   };
 

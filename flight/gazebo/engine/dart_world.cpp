@@ -79,38 +79,52 @@ struct DartWorld::Scene {
   }
 
   /// The engine makes no mesh from SDF by itself: each is read and attached.
-  void add_meshes(const sdf::Model& model, const std::filesystem::path& folder);
+  void add_meshes(const sdf::Model& model, const std::filesystem::path& world_file);
   void add_mesh(const LinkPtr& link, const sdf::Collision& collision,
-                const std::filesystem::path& folder) const;
+                const std::filesystem::path& folder, const std::string& where) const;
 };
 
 void DartWorld::Scene::add_mesh(const LinkPtr& link, const sdf::Collision& collision,
-                                const std::filesystem::path& folder) const {
+                                const std::filesystem::path& folder,
+                                const std::string& where) const {
   const sdf::Mesh& shape = *collision.Geom()->MeshShape();
   const std::string file = find_file(shape.Uri(), folder);
-  const gazebo_common::Mesh* mesh =
+  const gazebo_common::Mesh* read =
       file.empty() ? nullptr : gazebo_common::MeshManager::Instance()->Load(file);
-  if (mesh == nullptr)
-    throw std::runtime_error("found no mesh " + shape.Uri() + " that can be read, of collision " +
-                             collision.Name());
+  if (read == nullptr)
+    throw std::runtime_error(where + ": found no mesh " + shape.Uri() + " that can be read");
+  // dartsim ignores a part whose vertices have no normals, and then fails: it gets a copy that has them.
+  gazebo_common::Mesh mesh;
+  for (unsigned k = 0; k < read->SubMeshCount(); ++k) {
+    gazebo_common::SubMesh part(*read->SubMeshByIndex(k).lock());
+    if (part.SubMeshPrimitiveType() != gazebo_common::SubMesh::TRIANGLES ||
+        part.IndexCount() == 0 || part.IndexCount() % 3 != 0)
+      throw std::runtime_error(where + ": found a mesh " + shape.Uri() +
+                               " that is not of triangles");
+    while (part.NormalCount() < part.VertexCount()) part.AddNormal(0.0, 0.0, 1.0);
+    part.RecalculateNormals();
+    mesh.AddSubMesh(part);
+  }
   gazebo_math::Pose3d pose;
   if (!collision.SemanticPose().Resolve(pose).empty()) pose = collision.RawPose();
-  link->AttachMeshShape(collision.Name(), *mesh, isometry(pose),
+  link->AttachMeshShape(collision.Name(), mesh, isometry(pose),
                         {shape.Scale().X(), shape.Scale().Y(), shape.Scale().Z()});
 }
 
-void DartWorld::Scene::add_meshes(const sdf::Model& model, const std::filesystem::path& folder) {
+void DartWorld::Scene::add_meshes(const sdf::Model& model,
+                                  const std::filesystem::path& world_file) {
   for (std::uint64_t l = 0; l < model.LinkCount(); ++l) {
     const sdf::Link& link = *model.LinkByIndex(l);
     for (std::uint64_t c = 0; c < link.CollisionCount(); ++c) {
       const sdf::Collision& collision = *link.CollisionByIndex(c);
       const sdf::GeometryType type = collision.Geom()->Type();
-      const std::string where = model.Name() + "::" + link.Name() + "::" + collision.Name();
+      const std::string where =
+          world_file.string() + ": " + model.Name() + "::" + link.Name() + "::" + collision.Name();
       if (type == sdf::GeometryType::MESH) {
         const ModelPtr made = world->GetModel(model.Name());
         const LinkPtr made_link = made ? made->GetLink(link.Name()) : LinkPtr{};
-        if (!made_link) throw std::runtime_error("collision " + where + ": its link was not made");
-        add_mesh(made_link, collision, folder);
+        if (!made_link) throw std::runtime_error(where + ": its link was not made");
+        add_mesh(made_link, collision, world_file.parent_path(), where);
       } else if (type == sdf::GeometryType::HEIGHTMAP) {
         throw std::runtime_error(
             "collision " + where +
@@ -142,7 +156,7 @@ DartWorld::DartWorld(const std::string& model_sdf, const std::filesystem::path& 
   if (!scene_->world)
     throw std::runtime_error(world_file.string() + ": dartsim makes no world of it");
   for (std::uint64_t k = 0; k < world.ModelCount(); ++k)
-    scene_->add_meshes(*world.ModelByIndex(k), world_file.parent_path());
+    scene_->add_meshes(*world.ModelByIndex(k), world_file);
   scene_->world->SetGravity(Vector3d(0.0, 0.0, -gravity_m_s2));
   const ModelPtr vehicle = scene_->world->ConstructModel(*model.Model());
   if (vehicle) scene_->body = vehicle->GetLink(kBodyLink);
@@ -191,7 +205,7 @@ void DartWorld::move(Block& block) {
   Vector3d force = Vector3d::Zero();
   Vector3d torque = Vector3d::Zero();
   block.touches = block.airframe_touches = 0;
-  block.approach_m_s = 0.0;
+  block.approach_m_s = block.normal_up = 0.0;
   block.other.fill('\0');
   for (const auto& contact : scene.world->GetContactsFromLastStep()) {
     const auto& point = contact.Get<World::ContactPoint>();
@@ -208,6 +222,7 @@ void DartWorld::move(Block& block) {
     const double approach = -sign * v.dot(extra->normal);
     if (block.touches == 0 || approach > block.approach_m_s) {
       block.approach_m_s = std::max(approach, 0.0);
+      block.normal_up = sign * extra->normal.z();
       const std::string other = (ours ? second : first)->GetModel()->GetName();
       block.other.fill('\0');
       std::copy_n(other.begin(), std::min(other.size(), block.other.size() - 1),

@@ -4,7 +4,9 @@
 // gz-physics 7 with sdformat 14, whose names differ in their namespace.
 #ifdef ROSFLIGHT_GZ_PHYSICS
 #include <gz/common/Console.hh>
+#include <gz/common/Mesh.hh>
 #include <gz/common/MeshManager.hh>
+#include <gz/common/SubMesh.hh>
 #include <gz/physics/ForwardStep.hh>
 #include <gz/physics/FreeGroup.hh>
 #include <gz/physics/GetContacts.hh>
@@ -28,7 +30,9 @@ inline constexpr const char* kDartLibrary =
     GZ_PHYSICS_ENGINE_INSTALL_DIR "/libgz-physics7-dartsim-plugin.so";
 #else
 #include <ignition/common/Console.hh>
+#include <ignition/common/Mesh.hh>
 #include <ignition/common/MeshManager.hh>
+#include <ignition/common/SubMesh.hh>
 #include <ignition/physics/ForwardStep.hh>
 #include <ignition/physics/FreeGroup.hh>
 #include <ignition/physics/GetContacts.hh>
