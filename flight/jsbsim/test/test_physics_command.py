@@ -14,7 +14,8 @@ ROOT = Path(__file__).resolve().parents[3]
 PROGRAM = ROOT / os.environ.get("ROSFLIGHT_BUILD", "build/release") / "apps" / "rosflight"
 HOP = [PROGRAM, "fly", "--mission", "hop"]
 GAZEBO = ROOT / "build/gazebo/flight/gazebo/engine/gazebo_engine"
-ENGINES = ["jsbsim", pytest.param("gazebo", marks=pytest.mark.skipif(not GAZEBO.exists(), reason="gazebo_engine is not built"))]
+WITH_GAZEBO = pytest.mark.skipif(not GAZEBO.exists(), reason="gazebo_engine is not built")
+ENGINES = ["jsbsim", pytest.param("gazebo", marks=WITH_GAZEBO)]
 
 
 def fly(folder: Path, *words):
@@ -74,6 +75,9 @@ def test_no_process_is_left_behind(end, engine, tmp_path):
     (["--physics", "bullet"], "--physics: found bullet, allowed runge_kutta, runge_kutta_held, jsbsim, gazebo"),
     (["--physics", "jsbsim", "--set", "body.integration=frozen_forces"],
      "body.integration: found frozen_forces with a physics engine, allowed rk4"),
+    (["--world", "field.sdf"], "--world: found field.sdf with --physics runge_kutta, allowed with gazebo"),
+    pytest.param(["--physics", "gazebo", "--world", "/nowhere/field.sdf"], "--physics gazebo: /nowhere/field.sdf: found no such file",
+                 marks=WITH_GAZEBO),
 ])
 def test_bad_input_is_one_line_and_exit_code_2(words, said, tmp_path):
     done = subprocess.run([PROGRAM, "fly", "--out", tmp_path / "flight", *words], cwd=ROOT, capture_output=True, text=True)
