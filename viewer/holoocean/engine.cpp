@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "viewer/holoocean/engine.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "base/constants.hpp"
+
+namespace rosflight::viewer::holoocean {
+namespace {
+
+constexpr std::size_t kCommandBytes = 1'048'576;
+constexpr std::size_t kUavAction = 4;
+constexpr std::size_t kFixedWingAction = 8;
+constexpr std::uint8_t kWholeState = 15;  // the twelve numbers of AgentState
+constexpr int kResetTicks = 3;
+constexpr std::chrono::milliseconds kSlice{50};  // between two looks at the process
+
+std::string loading(const std::string& name) {
+  return "/HOLODECK_LOADING_SEM" + name;
+}
+std::string server(const std::string& name) {
+  return "/HOLODECK_SEMAPHORE_SERVER" + name;
+}
+std::string client(const std::string& name) {
+  return "/HOLODECK_SEMAPHORE_CLIENT" + name;
+}
+
+void clear(SharedBlock& block) {
+  std::memset(block.bytes().data(), 0, block.bytes().size());
+}
+
+void append_box(std::vector<std::string>& arguments, const char* name,
+                const std::optional<std::array<double, 3>>& corner) {
+  constexpr std::array<char, 3> kAxes{'X', 'Y', 'Z'};
+  if (!corner) return;
+  for (std::size_t i = 0; i < kAxes.size(); ++i) {
+    arguments.push_back(fmt::format("-{}{}={}", name, kAxes[i], config::number_text((*corner)[i])));
+  }
+}
+
+/// As the engine reads them, in its client's order.
+std::vector<std::string> program_arguments(const Scenario& scenario, const World& world,
+                                           const std::string& name, bool window) {
+  std::vector<std::string> arguments{
+      world.program.string(),
+      world.name,
+      "-HolodeckOn",
+      "-LOG=HolodeckLog.txt",
+      "-ForceRes",
+      fmt::format("-ResX={}", scenario.window_width_px),
+      fmt::format("-ResY={}", scenario.window_height_px),
+      "--HolodeckUUID=" + name,
+      fmt::format("-TicksPerSec={}", scenario.ticks_per_s),
+      fmt::format("-FramesPerSec={}", scenario.frames_per_s),
+  };
+  append_box(arguments, "EnvMin", scenario.env_min_m ? scenario.env_min_m : world.env_min_m);
+  append_box(arguments, "EnvMax", scenario.env_max_m ? scenario.env_max_m : world.env_max_m);
+  if (scenario.octree_min_m)
+    arguments.push_back("-OctreeMin=" + config::number_text(*scenario.octree_min_m));
+  if (scenario.octree_max_m)
+    arguments.push_back("-OctreeMax=" + config::number_text(*scenario.octree_max_m));
+  if (!window) arguments.emplace_back("-RenderOffScreen");
+  return arguments;
+}
+
+std::array<float, 3> triple(std::span<const std::byte> bytes) {
+  std::array<float, 3> values{};
+  std::memcpy(values.data(), bytes.data(), sizeof(values));
+  return values;
+}
+
+Image image(const SensorSetup& sensor, std::span<const std::byte> bytes) {
+  Image image{sensor.name, sensor.type, sensor.width_px, sensor.height_px, {}};
+  image.bgra.resize(bytes.size());
+  std::memcpy(image.bgra.data(), bytes.data(), bytes.size());
+  return image;
+}
+
+/// Before version 2.2 a ray that hits nothing has the maximum, since then -1.
+Ranges ranges(const SensorSetup& sensor, std::span<const std::byte> bytes) {
+  Ranges ranges{sensor.name, sensor.max_range_m, sensor.elevation_deg * base::kRadPerDeg, {}};
+  ranges.ranges_m.resize(static_cast<std::size_t>(sensor.rays));
+  std::memcpy(ranges.ranges_m.data(), bytes.data(), bytes.size());
+  const auto limit = static_cast<float>(sensor.max_range_m);
+  for (float& range : ranges.ranges_m) {
+    if (!(range >= 0.0F && range < limit)) range = std::numeric_limits<float>::infinity();
+  }
+  return ranges;
+}
+
+}  // namespace
+
+double depth_m(const Image& image, int column, int row) {
+  constexpr double kScale_m = 1000.0 / ((1 << 24) - 1);
+  const auto at = 4U * (static_cast<std::size_t>(row) * static_cast<std::size_t>(image.width_px) +
+                        static_cast<std::size_t>(column));
+  const std::uint8_t* const p = image.bgra.data() + at;  // blue, green, red
+  return kScale_m * (p[2] + 256.0 * p[1] + 65536.0 * p[0]);
+}
+
+Engine::Engine(const Scenario& scenario, Options options)
+    : scenario_{scenario}, options_{std::move(options)} {
+  remove_leftovers();
+  const bool attach = options_.world.program.empty();
+  if (!attach) {
+    if (options_.name.empty()) options_.name = unique_name();
+    start_program();
+  } else if (!Semaphore::exists(client(options_.name))) {
+    throw EngineError(
+        "found no running engine to attach to, allowed one that has loaded its world");
+  }
+  const std::string& name = options_.name;
+  reset_.emplace(name, "RESET", 1);
+  if (!reset_->lock())
+    throw EngineError("the engine named '" + name + "' is used by another client");
+  server_.emplace(server(name), Semaphore::Open::kExisting);
+  client_.emplace(client(name), Semaphore::Open::kExisting);
+  command_flag_.emplace(name, "command_bool", 1);
+  command_buffer_.emplace(name, "command_buffer", kCommandBytes);
+  if (attach) {  // the engine has opened these, and does not again for the next client
+    for (SharedBlock* block : {&*reset_, &*command_flag_, &*command_buffer_}) block->keep();
+  } else {
+    server_->remove_at_end();
+    client_->remove_at_end();
+  }
+  const bool wing = scenario_.agent_type == AgentType::kFixedWing;
+  const std::string& agent = scenario_.agent;
+  action_.emplace(name, agent, sizeof(float) * (wing ? kFixedWingAction : kUavAction));
+  scheme_.emplace(name, agent + "_control_scheme", 1);
+  teleport_flag_.emplace(name, agent + "_teleport_flag", 1);
+  teleport_.emplace(name, agent + "_teleport_command", sizeof(AgentState));
+  for (const SensorSetup& sensor : scenario_.sensors) {
+    sensor_blocks_.emplace(
+        sensor.name, SharedBlock(name, agent + "_" + sensor.name + "_sensor_data", sensor.bytes()));
+  }
+  wait(*client_, options_.tick_timeout, "its first turn");
+  has_turn_ = true;
+  if (!options_.window) queued_.push_back(render_viewport(false));
+  reset();
+  if (attach) {
+    queued_.push_back(adjust_frames_per_s(scenario_.frames_per_s));
+    queued_.push_back(adjust_ticks_per_s(scenario_.ticks_per_s));
+  }
+}
+
+Engine::~Engine() {
+  child_.stop();
+  // A running engine waits for a client: the turn stays for the next one.
+  if (options_.world.program.empty() && has_turn_) client_->post();
+}
+
+void Engine::start_program() {
+  const std::string& name = options_.name;
+  if (Semaphore::exists(server(name)) || Semaphore::exists(loading(name))) {
+    throw EngineError("there is an engine named '" + name + "' already");
+  }
+  Semaphore loaded(loading(name), Semaphore::Open::kNew);
+  child_.start(program_arguments(scenario_, options_.world, name, options_.window), {});
+  wait(loaded, options_.load_timeout, "its world to load");
+}
+
+void Engine::wait(Semaphore& semaphore, std::chrono::milliseconds timeout, const char* what) {
+  const auto end = std::chrono::steady_clock::now() + timeout;
+  while (!semaphore.wait_for(kSlice)) {
+    if (child_.running()) child_.check();
+    if (options_.interrupted && options_.interrupted()) throw EngineError("interrupted");
+    if (std::chrono::steady_clock::now() < end) continue;
+    const std::string why =
+        fmt::format("waited {:g} s for {}", 1e-3 * static_cast<double>(timeout.count()), what);
+    if (child_.running()) child_.give_up(why);
+    throw EngineError(why);
+  }
+}
+
+void Engine::bare_tick() {
+  if (!queued_.empty()) {
+    const std::string text = command_text(queued_);
+    if (text.size() > command_buffer_->bytes().size()) throw EngineError("too many commands");
+    std::memcpy(command_buffer_->bytes().data(), text.data(), text.size());
+    command_flag_->set_flag(1);
+    queued_.clear();
+  }
+  has_turn_ = false;
+  server_->post();
+  wait(*client_, options_.tick_timeout, "a tick");
+  has_turn_ = true;
+}
+
+void Engine::reset() {
+  teleport_flag_->set_flag(0);
+  clear(*action_);
+  scheme_->set_flag(static_cast<std::uint8_t>(scenario_.control_scheme));
+  reset_->set_flag(1);
+  for (int i = 0; i < kResetTicks; ++i) bare_tick();
+  queued_.push_back(spawn_agent(scenario_));
+  for (const SensorSetup& sensor : scenario_.sensors)
+    queued_.push_back(add_sensor(scenario_, sensor));
+  for (int i = 0; i <= options_.world.pre_start_steps; ++i) bare_tick();
+  tick_ = 0;
+}
+
+SensorFrame Engine::tick(sim::Time t, const sim::BodyState& body) {
+  const AgentState state = agent_state(body, scenario_.location_m, 1.0 / scenario_.ticks_per_s);
+  std::memcpy(teleport_->bytes().data(), &state, sizeof(state));
+  teleport_flag_->set_flag(kWholeState);  // last: the numbers are complete
+  bare_tick();
+  SensorFrame frame;
+  frame.time = t;
+  frame.tick = ++tick_;
+  for (const SensorSetup& sensor : scenario_.sensors) {
+    if (tick_ % static_cast<std::uint64_t>(sensor.ticks_per_sample) == 0) read(frame, sensor);
+  }
+  return frame;
+}
+
+void Engine::read(SensorFrame& frame, const SensorSetup& sensor) const {
+  const std::span<const std::byte> bytes = sensor_blocks_.at(sensor.name).bytes();
+  switch (sensor.type) {
+    case SensorType::kLocation:
+      frame.p_W = position_W(triple(bytes), scenario_.location_m);
+      break;
+    case SensorType::kRotation:
+      frame.q_WB = attitude_WB(triple(bytes));
+      break;
+    case SensorType::kVelocity:
+      frame.v_W = velocity_W(triple(bytes));
+      break;
+    case SensorType::kCollision:
+      frame.in_contact = bytes.front() != std::byte{0};
+      break;
+    case SensorType::kRangeFinder:
+      frame.ranges.push_back(ranges(sensor, bytes));
+      break;
+    case SensorType::kRgbCamera:
+    case SensorType::kDepthCamera:
+    case SensorType::kSegmentationCamera:
+      frame.images.push_back(image(sensor, bytes));
+      break;
+  }
+}
+
+}  // namespace rosflight::viewer::holoocean
