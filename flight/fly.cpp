@@ -104,6 +104,7 @@ FlightSummary fly(const FlyOptions& options) {
   if (paced && parts.time == nullptr) parts.time = &pace;
   const sim::TimeSource* const parts_time = parts.time;
   const auto flight = std::make_unique<Flight>(*setup, std::move(parts));
+  for (sim::Visualiser* const visualiser : options.visualisers) flight->add(*visualiser);
   const fs::path folder = options.leave_folder ? make_flight_folder(options.folder) : fs::path{};
   const std::unique_ptr<FlightPage> page = page_for(options, *setup, folder);
   FlightRecorder recorder(*flight, folder / "flight.mcap", log_level(options.log),

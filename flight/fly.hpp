@@ -29,6 +29,7 @@ struct FlyOptions {
   std::function<void(const FlightNote&)> on_note;  ///< Each note of the flight.
   std::function<void(const Flight&)> on_step;      ///< After each step.
   log::LogObserver* observer{nullptr};             ///< Sees what is logged; may be none.
+  std::vector<sim::Visualiser*> visualisers;       ///< See the truth; must outlive the flight.
   Commander* commander{nullptr};                   ///< May be none.
   /// Asked before each step; true ends the flight, and its folder is written as of any other.
   std::function<bool()> interrupted;

@@ -31,6 +31,10 @@ std::string client(const std::string& name) {
   return "/HOLODECK_SEMAPHORE_CLIENT" + name;
 }
 
+std::string taken(const std::string& name) {
+  return "the engine named '" + name + "' is used by another client";
+}
+
 void clear(SharedBlock& block) {
   std::memset(block.bytes().data(), 0, block.bytes().size());
 }
@@ -104,21 +108,35 @@ double depth_m(const Image& image, int column, int row) {
   return kScale_m * (p[2] + 256.0 * p[1] + 65536.0 * p[0]);
 }
 
+void check_available(const Engine::Options& options) {
+  const std::string& name = options.name;
+  if (!options.world.program.empty()) {
+    if (name.empty()) return;  // a new one is made
+    if (Semaphore::exists(server(name)) || Semaphore::exists(loading(name)))
+      throw EngineError("there is an engine named '" + name + "' already");
+    return;
+  }
+  if (!Semaphore::exists(client(name))) {
+    throw EngineError(
+        "found no running engine to attach to, allowed one that has loaded its world");
+  }
+  SharedBlock reset(name, "RESET", 1);
+  reset.keep();
+  if (!reset.lock()) throw EngineError(taken(name));
+}
+
 Engine::Engine(const Scenario& scenario, Options options)
     : scenario_{scenario}, options_{std::move(options)} {
   remove_leftovers();
+  check_available(options_);
   const bool attach = options_.world.program.empty();
   if (!attach) {
     if (options_.name.empty()) options_.name = unique_name();
     start_program();
-  } else if (!Semaphore::exists(client(options_.name))) {
-    throw EngineError(
-        "found no running engine to attach to, allowed one that has loaded its world");
   }
   const std::string& name = options_.name;
   reset_.emplace(name, "RESET", 1);
-  if (!reset_->lock())
-    throw EngineError("the engine named '" + name + "' is used by another client");
+  if (!reset_->lock()) throw EngineError(taken(name));
   server_.emplace(server(name), Semaphore::Open::kExisting);
   client_.emplace(client(name), Semaphore::Open::kExisting);
   command_flag_.emplace(name, "command_bool", 1);
@@ -157,9 +175,6 @@ Engine::~Engine() {
 
 void Engine::start_program() {
   const std::string& name = options_.name;
-  if (Semaphore::exists(server(name)) || Semaphore::exists(loading(name))) {
-    throw EngineError("there is an engine named '" + name + "' already");
-  }
   Semaphore loaded(loading(name), Semaphore::Open::kNew);
   child_.start(program_arguments(scenario_, options_.world, name, options_.window), {});
   wait(loaded, options_.load_timeout, "its world to load");

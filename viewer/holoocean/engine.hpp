@@ -68,4 +68,8 @@ class Engine {
   bool has_turn_{false};
 };
 
+/// Looks, before an engine is started or attached to, whether that is possible.
+/// @throws EngineError  there is an engine of this name already, none to attach to, or it has another client.
+void check_available(const Engine::Options& options);
+
 }  // namespace rosflight::viewer::holoocean

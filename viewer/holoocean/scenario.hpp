@@ -40,7 +40,7 @@ struct SensorSetup {
   int height_px{};  ///< A pixel has 4 bytes.
   int rays{};  ///< Range finder only, like the next two. Evenly over 360 degrees, the first forward.
   double max_range_m{};       ///< A ray that hits nothing within it has no range.
-  double elevation_deg{};     ///< Of the rays above the horizon of the sensor; -90 is down.
+  double elevation_deg{};     ///< Angle of the rays above the horizon of the sensor; -90 is down.
   std::string configuration;  ///< JSON text for the engine.
 
   /// Size of its shared memory block.

@@ -35,6 +35,8 @@ Visualiser::~Visualiser() {
 }
 
 void Visualiser::step(const sim::Truth& truth, const hal::OutputValues& /*outputs*/) {
+  if (truth.time < last_) next_tick_ = 0;  // another flight
+  last_ = truth.time;
   // Tick n belongs to the first step at or after n / ticks_per_s.
   if (truth.time.count() * scenario_.ticks_per_s < next_tick_ * kUsPerS) return;
   next_tick_ = truth.time.count() * scenario_.ticks_per_s / kUsPerS + 1;
@@ -72,6 +74,11 @@ bool Visualiser::started() const {
   return started_ || counts_.failed;
 }
 
+void Visualiser::wait_until_started() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return started_ || counts_.failed || closing_; });
+}
+
 bool Visualiser::interrupted() const {
   const std::lock_guard lock(mutex_);
   return closing_;
@@ -80,11 +87,12 @@ bool Visualiser::interrupted() const {
 void Visualiser::run() {
   try {
     Engine engine(scenario_, options_);
+    if (receivers_.note) receivers_.note("the engine has loaded its world");
     {
       const std::lock_guard lock(mutex_);
       started_ = true;
+      changed_.notify_all();
     }
-    if (receivers_.note) receivers_.note("the engine has loaded its world");
     serve(engine);
   } catch (const std::exception& error) {
     fail(error.what());

@@ -46,6 +46,7 @@ class Visualiser final : public sim::Visualiser {
   Counts counts() const;
   /// The engine has loaded the level, or failed to.
   bool started() const;
+  void wait_until_started();
 
  private:
   struct State {
@@ -61,7 +62,8 @@ class Visualiser final : public sim::Visualiser {
   Engine::Options options_;
   const Pace pace_;
   const Receivers receivers_;
-  std::int64_t next_tick_{0};  ///< Of the flight's thread.
+  std::int64_t next_tick_{0};  ///< Used by the flight's thread alone, like the next.
+  sim::Time last_{};
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<State> pending_;

@@ -88,6 +88,7 @@ def to_degrees(m):
 class Sensor:
     def __init__(self, engine, name, kind, configuration, offset, angles):
         self.kind, self.offset, self.turn = kind, offset, from_degrees(*angles)
+        self.pixels = None
         settings = json.loads(configuration) if configuration else {}
         self.every = settings.get("TicksPerCapture", 1)
         self.width, self.height = settings.get("CaptureWidth", 256), settings.get("CaptureHeight", 256)
@@ -111,7 +112,10 @@ class Sensor:
             codes = (round(10 * (c + 1) / 1000 * (2 ** 24 - 1)) for c in range(self.width))
             row = b"".join(bytes([code >> 16, code >> 8 & 255, code & 255, 255]) for code in codes)  # blue has the high byte
             return row * self.height
-        return b"".join(bytes([c & 255, r & 255, tick & 255, 255]) for r in range(self.height) for c in range(self.width))
+        if self.pixels is None:
+            self.pixels = bytearray(b"".join(bytes([c & 255, r & 255, 0, 255]) for r in range(self.height) for c in range(self.width)))
+        self.pixels[2::4] = bytes([tick & 255]) * (self.width * self.height)
+        return bytes(self.pixels)
 
     def distances(self, agent):
         start = [p + d for p, d in zip(agent.position, apply(agent.attitude, self.offset), strict=True)]

@@ -81,6 +81,23 @@ TEST(HoloOceanVisualiser, ASlowEngineSkipsStatesAndStampsStayRight) {
     EXPECT_NEAR(frame.p_W->x(), 10.0 * sim::to_seconds(frame.time), 1e-4);
 }
 
+TEST(HoloOceanVisualiser, TheNextFlightIsShownToo) {
+  const StandIn standin;
+  const Scenario shown = scenario();
+  Engine::Options options;
+  options.world = standin.world(shown);
+  std::vector<sim::Time> times;
+  Visualiser visualiser(shown, options, Visualiser::Pace::kWait,
+                        {[&times](SensorFrame&& frame) { times.push_back(frame.time); }, {}});
+  sim::Truth truth;
+  for (const sim::Time t : {2500us, 40'000us, 10'000'000us, 2500us, 40'000us}) {
+    truth.time = t;
+    visualiser.step(truth, {});
+  }
+  visualiser.close();
+  EXPECT_EQ(times.size(), 5U);
+}
+
 TEST(HoloOceanVisualiser, ContactIsCountedAndReportedOnly) {
   const StandIn standin;
   const Show show(standin, Visualiser::Pace::kWait, 0.5, -1.0);
