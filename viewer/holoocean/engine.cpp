@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "base/constants.hpp"
@@ -21,18 +22,22 @@ constexpr std::uint8_t kWholeState = 15;  // the twelve numbers of AgentState
 constexpr int kResetTicks = 3;
 constexpr std::chrono::milliseconds kSlice{50};  // between two looks at the process
 
-std::string loading(const std::string& name) {
+std::string loading_path(const std::string& name) {
   return "/HOLODECK_LOADING_SEM" + name;
 }
-std::string server(const std::string& name) {
+std::string server_path(const std::string& name) {
   return "/HOLODECK_SEMAPHORE_SERVER" + name;
 }
-std::string client(const std::string& name) {
+std::string client_path(const std::string& name) {
   return "/HOLODECK_SEMAPHORE_CLIENT" + name;
 }
 
 std::string taken(const std::string& name) {
   return "the engine named '" + name + "' is used by another client";
+}
+
+std::size_t action_size(AgentType agent) {
+  return agent == AgentType::kFixedWing ? kFixedWingAction : kUavAction;
 }
 
 void clear(SharedBlock& block) {
@@ -93,7 +98,8 @@ Ranges ranges(const SensorSetup& sensor, std::span<const std::byte> bytes) {
   std::memcpy(ranges.ranges_m.data(), bytes.data(), bytes.size());
   const auto limit = static_cast<float>(sensor.max_range_m);
   for (float& range : ranges.ranges_m) {
-    if (!(range >= 0.0F && range < limit)) range = std::numeric_limits<float>::infinity();
+    const bool hit = range >= 0.0F && range < limit;
+    if (!hit) range = std::numeric_limits<float>::infinity();
   }
   return ranges;
 }
@@ -108,15 +114,51 @@ double depth_m(const Image& image, int column, int row) {
   return kScale_m * (p[2] + 256.0 * p[1] + 65536.0 * p[0]);
 }
 
+/// Everything by the engine's names, mapped once it has loaded its world.
+struct Engine::Shared {
+  Shared(const std::string& name, const Scenario& scenario)
+      : reset{name, "RESET", 1},
+        server{server_path(name), Semaphore::Open::kExisting},
+        client{client_path(name), Semaphore::Open::kExisting},
+        command_flag{name, "command_bool", 1},
+        command_buffer{name, "command_buffer", kCommandBytes},
+        action{name, scenario.agent, sizeof(float) * action_size(scenario.agent_type)},
+        scheme{name, scenario.agent + "_control_scheme", 1},
+        teleport_flag{name, scenario.agent + "_teleport_flag", 1},
+        teleport{name, scenario.agent + "_teleport_command", sizeof(AgentState)} {
+    if (!reset.lock()) {
+      reset.keep();
+      throw EngineError(taken(name));
+    }
+    for (const SensorSetup& sensor : scenario.sensors) {
+      const std::string key = scenario.agent + "_" + sensor.name + "_sensor_data";
+      sensors.emplace(sensor.name, SharedBlock(name, key, sensor.bytes()));
+    }
+  }
+  void remove_at_end() {
+    server.remove_at_end();
+    client.remove_at_end();
+  }
+  /// A running engine has opened these, and does not again for its next client.
+  void leave_to_the_next() {
+    for (SharedBlock* block : {&reset, &command_flag, &command_buffer}) block->keep();
+  }
+
+  SharedBlock reset;
+  Semaphore server, client;
+  SharedBlock command_flag, command_buffer, action, scheme, teleport_flag, teleport;
+  std::map<std::string, SharedBlock> sensors;
+};
+
 void check_available(const Engine::Options& options) {
   const std::string& name = options.name;
   if (!options.world.program.empty()) {
     if (name.empty()) return;  // a new one is made
-    if (Semaphore::exists(server(name)) || Semaphore::exists(loading(name)))
+    if (Semaphore::exists(server_path(name)) || Semaphore::exists(loading_path(name)))
       throw EngineError("there is an engine named '" + name + "' already");
     return;
   }
-  if (!Semaphore::exists(client(name))) {
+  if (!Semaphore::exists(client_path(name))) {
     throw EngineError(
         "found no running engine to attach to, allowed one that has loaded its world");
   }
@@ -134,30 +176,9 @@ Engine::Engine(const Scenario& scenario, Options options)
     if (options_.name.empty()) options_.name = unique_name();
     start_program();
   }
-  const std::string& name = options_.name;
-  reset_.emplace(name, "RESET", 1);
-  if (!reset_->lock()) throw EngineError(taken(name));
-  server_.emplace(server(name), Semaphore::Open::kExisting);
-  client_.emplace(client(name), Semaphore::Open::kExisting);
-  command_flag_.emplace(name, "command_bool", 1);
-  command_buffer_.emplace(name, "command_buffer", kCommandBytes);
-  if (attach) {  // the engine has opened these, and does not again for the next client
-    for (SharedBlock* block : {&*reset_, &*command_flag_, &*command_buffer_}) block->keep();
-  } else {
-    server_->remove_at_end();
-    client_->remove_at_end();
-  }
-  const bool wing = scenario_.agent_type == AgentType::kFixedWing;
-  const std::string& agent = scenario_.agent;
-  action_.emplace(name, agent, sizeof(float) * (wing ? kFixedWingAction : kUavAction));
-  scheme_.emplace(name, agent + "_control_scheme", 1);
-  teleport_flag_.emplace(name, agent + "_teleport_flag", 1);
-  teleport_.emplace(name, agent + "_teleport_command", sizeof(AgentState));
-  for (const SensorSetup& sensor : scenario_.sensors) {
-    sensor_blocks_.emplace(
-        sensor.name, SharedBlock(name, agent + "_" + sensor.name + "_sensor_data", sensor.bytes()));
-  }
-  wait(*client_, options_.tick_timeout, "its first turn");
+  shared_ = std::make_unique<Shared>(options_.name, scenario_);
+  attach ? shared_->leave_to_the_next() : shared_->remove_at_end();
+  wait(shared_->client, options_.tick_timeout, "its first turn");
   has_turn_ = true;
   if (!options_.window) queued_.push_back(render_viewport(false));
   reset();
@@ -170,12 +191,12 @@ Engine::Engine(const Scenario& scenario, Options options)
 Engine::~Engine() {
   child_.stop();
   // A running engine waits for a client: the turn stays for the next one.
-  if (options_.world.program.empty() && has_turn_) client_->post();
+  if (options_.world.program.empty() && has_turn_) shared_->client.post();
 }
 
 void Engine::start_program() {
   const std::string& name = options_.name;
-  Semaphore loaded(loading(name), Semaphore::Open::kNew);
+  Semaphore loaded(loading_path(name), Semaphore::Open::kNew);
   child_.start(program_arguments(scenario_, options_.world, name, options_.window), {});
   wait(loaded, options_.load_timeout, "its world to load");
 }
@@ -196,22 +217,23 @@ void Engine::wait(Semaphore& semaphore, std::chrono::milliseconds timeout, const
 void Engine::bare_tick() {
   if (!queued_.empty()) {
     const std::string text = command_text(queued_);
-    if (text.size() > command_buffer_->bytes().size()) throw EngineError("too many commands");
-    std::memcpy(command_buffer_->bytes().data(), text.data(), text.size());
-    command_flag_->set_flag(1);
+    if (text.size() > shared_->command_buffer.bytes().size())
+      throw EngineError("too many commands");
+    std::memcpy(shared_->command_buffer.bytes().data(), text.data(), text.size());
+    shared_->command_flag.set_flag(1);
     queued_.clear();
   }
   has_turn_ = false;
-  server_->post();
-  wait(*client_, options_.tick_timeout, "a tick");
+  shared_->server.post();
+  wait(shared_->client, options_.tick_timeout, "a tick");
   has_turn_ = true;
 }
 
 void Engine::reset() {
-  teleport_flag_->set_flag(0);
-  clear(*action_);
-  scheme_->set_flag(static_cast<std::uint8_t>(scenario_.control_scheme));
-  reset_->set_flag(1);
+  shared_->teleport_flag.set_flag(0);
+  clear(shared_->action);
+  shared_->scheme.set_flag(static_cast<std::uint8_t>(scenario_.control_scheme));
+  shared_->reset.set_flag(1);
   for (int i = 0; i < kResetTicks; ++i) bare_tick();
   queued_.push_back(spawn_agent(scenario_));
   for (const SensorSetup& sensor : scenario_.sensors)
@@ -222,8 +244,8 @@ void Engine::reset() {
 
 SensorFrame Engine::tick(sim::Time t, const sim::BodyState& body) {
   const AgentState state = agent_state(body, scenario_.location_m, 1.0 / scenario_.ticks_per_s);
-  std::memcpy(teleport_->bytes().data(), &state, sizeof(state));
-  teleport_flag_->set_flag(kWholeState);  // last: the numbers are complete
+  std::memcpy(shared_->teleport.bytes().data(), &state, sizeof(state));
+  shared_->teleport_flag.set_flag(kWholeState);  // last: the numbers are complete
   bare_tick();
   SensorFrame frame;
   frame.time = t;
@@ -235,7 +257,7 @@ SensorFrame Engine::tick(sim::Time t, const sim::BodyState& body) {
 }
 
 void Engine::read(SensorFrame& frame, const SensorSetup& sensor) const {
-  const std::span<const std::byte> bytes = sensor_blocks_.at(sensor.name).bytes();
+  const std::span<const std::byte> bytes = shared_->sensors.at(sensor.name).bytes();
   switch (sensor.type) {
     case SensorType::kLocation:
       frame.p_W = position_W(triple(bytes), scenario_.location_m);

@@ -4,8 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <map>
-#include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -51,6 +50,7 @@ class Engine {
   const std::string& name() const { return options_.name; }
 
  private:
+  struct Shared;  ///< Semaphores and blocks.
   void start_program();
   void wait(Semaphore& semaphore, std::chrono::milliseconds timeout, const char* what);
   void bare_tick();
@@ -59,10 +59,7 @@ class Engine {
   Scenario scenario_;
   Options options_;
   boards::ChildProcess child_{"holoocean"};
-  std::optional<Semaphore> server_, client_;
-  std::optional<SharedBlock> reset_, command_flag_, command_buffer_, action_, scheme_,
-      teleport_flag_, teleport_;
-  std::map<std::string, SharedBlock> sensor_blocks_;
+  std::unique_ptr<Shared> shared_;
   std::vector<Command> queued_;
   std::uint64_t tick_{0};
   bool has_turn_{false};

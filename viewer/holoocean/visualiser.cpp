@@ -106,8 +106,9 @@ void Visualiser::serve(Engine& engine) {
     {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, [this] { return pending_ || closing_; });
-      if (closing_) return;
-      state = *std::exchange(pending_, std::nullopt);
+      if (closing_ || !pending_) return;
+      state = *pending_;
+      pending_.reset();
       reset = std::exchange(reset_, false);
       busy_ = true;
     }

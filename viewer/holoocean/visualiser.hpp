@@ -26,9 +26,9 @@ class Visualiser final : public sim::Visualiser {
   };
   /// Both are called in the thread of the engine.
   struct Receivers {
-    std::function<void(SensorFrame&&)> frame{};
+    std::function<void(SensorFrame&&)> frame;
     /// The engine started, or it failed: one line.
-    std::function<void(const std::string&)> note{};
+    std::function<void(const std::string&)> note;
   };
   struct Counts {
     std::uint64_t ticks{}, skipped{}, images{}, contacts{};
