@@ -49,7 +49,7 @@ MAY_INCLUDE = {
     "ros/rosflight_demos": [],
     "ros/rosflight_gcs": ["ros/rosflight_common"],
     "ros/rosflight_io": ["ros/rosflight_common", "companion", "ground/parameter_info.hpp", "link", "messages"],
-    "ros/rosflight_sim": ["ros/rosflight_common", "sim", "config", "companion", "link", "messages", "firmware/hal", "firmware/core",
+    "ros/rosflight_sim": ["ros/rosflight_common", "viewer/holoocean", "sim", "config", "companion", "link", "messages", "firmware/hal", "firmware/core",
                           "firmware/boards", "flight/vehicle/vehicle_setup.hpp"],
     "ros/rosplane": ["ros/rosflight_common", "autonomy", "config", "flight/vehicle/vehicle_setup.hpp"],
     "ros_standin": [],
