@@ -9,7 +9,7 @@ MissionRunnerConfig runner_config(const FlightSetup& setup) {
   config.on_truth = setup.choice.state == "truth";
   config.share_attitude = setup.estimator.share_attitude;
   config.pilot_stick = setup.choice.pilot == "idle" ? 0.0 : setup.hover_throttle;
-  config.calibrate_airspeed = setup.fixed_wing();
+  config.calibrate_airspeed = setup.winged();
   return config;
 }
 

@@ -28,6 +28,9 @@ std::unique_ptr<Guidance> make_guidance(const FlightSetup& setup) {
   if (const auto* fixedwing = std::get_if<FixedWingPlan>(&setup.plan)) {
     return std::make_unique<FixedWingGuidance>(fixedwing->autonomy.flight, fixedwing->mission);
   }
+  if (const auto* quadplane = std::get_if<QuadplanePlan>(&setup.plan)) {
+    return std::make_unique<QuadplaneGuidance>(quadplane->autonomy.flight, quadplane->mission);
+  }
   const auto& rotors = std::get<MultirotorPlan>(setup.plan);
   return std::make_unique<MultirotorGuidance>(rotors.autonomy.flight, rotors.mission);
 }
@@ -130,8 +133,8 @@ void Flight::Loop::before_step(sim::Time t) {
     tracking.add((dynamics.truth().body.p_W - output.setpoint.p_W).norm());
     own_tracking.add((seen_position_W() - output.setpoint.p_W).head<2>().norm());
   }
-  if (fixedwing_record) sensors.set_pitot_covered(runner.stage() < Stage::kArm);
-  if (fixedwing_record && runner.stage() == Stage::kFly) {
+  if (setup.winged()) sensors.set_pitot_covered(runner.stage() < Stage::kArm);
+  if (setup.winged() && runner.stage() == Stage::kFly) {
     dynamics.set_held(guidance->output().idle && !guidance->output().landed);
     if (fixedwing_guidance != nullptr) {
       fixedwing_record->step(dynamics.truth(), seen_position_W(), fixedwing_guidance->details());

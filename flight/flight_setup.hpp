@@ -7,6 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "autonomy/quadplane/mission.hpp"
+#include "flight/vehicle/quadplane_setup.hpp"
 #include "flight/vehicle/vehicle_setup.hpp"
 #include "flight/waypoint_score.hpp"
 #include "sim/faults.hpp"
@@ -58,6 +60,11 @@ struct FixedWingPlan {
   autonomy::fixedwing::AutonomyConfig autonomy;
   autonomy::fixedwing::Mission mission;
 };
+struct QuadplanePlan {
+  autonomy::quadplane::AutonomyConfig autonomy;
+  autonomy::quadplane::Mission mission;
+};
+using Plan = std::variant<MultirotorPlan, FixedWingPlan, QuadplanePlan>;
 
 /// A waypoint as score and report see it.
 struct ShownWaypoint {
@@ -81,7 +88,7 @@ struct FlightSetup {
   autonomy::estimation::EstimatorConfig estimator;
   std::string mission_file;
   std::string mission_text;
-  std::variant<MultirotorPlan, FixedWingPlan> plan;
+  Plan plan;
   std::vector<ShownWaypoint> waypoints;
   double score_radius_m{};  ///< How near the truth must pass each of them.
   double hover_throttle{};  ///< Stick that carries the vehicle: hovering, or in cruise.
@@ -89,6 +96,8 @@ struct FlightSetup {
   sim::FaultSchedule faults;
 
   bool fixed_wing() const { return std::holds_alternative<FixedWingPlan>(plan); }
+  bool quadplane() const { return std::holds_alternative<QuadplanePlan>(plan); }
+  bool winged() const { return fixed_wing() || quadplane(); }
 
   /// @throws config::Error  this vehicle has no such motor or surface.
   void check(const sim::Fault& fault) const;

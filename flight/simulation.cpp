@@ -71,7 +71,7 @@ class Simulation::Loop final : public World, private sim::LockStepListener {
         estimator{make_link_estimator(setup, session)},
         lock_step{fast, rc, sensors, autopilot, dynamics} {
     lock_step.set_listener(this);
-    if (setup.fixed_wing()) sensors.set_pitot_covered(true);
+    if (setup.winged()) sensors.set_pitot_covered(true);
     autopilot.start(lock_step.now());
   }
 
@@ -205,7 +205,7 @@ void Simulation::start(const std::function<bool()>& stop) {
   loop_->runner = std::make_unique<MissionRunner>(config, loop_->session, loop_->pilot, guidance,
                                                   *loop_->estimator);
   while (loop_->runner->stage() < Stage::kFly && !(stop && stop())) {
-    loop_->sensors.set_pitot_covered(setup().fixed_wing() && loop_->runner->stage() < Stage::kArm);
+    loop_->sensors.set_pitot_covered(setup().winged() && loop_->runner->stage() < Stage::kArm);
     loop_->lock_step.step();
   }
   const std::unique_ptr<MissionRunner> runner = std::move(loop_->runner);

@@ -73,11 +73,11 @@ World::World(const FlightSetup& flight_setup)
       rc{pilot, faults},
       cable{random} {
   if (engine) dynamics.set_engine(*engine);
-  if (setup.fixed_wing()) face_the_wind();
+  if (setup.winged()) face_the_wind();
 }
 
-/// A fixed wing takes off against the wind, if the wind exceeds kCalm_m_s. It is held until then,
-/// with a cover on its pitot tube while it is set up.
+/// An aircraft with a wing takes off against the wind, if the wind exceeds kCalm_m_s. It is held until
+/// then, with a cover on its pitot tube while it is set up.
 void World::face_the_wind() {
   constexpr double kCalm_m_s = 2.0;
   dynamics.set_held(true);

@@ -105,7 +105,7 @@ class Registry {
                                                 const RandomSource& random) const;
 };
 
-/// Adds the forces-and-moments modules of this folder: "multirotor", "fixedwing".
+/// Adds the forces-and-moments modules of this folder: "multirotor", "fixedwing", "quadplane".
 void register_physics(Registry& registry);
 
 }  // namespace rosflight::sim

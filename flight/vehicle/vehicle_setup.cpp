@@ -11,8 +11,10 @@
 #include "firmware/core/motor_model.hpp"
 #include "firmware/core/parameters.hpp"
 #include "flight/vehicle/frame.hpp"
+#include "flight/vehicle/quadplane_setup.hpp"
 #include "sim/environment/magnetic_model.hpp"
 #include "sim/fixedwing/fixedwing.hpp"
+#include "sim/quadplane/quadplane.hpp"
 
 namespace rosflight::flight {
 namespace {
@@ -79,7 +81,7 @@ double height_at_rest_m(const sim::Vehicle& vehicle) {
 autonomy::estimation::AirModel air_model(const sim::Vehicle& vehicle) {
   autonomy::estimation::AirModel air;
   const double mass_kg = vehicle.body().mass_kg;
-  if (is_fixed_wing(vehicle)) {
+  if (is_fixed_wing(vehicle) || is_quadplane(vehicle)) {
     const sim::AirframeParameters wing = sim::read_fixed_wing(vehicle.root()).airframe;
     air.side_area_m2_kg = std::max(0.0, -wing.side.beta) * wing.area_m2 / mass_kg;
     air.lift = {wing.area_m2 / mass_kg, wing.lift.zero, wing.lift.alpha};
@@ -154,6 +156,7 @@ autonomy::BatteryConfig battery_facts(const sim::BatteryParameters& battery) {
 
 sim::MultirotorParameters read_rotors(const sim::Vehicle& vehicle) {
   if (is_fixed_wing(vehicle)) return sim::read_fixed_wing(vehicle.root()).propulsion;
+  if (is_quadplane(vehicle)) return sim::read_quadplane(vehicle.root()).propulsion;
   return sim::read_multirotor(vehicle.root());
 }
 
@@ -170,6 +173,12 @@ companion::ParameterSet read_firmware_parameters(const sim::Vehicle& vehicle) {
     set.push_back(written_parameter(section, name));
   }
   if (!vehicle.root().has("rotors")) return set;  // forces of a plugin
+  if (from_geometry && is_quadplane(vehicle)) {
+    for (const companion::NamedValue& entry : quadplane_mixers(vehicle)) {
+      if (entry.name == "PRIMARY_MIXER" || !section.has(entry.name)) set.push_back(entry);
+    }
+    return set;
+  }
   const companion::ParameterSet known =
       from_geometry ? mixer_parameters(vehicle_frame(vehicle), MixerTarget::kPrimary)
                     : motor_parameters(propulsion_frame(vehicle));

@@ -180,7 +180,8 @@ TEST(Registry, FindsVehiclesByNameAndByPath) {
 TEST(Registry, KnowsEachNameOnce) {
   Registry registry;
   register_physics(registry);
-  EXPECT_EQ(registry.forces.names(), (std::vector<std::string>{"fixedwing", "multirotor"}));
+  EXPECT_EQ(registry.forces.names(),
+            (std::vector<std::string>{"fixedwing", "multirotor", "quadplane"}));
   EXPECT_EQ(message_of([&] { register_physics(registry); }),
             "type fixedwing: found a second one, allowed one of a name");
   EXPECT_EQ(message_of([&] { registry.visualisers.at("hologram"); }),
