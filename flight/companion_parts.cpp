@@ -16,7 +16,7 @@ MissionRunnerConfig runner_config(const FlightSetup& setup) {
 std::unique_ptr<LinkStateEstimator> make_link_estimator(const FlightSetup& setup,
                                                         companion::Session& session) {
   using autonomy::estimation::Airframe;
-  const Airframe airframe = setup.fixed_wing() ? Airframe::kFixedWing : Airframe::kMultirotor;
+  const Airframe airframe = setup.winged() ? Airframe::kFixedWing : Airframe::kMultirotor;
   return std::make_unique<LinkStateEstimator>(session, setup.estimator, airframe);
 }
 

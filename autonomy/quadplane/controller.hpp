@@ -56,13 +56,15 @@ class Controller {
  private:
   struct Air {
     double forward_m_s{};
-    double alpha_rad{};
+    double alpha_rad{};   ///< By attitude, velocity and the estimated wind.
+    double met_rad{};     ///< By the lift that is measured: gusts included.
     double pressure_N{};  ///< q S
     double share{};       ///< w
     double lift_N{}, drag_N{};
     double attached{1.0};  ///< Share of the flow.
   };
   Air air(const StateEstimate& state) const;
+  void measure_lift(const StateEstimate& state, double dt_s);
   Vector3 wanted_force(const StateEstimate& state, const Command& in, double dt_s);
   double turn_heading(double heading_rad, double dt_s);
   Vector3 torque(const StateEstimate& state, const Quaternion& wanted, double turn_rad_s,
@@ -73,6 +75,7 @@ class Controller {
   double static_thrust(double thrust_N, double forward_m_s) const;
 
   FlightConfig config_{};
+  double by_air_N_{};                         ///< Upward force of the air along body z, measured.
   Vector3 force_integral_{Vector3::Zero()};   ///< [m/s^2]
   Vector3 torque_integral_{Vector3::Zero()};  ///< [rad/s^2]
   double heading_rad_{};
