@@ -158,7 +158,7 @@ double throttle_that_carries(const Plan& plan, const sim::Vehicle& vehicle,
   if (const auto* quadplane = std::get_if<QuadplanePlan>(&plan)) {
     const auto& facts = quadplane->autonomy.flight.vehicle;
     return facts.mass_kg * facts.gravity_m_s2 /
-           (facts.lift_rotors_max_N * firmware_value(firmware, "RC_MAX_THR"));
+           (facts.max_lift_force_N * firmware_value(firmware, "RC_MAX_THR"));
   }
   return std::get<MultirotorPlan>(plan).autonomy.flight.thrust.throttle(
       vehicle.body().mass_kg * vehicle.environment().gravity_m_s2);

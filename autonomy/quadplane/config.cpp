@@ -106,8 +106,8 @@ AutonomyConfig read_autonomy(const config::Section& autonomy, const VehicleFacts
   out.flight.battery.resistance_ohm = vehicle.battery.resistance_ohm;
   const double weight_N = vehicle.mass_kg * vehicle.gravity_m_s2;
   constexpr double kMinLift = 1.3;  // the rest turns and brakes
-  if (vehicle.lift_rotors_max_N < kMinLift * weight_N) {
-    throw autonomy.error("lifting rotors of " + config::number_text(vehicle.lift_rotors_max_N) +
+  if (vehicle.max_lift_force_N < kMinLift * weight_N) {
+    throw autonomy.error("lifting rotors of " + config::number_text(vehicle.max_lift_force_N) +
                              " N for a weight of " + config::number_text(weight_N) + " N",
                          "1.3 weights and more");
   }

@@ -34,11 +34,11 @@ struct VehicleFacts {
   double roll_p{};                   ///< By p b/2V.
   double yaw_r{};                    ///< By r b/2V.
   Vector3 surface{Vector3::Zero()};  ///< Roll, pitch and yaw coefficient at a command of 1; > 0.
-  double lift_rotors_max_N{};        ///< Of the lifting set together, by the firmware's parameters.
+  double max_lift_force_N{};         ///< The lifting set together, by the firmware's parameters.
   /// Pusher: T = rho D^4 (c0 n^2 + c1 n V/D + c2 (V/D)^2), n revolutions per second.
   std::array<double, 3> pusher_thrust{};
   double pusher_diameter_m{};
-  double pusher_max_N{};  ///< Static, on a full battery.
+  double max_pusher_thrust_N{};  ///< Static, on a full battery.
   double full_voltage_V{};
   BatteryConfig battery{};
 
@@ -54,7 +54,7 @@ struct FlightConfig {
   double max_bank_rad{35.0 * kRadPerDeg};
   double max_hover_tilt_rad{15.0 * kRadPerDeg};  ///< Nose up to brake on the rotors.
   double max_alpha_rad{7.0 * kRadPerDeg};        ///< The rotors carry what this leaves.
-  double yaw_rate_rad_s{50.0 * kRadPerDeg};      ///< Of the commanded heading.
+  double yaw_rate_rad_s{50.0 * kRadPerDeg};      ///< Largest rate of the commanded heading.
   double takeoff_speed_m_s{2.0};
   double takeoff_height_m{30.0};
   double roll_pitch_1_s{4.0};       ///< Attitude error to rate.

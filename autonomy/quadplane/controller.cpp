@@ -55,7 +55,7 @@ Vector3 attitude_error(const StateEstimate& state, const Quaternion& wanted) {
 void Controller::reset(double heading_rad) {
   force_integral_.setZero();
   torque_integral_.setZero();
-  by_air_N_ = 0.0;
+  air_force_N_ = 0.0;
   heading_rad_ = heading_rad;
 }
 
@@ -67,7 +67,7 @@ Controller::Air Controller::air(const StateEstimate& state) const {
   const double in_plane_sq = v_B.x() * v_B.x() + v_B.z() * v_B.z();
   if (v_B.x() < 1.0) return out;  // nothing on the wing counts yet
   out.alpha_rad = std::atan2(v_B.z(), v_B.x());
-  out.pressure_N = 0.5 * f.density_kg_m3 * f.wing_area_m2 * in_plane_sq;
+  out.pressure_force_N = 0.5 * f.density_kg_m3 * f.wing_area_m2 * in_plane_sq;
   out.share = ramp(out.forward_m_s, kBlendLow_m_s, kBlendHigh_m_s);
   const double k = f.stall_sharpness_1_rad;
   const double beyond = 1.0 / (1.0 + std::exp(-k * (out.alpha_rad - f.stall_alpha_rad)));
@@ -80,18 +80,18 @@ Controller::Air Controller::air(const StateEstimate& state) const {
   const double lift = (1.0 - separated) * attached + separated * plate * std::cos(out.alpha_rad);
   const double drag = f.drag_parasitic + (1.0 - separated) * f.drag_induced * attached * attached +
                       separated * plate * sine;
-  out.lift_N = out.pressure_N * lift;
-  out.met_rad = std::clamp((by_air_N_ / out.pressure_N - f.lift_zero) / f.lift_alpha_1_rad,
+  out.lift_force_N = out.pressure_force_N * lift;
+  out.met_rad = std::clamp((air_force_N_ / out.pressure_force_N - f.lift_zero) / f.lift_alpha_1_rad,
                            -kMaxMet_rad, kMaxMet_rad);
-  out.drag_N = out.pressure_N * drag;
+  out.drag_force_N = out.pressure_force_N * drag;
   return out;
 }
 
 /// What the accelerometer shows along body z and the rotors do not explain. Both are averaged over the same time.
 void Controller::measure_lift(const StateEstimate& state, double dt_s) {
   const double share = std::min(1.0, dt_s / kLiftAverage_s);
-  const double all_N = -config_.vehicle.mass_kg * state.a_B.z();
-  by_air_N_ += share * (all_N - out_.lift_N - by_air_N_);
+  const double whole_force_N = -config_.vehicle.mass_kg * state.a_B.z();
+  air_force_N_ += share * (whole_force_N - out_.lift_force_N - air_force_N_);
 }
 
 /// (1), in W.
@@ -148,11 +148,11 @@ Vector3 Controller::torque(const StateEstimate& state, const Quaternion& wanted,
   Vector3 by_air = Vector3::Zero();
   if (air.forward_m_s > kBlendLow_m_s) {
     const double half = 0.5 / air.forward_m_s;
-    by_air.x() = air.pressure_N * f.span_m * f.roll_p * state.w_B.x() * f.span_m * half;
-    by_air.y() = air.pressure_N * f.chord_m *
+    by_air.x() = air.pressure_force_N * f.span_m * f.roll_p * state.w_B.x() * f.span_m * half;
+    by_air.y() = air.pressure_force_N * f.chord_m *
                  (f.pitch_zero + f.pitch_alpha_1_rad * air.met_rad +
                   f.pitch_q * state.w_B.y() * f.chord_m * half);
-    by_air.z() = air.pressure_N * f.span_m * f.yaw_r * state.w_B.z() * f.span_m * half;
+    by_air.z() = air.pressure_force_N * f.span_m * f.yaw_r * state.w_B.z() * f.span_m * half;
   }
   return f.inertia_kg_m2 * angular + spin - air.share * air.attached * by_air;
 }
@@ -161,9 +161,9 @@ void Controller::allocate(const Vector3& torque_B, const Air& air) {
   const VehicleFacts& f = config_.vehicle;
   const double share = ramp(air.forward_m_s, kSurfacesFrom_m_s, kSurfacesAll_m_s);
   const Vector3 full =
-      air.pressure_N * Vector3(f.span_m, f.chord_m, f.span_m).cwiseProduct(f.surface);
+      air.pressure_force_N * Vector3(f.span_m, f.chord_m, f.span_m).cwiseProduct(f.surface);
   const double weight_N = f.mass_kg * f.gravity_m_s2;
-  const double rotors = ramp(out_.lift_N, 0.05 * weight_N, 0.3 * weight_N);
+  const double rotors = ramp(out_.lift_force_N, 0.05 * weight_N, 0.3 * weight_N);
   for (std::size_t k = 0; k < 3; ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     const double surface = share > 0.0 ? share * std::clamp(torque_B(i) / full(i), -1.0, 1.0) : 0.0;
@@ -196,15 +196,17 @@ const Controller::Output& Controller::step(const StateEstimate& state, const Com
   out_.airspeed_m_s = now.forward_m_s;
   const Vector3 f_W = wanted_force(state, in, dt_s);
   const double heading = heading_of(state.q_WB);
-  const double forward_N = f_W.x() * std::cos(heading) + f_W.y() * std::sin(heading);
-  const double right_N = f_W.y() * std::cos(heading) - f_W.x() * std::sin(heading);
-  const double up_N = -f_W.z();
-  const double roll = std::clamp(std::atan2(right_N, up_N), -c.max_bank_rad, c.max_bank_rad);
+  const double forward_force_N = f_W.x() * std::cos(heading) + f_W.y() * std::sin(heading);
+  const double right_force_N = f_W.y() * std::cos(heading) - f_W.x() * std::sin(heading);
+  const double up_force_N = -f_W.z();
+  const double roll =
+      std::clamp(std::atan2(right_force_N, up_force_N), -c.max_bank_rad, c.max_bank_rad);
 
-  const double normal_N = up_N / std::cos(roll);
+  const double normal_force_N = up_force_N / std::cos(roll);
   double alpha = 0.0;
   if (now.share > 0.0) {
-    alpha = (normal_N / now.pressure_N - c.vehicle.lift_zero) / c.vehicle.lift_alpha_1_rad;
+    alpha =
+        (normal_force_N / now.pressure_force_N - c.vehicle.lift_zero) / c.vehicle.lift_alpha_1_rad;
     alpha = std::clamp(alpha, kMinAlpha_rad, c.max_alpha_rad);
   }
   double for_wing = 0.0;
@@ -217,40 +219,42 @@ const Controller::Output& Controller::step(const StateEstimate& state, const Com
         std::max(climbs, pitch_now - now.met_rad) + c.max_alpha_rad + kAlphaMargin_rad;
     for_wing = now.share * std::min(alpha + climb, highest);
   }
-  const double on_rotors_N = std::max(normal_N - by_air_N_, 0.0);
+  const double rotor_force_N = std::max(normal_force_N - air_force_N_, 0.0);
   // The pusher only pushes: what is too much without it, the rotors brake.
-  const double too_fast_N =
-      std::max(0.0, -now.drag_N - on_rotors_N * std::sin(for_wing) - forward_N);
-  const double brake = ramp(on_rotors_N, 0.0, 0.5 * weight_N) *
-                       std::atan2(too_fast_N, std::max(on_rotors_N, 0.2 * weight_N));
+  const double excess_force_N =
+      std::max(0.0, -now.drag_force_N - rotor_force_N * std::sin(for_wing) - forward_force_N);
+  const double brake = ramp(rotor_force_N, 0.0, 0.5 * weight_N) *
+                       std::atan2(excess_force_N, std::max(rotor_force_N, 0.2 * weight_N));
   const double pitch = std::max(for_wing, std::min(for_wing + brake, c.max_hover_tilt_rad));
 
   // Air forces act along and across the flow in the plane of symmetry.
   const double ca = std::cos(now.alpha_rad);
   const double sa = std::sin(now.alpha_rad);
-  const Vector3 air_B(now.lift_N * sa - now.drag_N * ca, 0.0, -by_air_N_);
+  const Vector3 air_B(now.lift_force_N * sa - now.drag_force_N * ca, 0.0, -air_force_N_);
   const Vector3 rest_B = state.q_WB.conjugate() * f_W - air_B;
   // On the wing alone the rotors add what the wing cannot, not what it lacks for a moment.
   const double wing_only_m_s = c.vehicle.stall_speed_m_s() * c.wing_only_stalls;
   const double wing_only = now.attached * ramp(now.forward_m_s, wing_only_m_s - 1.0, wing_only_m_s);
-  const double comes_N =
-      now.pressure_N * (c.vehicle.lift_zero + c.vehicle.lift_alpha_1_rad * alpha) - by_air_N_;
-  const double lift_N = -rest_B.z() - wing_only * (std::max(comes_N, 0.0) + kSpareLift * weight_N);
-  out_.lift_N = std::clamp(lift_N, 0.0, c.vehicle.lift_rotors_max_N);
-  out_.pusher_N = std::max(rest_B.x(), 0.0);
-  if (in.lift_N) out_.lift_N = *in.lift_N, out_.pusher_N = 0.0;
+  const double coming_force_N =
+      now.pressure_force_N * (c.vehicle.lift_zero + c.vehicle.lift_alpha_1_rad * alpha) -
+      air_force_N_;
+  const double lift_force_N =
+      -rest_B.z() - wing_only * (std::max(coming_force_N, 0.0) + kSpareLift * weight_N);
+  out_.lift_force_N = std::clamp(lift_force_N, 0.0, c.vehicle.max_lift_force_N);
+  out_.pusher_thrust_N = std::max(rest_B.x(), 0.0);
+  if (in.lift_force_N) out_.lift_force_N = *in.lift_force_N, out_.pusher_thrust_N = 0.0;
 
   const Quaternion wanted =
-      in.lift_N ? attitude(0.0, 0.0, heading_rad_) : attitude(roll, pitch, heading_rad_);
+      in.lift_force_N ? attitude(0.0, 0.0, heading_rad_) : attitude(roll, pitch, heading_rad_);
   integrate_attitude(state, wanted, in.on_ground, dt_s);
   allocate(torque(state, wanted, turn_rad_s, now), now);
   out_.command.mode = FirmwareMode::kPassThrough;
   out_.command.ignore = 0;
   // Beyond its throttle the firmware would scale all motors down, the lifting ones too.
-  const double most_N = kPusherShare * c.vehicle.pusher_max_N * in.supply * in.supply;
-  out_.command.u[0] =
-      static_cast<float>(std::min(static_thrust(out_.pusher_N, now.forward_m_s), most_N));
-  out_.command.u[2] = static_cast<float>(-out_.lift_N / translational(now.forward_m_s));
+  const double max_thrust_N = kPusherShare * c.vehicle.max_pusher_thrust_N * in.supply * in.supply;
+  out_.command.u[0] = static_cast<float>(
+      std::min(static_thrust(out_.pusher_thrust_N, now.forward_m_s), max_thrust_N));
+  out_.command.u[2] = static_cast<float>(-out_.lift_force_N / translational(now.forward_m_s));
   return out_;
 }
 

@@ -34,15 +34,15 @@ class Controller {
     Vector3 a_ff_W{Vector3::Zero()};  ///< Acceleration of the path.
     double heading_rad{};
     // NOLINTNEXTLINE(readability-redundant-member-init): so that GCC lets callers name members
-    std::optional<double> lift_N{};  ///< Instead of (5), level: unloads after touchdown.
-    double supply{1.0};              ///< Battery voltage as a share of the full one.
-    bool on_ground{};                ///< The integrals rest.
+    std::optional<double> lift_force_N{};  ///< Instead of (5), level: unloads after touchdown.
+    double supply{1.0};                    ///< Battery voltage as a share of the full one.
+    bool on_ground{};                      ///< The integrals rest.
   };
   struct Output {
     FirmwareCommand command{};
-    double lift_N{};        ///< Of the rotors.
-    double pusher_N{};      ///< At this airspeed.
-    double airspeed_m_s{};  ///< Forward.
+    double lift_force_N{};     ///< By the rotors.
+    double pusher_thrust_N{};  ///< At this airspeed.
+    double airspeed_m_s{};     ///< Forward.
   };
 
   Controller() = default;
@@ -56,11 +56,11 @@ class Controller {
  private:
   struct Air {
     double forward_m_s{};
-    double alpha_rad{};   ///< By attitude, velocity and the estimated wind.
-    double met_rad{};     ///< By the lift that is measured: gusts included.
-    double pressure_N{};  ///< q S
-    double share{};       ///< w
-    double lift_N{}, drag_N{};
+    double alpha_rad{};         ///< By attitude, velocity and the estimated wind.
+    double met_rad{};           ///< By the lift that is measured: gusts included.
+    double pressure_force_N{};  ///< q S
+    double share{};             ///< w
+    double lift_force_N{}, drag_force_N{};
     double attached{1.0};  ///< Share of the flow.
   };
   Air air(const StateEstimate& state) const;
@@ -75,7 +75,7 @@ class Controller {
   double static_thrust(double thrust_N, double forward_m_s) const;
 
   FlightConfig config_{};
-  double by_air_N_{};                         ///< Upward force of the air along body z, measured.
+  double air_force_N_{};                      ///< Upward force of the air along body z, measured.
   Vector3 force_integral_{Vector3::Zero()};   ///< [m/s^2]
   Vector3 torque_integral_{Vector3::Zero()};  ///< [rad/s^2]
   double heading_rad_{};

@@ -30,7 +30,7 @@ constexpr double kRests_s = 1.5;
 
 FlightManager::FlightManager(const FlightConfig& config, const Mission& mission)
     : config_{config}, mission_{mission}, controller_{config}, landing_{config.landing} {
-  hover_N_ = config.vehicle.mass_kg * config.vehicle.gravity_m_s2;
+  hover_thrust_N_ = config.vehicle.mass_kg * config.vehicle.gravity_m_s2;
 }
 
 double FlightManager::cruise_over_ground(double course_rad) const {
@@ -114,7 +114,7 @@ PhaseConditions FlightManager::conditions(const Input& in) {
   const double height_m = home_W_.z() - state.p_W.z();
   now.set(P::kUp, height_m > mission_.takeoff_height_m - 1.0);
   const double wing_only_m_s = config_.wing_only_stalls * config_.vehicle.stall_speed_m_s();
-  now.set(P::kWingborne, out_.airspeed_m_s > wing_only_m_s && out_.lift_N <= 0.0);
+  now.set(P::kWingborne, out_.airspeed_m_s > wing_only_m_s && out_.lift_force_N <= 0.0);
   const double left_m = path_.empty() ? kInfinity : path_.follow(state.p_W).left_m;
   const double stop_m = 0.5 * u_m_s_ * u_m_s_ / config_.deceleration_m_s2;
   now.set(P::kBraking, left_m < stop_m || left_m < kArrived_m);
@@ -215,15 +215,15 @@ void FlightManager::fly(const Input& in) {
       out_.setpoint.p_W = hold_W_;
       break;
     case Phase::kLanding: {
-      hover_N_ += std::min(1.0, dt_s_ / 2.0) * (out_.lift_N - hover_N_) *
-                  (touching_.unloading || height_m < 1.0 ? 0.0 : 1.0);
+      hover_thrust_N_ += std::min(1.0, dt_s_ / 2.0) * (out_.lift_force_N - hover_thrust_N_) *
+                         (touching_.unloading || height_m < 1.0 ? 0.0 : 1.0);
       touching_ = landing_.step({.dt_s = dt_s_,
                                  .down_speed_m_s = state.v_W.z(),
                                  .height_m = height_m,
-                                 .thrust_N = out_.lift_N,
-                                 .hover_thrust_N = hover_N_});
+                                 .thrust_N = out_.lift_force_N,
+                                 .hover_thrust_N = hover_thrust_N_});
       command = hold(in, touching_.down_speed_m_s);
-      if (touching_.unloading) command.lift_N = touching_.thrust_N, command.on_ground = true;
+      if (touching_.unloading) command.lift_force_N = touching_.thrust_N, command.on_ground = true;
       out_.setpoint.p_W = {hold_W_.x(), hold_W_.y(), state.p_W.z()};
       break;
     }
@@ -232,7 +232,7 @@ void FlightManager::fly(const Input& in) {
   if (voltage_V > 0.0) command.supply = std::min(1.0, voltage_V / config_.vehicle.full_voltage_V);
   const Controller::Output& done = controller_.step(state, command, dt_s_);
   out_.command = done.command;
-  out_.lift_N = done.lift_N;
+  out_.lift_force_N = done.lift_force_N;
   out_.airspeed_m_s = done.airspeed_m_s;
 }
 

@@ -18,8 +18,8 @@ struct FlightOutput : FlightProgress<Phase> {
   FirmwareCommand command{};
   bool tracking{};  ///< On the path of the mission, holding all axes.
   multirotor::Trajectory setpoint{};
-  double distance_m{};  ///< To the next waypoint.
-  double lift_N{};      ///< Of the rotors.
+  double distance_m{};    ///< To the next waypoint.
+  double lift_force_N{};  ///< By the rotors.
   double airspeed_m_s{};
 };
 
@@ -33,7 +33,7 @@ struct FlightOutput : FlightProgress<Phase> {
 ///
 /// and the nose turns to where the air will come from in kLead_s. In hover that is against the wind, so a
 /// transition down the wind passes airspeed zero and turns the nose there, where the air has no hold of it;
-/// u waits until it has turned. Whoever takes over and gives back finds the path joined where it is next.
+/// u waits until it has turned. After a takeover the path is joined where it is next.
 class FlightManager {
  public:
   struct Input {
@@ -75,7 +75,7 @@ class FlightManager {
   double dt_s_{};
   double since_s_{};
   double rests_s_{};
-  double hover_N_{};
+  double hover_thrust_N_{};
   bool land_{};
   multirotor::Landing::Output touching_{};
   FlightOutput out_{};

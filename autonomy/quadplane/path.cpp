@@ -72,8 +72,10 @@ Path::Point Path::point() const {
 }
 
 void Path::rejoin(const Vector3& p_W) {
+  // A later leg may come past here too: this straight, its corner and the next straight count.
+  const std::size_t end = std::min(at_ + 3, segments_.size());
   double nearest_m = kInfinity;
-  for (std::size_t k = at_; k < segments_.size(); ++k) {
+  for (std::size_t k = at_; k < end; ++k) {
     const Segment& segment = segments_[k];
     const double s_m =
         std::clamp(segment.progress(p_W.head<2>(), 0.5 * segment.length_m), 0.0, segment.length_m);

@@ -4,6 +4,7 @@
 #include "autonomy/estimation/read_estimator.hpp"
 #include "autonomy/fixedwing/config.hpp"
 #include "autonomy/multirotor/config.hpp"
+#include "autonomy/quadplane/config.hpp"
 #include "config/table.hpp"
 #include "flight/vehicle/mixer_page.hpp"
 #include "sim/parameter_tables.hpp"
@@ -36,7 +37,11 @@ std::string autonomy_page() {
               "`autonomy/fixedwing/config.cpp`. Mass, wing, density and derivatives come from the "
               "other sections.",
               autonomy::fixedwing::parameters()) +
-         keys("Estimator of both: section `autonomy.estimator`",
+         keys("Quad-plane",
+              "`autonomy/quadplane/config.cpp`. Mass, inertia, wing, derivatives and rotors come "
+              "from the other sections.",
+              autonomy::quadplane::parameters()) +
+         keys("Estimator of all: section `autonomy.estimator`",
               "`autonomy/estimation/read_estimator.cpp`; the algorithm: "
               "`docs/autonomy/estimation.md`.",
               autonomy::estimation::parameters());
@@ -55,6 +60,8 @@ std::string vehicle_page() {
          keys("Section `aero` of a fixed wing",
               "`sim/fixedwing/read_fixedwing.cpp`; the equations: `docs/design/physics.md`.",
               sim::airframe_parameters()) +
+         keys("Section `rotor_aero` of a quad-plane, what its lifting rotors and booms add",
+              "`sim/quadplane/read_quadplane.cpp`.", sim::aero_parameters()) +
          keys("Section `surfaces` of a fixed wing", "`sim/fixedwing/read_fixedwing.cpp`.",
               sim::surface_parameters()) +
          keys("Section `ground`", "`sim/dynamics/read_ground.cpp`.", sim::ground_parameters()) +
@@ -103,6 +110,8 @@ std::vector<ParameterPage> parameter_pages() {
            autonomy_file("multirotor", autonomy::multirotor::parameters())},
           {"vehicles/defaults/fixedwing.yaml",
            autonomy_file("fixed wing", autonomy::fixedwing::parameters())},
+          {"vehicles/defaults/quadplane.yaml",
+           autonomy_file("quad-plane", autonomy::quadplane::parameters())},
           {"docs/img/mixers.svg", mixer_picture()},
           {"docs/predefined-mixers.md", mixers_page()}};
 }

@@ -133,8 +133,8 @@ autonomy::quadplane::AutonomyConfig read_quadplane_autonomy(const sim::Vehicle& 
         sim::Vector3(wing.roll.aileron, wing.pitch.elevator, wing.yaw.rudder).cwiseAbs());
   }
   const HoverCheck hover = hover_check(frame);
-  facts.lift_rotors_max_N = hover.max_thrust_N;
-  facts.pusher_max_N = hover.max_thrust_N / static_cast<double>(frame.rotors.size());
+  facts.max_lift_force_N = hover.max_thrust_N;
+  facts.max_pusher_thrust_N = hover.max_thrust_N / static_cast<double>(frame.rotors.size());
   facts.full_voltage_V = frame.max_voltage_V;
   facts.pusher_thrust = aircraft.propulsion.propeller.thrust;
   facts.pusher_diameter_m = aircraft.propulsion.propeller.diameter_m;
