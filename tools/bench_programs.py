@@ -37,8 +37,9 @@ def prepare(preset: str):
         project.build("release", "bench/all", keep_going=True)
         project.build("release", "rosflight", keep_going=True)
     elif preset == "gazebo":
-        project.build("release", "rosflight", keep_going=True)
-        project.build(preset, "gazebo_engine", keep_going=True)
+        project.build("release", "rosflight", "bench/worlds", keep_going=True)
+        stages.gazebo_engine()
+        environment(".venv-jsbsim", "tools/requirements-jsbsim.txt")
     elif preset == "sanitizers":
         project.build(preset, "bench/properties", keep_going=True)
     elif preset == "cortex-m7":
@@ -46,6 +47,11 @@ def prepare(preset: str):
         project.build(preset, keep_going=True)
     else:
         raise ValueError(f"preset: found {preset}, allowed none, release, gazebo, sanitizers, cortex-m7")
+
+
+def environment(name: str, requirements: str):
+    """A Python environment of its own, made where it is missing."""
+    subprocess.run(["bash", str(project.ROOT / "tools/ready.sh"), "environment", name, requirements], check=True)
 
 
 def program(name: str, folder: str = "bench") -> str:
