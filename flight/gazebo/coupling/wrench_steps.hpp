@@ -41,6 +41,11 @@ class WrenchSteps {
     return wrench_;
   }
 
+  /// The world is put elsewhere: what it was ahead does not count, so the next wrench moves it.
+  void forget_lead() {
+    if (behind_.count() < 0) behind_ = std::chrono::nanoseconds{0};
+  }
+
   /// Of the last wrench; empty: there was none.
   const std::optional<std::chrono::nanoseconds>& stamp() const { return stamp_; }
 

@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <vector>
+#include "base/constants.hpp"
 
 #include "flight/gazebo/coupling/link_engine.hpp"
 #include "flight/gazebo/coupling/link_loop.hpp"
@@ -23,7 +23,7 @@ using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
 constexpr double kG_m_s2 = 9.80665;
-constexpr double kHalfTurn = std::numbers::pi;
+constexpr double kHalfTurn = base::kPi;
 
 Quaternion yaw(double angle_rad) {
   return {std::cos(0.5 * angle_rad), 0.0, 0.0, std::sin(0.5 * angle_rad)};
@@ -178,6 +178,15 @@ TEST(WrenchSteps, AStepThatWasNotDueIsMadeUp) {
   steps.add(kStep, {});
   EXPECT_EQ(take(steps), 0);
   steps.add(2 * kStep, {});
+  EXPECT_EQ(take(steps), 1);
+}
+
+TEST(WrenchSteps, ALeadIsForgottenWhenTheWorldIsPutElsewhere) {
+  WrenchSteps steps(milliseconds(100));
+  steps.add(milliseconds(0), {});
+  steps.move(kStep);
+  steps.forget_lead();
+  steps.add(kStep, {});
   EXPECT_EQ(take(steps), 1);
 }
 
