@@ -7,11 +7,27 @@
 #include <ostream>
 
 #include "base/atomic_file.hpp"
+#include "flight/gazebo/coupling/world_sdf.hpp"
 #include "flight/project_root.hpp"
 #include "flight/vehicle_sdf.hpp"
 #include "sim/registry.hpp"
 
 namespace rosflight::apps {
+
+namespace {
+
+std::string world(const SdfOptions& options, const std::filesystem::path& file,
+                  const sim::Vehicle& vehicle, const std::string& name) {
+  flight::gazebo::WorldSdf world;
+  world.release = options.world;
+  world.plugin = flight::gazebo::plugin_elements(options.plugin);
+  world.plugin.emplace_back("vehicle", std::filesystem::absolute(file).string());
+  for (const std::string& text : options.overrides)
+    world.plugin.emplace_back("set", text.starts_with("vehicle.") ? text.substr(8) : text);
+  return flight::gazebo::world_sdf(vehicle, name, world);
+}
+
+}  // namespace
 
 int sdf_command(const SdfOptions& options, std::ostream& out) {
   if (!options.output.empty() && !options.force && std::filesystem::exists(options.output))
@@ -21,7 +37,11 @@ int sdf_command(const SdfOptions& options, std::ostream& out) {
   registry.add_vehicles(flight::project_root() / "vehicles");
   const sim::Vehicle vehicle = registry.open_vehicle(options.vehicle, options.overrides);
   const std::string name = std::filesystem::path(options.vehicle).stem();
-  const std::string text = flight::vehicle_sdf(vehicle, name);
+  if (options.world.empty() && !options.plugin.empty())
+    throw config::Error("--plugin: found without --world, allowed with it");
+  const std::string text =
+      options.world.empty() ? flight::vehicle_sdf(vehicle, name)
+                            : world(options, registry.vehicle_file(options.vehicle), vehicle, name);
   vehicle.finish();
   if (options.output.empty()) {
     out << text;

@@ -87,6 +87,12 @@ CLI::App* add_sdf(CLI::App& app, SdfOptions& options) {
       "sdf", "Write a vehicle as a model for Gazebo and others (SDF 1.9), with joints to look at");
   sdf->add_option("VEHICLE", options.vehicle, "A name of vehicles/ or a YAML file")->required();
   sdf->add_option("-o,--output", options.output, "File to write; default: standard output");
+  sdf->add_option("--world", options.world,
+                  "A world that flies in this release of Gazebo, with ground and plugin")
+      ->check(CLI::IsMember(std::vector<std::string>{"fortress", "harmonic", "jetty"}));
+  sdf->add_option("--plugin", options.plugin,
+                  "NAME=VALUE, an element of the plugin, e.g. mode=whole_loop; with --world")
+      ->take_all();
   sdf->add_flag("--force", options.force, "Replace an existing file");
   sdf->add_option("--set", options.overrides, "vehicle.key=value, e.g. vehicle.body.mass_kg=5")
       ->take_all();

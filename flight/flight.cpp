@@ -60,7 +60,7 @@ std::unique_ptr<Autopilot> make_autopilot(const FlightSetup& setup, CableLink& l
 class Flight::Loop final : public World, private sim::LockStepListener {
  public:
   Loop(Flight& owner, const FlightSetup& flight_setup, FlightParts parts)
-      : World{flight_setup},
+      : World{flight_setup, std::move(parts.engine)},
         flight{owner},
         autopilot{parts.autopilot ? parts.autopilot(cable) : make_autopilot(setup, cable)},
         session{codec, autopilot->link(), companion::Session::Options{}},
@@ -191,6 +191,16 @@ void Flight::set_script(std::function<void(Flight&, sim::Time)> script) {
 }
 void Flight::step() {
   loop_->lock_step.step();
+}
+sim::PhysicsEngine::Load Flight::begin_step() {
+  if (loop_->autopilot->substeps() != 1)
+    throw std::logic_error("a step in two halves of a board with substeps");
+  loop_->lock_step.begin_step();
+  return loop_->dynamics.begin_step(loop_->lock_step.now(), loop_->lock_step.outputs());
+}
+void Flight::end_step() {
+  loop_->dynamics.end_step(loop_->lock_step.now(), loop_->lock_step.outputs());
+  loop_->lock_step.end_step();
 }
 void Flight::run() {
   while (!finished()) loop_->lock_step.step();

@@ -28,6 +28,7 @@ struct FlightParts {
   std::unique_ptr<Guidance> guidance{};
   std::function<std::unique_ptr<StateEstimateSource>(companion::Session&)> estimate_source{};
   std::function<std::unique_ptr<Autopilot>(CableLink&)> autopilot{};
+  std::unique_ptr<sim::PhysicsEngine> engine{};  ///< Moves the body, whatever `physics` says.
   /// Paces the loop, such as sim::PacedTime; must outlive the flight. nullptr: as fast as possible.
   sim::TimeSource* time{nullptr};
 };
@@ -59,6 +60,11 @@ class Flight final {
 
   /// Advances by kStep.
   void step();
+  /// step() in two halves, for FlightParts::engine that another program moves in between: the load of the step, from all
+  /// modules up to the forces; then the engine has its new state. @throws std::logic_error  another engine moves, or
+  /// the board takes substeps.
+  sim::PhysicsEngine::Load begin_step();
+  void end_step();
   /// Steps until finished().
   void run();
   /// The mission runner is finished and, where it has failed, the vehicle is down for a second or

@@ -158,6 +158,12 @@ sim::Matrix3 possible_inertia(const sim::Matrix3& J) {
 }  // namespace
 
 std::string vehicle_sdf(const sim::Vehicle& vehicle, const std::string& name, SdfModel model) {
+  return fmt::format("<?xml version=\"1.0\"?>\n<sdf version=\"1.9\">\n{}</sdf>\n",
+                     vehicle_model_element(vehicle, name, model, ""));
+}
+
+std::string vehicle_model_element(const sim::Vehicle& vehicle, const std::string& name,
+                                  SdfModel model, const std::string& inside) {
   const sim::MultirotorParameters propulsion = read_rotors(vehicle);
   const VehicleShapes shapes{vehicle, propulsion};
   Parts joints;
@@ -178,10 +184,9 @@ std::string vehicle_sdf(const sim::Vehicle& vehicle, const std::string& name, Sd
   link += propellers(propulsion);
   link += gear(vehicle.ground());
   return fmt::format(
-      "<?xml version=\"1.0\"?>\n<sdf version=\"1.9\">\n  <model name=\"{}\" "
-      "canonical_link=\"base_link\">\n    <link name=\"base_link\">\n{}    </link>\n{}  </model>\n"
-      "</sdf>\n",
-      name, link, fmt::join(joints, ""));
+      "  <model name=\"{}\" canonical_link=\"base_link\">\n{}    <link "
+      "name=\"base_link\">\n{}    </link>\n{}  </model>\n",
+      name, inside, link, fmt::join(joints, ""));
 }
 
 }  // namespace rosflight::flight

@@ -27,6 +27,10 @@ enum class SdfModel {
 std::string vehicle_sdf(const sim::Vehicle& vehicle, const std::string& name,
                         SdfModel model = SdfModel::kWithJoints);
 
+/// The element <model> of it alone. @param inside  goes first into it.
+std::string vehicle_model_element(const sim::Vehicle& vehicle, const std::string& name,
+                                  SdfModel model, const std::string& inside);
+
 inline constexpr double kContactRadius_m = 0.02;  ///< Radius of the spheres at the gear.
 inline constexpr double kJointMass_kg = 1e-5;
 

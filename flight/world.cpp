@@ -59,13 +59,13 @@ std::unique_ptr<sim::SensorsModule> make_sensors(const FlightSetup& setup,
 
 }  // namespace
 
-World::World(const FlightSetup& flight_setup)
+World::World(const FlightSetup& flight_setup, std::unique_ptr<sim::PhysicsEngine> given)
     : setup{flight_setup},
       random{setup.choice.seed},
       forces{setup.registry.make_forces(setup.vehicle, random)},
       dynamics{setup.vehicle.body(), setup.vehicle.ground(), setup.vehicle.environment(), *forces,
                random},
-      engine{make_engine(setup)},
+      engine{given ? std::move(given) : make_engine(setup)},
       healthy_sensors{make_sensors(setup, random)},
       faults{setup.faults},
       sensors{*healthy_sensors, faults},

@@ -17,7 +17,9 @@ namespace rosflight::flight {
 struct World {
   /// @param flight_setup  must outlive this. @throws config::Error  a module does not accept its configuration.
   /// @throws boards::EmulatorError  the physics engine does not start.
-  explicit World(const FlightSetup& flight_setup);
+  /// @param given  moves the body; nullptr: what the choice of physics says.
+  explicit World(const FlightSetup& flight_setup,
+                 std::unique_ptr<sim::PhysicsEngine> given = nullptr);
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 

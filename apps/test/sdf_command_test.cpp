@@ -55,6 +55,27 @@ TEST(SdfCommand, AnOverrideIsInTheModel) {
   EXPECT_NE(out.str().find("<mass>4.99996</mass>"), std::string::npos) << out.str();
 }
 
+TEST(SdfCommand, WritesAWorldWithThePlugin) {
+  SdfOptions options;
+  options.vehicle = "multirotor";
+  options.world = "fortress";
+  options.plugin = {"mode=whole_loop", "mission=hop"};
+  options.overrides = {"vehicle.body.mass_kg=5"};
+  std::ostringstream out;
+  sdf_command(options, out);
+  const std::string text = out.str();
+  for (const std::string part :
+       {"<mode>whole_loop</mode>", "<mission>hop</mission>", "<set>body.mass_kg=5</set>",
+        "/vehicles/multirotor.yaml</vehicle>", "<max_step_size>0.0025</max_step_size>"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  options.plugin = {"mode=half"};
+  EXPECT_EQ(message_of(options), "<mode>: found 'half', allowed dynamics_only, whole_loop");
+  options.plugin = {"half"};
+  EXPECT_EQ(message_of(options), "element of the plugin: found 'half', allowed NAME=VALUE");
+  options.world.clear();
+  EXPECT_EQ(message_of(options), "--plugin: found without --world, allowed with it");
+}
+
 TEST(SdfCommand, RefusesInOneLine) {
   SdfOptions options;
   options.vehicle = "kite";

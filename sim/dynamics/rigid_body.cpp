@@ -15,6 +15,8 @@ constexpr double kMaxStartDepth_m = 0.05;
 /// ROSflight 2.x: on the ground below this height.
 constexpr double kPlaneReach_m = 0.001;
 
+constexpr double kTimeRounding_s = 1e-9;
+
 /// Height given to the module where there is no ground.
 constexpr double kNoGround_m = 1e6;
 
@@ -171,7 +173,7 @@ void RigidBody::substep(double h, const hal::OutputValues& outputs) {
 
 /// The engine moves the body under the mean of the load that this scheme meets on the way from the engine's
 /// state; the states of the module go that way themselves. An error of second order in h.
-void RigidBody::substep_by_engine(double h, const hal::OutputValues& outputs) {
+PhysicsEngine::Load RigidBody::find_load(double h, const hal::OutputValues& outputs) {
   PhysicsEngine::Load load;
   std::size_t stage = 0;
   runge_kutta(y_, h, [&](const State& y, State& y_dot) {
@@ -180,7 +182,10 @@ void RigidBody::substep_by_engine(double h, const hal::OutputValues& outputs) {
     load.force_W += share * (unpack(y).q_WB.normalized() * total_.force_B);
     load.torque_B += share * total_.torque_B;
   });
-  engine_->step(h, load);
+  return load;
+}
+
+void RigidBody::take_engine_state() {
   pack(engine_->state(), y_);
   if (const PhysicsEngine::Contact* contact = engine_->contact()) {
     total_.force_B += contact->wrench.force_B;
@@ -236,6 +241,29 @@ void RigidBody::fill_truth(const hal::OutputValues& outputs) {
   forces_.report(in, module_part(y_), truth_);
 }
 
+void RigidBody::step_wind(double h) {
+  if (wind_.calm()) return;
+  const BodyState& body = truth_.body;
+  const Vector3 v_air_B = body.v_B - body.q_WB.conjugate() * truth_.air.wind_W;
+  truth_.air.wind_W = wind_.step(h, -body.p_W.z(), v_air_B.norm());
+}
+
+PhysicsEngine::Load RigidBody::begin_step(Time t, const hal::OutputValues& outputs) {
+  const double h = to_seconds(t - truth_.time);
+  if (engine_ == nullptr || !(h > 0.0) || h > max_step_s_ + kTimeRounding_s)
+    throw std::logic_error("a step in two halves of " + std::to_string(h) +
+                           " s, allowed with an engine and up to " + std::to_string(max_step_s_));
+  step_wind(h);
+  return find_load(h, outputs);
+}
+
+void RigidBody::end_step(Time t, const hal::OutputValues& outputs) {
+  take_engine_state();
+  finish_substep();
+  truth_.time = t;
+  fill_truth(outputs);
+}
+
 void RigidBody::step(Time t, const hal::OutputValues& outputs) {
   const double dt = to_seconds(t - truth_.time);
   if (!(dt > 0.0)) return;
@@ -243,13 +271,10 @@ void RigidBody::step(Time t, const hal::OutputValues& outputs) {
   const auto count = std::max<std::int64_t>(1, std::llround(std::ceil(dt / max_step_s_ - 1e-9)));
   const double h = dt / static_cast<double>(count);
   for (std::int64_t i = 0; i < count; ++i) {
-    const BodyState& body = truth_.body;
-    if (!wind_.calm()) {
-      const Vector3 v_air_B = body.v_B - body.q_WB.conjugate() * truth_.air.wind_W;
-      truth_.air.wind_W = wind_.step(h, -body.p_W.z(), v_air_B.norm());
-    }
+    step_wind(h);
     if (engine_ != nullptr) {
-      substep_by_engine(h, outputs);
+      engine_->step(h, find_load(h, outputs));
+      take_engine_state();
     } else if (integration_ == Integration::kRk4) {
       substep(h, outputs);
     } else {

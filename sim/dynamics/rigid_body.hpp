@@ -65,6 +65,12 @@ class RigidBody final : public Dynamics {
   /// takes the place of that of the parameters. @throws config::Error  forces are frozen.
   void set_engine(PhysicsEngine& engine);
 
+  /// step() in two halves, for an engine that another program moves in between: the load of the step to t, at most
+  /// max_step_s long; then the state of the engine is that at t. Nothing else is called between them.
+  /// @throws std::logic_error  there is no engine, the step is empty or too long.
+  PhysicsEngine::Load begin_step(Time t, const hal::OutputValues& outputs);
+  void end_step(Time t, const hal::OutputValues& outputs);
+
   /// From now on `external`, which must outlive this, changes each wrench of the module; nullptr: nobody does.
   void set_external_wrench(ExternalWrench* external) { external_ = external; }
 
@@ -97,7 +103,9 @@ class RigidBody final : public Dynamics {
   void derivative(const State& y, const hal::OutputValues& outputs, State& y_dot);
   void stop_fall(const BodyState& body, const Matrix3& R_WB);
   void substep(double h, const hal::OutputValues& outputs);
-  void substep_by_engine(double h, const hal::OutputValues& outputs);
+  PhysicsEngine::Load find_load(double h, const hal::OutputValues& outputs);
+  void take_engine_state();
+  void step_wind(double h);
   void substep_frozen(double h, const hal::OutputValues& outputs);
   void finish_substep();
   void fill_truth(const hal::OutputValues& outputs);
