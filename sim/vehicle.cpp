@@ -52,6 +52,7 @@ Vehicle::Vehicle(config::Document document)
       ground_{read_ground(root_.section("ground"))},
       environment_{read_environment(root_.section("environment"))},
       sensors_{root_.foreign_section("sensors")},
+      world_sensors_{root_.foreign_section("world_sensors")},
       firmware_{root_.foreign_section("firmware")},
       autonomy_{root_.foreign_section("autonomy")} {
   for (Vector3& contact : ground_.contacts_B) contact -= body_.centre_of_mass_B;
