@@ -11,7 +11,7 @@ namespace rosflight::sim::world {
 /// Points origin + t direction, t >= 0.
 struct Ray {
   Vector3 origin{Vector3::Zero()};
-  Vector3 direction{Vector3::UnitX()};  ///< Of length 1.
+  Vector3 direction{Vector3::UnitX()};  ///< Its length is 1.
 };
 
 /// A surface of triangles: a mesh or the terrain of a height map. Both sides of a triangle count.
@@ -41,7 +41,7 @@ class TriangleSurface {
  private:
   struct Node {
     Vector3 low, high;
-    std::uint32_t first;  ///< Of its triangles, or its second child; the first follows the node.
+    std::uint32_t first;  ///< Its first triangle; or its second child, the first follows the node.
     std::uint32_t count;  ///< 0: it has children.
   };
   std::uint32_t build(std::uint32_t first, std::uint32_t count);

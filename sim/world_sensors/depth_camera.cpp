@@ -22,13 +22,13 @@ DepthCamera::DepthCamera(const Config& config, const WorldSensorSite& site)
       errors_{config.beam, site.random, "world_sensors/" + site.name} {
   const auto [sine, cosine] = portable::sin_cos(0.5 * config.fov_rad);
   focal_px_ = 0.5 * config.width_px * cosine / sine;
-  const Matrix3 R_BS = config.mounting.R_BS();
+  const Matrix3 R = R_BS(config.mounting);
   const double center_u = 0.5 * (config.width_px - 1);
   const double center_v = 0.5 * (config.height_px - 1);
   for (int v = 0; v < config.height_px; ++v) {
     for (int u = 0; u < config.width_px; ++u) {
       const Vector3 d_S(1.0, (u - center_u) / focal_px_, (v - center_v) / focal_px_);
-      pixels_.push_back({R_BS * d_S / d_S.norm(), 1.0 / d_S.norm()});
+      pixels_.push_back({R * d_S / d_S.norm(), 1.0 / d_S.norm()});
     }
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "base/constants.hpp"
 #include "sim/world_sensors/beam_errors.hpp"
 #include "sim/world_sensors/make_world_sensor.hpp"
 
@@ -22,7 +23,7 @@ class DepthCamera {
     Mounting mounting;
     int width_px{64};
     int height_px{48};
-    double fov_rad{1.5};  ///< Horizontal, between the outer edges of the image.
+    double fov_rad{87.0 * base::kRadPerDeg};  ///< Horizontal, between the outer edges of the image.
     BeamErrorParameters beam;
   };
   static config::Table<Config> parameters();
@@ -35,7 +36,7 @@ class DepthCamera {
  private:
   struct Pixel {
     Vector3 direction_B;
-    double cosine;  ///< Of the angle between ray and front axis.
+    double cosine;  ///< Cosine of the angle between ray and front axis.
   };
   Config config_;
   const world::WorldShapes& shapes_;

@@ -30,12 +30,12 @@ Lidar::Lidar(const Config& config, const WorldSensorSite& site)
       shapes_{site.shapes},
       position_B_{site.from_centre_of_mass(config.mounting)},
       errors_{config.beam, site.random, "world_sensors/" + site.name} {
-  const Matrix3 R_BS = config.mounting.R_BS();
+  const Matrix3 R = R_BS(config.mounting);
   directions_B_.reserve(static_cast<std::size_t>(config.rays));
   for (int i = 0; i < config.rays; ++i) {
     const auto [sine, cosine] =
         portable::sin_cos(config.angle_min_rad + static_cast<double>(i) * lidar_step_rad(config));
-    directions_B_.push_back(R_BS * Vector3(cosine, -sine, 0.0));
+    directions_B_.push_back(R * Vector3(cosine, -sine, 0.0));
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "base/constants.hpp"
 #include "sim/world_sensors/beam_errors.hpp"
 #include "sim/world_sensors/make_world_sensor.hpp"
 
@@ -21,9 +22,9 @@ class Lidar {
   struct Config {
     Timing timing{true, Time{100'000}, Time{0}, Time{0}};
     Mounting mounting;
-    int rays{360};
-    double angle_min_rad{-3.0};
-    double angle_max_rad{3.0};
+    int rays{181};
+    double angle_min_rad{-90.0 * base::kRadPerDeg};
+    double angle_max_rad{90.0 * base::kRadPerDeg};
     BeamErrorParameters beam;
   };
   static config::Table<Config> parameters();

@@ -25,7 +25,8 @@ bool is_topic_name(const std::string& name) {
 
 }  // namespace
 
-Matrix3 Mounting::R_BS() const {
+Matrix3 R_BS(const Mounting& mounting) {
+  const Vector3& rotation_deg = mounting.rotation_deg;
   const auto [sr, cr] = portable::sin_cos(rotation_deg.x() * base::kRadPerDeg);
   const auto [sp, cp] = portable::sin_cos(rotation_deg.y() * base::kRadPerDeg);
   const auto [sy, cy] = portable::sin_cos(rotation_deg.z() * base::kRadPerDeg);
