@@ -136,9 +136,10 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
                   "process of its own")
       ->capture_default_str()
       ->check(one_of(std::vector<std::string>(kPhysics.begin(), kPhysics.end())));
-  fly->add_option("--world", choice.world,
-                  "World of --physics gazebo (SDF file): its terrain, buildings and obstacles in "
-                  "place of the flat ground");
+  fly->add_option(
+      "--world", choice.world,
+      "SDF file with terrain, buildings and obstacles: what world_sensors of the vehicle "
+      "file measure, and with --physics gazebo the ground in place of the flat one");
   fly->add_option("--link-protocol", choice.link_protocol,
                   "Protocol of the board: mavlink or lean; the companion detects it")
       ->capture_default_str()

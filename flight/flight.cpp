@@ -102,6 +102,7 @@ class Flight::Loop final : public World, private sim::LockStepListener {
   sim::LockStep lock_step;
   std::vector<std::unique_ptr<sim::Visualiser>> visualisers;  ///< Those the setup names.
   std::function<void(Flight&, sim::Time)> script;
+  WorldReceiver world_receiver;
   std::string vehicle_text{setup.vehicle.text()};
   ErrorStatistics tracking;
   ErrorStatistics own_tracking;
@@ -116,6 +117,7 @@ class Flight::Loop final : public World, private sim::LockStepListener {
   void before_step(sim::Time t) override;
   void note_frame_of_estimate();
   void note_contact(sim::Time t);
+  void receive(sim::Time t, const std::string& name, const sim::WorldSample& sample);
 };
 
 void Flight::Loop::before_step(sim::Time t) {
@@ -123,6 +125,9 @@ void Flight::Loop::before_step(sim::Time t) {
   cable.set_time(t);
   if (engine) note_contact(t);
   apply_faults(t, *autopilot);
+  world_sensors.step(dynamics.truth(), [this, t](const std::string& name, const auto& sample) {
+    receive(t, name, sample);
+  });
   if (!faults.active(sim::FaultKind::kCompanionStall, t)) runner.step(t, dynamics.truth());
   note_frame_of_estimate();
   if (runner.stage() >= Stage::kFly)
@@ -141,6 +146,15 @@ void Flight::Loop::before_step(sim::Time t) {
     }
   }
   if (script) script(flight, t);
+}
+
+/// The companion computer has them at once; their delay is that of the sensor.
+void Flight::Loop::receive(sim::Time t, const std::string& name, const sim::WorldSample& sample) {
+  if (const auto* pose = std::get_if<sim::PoseSample>(&sample)) {
+    if (faults.active(sim::FaultKind::kMotionCapture, t)) return;
+    estimate_source->add(*pose);
+  }
+  if (world_receiver) world_receiver(t, name, sample);
 }
 
 /// Bodies of the world that the engine knows; a crash ends the mission.
@@ -188,6 +202,12 @@ void Flight::add(sim::Visualiser& visualiser) {
 }
 void Flight::set_script(std::function<void(Flight&, sim::Time)> script) {
   loop_->script = std::move(script);
+}
+void Flight::set_world_receiver(WorldReceiver receiver) {
+  loop_->world_receiver = std::move(receiver);
+}
+const sim::WorldSensors& Flight::world_sensors() const {
+  return loop_->world_sensors;
 }
 void Flight::step() {
   loop_->lock_step.step();

@@ -14,6 +14,7 @@
 #include "flight/state_estimate_source.hpp"
 #include "sim/dynamics/rigid_body.hpp"
 #include "sim/modules.hpp"
+#include "sim/world_sensors/world_sensors.hpp"
 
 namespace rosflight::flight {
 
@@ -55,6 +56,11 @@ class Flight final {
   void set_tap(LinkTap* tap);
   /// Adds a visualiser, called at the end of each step; it must outlive the flight.
   void add(sim::Visualiser& visualiser);
+  /// Called with each sample of a sensor of the world, at the time of its arrival; an empty function: nobody.
+  using WorldReceiver =
+      std::function<void(sim::Time, const std::string& name, const sim::WorldSample&)>;
+  void set_world_receiver(WorldReceiver receiver);
+  const sim::WorldSensors& world_sensors() const;
   /// Called in each step before the firmware runs, after the mission runner.
   void set_script(std::function<void(Flight&, sim::Time)> script);
 

@@ -15,6 +15,7 @@
 #include "sim/fixedwing/fixedwing.hpp"
 #include "sim/quadplane/quadplane.hpp"
 #include "sim/sensors/register.hpp"
+#include "sim/world_sensors/world_sensors.hpp"
 
 namespace rosflight::flight {
 namespace {
@@ -24,6 +25,7 @@ using config::Error;
 sim::Registry& fill(sim::Registry& registry, const FlightChoice& choice) {
   sim::register_physics(registry);
   sim::sensors::register_sensors(registry);
+  sim::register_world_sensors(registry);
   for (const std::string& plugin : choice.plugins) registry.load_plugin(plugin);
   registry.add_vehicles(project_root() / "vehicles");
   return registry;

@@ -52,6 +52,10 @@ const FlightSetup& checked(const FlightSetup& setup) {
         fmt::format("--physics: found {} in a simulation with snapshots, allowed {}",
                     choice.physics, FlightChoice{}.physics));
   }
+  if (!setup.vehicle.world_sensors().keys().empty()) {
+    throw setup.vehicle.world_sensors().error("sensors in a simulation with snapshots",
+                                              "none; ./rosflight fly has them");
+  }
   if (choice.board == "in_process" && choice.link == "cable") return setup;
   throw config::Error(fmt::format("--board: found {} with --link {}, allowed in_process and cable",
                                   choice.board, choice.link));

@@ -14,6 +14,7 @@
 #include "flight/vehicle_sdf.hpp"
 #include "sim/dynamics/runge_kutta_engine.hpp"
 #include "sim/sensors/register.hpp"
+#include "sim/world/read_sdf.hpp"
 
 namespace rosflight::flight {
 namespace {
@@ -24,12 +25,30 @@ sim::rc::Script pilot_script(const FlightSetup& setup) {
   return script;
 }
 
+bool has_world_sensors(const FlightSetup& setup) {
+  return !setup.vehicle.world_sensors().keys().empty();
+}
+
+/// What sensors of the world see: what the body can touch, and the shapes of --world.
+sim::world::WorldShapes make_shapes(const FlightSetup& setup) {
+  if (!has_world_sensors(setup)) return {};
+  const std::string& file = setup.choice.world;
+  sim::world::WorldShapes shapes;
+  if (!file.empty()) shapes = sim::world::read_sdf_world(file);
+  const bool replaced = !file.empty() && setup.choice.physics == "gazebo";
+  if (!replaced && setup.vehicle.ground().model != sim::GroundModel::kNone)
+    shapes.add_level_ground();
+  return shapes;
+}
+
 std::unique_ptr<sim::PhysicsEngine> make_engine(const FlightSetup& setup) {
   const std::string& physics = setup.choice.physics;
   const std::string& world = setup.choice.world;
-  if (!world.empty() && physics != "gazebo")
-    throw config::Error(
-        fmt::format("--world: found {} with --physics {}, allowed with gazebo", world, physics));
+  if (!world.empty() && physics != "gazebo" && !has_world_sensors(setup))
+    throw config::Error(fmt::format(
+        "--world: found {} with --physics {}, allowed with gazebo or with world_sensors "
+        "in the vehicle file",
+        world, physics));
   const sim::BodyParameters& body = setup.vehicle.body();
   const double gravity_m_s2 = setup.vehicle.environment().gravity_m_s2;
   if (physics == "runge_kutta") return nullptr;
@@ -67,6 +86,8 @@ World::World(const FlightSetup& flight_setup, std::unique_ptr<sim::PhysicsEngine
                random},
       engine{given ? std::move(given) : make_engine(setup)},
       healthy_sensors{make_sensors(setup, random)},
+      shapes{make_shapes(setup)},
+      world_sensors{setup.registry, setup.vehicle, shapes, random, Flight::kStep},
       faults{setup.faults},
       sensors{*healthy_sensors, faults},
       pilot{pilot_script(setup)},

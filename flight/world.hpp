@@ -9,6 +9,7 @@
 #include "sim/dynamics/rigid_body.hpp"
 #include "sim/faulty_modules.hpp"
 #include "sim/rc/pilot.hpp"
+#include "sim/world_sensors/world_sensors.hpp"
 
 namespace rosflight::flight {
 
@@ -32,6 +33,8 @@ struct World {
   sim::RigidBody dynamics;
   std::unique_ptr<sim::PhysicsEngine> engine;  ///< nullptr: none but `dynamics`.
   std::unique_ptr<sim::SensorsModule> healthy_sensors;
+  sim::world::WorldShapes shapes;  ///< Empty without sensors of the world.
+  sim::WorldSensors world_sensors;
   sim::FaultSchedule faults;
   sim::FaultySensors sensors;
   sim::rc::Pilot pilot;

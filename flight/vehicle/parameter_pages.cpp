@@ -10,6 +10,9 @@
 #include "sim/parameter_tables.hpp"
 #include "sim/sensors/presets.hpp"
 #include "sim/sensors/read_config.hpp"
+#include "sim/world_sensors/depth_camera.hpp"
+#include "sim/world_sensors/lidar.hpp"
+#include "sim/world_sensors/motion_capture.hpp"
 
 namespace rosflight::flight {
 namespace {
@@ -73,7 +76,21 @@ std::string vehicle_page() {
               "`sim/sensors/read_config.cpp`. `preset` (current, reference, ideal) chooses the "
               "defaults; these are those of\n`current`, whose sources are in "
               "`sim/sensors/presets.cpp`. u is the unit in the name of the section around the key.",
-              sim::sensors::sensor_tables(), sim::sensors::current_hardware());
+              sim::sensors::sensor_tables(), sim::sensors::current_hardware()) +
+         keys("Section `world_sensors`, keys of every sensor",
+              "`sim/world_sensors`. Each sensor has a section of its name with `type`: lidar, "
+              "depth_camera, motion_capture,\nor that of a plugin. Topics: "
+              "`docs/simulation/world-sensors.md`.",
+              sim::timing_table(), sim::Timing{true, sim::Lidar::Config{}.timing.period, {}, {}}) +
+         keys("Where a sensor of the vehicle is", "Not of motion_capture.", sim::mounting_table()) +
+         keys("Type `lidar`", "`sim/world_sensors/lidar.cpp`.", sim::Lidar::parameters()) +
+         keys("Type `depth_camera`", "`sim/world_sensors/depth_camera.cpp`.",
+              sim::DepthCamera::parameters()) +
+         keys(
+             "Type `motion_capture`",
+             "`sim/world_sensors/motion_capture.cpp`; its default rate is 100 Hz. u is the unit in "
+             "the name of the section.",
+             sim::MotionCapture::parameters());
 }
 
 std::string mixers_page() {

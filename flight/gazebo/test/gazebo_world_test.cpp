@@ -200,7 +200,8 @@ TEST(Worlds, NeedTheEngineOfGazebo) {
     FAIL();
   } catch (const config::Error& error) {
     EXPECT_EQ(std::string(error.what()), std::string("--world: found ") + kField +
-                                             " with --physics runge_kutta, allowed with gazebo");
+                                             " with --physics runge_kutta, allowed with gazebo or "
+                                             "with world_sensors in the vehicle file");
   }
 }
 
