@@ -19,9 +19,7 @@ struct XmlElement {
   const XmlElement* child(std::string_view wanted) const;
 };
 
-/// Reads an XML 1.0 document in UTF-8: elements, attributes, text, comments, CDATA, processing
-/// instructions, the five named entities and numeric ones up to 127. No document type: its entities could
-/// grow without end.
+/// Reads an XML document by tinyxml2, which expands no entities of a document type; such a type is refused.
 /// @param file  for messages. @returns the root. @throws config::Error  FILE:LINE: found X, allowed Y.
 XmlElement read_xml(std::string_view text, const std::string& file);
 
