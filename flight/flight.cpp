@@ -145,8 +145,8 @@ void Flight::Loop::before_step(sim::Time t) {
 
 /// Bodies of the world that the engine knows; a crash ends the mission.
 void Flight::Loop::note_contact(sim::Time t) {
-  const sim::PhysicsEngine::Contact* contact = engine->contact();
-  if (contact == nullptr) return;
+  const std::optional<sim::PhysicsEngine::Contact> contact = dynamics.take_contact();
+  if (!contact) return;
   const std::optional<ContactWatch::Event> event = contacts.step(t, *contact);
   if (!event) return;
   runner.report(event->crash ? link::Severity::kError : link::Severity::kInfo, "world",

@@ -24,6 +24,8 @@ inline constexpr char kMove = 'm';
 inline constexpr char kReady = 'r';
 inline constexpr char kFailed = 'e';
 
+inline constexpr double kSteep = 0.5;  ///< Cosine of 60 degrees.
+
 using Triple = std::array<double, 3>;
 
 struct Block {
@@ -44,6 +46,7 @@ struct Block {
   double normal_up;  ///< There: z of the normal of the surface, 1 on level ground, 0 at a wall.
   std::int32_t touches;
   std::int32_t airframe_touches;  ///< Body, wing or a propeller, not the gear.
+  std::int32_t carries;           ///< A surface touches whose normal_up is kSteep or more.
   std::array<char, 64> other;     ///< Model of the world at the fastest of these points.
   std::array<char, 256> error;
 };

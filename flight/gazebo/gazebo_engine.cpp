@@ -19,10 +19,15 @@ using sim::Matrix3;
 using sim::Vector3;
 using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
+// A body that is put back by less than this is not checked again.
+constexpr double kSamePlace_m = 0.001;
+constexpr double kSamePlace_rad = 0.001;
+
 static_assert(gazebo::kCommandsFd == EngineProcess::kCommandsFd &&
               gazebo::kAnswersFd == EngineProcess::kAnswersFd &&
               gazebo::kBlockFd == EngineProcess::kBlockFd &&
-              gazebo::kReady == EngineProcess::kReady);
+              gazebo::kReady == EngineProcess::kReady &&
+              gazebo::kSteep == sim::PhysicsEngine::kSteep);
 
 void to_block(const Vector3& v, Triple& at) {
   Eigen::Map<Vector3>{at.data()} = v;
@@ -90,13 +95,16 @@ void GazeboEngine::command(char what, std::chrono::milliseconds timeout) {
 }
 
 void GazeboEngine::set_state(const sim::BodyState& state) {
+  const bool elsewhere = !placed_ || (state.p_W - state_.p_W).norm() > kSamePlace_m ||
+                         state.q_WB.angularDistance(state_.q_WB) > kSamePlace_rad;
   state_.q_WB = state.q_WB;
   const Matrix3 R_WB = state.q_WB.toRotationMatrix();
   to_block(enu(state.p_W), block_->p_G);
   Eigen::Map<RowMajor>{block_->R_GL.data()} = other_axes(R_WB);
   to_block(enu(R_WB * state.v_B), block_->v_G);
   to_block(enu(R_WB * state.w_B), block_->w_G);
-  command(has_world_ ? gazebo::kPlace : gazebo::kSetState, timeout_);
+  command(has_world_ && elsewhere ? gazebo::kPlace : gazebo::kSetState, timeout_);
+  placed_ = true;
   contact_ = {};
   read_state();
 }
@@ -125,6 +133,7 @@ void GazeboEngine::read_state() {
 void GazeboEngine::read_contact(const sim::Quaternion& q_WB) {
   contact_.touches = block_->touches != 0;
   contact_.airframe = block_->airframe_touches != 0;
+  contact_.carries = block_->carries != 0;
   contact_.approach_m_s = block_->approach_m_s;
   contact_.normal_up = block_->normal_up;
   block_->other.back() = '\0';

@@ -47,6 +47,7 @@ class GazeboEngine final : public sim::PhysicsEngine {
   void read_contact(const sim::Quaternion& q_WB);
 
   bool has_world_;
+  bool placed_{false};  ///< A state was set.
   std::chrono::milliseconds timeout_;
   EngineProcess program_;
   gazebo::Block* block_;

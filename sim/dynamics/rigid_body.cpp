@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "sim/dynamics/body_motion.hpp"
 
@@ -118,6 +119,7 @@ void RigidBody::begin(const BodyState& given, std::span<const double> module_sta
   forces_.initial_state(module_part(y_));
   std::ranges::copy(module_state, module_part(y_).begin());
   ground_.lift();
+  contact_ = contacts_ = {};
   truth_.body = state;
   const AirProperties air = atmosphere_.at(origin_height_m_ - state.p_W.z());
   truth_.air = {air.density_kg_m3, air.pressure_Pa, air.temperature_K, wind_.velocity_W()};
@@ -170,8 +172,10 @@ void RigidBody::substep(double h, const hal::OutputValues& outputs) {
 }
 
 /// The engine moves the body under the mean of the load that this scheme meets on the way from the engine's
-/// state; the states of the module go that way themselves. An error of second order in h.
-void RigidBody::substep_by_engine(double h, const hal::OutputValues& outputs) {
+/// state; the states of the module go that way themselves. An error of second order in h. Hands that hold the body
+/// balance the ground too.
+void RigidBody::substep_by_engine(double h, double share_of_step,
+                                  const hal::OutputValues& outputs) {
   PhysicsEngine::Load load;
   std::size_t stage = 0;
   runge_kutta(y_, h, [&](const State& y, State& y_dot) {
@@ -181,11 +185,15 @@ void RigidBody::substep_by_engine(double h, const hal::OutputValues& outputs) {
     load.torque_B += share * total_.torque_B;
   });
   engine_->step(h, load);
-  pack(engine_->state(), y_);
-  if (const PhysicsEngine::Contact* contact = engine_->contact()) {
-    total_.force_B += contact->wrench.force_B;
-    total_.torque_B += contact->wrench.torque_B;
+  if (!own_ground()) return pack(engine_->state(), y_);
+  contact_.add(*engine_->contact(), held_ ? 0.0 : share_of_step);
+  BodyState state = engine_->state();
+  if (held_) {
+    state = truth_.body;
+    state.v_B = state.w_B = Vector3::Zero();
+    engine_->set_state(state);
   }
+  pack(state, y_);
 }
 
 void RigidBody::substep_frozen(double h, const hal::OutputValues& outputs) {
@@ -216,8 +224,7 @@ void RigidBody::finish_substep() {
   } else {
     truth_.on_ground =
         acting_ground_ == GroundModel::kFrictionlessPlane && body.p_W.z() >= -kPlaneReach_m;
-    if (engine_ != nullptr && engine_->contact() != nullptr)
-      truth_.on_ground = engine_->contact()->touches;
+    if (own_ground()) truth_.on_ground = contact_.carries;
   }
 }
 
@@ -242,6 +249,7 @@ void RigidBody::step(Time t, const hal::OutputValues& outputs) {
   // A step a rounding error longer than allowed is not split.
   const auto count = std::max<std::int64_t>(1, std::llround(std::ceil(dt / max_step_s_ - 1e-9)));
   const double h = dt / static_cast<double>(count);
+  contact_ = {};
   for (std::int64_t i = 0; i < count; ++i) {
     const BodyState& body = truth_.body;
     if (!wind_.calm()) {
@@ -249,7 +257,7 @@ void RigidBody::step(Time t, const hal::OutputValues& outputs) {
       truth_.air.wind_W = wind_.step(h, -body.p_W.z(), v_air_B.norm());
     }
     if (engine_ != nullptr) {
-      substep_by_engine(h, outputs);
+      substep_by_engine(h, 1.0 / static_cast<double>(count), outputs);
     } else if (integration_ == Integration::kRk4) {
       substep(h, outputs);
     } else {
@@ -258,7 +266,17 @@ void RigidBody::step(Time t, const hal::OutputValues& outputs) {
     finish_substep();
   }
   truth_.time = t;
+  if (own_ground()) {
+    total_.force_B += contact_.wrench.force_B;
+    angular_acceleration_B_ += inertia_inverse_ * contact_.wrench.torque_B;
+    contacts_.add(contact_, 0.0);
+  }
   fill_truth(outputs);
+}
+
+std::optional<PhysicsEngine::Contact> RigidBody::take_contact() {
+  if (!own_ground()) return std::nullopt;
+  return std::exchange(contacts_, {});
 }
 
 }  // namespace rosflight::sim

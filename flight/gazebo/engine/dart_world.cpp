@@ -204,7 +204,7 @@ void DartWorld::move(Block& block) {
 
   Vector3d force = Vector3d::Zero();
   Vector3d torque = Vector3d::Zero();
-  block.touches = block.airframe_touches = 0;
+  block.touches = block.airframe_touches = block.carries = 0;
   block.approach_m_s = block.normal_up = 0.0;
   block.other.fill('\0');
   for (const auto& contact : scene.world->GetContactsFromLastStep()) {
@@ -229,6 +229,7 @@ void DartWorld::move(Block& block) {
                   block.other.begin());
     }
     block.touches = 1;
+    if (sign * extra->normal.z() >= kSteep) block.carries = 1;
     const std::string& shape = (ours ? point.collision1 : point.collision2)->GetName();
     if (!shape.starts_with(kGear)) block.airframe_touches = 1;
   }

@@ -166,16 +166,69 @@ TEST_F(GazeboWorlds, AMissionIsFlownOverThem) {
   EXPECT_EQ(said[0].rfind("touches ground at 0.", 0), 0U) << said[0];
 }
 
+/// A body of one static shape. @param pose  six numbers.
+std::string solid(const std::string& name, const std::string& pose, const std::string& geometry) {
+  return "<model name='" + name + "'><static>true</static><pose>" + pose +
+         "</pose><link name='l'><collision name='c'><geometry>" + geometry +
+         "</geometry></collision></link></model>";
+}
+
+const std::string kPlane = solid("ground", "0 0 0 0 0 0", "<plane><normal>0 0 1</normal></plane>");
+
+/// A wall across the path of 4 m to the north.
+std::string across_the_path() {
+  return in_world(kPlane + solid("wall", "0 2.5 5 0 0 0", "<box><size>20 0.5 10</size></box>"));
+}
+
+/// Speed in the event of the crash [m/s]; NaN: none.
+double crash_speed_m_s(const std::vector<std::string>& overrides) {
+  FlightChoice choice = hop_in(across_the_path());
+  choice.overrides = overrides;
+  const FlightSetup setup(choice);
+  Flight flight(setup);
+  double speed_m_s = std::nan("");
+  flight.runner().set_notify([&](const FlightNote& note) {
+    if (note.source != "world" || note.severity != link::Severity::kError) return;
+    EXPECT_EQ(note.text.rfind("hit wall at ", 0), 0U) << note.text;
+    speed_m_s = std::stod(note.text.substr(std::string("hit wall at ").size()));
+  });
+  while (!flight.finished() && std::isnan(speed_m_s)) flight.step();
+  return speed_m_s;
+}
+
+TEST_F(GazeboWorlds, ACrashHasTheSameSpeedInSubsteps) {
+  const double whole_m_s = crash_speed_m_s({});
+  EXPECT_GT(whole_m_s, 1.0);
+  EXPECT_NEAR(crash_speed_m_s({"body.max_step_s=0.0005"}), whole_m_s, 0.05);
+}
+
+TEST_F(GazeboWorlds, AHeldFixedWingStaysOnTheGround) {
+  FlightChoice choice = hop_in(in_world(kPlane));
+  choice.vehicle = "anaconda";
+  choice.mission = "default";
+  choice.overrides = {"environment.wind.steady_W_m_s=[-6, 0, 0]"};
+  const FlightSetup setup(choice);
+  Flight flight(setup);
+  std::vector<std::string> said;
+  flight.runner().set_notify([&](const FlightNote& note) {
+    if (note.source == "world") said.push_back(note.text);
+  });
+  flight.step();
+  const sim::Vector3 start = flight.truth().body.p_W;
+  while (flight.now() < std::chrono::seconds(10) && flight.autonomy().idle) {
+    flight.step();
+    ASSERT_EQ(flight.truth().body.p_W, start);
+    ASSERT_TRUE(flight.truth().on_ground);
+    ASSERT_NEAR(flight.truth().specific_force_B.norm(), 9.80665, 1e-9);
+  }
+  EXPECT_GT(flight.now(), std::chrono::seconds(5));
+  flight.run();
+  EXPECT_TRUE(flight.score().success()) << flight.score().verdict;
+  for (const std::string& text : said) EXPECT_EQ(text.rfind("touches ground at ", 0), 0U) << text;
+}
+
 TEST_F(GazeboWorlds, ACrashIsAnEventAndEndsTheMission) {
-  // A wall across the path of 4 m to the north.
-  const std::string world = in_world(
-      "<model name='ground'><static>true</static><link name='l'><collision "
-      "name='c'><geometry><plane>"
-      "<normal>0 0 1</normal></plane></geometry></collision></link></model>"
-      "<model name='wall'><static>true</static><pose>0 2.5 5 0 0 0</pose><link name='l'><collision "
-      "name='c'>"
-      "<geometry><box><size>20 0.5 10</size></box></geometry></collision></link></model>");
-  const FlightSetup setup(hop_in(world));
+  const FlightSetup setup(hop_in(across_the_path()));
   Flight flight(setup);
   std::vector<FlightNote> said;
   flight.runner().set_notify([&](const FlightNote& note) {
