@@ -24,6 +24,15 @@ sim::rc::Script pilot_script(const FlightSetup& setup) {
   return script;
 }
 
+/// From so high a vehicle may fall onto the ground of a world at its start: 3.1 m/s, which is no crash.
+constexpr double kMaxDrop_m = 0.5;
+
+double lowest_point_m(const sim::GroundParameters& ground) {
+  double lowest_m = 0.0;
+  for (const sim::Vector3& point : ground.contacts_B) lowest_m = std::max(lowest_m, point.z());
+  return lowest_m;
+}
+
 std::unique_ptr<sim::PhysicsEngine> make_engine(const FlightSetup& setup) {
   const std::string& physics = setup.choice.physics;
   const std::string& world = setup.choice.world;
@@ -41,6 +50,7 @@ std::unique_ptr<sim::PhysicsEngine> make_engine(const FlightSetup& setup) {
   if (physics == "gazebo") {
     GazeboEngine::Options options = GazeboEngine::Options::of_project();
     options.world_file = world;
+    options.max_height_m = lowest_point_m(setup.vehicle.ground()) + kMaxDrop_m;
     return std::make_unique<GazeboEngine>(vehicle_sdf(setup.vehicle, "vehicle", SdfModel::kOneLink),
                                           gravity_m_s2, options);
   }

@@ -15,11 +15,14 @@ inline constexpr int kAnswersFd = 4;
 inline constexpr int kBlockFd = 5;
 inline constexpr int kModelFd = 6;  ///< The vehicle as SDF, with the link `base_link`.
 
+inline constexpr int kFilesFd =
+    7;  ///< There the program writes which files the world is made of, one a line.
+
 // Commands, one byte each, and the answers to them. After kFailed the program ends.
 inline constexpr char kBegin = 'b';
 inline constexpr char kSetState = 's';
 inline constexpr char kPlace =
-    'p';  ///< As kSetState; fails if the vehicle is inside a body of the world.
+    'p';  ///< As kSetState; fails if the vehicle is inside a body of the world or not above its ground.
 inline constexpr char kMove = 'm';
 inline constexpr char kReady = 'r';
 inline constexpr char kFailed = 'e';
@@ -30,6 +33,7 @@ using Triple = std::array<double, 3>;
 
 struct Block {
   double gravity_m_s2;
+  double max_height_m;  ///< Above the ground, for kPlace.
   double step_s;
   Triple force_G;   ///< At the centre of mass [N].
   Triple torque_G;  ///< [N m]

@@ -4,7 +4,9 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "config/strict_yaml.hpp"
 #include "flight/project_root.hpp"
@@ -56,9 +58,19 @@ base::FileDescriptor memory_file(const std::string& text) {
     if (count <= 0) break;
     done += static_cast<std::size_t>(count);
   }
-  if (done < text.size())
+  if (!file.valid() || done < text.size())
     throw boards::EmulatorError("--physics gazebo: cannot give the model to its process");
   return file;
+}
+
+std::vector<std::string> lines_of(int fd) {
+  std::string text(static_cast<std::size_t>(std::max<off_t>(::lseek(fd, 0, SEEK_END), 0)), '\0');
+  const ssize_t count = ::pread(fd, text.data(), text.size(), 0);
+  text.resize(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+  std::istringstream stream(text);
+  std::vector<std::string> out;
+  for (std::string line; std::getline(stream, line);) out.push_back(line);
+  return out;
 }
 
 }  // namespace
@@ -82,11 +94,14 @@ GazeboEngine::GazeboEngine(const std::string& model_sdf, double gravity_m_s2,
       program_{"--physics gazebo", sizeof(gazebo::Block)},
       block_{static_cast<gazebo::Block*>(program_.block())} {
   block_->gravity_m_s2 = gravity_m_s2;
+  block_->max_height_m = options.max_height_m;
   const base::FileDescriptor model = memory_file(model_sdf);
   std::vector<std::string> arguments{options.program.string()};
   if (has_world_) arguments.push_back(options.world_file);
-  program_.start(arguments, {{model.get(), gazebo::kModelFd}});
+  const base::FileDescriptor list = memory_file("");
+  program_.start(arguments, {{model.get(), gazebo::kModelFd}, {list.get(), gazebo::kFilesFd}});
   command(gazebo::kBegin, options.start_timeout);
+  world_files_ = lines_of(list.get());
 }
 
 void GazeboEngine::command(char what, std::chrono::milliseconds timeout) {

@@ -13,32 +13,10 @@
 namespace rosflight::flight {
 namespace {
 
-constexpr const char* kField = "flight/gazebo/test/worlds/field.sdf";
-constexpr double kWeight = 2.0 * 9.80665;  // [N]
 using sim::BodyState;
 using sim::Vector3;
 
 class GazeboWorlds : public WithGazebo {};
-
-/// A box of 0.4 m x 0.4 m x 0.2 m with the gear's name: its contacts are none of the airframe.
-std::string crate(const std::string& name = "contact_0") {
-  return box_sdf("<ixx>0.033</ixx><iyy>0.033</iyy><izz>0.053</izz>",
-                 "<collision name='" + name +
-                     "'><geometry><box><size>0.4 0.4 0.2</size></box></geometry></collision>");
-}
-
-GazeboEngine::Options field(const std::string& world = kField) {
-  GazeboEngine::Options options = GazeboEngine::Options::of_project();
-  options.world_file = world;
-  return options;
-}
-
-BodyState at(double north_m, double east_m, double height_m, const Vector3& v_B = Vector3::Zero()) {
-  BodyState state;
-  state.p_W = {north_m, east_m, -height_m};
-  state.v_B = v_B;
-  return state;
-}
 
 TEST_F(GazeboWorlds, CarryABodyAtRestWithItsWeight) {
   GazeboEngine engine(crate(), 9.80665, field());
@@ -110,17 +88,6 @@ TEST_F(GazeboWorlds, AVehicleInsideAnotherBodyIsOneLine) {
             "--physics gazebo: the vehicle is inside house of the world, 3.10 m deep");
 }
 
-/// A world file with this text.
-std::string world_file(const std::string& text) {
-  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "world.sdf";
-  std::ofstream(file) << text;
-  return file;
-}
-
-std::string in_world(const std::string& text) {
-  return world_file("<sdf version='1.9'><world name='w'>" + text + "</world></sdf>");
-}
-
 TEST_F(GazeboWorlds, ABadFileIsOneLineThatNamesIt) {
   const auto complaint = [](const std::string& file) {
     const std::string said = gazebo_complaint(field(file), {}, crate());
@@ -145,14 +112,6 @@ TEST_F(GazeboWorlds, ABadFileIsOneLineThatNamesIt) {
             std::string::npos);
 }
 
-FlightChoice hop_in(const std::string& world) {
-  FlightChoice choice;
-  choice.physics = "gazebo";
-  choice.mission = "hop";
-  choice.world = world;
-  return choice;
-}
-
 TEST_F(GazeboWorlds, AMissionIsFlownOverThem) {
   const FlightSetup setup(hop_in(kField));
   Flight flight(setup);
@@ -166,18 +125,9 @@ TEST_F(GazeboWorlds, AMissionIsFlownOverThem) {
   EXPECT_EQ(said[0].rfind("touches ground at 0.", 0), 0U) << said[0];
 }
 
-/// A body of one static shape. @param pose  six numbers.
-std::string solid(const std::string& name, const std::string& pose, const std::string& geometry) {
-  return "<model name='" + name + "'><static>true</static><pose>" + pose +
-         "</pose><link name='l'><collision name='c'><geometry>" + geometry +
-         "</geometry></collision></link></model>";
-}
-
-const std::string kPlane = solid("ground", "0 0 0 0 0 0", "<plane><normal>0 0 1</normal></plane>");
-
 /// A wall across the path of 4 m to the north.
 std::string across_the_path() {
-  return in_world(kPlane + solid("wall", "0 2.5 5 0 0 0", "<box><size>20 0.5 10</size></box>"));
+  return in_world(plane() + solid("wall", "0 2.5 5 0 0 0", "<box><size>20 0.5 10</size></box>"));
 }
 
 /// Speed in the event of the crash [m/s]; NaN: none.
@@ -203,7 +153,7 @@ TEST_F(GazeboWorlds, ACrashHasTheSameSpeedInSubsteps) {
 }
 
 TEST_F(GazeboWorlds, AHeldFixedWingStaysOnTheGround) {
-  FlightChoice choice = hop_in(in_world(kPlane));
+  FlightChoice choice = hop_in(in_world(plane()));
   choice.vehicle = "anaconda";
   choice.mission = "default";
   choice.overrides = {"environment.wind.steady_W_m_s=[-6, 0, 0]"};
