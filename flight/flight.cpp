@@ -212,6 +212,9 @@ sim::Time Flight::now() const {
 const FlightSetup& Flight::setup() const {
   return loop_->setup;
 }
+const std::string& Flight::world_sha256() const {
+  return loop_->world_sha256;
+}
 const sim::Truth& Flight::truth() const {
   return loop_->dynamics.truth();
 }

@@ -83,6 +83,15 @@ World::World(const FlightSetup& flight_setup)
       rc{pilot, faults},
       cable{random} {
   if (engine) dynamics.set_engine(*engine);
+  if (const auto* gazebo = dynamic_cast<const GazeboEngine*>(engine.get()))
+    world_sha256 = gazebo->world_sha256();
+  const std::string& wanted = setup.choice.world_sha256;
+  if (!wanted.empty() && world_sha256 != wanted)
+    throw config::Error(
+        fmt::format("--repeat: found {} or what it refers to with SHA-256 {:.8}, allowed {:.8}, "
+                    "that of the flight, "
+                    "whose world.sdf is in its folder and log",
+                    setup.choice.world, world_sha256, wanted));
   if (setup.winged()) face_the_wind();
 }
 

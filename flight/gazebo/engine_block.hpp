@@ -52,7 +52,7 @@ struct Block {
   std::int32_t airframe_touches;  ///< Body, wing or a propeller, not the gear.
   std::int32_t carries;           ///< A surface touches whose normal_up is kSteep or more.
   std::array<char, 64> other;     ///< Model of the world at the fastest of these points.
-  std::array<char, 256> error;
+  std::array<char, 1024> error;   ///< One line, which may have two long paths.
 };
 
 }  // namespace rosflight::flight::gazebo

@@ -5,11 +5,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <fstream>
 #include <sstream>
 
 #include "config/strict_yaml.hpp"
 #include "flight/project_root.hpp"
+#include "log/checksums.hpp"
 #include "messages/frames.hpp"
 
 namespace rosflight::flight {
@@ -102,6 +105,20 @@ GazeboEngine::GazeboEngine(const std::string& model_sdf, double gravity_m_s2,
   program_.start(arguments, {{model.get(), gazebo::kModelFd}, {list.get(), gazebo::kFilesFd}});
   command(gazebo::kBegin, options.start_timeout);
   world_files_ = lines_of(list.get());
+}
+
+std::string GazeboEngine::world_sha256() const {
+  if (world_files_.empty()) return {};
+  log::Sha256 sum;
+  std::array<std::uint8_t, 65536> part{};
+  for (const std::string& file : world_files_) {
+    std::ifstream stream(file, std::ios::binary);
+    while (stream) {
+      stream.read(reinterpret_cast<char*>(part.data()), part.size());
+      sum.update({part.data(), static_cast<std::size_t>(stream.gcount())});
+    }
+  }
+  return sum.hex();
 }
 
 void GazeboEngine::command(char what, std::chrono::milliseconds timeout) {

@@ -45,6 +45,8 @@ class GazeboEngine final : public sim::PhysicsEngine {
   const Contact* contact() const override { return has_world_ ? &contact_ : nullptr; }
   /// Files that the world is made of: its own, those of included models, meshes. Each one once.
   const std::vector<std::string>& world_files() const { return world_files_; }
+  /// SHA-256 of these files one after the other; empty without a world.
+  std::string world_sha256() const;
   pid_t process() const { return program_.process(); }
 
  private:

@@ -68,8 +68,8 @@ class RigidBody final : public Dynamics {
   /// takes the place of that of the parameters. @throws config::Error  forces are frozen.
   void set_engine(PhysicsEngine& engine);
 
-  /// Contacts with ground of the engine's own since the last call, as one: whoever calls this once in several steps, or
-  /// has steps that are split, misses none; without their wrench. nullopt: no such ground.
+  /// Contacts with ground of the engine's own since the last call, as one, so that none is missed between two calls; its
+  /// wrench is zero. nullopt: no such ground.
   std::optional<PhysicsEngine::Contact> take_contact();
 
   /// From now on `external`, which must outlive this, changes each wrench of the module; nullptr: nobody does.

@@ -150,7 +150,7 @@ struct DartWorld::Scene {
   void add_mesh(const LinkPtr& link, const sdf::Collision& collision, const Eigen::Isometry3d& pose,
                 const std::string& where);
 
-  std::filesystem::path folder;  ///< Of the world file.
+  std::filesystem::path folder;  ///< The folder of the world file.
   std::vector<std::string> files;
   GroundBelow ground;
 };

@@ -46,7 +46,7 @@ inline std::string gazebo_complaint(const GazeboEngine::Options& options,
 }
 
 inline constexpr const char* kField = "flight/gazebo/test/worlds/field.sdf";
-inline constexpr double kWeight = 2.0 * 9.80665;  ///< Of the body above [N].
+inline constexpr double kWeight = 2.0 * 9.80665;  ///< Weight of the body above [N].
 
 /// A box of 0.4 m x 0.4 m x 0.2 m with the gear's name: its contacts are none of the airframe.
 inline std::string crate(const std::string& name = "contact_0") {

@@ -209,6 +209,12 @@ TEST_F(GazeboShapes, ABrokenMeshIsOneLineThatNamesIt) {
   EXPECT_NE(said_of("cut.dae", square_dae().substr(0, 500)), "");
 }
 
+TEST_F(GazeboShapes, ALongPathIsNotCut) {
+  const std::string uri = std::string(200, 'd') + "/" + std::string(200, 'e') + ".obj";
+  EXPECT_EQ(complaint(plane() + solid("m", "0 0 0 0 0 0", mesh(uri))),
+            "m::l::c: found no mesh " + uri);
+}
+
 TEST_F(GazeboShapes, OfAnIncludedModelAreFoundBesideIt) {
   test_file("hut/model.config",
             "<model><name>hut</name><sdf version='1.9'>model.sdf</sdf></model>");
@@ -243,6 +249,33 @@ TEST_F(GazeboShapes, AreFoundInTheResourcePath) {
   ::setenv("GZ_SIM_RESOURCE_PATH", model.parent_path().parent_path().c_str(), 1);
   EXPECT_EQ(carried_by(world, 1.0), "hut");
   ::unsetenv("GZ_SIM_RESOURCE_PATH");
+}
+
+/// How far a crate slides on ground [m] that begins at 2 m/s. Both get this element.
+double slide_m(const std::string& of_ground, const std::string& of_crate) {
+  const auto surface = [](const std::string& mu) {
+    return mu.empty() ? mu
+                      : "<surface><friction><ode><mu>" + mu + "</mu><mu2>" + mu +
+                            "</mu2></ode></friction></surface>";
+  };
+  const auto with = [&](std::string text, const std::string& mu) {
+    return text.replace(text.find("</geometry>"), 11, "</geometry>" + surface(mu));
+  };
+  GazeboEngine engine(with(crate(), of_crate), 9.80665, field(in_world(with(plane(), of_ground))));
+  engine.set_state(at(0.0, 0.0, kHalfCrate_m));
+  for (int k = 0; k < 100; ++k) engine.step(0.0025, {});
+  BodyState sliding = engine.state();
+  sliding.v_B = {0.0, 2.0, 0.0};
+  engine.set_state(sliding);
+  for (int k = 0; k < 1000; ++k) engine.step(0.0025, {});
+  return engine.state().p_W.y() - sliding.p_W.y();
+}
+
+TEST_F(GazeboShapes, FrictionIsTheSmallerOfBoth) {
+  const auto expected_m = [](double mu) { return 2.0 * 2.0 / (2.0 * mu * 9.80665); };
+  EXPECT_NEAR(slide_m("0.3", "0.6"), expected_m(0.3), 0.02);
+  EXPECT_NEAR(slide_m("0.6", "0.3"), expected_m(0.3), 0.02);
+  EXPECT_NEAR(slide_m("", "0.3"), expected_m(0.3), 0.02);
 }
 
 TEST_F(GazeboShapes, AMovingBodyIsPushed) {
