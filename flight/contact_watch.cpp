@@ -12,7 +12,7 @@ std::optional<ContactWatch::Event> ContactWatch::step(sim::Time t,
   if (!contact.touches) return std::nullopt;
   const bool begins = last_ && t - *last_ > kApart;
   last_ = t;
-  const bool steep = contact.normal_up < kSteep;
+  const bool steep = contact.normal_up < sim::PhysicsEngine::kSteep;
   const bool crash = contact.airframe ||
                      contact.approach_m_s > (steep ? kSide_m_s : LandingScore::kCrashSpeed_m_s);
   if (crash && !crashed_) {

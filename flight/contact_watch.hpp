@@ -14,7 +14,6 @@ namespace rosflight::flight {
 class ContactWatch {
  public:
   static constexpr double kSide_m_s = 1.0;
-  static constexpr double kSteep = 0.5;  ///< Cosine of 60 degrees.
   /// A contact after so long in the air is an event; rebounds before belong to the last.
   static constexpr sim::Time kApart{500'000};
 

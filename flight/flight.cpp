@@ -159,8 +159,8 @@ void Flight::Loop::receive(sim::Time t, const std::string& name, const sim::Worl
 
 /// Bodies of the world that the engine knows; a crash ends the mission.
 void Flight::Loop::note_contact(sim::Time t) {
-  const sim::PhysicsEngine::Contact* contact = engine->contact();
-  if (contact == nullptr) return;
+  const std::optional<sim::PhysicsEngine::Contact> contact = dynamics.take_contact();
+  if (!contact) return;
   const std::optional<ContactWatch::Event> event = contacts.step(t, *contact);
   if (!event) return;
   runner.report(event->crash ? link::Severity::kError : link::Severity::kInfo, "world",
@@ -241,6 +241,9 @@ sim::Time Flight::now() const {
 }
 const FlightSetup& Flight::setup() const {
   return loop_->setup;
+}
+const std::string& Flight::world_sha256() const {
+  return loop_->world_sha256;
 }
 const sim::Truth& Flight::truth() const {
   return loop_->dynamics.truth();

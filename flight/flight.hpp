@@ -82,6 +82,8 @@ class Flight final {
 
   sim::Time now() const;  ///< Start of the next step.
   const FlightSetup& setup() const;
+  /// SHA-256 of the file of the world and all that it refers to; empty: no such world.
+  const std::string& world_sha256() const;
   const sim::Truth& truth() const;
   const sim::RigidBody& dynamics() const;
   MissionRunner& runner();

@@ -85,9 +85,12 @@ void FlightRecorder::open_log(const std::filesystem::path& file, LogLevel level,
       static_cast<std::uint64_t>(setup.vehicle.environment().start_unix_s) * 1'000'000'000U;
   log::TextMap facts = log_facts(setup);
   facts["log"] = level == LogLevel::kFull ? "full" : "plot";
+  if (!setup.choice.world.empty()) facts["world_sha256"] = flight_.world_sha256();
   log_ = std::make_unique<log::FlightLog>(file, options, facts);
   log_->attach("vehicle.yaml", "application/yaml", setup.vehicle.text());
   log_->attach("mission.yaml", "application/yaml", setup.mission_text);
+  if (!setup.choice.world.empty())
+    log_->attach("world.sdf", "application/xml", read_text(setup.choice.world));
   log_->write_description({}, vehicle_urdf(setup));
   log_world_sensors();
 }

@@ -57,11 +57,6 @@ std::string find_mission(const std::string& wanted, const sim::Vehicle& vehicle)
       fmt::format("mission: found '{}', allowed a file or {}", name, fmt::join(known, ", ")));
 }
 
-std::string read_text(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 /// Whether the other kind of aircraft could fly it, with its default limits.
 bool is_for_the_other_kind(const std::string& mission_file, bool fixed_wing,
                            const base::Geodetic& origin) {
@@ -167,6 +162,11 @@ double throttle_that_carries(const Plan& plan, const sim::Vehicle& vehicle,
 }
 
 }  // namespace
+
+std::string read_text(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
 
 sim::rc::ChannelMap channels_of(const companion::ParameterSet& firmware) {
   using sim::rc::Control;

@@ -42,6 +42,7 @@ struct FlightChoice {
   std::string pilot{"hover"};            ///< The safety pilot's throttle stick: hover or idle.
   std::string physics{"runge_kutta"};    ///< One of kPhysics.
   std::string world;                     ///< SDF file, with physics gazebo; empty: our flat ground.
+  std::string world_sha256;              ///< What its files must have; empty: any.
   std::vector<std::string> overrides;    ///< "body.mass_kg=3.2"
   std::vector<std::string> faults;       ///< "baro@20:5"
   std::vector<std::string> plugins;      ///< Shared libraries.
@@ -102,6 +103,9 @@ struct FlightSetup {
   /// @throws config::Error  this vehicle has no such motor or surface.
   void check(const sim::Fault& fault) const;
 };
+
+/// All of a file; empty: it cannot be read.
+std::string read_text(const std::string& file);
 
 /// Receiver channels as the firmware will look for them.
 sim::rc::ChannelMap channels_of(const companion::ParameterSet& firmware);

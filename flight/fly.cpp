@@ -64,6 +64,8 @@ void write_files(const fs::path& folder, Flight& flight, const std::string& anal
   base::write_file(folder / "preflight.json", preflight_json(flight.runner().checks()));
   base::write_file(folder / "vehicle.yaml", setup.vehicle.text());
   base::write_file(folder / "mission.yaml", setup.mission_text);
+  if (!setup.choice.world.empty())
+    base::write_file(folder / "world.sdf", read_text(setup.choice.world));
   companion::write_parameter_file(folder / "parameters.yaml",
                                   flight.session().parameters().table().values(),
                                   flight.session().firmware_version());

@@ -7,10 +7,12 @@
 #include <cmath>
 #include <vector>
 
+#include "flight/vehicle/quadplane_setup.hpp"
 #include "flight/vehicle/vehicle_setup.hpp"
 #include "flight/vehicle_shapes.hpp"
 #include "messages/frames.hpp"
 #include "sim/fixedwing/fixedwing.hpp"
+#include "sim/quadplane/quadplane.hpp"
 
 namespace rosflight::flight {
 namespace {
@@ -125,8 +127,9 @@ void add_rotors(const sim::MultirotorParameters& parameters, Parts& out) {
 
 /// Ailerons behind the wing, all others side by side at the tail.
 void add_surfaces(const sim::Vehicle& vehicle, const VehicleShapes& shapes, Parts& out) {
-  if (!is_fixed_wing(vehicle)) return;
-  const auto all = sim::read_fixed_wing(vehicle.root()).surfaces;
+  std::vector<sim::SurfaceParameters> all;
+  if (is_fixed_wing(vehicle)) all = sim::read_fixed_wing(vehicle.root()).surfaces;
+  if (is_quadplane(vehicle)) all = sim::read_quadplane(vehicle.root()).surfaces;
   const double chord_m = 0.25 * shapes.wing_m.x();
   const double tail_m = -0.5 * shapes.body_m.x();
   const double span_m = 0.2 * shapes.wing_m.y();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flight/vehicle/quadplane_setup.hpp"
 #include "flight/vehicle/vehicle_setup.hpp"
 
 namespace rosflight::flight {
@@ -27,7 +28,7 @@ VehicleShapes::VehicleShapes(const sim::Vehicle& vehicle, const sim::MultirotorP
   for (const auto& rotor : rotors.rotors) reach = reach.cwiseMax(rotor.p_B.cwiseAbs());
   for (const Vector3& contact : vehicle.ground().contacts_B)
     reach = reach.cwiseMax(contact.cwiseAbs());
-  if (is_fixed_wing(vehicle)) wing_m = wing_size(vehicle);
+  if (is_fixed_wing(vehicle) || is_quadplane(vehicle)) wing_m = wing_size(vehicle);
   const double width_m = std::min(reach.x(), reach.y());
   // The contacts of a fixed wing reach to its wing tips, which are no part of its body.
   body_m = wing_m.x() > 0.0 ? Vector3{reach.x(), 0.7 * wing_m.x(), 0.6 * wing_m.x()}

@@ -41,6 +41,15 @@ sim::world::WorldShapes make_shapes(const FlightSetup& setup) {
   return shapes;
 }
 
+/// From so high a vehicle may fall onto the ground of a world at its start: 3.1 m/s, which is no crash.
+constexpr double kMaxDrop_m = 0.5;
+
+double lowest_point_m(const sim::GroundParameters& ground) {
+  double lowest_m = 0.0;
+  for (const sim::Vector3& point : ground.contacts_B) lowest_m = std::max(lowest_m, point.z());
+  return lowest_m;
+}
+
 std::unique_ptr<sim::PhysicsEngine> make_engine(const FlightSetup& setup) {
   const std::string& physics = setup.choice.physics;
   const std::string& world = setup.choice.world;
@@ -60,6 +69,7 @@ std::unique_ptr<sim::PhysicsEngine> make_engine(const FlightSetup& setup) {
   if (physics == "gazebo") {
     GazeboEngine::Options options = GazeboEngine::Options::of_project();
     options.world_file = world;
+    options.max_height_m = lowest_point_m(setup.vehicle.ground()) + kMaxDrop_m;
     return std::make_unique<GazeboEngine>(vehicle_sdf(setup.vehicle, "vehicle", SdfModel::kOneLink),
                                           gravity_m_s2, options);
   }
@@ -94,6 +104,15 @@ World::World(const FlightSetup& flight_setup, std::unique_ptr<sim::PhysicsEngine
       rc{pilot, faults},
       cable{random} {
   if (engine) dynamics.set_engine(*engine);
+  if (const auto* gazebo = dynamic_cast<const GazeboEngine*>(engine.get()))
+    world_sha256 = gazebo->world_sha256();
+  const std::string& wanted = setup.choice.world_sha256;
+  if (!wanted.empty() && world_sha256 != wanted)
+    throw config::Error(
+        fmt::format("--repeat: found {} or what it refers to with SHA-256 {:.8}, allowed {:.8}, "
+                    "that of the flight, "
+                    "whose world.sdf is in its folder and log",
+                    setup.choice.world, world_sha256, wanted));
   if (setup.winged()) face_the_wind();
 }
 

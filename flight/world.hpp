@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <memory>
+#include <string>
 
 #include "flight/autopilot/autopilot.hpp"
 #include "flight/autopilot/cable_link.hpp"
@@ -32,6 +33,7 @@ struct World {
   std::unique_ptr<sim::ForcesAndMoments> forces;
   sim::RigidBody dynamics;
   std::unique_ptr<sim::PhysicsEngine> engine;  ///< nullptr: none but `dynamics`.
+  std::string world_sha256;  ///< SHA-256 over all files of the world; empty: none.
   std::unique_ptr<sim::SensorsModule> healthy_sensors;
   sim::world::WorldShapes shapes;  ///< Empty without sensors of the world.
   sim::WorldSensors world_sensors;

@@ -15,19 +15,25 @@ inline constexpr int kAnswersFd = 4;
 inline constexpr int kBlockFd = 5;
 inline constexpr int kModelFd = 6;  ///< The vehicle as SDF, with the link `base_link`.
 
+inline constexpr int kFilesFd =
+    7;  ///< There the program writes which files the world is made of, one a line.
+
 // Commands, one byte each, and the answers to them. After kFailed the program ends.
 inline constexpr char kBegin = 'b';
 inline constexpr char kSetState = 's';
 inline constexpr char kPlace =
-    'p';  ///< As kSetState; fails if the vehicle is inside a body of the world.
+    'p';  ///< As kSetState; fails if the vehicle is inside a body of the world or not above its ground.
 inline constexpr char kMove = 'm';
 inline constexpr char kReady = 'r';
 inline constexpr char kFailed = 'e';
+
+inline constexpr double kSteep = 0.5;  ///< Cosine of 60 degrees.
 
 using Triple = std::array<double, 3>;
 
 struct Block {
   double gravity_m_s2;
+  double max_height_m;  ///< Above the ground, for kPlace.
   double step_s;
   Triple force_G;   ///< At the centre of mass [N].
   Triple torque_G;  ///< [N m]
@@ -44,8 +50,9 @@ struct Block {
   double normal_up;  ///< There: z of the normal of the surface, 1 on level ground, 0 at a wall.
   std::int32_t touches;
   std::int32_t airframe_touches;  ///< Body, wing or a propeller, not the gear.
+  std::int32_t carries;           ///< A surface touches whose normal_up is kSteep or more.
   std::array<char, 64> other;     ///< Model of the world at the fastest of these points.
-  std::array<char, 256> error;
+  std::array<char, 1024> error;   ///< One line, which may have two long paths.
 };
 
 }  // namespace rosflight::flight::gazebo

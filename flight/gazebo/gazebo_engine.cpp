@@ -4,10 +4,15 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <fstream>
+#include <sstream>
 
 #include "config/strict_yaml.hpp"
 #include "flight/project_root.hpp"
+#include "log/checksums.hpp"
 #include "messages/frames.hpp"
 
 namespace rosflight::flight {
@@ -19,10 +24,15 @@ using sim::Matrix3;
 using sim::Vector3;
 using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
+// A body that is put back by less than this is not checked again.
+constexpr double kSamePlace_m = 0.001;
+constexpr double kSamePlace_rad = 0.001;
+
 static_assert(gazebo::kCommandsFd == EngineProcess::kCommandsFd &&
               gazebo::kAnswersFd == EngineProcess::kAnswersFd &&
               gazebo::kBlockFd == EngineProcess::kBlockFd &&
-              gazebo::kReady == EngineProcess::kReady);
+              gazebo::kReady == EngineProcess::kReady &&
+              gazebo::kSteep == sim::PhysicsEngine::kSteep);
 
 void to_block(const Vector3& v, Triple& at) {
   Eigen::Map<Vector3>{at.data()} = v;
@@ -51,9 +61,19 @@ base::FileDescriptor memory_file(const std::string& text) {
     if (count <= 0) break;
     done += static_cast<std::size_t>(count);
   }
-  if (done < text.size())
+  if (!file.valid() || done < text.size())
     throw boards::EmulatorError("--physics gazebo: cannot give the model to its process");
   return file;
+}
+
+std::vector<std::string> lines_of(int fd) {
+  std::string text(static_cast<std::size_t>(std::max<off_t>(::lseek(fd, 0, SEEK_END), 0)), '\0');
+  const ssize_t count = ::pread(fd, text.data(), text.size(), 0);
+  text.resize(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+  std::istringstream stream(text);
+  std::vector<std::string> out;
+  for (std::string line; std::getline(stream, line);) out.push_back(line);
+  return out;
 }
 
 }  // namespace
@@ -77,11 +97,28 @@ GazeboEngine::GazeboEngine(const std::string& model_sdf, double gravity_m_s2,
       program_{"--physics gazebo", sizeof(gazebo::Block)},
       block_{static_cast<gazebo::Block*>(program_.block())} {
   block_->gravity_m_s2 = gravity_m_s2;
+  block_->max_height_m = options.max_height_m;
   const base::FileDescriptor model = memory_file(model_sdf);
   std::vector<std::string> arguments{options.program.string()};
   if (has_world_) arguments.push_back(options.world_file);
-  program_.start(arguments, {{model.get(), gazebo::kModelFd}});
+  const base::FileDescriptor list = memory_file("");
+  program_.start(arguments, {{model.get(), gazebo::kModelFd}, {list.get(), gazebo::kFilesFd}});
   command(gazebo::kBegin, options.start_timeout);
+  world_files_ = lines_of(list.get());
+}
+
+std::string GazeboEngine::world_sha256() const {
+  if (world_files_.empty()) return {};
+  log::Sha256 sum;
+  std::array<std::uint8_t, 65536> part{};
+  for (const std::string& file : world_files_) {
+    std::ifstream stream(file, std::ios::binary);
+    while (stream) {
+      stream.read(reinterpret_cast<char*>(part.data()), part.size());
+      sum.update({part.data(), static_cast<std::size_t>(stream.gcount())});
+    }
+  }
+  return sum.hex();
 }
 
 void GazeboEngine::command(char what, std::chrono::milliseconds timeout) {
@@ -90,13 +127,16 @@ void GazeboEngine::command(char what, std::chrono::milliseconds timeout) {
 }
 
 void GazeboEngine::set_state(const sim::BodyState& state) {
+  const bool elsewhere = !placed_ || (state.p_W - state_.p_W).norm() > kSamePlace_m ||
+                         state.q_WB.angularDistance(state_.q_WB) > kSamePlace_rad;
   state_.q_WB = state.q_WB;
   const Matrix3 R_WB = state.q_WB.toRotationMatrix();
   to_block(enu(state.p_W), block_->p_G);
   Eigen::Map<RowMajor>{block_->R_GL.data()} = other_axes(R_WB);
   to_block(enu(R_WB * state.v_B), block_->v_G);
   to_block(enu(R_WB * state.w_B), block_->w_G);
-  command(has_world_ ? gazebo::kPlace : gazebo::kSetState, timeout_);
+  command(has_world_ && elsewhere ? gazebo::kPlace : gazebo::kSetState, timeout_);
+  placed_ = true;
   contact_ = {};
   read_state();
 }
@@ -125,6 +165,7 @@ void GazeboEngine::read_state() {
 void GazeboEngine::read_contact(const sim::Quaternion& q_WB) {
   contact_.touches = block_->touches != 0;
   contact_.airframe = block_->airframe_touches != 0;
+  contact_.carries = block_->carries != 0;
   contact_.approach_m_s = block_->approach_m_s;
   contact_.normal_up = block_->normal_up;
   block_->other.back() = '\0';

@@ -2,7 +2,9 @@
 #pragma once
 #include <chrono>
 #include <filesystem>
+#include <limits>
 #include <string>
+#include <vector>
 
 #include "flight/engine_process.hpp"
 #include "flight/gazebo/engine_block.hpp"
@@ -18,12 +20,14 @@ namespace rosflight::flight {
 /// exact; the position leads by h v/2.
 ///
 /// Every function may throw boards::EmulatorError: the program has failed, ended or does not answer, the world file is
-/// bad, or the vehicle would be inside a body of the world.
+/// bad, or the vehicle would be inside a body of the world or have no ground below it.
 class GazeboEngine final : public sim::PhysicsEngine {
  public:
   struct Options {
     std::filesystem::path program;
-    std::string world_file;                            ///< SDF; empty: none.
+    std::string world_file;  ///< SDF; empty: none.
+    /// With a world: how far above the ground the centre of mass may be where a state is set.
+    double max_height_m{std::numeric_limits<double>::infinity()};
     std::chrono::milliseconds timeout{60'000};         ///< Longest time that a step may take.
     std::chrono::milliseconds start_timeout{120'000};  ///< Also reads the meshes of the world.
 
@@ -39,6 +43,10 @@ class GazeboEngine final : public sim::PhysicsEngine {
   void step(double h_s, const Load& load) override;
   const sim::BodyState& state() const override { return state_; }
   const Contact* contact() const override { return has_world_ ? &contact_ : nullptr; }
+  /// Files that the world is made of: its own, those of included models, meshes. Each one once.
+  const std::vector<std::string>& world_files() const { return world_files_; }
+  /// SHA-256 of these files one after the other; empty without a world.
+  std::string world_sha256() const;
   pid_t process() const { return program_.process(); }
 
  private:
@@ -47,9 +55,11 @@ class GazeboEngine final : public sim::PhysicsEngine {
   void read_contact(const sim::Quaternion& q_WB);
 
   bool has_world_;
+  bool placed_{false};  ///< A state was set.
   std::chrono::milliseconds timeout_;
   EngineProcess program_;
   gazebo::Block* block_;
+  std::vector<std::string> world_files_;
   sim::BodyState state_;
   Contact contact_;
 };

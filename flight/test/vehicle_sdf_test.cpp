@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <filesystem>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -113,9 +114,19 @@ TEST(VehicleSdf, EachRotorAndSurfaceHasAJoint) {
   EXPECT_TRUE(found(sdf_of("anaconda", SdfModel::kOneLink), "<joint name=\"([^\"]*)\"").empty());
 }
 
+TEST(VehicleSdf, AQuadPlaneHasRotorsWingAndSurfaces) {
+  const std::string sdf = sdf_of("quadplane");
+  const auto wing = found(sdf, "<collision name=\"wing\"><geometry><box><size>([^<]*)</size>");
+  ASSERT_EQ(wing.size(), 1U);
+  EXPECT_EQ(numbers(wing[0]), (std::vector<double>{0.235, 2.08, 0.01}));
+  EXPECT_EQ(found(sdf, "<link name=\"(rotor_\\d)\"").size(), 5U);  // four of them lift, one pushes
+  EXPECT_EQ(found(sdf, "<link name=\"(surface_\\d)\"").size(), 3U);
+}
+
 TEST(VehicleSdf, IsWellFormedForEveryVehicle) {
-  for (const char* vehicle : {"multirotor", "anaconda", "hexarotor", "x8", "y6", "tricopter",
-                              "flying_wing", "aerosonde", "fixedwing"}) {
+  for (const auto& entry : std::filesystem::directory_iterator("vehicles")) {
+    if (entry.path().extension() != ".yaml") continue;
+    const std::string vehicle = entry.path().stem();
     SCOPED_TRACE(vehicle);
     const std::string sdf = sdf_of(vehicle);
     expect_well_formed(sdf);

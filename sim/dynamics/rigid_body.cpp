@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "sim/dynamics/body_motion.hpp"
 
@@ -120,6 +121,7 @@ void RigidBody::begin(const BodyState& given, std::span<const double> module_sta
   forces_.initial_state(module_part(y_));
   std::ranges::copy(module_state, module_part(y_).begin());
   ground_.lift();
+  contact_ = contacts_ = {};
   truth_.body = state;
   const AirProperties air = atmosphere_.at(origin_height_m_ - state.p_W.z());
   truth_.air = {air.density_kg_m3, air.pressure_Pa, air.temperature_K, wind_.velocity_W()};
@@ -185,12 +187,17 @@ PhysicsEngine::Load RigidBody::find_load(double h, const hal::OutputValues& outp
   return load;
 }
 
-void RigidBody::take_engine_state() {
-  pack(engine_->state(), y_);
-  if (const PhysicsEngine::Contact* contact = engine_->contact()) {
-    total_.force_B += contact->wrench.force_B;
-    total_.torque_B += contact->wrench.torque_B;
+/// What the engine made of the load. Hands that hold the body balance the ground of the engine too.
+void RigidBody::take_engine_state(double share_of_step) {
+  if (!own_ground()) return pack(engine_->state(), y_);
+  contact_.add(*engine_->contact(), held_ ? 0.0 : share_of_step);
+  BodyState state = engine_->state();
+  if (held_) {
+    state = truth_.body;
+    state.v_B = state.w_B = Vector3::Zero();
+    engine_->set_state(state);
   }
+  pack(state, y_);
 }
 
 void RigidBody::substep_frozen(double h, const hal::OutputValues& outputs) {
@@ -221,8 +228,7 @@ void RigidBody::finish_substep() {
   } else {
     truth_.on_ground =
         acting_ground_ == GroundModel::kFrictionlessPlane && body.p_W.z() >= -kPlaneReach_m;
-    if (engine_ != nullptr && engine_->contact() != nullptr)
-      truth_.on_ground = engine_->contact()->touches;
+    if (own_ground()) truth_.on_ground = contact_.carries;
   }
 }
 
@@ -253,15 +259,15 @@ PhysicsEngine::Load RigidBody::begin_step(Time t, const hal::OutputValues& outpu
   if (engine_ == nullptr || !(h > 0.0) || h > max_step_s_ + kTimeRounding_s)
     throw std::logic_error("a step in two halves of " + std::to_string(h) +
                            " s, allowed with an engine and up to " + std::to_string(max_step_s_));
+  contact_ = {};
   step_wind(h);
   return find_load(h, outputs);
 }
 
 void RigidBody::end_step(Time t, const hal::OutputValues& outputs) {
-  take_engine_state();
+  take_engine_state(1.0);
   finish_substep();
-  truth_.time = t;
-  fill_truth(outputs);
+  finish_step(t, outputs);
 }
 
 void RigidBody::step(Time t, const hal::OutputValues& outputs) {
@@ -270,11 +276,12 @@ void RigidBody::step(Time t, const hal::OutputValues& outputs) {
   // A step a rounding error longer than allowed is not split.
   const auto count = std::max<std::int64_t>(1, std::llround(std::ceil(dt / max_step_s_ - 1e-9)));
   const double h = dt / static_cast<double>(count);
+  contact_ = {};
   for (std::int64_t i = 0; i < count; ++i) {
     step_wind(h);
     if (engine_ != nullptr) {
       engine_->step(h, find_load(h, outputs));
-      take_engine_state();
+      take_engine_state(1.0 / static_cast<double>(count));
     } else if (integration_ == Integration::kRk4) {
       substep(h, outputs);
     } else {
@@ -282,8 +289,22 @@ void RigidBody::step(Time t, const hal::OutputValues& outputs) {
     }
     finish_substep();
   }
+  finish_step(t, outputs);
+}
+
+void RigidBody::finish_step(Time t, const hal::OutputValues& outputs) {
   truth_.time = t;
+  if (own_ground()) {
+    total_.force_B += contact_.wrench.force_B;
+    angular_acceleration_B_ += inertia_inverse_ * contact_.wrench.torque_B;
+    contacts_.add(contact_, 0.0);
+  }
   fill_truth(outputs);
+}
+
+std::optional<PhysicsEngine::Contact> RigidBody::take_contact() {
+  if (!own_ground()) return std::nullopt;
+  return std::exchange(contacts_, {});
 }
 
 }  // namespace rosflight::sim

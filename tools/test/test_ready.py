@@ -203,6 +203,17 @@ def test_gazebos_engine_is_installed_and_built_when_a_flight_asks_for_it(house):
         assert any(call.endswith(" gazebo_engine") for call in house.called("ninja"))
 
 
+def test_a_release_without_gazebo_is_named_its_packages(house):
+    (house.root / "tools/system_packages.txt").write_text("[run]\ng++\n[gazebo]\nlibgazebo @bookworm\n")
+    house.os_release.write_text("VERSION_CODENAME=noble\n")
+    house.installed("g++")
+    done = house.start("fly", "--physics", "gazebo")
+    assert "libgz-physics7-dev libgz-common5-dev libgz-plugin2-dev" in done.stderr
+    house.os_release.write_text("VERSION_CODENAME=bookworm\n")
+    house.installed("g++", "libgazebo")
+    assert "libgz-physics7-dev" not in house.start("fly", "--physics", "gazebo").stderr
+
+
 def test_changed_package_list_is_looked_through_again(house):
     house.start("fly")
     house.called("dpkg-query")

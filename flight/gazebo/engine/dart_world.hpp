@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "flight/gazebo/engine_block.hpp"
 
@@ -20,8 +21,11 @@ class DartWorld {
   ~DartWorld();
 
   void set_state(const Block& block);
-  /// Throws if the vehicle is more than kMaxOverlap_m inside a body of the world.
-  void check_place();
+  /// Throws if the vehicle, where the block has it, is more than kMaxOverlap_m inside a body of the world, or more than
+  /// max_height_m of the block above the ground, or where there is none.
+  void check_place(const Block& block);
+  /// All files that were read, the world's first. Each one once.
+  std::vector<std::string> files() const;
   /// Moves by block.step_s under the load of the block; then contacts and state are in the block.
   void move(Block& block);
   void read_state(Block& block) const;

@@ -45,6 +45,13 @@ std::string read_all(int fd) {
   return text;
 }
 
+void write_files(const gazebo::DartWorld& world) {
+  std::string text;
+  for (const std::string& file : world.files()) text += file + "\n";
+  if (::write(gazebo::kFilesFd, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+    throw std::runtime_error("the list of files cannot be written");
+}
+
 void answer(char what) {
   if (::write(gazebo::kAnswersFd, &what, 1) != 1) ::_exit(1);
 }
@@ -55,6 +62,7 @@ void serve(gazebo::Block& block, const std::string& world_file) {
     if (command == gazebo::kBegin) {
       world = std::make_unique<gazebo::DartWorld>(read_all(gazebo::kModelFd), world_file,
                                                   block.gravity_m_s2);
+      write_files(*world);
     } else if (!world) {
       throw std::runtime_error("a command before the beginning");
     } else if (command == gazebo::kMove) {
@@ -62,7 +70,7 @@ void serve(gazebo::Block& block, const std::string& world_file) {
     } else {
       world->set_state(block);
       if (command == gazebo::kPlace) {
-        world->check_place();
+        world->check_place(block);
         world->set_state(block);
       }
       world->read_state(block);

@@ -11,6 +11,7 @@
 #include <gz/physics/FreeGroup.hh>
 #include <gz/physics/GetContacts.hh>
 #include <gz/physics/GetEntities.hh>
+#include <gz/physics/InstallationDirectories.hh>
 #include <gz/physics/Link.hh>
 #include <gz/physics/RequestEngine.hh>
 #include <gz/physics/World.hh>
@@ -26,8 +27,11 @@ namespace gazebo_math = gz::math;
 namespace gazebo_physics = gz::physics;
 namespace gazebo_plugin = gz::plugin;
 inline constexpr const char* kDartPlugin = "gz::physics::dartsim::Plugin";
-inline constexpr const char* kDartLibrary =
-    GZ_PHYSICS_ENGINE_INSTALL_DIR "/libgz-physics7-dartsim-plugin.so";
+inline constexpr const char* kDartPackage = "libgz-physics7-dartsim of Gazebo's package repository";
+/// A function there: the macro of the folder makes a warning.
+inline std::string dart_library() {
+  return gazebo_physics::getEngineInstallDir() + "/libgz-physics-dartsim-plugin.so";
+}
 #else
 #include <ignition/common/Console.hh>
 #include <ignition/common/Mesh.hh>
@@ -53,7 +57,10 @@ namespace gazebo_physics = ignition::physics;
 namespace gazebo_plugin = ignition::plugin;
 inline constexpr const char* kDartPlugin = "ignition::physics::dartsim::Plugin";
 /// The run-time package has the file with the number of its interface alone.
-inline constexpr const char* kDartLibrary =
-    IGNITION_PHYSICS_ENGINE_INSTALL_DIR "/libignition-physics5-dartsim-plugin.so.5";
+inline std::string dart_library() {
+  return IGNITION_PHYSICS_ENGINE_INSTALL_DIR "/libignition-physics5-dartsim-plugin.so.5";
+}
+inline constexpr const char* kDartPackage = "libignition-physics5-dartsim-plugin5";
 #endif
 #include <sdf/sdf.hh>
+#include <string>

@@ -27,26 +27,22 @@ void check(const sdf::Errors& errors, const std::string& what) {
                            one_line(error.Message()));
 }
 
-std::vector<fs::path> folders(const fs::path& first) {
-  std::vector<fs::path> out{first.empty() ? fs::path(".") : first};
+}  // namespace
+
+std::string find_file(const std::string& uri, std::vector<fs::path> folders) {
+  std::string path = uri;
+  for (const std::string scheme : {"model://", "file://"})
+    if (path.starts_with(scheme)) path = path.substr(scheme.size());
   for (const char* variable : {"GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH"}) {
     const char* value = std::getenv(variable);
     std::istringstream parts(value == nullptr ? "" : value);
     for (std::string part; std::getline(parts, part, ':');)
-      if (!part.empty()) out.emplace_back(part);
+      if (!part.empty()) folders.emplace_back(part);
   }
-  return out;
-}
-
-}  // namespace
-
-std::string find_file(const std::string& uri, const fs::path& folder) {
-  std::string path = uri;
-  for (const std::string scheme : {"model://", "file://"})
-    if (path.starts_with(scheme)) path = path.substr(scheme.size());
   std::error_code ignored;
-  for (const fs::path& from : folders(folder)) {
-    if (const fs::path file = from / path; fs::exists(file, ignored)) return file;
+  for (const fs::path& from : folders) {
+    const fs::path file = (from.empty() ? fs::path(".") : from) / path;
+    if (fs::exists(file, ignored)) return file.lexically_normal();
   }
   return {};
 }
@@ -58,7 +54,7 @@ sdf::Root read_sdf(const fs::path& file) {
     throw std::runtime_error(file.string() + ": found no such file");
   sdf::ParserConfig config;
   config.SetFindCallback(
-      [folder = file.parent_path()](const std::string& uri) { return find_file(uri, folder); });
+      [folder = file.parent_path()](const std::string& uri) { return find_file(uri, {folder}); });
   config.SetWarningsPolicy(sdf::EnforcementPolicy::LOG);
   sdf::Root root;
   check(root.Load(file, config), file);

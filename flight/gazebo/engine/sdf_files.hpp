@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <sdf/sdf.hh>
 #include <string>
+#include <vector>
 
 /// SDF read as Gazebo would. Every error is one line.
 namespace rosflight::flight::gazebo {
@@ -14,8 +15,8 @@ sdf::Root read_sdf(const std::filesystem::path& file);
 /// The same of a text. An inertia that no body can have is accepted. @throws std::runtime_error  the first error.
 sdf::Root read_sdf_text(const std::string& text);
 
-/// The file that a URI of an SDF file means: `model://NAME/...`, `file://...` and relative paths, from the folder of the
-/// SDF file and from those of GZ_SIM_RESOURCE_PATH and IGN_GAZEBO_RESOURCE_PATH. Empty: there is none.
-std::string find_file(const std::string& uri, const std::filesystem::path& folder);
+/// The file that a URI of an SDF file means: `model://NAME/...`, `file://...` and relative paths, from these folders and from
+/// those of GZ_SIM_RESOURCE_PATH and IGN_GAZEBO_RESOURCE_PATH. Empty: there is none.
+std::string find_file(const std::string& uri, std::vector<std::filesystem::path> folders);
 
 }  // namespace rosflight::flight::gazebo

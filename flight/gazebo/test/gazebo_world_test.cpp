@@ -13,32 +13,10 @@
 namespace rosflight::flight {
 namespace {
 
-constexpr const char* kField = "flight/gazebo/test/worlds/field.sdf";
-constexpr double kWeight = 2.0 * 9.80665;  // [N]
 using sim::BodyState;
 using sim::Vector3;
 
 class GazeboWorlds : public WithGazebo {};
-
-/// A box of 0.4 m x 0.4 m x 0.2 m with the gear's name: its contacts are none of the airframe.
-std::string crate(const std::string& name = "contact_0") {
-  return box_sdf("<ixx>0.033</ixx><iyy>0.033</iyy><izz>0.053</izz>",
-                 "<collision name='" + name +
-                     "'><geometry><box><size>0.4 0.4 0.2</size></box></geometry></collision>");
-}
-
-GazeboEngine::Options field(const std::string& world = kField) {
-  GazeboEngine::Options options = GazeboEngine::Options::of_project();
-  options.world_file = world;
-  return options;
-}
-
-BodyState at(double north_m, double east_m, double height_m, const Vector3& v_B = Vector3::Zero()) {
-  BodyState state;
-  state.p_W = {north_m, east_m, -height_m};
-  state.v_B = v_B;
-  return state;
-}
 
 TEST_F(GazeboWorlds, CarryABodyAtRestWithItsWeight) {
   GazeboEngine engine(crate(), 9.80665, field());
@@ -110,17 +88,6 @@ TEST_F(GazeboWorlds, AVehicleInsideAnotherBodyIsOneLine) {
             "--physics gazebo: the vehicle is inside house of the world, 3.10 m deep");
 }
 
-/// A world file with this text.
-std::string world_file(const std::string& text) {
-  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "world.sdf";
-  std::ofstream(file) << text;
-  return file;
-}
-
-std::string in_world(const std::string& text) {
-  return world_file("<sdf version='1.9'><world name='w'>" + text + "</world></sdf>");
-}
-
 TEST_F(GazeboWorlds, ABadFileIsOneLineThatNamesIt) {
   const auto complaint = [](const std::string& file) {
     const std::string said = gazebo_complaint(field(file), {}, crate());
@@ -143,52 +110,6 @@ TEST_F(GazeboWorlds, ABadFileIsOneLineThatNamesIt) {
   const std::string end = "</geometry></collision></link></model>";
   EXPECT_NE(complaint(in_world(shape + "<mesh><uri>tree.obj</uri></mesh>" + end)).find("tree.obj"),
             std::string::npos);
-}
-
-FlightChoice hop_in(const std::string& world) {
-  FlightChoice choice;
-  choice.physics = "gazebo";
-  choice.mission = "hop";
-  choice.world = world;
-  return choice;
-}
-
-TEST_F(GazeboWorlds, AMissionIsFlownOverThem) {
-  const FlightSetup setup(hop_in(kField));
-  Flight flight(setup);
-  std::vector<std::string> said;
-  flight.runner().set_notify([&](const FlightNote& note) {
-    if (note.source == "world") said.push_back(note.text);
-  });
-  flight.run();
-  EXPECT_TRUE(flight.score().success()) << flight.score().verdict;
-  ASSERT_EQ(said.size(), 1U);
-  EXPECT_EQ(said[0].rfind("touches ground at 0.", 0), 0U) << said[0];
-}
-
-TEST_F(GazeboWorlds, ACrashIsAnEventAndEndsTheMission) {
-  // A wall across the path of 4 m to the north.
-  const std::string world = in_world(
-      "<model name='ground'><static>true</static><link name='l'><collision "
-      "name='c'><geometry><plane>"
-      "<normal>0 0 1</normal></plane></geometry></collision></link></model>"
-      "<model name='wall'><static>true</static><pose>0 2.5 5 0 0 0</pose><link name='l'><collision "
-      "name='c'>"
-      "<geometry><box><size>20 0.5 10</size></box></geometry></collision></link></model>");
-  const FlightSetup setup(hop_in(world));
-  Flight flight(setup);
-  std::vector<FlightNote> said;
-  flight.runner().set_notify([&](const FlightNote& note) {
-    if (note.source == "world" && note.severity == link::Severity::kError) said.push_back(note);
-  });
-  flight.run();
-  ASSERT_EQ(said.size(), 1U);
-  EXPECT_EQ(said[0].text.rfind("hit wall at ", 0), 0U) << said[0].text;
-  const FlightScore score = flight.score();
-  EXPECT_EQ(score.outcome, Outcome::kCrash);
-  EXPECT_EQ(score.verdict, "Crash: " + said[0].text + ".");
-  EXPECT_EQ(flight.runner().failure(), "crash: " + said[0].text);
-  EXPECT_LT(sim::to_seconds(flight.now() - said[0].t), 31.0);
 }
 
 TEST(Worlds, NeedTheEngineOfGazebo) {
