@@ -264,7 +264,7 @@ void Engine::spawn() {
   ignored_states_ = 0;
 }
 
-SensorFrame Engine::tick(sim::Time t, const sim::BodyState& body) {
+SensorFrame Engine::tick(std::chrono::nanoseconds t, const sim::BodyState& body) {
   const AgentState state = agent_state(body, scenario_.location_m, 1.0 / scenario_.ticks_per_s);
   std::memcpy(shared_->teleport.bytes().data(), &state, sizeof(state));
   shared_->teleport_flag.set_flag(kWholeState);  // last: the numbers are complete

@@ -46,7 +46,7 @@ class Engine {
   void reset();
   /// Sends the state of the aircraft at time t, advances by one tick and reads the sensors that are due. As the engine
   /// does, it counts the ticks of a sensor's rate from the moment when the sensor was added.
-  SensorFrame tick(sim::Time t, const sim::BodyState& body);
+  SensorFrame tick(std::chrono::nanoseconds t, const sim::BodyState& body);
   pid_t process() const { return child_.process(); }
   const std::string& name() const { return options_.name; }
 

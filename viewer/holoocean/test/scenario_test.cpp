@@ -166,12 +166,23 @@ TEST(HoloOceanPackage, TheNewestVersionWins) {
 
 TEST(HoloOceanPackage, AMissingPackageSaysWhatToInstall) {
   const Packages packages;
-  EXPECT_EQ(
-      packages.error_of(default_scenario(AgentType::kUav)),
-      "found no HoloOcean package Land in " + packages.folder().string() +
-          "/VERSION/worlds; to install it, link your GitHub account to Epic Games, clone "
-          "https://github.com/byu-holoocean/HoloOcean, run pip install in its folder client and in "
-          "Python holoocean.install(\"Land\")");
+  EXPECT_EQ(packages.error_of(default_scenario(AgentType::kUav)),
+            "found no HoloOcean package Land in " + packages.folder().string() +
+                "/VERSION/worlds; to install it, link your GitHub account to Epic Games, clone "
+                "https://github.com/byu-holoocean/HoloOcean, in its folder client run python3 -m "
+                "venv .venv && "
+                ".venv/bin/pip install . && .venv/bin/python -c 'import holoocean; "
+                "holoocean.install(\"Land\")'");
+}
+
+TEST(HoloOceanPackage, WithoutAWorldTheOneNamedDefaultElseTheFirstIsTaken) {
+  const Packages packages;
+  const Scenario scenario = default_scenario(AgentType::kUav);
+  packages.add("2.3.0", R"(island"}, {"name": "default", "pre_start_steps": 4}, {"name": "forest)");
+  EXPECT_EQ(find_world(scenario, packages.folder()).name, "default");
+  EXPECT_EQ(find_world(scenario, packages.folder()).pre_start_steps, 4);
+  packages.add("2.3.0", R"(island"}, {"name": "forest)");
+  EXPECT_EQ(find_world(scenario, packages.folder()).name, "island");
 }
 
 TEST(HoloOceanPackage, AWorldThatIsNotThereAndAProgramThatIsNotThere) {

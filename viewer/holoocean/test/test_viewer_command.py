@@ -178,8 +178,9 @@ def test_a_missing_engine_says_what_to_install(tmp_path):
     done = subprocess.run([*FLY, "--out", tmp_path / "flight", *VIEWER], cwd=ROOT, capture_output=True, text=True,
                           env=os.environ | {"HOLODECKPATH": str(tmp_path)})
     assert_refused(done, f"rosflight: --viewer: found no HoloOcean package Land in {tmp_path}/VERSION/worlds; to install it, link your "
-                   "GitHub account to Epic Games, clone https://github.com/byu-holoocean/HoloOcean, run pip install in its folder "
-                   'client and in Python holoocean.install("Land")\n', tmp_path / "flight")
+                   "GitHub account to Epic Games, clone https://github.com/byu-holoocean/HoloOcean, in its folder client run "
+                   "python3 -m venv .venv && .venv/bin/pip install . && .venv/bin/python -c "
+                   "'import holoocean; holoocean.install(\"Land\")'\n", tmp_path / "flight")
 
 
 @pytest.mark.parametrize(("change", "said"), [
