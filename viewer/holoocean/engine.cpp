@@ -2,6 +2,7 @@
 #include "viewer/holoocean/engine.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -209,7 +210,9 @@ void Engine::start_program() {
   const std::string& name = options_.name;
   Semaphore loaded(loading_path(name), Semaphore::Open::kNew);
   child_.start(program_arguments(scenario_, options_.world, name, options_.window), {});
-  wait(loaded, options_.load_timeout, "its world to load");
+  wait(loaded, options_.load_timeout,
+       ::geteuid() == 0 ? "its world to load (run by root, which Unreal's programs refuse)"
+                        : "its world to load");
 }
 
 void Engine::wait(Semaphore& semaphore, std::chrono::milliseconds timeout, const char* what) {

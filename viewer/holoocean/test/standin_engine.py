@@ -32,7 +32,7 @@ COMMANDS = {"SpawnAgent": (2, 7), "AddSensor": (5, 6), "RenderViewport": (0, 1),
 LIGHT = {"LocationSensor": 12, "RotationSensor": 12, "VelocitySensor": 12, "CollisionSensor": 1}
 CAMERAS = ("RGBCamera", "DepthCamera", "SemanticSegmentationCamera")
 SETTINGS = {**dict.fromkeys(CAMERAS, {"CaptureWidth", "CaptureHeight", "TicksPerCapture"}), **dict.fromkeys(LIGHT, set()),
-            "RangeFinderSensor": {"LaserMaxDistance", "LaserCount", "LaserAngle"}}
+            "RangeFinderSensor": {"LaserMaxDistance", "LaserCount", "LaserAngle", "LaserDebug"}}
 
 
 def fatal(what):

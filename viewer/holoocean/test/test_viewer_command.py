@@ -14,8 +14,10 @@ import pytest
 ROOT = Path(__file__).resolve().parents[3]
 PROGRAM = ROOT / os.environ.get("ROSFLIGHT_BUILD", "build/release") / "apps" / "rosflight"
 STANDIN = Path(__file__).with_name("standin_engine.py")
+GAZEBO = ROOT / "build/gazebo/flight/gazebo/engine/gazebo_engine"
 FLY = [PROGRAM, "fly", "--mission", "hop"]
 VIEWER = ["--viewer", "holoocean", "--viewer-offscreen"]
+AS_ROOT = " (run by root, which Unreal's programs refuse)" if os.geteuid() == 0 else ""
 SCENARIO = {"ticks_per_sec": 30, "frames_per_sec": False, "agents": [{"agent_type": "UavAgent", "sensors": [
     {"sensor_type": "RGBCamera", "Hz": 10, "configuration": {"CaptureWidth": 16, "CaptureHeight": 16}},
     {"sensor_type": "RangeFinderSensor", "configuration": {"LaserMaxDistance": 100, "LaserAngle": -90}}]}]}
@@ -103,7 +105,7 @@ def test_two_flights_send_the_engine_the_same_numbers(installed):
     ("--die-at 100", [], "warning: holoocean: its program ended with status 1; its last output: Fatal error: out of video memory"),
     ("--broken", [], "warning: holoocean: its program ended with status 1; its last output: error while loading shared libraries: "
                      "libvulkan.so.1"),
-    ("--silent", ["--viewer-timeout", "0.5"], "warning: holoocean: waited 0.5 s for its world to load; it printed nothing"),
+    ("--silent", ["--viewer-timeout", "0.5"], f"warning: holoocean: waited 0.5 s for its world to load{AS_ROOT}; it printed nothing"),
     ("--hang-at 100", ["--viewer-timeout", "3"], "warning: holoocean: waited 3 s for a tick; it printed nothing"),
     ("--slow 0.002", [], None),
 ])
@@ -206,6 +208,33 @@ def test_a_bad_scenario_is_one_line_and_exit_code_2(installed, change, said):
 ])
 def test_bad_options_are_one_line_and_exit_code_2(installed, words, said):
     assert_refused(installed.fly("flight", *words), said, installed.folder / "flight")
+
+
+@pytest.mark.parametrize(("words", "said"), [
+    (["--set", "vehicle.body.mass_kg=-1"], "body.mass_kg: found -1, allowed "),
+    (["--world", "field.sdf"], "--world: found field.sdf with --physics runge_kutta, allowed with gazebo"),
+    pytest.param(["--physics", "gazebo", "--world", "/nowhere/field.sdf"], "--physics gazebo: /nowhere/field.sdf: found no such file",
+                 marks=pytest.mark.skipif(not GAZEBO.exists(), reason="gazebo_engine is not built")),
+])
+def test_bad_input_of_the_flight_is_found_before_the_engine_starts(installed, words, said):
+    assert_refused(installed.view("flight", *words), said, installed.folder / "flight")
+    assert not installed.record.exists()
+
+
+def test_a_flight_folder_in_use_is_found_before_the_engine_starts(installed):
+    (installed.folder / "flight").mkdir()
+    (installed.folder / "flight" / "note").touch()
+    done = installed.view("flight")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1) and "flight with something in it, allowed a new or empty folder" in done.stderr
+    assert not installed.record.exists()
+
+
+def test_without_a_scenario_nothing_is_rendered_that_nobody_takes(installed):
+    done = installed.fly("flight", *VIEWER)
+    assert done.returncode == 0, done.stderr
+    (spawn,) = [event["text"] for event in installed.events("commands") if "SpawnAgent" in event["text"]]
+    assert spawn.count("AddSensor") == 1 and "CollisionSensor" in spawn
+    assert " 0 pictures, " in viewer_lines(done)[-1]
 
 
 def test_two_engines_of_one_name_are_refused(installed):
