@@ -74,8 +74,7 @@ void add_viewer(CLI::App& fly, ViewerChoice& choice) {
           ->check(one_of({ViewerChoice::kHoloOcean}));
   fly.add_option(
          "--viewer-scenario", choice.scenario,
-         "With --viewer: scenario file of HoloOcean (JSON); default: package Land, a camera and "
-         "range finders")
+         "With --viewer: scenario file of HoloOcean (JSON); default: package Land, no camera")
       ->needs(viewer);
   fly.add_option("--viewer-engine", choice.engine,
                  "With --viewer: program of the world, or attach: to a running engine; default: "

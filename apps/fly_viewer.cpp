@@ -6,8 +6,10 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <memory>
 #include <ostream>
 #include <utility>
+#include <vector>
 
 #include "base/stop_signal.hpp"
 #include "viewer/holoocean/package.hpp"
@@ -21,8 +23,21 @@ namespace holoocean = viewer::holoocean;
 holoocean::Scenario scenario_of(const ViewerChoice& choice, const flight::FlyOptions& options) {
   if (choice.scenario) return holoocean::read_scenario_file(*choice.scenario);
   const bool wing = flight::FlightSetup(options.choice).fixed_wing();
-  return holoocean::default_scenario(wing ? holoocean::AgentType::kFixedWing
-                                          : holoocean::AgentType::kUav);
+  auto scenario = holoocean::default_scenario(wing ? holoocean::AgentType::kFixedWing
+                                                   : holoocean::AgentType::kUav);
+  // Contacts are counted. Pictures and ranges nobody takes here, so they are not rendered.
+  std::erase_if(scenario.sensors, [](const holoocean::SensorSetup& sensor) {
+    return sensor.type != holoocean::SensorType::kCollision;
+  });
+  return scenario;
+}
+
+/// Sets the flight up and does not fly it: bad input is found before an engine starts that takes a minute to load.
+void check_flight(const flight::FlyOptions& options) {
+  if (options.folder) flight::check_flight_folder(*options.folder);
+  const auto setup = std::make_unique<flight::FlightSetup>(options.choice);
+  const auto trial = std::make_unique<flight::Flight>(
+      *setup, options.parts ? options.parts(*setup) : flight::FlightParts{});
 }
 
 holoocean::World world_of(const ViewerChoice& choice, const holoocean::Scenario& scenario) {
@@ -67,6 +82,7 @@ holoocean::Engine::Options engine_options(const ViewerChoice& choice,
 FlyViewer::FlyViewer(const ViewerChoice& choice, flight::FlyOptions& options, std::ostream& err)
     : err_{err} {
   using holoocean::Visualiser;
+  check_flight(options);
   const holoocean::Scenario scenario = scenario_of(choice, options);
   const auto engine = engine_options(choice, scenario);
   holoocean::check_available(engine);

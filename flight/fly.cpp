@@ -73,14 +73,18 @@ void write_files(const fs::path& folder, Flight& flight, const std::string& anal
 
 }  // namespace
 
+void check_flight_folder(const fs::path& folder) {
+  if (fs::exists(folder) && (!fs::is_directory(folder) || !fs::is_empty(folder))) {
+    throw config::Error(fmt::format(
+        "--out: found {} with something in it, allowed a new or empty folder", folder.string()));
+  }
+}
+
 fs::path make_flight_folder(const std::optional<fs::path>& wanted) {
   fs::path folder;
   if (wanted) {
     folder = *wanted;
-    if (fs::exists(folder) && (!fs::is_directory(folder) || !fs::is_empty(folder))) {
-      throw config::Error(fmt::format(
-          "--out: found {} with something in it, allowed a new or empty folder", folder.string()));
-    }
+    check_flight_folder(folder);
   } else {
     int number = 1;
     while (fs::exists(folder = fs::path("flights") / fmt::format("{:04d}", number))) ++number;

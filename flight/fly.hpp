@@ -41,6 +41,8 @@ class FlightAborted : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Looks whether a flight can have its folder. @throws config::Error  there is one that is not empty.
+void check_flight_folder(const std::filesystem::path& folder);
 /// Makes a folder for a flight: `wanted`, or the next number in flights/ of the current folder.
 /// @throws config::Error  it cannot be made, or is not empty.
 std::filesystem::path make_flight_folder(const std::optional<std::filesystem::path>& wanted);

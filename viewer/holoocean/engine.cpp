@@ -2,6 +2,7 @@
 #include "viewer/holoocean/engine.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +21,14 @@ constexpr std::size_t kUavAction = 4;
 constexpr std::size_t kFixedWingAction = 8;
 constexpr std::uint8_t kWholeState = 15;  // the twelve numbers of AgentState
 constexpr int kResetTicks = 3;
+constexpr int kMaxIgnoredStates = 3;
+// Those of the client, for scenarios and worlds without them.
+constexpr std::array<double, 3> kEnvMin_m{-10.0, -10.0, -10.0};
+constexpr std::array<double, 3> kEnvMax_m{10.0, 10.0, 10.0};
+constexpr double kOctreeMin_m = 0.02;
+constexpr double kOctreeMax_m = 5.0;
+constexpr const char* kOldBlocks =
+    "the engine reads blocks that a client before this one has removed; restart it";
 constexpr std::chrono::milliseconds kSlice{50};  // between two looks at the process
 
 std::string loading_path(const std::string& name) {
@@ -45,15 +54,14 @@ void clear(SharedBlock& block) {
 }
 
 void append_box(std::vector<std::string>& arguments, const char* name,
-                const std::optional<std::array<double, 3>>& corner) {
+                const std::array<double, 3>& corner) {
   constexpr std::array<char, 3> kAxes{'X', 'Y', 'Z'};
-  if (!corner) return;
   for (std::size_t i = 0; i < kAxes.size(); ++i) {
-    arguments.push_back(fmt::format("-{}{}={}", name, kAxes[i], config::number_text((*corner)[i])));
+    arguments.push_back(fmt::format("-{}{}={}", name, kAxes[i], config::number_text(corner[i])));
   }
 }
 
-/// As the engine reads them, in its client's order.
+/// As the engine reads them, in its client's order; the client sends all of them.
 std::vector<std::string> program_arguments(const Scenario& scenario, const World& world,
                                            const std::string& name, bool window) {
   std::vector<std::string> arguments{
@@ -68,12 +76,12 @@ std::vector<std::string> program_arguments(const Scenario& scenario, const World
       fmt::format("-TicksPerSec={}", scenario.ticks_per_s),
       fmt::format("-FramesPerSec={}", scenario.frames_per_s),
   };
-  append_box(arguments, "EnvMin", scenario.env_min_m ? scenario.env_min_m : world.env_min_m);
-  append_box(arguments, "EnvMax", scenario.env_max_m ? scenario.env_max_m : world.env_max_m);
-  if (scenario.octree_min_m)
-    arguments.push_back("-OctreeMin=" + config::number_text(*scenario.octree_min_m));
-  if (scenario.octree_max_m)
-    arguments.push_back("-OctreeMax=" + config::number_text(*scenario.octree_max_m));
+  append_box(arguments, "EnvMin", scenario.env_min_m.value_or(world.env_min_m.value_or(kEnvMin_m)));
+  append_box(arguments, "EnvMax", scenario.env_max_m.value_or(world.env_max_m.value_or(kEnvMax_m)));
+  arguments.push_back("-OctreeMin=" +
+                      config::number_text(scenario.octree_min_m.value_or(kOctreeMin_m)));
+  arguments.push_back("-OctreeMax=" +
+                      config::number_text(scenario.octree_max_m.value_or(kOctreeMax_m)));
   if (!window) arguments.emplace_back("-RenderOffScreen");
   return arguments;
 }
@@ -116,32 +124,24 @@ double depth_m(const Image& image, int column, int row) {
 
 /// Everything by the engine's names, mapped once it has loaded its world.
 struct Engine::Shared {
-  Shared(const std::string& name, const Scenario& scenario)
-      : reset{name, "RESET", 1},
+  Shared(const std::string& name, const Scenario& scenario, SharedBlock locked_reset,
+         SharedBlock::AtEnd at_end)
+      : reset{std::move(locked_reset)},
         server{server_path(name), Semaphore::Open::kExisting},
         client{client_path(name), Semaphore::Open::kExisting},
-        command_flag{name, "command_bool", 1},
-        command_buffer{name, "command_buffer", kCommandBytes},
-        action{name, scenario.agent, sizeof(float) * action_size(scenario.agent_type)},
-        scheme{name, scenario.agent + "_control_scheme", 1},
-        teleport_flag{name, scenario.agent + "_teleport_flag", 1},
-        teleport{name, scenario.agent + "_teleport_command", sizeof(AgentState)} {
-    if (!reset.lock()) {
-      reset.keep();
-      throw EngineError(taken(name));
-    }
+        command_flag{name, "command_bool", 1, at_end},
+        command_buffer{name, "command_buffer", kCommandBytes, at_end},
+        action{name, scenario.agent, sizeof(float) * action_size(scenario.agent_type), at_end},
+        scheme{name, scenario.agent + "_control_scheme", 1, at_end},
+        teleport_flag{name, scenario.agent + "_teleport_flag", 1, at_end},
+        teleport{name, scenario.agent + "_teleport_command", sizeof(AgentState), at_end} {
     for (const SensorSetup& sensor : scenario.sensors) {
       const std::string key = scenario.agent + "_" + sensor.name + "_sensor_data";
-      sensors.emplace(sensor.name, SharedBlock(name, key, sensor.bytes()));
+      sensors.emplace(sensor.name, SharedBlock(name, key, sensor.bytes(), at_end));
     }
-  }
-  void remove_at_end() {
+    if (at_end == SharedBlock::AtEnd::kKeep) return;
     server.remove_at_end();
     client.remove_at_end();
-  }
-  /// A running engine has opened these, and does not again for its next client.
-  void leave_to_the_next() {
-    for (SharedBlock* block : {&reset, &command_flag, &command_buffer}) block->keep();
   }
 
   SharedBlock reset;
@@ -150,21 +150,34 @@ struct Engine::Shared {
   std::map<std::string, SharedBlock> sensors;
 };
 
+namespace {
+
+/// The block RESET, which a client has locked as long as it uses the engine.
+/// @throws EngineError  another client has. Its name stays then, as the other needs it.
+SharedBlock locked_reset(const std::string& name) {
+  SharedBlock reset(name, "RESET", 1, SharedBlock::AtEnd::kKeep);
+  if (!reset.lock()) throw EngineError(taken(name));
+  return reset;
+}
+
+}  // namespace
+
 void check_available(const Engine::Options& options) {
   const std::string& name = options.name;
   if (!options.world.program.empty()) {
     if (name.empty()) return;  // a new one is made
     if (Semaphore::exists(server_path(name)) || Semaphore::exists(loading_path(name)))
-      throw EngineError("there is an engine named '" + name + "' already");
+      throw EngineError(
+          fmt::format("there is an engine named '{0}' already; if none runs, remove "
+                      "/dev/shm/sem.HOLODECK_*{0} and /dev/shm/HOLODECK_MEM{0}_*",
+                      name));
     return;
   }
   if (!Semaphore::exists(client_path(name))) {
     throw EngineError(
         "found no running engine to attach to, allowed one that has loaded its world");
   }
-  SharedBlock reset(name, "RESET", 1);
-  reset.keep();
-  if (!reset.lock()) throw EngineError(taken(name));
+  locked_reset(name);
 }
 
 Engine::Engine(const Scenario& scenario, Options options)
@@ -172,20 +185,19 @@ Engine::Engine(const Scenario& scenario, Options options)
   remove_leftovers();
   check_available(options_);
   const bool attach = options_.world.program.empty();
+  if (!attach && options_.name.empty()) options_.name = unique_name();
+  SharedBlock reset_block = locked_reset(options_.name);
   if (!attach) {
-    if (options_.name.empty()) options_.name = unique_name();
+    reset_block.remove_at_end();
     start_program();
   }
-  shared_ = std::make_unique<Shared>(options_.name, scenario_);
-  attach ? shared_->leave_to_the_next() : shared_->remove_at_end();
+  shared_ =
+      std::make_unique<Shared>(options_.name, scenario_, std::move(reset_block),
+                               attach ? SharedBlock::AtEnd::kKeep : SharedBlock::AtEnd::kRemove);
   wait(shared_->client, options_.tick_timeout, "its first turn");
   has_turn_ = true;
   if (!options_.window) queued_.push_back(render_viewport(false));
   reset();
-  if (attach) {
-    queued_.push_back(adjust_frames_per_s(scenario_.frames_per_s));
-    queued_.push_back(adjust_ticks_per_s(scenario_.ticks_per_s));
-  }
 }
 
 Engine::~Engine() {
@@ -198,7 +210,9 @@ void Engine::start_program() {
   const std::string& name = options_.name;
   Semaphore loaded(loading_path(name), Semaphore::Open::kNew);
   child_.start(program_arguments(scenario_, options_.world, name, options_.window), {});
-  wait(loaded, options_.load_timeout, "its world to load");
+  wait(loaded, options_.load_timeout,
+       ::geteuid() == 0 ? "its world to load (run by root, which Unreal's programs refuse)"
+                        : "its world to load");
 }
 
 void Engine::wait(Semaphore& semaphore, std::chrono::milliseconds timeout, const char* what) {
@@ -235,14 +249,25 @@ void Engine::reset() {
   shared_->scheme.set_flag(static_cast<std::uint8_t>(scenario_.control_scheme));
   shared_->reset.set_flag(1);
   for (int i = 0; i < kResetTicks; ++i) bare_tick();
+  if (shared_->reset.flag() != 0) throw EngineError(kOldBlocks);
+  spawn();
+}
+
+void Engine::spawn() {
+  if (options_.world.program.empty()) {  // an engine that was started has them as arguments
+    queued_.push_back(adjust_frames_per_s(scenario_.frames_per_s));
+    queued_.push_back(adjust_ticks_per_s(scenario_.ticks_per_s));  // for the ticks after this
+  }
   queued_.push_back(spawn_agent(scenario_));
   for (const SensorSetup& sensor : scenario_.sensors)
     queued_.push_back(add_sensor(scenario_, sensor));
   for (int i = 0; i <= options_.world.pre_start_steps; ++i) bare_tick();
+  spawn_ticks_ = static_cast<std::uint64_t>(options_.world.pre_start_steps) + 1;
   tick_ = 0;
+  ignored_states_ = 0;
 }
 
-SensorFrame Engine::tick(sim::Time t, const sim::BodyState& body) {
+SensorFrame Engine::tick(std::chrono::nanoseconds t, const sim::BodyState& body) {
   const AgentState state = agent_state(body, scenario_.location_m, 1.0 / scenario_.ticks_per_s);
   std::memcpy(shared_->teleport.bytes().data(), &state, sizeof(state));
   shared_->teleport_flag.set_flag(kWholeState);  // last: the numbers are complete
@@ -250,8 +275,15 @@ SensorFrame Engine::tick(sim::Time t, const sim::BodyState& body) {
   SensorFrame frame;
   frame.time = t;
   frame.tick = ++tick_;
+  if (shared_->teleport_flag.flag() !=
+      0) {  // the engine has not taken the state: nothing of it was measured
+    if (++ignored_states_ > kMaxIgnoredStates) throw EngineError(kOldBlocks);
+    return frame;
+  }
+  ignored_states_ = 0;
   for (const SensorSetup& sensor : scenario_.sensors) {
-    if (tick_ % static_cast<std::uint64_t>(sensor.ticks_per_sample) == 0) read(frame, sensor);
+    const auto ticks = static_cast<std::uint64_t>(sensor.ticks_per_sample);
+    if ((tick_ + spawn_ticks_) % ticks == 0) read(frame, sensor);
   }
   return frame;
 }

@@ -44,8 +44,9 @@ class Engine {
 
   /// Loads the level again, with agent and sensors.
   void reset();
-  /// Sends the state of the aircraft at time t, advances by one tick and reads the sensors that are due.
-  SensorFrame tick(sim::Time t, const sim::BodyState& body);
+  /// Sends the state of the aircraft at time t, advances by one tick and reads the sensors that are due. As the engine
+  /// does, it counts the ticks of a sensor's rate from the moment when the sensor was added.
+  SensorFrame tick(std::chrono::nanoseconds t, const sim::BodyState& body);
   pid_t process() const { return child_.process(); }
   const std::string& name() const { return options_.name; }
 
@@ -54,6 +55,7 @@ class Engine {
   void start_program();
   void wait(Semaphore& semaphore, std::chrono::milliseconds timeout, const char* what);
   void bare_tick();
+  void spawn();
   void read(SensorFrame& frame, const SensorSetup& sensor) const;
 
   Scenario scenario_;
@@ -62,6 +64,8 @@ class Engine {
   std::unique_ptr<Shared> shared_;
   std::vector<Command> queued_;
   std::uint64_t tick_{0};
+  std::uint64_t spawn_ticks_{0};  ///< Since the sensors were added, before tick 1.
+  int ignored_states_{0};         ///< In a row.
   bool has_turn_{false};
 };
 

@@ -18,6 +18,7 @@ using config::Range;
 using config::Section;
 
 constexpr int kMaxSteps = 100'000;
+constexpr const char* kDefaultWorld = "default";  // a world of package Land has this name
 
 /// "2.10.0" is newer than "2.9.1".
 std::vector<int> version_of(const fs::path& folder) {
@@ -55,18 +56,21 @@ std::optional<std::array<double, 3>> corner(const Section& world, std::string_vi
 
 /// Keys of others are allowed: the file belongs to the package.
 World world_of(const Section& config, const std::string& wanted, const std::string& package) {
+  std::vector<World> worlds;
   std::vector<std::string> names;
   for (const Section& entry : config.sections("worlds")) {
-    names.push_back(entry.text("name"));
-    if (!wanted.empty() && names.back() != wanted) continue;
     World world;
-    world.name = names.back();
+    world.name = entry.text("name");
     world.pre_start_steps =
         static_cast<int>(entry.integer("pre_start_steps", 0, kMaxSteps, world.pre_start_steps));
     world.env_min_m = corner(entry, "env_min");
     world.env_max_m = corner(entry, "env_max");
-    return world;
+    names.push_back(world.name);
+    worlds.push_back(std::move(world));
   }
+  const auto found = std::find(names.begin(), names.end(), wanted.empty() ? kDefaultWorld : wanted);
+  if (found != names.end()) return worlds[static_cast<std::size_t>(found - names.begin())];
+  if (wanted.empty() && !worlds.empty()) return worlds.front();
   throw config::Error(fmt::format("world: found {}, allowed {}, the worlds of package {}",
                                   wanted.empty() ? "none" : wanted, fmt::join(names, ", "),
                                   package));
@@ -86,9 +90,9 @@ World find_world(const Scenario& scenario, const fs::path& folder) {
     throw config::Error(
         fmt::format("found no HoloOcean package {0} in {1}/VERSION/worlds; to install it, link "
                     "your GitHub account to Epic Games, clone "
-                    "https://github.com/byu-holoocean/HoloOcean, run pip install in its folder "
-                    "client and in Python "
-                    "holoocean.install(\"{0}\")",
+                    "https://github.com/byu-holoocean/HoloOcean, in its folder client run "
+                    "python3 -m venv .venv && .venv/bin/pip install . && .venv/bin/python -c "
+                    "'import holoocean; holoocean.install(\"{0}\")'",
                     scenario.package, folder.string()));
   }
   const auto document = config::Document::from_file(package / "config.json");

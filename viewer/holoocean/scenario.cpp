@@ -112,6 +112,13 @@ void read_range_finder(const Section* from, SensorSetup& sensor, Json& json) {
   json["LaserMaxDistance"] = sensor.max_range_m;
   json["LaserCount"] = sensor.rays;
   json["LaserAngle"] = sensor.elevation_deg;
+  if (from != nullptr && from->boolean("LaserDebug", false)) json["LaserDebug"] = true;
+}
+
+/// Keys of ROSflight 2.x that change nothing here: every sensor is handed out, and no camera has an attitude to report.
+void accept_keys_of_rosflight(const Section& from) {
+  from.boolean("ros_publish", true);
+  from.boolean("UseRPY", true);
 }
 
 int ticks_per_sample(const Section& from, int ticks_per_s) {
@@ -133,6 +140,7 @@ SensorSetup read_sensor(const Section& from, int ticks_per_s) {
   sensor.location_m = triple(from, "location");
   sensor.rotation_deg = triple(from, "rotation");
   sensor.ticks_per_sample = ticks_per_sample(from, ticks_per_s);
+  accept_keys_of_rosflight(from);
   const auto configuration = from.optional_section("configuration");
   const Section* const settings = configuration ? &*configuration : nullptr;
   Json json = Json::object();
@@ -164,8 +172,13 @@ void read_agent(const Section& root, Scenario& scenario) {
   scenario.agent = name_of(agent, "agent_name", "aircraft");
   scenario.agent_type = agent.choice("agent_type", kAgents);
   // FixedWing 2: accelerations without gravity and damping, so it stays as it is between two states.
+  // A UavAgent has two schemes; the engine takes the 2 of ROSflight 2.x as 0.
   const bool wing = scenario.agent_type == AgentType::kFixedWing;
-  scenario.control_scheme = whole(agent, "control_scheme", 0, wing ? 2 : 1, wing ? 2 : 0);
+  scenario.control_scheme = whole(agent, "control_scheme", 0, 2, wing ? 2 : 0);
+  for (const char* key : {"location_randomization", "rotation_randomization"}) {
+    if (triple(agent, key) != std::array<double, 3>{})
+      throw agent.error(key, "numbers other than 0", "0, 0, 0: two flights of a seed are the same");
+  }
   scenario.location_m = triple(agent, "location");
   scenario.rotation_deg = triple(agent, "rotation");
   const std::string main_agent = root.text("main_agent", scenario.agent);
@@ -231,6 +244,7 @@ Scenario read_scenario(const config::Document& document) {
   scenario.env_max_m = optional_triple(root, "env_max");
   scenario.octree_min_m = optional_length(root, "octree_min");
   scenario.octree_max_m = optional_length(root, "octree_max");
+  root.boolean("ros_publish", true);
   read_agent(root, scenario);
   root.finish();
   return scenario;

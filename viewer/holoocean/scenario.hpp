@@ -54,7 +54,7 @@ enum class AgentType { kUav, kFixedWing };
 struct Scenario {
   std::string name;
   std::string package;  ///< Folder of the installed worlds.
-  std::string world;    ///< Empty: the first one of the package.
+  std::string world;    ///< Empty: the one named default, else the first one of the package.
   AgentType agent_type{AgentType::kUav};
   std::string agent;  ///< Its name.
   int control_scheme{};

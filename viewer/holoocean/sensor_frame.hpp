@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -32,7 +33,8 @@ struct Ranges {
 
 /// What the sensors of the engine measured at one simulated time. A sensor appears only when it is due.
 struct SensorFrame {
-  sim::Time time{};      ///< Simulated time of the state that was measured.
+  std::chrono::nanoseconds
+      time{};            ///< Simulated time of the state that was measured, as it was given.
   std::uint64_t tick{};  ///< Number of the tick since the last reset; the first is 1.
   std::vector<Image> images;
   std::vector<Ranges> ranges;

@@ -15,6 +15,8 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <random>
 #include <string_view>
 #include <system_error>
@@ -28,16 +30,49 @@ namespace fs = std::filesystem;
 constexpr mode_t kEveryone = 0777;  // as the engine makes them
 constexpr const char* kSharedMemory = "/dev/shm";
 constexpr std::string_view kOurs = "rosflight_";
+constexpr std::size_t kRandomDigits = 16;
 
 [[noreturn]] void fail(const std::string& what) {
   throw EngineError(fmt::format("{}: {}", what, std::strerror(errno)));
 }
 
+std::string block_path(const std::string& name, const std::string& key) {
+  return fmt::format("/HOLODECK_MEM{}_{}", name, key);
+}
+
+/// The name of unique_name() in the name of a file, with its process; nothing: it has none.
+struct OurName {
+  std::string name;
+  pid_t process{0};
+};
+std::optional<OurName> our_name(const std::string& file) {
+  const std::size_t at = file.find(kOurs);
+  if (file.find("HOLODECK_") == std::string::npos || at == std::string::npos) return std::nullopt;
+  OurName ours;
+  const char* const number = file.data() + at + kOurs.size();
+  const char* const end = file.data() + file.size();
+  const auto [rest, error] = std::from_chars(number, end, ours.process);
+  const auto length = static_cast<std::size_t>(rest - number) + 1 + kRandomDigits;
+  if (error != std::errc{} || ours.process <= 0 || at + kOurs.size() + length > file.size())
+    return std::nullopt;
+  ours.name = file.substr(at, kOurs.size() + length);
+  return ours;
+}
+
+/// Whether the client of this name has ended. While `lock` is held no other can take the name.
+bool has_ended(const OurName& ours, base::FileDescriptor& lock) {
+  if (::kill(ours.process, 0) == 0 || errno != ESRCH) return false;
+  lock = base::FileDescriptor{::shm_open(block_path(ours.name, "RESET").c_str(), O_RDWR, 0)};
+  return !lock.valid() || ::flock(lock.get(), LOCK_EX | LOCK_NB) == 0;
+}
+
 }  // namespace
 
-SharedBlock::SharedBlock(const std::string& name, const std::string& key, std::size_t bytes)
-    : path_{fmt::format("/HOLODECK_MEM{}_{}", name, key)},
-      file_{::shm_open(path_.c_str(), O_RDWR | O_CREAT, kEveryone)} {
+SharedBlock::SharedBlock(const std::string& name, const std::string& key, std::size_t bytes,
+                         AtEnd at_end)
+    : path_{block_path(name, key)},
+      file_{::shm_open(path_.c_str(), O_RDWR | O_CREAT, kEveryone)},
+      at_end_{at_end} {
   if (!file_.valid()) fail("shared memory " + path_);
   struct stat status {};
   ::fstat(file_.get(), &status);
@@ -59,12 +94,12 @@ SharedBlock::SharedBlock(SharedBlock&& other) noexcept
     : path_{std::exchange(other.path_, {})},
       file_{std::move(other.file_)},
       bytes_{std::exchange(other.bytes_, {})},
-      keep_{other.keep_} {}
+      at_end_{other.at_end_} {}
 
 SharedBlock::~SharedBlock() {
   if (bytes_.empty()) return;
   ::munmap(bytes_.data(), bytes_.size());
-  if (!keep_) ::shm_unlink(path_.c_str());
+  if (at_end_ == AtEnd::kRemove) ::shm_unlink(path_.c_str());
 }
 
 void SharedBlock::set_flag(std::uint8_t value) {
@@ -109,11 +144,11 @@ bool Semaphore::wait_for(std::chrono::milliseconds time) {
   constexpr std::int64_t kNsPerMs = 1'000'000;
   constexpr std::int64_t kNsPerS = kMsPerS * kNsPerMs;
   timespec end{};
-  ::clock_gettime(CLOCK_REALTIME, &end);
+  ::clock_gettime(CLOCK_MONOTONIC, &end);  // the time of day may be set meanwhile
   const std::int64_t nanoseconds = end.tv_nsec + time.count() % kMsPerS * kNsPerMs;
   end.tv_sec += time.count() / kMsPerS + nanoseconds / kNsPerS;
   end.tv_nsec = nanoseconds % kNsPerS;
-  while (::sem_timedwait(semaphore_, &end) != 0) {
+  while (::sem_clockwait(semaphore_, CLOCK_MONOTONIC, &end) != 0) {
     if (errno != EINTR) return false;
   }
   return true;
@@ -125,17 +160,20 @@ std::string unique_name() {
 }
 
 int remove_leftovers() {
+  struct Client {
+    base::FileDescriptor lock;
+    bool ended{false};
+  };
   int removed = 0;
   std::error_code ignored;
+  std::map<std::string, Client> clients;
   for (const fs::directory_entry& entry : fs::directory_iterator(kSharedMemory, ignored)) {
     const std::string file = entry.path().filename().string();
-    const std::size_t at = file.find(kOurs);
-    if (file.find("HOLODECK_") == std::string::npos || at == std::string::npos) continue;
-    const char* const number = file.data() + at + kOurs.size();
-    pid_t process = 0;
-    if (std::from_chars(number, file.data() + file.size(), process).ec != std::errc{}) continue;
-    if (process <= 0 || ::kill(process, 0) == 0 || errno != ESRCH) continue;
-    if (fs::remove(entry.path(), ignored)) ++removed;
+    const auto ours = our_name(file);
+    if (!ours) continue;
+    const auto [client, is_new] = clients.try_emplace(ours->name);
+    if (is_new) client->second.ended = has_ended(*ours, client->second.lock);
+    if (client->second.ended && fs::remove(entry.path(), ignored)) ++removed;
   }
   return removed;
 }

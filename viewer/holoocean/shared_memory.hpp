@@ -23,29 +23,32 @@ class EngineError : public std::runtime_error {
 /// Block `/HOLODECK_MEM<name>_<key>`, made if it is not there and never made smaller: the engine may have mapped it.
 class SharedBlock {
  public:
+  /// What becomes of its name. An engine that runs on maps a block once for all its clients, so the name must stay.
+  enum class AtEnd { kRemove, kKeep };
+
   /// @throws EngineError
-  SharedBlock(const std::string& name, const std::string& key, std::size_t bytes);
+  SharedBlock(const std::string& name, const std::string& key, std::size_t bytes, AtEnd at_end);
   SharedBlock(SharedBlock&& other) noexcept;
   SharedBlock& operator=(SharedBlock&&) = delete;
   SharedBlock(const SharedBlock&) = delete;
   SharedBlock& operator=(const SharedBlock&) = delete;
-  /// Removes the name unless keep() was called; who has mapped it keeps the memory.
+  /// Removes the name or not; who has mapped it keeps the memory.
   ~SharedBlock();
-  void keep() { keep_ = true; }
 
   std::span<std::byte> bytes() { return bytes_; }
   std::span<const std::byte> bytes() const { return bytes_; }
   /// Sets the first byte after all that was written before is visible to the engine.
   void set_flag(std::uint8_t value);
   std::uint8_t flag() const;
-  /// Reserves the block for this process. @returns false if another process has it.
+  /// Reserves the block while this object lives. @returns false if another has it.
   bool lock();
+  void remove_at_end() { at_end_ = AtEnd::kRemove; }
 
  private:
   std::string path_;
   base::FileDescriptor file_;
   std::span<std::byte> bytes_;
-  bool keep_{false};
+  AtEnd at_end_;
 };
 
 /// A named semaphore.
@@ -73,7 +76,8 @@ class Semaphore {
 
 /// A name for blocks and semaphores that nobody else has; it holds the number of this process.
 std::string unique_name();
-/// Removes blocks and semaphores with names of unique_name() whose process has ended. @returns how many.
+/// Removes blocks and semaphores with names of unique_name() whose process has ended. A process that is out of sight,
+/// in another container with the same /dev/shm, has locked its block RESET. @returns how many.
 int remove_leftovers();
 
 }  // namespace rosflight::viewer::holoocean

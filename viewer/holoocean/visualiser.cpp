@@ -35,15 +35,20 @@ Visualiser::~Visualiser() {
 }
 
 void Visualiser::step(const sim::Truth& truth, const hal::OutputValues& /*outputs*/) {
-  if (truth.time < last_) next_tick_ = 0;  // another flight
-  last_ = truth.time;
+  show(truth.body, truth.time);
+}
+
+void Visualiser::show(const sim::BodyState& body, std::chrono::nanoseconds time) {
+  const auto t = std::chrono::floor<sim::Time>(time);
+  if (t < last_) next_tick_ = 0;  // another flight
+  last_ = t;
   // Tick n belongs to the first step at or after n / ticks_per_s.
-  if (truth.time.count() * scenario_.ticks_per_s < next_tick_ * kUsPerS) return;
-  next_tick_ = truth.time.count() * scenario_.ticks_per_s / kUsPerS + 1;
+  if (t.count() * scenario_.ticks_per_s < next_tick_ * kUsPerS) return;
+  next_tick_ = t.count() * scenario_.ticks_per_s / kUsPerS + 1;
   std::unique_lock lock(mutex_);
   if (counts_.failed || closing_) return;
   if (pending_) ++counts_.skipped;
-  pending_ = State{truth.time, truth.body};
+  pending_ = State{time, body};
   changed_.notify_all();
   if (pace_ == Pace::kSkip) return;
   changed_.wait(lock, [this] { return (!pending_ && !busy_) || counts_.failed || closing_; });
@@ -77,6 +82,11 @@ bool Visualiser::started() const {
 void Visualiser::wait_until_started() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return started_ || counts_.failed || closing_; });
+}
+
+std::string Visualiser::failure() const {
+  const std::lock_guard lock(mutex_);
+  return failure_;
 }
 
 bool Visualiser::interrupted() const {
@@ -131,10 +141,11 @@ void Visualiser::fail(const std::string& why) {
     const std::lock_guard lock(mutex_);
     if (closing_) return;
     counts_.failed = true;
+    failure_ = one_line(why);
     changed_.notify_all();
   }
   if (receivers_.note) {
-    receivers_.note(fmt::format("warning: {}; the flight goes on without it", one_line(why)));
+    receivers_.note(fmt::format("warning: {}; the flight goes on without it", failure()));
   }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -39,6 +40,8 @@ class Visualiser final : public sim::Visualiser {
   ~Visualiser() override;
 
   void step(const sim::Truth& truth, const hal::OutputValues& outputs) override;
+  /// The same for a state whose time is finer than that of the simulation.
+  void show(const sim::BodyState& body, std::chrono::nanoseconds time);
   /// The level is loaded again before the next tick.
   void reset();
   /// Ends the engine; no receiver is called from then on.
@@ -47,10 +50,12 @@ class Visualiser final : public sim::Visualiser {
   /// The engine has loaded the level, or failed to.
   bool started() const;
   void wait_until_started();
+  /// Why the engine is of no use, one line; empty: nothing has failed.
+  std::string failure() const;
 
  private:
   struct State {
-    sim::Time time;
+    std::chrono::nanoseconds time;
     sim::BodyState body;
   };
   void run();
@@ -68,6 +73,7 @@ class Visualiser final : public sim::Visualiser {
   std::condition_variable changed_;
   std::optional<State> pending_;
   bool busy_{false}, reset_{false}, closing_{false}, started_{false};
+  std::string failure_;
   Counts counts_;
   std::thread thread_;  ///< Last: it uses the others.
 };

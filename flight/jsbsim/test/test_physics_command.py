@@ -39,10 +39,10 @@ def children_of(process: int) -> list[int]:
 def start(engine: str, folder: Path):
     """The program, flying in real time, and the process of the engine."""
     flying = subprocess.Popen([*HOP, "--physics", engine, "--out", folder, "--realtime"], cwd=ROOT, stdout=subprocess.DEVNULL,
-                              stderr=subprocess.PIPE, text=True)
+                              stderr=subprocess.PIPE, text=True, process_group=0)
     while "stage configure" not in (line := flying.stderr.readline()):
         assert line, flying.wait()
-    (process,) = children_of(flying.pid)
+    (process,) = children_of(flying.pid) or [None]
     return flying, process
 
 
@@ -57,6 +57,20 @@ def test_an_engine_that_ends_in_flight_ends_the_flight_with_one_line(end, engine
     assert last.startswith("rosflight: ")
     assert last.endswith(f" s: --physics {engine}: its program was ended by signal {int(end)}; it printed nothing")
     assert not Path(f"/proc/{process}").exists()
+
+
+@pytest.mark.parametrize("engine", ["runge_kutta", *ENGINES])
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_to_the_whole_process_group_leaves_a_whole_flight_folder(end, engine, tmp_path):
+    """Ctrl-C in a terminal signals every process of the foreground group."""
+    folder = tmp_path / "flight"
+    flying, _ = start(engine, folder)
+    os.killpg(flying.pid, end)
+    said = flying.communicate(timeout=20)[1]
+    assert flying.returncode == 128 + end, said
+    files = {path.name for path in folder.iterdir()}
+    assert {"flight.mcap", "summary.json"} <= files
+    assert not [name for name in files if name.endswith(".part")]
 
 
 @pytest.mark.parametrize("engine", ENGINES)

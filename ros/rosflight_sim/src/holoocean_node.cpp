@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <chrono>
 #include <map>
 #include <memory>
 #include <rosflight_msgs/msg/sim_state.hpp>
@@ -46,17 +47,12 @@ class HoloOceanNode : public rclcpp::Node {
         "sim/truth_state", stream(10),
         [this](rosflight_msgs::msg::SimState::ConstSharedPtr message) { show(*message); });
     reset_ = create_service<Trigger>(
-        "holoocean_reset", [this](const std::shared_ptr<Trigger::Request>,
-                                  std::shared_ptr<Trigger::Response> response) {
-          visualiser_->reset();
-          response->success = true;
-          response->message = "the level is loaded again with the next truth";
-        });
+        "holoocean/holoocean_reset",
+        [this](const std::shared_ptr<Trigger::Request>,
+               std::shared_ptr<Trigger::Response> response) { reset(*response); });
   }
 
  private:
-  static constexpr std::int64_t kMicrosecond_ns = 1000;
-
   /// Publishers of one sensor; those that its kind does not have are empty.
   struct Outputs {
     holoocean::SensorSetup sensor;
@@ -73,8 +69,9 @@ class HoloOceanNode : public rclcpp::Node {
                                           "the sensors of ROSflight 2.x");
     const std::string agent = declare_text(*this, "agent", "fixedwing",
                                            "body without scenario_file: fixedwing or multirotor");
-    const std::string env = declare_text(
-        *this, "env", "default", "world of the package without scenario_file; default: its first");
+    const std::string env = declare_text(*this, "env", "default",
+                                         "world of the package without scenario_file; "
+                                         "default: the one of this name, else its first");
     if (!file.empty()) return holoocean::read_scenario_file(file);
     if (agent != "fixedwing" && agent != "multirotor") {
       throw rosflight::config::Error("parameter agent: found '" + agent +
@@ -129,8 +126,14 @@ class HoloOceanNode : public rclcpp::Node {
             rosflight::base::kStandardGravity_m_s2, truth_)) {
       return;
     }
-    truth_.time = sim::Time(nanoseconds(message.header.stamp) / kMicrosecond_ns);
-    visualiser_->step(truth_, {});
+    visualiser_->show(truth_.body, std::chrono::nanoseconds(nanoseconds(message.header.stamp)));
+  }
+
+  void reset(Trigger::Response& response) {
+    const std::string failure = visualiser_->failure();
+    response.success = failure.empty();
+    response.message = failure.empty() ? "the level is loaded again with the next truth" : failure;
+    if (failure.empty()) visualiser_->reset();
   }
 
   // The rest runs in the thread of the engine.
@@ -144,12 +147,14 @@ class HoloOceanNode : public rclcpp::Node {
   }
 
   void publish(const holoocean::SensorFrame& frame) {
-    const std::int64_t stamp_ns = frame.time.count() * kMicrosecond_ns;
+    const std::int64_t stamp_ns = frame.time.count();
     for (const holoocean::Image& image : frame.images) publish(image, stamp_ns);
     for (const holoocean::Ranges& ranges : frame.ranges) publish(ranges, stamp_ns);
     if (!frame.in_contact) return;
-    if (*frame.in_contact && !in_contact_)
-      RCLCPP_INFO(get_logger(), "contact at %.3f s", rosflight::sim::to_seconds(frame.time));
+    if (*frame.in_contact && !in_contact_) {
+      RCLCPP_INFO(get_logger(), "contact at %.3f s",
+                  std::chrono::duration<double>(frame.time).count());
+    }
     in_contact_ = *frame.in_contact;
   }
 

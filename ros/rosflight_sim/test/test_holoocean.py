@@ -14,14 +14,20 @@ from sim_rig import ALL, LATCHED, executable, node, stamp_ns
 from std_srvs.srv import Trigger
 from tf2_msgs.msg import TFMessage
 
-START_NS = 100 * 10 ** 9
+START_NS = 100 * 10 ** 9 + 456_789  # not a whole number of microseconds
 STANDIN = ROOT / "viewer/holoocean/test/standin_engine.py"
 SENSORS = [
     {"sensor_type": "RGBCamera", "sensor_name": "rgb_camera_sensor", "location": [0.2, 0, 0.1],
      "configuration": {"CaptureWidth": 32, "CaptureHeight": 16}},
+    {"sensor_type": "RGBCamera", "sensor_name": "slow", "Hz": 10, "configuration": {"CaptureWidth": 4, "CaptureHeight": 2}},
     {"sensor_type": "DepthCamera", "sensor_name": "depth", "configuration": {"CaptureWidth": 4, "CaptureHeight": 2}},
     {"sensor_type": "RangeFinderSensor", "sensor_name": "range_finder_sensor", "configuration": {"LaserMaxDistance": 50, "LaserCount": 6}},
     {"sensor_type": "RangeFinderSensor", "sensor_name": "ground_range_sensor", "configuration": {"LaserMaxDistance": 100, "LaserAngle": -90}}]
+
+
+def behave(program, options=""):
+    program.write_text(f'#!/bin/sh\nexec python3 "{STANDIN}" --record "{program.parents[3]}/record.jsonl" {options} -- "$@"\n')
+    program.chmod(0o755)
 
 
 @pytest.fixture
@@ -29,9 +35,8 @@ def holoocean(tmp_path, monkeypatch):
     """Package Land, whose program is the stand-in; a scenario."""
     land = tmp_path / "2.3.0" / "worlds" / "Land"
     land.mkdir(parents=True)
-    (land / "config.json").write_text(json.dumps({"path": "engine", "worlds": [{"name": "Meadow"}]}))
-    (land / "engine").write_text(f'#!/bin/sh\nexec python3 "{STANDIN}" --record "{tmp_path}/record.jsonl" -- "$@"\n')
-    (land / "engine").chmod(0o755)
+    (land / "config.json").write_text(json.dumps({"path": "engine", "worlds": [{"name": "Meadow", "pre_start_steps": 1}]}))
+    behave(land / "engine")
     scenario = tmp_path / "scenario.json"
     scenario.write_text(json.dumps({"frames_per_sec": False, "agents": [{"agent_type": "FixedWing", "sensors": SENSORS}]}))
     monkeypatch.setenv("HOLODECKPATH", str(tmp_path))
@@ -87,6 +92,23 @@ def test_images_ranges_and_scans_carry_the_stamp_of_the_truth(peer, holoocean):
         assert scan[0].angle_increment == pytest.approx(math.pi / 3) and scan[0].range_max == 50.0
 
 
+def test_a_slow_camera_carries_the_stamp_of_the_tick_of_its_picture(peer, holoocean):
+    with node("holoocean_node", scenario_file=holoocean, show_viewport="false") as process:
+        process.until("the engine has loaded its world")
+        fast, slow = peer.listen(Image, "rgb_camera_sensor/image_raw"), peer.listen(Image, "slow/image_raw")
+        times = [START_NS + n * 100_000_000 for n in range(12)]
+        shown(peer, [], [fast, slow])
+        shown(peer, [truth(t, 0.0, 40) for t in times], [fast])
+        tick_at = {stamp_ns(image): image.data[2] for image in fast}  # the stand-in shows it as red
+        assert list(tick_at) == times
+
+        def slow_ones():
+            return {stamp_ns(image): image.data[2] for image in slow if stamp_ns(image) >= START_NS}
+
+        peer.wait(lambda: len(slow_ones()) == 4, "a third of the pictures")
+        assert slow_ones() == {t: tick for t, tick in tick_at.items() if tick % 3 == 0}  # since the camera was added
+
+
 def test_the_engine_gets_world_velocity_and_the_frames_are_told(peer, holoocean, tmp_path):
     with node("holoocean_node", scenario_file=holoocean, show_viewport="false") as process:
         process.until("the engine has loaded its world")
@@ -110,10 +132,27 @@ def test_the_engine_gets_world_velocity_and_the_frames_are_told(peer, holoocean,
 def test_reset_loads_the_level_again(peer, holoocean, tmp_path):
     with node("holoocean_node", scenario_file=holoocean, show_viewport="false") as process:
         process.until("the engine has loaded its world")
-        assert peer.call(Trigger, "holoocean_reset").success
+        assert peer.call(Trigger, "holoocean/holoocean_reset").success
         down = peer.listen(LaserScan, "ground_range_sensor/scan")
         shown(peer, [truth(START_NS, 0, 40)], [down])
         assert (tmp_path / "record.jsonl").read_text().count('"event": "reset"') == 2
+
+
+def test_a_dead_engine_is_one_warning_and_a_reset_that_fails(peer, holoocean, tmp_path):
+    behave(tmp_path / "2.3.0/worlds/Land/engine", "--die-at 6")
+    with node("holoocean_node", scenario_file=holoocean, show_viewport="false") as process:
+        process.until("the engine has loaded its world")
+        out = peer.publisher(SimState, "sim/truth_state", ALL)
+        times = itertools.count(START_NS, 100_000_000)
+        said = "holoocean: its program ended with status 1; its last output: Fatal error: out of video memory"
+
+        def died():
+            out.publish(truth(next(times), 0, 40))
+            return said + "; the flight goes on without it" in process.text()
+
+        peer.poll(died, "the warning")
+        answer = peer.call(Trigger, "holoocean/holoocean_reset")
+        assert (answer.success, answer.message) == (False, said)
 
 
 def refused(*words):

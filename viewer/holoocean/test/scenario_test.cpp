@@ -56,6 +56,23 @@ TEST(HoloOceanScenario, ReadsAScenarioOfHoloOcean) {
   EXPECT_EQ(s.sensors[1].max_range_m, 10.0);
 }
 
+TEST(HoloOceanScenario, ReadsAScenarioWithTheKeysOfRosflight) {
+  const Scenario s = read(R"({
+    "name": "Show", "world": "default", "package_name": "Land", "main_agent": "Quad", "ticks_per_sec": 30,
+    "frames_per_sec": true, "octree_min": 0.02, "octree_max": 5.0, "ros_publish": true, "window_width": 2500,
+    "window_height": 1000, "agents": [{"agent_name": "Quad", "agent_type": "UavAgent", "control_scheme": 2,
+      "location": [0, 0, 0], "rotation": [0, 0, 0], "location_randomization": [0, 0, 0], "sensors": [
+        {"sensor_type": "RGBCamera", "UseRPY": false, "ros_publish": true},
+        {"sensor_type": "RangeFinderSensor", "socket": "COM", "ros_publish": true,
+         "configuration": {"LaserMaxDistance": 100.0, "LaserCount": 5, "LaserAngle": 0, "LaserDebug": false}}]}]})");
+  EXPECT_EQ(s.world, "default");
+  EXPECT_EQ(s.control_scheme, 2);
+  ASSERT_EQ(s.sensors.size(), 2U);
+  EXPECT_EQ(s.sensors[1].rays, 5);
+  EXPECT_EQ(s.sensors[1].socket, "COM");
+  EXPECT_EQ(s.sensors[1].configuration.find("LaserDebug"), std::string::npos);
+}
+
 TEST(HoloOceanScenario, TheDefaultHasTheSensorsOfRosflightsNode) {
   const Scenario s = default_scenario(AgentType::kFixedWing);
   EXPECT_EQ(s.agent_type, AgentType::kFixedWing);
@@ -87,7 +104,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"UnknownKey", text(R"("weather": "rain",)"),
             "weather: found an unknown key, allowed name, package_name, world, ticks_per_sec, "
             "frames_per_sec, window_width, "
-            "window_height, env_min, env_max, octree_min, octree_max, agents, main_agent"},
+            "window_height, env_min, env_max, octree_min, octree_max, ros_publish, agents, "
+            "main_agent"},
         Bad{"UnknownSetting", text("", R"(, "configuration": {"CaptureWith": 5})"),
             "agents.0.sensors.0.configuration.CaptureWith: found an unknown key, allowed "
             "CaptureWidth, CaptureHeight"},
@@ -105,8 +123,11 @@ INSTANTIATE_TEST_SUITE_P(
             "SemanticSegmentationCamera"},
         Bad{"EnginesNameOfTheAgent", R"({"agents": [{"agent_type": "UAV"}]})",
             "agents.0.agent_type: found \"UAV\", allowed UavAgent, FixedWing"},
-        Bad{"SchemeThatWouldWrap", text("", "", R"("control_scheme": 2, )"),
-            "agents.0.control_scheme: found 2, allowed an integer from 0 to 1"},
+        Bad{"SchemeThatIsNotThere", text("", "", R"("control_scheme": 3, )"),
+            "agents.0.control_scheme: found 3, allowed an integer from 0 to 2"},
+        Bad{"Randomisation", text("", "", R"("location_randomization": [1, 0, 0], )"),
+            "agents.0.location_randomization: found numbers other than 0, allowed 0, 0, 0: two "
+            "flights of a seed are the same"},
         Bad{"NameWithAQuote", text("", R"(, "sensor_name": "a\"b")"),
             "agents.0.sensors.0.sensor_name: found \"a\"b\", allowed 1 to 64 letters, digits, _ "
             "and -"},
@@ -166,12 +187,23 @@ TEST(HoloOceanPackage, TheNewestVersionWins) {
 
 TEST(HoloOceanPackage, AMissingPackageSaysWhatToInstall) {
   const Packages packages;
-  EXPECT_EQ(
-      packages.error_of(default_scenario(AgentType::kUav)),
-      "found no HoloOcean package Land in " + packages.folder().string() +
-          "/VERSION/worlds; to install it, link your GitHub account to Epic Games, clone "
-          "https://github.com/byu-holoocean/HoloOcean, run pip install in its folder client and in "
-          "Python holoocean.install(\"Land\")");
+  EXPECT_EQ(packages.error_of(default_scenario(AgentType::kUav)),
+            "found no HoloOcean package Land in " + packages.folder().string() +
+                "/VERSION/worlds; to install it, link your GitHub account to Epic Games, clone "
+                "https://github.com/byu-holoocean/HoloOcean, in its folder client run python3 -m "
+                "venv .venv && "
+                ".venv/bin/pip install . && .venv/bin/python -c 'import holoocean; "
+                "holoocean.install(\"Land\")'");
+}
+
+TEST(HoloOceanPackage, WithoutAWorldTheOneNamedDefaultElseTheFirstIsTaken) {
+  const Packages packages;
+  const Scenario scenario = default_scenario(AgentType::kUav);
+  packages.add("2.3.0", R"(island"}, {"name": "default", "pre_start_steps": 4}, {"name": "forest)");
+  EXPECT_EQ(find_world(scenario, packages.folder()).name, "default");
+  EXPECT_EQ(find_world(scenario, packages.folder()).pre_start_steps, 4);
+  packages.add("2.3.0", R"(island"}, {"name": "forest)");
+  EXPECT_EQ(find_world(scenario, packages.folder()).name, "island");
 }
 
 TEST(HoloOceanPackage, AWorldThatIsNotThereAndAProgramThatIsNotThere) {

@@ -16,7 +16,8 @@ namespace rosflight::viewer::holoocean {
 class StandIn {
  public:
   /// @param options  of standin_engine.py.
-  explicit StandIn(const std::string& options = "") {
+  /// @param start  how its script starts it.
+  explicit StandIn(const std::string& options = "", const std::string& start = "exec ") {
     std::string pattern = (std::filesystem::temp_directory_path() / "holoocean_XXXXXX").string();
     folder_ = ::mkdtemp(pattern.data());
     const std::filesystem::path package = folder_ / "2.3.0/worlds/Land";
@@ -26,8 +27,9 @@ class StandIn {
                "worlds": [{"name": "Meadow", "pre_start_steps": 2, "env_min": [-5, -5, 0], "env_max": [5, 5, 9.5]},
                           {"name": "Dunes"}]})";
     std::ofstream(package / "engine")
-        << "#!/bin/sh\nexec python3 '" ROSFLIGHT_HOLOOCEAN_STANDIN "' --record '"
-        << record().string() << "' " << options << " -- \"$@\"\n";
+        << "#!/bin/sh\n"
+        << start << "python3 '" ROSFLIGHT_HOLOOCEAN_STANDIN "' --record '" << record().string()
+        << "' " << options << " -- \"$@\"\n";
     std::filesystem::permissions(package / "engine", std::filesystem::perms::owner_all);
   }
   ~StandIn() { std::filesystem::remove_all(folder_); }
@@ -52,6 +54,17 @@ class StandIn {
   std::filesystem::path record() const { return folder_ / "record.jsonl"; }
   std::filesystem::path folder_;
 };
+
+/// The message of the error that `run` ends with.
+template <class Run>
+std::string error_of(const Run& run) {
+  try {
+    run();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "no error";
+}
 
 /// Blocks and semaphores of this name that are there.
 inline std::vector<std::string> left_of(const std::string& name) {

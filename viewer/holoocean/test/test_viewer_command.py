@@ -14,8 +14,10 @@ import pytest
 ROOT = Path(__file__).resolve().parents[3]
 PROGRAM = ROOT / os.environ.get("ROSFLIGHT_BUILD", "build/release") / "apps" / "rosflight"
 STANDIN = Path(__file__).with_name("standin_engine.py")
+GAZEBO = ROOT / "build/gazebo/flight/gazebo/engine/gazebo_engine"
 FLY = [PROGRAM, "fly", "--mission", "hop"]
 VIEWER = ["--viewer", "holoocean", "--viewer-offscreen"]
+AS_ROOT = " (run by root, which Unreal's programs refuse)" if os.geteuid() == 0 else ""
 SCENARIO = {"ticks_per_sec": 30, "frames_per_sec": False, "agents": [{"agent_type": "UavAgent", "sensors": [
     {"sensor_type": "RGBCamera", "Hz": 10, "configuration": {"CaptureWidth": 16, "CaptureHeight": 16}},
     {"sensor_type": "RangeFinderSensor", "configuration": {"LaserMaxDistance": 100, "LaserAngle": -90}}]}]}
@@ -34,9 +36,9 @@ class Installed:
         self.scenario.write_text(json.dumps(SCENARIO))
         self.behave("")
 
-    def behave(self, options: str):
+    def behave(self, options: str, start: str = "exec "):
         program = self.land / "engine"
-        program.write_text(f'#!/bin/sh\nexec python3 "{STANDIN}" --record "{self.record}" {options} -- "$@"\n')
+        program.write_text(f'#!/bin/sh\n{start}python3 "{STANDIN}" --record "{self.record}" {options} -- "$@"\n')
         program.chmod(0o755)
 
     def environment(self) -> dict:
@@ -86,7 +88,7 @@ def test_the_flight_is_the_same_and_every_thirtieth_of_a_second_is_a_tick(instal
     assert abs(len(states) - 30 * simulated_s) <= 1
     assert {state["flag"] for state in states} == {15}
     assert max(state["numbers"][2] for state in states) > 1  # up is positive there
-    pictures = len(states) // 3
+    pictures = (len(states) + 2) // 3  # every third tick since the camera was added, two of which were before the first state
     assert viewer_lines(done) == ["the engine has loaded its world", f"{len(states)} ticks, {pictures} pictures, "
                                   f"0 states skipped, {viewer_lines(done)[-1].split(', ')[-1]}"]
 
@@ -103,7 +105,7 @@ def test_two_flights_send_the_engine_the_same_numbers(installed):
     ("--die-at 100", [], "warning: holoocean: its program ended with status 1; its last output: Fatal error: out of video memory"),
     ("--broken", [], "warning: holoocean: its program ended with status 1; its last output: error while loading shared libraries: "
                      "libvulkan.so.1"),
-    ("--silent", ["--viewer-timeout", "0.5"], "warning: holoocean: waited 0.5 s for its world to load; it printed nothing"),
+    ("--silent", ["--viewer-timeout", "0.5"], f"warning: holoocean: waited 0.5 s for its world to load{AS_ROOT}; it printed nothing"),
     ("--hang-at 100", ["--viewer-timeout", "3"], "warning: holoocean: waited 3 s for a tick; it printed nothing"),
     ("--slow 0.002", [], None),
 ])
@@ -129,18 +131,29 @@ def test_a_slow_engine_does_not_hold_up_a_flight_in_real_time(installed, hash_wi
     assert time.monotonic() - started < 0.3 * skipped  # waiting for them would have taken that long
 
 
-def test_an_interrupted_flight_leaves_no_engine_and_no_shared_memory(installed):
+def ends_soon(process: int) -> bool:
+    deadline = time.monotonic() + 10.0
+    while (runs := Path(f"/proc/{process}/exe").exists()) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    return not runs
+
+
+@pytest.mark.parametrize("start", ["exec ", ""], ids=["program", "behind_a_script"])
+def test_ctrl_c_in_a_terminal_leaves_a_whole_folder_no_engine_and_no_shared_memory(installed, start):
+    installed.behave("", start)
     before = set(left_in_shared_memory())
     flying = subprocess.Popen([*FLY, "--out", installed.folder / "flight", *VIEWER, "--viewer-scenario", installed.scenario,
                                "--realtime"], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-                              env=installed.environment())
+                              env=installed.environment(), process_group=0)
     while "stage configure" not in (line := flying.stderr.readline()):
         assert line, flying.wait()
     engine = installed.events("start")[0]["process"]
-    flying.send_signal(signal.SIGINT)
-    flying.communicate(timeout=20)
+    os.killpg(flying.pid, signal.SIGINT)
+    said = flying.communicate(timeout=20)[1]
     assert flying.returncode == 130
-    assert not Path(f"/proc/{engine}").exists()
+    assert "warning" not in said
+    assert ends_soon(engine)
+    assert (installed.folder / "flight" / "flight.mcap").exists()
     assert set(left_in_shared_memory()) <= before
 
 
@@ -167,8 +180,9 @@ def test_a_missing_engine_says_what_to_install(tmp_path):
     done = subprocess.run([*FLY, "--out", tmp_path / "flight", *VIEWER], cwd=ROOT, capture_output=True, text=True,
                           env=os.environ | {"HOLODECKPATH": str(tmp_path)})
     assert_refused(done, f"rosflight: --viewer: found no HoloOcean package Land in {tmp_path}/VERSION/worlds; to install it, link your "
-                   "GitHub account to Epic Games, clone https://github.com/byu-holoocean/HoloOcean, run pip install in its folder "
-                   'client and in Python holoocean.install("Land")\n', tmp_path / "flight")
+                   "GitHub account to Epic Games, clone https://github.com/byu-holoocean/HoloOcean, in its folder client run "
+                   "python3 -m venv .venv && .venv/bin/pip install . && .venv/bin/python -c "
+                   "'import holoocean; holoocean.install(\"Land\")'\n", tmp_path / "flight")
 
 
 @pytest.mark.parametrize(("change", "said"), [
@@ -196,6 +210,33 @@ def test_bad_options_are_one_line_and_exit_code_2(installed, words, said):
     assert_refused(installed.fly("flight", *words), said, installed.folder / "flight")
 
 
+@pytest.mark.parametrize(("words", "said"), [
+    (["--set", "vehicle.body.mass_kg=-1"], "body.mass_kg: found -1, allowed "),
+    (["--world", "field.sdf"], "--world: found field.sdf with --physics runge_kutta, allowed with gazebo"),
+    pytest.param(["--physics", "gazebo", "--world", "/nowhere/field.sdf"], "--physics gazebo: /nowhere/field.sdf: found no such file",
+                 marks=pytest.mark.skipif(not GAZEBO.exists(), reason="gazebo_engine is not built")),
+])
+def test_bad_input_of_the_flight_is_found_before_the_engine_starts(installed, words, said):
+    assert_refused(installed.view("flight", *words), said, installed.folder / "flight")
+    assert not installed.record.exists()
+
+
+def test_a_flight_folder_in_use_is_found_before_the_engine_starts(installed):
+    (installed.folder / "flight").mkdir()
+    (installed.folder / "flight" / "note").touch()
+    done = installed.view("flight")
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1) and "flight with something in it, allowed a new or empty folder" in done.stderr
+    assert not installed.record.exists()
+
+
+def test_without_a_scenario_nothing_is_rendered_that_nobody_takes(installed):
+    done = installed.fly("flight", *VIEWER)
+    assert done.returncode == 0, done.stderr
+    (spawn,) = [event["text"] for event in installed.events("commands") if "SpawnAgent" in event["text"]]
+    assert spawn.count("AddSensor") == 1 and "CollisionSensor" in spawn
+    assert " 0 pictures, " in viewer_lines(done)[-1]
+
+
 def test_two_engines_of_one_name_are_refused(installed):
     name = f"rosflight_{os.getpid()}_both"
     first = subprocess.Popen([*FLY, "--out", installed.folder / "first", *VIEWER, "--viewer-name", name, "--realtime"], cwd=ROOT,
@@ -203,7 +244,7 @@ def test_two_engines_of_one_name_are_refused(installed):
     try:
         while "loaded its world" not in (line := first.stderr.readline()):
             assert line, first.wait()
-        assert_refused(installed.view("second", "--viewer-name", name), f"there is an engine named '{name}' already",
+        assert_refused(installed.view("second", "--viewer-name", name), f"there is an engine named '{name}' already; if none runs, remove /dev/shm/",
                        installed.folder / "second")
     finally:
         first.send_signal(signal.SIGINT)

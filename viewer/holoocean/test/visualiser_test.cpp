@@ -16,6 +16,10 @@ using namespace std::chrono_literals;
 
 constexpr sim::Time kStep{2500};
 
+double seconds(const SensorFrame& frame) {
+  return std::chrono::duration<double>(frame.time).count();
+}
+
 Scenario scenario() {
   return read_scenario(config::Document::from_text(
       R"({"frames_per_sec": false, "agents": [{"agent_type": "FixedWing", "sensors": [
@@ -29,6 +33,7 @@ struct Show {
   std::vector<SensorFrame> frames;
   std::vector<std::string> notes;
   Visualiser::Counts counts;
+  std::string failure;
 
   Show(const StandIn& standin, Visualiser::Pace pace, double duration_s, double height_m = 50.0,
        std::chrono::milliseconds timeout = 20s, std::chrono::microseconds pause = 0us) {
@@ -52,6 +57,7 @@ struct Show {
       std::this_thread::sleep_for(pause);
     }
     counts = visualiser.close();
+    failure = visualiser.failure();
   }
 };
 
@@ -61,13 +67,14 @@ TEST(HoloOceanVisualiser, SixtyPicturesInTwoSecondsEachOfItsStamp) {
   ASSERT_EQ(show.frames.size(), 60U);
   EXPECT_EQ(show.counts.images, 60U);
   EXPECT_EQ(show.counts.skipped, 0U);
+  EXPECT_EQ(show.failure, "");
   for (std::size_t n = 1; n < show.frames.size(); ++n) {
     const SensorFrame& frame = show.frames[n];
     // Frame n is of the first step at or after n / 30 s.
-    const double late_s = sim::to_seconds(frame.time) - static_cast<double>(n) / 30.0;
+    const double late_s = seconds(frame) - static_cast<double>(n) / 30.0;
     EXPECT_GE(late_s, -1e-6);
     EXPECT_LT(late_s, sim::to_seconds(kStep));
-    EXPECT_NEAR(frame.p_W->x(), 10.0 * sim::to_seconds(frame.time), 1e-4);
+    EXPECT_NEAR(frame.p_W->x(), 10.0 * seconds(frame), 1e-4);
   }
 }
 
@@ -78,7 +85,7 @@ TEST(HoloOceanVisualiser, ASlowEngineSkipsStatesAndStampsStayRight) {
   EXPECT_GT(show.frames.size(), 2U);
   EXPECT_LE(show.frames.size() + show.counts.skipped, 60U);
   for (const SensorFrame& frame : show.frames)
-    EXPECT_NEAR(frame.p_W->x(), 10.0 * sim::to_seconds(frame.time), 1e-4);
+    EXPECT_NEAR(frame.p_W->x(), 10.0 * seconds(frame), 1e-4);
 }
 
 TEST(HoloOceanVisualiser, TheNextFlightIsShownToo) {
@@ -86,7 +93,7 @@ TEST(HoloOceanVisualiser, TheNextFlightIsShownToo) {
   const Scenario shown = scenario();
   Engine::Options options;
   options.world = standin.world(shown);
-  std::vector<sim::Time> times;
+  std::vector<std::chrono::nanoseconds> times;
   Visualiser visualiser(shown, options, Visualiser::Pace::kWait,
                         {[&times](SensorFrame&& frame) { times.push_back(frame.time); }, {}});
   sim::Truth truth;
@@ -96,6 +103,21 @@ TEST(HoloOceanVisualiser, TheNextFlightIsShownToo) {
   }
   visualiser.close();
   EXPECT_EQ(times.size(), 5U);
+}
+
+TEST(HoloOceanVisualiser, ATimeBelowAMicrosecondComesBack) {
+  const StandIn standin;
+  const Scenario shown = scenario();
+  Engine::Options options;
+  options.world = standin.world(shown);
+  std::vector<std::chrono::nanoseconds> times;
+  Visualiser visualiser(shown, options, Visualiser::Pace::kWait,
+                        {[&times](SensorFrame&& frame) { times.push_back(frame.time); }, {}});
+  const std::vector<std::chrono::nanoseconds> sent{1'764'455'750'123'456'789ns,  // a time of day
+                                                   1'764'455'750'223'456'001ns};
+  for (const auto time : sent) visualiser.show({}, time);
+  visualiser.close();
+  EXPECT_EQ(times, sent);
 }
 
 TEST(HoloOceanVisualiser, ContactIsCountedAndReportedOnly) {
@@ -115,6 +137,7 @@ TEST(HoloOceanVisualiser, AnEngineThatDiesIsOneNoteAndNoMoreWaiting) {
     EXPECT_LT(show.frames.size(), 9U);
     ASSERT_EQ(show.notes.size(), 2U);
     EXPECT_EQ(show.notes[0], "the engine has loaded its world");
+    EXPECT_EQ("warning: " + show.failure + "; the flight goes on without it", show.notes[1]);
     EXPECT_EQ(show.notes[1],
               "warning: holoocean: its program ended with status 1; its last output: Fatal error: "
               "out of video "
