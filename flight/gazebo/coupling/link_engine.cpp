@@ -5,7 +5,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "flight/contact_watch.hpp"
 
 namespace rosflight::flight::gazebo {
 
@@ -42,7 +41,8 @@ void LinkEngine::move(const LinkState& link, double h_s, const Load& load) {
   contact_.wrench.force_B = state_.q_WB.conjugate() * force_W;
   contact_.other = "the world";
   contact_.normal_up = -force_W.normalized().z();
-  const bool steep = contact_.normal_up < ContactWatch::kSteep;
+  const bool steep = contact_.normal_up < kSteep;
+  contact_.carries = !steep;
   const sim::Vector3 level_W(force_W.x(), force_W.y(), 0.0);
   const sim::Vector3 normal_W = steep && level_W.norm() > 0.0 ? sim::Vector3(level_W.normalized())
                                                               : sim::Vector3(0.0, 0.0, -1.0);

@@ -46,7 +46,7 @@ class WrenchSteps {
     if (behind_.count() < 0) behind_ = std::chrono::nanoseconds{0};
   }
 
-  /// Of the last wrench; empty: there was none.
+  /// Stamp of the last wrench; empty: there was none.
   const std::optional<std::chrono::nanoseconds>& stamp() const { return stamp_; }
 
  private:

@@ -51,7 +51,7 @@ class DynamicsLoop final : public gazebo::LinkLoop {
   gazebo::WrenchSteps steps_;
   gazebo::LinkTruth truth_;
   sim::Wind wind_;
-  std::chrono::nanoseconds step_{0};        ///< Of Gazebo.
+  std::chrono::nanoseconds step_{0};        ///< That of Gazebo.
   std::optional<gazebo::LinkState> start_;  ///< The first state that was seen.
   std::optional<gazebo::LinkState> now_;
   std::optional<sim::BodyState> asked_;
