@@ -5,9 +5,9 @@
     standin_engine.py [OPTION...] -- WORLD -HolodeckOn ... --HolodeckUUID=NAME -TicksPerSec=N ...
 
 It follows the public part of the engine's source (UHolodeckServer::Malloc, AHolodeckGameMode and AHolodeckPawnController::Tick,
-AHolodeckAgent::SetState, UHolodeckSensor, URGBCamera, the commands' Execute) and what HoloOcean's client writes, and shares no code
-with the adapter. Where the engine logs an error and goes on, this ends. The ground is at z = 0. A camera shows column, row and
-the number of the tick since SpawnAgent as blue, green and red of a pixel.
+AHolodeckAgent::SetState, UHolodeckSensor, URGBCamera, the commands' Execute) and what HoloOcean's client writes, and shares no
+code with the adapter. Where the engine logs an error and goes on, this ends. The ground is at z = 0. A camera shows column, row
+and the number of the tick since SpawnAgent as blue, green and red of a pixel.
 """
 import argparse
 import ctypes

@@ -105,7 +105,8 @@ def test_two_flights_send_the_engine_the_same_numbers(installed):
     ("--die-at 100", [], "warning: holoocean: its program ended with status 1; its last output: Fatal error: out of video memory"),
     ("--broken", [], "warning: holoocean: its program ended with status 1; its last output: error while loading shared libraries: "
                      "libvulkan.so.1"),
-    ("--silent", ["--viewer-timeout", "0.5"], f"warning: holoocean: waited 0.5 s for its world to load{AS_ROOT}; it printed nothing"),
+    ("--silent", ["--viewer-timeout", "0.5"], f"warning: holoocean: waited 0.5 s for its world to load{AS_ROOT}; it "
+                                                  "printed nothing"),
     ("--hang-at 100", ["--viewer-timeout", "3"], "warning: holoocean: waited 3 s for a tick; it printed nothing"),
     ("--slow 0.002", [], None),
 ])
@@ -213,7 +214,8 @@ def test_bad_options_are_one_line_and_exit_code_2(installed, words, said):
 @pytest.mark.parametrize(("words", "said"), [
     (["--set", "vehicle.body.mass_kg=-1"], "body.mass_kg: found -1, allowed "),
     (["--world", "field.sdf"], "--world: found field.sdf with --physics runge_kutta, allowed with gazebo"),
-    pytest.param(["--physics", "gazebo", "--world", "/nowhere/field.sdf"], "--physics gazebo: /nowhere/field.sdf: found no such file",
+    pytest.param(["--physics", "gazebo", "--world", "/nowhere/field.sdf"],
+                 "--physics gazebo: /nowhere/field.sdf: found no such file",
                  marks=pytest.mark.skipif(not GAZEBO.exists(), reason="gazebo_engine is not built")),
 ])
 def test_bad_input_of_the_flight_is_found_before_the_engine_starts(installed, words, said):
@@ -225,7 +227,8 @@ def test_a_flight_folder_in_use_is_found_before_the_engine_starts(installed):
     (installed.folder / "flight").mkdir()
     (installed.folder / "flight" / "note").touch()
     done = installed.view("flight")
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1) and "flight with something in it, allowed a new or empty folder" in done.stderr
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "flight with something in it, allowed a new or empty folder" in done.stderr
     assert not installed.record.exists()
 
 
@@ -244,8 +247,8 @@ def test_two_engines_of_one_name_are_refused(installed):
     try:
         while "loaded its world" not in (line := first.stderr.readline()):
             assert line, first.wait()
-        assert_refused(installed.view("second", "--viewer-name", name), f"there is an engine named '{name}' already; if none runs, remove /dev/shm/",
-                       installed.folder / "second")
+        assert_refused(installed.view("second", "--viewer-name", name),
+                       f"there is an engine named '{name}' already; if none runs, remove /dev/shm/", installed.folder / "second")
     finally:
         first.send_signal(signal.SIGINT)
         first.communicate(timeout=20)
