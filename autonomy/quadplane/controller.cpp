@@ -243,10 +243,10 @@ const Controller::Output& Controller::step(const StateEstimate& state, const Com
   // nose still on its way. A wing that does not lift where its nose should be has stalled.
   const double wing_only_m_s = c.vehicle.stall_speed_m_s() * c.wing_only_stalls;
   const double wing_only = now.attached * ramp(now.forward_m_s, wing_only_m_s - 1.0, wing_only_m_s);
-  const double slope_N_rad = now.pressure_force_N * c.vehicle.lift_alpha_1_rad;
+  const double slope_force_N = now.pressure_force_N * c.vehicle.lift_alpha_1_rad;
   const double lacks_force_N =
-      now.pressure_force_N * c.vehicle.lift_zero + slope_N_rad * alpha - air_force_N_;
-  const double nose_force_N = std::max(0.0, slope_N_rad * (pitch - pitch_now));
+      now.pressure_force_N * c.vehicle.lift_zero + slope_force_N * alpha - air_force_N_;
+  const double nose_force_N = std::max(0.0, slope_force_N * (pitch - pitch_now));
   nose_force_N_ += std::min(1.0, dt_s / kNoseTakes_s) * (nose_force_N - nose_force_N_);
   const double coming_force_N =
       std::max(0.0, std::min(lacks_force_N, nose_force_N - nose_force_N_));

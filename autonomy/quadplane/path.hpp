@@ -58,7 +58,7 @@ class Path {
   Point point() const;
 
   std::vector<fixedwing::Segment> segments_;
-  std::vector<double> begin_m_;  ///< Of each segment, from the start.
+  std::vector<double> begin_m_;  ///< Where each segment begins, from the start.
   std::vector<Knot> knots_;      ///< The start, then every waypoint.
   double length_m_{};
   std::size_t at_{};

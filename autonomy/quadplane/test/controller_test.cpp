@@ -14,7 +14,7 @@ using testing::config;
 using testing::Plant;
 
 constexpr double kDt_s = 0.01;
-constexpr double kWeight_N = 6.0 * 9.80665;
+constexpr double kWeight = 6.0 * 9.80665;  // [N]
 
 /// What holds a velocity in the end, on the plant.
 struct Steady {
@@ -39,7 +39,7 @@ Steady in_the_air() {
 TEST(Controller, HoversOnTheRotorsAlone) {
   Steady s = in_the_air();
   s.hold(Vector3::Zero(), 5.0);
-  EXPECT_NEAR(s.out.lift_force_N, kWeight_N, 0.1);
+  EXPECT_NEAR(s.out.lift_force_N, kWeight, 0.1);
   EXPECT_LT(s.out.command.u[0], 0.1F);
   EXPECT_NEAR(s.plant.state.p_W.z(), -100.0, 0.1);
 }
@@ -54,7 +54,7 @@ TEST_P(Corridor, RotorsCarryWhatTheWingCannot) {
   for (double v = 0.0; v < speed; v += 0.1) s.hold({v, 0.0, 0.0}, 0.1);
   s.hold({speed, 0.0, 0.0}, 10.0);
   const double of_stall = speed / config().vehicle.stall_speed_m_s();
-  const double by_rotors = -static_cast<double>(s.out.command.u[2]) / kWeight_N;
+  const double by_rotors = -static_cast<double>(s.out.command.u[2]) / kWeight;
   EXPECT_NEAR(s.plant.state.v_W.x(), speed, 0.2);
   EXPECT_NEAR(s.plant.state.p_W.z(), -100.0, 2.0);
   EXPECT_NEAR(s.plant.state.v_W.z(), 0.0, 0.1);
@@ -97,7 +97,7 @@ TEST(Controller, LiftRunsWithoutAStepThroughTheTransition) {
     largest = std::max(largest, std::abs(s.out.command.u[2] - before));
     before = s.out.command.u[2];
   }
-  EXPECT_LT(largest, 0.05 * kWeight_N);
+  EXPECT_LT(largest, 0.05 * kWeight);
 }
 
 /// A wing that lifts a third of what its file says, as one whose flow has separated: the rotors carry the rest, at a speed at
@@ -113,7 +113,7 @@ TEST(Controller, CarriesAWingThatHasStalled) {
   // Nothing commands the height here; with the rotors at rest it sinks by 72 m in these 5 s.
   EXPECT_LT(s.plant.state.p_W.z() - from_m, 8.0);
   EXPECT_NEAR(s.plant.state.v_W.z(), 0.0, 1.0);
-  EXPECT_GT(s.out.lift_force_N, 0.2 * kWeight_N);
+  EXPECT_GT(s.out.lift_force_N, 0.2 * kWeight);
 }
 
 /// Whatever state and command: finite, and within the limits of rotors, pusher and surfaces.

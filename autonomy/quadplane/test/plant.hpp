@@ -60,7 +60,7 @@ class Plant {
  public:
   StateEstimate state{};
   Vector3 wind_W{Vector3::Zero()};
-  double lift_share{1.0};  ///< Of what the wing should lift.
+  double lift_share{1.0};  ///< Share of the lift that the wing should have.
 
   Plant() { state.a_B.z() = -9.80665; }
 
@@ -94,21 +94,24 @@ class Plant {
   void part(const FirmwareCommand& command, double dt_s) {
     const auto& u = command.u;
     const Vector3 air_B = state.q_WB.conjugate() * (state.v_W - wind_W);
-    const double pressure_N = 0.5 * f_.density_kg_m3 * f_.wing_area_m2 * air_B.squaredNorm();
+    const double pressure_force_N = 0.5 * f_.density_kg_m3 * f_.wing_area_m2 * air_B.squaredNorm();
     const double speed = std::max(air_B.norm(), 1.0);
     const double alpha = air_B.x() > 1.0 ? std::atan2(air_B.z(), air_B.x()) : 0.0;
-    const double lift = lift_share * pressure_N * (air_B.x() > 1.0 ? lift_coefficient(alpha) : 0.0);
-    const double drag = pressure_N * (f_.drag_parasitic + 0.04 * lift_coefficient(alpha));
-    Vector3 force_B(pusher(u[0], air_B.x()), -pressure_N * air_B.y() / speed, u[2]);
+    const double lift =
+        lift_share * pressure_force_N * (air_B.x() > 1.0 ? lift_coefficient(alpha) : 0.0);
+    const double drag = pressure_force_N * (f_.drag_parasitic + 0.04 * lift_coefficient(alpha));
+    Vector3 force_B(pusher(u[0], air_B.x()), -pressure_force_N * air_B.y() / speed, u[2]);
     force_B += lift * Vector3(std::sin(alpha), 0.0, -std::cos(alpha)) - drag * air_B / speed;
     const Vector3 arm(f_.span_m, f_.chord_m, f_.span_m);
     Vector3 torque_B(u[3], u[4], u[5]);
-    torque_B += pressure_N * arm.cwiseProduct(f_.surface.cwiseProduct(Vector3(u[6], u[7], u[8])));
+    torque_B +=
+        pressure_force_N * arm.cwiseProduct(f_.surface.cwiseProduct(Vector3(u[6], u[7], u[8])));
     const Vector3 damping(f_.roll_p * f_.span_m, f_.pitch_q * f_.chord_m, f_.yaw_r * f_.span_m);
-    torque_B += pressure_N * 0.5 / speed * arm.cwiseProduct(damping.cwiseProduct(state.w_B));
+    torque_B += pressure_force_N * 0.5 / speed * arm.cwiseProduct(damping.cwiseProduct(state.w_B));
     if (air_B.x() > 1.0) {
-      torque_B.y() += pressure_N * f_.chord_m * (f_.pitch_zero + f_.pitch_alpha_1_rad * alpha);
-      torque_B.z() += pressure_N * f_.span_m * 0.1 * air_B.y() / speed;
+      torque_B.y() +=
+          pressure_force_N * f_.chord_m * (f_.pitch_zero + f_.pitch_alpha_1_rad * alpha);
+      torque_B.z() += pressure_force_N * f_.span_m * 0.1 * air_B.y() / speed;
     }
     state.a_B = force_B / f_.mass_kg;
     state.v_W += dt_s * (state.q_WB * state.a_B + 9.80665 * Vector3::UnitZ());
