@@ -126,6 +126,7 @@ class QuadplaneGuidance final : public Guidance {
       : manager_{config, mission} {}
   const GuidanceOutput& step(const Input& in, const Notify& notify) override;
   void request_land() override { manager_.request_land(); }
+  void request_return() override { manager_.request_return(); }
   const autonomy::quadplane::FlightOutput& details() const { return manager_.output(); }
 
  private:

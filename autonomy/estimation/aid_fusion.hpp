@@ -185,6 +185,7 @@ class AidFusion {
   void consider_air_scale(Filter::Residual<1>& residual) const;
   void learn_gusts(double nis);
   void widen_wind(double gust_m_s);
+  void fuse_hovering(const PitotSample& sample, double forward_m_s);
   bool pitot_is_blocked(double measured_m_s, double forward_m_s);
   double max_wind_noise_m_s_rts() const {
     return std::max(config_.noise.wind_m_s_rts, config_.max_wind_noise_m_s_rts);

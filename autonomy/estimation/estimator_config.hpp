@@ -83,6 +83,7 @@ struct EstimatorConfig {
   double range_max_tilt_rad{0.5};
   double min_airspeed_m_s{6.0};  ///< Below, pitot and sideslip are not fused.
   bool use_sideslip{true};
+  bool hovers{false};  ///< A fixed wing that also hovers: AidFusion::fuse_hovering().
 
   // What is known before the first sample.
   double initial_gyro_bias_rad_s{0.01};

@@ -19,7 +19,9 @@ const Vector3 kMaxAngular_rad_s2{10.0, 8.0, 3.0};
 constexpr double kSurfacesFrom_m_s = 5.0;  // below it they do little
 constexpr double kSurfacesAll_m_s = 8.0;
 constexpr double kAlphaMargin_rad = 3.0 * kRadPerDeg;
-constexpr double kMaxMet_rad = 12.0 * kRadPerDeg;
+constexpr double kMaxGust_rad = 10.0 * kRadPerDeg;  // 2.8 m/s at 16 m/s: 3.5 sigma of W20 = 8 m/s
+constexpr double kMaxDive_rad = 15.0 * kRadPerDeg;
+constexpr double kNoseTakes_s = 0.5;  // to where it should be
 constexpr double kLiftAverage_s = 0.08;
 constexpr double kPusherShare = 0.95;
 constexpr double kSpareLift = 0.1;  // of the weight: less is not worth starting rotors in cruise
@@ -52,11 +54,12 @@ Vector3 attitude_error(const StateEstimate& state, const Quaternion& wanted) {
 
 }  // namespace
 
-void Controller::reset(double heading_rad) {
+void Controller::reset(const StateEstimate& state) {
   force_integral_.setZero();
   torque_integral_.setZero();
-  air_force_N_ = 0.0;
-  heading_rad_ = heading_rad;
+  air_force_N_ = air(state).lift_force_N;
+  nose_force_N_ = 0.0;
+  heading_rad_ = heading_of(state.q_WB);
 }
 
 Controller::Air Controller::air(const StateEstimate& state) const {
@@ -81,8 +84,11 @@ Controller::Air Controller::air(const StateEstimate& state) const {
   const double drag = f.drag_parasitic + (1.0 - separated) * f.drag_induced * attached * attached +
                       separated * plate * sine;
   out.lift_force_N = out.pressure_force_N * lift;
-  out.met_rad = std::clamp((air_force_N_ / out.pressure_force_N - f.lift_zero) / f.lift_alpha_1_rad,
-                           -kMaxMet_rad, kMaxMet_rad);
+  // Less lift than any gust leaves is a wing that has stalled: its moment is that of the angle that is known.
+  const double met_rad = (air_force_N_ / out.pressure_force_N - f.lift_zero) / f.lift_alpha_1_rad;
+  const double gust_rad = std::clamp(met_rad - out.alpha_rad, -kMaxGust_rad, kMaxGust_rad);
+  const double stalled = ramp(out.alpha_rad - met_rad, kMaxGust_rad, 1.5 * kMaxGust_rad);
+  out.met_rad = out.alpha_rad + (1.0 - stalled) * gust_rad;
   out.drag_force_N = out.pressure_force_N * drag;
   return out;
 }
@@ -210,13 +216,14 @@ const Controller::Output& Controller::step(const StateEstimate& state, const Com
     alpha = std::clamp(alpha, kMinAlpha_rad, c.max_alpha_rad);
   }
   double for_wing = 0.0;
+  const double pitch_now = RollPitch::of(state.q_WB).pitch_rad;
   if (now.share > 0.0) {
     const double climb = std::atan2(-in.v_W.z(), now.forward_m_s);
     const double climbs = std::atan2(-state.v_W.z(), now.forward_m_s);
-    // The limit is a guard: a vehicle that sinks in air at rest is not pitched up into the stall.
-    const double pitch_now = RollPitch::of(state.q_WB).pitch_rad;
-    const double highest =
-        std::max(climbs, pitch_now - now.met_rad) + c.max_alpha_rad + kAlphaMargin_rad;
+    // The limit is a guard: a vehicle that sinks in air at rest, or meets a gust from below, is not pitched up into the
+    // stall. Beyond the stall the measured lift shows too small an angle; what is known of the path limits it then.
+    const double flow_rad = std::max(-kMaxDive_rad, std::min(climbs, pitch_now - now.met_rad));
+    const double highest = flow_rad + c.max_alpha_rad + kAlphaMargin_rad;
     for_wing = now.share * std::min(alpha + climb, highest);
   }
   const double rotor_force_N = std::max(normal_force_N - air_force_N_, 0.0);
@@ -232,14 +239,18 @@ const Controller::Output& Controller::step(const StateEstimate& state, const Com
   const double sa = std::sin(now.alpha_rad);
   const Vector3 air_B(now.lift_force_N * sa - now.drag_force_N * ca, 0.0, -air_force_N_);
   const Vector3 rest_B = state.q_WB.conjugate() * f_W - air_B;
-  // On the wing alone the rotors add what the wing cannot, not what it lacks for a moment.
+  // On the wing alone the rotors add what the wing cannot, not what it lacks for a moment: the lift that comes with the
+  // nose still on its way. A wing that does not lift where its nose should be has stalled.
   const double wing_only_m_s = c.vehicle.stall_speed_m_s() * c.wing_only_stalls;
   const double wing_only = now.attached * ramp(now.forward_m_s, wing_only_m_s - 1.0, wing_only_m_s);
+  const double slope_force_N = now.pressure_force_N * c.vehicle.lift_alpha_1_rad;
+  const double lacks_force_N =
+      now.pressure_force_N * c.vehicle.lift_zero + slope_force_N * alpha - air_force_N_;
+  const double nose_force_N = std::max(0.0, slope_force_N * (pitch - pitch_now));
+  nose_force_N_ += std::min(1.0, dt_s / kNoseTakes_s) * (nose_force_N - nose_force_N_);
   const double coming_force_N =
-      now.pressure_force_N * (c.vehicle.lift_zero + c.vehicle.lift_alpha_1_rad * alpha) -
-      air_force_N_;
-  const double lift_force_N =
-      -rest_B.z() - wing_only * (std::max(coming_force_N, 0.0) + kSpareLift * weight_N);
+      std::max(0.0, std::min(lacks_force_N, nose_force_N - nose_force_N_));
+  const double lift_force_N = -rest_B.z() - wing_only * (coming_force_N + kSpareLift * weight_N);
   out_.lift_force_N = std::clamp(lift_force_N, 0.0, c.vehicle.max_lift_force_N);
   out_.pusher_thrust_N = std::max(rest_B.x(), 0.0);
   if (in.lift_force_N) out_.lift_force_N = *in.lift_force_N, out_.pusher_thrust_N = 0.0;

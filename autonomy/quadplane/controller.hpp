@@ -48,16 +48,16 @@ class Controller {
   Controller() = default;
   explicit Controller(const FlightConfig& config) : config_{config} {}
   void configure(const FlightConfig& config) { config_ = config; }
-  /// Integrals at zero, heading command where the nose points.
-  void reset(double heading_rad);
+  /// Integrals at zero, heading command where the nose points, lift as the airspeed gives it.
+  void reset(const StateEstimate& state);
   double heading_rad() const { return heading_rad_; }
   const Output& step(const StateEstimate& state, const Command& in, double dt_s);
 
  private:
   struct Air {
     double forward_m_s{};
-    double alpha_rad{};         ///< By attitude, velocity and the estimated wind.
-    double met_rad{};           ///< By the lift that is measured: gusts included.
+    double alpha_rad{};  ///< By attitude, velocity and the estimated wind.
+    double met_rad{};    ///< By the lift that is measured: gusts included, and nothing larger.
     double pressure_force_N{};  ///< q S
     double share{};             ///< w
     double lift_force_N{}, drag_force_N{};
@@ -76,6 +76,7 @@ class Controller {
 
   FlightConfig config_{};
   double air_force_N_{};                      ///< Upward force of the air along body z, measured.
+  double nose_force_N_{};                     ///< Lift that the nose's error promises, averaged.
   Vector3 force_integral_{Vector3::Zero()};   ///< [m/s^2]
   Vector3 torque_integral_{Vector3::Zero()};  ///< [rad/s^2]
   double heading_rad_{};

@@ -6,6 +6,8 @@
 namespace rosflight::autonomy::quadplane {
 namespace {
 
+constexpr double kMaxSlope = 0.25;  // 4 m/s of climb at 17 m/s: more the pusher cannot
+
 Mission read(const MissionFile& file, const MissionLimits& limits,
              const std::optional<Geodetic>& origin) {
   Mission mission;
@@ -30,6 +32,13 @@ Mission read(const MissionFile& file, const MissionLimits& limits,
                                         "a leg that is longer than its corners of " +
                                             config::number_text(mission.turn_radius_m) +
                                             " m radius");
+  }
+  for (std::size_t leg = 1; leg < points.size(); ++leg) {
+    const double slope = path.steepest(leg);
+    if (slope <= kMaxSlope) continue;
+    throw file.waypoints[leg - 1].error(
+        "w", config::number_text(slope) + " as the steepest slope of the leg, 1.5 times its mean",
+        "at most " + config::number_text(kMaxSlope));
   }
   return mission;
 }

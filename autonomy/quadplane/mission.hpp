@@ -21,7 +21,7 @@ struct Mission {
 };
 
 /// Reads a mission file (missions/README.md). Waypoints are of the type `goto` without heading or speed.
-/// Throws config::Error, one line, also for a leg that is too short for its corners.
+/// Throws config::Error, one line, also for a leg that is too short for its corners, or too steep.
 Mission load_mission(const std::filesystem::path& file, const MissionLimits& limits,
                      const std::optional<Geodetic>& origin = {});
 /// The same from memory; `name` stands for the file in messages.

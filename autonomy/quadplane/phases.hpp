@@ -21,14 +21,18 @@ enum class Phase : std::uint8_t {
 struct Conditions {
   enum : std::uint16_t {
     kArmed = kArmedCondition,
-    kPilot = 1U << 1U,  ///< Somebody else flies, or there is no state.
-    kLandAsked = 1U << 2U,
+    kPilot = 1U << 1U,      ///< Somebody else flies, or there is no state.
+    kLandAsked = 1U << 2U,  ///< To land where it is.
     kUp = 1U << 3U,         ///< At the height of the take-off.
     kWingborne = 1U << 4U,  ///< Fast enough for the wing alone.
     kBraking = 1U << 5U,    ///< The end of the path is near.
     kArrived = 1U << 6U,    ///< At the end of the path, at rest.
     kTouched = 1U << 7U,
-    kRests = 1U << 8U  ///< On the ground after somebody else has flown.
+    kRests = 1U << 8U,        ///< On the ground after somebody else has flown.
+    kReturnAsked = 1U << 9U,  ///< To land at the start.
+    kNewPath = 1U << 10U,     ///< The path leads somewhere else from this step on.
+    kBegun = 1U << 11U,       ///< The path was begun.
+    kLow = 1U << 12U          ///< Too near to the ground to go on from here.
   };
 };
 

@@ -84,7 +84,9 @@ autonomy::estimation::AirModel air_model(const sim::Vehicle& vehicle) {
   if (is_fixed_wing(vehicle) || is_quadplane(vehicle)) {
     const sim::AirframeParameters wing = sim::read_fixed_wing(vehicle.root()).airframe;
     air.side_area_m2_kg = std::max(0.0, -wing.side.beta) * wing.area_m2 / mass_kg;
-    air.lift = {wing.area_m2 / mass_kg, wing.lift.zero, wing.lift.alpha};
+    // In hover and in transitions rotors carry what the wing does not: the accelerometer does not show its lift.
+    if (is_fixed_wing(vehicle))
+      air.lift = {wing.area_m2 / mass_kg, wing.lift.zero, wing.lift.alpha};
     // The share of separated flow is a logistic function of the angle of attack: 1 % of it so many scales below the stall.
     constexpr double kScales = 4.5;
     if (wing.stall_sharpness > 0.0) {
@@ -238,6 +240,7 @@ autonomy::estimation::EstimatorConfig read_estimator(const sim::Vehicle& vehicle
   defaults.declination_at = wmm2025_declination;
   defaults.height_at_rest_m = height_at_rest_m(vehicle);
   defaults.air = air_model(vehicle);
+  defaults.hovers = is_quadplane(vehicle);
   return autonomy::estimation::read_estimator(vehicle.autonomy().foreign_section("estimator"),
                                               defaults);
 }
