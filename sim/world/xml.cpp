@@ -32,8 +32,7 @@ class Converter {
     made.name = from.Name();
     made.line = from.GetLineNum();
     for (const auto* one = from.FirstAttribute(); one != nullptr; one = one->Next())
-      if (!made.attributes.emplace(one->Name(), one->Value()).second)
-        fail(one->GetLineNum(), "the attribute " + std::string(one->Name()) + " twice", "once");
+      made.attributes.emplace(one->Name(), one->Value());
     for (const auto* node = from.FirstChild(); node != nullptr; node = node->NextSibling()) {
       refuse_unknown(*node);
       if (const auto* inner = node->ToElement()) made.children.push_back(element(*inner));

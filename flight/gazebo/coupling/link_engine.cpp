@@ -5,7 +5,6 @@
 #include <stdexcept>
 #include <utility>
 
-
 namespace rosflight::flight::gazebo {
 
 LinkEngine::LinkEngine(double mass_kg, double gravity_m_s2, const sim::Vector3& c_L)

@@ -166,18 +166,18 @@ TEST(Xml, ReadsElementsTextAndEntities) {
 
 TEST(Xml, RefusesWithLineFoundAndAllowed) {
   const auto malformed = [](const char* line, const char* name) {
-    return std::string("f:") + line + ": found no well-formed XML (XML_ERROR_" + name +
+    return std::string("f:") + line + ": found no well-formed XML (XML_" + name +
            "), allowed XML 1.0 in UTF-8";
   };
-  EXPECT_EQ(xml_refusal(""), malformed("1", "EMPTY_DOCUMENT"));
+  EXPECT_EQ(xml_refusal(""), malformed("1", "ERROR_EMPTY_DOCUMENT"));
   EXPECT_EQ(xml_refusal("<!-- only -->"), "f:1: found no element, allowed one");
-  EXPECT_EQ(xml_refusal("<a>\n<b>\n</a>"), malformed("2", "MISMATCHED_ELEMENT"));
-  EXPECT_EQ(xml_refusal("<a b=1/>"), malformed("1", "PARSING_ATTRIBUTE"));
-  EXPECT_EQ(xml_refusal("<a b='1' b='2'/>"), "f:1: found the attribute b twice, allowed once");
+  EXPECT_EQ(xml_refusal("<a>\n<b>\n</a>"), malformed("2", "ERROR_MISMATCHED_ELEMENT"));
+  EXPECT_EQ(xml_refusal("<a b=1/>"), malformed("1", "ERROR_PARSING_ATTRIBUTE"));
+  EXPECT_EQ(xml_refusal("<a b='1' b='2'/>"), malformed("1", "ERROR_PARSING_ATTRIBUTE"));
   EXPECT_EQ(xml_refusal("<a/>\n<b/>"), "f:2: found more than one root element, allowed one");
   EXPECT_EQ(xml_refusal("<!DOCTYPE a><a/>"),
             "f:1: found '<!DOCTYPE a>', allowed elements and comments");
-  EXPECT_EQ(xml_refusal("<a>\n<!-- "), malformed("2", "PARSING_COMMENT"));
+  EXPECT_EQ(xml_refusal("<a>\n<!-- "), malformed("2", "ERROR_PARSING_COMMENT"));
   std::string deep;  // deeper than a stack may be
   for (int k = 0; k < 2000; ++k) deep += "<a>";
   EXPECT_EQ(xml_refusal(deep), malformed("1", "ELEMENT_DEPTH_EXCEEDED"));

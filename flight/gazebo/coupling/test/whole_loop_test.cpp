@@ -31,7 +31,8 @@ class DartSimulator {
  public:
   DartSimulator(const std::string& vehicle, nanoseconds step)
       : step_{step}, engine_{model(vehicle), 9.80665, options()} {
-    engine_.set_state({Vector3(0.0, 0.0, -1.0), sim::Quaternion::Identity(), {}, {}});
+    engine_.set_state(
+        {Vector3(0.0, 0.0, -1.0), sim::Quaternion::Identity(), Vector3::Zero(), Vector3::Zero()});
   }
 
   void iterate(LinkCoupling& coupling) {
