@@ -51,21 +51,16 @@ void DmaStream::stop() {
 }
 
 bool DmaStream::clear_flags() {
-  const bool high = stream() >= 4;
-  const std::uint32_t flags = reg(controller(), high ? dma::HISR : dma::LISR) >> shift();
+  const auto& status = memory_at<const volatile std::uint32_t>(status_);
+  const std::uint32_t flags = status >> shift_;
   drop_flags();
-  const std::uint32_t back = reg(controller(), high ? dma::HISR : dma::LISR);
+  const std::uint32_t back = status;
   static_cast<void>(back);  // the write has arrived: the interrupt does not come again
   return (flags & kTransferError) != 0;
 }
 
 void DmaStream::drop_flags() {
-  reg(controller(), stream() >= 4 ? dma::HIFCR : dma::LIFCR) = kAllFlags << shift();
-}
-
-std::uint32_t DmaStream::shift() const {
-  constexpr std::uint8_t kShifts[] = {0, 6, 16, 22};
-  return kShifts[stream() % 4u];
+  memory_at<volatile std::uint32_t>(clear_) = kAllFlags << shift_;
 }
 
 }  // namespace rosflight::boards::stm32h7

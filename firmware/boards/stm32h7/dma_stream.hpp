@@ -25,7 +25,11 @@ class DmaStream {
   };
 
   explicit constexpr DmaStream(unsigned number)
-      : number_{number}, registers_{controller().base + 0x10u + 0x18u * stream()} {}
+      : number_{number},
+        registers_{controller().base + 0x10u + 0x18u * stream()},
+        status_{controller().base + (stream() >= 4 ? dma::HISR : dma::LISR)},
+        clear_{controller().base + (stream() >= 4 ? dma::HIFCR : dma::LIFCR)},
+        shift_{kShifts[stream() % 4u]} {}
 
   unsigned irq() const;
   /// Opens the gate, stops the stream and connects the request.
@@ -42,7 +46,7 @@ class DmaStream {
 
  private:
   void drop_flags();
-  std::uint32_t shift() const;
+  static constexpr std::uint8_t kShifts[] = {0, 6, 16, 22};  ///< Of the flags in their registers.
   static constexpr unsigned kPerController = 8;
   constexpr const Instance& controller() const { return number_ < kPerController ? DMA1 : DMA2; }
   constexpr unsigned stream() const { return number_ % kPerController; }
@@ -52,6 +56,8 @@ class DmaStream {
 
   unsigned number_;
   std::uint32_t registers_;
+  std::uint32_t status_, clear_;  ///< Addresses of the registers of flags.
+  std::uint32_t shift_;
   std::uint32_t control_{0};
 };
 
