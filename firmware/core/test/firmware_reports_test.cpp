@@ -115,7 +115,7 @@ TEST_F(FirmwareReports, WhatTheLinkLosesIsCountedAndToldOnceInTenSeconds) {
 TEST(FirmwareOnAFullLine, FramesThatThePortDoesNotTakeAreCountedAndTold) {
   boards::SimulatedBoard board;
   boards::MemorySerial serial{100};  // an IMU sample and an attitude, not the outputs too
-  link::MavlinkCodec fcu{{1, 250}}, companion{{1, 50}};
+  link::MavlinkCodec fcu{{1, 250}};
   Firmware firmware(board.roles(serial), fcu);
   firmware.start();
   for (int k = 1; k <= 800; ++k) {
