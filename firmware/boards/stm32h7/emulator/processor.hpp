@@ -106,10 +106,11 @@ class Processor final : public Core {
   struct Block {
     std::uint8_t half_words{}, instructions{};
   };
+  Block& block_at(std::uint32_t address);
   unsigned count(std::uint32_t address, std::uint32_t size);
   unsigned count_again(std::uint32_t address, std::uint32_t size);
   void charge(unsigned instructions);
-  void begin_slowly(std::uint32_t address, unsigned instructions);
+  void begin_slowly(std::uint32_t address, std::uint32_t size);
   void run_events();
   void sleep();
   void stop();
