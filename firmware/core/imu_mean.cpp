@@ -3,12 +3,10 @@
 
 namespace rosflight::core {
 
-bool ImuMean::add(hal::ImuSample& sample, float& dt_s) {
-  if (count_++ == 0) {
-    first_ = sample;
+void ImuMean::add_to_sums(const hal::ImuSample& sample, float dt_s) {
+  if (count_++ == 1) {
     accel_ = gyro_ = {};
     late_us_ = 0;
-    covered_s_ = 0.0f;
   }
   for (std::size_t k = 0; k < 3; ++k) {
     accel_[k] += sample.accel_m_s2[k] - first_.accel_m_s2[k];
@@ -16,16 +14,17 @@ bool ImuMean::add(hal::ImuSample& sample, float& dt_s) {
   }
   late_us_ += static_cast<std::int32_t>((sample.stamp - first_.stamp).count());
   covered_s_ += dt_s;
-  if (covered_s_ < kShortest_s) return false;
+}
+
+hal::ImuSample ImuMean::mean(const hal::ImuSample& last) const {
+  hal::ImuSample out = last;
   const float share = 1.0f / static_cast<float>(count_);
   for (std::size_t k = 0; k < 3; ++k) {
-    sample.accel_m_s2[k] = first_.accel_m_s2[k] + share * accel_[k];
-    sample.gyro_rad_s[k] = first_.gyro_rad_s[k] + share * gyro_[k];
+    out.accel_m_s2[k] = first_.accel_m_s2[k] + share * accel_[k];
+    out.gyro_rad_s[k] = first_.gyro_rad_s[k] + share * gyro_[k];
   }
-  sample.stamp = first_.stamp + hal::Time{late_us_ / count_};
-  dt_s = covered_s_;
-  count_ = 0;
-  return true;
+  out.stamp = first_.stamp + hal::Time{late_us_ / count_};
+  return out;
 }
 
 }  // namespace rosflight::core

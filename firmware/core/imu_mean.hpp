@@ -4,8 +4,8 @@
 
 namespace rosflight::core {
 
-/// Takes the mean of samples that come faster than the control loop needs them, as many as cover kShortest_s:
-/// two of a gyro at 2 kHz. Slower ones pass as they are.
+/// Takes the mean of samples that come faster than the control loop needs them, as many as cover
+/// hal::kShortestImuStep_s: two of a gyro at 2 kHz, and a third that waits already. Slower ones pass as they are.
 ///
 ///     mean of n samples: of rate, acceleration and stamp each                               (1)
 ///
@@ -13,18 +13,30 @@ namespace rosflight::core {
 /// (GyroChain) has to be in front of it where more is to be kept out. Its delay is in the stamp.
 class ImuMean {
  public:
-  static constexpr float kShortest_s = 8e-4f;
-
-  /// @param dt_s  time since the sample before; in the end since the last mean.
-  /// @returns false if the sample is kept for the mean; otherwise `sample` is the mean.
-  bool step(hal::ImuSample& sample, float& dt_s) {
-    if (dt_s <= 0.0f) count_ = 0;  // the clock was set, or the stamp stands
-    if (count_ == 0 && (dt_s >= kShortest_s || dt_s <= 0.0f)) return true;
-    return add(sample, dt_s);
+  /// @param dt_s  time since the sample before; not positive when the clock was set or the stamp stands: then what
+  ///              came before is dropped.
+  void add(const hal::ImuSample& sample, float dt_s) {
+    if (count_ == 0 || dt_s <= 0.0f) return begin(sample, dt_s);
+    add_to_sums(sample, dt_s);
+  }
+  /// @param sample  the last that was added; becomes the mean. @param dt_s  becomes the time since the last mean.
+  /// @returns false if nothing came or it is too short; then both are untouched.
+  bool take(hal::ImuSample& sample, float& dt_s) {
+    if (count_ == 0 || (covered_s_ > 0.0f && covered_s_ < hal::kShortestImuStep_s)) return false;
+    if (count_ > 1) sample = mean(sample);
+    dt_s = covered_s_;
+    count_ = 0;
+    return true;
   }
 
  private:
-  bool add(hal::ImuSample& sample, float& dt_s);
+  void begin(const hal::ImuSample& sample, float dt_s) {
+    first_ = sample;
+    covered_s_ = dt_s;
+    count_ = 1;
+  }
+  void add_to_sums(const hal::ImuSample& sample, float dt_s);
+  hal::ImuSample mean(const hal::ImuSample& last) const;
 
   hal::ImuSample first_{};
   hal::Vec3 accel_{}, gyro_{};  ///< Sums of what came since, less the first.

@@ -224,12 +224,24 @@ inline bool Sensors::usable(Time now, const hal::ImuSample& raw) {
                                       : Reject::kOutlier);
 }
 
+/// All samples that wait, so that a pass which comes late leaves none behind; but no more than a driver keeps: a source
+/// that never ends must not keep the pass.
+inline bool Sensors::poll_imu(Time now, hal::Board& board, Log& log) {
+  constexpr int kMostWaiting = 4;
+  bool any = false;
+  for (int k = 0; k < kMostWaiting && board.imu.poll(raw_.imu); ++k) {
+    if (!usable(now, raw_.imu)) continue;
+    if (gyro_filtered_) filter_gyro(raw_.imu, log);
+    imu_mean_.add(raw_.imu, imu_step_.dt_s);
+    any = true;
+  }
+  return any && imu_mean_.take(raw_.imu, imu_step_.dt_s);
+}
+
 bool Sensors::take_imu(Time now, hal::Board& board, Parameters& parameters, Log& log,
                        CalibrationEvents& events) {
-  hal::ImuSample& raw = raw_.imu;
-  if (!board.imu.poll(raw) || !usable(now, raw)) return false;
-  if (gyro_filtered_) filter_gyro(raw, log);
-  if (!imu_mean_.step(raw, imu_step_.dt_s)) return false;
+  if (!poll_imu(now, board, log)) return false;
+  const hal::ImuSample& raw = raw_.imu;
   Vector3 accel = to_vector(raw.accel_m_s2);
   Vector3 gyro = to_vector(raw.gyro_rad_s);
   if (imu_rotated_) {

@@ -108,6 +108,7 @@ class Sensors {
 
  private:
   void poll_aids(Time now, hal::Board& board, Parameters& parameters, Log& log);
+  bool poll_imu(Time now, hal::Board& board, Log& log);
   bool take_imu(Time now, hal::Board& board, Parameters& parameters, Log& log,
                 CalibrationEvents& events);
   void filter_gyro(hal::ImuSample& raw, Log& log);

@@ -18,6 +18,10 @@ struct ImuSample {
   float temperature_K{298.15f};
 };
 
+/// The control loop needs no shorter steps [s]. Of samples that come faster it takes the mean of as many as cover this,
+/// so a board may wake the main loop for as many at once.
+inline constexpr float kShortestImuStep_s = 8e-4f;
+
 struct MagSample {
   Time stamp{};
   Vec3 field_T{};

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <optional>
 
 #include "flight/autopilot/chip_autopilot.hpp"
 #include "flight/flight_recorder.hpp"
@@ -23,6 +24,8 @@ constexpr double kFault_s = 20.0;  // as in faults_test.cpp
 struct Logged {
   std::string hash;
   ProcessorFigures figures;
+  std::optional<link::Counters> counters;
+  double time_s{};
 };
 
 /// @param looked_at  called with the flight when it has ended.
@@ -37,7 +40,8 @@ Logged fly(const std::string& board, std::uint64_t seed,
   rig.flight->run();
   EXPECT_TRUE(rig.completed()) << rig.flight->runner().failure();
   EXPECT_EQ(rig.flight->session().statistics().frames.frames_dropped, 0U);
-  Logged logged{recorder.close()->sha256, *chip_of(rig).figures()};
+  Logged logged{recorder.close()->sha256, *chip_of(rig).figures(), recorder.counters(),
+                sim::to_seconds(rig.flight->now())};
   if (looked_at) looked_at(rig, choice);
   std::filesystem::remove(file);
   return logged;
@@ -65,6 +69,12 @@ TEST_P(EachImage, FliesTheDefaultMissionTwiceWithTheSameLog) {
   EXPECT_LE(first.figures.transfer_to_output_us, 60U);
   EXPECT_GT(first.figures.stamp_error_us, 0.0) << "stamps have whole microseconds";
   EXPECT_LE(first.figures.stamp_error_us, 2.0);
+  // 1000 steps a second, 400 commands, and samples of the other sensors; not one for each sample of a gyro at 2 kHz
+  // and each reading of a pressure at 500 Hz.
+  ASSERT_TRUE(first.counters.has_value());
+  const double passes_Hz = first.counters->passes / first.time_s;
+  EXPECT_GT(passes_Hz, 1000.0);
+  EXPECT_LT(passes_Hz, 1700.0);
 }
 
 TEST_P(EachImage, FliesOverUsbAndSurvivesAPulledCable) {

@@ -50,6 +50,8 @@ class Bmi088 final : public Driver, public hal::Source<hal::ImuSample>, private 
   /// Main loop.
   bool poll(hal::ImuSample& sample) override { return samples_.take(sample); }
 
+  /// Samples handed over since the start. Bus context.
+  std::uint32_t count() const { return samples_.count(); }
   /// Edges that came while the last sample was still being read.
   std::uint32_t overruns() const { return overruns_; }
   /// Samples lost because the main loop was too slow.

@@ -25,6 +25,8 @@ class Dps310 final : public Driver, public hal::Source<hal::BaroSample>, private
 
   /// Main loop.
   bool poll(hal::BaroSample& sample) override { return samples_.take(sample); }
+  /// Samples handed over since the start. Bus context.
+  std::uint32_t count() const { return samples_.count(); }
 
   struct Coefficients {
     std::int32_t c0{}, c1{}, c00{}, c10{}, c01{}, c11{}, c20{}, c21{}, c30{};

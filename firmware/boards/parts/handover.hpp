@@ -36,6 +36,8 @@ class Handover {
     taken_.store(taken + 1, std::memory_order_release);
     return true;
   }
+  /// Samples that were put since the start, those that were dropped not counted.
+  std::uint32_t count() const { return put_.load(std::memory_order_relaxed); }
   std::uint32_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
  private:

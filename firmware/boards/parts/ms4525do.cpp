@@ -8,6 +8,7 @@ namespace {
 
 constexpr Time kPeriod{2'000};
 constexpr int kReadings = 5;
+constexpr std::size_t kPressureBytes = 2;
 constexpr unsigned kGood = 0, kFault = 3;  // 2 is stale
 constexpr std::uint8_t kFaultsInARow = 20;
 constexpr float kPascalPerPsi = 6894.76f;
@@ -38,7 +39,8 @@ void Ms4525do::step_start(Time /*now*/) {
 
 void Ms4525do::step_running(Time now) {
   if (on_bus_ || !period_.due(now)) return;
-  transfer_ = {nullptr, 0, in_.data(), in_.size(), this};
+  const bool last = count_ + 1 == kReadings;
+  transfer_ = {nullptr, 0, in_.data(), last ? in_.size() : kPressureBytes, this};
   on_bus_ = port_.start(transfer_);
 }
 

@@ -8,8 +8,9 @@
 namespace rosflight::boards::parts {
 
 /// TE MS4525DO differential pressure sensor on I2C at 0x28, output type A, +-1 psi. It has neither
-/// registers nor set-up: reading four bytes returns the last measurement and starts the next. Five
-/// readings, 2 ms apart, are averaged to a sample; 100 samples per second. Stale readings do not count,
+/// registers nor set-up: reading it returns the last measurement and starts the next: two bytes of
+/// pressure, and two more of temperature if they are asked for. Five readings, 2 ms apart, are averaged to a
+/// sample, the last with the temperature; 100 samples per second. Stale readings do not count,
 /// a reported fault is an error. Stamp: the middle of the readings.
 ///
 ///     pressure = ((raw - 1638.3) / 6553.2 - 1) 6894.76  [Pa]                                    (1)
@@ -25,6 +26,8 @@ class Ms4525do final : public Driver,
   explicit Ms4525do(Port& port);
   /// Main loop.
   bool poll(hal::DiffPressureSample& sample) override { return samples_.take(sample); }
+  /// Samples handed over since the start. Bus context.
+  std::uint32_t count() const { return samples_.count(); }
 
   /// Equations (1) and (2), the latter in K. @param raw  14 and 11 bits.
   static float pressure_Pa(float raw);

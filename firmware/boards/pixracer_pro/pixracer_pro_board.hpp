@@ -31,12 +31,27 @@ class PixracerPro final : public stm32h7::FlightBoard {
   hal::Board roles() { return FlightBoard::roles(storage_, imu_, mag_, baro_, pitot_); }
 
   void on_imu_sample() { imu_.data_ready(edge_time()); }
-  void on_imu_bus() { imu_hardware_.on_interrupt(), wake_when_idle(imu_bus_); }
-  void on_baro_bus() { baro_hardware_.on_interrupt(), wake_when_idle(baro_bus_); }
-  void on_external_bus() { external_hardware_.on_interrupt(), wake_when_idle(external_bus_); }
+  void on_imu_bus() {
+    imu_hardware_.on_interrupt();
+    wake_for(imu_.count() / kSamplesPerStep, imu_steps_);
+  }
+  void on_baro_bus() {
+    baro_hardware_.on_interrupt();
+    wake_for(baro_.count(), baro_samples_);
+  }
+  void on_external_bus() {
+    external_hardware_.on_interrupt();
+    wake_for(mag_.count() + pitot_.count(), external_samples_);
+  }
   void on_tick();
 
  private:
+  /// The main loop makes one step of so many samples of the gyro, and is woken for them together.
+  static constexpr std::uint32_t kSamplesPerStep = 2;
+  static constexpr float kSamplePeriod_s = 5e-4f;
+  static_assert(kSamplesPerStep * kSamplePeriod_s >= hal::kShortestImuStep_s &&
+                (kSamplesPerStep - 1) * kSamplePeriod_s < hal::kShortestImuStep_s);
+
   stm32h7::SpiBus imu_hardware_;
   parts::SharedBus imu_bus_;
   parts::SharedPort accel_{imu_bus_, kAccel, true};
@@ -55,6 +70,7 @@ class PixracerPro final : public stm32h7::FlightBoard {
   parts::SharedPort pitot_port_{external_bus_, parts::Ms4525do::kAddress};
   parts::Ms4525do pitot_{pitot_port_};
   parts::Buzzer buzzer_;
+  std::uint32_t imu_steps_{0}, baro_samples_{0}, external_samples_{0};
   std::uint32_t tone_us_{0};  ///< Period of the tone that sounds; 0: none.
 };
 

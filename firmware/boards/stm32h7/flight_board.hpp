@@ -108,8 +108,12 @@ class FlightBoard {
   /// The common part of a tick, after the board has stepped its buses.
   void step_common();
   void wake() { wakes_ = true; }
-  void wake_when_idle(const parts::SharedBus& bus) {
-    if (bus.idle()) wakes_ = true;
+  /// Wakes the main loop if a count of samples has changed. Each interrupt of a bus asks; most of them only begin the
+  /// next transfer of a reading. @param known  what it was the last time; kept by the caller.
+  void wake_for(std::uint32_t count, std::uint32_t& known) {
+    if (count == known) return;
+    known = count;
+    wakes_ = true;
   }
   hal::Board roles(hal::Storage& storage, hal::Source<hal::ImuSample>& imu,
                    hal::Source<hal::MagSample>& mag, hal::Source<hal::BaroSample>& baro,

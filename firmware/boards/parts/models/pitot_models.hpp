@@ -37,12 +37,16 @@ class Ms4525doModel final : public I2cPart {
     return true;
   }
   bool write(std::uint8_t /*byte*/) override { return true; }
-  std::uint8_t read() override { return at_ < out_.size() ? out_[at_++] : std::uint8_t{0xFF}; }
+  std::uint8_t read() override {
+    ++bytes_read;
+    return at_ < out_.size() ? out_[at_++] : std::uint8_t{0xFF};
+  }
   void stop() override {}
 
   bool mute{false};
   bool fault{false};
   bool stuck_stale{false};
+  std::size_t bytes_read{0};  ///< Since construction.
 
  private:
   DiffPressureExposure exposure_;

@@ -53,6 +53,15 @@ TEST_F(Ms4525doTest, MeasuresAHundredTimesASecond) {
   EXPECT_EQ(driver_.errors(), 0);
 }
 
+TEST_F(Ms4525doTest, FourOfFiveReadingsLeaveTheTemperatureOut) {
+  run();
+  const std::size_t before = model_.bytes_read;
+  const auto all = samples(milliseconds(1000));
+  const std::size_t read = model_.bytes_read - before;
+  EXPECT_NEAR(static_cast<double>(read), 12.0 * static_cast<double>(all.size()), 12.0);
+  EXPECT_NEAR(all.back().temperature_K, 303.15f, 0.06f);
+}
+
 TEST_F(Ms4525doTest, StampIsTheMiddleOfTheReadings) {
   exposure_ = ramp;
   run();
