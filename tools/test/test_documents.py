@@ -41,6 +41,7 @@ ELSEWHERE = {
     r"cmake (-S \. -B build -DCMAKE_INSTALL_PREFIX=install|--build build --target install)": "ros/examples/test/test_own_modules.py",
     r"tools/ready.sh (packages|venv)": "each start of ./rosflight",
     r"tools/ready.sh build arm64": "the stage arm64-rest of ./rosflight test",
+    r"tools/ready.sh build gazebo": "the stage build of ./rosflight test",
     r"tools/ready.sh web": "the stage web of ./rosflight test",
     r"\.venv/bin/python3 flight/jsbsim/jsbsim_compare.py": "flight/jsbsim/test",
     r"\./rosflight fly --physics": "flight/jsbsim/test/test_physics_command.py",
