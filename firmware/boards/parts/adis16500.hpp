@@ -35,8 +35,6 @@ class Adis16500 final : public Driver, public hal::Source<hal::ImuSample>, priva
   /// Main loop.
   bool poll(hal::ImuSample& sample) override { return samples_.take(sample); }
 
-  /// Samples handed over since the start. Bus context.
-  std::uint32_t count() const { return samples_.count(); }
   std::uint32_t overruns() const { return overruns_; }
   std::uint32_t dropped() const { return samples_.dropped(); }
   /// Equation (1).

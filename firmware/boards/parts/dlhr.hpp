@@ -26,8 +26,6 @@ class Dlhr final : public Driver,
   void conversion_done(Time edge);
   /// Main loop.
   bool poll(hal::DiffPressureSample& sample) override { return samples_.take(sample); }
-  /// Samples handed over since the start. Bus context.
-  std::uint32_t count() const { return samples_.count(); }
 
   /// Equations (1) and (2), the latter in K.
   static float pressure_Pa(std::uint32_t raw);

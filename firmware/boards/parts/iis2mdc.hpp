@@ -23,8 +23,6 @@ class Iis2mdc final : public Driver, public hal::Source<hal::MagSample>, private
   Iis2mdc(Port& port, const Mounting& mounting);
   /// Main loop.
   bool poll(hal::MagSample& sample) override { return samples_.take(sample); }
-  /// Samples handed over since the start. Bus context.
-  std::uint32_t count() const { return samples_.count(); }
 
  private:
   enum class Stage : std::uint8_t { kIdle, kCommand, kWaiting, kResult };

@@ -108,6 +108,11 @@ class FlightBoard {
   /// The common part of a tick, after the board has stepped its buses.
   void step_common();
   void wake() { wakes_ = true; }
+  /// Wakes the main loop at each end of a transfer, for a bus with few: the passes between those of the IMU are also
+  /// what sends frames that wait for the line. Without them a companion gets attitudes later than 2.5 ms now and then.
+  void wake_when_idle(const parts::SharedBus& bus) {
+    if (bus.idle()) wakes_ = true;
+  }
   /// Wakes the main loop if a count of samples has changed. Each interrupt of a bus asks; most of them only begin the
   /// next transfer of a reading. @param known  what it was the last time; kept by the caller.
   void wake_for(std::uint32_t count, std::uint32_t& known) {

@@ -62,7 +62,7 @@ void Varmint::open() {
 
 void Varmint::on_sensor_bus(std::size_t index) {
   sensor_buses_[index].hardware.on_interrupt();
-  wake_for(baro_.count() + mag_.count(), sensor_samples_);
+  wake_when_idle(sensor_buses_[index].bus);
 }
 
 void Varmint::on_edges() {

@@ -40,16 +40,10 @@ class Varmint final : public stm32h7::FlightBoard {
   void on_edges();
   void on_imu_sample() { imu_.data_ready(edge_time()); }
   void on_pitot_ready() { pitot_.conversion_done(clock_.now()); }
-  void on_imu_bus() {
-    imu_hardware_.on_interrupt();
-    wake_for(imu_.count(), imu_samples_);
-  }
+  void on_imu_bus() { imu_hardware_.on_interrupt(), wake_when_idle(imu_bus_); }
   /// @param index  in kSensorBuses.
   void on_sensor_bus(std::size_t index);
-  void on_i2c() {
-    i2c_hardware_.on_interrupt();
-    wake_for(pitot_.count(), pitot_samples_);
-  }
+  void on_i2c() { i2c_hardware_.on_interrupt(), wake_when_idle(i2c_bus_); }
   void on_tick();
 
  private:
@@ -87,7 +81,6 @@ class Varmint final : public stm32h7::FlightBoard {
   parts::Mcp4017 servo_supply_{supply_port_, kServoSupply_V};
   stm32h7::FlashSectors flash_;
   parts::FlashStorage storage_{flash_, clock_};
-  std::uint32_t imu_samples_{0}, sensor_samples_{0}, pitot_samples_{0};
 };
 
 }  // namespace rosflight::boards::varmint
