@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Flies a mission with our integrator and with another engine, and prints as JSON how the flights differ.
 //
-// usage: worlds ENGINE VEHICLE MISSION [--wind WIND] [--csv FILE]
+// usage: worlds ENGINE VEHICLE MISSION [--wind WIND] [--set KEY=VALUE] [--csv FILE]
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -19,7 +19,8 @@ using rosflight::base::kRadPerDeg;
 namespace flight = rosflight::flight;
 namespace sim = rosflight::sim;
 
-constexpr const char* kUsage = "usage: worlds ENGINE VEHICLE MISSION [--wind WIND] [--csv FILE]";
+constexpr const char* kUsage =
+    "usage: worlds ENGINE VEHICLE MISSION [--wind WIND] [--set KEY=VALUE] [--csv FILE]";
 constexpr sim::Time kBetweenRows = std::chrono::milliseconds{100};
 
 struct Options {
@@ -36,6 +37,8 @@ Options parse(const std::vector<std::string>& words) {
   for (std::size_t k = 3; k < words.size(); k += 2) {
     if (words[k] == "--wind") {
       options.choice.wind = words[k + 1];
+    } else if (words[k] == "--set") {
+      options.choice.overrides.push_back(words[k + 1]);
     } else if (words[k] == "--csv") {
       options.csv = words[k + 1];
     } else {

@@ -203,6 +203,15 @@ def test_gazebos_engine_is_installed_and_built_when_a_flight_asks_for_it(house):
         assert any(call.endswith(" gazebo_engine") for call in house.called("ninja"))
 
 
+@pytest.mark.parametrize("words", [["--physics", "jsbsim"], ["--physics=jsbsim"]])
+def test_jsbsims_environment_is_made_when_a_flight_asks_for_it(words, house):
+    (house.root / "tools/requirements-jsbsim.txt").write_text("jsbsim\n")
+    assert house.start("fly").returncode == 0
+    assert not (house.root / ".venv-jsbsim").exists()
+    assert house.start("fly", *words).returncode == 0
+    assert (house.root / ".venv-jsbsim/.stamp").exists()
+
+
 def test_a_release_without_gazebo_is_named_its_packages(house):
     (house.root / "tools/system_packages.txt").write_text("[run]\ng++\n[gazebo]\nlibgazebo @bookworm\n")
     house.os_release.write_text("VERSION_CODENAME=noble\n")

@@ -298,8 +298,9 @@ void DartWorld::check_place(const Block& block) {
 
 void DartWorld::move(Block& block) {
   Scene& scene = *scene_;
-  const auto before = scene.body->FrameDataRelativeToWorld();
-  const Vector3d centre = before.pose.translation();
+  const Vector3d centre = vector(block.p_G);  // as the step before left it
+  const Vector3d centre_v = vector(block.v_G);
+  const Vector3d w = vector(block.w_G);
   scene.body->AddExternalForce(vector(block.force_G));
   scene.body->AddExternalTorque(vector(block.torque_G));
   scene.step(block.step_s);
@@ -320,7 +321,7 @@ void DartWorld::move(Block& block) {
     const Vector3d arm = point.point - centre;
     force += sign * extra->force;
     torque += sign * arm.cross(extra->force);
-    const Vector3d v = before.linearVelocity + before.angularVelocity.cross(arm);
+    const Vector3d v = centre_v + w.cross(arm);
     const double approach = -sign * v.dot(extra->normal);
     if (block.touches == 0 || approach > block.approach_m_s) {
       block.approach_m_s = std::max(approach, 0.0);

@@ -66,6 +66,22 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"coupling_fixedwing", "runge_kutta_held", "anaconda", "default", ""}),
     [](const auto& flights) { return std::string(flights.param.name); });
 
+/// Dartsim is of first order in the position: what is not of the closed loop goes with the step.
+TEST(Physics, HalfTheStepBringsGazeboNearer) {
+  if (!std::filesystem::exists(GazeboEngine::Options::program_of_project()))
+    GTEST_SKIP() << "gazebo_engine is not built";
+  const auto largest_m = [](const char* step) {
+    FlightChoice choice;
+    choice.vehicle = "tricopter";
+    choice.mission = "default";
+    choice.overrides.emplace_back(std::string("body.max_step_s=") + step);
+    return compare_physics(choice, "gazebo").position_m.largest();
+  };
+  const double whole_m = largest_m("0.0025");
+  EXPECT_GT(whole_m, 0.01) << "more than noise and rounding make of a flight";
+  EXPECT_LT(largest_m("0.00125"), 0.5 * whole_m);
+}
+
 TEST(Physics, AnUnknownNameIsRejected) {
   FlightChoice choice;
   choice.physics = "bullet";

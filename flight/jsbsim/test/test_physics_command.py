@@ -110,3 +110,15 @@ def test_a_tree_without_an_engine_says_what_makes_one(engine, file, made, tmp_pa
     assert done.returncode == 2
     assert done.stderr == (f"rosflight: --physics: found {engine} without {tmp_path}/{file}, "
                            f"which ./rosflight fly --physics {engine} {made}\n")
+
+
+@WITH_GAZEBO
+def test_a_library_of_gazebo_that_is_missing_is_one_line_and_exit_code_2(tmp_path):
+    # The dynamic linker finds an empty file in place of Gazebo's library of SDF.
+    for name in ("libsdformat12.so.12", "libsdformat14.so.14"):
+        (tmp_path / name).touch()
+    done = subprocess.run([*HOP, "--physics", "gazebo", "--out", tmp_path / "flight"], cwd=ROOT, capture_output=True, text=True,
+                          env={**os.environ, "LD_LIBRARY_PATH": str(tmp_path)})
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.count("\n") == 1 and "libsdformat1" in done.stderr, done.stderr
+    assert not (tmp_path / "flight").exists()
