@@ -97,7 +97,8 @@ TEST(Vehicle, ReadsTheFormerKeyOfTheMaximumStep) {
 }
 
 TEST(Vehicle, BadValuesAreNamedInOneLine) {
-  EXPECT_EQ(message_with("type=submarine"), "type: found submarine, allowed fixedwing, multirotor, quadplane");
+  EXPECT_EQ(message_with("type=submarine"),
+            "type: found submarine, allowed fixedwing, multirotor, quadplane");
   EXPECT_EQ(message_with("body.mass_kg=-1"),
             "body.mass_kg: found -1, allowed a number > 0 and <= 100000");
   EXPECT_EQ(message_with("body.mass_kg=3.5 kg"),

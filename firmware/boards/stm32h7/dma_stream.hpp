@@ -46,7 +46,8 @@ class DmaStream {
 
  private:
   void drop_flags();
-  static constexpr std::uint8_t kShifts[] = {0, 6, 16, 22};  ///< Of the flags in their registers.
+  static constexpr std::uint8_t kShifts[] = {
+      0, 6, 16, 22};  ///< Where the flags of a stream begin in their register.
   static constexpr unsigned kPerController = 8;
   constexpr const Instance& controller() const { return number_ < kPerController ? DMA1 : DMA2; }
   constexpr unsigned stream() const { return number_ % kPerController; }

@@ -11,9 +11,9 @@
 namespace rosflight::flight::gazebo {
 
 struct LinkState {
-  sim::Vector3 p_G{sim::Vector3::Zero()};  ///< Of the link's origin.
+  sim::Vector3 p_G{sim::Vector3::Zero()};  ///< The link's origin.
   sim::Quaternion q_GL{sim::Quaternion::Identity()};
-  sim::Vector3 v_G{sim::Vector3::Zero()};  ///< Of the link's origin.
+  sim::Vector3 v_G{sim::Vector3::Zero()};  ///< Its velocity.
   sim::Vector3 w_G{sim::Vector3::Zero()};
 };
 

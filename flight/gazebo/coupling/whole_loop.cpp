@@ -57,7 +57,7 @@ struct WholeLoop::Parts {
   sim::PhysicsEngine::Load load;
   sim::Quaternion q_GL{sim::Quaternion::Identity()};  ///< Now.
   std::chrono::nanoseconds step{0};
-  std::chrono::nanoseconds done{0};  ///< Of the step of the firmware.
+  std::chrono::nanoseconds done{0};  ///< Part of the firmware's step.
   bool placing{false};               ///< This step puts the vehicle somewhere.
   bool finished{false};
   bool end_asked{false};
