@@ -20,10 +20,11 @@ ENGINES = ("runge_kutta_held", "jsbsim", "gazebo")
 GUSTS = "6,270,4"  # steady wind, from where, gusts, as of --wind
 # Vehicle, mission, wind.
 ROTORS = [("multirotor", "default", ""), ("multirotor", "default", GUSTS), ("multirotor", "hover", ""), ("quad_plus", "default", ""),
-          ("tricopter", "default", ""), ("hexarotor", "default", ""), ("y6", "default", ""), ("octorotor", "default", ""),
-          ("x8", "default", "")]
-WINGS = [("anaconda", "default", ""), ("anaconda", "default", GUSTS), ("fixedwing", "default", ""), ("flying_wing", "default", ""),
-         ("aerosonde", "wide_circuit", ""), ("quadplane", "default", "")]
+          ("tricopter", "default", ""), ("hexarotor", "default", ""), ("hexa_plus", "default", ""), ("y6", "default", ""),
+          ("octorotor", "default", ""), ("octo_plus", "default", ""), ("x8", "default", "")]
+WINGS = [("anaconda", "default", ""), ("anaconda", "default", GUSTS), ("openvsp_anaconda", "default", ""), ("xflr5_anaconda", "default", ""),
+         ("fixedwing", "default", ""), ("flying_wing", "default", ""), ("aerosonde", "wide_circuit", ""), ("quadplane", "default", ""),
+         ("quadplane", "default", GUSTS)]
 FLIGHTS = ROTORS + WINGS
 TITLES = ["engine", "vehicle, mission", "position m", "attitude deg", "tracking rms m, ours and its", "touchdown m/s, ours and its"]
 
