@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """./rosflight bench worlds: every engine moves vehicles through their missions, beside our integrator and under the same noise and wind.
 
-The table goes to the terminal and, with a picture, to docs/simulation/README.md. Each flight is judged by the true state.
+The table goes to the terminal and, with pictures, to docs/simulation/README.md. Each flight is judged by the true state.
 """
 
 import csv
@@ -69,12 +69,14 @@ def write_page(rows: str, page: Path = PAGE):
 
 @functools.cache
 def flights() -> dict[tuple[str, str, str, str], dict]:
-    """All of them, flown once; written to the page and drawn."""
+    """All of them, flown once; written to the page and drawn, as are the worlds."""
+    import worlds_pictures  # not above: worlds_plot.py imports this file in an environment that cannot read logs
     flown = {(engine, *flight): fly(engine, *flight) for flight in FLIGHTS for engine in ENGINES}
     rows = table(flown)
     print(rows, flush=True)
     write_page(rows)
     draw()
+    worlds_pictures.make()
     return flown
 
 
