@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """./rosflight bench worlds: every engine moves vehicles through their missions, beside our integrator and under the same noise and wind.
 
-The table goes to the terminal and, with a picture, to docs/simulation/README.md. Each flight is judged by the true state.
+The table goes to the terminal and, with pictures, to docs/simulation/README.md. Each flight is judged by the true state.
 """
 
 import csv
@@ -20,10 +20,11 @@ ENGINES = ("runge_kutta_held", "jsbsim", "gazebo")
 GUSTS = "6,270,4"  # steady wind, from where, gusts, as of --wind
 # Vehicle, mission, wind.
 ROTORS = [("multirotor", "default", ""), ("multirotor", "default", GUSTS), ("multirotor", "hover", ""), ("quad_plus", "default", ""),
-          ("tricopter", "default", ""), ("hexarotor", "default", ""), ("y6", "default", ""), ("octorotor", "default", ""),
-          ("x8", "default", "")]
-WINGS = [("anaconda", "default", ""), ("anaconda", "default", GUSTS), ("fixedwing", "default", ""), ("flying_wing", "default", ""),
-         ("aerosonde", "wide_circuit", ""), ("quadplane", "default", "")]
+          ("tricopter", "default", ""), ("hexarotor", "default", ""), ("hexa_plus", "default", ""), ("y6", "default", ""),
+          ("octorotor", "default", ""), ("octo_plus", "default", ""), ("x8", "default", "")]
+WINGS = [("anaconda", "default", ""), ("anaconda", "default", GUSTS), ("openvsp_anaconda", "default", ""), ("xflr5_anaconda", "default", ""),
+         ("fixedwing", "default", ""), ("flying_wing", "default", ""), ("aerosonde", "wide_circuit", ""), ("quadplane", "default", ""),
+         ("quadplane", "default", GUSTS)]
 FLIGHTS = ROTORS + WINGS
 TITLES = ["engine", "vehicle, mission", "position m", "attitude deg", "tracking rms m, ours and its", "touchdown m/s, ours and its"]
 
@@ -68,12 +69,14 @@ def write_page(rows: str, page: Path = PAGE):
 
 @functools.cache
 def flights() -> dict[tuple[str, str, str, str], dict]:
-    """All of them, flown once; written to the page and drawn."""
+    """All of them, flown once; written to the page and drawn, as are the worlds."""
+    import worlds_pictures  # not above: worlds_plot.py imports this file in an environment that cannot read logs
     flown = {(engine, *flight): fly(engine, *flight) for flight in FLIGHTS for engine in ENGINES}
     rows = table(flown)
     print(rows, flush=True)
     write_page(rows)
     draw()
+    worlds_pictures.make()
     return flown
 
 

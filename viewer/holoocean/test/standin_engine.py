@@ -119,17 +119,19 @@ class Sensor:
         size = LIGHT.get(kind) or (4 * self.rays if kind == "RangeFinderSensor" else 4 * self.width * self.height)
         self.block = engine.memory.block(f"{engine.agent.name}_{name}_sensor_data", size)
 
-    def measure(self, agent, tick):
+    def measure(self, agent, tick) -> bool:
+        """@returns whether the block is of this tick."""
         if self.kind in CAMERAS:
             self.ticks += 1  # since AddSensor
             if self.ticks == self.every:
                 self.ticks = 0
                 self.block[:] = self.picture(tick)
-            return
+            return self.ticks == 0
         values = {"LocationSensor": lambda: agent.position, "RotationSensor": lambda: to_degrees(agent.attitude),
                   "VelocitySensor": lambda: agent.velocity, "RangeFinderSensor": lambda: self.distances(agent),
                   "CollisionSensor": lambda: None}[self.kind]()
         self.block[:] = bytes([agent.position[2] <= 0]) if values is None else struct.pack(f"<{len(values)}f", *values)
+        return True
 
     def picture(self, tick) -> bytes:
         if self.kind == "DepthCamera":  # column c is 10 (c + 1) metres away
@@ -255,8 +257,9 @@ class Engine:
         while self.options.hang_at == self.tick:
             time.sleep(1)
         self.agent.move(step)
-        for sensor in self.sensors.values():
-            sensor.measure(self.agent, self.tick)
+        for name, sensor in self.sensors.items():
+            if sensor.measure(self.agent, self.tick) and self.options.measured:
+                self.record({"event": "measured", "tick": self.tick, "sensor": name, "bytes": sensor.block[:].hex()})
 
     def commands(self):
         raw = self.buffer[:]
@@ -297,6 +300,7 @@ class Engine:
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--record", help="file for what the client did, a JSON object per line")
+    parser.add_argument("--measured", action="store_true", help="records what the sensors measured, too")
     parser.add_argument("--slow", type=float, default=0, help="seconds that a frame takes")
     parser.add_argument("--die-at", type=int, help="ends in this tick")
     parser.add_argument("--hang-at", type=int, help="stops in this tick")
