@@ -72,6 +72,7 @@ class RigidBody final : public Dynamics {
   /// max_step_s long; then the state of the engine is that at t. Nothing else is called between them.
   /// @throws std::logic_error  there is no engine, the step is empty or too long.
   PhysicsEngine::Load begin_step(Time t, const hal::OutputValues& outputs);
+  /// The second half: takes over the state that the engine reached.
   void end_step(Time t, const hal::OutputValues& outputs);
 
   /// Contacts with ground of the engine's own since the last call, as one, so that none is missed between two calls; its

@@ -26,8 +26,10 @@ class DepthCamera {
     double fov_rad{87.0 * base::kRadPerDeg};  ///< Horizontal, between the outer edges of the image.
     BeamErrorParameters beam;
   };
+  /// Its keys in a vehicle file, with units and limits.
   static config::Table<Config> parameters();
 
+  /// The shapes of the site must outlive it.
   DepthCamera(const Config& config, const WorldSensorSite& site);
   /// (1). Always a sample.
   bool measure(const Truth& truth, Sample& sample);

@@ -27,8 +27,10 @@ class Lidar {
     double angle_max_rad{90.0 * base::kRadPerDeg};
     BeamErrorParameters beam;
   };
+  /// Its keys in a vehicle file, with units and limits.
   static config::Table<Config> parameters();
 
+  /// The shapes of the site must outlive it.
   Lidar(const Config& config, const WorldSensorSite& site);
   /// (1). Always a sample.
   bool measure(const Truth& truth, Sample& sample);

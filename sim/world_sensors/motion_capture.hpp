@@ -43,6 +43,7 @@ class MotionCapture {
     double max_m{1000.0};
     DropOuts::Parameters dropouts;
   };
+  /// Its keys in a vehicle file, with units and limits.
   static config::Table<Config> parameters();
 
   MotionCapture(const Config& config, const WorldSensorSite& site);
