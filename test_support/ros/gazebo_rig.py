@@ -34,6 +34,9 @@ def fortress():
     return {"ROSFLIGHT_GAZEBO": str(place / "gazebo_server"), "ROSFLIGHT_GAZEBO_PLUGINS": str(place / "gazebo")}
 
 
+SERVERS = pytest.mark.parametrize("server", [pytest.param(on_stand_in, id="stand_in"), pytest.param(fortress, id="fortress")])
+
+
 def world(path, *elements, vehicle=VEHICLE):
     """Writes a world as the launch files do, with NAME=VALUE elements of the plugin."""
     made = subprocess.run([executable("rosflight_sim", "gazebo_world"), "fortress", f"vehicle={vehicle}", *elements],

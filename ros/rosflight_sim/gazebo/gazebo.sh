@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # Starts Gazebo with a world: `ign gazebo` (Fortress) or `gz sim` (Harmonic, Jetty), whichever is installed, else gazebo_server, or what
-# ROSFLIGHT_GAZEBO names (none: as if there were none). Ends with 2 and one line where there is none, or where the plugin was not built.
+# ROSFLIGHT_GAZEBO names (none: as if there were none). Ends with 2 and one line where there is none, where the plugin was not built,
+# or where WORLD_FILE is not there.
 #
 # usage: gazebo GUI WORLD_FILE NAME=VALUE...    GUI: true or false; WORLD_FILE: "" for the project's, made of the rest
 here=$(dirname "$(readlink -f "$0")")
@@ -13,6 +14,10 @@ refuse() {
   exit 2
 }
 
+if [ -n "$world" ] && { [ ! -f "$world" ] || [ ! -r "$world" ]; }; then
+  echo "gazebo: world_file: found $world, allowed a file that is there (SDF), or nothing for the project's world" >&2
+  exit 2
+fi
 if [ "${ROSFLIGHT_GAZEBO:-}" = none ]; then
   refuse
 elif [ -n "${ROSFLIGHT_GAZEBO:-}" ]; then

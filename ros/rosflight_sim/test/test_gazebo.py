@@ -10,7 +10,7 @@ import time
 
 import pytest
 from body_rig import TICK_NS, Body
-from gazebo_rig import Server, fortress, on_stand_in, world
+from gazebo_rig import SERVERS, Server, world
 from ros_rig import ROOT, free_udp_port
 from rosflight_msgs.msg import SimState
 from sensor_msgs.msg import Imu
@@ -232,9 +232,6 @@ def test_the_whole_loop_flies_a_mission(tmp_path):
     assert log.read_bytes()[:5] == b"\x89MCAP"
 
 
-SERVERS = pytest.mark.parametrize("server", [pytest.param(on_stand_in, id="stand_in"), pytest.param(fortress, id="fortress")])
-
-
 @SERVERS
 @pytest.mark.parametrize("kind, vehicle", [("multirotor", "multirotor"), ("fixedwing", "anaconda")])
 def test_launched_the_default_missions_are_flown_in_the_simulator(tmp_path, kind, vehicle, server):
@@ -248,7 +245,7 @@ def test_launched_the_default_missions_are_flown_in_the_simulator(tmp_path, kind
 
 
 @SERVERS
-def test_launched_all_other_nodes_fly_on_gazebos_truth(tmp_path, server):
+def test_launched_all_other_nodes_follow_gazebos_truth_at_rest(tmp_path, server):
     ports = {"simulation_port": free_udp_port(), "ROS_port": free_udp_port()}
     with SimPeer("watcher") as watcher, launch("rosflight_sim", "gazebo_multirotor.launch.xml", environment=server(), gui="false",
                                                use_sim_time="true", memory_folder=tmp_path, **ports) as world_:
