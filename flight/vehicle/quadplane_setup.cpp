@@ -84,10 +84,10 @@ companion::ParameterSet quadplane_mixers(const sim::Vehicle& vehicle) {
     put(set, fmt::format("PRI_MIXER_PWM_{}", output),
         ParameterValue::of(static_cast<float>(rate_hz)));
   };
-  constexpr double kMotorRate_hz = 490.0;
+  constexpr double kRotorRate_hz = 490.0;
   for (const sim::RotorParameters& rotor : aircraft.propulsion.rotors) {
     if (sim::lifts(rotor)) continue;
-    use(rotor.output, kMotor, kMotorRate_hz);
+    use(rotor.output, kMotor, kRotorRate_hz);
     put_gain("SEC", 0, rotor.output, 1.0 / frame.thrust_gain_N_s2());
   }
   // A positive elevator pitches down, a positive rudder yaws left.
