@@ -16,14 +16,14 @@ void ImuMean::add_to_sums(const hal::ImuSample& sample, float dt_s) {
   covered_s_ += dt_s;
 }
 
-hal::ImuSample ImuMean::mean(const hal::ImuSample& last) const {
-  hal::ImuSample out = last;
+hal::ImuSample ImuMean::mean() const {
+  hal::ImuSample out = first_;
   const float share = 1.0f / static_cast<float>(count_);
   for (std::size_t k = 0; k < 3; ++k) {
-    out.accel_m_s2[k] = first_.accel_m_s2[k] + share * accel_[k];
-    out.gyro_rad_s[k] = first_.gyro_rad_s[k] + share * gyro_[k];
+    out.accel_m_s2[k] += share * accel_[k];
+    out.gyro_rad_s[k] += share * gyro_[k];
   }
-  out.stamp = first_.stamp + hal::Time{late_us_ / count_};
+  out.stamp += hal::Time{late_us_ / count_};
   return out;
 }
 

@@ -19,11 +19,11 @@ class ImuMean {
     if (count_ == 0 || dt_s <= 0.0f) return begin(sample, dt_s);
     add_to_sums(sample, dt_s);
   }
-  /// @param sample  the last that was added; becomes the mean. @param dt_s  becomes the time since the last mean.
+  /// @param sample  becomes the mean, with the temperature of the first. @param dt_s  becomes the time since the last mean.
   /// @returns false if nothing came or it is too short; then both are untouched.
   bool take(hal::ImuSample& sample, float& dt_s) {
     if (count_ == 0 || (covered_s_ > 0.0f && covered_s_ < hal::kShortestImuStep_s)) return false;
-    if (count_ > 1) sample = mean(sample);
+    sample = count_ > 1 ? mean() : first_;
     dt_s = covered_s_;
     count_ = 0;
     return true;
@@ -36,7 +36,7 @@ class ImuMean {
     count_ = 1;
   }
   void add_to_sums(const hal::ImuSample& sample, float dt_s);
-  hal::ImuSample mean(const hal::ImuSample& last) const;
+  hal::ImuSample mean() const;
 
   hal::ImuSample first_{};
   hal::Vec3 accel_{}, gyro_{};  ///< Sums of what came since, less the first.

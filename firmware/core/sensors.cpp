@@ -228,14 +228,12 @@ inline bool Sensors::usable(Time now, const hal::ImuSample& raw) {
 /// that never ends must not keep the pass.
 inline bool Sensors::poll_imu(Time now, hal::Board& board, Log& log) {
   constexpr int kMostWaiting = 4;
-  bool any = false;
   for (int k = 0; k < kMostWaiting && board.imu.poll(raw_.imu); ++k) {
     if (!usable(now, raw_.imu)) continue;
     if (gyro_filtered_) filter_gyro(raw_.imu, log);
     imu_mean_.add(raw_.imu, imu_step_.dt_s);
-    any = true;
   }
-  return any && imu_mean_.take(raw_.imu, imu_step_.dt_s);
+  return imu_mean_.take(raw_.imu, imu_step_.dt_s);
 }
 
 bool Sensors::take_imu(Time now, hal::Board& board, Parameters& parameters, Log& log,

@@ -213,6 +213,24 @@ TEST_F(WaitingSamples, ARefusedOneDoesNotHideTheNext) {
   EXPECT_EQ(now().imu.stamp, stamp_);
 }
 
+TEST_F(WaitingSamples, ARefusedOneBehindAGoodOneIsNotTaken) {
+  put(1);
+  pass();
+  for (const int good : {2, 3}) {
+    put(good);
+    put(1, {NAN, 0.0f, 0.0f});
+    pass();
+    ASSERT_TRUE(now().new_imu);
+    EXPECT_FLOAT_EQ(now().imu.gyro_rad_s[0], 0.1f);
+  }
+  stamp_ += hal::Time{500};
+  put(1);  // 1 ms or more behind the last good one, so it makes a step alone
+  put(1, {NAN, 0.0f, 0.0f});
+  pass();
+  ASSERT_TRUE(now().new_imu);
+  EXPECT_FLOAT_EQ(now().imu.gyro_rad_s[0], 0.1f);
+}
+
 TEST_F(WaitingSamples, ASourceWithoutEndDoesNotKeepThePass) {
   put(1);
   waiting_.endless = true;
