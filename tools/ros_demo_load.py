@@ -30,22 +30,35 @@ def link_counters(received: list) -> dict[str, int]:
     return {name: int(values[name]) for name in LINK_COUNTERS}
 
 
-def measure(rig: Rig, seconds: float) -> dict:
-    """What is lost on the way and how the node's memory grows while everything runs for that time."""
-    diagnostics = rig.peer.listen(DiagnosticArray, "/diagnostics")
+def start_watch(rig: Rig, seconds: float) -> subprocess.Popen:
+    """One that counts."""
     watch = subprocess.Popen([str(WATCH), str(seconds), str(rig.sil.start_us)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    time.sleep(3.0)  # its subscriptions make buffers grow once
-    wait_for(lambda: diagnostics, "diagnostics")
-    memory, counters = memory_kB(rig.io.process.pid), link_counters(diagnostics)
+    while (line := watch.stdout.readline()) and line != "watching\n":  # the middleware prints there, too
+        pass
+    return watch
+
+
+def end_watch(watch: subprocess.Popen, seconds: float) -> dict:
+    """What it found; `missing` is the sum over all topics."""
     out, err = watch.communicate(timeout=seconds + 120.0)
     if watch.returncode != 0:
         raise RuntimeError(err.strip())
+    found, _ = json.JSONDecoder().raw_decode(out, out.find("{"))
+    return found | {"missing": sum(topic.get("missing", 0) for topic in found["topics"].values())}
+
+
+def measure(rig: Rig, seconds: float) -> dict:
+    """What is lost on the way and how the node's memory grows while everything runs for that time."""
+    diagnostics = rig.peer.listen(DiagnosticArray, "/diagnostics")
+    watch = start_watch(rig, seconds)
+    time.sleep(3.0)  # its subscriptions make buffers grow once
+    wait_for(lambda: diagnostics, "diagnostics")
+    memory, counters = memory_kB(rig.io.process.pid), link_counters(diagnostics)
+    found = end_watch(watch, seconds)
     count = len(diagnostics)
     wait_for(lambda: len(diagnostics) > count, "diagnostics")
-    found, _ = json.JSONDecoder().raw_decode(out, out.find("{"))  # the middleware prints there, too
     return found | {
         "seconds": seconds,
-        "missing": sum(topic.get("missing", 0) for topic in found["topics"].values()),
         "memory_growth_kB": memory_kB(rig.io.process.pid) - memory,
         **{name.replace(" ", "_"): value - counters[name] for name, value in link_counters(diagnostics).items()},
     }

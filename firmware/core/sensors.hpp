@@ -125,6 +125,9 @@ class Sensors {
                                      Parameters& parameters, Log& log, CalibrationEvents& events);
   [[gnu::cold]] void calibrate_gyro(const Vector3& gyro, const Vector3& accel,
                                     Parameters& parameters, Log& log, CalibrationEvents& events);
+  [[gnu::cold]] void calibrate_baro(Time now, float pressure_Pa, Parameters& parameters, Log& log);
+  [[gnu::cold]] void calibrate_airspeed(Time now, float pressure_Pa, Parameters& parameters,
+                                        Log& log);
   void start_gyro() {
     gyro_calibration_.start();
     gravity_while_gyro_.start();

@@ -19,8 +19,8 @@ inline constexpr double kStep_s = 0.0025;
 inline const Vector3 kField_W_T(2.0722e-5, 3.7735e-6, 4.5549e-5);
 
 struct Motion {
-  Vector3 p_W, v_W, a_W;
-  Quaternion q_WB;
+  Vector3 p_W{Vector3::Zero()}, v_W{Vector3::Zero()}, a_W{Vector3::Zero()};
+  Quaternion q_WB{Quaternion::Identity()};
 };
 
 /// Where something is at any time.

@@ -5,9 +5,10 @@
 //     load_watch SECONDS START_US
 //
 // START_US is the start_us of ./rosflight sil: the IMU has a sample then, on the steady clock, and
-// one every period after it. Prints one JSON object: for each topic the messages received; for those
-// stamped with the autopilot's clock also the period in ms and how many samples are missing; pauses of the
-// simulated vehicle, for which the machine had no time; and the error of the IMU's stamps against the sample times, known up to whole periods.
+// one every period after it. Prints `watching` when every stream has come, then one JSON object: for
+// each topic the messages received; for those stamped with the autopilot's clock also the period in ms
+// and how many samples are missing; pauses of the simulated vehicle, for which the machine had no time;
+// and the error of the IMU's stamps against the sample times, known up to whole periods.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -186,6 +187,8 @@ static int run(int argc, char** argv) {
     return 1;
   }
   watch->forget();
+  std::puts("watching");
+  std::fflush(stdout);
   const auto end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                       std::chrono::duration<double>(seconds));
   spin_until([&] { return Clock::now() > end; });

@@ -14,8 +14,8 @@ namespace messages = rosflight::messages;
 using messages::to_message;
 using rosflight_common::to_ros;
 
-/// What a machine without time has not passed on is kept, 0.25 s of the IMU; with a depth of 1 the next message replaces it.
-constexpr std::size_t kDepth = 100;
+/// What a machine without time has not passed on is kept, 2.5 s of the IMU; with a depth of 1 the next message replaces it.
+constexpr std::size_t kDepth = 1000;
 
 StreamPublisher::StreamPublisher(rclcpp::Node& node, Clock& clock, std::string frame_id)
     : node_{node}, clock_{clock}, frame_id_{std::move(frame_id)} {

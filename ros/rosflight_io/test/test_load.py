@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Everything at once for 20 s: nothing is lost and memory stays. ./rosflight bench load.* does the same for 10 minutes."""
 
+import signal
+import time
+
 import ros_demo_load
 
 SECONDS = 20.0
@@ -15,6 +18,17 @@ def test_all_streams_and_offboard_at_100_Hz_lose_nothing(rig):
     assert told["commands"] > 50 * SECONDS, str(told)
     assert abs(told["topics"]["imu/data"]["period_ms"] - 2.5) < 0.1, str(told)
     assert told["memory_growth_kB"] < 2048, str(told)
+
+
+def test_a_reader_that_stands_still_for_half_a_second_loses_nothing(rig):
+    """What the machine has no time for meanwhile is missing for the reader beside it too, and is no loss."""
+    beside, stopped = ros_demo_load.start_watch(rig, 8.0), ros_demo_load.start_watch(rig, 4.0)
+    time.sleep(1.0)
+    stopped.send_signal(signal.SIGSTOP)
+    time.sleep(0.5)
+    stopped.send_signal(signal.SIGCONT)
+    found, all_of_it = ros_demo_load.end_watch(stopped, 4.0), ros_demo_load.end_watch(beside, 8.0)
+    assert found["pauses"] <= all_of_it["pauses"] and found["missing"] <= all_of_it["missing"], (found, all_of_it)
 
 
 def test_twenty_late_subscribers_all_hear(rig):

@@ -73,7 +73,7 @@ class GazeboFlight(FlightRig):
         """Ready to be armed. The truth is Gazebo's; the sensors measure it. @returns where it stands"""
         self.process.until("ready: ")
         # Until then time runs on without samples: in a second of the wall ten of those that a calibration has.
-        self.peer.wait(lambda: self.truth, "Gazebo's truth")
+        self.until(lambda: self.truth, "Gazebo's truth")
         with launch("rosflight_sim", f"{self.kind}_init_firmware.launch.xml") as init:
             assert init.end() == 0, init.text() + self.process.text()[-4000:]
         self.until(lambda: self.status and self.status[-1].error_code == 0, "no error")

@@ -27,7 +27,7 @@ namespace rosflight_io {
 
 namespace link = rosflight::link;
 
-/// Every stream of the link as a topic. Reliable, volatile, depth 100; a topic appears with its first
+/// Every stream of the link as a topic. Reliable, volatile, depth 1000; a topic appears with its first
 /// message, so a missing topic is a missing sensor. Called by the link's thread.
 class StreamPublisher final : public rosflight::companion::Listener {
  public:
