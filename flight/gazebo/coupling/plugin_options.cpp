@@ -22,11 +22,10 @@ Number number(const std::string& name, const std::string& text, Number min, Numb
   return value;
 }
 
-std::chrono::nanoseconds span(const std::string& name, const std::string& text) {
-  constexpr double kMin_s = 0.001;
+std::chrono::nanoseconds span(const std::string& name, const std::string& text, double min_s) {
   constexpr double kMax_s = 10.0;
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
-      std::chrono::duration<double>(number(name, text, kMin_s, kMax_s)));
+      std::chrono::duration<double>(number(name, text, min_s, kMax_s)));
 }
 
 Mode mode_of(const std::string& text) {
@@ -49,6 +48,7 @@ struct Element {
 
 std::map<std::string, Element> elements_of(PluginOptions& o) {
   constexpr std::uint64_t kMaxSeed = 1'000'000'000'000;
+  constexpr double kMinWait_s = 0.001, kMinGap_s = 0.01;  // some steps, or none would ever be due
   std::map<std::string, Element> out;
   out["mode"] = {{}, [&o](auto&, auto& text) { o.mode = mode_of(text); }};
   out["link"] = {{}, [&o](auto&, auto& text) { o.link = text; }};
@@ -64,9 +64,9 @@ std::map<std::string, Element> elements_of(PluginOptions& o) {
   out["at_end"] = {Mode::kWholeLoop, [&o](auto&, auto& text) { o.at_end = end_of(text); }};
   out["namespace"] = {Mode::kDynamicsOnly, [&o](auto&, auto& text) { o.name_space = text; }};
   out["max_gap_s"] = {Mode::kDynamicsOnly,
-                      [&o](auto& name, auto& text) { o.max_gap = span(name, text); }};
+                      [&o](auto& name, auto& text) { o.max_gap = span(name, text, kMinGap_s); }};
   out["wait_s"] = {Mode::kDynamicsOnly,
-                   [&o](auto& name, auto& text) { o.wait = span(name, text); }};
+                   [&o](auto& name, auto& text) { o.wait = span(name, text, kMinWait_s); }};
   return out;
 }
 

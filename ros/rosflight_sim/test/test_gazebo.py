@@ -154,6 +154,16 @@ def test_gazebo_waits_for_wrenches(body):
     assert last.pose.position.z - before.pose.position.z < 0.05
 
 
+def test_one_that_cannot_follow_answers_all_the_same(body):
+    """A hundred seconds of wrenches in each second: time must not run away from who waits for the truth."""
+    count, end = len(body.truth), time.monotonic() + 20.0
+    while len(body.truth) == count:
+        assert time.monotonic() < end, "no truth"
+        body.ns += 39 * TICK_NS
+        body._send(0.0)
+        time.sleep(0.0002)
+
+
 def test_the_wind_is_that_of_the_vehicle_file(peer, tmp_path):
     with Server(world(tmp_path / "world.sdf", "set=environment.wind.steady_W_m_s=[3.0, -2.0, 0.5]")) as server:
         server.until("ready")

@@ -164,6 +164,19 @@ TEST(WrenchSteps, AGapIsBoundedAndStampsThatStandOrGoBackAreNoTime) {
   EXPECT_EQ(take(steps), 1);
 }
 
+TEST(WrenchSteps, OneThatCannotFollowLosesTime) {
+  WrenchSteps steps(milliseconds(100));
+  for (int k = 0; k < 10; ++k) {
+    EXPECT_EQ(steps.loses_time(kStep), k > 1) << k;
+    steps.add(milliseconds(100) * k, {});
+  }
+  steps.move(kStep);
+  EXPECT_TRUE(steps.loses_time(kStep));
+  steps.move(kStep);
+  EXPECT_FALSE(steps.loses_time(kStep));
+  EXPECT_EQ(take(steps), 38);  // of 360
+}
+
 TEST(WrenchSteps, SmallerStepsOfTheSimulatorAreSeveralForEachWrench) {
   WrenchSteps steps(milliseconds(100));
   steps.add(milliseconds(0), {});
