@@ -181,18 +181,27 @@ export function pageFiles(folder: string): Files {
 
 export type PageOptions = [typeof DESKTOP?, {colorScheme?: 'dark'; hasTouch?: boolean}?];
 
+/** Runs it; an error says what the page showed, because the message alone stands in a stage's output. */
+export async function shownOnFailure(page: Page, use: () => Promise<void>) {
+  try {
+    await use();
+  } catch (error) {
+    const text = await page.locator('body').innerText({timeout: 10_000}).catch(String);
+    (error as Error).message += `\nThe page when it failed: ${text.replaceAll(/\s+/g, ' ')}`;
+    throw error;
+  }
+}
+
 /** Opens the page, does something with it and then wants no complaint. */
 export async function onPage(browser: Browser, url: string, use: (page: Page) => Promise<void>, ...options: PageOptions) {
   const {page, complaints} = await newPage(browser, ...options);
   try {
-    await page.goto(url);
-    await flightShown(page);
-    await use(page);
-    assert.deepEqual(complaints, []);
-  } catch (error) {
-    const text = await page.locator('body').innerText({timeout: 10_000}).catch(String);
-    (error as Error).message += `\nThe page when it failed: ${text.replaceAll(/\s+/g, ' ')}`; // the message alone stands in a stage's output
-    throw error;
+    await shownOnFailure(page, async () => {
+      await page.goto(url);
+      await flightShown(page);
+      await use(page);
+      assert.deepEqual(complaints, []);
+    });
   } finally {
     await page.context().close();
   }

@@ -42,7 +42,8 @@ export async function reach(target: Locator) {
     if (side === 0) return;
     await page.keyboard.press(side < 0 ? 'Shift+Tab' : 'Tab');
   }
-  assert.fail(`${target} is not reached by Tab`);
+  const [focus, disabled] = await target.evaluate((element) => [document.activeElement!.outerHTML.slice(0, 200), element.matches(':disabled')] as const);
+  assert.fail(`${target} is not reached by Tab; it is ${disabled ? 'disabled' : 'enabled'}, the focus is on ${focus}`);
 }
 
 async function given(page: Page, ask: () => Promise<void>, file: Files) {

@@ -9,7 +9,7 @@ import {after, before, describe, test} from 'node:test';
 import type {Browser, Page} from 'playwright-core';
 import {bytesSource} from '../src/data/bytes.ts';
 import {readLog} from '../src/data/read_log.ts';
-import {clock, DESKTOP, drawnForNobody, fitsPhone, flightShown, goTo, keepPicture, LONG, newPage, onPage, PHONE, SMALL, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
+import {clock, DESKTOP, drawnForNobody, fitsPhone, flightShown, goTo, keepPicture, LONG, newPage, onPage, PHONE, shownOnFailure, SMALL, startBrowser, vehicleIsSeen, violations, type PageOptions} from './browser.ts';
 import {showsTheLog} from './contents.ts';
 import {FLY, logOf, MULTIROTOR, VIEW} from './flights.ts';
 import {HANDS, KEYBOARD, reach, withoutMouse, type Hand} from './hands.ts';
@@ -109,8 +109,8 @@ const CHANGES: Record<string, (page: Page, hand: Hand) => Promise<void>> = {
     await all(['Attitude override off', 'switch attitude_override off'], ['Attitude override on', 'switch attitude_override on'],
       ['Throttle override off', 'switch throttle_override off'], ['Throttle override on', 'switch throttle_override on'],
       ['Angle mode off', 'switch attitude_mode off'], ['Angle mode on', 'switch attitude_mode on'], ['Arm on', 'switch arm on'], ['Arm off', 'switch arm off']);
-    await hand.choose(page.getByLabel('Speed of the simulation'), '1'); // a slow machine has to land it before it lands
-    await done(page, 'speed 1');
+    await hand.choose(page.getByLabel('Speed of the simulation'), '0.25'); // a busy machine has to land it before it lands
+    await done(page, 'speed 0.25');
     await all(['Resume', 'resume'], ['Let the pilot arm', 'hold off']);
     await page.waitForFunction(() => /(?<!dis)armed/.test(document.querySelector('.instruments')!.textContent!));
     await all(['Return and land', 'return'], ['Land', 'land']);
@@ -417,7 +417,7 @@ describe('a running flight', () => {
         const check = await withoutMouse(page);
         await drawnForNobody(page);
         for (const [point, act] of Object.entries(CHANGES)) {
-          await t.test(point, {skip: LONG || point.startsWith('simulation') ? false : LEFT_OUT}, () => act(page, hand));
+          await t.test(point, {skip: LONG || point.startsWith('simulation') ? false : LEFT_OUT}, () => shownOnFailure(page, () => act(page, hand)));
         }
         await check();
       }, ...hand.options);
