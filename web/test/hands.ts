@@ -69,12 +69,16 @@ export const KEYBOARD: Hand = {
     await target.page().keyboard.press('Control+A');
     await target.page().keyboard.type(text);
   },
-  async choose(target, value) {
+  async choose(target, value) { // the page may set it back to what the server says while that changes
     await reach(target);
-    const steps = await target.evaluate((select: HTMLSelectElement, to) =>
+    const steps = () => target.evaluate((select: HTMLSelectElement, to) =>
       [...select.options].findIndex((option) => option.value === to) - select.selectedIndex, value);
-    for (let k = 0; k < Math.abs(steps); ++k) await target.page().keyboard.press(steps > 0 ? 'ArrowDown' : 'ArrowUp');
-    assert.equal(await target.inputValue(), value);
+    for (let tries = 0; tries < 20; ++tries) {
+      for (let left = await steps(); left !== 0; left -= Math.sign(left)) await target.page().keyboard.press(left > 0 ? 'ArrowDown' : 'ArrowUp');
+      await target.page().waitForTimeout(200);
+      if (await steps() === 0) return;
+    }
+    assert.fail(`${target} is ${await target.inputValue()} after 20 tries, not ${value}`);
   },
   async slide(target, to) {
     await reach(target);
