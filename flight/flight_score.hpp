@@ -30,7 +30,6 @@ struct FlightScore {
   std::vector<WaypointPass> waypoints;
   LandingScore landing;
   LandingLimits limits;
-  std::string collision;  ///< What the vehicle hit; empty: nothing.
 
   std::size_t waypoints_reached() const;
   bool success() const { return outcome == Outcome::kMissionDone; }
@@ -44,9 +43,6 @@ class FlightScorer {
   /// Once per step from the stage kFly on. @param estimate_W  as guidance received it.
   void step(const sim::Truth& truth, const sim::Vector3& estimate_W, const GuidanceOutput& output);
 
-  /// The vehicle has hit something, whatever follows. @param what  such as "hit house at 3.1 m/s".
-  void crash(const std::string& what) { collision_ = what; }
-
   const LandingScore& landing() const { return landing_; }
   /// @param interrupted  a person stopped the flight.
   FlightScore score(const MissionRunner& runner, bool landed, bool interrupted) const;
@@ -57,7 +53,6 @@ class FlightScorer {
   bool runway_;  ///< The landing area has a course.
   WaypointScore waypoints_;
   LandingScore landing_;
-  std::string collision_;  ///< Empty: none.
 };
 
 }  // namespace rosflight::flight

@@ -5,17 +5,11 @@ import {lastAtOrBefore} from './table.ts';
 import type {Flight} from './flight.ts';
 
 export interface SettingInfo { key: string; standard: string; unit: string; allowed: string; meaning: string }
-const KINDS = ['multirotor', 'fixed wing', 'quad-plane'] as const;
-export type Kind = (typeof KINDS)[number];
-
-/** A quad-plane has the sections of a wing too, but guidance of its own. */
-function belongs(heading: string, kind: Kind): boolean {
-  const named = KINDS.filter((each) => heading.toLowerCase().includes(each));
-  return named.length === 0 || named.includes(kind) || (kind === 'quad-plane' && heading.endsWith('` of a fixed wing'));
-}
+type Kind = 'multirotor' | 'fixed wing';
 
 /** Of docs/autonomy-keys.md or docs/vehicle-keys.md, for one kind of vehicle. A key of the entries of a list has `[]` in it. */
 export function parseKeyPage(page: string, kind: Kind): SettingInfo[] {
+  const other: Kind = kind === 'multirotor' ? 'fixed wing' : 'multirotor';
   const out: SettingInfo[] = [];
   let section = '';
   let part = '';
@@ -25,7 +19,7 @@ export function parseKeyPage(page: string, kind: Kind): SettingInfo[] {
     const heading = /^## (.*)/.exec(line)?.[1];
     if (heading) {
       section = /`(.+?)`/.exec(heading)?.[1] ?? 'autonomy';
-      skipped = !belongs(heading, kind);
+      skipped = heading.toLowerCase().includes(other);
       named = '';
     }
     named = /^\*\*(.+)\*\*$/.exec(line)?.[1] ?? named;
