@@ -31,10 +31,11 @@ def test_the_flight_record_is_counted_apart(sections):
 
 
 def test_factor_is_simulated_time_over_the_median_of_three_processor_times(monkeypatch):
-    times_s = iter([10.0, 30.0, 8.0])
-    monkeypatch.setattr(h7_figures, "fly", lambda board: {"sim_time_s": 50.0, "cpu_s": next(times_s)})
+    times_s = {"pixracer_pro": iter([10.0, 30.0, 8.0]), "varmint": iter([8.0, 2.0, 9.0])}
+    monkeypatch.setattr(h7_figures, "fly", lambda board: {"sim_time_s": 50.0, "cpu_s": next(times_s[board])})
     monkeypatch.setattr(h7_figures, "flight", lambda board: h7_figures.fly(board))
     assert h7_figures.realtime_factor() == 5.0
+    assert h7_figures.realtime_factor("varmint") == 6.25
 
 
 @pytest.mark.parametrize("missing", ["gnss_hz", "receiver_hz", "battery_hz"])
