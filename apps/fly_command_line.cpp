@@ -3,11 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <optional>
 #include <string>
 
 #include "apps/campaign_command.hpp"
 #include "apps/fly_command.hpp"
+#include "apps/fly_viewer.hpp"
 #include "apps/options.hpp"
 #include "apps/viewers.hpp"
 #include "flight/build_info.hpp"
@@ -51,6 +54,46 @@ void add_view(CLI::App& fly, FlyOptions& options, ViewChoice& choice) {
       ->check(CLI::Range(kMinSpeed, kMaxSpeed));
 }
 
+/// For CLI11: empty if `text` may be part of the names of shared memory.
+std::string engine_name(const std::string& text) {
+  const bool plain = std::all_of(text.begin(), text.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-';
+  });
+  return plain && !text.empty() ? std::string()
+                                : "found '" + text + "', allowed letters, digits, _ and -";
+}
+
+void add_viewer(CLI::App& fly, ViewerChoice& choice) {
+  constexpr double kMinTimeout_s = 0.1;
+  constexpr double kMaxTimeout_s = 3600.0;
+  CLI::Option* viewer =
+      fly.add_option(
+             "--viewer", choice.viewer,
+             "Show it in a world of others: holoocean, which must be installed; the flight is the "
+             "same to the bit")
+          ->check(one_of({ViewerChoice::kHoloOcean}));
+  fly.add_option(
+         "--viewer-scenario", choice.scenario,
+         "With --viewer: scenario file of HoloOcean (JSON); default: package Land, no camera")
+      ->needs(viewer);
+  fly.add_option("--viewer-engine", choice.engine,
+                 "With --viewer: program of the world, or attach: to a running engine; default: "
+                 "the installed one")
+      ->needs(viewer);
+  fly.add_option("--viewer-name", choice.name,
+                 "With --viewer: name of the engine's shared memory; default: a new one")
+      ->needs(viewer)
+      ->check(engine_name);
+  fly.add_option("--viewer-timeout", choice.timeout_s,
+                 "With --viewer: seconds without an answer after which the flight goes on without "
+                 "it; default: 30 to load, 60 in flight")
+      ->needs(viewer)
+      ->check(CLI::Range(kMinTimeout_s, kMaxTimeout_s));
+  fly.add_flag("--viewer-offscreen", choice.offscreen,
+               "With --viewer: no window, only what the cameras of the scenario see")
+      ->needs(viewer);
+}
+
 CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
                   std::optional<std::string>& seeds) {
   CLI::App* fly = app.add_subcommand("fly", "Fly a mission in simulation; leaves a flight folder");
@@ -88,9 +131,14 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
       ->check(one_of({"hover", "idle"}));
   fly->add_option("--physics", choice.physics,
                   "What moves the body: runge_kutta; runge_kutta_held, the same with the load held "
-                  "over each step, as any other engine gets it; jsbsim, in a process of its own")
+                  "over each step, as any other engine gets it; jsbsim and gazebo, each in a "
+                  "process of its own")
       ->capture_default_str()
       ->check(one_of(std::vector<std::string>(kPhysics.begin(), kPhysics.end())));
+  fly->add_option(
+      "--world", choice.world,
+      "SDF file with terrain, buildings and obstacles: what world_sensors of the vehicle "
+      "file measure, and with --physics gazebo the ground in place of the flat one");
   fly->add_option("--link-protocol", choice.link_protocol,
                   "Protocol of the board: mavlink or lean; the companion detects it")
       ->capture_default_str()
@@ -131,8 +179,8 @@ CLI::App* add_fly(CLI::App& app, FlyOptions& options, bool& json,
 
 /// Options that say nothing about many flights.
 void check_campaign(const CLI::App& fly, const FlyOptions& options) {
-  for (const char* name :
-       {"--seed", "--realtime", "--speed", "--view", "--json", "--visualiser", "--repeat"}) {
+  for (const char* name : {"--seed", "--realtime", "--speed", "--view", "--viewer", "--json",
+                           "--visualiser", "--repeat"}) {
     if (fly.count(name) > 0)
       throw config::Error(std::string(name) + ": found with --seeds, allowed with one flight");
   }
@@ -161,7 +209,7 @@ int repeat_command(const CLI::App& fly, const std::string& log, const Viewers* v
     throw config::Error("--repeat: found in a program without it; use ./rosflight fly");
   for (const char* name : {"--vehicle", "--mission", "--seed", "--state", "--pilot", "--wind",
                            "--set", "--fault", "--plugin", "--link", "--link-protocol", "--physics",
-                           "--log", "--no-log", "--view", "--visualiser"}) {
+                           "--world", "--log", "--no-log", "--view", "--viewer", "--visualiser"}) {
     if (fly.count(name) > 0)
       throw config::Error(std::string(name) + ": found with --repeat, which takes it from the log");
   }
@@ -194,6 +242,8 @@ int fly_command_line(int argc, char** argv, const Viewers* viewers) {
   CLI::App* fly = add_fly(app, options, json, seeds);
   ViewChoice view;
   add_view(*fly, options, view);
+  ViewerChoice viewer;
+  add_viewer(*fly, viewer);
   std::optional<std::string> repeat;
   fly->add_option("--repeat", repeat,
                   "Log or flight folder: flies it again with all that viewers changed; exit code 0 "
@@ -203,6 +253,9 @@ int fly_command_line(int argc, char** argv, const Viewers* viewers) {
     if (repeat && !seeds) return repeat_command(*fly, *repeat, viewers, options, json);
     if (!seeds) {
       const auto watch = watch_of(view, viewers, options);
+      std::optional<FlyViewer> world;
+      if (!viewer.viewer.empty()) world.emplace(viewer, options, std::cerr);
+      if (world && world->stop_signal() != 0) return 128 + world->stop_signal();
       return fly_command(options, json, std::cout, std::cerr, watch.get());
     }
     check_campaign(*fly, options);

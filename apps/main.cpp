@@ -23,10 +23,11 @@ struct Elsewhere {
 constexpr const char* kTools = "rosflight_tools";
 constexpr const char* kGround = "rosflight_ground_tools";
 constexpr const char* kView = "rosflight_view";
-constexpr std::array<Elsewhere, 10> kElsewhere{{{"replay", kTools},
+constexpr std::array<Elsewhere, 11> kElsewhere{{{"replay", kTools},
                                                 {"sil", kTools},
                                                 {"mixer", kTools},
                                                 {"trim", kTools},
+                                                {"sdf", kTools},
                                                 {"params", kGround},
                                                 {"calibrate", kGround},
                                                 {"monitor", kGround},

@@ -8,6 +8,7 @@
 
 #include "apps/mixer_command.hpp"
 #include "apps/options.hpp"
+#include "apps/sdf_command.hpp"
 #include "apps/trim_command.hpp"
 #include "flight/build_info.hpp"
 #include "flight/link_protocol.hpp"
@@ -81,6 +82,23 @@ CLI::App* add_trim(CLI::App& app, TrimOptions& options) {
   return trim;
 }
 
+CLI::App* add_sdf(CLI::App& app, SdfOptions& options) {
+  CLI::App* sdf = app.add_subcommand(
+      "sdf", "Write a vehicle as a model for Gazebo and others (SDF 1.9), with joints to look at");
+  sdf->add_option("VEHICLE", options.vehicle, "A name of vehicles/ or a YAML file")->required();
+  sdf->add_option("-o,--output", options.output, "File to write; default: standard output");
+  sdf->add_option("--world", options.world,
+                  "A world that flies in this release of Gazebo, with ground and plugin")
+      ->check(CLI::IsMember(std::vector<std::string>{"fortress", "harmonic", "jetty"}));
+  sdf->add_option("--plugin", options.plugin,
+                  "NAME=VALUE, an element of the plugin, e.g. mode=whole_loop; with --world")
+      ->take_all();
+  sdf->add_flag("--force", options.force, "Replace an existing file");
+  sdf->add_option("--set", options.overrides, "vehicle.key=value, e.g. vehicle.body.mass_kg=5")
+      ->take_all();
+  return sdf;
+}
+
 CLI::App* add_sil(CLI::App& app, SilOptions& options) {
   CLI::App* sil = app.add_subcommand(
       "sil", "Run the firmware as a process in real time, its serial port on a pty, UDP or TCP");
@@ -131,20 +149,24 @@ CLI::App* add_sil(CLI::App& app, SilOptions& options) {
 }  // namespace
 
 int tools_command_line(int argc, char** argv, flight::LinuxAutopilot::MakeCodec sil_codec) {
-  CLI::App app{"rosflight: replay, sil, mixer and trim. ./rosflight --help lists all commands."};
+  CLI::App app{
+      "rosflight: replay, sil, mixer, trim and sdf. ./rosflight --help lists all commands."};
   ReplayOptions replay_options;
   MixerOptions mixer_options;
   SilOptions sil_options;
   TrimOptions trim_options;
+  SdfOptions sdf_options;
   const CLI::App* replay_app = add_replay(app, replay_options);
   const CLI::App* mixer = add_mixer(app, mixer_options);
   const CLI::App* trim = add_trim(app, trim_options);
+  const CLI::App* sdf = add_sdf(app, sdf_options);
   add_sil(app, sil_options);
   app.set_version_flag("--version", build_info_text());
   return parse_and_run(app, argc, argv, [&] {
     if (*replay_app) return replay_command(replay_options);
     if (*mixer) return mixer_command(mixer_options, std::cout);
     if (*trim) return trim_command(trim_options, std::cout);
+    if (*sdf) return sdf_command(sdf_options, std::cout);
     sil_options.vehicles_folder = project_root() / "vehicles";
     return sil_command(sil_options, std::cout, std::move(sil_codec));
   });

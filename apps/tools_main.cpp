@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The program behind ./rosflight replay, sil, mixer and trim.
+// The program behind ./rosflight replay, sil, mixer, trim and sdf.
 #include "apps/tools_command_line.hpp"
 
 int main(int argc, char** argv) {

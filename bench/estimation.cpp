@@ -219,8 +219,8 @@ nlohmann::ordered_json json_of(Errors& errors) {
   json["nees_velocity"] = errors.velocity_nees.mean();
   json["nees_position"] = errors.position_nees.mean();
   constexpr std::array<const char*, kAids> kNames{
-      "gnss_horizontal", "gnss_altitude", "gnss_velocity", "baro", "heading",
-      "range",           "pitot",         "air_force",     "rest"};
+      "gnss_horizontal", "gnss_altitude", "gnss_velocity", "baro", "heading",     "range",
+      "pitot",           "air_force",     "rest",          "pose", "pose_heading"};
   for (std::size_t k = 0; k < kAids; ++k) {
     if (errors.nis[k].count > 0) json[std::string("nis_") + kNames[k]] = errors.nis[k].mean();
   }

@@ -130,5 +130,5 @@ if(ROSFLIGHT_DEBIAN_DEPENDS)  # of another architecture: cmake/toolchains/arm64.
 else()
   set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 endif()
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libeigen3-dev, libfmt-dev, libyaml-cpp-dev")  # for find_package(rosflight)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libeigen3-dev, libfmt-dev, libtinyxml2-dev, libyaml-cpp-dev")  # for find_package(rosflight)
 include(CPack)

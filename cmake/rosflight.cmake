@@ -92,6 +92,7 @@ if(NOT ROSFLIGHT_BARE_METAL)
     find_package(GTest REQUIRED)
   endif()
   find_package(Threads REQUIRED)
+  find_package(tinyxml2 REQUIRED)
 endif()
 
 function(_rosflight_common target visibility)

@@ -13,6 +13,7 @@
 #include "flight/autopilot/in_process_autopilot.hpp"
 #include "flight/autopilot/uart_autopilot.hpp"
 #include "flight/companion_parts.hpp"
+#include "flight/contact_watch.hpp"
 #include "flight/tuning.hpp"
 #include "flight/world.hpp"
 #include "link/detect/detecting_codec.hpp"
@@ -26,6 +27,9 @@ namespace {
 std::unique_ptr<Guidance> make_guidance(const FlightSetup& setup) {
   if (const auto* fixedwing = std::get_if<FixedWingPlan>(&setup.plan)) {
     return std::make_unique<FixedWingGuidance>(fixedwing->autonomy.flight, fixedwing->mission);
+  }
+  if (const auto* quadplane = std::get_if<QuadplanePlan>(&setup.plan)) {
+    return std::make_unique<QuadplaneGuidance>(quadplane->autonomy.flight, quadplane->mission);
   }
   const auto& rotors = std::get<MultirotorPlan>(setup.plan);
   return std::make_unique<MultirotorGuidance>(rotors.autonomy.flight, rotors.mission);
@@ -56,7 +60,7 @@ std::unique_ptr<Autopilot> make_autopilot(const FlightSetup& setup, CableLink& l
 class Flight::Loop final : public World, private sim::LockStepListener {
  public:
   Loop(Flight& owner, const FlightSetup& flight_setup, FlightParts parts)
-      : World{flight_setup},
+      : World{flight_setup, std::move(parts.engine)},
         flight{owner},
         autopilot{parts.autopilot ? parts.autopilot(cable) : make_autopilot(setup, cable)},
         session{codec, autopilot->link(), companion::Session::Options{}},
@@ -92,11 +96,13 @@ class Flight::Loop final : public World, private sim::LockStepListener {
   std::unique_ptr<StateEstimateSource> estimate_source;
   MissionRunner runner;
   FlightScorer scorer;
+  ContactWatch contacts;
   sim::Time failed_at{};  ///< 0: not yet.
   sim::LockStepTime fast{kStep};
   sim::LockStep lock_step;
   std::vector<std::unique_ptr<sim::Visualiser>> visualisers;  ///< Those the setup names.
   std::function<void(Flight&, sim::Time)> script;
+  WorldReceiver world_receiver;
   std::string vehicle_text{setup.vehicle.text()};
   ErrorStatistics tracking;
   ErrorStatistics own_tracking;
@@ -110,12 +116,18 @@ class Flight::Loop final : public World, private sim::LockStepListener {
  private:
   void before_step(sim::Time t) override;
   void note_frame_of_estimate();
+  void note_contact(sim::Time t);
+  void receive(sim::Time t, const std::string& name, const sim::WorldSample& sample);
 };
 
 void Flight::Loop::before_step(sim::Time t) {
   if (lock_step.samples().has_imu) imu = lock_step.samples().imu;
   cable.set_time(t);
+  if (engine) note_contact(t);
   apply_faults(t, *autopilot);
+  world_sensors.step(dynamics.truth(), [this, t](const std::string& name, const auto& sample) {
+    receive(t, name, sample);
+  });
   if (!faults.active(sim::FaultKind::kCompanionStall, t)) runner.step(t, dynamics.truth());
   note_frame_of_estimate();
   if (runner.stage() >= Stage::kFly)
@@ -126,14 +138,36 @@ void Flight::Loop::before_step(sim::Time t) {
     tracking.add((dynamics.truth().body.p_W - output.setpoint.p_W).norm());
     own_tracking.add((seen_position_W() - output.setpoint.p_W).head<2>().norm());
   }
-  if (fixedwing_record) sensors.set_pitot_covered(runner.stage() < Stage::kArm);
-  if (fixedwing_record && runner.stage() == Stage::kFly) {
+  if (setup.winged()) sensors.set_pitot_covered(runner.stage() < Stage::kArm);
+  if (setup.winged() && runner.stage() == Stage::kFly) {
     dynamics.set_held(guidance->output().idle && !guidance->output().landed);
     if (fixedwing_guidance != nullptr) {
       fixedwing_record->step(dynamics.truth(), seen_position_W(), fixedwing_guidance->details());
     }
   }
   if (script) script(flight, t);
+}
+
+/// The companion computer has them at once; their delay is that of the sensor.
+void Flight::Loop::receive(sim::Time t, const std::string& name, const sim::WorldSample& sample) {
+  if (const auto* pose = std::get_if<sim::PoseSample>(&sample)) {
+    if (faults.active(sim::FaultKind::kMotionCapture, t)) return;
+    estimate_source->add(*pose);
+  }
+  if (world_receiver) world_receiver(t, name, sample);
+}
+
+/// Bodies of the world that the engine knows; a crash ends the mission.
+void Flight::Loop::note_contact(sim::Time t) {
+  const std::optional<sim::PhysicsEngine::Contact> contact = dynamics.take_contact();
+  if (!contact) return;
+  const std::optional<ContactWatch::Event> event = contacts.step(t, *contact);
+  if (!event) return;
+  runner.report(event->crash ? link::Severity::kError : link::Severity::kInfo, "world",
+                event->text);
+  if (!event->crash) return;
+  scorer.crash(event->text);
+  runner.abort("crash: " + event->text);
 }
 
 sim::Vector3 Flight::Loop::seen_position_W() const {
@@ -169,8 +203,24 @@ void Flight::add(sim::Visualiser& visualiser) {
 void Flight::set_script(std::function<void(Flight&, sim::Time)> script) {
   loop_->script = std::move(script);
 }
+void Flight::set_world_receiver(WorldReceiver receiver) {
+  loop_->world_receiver = std::move(receiver);
+}
+const sim::WorldSensors& Flight::world_sensors() const {
+  return loop_->world_sensors;
+}
 void Flight::step() {
   loop_->lock_step.step();
+}
+sim::PhysicsEngine::Load Flight::begin_step() {
+  if (loop_->autopilot->substeps() != 1)
+    throw std::logic_error("a step in two halves of a board with substeps");
+  loop_->lock_step.begin_step();
+  return loop_->dynamics.begin_step(loop_->lock_step.now(), loop_->lock_step.outputs());
+}
+void Flight::end_step() {
+  loop_->dynamics.end_step(loop_->lock_step.now(), loop_->lock_step.outputs());
+  loop_->lock_step.end_step();
 }
 void Flight::run() {
   while (!finished()) loop_->lock_step.step();
@@ -191,6 +241,9 @@ sim::Time Flight::now() const {
 }
 const FlightSetup& Flight::setup() const {
   return loop_->setup;
+}
+const std::string& Flight::world_sha256() const {
+  return loop_->world_sha256;
 }
 const sim::Truth& Flight::truth() const {
   return loop_->dynamics.truth();

@@ -14,6 +14,7 @@
 #include "flight/state_estimate_source.hpp"
 #include "sim/dynamics/rigid_body.hpp"
 #include "sim/modules.hpp"
+#include "sim/world_sensors/world_sensors.hpp"
 
 namespace rosflight::flight {
 
@@ -28,6 +29,7 @@ struct FlightParts {
   std::unique_ptr<Guidance> guidance{};
   std::function<std::unique_ptr<StateEstimateSource>(companion::Session&)> estimate_source{};
   std::function<std::unique_ptr<Autopilot>(CableLink&)> autopilot{};
+  std::unique_ptr<sim::PhysicsEngine> engine{};  ///< Moves the body, whatever `physics` says.
   /// Paces the loop, such as sim::PacedTime; must outlive the flight. nullptr: as fast as possible.
   sim::TimeSource* time{nullptr};
 };
@@ -54,11 +56,21 @@ class Flight final {
   void set_tap(LinkTap* tap);
   /// Adds a visualiser, called at the end of each step; it must outlive the flight.
   void add(sim::Visualiser& visualiser);
+  /// Called with each sample of a sensor of the world, at the time of its arrival; an empty function: nobody.
+  using WorldReceiver =
+      std::function<void(sim::Time, const std::string& name, const sim::WorldSample&)>;
+  void set_world_receiver(WorldReceiver receiver);
+  const sim::WorldSensors& world_sensors() const;
   /// Called in each step before the firmware runs, after the mission runner.
   void set_script(std::function<void(Flight&, sim::Time)> script);
 
   /// Advances by kStep.
   void step();
+  /// step() in two halves, for FlightParts::engine that another program moves in between: the load of the step, from all
+  /// modules up to the forces; then the engine has its new state. @throws std::logic_error  another engine moves, or
+  /// the board takes substeps.
+  sim::PhysicsEngine::Load begin_step();
+  void end_step();
   /// Steps until finished().
   void run();
   /// The mission runner is finished and, where it has failed, the vehicle is down for a second or
@@ -70,6 +82,8 @@ class Flight final {
 
   sim::Time now() const;  ///< Start of the next step.
   const FlightSetup& setup() const;
+  /// SHA-256 of the file of the world and all that it refers to; empty: no such world.
+  const std::string& world_sha256() const;
   const sim::Truth& truth() const;
   const sim::RigidBody& dynamics() const;
   MissionRunner& runner();

@@ -41,6 +41,7 @@ log::TextMap log_facts(const FlightSetup& setup) {
                      {"plugins", fmt::format("{}", fmt::join(setup.choice.plugins, "\n"))}};
   // Only where it says something, so that logs of before stay equal to the bit.
   if (setup.choice.physics != FlightChoice{}.physics) facts["physics"] = setup.choice.physics;
+  if (!setup.choice.world.empty()) facts["world"] = setup.choice.world;
   return facts;
 }
 
@@ -84,10 +85,30 @@ void FlightRecorder::open_log(const std::filesystem::path& file, LogLevel level,
       static_cast<std::uint64_t>(setup.vehicle.environment().start_unix_s) * 1'000'000'000U;
   log::TextMap facts = log_facts(setup);
   facts["log"] = level == LogLevel::kFull ? "full" : "plot";
+  if (!setup.choice.world.empty()) facts["world_sha256"] = flight_.world_sha256();
   log_ = std::make_unique<log::FlightLog>(file, options, facts);
   log_->attach("vehicle.yaml", "application/yaml", setup.vehicle.text());
   log_->attach("mission.yaml", "application/yaml", setup.mission_text);
+  if (!setup.choice.world.empty())
+    log_->attach("world.sdf", "application/xml", read_text(setup.choice.world));
   log_->write_description({}, vehicle_urdf(setup));
+  log_world_sensors();
+}
+
+void FlightRecorder::log_world_sensors() {
+  const sim::WorldSensors& sensors = flight_.world_sensors();
+  if (sensors.empty()) return;
+  const sim::Vector3& centre_B = flight_.setup().vehicle.body().centre_of_mass_B;
+  for (const sim::WorldSensors::Entry& entry : sensors.entries()) {
+    const sim::Mounting* mounting = entry.sensor->mounting();
+    if (mounting == nullptr) continue;
+    log_->write_sensor_frames({}, entry.name, mounting->position_m - centre_B,
+                              sim::R_BS(*mounting));
+  }
+  flight_.set_world_receiver(
+      [this](sim::Time t, const std::string& name, const sim::WorldSample& sample) {
+        log_->write_world_sample(t, name, sample);
+      });
 }
 
 void FlightRecorder::on_frame(Direction direction, hal::Time t, const std::uint8_t* data,
@@ -216,6 +237,7 @@ void FlightRecorder::log_estimate(const sim::Truth& truth) {
 
 std::optional<log::LogSummary> FlightRecorder::close() {
   flight_.set_tap(nullptr);
+  flight_.set_world_receiver({});
   analysis_.gyro = gyro_.spectrum();
   if (!log_) return std::nullopt;
   return log_->close();

@@ -57,6 +57,7 @@ class FlightRecorder final : public sim::Visualiser, public LinkTap {
  private:
   void open_log(const std::filesystem::path& file, LogLevel level,
                 std::vector<log::LogObserver*> observers);
+  void log_world_sensors();
   void follow_gyro(const link::Message& message);
   void log_autonomy(sim::Time t);
   void log_parameters(sim::Time t);

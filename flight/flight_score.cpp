@@ -62,7 +62,10 @@ std::string touchdown_text(const LandingScore::Touchdown& t) {
 void judge(FlightScore& s, const MissionRunner& runner, bool landed) {
   const std::string why = runner.failure().empty() ? "" : fmt::format(" ({})", runner.failure());
   const auto& touchdown = s.landing.touchdown();
-  if (s.landing.crashed()) {
+  if (!s.collision.empty()) {
+    s.outcome = Outcome::kCrash;
+    s.verdict = fmt::format("Crash: {}.", s.collision);
+  } else if (s.landing.crashed()) {
     s.outcome = Outcome::kCrash;
     s.verdict = fmt::format("Crash: {}{}.",
                             s.landing.early_contacts() > 0 || !touchdown
@@ -136,6 +139,7 @@ FlightScore FlightScorer::score(const MissionRunner& runner, bool landed, bool i
   s.waypoints = waypoints_.passes();
   s.landing = landing_;
   s.limits = limits_;
+  s.collision = collision_;
   if (runway_ && !s.limits.course_rad && landing_.touchdown())
     s.limits.course_rad = landing_.touchdown()->course_rad;
   judge(s, runner, landed);

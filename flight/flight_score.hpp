@@ -30,6 +30,7 @@ struct FlightScore {
   std::vector<WaypointPass> waypoints;
   LandingScore landing;
   LandingLimits limits;
+  std::string collision;  ///< What the vehicle hit; empty: nothing.
 
   std::size_t waypoints_reached() const;
   bool success() const { return outcome == Outcome::kMissionDone; }
@@ -43,6 +44,9 @@ class FlightScorer {
   /// Once per step from the stage kFly on. @param estimate_W  as guidance received it.
   void step(const sim::Truth& truth, const sim::Vector3& estimate_W, const GuidanceOutput& output);
 
+  /// The vehicle has hit something, whatever follows. @param what  such as "hit house at 3.1 m/s".
+  void crash(const std::string& what) { collision_ = what; }
+
   const LandingScore& landing() const { return landing_; }
   /// @param interrupted  a person stopped the flight.
   FlightScore score(const MissionRunner& runner, bool landed, bool interrupted) const;
@@ -53,6 +57,7 @@ class FlightScorer {
   bool runway_;  ///< The landing area has a course.
   WaypointScore waypoints_;
   LandingScore landing_;
+  std::string collision_;  ///< Empty: none.
 };
 
 }  // namespace rosflight::flight

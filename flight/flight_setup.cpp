@@ -13,7 +13,9 @@
 #include "base/constants.hpp"
 #include "flight/project_root.hpp"
 #include "sim/fixedwing/fixedwing.hpp"
+#include "sim/quadplane/quadplane.hpp"
 #include "sim/sensors/register.hpp"
+#include "sim/world_sensors/world_sensors.hpp"
 
 namespace rosflight::flight {
 namespace {
@@ -23,6 +25,7 @@ using config::Error;
 sim::Registry& fill(sim::Registry& registry, const FlightChoice& choice) {
   sim::register_physics(registry);
   sim::sensors::register_sensors(registry);
+  sim::register_world_sensors(registry);
   for (const std::string& plugin : choice.plugins) registry.load_plugin(plugin);
   registry.add_vehicles(project_root() / "vehicles");
   return registry;
@@ -36,8 +39,10 @@ sim::Vehicle open_vehicle(sim::Registry& registry, const FlightChoice& choice) {
   return fill(registry, choice).open_vehicle(choice.vehicle, std::move(overrides));
 }
 
-std::string find_mission(const std::string& wanted, bool fixed_wing) {
-  std::string name = wanted == "default" && fixed_wing ? "fixedwing" : wanted;
+std::string find_mission(const std::string& wanted, const sim::Vehicle& vehicle) {
+  std::string name = wanted;
+  if (wanted == "default" && is_fixed_wing(vehicle)) name = "fixedwing";
+  if (wanted == "default" && is_quadplane(vehicle)) name = "quadplane";
   const bool path = name.find('/') != std::string::npos || name.find(".yaml") != std::string::npos;
   if (path) return name;
   const std::filesystem::path folder = project_root() / "missions";
@@ -50,11 +55,6 @@ std::string find_mission(const std::string& wanted, bool fixed_wing) {
   std::sort(known.begin(), known.end());
   throw Error(
       fmt::format("mission: found '{}', allowed a file or {}", name, fmt::join(known, ", ")));
-}
-
-std::string read_text(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 /// Whether the other kind of aircraft could fly it, with its default limits.
@@ -72,15 +72,19 @@ bool is_for_the_other_kind(const std::string& mission_file, bool fixed_wing,
   }
 }
 
-std::variant<MultirotorPlan, FixedWingPlan> read_own_plan(const sim::Vehicle& vehicle,
-                                                          const sim::MultirotorParameters& rotors,
-                                                          const companion::ParameterSet& firmware,
-                                                          const std::string& mission_file) {
+Plan read_own_plan(const sim::Vehicle& vehicle, const sim::MultirotorParameters& rotors,
+                   const companion::ParameterSet& firmware, const std::string& mission_file) {
   const base::Geodetic& origin = vehicle.environment().origin;
   if (is_fixed_wing(vehicle)) {
     FixedWingPlan plan;
     plan.autonomy = read_fixedwing_autonomy(vehicle);
     plan.mission = autonomy::fixedwing::load_mission(mission_file, plan.autonomy.mission, origin);
+    return plan;
+  }
+  if (is_quadplane(vehicle)) {
+    QuadplanePlan plan;
+    plan.autonomy = read_quadplane_autonomy(vehicle);
+    plan.mission = autonomy::quadplane::load_mission(mission_file, plan.autonomy.mission, origin);
     return plan;
   }
   MultirotorPlan plan;
@@ -89,13 +93,12 @@ std::variant<MultirotorPlan, FixedWingPlan> read_own_plan(const sim::Vehicle& ve
   return plan;
 }
 
-std::variant<MultirotorPlan, FixedWingPlan> read_plan(const sim::Vehicle& vehicle,
-                                                      const sim::MultirotorParameters& rotors,
-                                                      const companion::ParameterSet& firmware,
-                                                      const std::string& mission_file) {
+Plan read_plan(const sim::Vehicle& vehicle, const sim::MultirotorParameters& rotors,
+               const companion::ParameterSet& firmware, const std::string& mission_file) {
   try {
     return read_own_plan(vehicle, rotors, firmware, mission_file);
   } catch (const Error& error) {
+    if (is_quadplane(vehicle)) throw;
     const bool fixed_wing = is_fixed_wing(vehicle);
     if (!is_for_the_other_kind(mission_file, fixed_wing, vehicle.environment().origin)) throw;
     throw Error(fmt::format("{}; this mission is for a {}, the vehicle is a {}", error.what(),
@@ -106,7 +109,7 @@ std::variant<MultirotorPlan, FixedWingPlan> read_plan(const sim::Vehicle& vehicl
 
 constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
 
-std::vector<ShownWaypoint> shown(const std::variant<MultirotorPlan, FixedWingPlan>& plan) {
+std::vector<ShownWaypoint> shown(const Plan& plan) {
   std::vector<ShownWaypoint> out;
   if (const auto* fixedwing = std::get_if<FixedWingPlan>(&plan)) {
     using autonomy::fixedwing::Passing;
@@ -118,6 +121,14 @@ std::vector<ShownWaypoint> shown(const std::variant<MultirotorPlan, FixedWingPla
       const bool fly_by = corner || wp.passing == Passing::kCircle;
       out.push_back({wp.p_W, wp.passing == Passing::kDubins ? wp.course_rad : kNotGiven, wp.hold_s,
                      fly_by ? PassMeasure::kFlyBy : PassMeasure::kPoint});
+    }
+    return out;
+  }
+  if (const auto* quadplane = std::get_if<QuadplanePlan>(&plan)) {
+    const auto& waypoints = quadplane->mission.waypoints_W;
+    for (const sim::Vector3& p_W : waypoints) {
+      const bool last = &p_W == &waypoints.back();
+      out.push_back({p_W, kNotGiven, 0.0, last ? PassMeasure::kPoint : PassMeasure::kFlyBy});
     }
     return out;
   }
@@ -136,16 +147,26 @@ bool names_places_on_earth(const std::string& mission_file) {
   });
 }
 
-double throttle_that_carries(const std::variant<MultirotorPlan, FixedWingPlan>& plan,
-                             const sim::Vehicle& vehicle) {
+double throttle_that_carries(const Plan& plan, const sim::Vehicle& vehicle,
+                             const companion::ParameterSet& firmware) {
   if (const auto* fixedwing = std::get_if<FixedWingPlan>(&plan)) {
     return fixedwing->autonomy.flight.controller.throttle_cruise;
+  }
+  if (const auto* quadplane = std::get_if<QuadplanePlan>(&plan)) {
+    const auto& facts = quadplane->autonomy.flight.vehicle;
+    return facts.mass_kg * facts.gravity_m_s2 /
+           (facts.max_lift_force_N * firmware_value(firmware, "RC_MAX_THR"));
   }
   return std::get<MultirotorPlan>(plan).autonomy.flight.thrust.throttle(
       vehicle.body().mass_kg * vehicle.environment().gravity_m_s2);
 }
 
 }  // namespace
+
+std::string read_text(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
 
 sim::rc::ChannelMap channels_of(const companion::ParameterSet& firmware) {
   using sim::rc::Control;
@@ -211,11 +232,11 @@ FlightSetup::FlightSetup(const FlightChoice& choice_in)
       rotors{read_rotors(vehicle)},
       firmware{read_firmware_parameters(vehicle)},
       estimator{read_estimator(vehicle)},
-      mission_file{find_mission(choice.mission, is_fixed_wing(vehicle))},
+      mission_file{find_mission(choice.mission, vehicle)},
       plan{read_plan(vehicle, rotors, firmware, mission_file)},
       waypoints{shown(plan)},
       score_radius_m{std::visit([](const auto& of) { return of.mission.score_radius_m; }, plan)},
-      hover_throttle{throttle_that_carries(plan, vehicle)},
+      hover_throttle{throttle_that_carries(plan, vehicle, firmware)},
       channels{channels_of(firmware)},
       faults{sim::parse_faults(choice.faults)} {
   mission_text = read_text(mission_file);
@@ -244,8 +265,9 @@ void FlightSetup::check(const sim::Fault& fault) const {
   if (!servo && fault.kind != sim::FaultKind::kMotor) return;
   const auto tilting = std::ranges::count_if(
       rotors.rotors, [](const sim::RotorParameters& rotor) { return rotor.tilt.has_value(); });
-  const std::size_t surfaces = fixed_wing() ? sim::read_fixed_wing(vehicle.root()).surfaces.size()
-                                            : static_cast<std::size_t>(tilting);
+  std::size_t surfaces = static_cast<std::size_t>(tilting);
+  if (fixed_wing()) surfaces = sim::read_fixed_wing(vehicle.root()).surfaces.size();
+  if (quadplane()) surfaces = sim::read_quadplane(vehicle.root()).surfaces.size();
   const std::size_t count = servo ? surfaces : rotors.rotors.size();
   if (fault.motor < count) return;
   throw Error(fmt::format(

@@ -7,6 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "autonomy/quadplane/mission.hpp"
+#include "flight/vehicle/quadplane_setup.hpp"
 #include "flight/vehicle/vehicle_setup.hpp"
 #include "flight/waypoint_score.hpp"
 #include "sim/faults.hpp"
@@ -24,8 +26,9 @@ inline constexpr std::array<const char*, 3> kChipBoards{"pixracer_pro", "varmint
 inline constexpr sim::Time kChipStep{500};
 
 /// What can move the body, as FlightChoice::physics spells it: the integrator of sim/dynamics, forces and body
-/// together; the same behind the interface of an engine, with the load held over a step; JSBSim.
-inline constexpr std::array<const char*, 3> kPhysics{"runge_kutta", "runge_kutta_held", "jsbsim"};
+/// together; the same behind the interface of an engine, with the load held over a step; JSBSim; Gazebo's dartsim.
+inline constexpr std::array<const char*, 4> kPhysics{"runge_kutta", "runge_kutta_held", "jsbsim",
+                                                     "gazebo"};
 
 /// What a person chose for a flight; names and texts as typed.
 struct FlightChoice {
@@ -38,6 +41,8 @@ struct FlightChoice {
   std::string state{"estimate"};         ///< What guidance flies on: estimate or truth.
   std::string pilot{"hover"};            ///< The safety pilot's throttle stick: hover or idle.
   std::string physics{"runge_kutta"};    ///< One of kPhysics.
+  std::string world;                     ///< SDF file, with physics gazebo; empty: our flat ground.
+  std::string world_sha256;              ///< What its files must have; empty: any.
   std::vector<std::string> overrides;    ///< "body.mass_kg=3.2"
   std::vector<std::string> faults;       ///< "baro@20:5"
   std::vector<std::string> plugins;      ///< Shared libraries.
@@ -56,6 +61,11 @@ struct FixedWingPlan {
   autonomy::fixedwing::AutonomyConfig autonomy;
   autonomy::fixedwing::Mission mission;
 };
+struct QuadplanePlan {
+  autonomy::quadplane::AutonomyConfig autonomy;
+  autonomy::quadplane::Mission mission;
+};
+using Plan = std::variant<MultirotorPlan, FixedWingPlan, QuadplanePlan>;
 
 /// A waypoint as score and report see it.
 struct ShownWaypoint {
@@ -79,7 +89,7 @@ struct FlightSetup {
   autonomy::estimation::EstimatorConfig estimator;
   std::string mission_file;
   std::string mission_text;
-  std::variant<MultirotorPlan, FixedWingPlan> plan;
+  Plan plan;
   std::vector<ShownWaypoint> waypoints;
   double score_radius_m{};  ///< How near the truth must pass each of them.
   double hover_throttle{};  ///< Stick that carries the vehicle: hovering, or in cruise.
@@ -87,10 +97,15 @@ struct FlightSetup {
   sim::FaultSchedule faults;
 
   bool fixed_wing() const { return std::holds_alternative<FixedWingPlan>(plan); }
+  bool quadplane() const { return std::holds_alternative<QuadplanePlan>(plan); }
+  bool winged() const { return fixed_wing() || quadplane(); }
 
   /// @throws config::Error  this vehicle has no such motor or surface.
   void check(const sim::Fault& fault) const;
 };
+
+/// All of a file; empty: it cannot be read.
+std::string read_text(const std::string& file);
 
 /// Receiver channels as the firmware will look for them.
 sim::rc::ChannelMap channels_of(const companion::ParameterSet& firmware);

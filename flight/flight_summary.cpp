@@ -35,6 +35,7 @@ std::string command_line(const FlightChoice& choice) {
   for (const std::string& text : choice.plugins) line += " --plugin " + text;
   if (choice.pilot != FlightChoice{}.pilot) line += " --pilot " + choice.pilot;
   if (choice.physics != FlightChoice{}.physics) line += " --physics " + choice.physics;
+  if (!choice.world.empty()) line += " --world " + choice.world;
   if (choice.wind) line += " --wind " + *choice.wind;
   for (const std::string& text : choice.overrides) line += " --set " + text;
   for (const std::string& text : choice.faults) line += " --fault " + text;

@@ -64,6 +64,8 @@ void write_files(const fs::path& folder, Flight& flight, const std::string& anal
   base::write_file(folder / "preflight.json", preflight_json(flight.runner().checks()));
   base::write_file(folder / "vehicle.yaml", setup.vehicle.text());
   base::write_file(folder / "mission.yaml", setup.mission_text);
+  if (!setup.choice.world.empty())
+    base::write_file(folder / "world.sdf", read_text(setup.choice.world));
   companion::write_parameter_file(folder / "parameters.yaml",
                                   flight.session().parameters().table().values(),
                                   flight.session().firmware_version());
@@ -71,14 +73,18 @@ void write_files(const fs::path& folder, Flight& flight, const std::string& anal
 
 }  // namespace
 
+void check_flight_folder(const fs::path& folder) {
+  if (fs::exists(folder) && (!fs::is_directory(folder) || !fs::is_empty(folder))) {
+    throw config::Error(fmt::format(
+        "--out: found {} with something in it, allowed a new or empty folder", folder.string()));
+  }
+}
+
 fs::path make_flight_folder(const std::optional<fs::path>& wanted) {
   fs::path folder;
   if (wanted) {
     folder = *wanted;
-    if (fs::exists(folder) && (!fs::is_directory(folder) || !fs::is_empty(folder))) {
-      throw config::Error(fmt::format(
-          "--out: found {} with something in it, allowed a new or empty folder", folder.string()));
-    }
+    check_flight_folder(folder);
   } else {
     int number = 1;
     while (fs::exists(folder = fs::path("flights") / fmt::format("{:04d}", number))) ++number;
@@ -104,6 +110,7 @@ FlightSummary fly(const FlyOptions& options) {
   if (paced && parts.time == nullptr) parts.time = &pace;
   const sim::TimeSource* const parts_time = parts.time;
   const auto flight = std::make_unique<Flight>(*setup, std::move(parts));
+  for (sim::Visualiser* const visualiser : options.visualisers) flight->add(*visualiser);
   const fs::path folder = options.leave_folder ? make_flight_folder(options.folder) : fs::path{};
   const std::unique_ptr<FlightPage> page = page_for(options, *setup, folder);
   FlightRecorder recorder(*flight, folder / "flight.mcap", log_level(options.log),

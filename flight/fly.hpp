@@ -29,6 +29,7 @@ struct FlyOptions {
   std::function<void(const FlightNote&)> on_note;  ///< Each note of the flight.
   std::function<void(const Flight&)> on_step;      ///< After each step.
   log::LogObserver* observer{nullptr};             ///< Sees what is logged; may be none.
+  std::vector<sim::Visualiser*> visualisers;       ///< See the truth; must outlive the flight.
   Commander* commander{nullptr};                   ///< May be none.
   /// Asked before each step; true ends the flight, and its folder is written as of any other.
   std::function<bool()> interrupted;
@@ -40,6 +41,8 @@ class FlightAborted : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Looks whether a flight can have its folder. @throws config::Error  there is one that is not empty.
+void check_flight_folder(const std::filesystem::path& folder);
 /// Makes a folder for a flight: `wanted`, or the next number in flights/ of the current folder.
 /// @throws config::Error  it cannot be made, or is not empty.
 std::filesystem::path make_flight_folder(const std::optional<std::filesystem::path>& wanted);

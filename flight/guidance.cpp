@@ -127,4 +127,20 @@ const GuidanceOutput& FixedWingGuidance::step(const Input& in, const Notify& not
   return out_;
 }
 
+const GuidanceOutput& QuadplaneGuidance::step(const Input& in, const Notify& notify) {
+  const autonomy::quadplane::FlightOutput& output =
+      manager_.step({in.t_s, in.state, in.status, in.range_m});
+  report(output, out_, notify);
+  using autonomy::quadplane::Phase;
+  const Phase phase = output.phase;
+  out_.idle = phase == Phase::kDisarmed || phase == Phase::kLanded;
+  out_.in_air = phase == Phase::kTransition || phase == Phase::kCruise || phase == Phase::kBack ||
+                phase == Phase::kHover;
+  out_.coming_down = phase == Phase::kLanding;
+  out_.setpoint = output.setpoint;
+  out_.on_path = output.tracking;
+  out_.distance_m = output.distance_m;
+  return out_;
+}
+
 }  // namespace rosflight::flight

@@ -10,6 +10,7 @@
 #include "autonomy/common/state_estimate.hpp"
 #include "autonomy/fixedwing/flight_manager.hpp"
 #include "autonomy/multirotor/flight_manager.hpp"
+#include "autonomy/quadplane/flight_manager.hpp"
 #include "link/messages.hpp"
 
 namespace rosflight::flight {
@@ -115,6 +116,21 @@ class FixedWingGuidance final : public Guidance {
 
  private:
   autonomy::fixedwing::FlightManager manager_;
+};
+
+/// The project's guidance of a quad-plane.
+class QuadplaneGuidance final : public Guidance {
+ public:
+  QuadplaneGuidance(const autonomy::quadplane::FlightConfig& config,
+                    const autonomy::quadplane::Mission& mission)
+      : manager_{config, mission} {}
+  const GuidanceOutput& step(const Input& in, const Notify& notify) override;
+  void request_land() override { manager_.request_land(); }
+  void request_return() override { manager_.request_return(); }
+  const autonomy::quadplane::FlightOutput& details() const { return manager_.output(); }
+
+ private:
+  autonomy::quadplane::FlightManager manager_;
 };
 
 }  // namespace rosflight::flight

@@ -9,7 +9,7 @@
 
 namespace rosflight::flight {
 
-/// Feeds an estimator with the samples that arrive over the link. Times are companion times of the
+/// Feeds an estimator with the samples that arrive over the link, and with poses from beside it. Times are companion times of the
 /// samples; a message without a stamp takes the time of the IMU sample before it.
 class LinkStateEstimator final : public StateEstimateSource, private companion::Listener {
  public:
@@ -31,6 +31,11 @@ class LinkStateEstimator final : public StateEstimateSource, private companion::
     return estimator_.health();
   }
   const std::optional<autonomy::Geodetic>& origin() const override { return estimator_.origin(); }
+  void add(const sim::PoseSample& pose) override {
+    if (!enabled_) return;
+    estimator_.add(
+        autonomy::estimation::PoseSample{sim::to_seconds(pose.stamp), pose.p_W, pose.q_WB});
+  }
   void restart() override { estimator_.restart(); }
   const Estimator& estimator() const { return estimator_; }
   void set_enabled(bool enabled) override { enabled_ = enabled; }

@@ -8,10 +8,12 @@ namespace rosflight::flight {
 namespace {
 
 using autonomy::StateEstimate;
+using autonomy::estimation::Aid;
 using autonomy::estimation::EstimatorHealth;
-using autonomy::estimation::kAids;
 
-static_assert(kAids == std::tuple_size_v<decltype(LoggedEstimate::innovation)>);
+/// Those of the message; poses of motion capture have a topic of their own.
+constexpr std::size_t kLoggedAids = std::tuple_size_v<decltype(LoggedEstimate::innovation)>;
+static_assert(static_cast<std::size_t>(Aid::kRest) + 1 == kLoggedAids);
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
@@ -43,7 +45,7 @@ LoggedEstimate logged(const StateEstimate& estimate, const EstimatorHealth& heal
   out.position_sigma = three(estimate.p_sigma_W_m);
   out.velocity_sigma = three(estimate.v_sigma_W_m_s);
   out.attitude_sigma = three(estimate.attitude_sigma_B_rad);
-  for (std::size_t k = 0; k < kAids; ++k) {
+  for (std::size_t k = 0; k < kLoggedAids; ++k) {
     out.innovation[k] = static_cast<float>(health.aids[k].nis);
     out.refusing[k] = health.aids[k].rejecting;
   }

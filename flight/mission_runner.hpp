@@ -77,6 +77,15 @@ class MissionRunner final : private companion::Listener {
   /// While on, the pilot watches a multirotor and keeps its present altitude by his throttle stick.
   void set_keep_altitude(bool on) { altitude_.set(on); }
 
+  /// A note of somebody else, at the time of the step.
+  void report(link::Severity severity, const char* source, const std::string& text) {
+    note(severity, source, text);
+  }
+  /// Ends the mission unless it has ended. @param why  failure(), one sentence without a full stop.
+  void abort(const std::string& why) {
+    if (!finished()) fail(why);
+  }
+
   Stage stage() const { return stage_; }
   bool finished() const { return stage_ == Stage::kDone || stage_ == Stage::kFailed; }
   /// Empty unless stage() is kFailed.

@@ -44,6 +44,9 @@ FlightChoice choice_of(const log::TextMap& facts) {
   choice.pilot = facts.at("pilot");
   if (const auto physics = facts.find("physics"); physics != facts.end())
     choice.physics = physics->second;
+  if (const auto world = facts.find("world"); world != facts.end()) choice.world = world->second;
+  if (const auto sum = facts.find("world_sha256"); sum != facts.end())
+    choice.world_sha256 = sum->second;
   choice.faults = pieces(facts.at("faults"), ' ');
   choice.overrides = pieces(facts.at("overrides"), '\n');
   choice.plugins = pieces(facts.at("plugins"), '\n');

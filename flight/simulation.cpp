@@ -52,6 +52,10 @@ const FlightSetup& checked(const FlightSetup& setup) {
         fmt::format("--physics: found {} in a simulation with snapshots, allowed {}",
                     choice.physics, FlightChoice{}.physics));
   }
+  if (!setup.vehicle.world_sensors().keys().empty()) {
+    throw setup.vehicle.world_sensors().error("sensors in a simulation with snapshots",
+                                              "none; ./rosflight fly has them");
+  }
   if (choice.board == "in_process" && choice.link == "cable") return setup;
   throw config::Error(fmt::format("--board: found {} with --link {}, allowed in_process and cable",
                                   choice.board, choice.link));
@@ -71,7 +75,7 @@ class Simulation::Loop final : public World, private sim::LockStepListener {
         estimator{make_link_estimator(setup, session)},
         lock_step{fast, rc, sensors, autopilot, dynamics} {
     lock_step.set_listener(this);
-    if (setup.fixed_wing()) sensors.set_pitot_covered(true);
+    if (setup.winged()) sensors.set_pitot_covered(true);
     autopilot.start(lock_step.now());
   }
 
@@ -205,7 +209,7 @@ void Simulation::start(const std::function<bool()>& stop) {
   loop_->runner = std::make_unique<MissionRunner>(config, loop_->session, loop_->pilot, guidance,
                                                   *loop_->estimator);
   while (loop_->runner->stage() < Stage::kFly && !(stop && stop())) {
-    loop_->sensors.set_pitot_covered(setup().fixed_wing() && loop_->runner->stage() < Stage::kArm);
+    loop_->sensors.set_pitot_covered(setup().winged() && loop_->runner->stage() < Stage::kArm);
     loop_->lock_step.step();
   }
   const std::unique_ptr<MissionRunner> runner = std::move(loop_->runner);

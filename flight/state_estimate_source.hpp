@@ -4,6 +4,7 @@
 
 #include "autonomy/common/state_estimate.hpp"
 #include "autonomy/estimation/estimator.hpp"
+#include "sim/world_sensors/samples.hpp"
 
 namespace rosflight::flight {
 
@@ -20,6 +21,8 @@ class StateEstimateSource {
   virtual const autonomy::estimation::EstimatorHealth& health() const = 0;
   /// Position on the earth of the local frame; empty before the first fix.
   virtual const std::optional<autonomy::Geodetic>& origin() const = 0;
+  /// The newest pose of a motion capture system, as it arrives. Default: not used.
+  virtual void add(const sim::PoseSample& pose) { static_cast<void>(pose); }
   /// Forgets everything measured so far.
   virtual void restart() = 0;
   /// false: samples are ignored. Called with true once the firmware is calibrated.

@@ -107,6 +107,7 @@ std::string summary_json(const FlightSummary& s) {
             {"pilot", s.choice.pilot},
             {"state", s.choice.state},
             {"physics", s.choice.physics},
+            {"world", s.choice.world.empty() ? Json() : Json(s.choice.world)},
             {"wind", s.choice.wind ? Json(*s.choice.wind) : Json()},
             {"faults", s.choice.faults},
             {"faults_too_late", s.faults_too_late},

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "config/table.hpp"
+#include "flight/vehicle/quadplane_setup.hpp"
 
 namespace rosflight::flight {
 namespace {
@@ -14,6 +15,8 @@ using config::Error;
 
 TunedVehicle read(config::Document document) {
   const sim::Vehicle vehicle(std::move(document));
+  if (is_quadplane(vehicle))
+    throw Error("tune: found a quad-plane, allowed a multirotor or a fixed wing");
   if (is_fixed_wing(vehicle)) return {vehicle.text(), read_fixedwing_autonomy(vehicle)};
   return {vehicle.text(), read_multirotor_autonomy(vehicle)};
 }

@@ -3,8 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
+#include "flight/vehicle_shapes.hpp"
 #include "messages/frames.hpp"
 
 namespace rosflight::flight {
@@ -44,12 +43,6 @@ std::string part(const std::string& name, const Vector3& position, const Vector3
       name, visual(shape, color), triple(position), triple(rpy_rad));
 }
 
-/// Roll and pitch that turn z into the direction `axis`.
-Vector3 pointing(const Vector3& axis) {
-  return {std::atan2(-axis.y(), std::hypot(axis.x(), axis.z())), std::atan2(axis.x(), axis.z()),
-          0.0};
-}
-
 /// J about the axes of base_link, of which y and z are turned round.
 std::string inertia(const sim::Matrix3& J) {
   return fmt::format(
@@ -58,30 +51,12 @@ std::string inertia(const sim::Matrix3& J) {
       J(0, 0), 0.0 - J(0, 1), 0.0 - J(0, 2), J(1, 1), J(1, 2) + 0.0, J(2, 2));
 }
 
-constexpr double kThickness_m = 0.01;
-
-Vector3 wing_size(const FlightSetup& setup) {
-  const config::Section wing = setup.vehicle.root().section("aero").section("wing");
-  const auto length = [&wing](const char* key) {
-    return wing.number(key, config::Range::at_least(0.0), 0.0);
-  };
-  return {length("chord_m"), length("span_m"), kThickness_m};
-}
-
 }  // namespace
 
 std::string vehicle_urdf(const FlightSetup& setup) {
   const auto& rotors = setup.rotors.rotors;
   const auto& contacts = setup.vehicle.ground().contacts_B;
-  constexpr double kMinReach_m = 0.1;
-  Vector3 reach = Vector3::Constant(kMinReach_m);
-  for (const auto& rotor : rotors) reach = reach.cwiseMax(rotor.p_B.cwiseAbs());
-  for (const Vector3& contact : contacts) reach = reach.cwiseMax(contact.cwiseAbs());
-  const Vector3 wing = setup.fixed_wing() ? wing_size(setup) : Vector3::Zero();
-  const double width_m = std::min(reach.x(), reach.y());
-  // The contacts of a fixed wing reach to its wing tips, which are no part of its body.
-  const Vector3 body = wing.x() > 0.0 ? Vector3{reach.x(), 0.7 * wing.x(), 0.6 * wing.x()}
-                                      : Vector3{reach.x(), width_m, 0.25 * width_m};
+  const VehicleShapes shapes{setup.vehicle, setup.rotors};
 
   std::string urdf =
       fmt::format("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n", setup.vehicle.type());
@@ -91,19 +66,19 @@ std::string vehicle_urdf(const FlightSetup& setup) {
       "  <link name=\"base_link\">\n    <inertial>\n      <mass value=\"{:.6g}\"/>\n      {}\n"
       "    </inertial>\n{}  </link>\n",
       setup.vehicle.body().mass_kg, inertia(setup.vehicle.body().inertia_kg_m2),
-      visual(box(body), "body"));
+      visual(box(shapes.body_m), "body"));
   for (std::size_t k = 0; k < rotors.size(); ++k) {
     urdf += part(fmt::format("rotor_{}", k), flu(rotors[k].p_B), pointing(flu(rotors[k].e_B)),
                  fmt::format("<cylinder radius=\"{:.6g}\" length=\"{}\"/>",
-                             0.5 * setup.rotors.propeller.diameter_m, kThickness_m),
+                             0.5 * setup.rotors.propeller.diameter_m, kPlateThickness_m),
                  "rotor");
   }
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     urdf += part(fmt::format("contact_{}", k), flu(contacts[k]), Vector3::Zero(),
-                 fmt::format("<sphere radius=\"{}\"/>", 2.0 * kThickness_m), "gear");
+                 fmt::format("<sphere radius=\"{}\"/>", 2.0 * kPlateThickness_m), "gear");
   }
-  if (wing.minCoeff() > 0.0)
-    urdf += part("wing", Vector3::Zero(), Vector3::Zero(), box(wing), "wing");
+  if (shapes.has_wing())
+    urdf += part("wing", Vector3::Zero(), Vector3::Zero(), box(shapes.wing_m), "wing");
   return urdf + "</robot>\n";
 }
 

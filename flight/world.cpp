@@ -9,9 +9,12 @@
 #include <utility>
 
 #include "flight/flight.hpp"
+#include "flight/gazebo/gazebo_engine.hpp"
 #include "flight/jsbsim/jsbsim_engine.hpp"
+#include "flight/vehicle_sdf.hpp"
 #include "sim/dynamics/runge_kutta_engine.hpp"
 #include "sim/sensors/register.hpp"
+#include "sim/world/read_sdf.hpp"
 
 namespace rosflight::flight {
 namespace {
@@ -22,8 +25,39 @@ sim::rc::Script pilot_script(const FlightSetup& setup) {
   return script;
 }
 
+bool has_world_sensors(const FlightSetup& setup) {
+  return !setup.vehicle.world_sensors().keys().empty();
+}
+
+/// What sensors of the world see: what the body can touch, and the shapes of --world.
+sim::world::WorldShapes make_shapes(const FlightSetup& setup) {
+  if (!has_world_sensors(setup)) return {};
+  const std::string& file = setup.choice.world;
+  sim::world::WorldShapes shapes;
+  if (!file.empty()) shapes = sim::world::read_sdf_world(file);
+  const bool replaced = !file.empty() && setup.choice.physics == "gazebo";
+  if (!replaced && setup.vehicle.ground().model != sim::GroundModel::kNone)
+    shapes.add_level_ground();
+  return shapes;
+}
+
+/// From so high a vehicle may fall onto the ground of a world at its start: 3.1 m/s, which is no crash.
+constexpr double kMaxDrop_m = 0.5;
+
+double lowest_point_m(const sim::GroundParameters& ground) {
+  double lowest_m = 0.0;
+  for (const sim::Vector3& point : ground.contacts_B) lowest_m = std::max(lowest_m, point.z());
+  return lowest_m;
+}
+
 std::unique_ptr<sim::PhysicsEngine> make_engine(const FlightSetup& setup) {
   const std::string& physics = setup.choice.physics;
+  const std::string& world = setup.choice.world;
+  if (!world.empty() && physics != "gazebo" && !has_world_sensors(setup))
+    throw config::Error(fmt::format(
+        "--world: found {} with --physics {}, allowed with gazebo or with world_sensors "
+        "in the vehicle file",
+        world, physics));
   const sim::BodyParameters& body = setup.vehicle.body();
   const double gravity_m_s2 = setup.vehicle.environment().gravity_m_s2;
   if (physics == "runge_kutta") return nullptr;
@@ -31,6 +65,13 @@ std::unique_ptr<sim::PhysicsEngine> make_engine(const FlightSetup& setup) {
     return std::make_unique<sim::RungeKuttaEngine>(body, gravity_m_s2);
   if (physics == "jsbsim") {
     return std::make_unique<JsbsimEngine>(body, gravity_m_s2, JsbsimEngine::Options::of_project());
+  }
+  if (physics == "gazebo") {
+    GazeboEngine::Options options = GazeboEngine::Options::of_project();
+    options.world_file = world;
+    options.max_height_m = lowest_point_m(setup.vehicle.ground()) + kMaxDrop_m;
+    return std::make_unique<GazeboEngine>(vehicle_sdf(setup.vehicle, "vehicle", SdfModel::kOneLink),
+                                          gravity_m_s2, options);
   }
   throw config::Error(
       fmt::format("--physics: found {}, allowed {}", physics, fmt::join(kPhysics, ", ")));
@@ -47,25 +88,36 @@ std::unique_ptr<sim::SensorsModule> make_sensors(const FlightSetup& setup,
 
 }  // namespace
 
-World::World(const FlightSetup& flight_setup)
+World::World(const FlightSetup& flight_setup, std::unique_ptr<sim::PhysicsEngine> given)
     : setup{flight_setup},
       random{setup.choice.seed},
       forces{setup.registry.make_forces(setup.vehicle, random)},
       dynamics{setup.vehicle.body(), setup.vehicle.ground(), setup.vehicle.environment(), *forces,
                random},
-      engine{make_engine(setup)},
+      engine{given ? std::move(given) : make_engine(setup)},
       healthy_sensors{make_sensors(setup, random)},
+      shapes{make_shapes(setup)},
+      world_sensors{setup.registry, setup.vehicle, shapes, random, Flight::kStep},
       faults{setup.faults},
       sensors{*healthy_sensors, faults},
       pilot{pilot_script(setup)},
       rc{pilot, faults},
       cable{random} {
   if (engine) dynamics.set_engine(*engine);
-  if (setup.fixed_wing()) face_the_wind();
+  if (const auto* gazebo = dynamic_cast<const GazeboEngine*>(engine.get()))
+    world_sha256 = gazebo->world_sha256();
+  const std::string& wanted = setup.choice.world_sha256;
+  if (!wanted.empty() && world_sha256 != wanted)
+    throw config::Error(
+        fmt::format("--repeat: found {} or what it refers to with SHA-256 {:.8}, allowed {:.8}, "
+                    "that of the flight, "
+                    "whose world.sdf is in its folder and log",
+                    setup.choice.world, world_sha256, wanted));
+  if (setup.winged()) face_the_wind();
 }
 
-/// A fixed wing takes off against the wind, if the wind exceeds kCalm_m_s. It is held until then,
-/// with a cover on its pitot tube while it is set up.
+/// An aircraft with a wing takes off against the wind, if the wind exceeds kCalm_m_s. It is held until
+/// then, with a cover on its pitot tube while it is set up.
 void World::face_the_wind() {
   constexpr double kCalm_m_s = 2.0;
   dynamics.set_held(true);

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <memory>
+#include <string>
 
 #include "flight/autopilot/autopilot.hpp"
 #include "flight/autopilot/cable_link.hpp"
@@ -9,6 +10,7 @@
 #include "sim/dynamics/rigid_body.hpp"
 #include "sim/faulty_modules.hpp"
 #include "sim/rc/pilot.hpp"
+#include "sim/world_sensors/world_sensors.hpp"
 
 namespace rosflight::flight {
 
@@ -17,7 +19,9 @@ namespace rosflight::flight {
 struct World {
   /// @param flight_setup  must outlive this. @throws config::Error  a module does not accept its configuration.
   /// @throws boards::EmulatorError  the physics engine does not start.
-  explicit World(const FlightSetup& flight_setup);
+  /// @param given  moves the body; nullptr: what the choice of physics says.
+  explicit World(const FlightSetup& flight_setup,
+                 std::unique_ptr<sim::PhysicsEngine> given = nullptr);
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
@@ -29,7 +33,10 @@ struct World {
   std::unique_ptr<sim::ForcesAndMoments> forces;
   sim::RigidBody dynamics;
   std::unique_ptr<sim::PhysicsEngine> engine;  ///< nullptr: none but `dynamics`.
+  std::string world_sha256;  ///< SHA-256 over all files of the world; empty: none.
   std::unique_ptr<sim::SensorsModule> healthy_sensors;
+  sim::world::WorldShapes shapes;  ///< Empty without sensors of the world.
+  sim::WorldSensors world_sensors;
   sim::FaultSchedule faults;
   sim::FaultySensors sensors;
   sim::rc::Pilot pilot;

@@ -9,6 +9,7 @@
 #include "messages/link.hpp"
 #include "messages/simulation.hpp"
 #include "messages/utf8.hpp"
+#include "messages/world_sensors.hpp"
 
 namespace rosflight::log {
 
@@ -41,17 +42,17 @@ std::uint64_t FlightLog::stamp(hal::Time time) const {
 McapWriter::ChannelId FlightLog::channel(Topic topic) {
   const auto index = static_cast<std::size_t>(topic);
   if (channels_[index] != 0) return channels_[index];
-  // Topics of one type share the schema of the first that came.
-  McapWriter::SchemaId schema = 0;
-  for (std::size_t k = 0; k < kTopics.size() && schema == 0; ++k) {
-    if (kTopics[k].type == kTopics[index].type) schema = schemas_[k];
-  }
-  if (schema == 0) {
-    schema = writer_.add_schema(kTopics[index].type, "ros2msg", kTopics[index].schema());
-  }
-  schemas_[index] = schema;
-  channels_[index] = writer_.add_channel(kTopics[index].name, schema, "cdr");
+  const TopicType& kind = kTopics[index];
+  const McapWriter::SchemaId schema = schema_of(kind.type, kind.schema());
+  channels_[index] = writer_.add_channel(kind.name, schema, "cdr");
   return channels_[index];
+}
+
+/// Topics of one type share the schema of the first that came.
+McapWriter::SchemaId FlightLog::schema_of(std::string_view type, std::string_view text) {
+  McapWriter::SchemaId& schema = schemas_[type];
+  if (schema == 0) schema = writer_.add_schema(type, "ros2msg", text);
+  return schema;
 }
 
 template <Topic kTopic>
@@ -116,6 +117,29 @@ void FlightLog::write_description(hal::Time time, std::string_view urdf) {
   const std::uint64_t now = stamp(time);
   write<Topic::kTfStatic>(now, messages::fixed_transforms(messages::stamp_of(now)));
   write<Topic::kRobotDescription>(now, messages::std_msgs::String{std::string(urdf)});
+}
+
+void FlightLog::write_world_sample(hal::Time time, const std::string& name,
+                                   const sim::WorldSample& sample) {
+  const std::uint64_t now = stamp(time);
+  const std::uint64_t measured = stamp(messages::measured_at(sample));
+  latest_ns_ = std::max(latest_ns_, now);
+  const auto put = [&]<class Message>(const std::string& topic, const Message& message) {
+    McapWriter::ChannelId& id = world_channels_[topic];
+    if (id == 0)
+      id = writer_.add_channel("/" + topic, schema_of(Message::kName, Message::schema()), "cdr");
+    cdr_.begin();
+    serialize(cdr_, message);
+    writer_.write(id, now, measured, cdr_.bytes());
+  };
+  messages::put_sample(messages::stamp_of(measured), name, sample, put);
+}
+
+void FlightLog::write_sensor_frames(hal::Time time, const std::string& name,
+                                    const sim::Vector3& position_B, const sim::Matrix3& R_BS) {
+  const std::uint64_t now = stamp(time);
+  write<Topic::kTfStatic>(now,
+                          messages::sensor_frames(messages::stamp_of(now), name, position_B, R_BS));
 }
 
 void FlightLog::write_path(hal::Time time, std::span<const std::array<double, 3>> points_W) {

@@ -2,8 +2,10 @@
 #pragma once
 #include <array>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +17,7 @@
 #include "messages/rosflight_log_msgs.hpp"
 #include "messages/tf2_msgs.hpp"
 #include "sim/types.hpp"
+#include "sim/world_sensors/samples.hpp"
 
 namespace rosflight::log {
 
@@ -97,6 +100,13 @@ class FlightLog {
   /// The vehicle file as it is in force from now on.
   void write_settings(hal::Time time, std::string_view yaml);
 
+  /// A sample of a sensor of the world, when it arrives: topics /NAME/scan, /NAME/image_raw and /NAME/camera_info,
+  /// /NAME/pose or /NAME/range, stamped with the time of measurement.
+  void write_world_sample(hal::Time time, const std::string& name, const sim::WorldSample& sample);
+  /// Its frames on the vehicle. @param R_BS  axes of the sensor, front-right-down, to those of the body.
+  void write_sensor_frames(hal::Time time, const std::string& name, const sim::Vector3& position_B,
+                           const sim::Matrix3& R_BS);
+
   /// The path as it is planned from here on: points in NED.
   void write_path(hal::Time time, std::span<const std::array<double, 3>> points_W);
 
@@ -116,6 +126,7 @@ class FlightLog {
   std::uint64_t fcu_stamp_us(std::uint64_t boot_us) const { return fcu_boot_ns_ + boot_us * 1000; }
   std::uint64_t fcu_stamp_ms(std::uint64_t boot_ms) const { return fcu_stamp_us(boot_ms * 1000); }
   McapWriter::ChannelId channel(Topic topic);
+  McapWriter::SchemaId schema_of(std::string_view type, std::string_view text);
   /// At `now`, so that the file is in the order of time.
   void write_raw_frames(std::uint64_t now);
   /// Delay after the last input of inputs_ [us]; starts a new message when it is due.
@@ -139,7 +150,8 @@ class FlightLog {
   McapWriter writer_;
   messages::CdrWriter cdr_;
   std::array<McapWriter::ChannelId, kMaxTopics> channels_{};
-  std::array<McapWriter::SchemaId, kMaxTopics> schemas_{};
+  std::map<std::string_view, McapWriter::SchemaId> schemas_;     ///< By type.
+  std::map<std::string, McapWriter::ChannelId> world_channels_;  ///< By topic.
   std::uint64_t fcu_boot_ns_{};
   std::optional<link::Attitude> attitude_;              ///< The latest.
   messages::rosflight_log_msgs::RawFrames raw_frames_;  ///< Not written yet.

@@ -20,7 +20,7 @@ struct Name {
   std::string_view effect;
 };
 
-constexpr std::array<Name, 17> kNames{{
+constexpr std::array<Name, 18> kNames{{
     {"imu", FaultKind::kImu, "the IMU stops delivering"},
     {"mag", FaultKind::kMag, "the magnetometer stops delivering"},
     {"baro", FaultKind::kBaro, "the barometer stops delivering"},
@@ -38,6 +38,7 @@ constexpr std::array<Name, 17> kNames{{
     {"pitot_blocked", FaultKind::kPitotBlocked, "the pitot tube reads no pressure"},
     {"companion_stall", FaultKind::kCompanionStall, "the companion's program pauses"},
     {"battery_low", FaultKind::kBatteryLow, "the battery has 15 % of its charge left"},
+    {"motion_capture", FaultKind::kMotionCapture, "no pose of motion capture arrives"},
 }};
 
 /// A fault with a size: NAME=VALUE. `unit` turns what is typed into what Fault holds.

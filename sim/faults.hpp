@@ -39,8 +39,9 @@ enum class FaultKind : std::uint8_t {
   kCompanionStall,  ///< The companion's program stands; bytes for it wait, as far as there is room.
   kServo,           ///< One control surface keeps the deflection that it has.
   kBatteryLow,      ///< No more than kLowCharge of the battery's charge is left.
+  kMotionCapture,   ///< No pose of motion capture arrives.
 };
-inline constexpr std::size_t kFaultKinds = 26;
+inline constexpr std::size_t kFaultKinds = 27;
 /// What kBatteryLow leaves of a full battery.
 inline constexpr double kLowCharge = 0.15;
 

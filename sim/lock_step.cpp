@@ -12,7 +12,7 @@ LockStep::LockStep(TimeSource& time, RcModule& rc, SensorsModule& sensors,
       dynamics_{dynamics},
       now_{dynamics.truth().time} {}
 
-void LockStep::step() {
+void LockStep::begin_step() {
   const Time t = now_;
   if (listener_ != nullptr) listener_->before_step(t);
   has_frame_ = rc_.step(t, frame_);
@@ -26,9 +26,18 @@ void LockStep::step() {
   }
   if (listener_ != nullptr) listener_->after_autopilot(t, *outputs);
   now_ = time_.advance(t);
-  dynamics_.step(now_, *outputs);
-  for (Visualiser* visualiser : visualisers_) visualiser->step(dynamics_.truth(), *outputs);
+  outputs_ = outputs;
+}
+
+void LockStep::end_step() {
+  for (Visualiser* visualiser : visualisers_) visualiser->step(dynamics_.truth(), *outputs_);
   ++ticks_;
+}
+
+void LockStep::step() {
+  begin_step();
+  dynamics_.step(now_, *outputs_);
+  end_step();
 }
 
 std::uint64_t LockStep::run_until(Time end) {

@@ -52,6 +52,12 @@ class LockStep {
 
   /// Executes one step.
   void step();
+  /// The same in two halves, for a world that another program moves in between: all up to the dynamics, which the owner
+  /// moves to now() under outputs(); then the visualisers. Not with substeps.
+  void begin_step();
+  void end_step();
+  /// Those of the last begin_step().
+  const hal::OutputValues& outputs() const { return *outputs_; }
   /// Steps while now() < end. @returns the number of steps.
   std::uint64_t run_until(Time end);
 
@@ -75,6 +81,7 @@ class LockStep {
   bool has_frame_{false};
   unsigned substeps_{1};
   Time substep_{};
+  const hal::OutputValues* outputs_{nullptr};  ///< The autopilot's.
   Time now_;
   std::uint64_t ticks_{0};
 };

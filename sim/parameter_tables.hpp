@@ -11,7 +11,9 @@
 /// sim/sensors/read_config.hpp.
 namespace rosflight::sim {
 
+/// Section `body`.
 config::Table<BodyParameters> body_parameters();
+/// Section `rotors`.
 config::Table<MultirotorParameters> rotor_parameters();
 config::Table<BatteryParameters> battery_parameters();
 /// Section `aero` of a multirotor.

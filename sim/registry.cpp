@@ -7,6 +7,7 @@
 
 #include "sim/fixedwing/fixedwing.hpp"
 #include "sim/multirotor/multirotor.hpp"
+#include "sim/quadplane/quadplane.hpp"
 
 namespace rosflight::sim {
 void Registry::load_plugin(const std::filesystem::path& library) {
@@ -74,6 +75,9 @@ void register_physics(Registry& registry) {
   });
   registry.forces.add("multirotor", [](const Vehicle& vehicle, const RandomSource&) {
     return std::make_unique<Multirotor>(read_multirotor(vehicle.root()));
+  });
+  registry.forces.add("quadplane", [](const Vehicle& vehicle, const RandomSource&) {
+    return std::make_unique<FixedWing>(read_quadplane(vehicle.root()));
   });
 }
 

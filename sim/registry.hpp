@@ -10,6 +10,7 @@
 
 #include "sim/modules.hpp"
 #include "sim/vehicle.hpp"
+#include "sim/world_sensors/world_sensor.hpp"
 
 namespace rosflight::sim {
 
@@ -79,6 +80,8 @@ class Registry {
   Catalogue<Factory<ForcesAndMoments>> forces{"type"};
   Catalogue<Factory<SensorsModule>> sensors{"sensors module"};
   Catalogue<Factory<Visualiser>> visualisers{"visualiser"};
+  /// Sensors of the world: `type` in the section `world_sensors` of a vehicle file.
+  Catalogue<WorldSensorFactory> world_sensors{"world sensor"};
   /// Vehicle files.
   Catalogue<std::filesystem::path> vehicles{"vehicle"};
 
@@ -105,7 +108,7 @@ class Registry {
                                                 const RandomSource& random) const;
 };
 
-/// Adds the forces-and-moments modules of this folder: "multirotor", "fixedwing".
+/// Adds the forces-and-moments modules of this folder: "multirotor", "fixedwing", "quadplane".
 void register_physics(Registry& registry);
 
 }  // namespace rosflight::sim

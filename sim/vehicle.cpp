@@ -33,6 +33,12 @@ config::Document read_chain(const fs::path& file, const fs::path& library, int d
   return base;
 }
 
+/// A section that text() does not show where the file has none.
+config::Section section_or_empty(const config::Section& root, const char* key) {
+  if (root.has(key)) return root.foreign_section(key);
+  return config::Document::from_text("{}", key).root();
+}
+
 }  // namespace
 
 Vehicle Vehicle::from_file(const std::filesystem::path& file,
@@ -52,6 +58,7 @@ Vehicle::Vehicle(config::Document document)
       ground_{read_ground(root_.section("ground"))},
       environment_{read_environment(root_.section("environment"))},
       sensors_{root_.foreign_section("sensors")},
+      world_sensors_{section_or_empty(root_, "world_sensors")},
       firmware_{root_.foreign_section("firmware")},
       autonomy_{root_.foreign_section("autonomy")} {
   for (Vector3& contact : ground_.contacts_B) contact -= body_.centre_of_mass_B;

@@ -17,6 +17,7 @@ namespace rosflight::sim {
 /// | type                  | here: name of the forces-and-moments module         |
 /// | body, ground, environment | here                                            |
 /// | sensors               | the sensors module                                  |
+/// | world_sensors         | sim/world_sensors; none without it                  |
 /// | firmware              | the program that starts the firmware: parameter name: value |
 /// | autonomy              | autonomy                                            |
 /// | all others            | the forces-and-moments module, from root()          |
@@ -45,10 +46,11 @@ class Vehicle {
 
   const config::Section& root() const { return root_; }
   const config::Section& sensors() const { return sensors_; }
+  const config::Section& world_sensors() const { return world_sensors_; }
   const config::Section& firmware() const { return firmware_; }
   const config::Section& autonomy() const { return autonomy_; }
 
-  /// Throws if a key outside sensors, firmware and autonomy was never asked for.
+  /// Throws if a key outside sensors, world_sensors, firmware and autonomy was never asked for.
   void finish() const { root_.finish(); }
   /// The file with its overrides as YAML, for the flight folder.
   std::string text() const { return document_.text(); }
@@ -61,6 +63,7 @@ class Vehicle {
   GroundParameters ground_;
   EnvironmentParameters environment_;
   config::Section sensors_;
+  config::Section world_sensors_;
   config::Section firmware_;
   config::Section autonomy_;
 };

@@ -24,7 +24,7 @@ AARCH64 = 183  # e_machine, ELF for the Arm 64-bit Architecture
 # Debian's packages of the shared libraries, by soname.
 PACKAGES = {
     "ld-linux-aarch64.so.1": "libc6", "libc.so.6": "libc6", "libm.so.6": "libc6", "libcrypto.so.3": "libssl3", "libssl.so.3": "libssl3",
-    "libfmt.so.9": "libfmt9", "libgcc_s.so.1": "libgcc-s1", "libstdc++.so.6": "libstdc++6", "libyaml-cpp.so.0.7": "libyaml-cpp0.7",
+    "libfmt.so.9": "libfmt9", "libgcc_s.so.1": "libgcc-s1", "libstdc++.so.6": "libstdc++6", "libtinyxml2.so.9": "libtinyxml2-9", "libyaml-cpp.so.0.7": "libyaml-cpp0.7",
     "libz.so.1": "zlib1g", "libzstd.so.1": "libzstd1"}
 
 

@@ -7,12 +7,13 @@ from typing import Callable
 
 import bench_build
 import bench_web
+import bench_worlds
 import driver_coverage
 import h7_figures
 import m7_figures
 import stages
 from bench_programs import (
-    counted, estimation_figure, faults, firmware_pass, fly_runs, fly_wall_s, fuzz_runs, fuzz_target, inference,
+    counted, dart_realtime_factor, estimation_figure, faults, firmware_pass, fly_runs, fly_wall_s, fuzz_runs, fuzz_target, inference,
     link_rate, load, log_share, loop_factor, mission_figure, number, properties, random_faults, ros_factor, round_trip, scale, seeds_failed, size, wind_limit,
     worst_over_mean)
 
@@ -47,6 +48,8 @@ def all_figures() -> list[Figure]:
                lambda: loop_factor("realtime_factor_ekf")),
         Figure("loop.realtime_factor_fixedwing", "s/s", ">= 500",
                lambda: loop_factor("realtime_factor_fixedwing")),
+        Figure("worlds.dart_realtime_factor", "s/s", ">= 100", dart_realtime_factor, "gazebo", on_request=True),
+        *worlds(),
         Figure("firmware.object_bytes", "B", "<= 14000", lambda: size("firmware.object_bytes")),
         Figure("firmware.heap_allocations", "allocations", "= 0",
                lambda: size("firmware.heap_allocations")),
@@ -267,6 +270,26 @@ def h7() -> list[Figure]:
         flown("imu_to_output_us", "us", "<= 400", "varmint"),
         flown("stamp_error_us", "us", "<= 2", "varmint"),
     ]
+
+
+# How much flights with another engine may differ from those with our integrator.
+WORLDS = [("rotors", bench_worlds.ROTORS, 0.05), ("wings", bench_worlds.WINGS, 0.3)]
+
+
+def worlds() -> list[Figure]:
+    """Worst of all flights of an engine: distance of the true positions, attitude, error of tracking and touchdown."""
+    def row(name: str, unit: str, target: str, worst: Callable[..., float], *of) -> Figure:
+        return Figure(f"worlds.{name}", unit, target, functools.partial(worst, *of), "gazebo", on_request=True)
+
+    figures = [row("failed", "flights", "= 0", bench_worlds.failed)]
+    for engine in bench_worlds.ENGINES:
+        for group, flown, allowed_m in WORLDS:
+            figures += [
+                row(f"{engine}_{group}_position_rms_m", "m", f"<= {allowed_m}", bench_worlds.worst, engine, flown, "position_rms_m"),
+                row(f"{engine}_{group}_tracking_m", "m", f"<= {allowed_m}", bench_worlds.worst_between, engine, flown, "tracking_rms_m"),
+                row(f"{engine}_{group}_attitude_rms_deg", "deg", "<= 1", bench_worlds.worst, engine, flown, "attitude_rms_deg"),
+                row(f"{engine}_{group}_touchdown_m_s", "m/s", "<= 0.1", bench_worlds.worst_between, engine, flown, "touchdown_m_s")]
+    return figures
 
 
 def ros_figures() -> list[Figure]:

@@ -6,6 +6,7 @@ Most stand under bench/; what they take and print stands in bench/README.md. Wha
 
 import functools
 import json
+import resource
 import statistics
 import subprocess
 import tempfile
@@ -35,13 +36,22 @@ def prepare(preset: str):
     if preset == "release":
         project.build("release", "bench/all", keep_going=True)
         project.build("release", "rosflight", keep_going=True)
+    elif preset == "gazebo":
+        project.build("release", "rosflight", "bench/worlds", keep_going=True)
+        stages.gazebo_engine()
+        environment(".venv-jsbsim", "tools/requirements-jsbsim.txt")
     elif preset == "sanitizers":
         project.build(preset, "bench/properties", keep_going=True)
     elif preset == "cortex-m7":
         project.build("release", "rosflight", "h7_emulator", keep_going=True)
         project.build(preset, keep_going=True)
     else:
-        raise ValueError(f"preset: found {preset}, allowed none, release, sanitizers, cortex-m7")
+        raise ValueError(f"preset: found {preset}, allowed none, release, gazebo, sanitizers, cortex-m7")
+
+
+def environment(name: str, requirements: str):
+    """A Python environment of its own, made where it is missing."""
+    subprocess.run(["bash", str(project.ROOT / "tools/ready.sh"), "environment", name, requirements], check=True)
 
 
 def program(name: str, folder: str = "bench") -> str:
@@ -118,6 +128,26 @@ def loop_runs() -> list[dict]:
 
 def loop_factor(key: str) -> float:
     return statistics.median(number(printed, key) for printed in loop_runs())
+
+
+def dart_realtime_factor() -> float:
+    """Simulated seconds in a second of processor time of both processes, which take turns; the start of the engine is in neither:
+    a long flight less a short one, the least of nine of each, because other work on the machine only adds."""
+    (long_s, long_cpu_s), (short_s, short_cpu_s) = (_dart_flight(mission) for mission in ("default", "hop"))
+    return (long_s - short_s) / (long_cpu_s - short_cpu_s)
+
+
+def _dart_flight(mission: str) -> tuple[float, float]:
+    """Simulated seconds of a flight, and the processor time of both processes."""
+    cpu_s = []
+    for _ in range(9):
+        with tempfile.TemporaryDirectory() as folder:
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+            printed = run_json([program("rosflight", "apps"), "fly", "--physics", "gazebo", "--mission", mission, "--no-log", "--json",
+                                "--out", f"{folder}/flight"])
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        cpu_s.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    return number(printed, "sim_time_s"), min(cpu_s)
 
 
 def log_share() -> float:

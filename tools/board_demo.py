@@ -8,6 +8,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+import bench_programs
 import h7_figures
 import project
 
@@ -116,9 +117,9 @@ def round_trips_main(arguments: list[str]) -> int:
 
 def draw(folder: Path):
     """By matplotlib, in an environment of its own."""
-    tools, python = project.ROOT / "tools", project.ROOT / ENVIRONMENT / "bin/python3"
-    subprocess.run(["bash", str(tools / "ready.sh"), "environment", ENVIRONMENT, "tools/requirements-plot.txt"], check=True)
-    subprocess.run([str(python), str(tools / "board_plots.py"), str(folder)], check=True)
+    bench_programs.environment(ENVIRONMENT, "tools/requirements-plot.txt")
+    python = project.ROOT / ENVIRONMENT / "bin/python3"
+    subprocess.run([str(python), str(project.ROOT / "tools/board_plots.py"), str(folder)], check=True)
 
 
 def main(arguments: list[str]) -> int:

@@ -30,6 +30,7 @@ class Outcome:
     passed: int = 0
     failed: int = 0
     complaints: list[str] = field(default_factory=list)
+    skipped: list[str] = field(default_factory=list)  # names of cases that did not run
 
 
 def find(preset: str) -> list[Binary]:
@@ -89,7 +90,7 @@ def run(binary: Binary, results: Path) -> Outcome:
 
 
 def _count(report: Path) -> Outcome:
-    """Cases of a GoogleTest report; skipped and disabled ones count as neither."""
+    """Cases of a GoogleTest report; skipped ones are named, they and disabled ones count as neither."""
     try:
         cases = xml.parse(report).getroot().iter("testcase")
     except (OSError, xml.ParseError):
@@ -101,6 +102,8 @@ def _count(report: Path) -> Outcome:
             outcome.complaints.append(f"{case.get('classname')}.{case.get('name')} failed")
         elif case.get("status") == "run" and case.find("skipped") is None:
             outcome.passed += 1
+        elif case.find("skipped") is not None:
+            outcome.skipped.append(f"{case.get('classname')}.{case.get('name')}")
     return outcome
 
 

@@ -131,7 +131,7 @@ def _finish(ended: _Running, status: int, used: resource.struct_rusage) -> Row:
         print(f"== {ended.name}")
         print(ended.file("said").read_text(errors="replace"), end="")
     ended.folder.cleanup()
-    for line in outcome.complaints:
+    for line in [*outcome.complaints, *(f"skipped: {name}" for name in outcome.skipped)]:
         print(f"   {line}")
     print(f"   {outcome.passed} passed, {outcome.failed} failed, {minutes:.1f} min", flush=True)
     return Row(ended.name, minutes, processor_minutes, outcome)

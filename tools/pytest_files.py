@@ -64,13 +64,15 @@ def _run_file(file: Path, python: str, reports: Path, options, environment) -> O
 
 
 def count(report: Path, done: subprocess.CompletedProcess) -> Outcome:
-    """Cases of a JUnit report that pytest left; skipped ones count as neither."""
+    """Cases of a JUnit report that pytest left; skipped ones are named and count as neither."""
     outcome = Outcome()
     try:
         for case in xml.parse(report).getroot().iter("testcase"):
             bad = case.find("failure") is not None or case.find("error") is not None
             outcome.failed += bad
-            outcome.passed += not bad and case.find("skipped") is None
+            skipped = case.find("skipped") is not None
+            outcome.passed += not bad and not skipped
+            outcome.skipped += [f"{case.get('classname')}.{case.get('name')}"] if skipped else []
     except (OSError, xml.ParseError):
         outcome.failed += 1  # without a report nothing is known
     if done.returncode not in (0, 5) and outcome.failed == 0:

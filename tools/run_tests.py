@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Usage: ./rosflight test [NAME...]
 
-Builds and runs every test and ends with the line "N passed, M failed". Exit code 1 if any failed.
+Builds and runs every test and ends with the line "N passed, M failed", before it the number of skipped cases, if any, which
+the stages name. Exit code 1 if any failed.
 
 NAME chooses: a stage by its name, and test programs and pytest files by a part of theirs. quick stands for format,
 structure, build, unit and python: less than five minutes after a build.
@@ -105,6 +106,8 @@ def main(names: list[str]) -> int:
     if len(rows) != len(chosen):  # a stage that was never run must not look like one that passed
         failed += len(chosen) - len(rows)
         print(f"{len(chosen) - len(rows)} stages did not run")
+    if skipped := sum(len(row.outcome.skipped) for row in rows):
+        print(f"{skipped} skipped")
     print(f"{sum(row.outcome.passed for row in rows)} passed, {failed} failed")
     return 1 if failed else 0
 

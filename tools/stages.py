@@ -42,6 +42,7 @@ def add(outcomes) -> Outcome:
         total.passed += outcome.passed
         total.failed += outcome.failed
         total.complaints += outcome.complaints
+        total.skipped += outcome.skipped
     return total
 
 
@@ -111,7 +112,23 @@ def _build(preset: str, *targets: str) -> Outcome:
 
 
 def build_release() -> Outcome:
-    return _build("release")
+    return add([_build("release"), gazebo_engine()])
+
+
+GAZEBO_RELEASES = ("bookworm", "jammy")  # with the packages of tools/system_packages.txt, [gazebo]
+
+
+def gazebo_engine() -> Outcome:
+    """The program that Gazebo's libraries are linked to. Where they cannot be installed it is not built, and the tests that
+    need it are skipped."""
+    release = subprocess.run(["bash", "-c", "source tools/ready.sh && release_codename"], cwd=ROOT, capture_output=True, text=True)
+    wanted = release.stdout.strip() in GAZEBO_RELEASES
+    if wanted and subprocess.run(["bash", "tools/ready.sh", "packages", "run", "gazebo"], cwd=ROOT).returncode == 0:
+        # The simulator itself, for ros/rosflight_sim/gazebo; where it cannot be installed the tests with it are skipped.
+        subprocess.run(["bash", "tools/ready.sh", "packages", "gazebo-server"], cwd=ROOT, check=False)
+        return _build("gazebo", "gazebo_engine")
+    print("   gazebo_engine is not built: no packages of Gazebo for this release, or they cannot be installed")
+    return Outcome()
 
 
 def cortex_m7() -> Outcome:

@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PROGRAM = Path(os.environ.get("ROSFLIGHT_BUILD", ROOT / "build" / "release")) / "apps" / "rosflight"
-COMMANDS = ["fly", "view", "replay", "sil", "mixer", "trim", "params", "calibrate", "monitor", "preflight", "blackbox"]
+COMMANDS = ["fly", "view", "replay", "sil", "mixer", "trim", "sdf", "params", "calibrate", "monitor", "preflight", "blackbox"]
 
 
 @pytest.fixture(scope="module")

@@ -9,6 +9,8 @@
 namespace rosflight::autonomy::estimation {
 namespace {
 
+constexpr double kHovers_m_s = 10.0;  ///< Slower, fuse_hovering().
+
 /// The low-altitude Dryden model of MIL-F-8785C (1980), section 3.7.3.4, h the height in feet from 10 to 1000:
 /// L_w = h, L_u = h/k^1.2, sigma_u = sigma_w/k^0.4 with k = 0.177 + 0.000823 h.
 double dryden_height_m(double above_ground_m) {
@@ -192,11 +194,41 @@ bool AidFusion::pitot_is_blocked(double measured_m_s, double forward_m_s) {
   return pitot_blocked_ || share < kBlocked;
 }
 
+/// A vehicle that hovers in a wind has an airspeed before the estimate holds a wind. With the estimated speed u far off, the pressure is
+/// taken at the measured speed m, where it is linear in u:
+///
+///     nu = rho m (m - u),  H = dp/du at m                                                   (1)
+///
+/// A tube that reads little is not blocked then.
+void AidFusion::fuse_hovering(const PitotSample& sample, double forward_m_s) {
+  constexpr double kMin_m_s = 1.0;
+  const double measured_m_s =
+      std::max(std::sqrt(2.0 * std::max(sample.pressure_Pa, 0.0) / density_kg_m3_), kMin_m_s);
+  if (std::max(measured_m_s, forward_m_s) < config_.min_airspeed_m_s || waits_for_gnss()) return;
+  pitot_blocked_ = false;
+  NominalState at = filter_.state();
+  const Eigen::Vector2d nose_W = (at.q_WB * Vector3::UnitX()).head<2>();
+  const double level_sq = nose_W.squaredNorm();
+  constexpr double kLevelEnough = 0.5;
+  if (level_sq < kLevelEnough) return;
+  const double off_m_s = measured_m_s - forward_m_s;
+  at.wind_W -= off_m_s / level_sq * nose_W;
+  auto residual = Filter::pitot(at, sample.pressure_Pa, density_kg_m3_);
+  residual.nu(0) += density_kg_m3_ * measured_m_s * off_m_s;
+  residual.R(0) = config_.pitot_sigma_Pa * config_.pitot_sigma_Pa;
+  if (weigh<1>(Aid::kPitot, residual, config_.gate_sigma)) {
+    learn_gusts(health_.of(Aid::kPitot).nis);
+  } else if (health_.of(Aid::kPitot).rejecting_for_s() > config_.pitot_relearn_s) {
+    widen_wind(off_m_s);
+  }
+}
+
 void AidFusion::fuse(const PitotSample& sample) {
   if (fixed_wing()) {
     const NominalState& x = filter_.state();
     const Vector3 wind_W(x.wind_W.x(), x.wind_W.y(), 0.0);
     const double forward_m_s = (x.q_WB.conjugate() * (x.v_W - wind_W)).x();
+    if (config_.hovers && forward_m_s < kHovers_m_s) return fuse_hovering(sample, forward_m_s);
     if (forward_m_s < config_.min_airspeed_m_s || waits_for_gnss()) return;
     auto residual = Filter::pitot(x, sample.pressure_Pa, density_kg_m3_);
     // rho/2 (m^2 - u^2) = rho (m + u)/2 (m - u): with the mean of measured and expected speed the

@@ -112,7 +112,8 @@ bool AidFusion::note(Aid aid, const Filter::Verdict& verdict, int rows) {
     ++health.accepted;
     health.last_accepted_s = t_s_;
     health.rejecting = false;
-    if (aid == Aid::kGnssHorizontal || aid == Aid::kRest) health_.bridging = false;
+    if (aid == Aid::kGnssHorizontal || aid == Aid::kRest || aid == Aid::kPose)
+      health_.bridging = false;
   } else {
     ++health.rejected;
     if (!health.rejecting) health.rejected_since_s = t_s_;
@@ -135,19 +136,25 @@ void AidFusion::fuse(const GnssSample& sample) {
     filter_.reset_variance(Filter::kGnssBias, 3, config_.gnss_altitude_sigma_m);
   }
   const Vector3 p_W = ned_of(sample.position, *reference_.origin);
-  // Where the output will be, which is ahead of the filter.
-  const double ahead_s = newest_s_ - t_s_;
-  const auto shown_W = [this, ahead_s]() -> Vector2 {
-    const NominalState& x = filter_.state();
-    return (x.p_W + ahead_s * x.v_W).head<2>();
-  };
   const Vector2 before_W = shown_W();
   constexpr double kGap_s = 1.0;
   const bool was_away = t_s_ - health_.of(Aid::kGnssHorizontal).last_accepted_s > kGap_s;
   const std::uint64_t resets = health_.gnss_resets;
   fuse_gnss(sample, p_W, was_away);
+  show_gradually(before_W, was_away || health_.gnss_resets != resets);
+}
+
+/// Where the output will be, which is ahead of the filter.
+Vector2 AidFusion::shown_W() const {
+  const NominalState& x = filter_.state();
+  const double ahead_s = newest_s_ - t_s_;
+  return (x.p_W + ahead_s * x.v_W).head<2>();
+}
+
+/// A correction by what has been away moves the output at a limited speed. @param before_W  shown_W() before it.
+void AidFusion::show_gradually(const Vector2& before_W, bool returned) {
   constexpr double kReturning_s = 2.0;
-  if (was_away || health_.gnss_resets != resets) jump_.until_s = t_s_ + kReturning_s;
+  if (returned) jump_.until_s = t_s_ + kReturning_s;
   if (t_s_ > jump_.until_s) return;
   const Vector2 moved_W = shown_W() - before_W;
   jump_.moved_W = unshown_jump_W(t_s_) + moved_W;
@@ -267,7 +274,9 @@ double AidFusion::height_above_ground_m() const {
 
 bool AidFusion::dead_reckoning() const {
   constexpr double kGap_s = 0.5;
-  return t_s_ - health_.of(Aid::kGnssVelocity).last_accepted_s > kGap_s;
+  return t_s_ - std::max(health_.of(Aid::kGnssVelocity).last_accepted_s,
+                         health_.of(Aid::kPose).last_accepted_s) >
+         kGap_s;
 }
 
 /// Nothing of this aid was used for a while.

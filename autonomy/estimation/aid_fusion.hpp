@@ -89,6 +89,7 @@ inline constexpr double kAirspeedKnown_m_s = 2.0;
 /// | GNSS position alone | gnss_jump_s | its slow error is set so that the residual is zero; back where disagreement_W() has it from: the position moves there |
 /// | barometer | baro_relearn_s | its bias is set so that the residual is zero |
 /// | barometer without GNSS, no jump | at once | the accelerometer's bias and its effect are widened |
+/// | pose | pose_reset_s | the position is set to the pose |
 /// | pitot | pitot_relearn_s | the wind is widened by the residual, unless the tube is blocked, which it stays until it agrees |
 /// | range | range_relearn_s | the altitude of the ground is set so that the residual is zero |
 ///
@@ -148,6 +149,8 @@ class AidFusion {
   /// The position has followed GNSS, and its reported sigma has as much in it until the receiver jumps back.
   const Vector2& disagreement_W() const { return disagreement_W_; }
 
+  /// Time of the newest fix or pose that was used [s].
+  double aided_s() const;
   double time_s() const { return t_s_; }  ///< Time of the filter's state.
   const Filter& filter() const { return filter_; }
   const EstimatorConfig& config() const { return config_; }
@@ -166,6 +169,11 @@ class AidFusion {
   void fuse(const RangeSample& sample);
   void fuse(const PitotSample& sample);
   void fuse(const SideslipSample& sample);
+  void fuse(const PoseSample& sample);
+  bool fuse_position(const Vector3& p_W);
+  void fuse_heading(const Quaternion& q_WB);
+  Vector2 shown_W() const;
+  void show_gradually(const Vector2& before_W, bool returned);
   template <int kRows>
   bool weigh(Aid aid, const Filter::Residual<kRows>& residual, double gate_sigma) {
     const Filter::Verdict verdict = filter_.correct(residual, gate_sigma);
@@ -177,6 +185,7 @@ class AidFusion {
   void consider_air_scale(Filter::Residual<1>& residual) const;
   void learn_gusts(double nis);
   void widen_wind(double gust_m_s);
+  void fuse_hovering(const PitotSample& sample, double forward_m_s);
   bool pitot_is_blocked(double measured_m_s, double forward_m_s);
   double max_wind_noise_m_s_rts() const {
     return std::max(config_.noise.wind_m_s_rts, config_.max_wind_noise_m_s_rts);

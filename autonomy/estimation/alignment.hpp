@@ -45,6 +45,7 @@ class Alignment {
     last_fix = s;
     fixes.add({s.position.latitude_deg, s.position.longitude_deg, s.position.altitude_m});
   }
+  void add(const PoseSample& s) { last_pose = s; }
   double length_s() const { return gyro.count > 1 ? end_s - start_s : 0.0; }
   bool complete() const { return gyro.count > 1 && field.count > 0 && pressure_Pa.count > 0; }
   /// As still as something that stands on the ground with its motors off.
@@ -59,6 +60,7 @@ class Alignment {
   double end_s{};
   Mean gyro, accel, field, pressure_Pa, fixes;
   std::optional<GnssSample> last_fix;
+  std::optional<PoseSample> last_pose;
 };
 
 /// Roll and pitch from the specific force that an accelerometer measures at rest, heading from the

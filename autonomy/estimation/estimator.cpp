@@ -82,14 +82,28 @@ void Estimator::add(const GnssSample& sample) {
   if (!fusion_.reference().declination_rad)
     fusion_.reference().declination_rad = declination(sample);
   if (!health().initialised) return window_.add(sample);
-  allow_for_delay(sample);
+  allow_for_delay(sample.t_s);
   queue(sample);
 }
 
-void Estimator::allow_for_delay(const GnssSample& sample) {
+void Estimator::add(const PoseSample& sample) {
+  if (!config().use_pose) return;
+  constexpr double kMax_m = 1e6;
+  const double norm = sample.q_WB.norm();
+  const bool a_pose = sample.p_W.norm() < kMax_m && std::abs(norm - 1.0) < 1e-3;
+  if (!a_pose || !std::isfinite(sample.t_s)) {
+    reject_unusable();
+    return;
+  }
+  if (!health().initialised) return window_.add(sample);
+  allow_for_delay(sample.t_s);
+  queue(sample);
+}
+
+void Estimator::allow_for_delay(double t_s) {
   constexpr int kEnough = 3;
   constexpr double kMargin_s = 0.03;
-  const double age_s = imu_.last().t_s - sample.t_s;
+  const double age_s = imu_.last().t_s - t_s;
   const bool late = age_s > lag_s_ && age_s + kMargin_s < config().max_lag_s;
   delayed_ = late ? delayed_ + 1 : 0;
   if (delayed_ < kEnough) return;
@@ -206,9 +220,7 @@ void Estimator::advance(double target_s) {
               queue_.begin() + static_cast<std::ptrdiff_t>(queued_), queue_.begin());
     queued_ -= done;
   }
-  const double aided_s = std::max(health().of(Aid::kGnssVelocity).last_accepted_s,
-                                  health().of(Aid::kGnssHorizontal).last_accepted_s);
-  fusion_.health().gnss_age_s = filter_time_s() - aided_s;
+  fusion_.health().gnss_age_s = filter_time_s() - fusion_.aided_s();
   fusion_.guard();
 }
 

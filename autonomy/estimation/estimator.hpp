@@ -14,7 +14,7 @@ namespace rosflight::autonomy::estimation {
 ///
 /// Samples may come in any order and late by up to `lag_s`: each waits in a queue and is fused at
 /// the very time it was taken, when the filter, which runs lag_s behind the newest IMU sample, gets
-/// there; what comes later still is counted and dropped. Fixes of GNSS that keep coming later, by up
+/// there; what comes later still is counted and dropped. Fixes of GNSS and poses that keep coming later, by up
 /// to `max_lag_s`, raise the lag. estimate() carries the filter's state to
 /// the newest IMU sample; when GNSS comes back, the move of the position is shown at
 /// jump_speed_m_s, so that guidance receives no step. The origin of W is the position of the start
@@ -25,6 +25,8 @@ namespace rosflight::autonomy::estimation {
 /// over in a straight line with a covariance that grows; after more than 0.5 s the next attitude
 /// hint sets the attitude. If the clock of the samples jumps (the far end restarted), all times are
 /// shifted by as much, and the break counts as a hole of 0.1 s; or of 30 s if the time is later.
+///
+/// Without GNSS a pose from outside gives the start: its position, and its heading to the magnetic field.
 ///
 /// Starts on the ground (set_at_rest(true), still: level by the accelerometer, gyro bias as
 /// averaged) or in the air (position and velocity by GNSS, attitude by the hint or by the
@@ -51,6 +53,7 @@ class Estimator {
   void add(const RangeSample& sample);
   void add(const PitotSample& sample);
   void add(const SideslipSample& sample);
+  void add(const PoseSample& sample);
 
   /// The vehicle stands and its motors are off: zero velocity is fused, and a start is on the
   /// ground.
@@ -88,10 +91,11 @@ class Estimator {
   static constexpr std::size_t kQueue = 96;
 
   void queue(const AidSample& sample);
-  void allow_for_delay(const GnssSample& sample);
+  void allow_for_delay(double t_s);
   void take_other_clock(const ImuSample& sample);
   void reject_unusable() { ++fusion_.health().unusable; }
   void advance(double target_s);
+  void take_direction_of_pose();
   void try_start();
   void start(bool on_ground);
   NominalState initial_state(bool on_ground, bool hinted);
@@ -104,7 +108,7 @@ class Estimator {
   std::array<Pending, kQueue> queue_{};
   std::size_t queued_{0};
   double lag_s_{config().lag_s};
-  int delayed_{0};                                  ///< Fixes in a row that came too late.
+  int delayed_{0};                                  ///< Fixes or poses in a row that came too late.
   std::array<double, 3> next_s_{-1e9, -1e9, -1e9};  ///< Due times of mag, baro and pitot.
   double next_rest_s_{};
   Alignment window_;

@@ -64,7 +64,9 @@ struct EstimatorConfig {
   double air_force_turning_m_s{0.3};  ///< Fixed wing: besides, times the rate of turning.
   double lift_sigma_m_s2{0.3};        ///< Specific force of the lift, averaged.
   double lift_turning_m_s{1.0};       ///< Besides, times the rate of turning.
-  double rest_sigma_m_s{0.02};        ///< Noise of the zero velocity at rest.
+  double pose_position_sigma_m{0.005};
+  double pose_heading_sigma_rad{0.01};
+  double rest_sigma_m_s{0.02};  ///< Noise of the zero velocity at rest.
 
   // Longest rates at which samples are fused; 0: all.
   double mag_interval_s{0.05};
@@ -75,11 +77,13 @@ struct EstimatorConfig {
 
   double gate_sigma{5.0};
   double heading_gate_sigma{4.0};
+  bool use_pose{true};  ///< That of motion capture.
   bool use_range{true};
   double range_delay_s{0.0};  ///< Taken off the stamps of echoes.
   double range_max_tilt_rad{0.5};
   double min_airspeed_m_s{6.0};  ///< Below, pitot and sideslip are not fused.
   bool use_sideslip{true};
+  bool hovers{false};  ///< A fixed wing that also hovers: AidFusion::fuse_hovering().
 
   // What is known before the first sample.
   double initial_gyro_bias_rad_s{0.01};
@@ -100,8 +104,9 @@ struct EstimatorConfig {
   bool share_attitude{true};
 
   // Timeouts of rejected measurements.
-  double gnss_rejected_s{0.3};         ///< Velocity rejected for this long: IMU errors are widened.
-  double gnss_reset_s{3.0};            ///< Rejected for this long: the estimate is reset to GNSS.
+  double gnss_rejected_s{0.3};  ///< Velocity rejected for this long: IMU errors are widened.
+  double pose_reset_s{0.5};     ///< Rejected for this long: the position is that of the pose.
+  double gnss_reset_s{3.0};     ///< Rejected for this long: the estimate is reset to GNSS.
   double max_wind_noise_m_s_rts{1.0};  ///< To which gusts may raise noise.wind_m_s_rts; at first.
   double pitot_relearn_s{1.0};         ///< Rejected for this long, not blocked: a gust.
   double gnss_jump_s{1.0};        ///< Position alone rejected for this long: the receiver's jumped.

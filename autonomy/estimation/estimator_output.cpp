@@ -88,18 +88,18 @@ StateEstimate Estimator::estimate() const {
   const Vector3& attitude = out.attitude_sigma_B_rad;
   out.attitude =
       attitude.head<2>().maxCoeff() < kAttitudeGood_rad ? Quality::kGood : Quality::kDeadReckoned;
-  out.heading = attitude.z() < kHeadingGood_rad && age(Aid::kHeading) < 2.0
-                    ? Quality::kGood
-                    : Quality::kDeadReckoned;
-  const double aided_s = std::max({health().of(Aid::kGnssVelocity).last_accepted_s,
-                                   health().of(Aid::kGnssHorizontal).last_accepted_s,
-                                   health().of(Aid::kRest).last_accepted_s});
+  out.heading =
+      attitude.z() < kHeadingGood_rad && std::min(age(Aid::kHeading), age(Aid::kPoseHeading)) < 2.0
+          ? Quality::kGood
+          : Quality::kDeadReckoned;
+  const double aided_s = std::max(fusion_.aided_s(), health().of(Aid::kRest).last_accepted_s);
   out.dead_reckoning_s = std::max(0.0, out.t_s - lag_s_ - aided_s);
   out.horizontal = aided(out.dead_reckoning_s, 1.0);
   constexpr double kSigmas = 3.0;
   out.position_unreliable =
       kSigmas * out.p_sigma_W_m.head<2>().norm() > StateEstimate::kUnreliable_m;
-  out.vertical = aided(std::min({age(Aid::kBaro), age(Aid::kRange), age(Aid::kGnssVelocity)}), 1.0);
+  out.vertical = aided(
+      std::min({age(Aid::kBaro), age(Aid::kRange), age(Aid::kGnssVelocity), age(Aid::kPose)}), 1.0);
   return out;
 }
 

@@ -18,8 +18,17 @@ double Estimator::declination(const GnssSample& fix) const {
   return config().declination_at != nullptr ? config().declination_at(fix) : 0.0;
 }
 
+/// A pose and the field together say how far magnetic north is from the north of the frame.
+void Estimator::take_direction_of_pose() {
+  std::optional<double>& declination_rad = fusion_.reference().declination_rad;
+  if (declination_rad || !window_.last_pose || window_.field.count == 0) return;
+  const Vector3 field_W = window_.last_pose->q_WB * window_.field.mean();
+  declination_rad = std::atan2(field_W.y(), field_W.x());
+}
+
 void Estimator::try_start() {
   if (config().declination_rad) fusion_.reference().declination_rad = config().declination_rad;
+  take_direction_of_pose();
   const bool hinted = window_.end_s - hint_.t_s < kFreshHint_s;
   constexpr double kHintedWindow_s = 0.2;
   const double needed_s = !at_rest_ && hinted ? std::min(kHintedWindow_s, config().initial_window_s)
@@ -54,14 +63,20 @@ NominalState Estimator::initial_state(bool on_ground, bool hinted) {
   if (first_start && window_.fixes.count > 0) {
     const Vector3 mean = window_.fixes.mean();
     Vector3 antenna_W = x.q_WB * config().gnss_position_B;
-    if (on_ground) antenna_W.z() -= config().height_at_rest_m;
+    if (window_.last_pose) {
+      antenna_W += window_.last_pose->p_W;
+    } else if (on_ground) {
+      antenna_W.z() -= config().height_at_rest_m;
+    }
     origin = moved({mean.x(), mean.y(), mean.z()}, -antenna_W);
   }
   if (on_ground) {
     x.gyro_bias_B = window_.gyro.mean();
     x.p_W.z() = -config().height_at_rest_m;
     x.p_W += x.q_WB * config().imu_position_B;
-    if (!first_start && window_.last_fix) {
+    if (window_.last_pose) {
+      x.p_W = window_.last_pose->p_W + x.q_WB * config().imu_position_B;
+    } else if (!first_start && window_.last_fix) {
       x.p_W.head<2>() = ned_of(window_.last_fix->position, *origin).head<2>();
     }
   } else if (window_.last_fix && origin) {
@@ -129,10 +144,11 @@ void Estimator::start(bool on_ground) {
   next_rest_s_ = now_s;
   EstimatorHealth& health = fusion_.health();
   health.in_air_start = !on_ground;
+  if (window_.last_pose) health.of(Aid::kPose).last_accepted_s = window_.last_pose->t_s;
   for (const Aid aid : {Aid::kHeading, Aid::kBaro, on_ground ? Aid::kRest : Aid::kGnssVelocity}) {
     health.of(aid).last_accepted_s = now_s;  // it started from them
   }
-  health.gnss_age_s = now_s - health.of(Aid::kGnssVelocity).last_accepted_s;
+  health.gnss_age_s = now_s - fusion_.aided_s();
   window_.clear();
 }
 

@@ -16,9 +16,11 @@ enum class Aid : std::uint8_t {
   kRange,
   kPitot,
   kSideslip,  ///< Vane or assumption; specific force of the air along body x and y.
-  kRest
+  kRest,
+  kPose,         ///< Position of a pose from outside.
+  kPoseHeading,  ///< Its heading.
 };
-inline constexpr std::size_t kAids = 9;
+inline constexpr std::size_t kAids = 11;
 
 /// Record of one aid.
 struct AidHealth {
@@ -44,7 +46,7 @@ struct EstimatorHealth {
   std::uint64_t restarts{};           ///< The state was no number: the last good one was restored.
   std::uint64_t imu_widenings{};      ///< The variances of biases and tilt were widened.
   std::uint64_t heading_widenings{};  ///< Likewise of heading and gyro bias about the vertical.
-  std::uint64_t gnss_resets{};        ///< Position or velocity moved to GNSS.
+  std::uint64_t gnss_resets{};        ///< Position or velocity moved to GNSS, or to a pose.
   std::uint64_t gnss_jumps{};         ///< The slow error of the satellites was estimated again.
   std::uint64_t baro_relearned{};
   std::uint64_t wind_relearned{};  ///< A gust had taken the pitot out of its gate.

@@ -53,8 +53,17 @@ struct SideslipSample {
   double v_air_y_m_s{};
 };
 
+/// Position and attitude by a system outside, such as motion capture, in the local frame W.
+struct PoseSample {
+  double t_s{};
+  Eigen::Vector3d p_W{Eigen::Vector3d::Zero()};  ///< Position of the body's origin [m].
+  /// Not aligned, because one alignment counts for all kinds of samples: it took 2 kB of each estimator's queue.
+  using Attitude = Eigen::Quaternion<double, Eigen::DontAlign>;
+  Attitude q_WB{Attitude::Identity()};
+};
+
 /// Every measurement that aids the IMU.
-using AidSample =
-    std::variant<GnssSample, BaroSample, MagSample, RangeSample, PitotSample, SideslipSample>;
+using AidSample = std::variant<GnssSample, BaroSample, MagSample, RangeSample, PitotSample,
+                               SideslipSample, PoseSample>;
 
 }  // namespace rosflight::autonomy::estimation

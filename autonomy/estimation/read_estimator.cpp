@@ -65,6 +65,10 @@ Table<EstimatorConfig> sigma_table() {
       {"lift_m_s2", &E::lift_sigma_m_s2, "m/s^2", kSigma, "fixed wing: specific force of the lift"},
       {"lift_turning_m_s", &E::lift_turning_m_s, "m/s", kNotNegative,
        "fixed wing: lift of elevator and turning, times the rate of turning"},
+      {"pose_position_m", &E::pose_position_sigma_m, "m", kSigma,
+       "each axis of the position of motion capture"},
+      {"pose_heading_deg", &E::pose_heading_sigma_rad, kDeg, Range::between(0.01, 90.0),
+       "heading of motion capture"},
       {"rest_m_s", &E::rest_sigma_m_s, "m/s", kSigma, "velocity while at rest"}};
 }
 
@@ -101,6 +105,7 @@ Table<EstimatorConfig> parameters() {
        "innovation gate: outside, a sample is rejected"},
       {"heading_gate_sigma", &E::heading_gate_sigma, "sigma", kGate,
        "innovation gate of the heading"},
+      {"use_pose", &E::use_pose, "use the pose of motion capture, if there is one"},
       {"use_range", &E::use_range, "use the range sensor, over level ground"},
       {"range_max_tilt_deg", &E::range_max_tilt_rad, kDeg, Range::between(0.0, 80.0),
        "with more tilt the range sensor is not used"},
@@ -131,6 +136,8 @@ Table<EstimatorConfig> parameters() {
           .formerly("gnss_doubt_s"),
       {"gnss_reset_s", &E::gnss_reset_s, "s", kSigma,
        "GNSS rejected for this long: the estimate is reset to GNSS"},
+      {"pose_reset_s", &E::pose_reset_s, "s", kSigma,
+       "motion capture rejected for this long: the position is set to it"},
       {"max_wind_noise_m_s_rts", &E::max_wind_noise_m_s_rts, "m/s/sqrt(s)", kSigma,
        "to which gusts may raise process_noise.wind_m_s_rts; at the start"},
       {"pitot_relearn_s", &E::pitot_relearn_s, "s", kSigma,

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "flight/jsbsim/jsbsim_engine.hpp"
 
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include "config/strict_yaml.hpp"
 #include "flight/project_root.hpp"
@@ -15,13 +11,9 @@ namespace rosflight::flight {
 namespace {
 
 // As in jsbsim_engine.py.
-constexpr int kCommandsFd = 3;
-constexpr int kAnswersFd = 4;
-constexpr int kBlockFd = 5;
 constexpr char kBegin = 'b';
 constexpr char kSetState = 's';
 constexpr char kMove = 'm';
-constexpr char kReady = 'r';
 
 }  // namespace
 
@@ -54,10 +46,6 @@ sim::Vector3 vector(const std::array<double, 3>& at) {
 
 }  // namespace
 
-void JsbsimEngine::Unmap::operator()(Block* block) const {
-  ::munmap(block, sizeof(Block));
-}
-
 JsbsimEngine::Options JsbsimEngine::Options::of_project() {
   const std::filesystem::path root = project_root();
   for (const char* environment : {".venv-jsbsim", ".venv"}) {
@@ -71,39 +59,22 @@ JsbsimEngine::Options JsbsimEngine::Options::of_project() {
 
 JsbsimEngine::JsbsimEngine(const sim::BodyParameters& body, double gravity_m_s2,
                            const Options& options)
-    : timeout_{options.timeout}, memory_{::memfd_create("rosflight_jsbsim", MFD_CLOEXEC)} {
-  if (!memory_.valid() || ::ftruncate(memory_.get(), sizeof(Block)) != 0)
-    throw boards::EmulatorError("--physics jsbsim: cannot get memory to share with its process");
-  void* const mapped =
-      ::mmap(nullptr, sizeof(Block), PROT_READ | PROT_WRITE, MAP_SHARED, memory_.get(), 0);
-  if (mapped == MAP_FAILED)
-    throw boards::EmulatorError("--physics jsbsim: cannot map the memory of its process");
-  block_.reset(static_cast<Block*>(mapped));
+    : timeout_{options.timeout},
+      program_{"--physics jsbsim", sizeof(Block)},
+      block_{static_cast<Block*>(program_.block())} {
   const sim::Matrix3& J = body.inertia_kg_m2;
   block_->mass_kg = body.mass_kg;
   block_->inertia_kg_m2 = {J(0, 0), J(1, 1), J(2, 2), J(0, 1), J(0, 2), J(1, 2)};
   block_->gravity_m_s2 = gravity_m_s2;
-  boards::Pipe commands;
-  boards::Pipe answers;
-  child_.start({options.python.string(), "-E", "-s", options.script.string()},
-               {{commands.read.get(), kCommandsFd},
-                {answers.write.get(), kAnswersFd},
-                {memory_.get(), kBlockFd}});
-  to_engine_ = std::move(commands.write);
-  from_engine_ = std::move(answers.read);
-  commands.read.close();
-  answers.write.close();
+  program_.start({options.python.string(), "-E", "-s", options.script.string()});
   command(kBegin, options.start_timeout);
 }
 
 JsbsimEngine::~JsbsimEngine() = default;
 
 void JsbsimEngine::command(char what, std::chrono::milliseconds timeout) {
-  child_.send(to_engine_.get(), what);
-  if (child_.receive(from_engine_.get(), timeout) == kReady) return;
-  child_.stop();
   block_->error.back() = '\0';
-  throw boards::EmulatorError(std::string("--physics jsbsim: ") + block_->error.data());
+  program_.command(what, timeout, block_->error.data());
 }
 
 void JsbsimEngine::set_state(const sim::BodyState& state) {
@@ -130,7 +101,7 @@ void JsbsimEngine::read_state() {
   if (q_WB.dot(state_.q_WB) < 0.0) q_WB.coeffs() = -q_WB.coeffs();
   state_ = {vector(block_->p_W), q_WB, vector(block_->v_B), vector(block_->w_B)};
   const double sum = state_.p_W.sum() + q_WB.coeffs().sum() + state_.v_B.sum() + state_.w_B.sum();
-  if (!std::isfinite(sum)) child_.give_up("its state is not finite");
+  if (!std::isfinite(sum)) program_.give_up("its state is not finite");
 }
 
 }  // namespace rosflight::flight

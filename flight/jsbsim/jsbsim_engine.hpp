@@ -2,9 +2,8 @@
 #pragma once
 #include <chrono>
 #include <filesystem>
-#include <memory>
 
-#include "firmware/boards/common/host/child_process.hpp"
+#include "flight/engine_process.hpp"
 #include "sim/dynamics/physics_engine.hpp"
 #include "sim/dynamics/rigid_body.hpp"
 
@@ -39,20 +38,16 @@ class JsbsimEngine final : public sim::PhysicsEngine {
   void set_state(const sim::BodyState& state) override;
   void step(double h_s, const Load& load) override;
   const sim::BodyState& state() const override { return state_; }
-  pid_t process() const { return child_.process(); }
+  pid_t process() const { return program_.process(); }
 
  private:
   struct Block;
-  struct Unmap {
-    void operator()(Block* block) const;
-  };
   void command(char what, std::chrono::milliseconds timeout);
   void read_state();
 
   std::chrono::milliseconds timeout_;
-  boards::ChildProcess child_{"--physics jsbsim"};
-  base::FileDescriptor memory_, to_engine_, from_engine_;
-  std::unique_ptr<Block, Unmap> block_;
+  EngineProcess program_;
+  Block* block_;
   sim::BodyState state_;
 };
 

@@ -24,7 +24,7 @@ struct OneFlight {
 }  // namespace
 
 PhysicsComparison compare_physics(const FlightChoice& choice, const std::string& physics,
-                                  sim::Time end) {
+                                  sim::Time end, const DistanceSink& sink) {
   FlightChoice other = choice;
   other.physics = physics;
   const std::array flights{std::make_unique<OneFlight>(choice), std::make_unique<OneFlight>(other)};
@@ -35,7 +35,9 @@ PhysicsComparison compare_physics(const FlightChoice& choice, const std::string&
     if (!went_on[0] || !went_on[1]) continue;
     const sim::Truth& a = flights[0]->flight.truth();
     const sim::Truth& b = flights[1]->flight.truth();
-    result.position_m.add((a.body.p_W - b.body.p_W).norm());
+    const double distance_m = (a.body.p_W - b.body.p_W).norm();
+    result.position_m.add(distance_m);
+    if (sink) sink(flights[0]->flight.now(), distance_m);
     if (!a.on_ground && !b.on_ground)
       result.attitude_rad.add(a.body.q_WB.angularDistance(b.body.q_WB));
     result.duration_s = sim::to_seconds(flights[0]->flight.now());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <array>
+#include <functional>
 #include <string>
 
 #include "flight/error_statistics.hpp"
@@ -18,9 +19,12 @@ struct PhysicsComparison {
   double duration_s{};  ///< Duration of the shorter flight.
 };
 
+/// Called with the time and the distance of the true positions [m] after each step of both flights.
+using DistanceSink = std::function<void(sim::Time, double)>;
+
 /// Flies `choice` twice at once, as it is and with `physics`, until both flights are finished or `end` is reached.
 /// @throws as FlightSetup and Flight.
 PhysicsComparison compare_physics(const FlightChoice& choice, const std::string& physics,
-                                  sim::Time end = sim::Time::max());
+                                  sim::Time end = sim::Time::max(), const DistanceSink& sink = {});
 
 }  // namespace rosflight::flight

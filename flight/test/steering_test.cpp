@@ -49,7 +49,7 @@ TEST_F(SteeringTest, EachFaultOfTheListBeginsNowAndEndsWhenHealed) {
     EXPECT_EQ(fault.end, now + std::chrono::seconds(2)) << name;
     ++count;
   }
-  EXPECT_EQ(count, 30);
+  EXPECT_EQ(count, 31);
   change("heal");
   for (const sim::Fault& fault : flight_.faults().faults()) EXPECT_LT(fault.end, flight_.now());
 }

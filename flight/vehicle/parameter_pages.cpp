@@ -4,11 +4,15 @@
 #include "autonomy/estimation/read_estimator.hpp"
 #include "autonomy/fixedwing/config.hpp"
 #include "autonomy/multirotor/config.hpp"
+#include "autonomy/quadplane/config.hpp"
 #include "config/table.hpp"
 #include "flight/vehicle/mixer_page.hpp"
 #include "sim/parameter_tables.hpp"
 #include "sim/sensors/presets.hpp"
 #include "sim/sensors/read_config.hpp"
+#include "sim/world_sensors/depth_camera.hpp"
+#include "sim/world_sensors/lidar.hpp"
+#include "sim/world_sensors/motion_capture.hpp"
 
 namespace rosflight::flight {
 namespace {
@@ -36,7 +40,11 @@ std::string autonomy_page() {
               "`autonomy/fixedwing/config.cpp`. Mass, wing, density and derivatives come from the "
               "other sections.",
               autonomy::fixedwing::parameters()) +
-         keys("Estimator of both: section `autonomy.estimator`",
+         keys("Quad-plane",
+              "`autonomy/quadplane/config.cpp`. Mass, inertia, wing, derivatives and rotors come "
+              "from the other sections.",
+              autonomy::quadplane::parameters()) +
+         keys("Estimator of all: section `autonomy.estimator`",
               "`autonomy/estimation/read_estimator.cpp`; the algorithm: "
               "`docs/autonomy/estimation.md`.",
               autonomy::estimation::parameters());
@@ -55,6 +63,8 @@ std::string vehicle_page() {
          keys("Section `aero` of a fixed wing",
               "`sim/fixedwing/read_fixedwing.cpp`; the equations: `docs/design/physics.md`.",
               sim::airframe_parameters()) +
+         keys("Section `rotor_aero` of a quad-plane, what its lifting rotors and booms add",
+              "`sim/quadplane/read_quadplane.cpp`.", sim::aero_parameters()) +
          keys("Section `surfaces` of a fixed wing", "`sim/fixedwing/read_fixedwing.cpp`.",
               sim::surface_parameters()) +
          keys("Section `ground`", "`sim/dynamics/read_ground.cpp`.", sim::ground_parameters()) +
@@ -66,7 +76,21 @@ std::string vehicle_page() {
               "`sim/sensors/read_config.cpp`. `preset` (current, reference, ideal) chooses the "
               "defaults; these are those of\n`current`, whose sources are in "
               "`sim/sensors/presets.cpp`. u is the unit in the name of the section around the key.",
-              sim::sensors::sensor_tables(), sim::sensors::current_hardware());
+              sim::sensors::sensor_tables(), sim::sensors::current_hardware()) +
+         keys("Section `world_sensors`, keys of every sensor",
+              "`sim/world_sensors`. Each sensor has a section of its name with `type`: lidar, "
+              "depth_camera, motion_capture,\nor that of a plugin. Topics: "
+              "`docs/simulation/world-sensors.md`.",
+              sim::timing_table(), sim::Timing{true, sim::Lidar::Config{}.timing.period, {}, {}}) +
+         keys("Where a sensor of the vehicle is", "Not of motion_capture.", sim::mounting_table()) +
+         keys("Type `lidar`", "`sim/world_sensors/lidar.cpp`.", sim::Lidar::parameters()) +
+         keys("Type `depth_camera`", "`sim/world_sensors/depth_camera.cpp`.",
+              sim::DepthCamera::parameters()) +
+         keys(
+             "Type `motion_capture`",
+             "`sim/world_sensors/motion_capture.cpp`; its default rate is 100 Hz. u is the unit in "
+             "the name of the section.",
+             sim::MotionCapture::parameters());
 }
 
 std::string mixers_page() {
@@ -103,6 +127,8 @@ std::vector<ParameterPage> parameter_pages() {
            autonomy_file("multirotor", autonomy::multirotor::parameters())},
           {"vehicles/defaults/fixedwing.yaml",
            autonomy_file("fixed wing", autonomy::fixedwing::parameters())},
+          {"vehicles/defaults/quadplane.yaml",
+           autonomy_file("quad-plane", autonomy::quadplane::parameters())},
           {"docs/img/mixers.svg", mixer_picture()},
           {"docs/predefined-mixers.md", mixers_page()}};
 }

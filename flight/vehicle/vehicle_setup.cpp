@@ -11,8 +11,10 @@
 #include "firmware/core/motor_model.hpp"
 #include "firmware/core/parameters.hpp"
 #include "flight/vehicle/frame.hpp"
+#include "flight/vehicle/quadplane_setup.hpp"
 #include "sim/environment/magnetic_model.hpp"
 #include "sim/fixedwing/fixedwing.hpp"
+#include "sim/quadplane/quadplane.hpp"
 
 namespace rosflight::flight {
 namespace {
@@ -79,10 +81,12 @@ double height_at_rest_m(const sim::Vehicle& vehicle) {
 autonomy::estimation::AirModel air_model(const sim::Vehicle& vehicle) {
   autonomy::estimation::AirModel air;
   const double mass_kg = vehicle.body().mass_kg;
-  if (is_fixed_wing(vehicle)) {
+  if (is_fixed_wing(vehicle) || is_quadplane(vehicle)) {
     const sim::AirframeParameters wing = sim::read_fixed_wing(vehicle.root()).airframe;
     air.side_area_m2_kg = std::max(0.0, -wing.side.beta) * wing.area_m2 / mass_kg;
-    air.lift = {wing.area_m2 / mass_kg, wing.lift.zero, wing.lift.alpha};
+    // In hover and in transitions rotors carry what the wing does not: the accelerometer does not show its lift.
+    if (is_fixed_wing(vehicle))
+      air.lift = {wing.area_m2 / mass_kg, wing.lift.zero, wing.lift.alpha};
     // The share of separated flow is a logistic function of the angle of attack: 1 % of it so many scales below the stall.
     constexpr double kScales = 4.5;
     if (wing.stall_sharpness > 0.0) {
@@ -154,6 +158,7 @@ autonomy::BatteryConfig battery_facts(const sim::BatteryParameters& battery) {
 
 sim::MultirotorParameters read_rotors(const sim::Vehicle& vehicle) {
   if (is_fixed_wing(vehicle)) return sim::read_fixed_wing(vehicle.root()).propulsion;
+  if (is_quadplane(vehicle)) return sim::read_quadplane(vehicle.root()).propulsion;
   return sim::read_multirotor(vehicle.root());
 }
 
@@ -170,6 +175,12 @@ companion::ParameterSet read_firmware_parameters(const sim::Vehicle& vehicle) {
     set.push_back(written_parameter(section, name));
   }
   if (!vehicle.root().has("rotors")) return set;  // forces of a plugin
+  if (from_geometry && is_quadplane(vehicle)) {
+    for (const companion::NamedValue& entry : quadplane_mixers(vehicle)) {
+      if (entry.name == "PRIMARY_MIXER" || !section.has(entry.name)) set.push_back(entry);
+    }
+    return set;
+  }
   const companion::ParameterSet known =
       from_geometry ? mixer_parameters(vehicle_frame(vehicle), MixerTarget::kPrimary)
                     : motor_parameters(propulsion_frame(vehicle));
@@ -229,6 +240,7 @@ autonomy::estimation::EstimatorConfig read_estimator(const sim::Vehicle& vehicle
   defaults.declination_at = wmm2025_declination;
   defaults.height_at_rest_m = height_at_rest_m(vehicle);
   defaults.air = air_model(vehicle);
+  defaults.hovers = is_quadplane(vehicle);
   return autonomy::estimation::read_estimator(vehicle.autonomy().foreign_section("estimator"),
                                               defaults);
 }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <string>
+
 #include "sim/types.hpp"
 
 namespace rosflight::sim {
@@ -17,8 +19,18 @@ class PhysicsEngine {
   /// What ground and obstacles of the engine's own did in the last step.
   struct Contact {
     bool touches{false};
-    Wrench wrench;  ///< On the body, mean over the step.
+    Wrench wrench;             ///< On the body, mean over the step.
+    bool airframe{false};      ///< More than the gear touches.
+    bool carries{false};       ///< A surface within 60 degrees of level touches from below.
+    double approach_m_s{0.0};  ///< Fastest approach of a point that touches, before the step.
+    double normal_up{0.0};     ///< There: 1 on level ground, 0 at a wall, negative under a roof.
+    std::string other;         ///< Name of what it touches there.
+
+    /// Takes in a later contact: what either did, and the speed, normal and name of the faster. @param share  of the
+    /// time of this one, for the mean wrench.
+    void add(const Contact& later, double share);
   };
+  static constexpr double kSteep = 0.5;  ///< Cosine of 60 degrees, for Contact::carries.
 
   virtual ~PhysicsEngine() = default;
   /// @param state  finite, with a unit quaternion.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "sim/dynamics/body_motion.hpp"
 
@@ -14,6 +15,8 @@ namespace {
 constexpr double kMaxStartDepth_m = 0.05;
 /// ROSflight 2.x: on the ground below this height.
 constexpr double kPlaneReach_m = 0.001;
+
+constexpr double kTimeRounding_s = 1e-9;
 
 /// Height given to the module where there is no ground.
 constexpr double kNoGround_m = 1e6;
@@ -118,6 +121,7 @@ void RigidBody::begin(const BodyState& given, std::span<const double> module_sta
   forces_.initial_state(module_part(y_));
   std::ranges::copy(module_state, module_part(y_).begin());
   ground_.lift();
+  contact_ = contacts_ = {};
   truth_.body = state;
   const AirProperties air = atmosphere_.at(origin_height_m_ - state.p_W.z());
   truth_.air = {air.density_kg_m3, air.pressure_Pa, air.temperature_K, wind_.velocity_W()};
@@ -171,7 +175,7 @@ void RigidBody::substep(double h, const hal::OutputValues& outputs) {
 
 /// The engine moves the body under the mean of the load that this scheme meets on the way from the engine's
 /// state; the states of the module go that way themselves. An error of second order in h.
-void RigidBody::substep_by_engine(double h, const hal::OutputValues& outputs) {
+PhysicsEngine::Load RigidBody::find_load(double h, const hal::OutputValues& outputs) {
   PhysicsEngine::Load load;
   std::size_t stage = 0;
   runge_kutta(y_, h, [&](const State& y, State& y_dot) {
@@ -180,12 +184,20 @@ void RigidBody::substep_by_engine(double h, const hal::OutputValues& outputs) {
     load.force_W += share * (unpack(y).q_WB.normalized() * total_.force_B);
     load.torque_B += share * total_.torque_B;
   });
-  engine_->step(h, load);
-  pack(engine_->state(), y_);
-  if (const PhysicsEngine::Contact* contact = engine_->contact()) {
-    total_.force_B += contact->wrench.force_B;
-    total_.torque_B += contact->wrench.torque_B;
+  return load;
+}
+
+/// What the engine made of the load. Hands that hold the body balance the ground of the engine too.
+void RigidBody::take_engine_state(double share_of_step) {
+  if (!own_ground()) return pack(engine_->state(), y_);
+  contact_.add(*engine_->contact(), held_ ? 0.0 : share_of_step);
+  BodyState state = engine_->state();
+  if (held_) {
+    state = truth_.body;
+    state.v_B = state.w_B = Vector3::Zero();
+    engine_->set_state(state);
   }
+  pack(state, y_);
 }
 
 void RigidBody::substep_frozen(double h, const hal::OutputValues& outputs) {
@@ -216,8 +228,7 @@ void RigidBody::finish_substep() {
   } else {
     truth_.on_ground =
         acting_ground_ == GroundModel::kFrictionlessPlane && body.p_W.z() >= -kPlaneReach_m;
-    if (engine_ != nullptr && engine_->contact() != nullptr)
-      truth_.on_ground = engine_->contact()->touches;
+    if (own_ground()) truth_.on_ground = contact_.carries;
   }
 }
 
@@ -236,20 +247,41 @@ void RigidBody::fill_truth(const hal::OutputValues& outputs) {
   forces_.report(in, module_part(y_), truth_);
 }
 
+void RigidBody::step_wind(double h) {
+  if (wind_.calm()) return;
+  const BodyState& body = truth_.body;
+  const Vector3 v_air_B = body.v_B - body.q_WB.conjugate() * truth_.air.wind_W;
+  truth_.air.wind_W = wind_.step(h, -body.p_W.z(), v_air_B.norm());
+}
+
+PhysicsEngine::Load RigidBody::begin_step(Time t, const hal::OutputValues& outputs) {
+  const double h = to_seconds(t - truth_.time);
+  if (engine_ == nullptr || !(h > 0.0) || h > max_step_s_ + kTimeRounding_s)
+    throw std::logic_error("a step in two halves of " + std::to_string(h) +
+                           " s, allowed with an engine and up to " + std::to_string(max_step_s_));
+  contact_ = {};
+  step_wind(h);
+  return find_load(h, outputs);
+}
+
+void RigidBody::end_step(Time t, const hal::OutputValues& outputs) {
+  take_engine_state(1.0);
+  finish_substep();
+  finish_step(t, outputs);
+}
+
 void RigidBody::step(Time t, const hal::OutputValues& outputs) {
   const double dt = to_seconds(t - truth_.time);
   if (!(dt > 0.0)) return;
   // A step a rounding error longer than allowed is not split.
   const auto count = std::max<std::int64_t>(1, std::llround(std::ceil(dt / max_step_s_ - 1e-9)));
   const double h = dt / static_cast<double>(count);
+  contact_ = {};
   for (std::int64_t i = 0; i < count; ++i) {
-    const BodyState& body = truth_.body;
-    if (!wind_.calm()) {
-      const Vector3 v_air_B = body.v_B - body.q_WB.conjugate() * truth_.air.wind_W;
-      truth_.air.wind_W = wind_.step(h, -body.p_W.z(), v_air_B.norm());
-    }
+    step_wind(h);
     if (engine_ != nullptr) {
-      substep_by_engine(h, outputs);
+      engine_->step(h, find_load(h, outputs));
+      take_engine_state(1.0 / static_cast<double>(count));
     } else if (integration_ == Integration::kRk4) {
       substep(h, outputs);
     } else {
@@ -257,8 +289,22 @@ void RigidBody::step(Time t, const hal::OutputValues& outputs) {
     }
     finish_substep();
   }
+  finish_step(t, outputs);
+}
+
+void RigidBody::finish_step(Time t, const hal::OutputValues& outputs) {
   truth_.time = t;
+  if (own_ground()) {
+    total_.force_B += contact_.wrench.force_B;
+    angular_acceleration_B_ += inertia_inverse_ * contact_.wrench.torque_B;
+    contacts_.add(contact_, 0.0);
+  }
   fill_truth(outputs);
+}
+
+std::optional<PhysicsEngine::Contact> RigidBody::take_contact() {
+  if (!own_ground()) return std::nullopt;
+  return std::exchange(contacts_, {});
 }
 
 }  // namespace rosflight::sim

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <optional>
+
 #include "sim/dynamics/ground_contact.hpp"
 #include "sim/dynamics/physics_engine.hpp"
 #include "sim/environment/environment.hpp"
@@ -44,7 +46,8 @@ BodyParameters read_body(const config::Section& section);
 /// step. No heap while stepping.
 ///
 /// Truth: specific force and angular acceleration are those of the last stage, whose state differs
-/// from the new one by O(h^3).
+/// from the new one by O(h^3). Contacts with ground of an engine's own, which may push in one substep alone, are in both as
+/// their mean over the step.
 class RigidBody final : public Dynamics {
  public:
   /// Starts level, nose north, at rest on the ground at the origin (without ground: at the origin).
@@ -65,11 +68,23 @@ class RigidBody final : public Dynamics {
   /// takes the place of that of the parameters. @throws config::Error  forces are frozen.
   void set_engine(PhysicsEngine& engine);
 
+  /// step() in two halves, for an engine that another program moves in between: the load of the step to t, at most
+  /// max_step_s long; then the state of the engine is that at t. Nothing else is called between them.
+  /// @throws std::logic_error  there is no engine, the step is empty or too long.
+  PhysicsEngine::Load begin_step(Time t, const hal::OutputValues& outputs);
+  /// The second half: takes over the state that the engine reached.
+  void end_step(Time t, const hal::OutputValues& outputs);
+
+  /// Contacts with ground of the engine's own since the last call, as one, so that none is missed between two calls; its
+  /// wrench is zero. nullopt: no such ground.
+  std::optional<PhysicsEngine::Contact> take_contact();
+
   /// From now on `external`, which must outlive this, changes each wrench of the module; nullptr: nobody does.
   void set_external_wrench(ExternalWrench* external) { external_ = external; }
 
   /// The vehicle is held, as before a take-off in wind: all forces and torques but gravity are
-  /// balanced, so a vehicle at rest stays at rest, and the wind turns no propeller.
+  /// balanced, so a vehicle at rest stays at rest, and the wind turns no propeller. On ground of an engine's own, which pushes
+  /// out what overlaps with it, it is put back after each step and at rest.
   void set_held(bool held) { held_ = held; }
 
   /// Same as Wind::set(), from the next step on.
@@ -97,10 +112,14 @@ class RigidBody final : public Dynamics {
   void derivative(const State& y, const hal::OutputValues& outputs, State& y_dot);
   void stop_fall(const BodyState& body, const Matrix3& R_WB);
   void substep(double h, const hal::OutputValues& outputs);
-  void substep_by_engine(double h, const hal::OutputValues& outputs);
+  PhysicsEngine::Load find_load(double h, const hal::OutputValues& outputs);
+  void take_engine_state(double share_of_step);
+  void step_wind(double h);
   void substep_frozen(double h, const hal::OutputValues& outputs);
   void finish_substep();
+  void finish_step(Time t, const hal::OutputValues& outputs);
   void fill_truth(const hal::OutputValues& outputs);
+  bool own_ground() const { return engine_ != nullptr && engine_->contact() != nullptr; }
   bool possible(const BodyState& state) const;
   void begin(const BodyState& state, std::span<const double> module_state = {});
   double height_m(const BodyState& body) const;
@@ -125,6 +144,9 @@ class RigidBody final : public Dynamics {
   State y_;        ///< p, q (w x y z), v, w and those of the module.
   Wrench wrench_;  ///< Wrench of the module at the last evaluation, and of external_.
   Wrench total_;   ///< With ground, without gravity.
+  PhysicsEngine::Contact
+      contact_;  ///< Over the substeps of the step under way, with ground of the engine's own.
+  PhysicsEngine::Contact contacts_;                  ///< Since take_contact().
   Vector3 angular_acceleration_B_{Vector3::Zero()};  ///< At the last evaluation.
   Truth truth_;
 };

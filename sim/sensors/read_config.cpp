@@ -27,27 +27,6 @@ S& self(S& s) {
   return s;
 }
 
-/// Given as a rate, kept as a period of whole microseconds.
-Table<Timing> timing_table() {
-  using T = Timing;
-  using R = config::Row<T>;
-  const auto has_whole_period = [](double rate_Hz) {
-    const double period_us = 1e6 / rate_Hz;
-    return period_us <= static_cast<double>(kMicroseconds.high) &&
-           std::abs(period_us - std::round(period_us)) <= 1e-9 * period_us;
-  };
-  return {
-      {"enabled", &T::enabled, "false: the board finds no such sensor"},
-      R{"rate_Hz", [](const T& t) { return 1e6 / static_cast<double>(t.period.count()); },
-        [](T& t, double rate_Hz) { t.period = Time{std::llround(1e6 / rate_Hz)}; }, "Hz",
-        Range::positive_up_to(kMaxRate_Hz), "samples per second"}
-          .only("a rate of at least 0.1 whose period is a whole number of microseconds, such as "
-                "50 or 400",
-                has_whole_period),
-      {"phase_us", &T::phase, "us", kMicroseconds, "of the first sample"},
-      {"delay_us", &T::delay, "us", kMicroseconds, "from measurement to delivery"}};
-}
-
 /// Errors in the unit u of their section's name.
 Table<ErrorParameters> law_table() {
   using E = ErrorParameters;
@@ -72,11 +51,36 @@ Table<ErrorParameters> error_table() {
           {"", self<E>, law_table()}};
 }
 
+}  // namespace
+
+/// Given as a rate, kept as a period of whole microseconds.
+Table<Timing> timing_table() {
+  using T = Timing;
+  using R = config::Row<T>;
+  const auto has_whole_period = [](double rate_Hz) {
+    const double period_us = 1e6 / rate_Hz;
+    return period_us <= static_cast<double>(kMicroseconds.high) &&
+           std::abs(period_us - std::round(period_us)) <= 1e-9 * period_us;
+  };
+  return {
+      {"enabled", &T::enabled, "false: the board finds no such sensor"},
+      R{"rate_Hz", [](const T& t) { return 1e6 / static_cast<double>(t.period.count()); },
+        [](T& t, double rate_Hz) { t.period = Time{std::llround(1e6 / rate_Hz)}; }, "Hz",
+        Range::positive_up_to(kMaxRate_Hz), "samples per second"}
+          .only("a rate of at least 0.1 whose period is a whole number of microseconds, such as "
+                "50 or 400",
+                has_whole_period),
+      {"phase_us", &T::phase, "us", kMicroseconds, "of the first sample"},
+      {"delay_us", &T::delay, "us", kMicroseconds, "from measurement to delivery"}};
+}
+
 Table<VectorErrorParameters> vector_error_table() {
   using E = VectorErrorParameters;
   return {{"fixed_bias", &E::fixed_bias, "u", kBias, "the same in every run"},
           {"", &E::axis, law_table()}};
 }
+
+namespace {
 
 template <class C>
 config::Row<C> timing() {

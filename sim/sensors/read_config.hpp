@@ -11,6 +11,11 @@ namespace rosflight::sim::sensors {
 /// wrong type or unit, value out of range.
 SensorsConfig read_sensors(const config::Section& section);
 
+/// Clock and delay: enabled, rate_Hz (kept as a period of whole microseconds), phase_us, delay_us.
+config::Table<Timing> timing_table();
+/// Errors of three axes, in the unit of the section's name.
+config::Table<VectorErrorParameters> vector_error_table();
+
 /// What it reads after the preset, one row per key.
 config::Table<SensorsConfig> sensor_tables();
 

@@ -44,6 +44,7 @@ TEST(Fault, EveryNameIsRead) {
                                                   {"hang", FaultKind::kHang},
                                                   {"companion_stall", FaultKind::kCompanionStall},
                                                   {"battery_low", FaultKind::kBatteryLow},
+                                                  {"motion_capture", FaultKind::kMotionCapture},
                                                   {"motor0_dead", FaultKind::kMotor}};
   for (const auto& [name, kind] : names) {
     EXPECT_EQ(parse_fault(std::string(name) + "@1").kind, kind) << name;
@@ -134,7 +135,7 @@ TEST(Fault, BadTextIsOneLineWithWhatIsAllowed) {
       "--fault gyro@3: found \"gyro\", allowed imu, mag, baro, gnss, diff_pressure, range, "
       "battery, "
       "imu_nan, imu_stuck, rc_silence, rc_frame_loss, link_cut, crash, hang, pitot_blocked, "
-      "companion_stall, battery_low, baro_step=VALUE, "
+      "companion_stall, battery_low, motion_capture, baro_step=VALUE, "
       "mag_turned=VALUE, accel_step_x=VALUE, accel_step_y=VALUE, accel_step_z=VALUE, "
       "gyro_step_x=VALUE, gyro_step_y=VALUE, gyro_step_z=VALUE, gnss_step=VALUE, gnss_delay=VALUE, "
       "link_noise=VALUE, servoN_stuck, motorN_dead, motorN_partial=FACTOR "

@@ -97,7 +97,7 @@ class Shelf final : public PhysicsEngine {
  public:
   void set_state(const BodyState& state) override { state_ = state; }
   void step(double, const Load& load) override {
-    contact_.touches = true;
+    contact_.touches = contact_.carries = true;
     contact_.wrench.force_B = {0.0, 0.0, -kGravity_m_s2 * 2.0 - load.force_W.z()};
   }
   const BodyState& state() const override { return state_; }
@@ -121,6 +121,113 @@ TEST(RigidBodyByEngine, GroundOfTheEngineTakesThePlaceOfTheFiles) {
   // 5 N of lift and the rest from the shelf, 2 kg.
   EXPECT_NEAR(dynamics.truth().specific_force_B.z(), -kGravity_m_s2, 1e-12);
   EXPECT_EQ(dynamics.truth().wrench.force_B.z(), -5.0);
+}
+
+/// Hits a wall in its first step and a floor in its fourth one.
+class Bumps final : public PhysicsEngine {
+ public:
+  void set_state(const BodyState& state) override { state_ = state; }
+  void step(double, const Load&) override {
+    contact_ = {};
+    ++steps_;
+    if (steps_ == 1) {
+      contact_.touches = contact_.airframe = true;
+      contact_.approach_m_s = 2.5;
+      contact_.other = "wall";
+      contact_.wrench = {{-40.0, 0.0, 0.0}, {0.0, 0.0, 3.0}};
+    } else if (steps_ == 4) {
+      contact_.touches = contact_.carries = true;
+      contact_.approach_m_s = 0.1;
+      contact_.normal_up = 1.0;
+      contact_.other = "floor";
+    }
+  }
+  const BodyState& state() const override { return state_; }
+  const Contact* contact() const override { return &contact_; }
+
+ private:
+  int steps_{0};
+  BodyState state_;
+  Contact contact_;
+};
+
+const Push kNoForce([](const ForcesAndMoments::Input&) { return Wrench{}; });
+
+TEST(RigidBodyByEngine, ContactsOfEachSubstepCount) {
+  BodyParameters split = body();
+  split.max_step_s = 0.0005;
+  RigidBody dynamics(split, {}, environment(0.0), kNoForce, kRandom);
+  EXPECT_FALSE(dynamics.take_contact());
+  Bumps bumps;
+  dynamics.set_engine(bumps);
+  dynamics.step(Time{2500}, {});
+  EXPECT_TRUE(dynamics.truth().on_ground);
+  // A fifth of 40 N on 2 kg, and of 3 N m on 0.15 kg m^2.
+  EXPECT_NEAR(dynamics.truth().specific_force_B.x(), -4.0, 1e-12);
+  EXPECT_NEAR(dynamics.truth().angular_acceleration_B.z(), 4.0, 1e-12);
+  const auto contact = dynamics.take_contact();
+  ASSERT_TRUE(contact);
+  EXPECT_TRUE(contact->touches && contact->airframe && contact->carries);
+  EXPECT_EQ(contact->approach_m_s, 2.5);
+  EXPECT_EQ(contact->normal_up, 0.0);
+  EXPECT_EQ(contact->other, "wall");
+  dynamics.step(Time{5000}, {});
+  EXPECT_FALSE(dynamics.truth().on_ground);
+  EXPECT_EQ(dynamics.truth().specific_force_B.norm(), 0.0);
+  EXPECT_FALSE(dynamics.take_contact()->touches);
+}
+
+TEST(RigidBodyByEngine, AContactIsKeptUntilItIsTaken) {
+  RigidBody dynamics(body(), {}, environment(0.0), kNoForce, kRandom);
+  Bumps bumps;
+  dynamics.set_engine(bumps);
+  for (int k = 1; k <= 3; ++k) dynamics.step(Time{500 * k}, {});
+  EXPECT_FALSE(dynamics.truth().on_ground);
+  EXPECT_EQ(dynamics.take_contact()->other, "wall");
+  EXPECT_FALSE(dynamics.take_contact()->touches);
+}
+
+TEST(RigidBodyByEngine, AWallIsNoGround) {
+  RigidBody dynamics(body(), {}, environment(0.0), kNoForce, kRandom);
+  Bumps bumps;
+  dynamics.set_engine(bumps);
+  dynamics.step(Time{500}, {});
+  EXPECT_FALSE(dynamics.truth().on_ground);
+}
+
+/// Pushes the body upwards, as an engine does to one that overlaps with the ground.
+class Lifts final : public PhysicsEngine {
+ public:
+  Lifts() {
+    contact_.touches = contact_.carries = true;
+    contact_.wrench.force_B = {0.0, 0.0, -5.0};
+  }
+  void set_state(const BodyState& state) override { state_ = state; }
+  void step(double h_s, const Load&) override {
+    state_.v_B.z() -= 0.001;
+    state_.p_W.z() += h_s * state_.v_B.z();
+  }
+  const BodyState& state() const override { return state_; }
+  const Contact* contact() const override { return &contact_; }
+
+ private:
+  BodyState state_;
+  Contact contact_;
+};
+
+TEST(RigidBodyByEngine, AHeldBodyStaysWhereItIs) {
+  RigidBody dynamics(body(), {}, environment(kGravity_m_s2), kNoForce, kRandom);
+  Lifts lifts;
+  dynamics.set_engine(lifts);
+  dynamics.set_held(true);
+  run(dynamics, 1.0);
+  EXPECT_EQ(dynamics.truth().body.p_W, Vector3::Zero());
+  EXPECT_EQ(dynamics.truth().body.v_B, Vector3::Zero());
+  EXPECT_NEAR(dynamics.truth().specific_force_B.z(), -kGravity_m_s2, 1e-12);
+  EXPECT_TRUE(dynamics.truth().on_ground);
+  dynamics.set_held(false);
+  dynamics.step(dynamics.truth().time + Time{2500}, {});
+  EXPECT_LT(dynamics.truth().body.p_W.z(), 0.0);
 }
 
 TEST(RigidBodyByEngine, FrozenForcesAreRejected) {

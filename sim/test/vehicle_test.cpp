@@ -97,7 +97,8 @@ TEST(Vehicle, ReadsTheFormerKeyOfTheMaximumStep) {
 }
 
 TEST(Vehicle, BadValuesAreNamedInOneLine) {
-  EXPECT_EQ(message_with("type=submarine"), "type: found submarine, allowed fixedwing, multirotor");
+  EXPECT_EQ(message_with("type=submarine"),
+            "type: found submarine, allowed fixedwing, multirotor, quadplane");
   EXPECT_EQ(message_with("body.mass_kg=-1"),
             "body.mass_kg: found -1, allowed a number > 0 and <= 100000");
   EXPECT_EQ(message_with("body.mass_kg=3.5 kg"),
@@ -180,7 +181,8 @@ TEST(Registry, FindsVehiclesByNameAndByPath) {
 TEST(Registry, KnowsEachNameOnce) {
   Registry registry;
   register_physics(registry);
-  EXPECT_EQ(registry.forces.names(), (std::vector<std::string>{"fixedwing", "multirotor"}));
+  EXPECT_EQ(registry.forces.names(),
+            (std::vector<std::string>{"fixedwing", "multirotor", "quadplane"}));
   EXPECT_EQ(message_of([&] { register_physics(registry); }),
             "type fixedwing: found a second one, allowed one of a name");
   EXPECT_EQ(message_of([&] { registry.visualisers.at("hologram"); }),

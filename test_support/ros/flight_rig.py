@@ -16,15 +16,17 @@ OVERRIDE = Status.OVERRIDE_ATT_SWITCH | Status.OVERRIDE_THR_SWITCH
 class FlightRig:
     """The world with a stack, and an observer. Use it in a with statement."""
 
-    def __init__(self, state, package, file, folder, wait_for, **arguments):
-        """`state`: the message on `estimated_state`; `wait_for`: what simulated time waits for beside the observer."""
+    def __init__(self, state, package, file, folder, wait_for, shows=True, **arguments):
+        """`state`: the message on `estimated_state`, None without a stack; `wait_for`: what simulated time waits for beside the observer;
+        `shows`: the launch file has nodes for RViz, which are left out."""
         self.peer = SimPeer("judge")
+        arguments |= {"viz": "false"} if shows else {}
         ports = {"simulation_port": free_udp_port(), "ROS_port": free_udp_port()}
-        self.process = launch(package, file, use_sim_time="true", real_time_multiplier=FASTEST, viz="false",
-                              memory_folder=folder, wait_for=f"{wait_for} judge", **ports, **arguments)
+        self.process = launch(package, file, use_sim_time="true", real_time_multiplier=FASTEST, memory_folder=folder,
+                              wait_for=f"{wait_for} judge", **ports, **arguments)
         self.truth = self.peer.listen(SimState, "sim/truth_state", progress="judge")
         self.status = self.peer.listen(Status, "status")
-        self.states = self.peer.listen(state, "estimated_state")
+        self.states = self.peer.listen(state, "estimated_state") if state else []
 
     def __enter__(self):
         return self

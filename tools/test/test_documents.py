@@ -41,10 +41,10 @@ ELSEWHERE = {
     r"cmake (-S \. -B build -DCMAKE_INSTALL_PREFIX=install|--build build --target install)": "ros/examples/test/test_own_modules.py",
     r"tools/ready.sh (packages|venv)": "each start of ./rosflight",
     r"tools/ready.sh build arm64": "the stage arm64-rest of ./rosflight test",
+    r"tools/ready.sh build gazebo": "the stage build of ./rosflight test",
     r"tools/ready.sh web": "the stage web of ./rosflight test",
     r"\.venv/bin/python3 flight/jsbsim/jsbsim_compare.py": "flight/jsbsim/test",
     r"\./rosflight fly --physics": "flight/jsbsim/test/test_physics_command.py",
-    r"build/release/flight/physics_comparison": "flight/jsbsim/test/physics_comparison_test.cpp",
     r"\./rosflight fly --board qemu_m7": "flight/test/emulated_test.cpp",
     r"\./rosflight fly --board pixracer_pro": "flight/test/h7_flight_test.cpp",
     r"\./rosflight fly --board varmint": "flight/test/h7_flight_test.cpp",
@@ -124,7 +124,7 @@ SILS = [c for c in of("./rosflight sil") if c not in USAGES]
 # What builds outside the tree: the commands of one document in their order.
 STEPS = [c for c in COMMANDS if re.match(r"cmake --install|cmake -S|cmake --build|P/bin/|ROSFLIGHT_DATA_DIR=|"
                                          r"\./rosflight fly --plugin", c.text) and not is_elsewhere(c)]
-RUNS = [c for c in of("./rosflight ") + of("build/release/examples") if c not in USAGES + LAUNCHES + SILS + STEPS]
+RUNS = [c for c in of("./rosflight ") + of("build/release/examples") + of("build/release/bench/worlds") if c not in USAGES + LAUNCHES + SILS + STEPS]
 BUILDS = of("cmake --preset") + of("tools/ready.sh build") + of("ninja -C build/") + of("ctest --test-dir build/") + of("build/release/link/test")
 
 

@@ -19,7 +19,7 @@ ROS = {"ament_cmake", "builtin_interfaces", "class_loader", "diagnostic_msgs", "
 ROSDEP = {"cli11": "libcli11-dev", "cmake": "cmake", "eigen": "libeigen3-dev", "git": "git", "gtest": "libgtest-dev",
           "libboost-dev": "libboost-dev", "libssl-dev": "libssl-dev", "libzstd-dev": "libzstd-dev", "ninja-build": "ninja-build",
           "nlohmann-json-dev": "nlohmann-json3-dev", "python3-numpy": None,
-          "python3-venv": "python3-venv", "python3-yaml": None, "sdl2": "libsdl2-dev", "fmt": "libfmt-dev", "yaml-cpp": "libyaml-cpp-dev", "zlib": "zlib1g-dev"}
+          "python3-venv": "python3-venv", "python3-yaml": None, "sdl2": "libsdl2-dev", "fmt": "libfmt-dev", "tinyxml2": "libtinyxml2-dev", "yaml-cpp": "libyaml-cpp-dev", "zlib": "zlib1g-dev"}
 # What find_package calls otherwise, or brings along: rosflight_common exports what it is built on.
 FOUND = {"Eigen3": "eigen", "SDL2": "sdl2", "GTest": "gtest", "Python3": None}
 # rosdep has no keys for these; tools/ready.sh installs them.

@@ -85,7 +85,7 @@ def house(tmp_path):
 def test_help_lists_the_commands_and_prepares_nothing(house):
     done = house.start("--help")
     assert done.returncode == 0
-    for command in ("fly", "replay", "sil", "mixer", "trim", "test", "bench"):
+    for command in ("fly", "replay", "sil", "mixer", "trim", "sdf", "test", "bench"):
         assert f"\n  {command} " in done.stdout
     assert not house.calls.exists() and not (house.root / "build").exists()
 
@@ -102,7 +102,7 @@ def test_unknown_command_is_one_line_and_exit_code_2(house):
     done = house.start("fyl")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == ("rosflight: unknown command 'fyl'; "
-                           "allowed: fly, view, log, replay, sil, mixer, trim, params, calibrate, monitor, preflight, blackbox, completion, campaign, python, test, firmware, bench, ros, --help, --version\n")
+                           "allowed: fly, view, log, replay, sil, mixer, trim, sdf, params, calibrate, monitor, preflight, blackbox, completion, campaign, python, test, firmware, bench, ros, --help, --version\n")
 
 
 def test_no_command_shows_the_help_as_an_error(house):
@@ -185,6 +185,42 @@ def test_arm64_is_built_where_debians_packages_for_it_are(house):
     assert house.called("apt-get") == []
     subprocess.run([*build[:-1], "arm64-tests"], env=house.environment(), check=True)
     assert house.called("apt-get") == [] and "preset arm64-tests" in house.called("cmake")[-1]
+
+
+def test_gazebos_engine_is_installed_and_built_when_a_flight_asks_for_it(house):
+    (house.root / "tools/system_packages.txt").write_text("[run]\ng++\n[gazebo]\nlibgazebo @bookworm\n")
+    house.os_release.write_text("VERSION_CODENAME=bookworm\n")
+    house.installed("g++")
+    assert house.start("fly").returncode == 0
+    assert not any("gazebo" in call for call in house.called("cmake"))
+    refused = house.start("fly", "--physics", "gazebo")
+    assert refused.returncode == 2 and refused.stderr.endswith(" libgazebo\n")
+    house.installed("g++", "libgazebo")
+    for words in (["--physics", "gazebo"], ["--physics=gazebo"]):
+        shutil.rmtree(house.root / "build/gazebo", ignore_errors=True)
+        assert house.start("fly", *words).returncode == 0
+        assert "preset gazebo" in house.called("cmake")[0]
+        assert any(call.endswith(" gazebo_engine") for call in house.called("ninja"))
+
+
+@pytest.mark.parametrize("words", [["--physics", "jsbsim"], ["--physics=jsbsim"]])
+def test_jsbsims_environment_is_made_when_a_flight_asks_for_it(words, house):
+    (house.root / "tools/requirements-jsbsim.txt").write_text("jsbsim\n")
+    assert house.start("fly").returncode == 0
+    assert not (house.root / ".venv-jsbsim").exists()
+    assert house.start("fly", *words).returncode == 0
+    assert (house.root / ".venv-jsbsim/.stamp").exists()
+
+
+def test_a_release_without_gazebo_is_named_its_packages(house):
+    (house.root / "tools/system_packages.txt").write_text("[run]\ng++\n[gazebo]\nlibgazebo @bookworm\n")
+    house.os_release.write_text("VERSION_CODENAME=noble\n")
+    house.installed("g++")
+    done = house.start("fly", "--physics", "gazebo")
+    assert "libgz-physics7-dev libgz-common5-dev libgz-plugin2-dev" in done.stderr
+    house.os_release.write_text("VERSION_CODENAME=bookworm\n")
+    house.installed("g++", "libgazebo")
+    assert "libgz-physics7-dev" not in house.start("fly", "--physics", "gazebo").stderr
 
 
 def test_changed_package_list_is_looked_through_again(house):
@@ -300,7 +336,7 @@ def test_failing_configure_is_told_and_tried_again(house):
 def test_the_other_commands_build_and_run_their_own_program(house):
     house.replace("ninja", 'mkdir -p "$2/apps" && printf "#!/bin/sh\\necho tool \\"\\$@\\"\\n" '
                            '>"$2/apps/rosflight_tools" && chmod +x "$2/apps/rosflight_tools"')
-    for command in ("replay", "sil", "mixer", "trim"):
+    for command in ("replay", "sil", "mixer", "trim", "sdf"):
         assert house.start(command, "word").stdout == f"tool {command} word\n"
     assert all(call.endswith(" rosflight_tools") for call in house.called("ninja"))
 

@@ -19,7 +19,10 @@ test('each key has its unit, default, range and meaning, and belongs to its kind
   assert.ok(keys.some(({key}) => key.startsWith('autonomy.estimator.sigma.')));
   assert.ok(!keys.some(({key}) => key === 'autonomy.takeoff.rotate_m_s'));
   assert.ok(parseKeyPage(autonomy, 'fixed wing').some(({key}) => key === 'autonomy.takeoff.rotate_m_s'));
-  for (const kind of ['multirotor', 'fixed wing'] as const) {
+  const ofQuadplane = [...parseKeyPage(autonomy, 'quad-plane'), ...parseKeyPage(vehicle, 'quad-plane')].map(({key}) => key);
+  for (const key of ['rotor_aero.', 'surfaces.', 'aero.', 'rotors.']) assert.ok(ofQuadplane.some((each) => each.startsWith(key)), key);
+  assert.ok(!parseKeyPage(vehicle, 'multirotor').some(({key}) => key.startsWith('rotor_aero.')));
+  for (const kind of ['multirotor', 'fixed wing', 'quad-plane'] as const) {
     const all = [...parseKeyPage(autonomy, kind), ...parseKeyPage(vehicle, kind)].map(({key}) => key);
     assert.equal(new Set(all).size, all.length, 'once each');
   }

@@ -71,6 +71,49 @@ TEST(Estimator, AGustThatShutsThePitotOutIsLetInAgain) {
   }
 }
 
+/// It stands in the air with its nose into 8 m/s of wind.
+struct Hovering {
+  static WorldConfig configured(bool hovers) {
+    WorldConfig config = WindyFixedWing::configured();
+    config.wind_W = {-8.0, 0.0, 0.0};
+    config.filter.hovers = hovers;
+    config.filter.noise.wind_m_s_rts = 0.1;
+    return config;
+  }
+  static Motion still(double /*t_s*/) {
+    Motion motion;
+    motion.p_W.z() = -20.0;
+    return motion;
+  }
+  explicit Hovering(bool hovers) : config{configured(hovers)} {
+    while (world.time_s() < 20.0) {
+      if (!estimator.initialised())
+        estimator.set_attitude_hint(world.time_s(), Quaternion::Identity());
+      world.step(estimator);
+    }
+  }
+  WorldConfig config;
+  World world{config, still};
+  Estimator estimator{config.filter, Airframe::kFixedWing};
+};
+
+/// The estimate has no airspeed before it has the wind: only the measured one shows that the pitot tube can be fused.
+TEST(Estimator, AVehicleThatHoversFindsTheWindWithItsPitot) {
+  Hovering f(true);
+  EXPECT_NEAR(f.estimator.estimate().wind_W.x(), -8.0, 0.5);
+  EXPECT_NEAR(f.estimator.estimate().airspeed_m_s, 8.0, 1.0);
+  // The wind turns away while it hovers: less than half of the airspeed is no blocked tube here.
+  f.world.extra_airspeed_m_s = -5.0;
+  while (f.world.time_s() < 26.0) f.world.step(f.estimator);
+  EXPECT_NEAR(f.estimator.estimate().wind_W.x(), -3.0, 3.1)
+      << "down to the speed from which on it is fused";
+}
+
+TEST(Estimator, AFixedWingDoesNotUseItsPitotBelowItsSmallestAirspeed) {
+  const Hovering f(false);
+  EXPECT_GT(f.estimator.estimate().wind_W.x(), -4.0);
+}
+
 /// Passes on all samples but those of the magnetometer.
 struct WithoutMag {
   Estimator& estimator;

@@ -25,7 +25,7 @@ TEST(CustomDrag, IsFoundByNameOnlyOnceItsLibraryIsLoaded) {
   } catch (const config::Error& error) {
     EXPECT_STREQ(error.what(),
                  "examples/custom_drag/linear_drag.yaml:4: type: found linear_drag, allowed "
-                 "fixedwing, multirotor");
+                 "fixedwing, multirotor, quadplane");
   }
   registry.load_plugin(plugin());
   EXPECT_NE(registry.make_forces(vehicle, RandomSource{1}), nullptr);

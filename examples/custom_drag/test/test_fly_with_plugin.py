@@ -28,4 +28,4 @@ def test_flies_the_default_mission_under_its_own_law(tmp_path):
 def test_without_the_library_one_line_names_the_unknown_type(tmp_path):
     done = fly(tmp_path / "f", "--vehicle", "examples/custom_drag/linear_drag.yaml")
     assert done.returncode == 2 and done.stdout == ""
-    assert done.stderr.count("\n") == 1 and "found linear_drag, allowed fixedwing, multirotor" in done.stderr
+    assert done.stderr.count("\n") == 1 and "found linear_drag, allowed fixedwing, multirotor, quadplane" in done.stderr

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "flight/fly.hpp"
+#include "flight/gazebo/gazebo_engine.hpp"
 #include "flight/repeat.hpp"
 
 namespace rosflight::flight {
@@ -27,6 +28,9 @@ class Flights : public testing::TestWithParam<Case> {};
 
 TEST_P(Flights, AgreeWithOurIntegrator) {
   const Case& c = GetParam();
+  if (std::string(c.physics) == "gazebo" &&
+      !std::filesystem::exists(GazeboEngine::Options::program_of_project()))
+    GTEST_SKIP() << "gazebo_engine is not built";
   FlightChoice choice;
   choice.vehicle = c.vehicle;
   choice.mission = c.mission;
@@ -53,9 +57,30 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"hover", "jsbsim", "multirotor", "hover", ""},
                     Case{"multirotor_wind", "jsbsim", "multirotor", "hop", "6,270,4"},
                     Case{"fixedwing_wind", "jsbsim", "anaconda", "default", "6,270,4"},
+                    Case{"gazebo_multirotor", "gazebo", "multirotor", "default", ""},
+                    Case{"gazebo_fixedwing", "gazebo", "anaconda", "default", ""},
+                    Case{"gazebo_hover", "gazebo", "multirotor", "hover", ""},
+                    Case{"gazebo_multirotor_wind", "gazebo", "multirotor", "hop", "6,270,4"},
+                    Case{"gazebo_fixedwing_wind", "gazebo", "anaconda", "default", "6,270,4"},
                     Case{"coupling_multirotor", "runge_kutta_held", "multirotor", "default", ""},
                     Case{"coupling_fixedwing", "runge_kutta_held", "anaconda", "default", ""}),
     [](const auto& flights) { return std::string(flights.param.name); });
+
+/// Dartsim is of first order in the position: what is not of the closed loop goes with the step.
+TEST(Physics, HalfTheStepBringsGazeboNearer) {
+  if (!std::filesystem::exists(GazeboEngine::Options::program_of_project()))
+    GTEST_SKIP() << "gazebo_engine is not built";
+  const auto largest_m = [](const char* step) {
+    FlightChoice choice;
+    choice.vehicle = "tricopter";
+    choice.mission = "default";
+    choice.overrides.emplace_back(std::string("body.max_step_s=") + step);
+    return compare_physics(choice, "gazebo").position_m.largest();
+  };
+  const double whole_m = largest_m("0.0025");
+  EXPECT_GT(whole_m, 0.01) << "more than noise and rounding make of a flight";
+  EXPECT_LT(largest_m("0.00125"), 0.5 * whole_m);
+}
 
 TEST(Physics, AnUnknownNameIsRejected) {
   FlightChoice choice;
@@ -66,7 +91,7 @@ TEST(Physics, AnUnknownNameIsRejected) {
     FAIL();
   } catch (const config::Error& error) {
     EXPECT_EQ(std::string(error.what()),
-              "--physics: found bullet, allowed runge_kutta, runge_kutta_held, jsbsim");
+              "--physics: found bullet, allowed runge_kutta, runge_kutta_held, jsbsim, gazebo");
   }
 }
 

@@ -19,6 +19,7 @@
 #include "rosflight_sim/sensor_parameters.hpp"
 #include "rosflight_sim/tick_tracker.hpp"
 #include "rosflight_sim/vehicle_parameters.hpp"
+#include "rosflight_sim/world_topics.hpp"
 #include "sim/sensors/read_config.hpp"
 #include "sim/sensors/register.hpp"
 #include "sim/sensors/standard_sensors.hpp"
@@ -46,15 +47,26 @@ class SensorsNode : public rclcpp::Node {
     choose_rates();
     sim::register_physics(registry_);
     sim::sensors::register_sensors(registry_);
+    sim::register_world_sensors(registry_);
+    load_plugins();
     environment_ = parameters_.vehicle.environment();
     module_ = sim::sensors::make_sensors(registry_, parameters_.vehicle, parameters_.random);
     if (dynamic_cast<const sim::sensors::StandardSensors*>(module_.get()) != nullptr)
       declare_instruments();
     set_up_truth();
+    const auto step_us = static_cast<std::int64_t>(1e6 / rate_Hz);
+    world_.emplace(*this, registry_, parameters_, sim::Time{step_us});
     open_topics();
   }
 
  private:
+  void load_plugins() {
+    const auto plugins = declare_parameter<std::vector<std::string>>(
+        "plugins", {}, described("shared libraries with sensors of the world"));
+    for (const auto& plugin : plugins)
+      if (!plugin.empty()) registry_.load_plugin(plugin);
+  }
+
   void choose_rates() {
     const std::string rates = declare_text(*this, "sensor_rates", "rosflight_2",
                                            "rosflight_2: those of ROSflight 2.x where the vehicle "
@@ -148,6 +160,7 @@ class SensorsNode : public rclcpp::Node {
     send(samples_.has_diff_pressure, samples_.diff_pressure, *pitot_);
     send(samples_.has_range, samples_.range, *range_);
     send(samples_.has_battery, samples_.battery, *battery_);
+    world_->step(truth_, stamp_ns_);
   }
 
   /// Stamp and frame of a sample that was measured some time before this step.
@@ -191,6 +204,7 @@ class SensorsNode : public rclcpp::Node {
   sim::Registry registry_;
   std::unique_ptr<sim::SensorsModule> module_;
   const sim::sensors::StandardSensors* standard_{nullptr};
+  std::optional<WorldTopics> world_;
   sim::EnvironmentParameters environment_;
   SensorSettings settings_;  ///< Settings of the module `standard`.
   std::optional<rosflight_common::LiveParameters<SensorSettings>> tuning_;

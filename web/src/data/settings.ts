@@ -5,11 +5,17 @@ import {lastAtOrBefore} from './table.ts';
 import type {Flight} from './flight.ts';
 
 export interface SettingInfo { key: string; standard: string; unit: string; allowed: string; meaning: string }
-type Kind = 'multirotor' | 'fixed wing';
+const KINDS = ['multirotor', 'fixed wing', 'quad-plane'] as const;
+export type Kind = (typeof KINDS)[number];
+
+/** A quad-plane has the sections of a wing too, but guidance of its own. */
+function belongs(heading: string, kind: Kind): boolean {
+  const named = KINDS.filter((each) => heading.toLowerCase().includes(each));
+  return named.length === 0 || named.includes(kind) || (kind === 'quad-plane' && heading.endsWith('` of a fixed wing'));
+}
 
 /** Of docs/autonomy-keys.md or docs/vehicle-keys.md, for one kind of vehicle. A key of the entries of a list has `[]` in it. */
 export function parseKeyPage(page: string, kind: Kind): SettingInfo[] {
-  const other: Kind = kind === 'multirotor' ? 'fixed wing' : 'multirotor';
   const out: SettingInfo[] = [];
   let section = '';
   let part = '';
@@ -19,7 +25,7 @@ export function parseKeyPage(page: string, kind: Kind): SettingInfo[] {
     const heading = /^## (.*)/.exec(line)?.[1];
     if (heading) {
       section = /`(.+?)`/.exec(heading)?.[1] ?? 'autonomy';
-      skipped = heading.toLowerCase().includes(other);
+      skipped = !belongs(heading, kind);
       named = '';
     }
     named = /^\*\*(.+)\*\*$/.exec(line)?.[1] ?? named;

@@ -20,8 +20,8 @@ export function Settings({flight, of}: {flight: Flight; of: 'autonomy' | 'vehicl
   void state.revision.value; // a growing flight
   const yaml = settingsAt(flight, state.following.value ? Infinity : state.time.value);
   const values = useMemo(() => parseSettings(yaml), [yaml]);
-  const infos = useMemo(() => perEntry(parseKeyPage(of === 'autonomy' ? autonomyKeys : vehicleKeys, flight.fixedWing ? 'fixed wing' : 'multirotor'), values),
-    [of, flight.fixedWing, values]);
+  const kind = values.get('type') === 'quadplane' ? 'quad-plane' : flight.fixedWing ? 'fixed wing' : 'multirotor';
+  const infos = useMemo(() => perEntry(parseKeyPage(of === 'autonomy' ? autonomyKeys : vehicleKeys, kind), values), [of, kind, values]);
   const [wanted, setWanted] = useState('');
   const [group, setGroup] = useState('');
   const [givenOnly, setGivenOnly] = useState(false);

@@ -41,10 +41,12 @@ void ChildProcess::start(const std::vector<std::string>& arguments,
   child_ = ::fork();
   if (child_ < 0) fail("cannot start " + arguments.front());
   if (child_ == 0) {
+    ::setpgid(0, 0);
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (::getppid() != parent) ::_exit(1);
     become(arguments, files, said.write.get());
   }
+  ::setpgid(child_, child_);  // before its exec; later it fails and has been done
   said_ = std::move(said.read);
   ::fcntl(said_.get(), F_SETFL, O_NONBLOCK);
 }
@@ -76,12 +78,18 @@ void ChildProcess::become(const std::vector<std::string>& arguments, const std::
   ::_exit(127);
 }
 
+/// Ends what is left of the group, then reaps the child: until then no other process can have its number.
+/// @returns its status.
+int ChildProcess::end_group() {
+  int status = 0;
+  ::kill(-child_, SIGKILL);
+  ::waitpid(child_, &status, 0);
+  child_ = -1;
+  return status;
+}
+
 void ChildProcess::stop() {
-  if (child_ > 0) {
-    ::kill(child_, SIGKILL);
-    ::waitpid(child_, nullptr, 0);
-    child_ = -1;
-  }
+  if (child_ > 0) end_group();
   said_.close();
 }
 
@@ -109,17 +117,21 @@ void ChildProcess::give_up(const std::string& why) {
   throw EmulatorError(text);
 }
 
-void ChildProcess::report_end(int status) {
-  child_ = -1;
+void ChildProcess::report_end() {
+  const int status = child_ > 0 ? end_group() : 0;
   give_up(WIFSIGNALED(status)
               ? "its program was ended by signal " + std::to_string(WTERMSIG(status))
               : "its program ended with status " + std::to_string(WEXITSTATUS(status)));
 }
 
 void ChildProcess::check() {
-  int status = 0;
-  if (child_ > 0 && ::waitpid(child_, &status, WNOHANG) == 0) return listen();
-  report_end(status);
+  siginfo_t ended{};
+  if (child_ > 0 &&
+      ::waitid(P_PID, static_cast<id_t>(child_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+      ended.si_pid == 0) {
+    return listen();
+  }
+  report_end();
 }
 
 void ChildProcess::send(int fd, char byte) {
@@ -141,9 +153,9 @@ char ChildProcess::receive(int fd, std::chrono::milliseconds timeout) {
     }
     if ((ready[1].revents & POLLIN) != 0) listen();
     if (((ready[0].revents | ready[1].revents) & POLLHUP) != 0) {
-      int status = 0;
-      ::waitpid(child_, &status, 0);
-      report_end(status);
+      siginfo_t ended{};
+      ::waitid(P_PID, static_cast<id_t>(child_), &ended, WEXITED | WNOWAIT);
+      report_end();
     }
   }
 }

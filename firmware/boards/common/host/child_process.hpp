@@ -28,6 +28,10 @@ struct Pipe {
 
 /// A program that emulates a board or another part of the world, as a child of this process: its open files,
 /// its last words, its end. The child dies with this object and with this process, however that ends.
+///
+/// It leads a process group of its own. So Ctrl-C in a terminal, which signals the group in the foreground, reaches this process
+/// only, and what the child has started ends with it: a program behind a script does. If this process is killed
+/// by SIGKILL, the kernel ends the child alone.
 class ChildProcess {
  public:
   /// A file of this process and the number the child finds it under.
@@ -44,7 +48,7 @@ class ChildProcess {
 
   /// @param arguments  the first is the program's path. @throws EmulatorError
   void start(const std::vector<std::string>& arguments, const std::vector<File>& files);
-  /// Ends it at once.
+  /// Ends it and what it has started at once.
   void stop();
   bool running() const { return child_ > 0; }
   pid_t process() const { return child_; }
@@ -61,7 +65,8 @@ class ChildProcess {
 
  private:
   void listen();
-  [[noreturn]] void report_end(int status);
+  int end_group();
+  [[noreturn]] void report_end();
   [[noreturn]] static void become(const std::vector<std::string>& arguments,
                                   const std::vector<File>& files, int said);
 
