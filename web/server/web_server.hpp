@@ -41,15 +41,17 @@ struct Contents {
 /// (401 otherwise), a WebSocket as its first message {"op":"token","token":"..."}.
 ///
 /// A WebSocket at any address speaks the Foxglove protocol v1 (foxglove.hpp) and sends what is new in
-/// Contents::live kRate_Hz times a second, to at most kMaxViewers (503). A viewer that does not read
-/// misses states and is closed after Access::silence; nobody waits for it. Its messages have at most
-/// kMaxMessage bytes.
+/// Contents::live kRate_Hz times a second, to at most kMaxViewers (503). A viewer that reads slowly, or
+/// is behind a slow network, misses states: no message is sent while more than kMaxOnTheWay bytes are not
+/// confirmed by it, which any WebSocket does by itself. One that does not read is closed after
+/// Access::silence; nobody waits for it. Its messages have at most kMaxMessage bytes.
 class WebServer {
  public:
   static constexpr int kMaxClients = 64;
   static constexpr int kMaxViewers = 16;
   static constexpr int kRate_Hz = 60;
   static constexpr unsigned kMaxMessage = 65536;
+  static constexpr unsigned kMaxOnTheWay = 65536;
   static constexpr unsigned kMaxHead = 8192;
 
   /// @throws std::system_error  it cannot listen there, for example because the port is taken.

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <algorithm>
 #include <array>
 #include <boost/asio/steady_timer.hpp>
+#include <charconv>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,7 +16,10 @@
 
 namespace rosflight::web::server {
 
-/// One WebSocket. Writes one message after the other.
+/// One WebSocket. Writes one message after the other, and no more while WebServer::kMaxOnTheWay bytes
+/// are on their way: what the sockets' buffers and a slow network hold would only be old when it is read.
+/// How far the viewer has read, its pongs say (RFC 6455, section 5.5.3); each ping has the number of bytes
+/// sent before it.
 class Viewer : public std::enable_shared_from_this<Viewer> {
  public:
   /// @param most  what it may do at most.
@@ -40,6 +46,9 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
           response.set(http::field::sec_websocket_protocol, name);
         }));
     stream_.read_message_max(WebServer::kMaxMessage);
+    stream_.control_callback([this](websocket::frame_type kind, beast::string_view payload) {
+      if (kind == websocket::frame_type::pong) on_pong({payload.data(), payload.size()});
+    });
     stream_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
       if (error) return;
       self->open_ = true;
@@ -53,9 +62,9 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
     });
   }
 
-  /// Sends what is new unless something is being sent.
+  /// Sends what is new unless something is being sent, or too much is on its way.
   void send_next() {
-    if (!open_ || sending_) return;
+    if (!open_ || sending_ || sent_ - confirmed_ > WebServer::kMaxOnTheWay) return;
     frame_ = conversation_.next();
     if (!frame_) {
       if (conversation_.is_over()) let_go();
@@ -66,13 +75,15 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
     const auto contents =
         frame_->message ? asio::buffer(frame_->message->cdr) : asio::const_buffer();
     stream_.async_write(std::array<asio::const_buffer, 2>{asio::buffer(frame_->head), contents},
-                        [self = shared_from_this()](beast::error_code error, std::size_t) {
+                        [self = shared_from_this()](beast::error_code error, std::size_t bytes) {
                           self->sending_ = false;
                           if (error) {
                             self->open_ = false;
-                          } else {
-                            self->send_next();
+                            return;
                           }
+                          self->sent_ += bytes;
+                          self->ask_how_far();
+                          self->send_next();
                         });
   }
 
@@ -92,6 +103,26 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
     });
   }
 
+  /// A ping, after each kAskEach bytes.
+  void ask_how_far() {
+    if (!open_ || asking_ || sent_ - asked_ < kAskEach) return;
+    asking_ = true;
+    asked_ = sent_;
+    websocket::ping_data payload;
+    payload.append(std::to_string(asked_));
+    stream_.async_ping(payload, [self = shared_from_this()](beast::error_code error) {
+      self->asking_ = false;
+      if (!error) self->ask_how_far();
+    });
+  }
+
+  void on_pong(std::string_view payload) {
+    std::uint64_t bytes{};
+    const char* end = payload.data() + payload.size();
+    if (payload.empty() || std::from_chars(payload.data(), end, bytes).ptr != end) return;
+    if (bytes <= asked_) confirmed_ = std::max(confirmed_, bytes);
+  }
+
   void let_go() {
     open_ = false;
     beast::get_lowest_layer(stream_).close();
@@ -102,8 +133,14 @@ class Viewer : public std::enable_shared_from_this<Viewer> {
   Conversation conversation_;
   asio::steady_timer admission_;  ///< Until then the token has come, where one is wanted.
   beast::flat_buffer buffer_;
+  static constexpr std::uint64_t kAskEach = WebServer::kMaxOnTheWay / 4;
+
   bool open_{false};
   bool sending_{false};
+  bool asking_{false};                        ///< A ping is being sent.
+  std::uint64_t sent_{0};                     ///< Bytes since the handshake.
+  std::uint64_t asked_{0};                    ///< Those before the newest ping.
+  std::uint64_t confirmed_{0};                ///< Those that the viewer has read.
   std::optional<Conversation::Frame> frame_;  ///< That is being sent.
 };
 

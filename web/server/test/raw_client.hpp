@@ -43,6 +43,19 @@ class Client {
   std::string read_some(std::size_t least) const {
     return read_until([least](const std::string& all) { return all.size() >= least; });
   }
+  /// What the server sends up to and with this text.
+  std::string read_to(const std::string& text) const {
+    return read_until(
+        [&text](const std::string& all) { return all.find(text) != std::string::npos; });
+  }
+  /// What has come and was not read.
+  std::string read_waiting() const {
+    std::string all;
+    std::array<char, 4096> buffer{};
+    for (ssize_t n = 0; (n = ::recv(socket_, buffer.data(), buffer.size(), MSG_DONTWAIT)) > 0;)
+      all.append(buffer.data(), static_cast<std::size_t>(n));
+    return all;
+  }
   /// The head of an answer, and no byte of what follows.
   std::string read_head() const {
     std::string head;
