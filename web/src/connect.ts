@@ -22,7 +22,10 @@ interface ServerMessage { op?: string; metadata?: Record<string, string>; unsave
 function onServer(message: ServerMessage, commands: Commands) {
   if (message.op === 'serverInfo' && message.metadata?.['commands'] === 'yes') state.commands.value = commands;
   if (message.unsaved !== undefined) state.unsaved.value = message.unsaved;
-  if (message.control) state.control.value = message.control;
+  if (message.control) {
+    state.control.value = message.control;
+    if (state.hasControl()) state.controlEnded.value = false;
+  }
   commands.answered(message);
   if (message.results) ++state.revision.value; // what is in force has come before them
 }
@@ -68,6 +71,7 @@ export function disconnect() {
   end();
   batch(() => {
     withoutServer();
+    state.controlEnded.value = false;
     state.other.value = undefined;
     state.unsaved.value = false;
     state.following.value = false;
@@ -121,6 +125,7 @@ export function connect(name: string) {
   let timer: ReturnType<typeof setTimeout> | undefined;
   socket.onclose = () => {
     commands.lost();
+    if (state.hasControl()) state.controlEnded.value = true;
     withoutServer();
     state.live.value = 'gone';
     timer = setTimeout(() => void again(), AGAIN_MS);

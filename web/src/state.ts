@@ -31,6 +31,9 @@ export const revision = signal(0);
 export const commands = signal<Commands | undefined>(undefined);
 /** Of a running flight; undefined where nothing can be commanded. */
 export const control = signal<Control | undefined>(undefined);
+export const hasControl = () => control.value !== undefined && control.value.viewer === control.value.you;
+/** This page had control when its connection ended; until it takes control again. */
+export const controlEnded = signal(false);
 /** Another vehicle on a link, and the address of its parameters. */
 export const other = signal<{name: string; parameters: string} | undefined>(undefined);
 /** Parameters have changed since they were last written to the vehicle's memory. */

@@ -6,7 +6,6 @@ import type {Result} from '../data/commands.ts';
 import {calibrationLines} from '../data/calibration_lines.ts';
 import type {Flight} from '../data/flight.ts';
 import * as state from '../state.ts';
-import {hasControl} from './control.tsx';
 
 const SENSORS = {gyro: 'Gyro', accel: 'Accelerometer', baro: 'Barometer', airspeed: 'Airspeed'};
 /** With the vehicle or the transmitter in the hands of a person. */
@@ -35,7 +34,7 @@ export function Calibrations({flight}: {flight: Flight}) {
       const measures = results.has(sensor) && !result;
       const byHand = sensor in BY_HAND;
       return <tr key={sensor}>
-        <th scope="row">{name}</th><td><button aria-label={`Calibrate ${name.toLowerCase()}`} disabled={!hasControl() || measures || runs !== '' || sensor === 'esc_props_off' && !noProps}
+        <th scope="row">{name}</th><td><button aria-label={`Calibrate ${name.toLowerCase()}`} disabled={!state.hasControl() || measures || runs !== '' || sensor === 'esc_props_off' && !noProps}
           onClick={() => void calibrate(sensor)}>Calibrate</button>{byHand && measures && <button onClick={() => void state.commands.value?.calibrate('stop')}>Stop</button>}</td>
         <td role="status">{measures ? byHand ? lines.at(-1) ?? 'begins' : 'measuring' : result ? <span class={`result ${result.good ? 'good' : 'bad'}`}>{result.good ? '✓' : '✗'} {result.text}</span>
           : <span class="hint">{HOW[sensor]}</span>}

@@ -3,14 +3,12 @@
 import {useState} from 'preact/hooks';
 import * as state from '../state.ts';
 
-export const hasControl = () => state.control.value !== undefined && state.control.value.viewer === state.control.value.you;
-
 export function ControlBar() {
   const commands = state.commands.value;
   const control = state.control.value;
   const [said, setSaid] = useState('');
   if (!control) return null;
-  const mine = hasControl();
+  const mine = state.hasControl();
   return <div class="tools control-bar">
     <span class={`badge ${mine ? 'good' : 'note'}`} role="status">{mine ? `You have control (viewer ${control.you})`
       : control.viewer ? `Viewer ${control.viewer} has control` : 'Nobody has control'}</span>
@@ -19,6 +17,6 @@ export function ControlBar() {
       setSaid(answer?.good ? '' : answer?.text ?? '');
     }}>{control.viewer ? 'Take over control' : 'Take control'}</button>}
     {!commands && <span class="hint">This address is one to look, not to command.</span>}
-    <span role="alert">{said}</span>
+    <span role="alert">{said || (state.controlEnded.value ? 'Control ended with the connection.' : '')}</span>
   </div>;
 }

@@ -4,7 +4,6 @@
 import {useEffect, useRef, useState} from 'preact/hooks';
 import type {Flight} from '../data/flight.ts';
 import * as state from '../state.ts';
-import {hasControl} from './control.tsx';
 
 const REPEAT_MS = 100;
 const MAX_VALUE = 0.3; // of the firmware
@@ -47,7 +46,7 @@ export function MotorTest({flight}: {flight: Flight}) {
   const [value, setValue] = useState(0.1);
   const [free, setFree] = useState(false);
   const [said, setSaid] = useState('');
-  const allowed = hasControl() && free;
+  const allowed = state.hasControl() && free;
   const {held, start, stop} = useHeld(async () => {
     const [answer] = await state.commands.value?.testMotor(motor, value) ?? [];
     setSaid(answer && !answer.good ? answer.text : '');

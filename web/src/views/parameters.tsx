@@ -11,7 +11,7 @@ import {changesIn, typed, type Edits} from '../data/edits.ts';
 import {allowedText, complaint, groupOf, groupsOf, parseParameterTable, sameValue, shortNumber, type ParameterInfo} from '../data/parameter_table.ts';
 import * as state from '../state.ts';
 import {admission} from '../token.ts';
-import {ControlBar, hasControl} from './control.tsx';
+import {ControlBar} from './control.tsx';
 import {Settings} from './settings.tsx';
 
 const INFOS = parseParameterTable(csv);
@@ -40,7 +40,7 @@ function OfFirmware({flight}: {flight: Flight}) {
   const [results, setResults] = useState<ReadonlyMap<string, Result>>(new Map());
   const [said, setSaid] = useState('');
   const [file, setFile] = useState<{name: string; here?: string; found: Difference[]}>();
-  const commands = hasControl() ? state.commands.value : undefined;
+  const commands = state.hasControl() ? state.commands.value : undefined;
 
   const names = [...values.keys()].sort();
   const text = wanted.trim().toLowerCase();

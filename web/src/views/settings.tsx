@@ -8,7 +8,7 @@ import type {Result} from '../data/commands.ts';
 import {parseKeyPage, parseSettings, perEntry, settingsAt, type SettingInfo} from '../data/settings.ts';
 import {typed, type Edits} from '../data/edits.ts';
 import * as state from '../state.ts';
-import {ControlBar, hasControl} from './control.tsx';
+import {ControlBar} from './control.tsx';
 
 const AUTONOMY = 'autonomy.';
 const GROUP_PARTS = 2; // of a key of autonomy: autonomy.limits; of the vehicle: 1
@@ -34,7 +34,7 @@ export function Settings({flight, of}: {flight: Flight; of: 'autonomy' | 'vehicl
   const shown = infos.filter(({key, meaning}) => (group === '' || groupOf(key) === group) && (!givenOnly || values.has(key) || edits.has(key))
     && `${key} ${meaning}`.toLowerCase().includes(text));
   const simulated = state.control.value?.simulated;
-  const change = of === 'autonomy' && simulated && state.commands.value && hasControl();
+  const change = of === 'autonomy' && simulated && state.commands.value && state.hasControl();
   const changes = [...edits].filter(([key, edit]) => edit.trim() !== '' && edit.trim() !== values.get(key));
   const send = async () => {
     const sent = changes;

@@ -5,7 +5,7 @@ import type {ComponentChildren} from 'preact';
 import {useState} from 'preact/hooks';
 import {FAULTS} from '../data/faults.ts';
 import * as state from '../state.ts';
-import {ControlBar, hasControl} from './control.tsx';
+import {ControlBar} from './control.tsx';
 
 type Steer = (text: string) => Promise<void>;
 
@@ -25,7 +25,7 @@ export function Simulation() {
   return <section class="simulation" aria-label="Simulation">
     <ControlBar/>
     <p class={`said ${said.good ? '' : 'wrong'}`} role="status">{said.text}</p>
-    <fieldset disabled={!commands || !hasControl()} class="steering">
+    <fieldset disabled={!commands || !state.hasControl()} class="steering">
       <Pace steer={steer}/><Mission steer={steer}/><Wind steer={steer}/><Faults steer={steer}/><Transmitter steer={steer}/>
     </fieldset>
   </section>;
@@ -33,14 +33,23 @@ export function Simulation() {
 
 const Group = ({name, children}: {name: string; children: ComponentChildren}) => <fieldset><legend>{name}</legend><div class="tools">{children}</div></fieldset>;
 
+/** The state of the simulation that a change makes comes this much later than its answer, at most [ms]. */
+const IN_FORCE_MS = 100;
+
 function Pace({steer}: {steer: Steer}) {
   const {paused, speed} = state.control.value!;
+  const [chosen, setChosen] = useState<string>(); // until it is in force: what comes from the server meanwhile is older
   const speeds = SPEEDS.includes(String(speed)) ? SPEEDS : [...SPEEDS, String(speed)];
+  const choose = async (one: string) => {
+    setChosen(one);
+    await steer(`speed ${one}`);
+    setTimeout(() => setChosen((now) => now === one ? undefined : now), IN_FORCE_MS);
+  };
   return <Group name="Time">
     <button onClick={() => void steer(paused ? 'resume' : 'pause')}>{paused ? 'Resume' : 'Pause'}</button>
     <button onClick={() => void steer('step 4')}>Step 10 ms</button>
     <button onClick={() => void steer('step 400')}>Step 1 s</button>
-    <label>Speed of the simulation <select value={String(speed)} onChange={(event) => void steer(`speed ${event.currentTarget.value}`)}>
+    <label>Speed of the simulation <select value={chosen ?? String(speed)} onChange={(event) => void choose(event.currentTarget.value)}>
       {speeds.map((one) => <option key={one} value={one}>{one}×</option>)}</select></label>
     {paused && <span class="badge warning">paused</span>}
   </Group>;

@@ -14,7 +14,7 @@ import {axesOf, responseOf, stepsOf, type Axis, type Stick} from '../data/tune_a
 import {DEG_PER_RAD} from '../data/units.ts';
 import * as state from '../state.ts';
 import type {Chart} from './charts.ts';
-import {ControlBar, hasControl} from './control.tsx';
+import {ControlBar} from './control.tsx';
 import {Plot} from './plot.ts';
 import {useTheme} from './theme.ts';
 
@@ -133,7 +133,7 @@ function Gains({flight, axis, parameters}: {flight: Flight; axis: Axis; paramete
     setEdits(new Map());
   };
   const undo = async () => { if (await set([...before].map(([gain, value]) => ({name: gain, value})))) setBefore(new Map()); };
-  return <fieldset class="gains" disabled={!commands || !hasControl()}><legend>Gains</legend><div class="tools">
+  return <fieldset class="gains" disabled={!commands || !state.hasControl()}><legend>Gains</legend><div class="tools">
     {axis.gains.map((gain) => <label key={gain}>{gain} <input inputMode="decimal" value={edits.get(gain) ?? shortNumber(now.get(gain) ?? NaN)}
       aria-invalid={wrong?.[0] === gain} onInput={(event) => {
         const text = event.currentTarget.value;
