@@ -33,6 +33,11 @@ constexpr std::array kLevels{
 };
 
 ActionLevel level_of(const std::string& name, const flight::FlightSetup& setup) {
+  if (setup.quadplane()) {
+    throw config::Error(
+        fmt::format("vehicle: found {}, a quad-plane, allowed a multirotor or a fixed wing",
+                    setup.choice.vehicle));
+  }
   std::vector<const char*> allowed;
   for (const Level& level : kLevels) {
     if (!(setup.fixed_wing() ? level.fixed_wing : level.multirotor)) continue;

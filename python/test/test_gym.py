@@ -177,6 +177,7 @@ def test_a_simple_controller_hovers():
 @pytest.mark.parametrize("options, kind, said", [
     ({"vehicle": "plane9"}, ValueError, "plane9"),
     ({"vehicle": "anaconda"}, ValueError, "vehicle: found anaconda, a fixed wing, allowed a multirotor"),
+    ({"vehicle": "quadplane"}, ValueError, "vehicle: found quadplane, a quad-plane, allowed a multirotor or a fixed wing"),
     ({"action": "will"}, ValueError, "action: found 'will', allowed motors, surfaces, rates, angles, velocity, waypoint"),
     ({"rate_hz": 30}, ValueError, "rate_hz: found 30, allowed a divisor of 400"),
     ({"colour": "red"}, ValueError, "colour: found an unknown option, allowed vehicle, action"),
