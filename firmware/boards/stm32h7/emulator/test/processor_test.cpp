@@ -157,7 +157,7 @@ TEST(Processor, WhatTheMpuForbidsIsAFaultOfItsOwn) {
   EXPECT_EQ(word(kRam + 8), 0x82U) << "CFSR: a data access, its address is known";
 }
 
-/// A static one flies a tenth slower, as does a processor in the program: a call over more than 2 GB goes by a register.
+/// Far from each other, as with libunicorn.a or the processor in the program, flights are slower: a call over more than 2 GB goes by a register.
 TEST(Engine, LiesNearTheProcessorThatItCalls) {
   const void* const engine = dlsym(RTLD_DEFAULT, "uc_open");
   ASSERT_NE(engine, nullptr);
