@@ -14,8 +14,8 @@ import m7_figures
 import stages
 from bench_programs import (
     counted, dart_realtime_factor, estimation_figure, faults, firmware_pass, fly_runs, fly_wall_s, fuzz_runs, fuzz_target, inference,
-    link_rate, load, log_share, loop_factor, mission_figure, number, properties, random_faults, ros_factor, round_trip, scale, seeds_failed, size, wind_limit,
-    worst_over_mean)
+    link_rate, load, log_share, loop_factor, loop_steps, mission_figure, number, properties, random_faults, ros_factor, round_trip, scale, seeds_failed, size,
+    wind_limit, worst_over_mean)
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,9 @@ def all_figures() -> list[Figure]:
                lambda: loop_factor("realtime_factor_ekf")),
         Figure("loop.realtime_factor_fixedwing", "s/s", ">= 500",
                lambda: loop_factor("realtime_factor_fixedwing")),
+        Figure("loop.instructions_per_step", "instructions", "<= 9000", lambda: loop_steps("truth")),
+        Figure("loop.instructions_per_step_ekf", "instructions", "<= 13000", lambda: loop_steps("estimate")),
+        Figure("loop.instructions_per_step_unlinked", "instructions", "report", lambda: loop_steps("unlinked")),
         Figure("worlds.dart_realtime_factor", "s/s", ">= 100", dart_realtime_factor, "gazebo", on_request=True),
         *worlds(),
         Figure("firmware.object_bytes", "B", "<= 14000", lambda: size("firmware.object_bytes")),

@@ -88,6 +88,11 @@ def firmware_pass(protocol: str = "mavlink", load: str = "hover") -> float:
         few=4_000, many=20_000)
 
 
+def loop_steps(kind: str) -> float:
+    """A step of 2.5 ms between 15 and 25 s of simulated time, the vehicle in flight."""
+    return callgrind.instructions_per_call([program("loop_steps"), kind, "--steps"], few=6_000, many=10_000)
+
+
 def inference() -> float:
     return callgrind.instructions_per_call([program("inference"), "--count"], few=100, many=1_000)
 

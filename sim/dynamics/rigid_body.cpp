@@ -7,8 +7,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/dynamics/body_motion.hpp"
-
 namespace rosflight::sim {
 namespace {
 
@@ -21,25 +19,18 @@ constexpr double kTimeRounding_s = 1e-9;
 /// Height given to the module where there is no ground.
 constexpr double kNoGround_m = 1e6;
 
-using detail::kBodyStates;
 using detail::motion;
 using detail::pack;
 using detail::runge_kutta;
 using detail::unpack;
 
-/// The module's states.
-template <class State>
-auto module_part(State& y) {
-  return std::span(y.data() + kBodyStates, static_cast<std::size_t>(y.size()) - kBodyStates);
-}
-
-Eigen::Index checked_size(std::size_t module_states) {
+std::size_t checked(std::size_t module_states) {
   if (module_states > ForcesAndMoments::kMaxStates) {
     throw std::invalid_argument("a forces-and-moments module with " +
                                 std::to_string(module_states) + " states, allowed " +
                                 std::to_string(ForcesAndMoments::kMaxStates));
   }
-  return static_cast<Eigen::Index>(kBodyStates + module_states);
+  return module_states;
 }
 
 bool finite(const BodyState& s) {
@@ -64,7 +55,7 @@ RigidBody::RigidBody(const BodyParameters& body, const GroundParameters& ground,
       atmosphere_{environment.atmosphere},
       wind_{environment.wind, random},
       forces_{forces},
-      y_{State::Zero(checked_size(forces.state_size()))} {
+      y_{checked(forces.state_size())} {
   if (ground_model_ == GroundModel::kContact) {
     rest_.p_W.z() = -ground_.rest_height_m(mass_kg_ * gravity_m_s2_);
   }
@@ -72,7 +63,7 @@ RigidBody::RigidBody(const BodyParameters& body, const GroundParameters& ground,
 }
 
 std::span<const double> RigidBody::module_state() const {
-  return module_part(y_);
+  return y_.module();
 }
 
 bool RigidBody::possible(const BodyState& state) const {
@@ -99,7 +90,7 @@ bool RigidBody::set_state(const BodyState& state, std::span<const double> module
   return true;
 }
 
-double RigidBody::height_m(const BodyState& body) const {
+ROSFLIGHT_INLINE double RigidBody::height_m(const BodyState& body) const {
   return ground_model_ == GroundModel::kNone ? kNoGround_m : -body.p_W.z();
 }
 
@@ -118,27 +109,28 @@ void RigidBody::begin(const BodyState& given, std::span<const double> module_sta
   const double norm = given.q_WB.norm();
   if (std::abs(norm - 1.0) > kRounding) state.q_WB.coeffs() /= norm;
   pack(state, y_);
-  forces_.initial_state(module_part(y_));
-  std::ranges::copy(module_state, module_part(y_).begin());
+  forces_.initial_state(y_.module());
+  std::ranges::copy(module_state, y_.module().begin());
   ground_.lift();
   contact_ = contacts_ = {};
   truth_.body = state;
   const AirProperties air = atmosphere_.at(origin_height_m_ - state.p_W.z());
   truth_.air = {air.density_kg_m3, air.pressure_Pa, air.temperature_K, wind_.velocity_W()};
   const hal::OutputValues none{};
-  State unused(y_.size());
+  State unused(y_.module_states());
   derivative(y_, none, unused);
   finish_substep();
   fill_truth(none);
   if (engine_ != nullptr) engine_->set_state(truth_.body);
 }
 
-void RigidBody::evaluate(const State& y, const BodyState& body, const Matrix3& R_WB,
-                         const hal::OutputValues& outputs, State& y_dot) {
+ROSFLIGHT_INLINE void RigidBody::evaluate(const State& y, const BodyState& body,
+                                          const Matrix3& R_WB, const hal::OutputValues& outputs,
+                                          State& y_dot) {
   Vector3 v_air_B = Vector3::Zero();
   if (!held_) v_air_B = body.v_B - R_WB.transpose() * truth_.air.wind_W;
   const ForcesAndMoments::Input in{body, R_WB, v_air_B, truth_.air, outputs, height_m(body)};
-  forces_.evaluate(in, module_part(y), wrench_, module_part(y_dot));
+  forces_.evaluate(in, y.module(), wrench_, y_dot.module());
   if (external_ != nullptr) external_->change(in, wrench_);
   total_ = wrench_;
   if (acting_ground_ == GroundModel::kContact) {
@@ -158,7 +150,8 @@ void RigidBody::stop_fall(const BodyState& body, const Matrix3& R_WB) {
   if (down_N > 0.0) total_.force_B -= down_N * R_WB.row(2).transpose();
 }
 
-void RigidBody::derivative(const State& y, const hal::OutputValues& outputs, State& y_dot) {
+ROSFLIGHT_INLINE void RigidBody::derivative(const State& y, const hal::OutputValues& outputs,
+                                            State& y_dot) {
   const BodyState body = unpack(y);
   const Matrix3 R_WB = body.q_WB.toRotationMatrix();
   evaluate(y, body, R_WB, outputs, y_dot);
@@ -168,7 +161,7 @@ void RigidBody::derivative(const State& y, const hal::OutputValues& outputs, Sta
   motion(body, R_WB, a_B, angular_acceleration_B_, y_dot);
 }
 
-void RigidBody::substep(double h, const hal::OutputValues& outputs) {
+ROSFLIGHT_WIDE void RigidBody::substep(double h, const hal::OutputValues& outputs) {
   runge_kutta(y_, h,
               [this, &outputs](const State& y, State& y_dot) { derivative(y, outputs, y_dot); });
 }
@@ -204,7 +197,7 @@ void RigidBody::substep_frozen(double h, const hal::OutputValues& outputs) {
   if (acting_ground_ == GroundModel::kFrictionlessPlane) y_[2] = std::min(y_[2], 0.0);
   const BodyState start = unpack(y_);
   const Matrix3 R_start = start.q_WB.toRotationMatrix();
-  State module_rate(y_.size());
+  State module_rate(y_.module_states());
   evaluate(y_, start, R_start, outputs, module_rate);
   const Vector3 a_B = total_.force_B / mass_kg_ + gravity_m_s2_ * R_start.row(2).transpose();
   runge_kutta(y_, h, [&](const State& y, State& y_dot) {
@@ -212,13 +205,13 @@ void RigidBody::substep_frozen(double h, const hal::OutputValues& outputs) {
     angular_acceleration_B_ =
         inertia_inverse_ * (total_.torque_B - body.w_B.cross(inertia_ * body.w_B));
     motion(body, body.q_WB.toRotationMatrix(), a_B, angular_acceleration_B_, y_dot);
-    std::ranges::copy(module_part(module_rate), module_part(y_dot).begin());
+    std::ranges::copy(module_rate.module(), y_dot.module().begin());
   });
 }
 
 void RigidBody::finish_substep() {
   detail::normalise_attitude(y_);
-  forces_.limit_state(module_part(y_));
+  forces_.limit_state(y_.module());
   truth_.body = unpack(y_);
   const BodyState& body = truth_.body;
   if (acting_ground_ == GroundModel::kContact) {
@@ -244,7 +237,7 @@ void RigidBody::fill_truth(const hal::OutputValues& outputs) {
   const Matrix3 R_WB = body.q_WB.toRotationMatrix();
   const Vector3 v_air_B = body.v_B - R_WB.transpose() * truth_.air.wind_W;
   const ForcesAndMoments::Input in{body, R_WB, v_air_B, truth_.air, outputs, height_m(body)};
-  forces_.report(in, module_part(y_), truth_);
+  forces_.report(in, y_.module(), truth_);
 }
 
 void RigidBody::step_wind(double h) {
@@ -274,7 +267,8 @@ void RigidBody::step(Time t, const hal::OutputValues& outputs) {
   const double dt = to_seconds(t - truth_.time);
   if (!(dt > 0.0)) return;
   // A step a rounding error longer than allowed is not split.
-  const auto count = std::max<std::int64_t>(1, std::llround(std::ceil(dt / max_step_s_ - 1e-9)));
+  const double steps = dt / max_step_s_ - 1e-9;
+  const std::int64_t count = steps <= 1.0 ? 1 : std::llround(std::ceil(steps));
   const double h = dt / static_cast<double>(count);
   contact_ = {};
   for (std::int64_t i = 0; i < count; ++i) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <optional>
 
+#include "sim/dynamics/body_motion.hpp"
 #include "sim/dynamics/ground_contact.hpp"
 #include "sim/dynamics/physics_engine.hpp"
 #include "sim/environment/environment.hpp"
@@ -103,8 +104,7 @@ class RigidBody final : public Dynamics {
   std::span<const double> module_state() const;
 
  private:
-  static constexpr int kMaxSize = 13 + static_cast<int>(ForcesAndMoments::kMaxStates);
-  using State = Eigen::Array<double, Eigen::Dynamic, 1, 0, kMaxSize, 1>;  // in place, no heap
+  using State = detail::State;
 
   /// Wrenches at y (into wrench_ and total_) and the module's derivatives.
   void evaluate(const State& y, const BodyState& body, const Matrix3& R_WB,

@@ -6,9 +6,9 @@
 namespace rosflight::sim {
 
 void RungeKuttaEngine::step(double h_s, const Load& load) {
-  using State = Eigen::Array<double, Eigen::Dynamic, 1, 0, detail::kBodyStates, 1>;
+  using detail::State;
   const Vector3 a_W = load.force_W / mass_kg_ + gravity_m_s2_ * Vector3::UnitZ();
-  State y(detail::kBodyStates);
+  State y(0);
   detail::pack(state_, y);
   detail::runge_kutta(y, h_s, [&](const State& at, State& y_dot) {
     const BodyState body = detail::unpack(at);

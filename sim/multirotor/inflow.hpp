@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "base/constants.hpp"
-#include "sim/multirotor/lanes.hpp"
+#include "sim/lanes.hpp"
 
 /// Air that a rotor itself accelerates through its disc, by momentum theory. V >= 0 is the velocity of the
 /// rotor along its thrust, v' that across it, v_h the induced velocity of the same thrust in hover:
@@ -12,7 +12,7 @@ namespace rosflight::sim {
 
 /// In axial flight: v = -V/2 + sqrt(V^2/4 + v_h^2) (W. Rankine, W. Froude; J. G. Leishman, Principles of
 /// Helicopter Aerodynamics, 2nd ed., sec. 2.13).
-inline Lanes axial_inflow(Lanes along, Lanes hover_sq) {
+ROSFLIGHT_INLINE Lanes axial_inflow(const Lanes& along, const Lanes& hover_sq) {
   const Lanes half = 0.5 * along;
   return sqrt(half * half + hover_sq) - half;
 }
@@ -24,8 +24,9 @@ inline Lanes axial_inflow(Lanes along, Lanes hover_sq) {
 ///
 /// Newton's method from v_a, where the left side is the larger, in a fixed number of steps: for slope 0 the
 /// error is below 1e-9 v_h at any speed up to 20 v_h.
-inline Lanes forward_inflow(Lanes along, Lanes across_sq, Lanes hover_sq, Lanes slope,
-                            Lanes axial) {
+ROSFLIGHT_INLINE Lanes forward_inflow(const Lanes& along, const Lanes& across_sq,
+                                      const Lanes& hover_sq, const Lanes& slope,
+                                      const Lanes& axial) {
   constexpr int kSteps = 7;
   constexpr double kStill_m_s = 1e-9;
   Lanes v = axial;

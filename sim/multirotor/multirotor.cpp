@@ -26,7 +26,7 @@ double duty_of(float output) {
   return static_cast<double>(std::min(std::max(0.0F, output), 1.0F));
 }
 
-Lanes dot(const Vector3Lanes& a, const Vector3Lanes& b) {
+ROSFLIGHT_INLINE Lanes dot(const Vector3Lanes& a, const Vector3Lanes& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
@@ -64,11 +64,12 @@ Multirotor::Multirotor(const MultirotorParameters& p)
       lift_slope_{
           lift_slope_m3(p.propeller.diameter_m, p.propeller.thrust[0], p.propeller.thrust[1])} {
   if (motor_.model == MotorModel::kInstant) propeller_.inertia_kg_m2 = 0.0;
+  const RotorParameters missing;
   for (std::size_t i = 0; i < kGroups * kLanes; ++i) {
     Group& group = group_[i / kLanes];
     const std::size_t k = i % kLanes;
     const bool real = i < rotors_;
-    const RotorParameters r = real ? p.rotors[i] : RotorParameters{};
+    const RotorParameters& r = real ? p.rotors[i] : missing;
     set_lane(group.p_B, k, r.p_B);
     aim(group, k, r.p_B, r.e_B);
     group.spin.set(k, r.spin);
@@ -113,7 +114,12 @@ void Multirotor::set_surface_stuck(std::size_t surface, bool stuck) {
   if (surface < tilts_.size()) tilts_[surface].stuck = stuck;
 }
 
-void Multirotor::load(std::span<const double> x, PerRotor& speed) const {
+template <std::size_t kFixed>
+ROSFLIGHT_INLINE void Multirotor::load(std::span<const double> x, PerRotor& speed) const {
+  if (kFixed == 1 && rotors_ == kLanes) {
+    speed[0] = Lanes::load(x.data());
+    return;
+  }
   for (std::size_t g = 0; g < groups_; ++g) {
     const std::size_t i = g * kLanes;
     const auto at = [x, n = rotors_](std::size_t k) { return k < n ? x[k] : 0.0; };
@@ -121,15 +127,16 @@ void Multirotor::load(std::span<const double> x, PerRotor& speed) const {
   }
 }
 
-void Multirotor::supply(const hal::OutputValues& outputs, const PerRotor& speed, double charge_As,
-                        Supply& now) const {
+template <std::size_t kFixed>
+ROSFLIGHT_INLINE void Multirotor::supply(const hal::OutputValues& outputs, const PerRotor& speed,
+                                         double charge_As, Supply& now) const {
   const double open_V = battery_.open_circuit_V(charge_As);
   const double k = motor_.torque_constant_Nm_A;
   const double r_b = battery_.resistance_ohm();
   const double own_A = open_V > 0.0 ? battery_.avionics_current_A() : 0.0;
   Lanes duty_sq = 0.0;
   Lanes duty_speed = 0.0;
-  for (std::size_t g = 0; g < groups_; ++g) {
+  for (std::size_t g = 0; g < group_count<kFixed>(); ++g) {
     const auto& output = group_[g].output;
     const Lanes command(duty_of(outputs[output[0]]), duty_of(outputs[output[1]]),
                         duty_of(outputs[output[2]]), duty_of(outputs[output[3]]));
@@ -142,7 +149,7 @@ void Multirotor::supply(const hal::OutputValues& outputs, const PerRotor& speed,
                             (1.0 + r_b * per_resistance_ * sum(duty_sq));
   const double least_A = motor_.active_braking ? -motor_.current_limit_A : 0.0;
   Lanes drawn_A = 0.0;
-  for (std::size_t g = 0; g < groups_; ++g) {
+  for (std::size_t g = 0; g < group_count<kFixed>(); ++g) {
     const Lanes duty = now.duty[g];
     const Lanes current = (duty * terminal_V - k * speed[g]) * per_resistance_;
     now.current_A[g] =
@@ -153,7 +160,7 @@ void Multirotor::supply(const hal::OutputValues& outputs, const PerRotor& speed,
   now.voltage_V = open_V - r_b * now.current_sum_A;
 }
 
-inline Vector3Lanes Multirotor::hub_velocity(const Input& in, const Group& group) const {
+ROSFLIGHT_INLINE Vector3Lanes Multirotor::hub_velocity(const Input& in, const Group& group) const {
   const Vector3& v = in.v_air_B;
   const Vector3& w = in.body.w_B;
   const Vector3Lanes& p = group.p_B;
@@ -162,13 +169,13 @@ inline Vector3Lanes Multirotor::hub_velocity(const Input& in, const Group& group
           v.z() + (w.x() * p.y - w.y() * p.x)};
 }
 
-inline Lanes Multirotor::inflow(const Input& in, const Group& group,
-                                const Vector3Lanes& hub) const {
+ROSFLIGHT_INLINE Lanes Multirotor::inflow(const Input& in, const Group& group,
+                                          const Vector3Lanes& hub) const {
   return airspeed_flow_ ? Lanes(in.v_air_B.norm()) : dot(hub, group.e_B);
 }
 
-inline Multirotor::Blades Multirotor::blades(Lanes speed, Lanes u, double density,
-                                             Lanes factor) const {
+ROSFLIGHT_INLINE Multirotor::Blades Multirotor::blades(const Lanes& speed, const Lanes& u,
+                                                       double density, const Lanes& factor) const {
   const auto& ct = propeller_.thrust;
   const auto& cq = propeller_.torque;
   const Lanes upwards = max(u, 0.0);
@@ -185,8 +192,9 @@ inline Multirotor::Blades Multirotor::blades(Lanes speed, Lanes u, double densit
   return {scale * thrust, scale * propeller_.diameter_m * torque};
 }
 
-Lanes Multirotor::steady_speed(Lanes drive_V, Lanes speed, Lanes u, double density,
-                               Lanes factor) const {
+ROSFLIGHT_INLINE Lanes Multirotor::steady_speed(const Lanes& drive_V, const Lanes& speed,
+                                                const Lanes& u, double density,
+                                                const Lanes& factor) const {
   const auto& cq = propeller_.torque;
   const double k = motor_.torque_constant_Nm_A;
   const Lanes scale = density * thrust_per_density_ * propeller_.diameter_m * factor;
@@ -201,8 +209,9 @@ Lanes Multirotor::steady_speed(Lanes drive_V, Lanes speed, Lanes u, double densi
   return max(where_positive(b, -2.0 * c / (b + root), (root - b) / (2.0 * a)), kReferenceFloor);
 }
 
-Multirotor::Disc Multirotor::disc(const Blades& axial, Lanes speed, Lanes along, Lanes across_sq,
-                                  double density, Lanes factor) const {
+ROSFLIGHT_INLINE Multirotor::Disc Multirotor::disc(const Blades& axial, const Lanes& speed,
+                                                   const Lanes& along, const Lanes& across_sq,
+                                                   double density, const Lanes& factor) const {
   constexpr double kLeastSpeed_rad_s = 1.0;
   constexpr double kLeastSpeed_m_s = 1.0;  // of the tip
   constexpr double kMostTilting = 0.5;     // mu: beyond, the retreating blade stalls
@@ -230,7 +239,7 @@ Multirotor::Disc Multirotor::disc(const Blades& axial, Lanes speed, Lanes along,
   return out;
 }
 
-Lanes Multirotor::ground_factor(const Input& in, const Group& group) const {
+ROSFLIGHT_INLINE Lanes Multirotor::ground_factor(const Input& in, const Group& group) const {
   const Vector3Lanes& p = group.p_B;
   const Matrix3& R = in.R_WB;
   const double radius = 0.5 * propeller_.diameter_m;
@@ -240,7 +249,8 @@ Lanes Multirotor::ground_factor(const Input& in, const Group& group) const {
 }
 
 /// dO/dt of (4); a rotor at rest stays there while friction exceeds what drives it.
-inline Lanes Multirotor::acceleration(Lanes speed, Lanes current_A, Lanes torque_Nm) const {
+ROSFLIGHT_INLINE Lanes Multirotor::acceleration(const Lanes& speed, const Lanes& current_A,
+                                                const Lanes& torque_Nm) const {
   const Lanes motor_Nm = motor_.torque_constant_Nm_A * (current_A - motor_.no_load_current_A);
   const Lanes rate = (motor_Nm - torque_Nm) * per_inertia_;
   return where_positive(speed, rate, max(rate, 0.0));
@@ -248,10 +258,22 @@ inline Lanes Multirotor::acceleration(Lanes speed, Lanes current_A, Lanes torque
 
 void Multirotor::evaluate(const Input& in, std::span<const double> x, Wrench& wrench,
                           std::span<double> x_dot) const {
+  compute(in, x, wrench, x_dot);
+}
+
+ROSFLIGHT_WIDE void Multirotor::compute(const Input& in, std::span<const double> x, Wrench& wrench,
+                                        std::span<double> x_dot) const {
+  groups_ == 1 ? compute_groups<1>(in, x, wrench, x_dot) : compute_groups<0>(in, x, wrench, x_dot);
+}
+
+/// @tparam kFixed  groups of rotors if known, else 0: with the usual one all sums stay in registers.
+template <std::size_t kFixed>
+ROSFLIGHT_INLINE void Multirotor::compute_groups(const Input& in, std::span<const double> x,
+                                                 Wrench& wrench, std::span<double> x_dot) const {
   PerRotor speeds;
-  load(x, speeds);
+  load<kFixed>(x, speeds);
   Supply now;
-  supply(in.outputs, speeds, x[rotors_], now);
+  supply<kFixed>(in.outputs, speeds, x[rotors_], now);
   const double density = in.air.density_kg_m3;
   const double reach_m = kGroundEffectReach * 0.5 * propeller_.diameter_m + extent_m_;
   const bool near_ground =
@@ -263,7 +285,7 @@ void Multirotor::evaluate(const Input& in, std::span<const double> x, Wrench& wr
   Vector3Lanes momentum = force;  // of the rotors, relative to the body, over -J_r
   Groups turned;
   const Groups& groups = directed(x, turned);
-  for (std::size_t g = 0; g < groups_; ++g) {
+  for (std::size_t g = 0; g < group_count<kFixed>(); ++g) {
     const Group& group = groups[g];
     const Vector3Lanes& e = group.e_B;
     const Vector3Lanes hub = hub_velocity(in, group);
@@ -289,8 +311,12 @@ void Multirotor::evaluate(const Input& in, std::span<const double> x, Wrench& wr
     if (motor_.model == MotorModel::kElectrical) {
       rate = acceleration(speed, now.current_A[g], air.torque_Nm);
     }
-    for (std::size_t i = g * kLanes; i < std::min(rotors_, (g + 1) * kLanes); ++i)
-      x_dot[i] = rate[i % kLanes];
+    if (kFixed == 1 && rotors_ == kLanes) {
+      rate.store(x_dot.data());
+    } else {
+      for (std::size_t i = g * kLanes; i < std::min(rotors_, (g + 1) * kLanes); ++i)
+        x_dot[i] = rate[i % kLanes];
+    }
 
     const Lanes thrust = near_ground ? air.thrust_N * ground_factor(in, group) : air.thrust_N;
     Lanes drag = -aero_.rotor_drag_s_m * max(air.thrust_N, 0.0);
@@ -350,10 +376,15 @@ void Multirotor::limit_state(std::span<double> x) const {
 }
 
 void Multirotor::report(const Input& in, std::span<const double> x, Truth& truth) const {
+  fill_truth(in, x, truth);
+}
+
+ROSFLIGHT_WIDE void Multirotor::fill_truth(const Input& in, std::span<const double> x,
+                                           Truth& truth) const {
   PerRotor speeds;
-  load(x, speeds);
+  load<0>(x, speeds);
   Supply now;
-  supply(in.outputs, speeds, x[rotors_], now);
+  supply<0>(in.outputs, speeds, x[rotors_], now);
   if (motor_.model == MotorModel::kInstant) {
     Groups turned;
     const Groups& groups = directed(x, turned);
@@ -363,7 +394,7 @@ void Multirotor::report(const Input& in, std::span<const double> x, Truth& truth
       speeds[g] = steady_speed(now.duty[g] * now.voltage_V, speeds[g], u, in.air.density_kg_m3,
                                group.factor);
     }
-    supply(in.outputs, speeds, x[rotors_], now);
+    supply<0>(in.outputs, speeds, x[rotors_], now);
   }
   truth.rotor_count = rotors_;
   for (std::size_t i = 0; i < rotors_; ++i) {
