@@ -8,7 +8,7 @@ object after each: name -> {"value", "unit", "target", "met"}. NAME chooses by a
 Without a name those are measured that take five minutes together. By name or with --all also: faults in every phase and
 in pairs (faults, a quarter of an hour; prints the matrix and writes docs/fault-matrix.md), random flights (property, half an
 hour), the build (build, some minutes), round trips, speed and load over ROS (rtt, ros, load,
-a quarter of an hour)
+a quarter of an hour), 100 000 flights of a cluster whose workers are killed (scale.rows, an hour or more; scale alone leaves them out)
 and the fuzzers with a million inputs each, those of the receivers' decoders and of the GNSS receiver's parser with ten million
 (fuzz, hours).
 rtt --board: round trips of N offboard commands (18000, which are 45 s at 400 Hz) to an emulated board, BOARD one of pixracer_pro and
@@ -110,14 +110,18 @@ def parse(arguments: list[str]) -> tuple[list[str], bool, Path | None]:
     return names, everything, Path(file).absolute() if file else None
 
 
+def chosen_by(name: str, figure: Figure) -> bool:
+    return name in figure.name and figure.by in name
+
+
 def choose(names: list[str], everything: bool, figures: list[Figure]) -> list[Figure]:
     for name in names:
-        if not any(name in figure.name for figure in figures):
+        if not any(chosen_by(name, figure) for figure in figures):
             groups = ", ".join(dict.fromkeys(figure.name.split(".")[0] for figure in figures))
             raise ValueError(f"NAME: found '{name}', allowed a part of a figure's name; they begin with {groups}")
     if everything:
         return figures
-    return [f for f in figures if (any(name in f.name for name in names) if names else not f.on_request)]
+    return [f for f in figures if (any(chosen_by(name, f) for name in names) if names else not f.on_request)]
 
 
 def write(results: list[Result], file: Path):

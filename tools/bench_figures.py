@@ -13,9 +13,9 @@ import h7_figures
 import m7_figures
 import stages
 from bench_programs import (
-    counted, dart_realtime_factor, estimation_figure, faults, firmware_pass, fly_runs, fly_wall_s, fuzz_runs, fuzz_target, inference,
-    link_rate, load, log_share, loop_factor, loop_steps, mission_figure, number, properties, random_faults, ros_factor, round_trip, scale, seeds_failed, size,
-    wind_limit, worst_over_mean)
+    cluster, counted, dart_realtime_factor, estimation_figure, faults, firmware_pass, fly_runs, fly_wall_s, fuzz_runs, fuzz_target,
+    inference, link_rate, load, log_share, loop_factor, loop_steps, mission_figure, number, properties, random_faults, ros_factor,
+    round_trip, scale, seeds_failed, size, wind_limit, worst_over_mean)
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,7 @@ class Figure:
     measure: Callable[[], float]
     preset: str = "release"  # the build it needs, or "none"
     on_request: bool = False  # takes long: only measured when named, or with --all
+    by: str = ""  # a name that chooses it must have this in it: its group takes minutes, it an hour
 
 
 def all_figures() -> list[Figure]:
@@ -82,6 +83,10 @@ def all_figures() -> list[Figure]:
           for name, unit, target in bench_web.FIGURES),
         *(Figure(f"scale.{name}", unit, target, lambda name=name: number(scale(), name), "none", on_request=True)
           for name, unit, target in SCALE),
+        *(Figure(f"scale.{name}", unit, target, lambda name=name: number(cluster("efficiency"), name), "none", on_request=True)
+          for name, unit, target in [("dask_efficiency", "x", ">= 0.9"), ("dask_flights_per_minute", "1/min", "report")]),
+        *(Figure(f"scale.{name}", "flights", target, lambda name=name: number(cluster("endurance"), name), "none", on_request=True, by="scale.rows")
+          for name, target in [("rows_lost", "= 0"), ("rows_double", "= 0"), ("rows_differing", "= 0"), ("rows_kills", "report")]),
         Figure("faults.flights", "flights", "report", lambda: faults()["flights"], on_request=True),
         Figure("faults.single_unexplained", "flights", "= 0", lambda: faults()["single_unexplained"], on_request=True),
         Figure("faults.pairs_unexplained", "flights", "= 0", lambda: faults()["pairs_unexplained"], on_request=True),

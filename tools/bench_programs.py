@@ -274,11 +274,21 @@ def ros_factor(quantity: str, composed: bool) -> float:
     return number(row, quantity)
 
 
-@functools.cache
-def scale() -> dict:
+def with_package(*words: str) -> dict:
+    """What a program prints that is run in the environment of the Python package."""
     if subprocess.run(["bash", str(project.ROOT / "tools/ready.sh"), "python"]).returncode:
         raise RuntimeError("the Python package does not build, see build/.ready/python.log")
-    return run_json([str(python_package.PYTHON), "bench/scale.py"])
+    return run_json([str(python_package.PYTHON), *words])
+
+
+@functools.cache
+def scale() -> dict:
+    return with_package("bench/scale.py")
+
+
+@functools.cache
+def cluster(what: str) -> dict:
+    return with_package("bench/cluster.py", what)
 
 
 def load(quantity: str):

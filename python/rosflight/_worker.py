@@ -10,6 +10,7 @@ import math
 import os
 import shutil
 import sys
+import time
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -58,11 +59,13 @@ def fly(arguments: dict[str, Any], folder: str | None = None) -> dict[str, Any]:
     return _result(flight) | {"log_sha256": flight.log_sha256}
 
 
-def fly_as(wanted: str, arguments: dict[str, Any]) -> dict[str, Any]:
-    """For workers elsewhere. @param wanted: the program of the campaign."""
+def fly_as(wanted: str, flights: list[dict[str, Any]]) -> tuple[float, list[dict[str, Any]]]:
+    """For workers elsewhere: the seconds that it took, and an answer for each flight. @param wanted: the program of the campaign."""
     if program() != wanted:
         raise OtherProgram(f"it has {program()}, the campaign {wanted}")
-    return fly(arguments)
+    begun = time.monotonic()
+    answers = [_answer({"arguments": arguments}) for arguments in flights]
+    return time.monotonic() - begun, answers
 
 
 def _result(flight: _flight.Flight) -> dict[str, Any]:

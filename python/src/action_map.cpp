@@ -6,16 +6,12 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <variant>
 #include <vector>
 
-#include "base/constants.hpp"
 #include "flight/vehicle/vehicle_setup.hpp"
 
 namespace rosflight::python {
 namespace {
-
-using autonomy::multirotor::ControlMode;
 
 struct Level {
   const char* name;
@@ -28,16 +24,11 @@ constexpr std::array kLevels{
     Level{"surfaces", ActionLevel::kSurfaces, false, true},
     Level{"rates", ActionLevel::kRates, true, true},
     Level{"angles", ActionLevel::kAngles, true, true},
-    Level{"velocity", ActionLevel::kVelocity, true, false},
-    Level{"waypoint", ActionLevel::kWaypoint, true, false},
+    Level{"velocity", ActionLevel::kVelocity, true, true},
+    Level{"waypoint", ActionLevel::kWaypoint, true, true},
 };
 
 ActionLevel level_of(const std::string& name, const flight::FlightSetup& setup) {
-  if (setup.quadplane()) {
-    throw config::Error(
-        fmt::format("vehicle: found {}, a quad-plane, allowed a multirotor or a fixed wing",
-                    setup.choice.vehicle));
-  }
   std::vector<const char*> allowed;
   for (const Level& level : kLevels) {
     if (!(setup.fixed_wing() ? level.fixed_wing : level.multirotor)) continue;
@@ -71,10 +62,8 @@ ActionMap::ActionMap(const flight::FlightSetup& setup, const std::string& level)
                     setup.choice.vehicle));
   }
   if (setup.fixed_wing()) max_throttle_ = value("RC_MAX_THR");
-  if (depends_on_state()) {
-    const auto& flight = std::get<flight::MultirotorPlan>(setup.plan).autonomy.flight;
-    fresh_ = {flight.controller, flight.thrust};
-  }
+  if (level_ == ActionLevel::kVelocity || level_ == ActionLevel::kWaypoint)
+    loops_ = CompanionLoops::make(setup);
 }
 
 void ActionMap::read_mixer(const core::Firmware& firmware) {
@@ -93,7 +82,7 @@ void ActionMap::read_mixer(const core::Firmware& firmware) {
 }
 
 void ActionMap::restart() {
-  controller_ = fresh_;
+  if (loops_ != nullptr) loops_->restart();
 }
 
 float ActionMap::throttle(float action) const {
@@ -106,30 +95,17 @@ float ActionMap::limited_throttle(float action) const {
   return std::min(throttle(action) / max_throttle_, 1.0F);
 }
 
-void ActionMap::begin(const Action& given, const SeenState& state) {
+void ActionMap::begin(const Action& given, const autonomy::StateEstimate& state) {
   action_ = given;
   for (float& value : action_) value = std::clamp(value, -1.0F, 1.0F);
-  if (!depends_on_state()) return;
-  const auto& limits = fresh_.config();
-  std::array<double, kActions> a{};
+  if (loops_ == nullptr) return;
+  CompanionLoops::Numbers a{};
   std::ranges::copy(action_, a.begin());
   if (level_ == ActionLevel::kVelocity) {
-    const double vertical = a[2] < 0.0 ? limits.max_climb_m_s : limits.max_descend_m_s;
-    const double horizontal = limits.max_horizontal_velocity_m_s;
-    wanted_ = {
-        ControlMode::kNvelEvelDvelYawrate,
-        {horizontal * a[0], horizontal * a[1], vertical * a[2], limits.max_yaw_rate_rad_s * a[3]},
-        true};
+    loops_->fly_velocity(a, state);
   } else {
-    wanted_ = {ControlMode::kNposEposDposYaw,
-               {state.p_W.x() + kReach_m * a[0], state.p_W.y() + kReach_m * a[1],
-                state.p_W.z() + kReach_m * a[2], base::kPi * a[3]},
-               true};
+    loops_->fly_waypoint(a, state);
   }
-}
-
-void ActionMap::fly_to(const sim::Vector3& p_W, double heading_rad) {
-  wanted_ = {ControlMode::kNposEposDposYaw, {p_W.x(), p_W.y(), p_W.z(), heading_rad}, true};
 }
 
 link::OffboardControl ActionMap::pass_through() const {
@@ -142,7 +118,7 @@ link::OffboardControl ActionMap::pass_through() const {
   return companion::pass_through(u);
 }
 
-link::OffboardControl ActionMap::command(const SeenState& state, double dt_s,
+link::OffboardControl ActionMap::command(const autonomy::StateEstimate& state, double dt_s,
                                          double battery_voltage_V) {
   const Action& a = action_;
   switch (level_) {
@@ -160,23 +136,14 @@ link::OffboardControl ActionMap::command(const SeenState& state, double dt_s,
     case ActionLevel::kWaypoint:
       break;
   }
-  autonomy::multirotor::State flown;
-  flown.p_W = state.p_W;
-  flown.v_W = state.v_W;
-  flown.q_WB = state.q_WB;
-  flown.w_B = state.w_B;
-  const autonomy::multirotor::AttitudeView attitude{state.q_WB};
-  const autonomy::FirmwareCommand made = controller_
-                                             .step({.state = flown,
-                                                    .attitude = attitude,
-                                                    .command = wanted_,
-                                                    .dt_s = dt_s,
-                                                    .battery_voltage_V = battery_voltage_V})
-                                             .command;
+  return sent(loops_->step(state, dt_s, battery_voltage_V));
+}
+
+link::OffboardControl sent(const autonomy::FirmwareCommand& command) {
   link::OffboardControl out;
-  out.mode = static_cast<std::uint8_t>(made.mode);
-  out.ignore = made.ignore;
-  out.u = made.u;
+  out.mode = static_cast<std::uint8_t>(command.mode);
+  out.ignore = command.ignore;
+  out.u = command.u;
   return out;
 }
 

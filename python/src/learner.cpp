@@ -6,12 +6,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <variant>
 
+#include "autonomy/common/angles.hpp"
+#include "autonomy/fixedwing/flight_manager.hpp"
+#include "base/constants.hpp"
 #include "companion/offboard.hpp"
 #include "firmware/core/firmware.hpp"
+#include "flight/true_state.hpp"
 
 namespace rosflight::python {
 namespace {
+
+namespace fixedwing = autonomy::fixedwing;
 
 constexpr double kStep_s = 1e-6 * static_cast<double>(flight::Simulation::kStep.count());
 constexpr int kCommandSteps = 4;  ///< Commands are sent 100 times per second while an action lasts.
@@ -26,30 +33,39 @@ float* put(const Vector& v, float* to) {
   return to;
 }
 
+/// A fixed wing that takes off flies where a mission may. @throws config::Error
+void check_altitude(const flight::FlightSetup& setup, double altitude_m) {
+  const autonomy::MissionArea& area =
+      std::get<flight::FixedWingPlan>(setup.plan).autonomy.mission.area;
+  if (altitude_m >= area.min_height_m && altitude_m <= area.max_height_m) return;
+  throw config::Error(fmt::format("altitude_m: found {} for {} with a link, allowed {} to {}",
+                                  altitude_m, setup.choice.vehicle, area.min_height_m,
+                                  area.max_height_m));
+}
+
 }  // namespace
 
-Learner::Learner(flight::FlightSetup& setup, const TaskConfig& task, const ActionMap& map,
-                 const Connection& connection, std::uint64_t seed)
+Learner::Learner(flight::FlightSetup& setup, const TaskConfig& task,
+                 const flight::FlightSetup& known, const Connection& connection, std::uint64_t seed)
     : config_{task},
       connection_{connection},
-      map_{map},
       seed_{seed},
       simulation_{(setup.choice.seed = seed, setup)},
       task_{Task::make(task, setup, simulation_.truth().body.p_W)},
+      map_{known, connection.action},
       random_{episodes(seed)} {
-  if (connection.link && setup.fixed_wing()) {
-    throw config::Error(
-        fmt::format("link: found true for {}, a fixed wing, allowed false", setup.choice.vehicle));
-  }
+  if (connection.link && setup.fixed_wing()) check_altitude(setup, task.altitude_m);
 }
 
 void Learner::start() {
   simulation_.start();
   map_.read_mixer(simulation_.firmware());
-  if (connection_.link) {
-    take_off();
-  } else {
+  if (!connection_.link) {
     turn_rotors();
+  } else if (simulation_.setup().fixed_wing()) {
+    take_off_and_circle();
+  } else {
+    take_off();
   }
   ready_ = simulation_.save();
 }
@@ -77,19 +93,82 @@ void Learner::take_off() {
   while (!simulation_.session().idle()) simulation_.step();
 }
 
+/// As in a mission, by the companion on its estimate, until it circles above where it stood.
+void Learner::take_off_and_circle() {
+  constexpr double kOnCircle_m = 10.0;
+  constexpr double kAtAltitude_m = 2.0;
+  constexpr double kTooLong_s = 240.0;
+  const auto& config = std::get<flight::FixedWingPlan>(simulation_.setup().plan).autonomy.flight;
+  fixedwing::Waypoint above;
+  above.p_W = {0.0, 0.0, -config_.altitude_m};
+  above.passing = fixedwing::Passing::kCircle;
+  above.hold_indefinitely = true;
+  fixedwing::Mission mission;
+  mission.waypoints = {above};
+  mission.takeoff_height_m = std::min(config.takeoff.height_m, config_.altitude_m);
+  fixedwing::FlightManager pilot{config, mission};
+  autonomy::Status status;
+  status.armed = true;
+  simulation_.set_held(false);  // the world holds a fixed wing until it takes off
+  fly_by_companion(kTooLong_s, [&](const autonomy::StateEstimate& state) {
+    const double now_s = sim::to_seconds(simulation_.now());
+    const fixedwing::FlightOutput& out =
+        pilot.step({.t_s = now_s, .state = state, .status = status, .range_m = {}});
+    const bool circles = out.phase == fixedwing::Phase::kMission && !out.path.segment.straight() &&
+                         std::isinf(out.path.segment.length_m) &&
+                         std::abs(out.path.cross_track_m) < kOnCircle_m &&
+                         std::abs(state.p_W.z() + config_.altitude_m) < kAtAltitude_m;
+    return circles ? std::nullopt : std::optional{out.command};
+  });
+  while (!simulation_.session().idle()) simulation_.step();
+}
+
 /// By the controller of the companion on its estimate, until it is there and slow.
 void Learner::fly_to(const sim::Vector3& p_W, double heading_rad, double near_m) {
   constexpr double kSlow_m_s = 0.3;
   constexpr double kTooLong_s = 60.0;
-  ActionMap pilot{simulation_.setup(), "waypoint"};
-  pilot.restart();
-  for (int k = 0; k * kStep_s < kTooLong_s; ++k) {
+  MultirotorLoops pilot{std::get<flight::MultirotorPlan>(simulation_.setup().plan).autonomy};
+  pilot.fly_to(p_W, heading_rad);
+  fly_by_companion(kTooLong_s, [&](const autonomy::StateEstimate& state) {
+    const bool there = (p_W - state.p_W).norm() < near_m && state.v_W.norm() < kSlow_m_s;
+    return there ? std::nullopt
+                 : std::optional{
+                       pilot.step(state, kCommandSteps * kStep_s, truth().battery_voltage_V)};
+  });
+}
+
+/// A fixed wing, likewise, until its course and its altitude are these.
+void Learner::fly_along(double course_rad, double height_m) {
+  constexpr double kAlong_rad = 3.0 * base::kRadPerDeg;
+  constexpr double kLevel_rad = 10.0 * base::kRadPerDeg;
+  constexpr double kSteady_rad_s = 0.2;
+  constexpr double kNear_m = 1.0;
+  constexpr double kLevel_m_s = 0.5;
+  constexpr double kTooLong_s = 120.0;
+  FixedWingLoops pilot{std::get<flight::FixedWingPlan>(simulation_.setup().plan).autonomy};
+  pilot.fly_course(course_rad, height_m);
+  fly_by_companion(kTooLong_s, [&](const autonomy::StateEstimate& state) {
+    const bool along = std::abs(autonomy::wrap_angle(state.course_rad - course_rad)) < kAlong_rad &&
+                       std::abs(autonomy::RollPitch::of(state.q_WB).roll_rad) < kLevel_rad &&
+                       state.w_B.norm() < kSteady_rad_s;
+    const bool level =
+        std::abs(state.p_W.z() + height_m) < kNear_m && std::abs(state.v_W.z()) < kLevel_m_s;
+    return along && level ? std::nullopt
+                          : std::optional{pilot.step(state, kCommandSteps * kStep_s,
+                                                     truth().battery_voltage_V)};
+  });
+}
+
+/// @param step  gives the command of each period; none: it is where it should be.
+void Learner::fly_by_companion(
+    double too_long_s,
+    const std::function<std::optional<autonomy::FirmwareCommand>(const autonomy::StateEstimate&)>&
+        step) {
+  for (int k = 0; k * kStep_s < too_long_s; ++k) {
     if (k % kCommandSteps == 0) {
-      const SeenState state = SeenState::of(simulation_.estimate());
-      const double distance_m = (p_W - state.p_W).norm();
-      if (distance_m < near_m && state.v_W.norm() < kSlow_m_s) return;
-      pilot.fly_to(p_W, heading_rad);
-      send(pilot.command(state, kCommandSteps * kStep_s, truth().battery_voltage_V));
+      const auto command = step(simulation_.estimate());
+      if (!command) return;
+      send(sent(*command));
     }
     simulation_.step();
   }
@@ -111,8 +190,13 @@ void Learner::begin_episode() {
   if (connection_.link) {
     simulation_.restore(*ready_);
     const sim::Vector3 nose_W = start.body.q_WB * sim::Vector3::UnitX();
+    const double heading_rad = std::atan2(nose_W.y(), nose_W.x());
     constexpr double kNear_m = 0.3;
-    fly_to(start.body.p_W, std::atan2(nose_W.y(), nose_W.x()), kNear_m);
+    if (simulation_.setup().fixed_wing()) {
+      fly_along(heading_rad, -start.body.p_W.z());
+    } else {
+      fly_to(start.body.p_W, heading_rad, kNear_m);
+    }
     task_->place(truth().body);
     return;
   }
@@ -127,8 +211,14 @@ SeenState Learner::seen() const {
                                             : SeenState::of(simulation_.estimate());
 }
 
+/// What the loops of the companion get.
+autonomy::StateEstimate Learner::flown_on() const {
+  if (!map_.depends_on_state()) return {};
+  return connection_.observation == "truth" ? flight::true_state(truth()) : simulation_.estimate();
+}
+
 link::OffboardControl Learner::command() {
-  const SeenState state = map_.depends_on_state() ? seen() : SeenState{};
+  const autonomy::StateEstimate state = flown_on();
   return map_.command(state, kCommandSteps * kStep_s, truth().battery_voltage_V);
 }
 
@@ -136,9 +226,21 @@ void Learner::send(const link::OffboardControl& command) {
   if (connection_.link) {
     // One that the transport does not take is lost, as on a serial port.
     static_cast<void>(simulation_.session().offboard().send(command));
+    if (simulation_.setup().fixed_wing()) share_attitude();
   } else {
     simulation_.tell(command);
   }
+}
+
+/// As in a mission: the firmware's own filter takes the direction of the load in a turn for that of gravity.
+void Learner::share_attitude() {
+  if (!simulation_.setup().estimator.share_attitude) return;
+  const autonomy::StateEstimate state = simulation_.estimate();
+  if (state.attitude != autonomy::Quality::kGood) return;
+  link::ExternalAttitude attitude;
+  attitude.q_WB = {static_cast<float>(state.q_WB.w()), static_cast<float>(state.q_WB.x()),
+                   static_cast<float>(state.q_WB.y()), static_cast<float>(state.q_WB.z())};
+  static_cast<void>(simulation_.session().offboard().send(attitude));
 }
 
 void Learner::step_once() {
@@ -153,7 +255,7 @@ void Learner::step_once() {
 
 Learner::Result Learner::step(const Action& action) {
   action_ = action;
-  map_.begin(action, map_.depends_on_state() ? seen() : SeenState{});
+  map_.begin(action, flown_on());
   for (int k = 0; k < connection_.substeps; ++k) {
     if (k % kCommandSteps == 0) {
       if (connection_.delay_steps == 0) {

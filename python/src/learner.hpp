@@ -2,7 +2,9 @@
 #pragma once
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,8 +20,9 @@ struct Connection {
   std::string observation{"truth"};
   /// Commands and telemetry are bytes on the cable, and the companion estimates.
   bool link{false};
-  int substeps{4};     ///< Steps of 2.5 ms in an action.
-  int delay_steps{0};  ///< Steps from an action to the board.
+  std::string action{"rates"};  ///< What actions mean: ActionMap.
+  int substeps{4};              ///< Steps of 2.5 ms in an action.
+  int delay_steps{0};           ///< Steps from an action to the board.
 };
 /// Gyro 3 [rad/s], accelerometer 3 [m/s^2], magnetometer 3 [uT], barometer [m], range [m], airspeed [m/s], velocity by GNSS 3 [m/s].
 inline constexpr std::size_t kSensorNumbers = 15;
@@ -41,18 +44,20 @@ class Learner {
     return kCommon + Task::observation_size(task) + (observation == "sensors" ? kSensorNumbers : 0);
   }
 
-  /// @param setup, task  must outlive this. @param map  what actions mean: that of the vehicle as its companion
-  ///   knows it. @param seed  of its noise and its episodes.
-  Learner(flight::FlightSetup& setup, const TaskConfig& task, const ActionMap& map,
+  /// @param setup, task  must outlive this. @param known  the vehicle as its companion knows it, of which actions
+  ///   are made. @param seed  of its noise and its episodes. @throws config::Error  the vehicle does not have this
+  ///   task or action, or a fixed wing that takes off may not fly at the altitude of the task.
+  Learner(flight::FlightSetup& setup, const TaskConfig& task, const flight::FlightSetup& known,
           const Connection& connection, std::uint64_t seed);
 
   /// Powers it up and arms it. Without a link the rotors then turn as in hover, and the link is left out; with one the
-  /// companion takes off. @throws flight::Simulation::Error  it does not arm, or does not get there.
+  /// companion takes off, and a fixed wing circles then. @throws flight::Simulation::Error  it does not arm, or does not get there.
   void start();
   /// As right after start(): the first episode again.
   void rewind();
   /// A new episode. Without a link the noise of sensors and air goes on, and the vehicle is put where the episode
-  /// starts. With one everything is as after the take-off, and the companion flies to the start.
+  /// starts. With one everything is as after the take-off, and the companion flies to the start, or a fixed
+  /// wing onto the course of the start.
   void begin_episode();
   Result step(const Action& action);
   void observe(float* out);
@@ -69,15 +74,23 @@ class Learner {
   void step_once();
   void turn_rotors();
   void take_off();
+  void take_off_and_circle();
   void fly_to(const sim::Vector3& p_W, double heading_rad, double near_m);
+  void fly_along(double course_rad, double height_m);
+  void fly_by_companion(
+      double too_long_s,
+      const std::function<std::optional<autonomy::FirmwareCommand>(const autonomy::StateEstimate&)>&
+          step);
+  autonomy::StateEstimate flown_on() const;
+  void share_attitude();
   float* observe_sensors(float* to);
 
   const TaskConfig& config_;
   Connection connection_;
-  ActionMap map_;
   std::uint64_t seed_;
   flight::Simulation simulation_;
   std::unique_ptr<Task> task_;
+  ActionMap map_;
   std::shared_ptr<const flight::Simulation::Moment> ready_;  ///< What episodes begin from.
   std::vector<double> hovering_;                             ///< States of rotors and battery.
   sim::RandomStream random_;

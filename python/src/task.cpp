@@ -311,16 +311,22 @@ class FixedWingLine final : public Task {
     constexpr double kOff_rad = 0.5;
     const double course_rad = random.uniform(-base::kPi, base::kPi);
     forward_W_ = along(course_rad);
+    point_W_ = above_start_W();
     // The nose of a trim points up; what is drawn comes on top.
-    Start start = draw_start(random, point_W(), course_rad, kOff_rad);
+    Start start = draw_start(random, point_W_, course_rad, kOff_rad);
     sim::BodyState& body = start.body;
     body.q_WB = body.q_WB * trim_.body.q_WB;
     body.v_B += trim_.body.v_B + body.q_WB.conjugate() * wind_W_;
     start.module_state = trim_.module_state;
+    off_W_ = body.p_W - point_W_;
     return start;
   }
+  /// The line is moved, so that the vehicle is beside it as it was drawn; its altitude stays.
+  void place(const sim::BodyState& body) override {
+    point_W_.head<2>() = (body.p_W - off_W_).head<2>();
+  }
   Vector3 target_W(const Vector3& p_W) const override {
-    return point_W() + forward_W_.dot(p_W) * forward_W_;
+    return point_W_ + forward_W_.dot(p_W - point_W_) * forward_W_;
   }
   Verdict judge(const sim::Truth& truth, double dt_s) override {
     constexpr double kLost_m = 100.0;
@@ -343,11 +349,13 @@ class FixedWingLine final : public Task {
   }
 
  private:
-  Vector3 point_W() const { return {0.0, 0.0, -config_.altitude_m}; }
+  Vector3 above_start_W() const { return {0.0, 0.0, -config_.altitude_m}; }
 
   Vector3 wind_W_;
   sim::Trim trim_;
   Vector3 forward_W_{Vector3::UnitX()};
+  Vector3 point_W_{Vector3::Zero()};  ///< A point of the line.
+  Vector3 off_W_{Vector3::Zero()};    ///< From there to the start.
 };
 
 struct Kind {
@@ -387,6 +395,11 @@ std::size_t Task::observation_size(const std::string& task) {
 std::unique_ptr<Task> Task::make(const TaskConfig& config, const flight::FlightSetup& setup,
                                  const Vector3& rest_W) {
   const Kind& kind = kind_of(config.task);
+  if (setup.quadplane()) {
+    throw config::Error(
+        fmt::format("vehicle: found {}, a quad-plane, allowed a multirotor or a fixed wing",
+                    setup.choice.vehicle));
+  }
   if (kind.fixed_wing != setup.fixed_wing()) {
     const auto text = [](bool fixed_wing) { return fixed_wing ? "fixed wing" : "multirotor"; };
     throw config::Error(fmt::format("vehicle: found {}, a {}, allowed a {}", setup.choice.vehicle,

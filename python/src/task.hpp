@@ -41,7 +41,7 @@ class Task {
   };
 
   /// @param config  must outlive it. @param rest_W  where the vehicle stands on the ground.
-  /// @throws config::Error  the task is unknown, or not one of this vehicle.
+  /// @throws config::Error  the task is unknown, or not one of this vehicle; none is of a quad-plane.
   static std::unique_ptr<Task> make(const TaskConfig& config, const flight::FlightSetup& setup,
                                     const sim::Vector3& rest_W);
   /// How many numbers observe() adds. @throws config::Error  the task is unknown.

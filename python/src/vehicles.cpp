@@ -45,13 +45,12 @@ struct Individual {
 class Vehicles {
  public:
   /// @param individuals  empty, or one for each vehicle.
-  Vehicles(const flight::FlightChoice& choice, const TaskConfig& task, const std::string& level,
-           const Connection& connection, std::size_t count, std::size_t threads, std::uint64_t seed,
+  Vehicles(const flight::FlightChoice& choice, const TaskConfig& task, const Connection& connection,
+           std::size_t count, std::size_t threads, std::uint64_t seed,
            std::vector<Individual> individuals)
       : setup_{choice},
         task_{task},
         connection_{connection},
-        map_{setup_, level},
         individuals_{std::move(individuals)},
         pool_{threads} {
     if (!individuals_.empty()) {
@@ -71,7 +70,7 @@ class Vehicles {
       const bool own = !individuals_.empty();
       Connection connection = connection_;
       if (own) connection.delay_steps = individuals_[k].delay_steps;
-      learners_.push_back(std::make_unique<Learner>(own ? *setups_[k] : setup_, task_, map_,
+      learners_.push_back(std::make_unique<Learner>(own ? *setups_[k] : setup_, task_, setup_,
                                                     connection,
                                                     source.child(std::to_string(k)).seed()));
     }
@@ -183,7 +182,6 @@ class Vehicles {
   flight::FlightSetup setup_;
   TaskConfig task_;
   Connection connection_;
-  ActionMap map_;
   std::vector<Individual> individuals_;
   std::vector<std::unique_ptr<flight::FlightSetup>> setups_;  ///< One for each individual.
   std::uint64_t seed_{};
@@ -218,10 +216,11 @@ void bind_vehicles(nb::module_& m) {
             const TaskConfig config{std::move(task),  episode_s,      altitude_m,
                                     start_radius_m,   start_tilt_rad, start_speed_m_s,
                                     start_rates_rad_s};
-            const Connection connection{std::move(observation), link, substeps, delay_steps};
+            const Connection connection{std::move(observation), link, action, substeps,
+                                        delay_steps};
             const nb::gil_scoped_release free;
-            new (self) Vehicles(choice, config, action, connection, count, threads, seed,
-                                std::move(individuals));
+            new (self)
+                Vehicles(choice, config, connection, count, threads, seed, std::move(individuals));
           },
           "vehicle"_a, "wind"_a.none(), "overrides"_a, "task"_a, "action"_a, "observation"_a,
           "link"_a, "substeps"_a, "delay_steps"_a, "count"_a, "threads"_a, "seed"_a, "episode_s"_a,

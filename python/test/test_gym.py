@@ -13,8 +13,7 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
 NAMES = ["rosflight/Hover-v0", "rosflight/Waypoints-v0", "rosflight/Gates-v0", "rosflight/Landing-v0", "rosflight/FixedWingLine-v0"]
-LEVELS = {name: ("surfaces", "rates", "angles") if "FixedWing" in name else ("motors", "rates", "angles", "velocity", "waypoint")
-          for name in NAMES}
+LEVELS = {name: ("surfaces" if "FixedWing" in name else "motors", "rates", "angles", "velocity", "waypoint") for name in NAMES}
 
 
 def vector(name=NAMES[0], num_envs=3, **options):

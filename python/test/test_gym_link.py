@@ -24,7 +24,7 @@ def trajectory(env, steps=40, seed=4):
     return np.array(rows)
 
 
-@pytest.mark.parametrize("name", ["Hover", "Waypoints", "Gates", "Landing"])
+@pytest.mark.parametrize("name", ["Hover", "Waypoints", "Gates", "Landing", "FixedWingLine"])
 @pytest.mark.parametrize("observation", ["truth", "estimate", "sensors"])
 def test_the_checks_of_gymnasium_pass(name, observation):
     with warnings.catch_warnings():
@@ -104,11 +104,71 @@ def test_a_controller_hovers_on_the_estimate():
     assert env.truth()[13] < 1.5
 
 
+@pytest.mark.parametrize("wind", [None, (4, 250)])
+def test_a_fixed_wing_begins_beside_its_line(wind):
+    """Off the line by up to the radius of the start, on a course within 29 degrees of it, in level flight at cruise; and it has taken off."""
+    env = make("FixedWingLine", wind=wind, **LINKED)
+    for seed in (1, 2, None, None):
+        observation, _ = env.reset(seed=seed)
+        truth = env.truth()
+        air = 0 if wind is None else wind[0]
+        assert truth[13] < 10 + 1.5 and truth[2] == pytest.approx(-50, abs=10 + 2)
+        along = truth[3:5] @ observation[22:24] / np.linalg.norm(truth[3:5])
+        assert np.degrees(np.arccos(min(along, 1))) < np.degrees(0.5) + 5
+        assert abs(truth[5]) < 1 and 15 - air - 2 < np.linalg.norm(truth[3:5]) < 15 + air + 2
+        assert np.linalg.norm(truth[10:13]) < 0.3
+
+
+def test_episodes_of_a_fixed_wing_differ_and_threads_change_nothing():
+    def flown(threads):
+        envs = gymnasium.make_vec("rosflight/FixedWingLine-v0", num_envs=3, vectorization_mode="vector_entry_point", threads=threads,
+                                  action="velocity", episode_s=0.5, autoreset_mode="SameStep", **LINKED)
+        random = np.random.default_rng(0)
+        rows = [envs.reset(seed=4)[0]]
+        for _ in range(120):
+            rows.append(envs.step(random.uniform(-1, 1, (3, 4)).astype(np.float32))[0])
+        return np.array(rows)
+
+    first = flown(1)
+    assert np.array_equal(first, flown(3))
+    assert len(np.unique(first[[0, 50, 100], :, 22])) == 9  # each line has a direction of its own
+
+
+@pytest.mark.parametrize("action", ["velocity", "waypoint"])
+def test_a_fixed_wing_follows_its_line_on_the_estimate(action):
+    """Towards the point 60 m ahead on the line; by the truth it ends within two metres of it, most of them the origin's."""
+    env = make("FixedWingLine", action=action, **LINKED)
+    observation, _ = env.reset(seed=1)
+    for _ in range(2999):
+        ahead = observation[:3] + 60 * observation[22:25]
+        flat = ahead[:2] / (np.hypot(*ahead[:2]) * 4 if action == "velocity" else 100)
+        observation, _, terminated, truncated, _ = env.step(
+            np.clip([*flat, observation[2] / (5 if action == "velocity" else 15), 0], -1, 1).astype(np.float32))
+        assert not terminated and not truncated
+    assert np.linalg.norm(observation[:3]) < 1.5 and env.truth()[13] < 3.0
+    velocity = env.truth()[3:6]
+    assert velocity @ observation[22:25] > np.cos(np.radians(3)) * np.linalg.norm(velocity)
+
+
+def test_the_firmware_of_a_linked_fixed_wing_holds_angles():
+    """A bank of 20 degrees turns at g tan(20)/15 = 13.6 degrees per second, where its own filter has the companion's attitude too."""
+    env = make("FixedWingLine", action="angles", **LINKED)
+    env.reset(seed=2)
+    roll = []
+    for k in range(600):
+        env.step(np.array([0.1, 20 / 45, 2 / 45, 0], np.float32))
+        w, x, y, z = env.truth()[6:10]
+        if k > 300:
+            roll.append(np.degrees(np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))))
+    assert np.mean(roll) == pytest.approx(20, abs=3)
+
+
 @pytest.mark.parametrize("name, options, kind, said", [
     ("Hover", {"observation": "estimate"}, ValueError, "observation: found 'estimate' without a link, allowed with link=True"),
     ("Hover", {"observation": "all"}, ValueError, "observation: found 'all', allowed truth, estimate, sensors"),
     ("Hover", {"link": 1}, TypeError, "link: found 1, allowed True, False"),
-    ("FixedWingLine", {"link": True}, ValueError, "link: found true for anaconda, a fixed wing, allowed false"),
+    ("FixedWingLine", {"link": True, "altitude_m": 5.0}, ValueError, "altitude_m: found 5 for anaconda with a link, allowed 15 to 150"),
+    ("FixedWingLine", {"link": True, "action": "motors"}, ValueError, "allowed surfaces, rates, angles, velocity, waypoint"),
 ])
 def test_bad_options_are_one_line(name, options, kind, said):
     with pytest.raises(kind) as raised:

@@ -180,6 +180,102 @@ def test_a_line_is_followed():
     assert success and not terminated and rewards.sum() > 20  # of 30 on the line all the time
 
 
+CRUISE, SLOWEST, FASTEST = 15.0, 13.25, 21.0  #: Of vehicles/anaconda.yaml and the defaults of its section `autonomy`.
+CLIMB_SLOPE, DESCENT_SLOPE = 0.6 * np.tan(np.radians(15)), 0.6 * np.tan(np.radians(12))  #: Largest slopes of its paths.
+RADIUS = 50.0  #: Of its turns.
+REACH = np.array([2 * RADIUS, 2 * RADIUS, 2 * RADIUS * CLIMB_SLOPE])
+
+
+def flown(numbers, seconds=20, off_deg=0.0, seed=3, **options):
+    """A constant action at 1 Hz, of which `numbers` has the length of the first two, which lie `off_deg` beside the line, and the others.
+
+    @returns what is true at the end: course less that of the action in degrees and velocity downwards, both of the last 5 s, airspeed, distance
+    downwards from the start.
+    """
+    env = make("FixedWingLine", rate_hz=1, episode_s=1000, altitude_m=100, **STILL | options)
+    observation, _ = env.reset(seed=seed)
+    course = np.arctan2(observation[23], observation[22]) + np.radians(off_deg)
+    action = np.array([numbers[0] * np.cos(course), numbers[0] * np.sin(course), *numbers[1:]], np.float32)
+    first, positions, airspeeds = env.truth()[2], [], []
+    for _ in range(seconds):
+        observation, _, terminated, _, _ = env.step(action)
+        assert not terminated
+        positions.append(env.truth()[:3])
+        airspeeds.append(observation[25])
+    north, east, down = (positions[-1] - positions[-6]) / 5
+    return off_course_deg((north, east), np.degrees(course)), down, np.mean(airspeeds[-5:]), positions[-1][2] - first
+
+
+def off_course_deg(velocity, course_deg):
+    return (np.degrees(np.arctan2(velocity[1], velocity[0])) - course_deg + 180) % 360 - 180
+
+
+@pytest.mark.parametrize("off_deg, seed", [(-12, 1), (0, 2), (12, 3)])
+@pytest.mark.parametrize("length, airspeed", [(0.2, SLOWEST + 0.2 * (FASTEST - SLOWEST)), (1.0, FASTEST)])
+def test_the_velocity_of_a_fixed_wing_is_course_and_airspeed(off_deg, seed, length, airspeed):
+    off, down, speed, sunk = flown((length, 0, 0), off_deg=off_deg, seed=seed, action="velocity")
+    assert abs(off) < 1 and speed == pytest.approx(airspeed, abs=0.3) and abs(down) < 0.2 and abs(sunk) < 2
+
+
+@pytest.mark.parametrize("number", [-0.8, 0.5])
+def test_the_velocity_of_a_fixed_wing_climbs_and_descends(number):
+    off, down, _, _ = flown((0.3, number, 0), action="velocity")
+    wanted = (CLIMB_SLOPE if number < 0 else DESCENT_SLOPE) * number * (SLOWEST + 0.3 * (FASTEST - SLOWEST))
+    assert down == pytest.approx(wanted, abs=0.15) and abs(off) < 1
+
+
+def test_a_fixed_wing_flies_its_course_over_ground_in_wind():
+    off, _, speed, _ = flown((0.3, 0, 0), action="velocity", wind=(4, 90))
+    assert abs(off) < 1 and speed == pytest.approx(SLOWEST + 0.3 * (FASTEST - SLOWEST), abs=0.3)
+
+
+def test_without_a_direction_a_fixed_wing_keeps_its_course():
+    env = make("FixedWingLine", action="velocity", **STILL)
+    observation, _ = env.reset(seed=3)
+    before = np.degrees(np.arctan2(observation[4], observation[3]))
+    for _ in range(1000):
+        env.step(np.zeros(4, np.float32))
+    assert abs(off_course_deg(env.truth()[3:6], before)) < 3
+
+
+def test_a_fixed_wing_passes_the_waypoint_of_its_action():
+    """Half the reach of two turn radii, north-east of the start and 4 m above it."""
+    env = make("FixedWingLine", action="waypoint", rate_hz=1, episode_s=100, altitude_m=100, **STILL)
+    env.reset(seed=3)
+    point = env.truth()[:3] + np.array([RADIUS * np.sqrt(0.5), RADIUS * np.sqrt(0.5), -4.0])
+    nearest = np.inf
+    for _ in range(60):  # the same point, as seen from where the vehicle is
+        to = (point - env.truth()[:3]) / REACH
+        env.step(np.clip(np.append(to, 0), -1, 1).astype(np.float32))
+        nearest = min(nearest, np.linalg.norm(point - env.truth()[:3]))
+    assert nearest < 15  # a step is 15 m
+
+
+@pytest.mark.parametrize("fourth, airspeed", [(-1, SLOWEST), (0, CRUISE), (1, FASTEST)])
+def test_a_waypoint_ahead_is_a_straight_flight(fourth, airspeed):
+    off, down, speed, sunk = flown((0.7, 0, fourth), off_deg=-10, action="waypoint")
+    assert abs(off) < 1 and speed == pytest.approx(airspeed, abs=0.3) and abs(down) < 0.2 and abs(sunk) < 3
+
+
+def test_a_waypoint_above_is_climbed_to():
+    """15 m above the start: each action asks for the altitude that is left."""
+    env = make("FixedWingLine", action="waypoint", rate_hz=1, episode_s=100, altitude_m=100, **STILL)
+    env.reset(seed=3)
+    for _ in range(30):
+        env.step(np.array([1, 0, np.clip((-115 - env.truth()[2]) / REACH[2], -1, 1), 0], np.float32))
+    assert env.truth()[2] == pytest.approx(-115, abs=1)
+
+
+def test_a_line_is_followed_by_waypoints():
+    """The point ahead on the line: what is left across and in altitude, over the reach."""
+    def policy(observation):
+        to, forward = observation[:3], observation[22:25]
+        return np.clip(np.append((to + 60 * forward) / REACH, 0), -1, 1).astype(np.float32)
+
+    rewards, terminated, success = fly(make("FixedWingLine", action="waypoint"), policy)
+    assert success and not terminated and rewards.sum() > 20
+
+
 def test_a_fixed_wing_begins_trimmed_in_the_wind():
     """Its airspeed is the cruise of 15 m/s, its ground speed that and the wind."""
     env = make("FixedWingLine", wind=(4, 270), **STILL)
@@ -198,7 +294,7 @@ def test_the_target_is_the_nearest_point_of_the_line():
 
 @pytest.mark.parametrize("name, options, said", [
     ("FixedWingLine", {"vehicle": "multirotor", "action": "rates"}, "vehicle: found multirotor, a multirotor, allowed a fixed wing"),
-    ("FixedWingLine", {"action": "motors"}, "action: found 'motors' for anaconda, a fixed wing, allowed surfaces, rates, angles"),
+    ("FixedWingLine", {"action": "motors"}, "action: found 'motors' for anaconda, a fixed wing, allowed surfaces, rates, angles, velocity, waypoint"),
     ("Gates", {"vehicle": "anaconda"}, "vehicle: found anaconda, a fixed wing, allowed a multirotor"),
     ("Landing", {"action": "surfaces"}, "action: found 'surfaces' for multirotor, a multirotor, allowed motors, rates, angles, velocity, waypoint"),
     ("FixedWingLine", {"set": {"body.mass_kg": 12}}, "allowed one that can hold its cruise of 15 m/s: it needs more lift"),

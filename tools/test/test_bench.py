@@ -62,6 +62,15 @@ def test_what_takes_long_is_measured_when_named(capsys):
     assert bench.choose([], True, figures) == figures
 
 
+def test_what_takes_hours_is_not_measured_with_its_group():
+    figures = [Figure("c.long", "s", "report", lambda: 1.0, on_request=True),
+               Figure("c.rows_lost", "flights", "= 0", lambda: 0.0, on_request=True, by="c.rows")]
+    assert bench.choose(["c"], False, figures) == figures[:1]
+    assert bench.choose(["c.rows"], False, figures) == bench.choose(["c.rows_lost"], False, figures) == figures[1:]
+    with pytest.raises(ValueError, match="NAME: found 'rows'"):
+        bench.choose(["rows"], False, figures)
+
+
 def test_the_file_is_written_after_each_figure(tmp_path):
     file = tmp_path / "f.json"
 

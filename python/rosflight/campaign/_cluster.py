@@ -8,6 +8,7 @@ import logging
 import time
 from collections import deque
 from collections.abc import Generator, Iterable, Iterator
+from itertools import islice
 from typing import Any, NoReturn
 
 from .. import _worker
@@ -15,7 +16,9 @@ from ._tasks import MAX_TRIES, Flight, FlightRefused, Result, Task
 from ._yaml import CampaignError
 
 CONNECT_S, RECONNECT_S, NO_WORKER_S, POLL_S = 5.0, 60.0, 60.0, 0.5
-PER_THREAD = 3  #: Flights at a scheduler for each thread of its workers.
+PER_THREAD = 3  #: Tasks at a scheduler for each thread of its workers.
+#: A task is as many flights as take so long together: scheduler and campaign need some milliseconds for each task, however short.
+TASK_S, MAX_FLIGHTS = 0.5, 64
 
 
 class _Lost(Exception):
@@ -32,8 +35,10 @@ class Cluster:
             raise CampaignError("--dask: found no distributed, allowed with pip install '.[dask]'") from None
         self._distributed: Any = distributed
         self._address = address
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)
+        for name in ("distributed", "distributed.client"):  # the second has a level of its own
+            logging.getLogger(name).setLevel(logging.CRITICAL)
         self._client: Any = self._connect(CONNECT_S)
+        self._size = 1  #: Flights of a task.
 
     def _connect(self, timeout_s: float) -> Any:
         try:
@@ -53,13 +58,13 @@ class Cluster:
         """The results of the tasks, which have their seeds, as they come."""
         waiting = (Flight(seed, task) for seed, task in tasks)
         again: deque[Flight] = deque()
-        flying: dict[Any, Flight] = {}
+        flying: dict[Any, list[Flight]] = {}
         while True:
             try:
                 yield from self._fly(waiting, again, flying)
                 return
             except _Lost:
-                again.extend(flying.values())
+                again.extend(flight for flights in flying.values() for flight in flights)
                 flying.clear()
                 self._reconnect()
 
@@ -75,7 +80,7 @@ class Cluster:
                     raise
                 time.sleep(POLL_S)
 
-    def _fly(self, waiting: Iterator[Flight], again: deque[Flight], flying: dict[Any, Flight]) -> Iterator[tuple[int, Result]]:
+    def _fly(self, waiting: Iterator[Flight], again: deque[Flight], flying: dict[Any, list[Flight]]) -> Iterator[tuple[int, Result]]:
         idle_since = time.monotonic()
         while True:
             threads = self._threads()
@@ -84,19 +89,22 @@ class Cluster:
             elif time.monotonic() - idle_since > NO_WORKER_S:
                 raise CampaignError(f"--dask: found a scheduler without workers for {NO_WORKER_S:g} s, allowed at least one worker")
             while len(flying) < PER_THREAD * threads:
-                flight = again.popleft() if again else next(waiting, None)
-                if flight is None:
+                # One that was lost goes alone: if it is the cause it takes no others with it.
+                flights = [again.popleft()] if again else list(islice(waiting, self._size))
+                if not flights:
                     break
-                self._submit(flight, flying)
+                self._submit(flights, flying)
             if not flying and threads:
                 return
             for future in self._ended(flying):
-                flight = flying.pop(future)
-                result = self._result(future, flight)
-                if result is None:
-                    again.append(flight)
-                else:
-                    yield flight.seed, result
+                flights = flying.pop(future)
+                results = self._results(future, flights)
+                future.release()  # else the scheduler has it computed again when its worker ends
+                for flight, result in zip(flights, results):
+                    if result is None:
+                        again.append(flight)
+                    else:
+                        yield flight.seed, result
 
     def _threads(self) -> int:
         if self._client.status != "running":
@@ -106,11 +114,11 @@ class Cluster:
         except (OSError, asyncio.TimeoutError):
             raise _Lost from None
 
-    def _submit(self, flight: Flight, flying: dict[Any, Flight]) -> None:
-        future = self._client.submit(_worker.fly_as, _worker.program(), flight.task["arguments"], pure=False)
-        flying[future] = flight
+    def _submit(self, flights: list[Flight], flying: dict[Any, list[Flight]]) -> None:
+        future = self._client.submit(_worker.fly_as, _worker.program(), [flight.task["arguments"] for flight in flights], pure=False)
+        flying[future] = flights
 
-    def _ended(self, flying: dict[Any, Flight]) -> list[Any]:
+    def _ended(self, flying: dict[Any, list[Flight]]) -> list[Any]:
         if flying:
             try:
                 with self._client.as_current():
@@ -123,27 +131,40 @@ class Cluster:
             time.sleep(POLL_S)
         return [future for future in flying if future.status != "pending"]
 
-    def _result(self, future: Any, flight: Flight) -> Result | None:
+    def _results(self, future: Any, flights: list[Flight]) -> Iterable[Result | None]:
         """None: to be flown again."""
         if future.status == "finished":
             try:
-                result: Result = future.result(timeout=CONNECT_S)
-                return result
+                took_s, answers = future.result(timeout=CONNECT_S)
             except (OSError, asyncio.TimeoutError, self._distributed.CancelledError):
-                return None  # its worker has gone since
+                return [None] * len(flights)  # its worker has gone since
+            self._size = max(1, min(MAX_FLIGHTS, round(TASK_S * len(flights) / max(took_s, 1e-6))))
+            return (self._result(flight, answer) for flight, answer in zip(flights, answers))
         if future.status == "error":
-            self._failed(future.exception(), flight)
-        return None
+            self._failed(future.exception(), flights)
+        return [None] * len(flights)
 
-    def _failed(self, error: BaseException, flight: Flight) -> None:
-        """Returns if the flight is to be flown again."""
-        if isinstance(error, ValueError):
-            raise FlightRefused(flight.seed, str(error))
+    def _result(self, flight: Flight, answer: dict[str, Any]) -> Result | None:
+        if "refused" in answer:
+            raise FlightRefused(flight.seed, answer["refused"])
+        if "failed" in answer:
+            _count_failure(flight, answer["failed"])
+            return None
+        result: Result = answer["result"]
+        return result
+
+    def _failed(self, error: BaseException, flights: list[Flight]) -> None:
+        """Returns if the flights are to be flown again."""
         if isinstance(error, (ImportError, _worker.OtherProgram)):
             _refuse_worker(error)
-        flight.tries += 1
-        if flight.tries >= MAX_TRIES:
-            raise CampaignError(f"seed {flight.seed}: failed {MAX_TRIES} times on the cluster: {' '.join(str(error).split())[:200]}")
+        if len(flights) == 1:  # of more the cause is not known yet
+            _count_failure(flights[0], str(error))
+
+
+def _count_failure(flight: Flight, error: str) -> None:
+    flight.tries += 1
+    if flight.tries >= MAX_TRIES:
+        raise CampaignError(f"seed {flight.seed}: failed {MAX_TRIES} times on the cluster: {' '.join(error.split())[:200]}")
 
 
 def _refuse_worker(error: BaseException) -> NoReturn:
