@@ -8,7 +8,7 @@ namespace rosflight::core {
 bool Firmware::fits_policy() const {
   return !parameters_.get_bool(Param::kFixedWing) &&
          (!learned_.of_motors() ||
-          (mixer_.motor_count() == Policy::kMotors && !mixer_.calibrates_escs()));
+          (mixer_.motor_count() == Policy::kMotorCount && !mixer_.calibrates_escs()));
 }
 
 void Firmware::describe_policy() {

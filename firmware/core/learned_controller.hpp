@@ -53,11 +53,11 @@ class LearnedController {
   /// The last step commanded rates or motors.
   bool flying() const { return flying_; }
   /// The policy is one of motors.
-  bool of_motors() const { return built_in() && policy_->kind == Policy::Kind::kMotors; }
+  bool of_motors() const { return built_in() && policy_->kind == Policy::Kind::kMotorOutputs; }
   /// The command of the last step for Controller; with flying(), unless of_motors().
   const CommandVector& commanded() const { return commanded_; }
   /// (3) of the last step; with flying() and of_motors().
-  const std::array<float, Policy::kMotors>& motors() const { return motors_; }
+  const std::array<float, Policy::kMotorCount>& motors() const { return motors_; }
 
  private:
   bool flies(const CommandVector& command, const AttitudeEstimate& state, float dt_s);
@@ -68,7 +68,7 @@ class LearnedController {
   Policy::States states_{};
   Policy::Outputs outputs_{};
   CommandVector commanded_{};
-  std::array<float, Policy::kMotors> motors_{};
+  std::array<float, Policy::kMotorCount> motors_{};
   std::size_t throttle_axis_{2};
   float wait_s_{0.0f};  ///< To the next inference.
   float bad_output_{0.0f};

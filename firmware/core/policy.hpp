@@ -19,9 +19,9 @@ namespace rosflight::core {
 /// Outputs, -1..1: roll, pitch and yaw rate over RC_MAX_ROLLRATE, RC_MAX_PITCHRATE and RC_MAX_YAWRATE; or the outputs of four
 /// motors in the order of their channels, -1 off, 1 full. The numbers that a kind does not have are zeros.
 struct Policy {
-  enum class Kind : std::uint8_t { kRates, kMotors };
+  enum class Kind : std::uint8_t { kBodyRates, kMotorOutputs };
   static constexpr std::size_t kRateInputs = 12;
-  static constexpr std::size_t kMotors = 4;
+  static constexpr std::size_t kMotorCount = 4;
   static constexpr std::size_t kInputs = 14;
   static constexpr std::size_t kOutputs = 4;
   static constexpr std::size_t kMaxStates = 64;  ///< Recurrent units of all layers.
@@ -33,7 +33,7 @@ struct Policy {
   float period_s;    ///< From one inference to the next; 0: one for each IMU sample.
   /// One inference. `states` are zeros before the first.
   Outputs (*step)(States& states, const Inputs& inputs);
-  Kind kind{Kind::kRates};
+  Kind kind{Kind::kBodyRates};
 };
 
 /// The policy of this build; nullptr: it has none.

@@ -25,7 +25,7 @@ Array = NDArray[np.float32]
 def model_of(parameters: list[Array], rate_hz: float, end: str = "Tanh") -> onnx.ModelProto:
     """Gains (a row for each input) and biases in turn: layers of tanh. @param end: after the last one, Tanh or Clip."""
     nodes: list[onnx.NodeProto] = []
-    constants = [numpy_helper.from_array(value, name) for name, value in (("low", np.float32(-1)), ("high", np.float32(1))) if end == "Clip"]
+    constants = [numpy_helper.from_array(value, name) for name, value in (("low", np.array(-1, np.float32)), ("high", np.array(1, np.float32))) if end == "Clip"]
     tensor = "observation"
     for k in range(0, len(parameters), 2):
         layer, last = k // 2 + 1, k + 2 == len(parameters)
@@ -58,7 +58,7 @@ def read(file: str) -> tuple[list[Array], float]:
             if not parameters or len(parameters) % 2:
                 raise KeyError("arr_0")
             return folded(parameters, saved["mean"], saved["spread"]), float(saved["rate_hz"])
-    except (KeyError, ValueError, zipfile.BadZipFile):
+    except (EOFError, KeyError, ValueError, zipfile.BadZipFile):
         raise ValueError(f"{file}: found no policy, allowed a file that ppo.py --out has written") from None
 
 

@@ -31,7 +31,7 @@ GAMMA, LAMBDA, CLIP = 0.99, 0.95, 0.2
 RATE, MAX_GRADIENT = 1e-3, 0.5
 FIRST_SPREAD = 0.6
 ACTIONS = 4
-STEPS = {"hover": 1_500_000, "waypoints": 5_000_000, "gates": 20_000_000, "landing": 5_000_000, "attitude": 1_500_000}
+STEPS = {"hover": 1_500_000, "waypoints": 5_000_000, "gates": 20_000_000, "landing": 5_000_000, "attitude": 2_000_000}
 
 
 class Network:
@@ -126,7 +126,7 @@ def train(task: str, steps: int, seed: int, threads: int) -> Policy:
     random = np.random.default_rng(seed)
     envs = FlightVectorEnv(VEHICLES, task, AutoresetMode.NEXT_STEP, rate_hz=RATE_HZ, threads=threads)
     first, _ = envs.reset(seed=seed)
-    size, actions = first.shape[1], envs.single_action_space.shape[0]
+    size, actions = first.shape[1], envs.action_space.sample().shape[1]
     policy = Policy(size, random, actions)
     adam = Adam([*policy.actor.parameters, policy.log_spread, *policy.critic.parameters])
     seen = np.zeros((HORIZON + 1, VEHICLES, size), np.float32)

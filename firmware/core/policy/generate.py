@@ -18,7 +18,7 @@ from google.protobuf.message import DecodeError
 from onnx import numpy_helper
 
 MAX_STATES, MAX_RATE_HZ = 64, 400.0
-KINDS = {"rates": (12, 3), "motors": (14, 4)}  #: Inputs and outputs.
+KINDS = {"rates": ("kBodyRates", 12, 3), "motors": ("kMotorOutputs", 14, 4)}  #: In policy.hpp, inputs, outputs.
 ACTIVATIONS = {"Tanh": "kTanh", "Relu": "kRelu", "Sigmoid": "kSigmoid"}
 ALLOWED = "Gemm, MatMul, Add, Tanh, Relu, Sigmoid, Clip, GRU"
 
@@ -213,7 +213,7 @@ def kind_of(model):
 
 
 def layers_of(model, kind):
-    inputs, outputs = KINDS[kind]
+    _, inputs, outputs = KINDS[kind]
     layers = Reader(model.graph, inputs).layers
     if not layers:
         raise PolicyError(f"found no layer, allowed {ALLOWED}")
@@ -275,7 +275,7 @@ def source(name, kind, layers, period):
     yield "  return outputs;"
     yield "}"
     quoted = name.replace("\\", "\\\\").replace('"', '\\"')
-    yield f'constexpr Policy kPolicy{{"{quoted}", {number(np.float32(period))}, infer, Policy::Kind::k{kind.capitalize()}}};'
+    yield f'constexpr Policy kPolicy{{"{quoted}", {number(np.float32(period))}, infer, Policy::Kind::{KINDS[kind][0]}}};'
     yield "}  // namespace"
     yield "const Policy* built_in_policy() {"
     yield "  return &kPolicy;"

@@ -12,7 +12,7 @@ Policy::Outputs by_throttle(Policy::States& /*states*/, const Policy::Inputs& x)
   const float middle = 2.0f * x[13] - 1.0f;
   return {middle - x[6], middle + 0.01f, middle + 0.02f, middle + x[6]};
 }
-constexpr Policy kByThrottle{"by_throttle.onnx", 0.0f, by_throttle, Policy::Kind::kMotors};
+constexpr Policy kByThrottle{"by_throttle.onnx", 0.0f, by_throttle, Policy::Kind::kMotorOutputs};
 
 }  // namespace
 

@@ -97,7 +97,7 @@ TEST(LearnedController, APolicyOfMotorsGetsTheThrottleAndFourOutputs) {
                              seen = x;
                              return Policy::Outputs{-1.0f, x[6], x[13], 1.0f};
                            },
-                           Policy::Kind::kMotors};
+                           Policy::Kind::kMotorOutputs};
   LearnedController c = make(kMotors);
   CommandVector given = angles(0.5f, 0.25f, 1.0f);
   EXPECT_TRUE(flies(c, given, attitude(0, 0)));

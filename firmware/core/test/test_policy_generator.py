@@ -18,7 +18,7 @@ PROGRAM = """
 #include "firmware/core/policy.hpp"
 int main() {
   const rosflight::core::Policy& policy = *rosflight::core::built_in_policy();
-  std::printf("%s %.9g%s\\n", policy.name, double{policy.period_s}, policy.kind == rosflight::core::Policy::Kind::kMotors ? " motors" : "");
+  std::printf("%s %.9g%s\\n", policy.name, double{policy.period_s}, policy.kind == rosflight::core::Policy::Kind::kMotorOutputs ? " motors" : "");
   rosflight::core::Policy::States states{};
   rosflight::core::Policy::Inputs x{};
   for (;;) {
