@@ -273,10 +273,22 @@ void Mixer::set_limits() {
   }
 }
 
-void Mixer::begin_step(const Conditions& conditions) {
+[[gnu::always_inline]] inline void Mixer::begin_step(const Conditions& conditions) {
   Mode mode = Mode::kDisarmed;
   if (conditions.armed) mode = conditions.hold_idle ? Mode::kHeldAtIdle : Mode::kArmed;
   if (prepared_for_ != mode) prepare(mode, conditions);
+}
+
+[[gnu::always_inline]] inline const hal::OutputValues& Mixer::end_step(
+    const Conditions& conditions) {
+  if (!mixed_is_finite()) {
+    mixed_.fill(0.0f);
+    stop_motors();
+    return outputs_;
+  }
+  limit_mixed();
+  if (conditions.test_motor >= 0) turn_test_motor(conditions);
+  return outputs_;
 }
 
 const hal::OutputValues& Mixer::step(const Inputs& u, const Conditions& conditions) {
@@ -297,17 +309,6 @@ const hal::OutputValues& Mixer::step_motors(const MotorCommands& commands,
   motor_model_failed_ = voltage_replaced_ = false;
   saturation_ = 0.0f;
   return end_step(conditions);
-}
-
-const hal::OutputValues& Mixer::end_step(const Conditions& conditions) {
-  if (!mixed_is_finite()) {
-    mixed_.fill(0.0f);
-    stop_motors();
-    return outputs_;
-  }
-  limit_mixed();
-  if (conditions.test_motor >= 0) turn_test_motor(conditions);
-  return outputs_;
 }
 
 /// Outputs that the mixer leaves to auxiliary commands.

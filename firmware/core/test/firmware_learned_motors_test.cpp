@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The firmware of a build with a policy of motors. That of this test gives each motor the commanded throttle and a share of its
 // own, and roll by its sign on the motors of the left: beyond half a radian of it an output is out of range.
+#include <random>
+
 #include "firmware/core/test/firmware_rig.hpp"
 
 namespace rosflight::core {
@@ -129,6 +131,52 @@ TEST_F(FirmwareLearnedMotors, AnotherNumberOfMotorsIsFlownByTheLoops) {
   EXPECT_EQ(rig_.firmware().mixer().motor_count(), 6u);
   EXPECT_FALSE(learned().flying());
   expect_by_loops(0.6f);
+}
+
+/// Sticks, throttle, attitude and radio at random, from one arming to the next disarming: what holds in every pass.
+TEST_F(FirmwareLearnedMotors, RandomFlightsKeepTheRules) {
+  rig_.store_quadrotor();
+  rig_.start();
+  std::mt19937 random{8};
+  std::uniform_real_distribution<float> share{-1.0f, 1.0f};
+  int flown = 0;
+  int endings = 0;
+  for (int flight = 0; flight < 20; ++flight) {
+    rig_.run_for(15'000);  // the attitude settles
+    rig_.hold_arming_corner();
+    ASSERT_GE(rig_.ms_until([this] { return rig_.armed(); }, 5000), 0) << flight;
+    rig_.release();
+    bool ended = false;
+    for (int k = 0; k < 800; ++k) {
+      if (k % 80 == 0) {
+        throttle(0.5f + 0.45f * share(random));
+        roll(share(random));
+        rig_.rc.failsafe = share(random) > 0.9f;
+        rig_.gyro_rad_s[0] = share(random) > 0.8f ? 4.0f * share(random) : 1e-6f;
+      }
+      rig_.pass();
+      const bool has_ended = learned().end() != LearnedController::End::kNone;
+      ASSERT_TRUE(has_ended || !ended || !rig_.armed()) << "latched while armed";
+      endings += has_ended && !ended ? 1 : 0;
+      ended = has_ended;
+      flown += learned().flying() ? 1 : 0;
+      ASSERT_TRUE(!learned().flying() || (!has_ended && rig_.armed())) << k;
+      for (std::size_t motor = 0; motor < 4; ++motor) {
+        const float value = rig_.outputs()[motor];
+        ASSERT_TRUE(rig_.armed() ? value >= 0.1f && value <= 1.0f : value == 0.0f) << k;
+      }
+    }
+    roll(0.0f);
+    rig_.rc.failsafe = false;
+    rig_.gyro_rad_s[0] = 1e-6f;
+    throttle(0.0f);
+    rig_.rc.channels[FirmwareRig::kYaw] = 0.0f;
+    ASSERT_GE(rig_.ms_until([this] { return !rig_.armed(); }, 5000), 0) << flight;
+    ASSERT_EQ(learned().end(), LearnedController::End::kNone);
+    rig_.release();
+  }
+  EXPECT_GT(endings, 5);
+  EXPECT_GT(flown, 2000);
 }
 
 }  // namespace
