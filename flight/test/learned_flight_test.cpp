@@ -70,9 +70,9 @@ std::string log_hash(const std::string& board, FlightParts parts) {
   rig.flight->run();
   EXPECT_TRUE(rig.completed()) << rig.flight->runner().failure();
   expect_flown_by_policy(texts);
-  const std::string hash = recorder.close()->sha256;
+  const auto written = recorder.close();
   std::filesystem::remove(file);
-  return hash;
+  return written.has_value() ? written->sha256 : "no log of " + board;
 }
 
 TEST(LearnedFlight, FollowsTheMissionInProcess) {
@@ -107,8 +107,10 @@ TEST_P(LearnedOnBoards, TracksAsInProcess) {
   EXPECT_TRUE(rig.completed()) << rig.flight->runner().failure();
   expect_flown_by_policy(texts);
   expect_tracked_as_in_process(rig, choice);
-  EXPECT_EQ(chip_of(rig).figures()->resets, 0U);
-  EXPECT_LE(chip_of(rig).figures()->stack_bytes, 8192U);
+  const auto figures = chip_of(rig).figures();
+  ASSERT_TRUE(figures.has_value());
+  EXPECT_EQ(figures->resets, 0U);
+  EXPECT_LE(figures->stack_bytes, 8192U);
 }
 
 }  // namespace
