@@ -142,7 +142,7 @@ TEST(Arithmetic, GivesTheSameBitsOnEveryProcessor) {
   EXPECT_EQ(ArithmeticSelfTest{}.run(), kArithmeticChecksum);
 }
 
-TEST(Inference, GivesTheSameBitsOnEveryProcessor) {
+TEST(Arithmetic, OfInferencesGivesTheSameBitsOnEveryProcessor) {
   EXPECT_EQ(InferenceSelfTest{}.run(), kInferenceChecksum);
 }
 
