@@ -216,6 +216,11 @@ def m7() -> list[Figure]:
         counted("instructions_worst", "instructions_worst", "instructions", "report"),
         Figure("m7.worst_over_mean", "x", "<= 2", lambda: m7_figures.passes()["instructions_worst"]
                / m7_figures.passes()["instructions"], "cortex-m7"),
+        Figure("m7.policy_pass_instructions", "instructions", "<= 40000", lambda: m7_figures.policy_passes()["instructions"], "cortex-m7"),
+        Figure("m7.policy_load_percent", "% of 400 MHz", "<= 6",
+               lambda: m7_figures.load_percent(m7_figures.policy_passes()["instructions"]), "cortex-m7"),
+        Figure("m7.policy_text_bytes", "B", "<= 24000", m7_figures.policy_text_bytes, "cortex-m7"),
+        Figure("m7.policy_ram_bytes", "B", "<= 1024", m7_figures.policy_ram_bytes, "cortex-m7"),
         Figure("m7.stack_bytes", "B", "<= 8192", m7_figures.stack_bytes, "cortex-m7"),
         Figure("m7.realtime_factor", "s/s", ">= 1",
                lambda: m7_figures.flights()[0]["realtime_factor"], "cortex-m7"),

@@ -38,24 +38,41 @@ def image(name: str) -> Path:
     return path
 
 
-def text_bytes() -> float:
+def text_bytes(name: str = "text_size") -> float:
     """Code and constants, as the column text of size has them."""
-    said = subprocess.run(["arm-none-eabi-size", str(image("text_size"))],
+    said = subprocess.run(["arm-none-eabi-size", str(image(name))],
                           capture_output=True, text=True, check=True).stdout
     return float(said.splitlines()[1].split()[0])
 
 
 @functools.cache
-def passes() -> dict:
-    done = subprocess.run([*EMULATOR, "-kernel", str(image("firmware_pass"))], capture_output=True,
+def passes(name: str = "firmware_pass") -> dict:
+    done = subprocess.run([*EMULATOR, "-kernel", str(image(name))], capture_output=True,
                           text=True, timeout=60, stdin=subprocess.DEVNULL)
     if done.returncode != 0:
         raise RuntimeError(f"the image ended with {done.returncode}: {done.stderr.strip()[-200:]}")
     return json.loads(done.stdout)
 
 
-def load_percent() -> float:
-    return 100 * passes()["instructions"] * CYCLES_PER_INSTRUCTION * PASSES_HZ / CLOCK_HZ
+def policy_passes() -> dict:
+    """With a policy of two layers of 64 that is inferred in each pass."""
+    found = passes("firmware_pass_policy")
+    if not found["policy_flies"]:
+        raise RuntimeError("the policy did not fly")
+    return found
+
+
+def policy_text_bytes() -> float:
+    return text_bytes("text_size_policy") - text_bytes()
+
+
+def policy_ram_bytes() -> float:
+    """The object that keeps its state, and the stack that it needs more."""
+    return policy_passes()["policy_bytes"] + policy_passes()["stack_bytes"] - passes()["stack_bytes"]
+
+
+def load_percent(instructions: float | None = None) -> float:
+    return 100 * (instructions or passes()["instructions"]) * CYCLES_PER_INSTRUCTION * PASSES_HZ / CLOCK_HZ
 
 
 # ---- instructions by module ---------------------------------------------------------------------

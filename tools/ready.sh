@@ -355,29 +355,37 @@ python_sources=(CMakeLists.txt CMakePresets.json pyproject.toml cmake base link 
 
 # True unless a file has changed since the package was installed, or the tree has moved.
 python_is_installed() {  # STAMP
-  [[ -f $1 && $(<"$1") == "$root" ]] || return 1
+  [[ -f $1 && $(<"$1") == "$(python_key)" ]] || return 1
+  [[ -z ${ROSFLIGHT_POLICY:-} || ! $ROSFLIGHT_POLICY -nt $1 ]] || return 1
   local -a packages=("$root"/.venv-python/lib/python3*/site-packages/rosflight)
   [[ -d ${packages[0]} ]] || return 1
   [[ -z $(cd "$root" && find "${python_sources[@]}" -name __pycache__ -prune -o -type f -newer "$1" -print -quit 2>/dev/null) ]]
 }
 
+# The tree, and the policy that the firmware inside the package has.
+python_key() {
+  echo "$root"
+  [[ -z ${ROSFLIGHT_POLICY:-} ]] || echo "$ROSFLIGHT_POLICY"
+}
+
 ready_python() {
   ready_packages run python
   ready_environment .venv-python tools/requirements-python.txt
+  ready_policy
   take_lock python
   local stamp="$root/build/.ready/python" log="$root/build/.ready/python.log"
   python_is_installed "$stamp" && return
   say "building the Python package"
-  [[ -f $stamp && $(<"$stamp") == "$root" ]] || rm -rf "$root"/build/python-*
+  [[ -f $stamp && $(head -n 1 "$stamp") == "$root" ]] || rm -rf "$root"/build/python-*
   rm -f "$stamp"
-  echo "$root" >"$stamp.new"  # its time is that of the sources read
+  python_key >"$stamp.new"  # its time is that of the sources read
   use_ccache
   # By the names that CMake finds: ccache has what the preset release compiled, Python's own name for the same compiler hides it.
   local -x CC="${CC:-cc}" CXX="${CXX:-c++}"
   local -x CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache CMAKE_BUILD_PARALLEL_LEVEL
   CMAKE_BUILD_PARALLEL_LEVEL="$(build_jobs)"
   if ! stoppable "$root/.venv-python/bin/python3" -m pip install --disable-pip-version-check --no-input --verbose --no-deps \
-    --no-build-isolation --force-reinstall "$root" >"$log" 2>&1; then
+    --no-build-isolation --force-reinstall --config-settings="cmake.define.ROSFLIGHT_POLICY=${ROSFLIGHT_POLICY:-}" "$root" >"$log" 2>&1; then
     show_failure "$log"
     fail "the Python package could not be built; the output is in $log"
   fi

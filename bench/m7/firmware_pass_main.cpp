@@ -75,6 +75,7 @@ class Rig {
     for (int k = 0; k < kSettle; ++k) pass(0.0f, true);  // motors at idle first
   }
   bool armed() const { return firmware_.state().armed(); }
+  bool policy_flies() const { return firmware_.learned().flying(); }
 
   /// @returns ticks that the pass took.
   std::uint32_t pass(float throttle, bool arm) {
@@ -185,6 +186,8 @@ int board_main() {
   out.number("instructions_full", full.mean(), ", ");
   out.number("instructions_worst", full.worst(), ", ");
   out.number("object_bytes", sizeof(core::Firmware) + sizeof(link::MavlinkCodec), ", ");
+  out.number("policy_bytes", sizeof(core::LearnedController), ", ");
+  out.number("policy_flies", rig.policy_flies() ? 1 : 0, ", ");
   out.number("stack_bytes", m7::stack_high_water(), "}\n");
   return rig.armed() ? 0 : 1;
 }

@@ -84,7 +84,7 @@ void Firmware::start() {
     log_.push(ok ? Severity::kInfo : Severity::kError, text);
     if (!ok) reported_sensor_errors_ = board_.system.sensor_errors();
   }
-  if (learned_.built_in()) log_.info(Text("Learned controller: ").add(learned_.policy()->name));
+  if (learned_.built_in()) describe_policy();
   apply_settings();
   static_cast<void>(parameters_.take_changes());  // rows that the choice of mixer has filled in
   rc_.describe(log_);
@@ -189,11 +189,15 @@ void Firmware::control(Time now, float dt_s) {
   if (estimator_.healthy() == state_.has(Error::kUnhealthyEstimator)) judge_estimator();
   const CommandVector& command =
       learned_.built_in() ? learned_command(attitude, dt_s) : command_.combined();
-  const auto& forces =
-      controller_.step(command, attitude, dt_s, state_.armed(), mixer_.saturated());
   Mixer::Conditions conditions = mixer_conditions(now);
   conditions.primary_axes = command_.primary_axes();
-  board_.outputs.write(mixer_.step(forces, conditions));
+  if (learned_.flying() && learned_.of_motors()) {
+    board_.outputs.write(mixer_.step_motors(learned_.motors(), conditions));
+  } else {
+    const auto& forces =
+        controller_.step(command, attitude, dt_s, state_.armed(), mixer_.saturated());
+    board_.outputs.write(mixer_.step(forces, conditions));
+  }
   if (mixer_.config().fixed_wing && state_.armed() && above_idle()) powered_ = now;
   if (!state_.armed() || motor_stop_.watching(state_.failsafe())) watch_motion(now);
   constexpr float kWorthAText = 2.0f;
@@ -209,27 +213,6 @@ void Firmware::control(Time now, float dt_s) {
   const Time took = board_.clock.now() - now;
   loop_time_us_ = static_cast<std::int16_t>(
       std::min<std::int64_t>(took.count(), std::numeric_limits<std::int16_t>::max()));
-}
-
-/// The policy may fly armed multirotors, but not the failsafe command. Once it has missed a pass it flies no more until the
-/// vehicle is disarmed.
-[[gnu::noinline]] const CommandVector& Firmware::learned_command(const AttitudeEstimate& attitude,
-                                                                 float dt_s) {
-  const bool ended = learned_.end() != LearnedController::End::kNone;
-  const bool may_fly =
-      state_.armed() && !command_.in_failsafe() && !parameters_.get_bool(Param::kFixedWing);
-  const CommandVector& command = command_.combined();
-  learned_.step(command, attitude, dt_s, may_fly);
-  if (!ended && learned_.end() != LearnedController::End::kNone) {
-    Text text{"Learned control off until disarm: "};
-    if (learned_.end() == LearnedController::End::kTilt) {
-      text.add("tilt > 90 deg");
-    } else {
-      text.add("output ").add(learned_.bad_output(), 2);
-    }
-    log_.critical(text);
-  }
-  return learned_.flying() ? learned_.commanded() : command;
 }
 
 void Firmware::receive(Time now) {

@@ -92,6 +92,9 @@ class Firmware {
   bool time_step(float& dt_s);
   void control(Time now, float dt_s);
   const CommandVector& learned_command(const AttitudeEstimate& attitude, float dt_s);
+  bool fits_policy() const;
+  bool policy_may_fly(const CommandVector& command) const;
+  void describe_policy();
   void judge_estimator();
   Mixer::Conditions mixer_conditions(Time now);
   void receive(Time now);

@@ -151,9 +151,10 @@ void Firmware::apply_settings() {
   estimator_.configure(estimator_settings(parameters_));
   rc_.configure(rc_settings(parameters_));
   command_.configure(command_settings(parameters_, rc_, !mixer_.mixers_agree()));
-  learned_.configure({parameters_.get_float(Param::kRcMaxRollrate),
-                      parameters_.get_float(Param::kRcMaxPitchrate),
-                      parameters_.get_float(Param::kRcMaxYawrate)});
+  learned_.configure(
+      {parameters_.get_float(Param::kRcMaxRollrate), parameters_.get_float(Param::kRcMaxPitchrate),
+       parameters_.get_float(Param::kRcMaxYawrate)},
+      static_cast<std::size_t>(parameters_.get_int(Param::kRcFAxis)));
   update_max_thrust();
   correct_throttle();
   // 1 is also the table's default: unless a user set it, the board keeps its own scale.

@@ -273,12 +273,14 @@ void Mixer::set_limits() {
   }
 }
 
-const hal::OutputValues& Mixer::step(const Inputs& u, const Conditions& conditions) {
-  if (!valid_) return outputs_;
+[[gnu::always_inline]] inline void Mixer::begin_step(const Conditions& conditions) {
   Mode mode = Mode::kDisarmed;
   if (conditions.armed) mode = conditions.hold_idle ? Mode::kHeldAtIdle : Mode::kArmed;
   if (prepared_for_ != mode) prepare(mode, conditions);
-  mix(u, conditions);
+}
+
+[[gnu::always_inline]] inline const hal::OutputValues& Mixer::end_step(
+    const Conditions& conditions) {
   if (!mixed_is_finite()) {
     mixed_.fill(0.0f);
     stop_motors();
@@ -287,6 +289,26 @@ const hal::OutputValues& Mixer::step(const Inputs& u, const Conditions& conditio
   limit_mixed();
   if (conditions.test_motor >= 0) turn_test_motor(conditions);
   return outputs_;
+}
+
+const hal::OutputValues& Mixer::step(const Inputs& u, const Conditions& conditions) {
+  if (!valid_) return outputs_;
+  begin_step(conditions);
+  mix(u, conditions);
+  return end_step(conditions);
+}
+
+const hal::OutputValues& Mixer::step_motors(const MotorCommands& commands,
+                                            const Conditions& conditions) {
+  if (!valid_) return outputs_;
+  begin_step(conditions);
+  mixed_.fill(0.0f);
+  for (std::size_t k = 0; k < motors_.size && k < commands.size(); ++k) {
+    mixed_[motors_.channel[k]] = commands[k];
+  }
+  motor_model_failed_ = voltage_replaced_ = false;
+  saturation_ = 0.0f;
+  return end_step(conditions);
 }
 
 /// Outputs that the mixer leaves to auxiliary commands.

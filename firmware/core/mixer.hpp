@@ -50,6 +50,7 @@ struct MixerHeader {
 class Mixer {
  public:
   using Inputs = std::array<float, kAxes>;
+  using MotorCommands = std::array<float, 4>;
   static constexpr std::uint16_t kAllAxes = 0x3FF;
   /// Largest output of a motor test.
   static constexpr float kTestLimit = 0.3f;
@@ -123,6 +124,12 @@ class Mixer {
   /// All 14 outputs, 0..1.
   const hal::OutputValues& step(const Inputs& u, const Conditions& conditions);
 
+  /// Motors that the mixer drives.
+  std::size_t motor_count() const { return motors_.size; }
+  /// As step(), with commands for its first four motors, in the order of their channels, in place of (1) to (3). Limits, conditions
+  /// and what a NaN does are the same; servos of the mixer stay at their centre.
+  const hal::OutputValues& step_motors(const MotorCommands& commands, const Conditions& conditions);
+
   const hal::OutputValues& outputs() const { return outputs_; }
   /// Outputs as without any command: servos at their centre, all others at zero.
   void clear_outputs();
@@ -165,6 +172,8 @@ class Mixer {
   enum class Mode : std::uint8_t { kDisarmed, kHeldAtIdle, kArmed, kNone };
 
   static bool all_secondary(const Inputs& u, std::uint16_t primary_axes);
+  void begin_step(const Conditions& conditions);
+  const hal::OutputValues& end_step(const Conditions& conditions);
   void mix(const Inputs& u, const Conditions& conditions);
   template <std::size_t... kLater>
   static Group product(const MixerGains& gains, const Inputs& u, std::size_t group,

@@ -15,9 +15,9 @@
 /// NaN at an input of a layer reaches its outputs.
 namespace rosflight::core {
 
-enum class Activation : std::uint8_t { kNone, kTanh, kRelu, kSigmoid };
+enum class Activation : std::uint8_t { kNone, kTanh, kRelu, kSigmoid, kClip };
 
-/// Applies the function to each of n numbers.
+/// Applies the function to each of n numbers. kClip limits to -1..1.
 template <Activation kActivation>
 void activate(float* values, std::size_t n) {
   for (std::size_t k = 0; k < n; ++k) {
@@ -25,6 +25,10 @@ void activate(float* values, std::size_t n) {
     if constexpr (kActivation == Activation::kSigmoid) values[k] = sigmoid(values[k]);
     if constexpr (kActivation == Activation::kRelu) {
       if (values[k] < 0.0f) values[k] = 0.0f;
+    }
+    if constexpr (kActivation == Activation::kClip) {
+      if (values[k] < -1.0f) values[k] = -1.0f;  // a NaN stays one
+      if (values[k] > 1.0f) values[k] = 1.0f;
     }
   }
 }

@@ -14,8 +14,8 @@ import sys
 
 import numpy as np
 import onnx
+from export_policy import model_of
 from numpy.typing import NDArray
-from onnx import TensorProto, helper, numpy_helper
 from ppo import Adam, Network
 
 Array = NDArray[np.float32]
@@ -57,32 +57,13 @@ def learn(count: int, seed: int) -> Network:
     return network
 
 
-def model_of(network: Network) -> onnx.ModelProto:
-    nodes: list[onnx.NodeProto] = []
-    constants: list[onnx.TensorProto] = []
-    tensor = "observation"
-    for k in range(0, len(network.parameters), 2):
-        layer = k // 2 + 1
-        for name, value in ((f"gains_{layer}", network.parameters[k]), (f"bias_{layer}", network.parameters[k + 1])):
-            constants.append(numpy_helper.from_array(value, name))
-        end = "action" if k + 2 == len(network.parameters) else f"layer_{layer}"
-        nodes += [helper.make_node("Gemm", [tensor, f"gains_{layer}", f"bias_{layer}"], [f"sum_{layer}"], f"gemm_{layer}"),
-                  helper.make_node("Tanh", [f"sum_{layer}"], [end], f"tanh_{layer}")]
-        tensor = end
-    graph = helper.make_graph(nodes, "attitude", [helper.make_tensor_value_info("observation", TensorProto.FLOAT, [1, INPUTS])],
-                              [helper.make_tensor_value_info("action", TensorProto.FLOAT, [1, OUTPUTS])], constants)
-    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)])
-    helper.set_model_props(model, {"rate_hz": str(RATE_HZ)})
-    return model
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("file", help="where the ONNX file goes")
     parser.add_argument("--samples", type=int, default=500_000)
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
-    onnx.save(model_of(learn(given.samples, given.seed)), given.file)
+    onnx.save(model_of(learn(given.samples, given.seed).parameters, RATE_HZ), given.file)
     return 0
 
 

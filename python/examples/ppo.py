@@ -3,7 +3,7 @@
 
     ppo.py TASK [--steps N] [--seed S] [--threads T] [--out FILE.npz]
 
-TASK is hover, waypoints, gates or landing. Two networks of two layers of 64 (tanh), one for the mean of the action and one for the value;
+TASK is hover, waypoints, gates, landing or attitude. Two networks of two layers of 64 (tanh), one for the mean of the action and one for the value;
 the spread of the action does not depend on the observation. A line for each percent: steps, seconds of the clock and of the processor, and
 of the episodes that ended meanwhile how many succeeded. Then 100 episodes of other seeds without noise. FILE receives what fly() needs.
 
@@ -31,7 +31,7 @@ GAMMA, LAMBDA, CLIP = 0.99, 0.95, 0.2
 RATE, MAX_GRADIENT = 1e-3, 0.5
 FIRST_SPREAD = 0.6
 ACTIONS = 4
-STEPS = {"hover": 1_500_000, "waypoints": 5_000_000, "gates": 20_000_000, "landing": 5_000_000}
+STEPS = {"hover": 1_500_000, "waypoints": 5_000_000, "gates": 20_000_000, "landing": 5_000_000, "attitude": 2_000_000}
 
 
 class Network:
@@ -87,11 +87,11 @@ class Adam:
 class Policy:
     """Observations are brought to mean 0 and spread 1 by those that were seen."""
 
-    def __init__(self, size: int, random: np.random.Generator):
+    def __init__(self, size: int, random: np.random.Generator, actions: int = ACTIONS):
         self.mean, self.spread, self.seen = np.zeros(size), np.ones(size), 1e-4
-        self.actor = Network([size, 64, 64, ACTIONS], 0.01, random)
+        self.actor = Network([size, 64, 64, actions], 0.01, random)
         self.critic = Network([size, 64, 64, 1], 1.0, random)
-        self.log_spread = np.full(ACTIONS, np.log(FIRST_SPREAD), np.float32)
+        self.log_spread = np.full(actions, np.log(FIRST_SPREAD), np.float32)
 
     def watch(self, observations: Array) -> None:
         """Mean and spread of two sets together."""
@@ -108,7 +108,7 @@ class Policy:
         return self.actor(self.scaled(observations))
 
     def save(self, file: str) -> None:
-        np.savez(file, *self.actor.parameters, mean=self.mean, spread=self.spread)
+        np.savez(file, *self.actor.parameters, mean=self.mean, spread=self.spread, rate_hz=RATE_HZ)
 
 
 def surplus(rewards: Array, values: Array, terminated: NDArray[np.bool_], ended: NDArray[np.bool_]) -> Array:
@@ -126,11 +126,11 @@ def train(task: str, steps: int, seed: int, threads: int) -> Policy:
     random = np.random.default_rng(seed)
     envs = FlightVectorEnv(VEHICLES, task, AutoresetMode.NEXT_STEP, rate_hz=RATE_HZ, threads=threads)
     first, _ = envs.reset(seed=seed)
-    size = first.shape[1]
-    policy = Policy(size, random)
+    size, actions = first.shape[1], envs.action_space.sample().shape[1]
+    policy = Policy(size, random, actions)
     adam = Adam([*policy.actor.parameters, policy.log_spread, *policy.critic.parameters])
     seen = np.zeros((HORIZON + 1, VEHICLES, size), np.float32)
-    acted, rewards = np.zeros((HORIZON, VEHICLES, ACTIONS), np.float32), np.zeros((HORIZON, VEHICLES), np.float32)
+    acted, rewards = np.zeros((HORIZON, VEHICLES, actions), np.float32), np.zeros((HORIZON, VEHICLES), np.float32)
     terminated, ended, valid = np.zeros((3, HORIZON, VEHICLES), bool)
     seen[0] = first
     policy.watch(first)
@@ -139,7 +139,7 @@ def train(task: str, steps: int, seed: int, threads: int) -> Policy:
     batches = max(1, steps // (HORIZON * VEHICLES))
     for number in range(batches):
         for k in range(HORIZON):
-            noise = random.standard_normal((VEHICLES, ACTIONS), np.float32)
+            noise = random.standard_normal((VEHICLES, actions), np.float32)
             acted[k] = policy.fly(seen[k]) + np.exp(policy.log_spread) * noise
             valid[k] = ~over  # after its end an episode begins again, whatever the action
             seen[k + 1], rewards[k], terminated[k], truncated, info = envs.step(acted[k])

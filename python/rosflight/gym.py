@@ -27,9 +27,10 @@ Floats = np.ndarray[Any, np.dtype[np.float32]]
 Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
 OBSERVATIONS = ("truth", "estimate", "sensors")
+OF_FIRMWARE = ("attitude",)  #: Tasks whose observation is "firmware".
 ACTIONS = ("motors", "surfaces", "rates", "angles", "velocity", "waypoint")
 TASKS = {"rosflight/Hover-v0": "hover", "rosflight/Waypoints-v0": "waypoints", "rosflight/Gates-v0": "gates",
-         "rosflight/FixedWingLine-v0": "fixed_wing_line", "rosflight/Landing-v0": "landing"}
+         "rosflight/FixedWingLine-v0": "fixed_wing_line", "rosflight/Landing-v0": "landing", "rosflight/Attitude-v0": "attitude"}
 #: Options and their defaults.
 OPTIONS: dict[str, Any] = {
     "vehicle": "multirotor", "action": "rates", "rate_hz": 100, "episode_s": 10.0, "threads": 1, "wind": None, "set": (), "altitude_m": 5.0,
@@ -44,6 +45,8 @@ OF_TASK: dict[str, dict[str, Any]] = {
     "landing": {"episode_s": 15.0, "start_radius_m": 2.0, "start_tilt_rad": 0.3, "start_rates_rad_s": 0.5},
     "fixed_wing_line": {"vehicle": "anaconda", "action": "surfaces", "episode_s": 30.0, "altitude_m": 50.0, "start_radius_m": 10.0,
                         "start_tilt_rad": 0.3, "start_rates_rad_s": 0.3},
+    # The firmware begins each episode with the attitude of the ground.
+    "attitude": {"observation": "firmware", "episode_s": 6.0, "altitude_m": 100.0, "start_tilt_rad": 0.0},
 }
 _LARGEST_SEED = 2**63
 
@@ -62,22 +65,25 @@ class _Vehicles:
             raise ValueError(f"rate_hz: found {rate_hz}, allowed a divisor of {STEPS_PER_SECOND}")
         #: As they are in force; part of `info` at each reset.
         self.options: dict[str, Any] = chosen | {"task": task, "substeps": STEPS_PER_SECOND // rate_hz}
-        observation = arguments.one_of("observation", chosen["observation"], OBSERVATIONS)
+        by_firmware = task in OF_FIRMWARE
+        observation = arguments.one_of("observation", chosen["observation"], ("firmware",) if by_firmware else OBSERVATIONS)
         if not isinstance(chosen["link"], bool):
             raise TypeError(f"link: found {chosen['link']!r}, allowed True, False")
-        if observation != "truth" and not chosen["link"]:
+        if by_firmware and chosen["link"]:
+            raise ValueError("link: found True with observation 'firmware', allowed False")
+        if observation not in ("truth", "firmware") and not chosen["link"]:
             raise ValueError(f"observation: found {observation!r} without a link, allowed with link=True")
         self._delay_s = arguments.at_least("action_delay_s", chosen["action_delay_s"], 0.0)
         if self._delay_s > arguments.MAX_DELAY_S:
             raise ValueError(f"action_delay_s: found {self._delay_s}, allowed 0 to {arguments.MAX_DELAY_S}")
         self.count = arguments.whole("num_envs", count, 1, 2**20)
-        self.size = _core.observation_size(task, observation)
+        self.size, self.actions = _core.observation_size(task, observation), _core.action_size(task)
         self._arguments: dict[str, Any] = {
             "vehicle": arguments.name_or_path("vehicle", chosen["vehicle"]),
             "wind": arguments.wind_text(chosen["wind"]),
             "overrides": arguments.override_texts(chosen["set"]),
             "task": task,
-            "action": arguments.one_of("action", chosen["action"], ACTIONS),
+            "action": arguments.one_of("action", chosen["action"], ("rates",) if by_firmware else ACTIONS),
             "count": self.count,
             "threads": arguments.whole("threads", chosen["threads"], 1, 1024),
             "observation": observation,
@@ -149,8 +155,8 @@ def _seed(seed: object) -> int | None:
     return None if seed is None else arguments.whole("seed", seed, 0, _LARGEST_SEED)
 
 
-def _spaces(size: int) -> tuple[Any, Any]:
-    return spaces.Box(-np.inf, np.inf, (size,), np.float32), spaces.Box(-1.0, 1.0, (4,), np.float32)
+def _spaces(vehicles: _Vehicles) -> tuple[Any, Any]:
+    return spaces.Box(-np.inf, np.inf, (vehicles.size,), np.float32), spaces.Box(-1.0, 1.0, (vehicles.actions,), np.float32)
 
 
 class FlightEnv(gymnasium.Env[Floats, Floats]):
@@ -162,7 +168,7 @@ class FlightEnv(gymnasium.Env[Floats, Floats]):
         if render_mode is not None:
             raise ValueError(f"render_mode: found {render_mode!r}, allowed None")
         self._vehicles = _Vehicles(1, task, options)
-        self.observation_space, self.action_space = _spaces(self._vehicles.size)
+        self.observation_space, self.action_space = _spaces(self._vehicles)
         self._observation = np.zeros((1, self._vehicles.size), np.float32)
         self._last = np.zeros_like(self._observation)
         self._reward = np.zeros(1, np.float32)
@@ -177,7 +183,7 @@ class FlightEnv(gymnasium.Env[Floats, Floats]):
         return self._observation[0].copy(), info
 
     def step(self, action: Floats) -> tuple[Floats, float, bool, bool, dict[str, Any]]:
-        self._vehicles.core.step(_actions(action, (4,))[None], self._observation, self._reward, self._terminated, self._truncated,
+        self._vehicles.core.step(_actions(action, (self._vehicles.actions,))[None], self._observation, self._reward, self._terminated, self._truncated,
                                  self._success, self._last, False, None)
         terminated, truncated = bool(self._terminated[0]), bool(self._truncated[0])
         info = {"is_success": bool(self._success[0])} if terminated or truncated else {}
@@ -211,7 +217,7 @@ class FlightVectorEnv(VectorEnv[Floats, Floats, Any]):
         self.num_envs = self._vehicles.count
         self._mode = AutoresetMode(autoreset_mode)
         self.metadata = {"render_modes": [], "autoreset_mode": self._mode}
-        self.single_observation_space, self.single_action_space = _spaces(self._vehicles.size)
+        self.single_observation_space, self.single_action_space = _spaces(self._vehicles)
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
         self._copy = copy
@@ -232,7 +238,7 @@ class FlightVectorEnv(VectorEnv[Floats, Floats, Any]):
         return self._out(self._observations), self._vehicles.info()
 
     def step(self, actions: Floats) -> tuple[Floats, Floats, Flags, Flags, dict[str, Any]]:
-        given = _actions(actions, (self.num_envs, 4))
+        given = _actions(actions, (self.num_envs, self._vehicles.actions))
         if self._mode is AutoresetMode.DISABLED and self._ended.any():
             raise gymnasium.error.ResetNeeded("step: found an episode that has ended, allowed after a reset of it")
         self._vehicles.core.step(given, self._observations, self._rewards, self._terminated, self._truncated, self._success,

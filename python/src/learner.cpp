@@ -253,11 +253,21 @@ void Learner::step_once() {
   ++steps_;
 }
 
+/// As a companion does in a mission, whose attitude is good: without it the firmware's tilt drifts when it accelerates.
+void Learner::share_attitude() {
+  const sim::Quaternion& q = truth().body.q_WB;
+  link::ExternalAttitude attitude;
+  attitude.q_WB = {static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
+                   static_cast<float>(q.z())};
+  simulation_.tell(attitude);
+}
+
 Learner::Result Learner::step(const Action& action) {
   action_ = action;
-  map_.begin(action, flown_on());
+  map_.begin(task_->flown(action), flown_on());
   for (int k = 0; k < connection_.substeps; ++k) {
     if (k % kCommandSteps == 0) {
+      if (task_->angles() != nullptr) share_attitude();
       if (connection_.delay_steps == 0) {
         send(command());
       } else {
@@ -278,7 +288,18 @@ Learner::Result Learner::step(const Action& action) {
   return result;
 }
 
+/// Its own estimate of now, and the action that it flies by.
+void Learner::observe_firmware(const core::CommandVector& angles, float* to) const {
+  constexpr std::size_t kThrottleAxis = 2;  // a policy of rates does not get it
+  core::Policy::Outputs last{};
+  for (std::size_t k = 0; k < last.size(); ++k) last[k] = std::clamp(action_[k], -1.0F, 1.0F);
+  const core::AttitudeEstimate& state = simulation_.firmware().estimator().estimate();
+  const auto all = core::LearnedController::inputs(angles, state, last, kThrottleAxis);
+  std::copy_n(all.begin(), core::Policy::kRateInputs, to);
+}
+
 void Learner::observe(float* out) {
+  if (const core::CommandVector* angles = task_->angles()) return observe_firmware(*angles, out);
   const SeenState state = seen();
   out = put(to_target(state.p_W), out);
   out = put(state.v_W, out);

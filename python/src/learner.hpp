@@ -16,7 +16,8 @@ namespace rosflight::python {
 
 /// How a learner is connected to its vehicle, and what it sees.
 struct Connection {
-  /// "truth"; "estimate": the companion's; "sensors": the estimate, then kSensorNumbers of what arrived last.
+  /// "truth"; "estimate": the companion's; "sensors": the estimate, then kSensorNumbers of what arrived last; "firmware":
+  /// what the firmware's learned controller gets.
   std::string observation{"truth"};
   /// Commands and telemetry are bytes on the cable, and the companion estimates.
   bool link{false};
@@ -38,8 +39,9 @@ class Learner {
   };
 
   /// Numbers of an observation: target less position 3, velocity 3, rotation matrix 9 (rows, body to W), rates 3, last
-  /// action 4; then those of the task. @throws config::Error  the task is unknown.
+  /// action 4; then those of the task. "firmware": the inputs of core::Policy. @throws config::Error  the task is unknown.
   static std::size_t observation_size(const std::string& task, const std::string& observation) {
+    if (observation == "firmware") return core::Policy::kRateInputs;
     constexpr std::size_t kCommon = 22;
     return kCommon + Task::observation_size(task) + (observation == "sensors" ? kSensorNumbers : 0);
   }
@@ -71,6 +73,7 @@ class Learner {
   SeenState seen() const;
   link::OffboardControl command();
   void send(const link::OffboardControl& command);
+  void share_attitude();
   void step_once();
   void turn_rotors();
   void take_off();
@@ -84,6 +87,7 @@ class Learner {
   autonomy::StateEstimate flown_on() const;
   void share_attitude();
   float* observe_sensors(float* to);
+  void observe_firmware(const core::CommandVector& angles, float* to) const;
 
   const TaskConfig& config_;
   Connection connection_;

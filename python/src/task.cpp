@@ -11,6 +11,7 @@
 #include <variant>
 
 #include "base/constants.hpp"
+#include "python/src/attitude_task.hpp"
 #include "sim/fixedwing/fixedwing.hpp"
 #include "sim/fixedwing/trim.hpp"
 
@@ -19,7 +20,6 @@ namespace {
 
 using sim::Vector3;
 
-constexpr double kTurning = 0.02;  ///< Weight of the squared rate [s/rad^2].
 constexpr double kCos10Deg = 0.98480775301220806;
 
 Vector3 draw_in_ball(sim::RandomStream& random, double radius) {
@@ -28,14 +28,6 @@ Vector3 draw_in_ball(sim::RandomStream& random, double radius) {
     for (int k = 0; k < 3; ++k) v[k] = random.uniform(-1.0, 1.0);
   } while (v.squaredNorm() > 1.0);
   return radius * v;
-}
-
-double turning(const sim::Truth& truth, double dt_s) {
-  return -dt_s * kTurning * truth.body.w_B.squaredNorm();
-}
-
-double upright(const sim::BodyState& body) {
-  return (body.q_WB * Vector3::UnitZ()).z();
 }
 
 Vector3 along(double course_rad) {
@@ -362,6 +354,7 @@ struct Kind {
   const char* name;
   bool fixed_wing;
   std::size_t size;
+  std::size_t actions{kActions};
 };
 constexpr std::array kKinds{
     Kind{"hover", false, 0},
@@ -369,6 +362,7 @@ constexpr std::array kKinds{
     Kind{"gates", false, Gates::kSize},
     Kind{"landing", false, 0},
     Kind{"fixed_wing_line", true, FixedWingLine::kSize},
+    Kind{"attitude", false, 0, kAttitudeActions},
 };
 
 const Kind& kind_of(const std::string& name) {
@@ -392,6 +386,19 @@ std::size_t Task::observation_size(const std::string& task) {
   return kind_of(task).size;
 }
 
+std::size_t Task::action_size(const std::string& task) {
+  return kind_of(task).actions;
+}
+
+double Task::turning(const sim::Truth& truth, double dt_s) {
+  constexpr double kTurning = 0.02;  // weight of the squared rate [s/rad^2]
+  return -dt_s * kTurning * truth.body.w_B.squaredNorm();
+}
+
+double Task::upright(const sim::BodyState& body) {
+  return (body.q_WB * Vector3::UnitZ()).z();
+}
+
 std::unique_ptr<Task> Task::make(const TaskConfig& config, const flight::FlightSetup& setup,
                                  const Vector3& rest_W) {
   const Kind& kind = kind_of(config.task);
@@ -410,6 +417,7 @@ std::unique_ptr<Task> Task::make(const TaskConfig& config, const flight::FlightS
   if (name == "gates") return std::make_unique<Gates>(config, setup);
   if (name == "landing") return std::make_unique<Landing>(config, rest_W);
   if (name == "fixed_wing_line") return std::make_unique<FixedWingLine>(config, setup);
+  if (name == "attitude") return make_attitude_task(config, setup);
   return std::make_unique<Hover>(config);
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "flight/flight_setup.hpp"
+#include "python/src/action_map.hpp"
 #include "python/src/seen_state.hpp"
 #include "sim/random.hpp"
 #include "sim/types.hpp"
@@ -46,6 +47,8 @@ class Task {
                                     const sim::Vector3& rest_W);
   /// How many numbers observe() adds. @throws config::Error  the task is unknown.
   static std::size_t observation_size(const std::string& task);
+  /// How many numbers an action has. @throws config::Error  the task is unknown.
+  static std::size_t action_size(const std::string& task);
 
   explicit Task(const TaskConfig& config) : config_{config} {}
   virtual ~Task() = default;
@@ -67,10 +70,18 @@ class Task {
     static_cast<void>(seen);
     return to;
   }
+  /// What the firmware receives for an action, where the task commands a part of it itself.
+  virtual Action flown(const Action& action) const { return action; }
+  /// The angles that are asked for, of a task whose observation is what the firmware's learned controller gets.
+  virtual const core::CommandVector* angles() const { return nullptr; }
   /// Waypoints reached or gates passed.
   std::size_t reached() const { return reached_; }
 
  protected:
+  /// The part of every reward that is for a quiet flight.
+  static double turning(const sim::Truth& truth, double dt_s);
+  /// Cosine of the tilt.
+  static double upright(const sim::BodyState& body);
   /// A start about a point of W: the nose within `heading_spread_rad` of `heading_rad`.
   Start draw_start(sim::RandomStream& random, const sim::Vector3& at_W, double heading_rad,
                    double heading_spread_rad) const;

@@ -103,8 +103,9 @@ class Vehicles {
             Row<bool> terminated, Row<bool> truncated, Row<bool> success, Table<float> last,
             bool begin, std::optional<Row<const bool>> again) {
     check_rows("actions", actions.shape(0));
-    if (actions.shape(1) != kActions)
-      throw Error(fmt::format("actions: found {} columns, allowed {}", actions.shape(1), kActions));
+    const std::size_t columns = Task::action_size(task_.task);
+    if (actions.shape(1) != columns)
+      throw Error(fmt::format("actions: found {} columns, allowed {}", actions.shape(1), columns));
     const float* const given = actions.data();
     if (!std::all_of(given, given + actions.size(), [](float a) { return std::isfinite(a); })) {
       throw Error("actions: found NaN or infinity, allowed finite numbers");
@@ -117,8 +118,8 @@ class Vehicles {
         if (again && again->data()[k]) {
           learner.begin_episode();
         } else {
-          Action action;
-          std::copy_n(given + k * kActions, kActions, action.begin());
+          Action action{};
+          std::copy_n(given + k * columns, columns, action.begin());
           result = learner.step(action);
         }
         rewards.data()[k] = result.reward;
@@ -235,6 +236,7 @@ void bind_vehicles(nb::module_& m) {
   m.def("tasks", &task_names, "Names of the tasks.");
   m.def("observation_size", &Learner::observation_size, "task"_a, "observation"_a,
         "How many numbers an observation of a task has.");
+  m.def("action_size", &Task::action_size, "task"_a, "How many numbers an action of a task has.");
 }
 
 }  // namespace rosflight::python

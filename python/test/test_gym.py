@@ -12,8 +12,10 @@ import rosflight
 from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 
-NAMES = ["rosflight/Hover-v0", "rosflight/Waypoints-v0", "rosflight/Gates-v0", "rosflight/Landing-v0", "rosflight/FixedWingLine-v0"]
-LEVELS = {name: ("surfaces" if "FixedWing" in name else "motors", "rates", "angles", "velocity", "waypoint") for name in NAMES}
+NAMES = ["rosflight/Hover-v0", "rosflight/Waypoints-v0", "rosflight/Gates-v0", "rosflight/Landing-v0", "rosflight/FixedWingLine-v0",
+         "rosflight/Attitude-v0"]
+LEVELS = {name: ("surfaces" if "FixedWing" in name else "motors", "rates", "angles", "velocity", "waypoint")
+          for name in NAMES} | {"rosflight/Attitude-v0": ("rates",)}
 
 
 def vector(name=NAMES[0], num_envs=3, **options):
@@ -72,7 +74,7 @@ def test_it_does_what_the_vector_environment_of_gymnasium_does(name, mode):
     assert np.array_equal(ours.reset(seed=3)[0], theirs.reset(seed=3)[0])
     random = np.random.default_rng(1)
     for _ in range(17):
-        action = random.uniform(-1, 1, (1, 4)).astype(np.float32)
+        action = random.uniform(-1, 1, ours.action_space.shape).astype(np.float32)
         mine, other = ours.step(action), theirs.step(action)
         assert all(np.array_equal(a, b) for a, b in zip(mine[:4], other[:4]))
         info, wanted = mine[4], {key: value for key, value in other[4].items() if key.lstrip("_") != "options"}
@@ -133,7 +135,7 @@ def test_the_single_vehicle_is_the_first_of_many(name):
     one, many = env.reset(seed=9)[0], envs.reset(seed=9)[0]
     assert np.array_equal(one, many[0])
     for _ in range(20):
-        one, many = env.step(np.zeros(4, np.float32))[0], envs.step(np.zeros((3, 4), np.float32))[0]
+        one, many = (each.step(np.zeros(each.action_space.shape, np.float32))[0] for each in (env, envs))
     assert np.array_equal(one, many[0])
 
 

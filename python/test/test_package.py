@@ -76,7 +76,7 @@ def test_commands_of_the_documents_run(command, tmp_path):
 
 
 def test_every_example_is_in_the_documents():
-    shown = "\n".join(commands())
+    shown = "\n".join(commands()) + (ROOT / "docs/learned-controller.md").read_text()  # whose commands test_learned.py runs
     assert all(f"python/examples/{path.name}" in shown for path in (ROOT / "python/examples").glob("*.py"))
 
 

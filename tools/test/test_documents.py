@@ -29,7 +29,7 @@ ELSEWHERE = {
     r"\./rosflight (view|fly --view)\b": "web/test/page.browser.test.ts",
     r"\./rosflight python\b": "python/test/test_package.py",
     r"\./rosflight campaign\b": "python/test/test_campaign_command.py",
-    r"ROSFLIGHT_POLICY=": "builds another firmware; by parts in tools/test/test_ready.py, test_policy_generator.py, firmware_learned_test.cpp",
+    r"ROSFLIGHT_POLICY=": "builds another firmware: python/test/test_learned.py runs the page, tools/test/test_ready.py the variable",
     r"\./rosflight bench\b": "tools/test/test_bench.py; measuring takes minutes",
     r"\./rosflight ros (build|run|demo)\b": "the stage ros of ./rosflight test",
     r"docker ": "needs a Docker daemon; tools/test/test_dockerfile.py and test_the_debian_package_flies",

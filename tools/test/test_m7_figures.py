@@ -40,3 +40,15 @@ def test_load_is_cycles_of_all_passes_in_a_second_over_the_clock(monkeypatch):
     monkeypatch.setattr(m7_figures, "passes", lambda: {"instructions": 4000})
     # 4000 instructions, 1.5 cycles each, 400 times a second, of 400 million cycles
     assert m7_figures.load_percent() == pytest.approx(0.6)
+
+
+def test_figures_of_a_policy_are_those_of_the_image_in_which_it_flies(monkeypatch):
+    images = {"firmware_pass": {"instructions": 4000, "stack_bytes": 3000},
+              "firmware_pass_policy": {"instructions": 30000, "stack_bytes": 3500, "policy_bytes": 400, "policy_flies": 1}}
+    monkeypatch.setattr(m7_figures, "passes", lambda name="firmware_pass": images[name])
+    assert m7_figures.policy_ram_bytes() == 900
+    # 30000 instructions, 1.5 cycles each, 400 times a second, of 400 million cycles
+    assert m7_figures.load_percent(m7_figures.policy_passes()["instructions"]) == pytest.approx(4.5)
+    images["firmware_pass_policy"]["policy_flies"] = 0
+    with pytest.raises(RuntimeError, match="the policy did not fly"):
+        m7_figures.policy_passes()

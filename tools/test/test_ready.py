@@ -3,6 +3,7 @@
 
 import fcntl
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -247,6 +248,33 @@ def test_a_policy_without_a_file_is_one_line_and_exit_code_2(house):
     assert done.returncode == 2
     assert done.stderr.splitlines()[-1] == "rosflight: ROSFLIGHT_POLICY: found 'none.onnx', allowed the path of an ONNX file"
     assert house.called("cmake") == []
+
+
+def test_the_package_is_built_with_the_policy_while_its_file_is_named(house):
+    house.python.write_text(QUICK_PYTHON.replace("exit 0", f'{{ echo "python $*" >>"{house.calls}"; exit 0; }}'))
+    for name in ("policy", "python"):
+        (house.root / f"tools/requirements-{name}.txt").write_text("# nothing\n")
+    file = house.root / "policy.onnx"
+    file.touch()
+    os.utime(file, (1, 1))
+    installed = house.root / ".venv-python/lib/python3.11/site-packages/rosflight"
+
+    def built(policy: str) -> list[str]:
+        """The policy of each time that the package was built."""
+        assert house.start("python", ROSFLIGHT_POLICY=policy).returncode == 0
+        installed.mkdir(exist_ok=True)
+        calls = "\n".join(house.called("python"))
+        return re.findall(r"--config-settings=cmake\.define\.ROSFLIGHT_POLICY=(.*) /", calls)
+
+    assert built(str(file)) == [str(file)]
+    assert built(str(file)) == []
+    assert built("") == [""]
+    assert built("") == []
+    assert built(str(file)) == [str(file)]
+    time.sleep(0.01)
+    file.touch()
+    assert built(str(file)) == [str(file)], "it has changed"
+    assert house.start("python", ROSFLIGHT_POLICY="none.onnx").returncode == 2
 
 
 def test_changed_presets_configure_again(house):

@@ -4,9 +4,10 @@
 
 usage: generate.py POLICY.onnx SOURCE.cpp
 
-The graph is a chain of Gemm, MatMul, Add, Tanh, Relu, Sigmoid and GRU in float32, with the inputs and outputs of
+The graph is a chain of Gemm, MatMul, Add, Tanh, Relu, Sigmoid, Clip and GRU in float32, with the inputs and outputs of
 firmware/core/policy.hpp; an initial state of a GRU may be a further input, its last state a further output. The model's
-metadata may hold rate_hz, inferences per second; without it there is one for each IMU sample."""
+metadata may hold rate_hz, inferences per second; without it there is one for each IMU sample; and outputs, rates or motors;
+without it they are rates."""
 import os
 import pathlib
 import sys
@@ -16,9 +17,10 @@ import onnx
 from google.protobuf.message import DecodeError
 from onnx import numpy_helper
 
-INPUTS, OUTPUTS, MAX_STATES, MAX_RATE_HZ = 12, 3, 64, 400.0
+MAX_STATES, MAX_RATE_HZ = 64, 400.0
+KINDS = {"rates": ("kBodyRates", 12, 3), "motors": ("kMotorOutputs", 14, 4)}  #: In policy.hpp, inputs, outputs.
 ACTIVATIONS = {"Tanh": "kTanh", "Relu": "kRelu", "Sigmoid": "kSigmoid"}
-ALLOWED = "Gemm, MatMul, Add, Tanh, Relu, Sigmoid, GRU"
+ALLOWED = "Gemm, MatMul, Add, Tanh, Relu, Sigmoid, Clip, GRU"
 
 
 class PolicyError(Exception):
@@ -68,7 +70,8 @@ def complain(node, found, allowed):
 class Reader:
     """Follows the graph from its first input to its first output."""
 
-    def __init__(self, graph):
+    def __init__(self, graph, size):
+        self.size = size  #: Inputs of the first layer.
         self.constants = {tensor.name: tensor for tensor in graph.initializer}
         inputs = [value.name for value in graph.input if value.name not in self.constants]
         if not inputs or not graph.output:
@@ -87,7 +90,7 @@ class Reader:
                     raise PolicyError(f"found the further {what} '{name}', allowed the state of a GRU")
 
     def read(self, node):
-        readers = {"Gemm": self.gemm, "MatMul": self.matmul, "Add": self.add, "GRU": self.gru}
+        readers = {"Gemm": self.gemm, "MatMul": self.matmul, "Add": self.add, "Clip": self.clip, "GRU": self.gru}
         readers |= dict.fromkeys(ACTIVATIONS, self.activation)
         if node.op_type not in readers or node.domain not in ("", "ai.onnx"):
             complain(node, node.op_type, ALLOWED)
@@ -114,7 +117,7 @@ class Reader:
         return values
 
     def append(self, node, layer):
-        before = self.layers[-1].outputs if self.layers else INPUTS
+        before = self.layers[-1].outputs if self.layers else self.size
         if layer.inputs != before:
             complain(node, f"{layer.inputs} inputs", before)
         self.layers.append(layer)
@@ -151,6 +154,12 @@ class Reader:
 
     def activation(self, node):
         self.open_layer(node).activation = ACTIVATIONS[node.op_type]
+
+    def clip(self, node):
+        limits = [float(self.constant(node, k, 0)) for k in (1, 2)]
+        if limits != [-1.0, 1.0]:
+            complain(node, f"the limits {limits[0]:g} and {limits[1]:g}", "-1 and 1")
+        self.open_layer(node).activation = "kClip"
 
     def open_layer(self, node):
         """The last layer, where it is a sum that no function has been applied to."""
@@ -192,19 +201,31 @@ def attributes(node):
     return {entry.name: onnx.helper.get_attribute_value(entry) for entry in node.attribute}
 
 
-def layers_of(model):
-    layers = Reader(model.graph).layers
+def metadata(model):
+    return {entry.key: entry.value for entry in model.metadata_props}
+
+
+def kind_of(model):
+    kind = metadata(model).get("outputs", "rates")
+    if kind not in KINDS:
+        raise PolicyError(f"metadata outputs: found '{kind}', allowed {', '.join(KINDS)}")
+    return kind
+
+
+def layers_of(model, kind):
+    _, inputs, outputs = KINDS[kind]
+    layers = Reader(model.graph, inputs).layers
     if not layers:
         raise PolicyError(f"found no layer, allowed {ALLOWED}")
-    if layers[-1].outputs != OUTPUTS:
-        raise PolicyError(f"found {layers[-1].outputs} outputs, allowed {OUTPUTS}")
+    if layers[-1].outputs != outputs:
+        raise PolicyError(f"found {layers[-1].outputs} outputs, allowed {outputs}")
     if not all(np.isfinite(array).all() for layer in layers for array in layer.arrays()):
         raise PolicyError("found sums of constants beyond float32, allowed finite numbers")
     return layers
 
 
 def period_s(model):
-    text = {entry.key: entry.value for entry in model.metadata_props}.get("rate_hz")
+    text = metadata(model).get("rate_hz")
     if text is None:
         return 0.0
     try:
@@ -230,14 +251,14 @@ def table(layer):
         yield "        }},"
 
 
-def source(name, layers, period):
+def source(name, kind, layers, period):
     yield f"// Generated from {name} by firmware/core/policy/generate.py. Do not edit."
+    yield "#include <algorithm>"
     yield '#include "firmware/core/network.hpp"'
     yield '#include "firmware/core/policy.hpp"'
     yield "namespace rosflight::core {"
     yield "namespace {"
     yield f"using Built = Network<{', '.join(layer.type() for layer in layers)}>;"
-    yield "static_assert(Built::kInputs == Policy::kInputs && Built::kOutputs == Policy::kOutputs);"
     yield "static_assert(Built::kStates <= Policy::kMaxStates);"
     yield "constexpr Built::Table kTable{"
     for index, layer in enumerate(layers):
@@ -246,10 +267,15 @@ def source(name, layers, period):
         yield "    },"
     yield "};"
     yield "Policy::Outputs infer(Policy::States& states, const Policy::Inputs& inputs) {"
-    yield "  return Built::step(kTable, states.data(), inputs);"
+    yield "  Built::Inputs x{};"
+    yield "  std::copy_n(inputs.begin(), x.size(), x.begin());"
+    yield "  const Built::Outputs y = Built::step(kTable, states.data(), x);"
+    yield "  Policy::Outputs outputs{};"
+    yield "  std::copy(y.begin(), y.end(), outputs.begin());"
+    yield "  return outputs;"
     yield "}"
     quoted = name.replace("\\", "\\\\").replace('"', '\\"')
-    yield f'constexpr Policy kPolicy{{"{quoted}", {number(np.float32(period))}, infer}};'
+    yield f'constexpr Policy kPolicy{{"{quoted}", {number(np.float32(period))}, infer, Policy::Kind::{KINDS[kind][0]}}};'
     yield "}  // namespace"
     yield "const Policy* built_in_policy() {"
     yield "  return &kPolicy;"
@@ -264,7 +290,8 @@ def main():
     given, out = sys.argv[1], pathlib.Path(sys.argv[2])
     try:
         model = onnx.load(given)
-        text = "\n".join(source(pathlib.Path(given).name, layers_of(model), period_s(model))) + "\n"
+        kind = kind_of(model)
+        text = "\n".join(source(pathlib.Path(given).name, kind, layers_of(model, kind), period_s(model))) + "\n"
         unfinished = out.with_suffix(".new")
         unfinished.write_text(text)
         os.replace(unfinished, out)

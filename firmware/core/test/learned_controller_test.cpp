@@ -38,7 +38,7 @@ AttitudeEstimate attitude(float roll, float pitch, float yaw = 0.0f,
 
 LearnedController make(const Policy& policy) {
   LearnedController c{&policy};
-  c.configure(kMaxRates);
+  c.configure(kMaxRates, 2);
   return c;
 }
 
@@ -87,6 +87,35 @@ TEST(LearnedController, InputsAreGravityRatesCommandsAndTheLastOutputs) {
   EXPECT_EQ(seen[9], 0.125f);
   EXPECT_EQ(seen[10], -0.25f);
   EXPECT_EQ(seen[11], 0.5f);
+}
+
+/// Two inputs and the throttle come back, as motors.
+TEST(LearnedController, APolicyOfMotorsGetsTheThrottleAndFourOutputs) {
+  static Policy::Inputs seen;
+  constexpr Policy kMotors{"motors", 0.0f,
+                           [](Policy::States&, const Policy::Inputs& x) {
+                             seen = x;
+                             return Policy::Outputs{-1.0f, x[6], x[13], 1.0f};
+                           },
+                           Policy::Kind::kMotorOutputs};
+  LearnedController c = make(kMotors);
+  CommandVector given = angles(0.5f, 0.25f, 1.0f);
+  EXPECT_TRUE(flies(c, given, attitude(0, 0)));
+  EXPECT_TRUE(c.of_motors());
+  EXPECT_EQ(c.motors(), (std::array<float, 4>{0.0f, 0.75f, 0.8f, 1.0f}));
+  EXPECT_EQ(seen[13], 0.6f);
+  EXPECT_TRUE(flies(c, given, attitude(0, 0)));
+  EXPECT_EQ(seen[9], -1.0f);
+  EXPECT_EQ(seen[12], 1.0f) << "its last output";
+  given.value[2] = 1.01f;
+  EXPECT_FALSE(flies(c, given, attitude(0, 0)));
+  EXPECT_EQ(c.end(), End::kOutput);
+  EXPECT_EQ(c.bad_output(), 1.01f);
+  c.reset();
+  given.value[2] = 0.5f;
+  given.type[2] = CommandType::kPassThrough;
+  EXPECT_FALSE(flies(c, given, attitude(0, 0))) << "a force";
+  EXPECT_EQ(c.end(), End::kNone);
 }
 
 /// The first state counts inferences since the network was at rest.

@@ -27,6 +27,35 @@ TEST(MixerLimits, MotorsIdleOnlyIfAskedTo) {
   }
 }
 
+TEST(MixerLimits, CommandsOfMotorsHaveTheLimitsOfTheMixer) {
+  Mixer::Config config;
+  config.idle_throttle = 0.15f;
+  Mixer m = make_mixer(MixerId::kQuadX, config);
+  EXPECT_EQ(m.motor_count(), 4u);
+  const Mixer::MotorCommands commands{0.0f, 0.3f, 0.999f, 1.5f};
+  expect_near(m.step_motors(commands, disarmed()), {0, 0, 0, 0});
+  expect_near(m.step_motors(commands, armed()), {0.15f, 0.3f, 0.999f, 1.0f});
+  Mixer::Conditions held = armed();
+  held.hold_idle = true;
+  expect_near(m.step_motors(commands, held), {0.15f, 0.15f, 0.15f, 0.15f});
+  EXPECT_TRUE(m.saturated());
+  expect_near(m.step_motors(commands, armed()), {0.15f, 0.3f, 0.999f, 1.0f});
+  EXPECT_FALSE(m.saturated());
+  expect_near(m.step_motors({0.5f, 0.5f, std::nanf(""), 0.5f}, armed()), {0, 0, 0, 0});
+  expect_near(m.step(wrench(-0.5f), armed()), {0.5f, 0.5f, 0.5f, 0.5f});
+}
+
+TEST(MixerLimits, CommandsOfMotorsFindThemAmongOtherChannels) {
+  Mixer m = custom_mixer({OutputType::kServo, OutputType::kMotor, OutputType::kAux,
+                          OutputType::kMotor, OutputType::kMotor, OutputType::kMotor});
+  ASSERT_TRUE(m.set_auxiliary(aux(2, link::AuxType::kServo, 1.0f)));
+  expect_near(m.step_motors({0.2f, 0.3f, 0.4f, 0.5f}, armed()),
+              {0.5f, 0.2f, 1.0f, 0.3f, 0.4f, 0.5f, 0.0f});
+  m.set_valid(false);
+  m.clear_outputs();
+  EXPECT_EQ(m.step_motors({0.2f, 0.3f, 0.4f, 0.5f}, armed())[1], 0.0f);
+}
+
 TEST(MixerLimits, ServosMoveDisarmedToo) {
   Mixer::Config config;
   config.fixed_wing = true;

@@ -40,6 +40,14 @@ TEST(Activation, SigmoidFollowsTheCLibraryInDoublePrecision) {
   EXPECT_TRUE(std::isnan(sigmoid(kNan)));
 }
 
+TEST(Activation, ClipLimitsAndKeepsANan) {
+  std::array<float, 7> values{-kInf, -1.5f, -1.0f, 0.25f, 1.0f, 3e38f, kNan};
+  activate<Activation::kClip>(values.data(), values.size());
+  const std::array<float, 6> expected{-1.0f, -1.0f, -1.0f, 0.25f, 1.0f, 1.0f};
+  for (std::size_t k = 0; k < expected.size(); ++k) EXPECT_EQ(values[k], expected[k]) << k;
+  EXPECT_TRUE(std::isnan(values[6]));
+}
+
 // ---- the same in double precision, by the equations, row by row
 
 using Doubles = std::vector<double>;

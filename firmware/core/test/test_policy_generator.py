@@ -18,7 +18,7 @@ PROGRAM = """
 #include "firmware/core/policy.hpp"
 int main() {
   const rosflight::core::Policy& policy = *rosflight::core::built_in_policy();
-  std::printf("%s %.9g\\n", policy.name, double{policy.period_s});
+  std::printf("%s %.9g%s\\n", policy.name, double{policy.period_s}, policy.kind == rosflight::core::Policy::Kind::kMotorOutputs ? " motors" : "");
   rosflight::core::Policy::States states{};
   rosflight::core::Policy::Inputs x{};
   for (;;) {
@@ -61,7 +61,7 @@ def generate(tmp_path, model, name="policy.onnx"):
     return done, source
 
 
-def built(tmp_path, model):
+def built(tmp_path, model, inputs=12, outputs=3):
     """@returns the first line of the compiled program, and its outputs for 50 random inputs in a row, with these inputs."""
     done, source = generate(tmp_path, model)
     assert done.returncode == 0, done.stderr
@@ -69,11 +69,13 @@ def built(tmp_path, model):
     subprocess.run(["c++", "-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffp-contract=off", f"-I{ROOT}",
                     "-isystem", "/usr/include/eigen3", "-o", tmp_path / "policy", tmp_path / "main.cpp", source,
                     CORE / "activation.cpp"], check=True)
-    x = np.random.default_rng(2).standard_normal((50, 12)).astype(np.float32)
+    x = np.random.default_rng(2).standard_normal((50, 14)).astype(np.float32)
     text = "\n".join(" ".join(f"{value:.9g}" for value in row) for row in x)
     printed = subprocess.run([tmp_path / "policy"], input=text, capture_output=True, text=True, check=True).stdout
     first, rest = printed.split("\n", 1)
-    return first, np.array(rest.split(), float).reshape(50, 3), x
+    y = np.array(rest.split(), float).reshape(50, 4)
+    assert not y[:, outputs:].any(), "the numbers that it does not have are zeros"
+    return first, y[:, :outputs], x[:, :inputs]
 
 
 def perceptron(random, extra=(), last="Tanh"):
@@ -96,6 +98,51 @@ def test_a_perceptron_gives_the_numbers_of_the_reference_evaluator(tmp_path):
     reference = ReferenceEvaluator(model)
     for row, found in zip(x, y):
         assert found == pytest.approx(reference.run(None, {"x": row[None]})[0][0], abs=2e-6)
+
+
+def of_motors(outputs=4):
+    random = np.random.default_rng(6)
+    nodes = [helper.make_node("Gemm", ["x", "w", "b"], ["a"], "only"), helper.make_node("Tanh", ["a"], ["y"], "end")]
+    return model_of(nodes, {"w": draw(random, 14, outputs), "b": draw(random, outputs)}, first=14, metadata=[("outputs", "motors")])
+
+
+def test_a_policy_of_motors_has_14_inputs_and_4_outputs(tmp_path):
+    model = of_motors()
+    first, y, x = built(tmp_path, model, inputs=14, outputs=4)
+    assert first == "policy.onnx 0 motors"
+    reference = ReferenceEvaluator(model)
+    for row, found in zip(x, y):
+        assert found == pytest.approx(reference.run(None, {"x": row[None]})[0][0], abs=2e-6)
+
+
+def test_other_sizes_of_a_policy_of_motors_are_rejected(tmp_path):
+    assert rejected(tmp_path, of_motors(3)) == "found 3 outputs, allowed 4"
+    nodes, constants = perceptron(np.random.default_rng(1))
+    model = model_of(nodes, constants, metadata=[("outputs", "motors")])
+    assert rejected(tmp_path, model) == "node 'first' (MatMul): found 12 inputs, allowed 14"
+    model = model_of(nodes, constants, metadata=[("outputs", "torques")])
+    assert rejected(tmp_path, model) == "metadata outputs: found 'torques', allowed rates, motors"
+
+
+def clipped(low=-1.0, high=1.0):
+    nodes, constants = perceptron(np.random.default_rng(1))
+    nodes[-1] = helper.make_node("Clip", ["a6", "low", "high"], ["y"], "limit")
+    return model_of(nodes, constants | {"w3": draw(np.random.default_rng(4), 17, 3, spread=0.5), "low": np.float32(low), "high": np.float32(high)})
+
+
+def test_outputs_are_clipped_as_by_the_reference_evaluator(tmp_path):
+    model = clipped()
+    onnx.checker.check_model(model)
+    _, y, x = built(tmp_path, model)
+    reference = ReferenceEvaluator(model)
+    for row, found in zip(x, y):
+        assert found == pytest.approx(reference.run(None, {"x": row[None]})[0][0], abs=1e-5)
+    assert 0.1 < np.mean(np.abs(y) == 1.0) < 0.9 and np.abs(y).max() == 1.0
+
+
+def test_other_limits_are_rejected(tmp_path):
+    assert rejected(tmp_path, clipped(low=-2.0)) == "node 'limit' (Clip): found the limits -2 and 1, allowed -1 and 1"
+    assert rejected(tmp_path, clipped(high=np.nan)).startswith("node 'limit' (Clip): found a number in 'high' that is not finite")
 
 
 @pytest.mark.parametrize("reset_after", [0, 1])
@@ -138,7 +185,7 @@ def nodes_and(extra=(), last="Tanh"):
     return model_of(*perceptron(np.random.default_rng(1), extra, last))
 
 
-ALLOWED = "Gemm, MatMul, Add, Tanh, Relu, Sigmoid, GRU"
+ALLOWED = "Gemm, MatMul, Add, Tanh, Relu, Sigmoid, Clip, GRU"
 
 
 def test_another_operator_is_named(tmp_path):
