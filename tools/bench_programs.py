@@ -271,9 +271,15 @@ def ros_factor(quantity: str, composed: bool) -> float:
 
 @functools.cache
 def scale() -> dict:
+    """What bench/scale.py prints; without the other simulators where these cannot be installed."""
     if subprocess.run(["bash", str(project.ROOT / "tools/ready.sh"), "python"]).returncode:
         raise RuntimeError("the Python package does not build, see build/.ready/python.log")
-    return run_json([str(python_package.PYTHON), "bench/scale.py"])
+    command = [str(python_package.PYTHON), "bench/scale.py"]
+    try:
+        environment(".venv-peers", "tools/requirements-peers.txt")
+    except subprocess.CalledProcessError:
+        return run_json(command)
+    return run_json([*command, str(project.ROOT / ".venv-peers/bin/python")])
 
 
 def load(quantity: str):

@@ -11,6 +11,7 @@ import bench_build
 import bench_figures
 import bench_programs
 import callgrind
+import project
 import pytest
 from bench_figures import Figure
 
@@ -124,6 +125,20 @@ def test_program_that_fails_or_prints_no_json_is_told():
         bench_programs.run_json(["echo", "factor 7"])
     with pytest.raises(RuntimeError, match="no number 'b' among a"):
         bench_programs.number(bench_programs.run_json(["echo", '{"a": 1}']), "b")
+
+
+@pytest.mark.parametrize("installed", [True, False])
+def test_other_simulators_are_measured_where_they_can_be_installed(installed, monkeypatch):
+    def environment(name, requirements):
+        assert (project.ROOT / requirements).is_file() and f"/{name}/" in (project.ROOT / ".gitignore").read_text().splitlines()
+        if not installed:
+            raise subprocess.CalledProcessError(2, "ready.sh")
+
+    monkeypatch.setattr(bench_programs, "environment", environment)
+    monkeypatch.setattr(bench_programs.subprocess, "run", lambda *_, **__: subprocess.CompletedProcess([], 0))
+    monkeypatch.setattr(bench_programs, "run_json", lambda command: {"command": command[1:]})
+    peers = [str(project.ROOT / ".venv-peers/bin/python")] if installed else []
+    assert bench_programs.scale.__wrapped__()["command"] == ["bench/scale.py", *peers]
 
 
 def test_totals_of_a_callgrind_profile():
