@@ -15,7 +15,7 @@ import stages
 from bench_programs import (
     counted, dart_realtime_factor, estimation_figure, faults, firmware_pass, fly_runs, fly_wall_s, fuzz_runs, fuzz_target, inference,
     link_rate, load, log_share, loop_factor, mission_figure, number, properties, random_faults, ros_factor, round_trip, scale, seeds_failed, size, wind_limit,
-    worst_over_mean)
+    worst_learned, worst_over_mean)
 
 
 @dataclass(frozen=True)
@@ -79,6 +79,7 @@ def all_figures() -> list[Figure]:
           for name, unit, target in bench_web.FIGURES),
         *(Figure(f"scale.{name}", unit, target, lambda name=name: number(scale(), name), "none", on_request=True)
           for name, unit, target in SCALE),
+        *learning(),
         Figure("faults.flights", "flights", "report", lambda: faults()["flights"], on_request=True),
         Figure("faults.single_unexplained", "flights", "= 0", lambda: faults()["single_unexplained"], on_request=True),
         Figure("faults.pairs_unexplained", "flights", "= 0", lambda: faults()["pairs_unexplained"], on_request=True),
@@ -132,7 +133,20 @@ SCALE = [("steps_per_s", "1/s", ">= 700000"), ("steps_per_core_s", "1/s", "repor
            if (name, peer, of) != ("over_", "crazyflow", "")),
          ("steps_link_per_s", "1/s", ">= 500000"), ("steps_link_per_core_s", "1/s", "report"), ("thread_efficiency", "x", ">= 0.95"),
          ("flights_per_minute", "1/min", ">= 3000"), ("flights_per_core_minute", "1/min", "report"), ("flights_failed", "flights", "= 0"),
-         ("memory_kB", "kB", "<= 200"), ("overhead_us", "us", "<= 15"), ("row_bytes", "B", "report"), ("log_bytes", "B", "report")]
+         ("memory_kB", "kB", "<= 200"), ("memory_equal_kB", "kB", "<= 200"), ("overhead_us", "us", "<= 15"), ("row_bytes", "B", "report"), ("log_bytes", "B", "report")]
+
+
+# What python/examples/ppo.py is held to, from nothing and on two cores that do nothing else: task, successes of 100, seconds.
+LEARNING = [("hover", 95, 180), ("gates", 80, 1800)]
+
+
+def learning() -> list[Figure]:
+    def row(task: str, name: str, unit: str, target: str, worst: Callable, quantity: str) -> Figure:
+        return Figure(f"learn.{task}_{name}", unit, target, functools.partial(worst_learned, worst, task, quantity), "none", on_request=True)
+
+    return [figure for task, successes, limit_s in LEARNING for figure in (
+        row(task, "successes", "of 100", f">= {successes}", min, "successes"),
+        row(task, "clock_s", "s", f"<= {limit_s}", max, "clock_s"), row(task, "processor_s", "s", "report", max, "processor_s"))]
 
 
 def mission_rows() -> list[tuple[str, str, str, str]]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The parts of python/examples/ppo.py by themselves. Whether it learns to hover is measured by ./rosflight bench scale."""
+"""The parts of python/examples/ppo.py by themselves. Whether it learns to hover is measured by ./rosflight bench learn."""
 
 import importlib.util
 from pathlib import Path

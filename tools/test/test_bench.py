@@ -141,6 +141,22 @@ def test_other_simulators_are_measured_where_they_can_be_installed(installed, mo
     assert bench_programs.scale.__wrapped__()["command"] == ["bench/scale.py", *peers]
 
 
+def test_what_was_learnt_is_the_worst_of_two_seeds(monkeypatch):
+    def run(command, **_):
+        seed = int(command[command.index("--seed") + 1])
+        curve = command[command.index("--csv") + 1]
+        with open(curve, "w") as file:
+            print(f"steps,clock_s,processor_s,successes,episodes,reward\n8192,1.0,1.0,0,3,0.1\n16384,{10 * seed}.5,7.0,5,9,0.2", file=file)
+        return subprocess.CompletedProcess(command, 0, f"16384 steps\n{100 - seed} of 100 episodes without noise succeed\n", "")
+
+    monkeypatch.setattr(bench_programs, "ready_python", lambda: None)
+    monkeypatch.setattr(bench_programs.subprocess, "run", run)
+    bench_programs.learned.cache_clear()
+    found = {f.name: f.measure() for f in bench_figures.learning() if "hover" in f.name}
+    bench_programs.learned.cache_clear()
+    assert found == {"learn.hover_successes": 98, "learn.hover_clock_s": 20.5, "learn.hover_processor_s": 7.0}
+
+
 def test_totals_of_a_callgrind_profile():
     assert callgrind.total("events: Ir\nfn=main\n1 2\n\ntotals: 123456\n") == 123456
     assert callgrind.total("events: Ir\nsummary: 77\n1 2\n") == 77
