@@ -46,7 +46,9 @@ def main(arguments: list[str]) -> int:
     if not files or len(arguments) > 2:
         print(f"FOLDER: found {' '.join(arguments) or 'nothing'}, allowed a folder with files TASK_SEED.csv of ppo.py --csv", file=sys.stderr)
         return 2
-    draw(files, Path(arguments[1] if len(arguments) == 2 else "learning_curves.png"))
+    out = Path(arguments[1] if len(arguments) == 2 else "learning_curves.png")
+    draw(files, out)
+    print(f"{len(files)} curves in {out}")
     return 0
 
 
