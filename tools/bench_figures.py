@@ -15,7 +15,7 @@ import stages
 from bench_programs import (
     cluster, counted, dart_realtime_factor, estimation_figure, faults, firmware_pass, fly_runs, fly_wall_s, fuzz_runs, fuzz_target,
     inference, link_rate, load, log_share, loop_factor, loop_steps, mission_figure, number, properties, random_faults, ros_factor,
-    round_trip, scale, seeds_failed, size, wind_limit, worst_over_mean)
+    round_trip, scale, seeds_failed, size, wind_limit, worst_learned, worst_over_mean)
 
 
 @dataclass(frozen=True)
@@ -87,6 +87,7 @@ def all_figures() -> list[Figure]:
           for name, unit, target in [("dask_efficiency", "x", ">= 0.9"), ("dask_flights_per_minute", "1/min", "report")]),
         *(Figure(f"scale.{name}", "flights", target, lambda name=name: number(cluster("endurance"), name), "none", on_request=True, by="scale.rows")
           for name, target in [("rows_lost", "= 0"), ("rows_double", "= 0"), ("rows_differing", "= 0"), ("rows_kills", "report")]),
+        *learning(),
         Figure("faults.flights", "flights", "report", lambda: faults()["flights"], on_request=True),
         Figure("faults.single_unexplained", "flights", "= 0", lambda: faults()["single_unexplained"], on_request=True),
         Figure("faults.pairs_unexplained", "flights", "= 0", lambda: faults()["pairs_unexplained"], on_request=True),
@@ -133,11 +134,27 @@ WITH_FAULTS = [("outside_worst", "1", "<= 0.01"), ("far", "flights", "report"), 
                ("nominal_said", "flights", "= 0")]
 
 
-# What bench/scale.py prints. Rates by the clock are for two cores that do nothing else.
-SCALE = [("steps_per_s", "1/s", ">= 700000"), ("steps_per_core_s", "1/s", "report"),
+# What bench/scale.py prints. Rates by the clock are for two cores that do nothing else. Of Crazyflow the fastest dynamics count.
+SCALE = [("steps_per_s", "1/s", ">= 700000"), ("steps_per_core_s", "1/s", "report"), ("over_crazyflow", "x", ">= 0.9"),
+         *((f"{name}{peer}{of}", unit, "report") for peer in ("crazyflow", "crazyflow_rotors", "l2f")
+           for name, of, unit in (("", "_steps_per_s", "1/s"), ("", "_steps_per_core_s", "1/s"), ("over_", "", "x"), ("over_", "_two_cores", "x"))
+           if (name, peer, of) != ("over_", "crazyflow", "")),
          ("steps_link_per_s", "1/s", ">= 500000"), ("steps_link_per_core_s", "1/s", "report"), ("thread_efficiency", "x", ">= 0.95"),
          ("flights_per_minute", "1/min", ">= 3000"), ("flights_per_core_minute", "1/min", "report"), ("flights_failed", "flights", "= 0"),
-         ("memory_kB", "kB", "<= 200"), ("overhead_us", "us", "<= 15")]
+         ("memory_kB", "kB", "<= 200"), ("memory_equal_kB", "kB", "<= 200"), ("overhead_us", "us", "<= 15"), ("row_bytes", "B", "report"), ("log_bytes", "B", "report")]
+
+
+# What python/examples/ppo.py is held to, from nothing and on two cores that do nothing else: task, successes of 100, seconds.
+LEARNING = [("hover", 95, 180), ("gates", 80, 1800)]
+
+
+def learning() -> list[Figure]:
+    def row(task: str, name: str, unit: str, target: str, worst: Callable, quantity: str) -> Figure:
+        return Figure(f"learn.{task}_{name}", unit, target, functools.partial(worst_learned, worst, task, quantity), "none", on_request=True)
+
+    return [figure for task, successes, limit_s in LEARNING for figure in (
+        row(task, "successes", "of 100", f">= {successes}", min, "successes"),
+        row(task, "clock_s", "s", f"<= {limit_s}", max, "clock_s"), row(task, "processor_s", "s", "report", max, "processor_s"))]
 
 
 def mission_rows() -> list[tuple[str, str, str, str]]:

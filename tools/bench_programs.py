@@ -6,11 +6,14 @@ Most stand under bench/; what they take and print stands in bench/README.md. Wha
 
 import functools
 import json
+import re
 import resource
 import statistics
 import subprocess
 import tempfile
 import time
+from pathlib import Path
+from typing import Callable
 
 import callgrind
 import project
@@ -274,16 +277,45 @@ def ros_factor(quantity: str, composed: bool) -> float:
     return number(row, quantity)
 
 
-def with_package(*words: str) -> dict:
-    """What a program prints that is run in the environment of the Python package."""
+def ready_python():
     if subprocess.run(["bash", str(project.ROOT / "tools/ready.sh"), "python"]).returncode:
         raise RuntimeError("the Python package does not build, see build/.ready/python.log")
-    return run_json([str(python_package.PYTHON), *words])
+
+
+@functools.cache
+def learned(task: str, seed: int) -> dict:
+    """How python/examples/ppo.py learns a task: successes of 100 episodes without noise, seconds of the clock and of the processor."""
+    ready_python()
+    with tempfile.TemporaryDirectory() as scratch:
+        curve = Path(scratch) / "curve.csv"
+        done = subprocess.run([str(python_package.PYTHON), "python/examples/ppo.py", task, "--seed", str(seed), "--csv", str(curve)],
+                              cwd=project.ROOT, capture_output=True, text=True)
+        judged = re.search(r"^(\d+) of 100 episodes without noise succeed$", done.stdout, re.MULTILINE)
+        if done.returncode or judged is None:
+            raise RuntimeError(f"ppo.py ended with {done.returncode}: {(done.stderr.strip().splitlines() or ['it printed nothing'])[-1]}")
+        names, *_, last = curve.read_text().splitlines()
+    return dict(zip(names.split(","), map(float, last.split(",")))) | {"successes": int(judged[1])}
+
+
+def worst_learned(worst: Callable, task: str, quantity: str) -> float:
+    """The worst of two seeds."""
+    return worst(number(learned(task, seed), quantity) for seed in (1, 2))
+
+
+def with_package(*words: str) -> dict:
+    """What a program prints that is run in the environment of the Python package."""
+    ready_python()
+    return run_json([str(project.ROOT / "rosflight"), "python", *words])
 
 
 @functools.cache
 def scale() -> dict:
-    return with_package("bench/scale.py")
+    """What bench/scale.py prints; without the other simulators where these cannot be installed."""
+    try:
+        environment(".venv-peers", "tools/requirements-peers.txt")
+    except subprocess.CalledProcessError:
+        return with_package("bench/scale.py")
+    return with_package("bench/scale.py", str(project.ROOT / ".venv-peers/bin/python"))
 
 
 @functools.cache

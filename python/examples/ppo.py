@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Proximal policy optimisation in one file, with NumPy alone: a policy learns a task from nothing, with the firmware in the loop.
 
-    ppo.py TASK [--steps N] [--seed S] [--threads T] [--out FILE.npz]
+    ppo.py TASK [--steps N] [--seed S] [--threads T] [--out FILE.npz] [--csv FILE.csv]
 
-TASK is hover, waypoints, gates, landing or attitude. Two networks of two layers of 64 (tanh), one for the mean of the action and one for the value;
-the spread of the action does not depend on the observation. A line for each percent: steps, seconds of the clock and of the processor, and
-of the episodes that ended meanwhile how many succeeded. Then 100 episodes of other seeds without noise. FILE receives what fly() needs.
+TASK is hover, waypoints, gates, landing or attitude. Two networks of two layers of 64 (tanh), one for the mean of the action and one for the
+value; the spread of the action does not depend on the observation. They see vectors in the axes of the body. A line for each percent: steps,
+seconds of the clock and of the processor, and of the episodes that ended meanwhile how many succeeded; FILE.csv receives the same, for
+learning_curves.py. Then 100 episodes of other seeds without noise. FILE.npz receives what fly() needs.
 
 J. Schulman et al.: Proximal Policy Optimization Algorithms. arXiv:1707.06347, 2017. Advantages by (11) there.
 """
@@ -15,7 +16,8 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from typing import Any
+from contextlib import nullcontext
+from typing import Any, TextIO
 
 import numpy as np
 from gymnasium.vector import AutoresetMode
@@ -27,11 +29,11 @@ Array = NDArray[np.float32]
 VEHICLES, HORIZON = 128, 64  #: A batch has this many steps of this many vehicles.
 EPOCHS, MINIBATCHES = 5, 16
 RATE_HZ = 50  #: Actions per second: at 100 a drawn action is over before the position shows whether it was good.
-GAMMA, LAMBDA, CLIP = 0.99, 0.95, 0.2
+GAMMA, LAMBDA, CLIP = 0.995, 0.95, 0.2
 RATE, MAX_GRADIENT = 1e-3, 0.5
 FIRST_SPREAD = 0.6
 ACTIONS = 4
-STEPS = {"hover": 1_500_000, "waypoints": 5_000_000, "gates": 20_000_000, "landing": 5_000_000, "attitude": 2_000_000}
+STEPS = {"hover": 1_500_000, "waypoints": 5_000_000, "gates": 10_000_000, "landing": 5_000_000, "attitude": 2_000_000}
 
 
 class Network:
@@ -84,31 +86,51 @@ class Adam:
             p -= np.float32(rate) * (m / (1 - 0.9**self.t)) / (np.sqrt(v / (1 - 0.999**self.t)) + np.float32(1e-8))
 
 
+class Moments:
+    """Mean and spread of the columns of all that was seen."""
+
+    def __init__(self, size: int):
+        self.mean, self.spread, self._count = np.zeros(size), np.ones(size), 1e-4
+
+    def watch(self, rows: Array) -> None:
+        """Of two sets together."""
+        count, mean, variance = len(rows), rows.mean(axis=0), rows.var(axis=0)
+        total, apart = self._count + count, mean - self.mean
+        self.spread = np.sqrt((self.spread**2 * self._count + variance * count + apart**2 * self._count * count / total) / total)
+        self.mean, self._count = self.mean + apart * count / total, total
+
+
 class Policy:
     """Observations are brought to mean 0 and spread 1 by those that were seen."""
 
     def __init__(self, size: int, random: np.random.Generator, actions: int = ACTIONS):
-        self.mean, self.spread, self.seen = np.zeros(size), np.ones(size), 1e-4
+        self.seen = Moments(size)
         self.actor = Network([size, 64, 64, actions], 0.01, random)
         self.critic = Network([size, 64, 64, 1], 1.0, random)
         self.log_spread = np.full(actions, np.log(FIRST_SPREAD), np.float32)
 
-    def watch(self, observations: Array) -> None:
-        """Mean and spread of two sets together."""
-        count, mean, variance = len(observations), observations.mean(axis=0), observations.var(axis=0)
-        total, apart = self.seen + count, mean - self.mean
-        self.spread = np.sqrt((self.spread**2 * self.seen + variance * count + apart**2 * self.seen * count / total) / total)
-        self.mean, self.seen = self.mean + apart * count / total, total
-
     def scaled(self, observations: Array) -> Array:
-        return np.clip((observations - self.mean) / (self.spread + 1e-6), -10, 10).astype(np.float32)
+        return np.clip((observations - self.seen.mean) / (self.seen.spread + 1e-6), -10, 10).astype(np.float32)
 
     def fly(self, observations: Array) -> Array:
-        """The action without noise. An environment limits it."""
+        """The action without noise for what in_body() returns. An environment limits it."""
         return self.actor(self.scaled(observations))
 
     def save(self, file: str) -> None:
-        np.savez(file, *self.actor.parameters, mean=self.mean, spread=self.spread, rate_hz=RATE_HZ)
+        np.savez(file, *self.actor.parameters, mean=self.seen.mean, spread=self.seen.spread, rate_hz=RATE_HZ)
+
+
+def in_body(observations: Array) -> Array:
+    """Observations of docs/gymnasium with all vectors in the axes of the body; what is left of the attitude is where down is. A task that
+    is turned about the vertical then looks the same, and is not learnt once for each heading. Those of Attitude-v0 are so already."""
+    if observations.shape[1] < 22:
+        return observations
+    turn = observations[:, 6:15].reshape(-1, 3, 3)  # takes what is in the body to north-east-down
+
+    def turned(vectors: Array) -> Array:
+        return (vectors.reshape(len(vectors), -1, 3) @ turn).reshape(vectors.shape)
+
+    return np.concatenate([turned(observations[:, :6]), turn[:, 2], observations[:, 15:22], turned(observations[:, 22:])], axis=1)
 
 
 def surplus(rewards: Array, values: Array, terminated: NDArray[np.bool_], ended: NDArray[np.bool_]) -> Array:
@@ -122,10 +144,10 @@ def surplus(rewards: Array, values: Array, terminated: NDArray[np.bool_], ended:
     return out
 
 
-def train(task: str, steps: int, seed: int, threads: int) -> Policy:
+def train(task: str, steps: int, seed: int, threads: int, csv: TextIO | None = None) -> Policy:
     random = np.random.default_rng(seed)
     envs = FlightVectorEnv(VEHICLES, task, AutoresetMode.NEXT_STEP, rate_hz=RATE_HZ, threads=threads)
-    first, _ = envs.reset(seed=seed)
+    first = in_body(envs.reset(seed=seed)[0])
     size, actions = first.shape[1], envs.action_space.sample().shape[1]
     policy = Policy(size, random, actions)
     adam = Adam([*policy.actor.parameters, policy.log_spread, *policy.critic.parameters])
@@ -133,7 +155,9 @@ def train(task: str, steps: int, seed: int, threads: int) -> Policy:
     acted, rewards = np.zeros((HORIZON, VEHICLES, actions), np.float32), np.zeros((HORIZON, VEHICLES), np.float32)
     terminated, ended, valid = np.zeros((3, HORIZON, VEHICLES), bool)
     seen[0] = first
-    policy.watch(first)
+    policy.seen.watch(first)
+    sums = np.zeros((HORIZON + 1, VEHICLES), np.float32)  # of rewards since an episode began, faded
+    returns = Moments(1)
     over = np.zeros(VEHICLES, bool)
     began, used, said, episodes, successes = time.monotonic(), time.process_time(), 0, 0, 0
     batches = max(1, steps // (HORIZON * VEHICLES))
@@ -142,21 +166,29 @@ def train(task: str, steps: int, seed: int, threads: int) -> Policy:
             noise = random.standard_normal((VEHICLES, actions), np.float32)
             acted[k] = policy.fly(seen[k]) + np.exp(policy.log_spread) * noise
             valid[k] = ~over  # after its end an episode begins again, whatever the action
-            seen[k + 1], rewards[k], terminated[k], truncated, info = envs.step(acted[k])
+            observations, rewards[k], terminated[k], truncated, info = envs.step(acted[k])
+            seen[k + 1] = in_body(observations)
+            sums[k + 1] = GAMMA * sums[k] * ~over + rewards[k]
             ended[k] = over = terminated[k] | truncated
             episodes += int(over.sum())
             successes += int(info["is_success"].sum()) if "is_success" in info else 0
+        # Rewards are brought to returns of spread 1, so that the value's gradient leaves the policy's its share of MAX_GRADIENT.
+        returns.watch(sums[1:][valid][:, None])
+        sums[0] = sums[-1]
         inputs = policy.scaled(seen)
         values = policy.critic(inputs.reshape(-1, size)).reshape(HORIZON + 1, VEHICLES)
-        advantages = surplus(rewards, values, terminated, ended)
+        advantages = surplus(rewards / np.float32(returns.spread[0] + 1e-6), values, terminated, ended)
         learn(policy, adam, inputs[:-1][valid], acted[valid], advantages[valid], (advantages + values[:-1])[valid],
               RATE * (1 - number / batches), random)
-        policy.watch(seen[:-1][valid])
+        policy.seen.watch(seen[:-1][valid])
         seen[0] = seen[-1]
         if (percent := 100 * (number + 1) // batches) > said or number == 0:
             said = percent
-            print(f"{(number + 1) * HORIZON * VEHICLES:9d} steps {time.monotonic() - began:6.1f} s {time.process_time() - used:6.1f} s of the processor"
+            done, clock, processor = (number + 1) * HORIZON * VEHICLES, time.monotonic() - began, time.process_time() - used
+            print(f"{done:9d} steps {clock:6.1f} s {processor:6.1f} s of the processor"
                   f"  {successes:4d} of {episodes:4d} episodes succeed  reward {rewards[valid].mean():.4f}", flush=True)
+            if csv:
+                print(f"{done},{clock:.1f},{processor:.1f},{successes},{episodes},{rewards[valid].mean():.5f}", file=csv, flush=True)
             episodes = successes = 0
     return policy
 
@@ -189,7 +221,7 @@ def judge(task: str, policy: Policy, seed: int, threads: int) -> int:
     observations, _ = envs.reset(seed=seed)
     ended, succeeded = np.zeros(100, bool), np.zeros(100, bool)
     while not ended.all():
-        observations, _, terminated, truncated, info = envs.step(policy.fly(observations))
+        observations, _, terminated, truncated, info = envs.step(policy.fly(in_body(observations)))
         over = terminated | truncated
         if over.any():
             succeeded |= info["is_success"] & ~ended
@@ -205,8 +237,12 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--out", help="a file for the policy")
+    parser.add_argument("--csv", help="a file for the learning curve")
     given = parser.parse_args()
-    policy = train(given.task, given.steps or STEPS[given.task], given.seed, given.threads)
+    with open(given.csv, "w", encoding="utf-8") if given.csv else nullcontext() as csv:
+        if csv:
+            print("steps,clock_s,processor_s,successes,episodes,reward", file=csv)
+        policy = train(given.task, given.steps or STEPS[given.task], given.seed, given.threads, csv)
     if given.out:
         policy.save(given.out)
     print(f"{judge(given.task, policy, 10_000 + given.seed, given.threads)} of 100 episodes without noise succeed")

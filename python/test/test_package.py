@@ -68,11 +68,23 @@ def commands():
     return sorted(line for line in shown if line.startswith("./rosflight python "))
 
 
-@pytest.mark.parametrize("command", commands())
+def with_more(command):
+    """Needs gigabytes more, which the tests do not install."""
+    return " --with " in command
+
+
+@pytest.mark.parametrize("command", [command for command in commands() if not with_more(command)])
 def test_commands_of_the_documents_run(command, tmp_path):
     words = shlex.split(command)[2:]
     words = [str(ROOT / word) if word.startswith("python/") else word for word in words]
     assert run([sys.executable, *words], cwd=tmp_path)
+
+
+def test_an_example_without_its_packages_is_one_line_and_exit_code_2():
+    command, = (command for command in commands() if with_more(command))
+    file = shlex.split(command)[-1]
+    done = subprocess.run([sys.executable, str(ROOT / file)], capture_output=True, text=True)
+    assert done.returncode == 2 and done.stderr.count("\n") == 1 and "allowed with ./rosflight python --with sb3" in done.stderr
 
 
 def test_every_example_is_in_the_documents():

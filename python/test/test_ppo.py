@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The parts of python/examples/ppo.py by themselves. Whether it learns to hover is measured by ./rosflight bench scale."""
+"""The parts of python/examples/ppo.py by themselves. Whether it learns to hover is measured by ./rosflight bench learn."""
 
 import importlib.util
 from pathlib import Path
@@ -59,10 +59,33 @@ def test_adam_makes_the_first_step_of_its_rate(ppo):
 
 def test_mean_and_spread_of_parts_are_those_of_the_whole(ppo):
     random = np.random.default_rng(3)
-    policy, seen = ppo.Policy(4, random), random.normal(5.0, 3.0, (1000, 4)).astype(np.float32)
+    moments, seen = ppo.Moments(4), random.normal(5.0, 3.0, (1000, 4)).astype(np.float32)
     for part in np.array_split(seen, 7):
-        policy.watch(part)
-    assert policy.mean == pytest.approx(seen.mean(axis=0), rel=1e-4) and policy.spread == pytest.approx(seen.std(axis=0), rel=1e-4)
+        moments.watch(part)
+    assert moments.mean == pytest.approx(seen.mean(axis=0), rel=1e-4) and moments.spread == pytest.approx(seen.std(axis=0), rel=1e-4)
+
+
+def test_what_the_policy_sees_does_not_depend_on_the_heading(ppo):
+    """SciPy turns a whole scene about the vertical: position, velocity, attitude and the gates."""
+    from scipy.spatial.transform import Rotation
+
+    random = np.random.default_rng(5)
+
+    def scene(turn):
+        rows = np.empty((20, 31), np.float32)
+        for row, (vectors, attitude, body) in zip(rows, scenes, strict=True):
+            p, v, *gates = turn.apply(vectors)
+            row[:] = np.concatenate([p, v, (turn * attitude).as_matrix().ravel(), body, *gates])
+        return ppo.in_body(rows)
+
+    scenes = [(random.standard_normal((5, 3)), Rotation.random(rng=random), random.standard_normal(7)) for _ in range(20)]
+    straight = scene(Rotation.identity())
+    assert scene(Rotation.from_euler("z", 1.2)) == pytest.approx(straight, abs=1e-5)
+    assert abs(scene(Rotation.from_euler("x", 1.2)) - straight).max() > 0.1
+    level = np.zeros((1, 22), np.float32)
+    level[0, :6], level[0, 6:15] = [1, 0, 0, 0, 2, 0], Rotation.from_euler("z", 90, degrees=True).as_matrix().ravel()
+    # Nose to the east: north is to the left, east ahead, down below.
+    assert ppo.in_body(level)[0, :9] == pytest.approx([0, -1, 0, 2, 0, 0, 0, 0, 1], abs=1e-6)
 
 
 def test_the_policy_moves_to_where_the_advantage_is(ppo):

@@ -11,6 +11,7 @@ import bench_build
 import bench_figures
 import bench_programs
 import callgrind
+import project
 import pytest
 from bench_figures import Figure
 
@@ -133,6 +134,36 @@ def test_program_that_fails_or_prints_no_json_is_told():
         bench_programs.run_json(["echo", "factor 7"])
     with pytest.raises(RuntimeError, match="no number 'b' among a"):
         bench_programs.number(bench_programs.run_json(["echo", '{"a": 1}']), "b")
+
+
+@pytest.mark.parametrize("installed", [True, False])
+def test_other_simulators_are_measured_where_they_can_be_installed(installed, monkeypatch):
+    def environment(name, requirements):
+        assert (project.ROOT / requirements).is_file() and f"/{name}/" in (project.ROOT / ".gitignore").read_text().splitlines()
+        if not installed:
+            raise subprocess.CalledProcessError(2, "ready.sh")
+
+    monkeypatch.setattr(bench_programs, "environment", environment)
+    monkeypatch.setattr(bench_programs.subprocess, "run", lambda *_, **__: subprocess.CompletedProcess([], 0))
+    monkeypatch.setattr(bench_programs, "run_json", lambda command: {"command": command[1:]})
+    peers = [str(project.ROOT / ".venv-peers/bin/python")] if installed else []
+    assert bench_programs.scale.__wrapped__()["command"] == ["bench/scale.py", *peers]
+
+
+def test_what_was_learnt_is_the_worst_of_two_seeds(monkeypatch):
+    def run(command, **_):
+        seed = int(command[command.index("--seed") + 1])
+        curve = command[command.index("--csv") + 1]
+        with open(curve, "w") as file:
+            print(f"steps,clock_s,processor_s,successes,episodes,reward\n8192,1.0,1.0,0,3,0.1\n16384,{10 * seed}.5,7.0,5,9,0.2", file=file)
+        return subprocess.CompletedProcess(command, 0, f"16384 steps\n{100 - seed} of 100 episodes without noise succeed\n", "")
+
+    monkeypatch.setattr(bench_programs, "ready_python", lambda: None)
+    monkeypatch.setattr(bench_programs.subprocess, "run", run)
+    bench_programs.learned.cache_clear()
+    found = {f.name: f.measure() for f in bench_figures.learning() if "hover" in f.name}
+    bench_programs.learned.cache_clear()
+    assert found == {"learn.hover_successes": 98, "learn.hover_clock_s": 20.5, "learn.hover_processor_s": 7.0}
 
 
 def test_totals_of_a_callgrind_profile():

@@ -43,6 +43,7 @@ ELSEWHERE = {
     r"tools/ready.sh build arm64": "the stage arm64-rest of ./rosflight test",
     r"tools/ready.sh build gazebo": "the stage build of ./rosflight test",
     r"tools/ready.sh web": "the stage web of ./rosflight test",
+    r"\.venv/bin/python3 tools/beyond_one_machine.py": "tools/test/test_beyond_one_machine.py",
     r"\.venv/bin/python3 flight/jsbsim/jsbsim_compare.py": "flight/jsbsim/test",
     r"\./rosflight fly --physics": "flight/jsbsim/test/test_physics_command.py",
     r"\./rosflight fly --board qemu_m7": "flight/test/emulated_test.cpp",

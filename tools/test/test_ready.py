@@ -233,6 +233,24 @@ def test_changed_package_list_is_looked_through_again(house):
     assert done.stderr.endswith(" novel\n")
 
 
+def test_more_packages_for_python_come_first_in_its_path(house):
+    (house.root / "tools/requirements-python.txt").write_text("# nothing\n")
+    (house.root / "tools/requirements-sb3.txt").write_text("stable-baselines3\n")
+    (house.root / "tools/system_packages.txt").write_text("[run]\ng++\n[python]\n")
+    # In place of the package, which does not build here: what ready_python looks at.
+    script = house.root / "tools/ready.sh"
+    script.write_text(script.read_text() + '\nready_python() { mkdir -p "$root/.venv-python/bin" && ln -sf "$(command -v env)" '
+                      '"$root/.venv-python/bin/python3"; }\n')
+    done = house.start("python")
+    assert done.returncode == 0 and "PYTHONPATH" not in done.stdout and not (house.root / ".venv-sb3").exists()
+    done = house.start("python", "--with", "sb3")
+    assert f"PYTHONPATH={house.root}/.venv-sb3/lib/python3.11/site-packages\n" in done.stdout
+    for words in (["--with"], ["--with", "tf"]):
+        refused = house.start("python", *words)
+        assert refused.returncode == 2
+        assert refused.stderr == f"rosflight: python --with: found '{words[1] if words[1:] else 'nothing'}', allowed sb3\n"
+
+
 def test_a_policy_is_built_in_while_its_file_is_named(house):
     (house.root / "tools/requirements-policy.txt").write_text("# nothing\n")
     file = house.root / "policy.onnx"
