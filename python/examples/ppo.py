@@ -14,15 +14,18 @@ J. Schulman et al.: Proximal Policy Optimization Algorithms. arXiv:1707.06347, 2
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import time
 from contextlib import nullcontext
 from typing import Any, TextIO
 
-import numpy as np
-from gymnasium.vector import AutoresetMode
-from numpy.typing import NDArray
-from rosflight.gym import FlightVectorEnv
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # Matrices this small take longer on several.
+
+import numpy as np  # noqa: E402
+from gymnasium.vector import AutoresetMode  # noqa: E402
+from numpy.typing import NDArray  # noqa: E402
+from rosflight.gym import FlightVectorEnv  # noqa: E402
 
 Array = NDArray[np.float32]
 
