@@ -14,10 +14,14 @@ J. Schulman et al.: Proximal Policy Optimization Algorithms. arXiv:1707.06347, 2
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import time
 from contextlib import nullcontext
 from typing import Any, TextIO
+
+# Products of matrices as small as these gain nothing by threads, which would take the processors from the vehicles. Before NumPy is read.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 from gymnasium.vector import AutoresetMode
