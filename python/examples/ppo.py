@@ -20,7 +20,7 @@ import time
 from contextlib import nullcontext
 from typing import Any, TextIO
 
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # Matrices this small take longer on several.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # Matrices this small take longer on several threads.
 
 import numpy as np  # noqa: E402
 from gymnasium.vector import AutoresetMode  # noqa: E402
