@@ -43,6 +43,13 @@ void check_altitude(const flight::FlightSetup& setup, double altitude_m) {
                                   area.max_height_m));
 }
 
+link::ExternalAttitude attitude_of(const sim::Quaternion& q) {
+  link::ExternalAttitude attitude;
+  attitude.q_WB = {static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
+                   static_cast<float>(q.z())};
+  return attitude;
+}
+
 }  // namespace
 
 Learner::Learner(flight::FlightSetup& setup, const TaskConfig& task,
@@ -232,15 +239,17 @@ void Learner::send(const link::OffboardControl& command) {
   }
 }
 
-/// As in a mission: the firmware's own filter takes the direction of the load in a turn for that of gravity.
+/// As in a mission: the firmware's own filter takes the direction of the load for that of gravity. Without a link the truth
+/// stands for the estimate.
 void Learner::share_attitude() {
-  if (!simulation_.setup().estimator.share_attitude) return;
+  if (!connection_.link) {
+    simulation_.tell(attitude_of(truth().body.q_WB));
+    return;
+  }
   const autonomy::StateEstimate state = simulation_.estimate();
-  if (state.attitude != autonomy::Quality::kGood) return;
-  link::ExternalAttitude attitude;
-  attitude.q_WB = {static_cast<float>(state.q_WB.w()), static_cast<float>(state.q_WB.x()),
-                   static_cast<float>(state.q_WB.y()), static_cast<float>(state.q_WB.z())};
-  static_cast<void>(simulation_.session().offboard().send(attitude));
+  if (!simulation_.setup().estimator.share_attitude || state.attitude != autonomy::Quality::kGood)
+    return;
+  static_cast<void>(simulation_.session().offboard().send(attitude_of(state.q_WB)));
 }
 
 void Learner::step_once() {
@@ -251,15 +260,6 @@ void Learner::step_once() {
   simulation_.step();
   task_->advance(truth());
   ++steps_;
-}
-
-/// As a companion does in a mission, whose attitude is good: without it the firmware's tilt drifts when it accelerates.
-void Learner::share_attitude() {
-  const sim::Quaternion& q = truth().body.q_WB;
-  link::ExternalAttitude attitude;
-  attitude.q_WB = {static_cast<float>(q.w()), static_cast<float>(q.x()), static_cast<float>(q.y()),
-                   static_cast<float>(q.z())};
-  simulation_.tell(attitude);
 }
 
 Learner::Result Learner::step(const Action& action) {

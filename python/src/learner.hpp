@@ -85,7 +85,6 @@ class Learner {
       const std::function<std::optional<autonomy::FirmwareCommand>(const autonomy::StateEstimate&)>&
           step);
   autonomy::StateEstimate flown_on() const;
-  void share_attitude();
   float* observe_sensors(float* to);
   void observe_firmware(const core::CommandVector& angles, float* to) const;
 
