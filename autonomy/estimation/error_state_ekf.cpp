@@ -329,7 +329,7 @@ ErrorStateEkf::Verdict ErrorStateEkf::judged(const Residual<1>& r, const Error& 
 }
 
 ErrorStateEkf::Verdict ErrorStateEkf::correct_heading(const Residual<1>& r, double gate_sigma) {
-  const Error PHt = P_ * r.H.transpose();
+  const Error PHt = covariance_by(r.H);
   Verdict verdict = judged(r, PHt, gate_sigma);
   if (!verdict.accepted) return verdict;
   const Vector3 down_B = x_.q_WB.conjugate() * Vector3::UnitZ();
@@ -343,7 +343,7 @@ ErrorStateEkf::Verdict ErrorStateEkf::correct_heading(const Residual<1>& r, doub
 }
 
 ErrorStateEkf::Verdict ErrorStateEkf::correct_gust(const Residual<1>& r, double gate_sigma) {
-  const Error PHt = P_ * r.H.transpose();
+  const Error PHt = covariance_by(r.H);
   Verdict verdict = judged(r, PHt, gate_sigma);
   if (!verdict.accepted) return verdict;
   for (const int k : {kGust, kLiftOffset}) verdict.gain(k) = PHt(k) / verdict.variance;
@@ -354,9 +354,11 @@ ErrorStateEkf::Verdict ErrorStateEkf::correct_gust(const Residual<1>& r, double 
 /// P - K H P - (K H P)' + K S K' for the gain of the verdict, and its correction.
 void ErrorStateEkf::consider(const Residual<1>& r, const Error& PHt, const Verdict& verdict) {
   const Error& K = verdict.gain;
-  // Symmetric to the bit as the sum of a matrix and its transpose.
-  const Covariance half = K * (0.5 * verdict.variance * K - PHt).transpose();
-  P_ += half + half.transpose();
+  const Error half = 0.5 * verdict.variance * K - PHt;
+  // Symmetric to the bit: the two products change places.
+  for (int column = 0; column < kSize; ++column) {
+    P_.col(column) += K * half(column) + half * K(column);
+  }
   inject(K * r.nu(0));
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <Eigen/Cholesky>
 #include <array>
 #include <cmath>
 
@@ -213,8 +214,8 @@ class ErrorStateEkf {
   /// rejected.
   template <int kRows>
   Verdict correct(const Residual<kRows>& r, double gate_sigma) {
-    const Eigen::Matrix<double, kSize, kRows> PHt = P_ * r.H.transpose();
-    const Eigen::Matrix<double, kRows, kRows> S = r.H * PHt + r.R;
+    const Eigen::Matrix<double, kSize, kRows> PHt = covariance_by(r.H);
+    const Eigen::Matrix<double, kRows, kRows> S = r.H.lazyProduct(PHt) + r.R;
     Verdict verdict;
     if constexpr (kRows == 1) {
       verdict.variance = S(0);
@@ -227,15 +228,26 @@ class ErrorStateEkf {
       inject(PHt * (r.nu(0) / S(0)));
       return verdict;
     }
-    const Eigen::Matrix<double, kRows, kRows> S_inverse = S.inverse();
-    verdict.nis = r.nu.dot(S_inverse * r.nu);
-    verdict.accepted = verdict.nis >= 0.0 && verdict.nis <= gate(kRows, gate_sigma);
+    const Eigen::LLT<Eigen::Matrix<double, kRows, kRows>> root(S);
+    const Eigen::Matrix<double, kRows, 1> weighted = root.solve(r.nu);
+    verdict.nis = r.nu.dot(weighted);
+    verdict.accepted = root.info() == Eigen::Success && verdict.nis >= 0.0 &&
+                       verdict.nis <= gate(kRows, gate_sigma);
     if (!verdict.accepted) return verdict;
-    const Eigen::Matrix<double, kSize, kRows> K = PHt * S_inverse;
-    const Error dx = K * r.nu;
-    P_.noalias() -= K * PHt.transpose();
-    symmetrise();
-    inject(dx);
+    // P - W W' with S = L L' and W = P H' L'^-1: its lower half is mirrored, so no rounding of predict() adds up.
+    Eigen::Matrix<double, kSize, kRows> W = PHt;
+    const auto& L = root.matrixLLT();
+    for (int c = 0; c < kRows; ++c) {
+      for (int k = 0; k < c; ++k) W.col(c) -= W.col(k) * L(c, k);
+      W.col(c) /= L(c, c);
+    }
+    for (int column = 0; column < kSize; ++column) {
+      for (int k = 0; k < kRows; ++k) P_.col(column) -= W.col(k) * W(column, k);
+    }
+    for (int column = 0; column < kSize; ++column) {
+      for (int row = column + 1; row < kSize; ++row) P_(column, row) = P_(row, column);
+    }
+    inject(PHt * weighted);
     return verdict;
   }
 
@@ -272,7 +284,18 @@ class ErrorStateEkf {
  private:
   static Verdict judged(const Residual<1>& r, const Error& PHt, double gate_sigma);
   void consider(const Residual<1>& r, const Error& PHt, const Verdict& verdict);
-  void symmetrise() { P_ = (0.5 * (P_ + P_.transpose())).eval(); }
+  /// P H': most numbers of H are zero.
+  template <int kRows, int kOptions>
+  Eigen::Matrix<double, kSize, kRows> covariance_by(
+      const Eigen::Matrix<double, kRows, kSize, kOptions>& H) const {
+    Eigen::Matrix<double, kSize, kRows> out = Eigen::Matrix<double, kSize, kRows>::Zero();
+    for (int k = 0; k < kSize; ++k) {
+      for (int row = 0; row < kRows; ++row) {
+        if (H(row, k) != 0.0) out.col(row) += P_.col(k) * H(row, k);
+      }
+    }
+    return out;
+  }
 
   NominalState x_;
   Covariance P_{Covariance::Identity()};
