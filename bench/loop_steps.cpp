@@ -2,10 +2,10 @@
 // The default flight, stepped N times by 2.5 ms: what a step of the whole loop costs. Run it under callgrind with two
 // lengths and take the difference.
 //
-// usage: loop_steps truth|estimate|unlinked --steps N
+// usage: loop_steps truth|estimate|unlinked|setup --steps N
 //
 // truth, estimate: what the companion of the mission flies on. unlinked: hovering without link bytes, as environments of
-// Python are by default.
+// Python are by default. setup: N flights of a campaign with conditions of their own are set up, and not flown.
 #include <charconv>
 #include <cstdint>
 #include <cstdio>
@@ -30,6 +30,17 @@ double fly(const char* state, std::int64_t steps) {
   flight::Flight flight(*setup);
   for (std::int64_t i = 0; i < steps; ++i) flight.step();
   return -flight.truth().body.p_W.z();
+}
+
+void set_up(std::int64_t flights) {
+  for (std::int64_t i = 0; i < flights; ++i) {
+    flight::FlightChoice choice;
+    choice.seed = static_cast<std::uint64_t>(i);
+    choice.wind = std::to_string(i % 8) + ",270";
+    choice.overrides = {"body.mass_kg=3." + std::to_string(i % 8)};
+    const auto setup = std::make_unique<flight::FlightSetup>(choice);
+    const flight::Flight flight(*setup);
+  }
 }
 
 double hover(std::int64_t steps) {
@@ -65,12 +76,16 @@ bool parse(const char* text, std::int64_t& value) {
 int main(int argc, char** argv) {
   std::int64_t steps = 0;
   const std::string kind = argc > 1 ? argv[1] : "";
-  const bool known = kind == "truth" || kind == "estimate" || kind == "unlinked";
+  const bool known = kind == "truth" || kind == "estimate" || kind == "unlinked" || kind == "setup";
   if (argc != 4 || !known || std::string(argv[2]) != "--steps" || !parse(argv[3], steps)) {
-    std::fputs("usage: loop_steps truth|estimate|unlinked --steps N\n", stderr);
+    std::fputs("usage: loop_steps truth|estimate|unlinked|setup --steps N\n", stderr);
     return 2;
   }
   try {
+    if (kind == "setup") {
+      set_up(steps);
+      return 0;
+    }
     const double height_m = kind == "unlinked" ? hover(steps) : fly(kind.c_str(), steps);
     std::cout << nlohmann::json{{"height_m", height_m}} << "\n";
   } catch (const std::exception& error) {

@@ -175,6 +175,7 @@ class Document {
 
  private:
   explicit Document(std::shared_ptr<detail::Node> root) : root_{std::move(root)} {}
+  static Document rooted(std::unique_ptr<detail::Node> root);
   std::shared_ptr<detail::Node> root_;
 };
 

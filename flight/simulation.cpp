@@ -281,6 +281,11 @@ void Simulation::set_external_wrench(sim::ExternalWrench* external) {
 void Simulation::drop_link() {
   loop_->linked = false;
   loop_->board_codec->set_quiet(true);
+  // Nothing crosses the cable from here on, and its queues are a third of the memory.
+  sim::SerialLine::Config none;
+  none.transmit_capacity_bytes.fill(1);
+  none.receive_capacity_bytes = 1;
+  loop_->cable.cable() = sim::SerialCable{none, loop_->random};
 }
 void Simulation::tell(const link::Message& message) {
   loop_->autopilot.tell(message, loop_->lock_step.now());

@@ -83,6 +83,8 @@ class FaultSchedule {
   double thrust_factor(std::size_t motor, Time t) const;
   /// A control surface is stuck at t.
   bool servo_stuck(std::size_t surface, Time t) const;
+  /// Nothing is listed.
+  bool empty() const { return kinds_ == 0U; }
   /// Some fault of this kind is listed, at whatever time.
   bool has(FaultKind kind) const { return (kinds_ & bit(kind)) != 0U; }
 

@@ -30,6 +30,10 @@ class FaultySensors : public SensorsModule {
     } else {
       sensors_.step(truth, s);
     }
+    if (faults_.empty()) {
+      if (s.has_imu) good_imu_ = s.imu;
+      return;
+    }
     const Time t = truth.time;
     const auto off = [this, t](FaultKind kind, bool& has) {
       if (faults_.active(kind, t)) has = false;
@@ -118,6 +122,7 @@ class FaultySensors : public SensorsModule {
 
 /// Passes the faults of motors, surfaces and battery on. Once per step.
 inline void apply_actuator_faults(const FaultSchedule& faults, Time t, ForcesAndMoments& forces) {
+  if (faults.empty()) return;
   for (std::size_t k = 0; k < kMaxRotors; ++k) {
     if (faults.has(FaultKind::kMotor)) forces.set_thrust_factor(k, faults.thrust_factor(k, t));
     if (faults.has(FaultKind::kServo)) forces.set_surface_stuck(k, faults.servo_stuck(k, t));

@@ -64,4 +64,9 @@ Vehicle::Vehicle(config::Document document)
   for (Vector3& contact : ground_.contacts_B) contact -= body_.centre_of_mass_B;
 }
 
+void Vehicle::drop_file() {
+  document_ = config::Document::from_text("{}", "a file that was dropped");
+  root_ = sensors_ = world_sensors_ = firmware_ = autonomy_ = document_.root();
+}
+
 }  // namespace rosflight::sim

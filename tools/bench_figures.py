@@ -15,7 +15,7 @@ import stages
 from bench_programs import (
     cluster, counted, dart_realtime_factor, estimation_figure, faults, firmware_pass, fly_runs, fly_wall_s, fuzz_runs, fuzz_target,
     inference, link_rate, load, log_share, loop_factor, loop_steps, mission_figure, number, properties, random_faults, ros_factor,
-    round_trip, scale, seeds_failed, size, wind_limit, worst_learned, worst_over_mean)
+    round_trip, scale, seeds_failed, setup_share, size, wind_limit, worst_learned, worst_over_mean)
 
 
 @dataclass(frozen=True)
@@ -52,6 +52,7 @@ def all_figures() -> list[Figure]:
         Figure("loop.instructions_per_step", "instructions", "<= 9000", lambda: loop_steps("truth")),
         Figure("loop.instructions_per_step_ekf", "instructions", "<= 13000", lambda: loop_steps("estimate")),
         Figure("loop.instructions_per_step_unlinked", "instructions", "report", lambda: loop_steps("unlinked")),
+        Figure("loop.setup_share", "x", "<= 0.05", setup_share),
         Figure("worlds.dart_realtime_factor", "s/s", ">= 100", dart_realtime_factor, "gazebo", on_request=True),
         *worlds(),
         Figure("firmware.object_bytes", "B", "<= 14000", lambda: size("firmware.object_bytes")),

@@ -96,6 +96,12 @@ def loop_steps(kind: str) -> float:
     return callgrind.instructions_per_call([program("loop_steps"), kind, "--steps"], few=6_000, many=10_000)
 
 
+def setup_share() -> float:
+    """Setting up the n-th flight of a campaign over setting up the first one, each flight with other conditions."""
+    command = [program("loop_steps"), "setup", "--steps"]
+    return callgrind.instructions_per_call(command, few=8, many=40) / callgrind.instructions_per_call(command, few=0, many=1)
+
+
 def inference() -> float:
     return callgrind.instructions_per_call([program("inference"), "--count"], few=100, many=1_000)
 

@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <string>
+#include <thread>
+#include <vector>
 
 namespace rosflight::config {
 namespace {
@@ -258,6 +261,54 @@ TEST(StrictYaml, MergingReplacesValuesAndKeepsTheirPlaces) {
   EXPECT_EQ(message_of([&] { root.number("b", Range::between(0, 1)); }),
             "base.yaml:2: b: found 5, allowed a number from 0 to 1");
   EXPECT_EQ(root.section("c").number("d", Range::any()), 1.0);
+}
+
+/// Files are parsed once: what is done to one document must not show in the next one of the same file.
+TEST(StrictYaml, AFileReadAgainIsWhatTheFileSays) {
+  const auto file = std::filesystem::temp_directory_path() / "strict_yaml_test_again.yaml";
+  const auto write = [&file](const std::string& text) { std::ofstream(file) << text; };
+  write("a: 1\nb: {c: 2}\n");
+  Document first = Document::from_file(file);
+  first.set("b.c=9");
+  first.remove("a");
+  EXPECT_EQ(first.root().keys(), std::vector<std::string>{"b"});
+
+  const Document second = Document::from_file(file);
+  EXPECT_EQ(second.root().number("a", Range::any()), 1.0);
+  EXPECT_EQ(second.root().section("b").number("c", Range::any()), 2.0);
+  second.root().finish();
+  EXPECT_EQ(message_of([&] {
+              const Section root = Document::from_file(file).root();
+              static_cast<void>(root.number("a", Range::any()));
+              root.finish();
+            }),
+            file.string() + ":2: b: found an unknown key, allowed a");
+
+  write("a: 1\nb: {c: 3}\n");
+  EXPECT_EQ(Document::from_file(file).root().section("b").number("c", Range::any()), 3.0);
+  write("a: [1\n");
+  EXPECT_NE(message_of([&] { Document::from_file(file); }), "no error");
+  std::filesystem::remove(file);
+  EXPECT_NE(message_of([&] { Document::from_file(file); }).find("no such file"), std::string::npos);
+}
+
+TEST(StrictYaml, ThreadsReadTheSameFile) {
+  const auto file = std::filesystem::temp_directory_path() / "strict_yaml_test_threads.yaml";
+  std::ofstream(file) << "a: 1\n";
+  std::vector<std::thread> threads;
+  std::atomic<int> right{0};
+  constexpr int kThreads = 4;
+  constexpr int kReads = 100;
+  for (int k = 0; k < kThreads; ++k) {
+    threads.emplace_back([&] {
+      for (int n = 0; n < kReads; ++n) {
+        right += Document::from_file(file).root().integer("a", 0, 1) == 1 ? 1 : 0;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(right, kThreads * kReads);
+  std::filesystem::remove(file);
 }
 
 TEST(StrictYaml, NumbersAreDecimalAndFinite) {

@@ -53,10 +53,6 @@ class Vehicles {
         connection_{connection},
         individuals_{std::move(individuals)},
         pool_{threads} {
-    if (!individuals_.empty()) {
-      setups_.resize(count);
-      pool_.for_each(count, [this](std::size_t k) { setups_[k] = individual_setup(k); });
-    }
     build(count, seed);
   }
 
@@ -65,16 +61,27 @@ class Vehicles {
   /// Other vehicles of the same kind, with the noise and the episodes of this seed.
   void build(std::size_t count, std::uint64_t seed) {
     learners_.clear();
+    learners_.resize(count);
     const sim::RandomSource source{seed};
-    for (std::size_t k = 0; k < count; ++k) {
-      const bool own = !individuals_.empty();
-      Connection connection = connection_;
-      if (own) connection.delay_steps = individuals_[k].delay_steps;
-      learners_.push_back(std::make_unique<Learner>(own ? *setups_[k] : setup_, task_, setup_,
-                                                    connection,
-                                                    source.child(std::to_string(k)).seed()));
+    const auto make = [&](std::size_t k, flight::FlightSetup& setup, const Connection& connection) {
+      learners_[k] = std::make_unique<Learner>(setup, task_, setup_, connection,
+                                               source.child(std::to_string(k)).seed());
+    };
+    if (individuals_.empty()) {
+      for (std::size_t k = 0; k < count; ++k) make(k, setup_, connection_);
+      pool_.for_each(count, [this](std::size_t k) { learners_[k]->start(); });
+    } else {
+      setups_.clear();
+      setups_.resize(count);
+      pool_.for_each(count, [&](std::size_t k) {
+        setups_[k] = individual_setup(k);
+        Connection connection = connection_;
+        connection.delay_steps = individuals_[k].delay_steps;
+        make(k, *setups_[k], connection);
+        learners_[k]->start();
+        setups_[k]->vehicle.drop_file();
+      });
     }
-    pool_.for_each(count, [this](std::size_t k) { learners_[k]->start(); });
     seed_ = seed;
   }
 

@@ -147,7 +147,7 @@ def test_other_simulators_are_measured_where_they_can_be_installed(installed, mo
     monkeypatch.setattr(bench_programs.subprocess, "run", lambda *_, **__: subprocess.CompletedProcess([], 0))
     monkeypatch.setattr(bench_programs, "run_json", lambda command: {"command": command[1:]})
     peers = [str(project.ROOT / ".venv-peers/bin/python")] if installed else []
-    assert bench_programs.scale.__wrapped__()["command"] == ["bench/scale.py", *peers]
+    assert bench_programs.scale.__wrapped__()["command"] == ["python", "bench/scale.py", *peers]
 
 
 def test_what_was_learnt_is_the_worst_of_two_seeds(monkeypatch):
