@@ -156,7 +156,8 @@ Table<EstimatorConfig> parameters() {
 
 EstimatorConfig read_estimator(const config::Section& in, const EstimatorConfig& defaults) {
   EstimatorConfig config = defaults;
-  parameters().read(in, config);
+  static const Table<EstimatorConfig> table = parameters();
+  table.read(in, config);
   in.finish();
   return config;
 }

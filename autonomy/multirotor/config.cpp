@@ -276,7 +276,8 @@ Table<AutonomyConfig> parameters() {
 
 AutonomyConfig read_autonomy(const Section& autonomy, const VehicleFacts& vehicle) {
   AutonomyConfig out;
-  parameters().read(autonomy, out);
+  static const Table<AutonomyConfig> table = parameters();
+  table.read(autonomy, out);
   out.flight.battery.cells = vehicle.battery.cells;
   out.flight.battery.capacity_Ah = vehicle.battery.capacity_Ah;
   out.flight.battery.resistance_ohm = vehicle.battery.resistance_ohm;

@@ -156,7 +156,7 @@ EnvironmentParameters read_environment(const config::Section& section) {
   if (section.has("magnetic_field_W_T") || section.has("magnetic_field_N_T")) {
     field_table().read(section, p);
   } else {
-    const MagneticModel model = wmm2025();
+    const MagneticModel& model = wmm2025();
     const double year = decimal_year(p.start_unix_s);
     if (year < model.epoch() || year > model.end()) {
       throw section.error("start_utc", section.raw("start_utc"),

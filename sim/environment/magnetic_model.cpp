@@ -122,8 +122,9 @@ Vector3 MagneticModel::field_W_T(const Geodetic& position, double year) const {
   return 1e-9 * Vector3(north * cos_d - down * sin_d, east, north * sin_d + down * cos_d);
 }
 
-MagneticModel wmm2025() {
-  return {kWmm2025Text, "WMM2025.COF"};
+const MagneticModel& wmm2025() {
+  static const MagneticModel model(kWmm2025Text, "WMM2025.COF");
+  return model;
 }
 
 double decimal_year(std::int64_t unix_s) {

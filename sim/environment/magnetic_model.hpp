@@ -48,8 +48,8 @@ class MagneticModel {
 /// Text of data/WMM2025.COF, built in.
 extern const std::string_view kWmm2025Text;
 
-/// The model WMM2025, parsed at each call (once per vehicle).
-MagneticModel wmm2025();
+/// The model WMM2025, parsed at the first call.
+const MagneticModel& wmm2025();
 
 /// Years and their fraction of a point in time, in the civil calendar (UTC).
 double decimal_year(std::int64_t unix_s);

@@ -248,7 +248,8 @@ MultirotorParameters read_propulsion(const Section& vehicle) {
   MultirotorParameters p;
   p.aero.ground_effect = GroundEffect::kNone;
   const Section rotors = vehicle.section("rotors");
-  rotor_parameters().read(rotors, p);
+  static const Table<MultirotorParameters> rotor_table = rotor_parameters();
+  rotor_table.read(rotors, p);
   const auto layout = rotors.sections("layout");
   check_layout(layout, p.rotors);
   const Section motor = rotors.section("motor");
@@ -256,7 +257,8 @@ MultirotorParameters read_propulsion(const Section& vehicle) {
   if (p.motor.model == MotorModel::kElectrical && !propeller.has("inertia_kg_m2"))
     throw propeller.error("inertia_kg_m2", "nothing", "a number > 0 with motor.model electrical");
   const Section battery = vehicle.section("battery");
-  battery_parameters().read(battery, p.battery);
+  static const Table<BatteryParameters> battery_table = battery_parameters();
+  battery_table.read(battery, p.battery);
   if (p.motor.model == MotorModel::kInstant && !p.battery.constant) {
     throw motor.error("model", "instant with a battery of cells",
                       "electrical, first_order, or battery.model constant");
@@ -273,7 +275,8 @@ MultirotorParameters read_propulsion(const Section& vehicle) {
 MultirotorParameters read_multirotor(const Section& vehicle) {
   MultirotorParameters p = read_propulsion(vehicle);
   const Section aero = vehicle.section("aero");
-  aero_parameters().read(aero, p.aero);
+  static const Table<AeroParameters> aero_table = aero_parameters();
+  aero_table.read(aero, p.aero);
   aero.finish();
   return p;
 }

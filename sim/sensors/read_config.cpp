@@ -241,7 +241,8 @@ Table<SensorsConfig> sensor_tables() {
 SensorsConfig read_sensors(const Section& section) {
   static_cast<void>(section.choice<bool>("module", {{"standard", true}}, true));
   SensorsConfig c = read_preset(section);
-  sensor_tables().read(section, c);
+  static const Table<SensorsConfig> tables = sensor_tables();
+  tables.read(section, c);
   section.finish();
   return c;
 }
