@@ -45,7 +45,7 @@ void heal(sim::ForcesAndMoments& forces) {
   forces.set_charge_limit(1.0);
 }
 
-const FlightSetup& checked(const FlightSetup& setup) {
+void check(const FlightSetup& setup) {
   const FlightChoice& choice = setup.choice;
   if (choice.physics != FlightChoice{}.physics) {
     throw config::Error(
@@ -56,7 +56,7 @@ const FlightSetup& checked(const FlightSetup& setup) {
     throw setup.vehicle.world_sensors().error("sensors in a simulation with snapshots",
                                               "none; ./rosflight fly has them");
   }
-  if (choice.board == "in_process" && choice.link == "cable") return setup;
+  if (choice.board == "in_process" && choice.link == "cable") return;
   throw config::Error(fmt::format("--board: found {} with --link {}, allowed in_process and cable",
                                   choice.board, choice.link));
 }
@@ -66,7 +66,7 @@ const FlightSetup& checked(const FlightSetup& setup) {
 class Simulation::Loop final : public World, private sim::LockStepListener {
  public:
   explicit Loop(const FlightSetup& flight_setup)
-      : World{checked(flight_setup)},
+      : World{(check(flight_setup), flight_setup)},
         autopilot{cable,
                   [this] {
                     return board_codec = std::make_shared<QuietCodec>(setup.choice.link_protocol);

@@ -299,6 +299,7 @@ TEST(StrictYaml, ThreadsReadTheSameFile) {
   std::atomic<int> right{0};
   constexpr int kThreads = 4;
   constexpr int kReads = 100;
+  threads.reserve(kThreads);
   for (int k = 0; k < kThreads; ++k) {
     threads.emplace_back([&] {
       for (int n = 0; n < kReads; ++n) {
