@@ -6,10 +6,10 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <mutex>
 #include <sstream>
 
 #include "config/node.hpp"
+#include "config/parsed_files.hpp"
 
 namespace rosflight::config {
 namespace {
@@ -56,37 +56,6 @@ std::vector<double> checked_list(const Node& node, std::size_t count, const Rang
 detail::Origin origin_of(std::string name, const std::filesystem::path& directory) {
   return {.name = std::move(name), .with_lines = true, .directory = directory.string()};
 }
-
-/// Files that were parsed before: a campaign reads the same ones for each flight, and copying a tree takes a fiftieth of
-/// parsing it. A tree follows from text, name and directory alone. For several threads.
-class ParsedFiles {
- public:
-  /// A copy of the tree of this text; parses it if it is new. @throws Error  as detail::parse().
-  std::unique_ptr<Node> tree(std::string_view text, const detail::Origin& origin) {
-    // A lock that is taken is not waited for: it may be one of a thread that a fork left behind.
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock.owns_lock()) return detail::parse(text, origin, "", 0);
-    const auto found = std::ranges::find_if(files_, [&](const File& file) {
-      return file.name == origin.name && file.directory == origin.directory && file.text == text;
-    });
-    if (found != files_.end()) return found->root->copy();
-    std::unique_ptr<Node> root = detail::parse(text, origin, "", 0);
-    if (files_.size() == kMost) files_.erase(files_.begin());
-    files_.push_back({origin.name, origin.directory, std::string(text), root->copy()});
-    return root;
-  }
-
- private:
-  static constexpr std::size_t kMost = 32;
-  struct File {
-    std::string name;
-    std::string directory;
-    std::string text;
-    std::unique_ptr<const Node> root;
-  };
-  std::mutex mutex_;
-  std::vector<File> files_;  ///< The oldest first.
-};
 
 std::string listed(const std::vector<std::string>& words) {
   std::string out;
@@ -339,7 +308,7 @@ Document Document::from_file(const std::filesystem::path& file) {
   text << stream.rdbuf();
   if (!stream && size != 0)
     throw Error(file.string() + ": found a file that cannot be read, allowed a readable one");
-  static ParsedFiles parsed;
+  static detail::ParsedFiles parsed;
   return rooted(parsed.tree(text.str(), origin_of(file.string(), file.parent_path())));
 }
 

@@ -52,7 +52,7 @@ class Vehicle {
 
   /// Throws if a key outside sensors, world_sensors, firmware and autonomy was never asked for.
   void finish() const { root_.finish(); }
-  /// Lets go of the file, nine tenths of the memory of a vehicle: its sections are empty then.
+  /// Lets go of the file, most of the memory of a vehicle: its sections are empty then.
   void drop_file();
   /// The file with its overrides as YAML, for the flight folder.
   std::string text() const { return document_.text(); }
